@@ -17,13 +17,11 @@ struct Finding {
   std::string message{};
 };
 
-/// Everything that is wrong with the numbers of `machine` themselves: signs, ranges, an inertia
-/// tensor that no body can have, two joints in one place, guide sleeve outside the rod, and for every
-/// named pose: a leg shorter than its rod, a piston outside its stroke, a singular pose, joint limits.
-/// All findings at once; empty when the machine is sound. Never throws.
+/// Everything that is wrong with the numbers of `machine` themselves: signs, ranges, values that are
+/// not finite, an inertia tensor that no body can have, two joints in one place, an oil spring with
+/// both or neither description, a guide sleeve or piston that cannot be where it is said to be. What
+/// depends on a pose (leg lengths, strokes, singularity) is kinematics::check_machine. All findings at
+/// once; empty when the machine is sound. Never throws.
 std::vector<Finding> validate(const Machine& machine);
-
-/// The same for one pose only (used for a pose given on the command line). `key` names the pose.
-std::vector<Finding> validate_pose(const Machine& machine, const Pose& X_BP, const std::string& key);
 
 }  // namespace hydrapod::model
