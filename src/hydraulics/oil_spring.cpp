@@ -1,0 +1,57 @@
+#include "hydrapod/hydraulics/oil_spring.hpp"
+
+#include <cmath>
+#include <numbers>
+#include <stdexcept>
+
+namespace hydrapod::hydraulics {
+
+double effective_bulk_modulus(const model::Cylinder& cylinder) {
+  const double beta = cylinder.bulk_modulus;
+  if (!cylinder.air) return beta;
+  const auto& air = *cylinder.air;
+  const double x =
+      air.fraction * std::pow(atmospheric_pressure / air.pressure, 1.0 / air.polytropic);
+  const double oil = 1.0 - air.fraction;
+  return (oil + x) / (oil / beta + x / (air.polytropic * air.pressure));
+}
+
+CylinderAreas areas(const model::Cylinder& cylinder) {
+  constexpr double quarter_pi = std::numbers::pi / 4.0;
+  const double piston = quarter_pi * cylinder.bore * cylinder.bore;
+  return {piston, piston - quarter_pi * cylinder.rod_diameter * cylinder.rod_diameter};
+}
+
+ChamberVolumes chamber_volumes(const model::Cylinder& cylinder, const model::Stroke& stroke,
+                               double l_m) {
+  const auto [piston, annulus] = areas(cylinder);
+  const double extension = l_m - stroke.retracted;
+  return {piston * extension + cylinder.cap_dead_volume + cylinder.cap_line_volume,
+          annulus * (stroke.length - extension) + cylinder.rod_dead_volume +
+              cylinder.rod_line_volume};
+}
+
+double control_volume(const model::Leg& leg) {
+  const auto& cylinder = *leg.oil_spring.cylinder;
+  if (cylinder.control_volume) return *cylinder.control_volume;
+  if (!leg.stroke) throw std::invalid_argument("oil spring: control volume needs a stroke");
+  const auto mid = chamber_volumes(cylinder, *leg.stroke,
+                                   leg.stroke->retracted + 0.5 * leg.stroke->length);
+  return 0.5 * (mid.cap + mid.rod);
+}
+
+double oil_stiffness(const model::Leg& leg, double l_m) {
+  if (leg.oil_spring.stiffness) return *leg.oil_spring.stiffness;
+  if (!leg.oil_spring.cylinder)
+    throw std::invalid_argument("oil spring: neither stiffness nor cylinder is given");
+  const auto& cylinder = *leg.oil_spring.cylinder;
+  const double beta = effective_bulk_modulus(cylinder);
+  const auto [piston, annulus] = areas(cylinder);
+  if (cylinder.volumes == model::VolumeRule::equal)
+    return beta * (piston * piston + annulus * annulus) / control_volume(leg);
+  if (!leg.stroke) throw std::invalid_argument("oil spring: chamber volumes need a stroke");
+  const auto volume = chamber_volumes(cylinder, *leg.stroke, l_m);
+  return beta * (piston * piston / volume.cap + annulus * annulus / volume.rod);
+}
+
+}  // namespace hydrapod::hydraulics

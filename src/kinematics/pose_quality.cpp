@@ -1,0 +1,70 @@
+#include "hydrapod/kinematics/pose_quality.hpp"
+
+#include <Eigen/Geometry>
+#include <Eigen/SVD>
+#include <cmath>
+#include <limits>
+
+namespace hydrapod::kinematics {
+
+PoseQuality pose_quality(const model::Machine& machine, const Pose& X_BP) {
+  const auto legs = inverse_kinematics(machine, X_BP);
+  Vector3 center = Vector3::Zero();
+  for (const auto& leg : legs) center += leg.a / model::leg_count;
+  double sum = 0.0;
+  for (const auto& leg : legs) sum += (leg.a - center).squaredNorm();
+
+  PoseQuality quality;
+  quality.characteristic_length = std::sqrt(sum / model::leg_count);
+  Matrix6 J = leg_jacobian(legs, center);
+  J.rightCols<3>() /= quality.characteristic_length;
+  if (!J.allFinite()) {
+    quality.condition = std::numeric_limits<double>::infinity();
+    return quality;
+  }
+  const Eigen::JacobiSVD<Matrix6> svd(J, Eigen::ComputeFullV);
+  quality.singular_values = svd.singularValues();
+  const double smallest = quality.singular_values[5];
+  quality.condition = smallest > 0.0 ? quality.singular_values[0] / smallest
+                                     : std::numeric_limits<double>::infinity();
+  quality.weakest_direction = svd.matrixV().col(5);
+  quality.weakest_direction.tail<3>() /= quality.characteristic_length;
+  return quality;
+}
+
+namespace {
+
+double angle_between(const Vector3& u, const Vector3& v) {
+  return std::atan2(u.cross(v).norm(), u.dot(v));
+}
+
+/// The lower gimbal's angles of a leg along n: θ2 tilts out of the plane normal to a1, θ1 turns about
+/// a1, measured from the fixed plane through a1 and the neutral direction n0.
+std::pair<double, double> gimbal_angles(const Vector3& a1, const Vector3& n0, const Vector3& n) {
+  const Vector3 x = (n0 - a1 * a1.dot(n0)).normalized();
+  const Vector3 y = a1.cross(x);
+  return {std::atan2(y.dot(n), x.dot(n)), std::asin(std::clamp(a1.dot(n), -1.0, 1.0))};
+}
+
+}  // namespace
+
+std::array<JointAngles, model::leg_count> joint_angles(const model::Machine& machine,
+                                                       const Pose& X_BP) {
+  const Pose& neutral = machine.neutral();
+  const auto now = inverse_kinematics(machine, X_BP);
+  const auto then = inverse_kinematics(machine, neutral);
+  std::array<JointAngles, model::leg_count> angles;
+  for (int i = 0; i < model::leg_count; ++i) {
+    const Vector3& a1 = machine.legs[i].gimbal_axis;
+    const auto [now_1, now_2] = gimbal_angles(a1, then[i].n, now[i].n);
+    const auto [then_1, then_2] = gimbal_angles(a1, then[i].n, then[i].n);
+    angles[i] = {.gimbal_1 = now_1 - then_1,
+                 .gimbal_2 = now_2 - then_2,
+                 .base_tilt = angle_between(now[i].n, then[i].n),
+                 .platform_tilt = angle_between(X_BP.R_BP.transpose() * now[i].n,
+                                                neutral.R_BP.transpose() * then[i].n)};
+  }
+  return angles;
+}
+
+}  // namespace hydrapod::kinematics
