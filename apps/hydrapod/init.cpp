@@ -1,0 +1,45 @@
+#include <fmt/format.h>
+
+#include <filesystem>
+#include <memory>
+
+#include "hydrapod/base/error.hpp"
+#include "hydrapod/base/file.hpp"
+#include "hydrapod/commands.hpp"
+#include "hydrapod/model/machine_file.hpp"
+
+namespace hydrapod::cli {
+
+namespace {
+struct Arguments {
+  std::string file{"machine.toml"};
+  bool force{};
+};
+
+void run(const Arguments& arguments) {
+  std::error_code ignored;
+  if (!arguments.force && arguments.file != "-" &&
+      std::filesystem::is_regular_file(arguments.file, ignored)) {
+    throw base::InputError(
+        {{.file = arguments.file,
+          .message = "the file exists and was left as it is; choose another name, "
+                     "or --force to replace it"}});
+  }
+  base::write_file_whole(arguments.file, model::starter_machine_file());
+  if (arguments.file == "-") return;
+  fmt::print(stderr, "wrote {0}; next: hydrapod check {0}\n", arguments.file);
+}
+}  // namespace
+
+void add_init(CLI::App& app) {
+  CLI::App* command = add_command(app, "init", "Write a commented machine file to start from",
+                                  {{"init", "writes machine.toml"},
+                                   {"init simulator.toml --force", "replaces simulator.toml"},
+                                   {"init -", "prints it"}});
+  auto arguments = std::make_shared<Arguments>();
+  command->add_option("FILE", arguments->file, "File to write; - prints")->capture_default_str();
+  command->add_flag("--force", arguments->force, "Replace the file if it exists");
+  command->callback([arguments] { run(*arguments); });
+}
+
+}  // namespace hydrapod::cli

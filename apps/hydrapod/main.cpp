@@ -1,0 +1,90 @@
+/// The program `hydrapod`. Exit codes: 0 done, 1 a computation failed, 2 a bad file or argument.
+
+#include <fmt/format.h>
+
+#include <cerrno>
+#include <csignal>
+#include <cstring>
+#include <exception>
+#include <iostream>
+
+#include "hydrapod/base/error.hpp"
+#include "hydrapod/base/version.hpp"
+#include "hydrapod/commands.hpp"
+#include "hydrapod/suggestion.hpp"
+#include "hydrapod/terminal.hpp"
+
+namespace {
+using namespace hydrapod;
+
+constexpr int done = 0;
+constexpr int failed = 1;
+constexpr int bad_input = 2;
+
+void set_up(CLI::App& app) {
+  app.set_version_flag("--version", fmt::format("hydrapod {}", base::version));
+  app.set_help_flag("-h,--help", "Print this help and exit");
+  app.footer("'hydrapod COMMAND --help' shows what a command takes, with examples.");
+  app.get_formatter()->column_width(34);
+  for (const auto add : cli::all_commands) add(app);
+}
+
+/// The innermost command that was understood.
+const CLI::App& last_command(const CLI::App& app) {
+  const auto commands = app.get_subcommands();
+  return commands.empty() ? app : last_command(*commands.front());
+}
+
+int report_parse_error(const CLI::App& app, const CLI::ParseError& error) {
+  const CLI::App& command = last_command(app);
+  const auto extras = app.remaining(true);
+  const bool is_extra = dynamic_cast<const CLI::ExtrasError*>(&error) != nullptr && !extras.empty();
+  cli::print_error(is_extra ? cli::unknown_argument(command, extras.front()) : error.what());
+  return bad_input;
+}
+
+/// Output that could not be written is a failure, unless the reader has had enough.
+int close_output() {
+  std::cout.flush();
+  if (std::fflush(stdout) == 0 && std::ferror(stdout) == 0 && std::cout.good()) return done;
+  if (errno == EPIPE) return done;
+  cli::print_error(fmt::format("writing to the standard output failed: {}", std::strerror(errno)));
+  return failed;
+}
+
+int run(int argc, char** argv) {
+  CLI::App app{
+      "Dynamics of hydraulic hexapods: modes, Bode diagrams, and what the seals do to them",
+      "hydrapod"};
+  set_up(app);
+  if (argc < 2) {
+    std::cout << app.help();
+    return close_output();
+  }
+  try {
+    app.parse(argc, argv);
+    return close_output();
+  } catch (const CLI::Success& success) {
+    app.exit(success);
+    return close_output();
+  } catch (const CLI::ParseError& error) {
+    return report_parse_error(app, error);
+  } catch (const base::InputError& error) {
+    cli::print_diagnostics(error.diagnostics());
+    return bad_input;
+  } catch (const std::exception& error) {
+    cli::print_error(error.what());
+    return failed;
+  }
+}
+}  // namespace
+
+int main(int argc, char** argv) {
+  std::signal(SIGPIPE, SIG_DFL);  // `hydrapod … | head` ends quietly
+  try {
+    return run(argc, argv);
+  } catch (const std::exception& error) {
+    cli::print_error(error.what());
+    return failed;
+  }
+}

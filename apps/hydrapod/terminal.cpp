@@ -1,0 +1,183 @@
+#include "hydrapod/terminal.hpp"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <stdexcept>
+
+namespace hydrapod::cli {
+
+namespace {
+bool is_terminal(std::FILE* stream) { return ::isatty(::fileno(stream)) == 1; }
+
+bool is_set(const char* variable) {
+  const char* value = std::getenv(variable);
+  return value != nullptr && *value != '\0';
+}
+
+const char* escape_code(Style style) {
+  switch (style) {
+    case Style::bold:
+      return "\033[1m";
+    case Style::dim:
+      return "\033[2m";
+    case Style::red:
+      return "\033[1;31m";
+    case Style::yellow:
+      return "\033[1;33m";
+    case Style::green:
+      return "\033[32m";
+    case Style::cyan:
+      return "\033[36m";
+  }
+  return "";
+}
+
+/// Length of the escape sequence that begins at `text[0]`: ESC [ parameters letter.
+std::size_t escape_length(std::string_view text) {
+  if (text.size() < 2 || text[0] != '\033' || text[1] != '[') return 0;
+  std::size_t end = 2;
+  while (end < text.size() && (text[end] < '@' || text[end] > '~')) ++end;
+  return std::min(end + 1, text.size());
+}
+
+/// The code point at the start of `text`, with its length; a stray byte counts as one character.
+std::pair<char32_t, std::size_t> decode(std::string_view text) {
+  const auto lead = static_cast<unsigned char>(text[0]);
+  const std::size_t length = lead < 0x80   ? 1
+                             : lead < 0xC0 ? 1
+                             : lead < 0xE0 ? 2
+                             : lead < 0xF0 ? 3
+                                           : 4;
+  if (length == 1 || length > text.size()) return {lead, 1};
+  char32_t point = lead & (0x7Fu >> length);
+  for (std::size_t i = 1; i < length; ++i) {
+    point = (point << 6) | (static_cast<unsigned char>(text[i]) & 0x3Fu);
+  }
+  return {point, length};
+}
+
+struct Range {
+  char32_t first;
+  char32_t last;
+};
+
+template <std::size_t n>
+bool contains(const Range (&ranges)[n], char32_t point) {
+  return std::any_of(std::begin(ranges), std::end(ranges),
+                     [&](Range range) { return range.first <= point && point <= range.last; });
+}
+
+std::size_t width_of(char32_t point) {
+  constexpr Range combining[] = {{0x0300, 0x036F}, {0x1AB0, 0x1AFF}, {0x1DC0, 0x1DFF},
+                                 {0x200B, 0x200F}, {0x20D0, 0x20FF}, {0xFE00, 0xFE0F}};
+  constexpr Range wide[] = {{0x1100, 0x115F},   {0x2E80, 0x303E},  {0x3041, 0xA4CF},
+                            {0xAC00, 0xD7A3},   {0xF900, 0xFAFF},  {0xFF00, 0xFF60},
+                            {0x1F300, 0x1FAFF}, {0x20000, 0x3FFFD}};
+  if (contains(combining, point)) return 0;
+  return contains(wide, point) ? 2 : 1;
+}
+
+std::string padded(const std::string& cell, std::size_t width, Align align) {
+  const std::string blanks(width - std::min(width, display_width(cell)), ' ');
+  return align == Align::left ? cell + blanks : blanks + cell;
+}
+
+void trim_right(std::string& line) { line.erase(line.find_last_not_of(' ') + 1); }
+}  // namespace
+
+bool has_colour(std::FILE* stream) {
+  const char* terminal = std::getenv("TERM");
+  const bool dumb = terminal != nullptr && std::string_view(terminal) == "dumb";
+  return is_terminal(stream) && !is_set("NO_COLOR") && !dumb;
+}
+
+std::string styled(std::string_view text, Style style, bool colour) {
+  if (!colour) return std::string(text);
+  return fmt::format("{}{}\033[0m", escape_code(style), text);
+}
+
+std::size_t display_width(std::string_view text) {
+  std::size_t width = 0;
+  while (!text.empty()) {
+    if (const std::size_t escape = escape_length(text); escape > 0) {
+      text.remove_prefix(escape);
+      continue;
+    }
+    const auto [point, length] = decode(text);
+    width += width_of(point);
+    text.remove_prefix(length);
+  }
+  return width;
+}
+
+void print_diagnostics(const std::vector<base::Diagnostic>& diagnostics) {
+  const bool colour = has_colour(stderr);
+  for (const base::Diagnostic& diagnostic : diagnostics) {
+    const bool is_error = diagnostic.severity == base::Severity::error;
+    const std::string word = is_error ? "error:" : "warning:";
+    std::string line = diagnostic.text();
+    if (const std::size_t at = line.find(word); at != std::string::npos) {
+      line.replace(at, word.size(), styled(word, is_error ? Style::red : Style::yellow, colour));
+    }
+    fmt::print(stderr, "{}\n", line);
+  }
+}
+
+void print_error(std::string_view message) {
+  print_diagnostics({{.message = std::string(message)}});
+}
+
+void Table::add_row(std::vector<std::string> cells) {
+  if (cells.size() > columns_.size()) {
+    throw std::invalid_argument(
+        fmt::format("Table::add_row: {} cells for {} columns", cells.size(), columns_.size()));
+  }
+  rows_.push_back(std::move(cells));
+}
+
+std::string Table::text(bool colour) const {
+  std::vector<std::string> titles;
+  std::vector<std::size_t> widths;
+  for (std::size_t c = 0; c < columns_.size(); ++c) {
+    titles.push_back(columns_[c].title);
+    widths.push_back(display_width(columns_[c].title));
+    for (const auto& row : rows_) {
+      if (c < row.size()) widths[c] = std::max(widths[c], display_width(row[c]));
+    }
+  }
+  const auto line_of = [&](const std::vector<std::string>& row) {
+    std::string line;
+    for (std::size_t c = 0; c < row.size(); ++c) {
+      if (c > 0) line += "  ";
+      line += padded(row[c], widths[c], columns_[c].align);
+    }
+    trim_right(line);
+    return line;
+  };
+  std::string all = styled(line_of(titles), Style::bold, colour) + '\n';
+  for (const auto& row : rows_) all += line_of(row) + '\n';
+  return all;
+}
+
+ProgressLine::ProgressLine(std::string title)
+    : title_(std::move(title)), active_(is_terminal(stderr)) {}
+
+ProgressLine::~ProgressLine() {
+  if (shown_) std::fputs("\r\033[K", stderr);
+}
+
+void ProgressLine::update(double fraction) {
+  if (!active_) return;
+  const auto now = std::chrono::steady_clock::now();
+  if (shown_ && now - last_ < std::chrono::milliseconds(100)) return;
+  last_ = now;
+  shown_ = true;
+  const std::string line = fmt::format("\r{} {:3.0f} %\033[K", title_, 100.0 * fraction);
+  std::fputs(line.c_str(), stderr);
+  std::fflush(stderr);
+}
+
+}  // namespace hydrapod::cli

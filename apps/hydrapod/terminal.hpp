@@ -1,0 +1,75 @@
+#pragma once
+/// What the program shows: colour where a person looks, aligned tables, a progress line.
+
+#include <chrono>
+#include <cstdio>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "hydrapod/base/error.hpp"
+
+namespace hydrapod::cli {
+
+/// True when `stream` is a terminal and neither NO_COLOR (https://no-color.org) nor TERM=dumb
+/// stands in the environment.
+bool has_colour(std::FILE* stream);
+
+enum class Style { bold, dim, red, yellow, green, cyan };
+
+/// `text` in a style, or as it is when `colour` is false.
+std::string styled(std::string_view text, Style style, bool colour);
+
+/// Columns that UTF-8 `text` takes on a terminal: escape sequences and combining marks take none,
+/// wide (East Asian) characters two.
+std::size_t display_width(std::string_view text);
+
+/// One line per diagnostic on stderr, the word "error" or "warning" coloured on a terminal.
+void print_diagnostics(const std::vector<base::Diagnostic>& diagnostics);
+
+/// The same for a message that belongs to no file.
+void print_error(std::string_view message);
+
+enum class Align { left, right };
+
+struct Column {
+  std::string title{};
+  Align align{Align::right};
+};
+
+/// A table with a title row; columns are as wide as their widest cell and two spaces apart.
+class Table {
+ public:
+  explicit Table(std::vector<Column> columns) : columns_(std::move(columns)) {}
+
+  /// A row may be shorter than the columns; a longer one throws std::invalid_argument.
+  void add_row(std::vector<std::string> cells);
+
+  /// Lines without trailing blanks, each with its line end; the title row is bold if `colour`.
+  [[nodiscard]] std::string text(bool colour = false) const;
+
+ private:
+  std::vector<Column> columns_;
+  std::vector<std::vector<std::string>> rows_;
+};
+
+/// A line on stderr that is rewritten in place, at most ten times a second, and gone at the end.
+/// Silent when stderr is not a terminal.
+class ProgressLine {
+ public:
+  explicit ProgressLine(std::string title);
+  ProgressLine(const ProgressLine&) = delete;
+  ProgressLine& operator=(const ProgressLine&) = delete;
+  ~ProgressLine();
+
+  /// `fraction` in [0, 1] of the work is done.
+  void update(double fraction);
+
+ private:
+  std::string title_;
+  bool shown_{};
+  bool active_{};
+  std::chrono::steady_clock::time_point last_{};
+};
+
+}  // namespace hydrapod::cli

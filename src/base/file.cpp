@@ -1,0 +1,121 @@
+#include "hydrapod/base/file.hpp"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
+#include <filesystem>
+#include <system_error>
+
+#include "hydrapod/base/error.hpp"
+
+namespace hydrapod::base {
+
+namespace {
+namespace fs = std::filesystem;
+
+/// An open file; closing it can fail, so close() is separate from the destructor.
+class Descriptor {
+ public:
+  explicit Descriptor(int number) : number_(number) {}
+  Descriptor(const Descriptor&) = delete;
+  Descriptor& operator=(const Descriptor&) = delete;
+  ~Descriptor() {
+    if (number_ >= 0) ::close(number_);
+  }
+  [[nodiscard]] int number() const { return number_; }
+  [[nodiscard]] bool is_open() const { return number_ >= 0; }
+  bool close() {
+    const int number = number_;
+    number_ = -1;
+    return ::close(number) == 0;
+  }
+
+ private:
+  int number_;
+};
+
+[[noreturn]] void refuse(const std::string& path, int cause) {
+  const fs::path folder = fs::path(path).parent_path();
+  std::string reason = std::strerror(cause);
+  std::error_code ignored;
+  if (cause == ENOENT && !folder.empty() && !fs::exists(folder, ignored)) {
+    reason = fmt::format("there is no folder '{}'", folder.string());
+  }
+  throw InputError({{.file = path, .message = "cannot write the file: " + reason}});
+}
+
+[[noreturn]] void fail(const std::string& path, int cause) {
+  throw ComputationError(
+      fmt::format("writing '{}' failed: {}; nothing was changed", path, std::strerror(cause)));
+}
+
+bool write_all(int descriptor, std::string_view text) {
+  while (!text.empty()) {
+    const ssize_t written = ::write(descriptor, text.data(), text.size());
+    if (written < 0 && errno == EINTR) continue;
+    if (written < 0) return false;
+    text.remove_prefix(static_cast<std::size_t>(written));
+  }
+  return true;
+}
+
+void write_standard_output(std::string_view text) {
+  const std::size_t written = std::fwrite(text.data(), 1, text.size(), stdout);
+  if (written != text.size() || std::fflush(stdout) != 0) {
+    throw ComputationError(
+        fmt::format("writing to the standard output failed: {}", std::strerror(errno)));
+  }
+}
+
+/// Devices, pipes and the like: there is nothing to replace.
+void write_directly(const std::string& path, std::string_view text) {
+  Descriptor file(::open(path.c_str(), O_WRONLY | O_CLOEXEC));
+  if (!file.is_open()) refuse(path, errno);
+  if (!write_all(file.number(), text) || !file.close()) {
+    throw ComputationError(fmt::format("writing '{}' failed: {}", path, std::strerror(errno)));
+  }
+}
+
+/// Where the text really goes: the end of a chain of symbolic links.
+std::string target_of(const std::string& path) {
+  std::error_code error;
+  if (!fs::is_symlink(path, error)) return path;
+  const fs::path target = fs::weakly_canonical(path, error);
+  return error ? path : target.string();
+}
+
+void write_beside_and_rename(const std::string& target, const std::string& path,
+                             std::string_view text) {
+  const std::string temporary = fmt::format("{}.{}.tmp", target, ::getpid());
+  Descriptor file(::open(temporary.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666));
+  if (!file.is_open()) refuse(path, errno);
+  struct stat old {};
+  if (::stat(target.c_str(), &old) == 0) ::fchmod(file.number(), old.st_mode & 07777);
+  if (write_all(file.number(), text) && ::fsync(file.number()) == 0 && file.close() &&
+      ::rename(temporary.c_str(), target.c_str()) == 0) {
+    return;
+  }
+  const int cause = errno;
+  ::unlink(temporary.c_str());
+  fail(path, cause);
+}
+}  // namespace
+
+void write_file_whole(const std::string& path, std::string_view text) {
+  if (path == "-") return write_standard_output(text);
+  if (path.empty()) refuse(path, ENOENT);
+  const std::string target = target_of(path);
+  std::error_code ignored;
+  const fs::file_status status = fs::status(target, ignored);
+  if (fs::is_directory(status)) refuse(path, EISDIR);
+  if (fs::exists(status) && !fs::is_regular_file(status)) return write_directly(target, text);
+  if (fs::exists(status) && ::access(target.c_str(), W_OK) != 0) refuse(path, errno);
+  write_beside_and_rename(target, path, text);
+}
+
+}  // namespace hydrapod::base

@@ -1,0 +1,101 @@
+/// The layering of docs: a module includes only modules of lower floors, so there is no cycle.
+
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <map>
+#include <regex>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include "support/run_program.hpp"
+
+namespace hydrapod {
+namespace {
+namespace fs = std::filesystem;
+
+const std::map<std::string, int> floors{
+    {"base", 0},           {"spatial", 1},     {"numerics", 2},   {"model", 3},
+    {"data", 3},           {"kinematics", 4},  {"hydraulics", 4}, {"dynamics", 5},
+    {"modal", 6},          {"response", 6},    {"simulation", 6}, {"rig", 7},
+    {"identification", 7}, {"calibration", 7}, {"diagnosis", 8},  {"study", 8},
+    {"report", 8}};
+
+struct Include {
+  std::string file{};
+  std::size_t line{};
+  std::string module{};  ///< that is included
+};
+
+/// The includes of hydrapod's own headers in `text`.
+std::vector<Include> includes_of(const std::string& file, const std::string& text) {
+  static const std::regex pattern(R"(^\s*#\s*include\s*[<"]hydrapod/(\w+)/)");
+  std::vector<Include> found;
+  std::istringstream lines(text);
+  std::string line;
+  for (std::size_t number = 1; std::getline(lines, line); ++number) {
+    std::smatch match;
+    if (std::regex_search(line, match, pattern)) found.push_back({file, number, match[1]});
+  }
+  return found;
+}
+
+/// What is wrong with `include` standing in a file of `module`; empty when it is allowed.
+std::string objection(const std::string& module, const Include& include) {
+  if (include.module == module) return {};
+  const std::string place = include.file + ':' + std::to_string(include.line) + ": ";
+  if (!floors.contains(include.module)) return place + "unknown module " + include.module;
+  if (floors.at(include.module) < floors.at(module)) return {};
+  return place + module + " (floor " + std::to_string(floors.at(module)) + ") includes " +
+         include.module + " (floor " + std::to_string(floors.at(include.module)) + ')';
+}
+
+std::vector<std::string> objections_in(const fs::path& folder) {
+  std::vector<std::string> found;
+  for (const auto& module_folder : fs::directory_iterator(folder)) {
+    if (!module_folder.is_directory()) continue;
+    const std::string module = module_folder.path().filename().string();
+    if (!floors.contains(module)) {
+      found.push_back(module_folder.path().string() + ": a module without a floor");
+      continue;
+    }
+    for (const auto& file : fs::recursive_directory_iterator(module_folder)) {
+      if (!file.is_regular_file()) continue;
+      for (const Include& include :
+           includes_of(file.path().string(), test::read_text(file.path()))) {
+        if (const auto what = objection(module, include); !what.empty()) found.push_back(what);
+      }
+    }
+  }
+  return found;
+}
+
+TEST(Floors, ModulesIncludeOnlyLowerFloors) {
+  for (const char* folder : {"include/hydrapod", "src"}) {
+    for (const auto& what : objections_in(test::source_file(folder))) ADD_FAILURE() << what;
+  }
+}
+
+TEST(Floors, TheLibraryDoesNotIncludeTheProgramOrTheTests) {
+  const std::regex upward(R"(#\s*include\s*[<"](hydrapod/\w+\.hpp|apps/|support/|exact/))");
+  for (const char* folder : {"include/hydrapod", "src"}) {
+    for (const auto& file : fs::recursive_directory_iterator(test::source_file(folder))) {
+      if (!file.is_regular_file()) continue;
+      EXPECT_FALSE(std::regex_search(test::read_text(file.path()), upward)) << file.path();
+    }
+  }
+}
+
+TEST(Floors, AnUpwardIncludeIsSeen) {
+  const auto found =
+      includes_of("x.cpp", "#include <vector>\n  #  include \"hydrapod/modal/m.hpp\"\n");
+  ASSERT_EQ(found.size(), 1u);
+  EXPECT_EQ(objection("model", found[0]), "x.cpp:2: model (floor 3) includes modal (floor 6)");
+  EXPECT_EQ(objection("response", found[0]),
+            "x.cpp:2: response (floor 6) includes modal (floor 6)");
+  EXPECT_EQ(objection("study", found[0]), "");
+}
+
+}  // namespace
+}  // namespace hydrapod

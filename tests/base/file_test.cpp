@@ -1,0 +1,81 @@
+/// A file is written whole or not at all.
+
+#include "hydrapod/base/file.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+
+#include "hydrapod/base/error.hpp"
+#include "support/run_program.hpp"
+
+namespace hydrapod::base {
+namespace {
+namespace fs = std::filesystem;
+using test::TemporaryFolder;
+
+std::ptrdiff_t files_in(const TemporaryFolder& folder) {
+  return std::distance(fs::directory_iterator(folder.path()), fs::directory_iterator());
+}
+
+std::string message_of(const std::string& path) {
+  try {
+    write_file_whole(path, "text");
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return "nothing thrown";
+}
+
+TEST(WriteFileWhole, ReplacesTheFileAndLeavesNothingBeside) {
+  const TemporaryFolder folder;
+  const std::string path = (folder / "a.txt").string();
+  write_file_whole(path, "first");
+  write_file_whole(path, "second");
+  EXPECT_EQ(test::read_text(path), "second");
+  EXPECT_EQ(files_in(folder), 1);
+}
+
+TEST(WriteFileWhole, KeepsThePermissionsOfTheFileItReplaces) {
+  const TemporaryFolder folder;
+  const fs::path path = folder / "a.txt";
+  test::write_text(path, "first");
+  fs::permissions(path, fs::perms::owner_read | fs::perms::owner_write);
+  write_file_whole(path.string(), "second");
+  EXPECT_EQ(fs::status(path).permissions(), fs::perms::owner_read | fs::perms::owner_write);
+}
+
+TEST(WriteFileWhole, FollowsASymbolicLink) {
+  const TemporaryFolder folder;
+  test::write_text(folder / "target", "first");
+  fs::create_symlink("target", folder / "link");
+  write_file_whole((folder / "link").string(), "second");
+  EXPECT_TRUE(fs::is_symlink(folder / "link"));
+  EXPECT_EQ(test::read_text(folder / "target"), "second");
+}
+
+TEST(WriteFileWhole, NamesTheFolderThatIsMissing) {
+  const TemporaryFolder folder;
+  const std::string missing = (folder / "no").string();
+  EXPECT_EQ(message_of(missing + "/a.txt"), missing + "/a.txt: error: cannot write the file: " +
+                                                "there is no folder '" + missing + "'");
+}
+
+TEST(WriteFileWhole, RefusesAFolderAndAnEmptyName) {
+  const TemporaryFolder folder;
+  EXPECT_THAT(message_of(folder.path().string()), testing::HasSubstr("Is a directory"));
+  EXPECT_THAT(message_of(""), testing::HasSubstr("cannot write the file"));
+}
+
+TEST(WriteFileWhole, ReportsAFullDisk) {
+  try {
+    write_file_whole("/dev/full", "text");
+    FAIL() << "nothing thrown";
+  } catch (const ComputationError& error) {
+    EXPECT_STREQ(error.what(), "writing '/dev/full' failed: No space left on device");
+  }
+}
+
+}  // namespace
+}  // namespace hydrapod::base

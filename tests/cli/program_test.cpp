@@ -1,0 +1,99 @@
+/// What every command of the program has in common: help, version, exit codes, where messages go.
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "hydrapod/base/version.hpp"
+#include "support/run_program.hpp"
+
+namespace hydrapod {
+namespace {
+using test::run_hydrapod;
+using test::run_program;
+using testing::HasSubstr;
+using testing::Not;
+using testing::StartsWith;
+
+TEST(Program, ToldNothingShowsItsHelp) {
+  const auto result = run_hydrapod({});
+  EXPECT_EQ(result.exit_code, 0);
+  EXPECT_THAT(result.out, HasSubstr("init"));
+  EXPECT_EQ(result.out, run_hydrapod({"--help"}).out);
+  EXPECT_EQ(result.err, "");
+}
+
+TEST(Program, SaysItsVersion) {
+  const auto result = run_hydrapod({"--version"});
+  EXPECT_EQ(result.exit_code, 0);
+  EXPECT_EQ(result.out, std::string("hydrapod ") + base::version + "\n");
+}
+
+TEST(Program, NamesTheCommandNearestToAnUnknownOne) {
+  const auto result = run_hydrapod({"inti"});
+  EXPECT_EQ(result.exit_code, 2);
+  EXPECT_EQ(result.out, "");
+  EXPECT_EQ(result.err,
+            "error: unknown command 'inti'; did you mean 'init'? "
+            "('hydrapod --help' shows what there is)\n");
+}
+
+TEST(Program, DoesNotGuessWhenNothingIsNear) {
+  const auto result = run_hydrapod({"xylophone"});
+  EXPECT_EQ(result.exit_code, 2);
+  EXPECT_EQ(result.err,
+            "error: unknown command 'xylophone' ('hydrapod --help' shows what there is)\n");
+}
+
+TEST(Program, NamesTheOptionNearestToAnUnknownOne) {
+  const auto result = run_hydrapod({"init", "--forse"});
+  EXPECT_EQ(result.exit_code, 2);
+  EXPECT_EQ(result.err,
+            "error: unknown option '--forse'; did you mean '--force'? "
+            "('hydrapod init --help' shows what there is)\n");
+}
+
+TEST(Program, NamesAnArgumentTooMany) {
+  const test::TemporaryFolder folder;
+  const auto result = run_hydrapod({"init", "a.toml", "b.toml"}, {.folder = folder.path()});
+  EXPECT_EQ(result.exit_code, 2);
+  EXPECT_THAT(result.err, StartsWith("error: one argument too many: 'b.toml'"));
+  EXPECT_FALSE(std::filesystem::exists(folder / "a.toml"));
+}
+
+TEST(Program, HelpOfEveryCommandEndsWithExamples) {
+  const auto result = run_hydrapod({"init", "--help"});
+  EXPECT_EQ(result.exit_code, 0);
+  EXPECT_THAT(result.out, HasSubstr("Examples:\n  hydrapod init"));
+}
+
+TEST(Program, FailsWhenItsOutputCannotBeWritten) {
+  const std::string call = test::hydrapod_program().string() + " --help > /dev/full";
+  const auto result = run_program("sh", {"-c", call});
+  EXPECT_EQ(result.exit_code, 1);
+  EXPECT_EQ(result.err, "error: writing to the standard output failed: No space left on device\n");
+}
+
+TEST(Program, EndsQuietlyWhenItsReaderHasHadEnough) {
+  const std::string call = test::hydrapod_program().string() + " init - | head -n 1";
+  const auto result = run_program("sh", {"-c", call});
+  EXPECT_EQ(result.exit_code, 0);
+  EXPECT_EQ(result.err, "");
+}
+
+TEST(Program, UsesNoColourOutsideATerminal) {
+  EXPECT_THAT(run_hydrapod({"inti"}).err, Not(HasSubstr("\033")));
+}
+
+/// Runs `hydrapod inti` on a pseudo terminal, made by script(1).
+std::string on_a_terminal(const std::string& before) {
+  const std::string call = before + test::hydrapod_program().string() + " inti";
+  return run_program("script", {"-qec", call, "/dev/null"}, {.variables = {{"TERM", "xterm"}}}).out;
+}
+
+TEST(Program, ColoursErrorsOnATerminalUnlessToldNotTo) {
+  EXPECT_THAT(on_a_terminal("env -u NO_COLOR "), HasSubstr("\033[1;31merror:\033[0m"));
+  EXPECT_THAT(on_a_terminal("env NO_COLOR=1 "), Not(HasSubstr("\033")));
+}
+
+}  // namespace
+}  // namespace hydrapod

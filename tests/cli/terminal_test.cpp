@@ -1,0 +1,49 @@
+/// Tables stay aligned whatever stands in their cells.
+
+#include "hydrapod/terminal.hpp"
+
+#include <gtest/gtest.h>
+
+#include <stdexcept>
+
+namespace hydrapod::cli {
+namespace {
+
+TEST(DisplayWidth, CountsColumnsNotBytes) {
+  EXPECT_EQ(display_width("abc"), 3u);
+  EXPECT_EQ(display_width("ω²φ"), 3u);
+  EXPECT_EQ(display_width("x\u0302"), 1u) << "a combining mark takes no column";
+  EXPECT_EQ(display_width("六足"), 4u) << "wide characters take two";
+  EXPECT_EQ(display_width("\033[1;31mred\033[0m"), 3u) << "escape sequences take none";
+}
+
+TEST(DisplayWidth, SurvivesBytesThatAreNotUtf8) {
+  EXPECT_EQ(display_width("\xff\xfe"), 2u);
+  EXPECT_EQ(display_width("\xe2\x82"), 2u) << "cut short";
+  EXPECT_EQ(display_width("\033["), 0u);
+}
+
+TEST(Table, AlignsItsColumns) {
+  Table table({{"mode", Align::left}, {"ω [rad/s]"}});
+  table.add_row({"x", "58.31"});
+  table.add_row({styled("knee", Style::red, true), "160.2"});
+  EXPECT_EQ(table.text(),
+            "mode  ω [rad/s]\n"
+            "x         58.31\n"
+            "\033[1;31mknee\033[0m      160.2\n");
+}
+
+TEST(Table, LeavesNoTrailingBlanks) {
+  Table table({{"a", Align::left}, {"b", Align::left}});
+  table.add_row({"1", "long"});
+  table.add_row({"2"});
+  EXPECT_EQ(table.text(), "a  b\n1  long\n2\n");
+}
+
+TEST(Table, RefusesARowWithTooManyCells) {
+  Table table({{"a"}});
+  EXPECT_THROW(table.add_row({"1", "2"}), std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace hydrapod::cli

@@ -1,0 +1,120 @@
+#include "support/run_program.hpp"
+
+#include <fcntl.h>
+#include <signal.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <chrono>
+#include <cstdlib>
+#include <fstream>
+#include <sstream>
+#include <stdexcept>
+#include <system_error>
+#include <thread>
+
+#include "support/places.hpp"
+
+namespace hydrapod::test {
+
+namespace fs = std::filesystem;
+
+namespace {
+[[noreturn]] void throw_errno(const std::string& what) {
+  throw std::system_error(errno, std::generic_category(), what);
+}
+
+/// In the child: no return. Only calls that are safe after fork, besides setenv.
+[[noreturn]] void become(const std::string& program, std::vector<char*>& argv,
+                         const RunOptions& options, const fs::path& streams) {
+  const int in = ::open((streams / "in").c_str(), O_RDONLY);
+  const int out = ::open((streams / "out").c_str(), O_WRONLY | O_CREAT, 0600);
+  const int err = ::open((streams / "err").c_str(), O_WRONLY | O_CREAT, 0600);
+  ::dup2(in, STDIN_FILENO);
+  ::dup2(out, STDOUT_FILENO);
+  ::dup2(err, STDERR_FILENO);
+  for (const auto& [name, value] : options.variables) ::setenv(name.c_str(), value.c_str(), 1);
+  if (options.folder.empty() || ::chdir(options.folder.c_str()) == 0) {
+    ::execvp(program.c_str(), argv.data());
+  }
+  ::_exit(127);
+}
+
+/// Waits for `child` until the timeout, then kills it; its wait status.
+int wait_for(pid_t child, double timeout, bool& timed_out) {
+  using Clock = std::chrono::steady_clock;
+  const auto deadline = Clock::now() + std::chrono::duration<double>(timeout);
+  int status = 0;
+  while (::waitpid(child, &status, WNOHANG) == 0) {
+    if (Clock::now() > deadline) {
+      timed_out = true;
+      ::kill(child, SIGKILL);
+      ::waitpid(child, &status, 0);
+      break;
+    }
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  }
+  return status;
+}
+}  // namespace
+
+RunResult run_program(const std::string& program, const std::vector<std::string>& arguments,
+                      const RunOptions& options) {
+  const TemporaryFolder streams;
+  write_text(streams / "in", options.input);
+  std::vector<std::string> words{program};
+  words.insert(words.end(), arguments.begin(), arguments.end());
+  std::vector<char*> argv;
+  for (std::string& word : words) argv.push_back(word.data());
+  argv.push_back(nullptr);
+
+  const pid_t child = ::fork();
+  if (child < 0) throw_errno("fork");
+  if (child == 0) become(program, argv, options, streams.path());
+
+  RunResult result;
+  const int status = wait_for(child, options.timeout, result.timed_out);
+  result.exit_code = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
+  result.out = read_text(streams / "out");
+  result.err = read_text(streams / "err");
+  if (result.exit_code == 127) {
+    throw std::system_error(ENOENT, std::generic_category(), "cannot start " + program);
+  }
+  return result;
+}
+
+RunResult run_hydrapod(const std::vector<std::string>& arguments, const RunOptions& options) {
+  return run_program(hydrapod_program().string(), arguments, options);
+}
+
+fs::path hydrapod_program() { return program_file; }
+
+fs::path source_file(const std::string& relative) { return fs::path(source_folder) / relative; }
+
+std::string read_text(const fs::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  if (!file) throw std::runtime_error("cannot read " + path.string());
+  std::ostringstream text;
+  text << file.rdbuf();
+  return text.str();
+}
+
+void write_text(const fs::path& path, const std::string& text) {
+  std::ofstream file(path, std::ios::binary);
+  file << text;
+  if (!file.flush()) throw std::runtime_error("cannot write " + path.string());
+}
+
+TemporaryFolder::TemporaryFolder() {
+  std::string pattern = (fs::temp_directory_path() / "hydrapod-test-XXXXXX").string();
+  if (::mkdtemp(pattern.data()) == nullptr) throw_errno("mkdtemp " + pattern);
+  path_ = pattern;
+}
+
+TemporaryFolder::~TemporaryFolder() {
+  std::error_code ignored;
+  fs::remove_all(path_, ignored);
+}
+
+}  // namespace hydrapod::test
