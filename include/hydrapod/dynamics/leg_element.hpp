@@ -1,0 +1,73 @@
+#pragma once
+/// One hydraulic leg as an element: mass, damping and stiffness in its own small coordinates.
+///
+/// Local coordinates of a leg, seven of them, the first three shared with the platform:
+///
+///     x = (v_t, v_2, v_n | φ1, φ2 | u1, u2)
+///
+/// v_t, v_2, v_n: motion of the platform joint along the leg frame's axes t, a2, n [m]; φ1, φ2: tilt of
+/// the rod about t and a2 through the piston [rad]; u1, u2: piston offset along t and a2 [m].
+///
+/// Leg frame. n along the cylinder case; a2 = (n × a1)/|n × a1| is the lower gimbal's second axis and
+/// t = a2 × n, with a1 the base-fixed gimbal axis. For FlexibleAxes::transverse nothing depends on a1; a
+/// leg (nearly) parallel to it gets another reference axis.
+///
+/// straight_leg is the theory of sections 1–7 of docs/theory/leg.md (Eqs. 1–15 of the paper): no preload,
+/// φ = u = 0. bent_leg (bent_leg.hpp) is the same leg, exact, bent by gravity and preload.
+
+#include <Eigen/Core>
+
+#include "hydrapod/kinematics/inverse.hpp"
+#include "hydrapod/model/machine.hpp"
+
+namespace hydrapod::dynamics {
+
+using spatial::Matrix3;
+using spatial::Matrix6;
+using spatial::Vector3;
+using spatial::Vector6;
+
+inline constexpr int leg_coordinates = 7;
+using Vector7 = Eigen::Matrix<double, leg_coordinates, 1>;
+using Matrix7 = Eigen::Matrix<double, leg_coordinates, leg_coordinates>;
+
+/// Orthonormal, right-handed axes of a leg in B: columns t, a2, n.
+struct LegFrame {
+  Matrix3 R_BL{};
+  double tan_gimbal{};  ///< (a1·n)/(a1·t), axial spin of the case per rotation about t
+};
+
+/// The base-fixed axis a leg frame is built on: a1, or for FlexibleAxes::transverse with a leg within 26°
+/// of a1 another base axis. `n`: direction of the straight leg.
+Vector3 frame_axis(const Vector3& n, const Vector3& a1, model::FlexibleAxes axes);
+
+/// The leg frame about the axis `n`. Throws std::invalid_argument for FlexibleAxes::gimbal with the leg
+/// along its gimbal axis (gimbal lock, |a1·n| > 1 − 1e-9).
+LegFrame leg_frame(const Vector3& n, const Vector3& a1, model::FlexibleAxes axes);
+
+/// A leg linearised at a pose.
+struct LegElement {
+  LegFrame frame{};
+  double l{};     ///< length [m]
+  double l_m{};   ///< piston from the base joint, along the case [m]
+  double l_mh{};  ///< guide sleeve from the piston, along the case [m]
+  double k_h{};   ///< oil spring [N/m]
+  double k_s{};   ///< guide sleeve [N/m]
+  double k_g{};   ///< piston ring [N/m]
+
+  Matrix7 M{Matrix7::Zero()};
+  Matrix7 K{Matrix7::Zero()};
+  Matrix7 C{Matrix7::Zero()};  ///< viscous dampers of the leg only
+
+  /// Extension rate of the piston in the case, ṡ = s_x ẋ.
+  Vector7 s_x{Vector7::Zero()};
+  /// Lateral offset of the rod at the guide sleeve along t and a2, ḋ = d_x ẋ.
+  Eigen::Matrix<double, 2, leg_coordinates> d_x{Eigen::Matrix<double, 2, leg_coordinates>::Zero()};
+};
+
+/// The leg without preload at the length and direction of `geometry`. Piston-ring coordinates are
+/// filled in (k_g = 0 where the leg has none); who assembles a smaller model leaves them out.
+LegElement straight_leg(const model::Leg& leg, const kinematics::LegGeometry& geometry,
+                        model::FlexibleAxes axes);
+
+}  // namespace hydrapod::dynamics

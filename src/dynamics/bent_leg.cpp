@@ -1,0 +1,251 @@
+#include "hydrapod/dynamics/bent_leg.hpp"
+
+#include <Eigen/Geometry>
+#include <Eigen/LU>
+#include <cmath>
+
+#include "hydrapod/hydraulics/oil_spring.hpp"
+
+namespace hydrapod::dynamics {
+
+namespace {
+
+// The chart: rotation of the case about a1 and a2, extension s, then the flexible coordinates.
+constexpr int alpha = 0, beta = 1, extension = 2, phi = 3, offset = 5;
+using Matrix37 = Eigen::Matrix<double, 3, leg_coordinates>;
+using Matrix27 = Eigen::Matrix<double, 2, leg_coordinates>;
+
+const Vector3 t_L = Vector3::UnitX();
+const Vector3 a2_L = Vector3::UnitY();
+const Vector3 n_L = Vector3::UnitZ();
+
+/// Direction of the rod in the case frame with its first and second derivatives by φ1, φ2.
+struct RodDirection {
+  Vector3 e, e_1, e_2, e_11, e_12, e_22;
+  explicit RodDirection(double phi_1, double phi_2) {
+    const double s1 = std::sin(phi_1), c1 = std::cos(phi_1);
+    const double s2 = std::sin(phi_2), c2 = std::cos(phi_2);
+    e << s2, -s1 * c2, c1 * c2;
+    e_1 << 0.0, -c1 * c2, -s1 * c2;
+    e_2 << c2, s1 * s2, -c1 * s2;
+    e_11 << 0.0, s1 * c2, -c1 * c2;
+    e_12 << 0.0, c1 * s2, s1 * s2;
+    e_22 << -s2, s1 * c2, -c1 * c2;
+  }
+};
+
+/// A point of the leg, in the case frame: P = (s n + u) + ξ e for points of the rod, P fixed for those
+/// of the case.
+struct LegPoint {
+  Vector3 P{};
+  double xi{};
+  bool on_rod{};
+};
+
+/// Everything about the configuration that the derivatives need.
+struct Configuration {
+  RodDirection rod;
+  Vector3 a1;  ///< gimbal axis in the case frame: (cos θ2, 0, sin θ2)
+  Matrix3 R_BL;
+  double s;
+  Vector2 u;
+
+  [[nodiscard]] LegPoint rod_point(double xi) const {
+    return {Vector3(u[0], u[1], s) + xi * rod.e, xi, true};
+  }
+};
+
+/// Closes the leg: extension and gimbal angles from the joint position. `L`: base to platform joint.
+bool close_leg(const model::Leg& leg, const Vector3& L, const Vector3& a1, const LegState& state,
+               Configuration& at) {
+  const Vector3 q = Vector3(at.u[0], at.u[1], 0.0) + leg.rod.length * at.rod.e;
+  const double discriminant = q.z() * q.z() + L.squaredNorm() - q.squaredNorm();
+  if (!(discriminant > 0.0) || !state.flexible.allFinite()) return false;
+  at.s = std::sqrt(discriminant) - q.z();
+  const Vector3 P = q + at.s * n_L;
+
+  const double h = a1.dot(L);
+  const double r = std::hypot(P.x(), P.z());
+  if (!(std::abs(h) < r)) return false;
+  const double theta = std::asin(h / r) - std::atan2(P.x(), P.z());
+  const double c = std::cos(theta), sine = std::sin(theta);
+  const double P_w = c * P.z() - sine * P.x();
+  const Vector3 L_normal = L - h * a1;
+  const Vector3 a2 = (P.y() * L_normal - P_w * a1.cross(L_normal)).normalized();
+  const Vector3 w = a1.cross(a2);
+  at.R_BL << c * a1 - sine * w, a2, sine * a1 + c * w;
+  at.a1 = Vector3(c, 0.0, sine);
+  return true;
+}
+
+/// ∂P/∂chart.
+Matrix37 point_rates(const Configuration& at, const LegPoint& point) {
+  Matrix37 rates = Matrix37::Zero();
+  rates.col(alpha) = at.a1.cross(point.P);
+  rates.col(beta) = a2_L.cross(point.P);
+  if (!point.on_rod) return rates;
+  rates.col(extension) = n_L;
+  rates.col(phi) = point.xi * at.rod.e_1;
+  rates.col(phi + 1) = point.xi * at.rod.e_2;
+  rates.col(offset) = t_L;
+  rates.col(offset + 1) = a2_L;
+  return rates;
+}
+
+/// Adds γ·∂²P/∂chart² to H.
+void add_point_curvature(const Configuration& at, const LegPoint& point, const Matrix37& rates,
+                         const Vector3& gamma, Matrix7& H) {
+  Matrix7 A = Matrix7::Zero();  // upper triangle
+  A.row(alpha) = gamma.cross(at.a1).transpose() * rates;
+  A.row(beta).tail<6>() = gamma.cross(a2_L).transpose() * rates.rightCols<6>();
+  if (point.on_rod) {
+    A(phi, phi) = point.xi * gamma.dot(at.rod.e_11);
+    A(phi, phi + 1) = point.xi * gamma.dot(at.rod.e_12);
+    A(phi + 1, phi + 1) = point.xi * gamma.dot(at.rod.e_22);
+  }
+  H += A.selfadjointView<Eigen::Upper>();
+}
+
+/// Lateral offset d_s at the guide sleeve with its derivatives by the chart.
+struct SleeveOffset {
+  Vector2 d;
+  Matrix27 D = Matrix27::Zero();
+  std::array<Matrix7, 2> D2{Matrix7::Zero(), Matrix7::Zero()};
+
+  SleeveOffset(const Configuration& at, double position) {
+    const auto& rod = at.rod;
+    const double h = position - at.s;
+    const double q = rod.e.z(), q_1 = rod.e_1.z(), q_2 = rod.e_2.z();
+    const Vector2 tau = rod.e.head<2>() / q;
+    const Vector2 tau_1 = (rod.e_1.head<2>() - tau * q_1) / q;
+    const Vector2 tau_2 = (rod.e_2.head<2>() - tau * q_2) / q;
+    const Vector2 tau_11 = (rod.e_11.head<2>() - 2.0 * tau_1 * q_1 - tau * rod.e_11.z()) / q;
+    const Vector2 tau_12 =
+        (rod.e_12.head<2>() - tau_1 * q_2 - tau_2 * q_1 - tau * rod.e_12.z()) / q;
+    const Vector2 tau_22 = (rod.e_22.head<2>() - 2.0 * tau_2 * q_2 - tau * rod.e_22.z()) / q;
+    d = at.u + h * tau;
+    D.col(extension) = -tau;
+    D.col(phi) = h * tau_1;
+    D.col(phi + 1) = h * tau_2;
+    D(0, offset) = 1.0;
+    D(1, offset + 1) = 1.0;
+    for (int k = 0; k < 2; ++k) {
+      Matrix7 A = Matrix7::Zero();
+      A(extension, phi) = -tau_1[k];
+      A(extension, phi + 1) = -tau_2[k];
+      A(phi, phi) = h * tau_11[k];
+      A(phi, phi + 1) = h * tau_12[k];
+      A(phi + 1, phi + 1) = h * tau_22[k];
+      D2[k] = A.selfadjointView<Eigen::Upper>();
+    }
+  }
+};
+
+/// Kinetic energy of the leg: 2T = ċᵀ M ċ in the chart.
+Matrix7 chart_mass(const model::Leg& leg, const Configuration& at, const Matrix37& case_rates,
+                   const Matrix37& rod_rates, bool gimbal) {
+  const auto& tube = leg.cylinder_case;
+  const auto& rod = leg.rod;
+  Matrix7 M = tube.mass * case_rates.transpose() * case_rates +
+              rod.mass * rod_rates.transpose() * rod_rates;
+  M(alpha, alpha) += tube.transverse_inertia * at.a1.x() * at.a1.x();  // ω⊥ = (a1·t) α̇ t + β̇ a2
+  M(beta, beta) += tube.transverse_inertia;
+  M(extension, extension) += leg.added_axial_inertia;
+
+  Matrix37 e_rates = Matrix37::Zero();  // ė, whose length is the rod's transverse rate
+  e_rates.col(alpha) = at.a1.cross(at.rod.e);
+  e_rates.col(beta) = a2_L.cross(at.rod.e);
+  e_rates.col(phi) = at.rod.e_1;
+  e_rates.col(phi + 1) = at.rod.e_2;
+  M += rod.transverse_inertia * e_rates.transpose() * e_rates;
+  if (!gimbal) return M;
+
+  // Case: σ = a1·n α̇. Rod: two revolute joints, first axis f1 = a1, second normal to f1 and e.
+  M(alpha, alpha) += tube.axial_inertia * at.a1.z() * at.a1.z();
+  const Vector3 normal = at.rod.e.cross(at.a1);
+  const Vector3 per_rate = -at.a1.dot(at.rod.e) / normal.squaredNorm() * normal;
+  Vector7 spin = Vector7::Zero();
+  spin[alpha] = at.a1.dot(at.rod.e);
+  spin[beta] = a2_L.dot(at.rod.e);
+  spin[phi] = per_rate.dot(at.rod.e_1);
+  spin[phi + 1] = per_rate.dot(at.rod.e_2);
+  return M + rod.axial_inertia * spin * spin.transpose();
+}
+
+/// ∂(chart)/∂(a in the case frame, φ, u).
+Matrix7 chart_from_local(const Matrix37& joint_rates) {
+  const Matrix3 A_inverse = joint_rates.leftCols<3>().inverse();
+  Matrix7 T = Matrix7::Identity();
+  T.topLeftCorner<3, 3>() = A_inverse;
+  T.topRightCorner<3, 4>() = -A_inverse * joint_rates.rightCols<4>();
+  return T;
+}
+
+}  // namespace
+
+BentLeg bent_leg(const model::Leg& leg, const Vector3& a, model::FlexibleAxes axes,
+                 const Vector3& gravity, const LegState& state) {
+  BentLeg bent;
+  const Vector3 L = a - leg.base_joint;
+  const Vector3 a1 = frame_axis(L.normalized(), leg.gimbal_axis, axes);
+  Configuration at{RodDirection(state.flexible[0], state.flexible[1]), {}, {}, {},
+                   state.flexible.tail<2>()};
+  bent.exists = close_leg(leg, L, a1, state, at);
+  if (!bent.exists) return bent;
+  const bool gimbal = axes == model::FlexibleAxes::gimbal;
+
+  auto& element = bent.element;
+  element.frame.R_BL = at.R_BL;
+  element.frame.tan_gimbal = gimbal ? at.a1.z() / at.a1.x() : 0.0;
+  element.l = L.norm();
+  element.l_m = at.s;
+  element.l_mh = leg.guide_sleeve.position - at.s;
+  element.k_h = hydraulics::oil_stiffness(leg, at.s);
+  element.k_s = leg.guide_sleeve.stiffness;
+  element.k_g = leg.piston_ring ? leg.piston_ring->stiffness : 0.0;
+
+  const LegPoint joint = at.rod_point(leg.rod.length);
+  const LegPoint rod_center = at.rod_point(leg.rod.mass_center);
+  const LegPoint case_center{leg.cylinder_case.mass_center * n_L};
+  const Matrix37 joint_rates = point_rates(at, joint);
+  const Matrix37 rod_rates = point_rates(at, rod_center);
+  const Matrix37 case_rates = point_rates(at, case_center);
+  const SleeveOffset sleeve(at, leg.guide_sleeve.position);
+  const Vector3 g_L = at.R_BL.transpose() * gravity;
+  const Vector3 case_weight = -leg.cylinder_case.mass * g_L;
+  const Vector3 rod_weight = -leg.rod.mass * g_L;
+
+  Vector7 gradient = element.k_s * sleeve.D.transpose() * sleeve.d +
+                     case_rates.transpose() * case_weight + rod_rates.transpose() * rod_weight;
+  gradient[extension] += state.oil_force;
+  gradient.tail<2>() += element.k_g * at.u;
+
+  const Matrix7 T = chart_from_local(joint_rates);
+  const Vector3 lambda = T.topLeftCorner<3, 3>().transpose() * gradient.head<3>();
+  bent.joint_force = at.R_BL * lambda;
+  bent.flexible_gradient =
+      gradient.tail<4>() - joint_rates.rightCols<4>().transpose() * lambda;
+
+  Matrix7 H = element.k_s * (sleeve.D.transpose() * sleeve.D + sleeve.d[0] * sleeve.D2[0] +
+                             sleeve.d[1] * sleeve.D2[1]);
+  H(5, 5) += element.k_g;
+  H(6, 6) += element.k_g;
+  add_point_curvature(at, case_center, case_rates, case_weight, H);
+  add_point_curvature(at, rod_center, rod_rates, rod_weight, H);
+  add_point_curvature(at, joint, joint_rates, -lambda, H);
+
+  element.s_x = T.row(extension).transpose();
+  element.d_x = sleeve.D * T;
+  bent.K_without_oil = T.transpose() * H * T;
+  element.K = bent.K_without_oil + element.k_h * element.s_x * element.s_x.transpose();
+  element.M = T.transpose() * chart_mass(leg, at, case_rates, rod_rates, gimbal) * T;
+  element.C = leg.guide_sleeve.damping * element.d_x.transpose() * element.d_x +
+              leg.oil_spring.damping * element.s_x * element.s_x.transpose();
+  if (leg.piston_ring) {
+    element.C(5, 5) += leg.piston_ring->damping;
+    element.C(6, 6) += leg.piston_ring->damping;
+  }
+  return bent;
+}
+
+}  // namespace hydrapod::dynamics

@@ -1,0 +1,126 @@
+#include "hydrapod/dynamics/linear_model.hpp"
+
+#include <fmt/format.h>
+
+#include <Eigen/Geometry>
+#include <stdexcept>
+
+#include "hydrapod/base/error.hpp"
+
+namespace hydrapod::dynamics {
+
+namespace {
+
+Matrix6 platform_mass(const model::Platform& platform, const Matrix3& R_BP) {
+  Matrix6 M = Matrix6::Zero();
+  M.diagonal().head<3>().setConstant(platform.mass);
+  M.bottomRightCorner<3, 3>() = R_BP * platform.inertia * R_BP.transpose();
+  return M;
+}
+
+/// Joint velocity in leg axes per platform twist: R_BLᵀ [I, −(a − C)^×].
+Eigen::Matrix<double, 3, 6> joint_jacobian(const Matrix3& R_BL, const Vector3& arm) {
+  Eigen::Matrix<double, 3, 6> J;
+  J.leftCols<3>() = R_BL.transpose();
+  J.rightCols<3>() = -R_BL.transpose() * spatial::skew(arm);
+  return J;
+}
+
+/// Adds a leg's 7×7 matrix, brought to y, to a model matrix.
+void add_leg(const Matrix7& A, const Eigen::Matrix<double, 3, 6>& J, int at, int flexible,
+             ModelMatrix& sum) {
+  const Eigen::Matrix<double, 3, 6> A_aa_J = A.topLeftCorner<3, 3>() * J;
+  sum.topLeftCorner<6, 6>().noalias() += J.transpose() * A_aa_J;
+  const auto add_flexible = [&]<int n>(std::integral_constant<int, n>) {
+    const Eigen::Matrix<double, 6, n> A_rf = J.transpose() * A.template block<3, n>(0, 3);
+    sum.template block<6, n>(0, at) = A_rf;
+    sum.template block<n, 6>(at, 0) = A_rf.transpose();
+    sum.template block<n, n>(at, at) = A.template block<n, n>(3, 3);
+  };
+  if (flexible == 2) add_flexible(std::integral_constant<int, 2>{});
+  if (flexible == 4) add_flexible(std::integral_constant<int, 4>{});
+}
+
+/// λ·∂²a/∂w² for a joint at `arm` from C that carries λ: the platform's rotation moves it on a sphere.
+Matrix3 rotation_curvature(const Vector3& lambda, const Vector3& arm) {
+  return 0.5 * (lambda * arm.transpose() + arm * lambda.transpose()) -
+         lambda.dot(arm) * Matrix3::Identity();
+}
+
+void check_piston_rings(const model::Machine& machine, ModelKind kind) {
+  if (kind != ModelKind::full) return;
+  for (int i = 0; i < model::leg_count; ++i)
+    if (!machine.legs[i].piston_ring)
+      throw std::invalid_argument(
+          fmt::format("the full model needs legs.piston_ring.stiffness; leg {} has none", i + 1));
+}
+
+void require_equilibrium(const StaticEquilibrium& statics, ModelKind kind) {
+  if (statics.status == StaticsStatus::converged) return;
+  throw base::ComputationError(fmt::format(
+      "no static equilibrium of the {} model at this pose: {} after {} iterations, residual {:.2g} of "
+      "the weight; the legs may be past buckling (see `hydrapod check`)",
+      name(kind), statics.status == StaticsStatus::singular ? "singular" : "not converged",
+      statics.iterations, statics.residual));
+}
+
+/// The legs with preload; adds the platform's share of the geometric stiffness to K.
+void bend_legs(const model::Machine& machine, const kinematics::LegGeometries& geometry,
+               LinearModel& model) {
+  for (int i = 0; i < model::leg_count; ++i) {
+    const auto bent = bent_leg(machine.legs[i], geometry[i].a, machine.flexible_axes, machine.gravity,
+                               model.statics.legs[i]);
+    model.legs[i] = bent.element;
+    model.K.block<3, 3>(3, 3) += rotation_curvature(bent.joint_force, geometry[i].a - model.p_BC);
+  }
+}
+
+}  // namespace
+
+const char* name(ModelKind kind) {
+  return kind == ModelKind::rigid ? "rigid" : kind == ModelKind::guide ? "guide" : "full";
+}
+
+std::vector<std::string> coordinate_names(ModelKind kind) {
+  std::vector<std::string> names{"x", "y", "z", "rx", "ry", "rz"};
+  constexpr std::array<const char*, 4> flexible{"phi1", "phi2", "u1", "u2"};
+  for (int leg = 1; leg <= model::leg_count; ++leg)
+    for (int k = 0; k < flexible_per_leg(kind); ++k)
+      names.push_back(fmt::format("leg{}.{}", leg, flexible[k]));
+  return names;
+}
+
+LinearModel linear_model(const model::Machine& machine, const spatial::Pose& X_BP, ModelKind kind) {
+  check_piston_rings(machine, kind);
+  LinearModel model{.kind = kind, .X_BP = X_BP, .p_BC = kinematics::mass_center(machine, X_BP)};
+  const auto geometry = kinematics::inverse_kinematics(machine, X_BP);
+  const int dof = model.dof();
+  model.platform_mass = platform_mass(machine.platform, X_BP.R_BP);
+  model.M.setZero(dof, dof);
+  model.K.setZero(dof, dof);
+  model.C.setZero(dof, dof);
+  model.M.topLeftCorner<6, 6>() = model.platform_mass;
+
+  model.statics = static_equilibrium(machine, X_BP, kind);
+  require_equilibrium(model.statics, kind);
+  if (machine.gravity.isZero(0.0)) {
+    for (int i = 0; i < model::leg_count; ++i)
+      model.legs[i] = straight_leg(machine.legs[i], geometry[i], machine.flexible_axes);
+  } else {
+    bend_legs(machine, geometry, model);
+  }
+  for (int i = 0; i < model::leg_count; ++i) {
+    const auto& leg = model.legs[i];
+    model.J[i] = joint_jacobian(leg.frame.R_BL, geometry[i].a - model.p_BC);
+    const int at = model.first_of_leg(i);
+    add_leg(leg.M, model.J[i], at, flexible_per_leg(kind), model.M);
+    add_leg(leg.K, model.J[i], at, flexible_per_leg(kind), model.K);
+    add_leg(leg.C, model.J[i], at, flexible_per_leg(kind), model.C);
+  }
+  const auto& damping = machine.damping;
+  if (damping.rayleigh_mass != 0.0 || damping.rayleigh_stiffness != 0.0)
+    model.C += damping.rayleigh_mass * model.M + damping.rayleigh_stiffness * model.K;
+  return model;
+}
+
+}  // namespace hydrapod::dynamics
