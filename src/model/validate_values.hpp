@@ -1,0 +1,20 @@
+#pragma once
+/// validate() with a choice for machines of which parts could not be read. Private to the module.
+
+#include <vector>
+
+#include "hydrapod/model/validation.hpp"
+
+namespace hydrapod::model {
+
+enum class NonFinite {
+  report,
+  ignore  ///< NaN stands for a value whose absence has been reported
+};
+
+std::vector<Finding> validate_values(const Machine& machine, NonFinite non_finite);
+
+/// The findings about one leg, with keys relative to it (`rod.length`).
+std::vector<Finding> leg_findings(const Leg& leg, NonFinite non_finite);
+
+}  // namespace hydrapod::model

@@ -1,0 +1,190 @@
+#include "hydrapod/model/validation.hpp"
+
+#include <fmt/format.h>
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <array>
+#include <set>
+#include <string>
+#include <tuple>
+
+#include "validate_values.hpp"
+#include "value_checks.hpp"
+
+namespace hydrapod::model {
+
+namespace {
+
+constexpr double symmetry_tolerance = 1e-9;   ///< of the largest element
+constexpr double triangle_tolerance = 1e-9;   ///< of the largest principal moment
+constexpr double definite_tolerance = 1e-12;  ///< of the largest principal moment
+constexpr double rotation_tolerance = 1e-9;
+constexpr double same_place_tolerance = 1e-6;  ///< of the size of the joint pattern
+
+void check_inertia_tensor(const Matrix3& inertia, ValueChecks& checks) {
+  constexpr const char* key = "platform.inertia";
+  for (int i = 0; i < 9; ++i) {
+    if (!checks.finite(key, inertia(i / 3, i % 3), "kg m^2")) return;
+  }
+  const double largest = inertia.cwiseAbs().maxCoeff();
+  for (int row = 0; row < 3; ++row) {
+    for (int column = row + 1; column < 3; ++column) {
+      const double upper = inertia(row, column);
+      const double lower = inertia(column, row);
+      if (std::abs(upper - lower) <= symmetry_tolerance * largest) continue;
+      return checks.add(key,
+                        fmt::format("is not symmetric: element ({0},{1}) is {2:.6g}, ({1},{0}) "
+                                    "is {3:.6g} kg m^2",
+                                    row + 1, column + 1, upper, lower));
+    }
+  }
+  const Matrix3 scaled = largest > 0.0 ? Matrix3(inertia / largest) : inertia;
+  const Vector3 moments =
+      Eigen::SelfAdjointEigenSolver<Matrix3>(scaled, Eigen::EigenvaluesOnly).eigenvalues();
+  const std::string found =
+      fmt::format("principal moments {:.6g}, {:.6g}, {:.6g} kg m^2", moments[0] * largest,
+                  moments[1] * largest, moments[2] * largest);
+  if (moments[0] <= definite_tolerance * moments[2]) {
+    checks.add(key, found + ", expected all three above 0");
+  } else if (moments[0] + moments[1] < (1.0 - triangle_tolerance) * moments[2]) {
+    checks.add(key, found + ": no body has these, expected none above the sum of the other two");
+  }
+}
+
+void check_platform(const Platform& platform, ValueChecks& checks) {
+  checks.positive("platform.mass", platform.mass, "kg");
+  checks.finite("platform.mass_center", platform.mass_center, "m");
+  check_inertia_tensor(platform.inertia, checks);
+}
+
+/// Largest distance of a joint from the middle of all.
+double pattern_size(const JointPoints& joints) {
+  Vector3 middle = Vector3::Zero();
+  for (const auto& joint : joints) middle += joint / leg_count;
+  double size = 0.0;
+  for (const auto& joint : joints) size = std::max(size, (joint - middle).norm());
+  return size;
+}
+
+/// Legs whose joints fall together, one finding for each place where some do.
+void check_joints_apart(const JointPoints& joints, const char* side, ValueChecks& checks) {
+  const double tolerance = same_place_tolerance * pattern_size(joints);
+  std::set<std::size_t> reported;
+  for (std::size_t i = 0; i < leg_count; ++i) {
+    std::vector<std::size_t> together{i + 1};
+    for (std::size_t j = i + 1; j < leg_count; ++j) {
+      if (reported.contains(j) || !((joints[i] - joints[j]).norm() <= tolerance)) continue;
+      together.push_back(j + 1);
+      reported.insert(j);
+    }
+    if (together.size() == 1 || reported.contains(i)) continue;
+    checks.add(
+        fmt::format("leg.{}.{}_joint", together.back(), side),
+        fmt::format("legs {} have their {} joints in one place, ({:.6g}, {:.6g}, {:.6g}) m",
+                    fmt::join(together, ", "), side, joints[i].x(), joints[i].y(), joints[i].z()));
+  }
+}
+
+void check_joints(const Machine& machine, ValueChecks& checks) {
+  JointPoints base;
+  JointPoints platform;
+  bool base_finite = true;
+  bool platform_finite = true;
+  for (std::size_t i = 0; i < leg_count; ++i) {
+    const auto& leg = machine.legs[i];
+    base[i] = leg.base_joint;
+    platform[i] = leg.platform_joint;
+    base_finite &= checks.finite(fmt::format("leg.{}.base_joint", i + 1), base[i], "m");
+    platform_finite &= checks.finite(fmt::format("leg.{}.platform_joint", i + 1), platform[i], "m");
+  }
+  if (base_finite) check_joints_apart(base, "base", checks);
+  if (platform_finite) check_joints_apart(platform, "platform", checks);
+}
+
+/// One finding under `legs.` for what all legs have in common, under `leg.N.` for the rest.
+void check_legs(const Machine& machine, NonFinite non_finite, std::vector<Finding>& findings) {
+  std::array<std::vector<Finding>, leg_count> found;
+  for (std::size_t i = 0; i < leg_count; ++i) {
+    found[i] = leg_findings(machine.legs[i], non_finite);
+  }
+  const auto shared = [&](const Finding& finding) {
+    return std::all_of(found.begin(), found.end(), [&](const auto& of_leg) {
+      return std::any_of(of_leg.begin(), of_leg.end(), [&](const Finding& other) {
+        return std::tie(other.key, other.message) == std::tie(finding.key, finding.message);
+      });
+    });
+  };
+  for (std::size_t i = 0; i < leg_count; ++i) {
+    for (const auto& finding : found[i]) {
+      const bool by_all = shared(finding);
+      if (by_all && i > 0) continue;
+      const std::string leg = by_all ? "legs" : fmt::format("leg.{}", i + 1);
+      findings.push_back(
+          {finding.severity, fmt::format("{}.{}", leg, finding.key), finding.message});
+    }
+  }
+}
+
+void check_damping(const Damping& damping, ValueChecks& checks) {
+  if (damping.modal_ratio) {
+    const double ratio = *damping.modal_ratio;
+    if (checks.not_negative("damping.modal_ratio", ratio, "1") && ratio >= 1.0) {
+      checks.add("damping.modal_ratio", fmt::format("is {:.6g}, expected less than 1", ratio));
+    }
+  }
+  checks.not_negative("damping.rayleigh_mass", damping.rayleigh_mass, "1/s");
+  checks.not_negative("damping.rayleigh_stiffness", damping.rayleigh_stiffness, "s");
+}
+
+void check_pose(const std::string& key, const Pose& pose, ValueChecks& checks) {
+  checks.finite(key + ".position", pose.p_BP, "m");
+  for (int i = 0; i < 3; ++i) {
+    if (!checks.finite(key + ".rotation", Vector3(pose.R_BP.row(i)), "1")) return;
+  }
+  const double error = (pose.R_BP.transpose() * pose.R_BP - Matrix3::Identity()).norm();
+  if (error > rotation_tolerance || pose.R_BP.determinant() < 0.0) {
+    checks.add(key + ".rotation", "is not a rotation, expected an orthonormal right-handed matrix");
+  }
+}
+
+std::string pose_key(const std::string& name) {
+  const bool bare = std::all_of(name.begin(), name.end(), [](char c) {
+    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_' ||
+           c == '-';
+  });
+  return bare && !name.empty() ? "poses." + name : "poses.\"" + name + '"';
+}
+
+void check_poses(const std::vector<NamedPose>& poses, ValueChecks& checks) {
+  if (poses.empty() || poses.front().name != "neutral") {
+    checks.add("poses", "has no pose \"neutral\" in the first place, expected one");
+  }
+  std::set<std::string> names;
+  for (const auto& pose : poses) {
+    if (!names.insert(pose.name).second) {
+      checks.add(pose_key(pose.name), "is there twice, expected different names");
+    }
+    check_pose(pose_key(pose.name), pose.X_BP, checks);
+  }
+}
+
+}  // namespace
+
+std::vector<Finding> validate_values(const Machine& machine, NonFinite non_finite) {
+  ValueChecks checks(non_finite);
+  checks.finite("environment.gravity", machine.gravity, "m/s^2");
+  check_platform(machine.platform, checks);
+  check_joints(machine, checks);
+  check_damping(machine.damping, checks);
+  check_poses(machine.poses, checks);
+  std::vector<Finding> findings = checks.take();
+  check_legs(machine, non_finite, findings);
+  return findings;
+}
+
+std::vector<Finding> validate(const Machine& machine) {
+  return validate_values(machine, NonFinite::report);
+}
+
+}  // namespace hydrapod::model
