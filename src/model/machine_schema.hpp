@@ -1,0 +1,13 @@
+#pragma once
+/// The keys a machine file may have. Private to the reader; docs/howto/machine-file.md explains
+/// them.
+
+#include "faults.hpp"
+#include "value_tree.hpp"
+
+namespace hydrapod::model {
+
+/// Reports keys that mean nothing, with the nearest known one, and values where a table must stand.
+void check_keys(const Node& root, Faults& faults);
+
+}  // namespace hydrapod::model

@@ -1,0 +1,185 @@
+#include "overrides.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <string_view>
+#include <utility>
+
+#include "hydrapod/base/printable.hpp"
+#include "key_path.hpp"
+
+namespace hydrapod::model {
+
+namespace {
+
+constexpr std::size_t longest_override = 4096;
+constexpr const char* example = "legs.guide_sleeve.stiffness=2e6 N/m";
+
+/// Two ways to say the same thing: giving one takes the other away.
+struct Alternatives {
+  std::string_view parent;
+  std::string_view first;
+  std::string_view second;
+};
+constexpr std::array alternatives{Alternatives{"oil_spring", "stiffness", "cylinder"},
+                                  Alternatives{"joints", "circle", "points"}};
+
+std::string_view trimmed(std::string_view text) {
+  constexpr const char* blanks = " \t\r\n";
+  const auto begin = text.find_first_not_of(blanks);
+  if (begin == std::string_view::npos) return {};
+  return text.substr(begin, text.find_last_not_of(blanks) - begin + 1);
+}
+
+/// A number that TOML would spell differently (".5", "007").
+std::optional<double> as_number(std::string_view text) {
+  double number = 0.0;
+  const auto [end, status] = std::from_chars(text.data(), text.data() + text.size(), number);
+  if (status != std::errc{} || end != text.data() + text.size()) return std::nullopt;
+  return number;
+}
+
+/// The value as TOML, or as a plain string; a broken array or inline table is a syntax error.
+std::variant<Node, SyntaxError> parse_value(std::string_view text, int source) {
+  auto parsed = parse_tree(fmt::format("value = {}", text), source);
+  if (auto* tree = std::get_if<Node>(&parsed); tree != nullptr && tree->children.size() == 1) {
+    if (tree->children[0].key == "value") return std::move(tree->children[0]);
+  }
+  if (auto* error = std::get_if<SyntaxError>(&parsed)) {
+    if (text.starts_with('[') || text.starts_with('{')) return std::move(*error);
+  }
+  Node node;
+  node.place = {source, 0, 0};
+  if (const auto number = as_number(text)) {
+    node.kind = Node::Kind::real;
+    node.number = *number;
+  } else {
+    node.kind = Node::Kind::text;
+    node.text = text;
+  }
+  return node;
+}
+
+/// Puts values into the tree on behalf of one override.
+class Overlay {
+ public:
+  Overlay(Node& root, int source, Faults& faults)
+      : root_(root), place_{source, 0, 0}, faults_(faults) {}
+
+  void apply(std::string_view text) {
+    const auto equals = text.find('=');
+    if (equals == std::string_view::npos) {
+      return reject("", fmt::format("no \"=\", expected PATH=VALUE such as {}", example));
+    }
+    const auto path = parse_path(trimmed(text.substr(0, equals)));
+    const std::string_view value = trimmed(text.substr(equals + 1));
+    if (!path) {
+      return reject("", fmt::format("the part before \"=\" is not a path, expected "
+                                    "PATH=VALUE such as {}",
+                                    example));
+    }
+    if (text.size() > longest_override) {
+      return reject(to_string(*path), "longer than 4096 characters");
+    }
+    if (value.empty()) {
+      return reject(to_string(*path), "no value after \"=\", write '\"\"' for an empty string");
+    }
+    auto parsed = parse_value(value, place_.source);
+    if (auto* error = std::get_if<SyntaxError>(&parsed)) {
+      return reject(to_string(*path), error->message);
+    }
+    put(*path, std::move(std::get<Node>(parsed)));
+  }
+
+ private:
+  void reject(std::string key, std::string message) {
+    faults_.add(place_, std::move(key), std::move(message));
+  }
+
+  void put(const KeyPath& path, Node value) {
+    const std::size_t known = known_steps(path);
+    if (known < path.size() && !may_be_added(path, known)) return;
+    Node* node = &root_;
+    for (std::size_t i = 0; i < path.size(); ++i) {
+      if (!path[i].index) remove_alternative(*node, i > 0 ? path[i - 1].key : "", path[i].key);
+      node = i < known ? step(*node, path[i]) : added(*node, path[i].key);
+    }
+    value.key = node->key;
+    value.key_place = place_;
+    *node = std::move(value);
+  }
+
+  static Node* step(Node& parent, const PathStep& step) {
+    if (!step.index) return parent.find(step.key);
+    const bool there = parent.kind == Node::Kind::array && *step.index < parent.children.size();
+    return there ? &parent.children[*step.index] : nullptr;
+  }
+
+  /// How many steps of the path lead to something that exists.
+  std::size_t known_steps(const KeyPath& path) {
+    Node* node = &root_;
+    for (std::size_t i = 0; i < path.size(); ++i) {
+      node = step(*node, path[i]);
+      if (node == nullptr) return i;
+    }
+    return path.size();
+  }
+
+  /// Tables can be added below a table; arrays cannot be lengthened or begun element by element.
+  bool may_be_added(const KeyPath& path, std::size_t known) {
+    const KeyPath above(path.begin(), path.begin() + static_cast<std::ptrdiff_t>(known));
+    const Node& parent = *find_node(root_, above);
+    const auto index = std::find_if(path.begin() + static_cast<std::ptrdiff_t>(known), path.end(),
+                                    [](const PathStep& s) { return s.index.has_value(); });
+    if (index == path.end() && parent.is_table()) return true;
+    const std::string key = to_string(path);
+    if (!path[known].index && !parent.is_table()) {
+      reject(key, fmt::format("`{}` is {} and has no keys", to_string(above), described(parent)));
+    } else if (!path[known].index) {
+      reject(key, fmt::format("`{}` is not in the file, give the whole array",
+                              to_string(KeyPath(path.begin(), index))));
+    } else if (parent.kind == Node::Kind::array) {
+      reject(key, fmt::format("`{}` is {}, counted from 0", to_string(above), described(parent)));
+    } else {
+      reject(key, fmt::format("`{}` is {}, not an array", to_string(above), described(parent)));
+    }
+    return false;
+  }
+
+  Node* added(Node& parent, const std::string& key) {
+    Node node;
+    node.key = key;
+    node.place = place_;
+    node.key_place = place_;
+    return &parent.children.emplace_back(std::move(node));
+  }
+
+  static void remove_alternative(Node& table, std::string_view name, std::string_view key) {
+    for (const auto& pair : alternatives) {
+      if (name != pair.parent || (key != pair.first && key != pair.second)) continue;
+      const std::string_view other = key == pair.first ? pair.second : pair.first;
+      std::erase_if(table.children, [&](const Node& node) { return node.key == other; });
+    }
+  }
+
+  Node& root_;
+  Place place_;
+  Faults& faults_;
+};
+
+}  // namespace
+
+void lay_over(Node& root, const std::vector<std::string>& overrides, Faults& faults) {
+  for (std::size_t i = 0; i < overrides.size(); ++i) {
+    Overlay(root, static_cast<int>(i) + 1, faults).apply(overrides[i]);
+  }
+}
+
+std::string source_name(const std::string& override_text) {
+  return "--set " + base::printable(override_text, 80);
+}
+
+}  // namespace hydrapod::model

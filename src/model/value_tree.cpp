@@ -1,0 +1,135 @@
+#include "value_tree.hpp"
+
+#include <fmt/format.h>
+#include <toml++/toml.h>
+
+#include <algorithm>
+#include <tuple>
+
+#include "hydrapod/base/printable.hpp"
+#include "nesting_guard.hpp"
+
+namespace hydrapod::model {
+
+namespace {
+
+Place place_of(const toml::source_region& region, int source) {
+  if (source != 0) return {source, 0, 0};
+  return {0, region.begin.line, region.begin.column};
+}
+
+Node converted(const toml::node& value, int source);
+
+void add_children(const toml::table& table, int source, Node& node) {
+  node.kind = Node::Kind::table;
+  for (const auto& [key, value] : table) {
+    Node child = converted(value, source);
+    child.key = key.str();
+    child.key_place = place_of(key.source(), source);
+    node.children.push_back(std::move(child));
+  }
+  std::stable_sort(node.children.begin(), node.children.end(), [](const Node& a, const Node& b) {
+    return std::tie(a.key_place.line, a.key_place.column) <
+           std::tie(b.key_place.line, b.key_place.column);
+  });
+}
+
+void add_children(const toml::array& array, int source, Node& node) {
+  node.kind = Node::Kind::array;
+  for (const auto& value : array) node.children.push_back(converted(value, source));
+}
+
+/// The recursion is as deep as the nesting, which check_nesting has limited.
+Node converted(const toml::node& value, int source) {
+  Node node;
+  node.place = place_of(value.source(), source);
+  if (const auto* table = value.as_table()) {
+    add_children(*table, source, node);
+  } else if (const auto* array = value.as_array()) {
+    add_children(*array, source, node);
+  } else if (const auto* text = value.as_string()) {
+    node.kind = Node::Kind::text;
+    node.text = text->get();
+  } else if (const auto* integer = value.as_integer()) {
+    node.kind = Node::Kind::integer;
+    node.number = static_cast<double>(integer->get());
+  } else if (const auto* real = value.as_floating_point()) {
+    node.kind = Node::Kind::real;
+    node.number = real->get();
+  } else {
+    node.kind = value.is_boolean() ? Node::Kind::boolean : Node::Kind::date;
+  }
+  return node;
+}
+
+/// "Error while parsing array: encountered end-of-file" in our words.
+std::string without_preamble(std::string_view description) {
+  constexpr std::string_view preamble = "Error while parsing ";
+  if (!description.starts_with(preamble)) return fmt::format("not valid TOML: {}", description);
+  return fmt::format("not valid TOML in {}", description.substr(preamble.size()));
+}
+
+Place place_at(std::string_view text, std::size_t offset, int source) {
+  if (source != 0) return {source, 0, 0};
+  const std::string_view before = text.substr(0, offset);
+  const auto lines = std::count(before.begin(), before.end(), '\n');
+  const auto line_start = before.rfind('\n');
+  const std::string_view line =
+      line_start == std::string_view::npos ? before : before.substr(line_start + 1);
+  const auto characters = std::count_if(line.begin(), line.end(), [](char c) {
+    return (static_cast<unsigned char>(c) & 0xC0) != 0x80;
+  });
+  return {source, static_cast<unsigned>(lines) + 1, static_cast<unsigned>(characters) + 1};
+}
+
+}  // namespace
+
+const Node* Node::find(std::string_view name) const {
+  if (!is_table()) return nullptr;
+  const auto found = std::find_if(children.begin(), children.end(),
+                                  [&](const Node& child) { return child.key == name; });
+  return found == children.end() ? nullptr : &*found;
+}
+
+Node* Node::find(std::string_view name) {
+  return const_cast<Node*>(static_cast<const Node&>(*this).find(name));
+}
+
+std::string described(const Node& node) {
+  switch (node.kind) {
+    case Node::Kind::table:
+      return "a table";
+    case Node::Kind::array:
+      return fmt::format("an array of {}", node.children.size());
+    case Node::Kind::text:
+      return fmt::format("the string \"{}\"", base::printable(node.text));
+    case Node::Kind::integer:
+    case Node::Kind::real:
+      return fmt::format("the number {}", node.number);
+    case Node::Kind::boolean:
+      return "a boolean";
+    case Node::Kind::date:
+      return "a date or time";
+  }
+  return "";
+}
+
+std::variant<Node, SyntaxError> parse_tree(std::string_view text, int source) {
+  if (const auto at = base::first_invalid_utf8(text); at != std::string_view::npos) {
+    return SyntaxError{place_at(text, at, source), "not UTF-8 text"};
+  }
+  if (const auto fault = check_nesting(text)) {
+    return SyntaxError{place_at(text, fault->offset, source), fault->message};
+  }
+  try {
+    const toml::table table = toml::parse(text, std::string_view{});
+    Node root = converted(table, source);
+    root.place = place_at(text, 0, source);
+    return root;
+  } catch (const toml::parse_error& error) {
+    return SyntaxError{place_of(error.source(), source),
+                       base::printable(without_preamble(error.description()), 200)};
+  }
+}
+
+}  // namespace hydrapod::model
