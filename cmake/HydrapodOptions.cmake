@@ -13,11 +13,14 @@ if(HYDRAPOD_SANITIZE)
   add_link_options(-fsanitize=${HYDRAPOD_SANITIZE})
 endif()
 
+# ccache looks into precompiled headers only with these settings (its manual, "Precompiled headers").
 find_program(HYDRAPOD_CCACHE ccache)
 if(HYDRAPOD_CCACHE AND NOT CMAKE_CXX_COMPILER_LAUNCHER)
   set(CMAKE_CXX_COMPILER_LAUNCHER
     ${CMAKE_COMMAND} -E env CCACHE_SLOPPINESS=pch_defines,time_macros ${HYDRAPOD_CCACHE})
   if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
     add_compile_options($<$<COMPILE_LANGUAGE:CXX>:-fpch-preprocess>)
+  else()
+    add_compile_options("$<$<COMPILE_LANGUAGE:CXX>:SHELL:-Xclang -fno-pch-timestamp>")
   endif()
 endif()

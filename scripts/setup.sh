@@ -114,13 +114,13 @@ build_preset() {
     (cd "$root" && logged "$log" cmake --preset "$preset") || show_failure "$log"
   fi
   [[ -t 2 ]] || say "building build/$preset"
-  if ! run_ninja "$folder" | tee "$log" | show_progress "$preset"; then
+  if ! run_build "$preset" | tee "$log" | show_progress "$preset"; then
     show_failure "$log"
   fi
   if ((SECONDS - began > 2)); then say "built build/$preset in $((SECONDS - began)) s"; fi
 }
 
-run_ninja() { ninja -C "$1" -j "$(jobs_at_once)" </dev/null 2>&1 9>&-; }
+run_build() { (cd "$root" && cmake --build --preset "$1" -j "$(jobs_at_once)") </dev/null 2>&1 9>&-; }
 
 # A build folder knows its absolute path: after the repository was moved it must be made anew.
 forget_moved_build() {
