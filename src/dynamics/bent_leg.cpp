@@ -172,6 +172,15 @@ Matrix7 chart_mass(const model::Leg& leg, const Configuration& at, const Matrix3
   return M + rod.axial_inertia * spin * spin.transpose();
 }
 
+/// Rate of a lateral vector `v` of the case that the case sees. With transverse axes the case does not spin
+/// about n, but the chart does, with σ = (a1·n) α̇; then σ n × v is added to the rates in the chart.
+Matrix27 seen_by_case(const Configuration& at, const Matrix27& chart_rates, const Vector2& v,
+                      const Matrix7& T, bool gimbal) {
+  Matrix27 rates = chart_rates * T;
+  if (!gimbal) rates += Vector2(-v[1], v[0]) * (at.a1.z() * T.row(alpha));
+  return rates;
+}
+
 /// ∂(chart)/∂(a in the case frame, φ, u).
 Matrix7 chart_from_local(const Matrix37& joint_rates) {
   const Matrix3 A_inverse = joint_rates.leftCols<3>().inverse();
@@ -235,15 +244,17 @@ BentLeg bent_leg(const model::Leg& leg, const Vector3& a, model::FlexibleAxes ax
   add_point_curvature(at, joint, joint_rates, -lambda, H);
 
   element.s_x = T.row(extension).transpose();
-  element.d_x = sleeve.D * T;
+  element.d_x = seen_by_case(at, sleeve.D, sleeve.d, T, gimbal);
   bent.K_without_oil = T.transpose() * H * T;
   element.K = bent.K_without_oil + element.k_h * element.s_x * element.s_x.transpose();
   element.M = T.transpose() * chart_mass(leg, at, case_rates, rod_rates, gimbal) * T;
   element.C = leg.guide_sleeve.damping * element.d_x.transpose() * element.d_x +
               leg.oil_spring.damping * element.s_x * element.s_x.transpose();
   if (leg.piston_ring) {
-    element.C(5, 5) += leg.piston_ring->damping;
-    element.C(6, 6) += leg.piston_ring->damping;
+    Matrix27 offset_rates = Matrix27::Zero();
+    offset_rates.rightCols<2>().setIdentity();
+    const Matrix27 u_x = seen_by_case(at, offset_rates, at.u, T, gimbal);
+    element.C += leg.piston_ring->damping * u_x.transpose() * u_x;
   }
   return bent;
 }

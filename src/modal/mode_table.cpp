@@ -1,0 +1,115 @@
+#include "hydrapod/modal/mode_table.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numeric>
+
+namespace hydrapod::modal {
+
+namespace {
+
+constexpr std::array<const char*, 6> direction_names{"x", "y", "z", "rx", "ry", "rz"};
+
+/// "all legs", "leg 3", "legs 1, 2 and 4": the legs that hold 90 % of `per_leg`, "all" from five on.
+std::string legs_involved(const Vector6& per_leg) {
+  std::array<int, 6> order{};
+  std::iota(order.begin(), order.end(), 0);
+  std::stable_sort(order.begin(), order.end(), [&](int a, int b) { return per_leg[a] > per_leg[b]; });
+  const double wanted = 0.9 * per_leg.sum();
+  double held = 0.0;
+  int count = 0;
+  while (count < 6 && held < wanted) held += per_leg[order[count++]];
+  constexpr int nearly_all = 4;  // pairs of a symmetric machine spread unevenly over the legs
+  if (count >= nearly_all) return "all legs";
+  std::sort(order.begin(), order.begin() + count);
+  if (count == 1) return fmt::format("leg {}", order[0] + 1);
+  std::string text = fmt::format("legs {}", order[0] + 1);
+  for (int k = 1; k < count; ++k)
+    text += fmt::format("{} {}", k == count - 1 ? " and" : ",", order[k] + 1);
+  return text;
+}
+
+/// What gives way: the spring that holds most of the elastic energy.
+std::string what_gives(const EnergyShares& energy) {
+  const double oil = energy.oil.sum();
+  const double guide = energy.guide_sleeve.sum();
+  const double ring = energy.piston_ring.sum();
+  if (oil >= guide && oil >= ring) return "oil springs of " + legs_involved(energy.oil);
+  if (guide >= ring) return "knee of " + legs_involved(energy.guide_sleeve);
+  return "piston rings of " + legs_involved(energy.piston_ring);
+}
+
+TabledMode tabled(const LinearModel& model, const DampedMode& mode) {
+  TabledMode entry{.mode = mode};
+  entry.energy = energy_shares(model, mode.real, mode.imaginary);
+  entry.platform_feels = entry.energy.platform.sum() >= felt_by_platform;
+  entry.label = mode_label(entry.energy, mode.stable);
+  return entry;
+}
+
+std::vector<TabledMode> table_of(const LinearModel& model, double ratio) {
+  std::vector<TabledMode> list;
+  for (const auto& mode : damped_modes(model, normal_modes(model), ratio))
+    list.push_back(tabled(model, mode));
+  return list;
+}
+
+RigidCounterpart counterpart(const LinearModel& model, const std::vector<TabledMode>& rigid,
+                             const DampedMode& mode) {
+  const Vector6 momentum = model.M.topRows<6>() * mode.real;
+  const Vector6 momentum_imaginary = model.M.topRows<6>() * mode.imaginary;
+  const spatial::Matrix6 M_rr = model.M.topLeftCorner<6, 6>();
+  RigidCounterpart best;
+  for (int r = 0; r < static_cast<int>(rigid.size()); ++r) {
+    const Vector6 psi = rigid[r].mode.real;
+    const double projection =
+        std::pow(psi.dot(momentum), 2) + std::pow(psi.dot(momentum_imaginary), 2);
+    const double mac = projection / psi.dot(M_rr * psi);
+    if (mac > best.mac) best = {r, mac, 0.0};
+  }
+  const double omega_rigid = rigid[best.mode].mode.omega;
+  best.shift = omega_rigid > 0.0 ? mode.omega / omega_rigid - 1.0 : 0.0;
+  return best;
+}
+
+}  // namespace
+
+std::string platform_directions(const EnergyShares& energy) {
+  const Vector6 share = energy.platform / energy.platform.sum();
+  std::array<int, 6> order{};
+  std::iota(order.begin(), order.end(), 0);
+  std::stable_sort(order.begin(), order.end(), [&](int a, int b) { return share[a] > share[b]; });
+  constexpr double worth_naming = 0.2;
+  std::string text = direction_names[order[0]];
+  for (int k = 1; k < 6 && share[order[k]] > worth_naming; ++k)
+    text += fmt::format(" + {}", direction_names[order[k]]);
+  return text;
+}
+
+std::string mode_label(const EnergyShares& energy, bool stable) {
+  const std::string unstable = stable ? "" : "unstable (buckling): ";
+  if (energy.platform.sum() < felt_by_platform) {
+    const bool ring = energy.piston_ring.sum() > energy.guide_sleeve.sum();
+    return unstable + (ring ? "piston-ring mode" : "seal mode") + " the platform cannot feel";
+  }
+  return unstable + platform_directions(energy) + ", " + what_gives(energy);
+}
+
+ModeTable mode_table(const model::Machine& machine, const spatial::Pose& X_BP,
+                     dynamics::ModelKind kind) {
+  ModeTable table{.kind = kind, .ratio = modal_ratio(machine)};
+  table.model = dynamics::linear_model(machine, X_BP, kind);
+  table.rigid_model = dynamics::linear_model(machine, X_BP, dynamics::ModelKind::rigid);
+  table.rigid = table_of(table.rigid_model, table.ratio.value);
+  table.modes = kind == dynamics::ModelKind::rigid ? table.rigid
+                                                   : table_of(table.model, table.ratio.value);
+  if (kind != dynamics::ModelKind::rigid)
+    for (auto& entry : table.modes)
+      if (entry.platform_feels) entry.rigid = counterpart(table.model, table.rigid, entry.mode);
+  return table;
+}
+
+}  // namespace hydrapod::modal
