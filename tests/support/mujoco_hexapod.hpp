@@ -1,0 +1,93 @@
+#pragma once
+/// The mechanism of model::Machine in MuJoCo, built from the description alone.
+///
+/// Platform: a free body. Each leg: two hinges at the base joint, the case, a slide along the case,
+/// (full) two lateral slides, (guide, full) two hinges at the piston, the rod. The rod's end is
+/// held to the platform joint by a `connect` constraint: 18 constraint rows, 6, 18 or 30 degrees of
+/// freedom. At the start every leg is straight.
+///
+/// FlexibleAxes::gimbal: the hinges at the base are about a1 and a2, those at the piston parallel
+/// to them, or to `piston_axes` (first axis of each leg, in its case; the second stays a2).
+/// FlexibleAxes::transverse: any two axes normal to the leg, and bodies whose axial inertia is
+/// 1e-13 kg m², the least that MuJoCo takes.
+///
+/// Coordinates q̇ are MuJoCo's: platform origin in B, platform rotation in platform axes, then leg
+/// by leg θ1, θ2, s (, u1, u2) (, φ1, φ2).
+
+#include <mujoco/mujoco.h>
+
+#include <Eigen/Core>
+#include <array>
+#include <memory>
+
+#include "hydrapod/dynamics/statics.hpp"
+
+namespace hydrapod::test {
+
+using dynamics::ModelKind;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+using spatial::Matrix3;
+using spatial::Vector3;
+
+using PistonAxes = std::array<Vector3, model::leg_count>;
+
+class MujocoHexapod {
+ public:
+  MujocoHexapod(const model::Machine& machine, const spatial::Pose& X_BP, ModelKind kind,
+                const PistonAxes* piston_axes = nullptr);
+
+  [[nodiscard]] int nv() const { return model_->nv; }
+  [[nodiscard]] int dof() const { return dynamics::degrees_of_freedom(kind_); }
+  [[nodiscard]] int per_leg() const { return 3 + dynamics::flexible_per_leg(kind_); }
+  [[nodiscard]] ModelKind kind() const { return kind_; }
+  [[nodiscard]] const model::Machine& machine() const { return machine_; }
+
+  /// Places of leg `i` in q̇.
+  [[nodiscard]] int theta_of(int i) const { return 6 + i * per_leg(); }
+  [[nodiscard]] int extension_of(int i) const { return theta_of(i) + 2; }
+  [[nodiscard]] int flexible_of(int i) const { return theta_of(i) + 3; }
+
+  /// The configuration as displacement in q̇ from `from` (MuJoCo's qpos).
+  void move(const VectorXd& from, const VectorXd& displacement);
+  [[nodiscard]] VectorXd qpos() const;
+  /// Of the slide along the case of leg `i`, from the start [m].
+  [[nodiscard]] double extension(int i) const;
+
+  [[nodiscard]] MatrixXd mass() const;                 ///< nv × nv
+  [[nodiscard]] MatrixXd constraint_jacobian() const;  ///< 18 × nv
+  [[nodiscard]] VectorXd constraint_error() const;     ///< 18 [m]
+  /// nv × dof: motions that the constraints allow, per motion of the platform and of the legs'
+  /// flexible coordinates.
+  [[nodiscard]] MatrixXd allowed_motions() const;
+  /// nv × nv at the start: oil springs, seals and piston rings, each by MuJoCo's point Jacobians.
+  [[nodiscard]] MatrixXd stiffness_without_preload() const;
+
+  [[nodiscard]] Matrix3 case_axes(int i) const;  ///< R_BL; third column along the case
+  [[nodiscard]] Vector3 rod_direction(int i) const;
+  [[nodiscard]] Vector3 piston(int i) const;  ///< [m] in B, where rod and case meet
+  /// Offset of the piston from the case's axis, in B [m].
+  [[nodiscard]] Vector3 piston_offset(int i) const;
+
+  [[nodiscard]] VectorXd gravity_force() const;  ///< generalised
+  /// Adds the generalised force of a pair ±`force` between rod (+) and case (−) of leg `i` at
+  /// `point`.
+  void add_pair(int i, const Vector3& force, const Vector3& point, VectorXd& generalised) const;
+
+ private:
+  struct Delete {
+    void operator()(mjModel* model) const { mj_deleteModel(model); }
+    void operator()(mjData* data) const { mj_deleteData(data); }
+  };
+  [[nodiscard]] static int case_body(int i) { return 2 + 2 * i; }
+  [[nodiscard]] static int rod_body(int i) { return 3 + 2 * i; }
+  [[nodiscard]] MatrixXd point_jacobian(const Vector3& point, int body) const;
+  void update();
+
+  model::Machine machine_;
+  ModelKind kind_;
+  std::unique_ptr<mjModel, Delete> model_;
+  std::unique_ptr<mjData, Delete> data_;
+};
+
+}  // namespace hydrapod::test
