@@ -55,13 +55,23 @@ void check_piston_rings(const model::Machine& machine, ModelKind kind) {
           fmt::format("the full model needs legs.piston_ring.stiffness; leg {} has none", i + 1));
 }
 
+const char* reason(StaticsStatus status) {
+  switch (status) {
+    case StaticsStatus::singular:
+      return "singular";
+    case StaticsStatus::folded:
+      return "a leg folds up";
+    default:
+      return "not converged";
+  }
+}
+
 void require_equilibrium(const StaticEquilibrium& statics, ModelKind kind) {
   if (statics.status == StaticsStatus::converged) return;
   throw base::ComputationError(fmt::format(
       "no static equilibrium of the {} model at this pose: {} after {} iterations, residual {:.2g} of "
       "the weight; the legs may be past buckling (see `hydrapod check`)",
-      name(kind), statics.status == StaticsStatus::singular ? "singular" : "not converged",
-      statics.iterations, statics.residual));
+      name(kind), reason(statics.status), statics.iterations, statics.residual));
 }
 
 /// The legs with preload; adds the platform's share of the geometric stiffness to K.

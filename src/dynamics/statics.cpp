@@ -73,13 +73,22 @@ struct Problem {
     for (int i = 0; i < model::leg_count; ++i) {
       now.legs[i] = bent_leg(machine.legs[i], geometry[i].a, machine.flexible_axes, machine.gravity,
                              at.legs[i]);
-      if (!now.legs[i].exists) return {.exists = false};
+      now.exists = now.exists && now.legs[i].exists;
+      if (!now.exists) return now;
       balance -= wrench(now.legs[i].joint_force, geometry[i].a - C);
       worst = std::max(
           worst, now.legs[i].flexible_gradient.head(flexible).lpNorm<Eigen::Infinity>());
     }
     now.residual = std::max(worst, balance.lpNorm<Eigen::Infinity>()) / weight;
     return now;
+  }
+
+  /// Whether every piston is below its guide sleeve. Past its limit load a leg has no equilibrium near
+  /// the straight one, and Newton may end at a far one, where the rod has been pulled through the seal.
+  [[nodiscard]] bool guided(const Iterate& now) const {
+    return flexible == 0 || std::all_of(now.legs.begin(), now.legs.end(), [](const BentLeg& leg) {
+             return leg.element.l_mh > 0.0;
+           });
   }
 
   /// One Newton step; false when the 6×6 system for the oil forces is singular.
@@ -121,10 +130,13 @@ StaticEquilibrium static_equilibrium(const model::Machine& machine, const spatia
   const Problem problem(machine, X_BP, kind);
   for (at.iterations = 0;; ++at.iterations) {
     const Iterate now = problem.evaluate(at);
-    if (!now.exists) return at;
+    if (!now.exists) {
+      at.status = StaticsStatus::folded;
+      return at;
+    }
     at.residual = now.residual;
     if (now.residual <= options.tolerance) {
-      at.status = StaticsStatus::converged;
+      at.status = problem.guided(now) ? StaticsStatus::converged : StaticsStatus::folded;
       return at;
     }
     if (at.iterations == options.max_iterations) return at;

@@ -146,6 +146,11 @@ double buckling_stiffness(const Leg& leg, double l, double force) {
   return std::abs(force) * (l - leg.rod.length) * leg.rod.length / l;
 }
 
+/// Tilt stiffness with which the leg's own weight bends it by 0.1 rad, as a beam on two supports.
+double sagging_stiffness(const Leg& leg, double l) {
+  return 10.0 * (leg.cylinder_case.mass + leg.rod.mass) * model::standard_gravity * l / 8.0;
+}
+
 double guided_length(const Leg& leg, double l) {
   return leg.guide_sleeve.position - (l - leg.rod.length);
 }
@@ -159,9 +164,10 @@ void draw_seals(Random& random, Machine& machine, const RandomMachineOptions& op
       for (const auto& pose : machine.poses) {
         const double l = kinematics::leg_lengths(machine, pose.X_BP)[i];
         const double l_mh = guided_length(leg, l);
-        softest =
-            std::max(softest, buckling_stiffness(leg, l, axial_forces(machine, pose.X_BP)[i]) /
-                                  (l_mh * l_mh));
+        const double tilt_stiffness =
+            buckling_stiffness(leg, l, axial_forces(machine, pose.X_BP)[i]) +
+            sagging_stiffness(leg, l);
+        softest = std::max(softest, tilt_stiffness / (l_mh * l_mh));
       }
       k_s = softest / random.uniform(options.lowest_load, options.highest_load);
     }

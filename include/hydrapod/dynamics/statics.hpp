@@ -34,7 +34,13 @@ struct StaticsOptions {
   int max_iterations{60};
 };
 
-enum class StaticsStatus { converged, singular, not_converged };
+enum class StaticsStatus {
+  converged,
+  singular,
+  folded,  ///< Newton ended where a leg is folded so far that its piston has left the guide sleeve
+           ///< (l_mh ≤ 0), or that no extension closes it
+  not_converged
+};
 
 struct StaticEquilibrium {
   StaticsStatus status{StaticsStatus::not_converged};
