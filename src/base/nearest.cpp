@@ -51,6 +51,10 @@ std::optional<std::string_view> nearest(std::string_view word,
   std::optional<std::string_view> best;
   int best_distance = allowed_distance(word) + 1;
   for (const std::string_view candidate : candidates) {
+    const bool same_letters =
+        std::equal(word.begin(), word.end(), candidate.begin(), candidate.end(),
+                   [](char a, char b) { return lower(a) == lower(b); });
+    if (same_letters) return candidate;
     const int distance = edit_distance(word, candidate);
     if (distance < best_distance) {
       best = candidate;

@@ -233,7 +233,7 @@ QuantityResult read_quantity(std::string_view text, std::string_view unit) {
   const std::string plain = with_plain_spaces(text.substr(0, longest_quantity + 1));
   const std::string_view whole = trimmed(plain);
   if (whole.empty()) {
-    return failed(fmt::format("an empty string, expected {}", expectation(unit, "0.5")));
+    return failed(fmt::format("is an empty string, expected {}", expectation(unit, "0.5")));
   }
   const NumberResult number = read_number(whole, unit);
   if (!number.problem.empty()) return failed(number.problem);

@@ -43,8 +43,8 @@ std::vector<base::Diagnostic> Faults::diagnostics(base::Severity severity) const
     if (fault.diagnostic.severity == severity) diagnostics.push_back(std::move(fault.diagnostic));
   }
   if (not_kept_ > 0 && severity == base::Severity::error) {
-    diagnostics.push_back({severity, sources_.front(), 0, 0, "",
-                           fmt::format("and {} more mistakes of this kind", not_kept_)});
+    diagnostics.push_back(
+        {severity, sources_.front(), 0, 0, "", fmt::format("and {} more mistakes", not_kept_)});
   }
   return diagnostics;
 }

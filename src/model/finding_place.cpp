@@ -55,6 +55,14 @@ std::vector<KeyPath> equal_paths(const KeyPath& path) {
   return paths;
 }
 
+/// The pose that `key` names, even where its name would need quotes in a path ("poses.far left").
+const Node* named_pose(const Node& root, std::string_view key) {
+  constexpr std::string_view front = "poses.";
+  const Node* poses = root.find("poses");
+  if (poses == nullptr || !key.starts_with(front)) return nullptr;
+  return poses->find(key.substr(front.size()));
+}
+
 /// The place to look at for a fault in `node`: a part that an override has put there before the
 /// rest.
 Place suspect_place(const Node& node) {
@@ -70,6 +78,7 @@ Place suspect_place(const Node& node) {
 
 FindingPlace find_place(const Node& root, const std::string& key) {
   KeyPath path = parse_path(key).value_or(KeyPath{});
+  if (const auto* pose = named_pose(root, key)) path = path_below({"poses", pose->key}, {}, 0);
   for (; !path.empty(); path.pop_back()) {
     for (const auto& candidate : equal_paths(path)) {
       if (const Node* node = find_node(root, candidate))

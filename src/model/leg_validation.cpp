@@ -130,8 +130,8 @@ void check_stroke(const Leg& leg, ValueChecks& checks) {
   const auto& [retracted, length] = *leg.stroke;
   const bool begins = checks.not_negative("stroke.retracted", retracted, "m");
   const bool has_length = checks.positive("stroke.length", length, "m");
-  if (!begins || !has_length) return;
   const double L_g = leg.guide_sleeve.position;
+  if (!begins || !has_length || !std::isfinite(L_g) || L_g <= 0.0) return;  // said elsewhere
   if (L_g <= retracted + length) {
     checks.add("guide_sleeve.position",
                fmt::format("is {:.6g} m, expected more than the piston's position at the end of "

@@ -14,6 +14,7 @@ namespace hydrapod::model {
 
 namespace {
 
+constexpr std::size_t most_poses = 1000;
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 
 JointPoints unread_points() {
@@ -261,6 +262,11 @@ std::vector<NamedPose> read_poses(const Section& root, const Node& tree) {
   std::vector<NamedPose> poses{{"neutral", read_pose(table.required_table("neutral"))}};
   const Node* node = tree.find("poses");
   if (node == nullptr || !node->is_table()) return poses;
+  if (node->children.size() > most_poses) {
+    root.report(root.find("poses"), fmt::format("holds {} poses, expected no more than {}",
+                                                node->children.size(), most_poses));
+    return poses;
+  }
   for (const auto& child : node->children) {
     if (child.key == "neutral" || !child.is_table()) continue;
     poses.push_back({child.key, read_pose(table.optional_table(child.key))});

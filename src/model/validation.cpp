@@ -79,10 +79,10 @@ void check_joints_apart(const JointPoints& joints, const char* side, ValueChecks
       reported.insert(j);
     }
     if (together.size() == 1 || reported.contains(i)) continue;
-    checks.add(
-        fmt::format("leg.{}.{}_joint", together.back(), side),
-        fmt::format("legs {} have their {} joints in one place, ({:.6g}, {:.6g}, {:.6g}) m",
-                    fmt::join(together, ", "), side, joints[i].x(), joints[i].y(), joints[i].z()));
+    const Vector3 place = (joints[i].array().abs() > tolerance).select(joints[i], 0.0);
+    checks.add(fmt::format("leg.{}.{}_joint", together.back(), side),
+               fmt::format("legs {} have their {} joints in one place, ({:.6g}, {:.6g}, {:.6g}) m",
+                           fmt::join(together, ", "), side, place.x(), place.y(), place.z()));
   }
 }
 

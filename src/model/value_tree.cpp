@@ -4,6 +4,7 @@
 #include <toml++/toml.h>
 
 #include <algorithm>
+#include <cctype>
 #include <tuple>
 
 #include "hydrapod/base/printable.hpp"
@@ -62,13 +63,6 @@ Node converted(const toml::node& value, int source) {
   return node;
 }
 
-/// "Error while parsing array: encountered end-of-file" in our words.
-std::string without_preamble(std::string_view description) {
-  constexpr std::string_view preamble = "Error while parsing ";
-  if (!description.starts_with(preamble)) return fmt::format("not valid TOML: {}", description);
-  return fmt::format("not valid TOML in {}", description.substr(preamble.size()));
-}
-
 Place place_at(std::string_view text, std::size_t offset, int source) {
   if (source != 0) return {source, 0, 0};
   const std::string_view before = text.substr(0, offset);
@@ -80,6 +74,43 @@ Place place_at(std::string_view text, std::size_t offset, int source) {
     return (static_cast<unsigned char>(c) & 0xC0) != 0x80;
   });
   return {source, static_cast<unsigned>(lines) + 1, static_cast<unsigned>(characters) + 1};
+}
+
+/// The line of `text` up to the place of an error.
+std::string_view line_before(std::string_view text, const toml::source_position& place) {
+  for (unsigned line = 1; line < place.line; ++line) {
+    const auto end = text.find('\n');
+    if (end == std::string_view::npos) return {};
+    text.remove_prefix(end + 1);
+  }
+  // toml++ counts characters, and bytes are as good here: all that is looked at is ASCII.
+  return text.substr(0, std::min<std::size_t>(text.find('\n'), place.column - 1));
+}
+
+/// What people most often mean by what TOML does not allow; empty where there is nothing to guess.
+std::string advice(std::string_view description, std::string_view line) {
+  if (description.find("unescaped control characters") != std::string_view::npos) {
+    return "; is its closing quote missing?";
+  }
+  while (line.ends_with(' ')) line.remove_suffix(1);
+  const bool after_digit = !line.empty() && line.back() >= '0' && line.back() <= '9';
+  const bool saw_letter = description.ends_with('\'') && description.size() > 2 &&
+                          std::isalpha(static_cast<unsigned char>(*(description.end() - 2))) != 0;
+  if (after_digit && saw_letter && line.find('=') != std::string_view::npos) {
+    return "; a number with a unit stands in quotes, for instance \"0.5 m\"";
+  }
+  return "";
+}
+
+/// "Error while parsing array: encountered end-of-file" in our words.
+std::string syntax_message(std::string_view description, std::string_view line) {
+  constexpr std::string_view preamble = "Error while parsing ";
+  const std::string more = advice(description, line);
+  if (!description.starts_with(preamble)) {
+    return fmt::format("not valid TOML: {}{}", description, more);
+  }
+  description.remove_prefix(preamble.size());
+  return fmt::format("not valid TOML in {}{}", description, more);
 }
 
 }  // namespace
@@ -127,8 +158,9 @@ std::variant<Node, SyntaxError> parse_tree(std::string_view text, int source) {
     root.place = place_at(text, 0, source);
     return root;
   } catch (const toml::parse_error& error) {
+    const auto line = line_before(text, error.source().begin);
     return SyntaxError{place_of(error.source(), source),
-                       base::printable(without_preamble(error.description()), 200)};
+                       base::printable(syntax_message(error.description(), line), 250)};
   }
 }
 

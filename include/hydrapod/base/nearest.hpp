@@ -13,7 +13,8 @@ int edit_distance(std::string_view a, std::string_view b);
 
 /// The candidate nearest to `word`, the first of equally near ones; none when no candidate is near
 /// enough to be a slip of the finger (one edit per three letters, at least one, and fewer edits
-/// than the word has letters). Words longer than 64 bytes match nothing.
+/// than the word has letters; a difference in letter case alone always is near). Words longer than
+/// 64 bytes match nothing.
 std::optional<std::string_view> nearest(std::string_view word,
                                         std::span<const std::string_view> candidates);
 
