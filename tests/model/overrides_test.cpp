@@ -1,0 +1,107 @@
+/// `--set PATH=VALUE`: what the file would say if it said something else.
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include "hydrapod/model/machine_file.hpp"
+#include "sound_machine.hpp"
+
+namespace hydrapod::model {
+namespace {
+
+Machine with(const std::vector<std::string>& overrides) {
+  return parse_machine(sound_machine_file, "m.toml", overrides).machine;
+}
+
+TEST(Overrides, TakeNumbersAndQuantities) {
+  EXPECT_EQ(with({"platform.mass=3"}).platform.mass, 3.0);
+  EXPECT_EQ(with({"platform.mass=3 t"}).platform.mass, 3000.0);
+  EXPECT_EQ(with({"platform.mass=\"3 t\""}).platform.mass, 3000.0);
+  EXPECT_EQ(with({" platform.mass = 2.5e3 "}).platform.mass, 2500.0);
+  EXPECT_EQ(with({"platform.mass=.5"}).platform.mass, 0.5);   // TOML would want 0.5
+  EXPECT_EQ(with({"platform.mass=007"}).platform.mass, 7.0);  // and 7
+}
+
+TEST(Overrides, SwitchGravityOff) {
+  const Machine machine = with({"environment.gravity=0"});
+  EXPECT_EQ(machine.gravity, Vector3::Zero());
+  EXPECT_FALSE(std::signbit(machine.gravity.z()));
+}
+
+TEST(Overrides, TakeWordsArraysAndTables) {
+  EXPECT_EQ(with({"model.flexible_axes=gimbal"}).flexible_axes, FlexibleAxes::gimbal);
+  EXPECT_EQ(with({"name=two words"}).name, "two words");
+  EXPECT_EQ(with({"platform.mass_center=[1, 2, \"3 mm\"]"}).platform.mass_center,
+            Vector3(1, 2, 0.003));
+  const Machine machine = with({"legs.piston_ring={ stiffness = 7, damping = 8 }"});
+  EXPECT_EQ(machine.legs[3].piston_ring.value().damping, 8.0);
+}
+
+TEST(Overrides, ReachElementsOfArrays) {
+  EXPECT_EQ(with({"platform.mass_center[2]=-10 cm"}).platform.mass_center, Vector3(0, 0, -0.1));
+  EXPECT_EQ(with({"poses.tilted.rotation[1]=0.25"}).poses[1].X_BP.R_BP,
+            spatial::rotation_from_rpy({10 * std::acos(-1.0) / 180, 0.25, 0}));
+}
+
+TEST(Overrides, MakeTablesThatTheFileHasNot) {
+  const Machine machine = with({"leg.5.rod.length=1.1", "damping.modal_ratio=3 %",
+                                "poses.\"far left\".position=[0, 0.1, 1.4]"});
+  EXPECT_EQ(machine.legs[4].rod.length, 1.1);
+  EXPECT_EQ(machine.legs[3].rod.length, 1.05);
+  EXPECT_EQ(machine.damping.modal_ratio, 0.03);
+  EXPECT_EQ(machine.poses.back().name, "far left");
+}
+
+TEST(Overrides, TheLaterOneCounts) {
+  EXPECT_EQ(with({"platform.mass=1", "platform.mass=2"}).platform.mass, 2.0);
+}
+
+TEST(Overrides, OfAllLegsLeaveWhatOneLegSays) {
+  const Machine machine = with({"legs.guide_sleeve.stiffness=1e9"});
+  EXPECT_EQ(machine.legs[0].guide_sleeve.stiffness, 1e9);
+  EXPECT_DOUBLE_EQ(machine.legs[2].guide_sleeve.stiffness, 4e6);
+}
+
+TEST(Overrides, OfTheOilSpringReplaceTheOtherKind) {
+  const Machine stiffness = with({"legs.oil_spring.stiffness=2e7"});
+  EXPECT_EQ(stiffness.legs[0].oil_spring.stiffness, 2e7);
+  EXPECT_FALSE(stiffness.legs[0].oil_spring.cylinder);
+
+  const Machine one_leg = with({"leg.3.oil_spring.stiffness=2e7"});
+  EXPECT_TRUE(one_leg.legs[2].oil_spring.stiffness);
+  EXPECT_TRUE(one_leg.legs[1].oil_spring.cylinder);
+
+  const Machine back = with({"legs.oil_spring.stiffness=2e7",
+                             "legs.oil_spring.cylinder={ bore = 0.1, rod_diameter = 0.05, "
+                             "bulk_modulus = 1e9 }"});
+  EXPECT_FALSE(back.legs[0].oil_spring.stiffness);
+  EXPECT_EQ(back.legs[0].oil_spring.cylinder.value().bore, 0.1);
+}
+
+TEST(Overrides, OfTheJointsReplaceTheOtherKind) {
+  const Machine machine =
+      with({"base.joints.points=[[1,0,0],[1,1,0],[0,1,0],[-1,0,0],[-1,-1,0],"
+            "[0,-1,0]]"});
+  EXPECT_EQ(machine.legs[4].base_joint, Vector3(-1, -1, 0));
+}
+
+/// An override is one value: it cannot smuggle in further keys.
+TEST(Overrides, AreOneValueEach) {
+  EXPECT_EQ(complaint_about(sound_machine_file, {"platform.mass=3\nname = \"other\""}),
+            "--set platform.mass=3?name = \"other\": error: platform.mass: \"3?name = \"other\"\" "
+            "has the unknown unit \"name = \"other\"\", expected a mass such as \"kg\"");
+}
+
+TEST(Overrides, AreShownShortAndOnOneLine) {
+  const std::string text = "platform.mass=" + std::string(200, '\x1b');
+  const std::string complaint = complaint_about(sound_machine_file, {text});
+  EXPECT_EQ(complaint.substr(0, 100),
+            "--set platform.mass=" + std::string(66, '?') + "...: error: pl");
+  EXPECT_NE(complaint_about(sound_machine_file, {"name=" + std::string(5000, 'x')}), "");
+}
+
+}  // namespace
+}  // namespace hydrapod::model
