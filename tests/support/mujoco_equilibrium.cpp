@@ -81,7 +81,9 @@ class Equilibrium {
       const bool stalled = closed && now < 1e-10 && now >= 0.5 * unbalanced;
       unbalanced = now;
       if (stalled) return;
-      x_ -= derivative().partialPivLu().solve(r);
+      const VectorXd step = derivative().partialPivLu().solve(r);
+      constexpr double largest = 0.2;  // [rad] and [m]: a leg must not turn over
+      x_ -= std::min(1.0, largest / step.head(legs()).lpNorm<Eigen::Infinity>()) * step;
     }
     residual(x_);
   }
@@ -177,7 +179,7 @@ MujocoEquilibrium mujoco_equilibrium(const model::Machine& machine, const spatia
 }
 
 MatrixXd stiffness_at(MujocoEquilibrium& equilibrium) {
-  constexpr double h = 1e-3;  // [m] and [rad]; error h⁴ of the fifth derivative, rounding ε / h
+  constexpr double h = 3e-4;  // [m] and [rad]; error h⁴ of the fifth derivative, rounding ε / h
   Neighbourhood near(equilibrium);
   const int dof = equilibrium.hexapod.dof();
   MatrixXd K(dof, dof);
