@@ -1,5 +1,6 @@
 #include "hydrapod/modal/damped_modes.hpp"
 
+#include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
@@ -146,6 +147,9 @@ void make_canonical(const ModelMatrix& M, std::vector<DampedMode>& modes, size_t
   for (size_t k = 0; k < size; ++k)
     B.col(static_cast<Eigen::Index>(k)) =
         modes[first + k].real.cast<Complex>() + Complex(0, 1) * modes[first + k].imaginary.cast<Complex>();
+  const ComplexMatrix gram = B.adjoint() * M.cast<Complex>() * B;  // poles that repeat leave any basis
+  const ComplexMatrix upper = Eigen::LLT<ComplexMatrix>(gram).matrixU();
+  B = upper.triangularView<Eigen::Upper>().solve<Eigen::OnTheRight>(B).eval();
   ComplexMatrix Q(size, size);
   Eigen::Index found = 0;
   for (Eigen::Index row = 0; row < rows && found < B.cols(); ++row) {

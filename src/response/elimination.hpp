@@ -1,0 +1,11 @@
+#pragma once
+/// Platform receptance by eliminating the legs' blocks; see response/frequency_response.hpp.
+
+#include "hydrapod/response/frequency_response.hpp"
+
+namespace hydrapod::response {
+
+/// Displacement responses into `out` (same size as `omega`); entries that met a vanishing pivot are NaN.
+void eliminate(const ResponseModel& model, std::span<const double> omega, std::span<Matrix6c> out);
+
+}  // namespace hydrapod::response

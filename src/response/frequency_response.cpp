@@ -1,0 +1,155 @@
+#include "hydrapod/response/frequency_response.hpp"
+
+#include <Eigen/LU>
+#include <cmath>
+#include <stdexcept>
+
+#include "elimination.hpp"
+
+namespace hydrapod::response {
+
+namespace {
+
+using spatial::Matrix6;
+
+/// Motion of the mass centre per motion of Q: v_C = v_Q + ω × (C − Q).
+Matrix6 center_from_point(const Vector3& p_CQ) {
+  Matrix6 T = Matrix6::Identity();
+  T.topRightCorner<3, 3>() = spatial::skew(p_CQ);
+  return T;
+}
+
+void move_platform_coordinates(const Matrix6& T, ModelMatrix& A) {
+  A.topRows<6>() = (T.transpose() * A.topRows<6>()).eval();
+  A.leftCols<6>() = (A.leftCols<6>() * T).eval();
+}
+
+/// Generalised forces of the oil columns per force or moment at Q: (∂s/∂y)ᵀ (∂s/∂q_Q)⁻ᵀ.
+ModelMatrix actuator_loads(const LinearModel& model, const Matrix6& T) {
+  const int flexible = dynamics::flexible_per_leg(model.kind);
+  ModelMatrix s_y = ModelMatrix::Zero(6, model.dof());
+  for (int i = 0; i < model::leg_count; ++i) {
+    const auto& s_x = model.legs[i].s_x;
+    s_y.row(i).head<6>() = s_x.head<3>().transpose() * model.J[i] * T;
+    s_y.row(i).segment(model.first_of_leg(i), flexible) = s_x.segment(3, flexible).transpose();
+  }
+  const Eigen::FullPivLU<Matrix6> lu(Matrix6(s_y.leftCols<6>()));
+  if (!lu.isInvertible())
+    throw std::invalid_argument("input actuator: the pose is singular, leg forces cannot be mapped");
+  return (lu.inverse() * s_y).transpose();
+}
+
+Complex output_factor(Output output, double omega) {
+  switch (output) {
+    case Output::velocity:
+      return {0.0, omega};
+    case Output::acceleration:
+      return {-omega * omega, 0.0};
+    case Output::displacement:
+      break;
+  }
+  return {1.0, 0.0};
+}
+
+/// Residues of the modal sum, one 6×6 (36 numbers in a row) per mode.
+void by_modes(const ResponseModel& model, std::span<const double> omega, std::span<Matrix6c> out) {
+  const int n = model.modes.size();
+  Eigen::Matrix<double, 36, Eigen::Dynamic> residues(36, n);
+  for (int k = 0; k < n; ++k) {
+    const auto phi = model.modes.shapes.col(k);
+    const Matrix6 residue = phi.head<6>() * (phi.transpose() * model.loads);
+    residues.col(k) = residue.reshaped();
+  }
+  Eigen::Matrix<double, Eigen::Dynamic, 2> weights(n, 2);
+  for (size_t i = 0; i < omega.size(); ++i) {
+    for (int k = 0; k < n; ++k) {
+      const double re = model.modes.omega2[k] - omega[i] * omega[i];
+      const double im = 2.0 * model.modal_ratio * model.modes.omega(k) * omega[i];
+      const double scale = 1.0 / (re * re + im * im);
+      weights(k, 0) = re * scale;
+      weights(k, 1) = -im * scale;
+    }
+    Eigen::Matrix<double, 36, 2> H;
+    H.noalias() = residues.lazyProduct(weights);
+    out[i].real() = H.col(0).reshaped(6, 6);
+    out[i].imag() = H.col(1).reshaped(6, 6);
+  }
+}
+
+/// C with the modal ratios in it: C + M Φ diag(2ζω) Φᵀ M.
+ModelMatrix whole_damping(const ResponseModel& model) {
+  ModelMatrix C = model.C;
+  if (model.modal_ratio == 0.0) return C;
+  const ModelMatrix momenta = model.M * model.modes.shapes;
+  for (int k = 0; k < model.modes.size(); ++k)
+    C += 2.0 * model.modal_ratio * model.modes.omega(k) * momenta.col(k) *
+         momenta.col(k).transpose();
+  return C;
+}
+
+void dense(const ResponseModel& model, std::span<const double> omega, std::span<Matrix6c> out) {
+  using ComplexModel = Eigen::Matrix<Complex, Eigen::Dynamic, Eigen::Dynamic, 0, dynamics::max_dof,
+                                     dynamics::max_dof>;
+  const ModelMatrix C = whole_damping(model);
+  const ComplexModel loads = model.loads.cast<Complex>();
+  for (size_t i = 0; i < omega.size(); ++i) {
+    const ComplexModel D = (model.K - omega[i] * omega[i] * model.M).cast<Complex>() +
+                           Complex(0.0, omega[i]) * C.cast<Complex>();
+    out[i] = Eigen::PartialPivLU<ComplexModel>(D).solve(loads).topRows(6);
+  }
+}
+
+}  // namespace
+
+ResponseModel response_model(const LinearModel& model, const NormalModes& modes, double modal_ratio,
+                             const Vector3& p_PQ, Input input) {
+  ResponseModel result{.kind = model.kind, .p_BQ = model.X_BP * p_PQ, .M = model.M, .K = model.K,
+                       .C = model.C, .modes = modes, .modal_ratio = modal_ratio};
+  const Matrix6 T = center_from_point(result.p_BQ - model.p_BC);
+  for (ModelMatrix* A : {&result.M, &result.K, &result.C}) move_platform_coordinates(T, *A);
+  result.modes.shapes.topRows<6>() = T.inverse() * modes.shapes.topRows<6>();
+  if (input == Input::actuator) {
+    result.loads = actuator_loads(model, T);
+  } else {
+    result.loads = ModelMatrix::Identity(model.dof(), 6);
+  }
+  result.loads_flexible = model.dof() > 6 && !result.loads.bottomRows(model.dof() - 6).isZero(0.0);
+  return result;
+}
+
+Method best_method(const ResponseModel& model) {
+  if (model.C.isZero(0.0)) return Method::modes;
+  return model.modal_ratio == 0.0 ? Method::elimination : Method::dense;
+}
+
+std::vector<Matrix6c> frequency_response(const ResponseModel& model, std::span<const double> omega,
+                                         Output output, std::optional<Method> method) {
+  const Method chosen = method.value_or(best_method(model));
+  if (chosen == Method::elimination && model.modal_ratio != 0.0)
+    throw std::invalid_argument("elimination cannot take modal ratios: they couple all legs");
+  if (chosen == Method::modes && !model.C.isZero(0.0))
+    throw std::invalid_argument("the modal sum cannot take viscous dampers: they couple the modes");
+  std::vector<Matrix6c> H(omega.size());
+  if (chosen == Method::modes) by_modes(model, omega, H);
+  if (chosen == Method::dense) dense(model, omega, H);
+  if (chosen == Method::elimination) {
+    eliminate(model, omega, H);
+    for (size_t i = 0; i < H.size(); ++i)
+      if (!H[i].allFinite()) dense(model, omega.subspan(i, 1), {&H[i], 1});
+  }
+  if (output != Output::displacement)
+    for (size_t i = 0; i < H.size(); ++i) H[i] *= output_factor(output, omega[i]);
+  return H;
+}
+
+std::vector<double> log_space(double from, double to, int points) {
+  if (!(from > 0.0) || !(to > from) || points < 2)
+    throw std::invalid_argument("log_space: needs 0 < from < to and at least two points");
+  std::vector<double> values(points);
+  const double step = std::log(to / from) / (points - 1);
+  for (int i = 0; i < points; ++i) values[i] = from * std::exp(step * i);
+  values.back() = to;
+  return values;
+}
+
+}  // namespace hydrapod::response
