@@ -6,6 +6,8 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <fstream>
+#include <iterator>
 #include <numbers>
 #include <regex>
 #include <sstream>
@@ -345,6 +347,35 @@ TEST(StarterFile, IsSoundWithItsOptionalKeysToo) {
   EXPECT_TRUE(machine.damping.modal_ratio);
   EXPECT_EQ(machine.legs[2].base_joint, Vector3(-1.1, 0.1, 0));
   EXPECT_DOUBLE_EQ(machine.legs[2].guide_sleeve.stiffness, 2e6);
+}
+
+/// The text of docs/howto/machine-file.md.
+std::string manual() {
+  std::ifstream stream(std::string(test::source_folder) + "/docs/howto/machine-file.md");
+  return {std::istreambuf_iterator<char>(stream), {}};
+}
+
+TEST(Manual, ItsExamplesAreSound) {
+  const std::string text = manual();
+  const std::string fence = "```toml\n";
+  std::string together;
+  for (auto at = text.find(fence); at != std::string::npos; at = text.find(fence, at + 1)) {
+    const auto begin = at + fence.size();
+    together += text.substr(begin, text.find("```", begin) - begin);
+    EXPECT_EQ(complaint_about(together), "");
+  }
+  EXPECT_DOUBLE_EQ(machine_of(together).legs[2].guide_sleeve.stiffness, 2e6);
+}
+
+TEST(Manual, ExplainsEveryKeyOfTheStarterFile) {
+  const std::string text = manual();
+  const std::string starter = starter_machine_file();
+  const std::regex key(R"re((?:^|\n)(?:# )?([a-z_]+) = )re");
+  for (auto match = std::sregex_iterator(starter.begin(), starter.end(), key);
+       match != std::sregex_iterator(); ++match) {
+    const std::string name = (*match)[1];
+    EXPECT_TRUE(std::regex_search(text, std::regex("`" + name + "( = |`)"))) << name;
+  }
 }
 
 TEST(PublishedMachine, HasThePrintedAndTheIdentifiedValues) {
