@@ -27,7 +27,7 @@ unlock() { exec 9>&-; }
 missing_packages() {
   local entry installed
   installed=" $(dpkg-query --show --showformat='${db:Status-Status}:${Package} ' \
-    "${@%% *}" 2>/dev/null | tr '\n' ' ')"
+    "${@%% *}" 2>/dev/null || true)"  # it fails when it has never heard of one
   for entry in "$@"; do
     [[ $installed == *" installed:${entry%% *} "* ]] || printf '%s\n' "$entry"
   done
