@@ -1,5 +1,5 @@
-/// Equilibrium, stiffness and frequencies of machines under gravity, against the same mechanisms in
-/// MuJoCo, whose equilibrium and stiffness are found from its forces alone.
+/// Equilibrium, stiffness, damping and frequencies of machines under gravity, against the same
+/// mechanisms in MuJoCo, whose equilibrium and stiffness are found from its forces alone.
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
@@ -29,6 +29,7 @@ struct Differences {
   double oil_force{};  ///< relative to the largest of the six
   double bend{};       ///< case and rod directions [rad], piston offset relative to the leg
   double frequency{};  ///< relative
+  double damping{};    ///< relative, square roots of the eigenvalues of M⁻¹C
   double lowest_omega_squared{};
 };
 
@@ -59,6 +60,8 @@ Differences compare(const model::Machine& machine, const spatial::Pose& X_BP, Mo
   const MatrixXd K = stiffness_at(expected);
   const VectorXd lambda = omega_squared(mass_at(expected), 0.5 * (K + K.transpose()));
   differ.frequency = worst_frequency_error(omega_squared(model.M, model.K), lambda);
+  differ.damping = worst_frequency_error(omega_squared(model.M, model.C),
+                                         omega_squared(mass_at(expected), damping_at(expected)));
   differ.lowest_omega_squared = lambda[0];
   return differ;
 }
@@ -84,14 +87,17 @@ class UnderGravity : public testing::TestWithParam<AxesAndKind> {
     EXPECT_LE(differ.oil_force, slack * equilibrium_tolerance);
     EXPECT_LE(differ.bend, slack * equilibrium_tolerance);
     EXPECT_LE(differ.frequency, slack * frequency_tolerance);
+    EXPECT_LE(differ.damping, slack * frequency_tolerance);
+    worst_.damping = std::max(worst_.damping, differ.damping);
     worst_.oil_force = std::max(worst_.oil_force, differ.oil_force);
     worst_.bend = std::max(worst_.bend, differ.bend);
     worst_.frequency = std::max(worst_.frequency, differ.frequency);
     unstable_ += differ.lowest_omega_squared < 0.0;
   }
   void TearDown() override {
-    RecordProperty("worst", fmt::format("oil force {:.1e}, bend {:.1e}, frequency {:.1e}",
-                                        worst_.oil_force, worst_.bend, worst_.frequency));
+    RecordProperty("worst",
+                   fmt::format("oil force {:.1e}, bend {:.1e}, frequency {:.1e}, damping {:.1e}",
+                               worst_.oil_force, worst_.bend, worst_.frequency, worst_.damping));
   }
   Differences worst_;
   int unstable_{};

@@ -196,4 +196,9 @@ MatrixXd mass_at(const MujocoEquilibrium& equilibrium) {
   return N.transpose() * equilibrium.hexapod.mass() * N;
 }
 
+MatrixXd damping_at(const MujocoEquilibrium& equilibrium) {
+  const MatrixXd N = equilibrium.hexapod.allowed_motions();
+  return N.transpose() * equilibrium.hexapod.damping() * N;
+}
+
 }  // namespace hydrapod::test

@@ -30,5 +30,6 @@ MujocoEquilibrium mujoco_equilibrium(const model::Machine& machine, const spatia
 /// back.
 MatrixXd stiffness_at(MujocoEquilibrium& equilibrium);
 MatrixXd mass_at(const MujocoEquilibrium& equilibrium);
+MatrixXd damping_at(const MujocoEquilibrium& equilibrium);
 
 }  // namespace hydrapod::test

@@ -197,6 +197,37 @@ MatrixXd MujocoHexapod::stiffness_without_preload() const {
   return K;
 }
 
+/// Velocity of the rod's point there relative to the case, 3 × nv.
+MatrixXd MujocoHexapod::rates_seen_by_case(int i, const Vector3& point) const {
+  MatrixXd rates = point_jacobian(point, rod_body(i)) - point_jacobian(point, case_body(i));
+  if (machine_.flexible_axes == model::FlexibleAxes::gimbal) return rates;
+  RowMajor rotation(3, nv());
+  mj_jac(model_.get(), data_.get(), nullptr, rotation.data(), point.data(), case_body(i));
+  const Vector3 n = case_axes(i).col(2);
+  rates += n.cross(point - machine_.legs[i].base_joint) * (n.transpose() * rotation);
+  return rates;
+}
+
+MatrixXd MujocoHexapod::damping() const {
+  MatrixXd C = MatrixXd::Zero(nv(), nv());
+  for (int i = 0; i < model::leg_count; ++i) {
+    const auto& leg = machine_.legs[i];
+    const auto add = [&](double c, const MatrixXd& rates) { C += c * rates.transpose() * rates; };
+    const Vector3 n = case_axes(i).col(2), e = rod_direction(i);
+    const MatrixXd at_piston = rates_seen_by_case(i, piston(i));
+    add(leg.oil_spring.damping, n.transpose() * at_piston);
+    if (kind_ == ModelKind::rigid) continue;
+    const Vector3 sleeve = leg.base_joint + leg.guide_sleeve.position * n;
+    const Vector3 point = piston(i) + n.dot(sleeve - piston(i)) / n.dot(e) * e;
+    // The point where the rod's axis pierces the sleeve's plane stays in that plane.
+    const Matrix3 along_rod = Matrix3::Identity() - e * n.transpose() / n.dot(e);
+    add(leg.guide_sleeve.damping, along_rod * rates_seen_by_case(i, point));
+    if (kind_ == ModelKind::full)
+      add(leg.piston_ring->damping, (Matrix3::Identity() - n * n.transpose()) * at_piston);
+  }
+  return C;
+}
+
 Matrix3 MujocoHexapod::case_axes(int i) const {
   return Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(data_->xmat +
                                                                         9 * case_body(i));

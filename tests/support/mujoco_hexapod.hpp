@@ -62,6 +62,9 @@ class MujocoHexapod {
   [[nodiscard]] MatrixXd allowed_motions() const;
   /// nv × nv at the start: oil springs, seals and piston rings, each by MuJoCo's point Jacobians.
   [[nodiscard]] MatrixXd stiffness_without_preload() const;
+  /// nv × nv anywhere: the legs' dampers. Lateral ones see what the case sees; for
+  /// FlexibleAxes::transverse that is a case which does not spin about its axis.
+  [[nodiscard]] MatrixXd damping() const;
 
   [[nodiscard]] Matrix3 case_axes(int i) const;  ///< R_BL; third column along the case
   [[nodiscard]] Vector3 rod_direction(int i) const;
@@ -82,6 +85,7 @@ class MujocoHexapod {
   [[nodiscard]] static int case_body(int i) { return 2 + 2 * i; }
   [[nodiscard]] static int rod_body(int i) { return 3 + 2 * i; }
   [[nodiscard]] MatrixXd point_jacobian(const Vector3& point, int body) const;
+  [[nodiscard]] MatrixXd rates_seen_by_case(int i, const Vector3& point) const;
   void update();
 
   model::Machine machine_;

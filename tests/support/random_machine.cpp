@@ -114,7 +114,7 @@ void draw_leg(Random& random, Leg& leg, double platform_mass) {
     draw_cylinder(random, leg, k_h);
   else
     leg.oil_spring.stiffness = k_h;
-  leg.oil_spring.damping = random.uniform(0.0, 0.01) * std::sqrt(k_h * platform_mass);
+  leg.oil_spring.damping = random.uniform(0.002, 0.01) * std::sqrt(k_h * platform_mass);
   if (random.chance(0.5)) leg.added_axial_inertia = platform_mass * random.log_uniform(0.001, 0.03);
 }
 
@@ -172,10 +172,10 @@ void draw_seals(Random& random, Machine& machine, const RandomMachineOptions& op
       k_s = softest / random.uniform(options.lowest_load, options.highest_load);
     }
     leg.guide_sleeve.stiffness = k_s;
-    leg.guide_sleeve.damping = 1e-4 * k_s * random.uniform();
+    leg.guide_sleeve.damping = 1e-4 * k_s * random.uniform(0.2, 1.0);
     if (options.piston_ring)
       leg.piston_ring =
-          model::PistonRing{k_s * random.uniform(2.0, 20.0), 1e-4 * k_s * random.uniform()};
+          model::PistonRing{k_s * random.uniform(2.0, 20.0), 1e-4 * k_s * random.uniform(0.2, 1.0)};
   }
 }
 
