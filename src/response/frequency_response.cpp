@@ -39,6 +39,16 @@ ModelMatrix actuator_loads(const LinearModel& model, const Matrix6& T) {
   return (lu.inverse() * s_y).transpose();
 }
 
+/// Per mode the platform direction that holds most of the platform's kinetic energy.
+std::vector<int> mode_directions(const LinearModel& model, const NormalModes& modes) {
+  std::vector<int> directions(modes.size());
+  for (int k = 0; k < modes.size(); ++k) {
+    const spatial::Vector6 q = modes.shapes.col(k).head<6>();
+    q.cwiseProduct(model.platform_mass * q).maxCoeff(&directions[k]);
+  }
+  return directions;
+}
+
 Complex output_factor(Output output, double omega) {
   switch (output) {
     case Output::velocity:
@@ -104,7 +114,8 @@ void dense(const ResponseModel& model, std::span<const double> omega, std::span<
 ResponseModel response_model(const LinearModel& model, const NormalModes& modes, double modal_ratio,
                              const Vector3& p_PQ, Input input) {
   ResponseModel result{.kind = model.kind, .p_BQ = model.X_BP * p_PQ, .M = model.M, .K = model.K,
-                       .C = model.C, .modes = modes, .modal_ratio = modal_ratio};
+                       .C = model.C, .modes = modes, .modal_ratio = modal_ratio,
+                       .mode_direction = mode_directions(model, modes)};
   const Matrix6 T = center_from_point(result.p_BQ - model.p_BC);
   for (ModelMatrix* A : {&result.M, &result.K, &result.C}) move_platform_coordinates(T, *A);
   result.modes.shapes.topRows<6>() = T.inverse() * modes.shapes.topRows<6>();

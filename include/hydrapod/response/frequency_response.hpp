@@ -46,6 +46,7 @@ struct ResponseModel {
   bool loads_flexible{};  ///< some input acts on flexible coordinates
   NormalModes modes{};    ///< in the coordinates at Q
   double modal_ratio{};   ///< ζ of every mode, on top of C
+  std::vector<int> mode_direction{};  ///< per mode, 0…5: where most of its platform energy is
 };
 
 /// `p_PQ`: the point in P [m]. Throws std::invalid_argument for Input::actuator at a singular pose.

@@ -1,0 +1,143 @@
+#include "hydrapod/response/peaks.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <stdexcept>
+
+namespace hydrapod::response {
+
+namespace {
+
+constexpr int directions = 6;
+
+/// A logarithmic grid with, around every mode, points as dense as its half-power bandwidth asks.
+std::vector<double> peak_grid(const ResponseModel& model, const PeakOptions& options) {
+  std::vector<double> grid = log_space(options.from, options.to, 2000);
+  const ModelMatrix& Phi = model.modes.shapes;
+  const ModelMatrix Gamma = Phi.transpose() * model.C * Phi;
+  for (int k = 0; k < model.modes.size(); ++k) {
+    const double omega = model.modes.omega(k);
+    if (omega <= 0.0) continue;
+    const double zeta = model.modal_ratio + 0.5 * Gamma(k, k) / omega;
+    const double half_band = std::max(zeta, 1e-6) * omega;
+    constexpr int per_side = 40;
+    for (int j = -per_side; j <= per_side; ++j) {
+      const double at = omega + 0.2 * half_band * j;
+      if (at > options.from && at < options.to) grid.push_back(at);
+    }
+  }
+  std::sort(grid.begin(), grid.end());
+  grid.erase(std::unique(grid.begin(), grid.end()), grid.end());
+  return grid;
+}
+
+double magnitude_at(const ResponseModel& model, double omega, int direction, Output output) {
+  return std::abs(frequency_response(model, {&omega, 1}, output)[0](direction, direction));
+}
+
+/// Golden-section search for the maximum inside [low, high].
+double refine(const ResponseModel& model, double low, double high, int direction, Output output) {
+  const double golden = 0.5 * (std::sqrt(5.0) - 1.0);
+  double a = high - golden * (high - low), b = low + golden * (high - low);
+  double f_a = magnitude_at(model, a, direction, output);
+  double f_b = magnitude_at(model, b, direction, output);
+  while (high - low > 1e-9 * high) {
+    if (f_a > f_b) {
+      high = b;
+      b = a;
+      f_b = f_a;
+      a = high - golden * (high - low);
+      f_a = magnitude_at(model, a, direction, output);
+    } else {
+      low = a;
+      a = b;
+      f_a = f_b;
+      b = low + golden * (high - low);
+      f_b = magnitude_at(model, b, direction, output);
+    }
+  }
+  return 0.5 * (low + high);
+}
+
+/// Height above the higher of the lowest points towards higher ground on either side; a side that never
+/// rises above the peak does not count, as long as one side does.
+double prominence(const std::vector<double>& magnitude, size_t peak) {
+  const double height = magnitude[peak];
+  double base = 0.0;
+  double lowest = height;
+  for (size_t i = peak; i-- > 0;) {
+    lowest = std::min(lowest, magnitude[i]);
+    if (magnitude[i] > height) {
+      base = std::max(base, lowest);
+      break;
+    }
+  }
+  lowest = height;
+  for (size_t i = peak + 1; i < magnitude.size(); ++i) {
+    lowest = std::min(lowest, magnitude[i]);
+    if (magnitude[i] > height) {
+      base = std::max(base, lowest);
+      break;
+    }
+  }
+  if (base == 0.0) return std::numeric_limits<double>::infinity();
+  return 20.0 * std::log10(height / base);
+}
+
+/// The mode behind a peak of H_dd at `omega`.
+int mode_behind(const ResponseModel& model, double omega, int direction) {
+  const ModelMatrix& Phi = model.modes.shapes;
+  int leader = -1, nearest = 0;
+  double largest = 0.0, least_distance = std::numeric_limits<double>::infinity();
+  for (int k = 0; k < model.modes.size(); ++k) {
+    const auto phi = Phi.col(k);
+    const double gamma = 2.0 * model.modal_ratio * model.modes.omega(k) + phi.dot(model.C * phi);
+    const double distance = std::abs(model.modes.omega(k) - omega);
+    if (distance < least_distance) {
+      least_distance = distance;
+      nearest = k;
+    }
+    if (distance > 3.0 * gamma + 0.01 * omega) continue;
+    const double term = phi[direction] * phi[direction] /
+                        std::hypot(model.modes.omega2[k] - omega * omega, gamma * omega + 1e-300);
+    if (term > largest) {
+      largest = term;
+      leader = k;
+    }
+  }
+  return leader >= 0 ? leader : nearest;
+}
+
+}  // namespace
+
+std::vector<Peak> find_peaks(const ResponseModel& model, const PeakOptions& options) {
+  if (!(options.from > 0.0) || !(options.to > options.from))
+    throw std::invalid_argument("find_peaks: needs 0 < from < to");
+  const auto grid = peak_grid(model, options);
+  const auto H = frequency_response(model, grid, options.output);
+  std::vector<Peak> peaks;
+  std::vector<double> magnitude(grid.size());
+  for (int d = 0; d < directions; ++d) {
+    for (size_t i = 0; i < grid.size(); ++i) magnitude[i] = std::abs(H[i](d, d));
+    for (size_t i = 1; i + 1 < grid.size(); ++i) {
+      if (!(magnitude[i] > magnitude[i - 1] && magnitude[i] >= magnitude[i + 1])) continue;
+      const double height = prominence(magnitude, i);
+      if (height < options.min_prominence_db) continue;
+      const double omega = refine(model, grid[i - 1], grid[i + 1], d, options.output);
+      const int mode = mode_behind(model, omega, d);
+      peaks.push_back({d, omega, magnitude_at(model, omega, d, options.output), height, mode,
+                       model.mode_direction[mode] == d});
+    }
+  }
+  return peaks;
+}
+
+int count_own(const std::vector<Peak>& peaks, int direction) {
+  return static_cast<int>(std::count_if(peaks.begin(), peaks.end(), [&](const Peak& peak) {
+    return peak.own && peak.direction == direction;
+  }));
+}
+
+}  // namespace hydrapod::response
