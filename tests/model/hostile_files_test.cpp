@@ -9,13 +9,13 @@
 #include <clocale>
 #include <cstdlib>
 #include <filesystem>
-#include <fstream>
 #include <locale>
 #include <string>
 
 #include "hydrapod/base/units.hpp"
 #include "hydrapod/model/machine_file.hpp"
 #include "sound_machine.hpp"
+#include "support/run_program.hpp"
 
 namespace hydrapod::model {
 namespace {
@@ -29,20 +29,12 @@ std::string repeated(const std::string& part, std::size_t size) {
   return text;
 }
 
-/// A folder of its own for one test.
+/// A folder of its own for each test.
 class FilesOnDisk : public testing::Test {
  protected:
-  FilesOnDisk() {
-    std::string pattern = (std::filesystem::temp_directory_path() / "hydrapod.XXXXXX").string();
-    folder_ = mkdtemp(pattern.data());
-  }
-  ~FilesOnDisk() override { std::filesystem::remove_all(folder_); }
-  FilesOnDisk(const FilesOnDisk&) = delete;
-  FilesOnDisk& operator=(const FilesOnDisk&) = delete;
-
   [[nodiscard]] std::string written(const std::string& text) const {
     const auto path = folder_ / "m.toml";
-    std::ofstream(path, std::ios::binary) << text;
+    test::write_text(path, text);
     return path.string();
   }
   static std::string complaint(const std::string& path) {
@@ -53,7 +45,7 @@ class FilesOnDisk : public testing::Test {
     }
     return "";
   }
-  std::filesystem::path folder_;
+  test::TemporaryFolder folder_{};
 };
 
 TEST_F(FilesOnDisk, AreRead) {
@@ -68,8 +60,8 @@ TEST_F(FilesOnDisk, ThatAreNotThereAreNamed) {
 }
 
 TEST_F(FilesOnDisk, FoldersAreRefused) {
-  EXPECT_EQ(complaint(folder_.string()),
-            folder_.string() + ": error: is a directory, expected a machine file");
+  EXPECT_EQ(complaint(folder_.path().string()),
+            folder_.path().string() + ": error: is a directory, expected a machine file");
 }
 
 TEST_F(FilesOnDisk, WithoutPermissionAreNamed) {
@@ -210,7 +202,7 @@ class CommaLocale : public FilesOnDisk {
     const std::string command =
         "localedef -i de_DE -f UTF-8 " + (folder_ / "de_DE.UTF-8").string() + " >/dev/null 2>&1";
     if (std::system(command.c_str()) != 0) return false;
-    setenv("LOCPATH", folder_.c_str(), 1);
+    setenv("LOCPATH", folder_.path().c_str(), 1);
     return std::setlocale(LC_ALL, "de_DE.UTF-8") != nullptr;
   }
 };
