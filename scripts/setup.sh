@@ -69,7 +69,7 @@ install_packages() {
     printf '  %s\n' "sudo apt-get update && sudo ${command[*]}" >&2
     exit "$setup_failed"
   fi
-  say "installing them with: ${as_root[*]} ${command[*]}"
+  say "installing them with: ${as_root[*]:+sudo }${command[*]}"
   as_root+=(env DEBIAN_FRONTEND=noninteractive)
   exec 8>"$root/build/.lock-packages"
   flock 8
@@ -157,9 +157,9 @@ show_progress() {
 
 # show_failure log : the first error and what follows it, then the end of this process
 show_failure() {
-  local pattern='error:|undefined reference|CMake Error'
+  local pattern='error:|undefined reference|CMake Error' command_line=' -E env CCACHE_'
   say "building failed; the whole log is $1"
-  grep --extended-regexp --max-count=1 --before-context=2 --after-context=40 "$pattern" "$1" >&2 ||
-    tail --lines=40 "$1" >&2
+  { grep --extended-regexp --max-count=1 --before-context=2 --after-context=40 "$pattern" "$1" ||
+    tail --lines=40 "$1"; } | grep --invert-match --fixed-strings -e "$command_line" >&2
   exit "$setup_failed"
 }
