@@ -20,11 +20,12 @@ inside=/root/hydrapod
 
 step() { printf '\n--- %s\n' "$*"; }
 
-# A clean environment, as after a login; /proc in a mount namespace that ends with the command.
+# A clean environment, as after a login; /proc and pseudo terminals in a mount namespace that ends with
+# the command.
 in_root() {
   # shellcheck disable=SC2016  # expanded by the shell inside
   unshare --mount --propagation private bash -c '
-    mount -t proc proc "$1/proc" && shift 1 && exec "$@"' _ "$folder" \
+    mount -t proc proc "$1/proc" && mount -t devpts devpts "$1/dev/pts" && shift 1 && exec "$@"' _ "$folder" \
     env -i PATH=/usr/local/sbin:/usr/local/bin:/usr/sbin:/usr/bin:/sbin:/bin HOME=/root \
     TERM="${TERM:-dumb}" chroot "$folder" "$@"
 }
