@@ -24,8 +24,12 @@ CLI::App* add_command(CLI::App& app, const std::string& name, const std::string&
                       const std::vector<Example>& examples);
 
 void add_init(CLI::App& app);
+void add_check(CLI::App& app);
+void add_modes(CLI::App& app);
+void add_bode(CLI::App& app);
+void add_demo(CLI::App& app);
 
 /// In the order of the help.
-inline constexpr std::array all_commands{&add_init};
+inline constexpr std::array all_commands{&add_init, &add_modes};
 
 }  // namespace hydrapod::cli

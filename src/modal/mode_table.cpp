@@ -50,11 +50,27 @@ TabledMode tabled(const LinearModel& model, const DampedMode& mode) {
   return entry;
 }
 
-std::vector<TabledMode> table_of(const LinearModel& model, double ratio) {
-  std::vector<TabledMode> list;
-  for (const auto& mode : damped_modes(model, normal_modes(model), ratio))
-    list.push_back(tabled(model, mode));
-  return list;
+/// φᵀ M ψ squared, for complex shapes its mean over a period.
+double likeness(const LinearModel& model, const ModelVector& normal, const DampedMode& mode) {
+  const ModelVector momentum = model.M * normal;
+  return std::pow(momentum.dot(mode.real), 2) + std::pow(momentum.dot(mode.imaginary), 2);
+}
+
+AnalysedModel analyse(const model::Machine& machine, const spatial::Pose& X_BP,
+                      dynamics::ModelKind kind, double ratio) {
+  AnalysedModel result{.linear = dynamics::linear_model(machine, X_BP, kind)};
+  result.normal = normal_modes(result.linear);
+  for (const auto& mode : damped_modes(result.linear, result.normal, ratio))
+    result.modes.push_back(tabled(result.linear, mode));
+  for (int k = 0; k < result.normal.size(); ++k) {
+    const ModelVector shape = result.normal.shapes.col(k);
+    const auto most_alike = std::max_element(
+        result.modes.begin(), result.modes.end(), [&](const TabledMode& a, const TabledMode& b) {
+          return likeness(result.linear, shape, a.mode) < likeness(result.linear, shape, b.mode);
+        });
+    result.tabled_of_normal.push_back(static_cast<int>(most_alike - result.modes.begin()));
+  }
+  return result;
 }
 
 RigidCounterpart counterpart(const LinearModel& model, const std::vector<TabledMode>& rigid,
@@ -98,17 +114,64 @@ std::string mode_label(const EnergyShares& energy, bool stable) {
   return unstable + platform_directions(energy) + ", " + what_gives(energy);
 }
 
+int lowest_felt(const std::vector<TabledMode>& modes) {
+  const auto found =
+      std::find_if(modes.begin(), modes.end(), [](const TabledMode& m) { return m.platform_feels; });
+  return found == modes.end() ? -1 : static_cast<int>(found - modes.begin());
+}
+
+namespace {
+
+/// `shape` of a model of kind `from` in the coordinates of `to`; what `to` lacks is dropped.
+ModelVector in_coordinates(const ModelVector& shape, dynamics::ModelKind from, dynamics::ModelKind to) {
+  const int has = dynamics::flexible_per_leg(from), wants = dynamics::flexible_per_leg(to);
+  ModelVector result = ModelVector::Zero(dynamics::degrees_of_freedom(to));
+  result.head<6>() = shape.head<6>();
+  for (int leg = 0; leg < model::leg_count; ++leg)
+    for (int k = 0; k < std::min(has, wants); ++k)
+      result[6 + wants * leg + k] = shape[6 + has * leg + k];
+  return result;
+}
+
+struct Likeness {
+  double value;
+  int now, before;
+};
+
+}  // namespace
+
+std::vector<int> match_modes(const AnalysedModel& now, const AnalysedModel& before) {
+  std::vector<Likeness> pairs;
+  for (int b = 0; b < static_cast<int>(before.modes.size()); ++b) {
+    const ModelVector shape =
+        in_coordinates(before.modes[b].mode.real, before.linear.kind, now.linear.kind);
+    for (int n = 0; n < static_cast<int>(now.modes.size()); ++n)
+      pairs.push_back({likeness(now.linear, shape, now.modes[n].mode), n, b});
+  }
+  std::stable_sort(pairs.begin(), pairs.end(),
+                   [](const Likeness& a, const Likeness& b) { return a.value > b.value; });
+  std::vector<int> match(now.modes.size(), -1);
+  std::vector<bool> taken(before.modes.size(), false);
+  for (const auto& pair : pairs) {
+    if (match[pair.now] >= 0 || taken[pair.before]) continue;
+    match[pair.now] = pair.before;
+    taken[pair.before] = true;
+  }
+  return match;
+}
+
 ModeTable mode_table(const model::Machine& machine, const spatial::Pose& X_BP,
                      dynamics::ModelKind kind) {
   ModeTable table{.kind = kind, .ratio = modal_ratio(machine)};
-  table.model = dynamics::linear_model(machine, X_BP, kind);
-  table.rigid_model = dynamics::linear_model(machine, X_BP, dynamics::ModelKind::rigid);
-  table.rigid = table_of(table.rigid_model, table.ratio.value);
-  table.modes = kind == dynamics::ModelKind::rigid ? table.rigid
-                                                   : table_of(table.model, table.ratio.value);
-  if (kind != dynamics::ModelKind::rigid)
-    for (auto& entry : table.modes)
-      if (entry.platform_feels) entry.rigid = counterpart(table.model, table.rigid, entry.mode);
+  table.rigid = analyse(machine, X_BP, dynamics::ModelKind::rigid, table.ratio.value);
+  if (kind == dynamics::ModelKind::rigid) {
+    table.real = table.rigid;
+    return table;
+  }
+  table.real = analyse(machine, X_BP, kind, table.ratio.value);
+  for (auto& entry : table.real.modes)
+    if (entry.platform_feels)
+      entry.rigid = counterpart(table.real.linear, table.rigid.modes, entry.mode);
   return table;
 }
 

@@ -19,7 +19,7 @@ namespace hydrapod::modal {
 inline constexpr double felt_by_platform = 1e-4;
 
 struct RigidCounterpart {
-  int mode{};      ///< index into ModeTable::rigid
+  int mode{};      ///< index into ModeTable::rigid.modes
   double mac{};    ///< 0…1
   double shift{};  ///< ω / ω_rigid − 1
 };
@@ -32,14 +32,29 @@ struct TabledMode {
   std::optional<RigidCounterpart> rigid{};  ///< none for rigid modes and those the platform cannot feel
 };
 
+/// One model with its undamped modes and the table of its damped ones.
+struct AnalysedModel {
+  LinearModel linear{};
+  NormalModes normal{};
+  std::vector<TabledMode> modes{};  ///< ascending in frequency
+  /// Per undamped mode the index of the tabled mode that is most like it (the same unless heavy dampers
+  /// change their order).
+  std::vector<int> tabled_of_normal{};
+};
+
 struct ModeTable {
   dynamics::ModelKind kind{};
   ModalRatio ratio{};
-  std::vector<TabledMode> modes{};  ///< of the model asked for, ascending
-  std::vector<TabledMode> rigid{};  ///< of the rigid model at the same pose, ascending
-  LinearModel model{};              ///< what `modes` were computed from
-  LinearModel rigid_model{};
+  AnalysedModel real{};   ///< the model asked for
+  AnalysedModel rigid{};  ///< the rigid model at the same pose
 };
+
+/// Index of the lowest mode that the platform feels, in `modes`; −1 when there is none.
+int lowest_felt(const std::vector<TabledMode>& modes);
+
+/// Pairs the modes of two models by likeness of shape, most alike first, one to one: per mode of `now` the
+/// index of a mode of `before`, −1 where there are none left. The models may be of different kinds.
+std::vector<int> match_modes(const AnalysedModel& now, const AnalysedModel& before);
 
 ModeTable mode_table(const model::Machine& machine, const spatial::Pose& X_BP,
                      dynamics::ModelKind kind);

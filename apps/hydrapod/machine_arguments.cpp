@@ -1,0 +1,141 @@
+#include "hydrapod/machine_arguments.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+
+#include "hydrapod/base/nearest.hpp"
+#include "hydrapod/base/units.hpp"
+#include "hydrapod/kinematics/check_machine.hpp"
+#include "hydrapod/terminal.hpp"
+
+namespace hydrapod::cli {
+
+namespace {
+
+constexpr std::array<std::string_view, 6> coordinates{"x", "y", "z", "rx", "ry", "rz"};
+
+[[noreturn]] void bad_argument(const std::string& argument, const std::string& message) {
+  throw base::InputError({{.file = argument, .message = message}});
+}
+
+std::string trimmed(const std::string& text) {
+  const auto first = text.find_first_not_of(" \t");
+  if (first == std::string::npos) return {};
+  return text.substr(first, text.find_last_not_of(" \t") - first + 1);
+}
+
+/// A plain number (SI) or a quantity with a unit.
+double value_of(const std::string& argument, const std::string& text, const char* unit) {
+  if (const auto plain = base::read_quantity(text, "1"); plain.ok() && text.find('%') == text.npos)
+    return plain.value;
+  const auto read = base::read_quantity(text, unit);
+  if (!read.ok()) bad_argument(argument, read.problem);
+  return read.value;
+}
+
+/// `z=50 mm, ry=5 deg` over the neutral pose.
+spatial::Pose displaced_pose(const spatial::Pose& neutral, const std::string& text) {
+  const std::string argument = "--pose " + text;
+  std::array<double, 6> value{};
+  for (size_t begin = 0; begin <= text.size();) {
+    const size_t end = std::min(text.find(',', begin), text.size());
+    const std::string part = text.substr(begin, end - begin);
+    begin = end + 1;
+    const size_t equals = part.find('=');
+    const std::string key = trimmed(part.substr(0, equals));
+    const auto at = std::find(coordinates.begin(), coordinates.end(), key);
+    if (equals == std::string::npos || at == coordinates.end())
+      bad_argument(argument, fmt::format("'{}' is no displacement from the neutral pose; accepted are "
+                                         "x, y, z, rx, ry, rz, for instance \"z=50 mm, ry=5 deg\"",
+                                         trimmed(part)));
+    const auto index = static_cast<size_t>(at - coordinates.begin());
+    value[index] = value_of(argument, trimmed(part.substr(equals + 1)), index < 3 ? "m" : "rad");
+  }
+  return {spatial::rotation_from_rpy({value[3], value[4], value[5]}) * neutral.R_BP,
+          neutral.p_BP + spatial::Vector3(value[0], value[1], value[2])};
+}
+
+void require_sound(const model::Machine& machine, const report::PoseChoice& pose) {
+  std::vector<base::Diagnostic> errors;
+  for (const auto& finding : kinematics::check_pose(machine, pose.X_BP, ""))
+    errors.push_back({.file = "--pose " + pose.name, .message = finding.message});
+  if (!errors.empty()) throw base::InputError(errors);
+}
+
+}  // namespace
+
+void add_machine_options(CLI::App& command, MachineArguments& arguments) {
+  command.add_option("FILE", arguments.file, "Machine file (TOML); - reads the standard input")
+      ->required();
+  command
+      .add_option("--set", arguments.overrides,
+                  "PATH=VALUE lays a value over the file, units allowed; may be repeated")
+      ->allow_extra_args(false)
+      ->type_name("PATH=VALUE");
+}
+
+void add_pose_option(CLI::App& command, MachineArguments& arguments) {
+  command
+      .add_option("--pose", arguments.pose,
+                  "Pose of the file, or displacements from the neutral one: \"z=50 mm, ry=5 deg\"")
+      ->capture_default_str();
+}
+
+void add_model_option(CLI::App& command, MachineArguments& arguments) {
+  command
+      .add_option("--model", arguments.model,
+                  "rigid (6 modes), guide (18: guide sleeves give way) or full (30: piston rings too); "
+                  "default: full where the file gives piston rings, else guide")
+      ->type_name("MODEL");
+}
+
+model::MachineFile load(const MachineArguments& arguments) {
+  auto file = model::read_machine_file(arguments.file, arguments.overrides, kinematics::check_machine);
+  print_diagnostics(file.warnings);
+  return file;
+}
+
+report::PoseChoice choose_pose(const model::Machine& machine, const std::string& text) {
+  for (const auto& pose : machine.poses)
+    if (pose.name == text) return {pose.name, pose.X_BP};
+  if (text.find('=') == std::string::npos) {
+    std::vector<std::string_view> names;
+    for (const auto& pose : machine.poses) names.push_back(pose.name);
+    const auto near = base::nearest(text, names);
+    bad_argument("--pose " + text,
+                 near ? fmt::format("unknown pose; did you mean '{}'?", *near)
+                      : fmt::format("unknown pose; the file has {}", fmt::join(names, ", ")));
+  }
+  report::PoseChoice choice{text, displaced_pose(machine.neutral(), text)};
+  require_sound(machine, choice);
+  return choice;
+}
+
+size_t choose_word(const std::string& option, const std::string& word,
+                   const std::vector<std::string_view>& words) {
+  const auto at = std::find(words.begin(), words.end(), word);
+  if (at != words.end()) return static_cast<size_t>(at - words.begin());
+  const auto near = base::nearest(word, words);
+  bad_argument(option + " " + word,
+               fmt::format("unknown value; {}accepted are {}",
+                           near ? fmt::format("did you mean '{}'? ", *near) : "",
+                           fmt::join(words, ", ")));
+}
+
+dynamics::ModelKind choose_model(const model::Machine& machine, const std::string& text) {
+  using dynamics::ModelKind;
+  const bool rings = std::all_of(machine.legs.begin(), machine.legs.end(),
+                                 [](const model::Leg& leg) { return leg.piston_ring.has_value(); });
+  if (text.empty()) return rings ? ModelKind::full : ModelKind::guide;
+  constexpr std::array kinds{ModelKind::rigid, ModelKind::guide, ModelKind::full};
+  const ModelKind kind = kinds[choose_word("--model", text, {"rigid", "guide", "full"})];
+  if (kind == ModelKind::full && !rings)
+    bad_argument("--model full",
+                 "not every leg has a piston ring; give legs.piston_ring.stiffness in the file or with "
+                 "--set legs.piston_ring.stiffness=\"… N/m\"");
+  return kind;
+}
+
+}  // namespace hydrapod::cli

@@ -1,0 +1,45 @@
+#pragma once
+/// What every command that works on a machine takes: FILE, --set, --pose, --model.
+
+#include <CLI/CLI.hpp>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "hydrapod/dynamics/statics.hpp"
+#include "hydrapod/model/machine_file.hpp"
+#include "hydrapod/report/json.hpp"
+
+namespace hydrapod::cli {
+
+struct MachineArguments {
+  std::string file{};
+  std::vector<std::string> overrides{};  ///< `PATH=VALUE`
+  std::string pose{"neutral"};           ///< a name, or offsets: `z=50 mm, ry=5 deg`
+  std::string model{};                   ///< rigid, guide, full; empty: what the file describes
+};
+
+/// Adds FILE and --set to `command`.
+void add_machine_options(CLI::App& command, MachineArguments& arguments);
+/// Adds --pose.
+void add_pose_option(CLI::App& command, MachineArguments& arguments);
+/// Adds --model.
+void add_model_option(CLI::App& command, MachineArguments& arguments);
+
+/// Reads and checks the machine; warnings go to stderr. Throws base::InputError.
+model::MachineFile load(const MachineArguments& arguments);
+
+/// The pose asked for, checked. Offsets (`x`, `y`, `z`, `rx`, `ry`, `rz`, SI or with a unit) are laid over the
+/// neutral pose. Throws base::InputError.
+report::PoseChoice choose_pose(const model::Machine& machine, const std::string& text);
+
+/// The model asked for; if none was, the full one where every leg has a piston ring, else the guide model.
+/// Throws base::InputError for the full model of legs without a piston ring.
+dynamics::ModelKind choose_model(const model::Machine& machine, const std::string& text);
+
+/// One of several words for an option, or base::InputError with the nearest of them.
+size_t choose_word(const std::string& option, const std::string& word,
+                   const std::vector<std::string_view>& words);
+
+}  // namespace hydrapod::cli

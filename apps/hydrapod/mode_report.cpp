@@ -1,0 +1,199 @@
+#include "hydrapod/mode_report.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "hydrapod/terminal.hpp"
+
+namespace hydrapod::cli {
+
+namespace {
+
+constexpr double two_pi = 2.0 * std::numbers::pi;
+constexpr std::array<const char*, 6> directions{"x", "y", "z", "rx", "ry", "rz"};
+
+std::string percent(double share) {
+  const double value = 100.0 * share;
+  return value > 0.0 && value < 0.5 ? "<1" : fmt::format("{:.0f}", value);
+}
+
+/// "oil 82 %, sleeves 18 %": springs that hold at least half a per cent of the elastic energy.
+std::string energy_text(const modal::EnergyShares& energy) {
+  std::string text;
+  const auto add = [&](const char* part, double share) {
+    if (share >= 0.005) text += fmt::format("{}{} {} %", text.empty() ? "" : ", ", part, percent(share));
+  };
+  add("oil", energy.oil.sum());
+  add("sleeves", energy.guide_sleeve.sum());
+  add("rings", energy.piston_ring.sum());
+  return text;
+}
+
+/// "x 18 %, legs 82 %": platform directions that hold at least one per cent of the kinetic energy.
+std::string motion_text(const modal::EnergyShares& energy) {
+  std::string text;
+  for (int d = 0; d < 6; ++d)
+    if (energy.platform[d] >= 0.01)
+      text += fmt::format("{} {} %, ", directions[d], percent(energy.platform[d]));
+  return text + fmt::format("legs {} %", percent(energy.legs.sum()));
+}
+
+std::string signed_percent(double change) {
+  const double value = 100.0 * change;
+  if (std::abs(value) < 0.005) return "0.00 %";
+  return fmt::format("{}{:.{}f} %", value < 0 ? "−" : "+", std::abs(value), std::abs(value) < 10 ? 2 : 1);
+}
+
+bool repeats(const std::vector<modal::TabledMode>& modes, size_t k) {
+  const auto same = [&](size_t j) { return modes[j].mode.group == modes[k].mode.group; };
+  return (k > 0 && same(k - 1)) || (k + 1 < modes.size() && same(k + 1));
+}
+
+std::string number_text(const std::vector<modal::TabledMode>& modes, size_t k) {
+  return fmt::format("{}{}", k + 1, repeats(modes, k) ? " =" : "  ");
+}
+
+std::string change_text(const modal::TabledMode& mode, const modal::ModeTable& before, int match) {
+  if (match < 0) return "new";
+  const double omega = before.real.modes[match].mode.omega;
+  return omega > 0.0 ? signed_percent(mode.mode.omega / omega - 1.0) : "";
+}
+
+std::vector<std::string> row(const modal::ModeTable& table, size_t k) {
+  const auto& entry = table.real.modes[k];
+  const auto& mode = entry.mode;
+  std::vector<std::string> cells{
+      number_text(table.real.modes, k), fmt::format("{:.3f}", mode.omega / two_pi),
+      fmt::format("{:.3f}", mode.omega), fmt::format("{:.2f} %", 100.0 * mode.damping_ratio),
+      entry.label, motion_text(entry.energy), energy_text(entry.energy)};
+  if (table.kind == dynamics::ModelKind::rigid) return cells;
+  if (entry.rigid) {
+    const double rigid = table.rigid.modes[entry.rigid->mode].mode.omega;
+    cells.push_back(fmt::format("{:.3f}", rigid / two_pi));
+    cells.push_back(signed_percent(entry.rigid->shift));
+    cells.push_back(fmt::format("{:.2f}", entry.rigid->mac));
+  } else {
+    cells.insert(cells.end(), 3, "");
+  }
+  return cells;
+}
+
+std::vector<Column> columns(const modal::ModeTable& table, const modal::ModeTable* before) {
+  std::vector<Column> list{{"mode"},
+                           {"Hz"},
+                           {"rad/s"},
+                           {"damping"},
+                           {"what moves, what gives", Align::left},
+                           {"kinetic energy", Align::left},
+                           {"elastic energy", Align::left}};
+  if (table.kind != dynamics::ModelKind::rigid) {
+    list.push_back({"rigid Hz"});
+    list.push_back({"shift"});
+    list.push_back({"MAC"});
+  }
+  if (before) list.push_back({"change by --set"});
+  return list;
+}
+
+/// The six rigid modes and where each of them went.
+std::string rigid_text(const modal::ModeTable& table, bool colour) {
+  Table text({{"rigid"}, {"Hz"}, {"rad/s"}, {"what moves", Align::left}, {"found in modes (MAC)", Align::left}});
+  for (size_t r = 0; r < table.rigid.modes.size(); ++r) {
+    const auto& rigid = table.rigid.modes[r];
+    std::string found;
+    for (size_t k = 0; k < table.real.modes.size(); ++k) {
+      const auto& entry = table.real.modes[k];
+      if (!entry.rigid || entry.rigid->mode != static_cast<int>(r) || entry.rigid->mac < 0.01) continue;
+      found += fmt::format("{}{} at {:.3f} Hz ({:.2f})", found.empty() ? "" : ", ", k + 1,
+                           entry.mode.omega / two_pi, entry.rigid->mac);
+    }
+    text.add_row({number_text(table.rigid.modes, r), fmt::format("{:.3f}", rigid.mode.omega / two_pi),
+                  fmt::format("{:.3f}", rigid.mode.omega), modal::platform_directions(rigid.energy), found});
+  }
+  return text.text(colour);
+}
+
+bool any_preload(const modal::ModeTable& table) {
+  return std::any_of(table.real.modes.begin(), table.real.modes.end(),
+                     [](const modal::TabledMode& m) { return m.energy.preload != 0.0; });
+}
+
+}  // namespace
+
+std::string heading(const model::Machine& machine, const report::PoseChoice& pose,
+                    const modal::ModeTable& table, bool colour) {
+  constexpr std::array<const char*, 3> what{"rigid model, 6 modes", "guide-sleeve model, 18 modes",
+                                            "guide-sleeve and piston-ring model, 30 modes"};
+  return fmt::format("{}, pose {}: {}\n{}; {} axes; damping: {}\n", styled(machine.name, Style::bold, colour),
+                     pose.name, what[static_cast<size_t>(table.kind)], report::gravity_text(machine),
+                     machine.flexible_axes == model::FlexibleAxes::gimbal ? "gimbal" : "transverse",
+                     report::damping_text(machine));
+}
+
+std::string mode_text(const modal::ModeTable& table, const modal::ModeTable* before, bool colour) {
+  Table text(columns(table, before));
+  const auto match =
+      before ? modal::match_modes(table.real, before->real) : std::vector<int>(table.real.modes.size());
+  bool pairs = false;
+  for (size_t k = 0; k < table.real.modes.size(); ++k) {
+    auto cells = row(table, k);
+    if (before) cells.push_back(change_text(table.real.modes[k], *before, match[k]));
+    pairs = pairs || repeats(table.real.modes, k);
+    text.add_row(std::move(cells));
+  }
+  std::string all = text.text(colour);
+  if (table.kind != dynamics::ModelKind::rigid) all += "\n" + rigid_text(table, colour);
+  if (pairs) all += "\n= repeated frequency: any mix of such modes is a mode; shown is the mix that moves along the axes";
+  if (any_preload(table))
+    all += "\nelastic energy is that of the springs; under load, compressed knees give part of it back";
+  if (pairs || any_preload(table)) all += "\n";
+  return all;
+}
+
+std::string answer_text(const modal::ModeTable& table) {
+  const int k = modal::lowest_felt(table.real.modes);
+  if (k < 0) return {};
+  const auto& mode = table.real.modes[k];
+  if (!mode.mode.stable)
+    return "The machine is unstable at this pose: the legs buckle. `hydrapod check` finds the payload they carry.\n";
+  const std::string where = modal::platform_directions(mode.energy);
+  std::string text = fmt::format("Lowest mode the platform feels: {:.2f} Hz in {}", mode.mode.omega / two_pi, where);
+  if (!mode.rigid) return text + ".\n";
+  const double rigid = table.rigid.modes[mode.rigid->mode].mode.omega;
+  text += fmt::format("; with rigid legs it would be {:.2f} Hz. ", rigid / two_pi);
+  const double drop = -100.0 * mode.rigid->shift;
+  const std::string parts = table.kind == dynamics::ModelKind::full ? "The seals' and piston rings'" : "The seals'";
+  text += drop < 0.0 ? fmt::format("{} give does not lower it", parts)
+                     : fmt::format("{} give lowers it by {:.{}f} %", parts, drop, drop < 10.0 ? 2 : 0);
+  return text + fmt::format("; its elastic energy: {}.\n", energy_text(mode.energy));
+}
+
+std::string mode_csv(const modal::ModeTable& table) {
+  std::string text =
+      "mode,omega_rad_s,frequency_hz,damping_ratio,stable,platform_feels,group,label,"
+      "kinetic_x,kinetic_y,kinetic_z,kinetic_rx,kinetic_ry,kinetic_rz,kinetic_legs,"
+      "elastic_oil,elastic_guide_sleeve,elastic_piston_ring,preload,"
+      "rigid_mode,rigid_omega_rad_s,rigid_mac,rigid_shift_percent\n";
+  for (size_t k = 0; k < table.real.modes.size(); ++k) {
+    const auto& entry = table.real.modes[k];
+    const auto& energy = entry.energy;
+    text += fmt::format("{},{:.17g},{:.17g},{:.17g},{},{},{},\"{}\"", k + 1, entry.mode.omega,
+                        entry.mode.omega / two_pi, entry.mode.damping_ratio, entry.mode.stable,
+                        entry.platform_feels, entry.mode.group, entry.label);
+    for (int d = 0; d < 6; ++d) text += fmt::format(",{:.17g}", energy.platform[d]);
+    text += fmt::format(",{:.17g},{:.17g},{:.17g},{:.17g},{:.17g}", energy.legs.sum(), energy.oil.sum(),
+                        energy.guide_sleeve.sum(), energy.piston_ring.sum(), energy.preload);
+    if (entry.rigid)
+      text += fmt::format(",{},{:.17g},{:.17g},{:.17g}\n", entry.rigid->mode + 1,
+                          table.rigid.modes[entry.rigid->mode].mode.omega, entry.rigid->mac,
+                          100.0 * entry.rigid->shift);
+    else
+      text += ",,,,\n";
+  }
+  return text;
+}
+
+}  // namespace hydrapod::cli
