@@ -208,7 +208,7 @@ JointLimits read_joint_limits(const Section& leg) {
 
 /// The axis with length one; a zero axis stays zero for validate() to find.
 Vector3 read_gimbal_axis(const Section& leg) {
-  const Vector3 axis = leg.vector("gimbal_axis", "1", Vector3::UnitY());
+  Vector3 axis = leg.vector("gimbal_axis", "1", Vector3::UnitY());
   const double largest = axis.cwiseAbs().maxCoeff();
   if (largest == 0.0 || !axis.allFinite()) return axis;
   return (axis / largest).normalized();

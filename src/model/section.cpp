@@ -206,7 +206,7 @@ std::string Section::optional_text(std::string_view key) const {
 std::string Section::text(std::string_view key) const {
   const Value value = find(key);
   if (!value) report_missing(key, "required value (a string)");
-  const std::string found = optional_text(key);
+  std::string found = optional_text(key);
   if (value && value.node->kind == Node::Kind::text && found.empty()) {
     report(value, "is an empty string, expected some text");
   }

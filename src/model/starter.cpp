@@ -4,7 +4,7 @@ namespace hydrapod::model {
 
 namespace {
 constexpr const char* starter =
-    R"toml(# A hydraulic hexapod for hydrapod: six hydraulic cylinders between a fixed base and a platform.
+    R"toml(# A hydraulic hexapod for hydrapod: six cylinders between a fixed base and a platform.
 #
 # Change the numbers to those of your machine, then try
 #     hydrapod check FILE
@@ -23,9 +23,9 @@ name = "My motion platform"
 # source = "Where the numbers come from: drawings, data sheets, measurements"
 
 [environment]
-# gravity = "9.80665 m/s^2"             # pointing along -z; or a vector [gx, gy, gz] in the base frame
+# gravity = "9.80665 m/s^2"             # along -z; or a vector [gx, gy, gz] in the base frame
 
-# ---- Joints ------------------------------------------------------------------------------------
+# ---- Joints ----------------------------------------------------------------------------------
 # On a circle, joints stand in three pairs: `spacing` is the distance between the two of a pair.
 # Base pairs stand at 60, 180 and 300 degrees, platform pairs at 0, 120 and 240 degrees; leg 1 joins
 # the platform pair at 0 to the base pair at 60 degrees, and so on counter-clockwise.
@@ -37,7 +37,7 @@ circle = { radius = "1.1 m", spacing = "250 mm" }
 [platform.joints]
 circle = { radius = "0.8 m", spacing = "250 mm" }
 
-# ---- Platform with its payload -------------------------------------------------------------------
+# ---- Platform with its payload ---------------------------------------------------------------
 
 [platform]
 mass = "1500 kg"
@@ -46,7 +46,7 @@ mass_center = [0, 0, "0.2 m"]           # in the platform frame
 # xy, xz, yz are the tensor's elements as they stand (default 0); or three rows of three numbers.
 inertia = { xx = 500, yy = 550, zz = 800 }
 
-# ---- Legs: what all six have in common -------------------------------------------------------------
+# ---- Legs: what all six have in common -------------------------------------------------------
 # Lengths are counted along the leg's axis from the base joint, unless it says otherwise.
 
 [legs]
@@ -105,7 +105,7 @@ rod_line_volume = "150 cm^3"            # up to the valve; default 0
 # base = "35 deg"
 # platform = "40 deg"
 
-# ---- One leg that differs: any key of [legs], and its own joints -----------------------------------
+# ---- One leg that differs: any key of [legs], and its own joints -----------------------------
 # [leg.3.guide_sleeve]
 # stiffness = "2 kN/mm"
 #
@@ -113,21 +113,22 @@ rod_line_volume = "150 cm^3"            # up to the valve; default 0
 # base_joint = [-1.1, 0.1, 0]           # m, in the base frame
 # platform_joint = [-0.3, 0.7, 0]       # m, in the platform frame
 
-# ---- Model and damping -----------------------------------------------------------------------------
+# ---- Model and damping -----------------------------------------------------------------------
 
 [model]
-# flexible_axes = "transverse"          # the knee bends about axes normal to the leg; "gimbal": about
-                                        # axes parallel to those of the lower gimbal
+# flexible_axes = "transverse"          # the knee bends about axes normal to the leg; "gimbal":
+                                        # about axes parallel to those of the lower gimbal
 
 [damping]                               # what is not a named damper above
-# modal_ratio = "1 %"                   # for every mode; default: a small one where there is no damper
+# modal_ratio = "2 %"                   # for every mode; default: this where nothing else damps,
+                                        # else 0
 # rayleigh_mass = 0                     # 1/s, alpha in C = alpha M + beta K
 # rayleigh_stiffness = 0                # s, beta
 
-# ---- Poses -----------------------------------------------------------------------------------------
+# ---- Poses -----------------------------------------------------------------------------------
 # Position of the platform frame's origin in the base frame; rotation [rx, ry, rz] is first about x,
-# then about y, then about z, axes of the base (default [0, 0, 0]). "neutral" must be there; add your
-# own under any name.
+# then about y, then about z, axes of the base (default [0, 0, 0]). "neutral" must be there; add
+# your own under any name.
 
 [poses.neutral]
 position = [0, 0, "1.4 m"]
