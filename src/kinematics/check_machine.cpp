@@ -25,10 +25,10 @@ struct Findings {
 /// False when the leg has no piston position at all, so that the other checks make no sense.
 bool check_length(const model::Leg& leg, int number, double length, Findings& findings) {
   if (length > leg.rod.length) return true;
-  findings.error(
-      fmt::format("leg {} is {:.4g} m long, shorter than its rod of {:.4g} m; move the platform away "
-                  "from the base or shorten the rod",
-                  number, length, leg.rod.length));
+  findings.error(fmt::format(
+      "leg {} is {:.4g} m long, shorter than its rod of {:.4g} m; move the platform away from the "
+      "base or shorten the rod",
+      number, length, leg.rod.length));
   return false;
 }
 
@@ -38,8 +38,8 @@ void check_stroke(const model::Leg& leg, int number, double l_m, Findings& findi
   const double high = low + leg.stroke->length;
   if (l_m >= low && l_m <= high) return;
   findings.error(fmt::format(
-      "the piston of leg {} is {:.4g} m from its base joint, {:.3g} m {} its stroke from {:.4g} m to "
-      "{:.4g} m",
+      "the piston of leg {} is {:.4g} m from its base joint, {:.3g} m {} its stroke from {:.4g} m "
+      "to {:.4g} m",
       number, l_m, l_m < low ? low - l_m : l_m - high, l_m < low ? "below" : "beyond", low, high));
 }
 
@@ -55,9 +55,10 @@ void check_guide_sleeve(const model::Leg& leg, int number, double l_m, Findings&
 void check_tilt(int number, const char* joint, double tilt, std::optional<double> limit,
                 Findings& findings) {
   if (!limit || tilt <= *limit) return;
-  findings.error(fmt::format("the {} joint of leg {} is tilted {:.3g}° from the neutral pose, limit "
-                             "{:.3g}°",
-                             joint, number, tilt * degrees, *limit * degrees));
+  findings.error(
+      fmt::format("the {} joint of leg {} is tilted {:.3g}° from the neutral pose, "
+                  "limit {:.3g}°",
+                  joint, number, tilt * degrees, *limit * degrees));
 }
 
 void check_legs(const model::Machine& machine, const Pose& X_BP, Findings& findings) {
@@ -77,11 +78,13 @@ void check_legs(const model::Machine& machine, const Pose& X_BP, Findings& findi
 void check_singular(const model::Machine& machine, const Pose& X_BP, Findings& findings) {
   const auto quality = pose_quality(machine, X_BP);
   if (quality.condition < singular_condition) return;
-  const auto& d = quality.weakest_direction;
+  constexpr double shown = 0.005;  // below this two decimals say 0.00, and must not say -0.00
+  const Vector6 d =
+      (quality.weakest_direction.array().abs() < shown).select(0.0, quality.weakest_direction);
   findings.error(fmt::format(
       "singular pose: the legs cannot resist the platform motion (x, y, z, rx, ry, rz) = ({:.2f}, "
-      "{:.2f}, {:.2f}, {:.2f}, {:.2f}, {:.2f}) [m, rad]; condition of the Jacobian {:.2g}, accepted "
-      "below {:.0g}",
+      "{:.2f}, {:.2f}, {:.2f}, {:.2f}, {:.2f}) [m, rad]; condition of the Jacobian {:.2g}, "
+      "accepted below {:.0g}",
       d[0], d[1], d[2], d[3], d[4], d[5], quality.condition, singular_condition));
 }
 

@@ -28,6 +28,9 @@ PoseQuality pose_quality(const model::Machine& machine, const Pose& X_BP) {
   quality.condition = smallest > 0.0 ? quality.singular_values[0] / smallest
                                      : std::numeric_limits<double>::infinity();
   quality.weakest_direction = svd.matrixV().col(5);
+  Eigen::Index largest = 0;
+  quality.weakest_direction.cwiseAbs().maxCoeff(&largest);
+  if (quality.weakest_direction[largest] < 0.0) quality.weakest_direction *= -1.0;
   quality.weakest_direction.tail<3>() /= quality.characteristic_length;
   return quality;
 }
@@ -38,8 +41,8 @@ double angle_between(const Vector3& u, const Vector3& v) {
   return std::atan2(u.cross(v).norm(), u.dot(v));
 }
 
-/// The lower gimbal's angles of a leg along n: θ2 tilts out of the plane normal to a1, θ1 turns about
-/// a1, measured from the fixed plane through a1 and the neutral direction n0.
+/// The lower gimbal's angles of a leg along n: θ2 tilts out of the plane normal to a1, θ1 turns
+/// about a1, measured from the fixed plane through a1 and the neutral direction n0.
 std::pair<double, double> gimbal_angles(const Vector3& a1, const Vector3& n0, const Vector3& n) {
   const Vector3 x = (n0 - a1 * a1.dot(n0)).normalized();
   const Vector3 y = a1.cross(x);

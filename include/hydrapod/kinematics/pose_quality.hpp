@@ -12,7 +12,8 @@ struct PoseQuality {
   double characteristic_length{};  ///< r [m]
   Vector6 singular_values{};       ///< of J D⁻¹, descending, dimensionless
   double condition{};              ///< largest / smallest singular value; infinite when singular
-  /// Platform motion the legs resist least: unit vector of (v/r… ; ω) with |(v; r ω)| = 1, [m; rad].
+  /// Platform motion (v; ω) the legs resist least, about the mean of the platform joints: |(v; r ω)| = 1
+  /// [m; rad], its largest component (as in that norm) positive.
   Vector6 weakest_direction{};
 };
 
