@@ -100,7 +100,8 @@ std::vector<std::string> coordinate_names(ModelKind kind) {
   return names;
 }
 
-LinearModel linear_model(const model::Machine& machine, const spatial::Pose& X_BP, ModelKind kind) {
+LinearModel linear_model(const model::Machine& machine, const spatial::Pose& X_BP, ModelKind kind,
+                         const StaticEquilibrium* start) {
   check_piston_rings(machine, kind);
   LinearModel model{.kind = kind, .X_BP = X_BP, .p_BC = kinematics::mass_center(machine, X_BP)};
   const auto geometry = kinematics::inverse_kinematics(machine, X_BP);
@@ -111,7 +112,7 @@ LinearModel linear_model(const model::Machine& machine, const spatial::Pose& X_B
   model.C.setZero(dof, dof);
   model.M.topLeftCorner<6, 6>() = model.platform_mass;
 
-  model.statics = static_equilibrium(machine, X_BP, kind);
+  model.statics = static_equilibrium(machine, X_BP, kind, {}, start);
   require_equilibrium(model.statics, kind);
   if (machine.gravity.isZero(0.0)) {
     for (int i = 0; i < model::leg_count; ++i)

@@ -41,8 +41,9 @@ struct LinearModel {
 
 /// The model `kind` of `machine` at `X_BP`. Throws base::ComputationError when the machine has no static
 /// equilibrium there that Newton can find, and std::invalid_argument when ModelKind::full is asked of legs
-/// without a piston ring.
-LinearModel linear_model(const model::Machine& machine, const spatial::Pose& X_BP, ModelKind kind);
+/// without a piston ring. `start`: a neighbouring equilibrium to begin the search for this one at.
+LinearModel linear_model(const model::Machine& machine, const spatial::Pose& X_BP, ModelKind kind,
+                         const StaticEquilibrium* start = nullptr);
 
 /// Names of the coordinates: "x", …, "rz", "leg1.phi1", "leg1.phi2", "leg1.u1", ….
 std::vector<std::string> coordinate_names(ModelKind kind);

@@ -1,0 +1,141 @@
+#include <fmt/format.h>
+
+#include <memory>
+#include <numbers>
+
+#include "hydrapod/base/file.hpp"
+#include "hydrapod/commands.hpp"
+#include "hydrapod/machine_arguments.hpp"
+#include "hydrapod/report/check.hpp"
+#include "hydrapod/terminal.hpp"
+
+namespace hydrapod::cli {
+
+namespace {
+
+struct Arguments {
+  MachineArguments machine{.pose = ""};
+  std::string format{"table"};
+  std::string output{"-"};
+};
+
+std::string optional_text(const std::optional<double>& value) {
+  return value ? fmt::format("{:.1f}", 1e3 * *value) : "–";
+}
+
+std::string leg_table(const report::PoseCheck& check, bool colour) {
+  constexpr double degrees = 180.0 / std::numbers::pi;
+  Table table({{"leg"},
+               {"length mm"},
+               {"piston mm"},
+               {"guided mm"},
+               {"stroke left in/out mm"},
+               {"oil spring N/µm"},
+               {"axial force N"},
+               {"static tilt mrad"},
+               {"joint tilt base/platform °"}});
+  for (int i = 0; i < model::leg_count; ++i) {
+    const auto& leg = check.legs[i];
+    table.add_row({fmt::format("{}", i + 1), fmt::format("{:.1f}", 1e3 * leg.length),
+                   fmt::format("{:.1f}", 1e3 * leg.piston), fmt::format("{:.1f}", 1e3 * leg.guided_length),
+                   optional_text(leg.retract_left) + " / " + optional_text(leg.extend_left),
+                   fmt::format("{:.3f}", 1e-6 * leg.oil_stiffness),
+                   check.equilibrium ? fmt::format("{:.0f}", leg.axial_force) : "–",
+                   check.equilibrium ? fmt::format("{:.2f}", 1e3 * leg.tilt) : "–",
+                   fmt::format("{:.1f} / {:.1f}", leg.base_tilt * degrees, leg.platform_tilt * degrees)});
+  }
+  return table.text(colour);
+}
+
+std::string buckling_text(const model::Machine& machine, const report::PoseCheck& check) {
+  const auto& buckling = check.buckling;
+  const double mass = machine.platform.mass;
+  if (buckling.status == dynamics::BucklingStatus::found) {
+    std::string text = fmt::format("Buckling: the legs carry {:.4g} kg more than the platform's {:.4g} kg",
+                                   buckling.payload, mass);
+    if (buckling.limit_point && check.lowest_at_buckling)
+      return text + fmt::format("; beyond that they fold (the lowest mode has sunk to {:.2f} Hz by then).\n",
+                                *check.lowest_at_buckling / (2.0 * std::numbers::pi));
+    return text + "; there a seal mode reaches zero and they fold.\n";
+  }
+  if (buckling.status == dynamics::BucklingStatus::buckled)
+    return fmt::format("Buckling: the legs fold under the load they have; they carry {:.4g} kg of the "
+                       "platform's {:.4g} kg.\n",
+                       mass + buckling.payload, mass);
+  return machine.gravity.isZero(0.0) ? "Buckling: no gravity, no load.\n"
+                                     : "Buckling: none found up to 100 times the platform's mass.\n";
+}
+
+std::string pose_text(const model::Machine& machine, const report::PoseCheck& check, bool colour) {
+  std::string text =
+      fmt::format("{}\n{}", styled("Pose " + check.pose.name, Style::bold, colour), leg_table(check, colour));
+  text += fmt::format("Jacobian: condition {:.3g} (lengths scaled with {:.3g} m; singular from {:.0g})\n",
+                      check.quality.condition, check.quality.characteristic_length,
+                      kinematics::singular_condition);
+  text += buckling_text(machine, check);
+  for (const auto& warning : check.warnings)
+    text += fmt::format("{} {}\n", styled("warning:", Style::yellow, colour), warning);
+  return text;
+}
+
+std::vector<report::PoseChoice> chosen_poses(const model::Machine& machine, const std::string& text) {
+  if (!text.empty()) return {choose_pose(machine, text)};
+  std::vector<report::PoseChoice> poses;
+  for (const auto& pose : machine.poses) poses.push_back({pose.name, pose.X_BP});
+  return poses;
+}
+
+std::string table_text(const model::MachineFile& file, const std::vector<report::PoseCheck>& checks,
+                       bool colour) {
+  const auto& machine = file.machine;
+  double legs = 0.0;
+  for (const auto& leg : machine.legs) legs += leg.cylinder_case.mass + leg.rod.mass;
+  std::string text = fmt::format("{}: sound\n{}\nplatform {:.5g} kg, legs {:.4g} kg in all; {}\n",
+                                 styled(machine.name, Style::bold, colour), machine.description,
+                                 machine.platform.mass, legs, report::gravity_text(machine));
+  for (const auto& check : checks) text += "\n" + pose_text(machine, check, colour);
+  return text;
+}
+
+std::string json_text(const Arguments& arguments, const model::MachineFile& file,
+                      const std::vector<report::PoseCheck>& checks) {
+  report::Json json{{"kind", "check"},
+                    {"machine", report::machine_json(file, arguments.machine.file)},
+                    {"assumptions", report::assumptions_json(file.machine)},
+                    {"poses", report::Json::array()}};
+  for (const auto& check : checks) json["poses"].push_back(report::check_json(check));
+  return json.dump(1) + "\n";
+}
+
+void run(const Arguments& arguments) {
+  const size_t format = choose_word("--format", arguments.format, {"table", "json"});
+  const auto file = load(arguments.machine);
+  const auto kind = choose_model(file.machine, arguments.machine.model);
+  std::vector<report::PoseCheck> checks;
+  for (const auto& pose : chosen_poses(file.machine, arguments.machine.pose))
+    checks.push_back(report::check(file.machine, pose, kind));
+  const bool colour = arguments.output == "-" && has_colour(stdout);
+  base::write_file_whole(arguments.output, format == 0 ? table_text(file, checks, colour)
+                                                       : json_text(arguments, file, checks));
+}
+
+}  // namespace
+
+void add_check(CLI::App& app) {
+  CLI::App* command = add_command(
+      app, "check", "Check a machine file and print what follows from it",
+      {{"check machine.toml", "leg lengths, strokes left, oil springs, static forces, buckling"},
+       {"check machine.toml --pose \"z=100 mm\"", "at another pose"},
+       {"check machine.toml --set platform.mass=\"1.2 t\"", "with a heavier platform"},
+       {"check machine.toml --format json", "for other programs"}});
+  auto arguments = std::make_shared<Arguments>();
+  add_machine_options(*command, arguments->machine);
+  command->add_option("--pose", arguments->machine.pose,
+                      "One pose instead of all of the file: a name, or displacements from the neutral one");
+  add_model_option(*command, arguments->machine);
+  command->add_option("--format", arguments->format, "table or json")->capture_default_str();
+  command->add_option("-o,--output", arguments->output, "File to write; - prints")->capture_default_str();
+  command->callback([arguments] { run(*arguments); });
+}
+
+}  // namespace hydrapod::cli
