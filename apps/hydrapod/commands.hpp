@@ -30,6 +30,6 @@ void add_bode(CLI::App& app);
 void add_demo(CLI::App& app);
 
 /// In the order of the help.
-inline constexpr std::array all_commands{&add_init, &add_check, &add_modes};
+inline constexpr std::array all_commands{&add_init, &add_check, &add_modes, &add_bode};
 
 }  // namespace hydrapod::cli

@@ -1,0 +1,171 @@
+#include <fmt/format.h>
+
+#include <memory>
+#include <numbers>
+
+#include "hydrapod/base/file.hpp"
+#include "hydrapod/base/units.hpp"
+#include "hydrapod/bode_report.hpp"
+#include "hydrapod/commands.hpp"
+#include "hydrapod/machine_arguments.hpp"
+#include "hydrapod/mode_report.hpp"
+#include "hydrapod/report/bode.hpp"
+#include "hydrapod/terminal.hpp"
+
+namespace hydrapod::cli {
+
+namespace {
+
+constexpr double two_pi = 2.0 * std::numbers::pi;
+const std::vector<std::string_view> directions{"x", "y", "z", "rx", "ry", "rz"};
+
+struct Arguments {
+  MachineArguments machine{};
+  std::string input{"wrench"}, output{"displacement"};
+  std::string from{}, to{}, point{}, plot{};
+  std::string entries{"x,y,z,rx,ry,rz"};
+  int points{2000};
+  std::string format{"table"};
+  std::string file{"-"};
+};
+
+std::vector<std::string> parts_of(const std::string& text, char separator) {
+  std::vector<std::string> parts;
+  for (size_t begin = 0; begin <= text.size();) {
+    const size_t end = std::min(text.find(separator, begin), text.size());
+    parts.push_back(text.substr(begin, end - begin));
+    begin = end + 1;
+  }
+  return parts;
+}
+
+/// A frequency: a number in Hz, or a quantity ("30 rad/s", "2 kHz"), in rad/s.
+std::optional<double> frequency(const std::string& option, const std::string& text) {
+  if (text.empty()) return {};
+  double value = 0.0;
+  if (const auto plain = base::read_quantity(text, "1"); plain.ok()) {
+    value = two_pi * plain.value;
+  } else if (const auto hertz = base::read_quantity(text, "Hz"); hertz.ok()) {
+    value = two_pi * hertz.value;
+  } else if (const auto radians = base::read_quantity(text, "rad/s"); radians.ok()) {
+    value = radians.value;
+  } else {
+    throw base::InputError({{.file = option + " " + text, .message = hertz.problem}});
+  }
+  if (value > 0.0) return value;
+  throw base::InputError({{.file = option + " " + text, .message = "a frequency must be positive"}});
+}
+
+/// "x,y,z" in the platform frame, each SI or with a unit.
+std::optional<spatial::Vector3> point(const std::string& text) {
+  if (text.empty()) return {};
+  const auto parts = parts_of(text, ',');
+  spatial::Vector3 p;
+  std::string problem = parts.size() == 3 ? "" : "a point is three lengths, for instance \"0,0,0.2 m\"";
+  for (size_t i = 0; problem.empty() && i < 3; ++i) {
+    auto read = base::read_quantity(parts[i], "1");
+    if (!read.ok()) read = base::read_quantity(parts[i], "m");
+    problem = read.problem;
+    p[static_cast<Eigen::Index>(i)] = read.value;
+  }
+  if (problem.empty()) return p;
+  throw base::InputError({{.file = "--point " + text, .message = problem}});
+}
+
+/// "x,ry/x": direct responses and output/input pairs.
+std::vector<report::Entry> entries(const std::string& text) {
+  std::vector<report::Entry> list;
+  for (const auto& part : parts_of(text, ',')) {
+    const auto pair = parts_of(part, '/');
+    if (pair.size() > 2)
+      throw base::InputError({{.file = "--entries " + text,
+                               .message = fmt::format("'{}' is no output/input pair such as ry/x", part)}});
+    const auto out = static_cast<int>(choose_word("--entries", pair[0], directions));
+    const auto in = pair.size() == 2 ? static_cast<int>(choose_word("--entries", pair[1], directions)) : out;
+    list.push_back({out, in});
+  }
+  return list;
+}
+
+report::BodeOptions options_of(const Arguments& arguments) {
+  report::BodeOptions options;
+  options.input = static_cast<response::Input>(choose_word("--input", arguments.input, {"wrench", "actuator"}));
+  options.output = static_cast<response::Output>(
+      choose_word("--output", arguments.output, {"displacement", "velocity", "acceleration"}));
+  options.from = frequency("--from", arguments.from);
+  options.to = frequency("--to", arguments.to);
+  options.p_PQ = point(arguments.point);
+  options.points = arguments.points;
+  if (options.from && options.to && *options.from >= *options.to)
+    throw base::InputError({{.file = "--from " + arguments.from,
+                             .message = "must be less than --to " + arguments.to}});
+  return options;
+}
+
+std::string json_text(const Arguments& arguments, const model::MachineFile& file,
+                      const report::PoseChoice& pose, const report::Bode& bode) {
+  report::Json json{{"kind", "bode"},
+                    {"machine", report::machine_json(file, arguments.machine.file)},
+                    {"assumptions", report::assumptions_json(file.machine)},
+                    {"pose", report::pose_json(pose)}};
+  json.update(report::bode_json(bode));
+  return json.dump() + "\n";
+}
+
+void run(const Arguments& arguments) {
+  const size_t format = choose_word("--format", arguments.format, {"table", "json", "csv"});
+  const auto options = options_of(arguments);
+  const auto shown = entries(arguments.entries);
+  const auto file = load(arguments.machine);
+  const auto pose = choose_pose(file.machine, arguments.machine.pose);
+  const auto kind = choose_model(file.machine, arguments.machine.model);
+  const auto bode = report::bode(file.machine, pose, kind, options);
+  if (!arguments.plot.empty()) {
+    report::plot_bode(bode, shown, plot_text(file.machine, pose, bode), arguments.plot);
+    fmt::print(stderr, "wrote {}\n", arguments.plot);
+  }
+  const bool colour = arguments.file == "-" && has_colour(stdout);
+  base::write_file_whole(arguments.file,
+                         format == 0   ? heading(file.machine, pose, bode.table, colour) + "\n" + peak_text(bode, colour)
+                         : format == 1 ? json_text(arguments, file, pose, bode)
+                                       : report::bode_csv(bode));
+}
+
+void add_options(CLI::App& command, Arguments& arguments) {
+  add_machine_options(command, arguments.machine);
+  add_pose_option(command, arguments.machine);
+  add_model_option(command, arguments.machine);
+  command.add_option("--input", arguments.input, "wrench at the point, or actuator forces mapped to its directions")
+      ->capture_default_str();
+  command.add_option("--output", arguments.output, "displacement, velocity or acceleration of the point")
+      ->capture_default_str();
+  command.add_option("--point", arguments.point,
+                     "Point of the platform, \"x,y,z\" in its frame; default: its mass centre");
+  command.add_option("--from", arguments.from, "Lowest frequency, Hz or with a unit; default: from the modes");
+  command.add_option("--to", arguments.to, "Highest frequency, Hz or with a unit; default: from the modes");
+  command.add_option("--points", arguments.points, "Frequencies, evenly spaced on a logarithmic axis")
+      ->check(CLI::Range(2, 1000000))
+      ->capture_default_str();
+  command.add_option("--plot", arguments.plot, "Picture to write, .svg, .png or .pdf (needs gnuplot)");
+  command.add_option("--entries", arguments.entries, "Entries to plot, as directions or output/input pairs")
+      ->capture_default_str();
+  command.add_option("--format", arguments.format, "table (the peaks), json or csv (the 6×6 response)")
+      ->capture_default_str();
+  command.add_option("-o", arguments.file, "File to write; - prints")->capture_default_str();
+}
+
+}  // namespace
+
+void add_bode(CLI::App& app) {
+  CLI::App* command = add_command(
+      app, "bode", "Bode diagram of the platform, rigid beside rigid-flexible",
+      {{"bode machine.toml --plot bode.svg", "the six direct responses as a picture, peaks as a table"},
+       {"bode machine.toml --entries x,ry/x --plot coupling.pdf", "x, and ry caused by a force in x"},
+       {"bode machine.toml --point \"0,0,0.5 m\" --output acceleration", "at another point of the platform"},
+       {"bode machine.toml --from 1 --to \"200 Hz\" --format csv -o bode.csv", "the whole 6×6 response"}});
+  auto arguments = std::make_shared<Arguments>();
+  add_options(*command, *arguments);
+  command->callback([arguments] { run(*arguments); });
+}
+
+}  // namespace hydrapod::cli
