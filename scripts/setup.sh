@@ -42,7 +42,7 @@ ensure_packages() {
   local missing entry
   mapfile -t missing < <(missing_packages "$@")
   ((${#missing[@]})) || return 0
-  say "needs ${#missing[@]} Debian packages that are not installed:"
+  say "these Debian packages are missing:"
   for entry in "${missing[@]}"; do
     printf '  %-22s %s\n' "${entry%% *}" "${entry#* }" >&2
   done

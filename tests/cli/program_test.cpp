@@ -60,12 +60,6 @@ TEST(Program, NamesAnArgumentTooMany) {
   EXPECT_FALSE(std::filesystem::exists(folder / "a.toml"));
 }
 
-TEST(Program, HelpOfEveryCommandEndsWithExamples) {
-  const auto result = run_hydrapod({"init", "--help"});
-  EXPECT_EQ(result.exit_code, 0);
-  EXPECT_THAT(result.out, HasSubstr("Examples:\n  hydrapod init"));
-}
-
 TEST(Program, FailsWhenItsOutputCannotBeWritten) {
   const std::string call = test::hydrapod_program().string() + " --help > /dev/full";
   const auto result = run_program("sh", {"-c", call});

@@ -1,0 +1,68 @@
+/// The help of every command ends with examples, and every one of them works as it stands.
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <filesystem>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include "support/run_program.hpp"
+
+namespace hydrapod {
+namespace {
+using test::run_hydrapod;
+
+/// The first words of the indented lines that follow the line `title`.
+std::vector<std::string> entries_below(const std::string& title, const std::string& help) {
+  std::vector<std::string> entries;
+  std::istringstream lines(help.substr(std::min(help.find(title + '\n'), help.size())));
+  std::string line;
+  std::getline(lines, line);
+  while (std::getline(lines, line) && line.starts_with("  ")) {
+    if (line[2] == ' ') continue;  // a description that goes on
+    entries.push_back(line.substr(2, line.find("  ", 2) - 2));
+  }
+  return entries;
+}
+
+std::vector<std::string> commands() {
+  return entries_below("Subcommands:", run_hydrapod({"--help"}).out);
+}
+
+TEST(Help, ListsTheCommands) { EXPECT_THAT(commands(), testing::Contains("init")); }
+
+TEST(Help, OfEveryCommandEndsWithExamples) {
+  for (const std::string& command : commands()) {
+    const auto help = run_hydrapod({command, "--help"});
+    EXPECT_EQ(help.exit_code, 0) << command;
+    EXPECT_FALSE(entries_below("Examples:", help.out).empty()) << command;
+  }
+}
+
+/// A folder as the examples expect it: with the models, and a machine.toml unless that is what is
+/// made.
+void furnish(const std::filesystem::path& folder, const std::string& command) {
+  std::filesystem::create_directory_symlink(test::source_file("models"), folder / "models");
+  if (command != "init") run_hydrapod({"init"}, {.folder = folder});
+}
+
+TEST(Help, ExamplesWork) {
+  const std::string programs = test::hydrapod_program().parent_path().string();
+  const std::string path = programs + ':' + std::getenv("PATH");
+  for (const std::string& command : commands()) {
+    for (const auto& example : entries_below("Examples:", run_hydrapod({command, "--help"}).out)) {
+      const test::TemporaryFolder folder;
+      furnish(folder.path(), command);
+      const auto result = test::run_program(
+          "sh", {"-c", example}, {.folder = folder.path(), .variables = {{"PATH", path}}});
+      EXPECT_EQ(result.exit_code, 0) << example << '\n' << result.err;
+    }
+  }
+}
+
+}  // namespace
+}  // namespace hydrapod
