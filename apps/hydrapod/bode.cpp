@@ -53,7 +53,8 @@ std::optional<double> frequency(const std::string& option, const std::string& te
     throw base::InputError({{.file = option + " " + text, .message = hertz.problem}});
   }
   if (value > 0.0) return value;
-  throw base::InputError({{.file = option + " " + text, .message = "a frequency must be positive"}});
+  throw base::InputError(
+      {{.file = option + " " + text, .message = "a frequency must be positive"}});
 }
 
 /// "x,y,z" in the platform frame, each SI or with a unit.
@@ -61,7 +62,8 @@ std::optional<spatial::Vector3> point(const std::string& text) {
   if (text.empty()) return {};
   const auto parts = parts_of(text, ',');
   spatial::Vector3 p;
-  std::string problem = parts.size() == 3 ? "" : "a point is three lengths, for instance \"0,0,0.2 m\"";
+  std::string problem =
+      parts.size() == 3 ? "" : "a point is three lengths, for instance \"0,0,0.2 m\"";
   for (size_t i = 0; problem.empty() && i < 3; ++i) {
     auto read = base::read_quantity(parts[i], "1");
     if (!read.ok()) read = base::read_quantity(parts[i], "m");
@@ -78,10 +80,12 @@ std::vector<report::Entry> entries(const std::string& text) {
   for (const auto& part : parts_of(text, ',')) {
     const auto pair = parts_of(part, '/');
     if (pair.size() > 2)
-      throw base::InputError({{.file = "--entries " + text,
-                               .message = fmt::format("'{}' is no output/input pair such as ry/x", part)}});
+      throw base::InputError(
+          {{.file = "--entries " + text,
+            .message = fmt::format("'{}' is no output/input pair such as ry/x", part)}});
     const auto out = static_cast<int>(choose_word("--entries", pair[0], directions));
-    const auto in = pair.size() == 2 ? static_cast<int>(choose_word("--entries", pair[1], directions)) : out;
+    const auto in =
+        pair.size() == 2 ? static_cast<int>(choose_word("--entries", pair[1], directions)) : out;
     list.push_back({out, in});
   }
   return list;
@@ -89,7 +93,8 @@ std::vector<report::Entry> entries(const std::string& text) {
 
 report::BodeOptions options_of(const Arguments& arguments) {
   report::BodeOptions options;
-  options.input = static_cast<response::Input>(choose_word("--input", arguments.input, {"wrench", "actuator"}));
+  options.input =
+      static_cast<response::Input>(choose_word("--input", arguments.input, {"wrench", "actuator"}));
   options.output = static_cast<response::Output>(
       choose_word("--output", arguments.output, {"displacement", "velocity", "acceleration"}));
   options.from = frequency("--from", arguments.from);
@@ -125,31 +130,43 @@ void run(const Arguments& arguments) {
     fmt::print(stderr, "wrote {}\n", arguments.plot);
   }
   const bool colour = arguments.file == "-" && has_colour(stdout);
-  base::write_file_whole(arguments.file,
-                         format == 0   ? heading(file.machine, pose, bode.table, colour) + "\n" + peak_text(bode, colour)
-                         : format == 1 ? json_text(arguments, file, pose, bode)
-                                       : report::bode_csv(bode));
+  base::write_file_whole(arguments.file, format == 0
+                                             ? heading(file.machine, pose, bode.table, colour) +
+                                                   "\n" + peak_text(bode, colour)
+                                         : format == 1 ? json_text(arguments, file, pose, bode)
+                                                       : report::bode_csv(bode));
 }
 
 void add_options(CLI::App& command, Arguments& arguments) {
   add_machine_options(command, arguments.machine);
   add_pose_option(command, arguments.machine);
   add_model_option(command, arguments.machine);
-  command.add_option("--input", arguments.input, "wrench at the point, or actuator forces mapped to its directions")
+  command
+      .add_option("--input", arguments.input,
+                  "wrench at the point, or actuator forces mapped to its directions")
       ->capture_default_str();
-  command.add_option("--output", arguments.output, "displacement, velocity or acceleration of the point")
+  command
+      .add_option("--output", arguments.output,
+                  "displacement, velocity or acceleration of the point")
       ->capture_default_str();
   command.add_option("--point", arguments.point,
                      "Point of the platform, \"x,y,z\" in its frame; default: its mass centre");
-  command.add_option("--from", arguments.from, "Lowest frequency, Hz or with a unit; default: from the modes");
-  command.add_option("--to", arguments.to, "Highest frequency, Hz or with a unit; default: from the modes");
-  command.add_option("--points", arguments.points, "Frequencies, evenly spaced on a logarithmic axis")
+  command.add_option("--from", arguments.from,
+                     "Lowest frequency, Hz or with a unit; default: from the modes");
+  command.add_option("--to", arguments.to,
+                     "Highest frequency, Hz or with a unit; default: from the modes");
+  command
+      .add_option("--points", arguments.points, "Frequencies, evenly spaced on a logarithmic axis")
       ->check(CLI::Range(2, 1000000))
       ->capture_default_str();
-  command.add_option("--plot", arguments.plot, "Picture to write, .svg, .png or .pdf (needs gnuplot)");
-  command.add_option("--entries", arguments.entries, "Entries to plot, as directions or output/input pairs")
+  command.add_option("--plot", arguments.plot,
+                     "Picture to write, .svg, .png or .pdf (needs gnuplot)");
+  command
+      .add_option("--entries", arguments.entries,
+                  "Entries to plot, as directions or output/input pairs")
       ->capture_default_str();
-  command.add_option("--format", arguments.format, "table (the peaks), json or csv (the 6×6 response)")
+  command
+      .add_option("--format", arguments.format, "table (the peaks), json or csv (the 6×6 response)")
       ->capture_default_str();
   command.add_option("-o", arguments.file, "File to write; - prints")->capture_default_str();
 }
@@ -157,12 +174,16 @@ void add_options(CLI::App& command, Arguments& arguments) {
 }  // namespace
 
 void add_bode(CLI::App& app) {
-  CLI::App* command = add_command(
-      app, "bode", "Bode diagram of the platform, rigid beside rigid-flexible",
-      {{"bode machine.toml --plot bode.svg", "the six direct responses as a picture, peaks as a table"},
-       {"bode machine.toml --entries x,ry/x --plot coupling.pdf", "x, and ry caused by a force in x"},
-       {"bode machine.toml --point \"0,0,0.5 m\" --output acceleration", "at another point of the platform"},
-       {"bode machine.toml --from 1 --to \"200 Hz\" --format csv -o bode.csv", "the whole 6×6 response"}});
+  CLI::App* command =
+      add_command(app, "bode", "Bode diagram of the platform, rigid beside rigid-flexible",
+                  {{"bode machine.toml --plot bode.svg",
+                    "the six direct responses as a picture, peaks as a table"},
+                   {"bode machine.toml --entries x,ry/x --plot coupling.pdf",
+                    "x, and ry caused by a force in x"},
+                   {"bode machine.toml --point \"0,0,0.5 m\" --output acceleration",
+                    "at another point of the platform"},
+                   {"bode machine.toml --from 1 --to \"200 Hz\" --format csv -o bode.csv",
+                    "the whole 6×6 response"}});
   auto arguments = std::make_shared<Arguments>();
   add_options(*command, *arguments);
   command->callback([arguments] { run(*arguments); });

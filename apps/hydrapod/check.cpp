@@ -36,13 +36,14 @@ std::string leg_table(const report::PoseCheck& check, bool colour) {
                {"joint tilt base/platform °"}});
   for (int i = 0; i < model::leg_count; ++i) {
     const auto& leg = check.legs[i];
-    table.add_row({fmt::format("{}", i + 1), fmt::format("{:.1f}", 1e3 * leg.length),
-                   fmt::format("{:.1f}", 1e3 * leg.piston), fmt::format("{:.1f}", 1e3 * leg.guided_length),
-                   optional_text(leg.retract_left) + " / " + optional_text(leg.extend_left),
-                   fmt::format("{:.3f}", 1e-6 * leg.oil_stiffness),
-                   check.equilibrium ? fmt::format("{:.0f}", leg.axial_force) : "–",
-                   check.equilibrium ? fmt::format("{:.2f}", 1e3 * leg.tilt) : "–",
-                   fmt::format("{:.1f} / {:.1f}", leg.base_tilt * degrees, leg.platform_tilt * degrees)});
+    table.add_row(
+        {fmt::format("{}", i + 1), fmt::format("{:.1f}", 1e3 * leg.length),
+         fmt::format("{:.1f}", 1e3 * leg.piston), fmt::format("{:.1f}", 1e3 * leg.guided_length),
+         optional_text(leg.retract_left) + " / " + optional_text(leg.extend_left),
+         fmt::format("{:.3f}", 1e-6 * leg.oil_stiffness),
+         check.equilibrium ? fmt::format("{:.0f}", leg.axial_force) : "–",
+         check.equilibrium ? fmt::format("{:.2f}", 1e3 * leg.tilt) : "–",
+         fmt::format("{:.1f} / {:.1f}", leg.base_tilt * degrees, leg.platform_tilt * degrees)});
   }
   return table.text(colour);
 }
@@ -51,34 +52,40 @@ std::string buckling_text(const model::Machine& machine, const report::PoseCheck
   const auto& buckling = check.buckling;
   const double mass = machine.platform.mass;
   if (buckling.status == dynamics::BucklingStatus::found) {
-    std::string text = fmt::format("Buckling: the legs carry {:.4g} kg more than the platform's {:.4g} kg",
-                                   buckling.payload, mass);
+    std::string text =
+        fmt::format("Buckling: the legs carry {:.4g} kg more than the platform's {:.4g} kg",
+                    buckling.payload, mass);
     if (buckling.limit_point && check.lowest_at_buckling)
-      return text + fmt::format("; beyond that they fold (the lowest mode has sunk to {:.2f} Hz by then).\n",
-                                *check.lowest_at_buckling / (2.0 * std::numbers::pi));
+      return text +
+             fmt::format(
+                 "; beyond that they fold (the lowest mode has sunk to {:.2f} Hz by then).\n",
+                 *check.lowest_at_buckling / (2.0 * std::numbers::pi));
     return text + "; there a seal mode reaches zero and they fold.\n";
   }
   if (buckling.status == dynamics::BucklingStatus::buckled)
-    return fmt::format("Buckling: the legs fold under the load they have; they carry {:.4g} kg of the "
-                       "platform's {:.4g} kg.\n",
-                       mass + buckling.payload, mass);
-  return machine.gravity.isZero(0.0) ? "Buckling: no gravity, no load.\n"
-                                     : "Buckling: none found up to 100 times the platform's mass.\n";
+    return fmt::format(
+        "Buckling: the legs fold under the load they have; they carry {:.4g} kg of the "
+        "platform's {:.4g} kg.\n",
+        mass + buckling.payload, mass);
+  return machine.gravity.isZero(0.0)
+             ? "Buckling: no gravity, no load.\n"
+             : "Buckling: none found up to 100 times the platform's mass.\n";
 }
 
 std::string pose_text(const model::Machine& machine, const report::PoseCheck& check, bool colour) {
-  std::string text =
-      fmt::format("{}\n{}", styled("Pose " + check.pose.name, Style::bold, colour), leg_table(check, colour));
-  text += fmt::format("Jacobian: condition {:.3g} (lengths scaled with {:.3g} m; singular from {:.0g})\n",
-                      check.quality.condition, check.quality.characteristic_length,
-                      kinematics::singular_condition);
+  std::string text = fmt::format("{}\n{}", styled("Pose " + check.pose.name, Style::bold, colour),
+                                 leg_table(check, colour));
+  text += fmt::format(
+      "Jacobian: condition {:.3g} (lengths scaled with {:.3g} m; singular from {:.0g})\n",
+      check.quality.condition, check.quality.characteristic_length, kinematics::singular_condition);
   text += buckling_text(machine, check);
   for (const auto& warning : check.warnings)
     text += fmt::format("{} {}\n", styled("warning:", Style::yellow, colour), warning);
   return text;
 }
 
-std::vector<report::PoseChoice> chosen_poses(const model::Machine& machine, const std::string& text) {
+std::vector<report::PoseChoice> chosen_poses(const model::Machine& machine,
+                                             const std::string& text) {
   if (!text.empty()) return {choose_pose(machine, text)};
   std::vector<report::PoseChoice> poses;
   for (const auto& pose : machine.poses) poses.push_back({pose.name, pose.X_BP});
@@ -130,11 +137,13 @@ void add_check(CLI::App& app) {
        {"check machine.toml --format json", "for other programs"}});
   auto arguments = std::make_shared<Arguments>();
   add_machine_options(*command, arguments->machine);
-  command->add_option("--pose", arguments->machine.pose,
-                      "One pose instead of all of the file: a name, or displacements from the neutral one");
+  command->add_option(
+      "--pose", arguments->machine.pose,
+      "One pose instead of all of the file: a name, or displacements from the neutral one");
   add_model_option(*command, arguments->machine);
   command->add_option("--format", arguments->format, "table or json")->capture_default_str();
-  command->add_option("-o,--output", arguments->output, "File to write; - prints")->capture_default_str();
+  command->add_option("-o,--output", arguments->output, "File to write; - prints")
+      ->capture_default_str();
   command->callback([arguments] { run(*arguments); });
 }
 

@@ -47,9 +47,10 @@ spatial::Pose displaced_pose(const spatial::Pose& neutral, const std::string& te
     const std::string key = trimmed(part.substr(0, equals));
     const auto at = std::find(coordinates.begin(), coordinates.end(), key);
     if (equals == std::string::npos || at == coordinates.end())
-      bad_argument(argument, fmt::format("'{}' is no displacement from the neutral pose; accepted are "
-                                         "x, y, z, rx, ry, rz, for instance \"z=50 mm, ry=5 deg\"",
-                                         trimmed(part)));
+      bad_argument(argument,
+                   fmt::format("'{}' is no displacement from the neutral pose; accepted are "
+                               "x, y, z, rx, ry, rz, for instance \"z=50 mm, ry=5 deg\"",
+                               trimmed(part)));
     const auto index = static_cast<size_t>(at - coordinates.begin());
     value[index] = value_of(argument, trimmed(part.substr(equals + 1)), index < 3 ? "m" : "rad");
   }
@@ -85,14 +86,16 @@ void add_pose_option(CLI::App& command, MachineArguments& arguments) {
 
 void add_model_option(CLI::App& command, MachineArguments& arguments) {
   command
-      .add_option("--model", arguments.model,
-                  "rigid (6 modes), guide (18: guide sleeves give way) or full (30: piston rings too); "
-                  "default: full where the file gives piston rings, else guide")
+      .add_option(
+          "--model", arguments.model,
+          "rigid (6 modes), guide (18: guide sleeves give way) or full (30: piston rings too); "
+          "default: full where the file gives piston rings, else guide")
       ->type_name("MODEL");
 }
 
 model::MachineFile load(const MachineArguments& arguments) {
-  auto file = model::read_machine_file(arguments.file, arguments.overrides, kinematics::check_machine);
+  auto file =
+      model::read_machine_file(arguments.file, arguments.overrides, kinematics::check_machine);
   print_diagnostics(file.warnings);
   return file;
 }
@@ -118,10 +121,10 @@ size_t choose_word(const std::string& option, const std::string& word,
   const auto at = std::find(words.begin(), words.end(), word);
   if (at != words.end()) return static_cast<size_t>(at - words.begin());
   const auto near = base::nearest(word, words);
-  bad_argument(option + " " + word,
-               fmt::format("unknown value; {}accepted are {}",
-                           near ? fmt::format("did you mean '{}'? ", *near) : "",
-                           fmt::join(words, ", ")));
+  bad_argument(
+      option + " " + word,
+      fmt::format("unknown value; {}accepted are {}",
+                  near ? fmt::format("did you mean '{}'? ", *near) : "", fmt::join(words, ", ")));
 }
 
 dynamics::ModelKind choose_model(const model::Machine& machine, const std::string& text) {
@@ -132,9 +135,10 @@ dynamics::ModelKind choose_model(const model::Machine& machine, const std::strin
   constexpr std::array kinds{ModelKind::rigid, ModelKind::guide, ModelKind::full};
   const ModelKind kind = kinds[choose_word("--model", text, {"rigid", "guide", "full"})];
   if (kind == ModelKind::full && !rings)
-    bad_argument("--model full",
-                 "not every leg has a piston ring; give legs.piston_ring.stiffness in the file or with "
-                 "--set legs.piston_ring.stiffness=\"… N/m\"");
+    bad_argument(
+        "--model full",
+        "not every leg has a piston ring; give legs.piston_ring.stiffness in the file or with "
+        "--set legs.piston_ring.stiffness=\"… N/m\"");
   return kind;
 }
 

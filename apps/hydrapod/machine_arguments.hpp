@@ -30,12 +30,12 @@ void add_model_option(CLI::App& command, MachineArguments& arguments);
 /// Reads and checks the machine; warnings go to stderr. Throws base::InputError.
 model::MachineFile load(const MachineArguments& arguments);
 
-/// The pose asked for, checked. Offsets (`x`, `y`, `z`, `rx`, `ry`, `rz`, SI or with a unit) are laid over the
-/// neutral pose. Throws base::InputError.
+/// The pose asked for, checked. Offsets (`x`, `y`, `z`, `rx`, `ry`, `rz`, SI or with a unit) are
+/// laid over the neutral pose. Throws base::InputError.
 report::PoseChoice choose_pose(const model::Machine& machine, const std::string& text);
 
-/// The model asked for; if none was, the full one where every leg has a piston ring, else the guide model.
-/// Throws base::InputError for the full model of legs without a piston ring.
+/// The model asked for; if none was, the full one where every leg has a piston ring, else the guide
+/// model. Throws base::InputError for the full model of legs without a piston ring.
 dynamics::ModelKind choose_model(const model::Machine& machine, const std::string& text);
 
 /// One of several words for an option, or base::InputError with the nearest of them.

@@ -24,7 +24,8 @@ std::string percent(double share) {
 std::string energy_text(const modal::EnergyShares& energy) {
   std::string text;
   const auto add = [&](const char* part, double share) {
-    if (share >= 0.005) text += fmt::format("{}{} {} %", text.empty() ? "" : ", ", part, percent(share));
+    if (share >= 0.005)
+      text += fmt::format("{}{} {} %", text.empty() ? "" : ", ", part, percent(share));
   };
   add("oil", energy.oil.sum());
   add("sleeves", energy.guide_sleeve.sum());
@@ -44,7 +45,8 @@ std::string motion_text(const modal::EnergyShares& energy) {
 std::string signed_percent(double change) {
   const double value = 100.0 * change;
   if (std::abs(value) < 0.005) return "0.00 %";
-  return fmt::format("{}{:.{}f} %", value < 0 ? "−" : "+", std::abs(value), std::abs(value) < 10 ? 2 : 1);
+  return fmt::format("{}{:.{}f} %", value < 0 ? "−" : "+", std::abs(value),
+                     std::abs(value) < 10 ? 2 : 1);
 }
 
 bool repeats(const std::vector<modal::TabledMode>& modes, size_t k) {
@@ -65,10 +67,13 @@ std::string change_text(const modal::TabledMode& mode, const modal::ModeTable& b
 std::vector<std::string> row(const modal::ModeTable& table, size_t k) {
   const auto& entry = table.real.modes[k];
   const auto& mode = entry.mode;
-  std::vector<std::string> cells{
-      number_text(table.real.modes, k), fmt::format("{:.3f}", mode.omega / two_pi),
-      fmt::format("{:.3f}", mode.omega), fmt::format("{:.2f} %", 100.0 * mode.damping_ratio),
-      entry.label, motion_text(entry.energy), energy_text(entry.energy)};
+  std::vector<std::string> cells{number_text(table.real.modes, k),
+                                 fmt::format("{:.3f}", mode.omega / two_pi),
+                                 fmt::format("{:.3f}", mode.omega),
+                                 fmt::format("{:.2f} %", 100.0 * mode.damping_ratio),
+                                 entry.label,
+                                 motion_text(entry.energy),
+                                 energy_text(entry.energy)};
   if (table.kind == dynamics::ModelKind::rigid) return cells;
   if (entry.rigid) {
     const double rigid = table.rigid.modes[entry.rigid->mode].mode.omega;
@@ -100,18 +105,24 @@ std::vector<Column> columns(const modal::ModeTable& table, const modal::ModeTabl
 
 /// The six rigid modes and where each of them went.
 std::string rigid_text(const modal::ModeTable& table, bool colour) {
-  Table text({{"rigid"}, {"Hz"}, {"rad/s"}, {"what moves", Align::left}, {"found in modes (MAC)", Align::left}});
+  Table text({{"rigid"},
+              {"Hz"},
+              {"rad/s"},
+              {"what moves", Align::left},
+              {"found in modes (MAC)", Align::left}});
   for (size_t r = 0; r < table.rigid.modes.size(); ++r) {
     const auto& rigid = table.rigid.modes[r];
     std::string found;
     for (size_t k = 0; k < table.real.modes.size(); ++k) {
       const auto& entry = table.real.modes[k];
-      if (!entry.rigid || entry.rigid->mode != static_cast<int>(r) || entry.rigid->mac < 0.01) continue;
+      if (!entry.rigid || entry.rigid->mode != static_cast<int>(r) || entry.rigid->mac < 0.01)
+        continue;
       found += fmt::format("{}{} at {:.3f} Hz ({:.2f})", found.empty() ? "" : ", ", k + 1,
                            entry.mode.omega / two_pi, entry.rigid->mac);
     }
-    text.add_row({number_text(table.rigid.modes, r), fmt::format("{:.3f}", rigid.mode.omega / two_pi),
-                  fmt::format("{:.3f}", rigid.mode.omega), modal::platform_directions(rigid.energy), found});
+    text.add_row(
+        {number_text(table.rigid.modes, r), fmt::format("{:.3f}", rigid.mode.omega / two_pi),
+         fmt::format("{:.3f}", rigid.mode.omega), modal::platform_directions(rigid.energy), found});
   }
   return text.text(colour);
 }
@@ -127,16 +138,17 @@ std::string heading(const model::Machine& machine, const report::PoseChoice& pos
                     const modal::ModeTable& table, bool colour) {
   constexpr std::array<const char*, 3> what{"rigid model, 6 modes", "guide-sleeve model, 18 modes",
                                             "guide-sleeve and piston-ring model, 30 modes"};
-  return fmt::format("{}, pose {}: {}\n{}; {} axes; damping: {}\n", styled(machine.name, Style::bold, colour),
-                     pose.name, what[static_cast<size_t>(table.kind)], report::gravity_text(machine),
+  return fmt::format("{}, pose {}: {}\n{}; {} axes; damping: {}\n",
+                     styled(machine.name, Style::bold, colour), pose.name,
+                     what[static_cast<size_t>(table.kind)], report::gravity_text(machine),
                      machine.flexible_axes == model::FlexibleAxes::gimbal ? "gimbal" : "transverse",
                      report::damping_text(machine));
 }
 
 std::string mode_text(const modal::ModeTable& table, const modal::ModeTable* before, bool colour) {
   Table text(columns(table, before));
-  const auto match =
-      before ? modal::match_modes(table.real, before->real) : std::vector<int>(table.real.modes.size());
+  const auto match = before ? modal::match_modes(table.real, before->real)
+                            : std::vector<int>(table.real.modes.size());
   bool pairs = false;
   for (size_t k = 0; k < table.real.modes.size(); ++k) {
     auto cells = row(table, k);
@@ -146,9 +158,14 @@ std::string mode_text(const modal::ModeTable& table, const modal::ModeTable* bef
   }
   std::string all = text.text(colour);
   if (table.kind != dynamics::ModelKind::rigid) all += "\n" + rigid_text(table, colour);
-  if (pairs) all += "\n= repeated frequency: any mix of such modes is a mode; shown is the mix that moves along the axes";
+  if (pairs)
+    all +=
+        "\n= repeated frequency: any mix of such modes is a mode; shown is the mix that moves "
+        "along the axes";
   if (any_preload(table))
-    all += "\nelastic energy is that of the springs; under load, compressed knees give part of it back";
+    all +=
+        "\nelastic energy is that of the springs; under load, compressed knees give part of it "
+        "back";
   if (pairs || any_preload(table)) all += "\n";
   return all;
 }
@@ -158,16 +175,20 @@ std::string answer_text(const modal::ModeTable& table) {
   if (k < 0) return {};
   const auto& mode = table.real.modes[k];
   if (!mode.mode.stable)
-    return "The machine is unstable at this pose: the legs buckle. `hydrapod check` finds the payload they carry.\n";
+    return "The machine is unstable at this pose: the legs buckle. `hydrapod check` finds the "
+           "payload they carry.\n";
   const std::string where = modal::platform_directions(mode.energy);
-  std::string text = fmt::format("Lowest mode the platform feels: {:.2f} Hz in {}", mode.mode.omega / two_pi, where);
+  std::string text = fmt::format("Lowest mode the platform feels: {:.2f} Hz in {}",
+                                 mode.mode.omega / two_pi, where);
   if (!mode.rigid) return text + ".\n";
   const double rigid = table.rigid.modes[mode.rigid->mode].mode.omega;
   text += fmt::format("; with rigid legs it would be {:.2f} Hz. ", rigid / two_pi);
   const double drop = -100.0 * mode.rigid->shift;
-  const std::string parts = table.kind == dynamics::ModelKind::full ? "The seals' and piston rings'" : "The seals'";
-  text += drop < 0.0 ? fmt::format("{} give does not lower it", parts)
-                     : fmt::format("{} give lowers it by {:.{}f} %", parts, drop, drop < 10.0 ? 2 : 0);
+  const std::string parts =
+      table.kind == dynamics::ModelKind::full ? "The seals' and piston rings'" : "The seals'";
+  text += drop < 0.0
+              ? fmt::format("{} give does not lower it", parts)
+              : fmt::format("{} give lowers it by {:.{}f} %", parts, drop, drop < 10.0 ? 2 : 0);
   return text + fmt::format("; its elastic energy: {}.\n", energy_text(mode.energy));
 }
 
@@ -184,8 +205,9 @@ std::string mode_csv(const modal::ModeTable& table) {
                         entry.mode.omega / two_pi, entry.mode.damping_ratio, entry.mode.stable,
                         entry.platform_feels, entry.mode.group, entry.label);
     for (int d = 0; d < 6; ++d) text += fmt::format(",{:.17g}", energy.platform[d]);
-    text += fmt::format(",{:.17g},{:.17g},{:.17g},{:.17g},{:.17g}", energy.legs.sum(), energy.oil.sum(),
-                        energy.guide_sleeve.sum(), energy.piston_ring.sum(), energy.preload);
+    text +=
+        fmt::format(",{:.17g},{:.17g},{:.17g},{:.17g},{:.17g}", energy.legs.sum(), energy.oil.sum(),
+                    energy.guide_sleeve.sum(), energy.piston_ring.sum(), energy.preload);
     if (entry.rigid)
       text += fmt::format(",{},{:.17g},{:.17g},{:.17g}\n", entry.rigid->mode + 1,
                           table.rigid.modes[entry.rigid->mode].mode.omega, entry.rigid->mac,

@@ -15,7 +15,8 @@ std::string heading(const model::Machine& machine, const report::PoseChoice& pos
 /// The table of `table`; with `before`, also the change of every mode against it.
 std::string mode_text(const modal::ModeTable& table, const modal::ModeTable* before, bool colour);
 
-/// The answer in words: the lowest mode the platform feels, rigid and real, and where its energy is.
+/// The answer in words: the lowest mode the platform feels, rigid and real, and where its energy
+/// is.
 std::string answer_text(const modal::ModeTable& table);
 
 /// One line per mode, all fields; a header line names them with units.

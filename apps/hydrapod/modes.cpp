@@ -72,20 +72,23 @@ void run(const Arguments& arguments) {
 }  // namespace
 
 void add_modes(CLI::App& app) {
-  CLI::App* command = add_command(
-      app, "modes", "Modes of the machine, rigid beside rigid-flexible",
-      {{"modes machine.toml", "which modes, what moves, where the energy is"},
-       {"modes machine.toml --pose \"z=100 mm, ry=5 deg\"", "at another pose"},
-       {"modes machine.toml --model rigid", "the six rigid modes alone"},
-       {"modes machine.toml --set legs.guide_sleeve.stiffness=\"2e6 N/m\"", "what stiffer seals would change"},
-       {"modes machine.toml --format json --matrices -o modes.json", "everything, for other programs"}});
+  CLI::App* command =
+      add_command(app, "modes", "Modes of the machine, rigid beside rigid-flexible",
+                  {{"modes machine.toml", "which modes, what moves, where the energy is"},
+                   {"modes machine.toml --pose \"z=100 mm, ry=5 deg\"", "at another pose"},
+                   {"modes machine.toml --model rigid", "the six rigid modes alone"},
+                   {"modes machine.toml --set legs.guide_sleeve.stiffness=\"2e6 N/m\"",
+                    "what stiffer seals would change"},
+                   {"modes machine.toml --format json --matrices -o modes.json",
+                    "everything, for other programs"}});
   auto arguments = std::make_shared<Arguments>();
   add_machine_options(*command, arguments->machine);
   add_pose_option(*command, arguments->machine);
   add_model_option(*command, arguments->machine);
   command->add_option("--format", arguments->format, "table, json or csv")->capture_default_str();
   command->add_flag("--matrices", arguments->matrices, "Put M, K and C into the JSON");
-  command->add_option("-o,--output", arguments->output, "File to write; - prints")->capture_default_str();
+  command->add_option("-o,--output", arguments->output, "File to write; - prints")
+      ->capture_default_str();
   command->callback([arguments] { run(*arguments); });
 }
 

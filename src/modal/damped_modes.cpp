@@ -17,7 +17,8 @@ using ComplexVector = Eigen::Matrix<Complex, Eigen::Dynamic, 1>;
 using ComplexMatrix = Eigen::MatrixXcd;
 
 bool has_viscous_damper(const model::Machine& machine) {
-  if (machine.damping.rayleigh_mass != 0.0 || machine.damping.rayleigh_stiffness != 0.0) return true;
+  if (machine.damping.rayleigh_mass != 0.0 || machine.damping.rayleigh_stiffness != 0.0)
+    return true;
   return std::any_of(machine.legs.begin(), machine.legs.end(), [](const model::Leg& leg) {
     return leg.guide_sleeve.damping != 0.0 || leg.oil_spring.damping != 0.0 ||
            (leg.piston_ring && leg.piston_ring->damping != 0.0);
@@ -138,16 +139,19 @@ std::vector<DampedMode> collect(Poles& poles, const ModelMatrix& M) {
   return list;
 }
 
-/// Inside a group of equal poles: the first mode takes all motion in x, the next all that is left in y, …;
-/// then every mode's leading component is made real and positive.
-void make_canonical(const ModelMatrix& M, std::vector<DampedMode>& modes, size_t first, size_t size) {
+/// Inside a group of equal poles: the first mode takes all motion in x, the next all that is left
+/// in y, …; then every mode's leading component is made real and positive.
+void make_canonical(const ModelMatrix& M, std::vector<DampedMode>& modes, size_t first,
+                    size_t size) {
   const ModelVector mass_diagonal = M.diagonal();
   const auto rows = modes[first].real.size();
   ComplexMatrix B(rows, static_cast<Eigen::Index>(size));
   for (size_t k = 0; k < size; ++k)
     B.col(static_cast<Eigen::Index>(k)) =
-        modes[first + k].real.cast<Complex>() + Complex(0, 1) * modes[first + k].imaginary.cast<Complex>();
-  const ComplexMatrix gram = B.adjoint() * M.cast<Complex>() * B;  // poles that repeat leave any basis
+        modes[first + k].real.cast<Complex>() +
+        Complex(0, 1) * modes[first + k].imaginary.cast<Complex>();
+  const ComplexMatrix gram =
+      B.adjoint() * M.cast<Complex>() * B;  // poles that repeat leave any basis
   const ComplexMatrix upper = Eigen::LLT<ComplexMatrix>(gram).matrixU();
   B = upper.triangularView<Eigen::Upper>().solve<Eigen::OnTheRight>(B).eval();
   ComplexMatrix Q(size, size);
@@ -195,7 +199,8 @@ ModelMatrix modal_damping_matrix(const LinearModel& model, const NormalModes& mo
   return Gamma;
 }
 
-std::vector<DampedMode> damped_modes(const LinearModel& model, const NormalModes& modes, double ratio) {
+std::vector<DampedMode> damped_modes(const LinearModel& model, const NormalModes& modes,
+                                     double ratio) {
   const ModelMatrix Gamma = modal_damping_matrix(model, modes, ratio);
   std::vector<DampedMode> list;
   if (is_diagonal(Gamma)) {

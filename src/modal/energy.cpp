@@ -77,8 +77,7 @@ EnergyShares shares(const LinearModel& model, const Energies& energies) {
 std::vector<EnergyShares> energy_shares(const LinearModel& model,
                                         const Eigen::Ref<const ModelMatrix>& shapes) {
   std::vector<EnergyShares> list(shapes.cols());
-  for (int k = 0; k < shapes.cols(); ++k)
-    list[k] = shares(model, energies(model, shapes.col(k)));
+  for (int k = 0; k < shapes.cols(); ++k) list[k] = shares(model, energies(model, shapes.col(k)));
   return list;
 }
 

@@ -13,11 +13,13 @@ namespace {
 
 constexpr std::array<const char*, 6> direction_names{"x", "y", "z", "rx", "ry", "rz"};
 
-/// "all legs", "leg 3", "legs 1, 2 and 4": the legs that hold 90 % of `per_leg`, "all" from five on.
+/// "all legs", "leg 3", "legs 1, 2 and 4": the legs that hold 90 % of `per_leg`, "all" from five
+/// on.
 std::string legs_involved(const Vector6& per_leg) {
   std::array<int, 6> order{};
   std::iota(order.begin(), order.end(), 0);
-  std::stable_sort(order.begin(), order.end(), [&](int a, int b) { return per_leg[a] > per_leg[b]; });
+  std::stable_sort(order.begin(), order.end(),
+                   [&](int a, int b) { return per_leg[a] > per_leg[b]; });
   const double wanted = 0.9 * per_leg.sum();
   double held = 0.0;
   int count = 0;
@@ -115,15 +117,16 @@ std::string mode_label(const EnergyShares& energy, bool stable) {
 }
 
 int lowest_felt(const std::vector<TabledMode>& modes) {
-  const auto found =
-      std::find_if(modes.begin(), modes.end(), [](const TabledMode& m) { return m.platform_feels; });
+  const auto found = std::find_if(modes.begin(), modes.end(),
+                                  [](const TabledMode& m) { return m.platform_feels; });
   return found == modes.end() ? -1 : static_cast<int>(found - modes.begin());
 }
 
 namespace {
 
 /// `shape` of a model of kind `from` in the coordinates of `to`; what `to` lacks is dropped.
-ModelVector in_coordinates(const ModelVector& shape, dynamics::ModelKind from, dynamics::ModelKind to) {
+ModelVector in_coordinates(const ModelVector& shape, dynamics::ModelKind from,
+                           dynamics::ModelKind to) {
   const int has = dynamics::flexible_per_leg(from), wants = dynamics::flexible_per_leg(to);
   ModelVector result = ModelVector::Zero(dynamics::degrees_of_freedom(to));
   result.head<6>() = shape.head<6>();

@@ -17,7 +17,8 @@ int group_size(const ModelVector& omega2, int first) {
       64.0 * std::numeric_limits<double>::epsilon() * omega2.cwiseAbs().maxCoeff();
   const double tolerance = std::max(repeated_tolerance * std::abs(omega2[first]), rounding);
   int size = 1;
-  while (first + size < omega2.size() && omega2[first + size] - omega2[first + size - 1] < tolerance)
+  while (first + size < omega2.size() &&
+         omega2[first + size] - omega2[first + size - 1] < tolerance)
     ++size;
   return size;
 }
@@ -39,7 +40,8 @@ ModelMatrix canonical_rotation(const ModelVector& mass_diagonal, const ModelMatr
 }
 
 /// +1 or −1: sign that makes the leading component of `shape` positive.
-double canonical_sign(const ModelVector& mass_diagonal, const Eigen::Ref<const ModelVector>& shape) {
+double canonical_sign(const ModelVector& mass_diagonal,
+                      const Eigen::Ref<const ModelVector>& shape) {
   constexpr double platform_moves = 1e-4;  // weighted amplitude; its square is an energy share
   constexpr double tie = 1.0 - 1e-6;
   double weighted[dynamics::max_dof];
@@ -84,7 +86,8 @@ NormalModes normal_modes(const LinearModel& model) {
   if (solver.info() != Eigen::Success || !(model.M.diagonal().minCoeff() > 0.0) ||
       !solver.eigenvectors().allFinite())
     throw base::ComputationError(
-        "the mass matrix is not positive definite: do the platform and every leg have mass and inertia?");
+        "the mass matrix is not positive definite: do the platform and every leg have mass and "
+        "inertia?");
   NormalModes modes{.omega2 = solver.eigenvalues(), .shapes = solver.eigenvectors()};
   make_canonical(model.M.diagonal(), modes);
   return modes;

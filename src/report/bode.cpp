@@ -26,7 +26,8 @@ void fill_band(const modal::ModeTable& table, BodeOptions& options) {
       highest = std::max(highest, entry.mode.omega);
     }
   if (highest == 0.0 && (!options.from || !options.to))
-    throw base::ComputationError("no stable mode that the platform feels; give the band with --from and --to");
+    throw base::ComputationError(
+        "no stable mode that the platform feels; give the band with --from and --to");
   if (!options.from) options.from = std::min(lowest / 3.0, options.to.value_or(lowest) / 3.0);
   if (!options.to) options.to = std::max(2.0 * highest, 3.0 * *options.from);
 }
@@ -99,8 +100,9 @@ Json bode_json(const Bode& bode) {
 }
 
 std::string bode_csv(const Bode& bode) {
-  std::string text = fmt::format("# response of the platform at {} of the platform frame, output/input\n",
-                                 point_text(*bode.options.p_PQ));
+  std::string text =
+      fmt::format("# response of the platform at {} of the platform frame, output/input\n",
+                  point_text(*bode.options.p_PQ));
   text += "frequency_hz,omega_rad_s";
   for (const char* model : {"", "rigid "})
     for (int out = 0; out < 6; ++out)

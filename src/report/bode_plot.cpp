@@ -21,7 +21,7 @@ namespace {
 
 constexpr std::array<const char*, 6> directions{"x", "y", "z", "rx", "ry", "rz"};
 constexpr double two_pi = 2.0 * std::numbers::pi;
-constexpr const char* real_style = "lw 2 lc rgb '#0072b2'";           // colours safe for the colour-blind
+constexpr const char* real_style = "lw 2 lc rgb '#0072b2'";  // colours safe for the colour-blind
 constexpr const char* rigid_style = "lw 2 dt (8,5) lc rgb '#d55e00'";
 
 double decibels(double magnitude) { return 20.0 * std::log10(std::max(magnitude, 1e-300)); }
@@ -90,13 +90,15 @@ std::string peak_labels(const Bode& bode, const Entry& entry) {
   for (const auto& peak : bode.real_peaks)
     if (peak.direction == entry.output)
       text += fmt::format(
-          "set label {} at {:.9g},{:.6f} point pt 7 ps 0.45 lc rgb '#0072b2' offset 0.4,0.5 font ',9'\n",
+          "set label {} at {:.9g},{:.6f} point pt 7 ps 0.45 lc rgb '#0072b2' offset 0.4,0.5 font "
+          "',9'\n",
           quoted(fmt::format("{:.2f}", peak.omega / two_pi)), peak.omega / two_pi,
           decibels(peak.magnitude));
   return text;
 }
 
-/// Does an entry vanish (for instance z caused by x in a symmetric machine)? Then there is nothing to scale by.
+/// Does an entry vanish (for instance z caused by x in a symmetric machine)? Then there is nothing
+/// to scale by.
 bool vanishes(const Bode& bode, const Entry& entry) {
   double largest = 0.0, of_output = 0.0;
   for (const auto& H : bode.real) {
@@ -111,33 +113,40 @@ struct Cell {
 };
 
 std::string margins(const Cell& c) {
-  return fmt::format("set lmargin at screen {:.4f}; set rmargin at screen {:.4f}\n"
-                     "set tmargin at screen {:.4f}; set bmargin at screen {:.4f}\n",
-                     c.left, c.right, c.top, c.bottom);
+  return fmt::format(
+      "set lmargin at screen {:.4f}; set rmargin at screen {:.4f}\n"
+      "set tmargin at screen {:.4f}; set bmargin at screen {:.4f}\n",
+      c.left, c.right, c.top, c.bottom);
 }
 
-std::string entry_plots(const Bode& bode, const Entry& entry, size_t index, const Cell& cell, bool key) {
+std::string entry_plots(const Bode& bode, const Entry& entry, size_t index, const Cell& cell,
+                        bool key) {
   const double split = cell.bottom + 0.36 * (cell.top - cell.bottom);
   const size_t first = 2 + 4 * index;
   const std::string unit = response_unit(bode.options.output, entry.output, entry.input);
-  const std::string name = entry.output == entry.input
-                               ? std::string(directions[entry.output])
-                               : fmt::format("{} from {}", directions[entry.output], directions[entry.input]);
+  const std::string name =
+      entry.output == entry.input
+          ? std::string(directions[entry.output])
+          : fmt::format("{} from {}", directions[entry.output], directions[entry.input]);
   std::string text = margins({cell.left, cell.right, cell.top, split + 0.006});
-  text += fmt::format("set title {} offset 0,-0.6\nset ylabel {} offset 1.2,0\nset format x ''\nset xlabel ''\n",
-                      quoted(name + (vanishes(bode, entry) ? " (vanishes)" : "")),
-                      quoted("dB re 1 " + unit));
+  text += fmt::format(
+      "set title {} offset 0,-0.6\nset ylabel {} offset 1.2,0\nset format x ''\nset xlabel ''\n",
+      quoted(name + (vanishes(bode, entry) ? " (vanishes)" : "")), quoted("dB re 1 " + unit));
   text += key ? "set key top right samplen 2.5 font ',9'\n" : "unset key\n";
   const auto [low, high] = magnitude_range(bode, entry);
-  text += fmt::format("set ytics autofreq\nset yrange [{:.3f}:{:.3f}]\n", low, high) + peak_labels(bode, entry);
-  text += fmt::format("plot $bode using 1:{} with lines {} title 'rigid legs', "
-                      "$bode using 1:{} with lines {} title 'with seals'\n",
-                      first + 2, rigid_style, first, real_style);
+  text += fmt::format("set ytics autofreq\nset yrange [{:.3f}:{:.3f}]\n", low, high) +
+          peak_labels(bode, entry);
+  text += fmt::format(
+      "plot $bode using 1:{} with lines {} title 'rigid legs', "
+      "$bode using 1:{} with lines {} title 'with seals'\n",
+      first + 2, rigid_style, first, real_style);
   text += "unset label\nunset title\nunset key\nset autoscale y\n";
   text += margins({cell.left, cell.right, split - 0.006, cell.bottom});
-  text += "set format x '%g'\nset xlabel 'Hz' offset 0,0.6\nset ylabel 'phase °' offset 1.2,0\nset ytics 90\n";
-  text += fmt::format("plot $bode using 1:{} with lines {}, $bode using 1:{} with lines {}\n", first + 3,
-                      rigid_style, first + 1, real_style);
+  text +=
+      "set format x '%g'\nset xlabel 'Hz' offset 0,0.6\nset ylabel 'phase °' offset 1.2,0\nset "
+      "ytics 90\n";
+  text += fmt::format("plot $bode using 1:{} with lines {}, $bode using 1:{} with lines {}\n",
+                      first + 3, rigid_style, first + 1, real_style);
   return text;
 }
 
@@ -153,7 +162,8 @@ PictureSize picture_size(size_t entries) {
 }
 
 Cell cell_of(const PictureSize& size, size_t index) {
-  const int row = static_cast<int>(index) / size.columns, column = static_cast<int>(index) % size.columns;
+  const int row = static_cast<int>(index) / size.columns,
+            column = static_cast<int>(index) % size.columns;
   const double w = 1.0 / size.columns;
   const double top_band = 70.0 / size.height();
   const double h = (1.0 - top_band) / size.rows;
@@ -175,9 +185,11 @@ std::string terminal_of(const std::string& path, const PictureSize& size) {
   if (ending == ".png")
     return fmt::format("pngcairo size {},{} {}", size.width(), size.height(), font);
   if (ending == ".pdf")
-    return fmt::format("pdfcairo size {:.2f}in,{:.2f}in {}", size.width() / 96.0, size.height() / 96.0, font);
-  throw base::InputError({{.file = "--plot " + path,
-                           .message = fmt::format("a plot ends in .svg, .png or .pdf; found '{}'", ending)}});
+    return fmt::format("pdfcairo size {:.2f}in,{:.2f}in {}", size.width() / 96.0,
+                       size.height() / 96.0, font);
+  throw base::InputError(
+      {{.file = "--plot " + path,
+        .message = fmt::format("a plot ends in .svg, .png or .pdf; found '{}'", ending)}});
 }
 
 std::string file_text(const std::filesystem::path& path) {
@@ -206,8 +218,8 @@ struct TemporaryFolder {
 };
 
 void run_gnuplot(const std::filesystem::path& script, const std::filesystem::path& log) {
-  const std::string command =
-      fmt::format("gnuplot {} > {} 2>&1 < /dev/null", quoted(script.string()), quoted(log.string()));
+  const std::string command = fmt::format("gnuplot {} > {} 2>&1 < /dev/null",
+                                          quoted(script.string()), quoted(log.string()));
   const int status = std::system(command.c_str());
   if (status == 0) return;
   if (WIFEXITED(status) && WEXITSTATUS(status) == 127)
@@ -220,17 +232,20 @@ void run_gnuplot(const std::filesystem::path& script, const std::filesystem::pat
 std::string bode_script(const Bode& bode, const std::vector<Entry>& entries, const PlotText& text,
                         const std::string& terminal, const std::string& file) {
   const PictureSize size = picture_size(entries.size());
-  std::string script = fmt::format("set terminal {}\nset output {}\nset encoding utf8\n", terminal,
-                                   quoted(file));
+  std::string script =
+      fmt::format("set terminal {}\nset output {}\nset encoding utf8\n", terminal, quoted(file));
   script += data_block(bode, entries);
-  script += "set multiplot\nset logscale x\nset grid xtics ytics back lt 1 lc rgb '#d0d0d0' lw 0.5\n";
+  script +=
+      "set multiplot\nset logscale x\nset grid xtics ytics back lt 1 lc rgb '#d0d0d0' lw 0.5\n";
   script += "set tics font ',9'\nset border lw 0.8 lc rgb '#444444'\nset termoption noenhanced\n";
-  script += fmt::format("set xrange [{:.9g}:{:.9g}]\n", bode.omega.front() / two_pi, bode.omega.back() / two_pi);
+  script += fmt::format("set xrange [{:.9g}:{:.9g}]\n", bode.omega.front() / two_pi,
+                        bode.omega.back() / two_pi);
   script += frequency_ticks(bode.omega.front() / two_pi, bode.omega.back() / two_pi);
-  script += fmt::format("set label 101 {} at screen 0.5,{:.4f} center font ',14'\n", quoted(text.title),
-                        1.0 - 22.0 / size.height());
-  script += fmt::format("set label 102 {} at screen 0.5,{:.4f} center font ',10' tc rgb '#444444'\n",
-                        quoted(text.subtitle), 1.0 - 46.0 / size.height());
+  script += fmt::format("set label 101 {} at screen 0.5,{:.4f} center font ',14'\n",
+                        quoted(text.title), 1.0 - 22.0 / size.height());
+  script +=
+      fmt::format("set label 102 {} at screen 0.5,{:.4f} center font ',10' tc rgb '#444444'\n",
+                  quoted(text.subtitle), 1.0 - 46.0 / size.height());
   for (size_t e = 0; e < entries.size(); ++e) {
     script += entry_plots(bode, entries[e], e, cell_of(size, e), e == 0);
   }
@@ -243,7 +258,8 @@ void plot_bode(const Bode& bode, const std::vector<Entry>& entries, const PlotTe
   const TemporaryFolder folder;
   const auto picture = folder.path / "picture";
   const auto script = folder.path / "bode.gp";
-  base::write_file_whole(script.string(), bode_script(bode, entries, text, terminal, picture.string()));
+  base::write_file_whole(script.string(),
+                         bode_script(bode, entries, text, terminal, picture.string()));
   run_gnuplot(script, folder.path / "log");
   base::write_file_whole(path, file_text(picture));
 }

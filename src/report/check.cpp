@@ -48,10 +48,11 @@ void add_buckling(const model::Machine& machine, dynamics::ModelKind kind, PoseC
 void warn_of_load(const model::Machine& machine, PoseCheck& result) {
   const auto& buckling = result.buckling;
   if (buckling.status == dynamics::BucklingStatus::buckled)
-    result.warnings.push_back(fmt::format(
-        "the legs buckle under the load they have: {:.4g} kg must come off, or the guide sleeves must be "
-        "stiffer",
-        -buckling.payload));
+    result.warnings.push_back(
+        fmt::format("the legs buckle under the load they have: {:.4g} kg must come off, or the "
+                    "guide sleeves must be "
+                    "stiffer",
+                    -buckling.payload));
   else if (buckling.status == dynamics::BucklingStatus::found &&
            buckling.payload < machine.platform.mass)
     result.warnings.push_back(fmt::format(
@@ -62,9 +63,9 @@ void warn_of_load(const model::Machine& machine, PoseCheck& result) {
 }
 
 void warn_of_legs(const model::Machine& machine, PoseCheck& result) {
-  constexpr double little_stroke = 0.05;   // of the stroke
-  constexpr double short_guide = 0.05;     // l_mh, of the rod's length
-  constexpr double large_tilt = 0.02;      // rad
+  constexpr double little_stroke = 0.05;  // of the stroke
+  constexpr double short_guide = 0.05;    // l_mh, of the rod's length
+  constexpr double large_tilt = 0.02;     // rad
   for (int i = 0; i < model::leg_count; ++i) {
     const auto& leg = result.legs[i];
     const auto& stroke = machine.legs[i].stroke;
@@ -73,12 +74,12 @@ void warn_of_legs(const model::Machine& machine, PoseCheck& result) {
                                             1e3 * std::min(*leg.retract_left, *leg.extend_left)));
     if (leg.guided_length < short_guide * machine.legs[i].rod.length)
       result.warnings.push_back(fmt::format(
-          "leg {}: the piston is only {:.3g} mm inside the guide sleeve; the knee is soft there", i + 1,
-          1e3 * leg.guided_length));
+          "leg {}: the piston is only {:.3g} mm inside the guide sleeve; the knee is soft there",
+          i + 1, 1e3 * leg.guided_length));
     if (leg.tilt > large_tilt)
-      result.warnings.push_back(fmt::format(
-          "leg {}: the rod hangs {:.2g}° askew in its seals under the static load", i + 1,
-          leg.tilt * degrees));
+      result.warnings.push_back(
+          fmt::format("leg {}: the rod hangs {:.2g}° askew in its seals under the static load",
+                      i + 1, leg.tilt * degrees));
   }
 }
 
@@ -131,12 +132,9 @@ Json buckling_json(const PoseCheck& check) {
 }  // namespace
 
 Json check_json(const PoseCheck& check) {
-  Json json{{"pose", pose_json(check.pose)},
-            {"condition", check.quality.condition},
-            {"equilibrium", check.equilibrium},
-            {"legs", Json::array()},
-            {"buckling", buckling_json(check)},
-            {"warnings", check.warnings}};
+  Json json{{"pose", pose_json(check.pose)},    {"condition", check.quality.condition},
+            {"equilibrium", check.equilibrium}, {"legs", Json::array()},
+            {"buckling", buckling_json(check)}, {"warnings", check.warnings}};
   for (const auto& leg : check.legs) json["legs"].push_back(leg_json(leg));
   return json;
 }

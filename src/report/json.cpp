@@ -76,7 +76,8 @@ std::string damping_text(const model::Machine& machine) {
   const auto ratio = modal::modal_ratio(machine);
   std::string text;
   const auto add = [&](const std::string& part) { text += (text.empty() ? "" : " + ") + part; };
-  if (ratio.value > 0.0) add(fmt::format("{:.3g} % of critical in every mode", 100.0 * ratio.value));
+  if (ratio.value > 0.0)
+    add(fmt::format("{:.3g} % of critical in every mode", 100.0 * ratio.value));
   if (has_dampers(machine)) add("viscous dampers of the legs");
   const auto& damping = machine.damping;
   if (damping.rayleigh_mass != 0.0 || damping.rayleigh_stiffness != 0.0)
@@ -113,7 +114,8 @@ Json assumptions_json(const model::Machine& machine) {
   return {{"hydrapod", base::version},
           {"gravity_m_s2", array(machine.gravity)},
           {"gravity", gravity_text(machine)},
-          {"flexible_axes", machine.flexible_axes == model::FlexibleAxes::gimbal ? "gimbal" : "transverse"},
+          {"flexible_axes",
+           machine.flexible_axes == model::FlexibleAxes::gimbal ? "gimbal" : "transverse"},
           {"damping", damping_text(machine)},
           {"modal_ratio", ratio.value},
           {"modal_ratio_is_default", ratio.is_default}};
@@ -162,19 +164,21 @@ Json response_json(const std::vector<double>& omega, const std::vector<response:
   return json;
 }
 
-Json peaks_json(const std::vector<response::Peak>& peaks, const modal::ModeTable& table, bool rigid) {
+Json peaks_json(const std::vector<response::Peak>& peaks, const modal::ModeTable& table,
+                bool rigid) {
   Json list = Json::array();
   const auto& model = rigid ? table.rigid : table.real;
   for (const auto& peak : peaks) {
     const int tabled = model.tabled_of_normal[peak.mode];
-    list.push_back({{"direction", directions[peak.direction]},
-                    {"omega_rad_s", peak.omega},
-                    {"frequency_hz", peak.omega / two_pi},
-                    {"magnitude", peak.magnitude},
-                    {"prominence_db", std::isinf(peak.prominence_db) ? Json() : Json(peak.prominence_db)},
-                    {"mode", tabled + 1},
-                    {"label", model.modes[tabled].label},
-                    {"own", peak.own}});
+    list.push_back(
+        {{"direction", directions[peak.direction]},
+         {"omega_rad_s", peak.omega},
+         {"frequency_hz", peak.omega / two_pi},
+         {"magnitude", peak.magnitude},
+         {"prominence_db", std::isinf(peak.prominence_db) ? Json() : Json(peak.prominence_db)},
+         {"mode", tabled + 1},
+         {"label", model.modes[tabled].label},
+         {"own", peak.own}});
   }
   return list;
 }

@@ -65,8 +65,8 @@ void forward(const Block<n, n>& L, Block<n, cols>& Y) {
       for (int c = 0; c < cols; ++c) Y[i][c] -= L[i][k] * Y[k][c];
 }
 
-/// Takes leg block `at` out of the platform's stiffness S (lower triangle) and, where inputs act on the
-/// leg itself, out of the load W.
+/// Takes leg block `at` out of the platform's stiffness S (lower triangle) and, where inputs act on
+/// the leg itself, out of the load W.
 template <int n>
 void eliminate_leg(const ResponseModel& model, const Frequencies& f, int at, Block<6, 6>& S,
                    Block<6, 6>& W) {
@@ -87,8 +87,7 @@ void eliminate_leg(const ResponseModel& model, const Frequencies& f, int at, Blo
   if (!model.loads_flexible) return;
   Block<n, 6> B;
   for (int i = 0; i < n; ++i)
-    for (int c = 0; c < 6; ++c)
-      B[i][c] = {Reals::Constant(model.loads(at + i, c)), Reals::Zero()};
+    for (int c = 0; c < 6; ++c) B[i][c] = {Reals::Constant(model.loads(at + i, c)), Reals::Zero()};
   forward<n, 6>(D, B);
   for (int k = 0; k < n; ++k)
     for (int r = 0; r < 6; ++r)

@@ -61,8 +61,8 @@ double refine(const ResponseModel& model, double low, double high, int direction
   return 0.5 * (low + high);
 }
 
-/// Height above the higher of the lowest points towards higher ground on either side; a side that never
-/// rises above the peak does not count, as long as one side does.
+/// Height above the higher of the lowest points towards higher ground on either side; a side that
+/// never rises above the peak does not count, as long as one side does.
 double prominence(const std::vector<double>& magnitude, size_t peak) {
   const double height = magnitude[peak];
   double base = 0.0;

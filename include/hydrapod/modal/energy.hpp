@@ -1,14 +1,15 @@
 #pragma once
 /// Who moves and what stores the energy in a mode.
 ///
-/// Kinetic energy φᵀ M φ is split into the platform's six directions (about its mass centre, base axes) and
-/// the six legs; these twelve shares sum to 1. A product of inertia between two rotations is shared half and
-/// half, so a direction's share may be slightly negative.
+/// Kinetic energy φᵀ M φ is split into the platform's six directions (about its mass centre, base
+/// axes) and the six legs; these twelve shares sum to 1. A product of inertia between two rotations
+/// is shared half and half, so a direction's share may be slightly negative.
 ///
-/// Elastic energy is split into oil springs, guide sleeves and piston rings, per leg; these sum to 1. What
-/// gravity and preload give back or take (second order: curvature, weights, knees under compression) is no
-/// elastic energy; `preload` states it as a multiple of the elastic energy: −0.6 means that preload takes
-/// away 60 % of the stiffness that the springs give the mode, −1 that the legs buckle.
+/// Elastic energy is split into oil springs, guide sleeves and piston rings, per leg; these sum
+/// to 1. What gravity and preload give back or take (second order: curvature, weights, knees under
+/// compression) is no elastic energy; `preload` states it as a multiple of the elastic energy: −0.6
+/// means that preload takes away 60 % of the stiffness that the springs give the mode, −1 that the
+/// legs buckle.
 
 #include "hydrapod/modal/normal_modes.hpp"
 

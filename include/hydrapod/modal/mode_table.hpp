@@ -1,10 +1,10 @@
 #pragma once
-/// The answer to "which modes does my machine have, and what do the seals change": the rigid and the
-/// rigid-flexible model of one pose side by side.
+/// The answer to "which modes does my machine have, and what do the seals change": the rigid and
+/// the rigid-flexible model of one pose side by side.
 ///
 /// Rigid counterpart. For a rigid mode ψ and a mode φ of the flexible model, both M-normalised,
-/// MAC = (ψᵀ M_r φ)² with M_r the platform's six rows of M: the share of ψ that is found in φ. Over all φ it sums
-/// to 1. A mode's counterpart is the rigid mode of which it holds most.
+/// MAC = (ψᵀ M_r φ)² with M_r the platform's six rows of M: the share of ψ that is found in φ. Over
+/// all φ it sums to 1. A mode's counterpart is the rigid mode of which it holds most.
 
 #include <optional>
 #include <string>
@@ -15,7 +15,8 @@
 
 namespace hydrapod::modal {
 
-/// A mode whose platform share of the kinetic energy is below this is one that the platform cannot feel.
+/// A mode whose platform share of the kinetic energy is below this is one that the platform cannot
+/// feel.
 inline constexpr double felt_by_platform = 1e-4;
 
 struct RigidCounterpart {
@@ -29,7 +30,8 @@ struct TabledMode {
   EnergyShares energy{};
   bool platform_feels{true};
   std::string label{};  ///< "x, knee of all legs"; "seal mode the platform cannot feel"
-  std::optional<RigidCounterpart> rigid{};  ///< none for rigid modes and those the platform cannot feel
+  std::optional<RigidCounterpart>
+      rigid{};  ///< none for rigid modes and those the platform cannot feel
 };
 
 /// One model with its undamped modes and the table of its damped ones.
@@ -37,8 +39,8 @@ struct AnalysedModel {
   LinearModel linear{};
   NormalModes normal{};
   std::vector<TabledMode> modes{};  ///< ascending in frequency
-  /// Per undamped mode the index of the tabled mode that is most like it (the same unless heavy dampers
-  /// change their order).
+  /// Per undamped mode the index of the tabled mode that is most like it (the same unless heavy
+  /// dampers change their order).
   std::vector<int> tabled_of_normal{};
 };
 
@@ -52,8 +54,9 @@ struct ModeTable {
 /// Index of the lowest mode that the platform feels, in `modes`; −1 when there is none.
 int lowest_felt(const std::vector<TabledMode>& modes);
 
-/// Pairs the modes of two models by likeness of shape, most alike first, one to one: per mode of `now` the
-/// index of a mode of `before`, −1 where there are none left. The models may be of different kinds.
+/// Pairs the modes of two models by likeness of shape, most alike first, one to one: per mode of
+/// `now` the index of a mode of `before`, −1 where there are none left. The models may be of
+/// different kinds.
 std::vector<int> match_modes(const AnalysedModel& now, const AnalysedModel& before);
 
 ModeTable mode_table(const model::Machine& machine, const spatial::Pose& X_BP,

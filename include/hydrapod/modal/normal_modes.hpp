@@ -3,10 +3,12 @@
 ///
 /// Cholesky of M and a symmetric eigenproblem (Eigen). Modes ascend in ω², shapes are M-orthonormal
 /// (φᵀ M φ = 1, so φᵀ K φ = ω²), and:
-/// - inside a group of repeated ω² the basis is canonical: the first vector takes all the group's motion in
-///   x, the next all that is left in y, and so on through z, rx, ry, rz and the legs' coordinates; output is
-///   therefore the same from run to run and machine to machine;
-/// - signs are canonical: the largest component (each weighted with the root of its mass), of the platform
+/// - inside a group of repeated ω² the basis is canonical: the first vector takes all the group's
+/// motion in
+///   x, the next all that is left in y, and so on through z, rx, ry, rz and the legs' coordinates;
+///   output is therefore the same from run to run and machine to machine;
+/// - signs are canonical: the largest component (each weighted with the root of its mass), of the
+/// platform
 ///   where the platform moves at all, is positive.
 
 #include <vector>
@@ -20,23 +22,23 @@ using dynamics::ModelMatrix;
 using dynamics::ModelVector;
 
 struct NormalModes {
-  ModelVector omega2{};       ///< ω² [rad²/s²], ascending; negative: unstable, the legs buckle
-  ModelMatrix shapes{};       ///< columns φ [m, rad per √(kg m²)…], φᵀ M φ = 1
-  std::vector<int> group{};   ///< same number for modes whose ω² repeat
+  ModelVector omega2{};      ///< ω² [rad²/s²], ascending; negative: unstable, the legs buckle
+  ModelMatrix shapes{};      ///< columns φ [m, rad per √(kg m²)…], φᵀ M φ = 1
+  std::vector<int> group{};  ///< same number for modes whose ω² repeat
 
   [[nodiscard]] int size() const { return static_cast<int>(omega2.size()); }
   [[nodiscard]] double omega(int k) const;  ///< √ω² [rad/s], 0 when unstable
 };
 
-/// Two ω² count as one when they differ by less than this share of the larger one, or by less than the
-/// rounding error of the eigensolver (some epsilons of the largest ω²).
+/// Two ω² count as one when they differ by less than this share of the larger one, or by less than
+/// the rounding error of the eigensolver (some epsilons of the largest ω²).
 inline constexpr double repeated_tolerance = 1e-10;
 
 /// Throws base::ComputationError when M is not positive definite (a machine without leg inertia).
 NormalModes normal_modes(const LinearModel& model);
 
-/// Rotates every group of repeated modes into its canonical basis and sets the signs; groups are filled in.
-/// `mass_diagonal`: the diagonal of M.
+/// Rotates every group of repeated modes into its canonical basis and sets the signs; groups are
+/// filled in. `mass_diagonal`: the diagonal of M.
 void make_canonical(const ModelVector& mass_diagonal, NormalModes& modes);
 
 }  // namespace hydrapod::modal

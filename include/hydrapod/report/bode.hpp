@@ -12,9 +12,10 @@ namespace hydrapod::report {
 struct BodeOptions {
   response::Input input{response::Input::wrench};
   response::Output output{response::Output::displacement};
-  std::optional<spatial::Vector3> p_PQ{};  ///< the point, in P [m]; default: the platform's mass centre
-  std::optional<double> from{};            ///< [rad/s]; default: a third of the lowest frequency that is felt
-  std::optional<double> to{};              ///< [rad/s]; default: twice the highest one
+  std::optional<spatial::Vector3>
+      p_PQ{};                    ///< the point, in P [m]; default: the platform's mass centre
+  std::optional<double> from{};  ///< [rad/s]; default: a third of the lowest frequency that is felt
+  std::optional<double> to{};    ///< [rad/s]; default: twice the highest one
   int points{2000};
 };
 
@@ -36,7 +37,8 @@ std::string response_unit(response::Output output, int out_direction, int in_dir
 
 Json bode_json(const Bode& bode);
 
-/// Frequency in Hz and rad/s, then re and im of all 36 entries of both models, a header line with units.
+/// Frequency in Hz and rad/s, then re and im of all 36 entries of both models, a header line with
+/// units.
 std::string bode_csv(const Bode& bode);
 
 /// One entry of the 6×6 response.
@@ -55,9 +57,9 @@ struct PlotText {
 std::string bode_script(const Bode& bode, const std::vector<Entry>& entries, const PlotText& text,
                         const std::string& terminal, const std::string& file);
 
-/// Runs gnuplot; the picture's format follows from the ending of `path` (.svg, .png, .pdf). The file is
-/// written whole or not at all. Throws base::InputError for another ending or a folder that is not there,
-/// base::ComputationError when gnuplot is missing or fails.
+/// Runs gnuplot; the picture's format follows from the ending of `path` (.svg, .png, .pdf). The
+/// file is written whole or not at all. Throws base::InputError for another ending or a folder that
+/// is not there, base::ComputationError when gnuplot is missing or fails.
 void plot_bode(const Bode& bode, const std::vector<Entry>& entries, const PlotText& text,
                const std::string& path);
 

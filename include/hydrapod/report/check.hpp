@@ -13,14 +13,14 @@ namespace hydrapod::report {
 
 /// One leg at a pose.
 struct LegCheck {
-  double length{};                     ///< l [m]
-  double piston{};                     ///< l_m [m]
-  double guided_length{};              ///< l_mh [m]
+  double length{};                       ///< l [m]
+  double piston{};                       ///< l_m [m]
+  double guided_length{};                ///< l_mh [m]
   std::optional<double> retract_left{};  ///< stroke left inwards [m]; none without a stroke
   std::optional<double> extend_left{};   ///< and outwards [m]
-  double oil_stiffness{};              ///< k_h [N/m]
-  double axial_force{};                ///< static, of the oil on the piston [N], positive in compression
-  double tilt{};                       ///< static tilt of the rod in the guide sleeve [rad]
+  double oil_stiffness{};                ///< k_h [N/m]
+  double axial_force{};  ///< static, of the oil on the piston [N], positive in compression
+  double tilt{};         ///< static tilt of the rod in the guide sleeve [rad]
   double base_tilt{}, platform_tilt{};  ///< joint angles from the neutral pose [rad]
 };
 
@@ -28,9 +28,10 @@ struct PoseCheck {
   PoseChoice pose{};
   kinematics::PoseQuality quality{};
   std::array<LegCheck, model::leg_count> legs{};
-  bool equilibrium{};                   ///< static forces and tilts are valid
+  bool equilibrium{};  ///< static forces and tilts are valid
   dynamics::Buckling buckling{};
-  std::optional<double> lowest_at_buckling{};  ///< ω of the lowest mode just below that payload [rad/s]
+  std::optional<double>
+      lowest_at_buckling{};  ///< ω of the lowest mode just below that payload [rad/s]
   std::vector<std::string> warnings{};
 };
 

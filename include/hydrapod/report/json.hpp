@@ -38,7 +38,8 @@ Json matrices_json(const modal::ModeTable& table);
 /// `re[]` and `im[]`.
 Json response_json(const std::vector<double>& omega, const std::vector<response::Matrix6c>& H);
 
-Json peaks_json(const std::vector<response::Peak>& peaks, const modal::ModeTable& table, bool rigid);
+Json peaks_json(const std::vector<response::Peak>& peaks, const modal::ModeTable& table,
+                bool rigid);
 
 /// "2 % of critical in every mode (default, the machine file gives no damping)".
 std::string damping_text(const model::Machine& machine);
