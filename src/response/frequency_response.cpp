@@ -86,21 +86,10 @@ void by_modes(const ResponseModel& model, std::span<const double> omega, std::sp
   }
 }
 
-/// C with the modal ratios in it: C + M Φ diag(2ζω) Φᵀ M.
-ModelMatrix whole_damping(const ResponseModel& model) {
-  ModelMatrix C = model.C;
-  if (model.modal_ratio == 0.0) return C;
-  const ModelMatrix momenta = model.M * model.modes.shapes;
-  for (int k = 0; k < model.modes.size(); ++k)
-    C += 2.0 * model.modal_ratio * model.modes.omega(k) * momenta.col(k) *
-         momenta.col(k).transpose();
-  return C;
-}
-
 void dense(const ResponseModel& model, std::span<const double> omega, std::span<Matrix6c> out) {
   using ComplexModel = Eigen::Matrix<Complex, Eigen::Dynamic, Eigen::Dynamic, 0, dynamics::max_dof,
                                      dynamics::max_dof>;
-  const ModelMatrix C = whole_damping(model);
+  const ModelMatrix C = damping_matrix(model);
   const ComplexModel loads = model.loads.cast<Complex>();
   for (size_t i = 0; i < omega.size(); ++i) {
     const ComplexModel D = (model.K - omega[i] * omega[i] * model.M).cast<Complex>() +
@@ -126,6 +115,16 @@ ResponseModel response_model(const LinearModel& model, const NormalModes& modes,
   }
   result.loads_flexible = model.dof() > 6 && !result.loads.bottomRows(model.dof() - 6).isZero(0.0);
   return result;
+}
+
+ModelMatrix damping_matrix(const ResponseModel& model) {
+  ModelMatrix C = model.C;
+  if (model.modal_ratio == 0.0) return C;
+  const ModelMatrix momenta = model.M * model.modes.shapes;
+  for (int k = 0; k < model.modes.size(); ++k)
+    C += 2.0 * model.modal_ratio * model.modes.omega(k) * momenta.col(k) *
+         momenta.col(k).transpose();
+  return C;
 }
 
 Method best_method(const ResponseModel& model) {

@@ -53,6 +53,9 @@ struct ResponseModel {
 ResponseModel response_model(const LinearModel& model, const NormalModes& modes, double modal_ratio,
                              const Vector3& p_PQ, Input input = Input::wrench);
 
+/// The whole damping matrix in the coordinates of `model`: C + M Φ diag(2 ζ ω) Φᵀ M.
+ModelMatrix damping_matrix(const ResponseModel& model);
+
 /// The cheapest exact method for `model`.
 Method best_method(const ResponseModel& model);
 

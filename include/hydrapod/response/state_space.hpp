@@ -1,0 +1,24 @@
+#pragma once
+/// The linear model as a state space, for controllers and other programs:
+///
+///     ẋ = A x + B u,   z = C x + D u,   x = (y; ẏ)
+///
+/// y: coordinates of the model with the platform's taken at the point Q of the ResponseModel; u: its six inputs
+/// (force [N] and moment [N m] at Q, or actuator forces mapped there); z: six outputs, displacement, velocity
+/// or acceleration of the platform at Q. C (jωI − A)⁻¹ B + D is frequency_response.
+
+#include "hydrapod/response/frequency_response.hpp"
+
+namespace hydrapod::response {
+
+struct StateSpace {
+  Eigen::MatrixXd A{};  ///< 2n×2n, n degrees of freedom
+  Eigen::MatrixXd B{};  ///< 2n×6
+  Eigen::MatrixXd C{};  ///< 6×2n
+  Eigen::MatrixXd D{};  ///< 6×6, zero but for accelerations
+};
+
+/// Modal ratios are in A as the damping matrix M Φ diag(2ζω) Φᵀ M.
+StateSpace state_space(const ResponseModel& model, Output output = Output::displacement);
+
+}  // namespace hydrapod::response
