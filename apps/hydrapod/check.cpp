@@ -53,7 +53,7 @@ std::string buckling_text(const model::Machine& machine, const report::PoseCheck
   const double mass = machine.platform.mass;
   if (buckling.status == dynamics::BucklingStatus::found) {
     std::string text =
-        fmt::format("Buckling: the legs carry {:.4g} kg more than the platform's {:.4g} kg",
+        fmt::format("Buckling: the legs carry {:.4g} kg more than the platform's {:.6g} kg",
                     buckling.payload, mass);
     if (buckling.limit_point && check.lowest_at_buckling)
       return text +

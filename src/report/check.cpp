@@ -30,17 +30,19 @@ void add_statics(const model::Machine& machine, dynamics::ModelKind kind, PoseCh
   const auto statics = dynamics::static_equilibrium(machine, result.pose.X_BP, kind);
   result.equilibrium = statics.status == dynamics::StaticsStatus::converged;
   for (int i = 0; i < model::leg_count; ++i) {
-    result.legs[i].axial_force = -statics.legs[i].oil_force;
+    result.legs[i].axial_force = 0.0 - statics.legs[i].oil_force;  // no -0 without a load
     result.legs[i].tilt = statics.legs[i].flexible.head<2>().norm();
   }
 }
 
 void add_buckling(const model::Machine& machine, dynamics::ModelKind kind, PoseCheck& result) {
-  if (kind == dynamics::ModelKind::rigid) return;
+  result.buckling_sought = kind != dynamics::ModelKind::rigid && !machine.gravity.isZero(0.0);
+  if (!result.buckling_sought) return;
   result.buckling = dynamics::buckling_payload(machine, result.pose.X_BP, kind);
   if (result.buckling.status != dynamics::BucklingStatus::found) return;
   model::Machine loaded = machine;
-  loaded.platform.mass += result.buckling.payload * (1.0 - 1e-5);
+  const double just_below = 1.0 - dynamics::BucklingOptions{}.tolerance;  // of the bracketed load
+  loaded.platform.mass = just_below * (machine.platform.mass + result.buckling.payload);
   const auto model = dynamics::linear_model(loaded, result.pose.X_BP, kind, &result.buckling.last);
   result.lowest_at_buckling = modal::normal_modes(model).omega(0);
 }
@@ -59,28 +61,53 @@ void warn_of_load(const model::Machine& machine, PoseCheck& result) {
         "the legs buckle with {:.4g} kg more on the platform ({:.3g} times the mass it has)",
         buckling.payload, 1.0 + buckling.payload / machine.platform.mass));
   else if (!result.equilibrium)
-    result.warnings.push_back("no static equilibrium was found at this pose");
+    result.warnings.emplace_back("no static equilibrium was found at this pose");
+}
+
+/// "leg 3", "legs 1, 2 and 5", "all legs".
+std::string legs_text(const std::vector<int>& legs) {
+  if (legs.size() == model::leg_count) return "all legs";
+  std::string text = fmt::format("leg{} {}", legs.size() > 1 ? "s" : "", legs[0] + 1);
+  for (size_t k = 1; k < legs.size(); ++k)
+    text += fmt::format("{} {}", k + 1 == legs.size() ? " and" : ",", legs[k] + 1);
+  return text;
+}
+
+/// One warning for all legs whose `value` is bad, with the worst of them.
+template <class Value, class Bad>
+void warn_together(PoseCheck& result, const char* format, Value value, Bad bad, bool smallest_is_worst) {
+  std::vector<int> legs;
+  double worst = 0.0;
+  for (int i = 0; i < model::leg_count; ++i) {
+    if (!bad(i)) continue;
+    const double now = value(i);
+    if (legs.empty() || (smallest_is_worst ? now < worst : now > worst)) worst = now;
+    legs.push_back(i);
+  }
+  if (!legs.empty()) result.warnings.push_back(fmt::format(fmt::runtime(format), legs_text(legs), worst));
 }
 
 void warn_of_legs(const model::Machine& machine, PoseCheck& result) {
   constexpr double little_stroke = 0.05;  // of the stroke
   constexpr double short_guide = 0.05;    // l_mh, of the rod's length
   constexpr double large_tilt = 0.02;     // rad
-  for (int i = 0; i < model::leg_count; ++i) {
-    const auto& leg = result.legs[i];
-    const auto& stroke = machine.legs[i].stroke;
-    if (stroke && std::min(*leg.retract_left, *leg.extend_left) < little_stroke * stroke->length)
-      result.warnings.push_back(fmt::format("leg {}: only {:.3g} mm of stroke left", i + 1,
-                                            1e3 * std::min(*leg.retract_left, *leg.extend_left)));
-    if (leg.guided_length < short_guide * machine.legs[i].rod.length)
-      result.warnings.push_back(fmt::format(
-          "leg {}: the piston is only {:.3g} mm inside the guide sleeve; the knee is soft there",
-          i + 1, 1e3 * leg.guided_length));
-    if (leg.tilt > large_tilt)
-      result.warnings.push_back(
-          fmt::format("leg {}: the rod hangs {:.2g}° askew in its seals under the static load",
-                      i + 1, leg.tilt * degrees));
-  }
+  const auto left = [&](int i) {
+    return machine.legs[i].stroke ? std::min(*result.legs[i].retract_left, *result.legs[i].extend_left) : 1e9;
+  };
+  const auto guided = [&](int i) { return result.legs[i].guided_length; };
+  const auto tilt = [&](int i) { return result.legs[i].tilt; };
+  warn_together(
+      result, "{}: only {:.3g} mm of stroke left", [&](int i) { return 1e3 * left(i); },
+      [&](int i) { return machine.legs[i].stroke && left(i) < little_stroke * machine.legs[i].stroke->length; },
+      true);
+  warn_together(
+      result, "{}: the piston is only {:.3g} mm inside the guide sleeve; the knee is soft there",
+      [&](int i) { return 1e3 * guided(i); },
+      [&](int i) { return guided(i) < short_guide * machine.legs[i].rod.length; }, true);
+  warn_together(
+      result, "{}: the rod hangs {:.2g}° askew in its seals under the static load",
+      [&](int i) { return tilt(i) * degrees; }, [&](int i) { return result.equilibrium && tilt(i) > large_tilt; },
+      false);
 }
 
 }  // namespace
@@ -120,6 +147,7 @@ Json leg_json(const LegCheck& leg) {
 
 Json buckling_json(const PoseCheck& check) {
   const auto& buckling = check.buckling;
+  if (!check.buckling_sought) return {{"status", "not_sought"}};
   constexpr std::array<const char*, 3> words{"found", "not_found", "buckled"};
   Json json{{"status", words[static_cast<size_t>(buckling.status)]}};
   if (buckling.status == dynamics::BucklingStatus::not_found) return json;
