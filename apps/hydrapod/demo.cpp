@@ -1,0 +1,100 @@
+#include <fmt/format.h>
+
+#include <filesystem>
+#include <memory>
+
+#include "hydrapod/base/file.hpp"
+#include "hydrapod/bode_report.hpp"
+#include "hydrapod/commands.hpp"
+#include "hydrapod/embedded_models.hpp"
+#include "hydrapod/kinematics/check_machine.hpp"
+#include "hydrapod/machine_arguments.hpp"
+#include "hydrapod/mode_report.hpp"
+#include "hydrapod/report/bode.hpp"
+#include "hydrapod/terminal.hpp"
+
+namespace hydrapod::cli {
+
+namespace {
+
+struct Arguments {
+  std::string folder{"hydrapod-demo"};
+};
+
+struct Case {
+  const char* file;      ///< in models/, copied into the folder
+  const char* stem;      ///< of the pictures
+  const char* headline;  ///< what it shows
+  std::vector<std::string> overrides{};
+};
+
+const std::vector<Case>& cases() {
+  static const std::vector<Case> list{
+      {"zhang-jiang-2021.toml", "published",
+       "1. The published machine as in the paper's Table 2 (without gravity)"},
+      {"zhang-jiang-2021-transverse.toml", "published-with-gravity",
+       "2. The same machine under its own weight, which the paper leaves out",
+       {"environment.gravity=9.81"}},
+      {"heavy-platform.toml", "heavy",
+       "3. A heavy machine whose x and y frequencies really fall by a third"}};
+  return list;
+}
+
+std::string path_in(const Arguments& arguments, const std::string& name) {
+  return (std::filesystem::path(arguments.folder) / name).string();
+}
+
+/// Modes on the terminal, the Bode diagram as files.
+void show(const Case& the_case, const Arguments& arguments) {
+  const bool colour = has_colour(stdout);
+  const std::string path = path_in(arguments, the_case.file);
+  const std::string text(embedded_model(the_case.file));
+  base::write_file_whole(path, text);
+  const auto file = model::parse_machine(text, path, the_case.overrides, kinematics::check_machine);
+  const report::PoseChoice pose{"neutral", file.machine.neutral()};
+  const auto kind = choose_model(file.machine, "");
+  const auto bode = report::bode(file.machine, pose, kind, {});
+  fmt::print("{}\n\n{}\n{}\n{}\n", styled(the_case.headline, Style::cyan, colour),
+             heading(file.machine, pose, bode.table, colour), mode_text(bode.table, nullptr, colour),
+             answer_text(bode.table));
+  const std::vector<report::Entry> direct{{0, 0}, {1, 1}, {2, 2}, {3, 3}, {4, 4}, {5, 5}};
+  for (const char* ending : {".svg", ".png"})
+    report::plot_bode(bode, direct, plot_text(file.machine, pose, bode),
+                      path_in(arguments, fmt::format("bode-{}{}", the_case.stem, ending)));
+  base::write_file_whole(path_in(arguments, fmt::format("bode-{}.csv", the_case.stem)),
+                         report::bode_csv(bode));
+}
+
+void make_folder(const std::string& folder) {
+  std::error_code error;
+  std::filesystem::create_directories(folder, error);
+  if (error || !std::filesystem::is_directory(folder))
+    throw base::InputError({{.file = folder, .message = "no folder can be made here: " + error.message()}});
+}
+
+void list_files(const Arguments& arguments) {
+  fmt::print("Files in {}:\n", arguments.folder);
+  for (const auto& the_case : cases())
+    fmt::print("  {0:<34} bode-{1}.svg, .png, .csv\n", the_case.file, the_case.stem);
+  fmt::print("\nNext: `hydrapod init` writes a machine file to fill in with your own machine.\n");
+}
+
+void run(const Arguments& arguments) {
+  make_folder(arguments.folder);
+  for (const auto& the_case : cases()) show(the_case, arguments);
+  list_files(arguments);
+}
+
+}  // namespace
+
+void add_demo(CLI::App& app) {
+  CLI::App* command = add_command(
+      app, "demo", "The published machine: its modes on the terminal, its Bode diagrams as files",
+      {{"demo", "writes into the folder hydrapod-demo"}, {"demo results", "writes into the folder results"}});
+  auto arguments = std::make_shared<Arguments>();
+  command->add_option("FOLDER", arguments->folder, "Folder for the files; made if it is not there")
+      ->capture_default_str();
+  command->callback([arguments] { run(*arguments); });
+}
+
+}  // namespace hydrapod::cli
