@@ -23,7 +23,7 @@ std::string optional_text(const std::optional<double>& value) {
   return value ? fmt::format("{:.1f}", 1e3 * *value) : "–";
 }
 
-std::string leg_table(const report::PoseCheck& check, bool colour) {
+std::string leg_table(const report::PoseCheck& check, bool colour, size_t width) {
   constexpr double degrees = 180.0 / std::numbers::pi;
   Table table({{"leg"},
                {"length mm"},
@@ -45,7 +45,7 @@ std::string leg_table(const report::PoseCheck& check, bool colour) {
          check.equilibrium ? fmt::format("{:.2f}", 1e3 * leg.tilt) : "–",
          fmt::format("{:.1f} / {:.1f}", leg.base_tilt * degrees, leg.platform_tilt * degrees)});
   }
-  return table.text(colour);
+  return table.text(colour, width);
 }
 
 std::string buckling_text(const model::Machine& machine, const report::PoseCheck& check) {
@@ -67,14 +67,15 @@ std::string buckling_text(const model::Machine& machine, const report::PoseCheck
         "Buckling: the legs fold under the load they have; they carry {:.4g} kg of the "
         "platform's {:.4g} kg.\n",
         mass + buckling.payload, mass);
-  return machine.gravity.isZero(0.0)
-             ? "Buckling: no gravity, no load.\n"
-             : "Buckling: none found up to 100 times the platform's mass.\n";
+  if (machine.gravity.isZero(0.0)) return "Buckling: no gravity, no load.\n";
+  if (!check.buckling_sought) return "Buckling: rigid legs do not fold.\n";
+  return "Buckling: none found up to 100 times the platform's mass.\n";
 }
 
-std::string pose_text(const model::Machine& machine, const report::PoseCheck& check, bool colour) {
+std::string pose_text(const model::Machine& machine, const report::PoseCheck& check, bool colour,
+                      size_t width) {
   std::string text = fmt::format("{}\n{}", styled("Pose " + check.pose.name, Style::bold, colour),
-                                 leg_table(check, colour));
+                                 leg_table(check, colour, width));
   text += fmt::format(
       "Jacobian: condition {:.3g} (lengths scaled with {:.3g} m; singular from {:.0g})\n",
       check.quality.condition, check.quality.characteristic_length, kinematics::singular_condition);
@@ -93,14 +94,15 @@ std::vector<report::PoseChoice> chosen_poses(const model::Machine& machine,
 }
 
 std::string table_text(const model::MachineFile& file, const std::vector<report::PoseCheck>& checks,
-                       bool colour) {
+                       bool colour, size_t width) {
   const auto& machine = file.machine;
   double legs = 0.0;
   for (const auto& leg : machine.legs) legs += leg.cylinder_case.mass + leg.rod.mass;
-  std::string text = fmt::format("{}: sound\n{}\nplatform {:.5g} kg, legs {:.4g} kg in all; {}\n",
-                                 styled(machine.name, Style::bold, colour), machine.description,
-                                 machine.platform.mass, legs, report::gravity_text(machine));
-  for (const auto& check : checks) text += "\n" + pose_text(machine, check, colour);
+  std::string text = fmt::format("{}: sound\n", styled(machine.name, Style::bold, colour));
+  if (!machine.description.empty()) text += machine.description + "\n";
+  text += fmt::format("platform {:.5g} kg, legs {:.4g} kg in all; {}\n", machine.platform.mass,
+                      legs, report::gravity_text(machine));
+  for (const auto& check : checks) text += "\n" + pose_text(machine, check, colour, width);
   return text;
 }
 
@@ -121,8 +123,10 @@ void run(const Arguments& arguments) {
   std::vector<report::PoseCheck> checks;
   for (const auto& pose : chosen_poses(file.machine, arguments.machine.pose))
     checks.push_back(report::check(file.machine, pose, kind));
-  const bool colour = arguments.output == "-" && has_colour(stdout);
-  base::write_file_whole(arguments.output, format == 0 ? table_text(file, checks, colour)
+  const bool printed = arguments.output == "-";
+  const bool colour = printed && has_colour(stdout);
+  const size_t width = printed ? terminal_width() : Table::unlimited;
+  base::write_file_whole(arguments.output, format == 0 ? table_text(file, checks, colour, width)
                                                        : json_text(arguments, file, checks));
 }
 
