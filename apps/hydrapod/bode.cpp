@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <memory>
 #include <numbers>
 
@@ -43,35 +44,29 @@ std::vector<std::string> parts_of(const std::string& text, char separator) {
 std::optional<double> frequency(const std::string& option, const std::string& text) {
   if (text.empty()) return {};
   double value = 0.0;
-  if (const auto plain = base::read_quantity(text, "1"); plain.ok()) {
-    value = two_pi * plain.value;
+  if (const auto plain = plain_number(text)) {
+    value = two_pi * *plain;
   } else if (const auto hertz = base::read_quantity(text, "Hz"); hertz.ok()) {
     value = two_pi * hertz.value;
   } else if (const auto radians = base::read_quantity(text, "rad/s"); radians.ok()) {
     value = radians.value;
   } else {
-    throw base::InputError({{.file = option + " " + text, .message = hertz.problem}});
+    bad_argument(option + " " + text, hertz.problem);
   }
-  if (value > 0.0) return value;
-  throw base::InputError(
-      {{.file = option + " " + text, .message = "a frequency must be positive"}});
+  if (!(value > 0.0)) bad_argument(option + " " + text, "a frequency must be positive");
+  return value;
 }
 
 /// "x,y,z" in the platform frame, each SI or with a unit.
 std::optional<spatial::Vector3> point(const std::string& text) {
   if (text.empty()) return {};
   const auto parts = parts_of(text, ',');
-  spatial::Vector3 p;
-  std::string problem =
-      parts.size() == 3 ? "" : "a point is three lengths, for instance \"0,0,0.2 m\"";
-  for (size_t i = 0; problem.empty() && i < 3; ++i) {
-    auto read = base::read_quantity(parts[i], "1");
-    if (!read.ok()) read = base::read_quantity(parts[i], "m");
-    problem = read.problem;
-    p[static_cast<Eigen::Index>(i)] = read.value;
-  }
-  if (problem.empty()) return p;
-  throw base::InputError({{.file = "--point " + text, .message = problem}});
+  const std::string argument = "--point " + text;
+  if (parts.size() != 3)
+    bad_argument(argument, "a point is three lengths, for instance \"0,0,0.2 m\"");
+  return spatial::Vector3(plain_or_quantity(argument, parts[0], "m"),
+                          plain_or_quantity(argument, parts[1], "m"),
+                          plain_or_quantity(argument, parts[2], "m"));
 }
 
 /// "x,ry/x": direct responses and output/input pairs.
@@ -80,9 +75,8 @@ std::vector<report::Entry> entries(const std::string& text) {
   for (const auto& part : parts_of(text, ',')) {
     const auto pair = parts_of(part, '/');
     if (pair.size() > 2)
-      throw base::InputError(
-          {{.file = "--entries " + text,
-            .message = fmt::format("'{}' is no output/input pair such as ry/x", part)}});
+      bad_argument("--entries " + text,
+                   fmt::format("'{}' is no output/input pair such as ry/x", part));
     const auto out = static_cast<int>(choose_word("--entries", pair[0], directions));
     const auto in =
         pair.size() == 2 ? static_cast<int>(choose_word("--entries", pair[1], directions)) : out;
@@ -102,8 +96,7 @@ report::BodeOptions options_of(const Arguments& arguments) {
   options.p_PQ = point(arguments.point);
   options.points = arguments.points;
   if (options.from && options.to && *options.from >= *options.to)
-    throw base::InputError({{.file = "--from " + arguments.from,
-                             .message = "must be less than --to " + arguments.to}});
+    bad_argument("--from " + arguments.from, "must be less than --to " + arguments.to);
   return options;
 }
 
@@ -117,6 +110,24 @@ std::string json_text(const Arguments& arguments, const model::MachineFile& file
   return json.dump() + "\n";
 }
 
+std::string table_text(const Arguments& arguments, const model::MachineFile& file,
+                       const report::PoseChoice& pose, const report::Bode& bode) {
+  const bool printed = arguments.file == "-";
+  const bool colour = printed && has_colour(stdout);
+  const size_t width = printed ? terminal_width() : Table::unlimited;
+  return heading(file.machine, pose, bode.table, colour) + peak_text(bode, colour, width);
+}
+
+/// A response that grows without bound is no response: it is shown, but not without a word.
+void warn_if_unstable(const report::Bode& bode) {
+  const auto& modes = bode.table.real.modes;
+  if (std::all_of(modes.begin(), modes.end(), [](const auto& m) { return m.mode.stable; })) return;
+  print_diagnostics(
+      {{.severity = base::Severity::warning,
+        .message = "the machine is unstable at this pose, so that no steady vibration "
+                   "exists; the response is that of its linear equations"}});
+}
+
 void run(const Arguments& arguments) {
   const size_t format = choose_word("--format", arguments.format, {"table", "json", "csv"});
   const auto options = options_of(arguments);
@@ -125,14 +136,12 @@ void run(const Arguments& arguments) {
   const auto pose = choose_pose(file.machine, arguments.machine.pose);
   const auto kind = choose_model(file.machine, arguments.machine.model);
   const auto bode = report::bode(file.machine, pose, kind, options);
+  warn_if_unstable(bode);
   if (!arguments.plot.empty()) {
     report::plot_bode(bode, shown, plot_text(file.machine, pose, bode), arguments.plot);
     fmt::print(stderr, "wrote {}\n", arguments.plot);
   }
-  const bool colour = arguments.file == "-" && has_colour(stdout);
-  base::write_file_whole(arguments.file, format == 0
-                                             ? heading(file.machine, pose, bode.table, colour) +
-                                                   "\n" + peak_text(bode, colour)
+  base::write_file_whole(arguments.file, format == 0   ? table_text(arguments, file, pose, bode)
                                          : format == 1 ? json_text(arguments, file, pose, bode)
                                                        : report::bode_csv(bode));
 }
@@ -157,7 +166,7 @@ void add_options(CLI::App& command, Arguments& arguments) {
                      "Highest frequency, Hz or with a unit; default: from the modes");
   command
       .add_option("--points", arguments.points, "Frequencies, evenly spaced on a logarithmic axis")
-      ->check(CLI::Range(2, 1000000))
+      ->check(CLI::Range(2, 100000))
       ->capture_default_str();
   command.add_option("--plot", arguments.plot,
                      "Picture to write, .svg, .png or .pdf (needs gnuplot)");

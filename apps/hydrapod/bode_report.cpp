@@ -16,7 +16,8 @@ constexpr std::array<const char*, 6> directions{"x", "y", "z", "rx", "ry", "rz"}
 constexpr double two_pi = 2.0 * std::numbers::pi;
 
 std::string peak_table(const report::Bode& bode, const std::vector<response::Peak>& peaks,
-                       const modal::AnalysedModel& model, bool colour) {
+                       const modal::AnalysedModel& model, bool colour, std::size_t width) {
+  if (peaks.empty()) return "none in this band\n";
   Table table({{"direction", Align::left},
                {"Hz"},
                {"rad/s"},
@@ -24,18 +25,32 @@ std::string peak_table(const report::Bode& bode, const std::vector<response::Pea
                {"unit", Align::left},
                {"above valley dB"},
                {"mode"},
-               {"of", Align::left}});
+               {"what moves, what gives", Align::left}});
   for (const auto& peak : peaks) {
     const int mode = model.tabled_of_normal[peak.mode];
     const std::string prominence =
         std::isinf(peak.prominence_db) ? "highest" : fmt::format("{:.1f}", peak.prominence_db);
     table.add_row({directions[peak.direction], fmt::format("{:.3f}", peak.omega / two_pi),
-                   fmt::format("{:.3f}", peak.omega), fmt::format("{:.3e}", peak.magnitude),
+                   fmt::format("{:.3f}", peak.omega),
+                   std::isinf(peak.magnitude) ? "unbounded" : fmt::format("{:.3e}", peak.magnitude),
                    report::response_unit(bode.options.output, peak.direction, peak.direction),
                    prominence, fmt::format("{}", mode + 1),
                    model.modes[mode].label + (peak.own ? "" : " (coupled)")});
   }
-  return table.text(colour);
+  return table.text(colour, width);
+}
+
+constexpr std::array<const char*, 2> inputs{"wrench", "actuator forces"};
+constexpr std::array<const char*, 3> outputs{"displacement", "velocity", "acceleration"};
+
+std::string output_from_input(const report::BodeOptions& options) {
+  return fmt::format("{} from {}", outputs[static_cast<size_t>(options.output)],
+                     inputs[static_cast<size_t>(options.input)]);
+}
+
+std::string point_of_platform(const report::BodeOptions& options) {
+  const auto& p = *options.p_PQ;
+  return fmt::format("point ({:.4g}, {:.4g}, {:.4g}) m of the platform", p.x(), p.y(), p.z());
 }
 
 std::string count_text(const std::vector<response::Peak>& peaks) {
@@ -48,13 +63,16 @@ std::string count_text(const std::vector<response::Peak>& peaks) {
 
 }  // namespace
 
-std::string peak_text(const report::Bode& bode, bool colour) {
+std::string peak_text(const report::Bode& bode, bool colour, std::size_t width) {
   const bool flexible = bode.table.kind != dynamics::ModelKind::rigid;
-  std::string text;
+  std::string text =
+      fmt::format("{}; {}; {:.4g} Hz to {:.4g} Hz\n\nPeaks of the direct responses\n",
+                  output_from_input(bode.options), point_of_platform(bode.options),
+                  *bode.options.from / two_pi, *bode.options.to / two_pi);
   if (flexible)
-    text = "Peaks of the direct responses\n" +
-           peak_table(bode, bode.real_peaks, bode.table.real, colour) + "\nWith rigid legs\n";
-  text += peak_table(bode, bode.rigid_peaks, bode.table.rigid, colour);
+    text +=
+        peak_table(bode, bode.real_peaks, bode.table.real, colour, width) + "\nWith rigid legs\n";
+  text += peak_table(bode, bode.rigid_peaks, bode.table.rigid, colour, width);
   text += "\nResonances of its own per direction (coupled ones left out)\n";
   if (flexible) text += fmt::format("  with seals  {}\n", count_text(bode.real_peaks));
   return text + fmt::format("  rigid legs  {}\n", count_text(bode.rigid_peaks));
@@ -62,15 +80,9 @@ std::string peak_text(const report::Bode& bode, bool colour) {
 
 report::PlotText plot_text(const model::Machine& machine, const report::PoseChoice& pose,
                            const report::Bode& bode) {
-  constexpr std::array<const char*, 2> inputs{"wrench", "actuator forces"};
-  constexpr std::array<const char*, 3> outputs{"displacement", "velocity", "acceleration"};
-  const auto& p = *bode.options.p_PQ;
-  return {
-      fmt::format("{}: {} from {}", machine.name, outputs[static_cast<size_t>(bode.options.output)],
-                  inputs[static_cast<size_t>(bode.options.input)]),
-      fmt::format("pose {}; point ({:.4g}, {:.4g}, {:.4g}) m of the platform; {}; damping: {}",
-                  pose.name, p.x(), p.y(), p.z(), report::gravity_text(machine),
-                  report::damping_text(machine))};
+  return {fmt::format("{}: {}", machine.name, output_from_input(bode.options)),
+          fmt::format("pose {}; {}; {}; damping: {}", pose.name, point_of_platform(bode.options),
+                      report::gravity_text(machine), report::damping_text(machine))};
 }
 
 }  // namespace hydrapod::cli

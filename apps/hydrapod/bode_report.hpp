@@ -1,14 +1,17 @@
 #pragma once
 /// Bode diagrams as people read them.
 
+#include <cstddef>
 #include <string>
 
 #include "hydrapod/report/bode.hpp"
+#include "hydrapod/terminal.hpp"
 
 namespace hydrapod::cli {
 
-/// Peaks of the six direct responses, flexible and rigid.
-std::string peak_text(const report::Bode& bode, bool colour);
+/// What was swept, and the peaks of the six direct responses, flexible and rigid. Tables wider than
+/// `width` columns are split.
+std::string peak_text(const report::Bode& bode, bool colour, std::size_t width = Table::unlimited);
 
 /// Title and assumptions for a plot.
 report::PlotText plot_text(const model::Machine& machine, const report::PoseChoice& pose,

@@ -16,29 +16,16 @@ namespace {
 
 constexpr std::array<std::string_view, 6> coordinates{"x", "y", "z", "rx", "ry", "rz"};
 
-[[noreturn]] void bad_argument(const std::string& argument, const std::string& message) {
-  throw base::InputError({{.file = argument, .message = message}});
-}
-
 std::string trimmed(const std::string& text) {
   const auto first = text.find_first_not_of(" \t");
   if (first == std::string::npos) return {};
   return text.substr(first, text.find_last_not_of(" \t") - first + 1);
 }
 
-/// A plain number (SI) or a quantity with a unit.
-double value_of(const std::string& argument, const std::string& text, const char* unit) {
-  if (const auto plain = base::read_quantity(text, "1"); plain.ok() && text.find('%') == text.npos)
-    return plain.value;
-  const auto read = base::read_quantity(text, unit);
-  if (!read.ok()) bad_argument(argument, read.problem);
-  return read.value;
-}
-
 /// `z=50 mm, ry=5 deg` over the neutral pose.
 spatial::Pose displaced_pose(const spatial::Pose& neutral, const std::string& text) {
   const std::string argument = "--pose " + text;
-  std::array<double, 6> value{};
+  std::array<std::optional<double>, 6> value{};
   for (size_t begin = 0; begin <= text.size();) {
     const size_t end = std::min(text.find(',', begin), text.size());
     const std::string part = text.substr(begin, end - begin);
@@ -52,10 +39,13 @@ spatial::Pose displaced_pose(const spatial::Pose& neutral, const std::string& te
                                "x, y, z, rx, ry, rz, for instance \"z=50 mm, ry=5 deg\"",
                                trimmed(part)));
     const auto index = static_cast<size_t>(at - coordinates.begin());
-    value[index] = value_of(argument, trimmed(part.substr(equals + 1)), index < 3 ? "m" : "rad");
+    if (value[index]) bad_argument(argument, fmt::format("{} is given twice", key));
+    value[index] =
+        plain_or_quantity(argument, trimmed(part.substr(equals + 1)), index < 3 ? "m" : "rad");
   }
-  return {spatial::rotation_from_rpy({value[3], value[4], value[5]}) * neutral.R_BP,
-          neutral.p_BP + spatial::Vector3(value[0], value[1], value[2])};
+  const auto of = [&](size_t index) { return value[index].value_or(0.0); };
+  return {spatial::rotation_from_rpy({of(3), of(4), of(5)}) * neutral.R_BP,
+          neutral.p_BP + spatial::Vector3(of(0), of(1), of(2))};
 }
 
 void require_sound(const model::Machine& machine, const report::PoseChoice& pose) {
@@ -66,6 +56,26 @@ void require_sound(const model::Machine& machine, const report::PoseChoice& pose
 }
 
 }  // namespace
+
+void bad_argument(const std::string& argument, const std::string& message) {
+  throw base::InputError({{.file = argument, .message = message}});
+}
+
+std::optional<double> plain_number(const std::string& text) {
+  const auto last = text.find_last_not_of(" \t");
+  const bool has_unit = last == std::string::npos ||
+                        std::string_view("0123456789.").find(text[last]) == std::string_view::npos;
+  const auto read = base::read_quantity(text, "1");
+  if (!read.ok() || has_unit) return {};  // "2 %" is a pure number, but not a plain one
+  return read.value;
+}
+
+double plain_or_quantity(const std::string& argument, const std::string& text, const char* unit) {
+  if (const auto plain = plain_number(text)) return *plain;
+  const auto read = base::read_quantity(text, unit);
+  if (!read.ok()) bad_argument(argument, read.problem);
+  return read.value;
+}
 
 void add_machine_options(CLI::App& command, MachineArguments& arguments) {
   command.add_option("FILE", arguments.file, "Machine file (TOML); - reads the standard input")

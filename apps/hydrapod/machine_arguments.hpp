@@ -38,6 +38,16 @@ report::PoseChoice choose_pose(const model::Machine& machine, const std::string&
 /// model. Throws base::InputError for the full model of legs without a piston ring.
 dynamics::ModelKind choose_model(const model::Machine& machine, const std::string& text);
 
+/// `text` as a number without a unit, "2 %" not being one.
+std::optional<double> plain_number(const std::string& text);
+
+/// `text` as a number in SI, or as a quantity of the dimension of `unit`; `argument` is what the
+/// message calls it. Throws base::InputError.
+double plain_or_quantity(const std::string& argument, const std::string& text, const char* unit);
+
+/// Throws base::InputError: exit code 2.
+[[noreturn]] void bad_argument(const std::string& argument, const std::string& message);
+
 /// One of several words for an option, or base::InputError with the nearest of them.
 size_t choose_word(const std::string& option, const std::string& word,
                    const std::vector<std::string_view>& words);

@@ -14,6 +14,7 @@ namespace {
 
 constexpr double two_pi = 2.0 * std::numbers::pi;
 constexpr std::array<const char*, 6> directions{"x", "y", "z", "rx", "ry", "rz"};
+constexpr double worth_showing = 0.01;  // MAC; a mode with less of it is no counterpart to a reader
 
 std::string percent(double share) {
   const double value = 100.0 * share;
@@ -75,7 +76,7 @@ std::vector<std::string> row(const modal::ModeTable& table, size_t k) {
                                  motion_text(entry.energy),
                                  energy_text(entry.energy)};
   if (table.kind == dynamics::ModelKind::rigid) return cells;
-  if (entry.rigid) {
+  if (entry.rigid && entry.rigid->mac >= worth_showing) {
     const double rigid = table.rigid.modes[entry.rigid->mode].mode.omega;
     cells.push_back(fmt::format("{:.3f}", rigid / two_pi));
     cells.push_back(signed_percent(entry.rigid->shift));
@@ -104,7 +105,7 @@ std::vector<Column> columns(const modal::ModeTable& table, const modal::ModeTabl
 }
 
 /// The six rigid modes and where each of them went.
-std::string rigid_text(const modal::ModeTable& table, bool colour) {
+std::string rigid_text(const modal::ModeTable& table, bool colour, std::size_t width) {
   Table text({{"rigid"},
               {"Hz"},
               {"rad/s"},
@@ -115,7 +116,8 @@ std::string rigid_text(const modal::ModeTable& table, bool colour) {
     std::string found;
     for (size_t k = 0; k < table.real.modes.size(); ++k) {
       const auto& entry = table.real.modes[k];
-      if (!entry.rigid || entry.rigid->mode != static_cast<int>(r) || entry.rigid->mac < 0.01)
+      if (!entry.rigid || entry.rigid->mode != static_cast<int>(r) ||
+          entry.rigid->mac < worth_showing)
         continue;
       found += fmt::format("{}{} at {:.3f} Hz ({:.2f})", found.empty() ? "" : ", ", k + 1,
                            entry.mode.omega / two_pi, entry.rigid->mac);
@@ -124,7 +126,7 @@ std::string rigid_text(const modal::ModeTable& table, bool colour) {
         {number_text(table.rigid.modes, r), fmt::format("{:.3f}", rigid.mode.omega / two_pi),
          fmt::format("{:.3f}", rigid.mode.omega), modal::platform_directions(rigid.energy), found});
   }
-  return text.text(colour);
+  return text.text(colour, width);
 }
 
 bool any_preload(const modal::ModeTable& table) {
@@ -145,7 +147,8 @@ std::string heading(const model::Machine& machine, const report::PoseChoice& pos
                      report::damping_text(machine));
 }
 
-std::string mode_text(const modal::ModeTable& table, const modal::ModeTable* before, bool colour) {
+std::string mode_text(const modal::ModeTable& table, const modal::ModeTable* before, bool colour,
+                      std::size_t width) {
   Table text(columns(table, before));
   const auto match = before ? modal::match_modes(table.real, before->real)
                             : std::vector<int>(table.real.modes.size());
@@ -156,8 +159,8 @@ std::string mode_text(const modal::ModeTable& table, const modal::ModeTable* bef
     pairs = pairs || repeats(table.real.modes, k);
     text.add_row(std::move(cells));
   }
-  std::string all = text.text(colour);
-  if (table.kind != dynamics::ModelKind::rigid) all += "\n" + rigid_text(table, colour);
+  std::string all = text.text(colour, width);
+  if (table.kind != dynamics::ModelKind::rigid) all += "\n" + rigid_text(table, colour, width);
   if (pairs)
     all +=
         "\n= repeated frequency: any mix of such modes is a mode; shown is the mix that moves "

@@ -1,10 +1,12 @@
 #pragma once
 /// Mode tables as people read them.
 
+#include <cstddef>
 #include <string>
 
 #include "hydrapod/modal/mode_table.hpp"
 #include "hydrapod/report/json.hpp"
+#include "hydrapod/terminal.hpp"
 
 namespace hydrapod::cli {
 
@@ -12,8 +14,10 @@ namespace hydrapod::cli {
 std::string heading(const model::Machine& machine, const report::PoseChoice& pose,
                     const modal::ModeTable& table, bool colour);
 
-/// The table of `table`; with `before`, also the change of every mode against it.
-std::string mode_text(const modal::ModeTable& table, const modal::ModeTable* before, bool colour);
+/// The table of `table`; with `before`, also the change of every mode against it. Tables wider than
+/// `width` columns are split.
+std::string mode_text(const modal::ModeTable& table, const modal::ModeTable* before, bool colour,
+                      std::size_t width = Table::unlimited);
 
 /// The answer in words: the lowest mode the platform feels, rigid and real, and where its energy
 /// is.

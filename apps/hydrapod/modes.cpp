@@ -1,8 +1,8 @@
 #include <fmt/format.h>
 
 #include <cstdio>
-#include <iostream>
 #include <memory>
+#include <optional>
 
 #include "hydrapod/base/file.hpp"
 #include "hydrapod/commands.hpp"
@@ -22,20 +22,14 @@ struct Arguments {
   bool matrices{};
 };
 
-/// The same table without the overrides, to show what they change.
-std::optional<modal::ModeTable> before_overrides(const Arguments& arguments) {
-  if (arguments.machine.overrides.empty()) return {};
-  try {
-    const auto file =
-        model::read_machine_file(arguments.machine.file, {}, kinematics::check_machine);
-    const auto pose = choose_pose(file.machine, arguments.machine.pose);
-    dynamics::ModelKind kind = choose_model(file.machine, "");
-    if (!arguments.machine.model.empty() && arguments.machine.model != "full")
-      kind = choose_model(file.machine, arguments.machine.model);
-    return modal::mode_table(file.machine, pose.X_BP, kind);
-  } catch (const std::exception&) {
-    return {};  // the file alone may be unsound or buckled; the overrides mend it
-  }
+/// The table of the file without the overrides, to show what they change.
+modal::ModeTable table_of_file_alone(const Arguments& arguments, const std::string& text) {
+  const auto file =
+      model::parse_machine(text, arguments.machine.file, {}, kinematics::check_machine);
+  const auto pose = choose_pose(file.machine, arguments.machine.pose);
+  const bool may_lack_rings = arguments.machine.model == "full";
+  const auto kind = choose_model(file.machine, may_lack_rings ? "" : arguments.machine.model);
+  return modal::mode_table(file.machine, pose.X_BP, kind);
 }
 
 std::string json_text(const Arguments& arguments, const model::MachineFile& file,
@@ -52,14 +46,25 @@ std::string json_text(const Arguments& arguments, const model::MachineFile& file
 std::string table_text(const Arguments& arguments, const model::MachineFile& file,
                        const report::PoseChoice& pose, const modal::ModeTable& table) {
   const bool colour = arguments.output == "-" && has_colour(stdout);
-  const bool from_stdin = arguments.machine.file == "-";
-  const auto before = from_stdin ? std::nullopt : before_overrides(arguments);
+  const size_t width = arguments.output == "-" ? terminal_width() : Table::unlimited;
+  std::optional<modal::ModeTable> before;
+  std::string note;
+  if (!file.overrides.empty()) {
+    try {
+      before = table_of_file_alone(arguments, file.text);
+    } catch (const std::exception&) {  // it may be unsound or buckled, and --set mends it
+      note = "\nno change by --set is shown: the file alone has no modes at this pose\n";
+    }
+  }
   return heading(file.machine, pose, table, colour) + "\n" +
-         mode_text(table, before ? &*before : nullptr, colour) + "\n" + answer_text(table);
+         mode_text(table, before ? &*before : nullptr, colour, width) + note + "\n" +
+         answer_text(table);
 }
 
 void run(const Arguments& arguments) {
   const size_t format = choose_word("--format", arguments.format, {"table", "json", "csv"});
+  if (arguments.matrices && arguments.format != "json")
+    bad_argument("--matrices", "matrices are part of the JSON; add --format json");
   const auto file = load(arguments.machine);
   const auto pose = choose_pose(file.machine, arguments.machine.pose);
   const auto kind = choose_model(file.machine, arguments.machine.model);
@@ -86,7 +91,8 @@ void add_modes(CLI::App& app) {
   add_pose_option(*command, arguments->machine);
   add_model_option(*command, arguments->machine);
   command->add_option("--format", arguments->format, "table, json or csv")->capture_default_str();
-  command->add_flag("--matrices", arguments->matrices, "Put M, K and C into the JSON");
+  command->add_flag("--matrices", arguments->matrices,
+                    "Put M, K and C into the JSON (with --format json)");
   command->add_option("-o,--output", arguments->output, "File to write; - prints")
       ->capture_default_str();
   command->callback([arguments] { run(*arguments); });

@@ -1,6 +1,7 @@
 #include "hydrapod/terminal.hpp"
 
 #include <fmt/format.h>
+#include <sys/ioctl.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -10,6 +11,8 @@
 namespace hydrapod::cli {
 
 namespace {
+constexpr std::string_view gap = "  ";  // between two columns of a table
+
 bool is_terminal(std::FILE* stream) { return ::isatty(::fileno(stream)) == 1; }
 
 bool is_set(const char* variable) {
@@ -94,6 +97,13 @@ bool has_colour(std::FILE* stream) {
   return is_terminal(stream) && !is_set("NO_COLOR") && !dumb;
 }
 
+std::size_t terminal_width() {
+  winsize size{};
+  if (!is_terminal(stdout) || ::ioctl(::fileno(stdout), TIOCGWINSZ, &size) != 0 || size.ws_col == 0)
+    return Table::unlimited;
+  return size.ws_col;
+}
+
 std::string styled(std::string_view text, Style style, bool colour) {
   if (!colour) return std::string(text);
   return fmt::format("{}{}\033[0m", escape_code(style), text);
@@ -138,27 +148,49 @@ void Table::add_row(std::vector<std::string> cells) {
   rows_.push_back(std::move(cells));
 }
 
-std::string Table::text(bool colour) const {
-  std::vector<std::string> titles;
+std::vector<std::size_t> Table::widths() const {
   std::vector<std::size_t> widths;
   for (std::size_t c = 0; c < columns_.size(); ++c) {
-    titles.push_back(columns_[c].title);
     widths.push_back(display_width(columns_[c].title));
     for (const auto& row : rows_) {
       if (c < row.size()) widths[c] = std::max(widths[c], display_width(row[c]));
     }
   }
-  const auto line_of = [&](const std::vector<std::string>& row) {
+  return widths;
+}
+
+std::string Table::part(const std::vector<std::size_t>& shown, bool colour) const {
+  const auto width = widths();
+  const auto line_of = [&](const auto& cell_of) {
     std::string line;
-    for (std::size_t c = 0; c < row.size(); ++c) {
-      if (c > 0) line += "  ";
-      line += padded(row[c], widths[c], columns_[c].align);
+    for (const std::size_t c : shown) {
+      if (c != shown.front()) line += gap;
+      line += padded(cell_of(c), width[c], columns_[c].align);
     }
     trim_right(line);
     return line;
   };
-  std::string all = styled(line_of(titles), Style::bold, colour) + '\n';
-  for (const auto& row : rows_) all += line_of(row) + '\n';
+  std::string all =
+      styled(line_of([&](std::size_t c) { return columns_[c].title; }), Style::bold, colour) + '\n';
+  for (const auto& row : rows_)
+    all += line_of([&](std::size_t c) { return c < row.size() ? row[c] : std::string(); }) + '\n';
+  return all;
+}
+
+std::string Table::text(bool colour, std::size_t width) const {
+  const auto wide = widths();
+  std::string all;
+  std::size_t next = 1;
+  do {
+    std::vector<std::size_t> shown{0};
+    std::size_t used = wide[0];
+    while (next < columns_.size() &&
+           (shown.size() == 1 || used + gap.size() + wide[next] <= width)) {
+      used += gap.size() + wide[next];
+      shown.push_back(next++);
+    }
+    all += (all.empty() ? "" : "\n") + part(shown, colour);
+  } while (next < columns_.size());
   return all;
 }
 

@@ -37,6 +37,9 @@ struct Column {
   Align align{Align::right};
 };
 
+/// Columns of the terminal that stdout is; where it is none, more than any table needs.
+std::size_t terminal_width();
+
 /// A table with a title row; columns are as wide as their widest cell and two spaces apart.
 class Table {
  public:
@@ -45,10 +48,17 @@ class Table {
   /// A row may be shorter than the columns; a longer one throws std::invalid_argument.
   void add_row(std::vector<std::string> cells);
 
-  /// Lines without trailing blanks, each with its line end; the title row is bold if `colour`.
-  [[nodiscard]] std::string text(bool colour = false) const;
+  /// Lines without trailing blanks, each with its line end; the title row is bold if `colour`. A
+  /// table wider than `width` comes in parts, one below the other, each beginning with the first
+  /// column.
+  [[nodiscard]] std::string text(bool colour = false, std::size_t width = unlimited) const;
+
+  static constexpr std::size_t unlimited = static_cast<std::size_t>(-1);
 
  private:
+  [[nodiscard]] std::vector<std::size_t> widths() const;
+  [[nodiscard]] std::string part(const std::vector<std::size_t>& shown, bool colour) const;
+
   std::vector<Column> columns_;
   std::vector<std::vector<std::string>> rows_;
 };
