@@ -56,35 +56,59 @@ std::array<double, 2> magnitude_range(const Bode& bode, const Entry& entry) {
   for (const auto* H : {&bode.real, &bode.rigid})
     for (const auto& h : *H) {
       const double level = decibels(std::abs(h(entry.output, entry.input)));
+      if (!std::isfinite(level)) continue;  // an undamped mode met exactly
       low = std::min(low, level);
       high = std::max(high, level);
     }
   for (const auto& peak : bode.real_peaks)
-    if (entry.output == entry.input && peak.direction == entry.output)
+    if (entry.output == entry.input && peak.direction == entry.output &&
+        std::isfinite(peak.magnitude))
       high = std::max(high, decibels(peak.magnitude));
   const double span = std::max(high - low, 6.0);
   return {low - 0.05 * span, high + 0.16 * span};
 }
 
-/// Ticks at 1, 2, 5 times powers of ten.
+/// Ticks at 1, 2, 5 times powers of ten; in a band too narrow for them, evenly spaced round
+/// numbers.
 std::string frequency_ticks(double from, double to) {
+  std::vector<double> ticks;
+  const int lowest = static_cast<int>(std::floor(std::log10(from)));
+  const int highest = static_cast<int>(std::ceil(std::log10(to)));
+  for (int decade = lowest; decade <= highest; ++decade)
+    for (const int digit : {1, 2, 5}) ticks.push_back(digit * std::pow(10.0, decade));
+  std::erase_if(ticks, [&](double at) { return at < from || at > to; });
+  constexpr size_t enough = 3;
+  if (ticks.size() < enough) {
+    const double power = std::pow(10.0, std::floor(std::log10((to - from) / 2.0)));
+    const double steps = (to - from) / power;  // 2 … 20
+    const double step = power * (steps < 5.0 ? 0.5 : steps < 10.0 ? 1.0 : 2.0);
+    ticks.clear();
+    for (double k = std::ceil(from / step); k * step <= to; ++k) ticks.push_back(k * step);
+  }
   std::string text;
-  for (int decade = -6; decade <= 6; ++decade)
-    for (const int digit : {1, 2, 5}) {
-      const double at = digit * std::pow(10.0, decade);
-      if (at >= from && at <= to) text += fmt::format("{}{:.6g}", text.empty() ? "" : ", ", at);
-    }
+  for (const double at : ticks) text += fmt::format("{}{:.6g}", text.empty() ? "" : ", ", at);
   return "set xtics (" + text + ")\n";
 }
 
+/// As a gnuplot string; a line end in it would end the command.
 std::string quoted(const std::string& text) {
   std::string out = "'";
-  for (const char c : text) out += c == '\'' ? std::string("''") : std::string(1, c);
+  for (const char c : text) {
+    if (c == '\'') out += '\'';
+    out += static_cast<unsigned char>(c) < 0x20 || c == 0x7F ? ' ' : c;
+  }
   return out + "'";
 }
 
-/// Marks the peaks of a direct entry with their frequencies.
-std::string peak_labels(const Bode& bode, const Entry& entry) {
+/// As a word of the shell.
+std::string shell_word(const std::string& text) {
+  std::string out = "'";
+  for (const char c : text) out += c == '\'' ? std::string("'\\''") : std::string(1, c);
+  return out + "'";
+}
+
+/// Marks the peaks of a direct entry with their frequencies; unbounded ones stand at `top` [dB].
+std::string peak_labels(const Bode& bode, const Entry& entry, double top) {
   std::string text;
   if (entry.output != entry.input) return text;
   for (const auto& peak : bode.real_peaks)
@@ -93,7 +117,7 @@ std::string peak_labels(const Bode& bode, const Entry& entry) {
           "set label {} at {:.9g},{:.6f} point pt 7 ps 0.45 lc rgb '#0072b2' offset 0.4,0.5 font "
           "',9'\n",
           quoted(fmt::format("{:.2f}", peak.omega / two_pi)), peak.omega / two_pi,
-          decibels(peak.magnitude));
+          std::min(decibels(peak.magnitude), top));
   return text;
 }
 
@@ -135,7 +159,7 @@ std::string entry_plots(const Bode& bode, const Entry& entry, size_t index, cons
   text += key ? "set key top right samplen 2.5 font ',9'\n" : "unset key\n";
   const auto [low, high] = magnitude_range(bode, entry);
   text += fmt::format("set ytics autofreq\nset yrange [{:.3f}:{:.3f}]\n", low, high) +
-          peak_labels(bode, entry);
+          peak_labels(bode, entry, high);
   text += fmt::format(
       "plot $bode using 1:{} with lines {} title 'rigid legs', "
       "$bode using 1:{} with lines {} title 'with seals'\n",
@@ -219,7 +243,7 @@ struct TemporaryFolder {
 
 void run_gnuplot(const std::filesystem::path& script, const std::filesystem::path& log) {
   const std::string command = fmt::format("gnuplot {} > {} 2>&1 < /dev/null",
-                                          quoted(script.string()), quoted(log.string()));
+                                          shell_word(script.string()), shell_word(log.string()));
   const int status = std::system(command.c_str());
   if (status == 0) return;
   if (WIFEXITED(status) && WEXITSTATUS(status) == 127)

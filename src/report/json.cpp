@@ -22,6 +22,8 @@ Json array(const Vector& values) {
   return list;
 }
 
+Json finite_or_null(double value) { return std::isfinite(value) ? Json(value) : Json(); }
+
 Json rows(const dynamics::ModelMatrix& A) {
   Json list = Json::array();
   for (Eigen::Index i = 0; i < A.rows(); ++i) list.push_back(array(A.row(i)));
@@ -91,7 +93,7 @@ std::string gravity_text(const model::Machine& machine) {
   const auto& g = machine.gravity;
   if (g.isZero(0.0)) return "no gravity";
   if (g.x() == 0.0 && g.y() == 0.0 && g.z() < 0.0)
-    return fmt::format("gravity {:.5g} m/s² downwards", -g.z());
+    return fmt::format("gravity {:.6g} m/s² downwards", -g.z());
   return fmt::format("gravity ({:.5g}, {:.5g}, {:.5g}) m/s²", g.x(), g.y(), g.z());
 }
 
@@ -170,15 +172,14 @@ Json peaks_json(const std::vector<response::Peak>& peaks, const modal::ModeTable
   const auto& model = rigid ? table.rigid : table.real;
   for (const auto& peak : peaks) {
     const int tabled = model.tabled_of_normal[peak.mode];
-    list.push_back(
-        {{"direction", directions[peak.direction]},
-         {"omega_rad_s", peak.omega},
-         {"frequency_hz", peak.omega / two_pi},
-         {"magnitude", peak.magnitude},
-         {"prominence_db", std::isinf(peak.prominence_db) ? Json() : Json(peak.prominence_db)},
-         {"mode", tabled + 1},
-         {"label", model.modes[tabled].label},
-         {"own", peak.own}});
+    list.push_back({{"direction", directions[peak.direction]},
+                    {"omega_rad_s", peak.omega},
+                    {"frequency_hz", peak.omega / two_pi},
+                    {"magnitude", finite_or_null(peak.magnitude)},
+                    {"prominence_db", finite_or_null(peak.prominence_db)},
+                    {"mode", tabled + 1},
+                    {"label", model.modes[tabled].label},
+                    {"own", peak.own}});
   }
   return list;
 }

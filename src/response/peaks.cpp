@@ -12,16 +12,19 @@ namespace {
 
 constexpr int directions = 6;
 
+/// φᵀ C φ of mode k, modal ratio included: 2ζω of a mode that is not coupled by dampers.
+double modal_damping(const ResponseModel& model, int k) {
+  const auto phi = model.modes.shapes.col(k);
+  return 2.0 * model.modal_ratio * model.modes.omega(k) + phi.dot(model.C * phi);
+}
+
 /// A logarithmic grid with, around every mode, points as dense as its half-power bandwidth asks.
 std::vector<double> peak_grid(const ResponseModel& model, const PeakOptions& options) {
   std::vector<double> grid = log_space(options.from, options.to, 2000);
-  const ModelMatrix& Phi = model.modes.shapes;
-  const ModelMatrix Gamma = Phi.transpose() * model.C * Phi;
   for (int k = 0; k < model.modes.size(); ++k) {
     const double omega = model.modes.omega(k);
     if (omega <= 0.0) continue;
-    const double zeta = model.modal_ratio + 0.5 * Gamma(k, k) / omega;
-    const double half_band = std::max(zeta, 1e-6) * omega;
+    const double half_band = std::max(0.5 * modal_damping(model, k), 1e-6 * omega);
     constexpr int per_side = 40;
     for (int j = -per_side; j <= per_side; ++j) {
       const double at = omega + 0.2 * half_band * j;
@@ -33,9 +36,16 @@ std::vector<double> peak_grid(const ResponseModel& model, const PeakOptions& opt
   return grid;
 }
 
-double magnitude_at(const ResponseModel& model, double omega, int direction, Output output) {
-  return std::abs(frequency_response(model, {&omega, 1}, output)[0](direction, direction));
+/// |H_dd|, infinite where an undamped mode is met exactly.
+double magnitude_of(const Matrix6c& H, int direction) {
+  const double magnitude = std::abs(H(direction, direction));
+  return std::isfinite(magnitude) ? magnitude : std::numeric_limits<double>::infinity();
 }
+
+double magnitude_at(const ResponseModel& model, double omega, int direction, Output output) {
+  return magnitude_of(frequency_response(model, {&omega, 1}, output)[0], direction);
+}
+
 
 /// Golden-section search for the maximum inside [low, high].
 double refine(const ResponseModel& model, double low, double high, int direction, Output output) {
@@ -93,7 +103,7 @@ int mode_behind(const ResponseModel& model, double omega, int direction) {
   double largest = 0.0, least_distance = std::numeric_limits<double>::infinity();
   for (int k = 0; k < model.modes.size(); ++k) {
     const auto phi = Phi.col(k);
-    const double gamma = 2.0 * model.modal_ratio * model.modes.omega(k) + phi.dot(model.C * phi);
+    const double gamma = modal_damping(model, k);
     const double distance = std::abs(model.modes.omega(k) - omega);
     if (distance < least_distance) {
       least_distance = distance;
@@ -120,15 +130,18 @@ std::vector<Peak> find_peaks(const ResponseModel& model, const PeakOptions& opti
   std::vector<Peak> peaks;
   std::vector<double> magnitude(grid.size());
   for (int d = 0; d < directions; ++d) {
-    for (size_t i = 0; i < grid.size(); ++i) magnitude[i] = std::abs(H[i](d, d));
+    for (size_t i = 0; i < grid.size(); ++i) magnitude[i] = magnitude_of(H[i], d);
     for (size_t i = 1; i + 1 < grid.size(); ++i) {
       if (!(magnitude[i] > magnitude[i - 1] && magnitude[i] >= magnitude[i + 1])) continue;
       const double height = prominence(magnitude, i);
       if (height < options.min_prominence_db) continue;
       const double omega = refine(model, grid[i - 1], grid[i + 1], d, options.output);
       const int mode = mode_behind(model, omega, d);
-      peaks.push_back({d, omega, magnitude_at(model, omega, d, options.output), height, mode,
-                       model.mode_direction[mode] == d});
+      const bool unbounded = modal_damping(model, mode) == 0.0;
+      peaks.push_back({d, omega,
+                       unbounded ? std::numeric_limits<double>::infinity()
+                                 : magnitude_at(model, omega, d, options.output),
+                       height, mode, model.mode_direction[mode] == d});
     }
   }
   return peaks;

@@ -20,8 +20,9 @@
 namespace hydrapod::response {
 
 struct Peak {
-  int direction{};         ///< 0…5: x y z rx ry rz
-  double omega{};          ///< [rad/s]
+  int direction{};  ///< 0…5: x y z rx ry rz
+  double omega{};   ///< [rad/s]
+  /// Infinite where the mode behind it has no damping.
   double magnitude{};      ///< |H_dd| there, [m/N] or [rad/(N m)] times s^k of the output
   double prominence_db{};  ///< infinite for the highest peak of the band
   int mode{};              ///< index of the mode behind the peak, see below
