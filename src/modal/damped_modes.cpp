@@ -46,47 +46,97 @@ DampedMode real_mode(const NormalModes& modes, int k, double gamma) {
   return mode;
 }
 
-/// Poles and shapes of [0 I; −Ω² −Γ], the upper half of the spectrum and the real poles.
-struct Poles {
-  std::vector<Complex> values;
-  std::vector<ComplexVector> shapes;  ///< in y, φᴴ M φ = 1
-  std::vector<bool> used;
+/// An eigenvalue λ of [0 I; −Ω² −Γ] with its shape.
+struct Pole {
+  Complex value{};
+  ComplexVector shape{};  ///< in y, φᴴ M φ = 1
+  /// Of a real pole: the sign of φᵀ (2λM + C) φ, positive for the slower one of an overdamped mode,
+  /// negative for the faster one. Both kinds are equally many.
+  bool slow{};
+  bool used{};
+  [[nodiscard]] bool is_real() const { return value.imag() == 0.0; }
 };
 
-Poles solve_poles(const NormalModes& modes, const ModelMatrix& Gamma) {
-  const int n = modes.size();
-  const double scale = std::sqrt(std::max(modes.omega2.cwiseAbs().maxCoeff(), 1e-300));
-  Eigen::MatrixXd A = Eigen::MatrixXd::Zero(2 * n, 2 * n);
-  A.topRightCorner(n, n).setIdentity();
-  A.bottomLeftCorner(n, n).diagonal() = -modes.omega2 / (scale * scale);
-  A.bottomRightCorner(n, n) = -Gamma / scale;
-  const Eigen::EigenSolver<Eigen::MatrixXd> solver(A);
-  if (solver.info() != Eigen::Success)
-    throw base::ComputationError("the damped modes did not converge");
-  Poles poles;
-  for (int k = 0; k < 2 * n; ++k) {
-    const Complex value = solver.eigenvalues()[k];
-    if (value.imag() < 0.0) continue;
-    const ComplexVector z = solver.eigenvectors().col(k).head(n);
-    poles.values.push_back(scale * value);
-    poles.shapes.push_back(modes.shapes.cast<Complex>() * (z / z.norm()));
-  }
-  poles.used.assign(poles.values.size(), false);
-  return poles;
+double same_pole_tolerance(const Complex& pole, double largest) {
+  return std::max(1e-9 * std::abs(pole), 1e3 * std::numeric_limits<double>::epsilon() * largest);
 }
+
+/// Turns z so that its real and imaginary part are orthogonal, the longer one real.
+ComplexVector with_orthogonal_parts(const ComplexVector& z) {
+  const Complex sum = (z.array() * z.array()).sum();
+  return z * std::polar(1.0, -0.5 * std::arg(sum));
+}
+
+/// The real poles and the upper half of the others.
+class PoleSolver {
+ public:
+  PoleSolver(const NormalModes& modes, const ModelMatrix& Gamma) : modes_(modes), Gamma_(Gamma) {}
+
+  std::vector<Pole> solve() {
+    const int n = modes_.size();
+    const double scale = std::sqrt(std::max(modes_.omega2.cwiseAbs().maxCoeff(), 1e-300));
+    Eigen::MatrixXd A = Eigen::MatrixXd::Zero(2 * n, 2 * n);
+    A.topRightCorner(n, n).setIdentity();
+    A.bottomLeftCorner(n, n).diagonal() = -modes_.omega2 / (scale * scale);
+    A.bottomRightCorner(n, n) = -Gamma_ / scale;
+    const Eigen::EigenSolver<Eigen::MatrixXd> solver(A);
+    if (solver.info() != Eigen::Success)
+      throw base::ComputationError("the damped modes did not converge");
+    const double largest = solver.eigenvalues().cwiseAbs().maxCoeff();
+    for (int k = 0; k < 2 * n; ++k) {
+      const Complex value = solver.eigenvalues()[k];
+      if (value.imag() >= 0.0)
+        add(value, solver.eigenvectors().col(k).head(n), scale,
+            same_pole_tolerance(value, largest));
+    }
+    return poles_;
+  }
+
+ private:
+  const NormalModes& modes_;
+  const ModelMatrix& Gamma_;
+  std::vector<Pole> poles_;
+
+  /// Two equal real poles come out of the eigensolver as a pair a hair off the real axis: its real
+  /// and imaginary part are then two shapes of one real pole.
+  void add(const Complex& value, const ComplexVector& z, double scale, double same) {
+    if (value.imag() == 0.0) return add_real(scale * value.real(), z.real());
+    if (value.imag() < same) {
+      constexpr double apart = 1e-6;  // else the pole has one shape only: critical damping
+      const ComplexVector split = with_orthogonal_parts(z);
+      if (split.imag().norm() > apart * split.norm()) {
+        add_real(scale * value.real(), split.real());
+        add_real(scale * value.real(), split.imag());
+        return;
+      }
+    }
+    poles_.push_back(
+        {.value = scale * value, .shape = modes_.shapes.cast<Complex>() * (z / z.norm())});
+  }
+
+  void add_real(double value, const Eigen::VectorXd& z) {
+    const Eigen::VectorXd unit = z.normalized();
+    const Eigen::VectorXd shape = modes_.shapes * unit;
+    poles_.push_back({.value = value,
+                      .shape = shape.cast<Complex>(),
+                      .slow = 2.0 * value + unit.dot(Gamma_ * unit) > 0.0});
+  }
+};
 
 /// |aᴴ M b|: 1 for equal shapes, both normalised.
 double likeness(const ModelMatrix& M, const ComplexVector& a, const ComplexVector& b) {
   return std::abs(a.dot(M.cast<Complex>() * b));
 }
 
-/// The unused real pole whose shape is most like that of pole `k`; −1 if there is none.
-int partner(const Poles& poles, const ModelMatrix& M, int k) {
+/// The unused real pole of the other kind whose shape is most like that of pole `k`; −1 if there is
+/// none of the other kind, and then any real one.
+int partner(const std::vector<Pole>& poles, const ModelMatrix& M, int k) {
   int best = -1;
   double most_alike = -1.0;
-  for (int j = 0; j < static_cast<int>(poles.values.size()); ++j) {
-    if (j == k || poles.used[j] || poles.values[j].imag() != 0.0) continue;
-    const double now = likeness(M, poles.shapes[k], poles.shapes[j]);
+  for (int j = 0; j < static_cast<int>(poles.size()); ++j) {
+    if (j == k || poles[j].used || !poles[j].is_real()) continue;
+    const double other_kind = poles[j].slow != poles[k].slow ? 1.0 : 0.0;
+    const double now = other_kind + likeness(M, poles[k].shape, poles[j].shape);
     if (now > most_alike) {
       most_alike = now;
       best = j;
@@ -102,15 +152,21 @@ DampedMode from_shape(const ComplexVector& shape) {
   return mode;
 }
 
+DampedMode oscillating(const Pole& pole) {
+  DampedMode mode = from_shape(pole.shape);
+  mode.pole = pole.value;
+  mode.omega = std::abs(pole.value);
+  mode.damping_ratio = -pole.value.real() / mode.omega;
+  mode.stable = pole.value.real() <= 1e-12 * mode.omega;
+  return mode;
+}
+
 /// Two real poles as one overdamped (or, with opposite signs, unstable) mode.
-DampedMode overdamped(const Poles& poles, int k, int j) {
-  double slow = poles.values[k].real(), fast = poles.values[j].real();
-  int of_slow = k;
-  if (std::abs(fast) < std::abs(slow)) {
-    std::swap(slow, fast);
-    of_slow = j;
-  }
-  DampedMode mode = from_shape(poles.shapes[of_slow]);
+DampedMode overdamped(const Pole& a, const Pole& b) {
+  const bool a_is_slower = std::abs(a.value) <= std::abs(b.value);
+  const double slow = (a_is_slower ? a : b).value.real();
+  const double fast = (a_is_slower ? b : a).value.real();
+  DampedMode mode = from_shape((a_is_slower ? a : b).shape);
   mode.pole = slow;
   mode.stable = slow < 0.0 && fast < 0.0;
   mode.omega = slow * fast > 0.0 ? std::sqrt(slow * fast) : 0.0;
@@ -118,69 +174,70 @@ DampedMode overdamped(const Poles& poles, int k, int j) {
   return mode;
 }
 
-std::vector<DampedMode> collect(Poles& poles, const ModelMatrix& M) {
+std::vector<DampedMode> collect(std::vector<Pole>& poles, const ModelMatrix& M) {
   std::vector<DampedMode> list;
-  for (int k = 0; k < static_cast<int>(poles.values.size()); ++k) {
-    if (poles.used[k]) continue;
-    poles.used[k] = true;
-    const Complex value = poles.values[k];
-    if (value.imag() > 0.0) {
-      DampedMode mode = from_shape(poles.shapes[k]);
-      mode.pole = value;
-      mode.omega = std::abs(value);
-      mode.damping_ratio = -value.real() / mode.omega;
-      mode.stable = value.real() <= 1e-12 * mode.omega;
-      list.push_back(mode);
+  for (int k = 0; k < static_cast<int>(poles.size()); ++k) {
+    if (poles[k].used) continue;
+    poles[k].used = true;
+    if (!poles[k].is_real()) {
+      list.push_back(oscillating(poles[k]));
     } else if (const int j = partner(poles, M, k); j >= 0) {
-      poles.used[j] = true;
-      list.push_back(overdamped(poles, k, j));
+      poles[j].used = true;
+      list.push_back(overdamped(poles[k], poles[j]));
     }
   }
   return list;
 }
 
-/// Inside a group of equal poles: the first mode takes all motion in x, the next all that is left
-/// in y, …; then every mode's leading component is made real and positive.
+/// Unitary Q so that B Q is the canonical basis of a group with the M-orthonormal shapes B: the
+/// first takes all motion in x, the next all that is left in y, ….
+ComplexMatrix canonical_rotation(const ModelVector& mass_diagonal, const ComplexMatrix& B) {
+  constexpr double enough = 1e-6;  // share of a mode's energy that a coordinate must hold to lead
+  ComplexMatrix Q(B.cols(), B.cols());
+  Eigen::Index found = 0;
+  for (Eigen::Index row = 0; row < B.rows() && found < B.cols(); ++row) {
+    ComplexVector v = B.row(row).adjoint();
+    for (int pass = 0; pass < 2; ++pass) v -= Q.leftCols(found) * (Q.leftCols(found).adjoint() * v);
+    if (v.squaredNorm() * mass_diagonal[row] < enough) continue;
+    Q.col(found++) = v.normalized();
+  }
+  return found == B.cols() ? Q : ComplexMatrix::Identity(B.cols(), B.cols());
+}
+
+/// `shape` turned so that its leading component is real and positive, φᴴ M φ = 1.
+ComplexVector with_canonical_phase(const ModelMatrix& M, const ComplexVector& shape) {
+  const Eigen::VectorXd amplitude =
+      M.diagonal().cwiseSqrt().cwiseProduct(shape.cwiseAbs().eval()).eval();
+  constexpr double platform_moves = 1e-4;
+  constexpr double tie = 1.0 - 1e-6;
+  const double of_platform = amplitude.head<6>().maxCoeff();
+  const double limit = tie * (of_platform > platform_moves ? of_platform : amplitude.maxCoeff());
+  Eigen::Index lead = 0;
+  while (amplitude[lead] < limit) ++lead;
+  const Complex phase = std::conj(shape[lead]) / std::abs(shape[lead]);
+  return shape * (phase / std::sqrt(likeness(M, shape, shape)));
+}
+
 void make_canonical(const ModelMatrix& M, std::vector<DampedMode>& modes, size_t first,
                     size_t size) {
-  const ModelVector mass_diagonal = M.diagonal();
-  const auto rows = modes[first].real.size();
-  ComplexMatrix B(rows, static_cast<Eigen::Index>(size));
+  ComplexMatrix B(modes[first].real.size(), static_cast<Eigen::Index>(size));
   for (size_t k = 0; k < size; ++k)
     B.col(static_cast<Eigen::Index>(k)) =
         modes[first + k].real.cast<Complex>() +
         Complex(0, 1) * modes[first + k].imaginary.cast<Complex>();
-  const ComplexMatrix gram =
-      B.adjoint() * M.cast<Complex>() * B;  // poles that repeat leave any basis
+  const ComplexMatrix gram = B.adjoint() * M.cast<Complex>() * B;  // equal poles leave any basis
   const ComplexMatrix upper = Eigen::LLT<ComplexMatrix>(gram).matrixU();
   B = upper.triangularView<Eigen::Upper>().solve<Eigen::OnTheRight>(B).eval();
-  ComplexMatrix Q(size, size);
-  Eigen::Index found = 0;
-  for (Eigen::Index row = 0; row < rows && found < B.cols(); ++row) {
-    ComplexVector v = B.row(row).adjoint();
-    for (int pass = 0; pass < 2; ++pass) v -= Q.leftCols(found) * (Q.leftCols(found).adjoint() * v);
-    if (v.squaredNorm() * mass_diagonal[row] < 1e-6) continue;
-    Q.col(found++) = v.normalized();
-  }
-  if (found == B.cols()) B = (B * Q).eval();
-  const ModelVector weight = mass_diagonal.cwiseSqrt();
+  B = (B * canonical_rotation(M.diagonal(), B)).eval();
   for (size_t k = 0; k < size; ++k) {
-    ComplexVector shape = B.col(static_cast<Eigen::Index>(k));
-    const Eigen::VectorXd amplitude = weight.cwiseProduct(shape.cwiseAbs());
-    const bool platform = amplitude.head<6>().maxCoeff() > 1e-4;
-    const double limit =
-        (1.0 - 1e-6) * (platform ? amplitude.head<6>().maxCoeff() : amplitude.maxCoeff());
-    Eigen::Index lead = 0;
-    while (amplitude[lead] < limit) ++lead;
-    shape *= std::conj(shape[lead]) / std::abs(shape[lead]) / std::sqrt(likeness(M, shape, shape));
+    const ComplexVector shape = with_canonical_phase(M, B.col(static_cast<Eigen::Index>(k)));
     modes[first + k].real = shape.real();
     modes[first + k].imaginary = shape.imag();
   }
 }
 
 bool same_pole(const DampedMode& a, const DampedMode& b, double largest) {
-  return std::abs(a.pole - b.pole) <
-         std::max(1e-9 * std::abs(a.pole), 1e3 * std::numeric_limits<double>::epsilon() * largest);
+  return std::abs(a.pole - b.pole) < same_pole_tolerance(a.pole, largest);
 }
 
 }  // namespace
@@ -207,7 +264,7 @@ std::vector<DampedMode> damped_modes(const LinearModel& model, const NormalModes
     for (int k = 0; k < modes.size(); ++k) list.push_back(real_mode(modes, k, Gamma(k, k)));
     return list;
   }
-  Poles poles = solve_poles(modes, Gamma);
+  auto poles = PoleSolver(modes, Gamma).solve();
   list = collect(poles, model.M);
   std::stable_sort(list.begin(), list.end(),
                    [](const DampedMode& a, const DampedMode& b) { return a.omega < b.omega; });
