@@ -1,0 +1,105 @@
+#include "hydrapod/report/html.hpp"
+
+#include <fmt/format.h>
+
+#include <charconv>
+#include <memory>
+
+#include "hydrapod/base/error.hpp"
+#include "hydrapod/base/file.hpp"
+#include "hydrapod/commands.hpp"
+#include "hydrapod/machine_arguments.hpp"
+
+namespace hydrapod::cli {
+
+namespace {
+
+struct Arguments {
+  MachineArguments machine{};
+  std::vector<std::string> poses{};
+  std::string output{"report.html"};
+  std::string theme{"auto"};
+  std::string modes{};
+  report::HtmlOptions options{};
+};
+
+[[noreturn]] void bad_modes(const std::string& text, const std::string& message) {
+  throw base::InputError({{.file = "--modes " + text, .message = message}});
+}
+
+/// A mode's number, all of `text`.
+int mode_number(const std::string& all, std::string_view text) {
+  while (text.starts_with(' ')) text.remove_prefix(1);
+  while (text.ends_with(' ')) text.remove_suffix(1);
+  int value = 0;
+  const auto [end, status] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (status != std::errc() || end != text.data() + text.size())
+    bad_modes(all, fmt::format("'{}' is no mode's number; a list looks like 1,2,15-18", text));
+  return value;
+}
+
+/// "1,2,15-18", each between 1 and `count`.
+std::vector<int> mode_list(const std::string& text, int count) {
+  std::vector<int> modes;
+  for (size_t begin = 0; !text.empty() && begin <= text.size();) {
+    const size_t end = std::min(text.find(',', begin), text.size());
+    const std::string_view part = std::string_view(text).substr(begin, end - begin);
+    begin = end + 1;
+    const size_t dash = part.find('-');
+    const int first = mode_number(text, part.substr(0, dash));
+    const int last = dash == std::string_view::npos ? first : mode_number(text, part.substr(dash + 1));
+    if (first < 1 || last > count || first > last)
+      bad_modes(text, fmt::format("the modes of this model are 1 to {}", count));
+    for (int mode = first; mode <= last; ++mode) modes.push_back(mode);
+  }
+  return modes;
+}
+
+void run(Arguments& arguments) {
+  constexpr std::array themes{report::Theme::automatic, report::Theme::light, report::Theme::dark};
+  auto& options = arguments.options;
+  options.theme = themes[choose_word("--theme", arguments.theme, {"auto", "light", "dark"})];
+  const auto file = load(arguments.machine);
+  options.kind = choose_model(file.machine, arguments.machine.model);
+  options.modes = mode_list(arguments.modes, dynamics::degrees_of_freedom(options.kind));
+  if (arguments.poses.empty()) arguments.poses.push_back(arguments.machine.pose);
+  std::vector<report::PoseChoice> poses;
+  for (const auto& pose : arguments.poses) poses.push_back(choose_pose(file.machine, pose));
+  base::write_file_whole(arguments.output,
+                         report::html_report(file, arguments.machine.file, poses, options));
+  if (arguments.output != "-") fmt::print(stderr, "wrote {}\n", arguments.output);
+}
+
+}  // namespace
+
+void add_report(CLI::App& app) {
+  CLI::App* command = add_command(
+      app, "report", "One HTML file to look at and to mail: moving modes, Bode diagrams, all numbers",
+      {{"report machine.toml -o report.html", "opens in any browser, without a network"},
+       {"report machine.toml --pose neutral --pose \"z=100 mm, ry=5 deg\"", "two poses to switch between"},
+       {"report machine.toml --modes 1,2,15-18 --title \"Before the new seals\"", "modes pictured in print"},
+       {"report machine.toml --set environment.gravity=0 --theme light", "a what-if, light colours only"}});
+  auto arguments = std::make_shared<Arguments>();
+  add_machine_options(*command, arguments->machine);
+  add_model_option(*command, arguments->machine);
+  command
+      ->add_option("--pose", arguments->poses,
+                   "Pose of the file, or displacements from the neutral one: \"z=50 mm, ry=5 deg\"; may be "
+                   "repeated [neutral]")
+      ->allow_extra_args(false)
+      ->type_name("POSE");
+  command->add_option("--title", arguments->options.title, "Title of the page [the machine's name]");
+  command->add_option("--theme", arguments->theme, "auto (as the reader's system is), light or dark")
+      ->capture_default_str();
+  command->add_option("--modes", arguments->modes,
+                      "Modes pictured in print, the first one shown at once: 1,2,15-18 [those the platform "
+                      "feels, at most six]");
+  command
+      ->add_option("--points", arguments->options.points, "Points of a Bode curve, besides those at resonances")
+      ->capture_default_str()
+      ->check(CLI::Range(2, 20000));
+  command->add_option("-o,--output", arguments->output, "File to write; - prints")->capture_default_str();
+  command->callback([arguments] { run(*arguments); });
+}
+
+}  // namespace hydrapod::cli

@@ -1,0 +1,79 @@
+#include "hydrapod/report/answer.hpp"
+
+#include <fmt/format.h>
+
+#include <numbers>
+
+namespace hydrapod::report {
+
+namespace {
+
+constexpr double two_pi = 2.0 * std::numbers::pi;
+
+std::string percent(double share) {
+  const double value = 100.0 * share;
+  return value > 0.0 && value < 0.5 ? "<1" : fmt::format("{:.0f}", value);
+}
+
+/// "oil 82 %, sleeves 18 %": springs that hold at least half a per cent of the elastic energy.
+std::string energy_text(const modal::EnergyShares& energy) {
+  std::string text;
+  const auto add = [&](const char* part, double share) {
+    if (share >= 0.005)
+      text += fmt::format("{}{} {} %", text.empty() ? "" : ", ", part, percent(share));
+  };
+  add("oil", energy.oil.sum());
+  add("sleeves", energy.guide_sleeve.sum());
+  add("rings", energy.piston_ring.sum());
+  return text;
+}
+
+std::string drop_text(const modal::ModeTable& table, double drop) {
+  const bool rings = table.kind == dynamics::ModelKind::full;
+  const std::string parts = rings ? "The seals' and piston rings'" : "The seals'";
+  if (drop < 0.0) return parts + " give does not lower it";
+  return fmt::format("{} give lowers it by {:.{}f} %", parts, drop, drop < 10.0 ? 2 : 0);
+}
+
+}  // namespace
+
+std::string answer_text(const modal::ModeTable& table) {
+  const int k = modal::lowest_felt(table.real.modes);
+  if (k < 0) return {};
+  const auto& entry = table.real.modes[k];
+  if (!entry.mode.stable)
+    return "The machine is unstable at this pose: the legs buckle. `hydrapod check` finds the payload "
+           "they carry.\n";
+  std::string text = fmt::format("Lowest mode the platform feels: {:.2f} Hz in {}",
+                                 entry.mode.omega / two_pi, modal::platform_directions(entry.energy));
+  if (!entry.rigid) return text + ".\n";
+  const double rigid = table.rigid.modes[entry.rigid->mode].mode.omega;
+  return text + fmt::format("; with rigid legs it would be {:.2f} Hz. {}; its elastic energy: {}.\n",
+                            rigid / two_pi, drop_text(table, -100.0 * entry.rigid->shift),
+                            energy_text(entry.energy));
+}
+
+Json answer_json(const modal::ModeTable& table) {
+  const int k = modal::lowest_felt(table.real.modes);
+  if (k < 0) return nullptr;
+  const auto& entry = table.real.modes[k];
+  std::string text = answer_text(table);
+  text.pop_back();
+  Json json{{"text", text},
+            {"stable", entry.mode.stable},
+            {"mode", k + 1},
+            {"frequency_hz", entry.mode.omega / two_pi},
+            {"directions", modal::platform_directions(entry.energy)},
+            {"strain_energy",
+             {{"oil", entry.energy.oil.sum()},
+              {"guide_sleeve", entry.energy.guide_sleeve.sum()},
+              {"piston_ring", entry.energy.piston_ring.sum()}}}};
+  if (entry.rigid) {
+    json["rigid_mode"] = entry.rigid->mode + 1;
+    json["rigid_frequency_hz"] = table.rigid.modes[entry.rigid->mode].mode.omega / two_pi;
+    json["drop_percent"] = -100.0 * entry.rigid->shift;
+  }
+  return json;
+}
+
+}  // namespace hydrapod::report

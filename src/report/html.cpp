@@ -1,0 +1,150 @@
+#include "hydrapod/report/html.hpp"
+
+#include <fmt/format.h>
+
+#include <array>
+#include <stdexcept>
+
+#include "hydrapod/base/error.hpp"
+#include "hydrapod/report/answer.hpp"
+#include "hydrapod/report/geometry_json.hpp"
+#include "hydrapod/report/modal_response_json.hpp"
+#include "page.hpp"
+
+namespace hydrapod::report {
+
+namespace {
+
+/// What the page holds where something is to be put in; each stands in it once.
+constexpr std::string_view title_mark = "{{hydrapod-title}}";
+constexpr std::string_view theme_mark = "{{hydrapod-theme}}";
+constexpr std::string_view summary_mark = "{{hydrapod-summary}}";
+constexpr std::string_view data_mark = "{{hydrapod-data}}";
+
+const char* name_of(Theme theme) {
+  switch (theme) {
+    case Theme::light: return "light";
+    case Theme::dark: return "dark";
+    case Theme::automatic: break;
+  }
+  return "auto";
+}
+
+/// `page` up to `mark`, which it loses together with what stands before it.
+std::string_view cut(std::string_view& page, std::string_view mark) {
+  const size_t at = page.find(mark);
+  if (at == std::string_view::npos)
+    throw std::logic_error(fmt::format("the built-in page has no {}", mark));
+  const std::string_view before = page.substr(0, at);
+  page.remove_prefix(at + mark.size());
+  return before;
+}
+
+Json pose_report(const model::Machine& machine, const PoseChoice& pose, const HtmlOptions& options) {
+  const auto table = modal::mode_table(machine, pose.X_BP, options.kind);
+  const int count = static_cast<int>(table.real.modes.size());
+  for (const int mode : options.modes)
+    if (mode < 1 || mode > count)
+      throw std::invalid_argument(
+          fmt::format("modes: there is no mode {}; the model has 1 to {}", mode, count));
+  Json json{{"pose", pose_json(pose)}, {"answer", answer_json(table)}};
+  json.update(modes_json(table));
+  json["geometry"] = geometry_json(machine, table.real.linear);
+  if (Json bode = bode_json(table, machine, options.points); !bode.is_null())
+    json["bode"] = std::move(bode);
+  return json;
+}
+
+/// What a reader without JavaScript gets.
+std::string plain_summary(const Json& document) {
+  std::string text;
+  for (const auto& pose : document.value("poses", Json::array()))
+    if (const auto& answer = pose.at("answer"); answer.is_object())
+      text += fmt::format("<p>{}: {}</p>", escape_html(pose.at("pose").value("name", "")),
+                          escape_html(answer.value("text", "")));
+  return text;
+}
+
+}  // namespace
+
+std::string escape_html(std::string_view text) {
+  std::string escaped;
+  escaped.reserve(text.size());
+  for (const char c : text) {
+    switch (c) {
+      case '&': escaped += "&amp;"; break;
+      case '<': escaped += "&lt;"; break;
+      case '>': escaped += "&gt;"; break;
+      case '"': escaped += "&quot;"; break;
+      case '\'': escaped += "&#39;"; break;
+      default: escaped += c;
+    }
+  }
+  return escaped;
+}
+
+std::string escape_json(const Json& json) {
+  const std::string text = json.dump(-1, ' ', false, Json::error_handler_t::replace);
+  std::string escaped;
+  escaped.reserve(text.size());
+  for (size_t i = 0; i < text.size(); ++i) {
+    const std::string_view rest(text.data() + i, text.size() - i);
+    switch (text[i]) {
+      case '<': escaped += "\\u003c"; continue;
+      case '>': escaped += "\\u003e"; continue;
+      case '&': escaped += "\\u0026"; continue;
+      default: break;
+    }
+    if (rest.starts_with("\xE2\x80\xA8") || rest.starts_with("\xE2\x80\xA9")) {
+      escaped += text[i + 2] == '\xA8' ? "\\u2028" : "\\u2029";
+      i += 2;
+    } else {
+      escaped += text[i];
+    }
+  }
+  return escaped;
+}
+
+Json report_json(const model::MachineFile& file, const std::string& path,
+                 const std::vector<PoseChoice>& poses, const HtmlOptions& options) {
+  if (poses.empty()) throw std::invalid_argument("poses: a report needs at least one");
+  if (options.points < 2)
+    throw std::invalid_argument(fmt::format("points = {}: at least 2", options.points));
+  const auto& name = file.machine.name;
+  Json document{{"kind", "report"},
+                {"title", !options.title.empty() ? options.title : name.empty() ? path : name},
+                {"machine", machine_json(file, path)},
+                {"assumptions", assumptions_json(file.machine)},
+                {"pictured_modes", options.modes},
+                {"poses", Json::array()}};
+  document["machine"]["text"] = file.text;
+  document["machine"]["warnings"] = Json::array();
+  for (const auto& warning : file.warnings) document["machine"]["warnings"].push_back(warning.text());
+  for (const auto& pose : poses) document["poses"].push_back(pose_report(file.machine, pose, options));
+  return document;
+}
+
+std::string html_page(const Json& document, Theme theme) {
+  std::string_view page = page_template();
+  if (page.empty())
+    throw base::ComputationError(
+        fmt::format("this program was built without the report's page: {}", why_no_page()));
+  std::string html;
+  html += cut(page, theme_mark);
+  html += name_of(theme);
+  html += cut(page, title_mark);
+  html += escape_html(document.value("title", "hydrapod"));
+  html += cut(page, summary_mark);
+  html += plain_summary(document);
+  html += cut(page, data_mark);
+  html += escape_json(document);
+  html += page;
+  return html;
+}
+
+std::string html_report(const model::MachineFile& file, const std::string& path,
+                        const std::vector<PoseChoice>& poses, const HtmlOptions& options) {
+  return html_page(report_json(file, path, poses, options), options.theme);
+}
+
+}  // namespace hydrapod::report

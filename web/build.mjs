@@ -1,0 +1,83 @@
+// Bundles the page and puts it into one file. Run in the folder that holds node_modules:
+//
+//     node build.mjs OUTPUT.html|OUTPUT.cpp
+//
+// The page has placeholders for title, theme, summary and data ({{hydrapod-…}}); src/report/html.cpp fills
+// them. Its content security policy allows exactly the script and the style that are put in here.
+import { createHash } from 'node:crypto';
+import { readFileSync, writeFileSync } from 'node:fs';
+import { createRequire } from 'node:module';
+import { dirname, join, resolve } from 'node:path';
+import { fileURLToPath } from 'node:url';
+
+const source = join(dirname(fileURLToPath(import.meta.url)), 'src');
+const modules = resolve('node_modules');
+const esbuild = createRequire(join(modules, '..', 'package.json'))('esbuild');
+
+async function bundle(entry) {
+  const result = await esbuild.build({
+    entryPoints: [join(source, entry)],
+    bundle: true,
+    minify: true,
+    write: false,
+    format: 'iife',
+    target: 'es2021',
+    charset: 'utf8',
+    legalComments: 'none',
+    nodePaths: [modules],
+    logLevel: 'warning',
+  });
+  return result.outputFiles[0].text;
+}
+
+// The licences ask that their notices stay with what is passed on.
+function notices() {
+  const texts = ['three', 'uplot'].map((name) => {
+    const { version } = JSON.parse(readFileSync(join(modules, name, 'package.json'), 'utf8'));
+    return `${name} ${version}\n\n${readFileSync(join(modules, name, 'LICENSE'), 'utf8').trim()}`;
+  });
+  return `This file contains\n\n${texts.join('\n\n')}\n`.replaceAll('--', '- -');
+}
+
+const hash = (text) => `'sha256-${createHash('sha256').update(text, 'utf8').digest('base64')}'`;
+
+function page(script, style) {
+  const policy = [
+    "default-src 'none'",
+    `script-src ${hash(script)}`,
+    `style-src ${hash(style)}`,
+    'img-src data: blob:',
+    "base-uri 'none'",
+    "form-action 'none'",
+  ].join('; ');
+  const parts = { policy, script, style, notices: notices() };
+  return readFileSync(join(source, 'page.html'), 'utf8').replace(
+    /<!--put (\w+)-->|put-(policy)/g,
+    (_, part, attribute) => parts[part ?? attribute],
+  );
+}
+
+// A C++ file with the page as string literals, short enough for every compiler.
+function cpp(text) {
+  const lines = text.match(/[^]{1,4000}/g).map((piece) => `    R"page(${piece})page"`);
+  if (text.includes(')page"')) throw new Error('the page holds the end of a raw string');
+  return [
+    '// Written by web/build.mjs.',
+    '#include "page.hpp"',
+    'namespace hydrapod::report {',
+    'namespace {',
+    'constexpr char page[] =',
+    `${lines.join('\n')};`,
+    '}',
+    'std::string_view page_template() { return {page, sizeof page - 1}; }',
+    'std::string_view why_no_page() { return {}; }',
+    '}  // namespace hydrapod::report',
+    '',
+  ].join('\n');
+}
+
+const output = process.argv[2];
+if (!output) throw new Error('usage: node build.mjs OUTPUT.html|OUTPUT.cpp');
+const [script, style] = await Promise.all([bundle('main.ts'), bundle('style/main.css')]);
+const html = page(script.trim(), style.trim());
+writeFileSync(output, output.endsWith('.cpp') ? cpp(html) : html);

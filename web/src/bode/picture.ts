@@ -1,0 +1,234 @@
+// A Bode diagram as an SVG picture, for download and for print: magnitude above, phase below.
+
+import { svg } from '../dom';
+import { magnitude, phase, type Complex } from '../mechanics/response';
+import { tick } from '../numbers';
+import type { Palette } from '../palette';
+import { titleOf, unitOf, type Curves, type Mark } from './curves';
+
+interface Frame {
+  x(frequency: number): number;
+  left: number;
+  right: number;
+}
+
+const [width, height] = [860, 560];
+const margin = { left: 78, right: 18, top: 44, bottom: 46 };
+const phaseHeight = 130;
+const gap = 26;
+
+/** Ticks of a logarithmic axis: decades, and 2 and 5 (or all digits) where there are few decades. */
+export function logTicks(from: number, to: number): number[] {
+  const decades = Math.log10(to / from);
+  const steps = decades > 6 ? [1] : decades > 1.7 ? [1, 2, 5] : [1, 2, 3, 4, 5, 6, 7, 8, 9];
+  const values: number[] = [];
+  for (let e = Math.floor(Math.log10(from)); e <= Math.ceil(Math.log10(to)); ++e)
+    for (const step of steps) {
+      const value = step * 10 ** e;
+      if (value >= from * (1 - 1e-9) && value <= to * (1 + 1e-9)) values.push(value);
+    }
+  return values;
+}
+
+function path(frame: Frame, frequency: number[], y: (i: number) => number, breaks: (i: number) => boolean): string {
+  return frequency
+    .map((f, i) => `${i === 0 || breaks(i) ? 'M' : 'L'}${frame.x(f).toFixed(1)} ${y(i).toFixed(1)}`)
+    .join('');
+}
+
+export function bodePicture(curves: Curves, subtitle: string, colours: Palette): SVGSVGElement {
+  const { frequency } = curves;
+  const [from, to] = [frequency[0], frequency[frequency.length - 1]];
+  const span = Math.log(to / from);
+  const [left, right] = [margin.left, width - margin.right];
+  const frame: Frame = { left, right, x: (f) => left + ((right - left) * Math.log(f / from)) / span };
+  const picture = svg(
+    'svg',
+    {
+      xmlns: 'http://www.w3.org/2000/svg',
+      viewBox: `0 0 ${width} ${height}`,
+      width,
+      height,
+      role: 'img',
+      'font-family': 'system-ui, "Liberation Sans", Arial, sans-serif',
+      'font-size': 12,
+      fill: colours.text,
+    },
+    svg('title', {}, `Bode diagram, ${titleOf(curves.pair)}`),
+    svg('rect', { width, height, fill: colours.background }),
+    svg('text', { x: left, y: 18, 'font-size': 15, 'font-weight': 600 }, titleOf(curves.pair)),
+    svg('text', { x: left, y: 34, fill: colours.faint }, subtitle),
+  );
+  const bottom = height - margin.bottom;
+  magnitudePart(picture, curves, frame, margin.top, bottom - phaseHeight - gap, colours);
+  phasePart(picture, curves, frame, bottom - phaseHeight, bottom, colours);
+  frequencyAxis(picture, frame, from, to, bottom, colours);
+  legend(picture, curves, colours);
+  return picture;
+}
+
+function frequencyAxis(picture: SVGElement, frame: Frame, from: number, to: number, bottom: number, colours: Palette) {
+  for (const f of logTicks(from, to)) {
+    const x = frame.x(f);
+    picture.append(
+      svg('line', { x1: x, x2: x, y1: margin.top, y2: bottom, stroke: colours.grid, 'stroke-width': 0.7 }),
+      svg('text', { x, y: bottom + 16, 'text-anchor': 'middle', fill: colours.faint }, String(Number(f.toPrecision(3)))),
+    );
+  }
+  const middle = (frame.left + frame.right) / 2;
+  picture.append(svg('text', { x: middle, y: bottom + 34, 'text-anchor': 'middle' }, 'frequency in Hz'));
+}
+
+function lines(colours: Palette): { stroke: string; dash: string | null; width: number }[] {
+  return [
+    { stroke: colours.rigid, dash: '6 4', width: 1.5 },
+    { stroke: colours.flexible, dash: null, width: 2 },
+  ];
+}
+
+const both = (curves: Curves): (Complex[] | null)[] => [curves.rigid, curves.flexible];
+
+function magnitudePart(picture: SVGElement, curves: Curves, frame: Frame, top: number, bottom: number, colours: Palette) {
+  const values = both(curves).flatMap((H) => (H ?? []).map(magnitude)).filter((value) => value > 0);
+  const low = values.reduce((a, b) => Math.min(a, b), Infinity);
+  const high = values.reduce((a, b) => Math.max(a, b), 0) * 1.5;
+  const y = (value: number) =>
+    bottom - ((bottom - top) * Math.log(Math.max(value, low) / low)) / Math.log(high / low);
+  box(picture, frame, top, bottom, colours);
+  const ticks = logTicks(low, high);
+  const every = Math.ceil(ticks.length / 10);
+  ticks.forEach((value, i) => {
+    if (i % every !== 0) return;
+    axisLine(picture, frame, y(value), tick(value), colours);
+  });
+  picture.append(
+    svg(
+      'text',
+      { x: 16, y: (top + bottom) / 2, transform: `rotate(-90 16 ${(top + bottom) / 2})`, 'text-anchor': 'middle' },
+      unitOf(curves.pair),
+    ),
+  );
+  both(curves).forEach((H, k) => {
+    if (H) curve(picture, path(frame, curves.frequency, (i) => y(magnitude(H[i])), () => false), k, colours);
+  });
+  marksAt(picture, curves.rigidMarks, frame, y, colours.rigid, true);
+  marksAt(picture, curves.marks, frame, y, colours.flexible, false);
+}
+
+function phasePart(picture: SVGElement, curves: Curves, frame: Frame, top: number, bottom: number, colours: Palette) {
+  const y = (degrees: number) => bottom - ((bottom - top) * (degrees + 180)) / 360;
+  box(picture, frame, top, bottom, colours);
+  for (const value of [-180, -90, 0, 90, 180]) axisLine(picture, frame, y(value), `${value}°`.replace('-', '−'), colours);
+  both(curves).forEach((H, k) => {
+    if (!H) return;
+    const angles = H.map(phase);
+    const wraps = (i: number) => Math.abs(angles[i] - angles[i - 1]) > 180;
+    curve(picture, path(frame, curves.frequency, (i) => y(angles[i]), wraps), k, colours);
+  });
+}
+
+function box(picture: SVGElement, frame: Frame, top: number, bottom: number, colours: Palette) {
+  const { left, right } = frame;
+  picture.append(
+    svg('rect', { x: left, y: top, width: right - left, height: bottom - top, fill: 'none', stroke: colours.faint }),
+  );
+}
+
+function axisLine(picture: SVGElement, frame: Frame, y: number, text: string, colours: Palette) {
+  picture.append(
+    svg('line', { x1: frame.left, x2: frame.right, y1: y, y2: y, stroke: colours.grid, 'stroke-width': 0.7 }),
+    svg('text', { x: frame.left - 6, y: y + 4, 'text-anchor': 'end', fill: colours.faint }, text),
+  );
+}
+
+function curve(picture: SVGElement, d: string, kind: number, colours: Palette) {
+  const line = lines(colours)[kind];
+  picture.append(
+    svg('path', {
+      d,
+      fill: 'none',
+      stroke: line.stroke,
+      'stroke-width': line.width,
+      'stroke-dasharray': line.dash,
+      'stroke-linejoin': 'round',
+    }),
+  );
+}
+
+/** Marks nearer than `apart` share one label. */
+export function clusters(marks: Mark[], x: (mark: Mark) => number, apart: number): { mark: Mark; text: string }[] {
+  const groups: Mark[][] = [];
+  for (const mark of [...marks].sort((a, b) => a.frequency - b.frequency)) {
+    const last = groups[groups.length - 1];
+    if (last && x(mark) - x(last[last.length - 1]) < apart) last.push(mark);
+    else groups.push([mark]);
+  }
+  return groups.map((group) => ({
+    mark: group.reduce((a, b) => (b.magnitude > a.magnitude ? b : a)),
+    text: [...new Set(group.map((mark) => mark.mode))].join(', '),
+  }));
+}
+
+function marksAt(
+  picture: SVGElement,
+  marks: Mark[],
+  frame: Frame,
+  y: (value: number) => number,
+  color: string,
+  hollow: boolean,
+) {
+  for (const mark of marks)
+    picture.append(
+      svg('circle', {
+        cx: frame.x(mark.frequency),
+        cy: y(mark.magnitude),
+        r: 3.2,
+        fill: hollow ? 'none' : color,
+        stroke: color,
+        'stroke-width': 1.3,
+      }),
+    );
+  if (hollow) return;
+  for (const { mark, text } of clusters(marks, (m) => frame.x(m.frequency), 16))
+    picture.append(
+      svg(
+        'text',
+        { x: frame.x(mark.frequency), y: y(mark.magnitude) - 7, fill: color, 'text-anchor': 'middle', 'font-weight': 600 },
+        text,
+      ),
+    );
+}
+
+function legend(picture: SVGElement, curves: Curves, colours: Palette) {
+  const names = ['rigid legs', 'as it is (numbers: modes)'];
+  let x = width - margin.right - (curves.flexible ? 260 : 90);
+  both(curves).forEach((H, k) => {
+    if (!H) return;
+    const line = lines(colours)[k];
+    picture.append(
+      svg('line', { x1: x, x2: x + 26, y1: 30, y2: 30, stroke: line.stroke, 'stroke-width': line.width, 'stroke-dasharray': line.dash }),
+      svg('text', { x: x + 32, y: 34 }, names[k]),
+    );
+    x += 104;
+  });
+}
+
+/** The picture as a file's text. */
+export function svgText(picture: SVGSVGElement): string {
+  return `<?xml version="1.0" encoding="UTF-8"?>\n${new XMLSerializer().serializeToString(picture)}\n`;
+}
+
+export async function pngOf(picture: SVGSVGElement, scale = 2): Promise<Blob> {
+  const image = new Image();
+  image.src = `data:image/svg+xml;charset=utf-8,${encodeURIComponent(svgText(picture))}`;
+  await image.decode();
+  const canvas = document.createElement('canvas');
+  canvas.width = scale * width;
+  canvas.height = scale * height;
+  const pen = canvas.getContext('2d');
+  if (!pen) throw new Error('no canvas');
+  pen.drawImage(image, 0, 0, canvas.width, canvas.height);
+  return new Promise((resolve, reject) =>
+    canvas.toBlob((blob) => (blob ? resolve(blob) : reject(new Error('no picture'))), 'image/png'),
+  );
+}

@@ -1,0 +1,165 @@
+// Two linked uPlot diagrams: magnitude and phase over a logarithmic frequency axis.
+
+import uPlot from 'uplot';
+import { html } from '../dom';
+import { magnitude, phase } from '../mechanics/response';
+import { tick } from '../numbers';
+import type { Palette } from '../palette';
+import { unitOf, type Curves, type Mark } from './curves';
+import { clusters } from './picture';
+
+export interface PlotEvents {
+  cursor(index: number | null): void;
+  /** A band [Hz] was dragged open. */
+  zoom(from: number, to: number): void;
+  reset(): void;
+}
+
+const left = 74;
+
+export class BodePlot {
+  readonly element = html('div', { class: 'plots' });
+  private plots: uPlot[] = [];
+  private curves: Curves | null = null;
+  private silent = false;
+
+  constructor(private readonly events: PlotEvents) {
+    new ResizeObserver(() => this.resize()).observe(this.element);
+  }
+
+  /** Draws anew: curves, band and colours. */
+  show(curves: Curves, colours: Palette): void {
+    this.curves = curves;
+    for (const plot of this.plots) plot.destroy();
+    const size = this.width();
+    const x = curves.frequency;
+    const of = (value: (h: { re: number; im: number }) => number | null) =>
+      [x, curves.rigid.map(value), ...(curves.flexible ? [curves.flexible.map(value)] : [])] as uPlot.AlignedData;
+    const positive = (h: { re: number; im: number }) => magnitude(h) || null;
+    this.plots = [
+      new uPlot(this.options('magnitude', size, colours), of(positive), this.element),
+      new uPlot(this.options('phase', size, colours), of(phase), this.element),
+    ];
+    for (const [plot, name] of [[this.plots[0], 'Magnitude'], [this.plots[1], 'Phase']] as [uPlot, string][]) {
+      const canvas = plot.root.querySelector('canvas');
+      canvas?.setAttribute('role', 'img');
+      canvas?.setAttribute('aria-label', `${name} over frequency; the values under the cursor stand in the table below.`);
+    }
+  }
+
+  /** Moves the cursor to point `index` of the curves. */
+  setCursor(index: number): void {
+    const [plot] = this.plots;
+    const f = this.curves?.frequency[index];
+    if (!plot || f === undefined) return;
+    this.silent = true;
+    for (const each of this.plots) each.setCursor({ left: each.valToPos(f, 'x'), top: each.cursor.top ?? 10 }, false);
+    this.silent = false;
+  }
+
+  private width(): number {
+    return Math.max(240, this.element.clientWidth || 600);
+  }
+
+  private resize(): void {
+    const width = this.width();
+    for (const plot of this.plots) if (plot.width !== width) plot.setSize({ width, height: plot.height });
+  }
+
+  private options(kind: 'magnitude' | 'phase', width: number, colours: Palette): uPlot.Options {
+    const curves = this.curves as Curves;
+    const font = '12px system-ui, sans-serif';
+    const axis = { stroke: colours.faint, font, labelFont: font, grid: { stroke: colours.grid, width: 1 }, ticks: { stroke: colours.grid, width: 1 } };
+    const line = (label: string, stroke: string, dash?: number[]) => ({
+      label,
+      stroke,
+      width: dash ? 1.5 : 2,
+      points: { show: false },
+      ...(dash ? { dash } : {}),
+    });
+    const isMagnitude = kind === 'magnitude';
+    return {
+      width,
+      height: isMagnitude ? 320 : 190,
+      padding: [isMagnitude ? 18 : 8, 12, 0, 0],
+      legend: { show: false },
+      cursor: {
+        drag: { x: true, y: false, setScale: false },
+        sync: { key: 'bode', setSeries: false },
+        focus: { prox: -1 },
+        bind: { dblclick: () => () => (this.events.reset(), null) },
+      },
+      scales: {
+        x: { distr: 3, time: false },
+        y: isMagnitude ? { distr: 3 } : { distr: 1, range: [-185, 185] },
+      },
+      axes: [
+        {
+          ...axis,
+          size: isMagnitude ? 26 : 44,
+          ...(isMagnitude ? {} : { label: 'frequency in Hz' }),
+          values: (_, splits) => splits.map((v) => (v === null ? '' : String(Number(v.toPrecision(3))))),
+        },
+        {
+          ...axis,
+          size: left - 8,
+          ...(isMagnitude
+            ? { label: unitOf(curves.pair), labelSize: 18, values: (_: uPlot, splits: number[]) => thin(splits) }
+            : {
+                splits: () => [-180, -90, 0, 90, 180],
+                values: (_: uPlot, splits: number[]) => splits.map((v) => `${v}°`.replace('-', '−')),
+              }),
+        },
+      ],
+      series: [
+        {},
+        line('rigid legs', colours.rigid, [6, 4]),
+        ...(curves.flexible ? [line('as it is', colours.flexible)] : []),
+      ],
+      hooks: {
+        setCursor: [(plot) => !this.silent && this.events.cursor(plot.cursor.idx ?? null)],
+        setSelect: [(plot) => this.selected(plot)],
+        draw: isMagnitude ? [(plot) => this.drawMarks(plot, colours)] : [],
+      },
+    };
+  }
+
+  private selected(plot: uPlot): void {
+    const { left: from, width } = plot.select;
+    if (width < 4) return;
+    this.events.zoom(plot.posToVal(from, 'x'), plot.posToVal(from + width, 'x'));
+  }
+
+  private drawMarks(plot: uPlot, colours: Palette): void {
+    const { ctx } = plot;
+    const at = (mark: Mark) => [plot.valToPos(mark.frequency, 'x', true), plot.valToPos(mark.magnitude, 'y', true)] as const;
+    const ratio = devicePixelRatio;
+    ctx.save();
+    ctx.lineWidth = 1.4 * ratio;
+    const ring = (mark: Mark, fill: boolean) => {
+      const [x, y] = at(mark);
+      ctx.beginPath();
+      ctx.arc(x, y, 3.2 * ratio, 0, 2 * Math.PI);
+      if (fill) ctx.fill();
+      ctx.stroke();
+    };
+    ctx.strokeStyle = colours.rigid;
+    for (const mark of this.curves!.rigidMarks) ring(mark, false);
+    ctx.strokeStyle = ctx.fillStyle = colours.flexible;
+    for (const mark of this.curves!.marks) ring(mark, true);
+    ctx.font = `600 ${12 * ratio}px system-ui, sans-serif`;
+    ctx.textAlign = 'center';
+    for (const { mark, text } of clusters(this.curves!.marks, (m) => at(m)[0], 16 * ratio)) {
+      const [x, y] = at(mark);
+      ctx.fillText(text, x, y - 7 * ratio);
+    }
+    ctx.restore();
+  }
+}
+
+/** Labels of a logarithmic axis: decades only. */
+function thin(splits: number[]): string[] {
+  const decades = splits.filter((v) => v !== null && Math.abs(Math.log10(v) - Math.round(Math.log10(v))) < 1e-9);
+  const keep = decades.length >= 2 ? new Set(decades) : new Set(splits);
+  return splits.map((v) => (v !== null && keep.has(v) ? tick(v) : ''));
+}

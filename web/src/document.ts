@@ -1,0 +1,153 @@
+// The JSON that src/report writes; fields as in docs/howto/json.md.
+
+export type Vector = [number, number, number];
+
+export interface Strain {
+  oil: number;
+  guide_sleeve: number;
+  piston_ring: number;
+  preload: number;
+  per_leg: { oil: number[]; guide_sleeve: number[]; piston_ring: number[] };
+}
+
+export interface Mode {
+  number: number;
+  omega_rad_s: number;
+  frequency_hz: number;
+  damping_ratio: number;
+  stable: boolean;
+  label: string;
+  platform_feels: boolean;
+  group: number;
+  platform_energy: number[];
+  leg_energy: number[];
+  strain_energy: Strain;
+  shape: number[];
+  shape_imaginary?: number[];
+  rigid?: { mode: number; omega_rad_s: number; mac: number; shift_percent: number };
+}
+
+export interface Leg {
+  base_joint_m: Vector;
+  platform_joint_m: Vector;
+  length_m: number;
+  l_m: number;
+  l_mh: number;
+  L_g: number;
+  l_mn: number;
+  r_b: number;
+  axes: { t: Vector; a2: Vector; n: Vector };
+  tan_gimbal: number;
+  tilt_rad: [number, number];
+  offset_m: [number, number];
+  bore_m?: number;
+  rod_diameter_m?: number;
+}
+
+export interface Geometry {
+  platform: { origin_m: Vector; rotation: [Vector, Vector, Vector]; mass_center_m: Vector };
+  legs: Leg[];
+}
+
+export interface ModalResponse {
+  omega2: number[];
+  damping: number[] | number[][];
+  platform_shapes: number[][];
+  mode: number[];
+}
+
+export interface Peak {
+  direction: string;
+  omega_rad_s: number;
+  frequency_hz: number;
+  magnitude: number;
+  mode: number;
+  own: boolean;
+}
+
+export interface Bode {
+  point: string;
+  point_m: Vector;
+  from_rad_s: number;
+  to_rad_s: number;
+  points: number;
+  real: ModalResponse;
+  rigid: ModalResponse;
+  peaks: Peak[];
+  rigid_peaks: Peak[];
+}
+
+export interface Answer {
+  text: string;
+  stable: boolean;
+  mode: number;
+  frequency_hz: number;
+  directions: string;
+  strain_energy: { oil: number; guide_sleeve: number; piston_ring: number };
+  rigid_mode?: number;
+  rigid_frequency_hz?: number;
+  drop_percent?: number;
+}
+
+export interface PoseReport {
+  pose: { name: string; position_m: Vector; rotation_rad: Vector };
+  answer: Answer | null;
+  model: 'rigid' | 'guide' | 'full';
+  coordinates: string[];
+  modes: Mode[];
+  rigid_modes: Mode[];
+  geometry: Geometry;
+  bode?: Bode;
+}
+
+export interface Report {
+  kind: string;
+  title: string;
+  machine: {
+    name: string;
+    description: string;
+    source: string;
+    file: string;
+    overrides: string[];
+    text?: string;
+    warnings?: string[];
+  };
+  assumptions: {
+    hydrapod: string;
+    gravity_m_s2: Vector;
+    gravity: string;
+    flexible_axes: string;
+    damping: string;
+    modal_ratio: number;
+    modal_ratio_is_default: boolean;
+  };
+  pictured_modes: number[];
+  poses: PoseReport[];
+}
+
+export const directions = ['x', 'y', 'z', 'rx', 'ry', 'rz'] as const;
+
+/** Modes of the same frequency as `mode`, itself included. */
+export function repeated(modes: Mode[], mode: Mode): Mode[] {
+  return modes.filter((other) => other.group === mode.group);
+}
+
+/** Can the platform's motion be seen in nothing but the legs? */
+export const folded = (mode: Mode): boolean => !mode.platform_feels;
+
+/** The modes pictured in print: those asked for, else the ones the platform feels most, at most six. */
+export function pictured(report: Report, pose: PoseReport): Mode[] {
+  if (report.pictured_modes.length > 0)
+    return report.pictured_modes.flatMap((number) => pose.modes.filter((m) => m.number === number));
+  const share = (mode: Mode) => mode.platform_energy.reduce((sum, part) => sum + part, 0);
+  return pose.modes
+    .filter((mode) => mode.platform_feels)
+    .sort((a, b) => share(b) - share(a))
+    .slice(0, 6)
+    .sort((a, b) => a.number - b.number);
+}
+
+/** What is shown when the page opens. */
+export function firstMode(report: Report, pose: PoseReport): number {
+  return report.pictured_modes[0] ?? pose.answer?.mode ?? 1;
+}

@@ -1,0 +1,102 @@
+// Elements without markup strings: text is always text, whatever it holds.
+
+type Value = string | number | boolean | EventListener | null | undefined;
+type Child = Node | string | number | null | undefined | false;
+
+function set(element: Element, name: string, value: Value): void {
+  if (typeof value === 'function') element.addEventListener(name.replace(/^on/, ''), value);
+  else if (value === true) element.setAttribute(name, '');
+  else if (value !== false && value !== null && value !== undefined)
+    element.setAttribute(name, String(value));
+}
+
+function fill<E extends Element>(element: E, attributes: Record<string, Value>, children: Child[]): E {
+  for (const [name, value] of Object.entries(attributes)) set(element, name, value);
+  for (const child of children)
+    if (child !== null && child !== undefined && child !== false)
+      element.append(typeof child === 'number' ? String(child) : child);
+  return element;
+}
+
+/** An HTML element; attributes that are functions become listeners (`onclick`). */
+export function html<K extends keyof HTMLElementTagNameMap>(
+  tag: K,
+  attributes: Record<string, Value> = {},
+  ...children: Child[]
+): HTMLElementTagNameMap[K] {
+  return fill(document.createElement(tag), attributes, children);
+}
+
+/** An SVG element. */
+export function svg<K extends keyof SVGElementTagNameMap>(
+  tag: K,
+  attributes: Record<string, Value> = {},
+  ...children: Child[]
+): SVGElementTagNameMap[K] {
+  return fill(document.createElementNS('http://www.w3.org/2000/svg', tag), attributes, children);
+}
+
+/** Text for screen readers only. */
+export function unseen(text: string): HTMLSpanElement {
+  return html('span', { class: 'unseen' }, text);
+}
+
+let identifiers = 0;
+export const identifier = (prefix: string): string => `${prefix}-${++identifiers}`;
+
+/** A button that says what it does. */
+export function button(
+  text: string,
+  action: () => void,
+  attributes: Record<string, Value> = {},
+): HTMLButtonElement {
+  return html('button', { type: 'button', onclick: () => action(), ...attributes }, text);
+}
+
+export interface Slider {
+  element: HTMLElement;
+  input: HTMLInputElement;
+}
+
+/** A labelled slider with its value beside it. */
+export function slider(
+  label: string,
+  range: { min: number; max: number; step: number; value: number },
+  show: (value: number) => string,
+  change: (value: number) => void,
+  name: string,
+): Slider {
+  const id = identifier(name);
+  const input = html('input', { type: 'range', id, 'data-control': name, ...range });
+  const output = html('output', { for: id }, show(range.value));
+  input.addEventListener('input', () => {
+    const value = Number(input.value);
+    output.textContent = show(value);
+    input.setAttribute('aria-valuetext', show(value));
+    change(value);
+  });
+  input.setAttribute('aria-valuetext', show(range.value));
+  return { element: html('div', { class: 'slider' }, html('label', { for: id }, label), input, output), input };
+}
+
+/** A labelled checkbox. */
+export function checkbox(
+  label: string,
+  checked: boolean,
+  change: (checked: boolean) => void,
+  name: string,
+): HTMLLabelElement {
+  const input = html('input', { type: 'checkbox', checked, 'data-control': name });
+  input.addEventListener('change', () => change(input.checked));
+  return html('label', { class: 'check' }, input, label);
+}
+
+/** Offers `content` as a file, made here and now. */
+export function download(name: string, content: Blob): void {
+  const url = URL.createObjectURL(content);
+  const link = html('a', { href: url, download: name });
+  document.body.append(link);
+  link.click();
+  link.remove();
+  setTimeout(() => URL.revokeObjectURL(url), 10_000);
+}

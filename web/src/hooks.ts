@@ -1,0 +1,47 @@
+// What tests and curious readers find under `window.hydrapod`; described in docs/howto/report.md.
+
+import type { Report } from './document';
+import type { LegPoints } from './mechanics/leg';
+import type { State } from './state';
+
+export interface SceneHook {
+  /** 'webgl', or 'svg' where there is no WebGL. */
+  kind: 'webgl' | 'svg';
+  /** Points of leg 1…6 as drawn at this moment, base axes [m], read back from the drawing. */
+  jointPositions(leg: number, side?: 'flexible' | 'rigid'): LegPoints;
+  /** Metres (and radians) per unit of the mode's shape, phase [rad], factor on the knees. */
+  motion(): { amplitude: number; rigidAmplitude: number; phase: number; knee: number; playing: boolean };
+  /** Stops the animation at a phase [rad] and draws it. */
+  setPhase(phase: number): void;
+  /** Frames drawn so far. */
+  frames(): number;
+}
+
+export interface BodeHook {
+  choose(output: number, input: number): void;
+  /** Puts the cursor on the point of the curve that is nearest to `frequency` [Hz]. */
+  setCursor(frequency: number): void;
+  /** What the readout shows, in full digits; null off the plot. */
+  cursor(): Readout | null;
+  /** Shown band [Hz]. */
+  band(): [number, number];
+}
+
+export interface Readout {
+  frequency_hz: number;
+  flexible: { re: number; im: number } | null;
+  rigid: { re: number; im: number };
+}
+
+declare global {
+  interface Window {
+    hydrapod: {
+      report: Report;
+      state: State;
+      scene?: SceneHook;
+      bode?: BodeHook;
+      /** When the machine was drawn first [ms since the page began to load]. */
+      firstFrame?: number;
+    };
+  }
+}

@@ -1,0 +1,104 @@
+// Where every point of the machine is while it moves in a mode.
+//
+// A mode moves the coordinates y(θ) = Re[(r + i m) e^{iθ}] = r cos θ − m sin θ; points move to first order, so a
+// point's displacement is that of its real and imaginary parts, mixed in the same way. Complex modes
+// therefore keep their phases: not all parts turn back at the same time.
+
+import type { Geometry, Leg, Mode, PoseReport, Vector } from '../document';
+import { legMotion, restPoints, straightLeg, type Flexible, type LegPoints } from './leg';
+import { add, cross, norm, scale, subtract } from './vector';
+
+export interface MachinePoints {
+  legs: LegPoints[];
+  /** Mass centre of the platform, its displacement and rotation (zero at rest). */
+  center: Vector;
+  displacement: Vector;
+  rotation: Vector;
+}
+
+/** A mode shape as displacements of points, per unit amplitude. */
+export interface Shape {
+  legs: Leg[];
+  center: Vector;
+  real: MachinePoints;
+  imaginary: MachinePoints | null;
+}
+
+const keys = ['base', 'sleeve', 'piston', 'rodAtSleeve', 'joint'] as const;
+
+function displacements(geometry: Geometry, legs: Leg[], y: number[], perLeg: number, knee: number) {
+  const center = geometry.platform.mass_center_m;
+  const displacement = y.slice(0, 3) as Vector;
+  const rotation = y.slice(3, 6) as Vector;
+  const motions = legs.map((leg, i) => {
+    const joint = add(displacement, cross(rotation, subtract(leg.platform_joint_m, center)));
+    const own = y.slice(6 + i * perLeg, 6 + (i + 1) * perLeg).map((value) => knee * value);
+    return legMotion(leg, joint, [0, 1, 2, 3].map((k) => own[k] ?? 0) as Flexible);
+  });
+  return { legs: motions, center, displacement, rotation };
+}
+
+/** The shape of `mode`; `knee`: factor on tilt and piston offset, to make small knees visible. */
+export function shapeOf(pose: PoseReport, mode: Mode, knee = 1): Shape {
+  const perLeg = (mode.shape.length - 6) / 6;
+  const { geometry } = pose;
+  const legs = perLeg === 0 ? geometry.legs.map(straightLeg) : geometry.legs;
+  const part = (y: number[]) => displacements(geometry, legs, y, perLeg, knee);
+  return {
+    legs,
+    center: geometry.platform.mass_center_m,
+    real: part(mode.shape),
+    imaginary: mode.shape_imaginary ? part(mode.shape_imaginary) : null,
+  };
+}
+
+/** No motion: what stands beside a mode without rigid counterpart. */
+export function restShape(pose: PoseReport): Shape {
+  const zero = { ...(pose.rigid_modes[0] as Mode), shape: [0, 0, 0, 0, 0, 0] };
+  delete zero.shape_imaginary;
+  return shapeOf(pose, zero);
+}
+
+/** Points at `phase`, with the shape multiplied by `amplitude`. */
+export function pointsAt(shape: Shape, amplitude: number, phase: number): MachinePoints {
+  const c = amplitude * Math.cos(phase);
+  const s = -amplitude * Math.sin(phase);
+  const mix = (real: Vector, imaginary: Vector | undefined): Vector =>
+    imaginary ? add(scale(c, real), scale(s, imaginary)) : scale(c, real);
+  const { real, imaginary } = shape;
+  return {
+    center: shape.center,
+    displacement: mix(real.displacement, imaginary?.displacement),
+    rotation: mix(real.rotation, imaginary?.rotation),
+    legs: shape.legs.map((leg, i) => {
+      const rest = restPoints(leg);
+      const moved = { ...rest };
+      for (const key of keys)
+        moved[key] = add(rest[key], mix((real.legs[i] as LegPoints)[key], imaginary?.legs[i]?.[key]));
+      return moved;
+    }),
+  };
+}
+
+/** Largest displacement of the points named, over all legs and phases (an upper bound for complex modes). */
+export function largest(shape: Shape, which: readonly (keyof LegPoints)[] = keys): number {
+  let most = 0;
+  shape.real.legs.forEach((leg, i) => {
+    for (const key of which)
+      most = Math.max(most, Math.hypot(norm(leg[key]), norm(shape.imaginary?.legs[i]?.[key] ?? [0, 0, 0])));
+  });
+  return most;
+}
+
+/** A typical length of the machine [m]: the longest leg. */
+export const sizeOf = (geometry: Geometry): number => Math.max(...geometry.legs.map((leg) => leg.length_m));
+
+/** +1 or −1: the sign that makes the platform move as in `other`. */
+export function alignment(shape: Shape, other: Shape): number {
+  let product = 0;
+  shape.real.legs.forEach((leg, i) => {
+    const twin = (other.real.legs[i] as LegPoints).joint;
+    product += leg.joint[0] * twin[0] + leg.joint[1] * twin[1] + leg.joint[2] * twin[2];
+  });
+  return product < 0 ? -1 : 1;
+}

@@ -1,0 +1,44 @@
+// Numbers as people read them.
+
+const minus = (text: string): string => text.replace(/^-/, '−');
+
+export const fixed = (value: number, digits: number): string => minus(value.toFixed(digits));
+
+/** "12 %", "<1 %". */
+export function share(value: number): string {
+  const percent = 100 * value;
+  return percent > 0 && percent < 0.5 ? '<1 %' : `${fixed(percent, 0)} %`;
+}
+
+/** "−0.13 %", "+14 %". */
+export function signedPercent(percent: number): string {
+  const digits = Math.abs(percent) < 10 ? 2 : 1;
+  if (Math.abs(percent) < 0.005) return '0.00 %';
+  return `${percent > 0 ? '+' : ''}${fixed(percent, digits)} %`;
+}
+
+export function hertz(frequency: number): string {
+  return frequency >= 1000 ? fixed(frequency, 0) : fixed(frequency, frequency < 100 ? 3 : 2);
+}
+
+const superscripts = '⁰¹²³⁴⁵⁶⁷⁸⁹';
+const raised = (exponent: number): string =>
+  (exponent < 0 ? '⁻' : '') + [...String(Math.abs(exponent))].map((d) => superscripts[Number(d)]).join('');
+
+/** "3.142·10⁻⁷" */
+export function scientific(value: number, digits = 4): string {
+  if (!Number.isFinite(value)) return '∞';
+  if (value === 0) return '0';
+  const [mantissa, exponent] = value.toExponential(digits - 1).split('e') as [string, string];
+  return `${minus(mantissa)}·10${raised(Number(exponent))}`;
+}
+
+/** "10⁻⁷", or "3·10⁻⁷". */
+export function tick(value: number): string {
+  const exponent = Math.floor(Math.log10(value) + 1e-9);
+  const mantissa = value / 10 ** exponent;
+  return Math.abs(mantissa - 1) < 1e-6 ? `10${raised(exponent)}` : `${mantissa.toFixed(0)}·10${raised(exponent)}`;
+}
+
+export const list = (values: readonly number[], digits: number): string =>
+  values.map((value) => fixed(value, digits)).join(', ');

@@ -1,0 +1,118 @@
+// Moves two machines in a mode and its rigid counterpart, at one phase.
+
+import type { Mode, PoseReport } from '../document';
+import { alignment, largest, pointsAt, restShape, shapeOf, sizeOf, type Shape } from '../mechanics/motion';
+import type { Side, View } from './view';
+
+/** A mode holds so much of a rigid one, at least, that the two are worth comparing. */
+export const comparable = 0.1;
+
+export class Player {
+  playing = true;
+  phase = 0;
+  /** Largest displacement as a share of the machine's size. */
+  relativeAmplitude = 0.09;
+  /** Periods shown per second. */
+  speed = 0.5;
+  knee = 1;
+  frames = 0;
+  private flexible: Shape | null = null;
+  private rigid: Shape | null = null;
+  private amplitude = 0;
+  private rigidAmplitude = 0;
+  private sides: Side[] = [];
+  private mode: Mode | null = null;
+  private pose: PoseReport | null = null;
+  private last = 0;
+  private scheduled = false;
+  visible = true;
+
+  constructor(private readonly view: View) {}
+
+  show(pose: PoseReport, mode: Mode): void {
+    const changed = pose !== this.pose;
+    this.pose = pose;
+    this.mode = mode;
+    this.sides = pose.model === 'rigid' ? ['rigid'] : ['flexible', 'rigid'];
+    if (changed) this.view.setMachine(pose.geometry, this.sides);
+    this.shape();
+    if (changed) for (const side of this.sides) this.view.setPoints(side, pointsAt(this.shapeAt(side), 0, 0));
+    this.refresh();
+  }
+
+  /** After a change of amplitude or knee. */
+  reshape(): void {
+    this.shape();
+    this.refresh();
+  }
+
+  private shape(): void {
+    const { pose, mode } = this;
+    if (!pose || !mode) return;
+    const wanted = this.relativeAmplitude * sizeOf(pose.geometry);
+    const own = shapeOf(pose, mode, this.knee);
+    // the knee's factor must not shrink the rest of the motion
+    this.amplitude = wanted / Math.max(largest(shapeOf(pose, mode)), Number.MIN_VALUE);
+    if (pose.model === 'rigid') {
+      [this.rigid, this.rigidAmplitude] = [own, this.amplitude];
+      return;
+    }
+    this.flexible = own;
+    const counterpart = mode.rigid && mode.rigid.mac >= comparable ? pose.rigid_modes[mode.rigid.mode - 1] : undefined;
+    this.rigid = counterpart ? shapeOf(pose, counterpart) : restShape(pose);
+    const joints = largest(own, ['joint']);
+    const rigidJoints = largest(this.rigid, ['joint']);
+    this.rigidAmplitude =
+      rigidJoints > 0 ? (alignment(this.rigid, own) * this.amplitude * joints) / rigidJoints : 0;
+  }
+
+  private shapeAt(side: Side): Shape {
+    return (side === 'flexible' ? this.flexible : this.rigid) as Shape;
+  }
+
+  motion() {
+    const { amplitude, rigidAmplitude, phase, knee, playing } = this;
+    return { amplitude, rigidAmplitude, phase, knee, playing };
+  }
+
+  setPlaying(playing: boolean): void {
+    this.playing = playing;
+    this.last = 0;
+    this.refresh();
+  }
+
+  setPhase(phase: number): void {
+    this.playing = false;
+    this.phase = phase;
+    this.draw();
+  }
+
+  /** Draws at the next frame, and goes on while it plays and can be seen. */
+  refresh(): void {
+    if (this.scheduled) return;
+    this.scheduled = true;
+    requestAnimationFrame((time) => {
+      this.scheduled = false;
+      this.advance(time);
+      this.draw();
+      if (this.playing && this.visible) this.refresh();
+    });
+  }
+
+  private advance(time: number): void {
+    if (this.playing && this.last > 0) {
+      const seconds = Math.min(0.1, (time - this.last) / 1000);
+      this.phase = (this.phase + 2 * Math.PI * this.speed * seconds) % (2 * Math.PI);
+    }
+    this.last = this.playing ? time : 0;
+  }
+
+  private draw(): void {
+    for (const side of this.sides) {
+      const amplitude = side === 'flexible' ? this.amplitude : this.rigidAmplitude;
+      this.view.setPoints(side, pointsAt(this.shapeAt(side), amplitude, this.phase));
+    }
+    this.view.draw();
+    if (++this.frames === 1) window.hydrapod.firstFrame = performance.now();
+  }
+}

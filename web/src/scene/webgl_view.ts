@@ -1,0 +1,164 @@
+// Both machines in one WebGL canvas: two viewports beside each other, or below each other where it is narrow,
+// seen by one camera.
+
+import {
+  AmbientLight,
+  Color,
+  DirectionalLight,
+  HemisphereLight,
+  PerspectiveCamera,
+  Scene,
+  Vector3,
+  WebGLRenderer,
+} from 'three';
+import { OrbitControls } from 'three/examples/jsm/controls/OrbitControls.js';
+import type { Geometry } from '../document';
+import { html } from '../dom';
+import type { LegPoints } from '../mechanics/leg';
+import type { MachinePoints } from '../mechanics/motion';
+import { palette } from '../palette';
+import { Machine3D } from './machine3d';
+import { homeCamera, sizesOf, type Side, type View } from './view';
+
+interface Stage {
+  scene: Scene;
+  machine: Machine3D;
+  rest: MachinePoints;
+  points: MachinePoints;
+}
+
+export class WebglView implements View {
+  readonly kind = 'webgl';
+  readonly element: HTMLElement;
+  private readonly canvas: HTMLCanvasElement;
+  private readonly renderer: WebGLRenderer;
+  private readonly camera = new PerspectiveCamera(26, 1, 0.01, 100);
+  private readonly controls: OrbitControls;
+  private readonly stages = new Map<Side, Stage>();
+  private geometry: Geometry | null = null;
+  private sides: Side[] = [];
+  private labels = true;
+
+  /** Throws where there is no WebGL. */
+  constructor(onChange: () => void) {
+    this.canvas = html('canvas', { class: 'machine', tabindex: 0, role: 'img' });
+    this.element = this.canvas;
+    const context = this.canvas.getContext('webgl2', { antialias: true, alpha: true });
+    if (!context) throw new Error('no WebGL');
+    this.renderer = new WebGLRenderer({ canvas: this.canvas, context, alpha: true });
+    this.renderer.setPixelRatio(Math.min(devicePixelRatio, 2));
+    this.camera.up.set(0, 0, 1);
+    this.controls = new OrbitControls(this.camera, this.canvas);
+    this.controls.enablePan = false;
+    this.controls.enableZoom = false; // the wheel scrolls the page until the picture was clicked
+    this.canvas.style.touchAction = 'pan-y';
+    this.canvas.addEventListener('focus', () => (this.controls.enableZoom = true));
+    this.canvas.addEventListener('blur', () => (this.controls.enableZoom = false));
+    this.controls.addEventListener('change', onChange);
+    new ResizeObserver(onChange).observe(this.canvas);
+  }
+
+  setMachine(geometry: Geometry, sides: Side[]): void {
+    const first = this.geometry === null;
+    this.geometry = geometry;
+    this.sides = sides;
+    for (const stage of this.stages.values()) stage.machine.dispose();
+    this.stages.clear();
+    if (first) this.resetCamera();
+  }
+
+  setPoints(side: Side, points: MachinePoints): void {
+    if (!this.geometry) return;
+    const stage = this.stages.get(side);
+    if (!stage) {
+      // the first points of a machine are those at rest
+      this.stages.set(side, this.stage(this.geometry, points));
+    } else {
+      stage.points = points;
+      stage.machine.place(points);
+    }
+  }
+
+  private stage(geometry: Geometry, rest: MachinePoints): Stage {
+    const scene = new Scene();
+    const machine = new Machine3D(geometry, rest, palette());
+    machine.setLabels(this.labels);
+    const sun = new DirectionalLight(0xffffff, 1.6);
+    sun.position.set(-1, -2, 3);
+    const sky = new HemisphereLight(0xffffff, new Color(0x667788), 1.5);
+    sky.position.set(0, 0, 1);
+    scene.add(machine.group, sun, sky, new AmbientLight(0xffffff, 0.4));
+    return { scene, machine, rest, points: rest };
+  }
+
+  readPoints(side: Side, leg: number): LegPoints {
+    return this.stages.get(side)!.machine.read(leg);
+  }
+
+  recolour(): void {
+    for (const [side, old] of this.stages) {
+      const stage = this.stage(this.geometry!, old.rest);
+      stage.machine.place(old.points);
+      old.machine.dispose();
+      this.stages.set(side, { ...stage, points: old.points });
+    }
+  }
+
+  setLabels(shown: boolean): void {
+    this.labels = shown;
+    for (const stage of this.stages.values()) stage.machine.setLabels(shown);
+  }
+
+  resetCamera(): void {
+    this.lookFrom(homeCamera.azimuth, homeCamera.elevation, homeCamera.distance);
+  }
+
+  orbit(azimuth: number, elevation: number, zoom: number): void {
+    const arm = this.camera.position.clone().sub(this.controls.target);
+    const limit = 1.5;
+    const now = Math.asin(arm.z / arm.length());
+    this.lookFrom(
+      Math.atan2(arm.y, arm.x) + azimuth,
+      Math.max(-limit, Math.min(limit, now + elevation)),
+      arm.length() / sizesOf(this.geometry!).size / zoom,
+    );
+  }
+
+  private lookFrom(azimuth: number, elevation: number, distance: number): void {
+    const { target, size } = sizesOf(this.geometry!);
+    const r = distance * size;
+    this.controls.target.set(...target);
+    this.camera.position
+      .set(Math.cos(elevation) * Math.cos(azimuth), Math.cos(elevation) * Math.sin(azimuth), Math.sin(elevation))
+      .multiplyScalar(r)
+      .add(new Vector3(...target));
+    this.camera.near = 0.05 * size;
+    this.camera.far = 40 * size;
+    this.controls.minDistance = 1.2 * size;
+    this.controls.maxDistance = 12 * size;
+    this.controls.update();
+  }
+
+  draw(): void {
+    const width = this.canvas.clientWidth;
+    const height = this.canvas.clientHeight;
+    if (width === 0 || height === 0) return;
+    this.renderer.setSize(width, height, false);
+    this.renderer.setScissorTest(true);
+    const stacked = this.sides.length > 1 && width < height * 1.1;
+    const count = this.sides.length;
+    this.sides.forEach((side, i) => {
+      const stage = this.stages.get(side);
+      if (!stage) return;
+      const w = stacked ? width : width / count;
+      const h = stacked ? height / count : height;
+      const x = stacked ? 0 : i * w;
+      const y = stacked ? height - (i + 1) * h : 0; // counted from below
+      this.renderer.setViewport(x, y, w, h);
+      this.renderer.setScissor(x, y, w, h);
+      this.camera.aspect = w / h;
+      this.camera.updateProjectionMatrix();
+      this.renderer.render(stage.scene, this.camera);
+    });
+  }
+}

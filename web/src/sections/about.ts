@@ -1,0 +1,98 @@
+// Everything a reader needs to get the same numbers again.
+
+import type { PoseReport, Report } from '../document';
+import { button, download, html } from '../dom';
+import { list } from '../numbers';
+import type { State } from '../state';
+import type { Section } from './registry';
+
+export const about: Section = {
+  id: 'about',
+  title: 'How to reproduce this report',
+  applies: () => true,
+  render,
+};
+
+const degrees = (radians: number[]): string => list(radians.map((r) => (r * 180) / Math.PI), 3);
+
+/** A word that a shell takes as it stands, or in quotes. */
+const shellWord = (word: string): string =>
+  /^[\w./=+-]+$/.test(word) ? word : `'${word.replaceAll("'", `'\\''`)}'`;
+
+export function command(report: Report): string {
+  const words = ['hydrapod', 'report', report.machine.file];
+  for (const override of report.machine.overrides) words.push('--set', override);
+  for (const pose of report.poses) words.push('--pose', pose.pose.name);
+  const model = report.poses[0]?.model;
+  if (model) words.push('--model', model);
+  if (report.pictured_modes.length > 0) words.push('--modes', report.pictured_modes.join(','));
+  words.push('-o', 'report.html');
+  return words.map(shellWord).join(' ');
+}
+
+function facts(report: Report): [string, string][] {
+  const { assumptions: a, machine } = report;
+  const rows: [string, string][] = [
+    ['Program', `hydrapod ${a.hydrapod}`],
+    ['Machine', machine.name || 'without a name'],
+    ['Source', machine.source || 'not stated'],
+    ['File', machine.file],
+    ['Laid over it', machine.overrides.join('\n') || 'nothing'],
+    ['Gravity', `${a.gravity}: (${list(a.gravity_m_s2, 5)}) m/s² in base axes`],
+    ['Flexible axes', flexibleAxes(a.flexible_axes)],
+    ['Damping', a.damping],
+  ];
+  const pose = report.poses[0];
+  if (pose) rows.push(['Model', `${pose.model}: ${pose.modes.length} modes`]);
+  for (const entry of report.poses) rows.push([`Pose ${entry.pose.name}`, poseText(entry)]);
+  if (pose?.bode)
+    rows.push([
+      'Bode diagrams',
+      `force or moment at the ${pose.bode.point}, displacement there, base axes; exact at every frequency drawn`,
+    ]);
+  rows.push(
+    ['Axes', 'base frame: origin at the centre of the base joints, z towards the platform; SI units'],
+    ['Mode shapes', 'normalised so that φᵀ M φ = 1; motion of the platform’s mass centre, base axes'],
+  );
+  if (machine.warnings && machine.warnings.length > 0) rows.push(['Warnings', machine.warnings.join('\n')]);
+  return rows;
+}
+
+function flexibleAxes(name: string): string {
+  return name === 'gimbal'
+    ? 'gimbal: parallel to the axes of the lower gimbals'
+    : 'transverse: normal to each leg, nothing spins about the leg’s axis';
+}
+
+function poseText({ pose }: PoseReport): string {
+  return `position (${list(pose.position_m, 4)}) m, rotation (${degrees(pose.rotation_rad)})° about x, y, z`;
+}
+
+function render(state: State, host: HTMLElement): void {
+  const { report } = state;
+  const rows = facts(report).map(([name, value]) =>
+    html('tr', {}, html('th', { scope: 'row' }, name), html('td', {}, value)),
+  );
+  host.append(
+    html('table', { class: 'facts' }, html('caption', { class: 'unseen' }, 'What the numbers rest on'), html('tbody', {}, ...rows)),
+    html('h3', {}, 'Command'),
+    html('pre', { class: 'command', tabindex: 0, 'aria-label': 'Command' }, command(report)),
+    button(
+      'Download the data (JSON)',
+      () => download('report.json', new Blob([JSON.stringify(report, null, 1)], { type: 'application/json' })),
+      { 'data-control': 'json' },
+    ),
+  );
+  if (report.machine.text !== undefined)
+    host.append(
+      html(
+        'details',
+        { open: true },
+        html('summary', {}, html('h3', {}, `The machine file ${report.machine.file}`)),
+        html('pre', { class: 'file', tabindex: 0, 'aria-label': 'Machine file' }, report.machine.text),
+      ),
+    );
+  host.append(
+    html('p', { class: 'note' }, 'Drawn with three.js and uPlot, both under the MIT licence; their notices stand at the head of this file.'),
+  );
+}

@@ -1,0 +1,258 @@
+// Bode diagrams: 6×6 chooser, magnitude and phase, cursor with values, zoom, downloads.
+
+import { Chooser } from '../bode/chooser';
+import { csv, Sweep, titleOf, unitOf, type Curves, type Pair } from '../bode/curves';
+import { bodePicture, pngOf, svgText } from '../bode/picture';
+import { BodePlot } from '../bode/plot';
+import type { Bode } from '../document';
+import { directions } from '../document';
+import { button, download, html, slider } from '../dom';
+import type { Readout } from '../hooks';
+import { magnitude, phase, type Complex } from '../mechanics/response';
+import { fixed, hertz, scientific } from '../numbers';
+import { light, palette } from '../palette';
+import type { State } from '../state';
+import type { Section } from './registry';
+
+export const bode: Section = {
+  id: 'bode',
+  title: 'Bode diagrams',
+  applies: (report) => report.poses.every((pose) => pose.bode !== undefined) && report.poses.length > 0,
+  render: (state, host) => {
+    new BodeSection(state, host);
+  },
+};
+
+const two_pi = 2 * Math.PI;
+const sliderSteps = 1000;
+
+class BodeSection {
+  private pair: Pair;
+  private band: [number, number] = [1, 2];
+  private sweep!: Sweep;
+  private curves!: Curves;
+  private index: number | null = null;
+  private readonly plot: BodePlot;
+  private readonly chooser: Chooser;
+  private readonly heading = html('h3', { id: 'bode-pair' });
+  private readonly note = html('p', { class: 'note', 'aria-live': 'polite' });
+  private readonly readout = html('div', { class: 'readout', 'aria-live': 'polite' });
+  private readonly peaks = html('p', { class: 'note' });
+  private readonly print = html('div', { class: 'print-only figures' });
+  private readonly frequency;
+
+  constructor(
+    private readonly state: State,
+    host: HTMLElement,
+  ) {
+    const main = state.pose.answer?.directions.split(' ')[0] ?? 'x';
+    const d = Math.max(0, directions.indexOf(main as (typeof directions)[number]));
+    this.pair = { output: d, input: d };
+    this.plot = new BodePlot({
+      cursor: (index) => this.setIndex(index),
+      zoom: (from, to) => this.zoom(from, to),
+      reset: () => this.reset(),
+    });
+    this.chooser = new Chooser((pair) => this.choose(pair));
+    this.frequency = slider(
+      'Cursor',
+      { min: 0, max: sliderSteps, step: 1, value: 0 },
+      (value) => `${hertz(this.frequencyAt(value))} Hz`,
+      (value) => this.setCursor(this.frequencyAt(value)),
+      'cursor',
+    );
+    host.append(
+      html(
+        'div',
+        { class: 'bode' },
+        html('div', { class: 'bode-choice' }, this.chooser.element, this.peaks),
+        html('div', { class: 'bode-plots' }, this.heading, this.legend(), this.plot.element, this.tools(), this.readout),
+      ),
+      this.note,
+      this.print,
+    );
+    state.listen((change) => {
+      if (change === 'pose') this.newPose();
+      if (change === 'theme') this.draw();
+    });
+    this.newPose();
+    this.offerHook();
+  }
+
+  private get data(): Bode {
+    return this.state.pose.bode as Bode;
+  }
+
+  private newPose(): void {
+    this.chooser.show(this.state.pose, this.pair);
+    this.reset();
+  }
+
+  private reset(): void {
+    this.zoom(this.data.from_rad_s / two_pi, this.data.to_rad_s / two_pi);
+  }
+
+  /** Shows the band [Hz]; the curves are computed for it, so that resonances stay resolved. */
+  private zoom(from: number, to: number): void {
+    this.band = [from, to];
+    this.sweep = new Sweep(this.state.pose, two_pi * from, two_pi * to, this.data.points);
+    this.draw();
+  }
+
+  /** By a factor about the cursor, or about the middle. */
+  private zoomBy(factor: number): void {
+    const [from, to] = this.band;
+    const middle = this.index !== null ? this.curves.frequency[this.index] : Math.sqrt(from * to);
+    const low = this.data.from_rad_s / two_pi;
+    const high = this.data.to_rad_s / two_pi;
+    const stretch = (f: number) => middle * (f / middle) ** (1 / factor);
+    this.zoom(Math.max(low, stretch(from)), Math.min(high, stretch(to)));
+  }
+
+  private choose(pair: Pair): void {
+    this.pair = pair;
+    this.chooser.mark(pair);
+    this.draw();
+  }
+
+  private draw(): void {
+    this.curves = this.sweep.curves(this.pair);
+    this.heading.textContent = titleOf(this.pair);
+    this.note.textContent = this.explanation();
+    this.peaks.textContent = this.peakText();
+    this.plot.show(this.curves, palette());
+    this.print.replaceChildren(html('figure', {}, this.picture()));
+    this.setIndex(null);
+  }
+
+  private explanation(): string {
+    const { point } = this.data;
+    const where = `Force or moment at the ${point}, displacement there, base axes. Damping: ${this.state.report.assumptions.damping}.`;
+    const none = `${titleOf(this.pair)}: not coupled at this pose; what is drawn is rounding. `;
+    return (this.sweep.isCoupled(this.pair) ? '' : none) + where;
+  }
+
+  private peakText(): string {
+    const { marks, rigidMarks } = this.curves;
+    const text = (list: Curves['marks']) =>
+      list.map((mark) => `${hertz(mark.frequency)} Hz (mode ${mark.mode})`).join(', ') || 'none';
+    const rigid = `Peaks with rigid legs: ${text(rigidMarks)}.`;
+    return this.curves.flexible ? `Peaks as it is: ${text(marks)}. ${rigid}` : rigid;
+  }
+
+  private legend(): HTMLElement {
+    const item = (kind: string, text: string) => html('li', {}, html('i', { class: `line line-${kind}` }), text);
+    const items = [item('rigid', 'rigid legs')];
+    if (this.state.pose.model !== 'rigid') items.unshift(item('flexible', 'as it is (numbers: modes)'));
+    return html('ul', { class: 'legend' }, ...items);
+  }
+
+  private tools(): HTMLElement {
+    const name = () => `bode-${directions[this.pair.output]}-${directions[this.pair.input]}`;
+    return html(
+      'div',
+      { class: 'row' },
+      this.frequency.element,
+      html(
+        'div',
+        { class: 'group', role: 'group', 'aria-label': 'Zoom' },
+        button('Zoom in', () => this.zoomBy(2), { 'data-control': 'zoom-in' }),
+        button('Zoom out', () => this.zoomBy(0.5), { 'data-control': 'zoom-out' }),
+        button('Whole band', () => this.reset(), { 'data-control': 'zoom-reset' }),
+      ),
+      html(
+        'div',
+        { class: 'group', role: 'group', 'aria-label': 'Download' },
+        button('SVG', () => this.save(`${name()}.svg`, svgText(this.picture()), 'image/svg+xml'), { 'data-control': 'svg' }),
+        button('PNG', () => void pngOf(this.picture()).then((blob) => download(`${name()}.png`, blob)), { 'data-control': 'png' }),
+        button('CSV', () => this.save(`${name()}.csv`, csv(this.curves), 'text/csv'), { 'data-control': 'csv' }),
+      ),
+    );
+  }
+
+  private save(name: string, text: string, type: string): void {
+    download(name, new Blob([text], { type }));
+  }
+
+  private picture(): SVGSVGElement {
+    const { report, pose } = this.state;
+    const subtitle = `${report.title}, pose ${pose.pose.name}; damping ${report.assumptions.damping}`;
+    const short = subtitle.length > 80 ? `${subtitle.slice(0, 79)}…` : subtitle;
+    return bodePicture(this.curves, short, light);
+  }
+
+  private frequencyAt(step: number): number {
+    const [from, to] = this.band;
+    return from * (to / from) ** (step / sliderSteps);
+  }
+
+  private setCursor(frequency: number): void {
+    const all = this.curves.frequency;
+    let best = 0;
+    all.forEach((f, i) => {
+      if (Math.abs(Math.log(f / frequency)) < Math.abs(Math.log(all[best] / frequency))) best = i;
+    });
+    this.plot.setCursor(best);
+    this.setIndex(best);
+  }
+
+  private setIndex(index: number | null): void {
+    this.index = index;
+    this.readout.replaceChildren(this.values());
+    if (index !== null) {
+      const [from, to] = this.band;
+      const f = this.curves.frequency[index];
+      const step = Math.round((sliderSteps * Math.log(f / from)) / Math.log(to / from));
+      if (document.activeElement !== this.frequency.input) this.frequency.input.value = String(step);
+      const output = this.frequency.element.querySelector('output');
+      if (output) output.textContent = `${hertz(f)} Hz`;
+    }
+  }
+
+  private cursor(): Readout | null {
+    const i = this.index;
+    if (i === null) return null;
+    const { frequency, flexible, rigid } = this.curves;
+    return { frequency_hz: frequency[i], flexible: flexible ? flexible[i] : null, rigid: rigid[i] };
+  }
+
+  private values(): HTMLElement {
+    const now = this.cursor();
+    const unit = unitOf(this.pair);
+    const row = (name: string, h: Complex | null | undefined) =>
+      html(
+        'tr',
+        {},
+        html('th', { scope: 'row' }, name),
+        html('td', { class: 'numeric' }, h ? `${scientific(magnitude(h), 6)} ${unit}` : '–'),
+        html('td', { class: 'numeric' }, h ? `${fixed(phase(h), 2)}°` : '–'),
+      );
+    const rows = [row('Rigid legs', now?.rigid)];
+    if (this.curves.flexible) rows.unshift(row('As it is', now?.flexible));
+    const where = now
+      ? `${scientificOrPlain(now.frequency_hz)} Hz = ${scientificOrPlain(two_pi * now.frequency_hz)} rad/s`
+      : 'Point at the diagram, or move the cursor’s slider';
+    return html(
+      'table',
+      { class: 'values' },
+      html('caption', {}, where),
+      html(
+        'thead',
+        {},
+        html('tr', {}, html('th', { scope: 'col' }, 'At the cursor'), html('th', { scope: 'col' }, 'Magnitude'), html('th', { scope: 'col' }, 'Phase')),
+      ),
+      html('tbody', {}, ...rows),
+    );
+  }
+
+  private offerHook(): void {
+    window.hydrapod.bode = {
+      choose: (output, input) => this.choose({ output, input }),
+      setCursor: (frequency) => this.setCursor(frequency),
+      cursor: () => this.cursor(),
+      band: () => this.band,
+    };
+  }
+}
+
+const scientificOrPlain = (value: number): string => String(Number(value.toPrecision(6)));

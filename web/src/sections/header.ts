@@ -1,0 +1,144 @@
+// Top of the page: what the machine is, the answer in words, and four numbers.
+
+import type { Answer, PoseReport, Report } from '../document';
+import { button, html } from '../dom';
+import { fixed, hertz, share, signedPercent } from '../numbers';
+import { theme, type Theme } from '../palette';
+import type { State } from '../state';
+import { energyParts, stackedBar } from '../bars';
+import type { Section } from './registry';
+
+const modelNames = {
+  rigid: 'rigid legs, 6 modes',
+  guide: 'guide sleeves give way, 18 modes',
+  full: 'guide sleeves and piston rings give way, 30 modes',
+};
+
+export function header(state: State, sections: Section[], page: HTMLElement): void {
+  const { report } = state;
+  const top = html(
+    'header',
+    { class: 'top' },
+    html('a', { class: 'skip', href: '#main' }, 'Skip to the content'),
+    html(
+      'div',
+      { class: 'titles' },
+      html('h1', {}, report.title),
+      ...subtitles(report).map((text) => html('p', { class: 'subtitle' }, text)),
+    ),
+    html('div', { class: 'tools' }, navigation(sections), themeChooser(state)),
+  );
+  page.append(top);
+  if (report.poses.length === 0) return;
+  if (report.poses.length > 1) {
+    page.classList.add('several-poses');
+    page.append(poseChooser(state));
+  }
+  const host = html('section', { class: 'answer', id: 'answer', 'aria-label': 'Answer', 'aria-live': 'polite' });
+  page.append(host);
+  const show = () => host.replaceChildren(...answer(state.pose));
+  state.listen((change) => change === 'pose' && show());
+  show();
+}
+
+/** What the machine is, and how it was computed. */
+function subtitles(report: Report): string[] {
+  const { machine, assumptions } = report;
+  const pose = report.poses[0];
+  const name = machine.name !== report.title ? machine.name : '';
+  const facts = [pose ? modelNames[pose.model] : '', assumptions.gravity, `damping ${assumptions.damping}`];
+  return [[name, machine.description].filter(Boolean).join(': '), facts.filter(Boolean).join(' · ')].filter(Boolean);
+}
+
+function navigation(sections: Section[]): HTMLElement {
+  const links = sections.map((section) =>
+    html('li', {}, html('a', { href: `#${section.id}` }, section.title)),
+  );
+  return html('nav', { 'aria-label': 'Sections' }, html('ul', {}, ...links));
+}
+
+function themeChooser(state: State): HTMLElement {
+  const names: Record<Theme, string> = { auto: 'as the system', light: 'light', dark: 'dark' };
+  const order: Theme[] = ['auto', 'light', 'dark'];
+  const control = button('', () => {
+    const next = order[(order.indexOf(theme()) + 1) % 3] as Theme;
+    document.documentElement.dataset['theme'] = next;
+    label();
+    state.tell('theme');
+  });
+  const label = () => (control.textContent = `Colours: ${names[theme()]}`);
+  control.classList.add('quiet');
+  label();
+  return control;
+}
+
+function poseChooser(state: State): HTMLElement {
+  const buttons = state.report.poses.map((entry, index) =>
+    button(entry.pose.name, () => state.choosePose(index), { 'data-pose': index }),
+  );
+  const mark = () =>
+    buttons.forEach((b, index) => b.setAttribute('aria-pressed', String(index === state.poseNumber)));
+  state.listen((change) => change === 'pose' && mark());
+  mark();
+  return html(
+    'div',
+    { class: 'poses', role: 'group', 'aria-label': 'Pose' },
+    html('span', { 'aria-hidden': 'true' }, 'Pose'),
+    ...buttons,
+  );
+}
+
+function number(caption: string, value: string, unit: string, note: string, kind: string): HTMLElement {
+  return html(
+    'div',
+    { class: `number ${kind}` },
+    html('dt', {}, caption),
+    html('dd', {}, html('strong', {}, value), ' ', html('span', { class: 'unit' }, unit), html('small', {}, note)),
+  );
+}
+
+function answer(pose: PoseReport): Node[] {
+  const result = pose.answer;
+  if (!result) return [html('p', { class: 'words' }, 'The platform feels no mode of this model.')];
+  const nodes: Node[] = [html('p', { class: 'words' }, result.text)];
+  if (result.stable) nodes.push(html('dl', { class: 'numbers' }, ...numbers(result)));
+  return nodes;
+}
+
+function numbers(result: Answer): HTMLElement[] {
+  const { rigid_frequency_hz: rigid, drop_percent: drop } = result;
+  const items: HTMLElement[] = [];
+  if (rigid !== undefined)
+    items.push(number('With rigid legs', hertz(rigid), 'Hz', `rigid mode ${result.rigid_mode}`, 'rigid'));
+  items.push(
+    number('Lowest real frequency', hertz(result.frequency_hz), 'Hz', `mode ${result.mode}, ${result.directions}`, 'real'),
+  );
+  if (drop !== undefined)
+    items.push(
+      number(
+        drop >= 0 ? 'Drop' : 'Rise',
+        fixed(Math.abs(drop), Math.abs(drop) < 10 ? 2 : 1),
+        '%',
+        signedPercent(-drop) + ' against rigid legs',
+        'drop',
+      ),
+    );
+  const parts = energyParts(result.strain_energy);
+  const most = parts.reduce((best, part) => (part.value > best.value ? part : best));
+  items.push(
+    html(
+      'div',
+      { class: 'number energy' },
+      html('dt', {}, 'Where its energy sits'),
+      html(
+        'dd',
+        {},
+        html('strong', {}, share(most.value)),
+        ' ',
+        html('span', { class: 'unit' }, `in the ${most.long}`),
+        stackedBar(parts),
+      ),
+    ),
+  );
+  return items;
+}

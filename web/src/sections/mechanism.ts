@@ -1,0 +1,243 @@
+// The mechanism in 3D, moving in the chosen mode, with its rigid counterpart beside it.
+
+import type { Mode, PoseReport } from '../document';
+import { repeated } from '../document';
+import { button, checkbox, html, slider } from '../dom';
+import { fixed, hertz, signedPercent } from '../numbers';
+import { comparable, Player } from '../scene/player';
+import { SvgView } from '../scene/svg_view';
+import type { View } from '../scene/view';
+import { WebglView } from '../scene/webgl_view';
+import type { State } from '../state';
+import type { Section } from './registry';
+
+export const mechanism: Section = {
+  id: 'mechanism',
+  title: 'Mechanism',
+  applies: (report) => report.poses.length > 0,
+  render,
+};
+
+function makeView(onChange: () => void): { view: View; note: string } {
+  try {
+    return { view: new WebglView(onChange), note: '' };
+  } catch {
+    const note = 'This browser offers no WebGL, so the machine is drawn flat.';
+    return { view: new SvgView(), note };
+  }
+}
+
+function render(state: State, host: HTMLElement): void {
+  let player: Player | null = null;
+  const { view, note } = makeView(() => player?.refresh());
+  player = new Player(view);
+  const calm = matchMedia('(prefers-reduced-motion: reduce)').matches;
+  player.playing = !calm;
+
+  const heads = html('div', { class: 'viewport-heads' });
+  const caption = html('p', { class: 'caption', 'aria-live': 'polite' });
+  const stage = html('div', { class: 'stage' }, heads, view.element);
+  host.append(stage, controls(player, view, state), caption);
+  if (note) host.append(html('p', { class: 'note', role: 'note' }, note));
+  host.append(legendOfParts(state.pose));
+
+  const show = () => {
+    const { pose, mode } = state;
+    stage.classList.toggle('single', pose.model === 'rigid');
+    heads.replaceChildren(...viewportHeads(pose, mode));
+    caption.textContent = captionOf(pose, mode);
+    view.element.setAttribute('aria-label', `The machine moving in mode ${mode.number}. ${captionOf(pose, mode)}`);
+    player.show(pose, mode);
+  };
+  state.listen((change) => {
+    if (change === 'theme') {
+      view.recolour();
+      player.refresh();
+    } else {
+      show();
+    }
+  });
+  watchVisibility(view, player);
+  show();
+  offerHook(view, player);
+}
+
+function watchVisibility(view: View, player: Player): void {
+  new IntersectionObserver((entries) => {
+    player.visible = entries.some((entry) => entry.isIntersecting);
+    if (player.visible) player.refresh();
+  }).observe(view.element);
+}
+
+function offerHook(view: View, player: Player): void {
+  window.hydrapod.scene = {
+    kind: view.kind,
+    jointPositions: (leg, side = 'flexible') => view.readPoints(side, leg - 1),
+    motion: () => player.motion(),
+    setPhase: (phase) => player.setPhase(phase),
+    frames: () => player.frames,
+  };
+}
+
+function viewportHeads(pose: PoseReport, mode: Mode): HTMLElement[] {
+  const title = (kind: string, name: string, text: string) =>
+    html('div', { class: `viewport-head ${kind}` }, html('strong', {}, name), ' ', html('span', {}, text));
+  if (pose.model === 'rigid')
+    return [title('rigid', 'Rigid legs', `mode ${mode.number}, ${hertz(mode.frequency_hz)} Hz`)];
+  const flexible = title('flexible', 'As it is', `mode ${mode.number}, ${hertz(mode.frequency_hz)} Hz`);
+  const counterpart = mode.rigid && pose.rigid_modes[mode.rigid.mode - 1];
+  const rigid =
+    counterpart && mode.rigid && mode.rigid.mac >= comparable
+      ? title('rigid', 'With rigid legs', `mode ${counterpart.number}, ${hertz(counterpart.frequency_hz)} Hz`)
+      : title('rigid', 'With rigid legs', 'at rest: no such mode');
+  return [flexible, rigid];
+}
+
+function captionOf(pose: PoseReport, mode: Mode): string {
+  const parts = [`${mode.label}.`];
+  const group = repeated(pose.modes, mode).filter((other) => other !== mode);
+  if (group.length > 0) {
+    const others = group.map((other) => other.number).join(', ');
+    parts.push(
+      `Repeats with mode${group.length > 1 ? 's' : ''} ${others}: the same frequency, and any mix of them is a mode; ` +
+        'shown is the mix that moves along the axes.',
+    );
+  }
+  if (mode.shape_imaginary) parts.push('Complex mode: its parts do not turn back at the same time.');
+  if (!mode.stable) parts.push('Unstable: the legs buckle.');
+  if (mode.rigid)
+    parts.push(
+      mode.rigid.mac >= comparable
+        ? `Against rigid legs ${signedPercent(mode.rigid.shift_percent)} (MAC ${fixed(mode.rigid.mac, 2)}).`
+        : `No rigid mode is like it (MAC at most ${fixed(mode.rigid.mac, 2)}).`,
+    );
+  else if (pose.model !== 'rigid') parts.push('A rigid machine has no such mode.');
+  return parts.join(' ');
+}
+
+function modeStepper(state: State): HTMLElement {
+  const name = html('output', { 'aria-live': 'off' });
+  const step = (by: number) => {
+    const { modes } = state.pose;
+    const at = modes.indexOf(state.mode);
+    state.chooseMode(modes[(at + by + modes.length) % modes.length].number);
+  };
+  const show = () => (name.textContent = `mode ${state.mode.number} of ${state.pose.modes.length}`);
+  state.listen(show);
+  show();
+  return html(
+    'div',
+    { class: 'group', role: 'group', 'aria-label': 'Mode' },
+    button('‹', () => step(-1), { 'aria-label': 'Previous mode' }),
+    name,
+    button('›', () => step(1), { 'aria-label': 'Next mode' }),
+  );
+}
+
+function controls(player: Player, view: View, state: State): HTMLElement {
+  const play = button('Pause', () => toggle(!player.playing), { class: 'primary', 'data-control': 'play' });
+  const toggle = (playing: boolean) => {
+    player.setPlaying(playing);
+    play.textContent = playing ? 'Pause' : 'Play';
+  };
+  toggle(player.playing);
+  const turn = (azimuth: number, elevation: number, zoom: number) => () => {
+    view.orbit(azimuth, elevation, zoom);
+    player.refresh();
+  };
+  const angle = Math.PI / 12;
+  const camera = html(
+    'div',
+    { class: 'group', role: 'group', 'aria-label': 'View' },
+    button('←', turn(-angle, 0, 1), { 'aria-label': 'Turn left' }),
+    button('→', turn(angle, 0, 1), { 'aria-label': 'Turn right' }),
+    button('↑', turn(0, angle, 1), { 'aria-label': 'Look from higher up' }),
+    button('↓', turn(0, -angle, 1), { 'aria-label': 'Look from lower down' }),
+    button('+', turn(0, 0, 1.2), { 'aria-label': 'Closer' }),
+    button('−', turn(0, 0, 1 / 1.2), { 'aria-label': 'Farther' }),
+  );
+  const sliders = motionSliders(player);
+  const reset = button(
+    'Reset',
+    () => {
+      view.resetCamera();
+      for (const { input } of sliders) {
+        input.value = input.defaultValue;
+        input.dispatchEvent(new Event('input'));
+      }
+      player.phase = 0;
+      toggle(true);
+    },
+    { 'data-control': 'reset' },
+  );
+  return html(
+    'div',
+    { class: 'controls' },
+    html('div', { class: 'row' }, play, reset, modeStepper(state), camera, labelsBox(view, player)),
+    html('div', { class: 'row sliders' }, ...sliders.map((s) => s.element)),
+  );
+}
+
+function labelsBox(view: View, player: Player): HTMLElement {
+  const change = (shown: boolean) => {
+    view.setLabels(shown);
+    player.refresh();
+  };
+  return checkbox('Leg numbers', true, change, 'labels');
+}
+
+function motionSliders(player: Player) {
+  const made = [
+    slider(
+      'Amplitude',
+      { min: 0, max: 25, step: 0.5, value: 100 * player.relativeAmplitude },
+      (value) => `${fixed(value, 1)} % of size`,
+      (value) => {
+        player.relativeAmplitude = value / 100;
+        player.reshape();
+      },
+      'amplitude',
+    ),
+    slider(
+      'Speed',
+      { min: 0.1, max: 2, step: 0.1, value: player.speed },
+      (value) => `${fixed(value, 1)} periods/s`,
+      (value) => (player.speed = value),
+      'speed',
+    ),
+    slider(
+      'Knee',
+      { min: 1, max: 10, step: 0.5, value: player.knee },
+      (value) => (value === 1 ? 'to scale' : `× ${fixed(value, 1)}`),
+      (value) => {
+        player.knee = value;
+        player.reshape();
+      },
+      'knee',
+    ),
+  ];
+  for (const { input } of made) input.defaultValue = input.value;
+  return made;
+}
+
+function legendOfParts(pose: PoseReport): HTMLElement {
+  const drawn = pose.geometry.legs.every((leg) => leg.bore_m !== undefined)
+    ? 'All lengths and diameters to scale.'
+    : 'All lengths to scale; the machine file gives no diameters, those drawn are usual ones.';
+  const item = (kind: string, text: string) => html('li', {}, html('i', { class: `swatch swatch-${kind}` }), text);
+  return html(
+    'div',
+    { class: 'legend-line' },
+    html(
+      'ul',
+      { class: 'legend' },
+      item('case', 'case'),
+      item('rod', 'rod'),
+      item('sleeve', 'guide sleeve, mass centre'),
+      item('piston', 'piston'),
+      item('gimbal', 'gimbals'),
+      item('ghost', 'at rest'),
+    ),
+    html('p', { class: 'note' }, `${drawn} Motion is exaggerated by the amplitude; click the picture to zoom with the wheel.`),
+  );
+}

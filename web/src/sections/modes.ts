@@ -1,0 +1,246 @@
+// The mode table: sortable, with bars, seal modes that the platform cannot feel folded behind one row.
+
+import { energyParts, legend, motionParts, stackedBar } from '../bars';
+import type { Mode, PoseReport } from '../document';
+import { folded, repeated } from '../document';
+import { button, html, unseen } from '../dom';
+import { fixed, hertz, signedPercent } from '../numbers';
+import type { State } from '../state';
+import type { Section } from './registry';
+
+export const modes: Section = {
+  id: 'modes',
+  title: 'Modes',
+  applies: (report) => report.poses.some((pose) => pose.modes.length > 0),
+  render,
+};
+
+interface Column {
+  id: string;
+  title: string;
+  /** Spoken and shown on hover where the title is short. */
+  long?: string;
+  key(mode: Mode): number;
+  cell(mode: Mode, pose: PoseReport): (Node | string)[];
+  numeric: boolean;
+  flexibleOnly?: boolean;
+}
+
+const legsShare = (mode: Mode) => mode.leg_energy.reduce((a, b) => a + b, 0);
+
+const columns: Column[] = [
+  {
+    id: 'frequency',
+    title: 'Hz',
+    long: 'Frequency in hertz',
+    key: (mode) => mode.omega_rad_s,
+    cell: (mode) => [mode.stable ? hertz(mode.frequency_hz) : 'unstable'],
+    numeric: true,
+  },
+  {
+    id: 'omega',
+    title: 'rad/s',
+    long: 'Angular frequency in radians per second',
+    key: (mode) => mode.omega_rad_s,
+    cell: (mode) => [mode.stable ? fixed(mode.omega_rad_s, 2) : ''],
+    numeric: true,
+  },
+  {
+    id: 'damping',
+    title: 'ζ',
+    long: 'Damping ratio',
+    key: (mode) => mode.damping_ratio,
+    cell: (mode) => [`${fixed(100 * mode.damping_ratio, 2)} %`],
+    numeric: true,
+  },
+  {
+    id: 'motion',
+    title: 'What moves',
+    long: 'What moves: shares of the kinetic energy',
+    key: legsShare,
+    cell: (mode) => [html('span', { class: 'mode-label' }, mode.label), stackedBar(motionParts(mode))],
+    numeric: false,
+  },
+  {
+    id: 'energy',
+    title: 'Where the energy is',
+    long: 'Where the energy is: shares of the elastic energy',
+    key: (mode) => mode.strain_energy.oil,
+    cell: (mode) => [stackedBar(energyParts(mode.strain_energy))],
+    numeric: false,
+  },
+  {
+    id: 'rigid',
+    title: 'Rigid Hz',
+    long: 'Frequency of the rigid counterpart in hertz',
+    key: (mode) => mode.rigid?.omega_rad_s ?? -1,
+    cell: (mode) => [mode.rigid ? hertz(mode.rigid.omega_rad_s / (2 * Math.PI)) : ''],
+    numeric: true,
+    flexibleOnly: true,
+  },
+  {
+    id: 'shift',
+    title: 'Shift',
+    long: 'Shift against the rigid counterpart',
+    key: (mode) => mode.rigid?.shift_percent ?? Number.POSITIVE_INFINITY,
+    cell: (mode) => [mode.rigid ? signedPercent(mode.rigid.shift_percent) : ''],
+    numeric: true,
+    flexibleOnly: true,
+  },
+  {
+    id: 'mac',
+    title: 'MAC',
+    long: 'Share of the rigid counterpart found in this mode (modal assurance criterion)',
+    key: (mode) => mode.rigid?.mac ?? -1,
+    cell: (mode) => [mode.rigid ? fixed(mode.rigid.mac, 2) : ''],
+    numeric: true,
+    flexibleOnly: true,
+  },
+];
+
+class ModeTable {
+  private column = 'number';
+  private ascending = true;
+  private open = false;
+  private readonly head = html('thead');
+  private readonly body = html('tbody');
+
+  constructor(
+    private readonly state: State,
+    host: HTMLElement,
+  ) {
+    const caption = html(
+      'caption',
+      { class: 'unseen' },
+      'Modes: choose one by its number to see it move; column heads sort.',
+    );
+    const table = html('table', { class: 'modes' }, caption, this.head, this.body);
+    host.append(html('div', { class: 'scroller', tabindex: 0, role: 'region', 'aria-label': 'Mode table' }, table));
+    state.listen((change) => (change === 'mode' ? this.markChosen() : change === 'pose' && this.show()));
+    this.show();
+  }
+
+  private get columns(): Column[] {
+    return columns.filter((column) => !column.flexibleOnly || this.state.pose.model !== 'rigid');
+  }
+
+  private sorted(): Mode[] {
+    const column = columns.find((c) => c.id === this.column);
+    const key = column?.key ?? ((mode: Mode) => mode.number);
+    const sign = this.ascending ? 1 : -1;
+    return [...this.state.pose.modes].sort((a, b) => sign * (key(a) - key(b)) || a.number - b.number);
+  }
+
+  private sortBy(id: string): void {
+    this.ascending = this.column === id ? !this.ascending : true;
+    this.column = id;
+    this.show();
+    this.head.querySelector<HTMLButtonElement>(`[data-sort="${id}"]`)?.focus();
+  }
+
+  show(): void {
+    const all = this.sorted();
+    const hidden = all.filter(folded);
+    this.head.replaceChildren(this.headRow());
+    const rows = all.filter((mode) => !folded(mode)).map((mode) => this.row(mode));
+    if (hidden.length > 0) {
+      rows.push(this.foldRow(hidden));
+      if (this.open) rows.push(...hidden.map((mode) => this.row(mode)));
+    }
+    this.body.replaceChildren(...rows);
+    this.markChosen();
+  }
+
+  private headRow(): HTMLTableRowElement {
+    const head = (id: string, title: string, long: string | undefined, kind: string) => {
+      const sorted = this.column === id;
+      const arrow = sorted ? (this.ascending ? ' ▲' : ' ▼') : '';
+      const control = button(title, () => this.sortBy(id), { 'data-sort': id, title: long });
+      if (long && long !== title) control.setAttribute('aria-label', long);
+      control.append(html('span', { 'aria-hidden': 'true' }, arrow));
+      return html(
+        'th',
+        { scope: 'col', class: kind, 'aria-sort': sorted ? (this.ascending ? 'ascending' : 'descending') : 'none' },
+        control,
+      );
+    };
+    return html(
+      'tr',
+      {},
+      head('number', 'Mode', 'Mode number', ''),
+      ...this.columns.map((c) => head(c.id, c.title, c.long, `col-${c.id}${c.numeric ? ' numeric' : ''}`)),
+    );
+  }
+
+  private row(mode: Mode): HTMLTableRowElement {
+    const { pose } = this.state;
+    const choose = () => this.state.chooseMode(mode.number);
+    const twins = repeated(pose.modes, mode).filter((other) => other !== mode);
+    const control = button(String(mode.number), choose, { 'data-mode': mode.number, class: 'mode-number' });
+    const number = html('th', { scope: 'row' }, control);
+    if (twins.length > 0) {
+      const words = `repeats with ${twins.map((twin) => twin.number).join(', ')}`;
+      number.append(html('span', { class: 'repeat', title: words, 'aria-hidden': 'true' }, '='), unseen(words));
+    }
+    const row = html(
+      'tr',
+      { 'data-row': mode.number, class: folded(mode) ? 'seal' : '' },
+      number,
+      ...this.columns.map((c) =>
+        html('td', { class: `col-${c.id}${c.numeric ? ' numeric' : ''}` }, ...c.cell(mode, pose)),
+      ),
+    );
+    row.addEventListener('click', (event) => {
+      if (!(event.target instanceof HTMLButtonElement)) choose();
+    });
+    return row;
+  }
+
+  private foldRow(hidden: Mode[]): HTMLTableRowElement {
+    const frequencies = hidden.map((mode) => mode.frequency_hz);
+    const [low, high] = [Math.min(...frequencies), Math.max(...frequencies)];
+    const band = high - low < 5e-4 ? `at ${hertz(low)} Hz` : `from ${hertz(low)} to ${hertz(high)} Hz`;
+    const many = hidden.length === 1 ? '1 mode' : `${hidden.length} modes`;
+    const control = button(
+      `${this.open ? '▾' : '▸'} ${many} that the platform cannot feel, ${band}`,
+      () => {
+        this.open = !this.open;
+        this.show();
+        this.body.querySelector<HTMLButtonElement>('[data-control="fold"]')?.focus();
+      },
+      { 'aria-expanded': String(this.open), 'data-control': 'fold', class: 'fold' },
+    );
+    return html('tr', { class: 'fold-row' }, html('td', { colspan: this.columns.length + 1 }, control));
+  }
+
+  markChosen(): void {
+    const { number } = this.state.mode;
+    for (const row of this.body.querySelectorAll<HTMLTableRowElement>('[data-row]')) {
+      const chosen = row.dataset['row'] === String(number);
+      row.classList.toggle('chosen', chosen);
+      row.querySelector('.mode-number')?.setAttribute('aria-pressed', String(chosen));
+    }
+  }
+}
+
+function render(state: State, host: HTMLElement): void {
+  new ModeTable(state, host);
+  const sample = state.pose.modes[0];
+  const rings = state.pose.model === 'full';
+  if (sample)
+    host.append(
+      html(
+        'div',
+        { class: 'legend-line' },
+        legend(motionParts(sample)),
+        legend(energyParts(sample.strain_energy).filter((part) => part.kind !== 'ring' || rings)),
+      ),
+    );
+  host.append(
+    html(
+      'p',
+      { class: 'note' },
+      '= marks modes of one frequency: any mix of them is a mode. Shift and MAC compare with the rigid mode that is most like it.',
+    ),
+  );
+}

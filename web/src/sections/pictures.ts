@@ -1,0 +1,54 @@
+// Static pictures of the chosen modes: on paper they take the place of the animation.
+
+import { energyParts, inWords, motionParts } from '../bars';
+import type { Mode, PoseReport } from '../document';
+import { pictured } from '../document';
+import { html } from '../dom';
+import { largest, pointsAt, shapeOf, sizeOf } from '../mechanics/motion';
+import { hertz, signedPercent } from '../numbers';
+import { light } from '../palette';
+import { drawing } from '../scene/drawing';
+import { homeCamera } from '../scene/view';
+import type { State } from '../state';
+import type { Section } from './registry';
+
+export const pictures: Section = {
+  id: 'pictures',
+  title: 'Pictures of the modes',
+  applies: (report) => report.poses.some((pose) => pose.modes.length > 0),
+  render,
+};
+
+const amplitude = 0.1;
+
+export function picture(pose: PoseReport, mode: Mode): HTMLElement {
+  const shape = shapeOf(pose, mode);
+  const scale = (amplitude * sizeOf(pose.geometry)) / Math.max(largest(shape), Number.MIN_VALUE);
+  const title = `Mode ${mode.number}, ${hertz(mode.frequency_hz)} Hz: ${mode.label}`;
+  const rest = pointsAt(shape, 0, 0);
+  const { element } = drawing(pose.geometry, pointsAt(shape, scale, 0), rest, homeCamera, light, { labels: true, title });
+  const shift = mode.rigid && mode.rigid.mac >= 0.1 ? `, ${signedPercent(mode.rigid.shift_percent)} against rigid` : '';
+  return html(
+    'figure',
+    {},
+    element,
+    html(
+      'figcaption',
+      {},
+      html('strong', {}, `Mode ${mode.number}: ${hertz(mode.frequency_hz)} Hz${shift}`),
+      html('br'),
+      mode.label,
+      html('br'),
+      `moves ${inWords(motionParts(mode))}; energy in ${inWords(energyParts(mode.strain_energy))}`,
+    ),
+  );
+}
+
+function render(state: State, host: HTMLElement): void {
+  host.classList.add('print-only');
+  const { report } = state;
+  for (const pose of report.poses) {
+    if (report.poses.length > 1) host.append(html('h3', {}, `Pose ${pose.pose.name}`));
+    host.append(html('div', { class: 'figures' }, ...pictured(report, pose).map((mode) => picture(pose, mode))));
+  }
+}

@@ -1,0 +1,36 @@
+// The sections of the page, in their order. A section appears when the document holds what it shows, so that
+// a later kind of result needs one more line here and nothing else.
+
+import type { Report } from '../document';
+import { html } from '../dom';
+import type { State } from '../state';
+import { about } from './about';
+import { bode } from './bode';
+import { header } from './header';
+import { mechanism } from './mechanism';
+import { modes } from './modes';
+import { pictures } from './pictures';
+
+export interface Section {
+  id: string;
+  title: string;
+  applies(report: Report): boolean;
+  /** Fills `host` once; follows the reader's choices by listening to `state`. */
+  render(state: State, host: HTMLElement): void;
+}
+
+export const sections: Section[] = [mechanism, modes, pictures, bode, about];
+
+/** A section can be drawn late where it is far down: the page is usable before. */
+export function renderSections(state: State, page: HTMLElement): void {
+  const shown = sections.filter((section) => section.applies(state.report));
+  header(state, shown, page);
+  const main = html('main', { id: 'main' });
+  page.append(main);
+  for (const section of shown) {
+    const heading = html('h2', { id: `${section.id}-title` }, section.title);
+    const host = html('section', { id: section.id, 'aria-labelledby': heading.id }, heading);
+    main.append(host);
+    section.render(state, host);
+  }
+}
