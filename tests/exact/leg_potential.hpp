@@ -4,6 +4,7 @@
 /// derivatives are differences of eighth order.
 
 #include <Eigen/Core>
+#include <type_traits>
 
 #include "hydrapod/model/machine.hpp"
 
@@ -48,7 +49,8 @@ class LegPotential {
 
 /// ∂f/∂x_k by differences of eighth order.
 template <class Function>
-auto derivative(const Function& f, const LegPotential::Coordinates& x, int k) {
+auto derivative(const Function& f, const LegPotential::Coordinates& x, int k)
+    -> std::decay_t<decltype(f(x))> {
   using Real = LegPotential::Real;
   constexpr Real h = 4e-3L;
   const auto at = [&](int steps) {
@@ -56,10 +58,10 @@ auto derivative(const Function& f, const LegPotential::Coordinates& x, int k) {
     moved[k] += steps * h;
     return f(moved);
   };
-  const auto pair = [&](int steps) { return (at(steps) - at(-steps)) / h; };
-  using Value = std::decay_t<decltype(f(x))>;
-  return Value(pair(1) * (4.0L / 5.0L) - pair(2) * (1.0L / 5.0L) + pair(3) * (4.0L / 105.0L) -
-               pair(4) * (1.0L / 280.0L));
+  using Value = std::decay_t<decltype(f(x))>;  // not auto: Eigen would keep the operands' addresses
+  const auto pair = [&](int steps) -> Value { return (at(steps) - at(-steps)) / h; };
+  return pair(1) * (4.0L / 5.0L) - pair(2) * (1.0L / 5.0L) + pair(3) * (4.0L / 105.0L) -
+         pair(4) * (1.0L / 280.0L);
 }
 
 }  // namespace hydrapod::test
