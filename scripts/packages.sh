@@ -14,7 +14,12 @@ packages_program=(
   "libudunits2-dev units of measurement"
   "libcli11-dev the command line"
   "gnuplot-nox draws the plots"
+  "nodejs bundles the page of the report"
+  "npm fetches what the page is made of (three.js, uPlot, esbuild)"
 )
+
+# Tools that many have from elsewhere: where the tool is there, its package is not asked for.
+declare -A tool_of=([nodejs]=node [npm]=npm [chromium]=chromium)
 
 # To build and run the tests and benchmarks (./test), besides those above.
 packages_test=(
@@ -24,6 +29,7 @@ packages_test=(
   "libbenchmark-dev benchmarks"
   "liblapacke-dev LAPACK from C, the yardstick of the benchmarks"
   "libopenblas-dev an optimised LAPACK"
+  "chromium opens the pages in their tests"
 )
 
 # For ./test --long.

@@ -25,11 +25,13 @@ unlock() { exec 9>&-; }
 
 # missing_packages "package reason"... : those that are not installed, in the same form
 missing_packages() {
-  local entry installed
+  local entry installed tool
   installed=" $(dpkg-query --show --showformat='${db:Status-Status}:${Package} ' \
     "${@%% *}" 2>/dev/null || true)"  # it fails when it has never heard of one
   for entry in "$@"; do
-    [[ $installed == *" installed:${entry%% *} "* ]] || printf '%s\n' "$entry"
+    [[ $installed == *" installed:${entry%% *} "* ]] && continue
+    tool=${tool_of[${entry%% *}]:-}
+    [[ -n $tool && -n $(type -P "$tool") ]] || printf '%s\n' "$entry"
   done
 }
 

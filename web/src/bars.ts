@@ -29,7 +29,8 @@ export function inWords(parts: Part[]): string {
   return named.map((part) => `${part.long} ${share(part.value)}`).join(', ') || 'none';
 }
 
-export function stackedBar(parts: Part[]): HTMLElement {
+/** `pixels`: the least width that the bar will have, which decides what names fit into it. */
+export function stackedBar(parts: Part[], pixels = 96): HTMLElement {
   const width = 100;
   const picture = svg('svg', { viewBox: `0 0 ${width} 10`, preserveAspectRatio: 'none', 'aria-hidden': 'true' });
   const bar = html('span', { class: 'bar', title: inWords(parts) }, picture);
@@ -38,7 +39,7 @@ export function stackedBar(parts: Part[]): HTMLElement {
     const w = width * Math.max(0, part.value);
     if (w < 0.2) continue;
     picture.append(svg('rect', { x: x.toFixed(2), y: 0, width: w.toFixed(2), height: 10, class: `part-${part.kind}` }));
-    if (w > 26) {
+    if ((w / 100) * pixels > 7 * part.name.length + 6) {
       const label = html('span', { class: `bar-label on-${part.kind}`, 'aria-hidden': 'true' }, part.name);
       label.style.left = `${x + w / 2}%`;
       bar.append(label);

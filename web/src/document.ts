@@ -60,7 +60,8 @@ export interface Peak {
   direction: string;
   omega_rad_s: number;
   frequency_hz: number;
-  magnitude: number;
+  /** null where the mode behind it has no damping */
+  magnitude: number | null;
   mode: number;
   own: boolean;
 }

@@ -88,7 +88,7 @@ function marks(bode: Bode, which: 'real' | 'rigid', pair: Pair, frequency: numbe
     return (which === 'real' ? bode.peaks : bode.rigid_peaks)
       .filter((peak) => peak.direction === directions[pair.output])
       .filter((peak) => peak.frequency_hz >= first && peak.frequency_hz <= last)
-      .map((peak) => ({ frequency: peak.frequency_hz, magnitude: peak.magnitude, mode: peak.mode }));
+      .map((peak) => ({ frequency: peak.frequency_hz, magnitude: peak.magnitude ?? highest(H), mode: peak.mode }));
   const size = H.map(magnitude);
   const found: Mark[] = [];
   for (let i = 1; i + 1 < size.length; ++i)
@@ -100,6 +100,9 @@ function marks(bode: Bode, which: 'real' | 'rigid', pair: Pair, frequency: numbe
       });
   return found;
 }
+
+const highest = (H: Complex[]): number =>
+  H.map(magnitude).reduce((a, b) => (Number.isFinite(b) && b > a ? b : a), 0);
 
 /** Three decibels above the valleys on both sides. */
 function prominent(size: number[], peak: number): boolean {

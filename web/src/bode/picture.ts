@@ -30,6 +30,16 @@ export function logTicks(from: number, to: number): number[] {
   return values;
 }
 
+/** At most ten ticks of a logarithmic axis of magnitudes. */
+export function magnitudeTicks(from: number, to: number): number[] {
+  const decades = Math.log10(to / from);
+  const all = logTicks(from, to);
+  const isDecade = (value: number) => Math.abs(Math.log10(value) - Math.round(Math.log10(value))) < 1e-9;
+  const shown = decades > 2.5 ? all.filter(isDecade) : decades > 1 ? all.filter((v) => /^[125]/.test(v.toExponential())) : all;
+  const every = Math.ceil(shown.length / 10);
+  return shown.filter((_, i) => i % every === 0);
+}
+
 function path(frame: Frame, frequency: number[], y: (i: number) => number, breaks: (i: number) => boolean): string {
   return frequency
     .map((f, i) => `${i === 0 || breaks(i) ? 'M' : 'L'}${frame.x(f).toFixed(1)} ${y(i).toFixed(1)}`)
@@ -95,12 +105,7 @@ function magnitudePart(picture: SVGElement, curves: Curves, frame: Frame, top: n
   const y = (value: number) =>
     bottom - ((bottom - top) * Math.log(Math.max(value, low) / low)) / Math.log(high / low);
   box(picture, frame, top, bottom, colours);
-  const ticks = logTicks(low, high);
-  const every = Math.ceil(ticks.length / 10);
-  ticks.forEach((value, i) => {
-    if (i % every !== 0) return;
-    axisLine(picture, frame, y(value), tick(value), colours);
-  });
+  for (const value of magnitudeTicks(low, high)) axisLine(picture, frame, y(value), tick(value), colours);
   picture.append(
     svg(
       'text',
@@ -130,7 +135,14 @@ function phasePart(picture: SVGElement, curves: Curves, frame: Frame, top: numbe
 function box(picture: SVGElement, frame: Frame, top: number, bottom: number, colours: Palette) {
   const { left, right } = frame;
   picture.append(
-    svg('rect', { x: left, y: top, width: right - left, height: bottom - top, fill: 'none', stroke: colours.faint }),
+    svg('rect', {
+      x: left,
+      y: top,
+      width: right - left,
+      height: bottom - top,
+      fill: 'none',
+      stroke: colours.faint,
+    }),
   );
 }
 
@@ -200,7 +212,7 @@ function marksAt(
 }
 
 function legend(picture: SVGElement, curves: Curves, colours: Palette) {
-  const names = ['rigid legs', 'as it is (numbers: modes)'];
+  const names = ['rigid legs', 'flexible legs (numbers: modes)'];
   let x = width - margin.right - (curves.flexible ? 260 : 90);
   both(curves).forEach((H, k) => {
     if (!H) return;

@@ -6,7 +6,7 @@ import { magnitude, phase } from '../mechanics/response';
 import { tick } from '../numbers';
 import type { Palette } from '../palette';
 import { unitOf, type Curves, type Mark } from './curves';
-import { clusters } from './picture';
+import { clusters, logTicks, magnitudeTicks } from './picture';
 
 export interface PlotEvents {
   cursor(index: number | null): void;
@@ -90,21 +90,29 @@ export class BodePlot {
         bind: { dblclick: () => () => (this.events.reset(), null) },
       },
       scales: {
-        x: { distr: 3, time: false },
-        y: isMagnitude ? { distr: 3 } : { distr: 1, range: [-185, 185] },
+        x: { distr: 3, time: false, range: (_, min, max) => [min, max] },
+        y: isMagnitude ? { distr: 3, range: (_, min, max) => [min / 1.3, max * 1.6] } : { distr: 1, range: [-185, 185] },
       },
       axes: [
         {
           ...axis,
           size: isMagnitude ? 26 : 44,
           ...(isMagnitude ? {} : { label: 'frequency in Hz' }),
-          values: (_, splits) => splits.map((v) => (v === null ? '' : String(Number(v.toPrecision(3))))),
+          splits: (plot) => logTicks(plot.scales['x']!.min!, plot.scales['x']!.max!),
+          filter: (_, splits) => splits,
+          values: (_, splits) => splits.map((v) => String(Number(v.toPrecision(3)))),
         },
         {
           ...axis,
           size: left - 8,
           ...(isMagnitude
-            ? { label: unitOf(curves.pair), labelSize: 18, values: (_: uPlot, splits: number[]) => thin(splits) }
+            ? {
+                label: unitOf(curves.pair),
+                labelSize: 18,
+                splits: (plot: uPlot) => magnitudeTicks(plot.scales['y']!.min!, plot.scales['y']!.max!),
+                filter: (_: uPlot, splits: number[]) => splits,
+                values: (_: uPlot, splits: number[]) => splits.map(tick),
+              }
             : {
                 splits: () => [-180, -90, 0, 90, 180],
                 values: (_: uPlot, splits: number[]) => splits.map((v) => `${v}°`.replace('-', '−')),
@@ -114,7 +122,7 @@ export class BodePlot {
       series: [
         {},
         line('rigid legs', colours.rigid, [6, 4]),
-        ...(curves.flexible ? [line('as it is', colours.flexible)] : []),
+        ...(curves.flexible ? [line('flexible legs', colours.flexible)] : []),
       ],
       hooks: {
         setCursor: [(plot) => !this.silent && this.events.cursor(plot.cursor.idx ?? null)],
@@ -157,9 +165,3 @@ export class BodePlot {
   }
 }
 
-/** Labels of a logarithmic axis: decades only. */
-function thin(splits: number[]): string[] {
-  const decades = splits.filter((v) => v !== null && Math.abs(Math.log10(v) - Math.round(Math.log10(v))) < 1e-9);
-  const keep = decades.length >= 2 ? new Set(decades) : new Set(splits);
-  return splits.map((v) => (v !== null && keep.has(v) ? tick(v) : ''));
-}

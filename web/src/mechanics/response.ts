@@ -165,7 +165,9 @@ function around(model: ModalResponse, k: number): number[] {
   if (omega2 <= 0) return [];
   const omega = Math.sqrt(omega2);
   const row = model.damping[k];
-  const half = Math.max(0.5 * (typeof row === 'number' ? row : row[k]), 1e-6 * omega);
+  const gamma = typeof row === 'number' ? row : row[k];
+  const half = Math.max(0.5 * gamma, 1e-6 * omega);
   const steps = [0.15, 0.35, 0.6, 1, 1.6, 2.6, 4.5, 8];
-  return [omega, ...steps.flatMap((s) => [omega - s * half, omega + s * half])];
+  const peak = gamma > 0 ? [omega] : []; // without damping there is no value at a frequency of the machine
+  return [...peak, ...steps.flatMap((s) => [omega - s * half, omega + s * half])];
 }

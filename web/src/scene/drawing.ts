@@ -106,10 +106,10 @@ export function drawing(
   dot_(add(points.center, points.displacement), 0.02 * sizes.size, colours.sleeve, sizes.size);
   items.sort((a, b) => a.depth - b.depth);
 
-  const half = 0.92 * sizes.size;
+  const half = 1.12 * sizes.radius;
   const element = svg(
     'svg',
-    { viewBox: `${-half} ${-0.82 * half} ${2 * half} ${1.64 * half}`, role: 'img', class: 'drawing' },
+    { viewBox: [-half, -0.86 * half, 2 * half, 1.72 * half].map(coordinate).join(' '), role: 'img', class: 'drawing' },
     svg('title', {}, options.title),
     ...ghost(rest, order, at, colours, sizes.size),
     ...items.map((item) => item.element),

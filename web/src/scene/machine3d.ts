@@ -70,7 +70,8 @@ class Leg3D {
     this.lower = new Mesh(new SphereGeometry(1.15 * R, 20, 14), materials.gimbal);
     this.upper = new Mesh(new SphereGeometry(1.0 * R, 20, 14), materials.gimbal);
     this.label = label(String(index + 1), palette);
-    this.label.scale.setScalar(0.1 * sizes.size);
+    this.label.scale.setScalar(0.09 * sizes.size);
+    this.label.renderOrder = 9;
     for (const part of [this.tube, this.rod, this.piston, this.sleeve, this.lower, this.upper, this.passage])
       this.group.add(part);
     this.group.add(this.label);
@@ -166,7 +167,8 @@ class Plate {
 }
 
 function materialsOf(palette: Palette): Materials {
-  const solid = (color: string) => new MeshLambertMaterial({ color });
+  // `transparent` for all, so that one shader serves them: compiling them is most of the time to the first frame
+  const solid = (color: string) => new MeshLambertMaterial({ color, transparent: true });
   const clear = (color: string, opacity: number) =>
     new MeshLambertMaterial({ color, transparent: true, opacity, depthWrite: false });
   return {
@@ -175,9 +177,9 @@ function materialsOf(palette: Palette): Materials {
     sleeve: solid(palette.sleeve),
     piston: solid(palette.piston),
     gimbal: solid(palette.faint),
-    platform: new MeshLambertMaterial({ color: palette.platform, flatShading: true }),
-    base: new MeshLambertMaterial({ color: palette.base, flatShading: true }),
-    ghost: new LineBasicMaterial({ color: palette.ghost }),
+    platform: solid(palette.platform),
+    base: solid(palette.base),
+    ghost: new LineBasicMaterial({ color: palette.ghost, transparent: true, opacity: 0.7 }),
   };
 }
 

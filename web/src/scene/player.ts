@@ -11,7 +11,7 @@ export class Player {
   playing = true;
   phase = 0;
   /** Largest displacement as a share of the machine's size. */
-  relativeAmplitude = 0.09;
+  relativeAmplitude = 0.12;
   /** Periods shown per second. */
   speed = 0.5;
   knee = 1;

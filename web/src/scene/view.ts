@@ -4,7 +4,7 @@ import type { Geometry, Vector } from '../document';
 import type { LegPoints } from '../mechanics/leg';
 import type { MachinePoints } from '../mechanics/motion';
 import { sizeOf } from '../mechanics/motion';
-import { add, scale } from '../mechanics/vector';
+import { add, norm, scale, subtract } from '../mechanics/vector';
 
 export type Side = 'flexible' | 'rigid';
 
@@ -12,11 +12,11 @@ export type Side = 'flexible' | 'rigid';
 export interface Camera {
   azimuth: number;
   elevation: number;
-  /** Distance in sizes of the machine. */
+  /** Distance in radii of the machine. */
   distance: number;
 }
 
-export const homeCamera: Camera = { azimuth: -1.02, elevation: 0.3, distance: 3.6 };
+export const homeCamera: Camera = { azimuth: -1.02, elevation: 0.3, distance: 3.75 };
 
 export interface View {
   kind: 'webgl' | 'svg';
@@ -34,7 +34,10 @@ export interface View {
 
 export interface Sizes {
   target: Vector;
+  /** Longest leg [m]. */
   size: number;
+  /** Of a sphere about `target` that holds all joints [m]. */
+  radius: number;
   caseRadius(leg: number): number;
   rodRadius(leg: number): number;
   plate: number;
@@ -46,9 +49,12 @@ export function sizesOf(geometry: Geometry): Sizes {
   const bottom = geometry.legs.reduce<Vector>((sum, leg) => add(sum, leg.base_joint_m), [0, 0, 0]);
   const top = geometry.legs.reduce<Vector>((sum, leg) => add(sum, leg.platform_joint_m), [0, 0, 0]);
   const wall = 1.2;
+  const target = scale(1 / 12, add(bottom, top));
+  const joints = geometry.legs.flatMap((leg) => [leg.base_joint_m, leg.platform_joint_m]);
   return {
-    target: scale(1 / 12, add(bottom, top)),
+    target,
     size,
+    radius: Math.max(...joints.map((p) => norm(subtract(p, target)))),
     caseRadius: (leg) => (wall * (geometry.legs[leg]?.bore_m ?? 0.075 * size)) / 2,
     rodRadius: (leg) => (geometry.legs[leg]?.rod_diameter_m ?? 0.036 * size) / 2,
     plate: 0.03 * size,

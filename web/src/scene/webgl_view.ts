@@ -20,6 +20,14 @@ import { palette } from '../palette';
 import { Machine3D } from './machine3d';
 import { homeCamera, sizesOf, type Side, type View } from './view';
 
+/** Vertical field of view [°] at which the whole machine is seen at the usual distance. */
+function fieldOfView(aspect: number): number {
+  const usual = 26;
+  const fits = 1.08;
+  if (aspect > fits) return usual;
+  return (2 * Math.atan((Math.tan((usual * Math.PI) / 360) * fits) / aspect) * 180) / Math.PI;
+}
+
 interface Stage {
   scene: Scene;
   machine: Machine3D;
@@ -120,22 +128,22 @@ export class WebglView implements View {
     this.lookFrom(
       Math.atan2(arm.y, arm.x) + azimuth,
       Math.max(-limit, Math.min(limit, now + elevation)),
-      arm.length() / sizesOf(this.geometry!).size / zoom,
+      arm.length() / sizesOf(this.geometry!).radius / zoom,
     );
   }
 
   private lookFrom(azimuth: number, elevation: number, distance: number): void {
-    const { target, size } = sizesOf(this.geometry!);
-    const r = distance * size;
+    const { target, radius } = sizesOf(this.geometry!);
+    const r = distance * radius;
     this.controls.target.set(...target);
     this.camera.position
       .set(Math.cos(elevation) * Math.cos(azimuth), Math.cos(elevation) * Math.sin(azimuth), Math.sin(elevation))
       .multiplyScalar(r)
       .add(new Vector3(...target));
-    this.camera.near = 0.05 * size;
-    this.camera.far = 40 * size;
-    this.controls.minDistance = 1.2 * size;
-    this.controls.maxDistance = 12 * size;
+    this.camera.near = 0.05 * radius;
+    this.camera.far = 40 * radius;
+    this.controls.minDistance = 1.5 * radius;
+    this.controls.maxDistance = 15 * radius;
     this.controls.update();
   }
 
@@ -157,6 +165,7 @@ export class WebglView implements View {
       this.renderer.setViewport(x, y, w, h);
       this.renderer.setScissor(x, y, w, h);
       this.camera.aspect = w / h;
+      this.camera.fov = fieldOfView(w / h);
       this.camera.updateProjectionMatrix();
       this.renderer.render(stage.scene, this.camera);
     });

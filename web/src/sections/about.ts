@@ -8,7 +8,7 @@ import type { Section } from './registry';
 
 export const about: Section = {
   id: 'about',
-  title: 'How to reproduce this report',
+  title: 'Reproduction',
   applies: () => true,
   render,
 };

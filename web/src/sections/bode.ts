@@ -137,13 +137,13 @@ class BodeSection {
     const text = (list: Curves['marks']) =>
       list.map((mark) => `${hertz(mark.frequency)} Hz (mode ${mark.mode})`).join(', ') || 'none';
     const rigid = `Peaks with rigid legs: ${text(rigidMarks)}.`;
-    return this.curves.flexible ? `Peaks as it is: ${text(marks)}. ${rigid}` : rigid;
+    return this.curves.flexible ? `Peaks with flexible legs: ${text(marks)}. ${rigid}` : rigid;
   }
 
   private legend(): HTMLElement {
     const item = (kind: string, text: string) => html('li', {}, html('i', { class: `line line-${kind}` }), text);
     const items = [item('rigid', 'rigid legs')];
-    if (this.state.pose.model !== 'rigid') items.unshift(item('flexible', 'as it is (numbers: modes)'));
+    if (this.state.pose.model !== 'rigid') items.unshift(item('flexible', 'flexible legs (numbers: modes)'));
     return html('ul', { class: 'legend' }, ...items);
   }
 
@@ -228,7 +228,7 @@ class BodeSection {
         html('td', { class: 'numeric' }, h ? `${fixed(phase(h), 2)}°` : '–'),
       );
     const rows = [row('Rigid legs', now?.rigid)];
-    if (this.curves.flexible) rows.unshift(row('As it is', now?.flexible));
+    if (this.curves.flexible) rows.unshift(row('Flexible legs', now?.flexible));
     const where = now
       ? `${scientificOrPlain(now.frequency_hz)} Hz = ${scientificOrPlain(two_pi * now.frequency_hz)} rad/s`
       : 'Point at the diagram, or move the cursor’s slider';

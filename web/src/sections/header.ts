@@ -51,7 +51,7 @@ function subtitles(report: Report): string[] {
 }
 
 function navigation(sections: Section[]): HTMLElement {
-  const links = sections.map((section) =>
+  const links = sections.filter((section) => !section.printed).map((section) =>
     html('li', {}, html('a', { href: `#${section.id}` }, section.title)),
   );
   return html('nav', { 'aria-label': 'Sections' }, html('ul', {}, ...links));

@@ -84,12 +84,12 @@ function viewportHeads(pose: PoseReport, mode: Mode): HTMLElement[] {
     html('div', { class: `viewport-head ${kind}` }, html('strong', {}, name), ' ', html('span', {}, text));
   if (pose.model === 'rigid')
     return [title('rigid', 'Rigid legs', `mode ${mode.number}, ${hertz(mode.frequency_hz)} Hz`)];
-  const flexible = title('flexible', 'As it is', `mode ${mode.number}, ${hertz(mode.frequency_hz)} Hz`);
+  const flexible = title('flexible', 'Flexible legs', `mode ${mode.number}, ${hertz(mode.frequency_hz)} Hz`);
   const counterpart = mode.rigid && pose.rigid_modes[mode.rigid.mode - 1];
   const rigid =
     counterpart && mode.rigid && mode.rigid.mac >= comparable
-      ? title('rigid', 'With rigid legs', `mode ${counterpart.number}, ${hertz(counterpart.frequency_hz)} Hz`)
-      : title('rigid', 'With rigid legs', 'at rest: no such mode');
+      ? title('rigid', 'Rigid legs', `mode ${counterpart.number}, ${hertz(counterpart.frequency_hz)} Hz`)
+      : title('rigid', 'Rigid legs', 'at rest: no such mode');
   return [flexible, rigid];
 }
 
@@ -190,7 +190,7 @@ function motionSliders(player: Player) {
   const made = [
     slider(
       'Amplitude',
-      { min: 0, max: 25, step: 0.5, value: 100 * player.relativeAmplitude },
+      { min: 0, max: 30, step: 0.5, value: 100 * player.relativeAmplitude },
       (value) => `${fixed(value, 1)} % of size`,
       (value) => {
         player.relativeAmplitude = value / 100;

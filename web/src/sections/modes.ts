@@ -58,7 +58,7 @@ const columns: Column[] = [
     title: 'What moves',
     long: 'What moves: shares of the kinetic energy',
     key: legsShare,
-    cell: (mode) => [html('span', { class: 'mode-label' }, mode.label), stackedBar(motionParts(mode))],
+    cell: (mode) => [html('span', { class: 'mode-label' }, mode.label), stackedBar(motionParts(mode), 150)],
     numeric: false,
   },
   {

@@ -15,6 +15,7 @@ import type { Section } from './registry';
 export const pictures: Section = {
   id: 'pictures',
   title: 'Pictures of the modes',
+  printed: true,
   applies: (report) => report.poses.some((pose) => pose.modes.length > 0),
   render,
 };

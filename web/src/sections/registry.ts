@@ -14,6 +14,8 @@ import { pictures } from './pictures';
 export interface Section {
   id: string;
   title: string;
+  /** Shown on paper only. */
+  printed?: boolean;
   applies(report: Report): boolean;
   /** Fills `host` once; follows the reader's choices by listening to `state`. */
   render(state: State, host: HTMLElement): void;

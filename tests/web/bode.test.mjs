@@ -1,0 +1,175 @@
+// Bode diagrams: values against the command line's, chooser, zoom, peaks, downloads.
+import assert from 'node:assert/strict';
+import { readFileSync } from 'node:fs';
+import { test } from 'node:test';
+import { damped, json, model, near, nearComplex, published, report, withPage } from './support.mjs';
+
+const directions = ['x', 'y', 'z', 'rx', 'ry', 'rz'];
+/** The two ways to a value differ by rounding, times what a lightly damped resonance makes of it. */
+const tolerance = 1e-9;
+
+/** The response as `hydrapod bode` computes it at the frequencies of the page's grid. */
+function reference(machine, bode, points) {
+  const hertz = (omega) => `${omega / (2 * Math.PI)} Hz`;
+  return json(
+    'bode', ...machine, '--points', String(points),
+    '--from', hertz(bode.from_rad_s), '--to', hertz(bode.to_rad_s),
+  );
+}
+
+for (const [name, machine] of [
+  ['real modes', [published]],
+  ['complex modes', damped],
+  ['no damping but dampers', [...damped.slice(0, -2), '--set', 'damping.modal_ratio=0']],
+])
+  test(`cursor values equal those of the command line: ${name}`, async () => {
+    const points = 40;
+    await withPage(report(...machine, '--points', String(points)), {}, async (page) => {
+      const pose = await page.evaluate(() => window.hydrapod.report.poses[0]);
+      const expected = reference(machine, pose.bode, points);
+      for (const [output, input] of [[0, 0], [1, 1], [5, 5], [0, 4], [4, 0], [2, 2]]) {
+        const { re, im } = expected.response[directions[output]][directions[input]];
+        const diagonal = expected.response[directions[output]][directions[output]];
+        for (let i = 0; i < points; i += 3) {
+          const f = expected.frequency_hz[i];
+          const cursor = await page.evaluate(
+            ([o, n, at]) => {
+              const { bode } = window.hydrapod;
+              bode.choose(o, n);
+              bode.setCursor(at);
+              return bode.cursor();
+            },
+            [output, input, f],
+          );
+          near(cursor.frequency_hz, f, 1e-12 * f, 'frequency');
+          // couplings are small differences of large terms
+          const scale = output === input ? 0 : tolerance * Math.hypot(diagonal.re[i], diagonal.im[i]);
+          const value = { re: re[i], im: im[i] };
+          if (Math.hypot(re[i], im[i]) > 1e6 * scale)
+            nearComplex(cursor.flexible, value, tolerance, `${name}: H(${output}, ${input}) at ${f} Hz`);
+        }
+      }
+    });
+  });
+
+test('the cursor’s row shows magnitude and phase', async () => {
+  await withPage(report(published), {}, async (page) => {
+    const cursor = await page.evaluate(() => {
+      window.hydrapod.bode.choose(0, 0);
+      window.hydrapod.bode.setCursor(7.4);
+      return window.hydrapod.bode.cursor();
+    });
+    const text = await page.locator('.readout').innerText();
+    const size = Math.hypot(cursor.flexible.re, cursor.flexible.im);
+    const [mantissa] = size.toExponential(5).split('e');
+    const degrees = (Math.atan2(cursor.flexible.im, cursor.flexible.re) * 180) / Math.PI;
+    assert.ok(text.includes(mantissa), `${text} has ${mantissa}`);
+    assert.ok(text.includes(`${degrees.toFixed(2).replace('-', '−')}°`), `${text} has ${degrees}`);
+    assert.match(text, /m\/N/);
+  });
+});
+
+test('pointing at the diagram and moving the slider move the cursor', async () => {
+  await withPage(report(published), {}, async (page) => {
+    const over = page.locator('.u-over').first();
+    await over.scrollIntoViewIfNeeded();
+    const box = await over.boundingBox();
+    await page.mouse.move(box.x + box.width / 2, box.y + box.height / 2);
+    await page.waitForFunction(() => window.hydrapod.bode.cursor() !== null);
+    const [from, to] = await page.evaluate(() => window.hydrapod.bode.band());
+    const middle = await page.evaluate(() => window.hydrapod.bode.cursor().frequency_hz);
+    near(Math.log(middle / Math.sqrt(from * to)), 0, 0.02, 'middle of the band');
+    await page.locator('[data-control="cursor"]').fill('1000');
+    near(await page.evaluate(() => window.hydrapod.bode.cursor().frequency_hz), to, 1e-6 * to, 'end of the band');
+  });
+});
+
+test('dragging zooms, with the curve computed anew; reset shows the whole band', async () => {
+  await withPage(report(published), {}, async (page) => {
+    const band = () => page.evaluate(() => window.hydrapod.bode.band());
+    const whole = await band();
+    const over = page.locator('.u-over').first();
+    await over.scrollIntoViewIfNeeded();
+    const box = await over.boundingBox();
+    await page.mouse.move(box.x + 0.3 * box.width, box.y + 50);
+    await page.mouse.down();
+    await page.mouse.move(box.x + 0.5 * box.width, box.y + 60, { steps: 5 });
+    await page.mouse.up();
+    const zoomed = await band();
+    const at = (share) => whole[0] * (whole[1] / whole[0]) ** share;
+    near(zoomed[0] / at(0.3), 1, 0.02, 'from');
+    near(zoomed[1] / at(0.5), 1, 0.02, 'to');
+    await page.click('[data-control="zoom-reset"]');
+    assert.deepEqual(await band(), whole);
+    await page.click('[data-control="zoom-in"]');
+    const nearer = await band();
+    assert.ok(nearer[1] / nearer[0] < whole[1] / whole[0]);
+    await page.click('[data-control="zoom-out"]');
+    near(Math.log((await band())[1] / whole[1]), 0, 1e-9, 'zoomed out again');
+  });
+});
+
+test('the 6×6 chooser: all pairs, by mouse and by arrow keys', async () => {
+  await withPage(report(published), {}, async (page) => {
+    assert.equal(await page.locator('.chooser button').count(), 36);
+    await page.click('[data-pair="2,2"]');
+    assert.match(await page.locator('#bode-pair').innerText(), /z per force z/);
+    await page.locator('[data-pair="2,2"]').press('ArrowDown');
+    assert.match(await page.locator('#bode-pair').innerText(), /rx per force z/);
+    assert.match(await page.locator('#bode .note').last().innerText(), /not coupled/);
+    await page.locator('[data-pair="3,2"]').press('ArrowRight');
+    assert.equal(await page.locator('[data-pair="3,3"]').getAttribute('aria-pressed'), 'true');
+    assert.equal(await page.locator('.chooser button[tabindex="0"]').count(), 1);
+  });
+});
+
+test('peaks carry their mode: those that the command line lists', async () => {
+  const { peaks } = json('bode', published);
+  await withPage(report(published), {}, async (page) => {
+    await page.click('[data-pair="0,0"]');
+    const text = await page.locator('.bode-choice .note').innerText();
+    for (const peak of peaks.filter((p) => p.direction === 'x' && p.own))
+      assert.ok(text.includes(`(mode ${peak.mode})`), `${text} has mode ${peak.mode}`);
+  });
+});
+
+async function saved(page, control) {
+  const [download] = await Promise.all([page.waitForEvent('download'), page.click(`[data-control="${control}"]`)]);
+  return { name: download.suggestedFilename(), content: readFileSync(await download.path()) };
+}
+
+test('downloads: SVG, PNG, CSV and JSON', async () => {
+  await withPage(report(model('zhang-jiang-2021-transverse.toml')), {}, async (page) => {
+    await page.click('[data-pair="0,0"]');
+    const svg = await saved(page, 'svg');
+    assert.equal(svg.name, 'bode-x-x.svg');
+    const text = svg.content.toString();
+    assert.match(text, /<svg[^>]* xmlns="http:\/\/www.w3.org\/2000\/svg"/);
+    const sound = await page.evaluate((source) => {
+      const parsed = new DOMParser().parseFromString(source, 'image/svg+xml');
+      return { error: parsed.querySelector('parsererror') !== null, curves: parsed.querySelectorAll('path').length };
+    }, text);
+    assert.deepEqual(sound, { error: false, curves: 4 });
+
+    const png = await saved(page, 'png');
+    assert.equal(png.name, 'bode-x-x.png');
+    assert.equal(png.content.subarray(1, 4).toString(), 'PNG');
+    assert.ok(png.content.readUInt32BE(16) >= 1600, 'wide enough for a paper');
+
+    const csv = await saved(page, 'csv');
+    assert.equal(csv.name, 'bode-x-x.csv');
+    const [head, ...rows] = csv.content.toString().trim().split('\n').map((line) => line.split(','));
+    assert.deepEqual(head.slice(0, 4), ['frequency_hz', 'omega_rad_s', 'flexible_re', 'flexible_im']);
+    assert.ok(rows.length >= 600 && rows.every((row) => row.length === head.length && row.every((v) => Number.isFinite(Number(v)))));
+    const row = rows[123].map(Number);
+    const cursor = await page.evaluate((f) => {
+      window.hydrapod.bode.setCursor(f);
+      return window.hydrapod.bode.cursor();
+    }, row[0]);
+    assert.deepEqual([cursor.flexible.re, cursor.flexible.im], [row[2], row[3]]);
+    near(row[4], Math.hypot(row[2], row[3]), 1e-15 * row[4], 'magnitude');
+
+    const data = await saved(page, 'json');
+    assert.deepEqual(JSON.parse(data.content), await page.evaluate(() => window.hydrapod.report));
+  });
+});

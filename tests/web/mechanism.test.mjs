@@ -1,0 +1,180 @@
+// The moving machine: what is drawn is what the mode shape says.
+import assert from 'node:assert/strict';
+import { test } from 'node:test';
+import { firstOrderPoints, straight } from './exact_leg.mjs';
+import { damped, near, published, report, withPage } from './support.mjs';
+
+const tolerance = 1e-6; // [m]
+
+/** Motion of leg i in the coordinates `y`: of its joint, and its flexible ones times `knee`. */
+function legMotion(pose, leg, i, y, knee) {
+  const c = pose.geometry.platform.mass_center_m;
+  const r = leg.platform_joint_m.map((x, k) => x - c[k]);
+  const [w0, w1, w2] = y.slice(3, 6);
+  const turn = [w1 * r[2] - w2 * r[1], w2 * r[0] - w0 * r[2], w0 * r[1] - w1 * r[0]];
+  const perLeg = (y.length - 6) / 6;
+  const own = [...y.slice(6 + i * perLeg, 6 + (i + 1) * perLeg), 0, 0, 0, 0].slice(0, 4);
+  return { joint: turn.map((x, k) => x + y[k]), flexible: own.map((x) => knee * x) };
+}
+
+/** y(θ) = Re[(r + i m) e^{iθ}] */
+const atPhase = (mode, phase) =>
+  mode.shape.map((x, k) => Math.cos(phase) * x - Math.sin(phase) * (mode.shape_imaginary?.[k] ?? 0));
+
+async function drawn(page, side) {
+  return page.evaluate((which) => {
+    const { scene } = window.hydrapod;
+    return { motion: scene.motion(), legs: [1, 2, 3, 4, 5, 6].map((leg) => scene.jointPositions(leg, which)) };
+  }, side);
+}
+
+function compare(points, expected, what) {
+  for (const [key, value] of Object.entries(expected))
+    value.forEach((x, k) => near(points[key][k], x, tolerance, `${what}, ${key}[${k}]`));
+}
+
+/** Compares both sides at a phase with the document's shapes. */
+async function checkMode(page, pose, mode, phase) {
+  await page.evaluate((value) => window.hydrapod.scene.setPhase(value), phase);
+  const { motion, legs } = await drawn(page, 'flexible');
+  const y = atPhase(mode, phase);
+  legs.forEach((points, i) => {
+    const leg = pose.geometry.legs[i];
+    const expected = firstOrderPoints(leg, legMotion(pose, leg, i, y, motion.knee), motion.amplitude);
+    compare(points, expected, `mode ${mode.number}, leg ${i + 1}`);
+  });
+  const rigid = await drawn(page, 'rigid');
+  const counterpart = mode.rigid && pose.rigid_modes[mode.rigid.mode - 1];
+  rigid.legs.forEach((points, i) => {
+    const leg = straight(pose.geometry.legs[i]);
+    const z = counterpart ? atPhase(counterpart, phase) : [0, 0, 0, 0, 0, 0];
+    const expected = firstOrderPoints(leg, legMotion(pose, leg, i, z, 1), motion.rigidAmplitude);
+    compare(points, expected, `rigid beside mode ${mode.number}, leg ${i + 1}`);
+  });
+}
+
+const choose = (page, number) => page.evaluate((n) => window.hydrapod.state.chooseMode(n), number);
+
+for (const [name, words] of [
+  ['published machine', [published]],
+  ['30 complex modes under gravity', damped],
+  ['another pose', [...damped, '--pose', 'z=60 mm, rx=4 deg, y=30 mm']],
+]) {
+  test(`${name}: every point of every leg is where the shape puts it`, async () => {
+    await withPage(report(...words), {}, async (page) => {
+      const pose = await page.evaluate(() => window.hydrapod.report.poses[0]);
+      for (const mode of pose.modes) {
+        await choose(page, mode.number);
+        await checkMode(page, pose, mode, 0.7);
+      }
+    });
+  });
+}
+
+test('complex modes move with their phases', async () => {
+  await withPage(report(...damped), {}, async (page) => {
+    const mode = await page.evaluate(() =>
+      window.hydrapod.report.poses[0].modes.find((m) => m.shape_imaginary?.some((x) => Math.abs(x) > 1e-3)),
+    );
+    assert.ok(mode, 'the dampers make some mode complex');
+    await choose(page, mode.number);
+    const pose = await page.evaluate(() => window.hydrapod.report.poses[0]);
+    for (const phase of [0, Math.PI / 2, 2.5]) await checkMode(page, pose, mode, phase);
+  });
+});
+
+test('choosing a mode in the table changes what is drawn, and frames differ', async () => {
+  await withPage(report(published), {}, async (page) => {
+    await page.evaluate(() => window.hydrapod.scene.setPhase(0));
+    const before = (await drawn(page, 'flexible')).legs;
+    await page.click('[data-mode="16"]');
+    await page.waitForFunction(() => window.hydrapod.state.mode.number === 16);
+    await page.evaluate(() => window.hydrapod.scene.setPhase(0));
+    const behind = (await drawn(page, 'flexible')).legs;
+    assert.notDeepEqual(before, behind);
+
+    await page.click('[data-control="play"]');
+    const canvas = page.locator('canvas.machine');
+    const first = await canvas.screenshot();
+    const { phase } = await page.evaluate(() => window.hydrapod.scene.motion());
+    await page.waitForFunction((p) => Math.abs(window.hydrapod.scene.motion().phase - p) > 0.5, phase);
+    const second = await canvas.screenshot();
+    assert.ok(!first.equals(second), 'the picture moves');
+
+    await page.click('[data-control="play"]');
+    const frames = await page.evaluate(() => window.hydrapod.scene.frames());
+    await page.waitForTimeout(300);
+    const later = await page.evaluate(() => window.hydrapod.scene.frames());
+    assert.ok(later - frames <= 1, 'paused');
+  });
+});
+
+test('sliders, reset, view buttons and leg numbers', async () => {
+  await withPage(report(published), {}, async (page) => {
+    const slide = (name, value) => page.locator(`[data-control="${name}"]`).fill(String(value));
+    const motion = () => page.evaluate(() => window.hydrapod.scene.motion());
+    const usual = await motion();
+    await slide('amplitude', 18);
+    near((await motion()).amplitude, 2 * usual.amplitude, 1e-12 * usual.amplitude, 'amplitude');
+    await slide('knee', 4);
+    assert.equal((await motion()).knee, 4);
+    const pose = await page.evaluate(() => window.hydrapod.report.poses[0]);
+    await checkMode(page, pose, pose.modes[0], 0.3);
+
+    await slide('speed', 2);
+    await page.click('[data-control="reset"]');
+    const again = await motion();
+    near(again.amplitude, usual.amplitude, 1e-12 * usual.amplitude, 'amplitude after reset');
+    assert.equal(again.knee, 1);
+    assert.equal(again.playing, true);
+
+    await page.evaluate(() => window.hydrapod.scene.setPhase(0));
+    const canvas = page.locator('canvas.machine');
+    const straightOn = await canvas.screenshot();
+    await page.click('[aria-label="Turn left"]');
+    await page.waitForTimeout(200);
+    const turned = await canvas.screenshot();
+    assert.ok(!straightOn.equals(turned), 'the view turns');
+    await page.uncheck('[data-control="labels"]');
+    await page.waitForTimeout(200);
+    assert.ok(!turned.equals(await canvas.screenshot()), 'the numbers go');
+  });
+});
+
+test('the picture turns when it is dragged', async () => {
+  await withPage(report(published), {}, async (page) => {
+    await page.evaluate(() => window.hydrapod.scene.setPhase(0));
+    const canvas = page.locator('canvas.machine');
+    const before = await canvas.screenshot();
+    const box = await canvas.boundingBox();
+    await page.mouse.move(box.x + 100, box.y + 150);
+    await page.mouse.down();
+    await page.mouse.move(box.x + 180, box.y + 150, { steps: 4 });
+    await page.mouse.up();
+    await page.waitForTimeout(200);
+    assert.ok(!before.equals(await canvas.screenshot()));
+  });
+});
+
+test('a rigid model stands alone', async () => {
+  await withPage(report(published, '--model', 'rigid'), {}, async (page) => {
+    assert.equal(await page.locator('.viewport-head').count(), 1);
+    assert.equal(await page.locator('.col-mac').count(), 0);
+  });
+});
+
+test('without WebGL the machine is drawn flat, and says so', async () => {
+  const launch = () => {
+    const original = HTMLCanvasElement.prototype.getContext;
+    HTMLCanvasElement.prototype.getContext = function (kind, ...rest) {
+      return kind.startsWith('webgl') ? null : original.call(this, kind, ...rest);
+    };
+  };
+  await withPage(report(published), { launch }, async (page) => {
+    assert.equal(await page.evaluate(() => window.hydrapod.scene.kind), 'svg');
+    assert.match(await page.locator('#mechanism').innerText(), /no WebGL/);
+    assert.equal(await page.locator('.machine.flat svg').count(), 2);
+    const pose = await page.evaluate(() => window.hydrapod.report.poses[0]);
+    await checkMode(page, pose, pose.modes[0], 1);
+  });
+});

@@ -1,0 +1,140 @@
+// What the tests of the pages share: reports made by the program, and a browser to open them in.
+//
+// Environment, set by CMake: HYDRAPOD_PROGRAM, HYDRAPOD_SOURCE (the repository), HYDRAPOD_WEB (the folder with
+// node_modules), HYDRAPOD_CHROMIUM.
+import assert from 'node:assert/strict';
+import { execFileSync } from 'node:child_process';
+import { mkdtempSync, readFileSync, rmSync, writeFileSync } from 'node:fs';
+import { createRequire } from 'node:module';
+import { tmpdir } from 'node:os';
+import { join } from 'node:path';
+import { after, before } from 'node:test';
+import { pathToFileURL } from 'node:url';
+
+const { HYDRAPOD_PROGRAM, HYDRAPOD_SOURCE, HYDRAPOD_WEB, HYDRAPOD_CHROMIUM } = process.env;
+assert.ok(HYDRAPOD_PROGRAM && HYDRAPOD_SOURCE && HYDRAPOD_WEB, 'started by ctest, which says where things are');
+
+const require = createRequire(join(HYDRAPOD_WEB, 'package.json'));
+const { chromium } = require('playwright-core');
+export const moduleText = (name) => readFileSync(require.resolve(name), 'utf8');
+
+const folder = mkdtempSync(join(tmpdir(), 'hydrapod-web-'));
+let browser;
+
+before(async () => {
+  browser = await chromium.launch({
+    executablePath: HYDRAPOD_CHROMIUM ?? '/usr/bin/chromium',
+    headless: true,
+    args: [
+      '--no-sandbox',
+      '--use-angle=swiftshader',
+      '--enable-unsafe-swiftshader',
+      '--disable-quic',
+      '--no-first-run',
+      '--disable-background-networking',
+      '--disable-component-update',
+      '--disable-sync',
+    ],
+  });
+});
+
+after(async () => {
+  await browser?.close();
+  rmSync(folder, { recursive: true, force: true });
+});
+
+export const model = (name) => join(HYDRAPOD_SOURCE, 'models', name);
+export const published = model('zhang-jiang-2021.toml');
+export const temporary = (name) => join(folder, name);
+
+/** Runs the program; its standard output. */
+export function hydrapod(...words) {
+  return execFileSync(HYDRAPOD_PROGRAM, words, {
+    encoding: 'utf8',
+    maxBuffer: 1 << 28,
+    stdio: ['ignore', 'pipe', 'pipe'],
+  });
+}
+
+export const json = (...words) => JSON.parse(hydrapod(...words, '--format', 'json'));
+
+let reports = 0;
+/** Makes a report and returns where it is. */
+export function report(...words) {
+  const file = temporary(`report-${++reports}.html`);
+  hydrapod('report', ...words, '-o', file);
+  return file;
+}
+
+/** A copy of a machine file with other text in it. */
+export function changed(file, ...replacements) {
+  let text = readFileSync(file, 'utf8');
+  for (const [from, to] of replacements) {
+    assert.ok(text.includes(from), `${file} has ${from}`);
+    text = text.replace(from, () => to);
+  }
+  const copy = temporary(`machine-${++reports}.toml`);
+  writeFileSync(copy, text);
+  return copy;
+}
+
+/** The published machine with piston rings and dampers: 30 modes, complex. */
+export const damped = [
+  published,
+  '--set', 'environment.gravity=9.81',
+  '--set', 'legs.piston_ring.stiffness=2e6 N/m',
+  '--set', 'legs.guide_sleeve.damping=60 N s/m',
+  '--set', 'legs.oil_spring.damping=4000 N s/m',
+  '--set', 'damping.modal_ratio=0.003',
+];
+
+/** Opens a report from disk. What it logs as an error and every request that leaves it are collected. */
+export async function open(file, options = {}) {
+  const { launch, ...context } = options;
+  const page = await browser.newPage({ viewport: { width: 1400, height: 1000 }, ...context });
+  page.problems = [];
+  page.on('console', (message) => {
+    if (message.type() === 'error') page.problems.push(message.text());
+  });
+  page.on('pageerror', (error) => page.problems.push(String(error)));
+  page.on('request', (request) => {
+    const url = request.url();
+    const own = url === pathToFileURL(file).href || /^(data|blob):/.test(url);
+    if (!own) page.problems.push(`request to ${url}`);
+  });
+  if (launch) await page.addInitScript(launch);
+  await page.goto(pathToFileURL(file).href);
+  await page.waitForFunction(() => window.hydrapod?.scene === undefined || window.hydrapod.scene.frames() > 0);
+  return page;
+}
+
+export async function close(page) {
+  assert.deepEqual(page.problems, [], 'no error on the console, no request');
+  await page.close();
+}
+
+/** Opens, tests, closes; nothing may have gone wrong on the page. */
+export async function withPage(file, options, body) {
+  const page = await open(file, options);
+  try {
+    await body(page);
+  } catch (error) {
+    if (page.problems.length > 0) error.message += `\non the page: ${page.problems.join('\n')}`;
+    await page.close();
+    throw error;
+  }
+  await close(page);
+}
+
+export const near = (actual, expected, tolerance, what) =>
+  assert.ok(
+    Math.abs(actual - expected) <= tolerance,
+    `${what}: ${actual} is not ${expected} within ${tolerance}`,
+  );
+
+/** |actual − expected| ≤ tolerance |expected|, of complex numbers. */
+export const nearComplex = (actual, expected, tolerance, what) => {
+  const distance = Math.hypot(actual.re - expected.re, actual.im - expected.im);
+  const size = Math.hypot(expected.re, expected.im);
+  assert.ok(distance <= tolerance * size, `${what}: off by ${distance / size}`);
+};
