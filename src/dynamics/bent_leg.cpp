@@ -34,8 +34,8 @@ struct RodDirection {
   }
 };
 
-/// A point of the leg, in the case frame: P = (s n + u) + ξ e for points of the rod, P fixed for those
-/// of the case.
+/// A point of the leg, in the case frame: P = (s n + u) + ξ e for points of the rod, P fixed for
+/// those of the case.
 struct LegPoint {
   Vector3 P{};
   double xi{};
@@ -55,7 +55,8 @@ struct Configuration {
   }
 };
 
-/// Closes the leg: extension and gimbal angles from the joint position. `L`: base to platform joint.
+/// Closes the leg: extension and gimbal angles from the joint position. `L`: base to platform
+/// joint.
 bool close_leg(const model::Leg& leg, const Vector3& L, const Vector3& a1, const LegState& state,
                Configuration& at) {
   const Vector3 q = Vector3(at.u[0], at.u[1], 0.0) + leg.rod.length * at.rod.e;
@@ -172,8 +173,9 @@ Matrix7 chart_mass(const model::Leg& leg, const Configuration& at, const Matrix3
   return M + rod.axial_inertia * spin * spin.transpose();
 }
 
-/// Rate of a lateral vector `v` of the case that the case sees. With transverse axes the case does not spin
-/// about n, but the chart does, with σ = (a1·n) α̇; then σ n × v is added to the rates in the chart.
+/// Rate of a lateral vector `v` of the case that the case sees. With transverse axes the case does
+/// not spin about n, but the chart does, with σ = (a1·n) α̇; then σ n × v is added to the rates in
+/// the chart.
 Matrix27 seen_by_case(const Configuration& at, const Matrix27& chart_rates, const Vector2& v,
                       const Matrix7& T, bool gimbal) {
   Matrix27 rates = chart_rates * T;
@@ -190,6 +192,74 @@ Matrix7 chart_from_local(const Matrix37& joint_rates) {
   return T;
 }
 
+/// The points that carry mass or force, with their rates in the chart.
+struct LegPoints {
+  LegPoint joint, rod_center, case_center;
+  Matrix37 joint_rates, rod_rates, case_rates;
+
+  LegPoints(const model::Leg& leg, const Configuration& at)
+      : joint(at.rod_point(leg.rod.length)),
+        rod_center(at.rod_point(leg.rod.mass_center)),
+        case_center{leg.cylinder_case.mass_center * n_L, 0.0, false},
+        joint_rates(point_rates(at, joint)),
+        rod_rates(point_rates(at, rod_center)),
+        case_rates(point_rates(at, case_center)) {}
+};
+
+/// Weights of case and rod as potential gradients: −m g, in the case frame.
+struct Weights {
+  Vector3 tube, rod;
+};
+
+/// ∂V/∂chart.
+Vector7 chart_gradient(const LegElement& element, const Configuration& at, const LegPoints& points,
+                       const SleeveOffset& sleeve, const Weights& weights, double oil_force) {
+  Vector7 gradient = element.k_s * sleeve.D.transpose() * sleeve.d +
+                     points.case_rates.transpose() * weights.tube +
+                     points.rod_rates.transpose() * weights.rod;
+  gradient[extension] += oil_force;
+  gradient.tail<2>() += element.k_g * at.u;
+  return gradient;
+}
+
+/// ∂²V/∂chart² − λ·∂²a/∂chart² at constant oil force.
+Matrix7 chart_hessian(const LegElement& element, const Configuration& at, const LegPoints& points,
+                      const SleeveOffset& sleeve, const Weights& weights, const Vector3& lambda) {
+  Matrix7 H = element.k_s * (sleeve.D.transpose() * sleeve.D + sleeve.d[0] * sleeve.D2[0] +
+                             sleeve.d[1] * sleeve.D2[1]);
+  H(offset, offset) += element.k_g;
+  H(offset + 1, offset + 1) += element.k_g;
+  add_point_curvature(at, points.case_center, points.case_rates, weights.tube, H);
+  add_point_curvature(at, points.rod_center, points.rod_rates, weights.rod, H);
+  add_point_curvature(at, points.joint, points.joint_rates, -lambda, H);
+  return H;
+}
+
+/// The leg's viscous dampers.
+Matrix7 leg_damping(const model::Leg& leg, const LegElement& element, const Configuration& at,
+                    const Matrix7& T, bool gimbal) {
+  Matrix7 C = leg.guide_sleeve.damping * element.d_x.transpose() * element.d_x +
+              leg.oil_spring.damping * element.s_x * element.s_x.transpose();
+  if (!leg.piston_ring) return C;
+  Matrix27 offset_rates = Matrix27::Zero();
+  offset_rates.rightCols<2>().setIdentity();
+  const Matrix27 u_x = seen_by_case(at, offset_rates, at.u, T, gimbal);
+  return C + leg.piston_ring->damping * u_x.transpose() * u_x;
+}
+
+/// Lengths, springs and frame of the element; its matrices follow later.
+void describe(const model::Leg& leg, const Configuration& at, double length, bool gimbal,
+              LegElement& element) {
+  element.frame.R_BL = at.R_BL;
+  element.frame.tan_gimbal = gimbal ? at.a1.z() / at.a1.x() : 0.0;
+  element.l = length;
+  element.l_m = at.s;
+  element.l_mh = leg.guide_sleeve.position - at.s;
+  element.k_h = hydraulics::oil_stiffness(leg, at.s);
+  element.k_s = leg.guide_sleeve.stiffness;
+  element.k_g = leg.piston_ring ? leg.piston_ring->stiffness : 0.0;
+}
+
 }  // namespace
 
 BentLeg bent_leg(const model::Leg& leg, const Vector3& a, model::FlexibleAxes axes,
@@ -197,65 +267,33 @@ BentLeg bent_leg(const model::Leg& leg, const Vector3& a, model::FlexibleAxes ax
   BentLeg bent;
   const Vector3 L = a - leg.base_joint;
   const Vector3 a1 = frame_axis(L.normalized(), leg.gimbal_axis, axes);
-  Configuration at{RodDirection(state.flexible[0], state.flexible[1]), {}, {}, {},
-                   state.flexible.tail<2>()};
+  Configuration at{
+      RodDirection(state.flexible[0], state.flexible[1]), {}, {}, {}, state.flexible.tail<2>()};
   bent.exists = close_leg(leg, L, a1, state, at);
   if (!bent.exists) return bent;
   const bool gimbal = axes == model::FlexibleAxes::gimbal;
-
   auto& element = bent.element;
-  element.frame.R_BL = at.R_BL;
-  element.frame.tan_gimbal = gimbal ? at.a1.z() / at.a1.x() : 0.0;
-  element.l = L.norm();
-  element.l_m = at.s;
-  element.l_mh = leg.guide_sleeve.position - at.s;
-  element.k_h = hydraulics::oil_stiffness(leg, at.s);
-  element.k_s = leg.guide_sleeve.stiffness;
-  element.k_g = leg.piston_ring ? leg.piston_ring->stiffness : 0.0;
+  describe(leg, at, L.norm(), gimbal, element);
 
-  const LegPoint joint = at.rod_point(leg.rod.length);
-  const LegPoint rod_center = at.rod_point(leg.rod.mass_center);
-  const LegPoint case_center{leg.cylinder_case.mass_center * n_L};
-  const Matrix37 joint_rates = point_rates(at, joint);
-  const Matrix37 rod_rates = point_rates(at, rod_center);
-  const Matrix37 case_rates = point_rates(at, case_center);
+  const LegPoints points(leg, at);
   const SleeveOffset sleeve(at, leg.guide_sleeve.position);
   const Vector3 g_L = at.R_BL.transpose() * gravity;
-  const Vector3 case_weight = -leg.cylinder_case.mass * g_L;
-  const Vector3 rod_weight = -leg.rod.mass * g_L;
+  const Weights weights{-leg.cylinder_case.mass * g_L, -leg.rod.mass * g_L};
+  const Vector7 gradient = chart_gradient(element, at, points, sleeve, weights, state.oil_force);
 
-  Vector7 gradient = element.k_s * sleeve.D.transpose() * sleeve.d +
-                     case_rates.transpose() * case_weight + rod_rates.transpose() * rod_weight;
-  gradient[extension] += state.oil_force;
-  gradient.tail<2>() += element.k_g * at.u;
-
-  const Matrix7 T = chart_from_local(joint_rates);
+  const Matrix7 T = chart_from_local(points.joint_rates);
   const Vector3 lambda = T.topLeftCorner<3, 3>().transpose() * gradient.head<3>();
   bent.joint_force = at.R_BL * lambda;
   bent.flexible_gradient =
-      gradient.tail<4>() - joint_rates.rightCols<4>().transpose() * lambda;
-
-  Matrix7 H = element.k_s * (sleeve.D.transpose() * sleeve.D + sleeve.d[0] * sleeve.D2[0] +
-                             sleeve.d[1] * sleeve.D2[1]);
-  H(5, 5) += element.k_g;
-  H(6, 6) += element.k_g;
-  add_point_curvature(at, case_center, case_rates, case_weight, H);
-  add_point_curvature(at, rod_center, rod_rates, rod_weight, H);
-  add_point_curvature(at, joint, joint_rates, -lambda, H);
+      gradient.tail<4>() - points.joint_rates.rightCols<4>().transpose() * lambda;
 
   element.s_x = T.row(extension).transpose();
   element.d_x = seen_by_case(at, sleeve.D, sleeve.d, T, gimbal);
-  bent.K_without_oil = T.transpose() * H * T;
+  bent.K_without_oil =
+      T.transpose() * chart_hessian(element, at, points, sleeve, weights, lambda) * T;
   element.K = bent.K_without_oil + element.k_h * element.s_x * element.s_x.transpose();
-  element.M = T.transpose() * chart_mass(leg, at, case_rates, rod_rates, gimbal) * T;
-  element.C = leg.guide_sleeve.damping * element.d_x.transpose() * element.d_x +
-              leg.oil_spring.damping * element.s_x * element.s_x.transpose();
-  if (leg.piston_ring) {
-    Matrix27 offset_rates = Matrix27::Zero();
-    offset_rates.rightCols<2>().setIdentity();
-    const Matrix27 u_x = seen_by_case(at, offset_rates, at.u, T, gimbal);
-    element.C += leg.piston_ring->damping * u_x.transpose() * u_x;
-  }
+  element.M = T.transpose() * chart_mass(leg, at, points.case_rates, points.rod_rates, gimbal) * T;
+  element.C = leg_damping(leg, element, at, T, gimbal);
   return bent;
 }
 

@@ -9,8 +9,8 @@ namespace hydrapod::dynamics {
 
 namespace {
 
-/// The machine with growing load; follows the equilibrium from one stable load to the next, so that no other
-/// branch (legs folded the other way) is taken for it.
+/// The machine with growing load; follows the equilibrium from one stable load to the next, so that
+/// no other branch (legs folded the other way) is taken for it.
 class LoadPath {
  public:
   LoadPath(const model::Machine& machine, const spatial::Pose& X_BP, ModelKind kind)
@@ -35,7 +35,8 @@ class LoadPath {
 
   /// True when the stiffness was not about to vanish at the last load that stood.
   [[nodiscard]] bool ends_at_limit_point() const {
-    constexpr double vanishing = 1e-3;  // far above what the bisection leaves of a mode that goes to zero
+    constexpr double vanishing =
+        1e-3;  // far above what the bisection leaves of a mode that goes to zero
     return loaded_ > vanishing * unloaded_;
   }
   [[nodiscard]] const StaticEquilibrium& last() const { return last_; }
@@ -45,12 +46,14 @@ class LoadPath {
   spatial::Pose X_BP_;
   ModelKind kind_;
   StaticEquilibrium last_{};
-  double unloaded_{}, loaded_{};  ///< lowest stiffness without load, and at the last load that stood
+  double unloaded_{},
+      loaded_{};  ///< lowest stiffness without load, and at the last load that stood
   bool on_path_{};
 
   /// Smallest eigenvalue of K in the masses' metric, ω² of the lowest mode.
   static double lowest_stiffness(const LinearModel& model) {
-    return Eigen::GeneralizedSelfAdjointEigenSolver<ModelMatrix>(model.K, model.M, Eigen::EigenvaluesOnly)
+    return Eigen::GeneralizedSelfAdjointEigenSolver<ModelMatrix>(model.K, model.M,
+                                                                 Eigen::EigenvaluesOnly)
         .eigenvalues()[0];
   }
 };

@@ -36,7 +36,8 @@ void scatter(const Matrix3& plane, const std::array<int, 3>& at, double sign, Ma
 constexpr std::array<int, 3> plane_t{0, 4, 5};
 constexpr std::array<int, 3> plane_2{1, 3, 6};
 
-/// Axial spin forced by the gimbals: σ = tan_gimbal ω_t for the case, σ + tan_gimbal φ̇1 for the rod.
+/// Axial spin forced by the gimbals: σ = tan_gimbal ω_t for the case, σ + tan_gimbal φ̇1 for the
+/// rod.
 void add_gimbal_spin(const model::Leg& leg, double l, double tan_gimbal, Matrix7& M) {
   Vector7 spin = Vector7::Zero();  // tan_gimbal × rotation rate of the case about t
   spin[1] = -tan_gimbal / l;
@@ -48,7 +49,8 @@ void add_gimbal_spin(const model::Leg& leg, double l, double tan_gimbal, Matrix7
        leg.rod.axial_inertia * rod_spin * rod_spin.transpose();
 }
 
-/// Springs or dampers of a straight leg: guide sleeve `at_sleeve`, piston ring `at_ring`, axial `axial`.
+/// Springs or dampers of a straight leg: guide sleeve `at_sleeve`, piston ring `at_ring`, axial
+/// `axial`.
 Matrix7 lateral_and_axial(const LegElement& leg, double at_sleeve, double at_ring, double axial) {
   Matrix7 A = at_sleeve * leg.d_x.transpose() * leg.d_x;
   A(5, 5) += at_ring;
@@ -105,9 +107,9 @@ LegElement straight_leg(const model::Leg& leg, const kinematics::LegGeometry& ge
     add_gimbal_spin(leg, element.l, element.frame.tan_gimbal, element.M);
 
   element.K = lateral_and_axial(element, element.k_s, element.k_g, element.k_h);
-  element.C = lateral_and_axial(element, leg.guide_sleeve.damping,
-                                leg.piston_ring ? leg.piston_ring->damping : 0.0,
-                                leg.oil_spring.damping);
+  element.C =
+      lateral_and_axial(element, leg.guide_sleeve.damping,
+                        leg.piston_ring ? leg.piston_ring->damping : 0.0, leg.oil_spring.damping);
   return element;
 }
 

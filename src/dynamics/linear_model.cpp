@@ -41,7 +41,8 @@ void add_leg(const Matrix7& A, const Eigen::Matrix<double, 3, 6>& J, int at, int
   if (flexible == 4) add_flexible(std::integral_constant<int, 4>{});
 }
 
-/// λ·∂²a/∂w² for a joint at `arm` from C that carries λ: the platform's rotation moves it on a sphere.
+/// λ·∂²a/∂w² for a joint at `arm` from C that carries λ: the platform's rotation moves it on a
+/// sphere.
 Matrix3 rotation_curvature(const Vector3& lambda, const Vector3& arm) {
   return 0.5 * (lambda * arm.transpose() + arm * lambda.transpose()) -
          lambda.dot(arm) * Matrix3::Identity();
@@ -68,18 +69,19 @@ const char* reason(StaticsStatus status) {
 
 void require_equilibrium(const StaticEquilibrium& statics, ModelKind kind) {
   if (statics.status == StaticsStatus::converged) return;
-  throw base::ComputationError(fmt::format(
-      "no static equilibrium of the {} model at this pose: {} after {} iterations, residual {:.2g} of "
-      "the weight; the legs may be past buckling (see `hydrapod check`)",
-      name(kind), reason(statics.status), statics.iterations, statics.residual));
+  throw base::ComputationError(
+      fmt::format("no static equilibrium of the {} model at this pose: {} after {} iterations, "
+                  "residual {:.2g} of "
+                  "the weight; the legs may be past buckling (see `hydrapod check`)",
+                  name(kind), reason(statics.status), statics.iterations, statics.residual));
 }
 
 /// The legs with preload; adds the platform's share of the geometric stiffness to K.
 void bend_legs(const model::Machine& machine, const kinematics::LegGeometries& geometry,
                LinearModel& model) {
   for (int i = 0; i < model::leg_count; ++i) {
-    const auto bent = bent_leg(machine.legs[i], geometry[i].a, machine.flexible_axes, machine.gravity,
-                               model.statics.legs[i]);
+    const auto bent = bent_leg(machine.legs[i], geometry[i].a, machine.flexible_axes,
+                               machine.gravity, model.statics.legs[i]);
     model.legs[i] = bent.element;
     model.K.block<3, 3>(3, 3) += rotation_curvature(bent.joint_force, geometry[i].a - model.p_BC);
   }

@@ -76,19 +76,19 @@ struct Problem {
       now.exists = now.exists && now.legs[i].exists;
       if (!now.exists) return now;
       balance -= wrench(now.legs[i].joint_force, geometry[i].a - C);
-      worst = std::max(
-          worst, now.legs[i].flexible_gradient.head(flexible).lpNorm<Eigen::Infinity>());
+      worst =
+          std::max(worst, now.legs[i].flexible_gradient.head(flexible).lpNorm<Eigen::Infinity>());
     }
     now.residual = std::max(worst, balance.lpNorm<Eigen::Infinity>()) / weight;
     return now;
   }
 
-  /// Whether every piston is below its guide sleeve. Past its limit load a leg has no equilibrium near
-  /// the straight one, and Newton may end at a far one, where the rod has been pulled through the seal.
+  /// Whether every piston is below its guide sleeve. Past its limit load a leg has no equilibrium
+  /// near the straight one, and Newton may end at a far one, where the rod has been pulled through
+  /// the seal.
   [[nodiscard]] bool guided(const Iterate& now) const {
-    return flexible == 0 || std::all_of(now.legs.begin(), now.legs.end(), [](const BentLeg& leg) {
-             return leg.element.l_mh > 0.0;
-           });
+    return flexible == 0 || std::all_of(now.legs.begin(), now.legs.end(),
+                                        [](const BentLeg& leg) { return leg.element.l_mh > 0.0; });
   }
 
   /// One Newton step; false when the 6×6 system for the oil forces is singular.

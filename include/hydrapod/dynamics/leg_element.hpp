@@ -5,15 +5,16 @@
 ///
 ///     x = (v_t, v_2, v_n | φ1, φ2 | u1, u2)
 ///
-/// v_t, v_2, v_n: motion of the platform joint along the leg frame's axes t, a2, n [m]; φ1, φ2: tilt of
-/// the rod about t and a2 through the piston [rad]; u1, u2: piston offset along t and a2 [m].
+/// v_t, v_2, v_n: motion of the platform joint along the leg frame's axes t, a2, n [m]; φ1, φ2:
+/// tilt of the rod about t and a2 through the piston [rad]; u1, u2: piston offset along t and a2
+/// [m].
 ///
-/// Leg frame. n along the cylinder case; a2 = (n × a1)/|n × a1| is the lower gimbal's second axis and
-/// t = a2 × n, with a1 the base-fixed gimbal axis. For FlexibleAxes::transverse nothing depends on a1; a
-/// leg (nearly) parallel to it gets another reference axis.
+/// Leg frame. n along the cylinder case; a2 = (n × a1)/|n × a1| is the lower gimbal's second axis
+/// and t = a2 × n, with a1 the base-fixed gimbal axis. For FlexibleAxes::transverse nothing depends
+/// on a1; a leg (nearly) parallel to it gets another reference axis.
 ///
-/// straight_leg is the theory of sections 1–7 of docs/theory/leg.md (Eqs. 1–15 of the paper): no preload,
-/// φ = u = 0. bent_leg (bent_leg.hpp) is the same leg, exact, bent by gravity and preload.
+/// straight_leg is the theory of sections 1–7 of docs/theory/leg.md (Eqs. 1–15 of the paper): no
+/// preload, φ = u = 0. bent_leg (bent_leg.hpp) is the same leg, exact, bent by gravity and preload.
 
 #include <Eigen/Core>
 
@@ -37,12 +38,12 @@ struct LegFrame {
   double tan_gimbal{};  ///< (a1·n)/(a1·t), axial spin of the case per rotation about t
 };
 
-/// The base-fixed axis a leg frame is built on: a1, or for FlexibleAxes::transverse with a leg within 26°
-/// of a1 another base axis. `n`: direction of the straight leg.
+/// The base-fixed axis a leg frame is built on: a1, or for FlexibleAxes::transverse with a leg
+/// within 26° of a1 another base axis. `n`: direction of the straight leg.
 Vector3 frame_axis(const Vector3& n, const Vector3& a1, model::FlexibleAxes axes);
 
-/// The leg frame about the axis `n`. Throws std::invalid_argument for FlexibleAxes::gimbal with the leg
-/// along its gimbal axis (gimbal lock, |a1·n| > 1 − 1e-9).
+/// The leg frame about the axis `n`. Throws std::invalid_argument for FlexibleAxes::gimbal with the
+/// leg along its gimbal axis (gimbal lock, |a1·n| > 1 − 1e-9).
 LegFrame leg_frame(const Vector3& n, const Vector3& a1, model::FlexibleAxes axes);
 
 /// A leg linearised at a pose.

@@ -3,11 +3,11 @@
 ///
 ///     y = (x, y, z, rx, ry, rz | φ1, φ2 (, u1, u2) of leg 1 | … | of leg 6)
 ///
-/// The platform's six are the motion of its mass centre C [m] and its rotation [rad], both in base axes;
-/// the flexible coordinates are those of LegElement. Summing T and V of platform and legs gives M and K,
-/// symmetric, M positive definite. Without gravity M and K have no preload terms and the upper-left 6×6 of
-/// M is the rigid model's M. With gravity everything is linearised about the static equilibrium
-/// (statics.hpp) of that very model. Derivation: docs/theory/linear-model.md.
+/// The platform's six are the motion of its mass centre C [m] and its rotation [rad], both in base
+/// axes; the flexible coordinates are those of LegElement. Summing T and V of platform and legs
+/// gives M and K, symmetric, M positive definite. Without gravity M and K have no preload terms and
+/// the upper-left 6×6 of M is the rigid model's M. With gravity everything is linearised about the
+/// static equilibrium (statics.hpp) of that very model. Derivation: docs/theory/linear-model.md.
 
 #include <string>
 #include <vector>
@@ -25,23 +25,25 @@ using ModelVector = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, max_dof, 1>;
 struct LinearModel {
   ModelKind kind{};
   spatial::Pose X_BP{};
-  Vector3 p_BC{};            ///< the platform's mass centre [m]
-  Matrix6 platform_mass{};   ///< diag(m I, R I_C Rᵀ)
+  Vector3 p_BC{};           ///< the platform's mass centre [m]
+  Matrix6 platform_mass{};  ///< diag(m I, R I_C Rᵀ)
   std::array<LegElement, model::leg_count> legs{};
   /// Per leg: motion of its platform joint along (t, a2, n) per platform motion, 3×6.
   std::array<Eigen::Matrix<double, 3, 6>, model::leg_count> J{};
   StaticEquilibrium statics{};
   ModelMatrix M{}, K{};
-  ModelMatrix C{};  ///< viscous dampers of the legs and Rayleigh damping; modal ratios are not in it
+  ModelMatrix
+      C{};  ///< viscous dampers of the legs and Rayleigh damping; modal ratios are not in it
 
   [[nodiscard]] int dof() const { return degrees_of_freedom(kind); }
   /// Coordinates of leg i in y: joint rows J[i] times the platform's, then these.
   [[nodiscard]] int first_of_leg(int i) const { return 6 + i * flexible_per_leg(kind); }
 };
 
-/// The model `kind` of `machine` at `X_BP`. Throws base::ComputationError when the machine has no static
-/// equilibrium there that Newton can find, and std::invalid_argument when ModelKind::full is asked of legs
-/// without a piston ring. `start`: a neighbouring equilibrium to begin the search for this one at.
+/// The model `kind` of `machine` at `X_BP`. Throws base::ComputationError when the machine has no
+/// static equilibrium there that Newton can find, and std::invalid_argument when ModelKind::full is
+/// asked of legs without a piston ring. `start`: a neighbouring equilibrium to begin the search for
+/// this one at.
 LinearModel linear_model(const model::Machine& machine, const spatial::Pose& X_BP, ModelKind kind,
                          const StaticEquilibrium* start = nullptr);
 

@@ -1,12 +1,14 @@
 #pragma once
 /// Static equilibrium under gravity at a given pose.
 ///
-/// The pose is where the machine stands when it is held by closed valves, so the platform's pose is given
-/// and the six oil forces f and the flexible coordinates of the legs follow: with V_i(a_i, φ_i, u_i) of
-/// bent_leg, ∂V_i/∂(φ_i, u_i) = 0 for every leg and Σ J_v,iᵀ λ_i = (m g; 0) for the platform. Newton on all of
-/// it; each leg's own coordinates are eliminated first, which leaves a 6×6 system for f.
+/// The pose is where the machine stands when it is held by closed valves, so the platform's pose is
+/// given and the six oil forces f and the flexible coordinates of the legs follow: with V_i(a_i,
+/// φ_i, u_i) of bent_leg, ∂V_i/∂(φ_i, u_i) = 0 for every leg and Σ J_v,iᵀ λ_i = (m g; 0) for the
+/// platform. Newton on all of it; each leg's own coordinates are eliminated first, which leaves a
+/// 6×6 system for f.
 ///
-/// Stops as converged when every residual is ≤ tolerance × (weight of the moving parts; × 1 m for moments).
+/// Stops as converged when every residual is ≤ tolerance × (weight of the moving parts; × 1 m for
+/// moments).
 
 #include <array>
 
