@@ -62,8 +62,6 @@ double canonical_sign(const ModelVector& mass_diagonal,
 
 }  // namespace
 
-double NormalModes::omega(int k) const { return omega2[k] > 0.0 ? std::sqrt(omega2[k]) : 0.0; }
-
 void make_canonical(const ModelVector& mass_diagonal, NormalModes& modes) {
   const int count = modes.size();
   modes.group.resize(count);

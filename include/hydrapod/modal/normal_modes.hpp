@@ -13,22 +13,14 @@
 
 #include <vector>
 
-#include "hydrapod/dynamics/linear_model.hpp"
+#include "hydrapod/dynamics/normal_modes.hpp"
 
 namespace hydrapod::modal {
 
 using dynamics::LinearModel;
 using dynamics::ModelMatrix;
 using dynamics::ModelVector;
-
-struct NormalModes {
-  ModelVector omega2{};      ///< ω² [rad²/s²], ascending; negative: unstable, the legs buckle
-  ModelMatrix shapes{};      ///< columns φ [m, rad per √(kg m²)…], φᵀ M φ = 1
-  std::vector<int> group{};  ///< same number for modes whose ω² repeat
-
-  [[nodiscard]] int size() const { return static_cast<int>(omega2.size()); }
-  [[nodiscard]] double omega(int k) const;  ///< √ω² [rad/s], 0 when unstable
-};
+using dynamics::NormalModes;
 
 /// Two ω² count as one when they differ by less than this share of the larger one, or by less than
 /// the rounding error of the eigensolver (some epsilons of the largest ω²).

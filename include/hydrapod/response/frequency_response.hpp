@@ -22,7 +22,7 @@
 #include <span>
 #include <vector>
 
-#include "hydrapod/modal/normal_modes.hpp"
+#include "hydrapod/dynamics/normal_modes.hpp"
 
 namespace hydrapod::response {
 
@@ -30,7 +30,7 @@ using Complex = std::complex<double>;
 using Matrix6c = Eigen::Matrix<Complex, 6, 6>;
 using dynamics::LinearModel;
 using dynamics::ModelMatrix;
-using modal::NormalModes;
+using dynamics::NormalModes;
 using spatial::Vector3;
 
 enum class Input { wrench, actuator };
