@@ -10,6 +10,7 @@
 #include "hydrapod/kinematics/check_machine.hpp"
 #include "hydrapod/machine_arguments.hpp"
 #include "hydrapod/mode_report.hpp"
+#include "hydrapod/report/answer.hpp"
 #include "hydrapod/report/bode.hpp"
 #include "hydrapod/terminal.hpp"
 
@@ -56,7 +57,7 @@ void show(const Case& the_case, const Arguments& arguments) {
   const auto bode = report::bode(file.machine, pose, kind, {});
   fmt::print("{}\n\n{}\n{}\n{}\n", styled(the_case.headline, Style::cyan, colour),
              heading(file.machine, pose, bode.table, colour), mode_text(bode.table, nullptr, colour),
-             answer_text(bode.table));
+             report::answer_text(bode.table));
   const std::vector<report::Entry> direct{{0, 0}, {1, 1}, {2, 2}, {3, 3}, {4, 4}, {5, 5}};
   for (const char* ending : {".svg", ".png"})
     report::plot_bode(bode, direct, plot_text(file.machine, pose, bode),

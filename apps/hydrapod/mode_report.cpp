@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <optional>
 
 #include "hydrapod/terminal.hpp"
 
@@ -65,42 +66,33 @@ std::string change_text(const modal::TabledMode& mode, const modal::ModeTable& b
   return omega > 0.0 ? signed_percent(mode.mode.omega / omega - 1.0) : "";
 }
 
-std::vector<std::string> row(const modal::ModeTable& table, size_t k) {
+/// `change`: the cell of the change by --set, where there is such a column.
+std::vector<std::string> row(const modal::ModeTable& table, size_t k,
+                             const std::optional<std::string>& change) {
   const auto& entry = table.real.modes[k];
   const auto& mode = entry.mode;
-  std::vector<std::string> cells{number_text(table.real.modes, k),
-                                 fmt::format("{:.3f}", mode.omega / two_pi),
-                                 fmt::format("{:.3f}", mode.omega),
-                                 fmt::format("{:.2f} %", 100.0 * mode.damping_ratio),
-                                 entry.label,
-                                 motion_text(entry.energy),
-                                 energy_text(entry.energy)};
-  if (table.kind == dynamics::ModelKind::rigid) return cells;
+  std::vector<std::string> cells{
+      number_text(table.real.modes, k), fmt::format("{:.3f}", mode.omega / two_pi),
+      fmt::format("{:.3f}", mode.omega), fmt::format("{:.2f} %", 100.0 * mode.damping_ratio)};
+  if (change) cells.push_back(*change);
+  cells.insert(cells.end(), {entry.label, motion_text(entry.energy), energy_text(entry.energy)});
   if (entry.rigid && entry.rigid->mac >= worth_showing) {
     const double rigid = table.rigid.modes[entry.rigid->mode].mode.omega;
     cells.push_back(fmt::format("{:.3f}", rigid / two_pi));
     cells.push_back(signed_percent(entry.rigid->shift));
     cells.push_back(fmt::format("{:.2f}", entry.rigid->mac));
-  } else {
-    cells.insert(cells.end(), 3, "");
   }
   return cells;
 }
 
-std::vector<Column> columns(const modal::ModeTable& table, const modal::ModeTable* before) {
-  std::vector<Column> list{{"mode"},
-                           {"Hz"},
-                           {"rad/s"},
-                           {"damping"},
-                           {"what moves, what gives", Align::left},
-                           {"kinetic energy", Align::left},
-                           {"elastic energy", Align::left}};
-  if (table.kind != dynamics::ModelKind::rigid) {
-    list.push_back({"rigid Hz"});
-    list.push_back({"shift"});
-    list.push_back({"MAC"});
-  }
-  if (before) list.push_back({"change by --set"});
+std::vector<Column> columns(const modal::ModeTable& table, bool with_change) {
+  std::vector<Column> list{{"mode"}, {"Hz"}, {"rad/s"}, {"damping"}};
+  if (with_change) list.push_back({"by --set"});
+  list.push_back({"what moves, what gives", Align::left});
+  list.push_back({"kinetic energy", Align::left});
+  list.push_back({"elastic energy", Align::left});
+  if (table.kind == dynamics::ModelKind::rigid) return list;
+  list.insert(list.end(), {{"rigid Hz"}, {"shift"}, {"MAC"}});
   return list;
 }
 
@@ -149,15 +141,15 @@ std::string heading(const model::Machine& machine, const report::PoseChoice& pos
 
 std::string mode_text(const modal::ModeTable& table, const modal::ModeTable* before, bool colour,
                       std::size_t width) {
-  Table text(columns(table, before));
+  Table text(columns(table, before != nullptr));
   const auto match = before ? modal::match_modes(table.real, before->real)
                             : std::vector<int>(table.real.modes.size());
   bool pairs = false;
   for (size_t k = 0; k < table.real.modes.size(); ++k) {
-    auto cells = row(table, k);
-    if (before) cells.push_back(change_text(table.real.modes[k], *before, match[k]));
+    std::optional<std::string> change;
+    if (before) change = change_text(table.real.modes[k], *before, match[k]);
+    text.add_row(row(table, k, change));
     pairs = pairs || repeats(table.real.modes, k);
-    text.add_row(std::move(cells));
   }
   std::string all = text.text(colour, width);
   if (table.kind != dynamics::ModelKind::rigid) all += "\n" + rigid_text(table, colour, width);
@@ -171,28 +163,6 @@ std::string mode_text(const modal::ModeTable& table, const modal::ModeTable* bef
         "back";
   if (pairs || any_preload(table)) all += "\n";
   return all;
-}
-
-std::string answer_text(const modal::ModeTable& table) {
-  const int k = modal::lowest_felt(table.real.modes);
-  if (k < 0) return {};
-  const auto& mode = table.real.modes[k];
-  if (!mode.mode.stable)
-    return "The machine is unstable at this pose: the legs buckle. `hydrapod check` finds the "
-           "payload they carry.\n";
-  const std::string where = modal::platform_directions(mode.energy);
-  std::string text = fmt::format("Lowest mode the platform feels: {:.2f} Hz in {}",
-                                 mode.mode.omega / two_pi, where);
-  if (!mode.rigid) return text + ".\n";
-  const double rigid = table.rigid.modes[mode.rigid->mode].mode.omega;
-  text += fmt::format("; with rigid legs it would be {:.2f} Hz. ", rigid / two_pi);
-  const double drop = -100.0 * mode.rigid->shift;
-  const std::string parts =
-      table.kind == dynamics::ModelKind::full ? "The seals' and piston rings'" : "The seals'";
-  text += drop < 0.0
-              ? fmt::format("{} give does not lower it", parts)
-              : fmt::format("{} give lowers it by {:.{}f} %", parts, drop, drop < 10.0 ? 2 : 0);
-  return text + fmt::format("; its elastic energy: {}.\n", energy_text(mode.energy));
 }
 
 std::string mode_csv(const modal::ModeTable& table) {

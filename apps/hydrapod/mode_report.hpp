@@ -19,10 +19,6 @@ std::string heading(const model::Machine& machine, const report::PoseChoice& pos
 std::string mode_text(const modal::ModeTable& table, const modal::ModeTable* before, bool colour,
                       std::size_t width = Table::unlimited);
 
-/// The answer in words: the lowest mode the platform feels, rigid and real, and where its energy
-/// is.
-std::string answer_text(const modal::ModeTable& table);
-
 /// One line per mode, all fields; a header line names them with units.
 std::string mode_csv(const modal::ModeTable& table);
 

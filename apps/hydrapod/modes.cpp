@@ -9,6 +9,7 @@
 #include "hydrapod/kinematics/check_machine.hpp"
 #include "hydrapod/machine_arguments.hpp"
 #include "hydrapod/mode_report.hpp"
+#include "hydrapod/report/answer.hpp"
 #include "hydrapod/terminal.hpp"
 
 namespace hydrapod::cli {
@@ -58,7 +59,7 @@ std::string table_text(const Arguments& arguments, const model::MachineFile& fil
   }
   return heading(file.machine, pose, table, colour) + "\n" +
          mode_text(table, before ? &*before : nullptr, colour, width) + note + "\n" +
-         answer_text(table);
+         report::answer_text(table);
 }
 
 void run(const Arguments& arguments) {

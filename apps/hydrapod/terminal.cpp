@@ -189,7 +189,8 @@ std::string Table::text(bool colour, std::size_t width) const {
       used += gap.size() + wide[next];
       shown.push_back(next++);
     }
-    all += (all.empty() ? "" : "\n") + part(shown, colour);
+    if (!all.empty()) all += '\n';
+    all += part(shown, colour);
   } while (next < columns_.size());
   return all;
 }

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <numbers>
 
 namespace hydrapod::report {
@@ -30,27 +31,36 @@ std::string energy_text(const modal::EnergyShares& energy) {
 
 std::string drop_text(const modal::ModeTable& table, double drop) {
   const bool rings = table.kind == dynamics::ModelKind::full;
-  const std::string parts = rings ? "The seals' and piston rings'" : "The seals'";
-  if (drop < 0.0) return parts + " give does not lower it";
-  return fmt::format("{} give lowers it by {:.{}f} %", parts, drop, drop < 10.0 ? 2 : 0);
+  const std::string parts = rings ? "The seals and piston rings" : "The seals";
+  if (drop < 0.0) return parts + " do not lower it";
+  return fmt::format("{} lower it by {:.{}f} %", parts, drop, drop < 10.0 ? 2 : 0);
+}
+
+/// The platform may rest in the mode in which the legs buckle.
+bool is_stable(const modal::ModeTable& table) {
+  return std::all_of(table.real.modes.begin(), table.real.modes.end(),
+                     [](const modal::TabledMode& entry) { return entry.mode.stable; });
 }
 
 }  // namespace
 
 std::string answer_text(const modal::ModeTable& table) {
+  if (!is_stable(table))
+    return "The machine is unstable at this pose: the legs buckle. `hydrapod check` finds the "
+           "payload "
+           "they carry.\n";
   const int k = modal::lowest_felt(table.real.modes);
   if (k < 0) return {};
   const auto& entry = table.real.modes[k];
-  if (!entry.mode.stable)
-    return "The machine is unstable at this pose: the legs buckle. `hydrapod check` finds the payload "
-           "they carry.\n";
-  std::string text = fmt::format("Lowest mode the platform feels: {:.2f} Hz in {}",
-                                 entry.mode.omega / two_pi, modal::platform_directions(entry.energy));
+  std::string text =
+      fmt::format("Lowest mode the platform feels: {:.3f} Hz in {}", entry.mode.omega / two_pi,
+                  modal::platform_directions(entry.energy));
   if (!entry.rigid) return text + ".\n";
   const double rigid = table.rigid.modes[entry.rigid->mode].mode.omega;
-  return text + fmt::format("; with rigid legs it would be {:.2f} Hz. {}; its elastic energy: {}.\n",
-                            rigid / two_pi, drop_text(table, -100.0 * entry.rigid->shift),
-                            energy_text(entry.energy));
+  return text +
+         fmt::format("; with rigid legs it would be {:.3f} Hz. {}; its elastic energy: {}.\n",
+                     rigid / two_pi, drop_text(table, -100.0 * entry.rigid->shift),
+                     energy_text(entry.energy));
 }
 
 Json answer_json(const modal::ModeTable& table) {
@@ -60,7 +70,7 @@ Json answer_json(const modal::ModeTable& table) {
   std::string text = answer_text(table);
   text.pop_back();
   Json json{{"text", text},
-            {"stable", entry.mode.stable},
+            {"stable", is_stable(table)},
             {"mode", k + 1},
             {"frequency_hz", entry.mode.omega / two_pi},
             {"directions", modal::platform_directions(entry.energy)},

@@ -45,10 +45,6 @@ Swept sweep(const modal::AnalysedModel& model, double ratio, const Bode& bode) {
           response::find_peaks(swept, {*options.from, *options.to, options.output})};
 }
 
-std::string point_text(const spatial::Vector3& p) {
-  return fmt::format("({:.4g}, {:.4g}, {:.4g}) m", p.x(), p.y(), p.z());
-}
-
 }  // namespace
 
 Bode bode(const model::Machine& machine, const PoseChoice& pose, dynamics::ModelKind kind,
@@ -100,10 +96,7 @@ Json bode_json(const Bode& bode) {
 }
 
 std::string bode_csv(const Bode& bode) {
-  std::string text =
-      fmt::format("# response of the platform at {} of the platform frame, output/input\n",
-                  point_text(*bode.options.p_PQ));
-  text += "frequency_hz,omega_rad_s";
+  std::string text = "frequency_hz,omega_rad_s";
   for (const char* model : {"", "rigid "})
     for (int out = 0; out < 6; ++out)
       for (int in = 0; in < 6; ++in)

@@ -248,7 +248,9 @@ void run_gnuplot(const std::filesystem::path& script, const std::filesystem::pat
   if (status == 0) return;
   if (WIFEXITED(status) && WEXITSTATUS(status) == 127)
     throw base::ComputationError("plots need the program gnuplot; install the package gnuplot-nox");
-  throw base::ComputationError("gnuplot failed: " + file_text(log));
+  std::string said = file_text(log);
+  said.erase(said.find_last_not_of(" \n") + 1);
+  throw base::ComputationError("gnuplot failed: " + said);
 }
 
 }  // namespace

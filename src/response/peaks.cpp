@@ -36,16 +36,9 @@ std::vector<double> peak_grid(const ResponseModel& model, const PeakOptions& opt
   return grid;
 }
 
-/// |H_dd|, infinite where an undamped mode is met exactly.
-double magnitude_of(const Matrix6c& H, int direction) {
-  const double magnitude = std::abs(H(direction, direction));
-  return std::isfinite(magnitude) ? magnitude : std::numeric_limits<double>::infinity();
-}
-
 double magnitude_at(const ResponseModel& model, double omega, int direction, Output output) {
-  return magnitude_of(frequency_response(model, {&omega, 1}, output)[0], direction);
+  return std::abs(frequency_response(model, {&omega, 1}, output)[0](direction, direction));
 }
-
 
 /// Golden-section search for the maximum inside [low, high].
 double refine(const ResponseModel& model, double low, double high, int direction, Output output) {
@@ -120,28 +113,46 @@ int mode_behind(const ResponseModel& model, double omega, int direction) {
   return leader >= 0 ? leader : nearest;
 }
 
+/// Without damping a direction has an unbounded peak at every mode that takes part in it; those
+/// that hold less than a millionth of its static compliance take part by rounding only.
+std::vector<Peak> undamped_peaks(const ResponseModel& model, const PeakOptions& options) {
+  constexpr double least_share = 1e-6;
+  constexpr double infinite = std::numeric_limits<double>::infinity();
+  const auto& modes = model.modes;
+  std::vector<Peak> peaks;
+  for (int d = 0; d < directions; ++d) {
+    const dynamics::ModelVector compliance =
+        modes.shapes.row(d).transpose().cwiseAbs2().cwiseQuotient(modes.omega2).cwiseAbs();
+    for (int k = 0; k < modes.size(); ++k) {
+      const double omega = modes.omega(k);
+      if (omega <= options.from || omega >= options.to) continue;
+      if (compliance[k] < least_share * compliance.sum()) continue;
+      peaks.push_back({d, omega, infinite, infinite, k, model.mode_direction[k] == d});
+    }
+  }
+  return peaks;
+}
+
 }  // namespace
 
 std::vector<Peak> find_peaks(const ResponseModel& model, const PeakOptions& options) {
   if (!(options.from > 0.0) || !(options.to > options.from))
     throw std::invalid_argument("find_peaks: needs 0 < from < to");
+  if (model.modal_ratio == 0.0 && model.C.isZero(0.0)) return undamped_peaks(model, options);
   const auto grid = peak_grid(model, options);
   const auto H = frequency_response(model, grid, options.output);
   std::vector<Peak> peaks;
   std::vector<double> magnitude(grid.size());
   for (int d = 0; d < directions; ++d) {
-    for (size_t i = 0; i < grid.size(); ++i) magnitude[i] = magnitude_of(H[i], d);
+    for (size_t i = 0; i < grid.size(); ++i) magnitude[i] = std::abs(H[i](d, d));
     for (size_t i = 1; i + 1 < grid.size(); ++i) {
       if (!(magnitude[i] > magnitude[i - 1] && magnitude[i] >= magnitude[i + 1])) continue;
       const double height = prominence(magnitude, i);
       if (height < options.min_prominence_db) continue;
       const double omega = refine(model, grid[i - 1], grid[i + 1], d, options.output);
       const int mode = mode_behind(model, omega, d);
-      const bool unbounded = modal_damping(model, mode) == 0.0;
-      peaks.push_back({d, omega,
-                       unbounded ? std::numeric_limits<double>::infinity()
-                                 : magnitude_at(model, omega, d, options.output),
-                       height, mode, model.mode_direction[mode] == d});
+      peaks.push_back({d, omega, magnitude_at(model, omega, d, options.output), height, mode,
+                       model.mode_direction[mode] == d});
     }
   }
   return peaks;

@@ -7,6 +7,9 @@
 /// two valleys that part it from higher ground [dB]. Ripples below `min_prominence_db` are not
 /// resonances.
 ///
+/// A model without any damping has unbounded peaks, one at every mode that takes part in a
+/// direction; magnitude and prominence are then infinite.
+///
 /// The mode behind a peak is, of the modes within a few bandwidths of it, the one with the largest
 /// term in the modal sum of H_dd; if there is none so near, the nearest mode. "The x direction has
 /// two resonances" counts a direction's own peaks: x and ry are coupled wherever the mass centre is
@@ -20,9 +23,8 @@
 namespace hydrapod::response {
 
 struct Peak {
-  int direction{};  ///< 0…5: x y z rx ry rz
-  double omega{};   ///< [rad/s]
-  /// Infinite where the mode behind it has no damping.
+  int direction{};         ///< 0…5: x y z rx ry rz
+  double omega{};          ///< [rad/s]
   double magnitude{};      ///< |H_dd| there, [m/N] or [rad/(N m)] times s^k of the output
   double prominence_db{};  ///< infinite for the highest peak of the band
   int mode{};              ///< index of the mode behind the peak, see below

@@ -1,0 +1,114 @@
+/// What the JSON says in words, and that nothing in it is not a number.
+
+#include "hydrapod/report/json.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "hydrapod/report/bode.hpp"
+#include "support/random_machine.hpp"
+#include "support/symmetric_machine.hpp"
+
+namespace hydrapod::test {
+namespace {
+
+using report::Json;
+
+TEST(DampingText, SaysWhatDampsAndWhatIsAssumed) {
+  auto machine = symmetric_machine();
+  EXPECT_EQ(report::damping_text(machine),
+            "2 % of critical in every mode (default: the machine file gives no damping)");
+  machine.damping.modal_ratio = 0.002;
+  EXPECT_EQ(report::damping_text(machine), "0.2 % of critical in every mode");
+  machine.damping.modal_ratio = 0.0;
+  EXPECT_EQ(report::damping_text(machine), "none");
+  machine.legs[4].oil_spring.damping = 10.0;
+  EXPECT_EQ(report::damping_text(machine), "viscous dampers of the legs");
+  machine.damping.modal_ratio = 0.01;
+  machine.damping.rayleigh_mass = 0.5;
+  EXPECT_EQ(report::damping_text(machine),
+            "1 % of critical in every mode + viscous dampers of the legs + Rayleigh α = 0.5 1/s, "
+            "β = 0 s");
+}
+
+TEST(GravityText, SaysHowMuchAndWhichWay) {
+  model::Machine machine;
+  EXPECT_EQ(report::gravity_text(machine), "gravity 9.80665 m/s² downwards");
+  machine.gravity.setZero();
+  EXPECT_EQ(report::gravity_text(machine), "no gravity");
+  machine.gravity = {1.0, 0.0, -9.0};
+  EXPECT_EQ(report::gravity_text(machine), "gravity (1, 0, -9) m/s²");
+}
+
+TEST(ResponseUnit, IsOutputPerInput) {
+  using response::Output;
+  EXPECT_EQ(report::response_unit(Output::displacement, 0, 0), "m/N");
+  EXPECT_EQ(report::response_unit(Output::displacement, 4, 0), "rad/N");
+  EXPECT_EQ(report::response_unit(Output::velocity, 0, 5), "(m/s)/(N m)");
+  EXPECT_EQ(report::response_unit(Output::acceleration, 3, 3), "(rad/s²)/(N m)");
+}
+
+bool all_finite(const Json& json) {
+  if (json.is_number_float()) return std::isfinite(json.get<double>());
+  if (!json.is_structured()) return true;
+  for (const auto& item : json)
+    if (!all_finite(item)) return false;
+  return true;
+}
+
+TEST(ModesJson, HoldsNumbersOnly) {
+  Random random(51);
+  for (int i = 0; i < 10; ++i) {
+    const auto machine = random_machine(random, {.gravity = Gravity::down});
+    const auto table = modal::mode_table(machine, machine.poses[1].X_BP, dynamics::ModelKind::full);
+    const Json json = report::modes_json(table);
+    EXPECT_TRUE(all_finite(json));
+    EXPECT_EQ(json["modes"].size(), 30U);
+    EXPECT_TRUE(json["modes"][0].contains("shape_imaginary")) << "dampers make modes complex";
+    EXPECT_TRUE(all_finite(report::matrices_json(table)));
+  }
+}
+
+TEST(PeaksJson, HasNullForWhatIsUnbounded) {
+  const auto machine = symmetric_machine();
+  const auto table = modal::mode_table(machine, machine.neutral(), dynamics::ModelKind::guide);
+  constexpr double infinite = std::numeric_limits<double>::infinity();
+  const Json json = report::peaks_json({{0, 46.8, infinite, infinite, 0, true}}, table, false);
+  EXPECT_TRUE(json[0]["magnitude"].is_null());
+  EXPECT_TRUE(json[0]["prominence_db"].is_null());
+  EXPECT_EQ(json[0]["mode"], 1);
+}
+
+TEST(Bode, FindsABandThatHoldsWhatThePlatformFeels) {
+  const auto machine = symmetric_machine();
+  const report::PoseChoice pose{"neutral", machine.neutral()};
+  const auto bode = report::bode(machine, pose, dynamics::ModelKind::guide, {.points = 11});
+  EXPECT_EQ(bode.omega.size(), 11U);
+  double lowest = 1e300, highest = 0.0;
+  for (const auto& entry : bode.table.real.modes) {
+    if (!entry.platform_feels) continue;
+    lowest = std::min(lowest, entry.mode.omega);
+    highest = std::max(highest, entry.mode.omega);
+  }
+  EXPECT_NEAR(bode.omega.front(), lowest / 3.0, 1e-9);
+  EXPECT_NEAR(bode.omega.back(), 2.0 * highest, 0.01 * highest);
+  EXPECT_EQ(*bode.options.p_PQ, machine.platform.mass_center);
+}
+
+TEST(BodeScript, IsWholeAndQuotesItsText) {
+  const auto machine = symmetric_machine();
+  const report::PoseChoice pose{"neutral", machine.neutral()};
+  const auto bode = report::bode(machine, pose, dynamics::ModelKind::guide, {.points = 11});
+  const std::string script = report::bode_script(
+      bode, {{0, 0}, {4, 0}}, {.title = "it's\nset output 'stolen'"}, "svg", "out.svg");
+  EXPECT_NE(script.find("set output 'out.svg'\n"), std::string::npos);
+  EXPECT_NE(script.find("'it''s set output ''stolen'''"), std::string::npos);
+  EXPECT_EQ(script.find("nan"), std::string::npos);
+  EXPECT_TRUE(script.ends_with("unset multiplot\nunset output\n"));
+}
+
+}  // namespace
+}  // namespace hydrapod::test
