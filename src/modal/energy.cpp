@@ -1,91 +1,146 @@
 #include "hydrapod/modal/energy.hpp"
 
+#include <algorithm>
+#include <array>
+
 namespace hydrapod::modal {
 
 namespace {
 
-using Vector7 = dynamics::Vector7;
+constexpr int lanes = 8;  // shapes that go through together, one per SIMD lane
+using Numbers = Eigen::Array<double, lanes, 1>;
+using Sextet = std::array<Numbers, model::leg_count>;
+using Shapes = std::array<Numbers, dynamics::max_dof>;  ///< one Numbers per coordinate
 
-/// Energies of one real shape, not yet shares: twice T at ω = 1, twice V.
+Numbers sum(const Sextet& parts) {
+  return parts[0] + parts[1] + parts[2] + parts[3] + parts[4] + parts[5];
+}
+
+/// Twice the energies of some shapes, kinetic at ω = 1.
 struct Energies {
-  EnergyShares parts{};
-  double total_strain{};  ///< φᵀ K φ, geometric part included
-
-  Energies& operator+=(const Energies& other) {
-    parts.platform += other.parts.platform;
-    parts.legs += other.parts.legs;
-    parts.oil += other.parts.oil;
-    parts.guide_sleeve += other.parts.guide_sleeve;
-    parts.piston_ring += other.parts.piston_ring;
-    parts.preload += other.parts.preload;
-    total_strain += other.total_strain;
-    return *this;
-  }
+  Sextet platform, legs, oil, guide_sleeve, piston_ring;
+  Numbers elastic_and_geometric{Numbers::Zero()};  ///< φᵀ K φ; only where there is preload
 };
 
-template <int flexible>
-Energies energies(const LinearModel& model, const Eigen::Ref<const ModelVector>& shape) {
-  Energies e;
-  const Vector6 q = shape.head<6>();
-  e.parts.platform = q.cwiseProduct(model.platform_mass * q);
-  double geometric = 0.0;
-  for (int i = 0; i < model::leg_count; ++i) {
-    const auto& leg = model.legs[i];
-    Vector7 x = Vector7::Zero();
-    x.head<3>() = model.J[i] * q;
-    if constexpr (flexible > 0) x.segment<flexible>(3) = shape.segment<flexible>(6 + flexible * i);
-    e.parts.legs[i] = x.dot(leg.M * x);
-    const double s = leg.s_x.dot(x);
-    e.parts.oil[i] = leg.k_h * s * s;
-    e.parts.guide_sleeve[i] = flexible > 0 ? leg.k_s * (leg.d_x * x).squaredNorm() : 0.0;
-    e.parts.piston_ring[i] = flexible > 2 ? leg.k_g * x.tail<2>().squaredNorm() : 0.0;
-    geometric -= e.parts.oil[i] + e.parts.guide_sleeve[i] + e.parts.piston_ring[i];
+/// xᵀ A x for symmetric A.
+template <typename Matrix>
+Numbers quadratic(const Matrix& A, const Numbers* x, int size) {
+  Numbers total = Numbers::Zero();
+  for (int i = 0; i < size; ++i) {
+    Numbers row = A(i, i) * x[i];
+    for (int j = 0; j < i; ++j) row += 2.0 * A(j, i) * x[j];
+    total += row * x[i];
   }
-  e.total_strain = shape.dot(model.K * shape);
-  e.parts.preload = geometric + e.total_strain;
+  return total;
+}
+
+template <typename Row>
+Numbers product(const Row& row, const Numbers* x, int size) {
+  Numbers total = row[0] * x[0];
+  for (int j = 1; j < size; ++j) total += row[j] * x[j];
+  return total;
+}
+
+/// The leg's share of `e`; `y`: the shapes.
+template <int flexible>
+void add_leg(const LinearModel& model, int i, const Shapes& y, Energies& e) {
+  const auto& leg = model.legs[i];
+  constexpr int size = 3 + flexible;
+  std::array<Numbers, size> x;
+  for (int k = 0; k < 3; ++k) x[k] = product(model.J[i].row(k), y.data(), 6);
+  for (int k = 0; k < flexible; ++k) x[3 + k] = y[6 + flexible * i + k];
+  e.legs[i] = quadratic(leg.M, x.data(), size);
+  e.oil[i] = leg.k_h * product(leg.s_x, x.data(), size).square();
+  e.guide_sleeve[i].setZero();
+  e.piston_ring[i].setZero();
+  if constexpr (flexible > 0)
+    e.guide_sleeve[i] = leg.k_s * (product(leg.d_x.row(0), x.data(), size).square() +
+                                   product(leg.d_x.row(1), x.data(), size).square());
+  if constexpr (flexible > 2) e.piston_ring[i] = leg.k_g * (x[5].square() + x[6].square());
+}
+
+template <int flexible>
+Energies energies(const LinearModel& model, const Shapes& y) {
+  Energies e;
+  for (int i = 0; i < 6; ++i)
+    e.platform[i] = y[i] * product(model.platform_mass.col(i), y.data(), 6);
+  for (int i = 0; i < model::leg_count; ++i) add_leg<flexible>(model, i, y, e);
+  if (model.statics.iterations > 0)
+    e.elastic_and_geometric = quadratic(model.K, y.data(), model.dof());
   return e;
 }
 
-Energies energies(const LinearModel& model, const Eigen::Ref<const ModelVector>& shape) {
+Energies energies(const LinearModel& model, const Shapes& y) {
   switch (model.kind) {
-    case dynamics::ModelKind::rigid:
-      return energies<0>(model, shape);
     case dynamics::ModelKind::guide:
-      return energies<2>(model, shape);
+      return energies<2>(model, y);
     case dynamics::ModelKind::full:
-      return energies<4>(model, shape);
+      return energies<4>(model, y);
+    case dynamics::ModelKind::rigid:
+      break;
   }
-  return {};
+  return energies<0>(model, y);
 }
 
-EnergyShares shares(const LinearModel& model, const Energies& energies) {
-  EnergyShares share = energies.parts;
-  const double kinetic = share.platform.sum() + share.legs.sum();
-  share.platform /= kinetic;
-  share.legs /= kinetic;
-  const double elastic = share.oil.sum() + share.guide_sleeve.sum() + share.piston_ring.sum();
-  share.oil /= elastic;
-  share.guide_sleeve /= elastic;
-  share.piston_ring /= elastic;
-  const bool preloaded = model.statics.iterations > 0;  // else the difference is rounding only
-  share.preload = preloaded ? share.preload / elastic : 0.0;
-  return share;
+/// Makes shares of the energies.
+void normalise(const LinearModel& model, Energies& e) {
+  const Numbers per_kinetic = (sum(e.platform) + sum(e.legs)).inverse();
+  const Numbers elastic = sum(e.oil) + sum(e.guide_sleeve) + sum(e.piston_ring);
+  const Numbers per_elastic = elastic.inverse();
+  for (Sextet* parts : {&e.platform, &e.legs})
+    for (Numbers& part : *parts) part *= per_kinetic;
+  for (Sextet* parts : {&e.oil, &e.guide_sleeve, &e.piston_ring})
+    for (Numbers& part : *parts) part *= per_elastic;
+  const bool preloaded = model.statics.iterations > 0;  // else there is nothing but rounding
+  if (preloaded) e.elastic_and_geometric = (e.elastic_and_geometric - elastic) * per_elastic;
+}
+
+EnergyShares lane(const Energies& shares, int k) {
+  EnergyShares one;
+  for (int i = 0; i < 6; ++i) {
+    one.platform[i] = shares.platform[i][k];
+    one.legs[i] = shares.legs[i][k];
+    one.oil[i] = shares.oil[i][k];
+    one.guide_sleeve[i] = shares.guide_sleeve[i][k];
+    one.piston_ring[i] = shares.piston_ring[i][k];
+  }
+  one.preload = shares.elastic_and_geometric[k];
+  return one;
 }
 
 }  // namespace
 
 std::vector<EnergyShares> energy_shares(const LinearModel& model,
                                         const Eigen::Ref<const ModelMatrix>& shapes) {
-  std::vector<EnergyShares> list(shapes.cols());
-  for (int k = 0; k < shapes.cols(); ++k) list[k] = shares(model, energies(model, shapes.col(k)));
+  const int count = static_cast<int>(shapes.cols());
+  std::vector<EnergyShares> list(count);
+  Shapes y;
+  for (int first = 0; first < count; first += lanes) {
+    const int now = std::min(lanes, count - first);
+    for (int k = 0; k < lanes; ++k) {
+      const auto shape = shapes.col(first + std::min(k, now - 1));
+      for (int j = 0; j < model.dof(); ++j) y[j][k] = shape[j];
+    }
+    Energies e = energies(model, y);
+    normalise(model, e);
+    for (int k = 0; k < now; ++k) list[first + k] = lane(e, k);
+  }
   return list;
 }
 
 EnergyShares energy_shares(const LinearModel& model, const ModelVector& real,
                            const ModelVector& imaginary) {
-  Energies sum = energies(model, real);
-  sum += energies(model, imaginary);
-  return shares(model, sum);
+  Shapes y;
+  for (int j = 0; j < model.dof(); ++j) {
+    y[j].setConstant(real[j]);
+    y[j][1] = imaginary[j];
+  }
+  Energies e = energies(model, y);
+  for (Sextet* parts : {&e.platform, &e.legs, &e.oil, &e.guide_sleeve, &e.piston_ring})
+    for (Numbers& part : *parts) part[0] += part[1];
+  e.elastic_and_geometric[0] += e.elastic_and_geometric[1];
+  normalise(model, e);
+  return lane(e, 0);
 }
 
 }  // namespace hydrapod::modal

@@ -1,15 +1,20 @@
 #include "hydrapod/modal/normal_modes.hpp"
 
-#include <Eigen/Eigenvalues>
+#include <Eigen/Cholesky>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
+#include <numeric>
 
 #include "hydrapod/base/error.hpp"
+#include "symmetric_eigen.hpp"
 
 namespace hydrapod::modal {
 
 namespace {
+
+using spatial::Matrix6;
 
 /// Number of modes from `first` on that repeat its ω².
 int group_size(const ModelVector& omega2, int first) {
@@ -39,25 +44,125 @@ ModelMatrix canonical_rotation(const ModelVector& mass_diagonal, const ModelMatr
   return found == size ? Q : ModelMatrix::Identity(size, size);
 }
 
-/// +1 or −1: sign that makes the leading component of `shape` positive.
-double canonical_sign(const ModelVector& mass_diagonal,
-                      const Eigen::Ref<const ModelVector>& shape) {
+/// +1 or −1: sign that makes the leading component of `shape` positive. `weights`: roots of the
+/// masses.
+double canonical_sign(const ModelVector& weights, const Eigen::Ref<const ModelVector>& shape) {
   constexpr double platform_moves = 1e-4;  // weighted amplitude; its square is an energy share
   constexpr double tie = 1.0 - 1e-6;
-  double weighted[dynamics::max_dof];
-  double largest_of_platform = 0.0, largest = 0.0;
-  const auto size = static_cast<int>(shape.size());
-  for (int i = 0; i < size; ++i) {
-    weighted[i] = std::sqrt(mass_diagonal[i]) * shape[i];
-    if (i == 6) largest_of_platform = largest;
-    largest = std::max(largest, std::abs(weighted[i]));
-  }
-  if (size == 6) largest_of_platform = largest;
-  const int end = largest_of_platform > platform_moves ? 6 : size;
-  const double limit = tie * (end == 6 ? largest_of_platform : largest);
-  for (int i = 0; i < end; ++i)
-    if (std::abs(weighted[i]) >= limit) return weighted[i] < 0.0 ? -1.0 : 1.0;
+  const ModelVector weighted = weights.cwiseProduct(shape);
+  const double largest_of_platform = weighted.head<6>().lpNorm<Eigen::Infinity>();
+  const bool platform = largest_of_platform > platform_moves;
+  const double limit = tie * (platform ? largest_of_platform : weighted.lpNorm<Eigen::Infinity>());
+  for (const double component : weighted)
+    if (std::abs(component) >= limit) return component < 0.0 ? -1.0 : 1.0;
   return 1.0;
+}
+
+/// L⁻ᵀ of M = L Lᵀ.
+template <int size>
+Eigen::Matrix<double, size, size> inverse_root(const Eigen::Matrix<double, size, size>& M) {
+  using Matrix = Eigen::Matrix<double, size, size>;
+  const Eigen::LLT<Matrix> llt(M);
+  if (llt.info() != Eigen::Success)
+    throw base::ComputationError(
+        "the mass matrix is not positive definite: do the platform and every leg have mass and "
+        "inertia?");
+  return llt.matrixU().solve(Matrix::Identity());
+}
+
+/// X with Xᵀ M X = I, and A = Xᵀ K X. Legs touch each other only through the platform, so every
+/// leg's own small block of M is factored first; then come the platform's six columns, in which the
+/// legs follow freely:
+///
+///     X = [ T      0  ]    P_i = L_i⁻ᵀ,  M_ff,i = L_i L_iᵀ
+///         [ −G_i T P_i ]   G_i = M_ff,i⁻¹ M_fr,i,  T = L⁻ᵀ,  L Lᵀ = M_rr − Σ M_rf,i G_i
+template <int flexible>
+void reduce(const LinearModel& model, Pencil<6 + model::leg_count * flexible>& pencil) {
+  using Block = Eigen::Matrix<double, flexible, flexible>;
+  using Border = Eigen::Matrix<double, flexible, 6>;
+  auto& [A, X, diagonal, subdiagonal] = pencil;
+  std::array<Border, model::leg_count> G;
+  Matrix6 M_platform = model.M.topLeftCorner<6, 6>();
+  for (int i = 0; i < model::leg_count; ++i) {
+    const int at = 6 + flexible * i;
+    const Border M_fr = model.M.block<flexible, 6>(at, 0);
+    const Block P = inverse_root<flexible>(model.M.block<flexible, flexible>(at, at));
+    G[i] = P * (P.transpose() * M_fr);
+    M_platform -= M_fr.transpose() * G[i];
+    X.template block<flexible, flexible>(at, at) = P;
+  }
+  const Matrix6 T = inverse_root<6>(M_platform);
+  X.template topLeftCorner<6, 6>() = T;
+  Matrix6 forces = model.K.topLeftCorner<6, 6>() * T;  // K X, its platform rows and columns
+  for (int i = 0; i < model::leg_count; ++i) {
+    const int at = 6 + flexible * i;
+    const Block P = X.template block<flexible, flexible>(at, at);
+    const Block K_ff = model.K.block<flexible, flexible>(at, at);
+    const Border K_fr = model.K.block<flexible, 6>(at, 0);
+    const Border follow = -G[i] * T;
+    const Border leg_forces = K_fr * T + K_ff * follow;
+    const Border A_fr = P.transpose() * leg_forces;
+    X.template block<flexible, 6>(at, 0) = follow;
+    A.template block<flexible, flexible>(at, at) = P.transpose() * K_ff * P;
+    A.template block<flexible, 6>(at, 0) = A_fr;
+    A.template block<6, flexible>(0, at) = A_fr.transpose();
+    A.template topLeftCorner<6, 6>() += follow.transpose() * leg_forces;
+    forces += K_fr.transpose() * follow;
+  }
+  A.template topLeftCorner<6, 6>() += T.transpose() * forces;
+}
+
+template <>
+void reduce<0>(const LinearModel& model, Pencil<6>& pencil) {
+  const Matrix6 T = inverse_root<6>(model.M);
+  pencil.X.topRows<6>() = T;
+  pencil.A.topRows<6>() = T.transpose() * model.K * T;
+}
+
+/// φᵀ K φ of every shape. Its error is the square of the shape's: low modes keep their digits next
+/// to very stiff seals, where the eigensolver's own ω² are only good to some epsilons of the
+/// largest.
+template <int size>
+void refine(const LinearModel& model, Pencil<size>& pencil) {
+  auto& K = pencil.A;  // no longer needed
+  K.template topRows<size>() = model.K;
+  for (int k = 0; k < size; ++k) {
+    PaddedColumn<size> force = pencil.X(0, k) * K.col(0);
+    for (int j = 1; j < size; ++j) force += pencil.X(j, k) * K.col(j);
+    pencil.diagonal[k] = dot<padded(size)>(pencil.X.col(k), force);
+  }
+}
+
+template <int flexible>
+NormalModes solve(const LinearModel& model) {
+  constexpr int size = 6 + model::leg_count * flexible;
+  Pencil<size> pencil;
+  reduce<flexible>(model, pencil);
+  if (!diagonalize(pencil))
+    throw base::ComputationError("the modes did not converge: is every stiffness finite?");
+  refine(model, pencil);
+  std::array<int, size> order;
+  std::iota(order.begin(), order.end(), 0);
+  std::sort(order.begin(), order.end(),
+            [&](int a, int b) { return pencil.diagonal[a] < pencil.diagonal[b]; });
+  NormalModes modes{.omega2 = ModelVector(size), .shapes = ModelMatrix(size, size)};
+  for (int k = 0; k < size; ++k) {
+    modes.omega2[k] = pencil.diagonal[order[k]];
+    modes.shapes.col(k) = pencil.X.col(order[k]).template head<size>();
+  }
+  return modes;
+}
+
+NormalModes solve(const LinearModel& model) {
+  switch (model.kind) {
+    case dynamics::ModelKind::guide:
+      return solve<2>(model);
+    case dynamics::ModelKind::full:
+      return solve<4>(model);
+    case dynamics::ModelKind::rigid:
+      break;
+  }
+  return solve<0>(model);
 }
 
 }  // namespace
@@ -75,18 +180,13 @@ void make_canonical(const ModelVector& mass_diagonal, NormalModes& modes) {
     std::fill_n(modes.group.begin() + first, size, number);
     first += size;
   }
+  const ModelVector weights = mass_diagonal.cwiseSqrt();
   for (int k = 0; k < count; ++k)
-    modes.shapes.col(k) *= canonical_sign(mass_diagonal, modes.shapes.col(k));
+    modes.shapes.col(k) *= canonical_sign(weights, modes.shapes.col(k));
 }
 
 NormalModes normal_modes(const LinearModel& model) {
-  const Eigen::GeneralizedSelfAdjointEigenSolver<ModelMatrix> solver(model.K, model.M);
-  if (solver.info() != Eigen::Success || !(model.M.diagonal().minCoeff() > 0.0) ||
-      !solver.eigenvectors().allFinite())
-    throw base::ComputationError(
-        "the mass matrix is not positive definite: do the platform and every leg have mass and "
-        "inertia?");
-  NormalModes modes{.omega2 = solver.eigenvalues(), .shapes = solver.eigenvectors()};
+  NormalModes modes = solve(model);
   make_canonical(model.M.diagonal(), modes);
   return modes;
 }
