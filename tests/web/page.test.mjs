@@ -2,10 +2,10 @@
 import assert from 'node:assert/strict';
 import { readFileSync, statSync, writeFileSync } from 'node:fs';
 import { test } from 'node:test';
-import { changed, damped, hydrapod, moduleText, published, report, temporary, withPage } from './support.mjs';
+import { changed, damped, hydrapod, model, moduleText, published, report, temporary, withPage } from './support.mjs';
 
 const phone = { viewport: { width: 360, height: 740 }, hasTouch: true, isMobile: true };
-const fourPoses = ['neutral', 'z=50 mm', 'ry=5 deg', 'x=40 mm, rz=8 deg'].flatMap((pose) => ['--pose', pose]);
+const fourPoses = ['neutral', 'z=-40 mm', 'ry=5 deg', 'x=40 mm, rz=8 deg'].flatMap((pose) => ['--pose', pose]);
 
 /** axe's findings on the page as it stands. */
 async function findings(page) {
@@ -60,20 +60,26 @@ test('works with the keyboard alone', async () => {
   });
 });
 
+async function assertNoOverflow(page) {
+  const { scroll, client, wide } = await page.evaluate(() => ({
+    scroll: document.documentElement.scrollWidth,
+    client: document.documentElement.clientWidth,
+    wide: [...document.querySelectorAll('main *')]
+      .filter((e) => e.getBoundingClientRect().right > innerWidth + 0.5 && !e.closest('.scroller, pre, .uplot, .unseen'))
+      .map((e) => e.outerHTML.slice(0, 80)),
+  }));
+  assert.deepEqual(wide, []);
+  assert.ok(scroll <= client, `${scroll} > ${client}`);
+}
+
 test('at phone width nothing overflows', async () => {
-  for (const words of [[published], [...damped, ...fourPoses]])
+  for (const words of [[published], [model('heavy-platform.toml')], [...damped, ...fourPoses]])
     await withPage(report(...words), phone, async (page) => {
-      await page.click('[data-control="fold"]');
+      await assertNoOverflow(page);
+      const fold = page.locator('[data-control="fold"]');
+      if ((await fold.count()) > 0) await fold.click();
       await page.evaluate(() => window.hydrapod.bode.setCursor(8));
-      const { scroll, client, wide } = await page.evaluate(() => ({
-        scroll: document.documentElement.scrollWidth,
-        client: document.documentElement.clientWidth,
-        wide: [...document.querySelectorAll('main *')]
-          .filter((e) => e.getBoundingClientRect().right > innerWidth + 1 && !e.closest('.scroller, pre, .uplot, .unseen'))
-          .map((e) => e.outerHTML.slice(0, 80)),
-      }));
-      assert.ok(scroll <= client, `${scroll} > ${client}: ${wide.slice(0, 5)}`);
-      assert.deepEqual(wide, []);
+      await assertNoOverflow(page);
     });
 });
 
@@ -122,7 +128,7 @@ test('names with quotes, angle brackets and ends of scripts are text', async () 
     await withPage(report(machine, ...words), {}, async (page) => {
       assert.equal(await page.evaluate(() => window.harmed), undefined);
       assert.equal(await page.locator('h1').textContent(), nasty);
-      assert.equal(await page.title(), nasty.replace(/\s+/g, ' ').trim());
+      assert.equal(await page.title(), nasty);
       assert.equal(await page.evaluate(() => window.hydrapod.report.machine.name), nasty);
       assert.ok((await page.locator('pre.file').textContent()).includes('window.harmed = 1'));
       assert.equal(await page.locator('img').count(), 0);

@@ -136,16 +136,19 @@ export function repeated(modes: Mode[], mode: Mode): Mode[] {
 /** Can the platform's motion be seen in nothing but the legs? */
 export const folded = (mode: Mode): boolean => !mode.platform_feels;
 
-/** The modes pictured in print: those asked for, else the ones the platform feels most, at most six. */
+const platformShare = (mode: Mode): number => mode.platform_energy.reduce((sum, part) => sum + part, 0);
+
+/**
+ * The modes pictured in print: those asked for, else at most six that the platform feels: the lowest three in
+ * which it holds a tenth of the energy, for they are the trouble, and those that move it most.
+ */
 export function pictured(report: Report, pose: PoseReport): Mode[] {
   if (report.pictured_modes.length > 0)
     return report.pictured_modes.flatMap((number) => pose.modes.filter((m) => m.number === number));
-  const share = (mode: Mode) => mode.platform_energy.reduce((sum, part) => sum + part, 0);
-  return pose.modes
-    .filter((mode) => mode.platform_feels)
-    .sort((a, b) => share(b) - share(a))
-    .slice(0, 6)
-    .sort((a, b) => a.number - b.number);
+  const felt = pose.modes.filter((mode) => mode.platform_feels);
+  const lowest = felt.filter((mode) => platformShare(mode) >= 0.1).slice(0, 3);
+  const moving = [...felt].sort((a, b) => platformShare(b) - platformShare(a));
+  return [...new Set([...lowest, ...moving])].slice(0, 6).sort((a, b) => a.number - b.number);
 }
 
 /** What is shown when the page opens. */

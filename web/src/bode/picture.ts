@@ -18,9 +18,9 @@ const phaseHeight = 130;
 const gap = 26;
 
 /** Ticks of a logarithmic axis: decades, and 2 and 5 (or all digits) where there are few decades. */
-export function logTicks(from: number, to: number): number[] {
+export function logTicks(from: number, to: number, narrow = false): number[] {
   const decades = Math.log10(to / from);
-  const steps = decades > 6 ? [1] : decades > 1.7 ? [1, 2, 5] : [1, 2, 3, 4, 5, 6, 7, 8, 9];
+  const steps = decades > 6 ? [1] : decades > (narrow ? 0.7 : 1.7) ? [1, 2, 5] : [1, 2, 3, 4, 5, 6, 7, 8, 9];
   const values: number[] = [];
   for (let e = Math.floor(Math.log10(from)); e <= Math.ceil(Math.log10(to)); ++e)
     for (const step of steps) {
@@ -70,9 +70,9 @@ export function bodePicture(curves: Curves, subtitle: string, colours: Palette):
     svg('text', { x: left, y: 34, fill: colours.faint }, subtitle),
   );
   const bottom = height - margin.bottom;
+  frequencyAxis(picture, frame, from, to, bottom, colours);
   magnitudePart(picture, curves, frame, margin.top, bottom - phaseHeight - gap, colours);
   phasePart(picture, curves, frame, bottom - phaseHeight, bottom, colours);
-  frequencyAxis(picture, frame, from, to, bottom, colours);
   legend(picture, curves, colours);
   return picture;
 }
@@ -213,13 +213,13 @@ function marksAt(
 
 function legend(picture: SVGElement, curves: Curves, colours: Palette) {
   const names = ['rigid legs', 'flexible legs (numbers: modes)'];
-  let x = width - margin.right - (curves.flexible ? 260 : 90);
+  let x = width - margin.right - (curves.flexible ? 300 : 100);
   both(curves).forEach((H, k) => {
     if (!H) return;
     const line = lines(colours)[k];
     picture.append(
-      svg('line', { x1: x, x2: x + 26, y1: 30, y2: 30, stroke: line.stroke, 'stroke-width': line.width, 'stroke-dasharray': line.dash }),
-      svg('text', { x: x + 32, y: 34 }, names[k]),
+      svg('line', { x1: x, x2: x + 26, y1: 14, y2: 14, stroke: line.stroke, 'stroke-width': line.width, 'stroke-dasharray': line.dash }),
+      svg('text', { x: x + 32, y: 18 }, names[k]),
     );
     x += 104;
   });

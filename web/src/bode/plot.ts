@@ -21,10 +21,12 @@ export class BodePlot {
   readonly element = html('div', { class: 'plots' });
   private plots: uPlot[] = [];
   private curves: Curves | null = null;
-  private silent = false;
+  /** The cursor follows the pointer; else it was put where it is. */
+  private pointed = false;
 
   constructor(private readonly events: PlotEvents) {
     new ResizeObserver(() => this.resize()).observe(this.element);
+    this.element.addEventListener('pointermove', () => (this.pointed = true), { capture: true });
   }
 
   /** Draws anew: curves, band and colours. */
@@ -49,12 +51,15 @@ export class BodePlot {
 
   /** Moves the cursor to point `index` of the curves. */
   setCursor(index: number): void {
-    const [plot] = this.plots;
     const f = this.curves?.frequency[index];
-    if (!plot || f === undefined) return;
-    this.silent = true;
-    for (const each of this.plots) each.setCursor({ left: each.valToPos(f, 'x'), top: each.cursor.top ?? 10 }, false);
-    this.silent = false;
+    if (f === undefined) return;
+    this.pointed = false;
+    const { plots } = this;
+    // a plot made just now has its axes after the pending tasks
+    queueMicrotask(() => {
+      if (plots !== this.plots) return;
+      for (const plot of plots) plot.setCursor({ left: plot.valToPos(f, 'x'), top: 10 }, false);
+    });
   }
 
   private width(): number {
@@ -86,6 +91,7 @@ export class BodePlot {
       cursor: {
         drag: { x: true, y: false, setScale: false },
         sync: { key: 'bode', setSeries: false },
+        y: false,
         focus: { prox: -1 },
         bind: { dblclick: () => () => (this.events.reset(), null) },
       },
@@ -98,7 +104,7 @@ export class BodePlot {
           ...axis,
           size: isMagnitude ? 26 : 44,
           ...(isMagnitude ? {} : { label: 'frequency in Hz' }),
-          splits: (plot) => logTicks(plot.scales['x']!.min!, plot.scales['x']!.max!),
+          splits: (plot) => logTicks(plot.scales['x']!.min!, plot.scales['x']!.max!, plot.width < 520),
           filter: (_, splits) => splits,
           values: (_, splits) => splits.map((v) => String(Number(v.toPrecision(3)))),
         },
@@ -114,6 +120,8 @@ export class BodePlot {
                 values: (_: uPlot, splits: number[]) => splits.map(tick),
               }
             : {
+                label: 'phase',
+                labelSize: 18,
                 splits: () => [-180, -90, 0, 90, 180],
                 values: (_: uPlot, splits: number[]) => splits.map((v) => `${v}°`.replace('-', '−')),
               }),
@@ -125,7 +133,7 @@ export class BodePlot {
         ...(curves.flexible ? [line('flexible legs', colours.flexible)] : []),
       ],
       hooks: {
-        setCursor: [(plot) => !this.silent && this.events.cursor(plot.cursor.idx ?? null)],
+        setCursor: [(plot) => this.pointed && this.events.cursor(plot.cursor.idx ?? null)],
         setSelect: [(plot) => this.selected(plot)],
         draw: isMagnitude ? [(plot) => this.drawMarks(plot, colours)] : [],
       },

@@ -106,18 +106,19 @@ export function drawing(
   dot_(add(points.center, points.displacement), 0.02 * sizes.size, colours.sleeve, sizes.size);
   items.sort((a, b) => a.depth - b.depth);
 
-  const half = 1.12 * sizes.radius;
   const element = svg(
     'svg',
-    { viewBox: [-half, -0.86 * half, 2 * half, 1.72 * half].map(coordinate).join(' '), role: 'img', class: 'drawing' },
+    { viewBox: frame(rest, at, 0.2 * sizes.size), role: 'img', class: 'drawing' },
     svg('title', {}, options.title),
     ...ghost(rest, order, at, colours, sizes.size),
     ...items.map((item) => item.element),
   );
   if (options.labels)
     points.legs.forEach((leg, i) => {
-      const outward = unit([leg.base[0], leg.base[1], 0.001]);
-      const [x, y] = at(add(leg.base, scale(0.09 * sizes.size, outward)));
+      const [bx, by] = at(leg.base);
+      const [ox, oy] = at([0, 0, 0]);
+      const away = (0.085 * sizes.size) / (Math.hypot(bx - ox, by - oy) || 1);
+      const [x, y] = [bx + away * (bx - ox), by + away * (by - oy)];
       element.append(
         svg(
           'text',
@@ -134,6 +135,15 @@ export function drawing(
       );
     });
   return { element, project: at };
+}
+
+/** The picture's frame: what the machine takes up at rest and room to move. */
+function frame(rest: MachinePoints, at: (p: Vector) => [number, number], room: number): string {
+  const flat = rest.legs.flatMap((leg) => [at(leg.base), at(leg.joint)]);
+  const xs = flat.map(([x]) => x);
+  const ys = flat.map(([, y]) => y);
+  const [left, top] = [Math.min(...xs) - room, Math.min(...ys) - room];
+  return [left, top, Math.max(...xs) + room - left, Math.max(...ys) + room - top].map(coordinate).join(' ');
 }
 
 function ghost(

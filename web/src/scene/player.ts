@@ -27,6 +27,9 @@ export class Player {
   private scheduled = false;
   visible = true;
 
+  /** Told when it begins or stops to play. */
+  onPlaying: (playing: boolean) => void = () => {};
+
   constructor(private readonly view: View) {}
 
   show(pose: PoseReport, mode: Mode): void {
@@ -77,12 +80,14 @@ export class Player {
 
   setPlaying(playing: boolean): void {
     this.playing = playing;
+    this.onPlaying(playing);
     this.last = 0;
     this.refresh();
   }
 
   setPhase(phase: number): void {
     this.playing = false;
+    this.onPlaying(false);
     this.phase = phase;
     this.draw();
   }

@@ -81,8 +81,8 @@ function poseChooser(state: State): HTMLElement {
   state.listen((change) => change === 'pose' && mark());
   mark();
   return html(
-    'div',
-    { class: 'poses', role: 'group', 'aria-label': 'Pose' },
+    'section',
+    { class: 'poses', 'aria-label': 'Pose' },
     html('span', { 'aria-hidden': 'true' }, 'Pose'),
     ...buttons,
   );
@@ -97,10 +97,14 @@ function number(caption: string, value: string, unit: string, note: string, kind
   );
 }
 
+/** What stands between backticks is code. */
+const withCode = (text: string): Node[] =>
+  text.split('`').map((part, i) => (i % 2 === 1 ? html('code', {}, part) : document.createTextNode(part)));
+
 function answer(pose: PoseReport): Node[] {
   const result = pose.answer;
   if (!result) return [html('p', { class: 'words' }, 'The platform feels no mode of this model.')];
-  const nodes: Node[] = [html('p', { class: 'words' }, result.text)];
+  const nodes: Node[] = [html('p', { class: 'words' }, ...withCode(result.text))];
   if (result.stable) nodes.push(html('dl', { class: 'numbers' }, ...numbers(result)));
   return nodes;
 }

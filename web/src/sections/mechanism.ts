@@ -79,16 +79,19 @@ function offerHook(view: View, player: Player): void {
   };
 }
 
+const numberAndFrequency = (mode: Mode): string =>
+  `mode ${mode.number}, ${mode.stable ? `${hertz(mode.frequency_hz)} Hz` : 'unstable'}`;
+
 function viewportHeads(pose: PoseReport, mode: Mode): HTMLElement[] {
   const title = (kind: string, name: string, text: string) =>
     html('div', { class: `viewport-head ${kind}` }, html('strong', {}, name), ' ', html('span', {}, text));
   if (pose.model === 'rigid')
-    return [title('rigid', 'Rigid legs', `mode ${mode.number}, ${hertz(mode.frequency_hz)} Hz`)];
-  const flexible = title('flexible', 'Flexible legs', `mode ${mode.number}, ${hertz(mode.frequency_hz)} Hz`);
+    return [title('rigid', 'Rigid legs', numberAndFrequency(mode))];
+  const flexible = title('flexible', 'Flexible legs', numberAndFrequency(mode));
   const counterpart = mode.rigid && pose.rigid_modes[mode.rigid.mode - 1];
   const rigid =
     counterpart && mode.rigid && mode.rigid.mac >= comparable
-      ? title('rigid', 'Rigid legs', `mode ${counterpart.number}, ${hertz(counterpart.frequency_hz)} Hz`)
+      ? title('rigid', 'Rigid legs', numberAndFrequency(counterpart))
       : title('rigid', 'Rigid legs', 'at rest: no such mode');
   return [flexible, rigid];
 }
@@ -105,13 +108,13 @@ function captionOf(pose: PoseReport, mode: Mode): string {
   }
   if (mode.shape_imaginary) parts.push('Complex mode: its parts do not turn back at the same time.');
   if (!mode.stable) parts.push('Unstable: the legs buckle.');
-  if (mode.rigid)
+  if (mode.rigid && mode.stable)
     parts.push(
       mode.rigid.mac >= comparable
         ? `Against rigid legs ${signedPercent(mode.rigid.shift_percent)} (MAC ${fixed(mode.rigid.mac, 2)}).`
         : `No rigid mode is like it (MAC at most ${fixed(mode.rigid.mac, 2)}).`,
     );
-  else if (pose.model !== 'rigid') parts.push('A rigid machine has no such mode.');
+  else if (pose.model !== 'rigid' && !mode.rigid) parts.push('A rigid machine has no such mode.');
   return parts.join(' ');
 }
 
@@ -136,11 +139,9 @@ function modeStepper(state: State): HTMLElement {
 
 function controls(player: Player, view: View, state: State): HTMLElement {
   const play = button('Pause', () => toggle(!player.playing), { class: 'primary', 'data-control': 'play' });
-  const toggle = (playing: boolean) => {
-    player.setPlaying(playing);
-    play.textContent = playing ? 'Pause' : 'Play';
-  };
-  toggle(player.playing);
+  const toggle = (playing: boolean) => player.setPlaying(playing);
+  player.onPlaying = (playing) => (play.textContent = playing ? 'Pause' : 'Play');
+  player.onPlaying(player.playing);
   const turn = (azimuth: number, elevation: number, zoom: number) => () => {
     view.orbit(azimuth, elevation, zoom);
     player.refresh();

@@ -32,7 +32,7 @@ const columns: Column[] = [
   {
     id: 'frequency',
     title: 'Hz',
-    long: 'Frequency in hertz',
+    long: 'Hz: frequency in hertz',
     key: (mode) => mode.omega_rad_s,
     cell: (mode) => [mode.stable ? hertz(mode.frequency_hz) : 'unstable'],
     numeric: true,
@@ -40,7 +40,7 @@ const columns: Column[] = [
   {
     id: 'omega',
     title: 'rad/s',
-    long: 'Angular frequency in radians per second',
+    long: 'rad/s: angular frequency',
     key: (mode) => mode.omega_rad_s,
     cell: (mode) => [mode.stable ? fixed(mode.omega_rad_s, 2) : ''],
     numeric: true,
@@ -48,7 +48,7 @@ const columns: Column[] = [
   {
     id: 'damping',
     title: 'ζ',
-    long: 'Damping ratio',
+    long: 'ζ: damping ratio',
     key: (mode) => mode.damping_ratio,
     cell: (mode) => [`${fixed(100 * mode.damping_ratio, 2)} %`],
     numeric: true,
@@ -72,7 +72,7 @@ const columns: Column[] = [
   {
     id: 'rigid',
     title: 'Rigid Hz',
-    long: 'Frequency of the rigid counterpart in hertz',
+    long: 'Rigid Hz: frequency of the rigid counterpart',
     key: (mode) => mode.rigid?.omega_rad_s ?? -1,
     cell: (mode) => [mode.rigid ? hertz(mode.rigid.omega_rad_s / (2 * Math.PI)) : ''],
     numeric: true,
@@ -81,7 +81,7 @@ const columns: Column[] = [
   {
     id: 'shift',
     title: 'Shift',
-    long: 'Shift against the rigid counterpart',
+    long: 'Shift of the frequency against the rigid counterpart',
     key: (mode) => mode.rigid?.shift_percent ?? Number.POSITIVE_INFINITY,
     cell: (mode) => [mode.rigid ? signedPercent(mode.rigid.shift_percent) : ''],
     numeric: true,
@@ -90,7 +90,7 @@ const columns: Column[] = [
   {
     id: 'mac',
     title: 'MAC',
-    long: 'Share of the rigid counterpart found in this mode (modal assurance criterion)',
+    long: 'MAC: share of the rigid counterpart found in this mode (modal assurance criterion)',
     key: (mode) => mode.rigid?.mac ?? -1,
     cell: (mode) => [mode.rigid ? fixed(mode.rigid.mac, 2) : ''],
     numeric: true,

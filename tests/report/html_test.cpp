@@ -1,0 +1,147 @@
+/// The report's file: what goes into it, and that nothing in a machine file can become markup.
+
+#include "hydrapod/report/html.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <complex>
+
+#include "hydrapod/kinematics/check_machine.hpp"
+#include "hydrapod/report/modal_response_json.hpp"
+#include "support/run_program.hpp"
+
+namespace hydrapod::report {
+namespace {
+
+using testing::HasSubstr;
+using testing::Not;
+
+constexpr const char* nasty = "</script><img src=x onerror=\"a('b')\"> & \xE2\x80\xA8 {{hydrapod-data}}";
+
+model::MachineFile published(const std::vector<std::string>& overrides = {}) {
+  return model::read_machine_file(test::source_file("models/zhang-jiang-2021.toml").string(), overrides,
+                                  kinematics::check_machine);
+}
+
+std::vector<PoseChoice> neutral(const model::MachineFile& file) {
+  return {{"neutral", file.machine.neutral()}};
+}
+
+TEST(EscapeHtml, LeavesNoMarkup) {
+  EXPECT_EQ(escape_html("<a href=\"x\">'&amp;'</a>"),
+            "&lt;a href=&quot;x&quot;&gt;&#39;&amp;amp;&#39;&lt;/a&gt;");
+}
+
+TEST(EscapeJson, HoldsNothingThatEndsAScriptAndReadsBackTheSame) {
+  const Json json{{"name", nasty}, {nasty, 1.5}};
+  const std::string text = escape_json(json);
+  for (const char* part : {"<", ">", "&", "\xE2\x80\xA8", "\xE2\x80\xA9"})
+    EXPECT_THAT(text, Not(HasSubstr(part)));
+  EXPECT_EQ(Json::parse(text), json);
+}
+
+TEST(EscapeJson, ReplacesBrokenUtf8) {
+  EXPECT_EQ(escape_json(Json("a\xFF")), "\"a\xEF\xBF\xBD\"");
+}
+
+TEST(EscapeJson, KeepsEveryDigit) {
+  const double value = 0.1 + 0.2;
+  EXPECT_EQ(Json::parse(escape_json(Json(value))).get<double>(), value);
+}
+
+TEST(HtmlPage, HoldsTheDocumentOnceAndNoPlaceholder) {
+  const std::string html = html_page({{"title", nasty}, {"poses", Json::array()}}, Theme::dark);
+  EXPECT_THAT(html, HasSubstr("data-theme=\"dark\""));
+  EXPECT_THAT(html, HasSubstr("<title>" + escape_html(nasty) + "</title>"));
+  EXPECT_THAT(html, HasSubstr("default-src 'none'"));
+  EXPECT_THAT(html, Not(HasSubstr("{{hydrapod-theme}}")));
+  EXPECT_THAT(html, Not(HasSubstr("<img")));
+}
+
+TEST(HtmlReport, NeedsNoNetwork) {
+  const auto file = published();
+  const std::string html = html_report(file, "m.toml", neutral(file));
+  for (const char* part : {"<script src", "<link rel=\"stylesheet\"", "@import", "url(http", "<iframe"})
+    EXPECT_THAT(html, Not(HasSubstr(part))) << part;
+}
+
+TEST(HtmlReport, StaysBelowOneAndAHalfMegabytesWithThirtyComplexModesAndFourPoses) {
+  const auto file = published({"legs.piston_ring.stiffness=2e6", "legs.guide_sleeve.damping=60",
+                               "legs.oil_spring.damping=4000", "damping.modal_ratio=0.003"});
+  std::vector<PoseChoice> poses;
+  for (const double x : {0.0, 0.01, 0.02, 0.03}) {
+    auto pose = file.machine.neutral();
+    pose.p_BP.x() += x;
+    poses.push_back({"pose", pose});
+  }
+  const auto html = html_report(file, "m.toml", poses, {.kind = dynamics::ModelKind::full});
+  EXPECT_LE(html.size(), 1'500'000U);
+  EXPECT_THAT(html, HasSubstr("shape_imaginary"));
+}
+
+TEST(ReportJson, RefusesWhatMakesNoSense) {
+  const auto file = published();
+  EXPECT_THROW(report_json(file, "m.toml", {}), std::invalid_argument);
+  EXPECT_THROW(report_json(file, "m.toml", neutral(file), {.modes = {19}}), std::invalid_argument);
+  EXPECT_THROW(report_json(file, "m.toml", neutral(file), {.points = 1}), std::invalid_argument);
+}
+
+TEST(ReportJson, TitleIsTheMachinesNameUnlessGiven) {
+  const auto file = published();
+  EXPECT_EQ(report_json(file, "m.toml", neutral(file)).at("title"), "Zhang & Jiang 2021");
+  EXPECT_EQ(report_json(file, "m.toml", neutral(file), {.title = "T"}).at("title"), "T");
+}
+
+/// H from the modal form, with Eigen's solver.
+response::Matrix6c from_json(const Json& json, double omega) {
+  const Eigen::Index n = json.at("omega2").size();
+  Eigen::MatrixXcd D = Eigen::MatrixXcd::Zero(n, n);
+  Eigen::MatrixXcd Phi(n, 6);
+  for (Eigen::Index k = 0; k < n; ++k) {
+    const Json& damping = json.at("damping").at(k);
+    if (damping.is_number()) {
+      D(k, k) += std::complex<double>(0.0, omega * damping.get<double>());
+    } else {
+      for (Eigen::Index j = 0; j < n; ++j)
+        D(k, j) += std::complex<double>(0.0, omega * damping.at(j).get<double>());
+    }
+    D(k, k) += json.at("omega2").at(k).get<double>() - omega * omega;
+    for (Eigen::Index d = 0; d < 6; ++d) Phi(k, d) = json.at("platform_shapes").at(k).at(d).get<double>();
+  }
+  return Phi.transpose() * D.partialPivLu().solve(Phi);
+}
+
+void expect_same_response(const model::MachineFile& file, dynamics::ModelKind kind, bool diagonal) {
+  const auto table = modal::mode_table(file.machine, file.machine.neutral(), kind);
+  const auto model = response::response_model(table.real.linear, table.real.normal, table.ratio.value,
+                                              file.machine.platform.mass_center);
+  const Json json = modal_response_json(model, table.real.tabled_of_normal);
+  EXPECT_EQ(json.at("damping").at(0).is_number(), diagonal);
+  const auto omega = response::log_space(10.0, 1000.0, 100);
+  const auto expected = response::frequency_response(model, omega);
+  constexpr double tolerance = 1e-10;  // rounding, magnified by lightly damped resonances
+  for (size_t i = 0; i < omega.size(); ++i) {
+    const response::Matrix6c difference = from_json(json, omega[i]) - expected[i];
+    EXPECT_LE(difference.norm(), tolerance * expected[i].norm()) << omega[i];
+  }
+}
+
+TEST(ModalResponse, IsTheFrequencyResponseForRealModes) {
+  expect_same_response(published(), dynamics::ModelKind::guide, true);
+}
+
+TEST(ModalResponse, IsTheFrequencyResponseForComplexModes) {
+  expect_same_response(published({"legs.piston_ring.stiffness=2e6", "legs.guide_sleeve.damping=60",
+                                  "legs.oil_spring.damping=4000"}),
+                       dynamics::ModelKind::full, false);
+}
+
+TEST(ModalResponse, IsTheFrequencyResponseForDampersAndModalRatios) {
+  expect_same_response(published({"legs.guide_sleeve.damping=60", "damping.modal_ratio=0.003"}),
+                       dynamics::ModelKind::guide, false);
+}
+
+}  // namespace
+}  // namespace hydrapod::report
