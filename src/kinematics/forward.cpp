@@ -20,6 +20,12 @@ double residual_at(const LegGeometries& legs, const Vector6& lengths, Vector6& r
   return residual.lpNorm<Eigen::Infinity>();
 }
 
+/// Whether the smallest pivot is rounding error against the largest.
+bool is_singular(const Eigen::PartialPivLU<Matrix6>& lu) {
+  const Vector6 pivots = lu.matrixLU().diagonal().cwiseAbs();
+  return !(pivots.minCoeff() > 1e-14 * pivots.maxCoeff());
+}
+
 }  // namespace
 
 ForwardResult forward_kinematics(const model::Machine& machine, const Vector6& lengths,
@@ -37,7 +43,7 @@ ForwardResult forward_kinematics(const model::Machine& machine, const Vector6& l
 
     const Eigen::PartialPivLU<Matrix6> lu(leg_jacobian(legs, result.X_BP.p_BP));
     const Vector6 step = -lu.solve(residual);
-    if (!step.allFinite() || lu.rcond() < 1e-14) {
+    if (!step.allFinite() || is_singular(lu)) {
       result.status = ForwardStatus::singular;
       return result;
     }
