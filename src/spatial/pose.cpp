@@ -1,7 +1,6 @@
 #include "hydrapod/spatial/pose.hpp"
 
 #include <Eigen/Geometry>
-#include <algorithm>
 #include <cmath>
 
 namespace hydrapod::spatial {
@@ -20,11 +19,14 @@ Matrix3 rotation_from_rpy(const Vector3& rpy) {
 }
 
 Vector3 rpy_from_rotation(const Matrix3& R) {
-  const double pitch = std::asin(std::clamp(-R(2, 0), -1.0, 1.0));
   const double cos_pitch = std::hypot(R(2, 1), R(2, 2));
   constexpr double gimbal_lock = 1e-12;
-  if (cos_pitch < gimbal_lock) return {0.0, pitch, std::atan2(-R(0, 1), R(1, 1))};
-  return {std::atan2(R(2, 1), R(2, 2)), pitch, std::atan2(R(1, 0), R(0, 0))};
+  const double roll = cos_pitch < gimbal_lock ? 0.0 : std::atan2(R(2, 1), R(2, 2));
+  // Near the pole roll alone is uncertain; yaw that fits to it keeps the rotation exact. It is read
+  // from R Rx(-roll) = Rz(yaw) Ry(pitch).
+  const double s = std::sin(roll), c = std::cos(roll);
+  const double yaw = std::atan2(s * R(0, 2) - c * R(0, 1), c * R(1, 1) - s * R(1, 2));
+  return {roll, std::atan2(-R(2, 0), cos_pitch), yaw};
 }
 
 Matrix3 rotation_from_vector(const Vector3& w) {
