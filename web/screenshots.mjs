@@ -17,8 +17,8 @@ const root = join(dirname(fileURLToPath(import.meta.url)), '..');
 const { chromium } = createRequire(join(modules, 'package.json'))('playwright-core');
 
 const pictures = [
-  { name: 'published', model: 'zhang-jiang-2021.toml', words: [], mode: 1 },
-  { name: 'heavy', model: 'heavy-platform.toml', words: [], mode: 1 },
+  { name: 'published', model: 'zhang-jiang-2021.toml', words: [], mode: 1, amplitude: 20 },
+  { name: 'heavy', model: 'heavy-platform.toml', words: [], mode: 1, amplitude: 20 },
 ];
 
 const folder = mkdtempSync(join(tmpdir(), 'hydrapod-pictures-'));
@@ -27,7 +27,7 @@ const browser = await chromium.launch({
   args: ['--no-sandbox', '--use-angle=swiftshader', '--enable-unsafe-swiftshader', '--no-first-run'],
 });
 try {
-  for (const { name, model, words, mode } of pictures) {
+  for (const { name, model, words, mode, amplitude } of pictures) {
     const machine = join('models', model);
     if (!existsSync(join(root, machine))) continue;
     const report = join(folder, `${name}.html`);
@@ -35,6 +35,7 @@ try {
     const page = await browser.newPage({ viewport: { width: 1400, height: 1000 } });
     await page.goto(pathToFileURL(report).href);
     await page.waitForFunction(() => window.hydrapod.scene.frames() > 0);
+    await page.locator('[data-control="amplitude"]').fill(String(amplitude));
     await page.evaluate((number) => {
       window.hydrapod.state.chooseMode(number);
       window.hydrapod.scene.setPhase(0);

@@ -7,6 +7,7 @@
 
 #include <cmath>
 #include <complex>
+#include <set>
 
 #include "hydrapod/kinematics/check_machine.hpp"
 #include "hydrapod/report/modal_response_json.hpp"
@@ -92,6 +93,32 @@ TEST(ReportJson, TitleIsTheMachinesNameUnlessGiven) {
   const auto file = published();
   EXPECT_EQ(report_json(file, "m.toml", neutral(file)).at("title"), "Zhang & Jiang 2021");
   EXPECT_EQ(report_json(file, "m.toml", neutral(file), {.title = "T"}).at("title"), "T");
+}
+
+void add_names(const Json& json, std::set<std::string>& names) {
+  if (json.is_array()) {
+    for (const auto& item : json) add_names(item, names);
+  } else if (json.is_object()) {
+    for (const auto& [name, value] : json.items()) {
+      names.insert(name);
+      add_names(value, names);
+    }
+  }
+}
+
+TEST(ReportJson, EveryFieldIsInTheManual) {
+  const auto file = model::read_machine_file(test::source_file("models/heavy-platform.toml").string(),
+                                             {"legs.piston_ring.stiffness=1e9"}, kinematics::check_machine);
+  std::set<std::string> names;
+  add_names(report_json(file, "m.toml", neutral(file), {.kind = dynamics::ModelKind::full}), names);
+  EXPECT_GT(names.size(), 70U);
+  const std::string manual = test::read_text(test::source_file("docs/howto/json.md"));
+  for (const std::string& name : names) {
+    const bool named = manual.find('`' + name + '`') != std::string::npos ||
+                       manual.find('`' + name + "[]`") != std::string::npos ||
+                       manual.find("machine." + name) != std::string::npos;
+    EXPECT_TRUE(named) << name;
+  }
 }
 
 /// H from the modal form, with Eigen's solver.

@@ -29,7 +29,7 @@ export const light: Palette = {
   sleeve: '#d55e00',
   piston: '#c79a00',
   platform: '#3b7fb5',
-  base: '#8a8f98',
+  base: '#b4bbc4',
   ghost: '#a9b2bd',
 };
 
@@ -45,7 +45,7 @@ export const dark: Palette = {
   sleeve: '#ff7f2a',
   piston: '#f0d060',
   platform: '#56a5dd',
-  base: '#6d7683',
+  base: '#465060',
   ghost: '#5a6675',
 };
 

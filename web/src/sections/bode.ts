@@ -122,7 +122,13 @@ class BodeSection {
     this.peaks.textContent = this.peakText();
     this.plot.show(this.curves, palette());
     this.print.replaceChildren(html('figure', {}, this.picture()));
-    this.setIndex(null);
+    this.setCursor(this.firstPeak());
+  }
+
+  private firstPeak(): number {
+    const [from, to] = this.band;
+    const peak = this.curves.marks[0] ?? this.curves.rigidMarks[0];
+    return peak?.frequency ?? Math.sqrt(from * to);
   }
 
   private explanation(): string {
