@@ -114,9 +114,9 @@ int mode_behind(const ResponseModel& model, double omega, int direction) {
 }
 
 /// Without damping a direction has an unbounded peak at every mode that takes part in it; those
-/// that hold less than a millionth of its static compliance take part by rounding only.
+/// that hold less than 1e-4 of its static compliance are not felt in it.
 std::vector<Peak> undamped_peaks(const ResponseModel& model, const PeakOptions& options) {
-  constexpr double least_share = 1e-6;
+  constexpr double least_share = 1e-4;
   constexpr double infinite = std::numeric_limits<double>::infinity();
   const auto& modes = model.modes;
   std::vector<Peak> peaks;
