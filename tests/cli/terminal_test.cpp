@@ -40,6 +40,28 @@ TEST(Table, LeavesNoTrailingBlanks) {
   EXPECT_EQ(table.text(), "a  b\n1  long\n2\n");
 }
 
+TEST(Table, TooWideComesInPartsThatBeginWithTheFirstColumn) {
+  Table table({{"mode"}, {"Hz"}, {"label", Align::left}, {"MAC"}});
+  table.add_row({"1", "7.4", "x, oil springs", "0.99"});
+  table.add_row({"2", "8.5", "seals"});
+  EXPECT_EQ(table.text(false, 26),
+            "mode   Hz  label\n"
+            "   1  7.4  x, oil springs\n"
+            "   2  8.5  seals\n"
+            "\n"
+            "mode   MAC\n"
+            "   1  0.99\n"
+            "   2\n");
+  EXPECT_EQ(table.text(false, 31), table.text()) << "it just fits";
+  EXPECT_EQ(table.text(false, 3), table.text(false, 1)) << "never less than two columns";
+}
+
+TEST(Table, OfOneColumnIsOnePart) {
+  Table table({{"name", Align::left}});
+  table.add_row({"longer than the terminal"});
+  EXPECT_EQ(table.text(false, 10), "name\nlonger than the terminal\n");
+}
+
 TEST(Table, RefusesARowWithTooManyCells) {
   Table table({{"a"}});
   EXPECT_THROW(table.add_row({"1", "2"}), std::invalid_argument);

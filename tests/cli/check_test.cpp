@@ -1,0 +1,137 @@
+/// `hydrapod check`: what follows from a machine file.
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "support/json_fields.hpp"
+
+namespace hydrapod {
+namespace {
+using test::fields;
+using test::Json;
+using test::json_of;
+using test::run_hydrapod;
+using testing::AllOf;
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::Not;
+
+const std::string published = test::source_file("models/zhang-jiang-2021.toml").string();
+const std::string heavy = test::source_file("models/heavy-platform.toml").string();
+
+TEST(Check, TableSaysWhatFollows) {
+  const auto result = run_hydrapod({"check", published});
+  EXPECT_EQ(result.exit_code, 0);
+  EXPECT_EQ(result.err, "");
+  EXPECT_THAT(result.out, AllOf(testing::StartsWith("Zhang & Jiang 2021: sound\n"),
+                                HasSubstr("platform 894 kg, legs 52.96 kg in all; no gravity\n"),
+                                HasSubstr("873.4"), HasSubstr("Jacobian: condition 2.91"),
+                                HasSubstr("Buckling: no gravity, no load.\n"),
+                                Not(HasSubstr("-0 ")), Not(HasSubstr("\033"))));
+}
+
+TEST(Check, JsonHasItsStableFields) {
+  const auto json = json_of({"check", heavy, "--format", "json"});
+  EXPECT_THAT(fields(json), ElementsAre("kind", "machine", "assumptions", "poses"));
+  EXPECT_EQ(json["kind"], "check");
+  EXPECT_EQ(json["poses"].size(), 4U);
+  const Json& pose = json["poses"][0];
+  EXPECT_THAT(fields(pose),
+              ElementsAre("pose", "condition", "equilibrium", "legs", "buckling", "warnings"));
+  EXPECT_EQ(pose["pose"]["name"], "neutral");
+  EXPECT_EQ(pose["legs"].size(), 6U);
+  EXPECT_THAT(fields(pose["legs"][0]),
+              ElementsAre("length_m", "piston_m", "guided_length_m", "oil_stiffness_N_m",
+                          "axial_force_N", "static_tilt_rad", "base_joint_tilt_rad",
+                          "platform_joint_tilt_rad", "retract_left_m", "extend_left_m"));
+  EXPECT_THAT(fields(pose["buckling"]),
+              ElementsAre("status", "payload_kg", "limit_point", "lowest_omega_rad_s"));
+  EXPECT_EQ(pose["buckling"]["status"], "found");
+}
+
+TEST(Check, LegsAddUp) {
+  const auto json = json_of({"check", heavy, "--pose", "pitched", "--format", "json"});
+  ASSERT_EQ(json["poses"].size(), 1U);
+  for (const Json& leg : json["poses"][0]["legs"]) {
+    const double piston = leg["piston_m"], length = leg["length_m"];
+    EXPECT_NEAR(length - piston, 1.15, 1e-12) << "the rod";
+    EXPECT_NEAR(leg["guided_length_m"].get<double>() + piston, 1.25, 1e-12) << "the sleeve";
+    EXPECT_NEAR(leg["retract_left_m"].get<double>() + leg["extend_left_m"].get<double>(), 0.86,
+                1e-12)
+        << "the stroke";
+    EXPECT_GT(leg["axial_force_N"].get<double>(), 0.0) << "compression";
+  }
+}
+
+/// Six legs carry the platform and part of their own weight.
+TEST(Check, ForcesCarryTheWeight) {
+  const auto json = json_of({"check", heavy, "--format", "json"});
+  double up = 0.0;
+  for (const Json& leg : json["poses"][0]["legs"]) up += leg["axial_force_N"].get<double>();
+  const double weight = 14000.0 * 9.80665;
+  EXPECT_GT(up, weight);  // legs stand aslant
+  EXPECT_LT(up, 1.5 * weight);
+}
+
+TEST(Check, NamesThePayloadAtWhichTheLegsFold) {
+  const auto light = json_of({"check", published, "--set", "environment.gravity=9.81", "--set",
+                              "model.flexible_axes=transverse", "--format", "json"});
+  const Json& buckling = light["poses"][0]["buckling"];
+  ASSERT_EQ(buckling["status"], "found");
+  const double payload = buckling["payload_kg"];
+  EXPECT_GT(payload, 0.0);
+  const auto table = run_hydrapod({"check", published, "--set", "environment.gravity=9.81", "--set",
+                                   "model.flexible_axes=transverse"});
+  EXPECT_THAT(table.out, HasSubstr("Buckling: the legs carry "));
+
+  // with that payload on it the machine says what must come off
+  const auto loaded = run_hydrapod({"check", published, "--set", "environment.gravity=9.81",
+                                    "--set", "model.flexible_axes=transverse", "--set",
+                                    "platform.mass=" + std::to_string(894.0 + 1.01 * payload)});
+  EXPECT_EQ(loaded.exit_code, 0);
+  EXPECT_THAT(loaded.out, AllOf(HasSubstr("Buckling: the legs fold under the load they have; they "
+                                          "carry "),
+                                HasSubstr("warning: the legs buckle under the load they have: ")));
+}
+
+/// So little payload left that the bracket of the search is large against it.
+TEST(Check, OfAMachineAboutToBuckleStillAnswers) {
+  const std::vector<std::string> arguments{"check",    published,
+                                           "--set",    "environment.gravity=9.81",
+                                           "--set",    "model.flexible_axes=transverse",
+                                           "--format", "json"};
+  const double payload = json_of(arguments)["poses"][0]["buckling"]["payload_kg"];
+  for (const double left : {1.0, 0.1, 0.01}) {
+    auto nearly = arguments;
+    nearly.insert(nearly.end(),
+                  {"--set", "platform.mass=" + std::to_string(894.0 + payload - left)});
+    const auto buckling = json_of(nearly)["poses"][0]["buckling"];
+    EXPECT_EQ(buckling["status"], "found");
+    EXPECT_NEAR(buckling["payload_kg"].get<double>(), left, 0.01) << "the tolerance is a millionth";
+  }
+}
+
+TEST(Check, DoesNotSpeakOfBucklingWhereItWasNotSought) {
+  const auto result = run_hydrapod({"check", heavy, "--model", "rigid", "--pose", "neutral"});
+  EXPECT_THAT(result.out, HasSubstr("Buckling: rigid legs do not fold.\n"));
+  const auto json = json_of({"check", heavy, "--model", "rigid", "--format", "json"});
+  EXPECT_EQ(json["poses"][0]["buckling"]["status"], "not_sought");
+  EXPECT_EQ(json_of({"check", published, "--format", "json"})["poses"][0]["buckling"]["status"],
+            "not_sought");
+}
+
+TEST(Check, ReportsEveryMistakeInOneGo) {
+  const test::TemporaryFolder folder;
+  test::write_text(folder / "m.toml", "nam = \"x\"\n[platform]\nmass = \"3 m\"\n");
+  const auto result = run_hydrapod({"check", "m.toml"}, {.folder = folder.path()});
+  EXPECT_EQ(result.exit_code, 2);
+  EXPECT_EQ(result.out, "");
+  EXPECT_THAT(result.err,
+              AllOf(HasSubstr("m.toml:1:1: error: nam: unknown key; did you mean `name`?"),
+                    HasSubstr("m.toml:3:8: error: platform.mass: ")));
+}
+
+}  // namespace
+}  // namespace hydrapod
