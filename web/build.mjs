@@ -2,8 +2,9 @@
 //
 //     node build.mjs OUTPUT.html|OUTPUT.cpp
 //
-// The page has placeholders for title, theme, summary and data ({{hydrapod-…}}); src/report/html.cpp fills
-// them. Its content security policy allows exactly the script and the style that are put in here.
+// The page has placeholders for title, theme, summary and data ({{hydrapod-…}});
+// src/report/html.cpp fills them. Its content security policy allows exactly the script and the
+// style that are put in here.
 import { createHash } from 'node:crypto';
 import { readFileSync, writeFileSync } from 'node:fs';
 import { createRequire } from 'node:module';

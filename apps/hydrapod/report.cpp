@@ -47,7 +47,8 @@ std::vector<int> mode_list(const std::string& text, int count) {
     begin = end + 1;
     const size_t dash = part.find('-');
     const int first = mode_number(text, part.substr(0, dash));
-    const int last = dash == std::string_view::npos ? first : mode_number(text, part.substr(dash + 1));
+    const int last =
+        dash == std::string_view::npos ? first : mode_number(text, part.substr(dash + 1));
     if (first < 1 || last > count || first > last)
       bad_modes(text, fmt::format("the modes of this model are 1 to {}", count));
     for (int mode = first; mode <= last; ++mode) modes.push_back(mode);
@@ -74,31 +75,41 @@ void run(Arguments& arguments) {
 
 void add_report(CLI::App& app) {
   CLI::App* command = add_command(
-      app, "report", "One HTML file to look at and to mail: moving modes, Bode diagrams, all numbers",
+      app, "report",
+      "One HTML file to look at and to mail: moving modes, Bode diagrams, all numbers",
       {{"report machine.toml -o report.html", "opens in any browser, without a network"},
-       {"report machine.toml --pose neutral --pose \"z=100 mm, ry=5 deg\"", "two poses to switch between"},
-       {"report machine.toml --modes 1,2,15-18 --title \"Before the new seals\"", "modes pictured in print"},
-       {"report machine.toml --set environment.gravity=0 --theme light", "a what-if, light colours only"}});
+       {"report machine.toml --pose neutral --pose \"z=100 mm, ry=5 deg\"",
+        "two poses to switch between"},
+       {"report machine.toml --modes 1,2,15-18 --title \"Before the new seals\"",
+        "modes pictured in print"},
+       {"report machine.toml --set environment.gravity=0 --theme light",
+        "a what-if, light colours only"}});
   auto arguments = std::make_shared<Arguments>();
   add_machine_options(*command, arguments->machine);
   add_model_option(*command, arguments->machine);
   command
-      ->add_option("--pose", arguments->poses,
-                   "Pose of the file, or displacements from the neutral one: \"z=50 mm, ry=5 deg\"; may be "
-                   "repeated [neutral]")
+      ->add_option(
+          "--pose", arguments->poses,
+          "Pose of the file, or displacements from the neutral one: \"z=50 mm, ry=5 deg\"; may be "
+          "repeated [neutral]")
       ->allow_extra_args(false)
       ->type_name("POSE");
-  command->add_option("--title", arguments->options.title, "Title of the page [the machine's name]");
-  command->add_option("--theme", arguments->theme, "auto (as the reader's system is), light or dark")
-      ->capture_default_str();
-  command->add_option("--modes", arguments->modes,
-                      "Modes pictured in print, the first one shown at once: 1,2,15-18 [those the platform "
-                      "feels, at most six]");
+  command->add_option("--title", arguments->options.title,
+                      "Title of the page [the machine's name]");
   command
-      ->add_option("--points", arguments->options.points, "Points of a Bode curve, besides those at resonances")
+      ->add_option("--theme", arguments->theme, "auto (as the reader's system is), light or dark")
+      ->capture_default_str();
+  command->add_option(
+      "--modes", arguments->modes,
+      "Modes pictured in print, the first one shown at once: 1,2,15-18 [those the platform "
+      "feels, at most six]");
+  command
+      ->add_option("--points", arguments->options.points,
+                   "Points of a Bode curve, besides those at resonances")
       ->capture_default_str()
       ->check(CLI::Range(2, 20000));
-  command->add_option("-o,--output", arguments->output, "File to write; - prints")->capture_default_str();
+  command->add_option("-o,--output", arguments->output, "File to write; - prints")
+      ->capture_default_str();
   command->callback([arguments] { run(*arguments); });
 }
 

@@ -9,23 +9,23 @@ Json list(const dynamics::Vector3& v) { return {v.x(), v.y(), v.z()}; }
 Json leg_json(const model::Leg& leg, const dynamics::LegElement& element,
               const dynamics::LegState& state, const dynamics::Vector3& a) {
   const auto& axes = element.frame.R_BL;
-  Json json{{"base_joint_m", list(leg.base_joint)},
-            {"platform_joint_m", list(a)},
-            {"length_m", (a - leg.base_joint).norm()},
-            {"l_m", element.l_m},
-            {"l_mh", element.l_mh},
-            {"L_g", leg.guide_sleeve.position},
-            {"l_mn", leg.rod.length},
-            {"r_b", leg.cylinder_case.mass_center},
-            {"c_g", leg.rod.mass_center},
-            {"axes",
-             {{"t", list(axes.col(0))}, {"a2", list(axes.col(1))}, {"n", list(axes.col(2))}}},
-            {"tan_gimbal", element.frame.tan_gimbal},
-            {"tilt_rad", {state.flexible[0], state.flexible[1]}},
-            {"offset_m", {state.flexible[2], state.flexible[3]}},
-            {"oil_force_N", state.oil_force},
-            {"k_h", element.k_h},
-            {"k_s", element.k_s}};
+  Json json{
+      {"base_joint_m", list(leg.base_joint)},
+      {"platform_joint_m", list(a)},
+      {"length_m", (a - leg.base_joint).norm()},
+      {"l_m", element.l_m},
+      {"l_mh", element.l_mh},
+      {"L_g", leg.guide_sleeve.position},
+      {"l_mn", leg.rod.length},
+      {"r_b", leg.cylinder_case.mass_center},
+      {"c_g", leg.rod.mass_center},
+      {"axes", {{"t", list(axes.col(0))}, {"a2", list(axes.col(1))}, {"n", list(axes.col(2))}}},
+      {"tan_gimbal", element.frame.tan_gimbal},
+      {"tilt_rad", {state.flexible[0], state.flexible[1]}},
+      {"offset_m", {state.flexible[2], state.flexible[3]}},
+      {"oil_force_N", state.oil_force},
+      {"k_h", element.k_h},
+      {"k_s", element.k_s}};
   if (leg.piston_ring) json["k_g"] = leg.piston_ring->stiffness;
   if (leg.oil_spring.cylinder) {
     json["bore_m"] = leg.oil_spring.cylinder->bore;

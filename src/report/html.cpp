@@ -23,9 +23,12 @@ constexpr std::string_view data_mark = "{{hydrapod-data}}";
 
 const char* name_of(Theme theme) {
   switch (theme) {
-    case Theme::light: return "light";
-    case Theme::dark: return "dark";
-    case Theme::automatic: break;
+    case Theme::light:
+      return "light";
+    case Theme::dark:
+      return "dark";
+    case Theme::automatic:
+      break;
   }
   return "auto";
 }
@@ -40,7 +43,8 @@ std::string_view cut(std::string_view& page, std::string_view mark) {
   return before;
 }
 
-Json pose_report(const model::Machine& machine, const PoseChoice& pose, const HtmlOptions& options) {
+Json pose_report(const model::Machine& machine, const PoseChoice& pose,
+                 const HtmlOptions& options) {
   const auto table = modal::mode_table(machine, pose.X_BP, options.kind);
   const int count = static_cast<int>(table.real.modes.size());
   for (const int mode : options.modes)
@@ -72,12 +76,23 @@ std::string escape_html(std::string_view text) {
   escaped.reserve(text.size());
   for (const char c : text) {
     switch (c) {
-      case '&': escaped += "&amp;"; break;
-      case '<': escaped += "&lt;"; break;
-      case '>': escaped += "&gt;"; break;
-      case '"': escaped += "&quot;"; break;
-      case '\'': escaped += "&#39;"; break;
-      default: escaped += c;
+      case '&':
+        escaped += "&amp;";
+        break;
+      case '<':
+        escaped += "&lt;";
+        break;
+      case '>':
+        escaped += "&gt;";
+        break;
+      case '"':
+        escaped += "&quot;";
+        break;
+      case '\'':
+        escaped += "&#39;";
+        break;
+      default:
+        escaped += c;
     }
   }
   return escaped;
@@ -90,10 +105,17 @@ std::string escape_json(const Json& json) {
   for (size_t i = 0; i < text.size(); ++i) {
     const std::string_view rest(text.data() + i, text.size() - i);
     switch (text[i]) {
-      case '<': escaped += "\\u003c"; continue;
-      case '>': escaped += "\\u003e"; continue;
-      case '&': escaped += "\\u0026"; continue;
-      default: break;
+      case '<':
+        escaped += "\\u003c";
+        continue;
+      case '>':
+        escaped += "\\u003e";
+        continue;
+      case '&':
+        escaped += "\\u0026";
+        continue;
+      default:
+        break;
     }
     if (rest.starts_with("\xE2\x80\xA8") || rest.starts_with("\xE2\x80\xA9")) {
       escaped += text[i + 2] == '\xA8' ? "\\u2028" : "\\u2029";
@@ -112,15 +134,19 @@ Json report_json(const model::MachineFile& file, const std::string& path,
     throw std::invalid_argument(fmt::format("points = {}: at least 2", options.points));
   const auto& name = file.machine.name;
   Json document{{"kind", "report"},
-                {"title", !options.title.empty() ? options.title : name.empty() ? path : name},
+                {"title", !options.title.empty() ? options.title
+                          : name.empty()         ? path
+                                                 : name},
                 {"machine", machine_json(file, path)},
                 {"assumptions", assumptions_json(file.machine)},
                 {"pictured_modes", options.modes},
                 {"poses", Json::array()}};
   document["machine"]["text"] = file.text;
   document["machine"]["warnings"] = Json::array();
-  for (const auto& warning : file.warnings) document["machine"]["warnings"].push_back(warning.text());
-  for (const auto& pose : poses) document["poses"].push_back(pose_report(file.machine, pose, options));
+  for (const auto& warning : file.warnings)
+    document["machine"]["warnings"].push_back(warning.text());
+  for (const auto& pose : poses)
+    document["poses"].push_back(pose_report(file.machine, pose, options));
   return document;
 }
 

@@ -19,11 +19,12 @@ namespace {
 using testing::HasSubstr;
 using testing::Not;
 
-constexpr const char* nasty = "</script><img src=x onerror=\"a('b')\"> & \xE2\x80\xA8 {{hydrapod-data}}";
+constexpr const char* nasty =
+    "</script><img src=x onerror=\"a('b')\"> & \xE2\x80\xA8 {{hydrapod-data}}";
 
 model::MachineFile published(const std::vector<std::string>& overrides = {}) {
-  return model::read_machine_file(test::source_file("models/zhang-jiang-2021.toml").string(), overrides,
-                                  kinematics::check_machine);
+  return model::read_machine_file(test::source_file("models/zhang-jiang-2021.toml").string(),
+                                  overrides, kinematics::check_machine);
 }
 
 std::vector<PoseChoice> neutral(const model::MachineFile& file) {
@@ -43,9 +44,7 @@ TEST(EscapeJson, HoldsNothingThatEndsAScriptAndReadsBackTheSame) {
   EXPECT_EQ(Json::parse(text), json);
 }
 
-TEST(EscapeJson, ReplacesBrokenUtf8) {
-  EXPECT_EQ(escape_json(Json("a\xFF")), "\"a\xEF\xBF\xBD\"");
-}
+TEST(EscapeJson, ReplacesBrokenUtf8) { EXPECT_EQ(escape_json(Json("a\xFF")), "\"a\xEF\xBF\xBD\""); }
 
 TEST(EscapeJson, KeepsEveryDigit) {
   const double value = 0.1 + 0.2;
@@ -64,7 +63,8 @@ TEST(HtmlPage, HoldsTheDocumentOnceAndNoPlaceholder) {
 TEST(HtmlReport, NeedsNoNetwork) {
   const auto file = published();
   const std::string html = html_report(file, "m.toml", neutral(file));
-  for (const char* part : {"<script src", "<link rel=\"stylesheet\"", "@import", "url(http", "<iframe"})
+  for (const char* part :
+       {"<script src", "<link rel=\"stylesheet\"", "@import", "url(http", "<iframe"})
     EXPECT_THAT(html, Not(HasSubstr(part))) << part;
 }
 
@@ -107,8 +107,9 @@ void add_names(const Json& json, std::set<std::string>& names) {
 }
 
 TEST(ReportJson, EveryFieldIsInTheManual) {
-  const auto file = model::read_machine_file(test::source_file("models/heavy-platform.toml").string(),
-                                             {"legs.piston_ring.stiffness=1e9"}, kinematics::check_machine);
+  const auto file =
+      model::read_machine_file(test::source_file("models/heavy-platform.toml").string(),
+                               {"legs.piston_ring.stiffness=1e9"}, kinematics::check_machine);
   std::set<std::string> names;
   add_names(report_json(file, "m.toml", neutral(file), {.kind = dynamics::ModelKind::full}), names);
   EXPECT_GT(names.size(), 70U);
@@ -135,15 +136,16 @@ response::Matrix6c from_json(const Json& json, double omega) {
         D(k, j) += std::complex<double>(0.0, omega * damping.at(j).get<double>());
     }
     D(k, k) += json.at("omega2").at(k).get<double>() - omega * omega;
-    for (Eigen::Index d = 0; d < 6; ++d) Phi(k, d) = json.at("platform_shapes").at(k).at(d).get<double>();
+    for (Eigen::Index d = 0; d < 6; ++d)
+      Phi(k, d) = json.at("platform_shapes").at(k).at(d).get<double>();
   }
   return Phi.transpose() * D.partialPivLu().solve(Phi);
 }
 
 void expect_same_response(const model::MachineFile& file, dynamics::ModelKind kind, bool diagonal) {
   const auto table = modal::mode_table(file.machine, file.machine.neutral(), kind);
-  const auto model = response::response_model(table.real.linear, table.real.normal, table.ratio.value,
-                                              file.machine.platform.mass_center);
+  const auto model = response::response_model(table.real.linear, table.real.normal,
+                                              table.ratio.value, file.machine.platform.mass_center);
   const Json json = modal_response_json(model, table.real.tabled_of_normal);
   EXPECT_EQ(json.at("damping").at(0).is_number(), diagonal);
   const auto omega = response::log_space(10.0, 1000.0, 100);

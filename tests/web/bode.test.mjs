@@ -12,8 +12,14 @@ const tolerance = 1e-9;
 function reference(machine, bode, points) {
   const hertz = (omega) => `${omega / (2 * Math.PI)} Hz`;
   return json(
-    'bode', ...machine, '--points', String(points),
-    '--from', hertz(bode.from_rad_s), '--to', hertz(bode.to_rad_s),
+    'bode',
+    ...machine,
+    '--points',
+    String(points),
+    '--from',
+    hertz(bode.from_rad_s),
+    '--to',
+    hertz(bode.to_rad_s),
   );
 }
 
@@ -27,7 +33,14 @@ for (const [name, machine] of [
     await withPage(report(...machine, '--points', String(points)), {}, async (page) => {
       const pose = await page.evaluate(() => window.hydrapod.report.poses[0]);
       const expected = reference(machine, pose.bode, points);
-      for (const [output, input] of [[0, 0], [1, 1], [5, 5], [0, 4], [4, 0], [2, 2]]) {
+      for (const [output, input] of [
+        [0, 0],
+        [1, 1],
+        [5, 5],
+        [0, 4],
+        [4, 0],
+        [2, 2],
+      ]) {
         const { re, im } = expected.response[directions[output]][directions[input]];
         const diagonal = expected.response[directions[output]][directions[output]];
         for (let i = 0; i < points; i += 3) {
@@ -43,10 +56,16 @@ for (const [name, machine] of [
           );
           near(cursor.frequency_hz, f, 1e-12 * f, 'frequency');
           // couplings are small differences of large terms
-          const scale = output === input ? 0 : tolerance * Math.hypot(diagonal.re[i], diagonal.im[i]);
+          const scale =
+            output === input ? 0 : tolerance * Math.hypot(diagonal.re[i], diagonal.im[i]);
           const value = { re: re[i], im: im[i] };
           if (Math.hypot(re[i], im[i]) > 1e6 * scale)
-            nearComplex(cursor.flexible, value, tolerance, `${name}: H(${output}, ${input}) at ${f} Hz`);
+            nearComplex(
+              cursor.flexible,
+              value,
+              tolerance,
+              `${name}: H(${output}, ${input}) at ${f} Hz`,
+            );
         }
       }
     });
@@ -80,7 +99,12 @@ test('pointing at the diagram and moving the slider move the cursor', async () =
     const middle = await page.evaluate(() => window.hydrapod.bode.cursor().frequency_hz);
     near(Math.log(middle / Math.sqrt(from * to)), 0, 0.02, 'middle of the band');
     await page.locator('[data-control="cursor"]').fill('1000');
-    near(await page.evaluate(() => window.hydrapod.bode.cursor().frequency_hz), to, 1e-6 * to, 'end of the band');
+    near(
+      await page.evaluate(() => window.hydrapod.bode.cursor().frequency_hz),
+      to,
+      1e-6 * to,
+      'end of the band',
+    );
   });
 });
 
@@ -135,7 +159,10 @@ test('peaks carry their mode: those that the command line lists', async () => {
 });
 
 async function saved(page, control) {
-  const [download] = await Promise.all([page.waitForEvent('download'), page.click(`[data-control="${control}"]`)]);
+  const [download] = await Promise.all([
+    page.waitForEvent('download'),
+    page.click(`[data-control="${control}"]`),
+  ]);
   return { name: download.suggestedFilename(), content: readFileSync(await download.path()) };
 }
 
@@ -148,7 +175,10 @@ test('downloads: SVG, PNG, CSV and JSON', async () => {
     assert.match(text, /<svg[^>]* xmlns="http:\/\/www.w3.org\/2000\/svg"/);
     const sound = await page.evaluate((source) => {
       const parsed = new DOMParser().parseFromString(source, 'image/svg+xml');
-      return { error: parsed.querySelector('parsererror') !== null, curves: parsed.querySelectorAll('path').length };
+      return {
+        error: parsed.querySelector('parsererror') !== null,
+        curves: parsed.querySelectorAll('path').length,
+      };
     }, text);
     assert.deepEqual(sound, { error: false, curves: 4 });
 
@@ -159,9 +189,23 @@ test('downloads: SVG, PNG, CSV and JSON', async () => {
 
     const csv = await saved(page, 'csv');
     assert.equal(csv.name, 'bode-x-x.csv');
-    const [head, ...rows] = csv.content.toString().trim().split('\n').map((line) => line.split(','));
-    assert.deepEqual(head.slice(0, 4), ['frequency_hz', 'omega_rad_s', 'flexible_re', 'flexible_im']);
-    assert.ok(rows.length >= 600 && rows.every((row) => row.length === head.length && row.every((v) => Number.isFinite(Number(v)))));
+    const [head, ...rows] = csv.content
+      .toString()
+      .trim()
+      .split('\n')
+      .map((line) => line.split(','));
+    assert.deepEqual(head.slice(0, 4), [
+      'frequency_hz',
+      'omega_rad_s',
+      'flexible_re',
+      'flexible_im',
+    ]);
+    assert.ok(
+      rows.length >= 600 &&
+        rows.every(
+          (row) => row.length === head.length && row.every((v) => Number.isFinite(Number(v))),
+        ),
+    );
     const row = rows[123].map(Number);
     const cursor = await page.evaluate((f) => {
       window.hydrapod.bode.setCursor(f);
@@ -171,6 +215,9 @@ test('downloads: SVG, PNG, CSV and JSON', async () => {
     near(row[4], Math.hypot(row[2], row[3]), 1e-15 * row[4], 'magnitude');
 
     const data = await saved(page, 'json');
-    assert.deepEqual(JSON.parse(data.content), await page.evaluate(() => JSON.parse(JSON.stringify(window.hydrapod.report))));
+    assert.deepEqual(
+      JSON.parse(data.content),
+      await page.evaluate(() => JSON.parse(JSON.stringify(window.hydrapod.report))),
+    );
   });
 });

@@ -1,8 +1,10 @@
-// A leg at large motions, solved numerically: what the page's first-order motion is checked against.
+// A leg at large motions, solved numerically: what the page's first-order motion is checked
+// against.
 //
-// In the case's axes the platform joint stands at (u1 + l_mn e1, u2 + l_mn e2, s + l_mn e3), with e the rod's direction
-// for tilts φ1 and φ2 about t and a2. The case turns about a1 = t + τ n, fixed in the base, and then about its
-// own a2. Extension s and the two angles follow from where the joint is, by Newton with differences.
+// In the case's axes the platform joint stands at (u1 + l_mn e1, u2 + l_mn e2, s + l_mn e3), with e
+// the rod's direction for tilts φ1 and φ2 about t and a2. The case turns about a1 = t + τ n, fixed
+// in the base, and then about its own a2. Extension s and the two angles follow from where the
+// joint is, by Newton with differences.
 
 const rotate = (axis, angle, v) => {
   const size = Math.hypot(...axis);
@@ -27,7 +29,9 @@ function place(leg, alpha, beta, v) {
 
 function solve3(columns, right) {
   const det = (a, b, c) =>
-    a[0] * (b[1] * c[2] - b[2] * c[1]) - a[1] * (b[0] * c[2] - b[2] * c[0]) + a[2] * (b[0] * c[1] - b[1] * c[0]);
+    a[0] * (b[1] * c[2] - b[2] * c[1]) -
+    a[1] * (b[0] * c[2] - b[2] * c[0]) +
+    a[2] * (b[0] * c[1] - b[1] * c[0]);
   const whole = det(...columns);
   return [0, 1, 2].map((k) => det(...columns.map((c, i) => (i === k ? right : c))) / whole);
 }
@@ -39,7 +43,8 @@ export function exactPoints(leg, joint, flexible) {
   const e = direction(p1, p2);
   const arm = (s) => [u1 + leg.l_mn * e[0], u2 + leg.l_mn * e[1], s + leg.l_mn * e[2]];
   const target = leg.platform_joint_m.map((x, i) => x + joint[i] - leg.base_joint_m[i]);
-  const residual = ([s, alpha, beta]) => place(leg, alpha, beta, arm(s)).map((x, i) => x - target[i]);
+  const residual = ([s, alpha, beta]) =>
+    place(leg, alpha, beta, arm(s)).map((x, i) => x - target[i]);
   let x = [leg.l_m, 0, 0];
   for (let iteration = 0; iteration < 20; ++iteration) {
     const h = 1e-6;
@@ -67,7 +72,11 @@ export function exactPoints(leg, joint, flexible) {
 export function firstOrderPoints(leg, motion, amplitude) {
   const h = 1e-5;
   const at = (factor) =>
-    exactPoints(leg, motion.joint.map((x) => factor * x), motion.flexible.map((x) => factor * x));
+    exactPoints(
+      leg,
+      motion.joint.map((x) => factor * x),
+      motion.flexible.map((x) => factor * x),
+    );
   const [up, down, rest] = [at(h), at(-h), at(0)];
   const moved = {};
   for (const key of Object.keys(rest))
@@ -79,7 +88,11 @@ export function firstOrderPoints(leg, motion, amplitude) {
 export function straight(leg) {
   const n = leg.platform_joint_m.map((x, i) => (x - leg.base_joint_m[i]) / leg.length_m);
   const side = Math.abs(n[0]) < 0.7 ? [1, 0, 0] : [0, 1, 0];
-  const cross = (a, b) => [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
+  const cross = (a, b) => [
+    a[1] * b[2] - a[2] * b[1],
+    a[2] * b[0] - a[0] * b[2],
+    a[0] * b[1] - a[1] * b[0],
+  ];
   const w = cross(n, side);
   const a2 = w.map((x) => x / Math.hypot(...w));
   return {

@@ -19,12 +19,17 @@ function legMotion(pose, leg, i, y, knee) {
 
 /** y(θ) = Re[(r + i m) e^{iθ}] */
 const atPhase = (mode, phase) =>
-  mode.shape.map((x, k) => Math.cos(phase) * x - Math.sin(phase) * (mode.shape_imaginary?.[k] ?? 0));
+  mode.shape.map(
+    (x, k) => Math.cos(phase) * x - Math.sin(phase) * (mode.shape_imaginary?.[k] ?? 0),
+  );
 
 async function drawn(page, side) {
   return page.evaluate((which) => {
     const { scene } = window.hydrapod;
-    return { motion: scene.motion(), legs: [1, 2, 3, 4, 5, 6].map((leg) => scene.jointPositions(leg, which)) };
+    return {
+      motion: scene.motion(),
+      legs: [1, 2, 3, 4, 5, 6].map((leg) => scene.jointPositions(leg, which)),
+    };
   }, side);
 }
 
@@ -40,7 +45,11 @@ async function checkMode(page, pose, mode, phase) {
   const y = atPhase(mode, phase);
   legs.forEach((points, i) => {
     const leg = pose.geometry.legs[i];
-    const expected = firstOrderPoints(leg, legMotion(pose, leg, i, y, motion.knee), motion.amplitude);
+    const expected = firstOrderPoints(
+      leg,
+      legMotion(pose, leg, i, y, motion.knee),
+      motion.amplitude,
+    );
     compare(points, expected, `mode ${mode.number}, leg ${i + 1}`);
   });
   const rigid = await drawn(page, 'rigid');
@@ -75,7 +84,9 @@ for (const [name, words] of [
 test('complex modes move with their phases', async () => {
   await withPage(report(...damped), {}, async (page) => {
     const mode = await page.evaluate(() =>
-      window.hydrapod.report.poses[0].modes.find((m) => m.shape_imaginary?.some((x) => Math.abs(x) > 1e-3)),
+      window.hydrapod.report.poses[0].modes.find((m) =>
+        m.shape_imaginary?.some((x) => Math.abs(x) > 1e-3),
+      ),
     );
     assert.ok(mode, 'the dampers make some mode complex');
     await choose(page, mode.number);
@@ -98,7 +109,10 @@ test('choosing a mode in the table changes what is drawn, and frames differ', as
     const canvas = page.locator('canvas.machine');
     const first = await canvas.screenshot();
     const { phase } = await page.evaluate(() => window.hydrapod.scene.motion());
-    await page.waitForFunction((p) => Math.abs(window.hydrapod.scene.motion().phase - p) > 0.5, phase);
+    await page.waitForFunction(
+      (p) => Math.abs(window.hydrapod.scene.motion().phase - p) > 0.5,
+      phase,
+    );
     const second = await canvas.screenshot();
     assert.ok(!first.equals(second), 'the picture moves');
 

@@ -16,7 +16,12 @@ test('shows what the command line prints', async () => {
     );
     for (const mode of modes.filter((m) => m.platform_feels)) {
       const row = page.locator(`[data-row="${mode.number}"]`);
-      near(Number(await row.locator('.col-frequency').innerText()), mode.frequency_hz, 5.1e-4, 'frequency');
+      near(
+        Number(await row.locator('.col-frequency').innerText()),
+        mode.frequency_hz,
+        5.1e-4,
+        'frequency',
+      );
       const text = await row.locator('.col-motion').textContent();
       assert.ok(text.includes(mode.label), `${text} has the label`);
       const moving = Math.round(100 * mode.platform_energy[0]);
@@ -28,17 +33,43 @@ test('shows what the command line prints', async () => {
 test('sorts by every column, both ways, and tells it', async () => {
   await withPage(report(published), {}, async (page) => {
     const initial = await numbersShown(page);
-    assert.deepEqual(initial, [...initial].sort((a, b) => a - b));
-    const keys = await page.$$eval('[data-sort]', (heads) => heads.map((head) => head.dataset.sort));
-    assert.deepEqual(keys, ['number', 'frequency', 'omega', 'damping', 'motion', 'energy', 'rigid', 'shift', 'mac']);
+    assert.deepEqual(
+      initial,
+      [...initial].sort((a, b) => a - b),
+    );
+    const keys = await page.$$eval('[data-sort]', (heads) =>
+      heads.map((head) => head.dataset.sort),
+    );
+    assert.deepEqual(keys, [
+      'number',
+      'frequency',
+      'omega',
+      'damping',
+      'motion',
+      'energy',
+      'rigid',
+      'shift',
+      'mac',
+    ]);
     const modes = await page.evaluate(() => window.hydrapod.report.poses[0].modes);
     const of = (number) => modes.find((mode) => mode.number === number);
-    const key = { mac: (m) => m.rigid?.mac ?? -1, frequency: (m) => m.omega_rad_s, energy: (m) => m.strain_energy.oil };
+    const key = {
+      mac: (m) => m.rigid?.mac ?? -1,
+      frequency: (m) => m.omega_rad_s,
+      energy: (m) => m.strain_energy.oil,
+    };
     for (const [name, value] of Object.entries(key))
-      for (const [order, sign] of [['ascending', 1], ['descending', -1]]) {
+      for (const [order, sign] of [
+        ['ascending', 1],
+        ['descending', -1],
+      ]) {
         await page.click(`[data-sort="${name}"]`);
         const shown = (await numbersShown(page)).map((number) => sign * value(of(number)));
-        assert.deepEqual(shown, [...shown].sort((a, b) => a - b), `${name}, ${order}`);
+        assert.deepEqual(
+          shown,
+          [...shown].sort((a, b) => a - b),
+          `${name}, ${order}`,
+        );
         const head = page.locator('th', { has: page.locator(`[data-sort="${name}"]`) });
         assert.equal(await head.getAttribute('aria-sort'), order);
       }
@@ -52,7 +83,10 @@ test('seal modes that the platform cannot feel are behind one row', async () => 
     assert.ok(felt.length < modes.length);
     assert.deepEqual(await numbersShown(page), felt);
     const fold = page.locator('[data-control="fold"]');
-    assert.match(await fold.innerText(), new RegExp(`${modes.length - felt.length} modes that the platform cannot feel`));
+    assert.match(
+      await fold.innerText(),
+      new RegExp(`${modes.length - felt.length} modes that the platform cannot feel`),
+    );
     assert.equal(await fold.getAttribute('aria-expanded'), 'false');
     await fold.click();
     assert.equal((await numbersShown(page)).length, modes.length);
@@ -78,7 +112,9 @@ test('bars are as long as the shares', async () => {
     const modes = await page.evaluate(() => window.hydrapod.report.poses[0].modes);
     for (const mode of modes.filter((m) => m.platform_feels)) {
       const widths = await page.$$eval(`[data-row="${mode.number}"] .col-energy rect`, (bars) =>
-        Object.fromEntries(bars.map((bar) => [bar.getAttribute('class'), Number(bar.getAttribute('width'))])),
+        Object.fromEntries(
+          bars.map((bar) => [bar.getAttribute('class'), Number(bar.getAttribute('width'))]),
+        ),
       );
       near(widths['part-oil'] ?? 0, 100 * mode.strain_energy.oil, 0.21, 'oil');
       near(widths['part-sleeve'] ?? 0, 100 * mode.strain_energy.guide_sleeve, 0.21, 'sleeve');
@@ -106,11 +142,15 @@ test('the answer stands at the top: words and four numbers', async () => {
 test('poses can be switched', async () => {
   await withPage(report(published, '--pose', 'neutral', '--pose', 'z=-40 mm'), {}, async (page) => {
     const [neutral, lower] = await page.evaluate(() => window.hydrapod.report.poses);
-    const shown = async () => Number(await page.locator('[data-row="1"] .col-frequency').innerText());
+    const shown = async () =>
+      Number(await page.locator('[data-row="1"] .col-frequency').innerText());
     near(await shown(), neutral.modes[0].frequency_hz, 5.1e-4, 'neutral');
     await page.click('[data-pose="1"]');
     near(await shown(), lower.modes[0].frequency_hz, 5.1e-4, 'lower');
-    assert.notEqual(neutral.modes[0].frequency_hz.toFixed(3), lower.modes[0].frequency_hz.toFixed(3));
+    assert.notEqual(
+      neutral.modes[0].frequency_hz.toFixed(3),
+      lower.modes[0].frequency_hz.toFixed(3),
+    );
     const joint = await page.evaluate(() => {
       document.querySelector('[data-control="amplitude"]').value = 0;
       document.querySelector('[data-control="amplitude"]').dispatchEvent(new Event('input'));

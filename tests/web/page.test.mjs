@@ -2,16 +2,35 @@
 import assert from 'node:assert/strict';
 import { readFileSync, statSync, writeFileSync } from 'node:fs';
 import { test } from 'node:test';
-import { changed, damped, hydrapod, model, moduleText, published, report, temporary, withPage } from './support.mjs';
+import {
+  changed,
+  damped,
+  hydrapod,
+  model,
+  moduleText,
+  published,
+  report,
+  temporary,
+  withPage,
+} from './support.mjs';
 
 const phone = { viewport: { width: 360, height: 740 }, hasTouch: true, isMobile: true };
-const fourPoses = ['neutral', 'z=-40 mm', 'ry=5 deg', 'x=40 mm, rz=8 deg'].flatMap((pose) => ['--pose', pose]);
+const fourPoses = ['neutral', 'z=-40 mm', 'ry=5 deg', 'x=40 mm, rz=8 deg'].flatMap((pose) => [
+  '--pose',
+  pose,
+]);
 
 /** axe's findings on the page as it stands. */
 async function findings(page) {
   await page.evaluate(moduleText('axe-core'));
   const { violations } = await page.evaluate(() => window.axe.run(document));
-  return violations.map((v) => `${v.id}: ${v.help}: ${v.nodes.map((n) => n.target.join(' ')).slice(0, 5).join('; ')}`);
+  return violations.map(
+    (v) =>
+      `${v.id}: ${v.help}: ${v.nodes
+        .map((n) => n.target.join(' '))
+        .slice(0, 5)
+        .join('; ')}`,
+  );
 }
 
 for (const theme of ['light', 'dark'])
@@ -36,7 +55,10 @@ test('one h1, headings without gaps, tables with heads, canvases with text', asy
     );
     assert.equal(levels.filter((level) => level === 1).length, 1);
     levels.forEach((level, i) => assert.ok(i === 0 || level <= levels[i - 1] + 1, `${levels}`));
-    assert.equal(await page.locator('table:not(:has(th[scope])), table:not(:has(caption))').count(), 0);
+    assert.equal(
+      await page.locator('table:not(:has(th[scope])), table:not(:has(caption))').count(),
+      0,
+    );
     const canvases = await page.$$eval('canvas', (all) =>
       all.map((c) => [c.getAttribute('role'), (c.getAttribute('aria-label') ?? '').length > 20]),
     );
@@ -50,12 +72,15 @@ test('works with the keyboard alone', async () => {
     const focused = () => page.evaluate(() => document.activeElement?.dataset);
     await page.keyboard.press('Tab');
     assert.equal(await page.evaluate(() => document.activeElement.className), 'skip');
-    for (let i = 0; i < 60 && (await focused()).mode !== '15'; ++i) await page.keyboard.press('Tab');
+    for (let i = 0; i < 60 && (await focused()).mode !== '15'; ++i)
+      await page.keyboard.press('Tab');
     assert.equal((await focused()).mode, '15');
     await page.keyboard.press('Enter');
     assert.equal(await page.evaluate(() => window.hydrapod.state.mode.number), 15);
     assert.equal(await page.locator('[data-mode="15"]').getAttribute('aria-pressed'), 'true');
-    const outline = await page.evaluate(() => getComputedStyle(document.activeElement).outlineStyle);
+    const outline = await page.evaluate(
+      () => getComputedStyle(document.activeElement).outlineStyle,
+    );
     assert.notEqual(outline, 'none', 'the focus can be seen');
   });
 });
@@ -65,7 +90,11 @@ async function assertNoOverflow(page) {
     scroll: document.documentElement.scrollWidth,
     client: document.documentElement.clientWidth,
     wide: [...document.querySelectorAll('main *')]
-      .filter((e) => e.getBoundingClientRect().right > innerWidth + 0.5 && !e.closest('.scroller, pre, .uplot, .unseen'))
+      .filter(
+        (e) =>
+          e.getBoundingClientRect().right > innerWidth + 0.5 &&
+          !e.closest('.scroller, pre, .uplot, .unseen'),
+      )
       .map((e) => e.outerHTML.slice(0, 80)),
   }));
   assert.deepEqual(wide, []);
@@ -84,7 +113,8 @@ test('at phone width nothing overflows', async () => {
 });
 
 test('themes: light and dark, as asked for or as the system is', async () => {
-  const background = (page) => page.evaluate(() => getComputedStyle(document.documentElement).backgroundColor);
+  const background = (page) =>
+    page.evaluate(() => getComputedStyle(document.documentElement).backgroundColor);
   const shade = async (words, colorScheme) => {
     let result;
     await withPage(report(published, ...words), { colorScheme }, async (page) => {
@@ -111,7 +141,11 @@ test('print: static pictures of the chosen modes in place of what moves', async 
     assert.equal(pdf.subarray(0, 5).toString(), '%PDF-');
     await page.emulateMedia({ media: 'screen' });
     assert.equal(await page.locator('#pictures').isVisible(), false);
-    assert.equal(await page.evaluate(() => window.hydrapod.state.mode.number), 2, 'the first of them is shown');
+    assert.equal(
+      await page.evaluate(() => window.hydrapod.state.mode.number),
+      2,
+      'the first of them is shown',
+    );
   });
 });
 
@@ -121,7 +155,10 @@ test('names with quotes, angle brackets and ends of scripts are text', async () 
   const machine = changed(
     published,
     ['name = "Zhang & Jiang 2021"', `name = ${quoted}`],
-    ['description = "The published mechanism, flexible axes along the lower gimbals, no gravity"', `description = ${quoted}`],
+    [
+      'description = "The published mechanism, flexible axes along the lower gimbals, no gravity"',
+      `description = ${quoted}`,
+    ],
     ['[poses.neutral]', `# ${nasty.replace('\u2028', ' ')}\n[poses.neutral]`],
   );
   for (const words of [[], ['--title', nasty]])
@@ -149,10 +186,22 @@ test('a script that got in anyway would not run', async () => {
 });
 
 test('the report can be reproduced from its end', async () => {
-  const words = [published, '--set', 'environment.gravity=0 m/s^2', '--set', 'legs.guide_sleeve.stiffness=3e5 N/m'];
+  const words = [
+    published,
+    '--set',
+    'environment.gravity=0 m/s^2',
+    '--set',
+    'legs.guide_sleeve.stiffness=3e5 N/m',
+  ];
   await withPage(report(...words, '--pose', 'z=20 mm', '--model', 'guide'), {}, async (page) => {
     const about = await page.locator('#about').innerText();
-    for (const part of [/hydrapod \d+\.\d+\.\d+/, /gimbal/, /0\.2 % of critical/, /no gravity/, /mass centre/])
+    for (const part of [
+      /hydrapod \d+\.\d+\.\d+/,
+      /gimbal/,
+      /0\.2 % of critical/,
+      /no gravity/,
+      /mass centre/,
+    ])
       assert.match(about, part);
     assert.match(about, /--set 'legs\.guide_sleeve\.stiffness=3e5 N\/m'/);
     assert.match(about, /--pose 'z=20 mm'/);
@@ -193,16 +242,22 @@ test('30 modes and 4 poses: at most 1.5 MB, open within two seconds', async () =
 test('data that later work adds do not disturb, and sections without data are not there', async () => {
   const file = report(published);
   const other = temporary('other.html');
-  const text = readFileSync(file, 'utf8').replace('"kind":"report"', '"kind":"report","time_histories":[{}]');
+  const text = readFileSync(file, 'utf8').replace(
+    '"kind":"report"',
+    '"kind":"report","time_histories":[{}]',
+  );
   writeFileSync(other, text);
   await withPage(other, {}, async (page) => {
     assert.equal(await page.locator('main > section').count(), 5);
   });
   const bare = temporary('bare.html');
-  writeFileSync(bare, text.replace(/(<script type="application\/json" id="data">)[^<]*/, (_, tag) => {
-    const document = JSON.parse(text.match(/id="data">([^<]*)</)[1]);
-    return tag + JSON.stringify({ ...document, poses: [] });
-  }));
+  writeFileSync(
+    bare,
+    text.replace(/(<script type="application\/json" id="data">)[^<]*/, (_, tag) => {
+      const document = JSON.parse(text.match(/id="data">([^<]*)</)[1]);
+      return tag + JSON.stringify({ ...document, poses: [] });
+    }),
+  );
   await withPage(bare, {}, async (page) => {
     assert.deepEqual(await page.$$eval('main > section', (all) => all.map((s) => s.id)), ['about']);
   });

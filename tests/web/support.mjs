@@ -1,7 +1,7 @@
 // What the tests of the pages share: reports made by the program, and a browser to open them in.
 //
-// Environment, set by CMake: HYDRAPOD_PROGRAM, HYDRAPOD_SOURCE (the repository), HYDRAPOD_WEB (the folder with
-// node_modules), HYDRAPOD_CHROMIUM.
+// Environment, set by CMake: HYDRAPOD_PROGRAM, HYDRAPOD_SOURCE (the repository), HYDRAPOD_WEB (the
+// folder with node_modules), HYDRAPOD_CHROMIUM.
 import assert from 'node:assert/strict';
 import { execFileSync } from 'node:child_process';
 import { mkdtempSync, readFileSync, rmSync, writeFileSync } from 'node:fs';
@@ -12,7 +12,10 @@ import { after, before } from 'node:test';
 import { pathToFileURL } from 'node:url';
 
 const { HYDRAPOD_PROGRAM, HYDRAPOD_SOURCE, HYDRAPOD_WEB, HYDRAPOD_CHROMIUM } = process.env;
-assert.ok(HYDRAPOD_PROGRAM && HYDRAPOD_SOURCE && HYDRAPOD_WEB, 'started by ctest, which says where things are');
+assert.ok(
+  HYDRAPOD_PROGRAM && HYDRAPOD_SOURCE && HYDRAPOD_WEB,
+  'started by ctest, which says where things are',
+);
 
 const require = createRequire(join(HYDRAPOD_WEB, 'package.json'));
 const { chromium } = require('playwright-core');
@@ -81,11 +84,16 @@ export function changed(file, ...replacements) {
 /** The published machine with piston rings and dampers: 30 modes, complex. */
 export const damped = [
   published,
-  '--set', 'environment.gravity=9.81',
-  '--set', 'legs.piston_ring.stiffness=2e6 N/m',
-  '--set', 'legs.guide_sleeve.damping=60 N s/m',
-  '--set', 'legs.oil_spring.damping=4000 N s/m',
-  '--set', 'damping.modal_ratio=0.003',
+  '--set',
+  'environment.gravity=9.81',
+  '--set',
+  'legs.piston_ring.stiffness=2e6 N/m',
+  '--set',
+  'legs.guide_sleeve.damping=60 N s/m',
+  '--set',
+  'legs.oil_spring.damping=4000 N s/m',
+  '--set',
+  'damping.modal_ratio=0.003',
 ];
 
 /** Opens a report from disk. What it logs as an error and every request that leaves it are collected. */
@@ -104,7 +112,9 @@ export async function open(file, options = {}) {
   });
   if (launch) await page.addInitScript(launch);
   await page.goto(pathToFileURL(file).href);
-  await page.waitForFunction(() => window.hydrapod?.scene === undefined || window.hydrapod.scene.frames() > 0);
+  await page.waitForFunction(
+    () => window.hydrapod?.scene === undefined || window.hydrapod.scene.frames() > 0,
+  );
   return page;
 }
 

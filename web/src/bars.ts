@@ -1,4 +1,5 @@
-// Stacked bars: shares of an energy, with their names where there is room and in words for screen readers.
+// Stacked bars: shares of an energy, with their names where there is room and in words for screen
+// readers.
 
 import type { Mode } from './document';
 import { directions } from './document';
@@ -12,14 +13,23 @@ export interface Part {
   kind: string;
 }
 
-export const energyParts = (strain: { oil: number; guide_sleeve: number; piston_ring: number }): Part[] => [
+export const energyParts = (strain: {
+  oil: number;
+  guide_sleeve: number;
+  piston_ring: number;
+}): Part[] => [
   { name: 'oil', long: 'oil', value: strain.oil, kind: 'oil' },
   { name: 'sleeves', long: 'guide sleeves', value: strain.guide_sleeve, kind: 'sleeve' },
   { name: 'rings', long: 'piston rings', value: strain.piston_ring, kind: 'ring' },
 ];
 
 export const motionParts = (mode: Mode): Part[] => [
-  ...directions.map((name, d) => ({ name, long: name, value: mode.platform_energy[d], kind: name })),
+  ...directions.map((name, d) => ({
+    name,
+    long: name,
+    value: mode.platform_energy[d],
+    kind: name,
+  })),
   { name: 'legs', long: 'legs', value: mode.leg_energy.reduce((a, b) => a + b, 0), kind: 'legs' },
 ];
 
@@ -32,15 +42,31 @@ export function inWords(parts: Part[]): string {
 /** `pixels`: the least width that the bar will have, which decides what names fit into it. */
 export function stackedBar(parts: Part[], pixels = 96): HTMLElement {
   const width = 100;
-  const picture = svg('svg', { viewBox: `0 0 ${width} 10`, preserveAspectRatio: 'none', 'aria-hidden': 'true' });
+  const picture = svg('svg', {
+    viewBox: `0 0 ${width} 10`,
+    preserveAspectRatio: 'none',
+    'aria-hidden': 'true',
+  });
   const bar = html('span', { class: 'bar', title: inWords(parts) }, picture);
   let x = 0;
   for (const part of parts) {
     const w = width * Math.max(0, part.value);
     if (w < 0.2) continue;
-    picture.append(svg('rect', { x: x.toFixed(2), y: 0, width: w.toFixed(2), height: 10, class: `part-${part.kind}` }));
+    picture.append(
+      svg('rect', {
+        x: x.toFixed(2),
+        y: 0,
+        width: w.toFixed(2),
+        height: 10,
+        class: `part-${part.kind}`,
+      }),
+    );
     if ((w / 100) * pixels > 7 * part.name.length + 6) {
-      const label = html('span', { class: `bar-label on-${part.kind}`, 'aria-hidden': 'true' }, part.name);
+      const label = html(
+        'span',
+        { class: `bar-label on-${part.kind}`, 'aria-hidden': 'true' },
+        part.name,
+      );
       label.style.left = `${x + w / 2}%`;
       bar.append(label);
     }
@@ -54,6 +80,8 @@ export function legend(parts: Part[]): HTMLElement {
   return html(
     'ul',
     { class: 'legend', 'aria-hidden': 'true' },
-    ...parts.map((part) => html('li', {}, html('i', { class: `swatch swatch-${part.kind}` }), part.name)),
+    ...parts.map((part) =>
+      html('li', {}, html('i', { class: `swatch swatch-${part.kind}` }), part.name),
+    ),
   );
 }

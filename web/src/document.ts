@@ -136,11 +136,13 @@ export function repeated(modes: Mode[], mode: Mode): Mode[] {
 /** Can the platform's motion be seen in nothing but the legs? */
 export const folded = (mode: Mode): boolean => !mode.platform_feels;
 
-const platformShare = (mode: Mode): number => mode.platform_energy.reduce((sum, part) => sum + part, 0);
+const platformShare = (mode: Mode): number =>
+  mode.platform_energy.reduce((sum, part) => sum + part, 0);
 
 /**
- * The modes pictured in print: those asked for, else at most six that the platform feels: the lowest three in
- * which it holds a tenth of the energy, for they are the trouble, and those that move it most.
+ * The modes pictured in print: those asked for, else at most six that the platform feels: the
+ * lowest three in which it holds a tenth of the energy, for they are the trouble, and those that
+ * move it most.
  */
 export function pictured(report: Report, pose: PoseReport): Mode[] {
   if (report.pictured_modes.length > 0)

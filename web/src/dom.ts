@@ -10,7 +10,11 @@ function set(element: Element, name: string, value: Value): void {
     element.setAttribute(name, String(value));
 }
 
-function fill<E extends Element>(element: E, attributes: Record<string, Value>, children: Child[]): E {
+function fill<E extends Element>(
+  element: E,
+  attributes: Record<string, Value>,
+  children: Child[],
+): E {
   for (const [name, value] of Object.entries(attributes)) set(element, name, value);
   for (const child of children)
     if (child !== null && child !== undefined && child !== false)
@@ -76,7 +80,10 @@ export function slider(
     change(value);
   });
   input.setAttribute('aria-valuetext', show(range.value));
-  return { element: html('div', { class: 'slider' }, html('label', { for: id }, label), input, output), input };
+  return {
+    element: html('div', { class: 'slider' }, html('label', { for: id }, label), input, output),
+    input,
+  };
 }
 
 /** A labelled checkbox. */

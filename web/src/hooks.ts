@@ -10,7 +10,13 @@ export interface SceneHook {
   /** Points of leg 1…6 as drawn at this moment, base axes [m], read back from the drawing. */
   jointPositions(leg: number, side?: 'flexible' | 'rigid'): LegPoints;
   /** Metres (and radians) per unit of the mode's shape, phase [rad], factor on the knees. */
-  motion(): { amplitude: number; rigidAmplitude: number; phase: number; knee: number; playing: boolean };
+  motion(): {
+    amplitude: number;
+    rigidAmplitude: number;
+    phase: number;
+    knee: number;
+    playing: boolean;
+  };
   /** Stops the animation at a phase [rad] and draws it. */
   setPhase(phase: number): void;
   /** Frames drawn so far. */

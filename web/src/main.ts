@@ -18,6 +18,8 @@ function start(): void {
 try {
   start();
 } catch (error) {
-  document.getElementById('report')?.append(html('p', { role: 'alert' }, `This report cannot be shown: ${error}`));
+  document
+    .getElementById('report')
+    ?.append(html('p', { role: 'alert' }, `This report cannot be shown: ${error}`));
   throw error;
 }

@@ -23,7 +23,8 @@ export function hertz(frequency: number): string {
 
 const superscripts = '⁰¹²³⁴⁵⁶⁷⁸⁹';
 const raised = (exponent: number): string =>
-  (exponent < 0 ? '⁻' : '') + [...String(Math.abs(exponent))].map((d) => superscripts[Number(d)]).join('');
+  (exponent < 0 ? '⁻' : '') +
+  [...String(Math.abs(exponent))].map((d) => superscripts[Number(d)]).join('');
 
 /** "3.142·10⁻⁷" */
 export function scientific(value: number, digits = 4): string {
@@ -37,7 +38,9 @@ export function scientific(value: number, digits = 4): string {
 export function tick(value: number): string {
   const exponent = Math.floor(Math.log10(value) + 1e-9);
   const mantissa = value / 10 ** exponent;
-  return Math.abs(mantissa - 1) < 1e-6 ? `10${raised(exponent)}` : `${mantissa.toFixed(0)}·10${raised(exponent)}`;
+  return Math.abs(mantissa - 1) < 1e-6
+    ? `10${raised(exponent)}`
+    : `${mantissa.toFixed(0)}·10${raised(exponent)}`;
 }
 
 export const list = (values: readonly number[], digits: number): string =>

@@ -1,5 +1,5 @@
-// Colours that the colour-blind can tell apart (after Okabe and Ito, and Tol), with line styles besides.
-// Those of pages stand in style/colours.css; these are for canvases and pictures.
+// Colours that the colour-blind can tell apart (after Okabe and Ito, and Tol), with line styles
+// besides. Those of pages stand in style/colours.css; these are for canvases and pictures.
 
 export interface Palette {
   text: string;

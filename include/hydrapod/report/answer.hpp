@@ -1,6 +1,6 @@
 #pragma once
-/// The answer to the user's question in words and in four numbers: the lowest frequency, the same with
-/// rigid legs, the drop, and where the energy of that mode is.
+/// The answer to the user's question in words and in four numbers: the lowest frequency, the same
+/// with rigid legs, the drop, and where the energy of that mode is.
 
 #include <string>
 
@@ -9,12 +9,13 @@
 
 namespace hydrapod::report {
 
-/// "Lowest mode the platform feels: 7.45 Hz in x; …", one line with its end; empty when there is no such
-/// mode.
+/// "Lowest mode the platform feels: 7.45 Hz in x; …", one line with its end; empty when there is no
+/// such mode.
 std::string answer_text(const modal::ModeTable& table);
 
-/// `text`, `stable`, `mode`, `frequency_hz`, `directions`, `strain_energy`, and for models with flexible
-/// legs `rigid_mode`, `rigid_frequency_hz`, `drop_percent`; null when the platform feels no mode.
+/// `text`, `stable`, `mode`, `frequency_hz`, `directions`, `strain_energy`, and for models with
+/// flexible legs `rigid_mode`, `rigid_frequency_hz`, `drop_percent`; null when the platform feels
+/// no mode.
 Json answer_json(const modal::ModeTable& table);
 
 }  // namespace hydrapod::report

@@ -6,9 +6,9 @@
 
 namespace hydrapod::report {
 
-/// `platform` (`origin_m`, `rotation`, `mass_center_m`) and per leg the joints, l, l_m, l_mh, L_g, l_mn, r_b,
-/// c_g, the case's frame (t, a2, n), the tilt and offset under gravity, and bore and rod diameter where the
-/// machine gives them. Lengths [m] in base axes, angles [rad].
+/// `platform` (`origin_m`, `rotation`, `mass_center_m`) and per leg the joints, l, l_m, l_mh, L_g,
+/// l_mn, r_b, c_g, the case's frame (t, a2, n), the tilt and offset under gravity, and bore and rod
+/// diameter where the machine gives them. Lengths [m] in base axes, angles [rad].
 Json geometry_json(const model::Machine& machine, const dynamics::LinearModel& model);
 
 }  // namespace hydrapod::report

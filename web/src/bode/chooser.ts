@@ -8,12 +8,13 @@ import { Sweep, titleOf, type Pair } from './curves';
 
 const [width, height] = [44, 22];
 
-function sparkline(values: number[]): SVGElement {
+function sparkline(omega: number[], values: number[]): SVGElement {
   const logs = values.map((value) => Math.log(Math.max(value, 1e-300)));
   const low = Math.min(...logs);
   const high = Math.max(...logs);
   const points = logs.map((value, i) => {
-    const x = (i / (logs.length - 1)) * width;
+    const x =
+      (width * Math.log(omega[i] / omega[0])) / Math.log(omega[omega.length - 1] / omega[0]);
     const y = height - 2 - ((height - 4) * (value - low)) / (high - low || 1);
     return `${x.toFixed(1)},${y.toFixed(1)}`;
   });
@@ -44,7 +45,9 @@ export class Chooser {
         ...directions.map((_, input) => html('td', {}, this.cell(sweep, { output, input }))),
       ),
     );
-    const head = directions.map((name, d) => html('th', { scope: 'col' }, d < 3 ? `F${name}` : `M${name[1]}`));
+    const head = directions.map((name, d) =>
+      html('th', { scope: 'col' }, d < 3 ? `F${name}` : `M${name[1]}`),
+    );
     this.element.replaceChildren(
       html('caption', {}, 'Motion (rows) per force or moment (columns)'),
       html('thead', {}, html('tr', {}, html('td', {}), ...head)),
@@ -62,7 +65,9 @@ export class Chooser {
       class: coupled ? '' : 'uncoupled',
     });
     const values = sweep.shown.map((H) => magnitude(entry(H, pair.output, pair.input)));
-    control.append(coupled ? sparkline(values) : html('span', { 'aria-hidden': 'true' }, '·'));
+    control.append(
+      coupled ? sparkline(sweep.omega, values) : html('span', { 'aria-hidden': 'true' }, '·'),
+    );
     control.append(unseen(titleOf(pair) + (coupled ? '' : ', not coupled')));
     this.buttons.push(control);
     return control;
@@ -70,7 +75,12 @@ export class Chooser {
 
   /** Arrow keys move within the table; one button is in the tab order. */
   private key(event: KeyboardEvent): void {
-    const steps: Record<string, number> = { ArrowLeft: -1, ArrowRight: 1, ArrowUp: -6, ArrowDown: 6 };
+    const steps: Record<string, number> = {
+      ArrowLeft: -1,
+      ArrowRight: 1,
+      ArrowUp: -6,
+      ArrowDown: 6,
+    };
     const step = steps[event.key];
     const at = this.buttons.indexOf(document.activeElement as HTMLButtonElement);
     if (step === undefined || at < 0) return;

@@ -45,7 +45,12 @@ export class Sweep {
   constructor(pose: PoseReport, from: number, to: number, points: number) {
     this.bode = pose.bode as Bode;
     const flexible = pose.model !== 'rigid';
-    this.omega = grid(flexible ? [this.bode.real, this.bode.rigid] : [this.bode.rigid], from, to, points);
+    this.omega = grid(
+      flexible ? [this.bode.real, this.bode.rigid] : [this.bode.rigid],
+      from,
+      to,
+      points,
+    );
     this.flexible = flexible ? this.omega.map((omega) => responseAt(this.bode.real, omega)) : null;
     this.rigid = this.omega.map((omega) => responseAt(this.bode.rigid, omega));
   }
@@ -81,14 +86,24 @@ export class Sweep {
   }
 }
 
-/** Peaks: those that the program found where input and output agree, else local maxima of the curve. */
-function marks(bode: Bode, which: 'real' | 'rigid', pair: Pair, frequency: number[], H: Complex[]): Mark[] {
+/** Peaks: those that the program found where input and output agree, else the curve's maxima. */
+function marks(
+  bode: Bode,
+  which: 'real' | 'rigid',
+  pair: Pair,
+  frequency: number[],
+  H: Complex[],
+): Mark[] {
   const [first, last] = [frequency[0], frequency[frequency.length - 1]];
   if (pair.output === pair.input)
     return (which === 'real' ? bode.peaks : bode.rigid_peaks)
       .filter((peak) => peak.direction === directions[pair.output])
       .filter((peak) => peak.frequency_hz >= first && peak.frequency_hz <= last)
-      .map((peak) => ({ frequency: peak.frequency_hz, magnitude: peak.magnitude ?? highest(H), mode: peak.mode }));
+      .map((peak) => ({
+        frequency: peak.frequency_hz,
+        magnitude: peak.magnitude ?? highest(H),
+        mode: peak.mode,
+      }));
   const size = H.map(magnitude);
   const found: Mark[] = [];
   for (let i = 1; i + 1 < size.length; ++i)
@@ -122,15 +137,27 @@ export function unitOf({ output, input }: Pair): string {
 }
 
 export const motionName = (d: number): string => directions[d];
-export const loadName = (d: number): string => `${d < 3 ? 'force' : 'moment'} ${d < 3 ? directions[d] : directions[d][1]}`;
+export const loadName = (d: number): string =>
+  `${d < 3 ? 'force' : 'moment'} ${d < 3 ? directions[d] : directions[d][1]}`;
 
-export const titleOf = (pair: Pair): string => `${motionName(pair.output)} per ${loadName(pair.input)}`;
+export const titleOf = (pair: Pair): string =>
+  `${motionName(pair.output)} per ${loadName(pair.input)}`;
 
 export function csv(curves: Curves): string {
   const { flexible } = curves;
-  const columns = (name: string) => [`${name}_re`, `${name}_im`, `${name}_magnitude`, `${name}_phase_deg`];
+  const columns = (name: string) => [
+    `${name}_re`,
+    `${name}_im`,
+    `${name}_magnitude`,
+    `${name}_phase_deg`,
+  ];
   const values = (h: Complex) => [h.re, h.im, magnitude(h), phase(h)];
-  const head = ['frequency_hz', 'omega_rad_s', ...(flexible ? columns('flexible') : []), ...columns('rigid')];
+  const head = [
+    'frequency_hz',
+    'omega_rad_s',
+    ...(flexible ? columns('flexible') : []),
+    ...columns('rigid'),
+  ];
   const rows = curves.frequency.map((f, i) =>
     [f, two_pi * f, ...(flexible ? values(flexible[i]) : []), ...values(curves.rigid[i])].join(','),
   );

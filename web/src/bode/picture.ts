@@ -20,7 +20,8 @@ const gap = 26;
 /** Ticks of a logarithmic axis: decades, and 2 and 5 (or all digits) where there are few decades. */
 export function logTicks(from: number, to: number, narrow = false): number[] {
   const decades = Math.log10(to / from);
-  const steps = decades > 6 ? [1] : decades > (narrow ? 0.7 : 1.7) ? [1, 2, 5] : [1, 2, 3, 4, 5, 6, 7, 8, 9];
+  const steps =
+    decades > 6 ? [1] : decades > (narrow ? 0.7 : 1.7) ? [1, 2, 5] : [1, 2, 3, 4, 5, 6, 7, 8, 9];
   const values: number[] = [];
   for (let e = Math.floor(Math.log10(from)); e <= Math.ceil(Math.log10(to)); ++e)
     for (const step of steps) {
@@ -34,13 +35,24 @@ export function logTicks(from: number, to: number, narrow = false): number[] {
 export function magnitudeTicks(from: number, to: number): number[] {
   const decades = Math.log10(to / from);
   const all = logTicks(from, to);
-  const isDecade = (value: number) => Math.abs(Math.log10(value) - Math.round(Math.log10(value))) < 1e-9;
-  const shown = decades > 2.5 ? all.filter(isDecade) : decades > 1 ? all.filter((v) => /^[125]/.test(v.toExponential())) : all;
+  const isDecade = (value: number) =>
+    Math.abs(Math.log10(value) - Math.round(Math.log10(value))) < 1e-9;
+  const shown =
+    decades > 2.5
+      ? all.filter(isDecade)
+      : decades > 1
+        ? all.filter((v) => /^[125]/.test(v.toExponential()))
+        : all;
   const every = Math.ceil(shown.length / 10);
   return shown.filter((_, i) => i % every === 0);
 }
 
-function path(frame: Frame, frequency: number[], y: (i: number) => number, breaks: (i: number) => boolean): string {
+function path(
+  frame: Frame,
+  frequency: number[],
+  y: (i: number) => number,
+  breaks: (i: number) => boolean,
+): string {
   return frequency
     .map((f, i) => `${i === 0 || breaks(i) ? 'M' : 'L'}${frame.x(f).toFixed(1)} ${y(i).toFixed(1)}`)
     .join('');
@@ -51,7 +63,11 @@ export function bodePicture(curves: Curves, subtitle: string, colours: Palette):
   const [from, to] = [frequency[0], frequency[frequency.length - 1]];
   const span = Math.log(to / from);
   const [left, right] = [margin.left, width - margin.right];
-  const frame: Frame = { left, right, x: (f) => left + ((right - left) * Math.log(f / from)) / span };
+  const frame: Frame = {
+    left,
+    right,
+    x: (f) => left + ((right - left) * Math.log(f / from)) / span,
+  };
   const picture = svg(
     'svg',
     {
@@ -77,58 +93,118 @@ export function bodePicture(curves: Curves, subtitle: string, colours: Palette):
   return picture;
 }
 
-function frequencyAxis(picture: SVGElement, frame: Frame, from: number, to: number, bottom: number, colours: Palette) {
+function frequencyAxis(
+  picture: SVGElement,
+  frame: Frame,
+  from: number,
+  to: number,
+  bottom: number,
+  colours: Palette,
+) {
   for (const f of logTicks(from, to)) {
     const x = frame.x(f);
     picture.append(
-      svg('line', { x1: x, x2: x, y1: margin.top, y2: bottom, stroke: colours.grid, 'stroke-width': 0.7 }),
-      svg('text', { x, y: bottom + 16, 'text-anchor': 'middle', fill: colours.faint }, String(Number(f.toPrecision(3)))),
+      svg('line', {
+        x1: x,
+        x2: x,
+        y1: margin.top,
+        y2: bottom,
+        stroke: colours.grid,
+        'stroke-width': 0.7,
+      }),
+      svg(
+        'text',
+        { x, y: bottom + 16, 'text-anchor': 'middle', fill: colours.faint },
+        String(Number(f.toPrecision(3))),
+      ),
     );
   }
   const middle = (frame.left + frame.right) / 2;
-  picture.append(svg('text', { x: middle, y: bottom + 34, 'text-anchor': 'middle' }, 'frequency in Hz'));
+  picture.append(
+    svg('text', { x: middle, y: bottom + 34, 'text-anchor': 'middle' }, 'frequency in Hz'),
+  );
 }
 
 function lines(colours: Palette): { stroke: string; dash: string | null; width: number }[] {
   return [
-    { stroke: colours.rigid, dash: '6 4', width: 1.5 },
     { stroke: colours.flexible, dash: null, width: 2 },
+    { stroke: colours.rigid, dash: '6 4', width: 1.4 },
   ];
 }
 
-const both = (curves: Curves): (Complex[] | null)[] => [curves.rigid, curves.flexible];
+/** In the order of drawing: the dashed line last, so that it shows where both agree. */
+const both = (curves: Curves): (Complex[] | null)[] => [curves.flexible, curves.rigid];
 
-function magnitudePart(picture: SVGElement, curves: Curves, frame: Frame, top: number, bottom: number, colours: Palette) {
-  const values = both(curves).flatMap((H) => (H ?? []).map(magnitude)).filter((value) => value > 0);
+function magnitudePart(
+  picture: SVGElement,
+  curves: Curves,
+  frame: Frame,
+  top: number,
+  bottom: number,
+  colours: Palette,
+) {
+  const values = both(curves)
+    .flatMap((H) => (H ?? []).map(magnitude))
+    .filter((value) => value > 0);
   const low = values.reduce((a, b) => Math.min(a, b), Infinity);
   const high = values.reduce((a, b) => Math.max(a, b), 0) * 1.5;
   const y = (value: number) =>
     bottom - ((bottom - top) * Math.log(Math.max(value, low) / low)) / Math.log(high / low);
   box(picture, frame, top, bottom, colours);
-  for (const value of magnitudeTicks(low, high)) axisLine(picture, frame, y(value), tick(value), colours);
+  for (const value of magnitudeTicks(low, high))
+    axisLine(picture, frame, y(value), tick(value), colours);
   picture.append(
     svg(
       'text',
-      { x: 16, y: (top + bottom) / 2, transform: `rotate(-90 16 ${(top + bottom) / 2})`, 'text-anchor': 'middle' },
+      {
+        x: 16,
+        y: (top + bottom) / 2,
+        transform: `rotate(-90 16 ${(top + bottom) / 2})`,
+        'text-anchor': 'middle',
+      },
       unitOf(curves.pair),
     ),
   );
   both(curves).forEach((H, k) => {
-    if (H) curve(picture, path(frame, curves.frequency, (i) => y(magnitude(H[i])), () => false), k, colours);
+    if (H)
+      curve(
+        picture,
+        path(
+          frame,
+          curves.frequency,
+          (i) => y(magnitude(H[i])),
+          () => false,
+        ),
+        k,
+        colours,
+      );
   });
   marksAt(picture, curves.rigidMarks, frame, y, colours.rigid, true);
   marksAt(picture, curves.marks, frame, y, colours.flexible, false);
 }
 
-function phasePart(picture: SVGElement, curves: Curves, frame: Frame, top: number, bottom: number, colours: Palette) {
+function phasePart(
+  picture: SVGElement,
+  curves: Curves,
+  frame: Frame,
+  top: number,
+  bottom: number,
+  colours: Palette,
+) {
   const y = (degrees: number) => bottom - ((bottom - top) * (degrees + 180)) / 360;
   box(picture, frame, top, bottom, colours);
-  for (const value of [-180, -90, 0, 90, 180]) axisLine(picture, frame, y(value), `${value}°`.replace('-', '−'), colours);
+  for (const value of [-180, -90, 0, 90, 180])
+    axisLine(picture, frame, y(value), `${value}°`.replace('-', '−'), colours);
   both(curves).forEach((H, k) => {
     if (!H) return;
     const angles = H.map(phase);
     const wraps = (i: number) => Math.abs(angles[i] - angles[i - 1]) > 180;
-    curve(picture, path(frame, curves.frequency, (i) => y(angles[i]), wraps), k, colours);
+    curve(
+      picture,
+      path(frame, curves.frequency, (i) => y(angles[i]), wraps),
+      k,
+      colours,
+    );
   });
 }
 
@@ -148,7 +224,14 @@ function box(picture: SVGElement, frame: Frame, top: number, bottom: number, col
 
 function axisLine(picture: SVGElement, frame: Frame, y: number, text: string, colours: Palette) {
   picture.append(
-    svg('line', { x1: frame.left, x2: frame.right, y1: y, y2: y, stroke: colours.grid, 'stroke-width': 0.7 }),
+    svg('line', {
+      x1: frame.left,
+      x2: frame.right,
+      y1: y,
+      y2: y,
+      stroke: colours.grid,
+      'stroke-width': 0.7,
+    }),
     svg('text', { x: frame.left - 6, y: y + 4, 'text-anchor': 'end', fill: colours.faint }, text),
   );
 }
@@ -168,7 +251,11 @@ function curve(picture: SVGElement, d: string, kind: number, colours: Palette) {
 }
 
 /** Marks nearer than `apart` share one label. */
-export function clusters(marks: Mark[], x: (mark: Mark) => number, apart: number): { mark: Mark; text: string }[] {
+export function clusters(
+  marks: Mark[],
+  x: (mark: Mark) => number,
+  apart: number,
+): { mark: Mark; text: string }[] {
   const groups: Mark[][] = [];
   for (const mark of [...marks].sort((a, b) => a.frequency - b.frequency)) {
     const last = groups[groups.length - 1];
@@ -205,23 +292,37 @@ function marksAt(
     picture.append(
       svg(
         'text',
-        { x: frame.x(mark.frequency), y: y(mark.magnitude) - 7, fill: color, 'text-anchor': 'middle', 'font-weight': 600 },
+        {
+          x: frame.x(mark.frequency),
+          y: y(mark.magnitude) - 7,
+          fill: color,
+          'text-anchor': 'middle',
+          'font-weight': 600,
+        },
         text,
       ),
     );
 }
 
 function legend(picture: SVGElement, curves: Curves, colours: Palette) {
-  const names = ['rigid legs', 'flexible legs (numbers: modes)'];
+  const names = ['flexible legs (numbers: modes)', 'rigid legs'];
   let x = width - margin.right - (curves.flexible ? 300 : 100);
   both(curves).forEach((H, k) => {
     if (!H) return;
     const line = lines(colours)[k];
     picture.append(
-      svg('line', { x1: x, x2: x + 26, y1: 14, y2: 14, stroke: line.stroke, 'stroke-width': line.width, 'stroke-dasharray': line.dash }),
+      svg('line', {
+        x1: x,
+        x2: x + 26,
+        y1: 14,
+        y2: 14,
+        stroke: line.stroke,
+        'stroke-width': line.width,
+        'stroke-dasharray': line.dash,
+      }),
       svg('text', { x: x + 32, y: 18 }, names[k]),
     );
-    x += 104;
+    x += 212;
   });
 }
 

@@ -36,16 +36,26 @@ export class BodePlot {
     const size = this.width();
     const x = curves.frequency;
     const of = (value: (h: { re: number; im: number }) => number | null) =>
-      [x, curves.rigid.map(value), ...(curves.flexible ? [curves.flexible.map(value)] : [])] as uPlot.AlignedData;
+      [
+        x,
+        ...(curves.flexible ? [curves.flexible.map(value)] : []),
+        curves.rigid.map(value),
+      ] as uPlot.AlignedData;
     const positive = (h: { re: number; im: number }) => magnitude(h) || null;
     this.plots = [
       new uPlot(this.options('magnitude', size, colours), of(positive), this.element),
       new uPlot(this.options('phase', size, colours), of(phase), this.element),
     ];
-    for (const [plot, name] of [[this.plots[0], 'Magnitude'], [this.plots[1], 'Phase']] as [uPlot, string][]) {
+    for (const [plot, name] of [
+      [this.plots[0], 'Magnitude'],
+      [this.plots[1], 'Phase'],
+    ] as [uPlot, string][]) {
       const canvas = plot.root.querySelector('canvas');
       canvas?.setAttribute('role', 'img');
-      canvas?.setAttribute('aria-label', `${name} over frequency; the values under the cursor stand in the table below.`);
+      canvas?.setAttribute(
+        'aria-label',
+        `${name} over frequency; the values under the cursor stand in the table below.`,
+      );
     }
   }
 
@@ -68,13 +78,20 @@ export class BodePlot {
 
   private resize(): void {
     const width = this.width();
-    for (const plot of this.plots) if (plot.width !== width) plot.setSize({ width, height: plot.height });
+    for (const plot of this.plots)
+      if (plot.width !== width) plot.setSize({ width, height: plot.height });
   }
 
   private options(kind: 'magnitude' | 'phase', width: number, colours: Palette): uPlot.Options {
     const curves = this.curves as Curves;
     const font = '12px system-ui, sans-serif';
-    const axis = { stroke: colours.faint, font, labelFont: font, grid: { stroke: colours.grid, width: 1 }, ticks: { stroke: colours.grid, width: 1 } };
+    const axis = {
+      stroke: colours.faint,
+      font,
+      labelFont: font,
+      grid: { stroke: colours.grid, width: 1 },
+      ticks: { stroke: colours.grid, width: 1 },
+    };
     const line = (label: string, stroke: string, dash?: number[]) => ({
       label,
       stroke,
@@ -97,14 +114,17 @@ export class BodePlot {
       },
       scales: {
         x: { distr: 3, time: false, range: (_, min, max) => [min, max] },
-        y: isMagnitude ? { distr: 3, range: (_, min, max) => [min / 1.3, max * 1.6] } : { distr: 1, range: [-185, 185] },
+        y: isMagnitude
+          ? { distr: 3, range: (_, min, max) => [min / 1.3, max * 1.6] }
+          : { distr: 1, range: [-185, 185] },
       },
       axes: [
         {
           ...axis,
           size: isMagnitude ? 26 : 44,
           ...(isMagnitude ? {} : { label: 'frequency in Hz' }),
-          splits: (plot) => logTicks(plot.scales['x']!.min!, plot.scales['x']!.max!, plot.width < 520),
+          splits: (plot) =>
+            logTicks(plot.scales['x']!.min!, plot.scales['x']!.max!, plot.width < 520),
           filter: (_, splits) => splits,
           values: (_, splits) => splits.map((v) => String(Number(v.toPrecision(3)))),
         },
@@ -115,7 +135,8 @@ export class BodePlot {
             ? {
                 label: unitOf(curves.pair),
                 labelSize: 18,
-                splits: (plot: uPlot) => magnitudeTicks(plot.scales['y']!.min!, plot.scales['y']!.max!),
+                splits: (plot: uPlot) =>
+                  magnitudeTicks(plot.scales['y']!.min!, plot.scales['y']!.max!),
                 filter: (_: uPlot, splits: number[]) => splits,
                 values: (_: uPlot, splits: number[]) => splits.map(tick),
               }
@@ -123,14 +144,15 @@ export class BodePlot {
                 label: 'phase',
                 labelSize: 18,
                 splits: () => [-180, -90, 0, 90, 180],
-                values: (_: uPlot, splits: number[]) => splits.map((v) => `${v}°`.replace('-', '−')),
+                values: (_: uPlot, splits: number[]) =>
+                  splits.map((v) => `${v}°`.replace('-', '−')),
               }),
         },
       ],
       series: [
         {},
-        line('rigid legs', colours.rigid, [6, 4]),
         ...(curves.flexible ? [line('flexible legs', colours.flexible)] : []),
+        line('rigid legs', colours.rigid, [6, 4]),
       ],
       hooks: {
         setCursor: [(plot) => this.pointed && this.events.cursor(plot.cursor.idx ?? null)],
@@ -148,7 +170,8 @@ export class BodePlot {
 
   private drawMarks(plot: uPlot, colours: Palette): void {
     const { ctx } = plot;
-    const at = (mark: Mark) => [plot.valToPos(mark.frequency, 'x', true), plot.valToPos(mark.magnitude, 'y', true)] as const;
+    const at = (mark: Mark) =>
+      [plot.valToPos(mark.frequency, 'x', true), plot.valToPos(mark.magnitude, 'y', true)] as const;
     const ratio = devicePixelRatio;
     ctx.save();
     ctx.lineWidth = 1.4 * ratio;
@@ -172,4 +195,3 @@ export class BodePlot {
     ctx.restore();
   }
 }
-

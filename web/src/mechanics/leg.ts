@@ -1,12 +1,13 @@
 // How one leg moves when its platform joint and its flexible coordinates do, to first order.
 //
-// In the case's frame (t, a2, n) the platform joint stands at  s n + u + l_mn e(φ)  from the base joint, with
-// the piston at s n + u and the rod's direction e = Rot(t, φ1) Rot(a2, φ2) n. Its motion δa is
+// In the case's frame (t, a2, n) the platform joint stands at  s n + u + l_mn e(φ)  from the base
+// joint, with the piston at s n + u and the rod's direction e = Rot(t, φ1) Rot(a2, φ2) n. Its
+// motion δa is
 //
 //     δa = δs n + ω × (s n + u + l_mn e) + δu + l_mn δe,     ω = ω_t (t + τ n) + ω_2 a2,
 //
-// with τ the case's spin per rotation about t (gimbal axes; else 0). Three equations for δs, ω_t, ω_2. For a
-// straight leg (φ = u = 0) they give  ω⊥ = [n × (δa − δu) − l_mn δφ⊥]/l  and  δs = n·δa.
+// with τ the case's spin per rotation about t (gimbal axes; else 0). Three equations for δs, ω_t,
+// ω_2. For a straight leg (φ = u = 0) they give  ω⊥ = [n × (δa − δu) − l_mn δφ⊥]/l  and  δs = n·δa.
 
 import type { Leg, Vector } from '../document';
 import { add, along, cross, scale, solveColumns, subtract } from './vector';

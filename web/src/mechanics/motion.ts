@@ -1,8 +1,8 @@
 // Where every point of the machine is while it moves in a mode.
 //
-// A mode moves the coordinates y(θ) = Re[(r + i m) e^{iθ}] = r cos θ − m sin θ; points move to first order, so a
-// point's displacement is that of its real and imaginary parts, mixed in the same way. Complex modes
-// therefore keep their phases: not all parts turn back at the same time.
+// A mode moves the coordinates y(θ) = Re[(r + i m) e^{iθ}] = r cos θ − m sin θ; points move to
+// first order, so a point's displacement is that of its real and imaginary parts, mixed in the same
+// way. Complex modes therefore keep their phases: not all parts turn back at the same time.
 
 import type { Geometry, Leg, Mode, PoseReport, Vector } from '../document';
 import { legMotion, restPoints, straightLeg, type Flexible, type LegPoints } from './leg';
@@ -74,24 +74,31 @@ export function pointsAt(shape: Shape, amplitude: number, phase: number): Machin
       const rest = restPoints(leg);
       const moved = { ...rest };
       for (const key of keys)
-        moved[key] = add(rest[key], mix((real.legs[i] as LegPoints)[key], imaginary?.legs[i]?.[key]));
+        moved[key] = add(
+          rest[key],
+          mix((real.legs[i] as LegPoints)[key], imaginary?.legs[i]?.[key]),
+        );
       return moved;
     }),
   };
 }
 
-/** Largest displacement of the points named, over all legs and phases (an upper bound for complex modes). */
+/** Largest displacement of the points named, over all legs and phases (for complex modes a bound). */
 export function largest(shape: Shape, which: readonly (keyof LegPoints)[] = keys): number {
   let most = 0;
   shape.real.legs.forEach((leg, i) => {
     for (const key of which)
-      most = Math.max(most, Math.hypot(norm(leg[key]), norm(shape.imaginary?.legs[i]?.[key] ?? [0, 0, 0])));
+      most = Math.max(
+        most,
+        Math.hypot(norm(leg[key]), norm(shape.imaginary?.legs[i]?.[key] ?? [0, 0, 0])),
+      );
   });
   return most;
 }
 
 /** A typical length of the machine [m]: the longest leg. */
-export const sizeOf = (geometry: Geometry): number => Math.max(...geometry.legs.map((leg) => leg.length_m));
+export const sizeOf = (geometry: Geometry): number =>
+  Math.max(...geometry.legs.map((leg) => leg.length_m));
 
 /** +1 or −1: the sign that makes the platform move as in `other`. */
 export function alignment(shape: Shape, other: Shape): number {

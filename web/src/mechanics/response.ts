@@ -15,7 +15,8 @@ export const entry = (H: Matrix6, output: number, input: number): Complex => ({
   im: H[2 * (6 * output + input) + 1],
 });
 
-const isDiagonal = (damping: number[] | number[][]): damping is number[] => typeof damping[0] === 'number';
+const isDiagonal = (damping: number[] | number[][]): damping is number[] =>
+  typeof damping[0] === 'number';
 
 /** H at ω [rad/s]. */
 export function responseAt(model: ModalResponse, omega: number): Matrix6 {
@@ -49,7 +50,8 @@ function coupled(model: ModalResponse, damping: number[][], omega: number): Matr
   for (let i = 0; i < n; ++i) {
     for (let j = 0; j < n; ++j) im[i * width + j] = omega * damping[i][j];
     re[i * width + i] = model.omega2[i] - omega * omega;
-    for (let input = 0; input < 6; ++input) re[i * width + n + input] = model.platform_shapes[i][input];
+    for (let input = 0; input < 6; ++input)
+      re[i * width + n + input] = model.platform_shapes[i][input];
   }
   eliminate(re, im, n, width);
   substitute(re, im, n, width);
@@ -78,14 +80,16 @@ function eliminate(re: Float64Array, im: Float64Array, n: number, width: number)
       re[p + j] = (a * pr + b * pi) / square;
       im[p + j] = (b * pr - a * pi) / square;
     }
-    for (let row = column + 1; row < n; ++row) subtractRow(re, im, width, row * width, p, column, column);
+    for (let row = column + 1; row < n; ++row)
+      subtractRow(re, im, width, row * width, p, column, column);
   }
 }
 
 /** Solutions into the last columns of an upper triangle with ones on its diagonal. */
 function substitute(re: Float64Array, im: Float64Array, n: number, width: number): void {
   for (let column = n - 1; column > 0; --column)
-    for (let row = 0; row < column; ++row) subtractRow(re, im, width, row * width, column * width, column, n);
+    for (let row = 0; row < column; ++row)
+      subtractRow(re, im, width, row * width, column * width, column, n);
 }
 
 /** Row at r −= its entry in `column` times the row at p, from column `first` on. */
@@ -107,7 +111,13 @@ function subtractRow(
   }
 }
 
-function pivotRow(re: Float64Array, im: Float64Array, n: number, width: number, column: number): number {
+function pivotRow(
+  re: Float64Array,
+  im: Float64Array,
+  n: number,
+  width: number,
+  column: number,
+): number {
   let best = column;
   let most = -1;
   for (let row = column; row < n; ++row) {
@@ -133,21 +143,27 @@ export const magnitude = (h: Complex): number => Math.hypot(h.re, h.im);
 /** [°], −180 … 180 */
 export const phase = (h: Complex): number => (Math.atan2(h.im, h.re) * 180) / Math.PI;
 
-/** The mode whose term in the modal sum of (output, input) is the largest at ω: its number in the table. */
-export function leadingMode(model: ModalResponse, output: number, input: number, omega: number): number {
+/** The number of the mode whose term in the modal sum of (output, input) is the largest at ω. */
+export function leadingMode(
+  model: ModalResponse,
+  output: number,
+  input: number,
+  omega: number,
+): number {
   let best = 0;
   let most = -1;
   model.omega2.forEach((omega2, k) => {
     const row = model.damping[k];
     const gamma = typeof row === 'number' ? row : row[k];
     const shape = model.platform_shapes[k];
-    const size = Math.abs(shape[output] * shape[input]) / Math.hypot(omega2 - omega ** 2, gamma * omega);
+    const size =
+      Math.abs(shape[output] * shape[input]) / Math.hypot(omega2 - omega ** 2, gamma * omega);
     if (size > most) [best, most] = [k, size];
   });
   return model.mode[best];
 }
 
-/** Frequencies [rad/s] of a curve: `points` on a logarithmic axis and more of them around resonances. */
+/** Frequencies [rad/s] of a curve: `points` on a logarithmic axis, more around resonances. */
 export function grid(models: ModalResponse[], from: number, to: number, points: number): number[] {
   const values: number[] = [];
   const step = Math.log(to / from) / (points - 1);
@@ -168,6 +184,6 @@ function around(model: ModalResponse, k: number): number[] {
   const gamma = typeof row === 'number' ? row : row[k];
   const half = Math.max(0.5 * gamma, 1e-6 * omega);
   const steps = [0.15, 0.35, 0.6, 1, 1.6, 2.6, 4.5, 8];
-  const peak = gamma > 0 ? [omega] : []; // without damping there is no value at a frequency of the machine
+  const peak = gamma > 0 ? [omega] : []; // an undamped machine has no value at its frequencies
   return [...peak, ...steps.flatMap((s) => [omega - s * half, omega + s * half])];
 }

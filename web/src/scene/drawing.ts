@@ -1,4 +1,5 @@
-// The machine as an SVG drawing: for print, and where there is no WebGL. Orthographic, nearest things last.
+// The machine as an SVG drawing: for print, and where there is no WebGL. Orthographic, nearest
+// things last.
 
 import type { Geometry, Vector } from '../document';
 import { svg } from '../dom';
@@ -64,12 +65,23 @@ export function drawing(
     const [x2, y2] = at(to).map(coordinate);
     items.push({
       depth: projection.depth(scale(0.5, add(from, to))),
-      element: svg('line', { x1, y1, x2, y2, stroke: color, 'stroke-width': coordinate(width), ...extra }),
+      element: svg('line', {
+        x1,
+        y1,
+        x2,
+        y2,
+        stroke: color,
+        'stroke-width': coordinate(width),
+        ...extra,
+      }),
     });
   };
   const dot_ = (p: Vector, r: number, color: string, lift = 0) => {
     const [cx, cy] = at(p).map(coordinate);
-    items.push({ depth: projection.depth(p) + lift, element: svg('circle', { cx, cy, r: coordinate(r), fill: color }) });
+    items.push({
+      depth: projection.depth(p) + lift,
+      element: svg('circle', { cx, cy, r: coordinate(r), fill: color }),
+    });
   };
   const plate = (corners: Vector[], color: string) => {
     const text = corners.map((p) => at(p).map(coordinate).join(',')).join(' ');
@@ -89,9 +101,18 @@ export function drawing(
 
   const feet = points.legs.map((leg) => leg.base);
   const joints = points.legs.map((leg) => leg.joint);
-  plate(outline(feet, [0, 0, 0]).map((i) => feet[i]), colours.base);
-  const order = outline(geometry.legs.map((leg) => leg.platform_joint_m), geometry.platform.origin_m);
-  plate(order.map((i) => joints[i]), colours.platform);
+  plate(
+    outline(feet, [0, 0, 0]).map((i) => feet[i]),
+    colours.base,
+  );
+  const order = outline(
+    geometry.legs.map((leg) => leg.platform_joint_m),
+    geometry.platform.origin_m,
+  );
+  plate(
+    order.map((i) => joints[i]),
+    colours.platform,
+  );
   points.legs.forEach((leg, i) => {
     const R = sizes.caseRadius(i);
     const axis = unit(subtract(leg.sleeve, leg.base));
@@ -143,7 +164,9 @@ function frame(rest: MachinePoints, at: (p: Vector) => [number, number], room: n
   const xs = flat.map(([x]) => x);
   const ys = flat.map(([, y]) => y);
   const [left, top] = [Math.min(...xs) - room, Math.min(...ys) - room];
-  return [left, top, Math.max(...xs) + room - left, Math.max(...ys) + room - top].map(coordinate).join(' ');
+  return [left, top, Math.max(...xs) + room - left, Math.max(...ys) + room - top]
+    .map(coordinate)
+    .join(' ');
 }
 
 function ghost(

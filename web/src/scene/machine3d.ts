@@ -39,7 +39,7 @@ interface Materials {
   ghost: LineBasicMaterial;
 }
 
-/** A cylinder's geometry stands on the origin along z with height 1, so that scale.z is its length. */
+/** A cylinder on the origin along z with height 1, so that scale.z is its length. */
 function rodGeometry(radius: number, segments = 24): CylinderGeometry {
   const geometry = new CylinderGeometry(radius, radius, 1, segments);
   geometry.rotateX(Math.PI / 2);
@@ -72,7 +72,15 @@ class Leg3D {
     this.label = label(String(index + 1), palette);
     this.label.scale.setScalar(0.09 * sizes.size);
     this.label.renderOrder = 9;
-    for (const part of [this.tube, this.rod, this.piston, this.sleeve, this.lower, this.upper, this.passage])
+    for (const part of [
+      this.tube,
+      this.rod,
+      this.piston,
+      this.sleeve,
+      this.lower,
+      this.upper,
+      this.passage,
+    ])
       this.group.add(part);
     this.group.add(this.label);
   }
@@ -167,7 +175,7 @@ class Plate {
 }
 
 function materialsOf(palette: Palette): Materials {
-  // `transparent` for all, so that one shader serves them: compiling them is most of the time to the first frame
+  // `transparent` for all, so that one shader serves them: compiling takes most of the first frame
   const solid = (color: string) => new MeshLambertMaterial({ color, transparent: true });
   const clear = (color: string, opacity: number) =>
     new MeshLambertMaterial({ color, transparent: true, opacity, depthWrite: false });
@@ -202,10 +210,18 @@ export class Machine3D {
     this.platform = new Plate(6, materials.platform);
     const base = new Plate(6, materials.base);
     const feet = geometry.legs.map((leg) => leg.base_joint_m);
-    base.place(outline(feet, [0, 0, 0]).map((i) => feet[i]), [0, 0, -plate]);
+    base.place(
+      outline(feet, [0, 0, 0]).map((i) => feet[i]),
+      [0, 0, -plate],
+    );
     this.legs = geometry.legs.map((_, i) => new Leg3D(i, this.sizes, materials, palette));
     this.center = new Mesh(new SphereGeometry(0.022 * this.sizes.size, 18, 12), materials.sleeve);
-    this.group.add(base.mesh, this.platform.mesh, this.center, ghost(rest, this.order, materials.ghost));
+    this.group.add(
+      base.mesh,
+      this.platform.mesh,
+      this.center,
+      ghost(rest, this.order, materials.ghost),
+    );
     for (const leg of this.legs) this.group.add(leg.group);
     this.place(rest);
   }

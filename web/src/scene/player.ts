@@ -1,7 +1,15 @@
 // Moves two machines in a mode and its rigid counterpart, at one phase.
 
 import type { Mode, PoseReport } from '../document';
-import { alignment, largest, pointsAt, restShape, shapeOf, sizeOf, type Shape } from '../mechanics/motion';
+import {
+  alignment,
+  largest,
+  pointsAt,
+  restShape,
+  shapeOf,
+  sizeOf,
+  type Shape,
+} from '../mechanics/motion';
 import type { Side, View } from './view';
 
 /** A mode holds so much of a rigid one, at least, that the two are worth comparing. */
@@ -39,7 +47,8 @@ export class Player {
     this.sides = pose.model === 'rigid' ? ['rigid'] : ['flexible', 'rigid'];
     if (changed) this.view.setMachine(pose.geometry, this.sides);
     this.shape();
-    if (changed) for (const side of this.sides) this.view.setPoints(side, pointsAt(this.shapeAt(side), 0, 0));
+    if (changed)
+      for (const side of this.sides) this.view.setPoints(side, pointsAt(this.shapeAt(side), 0, 0));
     this.refresh();
   }
 
@@ -61,7 +70,10 @@ export class Player {
       return;
     }
     this.flexible = own;
-    const counterpart = mode.rigid && mode.rigid.mac >= comparable ? pose.rigid_modes[mode.rigid.mode - 1] : undefined;
+    const counterpart =
+      mode.rigid && mode.rigid.mac >= comparable
+        ? pose.rigid_modes[mode.rigid.mode - 1]
+        : undefined;
     this.rigid = counterpart ? shapeOf(pose, counterpart) : restShape(pose);
     const joints = largest(own, ['joint']);
     const rigidJoints = largest(this.rigid, ['joint']);

@@ -57,10 +57,17 @@ export class SvgView implements View {
     const zoom = homeCamera.distance / this.camera.distance;
     const pictures = this.sides.map((side) => {
       const points = this.points.get(side)!;
-      const picture = drawing(this.geometry!, points, this.rest.get(side)!, this.camera, palette(), {
-        labels: this.labels,
-        title: `${side} machine`,
-      }).element;
+      const picture = drawing(
+        this.geometry!,
+        points,
+        this.rest.get(side)!,
+        this.camera,
+        palette(),
+        {
+          labels: this.labels,
+          title: `${side} machine`,
+        },
+      ).element;
       const { x, y, width, height } = picture.viewBox.baseVal;
       picture.setAttribute('viewBox', [x, y, width, height].map((value) => value / zoom).join(' '));
       return picture;

@@ -43,7 +43,7 @@ export interface Sizes {
   plate: number;
 }
 
-/** To scale where the machine says how thick things are; else slender cylinders of a common proportion. */
+/** To scale where the machine says how thick things are; else cylinders of a common proportion. */
 export function sizesOf(geometry: Geometry): Sizes {
   const size = sizeOf(geometry);
   const bottom = geometry.legs.reduce<Vector>((sum, leg) => add(sum, leg.base_joint_m), [0, 0, 0]);

@@ -1,5 +1,5 @@
-// Both machines in one WebGL canvas: two viewports beside each other, or below each other where it is narrow,
-// seen by one camera.
+// Both machines in one WebGL canvas: two viewports beside each other, or below each other where it
+// is narrow, seen by one camera.
 
 import {
   AmbientLight,
@@ -23,7 +23,7 @@ import { homeCamera, sizesOf, type Side, type View } from './view';
 /** Vertical field of view [°] at which the whole machine is seen at the usual distance. */
 function fieldOfView(aspect: number): number {
   const usual = 26;
-  const fits = 1.08;
+  const fits = 1.12;
   if (aspect > fits) return usual;
   return (2 * Math.atan((Math.tan((usual * Math.PI) / 360) * fits) / aspect) * 180) / Math.PI;
 }
@@ -137,7 +137,11 @@ export class WebglView implements View {
     const r = distance * radius;
     this.controls.target.set(...target);
     this.camera.position
-      .set(Math.cos(elevation) * Math.cos(azimuth), Math.cos(elevation) * Math.sin(azimuth), Math.sin(elevation))
+      .set(
+        Math.cos(elevation) * Math.cos(azimuth),
+        Math.cos(elevation) * Math.sin(azimuth),
+        Math.sin(elevation),
+      )
       .multiplyScalar(r)
       .add(new Vector3(...target));
     this.camera.near = 0.05 * radius;

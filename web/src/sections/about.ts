@@ -13,7 +13,11 @@ export const about: Section = {
   render,
 };
 
-const degrees = (radians: number[]): string => list(radians.map((r) => (r * 180) / Math.PI), 3);
+const degrees = (radians: number[]): string =>
+  list(
+    radians.map((r) => (r * 180) / Math.PI),
+    3,
+  );
 
 /** A word that a shell takes as it stands, or in quotes. */
 const shellWord = (word: string): string =>
@@ -26,6 +30,10 @@ export function command(report: Report): string {
   const model = report.poses[0]?.model;
   if (model) words.push('--model', model);
   if (report.pictured_modes.length > 0) words.push('--modes', report.pictured_modes.join(','));
+  if (report.title !== (report.machine.name || report.machine.file))
+    words.push('--title', report.title);
+  const points = report.poses[0]?.bode?.points;
+  if (points !== undefined && points !== 600) words.push('--points', String(points));
   words.push('-o', 'report.html');
   return words.map(shellWord).join(' ');
 }
@@ -51,10 +59,17 @@ function facts(report: Report): [string, string][] {
       `force or moment at the ${pose.bode.point}, displacement there, base axes; exact at every frequency drawn`,
     ]);
   rows.push(
-    ['Axes', 'base frame: origin at the centre of the base joints, z towards the platform; SI units'],
-    ['Mode shapes', 'normalised so that φᵀ M φ = 1; motion of the platform’s mass centre, base axes'],
+    [
+      'Axes',
+      'base frame: origin at the centre of the base joints, z towards the platform; SI units',
+    ],
+    [
+      'Mode shapes',
+      'normalised so that φᵀ M φ = 1; motion of the platform’s mass centre, base axes',
+    ],
   );
-  if (machine.warnings && machine.warnings.length > 0) rows.push(['Warnings', machine.warnings.join('\n')]);
+  if (machine.warnings && machine.warnings.length > 0)
+    rows.push(['Warnings', machine.warnings.join('\n')]);
   return rows;
 }
 
@@ -74,12 +89,21 @@ function render(state: State, host: HTMLElement): void {
     html('tr', {}, html('th', { scope: 'row' }, name), html('td', {}, value)),
   );
   host.append(
-    html('table', { class: 'facts' }, html('caption', { class: 'unseen' }, 'What the numbers rest on'), html('tbody', {}, ...rows)),
+    html(
+      'table',
+      { class: 'facts' },
+      html('caption', { class: 'unseen' }, 'What the numbers rest on'),
+      html('tbody', {}, ...rows),
+    ),
     html('h3', {}, 'Command'),
     html('pre', { class: 'command', tabindex: 0, 'aria-label': 'Command' }, command(report)),
     button(
       'Download the data (JSON)',
-      () => download('report.json', new Blob([JSON.stringify(report, null, 1)], { type: 'application/json' })),
+      () =>
+        download(
+          'report.json',
+          new Blob([JSON.stringify(report, null, 1)], { type: 'application/json' }),
+        ),
       { 'data-control': 'json' },
     ),
   );
@@ -89,10 +113,18 @@ function render(state: State, host: HTMLElement): void {
         'details',
         { open: true },
         html('summary', {}, html('h3', {}, `The machine file ${report.machine.file}`)),
-        html('pre', { class: 'file', tabindex: 0, 'aria-label': 'Machine file' }, report.machine.text),
+        html(
+          'pre',
+          { class: 'file', tabindex: 0, 'aria-label': 'Machine file' },
+          report.machine.text,
+        ),
       ),
     );
   host.append(
-    html('p', { class: 'note' }, 'Drawn with three.js and uPlot, both under the MIT licence; their notices stand at the head of this file.'),
+    html(
+      'p',
+      { class: 'note' },
+      'Drawn with three.js and uPlot, both under the MIT licence; their notices stand at the head of this file.',
+    ),
   );
 }

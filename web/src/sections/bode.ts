@@ -17,7 +17,8 @@ import type { Section } from './registry';
 export const bode: Section = {
   id: 'bode',
   title: 'Bode diagrams',
-  applies: (report) => report.poses.every((pose) => pose.bode !== undefined) && report.poses.length > 0,
+  applies: (report) =>
+    report.poses.every((pose) => pose.bode !== undefined) && report.poses.length > 0,
   render: (state, host) => {
     new BodeSection(state, host);
   },
@@ -66,7 +67,15 @@ class BodeSection {
         'div',
         { class: 'bode' },
         html('div', { class: 'bode-choice' }, this.chooser.element, this.peaks),
-        html('div', { class: 'bode-plots' }, this.heading, this.legend(), this.plot.element, this.tools(), this.readout),
+        html(
+          'div',
+          { class: 'bode-plots' },
+          this.heading,
+          this.legend(),
+          this.plot.element,
+          this.tools(),
+          this.readout,
+        ),
       ),
       this.note,
       this.print,
@@ -147,9 +156,11 @@ class BodeSection {
   }
 
   private legend(): HTMLElement {
-    const item = (kind: string, text: string) => html('li', {}, html('i', { class: `line line-${kind}` }), text);
+    const item = (kind: string, text: string) =>
+      html('li', {}, html('i', { class: `line line-${kind}` }), text);
     const items = [item('rigid', 'rigid legs')];
-    if (this.state.pose.model !== 'rigid') items.unshift(item('flexible', 'flexible legs (numbers: modes)'));
+    if (this.state.pose.model !== 'rigid')
+      items.unshift(item('flexible', 'flexible legs (numbers: modes)'));
     return html('ul', { class: 'legend' }, ...items);
   }
 
@@ -169,9 +180,17 @@ class BodeSection {
       html(
         'div',
         { class: 'group', role: 'group', 'aria-label': 'Download' },
-        button('SVG', () => this.save(`${name()}.svg`, svgText(this.picture()), 'image/svg+xml'), { 'data-control': 'svg' }),
-        button('PNG', () => void pngOf(this.picture()).then((blob) => download(`${name()}.png`, blob)), { 'data-control': 'png' }),
-        button('CSV', () => this.save(`${name()}.csv`, csv(this.curves), 'text/csv'), { 'data-control': 'csv' }),
+        button('SVG', () => this.save(`${name()}.svg`, svgText(this.picture()), 'image/svg+xml'), {
+          'data-control': 'svg',
+        }),
+        button(
+          'PNG',
+          () => void pngOf(this.picture()).then((blob) => download(`${name()}.png`, blob)),
+          { 'data-control': 'png' },
+        ),
+        button('CSV', () => this.save(`${name()}.csv`, csv(this.curves), 'text/csv'), {
+          'data-control': 'csv',
+        }),
       ),
     );
   }
@@ -209,7 +228,8 @@ class BodeSection {
       const [from, to] = this.band;
       const f = this.curves.frequency[index];
       const step = Math.round((sliderSteps * Math.log(f / from)) / Math.log(to / from));
-      if (document.activeElement !== this.frequency.input) this.frequency.input.value = String(step);
+      if (document.activeElement !== this.frequency.input)
+        this.frequency.input.value = String(step);
       const output = this.frequency.element.querySelector('output');
       if (output) output.textContent = `${hertz(f)} Hz`;
     }
@@ -245,7 +265,13 @@ class BodeSection {
       html(
         'thead',
         {},
-        html('tr', {}, html('th', { scope: 'col' }, 'At the cursor'), html('th', { scope: 'col' }, 'Magnitude'), html('th', { scope: 'col' }, 'Phase')),
+        html(
+          'tr',
+          {},
+          html('th', { scope: 'col' }, 'At the cursor'),
+          html('th', { scope: 'col' }, 'Magnitude'),
+          html('th', { scope: 'col' }, 'Phase'),
+        ),
       ),
       html('tbody', {}, ...rows),
     );

@@ -34,7 +34,12 @@ export function header(state: State, sections: Section[], page: HTMLElement): vo
     page.classList.add('several-poses');
     page.append(poseChooser(state));
   }
-  const host = html('section', { class: 'answer', id: 'answer', 'aria-label': 'Answer', 'aria-live': 'polite' });
+  const host = html('section', {
+    class: 'answer',
+    id: 'answer',
+    'aria-label': 'Answer',
+    'aria-live': 'polite',
+  });
   page.append(host);
   const show = () => host.replaceChildren(...answer(state.pose));
   state.listen((change) => change === 'pose' && show());
@@ -46,14 +51,21 @@ function subtitles(report: Report): string[] {
   const { machine, assumptions } = report;
   const pose = report.poses[0];
   const name = machine.name !== report.title ? machine.name : '';
-  const facts = [pose ? modelNames[pose.model] : '', assumptions.gravity, `damping ${assumptions.damping}`];
-  return [[name, machine.description].filter(Boolean).join(': '), facts.filter(Boolean).join(' · ')].filter(Boolean);
+  const facts = [
+    pose ? modelNames[pose.model] : '',
+    assumptions.gravity,
+    `damping ${assumptions.damping}`,
+  ];
+  return [
+    [name, machine.description].filter(Boolean).join(': '),
+    facts.filter(Boolean).join(' · '),
+  ].filter(Boolean);
 }
 
 function navigation(sections: Section[]): HTMLElement {
-  const links = sections.filter((section) => !section.printed).map((section) =>
-    html('li', {}, html('a', { href: `#${section.id}` }, section.title)),
-  );
+  const links = sections
+    .filter((section) => !section.printed)
+    .map((section) => html('li', {}, html('a', { href: `#${section.id}` }, section.title)));
   return html('nav', { 'aria-label': 'Sections' }, html('ul', {}, ...links));
 }
 
@@ -77,7 +89,9 @@ function poseChooser(state: State): HTMLElement {
     button(entry.pose.name, () => state.choosePose(index), { 'data-pose': index }),
   );
   const mark = () =>
-    buttons.forEach((b, index) => b.setAttribute('aria-pressed', String(index === state.poseNumber)));
+    buttons.forEach((b, index) =>
+      b.setAttribute('aria-pressed', String(index === state.poseNumber)),
+    );
   state.listen((change) => change === 'pose' && mark());
   mark();
   return html(
@@ -88,18 +102,33 @@ function poseChooser(state: State): HTMLElement {
   );
 }
 
-function number(caption: string, value: string, unit: string, note: string, kind: string): HTMLElement {
+function number(
+  caption: string,
+  value: string,
+  unit: string,
+  note: string,
+  kind: string,
+): HTMLElement {
   return html(
     'div',
     { class: `number ${kind}` },
     html('dt', {}, caption),
-    html('dd', {}, html('strong', {}, value), ' ', html('span', { class: 'unit' }, unit), html('small', {}, note)),
+    html(
+      'dd',
+      {},
+      html('strong', {}, value),
+      ' ',
+      html('span', { class: 'unit' }, unit),
+      html('small', {}, note),
+    ),
   );
 }
 
 /** What stands between backticks is code. */
 const withCode = (text: string): Node[] =>
-  text.split('`').map((part, i) => (i % 2 === 1 ? html('code', {}, part) : document.createTextNode(part)));
+  text
+    .split('`')
+    .map((part, i) => (i % 2 === 1 ? html('code', {}, part) : document.createTextNode(part)));
 
 function answer(pose: PoseReport): Node[] {
   const result = pose.answer;
@@ -113,9 +142,17 @@ function numbers(result: Answer): HTMLElement[] {
   const { rigid_frequency_hz: rigid, drop_percent: drop } = result;
   const items: HTMLElement[] = [];
   if (rigid !== undefined)
-    items.push(number('With rigid legs', hertz(rigid), 'Hz', `rigid mode ${result.rigid_mode}`, 'rigid'));
+    items.push(
+      number('With rigid legs', hertz(rigid), 'Hz', `rigid mode ${result.rigid_mode}`, 'rigid'),
+    );
   items.push(
-    number('Lowest real frequency', hertz(result.frequency_hz), 'Hz', `mode ${result.mode}, ${result.directions}`, 'real'),
+    number(
+      'Lowest real frequency',
+      hertz(result.frequency_hz),
+      'Hz',
+      `mode ${result.mode}, ${result.directions}`,
+      'real',
+    ),
   );
   if (drop !== undefined)
     items.push(

@@ -46,7 +46,10 @@ function render(state: State, host: HTMLElement): void {
     stage.classList.toggle('single', pose.model === 'rigid');
     heads.replaceChildren(...viewportHeads(pose, mode));
     caption.textContent = captionOf(pose, mode);
-    view.element.setAttribute('aria-label', `The machine moving in mode ${mode.number}. ${captionOf(pose, mode)}`);
+    view.element.setAttribute(
+      'aria-label',
+      `The machine moving in mode ${mode.number}. ${captionOf(pose, mode)}`,
+    );
     player.show(pose, mode);
   };
   state.listen((change) => {
@@ -84,9 +87,14 @@ const numberAndFrequency = (mode: Mode): string =>
 
 function viewportHeads(pose: PoseReport, mode: Mode): HTMLElement[] {
   const title = (kind: string, name: string, text: string) =>
-    html('div', { class: `viewport-head ${kind}` }, html('strong', {}, name), ' ', html('span', {}, text));
-  if (pose.model === 'rigid')
-    return [title('rigid', 'Rigid legs', numberAndFrequency(mode))];
+    html(
+      'div',
+      { class: `viewport-head ${kind}` },
+      html('strong', {}, name),
+      ' ',
+      html('span', {}, text),
+    );
+  if (pose.model === 'rigid') return [title('rigid', 'Rigid legs', numberAndFrequency(mode))];
   const flexible = title('flexible', 'Flexible legs', numberAndFrequency(mode));
   const counterpart = mode.rigid && pose.rigid_modes[mode.rigid.mode - 1];
   const rigid =
@@ -106,7 +114,8 @@ function captionOf(pose: PoseReport, mode: Mode): string {
         'shown is the mix that moves along the axes.',
     );
   }
-  if (mode.shape_imaginary) parts.push('Complex mode: its parts do not turn back at the same time.');
+  if (mode.shape_imaginary)
+    parts.push('Complex mode: its parts do not turn back at the same time.');
   if (!mode.stable) parts.push('Unstable: the legs buckle.');
   if (mode.rigid && mode.stable)
     parts.push(
@@ -138,7 +147,10 @@ function modeStepper(state: State): HTMLElement {
 }
 
 function controls(player: Player, view: View, state: State): HTMLElement {
-  const play = button('Pause', () => toggle(!player.playing), { class: 'primary', 'data-control': 'play' });
+  const play = button('Pause', () => toggle(!player.playing), {
+    class: 'primary',
+    'data-control': 'play',
+  });
   const toggle = (playing: boolean) => player.setPlaying(playing);
   player.onPlaying = (playing) => (play.textContent = playing ? 'Pause' : 'Play');
   player.onPlaying(player.playing);
@@ -225,7 +237,8 @@ function legendOfParts(pose: PoseReport): HTMLElement {
   const drawn = pose.geometry.legs.every((leg) => leg.bore_m !== undefined)
     ? 'All lengths and diameters to scale.'
     : 'All lengths to scale; the machine file gives no diameters, those drawn are usual ones.';
-  const item = (kind: string, text: string) => html('li', {}, html('i', { class: `swatch swatch-${kind}` }), text);
+  const item = (kind: string, text: string) =>
+    html('li', {}, html('i', { class: `swatch swatch-${kind}` }), text);
   return html(
     'div',
     { class: 'legend-line' },
@@ -239,6 +252,10 @@ function legendOfParts(pose: PoseReport): HTMLElement {
       item('gimbal', 'gimbals'),
       item('ghost', 'at rest'),
     ),
-    html('p', { class: 'note' }, `${drawn} Motion is exaggerated by the amplitude; click the picture to zoom with the wheel.`),
+    html(
+      'p',
+      { class: 'note' },
+      `${drawn} Motion is exaggerated by the amplitude; click the picture to zoom with the wheel.`,
+    ),
   );
 }

@@ -1,4 +1,5 @@
-// The mode table: sortable, with bars, seal modes that the platform cannot feel folded behind one row.
+// The mode table: sortable, with bars, seal modes that the platform cannot feel folded behind one
+// row.
 
 import { energyParts, legend, motionParts, stackedBar } from '../bars';
 import type { Mode, PoseReport } from '../document';
@@ -58,7 +59,10 @@ const columns: Column[] = [
     title: 'What moves',
     long: 'What moves: shares of the kinetic energy',
     key: legsShare,
-    cell: (mode) => [html('span', { class: 'mode-label' }, mode.label), stackedBar(motionParts(mode), 150)],
+    cell: (mode) => [
+      html('span', { class: 'mode-label' }, mode.label),
+      stackedBar(motionParts(mode), 150),
+    ],
     numeric: false,
   },
   {
@@ -115,8 +119,16 @@ class ModeTable {
       'Modes: choose one by its number to see it move; column heads sort.',
     );
     const table = html('table', { class: 'modes' }, caption, this.head, this.body);
-    host.append(html('div', { class: 'scroller', tabindex: 0, role: 'region', 'aria-label': 'Mode table' }, table));
-    state.listen((change) => (change === 'mode' ? this.markChosen() : change === 'pose' && this.show()));
+    host.append(
+      html(
+        'div',
+        { class: 'scroller', tabindex: 0, role: 'region', 'aria-label': 'Mode table' },
+        table,
+      ),
+    );
+    state.listen((change) =>
+      change === 'mode' ? this.markChosen() : change === 'pose' && this.show(),
+    );
     this.show();
   }
 
@@ -128,7 +140,9 @@ class ModeTable {
     const column = columns.find((c) => c.id === this.column);
     const key = column?.key ?? ((mode: Mode) => mode.number);
     const sign = this.ascending ? 1 : -1;
-    return [...this.state.pose.modes].sort((a, b) => sign * (key(a) - key(b)) || a.number - b.number);
+    return [...this.state.pose.modes].sort(
+      (a, b) => sign * (key(a) - key(b)) || a.number - b.number,
+    );
   }
 
   private sortBy(id: string): void {
@@ -160,7 +174,11 @@ class ModeTable {
       control.append(html('span', { 'aria-hidden': 'true' }, arrow));
       return html(
         'th',
-        { scope: 'col', class: kind, 'aria-sort': sorted ? (this.ascending ? 'ascending' : 'descending') : 'none' },
+        {
+          scope: 'col',
+          class: kind,
+          'aria-sort': sorted ? (this.ascending ? 'ascending' : 'descending') : 'none',
+        },
         control,
       );
     };
@@ -168,7 +186,9 @@ class ModeTable {
       'tr',
       {},
       head('number', 'Mode', 'Mode number', ''),
-      ...this.columns.map((c) => head(c.id, c.title, c.long, `col-${c.id}${c.numeric ? ' numeric' : ''}`)),
+      ...this.columns.map((c) =>
+        head(c.id, c.title, c.long, `col-${c.id}${c.numeric ? ' numeric' : ''}`),
+      ),
     );
   }
 
@@ -176,11 +196,17 @@ class ModeTable {
     const { pose } = this.state;
     const choose = () => this.state.chooseMode(mode.number);
     const twins = repeated(pose.modes, mode).filter((other) => other !== mode);
-    const control = button(String(mode.number), choose, { 'data-mode': mode.number, class: 'mode-number' });
+    const control = button(String(mode.number), choose, {
+      'data-mode': mode.number,
+      class: 'mode-number',
+    });
     const number = html('th', { scope: 'row' }, control);
     if (twins.length > 0) {
       const words = `repeats with ${twins.map((twin) => twin.number).join(', ')}`;
-      number.append(html('span', { class: 'repeat', title: words, 'aria-hidden': 'true' }, '='), unseen(words));
+      number.append(
+        html('span', { class: 'repeat', title: words, 'aria-hidden': 'true' }, '='),
+        unseen(words),
+      );
     }
     const row = html(
       'tr',
@@ -199,7 +225,8 @@ class ModeTable {
   private foldRow(hidden: Mode[]): HTMLTableRowElement {
     const frequencies = hidden.map((mode) => mode.frequency_hz);
     const [low, high] = [Math.min(...frequencies), Math.max(...frequencies)];
-    const band = high - low < 5e-4 ? `at ${hertz(low)} Hz` : `from ${hertz(low)} to ${hertz(high)} Hz`;
+    const band =
+      high - low < 5e-4 ? `at ${hertz(low)} Hz` : `from ${hertz(low)} to ${hertz(high)} Hz`;
     const many = hidden.length === 1 ? '1 mode' : `${hidden.length} modes`;
     const control = button(
       `${this.open ? '▾' : '▸'} ${many} that the platform cannot feel, ${band}`,
@@ -210,7 +237,11 @@ class ModeTable {
       },
       { 'aria-expanded': String(this.open), 'data-control': 'fold', class: 'fold' },
     );
-    return html('tr', { class: 'fold-row' }, html('td', { colspan: this.columns.length + 1 }, control));
+    return html(
+      'tr',
+      { class: 'fold-row' },
+      html('td', { colspan: this.columns.length + 1 }, control),
+    );
   }
 
   markChosen(): void {

@@ -27,8 +27,14 @@ export function picture(pose: PoseReport, mode: Mode): HTMLElement {
   const scale = (amplitude * sizeOf(pose.geometry)) / Math.max(largest(shape), Number.MIN_VALUE);
   const title = `Mode ${mode.number}, ${hertz(mode.frequency_hz)} Hz: ${mode.label}`;
   const rest = pointsAt(shape, 0, 0);
-  const { element } = drawing(pose.geometry, pointsAt(shape, scale, 0), rest, homeCamera, light, { labels: true, title });
-  const shift = mode.rigid && mode.rigid.mac >= 0.1 ? `, ${signedPercent(mode.rigid.shift_percent)} against rigid` : '';
+  const { element } = drawing(pose.geometry, pointsAt(shape, scale, 0), rest, homeCamera, light, {
+    labels: true,
+    title,
+  });
+  const shift =
+    mode.rigid && mode.rigid.mac >= 0.1
+      ? `, ${signedPercent(mode.rigid.shift_percent)} against rigid`
+      : '';
   return html(
     'figure',
     {},
@@ -50,6 +56,12 @@ function render(state: State, host: HTMLElement): void {
   const { report } = state;
   for (const pose of report.poses) {
     if (report.poses.length > 1) host.append(html('h3', {}, `Pose ${pose.pose.name}`));
-    host.append(html('div', { class: 'figures' }, ...pictured(report, pose).map((mode) => picture(pose, mode))));
+    host.append(
+      html(
+        'div',
+        { class: 'figures' },
+        ...pictured(report, pose).map((mode) => picture(pose, mode)),
+      ),
+    );
   }
 }

@@ -1,5 +1,5 @@
-// The sections of the page, in their order. A section appears when the document holds what it shows, so that
-// a later kind of result needs one more line here and nothing else.
+// The sections of the page, in their order. A section appears when the document holds what it
+// shows, so that a later kind of result needs one more line here and nothing else.
 
 import type { Report } from '../document';
 import { html } from '../dom';
