@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <memory>
 
+#include "hydrapod/base/error.hpp"
 #include "hydrapod/base/file.hpp"
 #include "hydrapod/bode_report.hpp"
 #include "hydrapod/commands.hpp"
@@ -12,6 +13,7 @@
 #include "hydrapod/mode_report.hpp"
 #include "hydrapod/report/answer.hpp"
 #include "hydrapod/report/bode.hpp"
+#include "hydrapod/report/html.hpp"
 #include "hydrapod/terminal.hpp"
 
 namespace hydrapod::cli {
@@ -33,7 +35,8 @@ const std::vector<Case>& cases() {
   static const std::vector<Case> list{
       {"zhang-jiang-2021.toml", "published",
        "1. The published machine as in the paper's Table 2 (without gravity)"},
-      {"zhang-jiang-2021-transverse.toml", "published-with-gravity",
+      {"zhang-jiang-2021-transverse.toml",
+       "published-with-gravity",
        "2. The same machine under its own weight, which the paper leaves out",
        {"environment.gravity=9.81"}},
       {"heavy-platform.toml", "heavy",
@@ -45,7 +48,21 @@ std::string path_in(const Arguments& arguments, const std::string& name) {
   return (std::filesystem::path(arguments.folder) / name).string();
 }
 
-/// Modes on the terminal, the Bode diagram as files.
+/// The report, with every pose of the file. A program built without the page goes on without it.
+void write_report(const Case& the_case, const model::MachineFile& file, const std::string& path,
+                  dynamics::ModelKind kind, const Arguments& arguments) {
+  std::vector<report::PoseChoice> poses;
+  for (const auto& pose : file.machine.poses) poses.push_back({pose.name, pose.X_BP});
+  const report::HtmlOptions options{.kind = kind};
+  try {
+    base::write_file_whole(path_in(arguments, fmt::format("report-{}.html", the_case.stem)),
+                           report::html_report(file, path, poses, options));
+  } catch (const base::ComputationError& error) {
+    fmt::print(stderr, "no report for {}: {}\n", the_case.file, error.what());
+  }
+}
+
+/// Modes on the terminal; the Bode diagram and the report as files.
 void show(const Case& the_case, const Arguments& arguments) {
   const bool colour = has_colour(stdout);
   const std::string path = path_in(arguments, the_case.file);
@@ -56,28 +73,34 @@ void show(const Case& the_case, const Arguments& arguments) {
   const auto kind = choose_model(file.machine, "");
   const auto bode = report::bode(file.machine, pose, kind, {});
   fmt::print("{}\n\n{}\n{}\n{}\n", styled(the_case.headline, Style::cyan, colour),
-             heading(file.machine, pose, bode.table, colour), mode_text(bode.table, nullptr, colour),
-             report::answer_text(bode.table));
+             heading(file.machine, pose, bode.table, colour),
+             mode_text(bode.table, nullptr, colour), report::answer_text(bode.table));
   const std::vector<report::Entry> direct{{0, 0}, {1, 1}, {2, 2}, {3, 3}, {4, 4}, {5, 5}};
   for (const char* ending : {".svg", ".png"})
     report::plot_bode(bode, direct, plot_text(file.machine, pose, bode),
                       path_in(arguments, fmt::format("bode-{}{}", the_case.stem, ending)));
   base::write_file_whole(path_in(arguments, fmt::format("bode-{}.csv", the_case.stem)),
                          report::bode_csv(bode));
+  write_report(the_case, file, path, kind, arguments);
 }
 
 void make_folder(const std::string& folder) {
   std::error_code error;
   std::filesystem::create_directories(folder, error);
   if (error || !std::filesystem::is_directory(folder))
-    throw base::InputError({{.file = folder, .message = "no folder can be made here: " + error.message()}});
+    throw base::InputError(
+        {{.file = folder, .message = "no folder can be made here: " + error.message()}});
 }
 
 void list_files(const Arguments& arguments) {
   fmt::print("Files in {}:\n", arguments.folder);
   for (const auto& the_case : cases())
-    fmt::print("  {0:<34} bode-{1}.svg, .png, .csv\n", the_case.file, the_case.stem);
-  fmt::print("\nNext: `hydrapod init` writes a machine file to fill in with your own machine.\n");
+    fmt::print("  {0:<34} report-{1}.html, bode-{1}.svg, .png, .csv\n", the_case.file,
+               the_case.stem);
+  fmt::print(
+      "\nOpen a report in any browser: the mechanism moves in its modes, Bode diagrams are "
+      "live.\n");
+  fmt::print("Next: `hydrapod init` writes a machine file to fill in with your own machine.\n");
 }
 
 void run(const Arguments& arguments) {
@@ -90,8 +113,10 @@ void run(const Arguments& arguments) {
 
 void add_demo(CLI::App& app) {
   CLI::App* command = add_command(
-      app, "demo", "The published machine: its modes on the terminal, its Bode diagrams as files",
-      {{"demo", "writes into the folder hydrapod-demo"}, {"demo results", "writes into the folder results"}});
+      app, "demo",
+      "The published machine: its modes on the terminal, Bode diagrams and reports as files",
+      {{"demo", "writes into the folder hydrapod-demo"},
+       {"demo results", "writes into the folder results"}});
   auto arguments = std::make_shared<Arguments>();
   command->add_option("FOLDER", arguments->folder, "Folder for the files; made if it is not there")
       ->capture_default_str();
