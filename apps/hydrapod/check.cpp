@@ -52,9 +52,8 @@ std::string buckling_text(const model::Machine& machine, const report::PoseCheck
   const auto& buckling = check.buckling;
   const double mass = machine.platform.mass;
   if (buckling.status == dynamics::BucklingStatus::found) {
-    std::string text =
-        fmt::format("Buckling: the legs carry {:.4g} kg more than the platform's {:.6g} kg",
-                    buckling.payload, mass);
+    std::string text = fmt::format("Buckling: the legs carry {} more than the platform's {}",
+                                   report::mass_text(buckling.payload), report::mass_text(mass));
     if (buckling.limit_point && check.lowest_at_buckling)
       return text +
              fmt::format(
@@ -64,9 +63,9 @@ std::string buckling_text(const model::Machine& machine, const report::PoseCheck
   }
   if (buckling.status == dynamics::BucklingStatus::buckled)
     return fmt::format(
-        "Buckling: the legs fold under the load they have; they carry {:.4g} kg of the "
-        "platform's {:.4g} kg.\n",
-        mass + buckling.payload, mass);
+        "Buckling: the legs fold under the load they have; they carry {} of the "
+        "platform's {}.\n",
+        report::mass_text(mass + buckling.payload), report::mass_text(mass));
   if (machine.gravity.isZero(0.0)) return "Buckling: no gravity, no load.\n";
   if (!check.buckling_sought) return "Buckling: rigid legs do not fold.\n";
   return "Buckling: none found up to 100 times the platform's mass.\n";
@@ -100,8 +99,8 @@ std::string table_text(const model::MachineFile& file, const std::vector<report:
   for (const auto& leg : machine.legs) legs += leg.cylinder_case.mass + leg.rod.mass;
   std::string text = fmt::format("{}: sound\n", styled(machine.name, Style::bold, colour));
   if (!machine.description.empty()) text += machine.description + "\n";
-  text += fmt::format("platform {:.5g} kg, legs {:.4g} kg in all; {}\n", machine.platform.mass,
-                      legs, report::gravity_text(machine));
+  text += fmt::format("platform {}, legs {} in all; {}\n", report::mass_text(machine.platform.mass),
+                      report::mass_text(legs), report::gravity_text(machine));
   for (const auto& check : checks) text += "\n" + pose_text(machine, check, colour, width);
   return text;
 }

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
 #include <numbers>
 
 #include "hydrapod/hydraulics/oil_spring.hpp"
@@ -51,15 +52,14 @@ void warn_of_load(const model::Machine& machine, PoseCheck& result) {
   const auto& buckling = result.buckling;
   if (buckling.status == dynamics::BucklingStatus::buckled)
     result.warnings.push_back(
-        fmt::format("the legs buckle under the load they have: {:.4g} kg must come off, or the "
-                    "guide sleeves must be "
-                    "stiffer",
-                    -buckling.payload));
+        fmt::format("the legs buckle under the load they have: {} must come off, or the "
+                    "guide sleeves must be stiffer",
+                    mass_text(-buckling.payload)));
   else if (buckling.status == dynamics::BucklingStatus::found &&
            buckling.payload < machine.platform.mass)
-    result.warnings.push_back(fmt::format(
-        "the legs buckle with {:.4g} kg more on the platform ({:.3g} times the mass it has)",
-        buckling.payload, 1.0 + buckling.payload / machine.platform.mass));
+    result.warnings.push_back(
+        fmt::format("the legs buckle with {} more on the platform ({:.3g} times the mass it has)",
+                    mass_text(buckling.payload), 1.0 + buckling.payload / machine.platform.mass));
   else if (!result.equilibrium)
     result.warnings.emplace_back("no static equilibrium was found at this pose");
 }
@@ -75,7 +75,8 @@ std::string legs_text(const std::vector<int>& legs) {
 
 /// One warning for all legs whose `value` is bad, with the worst of them.
 template <class Value, class Bad>
-void warn_together(PoseCheck& result, const char* format, Value value, Bad bad, bool smallest_is_worst) {
+void warn_together(PoseCheck& result, const char* format, Value value, Bad bad,
+                   bool smallest_is_worst) {
   std::vector<int> legs;
   double worst = 0.0;
   for (int i = 0; i < model::leg_count; ++i) {
@@ -84,7 +85,8 @@ void warn_together(PoseCheck& result, const char* format, Value value, Bad bad, 
     if (legs.empty() || (smallest_is_worst ? now < worst : now > worst)) worst = now;
     legs.push_back(i);
   }
-  if (!legs.empty()) result.warnings.push_back(fmt::format(fmt::runtime(format), legs_text(legs), worst));
+  if (!legs.empty())
+    result.warnings.push_back(fmt::format(fmt::runtime(format), legs_text(legs), worst));
 }
 
 void warn_of_legs(const model::Machine& machine, PoseCheck& result) {
@@ -92,13 +94,17 @@ void warn_of_legs(const model::Machine& machine, PoseCheck& result) {
   constexpr double short_guide = 0.05;    // l_mh, of the rod's length
   constexpr double large_tilt = 0.02;     // rad
   const auto left = [&](int i) {
-    return machine.legs[i].stroke ? std::min(*result.legs[i].retract_left, *result.legs[i].extend_left) : 1e9;
+    return machine.legs[i].stroke
+               ? std::min(*result.legs[i].retract_left, *result.legs[i].extend_left)
+               : 1e9;
   };
   const auto guided = [&](int i) { return result.legs[i].guided_length; };
   const auto tilt = [&](int i) { return result.legs[i].tilt; };
   warn_together(
       result, "{}: only {:.3g} mm of stroke left", [&](int i) { return 1e3 * left(i); },
-      [&](int i) { return machine.legs[i].stroke && left(i) < little_stroke * machine.legs[i].stroke->length; },
+      [&](int i) {
+        return machine.legs[i].stroke && left(i) < little_stroke * machine.legs[i].stroke->length;
+      },
       true);
   warn_together(
       result, "{}: the piston is only {:.3g} mm inside the guide sleeve; the knee is soft there",
@@ -106,11 +112,15 @@ void warn_of_legs(const model::Machine& machine, PoseCheck& result) {
       [&](int i) { return guided(i) < short_guide * machine.legs[i].rod.length; }, true);
   warn_together(
       result, "{}: the rod hangs {:.2g}° askew in its seals under the static load",
-      [&](int i) { return tilt(i) * degrees; }, [&](int i) { return result.equilibrium && tilt(i) > large_tilt; },
-      false);
+      [&](int i) { return tilt(i) * degrees; },
+      [&](int i) { return result.equilibrium && tilt(i) > large_tilt; }, false);
 }
 
 }  // namespace
+
+std::string mass_text(double mass) {
+  return std::abs(mass) < 1e4 ? fmt::format("{:.4g} kg", mass) : fmt::format("{:.0f} kg", mass);
+}
 
 PoseCheck check(const model::Machine& machine, const PoseChoice& pose, dynamics::ModelKind kind) {
   PoseCheck result{.pose = pose, .quality = kinematics::pose_quality(machine, pose.X_BP)};

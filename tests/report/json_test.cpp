@@ -9,6 +9,7 @@
 #include <limits>
 
 #include "hydrapod/report/bode.hpp"
+#include "hydrapod/report/check.hpp"
 #include "support/random_machine.hpp"
 #include "support/symmetric_machine.hpp"
 
@@ -41,6 +42,14 @@ TEST(GravityText, SaysHowMuchAndWhichWay) {
   EXPECT_EQ(report::gravity_text(machine), "no gravity");
   machine.gravity = {1.0, 0.0, -9.0};
   EXPECT_EQ(report::gravity_text(machine), "gravity (1, 0, -9) m/s²");
+}
+
+TEST(MassText, HasFourDigitsAndNeverAPowerOfTen) {
+  EXPECT_EQ(report::mass_text(45.9183), "45.92 kg");
+  EXPECT_EQ(report::mass_text(0.48), "0.48 kg");
+  EXPECT_EQ(report::mass_text(9999.0), "9999 kg");
+  EXPECT_EQ(report::mass_text(74941.3), "74941 kg");
+  EXPECT_EQ(report::mass_text(-123456.0), "-123456 kg");
 }
 
 TEST(ResponseUnit, IsOutputPerInput) {

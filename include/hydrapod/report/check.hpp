@@ -41,4 +41,7 @@ PoseCheck check(const model::Machine& machine, const PoseChoice& pose, dynamics:
 
 Json check_json(const PoseCheck& check);
 
+/// "45.92 kg", "74940 kg": four digits, but never a power of ten.
+std::string mass_text(double mass);
+
 }  // namespace hydrapod::report
