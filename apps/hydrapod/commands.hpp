@@ -32,6 +32,6 @@ void add_demo(CLI::App& app);
 
 /// In the order of the help.
 inline constexpr std::array all_commands{&add_demo,  &add_init, &add_check,
-                                          &add_modes, &add_bode, &add_report};
+                                         &add_modes, &add_bode, &add_report};
 
 }  // namespace hydrapod::cli

@@ -26,17 +26,17 @@ ChamberVolumes chamber_volumes(const model::Cylinder& cylinder, const model::Str
                                double l_m) {
   const auto [piston, annulus] = areas(cylinder);
   const double extension = l_m - stroke.retracted;
-  return {piston * extension + cylinder.cap_dead_volume + cylinder.cap_line_volume,
-          annulus * (stroke.length - extension) + cylinder.rod_dead_volume +
-              cylinder.rod_line_volume};
+  return {
+      piston * extension + cylinder.cap_dead_volume + cylinder.cap_line_volume,
+      annulus * (stroke.length - extension) + cylinder.rod_dead_volume + cylinder.rod_line_volume};
 }
 
 double control_volume(const model::Leg& leg) {
   const auto& cylinder = *leg.oil_spring.cylinder;
   if (cylinder.control_volume) return *cylinder.control_volume;
   if (!leg.stroke) throw std::invalid_argument("oil spring: control volume needs a stroke");
-  const auto mid = chamber_volumes(cylinder, *leg.stroke,
-                                   leg.stroke->retracted + 0.5 * leg.stroke->length);
+  const auto mid =
+      chamber_volumes(cylinder, *leg.stroke, leg.stroke->retracted + 0.5 * leg.stroke->length);
   return 0.5 * (mid.cap + mid.rod);
 }
 

@@ -5,7 +5,8 @@
 
 namespace hydrapod::response {
 
-/// Displacement responses into `out` (same size as `omega`); entries that met a vanishing pivot are NaN.
+/// Displacement responses into `out` (same size as `omega`); entries that met a vanishing pivot are
+/// NaN.
 void eliminate(const ResponseModel& model, std::span<const double> omega, std::span<Matrix6c> out);
 
 }  // namespace hydrapod::response

@@ -35,7 +35,8 @@ ModelMatrix actuator_loads(const LinearModel& model, const Matrix6& T) {
   }
   const Eigen::FullPivLU<Matrix6> lu(Matrix6(s_y.leftCols<6>()));
   if (!lu.isInvertible())
-    throw std::invalid_argument("input actuator: the pose is singular, leg forces cannot be mapped");
+    throw std::invalid_argument(
+        "input actuator: the pose is singular, leg forces cannot be mapped");
   return (lu.inverse() * s_y).transpose();
 }
 
@@ -102,8 +103,13 @@ void dense(const ResponseModel& model, std::span<const double> omega, std::span<
 
 ResponseModel response_model(const LinearModel& model, const NormalModes& modes, double modal_ratio,
                              const Vector3& p_PQ, Input input) {
-  ResponseModel result{.kind = model.kind, .p_BQ = model.X_BP * p_PQ, .M = model.M, .K = model.K,
-                       .C = model.C, .modes = modes, .modal_ratio = modal_ratio,
+  ResponseModel result{.kind = model.kind,
+                       .p_BQ = model.X_BP * p_PQ,
+                       .M = model.M,
+                       .K = model.K,
+                       .C = model.C,
+                       .modes = modes,
+                       .modal_ratio = modal_ratio,
                        .mode_direction = mode_directions(model, modes)};
   const Matrix6 T = center_from_point(result.p_BQ - model.p_BC);
   for (ModelMatrix* A : {&result.M, &result.K, &result.C}) move_platform_coordinates(T, *A);

@@ -14,8 +14,8 @@ namespace hydrapod::base {
 
 enum class Severity { error, warning };
 
-/// One finding about an input. `line` and `column` count from 1; 0 means "not in a file", and `file`
-/// then says where the value came from (for instance `--set platform.mass=-3`).
+/// One finding about an input. `line` and `column` count from 1; 0 means "not in a file", and
+/// `file` then says where the value came from (for instance `--set platform.mass=-3`).
 struct Diagnostic {
   Severity severity{Severity::error};
   std::string file{};

@@ -6,10 +6,9 @@
 /// and bisected:
 /// - the lowest stiffness reaches zero (K singular: a seal mode at zero frequency);
 /// - a limit point: beyond it no oil forces hold the platform at this pose with legs that are
-/// merely bent.
-///   Legs that their own weight bends before they are loaded end here, shortly before the mode is
-///   at zero, as an imperfect column does; straight ones (vertical, or without weight) end in the
-///   first way.
+///   merely bent. Legs that their own weight bends before they are loaded end here, shortly before
+///   the mode is at zero, as an imperfect column does; straight ones (vertical, or without weight)
+///   end in the first way.
 
 #include "hydrapod/dynamics/linear_model.hpp"
 

@@ -1,6 +1,6 @@
 #pragma once
-/// What a set of undamped modes is: (K − ω² M) φ = 0. modal/normal_modes.hpp computes them; responses
-/// and others that only use them need no more than this.
+/// What a set of undamped modes is: (K − ω² M) φ = 0. modal/normal_modes.hpp computes them;
+/// responses and others that only use them need no more than this.
 
 #include <cmath>
 #include <vector>

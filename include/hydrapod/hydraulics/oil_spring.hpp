@@ -1,13 +1,15 @@
 #pragma once
 /// The oil column of a double-acting cylinder as an axial spring.
 ///
-///     k_h = β_e (A_p² / V_1 + (e A_p)² / V_2)                     chambers at the present extension
-///     k_h = β_e (1 + e²) A_p² / V_0                               (Eq. 16), equal volumes
+///     k_h = β_e (A_p² / V_1 + (e A_p)² / V_2)                     chambers at the present
+///     extension k_h = β_e (1 + e²) A_p² / V_0                               (Eq. 16), equal
+///     volumes
 ///
-/// A_p piston area, e = (A_p − A_rod) / A_p the area ratio, V_1 the chamber on the base side, V_2 the one
-/// around the rod, both with dead and line volumes. Valves are closed: no oil leaves.
+/// A_p piston area, e = (A_p − A_rod) / A_p the area ratio, V_1 the chamber on the base side, V_2
+/// the one around the rod, both with dead and line volumes. Valves are closed: no oil leaves.
 ///
-/// Entrained air, share α of the volume at atmospheric pressure p_0, at chamber pressure p, exponent n:
+/// Entrained air, share α of the volume at atmospheric pressure p_0, at chamber pressure p,
+/// exponent n:
 ///
 ///     β_e = [(1 − α) + α x] / [(1 − α) / β + α x / (n p)],   x = (p_0 / p)^(1/n)
 ///
@@ -23,8 +25,8 @@ inline constexpr double atmospheric_pressure = 101325.0;  ///< p_0 [Pa]
 double effective_bulk_modulus(const model::Cylinder& cylinder);
 
 struct CylinderAreas {
-  double piston{};   ///< A_p [m²]
-  double annulus{};  ///< e A_p [m²]
+  double piston{};                                                 ///< A_p [m²]
+  double annulus{};                                                ///< e A_p [m²]
   [[nodiscard]] double ratio() const { return annulus / piston; }  ///< e
 };
 CylinderAreas areas(const model::Cylinder& cylinder);

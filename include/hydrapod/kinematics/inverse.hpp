@@ -4,8 +4,8 @@
 ///     L = a − b,   a = p_BP + R_BP a_P,   l = |L|,   n = L / l
 ///     l̇ = nᵀ v_a,  v_a = v_Q + ω × (a − Q)                         (Eq. 12)
 ///
-/// so the row of leg i in J_l_q is [nᵀ, ((a − Q) × n)ᵀ] for the platform twist (v_Q; ω) in base axes
-/// about a reference point Q.
+/// so the row of leg i in J_l_q is [nᵀ, ((a − Q) × n)ᵀ] for the platform twist (v_Q; ω) in base
+/// axes about a reference point Q.
 
 #include <array>
 

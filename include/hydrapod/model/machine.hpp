@@ -2,12 +2,12 @@
 /// The description of a hydraulic hexapod: what a machine file says, in SI units and radians.
 ///
 /// Frames. Base frame B: origin at the centre of the base joint circle, z towards the platform.
-/// Platform frame P: origin at the centre of the platform joint circle. Joint coordinates may be any
-/// points, so nothing else depends on circles.
+/// Platform frame P: origin at the centre of the platform joint circle. Joint coordinates may be
+/// any points, so nothing else depends on circles.
 ///
-/// One leg, from the base joint along its axis n: the cylinder case, fixed to it the guide sleeve at
-/// L_g; inside it the piston at l_m = l − l_mn, where the rod (length l_mn, piston to platform joint)
-/// begins. The guided length l_mh = L_g − l_m shrinks as the leg extends.
+/// One leg, from the base joint along its axis n: the cylinder case, fixed to it the guide sleeve
+/// at L_g; inside it the piston at l_m = l − l_mn, where the rod (length l_mn, piston to platform
+/// joint) begins. The guided length l_mh = L_g − l_m shrinks as the leg extends.
 ///
 /// Source: Zhang & Jiang, Energies 2021, 14, 1604; letters as in docs/notation.md.
 
@@ -66,9 +66,9 @@ struct Stroke {
 
 /// Air carried in the oil as bubbles.
 struct EntrainedAir {
-  double fraction{};        ///< volume share at atmospheric pressure, [0, 1)
-  double pressure{};        ///< mean absolute chamber pressure [Pa]
-  double polytropic{1.4};   ///< exponent n of p Vⁿ
+  double fraction{};       ///< volume share at atmospheric pressure, [0, 1)
+  double pressure{};       ///< mean absolute chamber pressure [Pa]
+  double polytropic{1.4};  ///< exponent n of p Vⁿ
 };
 
 enum class VolumeRule {
@@ -78,13 +78,13 @@ enum class VolumeRule {
 
 /// What the oil spring follows from when it is not given directly.
 struct Cylinder {
-  double bore{};                           ///< [m]
-  double rod_diameter{};                   ///< [m]
-  double cap_dead_volume{};                ///< [m³] chamber on the base side
-  double rod_dead_volume{};                ///< [m³] chamber around the rod
-  double cap_line_volume{};                ///< [m³]
-  double rod_line_volume{};                ///< [m³]
-  double bulk_modulus{};                   ///< β_e [Pa] of the oil without air
+  double bore{};             ///< [m]
+  double rod_diameter{};     ///< [m]
+  double cap_dead_volume{};  ///< [m³] chamber on the base side
+  double rod_dead_volume{};  ///< [m³] chamber around the rod
+  double cap_line_volume{};  ///< [m³]
+  double rod_line_volume{};  ///< [m³]
+  double bulk_modulus{};     ///< β_e [Pa] of the oil without air
   std::optional<EntrainedAir> air{};
   VolumeRule volumes{VolumeRule::chambers};
   std::optional<double> control_volume{};  ///< V_0 [m³] for VolumeRule::equal; default: the mean of
@@ -95,7 +95,7 @@ struct Cylinder {
 struct OilSpring {
   std::optional<double> stiffness{};  ///< k_h [N/m]
   std::optional<Cylinder> cylinder{};
-  double damping{};                   ///< c_h [N s/m], viscous, parallel to the spring
+  double damping{};  ///< c_h [N s/m], viscous, parallel to the spring
 };
 
 /// Largest tilt of a joint from where it stands at the neutral pose.
@@ -114,14 +114,14 @@ struct Leg {
   OilSpring oil_spring{};
   std::optional<Stroke> stroke{};
   JointLimits joint_limits{};
-  double added_axial_inertia{};               ///< m_a [kg], oil in the lines seen at the piston
-  Vector3 gimbal_axis{Vector3::UnitY()};      ///< a1: base-fixed axis of the lower gimbal, unit, in B
+  double added_axial_inertia{};           ///< m_a [kg], oil in the lines seen at the piston
+  Vector3 gimbal_axis{Vector3::UnitY()};  ///< a1: base-fixed axis of the lower gimbal, unit, in B
 };
 
 struct Platform {
-  double mass{};                          ///< m [kg], payload included
-  Vector3 mass_center{Vector3::Zero()};   ///< p_PC [m] in P
-  Matrix3 inertia{Matrix3::Zero()};       ///< I_C [kg m²] about C, axes of P
+  double mass{};                         ///< m [kg], payload included
+  Vector3 mass_center{Vector3::Zero()};  ///< p_PC [m] in P
+  Matrix3 inertia{Matrix3::Zero()};      ///< I_C [kg m²] about C, axes of P
 };
 
 /// How the flexible axes of a knee stand.
@@ -169,7 +169,8 @@ struct JointCircle {
 
 using JointPoints = std::array<Vector3, leg_count>;
 
-/// Joints of legs 1…6 in B (z = 0): pairs at 60°, 180°, 300°; leg 1 at 60° − α, leg 2 at 60° + α, ….
+/// Joints of legs 1…6 in B (z = 0): pairs at 60°, 180°, 300°; leg 1 at 60° − α, leg 2 at 60° + α,
+/// ….
 JointPoints base_joint_points(const JointCircle& circle);
 
 /// Joints of legs 1…6 in P (z = 0): pairs at 0°, 120°, 240°; leg 1 at 0° + α, leg 2 at 120° − α, ….

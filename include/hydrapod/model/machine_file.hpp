@@ -1,8 +1,8 @@
 #pragma once
 /// The machine file: TOML in, a Machine out, every mistake with file:line:column.
 ///
-/// The keys are listed with units and defaults in docs/howto/machine-file.md. Quantities are numbers
-/// in SI or strings with a unit ("700 MPa"); see base/units.hpp.
+/// The keys are listed with units and defaults in docs/howto/machine-file.md. Quantities are
+/// numbers in SI or strings with a unit ("700 MPa"); see base/units.hpp.
 
 #include <functional>
 #include <string>
@@ -28,7 +28,8 @@ struct MachineFile {
 /// Reads and checks the file at `path` (`-`: standard input), with `overrides` of the form
 /// `PATH=VALUE` laid over it before checking, for instance `legs.guide_sleeve.stiffness=2e6 N/m`.
 /// Throws base::InputError with all mistakes of the file and the overrides together.
-MachineFile read_machine_file(const std::string& path, const std::vector<std::string>& overrides = {},
+MachineFile read_machine_file(const std::string& path,
+                              const std::vector<std::string>& overrides = {},
                               const Check& check = validate);
 
 /// The same from text; `file_name` is what messages call it.

@@ -28,8 +28,8 @@ struct PoseCheck {
   PoseChoice pose{};
   kinematics::PoseQuality quality{};
   std::array<LegCheck, model::leg_count> legs{};
-  bool equilibrium{};  ///< static forces and tilts are valid
-  bool buckling_sought{};               ///< not without gravity, nor for legs that cannot fold
+  bool equilibrium{};      ///< static forces and tilts are valid
+  bool buckling_sought{};  ///< not without gravity, nor for legs that cannot fold
   dynamics::Buckling buckling{};
   std::optional<double>
       lowest_at_buckling{};  ///< ω of the lowest mode just below that payload [rad/s]

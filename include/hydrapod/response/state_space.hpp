@@ -3,9 +3,10 @@
 ///
 ///     ẋ = A x + B u,   z = C x + D u,   x = (y; ẏ)
 ///
-/// y: coordinates of the model with the platform's taken at the point Q of the ResponseModel; u: its six inputs
-/// (force [N] and moment [N m] at Q, or actuator forces mapped there); z: six outputs, displacement, velocity
-/// or acceleration of the platform at Q. C (jωI − A)⁻¹ B + D is frequency_response.
+/// y: coordinates of the model with the platform's taken at the point Q of the ResponseModel; u:
+/// its six inputs (force [N] and moment [N m] at Q, or actuator forces mapped there); z: six
+/// outputs, displacement, velocity or acceleration of the platform at Q. C (jωI − A)⁻¹ B + D is
+/// frequency_response.
 
 #include "hydrapod/response/frequency_response.hpp"
 

@@ -1,9 +1,9 @@
 #pragma once
 /// Rotations, poses and 6-vectors, thin over Eigen.
 ///
-/// Notation (docs/notation.md): `R_BP` turns vectors from frame P into frame B, `p_BP` is the origin
-/// of P seen from the origin of B, in B [m]. A pose `X_BP` is the pair. 6-vectors are linear first:
-/// (x, y, z, rx, ry, rz). SI and radians.
+/// Notation (docs/notation.md): `R_BP` turns vectors from frame P into frame B, `p_BP` is the
+/// origin of P seen from the origin of B, in B [m]. A pose `X_BP` is the pair. 6-vectors are linear
+/// first: (x, y, z, rx, ry, rz). SI and radians.
 
 #include <Eigen/Core>
 
