@@ -74,7 +74,8 @@ void show(const Case& the_case, const Arguments& arguments) {
   const auto bode = report::bode(file.machine, pose, kind, {});
   fmt::print("{}\n\n{}\n{}\n{}\n", styled(the_case.headline, Style::cyan, colour),
              heading(file.machine, pose, bode.table, colour),
-             mode_text(bode.table, nullptr, colour), report::answer_text(bode.table));
+             mode_text(bode.table, nullptr, colour, terminal_width()),
+             report::answer_text(bode.table));
   const std::vector<report::Entry> direct{{0, 0}, {1, 1}, {2, 2}, {3, 3}, {4, 4}, {5, 5}};
   for (const char* ending : {".svg", ".png"})
     report::plot_bode(bode, direct, plot_text(file.machine, pose, bode),
