@@ -17,6 +17,7 @@ shift 2
 commands=("$@")
 repository=$(git -C "$(dirname -- "$(readlink -f -- "$0")")" rev-parse --show-toplevel)
 inside=/root/hydrapod
+trust=()
 
 step() { printf '\n--- %s\n' "$*"; }
 
@@ -27,7 +28,7 @@ in_root() {
   unshare --mount --propagation private bash -c '
     mount -t proc proc "$1/proc" && mount -t devpts devpts "$1/dev/pts" && shift 1 && exec "$@"' _ "$folder" \
     env -i PATH=/usr/local/sbin:/usr/local/bin:/usr/sbin:/usr/bin:/sbin:/bin HOME=/root \
-    TERM="${TERM:-dumb}" chroot "$folder" "$@"
+    TERM="${TERM:-dumb}" "${trust[@]}" chroot "$folder" "$@"
 }
 
 make_root() {
@@ -36,9 +37,13 @@ make_root() {
   debootstrap --variant=minbase "$suite" "$folder" "${MIRROR:-http://deb.debian.org/debian}"
 }
 
-# What a machine on the same network has anyway: names, and trust in local authorities.
+# What a machine on the same network has anyway: names, and trust in the network's own authority, if
+# there is one and npm is told of it.
 share_network_settings() {
   cp -L /etc/resolv.conf /etc/hosts "$folder/etc/"
+  if [[ -z ${NODE_EXTRA_CA_CERTS:-} ]]; then return; fi
+  cp -L "$NODE_EXTRA_CA_CERTS" "$folder/etc/network-authority.crt"
+  trust=(NODE_EXTRA_CA_CERTS=/etc/network-authority.crt)
 }
 
 clone() {
