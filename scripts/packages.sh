@@ -15,6 +15,7 @@ packages_program=(
   "libcli11-dev the command line"
   "gnuplot-nox draws the plots"
   "nodejs bundles the page of the report"
+  "ca-certificates lets npm trust its registry"
   "npm fetches what the page is made of (three.js, uPlot, esbuild)"
 )
 

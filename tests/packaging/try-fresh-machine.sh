@@ -41,6 +41,8 @@ make_root() {
 # there is one and npm is told of it.
 share_network_settings() {
   cp -L /etc/resolv.conf /etc/hosts "$folder/etc/"
+  mkdir -p "$folder/usr/local/share"
+  cp -r /usr/local/share/ca-certificates "$folder/usr/local/share/"
   if [[ -z ${NODE_EXTRA_CA_CERTS:-} ]]; then return; fi
   cp -L "$NODE_EXTRA_CA_CERTS" "$folder/etc/network-authority.crt"
   trust=(NODE_EXTRA_CA_CERTS=/etc/network-authority.crt)
