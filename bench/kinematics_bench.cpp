@@ -1,6 +1,7 @@
 /// Inverse, Jacobian and forward kinematics, at a hundred poses in turn.
 
 #include <benchmark/benchmark.h>
+#include <fmt/format.h>
 
 #include <Eigen/LU>
 #include <array>
@@ -68,13 +69,17 @@ BENCHMARK(jacobian);
 void forward(benchmark::State& state) {
   const Cases cases;
   int i = 0;
+  benchmark::IterationCount steps = 0;
   for (auto _ : state) {
     const auto result =
         kinematics::forward_kinematics(cases.machine, cases.lengths[i], cases.starts[i]);
     if (result.status != kinematics::ForwardStatus::converged) state.SkipWithError("no pose");
     benchmark::DoNotOptimize(result);
+    steps += result.iterations;
     i = (i + 1) % pose_count;
   }
+  state.SetLabel(fmt::format("{:.1f} steps",
+                             static_cast<double>(steps) / static_cast<double>(state.iterations())));
 }
 BENCHMARK(forward);
 
