@@ -67,7 +67,9 @@ Buckling buckling_payload(const model::Machine& machine, const spatial::Pose& X_
   const double mass = machine.platform.mass;
   // From next to nothing upwards: small steps, so that no narrow unstable range is stepped over.
   constexpr int steps_to_now = 50;
-  double low = 0.0, high = mass / steps_to_now;
+  constexpr double next_to_nothing =
+      1e-3;  // of the mass; nothing at all has no scale to converge by
+  double low = next_to_nothing * mass, high = mass / steps_to_now;
   if (!path.stands(low)) return {.status = BucklingStatus::buckled, .payload = -mass};
   while (path.stands(high)) {
     low = high;
