@@ -18,13 +18,25 @@ double modal_damping(const ResponseModel& model, int k) {
   return 2.0 * model.modal_ratio * model.modes.omega(k) + phi.dot(model.C * phi);
 }
 
+/// Drops points that lie closer to their neighbour than `spacing` times their frequency: between
+/// such the response differs by less than its rounding, and a bracket of them need not hold the
+/// top.
+void thin_out(std::vector<double>& grid, double spacing) {
+  size_t kept = 0;
+  for (size_t i = 1; i < grid.size(); ++i)
+    if (grid[i] - grid[kept] > spacing * grid[i]) grid[++kept] = grid[i];
+  grid.resize(kept + 1);
+}
+
 /// A logarithmic grid with, around every mode, points as dense as its half-power bandwidth asks.
 std::vector<double> peak_grid(const ResponseModel& model, const PeakOptions& options) {
   std::vector<double> grid = log_space(options.from, options.to, 2000);
+  double narrowest = 1.0;  // half bandwidth over frequency
   for (int k = 0; k < model.modes.size(); ++k) {
     const double omega = model.modes.omega(k);
     if (omega <= 0.0) continue;
     const double half_band = std::max(0.5 * modal_damping(model, k), 1e-6 * omega);
+    narrowest = std::min(narrowest, half_band / omega);
     constexpr int per_side = 40;
     for (int j = -per_side; j <= per_side; ++j) {
       const double at = omega + 0.2 * half_band * j;
@@ -32,7 +44,7 @@ std::vector<double> peak_grid(const ResponseModel& model, const PeakOptions& opt
     }
   }
   std::sort(grid.begin(), grid.end());
-  grid.erase(std::unique(grid.begin(), grid.end()), grid.end());
+  thin_out(grid, 0.01 * narrowest);
   return grid;
 }
 
