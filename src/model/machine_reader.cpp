@@ -8,6 +8,7 @@
 #include <optional>
 #include <utility>
 
+#include "control_reader.hpp"
 #include "section.hpp"
 
 namespace hydrapod::model {
@@ -296,6 +297,8 @@ Machine read_machine(const Node& tree, Faults& faults) {
                               ? FlexibleAxes::transverse
                               : FlexibleAxes::gimbal;
   machine.damping = read_damping(root);
+  machine.controller = read_controller(root);
+  machine.sensors = read_sensors(root);
   machine.poses = read_poses(root, tree);
   return machine;
 }

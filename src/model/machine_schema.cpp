@@ -97,6 +97,27 @@ constexpr Key model_keys[]{{"flexible_axes"}};
 constexpr TableKeys model_table{model_keys};
 constexpr Key damping_keys[]{{"modal_ratio"}, {"rayleigh_mass"}, {"rayleigh_stiffness"}};
 constexpr TableKeys damping{damping_keys};
+constexpr Key output_keys[]{{"limit"}, {"resolution"}, {"scale"}, {"offset"}};
+constexpr TableKeys output{output_keys};
+constexpr Key controller_keys[]{{"space"},
+                                {"gain"},
+                                {"bandwidth"},
+                                {"integral_time"},
+                                {"velocity_feedforward"},
+                                {"feedback"},
+                                {"feedback_damping"},
+                                {"feedback_gain"},
+                                {"feedback_corner"},
+                                {"sample_time"},
+                                {"delay"},
+                                {"compensation"},
+                                {"overlap_compensation"},
+                                {"output", &output}};
+constexpr TableKeys controller{controller_keys};
+constexpr Key sensor_keys[]{{"resolution"}, {"noise"}, {"range"}};
+constexpr TableKeys sensor{sensor_keys};
+constexpr Key sensors_keys[]{{"length", &sensor}, {"pressure", &sensor}, {"acceleration", &sensor}};
+constexpr TableKeys sensors{sensors_keys};
 constexpr Key pose_keys[]{{"position"}, {"rotation"}};
 constexpr TableKeys pose{pose_keys};
 constexpr TableKeys poses{{}, &pose};
@@ -111,6 +132,8 @@ constexpr Key root_keys[]{{"name"},
                           {"leg", &single_legs},
                           {"model", &model_table},
                           {"damping", &damping},
+                          {"controller", &controller},
+                          {"sensors", &sensors},
                           {"poses", &poses}};
 constexpr TableKeys root_table{root_keys};
 

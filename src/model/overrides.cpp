@@ -25,7 +25,8 @@ struct Alternatives {
   std::string_view second;
 };
 constexpr std::array alternatives{Alternatives{"oil_spring", "stiffness", "cylinder"},
-                                  Alternatives{"joints", "circle", "points"}};
+                                  Alternatives{"joints", "circle", "points"},
+                                  Alternatives{"controller", "gain", "bandwidth"}};
 
 std::string_view trimmed(std::string_view text) {
   constexpr const char* blanks = " \t\r\n";

@@ -125,6 +125,37 @@ rod_line_volume = "150 cm^3"            # up to the valve; default 0
 # rayleigh_mass = 0                     # 1/s, alpha in C = alpha M + beta K
 # rayleigh_stiffness = 0                # s, beta
 
+# ---- Controller and sensors, for `hydrapod simulate` and `hydrapod modes --system` --------------
+# All of it is optional; what is not given follows from the machine.
+
+[controller]
+# space = "pose"                        # or "leg": what the errors are taken of
+# bandwidth = "20 rad/s"                # default: 0.3 of the lowest oil mode. Or `gain`, one or six,
+                                        # in 1/s: gain = [20, 20, 20, 20, 20, 20]
+# integral_time = "0.4 s"               # default: 8 / smallest gain; 0: none
+# velocity_feedforward = 1
+# feedback = "pressure"                 # or "acceleration", "none": what damps the oil modes
+# feedback_damping = 0.4                # damping ratio it gives to the lowest of them
+# sample_time = "1 ms"
+# delay = 1                             # samples from reading the sensors to the new drive
+# compensation = "load"                 # or "asymmetry", "none": speed per drive
+
+# [controller.output]                   # shares of full drive
+# limit = 1
+# resolution = 3.0517578125e-5          # 16 bits over -1 to 1
+# offset = 0                            # or six: the valves' nulls
+
+# [sensors.length]
+# resolution = "5 um"
+# noise = "2 um"                        # RMS
+# range = ["1.2 m", "2 m"]              # default: any
+# [sensors.pressure]
+# resolution = "2 kPa"
+# noise = "5 kPa"
+# [sensors.acceleration]
+# resolution = 0.001                    # m/s^2
+# noise = 0.01
+
 # ---- Poses -----------------------------------------------------------------------------------
 # Position of the platform frame's origin in the base frame; rotation [rx, ry, rz] is first about x,
 # then about y, then about z, axes of the base (default [0, 0, 0]). "neutral" must be there; add

@@ -14,6 +14,11 @@ enum class NonFinite {
 
 std::vector<Finding> validate_values(const Machine& machine, NonFinite non_finite);
 
+class ValueChecks;
+
+/// Findings about the tables `controller` and `sensors`.
+void check_control(const ControlSettings& control, const Sensors& sensors, ValueChecks& checks);
+
 /// The findings about one leg, with keys relative to it (`rod.length`).
 std::vector<Finding> leg_findings(const Leg& leg, NonFinite non_finite);
 

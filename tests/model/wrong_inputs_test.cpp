@@ -28,7 +28,7 @@ const std::vector<WrongInput> wrong_files{
      {{R"(name = "Sound")", "name = \"Sound\"\nmas = 3"}},
      {},
      "m.toml:2:1: error: mas: unknown key; known here: name, description, source, environment, "
-     "base, platform, legs, leg, model, damping, poses"},
+     "base, platform, legs, leg, model, damping, controller, sensors, poses"},
     {"UnknownTable",
      {{"[environment]", "[enviroment]"}},
      {},

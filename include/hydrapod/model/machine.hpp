@@ -17,6 +17,7 @@
 #include <string>
 #include <vector>
 
+#include "hydrapod/model/control.hpp"
 #include "hydrapod/spatial/pose.hpp"
 
 namespace hydrapod::model {
@@ -153,6 +154,8 @@ struct Machine {
   std::array<Leg, leg_count> legs{};
   FlexibleAxes flexible_axes{FlexibleAxes::transverse};
   Damping damping{};
+  ControlSettings controller{};
+  Sensors sensors{};
   std::vector<NamedPose> poses{};  ///< the first one, "neutral", always exists
 
   [[nodiscard]] const Pose& neutral() const { return poses.front().X_BP; }
