@@ -18,6 +18,7 @@
 #include <vector>
 
 #include "hydrapod/model/control.hpp"
+#include "hydrapod/model/hydraulics.hpp"
 #include "hydrapod/spatial/pose.hpp"
 
 namespace hydrapod::model {
@@ -117,6 +118,7 @@ struct Leg {
   JointLimits joint_limits{};
   double added_axial_inertia{};           ///< m_a [kg], oil in the lines seen at the piston
   Vector3 gimbal_axis{Vector3::UnitY()};  ///< a1: base-fixed axis of the lower gimbal, unit, in B
+  LegHydraulics hydraulics{};             ///< for simulation only
 };
 
 struct Platform {
@@ -156,6 +158,7 @@ struct Machine {
   Damping damping{};
   ControlSettings controller{};
   Sensors sensors{};
+  Hydraulics hydraulics{};         ///< for simulation only
   std::vector<NamedPose> poses{};  ///< the first one, "neutral", always exists
 
   [[nodiscard]] const Pose& neutral() const { return poses.front().X_BP; }

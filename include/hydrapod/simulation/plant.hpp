@@ -1,0 +1,177 @@
+#pragma once
+/// The machine that a controller meets: nonlinear mechanics, chambers, valves and supply as one
+/// ordinary differential equation ẋ = f(x, input).
+///
+/// State x, in this order (StateLayout; units in state_units()):
+///     y    position of C [m], quaternion of R_BP (w, x, y, z), per leg φ1, φ2 [rad] (, u1, u2 [m])
+///     v    velocity of C [m/s], ω in base axes [rad/s], rates of the flexible coordinates
+///     p    per leg the cap-side and the rod-side pressure [Pa, absolute]
+///     w    per leg spool position [of the travel] and its rate [1/s]
+///     p_s  supply pressure [Pa], with a limited pump only
+///     z    per leg the bristles' bend [m], with LuGre friction in any leg only
+/// With `hydraulics = false` there are y and v only, and each leg is held by the linear model's oil
+/// spring (closed valve): force f + k_h (s − s_0) + c_h ṡ, at rest at the reference pose.
+///
+/// Input: valve commands in [−1, 1] (+: the leg extends) and a wrench on the platform.
+///
+/// Damping. Seals, joints and hydraulics damp by their own laws. Of `[damping]`, Rayleigh's α acts
+/// as −α v on the accelerations, β as a damper β k beside every spring; `modal_ratio` (2 % where
+/// nothing is said about damping at all) goes to guide sleeves and piston rings that have no damper
+/// of their own: c = 2 ζ k / ω with ω the frequency of that seal with the platform held. With
+/// hydraulics, `oil_spring.damping` is not used: leakage, valves and friction stand for it.
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "hydrapod/dynamics/nonlinear.hpp"
+#include "hydrapod/hydraulics/servo_axis.hpp"
+
+namespace hydrapod::simulation {
+
+using dynamics::ModelKind;
+using spatial::Pose;
+using spatial::Vector3;
+using spatial::Vector6;
+
+enum class Friction {
+  all,
+  viscous,  ///< no Coulomb and Stribeck parts: what a linearisation about rest should have
+  none
+};
+
+struct PlantOptions {
+  bool hydraulics{true};
+  Friction friction{Friction::all};
+};
+
+struct PlantInput {
+  Vector6 command{Vector6::Zero()};  ///< of the valves, clipped to [−1, 1]
+  Vector6 wrench{Vector6::Zero()};   ///< force [N] and moment [N m] about C, base axes
+};
+
+/// Where things stand in x; −1 for what is not there.
+struct StateLayout {
+  int positions{};    ///< length of y; y begins at 0
+  int velocities{};   ///< length of v; v begins at `positions`
+  int pressures{-1};  ///< first of 12: leg 1 cap, leg 1 rod, leg 2 cap, …
+  int spools{-1};     ///< first of 12: leg 1 position, leg 1 rate, leg 2 position, …
+  int supply{-1};
+  int bristles{-1};  ///< first of 6
+  int size{};
+  [[nodiscard]] int velocity() const { return positions; }
+  [[nodiscard]] int tangent() const { return size - 1; }  ///< length of a small change of x
+  [[nodiscard]] int cap(int leg) const { return pressures + 2 * leg; }
+  [[nodiscard]] int rod(int leg) const { return pressures + 2 * leg + 1; }
+  [[nodiscard]] int spool(int leg) const { return spools + 2 * leg; }
+};
+
+struct LegOutput {
+  double length{}, length_rate{};         ///< l [m], l̇ [m/s]
+  double piston{}, piston_rate{};         ///< s [m], ṡ [m/s]
+  double cap_pressure{}, rod_pressure{};  ///< [Pa]
+  double spool{}, spool_rate{};
+  double cap_flow{}, rod_flow{};  ///< from the valve into the chambers [m³/s]
+  double internal_leakage{};      ///< cap side to rod side [m³/s]
+  double external_leakage{};      ///< out of both chambers [m³/s]
+  double oil_force{};             ///< on the piston, + pushes the leg out [N]
+  double friction_force{};        ///< on the piston along s [N]
+  double stop_force{};            ///< [N]
+  dynamics::Vector4 flexible{dynamics::Vector4::Zero()};       ///< φ1, φ2, u1, u2
+  dynamics::Vector2 sleeve_offset{dynamics::Vector2::Zero()};  ///< d_s [m]
+};
+
+struct PlantOutput {
+  Pose X_BP{};
+  Vector3 p_BC{Vector3::Zero()};
+  Vector6 twist{Vector6::Zero()};         ///< velocity of C, ω
+  Vector6 acceleration{Vector6::Zero()};  ///< of C, ω̇
+  std::array<LegOutput, model::leg_count> legs{};
+  double supply_pressure{};
+  double pump_flow{}, supply_flow{}, return_flow{};  ///< [m³/s]; supply: drawn by the valves
+  dynamics::Energies energies{};                     ///< of the mechanism
+  double oil_spring_energy{};  ///< [J], `hydraulics = false` only, from the reference pose
+  double dissipation{};        ///< [W]: seals, joints, friction, dampers; not the hydraulics
+};
+
+/// δẋ = A δx + B δu, δy = C δx + D δu. δx is a small change of x with the quaternion replaced by
+/// the rotation vector in base axes (length layout.tangent()); δu = (commands 6, wrench 6); outputs
+/// are those of linear_output_names().
+struct LinearPlant {
+  Eigen::MatrixXd A{}, B{}, C{}, D{};
+};
+
+class Plant {
+ public:
+  /// `X_reference` is where the legs' frames are chosen, see NonlinearModel; default: neutral.
+  Plant(const model::Machine& machine, ModelKind kind, const PlantOptions& options = {});
+  Plant(const model::Machine& machine, ModelKind kind, const PlantOptions& options,
+        const Pose& X_reference);
+
+  [[nodiscard]] const model::Machine& machine() const { return mechanics_.machine(); }
+  [[nodiscard]] ModelKind kind() const { return mechanics_.kind(); }
+  [[nodiscard]] const PlantOptions& options() const { return options_; }
+  [[nodiscard]] const dynamics::NonlinearModel& mechanics() const { return mechanics_; }
+  [[nodiscard]] const hydraulics::ServoAxis& axis(int leg) const { return axes_[leg]; }
+
+  [[nodiscard]] const StateLayout& layout() const { return layout_; }
+  [[nodiscard]] std::vector<std::string> state_names() const;  ///< "x", …, "leg1.p_cap", …
+  [[nodiscard]] std::vector<std::string> state_units() const;
+  /// Names of δx: as state_names(), with "rx", "ry", "rz" for the quaternion.
+  [[nodiscard]] std::vector<std::string> tangent_names() const;
+  /// Magnitudes that matter of each state; absolute tolerances are multiples of them.
+  [[nodiscard]] Eigen::VectorXd scales() const;
+
+  /// The state that rests at a pose, held by the valves, and the commands that hold it. Throws
+  /// base::ComputationError where there is none: legs past buckling, piston outside its stops, a
+  /// load beyond the supply.
+  struct Rest {
+    Eigen::VectorXd x{};
+    PlantInput input{};
+  };
+  [[nodiscard]] Rest equilibrium(const Pose& X_BP) const;
+
+  /// f(x, input) into `rate`, both of layout().size. False when x is no state: a leg that does not
+  /// close, or a number that is not finite.
+  bool derivative(double t, const double* x, const PlantInput& input, double* rate) const;
+
+  [[nodiscard]] PlantOutput outputs(const double* x, const PlantInput& input) const;
+  [[nodiscard]] Pose pose(const double* x) const;
+  /// Leg lengths l [m] at x: what transducers see.
+  [[nodiscard]] Vector6 leg_lengths(const double* x) const;
+
+  /// x ⊕ δx: adds a small change; the rotation acts from the left (base axes).
+  void displace(const double* x, const double* change, double* result) const;
+  [[nodiscard]] LinearPlant linearise(const Eigen::VectorXd& x, const PlantInput& input) const;
+  /// "x", …, "rz" of the platform at C, "leg1.l", …, "leg1.l_rate", …, "leg1.p_cap", "leg1.p_rod",
+  /// …, "ax", …, "arz" (accelerations of C and ω̇).
+  [[nodiscard]] std::vector<std::string> linear_output_names() const;
+
+  /// Event functions; each changes its sign when something happens.
+  enum class Event {
+    retracted,       ///< piston at the stop on the base side
+    extended,        ///< at the other
+    cavitation_cap,  ///< cap-side pressure at the cavitation pressure
+    cavitation_rod,
+    unguided  ///< the piston leaves the guide sleeve (l_mh = 0): the model ends here
+  };
+  static constexpr int events_per_leg = 5;
+  [[nodiscard]] int event_count() const { return model::leg_count * events_per_leg; }
+  /// Positive on the ordinary side; [m] and [Pa].
+  void events(const double* x, double* values) const;
+  static const char* name(Event event);
+
+ private:
+  struct OilSpring {
+    double force{}, stiffness{}, damping{}, s{};
+  };
+  void evaluate(const double* x, const PlantInput& input, double* rate, PlantOutput* out) const;
+
+  dynamics::NonlinearModel mechanics_;
+  PlantOptions options_;
+  std::array<hydraulics::ServoAxis, model::leg_count> axes_{};
+  std::array<OilSpring, model::leg_count> springs_{};
+  StateLayout layout_{};
+};
+
+}  // namespace hydrapod::simulation
