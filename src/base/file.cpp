@@ -118,4 +118,40 @@ void write_file_whole(const std::string& path, std::string_view text) {
   write_beside_and_rename(target, path, text);
 }
 
+PartFile::PartFile(const std::string& path) : path_(path) {
+  if (path.empty()) refuse(path, ENOENT);
+  if (path == "-") {
+    throw InputError({{.file = path, .message = "cannot write this to the standard output"}});
+  }
+  target_ = target_of(path);
+  part_ = target_ + ".part";
+  std::error_code ignored;
+  for (const std::string& place : {target_, part_}) {
+    const fs::file_status status = fs::status(place, ignored);
+    if (fs::is_directory(status)) refuse(path, EISDIR);
+    if (fs::exists(status) && !fs::is_regular_file(status)) {
+      throw InputError(
+          {{.file = path, .message = "cannot write the file: it is a device or pipe"}});
+    }
+    if (fs::exists(status) && ::access(place.c_str(), W_OK) != 0) refuse(path, errno);
+  }
+  Descriptor file(::open(part_.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666));
+  if (!file.is_open()) refuse(path, errno);
+  struct stat old {};
+  if (::stat(target_.c_str(), &old) == 0) ::fchmod(file.number(), old.st_mode & 07777);
+}
+
+PartFile::~PartFile() {
+  if (!committed_) ::unlink(part_.c_str());
+}
+
+void PartFile::commit() {
+  Descriptor file(::open(part_.c_str(), O_RDONLY | O_CLOEXEC));
+  if (!file.is_open() || ::fsync(file.number()) != 0 || !file.close() ||
+      ::rename(part_.c_str(), target_.c_str()) != 0) {
+    fail(path_, errno);
+  }
+  committed_ = true;
+}
+
 }  // namespace hydrapod::base

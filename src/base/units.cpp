@@ -124,16 +124,20 @@ Unit expected_unit(std::string_view unit) {
   return *found;
 }
 
-std::string name_of(const Dimension& dimension) {
-  for (const auto& named : named_dimensions) {
-    if (expected_unit(named.unit).dimension == dimension) return named.name;
-  }
+std::string powers_of(const Dimension& dimension) {
   std::string powers;
   for (const auto& [symbol, power] : dimension) {
     if (!powers.empty()) powers += ' ';
     powers += power == 1 ? symbol : fmt::format("{}^{}", symbol, power);
   }
-  return "a quantity in " + powers;
+  return powers;
+}
+
+std::string name_of(const Dimension& dimension) {
+  for (const auto& named : named_dimensions) {
+    if (expected_unit(named.unit).dimension == dimension) return named.name;
+  }
+  return "a quantity in " + powers_of(dimension);
 }
 
 /// "a length such as "m"", "a pure number such as "0.02" or "2 %"".
@@ -260,6 +264,22 @@ double quantity(std::string_view text, std::string_view unit) {
   const QuantityResult result = read_quantity(text, unit);
   if (!result.ok()) throw std::invalid_argument(result.problem);
   return result.value;
+}
+
+std::optional<SiUnit> si_unit(std::string_view unit) {
+  if (unit.size() > longest_quantity) return {};
+  const std::string plain = with_plain_spaces(unit);
+  const std::string written{trimmed(plain)};
+  if (written == "1") return SiUnit{1.0, "1"};
+  if (written.empty() || !well_formed(written)) return {};
+  const auto found = find_unit(written);
+  if (!found || found->kind != UnitKind::scale) return {};
+  if (found->factor == 1.0) return SiUnit{1.0, written};
+  for (const auto& named : named_dimensions) {
+    if (expected_unit(named.unit).dimension == found->dimension)
+      return SiUnit{found->factor, std::string(named.unit)};
+  }
+  return SiUnit{found->factor, powers_of(found->dimension)};
 }
 
 std::string dimension_name(std::string_view unit) {

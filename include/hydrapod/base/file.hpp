@@ -16,4 +16,30 @@ namespace hydrapod::base {
 /// untouched.
 void write_file_whole(const std::string& path, std::string_view text);
 
+/// A file that grows over a long time and takes its place only when it is complete: written as
+/// `PATH.part`, which replaces PATH at commit(). Until then what was at PATH stays; after a crash
+/// or a kill the part is what is left. A PartFile that goes without commit() removes its part.
+class PartFile {
+ public:
+  /// Makes the empty part. A symbolic link is followed. Throws InputError when there cannot be a
+  /// file at `path` (no such folder, no permission, a device or folder stands there).
+  explicit PartFile(const std::string& path);
+  PartFile(const PartFile&) = delete;
+  PartFile& operator=(const PartFile&) = delete;
+  ~PartFile();
+
+  [[nodiscard]] const std::string& path() const { return path_; }  ///< as it was given
+  [[nodiscard]] const std::string& part() const { return part_; }  ///< what to write into
+
+  /// The part, which must be closed by now, becomes the file: to the disk, then renamed. Throws
+  /// ComputationError.
+  void commit();
+
+ private:
+  std::string path_;
+  std::string target_;
+  std::string part_;
+  bool committed_{};
+};
+
 }  // namespace hydrapod::base

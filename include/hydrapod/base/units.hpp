@@ -10,6 +10,7 @@
 /// functions may be called from several threads and in any locale: a number always has a point.
 
 #include <limits>
+#include <optional>
 #include <string>
 #include <string_view>
 
@@ -35,5 +36,17 @@ double quantity(std::string_view text, std::string_view unit);
 /// What is measured in `unit`, with its article: "a length" for "m"; "a quantity in …" if no word
 /// is known. Throws as read_quantity does.
 std::string dimension_name(std::string_view unit);
+
+/// What one of a unit is in SI.
+struct SiUnit {
+  double factor{1.0};  ///< value in SI = factor × value in the unit
+  std::string unit{};  ///< the coherent SI unit: as it was written where that is one, else its
+                       ///< usual name ("mm" gives "m", "bar" gives "Pa", "%" gives "1")
+};
+
+/// `unit` ("mm/s", "bar", "1") against SI and radians. None where it is not known or has an offset,
+/// a logarithm or a date, so that no factor leads to SI. Throws std::runtime_error when the unit
+/// database is missing.
+std::optional<SiUnit> si_unit(std::string_view unit);
 
 }  // namespace hydrapod::base

@@ -1,0 +1,100 @@
+#include "channel_units.hpp"
+
+#include <fmt/format.h>
+
+#include <array>
+#include <set>
+
+#include "hydrapod/base/printable.hpp"
+#include "hydrapod/base/units.hpp"
+
+namespace hydrapod::data {
+
+namespace {
+
+struct Alias {
+  std::string_view written;
+  std::string_view meant;
+};
+constexpr std::array aliases{Alias{"-", "1"},
+                             Alias{"Nm", "N m"},
+                             Alias{"kNm", "kN m"},
+                             Alias{"sec", "s"},
+                             Alias{"msec", "ms"},
+                             Alias{"grad", "deg"},
+                             Alias{"Grad", "deg"},
+                             Alias{"°", "deg"},
+                             Alias{"deg/sec", "deg/s"},
+                             Alias{"m/sec", "m/s"},
+                             Alias{"l/min", "litre/minute"},
+                             Alias{"m/sec^2", "m/s^2"},
+                             Alias{"mm/sec", "mm/s"}};
+constexpr double standard_gravity = 9.80665;  // [m/s²]
+
+std::string trimmed(std::string_view text) {
+  const auto first = text.find_first_not_of(" \t");
+  if (first == std::string_view::npos) return {};
+  return std::string(text.substr(first, text.find_last_not_of(" \t") - first + 1));
+}
+
+}  // namespace
+
+ChannelUnit channel_unit(std::string_view written) {
+  std::string unit = trimmed(clean_text(written));
+  if (unit.empty()) return {};
+  if (unit == "g" || unit == "gn" || unit == "g_n") return {standard_gravity, "m/s^2"};
+  for (const Alias& alias : aliases)
+    if (unit == alias.written) unit = alias.meant;
+  if (const auto si = base::si_unit(unit)) return {si->factor, si->unit};
+  return {1.0, unit, false};
+}
+
+std::vector<double> to_si(std::vector<Channel>& channels, Notes& notes, bool by_hydrapod) {
+  std::vector<double> factors;
+  for (Channel& channel : channels) {
+    const ChannelUnit unit = channel_unit(channel.unit);
+    const std::string written = base::printable(channel.unit, 30);
+    if (!unit.known && !by_hydrapod)
+      notes.add(
+          fmt::format("channel \"{}\": the unit \"{}\" is not known or has an offset; its "
+                      "samples are left as they are",
+                      base::printable(channel.name), written));
+    else if (unit.factor != 1.0)
+      notes.add(fmt::format("channel \"{}\": \"{}\" converted to \"{}\", times {}",
+                            base::printable(channel.name), written, unit.unit, unit.factor));
+    channel.unit = unit.unit;
+    factors.push_back(unit.factor);
+  }
+  return factors;
+}
+
+void make_names_unique(std::vector<Channel>& channels) {
+  std::set<std::string> names;
+  for (std::size_t c = 0; c < channels.size(); ++c) {
+    std::string name = trimmed(clean_text(channels[c].name));
+    if (name.empty()) name = fmt::format("channel {}", c + 1);
+    std::string unique = name;
+    for (int n = 2; !names.insert(unique).second; ++n) unique = fmt::format("{} ({})", name, n);
+    channels[c].name = unique;
+  }
+}
+
+std::string clean_text(std::string_view text, bool several_lines) {
+  const bool utf8 = base::first_invalid_utf8(text) == std::string_view::npos;
+  std::string clean;
+  for (const char c : text) {
+    const auto byte = static_cast<unsigned char>(c);
+    const bool kept = several_lines && (c == '\n' || c == '\r' || c == '\t');
+    if ((byte < 0x20 && !kept) || byte == 0x7F) {
+      clean += ' ';
+    } else if (utf8 || byte < 0x80) {
+      clean += c;
+    } else {
+      clean += static_cast<char>(0xC0 | (byte >> 6));
+      clean += static_cast<char>(0x80 | (byte & 0x3F));
+    }
+  }
+  return clean;
+}
+
+}  // namespace hydrapod::data

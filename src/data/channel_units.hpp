@@ -1,0 +1,34 @@
+#pragma once
+/// Units as measuring programs write them, made SI.
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "hydrapod/data/record.hpp"
+#include "notes.hpp"
+
+namespace hydrapod::data {
+
+struct ChannelUnit {
+  double factor{1.0};  ///< sample in SI = factor × sample in the file
+  std::string unit{};  ///< what Channel::unit becomes
+  bool known{true};    ///< false: neither SI nor convertible, kept as it is
+};
+
+/// "g" is the acceleration of gravity here, "Nm" a newton metre, "sec" a second; "-" is "1".
+ChannelUnit channel_unit(std::string_view written);
+
+/// Turns the units of `channels`, as the file has them, into SI and returns the factors of their
+/// samples. What was converted is noted, and what is not understood too, unless hydrapod wrote the
+/// file.
+std::vector<double> to_si(std::vector<Channel>& channels, Notes& notes, bool by_hydrapod);
+
+/// Names as a record wants them: none empty, one line, unique ("pressure", "pressure (2)").
+void make_names_unique(std::vector<Channel>& channels);
+
+/// Text of a file as valid UTF-8; bytes that are none are taken for Latin-1. Control characters
+/// become blanks, in `several_lines` only those that are no line ends or tabulators.
+std::string clean_text(std::string_view text, bool several_lines = false);
+
+}  // namespace hydrapod::data

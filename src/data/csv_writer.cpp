@@ -1,0 +1,104 @@
+#include <fmt/format.h>
+
+#include <cmath>
+#include <cstdio>
+#include <limits>
+
+#include "csv_text.hpp"
+#include "formats.hpp"
+#include "hydrapod/base/file.hpp"
+
+namespace hydrapod::data {
+
+namespace {
+
+/// One comment line per line of `text`, so that notes and machine files stay legible.
+void add_comment(std::string& out, const char* key, const std::string& text) {
+  for (std::size_t begin = 0; begin <= text.size();) {
+    const std::size_t end = std::min(text.find('\n', begin), text.size());
+    out += fmt::format("# {}: {}\n", key, escaped(text.substr(begin, end - begin)));
+    begin = end + 1;
+  }
+}
+
+std::string header_text(const RecordHeader& header) {
+  std::string out = fmt::format("# {} {}\n", record_mark, record_version);
+  out += fmt::format("# sample_rate_hz: {}\n# start_s: {}\n# repeat: {}\n", header.sample_rate,
+                     header.start, header.repeat);
+  if (!header.title.empty()) out += fmt::format("# title: {}\n", escaped(header.title));
+  if (!header.date.empty()) out += fmt::format("# date: {}\n", escaped(header.date));
+  if (!header.notes.empty()) add_comment(out, "notes", header.notes);
+  if (!header.machine.empty()) add_comment(out, "machine", header.machine);
+  out += "# channel: name,unit,direction,role,point\n";
+  std::string titles = "time [s]";
+  for (const Channel& c : header.channels) {
+    out += fmt::format("# channel: {},{},{},{},{}\n", quoted_field(c.name), quoted_field(c.unit),
+                       direction_text(c.direction), role_text(c.role), c.point);
+    titles += ',' + quoted_field(c.unit.empty() ? c.name : fmt::format("{} [{}]", c.name, c.unit));
+  }
+  return out + titles + '\n';
+}
+
+class CsvWriter final : public RecordWriter {
+ public:
+  CsvWriter(const std::string& path, const RecordHeader& header)
+      : part_(path), header_(header), file_(std::fopen(part_.part().c_str(), "wb")) {
+    if (file_ == nullptr) fail();
+    write(header_text(header_));
+  }
+  ~CsvWriter() override {
+    if (file_ != nullptr) std::fclose(file_);
+  }
+
+  void append(const Eigen::Ref<const Samples>& samples) override {
+    require_columns(samples, header_);
+    if (file_ == nullptr) throw std::invalid_argument("RecordWriter::append: the record is closed");
+    for (Eigen::Index row = 0; row < samples.rows(); ++row) {
+      text_.clear();
+      auto out = std::back_inserter(text_);
+      fmt::format_to(out, "{}",
+                     header_.start + static_cast<double>(written_) / header_.sample_rate);
+      for (Eigen::Index column = 0; column < samples.cols(); ++column)
+        add_number(samples(row, column));
+      text_ += '\n';
+      write(text_);
+      ++written_;
+    }
+    if (std::fflush(file_) != 0) fail();
+  }
+
+  void close() override {
+    const bool good = std::fclose(file_) == 0;
+    file_ = nullptr;
+    if (!good) fail();
+    part_.commit();
+  }
+
+ private:
+  [[noreturn]] void fail() const {
+    throw base::ComputationError(
+        fmt::format("writing '{}' failed; is the disk full?", part_.path()));
+  }
+  void write(const std::string& text) {
+    if (std::fwrite(text.data(), 1, text.size(), file_) != text.size()) fail();
+  }
+  /// The shortest text that reads back as the same number; every NaN is "nan".
+  void add_number(double value) {
+    if (std::isnan(value)) value = std::numeric_limits<double>::quiet_NaN();
+    fmt::format_to(std::back_inserter(text_), ",{}", value);
+  }
+
+  base::PartFile part_;
+  RecordHeader header_;
+  std::FILE* file_;
+  std::string text_;
+  std::int64_t written_{};
+};
+
+}  // namespace
+
+std::unique_ptr<RecordWriter> make_csv_writer(const std::string& path, const RecordHeader& header) {
+  return std::make_unique<CsvWriter>(path, header);
+}
+
+}  // namespace hydrapod::data

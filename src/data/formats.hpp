@@ -1,0 +1,24 @@
+#pragma once
+/// The readers and writers behind record_io.hpp, one pair per format.
+
+#include <memory>
+#include <string>
+
+#include "hydrapod/data/record_io.hpp"
+
+namespace hydrapod::data {
+
+std::unique_ptr<RecordWriter> make_csv_writer(const std::string& path, const RecordHeader& header);
+std::unique_ptr<RecordWriter> make_hdf5_writer(const std::string& path, const RecordHeader& header);
+
+std::unique_ptr<RecordReader> make_csv_reader(const std::string& path, const ReadOptions& options);
+std::unique_ptr<RecordReader> make_hdf5_reader(const std::string& path, const ReadOptions& options);
+
+/// Throws std::invalid_argument unless `samples` has a column per channel.
+void require_columns(const Eigen::Ref<const Samples>& samples, const RecordHeader& header);
+
+/// Words of the files that hydrapod writes.
+inline constexpr const char* record_mark = "hydrapod record";
+inline constexpr int record_version = 1;
+
+}  // namespace hydrapod::data

@@ -1,0 +1,206 @@
+#include "hdf5_text.hpp"
+
+#include <algorithm>
+#include <cstring>
+
+namespace hydrapod::data {
+
+namespace {
+
+constexpr std::size_t most_attribute_bytes = 65536;  // HDF5's own limit for compact attributes
+
+/// Fixed length, padded with zeros, UTF-8.
+Hdf5Handle string_type(std::size_t length) {
+  Hdf5Handle type(H5Tcopy(H5T_C_S1), H5Tclose);
+  H5Tset_size(type.id(), std::max<std::size_t>(length, 1));
+  H5Tset_strpad(type.id(), H5T_STR_NULLPAD);
+  H5Tset_cset(type.id(), H5T_CSET_UTF8);
+  return type;
+}
+
+bool write_scalar(hid_t object, const char* name, hid_t file_type, hid_t memory_type,
+                  const void* value) {
+  const Hdf5Handle space(H5Screate(H5S_SCALAR), H5Sclose);
+  const Hdf5Handle attribute(
+      H5Acreate2(object, name, file_type, space.id(), H5P_DEFAULT, H5P_DEFAULT), H5Aclose);
+  return attribute.ok() && H5Awrite(attribute.id(), memory_type, value) >= 0;
+}
+
+/// Texts one after the other, each padded to `length`.
+std::string joined(const std::vector<std::string>& texts, std::size_t length) {
+  std::string all(length * texts.size(), '\0');
+  for (std::size_t i = 0; i < texts.size(); ++i) texts[i].copy(all.data() + i * length, length);
+  return all;
+}
+
+/// Cut off at the padding: zeros, or blanks where the file pads with them.
+std::string unpadded(const char* text, std::size_t length, hid_t type) {
+  std::string value(text, strnlen(text, length));
+  if (H5Tget_strpad(type) == H5T_STR_SPACEPAD) value.erase(value.find_last_not_of(' ') + 1);
+  return value;
+}
+
+/// Reads strings of a dataset or attribute with `read`, which takes a memory type and a buffer.
+template <typename Read>
+std::optional<std::vector<std::string>> read_strings(const Hdf5Handle& type,
+                                                     const Hdf5Handle& space,
+                                                     std::size_t most_bytes, Read read) {
+  if (!type.ok() || !space.ok() || H5Tget_class(type.id()) != H5T_STRING) return {};
+  const hssize_t count = H5Sget_simple_extent_npoints(space.id());
+  if (count < 1) return {};
+  const auto n = static_cast<std::size_t>(count);
+  std::vector<std::string> texts;
+  if (H5Tis_variable_str(type.id()) > 0) {
+    if (n > most_bytes / sizeof(char*)) return {};
+    std::vector<char*> pointers(n, nullptr);
+    const Hdf5Handle memory(H5Tcopy(H5T_C_S1), H5Tclose);
+    H5Tset_size(memory.id(), H5T_VARIABLE);
+    H5Tset_cset(memory.id(), H5Tget_cset(type.id()));
+    if (read(memory.id(), pointers.data()) < 0) return {};
+    for (const char* text : pointers) texts.emplace_back(text == nullptr ? "" : text);
+    H5Dvlen_reclaim(memory.id(), space.id(), H5P_DEFAULT, pointers.data());
+    return texts;
+  }
+  const std::size_t length = H5Tget_size(type.id());
+  if (length == 0 || length > most_bytes || n > most_bytes / length) return {};
+  std::vector<char> buffer(n * length);
+  if (read(type.id(), buffer.data()) < 0) return {};
+  for (std::size_t i = 0; i < n; ++i)
+    texts.push_back(unpadded(buffer.data() + i * length, length, type.id()));
+  return texts;
+}
+
+Hdf5Handle open_attribute(hid_t object, const char* name) {
+  if (H5Aexists(object, name) <= 0) return {};
+  return {H5Aopen(object, name, H5P_DEFAULT), H5Aclose};
+}
+
+}  // namespace
+
+Hdf5Handle dataset_without_times() {
+  Hdf5Handle list(H5Pcreate(H5P_DATASET_CREATE), H5Pclose);
+  H5Pset_obj_track_times(list.id(), false);
+  return list;
+}
+
+Hdf5Handle group_without_times(hid_t where, const char* name) {
+  const Hdf5Handle list(H5Pcreate(H5P_GROUP_CREATE), H5Pclose);
+  H5Pset_obj_track_times(list.id(), false);
+  return {H5Gcreate2(where, name, H5P_DEFAULT, list.id(), H5P_DEFAULT), H5Gclose};
+}
+
+bool write_attribute(hid_t object, const char* name, const std::string& text) {
+  const Hdf5Handle type = string_type(text.size());
+  const std::string padded = text.empty() ? std::string(1, '\0') : text;
+  return write_scalar(object, name, type.id(), type.id(), padded.data());
+}
+
+bool write_attribute(hid_t object, const char* name, double value) {
+  return write_scalar(object, name, H5T_IEEE_F64LE, H5T_NATIVE_DOUBLE, &value);
+}
+
+bool write_attribute(hid_t object, const char* name, int value) {
+  return write_scalar(object, name, H5T_STD_I32LE, H5T_NATIVE_INT, &value);
+}
+
+bool write_text(hid_t group, const char* name, const std::string& text) {
+  const Hdf5Handle type = string_type(text.size());
+  const Hdf5Handle space(H5Screate(H5S_SCALAR), H5Sclose);
+  const Hdf5Handle list = dataset_without_times();
+  const Hdf5Handle set(
+      H5Dcreate2(group, name, type.id(), space.id(), H5P_DEFAULT, list.id(), H5P_DEFAULT),
+      H5Dclose);
+  const std::string padded = text.empty() ? std::string(1, '\0') : text;
+  return set.ok() &&
+         H5Dwrite(set.id(), type.id(), H5S_ALL, H5S_ALL, H5P_DEFAULT, padded.data()) >= 0;
+}
+
+bool write_texts(hid_t group, const char* name, const std::vector<std::string>& texts) {
+  std::size_t length = 1;
+  for (const auto& text : texts) length = std::max(length, text.size());
+  const Hdf5Handle type = string_type(length);
+  const hsize_t count = texts.size();
+  const Hdf5Handle space(H5Screate_simple(1, &count, nullptr), H5Sclose);
+  const Hdf5Handle list = dataset_without_times();
+  const Hdf5Handle set(
+      H5Dcreate2(group, name, type.id(), space.id(), H5P_DEFAULT, list.id(), H5P_DEFAULT),
+      H5Dclose);
+  const std::string all = joined(texts, length);
+  return set.ok() && H5Dwrite(set.id(), type.id(), H5S_ALL, H5S_ALL, H5P_DEFAULT, all.data()) >= 0;
+}
+
+bool write_integers(hid_t group, const char* name, const std::vector<int>& values) {
+  const hsize_t count = values.size();
+  const Hdf5Handle space(H5Screate_simple(1, &count, nullptr), H5Sclose);
+  const Hdf5Handle list = dataset_without_times();
+  const Hdf5Handle set(
+      H5Dcreate2(group, name, H5T_STD_I32LE, space.id(), H5P_DEFAULT, list.id(), H5P_DEFAULT),
+      H5Dclose);
+  return set.ok() &&
+         H5Dwrite(set.id(), H5T_NATIVE_INT, H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data()) >= 0;
+}
+
+std::optional<std::string> read_text_attribute(hid_t object, const char* name) {
+  const Hdf5Handle attribute = open_attribute(object, name);
+  if (!attribute.ok()) return {};
+  const Hdf5Handle type(H5Aget_type(attribute.id()), H5Tclose);
+  const Hdf5Handle space(H5Aget_space(attribute.id()), H5Sclose);
+  auto texts = read_strings(type, space, most_attribute_bytes, [&](hid_t memory, void* buffer) {
+    return H5Aread(attribute.id(), memory, buffer);
+  });
+  if (!texts || texts->size() != 1) return {};
+  return texts->front();
+}
+
+std::optional<double> read_number_attribute(hid_t object, const char* name) {
+  const Hdf5Handle attribute = open_attribute(object, name);
+  if (!attribute.ok()) return {};
+  const Hdf5Handle type(H5Aget_type(attribute.id()), H5Tclose);
+  const Hdf5Handle space(H5Aget_space(attribute.id()), H5Sclose);
+  const auto kind = H5Tget_class(type.id());
+  if ((kind != H5T_FLOAT && kind != H5T_INTEGER) || H5Sget_simple_extent_npoints(space.id()) != 1)
+    return {};
+  double value = 0.0;
+  if (H5Aread(attribute.id(), H5T_NATIVE_DOUBLE, &value) < 0) return {};
+  return value;
+}
+
+std::optional<std::vector<std::string>> read_texts(hid_t group, const char* name,
+                                                   std::size_t most_bytes) {
+  if (!has_object(group, name)) return {};
+  const Hdf5Handle set(H5Dopen2(group, name, H5P_DEFAULT), H5Dclose);
+  if (!set.ok()) return {};
+  const Hdf5Handle type(H5Dget_type(set.id()), H5Tclose);
+  const Hdf5Handle space(H5Dget_space(set.id()), H5Sclose);
+  return read_strings(type, space, most_bytes, [&](hid_t memory, void* buffer) {
+    return H5Dread(set.id(), memory, H5S_ALL, H5S_ALL, H5P_DEFAULT, buffer);
+  });
+}
+
+std::optional<std::string> read_text(hid_t group, const char* name, std::size_t most_bytes) {
+  auto texts = read_texts(group, name, most_bytes);
+  if (!texts || texts->size() != 1) return {};
+  return texts->front();
+}
+
+std::optional<std::vector<int>> read_integers(hid_t group, const char* name,
+                                              std::size_t most_bytes) {
+  if (!has_object(group, name)) return {};
+  const Hdf5Handle set(H5Dopen2(group, name, H5P_DEFAULT), H5Dclose);
+  if (!set.ok()) return {};
+  const Hdf5Handle type(H5Dget_type(set.id()), H5Tclose);
+  const Hdf5Handle space(H5Dget_space(set.id()), H5Sclose);
+  const hssize_t count = H5Sget_simple_extent_npoints(space.id());
+  if (H5Tget_class(type.id()) != H5T_INTEGER || count < 1) return {};
+  if (static_cast<std::size_t>(count) > most_bytes / sizeof(int)) return {};
+  std::vector<int> values(static_cast<std::size_t>(count));
+  if (H5Dread(set.id(), H5T_NATIVE_INT, H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data()) < 0)
+    return {};
+  return values;
+}
+
+bool has_object(hid_t group, const char* name) {
+  return H5Lexists(group, name, H5P_DEFAULT) > 0 && H5Oexists_by_name(group, name, H5P_DEFAULT) > 0;
+}
+
+}  // namespace hydrapod::data

@@ -1,0 +1,37 @@
+#pragma once
+/// Strings and numbers as HDF5 attributes and datasets, written and read with care for sizes.
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "hdf5_handle.hpp"
+
+namespace hydrapod::data {
+
+/// Objects without time stamps, so that equal records are equal files.
+Hdf5Handle dataset_without_times();
+Hdf5Handle group_without_times(hid_t where, const char* name);
+
+/// All return false when HDF5 could not write.
+bool write_attribute(hid_t object, const char* name, const std::string& text);
+bool write_attribute(hid_t object, const char* name, double value);
+bool write_attribute(hid_t object, const char* name, int value);
+/// A scalar string.
+bool write_text(hid_t group, const char* name, const std::string& text);
+/// A list of strings, of integers.
+bool write_texts(hid_t group, const char* name, const std::vector<std::string>& texts);
+bool write_integers(hid_t group, const char* name, const std::vector<int>& values);
+
+/// None where there is none, or where it is of another type or size than it can be: a declared size
+/// beyond `most_bytes` is not believed.
+std::optional<std::string> read_text_attribute(hid_t object, const char* name);
+std::optional<double> read_number_attribute(hid_t object, const char* name);
+std::optional<std::string> read_text(hid_t group, const char* name, std::size_t most_bytes);
+std::optional<std::vector<std::string>> read_texts(hid_t group, const char* name,
+                                                   std::size_t most_bytes);
+std::optional<std::vector<int>> read_integers(hid_t group, const char* name,
+                                              std::size_t most_bytes);
+bool has_object(hid_t group, const char* name);
+
+}  // namespace hydrapod::data

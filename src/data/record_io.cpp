@@ -1,0 +1,146 @@
+#include "hydrapod/data/record_io.hpp"
+
+#include <fmt/format.h>
+#include <sys/stat.h>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <stdexcept>
+
+#include "formats.hpp"
+#include "hydrapod/base/printable.hpp"
+
+namespace hydrapod::data {
+
+namespace {
+
+constexpr std::array<std::string_view, 6> format_names{"hdf5", "mat5", "mat73",
+                                                       "csv",  "uff",  "uff-ascii"};
+struct Ending {
+  std::string_view ending;
+  RecordFormat format;
+};
+constexpr std::array endings{
+    Ending{".h5", RecordFormat::hdf5},  Ending{".hdf5", RecordFormat::hdf5},
+    Ending{".mat", RecordFormat::mat5}, Ending{".csv", RecordFormat::csv},
+    Ending{".txt", RecordFormat::csv},  Ending{".uff", RecordFormat::uff},
+    Ending{".unv", RecordFormat::uff},  Ending{".uf", RecordFormat::uff}};
+
+[[noreturn]] void refuse(const std::string& path, const std::string& message) {
+  throw base::InputError({{.file = path, .message = message}});
+}
+
+/// The first bytes of a file that must be a regular one.
+std::string head_of(const std::string& path) {
+  struct stat info {};
+  if (::stat(path.c_str(), &info) != 0)
+    refuse(path, fmt::format("cannot read the file: {}", std::strerror(errno)));
+  if (!S_ISREG(info.st_mode))
+    refuse(path,
+           "cannot read the file: a record is read from a regular file, not from a folder, "
+           "pipe or device");
+  std::ifstream stream(path, std::ios::binary);
+  if (!stream) refuse(path, fmt::format("cannot read the file: {}", std::strerror(errno)));
+  std::string head(1024, '\0');
+  stream.read(head.data(), static_cast<std::streamsize>(head.size()));
+  head.resize(static_cast<std::size_t>(stream.gcount()));
+  if (head.empty()) refuse(path, "the file is empty");
+  return head;
+}
+
+bool has_hdf5_signature(std::string_view head) {
+  constexpr std::string_view signature{"\x89HDF\r\n\x1a\n", 8};
+  return head.starts_with(signature) ||
+         (head.size() >= 520 && head.substr(512).starts_with(signature));
+}
+
+}  // namespace
+
+std::string_view format_text(RecordFormat format) {
+  return format_names.at(static_cast<std::size_t>(format));
+}
+
+std::optional<RecordFormat> format_from_text(std::string_view text) {
+  const auto at = std::find(format_names.begin(), format_names.end(), text);
+  if (at == format_names.end()) return {};
+  return static_cast<RecordFormat>(at - format_names.begin());
+}
+
+RecordFormat format_of_ending(const std::string& path) {
+  std::string found = std::filesystem::path(path).extension().string();
+  std::transform(found.begin(), found.end(), found.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  for (const auto& known : endings)
+    if (found == known.ending) return known.format;
+  refuse(path,
+         fmt::format("the ending '{}' names no format of records; known are .h5, .hdf5, .mat, "
+                     ".csv, .txt, .uff, .unv and .uf",
+                     base::printable(found)));
+}
+
+std::unique_ptr<RecordWriter> open_record_writer(const std::string& path,
+                                                 const RecordHeader& header, RecordFormat format) {
+  validate(header);
+  switch (format) {
+    case RecordFormat::hdf5:
+      return make_hdf5_writer(path, header);
+    case RecordFormat::csv:
+      return make_csv_writer(path, header);
+    default:
+      throw std::invalid_argument("open_record_writer: unknown format");
+  }
+}
+
+std::unique_ptr<RecordWriter> open_record_writer(const std::string& path,
+                                                 const RecordHeader& header) {
+  return open_record_writer(path, header, format_of_ending(path));
+}
+
+std::unique_ptr<RecordReader> open_record_reader(const std::string& path,
+                                                 const ReadOptions& options) {
+  const std::string head = head_of(path);
+  if (has_hdf5_signature(head)) return make_hdf5_reader(path, options);
+  if (head.find('\0') != std::string::npos)
+    refuse(path, "this is no record: it begins neither as HDF5, MAT, Universal File nor text");
+  return make_csv_reader(path, options);
+}
+
+Samples make_block(const RecordHeader& header) {
+  constexpr std::size_t bytes = 1 << 20;
+  const std::size_t columns = header.channels.size();
+  const std::size_t rows = std::clamp<std::size_t>(bytes / (sizeof(double) * columns), 1, 65536);
+  return Samples::Zero(static_cast<Eigen::Index>(rows), static_cast<Eigen::Index>(columns));
+}
+
+ReadRecordResult read_record(const std::string& path, const ReadOptions& options) {
+  const auto reader = open_record_reader(path, options);
+  ReadRecordResult result;
+  Samples block = make_block(reader->header());
+  std::vector<double> values;
+  while (const std::int64_t rows = reader->read(block))
+    values.insert(values.end(), block.data(), block.data() + rows * block.cols());
+  const Eigen::Index columns = block.cols();
+  result.record.header = reader->header();
+  result.record.samples = Eigen::Map<const Samples>(
+      values.data(), static_cast<Eigen::Index>(values.size()) / columns, columns);
+  result.notes = reader->notes();
+  return result;
+}
+
+void write_record(const std::string& path, const Record& record, RecordFormat format) {
+  const auto writer = open_record_writer(path, record.header, format);
+  writer->append(record.samples);
+  writer->close();
+}
+
+void require_columns(const Eigen::Ref<const Samples>& samples, const RecordHeader& header) {
+  if (samples.cols() != static_cast<Eigen::Index>(header.channels.size()))
+    throw std::invalid_argument(fmt::format("RecordWriter::append: {} columns for {} channels",
+                                            samples.cols(), header.channels.size()));
+}
+
+}  // namespace hydrapod::data

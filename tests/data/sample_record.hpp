@@ -1,0 +1,74 @@
+#pragma once
+/// A record with everything that a format can stumble over.
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+#include "hydrapod/data/record.hpp"
+#include "support/random.hpp"
+
+namespace hydrapod::test {
+
+inline data::RecordHeader sample_header() {
+  using data::Direction;
+  using data::Role;
+  data::RecordHeader header;
+  header.title = "Six white noises, \"level 2\"; 50 % – Prüfstand";
+  header.channels = {{"demand x", "m", Direction::x, Role::excitation, 0},
+                     {"demand ry", "rad", Direction::ry, Role::excitation, 0},
+                     {"valve 3, current", "A", Direction::leg3, Role::drive, 103},
+                     {"cap pressure \"A\"", "Pa", Direction::leg6, Role::response, 106},
+                     {"acceleration -z", "m/s^2", Direction::minus_z, Role::response, 7},
+                     {"gain", "1", Direction::none, Role::other, 0},
+                     {"counter", "EU", Direction::none, Role::other, -2},
+                     {"unknown", "", Direction::minus_rz, Role::response, 1}};
+  header.sample_rate = 1706.6666666666667;
+  header.start = -0.12345678901234567;
+  header.date = "2026-11-20T09:00:00";
+  header.repeat = 3;
+  header.notes = "first line\n\n  third, with blanks \nback\\slash\tand tab\n";
+  header.machine = "name = \"ugly\"\r\n[platform]\nmass = \"894.3 kg\" # µ\n";
+  return header;
+}
+
+/// Numbers of all sizes, with the ones that formats lose first: −0, tiny, huge, missing.
+inline data::Record sample_record(Eigen::Index samples) {
+  data::Record record{sample_header(), {}};
+  record.samples.resize(samples, static_cast<Eigen::Index>(record.header.channels.size()));
+  Random random(20261120);
+  for (Eigen::Index i = 0; i < record.samples.size(); ++i)
+    record.samples.data()[i] =
+        random.uniform(-1.0, 1.0) * std::pow(10.0, random.uniform(-9.0, 9.0));
+  const double special[] = {-0.0,
+                            std::numeric_limits<double>::denorm_min(),
+                            std::numeric_limits<double>::max(),
+                            -std::numeric_limits<double>::min(),
+                            std::numeric_limits<double>::quiet_NaN(),
+                            std::numeric_limits<double>::infinity(),
+                            0.1};
+  for (Eigen::Index i = 0; i < std::min<Eigen::Index>(record.samples.size(), 7); ++i)
+    record.samples.data()[record.samples.size() - 1 - i] = special[i];
+  return record;
+}
+
+inline void expect_same_header(const data::RecordHeader& a, const data::RecordHeader& b) {
+  EXPECT_EQ(a.title, b.title);
+  EXPECT_EQ(a.sample_rate, b.sample_rate);
+  EXPECT_EQ(a.start, b.start);
+  EXPECT_EQ(a.date, b.date);
+  EXPECT_EQ(a.repeat, b.repeat);
+  EXPECT_EQ(a.notes, b.notes);
+  EXPECT_EQ(a.machine, b.machine);
+  ASSERT_EQ(a.channels.size(), b.channels.size());
+  for (std::size_t c = 0; c < a.channels.size(); ++c) {
+    EXPECT_EQ(a.channels[c].name, b.channels[c].name);
+    EXPECT_EQ(a.channels[c].unit, b.channels[c].unit);
+    EXPECT_EQ(a.channels[c].direction, b.channels[c].direction);
+    EXPECT_EQ(a.channels[c].role, b.channels[c].role);
+    EXPECT_EQ(a.channels[c].point, b.channels[c].point);
+  }
+}
+
+}  // namespace hydrapod::test
