@@ -1,0 +1,87 @@
+#pragma once
+/// The controller of a hexapod as it runs on a real machine: leg lengths and pressures in, drives
+/// of the six servo valves out, once per sample.
+///
+/// 1. Pose space: the pose X_BP from the measured leg lengths by forward kinematics, starting at
+/// the
+///    last one; e = (p_cmd − p; rotation vector of R_cmd Rᵀ) in base axes, about the origin of P;
+///    J = ∂l/∂(x…rz) at the measured pose. Leg space: e = l(X_cmd) − l, J at the commanded pose.
+/// 2. Wanted speed of the pistons
+///        v = J (G e + G/T_i ∫e dt + k_ff V_cmd) − g f        (pose space; in leg space J only
+///        before V)
+///    with f the load force p_1 A_1 − p_2 A_2, or the piston's acceleration, less its low-passed
+///    self:
+///        f_k = F_k − s_k,   s_{k+1} = s_k + (1 − e^{−ω_c T}) (F_k − s_k).
+/// 3. Signal conditioning per leg: v over the speed at full drive (parameters.hpp; under the slow
+/// load
+///    s_k for Compensation::load), the valve's overlap jumped over (within 0.2 % of full drive
+///    around zero in proportion), times scale, plus offset, limited, rounded to the converter's
+///    step.
+///
+/// The integral stands still while any drive is at its limit. A step allocates nothing and never
+/// throws; it takes a few microseconds (bench/control_bench.cpp).
+
+#include "hydrapod/control/parameters.hpp"
+#include "hydrapod/kinematics/forward.hpp"
+
+namespace hydrapod::control {
+
+/// What the sensors show.
+struct Measurement {
+  Vector6 length{Vector6::Zero()};        ///< leg lengths l [m]
+  Vector6 cap_pressure{Vector6::Zero()};  ///< p_1 [Pa]
+  Vector6 rod_pressure{Vector6::Zero()};  ///< p_2 [Pa]
+  Vector6 acceleration{Vector6::Zero()};  ///< of the pistons in the cylinders, s̈ [m/s²]
+};
+
+/// What the platform should do.
+struct Command {
+  Pose X_BP{};                        ///< pose of P
+  Vector6 velocity{Vector6::Zero()};  ///< (velocity of P's origin, angular velocity), base axes
+};
+
+struct ControllerState {
+  Pose X_BP{};                                   ///< last pose from the leg lengths
+  Vector6 error{Vector6::Zero()};                ///< e [m, rad] or [m]
+  Vector6 integral{Vector6::Zero()};             ///< ∫e dt
+  Vector6 slow_force{Vector6::Zero()};           ///< s of the load forces [N]
+  Vector6 slow_acceleration{Vector6::Zero()};    ///< s of the accelerations [m/s²]
+  Vector6 wanted_speed{Vector6::Zero()};         ///< v [m/s]
+  std::array<bool, model::leg_count> limited{};  ///< the drive is at its limit
+  kinematics::ForwardStatus forward{kinematics::ForwardStatus::converged};
+};
+
+class Controller {
+ public:
+  /// Throws std::invalid_argument for parameters that do not hold (validate).
+  Controller(const model::Machine& machine, const ControllerParameters& parameters);
+
+  /// Starts anew at `X_BP` with the slow parts of the feedback at what is measured now.
+  void reset(const Pose& X_BP, const Measurement& measured);
+
+  /// One sample: drives of legs 1…6, shares of the rated one. Where forward kinematics finds no
+  /// pose (state().forward tells), the wanted speeds are zero.
+  Vector6 step(const Measurement& measured, const Command& command);
+
+  [[nodiscard]] const ControllerState& state() const { return state_; }
+  [[nodiscard]] const ControllerParameters& parameters() const { return parameters_; }
+
+ private:
+  [[nodiscard]] Vector6 pose_space_speed(const Measurement& measured, const Command& command);
+  [[nodiscard]] Vector6 leg_space_speed(const Measurement& measured, const Command& command);
+  /// g f, and moves the slow parts on.
+  [[nodiscard]] Vector6 damping_speed(const Measurement& measured);
+  [[nodiscard]] Vector6 proportional_integral(const Vector6& error) const;
+
+  model::Machine machine_;
+  ControllerParameters parameters_;
+  std::array<AxisSpeeds, model::leg_count> fixed_speeds_{};
+  double slow_share_{};  ///< 1 − e^{−ω_c T}
+  ControllerState state_{};
+};
+
+/// Load forces p_1 A_1 − p_2 A_2 [N].
+Vector6 load_forces(const std::array<DriveAxis, model::leg_count>& axes,
+                    const Measurement& measured);
+
+}  // namespace hydrapod::control

@@ -1,0 +1,24 @@
+#pragma once
+/// Signal conditioning of one leg: wanted speed to drive. Private to the module.
+
+#include "hydrapod/control/parameters.hpp"
+
+namespace hydrapod::control {
+
+/// Speeds at full drive by which drives are corrected, under the slow load force [N].
+AxisSpeeds conditioning_speeds(const ControllerParameters& parameters, int leg, double slow_force);
+
+struct ConditionedDrive {
+  double value{};  ///< share of the rated one, what the converter gives
+  bool limited{};
+};
+
+/// The drive for the wanted speed `speed` [m/s], with the speeds of conditioning_speeds.
+ConditionedDrive condition(const ControllerParameters& parameters, int leg, double speed,
+                           const AxisSpeeds& speeds);
+
+/// ∂drive/∂speed [s/m] where the drive is `drive`; limit and rounding left out.
+double drive_per_speed(const ControllerParameters& parameters, int leg, double slow_force,
+                       double drive);
+
+}  // namespace hydrapod::control
