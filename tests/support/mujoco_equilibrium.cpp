@@ -27,7 +27,8 @@ void add_guide_sleeve(const MujocoHexapod& hexapod, int i, VectorXd& force) {
   hexapod.add_pair(i, across - n * across.dot(e) / n.dot(e), point, force);
 }
 
-/// Generalised forces of gravity, seals and oil, where the oil gives `oil_force` of each leg.
+}  // namespace
+
 VectorXd applied_force(const MujocoHexapod& hexapod, const Vector6& oil_force) {
   VectorXd force = hexapod.gravity_force();
   for (int i = 0; i < model::leg_count; ++i) {
@@ -41,6 +42,8 @@ VectorXd applied_force(const MujocoHexapod& hexapod, const Vector6& oil_force) {
   }
   return force;
 }
+
+namespace {
 
 double weight(const model::Machine& machine) {
   double mass = machine.platform.mass;

@@ -12,6 +12,9 @@ namespace hydrapod::test {
 
 using spatial::Vector6;
 
+/// Generalised forces of gravity, seals and oil, where the oil pulls each leg with `oil_force`.
+VectorXd applied_force(const MujocoHexapod& hexapod, const Vector6& oil_force);
+
 struct MujocoEquilibrium {
   MujocoHexapod hexapod;  ///< stands at the equilibrium
   Vector6 oil_force{};    ///< [N], positive when the leg is pulled

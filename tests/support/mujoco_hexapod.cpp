@@ -140,6 +140,46 @@ void MujocoHexapod::move(const VectorXd& from, const VectorXd& displacement) {
   update();
 }
 
+void MujocoHexapod::set_velocity(const VectorXd& velocity) {
+  Eigen::Map<VectorXd>(data_->qvel, nv()) = velocity;
+  update();
+}
+
+MujocoHexapod::BodyMotion MujocoHexapod::body_motion(int body) const {
+  std::array<mjtNum, 6> velocity{}, acceleration{};  // rotation first
+  mj_objectVelocity(model_.get(), data_.get(), mjOBJ_XBODY, body, velocity.data(), 0);
+  mj_objectAcceleration(model_.get(), data_.get(), mjOBJ_XBODY, body, acceleration.data(), 0);
+  const Vector3 gravity = vector_at(model_->opt.gravity, 0);  // MuJoCo lets the world fall upwards
+  return {vector_at(data_->xpos, body), vector_at(velocity.data(), 1),
+          vector_at(acceleration.data(), 1) + gravity, vector_at(velocity.data(), 0),
+          vector_at(acceleration.data(), 0)};
+}
+
+std::array<MujocoHexapod::LegBodies, model::leg_count> MujocoHexapod::leg_bodies(
+    const VectorXd& acceleration) {
+  Eigen::Map<VectorXd>(data_->qacc, nv()) = acceleration;
+  mj_rnePostConstraint(model_.get(), data_.get());
+  std::array<LegBodies, model::leg_count> legs;
+  for (int i = 0; i < model::leg_count; ++i)
+    legs[i] = {body_motion(case_body(i)), body_motion(rod_body(i))};
+  return legs;
+}
+
+VectorXd MujocoHexapod::constraint_bias() {
+  const auto legs = leg_bodies(VectorXd::Zero(nv()));
+  const BodyMotion platform = body_motion(1);
+  const auto acceleration_at = [](const BodyMotion& body, const Vector3& point) -> Vector3 {
+    const Vector3 arm = point - body.position;
+    return body.acceleration + body.alpha.cross(arm) + body.omega.cross(body.omega.cross(arm));
+  };
+  VectorXd bias(18);
+  for (int i = 0; i < model::leg_count; ++i) {
+    const Vector3 joint = legs[i].rod.position + machine_.legs[i].rod.length * rod_direction(i);
+    bias.segment<3>(3 * i) = acceleration_at(legs[i].rod, joint) - acceleration_at(platform, joint);
+  }
+  return bias;
+}
+
 double MujocoHexapod::extension(int i) const { return data_->qpos[extension_of(i) + 1]; }
 
 MatrixXd MujocoHexapod::mass() const {

@@ -54,6 +54,21 @@ class MujocoHexapod {
   /// Of the slide along the case of leg `i`, from the start [m].
   [[nodiscard]] double extension(int i) const;
 
+  /// Sets q̇; gravity_force() then holds the velocity products as well.
+  void set_velocity(const VectorXd& velocity);
+  /// J̇ q̇: what the constraints' second derivative is without accelerations [m/s²], 18.
+  [[nodiscard]] VectorXd constraint_bias();
+
+  /// A body's motion in B: its frame's origin and its angular velocity, with time derivatives.
+  struct BodyMotion {
+    Vector3 position{}, velocity{}, acceleration{}, omega{}, alpha{};
+  };
+  /// Motions at q̈ = `acceleration`.
+  struct LegBodies {
+    BodyMotion cylinder_case{}, rod{};  ///< origins: base joint, piston
+  };
+  std::array<LegBodies, model::leg_count> leg_bodies(const VectorXd& acceleration);
+
   [[nodiscard]] MatrixXd mass() const;                 ///< nv × nv
   [[nodiscard]] MatrixXd constraint_jacobian() const;  ///< 18 × nv
   [[nodiscard]] VectorXd constraint_error() const;     ///< 18 [m]
@@ -72,7 +87,8 @@ class MujocoHexapod {
   /// Offset of the piston from the case's axis, in B [m].
   [[nodiscard]] Vector3 piston_offset(int i) const;
 
-  [[nodiscard]] VectorXd gravity_force() const;  ///< generalised
+  /// Generalised force of gravity and, with q̇ ≠ 0, of the velocity products.
+  [[nodiscard]] VectorXd gravity_force() const;
   /// Adds the generalised force of a pair ±`force` between rod (+) and case (−) of leg `i` at
   /// `point`.
   void add_pair(int i, const Vector3& force, const Vector3& point, VectorXd& generalised) const;
@@ -84,6 +100,7 @@ class MujocoHexapod {
   };
   [[nodiscard]] static int case_body(int i) { return 2 + 2 * i; }
   [[nodiscard]] static int rod_body(int i) { return 3 + 2 * i; }
+  [[nodiscard]] BodyMotion body_motion(int body) const;
   [[nodiscard]] MatrixXd point_jacobian(const Vector3& point, int body) const;
   [[nodiscard]] MatrixXd rates_seen_by_case(int i, const Vector3& point) const;
   void update();

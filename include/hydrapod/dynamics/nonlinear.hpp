@@ -32,18 +32,34 @@ struct Loads {
   Vector6 wrench{Vector6::Zero()};
 };
 
-/// One leg in motion.
+/// One leg in motion. Vectors marked L are in the frame of the case.
 struct LegMotion {
-  Vector3 a{Vector3::Zero()};                   ///< platform joint in B [m]
-  Vector3 v_a{Vector3::Zero()};                 ///< its velocity [m/s]
-  double length{}, length_rate{};               ///< l [m], l̇ [m/s]
-  double s{}, s_rate{};                         ///< piston from the base joint along the case
-  Matrix3 R_BL{Matrix3::Identity()};            ///< frame of the case: t, a2, n
-  Vector3 e{Vector3::UnitZ()};                  ///< rod's direction, in the case frame
-  Vector2 sleeve_offset{Vector2::Zero()};       ///< d_s [m]
+  bool exists{true};                  ///< false: no extension closes this leg; nothing else is set
+  Vector3 a{Vector3::Zero()};         ///< platform joint in B [m]
+  Vector3 v_a{Vector3::Zero()};       ///< its velocity in B [m/s]
+  double length{}, length_rate{};     ///< l [m], l̇ [m/s]
+  double s{}, s_rate{};               ///< piston from the base joint along the case [m], [m/s]
+  Matrix3 R_BL{Matrix3::Identity()};  ///< frame of the case: t, a2, n
+  Vector4 flexible{Vector4::Zero()};  ///< φ1, φ2 [rad], u1, u2 [m]
+  Vector4 flexible_rate{Vector4::Zero()};
+  Vector2 sleeve_offset{Vector2::Zero()};       ///< d_s [m] along t and a2
   Vector2 sleeve_offset_rate{Vector2::Zero()};  ///< as the case sees it [m/s]
   Vector2 ring_offset_rate{Vector2::Zero()};    ///< u̇ as the case sees it [m/s]
-  bool exists{true};                            ///< false: no extension closes this leg
+
+  double cosine{1.0}, sine{};            ///< the frame's first axis in L is (cosine, 0, sine)
+  Vector2 case_rate{Vector2::Zero()};    ///< rotation rates α̇, β̇ of the case about a1 and a2
+  Vector3 omega{Vector3::Zero()};        ///< angular velocity of the frame, L
+  Vector3 P{Vector3::UnitZ()};           ///< joint from the base joint, L [m]
+  Vector3 e{Vector3::UnitZ()};           ///< rod's direction, L
+  Vector3 e_1{Vector3::Zero()};          ///< ∂e/∂φ1, L
+  Vector3 e_2{Vector3::Zero()};          ///< ∂e/∂φ2, L
+  Vector3 e_bending{Vector3::Zero()};    ///< ė that L sees
+  Vector3 e_curvature{Vector3::Zero()};  ///< ë that L sees at constant rates of φ
+  Vector3 e_rate{Vector3::Zero()};       ///< ė in B, components in L
+  Vector3 g{Vector3::Zero()};            ///< rod's mass centre from the base joint, L [m]
+  Vector3 g_rate{Vector3::Zero()};       ///< its velocity in B, components in L
+  Eigen::Matrix<double, 2, 3> sleeve_slopes{Eigen::Matrix<double, 2, 3>::Zero()};
+  ///< ∂d_s/∂(s, φ1, φ2)
 };
 
 struct Energies {
@@ -62,23 +78,6 @@ struct Motion {
   Vector6 twist{Vector6::Zero()};  ///< velocity of C; ω
   std::array<LegMotion, model::leg_count> legs{};
 
-  /// Inner terms of the equations of motion, per leg.
-  struct LegTerms {
-    Vector3 g, g_rate;    ///< rod's mass centre in the case frame, its velocity in B
-    Vector3 e_1, e_2;     ///< ∂e/∂φ
-    Vector3 e_rate;       ///< ė in B
-    Vector2 d_1, d_2;     ///< ∂d_s/∂φ
-    Vector2 d_s;          ///< ∂d_s/∂s
-    double cosine, sine;  ///< a1 in the case frame is (cosine, 0, sine)
-    Vector2 gimbal_rate;  ///< rotation rates of the case about a1 and a2
-    Vector4 flexible, flexible_rate;
-    Vector3 e_curvature;  ///< ë at constant rates, in the case frame
-    Vector3 e_rate_case;  ///< ė seen by the case frame
-    double case_spin, rod_spin;
-    Vector3 spin_row;           ///< p of the rod's spin
-    double spin_row_curvature;  ///< ṗ·ė
-  };
-  std::array<LegTerms, model::leg_count> terms{};
   [[nodiscard]] bool exists() const;  ///< whether every leg closes
 };
 
@@ -91,6 +90,10 @@ class NonlinearModel {
 
   [[nodiscard]] ModelKind kind() const { return kind_; }
   [[nodiscard]] const model::Machine& machine() const { return machine_; }
+  /// First axis of the frame of leg `i` in B.
+  [[nodiscard]] const Vector3& axis(int i) const { return axes_[i]; }
+  /// First hinge of the rod of leg `i` in its case, axes of the case; with gimbal axes only.
+  [[nodiscard]] const Vector3& piston_axis(int i) const { return piston_axes_[i]; }
   [[nodiscard]] int flexible() const { return flexible_per_leg(kind_); }
   [[nodiscard]] int positions() const { return degrees_of_freedom(kind_) + 1; }
   [[nodiscard]] int velocities() const { return degrees_of_freedom(kind_); }
@@ -117,8 +120,11 @@ class NonlinearModel {
  private:
   model::Machine machine_;
   ModelKind kind_;
-  std::array<Vector3, model::leg_count> axes_{};         ///< first axis of each leg's frame, in B
-  std::array<Vector3, model::leg_count> piston_axes_{};  ///< first hinge at the piston, in the case
+  bool spinning_;                                 ///< gimbal axes: axial inertias count
+  std::array<Vector3, model::leg_count> axes_{};  ///< first axis of each leg's frame, in B
+  std::array<Vector3, model::leg_count> arms_{};  ///< platform joint from C, in P [m]
+  /// First hinge of the rod in the case, in L; gimbal axes only.
+  std::array<Vector3, model::leg_count> piston_axes_{};
 };
 
 }  // namespace hydrapod::dynamics
