@@ -7,36 +7,17 @@
 #include "csv_text.hpp"
 #include "formats.hpp"
 #include "hydrapod/base/file.hpp"
+#include "record_comments.hpp"
 
 namespace hydrapod::data {
 
 namespace {
 
-/// One comment line per line of `text`, so that notes and machine files stay legible.
-void add_comment(std::string& out, const char* key, const std::string& text) {
-  for (std::size_t begin = 0; begin <= text.size();) {
-    const std::size_t end = std::min(text.find('\n', begin), text.size());
-    out += fmt::format("# {}: {}\n", key, escaped(text.substr(begin, end - begin)));
-    begin = end + 1;
-  }
-}
-
 std::string header_text(const RecordHeader& header) {
-  std::string out = fmt::format("# {} {}\n", record_mark, record_version);
-  out += fmt::format("# sample_rate_hz: {}\n# start_s: {}\n# repeat: {}\n", header.sample_rate,
-                     header.start, header.repeat);
-  if (!header.title.empty()) out += fmt::format("# title: {}\n", escaped(header.title));
-  if (!header.date.empty()) out += fmt::format("# date: {}\n", escaped(header.date));
-  if (!header.notes.empty()) add_comment(out, "notes", header.notes);
-  if (!header.machine.empty()) add_comment(out, "machine", header.machine);
-  out += "# channel: name,unit,direction,role,point\n";
   std::string titles = "time [s]";
-  for (const Channel& c : header.channels) {
-    out += fmt::format("# channel: {},{},{},{},{}\n", quoted_field(c.name), quoted_field(c.unit),
-                       direction_text(c.direction), role_text(c.role), c.point);
+  for (const Channel& c : header.channels)
     titles += ',' + quoted_field(c.unit.empty() ? c.name : fmt::format("{} [{}]", c.name, c.unit));
-  }
-  return out + titles + '\n';
+  return comment_lines(header) + titles + '\n';
 }
 
 class CsvWriter final : public RecordWriter {

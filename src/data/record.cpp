@@ -34,6 +34,8 @@ constexpr std::array named_directions{
 
 constexpr std::array<std::string_view, 4> role_names{"excitation", "drive", "response", "other"};
 
+constexpr int most_point = 999'999'999;
+
 bool is_control(char c) { return static_cast<unsigned char>(c) < 0x20 || c == 0x7F; }
 
 [[noreturn]] void refuse(const std::string& what) {
@@ -107,6 +109,9 @@ void validate(const RecordHeader& header) {
     if (!names.insert(channel.name).second)
       refuse(fmt::format("two channels are called \"{}\"", channel.name));
     require_unit(channel);
+    if (channel.point < -most_point || channel.point > most_point)
+      refuse(fmt::format("point {} of channel {} has more than nine digits", channel.point,
+                         channel.name));
     direction_text(channel.direction);
   }
 }

@@ -58,6 +58,14 @@ bool has_hdf5_signature(std::string_view head) {
          (head.size() >= 520 && head.substr(512).starts_with(signature));
 }
 
+/// The first line that is not empty is "    -1".
+bool begins_as_uff(std::string_view head) {
+  const std::size_t begin = head.find_first_not_of("\r\n");
+  if (begin == head.npos) return false;
+  const std::string_view line = head.substr(begin, head.find_first_of("\r\n", begin) - begin);
+  return line.starts_with("    -1") && line.find_first_not_of(" \t", 6) == line.npos;
+}
+
 }  // namespace
 
 std::string_view format_text(RecordFormat format) {
@@ -90,6 +98,9 @@ std::unique_ptr<RecordWriter> open_record_writer(const std::string& path,
       return make_hdf5_writer(path, header);
     case RecordFormat::csv:
       return make_csv_writer(path, header);
+    case RecordFormat::uff:
+    case RecordFormat::uff_ascii:
+      return make_uff_writer(path, header, format == RecordFormat::uff);
     default:
       throw std::invalid_argument("open_record_writer: unknown format");
   }
@@ -104,6 +115,7 @@ std::unique_ptr<RecordReader> open_record_reader(const std::string& path,
                                                  const ReadOptions& options) {
   const std::string head = head_of(path);
   if (has_hdf5_signature(head)) return make_hdf5_reader(path, options);
+  if (begins_as_uff(head)) return make_uff_reader(path, options);
   if (head.find('\0') != std::string::npos)
     refuse(path, "this is no record: it begins neither as HDF5, MAT, Universal File nor text");
   return make_csv_reader(path, options);

@@ -69,7 +69,8 @@ TEST_P(RoundTrip, ARecordWithoutSamplesIsARecord) {
   expect_same_header(read.header, record.header);
 }
 
-INSTANTIATE_TEST_SUITE_P(Formats, RoundTrip, testing::Values(RecordFormat::hdf5, RecordFormat::csv),
+INSTANTIATE_TEST_SUITE_P(Formats, RoundTrip,
+                         testing::Values(RecordFormat::hdf5, RecordFormat::csv, RecordFormat::uff),
                          [](const auto& format) { return std::string(format_text(format.param)); });
 
 }  // namespace

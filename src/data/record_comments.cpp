@@ -1,0 +1,138 @@
+#include "record_comments.hpp"
+
+#include <fmt/format.h>
+
+#include <charconv>
+#include <cmath>
+
+#include "channel_units.hpp"
+#include "csv_text.hpp"
+#include "formats.hpp"
+#include "hydrapod/base/printable.hpp"
+
+namespace hydrapod::data {
+
+namespace {
+
+/// One comment line per line of `text`, so that notes and machine files stay legible.
+void add_lines(std::string& out, const char* key, const std::string& text) {
+  for (std::size_t begin = 0; begin <= text.size();) {
+    const std::size_t end = std::min(text.find('\n', begin), text.size());
+    out += fmt::format("# {}: {}\n", key, escaped(text.substr(begin, end - begin)));
+    begin = end + 1;
+  }
+}
+
+std::string mark() { return fmt::format("{} {}", record_mark, record_version); }
+
+}  // namespace
+
+std::string comment_lines(const RecordHeader& header) {
+  std::string out = fmt::format("# {}\n", mark());
+  out += fmt::format("# sample_rate_hz: {}\n# start_s: {}\n# repeat: {}\n", header.sample_rate,
+                     header.start, header.repeat);
+  if (!header.title.empty()) add_lines(out, "title", header.title);
+  if (!header.date.empty()) add_lines(out, "date", header.date);
+  if (!header.notes.empty()) add_lines(out, "notes", header.notes);
+  if (!header.machine.empty()) add_lines(out, "machine", header.machine);
+  out += "# channel: name,unit,direction,role,point\n";
+  for (const Channel& c : header.channels)
+    out += fmt::format("# channel: {},{},{},{},{}\n", quoted_field(c.name), quoted_field(c.unit),
+                       direction_text(c.direction), role_text(c.role), c.point);
+  return out;
+}
+
+bool RecordComments::is_comment(std::string_view line) {
+  return line.starts_with('#') || line.starts_with('%') || line.starts_with("//");
+}
+
+void RecordComments::take(std::string_view line, unsigned number) {
+  const std::size_t begin = line.find_first_not_of(" \t#%/");
+  if (begin == line.npos) return;
+  line.remove_prefix(begin);
+  const std::size_t colon = line.find(':');
+  if (colon == line.npos) {
+    lines_[std::string(trimmed_view(line))].push_back({"", number});
+    return;
+  }
+  std::string_view value = line.substr(colon + 1);
+  if (value.starts_with(' ')) value.remove_prefix(1);
+  lines_[std::string(line.substr(0, colon))].push_back({std::string(value), number});
+}
+
+bool RecordComments::by_hydrapod() const { return lines_.contains(mark()); }
+
+double RecordComments::number_of(const std::string& key, double otherwise,
+                                 const Notes& notes) const {
+  const auto at = lines_.find(key);
+  if (at == lines_.end()) return otherwise;
+  const Line& line = at->second.back();
+  const auto value = field_number(line.text, false);
+  if (value && std::isfinite(*value)) return *value;
+  notes.fail(fmt::format("{}: \"{}\" is not a finite number", key, base::printable(line.text)),
+             line.number);
+}
+
+std::string RecordComments::text_of(const std::string& key) const {
+  const auto at = lines_.find(key);
+  if (at == lines_.end()) return {};
+  std::string text;
+  for (const Line& line : at->second) {
+    if (&line != &at->second.front()) text += '\n';
+    text += unescaped(line.text);
+  }
+  return clean_text(text, true);
+}
+
+/// "name,unit,direction,role,point".
+Channel RecordComments::channel_of(const Line& line, const Notes& notes) {
+  const auto fields = split_fields(line.text, ',');
+  if (fields.size() != 5)
+    notes.fail(fmt::format("a channel is described by name,unit,direction,role,point; found {} "
+                           "fields",
+                           fields.size()),
+               line.number);
+  Channel channel{.name = fields[0], .unit = fields[1]};
+  const auto direction = direction_from_text(fields[2]);
+  const auto role = role_from_text(fields[3]);
+  if (!direction)
+    notes.fail(fmt::format("direction \"{}\" is unknown; accepted are x, y, z, rx, ry, rz, these "
+                           "with a -, leg 1 … leg 6 and nothing",
+                           base::printable(fields[2])),
+               line.number);
+  if (!role)
+    notes.fail(fmt::format("role \"{}\" is unknown; accepted are excitation, drive, response and "
+                           "other",
+                           base::printable(fields[3])),
+               line.number);
+  channel.direction = *direction;
+  channel.role = *role;
+  const char* end_of_text = fields[4].data() + fields[4].size();
+  const auto [end, status] = std::from_chars(fields[4].data(), end_of_text, channel.point);
+  if (status != std::errc{} || end != end_of_text)
+    notes.fail(fmt::format("point \"{}\" is not a whole number", base::printable(fields[4])),
+               line.number);
+  return channel;
+}
+
+RecordHeader RecordComments::header(const Notes& notes) const {
+  RecordHeader record;
+  record.sample_rate = number_of("sample_rate_hz", 0.0, notes);
+  if (record.sample_rate < 0.0) notes.fail("sample_rate_hz must be positive");
+  record.start = number_of("start_s", 0.0, notes);
+  const double repeat = number_of("repeat", 1.0, notes);
+  if (!(repeat >= 1.0) || repeat > 1e9 || repeat != std::floor(repeat))
+    notes.fail("repeat must be a whole number, 1 or more");
+  record.repeat = static_cast<int>(repeat);
+  record.title = clean_text(text_of("title"));
+  record.date = clean_text(text_of("date"));
+  record.notes = text_of("notes");
+  record.machine = text_of("machine");
+  const auto at = lines_.find("channel");
+  if (at == lines_.end()) return record;
+  for (std::size_t i = 1; i < at->second.size(); ++i)  // the first names the fields
+    record.channels.push_back(channel_of(at->second[i], notes));
+  return record;
+}
+
+}  // namespace hydrapod::data

@@ -1,0 +1,215 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "formats.hpp"
+#include "hydrapod/base/printable.hpp"
+#include "uff_dataset.hpp"
+#include "uff_text.hpp"
+
+namespace hydrapod::data {
+
+namespace {
+
+constexpr double rate_tolerance = 2e-5;  ///< increments are written with six digits
+
+class UffReader final : public RecordReader {
+ public:
+  explicit UffReader(const std::string& path) : notes_(path), contents_(scan_uff(path, notes_)) {
+    choose();
+    make_header();
+    for (const UffFunction& f : chosen_) count_ = std::max(count_, f.count);
+    const std::size_t window = std::clamp<std::size_t>((32U << 20U) / chosen_.size(), 8192, 65536);
+    for (std::size_t c = 0; c < chosen_.size(); ++c) {
+      if (chosen_[c].count < count_)
+        notes_.add(fmt::format("channel \"{}\" has {} of {} samples; those that lack are taken as "
+                               "missing",
+                               base::printable(header_.channels[c].name), chosen_[c].count, count_),
+                   chosen_[c].line);
+      values_.push_back(std::make_unique<UffValues>(path, chosen_[c], window));
+    }
+  }
+
+  [[nodiscard]] RecordFormat format() const override {
+    return chosen_.front().binary ? RecordFormat::uff : RecordFormat::uff_ascii;
+  }
+  [[nodiscard]] const RecordHeader& header() const override { return header_; }
+  [[nodiscard]] std::optional<std::int64_t> sample_count() const override {
+    return static_cast<std::int64_t>(count_);
+  }
+  [[nodiscard]] const std::vector<base::Diagnostic>& notes() const override { return notes_.all(); }
+
+  std::int64_t read(Eigen::Ref<Samples> block) override {
+    const auto rows =
+        std::min<std::uint64_t>(count_ - done_, static_cast<std::uint64_t>(block.rows()));
+    for (std::size_t c = 0; c < values_.size(); ++c)
+      for (std::uint64_t row = 0; row < rows; ++row)
+        block(static_cast<Eigen::Index>(row), static_cast<Eigen::Index>(c)) =
+            sample(c, done_ + row);
+    done_ += rows;
+    return static_cast<std::int64_t>(rows);
+  }
+
+ private:
+  double sample(std::size_t channel, std::uint64_t index) {
+    double value = std::numeric_limits<double>::quiet_NaN();
+    if (index >= chosen_[channel].count) return value;
+    if (!chosen_[channel].is_even) values_[channel]->next(value, notes_);  // its time
+    values_[channel]->next(value, notes_);
+    return value * factors_[channel];
+  }
+
+  /// Functions over time that share the first one's sampling.
+  void choose() {
+    std::size_t others = 0;
+    for (UffFunction& f : contents_.functions) {
+      const bool time =
+          f.type == uff_function::time_response ||
+          (f.type == uff_function::general && f.abscissa.quantity == uff_quantity::time);
+      if (!time || f.is_complex) {
+        ++others;
+        continue;
+      }
+      if (!f.is_even && !make_even(f)) continue;
+      if (chosen_.empty() || same_sampling(f)) chosen_.push_back(f);
+    }
+    if (others > 0)
+      notes_.add(
+          fmt::format("{} function{} over time (spectra, frequency responses, …) left out of "
+                      "the record",
+                      others, others == 1 ? " that is none" : "s that are none"));
+    if (chosen_.empty())
+      notes_.fail("the Universal File holds no function over time that can be read");
+  }
+
+  bool same_sampling(const UffFunction& f) {
+    const UffFunction& first = chosen_.front();
+    const bool same_rate = std::abs(f.step - first.step) <= rate_tolerance * first.step;
+    const bool same_start =
+        std::abs(f.first - first.first) <= 0.01 * first.step + 1e-5 * std::abs(first.first);
+    if (same_rate && same_start) return true;
+    notes_.add(
+        fmt::format("dataset {} is sampled every {} s from {} s, unlike the first one (every "
+                    "{} s from {} s): left out",
+                    f.dataset, f.step, f.first, first.step, first.first),
+        f.line);
+    return false;
+  }
+
+  /// Times that are even though the file says they need not be give start and step.
+  bool make_even(UffFunction& f) {
+    UffValues values(notes_.file(), f);
+    Notes ignored(notes_.file());
+    double first = 0.0, last = 0.0, time = 0.0, value = 0.0;
+    std::uint64_t n = 0;
+    for (; n < f.count && values.next(time, ignored) && values.next(value, ignored); ++n) {
+      if (n == 0) first = time;
+      last = time;
+    }
+    const double step = n > 1 ? (last - first) / static_cast<double>(n - 1) : 0.0;
+    bool even = step > 0.0 && std::isfinite(step);
+    UffValues again(notes_.file(), f);
+    for (std::uint64_t k = 0; even && k < n; ++k) {
+      again.next(time, ignored);
+      again.next(value, ignored);
+      const double planned = first + static_cast<double>(k) * step;
+      even = std::abs(time - planned) <= 0.1 * step + 1e-5 * std::abs(planned);
+    }
+    if (!even) {
+      notes_.add(fmt::format("dataset {} is not evenly sampled: left out", f.dataset), f.line);
+      return false;
+    }
+    f.first = first;
+    f.step = step;
+    return true;
+  }
+
+  void make_header() {
+    const UffFunction& first = chosen_.front();
+    header_.sample_rate = 1.0 / first.step;
+    const double whole = std::round(header_.sample_rate);
+    if (whole > 0.0 && std::abs(header_.sample_rate - whole) <= rate_tolerance * whole)
+      header_.sample_rate = whole;
+    header_.start = first.first;
+    header_.title = contents_.model_name == "NONE" ? "" : contents_.model_name;
+    header_.date = iso_date(first.id[2] == "NONE" ? "" : first.id[2]);
+    header_.repeat = static_cast<int>(std::clamp(first.version, 1LL, 99999LL));
+    for (const UffFunction& f : chosen_) header_.channels.push_back(channel_of(f));
+    if (contents_.own.by_hydrapod() && use_own_header()) {
+      make_names_unique(header_.channels);
+      factors_ = to_si(header_.channels, notes_, true);
+      return;
+    }
+    make_names_unique(header_.channels);
+    for (std::size_t c = 0; c < chosen_.size(); ++c) set_unit(chosen_[c], header_.channels[c]);
+  }
+
+  /// What hydrapod wrote about the record, if the functions are still those it wrote.
+  bool use_own_header() {
+    RecordHeader own = contents_.own.header(notes_);
+    bool same =
+        own.channels.size() == chosen_.size() && own.sample_rate > 0.0 &&
+        std::abs(own.sample_rate - header_.sample_rate) <= rate_tolerance * header_.sample_rate;
+    for (std::size_t c = 0; same && c < chosen_.size(); ++c)
+      same = chosen_[c].response.node == own.channels[c].point;
+    if (same)
+      header_ = std::move(own);
+    else
+      notes_.add(
+          "the functions are not those that the header of hydrapod in the file describes; "
+          "the header is left aside");
+    return same;
+  }
+
+  static Channel channel_of(const UffFunction& f) {
+    Channel channel;
+    channel.name =
+        f.ordinate.label != "NONE" && !f.ordinate.label.empty() ? f.ordinate.label : f.id[0];
+    if (channel.name.size() < f.id[0].size() && f.id[0].starts_with(channel.name))
+      channel.name = f.id[0];  // the label has 20 characters only
+    channel.direction = static_cast<Direction>(f.response.direction);
+    for (int leg = 1; leg <= 6; ++leg)
+      if (f.response.direction == 0 && f.response.entity == fmt::format("LEG {}", leg))
+        channel.direction = leg_direction(leg);
+    channel.role = Role::response;
+    if (f.ordinate.quantity == uff_quantity::excitation_force) channel.role = Role::excitation;
+    const std::string word = f.id[3].substr(0, f.id[3].find(" of repeat"));
+    if (const auto role = role_from_text(word)) channel.role = *role;
+    if (std::abs(f.response.node) <= 999'999'999) channel.point = static_cast<int>(f.response.node);
+    return channel;
+  }
+
+  void set_unit(const UffFunction& f, Channel& channel) {
+    const ChannelUnit unit = uff_unit(f.ordinate, f.response.direction, contents_.units);
+    channel.unit = unit.unit;
+    factors_.push_back(unit.factor);
+    const std::string name = base::printable(channel.name);
+    if (!unit.known)
+      notes_.add(
+          fmt::format("channel \"{}\": the unit \"{}\" is not known or has an offset; its "
+                      "samples are left as they are",
+                      name, base::printable(unit.unit, 30)));
+    else if (unit.factor != 1.0)
+      notes_.add(fmt::format("channel \"{}\": converted to \"{}\", times {}", name, unit.unit,
+                             unit.factor));
+  }
+
+  Notes notes_;
+  UffContents contents_;
+  std::vector<UffFunction> chosen_;
+  RecordHeader header_;
+  std::vector<double> factors_;
+  std::vector<std::unique_ptr<UffValues>> values_;
+  std::uint64_t count_{}, done_{};
+};
+
+}  // namespace
+
+std::unique_ptr<RecordReader> make_uff_reader(const std::string& path,
+                                              const ReadOptions& /*options*/) {
+  return std::make_unique<UffReader>(path);
+}
+
+}  // namespace hydrapod::data

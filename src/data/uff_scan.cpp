@@ -1,0 +1,352 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "csv_text.hpp"
+#include "hydrapod/base/printable.hpp"
+#include "uff_dataset.hpp"
+#include "uff_text.hpp"
+
+namespace hydrapod::data {
+
+namespace {
+
+constexpr int header_lines = 11;
+constexpr std::size_t most_functions = 100'000;
+
+/// A dataset that cannot be used; the scan goes on behind it.
+struct Unusable {
+  std::string why;
+};
+
+bool is_delimiter(std::string_view line) {
+  return trimmed_view(line) == "-1" && trimmed_view(line.substr(0, 6)) == "-1";
+}
+
+class Scan {
+ public:
+  Scan(const std::string& path, Notes& notes) : file_(path), notes_(notes) {}
+
+  UffContents all() {
+    std::string_view line;
+    while (next(line)) {
+      if (!is_delimiter(line)) {
+        if (!trimmed_view(line).empty())
+          notes_.add("text outside of datasets, skipped", line_, 0, "outside");
+        continue;
+      }
+      begin_dataset();
+    }
+    if (datasets_ == 0)
+      notes_.fail("this is no Universal File: it has no dataset between lines of \"    -1\"");
+    return std::move(contents_);
+  }
+
+ private:
+  /// The next line; it holds until the next call.
+  bool next(std::string_view& line) {
+    if (offset_ >= file_.size()) return false;
+    const FileWindow::Line got = file_.line_at(offset_);
+    line = got.text;
+    offset_ = got.next;
+    if (count_lines_) ++line_;
+    return true;
+  }
+
+  void begin_dataset() {
+    std::string_view line;
+    do {
+      if (!next(line)) return;  // the last delimiter of a file
+    } while (is_delimiter(line));
+    ++datasets_;
+    first_line_ = line_;
+    const std::string head(line);
+    const auto number = fortran_integer(columns(head, 0, 6));
+    const std::string_view kind = columns(head, 6, 1);
+    try {
+      if (!number)
+        throw Unusable{fmt::format("\"{}\" is not the number of a dataset",
+                                   base::printable(columns(head, 0, 6)))};
+      if (*number == 58)
+        function(head, kind == "b" || kind == "B");
+      else if (*number == 151)
+        file_header();
+      else if (*number == 164)
+        units();
+      else if (*number == uff_own_dataset)
+        own_header();
+      else
+        notes_.add(fmt::format("dataset {} has the number {}, which is not read: skipped",
+                               datasets_, *number),
+                   first_line_, 0, fmt::format("number {}", *number));
+    } catch (const Unusable& unusable) {
+      notes_.add(fmt::format("dataset {}: {}; skipped", datasets_, unusable.why), first_line_);
+    }
+    skip_to_end();
+  }
+
+  /// Behind the delimiter that ends this dataset.
+  void skip_to_end() {
+    std::string_view line;
+    if (ended_) {
+      ended_ = false;
+      return;
+    }
+    while (next(line))
+      if (is_delimiter(line)) return;
+    notes_.add(fmt::format("the file is cut off in dataset {}: its end is missing", datasets_));
+  }
+
+  /// A line of a dataset's header, which may not end here.
+  std::string header_line(const char* what) {
+    std::string_view line;
+    if (!next(line)) throw Unusable{fmt::format("the file is cut off before its {}", what)};
+    if (is_delimiter(line)) {
+      ended_ = true;
+      throw Unusable{fmt::format("it ends before its {}", what)};
+    }
+    return std::string(line);
+  }
+
+  static long long integer(std::string_view line, std::size_t begin, std::size_t width,
+                           const char* what) {
+    const std::string_view field = columns(line, begin, width);
+    if (field.empty()) return 0;
+    const auto value = fortran_integer(field);
+    if (!value)
+      throw Unusable{
+          fmt::format("{} is \"{}\", not a whole number", what, base::printable(field, 20))};
+    return *value;
+  }
+
+  static int small(std::string_view line, std::size_t begin, std::size_t width, const char* what,
+                   long long least, long long most) {
+    const long long value = integer(line, begin, width, what);
+    if (value < least || value > most)
+      throw Unusable{fmt::format("{} is {}; known are {} to {}", what, value, least, most)};
+    return static_cast<int>(value);
+  }
+
+  static double real(std::string_view line, std::size_t begin, std::size_t width,
+                     const char* what) {
+    const std::string_view field = columns(line, begin, width);
+    if (field.empty()) return 0.0;
+    const auto value = fortran_number(field);
+    if (!value || !std::isfinite(*value))
+      throw Unusable{
+          fmt::format("{} is \"{}\", not a finite number", what, base::printable(field, 20))};
+    return *value;
+  }
+
+  static std::string text(std::string_view line, std::size_t begin, std::size_t width) {
+    return clean_text(columns(line, begin, width));
+  }
+
+  static UffPlace place(std::string_view line, std::size_t begin, const char* what) {
+    UffPlace place;
+    place.entity = text(line, begin + 1, 10);
+    place.node = integer(line, begin + 11, 10, what);
+    place.direction = small(line, begin + 21, 4, what, -6, 6);
+    return place;
+  }
+
+  static UffAxis axis(const std::string& line) {
+    UffAxis axis;
+    axis.quantity =
+        static_cast<int>(std::clamp(integer(line, 0, 10, "the specific data type"), -1LL, 1000LL));
+    constexpr long long most = 20;
+    axis.length_exponent = small(line, 10, 5, "the length units exponent", -most, most);
+    axis.force_exponent = small(line, 15, 5, "the force units exponent", -most, most);
+    axis.temperature_exponent = small(line, 20, 5, "the temperature units exponent", -most, most);
+    axis.label = text(line, 26, 20);
+    axis.unit = text(line, 47, 20);
+    return axis;
+  }
+
+  void function(const std::string& head, bool binary) {
+    if (contents_.functions.size() == most_functions)
+      throw Unusable{fmt::format("more than {} functions", most_functions)};
+    UffFunction f;
+    f.dataset = datasets_;
+    f.line = first_line_;
+    f.binary = binary;
+    const char* names[header_lines] = {"record 1",
+                                       "record 2",
+                                       "record 3",
+                                       "record 4",
+                                       "record 5",
+                                       "record 6",
+                                       "record 7",
+                                       "record 8 (abscissa)",
+                                       "record 9 (ordinate)",
+                                       "record 10",
+                                       "record 11 (z axis)"};
+    std::array<std::string, header_lines> lines;
+    for (int i = 0; i < header_lines; ++i)
+      lines[static_cast<std::size_t>(i)] = header_line(names[i]);
+    for (std::size_t i = 0; i < f.id.size(); ++i) f.id[i] = text(lines[i], 0, 80);
+    places(lines[5], f);
+    data_form(lines[6], f);
+    f.abscissa = axis(lines[7]);
+    f.ordinate = axis(lines[8]);
+    f.denominator = axis(lines[9]);
+    f.z_axis = axis(lines[10]);
+    f.begin = offset_;
+    f.data_line = count_lines_ ? line_ + 1 : 0;
+    if (binary)
+      binary_values(head, f);
+    else
+      text_values(f);
+    if (f.count < f.declared)
+      notes_.add(
+          fmt::format("dataset {} declares {} values and holds {}", datasets_, f.declared, f.count),
+          f.line);
+    contents_.functions.push_back(f);
+  }
+
+  static void places(const std::string& line, UffFunction& f) {
+    f.type = small(line, 0, 5, "the function type", 0, 99999);
+    f.number = integer(line, 5, 10, "the function identification number");
+    f.version = integer(line, 15, 5, "the version number");
+    f.load_case = integer(line, 20, 10, "the load case");
+    f.response = place(line, 30, "the response node or direction");
+    f.reference = place(line, 55, "the reference node or direction");
+  }
+
+  static void data_form(const std::string& line, UffFunction& f) {
+    const long long type = integer(line, 0, 10, "the ordinate data type");
+    if (type != 2 && type != 4 && type != 5 && type != 6)
+      throw Unusable{fmt::format("the ordinate data type is {}; known are 2, 4, 5 and 6", type)};
+    f.is_complex = type >= 5;
+    f.is_double = type == 4 || type == 6;
+    const long long count = integer(line, 10, 10, "the number of values");
+    if (count < 0) throw Unusable{fmt::format("the number of values is {}", count)};
+    f.declared = static_cast<std::uint64_t>(count);
+    f.is_even = integer(line, 20, 10, "the abscissa spacing") == 1;
+    f.first = real(line, 30, 13, "the abscissa minimum");
+    f.step = real(line, 43, 13, "the abscissa increment");
+    f.z = real(line, 56, 13, "the z-axis value");
+    if (f.is_even && !(f.step > 0.0) && f.declared > 1)
+      throw Unusable{fmt::format("the abscissa increment is {} and must be positive", f.step)};
+  }
+
+  bool delimiter_at(std::uint64_t offset) {
+    const std::string_view bytes = file_.at(offset, 8);
+    const std::size_t begin = std::min(bytes.find_first_not_of("\r\n"), bytes.size());
+    return begin <= 2 && bytes.substr(begin).starts_with("    -1");
+  }
+
+  void binary_values(const std::string& head, UffFunction& f) {
+    const long long order = integer(head, 7, 6, "the byte order");
+    const long long floats = integer(head, 13, 6, "the floating point format");
+    const auto bytes =
+        static_cast<std::uint64_t>(std::max(integer(head, 31, 12, "the number of bytes"), 0LL));
+    count_lines_ = false;  // what looks like lines in binary data is none
+    line_ = 0;
+    if (order != 1 && order != 2)
+      throw Unusable{
+          fmt::format("the byte order is {}; known are 1 (little endian) and 2 (big "
+                      "endian)",
+                      order)};
+    if (floats != 2)
+      throw Unusable{
+          fmt::format("the floating point format is {}; only 2 (IEEE 754) is read", floats)};
+    f.big_endian = order == 2;
+    const std::uint64_t value = (f.is_double ? 8U : 4U) * (f.is_complex ? 2U : 1U);
+    std::uint64_t stride = value + (f.is_even ? 0U : f.is_double ? 8U : 4U);
+    f.wide_abscissa = f.is_double;
+    if (!f.is_even && f.is_double && f.declared > 0 && bytes / f.declared == value + 4) {
+      f.wide_abscissa = false;
+      stride = value + 4;
+    }
+    const std::uint64_t left = file_.size() - offset_;
+    const bool fits = f.declared <= left / stride;
+    std::uint64_t used = fits ? f.declared * stride : left;
+    if (bytes > 0 && bytes != f.declared * stride) {
+      notes_.add(fmt::format("dataset {} declares {} values and {} bytes, which do not fit",
+                             datasets_, f.declared, bytes));
+      const bool by_values = fits && delimiter_at(offset_ + used);
+      if (!by_values && bytes <= left && delimiter_at(offset_ + bytes)) used = bytes;
+    }
+    f.count = std::min(f.declared, used / stride);
+    f.end = offset_ + f.count * stride;
+    offset_ += used;
+  }
+
+  /// Lines up to the delimiter; how many values they hold.
+  void text_values(UffFunction& f) {
+    const auto widths = uff_widths(f);
+    std::size_t whole = 0;
+    for (const int width : widths) whole += static_cast<std::size_t>(width);
+    std::uint64_t numbers = 0;
+    bool is_first = true;
+    std::string_view line;
+    for (f.end = offset_; next(line); f.end = offset_) {
+      if (is_delimiter(line)) {
+        ended_ = true;
+        break;
+      }
+      unsigned bad = 0;
+      if (is_first) {
+        uff_line_numbers(line, widths, false, bad);
+        unsigned bad_when_free = 0;
+        if (bad > 0) uff_line_numbers(line, widths, true, bad_when_free);
+        f.free_form = bad > 0 && bad_when_free == 0;
+        is_first = false;
+      }
+      const std::size_t length = line.find_last_not_of(" \t") + 1;
+      const bool full = !f.free_form && length > whole - static_cast<std::size_t>(widths.back());
+      numbers += full ? widths.size() : uff_line_numbers(line, widths, f.free_form, bad).size();
+    }
+    f.count = std::min<std::uint64_t>(f.declared, numbers / tuple_size(f));
+  }
+
+  void file_header() {
+    contents_.model_name = text(header_line("model name"), 0, 80);
+    contents_.description = text(header_line("description"), 0, 80);
+    contents_.program = text(header_line("program"), 0, 80);
+  }
+
+  void units() {
+    const std::string first = header_line("units code"), second = header_line("unit factors");
+    UffUnits units;
+    units.code = small(first, 0, 10, "the units code", 0, 99999);
+    units.description = text(first, 10, 20);
+    units.length = real(second, 0, 25, "the length factor");
+    units.force = real(second, 25, 25, "the force factor");
+    units.temperature = real(second, 50, 25, "the temperature factor");
+    if (!(units.length > 0.0) || !(units.force > 0.0))
+      throw Unusable{"its length and force factors must be positive"};
+    contents_.units = units;
+  }
+
+  void own_header() {
+    std::string_view line;
+    while (next(line)) {
+      if (is_delimiter(line)) {
+        ended_ = true;
+        return;
+      }
+      std::string whole(line);  // lines may be longer than the pieces they come in
+      while (offset_ < file_.size() && whole.size() % 4096 == 0 && !whole.empty() && next(line))
+        whole += line;
+      if (RecordComments::is_comment(whole)) contents_.own.take(whole, line_);
+    }
+  }
+
+  FileWindow file_;
+  Notes& notes_;
+  UffContents contents_;
+  std::uint64_t offset_{};
+  unsigned line_{}, first_line_{};
+  bool count_lines_{true};
+  bool ended_{};  ///< the delimiter of this dataset has been taken
+  std::size_t datasets_{};
+};
+
+}  // namespace
+
+UffContents scan_uff(const std::string& path, Notes& notes) { return Scan(path, notes).all(); }
+
+}  // namespace hydrapod::data
