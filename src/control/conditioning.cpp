@@ -38,6 +38,18 @@ ConditionedDrive condition(const ControllerParameters& parameters, int leg, doub
   return {drive, limited};
 }
 
+double speed_of_drive(const ControllerParameters& parameters, int leg, double drive,
+                      const AxisSpeeds& speeds) {
+  const auto& output = parameters.output;
+  if (output.scale[leg] == 0.0) return 0.0;
+  const double jumped = (drive - output.offset[leg]) / output.scale[leg];
+  const double over = jump(parameters, leg);
+  const double plain = std::abs(jumped) < overlap_ramp + over
+                           ? jumped / (1.0 + over / overlap_ramp)
+                           : jumped - std::copysign(over, jumped);
+  return plain * (plain > 0.0 ? speeds.extending : speeds.retracting);
+}
+
 double drive_per_speed(const ControllerParameters& parameters, int leg, double slow_force,
                        double drive) {
   const auto& output = parameters.output;

@@ -17,6 +17,10 @@ struct ConditionedDrive {
 ConditionedDrive condition(const ControllerParameters& parameters, int leg, double speed,
                            const AxisSpeeds& speeds);
 
+/// The wanted speed [m/s] that is conditioned to `drive`; limit and rounding left out.
+double speed_of_drive(const ControllerParameters& parameters, int leg, double drive,
+                      const AxisSpeeds& speeds);
+
 /// ∂drive/∂speed [s/m] where the drive is `drive`; limit and rounding left out.
 double drive_per_speed(const ControllerParameters& parameters, int leg, double slow_force,
                        double drive);

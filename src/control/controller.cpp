@@ -1,6 +1,7 @@
 #include "hydrapod/control/controller.hpp"
 
 #include <Eigen/Geometry>
+#include <Eigen/LU>
 #include <cmath>
 
 #include "conditioning.hpp"
@@ -53,6 +54,21 @@ void Controller::reset(const Pose& X_BP, const Measurement& measured) {
   state_.X_BP = X_BP;
   state_.slow_force = load_forces(parameters_.axes, measured);
   state_.slow_acceleration = measured.acceleration;
+}
+
+void Controller::take_over(const Vector6& drives) {
+  Vector6 held;
+  for (int i = 0; i < model::leg_count; ++i)
+    held[i] = speed_of_drive(parameters_, i, drives[i],
+                             conditioning_speeds(parameters_, i, state_.slow_force[i]));
+  if (parameters_.space == model::ControlSpace::pose) {
+    const auto legs = kinematics::inverse_kinematics(machine_, state_.X_BP);
+    held = kinematics::leg_jacobian(legs, state_.X_BP.p_BP).partialPivLu().solve(held).eval();
+  }
+  for (int i = 0; i < 6; ++i)
+    state_.integral[i] = parameters_.gain[i] > 0.0 && std::isfinite(held[i])
+                             ? parameters_.integral_time * held[i] / parameters_.gain[i]
+                             : 0.0;
 }
 
 Vector6 Controller::proportional_integral(const Vector6& error) const {

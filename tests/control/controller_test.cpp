@@ -108,6 +108,27 @@ TEST(Controller, IntegratesTheErrorAndStandsStillAtTheLimit) {
   EXPECT_EQ(controller.state().integral.norm(), 0.0);
 }
 
+/// A machine held by drives is taken over without a bump.
+TEST(Controller, BeginsWithTheDrivesThatHoldTheMachine) {
+  const auto machine = published_machine();
+  const Vector6 holding = (Vector6() << 0.011, -0.004, 0.06, -0.013, 0.0, 0.021).finished();
+  for (const auto space : {model::ControlSpace::pose, model::ControlSpace::leg}) {
+    auto parameters = example_parameters();
+    parameters.space = space;
+    parameters.overlap_compensation = 0.9;
+    parameters.output.scale.setConstant(1.2);
+    parameters.output.offset[1] = 0.003;
+    for (auto& axis : parameters.axes) axis.overlap = 0.02;
+    const Pose X_BP = some_pose(machine);
+    const auto measured = exact_measurement(machine, parameters, X_BP);
+    Controller controller(machine, parameters);
+    controller.reset(X_BP, measured);
+    controller.take_over(holding);
+    const Vector6 drives = controller.step(measured, {.X_BP = X_BP});
+    EXPECT_LT((drives - holding).norm(), 1e-6);  // forward kinematics to 1e-9 m
+  }
+}
+
 TEST(Controller, FeedsBackForceThatChangesButNoneThatStays) {
   const auto machine = published_machine();
   const auto parameters = example_parameters();

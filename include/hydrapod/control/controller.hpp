@@ -59,6 +59,10 @@ class Controller {
   /// Starts anew at `X_BP` with the slow parts of the feedback at what is measured now.
   void reset(const Pose& X_BP, const Measurement& measured);
 
+  /// After reset(): the integral begins where the drives come out as `drives` for no error, as far
+  /// as there is an integral, so that a machine held by them is taken over without a bump.
+  void take_over(const Vector6& drives);
+
   /// One sample: drives of legs 1…6, shares of the rated one. Where forward kinematics finds no
   /// pose (state().forward tells), the wanted speeds are zero.
   Vector6 step(const Measurement& measured, const Command& command);

@@ -1,0 +1,86 @@
+#include "hydrapod/simulation/tuning.hpp"
+
+#include <Eigen/Eigenvalues>
+#include <cmath>
+
+#include "hydrapod/base/error.hpp"
+#include "hydrapod/dynamics/linear_model.hpp"
+#include "hydrapod/hydraulics/servo_axis.hpp"
+
+namespace hydrapod::simulation {
+
+namespace {
+
+using control::ControllerParameters;
+using spatial::Matrix6;
+using spatial::Vector6;
+
+constexpr double integral_ratio = 8.0;  // integral time times gain
+constexpr double corner_share = 0.1;    // of the lowest oil mode
+
+double lowest_frequency(const dynamics::LinearModel& model) {
+  const Matrix6 M = model.M;
+  const Matrix6 K = model.K;
+  const Eigen::GeneralizedSelfAdjointEigenSolver<Matrix6> solver(K, M, Eigen::EigenvaluesOnly);
+  const double lowest = solver.eigenvalues()[0];
+  if (!(lowest > 0.0))
+    throw base::ComputationError(
+        "the rigid machine does not stand at this pose (it has no positive lowest frequency), so "
+        "the "
+        "controller cannot be tuned; give controller.gain, controller.feedback_gain and "
+        "controller.feedback_corner");
+  return std::sqrt(lowest);
+}
+
+control::DriveAxis drive_axis(const model::Machine& machine, int leg, double oil_force) {
+  const auto axis = hydraulics::servo_axis(machine, leg);
+  const auto& supply = machine.hydraulics.supply;
+  return {.piston_area = axis.area.piston,
+          .annulus_area = axis.area.annulus,
+          .flow_coefficient = axis.valve.gain,
+          .supply_pressure = supply.pressure,
+          .return_pressure = supply.return_pressure,
+          .overlap = axis.valve.overlap,
+          .load = -oil_force +
+                  hydraulics::atmospheric_pressure * (axis.area.piston - axis.area.annulus)};
+}
+
+double smallest_above_zero(const Vector6& gains) {
+  double smallest = 0.0;
+  for (int i = 0; i < 6; ++i)
+    if (gains[i] > 0.0 && (smallest == 0.0 || gains[i] < smallest)) smallest = gains[i];
+  return smallest;
+}
+
+}  // namespace
+
+Tuning tune_controller(const model::Machine& machine, const spatial::Pose& X_BP) {
+  const auto linear = dynamics::linear_model(machine, X_BP, dynamics::ModelKind::rigid);
+  const auto& settings = machine.controller;
+  const double omega = lowest_frequency(linear);
+  const double bandwidth =
+      settings.bandwidth.value_or(model::ControlSettings::default_bandwidth_share * omega);
+  ControllerParameters p;
+  p.space = settings.space;
+  p.gain = settings.gain.value_or(Vector6::Constant(bandwidth));
+  const double smallest = smallest_above_zero(p.gain);
+  p.integral_time =
+      settings.integral_time.value_or(smallest > 0.0 ? integral_ratio / smallest : 0.0);
+  p.velocity_feedforward = settings.velocity_feedforward;
+  p.feedback = settings.feedback;
+  p.feedback_corner = settings.feedback_corner.value_or(corner_share * omega);
+  p.sample_time = settings.sample_time;
+  p.delay = settings.delay;
+  p.compensation = settings.compensation;
+  p.overlap_compensation = settings.overlap_compensation;
+  p.output = settings.output;
+  const bool pressure = settings.feedback == model::DampingFeedback::pressure;
+  for (int i = 0; i < model::leg_count; ++i) {
+    const double oil = pressure ? omega / linear.legs[i].k_h : 1.0 / omega;
+    p.feedback_gain[i] = settings.feedback_gain.value_or(2.0 * settings.feedback_damping * oil);
+    p.axes[i] = drive_axis(machine, i, linear.statics.legs[i].oil_force);
+  }
+  return {p, omega};
+}
+
+}  // namespace hydrapod::simulation
