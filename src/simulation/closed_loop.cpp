@@ -1,0 +1,280 @@
+#include "hydrapod/simulation/closed_loop.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <deque>
+#include <limits>
+#include <stdexcept>
+
+#include "hydrapod/base/error.hpp"
+#include "hydrapod/simulation/motion_check.hpp"
+#include "hydrapod/simulation/sensors.hpp"
+#include "hydrapod/simulation/tuning.hpp"
+#include "run_accounts.hpp"
+
+namespace hydrapod::simulation {
+
+namespace {
+
+constexpr double watch_interval = 0.01;  // [s] between looks at workspace and keep_going
+constexpr double coincidence = 1e-6;     // of a sample time: instants closer than this are one
+
+void require_positive(const char* name, double value) {
+  if (!(std::isfinite(value) && value > 0.0))
+    throw std::invalid_argument(
+        fmt::format("LoopOptions::{} is {:.6g}, expected more than 0", name, value));
+}
+
+/// Accelerations of the leg lengths l̈ [m/s²] as accelerometers along the legs see them.
+Vector6 leg_accelerations(const model::Machine& machine, const PlantOutput& plant) {
+  const Vector3 omega = plant.twist.tail<3>();
+  Vector6 found;
+  for (size_t i = 0; i < model::leg_count; ++i) {
+    const Vector3 a = plant.X_BP * machine.legs[i].platform_joint;
+    const Vector3 arm = a - plant.p_BC;
+    const Vector3 speed = plant.twist.head<3>() + omega.cross(arm);
+    const Vector3 acceleration = plant.acceleration.head<3>() +
+                                 plant.acceleration.tail<3>().cross(arm) +
+                                 omega.cross(omega.cross(arm));
+    const Vector3 L = a - machine.legs[i].base_joint;
+    const double l = L.norm();
+    const Vector3 n = L / l;
+    const double along = n.dot(speed);
+    found[static_cast<int>(i)] = n.dot(acceleration) + (speed.squaredNorm() - along * along) / l;
+  }
+  return found;
+}
+
+struct PendingDrive {
+  double time{};
+  Vector6 drive{};
+};
+
+}  // namespace
+
+struct ClosedLoop::Implementation {
+  Implementation(const model::Machine& machine, const Pose& pose, const LoopOptions& given)
+      : options(given),
+        operating(pose),
+        plant(machine, given.kind, given.plant, pose),
+        tuning(tune_controller(machine, pose)),
+        rest(plant.equilibrium(pose)),
+        controller(machine, tuning.parameters) {}
+
+  LoopOptions options;
+  Pose operating;
+  Plant plant;
+  Tuning tuning;
+  Plant::Rest rest;
+  control::Controller controller;
+};
+
+namespace {
+
+/// One run, instant by instant.
+class Run {
+ public:
+  Run(const LoopOptions& options, const Plant& plant, const Pose& operating,
+      const Plant::Rest& rest, control::Controller& controller, double output_interval,
+      const Vector6& band)
+      : options_(options),
+        plant_(plant),
+        operating_(operating),
+        controller_(controller),
+        integrator_(plant, options.integrator),
+        sensors_(options.ideal_sensors ? ideal() : plant.machine().sensors, options.seed),
+        T_(controller.parameters().sample_time),
+        output_interval_(output_interval),
+        accounts_(plant, operating, band) {
+    integrator_.start(0.0, rest.x);
+    input_ = rest.input;
+    applied_ = drive_ = rest.input.command;
+    measured_ = truth();
+    controller_.reset(operating, measured_);
+    controller_.take_over(rest.input.command);
+    slack_ = coincidence * std::min(T_, output_interval);
+  }
+
+  RunSummary go(const ExcitationSource& source, const LoopSink& sink, const KeepGoing& keep_going) {
+    while (next_time() <= options_.until + slack_) {
+      const double now = next_time();
+      if (now > integrator_.time() + slack_ && !advance(now)) break;
+      apply_due_drives(now);
+      if (tick_time() <= now + slack_ && !tick(now, source)) break;
+      if (output_time() <= now + slack_) {
+        output(now, sink);
+        ++outputs_;
+      }
+      if (now >= watched_ + watch_interval - slack_ && !watch(now, keep_going)) break;
+    }
+    accounts_.summary.integrator = integrator_.statistics();
+    accounts_.summary.events = integrator_.events();
+    return accounts_.finish(integrator_.time());
+  }
+
+ private:
+  static model::Sensors ideal() {
+    return {{0.0, 0.0, {}, {}}, {0.0, 0.0, {}, {}}, {0.0, 0.0, {}, {}}};
+  }
+
+  [[nodiscard]] double tick_time() const { return T_ * static_cast<double>(ticks_); }
+  [[nodiscard]] double output_time() const {
+    return output_interval_ * static_cast<double>(outputs_);
+  }
+  [[nodiscard]] double next_time() const {
+    double next = std::min(tick_time(), output_time());
+    if (!pending_.empty()) next = std::min(next, pending_.front().time);
+    return next;
+  }
+
+  void fail(const std::string& message) {
+    accounts_.summary.end = RunEnd::failed;
+    accounts_.summary.message = message;
+  }
+
+  [[nodiscard]] control::Measurement truth() const {
+    const auto& x = integrator_.state();
+    const auto& layout = plant_.layout();
+    control::Measurement truth;
+    truth.length = plant_.leg_lengths(x.data());
+    if (layout.pressures >= 0) {
+      for (int i = 0; i < model::leg_count; ++i) {
+        truth.cap_pressure[i] = x[layout.cap(i)];
+        truth.rod_pressure[i] = x[layout.rod(i)];
+      }
+    }
+    if (controller_.parameters().feedback == model::DampingFeedback::acceleration)
+      truth.acceleration = leg_accelerations(plant_.machine(), plant_.outputs(x.data(), input_));
+    return truth;
+  }
+
+  bool advance(double to) {
+    try {
+      integrator_.advance(to, input_);
+      return true;
+    } catch (const base::ComputationError& error) {
+      fail(error.what());
+      return false;
+    }
+  }
+
+  void apply_due_drives(double now) {
+    while (!pending_.empty() && pending_.front().time <= now + slack_) {
+      applied_ = input_.command = pending_.front().drive;
+      pending_.pop_front();
+    }
+  }
+
+  /// One sample of the controller; false where there is no pose to its leg lengths.
+  bool tick(double now, const ExcitationSource& source) {
+    excitation_ = {};
+    source(now, excitation_);
+    measured_ = sensors_.read(truth());
+    drive_ = controller_.step(measured_, command_at(operating_, excitation_.command));
+    if (controller_.state().forward != kinematics::ForwardStatus::converged) {
+      fail(
+          "the controller finds no pose for the measured leg lengths: the platform has come to "
+          "a singular pose, or a sensor has left its range");
+      return false;
+    }
+    const double limit = controller_.parameters().output.limit;
+    drive_ = (drive_ + excitation_.drive).cwiseMax(-limit).cwiseMin(limit);
+    const double delay = controller_.parameters().delay * T_;
+    pending_.push_back({now + delay, drive_});
+    apply_due_drives(now);
+    input_.wrench = excitation_.wrench;
+    accounts_.see(integrator_.state(), input_.command, excitation_.command.value,
+                  controller_.state(), now);
+    ++ticks_;
+    return true;
+  }
+
+  void output(double now, const LoopSink& sink) {
+    if (!sink) return;
+    const PlantOutput plant = plant_.outputs(integrator_.state().data(), input_);
+    sink({now, excitation_, measured_, controller_.state(), drive_, applied_, plant});
+  }
+
+  /// False ends the run.
+  bool watch(double now, const KeepGoing& keep_going) {
+    watched_ = now;
+    const auto reason = leaves_workspace(plant_.machine(), plant_.pose(integrator_.state().data()));
+    if (!reason.empty()) {
+      fail(reason);
+      return false;
+    }
+    if (keep_going && !keep_going(now)) {
+      accounts_.summary.end = RunEnd::stopped;
+      return false;
+    }
+    return true;
+  }
+
+  const LoopOptions& options_;
+  const Plant& plant_;
+  const Pose& operating_;
+  control::Controller& controller_;
+  Integrator integrator_;
+  SensorBank sensors_;
+  double T_;
+  double output_interval_;
+  double slack_{};
+  RunAccounts accounts_;
+
+  long ticks_{}, outputs_{};
+  double watched_{};
+  std::deque<PendingDrive> pending_{};
+  PlantInput input_{};
+  Excitation excitation_{};
+  control::Measurement measured_{};
+  Vector6 drive_{Vector6::Zero()}, applied_{Vector6::Zero()};
+};
+
+}  // namespace
+
+ClosedLoop::ClosedLoop(const model::Machine& machine, const Pose& operating,
+                       const LoopOptions& options) {
+  require_positive("until", options.until);
+  if (options.output_interval) require_positive("output_interval", *options.output_interval);
+  if (!options.plant.hydraulics)
+    throw std::invalid_argument(
+        "LoopOptions::plant.hydraulics is false: there are no valves to control");
+  implementation_ = std::make_unique<Implementation>(machine, operating, options);
+}
+ClosedLoop::~ClosedLoop() = default;
+ClosedLoop::ClosedLoop(ClosedLoop&&) noexcept = default;
+ClosedLoop& ClosedLoop::operator=(ClosedLoop&&) noexcept = default;
+
+const Plant& ClosedLoop::plant() const { return implementation_->plant; }
+const control::ControllerParameters& ClosedLoop::parameters() const {
+  return implementation_->tuning.parameters;
+}
+double ClosedLoop::lowest_oil_mode() const { return implementation_->tuning.lowest_oil_mode; }
+const Pose& ClosedLoop::operating() const { return implementation_->operating; }
+double ClosedLoop::output_interval() const {
+  return implementation_->options.output_interval.value_or(parameters().sample_time);
+}
+const Plant::Rest& ClosedLoop::rest() const { return implementation_->rest; }
+
+RunSummary ClosedLoop::run(const ExcitationSource& source, const LoopSink& sink,
+                           const KeepGoing& keep_going, const Vector6& settling_band) {
+  auto& own = *implementation_;
+  Run run(own.options, own.plant, own.operating, own.rest, own.controller, output_interval(),
+          settling_band);
+  return run.go(source, sink, keep_going);
+}
+
+ExcitationSource command_source(Signal& signal) {
+  return [&signal](double, Excitation& excitation) { excitation.command = signal.next(); };
+}
+
+Vector6 displacement_between(const Pose& operating, const Pose& X_BP) {
+  Vector6 found;
+  found << X_BP.p_BP - operating.p_BP,
+      spatial::rpy_from_rotation(X_BP.R_BP * operating.R_BP.transpose());
+  return found;
+}
+
+}  // namespace hydrapod::simulation

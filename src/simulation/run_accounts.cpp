@@ -1,0 +1,50 @@
+#include "run_accounts.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace hydrapod::simulation {
+
+RunAccounts::RunAccounts(const Plant& plant, const Pose& operating, const Vector6& settling_band)
+    : plant_(plant), operating_(operating), settling_band_(settling_band) {
+  summary.piston_low.fill(std::numeric_limits<double>::infinity());
+  summary.piston_high.fill(-std::numeric_limits<double>::infinity());
+}
+
+void RunAccounts::see(const Eigen::VectorXd& x, const Vector6& applied, const Vector6& command,
+                      const control::ControllerState& controller, double time) {
+  const Vector6 motion = displacement_between(operating_, plant_.pose(x.data()));
+  const Vector6 error = command - motion;
+  squares_ += error.cwiseAbs2();
+  summary.peak_error = summary.peak_error.cwiseMax(error.cwiseAbs());
+  summary.peak_motion = summary.peak_motion.cwiseMax(motion.cwiseAbs());
+  summary.final_error = error;
+  const double T = time - summary.time;  // since the last sample, 0 at the first
+  for (int i = 0; i < 6; ++i)
+    if (std::abs(error[i]) > settling_band_[i]) summary.settled[i] = time;
+  const Vector6 lengths = plant_.leg_lengths(x.data());
+  for (size_t i = 0; i < model::leg_count; ++i) {
+    const int leg = static_cast<int>(i);
+    const double piston = lengths[leg] - plant_.machine().legs[i].rod.length;
+    summary.piston_low[i] = std::min(summary.piston_low[i], piston);
+    summary.piston_high[i] = std::max(summary.piston_high[i], piston);
+    if (T > 0.0)
+      summary.peak_speed[i] =
+          std::max(summary.peak_speed[i], std::abs(lengths[leg] - lengths_[leg]) / T);
+    summary.peak_drive[i] = std::max(summary.peak_drive[i], std::abs(applied[leg]));
+    summary.limited[i] += controller.limited[i] ? 1 : 0;
+  }
+  lengths_ = lengths;
+  summary.time = time;
+  ++summary.samples;
+}
+
+RunSummary RunAccounts::finish(double time) {
+  if (summary.samples > 0)
+    summary.rms_error = (squares_ / static_cast<double>(summary.samples)).cwiseSqrt();
+  summary.time = time;
+  return std::move(summary);
+}
+
+}  // namespace hydrapod::simulation

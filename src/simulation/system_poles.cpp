@@ -1,0 +1,128 @@
+#include "hydrapod/simulation/system_poles.hpp"
+
+#include <Eigen/Eigenvalues>
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+
+#include "hydrapod/base/error.hpp"
+
+namespace hydrapod::simulation {
+
+namespace {
+
+using Complex = std::complex<double>;
+using Eigen::MatrixXcd;
+using Eigen::MatrixXd;
+
+constexpr double equal_tolerance = 1e-6;  // relative: poles nearer than this are one group
+
+/// A in units in which the states matter alike.
+MatrixXd scaled(const LinearSystem& system) {
+  return system.scales.cwiseInverse().asDiagonal() * system.A * system.scales.asDiagonal();
+}
+
+bool are_equal(Complex a, Complex b) {
+  return std::abs(a - b) <= equal_tolerance * std::max({std::abs(a), std::abs(b), 1.0});
+}
+
+/// Numbers of groups of equal poles, each pole compared with the one before it in `order`.
+std::vector<int> groups(const Eigen::VectorXcd& poles, const std::vector<int>& order) {
+  std::vector<int> group(order.size());
+  int count = 0;
+  for (size_t k = 0; k < order.size(); ++k) {
+    bool found = false;
+    for (size_t before = k; before-- > 0 && !found;) {
+      if (!are_equal(poles[order[before]], poles[order[k]])) continue;
+      group[k] = group[before];
+      found = true;
+    }
+    if (!found) group[k] = count++;
+  }
+  return group;
+}
+
+SystemPole described(Complex pole, int group, const Eigen::VectorXd& shares,
+                     const std::vector<StatePart>& parts) {
+  SystemPole found{.pole = pole, .omega = std::abs(pole), .group = group};
+  found.damping_ratio = found.omega > 0.0 ? -pole.real() / found.omega : 0.0;
+  const double sum = shares.sum();
+  for (size_t k = 0; k < parts.size(); ++k) {
+    const double share = shares[static_cast<Eigen::Index>(k)] / sum;
+    found.parts[static_cast<size_t>(parts[k].part)] += share;
+    const bool of_leg =
+        parts[k].part == Part::seal || parts[k].part == Part::oil || parts[k].part == Part::valve;
+    if (of_leg && parts[k].leg >= 0) found.legs[static_cast<size_t>(parts[k].leg)] += share;
+  }
+  return found;
+}
+
+void sampled_poles(const LinearSystem& system, SystemPoles& found) {
+  found.sampled_stable = found.stable;
+  if (system.sampled.size() == 0) return;
+  Eigen::VectorXd scales = Eigen::VectorXd::Ones(system.sampled.rows());
+  const auto n = std::min<Eigen::Index>(scales.size(), system.scales.size());
+  scales.head(n) = system.scales.head(n);
+  const MatrixXd A = scales.cwiseInverse().asDiagonal() * system.sampled * scales.asDiagonal();
+  const Eigen::EigenSolver<MatrixXd> solver(A, false);
+  found.largest_modulus = 0.0;
+  for (const Complex z : solver.eigenvalues()) {
+    found.largest_modulus = std::max(found.largest_modulus, std::abs(z));
+    if (z.imag() < 0.0 || std::abs(z) < 1e-12) continue;  // conjugates; drives that are forgotten
+    found.sampled.push_back(std::log(z) / system.sample_time);
+  }
+  found.sampled_stable = found.largest_modulus < 1.0;
+  std::sort(found.sampled.begin(), found.sampled.end(), [](Complex a, Complex b) {
+    return a.real() != b.real() ? a.real() > b.real() : a.imag() < b.imag();
+  });
+}
+
+}  // namespace
+
+SystemPoles system_poles(const LinearSystem& system) {
+  const Eigen::EigenSolver<MatrixXd> solver(scaled(system));
+  if (solver.info() != Eigen::Success)
+    throw base::ComputationError(
+        "the poles of the system could not be computed: the QR iteration "
+        "did not converge");
+  const Eigen::VectorXcd poles = solver.eigenvalues();
+  const MatrixXcd V = solver.eigenvectors();
+  const MatrixXcd W = V.inverse();  // rows: left eigenvectors
+  std::vector<int> order;
+  for (int k = 0; k < poles.size(); ++k)
+    if (poles[k].imag() >= 0.0) order.push_back(k);
+  std::sort(order.begin(), order.end(), [&](int a, int b) {
+    const Complex p = poles[a], q = poles[b];
+    return p.real() != q.real() ? p.real() > q.real() : p.imag() < q.imag();
+  });
+  const auto group = groups(poles, order);
+
+  SystemPoles found;
+  for (size_t k = 0; k < order.size(); ++k) {
+    Eigen::VectorXcd diagonal = Eigen::VectorXcd::Zero(poles.size());
+    for (size_t j = 0; j < order.size(); ++j)
+      if (group[j] == group[k])
+        diagonal += V.col(order[j]).cwiseProduct(W.row(order[j]).transpose());
+    found.poles.push_back(described(poles[order[k]], group[k], diagonal.cwiseAbs(), system.parts));
+  }
+  found.largest_real = found.poles.empty() ? -std::numeric_limits<double>::infinity()
+                                           : found.poles.front().pole.real();
+  found.stable = found.largest_real < 0.0;
+  sampled_poles(system, found);
+  return found;
+}
+
+Eigen::Matrix<Complex, 6, 6> command_response(const LinearSystem& system, double omega) {
+  const Complex s(0.0, omega);
+  const auto& d = system.scales;
+  MatrixXcd pencil = -scaled(system).cast<Complex>();
+  pencil.diagonal().array() += s;
+  const MatrixXcd B = d.cwiseInverse().asDiagonal() *
+                      (system.B_command.cast<Complex>() + s * system.B_velocity.cast<Complex>());
+  const MatrixXcd C = (system.C * d.asDiagonal()).cast<Complex>();
+  return C * pencil.partialPivLu().solve(B);
+}
+
+}  // namespace hydrapod::simulation
