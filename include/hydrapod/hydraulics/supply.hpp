@@ -19,11 +19,17 @@ namespace hydrapod::hydraulics {
 /// Whether the supply pressure is a state.
 inline bool is_dynamic(const model::Supply& supply) { return supply.pump_flow.has_value(); }
 
+inline constexpr double pump_band = 0.02;  ///< b / p_set
+
 /// Q_pump [m³/s].
 inline double pump_flow(const model::Supply& supply, double p) {
-  constexpr double band = 0.02;  // of the set pressure
-  const double open = (supply.pressure - p) / (band * supply.pressure) + 0.5;
+  const double open = (supply.pressure - p) / (pump_band * supply.pressure) + 0.5;
   return supply.pump_flow.value_or(0.0) * std::clamp(open, 0.0, 1.0);
+}
+
+/// The pressure [Pa] at which the pump gives `flow` [m³/s], between nothing and all it has.
+inline double pressure_at_flow(const model::Supply& supply, double flow) {
+  return supply.pressure * (1.0 + pump_band * (0.5 - flow / supply.pump_flow.value_or(flow)));
 }
 
 /// C [m³/Pa]; `compressibility` [1/Pa] is that of the oil.

@@ -16,7 +16,7 @@
 namespace hydrapod::modal {
 
 /// Used for every mode where a machine gives no damping of any kind; every output says so.
-inline constexpr double default_modal_ratio = 0.02;
+using model::default_modal_ratio;
 
 /// The modal ratio ζ a model is given, and why.
 struct ModalRatio {

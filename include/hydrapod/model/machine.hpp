@@ -133,6 +133,8 @@ enum class FlexibleAxes {
   gimbal       ///< parallel to the lower gimbal's axes; axial spin and inertia follow from it
 };
 
+inline constexpr double default_modal_ratio = 0.02;
+
 /// Damping that is not a named damper. Added to the viscous dampers of the legs.
 struct Damping {
   /// Ratio given to every undamped mode. Not set: `default_modal_ratio` where the legs have no

@@ -10,15 +10,16 @@
 ///     p_s  supply pressure [Pa], with a limited pump only
 ///     z    per leg the bristles' bend [m], with LuGre friction in any leg only
 /// With `hydraulics = false` there are y and v only, and each leg is held by the linear model's oil
-/// spring (closed valve): force f + k_h (s − s_0) + c_h ṡ, at rest at the reference pose.
+/// spring, at rest at the reference pose: it pulls with f + k_h (s − s_0) + c_h ṡ. There is no
+/// friction of the seals along the leg then, and there are end stops only with a given stroke.
 ///
 /// Input: valve commands in [−1, 1] (+: the leg extends) and a wrench on the platform.
 ///
 /// Damping. Seals, joints and hydraulics damp by their own laws. Of `[damping]`, Rayleigh's α acts
 /// as −α v on the accelerations, β as a damper β k beside every spring; `modal_ratio` (2 % where
-/// nothing is said about damping at all) goes to guide sleeves and piston rings that have no damper
-/// of their own: c = 2 ζ k / ω with ω the frequency of that seal with the platform held. With
-/// hydraulics, `oil_spring.damping` is not used: leakage, valves and friction stand for it.
+/// the file says none) goes to the guide sleeves and piston rings that have no damper of their own:
+/// c = 2 ζ k / ω, ω² = k l_mh² / M_φφ of a sleeve and k / M_uu of a ring at the reference pose.
+/// With hydraulics, `oil_spring.damping` is not used: leakage, valves and friction stand for it.
 
 #include <memory>
 #include <string>
@@ -71,12 +72,13 @@ struct LegOutput {
   double piston{}, piston_rate{};         ///< s [m], ṡ [m/s]
   double cap_pressure{}, rod_pressure{};  ///< [Pa]
   double spool{}, spool_rate{};
-  double cap_flow{}, rod_flow{};  ///< from the valve into the chambers [m³/s]
-  double internal_leakage{};      ///< cap side to rod side [m³/s]
-  double external_leakage{};      ///< out of both chambers [m³/s]
-  double oil_force{};             ///< on the piston, + pushes the leg out [N]
-  double friction_force{};        ///< on the piston along s [N]
-  double stop_force{};            ///< [N]
+  double cap_flow{}, rod_flow{};        ///< from the valve into the chambers [m³/s]
+  double supply_flow{}, return_flow{};  ///< of the valve [m³/s]
+  double internal_leakage{};            ///< cap side to rod side [m³/s]
+  double external_leakage{};            ///< out of both chambers [m³/s]
+  double oil_force{};                   ///< on the piston, + pushes the leg out [N]
+  double friction_force{};              ///< on the piston along s [N]
+  double stop_force{};                  ///< [N]
   dynamics::Vector4 flexible{dynamics::Vector4::Zero()};       ///< φ1, φ2, u1, u2
   dynamics::Vector2 sleeve_offset{dynamics::Vector2::Zero()};  ///< d_s [m]
 };
@@ -108,7 +110,7 @@ class Plant {
   Plant(const model::Machine& machine, ModelKind kind, const PlantOptions& options,
         const Pose& X_reference);
 
-  [[nodiscard]] const model::Machine& machine() const { return mechanics_.machine(); }
+  [[nodiscard]] const model::Machine& machine() const { return machine_; }
   [[nodiscard]] ModelKind kind() const { return mechanics_.kind(); }
   [[nodiscard]] const PlantOptions& options() const { return options_; }
   [[nodiscard]] const dynamics::NonlinearModel& mechanics() const { return mechanics_; }
@@ -165,8 +167,20 @@ class Plant {
   struct OilSpring {
     double force{}, stiffness{}, damping{}, s{};
   };
-  void evaluate(const double* x, const PlantInput& input, double* rate, PlantOutput* out) const;
+  struct Work;  ///< intermediate results of one evaluation
+  bool evaluate(const double* x, const PlantInput& input, double* rate, Work& work) const;
+  double oil_side(int leg, const dynamics::LegMotion& motion, const double* x,
+                  const PlantInput& input, double* rate, LegOutput& out) const;
+  double spring_side(int leg, const dynamics::LegMotion& motion, LegOutput& out) const;
+  void supply_side(const double* x, double* rate, Work& work) const;
+  [[nodiscard]] Eigen::VectorXd tangent_rates(const Eigen::VectorXd& x, const Eigen::VectorXd& x_0,
+                                              const PlantInput& input) const;
+  [[nodiscard]] dynamics::Motion motion(const double* x) const;
+  double hold(const dynamics::StaticEquilibrium& statics, const model::Supply& supply,
+              Rest& rest) const;
+  void set_springs(const Pose& X_reference);
 
+  model::Machine machine_;
   dynamics::NonlinearModel mechanics_;
   PlantOptions options_;
   std::array<hydraulics::ServoAxis, model::leg_count> axes_{};

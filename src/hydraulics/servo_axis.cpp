@@ -1,0 +1,212 @@
+#include "hydrapod/hydraulics/servo_axis.hpp"
+
+#include <cmath>
+#include <limits>
+
+namespace hydrapod::hydraulics {
+
+namespace {
+
+constexpr double load_share = 1.0 / 6.0;        // of the supply pressure carries the platform
+constexpr double no_load_speed = 0.5;           // m/s at the rated flow
+constexpr double valve_leakage_share = 0.01;    // of the rated flow
+constexpr double piston_leakage_share = 0.01;   // of the rated flow, at the supply pressure
+constexpr double coulomb_share = 0.01;          // of A_p p_s
+constexpr double breakaway_ratio = 1.5;         // F_s / F_c
+constexpr double viscous_per_coulomb = 10.0;    // s/m
+constexpr double stop_stiffness_ratio = 20.0;   // to the oil spring at mid stroke
+constexpr double usable_share = 0.9;            // of the way that an unknown stroke may take
+constexpr double least_dead_share = 0.1;        // of half the stroke, on the cap side
+constexpr double smallest_volume_share = 0.01;  // of a chamber at mid stroke
+
+/// The leg at the neutral pose.
+struct NeutralLeg {
+  double length;
+  double rise;  ///< |n_z|, taken as no less than a fifth
+
+  NeutralLeg(const model::Machine& machine, const model::Leg& leg) {
+    const spatial::Vector3 L = machine.neutral() * leg.platform_joint - leg.base_joint;
+    length = L.norm();
+    rise = std::max(std::abs(L.z()) / length, 0.2);
+  }
+};
+
+double half_stroke(const model::Leg& leg) { return leg.stroke ? 0.5 * leg.stroke->length : 0.0; }
+
+double equivalent_area(const model::Machine& machine, const model::Leg& leg,
+                       const NeutralLeg& neutral) {
+  const auto& cylinder = leg.hydraulics.equivalent_cylinder;
+  if (cylinder.area) return *cylinder.area;
+  const double load =
+      machine.platform.mass * model::standard_gravity / (model::leg_count * neutral.rise);
+  const double carrying = load / (load_share * machine.hydraulics.supply.pressure);
+  const double e2 = cylinder.area_ratio * cylinder.area_ratio;
+  const double roomy = (1.0 + least_dead_share) * half_stroke(leg) * *leg.oil_spring.stiffness /
+                       (cylinder.bulk_modulus * (1.0 + e2));
+  return std::max(carrying, roomy);
+}
+
+/// Areas, volumes at mid stroke, oil.
+void set_cylinder(const model::Machine& machine, const model::Leg& leg, const NeutralLeg& neutral,
+                  ServoAxis& axis) {
+  axis.s_mid = leg.stroke ? leg.stroke->retracted + 0.5 * leg.stroke->length
+                          : neutral.length - leg.rod.length;
+  axis.oil.cavitation_pressure = machine.hydraulics.cavitation_pressure;
+  if (leg.oil_spring.cylinder) {
+    const auto& cylinder = *leg.oil_spring.cylinder;
+    axis.area = areas(cylinder);
+    axis.oil.bulk_modulus = cylinder.bulk_modulus;
+    if (cylinder.air) {
+      axis.oil.air_fraction = cylinder.air->fraction;
+      axis.oil.air_exponent = cylinder.air->polytropic;
+    }
+    if (cylinder.volumes == model::VolumeRule::chambers) {
+      axis.volume = chamber_volumes(cylinder, *leg.stroke, axis.s_mid);
+    } else {
+      axis.volume.cap = axis.volume.rod = control_volume(leg);
+    }
+  } else {
+    const auto& cylinder = leg.hydraulics.equivalent_cylinder;
+    const double e = cylinder.area_ratio, A_p = equivalent_area(machine, leg, neutral);
+    axis.area = {A_p, e * A_p};
+    axis.oil.bulk_modulus = cylinder.bulk_modulus;
+    axis.volume.cap = axis.volume.rod =
+        cylinder.bulk_modulus * (1.0 + e * e) * A_p * A_p / *leg.oil_spring.stiffness;
+  }
+  axis.smallest_volume = smallest_volume_share * std::min(axis.volume.cap, axis.volume.rod);
+}
+
+/// Oil spring at mid stroke.
+double stiffness(const ServoAxis& axis) {
+  return axis.oil.bulk_modulus * (axis.area.piston * axis.area.piston / axis.volume.cap +
+                                  axis.area.annulus * axis.area.annulus / axis.volume.rod);
+}
+
+void set_stops(const model::Leg& leg, ServoAxis& axis) {
+  auto& stops = axis.stops;
+  if (leg.stroke) {
+    stops.low = leg.stroke->retracted;
+    stops.high = leg.stroke->retracted + leg.stroke->length;
+  } else {
+    const double L_g = leg.guide_sleeve.position, s = axis.s_mid;
+    const double in = std::min({axis.volume.cap / axis.area.piston, s, s - (L_g - leg.rod.length)});
+    const double out = std::min(axis.volume.rod / axis.area.annulus, L_g - s);
+    stops.low = s - usable_share * in;
+    stops.high = s + usable_share * out;
+  }
+  const auto& given = leg.hydraulics.end_stops;
+  stops.stiffness = given.stiffness.value_or(stop_stiffness_ratio * stiffness(axis));
+  stops.damping = given.damping;
+}
+
+double rated_flow(const model::Leg& leg, const ServoAxis& axis) {
+  return leg.hydraulics.valve.rated_flow.value_or(no_load_speed * axis.area.piston);
+}
+
+/// K and ε: o(1) is one opening at the rated flow, o(0) what the null leakage needs.
+void set_valve(const model::Leg& leg, const model::Supply& supply, ServoAxis& axis) {
+  const auto& given = leg.hydraulics.valve;
+  auto& valve = axis.valve;
+  valve.overlap = given.overlap;
+  valve.laminar_pressure = given.laminar_pressure;
+  valve.natural_frequency = given.natural_frequency;
+  valve.damping_ratio = given.damping_ratio;
+  valve.rate_limit = given.rate_limit;
+  const double flow = rated_flow(leg, axis);
+  const double leakage = given.leakage.value_or(valve_leakage_share * flow);
+  const double at_rated = orifice(0.5 * given.rated_pressure_drop, given.laminar_pressure);
+  const double at_null =
+      orifice(0.5 * (supply.pressure - supply.return_pressure), given.laminar_pressure);
+  constexpr int iterations = 60;  // o(1) hardly depends on ε
+  for (int k = 0; k < iterations; ++k) {
+    valve.gain = flow / (opening(valve, 1.0) * at_rated);
+    const double at_middle = 0.5 * leakage / (valve.gain * at_null);
+    valve.rounding = 2.0 * std::sqrt(std::max(at_middle * (at_middle + valve.overlap), 0.0));
+  }
+}
+
+void set_friction(const model::Leg& leg, const model::Supply& supply, ServoAxis& axis) {
+  const auto& given = leg.hydraulics.friction;
+  auto& friction = axis.friction;
+  friction.coulomb = given.coulomb.value_or(coulomb_share * axis.area.piston * supply.pressure);
+  friction.breakaway = given.breakaway.value_or(breakaway_ratio * friction.coulomb);
+  friction.viscous = given.viscous.value_or(viscous_per_coulomb * friction.coulomb);
+  friction.stribeck_velocity = given.stribeck_velocity;
+  friction.smoothing_velocity = given.smoothing_velocity;
+  if (!given.bristles) return;
+  friction.bristle_stiffness = given.bristles->stiffness;
+  friction.bristle_damping = given.bristles->damping;
+}
+
+/// The largest argument in [low, high] at which a falling function is still positive.
+template <class Function>
+double falling_zero(double low, double high, Function function) {
+  constexpr int halvings = 100;
+  for (int k = 0; k < halvings; ++k) {
+    const double middle = 0.5 * (low + high);
+    if (!(middle > low && middle < high)) break;
+    (function(middle) > 0.0 ? low : high) = middle;
+  }
+  return 0.5 * (low + high);
+}
+
+}  // namespace
+
+ServoAxis servo_axis(const model::Machine& machine, int i) {
+  const auto& leg = machine.legs[i];
+  const auto& supply = machine.hydraulics.supply;
+  ServoAxis axis;
+  set_cylinder(machine, leg, NeutralLeg(machine, leg), axis);
+  set_stops(leg, axis);
+  set_valve(leg, supply, axis);
+  const auto& leakage = leg.hydraulics.leakage;
+  axis.internal_leakage =
+      leakage.internal.value_or(piston_leakage_share * rated_flow(leg, axis) / supply.pressure);
+  axis.external_leakage = leakage.external;
+  set_friction(leg, supply, axis);
+  return axis;
+}
+
+HydraulicRest hydraulic_rest(const ServoAxis& axis, const model::Supply& supply, double force) {
+  const double A_p = axis.area.piston, A_r = axis.area.annulus;
+  const double pushed = force + atmospheric_pressure * (A_p - A_r);
+  const bool tight = axis.internal_leakage == 0.0 && axis.external_leakage == 0.0;
+  const bool sealed = tight && axis.valve.overlap >= 0.0 && axis.valve.rounding == 0.0;
+  Valve valve = axis.valve;
+  if (sealed) {
+    valve.overlap = 0.0;
+    valve.rounding = 1e-3;
+  }
+  const auto cap_pressure = [&](double p_rod) { return (pushed + p_rod * A_r) / A_p; };
+  const auto ports = [&](double p_rod) {
+    return PortPressures{supply.pressure, supply.return_pressure, cap_pressure(p_rod), p_rod};
+  };
+  const auto past_piston = [&](double p_rod) {
+    return axis.internal_leakage * (cap_pressure(p_rod) - p_rod);
+  };
+  const auto outside = [&](double p) { return axis.external_leakage * (p - atmospheric_pressure); };
+  // For each p_rod the spool that keeps the cap side; what then stays in the rod side falls with
+  // p_rod.
+  const auto spool_at = [&](double p_rod) {
+    return falling_zero(-1.0, 1.0, [&](double x) {
+      return past_piston(p_rod) + outside(cap_pressure(p_rod)) -
+             valve_flows(valve, x, ports(p_rod)).cap;
+    });
+  };
+  const auto into_rod_side = [&](double p_rod) {
+    return valve_flows(valve, spool_at(p_rod), ports(p_rod)).rod + past_piston(p_rod) -
+           outside(p_rod);
+  };
+  const double low =
+      std::max(supply.return_pressure, (supply.return_pressure * A_p - pushed) / A_r);
+  const double high = std::min(supply.pressure, (supply.pressure * A_p - pushed) / A_r);
+  HydraulicRest rest;
+  if (!(low < high)) return rest;
+  rest.p_rod = falling_zero(low, high, into_rod_side);
+  rest.p_cap = cap_pressure(rest.p_rod);
+  rest.spool = sealed ? 0.0 : spool_at(rest.p_rod);
+  rest.found = std::abs(rest.spool) < 1.0 - 1e-9 && rest.p_rod > low && rest.p_rod < high;
+  return rest;
+}
+
+}  // namespace hydrapod::hydraulics

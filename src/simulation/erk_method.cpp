@@ -1,0 +1,93 @@
+#include <arkode/arkode_erkstep.h>
+
+#include <algorithm>
+#include <new>
+
+#include "sundials_method.hpp"
+
+namespace hydrapod::simulation {
+
+namespace {
+
+constexpr long most_steps = 1'000'000;  // in one call
+
+/// ARKODE's ERKStep: Dormand and Prince 5(4).
+class ErkMethod : public SundialsMethod {
+ public:
+  ErkMethod(const Problem& problem, const IntegratorOptions& options)
+      : SundialsMethod(problem, options) {
+    memory_ = ERKStepCreate(rate, 0.0, x_, context_);
+    if (!memory_) throw std::bad_alloc();
+    require(ERKStepSetErrHandlerFn(memory_, hear, this), "error handler");
+    require(ERKStepSetUserData(memory_, this), "user data");
+    require(ERKStepSetTableNum(memory_, ARKODE_DORMAND_PRINCE_7_4_5), "table");
+    require(ERKStepSVtolerances(memory_, options.relative_tolerance, absolute_), "tolerances");
+    require(ERKStepSetMaxNumSteps(memory_, most_steps), "number of steps");
+    if (options.largest_step > 0.0)
+      require(ERKStepSetMaxStep(memory_, options.largest_step), "largest step");
+    require(ERKStepRootInit(memory_, roots_count(), roots), "events");
+    require(ERKStepSetNoInactiveRootWarn(memory_), "events");
+  }
+  ErkMethod(const ErkMethod&) = delete;
+  ErkMethod& operator=(const ErkMethod&) = delete;
+  ~ErkMethod() override { ERKStepFree(&memory_); }
+
+  void start(double time, const Eigen::VectorXd& x) override {
+    state() = x;
+    statistics_ = {};
+    steps_before_ = rejected_before_ = 0;
+    step_ = 0.0;
+    require(ERKStepReset(memory_, time, x_), "start");
+    count(steps_before_, rejected_before_);
+  }
+  void input_changed() override { changed_ = true; }
+
+  Step advance(double time, double to, Eigen::VectorXd& x) override {
+    if (changed_) {
+      require(ERKStepReset(memory_, time, x_), "restart");
+      if (step_ > 0.0) require(ERKStepSetInitStep(memory_, std::min(step_, to - time)), "step");
+      changed_ = false;
+    }
+    require(ERKStepSetStopTime(memory_, to), "stop time");
+    double reached = time;
+    const int code = ERKStepEvolve(memory_, to, x_, &reached, ARK_NORMAL);
+    long steps = 0, rejected = 0;
+    count(steps, rejected);
+    statistics_.steps = steps - steps_before_;
+    statistics_.rejected = rejected - rejected_before_;
+    if (code < 0) return failed(time);
+    x = state();
+    remember_step(to - time);
+    if (code != ARK_ROOT_RETURN) return {.time = reached};
+    require(ERKStepGetRootInfo(memory_, directions_.data()), "events");
+    return {.end = Step::End::event, .time = reached, .directions = directions_};
+  }
+
+ private:
+  void count(long& steps, long& rejected) {
+    require(ERKStepGetNumSteps(memory_, &steps), "statistics");
+    require(ERKStepGetNumErrTestFails(memory_, &rejected), "statistics");
+  }
+
+  /// The step to begin with after the next change of the input. A step that was cut short by the
+  /// end of the call says little about what the errors allow.
+  void remember_step(double interval) {
+    double last = 0.0, next = 0.0;
+    require(ERKStepGetLastStep(memory_, &last), "statistics");
+    require(ERKStepGetCurrentStep(memory_, &next), "statistics");
+    step_ = std::max(next, std::min(step_, 0.999 * interval));
+  }
+
+  void* memory_{};
+  bool changed_{};
+  double step_{};
+  long steps_before_{}, rejected_before_{};
+};
+
+}  // namespace
+
+std::unique_ptr<MethodBase> make_erk(const Problem& problem, const IntegratorOptions& options) {
+  return std::make_unique<ErkMethod>(problem, options);
+}
+
+}  // namespace hydrapod::simulation

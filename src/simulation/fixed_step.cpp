@@ -1,0 +1,91 @@
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "integrator_methods.hpp"
+
+namespace hydrapod::simulation {
+
+namespace {
+
+/// Classical Runge–Kutta of order 4.
+class FixedStep : public MethodBase {
+ public:
+  FixedStep(const Problem& problem, const IntegratorOptions& options)
+      : problem_(problem), step_(options.fixed_step) {
+    const int n = problem.plant.layout().size;
+    for (auto* vector : {&k_[0], &k_[1], &k_[2], &k_[3], &at_}) vector->setZero(n);
+    values_.assign(problem.plant.event_count(), 0.0);
+    before_ = values_;
+    directions_.assign(problem.plant.event_count(), 0);
+  }
+
+  void start(double /*time*/, const Eigen::VectorXd& x) override {
+    statistics_ = {};
+    problem_.plant.events(x.data(), before_.data());
+  }
+  void input_changed() override {}
+
+  Step advance(double time, double to, Eigen::VectorXd& x) override {
+    const double steps = std::max(1.0, std::ceil((to - time) / step_ * (1.0 - 1e-9)));
+    const double h = (to - time) / steps;
+    for (double k = 0.0; k < steps; ++k) {
+      const double t = time + k * h;
+      if (!step(t, h, x)) {
+        Step failed{.end = Step::End::failed, .time = t, .message = "a step failed"};
+        failed.attempted = at_;
+        return failed;
+      }
+      const double reached = k + 1.0 == steps ? to : t + h;
+      if (happened(x)) return {.end = Step::End::event, .time = reached, .directions = directions_};
+    }
+    return {.time = to};
+  }
+
+ private:
+  bool rate(double t, const Eigen::VectorXd& x, Eigen::VectorXd& k) {
+    ++statistics_.evaluations;
+    return problem_.plant.derivative(t, x.data(), problem_.input, k.data());
+  }
+
+  bool step(double t, double h, Eigen::VectorXd& x) {
+    auto& [k1, k2, k3, k4] = k_;
+    at_ = x;
+    if (!rate(t, at_, k1)) return false;
+    at_ = x + 0.5 * h * k1;
+    if (!rate(t + 0.5 * h, at_, k2)) return false;
+    at_ = x + 0.5 * h * k2;
+    if (!rate(t + 0.5 * h, at_, k3)) return false;
+    at_ = x + h * k3;
+    if (!rate(t + h, at_, k4)) return false;
+    x += h / 6.0 * (k1 + 2.0 * (k2 + k3) + k4);
+    ++statistics_.steps;
+    return true;
+  }
+
+  bool happened(const Eigen::VectorXd& x) {
+    problem_.plant.events(x.data(), values_.data());
+    bool any = false;
+    for (size_t k = 0; k < values_.size(); ++k) {
+      directions_[k] = (values_[k] > 0.0) - (before_[k] > 0.0);
+      any = any || directions_[k] != 0;
+    }
+    before_.swap(values_);
+    return any;
+  }
+
+  const Problem& problem_;
+  double step_;
+  std::array<Eigen::VectorXd, 4> k_{};
+  Eigen::VectorXd at_{};
+  std::vector<double> before_{}, values_{};
+  std::vector<int> directions_{};
+};
+
+}  // namespace
+
+std::unique_ptr<MethodBase> make_fixed(const Problem& problem, const IntegratorOptions& options) {
+  return std::make_unique<FixedStep>(problem, options);
+}
+
+}  // namespace hydrapod::simulation

@@ -1,0 +1,47 @@
+#pragma once
+/// What the integrators have in common. Private to Integrator.
+
+#include <string>
+
+#include "hydrapod/simulation/integrator.hpp"
+
+namespace hydrapod::simulation {
+
+/// The equation that a method solves; the input is constant during one call.
+struct Problem {
+  const Plant& plant;
+  PlantInput input{};
+  std::vector<EventRecord> records{};
+
+  explicit Problem(const Plant& plant_) : plant(plant_) {}
+};
+
+/// How one call of MethodBase::advance() ended.
+struct Step {
+  enum class End { reached, event, failed };
+  End end{End::reached};
+  double time{};
+  std::vector<int> directions{};  ///< per event function: −1 fell through zero, +1 rose, 0 neither
+  std::string message{};          ///< of a failure
+  Eigen::VectorXd attempted{};    ///< the state that failed, where it is known
+};
+
+class MethodBase {
+ public:
+  virtual ~MethodBase() = default;
+  virtual void start(double time, const Eigen::VectorXd& x) = 0;
+  virtual void input_changed() = 0;
+  /// From `time` towards `to`; `x` goes from the state at `time` to that at Step::time. On a
+  /// failure x is the last good state.
+  virtual Step advance(double time, double to, Eigen::VectorXd& x) = 0;
+  [[nodiscard]] const IntegratorStatistics& statistics() const { return statistics_; }
+
+ protected:
+  IntegratorStatistics statistics_{};
+};
+
+std::unique_ptr<MethodBase> make_erk(const Problem& problem, const IntegratorOptions& options);
+std::unique_ptr<MethodBase> make_cvode(const Problem& problem, const IntegratorOptions& options);
+std::unique_ptr<MethodBase> make_fixed(const Problem& problem, const IntegratorOptions& options);
+
+}  // namespace hydrapod::simulation

@@ -1,0 +1,273 @@
+#include "hydrapod/simulation/plant.hpp"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "hydrapod/base/error.hpp"
+#include "hydrapod/hydraulics/oil_spring.hpp"
+#include "plant_work.hpp"
+#include "seal_dampers.hpp"
+
+namespace hydrapod::simulation {
+
+namespace {
+
+using dynamics::LegMotion;
+using dynamics::Motion;
+using model::leg_count;
+
+bool bristles_anywhere(const std::array<hydraulics::ServoAxis, leg_count>& axes) {
+  return std::any_of(axes.begin(), axes.end(),
+                     [](const auto& axis) { return axis.friction.has_bristles(); });
+}
+
+StateLayout make_layout(const dynamics::NonlinearModel& mechanics, const PlantOptions& options,
+                        const std::array<hydraulics::ServoAxis, leg_count>& axes) {
+  StateLayout layout{.positions = mechanics.positions(), .velocities = mechanics.velocities()};
+  layout.size = layout.positions + layout.velocities;
+  const auto append = [&](int& first, int count) {
+    first = layout.size;
+    layout.size += count;
+  };
+  if (!options.hydraulics) return layout;
+  append(layout.pressures, 2 * leg_count);
+  append(layout.spools, 2 * leg_count);
+  if (hydraulics::is_dynamic(mechanics.machine().hydraulics.supply)) append(layout.supply, 1);
+  if (bristles_anywhere(axes)) append(layout.bristles, leg_count);
+  return layout;
+}
+
+void reduce_friction(Friction friction, hydraulics::Friction& seal) {
+  if (friction == Friction::all) return;
+  seal.coulomb = seal.breakaway = 0.0;
+  seal.bristle_stiffness = 0.0;
+  if (friction == Friction::none) seal.viscous = 0.0;
+}
+
+model::Machine with_friction(model::Machine machine, Friction friction) {
+  for (auto& leg : machine.legs) {
+    if (friction != Friction::all) leg.hydraulics.joint_friction.coulomb = 0.0;
+    if (friction == Friction::none) leg.hydraulics.joint_friction.viscous = 0.0;
+  }
+  return machine;
+}
+
+bool finite(const double* x, int size) {
+  double sum = 0.0;  // not finite as soon as one of them is not
+  for (int k = 0; k < size; ++k) sum += 0.0 * x[k];
+  return sum == 0.0;
+}
+
+}  // namespace
+
+Plant::Plant(const model::Machine& machine, ModelKind kind, const PlantOptions& options)
+    : Plant(machine, kind, options, machine.neutral()) {}
+
+Plant::Plant(const model::Machine& machine, ModelKind kind, const PlantOptions& options,
+             const Pose& X_reference)
+    : machine_(machine),
+      mechanics_(with_seal_dampers(with_friction(machine, options.friction), kind, X_reference),
+                 kind, X_reference),
+      options_(options) {
+  for (int i = 0; i < leg_count; ++i) {
+    axes_[i] = hydraulics::servo_axis(machine, i);
+    reduce_friction(options.friction, axes_[i].friction);
+  }
+  layout_ = make_layout(mechanics_, options, axes_);
+  if (!options.hydraulics) set_springs(X_reference);
+}
+
+/// Valves closed in the equilibrium at the reference pose.
+void Plant::set_springs(const Pose& X_reference) {
+  const auto rest = equilibrium(X_reference);
+  Motion motion;
+  mechanics_.motion(rest.x.data(), rest.x.data() + layout_.velocity(), motion);
+  const auto statics = mechanics_.equilibrium(X_reference);
+  for (int i = 0; i < leg_count; ++i) {
+    const double s = motion.legs[i].s;
+    const double k_h = hydraulics::oil_stiffness(machine_.legs[i], s);
+    springs_[i] = {statics.legs[i].oil_force, k_h,
+                   machine_.legs[i].oil_spring.damping + machine_.damping.rayleigh_stiffness * k_h,
+                   s};
+    if (machine_.legs[i].stroke) continue;
+    axes_[i].stops.low = -std::numeric_limits<double>::infinity();
+    axes_[i].stops.high = std::numeric_limits<double>::infinity();
+  }
+}
+
+/// Force on the piston along s, friction included; chamber, spool and bristle rates.
+double Plant::oil_side(int i, const LegMotion& motion, const double* x, const PlantInput& input,
+                       double* rate, LegOutput& out) const {
+  const auto& axis = axes_[i];
+  const int cap = layout_.cap(i), rod = layout_.rod(i), spool = layout_.spool(i);
+  const double p_cap = x[cap], p_rod = x[rod];
+  const auto& supply = machine_.hydraulics.supply;
+  const double p_s = layout_.supply < 0 ? supply.pressure : x[layout_.supply];
+  const auto flows =
+      hydraulics::valve_flows(axis.valve, x[spool], {p_s, supply.return_pressure, p_cap, p_rod});
+  const double across = axis.internal_leakage * (p_cap - p_rod);
+  const double cap_out = axis.external_leakage * (p_cap - hydraulics::atmospheric_pressure);
+  const double rod_out = axis.external_leakage * (p_rod - hydraulics::atmospheric_pressure);
+  const auto volume = axis.volumes(motion.s);
+  const double v = motion.s_rate;
+  rate[cap] = (flows.cap - across - cap_out - axis.area.piston * v) /
+              (volume.cap * hydraulics::compressibility(axis.oil, p_cap));
+  rate[rod] = (flows.rod + across - rod_out + axis.area.annulus * v) /
+              (volume.rod * hydraulics::compressibility(axis.oil, p_rod));
+  rate[spool] = x[spool + 1];
+  rate[spool + 1] =
+      hydraulics::spool_acceleration(axis.valve, x[spool], x[spool + 1], input.command[i]);
+
+  double friction = 0.0;
+  if (axis.friction.has_bristles()) {
+    const auto bristle = hydraulics::bristle_friction(axis.friction, v, x[layout_.bristles + i]);
+    rate[layout_.bristles + i] = bristle.rate;
+    friction = bristle.force;
+  } else {
+    friction = hydraulics::smooth_friction(axis.friction, v);
+    if (layout_.bristles >= 0) rate[layout_.bristles + i] = 0.0;
+  }
+  out.cap_pressure = p_cap;
+  out.rod_pressure = p_rod;
+  out.spool = x[spool];
+  out.spool_rate = x[spool + 1];
+  out.cap_flow = flows.cap;
+  out.rod_flow = flows.rod;
+  out.supply_flow = flows.supply;
+  out.return_flow = flows.back;
+  out.internal_leakage = across;
+  out.external_leakage = cap_out + rod_out;
+  out.oil_force = axis.force(p_cap, p_rod);
+  out.friction_force = -friction;
+  out.stop_force = hydraulics::stop_force(axis.stops, motion.s, v);
+  return out.oil_force + out.friction_force + out.stop_force;
+}
+
+double Plant::spring_side(int i, const LegMotion& motion, LegOutput& out) const {
+  const auto& spring = springs_[i];
+  out.oil_force = -spring.force - spring.stiffness * (motion.s - spring.s);
+  out.friction_force = -spring.damping * motion.s_rate;
+  out.stop_force = hydraulics::stop_force(axes_[i].stops, motion.s, motion.s_rate);
+  return out.oil_force + out.friction_force + out.stop_force;
+}
+
+void Plant::supply_side(const double* x, double* rate, Work& work) const {
+  const auto& supply = machine_.hydraulics.supply;
+  work.supply_pressure = supply.pressure;
+  work.pump_flow = work.supply_flow;
+  if (layout_.supply < 0) return;
+  const double p = x[layout_.supply];
+  work.supply_pressure = p;
+  work.pump_flow = hydraulics::pump_flow(supply, p);
+  const double capacity =
+      hydraulics::supply_capacity(supply, p, hydraulics::compressibility(axes_[0].oil, p));
+  rate[layout_.supply] = (work.pump_flow - work.supply_flow) / capacity;
+}
+
+bool Plant::evaluate(const double* x, const PlantInput& input, double* rate, Work& work) const {
+  const double* v = x + layout_.velocity();
+  mechanics_.motion(x, v, work.motion);
+  if (!work.motion.exists()) return false;
+  mechanics_.rates(x, v, rate);
+  dynamics::Loads loads{.wrench = input.wrench};
+  for (int i = 0; i < leg_count; ++i) {
+    const auto& motion = work.motion.legs[i];
+    auto& leg = work.legs[i];
+    loads.axial[i] = options_.hydraulics ? oil_side(i, motion, x, input, rate, leg)
+                                         : spring_side(i, motion, leg);
+    work.supply_flow += leg.supply_flow;
+    work.return_flow += leg.return_flow;
+  }
+  if (options_.hydraulics) supply_side(x, rate, work);
+  double* v_rate = rate + layout_.velocity();
+  mechanics_.accelerations(work.motion, loads, v_rate);
+  const double alpha = machine_.damping.rayleigh_mass;
+  if (alpha != 0.0)
+    for (int k = 0; k < layout_.velocities; ++k) v_rate[k] -= alpha * v[k];
+  return true;
+}
+
+bool Plant::derivative(double /*t*/, const double* x, const PlantInput& input, double* rate) const {
+  Work work;
+  return evaluate(x, input, rate, work) && finite(rate, layout_.size);
+}
+
+dynamics::Motion Plant::motion(const double* x) const {
+  Motion motion;
+  mechanics_.motion(x, x + layout_.velocity(), motion);
+  return motion;
+}
+
+PlantOutput Plant::outputs(const double* x, const PlantInput& input) const {
+  Work work;
+  Eigen::VectorXd rate(layout_.size);
+  PlantOutput out;
+  if (!evaluate(x, input, rate.data(), work))
+    throw base::ComputationError("a leg does not close in this state");
+  out.X_BP = work.motion.X_BP;
+  out.p_BC = work.motion.p_BC;
+  out.twist = work.motion.twist;
+  out.acceleration = rate.segment<6>(layout_.velocity());
+  out.legs = work.legs;
+  out.supply_pressure = work.supply_pressure;
+  out.pump_flow = work.pump_flow;
+  out.supply_flow = work.supply_flow;
+  out.return_flow = work.return_flow;
+  out.energies = mechanics_.energies(work.motion);
+  out.dissipation = mechanics_.dissipation(work.motion);
+  for (int i = 0; i < leg_count; ++i) {
+    const auto& motion = work.motion.legs[i];
+    auto& leg = out.legs[i];
+    leg.length = motion.length;
+    leg.length_rate = motion.length_rate;
+    leg.piston = motion.s;
+    leg.piston_rate = motion.s_rate;
+    leg.flexible = motion.flexible;
+    leg.sleeve_offset = motion.sleeve_offset;
+    out.dissipation -= leg.friction_force * motion.s_rate;
+    if (options_.hydraulics) continue;
+    const double stretch = motion.s - springs_[i].s;
+    out.oil_spring_energy += (springs_[i].force + 0.5 * springs_[i].stiffness * stretch) * stretch;
+  }
+  out.dissipation +=
+      2.0 * machine_.damping.rayleigh_mass * (out.energies.platform + out.energies.legs);
+  return out;
+}
+
+Pose Plant::pose(const double* x) const {
+  const Eigen::Quaterniond q(x[3], x[4], x[5], x[6]);
+  Pose X_BP{.R_BP = q.normalized().toRotationMatrix()};
+  X_BP.p_BP = Vector3(x[0], x[1], x[2]) - X_BP.R_BP * machine_.platform.mass_center;
+  return X_BP;
+}
+
+Vector6 Plant::leg_lengths(const double* x) const {
+  return kinematics::leg_lengths(machine_, pose(x));
+}
+
+void Plant::events(const double* x, double* values) const {
+  const Motion now = motion(x);
+  for (int i = 0; i < leg_count; ++i) {
+    const auto& leg = now.legs[i];
+    const auto& stops = axes_[i].stops;
+    double* of_leg = values + events_per_leg * i;
+    const bool has_stops = std::isfinite(stops.low);
+    of_leg[0] = has_stops ? leg.s - stops.low : 1.0;
+    of_leg[1] = has_stops ? stops.high - leg.s : 1.0;
+    const double p_c = machine_.hydraulics.cavitation_pressure;
+    of_leg[2] = layout_.pressures < 0 ? 1.0 : x[layout_.cap(i)] - p_c;
+    of_leg[3] = layout_.pressures < 0 ? 1.0 : x[layout_.rod(i)] - p_c;
+    of_leg[4] = machine_.legs[i].guide_sleeve.position - leg.s;
+  }
+}
+
+const char* Plant::name(Event event) {
+  constexpr std::array<const char*, events_per_leg> names{
+      "piston at the stop, retracted", "piston at the stop, extended", "cavitation on the cap side",
+      "cavitation on the rod side", "piston leaves the guide sleeve"};
+  return names[static_cast<size_t>(event)];
+}
+
+}  // namespace hydrapod::simulation

@@ -1,0 +1,209 @@
+#include <fmt/format.h>
+
+#include <Eigen/Geometry>
+#include <algorithm>
+
+#include "hydrapod/base/error.hpp"
+#include "plant_work.hpp"
+
+namespace hydrapod::simulation {
+
+namespace {
+
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+using model::leg_count;
+
+constexpr int inputs = 12;
+constexpr int quaternion = 3;  // place in y
+
+/// One kind of state: how it is called, its unit, what size of it matters, and the step for
+/// differences: small against what bends f (the seals' geometry, tanh(v / v_0), √Δp), large against
+/// rounding.
+struct Kind {
+  const char* unit;
+  double scale, step;
+};
+constexpr Kind length{"m", 1e-2, 3e-4}, turn{"1", 1e-2, 3e-4}, tilt{"rad", 1e-2, 3e-4},
+    offset{"m", 1e-3, 3e-5}, velocity{"m/s", 0.1, 1e-5}, turning{"rad/s", 0.1, 1e-5},
+    tilting{"rad/s", 0.1, 1e-5}, shifting{"m/s", 1e-2, 1e-6}, pressure{"Pa", 1e6, 30.0},
+    spool{"1", 0.1, 3e-5}, spool_rate{"1/s", 10.0, 1e-2}, bristle{"m", 1e-5, 1e-8};
+
+struct Described {
+  std::string name;
+  Kind kind;
+};
+
+void add_flexible(int per_leg, const char* suffix, const Kind& of_tilt, const Kind& of_offset,
+                  std::vector<Described>& all) {
+  constexpr std::array<const char*, 4> names{"phi1", "phi2", "u1", "u2"};
+  for (int leg = 1; leg <= leg_count; ++leg)
+    for (int k = 0; k < per_leg; ++k)
+      all.push_back(
+          {fmt::format("leg{}.{}{}", leg, names[k], suffix), k < 2 ? of_tilt : of_offset});
+}
+
+/// Every state in the order of x.
+std::vector<Described> described(const StateLayout& layout, int flexible) {
+  std::vector<Described> all;
+  for (const char* name : {"x", "y", "z"}) all.push_back({name, length});
+  for (const char* name : {"qw", "qx", "qy", "qz"}) all.push_back({name, turn});
+  add_flexible(flexible, "", tilt, offset, all);
+  for (const char* name : {"vx", "vy", "vz"}) all.push_back({name, velocity});
+  for (const char* name : {"wx", "wy", "wz"}) all.push_back({name, turning});
+  add_flexible(flexible, "_rate", tilting, shifting, all);
+  const auto per_leg = [&](const char* name, const Kind& kind, const char* second,
+                           const Kind& of_second) {
+    for (int leg = 1; leg <= leg_count; ++leg) {
+      all.push_back({fmt::format("leg{}.{}", leg, name), kind});
+      if (second) all.push_back({fmt::format("leg{}.{}", leg, second), of_second});
+    }
+  };
+  if (layout.pressures >= 0) {
+    per_leg("p_cap", pressure, "p_rod", pressure);
+    per_leg("spool", spool, "spool_rate", spool_rate);
+  }
+  if (layout.supply >= 0) all.push_back({"p_supply", pressure});
+  if (layout.bristles >= 0) per_leg("bristle", bristle, nullptr, bristle);
+  return all;
+}
+
+/// The same for small changes: a rotation vector instead of the quaternion.
+std::vector<Described> described_tangent(const StateLayout& layout, int flexible) {
+  auto all = described(layout, flexible);
+  all.erase(all.begin() + quaternion);
+  const Kind angle{"rad", turn.scale, turn.step};
+  constexpr std::array<const char*, 3> names{"rx", "ry", "rz"};
+  for (int k = 0; k < 3; ++k) all[quaternion + k] = {names[k], angle};
+  return all;
+}
+
+std::vector<std::string> names_of(const std::vector<Described>& all) {
+  std::vector<std::string> names;
+  for (const auto& state : all) names.push_back(state.name);
+  return names;
+}
+
+Vector3 rotation_vector(const Eigen::Quaterniond& from, const Eigen::Quaterniond& to) {
+  const Eigen::AngleAxisd turned(to * from.conjugate());
+  const double angle = turned.angle() > M_PI ? turned.angle() - 2.0 * M_PI : turned.angle();
+  return angle * turned.axis();
+}
+
+Eigen::Quaterniond orientation(const double* x) {
+  return Eigen::Quaterniond(x[3], x[4], x[5], x[6]).normalized();
+}
+
+}  // namespace
+
+std::vector<std::string> Plant::state_names() const {
+  return names_of(described(layout_, mechanics_.flexible()));
+}
+
+std::vector<std::string> Plant::tangent_names() const {
+  return names_of(described_tangent(layout_, mechanics_.flexible()));
+}
+
+std::vector<std::string> Plant::state_units() const {
+  std::vector<std::string> units;
+  for (const auto& state : described(layout_, mechanics_.flexible()))
+    units.emplace_back(state.kind.unit);
+  return units;
+}
+
+VectorXd Plant::scales() const {
+  const auto all = described(layout_, mechanics_.flexible());
+  VectorXd scales(layout_.size);
+  for (int k = 0; k < layout_.size; ++k) scales[k] = all[k].kind.scale;
+  return scales;
+}
+
+std::vector<std::string> Plant::linear_output_names() const {
+  std::vector<std::string> names{"x", "y", "z", "rx", "ry", "rz"};
+  const auto per_leg = [&](const char* name) {
+    for (int leg = 1; leg <= leg_count; ++leg) names.push_back(fmt::format("leg{}.{}", leg, name));
+  };
+  per_leg("l");
+  per_leg("l_rate");
+  if (options_.hydraulics)
+    for (int leg = 1; leg <= leg_count; ++leg)
+      for (const char* name : {"p_cap", "p_rod"})
+        names.push_back(fmt::format("leg{}.{}", leg, name));
+  for (const char* name : {"ax", "ay", "az", "arx", "ary", "arz"}) names.emplace_back(name);
+  return names;
+}
+
+void Plant::displace(const double* x, const double* change, double* result) const {
+  for (int k = 0; k < 3; ++k) result[k] = x[k] + change[k];
+  const Vector3 turned(change[3], change[4], change[5]);
+  const double angle = turned.norm();
+  const Eigen::Quaterniond by(
+      Eigen::AngleAxisd(angle, angle > 0.0 ? Vector3(turned / angle) : Vector3::UnitX()));
+  const Eigen::Quaterniond q = by * Eigen::Quaterniond(x[3], x[4], x[5], x[6]);
+  result[3] = q.w();
+  result[4] = q.x();
+  result[5] = q.y();
+  result[6] = q.z();
+  for (int k = 7; k < layout_.size; ++k) result[k] = x[k] + change[k - 1];
+}
+
+/// Rates of a small change of x, then outputs.
+VectorXd Plant::tangent_rates(const VectorXd& x, const VectorXd& x_0,
+                              const PlantInput& input) const {
+  Work work;
+  VectorXd rate(layout_.size);
+  if (!evaluate(x.data(), input, rate.data(), work))
+    throw base::ComputationError("linearisation: a leg does not close near this state");
+  const VectorXd& v = x;
+  const int n = layout_.tangent(), first_v = layout_.velocity();
+  const int pressures = options_.hydraulics ? 2 * leg_count : 0;
+  VectorXd out(n + 24 + pressures);
+  out.head<3>() = rate.head<3>();
+  out.segment<3>(3) = v.segment<3>(first_v + 3);
+  out.segment(6, n - 6) = rate.tail(n - 6);
+  auto y = out.tail(24 + pressures);
+  y.head<3>() = x.head<3>() - x_0.head<3>();
+  y.segment<3>(3) = rotation_vector(orientation(x_0.data()), orientation(x.data()));
+  for (int i = 0; i < leg_count; ++i) {
+    y[6 + i] = work.motion.legs[i].length;
+    y[12 + i] = work.motion.legs[i].length_rate;
+  }
+  if (pressures > 0) y.segment(18, pressures) = x.segment(layout_.pressures, pressures);
+  y.tail<6>() = rate.segment<6>(first_v);
+  return out;
+}
+
+LinearPlant Plant::linearise(const VectorXd& x, const PlantInput& input) const {
+  const auto states = described_tangent(layout_, mechanics_.flexible());
+  const int n = layout_.tangent();
+  const auto column = [&](double h, const auto& rates_at) -> VectorXd {
+    return (8.0 * (rates_at(h) - rates_at(-h)) - (rates_at(2.0 * h) - rates_at(-2.0 * h))) /
+           (12.0 * h);
+  };
+  const auto rows = tangent_rates(x, x, input).size();
+  MatrixXd all(rows, n + inputs);
+  VectorXd change = VectorXd::Zero(n), moved(layout_.size);
+  for (int k = 0; k < n; ++k) {
+    all.col(k) = column(states[k].kind.step, [&](double h) {
+      change[k] = h;
+      displace(x.data(), change.data(), moved.data());
+      change[k] = 0.0;
+      return tangent_rates(moved, x, input);
+    });
+  }
+  for (int k = 0; k < inputs; ++k) {
+    // Linear in the wrench; in commands too, as long as the spool keeps its rate.
+    const double step = k < 6 ? spool.step : machine_.platform.mass;
+    all.col(n + k) = column(step, [&](double h) {
+      PlantInput changed = input;
+      (k < 6 ? changed.command[k] : changed.wrench[k - 6]) += h;
+      return tangent_rates(x, x, changed);
+    });
+  }
+  // R = exp(δθ) R_0 with R_0 turning: (δθ)˙ = δω + ω × δθ.
+  all.block<3, 3>(3, 3) += spatial::skew(x.segment<3>(layout_.velocity() + 3));
+  return {all.topLeftCorner(n, n), all.topRightCorner(n, inputs), all.bottomLeftCorner(rows - n, n),
+          all.bottomRightCorner(rows - n, inputs)};
+}
+
+}  // namespace hydrapod::simulation

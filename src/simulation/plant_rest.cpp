@@ -1,0 +1,90 @@
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "hydrapod/base/error.hpp"
+#include "hydrapod/simulation/plant.hpp"
+
+namespace hydrapod::simulation {
+
+namespace {
+
+using model::leg_count;
+
+void require_statics(const dynamics::StaticEquilibrium& statics) {
+  if (statics.status == dynamics::StaticsStatus::converged) return;
+  throw base::ComputationError(
+      fmt::format("no static equilibrium to start from at this pose ({} iterations, residual "
+                  "{:.2g} of the weight): the legs may be past buckling (see `hydrapod check`)",
+                  statics.iterations, statics.residual));
+}
+
+void require_stroke(int i, double s, const hydraulics::Stops& stops) {
+  if (s >= stops.low && s <= stops.high) return;
+  throw base::ComputationError(fmt::format(
+      "leg {}: at this pose the piston stands at {:.4g} m from the base joint, outside its stroke "
+      "of {:.4g} to {:.4g} m",
+      i + 1, s, stops.low, stops.high));
+}
+
+void require_rest(int i, const hydraulics::HydraulicRest& rest, double force, double pressure) {
+  if (rest.found) return;
+  throw base::ComputationError(fmt::format(
+      "leg {}: a supply of {:.4g} MPa cannot hold the static force of {:.4g} N at this pose; "
+      "expected a higher `supply.pressure` or a larger cylinder",
+      i + 1, 1e-6 * pressure, force));
+}
+
+}  // namespace
+
+/// Pressures and spools at the supply pressure of `supply`, into `rest`; returns the flow drawn.
+double Plant::hold(const dynamics::StaticEquilibrium& statics, const model::Supply& supply,
+                   Rest& rest) const {
+  double drawn = 0.0;
+  for (int i = 0; i < leg_count; ++i) {
+    const double force = 0.0 - statics.legs[i].oil_force;
+    const auto oil = hydraulics::hydraulic_rest(axes_[i], supply, force);
+    require_rest(i, oil, force, supply.pressure);
+    rest.x[layout_.cap(i)] = oil.p_cap;
+    rest.x[layout_.rod(i)] = oil.p_rod;
+    rest.x[layout_.spool(i)] = oil.spool;
+    rest.input.command[i] = oil.spool;
+    drawn +=
+        hydraulics::valve_flows(axes_[i].valve, oil.spool,
+                                {supply.pressure, supply.return_pressure, oil.p_cap, oil.p_rod})
+            .supply;
+  }
+  return drawn;
+}
+
+Plant::Rest Plant::equilibrium(const Pose& X_BP) const {
+  Rest rest;
+  rest.x.setZero(layout_.size);
+  const auto statics = mechanics_.equilibrium(X_BP);
+  require_statics(statics);
+  mechanics_.configuration(X_BP, statics.legs, rest.x.data());
+  if (!options_.hydraulics) return rest;
+  const auto now = motion(rest.x.data());
+  for (int i = 0; i < leg_count; ++i) require_stroke(i, now.legs[i].s, axes_[i].stops);
+
+  const auto& given = machine_.hydraulics.supply;
+  auto supply = given;
+  double drawn = hold(statics, supply, rest);
+  if (layout_.supply < 0) return rest;
+  constexpr int most_iterations = 50;  // the pressure moves within the pump's narrow band
+  for (int k = 0; k < most_iterations && drawn < *given.pump_flow; ++k) {
+    const double before = supply.pressure;
+    supply.pressure = hydraulics::pressure_at_flow(given, drawn);
+    drawn = hold(statics, supply, rest);
+    if (std::abs(supply.pressure - before) < 1e-12 * before) break;
+  }
+  if (drawn >= *given.pump_flow)
+    throw base::ComputationError(fmt::format(
+        "the pump gives {:.4g} m^3/s and the valves leak {:.4g} m^3/s at rest; expected "
+        "a larger `supply.pump_flow` or less leakage",
+        *given.pump_flow, drawn));
+  rest.x[layout_.supply] = supply.pressure;
+  return rest;
+}
+
+}  // namespace hydrapod::simulation

@@ -1,0 +1,32 @@
+#include "seal_dampers.hpp"
+
+#include <cmath>
+
+#include "hydrapod/dynamics/leg_element.hpp"
+
+namespace hydrapod::simulation {
+
+model::Machine with_seal_dampers(model::Machine machine, dynamics::ModelKind kind,
+                                 const spatial::Pose& X_reference) {
+  if (kind == dynamics::ModelKind::rigid) return machine;
+  const double ratio = machine.damping.modal_ratio.value_or(model::default_modal_ratio);
+  const double beta = machine.damping.rayleigh_stiffness;
+  const auto geometry = kinematics::inverse_kinematics(machine, X_reference);
+  for (int i = 0; i < model::leg_count; ++i) {
+    auto& leg = machine.legs[i];
+    const auto element = dynamics::straight_leg(leg, geometry[i], machine.flexible_axes);
+    const auto add = [&](double k, double per_lever, double inertia, double& damping) {
+      if (damping == 0.0) damping = 2.0 * ratio * std::sqrt(k * inertia) / per_lever;
+      damping += beta * k;
+    };
+    const double M_phi = 0.5 * (element.M(3, 3) + element.M(4, 4));
+    auto& sleeve = leg.guide_sleeve;
+    if (element.l_mh > 0.0) add(sleeve.stiffness, element.l_mh, M_phi, sleeve.damping);
+    if (!leg.piston_ring) continue;
+    const double M_u = 0.5 * (element.M(5, 5) + element.M(6, 6));
+    add(leg.piston_ring->stiffness, 1.0, M_u, leg.piston_ring->damping);
+  }
+  return machine;
+}
+
+}  // namespace hydrapod::simulation
