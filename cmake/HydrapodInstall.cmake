@@ -15,5 +15,4 @@ write_basic_package_version_file(hydrapodConfigVersion.cmake COMPATIBILITY SameM
 install(FILES ${CMAKE_CURRENT_BINARY_DIR}/hydrapodConfig.cmake
               ${CMAKE_CURRENT_BINARY_DIR}/hydrapodConfigVersion.cmake
               cmake/Findudunits2.cmake
-              cmake/Findmatio.cmake
   DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/hydrapod)

@@ -16,7 +16,7 @@ packages_program=(
   "libsundials-dev integrates the equations of motion"
   "libceres-dev least squares, for calibration"
   "libhdf5-dev records in HDF5"
-  "libmatio-dev records in MAT files"
+  "zlib1g-dev compressed variables in MAT files"
   "gnuplot-nox draws the plots"
   "nodejs bundles the page of the report"
   "ca-certificates lets npm trust its registry"
@@ -30,6 +30,7 @@ declare -A tool_of=([nodejs]=node [npm]=npm [chromium]=chromium)
 packages_test=(
   "libgtest-dev unit tests"
   "libgmock-dev unit tests"
+  "libmatio-dev a second opinion on MAT files"
   "libmujoco-dev independent multibody dynamics to compare with"
   "libbenchmark-dev benchmarks"
   "liblapacke-dev LAPACK from C, the yardstick of the benchmarks"

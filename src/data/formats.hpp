@@ -10,9 +10,13 @@ namespace hydrapod::data {
 
 std::unique_ptr<RecordWriter> make_csv_writer(const std::string& path, const RecordHeader& header);
 std::unique_ptr<RecordWriter> make_hdf5_writer(const std::string& path, const RecordHeader& header);
+std::unique_ptr<RecordWriter> make_mat5_writer(const std::string& path, const RecordHeader& header);
+std::unique_ptr<RecordWriter> make_mat73_writer(const std::string& path,
+                                                const RecordHeader& header);
 std::unique_ptr<RecordWriter> make_uff_writer(const std::string& path, const RecordHeader& header,
                                               bool binary);
 
+std::unique_ptr<RecordReader> make_mat5_reader(const std::string& path, const ReadOptions& options);
 std::unique_ptr<RecordReader> make_uff_reader(const std::string& path, const ReadOptions& options);
 std::unique_ptr<RecordReader> make_csv_reader(const std::string& path, const ReadOptions& options);
 std::unique_ptr<RecordReader> make_hdf5_reader(const std::string& path, const ReadOptions& options);

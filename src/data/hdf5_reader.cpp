@@ -8,13 +8,11 @@
 #include "formats.hpp"
 #include "hdf5_text.hpp"
 #include "hydrapod/base/printable.hpp"
+#include "variable_file.hpp"
 
 namespace hydrapod::data {
 
 namespace {
-
-/// Chunks larger than this are not taken into memory, whatever the file says.
-constexpr std::uint64_t most_chunk_bytes = 256U << 20U;
 
 class Hdf5Reader final : public RecordReader {
  public:
@@ -141,31 +139,15 @@ class Hdf5Reader final : public RecordReader {
     if (size[1] != header_.channels.size())
       notes_.fail(fmt::format("'samples' has {} columns for {} channels", size[1],
                               header_.channels.size()));
-    rows_ = believable_rows(size[0], size[1], H5Tget_size(type.id()));
+    rows_ = believable_rows(samples_.id(), size[0], size[1]);
+    if (const auto bytes = chunk_bytes(samples_.id()); bytes > most_chunk_bytes)
+      notes_.fail(
+          fmt::format("'samples' has chunks of {} bytes, more than the {} MiB that are read "
+                      "at once",
+                      bytes, most_chunk_bytes >> 20U));
     if (rows_ < size[0])
       notes_.add(
           fmt::format("{} samples are declared, but the file holds {} at most", size[0], rows_));
-  }
-
-  /// Rows for which there is anything in the file.
-  hsize_t believable_rows(hsize_t rows, hsize_t columns, std::size_t item) {
-    const Hdf5Handle list(H5Dget_create_plist(samples_.id()), H5Pclose);
-    if (H5Pget_layout(list.id()) != H5D_CHUNKED)
-      return std::min<hsize_t>(rows, H5Dget_storage_size(samples_.id()) / (columns * item));
-    hsize_t chunk[2] = {0, 0}, chunks = 0;
-    const Hdf5Handle space(H5Dget_space(samples_.id()), H5Sclose);
-    if (H5Pget_chunk(list.id(), 2, chunk) != 2 || chunk[0] == 0 || chunk[1] == 0 ||
-        H5Dget_num_chunks(samples_.id(), space.id(), &chunks) < 0)
-      notes_.fail("'samples' has no readable chunks");
-    if (chunk[0] > most_chunk_bytes / item || chunk[1] > most_chunk_bytes / item / chunk[0])
-      notes_.fail(
-          fmt::format("'samples' has chunks of {} × {} samples, more than the {} MiB that "
-                      "are read at once",
-                      chunk[0], chunk[1], most_chunk_bytes >> 20U));
-    const hsize_t side_by_side = (columns + chunk[1] - 1) / chunk[1];
-    const hsize_t stacked = (chunks + side_by_side - 1) / side_by_side;
-    if (stacked > rows / chunk[0]) return rows;
-    return std::min(rows, stacked * chunk[0]);
   }
 
   Notes notes_;
@@ -182,12 +164,16 @@ class Hdf5Reader final : public RecordReader {
 }  // namespace
 
 std::unique_ptr<RecordReader> make_hdf5_reader(const std::string& path,
-                                               const ReadOptions& /*options*/) {
+                                               const ReadOptions& options) {
   const Hdf5Silence silence;
   Hdf5Handle file(H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), H5Fclose);
   if (!file.ok()) Notes(path).fail("the HDF5 file is damaged or cut off: it cannot be opened");
-  const auto mark = read_text_attribute(file.id(), "format");
-  if (mark != record_mark) Notes(path).fail("the HDF5 file is not a record of hydrapod");
+  if (read_text_attribute(file.id(), "format") != record_mark) {
+    Notes notes(path);
+    file.reset();
+    auto variables = open_hdf5_variables(path, notes);
+    return make_variables_reader(std::move(variables), std::move(notes), options);
+  }
   return std::make_unique<Hdf5Reader>(path, std::move(file));
 }
 

@@ -1,6 +1,7 @@
 #include "hdf5_text.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cstring>
 
 namespace hydrapod::data {
@@ -197,6 +198,41 @@ std::optional<std::vector<int>> read_integers(hid_t group, const char* name,
   if (H5Dread(set.id(), H5T_NATIVE_INT, H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data()) < 0)
     return {};
   return values;
+}
+
+std::uint64_t chunk_bytes(hid_t dataset) {
+  const Hdf5Handle list(H5Dget_create_plist(dataset), H5Pclose);
+  if (H5Pget_layout(list.id()) != H5D_CHUNKED) return 0;
+  std::array<hsize_t, H5S_MAX_RANK> chunk{};
+  const int rank = H5Pget_chunk(list.id(), H5S_MAX_RANK, chunk.data());
+  const Hdf5Handle type(H5Dget_type(dataset), H5Tclose);
+  std::uint64_t bytes = std::max<std::size_t>(H5Tget_size(type.id()), 1);
+  for (int i = 0; i < rank; ++i) {
+    const hsize_t size = chunk[static_cast<std::size_t>(i)];
+    if (size != 0 && bytes > (std::uint64_t{1} << 60U) / size) return std::uint64_t{1} << 60U;
+    bytes *= size;
+  }
+  return bytes;
+}
+
+std::uint64_t believable_rows(hid_t dataset, std::uint64_t rows, std::uint64_t columns) {
+  const Hdf5Handle list(H5Dget_create_plist(dataset), H5Pclose);
+  const Hdf5Handle type(H5Dget_type(dataset), H5Tclose);
+  const std::uint64_t row_bytes = columns * std::max<std::size_t>(H5Tget_size(type.id()), 1);
+  if (row_bytes == 0) return 0;
+  if (H5Pget_layout(list.id()) != H5D_CHUNKED)
+    return std::min<std::uint64_t>(rows, H5Dget_storage_size(dataset) / row_bytes);
+  std::array<hsize_t, 2> chunk{1, 1};
+  hsize_t chunks = 0;
+  const Hdf5Handle space(H5Dget_space(dataset), H5Sclose);
+  const int rank = H5Pget_chunk(list.id(), 2, chunk.data());
+  if (rank < 1 || rank > 2 || chunk[0] == 0 || chunk[1] == 0 ||
+      H5Dget_num_chunks(dataset, space.id(), &chunks) < 0)
+    return 0;
+  const std::uint64_t side_by_side = (columns + chunk[1] - 1) / chunk[1];
+  const std::uint64_t stacked = (chunks + side_by_side - 1) / side_by_side;
+  if (stacked > rows / chunk[0]) return rows;
+  return std::min<std::uint64_t>(rows, stacked * chunk[0]);
 }
 
 bool has_object(hid_t group, const char* name) {

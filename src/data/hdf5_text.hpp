@@ -1,6 +1,7 @@
 #pragma once
 /// Strings and numbers as HDF5 attributes and datasets, written and read with care for sizes.
 
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <vector>
@@ -32,6 +33,13 @@ std::optional<std::vector<std::string>> read_texts(hid_t group, const char* name
                                                    std::size_t most_bytes);
 std::optional<std::vector<int>> read_integers(hid_t group, const char* name,
                                               std::size_t most_bytes);
+/// Bytes of a chunk in memory; 0 for a dataset that has none.
+std::uint64_t chunk_bytes(hid_t dataset);
+/// Chunks larger than this are not taken into memory, whatever the file says.
+inline constexpr std::uint64_t most_chunk_bytes = 256U << 20U;
+/// Of the `rows` rows that a dataset of rows × columns declares, those for which there is anything
+/// in the file.
+std::uint64_t believable_rows(hid_t dataset, std::uint64_t rows, std::uint64_t columns);
 bool has_object(hid_t group, const char* name);
 
 }  // namespace hydrapod::data

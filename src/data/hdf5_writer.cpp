@@ -5,6 +5,7 @@
 #include "formats.hpp"
 #include "hdf5_text.hpp"
 #include "hydrapod/base/file.hpp"
+#include "mat73_text.hpp"
 
 namespace hydrapod::data {
 
@@ -15,14 +16,73 @@ hsize_t chunk_rows(std::size_t channels) {
   return std::clamp<hsize_t>((512U * 1024U) / (sizeof(double) * channels), 1, 16384);
 }
 
+struct ChannelTexts {
+  std::vector<std::string> name{}, unit{}, direction{}, role{};
+  std::vector<int> point{};
+};
+
+ChannelTexts texts_of(const RecordHeader& header) {
+  ChannelTexts texts;
+  for (const Channel& channel : header.channels) {
+    texts.name.push_back(channel.name);
+    texts.unit.push_back(channel.unit);
+    texts.direction.emplace_back(direction_text(channel.direction));
+    texts.role.emplace_back(role_text(channel.role));
+    texts.point.push_back(channel.point);
+  }
+  return texts;
+}
+
+/// Attributes of the file and a group `channels`. False when HDF5 could not write.
+bool write_plain_header(hid_t root, const RecordHeader& header) {
+  const Hdf5Handle group = group_without_times(root, "channels");
+  const ChannelTexts channels = texts_of(header);
+  return write_attribute(root, "format", std::string(record_mark)) &&
+         write_attribute(root, "format_version", record_version) &&
+         write_attribute(root, "title", header.title) &&
+         write_attribute(root, "sample_rate_hz", header.sample_rate) &&
+         write_attribute(root, "start_s", header.start) &&
+         write_attribute(root, "date", header.date) &&
+         write_attribute(root, "repeat", header.repeat) &&
+         write_text(root, "notes", header.notes) && write_text(root, "machine", header.machine) &&
+         write_texts(group.id(), "name", channels.name) &&
+         write_texts(group.id(), "unit", channels.unit) &&
+         write_texts(group.id(), "direction", channels.direction) &&
+         write_texts(group.id(), "role", channels.role) &&
+         write_integers(group.id(), "point", channels.point);
+}
+
+/// The same as variables of MATLAB.
+bool write_mat73_header(hid_t root, const RecordHeader& header) {
+  const ChannelTexts channels = texts_of(header);
+  const std::vector<double> points(channels.point.begin(), channels.point.end());
+  return mat73_text(root, "format", record_mark) &&
+         mat73_numbers(root, "format_version", {record_version}) &&
+         mat73_text(root, "title", header.title) &&
+         mat73_numbers(root, "sample_rate_hz", {header.sample_rate}) &&
+         mat73_numbers(root, "start_s", {header.start}) && mat73_text(root, "date", header.date) &&
+         mat73_numbers(root, "repeat", {static_cast<double>(header.repeat)}) &&
+         mat73_text(root, "notes", header.notes) && mat73_text(root, "machine", header.machine) &&
+         mat73_texts(root, "channel_name", channels.name) &&
+         mat73_texts(root, "channel_unit", channels.unit) &&
+         mat73_texts(root, "channel_direction", channels.direction) &&
+         mat73_texts(root, "channel_role", channels.role) &&
+         mat73_numbers(root, "channel_point", points);
+}
+
+/// HDF5 of hydrapod's own layout or of MATLAB 7.3; `samples` are one dataset of samples × channels
+/// in both, which MATLAB sees as channels × samples.
 class Hdf5Writer final : public RecordWriter {
  public:
-  Hdf5Writer(const std::string& path, const RecordHeader& header) : part_(path), header_(header) {
+  Hdf5Writer(const std::string& path, const RecordHeader& header, bool for_matlab)
+      : part_(path), header_(header), for_matlab_(for_matlab) {
     const Hdf5Handle list(H5Pcreate(H5P_FILE_CREATE), H5Pclose);
     H5Pset_obj_track_times(list.id(), false);
+    if (for_matlab) H5Pset_userblock(list.id(), mat73_userblock_bytes);
     file_ = {H5Fcreate(part_.part().c_str(), H5F_ACC_TRUNC, list.id(), H5P_DEFAULT), H5Fclose};
     if (!file_.ok()) fail();
-    write_header();
+    const Hdf5Handle root(H5Gopen2(file_.id(), "/", H5P_DEFAULT), H5Gclose);
+    if (!(for_matlab ? write_mat73_header : write_plain_header)(root.id(), header)) fail();
     make_samples();
     flush();
   }
@@ -53,6 +113,7 @@ class Hdf5Writer final : public RecordWriter {
     const Hdf5Silence silence;
     flush();
     if (!samples_.reset() || !file_.reset()) fail();
+    if (for_matlab_ && !write_mat73_userblock(part_.part())) fail();
     part_.commit();
   }
 
@@ -66,35 +127,6 @@ class Hdf5Writer final : public RecordWriter {
     if (H5Fflush(file_.id(), H5F_SCOPE_GLOBAL) < 0) fail();
   }
 
-  void write_header() {
-    const Hdf5Handle root(H5Gopen2(file_.id(), "/", H5P_DEFAULT), H5Gclose);
-    const hid_t id = root.id();
-    bool good = write_attribute(id, "format", std::string(record_mark)) &&
-                write_attribute(id, "format_version", record_version) &&
-                write_attribute(id, "title", header_.title) &&
-                write_attribute(id, "sample_rate_hz", header_.sample_rate) &&
-                write_attribute(id, "start_s", header_.start) &&
-                write_attribute(id, "date", header_.date) &&
-                write_attribute(id, "repeat", header_.repeat) &&
-                write_text(id, "notes", header_.notes) &&
-                write_text(id, "machine", header_.machine);
-    std::vector<std::string> names, units, directions, roles;
-    std::vector<int> points;
-    for (const Channel& channel : header_.channels) {
-      names.push_back(channel.name);
-      units.push_back(channel.unit);
-      directions.emplace_back(direction_text(channel.direction));
-      roles.emplace_back(role_text(channel.role));
-      points.push_back(channel.point);
-    }
-    const Hdf5Handle group = group_without_times(id, "channels");
-    good = good && write_texts(group.id(), "name", names) &&
-           write_texts(group.id(), "unit", units) &&
-           write_texts(group.id(), "direction", directions) &&
-           write_texts(group.id(), "role", roles) && write_integers(group.id(), "point", points);
-    if (!good) fail();
-  }
-
   void make_samples() {
     const hsize_t columns = header_.channels.size();
     const hsize_t now[2] = {0, columns}, most[2] = {H5S_UNLIMITED, columns},
@@ -105,11 +137,12 @@ class Hdf5Writer final : public RecordWriter {
     samples_ = {H5Dcreate2(file_.id(), "samples", H5T_IEEE_F64LE, space.id(), H5P_DEFAULT,
                            list.id(), H5P_DEFAULT),
                 H5Dclose};
-    if (!samples_.ok()) fail();
+    if (!samples_.ok() || (for_matlab_ && !mat73_class(samples_.id(), "double"))) fail();
   }
 
   base::PartFile part_;
   RecordHeader header_;
+  bool for_matlab_;
   Hdf5Handle file_;
   Hdf5Handle samples_;
   hsize_t written_{};
@@ -120,7 +153,13 @@ class Hdf5Writer final : public RecordWriter {
 std::unique_ptr<RecordWriter> make_hdf5_writer(const std::string& path,
                                                const RecordHeader& header) {
   const Hdf5Silence silence;
-  return std::make_unique<Hdf5Writer>(path, header);
+  return std::make_unique<Hdf5Writer>(path, header, false);
+}
+
+std::unique_ptr<RecordWriter> make_mat73_writer(const std::string& path,
+                                                const RecordHeader& header) {
+  const Hdf5Silence silence;
+  return std::make_unique<Hdf5Writer>(path, header, true);
 }
 
 }  // namespace hydrapod::data

@@ -58,6 +58,13 @@ bool has_hdf5_signature(std::string_view head) {
          (head.size() >= 520 && head.substr(512).starts_with(signature));
 }
 
+/// Version 0x0100 and the mark of the byte order, whatever text stands before them.
+bool has_mat5_mark(std::string_view head) {
+  if (head.size() < 128) return false;
+  return head.substr(124, 4) == std::string_view("\0\1IM", 4) ||
+         head.substr(124, 4) == std::string_view("\1\0MI", 4);
+}
+
 /// The first line that is not empty is "    -1".
 bool begins_as_uff(std::string_view head) {
   const std::size_t begin = head.find_first_not_of("\r\n");
@@ -101,9 +108,12 @@ std::unique_ptr<RecordWriter> open_record_writer(const std::string& path,
     case RecordFormat::uff:
     case RecordFormat::uff_ascii:
       return make_uff_writer(path, header, format == RecordFormat::uff);
-    default:
-      throw std::invalid_argument("open_record_writer: unknown format");
+    case RecordFormat::mat5:
+      return make_mat5_writer(path, header);
+    case RecordFormat::mat73:
+      return make_mat73_writer(path, header);
   }
+  throw std::invalid_argument("open_record_writer: unknown format");
 }
 
 std::unique_ptr<RecordWriter> open_record_writer(const std::string& path,
@@ -115,6 +125,7 @@ std::unique_ptr<RecordReader> open_record_reader(const std::string& path,
                                                  const ReadOptions& options) {
   const std::string head = head_of(path);
   if (has_hdf5_signature(head)) return make_hdf5_reader(path, options);
+  if (head.starts_with("MATLAB 5.0") || has_mat5_mark(head)) return make_mat5_reader(path, options);
   if (begins_as_uff(head)) return make_uff_reader(path, options);
   if (head.find('\0') != std::string::npos)
     refuse(path, "this is no record: it begins neither as HDF5, MAT, Universal File nor text");

@@ -12,9 +12,9 @@
 #include <vector>
 
 #include "channel_units.hpp"
+#include "file_window.hpp"
 #include "notes.hpp"
 #include "record_comments.hpp"
-#include "uff_source.hpp"
 
 namespace hydrapod::data {
 
@@ -94,7 +94,7 @@ ChannelUnit uff_unit(const UffAxis& axis, int direction, const std::optional<Uff
 /// The values of a function one after the other.
 class UffValues {
  public:
-  UffValues(const std::string& path, const UffFunction& function, std::size_t window = 1U << 16U);
+  UffValues(const FileWindow& file, const UffFunction& function, std::size_t window = 1U << 16U);
 
   /// The next number as it stands in the file: [abscissa,] value or [abscissa,] real, imaginary
   /// part. False at the end. Text where a number should be is NaN and noted.

@@ -17,7 +17,8 @@ constexpr double rate_tolerance = 2e-5;  ///< increments are written with six di
 
 class UffReader final : public RecordReader {
  public:
-  explicit UffReader(const std::string& path) : notes_(path), contents_(scan_uff(path, notes_)) {
+  explicit UffReader(const std::string& path)
+      : notes_(path), file_(path), contents_(scan_uff(path, notes_)) {
     choose();
     make_header();
     for (const UffFunction& f : chosen_) count_ = std::max(count_, f.count);
@@ -28,7 +29,7 @@ class UffReader final : public RecordReader {
                                "missing",
                                base::printable(header_.channels[c].name), chosen_[c].count, count_),
                    chosen_[c].line);
-      values_.push_back(std::make_unique<UffValues>(path, chosen_[c], window));
+      values_.push_back(std::make_unique<UffValues>(file_, chosen_[c], window));
     }
   }
 
@@ -100,7 +101,7 @@ class UffReader final : public RecordReader {
 
   /// Times that are even though the file says they need not be give start and step.
   bool make_even(UffFunction& f) {
-    UffValues values(notes_.file(), f);
+    UffValues values(file_, f);
     Notes ignored(notes_.file());
     double first = 0.0, last = 0.0, time = 0.0, value = 0.0;
     std::uint64_t n = 0;
@@ -110,7 +111,7 @@ class UffReader final : public RecordReader {
     }
     const double step = n > 1 ? (last - first) / static_cast<double>(n - 1) : 0.0;
     bool even = step > 0.0 && std::isfinite(step);
-    UffValues again(notes_.file(), f);
+    UffValues again(file_, f);
     for (std::uint64_t k = 0; even && k < n; ++k) {
       again.next(time, ignored);
       again.next(value, ignored);
@@ -197,6 +198,7 @@ class UffReader final : public RecordReader {
   }
 
   Notes notes_;
+  FileWindow file_;
   UffContents contents_;
   std::vector<UffFunction> chosen_;
   RecordHeader header_;

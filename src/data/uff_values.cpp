@@ -65,9 +65,9 @@ std::vector<double> uff_line_numbers(std::string_view line, const std::vector<in
   return numbers;
 }
 
-UffValues::UffValues(const std::string& path, const UffFunction& function, std::size_t window)
+UffValues::UffValues(const FileWindow& file, const UffFunction& function, std::size_t window)
     : function_(function),
-      file_(path, window),
+      file_(file, window),
       offset_(function.begin),
       line_(function.data_line) {}
 

@@ -70,7 +70,8 @@ TEST_P(RoundTrip, ARecordWithoutSamplesIsARecord) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Formats, RoundTrip,
-                         testing::Values(RecordFormat::hdf5, RecordFormat::csv, RecordFormat::uff),
+                         testing::Values(RecordFormat::hdf5, RecordFormat::mat5,
+                                         RecordFormat::mat73, RecordFormat::csv, RecordFormat::uff),
                          [](const auto& format) { return std::string(format_text(format.param)); });
 
 }  // namespace

@@ -1,5 +1,5 @@
 #pragma once
-/// A Universal File at any place in it: lines between binary data.
+/// A file at any place in it, in bounded memory: bytes, or lines between binary data.
 
 #include <cstdint>
 #include <cstdio>
@@ -15,6 +15,8 @@ class FileWindow {
  public:
   /// Throws base::InputError when the file cannot be opened.
   explicit FileWindow(const std::string& path, std::size_t bytes = 1U << 18U);
+  /// Another window on the same file.
+  FileWindow(const FileWindow& other, std::size_t bytes);
 
   [[nodiscard]] std::uint64_t size() const { return size_; }
 
@@ -32,10 +34,7 @@ class FileWindow {
   Line line_at(std::uint64_t offset);
 
  private:
-  struct CloseFile {
-    void operator()(std::FILE* file) const { std::fclose(file); }
-  };
-  std::unique_ptr<std::FILE, CloseFile> file_;
+  std::shared_ptr<std::FILE> file_;
   std::uint64_t size_{};
   std::vector<char> window_;
   std::uint64_t begin_{};  ///< place of window_[0] in the file

@@ -1,4 +1,4 @@
-#include "uff_source.hpp"
+#include "file_window.hpp"
 
 #include <fmt/format.h>
 #include <unistd.h>
@@ -17,12 +17,17 @@ constexpr std::size_t longest_line = 4096;
 }
 
 FileWindow::FileWindow(const std::string& path, std::size_t bytes)
-    : file_(std::fopen(path.c_str(), "rb")), window_(std::max(bytes, 2 * longest_line)) {
-  if (!file_)
+    : window_(std::max(bytes, 2 * longest_line)) {
+  std::FILE* file = std::fopen(path.c_str(), "rb");
+  if (file == nullptr)
     throw base::InputError(
         {{.file = path, .message = fmt::format("cannot read the file: {}", std::strerror(errno))}});
+  file_ = {file, std::fclose};
   size_ = std::filesystem::file_size(path);
 }
+
+FileWindow::FileWindow(const FileWindow& other, std::size_t bytes)
+    : file_(other.file_), size_(other.size_), window_(std::max(bytes, 2 * longest_line)) {}
 
 std::string_view FileWindow::at(std::uint64_t offset, std::size_t wanted) {
   if (offset >= size_) return {};

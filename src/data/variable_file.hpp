@@ -1,0 +1,53 @@
+#pragma once
+/// Files that hold named arrays, as MAT files and HDF5 files do, seen alike.
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "hydrapod/data/record_io.hpp"
+#include "notes.hpp"
+
+namespace hydrapod::data {
+
+enum class VariableKind { numbers, text, texts };
+
+/// An array of one or two dimensions. Of two, `fast` is the one whose neighbours stand side by side
+/// in the file: rows of a MATLAB matrix, the last index in HDF5. A list has slow = 1.
+struct Variable {
+  std::string name{};
+  VariableKind kind{VariableKind::numbers};
+  std::uint64_t fast{1}, slow{1};
+  std::string unit{};                ///< from an attribute; empty: unknown
+  double number{};                   ///< of a scalar
+  std::string text{};                ///< of kind text
+  std::vector<std::string> texts{};  ///< of kind texts
+};
+
+class VariableFile {
+ public:
+  VariableFile() = default;
+  VariableFile(const VariableFile&) = delete;
+  VariableFile& operator=(const VariableFile&) = delete;
+  virtual ~VariableFile() = default;
+
+  [[nodiscard]] virtual RecordFormat format() const = 0;
+  [[nodiscard]] virtual const std::vector<Variable>& variables() const = 0;
+  /// Numbers of a variable: whole lines (fast_first = 0, fast_count = fast), or a part of one line
+  /// (slow_count = 1), line by line. Reads on from where it was before are fast. False when the
+  /// file is damaged there.
+  virtual bool read(std::size_t variable, std::uint64_t slow_first, std::uint64_t slow_count,
+                    std::uint64_t fast_first, std::uint64_t fast_count, double* out) = 0;
+};
+
+/// Throws base::InputError. What cannot be used is noted.
+std::unique_ptr<VariableFile> open_mat5_file(const std::string& path, Notes& notes);
+std::unique_ptr<VariableFile> open_hdf5_variables(const std::string& path, Notes& notes);
+
+/// A record from such a file: hydrapod's own layout, or the arrays of the length that most have.
+/// The sample rate comes from a variable such as fs or dt, from a list of times, or from `options`.
+std::unique_ptr<RecordReader> make_variables_reader(std::unique_ptr<VariableFile> file, Notes notes,
+                                                    const ReadOptions& options);
+
+}  // namespace hydrapod::data
