@@ -9,6 +9,8 @@
 #include <cstdio>
 #include <cstring>
 #include <filesystem>
+#include <fstream>
+#include <iostream>
 #include <system_error>
 
 #include "hydrapod/base/error.hpp"
@@ -105,6 +107,32 @@ void write_beside_and_rename(const std::string& target, const std::string& path,
   fail(path, cause);
 }
 }  // namespace
+
+std::string read_file(const std::string& path, std::size_t largest, std::string_view expected) {
+  const auto reject = [](const std::string& file, const std::string& message) {
+    throw InputError({{.file = file, .message = message}});
+  };
+  const bool standard_input = path == "-";
+  const std::string name = standard_input ? "<stdin>" : path;
+  std::error_code error;
+  if (!standard_input && fs::is_directory(path, error))
+    reject(path, fmt::format("is a directory, expected {}", expected));
+  std::ifstream file;
+  if (!standard_input) {
+    errno = 0;
+    file.open(path, std::ios::binary);
+    if (!file)
+      reject(path, fmt::format("cannot be opened: {}", std::generic_category().message(errno)));
+  }
+  std::istream& stream = standard_input ? std::cin : file;
+  std::string text(largest + 1, '\0');
+  stream.read(text.data(), static_cast<std::streamsize>(text.size()));
+  if (stream.bad()) reject(name, "cannot be read");
+  text.resize(static_cast<std::size_t>(stream.gcount()));
+  if (text.size() > largest)
+    reject(name, fmt::format("is larger than {} MiB, expected {}", largest >> 20, expected));
+  return text;
+}
 
 void write_file_whole(const std::string& path, std::string_view text) {
   if (path == "-") return write_standard_output(text);

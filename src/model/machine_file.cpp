@@ -3,17 +3,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cerrno>
-#include <filesystem>
-#include <fstream>
-#include <iostream>
 #include <map>
-#include <system_error>
 #include <tuple>
 #include <utility>
 
 #include "faults.hpp"
 #include "finding_place.hpp"
+#include "hydrapod/base/file.hpp"
 #include "machine_reader.hpp"
 #include "machine_schema.hpp"
 #include "overrides.hpp"
@@ -25,32 +21,11 @@ namespace hydrapod::model {
 namespace {
 
 constexpr std::size_t largest_file = std::size_t{1} << 20;  // toml++ may need seconds beyond
-constexpr const char* standard_input = "<stdin>";
+constexpr const char* expected = "a machine file of some kilobytes";
 
 [[noreturn]] void reject(const std::string& file, std::string message, unsigned line = 0,
                          unsigned column = 0) {
   throw base::InputError({{base::Severity::error, file, line, column, "", std::move(message)}});
-}
-
-std::string read_limited(std::istream& stream, const std::string& name) {
-  std::string text(largest_file + 1, '\0');
-  stream.read(text.data(), static_cast<std::streamsize>(text.size()));
-  if (stream.bad()) reject(name, "cannot be read");
-  text.resize(static_cast<std::size_t>(stream.gcount()));
-  return text;
-}
-
-std::string read_text(const std::string& path) {
-  std::error_code error;
-  if (std::filesystem::is_directory(path, error)) {
-    reject(path, "is a directory, expected a machine file");
-  }
-  errno = 0;
-  std::ifstream stream(path, std::ios::binary);
-  if (!stream) {
-    reject(path, fmt::format("cannot be opened: {}", std::generic_category().message(errno)));
-  }
-  return read_limited(stream, path);
 }
 
 std::vector<std::string> source_names(const std::string& file,
@@ -62,7 +37,7 @@ std::vector<std::string> source_names(const std::string& file,
 
 Node parsed_file(const std::string& text, const std::string& file) {
   if (text.size() > largest_file) {
-    reject(file, "is larger than 1 MiB, expected a machine file of some kilobytes");
+    reject(file, fmt::format("is larger than 1 MiB, expected {}", expected));
   }
   if (text.find_first_not_of(" \t\r\n") == std::string::npos) {
     reject(file, "is empty; `hydrapod init` writes a machine file to start from");
@@ -127,10 +102,8 @@ MachineFile parse_machine(const std::string& text, const std::string& file_name,
 
 MachineFile read_machine_file(const std::string& path, const std::vector<std::string>& overrides,
                               const Check& check) {
-  if (path == "-") {
-    return parse_machine(read_limited(std::cin, standard_input), standard_input, overrides, check);
-  }
-  return parse_machine(read_text(path), path, overrides, check);
+  return parse_machine(base::read_file(path, largest_file, expected),
+                       path == "-" ? "<stdin>" : path, overrides, check);
 }
 
 }  // namespace hydrapod::model

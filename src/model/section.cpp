@@ -46,6 +46,10 @@ Section Section::overlaid(const Section& specific, const Section& general) {
           *specific.faults_};
 }
 
+Section Section::at(const Node& table, std::string path, Faults& faults) {
+  return {{&table, std::move(path), table.place}, {}, false, faults};
+}
+
 Section::Table Section::below(const Table& table, std::string_view key) {
   if (table.node == nullptr && table.path.empty()) return {};  // there is no general table
   const Node* node = table.node != nullptr ? table.node->find(key) : nullptr;
@@ -123,12 +127,17 @@ void Section::report(const Value& value, std::string message) const {
 
 double Section::read_number(const Value& value, std::string_view unit) const {
   const Node& node = *value.node;
+  const auto read = [&](double number) {
+    if (faults_->logging())
+      faults_->read({value.path, std::string{unit}, number, node.place, true});
+    return number;
+  };
   if (node.is_number()) {
-    if (std::isfinite(node.number)) return node.number;
+    if (std::isfinite(node.number)) return read(node.number);
     report(value, fmt::format("is {}, expected a finite number", node.number));
   } else if (node.kind == Node::Kind::text) {
     const auto quantity = base::read_quantity(node.text, unit);
-    if (quantity.ok()) return quantity.value;
+    if (quantity.ok()) return read(quantity.value);
     report(value, quantity.problem);
   } else {
     report(value, fmt::format("is {}, expected {}", described(node), expected_number(unit)));
@@ -145,7 +154,10 @@ double Section::number(std::string_view key, std::string_view unit) const {
 }
 
 double Section::number(std::string_view key, std::string_view unit, double fallback) const {
-  return optional_number(key, unit).value_or(fallback);
+  if (const auto value = optional_number(key, unit)) return *value;
+  if (faults_->logging() && lacking().node != nullptr)
+    faults_->read({missing_path(key), std::string{unit}, fallback, lacking().place, false});
+  return fallback;
 }
 
 std::optional<double> Section::optional_number(std::string_view key, std::string_view unit) const {

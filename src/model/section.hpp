@@ -33,6 +33,9 @@ class Section {
   /// `specific` over `general`, for instance leg.3 over legs.
   static Section overlaid(const Section& specific, const Section& general);
 
+  /// A table at `path` of the file, for instance an element of an array of tables.
+  static Section at(const Node& table, std::string path, Faults& faults);
+
   [[nodiscard]] bool exists() const {
     return specific_.node != nullptr || general_.node != nullptr;
   }

@@ -1,10 +1,16 @@
 #pragma once
-/// Files written whole or not at all.
+/// Files read with a limit, and written whole or not at all.
 
+#include <cstddef>
 #include <string>
 #include <string_view>
 
 namespace hydrapod::base {
+
+/// The text of `path` (`-`: standard input), no more than `largest` bytes. Throws InputError when
+/// it cannot be read or is larger; `expected` then says what would be ("a machine file of some
+/// kilobytes").
+std::string read_file(const std::string& path, std::size_t largest, std::string_view expected);
 
 /// Writes `text` to `path` so that a reader finds either what was there before or all of the new
 /// text: into a temporary file beside it, to the disk, then renamed. A symbolic link is followed

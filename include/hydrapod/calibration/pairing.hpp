@@ -1,0 +1,35 @@
+#pragma once
+/// Which mode of the model is which target.
+///
+/// Every pair costs (ln ω/ω_t / 0.1)², and where the target names a direction or a shape, 25 (1 −
+/// s) more, s being how much the mode is like it: a mode of the wrong shape is as bad as one that
+/// is off by half. The assignment with the smallest sum is found exactly; without names that is the
+/// order of the frequencies.
+
+#include <Eigen/Core>
+#include <span>
+#include <vector>
+
+#include "hydrapod/calibration/targets.hpp"
+#include "hydrapod/dynamics/normal_modes.hpp"
+
+namespace hydrapod::calibration {
+
+/// For every row of `cost` a column of its own, so that the sum is smallest (Hungarian method,
+/// O(rows² columns)). Throws std::invalid_argument when there are more rows than columns.
+std::vector<int> assign(const Eigen::MatrixXd& cost);
+
+/// Share of the platform's kinetic energy in mode k that is motion in `direction`; 0 for modes that
+/// the platform cannot feel.
+double direction_share(const dynamics::LinearModel& model, const dynamics::NormalModes& modes,
+                       int k, int direction);
+
+/// MAC of a platform shape and mode k, with the platform's mass as the metric.
+double platform_mac(const dynamics::LinearModel& model, const dynamics::NormalModes& modes, int k,
+                    const Vector6& shape);
+
+/// Per target the index of its mode.
+std::vector<int> pair_modes(const dynamics::LinearModel& model, const dynamics::NormalModes& modes,
+                            std::span<const ModeTarget* const> targets);
+
+}  // namespace hydrapod::calibration

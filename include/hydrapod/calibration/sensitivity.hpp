@@ -1,0 +1,48 @@
+#pragma once
+/// How the modes of a machine follow the numbers of its file.
+///
+/// The derivatives of eigenvalues and shapes are exact given those of M, K and C
+/// (modal/mode_derivatives.hpp). Those of the matrices are central differences of the assembly,
+/// equilibrium under gravity included, with a relative step of `relative_step`: masses, inertias
+/// and stiffnesses enter M and K linearly and lengths as low polynomials over l², so that the error
+/// is some 1e-9 of the derivative.
+
+#include <span>
+#include <vector>
+
+#include "hydrapod/modal/mode_derivatives.hpp"
+#include "hydrapod/model/variable_machine.hpp"
+
+namespace hydrapod::calibration {
+
+inline constexpr double relative_step = 1e-4;
+
+/// The modes at one pose and how they follow the parameters.
+struct ModePoint {
+  dynamics::LinearModel model{};
+  dynamics::NormalModes modes{};
+  std::vector<modal::ModelDerivative> derivatives{};  ///< per parameter [per its SI unit]
+  Eigen::MatrixXd domega2{};                          ///< modes × parameters
+};
+
+/// Modes of `machine` with its parameters at `values`, at its pose number `pose`. `scales`: size of
+/// each parameter, for the steps; empty: without derivatives. `start`: a neighbouring equilibrium.
+/// Throws base::ComputationError where the machine has no modes there.
+ModePoint mode_point(const model::VariableMachine& machine, const std::vector<double>& values,
+                     std::size_t pose, dynamics::ModelKind kind, std::span<const double> scales,
+                     const dynamics::StaticEquilibrium* start = nullptr);
+
+/// One mode's frequency against all numbers of the file.
+struct Sensitivities {
+  ModePoint point{};
+  std::vector<model::FileNumber> parameters{};  ///< those that matter and are not zero
+  Eigen::MatrixXd percent_per_percent{};        ///< modes × parameters: d ln ω / d ln p
+  Eigen::VectorXd omega{};                      ///< [rad/s]
+};
+
+/// All numbers of the file that change its modes at pose number `pose`, or those at `paths`.
+/// Numbers that are zero have no relative sensitivity and are left out.
+Sensitivities sensitivities(const model::MachineFile& file, std::size_t pose,
+                            dynamics::ModelKind kind, const std::vector<std::string>& paths = {});
+
+}  // namespace hydrapod::calibration

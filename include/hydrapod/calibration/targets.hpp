@@ -1,0 +1,48 @@
+#pragma once
+/// What a machine is calibrated to: modes that were measured or published, at one pose or several.
+///
+/// From TOML (docs/howto/calibrate.md), or from CSV with a title row such as
+/// `frequency [Hz],direction,deviation [Hz],damping [%],pose,x,y,z,rx,ry,rz`.
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "hydrapod/calibration/plan.hpp"
+#include "hydrapod/spatial/pose.hpp"
+
+namespace hydrapod::calibration {
+
+using spatial::Vector6;
+
+/// One mode that was found in the machine.
+struct ModeTarget {
+  std::string name{};               ///< "189.32 rad/s (2)", as reports call it
+  std::string pose{"neutral"};      ///< one of the machine's
+  double omega{};                   ///< [rad/s]
+  double deviation{};               ///< standard deviation of omega [rad/s]
+  std::optional<int> direction{};   ///< 0…5 for x…rz: what the platform mostly does
+  std::optional<double> damping{};  ///< ratio ζ
+  double damping_deviation{};       ///< of ζ
+  std::optional<Vector6> shape{};   ///< platform's motion x…rz [m, rad], any scale
+  double shape_deviation{};         ///< of the shape scaled to unit kinetic energy of the platform
+};
+
+struct Targets {
+  std::string title{};
+  std::string source{};
+  std::vector<ModeTarget> modes{};
+  bool deviations_given{true};  ///< false: no mode says how exact it is; default_deviation counts
+  Plan plan{};                  ///< what the file says about parameters and alternatives
+};
+
+/// Relative standard deviation of a frequency that says nothing about it.
+inline constexpr double default_deviation = 1e-3;
+
+/// Reads `path`; CSV where it ends in .csv, else TOML. Throws base::InputError with every mistake.
+Targets read_targets(const std::string& path);
+
+/// The same from text; `file_name` decides between CSV and TOML and is what messages call it.
+Targets parse_targets(const std::string& text, const std::string& file_name);
+
+}  // namespace hydrapod::calibration

@@ -1,0 +1,293 @@
+#include "hydrapod/calibration/calibrate.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <exception>
+#include <limits>
+#include <mutex>
+#include <thread>
+
+#include "candidate.hpp"
+#include "hydrapod/base/error.hpp"
+#include "variables.hpp"
+
+namespace hydrapod::calibration {
+
+namespace {
+
+/// Every combination of choices, the first of each first.
+std::vector<std::vector<std::size_t>> combinations(const std::vector<Alternative>& alternatives) {
+  std::vector<std::vector<std::size_t>> all{{}};
+  for (const auto& alternative : alternatives) {
+    std::vector<std::vector<std::size_t>> longer;
+    for (const auto& chosen : all)
+      for (std::size_t k = 0; k < alternative.choices.size(); ++k) {
+        longer.push_back(chosen);
+        longer.back().push_back(k);
+      }
+    all = std::move(longer);
+  }
+  return all;
+}
+
+std::string name_of(const std::vector<Alternative>& alternatives,
+                    const std::vector<std::size_t>& choice) {
+  std::string name;
+  for (std::size_t k = 0; k < choice.size(); ++k)
+    name += fmt::format("{}{} {}", k == 0 ? "" : ", ", alternatives[k].name,
+                        alternatives[k].choices[choice[k]].name);
+  return name.empty() ? "the machine as in the file" : name;
+}
+
+std::vector<std::string> overrides_of(const std::vector<Alternative>& alternatives,
+                                      const std::vector<std::size_t>& choice) {
+  std::vector<std::string> overrides;
+  for (std::size_t k = 0; k < choice.size(); ++k) {
+    const auto& set = alternatives[k].choices[choice[k]].overrides;
+    overrides.insert(overrides.end(), set.begin(), set.end());
+  }
+  return overrides;
+}
+
+/// Shares the tasks out over threads; which thread takes which does not show in the results.
+class Workers {
+ public:
+  Workers(int threads, const Progress& progress)
+      : threads_(threads > 0 ? static_cast<unsigned>(threads)
+                             : std::max(1U, std::thread::hardware_concurrency())),
+        progress_(progress) {}
+
+  template <class Task>
+  void run(std::size_t count, double from, double to, const Task& task) {
+    std::atomic<std::size_t> next{0};
+    std::exception_ptr failure;
+    const auto work = [&] {
+      for (std::size_t i = next++; i < count; i = next++) {
+        if (stopped()) return;
+        try {
+          task(i);
+        } catch (...) {
+          const std::lock_guard lock(mutex_);
+          if (!failure) failure = std::current_exception();
+        }
+        report(from + (to - from) * static_cast<double>(i + 1) / static_cast<double>(count));
+      }
+    };
+    std::vector<std::jthread> others;
+    for (unsigned k = 1; k < std::min<std::size_t>(threads_, count); ++k) others.emplace_back(work);
+    work();
+    others.clear();
+    if (failure) std::rethrow_exception(failure);
+  }
+
+  bool stopped() {
+    report(last_);
+    return stopped_;
+  }
+
+ private:
+  void report(double fraction) {
+    const std::lock_guard lock(mutex_);
+    last_ = std::max(last_.load(), fraction);
+    if (progress_ && progress_(last_)) stopped_ = true;
+  }
+
+  unsigned threads_;
+  const Progress& progress_;
+  std::mutex mutex_{};
+  std::atomic<double> last_{0.0};
+  std::atomic<bool> stopped_{false};
+};
+
+Combination make_combination(const model::MachineFile& file, const Targets& targets,
+                             const Plan& plan, dynamics::ModelKind kind,
+                             const std::vector<std::size_t>& choice) {
+  Combination made;
+  made.candidate.choice = choice;
+  made.candidate.name = name_of(plan.alternatives, choice);
+  made.candidate.overrides = overrides_of(plan.alternatives, choice);
+  model::MachineFile with = file;
+  with.overrides.insert(with.overrides.end(), made.candidate.overrides.begin(),
+                        made.candidate.overrides.end());
+  made.machine = std::make_unique<model::VariableMachine>(with);
+  std::vector<base::Diagnostic> errors;
+  made.variables = make_variables(plan.free, *made.machine, errors);
+  if (!errors.empty()) throw base::InputError(errors);
+  made.problem =
+      std::make_unique<Problem>(*made.machine, targets, made.variables, kind, ProblemOptions{});
+  made.solutions.resize(static_cast<std::size_t>(plan.options.starts));
+  return made;
+}
+
+void check_plan(const Targets& targets, const Plan& plan) {
+  std::vector<base::Diagnostic> errors;
+  if (plan.free.empty())
+    errors.push_back({.message = "no parameter is free; say which with --free PATH or with tables "
+                                 "[[free]] in the targets file"});
+  if (targets.modes.empty()) errors.push_back({.message = "there are no targets"});
+  constexpr std::size_t most = 1000;
+  std::size_t count = 1;
+  for (const auto& alternative : plan.alternatives) count *= alternative.choices.size();
+  if (count == 0 || count > most)
+    errors.push_back({.message = fmt::format(
+                          "the alternatives make {} combinations, expected 1 to {}", count, most)});
+  if (!errors.empty()) throw base::InputError(errors);
+}
+
+bool better(const Candidate& a, const Candidate& b) {
+  if (a.fitted != b.fitted) return a.fitted;
+  if (a.admissible() != b.admissible()) return a.admissible();
+  if (fits_poorly(a) != fits_poorly(b)) return fits_poorly(b);
+  // a target that was dropped as wrong counts as one that is off by ten deviations
+  constexpr double dropped = 100.0;
+  const auto cost = [](const Candidate& c) {
+    return c.misfit + dropped * static_cast<double>(
+                                    std::count_if(c.targets.begin(), c.targets.end(),
+                                                  [](const FittedTarget& t) { return t.outlier; }));
+  };
+  return cost(a) < cost(b);
+}
+
+void rank(std::vector<Combination>& all) {
+  std::stable_sort(all.begin(), all.end(), [](const Combination& a, const Combination& b) {
+    return better(a.candidate, b.candidate);
+  });
+}
+
+}  // namespace
+
+Calibration calibrate(const model::MachineFile& file, const Targets& targets, const Plan& plan,
+                      dynamics::ModelKind kind, const Progress& progress) {
+  check_plan(targets, plan);
+  std::vector<Combination> all;
+  for (const auto& choice : combinations(plan.alternatives))
+    all.push_back(make_combination(file, targets, plan, kind, choice));
+
+  Workers workers(plan.options.threads, progress);
+  const std::function<bool()> stop = [&] { return workers.stopped(); };
+  const auto starts = static_cast<std::size_t>(plan.options.starts);
+  workers.run(all.size() * starts, 0.0, 0.7, [&](std::size_t i) {
+    auto& combination = all[i / starts];
+    const auto number = static_cast<int>(i % starts);
+    combination.solutions[i % starts] =
+        solve(*combination.problem, start_of(*combination.problem, plan.options.seed, number),
+              {.max_iterations = plan.options.max_iterations, .stop = stop});
+  });
+  for (auto& combination : all) conclude(combination);
+  rank(all);
+  const bool try_robust = plan.options.loss == Loss::cauchy ||
+                          (plan.options.loss == Loss::automatic &&
+                           (fits_poorly(all.front().candidate) || !all.front().candidate.fitted));
+  if (try_robust) {
+    workers.run(all.size(), 0.7, 0.8, [&](std::size_t i) {
+      conclude_robust(all[i], plan.options, plan.options.loss == Loss::cauchy, stop);
+    });
+    rank(all);
+  }
+  constexpr double far_worse = 4.0;
+  workers.run(all.size() - 1, 0.8, 1.0, [&](std::size_t i) {
+    auto& combination = all[i + 1];
+    const double limit = far_worse * std::max(all.front().candidate.misfit,
+                                              static_cast<double>(targets.modes.size()));
+    if (combination.candidate.fitted && combination.candidate.misfit > limit)
+      conclude_unbound(combination, targets, kind, plan.options, stop);
+  });
+
+  Calibration result{.alternatives = plan.alternatives, .interrupted = workers.stopped()};
+  for (auto& combination : all) result.candidates.push_back(std::move(combination.candidate));
+  if (!result.best().fitted) throw base::ComputationError(result.best().problem);
+  return result;
+}
+
+namespace {
+
+/// The plan with the candidate's choices made, its values as starts, and one parameter held.
+struct HeldFit {
+  model::MachineFile file{};
+  Plan plan{};
+};
+
+HeldFit hold(const model::MachineFile& file, const Plan& plan, const Candidate& candidate,
+             int index, double value) {
+  HeldFit held{file, {.options = plan.options}};
+  auto& overrides = held.file.overrides;
+  overrides.insert(overrides.end(), candidate.overrides.begin(), candidate.overrides.end());
+  for (const auto& path : candidate.parameters[index].paths)
+    overrides.push_back(fmt::format("{}={:.17g}", path, value));
+  for (int j = 0; j < static_cast<int>(plan.free.size()); ++j) {
+    if (j == index) continue;
+    held.plan.free.push_back(plan.free[j]);
+    held.plan.free.back().start = fmt::format("{:.17g}", candidate.parameters[j].value);
+    held.plan.free.back().lower = fmt::format("{:.17g}", candidate.parameters[j].lower);
+    held.plan.free.back().upper = fmt::format("{:.17g}", candidate.parameters[j].upper);
+  }
+  return held;
+}
+
+double misfit_held(const model::MachineFile& file, const Targets& targets, const Plan& plan,
+                   dynamics::ModelKind kind, const Candidate& candidate, int index, double value) {
+  const auto held = hold(file, plan, candidate, index, value);
+  model::VariableMachine machine(held.file);
+  std::vector<base::Diagnostic> errors;
+  auto variables = make_variables(held.plan.free, machine, errors);
+  if (!errors.empty()) throw base::InputError(errors);
+  const Problem problem(machine, targets, variables, kind, {});
+  const auto solution =
+      solve(problem, problem.start(),
+            {.max_iterations = plan.options.max_iterations, .cauchy = candidate.robust});
+  return solution.usable ? 2.0 * solution.cost : std::numeric_limits<double>::infinity();
+}
+
+}  // namespace
+
+Profile profile(const model::MachineFile& file, const Targets& targets, const Plan& plan,
+                dynamics::ModelKind kind, const Candidate& candidate, int index,
+                const Progress& progress) {
+  constexpr int points = 21;
+  constexpr double enough = 3.841458820694124;  // 95 % of χ² with one degree of freedom
+  const auto& parameter = candidate.parameters.at(static_cast<std::size_t>(index));
+  const bool logarithmic = parameter.lower > 0.0;
+  // twice the interval, or all there is
+  const double reach = parameter.interval_high / parameter.value;
+  const bool narrow = std::isfinite(reach) && std::isfinite(parameter.interval_low);
+  double low = parameter.lower, high = parameter.upper;
+  if (narrow && logarithmic) {
+    low = std::max(low, parameter.value / (reach * reach));
+    high = std::min(high, parameter.value * reach * reach);
+  } else if (narrow) {
+    const double width = 2.0 * (parameter.interval_high - parameter.value);
+    low = std::max(low, parameter.value - width);
+    high = std::min(high, parameter.value + width);
+  }
+  Profile result{.parameter = index};
+  result.points.resize(points);
+  Workers workers(plan.options.threads, progress);
+  workers.run(points, 0.0, 1.0, [&](std::size_t k) {
+    const double share = static_cast<double>(k) / (points - 1);
+    const double value =
+        logarithmic ? low * std::pow(high / low, share) : low + (high - low) * share;
+    result.points[k] = {value, misfit_held(file, targets, plan, kind, candidate, index, value)};
+  });
+  std::erase_if(result.points,
+                [](const ProfilePoint& p) { return p.value == 0.0 && p.misfit == 0.0; });
+  double least = std::numeric_limits<double>::infinity();
+  for (const auto& point : result.points) least = std::min(least, point.misfit);
+  const double limit = least + enough * candidate.scatter * candidate.scatter;
+  result.interval_low = -std::numeric_limits<double>::infinity();
+  result.interval_high = std::numeric_limits<double>::infinity();
+  for (std::size_t k = 1; k < result.points.size(); ++k) {
+    const auto& a = result.points[k - 1];
+    const auto& b = result.points[k];
+    const double crossing =
+        a.value + (b.value - a.value) * (limit - a.misfit) / (b.misfit - a.misfit);
+    if (a.misfit > limit && b.misfit <= limit && std::isinf(result.interval_low))
+      result.interval_low = crossing;
+    if (a.misfit <= limit && b.misfit > limit) result.interval_high = crossing;
+  }
+  return result;
+}
+
+}  // namespace hydrapod::calibration

@@ -1,0 +1,305 @@
+#include "candidate.hpp"
+
+#include <Eigen/SVD>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <random>
+
+#include "hydrapod/calibration/pairing.hpp"
+#include "hydrapod/modal/damped_modes.hpp"
+#include "variables.hpp"
+
+namespace hydrapod::calibration {
+
+namespace {
+
+constexpr double infinite = std::numeric_limits<double>::infinity();
+constexpr double outlier = 5.0;  ///< deviations
+
+/// Uniform in [0, 1), the same with every standard library.
+double uniform(std::mt19937_64& generator) {
+  return static_cast<double>(generator() >> 11) * 0x1.0p-53;
+}
+
+/// Data residuals and their derivatives (rows of kinds that are data), and the others.
+struct Linearised {
+  State state{};
+  Eigen::VectorXd data{};
+  Eigen::MatrixXd J_data{};
+  Eigen::MatrixXd J_prior{};
+};
+
+Linearised linearise(const Problem& problem, const Eigen::VectorXd& x) {
+  Linearised result;
+  problem.evaluate(x, true, result.state);
+  Eigen::VectorXd r;
+  Eigen::MatrixXd J;
+  problem.residuals(x, result.state, r, &J);
+  std::vector<int> data, priors;
+  int row = 0;
+  for (const auto& kind : problem.residuals())
+    for (int k = 0; k < kind->size(); ++k, ++row) {
+      if (kind->is_data()) {
+        data.push_back(row);
+      } else if (kind->size() == 1) {
+        priors.push_back(row);
+      }
+    }
+  result.data = r(data);
+  result.J_data = J(data, Eigen::all);
+  result.J_prior = J(priors, Eigen::all);
+  return result;
+}
+
+bool at_bound(const Variable& variable, double x) {
+  constexpr double near = 1e-6;
+  return x - variable.x_lower() < near || variable.x_upper() - x < near;
+}
+
+double size_of(const Variable& variable, double value) {
+  return variable.sign != 0 ? std::abs(value) : variable.scale;
+}
+
+/// Relative deviations when the data and the priors speak together.
+Eigen::VectorXd joint_deviations(const Linearised& at, const std::vector<bool>& held,
+                                 double scatter) {
+  const auto n = at.J_data.cols();
+  Eigen::MatrixXd A(at.J_data.rows() + at.J_prior.rows(), n);
+  A << at.J_data / scatter, at.J_prior;
+  for (Eigen::Index j = 0; j < n; ++j)
+    if (held[static_cast<std::size_t>(j)]) A.col(j).setZero();
+  const Eigen::JacobiSVD<Eigen::MatrixXd> svd(A, Eigen::ComputeFullV);
+  constexpr double rounding = 1e-8, touched = 1e-10;
+  const double none = rounding * svd.singularValues()[0];
+  Eigen::VectorXd variance = Eigen::VectorXd::Zero(n);
+  for (Eigen::Index k = 0; k < n; ++k) {
+    const double sigma = k < svd.singularValues().size() ? svd.singularValues()[k] : 0.0;
+    for (Eigen::Index j = 0; j < n; ++j) {
+      const double share = std::pow(svd.matrixV()(j, k), 2);
+      if (sigma > none) variance[j] += share / (sigma * sigma);
+      if (sigma <= none && share > touched) variance[j] = infinite;
+    }
+  }
+  // not Eigen's: with AVX-512 it makes NaN of infinity
+  for (auto& value : variance) value = std::sqrt(value);
+  return variance;
+}
+
+FittedParameter fitted(const Variable& variable, double x, double data, double joint,
+                       double quantile) {
+  const double value = variable.value(x);
+  FittedParameter p{.paths = variable.paths,
+                    .unit = variable.unit,
+                    .start = variable.start,
+                    .lower = variable.lower,
+                    .upper = variable.upper,
+                    .value = value,
+                    .has_prior = variable.prior.has_value()};
+  const double size = size_of(variable, value);
+  p.deviation = joint * size;
+  p.data_deviation = data * size;
+  const double reach = quantile * joint;
+  const double a = variable.sign != 0 ? value * std::exp(-reach) : value - reach * size;
+  const double b = variable.sign != 0 ? value * std::exp(reach) : value + reach * size;
+  p.interval_low = std::min(a, b);
+  p.interval_high = std::max(a, b);
+  p.verdict = at_bound(variable, x)                                      ? Verdict::at_bound
+              : p.has_prior && p.data_deviation > variable.prior->spread ? Verdict::by_prior
+              : joint <= free_above                                      ? Verdict::determined
+                                                                         : Verdict::undetermined;
+  return p;
+}
+
+void describe_targets(const Problem& problem, const State& state, Candidate& candidate) {
+  candidate.targets.clear();
+  candidate.worst = 0.0;
+  const auto& targets = problem.targets().modes;
+  for (std::size_t i = 0; i < targets.size(); ++i) {
+    const auto& point = state.points[problem.point_of(static_cast<int>(i))];
+    FittedTarget fit{.mode = state.mode_of[i], .omega = point.modes.omega(state.mode_of[i])};
+    fit.difference = (fit.omega - targets[i].omega) / targets[i].deviation;
+    if (targets[i].damping) {
+      const dynamics::ModelVector phi = point.modes.shapes.col(fit.mode);
+      fit.damping = phi.dot(point.model.C * phi) / (2.0 * std::max(fit.omega, 1e-9)) +
+                    modal::modal_ratio(state.machine).value;
+    }
+    if (targets[i].shape)
+      fit.shape_mac = platform_mac(point.model, point.modes, fit.mode, *targets[i].shape);
+    fit.outlier = candidate.robust && std::abs(fit.difference) > outlier * candidate.scatter;
+    candidate.worst = std::max(candidate.worst, std::abs(fit.omega - targets[i].omega));
+    candidate.targets.push_back(fit);
+  }
+}
+
+/// Rows of targets that count: those that are no outliers.
+void drop_outliers(const Candidate& candidate, const Problem& problem, Linearised& at) {
+  if (!candidate.robust) return;
+  Eigen::Index row = 0;
+  for (std::size_t i = 0; i < candidate.targets.size(); ++i) {
+    const auto& target = problem.targets().modes[i];
+    if (candidate.targets[i].outlier) {
+      at.J_data.row(row).setZero();
+      at.data[row] = 0.0;
+    }
+    row += 1 + (target.damping ? 1 : 0) + (target.shape ? 6 : 0);
+  }
+}
+
+void describe_parameters(const Problem& problem, const Solution& solution, Linearised& at,
+                         Candidate& candidate) {
+  std::vector<ParameterColumn> columns;
+  std::vector<bool> held;
+  for (int j = 0; j < problem.size(); ++j) {
+    const auto& variable = problem.variables()[static_cast<std::size_t>(j)];
+    const double value = variable.value(solution.x[j]);
+    held.push_back(at_bound(variable, solution.x[j]));
+    columns.push_back(
+        {variable.paths.front(), variable.unit, value, size_of(variable, value), held.back()});
+  }
+  auto first = identify_parameters(at.J_data, columns);
+  const auto outliers = std::count_if(candidate.targets.begin(), candidate.targets.end(),
+                                      [](const FittedTarget& t) { return t.outlier; });
+  const int degrees = static_cast<int>(at.data.size() - outliers) - first.numerical_rank;
+  double quantile = student_quantile(0);
+  if (degrees > 0) {
+    candidate.scatter = std::sqrt(at.data.squaredNorm() / degrees);
+    if (problem.targets().deviations_given) {
+      candidate.scatter = std::max(1.0, candidate.scatter);
+    } else {
+      quantile = student_quantile(degrees);
+    }
+  }
+  // a perfect fit says little about how exact the data are
+  constexpr double least = 1e-6;
+  candidate.scatter = std::max(candidate.scatter, least);
+  candidate.identifiability = identify_parameters(at.J_data, columns, candidate.scatter);
+  const auto joint = joint_deviations(at, held, candidate.scatter);
+  candidate.parameters.clear();
+  for (int j = 0; j < problem.size(); ++j)
+    candidate.parameters.push_back(fitted(problem.variables()[static_cast<std::size_t>(j)],
+                                          solution.x[j], candidate.identifiability.deviations[j],
+                                          joint[j], quantile));
+}
+
+const Solution* best_of(const std::vector<Solution>& solutions) {
+  const Solution* best = nullptr;
+  for (const auto& solution : solutions)
+    if (solution.usable && (best == nullptr || solution.cost < best->cost)) best = &solution;
+  return best;
+}
+
+/// Fills in the candidate from one solution.
+void describe(const Problem& problem, const Solution& solution, Candidate& candidate) {
+  candidate.fitted = true;
+  candidate.converged = solution.converged;
+  auto at = linearise(problem, solution.x);
+  describe_targets(problem, at.state, candidate);
+  drop_outliers(candidate, problem, at);
+  candidate.misfit = at.data.squaredNorm();
+  candidate.violated = violations(at.state.machine);
+  describe_parameters(problem, solution, at, candidate);
+}
+
+}  // namespace
+
+double student_quantile(int degrees) {
+  constexpr double z = 1.959963984540054;
+  if (degrees <= 0) return z;
+  if (degrees == 1) return std::tan(std::numbers::pi * 0.475);
+  if (degrees == 2) return 0.95 * std::sqrt(2.0 / (4.0 * 0.975 * 0.025));
+  const double n = degrees, z2 = z * z;
+  // Cornish & Fisher's expansion; 0.3 % off at three degrees
+  return z * (1.0 + (z2 + 1.0) / (4.0 * n) + ((5.0 * z2 + 16.0) * z2 + 3.0) / (96.0 * n * n) +
+              (((3.0 * z2 + 19.0) * z2 + 17.0) * z2 - 15.0) / (384.0 * n * n * n));
+}
+
+Eigen::VectorXd start_of(const Problem& problem, std::uint64_t seed, int number) {
+  Eigen::VectorXd x = problem.start();
+  if (number == 0) return x;
+  std::mt19937_64 generator(seed * 1000003 + static_cast<std::uint64_t>(number));
+  const double reach = std::log(5.0);
+  for (int j = 0; j < problem.size(); ++j) {
+    const auto& variable = problem.variables()[static_cast<std::size_t>(j)];
+    double low = variable.x_lower(), high = variable.x_upper();
+    if (variable.sign != 0) {
+      low = std::max(low, x[j] - reach);
+      high = std::min(high, x[j] + reach);
+    }
+    x[j] = low + (high - low) * uniform(generator);
+  }
+  return x;
+}
+
+void conclude(Combination& combination) {
+  auto& candidate = combination.candidate;
+  const auto* best = best_of(combination.solutions);
+  if (best == nullptr) {
+    candidate.problem = "the machine has no modes with any of the starting values";
+    return;
+  }
+  candidate.starts = static_cast<int>(combination.solutions.size());
+  constexpr double same = 0.01;
+  for (const auto& other : combination.solutions)
+    candidate.starts_that_agree += other.usable && other.cost <= best->cost * (1.0 + same) + 1e-9;
+  describe(*combination.problem, *best, candidate);
+}
+
+bool fits_poorly(const Candidate& candidate) {
+  constexpr double poor = 3.0;
+  return candidate.fitted &&
+         candidate.misfit > poor * poor * static_cast<double>(candidate.targets.size());
+}
+
+bool conclude_robust(Combination& combination, const FitOptions& options, bool force,
+                     const std::function<bool()>& stop) {
+  if (!combination.candidate.fitted) return false;
+  const Problem& problem = *combination.problem;
+  Solution best;
+  for (const auto& from : combination.solutions) {
+    if (!from.usable) continue;
+    const auto tried = solve(
+        problem, from.x, {.max_iterations = options.max_iterations, .cauchy = true, .stop = stop});
+    if (tried.usable && (!best.usable || tried.cost < best.cost)) best = tried;
+  }
+  if (!best.usable) return false;
+  Candidate robust = combination.candidate;
+  robust.robust = true;
+  robust.scatter = 1.0;
+  describe(problem, best, robust);
+  const auto count = static_cast<long>(robust.targets.size());
+  const auto far = std::count_if(robust.targets.begin(), robust.targets.end(),
+                                 [](const FittedTarget& t) { return t.outlier; });
+  const bool shows = far >= 1 && 4 * far <= count && !fits_poorly(robust);
+  if (!shows && !force) return false;
+  combination.candidate = std::move(robust);
+  return shows;
+}
+
+void conclude_unbound(Combination& combination, const Targets& targets, dynamics::ModelKind kind,
+                      const FitOptions& options, const std::function<bool()>& stop) {
+  const auto variables = unbound(combination.variables);
+  const Problem problem(*combination.machine, targets, variables, kind, {.hold_to_physics = false});
+  const auto* bounded = best_of(combination.solutions);
+  if (bounded == nullptr) return;
+  Solution best;
+  for (const auto& from : combination.solutions) {
+    if (!from.usable || stop()) continue;
+    Eigen::VectorXd x(from.x.size());
+    for (Eigen::Index j = 0; j < x.size(); ++j)
+      x[j] = variables[static_cast<std::size_t>(j)].x(
+          combination.variables[static_cast<std::size_t>(j)].value(from.x[j]));
+    const auto solution =
+        solve(problem, x, {.max_iterations = options.max_iterations, .stop = stop});
+    if (solution.usable && (!best.usable || solution.cost < best.cost)) best = solution;
+  }
+  if (!best.usable) return;
+  const auto at = linearise(problem, best.x);
+  Candidate described;
+  describe_targets(problem, at.state, described);
+  combination.candidate.unbound = Candidate::Unbound{at.data.squaredNorm(), described.worst,
+                                                     violations(at.state.machine), at.state.values};
+}
+
+}  // namespace hydrapod::calibration

@@ -1,0 +1,101 @@
+#include "hydrapod/calibration/pairing.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <limits>
+#include <stdexcept>
+
+#include "hydrapod/modal/mode_table.hpp"
+
+namespace hydrapod::calibration {
+
+namespace {
+constexpr double frequency_scale = 0.1;
+constexpr double wrong_shape = 25.0;
+}  // namespace
+
+std::vector<int> assign(const Eigen::MatrixXd& cost) {
+  const auto rows = static_cast<int>(cost.rows()), columns = static_cast<int>(cost.cols());
+  if (rows > columns)
+    throw std::invalid_argument(
+        fmt::format("{} targets cannot each have one of {} modes", rows, columns));
+  // Shortest augmenting paths with potentials u, v; row and column 0 are a sentinel.
+  constexpr double far = std::numeric_limits<double>::infinity();
+  std::vector<double> u(rows + 1, 0.0), v(columns + 1, 0.0);
+  std::vector<int> row_of(columns + 1, 0), way(columns + 1, 0);
+  for (int row = 1; row <= rows; ++row) {
+    row_of[0] = row;
+    int column = 0;
+    std::vector<double> least(columns + 1, far);
+    std::vector<bool> used(columns + 1, false);
+    do {
+      used[column] = true;
+      const int from = row_of[column];
+      double step = far;
+      int next = 0;
+      for (int j = 1; j <= columns; ++j) {
+        if (used[j]) continue;
+        const double reduced = cost(from - 1, j - 1) - u[from] - v[j];
+        if (reduced < least[j]) {
+          least[j] = reduced;
+          way[j] = column;
+        }
+        if (least[j] < step) {
+          step = least[j];
+          next = j;
+        }
+      }
+      for (int j = 0; j <= columns; ++j) {
+        if (used[j]) {
+          u[row_of[j]] += step;
+          v[j] -= step;
+        } else {
+          least[j] -= step;
+        }
+      }
+      column = next;
+    } while (row_of[column] != 0);
+    for (; column != 0; column = way[column]) row_of[column] = row_of[way[column]];
+  }
+  std::vector<int> column_of(rows, -1);
+  for (int j = 1; j <= columns; ++j)
+    if (row_of[j] != 0) column_of[row_of[j] - 1] = j - 1;
+  return column_of;
+}
+
+double direction_share(const dynamics::LinearModel& model, const dynamics::NormalModes& modes,
+                       int k, int direction) {
+  const Vector6 motion = modes.shapes.col(k).head<6>();
+  const Vector6 energy = motion.cwiseProduct(model.platform_mass * motion);
+  // φᵀ M φ = 1: the sum is the platform's share of the whole
+  return energy.sum() < modal::felt_by_platform ? 0.0 : energy[direction] / energy.sum();
+}
+
+double platform_mac(const dynamics::LinearModel& model, const dynamics::NormalModes& modes, int k,
+                    const Vector6& shape) {
+  const Vector6 motion = modes.shapes.col(k).head<6>();
+  const Vector6 momentum = model.platform_mass * motion;
+  const double own = motion.dot(momentum);
+  if (own < modal::felt_by_platform) return 0.0;
+  return std::pow(shape.dot(momentum), 2) / (own * shape.dot(model.platform_mass * shape));
+}
+
+std::vector<int> pair_modes(const dynamics::LinearModel& model, const dynamics::NormalModes& modes,
+                            std::span<const ModeTarget* const> targets) {
+  Eigen::MatrixXd cost(targets.size(), modes.size());
+  for (Eigen::Index i = 0; i < cost.rows(); ++i)
+    for (int k = 0; k < modes.size(); ++k) {
+      const auto& target = *targets[static_cast<std::size_t>(i)];
+      const double omega = std::max(modes.omega(k), 1e-3 * target.omega);
+      cost(i, k) = std::pow(std::log(omega / target.omega) / frequency_scale, 2);
+      if (target.shape) {
+        cost(i, k) += wrong_shape * (1.0 - platform_mac(model, modes, k, *target.shape));
+      } else if (target.direction) {
+        cost(i, k) += wrong_shape * (1.0 - direction_share(model, modes, k, *target.direction));
+      }
+    }
+  return assign(cost);
+}
+
+}  // namespace hydrapod::calibration

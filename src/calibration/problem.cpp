@@ -1,0 +1,161 @@
+#include "problem.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "hydrapod/base/error.hpp"
+#include "hydrapod/calibration/pairing.hpp"
+
+namespace hydrapod::calibration {
+
+double Variable::value(double x) const {
+  return sign != 0 ? sign * std::exp(x) : start + scale * x;
+}
+double Variable::x(double value) const {
+  return sign != 0 ? std::log(sign * value) : (value - start) / scale;
+}
+double Variable::slope(double x) const { return sign != 0 ? sign * std::exp(x) : scale; }
+
+Problem::Problem(const model::VariableMachine& machine, const Targets& targets,
+                 std::vector<Variable> variables, dynamics::ModelKind kind,
+                 const ProblemOptions& options)
+    : machine_(machine),
+      targets_(targets),
+      variables_(std::move(variables)),
+      kind_(kind),
+      options_(options) {
+  find_poses();
+  const auto constraints = admissibility(machine_.machine(machine_.values())).size();
+  residuals_ = make_residuals(targets_, variables_, options_.hold_to_physics, constraints);
+}
+
+void Problem::find_poses() {
+  const auto machine = machine_.machine(machine_.values());
+  std::vector<base::Diagnostic> errors;
+  for (const auto& target : targets_.modes) {
+    const auto named = std::find_if(machine.poses.begin(), machine.poses.end(),
+                                    [&](const auto& pose) { return pose.name == target.pose; });
+    if (named == machine.poses.end()) {
+      errors.push_back({.key = "pose",
+                        .message = fmt::format("target {}: the machine has no pose \"{}\"",
+                                               target.name, target.pose)});
+      continue;
+    }
+    const auto index = static_cast<std::size_t>(named - machine.poses.begin());
+    const auto known = std::find(poses_.begin(), poses_.end(), index);
+    point_of_.push_back(static_cast<int>(known - poses_.begin()));
+    if (known != poses_.end()) continue;
+    poses_.push_back(index);
+    const auto& R_BP = named->X_BP.R_BP;
+    const spatial::Matrix3 inertia = R_BP * machine.platform.inertia * R_BP.transpose();
+    Vector6 mass;
+    mass << spatial::Vector3::Constant(machine.platform.mass), inertia.diagonal();
+    metric_.push_back(mass.cwiseAbs().cwiseSqrt());
+  }
+  for (std::size_t p = 0; p < poses_.size() && errors.empty(); ++p) {
+    const auto wanted = std::count(point_of_.begin(), point_of_.end(), static_cast<int>(p));
+    if (wanted > dynamics::degrees_of_freedom(kind_))
+      errors.push_back(
+          {.key = "mode",
+           .message = fmt::format("{} targets at pose \"{}\", but the {} model has {} modes",
+                                  wanted, machine.poses[poses_[p]].name, dynamics::name(kind_),
+                                  dynamics::degrees_of_freedom(kind_))});
+  }
+  if (!errors.empty()) throw base::InputError(errors);
+}
+
+void Problem::add_margins(const std::vector<double>& scales, State& state) const {
+  const auto margins_of = [](const model::Machine& machine) {
+    const auto constraints = admissibility(machine);
+    Eigen::VectorXd margins(constraints.size());
+    for (std::size_t k = 0; k < constraints.size(); ++k)
+      margins[static_cast<Eigen::Index>(k)] = constraints[k].margin;
+    return margins;
+  };
+  state.margins = margins_of(state.machine);
+  state.dmargins.setZero(state.margins.size(), size());
+  if (scales.empty()) return;
+  // only what is nearly broken pushes, and only then are its derivatives wanted
+  constexpr double near = 1e-2;
+  if (!(state.margins.array() < near && state.margins.array() != 0.0).any()) return;
+  std::vector<double> values = state.values;
+  model::Machine moved = state.machine;
+  for (std::size_t j = 0; j < scales.size(); ++j) {
+    const double h = relative_step * scales[j];
+    values[j] = state.values[j] + h;
+    machine_.machine(values, moved);
+    const Eigen::VectorXd above = margins_of(moved);
+    values[j] = state.values[j] - h;
+    machine_.machine(values, moved);
+    state.dmargins.col(static_cast<Eigen::Index>(j)) = (above - margins_of(moved)) / (2.0 * h);
+    values[j] = state.values[j];
+  }
+}
+
+bool Problem::evaluate(const Eigen::VectorXd& x, bool derivatives, State& state) const {
+  state.values.resize(variables_.size());
+  std::vector<double> scales;
+  for (std::size_t j = 0; j < variables_.size(); ++j) {
+    const double at = x[static_cast<Eigen::Index>(j)];
+    state.values[j] = variables_[j].value(at);
+    if (derivatives) scales.push_back(std::abs(variables_[j].slope(at)));
+  }
+  try {
+    if (state.machine.poses.empty()) {
+      state.machine = machine_.machine(state.values);
+    } else {
+      machine_.machine(state.values, state.machine);
+    }
+    state.points.clear();
+    for (const std::size_t pose : poses_)
+      state.points.push_back(mode_point(machine_, state.values, pose, kind_, scales));
+  } catch (const base::ComputationError&) {
+    return false;
+  } catch (const std::invalid_argument&) {  // a leg along its gimbal axis
+    return false;
+  }
+  state.mode_of.assign(targets_.modes.size(), -1);
+  for (std::size_t p = 0; p < state.points.size(); ++p) {
+    std::vector<const ModeTarget*> here;
+    std::vector<std::size_t> index;
+    for (std::size_t i = 0; i < targets_.modes.size(); ++i)
+      if (point_of_[i] == static_cast<int>(p)) {
+        here.push_back(&targets_.modes[i]);
+        index.push_back(i);
+      }
+    const auto modes = pair_modes(state.points[p].model, state.points[p].modes, here);
+    for (std::size_t i = 0; i < index.size(); ++i) state.mode_of[index[i]] = modes[i];
+  }
+  if (options_.hold_to_physics) add_margins(scales, state);
+  return true;
+}
+
+void Problem::residuals(const Eigen::VectorXd& x, const State& state, Eigen::VectorXd& r,
+                        Eigen::MatrixXd* J) const {
+  int rows = 0;
+  for (const auto& kind : residuals_) rows += kind->size();
+  r.resize(rows);
+  if (J != nullptr) J->resize(rows, size());
+  int row = 0;
+  for (const auto& kind : residuals_) {
+    Eigen::MatrixXd part;
+    kind->evaluate(*this, state, r.segment(row, kind->size()), J != nullptr ? &part : nullptr);
+    if (J != nullptr) J->middleRows(row, kind->size()) = part;
+    row += kind->size();
+  }
+  if (J == nullptr) return;
+  for (int j = 0; j < size(); ++j) J->col(j) *= variables_[static_cast<std::size_t>(j)].slope(x[j]);
+}
+
+Eigen::VectorXd Problem::start() const {
+  Eigen::VectorXd x(size());
+  for (int j = 0; j < size(); ++j) {
+    const auto& variable = variables_[static_cast<std::size_t>(j)];
+    x[j] = variable.x(variable.start);
+  }
+  return x;
+}
+
+}  // namespace hydrapod::calibration

@@ -1,0 +1,111 @@
+#pragma once
+/// One least-squares problem: a machine file with its choices made, targets, parameters. Private to
+/// the module.
+///
+/// The solver's variables x are ln p where a parameter keeps its sign (bounds on one side of zero),
+/// else (p − start)/scale: so a step of 0.01 is some per cent everywhere.
+
+#include <memory>
+
+#include "hydrapod/calibration/admissibility.hpp"
+#include "hydrapod/calibration/sensitivity.hpp"
+#include "hydrapod/calibration/targets.hpp"
+
+namespace hydrapod::calibration {
+
+struct Prior {
+  double value{};
+  double spread{};
+};
+
+/// A parameter with everything resolved to SI.
+struct Variable {
+  std::vector<std::string> paths{};
+  std::string unit{};
+  double start{}, lower{}, upper{};
+  std::optional<Prior> prior{};
+  double scale{1.0};  ///< of a linear variable
+  int sign{};         ///< ±1: x = ln |p|; 0: linear
+
+  [[nodiscard]] double value(double x) const;
+  [[nodiscard]] double x(double value) const;
+  [[nodiscard]] double slope(double x) const;  ///< dp/dx
+  [[nodiscard]] double x_lower() const { return sign < 0 ? x(upper) : x(lower); }
+  [[nodiscard]] double x_upper() const { return sign < 0 ? x(lower) : x(upper); }
+};
+
+/// Everything that residuals are computed from, at one x.
+struct State {
+  std::vector<double> values{};  ///< parameters [SI]
+  model::Machine machine{};
+  std::vector<ModePoint> points{};  ///< one per pose
+  std::vector<int> mode_of{};       ///< per target
+  Eigen::VectorXd margins{};        ///< admissibility
+  Eigen::MatrixXd dmargins{};       ///< per parameter
+};
+
+class Problem;
+
+/// A group of residuals. J is size × parameters, per SI unit of the parameter.
+class ResidualKind {
+ public:
+  virtual ~ResidualKind() = default;
+  [[nodiscard]] virtual int size() const = 0;
+  /// May it be an outlier?
+  [[nodiscard]] virtual bool is_data() const { return true; }
+  virtual void evaluate(const Problem& problem, const State& state, Eigen::Ref<Eigen::VectorXd> r,
+                        Eigen::MatrixXd* J) const = 0;
+};
+
+struct ProblemOptions {
+  bool hold_to_physics{true};  ///< add the admissibility residuals
+};
+
+class Problem {
+ public:
+  /// `machine` has varied the variables' paths. Throws base::InputError when a target's pose is
+  /// unknown or has more targets than modes.
+  Problem(const model::VariableMachine& machine, const Targets& targets,
+          std::vector<Variable> variables, dynamics::ModelKind kind, const ProblemOptions& options);
+
+  [[nodiscard]] const Targets& targets() const { return targets_; }
+  [[nodiscard]] const std::vector<Variable>& variables() const { return variables_; }
+  [[nodiscard]] const std::vector<std::unique_ptr<ResidualKind>>& residuals() const {
+    return residuals_;
+  }
+  [[nodiscard]] int size() const { return static_cast<int>(variables_.size()); }
+  [[nodiscard]] int point_of(int target) const { return point_of_[target]; }
+  /// Roots of the platform's mass and moments of inertia at the start, at the target's pose.
+  [[nodiscard]] const Vector6& metric(int target) const { return metric_[point_of_[target]]; }
+
+  /// The state at x; false where the machine has no modes there.
+  bool evaluate(const Eigen::VectorXd& x, bool derivatives, State& state) const;
+
+  /// All residuals, and their derivatives by x when the state has them.
+  void residuals(const Eigen::VectorXd& x, const State& state, Eigen::VectorXd& r,
+                 Eigen::MatrixXd* J) const;
+
+  [[nodiscard]] Eigen::VectorXd start() const;
+
+ private:
+  void find_poses();
+  void add_margins(const std::vector<double>& scales, State& state) const;
+
+  const model::VariableMachine& machine_;
+  const Targets& targets_;
+  std::vector<Variable> variables_;
+  dynamics::ModelKind kind_;
+  ProblemOptions options_;
+  std::vector<std::size_t> poses_{};
+  std::vector<int> point_of_{};
+  std::vector<Vector6> metric_{};
+  std::vector<std::unique_ptr<ResidualKind>> residuals_{};
+};
+
+/// Frequency, damping and shape of one target each, the priors, the constraints.
+std::vector<std::unique_ptr<ResidualKind>> make_residuals(const Targets& targets,
+                                                          const std::vector<Variable>& variables,
+                                                          bool hold_to_physics,
+                                                          std::size_t constraints);
+
+}  // namespace hydrapod::calibration

@@ -1,0 +1,189 @@
+// The kinds of residuals; a new kind of evidence is a new class here.
+#include <Eigen/Dense>
+#include <cmath>
+
+#include "hydrapod/modal/damped_modes.hpp"
+#include "problem.hpp"
+
+namespace hydrapod::calibration {
+
+namespace {
+
+/// Where a target's mode is found.
+struct Found {
+  const ModePoint& point;
+  int mode;
+};
+
+Found found(const Problem& problem, const State& state, int target) {
+  return {state.points[problem.point_of(target)], state.mode_of[target]};
+}
+
+/// ω, negative where ω² is: a mode that has buckled pulls back.
+double signed_omega(double omega2) {
+  return omega2 < 0.0 ? -std::sqrt(-omega2) : std::sqrt(omega2);
+}
+
+/// (ω − ω_t) / deviation
+class FrequencyResidual : public ResidualKind {
+ public:
+  explicit FrequencyResidual(int target) : target_(target) {}
+  [[nodiscard]] int size() const override { return 1; }
+  void evaluate(const Problem& problem, const State& state, Eigen::Ref<Eigen::VectorXd> r,
+                Eigen::MatrixXd* J) const override {
+    const auto [point, mode] = found(problem, state, target_);
+    const auto& target = problem.targets().modes[target_];
+    const double omega = signed_omega(point.modes.omega2[mode]);
+    r[0] = (omega - target.omega) / target.deviation;
+    if (J == nullptr) return;
+    const double least = 1e-6 * target.omega;  // at buckling the derivative has a pole
+    *J = point.domega2.row(mode) / (2.0 * std::max(std::abs(omega), least) * target.deviation);
+  }
+
+ private:
+  int target_;
+};
+
+/// (ζ − ζ_t) / deviation with ζ = φᵀ C φ / 2ω + the modal ratio: first order in the coupling that
+/// dampers make between modes.
+class DampingResidual : public ResidualKind {
+ public:
+  explicit DampingResidual(int target) : target_(target) {}
+  [[nodiscard]] int size() const override { return 1; }
+  void evaluate(const Problem& problem, const State& state, Eigen::Ref<Eigen::VectorXd> r,
+                Eigen::MatrixXd* J) const override {
+    const auto [point, mode] = found(problem, state, target_);
+    const auto& target = problem.targets().modes[target_];
+    const double omega2 = std::max(point.modes.omega2[mode], 1e-12 * target.omega * target.omega);
+    const double omega = std::sqrt(omega2);
+    const dynamics::ModelVector phi = point.modes.shapes.col(mode);
+    const dynamics::ModelVector C_phi = point.model.C * phi;
+    const double viscous = phi.dot(C_phi) / (2.0 * omega);
+    const double ratio = modal::modal_ratio(state.machine).value;
+    r[0] = (viscous + ratio - *target.damping) / target.damping_deviation;
+    if (J == nullptr) return;
+    *J = C_phi.transpose() * modal::shape_derivatives(point.modes, mode, point.derivatives) / omega;
+    *J -= viscous / (2.0 * omega2) * point.domega2.row(mode);
+    for (Eigen::Index j = 0; j < J->cols(); ++j)
+      (*J)(0, j) += phi.dot(point.derivatives[static_cast<std::size_t>(j)].C * phi) / (2.0 * omega);
+    if (state.machine.damping.modal_ratio) add_ratio(problem, *J);
+    *J /= target.damping_deviation;
+  }
+
+ private:
+  static void add_ratio(const Problem& problem, Eigen::MatrixXd& J) {
+    const auto& variables = problem.variables();
+    for (std::size_t j = 0; j < variables.size(); ++j)
+      for (const auto& path : variables[j].paths)
+        if (path == "damping.modal_ratio") J(0, static_cast<Eigen::Index>(j)) += 1.0;
+  }
+
+  int target_;
+};
+
+/// What of the target's shape the model's mode (with those next to it) does not show: with
+/// u the shape and A the modes' platform rows, both in the metric of the platform's mass and u of
+/// length one, r = (1 − A A⁺) u / deviation, so that |r|² = (1 − MAC) / deviation².
+class ShapeResidual : public ResidualKind {
+ public:
+  explicit ShapeResidual(int target) : target_(target) {}
+  [[nodiscard]] int size() const override { return 6; }
+  void evaluate(const Problem& problem, const State& state, Eigen::Ref<Eigen::VectorXd> r,
+                Eigen::MatrixXd* J) const override {
+    const auto [point, mode] = found(problem, state, target_);
+    const auto& target = problem.targets().modes[target_];
+    // of the start: else the residual would move with the platform's mass
+    const spatial::Matrix6 root = problem.metric(target_).asDiagonal();
+    const Vector6 u = (root * *target.shape).normalized();
+    const auto members = modal::neighbours(point.modes, mode, together);
+    Eigen::MatrixXd A(6, members.size());
+    for (std::size_t k = 0; k < members.size(); ++k)
+      A.col(static_cast<Eigen::Index>(k)) = root * point.modes.shapes.col(members[k]).head<6>();
+    const Eigen::MatrixXd A_plus = A.completeOrthogonalDecomposition().pseudoInverse();
+    const Eigen::MatrixXd rest = Eigen::MatrixXd::Identity(6, 6) - A * A_plus;
+    r = rest * u / target.shape_deviation;
+    if (J == nullptr) return;
+    J->setZero(6, problem.size());
+    std::vector<Eigen::MatrixXd> dphi;
+    for (const int k : members)
+      dphi.push_back(modal::shape_derivatives(point.modes, k, point.derivatives, together));
+    for (int j = 0; j < problem.size(); ++j) {
+      Eigen::MatrixXd dA(6, members.size());
+      for (std::size_t k = 0; k < members.size(); ++k)
+        dA.col(static_cast<Eigen::Index>(k)) = root * dphi[k].col(j).head<6>();
+      const Eigen::MatrixXd half = rest * dA * A_plus;
+      J->col(j) = -(half + half.transpose()) * u / target.shape_deviation;
+    }
+  }
+
+ private:
+  /// Modes nearer than this share of ω² are hardly told apart by a measurement, and their shapes
+  /// turn into each other at the least change.
+  static constexpr double together = 1e-3;
+
+  int target_;
+};
+
+/// (p − value) / spread
+class PriorResidual : public ResidualKind {
+ public:
+  explicit PriorResidual(int variable) : variable_(variable) {}
+  [[nodiscard]] int size() const override { return 1; }
+  [[nodiscard]] bool is_data() const override { return false; }
+  void evaluate(const Problem& problem, const State& state, Eigen::Ref<Eigen::VectorXd> r,
+                Eigen::MatrixXd* J) const override {
+    const auto& prior = *problem.variables()[variable_].prior;
+    r[0] = (state.values[variable_] - prior.value) / prior.spread;
+    if (J == nullptr) return;
+    J->setZero(1, problem.size());
+    (*J)(0, variable_) = 1.0 / prior.spread;
+  }
+
+ private:
+  int variable_;
+};
+
+/// Constraints that would be broken, at 1000 per unit of their relative margin. They begin to push
+/// a little before the limit, so that a fit that leans on one ends within it.
+class AdmissibilityResidual : public ResidualKind {
+ public:
+  explicit AdmissibilityResidual(int constraints) : constraints_(constraints) {}
+  [[nodiscard]] int size() const override { return constraints_; }
+  [[nodiscard]] bool is_data() const override { return false; }
+  void evaluate(const Problem& problem, const State& state, Eigen::Ref<Eigen::VectorXd> r,
+                Eigen::MatrixXd* J) const override {
+    constexpr double weight = 1000.0, room = 1e-3;
+    if (J != nullptr) J->setZero(constraints_, problem.size());
+    for (int k = 0; k < constraints_; ++k) {
+      // margins of exactly zero belong to numbers that only need a sign
+      const bool broken = state.margins[k] < room && state.margins[k] != 0.0;
+      r[k] = broken ? weight * (state.margins[k] - room) : 0.0;
+      if (broken && J != nullptr) J->row(k) = weight * state.dmargins.row(k);
+    }
+  }
+
+ private:
+  int constraints_;
+};
+
+}  // namespace
+
+std::vector<std::unique_ptr<ResidualKind>> make_residuals(const Targets& targets,
+                                                          const std::vector<Variable>& variables,
+                                                          bool hold_to_physics,
+                                                          std::size_t constraints) {
+  std::vector<std::unique_ptr<ResidualKind>> kinds;
+  for (int i = 0; i < static_cast<int>(targets.modes.size()); ++i) {
+    const auto& target = targets.modes[i];
+    kinds.push_back(std::make_unique<FrequencyResidual>(i));
+    if (target.damping) kinds.push_back(std::make_unique<DampingResidual>(i));
+    if (target.shape) kinds.push_back(std::make_unique<ShapeResidual>(i));
+  }
+  for (int j = 0; j < static_cast<int>(variables.size()); ++j)
+    if (variables[j].prior) kinds.push_back(std::make_unique<PriorResidual>(j));
+  if (hold_to_physics)
+    kinds.push_back(std::make_unique<AdmissibilityResidual>(static_cast<int>(constraints)));
+  return kinds;
+}
+
+}  // namespace hydrapod::calibration

@@ -1,0 +1,93 @@
+#include "hydrapod/calibration/sensitivity.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "hydrapod/base/error.hpp"
+#include "hydrapod/modal/normal_modes.hpp"
+
+namespace hydrapod::calibration {
+
+namespace {
+
+using model::Machine;
+
+/// A parameter far from its bounds may take a machine where numbers are no longer finite.
+void require_finite(const Machine& machine) {
+  for (const auto& leg : machine.legs)
+    if (!leg.base_joint.allFinite() || !leg.platform_joint.allFinite() ||
+        !leg.gimbal_axis.allFinite())
+      throw base::ComputationError("the joints' places are not finite with these values");
+}
+
+dynamics::LinearModel model_at(const model::VariableMachine& machine,
+                               const std::vector<double>& values, std::size_t pose,
+                               dynamics::ModelKind kind, const dynamics::StaticEquilibrium* start,
+                               Machine& workspace) {
+  machine.machine(values, workspace);
+  require_finite(workspace);
+  return dynamics::linear_model(workspace, workspace.poses.at(pose).X_BP, kind, start);
+}
+
+}  // namespace
+
+ModePoint mode_point(const model::VariableMachine& machine, const std::vector<double>& values,
+                     std::size_t pose, dynamics::ModelKind kind, std::span<const double> scales,
+                     const dynamics::StaticEquilibrium* start) {
+  Machine workspace = machine.machine(values);
+  ModePoint point{.model = model_at(machine, values, pose, kind, start, workspace)};
+  point.modes = modal::normal_modes(point.model);
+  if (!point.modes.omega2.allFinite())
+    throw base::ComputationError("the modes are not finite with these values");
+  if (scales.empty()) return point;
+  const auto* near = workspace.gravity.isZero(0.0) ? nullptr : &point.model.statics;
+  std::vector<double> moved = values;
+  Eigen::VectorXd sizes(scales.size());
+  for (std::size_t j = 0; j < scales.size(); ++j) {
+    const double h = relative_step * scales[j];
+    moved[j] = values[j] + h;
+    const auto above = model_at(machine, moved, pose, kind, near, workspace);
+    moved[j] = values[j] - h;
+    const auto below = model_at(machine, moved, pose, kind, near, workspace);
+    moved[j] = values[j];
+    point.derivatives.push_back({(above.M - below.M) / (2.0 * h), (above.K - below.K) / (2.0 * h),
+                                 (above.C - below.C) / (2.0 * h)});
+    sizes[static_cast<Eigen::Index>(j)] = scales[j];
+  }
+  modal::turn_repeated(point.modes, point.derivatives, sizes);
+  point.domega2 = modal::omega2_derivatives(point.modes, point.derivatives);
+  return point;
+}
+
+Sensitivities sensitivities(const model::MachineFile& file, std::size_t pose,
+                            dynamics::ModelKind kind, const std::vector<std::string>& paths) {
+  model::VariableMachine machine(file);
+  std::vector<model::TiedPaths> chosen;
+  for (const auto& number : machine.numbers())
+    if (paths.empty() && number.given && number.value != 0.0) chosen.push_back({number.path});
+  for (const auto& path : paths) chosen.push_back({path});
+  machine.vary(chosen);
+  Sensitivities result;
+  std::vector<model::TiedPaths> that_matter;
+  for (std::size_t j = 0; j < chosen.size(); ++j)
+    if (!paths.empty() || machine.matters(j)) {
+      that_matter.push_back(chosen[j]);
+      result.parameters.push_back(*machine.find(chosen[j].front()));
+    }
+  machine.vary(that_matter);
+  std::vector<double> scales;
+  for (const double value : machine.values())
+    scales.push_back(value != 0.0 ? std::abs(value) : 1.0);
+  result.point = mode_point(machine, machine.values(), pose, kind, scales);
+  const auto& [model, modes, derivatives, domega2] = result.point;
+  result.omega = modes.omega2.cwiseMax(0.0).cwiseSqrt();
+  result.percent_per_percent = domega2;
+  for (int k = 0; k < modes.size(); ++k)
+    for (std::size_t j = 0; j < that_matter.size(); ++j)
+      result.percent_per_percent(k, static_cast<Eigen::Index>(j)) *=
+          machine.values()[j] / (2.0 * modes.omega2[k]);
+  return result;
+}
+
+}  // namespace hydrapod::calibration

@@ -1,0 +1,228 @@
+#include "target_csv.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <sstream>
+
+#include "hydrapod/base/error.hpp"
+#include "hydrapod/base/nearest.hpp"
+#include "hydrapod/base/printable.hpp"
+#include "hydrapod/base/units.hpp"
+#include "target_tables.hpp"
+
+namespace hydrapod::calibration {
+
+namespace {
+
+constexpr double two_pi = 2.0 * std::numbers::pi;
+
+struct Cell {
+  std::string text{};
+  unsigned column{};  ///< in the line, from 1
+};
+
+struct Title {
+  std::string name{};
+  std::string unit{};
+};
+
+std::string trimmed(const std::string& text) {
+  const auto first = text.find_first_not_of(" \t\r\"");
+  if (first == std::string::npos) return {};
+  return text.substr(first, text.find_last_not_of(" \t\r\"") - first + 1);
+}
+
+std::vector<Cell> cells_of(const std::string& line, char separator) {
+  std::vector<Cell> cells;
+  for (std::size_t begin = 0; begin <= line.size();) {
+    const auto end = std::min(line.find(separator, begin), line.size());
+    cells.push_back({trimmed(line.substr(begin, end - begin)), static_cast<unsigned>(begin) + 1});
+    begin = end + 1;
+  }
+  return cells;
+}
+
+/// "frequency [Hz]" in its two parts.
+Title title_of(const std::string& text) {
+  const auto open = text.find('[');
+  if (open == std::string::npos) return {text, ""};
+  return {trimmed(text.substr(0, open)), trimmed(text.substr(open + 1, text.find(']') - open - 1))};
+}
+
+class CsvReader {
+ public:
+  explicit CsvReader(std::string file) : file_(std::move(file)) {}
+
+  Targets read(const std::string& text) {
+    if (base::first_invalid_utf8(text) != std::string::npos) {
+      fault(0, "", "not UTF-8 text");
+      throw base::InputError(faults_);
+    }
+    Targets targets;
+    std::istringstream lines(text);
+    std::string line;
+    while (std::getline(lines, line)) {
+      ++line_;
+      if (trimmed(line).empty() || trimmed(line)[0] == '#') continue;
+      if (titles_.empty()) {
+        read_titles(line);
+      } else {
+        read_row(line, targets);
+      }
+      if (faults_.size() > most_faults) break;
+    }
+    if (titles_.empty()) {
+      fault(0, "", "is empty, expected a title row such as `frequency [Hz],direction`");
+    } else if (targets.modes.empty() && faults_.empty()) {
+      fault(0, "", "there is no mode below the title row");
+    }
+    if (!faults_.empty()) throw base::InputError(faults_);
+    targets.deviations_given = has("deviation");
+    return targets;
+  }
+
+ private:
+  static constexpr std::size_t most_faults = 50;
+
+  void fault(unsigned column, const std::string& key, std::string message) {
+    faults_.push_back(
+        {base::Severity::error, file_, line_, line_ == 0 ? 0 : column, key, std::move(message)});
+  }
+
+  bool has(std::string_view name) const {
+    return std::any_of(titles_.begin(), titles_.end(),
+                       [&](const Title& t) { return t.name == name; });
+  }
+
+  void read_titles(const std::string& line) {
+    separator_ = line.find(';') != std::string::npos    ? ';'
+                 : line.find('\t') != std::string::npos ? '\t'
+                                                        : ',';
+    static constexpr std::array<std::string_view, 7> words{
+        "frequency", "direction", "deviation", "damping", "pose", "name", "damping_deviation"};
+    for (const auto& cell : cells_of(line, separator_)) {
+      titles_.push_back(title_of(cell.text));
+      const auto& name = titles_.back().name;
+      const bool known =
+          std::find(words.begin(), words.end(), name) != words.end() || direction_index(name) >= 0;
+      if (!known) {
+        const auto meant = base::nearest(name, words);
+        fault(cell.column, base::printable(name),
+              meant ? fmt::format("unknown column; did you mean `{}`?", *meant)
+                    : fmt::format("unknown column; known are {} and a shape's {}",
+                                  fmt::join(words, ", "), fmt::join(direction_names, ", ")));
+      }
+    }
+    if (!has("frequency") && faults_.empty())
+      fault(1, "frequency", "the title row has no column `frequency [Hz]`");
+  }
+
+  /// A cell as a number in `unit`, by its own unit, or by that of its column.
+  double number(const Cell& cell, const Title& title, const std::string& unit) {
+    if (const auto own = base::read_quantity(cell.text, unit); own.ok()) {
+      const bool plain = std::isdigit(static_cast<unsigned char>(cell.text.back())) != 0;
+      if (!plain || title.unit.empty()) return own.value;
+    }
+    const auto read = base::read_quantity(cell.text + " " + title.unit, unit);
+    if (read.ok()) return read.value;
+    fault(cell.column, title.name, read.problem);
+    return std::nan("");
+  }
+
+  double frequency(const Cell& cell, const Title& title) {
+    const bool plain =
+        std::isdigit(static_cast<unsigned char>(cell.text.back())) != 0 || cell.text.back() == '.';
+    const auto read =
+        read_frequency(plain ? cell.text + " " + title.unit : cell.text, false, 0.0, "");
+    if (read.problem.empty() && read.omega > 0.0) return read.omega;
+    fault(
+        cell.column, title.name,
+        title.unit.empty() && plain
+            ? fmt::format("is {} without a unit; title the column `{} [Hz]`", cell.text, title.name)
+        : read.problem.empty() ? "expected a frequency above 0"
+                               : read.problem);
+    return std::nan("");
+  }
+
+  void read_row(const std::string& line, Targets& targets) {
+    const auto cells = cells_of(line, separator_);
+    if (cells.size() != titles_.size()) {
+      fault(1, "",
+            fmt::format("has {} cells, expected {} as in the title row", cells.size(),
+                        titles_.size()));
+      return;
+    }
+    ModeTarget mode;
+    Vector6 shape = Vector6::Zero();
+    bool has_shape = false;
+    std::optional<double> deviation;
+    for (std::size_t i = 0; i < cells.size(); ++i) {
+      const auto& [name, unit] = titles_[i];
+      const auto& cell = cells[i];
+      if (cell.text.empty()) continue;
+      if (name == "frequency") mode.omega = frequency(cell, titles_[i]);
+      if (name == "direction") mode.direction = direction(cell);
+      if (name == "deviation") deviation = deviation_of(cell, titles_[i]);
+      if (name == "damping") mode.damping = number(cell, titles_[i], "1");
+      if (name == "damping_deviation") mode.damping_deviation = number(cell, titles_[i], "1");
+      if (name == "pose") mode.pose = cell.text;
+      if (name == "name") mode.name = cell.text;
+      if (const int k = direction_index(name); k >= 0) {
+        shape[k] = number(cell, titles_[i], k < 3 ? "m" : "rad");
+        has_shape = true;
+      }
+    }
+    finish(mode, deviation, has_shape ? &shape : nullptr, targets);
+  }
+
+  std::optional<int> direction(const Cell& cell) {
+    const int index = direction_index(cell.text);
+    if (index >= 0) return index;
+    fault(cell.column, "direction",
+          fmt::format("is \"{}\", expected one of {}", base::printable(cell.text),
+                      fmt::join(direction_names, ", ")));
+    return {};
+  }
+
+  /// Below zero: a share of the frequency, minus it.
+  double deviation_of(const Cell& cell, const Title& title) {
+    const bool share = title.unit == "%" || cell.text.ends_with('%') || title.unit == "1";
+    const double value = share ? number(cell, title, "1") : frequency(cell, title);
+    if (value > 0.0) return share ? -value : value;
+    if (value <= 0.0) fault(cell.column, "deviation", "expected more than 0");
+    return std::nan("");
+  }
+
+  void finish(ModeTarget& mode, const std::optional<double>& deviation, const Vector6* shape,
+              Targets& targets) {
+    if (mode.omega == 0.0) return fault(1, "frequency", "is missing in this row");
+    mode.deviation = !deviation         ? default_deviation * mode.omega
+                     : *deviation < 0.0 ? -*deviation * mode.omega
+                                        : *deviation;
+    if (mode.damping && mode.damping_deviation == 0.0)
+      mode.damping_deviation = std::max(0.1 * *mode.damping, 1e-4);
+    if (shape != nullptr && !shape->isZero(0.0)) {
+      mode.shape = *shape;
+      mode.shape_deviation = 0.05;
+    }
+    if (mode.name.empty()) mode.name = fmt::format("{:g} Hz", mode.omega / two_pi);
+    targets.modes.push_back(mode);
+  }
+
+  std::string file_;
+  unsigned line_{};
+  char separator_{','};
+  std::vector<Title> titles_{};
+  std::vector<base::Diagnostic> faults_{};
+};
+
+}  // namespace
+
+Targets parse_target_csv(const std::string& text, const std::string& file) {
+  return CsvReader(file).read(text);
+}
+
+}  // namespace hydrapod::calibration

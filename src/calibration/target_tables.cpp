@@ -1,0 +1,347 @@
+#include "target_tables.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "hydrapod/base/nearest.hpp"
+#include "hydrapod/base/printable.hpp"
+#include "hydrapod/base/units.hpp"
+#include "model/key_path.hpp"
+
+namespace hydrapod::calibration {
+
+namespace {
+
+using model::Faults;
+using model::Node;
+using model::Section;
+using Value = Section::Value;
+
+constexpr double two_pi = 2.0 * std::numbers::pi;
+constexpr int most_repeats = 30;
+
+/// Reports keys that are not among `known`.
+void check_keys(const Node& table, const std::string& path,
+                const std::vector<std::string_view>& known, Faults& faults) {
+  for (const auto& child : table.children) {
+    if (std::find(known.begin(), known.end(), child.key) != known.end()) continue;
+    const auto meant = base::nearest(child.key, known);
+    faults.add(child.key_place, model::joined_path(path, child.key),
+               meant ? fmt::format("unknown key; did you mean `{}`?", *meant)
+                     : fmt::format("unknown key; known here: {}", fmt::join(known, ", ")));
+  }
+}
+
+/// The tables of the array `key`; anything else is reported.
+std::vector<Value> tables_of(const Node& root, std::string_view key, const std::string& path,
+                             Faults& faults) {
+  std::vector<Value> tables;
+  const Node* array = root.find(key);
+  if (array == nullptr) return tables;
+  const std::string at = model::joined_path(path, key);
+  const bool is_array = array->kind == Node::Kind::array;
+  for (std::size_t i = 0; is_array && i < array->children.size(); ++i)
+    if (array->children[i].is_table())
+      tables.push_back({&array->children[i], fmt::format("{}[{}]", at, i)});
+  if (!is_array || tables.size() != array->children.size())
+    faults.add(array->place, at, fmt::format("expected tables, each begun with [[{}]]", at));
+  return tables;
+}
+
+Amount amount_of(const Node& node) {
+  return node.is_number() ? fmt::format("{:.17g}", node.number) : node.text;
+}
+
+/// A number or a string; the unit is judged where the machine is known.
+std::optional<Amount> read_amount(const Section& table, std::string_view key) {
+  const auto value = table.find(key);
+  if (!value) return {};
+  if (value.node->is_number() || value.node->kind == Node::Kind::text)
+    return amount_of(*value.node);
+  table.report(value, fmt::format("is {}, expected a number or a quantity such as \"12 kg\"",
+                                  model::described(*value.node)));
+  return {};
+}
+
+class TargetReader {
+ public:
+  TargetReader(const Node& root, std::string file, Faults& faults)
+      : root_(root), file_(std::move(file)), faults_(faults) {}
+
+  Targets read() {
+    check_keys(
+        root_, "",
+        {"title", "source", "frequency_unit", "deviation", "mode", "free", "alternative", "fit"},
+        faults_);
+    const Section top(root_, faults_);
+    Targets targets;
+    targets.title = top.optional_text("title");
+    targets.source = top.optional_text("source");
+    plain_unit_ = top.optional_text("frequency_unit");
+    if (!plain_unit_.empty() && plain_unit_ != "Hz" && plain_unit_ != "rad/s")
+      top.report(top.find("frequency_unit"),
+                 fmt::format("is \"{}\", expected \"Hz\" or \"rad/s\"", plain_unit_));
+    targets.deviations_given = top.has("deviation");
+    default_deviation_ = top.find("deviation");
+    for (const auto& table : tables_of(root_, "mode", "", faults_)) read_mode(table, targets);
+    if (targets.modes.empty() && !faults_.any_error())
+      faults_.add(root_.place, "mode",
+                  "there is no target; write a table [[mode]] with `frequency` for each");
+    for (const auto& table : tables_of(root_, "free", "", faults_))
+      targets.plan.free.push_back(read_free(table));
+    for (const auto& table : tables_of(root_, "alternative", "", faults_))
+      targets.plan.alternatives.push_back(read_alternative(table));
+    read_options(top, targets.plan.options);
+    return targets;
+  }
+
+ private:
+  Origin origin(const Node& node) const { return {file_, node.place.line, node.place.column}; }
+
+  double frequency(const Section& table, const Value& value) const {
+    const auto read =
+        read_frequency(value.node->text, value.node->is_number(), value.node->number, plain_unit_);
+    if (read.problem.empty() && read.omega > 0.0) return read.omega;
+    table.report(value, read.problem.empty() ? "expected a frequency above 0" : read.problem);
+    return std::nan("");
+  }
+
+  /// A deviation of a frequency: a share ("0.1 %", 0.001) or a frequency ("0.02 Hz").
+  double deviation(const Section& table, const Value& value, double omega) const {
+    double result = std::nan("");
+    if (value.node->is_number()) {
+      result = value.node->number * omega;
+    } else if (const auto share = base::read_quantity(value.node->text, "1"); share.ok()) {
+      result = share.value * omega;
+    } else {
+      result = frequency(table, value);
+      if (std::isnan(result)) return result;
+    }
+    if (result > 0.0) return result;
+    table.report(value,
+                 "expected a standard deviation above 0, as a share such as \"0.1 %\" or a "
+                 "frequency such as \"0.02 Hz\"");
+    return std::nan("");
+  }
+
+  void read_mode(const Value& at, Targets& targets) {
+    check_keys(*at.node, at.path,
+               {"frequency", "repeated", "direction", "deviation", "weight", "damping",
+                "damping_deviation", "shape", "shape_deviation", "pose", "name"},
+               faults_);
+    const Section table = Section::at(*at.node, at.path, faults_);
+    ModeTarget mode;
+    const auto value = table.find("frequency");
+    if (!value) return table.report_missing("frequency", "required value (\"11.3 Hz\")");
+    mode.omega = frequency(table, value);
+    if (const auto own = table.find("deviation")) {
+      mode.deviation = deviation(table, own, mode.omega);
+      targets.deviations_given = true;
+    } else if (default_deviation_) {
+      mode.deviation = deviation(Section(root_, faults_), default_deviation_, mode.omega);
+    } else {
+      mode.deviation = default_deviation * mode.omega;
+    }
+    read_weight(table, mode);
+    read_direction(table, mode);
+    read_damping(table, mode);
+    read_shape(table, mode);
+    if (table.has("pose")) mode.pose = table.text("pose");
+    add_repeated(table, mode, targets);
+  }
+
+  static void read_weight(const Section& table, ModeTarget& mode) {
+    const double weight = table.number("weight", "1", 1.0);
+    if (!(weight > 0.0))
+      return table.report(table.find("weight"),
+                          "expected more than 0; it divides the standard deviation");
+    mode.deviation /= weight;
+  }
+
+  static void read_direction(const Section& table, ModeTarget& mode) {
+    const auto value = table.find("direction");
+    if (!value) return;
+    const int direction = direction_index(table.text("direction"));
+    if (direction < 0)
+      return table.report(value,
+                          fmt::format("is {}, expected one of {}", model::described(*value.node),
+                                      fmt::join(direction_names, ", ")));
+    mode.direction = direction;
+  }
+
+  static void read_damping(const Section& table, ModeTarget& mode) {
+    mode.damping = table.optional_number("damping", "1");
+    if (!mode.damping) return;
+    if (!(*mode.damping >= 0.0 && *mode.damping < 1.0))
+      table.report(
+          table.find("damping"),
+          fmt::format("is {}, expected a damping ratio of at least 0 and below 1", *mode.damping));
+    constexpr double share = 0.1, least = 1e-4;
+    mode.damping_deviation =
+        table.number("damping_deviation", "1", std::max(share * *mode.damping, least));
+    if (!(mode.damping_deviation > 0.0))
+      table.report(table.find("damping_deviation"), "expected a standard deviation above 0");
+  }
+
+  void read_shape(const Section& table, ModeTarget& mode) {
+    const auto value = table.find("shape");
+    if (!value) return;
+    if (!value.node->is_table())
+      return table.report(value,
+                          "expected the platform's motion as a table, for instance "
+                          "{ x = 1.0, ry = -0.2 } in m and rad");
+    check_keys(*value.node, value.path, {direction_names.begin(), direction_names.end()}, faults_);
+    const Section motion = Section::at(*value.node, value.path, faults_);
+    Vector6 shape;
+    for (int k = 0; k < 6; ++k)
+      shape[k] = motion.number(direction_names[k], k < 3 ? "m" : "rad", 0.0);
+    if (shape.isZero(0.0)) table.report(value, "is zero everywhere, expected a motion");
+    mode.shape = shape;
+    constexpr double usual = 0.05;
+    mode.shape_deviation = table.number("shape_deviation", "1", usual);
+    if (!(mode.shape_deviation > 0.0))
+      table.report(table.find("shape_deviation"), "expected a standard deviation above 0");
+  }
+
+  void add_repeated(const Section& table, ModeTarget mode, Targets& targets) const {
+    const double repeated = table.number("repeated", "1", 1.0);
+    if (!(repeated >= 1.0 && repeated <= most_repeats) || repeated != std::floor(repeated)) {
+      table.report(table.find("repeated"),
+                   fmt::format("expected how often the mode is there, 1 to {}", most_repeats));
+      return;
+    }
+    const std::string given = table.optional_text("name");
+    const auto frequency = amount_of(*table.find("frequency").node);
+    const std::string name =
+        !given.empty() ? given
+        : table.find("frequency").node->is_number()
+            ? fmt::format("{:g} {}", table.find("frequency").node->number, plain_unit_)
+            : frequency;
+    for (int k = 1; k <= static_cast<int>(repeated); ++k) {
+      mode.name = repeated > 1.0 ? fmt::format("{} ({})", name, k) : name;
+      targets.modes.push_back(mode);
+    }
+  }
+
+  FreeParameter read_free(const Value& at) {
+    check_keys(*at.node, at.path, {"path", "start", "bounds", "prior"}, faults_);
+    const Section table = Section::at(*at.node, at.path, faults_);
+    FreeParameter free{.origin = origin(*at.node)};
+    const auto value = table.find("path");
+    if (!value) {
+      table.report_missing("path",
+                           "required value (\"legs.rod.mass\", or an array of paths that "
+                           "are to be equal)");
+    } else if (value.node->kind == Node::Kind::array && !value.node->children.empty()) {
+      for (const auto& child : value.node->children) free.paths.push_back(child.text);
+    } else {
+      free.paths.push_back(table.text("path"));
+    }
+    free.start = read_amount(table, "start");
+    if (const auto bounds = table.find("bounds")) {
+      const auto ends = table.elements(bounds, 2, "two values, [lowest, highest]");
+      if (ends.size() == 2) {
+        free.lower = amount_of(*ends[0].node);
+        free.upper = amount_of(*ends[1].node);
+      }
+    }
+    if (const auto prior = table.find("prior")) free.prior = read_prior(table, prior);
+    return free;
+  }
+
+  std::optional<PriorAmounts> read_prior(const Section& table, const Value& value) {
+    if (value.node->is_table()) {
+      check_keys(*value.node, value.path, {"value", "spread"}, faults_);
+      const Section prior = Section::at(*value.node, value.path, faults_);
+      const auto center = read_amount(prior, "value"), spread = read_amount(prior, "spread");
+      if (center && spread) return PriorAmounts{*center, *spread};
+    }
+    table.report(value, "expected { value = …, spread = … }: what is known besides the data");
+    return {};
+  }
+
+  Alternative read_alternative(const Value& at) {
+    check_keys(*at.node, at.path, {"name", "choice"}, faults_);
+    const Section table = Section::at(*at.node, at.path, faults_);
+    Alternative alternative{.name = table.text("name"), .origin = origin(*at.node)};
+    for (const auto& choice : tables_of(*at.node, "choice", at.path, faults_))
+      alternative.choices.push_back(read_choice(choice));
+    if (alternative.choices.size() < 2)
+      faults_.add(
+          at.node->place, at.path,
+          "expected at least two tables [[alternative.choice]], each with `name` and `set`");
+    return alternative;
+  }
+
+  Choice read_choice(const Value& at) {
+    check_keys(*at.node, at.path, {"name", "set"}, faults_);
+    const Section table = Section::at(*at.node, at.path, faults_);
+    Choice choice{.name = table.text("name")};
+    const auto set = table.find("set");
+    if (!set) return choice;
+    if (set.node->kind != Node::Kind::array) {
+      table.report(set, "expected an array of \"PATH=VALUE\", as --set takes them");
+      return choice;
+    }
+    for (const auto& child : set.node->children) choice.overrides.push_back(child.text);
+    return choice;
+  }
+
+  void read_options(const Section& top, FitOptions& options) {
+    const Section fit = top.optional_table("fit");
+    if (!fit.exists()) return;
+    check_keys(*root_.find("fit"), "fit", {"starts", "seed", "loss", "max_iterations"}, faults_);
+    const auto whole = [&](std::string_view key, double fallback, double highest) {
+      const double number = fit.number(key, "1", fallback);
+      if (number >= 1.0 && number <= highest && number == std::floor(number)) return number;
+      fit.report(fit.find(key), fmt::format("expected a whole number from 1 to {}", highest));
+      return fallback;
+    };
+    options.starts = static_cast<int>(whole("starts", options.starts, 10000));
+    options.seed = static_cast<std::uint64_t>(whole("seed", 1.0, 1e15));
+    options.max_iterations =
+        static_cast<int>(whole("max_iterations", options.max_iterations, 100000));
+    constexpr std::string_view losses[]{"automatic", "squares", "cauchy"};
+    options.loss = static_cast<Loss>(fit.word("loss", losses));
+  }
+
+  const Node& root_;
+  std::string file_;
+  Faults& faults_;
+  std::string plain_unit_{};
+  Value default_deviation_{};
+};
+
+}  // namespace
+
+int direction_index(std::string_view name) {
+  const auto found = std::find(direction_names.begin(), direction_names.end(), name);
+  return found == direction_names.end() ? -1 : static_cast<int>(found - direction_names.begin());
+}
+
+Frequency read_frequency(const std::string& text, bool plain, double number,
+                         const std::string& plain_unit) {
+  if (plain) {
+    if (plain_unit == "rad/s") return {number, ""};
+    if (plain_unit == "Hz") return {number * two_pi, ""};
+    return {0.0, fmt::format("is {:g} without a unit; write \"{:g} Hz\" or \"{:g} rad/s\", or say "
+                             "`frequency_unit = \"Hz\"` at the top of the file",
+                             number, number, number)};
+  }
+  const auto cycles = base::read_quantity(text, "Hz");
+  if (cycles.ok()) return {cycles.value * two_pi, ""};
+  const auto radians = base::read_quantity(text, "rad/s");
+  if (radians.ok()) return {radians.value, ""};
+  return {0.0, fmt::format("is \"{}\", expected a frequency such as \"11.3 Hz\" or \"71 rad/s\"",
+                           base::printable(text))};
+}
+
+Targets read_target_tables(const model::Node& root, const std::string& file,
+                           model::Faults& faults) {
+  return TargetReader(root, file, faults).read();
+}
+
+}  // namespace hydrapod::calibration

@@ -1,0 +1,26 @@
+#pragma once
+/// Reading the tables of a targets file. Private to the module.
+
+#include "hydrapod/calibration/targets.hpp"
+#include "model/section.hpp"
+
+namespace hydrapod::calibration {
+
+/// Everything of a TOML targets file; mistakes go to `faults`.
+Targets read_target_tables(const model::Node& root, const std::string& file, model::Faults& faults);
+
+/// The frequency [rad/s] that `text` is ("11.3 Hz", "71 rad/s"), or a plain number in
+/// `plain_unit` ("Hz", "rad/s", or empty: plain numbers are refused). Empty `problem` when read.
+struct Frequency {
+  double omega{};
+  std::string problem{};
+};
+Frequency read_frequency(const std::string& text, bool plain, double number,
+                         const std::string& plain_unit);
+
+/// Index of a direction x…rz; −1 when it is none.
+int direction_index(std::string_view name);
+
+inline constexpr std::array<std::string_view, 6> direction_names{"x", "y", "z", "rx", "ry", "rz"};
+
+}  // namespace hydrapod::calibration

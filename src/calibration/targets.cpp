@@ -1,0 +1,41 @@
+#include "hydrapod/calibration/targets.hpp"
+
+#include <fmt/format.h>
+
+#include <filesystem>
+
+#include "hydrapod/base/file.hpp"
+#include "target_csv.hpp"
+#include "target_tables.hpp"
+
+namespace hydrapod::calibration {
+
+namespace {
+
+constexpr std::size_t largest_file = std::size_t{1} << 20;
+
+Targets parse_toml(const std::string& text, const std::string& file) {
+  auto parsed = model::parse_tree(text, 0);
+  if (const auto* error = std::get_if<model::SyntaxError>(&parsed))
+    throw base::InputError({{base::Severity::error, file, error->place.line, error->place.column,
+                             "", error->message}});
+  model::Faults faults({file});
+  Targets targets = read_target_tables(std::get<model::Node>(parsed), file, faults);
+  if (faults.any_error()) throw base::InputError(faults.diagnostics(base::Severity::error));
+  return targets;
+}
+
+}  // namespace
+
+Targets parse_targets(const std::string& text, const std::string& file_name) {
+  if (std::filesystem::path(file_name).extension() == ".csv")
+    return parse_target_csv(text, file_name);
+  return parse_toml(text, file_name);
+}
+
+Targets read_targets(const std::string& path) {
+  return parse_targets(base::read_file(path, largest_file, "a targets file of some kilobytes"),
+                       path);
+}
+
+}  // namespace hydrapod::calibration

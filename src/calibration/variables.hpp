@@ -1,0 +1,17 @@
+#pragma once
+/// From what somebody wrote about parameters to variables in SI. Private to the module.
+
+#include "problem.hpp"
+
+namespace hydrapod::calibration {
+
+/// Resolves `free` against the numbers of `machine`, which then varies them. Mistakes of all of
+/// them go to `errors`; the result is then of no use.
+std::vector<Variable> make_variables(const std::vector<FreeParameter>& free,
+                                     model::VariableMachine& machine,
+                                     std::vector<base::Diagnostic>& errors);
+
+/// The same variables with neither signs nor bounds to hold to, but for some decades of room.
+std::vector<Variable> unbound(std::vector<Variable> variables);
+
+}  // namespace hydrapod::calibration
