@@ -1,18 +1,11 @@
 #include <fmt/format.h>
-#include <sys/wait.h>
 
 #include <array>
 #include <cmath>
 #include <complex>
-#include <cstdio>
-#include <cstdlib>
-#include <filesystem>
-#include <fstream>
 #include <numbers>
-#include <sstream>
 
-#include "hydrapod/base/error.hpp"
-#include "hydrapod/base/file.hpp"
+#include "gnuplot.hpp"
 #include "hydrapod/report/bode.hpp"
 
 namespace hydrapod::report {
@@ -88,23 +81,6 @@ std::string frequency_ticks(double from, double to) {
   std::string text;
   for (const double at : ticks) text += fmt::format("{}{:.6g}", text.empty() ? "" : ", ", at);
   return "set xtics (" + text + ")\n";
-}
-
-/// As a gnuplot string; a line end in it would end the command.
-std::string quoted(const std::string& text) {
-  std::string out = "'";
-  for (const char c : text) {
-    if (c == '\'') out += '\'';
-    out += static_cast<unsigned char>(c) < 0x20 || c == 0x7F ? ' ' : c;
-  }
-  return out + "'";
-}
-
-/// As a word of the shell.
-std::string shell_word(const std::string& text) {
-  std::string out = "'";
-  for (const char c : text) out += c == '\'' ? std::string("'\\''") : std::string(1, c);
-  return out + "'";
 }
 
 /// Marks the peaks of a direct entry with their frequencies; unbounded ones stand at `top` [dB].
@@ -196,63 +172,6 @@ Cell cell_of(const PictureSize& size, size_t index) {
           top - 26.0 / size.height(), top - h + 52.0 / size.height()};
 }
 
-struct Terminal {
-  std::string ending, name;
-};
-
-std::string terminal_of(const std::string& path, const PictureSize& size) {
-  const std::string ending = std::filesystem::path(path).extension().string();
-  const std::string font = "font 'Helvetica,11'";
-  if (ending == ".svg")
-    return fmt::format("svg size {},{} dynamic background rgb 'white' {} enhanced", size.width(),
-                       size.height(), font);
-  if (ending == ".png")
-    return fmt::format("pngcairo size {},{} {}", size.width(), size.height(), font);
-  if (ending == ".pdf")
-    return fmt::format("pdfcairo size {:.2f}in,{:.2f}in {}", size.width() / 96.0,
-                       size.height() / 96.0, font);
-  throw base::InputError(
-      {{.file = "--plot " + path,
-        .message = fmt::format("a plot ends in .svg, .png or .pdf; found '{}'", ending)}});
-}
-
-std::string file_text(const std::filesystem::path& path) {
-  std::ifstream stream(path, std::ios::binary);
-  std::ostringstream text;
-  text << stream.rdbuf();
-  return text.str();
-}
-
-/// A folder of its own that is gone at the end.
-struct TemporaryFolder {
-  std::filesystem::path path;
-  TemporaryFolder() {
-    std::string name = (std::filesystem::temp_directory_path() / "hydrapod-plot-XXXXXX").string();
-    if (mkdtemp(name.data()) == nullptr)
-      throw base::ComputationError("no temporary folder for the plot could be made in " +
-                                   std::filesystem::temp_directory_path().string());
-    path = name;
-  }
-  ~TemporaryFolder() {
-    std::error_code ignored;
-    std::filesystem::remove_all(path, ignored);
-  }
-  TemporaryFolder(const TemporaryFolder&) = delete;
-  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
-};
-
-void run_gnuplot(const std::filesystem::path& script, const std::filesystem::path& log) {
-  const std::string command = fmt::format("gnuplot {} > {} 2>&1 < /dev/null",
-                                          shell_word(script.string()), shell_word(log.string()));
-  const int status = std::system(command.c_str());
-  if (status == 0) return;
-  if (WIFEXITED(status) && WEXITSTATUS(status) == 127)
-    throw base::ComputationError("plots need the program gnuplot; install the package gnuplot-nox");
-  std::string said = file_text(log);
-  said.erase(said.find_last_not_of(" \n") + 1);
-  throw base::ComputationError("gnuplot failed: " + said);
-}
-
 }  // namespace
 
 std::string bode_script(const Bode& bode, const std::vector<Entry>& entries, const PlotText& text,
@@ -280,14 +199,11 @@ std::string bode_script(const Bode& bode, const std::vector<Entry>& entries, con
 
 void plot_bode(const Bode& bode, const std::vector<Entry>& entries, const PlotText& text,
                const std::string& path) {
-  const std::string terminal = terminal_of(path, picture_size(entries.size()));
-  const TemporaryFolder folder;
-  const auto picture = folder.path / "picture";
-  const auto script = folder.path / "bode.gp";
-  base::write_file_whole(script.string(),
-                         bode_script(bode, entries, text, terminal, picture.string()));
-  run_gnuplot(script, folder.path / "log");
-  base::write_file_whole(path, file_text(picture));
+  const PictureSize size = picture_size(entries.size());
+  draw(path, size.width(), size.height(),
+       [&](const std::string& terminal, const std::string& file) {
+         return bode_script(bode, entries, text, terminal, file);
+       });
 }
 
 }  // namespace hydrapod::report

@@ -1,0 +1,112 @@
+#include "hydrapod/simulation/trace.hpp"
+
+#include <fmt/format.h>
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace hydrapod::simulation {
+
+namespace {
+
+using data::Channel;
+using data::Role;
+
+constexpr std::array directions{"x", "y", "z", "rx", "ry", "rz"};
+
+data::Direction axis(int direction) {
+  return static_cast<data::Direction>(static_cast<int>(data::Direction::x) + direction);
+}
+
+/// Acceleration of P's origin, and ω̇.
+Vector6 origin_acceleration(const PlantOutput& plant) {
+  const Vector3 arm = plant.X_BP.p_BP - plant.p_BC;
+  const Vector3 omega = plant.twist.tail<3>();
+  Vector6 found = plant.acceleration;
+  found.head<3>() += plant.acceleration.tail<3>().cross(arm) + omega.cross(omega.cross(arm));
+  return found;
+}
+
+bool has_seals(const ClosedLoop& loop) {
+  return dynamics::flexible_per_leg(loop.plant().kind()) > 0;
+}
+bool has_supply(const ClosedLoop& loop) { return loop.plant().layout().supply >= 0; }
+
+}  // namespace
+
+TraceRecorder::TraceRecorder(const ClosedLoop& loop, double until, std::size_t most)
+    : operating_(loop.operating()) {
+  const double samples = until / loop.output_interval();
+  stride_ = std::max(1L, static_cast<long>(std::ceil(samples / static_cast<double>(most))));
+}
+
+void TraceRecorder::operator()(const LoopSample& sample) {
+  if (seen_++ % stride_ != 0) return;
+  trace_.time.push_back(sample.time);
+  trace_.command.push_back(sample.excitation.command.value);
+  trace_.motion.push_back(displacement_between(operating_, sample.plant.X_BP));
+  Vector6 piston, cap, rod;
+  for (int i = 0; i < model::leg_count; ++i) {
+    const auto& leg = sample.plant.legs[static_cast<size_t>(i)];
+    piston[i] = leg.piston;
+    cap[i] = leg.cap_pressure;
+    rod[i] = leg.rod_pressure;
+  }
+  trace_.piston.push_back(piston);
+  trace_.cap_pressure.push_back(cap);
+  trace_.rod_pressure.push_back(rod);
+  trace_.drive.push_back(sample.applied);
+}
+
+std::vector<Channel> record_channels(const ClosedLoop& loop) {
+  std::vector<Channel> channels;
+  const auto six = [&](const char* name, const char* linear, const char* angular, Role role) {
+    for (int i = 0; i < 6; ++i)
+      channels.push_back({fmt::format("{}{}", name, directions[static_cast<size_t>(i)]),
+                          i < 3 ? linear : angular, axis(i), role});
+  };
+  six("command.", "m", "rad", Role::excitation);
+  six("platform.", "m", "rad", Role::response);
+  six("platform.a", "m/s^2", "rad/s^2", Role::response);
+  for (int number = 1; number <= model::leg_count; ++number) {
+    const auto add = [&](const char* name, const char* unit, Role role) {
+      channels.push_back(
+          {fmt::format("leg{}.{}", number, name), unit, data::leg_direction(number), role});
+    };
+    add("length", "m", Role::response);
+    add("measured_length", "m", Role::response);
+    add("drive", "1", Role::drive);
+    add("spool", "1", Role::response);
+    add("p_cap", "Pa", Role::response);
+    add("p_rod", "Pa", Role::response);
+    add("oil_force", "N", Role::response);
+    if (has_seals(loop)) {
+      add("sleeve_offset_t", "m", Role::response);
+      add("sleeve_offset_2", "m", Role::response);
+    }
+  }
+  if (has_supply(loop))
+    channels.push_back({"supply.pressure", "Pa", data::Direction::none, Role::other});
+  return channels;
+}
+
+void record_row(const ClosedLoop& loop, const LoopSample& sample, double* row) {
+  const auto put = [&](const Vector6& values) { row = std::copy_n(values.data(), 6, row); };
+  put(sample.excitation.command.value);
+  put(displacement_between(loop.operating(), sample.plant.X_BP));
+  put(origin_acceleration(sample.plant));
+  for (int i = 0; i < model::leg_count; ++i) {
+    const auto& leg = sample.plant.legs[static_cast<size_t>(i)];
+    for (const double value : {leg.length, sample.measured.length[i], sample.applied[i], leg.spool,
+                               leg.cap_pressure, leg.rod_pressure, leg.oil_force})
+      *row++ = value;
+    if (!has_seals(loop)) continue;
+    *row++ = leg.sleeve_offset[0];
+    *row++ = leg.sleeve_offset[1];
+  }
+  if (has_supply(loop)) *row++ = sample.plant.supply_pressure;
+}
+
+}  // namespace hydrapod::simulation
