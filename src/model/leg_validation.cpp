@@ -183,6 +183,7 @@ std::vector<Finding> leg_findings(const Leg& leg, NonFinite non_finite) {
   check_joint_limit("joint_limits.platform", leg.joint_limits.platform, checks);
   checks.not_negative("added_axial_inertia", leg.added_axial_inertia, "kg");
   check_gimbal_axis(leg.gimbal_axis, checks);
+  check_leg_hydraulics(leg, checks);
   return checks.take();
 }
 

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "control_reader.hpp"
+#include "hydraulics_reader.hpp"
 #include "section.hpp"
 
 namespace hydrapod::model {
@@ -226,6 +227,7 @@ Leg read_leg(const Section& section) {
   leg.joint_limits = read_joint_limits(section);
   leg.added_axial_inertia = section.number("added_axial_inertia", "kg", 0.0);
   leg.gimbal_axis = read_gimbal_axis(section);
+  leg.hydraulics = read_leg_hydraulics(section);
   return leg;
 }
 
@@ -297,6 +299,7 @@ Machine read_machine(const Node& tree, Faults& faults) {
                               ? FlexibleAxes::transverse
                               : FlexibleAxes::gimbal;
   machine.damping = read_damping(root);
+  machine.hydraulics = read_hydraulics(root);
   machine.controller = read_controller(root);
   machine.sensors = read_sensors(root);
   machine.poses = read_poses(root, tree);

@@ -75,6 +75,25 @@ constexpr TableKeys stroke{stroke_keys};
 constexpr Key joint_limits_keys[]{{"base"}, {"platform"}};
 constexpr TableKeys joint_limits{joint_limits_keys};
 
+constexpr Key valve_keys[]{
+    {"rated_flow"},        {"rated_pressure_drop"}, {"overlap"},    {"laminar_pressure"},
+    {"natural_frequency"}, {"damping_ratio"},       {"rate_limit"}, {"leakage"}};
+constexpr TableKeys valve{valve_keys};
+constexpr Key leakage_keys[]{{"internal"}, {"external"}};
+constexpr TableKeys leakage{leakage_keys};
+constexpr Key bristle_keys[]{{"stiffness"}, {"damping"}};
+constexpr TableKeys bristles{bristle_keys};
+constexpr Key friction_keys[]{{"coulomb"},           {"breakaway"},
+                              {"stribeck_velocity"}, {"smoothing_velocity"},
+                              {"viscous"},           {"bristles", &bristles}};
+constexpr TableKeys friction{friction_keys};
+constexpr Key joint_friction_keys[]{{"viscous"}, {"coulomb"}, {"smoothing_rate"}};
+constexpr TableKeys joint_friction{joint_friction_keys};
+constexpr Key end_stop_keys[]{{"stiffness"}, {"damping"}};
+constexpr TableKeys end_stops{end_stop_keys};
+constexpr Key equivalent_cylinder_keys[]{{"area_ratio"}, {"area"}, {"bulk_modulus"}};
+constexpr TableKeys equivalent_cylinder{equivalent_cylinder_keys};
+
 constexpr Key leg_keys[]{{"gimbal_axis"},
                          {"added_axial_inertia"},
                          {"case", &case_table},
@@ -84,6 +103,12 @@ constexpr Key leg_keys[]{{"gimbal_axis"},
                          {"oil_spring", &oil_spring},
                          {"stroke", &stroke},
                          {"joint_limits", &joint_limits},
+                         {"valve", &valve},
+                         {"leakage", &leakage},
+                         {"friction", &friction},
+                         {"joint_friction", &joint_friction},
+                         {"end_stops", &end_stops},
+                         {"equivalent_cylinder", &equivalent_cylinder},
                          {"base_joint"},
                          {"platform_joint"}};
 constexpr TableKeys one_leg{leg_keys};
@@ -97,6 +122,12 @@ constexpr Key model_keys[]{{"flexible_axes"}};
 constexpr TableKeys model_table{model_keys};
 constexpr Key damping_keys[]{{"modal_ratio"}, {"rayleigh_mass"}, {"rayleigh_stiffness"}};
 constexpr TableKeys damping{damping_keys};
+constexpr Key accumulator_keys[]{{"gas_volume"}, {"precharge"}, {"polytropic"}};
+constexpr TableKeys accumulator{accumulator_keys};
+constexpr Key supply_keys[]{
+    {"pressure"},    {"return_pressure"},     {"pump_flow"},
+    {"line_volume"}, {"cavitation_pressure"}, {"accumulator", &accumulator}};
+constexpr TableKeys supply{supply_keys};
 constexpr Key output_keys[]{{"limit"}, {"resolution"}, {"scale"}, {"offset"}};
 constexpr TableKeys output{output_keys};
 constexpr Key controller_keys[]{{"space"},
@@ -132,6 +163,7 @@ constexpr Key root_keys[]{{"name"},
                           {"leg", &single_legs},
                           {"model", &model_table},
                           {"damping", &damping},
+                          {"supply", &supply},
                           {"controller", &controller},
                           {"sensors", &sensors},
                           {"poses", &poses}};

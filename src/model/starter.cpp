@@ -105,6 +105,59 @@ rod_line_volume = "150 cm^3"            # up to the valve; default 0
 # base = "35 deg"
 # platform = "40 deg"
 
+# ---- Servo-hydraulics, for `hydrapod simulate` ------------------------------------------------
+# All of it is optional; what is not given follows from the machine, and `hydrapod check` says how.
+# Pressures are absolute.
+
+# [legs.valve]
+# rated_flow = "150 l/min"              # at full opening; default: 0.5 m/s of the piston
+# rated_pressure_drop = "70 bar"        # over both edges together
+# overlap = 0                           # of the travel; negative: underlap
+# laminar_pressure = "1 bar"            # below it the edges' flow is laminar
+# natural_frequency = "600 rad/s"       # of the spool
+# damping_ratio = 0.8
+# rate_limit = 100                      # 1/s, of the travel
+# leakage = "1.5 l/min"                 # null leakage; default: 1 % of the rated flow
+
+# [legs.leakage]                        # of the cylinder
+# internal = 1e-12                      # m^3/(s Pa); default: 1 % of the rated flow at full supply
+# external = 0                          # m^3/(s Pa)
+
+# [legs.friction]                       # of the seals, along the leg
+# coulomb = "700 N"                     # default: 1 % of supply pressure times piston area
+# breakaway = "1050 N"                  # default: 1.5 times `coulomb`
+# viscous = "7 kN s/m"                  # default: 10 times `coulomb` per m/s
+# stribeck_velocity = "20 mm/s"
+# smoothing_velocity = "2 mm/s"         # of tanh(v / v_0)
+# [legs.friction.bristles]              # LuGre instead of tanh
+# stiffness = "50 kN/mm"
+# damping = "5 kN s/m"
+
+# [legs.joint_friction]                 # in both joints of a leg
+# viscous = 0                           # N m s/rad
+# coulomb = 0                           # N m
+# smoothing_rate = 0.01                 # rad/s
+
+# [legs.end_stops]
+# stiffness = "400 kN/mm"               # default: 20 times the oil spring
+# damping = 0.5                         # s/m: force k d (1 + damping dd/dt)
+
+# [legs.equivalent_cylinder]            # with `oil_spring.stiffness` only
+# area_ratio = 0.5                      # rod side to cap side
+# area = "50 cm^2"                      # default: a sixth of the supply pressure bears the platform
+# bulk_modulus = "1 GPa"
+
+# [supply]
+# pressure = "140 bar"
+# return_pressure = "5 bar"
+# pump_flow = "100 l/min"               # default: whatever is drawn
+# line_volume = "1 l"                   # between pump and valves, with `pump_flow`
+# cavitation_pressure = "0.5 bar"
+# [supply.accumulator]                  # with `pump_flow`
+# gas_volume = "10 l"                   # at the precharge
+# precharge = "90 bar"
+# polytropic = 1.4
+
 # ---- One leg that differs: any key of [legs], and its own joints -----------------------------
 # [leg.3.guide_sleeve]
 # stiffness = "2 kN/mm"

@@ -19,6 +19,10 @@ class ValueChecks;
 /// Findings about the tables `controller` and `sensors`.
 void check_control(const ControlSettings& control, const Sensors& sensors, ValueChecks& checks);
 
+/// Findings about what simulation needs: of one leg (keys relative to it), and the table `supply`.
+void check_leg_hydraulics(const Leg& leg, ValueChecks& checks);
+void check_supply(const Hydraulics& hydraulics, ValueChecks& checks);
+
 /// The findings about one leg, with keys relative to it (`rod.length`).
 std::vector<Finding> leg_findings(const Leg& leg, NonFinite non_finite);
 

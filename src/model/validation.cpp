@@ -177,6 +177,7 @@ std::vector<Finding> validate_values(const Machine& machine, NonFinite non_finit
   check_platform(machine.platform, checks);
   check_joints(machine, checks);
   check_damping(machine.damping, checks);
+  check_supply(machine.hydraulics, checks);
   check_control(machine.controller, machine.sensors, checks);
   check_poses(machine.poses, checks);
   std::vector<Finding> findings = checks.take();
