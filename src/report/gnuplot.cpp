@@ -10,6 +10,7 @@
 
 #include "hydrapod/base/error.hpp"
 #include "hydrapod/base/file.hpp"
+#include "hydrapod/report/simulation.hpp"
 
 namespace hydrapod::report {
 

@@ -17,7 +17,4 @@ using Script = std::function<std::string(const std::string& terminal, const std:
 /// ending or a folder that is not there, base::ComputationError when gnuplot is missing or fails.
 void draw(const std::string& path, int width, int height, const Script& script);
 
-/// Throws base::InputError for an ending that draw() does not know: before the work is done.
-void require_picture_ending(const std::string& path);
-
 }  // namespace hydrapod::report

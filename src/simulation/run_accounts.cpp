@@ -18,6 +18,7 @@ void RunAccounts::see(const Eigen::VectorXd& x, const Vector6& applied, const Ve
   const Vector6 error = command - motion;
   squares_ += error.cwiseAbs2();
   summary.peak_error = summary.peak_error.cwiseMax(error.cwiseAbs());
+  summary.peak_command = summary.peak_command.cwiseMax(command.cwiseAbs());
   summary.peak_motion = summary.peak_motion.cwiseMax(motion.cwiseAbs());
   summary.final_error = error;
   const double T = time - summary.time;  // since the last sample, 0 at the first

@@ -77,6 +77,7 @@ struct RunSummary {
   Vector6 rms_error{Vector6::Zero()};  ///< commanded less true pose, x…rz [m, rad]
   Vector6 peak_error{Vector6::Zero()};
   Vector6 final_error{Vector6::Zero()};
+  Vector6 peak_command{Vector6::Zero()};  ///< of the commanded displacement
   Vector6 peak_motion{Vector6::Zero()};  ///< of the true displacement
   /// Time after which the true displacement stays within `settling_band` of the command [s].
   Vector6 settled{Vector6::Zero()};

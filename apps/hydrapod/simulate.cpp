@@ -1,0 +1,265 @@
+#include <fmt/format.h>
+
+#include <cmath>
+#include <memory>
+
+#include "hydrapod/base/file.hpp"
+#include "hydrapod/commands.hpp"
+#include "hydrapod/data/record_io.hpp"
+#include "hydrapod/interrupt.hpp"
+#include "hydrapod/machine_arguments.hpp"
+#include "hydrapod/report/simulation.hpp"
+#include "hydrapod/simulation_report.hpp"
+#include "hydrapod/terminal.hpp"
+
+namespace hydrapod::cli {
+
+namespace {
+
+using simulation::LoopSample;
+
+struct Arguments {
+  MachineArguments machine{};
+  std::vector<std::string> commands{};
+  std::string until{}, dt_output{};
+  std::string integrator{"adaptive"};
+  double tolerance{1e-6};
+  std::string step{"0.1 ms"};
+  std::uint64_t seed{1};
+  bool ideal_sensors{};
+  bool show_controller{};
+  std::string record{}, plot{};
+  std::string format{"table"};
+};
+
+double positive(const std::string& option, const std::string& text) {
+  const double value = plain_or_quantity(option + " " + text, text, "s");
+  if (!(value > 0.0)) bad_argument(option + " " + text, "expected a time of more than 0 s");
+  return value;
+}
+
+report::SimulationOptions options_of(const Arguments& arguments, const model::Machine& machine) {
+  constexpr std::array methods{simulation::Method::adaptive, simulation::Method::cvode_adams,
+                               simulation::Method::cvode_bdf, simulation::Method::fixed};
+  report::SimulationOptions options{.commands = arguments.commands};
+  auto& loop = options.loop;
+  loop.kind = choose_model(machine, arguments.machine.model);
+  loop.integrator.method = methods[choose_word("--integrator", arguments.integrator,
+                                               {"adaptive", "adams", "bdf", "fixed"})];
+  if (!(arguments.tolerance >= 1e-13 && arguments.tolerance <= 1e-2))
+    bad_argument(fmt::format("--tolerance {}", arguments.tolerance), "expected 1e-13 to 0.01");
+  loop.integrator.relative_tolerance = loop.integrator.absolute_tolerance = arguments.tolerance;
+  loop.integrator.fixed_step = positive("--step", arguments.step);
+  loop.seed = arguments.seed;
+  loop.ideal_sensors = arguments.ideal_sensors;
+  if (!arguments.until.empty()) options.until = positive("--until", arguments.until);
+  if (!arguments.dt_output.empty())
+    loop.output_interval = positive("--dt-output", arguments.dt_output);
+  return options;
+}
+
+/// A record that grows block by block.
+class RecordFile {
+ public:
+  RecordFile(const std::string& path, const simulation::ClosedLoop& loop,
+             const model::MachineFile& file, const std::string& notes)
+      : loop_(loop) {
+    data::RecordHeader header;
+    header.title = file.machine.name;
+    header.channels = simulation::record_channels(loop);
+    header.sample_rate = 1.0 / loop.output_interval();
+    header.notes = notes;
+    header.machine = file.text;
+    block_.resize(rows, static_cast<Eigen::Index>(header.channels.size()));
+    writer_ = data::open_record_writer(path, header);
+  }
+
+  void append(const LoopSample& sample) {
+    simulation::record_row(loop_, sample, block_.row(filled_).data());
+    if (++filled_ == block_.rows()) flush();
+  }
+
+  void close() {
+    flush();
+    writer_->close();
+  }
+
+ private:
+  static constexpr Eigen::Index rows = 256;
+
+  void flush() {
+    const Eigen::Index count = filled_;
+    filled_ = 0;  // what could not be written is not tried again
+    if (count > 0) writer_->append(block_.topRows(count));
+  }
+
+  const simulation::ClosedLoop& loop_;
+  data::Samples block_{};
+  Eigen::Index filled_{};
+  std::unique_ptr<data::RecordWriter> writer_{};
+};
+
+/// What a record says about how it was made.
+std::string record_notes(const report::PreparedSimulation& prepared, const report::PoseChoice& pose,
+                         const model::MachineFile& file) {
+  std::string notes =
+      fmt::format("simulated by hydrapod, pose {}, seed {}", pose.name, prepared.options.loop.seed);
+  for (const auto& command : prepared.commands)
+    notes += "\ncommand: " + simulation::description(command);
+  for (const auto& change : file.overrides) notes += "\n--set " + change;
+  return notes;
+}
+
+void warn(const std::vector<std::string>& warnings) {
+  for (const auto& warning : warnings)
+    print_diagnostics({{.severity = base::Severity::warning, .message = warning}});
+}
+
+std::string result_text(const Arguments& arguments, const model::MachineFile& file,
+                        const report::PoseChoice& pose, const report::Simulation& simulation) {
+  if (arguments.format == "json") {
+    report::Json json{{"kind", "simulation"},
+                      {"machine", report::machine_json(file, arguments.machine.file)},
+                      {"assumptions", report::assumptions_json(file.machine)},
+                      {"pose", report::pose_json(pose)}};
+    json.update(report::simulation_json(simulation));
+    return json.dump() + "\n";
+  }
+  return simulation_text(file.machine, pose, simulation, has_colour(stdout), terminal_width());
+}
+
+/// A run that ended early fails the command, but only after everything it has was written.
+void fail_if_early(const Arguments& arguments, const report::Simulation& simulation) {
+  const auto& summary = simulation.summary;
+  if (summary.end == simulation::RunEnd::finished) return;
+  const std::string why =
+      summary.end == simulation::RunEnd::stopped ? "interrupted" : summary.message;
+  const std::string kept = arguments.record.empty()
+                               ? ""
+                               : fmt::format("; {} holds everything up to there", arguments.record);
+  throw base::ComputationError(fmt::format("the run ended at {:.6g} s of {:.6g} s: {}{}",
+                                           summary.time, simulation.until, why, kept));
+}
+
+void run(const Arguments& arguments) {
+  choose_word("--format", arguments.format, {"table", "json"});
+  if (!arguments.plot.empty()) report::require_picture_ending(arguments.plot);
+  if (!arguments.record.empty()) data::format_of_ending(arguments.record);
+  const auto file = load(arguments.machine);
+  const auto pose = choose_pose(file.machine, arguments.machine.pose);
+  auto prepared =
+      report::prepare_simulation(file.machine, pose, options_of(arguments, file.machine));
+  if (arguments.show_controller) {
+    base::write_file_whole("-", controller_text(file.machine, prepared.loop->parameters(),
+                                                prepared.loop->lowest_oil_mode()));
+    return;
+  }
+  warn(prepared.warnings);
+  std::unique_ptr<RecordFile> record;
+  if (!arguments.record.empty())
+    record = std::make_unique<RecordFile>(arguments.record, *prepared.loop, file,
+                                          record_notes(prepared, pose, file));
+  report::Simulation result;
+  {
+    const InterruptNote interrupt;
+    ProgressLine progress("simulating");
+    result = report::run_simulation(
+        prepared,
+        [&](const LoopSample& sample) {
+          if (record) record->append(sample);
+        },
+        [&](double time) {
+          progress.update(time / *prepared.options.until);
+          return !InterruptNote::noted();
+        });
+  }
+  if (record) {
+    record->close();
+    fmt::print(stderr, "wrote {}\n", arguments.record);
+  }
+  if (!arguments.plot.empty() && !result.trace.time.empty()) {
+    report::plot_simulation(result, file.machine.name, simulation_subtitle(pose, result),
+                            arguments.plot);
+    fmt::print(stderr, "wrote {}\n", arguments.plot);
+  }
+  base::write_file_whole("-", result_text(arguments, file, pose, result));
+  fail_if_early(arguments, result);
+}
+
+void add_options(CLI::App& command, Arguments& arguments) {
+  add_machine_options(command, arguments.machine);
+  add_pose_option(command, arguments.machine);
+  command
+      .add_option("--model", arguments.machine.model,
+                  "rigid, guide (legs bend in their guide sleeves) or full (piston rings too); "
+                  "default: full where the file gives piston rings, else guide")
+      ->type_name("MODEL");
+  command
+      .add_option("--command", arguments.commands,
+                  "What the platform is told to do; may be repeated, commands add up. rest; step; "
+                  "sine; sweep; multisine; noise; file PATH (see below) [rest]")
+      ->allow_extra_args(false)
+      ->type_name("COMMAND");
+  command.add_option("--until", arguments.until,
+                     "Simulated time, s or with a unit; default: what the commands need");
+  command.add_option("--dt-output", arguments.dt_output,
+                     "Time between samples of the record; default: the controller's sample time");
+  command.add_option("-o,--output", arguments.record,
+                     "Record to write: .h5, .mat, .csv or .uff; a PATH.part while it grows");
+  command.add_option("--plot", arguments.plot,
+                     "Picture to write, .svg, .png or .pdf (needs gnuplot)");
+  command
+      .add_option("--integrator", arguments.integrator,
+                  "adaptive (Dormand-Prince 5(4)), adams or bdf (CVODE, locate stops), fixed "
+                  "(Runge-Kutta 4)")
+      ->capture_default_str();
+  command.add_option("--tolerance", arguments.tolerance, "Of the integrator, relative")
+      ->capture_default_str();
+  command.add_option("--step", arguments.step, "Step of the fixed integrator")
+      ->capture_default_str();
+  command
+      .add_option("--seed", arguments.seed,
+                  "Of noise in sensors and commands; the same seed, the same run")
+      ->capture_default_str();
+  command.add_flag("--ideal-sensors", arguments.ideal_sensors,
+                   "Sensors without noise, resolution and range");
+  command.add_flag("--show-controller", arguments.show_controller,
+                   "Print the controller's numbers and where they come from, and end");
+  command.add_option("--format", arguments.format, "table or json (with time histories)")
+      ->capture_default_str();
+}
+
+}  // namespace
+
+void add_simulate(CLI::App& app) {
+  CLI::App* command = add_command(
+      app, "simulate", "The machine in time: mechanics, hydraulics, controller",
+      {{"simulate machine.toml --command \"step z=5 mm\" --plot step.svg",
+        "how the platform answers a step"},
+       {"simulate machine.toml --command \"sine ry=2 deg, frequency=1 Hz\" -o run.h5",
+        "a sine, all signals as HDF5"},
+       {"simulate machine.toml --command \"noise x=1 mm, y=1 mm, to=20 Hz\" --until \"60 s\" -o "
+        "run.mat",
+        "noise in two directions"},
+       {"simulate machine.toml --command \"sweep z=2 mm, from=0.5, to=30, duration=30\" -o run.csv",
+        "a swept sine"},
+       {"simulate machine.toml --command \"file motion.csv\" --pose \"z=50 mm\"",
+        "columns time [s], x [mm], …, rz [deg]"},
+       {"simulate machine.toml --command \"step z=1 mm\" --set controller.gain=40",
+        "a faster controller"},
+       {"simulate machine.toml --show-controller", "which controller that is"}});
+  command->footer(
+      command->get_footer() +
+      "\n\nCommands (key=value, commas between; sizes SI or with units, x y z rx ry rz):\n"
+      "  step z=5 mm, at=0.1 s, rise=0 s\n"
+      "  sine x=10 mm, frequency=1 Hz, fade=0.5 s\n"
+      "  sweep ry=1 deg, from=0.5 Hz, to=20 Hz, duration=20 s, spacing=log, fade=0.5 s\n"
+      "  multisine z=2 mm, from=0.5 Hz, to=20 Hz, period=10 s, seed=1, fade=0.5 s\n"
+      "  noise x=1 mm, from=0 Hz, to=20 Hz, seed=1, fade=0.5 s\n"
+      "  file motion.csv");
+  auto arguments = std::make_shared<Arguments>();
+  add_options(*command, *arguments);
+  command->callback([arguments] { run(*arguments); });
+}
+
+}  // namespace hydrapod::cli

@@ -1,0 +1,173 @@
+#include "hydrapod/simulation_report.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace hydrapod::cli {
+
+namespace {
+
+constexpr double degrees = 180.0 / std::numbers::pi;
+constexpr std::array directions{"x", "y", "z", "rx", "ry", "rz"};
+
+std::string joined(const std::vector<std::string>& parts, const char* between) {
+  return fmt::format("{}", fmt::join(parts, between));
+}
+
+std::string command_text(const report::Simulation& s) {
+  return s.commands.empty() ? "rest" : joined(s.commands, " + ");
+}
+
+const char* kind_text(dynamics::ModelKind kind) {
+  switch (kind) {
+    case dynamics::ModelKind::rigid:
+      return "rigid legs";
+    case dynamics::ModelKind::guide:
+      return "legs that bend in their guide sleeves";
+    case dynamics::ModelKind::full:
+      break;
+  }
+  return "legs that bend in guide sleeves and piston rings";
+}
+
+/// Lengths in mm and angles in degrees.
+std::string in_direction(double value, int direction, const char* format = "{:.4g}") {
+  return fmt::format(fmt::runtime(format), value * (direction < 3 ? 1e3 : degrees));
+}
+
+std::string settled_text(const report::Simulation& s, int i) {
+  const auto at = s.step_time[static_cast<std::size_t>(i)];
+  if (!at) return "–";
+  if (std::abs(s.summary.final_error[i]) > s.settling_band[i]) return "not yet";
+  return fmt::format("{:.3f} s", std::max(s.summary.settled[i] - *at, 0.0));
+}
+
+std::string direction_table(const report::Simulation& s, bool colour, std::size_t width) {
+  const bool steps = std::any_of(s.step_time.begin(), s.step_time.end(),
+                                 [](const auto& time) { return time.has_value(); });
+  std::vector<Column> columns{{"", Align::left}, {"unit", Align::left}, {"commanded"}, {"moved"},
+                              {"RMS error"},     {"peak error"},        {"at the end"}};
+  if (steps) columns.push_back({"within 2 % after"});
+  Table table(columns);
+  for (int i = 0; i < 6; ++i) {
+    const auto& r = s.summary;
+    std::vector<std::string> row{
+        directions[static_cast<std::size_t>(i)],    i < 3 ? "mm" : "deg",
+        in_direction(r.peak_command[i], i),         in_direction(r.peak_motion[i], i),
+        in_direction(r.rms_error[i], i, "{:.3g}"),  in_direction(r.peak_error[i], i, "{:.3g}"),
+        in_direction(r.final_error[i], i, "{:.3g}")};
+    if (steps) row.push_back(settled_text(s, i));
+    table.add_row(row);
+  }
+  return table.text(colour, width);
+}
+
+std::string leg_table(const report::Simulation& s, bool colour, std::size_t width) {
+  Table table({{"leg", Align::left},
+               {"piston from mm"},
+               {"to mm"},
+               {"stroke used"},
+               {"left in mm"},
+               {"left out mm"},
+               {"peak speed mm/s"},
+               {"peak drive"},
+               {"at its limit"}});
+  for (std::size_t i = 0; i < model::leg_count; ++i) {
+    const auto& r = s.summary;
+    const auto& stops = s.stops[i];
+    const double used = (r.piston_high[i] - r.piston_low[i]) / (stops.high - stops.low);
+    const double limited = static_cast<double>(r.limited[i]) / static_cast<double>(r.samples);
+    table.add_row({std::to_string(i + 1), fmt::format("{:.2f}", 1e3 * r.piston_low[i]),
+                   fmt::format("{:.2f}", 1e3 * r.piston_high[i]),
+                   fmt::format("{:.2g} %", 100.0 * used),
+                   fmt::format("{:.1f}", 1e3 * (r.piston_low[i] - stops.low)),
+                   fmt::format("{:.1f}", 1e3 * (stops.high - r.piston_high[i])),
+                   fmt::format("{:.3g}", 1e3 * r.peak_speed[i]),
+                   fmt::format("{:.3g} %", 100.0 * r.peak_drive[i]),
+                   fmt::format("{:.2g} %", 100.0 * limited)});
+  }
+  return table.text(colour, width);
+}
+
+/// The first few events, one line each.
+std::string event_text(const report::Simulation& s) {
+  constexpr std::size_t most = 5;
+  std::string text;
+  const auto& events = s.summary.events;
+  for (std::size_t k = 0; k < std::min(most, events.size()); ++k)
+    text +=
+        fmt::format("leg {} at {:.4f} s: {} {}\n", events[k].leg + 1, events[k].time,
+                    simulation::Plant::name(events[k].event), events[k].begins ? "begins" : "ends");
+  if (events.size() > most) text += fmt::format("… and {} events more\n", events.size() - most);
+  return text;
+}
+
+/// One number where all six agree, else all six.
+std::string six(const spatial::Vector6& values, const char* unit) {
+  if ((values.array() == values[0]).all()) return fmt::format("{:.4g} {}", values[0], unit);
+  std::string text;
+  for (int i = 0; i < 6; ++i) text += fmt::format("{}{:.4g}", i == 0 ? "" : ", ", values[i]);
+  return text + " " + unit;
+}
+
+}  // namespace
+
+std::string simulation_subtitle(const report::PoseChoice& pose, const report::Simulation& s) {
+  return fmt::format("pose {}; {}; {}; gain {}, {} feedback", pose.name, command_text(s),
+                     kind_text(s.loop.kind), six(s.controller.gain, "1/s"),
+                     s.controller.feedback == model::DampingFeedback::none       ? "no"
+                     : s.controller.feedback == model::DampingFeedback::pressure ? "pressure"
+                                                                                 : "acceleration");
+}
+
+std::string controller_text(const model::Machine& machine, const control::ControllerParameters& p,
+                            double lowest_oil_mode) {
+  const auto& given = machine.controller;
+  Table table({{"", Align::left}, {"", Align::left}, {"", Align::left}});
+  const auto row = [&](const char* key, std::string value, std::string from) {
+    table.add_row({key, std::move(value), std::move(from)});
+  };
+  const std::string mode = fmt::format("{:.4g} rad/s, the lowest oil mode", lowest_oil_mode);
+  row("space", p.space == model::ControlSpace::pose ? "pose" : "leg", "");
+  row("gain", six(p.gain, "1/s"), given.gain || given.bandwidth ? "" : "0.3 of " + mode);
+  row("integral_time", p.integral_time > 0.0 ? fmt::format("{:.4g} s", p.integral_time) : "none",
+      given.integral_time ? "" : "8 / smallest gain");
+  row("velocity_feedforward", fmt::format("{:.4g}", p.velocity_feedforward), "");
+  if (p.feedback == model::DampingFeedback::none) {
+    row("feedback", "none", "");
+  } else {
+    const bool pressure = p.feedback == model::DampingFeedback::pressure;
+    row("feedback", pressure ? "pressure" : "acceleration", "");
+    row("feedback_gain", six(p.feedback_gain, pressure ? "m/(N s)" : "s"),
+        given.feedback_gain
+            ? ""
+            : fmt::format("damping ratio {:.3g} at {}", given.feedback_damping, mode));
+    row("feedback_corner", fmt::format("{:.4g} rad/s", p.feedback_corner),
+        given.feedback_corner ? "" : "0.1 of " + mode);
+  }
+  row("sample_time", fmt::format("{:.4g} ms", 1e3 * p.sample_time), "");
+  row("delay", fmt::format("{:.4g} samples", p.delay), "");
+  const auto speeds = control::full_drive_speeds(p.axes[0], p.axes[0].load);
+  row("speed of leg 1",
+      fmt::format("{:.3g} m/s out, {:.3g} m/s in", speeds.extending, speeds.retracting),
+      "at full drive, under its load at rest");
+  return table.text();
+}
+
+std::string simulation_text(const model::Machine& machine, const report::PoseChoice& pose,
+                            const report::Simulation& s, bool colour, std::size_t width) {
+  const auto& r = s.summary;
+  std::string text = fmt::format(
+      "{}, {}\n{:.6g} s simulated with {}: {} steps, {} evaluations\n\n",
+      styled(machine.name, Style::bold, colour), simulation_subtitle(pose, s), r.time,
+      simulation::name(s.loop.integrator.method), r.integrator.steps, r.integrator.evaluations);
+  if (r.samples > 0) text += direction_table(s, colour, width) + "\n" + leg_table(s, colour, width);
+  const std::string events = event_text(s);
+  if (!events.empty()) text += "\n" + events;
+  return text;
+}
+
+}  // namespace hydrapod::cli

@@ -1,0 +1,121 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <numbers>
+
+#include "gnuplot.hpp"
+#include "hydrapod/report/simulation.hpp"
+
+namespace hydrapod::report {
+
+namespace {
+
+using spatial::Vector6;
+
+constexpr double degrees = 180.0 / std::numbers::pi;
+constexpr int width = 1300, height = 1180;
+constexpr std::array directions{"x", "y", "z", "rx", "ry", "rz"};
+/// Six colours that are told apart by the colour-blind as well.
+constexpr std::array leg_colours{"#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9"};
+
+/// Columns: time, 6 commands, 6 motions (mm, deg), 6 pistons (mm), 6 drives (%).
+std::string data_block(const simulation::Trace& trace) {
+  std::string text = "$run << END\n";
+  for (std::size_t k = 0; k < trace.time.size(); ++k) {
+    text += fmt::format("{:.9g}", trace.time[k]);
+    for (const auto* samples : {&trace.command, &trace.motion})
+      for (int i = 0; i < 6; ++i)
+        text += fmt::format(" {:.7g}", (*samples)[k][i] * (i < 3 ? 1e3 : degrees));
+    for (int i = 0; i < 6; ++i) text += fmt::format(" {:.7g}", 1e3 * trace.piston[k][i]);
+    for (int i = 0; i < 6; ++i) text += fmt::format(" {:.6g}", 100.0 * trace.drive[k][i]);
+    text += '\n';
+  }
+  return text + "END\n";
+}
+
+/// A range that shows `samples` of direction `i`, and small motions as small beside the others.
+std::string range(const Simulation& s, int i) {
+  double largest = 0.0;
+  for (int j = i / 3 * 3; j < i / 3 * 3 + 3; ++j)
+    largest = std::max({largest, s.summary.peak_command[j], s.summary.peak_motion[j]});
+  double low = 0.0, high = 0.0;
+  for (const auto* samples : {&s.trace.command, &s.trace.motion})
+    for (const auto& sample : *samples) {
+      low = std::min(low, sample[i]);
+      high = std::max(high, sample[i]);
+    }
+  const double least = std::max(0.01 * largest, 1e-9);
+  const double margin = std::max(0.08 * (high - low), least);
+  const double factor = i < 3 ? 1e3 : degrees;
+  return fmt::format("set yrange [{:.6g}:{:.6g}]\n", factor * (low - margin),
+                     factor * (high + margin));
+}
+
+std::string margins(int row, int column) {
+  const double left = column / 3.0, top = 1.0 - 66.0 / height - row * (1.0 - 66.0 / height) / 3.0;
+  const double bottom = top - (1.0 - 66.0 / height) / 3.0;
+  return fmt::format(
+      "set lmargin at screen {:.4f}; set rmargin at screen {:.4f}\n"
+      "set tmargin at screen {:.4f}; set bmargin at screen {:.4f}\n",
+      left + 78.0 / width, left + 1.0 / 3.0 - 16.0 / width, top - 28.0 / height,
+      bottom + 50.0 / height);
+}
+
+std::string direction_plot(const Simulation& s, int i) {
+  std::string text = margins(i / 3, i % 3) + range(s, i);
+  text +=
+      fmt::format("set title {}\nset ylabel {}\n", quoted(directions[static_cast<std::size_t>(i)]),
+                  quoted(i < 3 ? "mm" : "deg"));
+  text += i == 0 ? "set key top right samplen 2.5 font ',9'\n" : "unset key\n";
+  return text + fmt::format(
+                    "plot $run using 1:{} with lines lw 1.5 dt (8,5) lc rgb '#d55e00' title "
+                    "'commanded', $run using 1:{} with lines lw 1.6 lc rgb '#0072b2' title "
+                    "'platform'\n",
+                    2 + i, 8 + i);
+}
+
+std::string leg_plot(const char* title, const char* unit, int column, int first, bool key) {
+  std::string text = margins(2, column) + "set autoscale y\n";
+  text += fmt::format("set title {}\nset ylabel {}\n", quoted(title), quoted(unit));
+  text += key ? "set key outside right samplen 1.5 font ',9'\n" : "unset key\n";
+  text += "plot ";
+  for (int i = 0; i < 6; ++i)
+    text +=
+        fmt::format("{}$run using 1:{} with lines lw 1.3 lc rgb '{}' title 'leg {}'",
+                    i == 0 ? "" : ", ", first + i, leg_colours[static_cast<std::size_t>(i)], i + 1);
+  return text + "\n";
+}
+
+std::string script(const Simulation& s, const std::string& title, const std::string& subtitle,
+                   const std::string& terminal, const std::string& file) {
+  std::string text =
+      fmt::format("set terminal {}\nset output {}\nset encoding utf8\n", terminal, quoted(file));
+  text += data_block(s.trace);
+  text += "set multiplot\nset grid xtics ytics back lt 1 lc rgb '#d0d0d0' lw 0.5\n";
+  text += "set tics font ',9'\nset border lw 0.8 lc rgb '#444444'\nset termoption noenhanced\n";
+  text += "set xlabel 's' offset 0,0.6\nset ylabel offset 1.2,0\n";
+  text += fmt::format("set xrange [0:{:.9g}]\n", std::max(s.trace.time.back(), 1e-9));
+  text += fmt::format("set label 101 {} at screen 0.5,{:.4f} center font ',14'\n", quoted(title),
+                      1.0 - 22.0 / height);
+  text += fmt::format("set label 102 {} at screen 0.5,{:.4f} center font ',10' tc rgb '#444444'\n",
+                      quoted(subtitle), 1.0 - 46.0 / height);
+  for (int i = 0; i < 6; ++i) {
+    text += direction_plot(s, i);
+    if (i == 0) text += "unset label 101\nunset label 102\n";
+  }
+  text += leg_plot("pistons, from the base joints", "mm", 0, 14, false);
+  text += leg_plot("drives at the valves", "%", 1, 20, true);
+  return text + "unset multiplot\nunset output\n";
+}
+
+}  // namespace
+
+void plot_simulation(const Simulation& s, const std::string& title, const std::string& subtitle,
+                     const std::string& path) {
+  draw(path, width, height, [&](const std::string& terminal, const std::string& file) {
+    return script(s, title, subtitle, terminal, file);
+  });
+}
+
+}  // namespace hydrapod::report
