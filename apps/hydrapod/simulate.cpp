@@ -238,10 +238,10 @@ void add_simulate(CLI::App& app) {
         "how the platform answers a step"},
        {"simulate machine.toml --command \"sine ry=2 deg, frequency=1 Hz\" -o run.h5",
         "a sine, all signals as HDF5"},
-       {"simulate machine.toml --command \"noise x=1 mm, y=1 mm, to=20 Hz\" --until \"60 s\" -o "
+       {"simulate machine.toml --command \"noise x=1 mm, y=1 mm, to=20 Hz\" --until 5 -o "
         "run.mat",
         "noise in two directions"},
-       {"simulate machine.toml --command \"sweep z=2 mm, from=0.5, to=30, duration=30\" -o run.csv",
+       {"simulate machine.toml --command \"sweep z=2 mm, from=0.5, to=30, duration=4\" -o run.csv",
         "a swept sine"},
        {"simulate machine.toml --command \"file motion.csv\" --pose \"z=50 mm\"",
         "columns time [s], x [mm], …, rz [deg]"},

@@ -107,7 +107,9 @@ std::string event_text(const report::Simulation& s) {
 
 /// One number where all six agree, else all six.
 std::string six(const spatial::Vector6& values, const char* unit) {
-  if ((values.array() == values[0]).all()) return fmt::format("{:.4g} {}", values[0], unit);
+  constexpr double same = 1e-6;
+  if ((values.array() - values[0]).abs().maxCoeff() <= same * std::abs(values[0]))
+    return fmt::format("{:.4g} {}", values[0], unit);
   std::string text;
   for (int i = 0; i < 6; ++i) text += fmt::format("{}{:.4g}", i == 0 ? "" : ", ", values[i]);
   return text + " " + unit;

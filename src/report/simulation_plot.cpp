@@ -37,7 +37,7 @@ std::string data_block(const simulation::Trace& trace) {
 /// A range that shows `samples` of direction `i`, and small motions as small beside the others.
 std::string range(const Simulation& s, int i) {
   double largest = 0.0;
-  for (int j = i / 3 * 3; j < i / 3 * 3 + 3; ++j)
+  for (int j = 0; j < 6; ++j)  // a metre counts as a radian
     largest = std::max({largest, s.summary.peak_command[j], s.summary.peak_motion[j]});
   double low = 0.0, high = 0.0;
   for (const auto* samples : {&s.trace.command, &s.trace.motion})

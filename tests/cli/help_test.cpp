@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cstdlib>
 #include <filesystem>
+#include <fstream>
 #include <sstream>
 #include <string>
 #include <vector>
@@ -44,10 +45,12 @@ TEST(Help, OfEveryCommandEndsWithExamples) {
 }
 
 /// A folder as the examples expect it: with the models, and a machine.toml unless that is what is
-/// made.
+/// made, and a motion.
 void furnish(const std::filesystem::path& folder, const std::string& command) {
   std::filesystem::create_directory_symlink(test::source_file("models"), folder / "models");
   if (command != "init") run_hydrapod({"init"}, {.folder = folder});
+  std::ofstream(folder / "motion.csv")
+      << "time [s], x [mm], rz [deg]\n0, 0, 0\n0.5, 5, 1\n1, 0, 0\n";
 }
 
 TEST(Help, ExamplesWork) {
