@@ -1,0 +1,174 @@
+/// The plant linearised against the linear model, which was derived and checked apart from it.
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Eigenvalues>
+#include <Eigen/LU>
+#include <algorithm>
+
+#include "hydrapod/dynamics/linear_model.hpp"
+#include "hydrapod/simulation/plant.hpp"
+#include "support/kinds.hpp"
+#include "support/published_machine.hpp"
+#include "support/random_machine.hpp"
+
+namespace hydrapod::test {
+namespace {
+
+using dynamics::ModelKind;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+using simulation::Plant;
+
+/// Largest |A − B| with rows and columns scaled to the diagonal of `scale`.
+double scaled_error(const MatrixXd& A, const MatrixXd& B, const MatrixXd& scale) {
+  const VectorXd d = scale.diagonal().cwiseAbs().cwiseSqrt().cwiseInverse();
+  return (d.asDiagonal() * (A - B) * d.asDiagonal()).cwiseAbs().maxCoeff();
+}
+
+/// Scales of small changes: those of the state, the rotation vector's for the quaternion's.
+VectorXd tangent_scales(const Plant& plant) {
+  const VectorXd scales = plant.scales();
+  VectorXd tangent(plant.layout().tangent());
+  tangent << scales.head<3>(), scales.tail(tangent.size() - 3);
+  return tangent;
+}
+
+class AtRandomPoses : public testing::TestWithParam<AxesAndKind> {};
+
+TEST_P(AtRandomPoses, ThePlantsLinearisationIsTheLinearModel) {
+  const auto [axes, kind] = GetParam();
+  Random random(5519);
+  double worst_K = 0.0, worst_C = 0.0;
+  for (int k = 0; k < 12; ++k) {
+    auto machine = random_machine(random, {.axes = axes, .gravity = Gravity::anywhere});
+    machine.damping.rayleigh_mass = random.uniform(0.0, 0.5);
+    for (auto& leg : machine.legs) leg.stroke.reset();  // no stops near the pose
+    for (auto& leg : machine.legs)
+      if (leg.oil_spring.cylinder) leg.oil_spring = {.stiffness = 3.1e6 + 1e5 * k};
+    for (const auto& pose : machine.poses) {
+      const Plant plant(machine, kind, {.hydraulics = false}, pose.X_BP);
+      const auto rest = plant.equilibrium(pose.X_BP);
+      const auto linear = plant.linearise(rest.x, rest.input);
+      const auto model = dynamics::linear_model(machine, pose.X_BP, kind);
+      dynamics::Motion motion;
+      plant.mechanics().motion(rest.x.data(), rest.x.data() + plant.layout().velocity(), motion);
+      const MatrixXd M = plant.mechanics().mass_matrix(motion);
+      const int n = model.dof();
+      EXPECT_LE(scaled_error(M, model.M, model.M), 1e-12) << pose.name;
+      EXPECT_LE((linear.A.topRightCorner(n, n) - MatrixXd::Identity(n, n)).cwiseAbs().maxCoeff(),
+                1e-9);
+      const double K_error = scaled_error(-M * linear.A.bottomLeftCorner(n, n), model.K, model.K);
+      const double C_error = scaled_error(-M * linear.A.bottomRightCorner(n, n), model.C, model.C);
+      EXPECT_LE(K_error, 1e-6) << pose.name;
+      EXPECT_LE(C_error, 1e-6) << pose.name;
+      worst_K = std::max(worst_K, K_error);
+      worst_C = std::max(worst_C, C_error);
+      // Wrench to acceleration: M⁻¹.
+      const MatrixXd per_wrench = linear.B.bottomRightCorner(n, 6);
+      const MatrixXd expected = M.inverse().leftCols<6>();
+      EXPECT_LE((per_wrench - expected).norm(), 1e-7 * expected.norm());
+    }
+  }
+  RecordProperty("worst_K", std::to_string(worst_K));
+  RecordProperty("worst_C", std::to_string(worst_C));
+}
+
+INSTANTIATE_TEST_SUITE_P(, AtRandomPoses,
+                         testing::Combine(both_axes(),
+                                          testing::Values(ModelKind::rigid, ModelKind::guide,
+                                                          ModelKind::full)),
+                         [](const auto& test) { return name(test); });
+
+/// Valves shut, seals tight: each leg is the spring β (A²/V_1 + e²A²/V_2), which for the equivalent
+/// cylinder at mid stroke is the published k_h (Eq. 16).
+TEST(BlockedCylinders, VibrateAtTheFrequenciesOfTheOilSprings) {
+  auto machine = published_machine();
+  machine.gravity = {0.0, 0.0, -9.80665};
+  for (auto& leg : machine.legs) {
+    leg.guide_sleeve.stiffness *= 40.0;  // far from buckling
+    leg.hydraulics.valve.overlap = 0.3;
+    leg.hydraulics.valve.leakage = 0.0;
+    leg.hydraulics.leakage.internal = 0.0;
+  }
+  machine.damping.modal_ratio = 0.0;
+  for (const auto kind : {ModelKind::rigid, ModelKind::guide}) {
+    const Plant plant(machine, kind, {.friction = simulation::Friction::none});
+    const auto rest = plant.equilibrium(machine.neutral());
+    const auto linear = plant.linearise(rest.x, rest.input);
+    const auto model = dynamics::linear_model(machine, machine.neutral(), kind);
+    const Eigen::GeneralizedSelfAdjointEigenSolver<MatrixXd> modes(MatrixXd(model.K),
+                                                                   MatrixXd(model.M));
+    VectorXd found(0);
+    // Pascals beside radians would cost the eigenvalues their digits.
+    const VectorXd scale = tangent_scales(plant);
+    const MatrixXd A = scale.cwiseInverse().asDiagonal() * linear.A * scale.asDiagonal();
+    for (const auto& pole : A.eigenvalues()) {
+      const bool of_spool = pole.real() < -100.0;
+      if (pole.imag() < 1.0 || of_spool) continue;
+      EXPECT_NEAR(pole.real(), 0.0, 1e-4 * pole.imag());
+      found.conservativeResize(found.size() + 1);
+      found[found.size() - 1] = pole.imag();
+    }
+    std::sort(found.begin(), found.end());
+    ASSERT_EQ(found.size(), model.dof());
+    for (int k = 0; k < model.dof(); ++k) {
+      const double expected = std::sqrt(modes.eigenvalues()[k]);
+      EXPECT_NEAR(found[k], expected, 1e-5 * expected) << k;
+    }
+  }
+}
+
+TEST(MovingPlant, LinearisationFollowsSmallChanges) {
+  Random random(90);
+  auto machine = published_machine();
+  machine.gravity = {0.0, 0.0, -9.80665};
+  machine.hydraulics.supply.pump_flow = 2.3e-3;
+  machine.legs[2].hydraulics.friction.bristles = model::LuGreBristles{3e7, 1e3};
+  const Plant plant(machine, ModelKind::rigid);
+  const auto& layout = plant.layout();
+  auto rest = plant.equilibrium(machine.neutral());
+  for (int k = layout.velocity(); k < layout.pressures; ++k)
+    rest.x[k] = random.uniform(-0.05, 0.05);
+  for (int i = 0; i < 6; ++i) rest.input.command[i] += random.uniform(-0.2, 0.2);
+  const auto linear = plant.linearise(rest.x, rest.input);
+  VectorXd change(layout.tangent());
+  const VectorXd scales = tangent_scales(plant);
+  for (int k = 0; k < change.size(); ++k) change[k] = 1e-6 * scales[k] * random.uniform(-1.0, 1.0);
+  VectorXd high(layout.size), low(layout.size), rate_high(layout.size), rate_low(layout.size);
+  plant.displace(rest.x.data(), change.data(), high.data());
+  plant.displace(rest.x.data(), VectorXd(-change).data(), low.data());
+  ASSERT_TRUE(plant.derivative(0.0, high.data(), rest.input, rate_high.data()));
+  ASSERT_TRUE(plant.derivative(0.0, low.data(), rest.input, rate_low.data()));
+  const VectorXd expected = linear.A * change;
+  const VectorXd found = 0.5 * (rate_high - rate_low);
+  for (int k = 7; k < layout.size; ++k)
+    EXPECT_NEAR(found[k], expected[k - 1],
+                1e-5 * linear.A.row(k - 1).cwiseAbs().dot(change.cwiseAbs()) + 1e-12)
+        << plant.state_names()[k];
+}
+
+TEST(Names, StandForEveryNumber) {
+  auto machine = published_machine();
+  machine.hydraulics.supply.pump_flow = 1e-3;
+  machine.legs[5].hydraulics.friction.bristles = model::LuGreBristles{3e7, 1e3};
+  const Plant plant(machine, ModelKind::guide);
+  const auto& layout = plant.layout();
+  EXPECT_EQ(layout.size, 7 + 12 + 18 + 12 + 12 + 1 + 6);
+  const auto names = plant.state_names();
+  ASSERT_EQ(static_cast<int>(names.size()), layout.size);
+  EXPECT_EQ(plant.state_units().size(), names.size());
+  EXPECT_EQ(names[layout.cap(2)], "leg3.p_cap");
+  EXPECT_EQ(names[layout.rod(5)], "leg6.p_rod");
+  EXPECT_EQ(names[layout.spool(1)], "leg2.spool");
+  EXPECT_EQ(names[layout.supply], "p_supply");
+  EXPECT_EQ(names[layout.velocity() + 6], "leg1.phi1_rate");
+  EXPECT_EQ(static_cast<int>(plant.tangent_names().size()), layout.tangent());
+  EXPECT_EQ(plant.tangent_names()[4], "ry");
+  const auto rest = plant.equilibrium(machine.neutral());
+  EXPECT_EQ(plant.linearise(rest.x, rest.input).C.rows(),
+            static_cast<int>(plant.linear_output_names().size()));
+}
+
+}  // namespace
+}  // namespace hydrapod::test
