@@ -11,6 +11,8 @@
 #include "hydrapod/machine_arguments.hpp"
 #include "hydrapod/mode_report.hpp"
 #include "hydrapod/report/bode.hpp"
+#include "hydrapod/report/system.hpp"
+#include "hydrapod/simulation/tuning.hpp"
 #include "hydrapod/terminal.hpp"
 
 namespace hydrapod::cli {
@@ -87,8 +89,8 @@ std::vector<report::Entry> entries(const std::string& text) {
 
 report::BodeOptions options_of(const Arguments& arguments) {
   report::BodeOptions options;
-  options.input =
-      static_cast<response::Input>(choose_word("--input", arguments.input, {"wrench", "actuator"}));
+  options.input = static_cast<response::Input>(
+      choose_word("--input", arguments.input, {"wrench", "actuator", "command"}));
   options.output = static_cast<response::Output>(
       choose_word("--output", arguments.output, {"displacement", "velocity", "acceleration"}));
   options.from = frequency("--from", arguments.from);
@@ -128,9 +130,61 @@ void warn_if_unstable(const report::Bode& bode) {
                    "exists; the response is that of its linear equations"}});
 }
 
+/// The response of the whole machine from commanded to true pose.
+void run_command(const Arguments& arguments, size_t format) {
+  if (arguments.output != "displacement")
+    bad_argument("--output " + arguments.output,
+                 "from command to pose there is the displacement only");
+  if (!arguments.point.empty())
+    bad_argument("--point " + arguments.point,
+                 "from command to pose, the point is the origin of the platform frame");
+  const auto file = load(arguments.machine);
+  const auto pose = choose_pose(file.machine, arguments.machine.pose);
+  const auto kind = choose_model(file.machine, arguments.machine.model);
+  const auto system = simulation::linear_system(file.machine, pose.X_BP, {.kind = kind});
+  const auto poles = simulation::system_poles(system);
+  if (!poles.sampled_stable)
+    print_diagnostics({{.severity = base::Severity::warning,
+                        .message = "the loop is unstable, so that no steady vibration exists; the "
+                                   "response is that of its linear equations"}});
+  const double lowest = simulation::tune_controller(file.machine, pose.X_BP).lowest_oil_mode;
+  const double from = frequency("--from", arguments.from).value_or(0.01 * lowest);
+  const double to = frequency("--to", arguments.to).value_or(20.0 * lowest);
+  const auto response = report::command_response(system, from, to, arguments.points);
+  if (!arguments.plot.empty()) {
+    report::plot_command_response(
+        response, file.machine.name,
+        fmt::format("from command to pose; pose {}, {} model", pose.name, dynamics::name(kind)),
+        arguments.plot);
+    fmt::print(stderr, "wrote {}\n", arguments.plot);
+  }
+  if (format == 2) {
+    base::write_file_whole(arguments.file, report::command_response_csv(response));
+  } else if (format == 1) {
+    report::Json json{{"kind", "bode"},
+                      {"machine", report::machine_json(file, arguments.machine.file)},
+                      {"assumptions", report::assumptions_json(file.machine)},
+                      {"pose", report::pose_json(pose)},
+                      {"model", dynamics::name(kind)},
+                      {"input", "command"},
+                      {"output", "displacement"}};
+    json.update(report::command_response_json(response));
+    base::write_file_whole(arguments.file, json.dump() + "\n");
+  } else {
+    const bool printed = arguments.file == "-";
+    base::write_file_whole(
+        arguments.file,
+        fmt::format("{}, pose {}: from command to pose, {} model\n{}\n\n", file.machine.name,
+                    pose.name, dynamics::name(kind), report::verdict_text(system, poles)) +
+            command_text(response, printed && has_colour(stdout),
+                         printed ? terminal_width() : Table::unlimited));
+  }
+}
+
 void run(const Arguments& arguments) {
   const size_t format = choose_word("--format", arguments.format, {"table", "json", "csv"});
   const auto options = options_of(arguments);
+  if (arguments.input == "command") return run_command(arguments, format);
   const auto shown = entries(arguments.entries);
   const auto file = load(arguments.machine);
   const auto pose = choose_pose(file.machine, arguments.machine.pose);
@@ -152,7 +206,8 @@ void add_options(CLI::App& command, Arguments& arguments) {
   add_model_option(command, arguments.machine);
   command
       .add_option("--input", arguments.input,
-                  "wrench at the point, or actuator forces mapped to its directions")
+                  "wrench at the point, actuator forces mapped to its directions, or command: the "
+                  "commanded pose, with hydraulics and controller")
       ->capture_default_str();
   command
       .add_option("--output", arguments.output,
@@ -191,6 +246,8 @@ void add_bode(CLI::App& app) {
                     "x, and ry caused by a force in x"},
                    {"bode machine.toml --point \"0,0,0.5 m\" --output acceleration",
                     "at another point of the platform"},
+                   {"bode machine.toml --input command --plot loop.svg",
+                    "from commanded to true pose, hydraulics and controller included"},
                    {"bode machine.toml --from 1 --to \"200 Hz\" --format csv -o bode.csv",
                     "the whole 6×6 response"}});
   auto arguments = std::make_shared<Arguments>();

@@ -85,4 +85,20 @@ report::PlotText plot_text(const model::Machine& machine, const report::PoseChoi
                       report::gravity_text(machine), report::damping_text(machine))};
 }
 
+std::string command_text(const report::CommandResponse& response, bool colour, std::size_t width) {
+  constexpr double two_pi = 2.0 * std::numbers::pi;
+  constexpr std::array names{"x", "y", "z", "rx", "ry", "rz"};
+  const auto hertz = [&](const std::optional<double>& omega) {
+    return omega ? fmt::format("{:.3f}", *omega / two_pi) : std::string("–");
+  };
+  Table table({{"", Align::left}, {"-3 dB Hz"}, {"-90° Hz"}, {"peak dB"}, {"at Hz"}});
+  for (int i = 0; i < 6; ++i) {
+    const auto found = report::command_bandwidth(response, i);
+    table.add_row({names[static_cast<size_t>(i)], hertz(found.magnitude), hertz(found.phase),
+                   fmt::format("{:.2f}", 20.0 * std::log10(found.peak)),
+                   fmt::format("{:.3f}", found.peak_omega / two_pi)});
+  }
+  return table.text(colour, width);
+}
+
 }  // namespace hydrapod::cli

@@ -10,6 +10,7 @@
 #include "hydrapod/machine_arguments.hpp"
 #include "hydrapod/mode_report.hpp"
 #include "hydrapod/report/answer.hpp"
+#include "hydrapod/system_modes.hpp"
 #include "hydrapod/terminal.hpp"
 
 namespace hydrapod::cli {
@@ -21,6 +22,7 @@ struct Arguments {
   std::string format{"table"};
   std::string output{"-"};
   bool matrices{};
+  SystemArguments system{};
 };
 
 /// The table of the file without the overrides, to show what they change.
@@ -62,8 +64,24 @@ std::string table_text(const Arguments& arguments, const model::MachineFile& fil
          report::answer_text(table);
 }
 
+void run_system(const Arguments& arguments, size_t format) {
+  if (arguments.matrices)
+    bad_argument("--matrices", "M, K and C are those of the mechanics; leave --system out");
+  const bool printed = arguments.output == "-";
+  base::write_file_whole(
+      arguments.output,
+      system_modes_text(arguments.machine, arguments.system, format, printed && has_colour(stdout),
+                        printed ? terminal_width() : Table::unlimited));
+}
+
 void run(const Arguments& arguments) {
   const size_t format = choose_word("--format", arguments.format, {"table", "json", "csv"});
+  const auto& system = arguments.system;
+  if (!system.plot.empty() && system.root_locus.empty())
+    bad_argument("--plot " + system.plot,
+                 "there is a plot of a --root-locus only; for modes, "
+                 "`hydrapod report` draws them moving");
+  if (system.system || !system.root_locus.empty()) return run_system(arguments, format);
   if (arguments.matrices && arguments.format != "json")
     bad_argument("--matrices", "matrices are part of the JSON; add --format json");
   const auto file = load(arguments.machine);
@@ -78,15 +96,20 @@ void run(const Arguments& arguments) {
 }  // namespace
 
 void add_modes(CLI::App& app) {
-  CLI::App* command =
-      add_command(app, "modes", "Modes of the machine, rigid beside rigid-flexible",
-                  {{"modes machine.toml", "which modes, what moves, where the energy is"},
-                   {"modes machine.toml --pose \"z=100 mm, ry=5 deg\"", "at another pose"},
-                   {"modes machine.toml --model rigid", "the six rigid modes alone"},
-                   {"modes machine.toml --set legs.guide_sleeve.stiffness=\"2e6 N/m\"",
-                    "what stiffer seals would change"},
-                   {"modes machine.toml --format json --matrices -o modes.json",
-                    "everything, for other programs"}});
+  CLI::App* command = add_command(
+      app, "modes",
+      "Modes of the machine, rigid beside rigid-flexible; poles with hydraulics and controller",
+      {{"modes machine.toml", "which modes, what moves, where the energy is"},
+       {"modes machine.toml --pose \"z=100 mm, ry=5 deg\"", "at another pose"},
+       {"modes machine.toml --model rigid", "the six rigid modes alone"},
+       {"modes machine.toml --set legs.guide_sleeve.stiffness=\"2e6 N/m\"",
+        "what stiffer seals would change"},
+       {"modes machine.toml --system",
+        "poles with hydraulics and controller, and whether it is stable"},
+       {"modes machine.toml --root-locus controller.gain=5:80:16 --plot locus.svg",
+        "those poles over the gain"},
+       {"modes machine.toml --format json --matrices -o modes.json",
+        "everything, for other programs"}});
   auto arguments = std::make_shared<Arguments>();
   add_machine_options(*command, arguments->machine);
   add_pose_option(*command, arguments->machine);
@@ -94,6 +117,7 @@ void add_modes(CLI::App& app) {
   command->add_option("--format", arguments->format, "table, json or csv")->capture_default_str();
   command->add_flag("--matrices", arguments->matrices,
                     "Put M, K and C into the JSON (with --format json)");
+  add_system_options(*command, arguments->system);
   command->add_option("-o,--output", arguments->output, "File to write; - prints")
       ->capture_default_str();
   command->callback([arguments] { run(*arguments); });

@@ -1,0 +1,24 @@
+#pragma once
+/// `hydrapod modes --system`: poles of mechanics, hydraulics and controller together.
+
+#include "hydrapod/machine_arguments.hpp"
+#include "hydrapod/simulation/linear_system.hpp"
+
+namespace hydrapod::cli {
+
+struct SystemArguments {
+  bool system{};
+  std::string root_locus{};  ///< `KEY=from:to:count`
+  int pade{simulation::default_pade_order};
+  std::string plot{};  ///< of the root locus
+};
+
+/// Adds --system, --root-locus, --pade and --plot.
+void add_system_options(CLI::App& command, SystemArguments& arguments);
+
+/// What `hydrapod modes` prints with --system or --root-locus; `format` is that of modes: 0 table,
+/// 1 JSON, 2 CSV.
+std::string system_modes_text(const MachineArguments& machine, const SystemArguments& system,
+                              std::size_t format, bool colour, std::size_t width);
+
+}  // namespace hydrapod::cli
