@@ -3,8 +3,10 @@
 #include <fmt/format.h>
 
 #include <Eigen/Eigenvalues>
+#include <array>
 #include <cmath>
 #include <map>
+#include <string_view>
 
 #include "hydrapod/kinematics/inverse.hpp"
 
@@ -24,76 +26,111 @@ double above(double a, double b) {
 /// 0 or more, as a margin that does not grow with the number.
 double not_negative(double value) { return value < 0.0 ? -1.0 + std::exp(value) : 0.0; }
 
-void check_platform(const Machine& machine, std::vector<Constraint>& constraints) {
+/// Gathers margins and, where somebody will read them, statements.
+class Collector {
+ public:
+  explicit Collector(bool statements) : statements_(statements) {}
+
+  void add(std::string_view what, double margin) {
+    constraints_.push_back({statements_ ? prefix_ + std::string{what} : std::string{}, margin});
+  }
+  void sign(std::string_view what, double value) {
+    add(statements_ ? fmt::format("{} is not negative", what) : "", not_negative(value));
+  }
+  void of_leg(std::size_t leg) {
+    if (statements_) prefix_ = fmt::format("leg {}: ", leg + 1);
+  }
+  [[nodiscard]] bool statements() const { return statements_; }
+  std::vector<Constraint> take() { return std::move(constraints_); }
+
+ private:
+  bool statements_;
+  std::string prefix_{};
+  std::vector<Constraint> constraints_{};
+};
+
+void check_platform(const Machine& machine, Collector& collector) {
   const auto& platform = machine.platform;
-  const Eigen::SelfAdjointEigenSolver<spatial::Matrix3> eigen(platform.inertia,
-                                                              Eigen::EigenvaluesOnly);
+  Eigen::SelfAdjointEigenSolver<spatial::Matrix3> eigen;
+  eigen.computeDirect(platform.inertia, Eigen::EigenvaluesOnly);
   const auto I = eigen.eigenvalues();
-  constraints.push_back({"the platform's mass is positive", not_negative(platform.mass)});
-  constraints.push_back({"the platform's principal moments of inertia are positive",
-                         I[0] > 0.0 ? 1.0 : above(I[0], I[2])});
-  constraints.push_back(
-      {fmt::format("no principal moment of inertia of the platform exceeds the sum "
-                   "of the other two ({:.4g}, {:.4g}, {:.4g} kg m²)",
-                   I[0], I[1], I[2]),
-       above(I[0] + I[1], I[2])});
+  collector.add("the platform's mass is positive", not_negative(platform.mass));
+  collector.add("the platform's principal moments of inertia are positive",
+                I[0] > 0.0 ? 1.0 : above(I[0], I[2]));
+  collector.add(collector.statements()
+                    ? fmt::format("no principal moment of inertia of the platform exceeds the sum "
+                                  "of the other two ({:.4g}, {:.4g}, {:.4g} kg m²)",
+                                  I[0], I[1], I[2])
+                    : "",
+                above(I[0] + I[1], I[2]));
 }
 
-void check_leg(const Leg& leg, const std::string& name, const std::vector<double>& lengths,
-               std::vector<Constraint>& constraints) {
-  const auto& tube = leg.cylinder_case;
-  const auto& rod = leg.rod;
-  const auto add = [&](const std::string& what, double margin) {
-    constraints.push_back({name + ": " + what, margin});
-  };
-  const auto sign = [&](const std::string& what, double value) {
-    add(fmt::format("{} is not negative", what), not_negative(value));
-  };
-  sign("the mass of the case", tube.mass);
-  sign("the mass of the rod", rod.mass);
-  sign("the added axial inertia", leg.added_axial_inertia);
-  sign("the transverse inertia of the case", tube.transverse_inertia);
-  sign("the transverse inertia of the rod", rod.transverse_inertia);
-  sign("the axial inertia of the case", tube.axial_inertia);
-  sign("the axial inertia of the rod", rod.axial_inertia);
-  add("the axial inertia of the case is at most twice its transverse inertia",
-      above(2.0 * tube.transverse_inertia, tube.axial_inertia));
-  add("the axial inertia of the rod is at most twice its transverse inertia",
-      above(2.0 * rod.transverse_inertia, rod.axial_inertia));
-  sign("the stiffness of the guide sleeve", leg.guide_sleeve.stiffness);
-  if (leg.piston_ring) sign("the stiffness of the piston ring", leg.piston_ring->stiffness);
-  if (leg.oil_spring.stiffness) sign("the stiffness of the oil", *leg.oil_spring.stiffness);
-  sign("the case's mass centre from the base joint", tube.mass_center);
-  add("the case's mass centre lies before the guide sleeve",
-      above(leg.guide_sleeve.position, tube.mass_center));
-  sign("the rod's mass centre from the piston", rod.mass_center);
-  add("the rod's mass centre lies before the platform joint", above(rod.length, rod.mass_center));
+/// Where piston and sleeve stand at the poses, as shares of the leg's length.
+void check_places(const Leg& leg, const std::vector<double>& lengths, Collector& collector) {
   double piston = 1e300, guided = 1e300, free = 1e300;
   for (const double l : lengths) {
-    const double l_m = l - rod.length;
+    const double l_m = l - leg.rod.length;
     piston = std::min(piston, l_m / l);
     guided = std::min(guided, (leg.guide_sleeve.position - l_m) / l);
     free = std::min(free, (l - leg.guide_sleeve.position) / l);
   }
-  add("the piston lies beyond the base joint at every pose", piston);
-  add("the guide sleeve lies beyond the piston at every pose", guided);
-  add("the guide sleeve lies before the platform joint at every pose", free);
+  collector.add("the piston lies beyond the base joint at every pose", piston);
+  collector.add("the guide sleeve lies beyond the piston at every pose", guided);
+  collector.add("the guide sleeve lies before the platform joint at every pose", free);
 }
 
-}  // namespace
+void check_leg(const Leg& leg, const std::vector<double>& lengths, Collector& collector) {
+  const auto& tube = leg.cylinder_case;
+  const auto& rod = leg.rod;
+  collector.sign("the mass of the case", tube.mass);
+  collector.sign("the mass of the rod", rod.mass);
+  collector.sign("the added axial inertia", leg.added_axial_inertia);
+  collector.sign("the transverse inertia of the case", tube.transverse_inertia);
+  collector.sign("the transverse inertia of the rod", rod.transverse_inertia);
+  collector.sign("the axial inertia of the case", tube.axial_inertia);
+  collector.sign("the axial inertia of the rod", rod.axial_inertia);
+  collector.add("the axial inertia of the case is at most twice its transverse inertia",
+                above(2.0 * tube.transverse_inertia, tube.axial_inertia));
+  collector.add("the axial inertia of the rod is at most twice its transverse inertia",
+                above(2.0 * rod.transverse_inertia, rod.axial_inertia));
+  collector.sign("the stiffness of the guide sleeve", leg.guide_sleeve.stiffness);
+  if (leg.piston_ring)
+    collector.sign("the stiffness of the piston ring", leg.piston_ring->stiffness);
+  if (leg.oil_spring.stiffness)
+    collector.sign("the stiffness of the oil", *leg.oil_spring.stiffness);
+  collector.sign("the distance of the case's mass centre from the base joint", tube.mass_center);
+  collector.add("the case's mass centre lies before the guide sleeve",
+                above(leg.guide_sleeve.position, tube.mass_center));
+  collector.sign("the distance of the rod's mass centre from the piston", rod.mass_center);
+  collector.add("the rod's mass centre lies before the platform joint",
+                above(rod.length, rod.mass_center));
+  check_places(leg, lengths, collector);
+}
 
-std::vector<Constraint> admissibility(const model::Machine& machine) {
-  std::vector<Constraint> constraints;
-  check_platform(machine, constraints);
-  std::vector<std::vector<double>> lengths(model::leg_count);
+std::vector<Constraint> collect(const Machine& machine, bool statements) {
+  Collector collector(statements);
+  check_platform(machine, collector);
+  std::array<std::vector<double>, model::leg_count> lengths;
   for (const auto& pose : machine.poses) {
     const auto l = kinematics::leg_lengths(machine, pose.X_BP);
     for (std::size_t i = 0; i < model::leg_count; ++i)
       lengths[i].push_back(l[static_cast<Eigen::Index>(i)]);
   }
-  for (std::size_t i = 0; i < model::leg_count; ++i)
-    check_leg(machine.legs[i], fmt::format("leg {}", i + 1), lengths[i], constraints);
-  return constraints;
+  for (std::size_t i = 0; i < model::leg_count; ++i) {
+    collector.of_leg(i);
+    check_leg(machine.legs[i], lengths[i], collector);
+  }
+  return collector.take();
+}
+
+}  // namespace
+
+std::vector<Constraint> admissibility(const Machine& machine) { return collect(machine, true); }
+
+std::vector<double> admissibility_margins(const Machine& machine) {
+  std::vector<double> margins;
+  for (const auto& constraint : collect(machine, false)) margins.push_back(constraint.margin);
+  return margins;
 }
 
 std::vector<std::string> violations(const model::Machine& machine) {

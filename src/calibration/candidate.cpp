@@ -63,13 +63,10 @@ double size_of(const Variable& variable, double value) {
 }
 
 /// Relative deviations when the data and the priors speak together.
-Eigen::VectorXd joint_deviations(const Linearised& at, const std::vector<bool>& held,
-                                 double scatter) {
+Eigen::VectorXd joint_deviations(const Linearised& at, double scatter) {
   const auto n = at.J_data.cols();
   Eigen::MatrixXd A(at.J_data.rows() + at.J_prior.rows(), n);
   A << at.J_data / scatter, at.J_prior;
-  for (Eigen::Index j = 0; j < n; ++j)
-    if (held[static_cast<std::size_t>(j)]) A.col(j).setZero();
   const Eigen::JacobiSVD<Eigen::MatrixXd> svd(A, Eigen::ComputeFullV);
   constexpr double rounding = 1e-8, touched = 1e-10;
   const double none = rounding * svd.singularValues()[0];
@@ -150,13 +147,10 @@ void drop_outliers(const Candidate& candidate, const Problem& problem, Linearise
 void describe_parameters(const Problem& problem, const Solution& solution, Linearised& at,
                          Candidate& candidate) {
   std::vector<ParameterColumn> columns;
-  std::vector<bool> held;
   for (int j = 0; j < problem.size(); ++j) {
     const auto& variable = problem.variables()[static_cast<std::size_t>(j)];
     const double value = variable.value(solution.x[j]);
-    held.push_back(at_bound(variable, solution.x[j]));
-    columns.push_back(
-        {variable.paths.front(), variable.unit, value, size_of(variable, value), held.back()});
+    columns.push_back({variable.paths.front(), variable.unit, value, size_of(variable, value)});
   }
   auto first = identify_parameters(at.J_data, columns);
   const auto outliers = std::count_if(candidate.targets.begin(), candidate.targets.end(),
@@ -175,7 +169,7 @@ void describe_parameters(const Problem& problem, const Solution& solution, Linea
   constexpr double least = 1e-6;
   candidate.scatter = std::max(candidate.scatter, least);
   candidate.identifiability = identify_parameters(at.J_data, columns, candidate.scatter);
-  const auto joint = joint_deviations(at, held, candidate.scatter);
+  const auto joint = joint_deviations(at, candidate.scatter);
   candidate.parameters.clear();
   for (int j = 0; j < problem.size(); ++j)
     candidate.parameters.push_back(fitted(problem.variables()[static_cast<std::size_t>(j)],

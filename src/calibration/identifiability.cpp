@@ -13,7 +13,7 @@ namespace {
 
 constexpr double infinite = std::numeric_limits<double>::infinity();
 constexpr int largest_trade = 4;
-constexpr double takes_part = 0.02;  // of the largest relative change in a trade
+constexpr double takes_part = 1e-3;  // of the largest relative change in a trade
 
 /// Rounding and the differences behind J: singular values below this share of the largest are none.
 constexpr double rounding = 1e-8;
@@ -115,23 +115,15 @@ Identifiability identify_parameters(const Eigen::MatrixXd& J,
   Identifiability result;
   result.deviations = Eigen::VectorXd::Constant(n, infinite);
   result.correlations = Eigen::MatrixXd::Constant(n, n, std::numeric_limits<double>::quiet_NaN());
-  std::vector<int> free;
-  for (int j = 0; j < n; ++j)
-    if (!parameters[j].at_bound) free.push_back(j);
-  Eigen::MatrixXd A(J.rows(), free.size());
-  for (std::size_t k = 0; k < free.size(); ++k)
-    A.col(static_cast<Eigen::Index>(k)) = J.col(free[k]);
-  if (A.size() == 0) return result;
-  const Eigen::JacobiSVD<Eigen::MatrixXd> svd(A, Eigen::ComputeThinU | Eigen::ComputeFullV);
+  if (J.size() == 0) return result;
+  const Eigen::JacobiSVD<Eigen::MatrixXd> svd(J, Eigen::ComputeThinU | Eigen::ComputeFullV);
   const auto& sigma = svd.singularValues();
   result.singular_values = sigma;
-  result.directions = Eigen::MatrixXd::Zero(n, A.cols());
-  for (std::size_t k = 0; k < free.size(); ++k)
-    result.directions.row(free[k]) = svd.matrixV().row(static_cast<Eigen::Index>(k));
-  const double none = rounding * (sigma.size() > 0 ? sigma[0] : 0.0);
-  Eigen::MatrixXd covariance = Eigen::MatrixXd::Zero(A.cols(), A.cols());
-  Eigen::VectorXd in_null = Eigen::VectorXd::Zero(A.cols());
-  for (Eigen::Index k = 0; k < A.cols(); ++k) {
+  result.directions = svd.matrixV();
+  const double none = rounding * sigma[0];
+  Eigen::MatrixXd covariance = Eigen::MatrixXd::Zero(n, n);
+  Eigen::VectorXd in_null = Eigen::VectorXd::Zero(n);
+  for (Eigen::Index k = 0; k < n; ++k) {
     const double value = k < sigma.size() ? sigma[k] : 0.0;
     const Eigen::VectorXd v = svd.matrixV().col(k);
     if (value > none && value > 0.0) {
@@ -143,19 +135,16 @@ Identifiability identify_parameters(const Eigen::MatrixXd& J,
     }
   }
   constexpr double touched = 1e-10;
-  for (std::size_t a = 0; a < free.size(); ++a) {
-    const auto row = static_cast<Eigen::Index>(a);
-    if (in_null[row] > touched) continue;
-    result.deviations[free[a]] = std::sqrt(covariance(row, row));
-    for (std::size_t b = 0; b < free.size(); ++b) {
-      const auto column = static_cast<Eigen::Index>(b);
-      if (in_null[column] <= touched)
-        result.correlations(free[a], free[b]) =
-            covariance(row, column) / std::sqrt(covariance(row, row) * covariance(column, column));
-    }
+  for (Eigen::Index a = 0; a < n; ++a) {
+    if (in_null[a] > touched) continue;
+    result.deviations[a] = std::sqrt(covariance(a, a));
+    for (Eigen::Index b = 0; b < n; ++b)
+      if (in_null[b] <= touched)
+        result.correlations(a, b) =
+            covariance(a, b) / std::sqrt(covariance(a, a) * covariance(b, b));
   }
   std::vector<int> undetermined;
-  for (const int j : free)
+  for (int j = 0; j < n; ++j)
     if (!(result.deviations[j] <= free_above)) undetermined.push_back(j);
   find_trades(J, parameters, undetermined, scatter, result.trades);
   return result;

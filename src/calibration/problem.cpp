@@ -27,7 +27,7 @@ Problem::Problem(const model::VariableMachine& machine, const Targets& targets,
       kind_(kind),
       options_(options) {
   find_poses();
-  const auto constraints = admissibility(machine_.machine(machine_.values())).size();
+  const auto constraints = admissibility_margins(machine_.machine(machine_.values())).size();
   residuals_ = make_residuals(targets_, variables_, options_.hold_to_physics, constraints);
 }
 
@@ -68,11 +68,9 @@ void Problem::find_poses() {
 
 void Problem::add_margins(const std::vector<double>& scales, State& state) const {
   const auto margins_of = [](const model::Machine& machine) {
-    const auto constraints = admissibility(machine);
-    Eigen::VectorXd margins(constraints.size());
-    for (std::size_t k = 0; k < constraints.size(); ++k)
-      margins[static_cast<Eigen::Index>(k)] = constraints[k].margin;
-    return margins;
+    const auto margins = admissibility_margins(machine);
+    return Eigen::VectorXd(Eigen::Map<const Eigen::VectorXd>(
+        margins.data(), static_cast<Eigen::Index>(margins.size())));
   };
   state.margins = margins_of(state.machine);
   state.dmargins.setZero(state.margins.size(), size());

@@ -30,6 +30,21 @@ dynamics::LinearModel model_at(const model::VariableMachine& machine,
   return dynamics::linear_model(workspace, workspace.poses.at(pose).X_BP, kind, start);
 }
 
+/// Dampers, for instance.
+void leave_out_what_does_nothing(Sensitivities& all) {
+  constexpr double nothing = 1e-9;
+  std::vector<Eigen::Index> kept;
+  std::vector<model::FileNumber> parameters;
+  for (Eigen::Index j = 0; j < all.percent_per_percent.cols(); ++j) {
+    if (all.percent_per_percent.col(j).cwiseAbs().maxCoeff() < nothing) continue;
+    kept.push_back(j);
+    parameters.push_back(all.parameters[static_cast<std::size_t>(j)]);
+  }
+  all.percent_per_percent = all.percent_per_percent(Eigen::all, kept).eval();
+  all.point.domega2 = all.point.domega2(Eigen::all, kept).eval();
+  all.parameters = std::move(parameters);
+}
+
 }  // namespace
 
 ModePoint mode_point(const model::VariableMachine& machine, const std::vector<double>& values,
@@ -80,13 +95,14 @@ Sensitivities sensitivities(const model::MachineFile& file, std::size_t pose,
   for (const double value : machine.values())
     scales.push_back(value != 0.0 ? std::abs(value) : 1.0);
   result.point = mode_point(machine, machine.values(), pose, kind, scales);
-  const auto& [model, modes, derivatives, domega2] = result.point;
+  const auto& modes = result.point.modes;
   result.omega = modes.omega2.cwiseMax(0.0).cwiseSqrt();
-  result.percent_per_percent = domega2;
+  result.percent_per_percent = result.point.domega2;
   for (int k = 0; k < modes.size(); ++k)
     for (std::size_t j = 0; j < that_matter.size(); ++j)
       result.percent_per_percent(k, static_cast<Eigen::Index>(j)) *=
           machine.values()[j] / (2.0 * modes.omega2[k]);
+  if (paths.empty()) leave_out_what_does_nothing(result);
   return result;
 }
 

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <charconv>
 #include <cmath>
 #include <numbers>
 #include <sstream>
@@ -74,6 +75,7 @@ class CsvReader {
       }
       if (faults_.size() > most_faults) break;
     }
+    line_ = 0;  // what follows is about the file as a whole
     if (titles_.empty()) {
       fault(0, "", "is empty, expected a title row such as `frequency [Hz],direction`");
     } else if (targets.modes.empty() && faults_.empty()) {
@@ -120,13 +122,15 @@ class CsvReader {
       fault(1, "frequency", "the title row has no column `frequency [Hz]`");
   }
 
-  /// A cell as a number in `unit`, by its own unit, or by that of its column.
+  /// A cell as a number in `unit`: with a unit of its own, in that of its column, or plain.
   double number(const Cell& cell, const Title& title, const std::string& unit) {
-    if (const auto own = base::read_quantity(cell.text, unit); own.ok()) {
-      const bool plain = std::isdigit(static_cast<unsigned char>(cell.text.back())) != 0;
-      if (!plain || title.unit.empty()) return own.value;
-    }
-    const auto read = base::read_quantity(cell.text + " " + title.unit, unit);
+    double plain = 0.0;
+    const char* end = cell.text.data() + cell.text.size();
+    const auto [stop, status] = std::from_chars(cell.text.data(), end, plain);
+    const bool is_plain = status == std::errc{} && stop == end;
+    if (is_plain && title.unit.empty()) return plain;
+    const auto read =
+        base::read_quantity(is_plain ? cell.text + " " + title.unit : cell.text, unit);
     if (read.ok()) return read.value;
     fault(cell.column, title.name, read.problem);
     return std::nan("");

@@ -59,6 +59,25 @@ std::vector<FileNumber> without_repeats(const std::vector<ReadNumber>& log) {
   return numbers;
 }
 
+/// What all legs share, one leg may have of its own: `leg.3.rod.mass` beside `legs.rod.mass`.
+void add_single_legs(std::vector<FileNumber>& numbers) {
+  constexpr std::string_view shared = "legs.";
+  std::vector<FileNumber> own;
+  for (const auto& number : numbers) {
+    if (!number.path.starts_with(shared)) continue;
+    for (int leg = 1; leg <= leg_count; ++leg) {
+      FileNumber single = number;
+      single.path = fmt::format("leg.{}.{}", leg, number.path.substr(shared.size()));
+      single.given = false;
+      const auto known = std::any_of(numbers.begin(), numbers.end(), [&](const FileNumber& n) {
+        return n.path == single.path;
+      });
+      if (!known) own.push_back(std::move(single));
+    }
+  }
+  numbers.insert(numbers.end(), own.begin(), own.end());
+}
+
 }  // namespace
 
 struct VariableMachine::State {
@@ -130,6 +149,7 @@ VariableMachine::VariableMachine(const MachineFile& file) : state_(std::make_uni
   faults.log_numbers(&log);
   state_->base = read_machine(state_->root, faults);
   state_->numbers = without_repeats(log);
+  add_single_legs(state_->numbers);
   state_->base_numbers = numbers_of(state_->base);
 }
 

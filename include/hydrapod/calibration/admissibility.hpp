@@ -22,6 +22,9 @@ struct Constraint {
 ///   lies beyond the base joint and the guide sleeve between the piston and the platform joint.
 std::vector<Constraint> admissibility(const model::Machine& machine);
 
+/// The margins alone.
+std::vector<double> admissibility_margins(const model::Machine& machine);
+
 /// Statements that do not hold, each leg's once: "legs: …" where all legs agree.
 std::vector<std::string> violations(const model::Machine& machine);
 

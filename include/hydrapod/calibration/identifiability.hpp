@@ -5,7 +5,8 @@
 /// relative change of each parameter) by its singular values: along a right singular vector with
 /// value σ the data know the parameters to ± 1/σ. A direction known no better than ± `free_above`
 /// is free. Parameters that can be traded for each other without the data noticing are found as the
-/// smallest groups whose columns of J nearly depend on each other.
+/// smallest groups whose columns of J nearly depend on each other. Bounds are not asked: what only a
+/// bound holds, the data do not know.
 
 #include <Eigen/Core>
 #include <string>
@@ -22,7 +23,6 @@ struct ParameterColumn {
   std::string unit{};  ///< SI
   double value{};      ///< at the solution
   double size{};       ///< what a relative change is relative to: |value|, or a range around zero
-  bool at_bound{};     ///< held by a bound: what the data say is not asked
 };
 
 /// Parameters of which the data know a combination only.

@@ -4,7 +4,7 @@
 /// A number is addressed by its path in the file (`legs.rod.mass`, `leg.3.oil_spring.stiffness`,
 /// `platform.mass_center[2]`), so that whatever a file can say can be varied, with the file's own
 /// rules for what legs share. Optional numbers that the file leaves out have their default and can
-/// be varied too.
+/// be varied too, and what all legs share can be varied for one of them.
 ///
 /// Most numbers enter the machine as they are. For these the change of the machine per change of
 /// the number is taken once, by reading the file with two other values, and machine(…) only adds.
@@ -38,7 +38,8 @@ class VariableMachine {
   VariableMachine(VariableMachine&&) noexcept;
   VariableMachine& operator=(VariableMachine&&) noexcept;
 
-  /// Every number that was read, in the order of the file, defaults last.
+  /// Every number that was read, in the order of the file, then defaults, then what single legs
+  /// share with all.
   [[nodiscard]] const std::vector<FileNumber>& numbers() const;
   /// The number at `path`; null when there is none.
   [[nodiscard]] const FileNumber* find(const std::string& path) const;

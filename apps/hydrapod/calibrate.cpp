@@ -1,0 +1,212 @@
+#include <fmt/format.h>
+
+#include <cstdio>
+#include <memory>
+
+#include "hydrapod/base/file.hpp"
+#include "hydrapod/calibration_report.hpp"
+#include "hydrapod/commands.hpp"
+#include "hydrapod/interrupt.hpp"
+#include "hydrapod/machine_arguments.hpp"
+#include "hydrapod/report/calibration.hpp"
+#include "hydrapod/terminal.hpp"
+
+namespace hydrapod::cli {
+
+namespace {
+
+struct Arguments {
+  MachineArguments machine{};
+  std::string targets{};
+  std::vector<std::string> free{}, priors{}, tries{}, profiles{};
+  std::string loss{};
+  int starts{};
+  std::uint64_t seed{};
+  int threads{};
+  std::string output{};
+  std::string format{"table"};
+  std::string plot{};
+};
+
+std::string trimmed(const std::string& text) {
+  const auto first = text.find_first_not_of(" \t");
+  if (first == std::string::npos) return {};
+  return text.substr(first, text.find_last_not_of(" \t") - first + 1);
+}
+
+/// `text` cut at `separator`, which may be more than one character.
+std::vector<std::string> split(const std::string& text, const std::string& separator) {
+  std::vector<std::string> parts;
+  for (std::size_t begin = 0;;) {
+    const auto end = text.find(separator, begin);
+    parts.push_back(trimmed(text.substr(begin, end - begin)));
+    if (end == std::string::npos) return parts;
+    begin = end + separator.size();
+  }
+}
+
+/// PATH[,PATH…][=LOW..HIGH]
+calibration::FreeParameter free_parameter(const std::string& text) {
+  const auto equals = text.find('=');
+  calibration::FreeParameter free{.paths = split(text.substr(0, equals), ","),
+                                  .origin = {.file = "--free " + text}};
+  if (equals == std::string::npos) return free;
+  const auto bounds = split(text.substr(equals + 1), "..");
+  if (bounds.size() != 2 || bounds[0].empty() || bounds[1].empty())
+    bad_argument("--free " + text,
+                 "expected PATH or PATH=LOWEST..HIGHEST, for instance "
+                 "\"legs.rod.mass=1 kg..20 kg\"");
+  free.lower = bounds[0];
+  free.upper = bounds[1];
+  return free;
+}
+
+/// PATH=VALUE+-SPREAD, or with ±
+void add_prior(const std::string& text, std::vector<calibration::FreeParameter>& free) {
+  const auto equals = text.find('=');
+  const std::string right = equals == std::string::npos ? "" : text.substr(equals + 1);
+  auto parts = split(right, "+-");
+  if (parts.size() != 2) parts = split(right, "±");
+  if (parts.size() != 2)
+    bad_argument("--prior " + text,
+                 "expected PATH=VALUE+-SPREAD, for instance \"legs.rod.mass=22 kg+-2 kg\"");
+  const std::string path = trimmed(text.substr(0, equals));
+  for (auto& parameter : free)
+    if (parameter.paths.front() == path) {
+      parameter.prior = calibration::PriorAmounts{parts[0], parts[1]};
+      return;
+    }
+  bad_argument("--prior " + text, fmt::format("`{}` is not free; add --free {}", path, path));
+}
+
+/// PATH=VALUE[; PATH=VALUE…], to be tried and left alone
+calibration::Alternative alternative(const std::string& text) {
+  calibration::Alternative made{.name = "with " + text, .origin = {.file = "--try " + text}};
+  made.choices = {{"no", {}}, {"yes", split(text, ";")}};
+  return made;
+}
+
+calibration::Plan plan_of(const Arguments& arguments, calibration::Targets& targets) {
+  calibration::Plan plan = targets.plan;
+  for (const auto& text : arguments.free) plan.free.push_back(free_parameter(text));
+  for (const auto& text : arguments.priors) add_prior(text, plan.free);
+  for (const auto& text : arguments.tries) plan.alternatives.push_back(alternative(text));
+  if (arguments.starts > 0) plan.options.starts = arguments.starts;
+  if (arguments.seed > 0) plan.options.seed = arguments.seed;
+  if (!arguments.loss.empty())
+    plan.options.loss = static_cast<calibration::Loss>(
+        choose_word("--loss", arguments.loss, {"automatic", "squares", "cauchy"}));
+  plan.options.threads = arguments.threads;
+  return plan;
+}
+
+int index_of(const std::string& path, const calibration::Candidate& candidate) {
+  for (std::size_t j = 0; j < candidate.parameters.size(); ++j)
+    for (const auto& own : candidate.parameters[j].paths)
+      if (own == path) return static_cast<int>(j);
+  bad_argument("--profile " + path, "is not one of the free parameters");
+}
+
+void check_profiles(const Arguments& arguments, const calibration::Plan& plan) {
+  for (const auto& path : arguments.profiles) {
+    bool known = false;
+    for (const auto& free : plan.free)
+      for (const auto& own : free.paths) known = known || own == path;
+    if (!known) bad_argument("--profile " + path, "is not one of the free parameters");
+  }
+}
+
+void run(const Arguments& arguments) {
+  const auto format = choose_word("--format", arguments.format, {"table", "json"});
+  if (arguments.output == "-" && format == 0)
+    bad_argument("-o -", "the report is printed already; give a file, or --format json");
+  const auto file = load(arguments.machine);
+  auto targets = calibration::read_targets(arguments.targets);
+  const auto plan = plan_of(arguments, targets);
+  check_profiles(arguments, plan);
+  const auto kind = choose_model(file.machine, arguments.machine.model);
+
+  const InterruptNote interrupt;
+  calibration::Calibration result;
+  std::vector<calibration::Profile> profiles;
+  {
+    ProgressLine line("calibrating");
+    const auto progress = [&](double fraction) {
+      line.update(fraction);
+      return InterruptNote::noted();
+    };
+    result = calibration::calibrate(file, targets, plan, kind, progress);
+    for (const auto& path : arguments.profiles)
+      if (!InterruptNote::noted())
+        profiles.push_back(calibration::profile(file, targets, plan, kind, result.best(),
+                                                index_of(path, result.best()), progress));
+  }
+  if (!arguments.output.empty())
+    base::write_file_whole(arguments.output, calibration::calibrated_text(file, result.best()));
+  if (!arguments.plot.empty()) report::plot_calibration(result, targets, arguments.plot);
+  if (format == 0) {
+    base::write_file_whole(
+        "-", calibration_text(result, targets, profiles, has_colour(stdout), terminal_width()));
+    return;
+  }
+  report::Json json{{"kind", "calibration"},
+                    {"machine", report::machine_json(file, arguments.machine.file)},
+                    {"assumptions", report::assumptions_json(file.machine)},
+                    {"model", dynamics::name(kind)}};
+  json.update(report::calibration_json(result, targets));
+  json["profiles"] = report::Json::array();
+  for (const auto& profile : profiles)
+    json["profiles"].push_back(report::profile_json(profile, result.best()));
+  base::write_file_whole("-", json.dump(1) + "\n");
+}
+
+}  // namespace
+
+void add_calibrate(CLI::App& app) {
+  CLI::App* command = add_command(
+      app, "calibrate", "Find numbers that nobody printed, from measured or published modes",
+      {{"calibrate machine.toml --targets modes.csv --free legs.guide_sleeve.stiffness "
+        "-o calibrated.toml",
+        "the seals' stiffness that the measured frequencies ask for"},
+       {"calibrate machine.toml --targets modes.toml --free \"legs.rod.mass=5 kg..30 kg\" --prior "
+        "\"legs.rod.mass=22 kg+-2 kg\"",
+        "with bounds, and with what is known besides"},
+       {"calibrate machine.toml --targets modes.toml --try model.flexible_axes=gimbal",
+        "two readings of the machine side by side"},
+       {"calibrate examples/zhang-jiang-2021/table-1.toml --targets "
+        "examples/zhang-jiang-2021/table-2.toml -o calibrated.toml",
+        "Table 2 of Zhang & Jiang 2021 from their Table 1"}});
+  auto arguments = std::make_shared<Arguments>();
+  add_machine_options(*command, arguments->machine);
+  add_model_option(*command, arguments->machine);
+  command
+      ->add_option("--targets", arguments->targets,
+                   "Modes to meet, TOML or CSV (docs/howto/calibrate.md)")
+      ->required();
+  command->add_option("--free", arguments->free,
+                      "A number of the machine file that may change: PATH or PATH=LOWEST..HIGHEST; "
+                      "PATH,PATH ties them; may be repeated");
+  command->add_option("--prior", arguments->priors,
+                      "What is known of a free number: PATH=VALUE+-SPREAD; may be repeated");
+  command->add_option("--try", arguments->tries,
+                      "Something that may be true or not: PATH=VALUE[; PATH=VALUE]; may be "
+                      "repeated, and all combinations are fitted");
+  command->add_option("--profile", arguments->profiles,
+                      "Also hold this parameter away from its best value and fit the others");
+  command->add_option("--loss", arguments->loss,
+                      "automatic, squares, or cauchy, which hardly feels wrong targets");
+  command->add_option("--starts", arguments->starts, "Starts per combination, all but one random")
+      ->check(CLI::Range(1, 10000));
+  command->add_option("--seed", arguments->seed, "Seed of the random starts")
+      ->check(CLI::Range(std::uint64_t{1}, std::uint64_t{1000000000000}));
+  command->add_option("--threads", arguments->threads, "Threads; 0: as many as there are cores")
+      ->check(CLI::Range(0, 256));
+  command->add_option("-o,--output", arguments->output,
+                      "Write the calibrated machine file here, comments kept");
+  command->add_option("--format", arguments->format, "Report as table or json")
+      ->capture_default_str();
+  command->add_option("--plot", arguments->plot, "Draw targets against model: .svg, .png or .pdf");
+  command->callback([arguments] { run(*arguments); });
+}
+
+}  // namespace hydrapod::cli

@@ -1,0 +1,245 @@
+#include "hydrapod/calibration_report.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <numeric>
+
+#include "hydrapod/report/calibration.hpp"
+
+namespace hydrapod::cli {
+
+namespace {
+
+using namespace calibration;
+
+constexpr double two_pi = 2.0 * std::numbers::pi;
+
+std::string combinations_text(const Calibration& result, bool colour, std::size_t width) {
+  if (result.candidates.size() < 2) return {};
+  Table table({{"combination", Align::left},
+               {"rms diff", Align::right},
+               {"worst Hz", Align::right},
+               {"rad/s", Align::right},
+               {"can be built", Align::left},
+               {"starts", Align::right}});
+  for (const auto& c : result.candidates) {
+    if (!c.fitted) {
+      table.add_row({c.name, "-", "-", "-", c.problem});
+      continue;
+    }
+    const double rms = std::sqrt(c.misfit / static_cast<double>(c.targets.size()));
+    table.add_row({c.name, fmt::format("{:.3g} σ", rms), fmt::format("{:.4g}", c.worst / two_pi),
+                   fmt::format("{:.4g}", c.worst), c.admissible() ? "yes" : "no",
+                   fmt::format("{} of {}", c.starts_that_agree, c.starts)});
+  }
+  std::string text = table.text(colour, width);
+  for (const auto& c : result.candidates) {
+    if (!c.unbound) continue;
+    const double rms = std::sqrt(c.unbound->misfit / static_cast<double>(c.targets.size()));
+    text += fmt::format("\n{}: with any values at all, {:.3g} σ", c.name, rms);
+    if (c.unbound->violated.empty()) {
+      text += ", outside the bounds\n";
+      continue;
+    }
+    text += ", but then these do not hold:\n";
+    for (const auto& what : c.unbound->violated) text += "  - " + what + "\n";
+  }
+  return styled("Combinations, best first", Style::bold, colour) + "\n" + text + "\n";
+}
+
+std::string targets_text(const Candidate& best, const Targets& targets, bool colour,
+                         std::size_t width) {
+  const bool damping = std::any_of(targets.modes.begin(), targets.modes.end(),
+                                   [](const ModeTarget& t) { return t.damping.has_value(); });
+  const bool shapes = std::any_of(targets.modes.begin(), targets.modes.end(),
+                                  [](const ModeTarget& t) { return t.shape.has_value(); });
+  std::vector<Column> columns{{"target", Align::left},
+                              {"pose", Align::left},
+                              {"mode"},
+                              {"target Hz"},
+                              {"model Hz"},
+                              {"diff rad/s"},
+                              {"diff σ"}};
+  if (damping) columns.insert(columns.end(), {{"target ζ %"}, {"model ζ %"}});
+  if (shapes) columns.push_back({"MAC"});
+  columns.push_back({"", Align::left});
+  Table table(columns);
+  for (std::size_t i = 0; i < best.targets.size(); ++i) {
+    const auto& target = targets.modes[i];
+    const auto& fit = best.targets[i];
+    std::vector<std::string> row{target.name,
+                                 target.pose,
+                                 fmt::format("{}", fit.mode + 1),
+                                 fmt::format("{:.4f}", target.omega / two_pi),
+                                 fmt::format("{:.4f}", fit.omega / two_pi),
+                                 fmt::format("{:+.4f}", fit.omega - target.omega),
+                                 fmt::format("{:+.2f}", fit.difference)};
+    if (damping) {
+      row.push_back(target.damping ? fmt::format("{:.3g}", 100.0 * *target.damping) : "");
+      row.push_back(target.damping ? fmt::format("{:.3g}", 100.0 * fit.damping) : "");
+    }
+    if (shapes) row.push_back(target.shape ? fmt::format("{:.3f}", fit.shape_mac) : "");
+    row.push_back(fit.outlier ? "outlier, left out" : "");
+    table.add_row(row);
+  }
+  return styled("Targets", Style::bold, colour) + "\n" + table.text(colour, width);
+}
+
+std::string interval_text(const FittedParameter& p) {
+  if (!std::isfinite(p.interval_high) || !std::isfinite(p.interval_low)) return "";
+  return fmt::format("{:.4g} … {:.4g}", p.interval_low, p.interval_high);
+}
+
+std::string parameters_text(const Candidate& best, bool colour, std::size_t width) {
+  Table table({{"parameter", Align::left},
+               {"start"},
+               {"value"},
+               {"unit", Align::left},
+               {"± "},
+               {"95 % interval"},
+               {"", Align::left}});
+  for (const auto& p : best.parameters) {
+    const bool known = p.verdict == calibration::Verdict::determined ||
+                       p.verdict == calibration::Verdict::by_prior;
+    table.add_row({fmt::format("{}", fmt::join(p.paths, " = ")), fmt::format("{:.4g}", p.start),
+                   fmt::format("{:.6g}", p.value), p.unit == "1" ? "" : p.unit,
+                   known ? fmt::format("{:.2g}", p.deviation) : "", known ? interval_text(p) : "",
+                   report::verdict_word(p.verdict)});
+  }
+  return styled("Parameters", Style::bold, colour) + "\n" + table.text(colour, width);
+}
+
+std::string correlations_text(const Candidate& best) {
+  constexpr double strong = 0.9;
+  std::string text;
+  const auto& C = best.identifiability.correlations;
+  for (Eigen::Index a = 0; a < C.rows(); ++a)
+    for (Eigen::Index b = 0; b < a; ++b)
+      if (std::abs(C(a, b)) > strong &&
+          best.parameters[static_cast<std::size_t>(a)].verdict == Verdict::determined &&
+          best.parameters[static_cast<std::size_t>(b)].verdict == Verdict::determined)
+        text += fmt::format("  - {} and {} are correlated by {:+.2f}\n",
+                            best.parameters[static_cast<std::size_t>(b)].paths.front(),
+                            best.parameters[static_cast<std::size_t>(a)].paths.front(), C(a, b));
+  return text;
+}
+
+/// "+0.71 xx, −0.52 stiffness": what a direction mostly consists of.
+std::string direction_text(const Candidate& best, const Eigen::VectorXd& direction) {
+  constexpr double worth_naming = 0.15;
+  std::vector<Eigen::Index> order(static_cast<std::size_t>(direction.size()));
+  std::iota(order.begin(), order.end(), 0);
+  std::sort(order.begin(), order.end(), [&](Eigen::Index a, Eigen::Index b) {
+    return std::abs(direction[a]) > std::abs(direction[b]);
+  });
+  std::string text;
+  const double sign = direction[order.front()] < 0.0 ? -1.0 : 1.0;
+  for (const auto j : order) {
+    const double part = sign * direction[j];
+    if (std::abs(part) < worth_naming) break;
+    text += fmt::format("{}{} {:.2f} {}", text.empty() ? "" : " ", part < 0.0 ? "−" : "+",
+                        std::abs(part), best.parameters[static_cast<std::size_t>(j)].paths.front());
+  }
+  return text;
+}
+
+std::string identifiability_text(const Candidate& best, bool colour) {
+  const auto& found = best.identifiability;
+  std::string text = styled("What the data determine", Style::bold, colour) + "\n";
+  text += fmt::format(
+      "{} of {} combinations of the parameters better than ± {:g} %; {} show at all.\n"
+      "Each is known to the given share, as a weighted sum of relative changes:\n",
+      found.rank, best.parameters.size(), 100.0 * free_above, found.numerical_rank);
+  for (int k = 0; k < found.numerical_rank; ++k)
+    text += fmt::format("  ± {:<9} {}\n",
+                        fmt::format("{:.2g} %", 100.0 * best.scatter / found.singular_values[k]),
+                        direction_text(best, found.directions.col(k)));
+  if (!found.trades.empty()) text += "What they leave open:\n";
+  constexpr std::size_t most = 12;
+  for (std::size_t k = 0; k < std::min(most, found.trades.size()); ++k)
+    text += "  - " + found.trades[k].words + "\n";
+  if (found.trades.size() > most)
+    text += fmt::format("  - and {} more (--format json has all)\n", found.trades.size() - most);
+  const auto correlations = correlations_text(best);
+  if (!correlations.empty()) text += "Hard to tell apart:\n" + correlations;
+  return text;
+}
+
+std::string profiles_text(const std::vector<Profile>& profiles, const Candidate& best, bool colour,
+                          std::size_t width) {
+  std::string text;
+  for (const auto& profile : profiles) {
+    const auto& p = best.parameters[static_cast<std::size_t>(profile.parameter)];
+    const auto end = [](double value) {
+      return std::isfinite(value) ? fmt::format("{:.5g}", value)
+                                  : std::string("no end within its bounds");
+    };
+    text += "\n" + styled("Profile of " + p.paths.front(), Style::bold, colour) + "\n";
+    text +=
+        fmt::format("95 %: from {} to {}\n", end(profile.interval_low), end(profile.interval_high));
+    Table table({{p.unit == "1" ? "value" : p.unit}, {"misfit"}});
+    for (const auto& point : profile.points)
+      table.add_row({fmt::format("{:.6g}", point.value), fmt::format("{:.4g}", point.misfit)});
+    text += table.text(colour, width);
+  }
+  return text;
+}
+
+}  // namespace
+
+std::string calibration_text(const Calibration& result, const Targets& targets,
+                             const std::vector<Profile>& profiles, bool colour, std::size_t width) {
+  const auto& best = result.best();
+  std::string text;
+  if (!targets.title.empty()) text += styled(targets.title, Style::bold, colour) + "\n\n";
+  text += combinations_text(result, colour, width);
+  if (result.candidates.size() > 1) text += "Below: " + best.name + "\n\n";
+  text += targets_text(best, targets, colour, width) + "\n";
+  text += parameters_text(best, colour, width) + "\n";
+  text += identifiability_text(best, colour);
+  text += profiles_text(profiles, best, colour, width);
+  const auto remarks = report::calibration_remarks(result, targets);
+  if (!remarks.empty()) text += "\n" + styled("Mind", Style::bold, colour) + "\n";
+  for (const auto& remark : remarks) text += "  - " + remark + "\n";
+  return text;
+}
+
+std::string sensitivity_text(const Sensitivities& s, bool colour, std::size_t width) {
+  std::vector<Column> columns{{"% of ω per % of", Align::left}};
+  for (const double omega : s.omega) columns.push_back({fmt::format("{:.2f} Hz", omega / two_pi)});
+  Table table(columns);
+  std::vector<Eigen::Index> order(s.parameters.size());
+  std::iota(order.begin(), order.end(), 0);
+  const auto weight = [&](Eigen::Index j) {
+    return s.percent_per_percent.col(j).cwiseAbs().maxCoeff();
+  };
+  std::stable_sort(order.begin(), order.end(),
+                   [&](Eigen::Index a, Eigen::Index b) { return weight(a) > weight(b); });
+  for (const auto j : order) {
+    std::vector<std::string> row{s.parameters[static_cast<std::size_t>(j)].path};
+    for (Eigen::Index k = 0; k < s.omega.size(); ++k) {
+      const double value = s.percent_per_percent(k, j);
+      row.push_back(std::abs(value) < 5e-5 ? "·" : fmt::format("{:+.4f}", value));
+    }
+    table.add_row(row);
+  }
+  return table.text(colour, width);
+}
+
+std::string sensitivity_csv(const Sensitivities& s) {
+  std::string text = "mode,omega_rad_s,frequency_hz";
+  for (const auto& p : s.parameters) text += "," + p.path;
+  text += "\n";
+  for (Eigen::Index k = 0; k < s.omega.size(); ++k) {
+    text += fmt::format("{},{:.12g},{:.12g}", k + 1, s.omega[k], s.omega[k] / two_pi);
+    for (Eigen::Index j = 0; j < s.percent_per_percent.cols(); ++j)
+      text += fmt::format(",{:.9g}", s.percent_per_percent(k, j));
+    text += "\n";
+  }
+  return text;
+}
+
+}  // namespace hydrapod::cli

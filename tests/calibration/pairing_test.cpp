@@ -1,0 +1,74 @@
+#include "hydrapod/calibration/pairing.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <numeric>
+
+#include "support/calibration_machine.hpp"
+
+namespace hydrapod::calibration {
+namespace {
+
+double least_of_all(const Eigen::MatrixXd& cost) {
+  std::vector<int> columns(static_cast<std::size_t>(cost.cols()));
+  std::iota(columns.begin(), columns.end(), 0);
+  double least = 1e300;
+  do {
+    double sum = 0.0;
+    for (Eigen::Index i = 0; i < cost.rows(); ++i)
+      sum += cost(i, columns[static_cast<std::size_t>(i)]);
+    least = std::min(least, sum);
+  } while (std::next_permutation(columns.begin(), columns.end()));
+  return least;
+}
+
+TEST(Assignment, IsAsGoodAsTheBestOfAllPermutations) {
+  test::Random random(99);
+  for (int trial = 0; trial < 40; ++trial) {
+    const int rows = 1 + static_cast<int>(5.0 * random.uniform());
+    const int columns = rows + static_cast<int>(3.0 * random.uniform());
+    Eigen::MatrixXd cost(rows, columns);
+    for (auto& c : cost.reshaped()) c = random.uniform(-2.0, 7.0);
+    const auto chosen = assign(cost);
+    double sum = 0.0;
+    std::vector<int> taken = chosen;
+    for (int i = 0; i < rows; ++i) sum += cost(i, chosen[i]);
+    std::sort(taken.begin(), taken.end());
+    EXPECT_EQ(std::adjacent_find(taken.begin(), taken.end()), taken.end());
+    EXPECT_NEAR(sum, least_of_all(cost), 1e-12);
+  }
+}
+
+TEST(Assignment, RefusesMoreTargetsThanModes) {
+  EXPECT_THROW(assign(Eigen::MatrixXd::Zero(3, 2)), std::invalid_argument);
+}
+
+/// Two frequencies that have crossed: names tell them apart, order does not.
+TEST(Pairing, FollowsNamesThroughACrossing) {
+  test::Random random(3);
+  const auto file = test::machine_file(test::random_machine_text(random, false));
+  const auto model =
+      dynamics::linear_model(file.machine, file.machine.neutral(), dynamics::ModelKind::rigid);
+  const auto modes = modal::normal_modes(model);
+  auto targets = test::modes_of(file, "neutral", dynamics::ModelKind::rigid);
+  std::vector<int> labelled;
+  for (int k = 0; k < 6; ++k)
+    if (targets[k].direction) labelled.push_back(k);
+  ASSERT_GE(labelled.size(), 2U);
+  const int a = labelled[0], b = labelled[1];
+  ASSERT_NE(targets[a].direction, targets[b].direction);
+  std::swap(targets[a].omega, targets[b].omega);
+  std::vector<const ModeTarget*> list;
+  for (const auto& target : targets) list.push_back(&target);
+  EXPECT_EQ(pair_modes(model, modes, list)[a], a);
+  EXPECT_EQ(pair_modes(model, modes, list)[b], b);
+  for (auto& target : targets) target.direction.reset();
+  EXPECT_EQ(pair_modes(model, modes, list)[a], b);
+  // a measured shape says the same as a name
+  for (int k = 0; k < 6; ++k) targets[k].shape = modes.shapes.col(k).head<6>();
+  EXPECT_EQ(pair_modes(model, modes, list)[a], a);
+}
+
+}  // namespace
+}  // namespace hydrapod::calibration

@@ -1,0 +1,252 @@
+/// Machines whose numbers are known come back from their own modes; what cannot come back is said.
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "hydrapod/base/error.hpp"
+#include "hydrapod/report/calibration.hpp"
+#include "recovery.hpp"
+#include "support/run_program.hpp"
+
+namespace hydrapod::calibration {
+namespace {
+
+using dynamics::ModelKind;
+using testing::Contains;
+using testing::HasSubstr;
+
+/// Ten machines, three seeds of noise each; the long test has a hundred seeds.
+TEST(Recovery, IntervalsHoldTheTruthAsOftenAsTheyPromise) {
+  test::Coverage coverage;
+  for (std::uint64_t machine = 1; machine <= 10; ++machine)
+    for (std::uint64_t noise = 1; noise <= 3; ++noise)
+      test::recover(machine, noise, false, coverage);
+  EXPECT_THAT(coverage.wrongly, testing::IsEmpty());
+  ASSERT_GE(coverage.determined, 150);
+  // the numbers of one fit err together: 30 fits are some 30 independent trials, and 0.95 of them
+  // less three standard deviations is 0.83
+  EXPECT_GE(coverage.held, 0.87 * coverage.determined)
+      << coverage.held << " of " << coverage.determined;
+}
+
+/// The published machine with transverse axes, and labels where a mode has a direction.
+model::MachineFile published() {
+  return test::machine_file(
+      test::read_text(test::source_file("models/zhang-jiang-2021-transverse.toml")));
+}
+
+Targets targets_of(const model::MachineFile& file, ModelKind kind, bool labels) {
+  Targets targets;
+  targets.modes = test::modes_of(file, "neutral", kind);
+  if (!labels)
+    for (auto& mode : targets.modes) mode.direction.reset();
+  return targets;
+}
+
+Candidate fit(const model::MachineFile& file, const Targets& targets,
+              const std::vector<FreeParameter>& free, ModelKind kind, int starts) {
+  Plan plan{.free = free};
+  plan.options.starts = starts;
+  return calibrate(file, targets, plan, kind).best();
+}
+
+/// At the start rz (184 rad/s) lies above z (143), in the targets below (112).
+TEST(Recovery, ModesThatCrossOnTheWayKeepTheirNames) {
+  const auto targets = targets_of(published(), ModelKind::rigid, true);
+  const auto start = test::machine_file(published().text, {"platform.inertia.zz=17.3"});
+  const auto best =
+      fit(start, targets, test::free_paths({"platform.inertia.zz"}), ModelKind::rigid, 1);
+  EXPECT_NEAR(best.parameters[0].value, 54.5344, 1e-6);
+}
+
+/// Without names the squares have a valley at the crossing; other starts find the way out of it.
+TEST(Recovery, ModesWithoutNamesGetOutOfAWrongValley) {
+  const auto targets = targets_of(published(), ModelKind::rigid, false);
+  const auto start = test::machine_file(published().text, {"platform.inertia.zz=17.3"});
+  const auto best =
+      fit(start, targets, test::free_paths({"platform.inertia.zz"}), ModelKind::rigid, 8);
+  EXPECT_NEAR(best.parameters[0].value, 54.5344, 1e-6);
+}
+
+/// x and y are one frequency at the start and two in the targets: one leg has softer oil.
+TEST(Recovery, ARepeatedPairPartsTowardsItsTargets) {
+  const auto truth = test::machine_file(published().text, {"leg.2.oil_spring.stiffness=2.9e6"});
+  const auto targets = targets_of(truth, ModelKind::guide, false);
+  const auto best = fit(published(), targets, test::free_paths({"leg.2.oil_spring.stiffness"}),
+                        ModelKind::guide, 1);
+  EXPECT_NEAR(best.parameters[0].value, 2.9e6, 1.0);
+  EXPECT_EQ(best.parameters[0].verdict, Verdict::determined);
+}
+
+TEST(Recovery, ShapesAndDampingsAreMetToo) {
+  const auto truth = test::machine_file(
+      published().text,
+      {"platform.mass_center[0]=0.031", "legs.oil_spring.damping=4321", "damping.modal_ratio=0"});
+  const auto model =
+      dynamics::linear_model(truth.machine, truth.machine.neutral(), ModelKind::rigid);
+  const auto modes = modal::normal_modes(model);
+  Targets targets = targets_of(truth, ModelKind::rigid, true);
+  for (int k = 0; k < 6; ++k) {
+    targets.modes[k].shape = -3.7 * modes.shapes.col(k).head<6>();
+    targets.modes[k].shape_deviation = 0.05;
+    targets.modes[k].damping =
+        modal::modal_damping_matrix(model, modes, 0.0)(k, k) / (2.0 * modes.omega(k));
+    targets.modes[k].damping_deviation = 1e-3;
+  }
+  const auto start = test::machine_file(
+      published().text,
+      {"platform.mass_center[0]=0.002", "legs.oil_spring.damping=900", "damping.modal_ratio=0"});
+  std::vector<FreeParameter> free = test::free_paths({"legs.oil_spring.damping"});
+  free.push_back({.paths = {"platform.mass_center[0]"}, .lower = "-0.1", .upper = "0.1"});
+  const auto best = fit(start, targets, free, ModelKind::rigid, 1);
+  EXPECT_NEAR(best.parameters[0].value, 4321.0, 1e-2);
+  EXPECT_NEAR(best.parameters[1].value, 0.031, 1e-7);
+  for (const auto& target : best.targets) EXPECT_NEAR(target.shape_mac, 1.0, 1e-9);
+}
+
+TEST(Recovery, AWrongTargetIsNamedAndLeftOut) {
+  auto targets = targets_of(published(), ModelKind::guide, true);
+  targets.modes[14].omega *= 1.17;
+  const auto start = test::machine_file(
+      published().text, {"legs.oil_spring.stiffness=5e6", "platform.inertia.xx=70",
+                         "platform.inertia.yy=70", "legs.guide_sleeve.stiffness=2e5"});
+  const auto free = test::free_paths({"legs.oil_spring.stiffness", "platform.inertia.xx",
+                                      "platform.inertia.yy", "legs.guide_sleeve.stiffness"});
+  Plan plan{.free = free};
+  const auto result = calibrate(start, targets, plan, ModelKind::guide);
+  const auto& best = result.best();
+  for (int k = 0; k < 18; ++k) EXPECT_EQ(best.targets[k].outlier, k == 14) << k;
+  EXPECT_NEAR(best.parameters[0].value, 3.85353e6, 400.0);
+  EXPECT_NEAR(best.parameters[3].value, 1.5732e5, 20.0);
+  EXPECT_THAT(report::calibration_remarks(result, targets),
+              Contains(HasSubstr("target neutral 15 does not fit the others")));
+}
+
+TEST(Recovery, FewerTargetsThanParametersLeaveDirectionsOpen) {
+  Targets targets = targets_of(published(), ModelKind::rigid, true);
+  targets.modes.resize(2);
+  const auto start = test::machine_file(published().text, {"legs.oil_spring.stiffness=5e6"});
+  const auto free =
+      test::free_paths({"legs.oil_spring.stiffness", "platform.mass", "platform.inertia.zz"});
+  Plan plan{.free = free};
+  const auto result = calibrate(start, targets, plan, ModelKind::rigid);
+  const auto& best = result.best();
+  EXPECT_LT(best.misfit, 1e-8);
+  EXPECT_EQ(best.identifiability.numerical_rank, 1);  // x and y are one and the same here
+  for (const auto& p : best.parameters) EXPECT_EQ(p.verdict, Verdict::undetermined);
+  EXPECT_THAT(report::calibration_remarks(result, targets),
+              Contains(HasSubstr("3 parameters are free, but there are only 2 targets")));
+}
+
+/// Oil in the lines and the rod's mass both ride on the piston; z alone cannot tell them apart.
+TEST(Recovery, OnlyASumIsDeterminedAndSaidToBe) {
+  const auto file = test::machine_file(published().text, {"legs.added_axial_inertia=1.3"});
+  Targets targets = targets_of(file, ModelKind::rigid, true);
+  std::erase_if(targets.modes, [](const ModeTarget& t) { return t.direction != 2; });
+  ASSERT_EQ(targets.modes.size(), 1U);
+  const auto start = test::machine_file(published().text, {"legs.added_axial_inertia=2.6"});
+  const auto best =
+      fit(start, targets, test::free_paths({"legs.added_axial_inertia", "platform.mass"}),
+          ModelKind::rigid, 1);
+  ASSERT_EQ(best.identifiability.trades.size(), 1U);
+  // Σ (n·z)² of six legs at 0.783/0.8734 kg of platform per kg on a piston
+  const double share = 6.0 * std::pow(0.783 / 0.8734095285480141, 2);
+  EXPECT_THAT(
+      best.identifiability.trades[0].words,
+      HasSubstr(fmt::format("only legs.added_axial_inertia + {:.3g} platform.mass is determined",
+                            1.0 / share)));
+}
+
+TEST(Recovery, TargetsThatCannotBeMetAreSaidToBe) {
+  Targets targets = targets_of(published(), ModelKind::rigid, true);
+  for (std::size_t k = 0; k < 6; ++k) targets.modes[k].omega *= k % 2 == 0 ? 1.4 : 0.7;
+  Plan plan{.free = test::free_paths({"legs.oil_spring.stiffness"})};
+  const auto result = calibrate(published(), targets, plan, ModelKind::rigid);
+  EXPECT_THAT(report::calibration_remarks(result, targets),
+              Contains(HasSubstr("the targets cannot be met")));
+}
+
+TEST(Recovery, APriorThatDecidesIsNamed) {
+  const auto targets = targets_of(published(), ModelKind::guide, true);
+  auto free = test::free_paths({"legs.case.mass", "legs.case.transverse_inertia"});
+  free[0].prior = PriorAmounts{"6.6 kg", "300 g"};
+  Plan plan{.free = free};
+  const auto result = calibrate(published(), targets, plan, ModelKind::guide);
+  const auto& mass = result.best().parameters[0];
+  EXPECT_EQ(mass.verdict, Verdict::by_prior);
+  EXPECT_NEAR(mass.value, 6.6, 0.01);
+  EXPECT_NEAR(mass.deviation, 0.3, 0.003);
+  EXPECT_THAT(report::calibration_remarks(result, targets),
+              Contains(HasSubstr("legs.case.mass: its prior decides, not the data")));
+}
+
+TEST(Recovery, AProfileRisesAsTheLikelihoodSays) {
+  const auto targets = targets_of(published(), ModelKind::guide, true);
+  Plan plan{.free = test::free_paths({"legs.oil_spring.stiffness", "legs.guide_sleeve.stiffness"})};
+  const auto best = calibrate(published(), targets, plan, ModelKind::guide).best();
+  const auto curve = profile(published(), targets, plan, ModelKind::guide, best, 0);
+  const auto& p = best.parameters[0];
+  // nearly a parabola here, so that the profile's interval is the linear one
+  EXPECT_NEAR(curve.interval_low, p.interval_low, 0.01 * p.deviation);
+  EXPECT_NEAR(curve.interval_high, p.interval_high, 0.01 * p.deviation);
+}
+
+/// Threads share the work out as they come; the answer must not show it.
+TEST(Recovery, DoesNotDependOnTheNumberOfThreads) {
+  const auto targets = targets_of(published(), ModelKind::guide, true);
+  const auto start = test::machine_file(published().text, {"legs.oil_spring.stiffness=5e6"});
+  Plan plan{.free = test::free_paths({"legs.oil_spring.stiffness", "legs.case.mass"})};
+  plan.options.threads = 1;
+  const auto one = calibrate(start, targets, plan, ModelKind::guide);
+  plan.options.threads = 3;
+  const auto three = calibrate(start, targets, plan, ModelKind::guide);
+  EXPECT_EQ(report::calibration_json(one, targets).dump(),
+            report::calibration_json(three, targets).dump());
+}
+
+/// `change` on a plan, and what is said of it.
+void expect_refused(const FreeParameter& free, const std::string& what) {
+  Targets targets = targets_of(published(), ModelKind::rigid, true);
+  Plan plan{.free = {free}};
+  try {
+    calibrate(published(), targets, plan, ModelKind::rigid);
+    FAIL() << "accepted: " << what;
+  } catch (const base::InputError& error) {
+    EXPECT_THAT(error.diagnostics().front().message, HasSubstr(what));
+  }
+}
+
+TEST(Refusals, SayWhatIsWrongWithAParameter) {
+  expect_refused({.paths = {"legs.rod.mas"}}, "did you mean `legs.rod.mass`?");
+  expect_refused({.paths = {"legs.rod.mass"}, .lower = "5 kg", .upper = "2 kg"},
+                 "the lowest value, 5, is not below the highest, 2 kg");
+  expect_refused({.paths = {"legs.rod.mass"}, .lower = "5 kg", .upper = "9 kg"},
+                 "starts at 1.62 kg, which is not within its bounds [5, 9]");
+  expect_refused({.paths = {"legs.rod.mass"}, .start = "2 m"}, "start: ");
+  expect_refused({.paths = {"legs.rod.mass", "legs.rod.length"}}, "cannot be tied to one value");
+  expect_refused({.paths = {"platform.mass_center[0]"}}, "starts at 0");
+  expect_refused({.paths = {"legs.rod.mass"}, .prior = PriorAmounts{"2 kg", "0 kg"}},
+                 "expected a spread above 0");
+}
+
+TEST(Refusals, NameAPoseOrAModelThatTheTargetsDoNotFit) {
+  Targets targets = targets_of(published(), ModelKind::rigid, true);
+  Plan plan{.free = test::free_paths({"legs.rod.mass"})};
+  const auto message_of = [&] {
+    try {
+      calibrate(published(), targets, plan, ModelKind::rigid);
+    } catch (const base::InputError& error) {
+      return error.diagnostics().front().message;
+    }
+    return std::string{};
+  };
+  targets.modes[3].pose = "raised";
+  EXPECT_THAT(message_of(), HasSubstr("the machine has no pose \"raised\""));
+  targets = targets_of(published(), ModelKind::guide, true);
+  EXPECT_THAT(message_of(), HasSubstr("18 targets at pose \"neutral\", but the rigid model has 6"));
+  targets.modes.clear();
+  EXPECT_THAT(message_of(), HasSubstr("no targets"));
+}
+
+}  // namespace
+}  // namespace hydrapod::calibration

@@ -1,0 +1,171 @@
+/// Targets files: what is read, and what is said of those that cannot be.
+
+#include "hydrapod/calibration/targets.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <numbers>
+
+#include "hydrapod/base/error.hpp"
+
+namespace hydrapod::calibration {
+namespace {
+
+constexpr double two_pi = 2.0 * std::numbers::pi;
+
+TEST(Targets, AreReadFromToml) {
+  const auto targets = parse_targets(R"(title = "June"
+frequency_unit = "Hz"
+deviation = "0.5 %"
+[[mode]]
+frequency = 11.3
+direction = "x"
+damping = "3 %"
+[[mode]]
+frequency = "71 rad/s"
+deviation = "0.02 Hz"
+repeated = 2
+pose = "raised"
+weight = 4
+shape = { x = 1, ry = "-5 deg" }
+[[free]]
+path = ["platform.inertia.xx", "platform.inertia.yy"]
+start = "30 kg m^2"
+bounds = [10, 90]
+prior = { value = 32, spread = "2 kg m^2" }
+[[alternative]]
+name = "axes"
+[[alternative.choice]]
+name = "transverse"
+[[alternative.choice]]
+name = "gimbal"
+set = ["model.flexible_axes=gimbal"]
+[fit]
+starts = 3
+loss = "cauchy"
+)",
+                                     "t.toml");
+  EXPECT_EQ(targets.title, "June");
+  ASSERT_EQ(targets.modes.size(), 3U);
+  const auto& x = targets.modes[0];
+  EXPECT_DOUBLE_EQ(x.omega, 11.3 * two_pi);
+  EXPECT_DOUBLE_EQ(x.deviation, 0.005 * x.omega);
+  EXPECT_EQ(x.direction, 0);
+  EXPECT_DOUBLE_EQ(*x.damping, 0.03);
+  const auto& raised = targets.modes[2];
+  EXPECT_EQ(raised.name, "71 rad/s (2)");
+  EXPECT_EQ(raised.pose, "raised");
+  EXPECT_DOUBLE_EQ(raised.omega, 71.0);
+  EXPECT_DOUBLE_EQ(raised.deviation, 0.02 * two_pi / 4.0);
+  EXPECT_NEAR((*raised.shape)[4], -5.0 * std::numbers::pi / 180.0, 1e-15);
+  ASSERT_EQ(targets.plan.free.size(), 1U);
+  EXPECT_EQ(targets.plan.free[0].paths.size(), 2U);
+  EXPECT_EQ(*targets.plan.free[0].upper, "90");
+  EXPECT_EQ(targets.plan.free[0].prior->spread, "2 kg m^2");
+  EXPECT_EQ(targets.plan.alternatives[0].choices[1].overrides[0], "model.flexible_axes=gimbal");
+  EXPECT_EQ(targets.plan.options.starts, 3);
+  EXPECT_EQ(targets.plan.options.loss, Loss::cauchy);
+}
+
+TEST(Targets, AreReadFromCsv) {
+  const auto targets = parse_targets(
+      "# measured in June\n"
+      "frequency [Hz],direction,deviation [Hz],damping [%],pose,x,ry\r\n"
+      "11.3,x,0.05,3.1,neutral,1,-0.2\r\n"
+      "\"22.82\",z,,,raised,,\r\n",
+      "june.csv");
+  ASSERT_EQ(targets.modes.size(), 2U);
+  EXPECT_DOUBLE_EQ(targets.modes[0].omega, 11.3 * two_pi);
+  EXPECT_DOUBLE_EQ(targets.modes[0].deviation, 0.05 * two_pi);
+  EXPECT_DOUBLE_EQ(*targets.modes[0].damping, 0.031);
+  EXPECT_DOUBLE_EQ((*targets.modes[0].shape)[4], -0.2);
+  EXPECT_FALSE(targets.modes[1].shape);
+  EXPECT_EQ(targets.modes[1].pose, "raised");
+  EXPECT_DOUBLE_EQ(targets.modes[1].deviation, default_deviation * 22.82 * two_pi);
+  const auto semicolons = parse_targets("frequency [rad/s];deviation [%]\n71.5;0.2\n", "a.csv");
+  EXPECT_DOUBLE_EQ(semicolons.modes[0].omega, 71.5);
+  EXPECT_DOUBLE_EQ(semicolons.modes[0].deviation, 0.002 * 71.5);
+}
+
+struct Wrong {
+  const char* name;
+  const char* file;
+  const char* text;
+  const char* message;  ///< file:line:column: error: key: …
+};
+
+class WrongTargets : public testing::TestWithParam<Wrong> {};
+
+TEST_P(WrongTargets, AreRefusedWithPlaceAndAdvice) {
+  const auto& wrong = GetParam();
+  try {
+    parse_targets(wrong.text, wrong.file);
+    FAIL() << "accepted";
+  } catch (const base::InputError& error) {
+    EXPECT_EQ(error.diagnostics().front().text(), wrong.message);
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Toml, WrongTargets,
+    testing::Values(
+        Wrong{"NoUnit", "t.toml", "[[mode]]\nfrequency = 11.3\n",
+              "t.toml:2:13: error: mode[0].frequency: is 11.3 without a unit; write \"11.3 Hz\" or "
+              "\"11.3 rad/s\", or say `frequency_unit = \"Hz\"` at the top of the file"},
+        Wrong{"Length", "t.toml", "[[mode]]\nfrequency = \"11.3 mm\"\n",
+              "t.toml:2:13: error: mode[0].frequency: is \"11.3 mm\", expected a frequency such as "
+              "\"11.3 Hz\" or \"71 rad/s\""},
+        Wrong{"Negative", "t.toml", "[[mode]]\nfrequency = \"-3 Hz\"\n",
+              "t.toml:2:13: error: mode[0].frequency: expected a frequency above 0"},
+        Wrong{
+            "Direction", "t.toml", "[[mode]]\nfrequency = \"3 Hz\"\ndirection = \"roll\"\n",
+            "t.toml:3:13: error: mode[0].direction: is the string \"roll\", expected one of x, y, "
+            "z, rx, ry, rz"},
+        Wrong{"Misspelt", "t.toml", "[[mode]]\nfrequency = \"3 Hz\"\ndevation = 1\n",
+              "t.toml:3:1: error: mode[0].devation: unknown key; did you mean `deviation`?"},
+        Wrong{
+            "Empty", "t.toml", "title = \"x\"\n",
+            "t.toml:1:1: error: mode: there is no target; write a table [[mode]] with `frequency` "
+            "for each"},
+        Wrong{"NotTables", "t.toml", "mode = 3\n",
+              "t.toml:1:8: error: mode: expected tables, each begun with [[mode]]"},
+        Wrong{
+            "Repeated", "t.toml", "[[mode]]\nfrequency = \"3 Hz\"\nrepeated = 1.5\n",
+            "t.toml:3:12: error: mode[0].repeated: expected how often the mode is there, 1 to 30"},
+        Wrong{
+            "Damping", "t.toml", "[[mode]]\nfrequency = \"3 Hz\"\ndamping = 2\n",
+            "t.toml:3:11: error: mode[0].damping: is 2, expected a damping ratio of at least 0 and "
+            "below 1"},
+        Wrong{"OneChoice", "t.toml",
+              "[[mode]]\nfrequency = \"3 Hz\"\n[[alternative]]\nname = "
+              "\"a\"\n[[alternative.choice]]\n"
+              "name = \"b\"\n",
+              "t.toml:3:1: error: alternative[0]: expected at least two tables "
+              "[[alternative.choice]], each with `name` and `set`"},
+        Wrong{"Syntax", "t.toml", "[[mode]\n",
+              "t.toml:1:8: error: not valid TOML in table header: expected ']', saw '\\n'"}),
+    [](const auto& info) { return info.param.name; });
+
+INSTANTIATE_TEST_SUITE_P(
+    Csv, WrongTargets,
+    testing::Values(
+        Wrong{"NoUnit", "t.csv", "frequency,direction\n11.3,x\n",
+              "t.csv:2:1: error: frequency: is 11.3 without a unit; title the column `frequency "
+              "[Hz]`"},
+        Wrong{"Column", "t.csv", "frequency [Hz],dirction\n11.3,x\n",
+              "t.csv:1:16: error: dirction: unknown column; did you mean `direction`?"},
+        Wrong{"Cells", "t.csv", "frequency [Hz],direction\n11.3\n",
+              "t.csv:2:1: error: has 1 cells, expected 2 as in the title row"},
+        Wrong{
+            "Text", "t.csv", "frequency [Hz]\nfast\n",
+            "t.csv:2:1: error: frequency: is \"fast\", expected a frequency such as \"11.3 Hz\" or "
+            "\"71 rad/s\""},
+        Wrong{"Empty", "t.csv", "\n\n",
+              "t.csv: error: is empty, expected a title row such as `frequency [Hz],direction`"},
+        Wrong{"NoRows", "t.csv", "frequency [Hz]\n",
+              "t.csv: error: there is no mode below the title row"}),
+    [](const auto& info) { return info.param.name; });
+
+}  // namespace
+}  // namespace hydrapod::calibration
