@@ -69,13 +69,14 @@ class ErkMethod : public SundialsMethod {
     require(ERKStepGetNumErrTestFails(memory_, &rejected), "statistics");
   }
 
-  /// The step to begin with after the next change of the input. A step that was cut short by the
-  /// end of the call says little about what the errors allow.
+  /// The step to begin with after the next change of the input: what the error of the last one
+  /// allows, unless that was cut so short by the end of the call that it says little.
   void remember_step(double interval) {
+    constexpr double short_share = 0.1;
     double last = 0.0, next = 0.0;
     require(ERKStepGetLastStep(memory_, &last), "statistics");
     require(ERKStepGetCurrentStep(memory_, &next), "statistics");
-    step_ = std::max(next, std::min(step_, 0.999 * interval));
+    step_ = last > short_share * interval ? next : std::max(next, step_);
   }
 
   void* memory_{};

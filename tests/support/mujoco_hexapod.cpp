@@ -5,6 +5,7 @@
 #include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 #include <Eigen/LU>
+#include <algorithm>
 #include <cstring>
 #include <stdexcept>
 #include <string>
@@ -138,6 +139,14 @@ void MujocoHexapod::move(const VectorXd& from, const VectorXd& displacement) {
   Eigen::Map<VectorXd>(data_->qpos, model_->nq) = from;
   mj_integratePos(model_.get(), data_->qpos, displacement.data(), 1.0);
   update();
+}
+
+void MujocoHexapod::step_and_return() {
+  std::array<mjtNum, 200> before;
+  std::copy_n(data_->qpos, model_->nq, before.data());
+  mj_step(model_.get(), data_.get());
+  std::copy_n(before.data(), model_->nq, data_->qpos);
+  std::fill_n(data_->qvel, nv(), 0.0);
 }
 
 void MujocoHexapod::set_velocity(const VectorXd& velocity) {

@@ -54,6 +54,8 @@ class MujocoHexapod {
   /// Of the slide along the case of leg `i`, from the start [m].
   [[nodiscard]] double extension(int i) const;
 
+  /// One mj_step(), after which everything is put back where it was.
+  void step_and_return();
   /// Sets q̇; gravity_force() then holds the velocity products as well.
   void set_velocity(const VectorXd& velocity);
   /// J̇ q̇: what the constraints' second derivative is without accelerations [m/s²], 18.
