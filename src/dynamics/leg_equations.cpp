@@ -7,21 +7,23 @@ namespace hydrapod::dynamics {
 
 namespace {
 
-/// ∂g and ∂e by the chart, 3 × (3 + n), and the same of both spins.
+const Lanes zero(0.0), one(1.0), two(2.0);
+
+/// ∂g and ∂e by the chart, 3 × (3 + n), and that of the rod's spin.
 template <int n>
 struct Partials {
-  using Matrix = Eigen::Matrix<double, 3, 3 + n>;
+  using Matrix = Eigen::Matrix<Lanes, 3, 3 + n>;
   Matrix g, e;
-  Eigen::Matrix<double, 3 + n, 1> rod_spin;
+  Eigen::Matrix<Lanes, 3 + n, 1> rod_spin;
 
-  Partials(const LegMotion& at, double c_g) {
-    const Vector3 a1(at.cosine, 0.0, at.sine);
+  Partials(const LegsInMotion& at, const Lanes& c_g) {
+    const Vector3L a1(at.cosine, zero, at.sine);
     g.col(0) = a1.cross(at.g);
-    g.col(1) << at.g.z(), 0.0, -at.g.x();
-    g.col(2) << 0.0, 0.0, 1.0;
+    g.col(1) = Vector3L(at.g[2], zero, -at.g[0]);
+    g.col(2) = Vector3L(zero, zero, one);
     e.col(0) = a1.cross(at.e);
-    e.col(1) << at.e.z(), 0.0, -at.e.x();
-    e.col(2).setZero();
+    e.col(1) = Vector3L(at.e[2], zero, -at.e[0]);
+    e.col(2) = Vector3L(zero, zero, zero);
     if constexpr (n >= 2) {
       g.col(3) = c_g * at.e_1;
       g.col(4) = c_g * at.e_2;
@@ -29,15 +31,16 @@ struct Partials {
       e.col(4) = at.e_2;
     }
     if constexpr (n == 4) {
-      g.template rightCols<2>() << 1.0, 0.0, 0.0, 1.0, 0.0, 0.0;
-      e.template rightCols<2>().setZero();
+      g.col(5) = Vector3L(one, zero, zero);
+      g.col(6) = Vector3L(zero, one, zero);
+      e.col(5) = e.col(6) = Vector3L(zero, zero, zero);
     }
   }
 
-  void add_spin(const LegMotion& at, const Vector3& row) {
-    rod_spin.setZero();
-    rod_spin[0] = at.cosine * at.e.x() + at.sine * at.e.z();
-    rod_spin[1] = at.e.y();
+  void add_spin(const LegsInMotion& at, const Vector3L& row) {
+    rod_spin.setConstant(zero);
+    rod_spin[0] = at.cosine * at.e[0] + at.sine * at.e[2];
+    rod_spin[1] = at.e[1];
     if constexpr (n >= 2) {
       rod_spin[3] = row.dot(at.e_1);
       rod_spin[4] = row.dot(at.e_2);
@@ -46,230 +49,274 @@ struct Partials {
 };
 
 /// Chart rates (α̇, β̇, ṡ) per joint velocity in L: the inverse of [a1 × P, a2 × P, n].
-Matrix3 inverse_joint_rates(const LegMotion& at) {
-  const Vector3& P = at.P;
-  const double per_k = 1.0 / (at.cosine * P.z() - at.sine * P.x());
-  const double per_z = 1.0 / P.z();
-  const double beta = -at.sine * P.y() * per_k * per_z;
-  Matrix3 inverse;
-  inverse << 0.0, -per_k, 0.0, per_z, beta, 0.0, P.x() * per_z,
-      at.cosine * P.y() * per_k + P.x() * beta, 1.0;
+Matrix3L inverse_joint_rates(const LegsInMotion& at) {
+  const Vector3L& P = at.P;
+  const Lanes per_k = 1.0 / (at.cosine * P[2] - at.sine * P[0]);
+  const Lanes per_z = 1.0 / P[2];
+  const Lanes beta = -at.sine * P[1] * per_k * per_z;
+  Matrix3L inverse;
+  inverse << zero, -per_k, zero, per_z, beta, zero, P[0] * per_z,
+      at.cosine * P[1] * per_k + P[0] * beta, one;
   return inverse;
 }
 
 /// Joint velocity per rates of the flexible coordinates at constant (α, β, s).
 template <int n>
-Eigen::Matrix<double, 3, n> flexible_joint_rates(const LegMotion& at, double l_mn) {
-  Eigen::Matrix<double, 3, n> F;
+Eigen::Matrix<Lanes, 3, n> flexible_joint_rates(const LegsInMotion& at, const Lanes& l_mn) {
+  Eigen::Matrix<Lanes, 3, n> F;
   F.col(0) = l_mn * at.e_1;
   F.col(1) = l_mn * at.e_2;
-  if constexpr (n == 4) F.template rightCols<2>() << 1.0, 0.0, 0.0, 1.0, 0.0, 0.0;
+  if constexpr (n == 4) {
+    F.col(2) = Vector3L(one, zero, zero);
+    F.col(3) = Vector3L(zero, one, zero);
+  }
   return F;
 }
 
+/// Symmetric and positive definite: by 2×2 blocks.
+Eigen::Matrix<Lanes, 2, 2> inverse(const Eigen::Matrix<Lanes, 2, 2>& A) {
+  const Lanes per_determinant = 1.0 / (A(0, 0) * A(1, 1) - A(0, 1) * A(1, 0));
+  Eigen::Matrix<Lanes, 2, 2> result;
+  result << A(1, 1) * per_determinant, -A(0, 1) * per_determinant, -A(1, 0) * per_determinant,
+      A(0, 0) * per_determinant;
+  return result;
+}
+
+Eigen::Matrix<Lanes, 4, 4> inverse(const Eigen::Matrix<Lanes, 4, 4>& A) {
+  using Block = Eigen::Matrix<Lanes, 2, 2>;
+  const Block P = A.topLeftCorner<2, 2>(), Q = A.topRightCorner<2, 2>(),
+              S = A.bottomRightCorner<2, 2>();
+  const Block P_inverse = inverse(P), G = P_inverse * Q;
+  const Block C = inverse(Block(S - Q.transpose() * G)), H = G * C;
+  Eigen::Matrix<Lanes, 4, 4> result;
+  result.topLeftCorner<2, 2>() = P_inverse + H * G.transpose();
+  result.topRightCorner<2, 2>() = -H;
+  result.bottomLeftCorner<2, 2>() = -H.transpose();
+  result.bottomRightCorner<2, 2>() = C;
+  return result;
+}
+
 template <int n>
-void mass(const LegMotion& at, const LegSurroundings& around, const Partials<n>& partials,
+void mass(const LegsInMotion& at, const LegSurroundings& around, const Partials<n>& partials,
           LegEquations<n>& out) {
-  const auto& tube = around.leg.cylinder_case;
-  const auto& rod = around.leg.rod;
-  Eigen::Matrix<double, 3 + n, 3 + n> M =
-      rod.mass * partials.g.transpose() * partials.g +
-      rod.transverse_inertia * partials.e.transpose() * partials.e;
-  const double I_b = tube.transverse_inertia + tube.mass * tube.mass_center * tube.mass_center;
-  M(0, 0) += I_b * at.cosine * at.cosine;
-  M(1, 1) += I_b;
-  M(2, 2) += around.leg.added_axial_inertia;
-  if (around.spinning) {
-    M(0, 0) += tube.axial_inertia * at.sine * at.sine;
-    M += rod.axial_inertia * partials.rod_spin * partials.rod_spin.transpose();
-  }
+  const auto& legs = around.legs;
+  constexpr int size = 3 + n;
+  Eigen::Matrix<Lanes, size, size> M;
+  for (int column = 0; column < size; ++column)
+    for (int row = 0; row <= column; ++row) {
+      Lanes sum = legs.m_g * partials.g.col(row).dot(partials.g.col(column));
+      if (row != 2 && column != 2)
+        sum += legs.I_r * partials.e.col(row).dot(partials.e.col(column));
+      if (around.spinning) sum += legs.I_ra * partials.rod_spin[row] * partials.rod_spin[column];
+      M(row, column) = M(column, row) = sum;
+    }
+  M(0, 0) += legs.I_b * at.cosine * at.cosine;
+  M(1, 1) += legs.I_b;
+  M(2, 2) += legs.m_a;
+  if (around.spinning) M(0, 0) += legs.I_ta * at.sine * at.sine;
   out.A_inverse = inverse_joint_rates(at);
   out.M_cc = M.template topLeftCorner<3, 3>();
   if constexpr (n > 0) {
-    const Eigen::Matrix<double, 3, n> G = out.A_inverse * flexible_joint_rates<n>(at, rod.length);
-    const Eigen::Matrix<double, 3, n> M_cf = M.template topRightCorner<3, n>();
+    const Eigen::Matrix<Lanes, 3, n> G = out.A_inverse * flexible_joint_rates<n>(at, legs.l_mn);
+    const Eigen::Matrix<Lanes, 3, n> M_cf = M.template topRightCorner<3, n>();
     out.X = M_cf - out.M_cc * G;
     out.M_ff = M.template bottomRightCorner<n, n>() - M_cf.transpose() * G - G.transpose() * out.X;
-    out.M_ff_inverse = out.M_ff.inverse();
+    out.M_ff_inverse = inverse(out.M_ff);
   }
 }
 
 /// Accelerations of the points of a leg for (α̈, β̈, s̈) = κ and constant flexible rates, in L.
 struct PointAccelerations {
-  Vector3 n, e, g;
-  double s, case_spin, rod_spin;
+  Vector3L n, e, g;
+  Lanes s, case_spin, rod_spin;
 };
 
 /// Angular acceleration of the frame at α̈ = β̈ = 0: α̇ β̇ a1 × a2.
-Vector3 frame_bias(const LegMotion& at) {
-  return at.case_rate[0] * at.case_rate[1] * Vector3(-at.sine, 0.0, at.cosine);
+Vector3L frame_bias(const LegsInMotion& at) {
+  const Lanes product = at.alpha * at.beta;
+  return {-at.sine * product, zero, at.cosine * product};
+}
+
+Vector3L piston_rate(const LegsInMotion& at) {
+  return {at.flexible_rate[2], at.flexible_rate[3], at.s_rate};
 }
 
 /// Joint acceleration, in L, when the chart's rates stay constant.
-Vector3 joint_bias_in_chart(const LegMotion& at, double l_mn) {
-  const Vector3& w = at.omega;
-  const Vector3 P_rate =
-      Vector3(at.flexible_rate[2], at.flexible_rate[3], at.s_rate) + l_mn * at.e_bending;
-  return frame_bias(at).cross(at.P) + w.cross(w.cross(at.P) + 2.0 * P_rate) + l_mn * at.e_curvature;
+Vector3L joint_bias_in_chart(const LegsInMotion& at, const Lanes& l_mn) {
+  const Vector3L& w = at.omega;
+  const Vector3L P_rate = piston_rate(at) + l_mn * at.e_bending;
+  const Vector3L inner = w.cross(at.P) + two * P_rate;
+  return frame_bias(at).cross(at.P) + w.cross(inner) + l_mn * at.e_curvature;
 }
 
-PointAccelerations point_accelerations(const LegMotion& at, const Vector3& kappa, double c_g) {
-  const Vector3& w = at.omega;
-  Vector3 dw = frame_bias(at);
-  dw += Vector3(at.cosine * kappa[0], kappa[1], at.sine * kappa[0]);
-  const Vector3 g_rate =
-      Vector3(at.flexible_rate[2], at.flexible_rate[3], at.s_rate) + c_g * at.e_bending;
+PointAccelerations point_accelerations(const LegsInMotion& at, const Vector3L& kappa,
+                                       const Lanes& c_g) {
+  const Vector3L& w = at.omega;
+  const Vector3L dw = frame_bias(at) + Vector3L(at.cosine * kappa[0], kappa[1], at.sine * kappa[0]);
+  const Vector3L g_rate = piston_rate(at) + c_g * at.e_bending;
+  const Vector3L e_inner = w.cross(at.e) + two * at.e_bending;
+  const Vector3L g_inner = w.cross(at.g) + two * g_rate;
   PointAccelerations out;
-  out.n = Vector3(dw.y(), -dw.x(), 0.0) + w.cross(Vector3(w.y(), -w.x(), 0.0));
-  out.e = dw.cross(at.e) + w.cross(w.cross(at.e) + 2.0 * at.e_bending) + at.e_curvature;
-  out.g = dw.cross(at.g) + w.cross(w.cross(at.g) + 2.0 * g_rate) + c_g * at.e_curvature;
-  out.g.z() += kappa[2];
+  out.n = Vector3L(dw[1], -dw[0], zero) + w.cross(Vector3L(w[1], -w[0], zero));
+  out.e = dw.cross(at.e) + w.cross(e_inner) + at.e_curvature;
+  out.g = dw.cross(at.g) + w.cross(g_inner) + c_g * at.e_curvature;
+  out.g[2] += kappa[2];
   out.s = kappa[2];
-  out.case_spin = dw.z();
+  out.case_spin = dw[2];
   out.rod_spin = dw.dot(at.e) + w.dot(at.e_bending);
   return out;
 }
 
 /// Forces that are dual to the motions of n, e, g and s: inertia less what acts.
 struct PointForces {
-  Vector3 n, e, g;
-  double s, case_spin{}, rod_spin{};
+  Vector3L n, e, g;
+  Lanes s, case_spin, rod_spin;
 };
 
-/// Friction at both joints of the leg; returns the moment on the platform in L.
-Vector3 add_joint_friction(const LegMotion& at, const LegSurroundings& around,
-                           PointForces& forces) {
-  const auto& friction = around.leg.hydraulics.joint_friction;
-  if (friction.viscous == 0.0 && friction.coulomb == 0.0) return Vector3::Zero();
-  const Vector3 n_rate(at.omega.y(), -at.omega.x(), 0.0);
-  forces.n += joint_friction_slope(friction, n_rate.norm()) * n_rate;
-  const Vector3 omega_L = at.R_BL.transpose() * around.omega;
-  const Vector3 relative = omega_L - at.e * at.e.dot(omega_L) - at.e.cross(at.e_rate);
-  const Vector3 moment = joint_friction_slope(friction, relative.norm()) * relative;
+PointForces point_forces(const LegsInMotion& at, const LegSurroundings& around,
+                         const PointAccelerations& acceleration, const AxialSpin& spin) {
+  const auto& legs = around.legs;
+  const Vector3L g_L = in_cases(at, around.gravity);
+  PointForces forces;
+  forces.n = legs.I_b * acceleration.n - legs.m_t_r_b * g_L;
+  forces.e = legs.I_r * acceleration.e;
+  forces.g = legs.m_g * (acceleration.g - g_L);
+  forces.s = legs.m_a * acceleration.s - around.axial_force;
+  if (!around.spinning) return forces;
+  // Angular momentum along a turning axis: I σ ė × e on the axis' motion, and ṅ = (ω_2, −ω_1, 0).
+  const Lanes momentum = legs.I_ta * spin.of_case;
+  forces.n += Vector3L(-momentum * at.omega[0], -momentum * at.omega[1], zero);
+  forces.e += (legs.I_ra * spin.of_rod) * at.e_rate.cross(at.e);
+  forces.case_spin = legs.I_ta * acceleration.case_spin;
+  forces.rod_spin = legs.I_ra * (acceleration.rod_spin + spin.row_rate);
+  return forces;
+}
+
+/// Friction at both joints of the legs; returns the moments on the platform in L.
+Vector3L add_joint_friction(const LegsInMotion& at, const LegSurroundings& around,
+                            PointForces& forces) {
+  if (!around.joint_friction) return {zero, zero, zero};
+  const auto turning = joint_turning(at, around.legs, around.omega);
+  forces.n += turning.base_slope * turning.base_rate;
+  const Vector3L moment = turning.platform_slope * turning.platform_rate;
   forces.e -= moment.cross(at.e);
   return -moment;
 }
 
-PointForces point_forces(const LegMotion& at, const LegSurroundings& around,
-                         const PointAccelerations& acceleration, const AxialSpin& spin) {
-  const auto& tube = around.leg.cylinder_case;
-  const auto& rod = around.leg.rod;
-  const double I_b = tube.transverse_inertia + tube.mass * tube.mass_center * tube.mass_center;
-  const Vector3 g_L = at.R_BL.transpose() * around.gravity;
-  PointForces forces;
-  forces.n = I_b * acceleration.n - tube.mass * tube.mass_center * g_L;
-  forces.e = rod.transverse_inertia * acceleration.e;
-  forces.g = rod.mass * (acceleration.g - g_L);
-  forces.s = around.leg.added_axial_inertia * acceleration.s - around.axial_force;
-  if (!around.spinning) return forces;
-  const Vector3 n_rate(at.omega.y(), -at.omega.x(), 0.0);
-  forces.n += tube.axial_inertia * spin.of_case * n_rate.cross(Vector3::UnitZ());
-  forces.e += rod.axial_inertia * spin.of_rod * at.e_rate.cross(at.e);
-  forces.case_spin = tube.axial_inertia * acceleration.case_spin;
-  forces.rod_spin = rod.axial_inertia * (acceleration.rod_spin + spin.row_rate);
-  return forces;
-}
+Lanes cross(const Vector2L& v, const Vector2L& force) { return v[0] * force[1] - v[1] * force[0]; }
 
 /// Forces of seals on the chart: springs and dampers. Dampers see what the case sees.
 template <int n>
-void add_seals(const LegMotion& at, const LegSurroundings& around,
-               Eigen::Matrix<double, 3 + n, 1>& r) {
-  const auto& leg = around.leg;
-  const Vector2 sleeve_damper = leg.guide_sleeve.damping * at.sleeve_offset_rate;
-  const Vector2 sleeve = leg.guide_sleeve.stiffness * at.sleeve_offset + sleeve_damper;
-  const Vector3 on_slopes = at.sleeve_slopes.transpose() * sleeve;
-  r.template segment<3>(2) += on_slopes;
-  const auto cross = [](const Vector2& v, const Vector2& force) {
-    return v.x() * force.y() - v.y() * force.x();
-  };
-  double about_n = cross(at.sleeve_offset, sleeve_damper);
+void add_seals(const LegsInMotion& at, const LegSurroundings& around,
+               Eigen::Matrix<Lanes, 3 + n, 1>& r) {
+  const auto& legs = around.legs;
+  const Vector2L sleeve_damper = legs.c_s * at.sleeve_offset_rate;
+  const Vector2L sleeve = legs.k_s * at.sleeve_offset + sleeve_damper;
+  for (int k = 0; k < 3; ++k) r[2 + k] += at.sleeve_slopes.col(k).dot(sleeve);
+  Lanes about_n = cross(at.sleeve_offset, sleeve_damper);
   if constexpr (n == 4) {
-    const Vector2 offset = at.flexible.tail<2>();
-    const Vector2 ring_damper = leg.piston_ring->damping * at.ring_offset_rate;
-    r.template tail<2>() += sleeve + leg.piston_ring->stiffness * offset + ring_damper;
+    const Vector2L offset(at.flexible[2], at.flexible[3]);
+    const Vector2L ring_damper = legs.c_ring * at.ring_offset_rate;
+    for (int k = 0; k < 2; ++k) r[5 + k] += sleeve[k] + legs.k_g * offset[k] + ring_damper[k];
     about_n += cross(offset, ring_damper);
   }
   if (!around.spinning) r[0] += at.sine * about_n;
 }
 
 template <int n>
-Eigen::Matrix<double, 3 + n, 1> residual(const LegMotion& at, const LegSurroundings& around,
-                                         const Partials<n>& partials, const PointForces& forces) {
-  Eigen::Matrix<double, 3 + n, 1> r =
-      partials.g.transpose() * forces.g + partials.e.transpose() * forces.e;
-  r[0] -= at.cosine * forces.n.y();
-  r[1] += forces.n.x();
-  r[2] += forces.s;
-  if (around.spinning) {
-    r[0] += at.sine * forces.case_spin;
-    r += forces.rod_spin * partials.rod_spin;
+Eigen::Matrix<Lanes, 3 + n, 1> residual(const LegsInMotion& at, const LegSurroundings& around,
+                                        const Partials<n>& partials, const PointForces& forces) {
+  Eigen::Matrix<Lanes, 3 + n, 1> r;
+  for (int k = 0; k < 3 + n; ++k) {
+    r[k] = partials.g.col(k).dot(forces.g);
+    if (k != 2) r[k] += partials.e.col(k).dot(forces.e);
+    if (around.spinning) r[k] += forces.rod_spin * partials.rod_spin[k];
   }
+  r[0] -= at.cosine * forces.n[1];
+  r[1] += forces.n[0];
+  r[2] += forces.s;
+  if (around.spinning) r[0] += at.sine * forces.case_spin;
   if constexpr (n > 0) add_seals<n>(at, around, r);
   return r;
 }
 
 }  // namespace
 
-AxialSpin axial_spin(const LegMotion& at, const Vector3& piston_axis) {
-  AxialSpin spin{.of_case = at.omega.z()};
-  const Vector3 normal = at.e.cross(piston_axis);
-  const double square = normal.squaredNorm();
-  const double along = piston_axis.dot(at.e);
-  spin.row = -along / square * normal;
+Vector3L in_cases(const LegsInMotion& at, const Vector3& v) {
+  return at.R_BL.transpose() * Vector3L(Lanes(v.x()), Lanes(v.y()), Lanes(v.z()));
+}
+
+AxialSpin axial_spin(const LegsInMotion& at, const Vector3L& piston_axis) {
+  AxialSpin spin;
+  spin.of_case = at.omega[2];
+  const Vector3L normal = at.e.cross(piston_axis);
+  const Lanes per_square = 1.0 / normal.dot(normal);
+  const Lanes along = piston_axis.dot(at.e), ratio = along * per_square;
+  spin.row = -ratio * normal;
   spin.of_rod = at.omega.dot(at.e) + spin.row.dot(at.e_bending);
-  const Vector3 normal_rate = at.e_bending.cross(piston_axis);
-  const Vector3 row_rate =
-      (2.0 * along * normal.dot(normal_rate) / square - piston_axis.dot(at.e_bending)) / square *
-          normal -
-      along / square * normal_rate;
+  const Vector3L normal_rate = at.e_bending.cross(piston_axis);
+  const Lanes growth =
+      (two * ratio * normal.dot(normal_rate) - piston_axis.dot(at.e_bending)) * per_square;
+  const Vector3L row_rate = growth * normal - ratio * normal_rate;
   spin.row_rate = row_rate.dot(at.e_bending) + spin.row.dot(at.e_curvature);
   return spin;
 }
 
-double joint_friction_slope(const model::JointFriction& friction, double rate) {
-  if (friction.coulomb == 0.0) return friction.viscous;
-  const double ratio = rate / friction.smoothing_rate;
-  const double per_ratio = ratio > 1e-4 ? std::tanh(ratio) / ratio : 1.0 - ratio * ratio / 3.0;
-  return friction.viscous + friction.coulomb / friction.smoothing_rate * per_ratio;
+JointTurning joint_turning(const LegsInMotion& at, const LegConstants& legs, const Vector3& omega) {
+  JointTurning turning;
+  turning.base_rate = Vector3L(at.omega[1], -at.omega[0], zero);
+  const Vector3L omega_L = in_cases(at, omega);
+  turning.platform_rate = omega_L - at.e.dot(omega_L) * at.e - at.e.cross(at.e_rate);
+  const auto slope = [&](const Vector3L& rate) {
+    const Lanes ratio = sqrt(rate.dot(rate)) / legs.joint_smoothing;
+    const Lanes saturated =
+        each(ratio, [](double q) { return q > 1e-4 ? std::tanh(q) / q : 1.0 - q * q / 3.0; });
+    return legs.joint_viscous + legs.joint_coulomb / legs.joint_smoothing * saturated;
+  };
+  turning.base_slope = slope(turning.base_rate);
+  turning.platform_slope = slope(turning.platform_rate);
+  return turning;
 }
 
 template <int n>
-void leg_mass(const LegMotion& at, const LegSurroundings& around, LegEquations<n>& equations) {
-  Partials<n> partials(at, around.leg.rod.mass_center);
-  if (around.spinning) partials.add_spin(at, axial_spin(at, around.piston_axis).row);
+void leg_mass(const LegsInMotion& at, const LegSurroundings& around, LegEquations<n>& equations) {
+  Partials<n> partials(at, around.legs.c_g);
+  if (around.spinning) partials.add_spin(at, axial_spin(at, around.legs.piston_axis).row);
   mass<n>(at, around, partials, equations);
 }
 
 template <int n>
-void leg_equations(const LegMotion& at, const LegSurroundings& around, LegEquations<n>& equations) {
-  const auto& rod = around.leg.rod;
-  Partials<n> partials(at, rod.mass_center);
+void leg_equations(const LegsInMotion& at, const LegSurroundings& around,
+                   LegEquations<n>& equations) {
+  const auto& legs = around.legs;
+  Partials<n> partials(at, legs.c_g);
   AxialSpin spin;
   if (around.spinning) {
-    spin = axial_spin(at, around.piston_axis);
+    spin = axial_spin(at, legs.piston_axis);
     partials.add_spin(at, spin.row);
   }
   mass<n>(at, around, partials, equations);
 
-  const Vector3 kappa = equations.A_inverse * (at.R_BL.transpose() * around.joint_bias -
-                                               joint_bias_in_chart(at, rod.length));
-  const auto accelerations = point_accelerations(at, kappa, rod.mass_center);
+  const Vector3L bias =
+      at.R_BL.transpose() * around.joint_bias - joint_bias_in_chart(at, legs.l_mn);
+  const Vector3L kappa = equations.A_inverse * bias;
+  const auto accelerations = point_accelerations(at, kappa, legs.c_g);
   PointForces forces = point_forces(at, around, accelerations, spin);
   equations.joint_moment = at.R_BL * add_joint_friction(at, around, forces);
-  const Eigen::Matrix<double, 3 + n, 1> r = residual<n>(at, around, partials, forces);
+  const Eigen::Matrix<Lanes, 3 + n, 1> r = residual<n>(at, around, partials, forces);
   equations.r_c = r.template head<3>();
   if constexpr (n > 0) {
-    const Eigen::Matrix<double, 3, n> F = flexible_joint_rates<n>(at, rod.length);
-    equations.r_f =
-        r.template tail<n>() - F.transpose() * (equations.A_inverse.transpose() * equations.r_c);
+    const Eigen::Matrix<Lanes, 3, n> F = flexible_joint_rates<n>(at, legs.l_mn);
+    const Vector3L at_joint = equations.A_inverse.transpose() * equations.r_c;
+    equations.r_f = r.template tail<n>() - F.transpose() * at_joint;
   }
 }
 
-template void leg_mass<0>(const LegMotion&, const LegSurroundings&, LegEquations<0>&);
-template void leg_mass<2>(const LegMotion&, const LegSurroundings&, LegEquations<2>&);
-template void leg_mass<4>(const LegMotion&, const LegSurroundings&, LegEquations<4>&);
-template void leg_equations<0>(const LegMotion&, const LegSurroundings&, LegEquations<0>&);
-template void leg_equations<2>(const LegMotion&, const LegSurroundings&, LegEquations<2>&);
-template void leg_equations<4>(const LegMotion&, const LegSurroundings&, LegEquations<4>&);
+template void leg_mass<0>(const LegsInMotion&, const LegSurroundings&, LegEquations<0>&);
+template void leg_mass<2>(const LegsInMotion&, const LegSurroundings&, LegEquations<2>&);
+template void leg_mass<4>(const LegsInMotion&, const LegSurroundings&, LegEquations<4>&);
+template void leg_equations<0>(const LegsInMotion&, const LegSurroundings&, LegEquations<0>&);
+template void leg_equations<2>(const LegsInMotion&, const LegSurroundings&, LegEquations<2>&);
+template void leg_equations<4>(const LegsInMotion&, const LegSurroundings&, LegEquations<4>&);
 
 }  // namespace hydrapod::dynamics

@@ -1,107 +1,126 @@
 #include "leg_motion.hpp"
 
 #include <Eigen/Geometry>
-#include <cmath>
 
 namespace hydrapod::dynamics {
 
 namespace {
 
 /// Direction of the rod, its slopes, and how it moves in the frame of the case.
-void bend(LegMotion& at) {
-  const double s1 = std::sin(at.flexible[0]), c1 = std::cos(at.flexible[0]);
-  const double s2 = std::sin(at.flexible[1]), c2 = std::cos(at.flexible[1]);
+void bend(LegsInMotion& at) {
+  Lanes s1, c1, s2, c2;
+  sine_cosine(at.flexible[0], s1, c1);
+  sine_cosine(at.flexible[1], s2, c2);
   at.e << s2, -s1 * c2, c1 * c2;
-  at.e_1 << 0.0, -c1 * c2, -s1 * c2;
+  at.e_1 << Lanes(0.0), -c1 * c2, -s1 * c2;
   at.e_2 << c2, s1 * s2, -c1 * s2;
-  const double r1 = at.flexible_rate[0], r2 = at.flexible_rate[1];
+  const Lanes r1 = at.flexible_rate[0], r2 = at.flexible_rate[1];
   at.e_bending = r1 * at.e_1 + r2 * at.e_2;
-  const double mixed = 2.0 * r1 * r2, squares = r1 * r1 + r2 * r2;
+  const Lanes mixed = 2.0 * r1 * r2, squares = r1 * r1 + r2 * r2;
   at.e_curvature << -s2 * r2 * r2, squares * s1 * c2 + mixed * c1 * s2,
-      -squares * c1 * c2 + mixed * s1 * s2;
+      mixed * s1 * s2 - squares * c1 * c2;
+}
+
+void stay_straight(LegsInMotion& at) {
+  at.e << Lanes(0.0), Lanes(0.0), Lanes(1.0);
+  at.e_1 << Lanes(0.0), Lanes(-1.0), Lanes(0.0);
+  at.e_2 << Lanes(1.0), Lanes(0.0), Lanes(0.0);
+  at.e_bending.setConstant(Lanes(0.0));
+  at.e_curvature.setConstant(Lanes(0.0));
 }
 
 /// Extension, gimbal angles and frame from the joint at `L` from the base joint.
-bool close_leg(const model::Leg& leg, const Vector3& L, const Vector3& a1, LegMotion& at) {
-  at.P = leg.rod.length * at.e;
-  at.P.head<2>() += at.flexible.tail<2>();
-  const double discriminant = L.squaredNorm() - at.P.head<2>().squaredNorm();
-  if (!(discriminant > 0.0)) return false;
-  const double P_z = std::sqrt(discriminant);
-  at.s = P_z - at.P.z();
-  at.P.z() = P_z;
+Lanes close_legs(const LegConstants& legs, const Vector3L& L, LegsInMotion& at) {
+  at.P = legs.l_mn * at.e;
+  at.P[0] += at.flexible[2];
+  at.P[1] += at.flexible[3];
+  const Lanes square_L = L.dot(L);
+  const Lanes z2 = square_L - at.P[0] * at.P[0] - at.P[1] * at.P[1];
+  const Lanes P_z = sqrt(z2);
+  at.s = P_z - at.P[2];
+  at.P[2] = P_z;
 
-  const double h = a1.dot(L);
-  const double square = at.P.x() * at.P.x() + P_z * P_z;
-  if (!(h * h < square)) return false;
-  const double k = std::sqrt(square - h * h);  // distance of the joint from the plane of a1 and a2
-  at.cosine = (k * P_z + h * at.P.x()) / square;
-  at.sine = (h * P_z - k * at.P.x()) / square;
-  const Vector3 L_normal = L - h * a1;
-  const Vector3 a2 = (at.P.y() * L_normal - k * a1.cross(L_normal)) / L_normal.squaredNorm();
-  const Vector3 w = a1.cross(a2);
-  at.R_BL << at.cosine * a1 - at.sine * w, a2, at.sine * a1 + at.cosine * w;
-  return true;
+  const Vector3L& a1 = legs.axis;
+  const Lanes h = a1.dot(L);
+  const Lanes square = at.P[0] * at.P[0] + z2;
+  const Lanes k2 = square - h * h;
+  const Lanes k = sqrt(k2);  // distance of the joint from the plane of a1 and a2
+  const Lanes per_square = 1.0 / square;
+  at.cosine = (k * P_z + h * at.P[0]) * per_square;
+  at.sine = (h * P_z - k * at.P[0]) * per_square;
+  const Vector3L L_normal = L - h * a1;
+  const Vector3L across = a1.cross(L_normal);
+  const Lanes per_normal = 1.0 / (square_L - h * h);
+  const Vector3L a2 = (at.P[1] * per_normal) * L_normal - (k * per_normal) * across;
+  const Vector3L w = a1.cross(a2);
+  at.R_BL.col(0) = at.cosine * a1 - at.sine * w;
+  at.R_BL.col(1) = a2;
+  at.R_BL.col(2) = at.sine * a1 + at.cosine * w;
+  Lanes exist(0.0);
+  for (int i = 0; i < Lanes::size; ++i) exist.set(i, z2[i] > 0.0 && k2[i] > 0.0 ? 1.0 : 0.0);
+  return exist;
 }
 
 /// Rates of the chart from the joint's velocity.
-void turn_and_extend(const model::Leg& leg, LegMotion& at) {
-  Vector3 v = at.R_BL.transpose() * at.v_a - leg.rod.length * at.e_bending;
-  v.head<2>() -= at.flexible_rate.tail<2>();
-  const Vector3& P = at.P;
-  const double alpha = -v.y() / (at.cosine * P.z() - at.sine * P.x());
-  const double beta = (v.x() + at.sine * P.y() * alpha) / P.z();
-  at.s_rate = v.z() - at.cosine * P.y() * alpha + P.x() * beta;
-  at.case_rate << alpha, beta;
-  at.omega << at.cosine * alpha, beta, at.sine * alpha;
+void turn_and_extend(const LegConstants& legs, const Vector3L& v_a, LegsInMotion& at) {
+  Vector3L v = at.R_BL.transpose() * v_a - legs.l_mn * at.e_bending;
+  v[0] -= at.flexible_rate[2];
+  v[1] -= at.flexible_rate[3];
+  const Vector3L& P = at.P;
+  at.alpha = -v[1] / (at.cosine * P[2] - at.sine * P[0]);
+  at.beta = (v[0] + at.sine * P[1] * at.alpha) / P[2];
+  at.s_rate = v[2] - at.cosine * P[1] * at.alpha + P[0] * at.beta;
+  at.omega << at.cosine * at.alpha, at.beta, at.sine * at.alpha;
 }
 
-void place_points(const model::Leg& leg, LegMotion& at) {
+void place_points(const LegConstants& legs, LegsInMotion& at) {
   at.e_rate = at.omega.cross(at.e) + at.e_bending;
-  const Vector3 piston(at.flexible[2], at.flexible[3], at.s);
-  const Vector3 piston_rate(at.flexible_rate[2], at.flexible_rate[3], at.s_rate);
-  at.g = piston + leg.rod.mass_center * at.e;
-  at.g_rate = at.omega.cross(at.g) + piston_rate + leg.rod.mass_center * at.e_bending;
+  const Vector3L piston(at.flexible[2], at.flexible[3], at.s);
+  const Vector3L piston_rate(at.flexible_rate[2], at.flexible_rate[3], at.s_rate);
+  at.g = piston + legs.c_g * at.e;
+  at.g_rate = at.omega.cross(at.g) + piston_rate + legs.c_g * at.e_bending;
 }
 
 /// What the seals feel. With transverse axes the case does not spin with its frame, so lateral
 /// vectors turn in it.
-void deflect_seals(const model::Leg& leg, bool spinning, LegMotion& at) {
-  const double h = leg.guide_sleeve.position - at.s, q = at.e.z();
-  const Vector2 slope = at.e.head<2>() / q;
-  at.sleeve_offset = at.flexible.tail<2>() + h * slope;
-  at.sleeve_slopes << -slope, h * (at.e_1.head<2>() - slope * at.e_1.z()) / q,
-      h * (at.e_2.head<2>() - slope * at.e_2.z()) / q;
-  const double spin = spinning ? 0.0 : at.omega.z();
-  const auto turned = [&](const Vector2& v) { return Vector2(-spin * v.y(), spin * v.x()); };
-  at.ring_offset_rate = at.flexible_rate.tail<2>() + turned(at.flexible.tail<2>());
-  at.sleeve_offset_rate =
-      at.flexible_rate.tail<2>() +
-      at.sleeve_slopes * Vector3(at.s_rate, at.flexible_rate[0], at.flexible_rate[1]) +
-      turned(at.sleeve_offset);
+void deflect_seals(const LegConstants& legs, bool spinning, LegsInMotion& at) {
+  const Lanes h = legs.L_g - at.s, per_q = 1.0 / at.e[2], scale = h * per_q;
+  const Vector2L u(at.flexible[2], at.flexible[3]);
+  const Vector2L u_rate(at.flexible_rate[2], at.flexible_rate[3]);
+  const Vector2L slope(at.e[0] * per_q, at.e[1] * per_q);
+  at.sleeve_offset = u + h * slope;
+  at.sleeve_slopes.col(0) = -slope;
+  at.sleeve_slopes.col(1) =
+      scale * Vector2L(at.e_1[0] - slope[0] * at.e_1[2], at.e_1[1] - slope[1] * at.e_1[2]);
+  at.sleeve_slopes.col(2) =
+      scale * Vector2L(at.e_2[0] - slope[0] * at.e_2[2], at.e_2[1] - slope[1] * at.e_2[2]);
+  at.ring_offset_rate = u_rate;
+  at.sleeve_offset_rate = u_rate + at.s_rate * at.sleeve_slopes.col(0) +
+                          at.flexible_rate[0] * at.sleeve_slopes.col(1) +
+                          at.flexible_rate[1] * at.sleeve_slopes.col(2);
+  if (spinning) return;
+  const auto turned = [&](const Vector2L& v) {
+    return Vector2L(-at.omega[2] * v[1], at.omega[2] * v[0]);
+  };
+  at.ring_offset_rate += turned(u);
+  at.sleeve_offset_rate += turned(at.sleeve_offset);
 }
 
 }  // namespace
 
-void move_leg(const model::Leg& leg, const Vector3& axis, bool spinning, bool flexible,
-              LegMotion& at) {
-  if (flexible) {
+Lanes move_legs(const LegConstants& legs, const Vector3L& L, const Vector3L& v_a, bool spinning,
+                bool flexible, LegsInMotion& at) {
+  if (flexible)
     bend(at);
-  } else {
-    at.e = Vector3::UnitZ();
-    at.e_1 << 0.0, -1.0, 0.0;
-    at.e_2 << 1.0, 0.0, 0.0;
-    at.e_bending.setZero();
-    at.e_curvature.setZero();
-  }
-  const Vector3 L = at.a - leg.base_joint;
-  at.length = L.norm();
-  at.length_rate = L.dot(at.v_a) / at.length;
-  at.exists = close_leg(leg, L, axis, at);
-  if (!at.exists) return;
-  turn_and_extend(leg, at);
-  place_points(leg, at);
-  deflect_seals(leg, spinning, at);
+  else
+    stay_straight(at);
+  at.length = sqrt(L.dot(L));
+  at.length_rate = L.dot(v_a) / at.length;
+  const Lanes exist = close_legs(legs, L, at);
+  turn_and_extend(legs, v_a, at);
+  place_points(legs, at);
+  deflect_seals(legs, spinning, at);
+  return exist;
 }
 
 }  // namespace hydrapod::dynamics

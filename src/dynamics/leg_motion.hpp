@@ -1,14 +1,14 @@
 #pragma once
-/// Kinematics of one leg in motion. Private to NonlinearModel.
+/// Kinematics of the legs in motion. Private to NonlinearModel.
 
 #include "hydrapod/dynamics/nonlinear.hpp"
 
 namespace hydrapod::dynamics {
 
-/// Fills `at` from joint position and velocity (`at.a`, `at.v_a`) and the flexible coordinates
-/// (`at.flexible`, `at.flexible_rate`). `axis`: first axis of the leg's frame in B. `spinning`:
-/// gimbal axes, the case turns with its frame.
-void move_leg(const model::Leg& leg, const Vector3& axis, bool spinning, bool flexible,
-              LegMotion& at);
+/// Fills `at` from the flexible coordinates in it, L = a − b and the joint's velocity in B.
+/// `spinning`: gimbal axes, the case turns with its frame. Where a leg cannot be closed its lane of
+/// the result is 0, else 1.
+Lanes move_legs(const LegConstants& legs, const Vector3L& L, const Vector3L& v_a, bool spinning,
+                bool flexible, LegsInMotion& at);
 
 }  // namespace hydrapod::dynamics

@@ -16,8 +16,6 @@ namespace hydrapod::dynamics {
 
 namespace {
 
-using Jacobian = Eigen::Matrix<double, 3, 6>;
-
 /// Writes a vector to where `to` points.
 template <class Vector>
 void store(const Vector& v, double* to) {
@@ -59,83 +57,148 @@ LegState in_frame(const model::Leg& leg, const Vector3& a, model::FlexibleAxes a
   return result;
 }
 
+Vector3L broadcast(const Vector3& v) { return {Lanes(v.x()), Lanes(v.y()), Lanes(v.z())}; }
+
+Matrix3L broadcast(const Matrix3& R) {
+  Matrix3L lanes;
+  for (int k = 0; k < 9; ++k) lanes(k % 3, k / 3) = Lanes(R(k % 3, k / 3));
+  return lanes;
+}
+
+/// Turns what belongs to the legs one by one into lanes; the lanes that are no legs repeat leg 1.
+template <class Value>
+Lanes gather(Value value) {
+  Lanes lanes;
+  for (int i = 0; i < Lanes::size; ++i) lanes.set(i, value(i < model::leg_count ? i : 0));
+  return lanes;
+}
+template <class Value>
+Vector3L gather_vectors(Value value) {
+  Vector3L lanes;
+  for (int k = 0; k < 3; ++k) lanes[k] = gather([&](int i) { return value(i)[k]; });
+  return lanes;
+}
+
+LegConstants gather_constants(const model::Machine& machine,
+                              const std::array<Vector3, model::leg_count>& axes,
+                              const std::array<Vector3, model::leg_count>& piston_axes) {
+  const auto& legs = machine.legs;
+  const auto tube = [&](int i) -> const auto& { return legs[i].cylinder_case; };
+  const auto rod = [&](int i) -> const auto& { return legs[i].rod; };
+  const auto joint = [&](int i) -> const auto& { return legs[i].hydraulics.joint_friction; };
+  const auto ring = [&](int i) { return legs[i].piston_ring.value_or(model::PistonRing{}); };
+  LegConstants to;
+  to.b = gather_vectors([&](int i) { return legs[i].base_joint; });
+  to.axis = gather_vectors([&](int i) { return axes[i]; });
+  to.arm = gather_vectors(
+      [&](int i) -> Vector3 { return legs[i].platform_joint - machine.platform.mass_center; });
+  to.piston_axis = gather_vectors([&](int i) { return piston_axes[i]; });
+  to.l_mn = gather([&](int i) { return rod(i).length; });
+  to.c_g = gather([&](int i) { return rod(i).mass_center; });
+  to.L_g = gather([&](int i) { return legs[i].guide_sleeve.position; });
+  to.m_t_r_b = gather([&](int i) { return tube(i).mass * tube(i).mass_center; });
+  to.I_b = gather([&](int i) {
+    return tube(i).transverse_inertia + tube(i).mass * tube(i).mass_center * tube(i).mass_center;
+  });
+  to.I_ta = gather([&](int i) { return tube(i).axial_inertia; });
+  to.m_g = gather([&](int i) { return rod(i).mass; });
+  to.I_r = gather([&](int i) { return rod(i).transverse_inertia; });
+  to.I_ra = gather([&](int i) { return rod(i).axial_inertia; });
+  to.m_a = gather([&](int i) { return legs[i].added_axial_inertia; });
+  to.k_s = gather([&](int i) { return legs[i].guide_sleeve.stiffness; });
+  to.c_s = gather([&](int i) { return legs[i].guide_sleeve.damping; });
+  to.k_g = gather([&](int i) { return ring(i).stiffness; });
+  to.c_ring = gather([&](int i) { return ring(i).damping; });
+  to.joint_viscous = gather([&](int i) { return joint(i).viscous; });
+  to.joint_coulomb = gather([&](int i) { return joint(i).coulomb; });
+  to.joint_smoothing = gather([&](int i) { return joint(i).smoothing_rate; });
+  to.real = Lanes(1.0);
+  for (int i = model::leg_count; i < Lanes::size; ++i) to.real.set(i, 0.0);
+  return to;
+}
+
+bool has_joint_friction(const model::Machine& machine) {
+  return std::any_of(machine.legs.begin(), machine.legs.end(), [](const model::Leg& leg) {
+    const auto& friction = leg.hydraulics.joint_friction;
+    return friction.viscous != 0.0 || friction.coulomb != 0.0;
+  });
+}
+
 /// The machine's 6×6 system and its legs, for `n` flexible coordinates per leg.
 template <int n>
 class Assembly {
  public:
-  Assembly(const Motion& motion, const model::Machine& machine, bool spinning,
-           const std::array<Vector3, model::leg_count>& piston_axes)
-      : motion_(motion), machine_(machine), spinning_(spinning), piston_axes_(piston_axes) {}
+  Assembly(const Motion& motion, const model::Platform& platform, const LegSurroundings& around)
+      : motion_(motion), platform_(platform), around_(around) {}
 
-  void solve(const Loads& loads, double* v_rate) {
-    const auto& platform = machine_.platform;
+  void solve(const Vector6& wrench, double* v_rate) {
     const Vector3 omega = motion_.twist.tail<3>();
-    const Matrix3 inertia = motion_.X_BP.R_BP * platform.inertia * motion_.X_BP.R_BP.transpose();
-    Matrix6 M = Matrix6::Zero();
-    M.diagonal().head<3>().setConstant(platform.mass);
-    M.bottomRightCorner<3, 3>() = inertia;
-    Vector6 force = loads.wrench;
-    force.head<3>() += platform.mass * machine_.gravity;
+    const Matrix3 inertia = motion_.X_BP.R_BP * platform_.inertia * motion_.X_BP.R_BP.transpose();
+    Vector6 force = wrench;
+    force.head<3>() += platform_.mass * around_.gravity;
     force.tail<3>() -= omega.cross(inertia * omega);
-    std::array<LegEquations<n>, model::leg_count> legs;
-    std::array<Jacobian, model::leg_count> J;
-    for (int i = 0; i < model::leg_count; ++i) {
-      const Vector3 arm = motion_.legs[i].a - motion_.p_BC;
-      const auto around = surroundings(i, omega.cross(omega.cross(arm)), loads.axial[i]);
-      leg_equations<n>(motion_.legs[i], around, legs[i]);
-      J[i] = jacobian(i, legs[i].A_inverse, arm);
-      const Jacobian SJ = legs[i].eliminated_mass() * J[i];
-      M.noalias() += J[i].transpose() * SJ;
-      force.noalias() -= J[i].transpose() * legs[i].eliminated_residual();
-      force.tail<3>() += legs[i].joint_moment;
+    LegEquations<n> legs;
+    leg_equations<n>(motion_.lanes, around_, legs);
+    const JacobianL J = jacobian(legs.A_inverse);
+    const Matrix3L S = around_.legs.real * legs.eliminated_mass();
+    const Vector3L r = around_.legs.real * legs.eliminated_residual();
+    const JacobianL SJ = S * J;
+    Matrix6 M;
+    for (int column = 0; column < 6; ++column) {
+      for (int row = column; row < 6; ++row) M(row, column) = J.col(row).dot(SJ.col(column)).sum();
+      force[column] -= J.col(column).dot(r).sum();
     }
-    const Vector6 acceleration = M.llt().solve(force);
+    M.diagonal().head<3>().array() += platform_.mass;
+    M.bottomRightCorner<3, 3>() += inertia;
+    if (around_.joint_friction)
+      for (int k = 0; k < 3; ++k) force[3 + k] += legs.joint_moment[k].sum();
+    const Vector6 acceleration = Eigen::LLT<Matrix6>(M).solve(force);  // reads the lower half
     store(acceleration, v_rate);
-    if constexpr (n > 0)
-      for (int i = 0; i < model::leg_count; ++i)
-        store(legs[i].flexible_acceleration(J[i] * acceleration), v_rate + 6 + n * i);
+    if constexpr (n > 0) {
+      Eigen::Matrix<Lanes, 6, 1> everywhere;
+      for (int k = 0; k < 6; ++k) everywhere[k] = Lanes(acceleration[k]);
+      const auto flexible = legs.flexible_acceleration(J * everywhere);
+      for (int k = 0; k < n; ++k)
+        for (int i = 0; i < model::leg_count; ++i) v_rate[6 + n * i + k] = flexible[k][i];
+    }
   }
 
   void add_mass(Eigen::MatrixXd& M) {
-    for (int i = 0; i < model::leg_count; ++i) {
-      LegEquations<n> leg;
-      leg_mass<n>(motion_.legs[i], surroundings(i, Vector3::Zero(), 0.0), leg);
-      const Jacobian J = jacobian(i, leg.A_inverse, motion_.legs[i].a - motion_.p_BC);
-      M.topLeftCorner<6, 6>() += J.transpose() * leg.M_cc * J;
-      if constexpr (n > 0) {
-        const int at = 6 + n * i;
-        M.block<6, n>(0, at) = J.transpose() * leg.X;
-        M.block<n, 6>(at, 0) = leg.X.transpose() * J;
-        M.block<n, n>(at, at) = leg.M_ff;
-      }
+    LegEquations<n> legs;
+    leg_mass<n>(motion_.lanes, around_, legs);
+    const JacobianL J = jacobian(legs.A_inverse);
+    const Matrix3L S = around_.legs.real * legs.M_cc;
+    const JacobianL SJ = S * J;
+    for (int k = 0; k < 36; ++k) M(k % 6, k / 6) += J.col(k % 6).dot(SJ.col(k / 6)).sum();
+    if constexpr (n > 0) {
+      const Eigen::Matrix<Lanes, 6, n> coupling = J.transpose() * legs.X;
+      for (int i = 0; i < model::leg_count; ++i)
+        for (int k = 0; k < n; ++k) {
+          const int at = 6 + n * i + k;
+          for (int row = 0; row < 6; ++row) M(row, at) = M(at, row) = coupling(row, k)[i];
+          for (int j = 0; j < n; ++j) M(6 + n * i + j, at) = legs.M_ff(j, k)[i];
+        }
     }
   }
 
  private:
-  [[nodiscard]] LegSurroundings surroundings(int i, const Vector3& joint_bias, double axial) const {
-    return {machine_.legs[i],
-            machine_.gravity,
-            piston_axes_[i],
-            spinning_,
-            motion_.twist.tail<3>(),
-            joint_bias,
-            axial};
-  }
+  using JacobianL = Eigen::Matrix<Lanes, 3, 6>;
+
   /// Chart rates (α̇, β̇, ṡ) per platform twist.
-  [[nodiscard]] Jacobian jacobian(int i, const Matrix3& A_inverse, const Vector3& arm) const {
-    Jacobian J;
-    J.leftCols<3>() = A_inverse * motion_.legs[i].R_BL.transpose();
+  [[nodiscard]] JacobianL jacobian(const Matrix3L& A_inverse) const {
+    JacobianL J;
+    const Matrix3L linear = A_inverse * motion_.lanes.R_BL.transpose();
     for (int row = 0; row < 3; ++row) {
-      const Vector3 j = J.row(row).head<3>();
-      J.row(row).tail<3>() = arm.cross(j);
+      const Vector3L j = linear.row(row).transpose();
+      J.row(row).head<3>() = j.transpose();
+      J.row(row).tail<3>() = motion_.lanes.arm.cross(j).transpose();
     }
     return J;
   }
 
   const Motion& motion_;
-  const model::Machine& machine_;
-  bool spinning_;
-  const std::array<Vector3, model::leg_count>& piston_axes_;
+  const model::Platform& platform_;
+  const LegSurroundings& around_;
 };
 
 /// Calls `use` with the number of flexible coordinates per leg as a constant.
@@ -161,22 +224,28 @@ NonlinearModel::NonlinearModel(const model::Machine& machine, ModelKind kind,
                                const spatial::Pose& X_reference)
     : machine_(machine),
       kind_(kind),
-      spinning_(machine.flexible_axes == model::FlexibleAxes::gimbal) {
+      spinning_(machine.flexible_axes == model::FlexibleAxes::gimbal),
+      joint_friction_(has_joint_friction(machine)) {
   require_piston_rings(machine, kind);
   const auto geometry = kinematics::inverse_kinematics(machine, X_reference);
   for (int i = 0; i < model::leg_count; ++i) {
     const auto& leg = machine.legs[i];
     const auto frame = leg_frame(geometry[i].n, leg.gimbal_axis, machine.flexible_axes);
     axes_[i] = frame_axis(geometry[i].n, leg.gimbal_axis, machine.flexible_axes);
-    arms_[i] = leg.platform_joint - machine.platform.mass_center;
     piston_axes_[i] = Vector3(1.0, 0.0, frame.tan_gimbal).normalized();
   }
-  if (!spinning_ || kind == ModelKind::rigid) return;
-  const auto rest = static_equilibrium(machine, X_reference, kind);
+  if (spinning_ && kind != ModelKind::rigid) turn_piston_axes(X_reference);
+  constants_ = gather_constants(machine_, axes_, piston_axes_);
+}
+
+/// To where the gimbals' axes are when the legs are bent by gravity.
+void NonlinearModel::turn_piston_axes(const spatial::Pose& X_reference) {
+  const auto rest = static_equilibrium(machine_, X_reference, kind_);
   if (rest.status != StaticsStatus::converged) return;
+  const auto geometry = kinematics::inverse_kinematics(machine_, X_reference);
   for (int i = 0; i < model::leg_count; ++i) {
-    const auto bent = bent_leg(machine.legs[i], geometry[i].a, machine.flexible_axes,
-                               machine.gravity, rest.legs[i]);
+    const auto bent = bent_leg(machine_.legs[i], geometry[i].a, machine_.flexible_axes,
+                               machine_.gravity, rest.legs[i]);
     piston_axes_[i] = Vector3(1.0, 0.0, bent.element.frame.tan_gimbal).normalized();
   }
 }
@@ -212,16 +281,26 @@ void NonlinearModel::motion(const double* y, const double* v, Motion& motion) co
   motion.X_BP.p_BP = motion.p_BC - motion.X_BP.R_BP * machine_.platform.mass_center;
   motion.twist = Eigen::Map<const Vector6>(v);
   const Vector3 velocity = motion.twist.head<3>(), omega = motion.twist.tail<3>();
+  auto& lanes = motion.lanes;
+  lanes.flexible.setConstant(Lanes(0.0));
+  lanes.flexible_rate.setConstant(Lanes(0.0));
+  for (int k = 0; k < n; ++k) {
+    lanes.flexible[k] = gather([&](int i) { return y[7 + n * i + k]; });
+    lanes.flexible_rate[k] = gather([&](int i) { return v[6 + n * i + k]; });
+  }
+  lanes.arm = broadcast(motion.X_BP.R_BP) * constants_.arm;
+  const Vector3L L = broadcast(motion.p_BC) + lanes.arm - constants_.b;
+  const Vector3L v_a = broadcast(velocity) + broadcast(omega).cross(lanes.arm);
+  const Lanes exist = move_legs(constants_, L, v_a, spinning_, n > 0, lanes);
   for (int i = 0; i < model::leg_count; ++i) {
     auto& leg = motion.legs[i];
-    const Vector3 arm = motion.X_BP.R_BP * arms_[i];
-    leg.a = motion.p_BC + arm;
-    leg.v_a = velocity + omega.cross(arm);
-    for (int k = 0; k < n; ++k) {
-      leg.flexible[k] = y[7 + n * i + k];
-      leg.flexible_rate[k] = v[6 + n * i + k];
-    }
-    move_leg(machine_.legs[i], axes_[i], spinning_, n > 0, leg);
+    leg.exists = exist[i] > 0.0;
+    leg.length = lanes.length[i];
+    leg.length_rate = lanes.length_rate[i];
+    leg.s = lanes.s[i];
+    leg.s_rate = lanes.s_rate[i];
+    for (int k = 0; k < n; ++k) leg.flexible[k] = lanes.flexible[k][i];
+    leg.sleeve_offset << lanes.sleeve_offset[0][i], lanes.sleeve_offset[1][i];
   }
 }
 
@@ -234,8 +313,17 @@ void NonlinearModel::rates(const double* y, const double* v, double* y_rate) con
 }
 
 void NonlinearModel::accelerations(const Motion& motion, const Loads& loads, double* v_rate) const {
+  const Vector3L omega = broadcast(Vector3(motion.twist.tail<3>()));
+  const Vector3L swing = omega.cross(motion.lanes.arm);
+  const LegSurroundings around{constants_,
+                               spinning_,
+                               joint_friction_,
+                               machine_.gravity,
+                               motion.twist.tail<3>(),
+                               omega.cross(swing),
+                               gather([&](int i) { return loads.axial[i]; })};
   with_flexible(kind_, [&](auto n) {
-    Assembly<n()>(motion, machine_, spinning_, piston_axes_).solve(loads, v_rate);
+    Assembly<n()>(motion, machine_.platform, around).solve(loads.wrench, v_rate);
   });
 }
 
@@ -243,63 +331,67 @@ Eigen::MatrixXd NonlinearModel::mass_matrix(const Motion& motion) const {
   Eigen::MatrixXd M = Eigen::MatrixXd::Zero(velocities(), velocities());
   M.diagonal().head<3>().setConstant(machine_.platform.mass);
   M.block<3, 3>(3, 3) = motion.X_BP.R_BP * machine_.platform.inertia * motion.X_BP.R_BP.transpose();
-  with_flexible(
-      kind_, [&](auto n) { Assembly<n()>(motion, machine_, spinning_, piston_axes_).add_mass(M); });
+  const LegSurroundings around{constants_,
+                               spinning_,
+                               joint_friction_,
+                               machine_.gravity,
+                               motion.twist.tail<3>(),
+                               broadcast(Vector3(Vector3::Zero())),
+                               Lanes(0.0)};
+  with_flexible(kind_,
+                [&](auto n) { Assembly<n()>(motion, machine_.platform, around).add_mass(M); });
   return M;
 }
 
 Energies NonlinearModel::energies(const Motion& motion) const {
-  Energies energy;
   const auto& platform = machine_.platform;
+  const auto& legs = constants_;
+  const auto& at = motion.lanes;
   const Vector3 velocity = motion.twist.head<3>();
   const Vector3 omega_P = motion.X_BP.R_BP.transpose() * motion.twist.tail<3>();
+  Energies energy;
   energy.platform =
       0.5 * platform.mass * velocity.squaredNorm() + 0.5 * omega_P.dot(platform.inertia * omega_P);
+  Lanes twice = legs.I_b * (at.omega[0] * at.omega[0] + at.omega[1] * at.omega[1]) +
+                legs.m_g * at.g_rate.dot(at.g_rate) + legs.I_r * at.e_rate.dot(at.e_rate) +
+                legs.m_a * at.s_rate * at.s_rate;
+  if (spinning_) {
+    const auto spin = axial_spin(at, legs.piston_axis);
+    twice += legs.I_ta * spin.of_case * spin.of_case + legs.I_ra * spin.of_rod * spin.of_rod;
+  }
+  energy.legs = 0.5 * twice.sum();
   energy.gravity = -platform.mass * machine_.gravity.dot(motion.p_BC);
-  for (int i = 0; i < model::leg_count; ++i) {
-    const auto& leg = machine_.legs[i];
-    const auto& at = motion.legs[i];
-    const auto& tube = leg.cylinder_case;
-    const auto& rod = leg.rod;
-    const double I_b = tube.transverse_inertia + tube.mass * tube.mass_center * tube.mass_center;
-    energy.legs +=
-        0.5 * (I_b * at.omega.head<2>().squaredNorm() + rod.mass * at.g_rate.squaredNorm() +
-               rod.transverse_inertia * at.e_rate.squaredNorm() +
-               leg.added_axial_inertia * at.s_rate * at.s_rate);
-    if (spinning_) {
-      const auto spin = axial_spin(at, piston_axes_[i]);
-      energy.legs += 0.5 * (tube.axial_inertia * spin.of_case * spin.of_case +
-                            rod.axial_inertia * spin.of_rod * spin.of_rod);
-    }
-    const Vector3 g_L = at.R_BL.transpose() * machine_.gravity;
-    const double base_share = (tube.mass + rod.mass) * machine_.gravity.dot(leg.base_joint);
+  for (const auto& leg : machine_.legs)
     energy.gravity -=
-        tube.mass * tube.mass_center * g_L.z() + rod.mass * g_L.dot(at.g) + base_share;
-    if (kind_ != ModelKind::rigid)
-      energy.sleeves += 0.5 * leg.guide_sleeve.stiffness * at.sleeve_offset.squaredNorm();
-    if (kind_ == ModelKind::full)
-      energy.rings += 0.5 * leg.piston_ring->stiffness * at.flexible.tail<2>().squaredNorm();
+        (leg.cylinder_case.mass + leg.rod.mass) * machine_.gravity.dot(leg.base_joint);
+  const Vector3L g_L = in_cases(at, machine_.gravity);
+  const Lanes weight = legs.m_t_r_b * g_L[2] + legs.m_g * g_L.dot(at.g);
+  energy.gravity -= weight.sum();
+  if (kind_ != ModelKind::rigid) {
+    const Lanes sleeves = legs.k_s * at.sleeve_offset.dot(at.sleeve_offset);
+    energy.sleeves = 0.5 * sleeves.sum();
+  }
+  if (kind_ == ModelKind::full) {
+    const Lanes rings =
+        legs.k_g * (at.flexible[2] * at.flexible[2] + at.flexible[3] * at.flexible[3]);
+    energy.rings = 0.5 * rings.sum();
   }
   return energy;
 }
 
 double NonlinearModel::dissipation(const Motion& motion) const {
-  double power = 0.0;
-  for (int i = 0; i < model::leg_count; ++i) {
-    const auto& leg = machine_.legs[i];
-    const auto& at = motion.legs[i];
-    const auto& friction = leg.hydraulics.joint_friction;
-    const double base = at.omega.head<2>().norm();
-    const Vector3 omega = at.R_BL.transpose() * motion.twist.tail<3>();
-    const double top = (omega - at.e * at.e.dot(omega) - at.e.cross(at.e_rate)).norm();
-    power += joint_friction_slope(friction, base) * base * base +
-             joint_friction_slope(friction, top) * top * top;
-    if (kind_ != ModelKind::rigid)
-      power += leg.guide_sleeve.damping * at.sleeve_offset_rate.squaredNorm();
-    if (kind_ == ModelKind::full)
-      power += leg.piston_ring->damping * at.ring_offset_rate.squaredNorm();
+  const auto& at = motion.lanes;
+  Lanes power(0.0);
+  if (joint_friction_) {
+    const auto turning = joint_turning(at, constants_, motion.twist.tail<3>());
+    power += turning.base_slope * turning.base_rate.dot(turning.base_rate) +
+             turning.platform_slope * turning.platform_rate.dot(turning.platform_rate);
   }
-  return power;
+  if (kind_ != ModelKind::rigid)
+    power += constants_.c_s * at.sleeve_offset_rate.dot(at.sleeve_offset_rate);
+  if (kind_ == ModelKind::full)
+    power += constants_.c_ring * at.ring_offset_rate.dot(at.ring_offset_rate);
+  return power.sum();
 }
 
 }  // namespace hydrapod::dynamics

@@ -20,6 +20,7 @@
 
 #include <array>
 
+#include "hydrapod/dynamics/lanes.hpp"
 #include "hydrapod/dynamics/statics.hpp"
 
 namespace hydrapod::dynamics {
@@ -32,34 +33,41 @@ struct Loads {
   Vector6 wrench{Vector6::Zero()};
 };
 
-/// One leg in motion. Vectors marked L are in the frame of the case.
+/// One leg in motion.
 struct LegMotion {
-  bool exists{true};                  ///< false: no extension closes this leg; nothing else is set
-  Vector3 a{Vector3::Zero()};         ///< platform joint in B [m]
-  Vector3 v_a{Vector3::Zero()};       ///< its velocity in B [m/s]
-  double length{}, length_rate{};     ///< l [m], l̇ [m/s]
-  double s{}, s_rate{};               ///< piston from the base joint along the case [m], [m/s]
-  Matrix3 R_BL{Matrix3::Identity()};  ///< frame of the case: t, a2, n
-  Vector4 flexible{Vector4::Zero()};  ///< φ1, φ2 [rad], u1, u2 [m]
-  Vector4 flexible_rate{Vector4::Zero()};
-  Vector2 sleeve_offset{Vector2::Zero()};       ///< d_s [m] along t and a2
-  Vector2 sleeve_offset_rate{Vector2::Zero()};  ///< as the case sees it [m/s]
-  Vector2 ring_offset_rate{Vector2::Zero()};    ///< u̇ as the case sees it [m/s]
+  bool exists{true};  ///< false: no extension closes this leg; nothing else is then meant
+  double length{}, length_rate{};          ///< l [m], l̇ [m/s]
+  double s{}, s_rate{};                    ///< piston from the base joint along the case
+  Vector4 flexible{Vector4::Zero()};       ///< φ1, φ2 [rad], u1, u2 [m]
+  Vector2 sleeve_offset{Vector2::Zero()};  ///< d_s [m] along t and a2
+};
 
-  double cosine{1.0}, sine{};            ///< the frame's first axis in L is (cosine, 0, sine)
-  Vector2 case_rate{Vector2::Zero()};    ///< rotation rates α̇, β̇ of the case about a1 and a2
-  Vector3 omega{Vector3::Zero()};        ///< angular velocity of the frame, L
-  Vector3 P{Vector3::UnitZ()};           ///< joint from the base joint, L [m]
-  Vector3 e{Vector3::UnitZ()};           ///< rod's direction, L
-  Vector3 e_1{Vector3::Zero()};          ///< ∂e/∂φ1, L
-  Vector3 e_2{Vector3::Zero()};          ///< ∂e/∂φ2, L
-  Vector3 e_bending{Vector3::Zero()};    ///< ė that L sees
-  Vector3 e_curvature{Vector3::Zero()};  ///< ë that L sees at constant rates of φ
-  Vector3 e_rate{Vector3::Zero()};       ///< ė in B, components in L
-  Vector3 g{Vector3::Zero()};            ///< rod's mass centre from the base joint, L [m]
-  Vector3 g_rate{Vector3::Zero()};       ///< its velocity in B, components in L
-  Eigen::Matrix<double, 2, 3> sleeve_slopes{Eigen::Matrix<double, 2, 3>::Zero()};
-  ///< ∂d_s/∂(s, φ1, φ2)
+/// All legs in motion, for the equations. Vectors marked L are in the frame of the case.
+struct LegsInMotion {
+  Vector3L arm;   ///< platform joint from C, in B [m]
+  Matrix3L R_BL;  ///< frame of the case: t, a2, n
+  Vector4L flexible, flexible_rate;
+  Lanes length, length_rate, s, s_rate;
+  Lanes cosine, sine;    ///< the frame's first axis in L is (cosine, 0, sine)
+  Lanes alpha, beta;     ///< rotation rates of the case about a1 and a2 [rad/s]
+  Vector3L omega;        ///< angular velocity of the frame, L
+  Vector3L P;            ///< joint from the base joint, L [m]
+  Vector3L e, e_1, e_2;  ///< rod's direction, ∂e/∂φ1, ∂e/∂φ2, L
+  Vector3L e_bending;    ///< ė that L sees
+  Vector3L e_curvature;  ///< ë that L sees at constant rates of φ
+  Vector3L e_rate;       ///< ė in B, components in L
+  Vector3L g, g_rate;    ///< rod's mass centre from the base joint, L; its velocity in B, in L
+  Vector2L sleeve_offset, sleeve_offset_rate;  ///< d_s, and its rate as the case sees it
+  Vector2L ring_offset_rate;                   ///< u̇ as the case sees it
+  Eigen::Matrix<Lanes, 2, 3> sleeve_slopes;    ///< ∂d_s/∂(s, φ1, φ2)
+};
+
+/// What the equations need to know of the legs; letters as in docs/notation.md.
+struct LegConstants {
+  Vector3L b, axis, arm, piston_axis;  ///< arm: platform joint from C, in P
+  Lanes l_mn, c_g, L_g, m_t_r_b, I_b, I_ta, m_g, I_r, I_ra, m_a, k_s, c_s, k_g, c_ring;
+  Lanes joint_viscous, joint_coulomb, joint_smoothing;
+  Lanes real;  ///< 1 for legs, 0 for the lanes that are none
 };
 
 struct Energies {
@@ -77,7 +85,7 @@ struct Motion {
   Vector3 p_BC{Vector3::Zero()};
   Vector6 twist{Vector6::Zero()};  ///< velocity of C; ω
   std::array<LegMotion, model::leg_count> legs{};
-
+  LegsInMotion lanes;
   [[nodiscard]] bool exists() const;  ///< whether every leg closes
 };
 
@@ -118,13 +126,16 @@ class NonlinearModel {
   [[nodiscard]] double dissipation(const Motion& motion) const;
 
  private:
+  void turn_piston_axes(const spatial::Pose& X_reference);
+
   model::Machine machine_;
   ModelKind kind_;
   bool spinning_;                                 ///< gimbal axes: axial inertias count
+  bool joint_friction_;                           ///< in any leg
   std::array<Vector3, model::leg_count> axes_{};  ///< first axis of each leg's frame, in B
-  std::array<Vector3, model::leg_count> arms_{};  ///< platform joint from C, in P [m]
   /// First hinge of the rod in the case, in L; gimbal axes only.
   std::array<Vector3, model::leg_count> piston_axes_{};
+  LegConstants constants_;
 };
 
 }  // namespace hydrapod::dynamics
