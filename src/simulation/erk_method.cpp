@@ -25,8 +25,6 @@ class ErkMethod : public SundialsMethod {
     require(ERKStepSetMaxNumSteps(memory_, most_steps), "number of steps");
     if (options.largest_step > 0.0)
       require(ERKStepSetMaxStep(memory_, options.largest_step), "largest step");
-    require(ERKStepRootInit(memory_, roots_count(), roots), "events");
-    require(ERKStepSetNoInactiveRootWarn(memory_), "events");
   }
   ErkMethod(const ErkMethod&) = delete;
   ErkMethod& operator=(const ErkMethod&) = delete;
@@ -37,7 +35,9 @@ class ErkMethod : public SundialsMethod {
     statistics_ = {};
     steps_before_ = rejected_before_ = 0;
     step_ = 0.0;
-    require(ERKStepReset(memory_, time, x_), "start");
+    require(ERKStepReInit(memory_, rate, time, x_), "start");
+    require(ERKStepSetInitStep(memory_, 0.0), "step");
+    watch_.start(problem_.plant, x);
     count(steps_before_, rejected_before_);
   }
   void input_changed() override { changed_ = true; }
@@ -50,23 +50,36 @@ class ErkMethod : public SundialsMethod {
     }
     require(ERKStepSetStopTime(memory_, to), "stop time");
     double reached = time;
-    const int code = ERKStepEvolve(memory_, to, x_, &reached, ARK_NORMAL);
-    long steps = 0, rejected = 0;
-    count(steps, rejected);
-    statistics_.steps = steps - steps_before_;
-    statistics_.rejected = rejected - rejected_before_;
-    if (code < 0) return failed(time);
-    x = state();
+    bool event = false;
+    while (reached < to && !event) {
+      const double before = reached;
+      const int code = ERKStepEvolve(memory_, to, x_, &reached, ARK_ONE_STEP);
+      if (code < 0) {
+        note_counts();
+        state() = x;
+        changed_ = true;
+        return failed(before);
+      }
+      x = state();
+      event = watch_.happened(problem_.plant, x);
+    }
+    note_counts();
     remember_step(to - time);
-    if (code != ARK_ROOT_RETURN) return {.time = reached};
-    require(ERKStepGetRootInfo(memory_, directions_.data()), "events");
-    return {.end = Step::End::event, .time = reached, .directions = directions_};
+    if (!event) return {.time = reached};
+    return {.end = Step::End::event, .time = reached, .directions = watch_.directions()};
   }
 
  private:
   void count(long& steps, long& rejected) {
     require(ERKStepGetNumSteps(memory_, &steps), "statistics");
     require(ERKStepGetNumErrTestFails(memory_, &rejected), "statistics");
+  }
+
+  void note_counts() {
+    long steps = 0, rejected = 0;
+    count(steps, rejected);
+    statistics_.steps = steps - steps_before_;
+    statistics_.rejected = rejected - rejected_before_;
   }
 
   /// The step to begin with after the next change of the input: what the error of the last one
@@ -83,6 +96,7 @@ class ErkMethod : public SundialsMethod {
   bool changed_{};
   double step_{};
   long steps_before_{}, rejected_before_{};
+  EventWatch watch_{};
 };
 
 }  // namespace

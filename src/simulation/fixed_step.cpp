@@ -15,14 +15,11 @@ class FixedStep : public MethodBase {
       : problem_(problem), step_(options.fixed_step) {
     const int n = problem.plant.layout().size;
     for (auto* vector : {&k_[0], &k_[1], &k_[2], &k_[3], &at_}) vector->setZero(n);
-    values_.assign(problem.plant.event_count(), 0.0);
-    before_ = values_;
-    directions_.assign(problem.plant.event_count(), 0);
   }
 
   void start(double /*time*/, const Eigen::VectorXd& x) override {
     statistics_ = {};
-    problem_.plant.events(x.data(), before_.data());
+    watch_.start(problem_.plant, x);
   }
   void input_changed() override {}
 
@@ -37,7 +34,8 @@ class FixedStep : public MethodBase {
         return failed;
       }
       const double reached = k + 1.0 == steps ? to : t + h;
-      if (happened(x)) return {.end = Step::End::event, .time = reached, .directions = directions_};
+      if (watch_.happened(problem_.plant, x))
+        return {.end = Step::End::event, .time = reached, .directions = watch_.directions()};
     }
     return {.time = to};
   }
@@ -63,23 +61,11 @@ class FixedStep : public MethodBase {
     return true;
   }
 
-  bool happened(const Eigen::VectorXd& x) {
-    problem_.plant.events(x.data(), values_.data());
-    bool any = false;
-    for (size_t k = 0; k < values_.size(); ++k) {
-      directions_[k] = (values_[k] > 0.0) - (before_[k] > 0.0);
-      any = any || directions_[k] != 0;
-    }
-    before_.swap(values_);
-    return any;
-  }
-
   const Problem& problem_;
   double step_;
   std::array<Eigen::VectorXd, 4> k_{};
   Eigen::VectorXd at_{};
-  std::vector<double> before_{}, values_{};
-  std::vector<int> directions_{};
+  EventWatch watch_{};
 };
 
 }  // namespace

@@ -26,6 +26,32 @@ struct Step {
   Eigen::VectorXd attempted{};    ///< the state that failed, where it is known
 };
 
+/// Notices signs of event functions that changed from one step to the next.
+class EventWatch {
+ public:
+  void start(const Plant& plant, const Eigen::VectorXd& x) {
+    before_.assign(plant.event_count(), 0.0);
+    now_ = before_;
+    directions_.assign(plant.event_count(), 0);
+    plant.events(x.data(), before_.data());
+  }
+  bool happened(const Plant& plant, const Eigen::VectorXd& x) {
+    plant.events(x.data(), now_.data());
+    bool any = false;
+    for (size_t k = 0; k < now_.size(); ++k) {
+      directions_[k] = (now_[k] > 0.0) - (before_[k] > 0.0);
+      any = any || directions_[k] != 0;
+    }
+    before_.swap(now_);
+    return any;
+  }
+  [[nodiscard]] const std::vector<int>& directions() const { return directions_; }
+
+ private:
+  std::vector<double> before_{}, now_{};
+  std::vector<int> directions_{};
+};
+
 class MethodBase {
  public:
   virtual ~MethodBase() = default;

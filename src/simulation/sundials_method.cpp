@@ -12,6 +12,7 @@ SundialsMethod::SundialsMethod(const Problem& problem, const IntegratorOptions& 
   x_ = N_VNew_Serial(size(), context_);
   absolute_ = N_VNew_Serial(size(), context_);
   if (!x_ || !absolute_) throw std::bad_alloc();
+  require(N_VEnableFusedOps_Serial(x_, 1), "fused operations");  // stages in one sweep
   Eigen::Map<Eigen::VectorXd>(N_VGetArrayPointer(absolute_), size()) =
       options.absolute_tolerance * problem.plant.scales();
 }

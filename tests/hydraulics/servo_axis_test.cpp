@@ -135,7 +135,7 @@ TEST(Chamber, GivesWayAtTheCavitationPressureAndGivesBackWhatItTook) {
   EXPECT_LT(p, 5.5e4);
   for (int k = 0; k < steps; ++k) step(-relative);
   EXPECT_NEAR(p, 1e6, 2e3);
-  EXPECT_NEAR(1e9 * hydraulics::compressibility(oil, 5e4 + 25.0 * 1e4), 1.0, 1e-5);
+  EXPECT_NEAR(1e9 * hydraulics::compressibility(oil, 5e4 + 25.0 * 5e3), 1.0, 1e-8);
 }
 
 TEST(Friction, HasItsBranches) {

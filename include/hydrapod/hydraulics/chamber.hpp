@@ -2,14 +2,13 @@
 /// Oil in a chamber: how its pressure follows from the flow into it.
 ///
 ///     ṗ = β(p) / V · (Q − V̇)
-///     1/β(p) = [(1 − α)/β + α x/(n p)] / [(1 − α) + α x] + exp(−(p − p_c)/p_w) / p_w
-///     x = (p_0 / p)^(1/n)
+///     1/β(p) = [(1 − α)/β + α x/(n p)] / [(1 − α) + α x] + 0.001 exp(−(p − p_c)/p_w) / p_w
+///     x = (p_0 / p)^(1/n),   p_w = p_c / 10
 ///
 /// The first part is oil of modulus β with the share α of air at atmospheric pressure p_0 (exponent
-/// n), at the pressure that the chamber has now. The second is vapour: about the cavitation
-/// pressure p_c a chamber gives way, so that it can be torn open to many times its volume while the
-/// pressure falls by a few p_w = p_c / 5. It stores what it gives, and is below 1e-9 of the rest
-/// from p_c + 25 p_w on.
+/// n), at the pressure that the chamber has now. The second is vapour: at the cavitation pressure
+/// p_c it fills 0.1 % of the chamber, which can then be torn open to twenty times its volume before
+/// the pressure is zero. It gives back what it took, and is lost in rounding from p_c + 40 p_w on.
 
 #include <algorithm>
 #include <cmath>
@@ -29,7 +28,8 @@ struct Oil {
 /// Compressibility 1/β(p) [1/Pa] at the absolute pressure `p` [Pa].
 inline double compressibility(const Oil& oil, double p) {
   constexpr double widths = 40.0;  // from here on vapour is lost in rounding
-  const double width = oil.cavitation_pressure / 5.0;
+  constexpr double share = 1e-3;  // of the chamber, at the cavitation pressure
+  const double width = oil.cavitation_pressure / 10.0;
   double sum = 1.0 / oil.bulk_modulus;
   if (oil.air_fraction > 0.0) {
     // Below the cavitation pressure the air is taken to stay as it is there.
@@ -39,7 +39,7 @@ inline double compressibility(const Oil& oil, double p) {
     sum = (liquid / oil.bulk_modulus + x / (oil.air_exponent * at)) / (liquid + x);
   }
   const double above = (p - oil.cavitation_pressure) / width;
-  return above > widths ? sum : sum + std::exp(-above) / width;
+  return above > widths ? sum : sum + share * std::exp(-above) / width;
 }
 
 }  // namespace hydrapod::hydraulics

@@ -10,6 +10,7 @@
 /// - adaptive: one-step, explicit, embedded Runge–Kutta of order 5(4) (ARKODE's ERKStep, Dormand
 /// and
 ///   Prince). Starts again at no cost after every change of the input; the default.
+///   Events are noticed at the end of a step.
 /// - cvode_adams, cvode_bdf: CVODE's multistep methods; for long stretches of constant input, BDF
 ///   with a dense Jacobian by differences where something is stiff. They find events to rounding
 ///   and start again there.
@@ -29,8 +30,8 @@ const char* name(Method method);
 
 struct IntegratorOptions {
   Method method{Method::adaptive};
-  double relative_tolerance{1e-6};
-  double absolute_tolerance{1e-6};  ///< of Plant::scales()
+  double relative_tolerance{1e-5};
+  double absolute_tolerance{1e-5};  ///< of Plant::scales()
   double fixed_step{1e-4};          ///< [s], `fixed` only; calls are divided into equal steps
   double largest_step{0.0};         ///< [s]; 0: none
 };
