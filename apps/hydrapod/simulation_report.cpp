@@ -134,19 +134,20 @@ std::string controller_text(const model::Machine& machine, const control::Contro
   };
   const std::string mode = fmt::format("{:.4g} rad/s, the lowest oil mode", lowest_oil_mode);
   row("space", p.space == model::ControlSpace::pose ? "pose" : "leg", "");
-  row("gain", six(p.gain, "1/s"), given.gain || given.bandwidth ? "" : "0.3 of " + mode);
+  const bool by_pressure = p.feedback == model::DampingFeedback::pressure;
+  row("gain", six(p.gain, "1/s"),
+      given.gain || given.bandwidth ? "" : (by_pressure ? "0.3 of " : "0.1 of ") + mode);
   row("integral_time", p.integral_time > 0.0 ? fmt::format("{:.4g} s", p.integral_time) : "none",
       given.integral_time ? "" : "8 / smallest gain");
   row("velocity_feedforward", fmt::format("{:.4g}", p.velocity_feedforward), "");
   if (p.feedback == model::DampingFeedback::none) {
     row("feedback", "none", "");
   } else {
-    const bool pressure = p.feedback == model::DampingFeedback::pressure;
-    row("feedback", pressure ? "pressure" : "acceleration", "");
-    row("feedback_gain", six(p.feedback_gain, pressure ? "m/(N s)" : "s"),
-        given.feedback_gain
-            ? ""
-            : fmt::format("damping ratio {:.3g} at {}", given.feedback_damping, mode));
+    row("feedback", by_pressure ? "pressure" : "acceleration", "");
+    row("feedback_gain", six(p.feedback_gain, by_pressure ? "m/(N s)" : "s"),
+        given.feedback_gain ? ""
+                            : fmt::format("damping ratio {:.3g} at {}", given.feedback_damping,
+                                          by_pressure ? mode : "the highest oil mode"));
     row("feedback_corner", fmt::format("{:.4g} rad/s", p.feedback_corner),
         given.feedback_corner ? "" : "0.1 of " + mode);
   }

@@ -175,8 +175,9 @@ Stepped stepped(const MatrixXd& A, const MatrixXd& B, const Eigen::VectorXd& sca
           scales.asDiagonal() * power.topRightCorner(n, m)};
 }
 
-/// x_{k+1} from x_k, ξ_k and the drives of the last samples.
-MatrixXd close_sampled(const Pieces& p, const Eigen::VectorXd& scales) {
+/// x_{k+1} from x_k, ξ_k and the drives of the last samples, and from the command.
+void close_sampled(const Pieces& p, LinearSystem& system) {
+  const Eigen::VectorXd& scales = system.scales;
   const auto n = p.plant.A.rows(), nc = p.controller.A.rows();
   const int whole = static_cast<int>(std::floor(p.delay + 1e-9));
   const double part = std::max(p.delay - whole, 0.0);
@@ -187,24 +188,29 @@ MatrixXd close_sampled(const Pieces& p, const Eigen::VectorXd& scales) {
       fraction ? stepped(p.plant.A, p.valve(), scales, part * p.sample_time) : Stepped{};
   const int memory = whole + (fraction ? 1 : 0);  // past drives u_{k−1} … u_{k−memory}
   const auto all = n + nc + 6 * memory;
-  MatrixXd u = MatrixXd::Zero(6, all);
+  // u_k from the states, and in twelve columns more from r_k and ṙ_k
+  MatrixXd u = MatrixXd::Zero(6, all + 12);
   u.leftCols(n) = p.D_measured() * p.measured;
   u.middleCols(n, nc) = p.controller.C;
+  u.rightCols(12) = p.controller.D.middleCols(ControllerInputs::command, 12);
   const auto drive = [&](int back) -> MatrixXd {  // u_{k−back} from the states
     if (back == 0) return u;
-    MatrixXd past = MatrixXd::Zero(6, all);
+    MatrixXd past = MatrixXd::Zero(6, all + 12);
     past.middleCols(n + nc + 6 * (back - 1), 6).setIdentity();
     return past;
   };
-  MatrixXd next = MatrixXd::Zero(all, all);
+  MatrixXd next = MatrixXd::Zero(all, all + 12);
   next.topLeftCorner(n, n) = fraction ? MatrixXd(late.Phi * early.Phi) : late.Phi;
   next.topRows(n) += late.Gamma * drive(whole);
   if (fraction) next.topRows(n) += late.Phi * early.Gamma * drive(whole + 1);
   next.block(n, 0, nc, n) = p.controller.B_d.leftCols(24) * p.measured;
   next.block(n, n, nc, nc) = p.controller.A_d;
+  next.block(n, all, nc, 12) = p.controller.B_d.middleCols(ControllerInputs::command, 12);
   for (int back = 1; back <= memory; ++back)
     next.middleRows(n + nc + 6 * (back - 1), 6) = drive(back - 1);
-  return next;
+  system.sampled = next.leftCols(all);
+  system.sampled_command = next.middleCols(all, 6);
+  system.sampled_velocity = next.rightCols(6);
 }
 
 }  // namespace
@@ -248,7 +254,7 @@ LinearSystem linear_system(const model::Machine& machine, const Pose& X_BP,
     pieces.delay = p.delay;
     system.pade_order = options.pade_order;
     system.delay = options.pade_order > 0 ? (p.delay + 0.5) * p.sample_time : 0.0;
-    system.sampled = close_sampled(pieces, system.scales);
+    close_sampled(pieces, system);
     close_continuous(pieces, system);
   }
   system.C = MatrixXd::Zero(6, system.A.rows());

@@ -18,7 +18,11 @@ using spatial::Vector6;
 constexpr double integral_ratio = 8.0;  // integral time times gain
 constexpr double corner_share = 0.1;    // of the lowest oil mode
 
-double lowest_frequency(const dynamics::LinearModel& model) {
+struct OilModes {
+  double lowest{}, highest{};  ///< [rad/s]
+};
+
+OilModes oil_modes(const dynamics::LinearModel& model) {
   const Matrix6 M = model.M;
   const Matrix6 K = model.K;
   const Eigen::GeneralizedSelfAdjointEigenSolver<Matrix6> solver(K, M, Eigen::EigenvaluesOnly);
@@ -29,7 +33,7 @@ double lowest_frequency(const dynamics::LinearModel& model) {
         "the "
         "controller cannot be tuned; give controller.gain, controller.feedback_gain and "
         "controller.feedback_corner");
-  return std::sqrt(lowest);
+  return {std::sqrt(lowest), std::sqrt(solver.eigenvalues()[5])};
 }
 
 control::DriveAxis drive_axis(const model::Machine& machine, int leg, double oil_force) {
@@ -57,9 +61,12 @@ double smallest_above_zero(const Vector6& gains) {
 Tuning tune_controller(const model::Machine& machine, const spatial::Pose& X_BP) {
   const auto linear = dynamics::linear_model(machine, X_BP, dynamics::ModelKind::rigid);
   const auto& settings = machine.controller;
-  const double omega = lowest_frequency(linear);
-  const double bandwidth =
-      settings.bandwidth.value_or(model::ControlSettings::default_bandwidth_share * omega);
+  const auto modes = oil_modes(linear);
+  const double omega = modes.lowest;
+  const bool pressure = settings.feedback == model::DampingFeedback::pressure;
+  const double bandwidth = settings.bandwidth.value_or(
+      omega * (pressure ? model::ControlSettings::default_bandwidth_share
+                        : model::ControlSettings::default_bandwidth_share_undamped));
   ControllerParameters p;
   p.space = settings.space;
   p.gain = settings.gain.value_or(Vector6::Constant(bandwidth));
@@ -74,9 +81,8 @@ Tuning tune_controller(const model::Machine& machine, const spatial::Pose& X_BP)
   p.compensation = settings.compensation;
   p.overlap_compensation = settings.overlap_compensation;
   p.output = settings.output;
-  const bool pressure = settings.feedback == model::DampingFeedback::pressure;
   for (int i = 0; i < model::leg_count; ++i) {
-    const double oil = pressure ? omega / linear.legs[i].k_h : 1.0 / omega;
+    const double oil = pressure ? omega / linear.legs[i].k_h : 1.0 / modes.highest;
     p.feedback_gain[i] = settings.feedback_gain.value_or(2.0 * settings.feedback_damping * oil);
     p.axes[i] = drive_axis(machine, i, linear.statics.legs[i].oil_force);
   }

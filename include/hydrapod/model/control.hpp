@@ -52,10 +52,14 @@ struct ControlSettings {
   std::optional<double> bandwidth{};  ///< [rad/s], one gain for all instead of `gain`
   /// Where neither is given: this share of the lowest oil mode's frequency.
   static constexpr double default_bandwidth_share = 0.3;
+  /// The same without pressure feedback.
+  static constexpr double default_bandwidth_share_undamped = 0.1;
   std::optional<double> integral_time{};  ///< T_i [s], 0: no integral; default 8 / smallest gain
   double velocity_feedforward{1.0};       ///< k_ff
   DampingFeedback feedback{DampingFeedback::pressure};
-  double feedback_damping{0.4};  ///< damping ratio it gives to the lowest oil mode, unless:
+  /// Damping ratio that pressure feedback gives to the lowest oil mode, acceleration feedback to
+  /// the highest, unless `feedback_gain` says otherwise.
+  double feedback_damping{0.4};
   std::optional<double> feedback_gain{};    ///< [m/(N s)] for pressure, [s] for acceleration
   std::optional<double> feedback_corner{};  ///< of the high pass [rad/s]; default a tenth of the
                                             ///< lowest oil mode's frequency

@@ -78,7 +78,7 @@ struct RunSummary {
   Vector6 peak_error{Vector6::Zero()};
   Vector6 final_error{Vector6::Zero()};
   Vector6 peak_command{Vector6::Zero()};  ///< of the commanded displacement
-  Vector6 peak_motion{Vector6::Zero()};  ///< of the true displacement
+  Vector6 peak_motion{Vector6::Zero()};   ///< of the true displacement
   /// Time after which the true displacement stays within `settling_band` of the command [s].
   Vector6 settled{Vector6::Zero()};
   std::array<double, model::leg_count> piston_low{}, piston_high{};  ///< s [m]

@@ -46,8 +46,9 @@ struct LinearSystem {
   double delay{};            ///< τ [s] that was approximated
   int pade_order{};
   double sample_time{};
-  /// The sampled loop's poles are the eigenvalues of this.
-  Eigen::MatrixXd sampled{};
+  /// The sampled loop: w_{k+1} = sampled · w_k + sampled_command · r_k + sampled_velocity · ṙ_k
+  /// with w = (plant; controller; drives of the last samples, the latest first).
+  Eigen::MatrixXd sampled{}, sampled_command{}, sampled_velocity{};
 };
 
 struct LinearSystemOptions {

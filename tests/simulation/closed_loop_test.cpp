@@ -1,0 +1,298 @@
+/// The machine under its controller in time.
+
+#include "hydrapod/simulation/closed_loop.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <deque>
+#include <stdexcept>
+
+#include "hydrapod/simulation/sensors.hpp"
+#include "hydrapod/simulation/system_poles.hpp"
+#include "hydrapod/simulation/trace.hpp"
+#include "hydrapod/simulation/tuning.hpp"
+#include "loop_machine.hpp"
+
+namespace hydrapod::simulation {
+namespace {
+
+using testing::HasSubstr;
+
+/// A commanded step in one direction at 0.1 s.
+std::vector<CommandSpec> step_in(int direction, double size) {
+  Step step;
+  step.size[direction] = size;
+  return {step};
+}
+
+struct Outcome {
+  RunSummary summary{};
+  std::vector<double> time{};
+  std::vector<Vector6> error{};  ///< commanded less true displacement
+  std::vector<double> rows{};    ///< of the record
+};
+
+Outcome run(const model::Machine& machine, const std::vector<CommandSpec>& commands,
+            const LoopOptions& options, const ExcitationSource& more = {}) {
+  ClosedLoop loop(machine, machine.neutral(), options);
+  const auto signal = make_signal(commands, loop.parameters().sample_time);
+  const auto from_signal = command_source(*signal);
+  Outcome outcome;
+  std::vector<double> row(record_channels(loop).size());
+  outcome.summary = loop.run(
+      [&](double time, Excitation& excitation) {
+        from_signal(time, excitation);
+        if (more) more(time, excitation);
+      },
+      [&](const LoopSample& sample) {
+        outcome.time.push_back(sample.time);
+        outcome.error.push_back(sample.excitation.command.value -
+                                displacement_between(loop.operating(), sample.plant.X_BP));
+        record_row(loop, sample, row.data());
+        outcome.rows.insert(outcome.rows.end(), row.begin(), row.end());
+      });
+  return outcome;
+}
+
+/// Mean error of the last second.
+Vector6 steady_error(const Outcome& outcome) {
+  Vector6 sum = Vector6::Zero();
+  int count = 0;
+  for (size_t k = 0; k < outcome.time.size(); ++k) {
+    if (outcome.time[k] < outcome.time.back() - 1.0) continue;
+    sum += outcome.error[k];
+    ++count;
+  }
+  return sum / count;
+}
+
+TEST(ClosedLoop, AStepInZSettlesWithoutErrorBeyondTheSensors) {
+  for (const std::string name : {"zhang-jiang-2021", "heavy-platform"}) {
+    const auto machine = machine_of(name);
+    const auto outcome = run(machine, step_in(2, 5e-3), {.until = 9.0});
+    ASSERT_EQ(outcome.summary.end, RunEnd::finished) << outcome.summary.message;
+    EXPECT_LT(std::abs(steady_error(outcome)[2]), machine.sensors.length.resolution) << name;
+    EXPECT_LT(outcome.summary.peak_motion[2], 1.2 * 5e-3);
+  }
+}
+
+TEST(ClosedLoop, SettlesInLegSpaceAndWithAccelerationFeedbackToo) {
+  for (const auto& overrides :
+       std::vector<std::vector<std::string>>{{"controller.space=leg"},
+                                             {"controller.feedback=acceleration"},
+                                             {"controller.feedback=none"}}) {
+    const auto machine = machine_of("zhang-jiang-2021", overrides);
+    EXPECT_TRUE(system_poles(linear_system(machine, machine.neutral())).sampled_stable);
+    const auto outcome = run(machine, step_in(3, 5e-3), {.until = 8.0});
+    EXPECT_LT(std::abs(steady_error(outcome)[3]), 2e-5) << overrides.front();
+  }
+}
+
+/// Beyond the limit of the pole analysis the machine shakes, and before it does not.
+TEST(ClosedLoop, AGainThatThePolesCallUnstableIsSeenToBe) {
+  for (const auto& [gain, stable] : {std::pair{"28", true}, {"60", false}}) {
+    const auto machine = machine_of("zhang-jiang-2021", {std::string("controller.gain=") + gain});
+    const auto poles = system_poles(linear_system(machine, machine.neutral()));
+    EXPECT_EQ(poles.sampled_stable, stable);
+    const auto outcome = run(machine, step_in(0, 5e-3), {.until = 6.0});
+    if (stable) {
+      EXPECT_LT(std::abs(steady_error(outcome)[0]), 1e-4);
+      EXPECT_LT(outcome.summary.peak_error[0], 1.01 * 5e-3);
+    } else {  // it swings much further than the step that started it
+      EXPECT_GT(outcome.summary.peak_error[0], 4.0 * 5e-3);
+    }
+  }
+}
+
+/// From a tiny disturbance an unstable loop grows at the rate of its pole.
+TEST(ClosedLoop, AnUnstablePoleGrowsAtItsRate) {
+  auto overrides = smooth;
+  overrides.push_back("controller.gain=40");
+  const auto machine = machine_of("zhang-jiang-2021", overrides);
+  const auto poles = system_poles(linear_system(machine, machine.neutral()));
+  ASSERT_FALSE(poles.sampled_stable);
+  const auto outcome =
+      run(machine, step_in(0, 1e-8),
+          {.plant = {.friction = Friction::viscous},
+           .integrator = {.relative_tolerance = 1e-10, .absolute_tolerance = 1e-12},
+           .until = 3.1,
+           .ideal_sensors = true});
+  const auto power = [&](double from, double to) {
+    double sum = 0.0;
+    for (size_t k = 0; k < outcome.time.size(); ++k)
+      if (outcome.time[k] >= from && outcome.time[k] < to)
+        sum += outcome.error[k][0] * outcome.error[k][0];
+    return sum;
+  };
+  const double period = 2.0 * M_PI / poles.sampled.front().imag();
+  const double window = 4.0 * period;
+  const double rate = 0.5 * std::log(power(2.0, 2.0 + window) / power(1.0, 1.0 + window));
+  EXPECT_NEAR(rate, poles.sampled.front().real(), 0.05 * poles.sampled.front().real());
+}
+
+TEST(ClosedLoop, TheSameSeedGivesTheSameRunToTheBit) {
+  const auto machine = machine_of("heavy-platform");
+  const std::vector<CommandSpec> commands{Noise{.rms = Vector6::Constant(5e-4), .to = 15.0}};
+  const LoopOptions options{.until = 0.5, .seed = 3};
+  const auto one = run(machine, commands, options);
+  const auto again = run(machine, commands, options);
+  ASSERT_EQ(one.rows.size(), again.rows.size());
+  EXPECT_TRUE(one.rows == again.rows);
+  auto other_options = options;
+  other_options.seed = 4;
+  EXPECT_FALSE(one.rows == run(machine, commands, other_options).rows);
+}
+
+TEST(ClosedLoop, RunsAgainFromTheStart) {
+  const auto machine = machine_of("heavy-platform");
+  ClosedLoop loop(machine, machine.neutral(), {.until = 0.2});
+  std::vector<double> first, second;
+  for (auto* list : {&first, &second}) {
+    const auto signal = make_signal(step_in(1, 1e-3), loop.parameters().sample_time);
+    loop.run(command_source(*signal),
+             [&](const LoopSample& sample) { list->push_back(sample.plant.X_BP.p_BP.y()); });
+  }
+  EXPECT_EQ(first, second);
+}
+
+/// Drives reach the valves a given time after their sample, fractions of samples included.
+TEST(ClosedLoop, DelaysDrivesByAnyFractionOfSamples) {
+  for (const double delay : {0.0, 0.5, 1.0, 2.25}) {
+    const auto machine =
+        machine_of("heavy-platform", {"controller.delay=" + std::to_string(delay),
+                                      "controller.gain=0", "controller.feedback=none"});
+    ClosedLoop loop(machine, machine.neutral(),
+                    {.until = 0.02, .output_interval = 0.25e-3, .ideal_sensors = true});
+    int sample_number = 0;
+    std::deque<double> drives{loop.rest().input.command[0]};
+    const double null = machine.controller.output.offset[0];
+    loop.run(
+        [&](double time, Excitation& excitation) {
+          EXPECT_NEAR(time, 1e-3 * sample_number, 1e-12);
+          excitation.drive[0] = 1e-3 * ++sample_number;
+        },
+        [&](const LoopSample& sample) {
+          const int due = static_cast<int>(std::floor(sample.time / 1e-3 - delay + 1e-6));
+          const double expected = due < 0 ? drives.front() : null + 1e-3 * (due + 1);
+          EXPECT_NEAR(sample.applied[0], expected, 1e-12) << delay << ' ' << sample.time;
+        });
+    EXPECT_EQ(sample_number, 21);
+  }
+}
+
+TEST(ClosedLoop, AWrenchPushesThePlatformAndTheControllerPushesBack) {
+  const auto machine = machine_of("heavy-platform");
+  const auto outcome = run(machine, {}, {.until = 9.0},
+                           [](double, Excitation& excitation) { excitation.wrench[2] = -20e3; });
+  EXPECT_LT(std::abs(steady_error(outcome)[2]), machine.sensors.length.resolution);
+  EXPECT_GT(outcome.summary.peak_error[2], 1e-4);
+}
+
+TEST(ClosedLoop, EndsWhereAJointReachesItsLimit) {
+  auto machine = machine_of("zhang-jiang-2021");
+  for (auto& leg : machine.legs) leg.joint_limits.base = 0.02;
+  const auto outcome = run(machine, step_in(0, 0.05), {.until = 5.0});
+  EXPECT_EQ(outcome.summary.end, RunEnd::failed);
+  EXPECT_THAT(outcome.summary.message, HasSubstr("beyond its limit of 1.15°"));
+  EXPECT_GT(outcome.summary.time, 0.1);
+  EXPECT_LT(outcome.summary.time, 1.0);
+  EXPECT_GT(outcome.time.size(), 100U);
+}
+
+/// A sensor whose range ends gives lengths that no pose has.
+TEST(ClosedLoop, EndsWhereTheControllerFindsNoPose) {
+  auto machine = machine_of("zhang-jiang-2021");
+  ClosedLoop loop(machine, machine.neutral(), {.until = 1.0});
+  machine.sensors.length.high = 0.3;  // no hexapod of this size has legs that short
+  ClosedLoop blind(machine, machine.neutral(), {.until = 1.0});
+  const auto signal = make_signal({}, 1e-3);
+  const auto summary = blind.run(command_source(*signal), {});
+  EXPECT_EQ(summary.end, RunEnd::failed);
+  EXPECT_THAT(summary.message, HasSubstr("finds no pose for the measured leg lengths"));
+}
+
+TEST(ClosedLoop, StopsWhenItIsTold) {
+  const auto machine = machine_of("heavy-platform");
+  ClosedLoop loop(machine, machine.neutral(), {.until = 10.0});
+  const auto signal = make_signal({}, 1e-3);
+  int samples = 0;
+  const auto summary = loop.run(
+      command_source(*signal), [&](const LoopSample&) { ++samples; },
+      [](double time) { return time < 0.0499; });
+  EXPECT_EQ(summary.end, RunEnd::stopped);
+  EXPECT_NEAR(summary.time, 0.05, 1e-9);
+  EXPECT_EQ(samples, 51);
+}
+
+TEST(ClosedLoop, CountsWhatReachesTheDrivesLimit) {
+  const auto machine = machine_of("zhang-jiang-2021", {"controller.output.limit=0.02"});
+  const auto outcome = run(machine, step_in(2, 20e-3), {.until = 6.0});
+  for (size_t i = 0; i < 6; ++i) {
+    EXPECT_GT(outcome.summary.limited[i], 100);
+    EXPECT_NEAR(outcome.summary.peak_drive[i], 0.02, machine.controller.output.resolution);
+  }
+  EXPECT_LT(std::abs(outcome.error.back()[2]), 1e-4);
+}
+
+TEST(ClosedLoop, OptionsThatMakeNoSenseAreNamed) {
+  const auto machine = machine_of("heavy-platform");
+  EXPECT_THROW(ClosedLoop(machine, machine.neutral(), {.until = 0.0}), std::invalid_argument);
+  EXPECT_THROW(ClosedLoop(machine, machine.neutral(), {.output_interval = -1.0}),
+               std::invalid_argument);
+  EXPECT_THROW(ClosedLoop(machine, machine.neutral(), {.plant = {.hydraulics = false}}),
+               std::invalid_argument);
+}
+
+TEST(Sensors, HaveTheirNoiseResolutionAndRange) {
+  model::Sensors sensors;
+  sensors.length = {.resolution = 1e-4, .noise = 3e-4, .low = 0.99, .high = 1.0005};
+  sensors.pressure = {.resolution = 0.0, .noise = 0.0};
+  SensorBank bank(sensors, 5);
+  control::Measurement truth;
+  truth.length.setConstant(1.0);
+  truth.cap_pressure.setConstant(1.234567e6);
+  constexpr int count = 20000;
+  double sum = 0.0, square = 0.0;
+  for (int k = 0; k < count; ++k) {
+    const auto measured = bank.read(truth);
+    EXPECT_EQ(measured.cap_pressure, truth.cap_pressure);
+    const double off = measured.length[2] - 1.0;
+    EXPECT_NEAR(off / 1e-4, std::round(off / 1e-4), 1e-6);
+    EXPECT_LE(measured.length[2], 1.0005 + 1e-12);
+    sum += measured.length[0] - 1.0;
+    truth.length[1] = 0.5;
+    EXPECT_NEAR(measured.length[1], k == 0 ? measured.length[1] : 0.99, 1e-12);
+  }
+  // Clipped at +5/3 sigma: the mean of min(n, 5/3) is −φ(5/3) + 5/3 (1 − Φ(5/3)) = −0.0199 sigma.
+  EXPECT_NEAR(sum / count / 3e-4, -0.0199, 4.0 / std::sqrt(count));
+
+  sensors.length = {.resolution = 1e-4, .noise = 3e-4};
+  SensorBank plain(sensors, 6);
+  for (int k = 0; k < count; ++k) square += std::pow(plain.read(truth).length[0] - 1.0, 2);
+  // Variance of noise and of rounding, q²/12; 4 sigma of the estimate.
+  const double expected = 9e-8 + 1e-8 / 12.0;
+  EXPECT_NEAR(square / count / expected, 1.0, 4.0 * std::sqrt(2.0 / count));
+}
+
+TEST(Tuning, FollowsFromTheMachineAndGivesWayToTheFile) {
+  const auto machine = machine_of("zhang-jiang-2021");
+  const auto tuning = tune_controller(machine, machine.neutral());
+  const double omega = 46.839;  // the published machine's lowest rigid mode
+  EXPECT_NEAR(tuning.lowest_oil_mode, omega, 1e-3);
+  const auto& p = tuning.parameters;
+  EXPECT_NEAR(p.gain[4], 0.3 * omega, 1e-3);
+  EXPECT_NEAR(p.integral_time, 8.0 / p.gain[0], 1e-12);
+  EXPECT_NEAR(p.feedback_gain[1], 2.0 * 0.4 * omega / 3.85353e6, 1e-9);
+  const auto other = tune_controller(
+      machine_of("zhang-jiang-2021",
+                 {"controller.gain=[1, 2, 3, 4, 5, 0]", "controller.feedback_gain=3e-6"}),
+      machine.neutral());
+  EXPECT_EQ(other.parameters.gain[2], 3.0);
+  EXPECT_EQ(other.parameters.integral_time, 8.0);  // of the smallest gain above 0
+  EXPECT_EQ(other.parameters.feedback_gain[5], 3e-6);
+}
+
+}  // namespace
+}  // namespace hydrapod::simulation

@@ -1,0 +1,148 @@
+/// Motions judged before they run: which leg, when, by how much.
+
+#include "hydrapod/simulation/motion_check.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <fmt/format.h>
+
+#include "hydrapod/kinematics/pose_quality.hpp"
+#include "hydrapod/simulation/tuning.hpp"
+#include "loop_machine.hpp"
+
+namespace hydrapod::simulation {
+namespace {
+
+using testing::AllOf;
+using testing::HasSubstr;
+
+std::vector<MotionFinding> findings(const model::Machine& machine,
+                                    const std::vector<CommandSpec>& commands, double until = 2.0) {
+  const Plant plant(machine, ModelKind::rigid);
+  const auto parameters = tune_controller(machine, machine.neutral()).parameters;
+  const auto signal = make_signal(commands, 1e-3);
+  return check_motion(plant, parameters, machine.neutral(), *signal, until);
+}
+
+Trajectory ramp_to(const Vector6& end, double from, double to) {
+  return {.times = {from, to}, .points = {Vector6::Zero(), end}};
+}
+
+TEST(MotionCheck, FindsNothingInASmallMotion) {
+  const auto machine = machine_of("heavy-platform");
+  EXPECT_TRUE(
+      findings(machine, {Sine{.amplitude = Vector6::Constant(5e-3), .frequency = 1.0}}).empty());
+}
+
+TEST(MotionCheck, NamesLegTimeAndAmountOfStroke) {
+  const auto machine = machine_of("heavy-platform");
+  Vector6 far = Vector6::Zero();
+  far[0] = 0.3;
+  far[2] = 0.06;
+  const auto found = findings(machine, {ramp_to(far, 0.2, 1.3)});
+  const Vector6 lengths =
+      kinematics::leg_lengths(machine, command_at(machine.neutral(), {.value = far}).X_BP);
+  size_t at = 0;
+  for (int i = 0; i < 6; ++i) {
+    const auto& leg = machine.legs[static_cast<size_t>(i)];
+    const double lacking =
+        lengths[i] - leg.rod.length - (leg.stroke->retracted + leg.stroke->length);
+    if (lacking <= 0.0) continue;
+    ASSERT_LT(at, found.size());
+    EXPECT_EQ(found[at].severity, base::Severity::error);
+    EXPECT_THAT(found[at].message,
+                AllOf(HasSubstr(fmt::format("leg {} needs {:.3g} mm more stroke than it has "
+                                            "extending at 1.3 s",
+                                            i + 1, 1e3 * lacking)),
+                      HasSubstr("stroke 0.36 m to 1.22 m")));
+    ++at;
+  }
+  EXPECT_GT(at, 0U);
+  EXPECT_LT(at, 6U);  // some legs have enough
+}
+
+TEST(MotionCheck, NamesJointsBeyondTheirLimits) {
+  auto machine = machine_of("heavy-platform");
+  for (auto& leg : machine.legs) leg.joint_limits.platform = 0.2;
+  Vector6 tilt = Vector6::Zero();
+  tilt[4] = 0.25;
+  const auto found = findings(machine, {ramp_to(tilt, 0.0, 1.0)});
+  const auto angles =
+      kinematics::joint_angles(machine, command_at(machine.neutral(), {.value = tilt}).X_BP);
+  int joints = 0;
+  for (const auto& finding : found) joints += finding.message.starts_with("the platform joint");
+  int expected = 0;
+  for (const auto& leg : angles) expected += leg.platform_tilt > 0.2;
+  EXPECT_EQ(joints, expected);
+  EXPECT_GT(joints, 0);
+}
+
+TEST(MotionCheck, WarnsOfSpeedsThatTheValveDoesNotGive) {
+  const auto machine = machine_of("heavy-platform");
+  Sine sine{.frequency = 4.0};
+  sine.amplitude[2] = 0.05;  // 1.26 m/s
+  const auto found = findings(machine, {sine});
+  ASSERT_EQ(found.size(), 12U);  // each leg, both ways
+  for (const auto& finding : found) EXPECT_EQ(finding.severity, base::Severity::warning);
+  EXPECT_THAT(found[0].message,
+              AllOf(HasSubstr("leg 1 must extend at "), HasSubstr("its valve gives 0.778 m/s")));
+}
+
+/// Base and platform circles alike and no difference in their pairs' angles: a platform turned by
+/// 90° is the singular pose of every hexapod with similar triangles.
+TEST(MotionCheck, SeesASingularPose) {
+  auto machine = machine_of("zhang-jiang-2021");
+  Vector6 lift = Vector6::Zero();
+  // Found by search along rz: where the condition passes its largest value.
+  double worst = 0.0;
+  for (double rz = 0.0; rz < 2.0; rz += 1e-4) {
+    Vector6 turn = Vector6::Zero();
+    turn[5] = rz;
+    const double condition =
+        kinematics::pose_quality(machine, command_at(machine.neutral(), {.value = turn}).X_BP)
+            .condition;
+    if (condition > worst) {
+      worst = condition;
+      lift = turn;
+    }
+  }
+  ASSERT_GT(worst, 1e3);
+  EXPECT_EQ(leaves_workspace(machine, machine.neutral()), "");
+  // At the singular turn itself, to rounding:
+  double low = lift[5] - 1e-4, high = lift[5] + 1e-4;
+  const auto smallest = [&](double rz) {
+    Vector6 turn = Vector6::Zero();
+    turn[5] = rz;
+    return kinematics::leg_jacobian(
+               kinematics::inverse_kinematics(machine,
+                                              command_at(machine.neutral(), {.value = turn}).X_BP),
+               machine.neutral().p_BP)
+        .determinant();
+  };
+  for (int k = 0; k < 60; ++k) {
+    const double middle = 0.5 * (low + high);
+    (smallest(middle) * smallest(low) > 0.0 ? low : high) = middle;
+  }
+  lift[5] = low;
+  const Pose singular = command_at(machine.neutral(), {.value = lift}).X_BP;
+  EXPECT_THAT(leaves_workspace(machine, singular), HasSubstr("singular pose"));
+  const auto found = findings(machine, {ramp_to(lift, 0.0, 1.0)});
+  bool said = false;
+  for (const auto& finding : found)
+    said |= finding.message.starts_with("the commanded motion passes a singular pose at 1");
+  EXPECT_TRUE(said);
+}
+
+TEST(MotionCheck, LeavesTheSignalAtItsStart) {
+  const auto machine = machine_of("heavy-platform");
+  const Plant plant(machine, ModelKind::rigid);
+  const auto parameters = tune_controller(machine, machine.neutral()).parameters;
+  const auto signal = make_signal({Noise{.rms = Vector6::Constant(1e-4)}}, 1e-3);
+  const auto fresh = make_signal({Noise{.rms = Vector6::Constant(1e-4)}}, 1e-3);
+  check_motion(plant, parameters, machine.neutral(), *signal, 0.7);
+  for (int k = 0; k < 50; ++k) ASSERT_EQ(signal->next().value, fresh->next().value);
+}
+
+}  // namespace
+}  // namespace hydrapod::simulation
