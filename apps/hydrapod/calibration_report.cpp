@@ -214,7 +214,10 @@ std::string sensitivity_text(const Sensitivities& s, bool colour, std::size_t wi
   std::vector<Eigen::Index> order(s.parameters.size());
   std::iota(order.begin(), order.end(), 0);
   const auto weight = [&](Eigen::Index j) {
-    return s.percent_per_percent.col(j).cwiseAbs().maxCoeff();
+    double most = 0.0;
+    for (const double value : s.percent_per_percent.col(j))
+      if (!std::isnan(value)) most = std::max(most, std::abs(value));
+    return most;
   };
   std::stable_sort(order.begin(), order.end(),
                    [&](Eigen::Index a, Eigen::Index b) { return weight(a) > weight(b); });
@@ -222,7 +225,9 @@ std::string sensitivity_text(const Sensitivities& s, bool colour, std::size_t wi
     std::vector<std::string> row{s.parameters[static_cast<std::size_t>(j)].path};
     for (Eigen::Index k = 0; k < s.omega.size(); ++k) {
       const double value = s.percent_per_percent(k, j);
-      row.push_back(std::abs(value) < 5e-5 ? "·" : fmt::format("{:+.4f}", value));
+      row.push_back(std::isnan(value)        ? "buckled"
+                    : std::abs(value) < 5e-5 ? "·"
+                                             : fmt::format("{:+.4f}", value));
     }
     table.add_row(row);
   }

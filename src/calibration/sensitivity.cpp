@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <limits>
 
 #include "hydrapod/base/error.hpp"
 #include "hydrapod/modal/normal_modes.hpp"
@@ -36,7 +37,8 @@ void leave_out_what_does_nothing(Sensitivities& all) {
   std::vector<Eigen::Index> kept;
   std::vector<model::FileNumber> parameters;
   for (Eigen::Index j = 0; j < all.percent_per_percent.cols(); ++j) {
-    if (all.percent_per_percent.col(j).cwiseAbs().maxCoeff() < nothing) continue;
+    const auto column = all.percent_per_percent.col(j).array();
+    if (!(column.abs() >= nothing).any() && !column.isNaN().any()) continue;
     kept.push_back(j);
     parameters.push_back(all.parameters[static_cast<std::size_t>(j)]);
   }
@@ -101,7 +103,8 @@ Sensitivities sensitivities(const model::MachineFile& file, std::size_t pose,
   for (int k = 0; k < modes.size(); ++k)
     for (std::size_t j = 0; j < that_matter.size(); ++j)
       result.percent_per_percent(k, static_cast<Eigen::Index>(j)) *=
-          machine.values()[j] / (2.0 * modes.omega2[k]);
+          modes.omega2[k] > 0.0 ? machine.values()[j] / (2.0 * modes.omega2[k])
+                                : std::numeric_limits<double>::quiet_NaN();
   if (paths.empty()) leave_out_what_does_nothing(result);
   return result;
 }

@@ -36,7 +36,8 @@ ModePoint mode_point(const model::VariableMachine& machine, const std::vector<do
 struct Sensitivities {
   ModePoint point{};
   std::vector<model::FileNumber> parameters{};  ///< those that matter and are not zero
-  Eigen::MatrixXd percent_per_percent{};        ///< modes × parameters: d ln ω / d ln p
+  Eigen::MatrixXd percent_per_percent{};        ///< modes × parameters: d ln ω / d ln p; NaN for
+                                                ///< modes that have buckled
   Eigen::VectorXd omega{};                      ///< [rad/s]
 };
 

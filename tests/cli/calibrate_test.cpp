@@ -1,0 +1,118 @@
+/// `hydrapod calibrate` and `hydrapod sensitivity` as somebody uses them.
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "support/csv.hpp"
+#include "support/json_fields.hpp"
+
+namespace hydrapod {
+namespace {
+
+using test::json_of;
+using test::run_hydrapod;
+using testing::HasSubstr;
+
+class Calibrate : public testing::Test {
+ protected:
+  const std::string machine_ = test::source_file("models/zhang-jiang-2021.toml").string();
+  test::TemporaryFolder folder_;
+  std::string write(const std::string& name, const std::string& text) {
+    test::write_text(folder_ / name, text);
+    return (folder_ / name).string();
+  }
+  const std::string measured_ = write("measured.csv",
+                                      "frequency [Hz],direction,deviation [%]\n"
+                                      "7.02,x,0.1\n7.02,y,0.1\n21.5,z,0.1\n28.4,rx,0.1\n"
+                                      "28.4,ry,0.1\n16.83,rz,0.1\n");
+};
+
+TEST_F(Calibrate, WritesTheMachineWithItsCommentsAndSaysHowSureItIs) {
+  const std::string output = (folder_ / "out.toml").string();
+  const auto run = run_hydrapod({"calibrate", machine_, "--targets", measured_, "--free",
+                                 "legs.oil_spring.stiffness=1 MN/m..9 MN/m", "-o", output});
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  EXPECT_THAT(run.out, HasSubstr("legs.oil_spring.stiffness"));
+  EXPECT_THAT(run.out, HasSubstr("determined"));
+  const auto text = test::read_text(output);
+  EXPECT_THAT(text, HasSubstr("# k_h, N/m [identified]; calibrated: stiffness 3.4"));
+  EXPECT_THAT(text, HasSubstr("(was 3.8535e+06)"));
+  EXPECT_THAT(text, HasSubstr("# m_t, kg [identified]"));
+  const auto modes = json_of({"modes", output, "--format", "json"});
+  EXPECT_NEAR(modes["modes"][0]["frequency_hz"].get<double>(), 7.02, 0.03);
+}
+
+TEST_F(Calibrate, GivesJsonWithProfileAndDrawsAPicture) {
+  const std::string plot = (folder_ / "fit.svg").string();
+  const auto json =
+      json_of({"calibrate", machine_, "--targets", measured_, "--free", "legs.oil_spring.stiffness",
+               "--free", "platform.mass", "--profile", "platform.mass", "--try",
+               "environment.gravity=9.81", "--format", "json", "--plot", plot});
+  EXPECT_EQ(json["kind"], "calibration");
+  EXPECT_EQ(json["candidates"].size(), 2U);
+  EXPECT_EQ(json["candidates"][0]["parameters"].size(), 2U);
+  EXPECT_EQ(json["profiles"][0]["paths"][0], "platform.mass");
+  EXPECT_GE(json["profiles"][0]["values"].size(), 10U);
+  EXPECT_THAT(test::read_text(plot), HasSubstr("<svg"));
+}
+
+TEST_F(Calibrate, SaysWhatIsWrong) {
+  struct Wrong {
+    std::vector<std::string> arguments;
+    std::string message;
+  };
+  const std::vector<Wrong> all{
+      {{"--targets", measured_}, "no parameter is free"},
+      {{"--targets", measured_, "--free", "legs.oil_spring.stifness"},
+       "did you mean `legs.oil_spring.stiffness`?"},
+      {{"--targets", measured_, "--free", "legs.rod.mass=3 kg"},
+       "expected PATH or PATH=LOWEST..HIGHEST"},
+      {{"--targets", measured_, "--free", "legs.rod.mass=3 kg..1 kg"}, "is not below the highest"},
+      {{"--targets", measured_, "--free", "legs.rod.mass", "--prior", "legs.rod.mass=3"},
+       "expected PATH=VALUE+-SPREAD"},
+      {{"--targets", measured_, "--free", "legs.rod.mass", "--prior", "platform.mass=3+-1"},
+       "is not free"},
+      {{"--targets", measured_, "--free", "legs.rod.mass", "--profile", "platform.mass"},
+       "is not one of the free parameters"},
+      {{"--targets", measured_, "--free", "legs.rod.mass", "--loss", "l2"}, "--loss"},
+      {{"--targets", (folder_ / "none.csv").string(), "--free", "legs.rod.mass"},
+       "cannot be opened: No such file or directory"},
+  };
+  for (std::size_t k = 0; k < all.size(); ++k) {
+    auto arguments = all[k].arguments;
+    arguments.insert(arguments.begin(), {"calibrate", machine_});
+    const auto run = run_hydrapod(arguments);
+    EXPECT_EQ(run.exit_code, 2) << all[k].message;
+    EXPECT_THAT(run.err, HasSubstr(all[k].message));
+  }
+}
+
+TEST_F(Calibrate, LeavesNoFileWhenItFails) {
+  const std::string output = (folder_ / "out.toml").string();
+  run_hydrapod(
+      {"calibrate", machine_, "--targets", measured_, "--free", "legs.rod.mas", "-o", output});
+  EXPECT_FALSE(std::filesystem::exists(output));
+}
+
+TEST(Sensitivity, IsTheSameInAllFormats) {
+  const std::string machine = test::source_file("models/heavy-platform.toml").string();
+  const auto json = json_of({"sensitivity", machine, "--pose", "z=-100 mm", "--parameter",
+                             "legs.guide_sleeve.stiffness", "--parameter",
+                             "legs.oil_spring.cylinder.bulk_modulus", "--format", "json"});
+  EXPECT_EQ(json["parameters"][0]["path"], "legs.guide_sleeve.stiffness");
+  // under gravity a softer knee also carries less: more than half a per cent per per cent
+  EXPECT_GT(json["percent_per_percent"][0][0].get<double>(), 0.5);
+  const auto csv = run_hydrapod({"sensitivity", machine, "--pose", "z=-100 mm", "--parameter",
+                                 "legs.guide_sleeve.stiffness", "--format", "csv"});
+  EXPECT_THAT(csv.out, HasSubstr("mode,omega_rad_s,frequency_hz,legs.guide_sleeve.stiffness\n1,"));
+  const auto table = run_hydrapod({"sensitivity", machine});
+  EXPECT_EQ(table.exit_code, 0) << table.err;
+  EXPECT_THAT(table.out, HasSubstr("legs.oil_spring.cylinder.bulk_modulus"));
+  const auto wrong =
+      run_hydrapod({"sensitivity", machine, "--parameter", "legs.guide_sleeve.stifness"});
+  EXPECT_EQ(wrong.exit_code, 2);
+  EXPECT_THAT(wrong.err, HasSubstr("did you mean `legs.guide_sleeve.stiffness`?"));
+}
+
+}  // namespace
+}  // namespace hydrapod
