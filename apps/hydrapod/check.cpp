@@ -5,6 +5,7 @@
 
 #include "hydrapod/base/file.hpp"
 #include "hydrapod/commands.hpp"
+#include "hydrapod/hydraulics/servo_axis.hpp"
 #include "hydrapod/machine_arguments.hpp"
 #include "hydrapod/report/check.hpp"
 #include "hydrapod/terminal.hpp"
@@ -92,6 +93,16 @@ std::vector<report::PoseChoice> chosen_poses(const model::Machine& machine,
   return poses;
 }
 
+/// What simulation takes where the file says nothing.
+std::string assumptions_text(const model::Machine& machine, bool colour) {
+  const auto assumptions = hydraulics::hydraulic_assumptions(machine);
+  if (assumptions.empty()) return {};
+  std::string text = fmt::format(
+      "\n{}\n", styled("Assumed for simulation, where the file says nothing", Style::bold, colour));
+  for (const auto& one : assumptions) text += fmt::format("  {}: {}\n", one.key, one.text);
+  return text;
+}
+
 std::string table_text(const model::MachineFile& file, const std::vector<report::PoseCheck>& checks,
                        bool colour, size_t width) {
   const auto& machine = file.machine;
@@ -102,7 +113,7 @@ std::string table_text(const model::MachineFile& file, const std::vector<report:
   text += fmt::format("platform {}, legs {} in all; {}\n", report::mass_text(machine.platform.mass),
                       report::mass_text(legs), report::gravity_text(machine));
   for (const auto& check : checks) text += "\n" + pose_text(machine, check, colour, width);
-  return text;
+  return text + assumptions_text(machine, colour);
 }
 
 std::string json_text(const Arguments& arguments, const model::MachineFile& file,
@@ -110,7 +121,10 @@ std::string json_text(const Arguments& arguments, const model::MachineFile& file
   report::Json json{{"kind", "check"},
                     {"machine", report::machine_json(file, arguments.machine.file)},
                     {"assumptions", report::assumptions_json(file.machine)},
+                    {"simulation_assumptions", report::Json::array()},
                     {"poses", report::Json::array()}};
+  for (const auto& one : hydraulics::hydraulic_assumptions(file.machine))
+    json["simulation_assumptions"].push_back({{"key", one.key}, {"text", one.text}});
   for (const auto& check : checks) json["poses"].push_back(report::check_json(check));
   return json.dump(1) + "\n";
 }

@@ -34,7 +34,8 @@ TEST(Check, TableSaysWhatFollows) {
 
 TEST(Check, JsonHasItsStableFields) {
   const auto json = json_of({"check", heavy, "--format", "json"});
-  EXPECT_THAT(fields(json), ElementsAre("kind", "machine", "assumptions", "poses"));
+  EXPECT_THAT(fields(json),
+              ElementsAre("kind", "machine", "assumptions", "simulation_assumptions", "poses"));
   EXPECT_EQ(json["kind"], "check");
   EXPECT_EQ(json["poses"].size(), 4U);
   const Json& pose = json["poses"][0];
@@ -49,6 +50,24 @@ TEST(Check, JsonHasItsStableFields) {
   EXPECT_THAT(fields(pose["buckling"]),
               ElementsAre("status", "payload_kg", "limit_point", "lowest_omega_rad_s"));
   EXPECT_EQ(pose["buckling"]["status"], "found");
+}
+
+TEST(Check, SaysWhatSimulationAssumes) {
+  const auto table = run_hydrapod({"check", published});
+  EXPECT_THAT(table.out,
+              AllOf(HasSubstr("Assumed for simulation, where the file says nothing\n"),
+                    HasSubstr("  legs.equivalent_cylinder: A_p = 6.99 cm^2 (a sixth of the supply "
+                              "pressure bears the platform), e = 0.5, 0.158 l in both chambers"),
+                    HasSubstr("  legs.valve.rated_flow: 21 l/min at full opening")));
+  const auto json =
+      json_of({"check", published, "--format", "json", "--set", "leg.2.valve.rated_flow=30 l/min",
+               "--set", "legs.friction={ coulomb = 90, viscous = 0 }"});
+  std::vector<std::string> keys;
+  for (const Json& one : json["simulation_assumptions"]) keys.push_back(one["key"]);
+  EXPECT_THAT(keys, AllOf(testing::Contains("leg.1.valve.rated_flow"),
+                          Not(testing::Contains("leg.2.valve.rated_flow")),
+                          Not(testing::Contains("legs.friction.coulomb")),
+                          testing::Contains("legs.stroke")));
 }
 
 TEST(Check, LegsAddUp) {
