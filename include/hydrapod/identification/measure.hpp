@@ -1,0 +1,44 @@
+#pragma once
+/// From record files to frequency responses without a choice to make.
+///
+/// Inputs are the channels with the role excitation, else those with the role drive; outputs those
+/// with the role response. Estimator: H1 from excitations; from drives, the instrumental estimate
+/// where there are as many excitations, else H1. Block length: a power of two, so that there are
+/// some 4 p + 8 blocks side by side for p inputs. Excitation that repeats exactly is averaged over
+/// whole periods.
+
+#include <functional>
+
+#include "hydrapod/data/record_io.hpp"
+#include "hydrapod/identification/responses.hpp"
+
+namespace hydrapod::identification {
+
+struct MeasureOptions {
+  std::vector<std::string> inputs{}, outputs{}, instruments{};  ///< channel names; empty: by role
+  bool from_drive{};  ///< take drives as inputs even where there are excitations
+  std::optional<Estimator> estimator{};
+  std::optional<int> block_length{};  ///< [samples]
+  std::optional<double> overlap{};
+  Window window{Window::hann};
+  std::optional<double> period{};  ///< [s] of the excitation; 0: not periodic; default: found out
+  double settling{};               ///< [s] at the beginning of each record that are passed over
+  data::ReadOptions read{};
+};
+
+struct Measurement {
+  FrequencyResponses responses{};
+  CrossSpectra spectra{};
+  data::RecordHeader header{};                         ///< of the first record
+  std::vector<base::Diagnostic> notes{};               ///< of the readers
+  std::int64_t samples{};                              ///< of all records
+  std::optional<BiasFinding> h1_against_instrument{};  ///< where both could be formed
+};
+
+/// Of records with the same channels and sample rate; they are averaged together. `progress` is
+/// told the share that is done, and may throw to interrupt. Throws base::InputError and
+/// base::ComputationError.
+Measurement measure_responses(const std::vector<std::string>& files, const MeasureOptions& options,
+                              const std::function<void(double)>& progress = {});
+
+}  // namespace hydrapod::identification

@@ -1,0 +1,55 @@
+#pragma once
+/// Discrete Fourier transforms of real samples,
+///
+///     X_k = Σ_t x_t e^(−2πi kt/n),   k = 0 … n/2,
+///
+/// without any factor, and back: x_t = (1/n) Σ_k X_k e^(2πi kt/n) with X_{n−k} = X_k*.
+///
+/// KISS FFT (in Eigen) does the work, of any length. Only several channels at once with a length
+/// that is a power of two go another way: radix 4 after Stockham, four channels side by side in the
+/// processor's vector registers, which is what most of the time of spectral estimates goes into.
+/// Source: P. N. Swarztrauber, Parallel Computing 1 (1984) 45.
+
+#include <Eigen/Core>
+#include <complex>
+#include <memory>
+#include <span>
+#include <vector>
+
+namespace hydrapod::numerics {
+
+/// Lines of one channel per column, real and imaginary part apart.
+struct Lines {
+  Eigen::MatrixXd re{};
+  Eigen::MatrixXd im{};
+};
+
+/// A transform of one length, with its tables and work space: one per thread.
+class RealFft {
+ public:
+  using Block = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+
+  /// `length`: n, even, at least 2. Throws std::invalid_argument.
+  explicit RealFft(int length);
+  ~RealFft();
+  RealFft(RealFft&&) noexcept;
+  RealFft& operator=(RealFft&&) noexcept;
+
+  [[nodiscard]] int length() const;
+  [[nodiscard]] int lines() const { return length() / 2 + 1; }
+  /// `spectrum` gets the n/2 + 1 lines of the n `samples`.
+  void forward(std::span<const double> samples, std::span<std::complex<double>> spectrum);
+  /// `samples` gets the n samples whose lines are `spectrum`.
+  void inverse(std::span<const std::complex<double>> spectrum, std::span<double> samples);
+  /// All channels of a block, n samples × channels.
+  void forward(const Eigen::Ref<const Block>& samples, Lines& lines);
+
+ private:
+  struct Implementation;
+  std::unique_ptr<Implementation> implementation_;
+};
+
+/// Transform of complex samples, any length ≥ 1, forward and without a factor.
+std::vector<std::complex<double>> complex_fft(const std::vector<std::complex<double>>& samples);
+
+}  // namespace hydrapod::numerics

@@ -1,0 +1,257 @@
+#include "hydrapod/identification/identify.hpp"
+
+#include <fmt/format.h>
+
+#include <Eigen/SVD>
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "fit_covariance.hpp"
+#include "hydrapod/base/error.hpp"
+
+namespace hydrapod::identification {
+
+namespace {
+
+using Eigen::Index;
+constexpr double two_pi = 2.0 * std::numbers::pi;
+constexpr std::size_t fewest_lines = 16;
+
+template <class T>
+std::vector<T> picked(const std::vector<T>& all, const std::vector<std::size_t>& lines) {
+  std::vector<T> some;
+  if (all.empty()) return some;
+  some.reserve(lines.size());
+  for (const std::size_t k : lines) some.push_back(all[k]);
+  return some;
+}
+
+/// Mean of |H|² over variance per line, over a few lines.
+std::vector<double> signal_to_noise(const FrequencyResponses& r) {
+  std::vector<double> raw;
+  for (std::size_t k = 0; k < r.lines(); ++k) {
+    double sum = 0.0;
+    for (Index o = 0; o < r.H[k].rows(); ++o)
+      for (Index i = 0; i < r.H[k].cols(); ++i)
+        sum += std::norm(r.H[k](o, i)) /
+               std::max(r.variance(k, static_cast<int>(o), static_cast<int>(i)), 1e-300);
+    raw.push_back(sum / static_cast<double>(r.H[k].size()));
+  }
+  constexpr std::size_t reach = 4;
+  std::vector<double> smooth;
+  for (std::size_t k = 0; k < raw.size(); ++k) {
+    const std::size_t from = k < reach ? 0 : k - reach, to = std::min(raw.size() - 1, k + reach);
+    double sum = 0.0;
+    for (std::size_t j = from; j <= to; ++j) sum += raw[j];
+    smooth.push_back(sum / static_cast<double>(to - from + 1));
+  }
+  return smooth;
+}
+
+struct Band {
+  double from{}, to{};
+};
+
+/// Where the responses stand above their noise.
+Band audible_band(const FrequencyResponses& r) {
+  Band band{r.frequency.front(), r.frequency.back()};
+  if (!r.has_errors()) return band;
+  constexpr double audible = 3.0;
+  const auto ratio = signal_to_noise(r);
+  const auto heard = [&](double x) { return x > audible; };
+  const auto first = std::ranges::find_if(ratio, heard);
+  if (first == ratio.end()) return band;
+  const auto last = std::find_if(ratio.rbegin(), ratio.rend(), heard);
+  band.from = r.frequency[static_cast<std::size_t>(first - ratio.begin())];
+  band.to = r.frequency[static_cast<std::size_t>(ratio.rend() - last - 1)];
+  return band;
+}
+
+struct Search {
+  FrequencyResponses responses;
+  std::vector<OrderPoles> chart;
+  std::vector<PoleCluster> clusters;
+};
+
+Search search(const FrequencyResponses& r, const Band& band, const IdentifyOptions& options,
+              const std::function<void(double)>& progress) {
+  Search s{within(r, band.from, band.to), {}, {}};
+  if (s.responses.lines() < fewest_lines)
+    throw base::ComputationError(fmt::format(
+        "{} frequencies from {:.4g} Hz to {:.4g} Hz are too few to find modes in; at least {} are "
+        "needed (a longer record, or longer blocks, has finer lines)",
+        s.responses.lines(), band.from, band.to, fewest_lines));
+  s.chart = poly_reference_poles(s.responses, options.orders, progress);
+  s.clusters = select_poles(s.chart, options.selection);
+  return s;
+}
+
+/// Narrows the band while all poles are in its lower part.
+Search search_in_best_band(const FrequencyResponses& r, const IdentifyOptions& options,
+                           const std::function<void(double)>& progress) {
+  Band band = audible_band(r);
+  if (options.from) band.from = *options.from;
+  if (options.to) band.to = *options.to;
+  Search s = search(r, band, options, progress);
+  constexpr double room = 1.6, worth = 0.75;
+  for (int round = 0; !options.to && round < 6; ++round) {
+    double highest = 0.0;
+    for (const auto& c : s.clusters)
+      if (c.representative.damping_ratio() <= options.highest_damping)
+        highest = std::max(highest, c.representative.omega() / two_pi);
+    const double to = highest > 0.0 ? room * highest : 0.5 * band.to;
+    if (to > worth * band.to) break;
+    const auto narrower = within(r, band.from, to);
+    if (narrower.lines() < 4 * fewest_lines) break;
+    Search next = search(r, {band.from, to}, options, progress);
+    if (highest > 0.0 && next.clusters.empty()) break;
+    band.to = to;
+    s = std::move(next);
+  }
+  return s;
+}
+
+/// Why a fitted mode is none; empty when it is one.
+std::string objection(const FittedMode& m, const Band& band, const IdentifyOptions& options) {
+  const double f = m.omega() / two_pi;
+  if (f < band.from || f > band.to) return "left the band in the fit";
+  if (m.significance < options.least_significance) return "does not stand above the noise";
+  if (m.omega_deviation > options.largest_frequency_deviation * m.omega())
+    return "its frequency is not determined";
+  if (m.damping_deviation > options.largest_damping_deviation * std::max(m.damping_ratio(), 0.002))
+    return "its damping is not determined";
+  return {};
+}
+
+/// Two poles closer than their own uncertainty, with the same shape and participation, are one.
+bool doubles(const FittedMode& a, const FittedMode& b) {
+  constexpr double same = 0.98;
+  const double apart = std::abs(a.pole - b.pole);
+  const double width = 0.5 * (std::abs(a.pole.real()) + std::abs(b.pole.real()));
+  return apart < width && mac(a.shape, b.shape) > same &&
+         mac(a.participation, b.participation) > same;
+}
+
+/// Fits, takes out what is nothing, and fits again.
+void fit_and_prune(const IdentifyOptions& options, std::vector<PoleCluster> clusters,
+                   Identification& result) {
+  const Band band{result.from, result.to};
+  for (int round = 0; round < 5 && !clusters.empty(); ++round) {
+    std::vector<PoleEstimate> start;
+    for (const auto& c : clusters) start.push_back(c.representative);
+    result.model = fit_modes(result.responses, start, options.fit);
+    std::vector<PoleCluster> kept;
+    for (std::size_t r = 0; r < clusters.size(); ++r) {
+      const auto& mode = result.model.modes[r];
+      // a heavily damped pole may be anywhere: it is no mode and only helps the fit
+      const bool heavy = mode.damping_ratio() > options.highest_damping;
+      std::string reason =
+          heavy ? (mode.significance < options.least_significance ? "does not stand above the noise"
+                                                                  : "")
+                : objection(mode, band, options);
+      for (std::size_t q = 0; q < clusters.size() && reason.empty(); ++q)
+        if (q != r && doubles(mode, result.model.modes[q]) &&
+            (clusters[q].members.size() > clusters[r].members.size() ||
+             (clusters[q].members.size() == clusters[r].members.size() && q < r)))
+          reason = "doubles another";
+      if (reason.empty()) {
+        kept.push_back(clusters[r]);
+        kept.back().representative = {mode.pole, mode.shape, mode.participation};
+      } else {
+        result.left_out.push_back({mode.pole, reason});
+      }
+    }
+    if (kept.size() == clusters.size()) break;
+    clusters = std::move(kept);
+    if (clusters.empty()) result.model = {};
+  }
+  result.clusters = std::move(clusters);
+}
+
+void list_modes(const IdentifyOptions& options, Identification& result) {
+  for (std::size_t r = 0; r < result.model.modes.size(); ++r) {
+    const auto& fit = result.model.modes[r];
+    if (fit.damping_ratio() > options.highest_damping) {
+      result.heavily_damped.push_back(fit);
+      continue;
+    }
+    result.modes.push_back({.fit = fit,
+                            .persistence = result.clusters[r].persistence,
+                            .vector_consistency = result.clusters[r].vector_consistency,
+                            .mpc = modal_phase_collinearity(fit.shape),
+                            .mpd = mean_phase_deviation(fit.shape)});
+  }
+  const auto omega = [](const auto& m) { return m.omega(); };
+  std::ranges::sort(result.modes, {}, [&](const IdentifiedMode& m) { return omega(m.fit); });
+  std::ranges::sort(result.heavily_damped, {}, omega);
+}
+
+}  // namespace
+
+FrequencyResponses within(const FrequencyResponses& r, double from, double to) {
+  std::vector<std::size_t> lines;
+  for (std::size_t k = 0; k < r.lines(); ++k)
+    if (r.frequency[k] >= from && r.frequency[k] <= to) lines.push_back(k);
+  FrequencyResponses some = r;
+  some.frequency = picked(r.frequency, lines);
+  some.H = picked(r.H, lines);
+  some.noise = picked(r.noise, lines);
+  some.input_factor = picked(r.input_factor, lines);
+  some.coherence = picked(r.coherence, lines);
+  some.multiple_coherence = picked(r.multiple_coherence, lines);
+  some.condition = picked(r.condition, lines);
+  some.input_density = picked(r.input_density, lines);
+  return some;
+}
+
+Identification identify_modes(const FrequencyResponses& responses, const IdentifyOptions& options,
+                              const std::function<void(double)>& progress) {
+  if (responses.lines() < fewest_lines)
+    throw base::ComputationError(
+        fmt::format("{} frequencies are too few to find modes in; at "
+                    "least {} are needed",
+                    responses.lines(), fewest_lines));
+  Identification result;
+  Search s = search_in_best_band(responses, options, progress);
+  result.responses = std::move(s.responses);
+  result.chart = std::move(s.chart);
+  result.from = result.responses.frequency.front();
+  result.to = result.responses.frequency.back();
+  fit_and_prune(options, std::move(s.clusters), result);
+  list_modes(options, result);
+  if (result.modes.empty())
+    result.warnings.push_back(fmt::format(
+        "no mode from {:.4g} Hz to {:.4g} Hz: no pole comes back whatever the model order",
+        result.from, result.to));
+  constexpr double poor = 2.0;
+  if (result.model.misfit > poor)
+    result.warnings.push_back(fmt::format(
+        "the modal model misses the responses by {:.1f} times their noise (mean square): a mode "
+        "may be missing, or the machine is not linear; the intervals are widened by that",
+        result.model.misfit));
+  return result;
+}
+
+Eigen::MatrixXd mode_indicator(const FrequencyResponses& r) {
+  const Index count = std::min(r.H[0].rows(), r.H[0].cols());
+  const Eigen::VectorXd size = row_sizes(r);
+  Eigen::MatrixXd values(static_cast<Index>(r.lines()), count);
+  for (std::size_t k = 0; k < r.lines(); ++k) {
+    const Eigen::MatrixXcd scaled = size.cwiseInverse().asDiagonal() * r.H[k];
+    values.row(static_cast<Index>(k)) =
+        Eigen::JacobiSVD<Eigen::MatrixXcd>(scaled).singularValues().transpose();
+  }
+  return values;
+}
+
+Eigen::MatrixXd mac_matrix(const std::vector<Eigen::VectorXcd>& a,
+                           const std::vector<Eigen::VectorXcd>& b) {
+  Eigen::MatrixXd M(static_cast<Index>(a.size()), static_cast<Index>(b.size()));
+  for (Index i = 0; i < M.rows(); ++i)
+    for (Index j = 0; j < M.cols(); ++j)
+      M(i, j) = mac(a[static_cast<std::size_t>(i)], b[static_cast<std::size_t>(j)]);
+  return M;
+}
+
+}  // namespace hydrapod::identification

@@ -1,0 +1,232 @@
+#include "hydrapod/identification/measure.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <limits>
+#include <stdexcept>
+
+#include "hydrapod/base/error.hpp"
+#include "hydrapod/base/nearest.hpp"
+
+namespace hydrapod::identification {
+
+namespace {
+
+using data::Role;
+
+[[noreturn]] void bad(const std::string& file, const std::string& message) {
+  throw base::InputError({{.file = file, .message = message}});
+}
+
+std::vector<int> with_role(const data::RecordHeader& header, Role role) {
+  std::vector<int> list;
+  for (std::size_t c = 0; c < header.channels.size(); ++c)
+    if (header.channels[c].role == role) list.push_back(static_cast<int>(c));
+  return list;
+}
+
+std::string names_of(const data::RecordHeader& header) {
+  std::string text;
+  for (const auto& c : header.channels) text += (text.empty() ? "" : ", ") + c.name;
+  return text;
+}
+
+std::vector<int> with_names(const std::string& file, const data::RecordHeader& header,
+                            const std::vector<std::string>& names) {
+  std::vector<int> list;
+  for (const auto& name : names) {
+    const auto at = data::find_channel(header, name);
+    if (!at) {
+      std::vector<std::string_view> known;
+      for (const auto& c : header.channels) known.push_back(c.name);
+      const auto near = base::nearest(name, known);
+      bad(file, fmt::format("there is no channel '{}'; {}", name,
+                            near ? fmt::format("did you mean '{}'?", *near)
+                                 : "the record has " + names_of(header)));
+    }
+    list.push_back(static_cast<int>(*at));
+  }
+  return list;
+}
+
+struct Plan {
+  ChannelChoice choice{};
+  Estimator estimator{Estimator::h1};
+};
+
+Plan plan_channels(const std::string& file, const data::RecordHeader& header,
+                   const MeasureOptions& options) {
+  Plan plan;
+  auto& c = plan.choice;
+  const auto excitations = with_role(header, Role::excitation);
+  const auto drives = with_role(header, Role::drive);
+  c.inputs = !options.inputs.empty()                     ? with_names(file, header, options.inputs)
+             : options.from_drive || excitations.empty() ? drives
+                                                         : excitations;
+  c.outputs = options.outputs.empty() ? with_role(header, Role::response)
+                                      : with_names(file, header, options.outputs);
+  c.instruments =
+      options.instruments.empty() ? excitations : with_names(file, header, options.instruments);
+  const std::string advice =
+      ": name channels with --inputs and --outputs; the record has " + names_of(header);
+  if (c.inputs.empty())
+    bad(file, (options.from_drive ? "no channel has the role drive"
+                                  : "no channel has the role excitation or drive") +
+                  advice);
+  if (c.outputs.empty()) bad(file, "no channel has the role response" + advice);
+  for (const int i : c.inputs)
+    if (std::ranges::find(c.outputs, i) != c.outputs.end())
+      bad(file, fmt::format("channel '{}' is named as input and as output",
+                            header.channels[static_cast<std::size_t>(i)].name));
+  const bool from_instrument = c.instruments.size() == c.inputs.size() && c.instruments != c.inputs;
+  plan.estimator = options.estimator.value_or(
+      from_instrument && c.inputs != excitations ? Estimator::instrumental : Estimator::h1);
+  if (plan.estimator == Estimator::instrumental && c.instruments == c.inputs)
+    bad(file,
+        "the instrumental estimate needs inputs other than the excitations: take the drives "
+        "with --from-drive, or name them with --inputs");
+  if (!from_instrument && plan.estimator != Estimator::instrumental) c.instruments.clear();
+  return plan;
+}
+
+/// Samples of a file, counted where it does not tell.
+std::int64_t count_samples(const std::string& file, const MeasureOptions& options) {
+  auto reader = data::open_record_reader(file, options.read);
+  if (const auto count = reader->sample_count()) return *count;
+  auto block = data::make_block(reader->header());
+  std::int64_t total = 0;
+  while (const auto got = reader->read(block)) total += got;
+  return total;
+}
+
+/// The first input, up to a million samples, to see whether it repeats.
+std::int64_t find_period(const std::string& file, const MeasureOptions& options, int channel,
+                         std::int64_t skip) {
+  constexpr std::int64_t most = 1 << 20;
+  auto reader = data::open_record_reader(file, options.read);
+  auto block = data::make_block(reader->header());
+  std::vector<double> samples;
+  std::int64_t seen = 0;
+  while (const auto got = reader->read(block)) {
+    for (std::int64_t k = 0; k < got && static_cast<std::int64_t>(samples.size()) < most; ++k)
+      if (seen + k >= skip) samples.push_back(block(k, channel));
+    seen += got;
+    if (static_cast<std::int64_t>(samples.size()) >= most) break;
+  }
+  const auto x = Eigen::VectorXd::Map(samples.data(), static_cast<Eigen::Index>(samples.size()));
+  if (samples.size() < 32 || !x.allFinite()) return 0;
+  return period_of(x.tail(x.size() - x.size() / 8));  // past a fade-in
+}
+
+SpectrumOptions spectrum_options(const std::vector<std::string>& files,
+                                 const data::RecordHeader& header, const Plan& plan,
+                                 const MeasureOptions& options, std::int64_t shortest) {
+  SpectrumOptions o{.window = options.window};
+  if (options.overlap)
+    o.overlap = *options.overlap;
+  else if (options.window == Window::rectangular)
+    o.overlap = 0.0;
+  const auto skip = static_cast<std::int64_t>(std::llround(options.settling * header.sample_rate));
+  std::int64_t period = options.period ? std::llround(*options.period * header.sample_rate)
+                        : options.block_length
+                            ? 0
+                            : find_period(files[0], options, plan.choice.inputs[0], skip);
+  if (period % 2 != 0) period *= 2;  // blocks have an even length
+  if (period >= 8) {
+    o.periodic = true;
+    o.block_length = static_cast<int>(period);
+    return o;
+  }
+  if (options.block_length) {
+    o.block_length = *options.block_length;
+  } else {
+    const double side_by_side = 4.0 * static_cast<double>(plan.choice.inputs.size()) + 8.0;
+    const double total = static_cast<double>(shortest) * static_cast<double>(files.size());
+    const auto wanted =
+        static_cast<unsigned>(std::clamp(total / side_by_side, 16.0, static_cast<double>(1 << 17)));
+    o.block_length = static_cast<int>(std::bit_floor(wanted));
+    if (o.block_length > shortest && shortest >= 16)
+      o.block_length = static_cast<int>(std::bit_floor(static_cast<unsigned>(shortest)));
+  }
+  if (o.block_length > shortest)
+    bad(files[0], fmt::format("the record has {} samples, fewer than one block of {}: take "
+                              "shorter blocks or a longer record",
+                              shortest, o.block_length));
+  return o;
+}
+
+bool same_channels(const data::RecordHeader& a, const data::RecordHeader& b) {
+  return a.channels.size() == b.channels.size() && a.sample_rate == b.sample_rate &&
+         std::ranges::equal(a.channels, b.channels, {}, &data::Channel::name, &data::Channel::name);
+}
+
+/// Channels that are used, in the order of the record, and the choice in terms of them.
+std::vector<std::size_t> used_channels(ChannelChoice& choice) {
+  std::vector<int> used;
+  for (const auto* list : {&choice.inputs, &choice.outputs, &choice.instruments})
+    used.insert(used.end(), list->begin(), list->end());
+  std::ranges::sort(used);
+  const auto [first, last] = std::ranges::unique(used);
+  used.erase(first, last);
+  for (auto* list : {&choice.inputs, &choice.outputs, &choice.instruments})
+    for (int& c : *list) c = static_cast<int>(std::ranges::find(used, c) - used.begin());
+  return {used.begin(), used.end()};
+}
+
+}  // namespace
+
+Measurement measure_responses(const std::vector<std::string>& files, const MeasureOptions& options,
+                              const std::function<void(double)>& progress) {
+  if (files.empty()) throw std::invalid_argument("no record is named");
+  Measurement m;
+  m.header = data::open_record_reader(files[0], options.read)->header();
+  Plan plan = plan_channels(files[0], m.header, options);
+  std::int64_t shortest = std::numeric_limits<std::int64_t>::max(), total = 0;
+  for (const auto& file : files) {
+    const std::int64_t count = count_samples(file, options);
+    shortest = std::min(shortest, count);
+    total += count;
+  }
+  const auto spectrum = spectrum_options(files, m.header, plan, options, shortest);
+  const auto used = used_channels(plan.choice);
+  SpectrumEstimator estimator(m.header, spectrum, used);
+  const auto skip =
+      static_cast<std::int64_t>(std::llround(options.settling * m.header.sample_rate));
+  for (const auto& file : files) {
+    auto reader = data::open_record_reader(file, options.read);
+    if (!same_channels(m.header, reader->header()))
+      bad(file, "other channels or another sample rate than " + files[0] +
+                    ": records that are averaged together have the same");
+    estimator.begin_record(skip);
+    auto block = data::make_block(reader->header());
+    while (const auto got = reader->read(block)) {
+      estimator.add(block.topRows(got));
+      m.samples += got;
+      if (progress && total > 0)
+        progress(static_cast<double>(m.samples) / static_cast<double>(total));
+    }
+    m.notes.insert(m.notes.end(), reader->notes().begin(), reader->notes().end());
+  }
+  m.spectra = estimator.result();
+  m.responses = estimate_responses(m.spectra, plan.choice, plan.estimator);
+  if (!plan.choice.instruments.empty()) {
+    const bool instrumental = plan.estimator == Estimator::instrumental;
+    const auto other = estimate_responses(m.spectra, plan.choice,
+                                          instrumental ? Estimator::h1 : Estimator::instrumental);
+    const auto& plain = instrumental ? other : m.responses;
+    m.h1_against_instrument = compare_responses(plain, instrumental ? m.responses : other);
+    constexpr double chance = 0.1;
+    if (!instrumental && m.h1_against_instrument->share > chance)
+      m.responses.warnings.push_back(fmt::format(
+          "{} is biased by the loop: it is off the instrumental estimate by {:.2g} % (median), "
+          "beyond its 95 % band at {:.0f} % of the lines; take --estimator iv",
+          estimator_text(plan.estimator), 100.0 * m.h1_against_instrument->median,
+          100.0 * m.h1_against_instrument->share));
+  }
+  return m;
+}
+
+}  // namespace hydrapod::identification

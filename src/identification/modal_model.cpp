@@ -1,0 +1,219 @@
+#include "hydrapod/identification/modal_model.hpp"
+
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+#include <cmath>
+#include <numbers>
+#include <stdexcept>
+
+#include "fit_covariance.hpp"
+#include "fit_system.hpp"
+
+namespace hydrapod::identification {
+
+using Complex = std::complex<double>;
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXcd;
+using Eigen::VectorXd;
+
+namespace {
+
+struct State {
+  SharedParameters shared;
+  Basis basis;
+  std::vector<VectorXd> own;
+  double cost{};
+};
+
+State state_at(const FitSystem& system, SharedParameters shared) {
+  State state{.shared = std::move(shared), .basis = {}, .own = {}};
+  state.basis = system.basis(state.shared);
+  for (Index o = 0; o < system.outputs(); ++o) {
+    auto fit = system.fit_own(state.basis, o);
+    state.cost += fit.cost;
+    state.own.push_back(std::move(fit.parameters));
+  }
+  return state;
+}
+
+SharedParameters start_of(const std::vector<PoleEstimate>& start, Index inputs) {
+  SharedParameters shared;
+  const auto modes = static_cast<Index>(start.size());
+  shared.poles.resize(modes);
+  shared.participations.resize(inputs, modes);
+  for (Index r = 0; r < modes; ++r) {
+    const auto& e = start[static_cast<size_t>(r)];
+    Index largest = 0;
+    e.participation.cwiseAbs().maxCoeff(&largest);
+    shared.poles[r] = e.pole;
+    shared.participations.col(r) = e.participation / e.participation[largest];
+    shared.fixed.push_back(largest);
+  }
+  return shared;
+}
+
+/// Normal equations of the shared parameters, own ones eliminated.
+FitSystem::Normal reduced_normal(const FitSystem& system, const State& state) {
+  const Index modes = state.shared.poles.size(), shared = system.shared_count(modes);
+  FitSystem::Normal sum{MatrixXd::Zero(shared, shared), VectorXd::Zero(shared)};
+  for (Index o = 0; o < system.outputs(); ++o) {
+    const auto normal =
+        system.normal(state.basis, state.shared, o, state.own[static_cast<size_t>(o)]);
+    const MatrixXd X = own_by_shared(normal.matrix, shared);
+    const Index own = normal.matrix.rows() - shared;
+    sum.matrix +=
+        normal.matrix.topLeftCorner(shared, shared) - normal.matrix.topRightCorner(shared, own) * X;
+    sum.gradient += normal.gradient.head(shared) - X.transpose() * normal.gradient.tail(own);
+  }
+  return sum;
+}
+
+bool is_sound(const SharedParameters& shared) {
+  return shared.participations.allFinite() && (shared.poles.array().real() < 0.0).all() &&
+         (shared.poles.array().imag() > 0.0).all();
+}
+
+/// One accepted step; false when none is found.
+bool improve(const FitSystem& system, State& state, double& damping) {
+  const auto normal = reduced_normal(system, state);
+  const VectorXd scale = normal.matrix.diagonal().cwiseMax(1e-300);
+  for (int attempt = 0; attempt < 8; ++attempt, damping *= 10.0) {
+    MatrixXd N = normal.matrix;
+    N.diagonal() += damping * scale;
+    auto shared = state.shared;
+    shared.step(N.ldlt().solve(normal.gradient));
+    if (!is_sound(shared)) continue;
+    State trial = state_at(system, std::move(shared));
+    if (!(trial.cost < state.cost)) continue;
+    state = std::move(trial);
+    damping = std::max(damping / 10.0, 1e-10);
+    return true;
+  }
+  return false;
+}
+
+void fill(const FitSystem& system, const State& state, ModalModel& model) {
+  const Index modes = state.shared.poles.size(), inputs = system.inputs(),
+              outputs = system.outputs();
+  for (Index r = 0; r < modes; ++r) {
+    FittedMode mode;
+    mode.pole = state.shared.poles[r];
+    mode.participation = state.shared.participations.col(r);
+    mode.shape.resize(outputs);
+    for (Index o = 0; o < outputs; ++o)
+      mode.shape[o] = shape_row(state.own[static_cast<size_t>(o)], modes)[r];
+    // steps may have made another element the largest
+    Index largest = 0;
+    mode.participation.cwiseAbs().maxCoeff(&largest);
+    const Complex unit = mode.participation[largest];
+    mode.participation /= unit;
+    mode.shape *= unit;
+    model.modes.push_back(std::move(mode));
+  }
+  for (int t = 0; t < residual_terms; ++t) {
+    MatrixXd C(outputs, inputs);
+    for (Index o = 0; o < outputs; ++o)
+      C.row(o) = state.own[static_cast<size_t>(o)].segment(2 * modes + t * inputs, inputs);
+    model.residuals.push_back(std::move(C));
+  }
+  model.omega_scale = system.omega_scale();
+}
+
+/// Error of the synthesis and what each mode adds, from the model at the lines.
+void judge(const FitSystem& system, const State& state, const FrequencyResponses& responses,
+           double misfit, ModalModel& model) {
+  const Index modes = state.shared.poles.size(), own = system.own_count(modes);
+  Eigen::MatrixXcd columns(system.inputs(), own);
+  VectorXd added = VectorXd::Zero(modes);
+  for (Index k = 0; k < system.lines(); ++k) {
+    system.own_columns(state.basis, k, columns);
+    for (Index o = 0; o < system.outputs(); ++o) {
+      const auto& x = state.own[static_cast<size_t>(o)];
+      const double weight = std::pow(system.deviation()(k, o), -2);
+      for (Index r = 0; r < modes; ++r)
+        added[r] += weight * (columns.middleCols(2 * r, 2) * x.segment(2 * r, 2)).squaredNorm();
+    }
+  }
+  const double count = 2.0 * static_cast<double>(system.outputs() + system.inputs());
+  const double unit = responses.has_errors() ? std::max(1.0, misfit) : std::max(misfit, 1e-300);
+  for (Index r = 0; r < modes; ++r)
+    model.modes[static_cast<size_t>(r)].significance = added[r] / count / unit;
+  // the error is seen in the responses themselves, each output in proportion to its own size
+  double off = 0.0, whole = 0.0;
+  const Eigen::VectorXd size = row_sizes(responses);
+  for (Index k = 0; k < system.lines(); ++k) {
+    const Eigen::MatrixXcd H = modelled(model, state.basis.lines, k, responses);
+    const Eigen::MatrixXcd D =
+        size.cwiseInverse().asDiagonal() * (responses.H[static_cast<size_t>(k)] - H);
+    off += D.squaredNorm();
+    whole += (size.cwiseInverse().asDiagonal() * responses.H[static_cast<size_t>(k)]).squaredNorm();
+  }
+  model.error = whole > 0.0 ? std::sqrt(off / whole) : 0.0;
+}
+
+}  // namespace
+
+ModalModel fit_modes(const FrequencyResponses& responses, const std::vector<PoleEstimate>& start,
+                     const FitOptions& options) {
+  if (start.empty()) throw std::invalid_argument("a modal model needs at least one pole");
+  const FitSystem system(responses, options.taper);
+  State state = state_at(system, start_of(start, system.inputs()));
+  ModalModel model;
+  double damping = 1e-4;
+  for (; model.iterations < options.max_iterations; ++model.iterations) {
+    const double before = state.cost;
+    model.converged =
+        !improve(system, state, damping) || before - state.cost <= options.tolerance * before;
+    if (model.converged) break;
+  }
+  fill(system, state, model);
+  const auto modes = static_cast<Index>(start.size());
+  const double numbers = static_cast<double>(system.lines() * system.outputs() * system.inputs());
+  const double parameters = 0.5 * static_cast<double>(system.shared_count(modes) +
+                                                      system.outputs() * system.own_count(modes));
+  const double spare = std::max(1.0, numbers - parameters);
+  const double misfit = state.cost / spare;
+  if (responses.has_errors()) model.misfit = misfit;
+  judge(system, state, responses, misfit, model);
+  add_deviations(system, responses, {state.shared, state.basis, state.own}, misfit, model);
+  return model;
+}
+
+Eigen::MatrixXcd synthesised(const ModalModel& model, double frequency) {
+  const Complex s(0.0, 2.0 * std::numbers::pi * frequency);
+  Eigen::MatrixXcd H = Eigen::MatrixXcd::Zero(model.residuals[0].rows(), model.residuals[0].cols());
+  for (const auto& mode : model.modes) {
+    const Eigen::MatrixXcd A = mode.shape * mode.participation.transpose();
+    H += A / (s - mode.pole) + A.conjugate() / (s - std::conj(mode.pole));
+  }
+  for (int t = 0; t < residual_terms; ++t)
+    H += std::pow(s / model.omega_scale, t + lowest_residual_power) *
+         model.residuals[static_cast<size_t>(t)];
+  return H;
+}
+
+double modal_phase_collinearity(const VectorXcd& shape) {
+  const double rr = shape.real().squaredNorm(), ii = shape.imag().squaredNorm();
+  const double ri = shape.real().dot(shape.imag());
+  // the eigenvalues of [rr ri; ri ii]: (λ1 − λ2)²/(λ1 + λ2)²
+  return rr + ii > 0.0 ? (std::pow(rr - ii, 2) + 4.0 * ri * ri) / std::pow(rr + ii, 2) : 0.0;
+}
+
+double mean_phase_deviation(const VectorXcd& shape) {
+  if (!(shape.squaredNorm() > 0.0)) return 0.0;
+  // the straight line through the complex plane that fits the elements best
+  const double rr = shape.real().squaredNorm(), ii = shape.imag().squaredNorm();
+  const double ri = shape.real().dot(shape.imag());
+  const double direction = 0.5 * std::atan2(2.0 * ri, rr - ii);
+  double sum = 0.0, weight = 0.0;
+  for (const Complex c : shape) {
+    if (c == 0.0) continue;
+    const Complex turned = c * std::polar(1.0, -direction);
+    sum += std::abs(c) * std::atan2(std::abs(turned.imag()), std::abs(turned.real()));
+    weight += std::abs(c);
+  }
+  return sum / weight;
+}
+
+}  // namespace hydrapod::identification

@@ -1,0 +1,30 @@
+#pragma once
+/// What a pole contributes at each line. Private to the module.
+
+#include "hydrapod/identification/responses.hpp"
+
+namespace hydrapod::identification {
+
+/// g(ω_k, λ), g(ω_k, λ*) and their derivatives to λ and λ*.
+struct PoleLines {
+  Eigen::VectorXcd g, g_conjugate, slope, slope_conjugate;
+};
+
+/// With `taper` of length n (T = n/f_s) all frequencies must be multiples of f_s/n, and
+///
+///     g = (1 − e^(λT))/(s − λ) + ∫_0^T (ρ(τ) − 1) e^((λ − s) τ) dτ,
+///
+/// the integral by the trapezoidal rule, whose aliases fall with the third power of the frequency.
+class PoleBasis {
+ public:
+  PoleBasis(const FrequencyResponses& responses, bool taper);
+  [[nodiscard]] PoleLines at(std::complex<double> pole) const;
+
+ private:
+  Eigen::VectorXd omega_;
+  Eigen::VectorXd taper_;  // ρ − 1; empty: no window
+  double sample_rate_{};
+  std::vector<Eigen::Index> line_;
+};
+
+}  // namespace hydrapod::identification

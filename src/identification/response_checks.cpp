@@ -1,0 +1,213 @@
+#include "response_checks.hpp"
+
+#include <fmt/format.h>
+
+#include <Eigen/Eigenvalues>
+#include <Eigen/SVD>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "hydrapod/base/error.hpp"
+
+namespace hydrapod::identification {
+
+using Eigen::Index;
+
+namespace {
+
+constexpr double same_signal = 0.99999;    // coherence of two inputs that are one
+constexpr double correlated = 3.0;         // condition by what chance gives that is worth a warning
+constexpr std::int64_t few_at_limit = 10;  // samples at a limit that may be chance
+constexpr double rare_at_limit = 1e-4;     // share of samples at a limit that may be chance
+constexpr double two_levels = 0.5;  // a signal that is always at one of two limits is meant so
+
+const std::string& name(const CrossSpectra& spectra, int channel) {
+  return spectra.channels[static_cast<std::size_t>(channel)].name;
+}
+
+/// Column of the pair in the packed spectra.
+Index pair(int i, int j) {
+  const Index a = std::max(i, j), b = std::min(i, j);
+  return a * (a + 1) / 2 + b;
+}
+
+/// Power-weighted coherence of two channels over all lines.
+double overall_coherence(const CrossSpectra& spectra, int a, int b) {
+  double common = 0.0, total = 0.0;
+  for (Index line = 2; line < spectra.lines() - 1; ++line) {
+    const double aa = spectra.re(line, pair(a, a)), bb = spectra.re(line, pair(b, b));
+    if (!(aa > 0.0) || !(bb > 0.0)) continue;
+    common +=
+        (std::pow(spectra.re(line, pair(a, b)), 2) + std::pow(spectra.im(line, pair(a, b)), 2)) /
+        bb;
+    total += aa;
+  }
+  return total > 0.0 ? common / total : 0.0;
+}
+
+bool is_dead(const CrossSpectra& spectra, int channel) {
+  const auto& health = spectra.health[static_cast<std::size_t>(channel)];
+  return health.missing == health.samples || health.constant();
+}
+
+void warn_of_limits(const CrossSpectra& spectra, const std::vector<int>& channels,
+                    std::vector<std::string>& warnings) {
+  for (const int c : channels) {
+    const auto& health = spectra.health[static_cast<std::size_t>(c)];
+    const double share = static_cast<double>(health.at_limit) /
+                         static_cast<double>(std::max<std::int64_t>(1, health.samples));
+    if (health.at_limit >= few_at_limit && share > rare_at_limit && share < two_levels)
+      warnings.push_back(fmt::format(
+          "{}: {:.2g} % of the samples stand at {:.4g} or {:.4g}: the channel looks clipped, and "
+          "what follows from it is distorted",
+          name(spectra, c), 100.0 * share, health.lowest, health.highest));
+  }
+}
+
+void drop_dead_outputs(const CrossSpectra& spectra, ChannelChoice& choice,
+                       std::vector<std::string>& warnings) {
+  std::erase_if(choice.outputs, [&](int o) {
+    if (!is_dead(spectra, o)) return false;
+    warnings.push_back(fmt::format("{}: dead (always {:.4g}); left out", name(spectra, o),
+                                   spectra.health[static_cast<std::size_t>(o)].lowest));
+    return true;
+  });
+  if (choice.outputs.empty())
+    throw base::ComputationError("no response channel is alive: all of them are constant");
+}
+
+void drop_dead_inputs(const CrossSpectra& spectra, ChannelChoice& choice, Estimator estimator,
+                      std::vector<std::string>& warnings) {
+  const bool square = estimator == Estimator::h2 || estimator == Estimator::instrumental;
+  std::erase_if(choice.inputs, [&](int i) {
+    if (!is_dead(spectra, i)) return false;
+    if (square)
+      throw base::ComputationError(
+          fmt::format("input {} is dead, and {} needs all of them; leave it out, with its "
+                      "counterpart, or take h1",
+                      name(spectra, i), estimator_text(estimator)));
+    warnings.push_back(
+        fmt::format("input {}: dead (constant); no responses to it", name(spectra, i)));
+    return true;
+  });
+  if (choice.inputs.empty())
+    throw base::ComputationError("no input channel is alive: all of them are constant");
+}
+
+void drop_repeated_inputs(const CrossSpectra& spectra, ChannelChoice& choice,
+                          std::vector<std::string>& warnings) {
+  for (std::size_t b = 1; b < choice.inputs.size(); ++b)
+    for (std::size_t a = 0; a < b; ++a)
+      if (overall_coherence(spectra, choice.inputs[b], choice.inputs[a]) > same_signal) {
+        warnings.push_back(fmt::format(
+            "input {} repeats input {}: left out; the responses to {} are those to both together",
+            name(spectra, choice.inputs[b]), name(spectra, choice.inputs[a]),
+            name(spectra, choice.inputs[a])));
+        choice.inputs.erase(choice.inputs.begin() + static_cast<std::ptrdiff_t>(b--));
+        break;
+      }
+}
+
+void check_counts(const CrossSpectra& spectra, const ChannelChoice& choice, Estimator estimator) {
+  const auto p = choice.inputs.size();
+  if (estimator == Estimator::h2 && choice.outputs.size() != p)
+    throw base::ComputationError(
+        fmt::format("h2 needs as many outputs as inputs, not {} and {}", choice.outputs.size(), p));
+  if (estimator == Estimator::instrumental && choice.instruments.size() != p)
+    throw base::ComputationError(
+        fmt::format("the instrumental estimate needs as many excitations as inputs, not {} and {}",
+                    choice.instruments.size(), p));
+  const bool periodic = spectra.options.periodic;
+  const double available = periodic ? spectra.records : spectra.statistics.effective_averages;
+  const double needed = static_cast<double>(p) + (periodic ? 0.0 : 1.0);
+  if (spectra.blocks == 0 || available < needed)
+    throw base::ComputationError(fmt::format(
+        "{} input{} need {} {}, this is {:.3g}: {}", p, p == 1 ? "" : "s",
+        periodic ? "at least as many records with different phases as inputs, that is" : "at least",
+        periodic ? fmt::format("{}", p) : fmt::format("{:.3g} independent averages", needed),
+        spectra.blocks == 0 ? 0.0 : available,
+        periodic ? "measure again with other phases, or excite one direction at a time"
+                 : "the record is too short for this resolution; take shorter blocks"));
+  if (periodic && spectra.blocks <= spectra.records)
+    throw base::ComputationError(
+        "one period alone does not tell signal from noise: at least two are needed");
+}
+
+}  // namespace
+
+ChannelChoice checked_choice(const CrossSpectra& spectra, const ChannelChoice& wanted,
+                             Estimator estimator, std::vector<std::string>& warnings) {
+  ChannelChoice choice = wanted;
+  if (choice.inputs.empty()) throw base::ComputationError("no input channel is named");
+  if (choice.outputs.empty()) throw base::ComputationError("no response channel is named");
+  if (spectra.blocks > 0) {
+    drop_dead_outputs(spectra, choice, warnings);
+    drop_dead_inputs(spectra, choice, estimator, warnings);
+    // over fewer records than inputs periodic inputs are always coherent
+    if (spectra.options.periodic) check_counts(spectra, choice, estimator);
+    if (estimator == Estimator::h1 || estimator == Estimator::hv)
+      drop_repeated_inputs(spectra, choice, warnings);
+  }
+  check_counts(spectra, choice, estimator);
+  warn_of_limits(spectra, choice.inputs, warnings);
+  warn_of_limits(spectra, choice.outputs, warnings);
+  if (spectra.blocks_left_out > 0)
+    warnings.push_back(fmt::format("{} of {} blocks have missing samples and were left out",
+                                   spectra.blocks_left_out,
+                                   spectra.blocks + spectra.blocks_left_out));
+  return choice;
+}
+
+std::vector<double> quiet_levels(const CrossSpectra& spectra) {
+  constexpr double quiet = 1e-8;  // of the strongest line
+  std::vector<double> levels;
+  for (std::size_t c = 0; c < spectra.channels.size(); ++c) {
+    const auto channel = static_cast<int>(c);
+    const auto density = spectra.re.col(pair(channel, channel));
+    levels.push_back(quiet * density.bottomRows(spectra.lines() - 1).maxCoeff());
+  }
+  return levels;
+}
+
+double input_condition(const Eigen::MatrixXcd& S, const std::vector<int>& inputs,
+                       const std::vector<int>& others, const std::vector<double>& quiet) {
+  constexpr double none = std::numeric_limits<double>::infinity();
+  const auto level = [&](int c) { return S(c, c).real(); };
+  for (const auto* list : {&inputs, &others})
+    for (const int c : *list)
+      if (level(c) <= quiet[static_cast<std::size_t>(c)]) return none;
+  Eigen::MatrixXcd A = S(inputs, others);
+  for (std::size_t i = 0; i < inputs.size(); ++i)
+    for (std::size_t j = 0; j < others.size(); ++j)
+      A(static_cast<Index>(i), static_cast<Index>(j)) /=
+          std::sqrt(level(inputs[i]) * level(others[j]));
+  const Eigen::VectorXd s = Eigen::JacobiSVD<Eigen::MatrixXcd>(A).singularValues();
+  return s[s.size() - 1] > 0.0 ? s[0] / s[s.size() - 1] : none;
+}
+
+void finish_checks(const CrossSpectra& spectra, const ChannelChoice& choice,
+                   FrequencyResponses& responses) {
+  if (responses.lines() == 0) {
+    const bool several = choice.inputs.size() > 1;
+    throw base::ComputationError(
+        several ? "the inputs are linearly dependent at every frequency (one is a mixture of the "
+                  "others): leave inputs out, or excite them independently"
+                : fmt::format("nothing is sent on input {}", name(spectra, choice.inputs[0])));
+  }
+  auto sorted = responses.condition;
+  std::nth_element(sorted.begin(), sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2),
+                   sorted.end());
+  const double median = sorted[sorted.size() / 2];
+  // independent inputs: the spread of the eigenvalues of a sample covariance (Marchenko, Pastur)
+  const double spread = std::sqrt(static_cast<double>(choice.inputs.size()) / responses.averages);
+  const double chance = spread < 1.0 ? std::pow((1.0 + spread) / (1.0 - spread), 2) : INFINITY;
+  if (choice.inputs.size() > 1 && median > correlated * chance)
+    responses.warnings.push_back(
+        fmt::format("the inputs are correlated: the condition of their matrix is {:.0f} (median "
+                    "over lines; 1 is "
+                    "best), and the responses to them are that much less certain",
+                    median));
+}
+
+}  // namespace hydrapod::identification

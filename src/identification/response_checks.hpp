@@ -1,0 +1,27 @@
+#pragma once
+/// What can be wrong with channels before and after an estimate. Private to the module.
+
+#include "hydrapod/identification/responses.hpp"
+
+namespace hydrapod::identification {
+
+/// `wanted` without dead outputs and inputs that repeat another. Throws base::ComputationError.
+ChannelChoice checked_choice(const CrossSpectra& spectra, const ChannelChoice& wanted,
+                             Estimator estimator, std::vector<std::string>& warnings);
+
+/// Per channel the density below which a line is not excited.
+std::vector<double> quiet_levels(const CrossSpectra& spectra);
+
+/// Condition of the matrix of `inputs` against `others` (themselves, or the instruments), each
+/// scaled to its level; infinite for a line that one of them does not excite.
+double input_condition(const Eigen::MatrixXcd& S, const std::vector<int>& inputs,
+                       const std::vector<int>& others, const std::vector<double>& quiet);
+
+/// Condition beyond which a line is left out.
+inline constexpr double singular_condition = 1e8;
+
+/// Warnings about the whole; throws base::ComputationError when no line is left.
+void finish_checks(const CrossSpectra& spectra, const ChannelChoice& choice,
+                   FrequencyResponses& responses);
+
+}  // namespace hydrapod::identification

@@ -1,0 +1,190 @@
+#include "hydrapod/identification/responses.hpp"
+
+#include <fmt/format.h>
+
+#include <Eigen/Eigenvalues>
+#include <Eigen/LU>
+#include <Eigen/SVD>
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "hydrapod/base/error.hpp"
+#include "response_checks.hpp"
+
+namespace hydrapod::identification {
+
+using Eigen::Index;
+using Eigen::MatrixXcd;
+
+namespace {
+
+constexpr std::array<std::string_view, 4> estimator_names{"h1", "h2", "hv", "iv"};
+
+MatrixXcd part(const MatrixXcd& S, const std::vector<int>& rows, const std::vector<int>& columns) {
+  return S(rows, columns);
+}
+
+/// Total least squares for one output: the smallest eigenvector of the scaled (u, y) matrix.
+Eigen::RowVectorXcd hv_row(const MatrixXcd& S, const std::vector<int>& inputs, int output) {
+  auto all = inputs;
+  all.push_back(output);
+  MatrixXcd A = part(S, all, all);
+  const Eigen::VectorXd level = A.diagonal().real().cwiseSqrt();
+  A = level.cwiseInverse().asDiagonal() * A * level.cwiseInverse().asDiagonal();
+  const Eigen::SelfAdjointEigenSolver<MatrixXcd> solver(A);
+  // vᴴ (u; y) is least: y = −(v_u/v_y)ᴴ u, in scaled channels
+  const Eigen::VectorXcd v = solver.eigenvectors().col(0);
+  const Index p = static_cast<Index>(inputs.size());
+  Eigen::RowVectorXcd row = -(v.head(p) / v[p]).adjoint();
+  return level[p] * row * level.head(p).cwiseInverse().asDiagonal();
+}
+
+struct LineEstimate {
+  MatrixXcd H, Q;
+};
+
+LineEstimate estimate_line(const MatrixXcd& S, const ChannelChoice& c, Estimator estimator) {
+  const bool instrumental = estimator == Estimator::instrumental;
+  const auto& R = instrumental ? c.instruments : c.inputs;
+  const MatrixXcd S_uR = part(S, c.inputs, R);
+  const MatrixXcd G = S_uR.partialPivLu().inverse();
+  LineEstimate e;
+  e.Q = G.adjoint() * part(S, R, R) * G;
+  if (estimator == Estimator::h2) {
+    e.H = part(S, c.outputs, c.outputs) * part(S, c.inputs, c.outputs).partialPivLu().inverse();
+  } else if (estimator == Estimator::hv) {
+    e.H.resize(static_cast<Index>(c.outputs.size()), static_cast<Index>(c.inputs.size()));
+    for (std::size_t o = 0; o < c.outputs.size(); ++o)
+      e.H.row(static_cast<Index>(o)) = hv_row(S, c.inputs, c.outputs[o]);
+  } else {
+    e.H = part(S, c.outputs, R) * G;
+  }
+  return e;
+}
+
+/// (I, −H) S (I, −H)ᴴ: the spectrum of what H does not explain.
+MatrixXcd residual_spectrum(const MatrixXcd& S, const ChannelChoice& c, const MatrixXcd& H) {
+  const MatrixXcd S_yu = part(S, c.outputs, c.inputs);
+  const MatrixXcd cross = S_yu * H.adjoint();
+  MatrixXcd V = part(S, c.outputs, c.outputs) - cross - cross.adjoint() +
+                H * part(S, c.inputs, c.inputs) * H.adjoint();
+  // rounding must not leave a negative variance
+  for (Index o = 0; o < V.rows(); ++o) {
+    const double least = 1e-15 * std::abs(S(c.outputs[static_cast<std::size_t>(o)],
+                                            c.outputs[static_cast<std::size_t>(o)]));
+    V(o, o) = std::max(V(o, o).real(), least);
+  }
+  return V;
+}
+
+void add_quality(const MatrixXcd& S, const ChannelChoice& c, const MatrixXcd& V,
+                 FrequencyResponses& r) {
+  const auto level = [&](int channel) { return S(channel, channel).real(); };
+  Eigen::MatrixXd coherence(c.outputs.size(), c.inputs.size());
+  Eigen::VectorXd multiple(c.outputs.size()), density(c.inputs.size());
+  for (std::size_t o = 0; o < c.outputs.size(); ++o) {
+    const double power = level(c.outputs[o]);
+    for (std::size_t i = 0; i < c.inputs.size(); ++i) {
+      const double product = power * level(c.inputs[i]);
+      coherence(o, i) = product > 0.0 ? std::norm(S(c.outputs[o], c.inputs[i])) / product : 0.0;
+    }
+    const double noise = V(static_cast<Index>(o), static_cast<Index>(o)).real();
+    multiple[o] = power > 0.0 ? std::clamp(1.0 - noise / power, 0.0, 1.0) : 0.0;
+  }
+  for (std::size_t i = 0; i < c.inputs.size(); ++i) density[i] = level(c.inputs[i]);
+  r.coherence.push_back(std::move(coherence));
+  r.multiple_coherence.push_back(std::move(multiple));
+  r.input_density.push_back(std::move(density));
+}
+
+}  // namespace
+
+std::string_view estimator_text(Estimator estimator) {
+  return estimator_names[static_cast<std::size_t>(estimator)];
+}
+
+std::optional<Estimator> estimator_from_text(std::string_view text) {
+  for (std::size_t i = 0; i < estimator_names.size(); ++i)
+    if (estimator_names[i] == text) return static_cast<Estimator>(i);
+  return {};
+}
+
+double FrequencyResponses::variance(std::size_t line, int output, int input) const {
+  return noise[line](output, output).real() * input_factor[line](input, input).real();
+}
+
+double confidence_radius(double probability, double degrees) {
+  // quantile of F(2, 2ν): ν ((1 − p)^(−1/ν) − 1), which goes to −ln(1 − p)
+  const double rest = 1.0 - probability;
+  if (!(degrees > 0.0)) return std::sqrt(-std::log(rest));
+  return std::sqrt(degrees * std::expm1(-std::log(rest) / degrees));
+}
+
+FrequencyResponses estimate_responses(const CrossSpectra& spectra, const ChannelChoice& wanted,
+                                      Estimator estimator) {
+  FrequencyResponses r;
+  r.estimator = estimator;
+  const ChannelChoice c = checked_choice(spectra, wanted, estimator, r.warnings);
+  for (const int i : c.inputs) r.inputs.push_back(spectra.channels[static_cast<size_t>(i)]);
+  for (const int o : c.outputs) r.outputs.push_back(spectra.channels[static_cast<size_t>(o)]);
+  const bool periodic = spectra.options.periodic;
+  const double K = spectra.statistics.effective_averages, p = static_cast<double>(c.inputs.size());
+  r.averages = K;
+  r.degrees = periodic ? static_cast<double>(spectra.blocks - spectra.records) : K - p;
+  r.line_covariance = spectra.statistics.line_covariance;
+  r.sample_rate = spectra.sample_rate;
+  const bool widened = !periodic && estimator != Estimator::instrumental;
+  if (widened) r.taper = lag_taper(spectra.window);
+  // the mean and the slow rest of it are in the first lines, in as many as the window is wide
+  const Index first = periodic ? 1 : static_cast<Index>(r.line_covariance.size());
+  const auto quiet = quiet_levels(spectra);
+  const auto& others = estimator == Estimator::instrumental ? c.instruments : c.inputs;
+  for (Index line = first; line < spectra.lines() - 1; ++line) {
+    const MatrixXcd S = spectra.at(line);
+    const double condition = input_condition(S, c.inputs, others, quiet);
+    if (!(condition < singular_condition)) continue;
+    const LineEstimate e = estimate_line(S, c, estimator);
+    const MatrixXcd V = residual_spectrum(periodic ? spectra.noise_at(line) : S, c, e.H);
+    r.frequency.push_back(spectra.frequency(line));
+    r.H.push_back(e.H);
+    r.input_factor.push_back(e.Q);
+    r.noise.push_back(periodic ? MatrixXcd(V / K) : MatrixXcd(V / (K - p)));
+    r.condition.push_back(condition);
+    add_quality(S, c, V, r);
+  }
+  finish_checks(spectra, c, r);
+  return r;
+}
+
+BiasFinding compare_responses(const FrequencyResponses& plain,
+                              const FrequencyResponses& instrumental) {
+  BiasFinding finding;
+  const double radius = confidence_radius(0.95, instrumental.degrees);
+  std::vector<double> relative;
+  std::size_t beyond = 0;
+  for (std::size_t a = 0, b = 0; a < plain.lines() && b < instrumental.lines();) {
+    if (plain.frequency[a] != instrumental.frequency[b]) {
+      (plain.frequency[a] < instrumental.frequency[b] ? a : b) += 1;
+      continue;
+    }
+    for (Index o = 0; o < plain.H[a].rows(); ++o)
+      for (Index i = 0; i < plain.H[a].cols(); ++i) {
+        const double off = std::abs(plain.H[a](o, i) - instrumental.H[b](o, i));
+        const double deviation =
+            std::sqrt(instrumental.variance(b, static_cast<int>(o), static_cast<int>(i)));
+        if (off > radius * deviation) ++beyond;
+        relative.push_back(off / std::abs(instrumental.H[b](o, i)));
+      }
+    ++a;
+    ++b;
+  }
+  if (relative.empty()) return finding;
+  const auto middle = relative.begin() + static_cast<std::ptrdiff_t>(relative.size() / 2);
+  std::nth_element(relative.begin(), middle, relative.end());
+  finding.median = *middle;
+  finding.share = static_cast<double>(beyond) / static_cast<double>(relative.size());
+  return finding;
+}
+
+}  // namespace hydrapod::identification

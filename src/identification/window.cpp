@@ -1,0 +1,88 @@
+#include "hydrapod/identification/window.hpp"
+
+#include <array>
+#include <bit>
+#include <cmath>
+#include <complex>
+#include <numbers>
+
+#include "hydrapod/numerics/fft.hpp"
+
+namespace hydrapod::identification {
+
+namespace {
+
+struct Shape {
+  std::string_view name;
+  std::array<double, 5> a;  // of cosines
+};
+
+// Blackman-Harris: F. J. Harris, Proc. IEEE 66 (1978) 51. Flat top: G. D'Antona, A. Ferrero,
+// Digital Signal Processing for Measurement Systems (2006), as in SciPy and MATLAB.
+constexpr std::array<Shape, 5> shapes{
+    {{"hann", {0.5, 0.5, 0.0, 0.0, 0.0}},
+     {"rectangular", {1.0, 0.0, 0.0, 0.0, 0.0}},
+     {"hamming", {0.54, 0.46, 0.0, 0.0, 0.0}},
+     {"blackman-harris", {0.35875, 0.48829, 0.14128, 0.01168, 0.0}},
+     {"flat-top", {0.21557895, 0.41663158, 0.277263158, 0.083578947, 0.006947368}}}};
+
+}  // namespace
+
+std::string_view window_text(Window window) { return shapes[static_cast<size_t>(window)].name; }
+
+std::optional<Window> window_from_text(std::string_view text) {
+  for (size_t i = 0; i < shapes.size(); ++i)
+    if (shapes[i].name == text) return static_cast<Window>(i);
+  return {};
+}
+
+Eigen::VectorXd window_samples(Window window, int length) {
+  const auto& a = shapes[static_cast<size_t>(window)].a;
+  Eigen::VectorXd w(length);
+  for (int t = 0; t < length; ++t) {
+    w[t] = a[0];
+    for (int j = 1; j < 5; ++j)
+      w[t] += (j % 2 == 0 ? a[j] : -a[j]) * std::cos(2.0 * std::numbers::pi * j * t / length);
+  }
+  return w;
+}
+
+AverageStatistics average_statistics(const Eigen::VectorXd& window, int hop, long blocks) {
+  constexpr int most_lines = 12;
+  constexpr double negligible = 1e-4;
+  const auto n = static_cast<int>(window.size());
+  const double power = window.squaredNorm(), count = static_cast<double>(blocks);
+  AverageStatistics result;
+  double own = 0.0;
+  for (int d = 0; d < most_lines; ++d) {
+    double sum = 0.0;
+    for (long m = 0; m < blocks && m * hop < n; ++m) {
+      const auto shift = static_cast<int>(m * hop);
+      std::complex<double> c = 0.0;
+      for (int t = 0; t + shift < n; ++t)
+        c += window[t] * window[t + shift] * std::polar(1.0, -2.0 * std::numbers::pi * d * t / n);
+      const double both = m == 0 ? 1.0 : 2.0;  // m and −m
+      sum += both * (1.0 - static_cast<double>(m) / count) * std::norm(c / power);
+    }
+    if (d == 0) own = sum;
+    if (sum < negligible * own) break;
+    result.line_covariance.push_back(sum / own);
+  }
+  result.effective_averages = count / own;
+  return result;
+}
+
+Eigen::VectorXd lag_taper(const Eigen::VectorXd& window) {
+  const auto n = static_cast<int>(window.size());
+  const int length = static_cast<int>(std::bit_ceil(static_cast<unsigned>(2 * n)));
+  numerics::RealFft fft(length);
+  std::vector<double> samples(static_cast<size_t>(length), 0.0);
+  Eigen::VectorXd::Map(samples.data(), n) = window;
+  std::vector<std::complex<double>> lines(static_cast<size_t>(fft.lines()));
+  fft.forward(samples, lines);
+  for (auto& line : lines) line = std::norm(line);
+  fft.inverse(lines, samples);
+  return Eigen::VectorXd::Map(samples.data(), n) / samples[0];
+}
+
+}  // namespace hydrapod::identification

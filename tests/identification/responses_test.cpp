@@ -1,0 +1,245 @@
+/// Frequency responses of systems known exactly, in open and in closed loop, and bad channels.
+
+#include "hydrapod/identification/responses.hpp"
+
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+
+#include <cmath>
+
+#include "exact/modal_system.hpp"
+#include "hydrapod/base/error.hpp"
+
+namespace hydrapod::identification {
+namespace {
+
+using Eigen::Index;
+using testing::Contains;
+using testing::HasSubstr;
+
+constexpr double sample_rate = 50.0;
+
+/// Three inputs, three outputs, well damped, so that blocks are long against its memory.
+test::ModalSystem plant() {
+  test::ModalSystem system;
+  test::Random random(17);
+  for (const auto& [f, zeta] : {std::pair{3.1, 0.11}, {6.7, 0.08}, {11.3, 0.06}}) {
+    Eigen::VectorXd shape(3);
+    for (double& x : shape) x = 8.0 * test::normal(random);
+    system.modes.push_back(test::real_mode(f, zeta, shape));
+  }
+  return system;
+}
+
+/// y = P u + v, u = r − k y with v the noise in the loop. Channels r (excitation), u (drive), y.
+data::Record closed_loop_record(const test::ModalSystem& system, double gain, double noise,
+                                int samples, std::uint64_t seed) {
+  data::Record record{.header = test::header_of(3, 3, sample_rate), .samples = {}};
+  for (int i = 0; i < 3; ++i)
+    record.header.channels.push_back(
+        {.name = fmt::format("d{}", i + 1), .role = data::Role::drive});
+  record.samples.resize(samples, 9);
+  test::Random random(seed);
+  test::ModalRun run(system, 1.0 / sample_rate);
+  Eigen::VectorXd r(3), y(3);
+  for (int k = -1000; k < samples; ++k) {
+    for (double& x : r) x = test::normal(random);
+    y = run.output();
+    for (double& x : y) x += noise * test::normal(random);
+    const Eigen::VectorXd u = r - gain * y;
+    if (k >= 0) record.samples.row(k) << r.transpose(), y.transpose(), u.transpose();
+    run.advance(u);
+  }
+  return record;
+}
+
+const ChannelChoice from_excitation{.inputs = {0, 1, 2}, .outputs = {3, 4, 5}, .instruments = {}};
+const ChannelChoice from_drive{.inputs = {6, 7, 8}, .outputs = {3, 4, 5}, .instruments = {0, 1, 2}};
+
+CrossSpectra spectra_of(const data::Record& record, const SpectrumOptions& options) {
+  SpectrumEstimator estimator(record.header, options);
+  estimator.add(record.samples);
+  return estimator.result();
+}
+
+/// Share of entries × lines of an estimate within their 95 % radius of the truth.
+double coverage(const FrequencyResponses& r, const test::ModalSystem& system) {
+  const double radius = confidence_radius(0.95, r.degrees);
+  double inside = 0.0, all = 0.0;
+  for (std::size_t k = 0; k < r.lines(); ++k) {
+    const auto truth = system.sampled_response(r.frequency[k], 1.0 / sample_rate);
+    for (int o = 0; o < 3; ++o)
+      for (int i = 0; i < 3; ++i, all += 1.0)
+        if (std::abs(r.H[k](o, i) - truth(o, i)) <= radius * std::sqrt(r.variance(k, o, i)))
+          inside += 1.0;
+  }
+  return inside / all;
+}
+
+TEST(Responses, OpenLoopH1IsWithinItsBandAsOftenAsPromised) {
+  const auto system = plant();
+  auto record = closed_loop_record(system, 0.0, 0.2, 1 << 16, 3);
+  const auto s = spectra_of(record, {.block_length = 1024});
+  const auto r = estimate_responses(s, from_excitation, Estimator::h1);
+  EXPECT_THAT(r.warnings, testing::IsEmpty());
+  EXPECT_NEAR(coverage(r, system), 0.95, 0.03);
+}
+
+TEST(Responses, InClosedLoopH1IsBiasedAndTheInstrumentalEstimateIsNot) {
+  const auto system = plant();
+  auto record = closed_loop_record(system, 0.3, 0.8, 1 << 17, 5);
+  const auto s = spectra_of(record, {.block_length = 1024});
+  const auto plain = estimate_responses(s, from_drive, Estimator::h1);
+  const auto instrumental = estimate_responses(s, from_drive, Estimator::instrumental);
+  EXPECT_NEAR(coverage(instrumental, system), 0.95, 0.03);
+  EXPECT_LT(coverage(plain, system), 0.75);
+  const auto finding = compare_responses(plain, instrumental);
+  EXPECT_GT(finding.share, 0.2);
+  EXPECT_GT(finding.median, 0.02);
+}
+
+TEST(Responses, WithoutNoiseInTheLoopNoBiasIsClaimed) {
+  auto record = closed_loop_record(plant(), 0.3, 1e-4, 1 << 15, 6);
+  const auto s = spectra_of(record, {.block_length = 1024});
+  const auto finding =
+      compare_responses(estimate_responses(s, from_drive, Estimator::h1),
+                        estimate_responses(s, from_drive, Estimator::instrumental));
+  EXPECT_LT(finding.median, 0.01);
+}
+
+TEST(Responses, H2AndHvBoundTheNoiseOnTheInputs) {
+  // noise on the measured inputs: H1 is too small, H2 right
+  const auto system = plant();
+  auto record = closed_loop_record(system, 0.0, 0.0, 1 << 16, 8);
+  test::Random random(4);
+  for (Index k = 0; k < record.samples.rows(); ++k)
+    for (int i = 0; i < 3; ++i) record.samples(k, i) += 0.5 * test::normal(random);
+  const auto s = spectra_of(record, {.block_length = 1024});
+  double h1 = 0.0, h2 = 0.0, hv = 0.0, truth = 0.0;
+  const auto r1 = estimate_responses(s, from_excitation, Estimator::h1);
+  const auto r2 = estimate_responses(s, from_excitation, Estimator::h2);
+  const auto rv = estimate_responses(s, from_excitation, Estimator::hv);
+  for (std::size_t k = 0; k < r1.lines(); ++k) {
+    const auto H = system.sampled_response(r1.frequency[k], 1.0 / sample_rate);
+    // projection of the estimate on the truth: its mean gain
+    const auto gain = [&](const FrequencyResponses& r) {
+      return (H.conjugate().cwiseProduct(r.H[k])).sum().real();
+    };
+    h1 += gain(r1);
+    h2 += gain(r2);
+    hv += gain(rv);
+    truth += H.squaredNorm();
+  }
+  EXPECT_NEAR(h1 / truth, 1.0 / 1.25, 0.02);  // S_uu holds the noise's variance 0.25
+  EXPECT_NEAR(h2 / truth, 1.0, 0.03);
+  EXPECT_GT(hv, h1);
+  EXPECT_LT(hv, 1.02 * h2);
+}
+
+TEST(Responses, PeriodicExcitationOverThreeRecordsIsExactWithoutNoise) {
+  // random-phase multisines with signs by a Hadamard-like matrix: the inputs are independent
+  const auto system = plant();
+  const int n = 500, periods = 6;
+  SpectrumEstimator estimator(test::header_of(3, 3, sample_rate),
+                              {.block_length = n, .periodic = true});
+  test::Random random(31);
+  std::vector<double> base(n, 0.0);
+  for (int k = 5; k <= 150; ++k) {
+    const double phase = random.uniform(0.0, 6.28);
+    for (int t = 0; t < n; ++t)
+      base[static_cast<size_t>(t)] += std::cos(2.0 * M_PI * k * t / n + phase);
+  }
+  Eigen::Matrix3d mix;
+  mix << 1, 1, 1, 1, -1, 0.5, 1, 0.3, -1;
+  for (int experiment = 0; experiment < 3; ++experiment) {
+    test::ModalRun run(system, 1.0 / sample_rate);
+    data::Samples samples(periods * n, 6);
+    for (int t = -10 * n; t < periods * n; ++t) {
+      const Eigen::VectorXd u = mix.col(experiment) * base[static_cast<size_t>((t % n + n) % n)];
+      if (t >= 0) samples.row(t) << u.transpose(), run.output().transpose();
+      run.advance(u);
+    }
+    estimator.begin_record();
+    estimator.add(samples);
+  }
+  const auto r = estimate_responses(estimator.result(), from_excitation, Estimator::h1);
+  EXPECT_EQ(r.lines(), 146u);  // the excited lines, no other
+  for (std::size_t k = 0; k < r.lines(); ++k) {
+    const auto truth = system.sampled_response(r.frequency[k], 1.0 / sample_rate);
+    EXPECT_LT((r.H[k] - truth).norm(), 1e-9 * truth.norm()) << r.frequency[k];
+  }
+}
+
+TEST(Responses, ADeadOutputIsLeftOutAndADeadInputHasNoResponses) {
+  auto record = closed_loop_record(plant(), 0.0, 0.1, 1 << 14, 3);
+  record.samples.col(4).setConstant(0.7);
+  record.samples.col(1).setZero();
+  const auto r =
+      estimate_responses(spectra_of(record, {.block_length = 512}), from_excitation, Estimator::h1);
+  ASSERT_EQ(r.outputs.size(), 2u);
+  EXPECT_EQ(r.outputs[1].name, "y3");
+  ASSERT_EQ(r.inputs.size(), 2u);
+  EXPECT_EQ(r.inputs[1].name, "u3");
+  EXPECT_THAT(r.warnings, Contains(HasSubstr("y2: dead (always 0.7)")));
+  EXPECT_THAT(r.warnings, Contains(HasSubstr("input u2: dead")));
+}
+
+TEST(Responses, AClippedChannelIsSaid) {
+  auto record = closed_loop_record(plant(), 0.0, 0.1, 1 << 14, 3);
+  const double limit = 0.6 * record.samples.col(5).maxCoeff();
+  record.samples.col(5) = record.samples.col(5).cwiseMin(limit).cwiseMax(-limit).eval();
+  const auto r =
+      estimate_responses(spectra_of(record, {.block_length = 512}), from_excitation, Estimator::h1);
+  EXPECT_THAT(r.warnings, Contains(HasSubstr("y3: ")));
+  EXPECT_THAT(r.warnings, Contains(HasSubstr("clipped")));
+}
+
+TEST(Responses, AnInputRepeatedTwiceCountsOnce) {
+  const auto system = plant();
+  auto record = closed_loop_record(system, 0.0, 0.1, 1 << 15, 3);
+  record.samples.col(1) = -2.5 * record.samples.col(0);  // reversed and in another unit
+  const auto r =
+      estimate_responses(spectra_of(record, {.block_length = 512}), from_excitation, Estimator::h1);
+  ASSERT_EQ(r.inputs.size(), 2u);
+  EXPECT_THAT(r.warnings, Contains(HasSubstr("input u2 repeats input u1")));
+}
+
+TEST(Responses, InputsThatAreAMixtureAreRefused) {
+  auto record = closed_loop_record(plant(), 0.0, 0.1, 1 << 14, 3);
+  record.samples.col(2) = record.samples.col(0) + record.samples.col(1);
+  const auto s = spectra_of(record, {.block_length = 512});
+  try {
+    estimate_responses(s, from_excitation, Estimator::h1);
+    FAIL() << "three inputs, two of them independent, were accepted";
+  } catch (const base::ComputationError& error) {
+    EXPECT_THAT(error.what(), HasSubstr("linearly dependent"));
+  }
+}
+
+TEST(Responses, CorrelatedInputsAreSaid) {
+  auto record = closed_loop_record(plant(), 0.0, 0.1, 1 << 15, 3);
+  record.samples.col(2) = record.samples.col(0) + 0.1 * record.samples.col(2);
+  const auto r =
+      estimate_responses(spectra_of(record, {.block_length = 512}), from_excitation, Estimator::h1);
+  EXPECT_THAT(r.warnings, Contains(HasSubstr("inputs are correlated")));
+}
+
+TEST(Responses, TooFewAveragesAreRefused) {
+  auto record = closed_loop_record(plant(), 0.0, 0.1, 1200, 3);
+  const auto s = spectra_of(record, {.block_length = 512});
+  EXPECT_THROW(estimate_responses(s, from_excitation, Estimator::h1), base::ComputationError);
+  // one period each says nothing of the noise; one record nothing of three inputs
+  const auto periodic = spectra_of(record, {.block_length = 400, .periodic = true});
+  EXPECT_THROW(estimate_responses(periodic, from_excitation, Estimator::h1),
+               base::ComputationError);
+}
+
+TEST(Responses, RadiusOfKnownVarianceIsThatOfAComplexNormalNumber) {
+  EXPECT_NEAR(confidence_radius(0.95, 0.0), std::sqrt(-std::log(0.05)), 1e-14);
+  EXPECT_NEAR(confidence_radius(0.95, 1e9), std::sqrt(-std::log(0.05)), 1e-6);
+  // F(2, 20) at 95 %: 3.4928 (tables)
+  EXPECT_NEAR(std::pow(confidence_radius(0.95, 10.0), 2), 3.4928, 1e-4);
+}
+
+}  // namespace
+}  // namespace hydrapod::identification

@@ -1,0 +1,158 @@
+/// Cross spectra against what is known of the signals.
+
+#include "hydrapod/identification/spectra.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <stdexcept>
+
+#include "exact/modal_system.hpp"
+
+namespace hydrapod::identification {
+namespace {
+
+using Eigen::Index;
+constexpr double two_pi = 2.0 * std::numbers::pi;
+
+data::Record noise_record(int samples, int channels, std::uint64_t seed) {
+  data::Record record{.header = test::header_of(channels, 0, 37.0), .samples = {}};
+  record.samples.resize(samples, channels);
+  test::Random random(seed);
+  for (Index k = 0; k < record.samples.size(); ++k) record.samples.data()[k] = test::normal(random);
+  return record;
+}
+
+CrossSpectra spectra_of(const data::Record& record, const SpectrumOptions& options) {
+  SpectrumEstimator estimator(record.header, options);
+  estimator.add(record.samples);
+  return estimator.result();
+}
+
+TEST(Spectra, ASineHasItsPowerAndPhaseAtItsLine) {
+  // 3 sin(ωt) and 2 sin(ωt − 0.7), on a line of the block
+  const int n = 128;
+  data::Record record{.header = test::header_of(2, 0, 64.0), .samples = data::Samples(20 * n, 2)};
+  for (int t = 0; t < record.samples.rows(); ++t) {
+    const double angle = two_pi * 9.0 * t / n;
+    record.samples.row(t) << 3.0 * std::sin(angle), 2.0 * std::sin(angle - 0.7);
+  }
+  for (const Window window : {Window::hann, Window::rectangular, Window::hamming,
+                              Window::blackman_harris, Window::flat_top}) {
+    const auto s = spectra_of(record, {.block_length = n, .window = window});
+    // the window's lines share the power of the sine: their sum times Δf is the mean square
+    double power = 0.0;
+    for (Index k = 1; k < s.lines(); ++k) power += s.at(k)(0, 0).real() * 0.5;
+    EXPECT_NEAR(power, 4.5, 1e-6) << window_text(window);
+    const auto cross = s.at(9)(0, 1);  // E[Z_0 Z_1*]
+    EXPECT_NEAR(std::arg(cross), 0.7, 1e-6) << window_text(window);
+    EXPECT_NEAR(std::abs(cross), 1.5 * s.at(9)(1, 1).real(), 1e-6) << window_text(window);
+  }
+}
+
+TEST(Spectra, DensityOfWhiteNoiseIsTwiceItsVarianceOverTheSampleRate) {
+  const auto record = noise_record(1 << 15, 3, 7);
+  const auto s = spectra_of(record, {.block_length = 64});
+  double mean = 0.0;
+  for (Index k = 2; k < 31; ++k) mean += s.at(k)(1, 1).real() / 29.0;
+  const double error = std::sqrt(1.0 / (s.statistics.effective_averages * 29.0 / 1.9));
+  EXPECT_NEAR(mean * 37.0 / 2.0, 1.0, 3.0 * error);
+}
+
+TEST(Spectra, ScatterOfLinesIsWhatTheStatisticsSay) {
+  // 400 estimates of the coherence of independent channels: its mean is 1/K
+  for (const double overlap : {0.0, 0.5, 0.75}) {
+    double mean = 0.0, neighbours = 0.0;
+    AverageStatistics statistics;
+    const int seeds = 40;
+    for (int seed = 1; seed <= seeds; ++seed) {
+      const auto record = noise_record(2048, 2, static_cast<std::uint64_t>(seed));
+      const auto s = spectra_of(record, {.block_length = 64, .overlap = overlap});
+      statistics = s.statistics;
+      for (Index k = 3; k < 29; ++k) {
+        const auto a = s.at(k), b = s.at(k + 1);
+        mean += std::norm(a(0, 1)) / (4.0 / 37.0 / 37.0) / (26.0 * seeds);
+        neighbours += (a(0, 1) * std::conj(b(0, 1))).real() / (4.0 / 37.0 / 37.0) / (26.0 * seeds);
+      }
+    }
+    const double expected = 1.0 / statistics.effective_averages;
+    EXPECT_NEAR(mean / expected, 1.0, 0.12) << overlap;  // 3 deviations of about 500 lines
+    EXPECT_NEAR(neighbours / expected, statistics.line_covariance[1], 0.12) << overlap;
+  }
+}
+
+TEST(Spectra, PiecesOfAnySizeGiveTheSame) {
+  const auto record = noise_record(3000, 5, 11);
+  const SpectrumOptions options{.block_length = 256, .overlap = 0.3};
+  const auto whole = spectra_of(record, options);
+  SpectrumEstimator estimator(record.header, options);
+  for (Index at = 0, piece = 1; at < 3000; at += piece, piece = piece * 3 % 101 + 1)
+    estimator.add(record.samples.middleRows(at, std::min<Index>(piece, 3000 - at)));
+  const auto pieces = estimator.result();
+  EXPECT_EQ(whole.blocks, pieces.blocks);
+  EXPECT_EQ(whole.re, pieces.re);
+  EXPECT_EQ(whole.im, pieces.im);
+}
+
+TEST(Spectra, BlocksWithMissingSamplesAreLeftOut) {
+  auto record = noise_record(1024, 2, 5);
+  record.samples(300, 1) = std::numeric_limits<double>::quiet_NaN();
+  const auto s = spectra_of(record, {.block_length = 128, .overlap = 0.0});
+  EXPECT_EQ(s.blocks, 7);
+  EXPECT_EQ(s.blocks_left_out, 1);
+  EXPECT_EQ(s.health[1].missing, 1);
+  EXPECT_TRUE(s.re.allFinite());
+}
+
+TEST(Spectra, NoBlockReachesOverTheBorderOfTwoRecords) {
+  const auto record = noise_record(300, 1, 5);
+  SpectrumEstimator estimator(record.header, {.block_length = 128, .overlap = 0.0});
+  for (int repeat = 0; repeat < 3; ++repeat) {
+    estimator.begin_record(44);
+    estimator.add(record.samples);
+  }
+  const auto s = estimator.result();
+  EXPECT_EQ(s.blocks, 6);  // 256 of 300 − 44 each
+  EXPECT_EQ(s.records, 3);
+}
+
+TEST(Spectra, SamplesAtALimitAreCounted) {
+  auto record = noise_record(20000, 2, 9);
+  record.samples.col(0) = record.samples.col(0).cwiseMin(1.0).eval();
+  const auto s = spectra_of(record, {.block_length = 512});
+  EXPECT_GT(s.health[0].at_limit, 20);
+  EXPECT_EQ(s.health[1].at_limit, 2);  // its highest and its lowest
+  EXPECT_EQ(s.health[0].highest, 1.0);
+}
+
+TEST(Spectra, PeriodsTellSignalFromNoise) {
+  // a periodic signal of 200 samples, and the same with noise of variance 0.09
+  data::Record record{.header = test::header_of(2, 0, 100.0), .samples = data::Samples(4000, 2)};
+  test::Random random(21);
+  for (int t = 0; t < 4000; ++t) {
+    const double x = std::sin(two_pi * 7 * t / 200.0) + 0.5 * std::cos(two_pi * 12 * t / 200.0);
+    record.samples.row(t) << x, x + 0.3 * test::normal(random);
+  }
+  EXPECT_EQ(period_of(record.samples.col(0)), 200);
+  EXPECT_EQ(period_of(record.samples.col(1)), 0);
+  EXPECT_EQ(period_of(noise_record(4000, 1, 3).samples.col(0)), 0);
+  const auto s = spectra_of(record, {.block_length = 200, .periodic = true});
+  EXPECT_EQ(s.blocks, 20);
+  EXPECT_NEAR(s.at(7)(0, 0).real() * 0.5, 0.5, 1e-12);  // mean square of a sine
+  double noise = 0.0;
+  for (Index k = 1; k < 100; ++k) noise += s.noise_at(k)(1, 1).real() / 99.0;
+  EXPECT_NEAR(noise * 100.0 / 2.0, 0.09, 0.09 * 3.0 / std::sqrt(99.0 * 19.0));
+}
+
+TEST(Spectra, OptionsThatMakeNoSenseAreRefused) {
+  const auto header = test::header_of(1, 0, 1.0);
+  EXPECT_THROW(SpectrumEstimator(header, {.block_length = 7}), std::invalid_argument);
+  EXPECT_THROW(SpectrumEstimator(header, {.block_length = 0}), std::invalid_argument);
+  EXPECT_THROW(SpectrumEstimator(header, {.block_length = 64, .overlap = 1.0}),
+               std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace hydrapod::identification
