@@ -11,9 +11,9 @@ namespace hydrapod::data {
 
 namespace {
 
-/// Samples per chunk: about half a megabyte, which is what HDF5 keeps in its cache.
+/// Samples per chunk, about 64 KiB: a short record is a small file.
 hsize_t chunk_rows(std::size_t channels) {
-  return std::clamp<hsize_t>((512U * 1024U) / (sizeof(double) * channels), 1, 16384);
+  return std::clamp<hsize_t>((64U * 1024U) / (sizeof(double) * channels), 1, 8192);
 }
 
 struct ChannelTexts {
@@ -103,10 +103,12 @@ class Hdf5Writer final : public RecordWriter {
     if (H5Dwrite(samples_.id(), H5T_NATIVE_DOUBLE, source.id(), target.id(), H5P_DEFAULT,
                  dense.data()) < 0)
       fail();
-    const hsize_t chunk = chunk_rows(columns);
-    const bool chunk_complete = (written_ + rows) / chunk > written_ / chunk;
     written_ += rows;
-    if (chunk_complete) flush();
+    unflushed_ += rows * columns * sizeof(double);
+    constexpr hsize_t enough = 1U << 20U;  // bytes
+    if (unflushed_ < enough) return;
+    flush();
+    unflushed_ = 0;
   }
 
   void close() override {
@@ -145,7 +147,7 @@ class Hdf5Writer final : public RecordWriter {
   bool for_matlab_;
   Hdf5Handle file_;
   Hdf5Handle samples_;
-  hsize_t written_{};
+  hsize_t written_{}, unflushed_{};
 };
 
 }  // namespace

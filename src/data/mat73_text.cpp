@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <cstdio>
+#include <cstring>
 
 #include "hdf5_text.hpp"
 #include "hydrapod/base/version.hpp"
@@ -37,8 +38,15 @@ bool write_empty_text(hid_t group, const char* name) {
 
 }  // namespace
 
+/// ASCII, as MATLAB writes it; matio takes no other.
 bool mat73_class(hid_t dataset, const char* name) {
-  return write_attribute(dataset, "MATLAB_class", std::string(name));
+  const Hdf5Handle type(H5Tcopy(H5T_C_S1), H5Tclose);
+  H5Tset_size(type.id(), std::strlen(name));
+  const Hdf5Handle space(H5Screate(H5S_SCALAR), H5Sclose);
+  const Hdf5Handle attribute(
+      H5Acreate2(dataset, "MATLAB_class", type.id(), space.id(), H5P_DEFAULT, H5P_DEFAULT),
+      H5Aclose);
+  return attribute.ok() && H5Awrite(attribute.id(), type.id(), name) >= 0;
 }
 
 bool mat73_text(hid_t group, const char* name, const std::string& text) {

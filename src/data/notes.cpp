@@ -17,13 +17,17 @@ void Notes::add(std::string message, unsigned line, unsigned column, const std::
   all_.push_back({.severity = base::Severity::warning,
                   .file = file_,
                   .line = line,
-                  .column = column,
+                  .column = line > 0 && column == 0 ? 1 : column,
                   .message = std::move(message)});
 }
 
 void Notes::fail(std::string message, unsigned line, unsigned column) const {
-  throw base::InputError(
-      {{.file = file_, .line = line, .column = column, .message = std::move(message)}});
+  auto found = all_;  // what was noticed before may be why
+  found.push_back({.file = file_,
+                   .line = line,
+                   .column = line > 0 && column == 0 ? 1 : column,
+                   .message = std::move(message)});
+  throw base::InputError(std::move(found));
 }
 
 }  // namespace hydrapod::data

@@ -22,7 +22,7 @@ class Notes {
   [[nodiscard]] const std::vector<base::Diagnostic>& all() const { return all_; }
   [[nodiscard]] const std::string& file() const { return file_; }
 
-  /// Throws base::InputError at that place.
+  /// Throws base::InputError: what has been noted, then an error at that place.
   [[noreturn]] void fail(std::string message, unsigned line = 0, unsigned column = 0) const;
 
  private:

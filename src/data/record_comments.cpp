@@ -118,7 +118,8 @@ Channel RecordComments::channel_of(const Line& line, const Notes& notes) {
 RecordHeader RecordComments::header(const Notes& notes) const {
   RecordHeader record;
   record.sample_rate = number_of("sample_rate_hz", 0.0, notes);
-  if (record.sample_rate < 0.0) notes.fail("sample_rate_hz must be positive");
+  if (lines_.contains("sample_rate_hz") && !(record.sample_rate > 0.0))
+    notes.fail("sample_rate_hz must be positive");
   record.start = number_of("start_s", 0.0, notes);
   const double repeat = number_of("repeat", 1.0, notes);
   if (!(repeat >= 1.0) || repeat > 1e9 || repeat != std::floor(repeat))

@@ -54,7 +54,7 @@ std::string head_of(const std::string& path) {
 
 bool has_hdf5_signature(std::string_view head) {
   constexpr std::string_view signature{"\x89HDF\r\n\x1a\n", 8};
-  return head.starts_with(signature) ||
+  return head.starts_with(signature.substr(0, 4)) ||
          (head.size() >= 520 && head.substr(512).starts_with(signature));
 }
 
@@ -71,6 +71,16 @@ bool begins_as_uff(std::string_view head) {
   if (begin == head.npos) return false;
   const std::string_view line = head.substr(begin, head.find_first_of("\r\n", begin) - begin);
   return line.starts_with("    -1") && line.find_first_not_of(" \t", 6) == line.npos;
+}
+
+std::unique_ptr<RecordReader> open_by_content(const std::string& path, const ReadOptions& options) {
+  const std::string head = head_of(path);
+  if (has_hdf5_signature(head)) return make_hdf5_reader(path, options);
+  if (head.starts_with("MATLAB 5.0") || has_mat5_mark(head)) return make_mat5_reader(path, options);
+  if (begins_as_uff(head)) return make_uff_reader(path, options);
+  if (head.find('\0') != std::string::npos)
+    refuse(path, "this is no record: it begins neither as HDF5, MAT, Universal File nor text");
+  return make_csv_reader(path, options);
 }
 
 }  // namespace
@@ -123,13 +133,13 @@ std::unique_ptr<RecordWriter> open_record_writer(const std::string& path,
 
 std::unique_ptr<RecordReader> open_record_reader(const std::string& path,
                                                  const ReadOptions& options) {
-  const std::string head = head_of(path);
-  if (has_hdf5_signature(head)) return make_hdf5_reader(path, options);
-  if (head.starts_with("MATLAB 5.0") || has_mat5_mark(head)) return make_mat5_reader(path, options);
-  if (begins_as_uff(head)) return make_uff_reader(path, options);
-  if (head.find('\0') != std::string::npos)
-    refuse(path, "this is no record: it begins neither as HDF5, MAT, Universal File nor text");
-  return make_csv_reader(path, options);
+  auto reader = open_by_content(path, options);
+  try {
+    validate(reader->header());
+  } catch (const std::invalid_argument& error) {
+    refuse(path, error.what());
+  }
+  return reader;
 }
 
 Samples make_block(const RecordHeader& header) {

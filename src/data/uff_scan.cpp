@@ -64,12 +64,13 @@ class Scan {
     const std::string head(line);
     const auto number = fortran_integer(columns(head, 0, 6));
     const std::string_view kind = columns(head, 6, 1);
+    is_binary_ = number == 58 && (kind == "b" || kind == "B");
     try {
       if (!number)
         throw Unusable{fmt::format("\"{}\" is not the number of a dataset",
                                    base::printable(columns(head, 0, 6)))};
       if (*number == 58)
-        function(head, kind == "b" || kind == "B");
+        function(head, is_binary_);
       else if (*number == 151)
         file_header();
       else if (*number == 164)
@@ -93,9 +94,28 @@ class Scan {
       ended_ = false;
       return;
     }
+    if (is_binary_ && find_binary_end()) return;
     while (next(line))
       if (is_delimiter(line)) return;
     notes_.add(fmt::format("the file is cut off in dataset {}: its end is missing", datasets_));
+  }
+
+  /// Behind binary data the delimiter need not begin a line.
+  bool find_binary_end() {
+    constexpr std::string_view mark = "    -1";
+    constexpr std::size_t step = 1U << 16U;
+    for (std::uint64_t at = offset_; at < file_.size();) {
+      const std::string bytes(file_.at(at, step).substr(0, step));
+      for (std::size_t found = bytes.find(mark); found != bytes.npos;
+           found = bytes.find(mark, found + 1)) {
+        const std::string_view behind = file_.at(at + found + mark.size(), 1);
+        if (!behind.empty() && behind[0] != '\n' && behind[0] != '\r' && behind[0] != ' ') continue;
+        offset_ = file_.line_at(at + found).next;
+        return true;
+      }
+      at += bytes.size() > mark.size() ? bytes.size() - mark.size() + 1 : bytes.size();
+    }
+    return false;
   }
 
   /// A line of a dataset's header, which may not end here.
@@ -244,14 +264,6 @@ class Scan {
         static_cast<std::uint64_t>(std::max(integer(head, 31, 12, "the number of bytes"), 0LL));
     count_lines_ = false;  // what looks like lines in binary data is none
     line_ = 0;
-    if (order != 1 && order != 2)
-      throw Unusable{
-          fmt::format("the byte order is {}; known are 1 (little endian) and 2 (big "
-                      "endian)",
-                      order)};
-    if (floats != 2)
-      throw Unusable{
-          fmt::format("the floating point format is {}; only 2 (IEEE 754) is read", floats)};
     f.big_endian = order == 2;
     const std::uint64_t value = (f.is_double ? 8U : 4U) * (f.is_complex ? 2U : 1U);
     std::uint64_t stride = value + (f.is_even ? 0U : f.is_double ? 8U : 4U);
@@ -272,6 +284,14 @@ class Scan {
     f.count = std::min(f.declared, used / stride);
     f.end = offset_ + f.count * stride;
     offset_ += used;
+    if (order != 1 && order != 2)
+      throw Unusable{
+          fmt::format("the byte order is {}; known are 1 (little endian) and 2 (big "
+                      "endian)",
+                      order)};
+    if (floats != 2)
+      throw Unusable{
+          fmt::format("the floating point format is {}; only 2 (IEEE 754) is read", floats)};
   }
 
   /// Lines up to the delimiter; how many values they hold.
@@ -341,6 +361,7 @@ class Scan {
   std::uint64_t offset_{};
   unsigned line_{}, first_line_{};
   bool count_lines_{true};
+  bool is_binary_{};
   bool ended_{};  ///< the delimiter of this dataset has been taken
   std::size_t datasets_{};
 };

@@ -24,7 +24,7 @@ std::string axis_line(const UffAxis& axis) {
 
 std::string dataset_number_line(const UffFunction& f) {
   if (!f.binary) return "    58\n";
-  const std::uint64_t value = (f.is_double ? 8U : 4U) * (f.is_complex ? 2U : 1U);
+  const std::uint64_t value = (f.is_double ? 8U : 4U) * tuple_size(f);
   constexpr int little_endian = 1, ieee = 2, header_lines = 11;
   return fmt::format("    58b{:6}{:6}{:12}{:12}{:6}{:6}{:12}{:12}\n", little_endian, ieee,
                      header_lines, f.declared * value, 0, 0, 0, 0);

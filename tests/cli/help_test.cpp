@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
@@ -11,6 +12,7 @@
 #include <string>
 #include <vector>
 
+#include "hydrapod/data/record_io.hpp"
 #include "support/run_program.hpp"
 
 namespace hydrapod {
@@ -44,6 +46,17 @@ TEST(Help, OfEveryCommandEndsWithExamples) {
   }
 }
 
+/// A second of two channels.
+data::Record small_record() {
+  data::Record record;
+  record.header.channels = {{"demand x", "m", data::Direction::x, data::Role::excitation, 0},
+                            {"demand ry", "rad", data::Direction::ry, data::Role::response, 0}};
+  record.header.sample_rate = 1000.0;
+  record.samples = data::Samples::NullaryExpr(
+      1000, 2, [](Eigen::Index k, Eigen::Index c) { return std::sin(0.3 * k + c); });
+  return record;
+}
+
 /// A folder as the examples expect it: with the models, and a machine.toml unless that is what is
 /// made, and a motion.
 void furnish(const std::filesystem::path& folder, const std::string& command) {
@@ -51,6 +64,9 @@ void furnish(const std::filesystem::path& folder, const std::string& command) {
   if (command != "init") run_hydrapod({"init"}, {.folder = folder});
   std::ofstream(folder / "motion.csv")
       << "time [s], x [mm], rz [deg]\n0, 0, 0\n0.5, 5, 1\n1, 0, 0\n";
+  if (command != "record") return;
+  for (const char* name : {"run.h5", "run.csv"})
+    data::write_record(folder / name, small_record(), data::format_of_ending(name));
 }
 
 TEST(Help, ExamplesWork) {

@@ -1,0 +1,84 @@
+#include <fmt/format.h>
+
+#include "hydrapod/commands.hpp"
+#include "hydrapod/interrupt.hpp"
+#include "hydrapod/machine_arguments.hpp"
+#include "hydrapod/record_arguments.hpp"
+#include "hydrapod/terminal.hpp"
+
+namespace hydrapod::cli {
+
+void add_record_options(CLI::App& command, RecordArguments& arguments,
+                        const std::string& rate_option) {
+  command
+      .add_option(
+          "FILE", arguments.file,
+          "Record: HDF5, MAT (5 or 7.3), CSV or Universal File, recognised by what it holds")
+      ->required();
+  command.add_option(rate_option, arguments.rate,
+                     "Sample rate in Hz, for files that do not tell it");
+}
+
+void add_output_options(CLI::App& command, OutputArguments& arguments) {
+  command.add_option("-o", arguments.file, "File to write: .h5, .mat, .csv or .uff")->required();
+  command.add_option("--format", arguments.format,
+                     "hdf5, mat5, mat73, csv, uff (binary) or uff-ascii; default: by the ending");
+}
+
+data::RecordFormat choose_format(const OutputArguments& arguments) {
+  if (arguments.format.empty()) return data::format_of_ending(arguments.file);
+  const std::vector<std::string_view> words{"hdf5", "mat5", "mat73", "csv", "uff", "uff-ascii"};
+  return *data::format_from_text(words[choose_word("--format", arguments.format, words)]);
+}
+
+std::unique_ptr<data::RecordReader> open_record(const RecordArguments& arguments) {
+  if (arguments.rate && !(*arguments.rate > 0.0 && *arguments.rate < 1e12))
+    bad_argument("--rate", "a sample rate must be positive");
+  return data::open_record_reader(arguments.file, {.sample_rate = arguments.rate});
+}
+
+bool read_all(data::RecordReader& reader, const std::string& title,
+              const std::function<void(const Eigen::Ref<const data::Samples>&)>& use) {
+  const InterruptNote interrupt;
+  data::Samples block = data::make_block(reader.header());
+  std::int64_t done = 0;
+  {
+    ProgressLine progress(title);
+    while (!InterruptNote::noted()) {
+      const std::int64_t rows = reader.read(block);
+      if (rows == 0) break;
+      use(block.topRows(rows));
+      done += rows;
+      const auto count = reader.sample_count();
+      if (count && *count > 0)
+        progress.update(static_cast<double>(done) / static_cast<double>(*count));
+    }
+  }
+  print_diagnostics(reader.notes());
+  return !InterruptNote::noted();
+}
+
+void report_written(const std::string& file, std::int64_t samples, bool complete) {
+  if (!complete)
+    throw base::ComputationError(
+        fmt::format("interrupted; {} holds the first {} samples", file, samples));
+  fmt::print(stderr, "wrote {}: {} samples\n", file, samples);
+}
+
+void add_record(CLI::App& app) {
+  CLI::App* command = add_command(
+      app, "record", "Look at a record of a test rig, convert, cut, resample and plot it",
+      {{"record show run.h5", "channels, levels, clipping, drop-outs"},
+       {"record convert run.h5 -o run.uff", "to another format"},
+       {"record cut run.h5 --from 0.2 --to 0.7 --role response -o part.mat", "a piece of it"},
+       {"record resample run.h5 --rate 250 -o slow.h5", "another sample rate, without aliases"},
+       {"record plot run.h5 -o run.svg", "time histories and spectra as a picture"}});
+  command->require_subcommand(1);
+  add_record_show(*command);
+  add_record_convert(*command);
+  add_record_cut(*command);
+  add_record_resample(*command);
+  add_record_plot(*command);
+}
+
+}  // namespace hydrapod::cli

@@ -1,0 +1,52 @@
+#pragma once
+/// What the subcommands of `record` share.
+
+#include <CLI/CLI.hpp>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "hydrapod/data/record_io.hpp"
+
+namespace hydrapod::cli {
+
+struct RecordArguments {
+  std::string file{};
+  std::optional<double> rate{};  ///< [Hz] for files that do not tell it
+};
+
+/// Adds FILE and --rate (`--file-rate` where `rate_option` says so).
+void add_record_options(CLI::App& command, RecordArguments& arguments,
+                        const std::string& rate_option = "--rate");
+
+struct OutputArguments {
+  std::string file{};
+  std::string format{};  ///< empty: by the ending
+};
+
+/// Adds -o and --format.
+void add_output_options(CLI::App& command, OutputArguments& arguments);
+
+/// The format asked for. Throws base::InputError.
+data::RecordFormat choose_format(const OutputArguments& arguments);
+
+/// Throws base::InputError; for a wrong --rate too.
+std::unique_ptr<data::RecordReader> open_record(const RecordArguments& arguments);
+
+/// Reads to the end in blocks, with a progress line titled `title` where the length is known. Notes
+/// go to stderr at the end. False when Ctrl-C ended it before.
+bool read_all(data::RecordReader& reader, const std::string& title,
+              const std::function<void(const Eigen::Ref<const data::Samples>&)>& use);
+
+/// Says what was written, or throws base::ComputationError where Ctrl-C came before the end.
+void report_written(const std::string& file, std::int64_t samples, bool complete);
+
+void add_record_show(CLI::App& record);
+void add_record_convert(CLI::App& record);
+void add_record_cut(CLI::App& record);
+void add_record_resample(CLI::App& record);
+void add_record_plot(CLI::App& record);
+
+}  // namespace hydrapod::cli

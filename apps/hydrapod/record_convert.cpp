@@ -1,0 +1,209 @@
+/// record convert, cut and resample: a record in, a record out.
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <memory>
+
+#include "hydrapod/base/nearest.hpp"
+#include "hydrapod/commands.hpp"
+#include "hydrapod/data/resample.hpp"
+#include "hydrapod/machine_arguments.hpp"
+#include "hydrapod/record_arguments.hpp"
+#include "hydrapod/terminal.hpp"
+
+namespace hydrapod::cli {
+
+namespace {
+
+struct Arguments {
+  RecordArguments record{};
+  OutputArguments output{};
+  std::string from{}, to{};
+  std::vector<std::string> channels{};
+  std::string role{}, direction{};
+  double rate{};
+};
+
+void convert(const Arguments& arguments) {
+  const auto format = choose_format(arguments.output);
+  const auto reader = open_record(arguments.record);
+  const auto writer = data::open_record_writer(arguments.output.file, reader->header(), format);
+  std::int64_t samples = 0;
+  const bool complete = read_all(*reader, "converting", [&](const auto& block) {
+    writer->append(block);
+    samples += block.rows();
+  });
+  writer->close();
+  report_written(arguments.output.file, samples, complete);
+}
+
+/// `*` stands for any text.
+bool matches(std::string_view pattern, std::string_view name) {
+  const std::size_t star = pattern.find('*');
+  if (star == pattern.npos) return pattern == name;
+  if (!name.starts_with(pattern.substr(0, star))) return false;
+  const std::string_view rest = pattern.substr(star + 1);
+  for (std::size_t at = star; at <= name.size(); ++at)
+    if (matches(rest, name.substr(at))) return true;
+  return false;
+}
+
+/// Which channels are kept: named by a pattern if there are some, of the role, of the direction.
+std::vector<Eigen::Index> chosen_channels(const data::RecordHeader& header,
+                                          const Arguments& arguments) {
+  std::optional<data::Role> role;
+  if (!arguments.role.empty())
+    role = static_cast<data::Role>(
+        choose_word("--role", arguments.role, {"excitation", "drive", "response", "other"}));
+  const auto direction = data::direction_from_text(arguments.direction);
+  if (!direction)
+    bad_argument("--direction " + arguments.direction,
+                 "unknown direction; accepted are x, y, z, rx, ry, rz, these with a -, and "
+                 "\"leg 1\" to \"leg 6\"");
+  std::vector<std::string_view> names;
+  for (const auto& channel : header.channels) names.push_back(channel.name);
+  for (const std::string& pattern : arguments.channels) {
+    if (std::any_of(names.begin(), names.end(),
+                    [&](std::string_view name) { return matches(pattern, name); }))
+      continue;
+    const auto near = base::nearest(pattern, names);
+    bad_argument(
+        "--channel " + pattern,
+        near ? fmt::format("the record has no such channel; did you mean '{}'?", *near)
+             : fmt::format("the record has no such channel; it has {}", fmt::join(names, ", ")));
+  }
+  std::vector<Eigen::Index> kept;
+  for (std::size_t c = 0; c < header.channels.size(); ++c) {
+    const auto& channel = header.channels[c];
+    const bool named = arguments.channels.empty() ||
+                       std::any_of(arguments.channels.begin(), arguments.channels.end(),
+                                   [&](const auto& p) { return matches(p, channel.name); });
+    if (named && (!role || channel.role == *role) &&
+        (arguments.direction.empty() || channel.direction == *direction))
+      kept.push_back(static_cast<Eigen::Index>(c));
+  }
+  if (kept.empty()) bad_argument("--role, --direction", "no channel is left with this choice");
+  return kept;
+}
+
+/// A time on the record's clock as the number of the first sample that is not before it.
+std::int64_t sample_at(const std::string& option, const std::string& text,
+                       const data::RecordHeader& header, std::int64_t otherwise) {
+  if (text.empty()) return otherwise;
+  const double time = plain_or_quantity(option + " " + text, text, "s");
+  const double sample = (time - header.start) * header.sample_rate;
+  constexpr double slack = 1e-6;  // times that name a sample mean that sample
+  return static_cast<std::int64_t>(std::clamp(std::ceil(sample - slack), 0.0, 9e15));
+}
+
+void cut(const Arguments& arguments) {
+  const auto format = choose_format(arguments.output);
+  const auto reader = open_record(arguments.record);
+  data::RecordHeader header = reader->header();
+  const auto kept = chosen_channels(header, arguments);
+  const std::int64_t from = sample_at("--from", arguments.from, header, 0);
+  const std::int64_t to =
+      sample_at("--to", arguments.to, header, std::numeric_limits<std::int64_t>::max());
+  const auto count = reader->sample_count();
+  if (from >= to || (count && from >= *count))
+    bad_argument("--from, --to",
+                 fmt::format("no sample lies there; the record begins at {:.9g} s{}", header.start,
+                             count ? fmt::format(" and has {:.9g} s",
+                                                 static_cast<double>(*count) / header.sample_rate)
+                                   : ""));
+  header.start += static_cast<double>(from) / header.sample_rate;
+  std::vector<data::Channel> channels;
+  for (const Eigen::Index c : kept)
+    channels.push_back(header.channels[static_cast<std::size_t>(c)]);
+  header.channels = channels;
+  const auto writer = data::open_record_writer(arguments.output.file, header, format);
+  std::int64_t at = 0, written = 0;
+  const bool complete = read_all(*reader, "cutting", [&](const auto& block) {
+    const std::int64_t first = std::clamp<std::int64_t>(from - at, 0, block.rows());
+    const std::int64_t last = std::clamp<std::int64_t>(to - at, first, block.rows());
+    at += block.rows();
+    if (last == first) return;
+    const data::Samples part = block.middleRows(first, last - first)(Eigen::all, kept);
+    writer->append(part);
+    written += part.rows();
+  });
+  writer->close();
+  report_written(arguments.output.file, written, complete);
+}
+
+void resample(const Arguments& arguments) {
+  const auto format = choose_format(arguments.output);
+  if (!(arguments.rate > 0.0 && arguments.rate < 1e12))
+    bad_argument("--rate", "the new sample rate must be positive");
+  const auto reader = open_record(arguments.record);
+  data::RecordHeader header = reader->header();
+  const double before = header.sample_rate;
+  constexpr double most = 1e4;
+  if (before / arguments.rate > most || arguments.rate / before > most)
+    bad_argument("--rate", fmt::format("{} Hz is more than 1:10000 from the record's {} Hz",
+                                       arguments.rate, before));
+  header.sample_rate = arguments.rate;
+  const auto writer = data::open_record_writer(arguments.output.file, header, format);
+  std::int64_t written = 0;
+  data::Resampler resampler(header.channels.size(), before, arguments.rate, [&](const auto& block) {
+    writer->append(block);
+    written += block.rows();
+  });
+  const bool complete =
+      read_all(*reader, "resampling", [&](const auto& block) { resampler.add(block); });
+  resampler.finish();
+  writer->close();
+  report_written(arguments.output.file, written, complete);
+}
+
+}  // namespace
+
+void add_record_convert(CLI::App& record) {
+  CLI::App* command = add_command(
+      record, "convert", "Write a record in another format",
+      {{"record convert run.h5 -o run.mat", "for MATLAB and Octave"},
+       {"record convert run.h5 -o run.unv --format uff-ascii", "a Universal File in plain text"},
+       {"record convert run.csv -o again.h5", "from a table of another program"}});
+  auto arguments = std::make_shared<Arguments>();
+  add_record_options(*command, arguments->record);
+  add_output_options(*command, arguments->output);
+  command->callback([arguments] { convert(*arguments); });
+}
+
+void add_record_cut(CLI::App& record) {
+  CLI::App* command =
+      add_command(record, "cut", "Write a piece of a record: some seconds, some channels",
+                  {{"record cut run.h5 --from 0.2 --to \"700 ms\" -o part.h5", "half a second"},
+                   {"record cut run.h5 --channel \"demand*\" -o demand.csv", "channels by name"},
+                   {"record cut run.h5 --role response -o response.mat", "what was measured"}});
+  auto arguments = std::make_shared<Arguments>();
+  add_record_options(*command, arguments->record);
+  add_output_options(*command, arguments->output);
+  command->add_option("--from", arguments->from,
+                      "First time, s or with a unit; default: the start");
+  command->add_option("--to", arguments->to, "Time before which it ends; default: the end");
+  command
+      ->add_option("--channel", arguments->channels,
+                   "Name of a channel, * for any text; may be repeated")
+      ->allow_extra_args(false);
+  command->add_option("--role", arguments->role, "Only excitation, drive, response or other");
+  command->add_option("--direction", arguments->direction, "Only x … rz or \"leg 1\" … \"leg 6\"");
+  command->callback([arguments] { cut(*arguments); });
+}
+
+void add_record_resample(CLI::App& record) {
+  CLI::App* command = add_command(
+      record, "resample", "Another sample rate, behind a linear-phase anti-alias filter",
+      {{"record resample run.h5 --rate 200 -o slow.h5", "five times fewer samples"},
+       {"record resample run.h5 --rate 44100 -o fast.h5", "any ratio will do"}});
+  auto arguments = std::make_shared<Arguments>();
+  add_record_options(*command, arguments->record, "--file-rate");
+  add_output_options(*command, arguments->output);
+  command->add_option("--rate", arguments->rate, "New sample rate [Hz]")->required();
+  command->callback([arguments] { resample(*arguments); });
+}
+
+}  // namespace hydrapod::cli

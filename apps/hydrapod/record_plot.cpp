@@ -1,0 +1,80 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <memory>
+
+#include "hydrapod/base/nearest.hpp"
+#include "hydrapod/commands.hpp"
+#include "hydrapod/machine_arguments.hpp"
+#include "hydrapod/record_arguments.hpp"
+#include "hydrapod/report/record_plot.hpp"
+#include "hydrapod/report/simulation.hpp"
+
+namespace hydrapod::cli {
+
+namespace {
+
+struct Arguments {
+  RecordArguments record{};
+  std::vector<std::string> channels{};
+  std::string picture{};
+};
+
+std::vector<std::size_t> shown_channels(const data::RecordHeader& header,
+                                        const std::vector<std::string>& names) {
+  std::vector<std::size_t> shown;
+  std::vector<std::string_view> known;
+  for (const auto& channel : header.channels) known.push_back(channel.name);
+  for (const std::string& name : names) {
+    const auto found = data::find_channel(header, name);
+    const auto near = base::nearest(name, known);
+    if (!found)
+      bad_argument(
+          "--channel " + name,
+          near ? fmt::format("the record has no such channel; did you mean '{}'?", *near)
+               : fmt::format("the record has no such channel; it has {}", fmt::join(known, ", ")));
+    shown.push_back(*found);
+  }
+  if (names.empty())
+    for (std::size_t c = 0; c < known.size(); ++c) shown.push_back(c);
+  if (shown.size() > report::most_plotted_channels)
+    bad_argument(
+        "--channel",
+        fmt::format("{} channels are too many for one picture, which holds {}; choose some",
+                    shown.size(), report::most_plotted_channels));
+  return shown;
+}
+
+void run(const Arguments& arguments) {
+  report::require_picture_ending(arguments.picture);
+  const auto reader = open_record(arguments.record);
+  const auto shown = shown_channels(reader->header(), arguments.channels);
+  data::OverviewBuilder overview(reader->header(),
+                                 data::default_segment(reader->header(), reader->sample_count()));
+  report::TraceBuilder traces(reader->header().channels.size());
+  const bool complete = read_all(*reader, "reading", [&](const auto& block) {
+    overview.add(block);
+    traces.add(block);
+  });
+  if (!complete) throw base::ComputationError("interrupted");
+  if (traces.stretches().empty()) throw base::ComputationError("the record has no samples to plot");
+  report::plot_record(reader->header(), traces, overview.result(), shown, arguments.picture);
+  fmt::print(stderr, "wrote {}\n", arguments.picture);
+}
+
+}  // namespace
+
+void add_record_plot(CLI::App& record) {
+  CLI::App* command = add_command(
+      record, "plot", "Time histories and spectra of a record as a picture (needs gnuplot)",
+      {{"record plot run.h5 -o run.svg", "all channels, at most 24"},
+       {"record plot run.h5 --channel \"demand x\" --channel \"demand ry\" -o two.png", "some"}});
+  auto arguments = std::make_shared<Arguments>();
+  add_record_options(*command, arguments->record);
+  command->add_option("-o", arguments->picture, "Picture to write, .svg, .png or .pdf")->required();
+  command->add_option("--channel", arguments->channels, "Name of a channel; may be repeated")
+      ->allow_extra_args(false);
+  command->callback([arguments] { run(*arguments); });
+}
+
+}  // namespace hydrapod::cli

@@ -1,0 +1,118 @@
+#include <fmt/format.h>
+
+#include <cmath>
+#include <memory>
+
+#include "hydrapod/base/file.hpp"
+#include "hydrapod/commands.hpp"
+#include "hydrapod/data/overview.hpp"
+#include "hydrapod/machine_arguments.hpp"
+#include "hydrapod/record_arguments.hpp"
+#include "hydrapod/report/record_json.hpp"
+#include "hydrapod/terminal.hpp"
+
+namespace hydrapod::cli {
+
+namespace {
+
+struct Arguments {
+  RecordArguments record{};
+  std::string format{"table"};
+  bool spectra{};
+  std::string file{"-"};
+};
+
+std::string heading(const data::RecordHeader& header, const data::RecordOverview& overview,
+                    data::RecordFormat format, bool colour) {
+  std::string out;
+  if (!header.title.empty()) out += styled(header.title, Style::bold, colour) + '\n';
+  out += fmt::format("{} channels, {} samples at {:.9g} Hz: {:.6g} s from {:.6g} s ({})\n",
+                     header.channels.size(), overview.samples, header.sample_rate,
+                     overview.duration, header.start, data::format_text(format));
+  if (!header.date.empty() || header.repeat > 1)
+    out += fmt::format("recorded {}, repeat {}\n", header.date.empty() ? "?" : header.date,
+                       header.repeat);
+  if (!header.notes.empty()) out += header.notes + (header.notes.ends_with('\n') ? "" : "\n");
+  if (!header.machine.empty()) out += "The machine file is in the record.\n";
+  return out + '\n';
+}
+
+std::string count_text(std::int64_t count) { return count == 0 ? "" : fmt::format("{}", count); }
+
+std::string hold_text(const data::ChannelOverview& c) {
+  if (c.constant) return "constant";
+  constexpr std::int64_t worth_showing = 10;
+  return c.longest_hold < worth_showing ? "" : fmt::format("{}", c.longest_hold);
+}
+
+std::string table(const data::RecordHeader& header, const data::RecordOverview& overview,
+                  bool colour, std::size_t width) {
+  Table table({{"channel", Align::left},
+               {"unit", Align::left},
+               {"direction", Align::left},
+               {"role", Align::left},
+               {"mean"},
+               {"RMS"},
+               {"peak"},
+               {"strongest Hz"},
+               {"at limit"},
+               {"held"},
+               {"missing"}});
+  for (std::size_t i = 0; i < header.channels.size(); ++i) {
+    const data::Channel& channel = header.channels[i];
+    const data::ChannelOverview& c = overview.channels[i];
+    const bool strongest = c.strongest_frequency > 0.0;
+    table.add_row({channel.name, channel.unit, std::string(data::direction_text(channel.direction)),
+                   std::string(data::role_text(channel.role)), fmt::format("{:.5g}", c.mean),
+                   fmt::format("{:.5g}", c.rms), fmt::format("{:.5g}", c.peak),
+                   strongest ? fmt::format("{:.4g}", c.strongest_frequency) : "",
+                   count_text(c.at_limit), hold_text(c), count_text(c.missing + c.infinite)});
+  }
+  return table.text(colour, width);
+}
+
+constexpr const char* legend =
+    "\nRMS and peak are about the mean. At limit: samples in runs of three or more at the lowest "
+    "or\n"
+    "highest value. Held: longest run of one value, from 10 samples on. Missing: no number.\n";
+
+void run(const Arguments& arguments) {
+  const std::size_t format = choose_word("--format", arguments.format, {"table", "json"});
+  const auto reader = open_record(arguments.record);
+  const data::RecordHeader& header = reader->header();
+  data::OverviewBuilder builder(header, data::default_segment(header, reader->sample_count()));
+  const bool complete =
+      read_all(*reader, "reading", [&](const auto& block) { builder.add(block); });
+  if (!complete) throw base::ComputationError("interrupted");
+  const data::RecordOverview overview = builder.result();
+  if (format == 1) {
+    const auto json =
+        report::record_json(arguments.record.file, *reader, overview, arguments.spectra);
+    base::write_file_whole(arguments.file, json.dump() + "\n");
+    return;
+  }
+  const bool printed = arguments.file == "-";
+  const bool colour = printed && has_colour(stdout);
+  base::write_file_whole(
+      arguments.file,
+      heading(header, overview, reader->format(), colour) +
+          table(header, overview, colour, printed ? terminal_width() : Table::unlimited) + legend);
+}
+
+}  // namespace
+
+void add_record_show(CLI::App& record) {
+  CLI::App* command =
+      add_command(record, "show", "Channels of a record with levels, clipping and drop-outs",
+                  {{"record show run.h5", "a table"},
+                   {"record show run.csv --format json", "the same for programs"},
+                   {"record show run.h5 --format json --spectra -o run.json", "with spectra"}});
+  auto arguments = std::make_shared<Arguments>();
+  add_record_options(*command, arguments->record);
+  command->add_option("--format", arguments->format, "table or json")->capture_default_str();
+  command->add_flag("--spectra", arguments->spectra, "Power spectral densities in the JSON");
+  command->add_option("-o", arguments->file, "File to write; - prints")->capture_default_str();
+  command->callback([arguments] { run(*arguments); });
+}
+
+}  // namespace hydrapod::cli

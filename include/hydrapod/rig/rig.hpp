@@ -1,0 +1,73 @@
+#pragma once
+/// The test rig: the machine under its controller is excited in six directions and measured.
+///
+/// The machine is brought to rest at a pose, the excitation begins, and after `settling` the record
+/// does. One thread, fixed order, own random numbers: the same options give the same record bit for
+/// bit.
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "hydrapod/data/record_io.hpp"
+#include "hydrapod/rig/excitation.hpp"
+#include "hydrapod/rig/instruments.hpp"
+#include "hydrapod/simulation/closed_loop.hpp"
+
+namespace hydrapod::rig {
+
+/// Where the excitation goes in.
+enum class Entry {
+  command,  ///< displacement of the demanded pose, levels in m and rad
+  drive,    ///< added to the valves' drives: levels as shares of full drive of the leg that a
+            ///< direction moves most
+  wrench    ///< force and moment about the mass centre, levels in N and N m
+};
+
+struct RigOptions {
+  std::vector<SignalSpec> signals{};  ///< empty: default_signals()
+  Entry entry{Entry::command};
+  double settling{2.0};   ///< [s]
+  double duration{60.0};  ///< [s] of the record
+  double rate{1000.0};    ///< [Hz] of the record
+  int oversampling{2};    ///< simulation outputs per sample of the record
+  int repeat{1};
+  std::uint64_t seed{1};
+  Instruments instruments{};
+  simulation::LoopOptions loop{};  ///< `until`, `output_interval` and `seed` are set by the rig
+};
+
+/// White noise in all six directions: 0.1 mm and 0.1 mrad RMS (Entry::command), 2 % of full drive
+/// (drive), 100 N and 50 N m (wrench).
+std::vector<SignalSpec> default_signals(Entry entry);
+
+/// Channels in the order of the record: 6 excitations, 6 valve currents, 6 leg lengths, 12 chamber
+/// pressures, accelerometers.
+std::vector<data::Channel> rig_channels(const RigOptions& options);
+
+/// What keeps the machine from following: too little stroke, joints, valves, full drive.
+struct LevelFinding {
+  base::Severity severity{base::Severity::error};
+  std::string message{};  ///< "ry at this level needs 31 mm of stroke in leg 4, 12 mm left"
+};
+
+/// Runs the excitation through kinematics (linear in the displacement, legs at the pose), up to
+/// `longest_checked` seconds of it.
+std::vector<LevelFinding> check_levels(const simulation::ClosedLoop& loop,
+                                       const RigOptions& options);
+inline constexpr double longest_checked = 120.0;  ///< [s]
+
+/// Loop options as the rig wants them.
+simulation::LoopOptions loop_options(const RigOptions& options);
+
+struct RigResult {
+  simulation::RunSummary summary{};
+  std::int64_t samples{};  ///< of the record
+};
+
+/// Runs `loop`, made with loop_options(), and appends the record's samples to `writer`, in blocks.
+/// `keep_going` as in ClosedLoop::run. What was measured before an early end is in the record.
+RigResult run_rig(simulation::ClosedLoop& loop, const RigOptions& options,
+                  data::RecordWriter& writer, const simulation::KeepGoing& keep_going = {});
+
+}  // namespace hydrapod::rig

@@ -1,0 +1,223 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+
+#include "hydrapod/base/printable.hpp"
+#include "hydrapod/data/frequency_response.hpp"
+#include "uff_dataset.hpp"
+#include "uff_text.hpp"
+
+namespace hydrapod::data {
+
+namespace {
+
+constexpr double missing = std::numeric_limits<double>::quiet_NaN();
+
+Channel channel_at(const UffPlace& place, const std::string& name, const ChannelUnit& unit,
+                   Role role) {
+  Channel channel{.name = name, .unit = unit.unit, .role = role};
+  channel.direction = static_cast<Direction>(place.direction);
+  for (int leg = 1; leg <= 6; ++leg)
+    if (place.direction == 0 && place.entity == fmt::format("LEG {}", leg))
+      channel.direction = leg_direction(leg);
+  if (std::abs(place.node) <= 999'999'999) channel.point = static_cast<int>(place.node);
+  return channel;
+}
+
+/// Outputs or inputs in the order in which they come.
+class Places {
+ public:
+  /// The number of a place; the channel is kept when it is new.
+  std::size_t number(const Channel& channel) {
+    const auto key =
+        std::make_tuple(channel.point, static_cast<int>(channel.direction), channel.name);
+    const auto [at, is_new] = numbers_.emplace(key, channels_.size());
+    if (is_new) channels_.push_back(channel);
+    return at->second;
+  }
+  [[nodiscard]] std::optional<std::size_t> known(int point, Direction direction,
+                                                 const std::string& name) const {
+    const auto at = numbers_.find(std::make_tuple(point, static_cast<int>(direction), name));
+    if (at == numbers_.end()) return {};
+    return at->second;
+  }
+  std::vector<Channel>& channels() { return channels_; }
+
+ private:
+  std::map<std::tuple<int, int, std::string>, std::size_t> numbers_{};
+  std::vector<Channel> channels_{};
+};
+
+struct Curve {
+  std::size_t output{}, input{};
+  std::vector<std::complex<double>> values{};
+};
+
+class ResponseReader {
+ public:
+  explicit ResponseReader(const std::string& path)
+      : notes_(path), file_(path), contents_(scan_uff(path, notes_)) {}
+
+  ReadFrequencyResponseResult read() {
+    for (const UffFunction& f : contents_.functions)
+      if (f.type == uff_function::frequency_response) take_response(f);
+    if (responses_.empty())
+      notes_.fail("the Universal File holds no frequency response that can be read");
+    std::size_t others = 0;
+    for (const UffFunction& f : contents_.functions) {
+      if (f.type == uff_function::multiple_coherence)
+        take_coherence(f);
+      else if (f.type == uff_function::general && f.id[0] == "variance")
+        take_variance(f);
+      else if (f.type != uff_function::frequency_response)
+        ++others;
+    }
+    if (others > 0) notes_.add(fmt::format("{} functions of other types left out", others));
+    return {assembled(), notes_.all()};
+  }
+
+ private:
+  static std::string name_of(const UffAxis& axis, const std::string& line) {
+    const bool labelled = !axis.label.empty() && axis.label != "NONE";
+    if (line != "NONE" && !line.empty() && (!labelled || line.starts_with(axis.label))) return line;
+    return labelled ? axis.label : "";
+  }
+
+  /// Frequencies and values; false where the frequencies are not those of the first function.
+  bool values_of(const UffFunction& f, std::vector<std::complex<double>>& values) {
+    UffValues reader(file_, f);
+    std::vector<double> frequency;
+    for (std::uint64_t k = 0; k < f.count; ++k) {
+      double at = f.first + static_cast<double>(k) * f.step, real = missing, imaginary = 0.0;
+      if (!f.is_even && !reader.next(at, notes_)) break;
+      if (!reader.next(real, notes_) || (f.is_complex && !reader.next(imaginary, notes_))) break;
+      frequency.push_back(at);
+      values.emplace_back(real, imaginary);
+    }
+    const bool ascending = std::all_of(frequency.begin(), frequency.end(),
+                                       [](double v) { return std::isfinite(v); }) &&
+                           std::adjacent_find(frequency.begin(), frequency.end(),
+                                              std::greater_equal<>()) == frequency.end() &&
+                           !frequency.empty() && frequency.front() >= 0.0;
+    if (!ascending) {
+      notes_.add(fmt::format("dataset {}: its frequencies do not ascend from 0 Hz on: left out",
+                             f.dataset),
+                 f.line);
+      return false;
+    }
+    if (frequency_.empty()) frequency_ = frequency;
+    bool same = frequency.size() == frequency_.size();
+    for (std::size_t k = 0; same && k < frequency.size(); ++k)
+      same = std::abs(frequency[k] - frequency_[k]) <= 2e-5 * std::abs(frequency_[k]);
+    if (!same)
+      notes_.add(fmt::format("dataset {} has other frequencies than the first response: left out",
+                             f.dataset),
+                 f.line);
+    return same;
+  }
+
+  void take_response(const UffFunction& f) {
+    Curve curve;
+    if (!values_of(f, curve.values)) return;
+    const ChannelUnit up = uff_unit(f.ordinate, f.response.direction, contents_.units);
+    const ChannelUnit down = uff_unit(f.denominator, f.reference.direction, contents_.units);
+    const double factor = up.factor / down.factor;
+    if (factor != 1.0) {
+      for (auto& value : curve.values) value *= factor;
+      notes_.add(fmt::format("dataset {}: converted to SI, times {}", f.dataset, factor), f.line, 0,
+                 "unit");
+    }
+    curve.output =
+        outputs_.number(channel_at(f.response, name_of(f.ordinate, f.id[3]), up, Role::response));
+    curve.input = inputs_.number(
+        channel_at(f.reference, name_of(f.denominator, f.id[4]), down, Role::excitation));
+    if (responses_.empty()) {
+      date_ = iso_date(f.id[2] == "NONE" ? "" : f.id[2]);
+    }
+    responses_.push_back(std::move(curve));
+  }
+
+  std::optional<std::size_t> output_of(const UffFunction& f) const {
+    const Channel at = channel_at(f.response, f.id[3] == "NONE" ? "" : f.id[3], {}, Role::response);
+    return outputs_.known(at.point, at.direction, at.name);
+  }
+
+  void take_coherence(const UffFunction& f) {
+    Curve curve;
+    const auto output = output_of(f);
+    if (!output || f.is_complex || !values_of(f, curve.values))
+      return notes_.add(
+          fmt::format("dataset {}: a coherence without its response: left out", f.dataset), f.line);
+    curve.output = *output;
+    coherences_.push_back(std::move(curve));
+  }
+
+  void take_variance(const UffFunction& f) {
+    Curve curve;
+    const auto output = output_of(f);
+    const Channel at =
+        channel_at(f.reference, f.id[4] == "NONE" ? "" : f.id[4], {}, Role::excitation);
+    const auto input = inputs_.known(at.point, at.direction, at.name);
+    if (!output || !input || f.is_complex || !values_of(f, curve.values))
+      return notes_.add(
+          fmt::format("dataset {}: a variance without its response: left out", f.dataset), f.line);
+    curve.output = *output;
+    curve.input = *input;
+    variances_.push_back(std::move(curve));
+  }
+
+  FrequencyResponse assembled() {
+    FrequencyResponse all;
+    all.title = contents_.model_name == "NONE" ? "" : contents_.model_name;
+    all.date = date_;
+    all.outputs = outputs_.channels();
+    all.inputs = inputs_.channels();
+    make_names_unique(all.outputs);
+    make_names_unique(all.inputs);
+    const auto lines = static_cast<Eigen::Index>(frequency_.size());
+    const auto rows = static_cast<Eigen::Index>(all.outputs.size());
+    const auto columns = static_cast<Eigen::Index>(all.inputs.size());
+    constexpr Eigen::Index most = 1 << 26;  // complex numbers, 1 GiB
+    if (rows * columns > most / lines)
+      notes_.fail(
+          fmt::format("{} outputs × {} inputs × {} frequencies are more than fit into memory", rows,
+                      columns, lines));
+    all.frequency = Eigen::Map<const Eigen::VectorXd>(frequency_.data(), lines);
+    all.response.assign(frequency_.size(), Eigen::MatrixXcd::Constant(rows, columns, missing));
+    for (const Curve& curve : responses_)
+      for (std::size_t k = 0; k < frequency_.size(); ++k)
+        all.response[k](static_cast<Eigen::Index>(curve.output),
+                        static_cast<Eigen::Index>(curve.input)) = curve.values[k];
+    if (!coherences_.empty()) all.coherence.setConstant(lines, rows, missing);
+    for (const Curve& curve : coherences_)
+      for (Eigen::Index k = 0; k < lines; ++k)
+        all.coherence(k, static_cast<Eigen::Index>(curve.output)) =
+            curve.values[static_cast<std::size_t>(k)].real();
+    if (!variances_.empty())
+      all.variance.assign(frequency_.size(), Eigen::MatrixXd::Constant(rows, columns, missing));
+    for (const Curve& curve : variances_)
+      for (std::size_t k = 0; k < frequency_.size(); ++k)
+        all.variance[k](static_cast<Eigen::Index>(curve.output),
+                        static_cast<Eigen::Index>(curve.input)) = curve.values[k].real();
+    return all;
+  }
+
+  Notes notes_;
+  FileWindow file_;
+  UffContents contents_;
+  std::vector<double> frequency_{};
+  std::string date_{};
+  Places outputs_{}, inputs_{};
+  std::vector<Curve> responses_{}, coherences_{}, variances_{};
+};
+
+}  // namespace
+
+ReadFrequencyResponseResult read_frequency_response(const std::string& path) {
+  return ResponseReader(path).read();
+}
+
+}  // namespace hydrapod::data

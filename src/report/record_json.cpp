@@ -1,0 +1,70 @@
+#include "hydrapod/report/record_json.hpp"
+
+#include <cmath>
+
+#include "hydrapod/base/version.hpp"
+
+namespace hydrapod::report {
+
+namespace {
+
+Json numbers(const Eigen::Ref<const Eigen::VectorXd>& values) {
+  Json list = Json::array();
+  for (const double value : values) list.push_back(std::isfinite(value) ? Json(value) : Json());
+  return list;
+}
+
+Json channel_json(const data::Channel& channel, const data::ChannelOverview& overview) {
+  return {{"name", channel.name},
+          {"unit", channel.unit},
+          {"direction", data::direction_text(channel.direction)},
+          {"role", data::role_text(channel.role)},
+          {"point", channel.point},
+          {"samples", overview.samples},
+          {"missing", overview.missing},
+          {"infinite", overview.infinite},
+          {"mean", overview.mean},
+          {"rms", overview.rms},
+          {"lowest", overview.lowest},
+          {"highest", overview.highest},
+          {"peak", overview.peak},
+          {"at_limit", overview.at_limit},
+          {"longest_hold", overview.longest_hold},
+          {"constant", overview.constant},
+          {"strongest_frequency_hz",
+           overview.strongest_frequency > 0.0 ? Json(overview.strongest_frequency) : Json()}};
+}
+
+}  // namespace
+
+Json record_json(const std::string& file, const data::RecordReader& reader,
+                 const data::RecordOverview& overview, bool with_spectra) {
+  const data::RecordHeader& header = reader.header();
+  Json json{{"kind", "record"},
+            {"hydrapod", base::version},
+            {"file", file},
+            {"format", data::format_text(reader.format())},
+            {"title", header.title},
+            {"date", header.date},
+            {"repeat", header.repeat},
+            {"sample_rate_hz", header.sample_rate},
+            {"start_s", header.start},
+            {"samples", overview.samples},
+            {"duration_s", overview.duration},
+            {"notes", header.notes},
+            {"machine_file", header.machine},
+            {"channels", Json::array()},
+            {"warnings", Json::array()}};
+  for (std::size_t c = 0; c < header.channels.size(); ++c)
+    json["channels"].push_back(channel_json(header.channels[c], overview.channels[c]));
+  for (const auto& note : reader.notes()) json["warnings"].push_back(note.text());
+  if (!with_spectra) return json;
+  json["spectra"] = {{"frequency_hz", numbers(overview.spectrum.frequency)},
+                     {"segments", overview.spectrum.segments},
+                     {"density", Json::array()}};
+  for (Eigen::Index c = 0; c < overview.spectrum.density.cols(); ++c)
+    json["spectra"]["density"].push_back(numbers(overview.spectrum.density.col(c)));
+  return json;
+}
+
+}  // namespace hydrapod::report

@@ -1,0 +1,165 @@
+/// Is there room for the excitation? Judged before the run.
+
+#include <fmt/format.h>
+
+#include <Eigen/LU>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "hydrapod/kinematics/inverse.hpp"
+#include "hydrapod/rig/rig.hpp"
+#include "rig_work.hpp"
+
+namespace hydrapod::rig {
+
+namespace {
+
+constexpr std::array<const char*, 6> directions{"x", "y", "z", "rx", "ry", "rz"};
+constexpr double mm = 1e-3;
+
+struct Peaks {
+  Vector6 direction{Vector6::Zero()};  ///< of each signal
+  Vector6 leg{Vector6::Zero()};        ///< of all together
+  Vector6 leg_rate{Vector6::Zero()};
+  Vector6 leg_force{Vector6::Zero()};
+};
+
+/// Leg forces per acceleration of the demanded pose: the platform alone, without the legs' masses.
+spatial::Matrix6 force_matrix(const model::Machine& machine, const spatial::Pose& pose,
+                              const spatial::Matrix6& J) {
+  const spatial::Vector3 r = pose.R_BP * machine.platform.mass_center;
+  spatial::Matrix6 to_C = spatial::Matrix6::Identity();
+  to_C.topRightCorner<3, 3>() = -spatial::skew(r);
+  spatial::Matrix6 M = spatial::Matrix6::Zero();
+  M.topLeftCorner<3, 3>() = machine.platform.mass * spatial::Matrix3::Identity();
+  M.bottomRightCorner<3, 3>() = pose.R_BP * machine.platform.inertia * pose.R_BP.transpose();
+  return J.transpose().partialPivLu().solve(to_C.transpose() * M * to_C);
+}
+
+Peaks peaks_of(const RigOptions& options, double sample_time, const spatial::Matrix6& J,
+               const spatial::Matrix6& forces = spatial::Matrix6::Zero()) {
+  Excitation excitation(options.signals, 1.0 / sample_time, options.seed);
+  const double seconds = std::min(options.settling + options.duration, longest_checked);
+  const bool smooth = is_smooth(options.signals);
+  Peaks peaks;
+  Vector6 before = Vector6::Zero(), last = Vector6::Zero(), one_before = Vector6::Zero();
+  for (long k = 0; k < std::lround(seconds / sample_time); ++k) {
+    const Vector6 sample = fade_in(static_cast<double>(k) * sample_time) * excitation.next();
+    const Vector6 legs = J * sample;
+    peaks.direction = peaks.direction.cwiseMax(sample.cwiseAbs());
+    peaks.leg = peaks.leg.cwiseMax(legs.cwiseAbs());
+    if (smooth) peaks.leg_rate = peaks.leg_rate.cwiseMax((legs - before).cwiseAbs() / sample_time);
+    const Vector6 acceleration = (sample - 2.0 * last + one_before) / (sample_time * sample_time);
+    if (smooth && k > 1)
+      peaks.leg_force = peaks.leg_force.cwiseMax((forces * acceleration).cwiseAbs());
+    before = legs;
+    one_before = last;
+    last = sample;
+  }
+  return peaks;
+}
+
+/// Stroke left on the nearer side of each leg; infinite for a leg without stops.
+Vector6 room_left(const simulation::Plant& plant, const spatial::Pose& pose) {
+  const auto legs = kinematics::inverse_kinematics(plant.machine(), pose);
+  Vector6 room = Vector6::Constant(std::numeric_limits<double>::infinity());
+  for (int k = 0; k < model::leg_count; ++k) {
+    const hydraulics::Stops& stops = plant.axis(k).stops;
+    if (!(stops.high > stops.low)) continue;
+    const auto at = static_cast<std::size_t>(k);
+    const double piston = legs[at].length - plant.machine().legs[at].rod.length;
+    room[k] = std::min(piston - stops.low, stops.high - piston);
+  }
+  return room;
+}
+
+void judge_strokes(const Peaks& peaks, const spatial::Matrix6& J, const Vector6& room,
+                   std::vector<LevelFinding>& findings) {
+  for (int i = 0; i < 6; ++i) {
+    const Vector6 needs = peaks.direction[i] * J.col(i).cwiseAbs();
+    Eigen::Index leg = 0;
+    if ((needs - room).maxCoeff(&leg) > 0.0)
+      findings.push_back(
+          {base::Severity::error,
+           fmt::format("{} at this level needs {:.3g} mm of stroke in leg {}, {:.3g} "
+                       "mm left",
+                       directions[static_cast<std::size_t>(i)], needs[leg] / mm, leg + 1,
+                       std::max(room[leg], 0.0) / mm)});
+  }
+  Eigen::Index leg = 0;
+  if (findings.empty() && (peaks.leg - room).maxCoeff(&leg) > 0.0)
+    findings.push_back(
+        {base::Severity::error,
+         fmt::format("all directions together need {:.3g} mm of stroke in leg {}, {:.3g} mm left",
+                     peaks.leg[leg] / mm, leg + 1, std::max(room[leg], 0.0) / mm)});
+}
+
+void judge_speeds(const Peaks& peaks, const control::ControllerParameters& parameters,
+                  std::vector<LevelFinding>& findings) {
+  Eigen::Index worst = 0;
+  Vector6 available;
+  for (int k = 0; k < model::leg_count; ++k) {
+    const auto& axis = parameters.axes[static_cast<std::size_t>(k)];
+    const auto speeds = control::full_drive_speeds(axis, axis.load);
+    available[k] = std::min(speeds.extending, speeds.retracting);
+  }
+  if ((peaks.leg_rate - available).maxCoeff(&worst) > 0.0)
+    findings.push_back(
+        {base::Severity::warning,
+         fmt::format("this level needs {:.3g} m/s in leg {}, and the valve gives {:.3g} m/s at the "
+                     "supply's pressure: the drive will be at its limit",
+                     peaks.leg_rate[worst], worst + 1, available[worst])});
+}
+
+/// What the supply can push and pull at standstill, less the load at rest.
+void judge_pressures(const Peaks& peaks, const control::ControllerParameters& parameters,
+                     std::vector<LevelFinding>& findings) {
+  Vector6 available;
+  for (int k = 0; k < model::leg_count; ++k) {
+    const auto& axis = parameters.axes[static_cast<std::size_t>(k)];
+    const double push =
+        axis.supply_pressure * axis.piston_area - axis.return_pressure * axis.annulus_area;
+    const double pull =
+        axis.supply_pressure * axis.annulus_area - axis.return_pressure * axis.piston_area;
+    available[k] = std::min(push - axis.load, pull + axis.load);
+  }
+  Eigen::Index worst = 0;
+  if ((peaks.leg_force - available).maxCoeff(&worst) > 0.0)
+    findings.push_back(
+        {base::Severity::warning,
+         fmt::format(
+             "this level needs {:.3g} kN in leg {} for the platform alone, and the supply's "
+             "pressure gives {:.3g} kN besides the load: the motion will not follow",
+             peaks.leg_force[worst] / 1e3, worst + 1, available[worst] / 1e3)});
+}
+
+}  // namespace
+
+std::vector<LevelFinding> check_levels(const simulation::ClosedLoop& loop,
+                                       const RigOptions& options) {
+  std::vector<LevelFinding> findings;
+  if (options.entry == Entry::wrench) return findings;  // what it moves, the run shows
+  const spatial::Pose& pose = loop.operating();
+  const spatial::Matrix6 J = excitation_jacobian(loop.plant().machine(), pose);
+  const double sample_time = loop.parameters().sample_time;
+  if (options.entry == Entry::drive) {
+    const Peaks peaks = peaks_of(options, sample_time, drive_shares(J));
+    Eigen::Index leg = 0;
+    if (peaks.leg.maxCoeff(&leg) > 1.0)
+      findings.push_back({base::Severity::warning,
+                          fmt::format("this level drives leg {} to {:.0f} % of full drive: it will "
+                                      "be at its limit",
+                                      leg + 1, 100.0 * peaks.leg[leg])});
+    return findings;
+  }
+  const Peaks peaks =
+      peaks_of(options, sample_time, J, force_matrix(loop.plant().machine(), pose, J));
+  judge_strokes(peaks, J, room_left(loop.plant(), pose), findings);
+  judge_speeds(peaks, loop.parameters(), findings);
+  judge_pressures(peaks, loop.parameters(), findings);
+  return findings;
+}
+
+}  // namespace hydrapod::rig

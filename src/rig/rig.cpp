@@ -1,0 +1,297 @@
+#include "hydrapod/rig/rig.hpp"
+
+#include <fmt/format.h>
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+#include "hydrapod/kinematics/inverse.hpp"
+#include "hydrapod/simulation/gaussian.hpp"
+#include "hydrapod/simulation/sensors.hpp"
+#include "rig_work.hpp"
+
+namespace hydrapod::rig {
+
+namespace {
+
+using simulation::Gaussian;
+using simulation::LoopSample;
+
+constexpr std::array<const char*, 6> directions{"x", "y", "z", "rx", "ry", "rz"};
+constexpr int excitations = 6, currents = 6, lengths = 6, pressures = 12;
+constexpr int before_accelerometers = excitations + currents + lengths + pressures;
+constexpr std::uint64_t noise_streams = 1'000'000;  ///< apart from those of the excitation
+
+/// One channel between the plant and the record.
+struct Chain {
+  model::Sensor sensor{};
+  double noise{};  ///< RMS at the simulation's output rate
+  LowPass own{};   ///< the sensor's bandwidth
+  LowPass anti_alias{};
+  Gaussian random{0};
+  Gaussian drop_out{0};
+  std::int64_t dropped_until{};
+
+  double filtered(double value) {
+    const double seen = own(value);
+    return anti_alias(noise > 0.0 ? seen + noise * random() : seen);
+  }
+};
+
+/// Acceleration as the sensor feels it, less its value at rest.
+double felt(const Accelerometer& sensor, const simulation::PlantOutput& plant,
+            const Vector3& gravity, const Vector3& p_CA_B) {
+  const Vector3 omega = plant.twist.tail<3>(), alpha = plant.acceleration.tail<3>();
+  const Vector3 a =
+      plant.acceleration.head<3>() + alpha.cross(p_CA_B) + omega.cross(omega.cross(p_CA_B));
+  return (plant.X_BP.R_BP * sensor.e_P).dot(a - gravity);
+}
+
+class Recorder {
+ public:
+  Recorder(const simulation::ClosedLoop& loop, const RigOptions& options,
+           data::RecordWriter& writer)
+      : loop_(loop), options_(options), writer_(writer) {
+    const double fast = options.rate * options.oversampling;
+    const Instruments& all = options.instruments;
+    for (int i = 0; i < excitations; ++i) add({}, 0.0, {}, fast);
+    for (int i = 0; i < currents; ++i) add(all.current, 0.0, {}, fast);
+    for (int i = 0; i < lengths; ++i) add(all.length, 0.0, {}, fast);
+    for (int i = 0; i < pressures; ++i) add(all.pressure, 0.0, {}, fast);
+    for (const Accelerometer& one : all.accelerometers) {
+      const double white = one.noise_density * std::sqrt(fast / 2.0);
+      add(one.sensor, white, LowPass::second_order(one.bandwidth, 0.7, fast), fast);
+      at_rest_.push_back(rest_value(one));
+    }
+    values_.resize(chains_.size());
+    block_.resize(rows, static_cast<Eigen::Index>(chains_.size()));
+    first_ = std::lround(options.settling * fast);
+    wanted_ = std::lround(options.duration * options.rate);
+  }
+
+  void take(const LoopSample& sample) {
+    gather(sample);
+    if (seen_ == 0)
+      for (std::size_t c = 0; c < chains_.size(); ++c) {
+        chains_[c].own.settle(values_[c]);
+        chains_[c].anti_alias.settle(values_[c]);
+      }
+    for (std::size_t c = 0; c < chains_.size(); ++c) values_[c] = chains_[c].filtered(values_[c]);
+    const std::int64_t at = seen_++ - first_;
+    if (at < 0 || at % options_.oversampling != 0 || written_ == wanted_) return;
+    for (std::size_t c = 0; c < chains_.size(); ++c)
+      block_(filled_, static_cast<Eigen::Index>(c)) = measured(c);
+    ++written_;
+    if (++filled_ == block_.rows()) flush();
+  }
+
+  void flush() {
+    const Eigen::Index count = filled_;
+    filled_ = 0;
+    if (count > 0) writer_.append(block_.topRows(count));
+  }
+  [[nodiscard]] std::int64_t written() const { return written_; }
+
+ private:
+  static constexpr Eigen::Index rows = 512;
+
+  void add(const model::Sensor& sensor, double noise, const LowPass& own, double fast) {
+    Chain chain{.sensor = sensor, .noise = noise, .own = own};
+    const std::uint64_t stream = noise_streams + 2 * chains_.size();
+    chain.random = Gaussian(options_.seed, stream);
+    chain.drop_out = Gaussian(options_.seed, stream + 1);
+    const bool measured = chains_.size() >= excitations;  // excitations are known, not measured
+    if (measured && options_.instruments.anti_alias && options_.oversampling > 1)
+      chain.anti_alias = LowPass::butterworth(8, 0.4 * options_.rate, fast);
+    chains_.push_back(std::move(chain));
+  }
+
+  [[nodiscard]] Vector3 arm(const Accelerometer& one, const spatial::Pose& X_BP) const {
+    return X_BP.R_BP * (one.p_P - loop_.plant().machine().platform.mass_center);
+  }
+  [[nodiscard]] double rest_value(const Accelerometer& one) const {
+    return (loop_.operating().R_BP * one.e_P).dot(-loop_.plant().machine().gravity);
+  }
+
+  void gather(const LoopSample& sample) {
+    std::size_t c = 0;
+    const auto& excitation = sample.excitation;
+    const Vector6& excited = options_.entry == Entry::command ? excitation.command.value
+                             : options_.entry == Entry::drive ? drive_signal_
+                                                              : excitation.wrench;
+    for (int i = 0; i < 6; ++i) values_[c++] = excited[i];
+    for (int i = 0; i < 6; ++i) values_[c++] = sample.applied[i];
+    for (const auto& leg : sample.plant.legs) values_[c++] = leg.length;
+    for (const auto& leg : sample.plant.legs) {
+      values_[c++] = leg.cap_pressure;
+      values_[c++] = leg.rod_pressure;
+    }
+    const Vector3& gravity = loop_.plant().machine().gravity;
+    for (std::size_t a = 0; a < at_rest_.size(); ++a) {
+      const Accelerometer& one = options_.instruments.accelerometers[a];
+      values_[c++] = felt(one, sample.plant, gravity, arm(one, sample.plant.X_BP)) - at_rest_[a];
+    }
+  }
+
+  /// Noise per sample, range, resolution, drop-outs.
+  double measured(std::size_t c) {
+    Chain& chain = chains_[c];
+    const Instruments& all = options_.instruments;
+    if (c < excitations) return values_[c];
+    const double noise = chain.sensor.noise > 0.0 ? chain.random() : 0.0;
+    const double value = simulation::shown(chain.sensor, values_[c], noise);
+    if (all.drop_outs <= 0.0) return value;
+    const bool begins = chain.drop_out.uniform() < all.drop_outs / options_.rate;
+    if (begins)
+      chain.dropped_until = written_ + std::max(1L, std::lround(all.drop_out_time * options_.rate));
+    return written_ < chain.dropped_until ? std::nan("") : value;
+  }
+
+ public:
+  /// The excitation of Entry::drive per direction, which LoopSample has per leg only.
+  void set_drive_signal(const Vector6& signal) { drive_signal_ = signal; }
+
+ private:
+  const simulation::ClosedLoop& loop_;
+  const RigOptions& options_;
+  data::RecordWriter& writer_;
+  std::vector<Chain> chains_{};
+  std::vector<double> at_rest_{};
+  std::vector<double> values_{};
+  data::Samples block_{};
+  Eigen::Index filled_{};
+  std::int64_t seen_{}, first_{}, written_{}, wanted_{};
+  Vector6 drive_signal_{Vector6::Zero()};
+};
+
+/// The excitation at controller samples, with its rate where it has one.
+class Source {
+ public:
+  Source(const simulation::ClosedLoop& loop, const RigOptions& options)
+      : options_(options),
+        sample_time_(loop.parameters().sample_time),
+        excitation_(options.signals, 1.0 / sample_time_, options.seed),
+        smooth_(is_smooth(options.signals)),
+        shares_(drive_shares(excitation_jacobian(loop.plant().machine(), loop.operating()))) {
+    next_ = faded_next();
+  }
+
+  void fill(simulation::Excitation& out, Recorder& recorder) {
+    const Vector6 before = now_;
+    now_ = next_;
+    next_ = faded_next();
+    if (options_.entry == Entry::command) {
+      out.command.value = now_;
+      if (smooth_) out.command.rate = (next_ - before) / (2.0 * sample_time_);
+    } else if (options_.entry == Entry::drive) {
+      out.drive = shares_ * now_;
+      recorder.set_drive_signal(now_);
+    } else {
+      out.wrench = now_;
+    }
+  }
+
+ private:
+  Vector6 faded_next() {
+    return fade_in(static_cast<double>(sample_++) * sample_time_) * excitation_.next();
+  }
+
+  const RigOptions& options_;
+  double sample_time_;
+  Excitation excitation_;
+  bool smooth_;
+  spatial::Matrix6 shares_;
+  Vector6 now_{Vector6::Zero()}, next_{Vector6::Zero()};
+  std::int64_t sample_{};
+};
+
+}  // namespace
+
+spatial::Matrix6 excitation_jacobian(const model::Machine& machine, const spatial::Pose& pose) {
+  return kinematics::leg_jacobian(kinematics::inverse_kinematics(machine, pose), pose.p_BP);
+}
+
+spatial::Matrix6 drive_shares(const spatial::Matrix6& J) {
+  spatial::Matrix6 shares = J;
+  for (int i = 0; i < 6; ++i) shares.col(i) /= J.col(i).cwiseAbs().maxCoeff();
+  return shares;
+}
+
+bool is_smooth(const std::vector<SignalSpec>& signals) {
+  return std::none_of(signals.begin(), signals.end(), [](const SignalSpec& spec) {
+    return std::holds_alternative<WhiteNoise>(spec) || std::holds_alternative<BinarySequence>(spec);
+  });
+}
+
+double fade_in(double time) {
+  constexpr double duration = 0.5;
+  if (time >= duration) return 1.0;
+  const double u = time / duration;
+  return u * u * u * (10.0 - 15.0 * u + 6.0 * u * u);
+}
+
+std::vector<SignalSpec> default_signals(Entry entry) {
+  WhiteNoise noise;
+  if (entry == Entry::command) noise.rms.setConstant(1e-4);
+  if (entry == Entry::drive) noise.rms.setConstant(0.02);
+  if (entry == Entry::wrench) noise.rms << 100.0, 100.0, 100.0, 50.0, 50.0, 50.0;
+  return {noise};
+}
+
+std::vector<data::Channel> rig_channels(const RigOptions& options) {
+  using data::Direction;
+  using data::Role;
+  std::vector<data::Channel> list;
+  for (int i = 0; i < 6; ++i) {
+    const char* unit = options.entry == Entry::command ? (i < 3 ? "m" : "rad")
+                       : options.entry == Entry::drive ? "1"
+                                                       : (i < 3 ? "N" : "N m");
+    list.push_back({fmt::format("excitation {}", directions[static_cast<std::size_t>(i)]), unit,
+                    static_cast<Direction>(i + 1), Role::excitation, 0});
+  }
+  for (int leg = 1; leg <= 6; ++leg)
+    list.push_back(
+        {fmt::format("valve {} current", leg), "1", data::leg_direction(leg), Role::drive, leg});
+  for (int leg = 1; leg <= 6; ++leg)
+    list.push_back(
+        {fmt::format("leg {} length", leg), "m", data::leg_direction(leg), Role::response, leg});
+  for (int leg = 1; leg <= 6; ++leg)
+    for (const char* side : {"cap", "rod"})
+      list.push_back({fmt::format("leg {} {} pressure", leg, side), "Pa", data::leg_direction(leg),
+                      Role::response, leg});
+  for (const Accelerometer& one : options.instruments.accelerometers)
+    list.push_back({one.name, "m/s^2", one.direction, Role::response, one.point});
+  return list;
+}
+
+simulation::LoopOptions loop_options(const RigOptions& options) {
+  const auto sound = [](double value) { return value > 0.0 && std::isfinite(value); };
+  if (!sound(options.rate)) throw std::invalid_argument("rig: the rate must be positive");
+  if (!sound(options.duration)) throw std::invalid_argument("rig: the duration must be positive");
+  if (!(options.settling >= 0.0)) throw std::invalid_argument("rig: settling must be 0 or more");
+  if (options.oversampling < 1 || options.oversampling > 64)
+    throw std::invalid_argument("rig: oversampling must be 1 to 64");
+  simulation::LoopOptions loop = options.loop;
+  loop.output_interval = 1.0 / (options.rate * options.oversampling);
+  loop.until = options.settling + options.duration;
+  loop.seed = options.seed;
+  return loop;
+}
+
+RigResult run_rig(simulation::ClosedLoop& loop, const RigOptions& options,
+                  data::RecordWriter& writer, const simulation::KeepGoing& keep_going) {
+  Recorder recorder(loop, options, writer);
+  Source source(loop, options);
+  RigResult result;
+  result.summary =
+      loop.run([&](double /*time*/,
+                   simulation::Excitation& excitation) { source.fill(excitation, recorder); },
+               [&](const LoopSample& sample) { recorder.take(sample); }, keep_going);
+  recorder.flush();
+  result.samples = recorder.written();
+  return result;
+}
+
+}  // namespace hydrapod::rig

@@ -1,0 +1,159 @@
+/// `hydrapod record`: from the outside, as people call it.
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+#include <set>
+
+#include "hydrapod/data/record_io.hpp"
+#include "support/json_fields.hpp"
+#include "support/run_program.hpp"
+
+namespace hydrapod::test {
+namespace {
+
+using testing::HasSubstr;
+constexpr double two_pi = 2.0 * std::numbers::pi;
+
+/// 10 s at 1 kHz: a sine of 40 Hz, one of 180 Hz that is clipped, a constant with gaps.
+data::Record example() {
+  data::Record record;
+  record.header.title = "Example";
+  record.header.channels = {{"slow", "m", data::Direction::x, data::Role::excitation, 0},
+                            {"clipped", "m/s^2", data::Direction::z, data::Role::response, 3},
+                            {"gappy", "Pa", data::Direction::leg2, data::Role::response, 0}};
+  record.header.sample_rate = 1000.0;
+  record.header.start = 5.0;
+  record.samples.resize(10000, 3);
+  for (Eigen::Index k = 0; k < 10000; ++k) {
+    const double t = 0.001 * static_cast<double>(k);
+    record.samples(k, 0) = 0.01 * std::sin(two_pi * 40.0 * t);
+    record.samples(k, 1) = std::clamp(3.0 * std::sin(two_pi * 7.0 * t + 0.1), -2.0, 2.0);
+    record.samples(k, 2) = k % 1000 < 3 ? std::nan("") : 1e5 * std::cos(two_pi * 3.0 * t);
+  }
+  return record;
+}
+
+class Record : public testing::Test {
+ protected:
+  Record() { data::write_record(file("run.h5"), example(), data::RecordFormat::hdf5); }
+  [[nodiscard]] std::string file(const std::string& name) const { return folder_ / name; }
+  [[nodiscard]] RunResult run(std::vector<std::string> arguments) const {
+    arguments.insert(arguments.begin(), "record");
+    return run_hydrapod(arguments, {.folder = folder_.path()});
+  }
+
+ private:
+  TemporaryFolder folder_;
+};
+
+TEST_F(Record, ShowTellsLevelsClippingAndDropOuts) {
+  const Json json = json_of({"record", "show", file("run.h5"), "--format", "json"});
+  EXPECT_EQ(json["kind"], "record");
+  EXPECT_EQ(json["samples"], 10000);
+  EXPECT_EQ(json["duration_s"], 10.0);
+  const Json& channels = json["channels"];
+  EXPECT_NEAR(channels[0]["rms"], 0.01 / std::numbers::sqrt2, 1e-12);
+  EXPECT_EQ(channels[0]["at_limit"], 0);
+  EXPECT_NEAR(channels[0]["strongest_frequency_hz"], 40.0, 0.25);
+  EXPECT_GT(channels[1]["at_limit"], 4000);  // |sin| > 2/3 for 53 % of the time
+  EXPECT_EQ(channels[2]["missing"], 30);
+  EXPECT_EQ(channels[2]["direction"], "leg 2");
+}
+
+void add_names(const Json& json, std::set<std::string>& names) {
+  if (json.is_array())
+    for (const auto& item : json) add_names(item, names);
+  if (!json.is_object()) return;
+  for (const auto& [name, value] : json.items()) {
+    names.insert(name);
+    add_names(value, names);
+  }
+}
+
+TEST_F(Record, TheManualNamesEveryFieldOfTheJson) {
+  std::set<std::string> names;
+  add_names(json_of({"record", "show", file("run.h5"), "--format", "json", "--spectra"}), names);
+  EXPECT_GT(names.size(), 30U);
+  const std::string manual = read_text(source_file("docs/howto/json.md"));
+  const std::string part = manual.substr(manual.find("## `record show`"));
+  for (const std::string& name : names)
+    EXPECT_TRUE(part.find('`' + name + '`') != std::string::npos ||
+                part.find('`' + name + "[]`") != std::string::npos)
+        << name;
+}
+
+TEST_F(Record, ShowPrintsATable) {
+  const auto shown = run({"show", "run.h5"});
+  EXPECT_EQ(shown.exit_code, 0) << shown.err;
+  EXPECT_THAT(shown.out, HasSubstr("3 channels, 10000 samples at 1000 Hz: 10 s from 5 s (hdf5)"));
+  EXPECT_THAT(shown.out, HasSubstr("at limit"));
+}
+
+TEST_F(Record, ConvertsToEveryFormatAndBack) {
+  for (const char* name : {"a.mat", "a.csv", "a.uff", "a.hdf5"}) {
+    EXPECT_EQ(run({"convert", "run.h5", "-o", name}).exit_code, 0) << name;
+    EXPECT_EQ(run({"convert", name, "-o", "back.h5"}).exit_code, 0) << name;
+    EXPECT_EQ(read_text(file("back.h5")), read_text(file("run.h5"))) << name;
+  }
+  EXPECT_EQ(run({"convert", "run.h5", "--format", "mat73", "-o", "b.mat"}).exit_code, 0);
+  EXPECT_EQ(run({"convert", "b.mat", "-o", "back.h5"}).exit_code, 0);
+  EXPECT_EQ(read_text(file("back.h5")), read_text(file("run.h5")));
+}
+
+TEST_F(Record, CutKeepsTheTimesAndChannelsAskedFor) {
+  EXPECT_EQ(run({"cut", "run.h5", "--from", "6 s", "--to", "6500 ms", "--role", "response",
+                 "--channel", "*p*", "-o", "c.h5"})
+                .exit_code,
+            0);
+  const auto piece = data::read_record(file("c.h5")).record;
+  EXPECT_EQ(piece.header.start, 6.0);
+  ASSERT_EQ(piece.samples.rows(), 500);
+  ASSERT_EQ(piece.header.channels.size(), 2U);
+  EXPECT_EQ(piece.header.channels[0].name, "clipped");
+  const auto whole = example();
+  for (Eigen::Index k = 0; k < 500; ++k) EXPECT_EQ(piece.samples(k, 0), whole.samples(k + 1000, 1));
+}
+
+TEST_F(Record, CutSaysWhatIsWrong) {
+  EXPECT_THAT(run({"cut", "run.h5", "--channel", "clippd", "-o", "c.h5"}).err,
+              HasSubstr("--channel clippd: error: the record has no such channel; did you mean "
+                        "'clipped'?"));
+  const auto late = run({"cut", "run.h5", "--from", "100", "-o", "c.h5"});
+  EXPECT_EQ(late.exit_code, 2);
+  EXPECT_THAT(late.err, HasSubstr("no sample lies there; the record begins at 5 s and has 10 s"));
+  EXPECT_FALSE(std::filesystem::exists(file("c.h5")));
+}
+
+TEST_F(Record, ResampleKeepsWhatIsBelowTheNewNyquistFrequency) {
+  EXPECT_EQ(run({"resample", "run.h5", "--rate", "170", "-o", "r.h5"}).exit_code, 0);
+  const auto slow = data::read_record(file("r.h5")).record;
+  EXPECT_EQ(slow.header.sample_rate, 170.0);
+  EXPECT_EQ(slow.samples.rows(), 1700);
+  for (Eigen::Index k = 200; k < 1500; ++k)
+    EXPECT_NEAR(slow.samples(k, 0), 0.01 * std::sin(two_pi * 40.0 * static_cast<double>(k) / 170.0),
+                1e-5 * 0.01);
+}
+
+TEST_F(Record, PlotDrawsAPicture) {
+  const auto plot = run({"plot", "run.h5", "-o", "p.svg"});
+  EXPECT_EQ(plot.exit_code, 0) << plot.err;
+  EXPECT_THAT(read_text(file("p.svg")), HasSubstr("<svg"));
+}
+
+TEST_F(Record, WrongInputIsExitCodeTwo) {
+  EXPECT_THAT(run({"show", "none.h5"}).err,
+              HasSubstr("none.h5: error: cannot read the file: No such file or directory"));
+  EXPECT_EQ(run({"convert", "run.h5", "-o", "x.docx"}).exit_code, 2);
+  EXPECT_EQ(run({"convert", "run.h5", "-o", "no/such/folder.h5"}).exit_code, 2);
+  EXPECT_EQ(run({"resample", "run.h5", "--rate", "-3", "-o", "r.h5"}).exit_code, 2);
+  EXPECT_EQ(run({"plot", "run.h5", "-o", "p.bmp"}).exit_code, 2);
+  write_text(file("no-rate.csv"), "1;2\n3;4\n");
+  EXPECT_THAT(run({"show", "no-rate.csv"}).err, HasSubstr("give the rate in Hz with --rate"));
+  EXPECT_EQ(run({"show", "no-rate.csv", "--rate", "100"}).exit_code, 0);
+}
+
+}  // namespace
+}  // namespace hydrapod::test

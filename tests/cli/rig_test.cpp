@@ -1,0 +1,83 @@
+/// `hydrapod rig`: from the outside.
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+
+#include "hydrapod/data/record_io.hpp"
+#include "support/run_program.hpp"
+
+namespace hydrapod::test {
+namespace {
+
+using testing::HasSubstr;
+
+class Rig : public testing::Test {
+ protected:
+  Rig() { run_hydrapod({"init"}, {.folder = folder_.path()}); }
+  [[nodiscard]] std::string file(const std::string& name) const { return folder_ / name; }
+  [[nodiscard]] RunResult run(std::vector<std::string> arguments) const {
+    arguments.insert(arguments.begin(), {"rig", "machine.toml"});
+    return run_hydrapod(arguments, {.folder = folder_.path()});
+  }
+
+ private:
+  TemporaryFolder folder_;
+};
+
+TEST_F(Rig, TheSameSeedGivesTheSameFile) {
+  for (const char* name : {"a.h5", "b.h5"})
+    EXPECT_EQ(run({"--duration", "0.5", "--settling", "0.1", "-o", name}).exit_code, 0);
+  EXPECT_EQ(run({"--duration", "0.5", "--settling", "0.1", "--seed", "2", "-o", "c.h5"}).exit_code,
+            0);
+  EXPECT_EQ(read_text(file("a.h5")), read_text(file("b.h5")));
+  EXPECT_NE(read_text(file("a.h5")), read_text(file("c.h5")));
+  const auto record = data::read_record(file("a.h5")).record;
+  EXPECT_EQ(record.samples.rows(), 500);
+  EXPECT_EQ(record.header.channels.size(), 39U);
+  EXPECT_EQ(record.header.machine, read_text(file("machine.toml")));
+  EXPECT_THAT(record.header.notes, HasSubstr("white noise, RMS x 0.0001"));
+}
+
+TEST_F(Rig, AveragesArePeriods) {
+  EXPECT_EQ(run({"--excite", "multisine z=0.1 mm, to=30, period=0.4", "--averages", "3",
+                 "--settling", "0.1", "--accelerometer", "none", "-o", "m.csv"})
+                .exit_code,
+            0);
+  const auto record = data::read_record(file("m.csv")).record;
+  EXPECT_EQ(record.samples.rows(), 1200);
+  EXPECT_EQ(record.header.channels.size(), 30U);
+  EXPECT_THAT(run({"--averages", "3", "-o", "m.csv"}).err,
+              HasSubstr("the excitation does not repeat"));
+}
+
+TEST_F(Rig, RefusesWhatThereIsNoStrokeFor) {
+  const auto refused = run({"--excite", "noise ry=20 deg, to=1", "--duration", "5", "-o", "r.h5"});
+  EXPECT_EQ(refused.exit_code, 2);
+  EXPECT_THAT(refused.err, HasSubstr("--excite: error: ry at this level needs "));
+  EXPECT_THAT(refused.err, HasSubstr(" mm of stroke in leg "));
+  EXPECT_FALSE(std::filesystem::exists(file("r.h5")));
+}
+
+TEST_F(Rig, WrongInputIsExitCodeTwo) {
+  EXPECT_EQ(run({}).exit_code, 2);
+  for (const std::vector<std::string>& wrong :
+       {std::vector<std::string>{"--duration", "-1", "-o", "r.h5"},
+        {"--rate", "0", "-o", "r.h5"},
+        {"--entry", "valve", "-o", "r.h5"},
+        {"--excite", "white", "-o", "r.h5"},
+        {"--excite", "multisine z=1 mm, to=900", "-o", "r.h5"},
+        {"--excite", "noise z=1 mm, slope=99", "-o", "r.h5"},
+        {"--accelerometer", "a, at=1 2, along=z", "-o", "r.h5"},
+        {"--length-sensor", "resolution=1 kg", "-o", "r.h5"},
+        {"-o", "r.docx"},
+        {"-o", "no/such/folder/r.h5"}}) {
+    const auto result = run(wrong);
+    EXPECT_EQ(result.exit_code, 2) << wrong[1] << result.err;
+    EXPECT_THAT(result.err, HasSubstr("error: "));
+  }
+}
+
+}  // namespace
+}  // namespace hydrapod::test

@@ -1,0 +1,66 @@
+/// Tables of other programs.
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "hydrapod/data/record_io.hpp"
+#include "support/run_program.hpp"
+
+namespace hydrapod::test {
+namespace {
+
+data::ReadRecordResult read(const std::string& text, const data::ReadOptions& options = {}) {
+  const TemporaryFolder folder;
+  write_text(folder / "r.csv", text);
+  return data::read_record(folder / "r.csv", options);
+}
+
+TEST(Csv, SemicolonsDecimalCommasAndALineOfUnits) {
+  const auto [record, notes] = read(
+      "Prüfung 7\nZeit;Weg;Druck\n(s);(mm);(bar)\n"
+      "0,00;1,5;20\n0,02;-2,5;21\n0,04;;22\n");
+  ASSERT_EQ(notes.size(), 3U);
+  EXPECT_EQ(notes[0].message, "skipped \"Prüfung 7\"");
+  EXPECT_EQ(notes[1].message, "channel \"Weg\": \"mm\" converted to \"m\", times 0.001");
+  EXPECT_EQ(record.header.sample_rate, 50.0);
+  ASSERT_EQ(record.samples.rows(), 3);
+  EXPECT_EQ(record.samples(1, 0), -2.5 * 0.001);
+  EXPECT_EQ(record.samples(1, 1), 21.0 * 1e5);
+  EXPECT_TRUE(std::isnan(record.samples(2, 0)));
+}
+
+TEST(Csv, TabulatorsTimesInMillisecondsAndUnitsInBrackets) {
+  const auto record = read("% by a logger\nt [ms]\ta [g]\n10\t1\n10.5\t2\n11\t3\n").record;
+  EXPECT_EQ(record.header.sample_rate, 2000.0);
+  EXPECT_NEAR(record.header.start, 0.01, 1e-18);
+  EXPECT_EQ(record.header.channels[0].unit, "m/s^2");
+  EXPECT_EQ(record.samples(2, 0), 3.0 * 9.80665);
+}
+
+TEST(Csv, ColumnsApartByBlanksWithARateFromOutside) {
+  const auto record = read("  1.0   2.0\n -3.5e2  4\n", {.sample_rate = 250.0}).record;
+  EXPECT_EQ(record.header.sample_rate, 250.0);
+  EXPECT_EQ(record.header.channels[0].name, "channel 1");
+  EXPECT_EQ(record.samples(1, 0), -350.0);
+}
+
+TEST(Csv, LatinOneAndMarksOfByteOrderAreNoObstacle) {
+  const auto record = read(
+                          "\xEF\xBB\xBFtime,\"Pr\xFC"
+                          "fling, links\"\n0,1\n1,2\n")
+                          .record;
+  EXPECT_EQ(record.header.channels[0].name, "Prüfling, links");
+  EXPECT_EQ(record.header.sample_rate, 1.0);
+}
+
+TEST(Csv, TimesOfSixDigitsGiveTheRateThatWasMeant) {
+  std::string text = "time,x\n";
+  for (int k = 0; k < 3000; ++k) text += std::to_string(k / 1024.0) + ",1\n";  // six decimals
+  const auto [record, notes] = read(text);
+  EXPECT_EQ(record.header.sample_rate, 1024.0);
+  EXPECT_THAT(notes, testing::IsEmpty());
+  EXPECT_EQ(record.samples.rows(), 3000);
+}
+
+}  // namespace
+}  // namespace hydrapod::test

@@ -1,0 +1,129 @@
+/// Frequency responses through Universal Files.
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "hydrapod/data/frequency_response.hpp"
+#include "support/random.hpp"
+#include "support/run_program.hpp"
+#include "uff_reference.hpp"
+
+namespace hydrapod::test {
+namespace {
+
+using data::Direction;
+using data::Role;
+
+data::FrequencyResponse example(bool even) {
+  data::FrequencyResponse all;
+  all.title = "Platform";
+  all.date = "2026-11-20T10:00:00";
+  all.inputs = {{"force x", "N", Direction::x, Role::excitation, 1},
+                {"valve 3", "1", Direction::leg3, Role::excitation, 3}};
+  all.outputs = {{"acceleration x, at the front edge", "m/s^2", Direction::x, Role::response, 7},
+                 {"tilt", "rad", Direction::minus_ry, Role::response, 7},
+                 {"length 3", "m", Direction::leg3, Role::response, 3}};
+  all.frequency.resize(23);
+  for (Eigen::Index k = 0; k < 23; ++k)
+    all.frequency[k] = even ? 0.5 + 0.25 * static_cast<double>(k) : std::pow(1.3, k);
+  Random random(12);
+  for (Eigen::Index k = 0; k < 23; ++k) {
+    all.response.push_back(Eigen::MatrixXcd::NullaryExpr(3, 2, [&] {
+      return std::complex<double>(random.uniform(-1.0, 1.0), random.uniform(-1e-6, 1e-6));
+    }));
+    all.variance.push_back(
+        Eigen::MatrixXd::NullaryExpr(3, 2, [&] { return random.uniform(0.0, 1e-3); }));
+  }
+  all.coherence = Eigen::MatrixXd::NullaryExpr(23, 3, [&] { return random.uniform(); });
+  return all;
+}
+
+void expect_same_channels(const std::vector<data::Channel>& a,
+                          const std::vector<data::Channel>& b) {
+  ASSERT_EQ(a.size(), b.size());
+  for (std::size_t c = 0; c < a.size(); ++c) {
+    EXPECT_EQ(a[c].name, b[c].name);
+    EXPECT_EQ(a[c].unit, b[c].unit);
+    EXPECT_EQ(a[c].direction, b[c].direction);
+    EXPECT_EQ(a[c].role, b[c].role);
+    EXPECT_EQ(a[c].point, b[c].point);
+  }
+}
+
+struct Way {
+  bool even, binary;
+};
+class ResponseFile : public testing::TestWithParam<Way> {};
+
+TEST_P(ResponseFile, GoesThereAndBack) {
+  const TemporaryFolder folder;
+  const auto sent = example(GetParam().even);
+  data::write_frequency_response(folder / "h.uff", sent, GetParam().binary);
+  const auto [got, notes] = data::read_frequency_response(folder / "h.uff");
+  EXPECT_THAT(notes, testing::IsEmpty());
+  EXPECT_EQ(got.title, sent.title);
+  EXPECT_EQ(got.date, sent.date);
+  expect_same_channels(got.outputs, sent.outputs);
+  expect_same_channels(got.inputs, sent.inputs);
+  const double value = GetParam().binary ? 0.0 : 5.1e-13;
+  // even frequencies of few digits and binary ones are exact, others have six digits
+  const double abscissa = GetParam().even || GetParam().binary ? 0.0 : 5.1e-6;
+  ASSERT_EQ(got.frequency.size(), sent.frequency.size());
+  for (Eigen::Index k = 0; k < 23; ++k) {
+    const auto line = static_cast<std::size_t>(k);
+    EXPECT_NEAR(got.frequency[k], sent.frequency[k], abscissa * sent.frequency[k]);
+    EXPECT_LE((got.response[line] - sent.response[line]).cwiseAbs().maxCoeff(), value);
+    EXPECT_LE((got.variance[line] - sent.variance[line]).cwiseAbs().maxCoeff(), value);
+  }
+  EXPECT_LE((got.coherence - sent.coherence).cwiseAbs().maxCoeff(), value);
+}
+
+TEST_P(ResponseFile, IsReadByTheReaderThatTakesColumnsLiterally) {
+  const TemporaryFolder folder;
+  const auto sent = example(GetParam().even);
+  data::write_frequency_response(folder / "h.uff", sent, GetParam().binary);
+  const uff::File file = uff::Reader(read_text(folder / "h.uff")).read();
+  std::size_t responses = 0;
+  for (const auto& f : file.functions) {
+    if (f.type != 4) continue;
+    const auto o = static_cast<Eigen::Index>(responses / 2),
+               i = static_cast<Eigen::Index>(responses % 2);
+    EXPECT_EQ(f.data_type, 6);     // complex, double precision
+    EXPECT_EQ(f.quantity[0], 18);  // frequency
+    EXPECT_EQ(f.response_node, sent.outputs[static_cast<std::size_t>(o)].point);
+    EXPECT_EQ(f.unit[2], sent.inputs[static_cast<std::size_t>(i)].unit);
+    const std::size_t tuple = f.spacing == 1 ? 2 : 3;
+    for (std::size_t k = 0; k < 23; ++k) {
+      const std::complex<double> value(f.values[tuple * k + tuple - 2],
+                                       f.values[tuple * k + tuple - 1]);
+      EXPECT_LE(std::abs(value - sent.response[k](o, i)), 1e-12);
+    }
+    ++responses;
+  }
+  EXPECT_EQ(responses, 6U);
+}
+
+INSTANTIATE_TEST_SUITE_P(Ways, ResponseFile,
+                         testing::Values(Way{true, true}, Way{true, false}, Way{false, true},
+                                         Way{false, false}),
+                         [](const auto& way) {
+                           return std::string(way.param.even ? "even" : "uneven") +
+                                  (way.param.binary ? "_binary" : "_ascii");
+                         });
+
+TEST(ResponseFiles, OfARecordIsRefusedWithAReason) {
+  const TemporaryFolder folder;
+  write_text(folder / "h.uff", "    -1\n   151\nNONE\nNONE\nNONE\n    -1\n");
+  try {
+    data::read_frequency_response(folder / "h.uff");
+    FAIL();
+  } catch (const base::InputError& error) {
+    EXPECT_EQ(error.diagnostics().back().message,
+              "the Universal File holds no frequency response that can be read");
+  }
+}
+
+}  // namespace
+}  // namespace hydrapod::test

@@ -1,0 +1,58 @@
+#pragma once
+/// Reads bytes as a record through a file in memory and checks what the reader promises.
+
+#include <sys/mman.h>
+#include <unistd.h>
+
+#include <cstdint>
+#include <cstdlib>
+#include <string>
+
+#include "hydrapod/base/printable.hpp"
+#include "hydrapod/data/frequency_response.hpp"
+#include "hydrapod/data/record_io.hpp"
+
+namespace hydrapod::fuzz {
+
+inline void require_presentable(const base::Diagnostic& diagnostic) {
+  const std::string text = diagnostic.text();
+  const bool one_line = text.find('\n') == std::string::npos;
+  const bool utf8 = base::first_invalid_utf8(text) == std::string::npos;
+  if (!one_line || !utf8 || diagnostic.message.empty()) std::abort();
+}
+
+inline void read_to_the_end(const std::string& path) {
+  const auto reader = data::open_record_reader(path, {.sample_rate = 100.0});
+  data::validate(reader->header());
+  data::Samples block(64, static_cast<Eigen::Index>(reader->header().channels.size()));
+  constexpr std::int64_t most = 2'000'000;  // numbers: a fuzzer has no time for more
+  std::int64_t numbers = 0;
+  while (const std::int64_t rows = reader->read(block)) {
+    if (rows < 0 || rows > block.rows()) std::abort();
+    numbers += rows * block.cols();
+    if (numbers > most) return;
+  }
+  for (const auto& note : reader->notes()) require_presentable(note);
+}
+
+inline void read_as_record(const std::string& bytes) {
+  static const int file = memfd_create("record", 0);
+  static const std::string path = "/proc/self/fd/" + std::to_string(file);
+  if (ftruncate(file, 0) != 0 ||
+      pwrite(file, bytes.data(), bytes.size(), 0) != static_cast<ssize_t>(bytes.size()))
+    std::abort();
+  try {
+    read_to_the_end(path);
+  } catch (const base::InputError& error) {
+    if (error.diagnostics().empty()) std::abort();
+    for (const auto& diagnostic : error.diagnostics()) require_presentable(diagnostic);
+  }
+  if (!bytes.starts_with("    -1")) return;
+  try {
+    data::validate(data::read_frequency_response(path).response);
+  } catch (const base::InputError& error) {
+    if (error.diagnostics().empty()) std::abort();
+  }
+}
+
+}  // namespace hydrapod::fuzz

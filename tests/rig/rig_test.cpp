@@ -1,0 +1,255 @@
+/// The rig's run and instruments.
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+
+#include <complex>
+
+#include "hydrapod/kinematics/inverse.hpp"
+#include "hydrapod/model/machine_file.hpp"
+#include "hydrapod/rig/rig.hpp"
+#include "hydrapod/rig/signal_text.hpp"
+#include "support/run_program.hpp"
+
+namespace hydrapod::test {
+namespace {
+
+using namespace rig;
+constexpr double two_pi = 2.0 * std::numbers::pi;
+
+model::Machine starter() {
+  return model::parse_machine(model::starter_machine_file(), "starter.toml").machine;
+}
+
+/// Keeps what is written.
+class KeepingWriter final : public data::RecordWriter {
+ public:
+  void append(const Eigen::Ref<const data::Samples>& samples) override {
+    const Eigen::Index before = all.rows();
+    all.conservativeResize(before + samples.rows(), samples.cols());
+    all.bottomRows(samples.rows()) = samples;
+  }
+  void close() override {}
+  data::Samples all{};
+};
+
+data::Samples measured(const RigOptions& options, const model::Machine& machine = starter()) {
+  simulation::ClosedLoop loop(machine, machine.neutral(), loop_options(options));
+  KeepingWriter writer;
+  const auto result = run_rig(loop, options, writer);
+  EXPECT_EQ(result.summary.end, simulation::RunEnd::finished) << result.summary.message;
+  EXPECT_EQ(result.samples, writer.all.rows());
+  return writer.all;
+}
+
+/// No excitation to speak of, sensors as asked for.
+RigOptions at_rest() {
+  RigOptions options;
+  options.signals = {WhiteNoise{}};
+  options.settling = 0.5;
+  options.duration = 2.0;
+  options.oversampling = 1;
+  options.loop.ideal_sensors = true;
+  return options;
+}
+
+double variance(const Eigen::Ref<const Eigen::VectorXd>& values) {
+  return (values.array() - values.mean()).square().mean();
+}
+
+TEST(Rig, NoiseAndQuantisationHaveTheStatedVariance) {
+  RigOptions options = at_rest();
+  options.duration = 8.0;
+  options.instruments.length = {.resolution = 4e-6, .noise = 3e-6};
+  options.instruments.pressure = {.resolution = 0.0, .noise = 5e3};
+  Accelerometer sensor{.name = "a", .noise_density = 2e-3, .bandwidth = 0.0};
+  sensor.sensor = {};
+  options.instruments.accelerometers = {sensor};
+  const auto record = measured(options);
+  const double n = static_cast<double>(record.rows());
+  const double bound = 5.0 * std::sqrt(2.0 / n);           // five standard errors of a variance
+  const double length = 3e-6 * 3e-6 + 4e-6 * 4e-6 / 12.0;  // noise, rounding
+  for (int leg = 0; leg < 6; ++leg)
+    EXPECT_NEAR(variance(record.col(12 + leg)) / length, 1.0, bound);
+  for (int p = 0; p < 12; ++p) EXPECT_NEAR(variance(record.col(18 + p)) / 25e6, 1.0, bound);
+  const double white = 2e-3 * 2e-3 * options.rate / 2.0;
+  EXPECT_NEAR(variance(record.col(30)) / white, 1.0, bound);
+}
+
+TEST(Rig, RangeSaturatesAndDropOutsAreMissing) {
+  RigOptions options = at_rest();
+  options.duration = 20.0;
+  options.rate = 200.0;
+  options.instruments.pressure = {.noise = 1e4, .low = 0.0, .high = 4e6};
+  options.instruments.drop_outs = 0.5;
+  options.instruments.accelerometers.clear();
+  const auto record = measured(options);
+  std::int64_t missing = 0;
+  for (Eigen::Index k = 0; k < record.rows(); ++k)
+    for (Eigen::Index c = 0; c < record.cols(); ++c) {
+      if (c < 6) {
+        ASSERT_FALSE(std::isnan(record(k, c)));  // what is demanded is known
+      } else if (std::isnan(record(k, c))) {
+        ++missing;
+      } else if (c >= 18) {
+        ASSERT_LE(record(k, c), 4e6);
+        ASSERT_GE(record(k, c), 0.0);
+      }
+    }
+  // 24 channels, 20 s, 0.5 per second, 4 samples each: 960 ± 5 standard deviations of 60
+  EXPECT_NEAR(static_cast<double>(missing), 960.0, 300.0);
+}
+
+TEST(Rig, TheSameSeedGivesTheSameRecordBitForBit) {
+  RigOptions options;
+  options.signals = {ShapedNoise{spatial::Vector6::Constant(1e-4), 0.0, 30.0, 0.0}};
+  options.settling = 0.2;
+  options.duration = 0.5;
+  options.instruments.accelerometers = default_accelerometers(starter());
+  const auto a = measured(options), b = measured(options);
+  options.seed = 2;
+  const auto c = measured(options);
+  ASSERT_EQ(a.rows(), 500);
+  ASSERT_EQ(a.cols(), static_cast<Eigen::Index>(rig_channels(options).size()));
+  EXPECT_EQ((a - b).cwiseAbs().maxCoeff(), 0.0);
+  EXPECT_GT((a - c).cwiseAbs().maxCoeff(), 0.0);
+}
+
+TEST(Rig, TheRecordShowsThePlannedExcitation) {
+  RigOptions options = at_rest();
+  options.oversampling = 2;  // with the anti-alias filter
+  spatial::Vector6 levels;
+  levels << 1.1e-4, 0.7e-4, 0.9e-4, 2.3e-4, 1.7e-4, 3.1e-4;
+  options.signals = {Multisine{levels, 1.0, 60.0, 2.0, 0.0, false, {}}};
+  options.settling = 1.0;
+  options.duration = 4.0;
+  const auto record = measured(options);
+  // white noise at the controller's rate is recorded as it is: RMS within 2 %, spectrum flat
+  options.signals = {WhiteNoise{levels}};
+  const auto noise = measured(options);
+  for (int i = 0; i < 6; ++i)
+    EXPECT_NEAR(std::sqrt(variance(noise.col(i))), levels[i],
+                5.0 * levels[i] / std::sqrt(2.0 * static_cast<double>(noise.rows())));
+  constexpr double independent = 2.0 * 119.0;  // cosines and sines of the lines
+  for (int i = 0; i < 6; ++i) {
+    const double n = static_cast<double>(record.rows());
+    EXPECT_NEAR(std::sqrt(record.col(i).squaredNorm() / n), levels[i], 0.02 * levels[i]);
+    for (int j = i + 1; j < 6; ++j)
+      EXPECT_LT(std::abs(record.col(i).dot(record.col(j))) / (n * levels[i] * levels[j]),
+                5.0 / std::sqrt(independent));
+  }
+}
+
+/// The platform follows slow sines; leg lengths and accelerometers must show what kinematics says.
+TEST(Rig, InstrumentsShowTheMotion) {
+  RigOptions options = at_rest();
+  options.duration = 4.0;
+  options.settling = 2.0;
+  spatial::Vector6 rms = spatial::Vector6::Zero();
+  rms[2] = 2e-3;  // z
+  options.signals = {Multisine{rms, 2.0, 2.0, 0.5, 0.0, false, {}}};
+  options.instruments.length = {};
+  Accelerometer sensor{
+      .name = "z", .p_P = {0.3, -0.2, 0.1}, .e_P = {0, 0, 1}, .noise_density = 0.0};
+  sensor.sensor = {};
+  options.instruments.accelerometers = {sensor};
+  const auto record = measured(options);
+  // amplitude of 2 Hz in leg 1 and in the accelerometer, from the record itself
+  std::complex<double> leg = 0.0, acceleration = 0.0;
+  for (Eigen::Index k = 0; k < record.rows(); ++k) {
+    const auto turn = std::polar(2.0 / static_cast<double>(record.rows()),
+                                 -two_pi * 2.0 * static_cast<double>(k) / options.rate);
+    leg += record(k, 12) * turn;
+    acceleration += record(k, 30) * turn;
+  }
+  const model::Machine machine = starter();
+  const auto up = [&](double z) {
+    spatial::Pose pose = machine.neutral();
+    pose.p_BP.z() += z;
+    return kinematics::leg_lengths(machine, pose)[0];
+  };
+  const double slope = (up(1e-5) - up(-1e-5)) / 2e-5;
+  const double z = std::abs(leg) / slope;
+  const double omega = two_pi * 2.0;
+  EXPECT_GT(z, 1e-3);
+  // the platform tilts a little as well: legs are not driven exactly alike
+  EXPECT_NEAR(std::abs(acceleration) / (omega * omega * z), 1.0, 0.01);
+  EXPECT_LT((leg / std::abs(leg) + acceleration / std::abs(acceleration)).real(), 0.02);
+}
+
+TEST(Rig, LevelsAreCheckedAgainstStrokeAndValves) {
+  const model::Machine machine = starter();
+  RigOptions options = at_rest();
+  options.signals = {
+      parse_signal("multisine ry=5 deg, to=1 Hz, from=0.5, period=2", Entry::command)};
+  simulation::ClosedLoop loop(machine, machine.neutral(), loop_options(options));
+  EXPECT_THAT(check_levels(loop, options), testing::IsEmpty());
+  options.signals = {
+      parse_signal("multisine ry=25 deg, to=1 Hz, from=0.5, period=2", Entry::command)};
+  const auto findings = check_levels(loop, options);
+  ASSERT_FALSE(findings.empty());
+  options.signals = {parse_signal("multisine x=8 mm, from=30, to=45 Hz, period=2", Entry::command)};
+  const auto fast = check_levels(loop, options);
+  ASSERT_EQ(fast.size(), 2U);
+  EXPECT_THAT(fast[0].message, testing::HasSubstr("the drive will be at its limit"));
+  EXPECT_THAT(fast[1].message,
+              testing::HasSubstr("kN besides the load: the motion will not follow"));
+  EXPECT_EQ(fast[1].severity, base::Severity::warning);
+  EXPECT_THAT(findings[0].message,
+              testing::MatchesRegex("ry at this level needs [0-9.]+ mm of stroke in leg [1-6], "
+                                    "[0-9.]+ mm left"));
+  EXPECT_EQ(findings[0].severity, base::Severity::error);
+}
+
+TEST(LowPass, OfEighthOrderIsThreeDecibelsDownAtItsCorner) {
+  constexpr double rate = 2000.0, corner = 400.0;
+  const auto level = [&](double frequency) {
+    LowPass filter = LowPass::butterworth(8, corner, rate);
+    double squares = 0.0;
+    for (int k = 0; k < 12000; ++k) {
+      const double out = filter(std::sin(two_pi * frequency * k / rate));
+      if (k >= 2000) squares += out * out;  // 5 s: whole cycles of all that is asked below
+    }
+    return std::sqrt(2.0 * squares / 10000.0);
+  };
+  EXPECT_NEAR(level(corner), std::sqrt(0.5), 1e-9);
+  EXPECT_NEAR(level(100.0), 1.0, 1e-6);
+  EXPECT_NEAR(level(701.0), std::pow(2.704, -8.0), 1e-5);  // tan(0.3505 π)/tan(0.2 π)
+  LowPass settled = LowPass::butterworth(8, corner, rate);
+  settled.settle(3.7);
+  for (int k = 0; k < 100; ++k) EXPECT_NEAR(settled(3.7), 3.7, 1e-12);
+}
+
+TEST(SignalText, IsReadWithUnitsAndRefusedWithAdvice) {
+  const auto spec = std::get<Multisine>(
+      parse_signal("multisine z=2 mm, ry=0.1 deg, from=1, to=20 Hz, period=4 s, "
+                   "crest=low, experiment=3",
+                   Entry::command));
+  EXPECT_EQ(spec.rms[2], 2e-3);
+  EXPECT_NEAR(spec.rms[4], 0.1 * std::numbers::pi / 180.0, 1e-18);
+  EXPECT_EQ(spec.experiment, 2);
+  EXPECT_TRUE(spec.low_crest);
+  const auto message = [](const std::string& text) -> std::string {
+    try {
+      parse_signal(text, Entry::command);
+    } catch (const base::InputError& error) {
+      return error.diagnostics().front().message;
+    }
+    return "";
+  };
+  EXPECT_EQ(message("multsine z=1 mm"),
+            "unknown signal 'multsine'; did you mean 'multisine'? accepted are white, noise, "
+            "multisine, binary, sweep, chirp");
+  EXPECT_EQ(
+      message("noise z=1 mm, too=20"),
+      "unknown key 'too'; did you mean 'to'? accepted are x, y, z, rx, ry, rz, all, from, to, "
+      "slope");
+  EXPECT_EQ(message("white"), "no level is given; for instance \"z=1 mm\", or all=0.0001");
+  EXPECT_THAT(message("white z=1 kg"), testing::StartsWith("z: \"1 kg\" has the unit \"kg\""));
+}
+
+}  // namespace
+}  // namespace hydrapod::test
