@@ -26,9 +26,10 @@ std::string heading(const data::RecordHeader& header, const data::RecordOverview
                     data::RecordFormat format, bool colour) {
   std::string out;
   if (!header.title.empty()) out += styled(header.title, Style::bold, colour) + '\n';
-  out += fmt::format("{} channels, {} samples at {:.9g} Hz: {:.6g} s from {:.6g} s ({})\n",
-                     header.channels.size(), overview.samples, header.sample_rate,
-                     overview.duration, header.start, data::format_text(format));
+  out +=
+      fmt::format("{} channel{}, {} samples at {:.9g} Hz: {:.6g} s from {:.6g} s ({})\n",
+                  header.channels.size(), header.channels.size() == 1 ? "" : "s", overview.samples,
+                  header.sample_rate, overview.duration, header.start, data::format_text(format));
   if (!header.date.empty() || header.repeat > 1)
     out += fmt::format("recorded {}, repeat {}\n", header.date.empty() ? "?" : header.date,
                        header.repeat);

@@ -81,6 +81,7 @@ data::RecordHeader header_of(const Arguments& arguments, const model::MachineFil
   header.title = file.machine.name;
   header.channels = rig::rig_channels(options);
   header.sample_rate = options.rate;
+  header.start = options.settling;  // the excitation begins at 0
   header.repeat = options.repeat;
   header.machine = file.text;
   header.notes = fmt::format("test rig of hydrapod, pose {}, seed {}, excitation of the {}",

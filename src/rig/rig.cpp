@@ -94,6 +94,9 @@ class Recorder {
   }
   [[nodiscard]] std::int64_t written() const { return written_; }
 
+  /// The excitation of Entry::drive per direction, which LoopSample has per leg only.
+  void set_drive_signal(const Vector6& signal) { drive_signal_ = signal; }
+
  private:
   static constexpr Eigen::Index rows = 512;
 
@@ -149,11 +152,6 @@ class Recorder {
     return written_ < chain.dropped_until ? std::nan("") : value;
   }
 
- public:
-  /// The excitation of Entry::drive per direction, which LoopSample has per leg only.
-  void set_drive_signal(const Vector6& signal) { drive_signal_ = signal; }
-
- private:
   const simulation::ClosedLoop& loop_;
   const RigOptions& options_;
   data::RecordWriter& writer_;

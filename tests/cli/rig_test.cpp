@@ -35,6 +35,7 @@ TEST_F(Rig, TheSameSeedGivesTheSameFile) {
   EXPECT_NE(read_text(file("a.h5")), read_text(file("c.h5")));
   const auto record = data::read_record(file("a.h5")).record;
   EXPECT_EQ(record.samples.rows(), 500);
+  EXPECT_EQ(record.header.start, 0.1);  // after settling
   EXPECT_EQ(record.header.channels.size(), 39U);
   EXPECT_EQ(record.header.machine, read_text(file("machine.toml")));
   EXPECT_THAT(record.header.notes, HasSubstr("white noise, RMS x 0.0001"));
