@@ -1,45 +1,16 @@
-/// A sample of the controller allocates nothing. This program's malloc is wrapped by the linker
-/// (tests/CMakeLists.txt), which catches Eigen's allocations and those of operator new alike.
+/// A sample of the controller allocates nothing.
 
 #include <gtest/gtest.h>
 
-#include <atomic>
-#include <cstdlib>
-#include <new>
+#include <memory>
 
+#include "allocations/allocations.hpp"
 #include "example_parameters.hpp"
-
-namespace {
-std::atomic<long> allocations{};
-}
-
-extern "C" {
-void* __real_malloc(std::size_t size);
-void* __real_calloc(std::size_t count, std::size_t size);
-void* __real_realloc(void* old, std::size_t size);
-void* __wrap_malloc(std::size_t size) {
-  ++allocations;
-  return __real_malloc(size);
-}
-void* __wrap_calloc(std::size_t count, std::size_t size) {
-  ++allocations;
-  return __real_calloc(count, size);
-}
-void* __wrap_realloc(void* old, std::size_t size) {
-  ++allocations;
-  return __real_realloc(old, size);
-}
-}
-
-void* operator new(std::size_t size) {
-  if (void* memory = std::malloc(size > 0 ? size : 1)) return memory;
-  throw std::bad_alloc();
-}
-void operator delete(void* memory) noexcept { std::free(memory); }
-void operator delete(void* memory, std::size_t) noexcept { std::free(memory); }
 
 namespace hydrapod::control {
 namespace {
+
+using test::allocations;
 
 TEST(Allocation, IsSeen) {
   const long before = allocations;

@@ -22,7 +22,7 @@ struct Lanes {
   static constexpr int size = 8;
   // An array of the compiler's: held in registers where there are wide ones. Aligned as doubles, so
   // that what holds it may stand anywhere.
-  using Array = double __attribute__((vector_size(size * sizeof(double)), aligned(8)));
+  typedef double Array __attribute__((vector_size(size * sizeof(double)), aligned(8)));  // NOLINT
   Array values;
 
   Lanes() = default;

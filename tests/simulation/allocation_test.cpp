@@ -1,0 +1,43 @@
+/// What runs in real time allocates nothing: the plant's right-hand side and the fixed-step
+/// integrator.
+
+#include <gtest/gtest.h>
+
+#include "allocations/allocations.hpp"
+#include "hydrapod/dynamics/linear_model.hpp"
+#include "hydrapod/simulation/integrator.hpp"
+#include "support/published_machine.hpp"
+
+namespace hydrapod::test {
+namespace {
+
+using dynamics::ModelKind;
+using simulation::Plant;
+
+TEST(RealTime, ThePlantAndFixedStepsAllocateNothing) {
+  auto machine = published_machine();
+  machine.hydraulics.supply.pump_flow = 1e-3;
+  for (auto& leg : machine.legs) {
+    leg.piston_ring = model::PistonRing{.stiffness = 2e6, .damping = 500.0};
+    leg.hydraulics.joint_friction = {.viscous = 1.0, .coulomb = 2.0};
+    leg.hydraulics.friction.bristles = model::LuGreBristles{3e7, 1e3};
+  }
+  for (const auto kind : {ModelKind::rigid, ModelKind::guide, ModelKind::full}) {
+    const Plant plant(machine, kind);
+    const auto rest = plant.equilibrium(machine.neutral());
+    Eigen::VectorXd rate(plant.layout().size);
+    simulation::Integrator run(plant, {.method = simulation::Method::fixed, .fixed_step = 5e-5});
+    run.start(0.0, rest.x);
+    simulation::PlantInput input = rest.input;
+    const long before = allocations;
+    ASSERT_TRUE(plant.derivative(0.0, rest.x.data(), rest.input, rate.data()));
+    for (int k = 1; k <= 10; ++k) {
+      input.command[k % 6] += 0.02;
+      run.advance(1e-3 * k, input);
+    }
+    EXPECT_EQ(allocations - before, 0) << dynamics::name(kind);
+  }
+}
+
+}  // namespace
+}  // namespace hydrapod::test
