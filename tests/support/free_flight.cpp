@@ -31,7 +31,7 @@ FreeFlight::FreeFlight(model::FlexibleAxes axes, dynamics::ModelKind kind) : kin
     if (leg.piston_ring) leg.piston_ring->damping = 0.0;
     leg.stroke.reset();
   }
-  velocity_ << random.vector(1.0), random.vector(1.0);
+  velocity_ << random.vector(0.7), random.vector(0.7);
 }
 
 void FreeFlight::damp() {
