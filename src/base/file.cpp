@@ -130,7 +130,8 @@ std::string read_file(const std::string& path, std::size_t largest, std::string_
   if (stream.bad()) reject(name, "cannot be read");
   text.resize(static_cast<std::size_t>(stream.gcount()));
   if (text.size() > largest)
-    reject(name, fmt::format("is larger than {} MiB, expected {}", largest >> 20, expected));
+    reject(name, fmt::format("is larger than {} MiB, expected {} of some kilobytes", largest >> 20,
+                             expected));
   return text;
 }
 

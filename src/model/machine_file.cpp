@@ -21,7 +21,7 @@ namespace hydrapod::model {
 namespace {
 
 constexpr std::size_t largest_file = std::size_t{1} << 20;  // toml++ may need seconds beyond
-constexpr const char* expected = "a machine file of some kilobytes";
+constexpr const char* expected = "a machine file";
 
 [[noreturn]] void reject(const std::string& file, std::string message, unsigned line = 0,
                          unsigned column = 0) {
@@ -37,7 +37,7 @@ std::vector<std::string> source_names(const std::string& file,
 
 Node parsed_file(const std::string& text, const std::string& file) {
   if (text.size() > largest_file) {
-    reject(file, fmt::format("is larger than 1 MiB, expected {}", expected));
+    reject(file, fmt::format("is larger than 1 MiB, expected {} of some kilobytes", expected));
   }
   if (text.find_first_not_of(" \t\r\n") == std::string::npos) {
     reject(file, "is empty; `hydrapod init` writes a machine file to start from");

@@ -8,8 +8,7 @@
 namespace hydrapod::base {
 
 /// The text of `path` (`-`: standard input), no more than `largest` bytes. Throws InputError when
-/// it cannot be read or is larger; `expected` then says what would be ("a machine file of some
-/// kilobytes").
+/// it cannot be read or is larger; `expected` then says what would be ("a machine file").
 std::string read_file(const std::string& path, std::size_t largest, std::string_view expected);
 
 /// Writes `text` to `path` so that a reader finds either what was there before or all of the new
