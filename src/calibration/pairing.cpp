@@ -20,6 +20,7 @@ std::vector<int> assign(const Eigen::MatrixXd& cost) {
   if (rows > columns)
     throw std::invalid_argument(
         fmt::format("{} targets cannot each have one of {} modes", rows, columns));
+  if (!cost.allFinite()) throw std::invalid_argument("the costs of an assignment are not finite");
   // Shortest augmenting paths with potentials u, v; row and column 0 are a sentinel.
   constexpr double far = std::numeric_limits<double>::infinity();
   std::vector<double> u(rows + 1, 0.0), v(columns + 1, 0.0);

@@ -36,10 +36,20 @@ std::string trimmed(const std::string& text) {
   return text.substr(first, text.find_last_not_of(" \t\r\"") - first + 1);
 }
 
+/// Where the cell that begins at `begin` ends; separators within quotes belong to it.
+std::size_t cell_end(const std::string& line, std::size_t begin, char separator) {
+  const auto open = line.find_first_not_of(" \t", begin);
+  if (open == std::string::npos || line[open] != '"')
+    return std::min(line.find(separator, begin), line.size());
+  const auto close = line.find('"', open + 1);
+  return close == std::string::npos ? line.size()
+                                    : std::min(line.find(separator, close), line.size());
+}
+
 std::vector<Cell> cells_of(const std::string& line, char separator) {
   std::vector<Cell> cells;
   for (std::size_t begin = 0; begin <= line.size();) {
-    const auto end = std::min(line.find(separator, begin), line.size());
+    const auto end = cell_end(line, begin, separator);
     cells.push_back({trimmed(line.substr(begin, end - begin)), static_cast<unsigned>(begin) + 1});
     begin = end + 1;
   }
@@ -63,7 +73,9 @@ class CsvReader {
       throw base::InputError(faults_);
     }
     Targets targets;
-    std::istringstream lines(text);
+    constexpr std::string_view byte_order_mark = "\xEF\xBB\xBF";  // spreadsheets begin with it
+    std::istringstream lines(
+        text.substr(text.starts_with(byte_order_mark) ? byte_order_mark.size() : 0));
     std::string line;
     while (std::getline(lines, line)) {
       ++line_;
@@ -82,7 +94,7 @@ class CsvReader {
       fault(0, "", "there is no mode below the title row");
     }
     if (!faults_.empty()) throw base::InputError(faults_);
-    targets.deviations_given = has("deviation");
+    targets.deviations_given = deviations_given_;
     return targets;
   }
 
@@ -99,6 +111,11 @@ class CsvReader {
                        [&](const Title& t) { return t.name == name; });
   }
 
+  bool has_twice(std::string_view name) const {
+    return std::count_if(titles_.begin(), titles_.end(),
+                         [&](const Title& t) { return t.name == name; }) > 1;
+  }
+
   void read_titles(const std::string& line) {
     separator_ = line.find(';') != std::string::npos    ? ';'
                  : line.find('\t') != std::string::npos ? '\t'
@@ -108,6 +125,7 @@ class CsvReader {
     for (const auto& cell : cells_of(line, separator_)) {
       titles_.push_back(title_of(cell.text));
       const auto& name = titles_.back().name;
+      if (has_twice(name)) fault(cell.column, name, "this column is there twice");
       const bool known =
           std::find(words.begin(), words.end(), name) != words.end() || direction_index(name) >= 0;
       if (!known) {
@@ -122,12 +140,30 @@ class CsvReader {
       fault(1, "frequency", "the title row has no column `frequency [Hz]`");
   }
 
+  /// The cells of a row, decimal commas made points where commas do not separate cells.
+  std::vector<Cell> row_of(const std::string& line) const {
+    auto cells = cells_of(line, separator_);
+    for (auto& cell : cells) {
+      const auto comma = cell.text.find(',');
+      const bool decimal = separator_ != ',' && comma != std::string::npos && comma > 0 &&
+                           std::isdigit(static_cast<unsigned char>(cell.text[comma - 1])) != 0 &&
+                           cell.text.find_first_of(",.", comma + 1) == std::string::npos;
+      const bool word = cell.text.find_first_not_of("0123456789,+-eE %") != std::string::npos;
+      if (decimal && !word) cell.text[comma] = '.';
+    }
+    return cells;
+  }
+
   /// A cell as a number in `unit`: with a unit of its own, in that of its column, or plain.
   double number(const Cell& cell, const Title& title, const std::string& unit) {
     double plain = 0.0;
     const char* end = cell.text.data() + cell.text.size();
     const auto [stop, status] = std::from_chars(cell.text.data(), end, plain);
     const bool is_plain = status == std::errc{} && stop == end;
+    if (is_plain && !std::isfinite(plain)) {
+      fault(cell.column, title.name, fmt::format("is {}, expected a finite number", cell.text));
+      return std::nan("");
+    }
     if (is_plain && title.unit.empty()) return plain;
     const auto read =
         base::read_quantity(is_plain ? cell.text + " " + title.unit : cell.text, unit);
@@ -152,7 +188,9 @@ class CsvReader {
   }
 
   void read_row(const std::string& line, Targets& targets) {
-    const auto cells = cells_of(line, separator_);
+    const auto cells = row_of(line);
+    if (std::all_of(cells.begin(), cells.end(), [](const Cell& c) { return c.text.empty(); }))
+      return;  // what spreadsheets leave below a table
     if (cells.size() != titles_.size()) {
       fault(1, "",
             fmt::format("has {} cells, expected {} as in the title row", cells.size(),
@@ -171,7 +209,7 @@ class CsvReader {
       if (name == "direction") mode.direction = direction(cell);
       if (name == "deviation") deviation = deviation_of(cell, titles_[i]);
       if (name == "damping") mode.damping = number(cell, titles_[i], "1");
-      if (name == "damping_deviation") mode.damping_deviation = number(cell, titles_[i], "1");
+      if (name == "damping_deviation") mode.damping_deviation = damping_deviation(cell, titles_[i]);
       if (name == "pose") mode.pose = cell.text;
       if (name == "name") mode.name = cell.text;
       if (const int k = direction_index(name); k >= 0) {
@@ -191,6 +229,13 @@ class CsvReader {
     return {};
   }
 
+  double damping_deviation(const Cell& cell, const Title& title) {
+    const double value = number(cell, title, "1");
+    if (value > 0.0 || std::isnan(value)) return value;
+    fault(cell.column, title.name, "expected more than 0");
+    return std::nan("");
+  }
+
   /// Below zero: a share of the frequency, minus it.
   double deviation_of(const Cell& cell, const Title& title) {
     const bool share = title.unit == "%" || cell.text.ends_with('%') || title.unit == "1";
@@ -203,6 +248,7 @@ class CsvReader {
   void finish(ModeTarget& mode, const std::optional<double>& deviation, const Vector6* shape,
               Targets& targets) {
     if (mode.omega == 0.0) return fault(1, "frequency", "is missing in this row");
+    deviations_given_ = deviations_given_ || deviation;
     mode.deviation = !deviation         ? default_deviation * mode.omega
                      : *deviation < 0.0 ? -*deviation * mode.omega
                                         : *deviation;
@@ -213,6 +259,7 @@ class CsvReader {
       mode.shape_deviation = 0.05;
     }
     if (mode.name.empty()) mode.name = fmt::format("{:g} Hz", mode.omega / two_pi);
+    for (const auto& [key, message] : target_faults(mode)) fault(1, key, message);
     targets.modes.push_back(mode);
   }
 
@@ -220,6 +267,7 @@ class CsvReader {
   unsigned line_{};
   char separator_{','};
   std::vector<Title> titles_{};
+  bool deviations_given_{};
   std::vector<base::Diagnostic> faults_{};
 };
 

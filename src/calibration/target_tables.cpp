@@ -150,6 +150,8 @@ class TargetReader {
     read_damping(table, mode);
     read_shape(table, mode);
     if (table.has("pose")) mode.pose = table.text("pose");
+    for (const auto& [key, message] : target_faults(mode))
+      if (const auto at_fault = table.find(key)) table.report(at_fault, message);
     add_repeated(table, mode, targets);
   }
 
@@ -175,15 +177,9 @@ class TargetReader {
   static void read_damping(const Section& table, ModeTarget& mode) {
     mode.damping = table.optional_number("damping", "1");
     if (!mode.damping) return;
-    if (!(*mode.damping >= 0.0 && *mode.damping < 1.0))
-      table.report(
-          table.find("damping"),
-          fmt::format("is {}, expected a damping ratio of at least 0 and below 1", *mode.damping));
     constexpr double share = 0.1, least = 1e-4;
     mode.damping_deviation =
         table.number("damping_deviation", "1", std::max(share * *mode.damping, least));
-    if (!(mode.damping_deviation > 0.0))
-      table.report(table.find("damping_deviation"), "expected a standard deviation above 0");
   }
 
   void read_shape(const Section& table, ModeTarget& mode) {
@@ -202,8 +198,6 @@ class TargetReader {
     mode.shape = shape;
     constexpr double usual = 0.05;
     mode.shape_deviation = table.number("shape_deviation", "1", usual);
-    if (!(mode.shape_deviation > 0.0))
-      table.report(table.find("shape_deviation"), "expected a standard deviation above 0");
   }
 
   void add_repeated(const Section& table, ModeTarget mode, Targets& targets) const {
@@ -236,7 +230,12 @@ class TargetReader {
                            "required value (\"legs.rod.mass\", or an array of paths that "
                            "are to be equal)");
     } else if (value.node->kind == Node::Kind::array && !value.node->children.empty()) {
-      for (const auto& child : value.node->children) free.paths.push_back(child.text);
+      for (const auto& child : value.node->children) {
+        free.paths.push_back(child.text);
+        if (child.kind != Node::Kind::text)
+          table.report(value, fmt::format("holds {}, expected paths such as \"legs.rod.mass\"",
+                                          model::described(child)));
+      }
     } else {
       free.paths.push_back(table.text("path"));
     }
@@ -286,7 +285,12 @@ class TargetReader {
       table.report(set, "expected an array of \"PATH=VALUE\", as --set takes them");
       return choice;
     }
-    for (const auto& child : set.node->children) choice.overrides.push_back(child.text);
+    for (const auto& child : set.node->children) {
+      choice.overrides.push_back(child.text);
+      if (child.text.find('=') == std::string::npos)
+        table.report(set, fmt::format("holds {}, expected \"PATH=VALUE\", as --set takes it",
+                                      model::described(child)));
+    }
     return choice;
   }
 
@@ -337,6 +341,34 @@ Frequency read_frequency(const std::string& text, bool plain, double number,
   if (radians.ok()) return {radians.value, ""};
   return {0.0, fmt::format("is \"{}\", expected a frequency such as \"11.3 Hz\" or \"71 rad/s\"",
                            base::printable(text))};
+}
+
+std::vector<TargetFault> target_faults(const ModeTarget& mode) {
+  constexpr double lowest = 1e-6, highest = 1e6;   // Hz
+  constexpr double finest = 1e-9, coarsest = 1e3;  // of what is measured
+  std::vector<TargetFault> faults;
+  const auto outside = [](double value, double low, double high) {
+    return value < low || value > high;  // what is not a number was reported where it was read
+  };
+  if (outside(mode.omega, lowest * two_pi, highest * two_pi))
+    faults.push_back({"frequency", fmt::format("is {:g} Hz, expected {:g} to {:g} Hz",
+                                               mode.omega / two_pi, lowest, highest)});
+  else if (outside(mode.deviation, finest * mode.omega, coarsest * mode.omega))
+    faults.push_back({"deviation", fmt::format("is {:g} times the frequency, expected {:g} to {:g}",
+                                               mode.deviation / mode.omega, finest, coarsest)});
+  if (mode.damping && (*mode.damping < 0.0 || *mode.damping >= 1.0))
+    faults.push_back({"damping", fmt::format("is {:g}, expected a damping ratio of at least 0 and "
+                                             "below 1",
+                                             *mode.damping)});
+  if (mode.damping && outside(mode.damping_deviation, finest, coarsest))
+    faults.push_back({"damping_deviation", fmt::format("is {:g}, expected {:g} to {:g}",
+                                                       mode.damping_deviation, finest, coarsest)});
+  if (mode.shape && !mode.shape->allFinite())
+    faults.push_back({"shape", "expected finite numbers"});
+  if (mode.shape && outside(mode.shape_deviation, finest, coarsest))
+    faults.push_back({"shape_deviation", fmt::format("is {:g}, expected {:g} to {:g}",
+                                                     mode.shape_deviation, finest, coarsest)});
+  return faults;
 }
 
 Targets read_target_tables(const model::Node& root, const std::string& file,

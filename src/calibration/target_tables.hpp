@@ -18,6 +18,13 @@ struct Frequency {
 Frequency read_frequency(const std::string& text, bool plain, double number,
                          const std::string& plain_unit);
 
+/// What no target can be, by its key: frequencies, deviations and dampings out of all proportion.
+struct TargetFault {
+  std::string key{};
+  std::string message{};
+};
+std::vector<TargetFault> target_faults(const ModeTarget& mode);
+
 /// Index of a direction x…rz; −1 when it is none.
 int direction_index(std::string_view name);
 

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <cctype>
 #include <filesystem>
 
 #include "hydrapod/base/file.hpp"
@@ -28,8 +29,9 @@ Targets parse_toml(const std::string& text, const std::string& file) {
 }  // namespace
 
 Targets parse_targets(const std::string& text, const std::string& file_name) {
-  if (std::filesystem::path(file_name).extension() == ".csv")
-    return parse_target_csv(text, file_name);
+  std::string ending = std::filesystem::path(file_name).extension().string();
+  for (char& c : ending) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  if (ending == ".csv") return parse_target_csv(text, file_name);
   return parse_toml(text, file_name);
 }
 

@@ -88,6 +88,22 @@ TEST(Targets, AreReadFromCsv) {
   EXPECT_DOUBLE_EQ(semicolons.modes[0].deviation, 0.002 * 71.5);
 }
 
+/// Byte order mark, decimal commas, quoted separators, rows of nothing, an ending in capitals.
+TEST(Targets, AreReadAsSpreadsheetsWriteThem) {
+  const auto targets = parse_targets(
+      "\xEF\xBB\xBF"
+      "frequency [Hz];direction;deviation [Hz];name\r\n"
+      "4,125;x;0,05;\"first; in x\"\r\n7,5;y;;sway, yaw\r\n;;;\r\n",
+      "JUNE.CSV");
+  ASSERT_EQ(targets.modes.size(), 2U);
+  EXPECT_DOUBLE_EQ(targets.modes[0].omega, 4.125 * two_pi);
+  EXPECT_DOUBLE_EQ(targets.modes[0].deviation, 0.05 * two_pi);
+  EXPECT_EQ(targets.modes[0].name, "first; in x");
+  EXPECT_EQ(targets.modes[1].name, "sway, yaw");
+  EXPECT_TRUE(targets.deviations_given);
+  EXPECT_FALSE(parse_targets("frequency [Hz],deviation [Hz]\n4,\n", "a.csv").deviations_given);
+}
+
 struct Wrong {
   const char* name;
   const char* file;
@@ -137,6 +153,18 @@ INSTANTIATE_TEST_SUITE_P(
             "Damping", "t.toml", "[[mode]]\nfrequency = \"3 Hz\"\ndamping = 2\n",
             "t.toml:3:11: error: mode[0].damping: is 2, expected a damping ratio of at least 0 and "
             "below 1"},
+        Wrong{"Infinite", "t.toml", "[[mode]]\nfrequency = inf\n",
+              "t.toml:2:13: error: mode[0].frequency: is inf without a unit; write \"inf Hz\" or "
+              "\"inf rad/s\", or say `frequency_unit = \"Hz\"` at the top of the file"},
+        Wrong{"InfiniteHertz", "t.toml", "frequency_unit = \"Hz\"\n[[mode]]\nfrequency = inf\n",
+              "t.toml:3:13: error: mode[0].frequency: is inf Hz, expected 1e-06 to 1e+06 Hz"},
+        Wrong{
+            "InfiniteDeviation", "t.toml", "[[mode]]\nfrequency = \"3 Hz\"\ndeviation = inf\n",
+            "t.toml:3:13: error: mode[0].deviation: is inf times the frequency, expected 1e-09 to "
+            "1000"},
+        Wrong{"PathOfNumbers", "t.toml", "[[mode]]\nfrequency = \"3 Hz\"\n[[free]]\npath = [3]\n",
+              "t.toml:4:8: error: free[0].path: holds the number 3, expected paths such as "
+              "\"legs.rod.mass\""},
         Wrong{"OneChoice", "t.toml",
               "[[mode]]\nfrequency = \"3 Hz\"\n[[alternative]]\nname = "
               "\"a\"\n[[alternative.choice]]\n"
@@ -163,6 +191,17 @@ INSTANTIATE_TEST_SUITE_P(
             "\"71 rad/s\""},
         Wrong{"Empty", "t.csv", "\n\n",
               "t.csv: error: is empty, expected a title row such as `frequency [Hz],direction`"},
+        Wrong{"NotANumber", "t.csv", "frequency [Hz],x\n11.3,nan\n",
+              "t.csv:2:6: error: x: is nan, expected a finite number"},
+        Wrong{"Damping", "t.csv", "frequency [Hz],damping [%]\n11.3,-5\n",
+              "t.csv:2:1: error: damping: is -0.05, expected a damping ratio of at least 0 and "
+              "below 1"},
+        Wrong{"DampingDeviation", "t.csv", "frequency [Hz],damping_deviation\n11.3,0\n",
+              "t.csv:2:6: error: damping_deviation: expected more than 0"},
+        Wrong{"Huge", "t.csv", "frequency [Hz]\n1e305\n",
+              "t.csv:2:1: error: frequency: is 1e+305 Hz, expected 1e-06 to 1e+06 Hz"},
+        Wrong{"Twice", "t.csv", "frequency [Hz],x,x\n1,2,3\n",
+              "t.csv:1:18: error: x: this column is there twice"},
         Wrong{"NoRows", "t.csv", "frequency [Hz]\n",
               "t.csv: error: there is no mode below the title row"}),
     [](const auto& info) { return info.param.name; });
