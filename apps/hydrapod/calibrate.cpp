@@ -1,14 +1,17 @@
 #include <fmt/format.h>
 
 #include <cstdio>
+#include <filesystem>
 #include <memory>
 
+#include "hydrapod/base/error.hpp"
 #include "hydrapod/base/file.hpp"
 #include "hydrapod/calibration_report.hpp"
 #include "hydrapod/commands.hpp"
 #include "hydrapod/interrupt.hpp"
 #include "hydrapod/machine_arguments.hpp"
 #include "hydrapod/report/calibration.hpp"
+#include "hydrapod/report/simulation.hpp"
 #include "hydrapod/terminal.hpp"
 
 namespace hydrapod::cli {
@@ -116,39 +119,18 @@ void check_profiles(const Arguments& arguments, const calibration::Plan& plan) {
   }
 }
 
-void run(const Arguments& arguments) {
-  const auto format = choose_word("--format", arguments.format, {"table", "json"});
-  if (arguments.output == "-" && format == 0)
-    bad_argument("-o -", "the report is printed already; give a file, or --format json");
-  const auto file = load(arguments.machine);
-  auto targets = calibration::read_targets(arguments.targets);
-  const auto plan = plan_of(arguments, targets);
-  check_profiles(arguments, plan);
-  const auto kind = choose_model(file.machine, arguments.machine.model);
+/// Says before the work, not after it, that a file cannot be written.
+void require_writable(const std::string& path) {
+  if (path.empty()) return;
+  std::error_code none;
+  const auto status = std::filesystem::status(path, none);
+  if (!std::filesystem::exists(status) || std::filesystem::is_regular_file(status))
+    const base::PartFile probe{path};
+}
 
-  const InterruptNote interrupt;
-  calibration::Calibration result;
-  std::vector<calibration::Profile> profiles;
-  {
-    ProgressLine line("calibrating");
-    const auto progress = [&](double fraction) {
-      line.update(fraction);
-      return InterruptNote::noted();
-    };
-    result = calibration::calibrate(file, targets, plan, kind, progress);
-    for (const auto& path : arguments.profiles)
-      if (!InterruptNote::noted())
-        profiles.push_back(calibration::profile(file, targets, plan, kind, result.best(),
-                                                index_of(path, result.best()), progress));
-  }
-  if (!arguments.output.empty())
-    base::write_file_whole(arguments.output, calibration::calibrated_text(file, result.best()));
-  if (!arguments.plot.empty()) report::plot_calibration(result, targets, arguments.plot);
-  if (format == 0) {
-    base::write_file_whole(
-        "-", calibration_text(result, targets, profiles, has_colour(stdout), terminal_width()));
-    return;
-  }
+std::string json_text(const Arguments& arguments, const model::MachineFile& file,
+                      const calibration::Targets& targets, const calibration::Calibration& result,
+                      const std::vector<calibration::Profile>& profiles, dynamics::ModelKind kind) {
   report::Json json{{"kind", "calibration"},
                     {"machine", report::machine_json(file, arguments.machine.file)},
                     {"assumptions", report::assumptions_json(file.machine)},
@@ -157,7 +139,52 @@ void run(const Arguments& arguments) {
   json["profiles"] = report::Json::array();
   for (const auto& profile : profiles)
     json["profiles"].push_back(report::profile_json(profile, result.best()));
-  base::write_file_whole("-", json.dump(1) + "\n");
+  return json.dump(1) + "\n";
+}
+
+void run(const Arguments& arguments) {
+  const auto format = choose_word("--format", arguments.format, {"table", "json"});
+  if (arguments.output == "-")
+    bad_argument("-o -", "the report goes to the standard output; give a file");
+  require_writable(arguments.output);
+  require_writable(arguments.plot);
+  if (!arguments.plot.empty()) report::require_picture_ending(arguments.plot);
+  const auto file = load(arguments.machine);
+  auto targets = calibration::read_targets(arguments.targets);
+  const auto plan = plan_of(arguments, targets);
+  check_profiles(arguments, plan);
+  const auto kind = choose_model(file.machine, arguments.machine.model);
+
+  calibration::Calibration result;
+  bool interrupted = false;
+  std::vector<calibration::Profile> profiles;
+  {
+    const InterruptNote interrupt;
+    ProgressLine line("calibrating");
+    const auto progress = [&](double fraction) {
+      line.update(fraction);
+      return InterruptNote::noted();
+    };
+    result = calibration::calibrate(file, targets, plan, kind, progress);
+    for (const auto& path : arguments.profiles) {
+      auto profile = calibration::profile(file, targets, plan, kind, result.best(),
+                                          index_of(path, result.best()), progress);
+      if (InterruptNote::noted()) break;  // half a profile has no interval
+      profiles.push_back(std::move(profile));
+    }
+    interrupted = InterruptNote::noted();
+  }
+  base::write_file_whole(
+      "-", format == 0
+               ? calibration_text(result, targets, profiles, has_colour(stdout), terminal_width())
+               : json_text(arguments, file, targets, result, profiles, kind));
+  if (!arguments.output.empty())
+    base::write_file_whole(arguments.output, calibration::calibrated_text(file, result.best()));
+  if (!arguments.plot.empty()) report::plot_calibration(result, targets, arguments.plot);
+  if (interrupted)
+    throw base::ComputationError(
+        fmt::format("interrupted: the report{} the best so far",
+                    arguments.output.empty() ? " shows" : " and " + arguments.output + " hold"));
 }
 
 }  // namespace

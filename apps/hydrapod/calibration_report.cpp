@@ -39,6 +39,12 @@ std::string combinations_text(const Calibration& result, bool colour, std::size_
   for (const auto& c : result.candidates) {
     if (!c.unbound) continue;
     const double rms = std::sqrt(c.unbound->misfit / static_cast<double>(c.targets.size()));
+    constexpr double better = 0.5;  // of the misfit
+    if (c.unbound->misfit > better * c.misfit) {
+      text += fmt::format(
+          "\n{}: no values at all, allowed or not, were found to fit better by much\n", c.name);
+      continue;
+    }
     text += fmt::format("\n{}: with any values at all, {:.3g} σ", c.name, rms);
     if (c.unbound->violated.empty()) {
       text += ", outside the bounds\n";

@@ -18,6 +18,8 @@ namespace hydrapod::calibration {
 
 namespace {
 
+constexpr double infinite = std::numeric_limits<double>::infinity();
+
 /// Every combination of choices, the first of each first.
 std::vector<std::vector<std::size_t>> combinations(const std::vector<Alternative>& alternatives) {
   std::vector<std::vector<std::size_t>> all{{}};
@@ -115,6 +117,9 @@ Combination make_combination(const model::MachineFile& file, const Targets& targ
   made.machine = std::make_unique<model::VariableMachine>(with);
   std::vector<base::Diagnostic> errors;
   made.variables = make_variables(plan.free, *made.machine, errors);
+  if (!plan.alternatives.empty())
+    for (auto& error : errors)
+      error.message += fmt::format("; tried with \"{}\"", made.candidate.name);
   if (!errors.empty()) throw base::InputError(errors);
   made.problem =
       std::make_unique<Problem>(*made.machine, targets, made.variables, kind, ProblemOptions{});
@@ -181,7 +186,7 @@ Calibration calibrate(const model::MachineFile& file, const Targets& targets, co
   const bool try_robust = plan.options.loss == Loss::cauchy ||
                           (plan.options.loss == Loss::automatic &&
                            (fits_poorly(all.front().candidate) || !all.front().candidate.fitted));
-  if (try_robust) {
+  if (try_robust && !workers.stopped()) {
     workers.run(all.size(), 0.7, 0.8, [&](std::size_t i) {
       conclude_robust(all[i], plan.options, plan.options.loss == Loss::cauchy, stop);
     });
@@ -215,30 +220,91 @@ HeldFit hold(const model::MachineFile& file, const Plan& plan, const Candidate& 
   HeldFit held{file, {.options = plan.options}};
   auto& overrides = held.file.overrides;
   overrides.insert(overrides.end(), candidate.overrides.begin(), candidate.overrides.end());
-  for (const auto& path : candidate.parameters[index].paths)
+  for (const auto& path : candidate.parameters[static_cast<std::size_t>(index)].paths)
     overrides.push_back(fmt::format("{}={:.17g}", path, value));
   for (int j = 0; j < static_cast<int>(plan.free.size()); ++j) {
     if (j == index) continue;
     held.plan.free.push_back(plan.free[j]);
-    held.plan.free.back().start = fmt::format("{:.17g}", candidate.parameters[j].value);
-    held.plan.free.back().lower = fmt::format("{:.17g}", candidate.parameters[j].lower);
-    held.plan.free.back().upper = fmt::format("{:.17g}", candidate.parameters[j].upper);
+    const auto& p = candidate.parameters[static_cast<std::size_t>(j)];
+    // at a bound, rounding may have put it outside
+    held.plan.free.back().start = fmt::format("{:.17g}", std::clamp(p.value, p.lower, p.upper));
+    held.plan.free.back().lower = fmt::format("{:.17g}", p.lower);
+    held.plan.free.back().upper = fmt::format("{:.17g}", p.upper);
   }
   return held;
 }
 
+/// Σ (difference)² with the parameter at `value` and all others fitted, without its own prior.
 double misfit_held(const model::MachineFile& file, const Targets& targets, const Plan& plan,
-                   dynamics::ModelKind kind, const Candidate& candidate, int index, double value) {
+                   dynamics::ModelKind kind, const Candidate& candidate, int index, double value,
+                   const std::function<bool()>& stop) {
   const auto held = hold(file, plan, candidate, index, value);
   model::VariableMachine machine(held.file);
   std::vector<base::Diagnostic> errors;
   auto variables = make_variables(held.plan.free, machine, errors);
   if (!errors.empty()) throw base::InputError(errors);
   const Problem problem(machine, targets, variables, kind, {});
-  const auto solution =
-      solve(problem, problem.start(),
-            {.max_iterations = plan.options.max_iterations, .cauchy = candidate.robust});
-  return solution.usable ? 2.0 * solution.cost : std::numeric_limits<double>::infinity();
+  const auto solution = solve(
+      problem, problem.start(),
+      {.max_iterations = plan.options.max_iterations, .cauchy = candidate.robust, .stop = stop});
+  return solution.usable ? 2.0 * solution.cost : infinite;
+}
+
+/// What is known of the parameter besides the data, in SI.
+std::optional<Prior> prior_of(const model::MachineFile& file, const Plan& plan,
+                              const Candidate& candidate, int index) {
+  auto with = file;
+  with.overrides.insert(with.overrides.end(), candidate.overrides.begin(),
+                        candidate.overrides.end());
+  model::VariableMachine machine(with);
+  std::vector<base::Diagnostic> errors;
+  return make_variables({plan.free.at(static_cast<std::size_t>(index))}, machine, errors)
+      .front()
+      .prior;
+}
+
+/// Where a profile is looked at: twice the parameter's interval, or all there is.
+struct Range {
+  double low{}, high{};
+  bool logarithmic{};
+  [[nodiscard]] double at(double share) const {
+    return logarithmic ? low * std::pow(high / low, share) : low + (high - low) * share;
+  }
+};
+
+Range profile_range(const FittedParameter& p) {
+  Range range{p.lower, p.upper, p.lower > 0.0};
+  if (!std::isfinite(p.interval_high) || !std::isfinite(p.interval_low)) return range;
+  const double width = 2.0 * (p.interval_high - p.value);
+  const double reach = std::pow(p.interval_high / p.value, 2);
+  const double low = range.logarithmic ? p.value / reach : p.value - width;
+  const double high = range.logarithmic ? p.value * reach : p.value + width;
+  range.low = std::clamp(low, p.lower, p.upper);
+  range.high = std::clamp(high, p.lower, p.upper);
+  return range;
+}
+
+/// Value at which the misfit passes `limit` between two points; where one has no misfit, there.
+double crossing(const ProfilePoint& a, const ProfilePoint& b, double limit) {
+  if (!std::isfinite(a.misfit)) return a.value;
+  if (!std::isfinite(b.misfit)) return b.value;
+  return a.value + (b.value - a.value) * (limit - a.misfit) / (b.misfit - a.misfit);
+}
+
+void find_interval(Profile& profile, double scatter) {
+  constexpr double enough = 3.841458820694124;  // 95 % of χ² with one degree of freedom
+  double least = infinite;
+  for (const auto& point : profile.points) least = std::min(least, point.misfit);
+  const double limit = least + enough * scatter * scatter;
+  profile.interval_low = -infinite;
+  profile.interval_high = infinite;
+  for (std::size_t k = 1; k < profile.points.size(); ++k) {
+    const auto& a = profile.points[k - 1];
+    const auto& b = profile.points[k];
+    if (a.misfit > limit && b.misfit <= limit && std::isinf(profile.interval_low))
+      profile.interval_low = crossing(a, b, limit);
+    if (a.misfit <= limit && b.misfit > limit) profile.interval_high = crossing(a, b, limit);
+  }
 }
 
 }  // namespace
@@ -247,46 +313,22 @@ Profile profile(const model::MachineFile& file, const Targets& targets, const Pl
                 dynamics::ModelKind kind, const Candidate& candidate, int index,
                 const Progress& progress) {
   constexpr int points = 21;
-  constexpr double enough = 3.841458820694124;  // 95 % of χ² with one degree of freedom
   const auto& parameter = candidate.parameters.at(static_cast<std::size_t>(index));
-  const bool logarithmic = parameter.lower > 0.0;
-  // twice the interval, or all there is
-  const double reach = parameter.interval_high / parameter.value;
-  const bool narrow = std::isfinite(reach) && std::isfinite(parameter.interval_low);
-  double low = parameter.lower, high = parameter.upper;
-  if (narrow && logarithmic) {
-    low = std::max(low, parameter.value / (reach * reach));
-    high = std::min(high, parameter.value * reach * reach);
-  } else if (narrow) {
-    const double width = 2.0 * (parameter.interval_high - parameter.value);
-    low = std::max(low, parameter.value - width);
-    high = std::min(high, parameter.value + width);
-  }
-  Profile result{.parameter = index};
-  result.points.resize(points);
+  const auto range = profile_range(parameter);
+  const auto prior = prior_of(file, plan, candidate, index);
+  std::vector<std::optional<ProfilePoint>> found(points);
   Workers workers(plan.options.threads, progress);
+  const std::function<bool()> stop = [&] { return workers.stopped(); };
   workers.run(points, 0.0, 1.0, [&](std::size_t k) {
-    const double share = static_cast<double>(k) / (points - 1);
-    const double value =
-        logarithmic ? low * std::pow(high / low, share) : low + (high - low) * share;
-    result.points[k] = {value, misfit_held(file, targets, plan, kind, candidate, index, value)};
+    ProfilePoint point{.value = range.at(static_cast<double>(k) / (points - 1))};
+    point.misfit = misfit_held(file, targets, plan, kind, candidate, index, point.value, stop);
+    if (prior) point.misfit += std::pow((point.value - prior->value) / prior->spread, 2);
+    if (!workers.stopped()) found[k] = point;
   });
-  std::erase_if(result.points,
-                [](const ProfilePoint& p) { return p.value == 0.0 && p.misfit == 0.0; });
-  double least = std::numeric_limits<double>::infinity();
-  for (const auto& point : result.points) least = std::min(least, point.misfit);
-  const double limit = least + enough * candidate.scatter * candidate.scatter;
-  result.interval_low = -std::numeric_limits<double>::infinity();
-  result.interval_high = std::numeric_limits<double>::infinity();
-  for (std::size_t k = 1; k < result.points.size(); ++k) {
-    const auto& a = result.points[k - 1];
-    const auto& b = result.points[k];
-    const double crossing =
-        a.value + (b.value - a.value) * (limit - a.misfit) / (b.misfit - a.misfit);
-    if (a.misfit > limit && b.misfit <= limit && std::isinf(result.interval_low))
-      result.interval_low = crossing;
-    if (a.misfit <= limit && b.misfit > limit) result.interval_high = crossing;
-  }
+  Profile result{.parameter = index};
+  for (const auto& point : found)
+    if (point) result.points.push_back(*point);
+  find_interval(result, candidate.scatter);
   return result;
 }
 

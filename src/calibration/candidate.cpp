@@ -152,10 +152,9 @@ void describe_parameters(const Problem& problem, const Solution& solution, Linea
     const double value = variable.value(solution.x[j]);
     columns.push_back({variable.paths.front(), variable.unit, value, size_of(variable, value)});
   }
-  auto first = identify_parameters(at.J_data, columns);
   const auto outliers = std::count_if(candidate.targets.begin(), candidate.targets.end(),
                                       [](const FittedTarget& t) { return t.outlier; });
-  const int degrees = static_cast<int>(at.data.size() - outliers) - first.numerical_rank;
+  const int degrees = static_cast<int>(at.data.size() - outliers) - numerical_rank(at.J_data);
   double quantile = student_quantile(0);
   if (degrees > 0) {
     candidate.scatter = std::sqrt(at.data.squaredNorm() / degrees);
@@ -196,6 +195,30 @@ void describe(const Problem& problem, const Solution& solution, Candidate& candi
   describe_parameters(problem, solution, at, candidate);
 }
 
+/// Parameters that look determined, but have another value in a solution that is as good.
+void find_other_values(Combination& combination, const Solution& best) {
+  auto& candidate = combination.candidate;
+  constexpr double as_good = 0.5 * 3.841458820694124;  // of ½ χ², 95 % with one degree of freedom
+  constexpr double apart = 3.0;                        // half intervals
+  constexpr double tolerance = 1e-6;                   // of the search, where the fit is perfect
+  const double limit = best.cost + as_good * std::pow(candidate.scatter, 2) + tolerance;
+  for (const auto& other : combination.solutions) {
+    if (!other.usable || other.cost > limit) continue;
+    for (std::size_t j = 0; j < candidate.parameters.size(); ++j) {
+      auto& p = candidate.parameters[j];
+      const double value = combination.variables[j].value(other.x[static_cast<Eigen::Index>(j)]);
+      const double reach = apart * std::max(p.interval_high - p.value,
+                                            value < p.value ? p.value - p.interval_low : 0);
+      constexpr double rounding = 1e-4;
+      if (p.verdict != Verdict::determined ||
+          std::abs(value - p.value) <= std::max(reach, rounding * std::abs(p.value)))
+        continue;
+      p.verdict = Verdict::ambiguous;
+      p.other_value = value;
+    }
+  }
+}
+
 }  // namespace
 
 double student_quantile(int degrees) {
@@ -229,15 +252,21 @@ Eigen::VectorXd start_of(const Problem& problem, std::uint64_t seed, int number)
 void conclude(Combination& combination) {
   auto& candidate = combination.candidate;
   const auto* best = best_of(combination.solutions);
+  // an interrupted search leaves starts that were never tried
+  candidate.starts = static_cast<int>(
+      std::count_if(combination.solutions.begin(), combination.solutions.end(),
+                    [](const Solution& solution) { return solution.x.size() > 0; }));
   if (best == nullptr) {
-    candidate.problem = "the machine has no modes with any of the starting values";
+    candidate.problem = candidate.starts == 0
+                            ? "interrupted before its first fit"
+                            : "the machine has no modes with any of the starting values";
     return;
   }
-  candidate.starts = static_cast<int>(combination.solutions.size());
   constexpr double same = 0.01;
   for (const auto& other : combination.solutions)
     candidate.starts_that_agree += other.usable && other.cost <= best->cost * (1.0 + same) + 1e-9;
   describe(*combination.problem, *best, candidate);
+  find_other_values(combination, *best);
 }
 
 bool fits_poorly(const Candidate& candidate) {

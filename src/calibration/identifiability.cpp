@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <Eigen/QR>
 #include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
@@ -13,6 +14,7 @@ namespace {
 
 constexpr double infinite = std::numeric_limits<double>::infinity();
 constexpr int largest_trade = 4;
+constexpr double most_groups = 30000.0;
 constexpr double takes_part = 1e-3;  // of the largest relative change in a trade
 
 /// Rounding and the differences behind J: singular values below this share of the largest are none.
@@ -87,7 +89,10 @@ bool next_group(std::vector<int>& group, int of) {
 void find_trades(const Eigen::MatrixXd& J, const std::vector<ParameterColumn>& parameters,
                  const std::vector<int>& candidates, double scatter, std::vector<Trade>& trades) {
   const int count = static_cast<int>(candidates.size());
+  double groups = 1.0;
   for (int size = 1; size <= std::min(largest_trade, count); ++size) {
+    groups *= static_cast<double>(count - size + 1) / size;
+    if (groups > most_groups) break;
     std::vector<int> at(size);
     for (int k = 0; k < size; ++k) at[k] = k;
     do {
@@ -107,6 +112,13 @@ void find_trades(const Eigen::MatrixXd& J, const std::vector<ParameterColumn>& p
 }
 
 }  // namespace
+
+int numerical_rank(const Eigen::MatrixXd& J) {
+  if (J.size() == 0) return 0;
+  const Eigen::VectorXd sigma = Eigen::JacobiSVD<Eigen::MatrixXd>(J).singularValues();
+  const double none = rounding * sigma[0];
+  return static_cast<int>((sigma.array() > none).count());
+}
 
 Identifiability identify_parameters(const Eigen::MatrixXd& J,
                                     const std::vector<ParameterColumn>& parameters,
@@ -146,7 +158,10 @@ Identifiability identify_parameters(const Eigen::MatrixXd& J,
   std::vector<int> undetermined;
   for (int j = 0; j < n; ++j)
     if (!(result.deviations[j] <= free_above)) undetermined.push_back(j);
-  find_trades(J, parameters, undetermined, scatter, result.trades);
+  // columns depend on each other as those of R do, which has no more rows than columns
+  Eigen::MatrixXd R = J;
+  if (J.rows() > n) R = J.householderQr().matrixQR().topRows(n).triangularView<Eigen::Upper>();
+  find_trades(R, parameters, undetermined, scatter, result.trades);
   return result;
 }
 

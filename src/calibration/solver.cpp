@@ -106,9 +106,28 @@ void set_bounds(const Problem& problem, double* x, ceres::Problem& ceres_problem
   }
 }
 
+/// Where nothing is free there is nothing to solve.
+Solution evaluated(const Problem& problem, const SolverOptions& options) {
+  Solution solution{.converged = true, .x = Eigen::VectorXd(0)};
+  State state;
+  if (!problem.evaluate(solution.x, false, state)) return solution;
+  Eigen::VectorXd r;
+  problem.residuals(solution.x, state, r, nullptr);
+  const double c2 = options.cauchy_scale * options.cauchy_scale;
+  int row = 0;
+  for (const auto& kind : problem.residuals()) {
+    const double s = r.segment(row, kind->size()).squaredNorm();
+    solution.cost += 0.5 * (options.cauchy && kind->is_data() ? c2 * std::log1p(s / c2) : s);
+    row += kind->size();
+  }
+  solution.usable = std::isfinite(solution.cost);
+  return solution;
+}
+
 }  // namespace
 
 Solution solve(const Problem& problem, const Eigen::VectorXd& start, const SolverOptions& options) {
+  if (problem.size() == 0) return evaluated(problem, options);
   quieten_log();
   Solution solution{.x = start};
   SharedState shared(problem, solution.x.data());

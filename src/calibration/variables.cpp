@@ -68,7 +68,11 @@ class VariableMaker {
   double amount(const Amount& text, const char* what) {
     double number = 0.0;
     const auto [end, status] = std::from_chars(text.data(), text.data() + text.size(), number);
-    if (status == std::errc{} && end == text.data() + text.size()) return number;
+    if (status == std::errc{} && end == text.data() + text.size()) {
+      if (!std::isfinite(number))
+        error(fmt::format("{}: is {}, expected a finite number", what, text));
+      return number;
+    }
     const auto read = base::read_quantity(text, machine_.find(free_.paths.front())->unit);
     if (!read.ok()) error(fmt::format("{}: {}", what, read.problem));
     return read.value;
@@ -84,7 +88,7 @@ class VariableMaker {
     const double small = v.start / decade, large = v.start * decade;
     v.lower = bound(free_.lower, std::min(small, large));
     v.upper = bound(free_.upper, std::max(small, large));
-    if (std::isnan(v.lower) || std::isnan(v.upper) || std::isnan(v.start)) return;
+    if (!std::isfinite(v.lower) || !std::isfinite(v.upper) || !std::isfinite(v.start)) return;
     if (v.lower >= v.upper)
       return error(fmt::format("bounds: the lowest value, {:g}, is not below the highest, {:g} {}",
                                v.lower, v.upper, v.unit));

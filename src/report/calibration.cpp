@@ -26,6 +26,7 @@ Json parameter_json(const FittedParameter& p) {
           {"deviation", number(p.deviation)},
           {"interval_95", {number(p.interval_low), number(p.interval_high)}},
           {"deviation_data_alone", number(p.data_deviation)},
+          {"other_value", p.other_value ? Json(*p.other_value) : Json(nullptr)},
           {"verdict", verdict_word(p.verdict)}};
 }
 
@@ -110,6 +111,8 @@ const char* verdict_word(Verdict verdict) {
   switch (verdict) {
     case Verdict::determined:
       return "determined";
+    case Verdict::ambiguous:
+      return "one of several";
     case Verdict::at_bound:
       return "at its bound";
     case Verdict::by_prior:
@@ -179,6 +182,10 @@ std::vector<std::string> calibration_remarks(const Calibration& result, const Ta
   for (const auto& p : best.parameters) {
     if (p.verdict == Verdict::by_prior)
       remarks.push_back(fmt::format("{}: its prior decides, not the data", p.paths.front()));
+    if (p.verdict == Verdict::ambiguous)
+      remarks.push_back(fmt::format(
+          "{}: {:.5g} {} meets the targets as well; bounds or a prior can say which it is",
+          p.paths.front(), *p.other_value, p.unit == "1" ? "" : p.unit));
     if (p.verdict == Verdict::at_bound)
       remarks.push_back(fmt::format("{} ended at its bound, {:.5g} {}; is the bound right?",
                                     p.paths.front(), p.value, p.unit == "1" ? "" : p.unit));

@@ -191,6 +191,49 @@ TEST(Recovery, AProfileRisesAsTheLikelihoodSays) {
   EXPECT_NEAR(curve.interval_high, p.interval_high, 0.01 * p.deviation);
 }
 
+/// With nothing else to fit, the profile is the misfit itself; a bound may be where it ends.
+TEST(Recovery, TheOnlyParameterHasAProfileToo) {
+  const auto targets = targets_of(published(), ModelKind::rigid, true);
+  Plan plan{.free = {{.paths = {"legs.oil_spring.stiffness"}, .lower = "3.9e6", .upper = "9e6"},
+                     {.paths = {"platform.mass"}}}};
+  plan.free[0].start = "5e6";
+  auto best = calibrate(published(), targets, plan, ModelKind::rigid).best();
+  EXPECT_EQ(best.parameters[0].verdict, Verdict::at_bound);
+  EXPECT_EQ(profile(published(), targets, plan, ModelKind::rigid, best, 1).points.size(), 21U);
+  plan.free = {{.paths = {"legs.oil_spring.stiffness"}}};
+  plan.free[0].prior = PriorAmounts{"3.86e6", "1e3"};
+  best = calibrate(published(), targets, plan, ModelKind::rigid).best();
+  const auto curve = profile(published(), targets, plan, ModelKind::rigid, best, 0);
+  const auto& p = best.parameters[0];
+  EXPECT_NEAR(curve.interval_low, p.interval_low, 0.02 * p.deviation);  // the prior is in both
+  EXPECT_NEAR(curve.interval_high, p.interval_high, 0.02 * p.deviation);
+}
+
+/// Without names, nobody can say which of two frequencies is about x and which about y.
+TEST(Recovery, SaysSoWhereTwoValuesMeetTheTargetsAlike) {
+  const auto file = test::machine_file(published().text, {"platform.inertia.yy=70"});
+  Targets targets = targets_of(file, ModelKind::rigid, false);
+  Plan plan{.free = test::free_paths({"platform.inertia.xx", "platform.inertia.yy"})};
+  const auto result = calibrate(file, targets, plan, ModelKind::rigid);
+  const auto& xx = result.best().parameters[0];
+  ASSERT_EQ(xx.verdict, Verdict::ambiguous) << xx.value;  // rx and ry may change places
+  EXPECT_NEAR(std::min(xx.value, *xx.other_value), 45.1022, 0.02);
+  EXPECT_NEAR(std::max(xx.value, *xx.other_value), 70.0, 0.02);
+}
+
+/// A search that is stopped at once says so, and not that the machine has no modes.
+TEST(Recovery, AnInterruptedSearchNamesWhatItDidNotTry) {
+  const auto targets = targets_of(published(), ModelKind::rigid, true);
+  Plan plan{.free = test::free_paths({"legs.oil_spring.stiffness"})};
+  plan.options.threads = 1;
+  plan.alternatives = {{.name = "axes", .choices = {{"a", {}}, {"b", {}}}}};
+  int calls = 0;
+  const auto result =
+      calibrate(published(), targets, plan, ModelKind::rigid, [&](double) { return ++calls > 3; });
+  EXPECT_TRUE(result.interrupted);
+  EXPECT_EQ(result.candidates.back().problem, "interrupted before its first fit");
+}
+
 /// Threads share the work out as they come; the answer must not show it.
 TEST(Recovery, DoesNotDependOnTheNumberOfThreads) {
   const auto targets = targets_of(published(), ModelKind::guide, true);
@@ -225,6 +268,8 @@ TEST(Refusals, SayWhatIsWrongWithAParameter) {
   expect_refused({.paths = {"legs.rod.mass"}, .start = "2 m"}, "start: ");
   expect_refused({.paths = {"legs.rod.mass", "legs.rod.length"}}, "cannot be tied to one value");
   expect_refused({.paths = {"platform.mass_center[0]"}}, "starts at 0");
+  expect_refused({.paths = {"legs.rod.mass"}, .lower = "nan", .upper = "9 kg"},
+                 "bounds: is nan, expected a finite number");
   expect_refused({.paths = {"legs.rod.mass"}, .prior = PriorAmounts{"2 kg", "0 kg"}},
                  "expected a spread above 0");
 }

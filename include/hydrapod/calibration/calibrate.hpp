@@ -20,6 +20,7 @@ namespace hydrapod::calibration {
 enum class Verdict {
   determined,    ///< by the data, to better than free_above
   undetermined,  ///< the data leave it free: its value is one of many
+  ambiguous,     ///< the data fix it, but another value meets them as well
   at_bound,      ///< it would like to go beyond its bound
   by_prior       ///< the prior decides, not the data
 };
@@ -34,6 +35,7 @@ struct FittedParameter {
   double interval_high{};
   double data_deviation{};  ///< of the data alone [unit]; inf: free
   Verdict verdict{};
+  std::optional<double> other_value{};  ///< of a solution that is as good [unit]
   bool has_prior{};
 };
 

@@ -5,8 +5,8 @@
 /// relative change of each parameter) by its singular values: along a right singular vector with
 /// value σ the data know the parameters to ± 1/σ. A direction known no better than ± `free_above`
 /// is free. Parameters that can be traded for each other without the data noticing are found as the
-/// smallest groups whose columns of J nearly depend on each other. Bounds are not asked: what only a
-/// bound holds, the data do not know.
+/// smallest groups whose columns of J nearly depend on each other. Bounds are not asked: what only
+/// a bound holds, the data do not know.
 
 #include <Eigen/Core>
 #include <string>
@@ -43,8 +43,12 @@ struct Identifiability {
   std::vector<Trade> trades{};        ///< smallest groups, shortest first
 };
 
-/// `J`: residuals in deviations × parameters, per relative change. `scatter`: factor on all
-/// deviations where the data tell their own scatter, else 1.
+/// Singular values of J above rounding.
+int numerical_rank(const Eigen::MatrixXd& J);
+
+/// Trades are sought in groups of up to four parameters, fewer where there would be more than some
+/// ten thousand groups. `J`: residuals in deviations × parameters, per relative change. `scatter`:
+/// factor on all deviations where the data tell their own scatter, else 1.
 Identifiability identify_parameters(const Eigen::MatrixXd& J,
                                     const std::vector<ParameterColumn>& parameters,
                                     double scatter = 1.0);
