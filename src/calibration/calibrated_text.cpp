@@ -12,16 +12,7 @@ namespace hydrapod::calibration {
 namespace {
 
 constexpr int digits = 9;
-
-/// A value as --set takes it, as TOML.
-std::string as_toml(const std::string& value) {
-  const auto first = value.find_first_not_of(" \t");
-  const char c = first == std::string::npos ? ' ' : value[first];
-  const bool quoted = c == '"' || c == '\'' || c == '[' || c == '{';
-  const bool number = value.find_first_not_of("0123456789.+-eE_ ") == std::string::npos;
-  const bool word = value == "true" || value == "false";
-  return quoted || number || word ? value.substr(first) : fmt::format("\"{}\"", value);
-}
+constexpr const char* label = "calibrated";  ///< of the remarks
 
 std::string last_key(const std::string& path) {
   const auto dot = path.rfind('.');
@@ -41,18 +32,21 @@ std::string value_text(const FittedParameter& p, const model::WrittenUnit& unit)
       return value + spread + in_unit + " by the prior";
     case Verdict::at_bound:
       return value + in_unit + " at its bound";
+    case Verdict::ambiguous:
+      return fmt::format("{}{}, or {:.5g}", value, in_unit, *p.other_value / unit.size);
     case Verdict::undetermined:
       break;
   }
   return value + in_unit + " not determined by the data";
 }
 
-model::FileEdit edit_of(const std::string& text, const std::string& path,
-                        const FittedParameter& p) {
+/// `before`: the value in the file, with the choices made [SI].
+model::FileEdit edit_of(const std::string& text, const std::string& path, const FittedParameter& p,
+                        double before) {
   const auto unit = model::written_unit(text, path, p.unit);
   return {
       path, model::written(p.value, unit, digits),
-      fmt::format("{} {} (was {:.5g})", last_key(path), value_text(p, unit), p.start / unit.size)};
+      fmt::format("{} {} (was {:.5g})", last_key(path), value_text(p, unit), before / unit.size)};
 }
 
 /// The text must be read as the machine that was fitted.
@@ -73,20 +67,20 @@ void verify(const model::MachineFile& file, const std::string& text, const Candi
 }  // namespace
 
 std::string calibrated_text(const model::MachineFile& file, const Candidate& candidate) {
-  std::vector<model::FileEdit> edits;
-  auto overrides = file.overrides;
-  overrides.insert(overrides.end(), candidate.overrides.begin(), candidate.overrides.end());
-  for (const auto& text : overrides) {
-    const auto equals = text.find('=');
-    const std::string path = text.substr(0, text.find_last_not_of(" \t", equals - 1) + 1);
-    edits.push_back({path, as_toml(text.substr(equals + 1)), last_key(path) + " chosen"});
-  }
+  model::MachineFile chosen = file;
+  chosen.overrides.insert(chosen.overrides.end(), candidate.overrides.begin(),
+                          candidate.overrides.end());
+  auto edits = model::edits_of_overrides(file.text, chosen.overrides);
+  for (auto& edit : edits) edit.remark = last_key(edit.path) + " chosen";
+  const std::string with_choices = model::edited_file(file.text, edits, label);
+  const model::VariableMachine before(chosen);
   for (const auto& p : candidate.parameters)
     for (const auto& path : p.paths) {
-      std::erase_if(edits, [&](const model::FileEdit& edit) { return edit.path == path; });
-      edits.push_back(edit_of(file.text, path, p));
+      const auto& number = *before.find(path);
+      std::erase_if(edits, [&](const auto& edit) { return edit.path == number.path; });
+      edits.push_back(edit_of(with_choices, number.path, p, number.value));
     }
-  const std::string text = model::edited_file(file.text, edits, "calibrated");
+  const std::string text = model::edited_file(file.text, edits, label);
   model::MachineFile without = file;
   without.overrides.clear();
   verify(without, text, candidate);

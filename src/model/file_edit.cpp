@@ -5,9 +5,11 @@
 #include <algorithm>
 #include <map>
 
+#include "faults.hpp"
 #include "hydrapod/base/error.hpp"
 #include "hydrapod/base/units.hpp"
 #include "key_path.hpp"
+#include "overrides.hpp"
 #include "value_tree.hpp"
 
 namespace hydrapod::model {
@@ -109,6 +111,60 @@ void add_line(std::string& text, std::size_t from, const Node& table, const std:
   text.insert(at, "\n" + line);
 }
 
+/// Adds `line` to the top table: before the first table, below the first values.
+void add_at_the_top(std::string& text, const Node& root, const std::string& line) {
+  const auto first = std::find_if(root.children.begin(), root.children.end(),
+                                  [](const Node& n) { return !n.is_table(); });
+  if (first == root.children.end()) {
+    text.insert(0, line + "\n");
+  } else {
+    text.insert(line_end(text, past_value(text, offset_of(text, first->place))), "\n" + line);
+  }
+}
+
+/// `text` with a table [header] and `line` in it at the end.
+std::string with_table(std::string text, const KeyPath& header, const std::string& line) {
+  if (!text.ends_with('\n')) text += '\n';
+  return text + fmt::format("\n[{}]\n{}\n", to_string(header), line);
+}
+
+/// Is `text` TOML that has something at `path`?
+bool reads(const std::string& text, const KeyPath& path) {
+  const auto parsed = parse_tree(text, 0);
+  const auto* root = std::get_if<Node>(&parsed);
+  return root != nullptr && find_node(*root, path) != nullptr;
+}
+
+/// Adds `path` to a table that has no header and no braces: other keys or tables name it on their
+/// way. TOML lets it be continued in one of three ways, depending on what these are.
+void add_to_implicit_table(std::string& text, const Node& root, const KeyPath& path,
+                           std::size_t known, const std::string& value) {
+  const auto part = [&](std::size_t from, std::size_t to) {
+    return KeyPath(path.begin() + static_cast<long>(from), path.begin() + static_cast<long>(to));
+  };
+  const std::size_t size = path.size();
+  const auto line_from = [&](std::size_t from) {
+    return fmt::format("{} = {}", to_string(part(from, size)), value);
+  };
+  const std::size_t header = known + 1 < size ? known + 1 : known;
+  std::vector<std::string> ways{with_table(text, part(0, header), line_from(header)),
+                                with_table(text, part(0, known), line_from(known))};
+  for (std::size_t above = known; above-- > 1;) {
+    const Node& table = *find_node(root, part(0, above));
+    const auto at = header_of(text, table, part(0, above));
+    if (at == std::string::npos) continue;
+    ways.push_back(text);
+    add_line(ways.back(), at, table, line_from(above));
+  }
+  ways.push_back(text);
+  add_at_the_top(ways.back(), root, line_from(0));
+  const auto way =
+      std::find_if(ways.begin(), ways.end(), [&](const auto& t) { return reads(t, path); });
+  if (way == ways.end())
+    throw base::ComputationError(fmt::format("`{}` cannot be added to the file", to_string(path)));
+  text = *way;
+}
+
 void add_value(std::string& text, const Node& root, const KeyPath& path, const std::string& value) {
   std::size_t known = 0;
   while (known < path.size() &&
@@ -121,31 +177,151 @@ void add_value(std::string& text, const Node& root, const KeyPath& path, const s
   if (!table.is_table())
     throw base::ComputationError(fmt::format("`{}` cannot be added to the file: `{}` is {}",
                                              to_string(path), to_string(above), described(table)));
-  if (above.empty()) {
-    // before the first table, below the first values
-    const auto first = std::find_if(root.children.begin(), root.children.end(),
-                                    [](const Node& n) { return !n.is_table(); });
-    if (first == root.children.end()) {
-      text.insert(0, line + "\n");
-    } else {
-      text.insert(line_end(text, past_value(text, offset_of(text, first->place))), "\n" + line);
-    }
-    return;
-  }
+  if (above.empty() && below.size() == 1) return add_at_the_top(text, root, line);
+  if (above.empty()) return add_to_implicit_table(text, root, path, 0, value);
   const std::size_t at = offset_of(text, table.place);
   if (const auto header = header_of(text, table, above); header != std::string::npos) {
     add_line(text, header, table, line);
   } else if (text[at] == '{') {
     text.insert(at + 1, " " + line + (table.children.empty() ? " " : ","));
   } else {
-    if (!text.ends_with('\n')) text += '\n';
-    text += fmt::format("\n[{}]\n{}\n", to_string(above), line);
+    add_to_implicit_table(text, root, path, known, value);
+  }
+}
+
+/// Makes comments of the lines from the one with `begin` to the one with `end`.
+void comment_out(std::string& text, std::size_t begin, std::size_t end) {
+  begin = begin == 0 ? 0 : text.rfind('\n', begin - 1) + 1;
+  for (std::size_t at = begin; at != std::string::npos && at <= end;) {
+    text.insert(at, "# ");
+    end += 2;
+    at = text.find('\n', at);
+    if (at != std::string::npos) ++at;
+  }
+}
+
+/// Takes the key at `path` and its value out of the inline table they stand in, or makes their
+/// lines comments.
+void take_value_out(std::string& text, const Node& node, const KeyPath& path) {
+  std::size_t begin = offset_of(text, node.key_place);
+  std::size_t end = past_value(text, offset_of(text, node.place));
+  const std::size_t start = begin == 0 ? 0 : text.rfind('\n', begin - 1) + 1;
+  const auto alone = text.substr(start, begin - start).find_first_of("{[=,") == std::string::npos;
+  if (alone) return comment_out(text, start, end - 1);
+  if (path.back().index)
+    throw base::ComputationError(
+        fmt::format("`{}` cannot be taken out of its array", to_string(path)));
+  begin = text.find_last_of("{,", begin - 1) + 1;
+  end = text.find_first_not_of(" \t", end);
+  if (text[end] == ',') {
+    ++end;
+  } else if (text[begin - 1] == ',') {
+    --begin;
+  }
+  text.erase(begin, end - begin);
+}
+
+/// Makes comments of everything that stands at `path`.
+void take_out(std::string& text, const KeyPath& path) {
+  const Node root = tree_of(text);
+  const Node* node = find_node(root, path);
+  if (node == nullptr) return;
+  const std::size_t at = offset_of(text, node->place);
+  if (!node->is_table() || text[at] == '{') return take_value_out(text, *node, path);
+  for (const auto& child : node->children) {
+    auto below = path;
+    below.push_back({child.key, std::nullopt});
+    take_out(text, below);
+  }
+  const Node left = tree_of(text);
+  const Node* empty = find_node(left, path);
+  if (empty == nullptr) return;
+  const auto header = header_of(text, *empty, path);
+  if (header != std::string::npos) comment_out(text, header, header);
+}
+
+/// A string as TOML.
+std::string quoted(const std::string& text) {
+  std::string result = "\"";
+  for (const char c : text) {
+    if (c == '"' || c == '\\') {
+      result += std::string{'\\', c};
+    } else if (static_cast<unsigned char>(c) < 0x20 || c == 0x7F) {
+      result += fmt::format("\\u{:04X}", static_cast<int>(c));
+    } else {
+      result += c;
+    }
+  }
+  return result + '"';
+}
+
+/// A value as TOML.
+std::string toml_of(const Node& node) {
+  std::vector<std::string> parts;
+  for (const auto& child : node.children)
+    parts.push_back(node.is_table() ? written_key(child.key) + " = " + toml_of(child)
+                                    : toml_of(child));
+  switch (node.kind) {
+    case Node::Kind::table:
+      return parts.empty() ? "{}" : fmt::format("{{ {} }}", fmt::join(parts, ", "));
+    case Node::Kind::array:
+      return fmt::format("[{}]", fmt::join(parts, ", "));
+    case Node::Kind::text:
+      return quoted(node.text);
+    case Node::Kind::integer:
+    case Node::Kind::real:
+      return fmt::format("{}", node.number);
+    case Node::Kind::boolean:
+    case Node::Kind::date:
+      break;
+  }
+  throw base::ComputationError("a value that no machine file has cannot be written");
+}
+
+/// Are these one and the same number or string?
+bool same(const Node& a, const Node& b) {
+  return a.kind == b.kind && a.text == b.text && a.number == b.number && a.children.empty() &&
+         b.children.empty();
+}
+
+/// Edits that make `before` into `after`, both at `path`.
+void compare(const Node& before, const Node& after, const KeyPath& path,
+             std::vector<FileEdit>& edits) {
+  const auto below = [&](const std::string& key) {
+    auto longer = path;
+    longer.push_back({key, std::nullopt});
+    return longer;
+  };
+  if (before.is_table() && after.is_table()) {
+    for (const auto& child : before.children)
+      if (after.find(child.key) == nullptr)
+        edits.push_back({.path = to_string(below(child.key)), .taken_out = true});
+    for (const auto& child : after.children) {
+      const auto* earlier = before.find(child.key);
+      if (earlier != nullptr) {
+        compare(*earlier, child, below(child.key), edits);
+      } else if (child.is_table()) {
+        compare(Node{}, child, below(child.key), edits);
+      } else {
+        edits.push_back({.path = to_string(below(child.key)), .value = toml_of(child)});
+      }
+    }
+  } else if (before.kind == Node::Kind::array && after.kind == Node::Kind::array &&
+             before.children.size() == after.children.size()) {
+    for (std::size_t k = 0; k < after.children.size(); ++k) {
+      auto element = path;
+      element.push_back({"", k});
+      compare(before.children[k], after.children[k], element, edits);
+    }
+  } else if (after.place.source != 0 && !same(before, after)) {
+    edits.push_back({.path = to_string(path), .value = toml_of(after)});
   }
 }
 
 void put(std::string& text, const FileEdit& edit) {
   const auto path = parse_path(edit.path);
   if (!path) throw base::ComputationError("not a path: " + edit.path);
+  if (edit.taken_out) return take_out(text, *path);
   const Node root = tree_of(text);
   const Node* node = find_node(root, *path);
   if (node == nullptr) return add_value(text, root, *path, edit.value);
@@ -183,13 +359,28 @@ std::string edited_file(const std::string& text, const std::vector<FileEdit>& ed
   std::map<unsigned, std::string> remarks;
   const Node root = tree_of(result);
   for (const auto& edit : edits) {
-    if (edit.remark.empty()) continue;
+    if (edit.remark.empty() || edit.taken_out) continue;
     const Node* node = find_node(root, *parse_path(edit.path));
     auto& line = remarks[node->place.line];
     line += (line.empty() ? "" : ", ") + edit.remark;
   }
   for (const auto& [line, what] : remarks) remark(result, line, what, label);
   return result;
+}
+
+std::vector<FileEdit> edits_of_overrides(const std::string& text,
+                                         const std::vector<std::string>& overrides) {
+  const Node before = tree_of(text);
+  Node after = before;
+  std::vector<std::string> sources{"machine file"};
+  for (const auto& override_text : overrides) sources.push_back(source_name(override_text));
+  Faults faults(sources);
+  lay_over(after, overrides, faults);
+  if (faults.any_error())
+    throw base::ComputationError(faults.diagnostics(base::Severity::error).front().text());
+  std::vector<FileEdit> edits;
+  compare(before, after, {}, edits);
+  return edits;
 }
 
 WrittenUnit written_unit(const std::string& text, const std::string& path, const std::string& si) {

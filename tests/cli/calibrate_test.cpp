@@ -75,6 +75,10 @@ TEST_F(Calibrate, SaysWhatIsWrong) {
       {{"--targets", measured_, "--free", "legs.rod.mass", "--profile", "platform.mass"},
        "is not one of the free parameters"},
       {{"--targets", measured_, "--free", "legs.rod.mass", "--loss", "l2"}, "--loss"},
+      {{"--targets", measured_, "--free", "legs.rod.mass", "-o", (folder_ / "no/a.toml").string()},
+       "there is no folder"},
+      {{"--targets", measured_, "--free", "legs.rod.mass", "-o", "-"}, "give a file"},
+      {{"--targets", measured_, "--free", "legs.rod.mass", "--plot", "fit.doc"}, ".svg"},
       {{"--targets", (folder_ / "none.csv").string(), "--free", "legs.rod.mass"},
        "cannot be opened: No such file or directory"},
   };
@@ -85,6 +89,28 @@ TEST_F(Calibrate, SaysWhatIsWrong) {
     EXPECT_EQ(run.exit_code, 2) << all[k].message;
     EXPECT_THAT(run.err, HasSubstr(all[k].message));
   }
+}
+
+/// The file must say what was fitted, whatever the choices replace.
+TEST_F(Calibrate, WritesChoicesThatReplaceTables) {
+  const std::string heavy = test::source_file("models/heavy-platform.toml").string();
+  const std::string output = (folder_ / "out.toml").string();
+  const auto run = run_hydrapod(
+      {"calibrate", heavy, "--targets", measured_, "--starts", "1", "--set",
+       "legs.oil_spring={stiffness=\"3 kN/mm\"}", "--free", "legs.guide_sleeve.stiffness", "--free",
+       "leg.2.guide_sleeve.stiffness", "--free", "leg.3.rod.mass", "-o", output});
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  const auto text = test::read_text(output);
+  EXPECT_THAT(text, HasSubstr("stiffness = \"3 kN/mm\"  # calibrated: stiffness chosen"));
+  EXPECT_THAT(text, HasSubstr("# [legs.oil_spring.cylinder]\n# bore = \"100 mm\"\n"));
+  // over itself: remarks are replaced, not heaped up
+  const auto again = run_hydrapod({"calibrate", output, "--targets", measured_, "--starts", "1",
+                                   "--free", "leg.3.rod.mass", "-o", output});
+  ASSERT_EQ(again.exit_code, 0) << again.err;
+  const auto twice = test::read_text(output);
+  const auto first = twice.find("calibrated: mass ");
+  ASSERT_NE(first, std::string::npos);
+  EXPECT_EQ(twice.find("calibrated: mass ", first + 1), std::string::npos);
 }
 
 TEST_F(Calibrate, LeavesNoFileWhenItFails) {

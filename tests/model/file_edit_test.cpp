@@ -58,6 +58,23 @@ INSTANTIATE_TEST_SUITE_P(
              "[l.case]\nm = 1\n",
              {{"l.x", "3", ""}},
              "[l.case]\nm = 1\n\n[l]\nx = 3\n"},
+        Edit{"NewBelowNothing",
+             "n = 1\n[a]\nb = 2\n",
+             {{"leg.2.m", "3", "m"}, {"leg.5.k.c", "4", ""}},
+             "n = 1\n[a]\nb = 2\n\n[leg]\n5.k.c = 4\n2.m = 3  # fit: m\n"},
+        Edit{"NewBesideDottedKeys",
+             "[l]\ncase.m = 1\n",
+             {{"l.case.I", "3", ""}},
+             "[l]\ncase.I = 3\ncase.m = 1\n"},
+        Edit{"TakenOutTable",
+             "[o]\nd = 1\n[o.c] # tube\nbore = 2 # m\nair = [\n 3 ]\n[q]\nx = 1\n",
+             {{.path = "o.c", .taken_out = true}, {"o.k", "5", "k"}},
+             "[o]\nd = 1\nk = 5  # fit: k\n# [o.c] # tube\n# bore = 2 # m\n# air = [\n#  3 "
+             "]\n[q]\nx = 1\n"},
+        Edit{"TakenOutOfInlineTable",
+             "o = { d = 1, c = { b = 2 }, e = 4 }\np = { a = 1 }\n",
+             {{.path = "o.c", .taken_out = true}, {.path = "p.a", .taken_out = true}},
+             "o = { d = 1, e = 4 }\np = {}\n"},
         Edit{"NewAtTheTop", "n = 1\n[a]\nb = 2\n", {{"c", "3", ""}}, "n = 1\nc = 3\n[a]\nb = 2\n"},
         Edit{"EarlierRemark",
              "b = 1 # kg; fit: b 1 (was 0)\n",
@@ -73,6 +90,22 @@ INSTANTIATE_TEST_SUITE_P(
 
 TEST(FileEdit, RefusesAWholeTable) {
   EXPECT_THROW(edited_file("[a]\nb = 1\n", {{"a", "2", ""}}, "fit"), base::ComputationError);
+}
+
+/// A stiffness instead of a cylinder, a table over a table, strings that need quotes.
+TEST(FileEdit, OverridesBecomeEditsOfWhatTheyChange) {
+  const std::string text =
+      "name = \"a\"\n[legs.oil_spring]\ndamping = 1\n[legs.oil_spring.cylinder]\nbore = 2\n";
+  const auto result = [&](const std::vector<std::string>& overrides) {
+    return edited_file(text, edits_of_overrides(text, overrides), "fit");
+  };
+  EXPECT_EQ(result({"legs.oil_spring.stiffness = 3e6 N/m", "name=b \"c\""}),
+            "name = \"b \\\"c\\\"\"\n[legs.oil_spring]\ndamping = 1\nstiffness = \"3e6 "
+            "N/m\"\n# [legs.oil_spring.cylinder]\n# bore = 2\n");
+  EXPECT_EQ(result({"legs.oil_spring={cylinder = {bore = 7, rod = [1, 2]}}"}),
+            "name = \"a\"\n[legs.oil_spring]\n# damping = 1\n[legs.oil_spring.cylinder]\nbore = "
+            "7\nrod = [1, 2]\n");
+  EXPECT_THROW(result({"name.x=3"}), base::ComputationError);
 }
 
 TEST(FileEdit, KeepsTheUnitThatIsWritten) {

@@ -12,10 +12,19 @@ struct FileEdit {
   std::string path{};
   std::string value{};
   std::string remark{};  ///< goes to the comment at the end of the line; may be empty
+  bool taken_out{};      ///< its lines become comments instead; `value` is of no use
 };
 
-/// `text` with the edits made. A path that is not there is added to its table. Remarks of one line
-/// are joined after "`label`: "; such a comment of an earlier run is replaced. Throws
+/// What laying `overrides` (PATH=VALUE) over the file changes in it, value by value: a table that
+/// an override gives is compared key by key, and what it or the other way of saying the same thing
+/// (a cylinder instead of a stiffness) leaves out is taken out. Throws base::ComputationError for
+/// overrides that cannot be laid over this file.
+std::vector<FileEdit> edits_of_overrides(const std::string& text,
+                                         const std::vector<std::string>& overrides);
+
+/// `text` with the edits made, one after the other. A path that is not there is added to its
+/// table, and one that is taken out stays as a comment where it has lines of its own. Remarks of
+/// one line are joined after "`label`: "; such a comment of an earlier run is replaced. Throws
 /// base::ComputationError when the place of a path cannot be edited (a whole table).
 std::string edited_file(const std::string& text, const std::vector<FileEdit>& edits,
                         const std::string& label);
