@@ -36,8 +36,7 @@ Targets parse_targets(const std::string& text, const std::string& file_name) {
 }
 
 Targets read_targets(const std::string& path) {
-  return parse_targets(base::read_file(path, largest_file, "a targets file"),
-                       path);
+  return parse_targets(base::read_file(path, largest_file, "a targets file"), path);
 }
 
 }  // namespace hydrapod::calibration
