@@ -169,6 +169,21 @@ void fit_and_prune(const IdentifyOptions& options, std::vector<PoleCluster> clus
   result.clusters = std::move(clusters);
 }
 
+/// 0 for displacements, 1 for speeds, 2 for accelerations, by the unit.
+int time_derivatives(const std::string& unit) {
+  return unit.ends_with("/s^2") || unit.ends_with("s^-2") || unit.ends_with("/s2")    ? 2
+         : unit == "m/s" || unit == "rad/s" || unit == "m s^-1" || unit == "rad s^-1" ? 1
+                                                                                      : 0;
+}
+
+Eigen::VectorXcd displacement_shape(const FittedMode& mode,
+                                    const std::vector<data::Channel>& outputs) {
+  Eigen::VectorXcd shape = mode.shape;
+  for (Index o = 0; o < shape.size(); ++o)
+    shape[o] /= std::pow(mode.pole, time_derivatives(outputs[static_cast<std::size_t>(o)].unit));
+  return shape;
+}
+
 void list_modes(const IdentifyOptions& options, Identification& result) {
   for (std::size_t r = 0; r < result.model.modes.size(); ++r) {
     const auto& fit = result.model.modes[r];
@@ -176,11 +191,13 @@ void list_modes(const IdentifyOptions& options, Identification& result) {
       result.heavily_damped.push_back(fit);
       continue;
     }
+    const auto shape = displacement_shape(fit, result.responses.outputs);
     result.modes.push_back({.fit = fit,
+                            .displacement = shape,
                             .persistence = result.clusters[r].persistence,
                             .vector_consistency = result.clusters[r].vector_consistency,
-                            .mpc = modal_phase_collinearity(fit.shape),
-                            .mpd = mean_phase_deviation(fit.shape)});
+                            .mpc = modal_phase_collinearity(shape),
+                            .mpd = mean_phase_deviation(shape)});
   }
   const auto omega = [](const auto& m) { return m.omega(); };
   std::ranges::sort(result.modes, {}, [&](const IdentifiedMode& m) { return omega(m.fit); });

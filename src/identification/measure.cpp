@@ -176,22 +176,41 @@ std::vector<std::size_t> used_channels(ChannelChoice& choice) {
   return {used.begin(), used.end()};
 }
 
-}  // namespace
+/// Leg lengths among the outputs become directions of the platform.
+void bring_to_platform(const PlatformFrame& frame, ChannelChoice& choice, Measurement& m) {
+  const auto legs = leg_channels(m.spectra);
+  if (!legs) return;
+  for (const int leg : *legs)
+    if (std::ranges::find(choice.outputs, leg) == choice.outputs.end()) return;
+  for (const int leg : *legs)
+    if (m.spectra.health[static_cast<std::size_t>(leg)].constant())
+      throw base::ComputationError(fmt::format(
+          "{} is dead: the platform's directions need all six legs; without the machine file the "
+          "other legs are identified as they are",
+          m.spectra.channels[static_cast<std::size_t>(leg)].name));
+  m.spectra =
+      to_platform(m.spectra, *legs, platform_from_legs(frame.machine, frame.X_BP, frame.p_BQ));
+  m.from_legs = true;
+  const auto renumber = [&](std::vector<int>& list) {
+    std::vector<int> now;
+    for (const int c : list) {
+      if (std::ranges::find(*legs, c) != legs->end()) continue;
+      const auto before = std::ranges::count_if(*legs, [&](int leg) { return leg < c; });
+      now.push_back(c - static_cast<int>(before));
+    }
+    list = now;
+  };
+  renumber(choice.inputs);
+  renumber(choice.outputs);
+  renumber(choice.instruments);
+  const int count = static_cast<int>(m.spectra.channels.size());
+  for (int d = 6; d > 0; --d) choice.outputs.push_back(count - d);
+}
 
-Measurement measure_responses(const std::vector<std::string>& files, const MeasureOptions& options,
-                              const std::function<void(double)>& progress) {
-  if (files.empty()) throw std::invalid_argument("no record is named");
-  Measurement m;
-  m.header = data::open_record_reader(files[0], options.read)->header();
-  Plan plan = plan_channels(files[0], m.header, options);
-  std::int64_t shortest = std::numeric_limits<std::int64_t>::max(), total = 0;
-  for (const auto& file : files) {
-    const std::int64_t count = count_samples(file, options);
-    shortest = std::min(shortest, count);
-    total += count;
-  }
-  const auto spectrum = spectrum_options(files, m.header, plan, options, shortest);
-  const auto used = used_channels(plan.choice);
+/// Reads all files into m.spectra.
+void read_spectra(const std::vector<std::string>& files, const MeasureOptions& options,
+                  const SpectrumOptions& spectrum, const std::vector<std::size_t>& used,
+                  std::int64_t total, const std::function<bool(double)>& progress, Measurement& m) {
   SpectrumEstimator estimator(m.header, spectrum, used);
   const auto skip =
       static_cast<std::int64_t>(std::llround(options.settling * m.header.sample_rate));
@@ -205,27 +224,96 @@ Measurement measure_responses(const std::vector<std::string>& files, const Measu
     while (const auto got = reader->read(block)) {
       estimator.add(block.topRows(got));
       m.samples += got;
-      if (progress && total > 0)
-        progress(static_cast<double>(m.samples) / static_cast<double>(total));
+      const double share =
+          static_cast<double>(m.samples) / static_cast<double>(std::max<std::int64_t>(total, 1));
+      if (progress && !progress(share)) {
+        m.interrupted = true;
+        break;
+      }
     }
     m.notes.insert(m.notes.end(), reader->notes().begin(), reader->notes().end());
+    if (m.interrupted) break;
   }
   m.spectra = estimator.result();
-  m.responses = estimate_responses(m.spectra, plan.choice, plan.estimator);
-  if (!plan.choice.instruments.empty()) {
-    const bool instrumental = plan.estimator == Estimator::instrumental;
-    const auto other = estimate_responses(m.spectra, plan.choice,
-                                          instrumental ? Estimator::h1 : Estimator::instrumental);
-    const auto& plain = instrumental ? other : m.responses;
-    m.h1_against_instrument = compare_responses(plain, instrumental ? m.responses : other);
-    constexpr double chance = 0.1;
-    if (!instrumental && m.h1_against_instrument->share > chance)
-      m.responses.warnings.push_back(fmt::format(
-          "{} is biased by the loop: it is off the instrumental estimate by {:.2g} % (median), "
-          "beyond its 95 % band at {:.0f} % of the lines; take --estimator iv",
-          estimator_text(plan.estimator), 100.0 * m.h1_against_instrument->median,
-          100.0 * m.h1_against_instrument->share));
+}
+
+/// Both estimates where both can be formed, and a warning where H1 is biased.
+void compare_with_instrument(const Plan& plan, Measurement& m) {
+  if (plan.choice.instruments.empty()) return;
+  const bool instrumental = plan.estimator == Estimator::instrumental;
+  const auto other = estimate_responses(m.spectra, plan.choice,
+                                        instrumental ? Estimator::h1 : Estimator::instrumental);
+  const auto& plain = instrumental ? other : m.responses;
+  m.h1_against_instrument = compare_responses(plain, instrumental ? m.responses : other);
+  constexpr double chance = 0.1;
+  if (!instrumental && m.h1_against_instrument->share > chance)
+    m.responses.warnings.push_back(fmt::format(
+        "{} is biased by the loop: it is off the instrumental estimate by {:.2g} % (median), "
+        "beyond its 95 % band at {:.0f} % of the lines; take --estimator iv",
+        estimator_text(plan.estimator), 100.0 * m.h1_against_instrument->median,
+        100.0 * m.h1_against_instrument->share));
+}
+
+/// Samples of the shortest file and of all.
+struct Lengths {
+  std::int64_t shortest{std::numeric_limits<std::int64_t>::max()}, total{};
+};
+
+Lengths lengths_of(const std::vector<std::string>& files, const MeasureOptions& options) {
+  Lengths lengths;
+  for (const auto& file : files) {
+    const std::int64_t count = count_samples(file, options);
+    lengths.shortest = std::min(lengths.shortest, count);
+    lengths.total += count;
   }
+  return lengths;
+}
+
+}  // namespace
+
+Measurement measure_responses(const std::vector<std::string>& files, const MeasureOptions& options,
+                              const std::function<bool(double)>& progress) {
+  if (files.empty()) throw std::invalid_argument("no record is named");
+  Measurement m;
+  m.header = data::open_record_reader(files[0], options.read)->header();
+  Plan plan = plan_channels(files[0], m.header, options);
+  const Lengths lengths = lengths_of(files, options);
+  const auto spectrum = spectrum_options(files, m.header, plan, options, lengths.shortest);
+  const auto used = used_channels(plan.choice);
+  read_spectra(files, options, spectrum, used, lengths.total, progress, m);
+  if (options.platform) bring_to_platform(*options.platform, plan.choice, m);
+  m.responses = estimate_responses(m.spectra, plan.choice, plan.estimator);
+  compare_with_instrument(plan, m);
+  return m;
+}
+
+Measurement measure_outputs(const std::vector<std::string>& files, const MeasureOptions& options,
+                            const std::function<bool(double)>& progress) {
+  if (files.empty()) throw std::invalid_argument("no record is named");
+  Measurement m;
+  m.header = data::open_record_reader(files[0], options.read)->header();
+  Plan plan;
+  plan.choice.outputs = options.outputs.empty() ? with_role(m.header, Role::response)
+                                                : with_names(files[0], m.header, options.outputs);
+  if (plan.choice.outputs.empty())
+    bad(files[0],
+        "no channel has the role response: name channels with --outputs; the record has " +
+            names_of(m.header));
+  // covariances want long lags more than many averages
+  plan.choice.inputs = {plan.choice.outputs[0]};
+  MeasureOptions own = options;
+  if (!own.period) own.period = 0.0;
+  const Lengths lengths = lengths_of(files, own);
+  const auto spectrum = spectrum_options(files, m.header, plan, own, lengths.shortest);
+  plan.choice.inputs.clear();
+  const auto used = used_channels(plan.choice);
+  read_spectra(files, own, spectrum, used, lengths.total, progress, m);
+  if (options.platform) bring_to_platform(*options.platform, plan.choice, m);
+  if (m.spectra.blocks == 0)
+    throw base::ComputationError("every block of the record has missing samples");
+  for (const int o : plan.choice.outputs)
+    if (!m.spectra.health[static_cast<std::size_t>(o)].constant()) m.outputs.push_back(o);
+  if (m.outputs.empty()) throw base::ComputationError("all response channels are constant");
   return m;
 }
 

@@ -32,6 +32,8 @@ struct IdentifyOptions {
 
 struct IdentifiedMode {
   FittedMode fit{};
+  /// φ as displacement: φ/λ^d for outputs that are speeds (d = 1) or accelerations (2).
+  Eigen::VectorXcd displacement{};
   double persistence{};  ///< see PoleCluster
   double vector_consistency{};
   double mpc{};  ///< of the displacement shape

@@ -10,9 +10,17 @@
 #include <functional>
 
 #include "hydrapod/data/record_io.hpp"
+#include "hydrapod/identification/directions.hpp"
 #include "hydrapod/identification/responses.hpp"
 
 namespace hydrapod::identification {
+
+/// A machine at a pose: brings leg lengths to directions of the platform at Q.
+struct PlatformFrame {
+  model::Machine machine{};
+  spatial::Pose X_BP{};
+  spatial::Vector3 p_BQ{};  ///< [m]
+};
 
 struct MeasureOptions {
   std::vector<std::string> inputs{}, outputs{}, instruments{};  ///< channel names; empty: by role
@@ -24,21 +32,30 @@ struct MeasureOptions {
   std::optional<double> period{};  ///< [s] of the excitation; 0: not periodic; default: found out
   double settling{};               ///< [s] at the beginning of each record that are passed over
   data::ReadOptions read{};
+  std::optional<PlatformFrame> platform{};  ///< for responses that are the six leg lengths
 };
 
 struct Measurement {
   FrequencyResponses responses{};
   CrossSpectra spectra{};
-  data::RecordHeader header{};                         ///< of the first record
-  std::vector<base::Diagnostic> notes{};               ///< of the readers
-  std::int64_t samples{};                              ///< of all records
+  data::RecordHeader header{};            ///< of the first record
+  std::vector<base::Diagnostic> notes{};  ///< of the readers
+  std::int64_t samples{};                 ///< of all records that were read
+  bool interrupted{};
+  bool from_legs{};            ///< the responses were brought from leg lengths to the platform
+  std::vector<int> outputs{};  ///< of the spectra, by measure_outputs
   std::optional<BiasFinding> h1_against_instrument{};  ///< where both could be formed
 };
 
 /// Of records with the same channels and sample rate; they are averaged together. `progress` is
-/// told the share that is done, and may throw to interrupt. Throws base::InputError and
-/// base::ComputationError.
+/// told the share that is done; where it says false the rest is left unread. Throws
+/// base::InputError and base::ComputationError.
 Measurement measure_responses(const std::vector<std::string>& files, const MeasureOptions& options,
-                              const std::function<void(double)>& progress = {});
+                              const std::function<bool(double)>& progress = {});
+
+/// The spectra alone, for machines whose excitation was not measured; `outputs` are those that
+/// live.
+Measurement measure_outputs(const std::vector<std::string>& files, const MeasureOptions& options,
+                            const std::function<bool(double)>& progress = {});
 
 }  // namespace hydrapod::identification

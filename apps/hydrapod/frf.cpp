@@ -1,0 +1,142 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <memory>
+
+#include "hydrapod/base/file.hpp"
+#include "hydrapod/commands.hpp"
+#include "hydrapod/identification_arguments.hpp"
+#include "hydrapod/machine_arguments.hpp"
+#include "hydrapod/report/identification_json.hpp"
+#include "hydrapod/report/identification_plot.hpp"
+#include "hydrapod/terminal.hpp"
+
+namespace hydrapod::cli {
+
+namespace {
+
+struct Arguments {
+  MeasurementArguments measurement{};
+  std::string format{"table"}, output{"-"}, plot{}, coherence_plot{};
+};
+
+double median(std::vector<double> values) {
+  if (values.empty()) return 0.0;
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+std::string channel_table(const identification::FrequencyResponses& r, bool colour, size_t width) {
+  Table table({{"output", Align::left},
+               {"unit", Align::left},
+               {"coherence, median"},
+               {"lowest"},
+               {"largest response", Align::left},
+               {"Hz"},
+               {"error there"}});
+  for (std::size_t o = 0; o < r.outputs.size(); ++o) {
+    std::vector<double> coherence;
+    double largest = 0.0;
+    std::size_t line = 0, input = 0;
+    for (std::size_t k = 0; k < r.lines(); ++k) {
+      coherence.push_back(r.multiple_coherence[k][static_cast<Eigen::Index>(o)]);
+      for (std::size_t i = 0; i < r.inputs.size(); ++i) {
+        // per input level, so that inputs of different units can be compared
+        const double size =
+            std::abs(r.H[k](static_cast<Eigen::Index>(o), static_cast<Eigen::Index>(i))) *
+            std::sqrt(r.input_density[k][static_cast<Eigen::Index>(i)]);
+        if (size <= largest) continue;
+        largest = size;
+        line = k;
+        input = i;
+      }
+    }
+    const double value =
+        std::abs(r.H[line](static_cast<Eigen::Index>(o), static_cast<Eigen::Index>(input)));
+    const double deviation =
+        std::sqrt(r.variance(line, static_cast<int>(o), static_cast<int>(input)));
+    table.add_row({r.outputs[o].name, r.outputs[o].unit, fmt::format("{:.4f}", median(coherence)),
+                   fmt::format("{:.4f}", *std::ranges::min_element(coherence)),
+                   fmt::format("{:.3e} from {}", value, r.inputs[input].name),
+                   fmt::format("{:.3f}", r.frequency[line]),
+                   fmt::format("{:.1f} %", 100.0 * deviation / value)});
+  }
+  return table.text(colour, width);
+}
+
+std::string table_text(const Arguments& arguments, const identification::Measurement& m) {
+  const bool printed = arguments.output == "-";
+  const bool colour = printed && has_colour(stdout);
+  const size_t width = printed ? terminal_width() : Table::unlimited;
+  const auto& r = m.responses;
+  std::string text =
+      fmt::format("{}\nblocks of {} samples ({}), lines {:.4g} Hz apart\n", measurement_text(r),
+                  m.spectra.options.block_length,
+                  m.spectra.options.periodic ? "one period each"
+                                             : fmt::format("{} window, {:.0f} % overlap",
+                                                           window_text(m.spectra.options.window),
+                                                           100.0 * m.spectra.options.overlap),
+                  m.spectra.frequency(1));
+  if (m.from_legs) text += "leg lengths were brought to platform directions\n";
+  text += fmt::format("condition of the input matrix: median {:.3g}, largest {:.3g}\n",
+                      median(r.condition), *std::ranges::max_element(r.condition));
+  if (m.h1_against_instrument)
+    text += fmt::format(
+        "H1 against the instrumental estimate: {:.2g} % apart (median), beyond its "
+        "95 % band at {:.0f} % of the lines\n",
+        100.0 * m.h1_against_instrument->median, 100.0 * m.h1_against_instrument->share);
+  return text + "\n" + channel_table(r, colour, width);
+}
+
+void run(const Arguments& arguments) {
+  const size_t format = choose_word("--format", arguments.format, {"table", "json", "csv"});
+  const auto m = measure(arguments.measurement);
+  const std::string title = arguments.measurement.files[0];
+  if (!arguments.plot.empty()) {
+    report::plot_responses(m.responses, nullptr, {title, measurement_text(m.responses)},
+                           arguments.plot);
+    fmt::print(stderr, "wrote {}\n", arguments.plot);
+  }
+  if (!arguments.coherence_plot.empty()) {
+    report::plot_coherence(m.responses, {title, measurement_text(m.responses)},
+                           arguments.coherence_plot);
+    fmt::print(stderr, "wrote {}\n", arguments.coherence_plot);
+  }
+  if (format == 1) {
+    report::Json json{{"kind", "frf"}, {"records", arguments.measurement.files}};
+    json.update(report::responses_json(m.responses));
+    base::write_file_whole(arguments.output, json.dump() + "\n");
+  } else {
+    base::write_file_whole(arguments.output, format == 0 ? table_text(arguments, m)
+                                                         : report::responses_csv(m.responses));
+  }
+}
+
+}  // namespace
+
+void add_frf(CLI::App& app) {
+  CLI::App* command = add_command(
+      app, "frf", "Frequency responses from records, with coherence and errors",
+      {{"frf run.h5", "responses from the excitations to the responses, a summary"},
+       {"frf run.h5 --plot bode.svg --coherence coherence.svg", "as pictures"},
+       {"frf run.h5 --from-drive", "from the drives, inside the loop, without its bias"},
+       {"frf run1.h5 run2.h5 --format json -o frf.json", "several records, for `identify`"},
+       {"frf test.csv --inputs force --outputs a1,a2 --block 4096", "channels by name"}});
+  auto arguments = std::make_shared<Arguments>();
+  command->add_option("RECORD", arguments->measurement.files, "Records that are averaged together")
+      ->required();
+  add_measurement_options(*command, arguments->measurement);
+  command->add_option("--plot", arguments->plot, "Bode diagram to write, .svg, .png or .pdf");
+  command->add_option("--coherence", arguments->coherence_plot,
+                      "Picture of coherence and condition to write");
+  command
+      ->add_option("--format", arguments->format,
+                   "table (a summary), json or csv (the whole response)")
+      ->capture_default_str();
+  command->add_option("-o,--output", arguments->output, "File to write; - prints")
+      ->capture_default_str();
+  command->callback([arguments] { run(*arguments); });
+}
+
+}  // namespace hydrapod::cli

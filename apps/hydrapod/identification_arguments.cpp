@@ -1,0 +1,162 @@
+#include "hydrapod/identification_arguments.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "hydrapod/base/units.hpp"
+#include "hydrapod/interrupt.hpp"
+#include "hydrapod/kinematics/check_machine.hpp"
+#include "hydrapod/machine_arguments.hpp"
+#include "hydrapod/terminal.hpp"
+
+namespace hydrapod::cli {
+
+namespace {
+
+using identification::Estimator;
+
+std::vector<std::string> names(const std::string& text) {
+  std::vector<std::string> list;
+  for (std::size_t begin = 0; begin < text.size();) {
+    const std::size_t end = std::min(text.find(',', begin), text.size());
+    std::string name = text.substr(begin, end - begin);
+    const auto first = name.find_first_not_of(' '), last = name.find_last_not_of(' ');
+    if (first != std::string::npos) list.push_back(name.substr(first, last - first + 1));
+    begin = end + 1;
+  }
+  return list;
+}
+
+double time_of(const std::string& option, const std::string& text) {
+  const double value = plain_or_quantity(option + " " + text, text, "s");
+  if (!(value >= 0.0)) bad_argument(option + " " + text, "a time cannot be negative");
+  return value;
+}
+
+/// The machine that brings leg lengths to the platform: --machine, else that of the record.
+std::optional<identification::PlatformFrame> platform_frame(const MeasurementArguments& arguments) {
+  std::string name = arguments.machine;
+  model::MachineFile file;
+  if (!name.empty()) {
+    file = load({.file = name});
+  } else {
+    const auto reader = data::open_record_reader(arguments.files[0]);
+    if (reader->header().machine.empty()) return {};
+    name = arguments.files[0] + " (machine)";
+    file = model::parse_machine(reader->header().machine, name, {}, kinematics::check_machine);
+  }
+  const auto pose = choose_pose(file.machine, arguments.pose);
+  identification::PlatformFrame frame{.machine = file.machine, .X_BP = pose.X_BP};
+  frame.p_BQ = kinematics::mass_center(file.machine, pose.X_BP);
+  if (arguments.point.empty()) return frame;
+  const auto parts = names(arguments.point);
+  const std::string argument = "--point " + arguments.point;
+  if (parts.size() != 3)
+    bad_argument(argument, "a point is three lengths, for instance \"0,0,0.2 m\"");
+  spatial::Vector3 p_PQ;
+  for (int d = 0; d < 3; ++d)
+    p_PQ[d] = plain_or_quantity(argument, parts[static_cast<std::size_t>(d)], "m");
+  frame.p_BQ = pose.X_BP * p_PQ;
+  return frame;
+}
+
+identification::MeasureOptions options_of(const MeasurementArguments& a) {
+  identification::MeasureOptions o;
+  o.inputs = names(a.inputs);
+  o.outputs = names(a.outputs);
+  o.instruments = names(a.instruments);
+  o.from_drive = a.from_drive;
+  const auto estimator = choose_word("--estimator", a.estimator, {"auto", "h1", "h2", "hv", "iv"});
+  if (estimator > 0) o.estimator = static_cast<Estimator>(estimator - 1);
+  o.window = static_cast<identification::Window>(choose_word(
+      "--window", a.window, {"hann", "rectangular", "hamming", "blackman-harris", "flat-top"}));
+  if (a.block && (*a.block < 16 || *a.block % 2 != 0))
+    bad_argument(fmt::format("--block {}", *a.block),
+                 "a block has an even number of samples, at least 16");
+  o.block_length = a.block;
+  if (a.overlap && !(*a.overlap >= 0.0 && *a.overlap < 100.0))
+    bad_argument(fmt::format("--overlap {}", *a.overlap), "must be from 0 to below 100 per cent");
+  if (a.overlap) o.overlap = *a.overlap / 100.0;
+  if (!a.period.empty()) o.period = time_of("--period", a.period);
+  if (!a.settling.empty()) o.settling = time_of("--settling", a.settling);
+  if (!a.sample_rate.empty()) {
+    const double rate = plain_or_quantity("--sample-rate " + a.sample_rate, a.sample_rate, "Hz");
+    if (!(rate > 0.0)) bad_argument("--sample-rate " + a.sample_rate, "must be positive");
+    o.read.sample_rate = rate;
+  }
+  o.platform = platform_frame(a);
+  return o;
+}
+
+}  // namespace
+
+void add_measurement_options(CLI::App& command, MeasurementArguments& a) {
+  command.add_option("--inputs", a.inputs,
+                     "Input channels, names with commas; default: role excitation, else drive");
+  command.add_option("--outputs", a.outputs, "Output channels; default: role response");
+  command.add_flag("--from-drive", a.from_drive,
+                   "Take the drives as inputs, with the excitations as instruments");
+  command.add_option("--instruments", a.instruments,
+                     "External excitations of a closed loop; default: role excitation");
+  command
+      .add_option("--estimator", a.estimator,
+                  "auto, h1, h2, hv or iv (instrumental, for inputs inside a closed loop)")
+      ->capture_default_str();
+  command.add_option("--block", a.block, "Samples per block; default: from the record's length");
+  command.add_option("--overlap", a.overlap, "Overlap of blocks in per cent; default: 50");
+  command
+      .add_option("--window", a.window, "hann, rectangular, hamming, blackman-harris or flat-top")
+      ->capture_default_str();
+  command.add_option("--period", a.period,
+                     "Period of the excitation, s or with a unit; 0: none; default: found out");
+  command.add_option("--settling", a.settling, "Time at the beginning that is passed over");
+  command.add_option("--sample-rate", a.sample_rate, "For files that do not tell it");
+  command.add_option("--machine", a.machine,
+                     "Machine file that turns leg lengths into platform directions; default: the "
+                     "one in the record");
+  command.add_option("--pose", a.pose, "Pose of the record, for --machine")->capture_default_str();
+  command.add_option("--point", a.point,
+                     "Point whose motion is meant, \"x,y,z\" in the platform's frame; default: the "
+                     "mass centre");
+}
+
+identification::Measurement measure(const MeasurementArguments& arguments, bool output_only) {
+  const auto options = options_of(arguments);
+  const InterruptNote interrupt;
+  ProgressLine line("reading");
+  const auto going_on = [&](double share) {
+    line.update(share);
+    return !InterruptNote::noted();
+  };
+  auto result = output_only ? identification::measure_outputs(arguments.files, options, going_on)
+                            : identification::measure_responses(arguments.files, options, going_on);
+  print_diagnostics(result.notes);
+  if (result.interrupted)
+    result.responses.warnings.push_back(fmt::format(
+        "interrupted: {} samples were read, and the result is of these", result.samples));
+  print_warnings(arguments.files[0], result.responses.warnings);
+  return result;
+}
+
+void print_warnings(const std::string& file, const std::vector<std::string>& warnings) {
+  std::vector<base::Diagnostic> list;
+  for (const auto& text : warnings)
+    list.push_back({.severity = base::Severity::warning, .file = file, .message = text});
+  print_diagnostics(list);
+}
+
+std::string measurement_text(const identification::FrequencyResponses& r) {
+  const auto counted = [](std::size_t n, const char* what) {
+    return fmt::format("{} {}{}", n, what, n == 1 ? "" : "s");
+  };
+  std::string text = fmt::format(
+      "{}, {}, {} lines from {:.4g} Hz to {:.4g} Hz", counted(r.inputs.size(), "input"),
+      counted(r.outputs.size(), "output"), r.lines(), r.frequency.front(), r.frequency.back());
+  if (r.averages > 0.0)
+    text += fmt::format(", {} with {:.1f} independent averages",
+                        identification::estimator_text(r.estimator), r.averages);
+  return text;
+}
+
+}  // namespace hydrapod::cli

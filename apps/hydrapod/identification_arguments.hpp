@@ -1,0 +1,39 @@
+#pragma once
+/// What `hydrapod frf` and `hydrapod identify` share: options of the measurement, reading records.
+
+#include <CLI/CLI.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "hydrapod/identification/measure.hpp"
+
+namespace hydrapod::cli {
+
+struct MeasurementArguments {
+  std::vector<std::string> files{};
+  std::string inputs{}, outputs{}, instruments{};  ///< names with commas
+  bool from_drive{};
+  std::string estimator{"auto"};
+  std::string window{"hann"};
+  std::optional<int> block{};
+  std::optional<double> overlap{};
+  std::string period{}, settling{}, sample_rate{};
+  std::string machine{}, pose{"neutral"}, point{};
+};
+
+void add_measurement_options(CLI::App& command, MeasurementArguments& arguments);
+
+/// Reads the records with a progress line; Ctrl-C ends the reading and keeps what was read.
+/// Warnings go to stderr. Throws base::InputError and base::ComputationError.
+/// `output_only`: spectra of the responses alone.
+identification::Measurement measure(const MeasurementArguments& arguments,
+                                    bool output_only = false);
+
+/// "6 inputs, 6 outputs, h1, 45.1 averages, lines 0.061 Hz apart"; what was measured, for headings.
+std::string measurement_text(const identification::FrequencyResponses& responses);
+
+/// Warnings of the estimate, as diagnostics on stderr.
+void print_warnings(const std::string& file, const std::vector<std::string>& warnings);
+
+}  // namespace hydrapod::cli

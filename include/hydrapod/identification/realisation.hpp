@@ -1,0 +1,51 @@
+#pragma once
+/// Poles in the time domain, as a second opinion: realisation of a state space from a sequence of
+/// matrices Y_k = C A^(k−1) B.
+///
+/// - Eigensystem realisation (ERA): Y_k is the impulse response at k T, the inverse transform of H.
+/// - Covariance-driven stochastic subspace identification (SSI-COV), for output-only data: Y_k =
+///   E[y(t + kT) yᵀ(t)], the inverse transform of S_yy; its C A^(k−1) G has the poles of the
+///   machine under white excitation.
+///
+/// Both are corrected for the window's ρ(τ). The Hankel matrix [Y_(i+j−1)] is decomposed once, U Σ
+/// Vᵀ; order n takes its n largest singular values: O = U_n Σ_n^½, A = O_up⁺ O_down, C the first
+/// rows of O, B the first columns of Σ_n^½ V_nᵀ.
+///
+/// Sources: J.-N. Juang, R. S. Pappa, J. Guid. Control Dyn. 8 (1985) 620; B. Peeters, G. De Roeck,
+/// Mech. Syst. Signal Process. 13 (1999) 855.
+
+#include "hydrapod/identification/selection.hpp"
+
+namespace hydrapod::identification {
+
+/// Y_1, Y_2, … a step of `interval` [s] apart.
+struct MarkovSequence {
+  std::vector<Eigen::MatrixXd> values{};
+  double interval{};
+};
+
+/// Impulse response of all lines up to the last frequency. Throws base::ComputationError where the
+/// frequencies are not evenly spaced multiples of their distance.
+MarkovSequence impulse_response(const FrequencyResponses& responses);
+
+/// Covariances of `outputs` from the lines up to `highest` [Hz].
+MarkovSequence output_covariances(const CrossSpectra& spectra, const std::vector<int>& outputs,
+                                  double highest);
+
+/// Poles of all orders (numbers of states); orders beyond what the sequence can bear are left out.
+std::vector<OrderPoles> realised_poles(const MarkovSequence& sequence,
+                                       const OrderRange& orders = {4, 60, 2});
+
+/// Modes of a machine that only its responses are known of: clusters of SSI-COV. Their scatter is
+/// that over model orders.
+struct OutputOnlyMode {
+  std::complex<double> pole{};  ///< mean of the cluster
+  Eigen::VectorXcd shape{};
+  double frequency_scatter{};  ///< standard deviation of ω, relative
+  double damping_scatter{};    ///< of ζ
+  double persistence{}, mpc{};
+};
+std::vector<OutputOnlyMode> identify_outputs(const CrossSpectra& spectra,
+                                             const std::vector<int>& outputs, double highest);
+
+}  // namespace hydrapod::identification

@@ -1,0 +1,34 @@
+#pragma once
+/// Frequency responses and identified modes as JSON; the fields are documented in
+/// docs/howto/json.md.
+
+#include "hydrapod/identification/identify.hpp"
+#include "hydrapod/identification/realisation.hpp"
+#include "hydrapod/report/json.hpp"
+
+namespace hydrapod::report {
+
+/// `inputs[]`, `outputs[]`, `frequency_hz[]`, `response[output][input]` with `re[]`, `im[]` and
+/// `deviation[]`, coherences, condition, and all that responses_from_json needs to give the same
+/// responses again.
+Json responses_json(const identification::FrequencyResponses& responses);
+
+/// Responses out of such JSON. Throws base::InputError naming the field that is missing or does not
+/// fit; `file` is what messages call it.
+identification::FrequencyResponses responses_from_json(const Json& json, const std::string& file);
+
+/// `modes[]`, `heavily_damped[]`, `left_out[]`, `mac`, `band_hz`, `stabilisation[]`, `indicator`,
+/// `fit_error`, `misfit`, `warnings[]`.
+Json identification_json(const identification::Identification& result);
+
+/// Frequency, then re, im and deviation of every entry, then multiple coherence and condition.
+std::string responses_csv(const identification::FrequencyResponses& responses);
+
+/// `modes` of an output-only record, and the same as lines.
+Json output_only_json(const std::vector<identification::OutputOnlyMode>& modes);
+std::string output_only_csv(const std::vector<identification::OutputOnlyMode>& modes);
+
+/// One line per mode.
+std::string identified_modes_csv(const identification::Identification& result);
+
+}  // namespace hydrapod::report

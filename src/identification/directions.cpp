@@ -1,0 +1,125 @@
+#include "hydrapod/identification/directions.hpp"
+
+#include <fmt/format.h>
+
+#include <Eigen/LU>
+#include <Eigen/QR>
+#include <Eigen/SVD>
+#include <algorithm>
+#include <array>
+
+#include "hydrapod/base/error.hpp"
+
+namespace hydrapod::identification {
+
+using Eigen::Index;
+using Eigen::MatrixXcd;
+using Eigen::MatrixXd;
+
+namespace {
+
+constexpr double least_regularity = 1e-6;  // smallest by largest singular value
+
+MatrixXd inverted(const MatrixXd& J, const char* what) {
+  // rotations as motions of points one sensor radius away, so that the test has no units
+  const Eigen::JacobiSVD<MatrixXd> svd(J, Eigen::ComputeThinU | Eigen::ComputeThinV);
+  const auto& s = svd.singularValues();
+  if (s.size() < 6 || !(s[5] > least_regularity * s[0]))
+    throw base::ComputationError(
+        fmt::format("the {} do not tell all six directions of the platform", what));
+  return svd.solve(MatrixXd::Identity(J.rows(), J.rows()));
+}
+
+/// "m/s^2" gives "rad/s^2".
+std::string angular(const std::string& unit) { return "rad" + unit.substr(1); }
+
+/// S' = M S Mᵀ for all lines of packed spectra.
+void mix(const MatrixXd& M, Index channels, MatrixXd& re, MatrixXd& im) {
+  const Index to = M.rows();
+  MatrixXd new_re(re.rows(), to * (to + 1) / 2), new_im(new_re.rows(), new_re.cols());
+  MatrixXcd S(channels, channels);
+  for (Index line = 0; line < re.rows(); ++line) {
+    for (Index i = 0, pair = 0; i < channels; ++i)
+      for (Index j = 0; j <= i; ++j, ++pair) {
+        S(i, j) = {re(line, pair), im(line, pair)};
+        S(j, i) = std::conj(S(i, j));
+      }
+    const MatrixXcd T = M * S * M.transpose();
+    for (Index i = 0, pair = 0; i < to; ++i)
+      for (Index j = 0; j <= i; ++j, ++pair) {
+        new_re(line, pair) = T(i, j).real();
+        new_im(line, pair) = i == j ? 0.0 : T(i, j).imag();
+      }
+  }
+  re.swap(new_re);
+  im.swap(new_im);
+}
+
+}  // namespace
+
+MatrixXd platform_from_legs(const model::Machine& machine, const spatial::Pose& X_BP,
+                            const spatial::Vector3& p_BQ) {
+  return inverted(kinematics::leg_jacobian(kinematics::inverse_kinematics(machine, X_BP), p_BQ),
+                  "legs at this pose");
+}
+
+MatrixXd platform_from_accelerometers(const std::vector<LinearSensor>& sensors,
+                                      const spatial::Vector3& p_BQ) {
+  MatrixXd J(static_cast<Index>(sensors.size()), 6);
+  for (Index k = 0; k < J.rows(); ++k) {
+    const auto& sensor = sensors[static_cast<size_t>(k)];
+    J.row(k) << sensor.axis.transpose(), (sensor.position - p_BQ).cross(sensor.axis).transpose();
+  }
+  return inverted(J, "accelerometers");
+}
+
+CrossSpectra to_platform(const CrossSpectra& spectra, const std::vector<int>& channels,
+                         const MatrixXd& map) {
+  static constexpr std::array names{"x", "y", "z", "rx", "ry", "rz"};
+  const auto count = static_cast<Index>(spectra.channels.size());
+  CrossSpectra result = spectra;
+  result.channels.clear();
+  result.health.clear();
+  std::vector<int> kept;
+  for (int c = 0; c < count; ++c)
+    if (std::ranges::find(channels, c) == channels.end()) kept.push_back(c);
+  MatrixXd M = MatrixXd::Zero(static_cast<Index>(kept.size()) + 6, count);
+  for (std::size_t k = 0; k < kept.size(); ++k) {
+    M(static_cast<Index>(k), kept[k]) = 1.0;
+    result.channels.push_back(spectra.channels[static_cast<size_t>(kept[k])]);
+    result.health.push_back(spectra.health[static_cast<size_t>(kept[k])]);
+  }
+  for (std::size_t k = 0; k < channels.size(); ++k)
+    M.col(channels[k]).tail(6) = map.col(static_cast<Index>(k));
+  const auto& first = spectra.channels[static_cast<size_t>(channels[0])];
+  ChannelHealth worst = spectra.health[static_cast<size_t>(channels[0])];
+  for (const int c : channels)
+    worst.missing = std::max(worst.missing, spectra.health[static_cast<size_t>(c)].missing);
+  worst.at_limit = 0;  // of the legs, not of what is made of them
+  for (int d = 0; d < 6; ++d) {
+    result.channels.push_back({.name = names[static_cast<size_t>(d)],
+                               .unit = d < 3 ? first.unit : angular(first.unit),
+                               .direction = static_cast<data::Direction>(d + 1),
+                               .role = first.role});
+    result.health.push_back(worst);
+  }
+  mix(M, count, result.re, result.im);
+  if (result.noise_re.size() > 0) mix(M, count, result.noise_re, result.noise_im);
+  return result;
+}
+
+std::optional<std::vector<int>> leg_channels(const CrossSpectra& spectra) {
+  std::vector<int> legs(6, -1);
+  for (std::size_t c = 0; c < spectra.channels.size(); ++c) {
+    const auto& channel = spectra.channels[c];
+    const int leg = static_cast<int>(channel.direction) - static_cast<int>(data::Direction::leg1);
+    if (channel.role != data::Role::response || leg < 0 || leg > 5) continue;
+    if (channel.unit != "m" && channel.unit != "m/s" && channel.unit != "m/s^2") continue;
+    if (legs[static_cast<size_t>(leg)] >= 0) return {};
+    legs[static_cast<size_t>(leg)] = static_cast<int>(c);
+  }
+  if (std::ranges::find(legs, -1) != legs.end()) return {};
+  return legs;
+}
+
+}  // namespace hydrapod::identification

@@ -1,0 +1,351 @@
+#include "hydrapod/report/identification_json.hpp"
+
+#include <fmt/format.h>
+
+#include <numbers>
+
+#include "hydrapod/base/error.hpp"
+
+namespace hydrapod::report {
+
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXcd;
+using identification::FrequencyResponses;
+constexpr double two_pi = 2.0 * std::numbers::pi;
+
+Json complex_json(std::complex<double> value) {
+  return {{"re", value.real()}, {"im", value.imag()}};
+}
+
+Json vector_json(const Eigen::VectorXcd& v) {
+  Json re = Json::array(), im = Json::array();
+  for (const auto& value : v) {
+    re.push_back(value.real());
+    im.push_back(value.imag());
+  }
+  return {{"re", re}, {"im", im}};
+}
+
+Json matrix_json(const Eigen::MatrixXd& M) {
+  Json rows = Json::array();
+  for (Index i = 0; i < M.rows(); ++i) {
+    Json row = Json::array();
+    for (Index j = 0; j < M.cols(); ++j) row.push_back(M(i, j));
+    rows.push_back(row);
+  }
+  return rows;
+}
+
+Json channels_json(const std::vector<data::Channel>& channels) {
+  Json list = Json::array();
+  for (const auto& c : channels)
+    list.push_back({{"name", c.name},
+                    {"unit", c.unit},
+                    {"direction", data::direction_text(c.direction)},
+                    {"point", c.point}});
+  return list;
+}
+
+/// `[row][column]` with re[] and im[] over the lines.
+Json lines_json(const std::vector<MatrixXcd>& lines) {
+  Json rows = Json::array();
+  if (lines.empty()) return rows;
+  for (Index i = 0; i < lines[0].rows(); ++i) {
+    Json row = Json::array();
+    for (Index j = 0; j < lines[0].cols(); ++j) {
+      Json re = Json::array(), im = Json::array();
+      for (const auto& M : lines) {
+        re.push_back(M(i, j).real());
+        im.push_back(M(i, j).imag());
+      }
+      row.push_back({{"re", re}, {"im", im}});
+    }
+    rows.push_back(row);
+  }
+  return rows;
+}
+
+template <class Number>
+Json over_lines(std::size_t lines, const Number& number) {
+  Json list = Json::array();
+  for (std::size_t k = 0; k < lines; ++k) list.push_back(number(k));
+  return list;
+}
+
+Json entry_json(const FrequencyResponses& r, Index o, Index i) {
+  Json entry{{"re", over_lines(r.lines(), [&](auto k) { return r.H[k](o, i).real(); })},
+             {"im", over_lines(r.lines(), [&](auto k) { return r.H[k](o, i).imag(); })}};
+  if (r.has_errors())
+    entry["deviation"] = over_lines(r.lines(), [&](auto k) {
+      return std::sqrt(r.variance(k, static_cast<int>(o), static_cast<int>(i)));
+    });
+  if (!r.coherence.empty())
+    entry["coherence"] = over_lines(r.lines(), [&](auto k) { return r.coherence[k](o, i); });
+  return entry;
+}
+
+/// Reads fields, and says which one is wrong.
+class Fields {
+ public:
+  Fields(const Json& json, const std::string& file) : json_(json), file_(file) {}
+
+  [[noreturn]] void bad(const std::string& key, const std::string& message) const {
+    throw base::InputError({{.file = file_, .key = key, .message = message}});
+  }
+  [[nodiscard]] const Json& at(const std::string& key) const {
+    const auto found = json_.find(key);
+    if (found == json_.end())
+      bad(key, "is missing; `hydrapod frf RECORD --format json` writes such a file");
+    return *found;
+  }
+  [[nodiscard]] bool has(const std::string& key) const { return json_.contains(key); }
+  [[nodiscard]] std::vector<double> numbers(const Json& list, const std::string& key) const {
+    if (!list.is_array()) bad(key, "is no list of numbers");
+    std::vector<double> values;
+    for (const auto& value : list) {
+      if (!value.is_number()) bad(key, "holds something that is no number");
+      values.push_back(value.get<double>());
+    }
+    return values;
+  }
+  [[nodiscard]] std::vector<data::Channel> channels(const std::string& key) const {
+    std::vector<data::Channel> list;
+    const Json& all = at(key);
+    if (!all.is_array() || all.empty()) bad(key, "is no list of channels");
+    for (const auto& c : all) {
+      if (!c.is_object()) bad(key, "holds something that is no channel");
+      data::Channel channel;
+      channel.name = c.value("name", "");
+      channel.unit = c.value("unit", "1");
+      channel.direction =
+          data::direction_from_text(c.value("direction", "")).value_or(data::Direction::none);
+      channel.point = c.value("point", 0);
+      list.push_back(channel);
+    }
+    return list;
+  }
+  /// `[row][column]` with re[] and im[] of `lines` numbers.
+  [[nodiscard]] std::vector<MatrixXcd> lines(const std::string& key, Index rows, Index columns,
+                                             std::size_t lines) const {
+    std::vector<MatrixXcd> result(lines, MatrixXcd(rows, columns));
+    const Json& all = at(key);
+    const auto size = [](const Json& list) { return static_cast<Index>(list.size()); };
+    if (!all.is_array() || size(all) != rows)
+      bad(key, fmt::format("must have {} rows, one per output", rows));
+    for (Index i = 0; i < rows; ++i) {
+      const Json& row = all[static_cast<std::size_t>(i)];
+      if (!row.is_array() || size(row) != columns)
+        bad(key, fmt::format("row {} must have {} entries", i + 1, columns));
+      for (Index j = 0; j < columns; ++j) {
+        const Json& entry = row[static_cast<std::size_t>(j)];
+        const std::string place = fmt::format("{}[{}][{}]", key, i, j);
+        if (!entry.is_object() || !entry.contains("re") || !entry.contains("im"))
+          bad(place, "must have re and im");
+        const auto re = numbers(entry["re"], place + ".re"),
+                   im = numbers(entry["im"], place + ".im");
+        if (re.size() != lines || im.size() != lines)
+          bad(place, fmt::format("has {} and {} numbers, but there are {} frequencies", re.size(),
+                                 im.size(), lines));
+        for (std::size_t k = 0; k < lines; ++k) result[k](i, j) = {re[k], im[k]};
+      }
+    }
+    return result;
+  }
+
+ private:
+  const Json& json_;
+  const std::string& file_;
+};
+
+Json mode_json(const identification::FittedMode& m) {
+  constexpr double band = 1.96;
+  return {
+      {"frequency_hz", m.omega() / two_pi},
+      {"frequency_95_hz", band * m.omega_deviation / two_pi},
+      {"damping_ratio", m.damping_ratio()},
+      {"damping_95", band * m.damping_deviation},
+      {"pole", complex_json(m.pole)},
+      {"shape", vector_json(m.shape)},
+      {"shape_deviation", std::vector<double>(m.shape_deviation.begin(), m.shape_deviation.end())},
+      {"participation", vector_json(m.participation)},
+      {"significance", m.significance}};
+}
+
+}  // namespace
+
+Json responses_json(const FrequencyResponses& r) {
+  Json response = Json::array();
+  for (std::size_t o = 0; o < r.outputs.size(); ++o) {
+    Json row = Json::array();
+    for (std::size_t i = 0; i < r.inputs.size(); ++i)
+      row.push_back(entry_json(r, static_cast<Index>(o), static_cast<Index>(i)));
+    response.push_back(row);
+  }
+  Json json{{"inputs", channels_json(r.inputs)},
+            {"outputs", channels_json(r.outputs)},
+            {"estimator", identification::estimator_text(r.estimator)},
+            {"averages", r.averages},
+            {"degrees_of_freedom", r.degrees},
+            {"frequency_hz", r.frequency},
+            {"response", response}};
+  if (!r.multiple_coherence.empty()) {
+    Json multiple = Json::array();
+    for (std::size_t o = 0; o < r.outputs.size(); ++o)
+      multiple.push_back(over_lines(
+          r.lines(), [&](auto k) { return r.multiple_coherence[k][static_cast<Index>(o)]; }));
+    json["multiple_coherence"] = multiple;
+    json["condition"] = r.condition;
+  }
+  if (r.has_errors()) {
+    json["noise"] = lines_json(r.noise);
+    json["input_factor"] = lines_json(r.input_factor);
+    json["line_covariance"] = r.line_covariance;
+  }
+  if (r.taper.size() > 0) {
+    json["sample_rate_hz"] = r.sample_rate;
+    json["taper"] = std::vector<double>(r.taper.begin(), r.taper.end());
+  }
+  json["warnings"] = r.warnings;
+  return json;
+}
+
+FrequencyResponses responses_from_json(const Json& json, const std::string& file) {
+  const Fields fields(json, file);
+  FrequencyResponses r;
+  r.inputs = fields.channels("inputs");
+  r.outputs = fields.channels("outputs");
+  r.frequency = fields.numbers(fields.at("frequency_hz"), "frequency_hz");
+  for (std::size_t k = 1; k < r.frequency.size(); ++k)
+    if (!(r.frequency[k] > r.frequency[k - 1])) fields.bad("frequency_hz", "must ascend");
+  const auto outputs = static_cast<Index>(r.outputs.size()),
+             inputs = static_cast<Index>(r.inputs.size());
+  r.H = fields.lines("response", outputs, inputs, r.lines());
+  if (fields.has("noise")) {
+    r.noise = fields.lines("noise", outputs, outputs, r.lines());
+    r.input_factor = fields.lines("input_factor", inputs, inputs, r.lines());
+    r.line_covariance = fields.numbers(fields.at("line_covariance"), "line_covariance");
+    r.degrees = json.value("degrees_of_freedom", 0.0);
+    r.averages = json.value("averages", 0.0);
+  }
+  if (fields.has("taper")) {
+    const auto taper = fields.numbers(fields.at("taper"), "taper");
+    r.taper = Eigen::VectorXd::Map(taper.data(), static_cast<Index>(taper.size()));
+    r.sample_rate = json.value("sample_rate_hz", 0.0);
+    if (!(r.sample_rate > 0.0)) fields.bad("sample_rate_hz", "must be positive");
+  }
+  r.estimator = identification::estimator_from_text(json.value("estimator", "h1"))
+                    .value_or(identification::Estimator::h1);
+  return r;
+}
+
+Json identification_json(const identification::Identification& result) {
+  Json modes = Json::array(), heavy = Json::array(), left = Json::array(), chart = Json::array();
+  std::vector<Eigen::VectorXcd> shapes;
+  for (const auto& m : result.modes) {
+    Json mode = mode_json(m.fit);
+    mode["displacement_shape"] = vector_json(m.displacement);
+    mode["mpc"] = m.mpc;
+    mode["mpd_rad"] = m.mpd;
+    mode["persistence"] = m.persistence;
+    mode["vector_consistency"] = m.vector_consistency;
+    mode["quality"] = m.quality();
+    modes.push_back(mode);
+    shapes.push_back(m.displacement);
+  }
+  for (const auto& m : result.heavily_damped) heavy.push_back(mode_json(m));
+  for (const auto& l : result.left_out)
+    left.push_back({{"pole", complex_json(l.pole)}, {"reason", l.reason}});
+  for (const auto& order : result.chart) {
+    Json poles = Json::array();
+    for (const auto& e : order.poles)
+      poles.push_back({{"frequency_hz", e.omega() / two_pi}, {"damping_ratio", e.damping_ratio()}});
+    chart.push_back({{"order", order.order}, {"poles", poles}});
+  }
+  return {{"inputs", channels_json(result.responses.inputs)},
+          {"outputs", channels_json(result.responses.outputs)},
+          {"band_hz", {result.from, result.to}},
+          {"modes", modes},
+          {"heavily_damped", heavy},
+          {"left_out", left},
+          {"mac", matrix_json(identification::mac_matrix(shapes, shapes))},
+          {"fit_error", result.model.error},
+          {"misfit", result.model.misfit},
+          {"stabilisation", chart},
+          {"indicator",
+           {{"frequency_hz", result.responses.frequency},
+            {"values", matrix_json(identification::mode_indicator(result.responses).transpose())}}},
+          {"warnings", result.warnings}};
+}
+
+std::string responses_csv(const FrequencyResponses& r) {
+  std::string text = "frequency_hz";
+  for (const auto& o : r.outputs)
+    for (const auto& i : r.inputs) {
+      text += fmt::format(",re {0}/{1},im {0}/{1}", o.name, i.name);
+      if (r.has_errors()) text += fmt::format(",deviation {}/{}", o.name, i.name);
+    }
+  for (const auto& o : r.outputs) text += ",coherence " + o.name;
+  text += ",condition\n";
+  for (std::size_t k = 0; k < r.lines(); ++k) {
+    text += fmt::format("{:.17g}", r.frequency[k]);
+    for (Index o = 0; o < r.H[k].rows(); ++o)
+      for (Index i = 0; i < r.H[k].cols(); ++i) {
+        text += fmt::format(",{:.17g},{:.17g}", r.H[k](o, i).real(), r.H[k](o, i).imag());
+        if (r.has_errors())
+          text += fmt::format(",{:.6g}",
+                              std::sqrt(r.variance(k, static_cast<int>(o), static_cast<int>(i))));
+      }
+    for (Index o = 0; o < r.H[k].rows(); ++o)
+      text +=
+          r.multiple_coherence.empty() ? "," : fmt::format(",{:.6g}", r.multiple_coherence[k][o]);
+    text += r.condition.empty() ? ",\n" : fmt::format(",{:.6g}\n", r.condition[k]);
+  }
+  return text;
+}
+
+Json output_only_json(const std::vector<identification::OutputOnlyMode>& modes) {
+  Json list = Json::array();
+  for (const auto& m : modes)
+    list.push_back({{"frequency_hz", std::abs(m.pole) / two_pi},
+                    {"frequency_scatter", m.frequency_scatter},
+                    {"damping_ratio", -m.pole.real() / std::abs(m.pole)},
+                    {"damping_scatter", m.damping_scatter},
+                    {"pole", complex_json(m.pole)},
+                    {"shape", vector_json(m.shape)},
+                    {"mpc", m.mpc},
+                    {"persistence", m.persistence}});
+  return list;
+}
+
+std::string output_only_csv(const std::vector<identification::OutputOnlyMode>& modes) {
+  std::string text =
+      "mode,frequency_hz,frequency_scatter,damping_ratio,damping_scatter,mpc,persistence\n";
+  int number = 0;
+  for (const auto& m : modes)
+    text += fmt::format("{},{:.17g},{:.6g},{:.17g},{:.6g},{:.6g},{:.6g}\n", ++number,
+                        std::abs(m.pole) / two_pi, m.frequency_scatter,
+                        -m.pole.real() / std::abs(m.pole), m.damping_scatter, m.mpc, m.persistence);
+  return text;
+}
+
+std::string identified_modes_csv(const identification::Identification& result) {
+  std::string text =
+      "mode,frequency_hz,frequency_95_hz,damping_ratio,damping_95,mpc,mpd_rad,quality,significance";
+  for (const auto& o : result.responses.outputs) text += fmt::format(",re {0},im {0}", o.name);
+  text += '\n';
+  int number = 0;
+  for (const auto& m : result.modes) {
+    text += fmt::format("{},{:.17g},{:.6g},{:.17g},{:.6g},{:.6g},{:.6g},{:.6g},{:.6g}", ++number,
+                        m.fit.omega() / two_pi, 1.96 * m.fit.omega_deviation / two_pi,
+                        m.fit.damping_ratio(), 1.96 * m.fit.damping_deviation, m.mpc, m.mpd,
+                        m.quality(), m.fit.significance);
+    for (const auto& value : m.displacement)
+      text += fmt::format(",{:.9g},{:.9g}", value.real(), value.imag());
+    text += '\n';
+  }
+  return text;
+}
+
+}  // namespace hydrapod::report

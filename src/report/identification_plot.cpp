@@ -1,0 +1,245 @@
+#include "hydrapod/report/identification_plot.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+
+#include "gnuplot.hpp"
+#include "hydrapod/report/simulation.hpp"
+
+namespace hydrapod::report {
+
+namespace {
+
+using Eigen::Index;
+using identification::FrequencyResponses;
+constexpr double two_pi = 2.0 * std::numbers::pi;
+constexpr double degree = 180.0 / std::numbers::pi;
+
+struct Pair {
+  Index output, input;
+};
+
+/// At most 12 entries: the direct ones of a square response, else the first.
+std::vector<Pair> shown_pairs(const FrequencyResponses& r) {
+  constexpr std::size_t most = 12;
+  const auto outputs = static_cast<Index>(r.outputs.size()),
+             inputs = static_cast<Index>(r.inputs.size());
+  std::vector<Pair> pairs;
+  if (outputs == inputs) {
+    for (Index k = 0; k < outputs; ++k) pairs.push_back({k, k});
+  } else {
+    for (Index o = 0; o < outputs; ++o)
+      for (Index i = 0; i < inputs; ++i) pairs.push_back({o, i});
+  }
+  if (pairs.size() > most) pairs.resize(most);
+  return pairs;
+}
+
+double decibels(double value) { return 20.0 * std::log10(std::max(value, 1e-300)); }
+
+std::string data_block(const FrequencyResponses& r, const identification::ModalModel* model,
+                       const std::vector<Pair>& pairs) {
+  const double radius = identification::confidence_radius(0.95, r.degrees);
+  std::string text = "$frf << END\n";
+  for (std::size_t k = 0; k < r.lines(); ++k) {
+    text += fmt::format("{:.9g}", r.frequency[k]);
+    const Eigen::MatrixXcd fit =
+        model != nullptr ? identification::synthesised(*model, r.frequency[k]) : Eigen::MatrixXcd();
+    for (const auto& [o, i] : pairs) {
+      const auto h = r.H[k](o, i);
+      const double band =
+          r.has_errors()
+              ? radius * std::sqrt(r.variance(k, static_cast<int>(o), static_cast<int>(i)))
+              : 0.0;
+      text += fmt::format(" {:.4f} {:.4f} {:.4f} {:.3f}", decibels(std::abs(h)),
+                          decibels(std::max(std::abs(h) - band, 0.1 * std::abs(h))),
+                          decibels(std::abs(h) + band), std::arg(h) * degree);
+      text += model != nullptr ? fmt::format(" {:.4f} {:.3f}", decibels(std::abs(fit(o, i))),
+                                             std::arg(fit(o, i)) * degree)
+                               : std::string(" NaN NaN");
+    }
+    text += '\n';
+  }
+  return text + "END\n";
+}
+
+std::string head(const PlotText& text, const std::string& terminal, const std::string& file,
+                 int height) {
+  return fmt::format(
+      "set terminal {}\nset output {}\nset encoding utf8\nset termoption noenhanced\n"
+      "set label 101 {} at screen 0.5,{:.4f} center font ',14'\n"
+      "set label 102 {} at screen 0.5,{:.4f} center font ',10' tc rgb '#444444'\n"
+      "set tics font ',9'\nset border lw 0.8 lc rgb '#444444'\n",
+      terminal, quoted(file), quoted(text.title), 1.0 - 22.0 / height, quoted(text.subtitle),
+      1.0 - 46.0 / height);
+}
+
+constexpr const char* grid = "set grid xtics ytics back lt 1 lc rgb '#d0d0d0' lw 0.5\n";
+
+std::string margins(double left, double right, double top, double bottom) {
+  return fmt::format(
+      "set lmargin at screen {:.4f}; set rmargin at screen {:.4f}\n"
+      "set tmargin at screen {:.4f}; set bmargin at screen {:.4f}\n",
+      left, right, top, bottom);
+}
+
+/// Magnitude above phase of one entry.
+std::string entry_plots(const FrequencyResponses& r, const Pair& pair, std::size_t index,
+                        bool with_fit, const std::array<double, 4>& cell) {
+  const auto [left, right, top, bottom] = cell;
+  const double split = bottom + 0.36 * (top - bottom);
+  const std::size_t first = 2 + 6 * index;
+  const auto& out = r.outputs[static_cast<std::size_t>(pair.output)];
+  const auto& in = r.inputs[static_cast<std::size_t>(pair.input)];
+  const std::string unit =
+      in.unit == "1" || in.unit.empty() ? out.unit : out.unit + "/(" + in.unit + ")";
+  std::string text = margins(left, right, top, split + 0.006);
+  text += fmt::format(
+      "set title {} offset 0,-0.6\nset ylabel {} offset 1.2,0\nset format x ''\n"
+      "set xlabel ''\nset ytics autofreq\nset autoscale y\n",
+      quoted(out.name + " from " + in.name), quoted("dB re 1 " + unit));
+  text += index == 0 ? "set key top right samplen 2.5 font ',9'\n" : "unset key\n";
+  text += fmt::format(
+      "plot $frf using 1:{}:{} with filledcurves fc rgb '#c8dcec' title '95 %', "
+      "$frf using 1:{} with lines lw 1.2 lc rgb '#0072b2' title 'measured'",
+      first + 1, first + 2, first);
+  if (with_fit)
+    text += fmt::format(", $frf using 1:{} with lines lw 1.2 dt 2 lc rgb '#d55e00' title 'modes'",
+                        first + 4);
+  text += "\nunset title\nunset key\n" + margins(left, right, split - 0.006, bottom);
+  text +=
+      "set format x '%g'\nset xlabel 'Hz' offset 0,0.6\nset ylabel 'phase °' offset 1.2,0\n"
+      "set ytics 90\nset yrange [-190:190]\n";
+  text += fmt::format("plot $frf using 1:{} with points pt 7 ps 0.15 lc rgb '#0072b2'", first + 3);
+  if (with_fit)
+    text += fmt::format(", $frf using 1:{} with lines lw 1 dt 2 lc rgb '#d55e00'", first + 5);
+  return text + "\n";
+}
+
+}  // namespace
+
+void require_picture(const std::string& path) { require_picture_ending(path); }
+
+void plot_responses(const FrequencyResponses& r, const identification::ModalModel* model,
+                    const PlotText& text, const std::string& path) {
+  const auto pairs = shown_pairs(r);
+  const int columns = static_cast<int>(std::min<std::size_t>(3, pairs.size()));
+  const int rows = (static_cast<int>(pairs.size()) + columns - 1) / columns;
+  const int width = 420 * columns + 40, height = 400 * rows + 70;
+  draw(path, width, height, [&](const std::string& terminal, const std::string& file) {
+    std::string script = head(text, terminal, file, height) + data_block(r, model, pairs);
+    script += std::string("set multiplot\n") + grid;
+    script += fmt::format("set xrange [{:.9g}:{:.9g}]\n", r.frequency.front(), r.frequency.back());
+    if (r.frequency.back() > 20.0 * r.frequency.front()) script += "set logscale x\n";
+    const double h = (1.0 - 70.0 / height) / rows, w = 1.0 / columns;
+    for (std::size_t e = 0; e < pairs.size(); ++e) {
+      const auto column = static_cast<int>(e) % columns, row = static_cast<int>(e) / columns;
+      const double top = 1.0 - 70.0 / height - row * h;
+      script += entry_plots(r, pairs[e], e, model != nullptr,
+                            {column * w + 80.0 / width, (column + 1) * w - 14.0 / width,
+                             top - 26.0 / height, top - h + 52.0 / height});
+    }
+    return script + "unset multiplot\nunset output\n";
+  });
+}
+
+void plot_coherence(const FrequencyResponses& r, const PlotText& text, const std::string& path) {
+  constexpr int width = 900, height = 620;
+  draw(path, width, height, [&](const std::string& terminal, const std::string& file) {
+    std::string script = head(text, terminal, file, height) + "$c << END\n";
+    for (std::size_t k = 0; k < r.lines(); ++k) {
+      script += fmt::format("{:.9g} {:.6g}", r.frequency[k], r.condition[k]);
+      for (const double c : r.multiple_coherence[k]) script += fmt::format(" {:.6g}", c);
+      script += '\n';
+    }
+    script += std::string("END\nset multiplot\n") + grid;
+    script += fmt::format("set xrange [{:.9g}:{:.9g}]\n", r.frequency.front(), r.frequency.back());
+    script += margins(0.09, 0.86, 0.89, 0.42) +
+              "set yrange [0:1.02]\nset ylabel 'multiple coherence'\nset format x ''\n"
+              "set key outside right top font ',9'\nplot ";
+    for (std::size_t o = 0; o < r.outputs.size(); ++o)
+      script += fmt::format("{}$c using 1:{} with lines lw 1 title {}", o == 0 ? "" : ", ", o + 3,
+                            quoted(r.outputs[o].name));
+    script += "\nunset key\n" + margins(0.09, 0.86, 0.39, 0.09) +
+              "set format x '%g'\nset xlabel 'Hz'\nset ylabel 'condition of the inputs'\n"
+              "set logscale y\nset yrange [1:*]\nplot $c using 1:2 with lines lw 1 lc rgb "
+              "'#444444'\nunset multiplot\nunset output\n";
+    return script;
+  });
+}
+
+void plot_stabilisation(const identification::Identification& result, const PlotText& text,
+                        const std::string& path) {
+  constexpr int width = 1000, height = 640;
+  draw(path, width, height, [&](const std::string& terminal, const std::string& file) {
+    std::string script = head(text, terminal, file, height) + "$all << END\n";
+    for (const auto& order : result.chart)
+      for (const auto& e : order.poles)
+        if (e.pole.real() < 0.0)
+          script += fmt::format("{:.7g} {} {:.5g}\n", e.omega() / two_pi, order.order,
+                                100.0 * e.damping_ratio());
+    script += "0 -1 0\nEND\n$kept << END\n";
+    for (const auto& cluster : result.clusters)
+      for (const auto& [n, i] : cluster.members)
+        script += fmt::format("{:.7g} {}\n", result.chart[n].poles[i].omega() / two_pi,
+                              result.chart[n].order);
+    script += "0 -1\nEND\n$cmif << END\n";
+    const auto indicator = identification::mode_indicator(result.responses);
+    for (Index k = 0; k < indicator.rows(); ++k) {
+      script += fmt::format("{:.7g}", result.responses.frequency[static_cast<std::size_t>(k)]);
+      for (const double s : indicator.row(k)) script += fmt::format(" {:.4f}", decibels(s));
+      script += '\n';
+    }
+    const int top = result.chart.empty() ? 1 : result.chart.back().order;
+    script += fmt::format(
+        "END\n{}set xrange [{:.7g}:{:.7g}]\nset yrange [0:{}]\nset y2tics font ',9'\n"
+        "set ytics nomirror\nset xlabel 'Hz'\nset ylabel 'model order'\n"
+        "set y2label 'mode indicator (singular values of H) dB'\n"
+        "set tmargin at screen {:.4f}\nset key outside bottom center horizontal\n",
+        grid, result.from, result.to, top + 2, 1.0 - 66.0 / height);
+    for (const auto& mode : result.modes)
+      script += fmt::format(
+          "set arrow from {0:.7g},0 to {0:.7g},{1} nohead lw 0.7 dt 3 lc rgb "
+          "'#d55e00'\n",
+          mode.fit.omega() / two_pi, top + 2);
+    script += "plot ";
+    for (Index s = 0; s < indicator.cols(); ++s)
+      script += fmt::format("$cmif using 1:{} axes x1y2 with lines lw 1 lc rgb '{}' notitle, ",
+                            s + 2, s == 0 ? "#999999" : "#cccccc");
+    script +=
+        "$all using 1:2 with points pt 6 ps 0.5 lc rgb '#888888' title 'stable pole', "
+        "$kept using 1:2 with points pt 7 ps 0.6 lc rgb '#0072b2' title 'comes back: taken'\n"
+        "unset output\n";
+    return script;
+  });
+}
+
+void plot_mac(const identification::Identification& result, const PlotText& text,
+              const std::string& path) {
+  constexpr int width = 640, height = 640;
+  draw(path, width, height, [&](const std::string& terminal, const std::string& file) {
+    std::vector<Eigen::VectorXcd> shapes;
+    for (const auto& m : result.modes) shapes.push_back(m.displacement);
+    const Eigen::MatrixXd M = identification::mac_matrix(shapes, shapes);
+    std::string script = head(text, terminal, file, height) + "$mac << END\n";
+    for (Index i = 0; i < M.rows(); ++i)
+      for (Index j = 0; j < M.cols(); ++j)
+        script += fmt::format("{} {} {:.4f}\n", j + 1, i + 1, M(i, j));
+    const auto n = static_cast<double>(M.rows());
+    script += fmt::format(
+        "END\nset tmargin at screen {:.4f}\nset xrange [0.5:{}]\nset yrange [0.5:{}]\n"
+        "set xtics 1\nset ytics 1\nset cbrange [0:1]\n"
+        "set palette defined (0 '#ffffff', 1 '#0072b2')\nset cblabel 'MAC'\n"
+        "set xlabel 'mode'\nset ylabel 'mode'\nunset key\n"
+        "plot $mac using 1:2:3 with image, $mac using 1:2:($3 > 0.05 ? "
+        "sprintf('%.2f', $3) : '') with labels font ',8'\nunset output\n",
+        1.0 - 66.0 / height, n + 0.5, n + 0.5);
+    return script;
+  });
+}
+
+}  // namespace hydrapod::report
