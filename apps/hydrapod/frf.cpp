@@ -5,6 +5,7 @@
 
 #include "hydrapod/base/file.hpp"
 #include "hydrapod/commands.hpp"
+#include "hydrapod/identification/exchange.hpp"
 #include "hydrapod/identification_arguments.hpp"
 #include "hydrapod/machine_arguments.hpp"
 #include "hydrapod/report/identification_json.hpp"
@@ -90,7 +91,9 @@ std::string table_text(const Arguments& arguments, const identification::Measure
 }
 
 void run(const Arguments& arguments) {
-  const size_t format = choose_word("--format", arguments.format, {"table", "json", "csv"});
+  const size_t format = choose_word("--format", arguments.format, {"table", "json", "csv", "uff"});
+  if (format == 3 && arguments.output == "-")
+    bad_argument("--format uff", "a Universal File needs a name: add -o FILE.uff");
   const auto m = measure(arguments.measurement);
   const std::string title = arguments.measurement.files[0];
   if (!arguments.plot.empty()) {
@@ -103,7 +106,10 @@ void run(const Arguments& arguments) {
                            arguments.coherence_plot);
     fmt::print(stderr, "wrote {}\n", arguments.coherence_plot);
   }
-  if (format == 1) {
+  if (format == 3) {
+    data::write_frequency_response(arguments.output,
+                                   identification::to_exchange(m.responses, title));
+  } else if (format == 1) {
     report::Json json{{"kind", "frf"}, {"records", arguments.measurement.files}};
     json.update(report::responses_json(m.responses));
     base::write_file_whole(arguments.output, json.dump() + "\n");
@@ -132,7 +138,7 @@ void add_frf(CLI::App& app) {
                       "Picture of coherence and condition to write");
   command
       ->add_option("--format", arguments->format,
-                   "table (a summary), json or csv (the whole response)")
+                   "table (a summary), json, csv or uff (the whole response)")
       ->capture_default_str();
   command->add_option("-o,--output", arguments->output, "File to write; - prints")
       ->capture_default_str();

@@ -10,6 +10,7 @@
 #include "hydrapod/base/file.hpp"
 #include "hydrapod/base/units.hpp"
 #include "hydrapod/commands.hpp"
+#include "hydrapod/identification/exchange.hpp"
 #include "hydrapod/identification_arguments.hpp"
 #include "hydrapod/machine_arguments.hpp"
 #include "hydrapod/report/identification_json.hpp"
@@ -57,6 +58,21 @@ bool is_json(const std::string& path) {
   return file && first == '{';
 }
 
+/// By its ending a Universal File?
+bool is_universal(const std::string& path) {
+  return path.ends_with(".uff") || path.ends_with(".unv") || path.ends_with(".uf") ||
+         path.ends_with(".UFF") || path.ends_with(".UNV");
+}
+
+bool is_record(const std::string& path) {
+  try {
+    data::open_record_reader(path);
+    return true;
+  } catch (const base::InputError&) {
+    return false;
+  }
+}
+
 identification::FrequencyResponses read_responses(const std::string& path) {
   constexpr std::size_t largest = std::size_t{1} << 31;
   const std::string text = base::read_file(path, largest, "frequency responses of `hydrapod frf`");
@@ -76,6 +92,15 @@ identification::FrequencyResponses responses_of(const Arguments& a, bool& from_l
                    "frequency responses stand alone: only records are "
                    "averaged together");
     return read_responses(a.measurement.files[0]);
+  }
+  if (is_universal(a.measurement.files[0]) && a.measurement.files.size() == 1) {
+    try {
+      auto read = data::read_frequency_response(a.measurement.files[0]);
+      print_diagnostics(read.notes);
+      return identification::from_exchange(read.response, a.measurement.files[0]);
+    } catch (const base::InputError&) {  // it may hold a record instead
+      if (!is_record(a.measurement.files[0])) throw;
+    }
   }
   auto m = measure(a.measurement);
   from_legs = m.from_legs;

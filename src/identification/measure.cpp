@@ -28,6 +28,35 @@ std::vector<int> with_role(const data::RecordHeader& header, Role role) {
   return list;
 }
 
+/// Responses with these directions, each exactly once; empty where one is missing.
+std::vector<int> with_directions(const data::RecordHeader& header, data::Direction first,
+                                 const std::vector<std::string_view>& units) {
+  std::vector<int> list;
+  for (int d = 0; d < 6; ++d) {
+    const auto direction = static_cast<data::Direction>(static_cast<int>(first) + d);
+    int found = 0;
+    for (std::size_t c = 0; c < header.channels.size(); ++c) {
+      const auto& channel = header.channels[c];
+      if (channel.role != Role::response || channel.direction != direction ||
+          std::ranges::find(units, channel.unit) == units.end())
+        continue;
+      list.push_back(static_cast<int>(c));
+      ++found;
+    }
+    if (found != 1) return {};
+  }
+  return list;
+}
+
+/// All responses; but where the platform's motion or the six leg lengths are among sensors of
+/// other kinds, these.
+std::vector<int> default_outputs(const data::RecordHeader& header) {
+  auto platform = with_directions(header, data::Direction::x, {"m", "rad"});
+  if (!platform.empty()) return platform;
+  auto legs = with_directions(header, data::Direction::leg1, {"m"});
+  return legs.empty() ? with_role(header, Role::response) : legs;
+}
+
 std::string names_of(const data::RecordHeader& header) {
   std::string text;
   for (const auto& c : header.channels) text += (text.empty() ? "" : ", ") + c.name;
@@ -66,8 +95,8 @@ Plan plan_channels(const std::string& file, const data::RecordHeader& header,
   c.inputs = !options.inputs.empty()                     ? with_names(file, header, options.inputs)
              : options.from_drive || excitations.empty() ? drives
                                                          : excitations;
-  c.outputs = options.outputs.empty() ? with_role(header, Role::response)
-                                      : with_names(file, header, options.outputs);
+  c.outputs =
+      options.outputs.empty() ? default_outputs(header) : with_names(file, header, options.outputs);
   c.instruments =
       options.instruments.empty() ? excitations : with_names(file, header, options.instruments);
   const std::string advice =
@@ -293,7 +322,7 @@ Measurement measure_outputs(const std::vector<std::string>& files, const Measure
   Measurement m;
   m.header = data::open_record_reader(files[0], options.read)->header();
   Plan plan;
-  plan.choice.outputs = options.outputs.empty() ? with_role(m.header, Role::response)
+  plan.choice.outputs = options.outputs.empty() ? default_outputs(m.header)
                                                 : with_names(files[0], m.header, options.outputs);
   if (plan.choice.outputs.empty())
     bad(files[0],

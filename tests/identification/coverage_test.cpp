@@ -1,0 +1,17 @@
+/// The 95 % intervals in short; coverage_long_test.cpp has 200 seeds.
+
+#include "identification/coverage.hpp"
+
+namespace hydrapod::identification {
+namespace {
+
+TEST(Coverage, IntervalsHoldTheTruthAsOftenAsPromised) {
+  const auto c = coverage_of(30, 0.3, 0.03);
+  EXPECT_EQ(c.all_found, c.runs);
+  // 90 intervals: 95 % less three deviations
+  EXPECT_GE(c.frequency, 0.88);
+  EXPECT_GE(c.damping, 0.88);
+}
+
+}  // namespace
+}  // namespace hydrapod::identification
