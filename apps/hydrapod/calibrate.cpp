@@ -199,10 +199,7 @@ void add_calibrate(CLI::App& app) {
         "\"legs.rod.mass=22 kg+-2 kg\"",
         "with bounds, and with what is known besides"},
        {"calibrate machine.toml --targets modes.toml --try model.flexible_axes=gimbal",
-        "two readings of the machine side by side"},
-       {"calibrate examples/zhang-jiang-2021/table-1.toml --targets "
-        "examples/zhang-jiang-2021/table-2.toml -o calibrated.toml",
-        "Table 2 of Zhang & Jiang 2021 from their Table 1"}});
+        "two readings of the machine side by side"}});
   auto arguments = std::make_shared<Arguments>();
   add_machine_options(*command, arguments->machine);
   add_model_option(*command, arguments->machine);

@@ -95,7 +95,7 @@ void add_sensitivity(CLI::App& app) {
       app, "sensitivity", "How much each number of the machine file changes each frequency",
       {{"sensitivity machine.toml", "all modes against all numbers, in per cent per per cent"},
        {"sensitivity machine.toml --parameter legs.guide_sleeve.stiffness --parameter "
-        "legs.oil_spring.stiffness",
+        "legs.oil_spring.cylinder.bulk_modulus",
         "seals against oil"},
        {"sensitivity machine.toml --pose \"z=100 mm\" --plot map.svg",
         "at another pose, as a heat map"}});

@@ -57,13 +57,26 @@ data::Record small_record() {
   return record;
 }
 
+constexpr const char* modes_csv = "frequency [Hz],direction\n16.9,x\n16.9,y\n26.5,rz\n41.2,z\n";
+constexpr const char* modes_toml = R"([[mode]]
+frequency = "16.9 Hz"
+direction = "x"
+[[mode]]
+frequency = "41.2 Hz"
+direction = "z"
+[[free]]
+path = "legs.guide_sleeve.stiffness"
+)";
+
 /// A folder as the examples expect it: with the models, and a machine.toml unless that is what is
-/// made, and a motion.
+/// made, a motion, and measured modes.
 void furnish(const std::filesystem::path& folder, const std::string& command) {
   std::filesystem::create_directory_symlink(test::source_file("models"), folder / "models");
   if (command != "init") run_hydrapod({"init"}, {.folder = folder});
   std::ofstream(folder / "motion.csv")
       << "time [s], x [mm], rz [deg]\n0, 0, 0\n0.5, 5, 1\n1, 0, 0\n";
+  std::ofstream(folder / "modes.csv") << modes_csv;
+  std::ofstream(folder / "modes.toml") << modes_toml;
   if (command != "record") return;
   for (const char* name : {"run.h5", "run.csv"})
     data::write_record(folder / name, small_record(), data::format_of_ending(name));
