@@ -6,6 +6,7 @@
 #include <bit>
 #include <cmath>
 #include <limits>
+#include <numbers>
 #include <stdexcept>
 
 #include "hydrapod/base/error.hpp"
@@ -174,8 +175,9 @@ SpectrumOptions spectrum_options(const std::vector<std::string>& files,
   } else {
     const double side_by_side = 4.0 * static_cast<double>(plan.choice.inputs.size()) + 8.0;
     const double total = static_cast<double>(shortest) * static_cast<double>(files.size());
-    const auto wanted =
-        static_cast<unsigned>(std::clamp(total / side_by_side, 16.0, static_cast<double>(1 << 17)));
+    // the power of two that is nearest in ratio
+    const auto wanted = static_cast<unsigned>(
+        std::clamp(std::numbers::sqrt2 * total / side_by_side, 16.0, static_cast<double>(1 << 17)));
     o.block_length = static_cast<int>(std::bit_floor(wanted));
     if (o.block_length > shortest && shortest >= 16)
       o.block_length = static_cast<int>(std::bit_floor(static_cast<unsigned>(shortest)));
