@@ -171,7 +171,7 @@ PartFile::PartFile(const std::string& path) : path_(path) {
 }
 
 PartFile::~PartFile() {
-  if (!committed_) ::unlink(part_.c_str());
+  if (!committed_ && !kept_) ::unlink(part_.c_str());
 }
 
 void PartFile::commit() {

@@ -56,10 +56,7 @@ class CsvWriter final : public RecordWriter {
   }
 
  private:
-  [[noreturn]] void fail() const {
-    throw base::ComputationError(
-        fmt::format("writing '{}' failed; is the disk full?", part_.path()));
-  }
+  [[noreturn]] void fail() { throw base::ComputationError(failed_write(part_, written_ > 0)); }
   void write(const std::string& text) {
     if (std::fwrite(text.data(), 1, text.size(), file_) != text.size()) fail();
   }

@@ -4,6 +4,7 @@
 #include <memory>
 #include <string>
 
+#include "hydrapod/base/file.hpp"
 #include "hydrapod/data/record_io.hpp"
 
 namespace hydrapod::data {
@@ -23,6 +24,10 @@ std::unique_ptr<RecordReader> make_hdf5_reader(const std::string& path, const Re
 
 /// Throws std::invalid_argument unless `samples` has a column per channel.
 void require_columns(const Eigen::Ref<const Samples>& samples, const RecordHeader& header);
+
+/// What to say when `part` cannot be written to. With samples in it the part is kept, and the
+/// message names it.
+std::string failed_write(base::PartFile& part, bool holds_samples);
 
 /// Words of the files that hydrapod writes.
 inline constexpr const char* record_mark = "hydrapod record";

@@ -29,6 +29,8 @@ class Hdf5Handle {
 
   [[nodiscard]] hid_t id() const { return id_; }
   [[nodiscard]] bool ok() const { return id_ >= 0; }
+  /// Leaves the identifier to the end of the program, unclosed.
+  void abandon() { id_ = H5I_INVALID_HID; }
   /// True when closing went well (buffers are written then).
   bool reset() {
     const hid_t id = std::exchange(id_, H5I_INVALID_HID);
@@ -44,6 +46,9 @@ class Hdf5Handle {
 class Hdf5Silence {
  public:
   Hdf5Silence() {
+    // Nothing is left to the end of the program: there HDF5 crashes over a file that a full disk
+    // has kept it from closing.
+    [[maybe_unused]] static const herr_t once = H5dont_atexit();
     H5Eget_auto2(H5E_DEFAULT, &function_, &data_);
     H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
   }

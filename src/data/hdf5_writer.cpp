@@ -120,9 +120,12 @@ class Hdf5Writer final : public RecordWriter {
   }
 
  private:
-  [[noreturn]] void fail() const {
-    throw base::ComputationError(
-        fmt::format("writing '{}' failed; is the disk full?", part_.path()));
+  /// The file stays as the last good flush left it: HDF5, asked to close what it could not write,
+  /// would put its table of contents over that and leave a file that cannot be opened.
+  [[noreturn]] void fail() {
+    samples_.abandon();
+    file_.abandon();
+    throw base::ComputationError(failed_write(part_, written_ > 0));
   }
 
   void flush() {

@@ -176,4 +176,11 @@ void require_columns(const Eigen::Ref<const Samples>& samples, const RecordHeade
                                             samples.cols(), header.channels.size()));
 }
 
+std::string failed_write(base::PartFile& part, bool holds_samples) {
+  std::string text = fmt::format("writing '{}' failed; is the disk full?", part.path());
+  if (!holds_samples) return text;
+  part.keep();
+  return text + fmt::format(" {} holds what was written before", part.part());
+}
+
 }  // namespace hydrapod::data

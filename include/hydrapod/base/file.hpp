@@ -40,11 +40,15 @@ class PartFile {
   /// ComputationError.
   void commit();
 
+  /// The part stays as it is, for what can be read of it.
+  void keep() { kept_ = true; }
+
  private:
   std::string path_;
   std::string target_;
   std::string part_;
   bool committed_{};
+  bool kept_{};
 };
 
 }  // namespace hydrapod::base

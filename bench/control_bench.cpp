@@ -1,0 +1,82 @@
+/// One sample of the controller, forward kinematics included, and a second of the closed loop.
+
+#include <benchmark/benchmark.h>
+#include <fmt/format.h>
+
+#include <random>
+
+#include "hydrapod/simulation/closed_loop.hpp"
+#include "hydrapod/simulation/tuning.hpp"
+#include "machines.hpp"
+
+namespace {
+
+using namespace hydrapod;
+using spatial::Vector6;
+
+constexpr int sample_count = 1000;
+
+/// A second of a motion of 10 mm and 1° at 2 Hz as sensors show it, with some noise.
+struct Samples {
+  model::Machine machine = bench::published();
+  control::ControllerParameters parameters =
+      simulation::tune_controller(machine, machine.neutral()).parameters;
+  std::vector<control::Measurement> measured;
+  std::vector<control::Command> commands;
+
+  Samples() {
+    std::mt19937_64 generator(20210316);
+    std::normal_distribution<double> noise;
+    simulation::Sine sine{.frequency = 2.0, .fade = 0.0};
+    sine.amplitude << 0.01, 0.01, 0.01, 0.017, 0.017, 0.017;
+    const auto signal = simulation::make_signal({sine}, 1e-3);
+    for (int k = 0; k < sample_count; ++k) {
+      commands.push_back(simulation::command_at(machine.neutral(), signal->next()));
+      control::Measurement sample;
+      sample.length = kinematics::leg_lengths(machine, commands.back().X_BP);
+      for (int i = 0; i < 6; ++i) {
+        sample.length[i] += 2e-6 * noise(generator);
+        sample.cap_pressure[i] = 5e6 + 5e3 * noise(generator);
+        sample.rod_pressure[i] = 8e6 + 5e3 * noise(generator);
+      }
+      measured.push_back(sample);
+    }
+  }
+};
+
+void tick(benchmark::State& state, model::ControlSpace space, bool warm) {
+  Samples samples;
+  samples.parameters.space = space;
+  control::Controller controller(samples.machine, samples.parameters);
+  controller.reset(samples.machine.neutral(), samples.measured[0]);
+  size_t k = 0;
+  for (auto _ : state) {
+    if (!warm) controller.reset(samples.machine.neutral(), samples.measured[k]);
+    benchmark::DoNotOptimize(controller.step(samples.measured[k], samples.commands[k]));
+    if (controller.state().forward != kinematics::ForwardStatus::converged)
+      state.SkipWithError("no pose");
+    k = (k + 1) % sample_count;
+  }
+}
+BENCHMARK_CAPTURE(tick, pose, model::ControlSpace::pose, true);
+BENCHMARK_CAPTURE(tick, pose_from_neutral, model::ControlSpace::pose, false);
+BENCHMARK_CAPTURE(tick, leg, model::ControlSpace::leg, true);
+
+/// Default tolerances, sensors and controller; noise of 1 mm and 0.1° in all six directions.
+void closed_loop_second(benchmark::State& state) {
+  const auto machine = bench::published();
+  simulation::ClosedLoop loop(machine, machine.neutral(), {.until = 1.0});
+  simulation::Noise noise{.to = 20.0};
+  noise.rms << 1e-3, 1e-3, 1e-3, 1.7e-3, 1.7e-3, 1.7e-3;
+  const auto signal = simulation::make_signal({noise}, loop.parameters().sample_time);
+  for (auto _ : state) {
+    signal->restart();
+    const auto summary = loop.run(simulation::command_source(*signal), {});
+    if (summary.end != simulation::RunEnd::finished) state.SkipWithError("run ended early");
+  }
+  state.counters["times_real_time"] =
+      benchmark::Counter(static_cast<double>(state.iterations()), benchmark::Counter::kIsRate);
+}
+BENCHMARK(closed_loop_second)->Unit(benchmark::kMillisecond);
+
+}  // namespace

@@ -1,0 +1,286 @@
+/// `hydrapod simulate`: what it prints and writes, and what is left when something goes wrong.
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "hydrapod/data/record_io.hpp"
+#include "support/run_program.hpp"
+
+namespace hydrapod {
+namespace {
+
+using test::run_hydrapod;
+using test::TemporaryFolder;
+using testing::AllOf;
+using testing::HasSubstr;
+
+std::string model(const std::string& name) {
+  return test::source_file("models/" + name + ".toml").string();
+}
+const std::string published = model("zhang-jiang-2021");
+
+double last_of(const data::Record& record, const std::string& channel) {
+  const auto column = data::find_channel(record.header, channel);
+  return record.samples(record.samples.rows() - 1, static_cast<Eigen::Index>(column.value()));
+}
+
+TEST(Simulate, ShowsHowAStepSettles) {
+  const auto result = run_hydrapod(
+      {"simulate", published, "--command", "step z=2 mm", "--until", "3", "--model", "rigid"});
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_THAT(result.out, AllOf(HasSubstr("step of z 2 mm at 0.1 s"), HasSubstr("rigid legs"),
+                                HasSubstr("within 2 % after"), HasSubstr("stroke used")));
+}
+
+TEST(Simulate, JsonHoldsTheRunAndItsHistories) {
+  const auto result = run_hydrapod({"simulate", published, "--command", "step z=2 mm", "--until",
+                                    "4", "--model", "rigid", "--format", "json"});
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  const auto json = nlohmann::json::parse(result.out);
+  EXPECT_EQ(json.at("kind"), "simulation");
+  EXPECT_EQ(json.at("run").at("end"), "finished");
+  EXPECT_NEAR(json.at("run").at("time_s").get<double>(), 4.0, 1e-9);
+  const auto& z = json.at("directions").at(2);
+  EXPECT_EQ(z.at("direction"), "z");
+  EXPECT_NEAR(z.at("peak_command").get<double>(), 2e-3, 1e-15);
+  EXPECT_GT(z.at("settling_time_s").get<double>(), 0.05);
+  EXPECT_LT(z.at("settling_time_s").get<double>(), 3.0);
+  const auto& trace = json.at("trace");
+  EXPECT_EQ(trace.at("motion").size(), 6U);
+  EXPECT_EQ(trace.at("motion").at(2).size(), trace.at("time_s").size());
+  EXPECT_NEAR(trace.at("motion").at(2).back().get<double>(), 2e-3, 2e-5);
+}
+
+/// The same samples in every format, with names, units and the machine file.
+TEST(Simulate, WritesRecordsThatSayWhatTheyAre) {
+  const TemporaryFolder folder;
+  std::vector<double> ends;
+  for (const std::string ending : {"csv", "h5", "mat"}) {
+    const std::string path = (folder.path() / ("run." + ending)).string();
+    const auto result =
+        run_hydrapod({"simulate", published, "--command", "noise x=1 mm, ry=0.05 deg", "--until",
+                      "0.3", "--dt-output", "2 ms", "--seed", "7", "-o", path});
+    ASSERT_EQ(result.exit_code, 0) << result.err;
+    const auto record = data::read_record(path).record;
+    EXPECT_EQ(record.samples.rows(), 151);
+    EXPECT_EQ(record.header.sample_rate, 500.0);
+    EXPECT_EQ(record.header.machine, test::read_text(published));
+    EXPECT_THAT(record.header.notes, AllOf(HasSubstr("seed 7"), HasSubstr("noise of RMS")));
+    const auto length = data::find_channel(record.header, "leg3.length");
+    EXPECT_EQ(record.header.channels.at(length.value()).unit, "m");
+    ends.push_back(last_of(record, "leg3.length"));
+    EXPECT_FALSE(std::filesystem::exists(path + ".part"));
+  }
+  EXPECT_EQ(ends[0], ends[1]);
+  EXPECT_EQ(ends[0], ends[2]);
+}
+
+TEST(Simulate, TheSameSeedWritesTheSameFile) {
+  const TemporaryFolder folder;
+  std::vector<std::string> texts;
+  for (const std::string name : {"one.csv", "two.csv"}) {
+    const std::string path = (folder.path() / name).string();
+    ASSERT_EQ(run_hydrapod({"simulate", published, "--command", "noise z=1 mm", "--until", "0.2",
+                            "--seed", "11", "-o", path})
+                  .exit_code,
+              0);
+    texts.push_back(test::read_text(path));
+  }
+  EXPECT_EQ(texts[0], texts[1]);
+}
+
+TEST(Simulate, DrawsAPicture) {
+  const TemporaryFolder folder;
+  const std::string path = (folder.path() / "run.svg").string();
+  const auto result = run_hydrapod(
+      {"simulate", published, "--command", "step z=2 mm", "--until", "0.5", "--plot", path});
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_THAT(test::read_text(path), AllOf(HasSubstr("<svg"), HasSubstr("drives at the valves")));
+}
+
+TEST(Simulate, FollowsAFileAndNamesItsMistakes) {
+  const TemporaryFolder folder;
+  const auto path = folder.path() / "motion.csv";
+  std::ofstream(path) << "time [s], z [mm], rz [deg]\n0, 0, 0\n0.5, 4, 0.5\n1, 4, 0\n";
+  const std::string record = (folder.path() / "run.csv").string();
+  const auto result = run_hydrapod(
+      {"simulate", published, "--command", "file " + path.string(), "--until", "5", "-o", record});
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_NEAR(last_of(data::read_record(record).record, "platform.z"), 4e-3, 2e-5);
+
+  std::ofstream(path) << "time [s], z [mm]\n0, 0\n0.5, nan\n";
+  const auto wrong = run_hydrapod({"simulate", published, "--command", "file " + path.string()});
+  EXPECT_EQ(wrong.exit_code, 2);
+  EXPECT_EQ(wrong.err, path.string() + ":3:6: error: z is 'nan', expected a finite number\n");
+}
+
+TEST(Simulate, RefusesAMotionThatLeavesTheWorkspace) {
+  const TemporaryFolder folder;
+  const auto path = folder.path() / "run.csv";
+  const auto result = run_hydrapod({"simulate", model("heavy-platform"), "--command",
+                                    "sine z=0.2 m, frequency=0.5", "-o", path.string()});
+  EXPECT_EQ(result.exit_code, 2);
+  EXPECT_THAT(result.err, HasSubstr("error: leg 1 needs "));
+  EXPECT_THAT(result.err, HasSubstr(" mm more stroke than it has extending at "));
+  EXPECT_FALSE(std::filesystem::exists(path));
+}
+
+TEST(Simulate, MistakesInArgumentsAreNamed) {
+  const auto complaint = [](std::vector<std::string> arguments) {
+    arguments.insert(arguments.begin(), {"simulate", published});
+    const auto result = run_hydrapod(arguments);
+    EXPECT_EQ(result.exit_code, 2);
+    return result.err;
+  };
+  EXPECT_EQ(complaint({"--command", "sine z=1 mm, frequency=600"}),
+            "--command sine z=1 mm, frequency=600: error: sine: frequency is 600, expected more "
+            "than 0 and less than 500 Hz, half the controller's sample rate\n");
+  EXPECT_EQ(complaint({"--until", "-1"}), "--until -1: error: expected a time of more than 0 s\n");
+  EXPECT_EQ(complaint({"--integrator", "euler"}),
+            "--integrator euler: error: unknown value; accepted are adaptive, adams, bdf, fixed\n");
+  EXPECT_EQ(complaint({"--tolerance", "1"}), "--tolerance 1: error: expected 1e-13 to 0.01\n");
+  EXPECT_THAT(complaint({"-o", "run.xyz"}), HasSubstr("run.xyz"));
+  EXPECT_EQ(complaint({"--plot", "run.gif"}),
+            "--plot run.gif: error: a plot ends in .svg, .png or .pdf; found '.gif'\n");
+}
+
+TEST(Simulate, ARunThatFailsKeepsWhatItHas) {
+  const TemporaryFolder folder;
+  const std::string path = (folder.path() / "run.h5").string();
+  // The platform is driven beyond a joint's limit by overshoot: the command itself stays within.
+  const auto result =
+      run_hydrapod({"simulate", published, "--command", "step x=30 mm", "--set",
+                    "legs.joint_limits.base=0.035", "--set", "controller.gain=33", "-o", path});
+  EXPECT_EQ(result.exit_code, 1) << result.out;
+  EXPECT_THAT(result.err,
+              AllOf(HasSubstr("error: the run ended at "), HasSubstr("beyond its limit of 2.01°"),
+                    HasSubstr("holds everything up to there")));
+  const auto record = data::read_record(path).record;
+  EXPECT_GT(record.samples.rows(), 100);
+  EXPECT_TRUE(record.samples.allFinite());
+}
+
+/// Runs a shell line in `folder` with the program's folder in PATH.
+test::RunResult shell(const TemporaryFolder& folder, const std::string& line) {
+  const std::string path =
+      test::hydrapod_program().parent_path().string() + ':' + std::getenv("PATH");
+  return test::run_program("sh", {"-c", line},
+                           {.folder = folder.path(), .variables = {{"PATH", path}}});
+}
+
+const std::string long_run =
+    "hydrapod simulate '" + published + "' --model rigid --command 'noise x=1 mm' --until 600 -o ";
+
+TEST(Simulate, AnInterruptedRunLeavesAFile) {
+  for (const std::string ending : {"csv", "h5", "mat"}) {
+    const TemporaryFolder folder;
+    const auto result = shell(folder, long_run + "run." + ending +
+                                          " > out 2> err & pid=$!; sleep 1.5; kill -INT $pid; "
+                                          "wait $pid; echo \"left $?\"");
+    EXPECT_THAT(result.out, HasSubstr("left 1"));
+    EXPECT_THAT(test::read_text(folder.path() / "err"), HasSubstr("s of 600 s: interrupted"));
+    const auto record = data::read_record((folder.path() / ("run." + ending)).string()).record;
+    EXPECT_GT(record.samples.rows(), 10);
+    EXPECT_TRUE(record.samples.allFinite());
+  }
+}
+
+TEST(Simulate, OfAKilledRunWhatWasWrittenCanBeRead) {
+  for (const std::string ending : {"csv", "h5"}) {
+    const TemporaryFolder folder;
+    // Killed once the part has some size, however fast the machine is.
+    shell(folder, long_run + "run." + ending +
+                      " > out 2> err & pid=$!; "
+                      "for k in $(seq 300); do sleep 0.1; "
+                      "[ \"$(stat -c %s run." +
+                      ending +
+                      ".part 2>/dev/null || echo 0)\" -gt 1500000 ] "
+                      "&& break; done; kill -KILL $pid; wait $pid");
+    EXPECT_FALSE(std::filesystem::exists(folder.path() / ("run." + ending)));
+    const auto record =
+        data::read_record((folder.path() / ("run." + ending + ".part")).string()).record;
+    EXPECT_GT(record.samples.rows(), 500) << ending;
+    EXPECT_TRUE(record.samples.allFinite());
+  }
+}
+
+/// A disk that is full after some megabytes, as a limit on the size of files.
+TEST(Simulate, OnAFullDiskWhatWasWrittenCanBeRead) {
+  for (const std::string ending : {"csv", "h5"}) {
+    const TemporaryFolder folder;
+    const auto result =
+        shell(folder, "trap '' XFSZ; ulimit -f 8000; " + long_run + "run." + ending);
+    EXPECT_EQ(result.exit_code, 1);
+    EXPECT_EQ(
+        result.err,
+        "error: writing 'run." + ending + "' failed; is the disk full? " +
+            (std::filesystem::canonical(folder.path()) / ("run." + ending)).filename().string() +
+            ".part holds what was written before\n");
+    const auto record =
+        data::read_record((folder.path() / ("run." + ending + ".part")).string()).record;
+    EXPECT_GT(record.samples.rows(), 500) << ending;
+    EXPECT_TRUE(record.samples.allFinite());
+  }
+}
+
+TEST(Simulate, ShowsItsController) {
+  const auto result = run_hydrapod({"simulate", published, "--show-controller"});
+  EXPECT_EQ(result.exit_code, 0);
+  EXPECT_THAT(result.out,
+              AllOf(HasSubstr("14.05 1/s"), HasSubstr("0.3 of 46.84 rad/s, the lowest oil mode")));
+}
+
+TEST(SystemModes, SayWhetherTheLoopIsStable) {
+  const auto stable = run_hydrapod({"modes", published, "--system"});
+  EXPECT_EQ(stable.exit_code, 0) << stable.err;
+  EXPECT_THAT(stable.out, AllOf(HasSubstr("\nstable: "), HasSubstr("platform z"),
+                                HasSubstr("controller"), HasSubstr("valves")));
+  const auto unstable =
+      run_hydrapod({"modes", published, "--system", "--set", "controller.gain=60"});
+  EXPECT_THAT(unstable.out, HasSubstr("\nUNSTABLE: an oscillation at "));
+  const auto json = nlohmann::json::parse(
+      run_hydrapod({"modes", published, "--system", "--model", "rigid", "--format", "json"}).out);
+  EXPECT_EQ(json.at("kind"), "system");
+  EXPECT_EQ(json.at("stable"), true);
+  EXPECT_EQ(json.at("delay").at("pade_order"), 2);
+  EXPECT_NEAR(json.at("delay").at("seconds").get<double>(), 1.5e-3, 1e-15);
+}
+
+TEST(SystemModes, RootLocusFindsTheLimitOfStability) {
+  const auto result = run_hydrapod({"modes", published, "--model", "rigid", "--format", "json",
+                                    "--root-locus", "controller.gain=20:60:5"});
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  const auto json = nlohmann::json::parse(result.out);
+  ASSERT_EQ(json.at("limits").size(), 1U);
+  const double limit = json.at("limits").at(0);
+  for (const auto& [factor, verdict] :
+       {std::pair{0.999, "\nstable"}, std::pair{1.001, "\nUNSTABLE"}})
+    EXPECT_THAT(run_hydrapod({"modes", published, "--model", "rigid", "--system", "--set",
+                              "controller.gain=" + std::to_string(factor * limit)})
+                    .out,
+                HasSubstr(verdict));
+  const auto wrong = run_hydrapod({"modes", published, "--root-locus", "controller.gain=20"});
+  EXPECT_EQ(wrong.exit_code, 2);
+  EXPECT_EQ(wrong.err,
+            "--root-locus controller.gain=20: error: only one number, expected KEY=from:to:count "
+            "with numbers in SI, for instance controller.gain=5:80:16\n");
+}
+
+TEST(CommandBode, ShowsBandwidths) {
+  const auto result = run_hydrapod(
+      {"bode", published, "--input", "command", "--points", "300", "--format", "json"});
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  const auto json = nlohmann::json::parse(result.out);
+  EXPECT_EQ(json.at("input"), "command");
+  const auto& x = json.at("bandwidths").at(0);
+  EXPECT_GT(x.at("minus_3_db_hz").get<double>(), x.at("minus_90_deg_hz").get<double>());
+  EXPECT_EQ(json.at("response").at("z").at("z").at("re").size(), 300U);
+}
+
+}  // namespace
+}  // namespace hydrapod
