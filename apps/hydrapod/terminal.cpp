@@ -208,7 +208,11 @@ void ProgressLine::update(double fraction) {
   if (shown_ && now - last_ < std::chrono::milliseconds(100)) return;
   last_ = now;
   shown_ = true;
-  const std::string line = fmt::format("\r{} {:3.0f} %\033[K", title_, 100.0 * fraction);
+  const double spent = std::chrono::duration<double>(now - begun_).count();
+  std::string left;
+  if (spent > 2.0 && fraction > 0.0)
+    left = fmt::format(", {:.0f} s left", spent * (1.0 - fraction) / fraction);
+  const std::string line = fmt::format("\r{} {:3.0f} %{}\033[K", title_, 100.0 * fraction, left);
   std::fputs(line.c_str(), stderr);
   std::fflush(stderr);
 }

@@ -63,8 +63,8 @@ class Table {
   std::vector<std::vector<std::string>> rows_;
 };
 
-/// A line on stderr that is rewritten in place, at most ten times a second, and gone at the end.
-/// Silent when stderr is not a terminal.
+/// A line on stderr that is rewritten in place, at most ten times a second, and gone at the end;
+/// after two seconds it says how many are left at this speed. Silent when stderr is not a terminal.
 class ProgressLine {
  public:
   explicit ProgressLine(std::string title);
@@ -79,6 +79,7 @@ class ProgressLine {
   std::string title_;
   bool shown_{};
   bool active_{};
+  std::chrono::steady_clock::time_point begun_{std::chrono::steady_clock::now()};
   std::chrono::steady_clock::time_point last_{};
 };
 

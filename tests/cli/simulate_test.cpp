@@ -209,22 +209,36 @@ TEST(Simulate, OfAKilledRunWhatWasWrittenCanBeRead) {
   }
 }
 
+void expect_readable_part(const std::filesystem::path& part) {
+  const auto record = data::read_record(part.string()).record;
+  EXPECT_GT(record.samples.rows(), 500) << part;
+  EXPECT_TRUE(record.samples.allFinite());
+}
+
 /// A disk that is full after some megabytes, as a limit on the size of files.
 TEST(Simulate, OnAFullDiskWhatWasWrittenCanBeRead) {
+  const TemporaryFolder folder;
+  const auto result = shell(folder, "trap '' XFSZ; ulimit -f 8000; " + long_run + "run.csv");
+  EXPECT_EQ(result.exit_code, 1);
+  EXPECT_EQ(result.err,
+            "error: writing 'run.csv' failed; is the disk full? run.csv.part holds what was "
+            "written before\n");
+  expect_readable_part(folder / "run.csv.part");
+}
+
+/// A file system of 4 MB in a namespace of its own.
+TEST(Simulate, OnAFullFileSystemWhatWasWrittenCanBeRead) {
+  const TemporaryFolder folder;
+  if (shell(folder, "mkdir small && unshare -rm mount -t tmpfs -o size=4m tmpfs small").exit_code !=
+      0)
+    GTEST_SKIP() << "no file system can be mounted here";
   for (const std::string ending : {"csv", "h5"}) {
-    const TemporaryFolder folder;
     const auto result =
-        shell(folder, "trap '' XFSZ; ulimit -f 8000; " + long_run + "run." + ending);
-    EXPECT_EQ(result.exit_code, 1);
-    EXPECT_EQ(
-        result.err,
-        "error: writing 'run." + ending + "' failed; is the disk full? " +
-            (std::filesystem::canonical(folder.path()) / ("run." + ending)).filename().string() +
-            ".part holds what was written before\n");
-    const auto record =
-        data::read_record((folder.path() / ("run." + ending + ".part")).string()).record;
-    EXPECT_GT(record.samples.rows(), 500) << ending;
-    EXPECT_TRUE(record.samples.allFinite());
+        shell(folder, "unshare -rm sh -c \"mount -t tmpfs -o size=4m tmpfs small && cd small && " +
+                          long_run + "run." + ending + "; cp run.* ..\"");
+    EXPECT_EQ(result.err, "error: writing 'run." + ending + "' failed; is the disk full? run." +
+                              ending + ".part holds what was written before\n");
+    expect_readable_part(folder / ("run." + ending + ".part"));
   }
 }
 
