@@ -12,6 +12,7 @@
 #include <string>
 #include <vector>
 
+#include "exact/modal_system.hpp"
 #include "hydrapod/data/record_io.hpp"
 #include "support/run_program.hpp"
 
@@ -68,6 +69,24 @@ direction = "z"
 path = "legs.guide_sleeve.stiffness"
 )";
 
+/// Records for frf and identify: a chain of two masses driven through an amplifier.
+void furnish_for_identification(const std::filesystem::path& folder) {
+  auto record = test::record_of(
+      test::chain(2, 1.0, 1500.0, 0.02),
+      {.sample_rate = 50.0, .samples = 1 << 15, .output_noise = Eigen::Vector2d::Constant(1e-5)});
+  const data::Samples measured = record.samples;
+  record.header.channels.push_back({.name = "d1", .role = data::Role::drive});
+  record.header.channels.push_back({.name = "d2", .role = data::Role::drive});
+  record.samples.resize(measured.rows(), 6);
+  record.samples << measured, 0.3 * measured.leftCols(2);
+  for (const char* name : {"run.h5", "run1.h5", "run2.h5"})
+    data::write_record(folder / name, record, data::RecordFormat::hdf5);
+  data::Record named = {.header = record.header, .samples = measured.rightCols(3)};
+  named.header.channels = {{.name = "force"}, {.name = "a1"}, {.name = "a2"}};
+  data::write_record(folder / "test.csv", named, data::RecordFormat::csv);
+  run_hydrapod({"frf", "run.h5", "--format", "json", "-o", "frf.json"}, {.folder = folder});
+}
+
 /// A folder as the examples expect it: with the models, and a machine.toml unless that is what is
 /// made, a motion, and measured modes.
 void furnish(const std::filesystem::path& folder, const std::string& command) {
@@ -77,6 +96,7 @@ void furnish(const std::filesystem::path& folder, const std::string& command) {
       << "time [s], x [mm], rz [deg]\n0, 0, 0\n0.5, 5, 1\n1, 0, 0\n";
   std::ofstream(folder / "modes.csv") << modes_csv;
   std::ofstream(folder / "modes.toml") << modes_toml;
+  if (command == "frf" || command == "identify") furnish_for_identification(folder);
   if (command != "record") return;
   for (const char* name : {"run.h5", "run.csv"})
     data::write_record(folder / name, small_record(), data::format_of_ending(name));
