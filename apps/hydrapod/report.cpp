@@ -8,7 +8,10 @@
 #include "hydrapod/base/error.hpp"
 #include "hydrapod/base/file.hpp"
 #include "hydrapod/commands.hpp"
+#include "hydrapod/interrupt.hpp"
 #include "hydrapod/machine_arguments.hpp"
+#include "hydrapod/report/simulation.hpp"
+#include "hydrapod/terminal.hpp"
 
 namespace hydrapod::cli {
 
@@ -20,6 +23,8 @@ struct Arguments {
   std::string output{"report.html"};
   std::string theme{"auto"};
   std::string modes{};
+  std::vector<std::string> commands{};
+  std::string until{};
   report::HtmlOptions options{};
 };
 
@@ -56,6 +61,32 @@ std::vector<int> mode_list(const std::string& text, int count) {
   return modes;
 }
 
+/// The run that `--command` asks for, at the first pose.
+report::Json simulated(const Arguments& arguments, const model::MachineFile& file,
+                       const report::PoseChoice& pose) {
+  report::SimulationOptions options{.commands = arguments.commands, .trace_samples = 1500};
+  options.loop.kind = arguments.options.kind;
+  auto& integrator = options.loop.integrator;
+  integrator.relative_tolerance = integrator.absolute_tolerance = 1e-6;  // as `simulate` has it
+  if (!arguments.until.empty())
+    options.until = plain_or_quantity("--until " + arguments.until, arguments.until, "s");
+  if (options.until && !(*options.until > 0.0))
+    bad_argument("--until " + arguments.until, "expected a time above 0");
+  auto prepared = report::prepare_simulation(file.machine, pose, options);
+  report::Simulation result;
+  {
+    const InterruptNote interrupt;
+    ProgressLine progress("simulating");
+    result = report::run_simulation(prepared, {}, [&](double time) {
+      progress.update(time / *prepared.options.until);
+      return !InterruptNote::noted();
+    });
+  }
+  return report::simulation_section(
+      result, file.machine, pose,
+      dynamics::linear_model(file.machine, pose.X_BP, arguments.options.kind));
+}
+
 void run(Arguments& arguments) {
   constexpr std::array themes{report::Theme::automatic, report::Theme::light, report::Theme::dark};
   auto& options = arguments.options;
@@ -66,8 +97,12 @@ void run(Arguments& arguments) {
   if (arguments.poses.empty()) arguments.poses.push_back(arguments.machine.pose);
   std::vector<report::PoseChoice> poses;
   for (const auto& pose : arguments.poses) poses.push_back(choose_pose(file.machine, pose));
-  base::write_file_whole(arguments.output,
-                         report::html_report(file, arguments.machine.file, poses, options));
+  if (arguments.commands.empty() && !arguments.until.empty())
+    bad_argument("--until", "says how long to simulate; add --command");
+  auto document = report::report_json(file, arguments.machine.file, poses, options);
+  if (!arguments.commands.empty())
+    document["simulation"] = simulated(arguments, file, poses.front());
+  base::write_file_whole(arguments.output, report::html_page(document, options.theme));
   if (arguments.output != "-") fmt::print(stderr, "wrote {}\n", arguments.output);
 }
 
@@ -82,6 +117,8 @@ void add_report(CLI::App& app) {
         "two poses to switch between"},
        {"report machine.toml --modes 1,2,15-18 --title \"Before the new seals\"",
         "modes pictured in print"},
+       {"report machine.toml --command \"step z=5 mm\"",
+        "and what the machine does when it is told to move: over time, and in 3D"},
        {"report machine.toml --set environment.gravity=0 --theme light",
         "a what-if, light colours only"}});
   auto arguments = std::make_shared<Arguments>();
@@ -108,6 +145,14 @@ void add_report(CLI::App& app) {
                    "Points of a Bode curve, besides those at resonances")
       ->capture_default_str()
       ->check(CLI::Range(2, 20000));
+  command
+      ->add_option(
+          "--command", arguments->commands,
+          "Also simulate this at the first pose, as `hydrapod simulate` does; may be repeated")
+      ->allow_extra_args(false)
+      ->type_name("COMMAND");
+  command->add_option("--until", arguments->until,
+                      "Simulated time, s or with a unit; default: what the commands need");
   command->add_option("-o,--output", arguments->output, "File to write; - prints")
       ->capture_default_str();
   command->callback([arguments] { run(*arguments); });

@@ -1,8 +1,10 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 
+#include "hydrapod/report/geometry_json.hpp"
 #include "hydrapod/report/simulation.hpp"
 
 namespace hydrapod::report {
@@ -119,6 +121,26 @@ Json simulation_json(const Simulation& s) {
                    {"drive", histories(s.trace.drive)},
                    {"cap_pressure_Pa", histories(s.trace.cap_pressure)},
                    {"rod_pressure_Pa", histories(s.trace.rod_pressure)}};
+  return json;
+}
+
+Json simulation_section(const Simulation& simulation, const model::Machine& machine,
+                        const PoseChoice& pose, const dynamics::LinearModel& rest) {
+  double used = 0.0;
+  for (std::size_t i = 0; i < model::leg_count; ++i) {
+    const auto& stops = simulation.stops[i];
+    const double room = stops.high - stops.low;
+    const double moved = simulation.summary.piston_high[i] - simulation.summary.piston_low[i];
+    used = std::max(used, room > 0.0 ? moved / room : 0.0);
+  }
+  Json json{
+      {"pose", pose.name},
+      {"geometry", geometry_json(machine, rest)},
+      {"summary", fmt::format("{:.4g} s simulated; the leg that moved most used {:.1f} % of its "
+                              "stroke.",
+                              simulation.trace.time.empty() ? 0.0 : simulation.trace.time.back(),
+                              100.0 * used)}};
+  json.update(simulation_json(simulation));
   return json;
 }
 

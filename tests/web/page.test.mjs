@@ -277,3 +277,27 @@ test('options that make no sense are refused with what would be accepted', () =>
   assert.match(said('--modes', 'x'), /^2: .*1,2,15-18/s);
   assert.match(said('--pose', 'nowhere'), /^2: .*unknown pose/s);
 });
+
+test('no section lies over another, wherever the page is scrolled to', async () => {
+  const run = ['--command', 'step z=2 mm', '--until', '0.3'];
+  await withPage(report(published, ...run), {}, async (page) => {
+    for (const id of ['mechanism', 'bode', 'simulation', 'about']) {
+      const covered = await page.evaluate((section) => {
+        document.getElementById(section).scrollIntoView();
+        const boxes = [...document.querySelectorAll('main > section')].map((s) => ({
+          id: s.id,
+          box: s.getBoundingClientRect(),
+        }));
+        const pairs = boxes.flatMap((a, i) => boxes.slice(i + 1).map((b) => [a, b]));
+        return pairs
+          .filter(
+            ([a, b]) =>
+              Math.min(a.box.right, b.box.right) - Math.max(a.box.left, b.box.left) > 1 &&
+              Math.min(a.box.bottom, b.box.bottom) - Math.max(a.box.top, b.box.top) > 1,
+          )
+          .map(([a, b]) => `${a.id} and ${b.id}`);
+      }, id);
+      assert.deepEqual(covered, [], id);
+    }
+  });
+});

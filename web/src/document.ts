@@ -101,6 +101,24 @@ export interface PoseReport {
   bode?: Bode;
 }
 
+/** A run of `hydrapod simulate`; lists of six, per direction or leg, of values over time. */
+export interface Simulation {
+  pose: string;
+  geometry: Geometry;
+  commands: string[];
+  summary: string;
+  trace: {
+    time_s: number[];
+    /** From the pose at which it began [m, rad]. */
+    command: number[][];
+    motion: number[][];
+    piston_m: number[][];
+    drive: number[][];
+    cap_pressure_Pa: number[][];
+    rod_pressure_Pa: number[][];
+  };
+}
+
 export interface Report {
   kind: string;
   title: string;
@@ -124,6 +142,7 @@ export interface Report {
   };
   pictured_modes: number[];
   poses: PoseReport[];
+  simulation?: Simulation;
 }
 
 export const directions = ['x', 'y', 'z', 'rx', 'ry', 'rz'] as const;

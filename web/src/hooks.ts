@@ -39,6 +39,14 @@ export interface Readout {
   rigid: { re: number; im: number };
 }
 
+export interface SimulationHook {
+  /** Stops the motion at the sample nearest to `time` [s] and draws it, to scale. */
+  setTime(time: number): void;
+  /** Time of the sample that is shown [s]. */
+  time(): number;
+  jointPositions(leg: number): LegPoints;
+}
+
 declare global {
   interface Window {
     hydrapod: {
@@ -46,6 +54,7 @@ declare global {
       state: State;
       scene?: SceneHook;
       bode?: BodeHook;
+      simulation?: SimulationHook;
       /** When the machine was drawn first [ms since the page began to load]. */
       firstFrame?: number;
     };

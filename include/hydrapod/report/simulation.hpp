@@ -58,6 +58,11 @@ Simulation run_simulation(PreparedSimulation& prepared, const simulation::LoopSi
 /// `model`, `commands[]`, `controller`, `run`, `directions[]`, `legs[]`, `trace`.
 Json simulation_json(const Simulation& simulation);
 
+/// The run as the page of `hydrapod report` shows it: `pose`, `geometry` of the machine there,
+/// `summary` in words, and the above. `rest`: the model at the pose at which the run began.
+Json simulation_section(const Simulation& simulation, const model::Machine& machine,
+                        const PoseChoice& pose, const dynamics::LinearModel& rest);
+
 /// The controller's numbers: `controller` of the above.
 Json controller_json(const control::ControllerParameters& parameters, double lowest_oil_mode);
 

@@ -10,6 +10,7 @@ import { header } from './header';
 import { mechanism } from './mechanism';
 import { modes } from './modes';
 import { pictures } from './pictures';
+import { simulation } from './simulation';
 
 export interface Section {
   id: string;
@@ -21,7 +22,7 @@ export interface Section {
   render(state: State, host: HTMLElement): void;
 }
 
-export const sections: Section[] = [mechanism, modes, pictures, bode, about];
+export const sections: Section[] = [mechanism, modes, pictures, bode, simulation, about];
 
 /** A section can be drawn late where it is far down: the page is usable before. */
 export function renderSections(state: State, page: HTMLElement): void {
