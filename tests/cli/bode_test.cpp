@@ -168,7 +168,7 @@ TEST(Bode, SaysWhatIsWrongWithItsArguments) {
   const std::vector<WrongCall> calls{
       {{"--input", "actuater"},
        "--input actuater: error: unknown value; did you mean 'actuator'? accepted are wrench, "
-       "actuator\n"},
+       "actuator, command\n"},
       {{"--output", "speed"},
        "--output speed: error: unknown value; accepted are displacement, velocity, acceleration\n"},
       {{"--from", "-1"}, "--from -1: error: a frequency must be positive\n"},
