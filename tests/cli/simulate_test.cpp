@@ -180,7 +180,9 @@ TEST(Simulate, AnInterruptedRunLeavesAFile) {
   for (const std::string ending : {"csv", "h5", "mat"}) {
     const TemporaryFolder folder;
     const auto result = shell(folder, long_run + "run." + ending +
-                                          " > out 2> err & pid=$!; sleep 1.5; kill -INT $pid; "
+                                          " > out 2> err & pid=$!; "
+                                          "for i in $(seq 200); do [ -e run.*.part ] && break; "
+                                          "sleep 0.1; done; sleep 1.5; kill -INT $pid; "
                                           "wait $pid; echo \"left $?\"");
     EXPECT_THAT(result.out, HasSubstr("left 1"));
     EXPECT_THAT(test::read_text(folder.path() / "err"), HasSubstr("s of 600 s: interrupted"));
