@@ -74,8 +74,6 @@ void closed_loop_second(benchmark::State& state) {
     const auto summary = loop.run(simulation::command_source(*signal), {});
     if (summary.end != simulation::RunEnd::finished) state.SkipWithError("run ended early");
   }
-  state.counters["times_real_time"] =
-      benchmark::Counter(static_cast<double>(state.iterations()), benchmark::Counter::kIsRate);
 }
 BENCHMARK(closed_loop_second)->Unit(benchmark::kMillisecond);
 

@@ -64,9 +64,6 @@ void second_of_noise(benchmark::State& state, Method method, ModelKind kind) {
       run.advance(1e-3 * k, input);
     }
   }
-  state.counters["evaluations"] = static_cast<double>(run.statistics().evaluations);
-  state.counters["times_real_time"] =
-      benchmark::Counter(1.0, benchmark::Counter::kIsIterationInvariantRate);
 }
 BENCHMARK_CAPTURE(second_of_noise, adaptive_guide, Method::adaptive, ModelKind::guide)
     ->Unit(benchmark::kMillisecond);
