@@ -35,8 +35,13 @@ std::vector<std::size_t> shown_channels(const data::RecordHeader& header,
                : fmt::format("the record has no such channel; it has {}", fmt::join(known, ", ")));
     shown.push_back(*found);
   }
-  if (names.empty())
-    for (std::size_t c = 0; c < known.size(); ++c) shown.push_back(c);
+  if (names.empty()) {
+    for (std::size_t c = 0; c < std::min(known.size(), report::most_plotted_channels); ++c)
+      shown.push_back(c);
+    if (shown.size() < known.size())
+      fmt::print(stderr, "the first {} of {} channels are shown; --channel chooses others\n",
+                 shown.size(), known.size());
+  }
   if (shown.size() > report::most_plotted_channels)
     bad_argument(
         "--channel",

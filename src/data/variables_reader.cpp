@@ -8,6 +8,7 @@
 
 #include "channel_units.hpp"
 #include "formats.hpp"
+#include "header_numbers.hpp"
 #include "hydrapod/base/printable.hpp"
 #include "variable_file.hpp"
 
@@ -140,18 +141,9 @@ class VariablesReader final : public RecordReader {
 
   void read_own() {
     own_ = true;
-    const double version = number("format_version");
-    if (version != record_version)
-      notes_.fail(fmt::format("format_version is {}; this program reads version {}", version,
-                              record_version));
-    header_.sample_rate = number("sample_rate_hz");
-    if (!(header_.sample_rate > 0.0))
-      notes_.fail(fmt::format("sample_rate_hz is {} and must be positive", header_.sample_rate));
-    header_.start = number("start_s", 0.0);
-    const double repeat = number("repeat", 1.0);
-    if (!(repeat >= 1.0) || repeat > 1e9 || repeat != std::floor(repeat))
-      notes_.fail(fmt::format("repeat is {} and must be a whole number, 1 or more", repeat));
-    header_.repeat = static_cast<int>(repeat);
+    read_header_numbers([this](const char* name,
+                               std::optional<double> otherwise) { return number(name, otherwise); },
+                        notes_, header_);
     header_.title = clean_text(text("title"));
     header_.date = clean_text(text("date"));
     header_.notes = clean_text(text("notes"), true);

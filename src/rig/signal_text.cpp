@@ -70,6 +70,14 @@ class Words {
     return read.value;
   }
 
+  /// The keys that are there, "from, q".
+  [[nodiscard]] std::string keys() const {
+    std::string all;
+    for (const auto& [key, value] : values_)
+      all += (all.empty() ? "" : ", ") + base::printable(key, 20);
+    return all;
+  }
+
   /// Throws for a key that was not asked for; `known` are those that could have been.
   void finish(const std::vector<std::string_view>& known) const {
     for (const auto& [key, value] : values_) {
@@ -115,7 +123,11 @@ Vector6 levels(Words& words, Entry entry) {
       rms[i] = *level;
       any = true;
     }
-  if (!any) words.fail("no level is given; for instance \"z=1 mm\", or all=0.0001");
+  if (!any) {
+    const std::string found = words.keys();
+    words.fail(fmt::format("no level is given{}; for instance \"z=1 mm\", or all=0.0001",
+                           found.empty() ? "" : fmt::format(", only {}", found)));
+  }
   return rms;
 }
 

@@ -41,6 +41,15 @@ TEST_F(Rig, TheSameSeedGivesTheSameFile) {
   EXPECT_THAT(record.header.notes, HasSubstr("white noise, RMS x 0.0001"));
 }
 
+/// Its 39 channels are more than a picture holds.
+TEST_F(Rig, ARecordCanBePlottedAsItIs) {
+  ASSERT_EQ(run({"--duration", "0.5", "--settling", "0.1", "-o", "a.h5"}).exit_code, 0);
+  const auto plot = run_hydrapod({"record", "plot", file("a.h5"), "-o", file("a.svg")});
+  EXPECT_EQ(plot.exit_code, 0) << plot.err;
+  EXPECT_THAT(plot.err, HasSubstr("the first 24 of 39 channels are shown"));
+  EXPECT_THAT(read_text(file("a.svg")), HasSubstr("<svg"));
+}
+
 TEST_F(Rig, AveragesArePeriods) {
   EXPECT_EQ(run({"--excite", "multisine z=0.1 mm, to=30, period=0.4", "--averages", "3",
                  "--settling", "0.1", "--accelerometer", "none", "-o", "m.csv"})

@@ -248,6 +248,8 @@ TEST(SignalText, IsReadWithUnitsAndRefusedWithAdvice) {
       "unknown key 'too'; did you mean 'to'? accepted are x, y, z, rx, ry, rz, all, from, to, "
       "slope");
   EXPECT_EQ(message("white"), "no level is given; for instance \"z=1 mm\", or all=0.0001");
+  EXPECT_EQ(message("white q=1 mm"),
+            "no level is given, only q; for instance \"z=1 mm\", or all=0.0001");
   EXPECT_THAT(message("white z=1 kg"), testing::StartsWith("z: \"1 kg\" has the unit \"kg\""));
 }
 
