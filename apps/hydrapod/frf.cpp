@@ -8,6 +8,7 @@
 #include "hydrapod/identification/exchange.hpp"
 #include "hydrapod/identification_arguments.hpp"
 #include "hydrapod/machine_arguments.hpp"
+#include "hydrapod/report/identification_files.hpp"
 #include "hydrapod/report/identification_json.hpp"
 #include "hydrapod/report/identification_plot.hpp"
 #include "hydrapod/terminal.hpp"
@@ -18,7 +19,7 @@ namespace {
 
 struct Arguments {
   MeasurementArguments measurement{};
-  std::string format{"table"}, output{"-"}, plot{}, coherence_plot{};
+  std::string format{}, output{"-"}, plot{}, coherence_plot{};
 };
 
 double median(std::vector<double> values) {
@@ -91,9 +92,10 @@ std::string table_text(const Arguments& arguments, const identification::Measure
 }
 
 void run(const Arguments& arguments) {
-  const size_t format = choose_word("--format", arguments.format, {"table", "json", "csv", "uff"});
-  if (format == 3 && arguments.output == "-")
-    bad_argument("--format uff", "a Universal File needs a name: add -o FILE.uff");
+  const size_t format =
+      result_format(arguments.format, arguments.output, {"table", "json", "csv", "uff", "mat"});
+  for (const auto* path : {&arguments.plot, &arguments.coherence_plot})
+    if (!path->empty()) report::require_picture(*path);
   const auto m = measure(arguments.measurement);
   const std::string title = arguments.measurement.files[0];
   if (!arguments.plot.empty()) {
@@ -106,11 +108,14 @@ void run(const Arguments& arguments) {
                            arguments.coherence_plot);
     fmt::print(stderr, "wrote {}\n", arguments.coherence_plot);
   }
-  if (format == 3) {
+  if (format == 4) {
+    report::write_responses_mat(arguments.output, m.responses);
+  } else if (format == 3) {
     data::write_frequency_response(arguments.output,
                                    identification::to_exchange(m.responses, title));
   } else if (format == 1) {
     report::Json json{{"kind", "frf"}, {"records", arguments.measurement.files}};
+    json["record"] = report::record_origin_json(m.header);
     json.update(report::responses_json(m.responses));
     base::write_file_whole(arguments.output, json.dump() + "\n");
   } else {
@@ -136,10 +141,9 @@ void add_frf(CLI::App& app) {
   command->add_option("--plot", arguments->plot, "Bode diagram to write, .svg, .png or .pdf");
   command->add_option("--coherence", arguments->coherence_plot,
                       "Picture of coherence and condition to write");
-  command
-      ->add_option("--format", arguments->format,
-                   "table (a summary), json, csv or uff (the whole response)")
-      ->capture_default_str();
+  command->add_option("--format", arguments->format,
+                      "table (a summary), json, csv, uff or mat (the whole response); default: by "
+                      "the ending of -o, else table");
   command->add_option("-o,--output", arguments->output, "File to write; - prints")
       ->capture_default_str();
   command->callback([arguments] { run(*arguments); });

@@ -2,11 +2,11 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "hydrapod/base/units.hpp"
 #include "hydrapod/interrupt.hpp"
-#include "hydrapod/kinematics/check_machine.hpp"
 #include "hydrapod/machine_arguments.hpp"
 #include "hydrapod/terminal.hpp"
 
@@ -34,31 +34,14 @@ double time_of(const std::string& option, const std::string& text) {
   return value;
 }
 
-/// The machine that brings leg lengths to the platform: --machine, else that of the record.
+/// What brings leg lengths to the platform.
 std::optional<identification::PlatformFrame> platform_frame(const MeasurementArguments& arguments) {
-  std::string name = arguments.machine;
-  model::MachineFile file;
-  if (!name.empty()) {
-    file = load({.file = name});
-  } else {
-    const auto reader = data::open_record_reader(arguments.files[0]);
-    if (reader->header().machine.empty()) return {};
-    name = arguments.files[0] + " (machine)";
-    file = model::parse_machine(reader->header().machine, name, {}, kinematics::check_machine);
-  }
-  const auto pose = choose_pose(file.machine, arguments.pose);
-  identification::PlatformFrame frame{.machine = file.machine, .X_BP = pose.X_BP};
-  frame.p_BQ = kinematics::mass_center(file.machine, pose.X_BP);
-  if (arguments.point.empty()) return frame;
-  const auto parts = names(arguments.point);
-  const std::string argument = "--point " + arguments.point;
-  if (parts.size() != 3)
-    bad_argument(argument, "a point is three lengths, for instance \"0,0,0.2 m\"");
-  spatial::Vector3 p_PQ;
-  for (int d = 0; d < 3; ++d)
-    p_PQ[d] = plain_or_quantity(argument, parts[static_cast<std::size_t>(d)], "m");
-  frame.p_BQ = pose.X_BP * p_PQ;
-  return frame;
+  const auto header = data::open_record_reader(arguments.files[0])->header();
+  const auto found = measured_machine(arguments, &header);
+  if (!found) return {};
+  return identification::PlatformFrame{.machine = found->file.machine,
+                                       .X_BP = found->pose.X_BP,
+                                       .p_BQ = measured_point(arguments, *found)};
 }
 
 identification::MeasureOptions options_of(const MeasurementArguments& a) {
@@ -91,6 +74,24 @@ identification::MeasureOptions options_of(const MeasurementArguments& a) {
 
 }  // namespace
 
+std::optional<RecordMachine> measured_machine(const MeasurementArguments& a,
+                                              const data::RecordHeader* header) {
+  return record_machine(header, a.files[0], a.machine, a.pose, a.model);
+}
+
+spatial::Vector3 measured_point(const MeasurementArguments& a, const RecordMachine& machine) {
+  const auto& X_BP = machine.pose.X_BP;
+  if (a.point.empty()) return kinematics::mass_center(machine.file.machine, X_BP);
+  const auto parts = names(a.point);
+  const std::string argument = "--point " + a.point;
+  if (parts.size() != 3)
+    bad_argument(argument, "a point is three lengths, for instance \"0,0,0.2 m\"");
+  spatial::Vector3 p_PQ;
+  for (int d = 0; d < 3; ++d)
+    p_PQ[d] = plain_or_quantity(argument, parts[static_cast<std::size_t>(d)], "m");
+  return X_BP * p_PQ;
+}
+
 void add_measurement_options(CLI::App& command, MeasurementArguments& a) {
   command.add_option("--inputs", a.inputs,
                      "Input channels, names with commas; default: role excitation, else drive");
@@ -113,9 +114,13 @@ void add_measurement_options(CLI::App& command, MeasurementArguments& a) {
   command.add_option("--settling", a.settling, "Time at the beginning that is passed over");
   command.add_option("--sample-rate", a.sample_rate, "For files that do not tell it");
   command.add_option("--machine", a.machine,
-                     "Machine file that turns leg lengths into platform directions; default: the "
-                     "one in the record");
-  command.add_option("--pose", a.pose, "Pose of the record, for --machine")->capture_default_str();
+                     "Machine file: turns leg lengths into platform directions, and is what modes "
+                     "are compared with; default: the one in the record");
+  command.add_option("--pose", a.pose,
+                     "Pose of the record, for the machine; default: as the record says, else "
+                     "neutral");
+  command.add_option("--model", a.model,
+                     "rigid, guide or full, for the machine; default: as the record says");
   command.add_option("--point", a.point,
                      "Point whose motion is meant, \"x,y,z\" in the platform's frame; default: the "
                      "mass centre");
@@ -137,6 +142,21 @@ identification::Measurement measure(const MeasurementArguments& arguments, bool 
         "interrupted: {} samples were read, and the result is of these", result.samples));
   print_warnings(arguments.files[0], result.responses.warnings);
   return result;
+}
+
+std::size_t result_format(const std::string& format, const std::string& output,
+                          const std::vector<std::string_view>& words) {
+  std::string word = format;
+  if (word.empty()) {
+    const auto dot = output.rfind('.');
+    const std::string ending = dot == std::string::npos ? "" : output.substr(dot + 1);
+    word = ending == "unv" || ending == "uf" ? "uff" : ending;
+    if (std::ranges::find(words, word) == words.end()) word = words[0];
+  }
+  const auto chosen = choose_word("--format", word, words);
+  if (output == "-" && (word == "uff" || word == "mat"))
+    bad_argument("--format " + word, "such a file needs a name: add -o FILE." + word);
+  return chosen;
 }
 
 void print_warnings(const std::string& file, const std::vector<std::string>& warnings) {

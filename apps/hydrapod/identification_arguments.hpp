@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "hydrapod/identification/measure.hpp"
+#include "hydrapod/record_machine.hpp"
 
 namespace hydrapod::cli {
 
@@ -19,8 +20,15 @@ struct MeasurementArguments {
   std::optional<int> block{};
   std::optional<double> overlap{};
   std::string period{}, settling{}, sample_rate{};
-  std::string machine{}, pose{"neutral"}, point{};
+  std::string machine{}, pose{}, model{}, point{};
 };
+
+/// The machine that was measured, if one is known; `header` of the first record, if there is one.
+std::optional<RecordMachine> measured_machine(const MeasurementArguments& arguments,
+                                              const data::RecordHeader* header);
+/// The point whose directions are meant: --point, else the mass centre; in B [m].
+spatial::Vector3 measured_point(const MeasurementArguments& arguments,
+                                const RecordMachine& machine);
 
 void add_measurement_options(CLI::App& command, MeasurementArguments& arguments);
 
@@ -29,6 +37,11 @@ void add_measurement_options(CLI::App& command, MeasurementArguments& arguments)
 /// `output_only`: spectra of the responses alone.
 identification::Measurement measure(const MeasurementArguments& arguments,
                                     bool output_only = false);
+
+/// --format, or where it is empty what the ending of `output` says, else the first of `words`, a
+/// table. Throws base::InputError for another word, and for uff and mat without a file name.
+std::size_t result_format(const std::string& format, const std::string& output,
+                          const std::vector<std::string_view>& words);
 
 /// "6 inputs, 6 outputs, h1, 45.1 averages, lines 0.061 Hz apart"; what was measured, for headings.
 std::string measurement_text(const identification::FrequencyResponses& responses);

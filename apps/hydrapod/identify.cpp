@@ -1,27 +1,27 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
 #include <fstream>
 #include <memory>
-#include <numbers>
-#include <numeric>
 
 #include "hydrapod/base/file.hpp"
 #include "hydrapod/base/units.hpp"
 #include "hydrapod/commands.hpp"
 #include "hydrapod/identification/exchange.hpp"
 #include "hydrapod/identification_arguments.hpp"
+#include "hydrapod/identification_report.hpp"
 #include "hydrapod/machine_arguments.hpp"
+#include "hydrapod/report/identification_files.hpp"
 #include "hydrapod/report/identification_json.hpp"
 #include "hydrapod/report/identification_plot.hpp"
+#include "hydrapod/report/mode_comparison.hpp"
 #include "hydrapod/terminal.hpp"
 
 namespace hydrapod::cli {
 
 namespace {
 
-constexpr double two_pi = 2.0 * std::numbers::pi;
+const std::vector<std::string_view> against_words{"auto", "mechanics", "plant", "system", "none"};
 
 struct Arguments {
   MeasurementArguments measurement{};
@@ -29,8 +29,11 @@ struct Arguments {
   int order{40};
   double highest_damping{30.0};  // [%]
   bool output_only{};
-  std::string format{"table"}, output{"-"}, plot{}, stabilisation{}, mac{};
+  std::string against{"auto"};
+  std::string format{}, output{"-"}, plot{}, stabilisation{}, mac{}, cross_mac{};
 };
+
+enum Format : std::size_t { table, json, csv, uff, mat };
 
 std::optional<double> frequency(const std::string& option, const std::string& text) {
   if (text.empty()) return {};
@@ -73,7 +76,14 @@ bool is_record(const std::string& path) {
   }
 }
 
-identification::FrequencyResponses read_responses(const std::string& path) {
+/// What is identified, and what is known of where it comes from.
+struct Source {
+  identification::FrequencyResponses responses{};
+  std::optional<data::RecordHeader> header{};
+  std::string frame{"outputs as measured"};  ///< how they were brought to directions
+};
+
+Source read_responses(const std::string& path) {
   constexpr std::size_t largest = std::size_t{1} << 31;
   const std::string text = base::read_file(path, largest, "frequency responses of `hydrapod frf`");
   report::Json json;
@@ -82,97 +92,77 @@ identification::FrequencyResponses read_responses(const std::string& path) {
   } catch (const nlohmann::json::parse_error& error) {
     bad_argument(path, fmt::format("is no JSON: {}", error.what()));
   }
-  return report::responses_from_json(json, path);
+  return {.responses = report::responses_from_json(json, path),
+          .header = report::record_origin_from_json(json)};
 }
 
-identification::FrequencyResponses responses_of(const Arguments& a, bool& from_legs) {
-  if (is_json(a.measurement.files[0])) {
+Source source_of(const Arguments& a) {
+  const std::string& first = a.measurement.files[0];
+  if (is_json(first)) {
     if (a.measurement.files.size() > 1)
       bad_argument(a.measurement.files[1],
                    "frequency responses stand alone: only records are "
                    "averaged together");
-    return read_responses(a.measurement.files[0]);
+    return read_responses(first);
   }
-  if (is_universal(a.measurement.files[0]) && a.measurement.files.size() == 1) {
+  if (is_universal(first) && a.measurement.files.size() == 1) {
     try {
-      auto read = data::read_frequency_response(a.measurement.files[0]);
+      auto read = data::read_frequency_response(first);
       print_diagnostics(read.notes);
-      return identification::from_exchange(read.response, a.measurement.files[0]);
+      return {.responses = identification::from_exchange(read.response, first)};
     } catch (const base::InputError&) {  // it may hold a record instead
-      if (!is_record(a.measurement.files[0])) throw;
+      if (!is_record(first)) throw;
     }
   }
   auto m = measure(a.measurement);
-  from_legs = m.from_legs;
-  return std::move(m.responses);
+  Source source{.responses = std::move(m.responses), .header = std::move(m.header)};
+  if (m.from_legs) source.frame = "leg lengths brought to platform directions";
+  return source;
 }
 
-/// The outputs that move most, each in proportion to the size of its own responses.
-std::string shape_text(const identification::IdentifiedMode& mode, const Eigen::VectorXd& size,
-                       const std::vector<data::Channel>& outputs) {
-  Eigen::VectorXd share = mode.fit.shape.cwiseAbs().cwiseQuotient(size);
-  share /= share.maxCoeff();
-  std::vector<int> order(outputs.size());
-  std::iota(order.begin(), order.end(), 0);
-  std::ranges::sort(order, [&](int a, int b) { return share[a] > share[b]; });
-  std::string text;
-  constexpr double shown = 0.2;
-  constexpr std::size_t most = 4;
-  for (std::size_t k = 0; k < std::min(most, order.size()) && share[order[k]] >= shown; ++k) {
-    const bool opposite =
-        (mode.fit.shape[order[k]] * std::conj(mode.fit.shape[order[0]])).real() < 0.0;
-    text += fmt::format("{}{}{} {:.2f}", k == 0 ? "" : ", ", opposite ? "−" : "",
-                        outputs[static_cast<std::size_t>(order[k])].name, share[order[k]]);
+/// What the inputs see: the plant from the drives on, else the machine as it stands, which is under
+/// its controller in a record of the rig.
+comparison::Source model_source(const Arguments& a, const Source& source) {
+  const auto word = choose_word("--against", a.against, against_words);
+  if (word > 0) return static_cast<comparison::Source>(word - 1);
+  if (!source.header || !is_rig_record(*source.header)) return comparison::Source::mechanics;
+  const bool drives = std::ranges::all_of(
+      source.responses.inputs, [](const auto& c) { return c.role == data::Role::drive; });
+  return drives ? comparison::Source::plant : comparison::Source::system;
+}
+
+/// Modes beside those of the machine that is known; none where there is no machine. A model that
+/// cannot be computed is a warning: the modes were found all the same.
+std::optional<report::ComparedModes> compared_modes(const Arguments& a, const Source& source,
+                                                    const identification::Identification& result) {
+  if (a.against == "none" || result.modes.empty()) return {};
+  const auto machine = measured_machine(a.measurement, source.header ? &*source.header : nullptr);
+  if (!machine) {
+    if (a.against != "auto" || !a.cross_mac.empty())
+      bad_argument(a.cross_mac.empty() ? "--against " + a.against : "--cross-mac " + a.cross_mac,
+                   "there is no machine to compare with: add --machine FILE");
+    return {};
   }
-  return text;
-}
-
-std::string table_text(const Arguments& a, const identification::Identification& result,
-                       const std::string& measured, bool from_legs) {
-  const bool printed = a.output == "-";
-  const bool colour = printed && has_colour(stdout);
-  std::string text =
-      fmt::format("{}\nband {:.4g} Hz to {:.4g} Hz, model orders up to {}, {}\n", measured,
-                  result.from, result.to, result.chart.empty() ? 0 : result.chart.back().order,
-                  from_legs ? "leg lengths brought to platform directions" : "outputs as measured");
-  if (result.modes.empty()) return text + "\nno mode in this band\n";
-  Table table({{"mode"},
-               {"Hz"},
-               {"±"},
-               {"damping"},
-               {"±"},
-               {"what moves", Align::left},
-               {"MPC"},
-               {"MPD"},
-               {"quality"}});
-  Eigen::VectorXd size =
-      Eigen::VectorXd::Zero(static_cast<Eigen::Index>(result.responses.outputs.size()));
-  for (const auto& H : result.responses.H) size += H.rowwise().squaredNorm();
-  size = size.cwiseSqrt().cwiseMax(1e-300);
-  for (std::size_t r = 0; r < result.modes.size(); ++r) {
-    const auto& m = result.modes[r];
-    table.add_row({fmt::format("{}", r + 1), fmt::format("{:.4f}", m.fit.omega() / two_pi),
-                   fmt::format("{:.4f}", 1.96 * m.fit.omega_deviation / two_pi),
-                   fmt::format("{:.3f} %", 100.0 * m.fit.damping_ratio()),
-                   fmt::format("{:.3f} %", 196.0 * m.fit.damping_deviation),
-                   shape_text(m, size, result.responses.outputs), fmt::format("{:.3f}", m.mpc),
-                   fmt::format("{:.1f}°", m.mpd * 180.0 / std::numbers::pi),
-                   fmt::format("{:.2f}", m.quality())});
+  report::ComparedModes compared{.source = model_source(a, source),
+                                 .kind = machine->kind,
+                                 .machine = machine->file.machine.name,
+                                 .pose = machine->pose.name};
+  try {
+    compared.result = comparison::compare_modes(
+        result,
+        comparison::model_modes(machine->file.machine, machine->pose.X_BP, machine->kind,
+                                compared.source),
+        {machine->file.machine, machine->pose.X_BP, measured_point(a.measurement, *machine)},
+        a.highest_damping / 100.0);
+  } catch (const base::ComputationError& error) {
+    print_warnings(machine->name, {fmt::format("not compared with the model: {}", error.what())});
+    return {};
   }
-  text += "\n" + table.text(colour, printed ? terminal_width() : Table::unlimited);
-  text += fmt::format("\n± is 95 %. The modes give the responses back to {:.2g} %",
-                      100.0 * result.model.error);
-  if (result.model.misfit > 0.0)
-    text +=
-        fmt::format(", {:.2f} times what their noise explains (mean square)", result.model.misfit);
-  text += ".\n";
-  for (const auto& m : result.heavily_damped)
-    text += fmt::format("Heavily damped pole, no mode: {:.3f} Hz, {:.0f} % of critical.\n",
-                        m.omega() / two_pi, 100.0 * m.damping_ratio());
-  return text;
+  return compared;
 }
 
-void draw(const Arguments& a, const identification::Identification& result) {
+void draw(const Arguments& a, const identification::Identification& result,
+          const std::optional<report::ComparedModes>& compared) {
   const report::PlotText text{a.measurement.files[0], measurement_text(result.responses)};
   const auto wrote = [](const std::string& path) { fmt::print(stderr, "wrote {}\n", path); };
   if (!a.plot.empty()) {
@@ -189,73 +179,77 @@ void draw(const Arguments& a, const identification::Identification& result) {
     report::plot_mac(result, text, a.mac);
     wrote(a.mac);
   }
-}
-
-std::string output_only_text(const Arguments& a, const identification::Measurement& m,
-                             const std::vector<identification::OutputOnlyMode>& modes) {
-  const bool printed = a.output == "-";
-  std::string text = fmt::format(
-      "{} outputs, no input: covariance-driven subspace identification, blocks of {} samples\n",
-      m.outputs.size(), m.spectra.options.block_length);
-  if (modes.empty()) return text + "\nno mode comes back whatever the model order\n";
-  Table table({{"mode"}, {"Hz"}, {"scatter"}, {"damping"}, {"scatter"}, {"MPC"}, {"quality"}});
-  for (std::size_t r = 0; r < modes.size(); ++r) {
-    const auto& mode = modes[r];
-    const double omega = std::abs(mode.pole);
-    table.add_row({fmt::format("{}", r + 1), fmt::format("{:.4f}", omega / two_pi),
-                   fmt::format("{:.4f}", mode.frequency_scatter * omega / two_pi),
-                   fmt::format("{:.3f} %", -100.0 * mode.pole.real() / omega),
-                   fmt::format("{:.3f} %", 100.0 * mode.damping_scatter),
-                   fmt::format("{:.3f}", mode.mpc), fmt::format("{:.2f}", mode.persistence)});
+  if (!a.cross_mac.empty()) {
+    if (!compared) bad_argument("--cross-mac " + a.cross_mac, "there is nothing to compare");
+    report::plot_cross_mac(*compared, result, {text.title, report::comparison_heading(*compared)},
+                           a.cross_mac);
+    wrote(a.cross_mac);
   }
-  return text + "\n" +
-         table.text(printed && has_colour(stdout), printed ? terminal_width() : Table::unlimited) +
-         "\nscatter: over model orders; it is no interval of confidence\n";
 }
 
 void run_output_only(const Arguments& a, size_t format) {
-  for (const auto* path : {&a.plot, &a.stabilisation, &a.mac})
+  for (const auto* path : {&a.plot, &a.stabilisation, &a.mac, &a.cross_mac})
     if (!path->empty()) bad_argument("--output-only", "has no responses to plot");
+  if (format > Format::csv)
+    bad_argument("--output-only", "its modes are written as table, json or csv");
   const auto m = measure(a.measurement, true);
   const double highest = frequency("--to", a.to).value_or(0.45 * m.spectra.sample_rate);
   const auto modes = identification::identify_outputs(m.spectra, m.outputs, highest);
-  if (format == 0)
-    base::write_file_whole(a.output, output_only_text(a, m, modes));
-  else
-    base::write_file_whole(a.output, format == 1
-                                         ? report::Json{{"kind", "output_only_modes"},
-                                                        {"records", a.measurement.files},
-                                                        {"modes", report::output_only_json(modes)}}
-                                                   .dump(1) +
-                                               "\n"
-                                         : report::output_only_csv(modes));
+  if (format == Format::table)
+    return base::write_file_whole(
+        a.output, output_only_text(modes, m.outputs.size(), m.spectra.options.block_length,
+                                   table_style(a.output)));
+  if (format == Format::csv)
+    return base::write_file_whole(a.output, report::output_only_csv(modes));
+  base::write_file_whole(a.output, report::Json{{"kind", "output_only_modes"},
+                                                {"records", a.measurement.files},
+                                                {"modes", report::output_only_json(modes)}}
+                                           .dump(1) +
+                                       "\n");
+}
+
+void write_result(const Arguments& a, size_t format, const Source& source,
+                  const identification::Identification& result,
+                  const std::optional<report::ComparedModes>& compared) {
+  const std::string title = a.measurement.files[0];
+  if (format == Format::uff)
+    return report::write_modes_uff(a.output, result, title,
+                                   source.header ? source.header->date : "");
+  if (format == Format::mat) return report::write_modes_mat(a.output, result);
+  std::string text;
+  if (format == Format::json) {
+    report::Json json{{"kind", "identified_modes"}, {"records", a.measurement.files}};
+    json.update(report::identification_json(result));
+    if (compared) json["comparison"] = report::comparison_json(*compared, result);
+    text = json.dump(1) + "\n";
+  } else if (format == Format::csv) {
+    text = report::identified_modes_csv(result);
+  } else {
+    const auto style = table_style(a.output);
+    text = modes_text(result, measurement_text(source.responses), source.frame, style);
+    if (compared) text += comparison_text(*compared, result, style);
+  }
+  base::write_file_whole(a.output, text);
 }
 
 void run(const Arguments& a) {
-  const size_t format = choose_word("--format", a.format, {"table", "json", "csv"});
+  const size_t format = result_format(a.format, a.output, {"table", "json", "csv", "uff", "mat"});
+  choose_word("--against", a.against, against_words);
   const auto options = options_of(a);
   if (a.output_only) return run_output_only(a, format);
-  for (const auto* path : {&a.plot, &a.stabilisation, &a.mac})
+  for (const auto* path : {&a.plot, &a.stabilisation, &a.mac, &a.cross_mac})
     if (!path->empty()) report::require_picture(*path);
-  bool from_legs = false;
-  const auto responses = responses_of(a, from_legs);
+  const auto source = source_of(a);
   identification::Identification result;
   {
     ProgressLine line("identifying");
-    result = identification::identify_modes(responses, options,
+    result = identification::identify_modes(source.responses, options,
                                             [&](double share) { line.update(share); });
   }
   print_warnings(a.measurement.files[0], result.warnings);
-  draw(a, result);
-  if (format == 1) {
-    report::Json json{{"kind", "identified_modes"}, {"records", a.measurement.files}};
-    json.update(report::identification_json(result));
-    base::write_file_whole(a.output, json.dump(1) + "\n");
-  } else {
-    base::write_file_whole(
-        a.output, format == 0 ? table_text(a, result, measurement_text(responses), from_legs)
-                              : report::identified_modes_csv(result));
-  }
+  const auto compared = compared_modes(a, source, result);
+  draw(a, result, compared);
+  write_result(a, format, source, result, compared);
 }
 
 }  // namespace
@@ -266,8 +260,8 @@ void add_identify(CLI::App& app) {
       {{"identify run.h5", "modes, damping, shapes, without a setting"},
        {"identify run.h5 --plot fit.svg --stabilisation chart.svg", "with the pictures to it"},
        {"identify frf.json --from 2 --to 30", "from responses that `hydrapod frf` wrote"},
-       {"identify run.h5 --machine machine.toml --format json -o modes.json",
-        "leg lengths as platform directions, for other programs"}});
+       {"identify run.h5 --machine machine.toml", "beside the modes of a machine file"},
+       {"identify run.h5 -o modes.json", "for other programs; also .csv, .uff and .mat"}});
   auto a = std::make_shared<Arguments>();
   command
       ->add_option("RECORD|FRF", a->measurement.files,
@@ -290,7 +284,16 @@ void add_identify(CLI::App& app) {
   command->add_option("--stabilisation", a->stabilisation,
                       "Stabilisation chart with mode indicator to write");
   command->add_option("--mac", a->mac, "Picture of the MAC matrix to write");
-  command->add_option("--format", a->format, "table, json or csv")->capture_default_str();
+  command->add_option("--cross-mac", a->cross_mac,
+                      "Picture of the MAC of measured and model modes to write");
+  command
+      ->add_option("--against", a->against,
+                   "Model to compare with: auto, mechanics (on oil springs), plant (with "
+                   "hydraulics), system (with controller too) or none")
+      ->capture_default_str();
+  command->add_option("--format", a->format,
+                      "table, json, csv, uff (dataset 55) or mat; default: by the ending of -o, "
+                      "else table");
   command->add_option("-o,--output", a->output, "File to write; - prints")->capture_default_str();
   command->callback([a] { run(*a); });
 }

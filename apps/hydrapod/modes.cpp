@@ -81,7 +81,8 @@ void run(const Arguments& arguments) {
     bad_argument("--plot " + system.plot,
                  "there is a plot of a --root-locus only; for modes, "
                  "`hydrapod report` draws them moving");
-  if (system.system || !system.root_locus.empty()) return run_system(arguments, format);
+  if (system.system || system.open_loop || !system.root_locus.empty())
+    return run_system(arguments, format);
   if (arguments.matrices && arguments.format != "json")
     bad_argument("--matrices", "matrices are part of the JSON; add --format json");
   const auto file = load(arguments.machine);
@@ -106,6 +107,7 @@ void add_modes(CLI::App& app) {
         "what stiffer seals would change"},
        {"modes machine.toml --system",
         "poles with hydraulics and controller, and whether it is stable"},
+       {"modes machine.toml --open-loop", "the same without the controller"},
        {"modes machine.toml --root-locus controller.gain=5:80:16 --plot locus.svg",
         "those poles over the gain"},
        {"modes machine.toml --format json --matrices -o modes.json",

@@ -8,6 +8,7 @@
 #include "hydrapod/commands.hpp"
 #include "hydrapod/interrupt.hpp"
 #include "hydrapod/machine_arguments.hpp"
+#include "hydrapod/record_machine.hpp"
 #include "hydrapod/rig/rig.hpp"
 #include "hydrapod/rig/signal_text.hpp"
 #include "hydrapod/terminal.hpp"
@@ -84,10 +85,9 @@ data::RecordHeader header_of(const Arguments& arguments, const model::MachineFil
   header.start = options.settling;  // the excitation begins at 0
   header.repeat = options.repeat;
   header.machine = file.text;
-  header.notes = fmt::format("test rig of hydrapod, pose {}, seed {}, excitation of the {}",
-                             pose.name, options.seed, arguments.entry);
+  header.notes = rig_notes(pose.name, options.loop.kind, file.overrides) +
+                 fmt::format("\nexcitation of the {}, seed {}", arguments.entry, options.seed);
   for (const auto& signal : options.signals) header.notes += "\n" + rig::description(signal);
-  for (const auto& change : file.overrides) header.notes += "\n--set " + change;
   return header;
 }
 

@@ -61,8 +61,23 @@ LocusRange locus_range(const std::string& text) {
   return range;
 }
 
+/// Slower than this a pole is a drift [rad/s].
+constexpr double drift = 1e-2;
+
+/// Without a controller drifting is what a platform on valves does, and no fault.
+std::string open_verdict(const LinearSystem& linear, const SystemPoles& poles) {
+  const double rate = poles.largest_real;
+  if (rate < -drift || rate > drift) return report::verdict_text(linear, poles);
+  constexpr double none = 1e-9;
+  return rate > none ? fmt::format(
+                           "without a controller nothing holds the pose: the platform "
+                           "drifts away with {:.2g} 1/s",
+                           rate)
+                     : std::string("without a controller nothing holds the pose");
+}
+
 /// Table of poles, ascending in frequency.
-std::string pole_table(const SystemPoles& poles, bool colour, std::size_t width) {
+std::string pole_table(const SystemPoles& poles, bool closed, bool colour, std::size_t width) {
   std::vector<const simulation::SystemPole*> order;
   for (const auto& pole : poles.poles) order.push_back(&pole);
   std::stable_sort(order.begin(), order.end(),
@@ -77,18 +92,31 @@ std::string pole_table(const SystemPoles& poles, bool colour, std::size_t width)
   for (std::size_t k = 0; k < order.size(); ++k) {
     const auto& pole = *order[k];
     const bool stable = pole.pole.real() < 0.0;
-    table.add_row({std::to_string(k + 1),
-                   pole.oscillates() ? fmt::format("{:.3f}", pole.omega / two_pi) : "–",
-                   fmt::format("{:.4g}", pole.omega),
-                   pole.oscillates() ? fmt::format("{:.2f} %", 100.0 * pole.damping_ratio) : "–",
-                   fmt::format("{:.4g}", pole.pole.real()), stable ? "" : "UNSTABLE",
-                   report::participation_text(pole)});
+    const bool drifts = !closed && pole.omega < drift;
+    table.add_row(
+        {std::to_string(k + 1),
+         pole.oscillates() && !drifts ? fmt::format("{:.3f}", pole.omega / two_pi) : "–",
+         fmt::format("{:.4g}", pole.omega),
+         pole.oscillates() && !drifts ? fmt::format("{:.2f} %", 100.0 * pole.damping_ratio) : "–",
+         fmt::format("{:.4g}", pole.pole.real()),
+         drifts   ? "drift"
+         : stable ? ""
+                  : "UNSTABLE",
+         report::participation_text(pole)});
   }
   return table.text(colour, width);
 }
 
 std::string system_heading(const model::Machine& machine, const report::PoseChoice& pose,
-                           dynamics::ModelKind kind, const LinearSystem& system, bool colour) {
+                           dynamics::ModelKind kind, const LinearSystem& system, bool closed,
+                           bool colour) {
+  if (!closed)
+    return fmt::format(
+        "{}, pose {}: {} model with hydraulics, without controller, {} states\n"
+        "the valves are held where the machine rests; measured from the drives on these are the "
+        "poles\n",
+        styled(machine.name, Style::bold, colour), pose.name, dynamics::name(kind),
+        system.A.rows());
   return fmt::format(
       "{}, pose {}: {} model with hydraulics and controller, {} states\n"
       "sampled every {:.4g} ms; delay and hold of {:.4g} ms as Padé {}/{} (the verdict is that of "
@@ -168,6 +196,8 @@ report::Json json_head(const char* kind, const MachineArguments& arguments,
 void add_system_options(CLI::App& command, SystemArguments& arguments) {
   command.add_flag("--system", arguments.system,
                    "Poles of everything: mechanics, hydraulics, controller, delay");
+  command.add_flag("--open-loop", arguments.open_loop,
+                   "The same without the controller: the poles that are seen from the drives on");
   command
       .add_option("--root-locus", arguments.root_locus,
                   "KEY=from:to:count: those poles over one number of the file (SI)")
@@ -189,7 +219,8 @@ std::string system_modes_text(const MachineArguments& arguments, const SystemArg
   const auto file = load(arguments);
   const auto pose = choose_pose(file.machine, arguments.pose);
   const simulation::LinearSystemOptions options{.kind = choose_model(file.machine, arguments.model),
-                                                .pade_order = system.pade};
+                                                .pade_order = system.pade,
+                                                .closed = !system.open_loop};
   if (is_locus) {
     const auto locus = computed_locus(arguments, range, file, pose, options);
     if (!system.plot.empty()) {
@@ -212,11 +243,15 @@ std::string system_modes_text(const MachineArguments& arguments, const SystemArg
   const auto poles = simulation::system_poles(linear);
   if (format == 2) return report::system_poles_csv(poles);
   if (format == 0)
-    return system_heading(file.machine, pose, options.kind, linear, colour) + "\n" +
-           pole_table(poles, colour, width) + "\n" + report::verdict_text(linear, poles) + "\n";
+    return system_heading(file.machine, pose, options.kind, linear, options.closed, colour) + "\n" +
+           pole_table(poles, options.closed, colour, width) + "\n" +
+           (options.closed ? report::verdict_text(linear, poles) : open_verdict(linear, poles)) +
+           "\n";
   auto json = json_head("system", arguments, file, pose, options.kind);
-  const auto tuning = simulation::tune_controller(file.machine, pose.X_BP);
-  json["controller"] = report::controller_json(tuning.parameters, tuning.lowest_oil_mode);
+  if (options.closed) {
+    const auto tuning = simulation::tune_controller(file.machine, pose.X_BP);
+    json["controller"] = report::controller_json(tuning.parameters, tuning.lowest_oil_mode);
+  }
   json.update(report::system_poles_json(linear, poles));
   return json.dump(1) + "\n";
 }

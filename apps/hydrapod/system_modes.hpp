@@ -8,16 +8,17 @@ namespace hydrapod::cli {
 
 struct SystemArguments {
   bool system{};
+  bool open_loop{};          ///< without the controller
   std::string root_locus{};  ///< `KEY=from:to:count`
   int pade{simulation::default_pade_order};
   std::string plot{};  ///< of the root locus
 };
 
-/// Adds --system, --root-locus, --pade and --plot.
+/// Adds --system, --open-loop, --root-locus, --pade and --plot.
 void add_system_options(CLI::App& command, SystemArguments& arguments);
 
-/// What `hydrapod modes` prints with --system or --root-locus; `format` is that of modes: 0 table,
-/// 1 JSON, 2 CSV.
+/// What `hydrapod modes` prints with --system, --open-loop or --root-locus; `format` is that of
+/// modes: 0 table, 1 JSON, 2 CSV.
 std::string system_modes_text(const MachineArguments& machine, const SystemArguments& system,
                               std::size_t format, bool colour, std::size_t width);
 

@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "hydrapod/base/error.hpp"
+#include "hydrapod/identification/stabilisation.hpp"
 
 namespace hydrapod::report {
 
@@ -44,6 +45,7 @@ Json channels_json(const std::vector<data::Channel>& channels) {
     list.push_back({{"name", c.name},
                     {"unit", c.unit},
                     {"direction", data::direction_text(c.direction)},
+                    {"role", data::role_text(c.role)},
                     {"point", c.point}});
   return list;
 }
@@ -121,6 +123,7 @@ class Fields {
       channel.unit = c.value("unit", "1");
       channel.direction =
           data::direction_from_text(c.value("direction", "")).value_or(data::Direction::none);
+      channel.role = data::role_from_text(c.value("role", "")).value_or(data::Role::other);
       channel.point = c.value("point", 0);
       list.push_back(channel);
     }
@@ -173,6 +176,50 @@ Json mode_json(const identification::FittedMode& m) {
       {"significance", m.significance}};
 }
 
+/// Which mode (from 1) a cluster became; null for heavily damped poles.
+Json mode_of_cluster(const identification::Identification& result, std::size_t cluster) {
+  if (cluster >= result.model.modes.size()) return nullptr;
+  for (std::size_t r = 0; r < result.modes.size(); ++r)
+    if (result.modes[r].fit.pole == result.model.modes[cluster].pole) return r + 1;
+  return nullptr;
+}
+
+Json stabilisation_json(const identification::Identification& result) {
+  const auto stability = identification::pole_stability(result.chart);
+  std::vector<std::vector<Json>> cluster;
+  for (const auto& order : result.chart) cluster.emplace_back(order.poles.size(), nullptr);
+  for (std::size_t c = 0; c < result.clusters.size(); ++c)
+    for (const auto& [n, i] : result.clusters[c].members) cluster[n][i] = c + 1;
+  Json chart = Json::array();
+  for (std::size_t n = 0; n < result.chart.size(); ++n) {
+    Json poles = Json::array();
+    for (std::size_t i = 0; i < result.chart[n].poles.size(); ++i) {
+      const auto& e = result.chart[n].poles[i];
+      poles.push_back({{"frequency_hz", e.omega() / two_pi},
+                       {"damping_ratio", e.damping_ratio()},
+                       {"stable", e.pole.real() < 0.0},
+                       {"agrees", identification::stability_text(stability[n][i])},
+                       {"cluster", cluster[n][i]}});
+    }
+    chart.push_back({{"order", result.chart[n].order}, {"poles", poles}});
+  }
+  return chart;
+}
+
+Json clusters_json(const identification::Identification& result) {
+  Json list = Json::array();
+  for (std::size_t c = 0; c < result.clusters.size(); ++c) {
+    const auto& cluster = result.clusters[c];
+    list.push_back({{"mode", mode_of_cluster(result, c)},
+                    {"orders", cluster.members.size()},
+                    {"persistence", cluster.persistence},
+                    {"frequency_scatter", cluster.frequency_scatter},
+                    {"damping_scatter", cluster.damping_scatter},
+                    {"vector_consistency", cluster.vector_consistency}});
+  }
+  return list;
+}
+
 }  // namespace
 
 Json responses_json(const FrequencyResponses& r) {
@@ -211,6 +258,28 @@ Json responses_json(const FrequencyResponses& r) {
   return json;
 }
 
+Json record_origin_json(const data::RecordHeader& header) {
+  return {{"title", header.title},
+          {"date", header.date},
+          {"notes", header.notes},
+          {"machine_file", header.machine}};
+}
+
+std::optional<data::RecordHeader> record_origin_from_json(const Json& json) {
+  const auto found = json.find("record");
+  if (found == json.end() || !found->is_object()) return {};
+  const auto text = [&](const char* key) {
+    const auto field = found->find(key);
+    return field != found->end() && field->is_string() ? field->get<std::string>() : std::string();
+  };
+  data::RecordHeader header;
+  header.title = text("title");
+  header.date = text("date");
+  header.notes = text("notes");
+  header.machine = text("machine_file");
+  return header;
+}
+
 FrequencyResponses responses_from_json(const Json& json, const std::string& file) {
   const Fields fields(json, file);
   FrequencyResponses r;
@@ -241,7 +310,7 @@ FrequencyResponses responses_from_json(const Json& json, const std::string& file
 }
 
 Json identification_json(const identification::Identification& result) {
-  Json modes = Json::array(), heavy = Json::array(), left = Json::array(), chart = Json::array();
+  Json modes = Json::array(), heavy = Json::array(), left = Json::array();
   std::vector<Eigen::VectorXcd> shapes;
   for (const auto& m : result.modes) {
     Json mode = mode_json(m.fit);
@@ -257,12 +326,6 @@ Json identification_json(const identification::Identification& result) {
   for (const auto& m : result.heavily_damped) heavy.push_back(mode_json(m));
   for (const auto& l : result.left_out)
     left.push_back({{"pole", complex_json(l.pole)}, {"reason", l.reason}});
-  for (const auto& order : result.chart) {
-    Json poles = Json::array();
-    for (const auto& e : order.poles)
-      poles.push_back({{"frequency_hz", e.omega() / two_pi}, {"damping_ratio", e.damping_ratio()}});
-    chart.push_back({{"order", order.order}, {"poles", poles}});
-  }
   return {{"inputs", channels_json(result.responses.inputs)},
           {"outputs", channels_json(result.responses.outputs)},
           {"band_hz", {result.from, result.to}},
@@ -272,7 +335,8 @@ Json identification_json(const identification::Identification& result) {
           {"mac", matrix_json(identification::mac_matrix(shapes, shapes))},
           {"fit_error", result.model.error},
           {"misfit", result.model.misfit},
-          {"stabilisation", chart},
+          {"stabilisation", stabilisation_json(result)},
+          {"clusters", clusters_json(result)},
           {"indicator",
            {{"frequency_hz", result.responses.frequency},
             {"values", matrix_json(identification::mode_indicator(result.responses).transpose())}}},

@@ -218,28 +218,4 @@ void plot_stabilisation(const identification::Identification& result, const Plot
   });
 }
 
-void plot_mac(const identification::Identification& result, const PlotText& text,
-              const std::string& path) {
-  constexpr int width = 640, height = 640;
-  draw(path, width, height, [&](const std::string& terminal, const std::string& file) {
-    std::vector<Eigen::VectorXcd> shapes;
-    for (const auto& m : result.modes) shapes.push_back(m.displacement);
-    const Eigen::MatrixXd M = identification::mac_matrix(shapes, shapes);
-    std::string script = head(text, terminal, file, height) + "$mac << END\n";
-    for (Index i = 0; i < M.rows(); ++i)
-      for (Index j = 0; j < M.cols(); ++j)
-        script += fmt::format("{} {} {:.4f}\n", j + 1, i + 1, M(i, j));
-    const auto n = static_cast<double>(M.rows());
-    script += fmt::format(
-        "END\nset tmargin at screen {:.4f}\nset xrange [0.5:{}]\nset yrange [0.5:{}]\n"
-        "set xtics 1\nset ytics 1\nset cbrange [0:1]\n"
-        "set palette defined (0 '#ffffff', 1 '#0072b2')\nset cblabel 'MAC'\n"
-        "set xlabel 'mode'\nset ylabel 'mode'\nunset key\n"
-        "plot $mac using 1:2:3 with image, $mac using 1:2:($3 > 0.05 ? "
-        "sprintf('%.2f', $3) : '') with labels font ',8'\nunset output\n",
-        1.0 - 66.0 / height, n + 0.5, n + 0.5);
-    return script;
-  });
-}
-
 }  // namespace hydrapod::report

@@ -79,9 +79,10 @@ std::string verdict_text(const LinearSystem& system, const SystemPoles& poles) {
   const bool stable = system.sampled.size() > 0 ? poles.sampled_stable : poles.stable;
   const std::string motion =
       omega > 0.0 ? fmt::format("oscillation at {:.4g} Hz", omega / two_pi) : "motion";
+  const char* article = omega > 0.0 ? "an" : "a";
   std::string text =
       stable ? fmt::format("stable: the slowest {} decays with {:.3g} 1/s", motion, -rate)
-             : fmt::format("UNSTABLE: an {} grows with {:.3g} 1/s", motion, rate);
+             : fmt::format("UNSTABLE: {} {} grows with {:.3g} 1/s", article, motion, rate);
   if (system.sampled.size() > 0)
     text += fmt::format(" (sampled loop, exact: largest |z| {:.6f})", poles.largest_modulus);
   if (system.sampled.size() > 0 && poles.stable != poles.sampled_stable)

@@ -20,7 +20,7 @@ const std::map<std::string, int> floors{
     {"data", 3},    {"kinematics", 4},     {"hydraulics", 4},  {"dynamics", 5},
     {"control", 5}, {"modal", 6},          {"response", 6},    {"simulation", 6},
     {"rig", 7},     {"identification", 7}, {"calibration", 7}, {"diagnosis", 8},
-    {"study", 8},   {"report", 8}};
+    {"study", 8},   {"comparison", 8},     {"report", 9}};
 
 struct Include {
   std::string file{};

@@ -7,7 +7,11 @@
 #include <numbers>
 
 #include "exact/modal_system.hpp"
+#include "hydrapod/data/modal_results.hpp"
 #include "hydrapod/data/record_io.hpp"
+#include "hydrapod/dynamics/linear_model.hpp"
+#include "hydrapod/model/machine_file.hpp"
+#include "hydrapod/report/identification_json.hpp"
 #include "support/run_program.hpp"
 
 namespace hydrapod {
@@ -131,6 +135,131 @@ TEST_F(Identify, BrokenResponsesAreRefusedWithTheField) {
   run = test::run_hydrapod({"identify", path});
   EXPECT_EQ(run.exit_code, 2);
   EXPECT_THAT(run.err, HasSubstr("is no JSON"));
+}
+
+TEST_F(Identify, ResultsGoIntoFilesOfOtherPrograms) {
+  const std::string path = write();
+  const auto uff = folder / "modes.uff";
+  ASSERT_EQ(test::run_hydrapod({"identify", path, "-o", uff}).exit_code, 0);
+  const auto read = data::read_modal_results(uff).results;
+  ASSERT_EQ(read.modes.size(), 3u);
+  ASSERT_EQ(read.outputs.size(), 3u);
+  EXPECT_EQ(read.outputs[1].name, "y2");
+  for (std::size_t r = 0; r < 3; ++r) {
+    EXPECT_NEAR(std::abs(read.modes[r].pole) / std::abs(system.modes[r].pole), 1.0, 0.003);
+    const auto& a = read.modes[r].shape;
+    const auto& b = system.modes[r].shape;
+    EXPECT_GT(std::norm(a.dot(b)) / a.squaredNorm() / b.squaredNorm(), 0.99);
+  }
+  const auto mat = folder / "modes.mat";
+  ASSERT_EQ(test::run_hydrapod({"identify", path, "--format", "mat", "-o", mat}).exit_code, 0);
+  EXPECT_THAT(test::read_text(mat), testing::StartsWith("MATLAB 5.0 MAT-file"));
+  const auto frf = folder / "frf.mat";
+  ASSERT_EQ(test::run_hydrapod({"frf", path, "-o", frf}).exit_code, 0);
+  EXPECT_THAT(test::read_text(frf), testing::StartsWith("MATLAB 5.0 MAT-file"));
+  const auto unnamed = test::run_hydrapod({"identify", path, "--format", "uff"});
+  EXPECT_EQ(unnamed.exit_code, 2);
+  EXPECT_THAT(unnamed.err, HasSubstr("-o FILE.uff"));
+}
+
+TEST_F(Identify, TheChartSaysOfEveryPoleWhatAgrees) {
+  const auto run = test::run_hydrapod({"identify", write(), "--format", "json"});
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  const auto found = json::parse(run.out);
+  std::map<int, int> members;
+  std::map<std::string, int> words;
+  for (const auto& order : found["stabilisation"])
+    for (const auto& pole : order["poles"]) {
+      ++words[pole["agrees"].get<std::string>()];
+      if (!pole["cluster"].is_null()) ++members[pole["cluster"].get<int>()];
+    }
+  ASSERT_EQ(found["clusters"].size(), 3u);
+  for (int c = 1; c <= 3; ++c) {
+    const auto& cluster = found["clusters"][static_cast<std::size_t>(c - 1)];
+    EXPECT_EQ(cluster["mode"], c);
+    EXPECT_EQ(cluster["orders"], members[c]);
+  }
+  EXPECT_GT(words["vector"], 3 * 10);
+  EXPECT_GT(words["new"], 0);
+}
+
+/// H of a machine on its oil springs with dampers βK, from M and K alone, as JSON of `hydrapod
+/// frf`.
+class MeasuredMachine : public testing::Test {
+ protected:
+  test::TemporaryFolder folder;
+  model::Machine machine =
+      model::read_machine_file(test::source_file("models/heavy-platform.toml")).machine;
+  double beta = 2e-4;  // [s]
+  std::string path = folder / "frf.json";
+
+  void write() const {
+    const auto linear =
+        dynamics::linear_model(machine, machine.neutral(), dynamics::ModelKind::rigid);
+    const Eigen::MatrixXd M = linear.M, K = linear.K;
+    identification::FrequencyResponses r;
+    for (int d = 1; d <= 6; ++d) {
+      const auto direction = static_cast<data::Direction>(d);
+      const std::string name(data::direction_text(direction));
+      r.inputs.push_back({"F" + name, d < 4 ? "N" : "N m", direction, data::Role::other});
+      r.outputs.push_back({name, d < 4 ? "m" : "rad", direction, data::Role::response});
+    }
+    for (double f = 1.0; f < 25.0; f += 0.05) {
+      const std::complex<double> s(0.0, 2.0 * std::numbers::pi * f);
+      r.frequency.push_back(f);
+      r.H.push_back((K * (1.0 + s * beta) + s * s * M).inverse());
+    }
+    test::write_text(path, report::responses_json(r).dump());
+  }
+};
+
+TEST_F(MeasuredMachine, IsComparedWithItsFile) {
+  write();
+  const std::string file = test::source_file("models/heavy-platform.toml");
+  const auto run = test::run_hydrapod(
+      {"identify", path, "--machine", file, "--model", "rigid", "--format", "json"});
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  const auto c = json::parse(run.out)["comparison"];
+  EXPECT_EQ(c["source"], "mechanics");
+  ASSERT_EQ(c["pairs"].size(), 6u);
+  EXPECT_TRUE(c["not_in_model"].empty());
+  EXPECT_TRUE(c["not_measured"].empty());
+  for (const auto& pair : c["pairs"]) {
+    EXPECT_NEAR(pair["frequency_difference_percent"].get<double>(), 0.0, 1e-3);
+    EXPECT_GT(pair["mac"].get<double>(), 0.9999);
+    const double omega = 2.0 * std::numbers::pi * pair["model"]["frequency_hz"].get<double>();
+    const double ratio = 0.5 * beta * omega / pair["model"]["damping_ratio"].get<double>();
+    EXPECT_NEAR(pair["damping_difference_percent"].get<double>(), 100.0 * (ratio - 1.0), 0.1);
+  }
+  const auto table = test::run_hydrapod({"identify", path, "--machine", file, "--model", "rigid"});
+  EXPECT_THAT(table.out, HasSubstr("Compared with Heavy motion platform, pose neutral, rigid "
+                                   "model: mechanics with oil springs"));
+}
+
+TEST_F(MeasuredMachine, ModesThatTheModelLacksAreSaid) {
+  write();
+  const std::string file = test::source_file("models/heavy-platform.toml");
+  // legs without seals were measured: the seals' own modes are not there
+  const auto run = test::run_hydrapod({"identify", path, "--machine", file, "--model", "guide"});
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  EXPECT_THAT(run.out, HasSubstr("Not measured"));
+  EXPECT_THAT(run.out, HasSubstr("the platform does not feel it"));
+}
+
+TEST_F(MeasuredMachine, WithoutAMachineNothingIsCompared) {
+  write();
+  const auto run = test::run_hydrapod({"identify", path});
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  EXPECT_THAT(run.out, testing::Not(HasSubstr("Compared")));
+  for (const auto& more :
+       {std::vector<std::string>{"--against", "plant"}, {"--cross-mac", folder / "mac.svg"}}) {
+    std::vector<std::string> words{"identify", path};
+    words.insert(words.end(), more.begin(), more.end());
+    const auto refused = test::run_hydrapod(words);
+    EXPECT_EQ(refused.exit_code, 2);
+    EXPECT_THAT(refused.err, HasSubstr("add --machine FILE"));
+  }
+  EXPECT_EQ(test::run_hydrapod({"identify", path, "--against", "plan"}).exit_code, 2);
 }
 
 }  // namespace

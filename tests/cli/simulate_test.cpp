@@ -267,6 +267,26 @@ TEST(SystemModes, SayWhetherTheLoopIsStable) {
   EXPECT_NEAR(json.at("delay").at("seconds").get<double>(), 1.5e-3, 1e-15);
 }
 
+TEST(SystemModes, WithoutTheControllerTheOilModesAreThoseOfTheMechanics) {
+  const auto result =
+      run_hydrapod({"modes", published, "--open-loop", "--model", "rigid", "--format", "json"});
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  const auto json = nlohmann::json::parse(result.out);
+  EXPECT_FALSE(json.contains("controller"));
+  // valves shut: the oil springs are those of the static model, to what the damping shifts
+  const double expected[]{46.839, 46.839, 112.065, 143.364, 189.241, 189.241};
+  std::vector<double> oil;
+  for (const auto& pole : json.at("poles"))
+    if (pole.at("pole").at("im") > 1.0 && pole.at("damping_ratio") < 0.3)
+      oil.push_back(pole.at("omega_rad_s"));
+  std::ranges::sort(oil);
+  ASSERT_EQ(oil.size(), 6U);
+  for (std::size_t k = 0; k < 6; ++k) EXPECT_NEAR(oil[k] / expected[k], 1.0, 2e-3);
+  const auto table = run_hydrapod({"modes", published, "--open-loop", "--model", "rigid"});
+  EXPECT_THAT(table.out, AllOf(HasSubstr("without controller"), HasSubstr("nothing holds the pose"),
+                               testing::Not(HasSubstr("UNSTABLE"))));
+}
+
 TEST(SystemModes, RootLocusFindsTheLimitOfStability) {
   const auto result = run_hydrapod({"modes", published, "--model", "rigid", "--format", "json",
                                     "--root-locus", "controller.gain=20:60:5"});

@@ -17,8 +17,13 @@ Json responses_json(const identification::FrequencyResponses& responses);
 /// fit; `file` is what messages call it.
 identification::FrequencyResponses responses_from_json(const Json& json, const std::string& file);
 
-/// `modes[]`, `heavily_damped[]`, `left_out[]`, `mac`, `band_hz`, `stabilisation[]`, `indicator`,
-/// `fit_error`, `misfit`, `warnings[]`.
+/// Where responses come from: `title`, `date`, `notes`, `machine_file` of the record; and back, if
+/// `json` has it as `record`.
+Json record_origin_json(const data::RecordHeader& header);
+std::optional<data::RecordHeader> record_origin_from_json(const Json& json);
+
+/// `modes[]`, `heavily_damped[]`, `left_out[]`, `mac`, `band_hz`, `stabilisation[]`, `clusters[]`,
+/// `indicator`, `fit_error`, `misfit`, `warnings[]`.
 Json identification_json(const identification::Identification& result);
 
 /// Frequency, then re, im and deviation of every entry, then multiple coherence and condition.

@@ -1,0 +1,160 @@
+#include "hydrapod/identification_report.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <numeric>
+
+#include "hydrapod/terminal.hpp"
+
+namespace hydrapod::cli {
+
+namespace {
+
+constexpr double two_pi = 2.0 * std::numbers::pi;
+constexpr double band = 1.96;  // 95 % of a normal distribution
+
+/// The outputs that move most, each in proportion to the size of its own responses.
+std::string shape_text(const identification::IdentifiedMode& mode, const Eigen::VectorXd& size,
+                       const std::vector<data::Channel>& outputs) {
+  Eigen::VectorXd share = mode.fit.shape.cwiseAbs().cwiseQuotient(size);
+  share /= share.maxCoeff();
+  std::vector<int> order(outputs.size());
+  std::iota(order.begin(), order.end(), 0);
+  std::ranges::sort(order, [&](int a, int b) { return share[a] > share[b]; });
+  std::string text;
+  constexpr double shown = 0.2;
+  constexpr std::size_t most = 4;
+  for (std::size_t k = 0; k < std::min(most, order.size()) && share[order[k]] >= shown; ++k) {
+    const bool opposite =
+        (mode.fit.shape[order[k]] * std::conj(mode.fit.shape[order[0]])).real() < 0.0;
+    text += fmt::format("{}{}{} {:.2f}", k == 0 ? "" : ", ", opposite ? "−" : "",
+                        outputs[static_cast<std::size_t>(order[k])].name, share[order[k]]);
+  }
+  return text;
+}
+
+std::string signed_percent(double share) {
+  std::string text = fmt::format("{:+.2f} %", 100.0 * share);
+  if (text.starts_with('-')) text.replace(0, 1, "−");
+  return text;
+}
+
+std::string hertz(double omega) { return fmt::format("{:.4f}", omega / two_pi); }
+
+std::string percent(double ratio) { return fmt::format("{:.3f} %", 100.0 * ratio); }
+
+std::string left_text(const report::ComparedModes& compared,
+                      const identification::Identification& result) {
+  std::string text;
+  for (const int r : compared.result.measured_left) {
+    const auto& fit = result.modes[static_cast<std::size_t>(r)].fit;
+    text += fmt::format("Not in the model: mode {}, {} Hz, {} of critical.\n", r + 1,
+                        hertz(fit.omega()), percent(fit.damping_ratio()));
+  }
+  for (const auto& left : compared.result.model_left) {
+    const auto& mode = compared.result.model[static_cast<std::size_t>(left.model)];
+    text += fmt::format("Not measured: {} Hz, {} of critical, {}: {}.\n", hertz(mode.omega()),
+                        percent(mode.damping_ratio()), mode.label, left.reason);
+  }
+  return text;
+}
+
+}  // namespace
+
+TableStyle table_style(const std::string& output) {
+  const bool printed = output == "-";
+  return {printed && has_colour(stdout), printed ? terminal_width() : Table::unlimited};
+}
+
+std::string modes_text(const identification::Identification& result, const std::string& measured,
+                       const std::string& frame, const TableStyle& style) {
+  std::string text = fmt::format("{}\nband {:.4g} Hz to {:.4g} Hz, model orders up to {}, {}\n",
+                                 measured, result.from, result.to,
+                                 result.chart.empty() ? 0 : result.chart.back().order, frame);
+  if (result.modes.empty()) return text + "\nno mode in this band\n";
+  Table table({{"mode"},
+               {"Hz"},
+               {"±"},
+               {"damping"},
+               {"±"},
+               {"what moves", Align::left},
+               {"MPC"},
+               {"MPD"},
+               {"quality"}});
+  Eigen::VectorXd size =
+      Eigen::VectorXd::Zero(static_cast<Eigen::Index>(result.responses.outputs.size()));
+  for (const auto& H : result.responses.H) size += H.rowwise().squaredNorm();
+  size = size.cwiseSqrt().cwiseMax(1e-300);
+  for (std::size_t r = 0; r < result.modes.size(); ++r) {
+    const auto& m = result.modes[r];
+    table.add_row({fmt::format("{}", r + 1), hertz(m.fit.omega()),
+                   hertz(band * m.fit.omega_deviation), percent(m.fit.damping_ratio()),
+                   percent(band * m.fit.damping_deviation),
+                   shape_text(m, size, result.responses.outputs), fmt::format("{:.3f}", m.mpc),
+                   fmt::format("{:.1f}°", m.mpd * 180.0 / std::numbers::pi),
+                   fmt::format("{:.2f}", m.quality())});
+  }
+  text += "\n" + table.text(style.colour, style.width);
+  text += fmt::format("\n± is 95 %. The modes give the responses back to {:.2g} %",
+                      100.0 * result.model.error);
+  if (result.model.misfit > 0.0)
+    text +=
+        fmt::format(", {:.2f} times what their noise explains (mean square)", result.model.misfit);
+  text += ".\n";
+  for (const auto& m : result.heavily_damped)
+    text += fmt::format("Heavily damped pole, no mode: {:.3f} Hz, {:.0f} % of critical.\n",
+                        m.omega() / two_pi, 100.0 * m.damping_ratio());
+  return text;
+}
+
+std::string comparison_text(const report::ComparedModes& compared,
+                            const identification::Identification& result, const TableStyle& style) {
+  std::string text = fmt::format("\nCompared with {}\n", report::comparison_heading(compared));
+  const auto& c = compared.result;
+  if (c.outputs.empty())
+    text += "No output has a direction of the platform or a leg: pairs by frequency alone.\n";
+  if (!c.pairs.empty()) {
+    Table table({{"mode"},
+                 {"Hz"},
+                 {"model Hz"},
+                 {"differs"},
+                 {"damping"},
+                 {"model"},
+                 {"differs"},
+                 {"MAC"},
+                 {"model's mode", Align::left}});
+    for (const auto& p : c.pairs) {
+      const auto& fit = result.modes[static_cast<std::size_t>(p.measured)].fit;
+      const auto& mode = c.model[static_cast<std::size_t>(p.model)];
+      table.add_row({fmt::format("{}", p.measured + 1), hertz(fit.omega()), hertz(mode.omega()),
+                     signed_percent(p.frequency_difference), percent(fit.damping_ratio()),
+                     percent(mode.damping_ratio()), signed_percent(p.damping_difference),
+                     p.mac ? fmt::format("{:.3f}", *p.mac) : "–", mode.label});
+    }
+    text += "\n" + table.text(style.colour, style.width);
+  }
+  return text + "\n" + left_text(compared, result);
+}
+
+std::string output_only_text(const std::vector<identification::OutputOnlyMode>& modes,
+                             std::size_t outputs, int block, const TableStyle& style) {
+  std::string text = fmt::format(
+      "{} outputs, no input: covariance-driven subspace identification, blocks of {} samples\n",
+      outputs, block);
+  if (modes.empty()) return text + "\nno mode comes back whatever the model order\n";
+  Table table({{"mode"}, {"Hz"}, {"scatter"}, {"damping"}, {"scatter"}, {"MPC"}, {"quality"}});
+  for (std::size_t r = 0; r < modes.size(); ++r) {
+    const auto& mode = modes[r];
+    const double omega = std::abs(mode.pole);
+    table.add_row({fmt::format("{}", r + 1), hertz(omega), hertz(mode.frequency_scatter * omega),
+                   percent(-mode.pole.real() / omega), percent(mode.damping_scatter),
+                   fmt::format("{:.3f}", mode.mpc), fmt::format("{:.2f}", mode.persistence)});
+  }
+  return text + "\n" + table.text(style.colour, style.width) +
+         "\nscatter: over model orders; it is no interval of confidence\n";
+}
+
+}  // namespace hydrapod::cli

@@ -1,0 +1,29 @@
+#pragma once
+/// Tables that `hydrapod identify` prints.
+
+#include <string>
+
+#include "hydrapod/identification/identify.hpp"
+#include "hydrapod/identification/realisation.hpp"
+#include "hydrapod/report/mode_comparison.hpp"
+
+namespace hydrapod::cli {
+
+struct TableStyle {
+  bool colour{};
+  std::size_t width{};
+};
+/// As fits what is printed to `output`; "-" is the terminal.
+TableStyle table_style(const std::string& output);
+
+/// `measured` and `frame` say what was measured and how it was brought to directions.
+std::string modes_text(const identification::Identification& result, const std::string& measured,
+                       const std::string& frame, const TableStyle& style);
+
+std::string comparison_text(const report::ComparedModes& compared,
+                            const identification::Identification& result, const TableStyle& style);
+
+std::string output_only_text(const std::vector<identification::OutputOnlyMode>& modes,
+                             std::size_t outputs, int block, const TableStyle& style);
+
+}  // namespace hydrapod::cli

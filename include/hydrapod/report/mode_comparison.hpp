@@ -1,0 +1,34 @@
+#pragma once
+/// Measured modes beside a model's, for people and programs.
+
+#include "hydrapod/comparison/compare_modes.hpp"
+#include "hydrapod/report/bode.hpp"
+#include "hydrapod/report/json.hpp"
+
+namespace hydrapod::report {
+
+/// What was compared with what.
+struct ComparedModes {
+  comparison::ModeComparison result{};
+  comparison::Source source{};
+  dynamics::ModelKind kind{};
+  std::string machine{}, pose{};  ///< names
+};
+
+/// "Heavy motion platform, pose neutral, guide model: mechanics, hydraulics, …".
+std::string comparison_heading(const ComparedModes& compared);
+
+/// `machine`, `pose`, `model`, `source`, `pairs[]`, `not_in_model[]`, `not_measured[]`,
+/// `outputs[]`, `cross_mac`.
+Json comparison_json(const ComparedModes& compared, const identification::Identification& measured);
+
+/// A line per pair, then per mode that has no partner.
+std::string comparison_csv(const ComparedModes& compared,
+                           const identification::Identification& measured);
+
+/// MAC of measured and model modes that were paired or left in the band. Throws as plot_bode; and
+/// base::InputError where no shapes could be compared.
+void plot_cross_mac(const ComparedModes& compared, const identification::Identification& measured,
+                    const PlotText& text, const std::string& path);
+
+}  // namespace hydrapod::report
