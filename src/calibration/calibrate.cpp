@@ -207,6 +207,14 @@ Calibration calibrate(const model::MachineFile& file, const Targets& targets, co
   return result;
 }
 
+Candidate compare(const model::MachineFile& file, const Targets& targets,
+                  dynamics::ModelKind kind) {
+  Combination made = make_combination(file, targets, {.options = {.starts = 1}}, kind, {});
+  made.solutions[0] = {.usable = true, .converged = true};
+  conclude(made);
+  return made.candidate;
+}
+
 namespace {
 
 /// The plan with the candidate's choices made, its values as starts, and one parameter held.

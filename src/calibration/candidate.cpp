@@ -65,6 +65,7 @@ double size_of(const Variable& variable, double value) {
 /// Relative deviations when the data and the priors speak together.
 Eigen::VectorXd joint_deviations(const Linearised& at, double scatter) {
   const auto n = at.J_data.cols();
+  if (n == 0) return {};
   Eigen::MatrixXd A(at.J_data.rows() + at.J_prior.rows(), n);
   A << at.J_data / scatter, at.J_prior;
   const Eigen::JacobiSVD<Eigen::MatrixXd> svd(A, Eigen::ComputeFullV);
@@ -123,7 +124,8 @@ void describe_targets(const Problem& problem, const State& state, Candidate& can
                     modal::modal_ratio(state.machine).value;
     }
     if (targets[i].shape)
-      fit.shape_mac = platform_mac(point.model, point.modes, fit.mode, *targets[i].shape);
+      fit.shape_mac = resonance_mac(point.model, point.modes, fit.mode,
+                                    shape_at_center(point.model, targets[i]));
     fit.outlier = candidate.robust && std::abs(fit.difference) > outlier * candidate.scatter;
     candidate.worst = std::max(candidate.worst, std::abs(fit.omega - targets[i].omega));
     candidate.targets.push_back(fit);

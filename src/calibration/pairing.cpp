@@ -2,10 +2,13 @@
 
 #include <fmt/format.h>
 
+#include <Eigen/Dense>
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <stdexcept>
 
+#include "hydrapod/modal/mode_derivatives.hpp"
 #include "hydrapod/modal/mode_table.hpp"
 
 namespace hydrapod::calibration {
@@ -78,8 +81,39 @@ double platform_mac(const dynamics::LinearModel& model, const dynamics::NormalMo
   const Vector6 motion = modes.shapes.col(k).head<6>();
   const Vector6 momentum = model.platform_mass * motion;
   const double own = motion.dot(momentum);
-  if (own < modal::felt_by_platform) return 0.0;
-  return std::pow(shape.dot(momentum), 2) / (own * shape.dot(model.platform_mass * shape));
+  const double of_shape = shape.dot(model.platform_mass * shape);
+  // on its way a fit may try a platform whose inertia no body has
+  if (!(own >= modal::felt_by_platform) || !(of_shape > 0.0)) return 0.0;
+  return std::min(1.0, std::pow(shape.dot(momentum), 2) / (own * of_shape));
+}
+
+double resonance_mac(const dynamics::LinearModel& model, const dynamics::NormalModes& modes, int k,
+                     const Vector6& shape) {
+  constexpr double close = 1e-2, weak = 0.1;  // of ω², of the energy
+  const auto energy = [&](int i) {
+    const Vector6 motion = modes.shapes.col(i).head<6>();
+    return motion.dot(model.platform_mass * motion);
+  };
+  auto members = modal::neighbours(modes, k, close);
+  double most = 0.0;
+  for (const int i : members) most = std::max(most, energy(i));
+  std::erase_if(members, [&](int i) { return energy(i) < weak * most; });
+  Eigen::MatrixXd A(6, members.size());
+  for (std::size_t i = 0; i < members.size(); ++i)
+    A.col(static_cast<Eigen::Index>(i)) = modes.shapes.col(members[i]).head<6>();
+  const Eigen::MatrixXd M_A = model.platform_mass * A;
+  const Eigen::MatrixXd gram = A.transpose() * M_A;
+  const Eigen::VectorXd p = M_A.transpose() * shape;
+  return p.dot(gram.completeOrthogonalDecomposition().solve(p)) /
+         shape.dot(model.platform_mass * shape);
+}
+
+Vector6 shape_at_center(const dynamics::LinearModel& model, const ModeTarget& target) {
+  Vector6 shape = *target.shape;
+  if (!target.shape_point) return shape;
+  const spatial::Vector3 to_center = model.p_BC - model.X_BP * *target.shape_point;
+  shape.head<3>() += shape.tail<3>().cross(to_center);
+  return shape;
 }
 
 std::vector<int> pair_modes(const dynamics::LinearModel& model, const dynamics::NormalModes& modes,
@@ -91,7 +125,8 @@ std::vector<int> pair_modes(const dynamics::LinearModel& model, const dynamics::
       const double omega = std::max(modes.omega(k), 1e-3 * target.omega);
       cost(i, k) = std::pow(std::log(omega / target.omega) / frequency_scale, 2);
       if (target.shape) {
-        cost(i, k) += wrong_shape * (1.0 - platform_mac(model, modes, k, *target.shape));
+        cost(i, k) +=
+            wrong_shape * (1.0 - platform_mac(model, modes, k, shape_at_center(model, target)));
       } else if (target.direction) {
         cost(i, k) += wrong_shape * (1.0 - direction_share(model, modes, k, *target.direction));
       }

@@ -1,5 +1,6 @@
 // The kinds of residuals; a new kind of evidence is a new class here.
 #include <Eigen/Dense>
+#include <algorithm>
 #include <cmath>
 
 #include "hydrapod/modal/damped_modes.hpp"
@@ -8,6 +9,8 @@
 namespace hydrapod::calibration {
 
 namespace {
+
+using spatial::Matrix6;
 
 /// Where a target's mode is found.
 struct Found {
@@ -93,12 +96,14 @@ class ShapeResidual : public ResidualKind {
     const auto [point, mode] = found(problem, state, target_);
     const auto& target = problem.targets().modes[target_];
     // of the start: else the residual would move with the platform's mass
-    const spatial::Matrix6 root = problem.metric(target_).asDiagonal();
+    const Matrix6 root = problem.metric(target_).asDiagonal();
     const Vector6 u = (root * *target.shape).normalized();
-    const auto members = modal::neighbours(point.modes, mode, together);
+    const Matrix6 at_point = to_point(point, target);
+    const auto members = seen_together(point, mode, root);
     Eigen::MatrixXd A(6, members.size());
     for (std::size_t k = 0; k < members.size(); ++k)
-      A.col(static_cast<Eigen::Index>(k)) = root * point.modes.shapes.col(members[k]).head<6>();
+      A.col(static_cast<Eigen::Index>(k)) =
+          root * at_point * point.modes.shapes.col(members[k]).head<6>();
     const Eigen::MatrixXd A_plus = A.completeOrthogonalDecomposition().pseudoInverse();
     const Eigen::MatrixXd rest = Eigen::MatrixXd::Identity(6, 6) - A * A_plus;
     r = rest * u / target.shape_deviation;
@@ -110,16 +115,51 @@ class ShapeResidual : public ResidualKind {
     for (int j = 0; j < problem.size(); ++j) {
       Eigen::MatrixXd dA(6, members.size());
       for (std::size_t k = 0; k < members.size(); ++k)
-        dA.col(static_cast<Eigen::Index>(k)) = root * dphi[k].col(j).head<6>();
+        dA.col(static_cast<Eigen::Index>(k)) =
+            root * (at_point * dphi[k].col(j).head<6>() +
+                    moving_center(point, target, j, point.modes.shapes.col(members[k]).head<6>()));
       const Eigen::MatrixXd half = rest * dA * A_plus;
       J->col(j) = -(half + half.transpose()) * u / target.shape_deviation;
     }
   }
 
  private:
+  /// Motion of the target's point per motion of the mass centre.
+  static Matrix6 to_point(const ModePoint& point, const ModeTarget& target) {
+    Matrix6 A = Matrix6::Identity();
+    if (target.shape_point)
+      A.topRightCorner<3, 3>() =
+          -spatial::skew(point.model.X_BP * *target.shape_point - point.model.p_BC);
+    return A;
+  }
+
+  /// What the point's motion changes by when parameter j moves the mass centre.
+  static Vector6 moving_center(const ModePoint& point, const ModeTarget& target, int j,
+                               const Vector6& motion) {
+    Vector6 change = Vector6::Zero();
+    if (target.shape_point)
+      change.head<3>() =
+          -motion.tail<3>().cross(point.center_derivatives[static_cast<std::size_t>(j)]);
+    return change;
+  }
+
+  /// Neighbours of the mode that a measurement sees as one with it: those that the platform feels
+  /// at least a tenth as much as the one it feels most.
+  static std::vector<int> seen_together(const ModePoint& point, int mode, const Matrix6& root) {
+    constexpr double weak = 0.1;
+    auto members = modal::neighbours(point.modes, mode, together);
+    const auto energy = [&](int k) {
+      return (root * point.modes.shapes.col(k).head<6>()).squaredNorm();
+    };
+    double most = 0.0;
+    for (const int k : members) most = std::max(most, energy(k));
+    std::erase_if(members, [&](int k) { return k != mode && energy(k) < weak * most; });
+    return members;
+  }
+
   /// Modes nearer than this share of ω² are hardly told apart by a measurement, and their shapes
   /// turn into each other at the least change.
-  static constexpr double together = 1e-3;
+  static constexpr double together = 1e-2;
 
   int target_;
 };

@@ -239,7 +239,7 @@ Matrix7 chart_hessian(const LegElement& element, const Configuration& at, const 
 Matrix7 leg_damping(const model::Leg& leg, const LegElement& element, const Configuration& at,
                     const Matrix7& T, bool gimbal) {
   Matrix7 C = leg.guide_sleeve.damping * element.d_x.transpose() * element.d_x +
-              leg.oil_spring.damping * element.s_x * element.s_x.transpose();
+              hydraulics::axial_spring(leg, at.s).damping * element.s_x * element.s_x.transpose();
   if (!leg.piston_ring) return C;
   Matrix27 offset_rates = Matrix27::Zero();
   offset_rates.rightCols<2>().setIdentity();
@@ -255,7 +255,7 @@ void describe(const model::Leg& leg, const Configuration& at, double length, boo
   element.l = length;
   element.l_m = at.s;
   element.l_mh = leg.guide_sleeve.position - at.s;
-  element.k_h = hydraulics::oil_stiffness(leg, at.s);
+  element.k_h = hydraulics::axial_spring(leg, at.s).stiffness;
   element.k_s = leg.guide_sleeve.stiffness;
   element.k_g = leg.piston_ring ? leg.piston_ring->stiffness : 0.0;
 }

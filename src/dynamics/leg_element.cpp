@@ -89,7 +89,8 @@ LegElement straight_leg(const model::Leg& leg, const kinematics::LegGeometry& ge
   element.l = geometry.length;
   element.l_m = geometry.length - leg.rod.length;
   element.l_mh = leg.guide_sleeve.position - element.l_m;
-  element.k_h = hydraulics::oil_stiffness(leg, element.l_m);
+  const auto axial = hydraulics::axial_spring(leg, element.l_m);
+  element.k_h = axial.stiffness;
   element.k_s = leg.guide_sleeve.stiffness;
   element.k_g = leg.piston_ring ? leg.piston_ring->stiffness : 0.0;
 
@@ -107,9 +108,8 @@ LegElement straight_leg(const model::Leg& leg, const kinematics::LegGeometry& ge
     add_gimbal_spin(leg, element.l, element.frame.tan_gimbal, element.M);
 
   element.K = lateral_and_axial(element, element.k_s, element.k_g, element.k_h);
-  element.C =
-      lateral_and_axial(element, leg.guide_sleeve.damping,
-                        leg.piston_ring ? leg.piston_ring->damping : 0.0, leg.oil_spring.damping);
+  element.C = lateral_and_axial(element, leg.guide_sleeve.damping,
+                                leg.piston_ring ? leg.piston_ring->damping : 0.0, axial.damping);
   return element;
 }
 

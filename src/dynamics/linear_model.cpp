@@ -5,6 +5,7 @@
 #include <Eigen/Geometry>
 #include <stdexcept>
 
+#include "base_mount.hpp"
 #include "hydrapod/base/error.hpp"
 
 namespace hydrapod::dynamics {
@@ -33,8 +34,8 @@ void add_leg(const Matrix7& A, const Eigen::Matrix<double, 3, 6>& J, int at, int
   sum.topLeftCorner<6, 6>().noalias() += J.transpose() * A_aa_J;
   const auto add_flexible = [&]<int n>(std::integral_constant<int, n>) {
     const Eigen::Matrix<double, 6, n> A_rf = J.transpose() * A.template block<3, n>(0, 3);
-    sum.template block<6, n>(0, at) = A_rf;
-    sum.template block<n, 6>(at, 0) = A_rf.transpose();
+    sum.template block<6, n>(0, at) += A_rf;
+    sum.template block<n, 6>(at, 0) += A_rf.transpose();
     sum.template block<n, n>(at, at) = A.template block<n, n>(3, 3);
   };
   if (flexible == 2) add_flexible(std::integral_constant<int, 2>{});
@@ -122,9 +123,11 @@ LinearModel linear_model(const model::Machine& machine, const spatial::Pose& X_B
   } else {
     bend_legs(machine, geometry, model);
   }
+  for (int i = 0; i < model::leg_count; ++i)
+    model.J[i] = joint_jacobian(model.legs[i].frame.R_BL, geometry[i].a - model.p_BC);
+  if (machine.base_mount) add_base_mount(machine, model);
   for (int i = 0; i < model::leg_count; ++i) {
     const auto& leg = model.legs[i];
-    model.J[i] = joint_jacobian(leg.frame.R_BL, geometry[i].a - model.p_BC);
     const int at = model.first_of_leg(i);
     add_leg(leg.M, model.J[i], at, flexible_per_leg(kind), model.M);
     add_leg(leg.K, model.J[i], at, flexible_per_leg(kind), model.K);

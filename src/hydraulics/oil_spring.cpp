@@ -54,4 +54,11 @@ double oil_stiffness(const model::Leg& leg, double l_m) {
   return beta * (piston * piston / volume.cap + annulus * annulus / volume.rod);
 }
 
+AxialSpring axial_spring(const model::Leg& leg, double l_m) {
+  const double k_h = oil_stiffness(leg, l_m);
+  if (!leg.gimbal_stiffness) return {k_h, leg.oil_spring.damping};
+  const double share = *leg.gimbal_stiffness / (k_h + *leg.gimbal_stiffness);
+  return {k_h * share, leg.oil_spring.damping * share * share};
+}
+
 }  // namespace hydrapod::hydraulics

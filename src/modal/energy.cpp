@@ -19,6 +19,7 @@ Numbers sum(const Sextet& parts) {
 /// Twice the energies of some shapes, kinetic at ω = 1.
 struct Energies {
   Sextet platform, legs, oil, guide_sleeve, piston_ring;
+  Numbers base_mount{Numbers::Zero()};
   Numbers elastic_and_geometric{Numbers::Zero()};  ///< φᵀ K φ; only where there is preload
 };
 
@@ -65,6 +66,7 @@ Energies energies(const LinearModel& model, const Shapes& y) {
   for (int i = 0; i < 6; ++i)
     e.platform[i] = y[i] * product(model.platform_mass.col(i), y.data(), 6);
   for (int i = 0; i < model::leg_count; ++i) add_leg<flexible>(model, i, y, e);
+  if (model.base_moves) e.base_mount = quadratic(model.K_mount, y.data(), 6);
   if (model.statics.iterations > 0)
     e.elastic_and_geometric = quadratic(model.K, y.data(), model.dof());
   return e;
@@ -85,12 +87,13 @@ Energies energies(const LinearModel& model, const Shapes& y) {
 /// Makes shares of the energies.
 void normalise(const LinearModel& model, Energies& e) {
   const Numbers per_kinetic = (sum(e.platform) + sum(e.legs)).inverse();
-  const Numbers elastic = sum(e.oil) + sum(e.guide_sleeve) + sum(e.piston_ring);
+  const Numbers elastic = sum(e.oil) + sum(e.guide_sleeve) + sum(e.piston_ring) + e.base_mount;
   const Numbers per_elastic = elastic.inverse();
   for (Sextet* parts : {&e.platform, &e.legs})
     for (Numbers& part : *parts) part *= per_kinetic;
   for (Sextet* parts : {&e.oil, &e.guide_sleeve, &e.piston_ring})
     for (Numbers& part : *parts) part *= per_elastic;
+  e.base_mount *= per_elastic;
   const bool preloaded = model.statics.iterations > 0;  // else there is nothing but rounding
   if (preloaded) e.elastic_and_geometric = (e.elastic_and_geometric - elastic) * per_elastic;
 }
@@ -104,6 +107,7 @@ EnergyShares lane(const Energies& shares, int k) {
     one.guide_sleeve[i] = shares.guide_sleeve[i][k];
     one.piston_ring[i] = shares.piston_ring[i][k];
   }
+  one.base_mount = shares.base_mount[k];
   one.preload = shares.elastic_and_geometric[k];
   return one;
 }
@@ -138,6 +142,7 @@ EnergyShares energy_shares(const LinearModel& model, const ModelVector& real,
   Energies e = energies(model, y);
   for (Sextet* parts : {&e.platform, &e.legs, &e.oil, &e.guide_sleeve, &e.piston_ring})
     for (Numbers& part : *parts) part[0] += part[1];
+  e.base_mount[0] += e.base_mount[1];
   e.elastic_and_geometric[0] += e.elastic_and_geometric[1];
   normalise(model, e);
   return lane(e, 0);

@@ -182,6 +182,7 @@ std::vector<Finding> leg_findings(const Leg& leg, NonFinite non_finite) {
   check_joint_limit("joint_limits.base", leg.joint_limits.base, checks);
   check_joint_limit("joint_limits.platform", leg.joint_limits.platform, checks);
   checks.not_negative("added_axial_inertia", leg.added_axial_inertia, "kg");
+  if (leg.gimbal_stiffness) checks.positive("gimbal_stiffness", *leg.gimbal_stiffness, "N/m");
   check_gimbal_axis(leg.gimbal_axis, checks);
   check_leg_hydraulics(leg, checks);
   return checks.take();

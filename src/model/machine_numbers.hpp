@@ -43,6 +43,7 @@ void visit_leg(Leg& leg, Visit& visit) {
   if (oil.cylinder) visit_cylinder(*oil.cylinder, visit);
   visit(oil.damping);
   visit(leg.added_axial_inertia);
+  if (leg.gimbal_stiffness) visit(*leg.gimbal_stiffness);
   // where both chambers are equal, the stroke's middle gives their volume
   if (leg.stroke)
     for (double* number : {&leg.stroke->retracted, &leg.stroke->length}) visit(*number);
@@ -56,6 +57,12 @@ void for_each_number(Machine& machine, Visit visit) {
   visit_matrix(machine.platform.mass_center, visit);
   visit_matrix(machine.platform.inertia, visit);
   for (auto& leg : machine.legs) visit_leg(leg, visit);
+  if (machine.base_mount) {
+    for (auto& stiffness : machine.base_mount->stiffness)
+      if (stiffness) visit(*stiffness);
+    visit(machine.base_mount->mass);
+    visit_matrix(machine.base_mount->inertia, visit);
+  }
   if (machine.damping.modal_ratio) visit(*machine.damping.modal_ratio);
   visit(machine.damping.rayleigh_mass);
   visit(machine.damping.rayleigh_stiffness);

@@ -226,6 +226,7 @@ Leg read_leg(const Section& section) {
   leg.stroke = read_stroke(section);
   leg.joint_limits = read_joint_limits(section);
   leg.added_axial_inertia = section.number("added_axial_inertia", "kg", 0.0);
+  leg.gimbal_stiffness = section.optional_number("gimbal_stiffness", "N/m");
   leg.gimbal_axis = read_gimbal_axis(section);
   leg.hydraulics = read_leg_hydraulics(section);
   return leg;
@@ -253,6 +254,19 @@ void read_legs(const Section& root, Machine& machine) {
   }
   require_joints(root, "base", "base_joint", without_base);
   require_joints(root, "platform", "platform_joint", without_platform);
+}
+
+std::optional<BaseMount> read_base_mount(const Section& base) {
+  const Section table = base.optional_table("mount");
+  if (!table.exists()) return std::nullopt;
+  BaseMount mount;
+  const Section stiffness = table.required_table("stiffness");
+  constexpr std::array directions{"x", "y", "z", "rx", "ry", "rz"};
+  for (std::size_t k = 0; k < directions.size(); ++k)
+    mount.stiffness[k] = stiffness.optional_number(directions[k], k < 3 ? "N/m" : "N m/rad");
+  mount.mass = table.number("mass", "kg", 0.0);
+  mount.inertia = table.vector("inertia", "kg m^2", Vector3::Zero());
+  return mount;
 }
 
 Pose read_pose(const Section& pose) {
@@ -294,6 +308,7 @@ Machine read_machine(const Node& tree, Faults& faults) {
   machine.gravity = read_gravity(root.optional_table("environment"));
   machine.platform = read_platform(root);
   read_legs(root, machine);
+  machine.base_mount = read_base_mount(root.optional_table("base"));
   constexpr std::string_view axes[]{"transverse", "gimbal"};
   machine.flexible_axes = root.optional_table("model").word("flexible_axes", axes) == 0
                               ? FlexibleAxes::transverse

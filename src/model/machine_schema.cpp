@@ -35,7 +35,11 @@ constexpr Key circle_keys[]{{"radius"}, {"spacing"}};
 constexpr TableKeys circle{circle_keys};
 constexpr Key joints_keys[]{{"circle", &circle}, {"points"}};
 constexpr TableKeys joints{joints_keys};
-constexpr Key base_keys[]{{"joints", &joints}};
+constexpr Key mount_stiffness_keys[]{{"x"}, {"y"}, {"z"}, {"rx"}, {"ry"}, {"rz"}};
+constexpr TableKeys mount_stiffness{mount_stiffness_keys};
+constexpr Key mount_keys[]{{"stiffness", &mount_stiffness}, {"mass"}, {"inertia"}};
+constexpr TableKeys mount{mount_keys};
+constexpr Key base_keys[]{{"joints", &joints}, {"mount", &mount}};
 constexpr TableKeys base_table{base_keys};
 
 constexpr Key inertia_keys[]{{"xx"}, {"yy"}, {"zz"}, {"xy"}, {"xz"}, {"yz"}};
@@ -96,6 +100,7 @@ constexpr TableKeys equivalent_cylinder{equivalent_cylinder_keys};
 
 constexpr Key leg_keys[]{{"gimbal_axis"},
                          {"added_axial_inertia"},
+                         {"gimbal_stiffness"},
                          {"case", &case_table},
                          {"rod", &rod},
                          {"guide_sleeve", &guide_sleeve},

@@ -126,6 +126,18 @@ void check_legs(const Machine& machine, NonFinite non_finite, std::vector<Findin
   }
 }
 
+void check_base_mount(const BaseMount& mount, ValueChecks& checks) {
+  constexpr std::array directions{"x", "y", "z", "rx", "ry", "rz"};
+  for (std::size_t k = 0; k < directions.size(); ++k)
+    if (mount.stiffness[k])
+      checks.positive(fmt::format("base.mount.stiffness.{}", directions[k]), *mount.stiffness[k],
+                      k < 3 ? "N/m" : "N m/rad");
+  checks.not_negative("base.mount.mass", mount.mass, "kg");
+  if (!checks.finite("base.mount.inertia", mount.inertia, "kg m^2")) return;
+  if ((mount.inertia.array() < 0.0).any())
+    checks.add("base.mount.inertia", "holds a negative moment, expected three of 0 or more");
+}
+
 void check_damping(const Damping& damping, ValueChecks& checks) {
   if (damping.modal_ratio) {
     const double ratio = *damping.modal_ratio;
@@ -176,6 +188,7 @@ std::vector<Finding> validate_values(const Machine& machine, NonFinite non_finit
   checks.finite("environment.gravity", machine.gravity, "m/s^2");
   check_platform(machine.platform, checks);
   check_joints(machine, checks);
+  if (machine.base_mount) check_base_mount(*machine.base_mount, checks);
   check_damping(machine.damping, checks);
   check_supply(machine.hydraulics, checks);
   check_control(machine.controller, machine.sensors, checks);

@@ -26,6 +26,7 @@ std::string energy_text(const modal::EnergyShares& energy) {
   add("oil", energy.oil.sum());
   add("sleeves", energy.guide_sleeve.sum());
   add("rings", energy.piston_ring.sum());
+  add("base", energy.base_mount);
   return text;
 }
 

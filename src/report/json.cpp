@@ -31,14 +31,16 @@ Json rows(const dynamics::ModelMatrix& A) {
 }
 
 Json strain_json(const modal::EnergyShares& energy) {
-  return {{"oil", energy.oil.sum()},
-          {"guide_sleeve", energy.guide_sleeve.sum()},
-          {"piston_ring", energy.piston_ring.sum()},
-          {"preload", energy.preload},
-          {"per_leg",
-           {{"oil", array(energy.oil)},
-            {"guide_sleeve", array(energy.guide_sleeve)},
-            {"piston_ring", array(energy.piston_ring)}}}};
+  Json json{{"oil", energy.oil.sum()},
+            {"guide_sleeve", energy.guide_sleeve.sum()},
+            {"piston_ring", energy.piston_ring.sum()},
+            {"preload", energy.preload},
+            {"per_leg",
+             {{"oil", array(energy.oil)},
+              {"guide_sleeve", array(energy.guide_sleeve)},
+              {"piston_ring", array(energy.piston_ring)}}}};
+  if (energy.base_mount != 0.0) json["base_mount"] = energy.base_mount;
+  return json;
 }
 
 Json mode_json(const modal::TabledMode& entry, size_t number) {

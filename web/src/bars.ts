@@ -17,10 +17,14 @@ export const energyParts = (strain: {
   oil: number;
   guide_sleeve: number;
   piston_ring: number;
+  base_mount?: number;
 }): Part[] => [
   { name: 'oil', long: 'oil', value: strain.oil, kind: 'oil' },
   { name: 'sleeves', long: 'guide sleeves', value: strain.guide_sleeve, kind: 'sleeve' },
   { name: 'rings', long: 'piston rings', value: strain.piston_ring, kind: 'ring' },
+  ...(strain.base_mount
+    ? [{ name: 'base', long: 'base', value: strain.base_mount, kind: 'legs' }]
+    : []),
 ];
 
 export const motionParts = (mode: Mode): Part[] => [

@@ -6,6 +6,7 @@ export interface Strain {
   oil: number;
   guide_sleeve: number;
   piston_ring: number;
+  base_mount?: number;
   preload: number;
   per_leg: { oil: number[]; guide_sleeve: number[]; piston_ring: number[] };
 }

@@ -94,6 +94,9 @@ using Progress = std::function<bool(double)>;
 Calibration calibrate(const model::MachineFile& file, const Targets& targets, const Plan& plan,
                       dynamics::ModelKind kind, const Progress& progress = {});
 
+/// The machine as it is against the targets: a candidate without parameters.
+Candidate compare(const model::MachineFile& file, const Targets& targets, dynamics::ModelKind kind);
+
 /// One point of a profile: everything else fitted with the parameter held.
 struct ProfilePoint {
   double value{};   ///< [unit]

@@ -24,9 +24,18 @@ std::vector<int> assign(const Eigen::MatrixXd& cost);
 double direction_share(const dynamics::LinearModel& model, const dynamics::NormalModes& modes,
                        int k, int direction);
 
-/// MAC of a platform shape and mode k, with the platform's mass as the metric.
+/// MAC of a platform shape, that of the mass centre, and mode k, with the platform's mass as the
+/// metric.
 double platform_mac(const dynamics::LinearModel& model, const dynamics::NormalModes& modes, int k,
                     const Vector6& shape);
+
+/// The same for what a measurement takes for one mode: those within 0.5 % of mode k in frequency
+/// that the platform feels at least a tenth (in energy) as much as the one it feels most.
+double resonance_mac(const dynamics::LinearModel& model, const dynamics::NormalModes& modes, int k,
+                     const Vector6& shape);
+
+/// The target's shape as motion of the model's mass centre. It must have one.
+Vector6 shape_at_center(const dynamics::LinearModel& model, const ModeTarget& target);
 
 /// Per target the index of its mode.
 std::vector<int> pair_modes(const dynamics::LinearModel& model, const dynamics::NormalModes& modes,

@@ -21,8 +21,9 @@ inline constexpr double relative_step = 1e-4;
 struct ModePoint {
   dynamics::LinearModel model{};
   dynamics::NormalModes modes{};
-  std::vector<modal::ModelDerivative> derivatives{};  ///< per parameter [per its SI unit]
-  Eigen::MatrixXd domega2{};                          ///< modes × parameters
+  std::vector<modal::ModelDerivative> derivatives{};   ///< per parameter [per its SI unit]
+  std::vector<spatial::Vector3> center_derivatives{};  ///< of the mass centre's place [m per unit]
+  Eigen::MatrixXd domega2{};                           ///< modes × parameters
 };
 
 /// Modes of `machine` with its parameters at `values`, at its pose number `pose`. `scales`: size of

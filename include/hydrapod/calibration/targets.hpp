@@ -26,6 +26,8 @@ struct ModeTarget {
   double damping_deviation{};       ///< of ζ
   std::optional<Vector6> shape{};   ///< platform's motion x…rz [m, rad], any scale
   double shape_deviation{};         ///< of the shape scaled to unit kinetic energy of the platform
+  /// Point of the platform whose motion the shape is, in P [m]; none: the model's mass centre.
+  std::optional<spatial::Vector3> shape_point{};
 };
 
 struct Targets {

@@ -28,9 +28,12 @@ struct LinearModel {
   Vector3 p_BC{};           ///< the platform's mass centre [m]
   Matrix6 platform_mass{};  ///< diag(m I, R I_C Rᵀ)
   std::array<LegElement, model::leg_count> legs{};
-  /// Per leg: motion of its platform joint along (t, a2, n) per platform motion, 3×6.
+  /// Per leg: motion of its platform joint, seen from its base joint, along (t, a2, n) per platform
+  /// motion, 3×6.
   std::array<Eigen::Matrix<double, 3, 6>, model::leg_count> J{};
   StaticEquilibrium statics{};
+  bool base_moves{};
+  Matrix6 K_mount{Matrix6::Zero()};  ///< the mount's share of K_rr; see base_mount.hpp
   ModelMatrix M{}, K{};
   ModelMatrix
       C{};  ///< viscous dampers of the legs and Rayleigh damping; modal ratios are not in it

@@ -46,4 +46,13 @@ double control_volume(const model::Leg& leg);
 /// Throws std::invalid_argument when the leg has no oil spring or lacks the stroke that it needs.
 double oil_stiffness(const model::Leg& leg, double l_m);
 
+/// What holds a leg along its axis: the oil spring, and in series the gimbals where they give way.
+struct AxialSpring {
+  double stiffness{};  ///< k_h k_j / (k_h + k_j) [N/m]
+  /// c_h (k_j / (k_h + k_j))² [N s/m]: the share of the motion that the oil's damper sees, as long
+  /// as the damper's force is small beside the spring's.
+  double damping{};
+};
+AxialSpring axial_spring(const model::Leg& leg, double l_m);
+
 }  // namespace hydrapod::hydraulics

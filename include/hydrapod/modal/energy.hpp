@@ -5,8 +5,9 @@
 /// axes) and the six legs; these twelve shares sum to 1. A product of inertia between two rotations
 /// is shared half and half, so a direction's share may be slightly negative.
 ///
-/// Elastic energy is split into oil springs, guide sleeves and piston rings, per leg; these sum
-/// to 1. What gravity and preload give back or take (second order: curvature, weights, knees under
+/// Elastic energy is split into oil springs (gimbals in series with them included), guide sleeves
+/// and piston rings, per leg, and the base's mount; these sum to 1. With a base that moves the
+/// kinetic energy of the legs is that of their motion against it. What gravity and preload give back or take (second order: curvature, weights, knees under
 /// compression) is no elastic energy; `preload` states it as a multiple of the elastic energy: −0.6
 /// means that preload takes away 60 % of the stiffness that the springs give the mode, −1 that the
 /// legs buckle.
@@ -23,6 +24,7 @@ struct EnergyShares {
   Vector6 oil{Vector6::Zero()};           ///< elastic, legs 1…6
   Vector6 guide_sleeve{Vector6::Zero()};  ///< elastic, legs 1…6
   Vector6 piston_ring{Vector6::Zero()};   ///< elastic, legs 1…6
+  double base_mount{};                    ///< elastic
   double preload{};                       ///< geometric / elastic, ≥ −1 when stable
 };
 

@@ -116,9 +116,19 @@ struct Leg {
   OilSpring oil_spring{};
   std::optional<Stroke> stroke{};
   JointLimits joint_limits{};
-  double added_axial_inertia{};           ///< m_a [kg], oil in the lines seen at the piston
+  double added_axial_inertia{};  ///< m_a [kg], oil in the lines seen at the piston
+  /// k_j [N/m] of both gimbals and their fastening along the leg; absent: they do not give way.
+  std::optional<double> gimbal_stiffness{};
   Vector3 gimbal_axis{Vector3::UnitY()};  ///< a1: base-fixed axis of the lower gimbal, unit, in B
   LegHydraulics hydraulics{};             ///< for simulation only
+};
+
+/// What the base stands on, as springs between base and ground at the origin of B along its axes.
+struct BaseMount {
+  /// x, y, z [N/m], rx, ry, rz [N m/rad]; absent: the base does not move that way.
+  std::array<std::optional<double>, 6> stiffness{};
+  double mass{};                     ///< of the base [kg], ≥ 0, at the origin of B
+  Vector3 inertia{Vector3::Zero()};  ///< its moments about the axes of B [kg m²], ≥ 0
 };
 
 struct Platform {
@@ -156,6 +166,7 @@ struct Machine {
   Vector3 gravity{0.0, 0.0, -standard_gravity};  ///< [m/s²] in B
   Platform platform{};
   std::array<Leg, leg_count> legs{};
+  std::optional<BaseMount> base_mount{};  ///< absent: the base stands still
   FlexibleAxes flexible_axes{FlexibleAxes::transverse};
   Damping damping{};
   ControlSettings controller{};
