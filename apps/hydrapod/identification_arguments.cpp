@@ -76,6 +76,7 @@ identification::MeasureOptions options_of(const MeasurementArguments& a) {
 
 std::optional<RecordMachine> measured_machine(const MeasurementArguments& a,
                                               const data::RecordHeader* header) {
+  if (a.known) return a.known;
   return record_machine(header, a.files[0], a.machine, a.pose, a.model);
 }
 

@@ -21,6 +21,7 @@ struct MeasurementArguments {
   std::optional<double> overlap{};
   std::string period{}, settling{}, sample_rate{};
   std::string machine{}, pose{}, model{}, point{};
+  std::optional<RecordMachine> known{};  ///< the machine, where another command read it
 };
 
 /// The machine that was measured, if one is known; `header` of the first record, if there is one.

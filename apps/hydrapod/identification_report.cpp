@@ -54,11 +54,18 @@ std::string left_text(const report::ComparedModes& compared,
     text += fmt::format("Not in the model: mode {}, {} Hz, {} of critical.\n", r + 1,
                         hertz(fit.omega()), percent(fit.damping_ratio()));
   }
+  std::string quiet;  // modes that nobody expects to measure share a line
   for (const auto& left : compared.result.model_left) {
     const auto& mode = compared.result.model[static_cast<std::size_t>(left.model)];
+    if (!mode.felt) {
+      quiet += (quiet.empty() ? "" : ", ") + hertz(mode.omega());
+      continue;
+    }
     text += fmt::format("Not measured: {} Hz, {} of critical, {}: {}.\n", hertz(mode.omega()),
                         percent(mode.damping_ratio()), mode.label, left.reason);
   }
+  if (!quiet.empty())
+    text += fmt::format("Not measured, because the platform does not feel them: {} Hz.\n", quiet);
   return text;
 }
 

@@ -8,8 +8,10 @@
 #include "hydrapod/base/error.hpp"
 #include "hydrapod/base/file.hpp"
 #include "hydrapod/commands.hpp"
+#include "hydrapod/identification_run.hpp"
 #include "hydrapod/interrupt.hpp"
 #include "hydrapod/machine_arguments.hpp"
+#include "hydrapod/report/identification_section.hpp"
 #include "hydrapod/report/simulation.hpp"
 #include "hydrapod/terminal.hpp"
 
@@ -25,6 +27,7 @@ struct Arguments {
   std::string modes{};
   std::vector<std::string> commands{};
   std::string until{};
+  IdentificationArguments identification{};
   report::HtmlOptions options{};
 };
 
@@ -87,6 +90,20 @@ report::Json simulated(const Arguments& arguments, const model::MachineFile& fil
       dynamics::linear_model(file.machine, pose.X_BP, arguments.options.kind));
 }
 
+/// The modes that `--measured` asks for, beside those of the machine at the first pose.
+report::Json measured(Arguments& arguments, const model::MachineFile& file,
+                      const report::PoseChoice& pose) {
+  auto& a = arguments.identification;
+  check_identification(a);
+  a.measurement.known = RecordMachine{
+      .name = arguments.machine.file, .file = file, .pose = pose, .kind = arguments.options.kind};
+  const auto source = identified_source(a);
+  const auto result = identified_modes(a, source);
+  return report::identification_section(
+      result, compared_modes(a, source, result),
+      {a.measurement.files, measurement_text(source.responses), source.frame});
+}
+
 void run(Arguments& arguments) {
   constexpr std::array themes{report::Theme::automatic, report::Theme::light, report::Theme::dark};
   auto& options = arguments.options;
@@ -102,6 +119,8 @@ void run(Arguments& arguments) {
   auto document = report::report_json(file, arguments.machine.file, poses, options);
   if (!arguments.commands.empty())
     document["simulation"] = simulated(arguments, file, poses.front());
+  if (!arguments.identification.measurement.files.empty())
+    document["identification"] = measured(arguments, file, poses.front());
   base::write_file_whole(arguments.output, report::html_page(document, options.theme));
   if (arguments.output != "-") fmt::print(stderr, "wrote {}\n", arguments.output);
 }
@@ -119,6 +138,8 @@ void add_report(CLI::App& app) {
         "modes pictured in print"},
        {"report machine.toml --command \"step z=5 mm\"",
         "and what the machine does when it is told to move: over time, and in 3D"},
+       {"report machine.toml --measured run.h5",
+        "measured modes: live stabilisation chart, fit, comparison"},
        {"report machine.toml --set environment.gravity=0 --theme light",
         "a what-if, light colours only"}});
   auto arguments = std::make_shared<Arguments>();
@@ -153,6 +174,22 @@ void add_report(CLI::App& app) {
       ->type_name("COMMAND");
   command->add_option("--until", arguments->until,
                       "Simulated time, s or with a unit; default: what the commands need");
+  auto& identification = arguments->identification;
+  command
+      ->add_option("--measured", identification.measurement.files,
+                   "Also show the modes that `hydrapod identify` finds in this record or these "
+                   "frequency responses, beside those of the machine at the first pose; records "
+                   "may be repeated")
+      ->allow_extra_args(false)
+      ->type_name("RECORD|FRF");
+  command->add_flag("--from-drive", identification.measurement.from_drive,
+                    "Of the record: from the drives on, without the controller");
+  command->add_option("--from", identification.from, "Of the record: lowest frequency");
+  command->add_option("--to", identification.to, "Of the record: highest frequency");
+  command
+      ->add_option("--against", identification.against,
+                   "Model to compare the record with: auto, mechanics, plant, system or none")
+      ->capture_default_str();
   command->add_option("-o,--output", arguments->output, "File to write; - prints")
       ->capture_default_str();
   command->callback([arguments] { run(*arguments); });

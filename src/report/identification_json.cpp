@@ -184,6 +184,21 @@ Json mode_of_cluster(const identification::Identification& result, std::size_t c
   return nullptr;
 }
 
+/// Lower and upper residuals C_k, k = −2 … 1, of (iω/scale)^k.
+Json residuals_json(const identification::ModalModel& model) {
+  Json terms = Json::array();
+  for (const auto& C : model.residuals) terms.push_back(matrix_json(C));
+  return {{"omega_scale_rad_s", model.omega_scale}, {"terms", terms}};
+}
+
+/// The same among the heavily damped poles.
+Json heavy_of_cluster(const identification::Identification& result, std::size_t cluster) {
+  if (cluster >= result.model.modes.size()) return nullptr;
+  for (std::size_t r = 0; r < result.heavily_damped.size(); ++r)
+    if (result.heavily_damped[r].pole == result.model.modes[cluster].pole) return r + 1;
+  return nullptr;
+}
+
 Json stabilisation_json(const identification::Identification& result) {
   const auto stability = identification::pole_stability(result.chart);
   std::vector<std::vector<Json>> cluster;
@@ -211,6 +226,7 @@ Json clusters_json(const identification::Identification& result) {
   for (std::size_t c = 0; c < result.clusters.size(); ++c) {
     const auto& cluster = result.clusters[c];
     list.push_back({{"mode", mode_of_cluster(result, c)},
+                    {"heavily_damped", heavy_of_cluster(result, c)},
                     {"orders", cluster.members.size()},
                     {"persistence", cluster.persistence},
                     {"frequency_scatter", cluster.frequency_scatter},
@@ -333,6 +349,7 @@ Json identification_json(const identification::Identification& result) {
           {"heavily_damped", heavy},
           {"left_out", left},
           {"mac", matrix_json(identification::mac_matrix(shapes, shapes))},
+          {"residuals", residuals_json(result.model)},
           {"fit_error", result.model.error},
           {"misfit", result.model.misfit},
           {"stabilisation", stabilisation_json(result)},

@@ -243,7 +243,7 @@ TEST_F(MeasuredMachine, ModesThatTheModelLacksAreSaid) {
   const auto run = test::run_hydrapod({"identify", path, "--machine", file, "--model", "guide"});
   ASSERT_EQ(run.exit_code, 0) << run.err;
   EXPECT_THAT(run.out, HasSubstr("Not measured"));
-  EXPECT_THAT(run.out, HasSubstr("the platform does not feel it"));
+  EXPECT_THAT(run.out, HasSubstr("because the platform does not feel them"));
 }
 
 TEST_F(MeasuredMachine, WithoutAMachineNothingIsCompared) {

@@ -1,5 +1,7 @@
 // The JSON that src/report writes; fields as in docs/howto/json.md.
 
+import type { Identification } from './identification/types';
+
 export type Vector = [number, number, number];
 
 export interface Strain {
@@ -144,6 +146,7 @@ export interface Report {
   pictured_modes: number[];
   poses: PoseReport[];
   simulation?: Simulation;
+  identification?: Identification;
 }
 
 export const directions = ['x', 'y', 'z', 'rx', 'ry', 'rz'] as const;

@@ -2,6 +2,7 @@
 
 import type { Report } from './document';
 import type { LegPoints } from './mechanics/leg';
+import type { Complex } from './mechanics/response';
 import type { State } from './state';
 
 export interface SceneHook {
@@ -47,6 +48,21 @@ export interface SimulationHook {
   jointPositions(leg: number): LegPoints;
 }
 
+export interface IdentificationHook {
+  /** Marks of the stabilisation chart as drawn, px of the picture. */
+  marks(): { order: number; frequency_hz: number; x: number; y: number }[];
+  /** Poles [1/s] that are switched on, in the order of the table. */
+  chosen(): Complex[];
+  /** Of the fit: √(Σ|Ĥ − H|²/Σ|Ĥ|²). */
+  error(): number;
+  /** Fitted shapes, by pole that is on and output. */
+  shapes(): Complex[][];
+  /** The fit at the measured lines, through the window of the measurement. */
+  fitted(output: number, input: number): Complex[];
+  /** The fitted model itself at a frequency [Hz]. */
+  responseAt(output: number, input: number, frequency: number): Complex;
+}
+
 declare global {
   interface Window {
     hydrapod: {
@@ -55,6 +71,7 @@ declare global {
       scene?: SceneHook;
       bode?: BodeHook;
       simulation?: SimulationHook;
+      identification?: IdentificationHook;
       /** When the machine was drawn first [ms since the page began to load]. */
       firstFrame?: number;
     };

@@ -7,6 +7,7 @@ import type { State } from '../state';
 import { about } from './about';
 import { bode } from './bode';
 import { header } from './header';
+import { identification } from './identification';
 import { mechanism } from './mechanism';
 import { modes } from './modes';
 import { pictures } from './pictures';
@@ -22,7 +23,7 @@ export interface Section {
   render(state: State, host: HTMLElement): void;
 }
 
-export const sections: Section[] = [mechanism, modes, pictures, bode, simulation, about];
+export const sections: Section[] = [mechanism, modes, pictures, bode, simulation, identification, about];
 
 /** A section can be drawn late where it is far down: the page is usable before. */
 export function renderSections(state: State, page: HTMLElement): void {

@@ -1,0 +1,180 @@
+#include "hydrapod/identification_run.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <fstream>
+
+#include "hydrapod/base/file.hpp"
+#include "hydrapod/identification/exchange.hpp"
+#include "hydrapod/machine_arguments.hpp"
+#include "hydrapod/report/identification_json.hpp"
+#include "hydrapod/terminal.hpp"
+
+namespace hydrapod::cli {
+
+namespace {
+
+const std::vector<std::string_view> against_words{"auto", "mechanics", "plant", "system", "none"};
+
+std::optional<double> frequency(const std::string& option, const std::string& text) {
+  if (text.empty()) return {};
+  const double value = plain_or_quantity(option + " " + text, text, "Hz");
+  if (!(value >= 0.0)) bad_argument(option + " " + text, "a frequency cannot be negative");
+  return value;
+}
+
+identification::IdentifyOptions options_of(const IdentificationArguments& a) {
+  identification::IdentifyOptions o;
+  o.from = frequency("--from", a.from);
+  o.to = frequency("--to", a.to);
+  if (o.from && o.to && *o.from >= *o.to)
+    bad_argument("--from " + a.from, "must be less than --to " + a.to);
+  o.orders.highest = a.order;
+  o.highest_damping = a.highest_damping / 100.0;
+  return o;
+}
+
+/// JSON of `hydrapod frf`? Its first character tells.
+bool is_json(const std::string& path) {
+  std::ifstream file(path, std::ios::binary);
+  char first = ' ';
+  file >> first;
+  return file && first == '{';
+}
+
+/// By its ending a Universal File?
+bool is_universal(const std::string& path) {
+  return path.ends_with(".uff") || path.ends_with(".unv") || path.ends_with(".uf") ||
+         path.ends_with(".UFF") || path.ends_with(".UNV");
+}
+
+bool is_record(const std::string& path) {
+  try {
+    data::open_record_reader(path);
+    return true;
+  } catch (const base::InputError&) {
+    return false;
+  }
+}
+
+IdentifiedSource read_responses(const std::string& path) {
+  constexpr std::size_t largest = std::size_t{1} << 31;
+  const std::string text = base::read_file(path, largest, "frequency responses of `hydrapod frf`");
+  report::Json json;
+  try {
+    json = report::Json::parse(text);
+  } catch (const nlohmann::json::parse_error& error) {
+    bad_argument(path, fmt::format("is no JSON: {}", error.what()));
+  }
+  return {.responses = report::responses_from_json(json, path),
+          .header = report::record_origin_from_json(json)};
+}
+
+/// What the inputs see: the plant from the drives on, else the machine as it stands, which is under
+/// its controller in a record of the rig.
+comparison::Source model_source(const IdentificationArguments& a, const IdentifiedSource& source) {
+  const auto word = choose_word("--against", a.against, against_words);
+  if (word > 0) return static_cast<comparison::Source>(word - 1);
+  if (!source.header || !is_rig_record(*source.header)) return comparison::Source::mechanics;
+  const bool drives = std::ranges::all_of(
+      source.responses.inputs, [](const auto& c) { return c.role == data::Role::drive; });
+  return drives ? comparison::Source::plant : comparison::Source::system;
+}
+
+}  // namespace
+
+void add_identification_options(CLI::App& command, IdentificationArguments& a) {
+  add_measurement_options(command, a.measurement);
+  command.add_option("--from", a.from, "Lowest frequency, Hz or with a unit; default: found out");
+  command.add_option("--to", a.to, "Highest frequency, Hz or with a unit; default: found out");
+  command.add_option("--order", a.order, "Highest model order")
+      ->check(CLI::Range(4, 100))
+      ->capture_default_str();
+  command
+      .add_option("--highest-damping", a.highest_damping,
+                  "Damping in per cent of critical above which a pole is no mode")
+      ->check(CLI::Range(0.1, 90.0))
+      ->capture_default_str();
+  command
+      .add_option("--against", a.against,
+                  "Model to compare with: auto, mechanics (on oil springs), plant (with "
+                  "hydraulics), system (with controller too) or none")
+      ->capture_default_str();
+}
+
+void check_identification(const IdentificationArguments& a) {
+  choose_word("--against", a.against, against_words);
+  options_of(a);
+}
+
+std::optional<double> upper_frequency(const IdentificationArguments& a) {
+  return frequency("--to", a.to);
+}
+
+IdentifiedSource identified_source(const IdentificationArguments& a) {
+  const std::string& first = a.measurement.files[0];
+  if (is_json(first)) {
+    if (a.measurement.files.size() > 1)
+      bad_argument(a.measurement.files[1],
+                   "frequency responses stand alone: only records are "
+                   "averaged together");
+    return read_responses(first);
+  }
+  if (is_universal(first) && a.measurement.files.size() == 1) {
+    try {
+      auto read = data::read_frequency_response(first);
+      print_diagnostics(read.notes);
+      return {.responses = identification::from_exchange(read.response, first)};
+    } catch (const base::InputError&) {  // it may hold a record instead
+      if (!is_record(first)) throw;
+    }
+  }
+  auto m = measure(a.measurement);
+  IdentifiedSource source{.responses = std::move(m.responses), .header = std::move(m.header)};
+  if (m.from_legs) source.frame = "leg lengths brought to platform directions";
+  return source;
+}
+
+identification::Identification identified_modes(const IdentificationArguments& a,
+                                                const IdentifiedSource& source) {
+  identification::Identification result;
+  {
+    ProgressLine line("identifying");
+    result = identification::identify_modes(source.responses, options_of(a),
+                                            [&](double share) { line.update(share); });
+  }
+  print_warnings(a.measurement.files[0], result.warnings);
+  return result;
+}
+
+std::optional<report::ComparedModes> compared_modes(const IdentificationArguments& a,
+                                                    const IdentifiedSource& source,
+                                                    const identification::Identification& result) {
+  if (a.against == "none" || result.modes.empty()) return {};
+  const auto machine = measured_machine(a.measurement, source.header ? &*source.header : nullptr);
+  if (!machine) {
+    if (a.against != "auto")
+      bad_argument("--against " + a.against,
+                   "there is no machine to compare with: add --machine FILE");
+    return {};
+  }
+  report::ComparedModes compared{.source = model_source(a, source),
+                                 .kind = machine->kind,
+                                 .machine = machine->file.machine.name,
+                                 .pose = machine->pose.name};
+  try {
+    compared.result = comparison::compare_modes(
+        result,
+        comparison::model_modes(machine->file.machine, machine->pose.X_BP, machine->kind,
+                                compared.source),
+        {machine->file.machine, machine->pose.X_BP, measured_point(a.measurement, *machine)},
+        a.highest_damping / 100.0);
+  } catch (const base::ComputationError& error) {
+    print_warnings(machine->name, {fmt::format("not compared with the model: {}", error.what())});
+    return {};
+  }
+  return compared;
+}
+
+}  // namespace hydrapod::cli

@@ -1,0 +1,47 @@
+#pragma once
+/// From the command line's options to identified modes and their comparison with a model: what
+/// `hydrapod identify` and `hydrapod report --measured` share.
+
+#include "hydrapod/identification/identify.hpp"
+#include "hydrapod/identification_arguments.hpp"
+#include "hydrapod/report/mode_comparison.hpp"
+
+namespace hydrapod::cli {
+
+struct IdentificationArguments {
+  MeasurementArguments measurement{};
+  std::string from{}, to{};
+  int order{40};
+  double highest_damping{30.0};  ///< [%]
+  std::string against{"auto"};
+};
+
+/// All but the files.
+void add_identification_options(CLI::App& command, IdentificationArguments& arguments);
+
+/// Throws base::InputError for options that make no sense: before the work is done.
+void check_identification(const IdentificationArguments& arguments);
+
+std::optional<double> upper_frequency(const IdentificationArguments& arguments);  ///< --to [Hz]
+
+/// What is identified, and what is known of where it comes from.
+struct IdentifiedSource {
+  identification::FrequencyResponses responses{};
+  std::optional<data::RecordHeader> header{};
+  std::string frame{"outputs as measured"};  ///< how they were brought to directions
+};
+
+/// Records, JSON of `hydrapod frf` or a Universal File; warnings go to stderr.
+IdentifiedSource identified_source(const IdentificationArguments& arguments);
+
+/// With a progress line; warnings go to stderr.
+identification::Identification identified_modes(const IdentificationArguments& arguments,
+                                                const IdentifiedSource& source);
+
+/// Modes beside those of the machine that is known; none where there is no machine. A model that
+/// cannot be computed is a warning: the modes were found all the same.
+std::optional<report::ComparedModes> compared_modes(const IdentificationArguments& arguments,
+                                                    const IdentifiedSource& source,
+                                                    const identification::Identification& result);
+
+}  // namespace hydrapod::cli

@@ -1,0 +1,132 @@
+#include "hydrapod/report/identification_section.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <cstdlib>
+
+#include "hydrapod/report/identification_json.hpp"
+
+namespace hydrapod::report {
+
+namespace {
+
+using Eigen::Index;
+using identification::FrequencyResponses;
+
+constexpr std::size_t most_lines = 1000;
+constexpr double confidence = 0.95;
+
+/// To seven digits: what a picture needs, at half the size.
+Json rounded(double value) {
+  if (!std::isfinite(value)) return nullptr;
+  return std::strtod(fmt::format("{:.7g}", value).c_str(), nullptr);
+}
+
+template <class Number>
+Json list_of(const std::vector<std::size_t>& lines, const Number& number) {
+  Json list = Json::array();
+  for (const std::size_t k : lines) list.push_back(rounded(number(k)));
+  return list;
+}
+
+/// Every line, or every second, … so that few enough are left.
+std::vector<std::size_t> shown_lines(std::size_t count) {
+  const std::size_t every = (count + most_lines - 1) / most_lines;
+  std::vector<std::size_t> lines;
+  for (std::size_t k = 0; k < count; k += every) lines.push_back(k);
+  return lines;
+}
+
+Json entry_json(const FrequencyResponses& r, const std::vector<std::size_t>& lines, Index o,
+                Index i) {
+  Json entry{{"re", list_of(lines, [&](auto k) { return r.H[k](o, i).real(); })},
+             {"im", list_of(lines, [&](auto k) { return r.H[k](o, i).imag(); })}};
+  if (r.has_errors())
+    entry["deviation"] = list_of(lines, [&](auto k) {
+      return std::sqrt(r.variance(k, static_cast<int>(o), static_cast<int>(i)));
+    });
+  return entry;
+}
+
+Json shown_responses(const FrequencyResponses& r) {
+  const auto lines = shown_lines(r.lines());
+  Json response = Json::array(), coherence = Json::array();
+  for (Index o = 0; o < static_cast<Index>(r.outputs.size()); ++o) {
+    Json row = Json::array();
+    for (Index i = 0; i < static_cast<Index>(r.inputs.size()); ++i)
+      row.push_back(entry_json(r, lines, o, i));
+    response.push_back(std::move(row));
+    if (!r.multiple_coherence.empty())
+      coherence.push_back(list_of(lines, [&](auto k) { return r.multiple_coherence[k][o]; }));
+  }
+  Json shown{
+      {"frequency_hz", Json::array()},
+      {"response", std::move(response)},
+      {"radius_95", r.has_errors() ? Json(identification::confidence_radius(confidence, r.degrees))
+                                   : Json(nullptr)}};
+  for (const std::size_t k : lines) shown["frequency_hz"].push_back(r.frequency[k]);
+  if (!coherence.empty()) shown["multiple_coherence"] = std::move(coherence);
+  return shown;
+}
+
+/// ρ − 1 at as few lags as the highest line allows: the page transforms it by the trapezoidal rule,
+/// whose first alias must lie far beyond.
+Json taper_json(const FrequencyResponses& r) {
+  const auto n = r.taper.size();
+  if (n == 0 || r.lines() == 0) return nullptr;
+  const double duration = static_cast<double>(n) / r.sample_rate;
+  constexpr double room = 8.0;  // lags per highest line
+  const auto wanted =
+      std::bit_ceil(static_cast<unsigned>(std::max(64.0, room * r.frequency.back() * duration)));
+  const Index count = static_cast<Index>(wanted);
+  Json list = Json::array();
+  for (Index k = 0; k < count; ++k) {
+    const double at = static_cast<double>(k) * static_cast<double>(n) / static_cast<double>(count);
+    const auto low = static_cast<Index>(at);
+    const double next = low + 1 < n ? r.taper[low + 1] : 0.0;
+    const double share = at - static_cast<double>(low);
+    list.push_back(rounded((1.0 - share) * r.taper[low] + share * next - 1.0));
+  }
+  return {{"duration_s", duration}, {"values", std::move(list)}};
+}
+
+Json vector_json(const Eigen::VectorXcd& v) {
+  Json re = Json::array(), im = Json::array();
+  for (const auto& value : v) {
+    re.push_back(rounded(value.real()));
+    im.push_back(rounded(value.imag()));
+  }
+  return {{"re", std::move(re)}, {"im", std::move(im)}};
+}
+
+}  // namespace
+
+Json identification_section(const identification::Identification& result,
+                            const std::optional<ComparedModes>& compared,
+                            const MeasuredText& text) {
+  Json json = identification_json(result);
+  json["records"] = text.records;
+  json["measured"] = text.measured;
+  json["frame"] = text.frame;
+  json["comparison"] = compared ? comparison_json(*compared, result) : Json(nullptr);
+  json["responses"] = shown_responses(result.responses);
+  json["taper"] = taper_json(result.responses);
+  for (std::size_t n = 0; n < result.chart.size(); ++n)
+    for (std::size_t i = 0; i < result.chart[n].poles.size(); ++i) {
+      const auto& e = result.chart[n].poles[i];
+      auto& pole = json["stabilisation"][n]["poles"][i];
+      pole["pole"] = {{"re", e.pole.real()}, {"im", e.pole.imag()}};
+      pole["participation"] = vector_json(e.participation);
+    }
+  Json& values = json["indicator"]["values"];
+  const auto lines = shown_lines(result.responses.lines());
+  for (Json& row : values)
+    row = list_of(lines, [&](std::size_t k) { return row[k].get<double>(); });
+  json["indicator"]["frequency_hz"] = json["responses"]["frequency_hz"];
+  return json;
+}
+
+}  // namespace hydrapod::report

@@ -1,0 +1,224 @@
+// Tables of measured modes: the poles in use, their MAC, and the comparison with a model.
+
+import { html, unseen } from '../dom';
+import { fixed, hertz, signedPercent } from '../numbers';
+import { palette } from '../palette';
+import type { Choice, ChosenPole } from './choice';
+import type { Fit } from './fit';
+import type { Comparison, Identification } from './types';
+
+const percent = (ratio: number, digits = 2) => `${fixed(100 * ratio, digits)} %`;
+/** Half an interval, to two digits. */
+const interval = (value: number) => String(Number(value.toPrecision(2)));
+
+function framed(label: string, table: HTMLElement): HTMLElement {
+  return html('div', { class: 'scroller', tabindex: 0, role: 'region', 'aria-label': label }, table);
+}
+
+function headed(columns: [string, boolean][]): HTMLElement {
+  return html(
+    'thead',
+    {},
+    html(
+      'tr',
+      {},
+      ...columns.map(([title, numeric]) =>
+        html('th', { scope: 'col', class: numeric ? 'numeric' : null }, title),
+      ),
+    ),
+  );
+}
+
+const numeric = (text: string) => html('td', { class: 'numeric' }, text);
+
+/** The outputs that move most, each in proportion to the size of its own responses. */
+function moving(data: Identification, fit: Fit, index: number): string {
+  const shares = data.outputs.map((channel, o) => {
+    const size = Math.sqrt(
+      data.responses.response[o].reduce(
+        (all, h) => h.re.reduce((sum, re, k) => sum + re * re + h.im[k] * h.im[k], all),
+        0,
+      ),
+    );
+    const { re, im } = fit.shapes[index][o];
+    return { name: channel.name, share: size > 0 ? Math.hypot(re, im) / size : 0 };
+  });
+  const largest = Math.max(...shares.map((s) => s.share)) || 1;
+  return shares
+    .sort((a, b) => b.share - a.share)
+    .slice(0, 4)
+    .filter((s) => s.share >= 0.2 * largest)
+    .map((s) => `${s.name} ${fixed(s.share / largest, 2)}`)
+    .join(', ');
+}
+
+function nameOf(pole: ChosenPole): string {
+  if (pole.kind === 'mode') return `${pole.number}`;
+  return pole.kind === 'heavy' ? 'heavily damped' : `by hand, order ${pole.number}`;
+}
+
+/** The table of poles; its boxes switch them. */
+export class PoleTable {
+  readonly element: HTMLElement;
+  private readonly body = html('tbody');
+
+  constructor(
+    private readonly data: Identification,
+    private readonly choice: Choice,
+  ) {
+    const table = html(
+      'table',
+      { class: 'modes identified' },
+      html('caption', { class: 'unseen' }, 'Identified modes; the boxes switch poles on and off'),
+      headed([
+        ['mode', false],
+        ['Hz', true],
+        ['±', true],
+        ['damping', true],
+        ['±', true],
+        ['what moves', false],
+        ['MPC', true],
+        ['MPD', true],
+        ['quality', true],
+      ]),
+      this.body,
+    );
+    this.element = framed('Table of identified modes', table);
+  }
+
+  show(fit: Fit): void {
+    const focused = (document.activeElement as HTMLElement | null)?.dataset['pole'];
+    this.body.replaceChildren(...this.choice.poles.map((pole, k) => this.row(pole, k, fit)));
+    if (focused !== undefined)
+      this.body.querySelector<HTMLInputElement>(`[data-pole="${focused}"]`)?.focus();
+  }
+
+  private row(pole: ChosenPole, index: number, fit: Fit): HTMLElement {
+    const box = html('input', { type: 'checkbox', checked: pole.on, 'data-pole': index });
+    box.addEventListener('change', () => this.choice.set(pole, box.checked));
+    const name = html('label', { class: 'check' }, box, nameOf(pole));
+    const fitted =
+      pole.kind === 'mode'
+        ? this.data.modes[pole.number - 1]
+        : pole.kind === 'heavy'
+          ? this.data.heavily_damped[pole.number - 1]
+          : null;
+    const mode = pole.kind === 'mode' ? this.data.modes[pole.number - 1] : null;
+    const active = this.choice.active.indexOf(pole);
+    return html(
+      'tr',
+      { class: pole.on ? null : 'off' },
+      html('th', { scope: 'row' }, name),
+      numeric(hertz(pole.frequency_hz)),
+      numeric(fitted ? interval(fitted.frequency_95_hz) : '–'),
+      numeric(percent(pole.damping_ratio)),
+      numeric(fitted ? `${interval(100 * fitted.damping_95)} %` : '–'),
+      html('td', {}, active >= 0 ? moving(this.data, fit, active) : 'switched off'),
+      numeric(mode ? fixed(mode.mpc, 3) : '–'),
+      numeric(mode ? `${fixed((180 / Math.PI) * mode.mpd_rad, 1)}°` : '–'),
+      numeric(mode ? fixed(mode.quality, 2) : '–'),
+    );
+  }
+}
+
+/** The MAC matrix as a table whose cells are shaded. */
+export function macTable(data: Identification): HTMLElement {
+  const cell = (value: number) => {
+    const td = html('td', { class: 'mac-cell' }, value >= 0.05 ? fixed(value, 2) : unseen(fixed(value, 2)));
+    td.style.background = `${palette().flexible}${Math.round(110 * value)
+      .toString(16)
+      .padStart(2, '0')}`;
+    return td;
+  };
+  const names = data.modes.map((mode, k) => `${k + 1}: ${hertz(mode.frequency_hz)} Hz`);
+  const table = html(
+    'table',
+    { class: 'mac' },
+    html('caption', {}, 'MAC: likeness of the shapes with each other, 0 to 1'),
+    html(
+      'thead',
+      {},
+      html(
+        'tr',
+        {},
+        html('th', { scope: 'col' }, 'mode'),
+        ...names.map((_, k) => html('th', { scope: 'col' }, k + 1)),
+      ),
+    ),
+    html(
+      'tbody',
+      {},
+      ...data.mac.map((row, r) =>
+        html('tr', {}, html('th', { scope: 'row' }, names[r]), ...row.map(cell)),
+      ),
+    ),
+  );
+  return framed('MAC matrix', table);
+}
+
+/** One line per mode, but for those that the platform does not feel. */
+function notMeasured(comparison: Comparison): string[] {
+  const unfelt = 'the platform does not feel it';
+  const lines = comparison.not_measured
+    .filter((m) => m.reason !== unfelt)
+    .map(
+      (m) =>
+        `Not measured: ${hertz(m.frequency_hz)} Hz, ${percent(m.damping_ratio)}, ${m.label}: ${m.reason}.`,
+    );
+  const quiet = comparison.not_measured.filter((m) => m.reason === unfelt);
+  if (quiet.length > 0)
+    lines.push(
+      `Not measured, because the platform does not feel them: ${quiet.map((m) => hertz(m.frequency_hz)).join(', ')} Hz.`,
+    );
+  return lines;
+}
+
+export function comparisonTable(data: Identification, comparison: Comparison): HTMLElement {
+  const rows = comparison.pairs.map((pair) => {
+    const mode = data.modes[pair.mode - 1];
+    return html(
+      'tr',
+      {},
+      html('th', { scope: 'row', class: 'numeric' }, pair.mode),
+      numeric(hertz(mode.frequency_hz)),
+      numeric(hertz(pair.model.frequency_hz)),
+      numeric(signedPercent(pair.frequency_difference_percent)),
+      numeric(percent(mode.damping_ratio)),
+      numeric(percent(pair.model.damping_ratio)),
+      numeric(signedPercent(pair.damping_difference_percent)),
+      numeric(pair.mac === null ? '–' : fixed(pair.mac, 3)),
+      html('td', { class: 'label' }, pair.model.label),
+    );
+  });
+  const table = html(
+    'table',
+    { class: 'modes compared' },
+    html('caption', { class: 'unseen' }, 'Measured modes beside those of the model'),
+    headed([
+      ['mode', true],
+      ['Hz', true],
+      ['model Hz', true],
+      ['differs', true],
+      ['damping', true],
+      ['model', true],
+      ['differs', true],
+      ['MAC', true],
+      ['the model’s mode', false],
+    ]),
+    html('tbody', {}, ...rows),
+  );
+  const left = [
+    ...comparison.not_in_model.map(
+      (r) => `Not in the model: mode ${r}, ${hertz(data.modes[r - 1].frequency_hz)} Hz.`,
+    ),
+    ...notMeasured(comparison),
+  ];
+  return html(
+    'div',
+    {},
+    html('h3', {}, 'Beside the model'),
+    html('p', { class: 'note' }, comparison.heading),
+    framed('Measured and model modes', table),
+    left.length > 0 ? html('ul', { class: 'note' }, ...left.map((text) => html('li', {}, text))) : null,
+  );
+}

@@ -1,0 +1,86 @@
+// The part of the document that `hydrapod report --measured` adds; fields as in docs/howto/json.md.
+
+import type { Taper } from './basis';
+import type { Measured } from './fit';
+
+export interface Vector {
+  re: number[];
+  im: number[];
+}
+
+export interface Channel {
+  name: string;
+  unit: string;
+}
+
+export interface FittedPole {
+  frequency_hz: number;
+  frequency_95_hz: number;
+  damping_ratio: number;
+  damping_95: number;
+  pole: { re: number; im: number };
+  shape: Vector;
+  participation: Vector;
+}
+
+export interface IdentifiedMode extends FittedPole {
+  displacement_shape: Vector;
+  mpc: number;
+  mpd_rad: number;
+  quality: number;
+}
+
+export type Agreement = 'new' | 'frequency' | 'damping' | 'vector';
+
+export interface ChartPole {
+  frequency_hz: number;
+  damping_ratio: number;
+  stable: boolean;
+  agrees: Agreement;
+  /** From 1; null: of none. */
+  cluster: number | null;
+  pole: { re: number; im: number };
+  participation: Vector;
+}
+
+export interface ModelMode {
+  frequency_hz: number;
+  damping_ratio: number;
+  label: string;
+}
+
+export interface Comparison {
+  heading: string;
+  pairs: {
+    mode: number;
+    model: ModelMode;
+    frequency_difference_percent: number;
+    damping_difference_percent: number;
+    mac: number | null;
+  }[];
+  not_in_model: number[];
+  not_measured: (ModelMode & { reason: string })[];
+}
+
+export interface Identification {
+  records: string[];
+  measured: string;
+  frame: string;
+  band_hz: [number, number];
+  inputs: Channel[];
+  outputs: Channel[];
+  modes: IdentifiedMode[];
+  heavily_damped: FittedPole[];
+  mac: number[][];
+  fit_error: number;
+  clusters: { mode: number | null; heavily_damped: number | null }[];
+  stabilisation: { order: number; poles: ChartPole[] }[];
+  indicator: { frequency_hz: number[]; values: number[][] };
+  responses: Measured & {
+    radius_95: number | null;
+    multiple_coherence?: number[][];
+  };
+  taper: Taper | null;
+  comparison: Comparison | null;
+  warnings: string[];
+}
