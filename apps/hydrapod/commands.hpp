@@ -32,6 +32,7 @@ void add_sensitivity(CLI::App& app);
 void add_calibrate(CLI::App& app);
 void add_frf(CLI::App& app);
 void add_identify(CLI::App& app);
+void add_diagnose(CLI::App& app);
 void add_report(CLI::App& app);
 void add_rig(CLI::App& app);
 void add_record(CLI::App& app);
@@ -41,6 +42,6 @@ void add_demo(CLI::App& app);
 inline constexpr std::array all_commands{
     &add_demo,     &add_init,        &add_check,     &add_modes, &add_bode,
     &add_simulate, &add_sensitivity, &add_calibrate, &add_rig,   &add_record,
-    &add_frf,      &add_identify,    &add_report};
+    &add_frf,      &add_identify,    &add_diagnose,  &add_report};
 
 }  // namespace hydrapod::cli

@@ -16,6 +16,7 @@ namespace hydrapod::calibration {
 namespace {
 constexpr double frequency_scale = 0.1;
 constexpr double wrong_shape = 25.0;
+constexpr double wrong_mode_of_group = 1.0;
 }  // namespace
 
 std::vector<int> assign(const Eigen::MatrixXd& cost) {
@@ -87,26 +88,45 @@ double platform_mac(const dynamics::LinearModel& model, const dynamics::NormalMo
   return std::min(1.0, std::pow(shape.dot(momentum), 2) / (own * of_shape));
 }
 
+Eigen::MatrixXd regularised(const Eigen::MatrixXd& A) {
+  Eigen::MatrixXd gram = A.transpose() * A;
+  gram.diagonal().array() += weak_mode * A.colwise().squaredNorm().maxCoeff();
+  // so that of a single mode nothing is lost
+  return regularised_gain * gram.llt().solve(A.transpose()).transpose();
+}
+
 double resonance_mac(const dynamics::LinearModel& model, const dynamics::NormalModes& modes, int k,
                      const Vector6& shape) {
-  constexpr double close = 1e-2, weak = 0.1;  // of ω², of the energy
+  if (platform_mac(model, modes, k, modes.shapes.col(k).head<6>()) == 0.0) return 0.0;  // not felt
+  const Eigen::LLT<spatial::Matrix6> llt(model.platform_mass);
+  if (llt.info() != Eigen::Success) return 0.0;
+  const spatial::Matrix6 root = llt.matrixU();
+  const auto members = modal::neighbours(modes, k, seen_as_one);
+  Eigen::MatrixXd A(6, members.size());
+  for (std::size_t i = 0; i < members.size(); ++i)
+    A.col(static_cast<Eigen::Index>(i)) = root * modes.shapes.col(members[i]).head<6>();
+  const Vector6 u = (root * shape).normalized();
+  return u.dot(A * (regularised(A).transpose() * u));
+}
+
+namespace {
+
+/// Modes that are seen as one show the shape together; among them the one is meant that the
+/// platform feels most and that is most like it.
+double shape_cost(const dynamics::LinearModel& model, const dynamics::NormalModes& modes, int k,
+                  const Vector6& shape) {
   const auto energy = [&](int i) {
     const Vector6 motion = modes.shapes.col(i).head<6>();
     return motion.dot(model.platform_mass * motion);
   };
-  auto members = modal::neighbours(modes, k, close);
   double most = 0.0;
-  for (const int i : members) most = std::max(most, energy(i));
-  std::erase_if(members, [&](int i) { return energy(i) < weak * most; });
-  Eigen::MatrixXd A(6, members.size());
-  for (std::size_t i = 0; i < members.size(); ++i)
-    A.col(static_cast<Eigen::Index>(i)) = modes.shapes.col(members[i]).head<6>();
-  const Eigen::MatrixXd M_A = model.platform_mass * A;
-  const Eigen::MatrixXd gram = A.transpose() * M_A;
-  const Eigen::VectorXd p = M_A.transpose() * shape;
-  return p.dot(gram.completeOrthogonalDecomposition().solve(p)) /
-         shape.dot(model.platform_mass * shape);
+  for (const int i : modal::neighbours(modes, k, seen_as_one)) most = std::max(most, energy(i));
+  const double felt = most > 0.0 ? energy(k) / most : 0.0;
+  return wrong_shape * (1.0 - resonance_mac(model, modes, k, shape)) +
+         wrong_mode_of_group * (1.0 - felt * platform_mac(model, modes, k, shape));
 }
+
+}  // namespace
 
 Vector6 shape_at_center(const dynamics::LinearModel& model, const ModeTarget& target) {
   Vector6 shape = *target.shape;
@@ -125,8 +145,7 @@ std::vector<int> pair_modes(const dynamics::LinearModel& model, const dynamics::
       const double omega = std::max(modes.omega(k), 1e-3 * target.omega);
       cost(i, k) = std::pow(std::log(omega / target.omega) / frequency_scale, 2);
       if (target.shape) {
-        cost(i, k) +=
-            wrong_shape * (1.0 - platform_mac(model, modes, k, shape_at_center(model, target)));
+        cost(i, k) += shape_cost(model, modes, k, shape_at_center(model, target));
       } else if (target.direction) {
         cost(i, k) += wrong_shape * (1.0 - direction_share(model, modes, k, *target.direction));
       }

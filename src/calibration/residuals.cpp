@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "hydrapod/calibration/pairing.hpp"
 #include "hydrapod/modal/damped_modes.hpp"
 #include "problem.hpp"
 
@@ -84,9 +85,11 @@ class DampingResidual : public ResidualKind {
   int target_;
 };
 
-/// What of the target's shape the model's mode (with those next to it) does not show: with
-/// u the shape and A the modes' platform rows, both in the metric of the platform's mass and u of
-/// length one, r = (1 − A A⁺) u / deviation, so that |r|² = (1 − MAC) / deviation².
+/// What of the target's shape the model's mode, with those next to it that a measurement takes for
+/// the same, does not show: with u the shape and A the modes' platform rows, both in the metric of
+/// the platform's mass and u of length one, r = (1 − A Wᵀ) u / deviation (pairing.hpp), so that for
+/// one mode |r|² = (1 − MAC) / deviation². ε keeps out those of the neighbours that the platform
+/// hardly feels beside the others.
 class ShapeResidual : public ResidualKind {
  public:
   explicit ShapeResidual(int target) : target_(target) {}
@@ -99,27 +102,29 @@ class ShapeResidual : public ResidualKind {
     const Matrix6 root = problem.metric(target_).asDiagonal();
     const Vector6 u = (root * *target.shape).normalized();
     const Matrix6 at_point = to_point(point, target);
-    const auto members = seen_together(point, mode, root);
+    const auto members = modal::neighbours(point.modes, mode, seen_as_one);
     Eigen::MatrixXd A(6, members.size());
     for (std::size_t k = 0; k < members.size(); ++k)
       A.col(static_cast<Eigen::Index>(k)) =
           root * at_point * point.modes.shapes.col(members[k]).head<6>();
-    const Eigen::MatrixXd A_plus = A.completeOrthogonalDecomposition().pseudoInverse();
-    const Eigen::MatrixXd rest = Eigen::MatrixXd::Identity(6, 6) - A * A_plus;
-    r = rest * u / target.shape_deviation;
+    const Eigen::MatrixXd W = regularised(A);
+    r = (u - A * (W.transpose() * u)) / target.shape_deviation;
     if (J == nullptr) return;
     J->setZero(6, problem.size());
     std::vector<Eigen::MatrixXd> dphi;
     for (const int k : members)
-      dphi.push_back(modal::shape_derivatives(point.modes, k, point.derivatives, together));
+      dphi.push_back(modal::shape_derivatives(point.modes, k, point.derivatives, seen_as_one));
     for (int j = 0; j < problem.size(); ++j) {
       Eigen::MatrixXd dA(6, members.size());
       for (std::size_t k = 0; k < members.size(); ++k)
         dA.col(static_cast<Eigen::Index>(k)) =
             root * (at_point * dphi[k].col(j).head<6>() +
                     moving_center(point, target, j, point.modes.shapes.col(members[k]).head<6>()));
-      const Eigen::MatrixXd half = rest * dA * A_plus;
-      J->col(j) = -(half + half.transpose()) * u / target.shape_deviation;
+      const Eigen::VectorXd p = W.transpose() * u;
+      const Eigen::VectorXd dP_u =
+          dA * p + W * (dA.transpose() * u) -
+          W * (dA.transpose() * (A * p) + A.transpose() * (dA * p)) / regularised_gain;
+      J->col(j) = -dP_u / target.shape_deviation;
     }
   }
 
@@ -142,24 +147,6 @@ class ShapeResidual : public ResidualKind {
           -motion.tail<3>().cross(point.center_derivatives[static_cast<std::size_t>(j)]);
     return change;
   }
-
-  /// Neighbours of the mode that a measurement sees as one with it: those that the platform feels
-  /// at least a tenth as much as the one it feels most.
-  static std::vector<int> seen_together(const ModePoint& point, int mode, const Matrix6& root) {
-    constexpr double weak = 0.1;
-    auto members = modal::neighbours(point.modes, mode, together);
-    const auto energy = [&](int k) {
-      return (root * point.modes.shapes.col(k).head<6>()).squaredNorm();
-    };
-    double most = 0.0;
-    for (const int k : members) most = std::max(most, energy(k));
-    std::erase_if(members, [&](int k) { return k != mode && energy(k) < weak * most; });
-    return members;
-  }
-
-  /// Modes nearer than this share of ω² are hardly told apart by a measurement, and their shapes
-  /// turn into each other at the least change.
-  static constexpr double together = 1e-2;
 
   int target_;
 };

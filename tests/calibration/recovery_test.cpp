@@ -101,7 +101,8 @@ TEST(Recovery, ShapesAndDampingsAreMetToo) {
   const auto best = fit(start, targets, free, ModelKind::rigid, 1);
   EXPECT_NEAR(best.parameters[0].value, 4321.0, 1e-2);
   EXPECT_NEAR(best.parameters[1].value, 0.031, 1e-7);
-  for (const auto& target : best.targets) EXPECT_NEAR(target.shape_mac, 1.0, 1e-9);
+  // of two repeated modes, not quite at right angles, a little is kept out (pairing.hpp)
+  for (const auto& target : best.targets) EXPECT_NEAR(target.shape_mac, 1.0, 1e-5);
 }
 
 TEST(Recovery, AWrongTargetIsNamedAndLeftOut) {

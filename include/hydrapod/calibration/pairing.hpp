@@ -29,8 +29,18 @@ double direction_share(const dynamics::LinearModel& model, const dynamics::Norma
 double platform_mac(const dynamics::LinearModel& model, const dynamics::NormalModes& modes, int k,
                     const Vector6& shape);
 
-/// The same for what a measurement takes for one mode: those within 0.5 % of mode k in frequency
-/// that the platform feels at least a tenth (in energy) as much as the one it feels most.
+/// Modes nearer than this share of ω² are hardly told apart by a measurement, and their shapes turn
+/// into each other at the least change.
+inline constexpr double seen_as_one = 1e-2;
+
+/// W = (1 + ε/max) A (AᵀA + ε)⁻¹ for platform motions A of modes that are seen as one, in the
+/// metric of the platform's mass: A Wᵀ takes out of a shape what they show of it, where those count
+/// little that the platform feels less than ε, 3 % (in energy) of the one that it feels most.
+inline constexpr double weak_mode = 0.03;
+inline constexpr double regularised_gain = 1.0 + weak_mode;
+Eigen::MatrixXd regularised(const Eigen::MatrixXd& A);
+
+/// MAC of a shape with mode k and those that are seen as one with it.
 double resonance_mac(const dynamics::LinearModel& model, const dynamics::NormalModes& modes, int k,
                      const Vector6& shape);
 

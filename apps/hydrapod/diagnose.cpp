@@ -1,0 +1,241 @@
+#include <fmt/format.h>
+
+#include <filesystem>
+#include <memory>
+#include <numbers>
+
+#include "hydrapod/base/error.hpp"
+#include "hydrapod/base/file.hpp"
+#include "hydrapod/commands.hpp"
+#include "hydrapod/diagnosis_arguments.hpp"
+#include "hydrapod/report/diagnosis.hpp"
+#include "hydrapod/report/simulation.hpp"
+#include "hydrapod/terminal.hpp"
+
+namespace hydrapod::cli {
+
+namespace {
+
+constexpr double two_pi = 2.0 * std::numbers::pi;
+
+struct Arguments {
+  MachineArguments machine{};
+  DiagnosisArguments diagnosis{};
+  double frequency_error{0.2};  // [%]
+  double shape_error{5.0};      // [%]
+  std::size_t shown{12};
+  std::string format{"table"}, output{"-"}, plot{};
+};
+
+std::string heading(const std::string& text, bool colour) {
+  return "\n" + styled(text, Style::bold, colour) + "\n";
+}
+
+std::string modes_text(const diagnosis::Diagnosis& d, bool colour, std::size_t width) {
+  Table table({{"pose", Align::left},
+               {"direction", Align::left},
+               {"measured Hz"},
+               {"rigid Hz"},
+               {"drop"},
+               {"stated Hz"},
+               {"explained Hz"},
+               {"MAC"},
+               {"elastic energy", Align::left}});
+  for (const auto& m : d.modes) {
+    std::string energy;
+    const auto add = [&](const char* part, double share) {
+      if (share >= 0.005)
+        energy += fmt::format("{}{} {:.0f} %", energy.empty() ? "" : ", ", part, 100.0 * share);
+    };
+    add("oil", m.oil);
+    add("sleeves", m.guide_sleeves);
+    add("rings", m.piston_rings);
+    add("base", m.base);
+    const bool rigid = m.rigid_mac >= diagnosis::resonance_mac;
+    table.add_row({m.pose, m.direction < 0 ? "" : diagnosis::direction_name(m.direction),
+                   fmt::format("{:.3f} ± {:.3f}", m.omega / two_pi, m.deviation / two_pi),
+                   rigid ? fmt::format("{:.3f}", m.omega_rigid / two_pi) : "",
+                   rigid ? fmt::format("{:.1f} %", 100.0 * m.drop()) : "",
+                   fmt::format("{:.3f}", m.omega_stated / two_pi),
+                   fmt::format("{:.3f}", m.omega_best / two_pi),
+                   m.shape_mac > 0.0 ? fmt::format("{:.2f}", m.shape_mac) : "", energy});
+  }
+  return heading("Measured modes", colour) + table.text(colour, width);
+}
+
+std::string ranking_text(const diagnosis::Diagnosis& d, std::size_t shown, bool colour,
+                         std::size_t width) {
+  Table table({{"rank"},
+               {"explanation", Align::left},
+               {"above best"},
+               {"numbers"},
+               {"misfit"},
+               {"values", Align::left},
+               {"gets wrong", Align::left}});
+  std::size_t rank = 0;
+  const auto add = [&](const diagnosis::Explanation& e) {
+    table.add_row({fmt::format("{}", rank), e.name,
+                   fmt::format("{:.1f}", e.criterion - d.best().criterion),
+                   fmt::format("{}", e.parameters), fmt::format("{:.4g}", e.misfit),
+                   fmt::format("{}", fmt::join(diagnosis::parameter_words(e), "; ")),
+                   e.wrong.empty() ? "" : e.wrong.front()});
+  };
+  for (const auto& e : d.explanations) {
+    ++rank;
+    if (rank <= shown || (e.suspects.empty())) add(e);
+  }
+  return heading(fmt::format("Explanations ({} values measured; up to {:.0f} above the best are "
+                             "as good)",
+                             d.values, diagnosis::same),
+                 colour) +
+         table.text(colour, width);
+}
+
+std::string attribution_text(const diagnosis::CaseFile& file, bool colour, std::size_t width) {
+  if (file.drops.empty()) return {};
+  std::vector<Column> columns{{"direction", Align::left}, {"rigid Hz"}, {"Hz"}, {"drop"}};
+  for (const auto& part : file.drops.front().parts)
+    columns.push_back({diagnosis::part_name(part.part)});
+  Table table(columns);
+  for (const auto& drop : file.drops) {
+    const auto& r = drop.resonance;
+    std::vector<std::string> row{r.direction, fmt::format("{:.3f}", r.omega_rigid / two_pi),
+                                 fmt::format("{:.3f}", r.omega / two_pi),
+                                 fmt::format("{:.2f} %", 100.0 * r.drop())};
+    constexpr double least = 5e-4;  // of a smaller drop shares mean nothing
+    for (const auto& part : drop.parts)
+      row.push_back(std::abs(r.drop()) < least ? "" : fmt::format("{:.0f} %", 100.0 * part.share));
+    table.add_row(row);
+  }
+  return heading(fmt::format("What the drop belongs to, at pose {} (share that is gone when this "
+                             "part alone is rigid)",
+                             file.pose),
+                 colour) +
+         table.text(colour, width);
+}
+
+std::string remedy_text(const diagnosis::CaseFile& file, bool colour, std::size_t width) {
+  if (!file.remedy || file.remedy->changes.empty()) return {};
+  constexpr std::size_t most = 24;
+  Table table({{"pose", Align::left},
+               {"direction", Align::left},
+               {"rigid Hz"},
+               {"today Hz"},
+               {"then Hz"},
+               {"drop then"}});
+  const auto& changes = file.remedy->changes;
+  for (std::size_t k = 0; k < std::min(most, changes.size()); ++k) {
+    const auto& c = changes[k];
+    table.add_row({c.pose, c.direction, fmt::format("{:.3f}", c.omega_rigid / two_pi),
+                   c.omega_today > 0.0 ? fmt::format("{:.3f}", c.omega_today / two_pi) : "folds",
+                   fmt::format("{:.3f}", c.omega_needed / two_pi),
+                   fmt::format("{:.1f} %", 100.0 * (1.0 - c.omega_needed / c.omega_rigid))});
+  }
+  std::string text =
+      heading(fmt::format("First resonances with guide sleeves {:.3g} times as stiff",
+                          file.remedy->needed.factor),
+              colour) +
+      table.text(colour, width);
+  if (changes.size() > most)
+    text += fmt::format("… and {} more; --format json has all\n", changes.size() - most);
+  return text;
+}
+
+std::string table_text(const Arguments& a, const model::MachineFile& file,
+                       const diagnosis::CaseFile& found) {
+  const bool colour = a.output == "-" && has_colour(stdout);
+  const std::size_t width = a.output == "-" ? terminal_width() : Table::unlimited;
+  std::string text = fmt::format("{}{}\n", file.machine.name,
+                                 a.diagnosis.measured.empty() ? "" : ": " + a.diagnosis.measured);
+  for (const auto& sentence : diagnosis::summary(found)) text += "  " + sentence + "\n";
+  if (found.diagnosis) {
+    text += modes_text(*found.diagnosis, colour, width);
+    if (found.diagnosis->explanations.size() > 1)
+      text += ranking_text(*found.diagnosis, a.shown, colour, width);
+  }
+  return text + attribution_text(found, colour, width) + remedy_text(found, colour, width);
+}
+
+void run(Arguments& a) {
+  const auto format = choose_word("--format", a.format, {"table", "json"});
+  if (!a.plot.empty()) report::require_picture_ending(a.plot);
+  a.diagnosis.options.frequency_error = a.frequency_error / 100.0;
+  a.diagnosis.options.shape_error = a.shape_error / 100.0;
+  remedy_goal(a.diagnosis.want);
+  const auto file = load(a.machine);
+  const auto kind = choose_model(file.machine, a.machine.model);
+  const auto found = investigate(a.diagnosis, a.machine, file, kind);
+  std::string text;
+  if (format == 0) {
+    text = table_text(a, file, found);
+  } else {
+    report::Json json{{"kind", "diagnosis"},
+                      {"machine", report::machine_json(file, a.machine.file)},
+                      {"assumptions", report::assumptions_json(file.machine)},
+                      {"model", dynamics::name(kind)},
+                      {"measured", a.diagnosis.measured}};
+    json.update(report::diagnosis_json(found));
+    text = json.dump(1) + "\n";
+  }
+  base::write_file_whole(a.output, text);
+  if (!a.plot.empty()) {
+    report::plot_diagnosis(found, a.plot);
+    fmt::print(stderr, "wrote {}\n", a.plot);
+  }
+  if (found.diagnosis && found.diagnosis->interrupted)
+    throw base::ComputationError("interrupted: the report shows what was tried so far");
+}
+
+}  // namespace
+
+void add_diagnose(CLI::App& app) {
+  CLI::App* command = add_command(
+      app, "diagnose", "Which part is guilty, how sure that is, and how stiff it must be",
+      {{"diagnose machine.toml --measured modes.csv",
+        "what explains the measured modes, ranked, and what would help"},
+       {"diagnose machine.toml --measured run.h5 --pose low", "the same from a record"},
+       {"diagnose machine.toml --want \"x=5 Hz\" --poses workspace",
+        "without a measurement: what lowers the resonances, and the remedy wherever the platform "
+        "can go"},
+       {"diagnose machine.toml --measured modes.csv --plot why.svg --format json -o why.json",
+        "as picture and for other programs"}});
+  auto a = std::make_shared<Arguments>();
+  add_machine_options(*command, a->machine);
+  add_pose_option(*command, a->machine);
+  add_model_option(*command, a->machine);
+  command
+      ->add_option("--measured", a->diagnosis.measured,
+                   "Modes (TOML, CSV, JSON of `hydrapod identify`), responses (JSON of `hydrapod "
+                   "frf`, Universal File) or a record; default: none, the machine file alone")
+      ->type_name("RECORD|FRF|MODES");
+  command
+      ->add_option("--want", a->diagnosis.want,
+                   "What the guide sleeves are to reach: a largest drop \"2 %\" below rigid, or a "
+                   "frequency \"5 Hz\"; in one direction \"x=5 Hz\"")
+      ->capture_default_str();
+  command->add_option("--poses", a->diagnosis.poses,
+                      "Where it is to be reached, and where could be measured: names or "
+                      "displacements with semicolons, all, or workspace [all of the file]");
+  command
+      ->add_option("--model-error", a->frequency_error,
+                   "How near frequencies of a right model come to a real machine, per cent; added "
+                   "to what the measurement says")
+      ->check(CLI::Range(0.001, 20.0))
+      ->capture_default_str();
+  command->add_option("--shape-error", a->shape_error, "The same of shapes, per cent of their size")
+      ->check(CLI::Range(0.1, 50.0))
+      ->capture_default_str();
+  command->add_flag("--damping", a->diagnosis.options.damping,
+                    "Dampings are evidence too (the file's dampers are those of the machine)");
+  command->add_option("--threads", a->diagnosis.options.threads, "Threads; 0: one per core")
+      ->check(CLI::Range(0, 256));
+  command->add_option("--show", a->shown, "Explanations in the table")
+      ->check(CLI::Range(1, 1000))
+      ->capture_default_str();
+  command->add_option("--plot", a->plot, "Picture to write, .svg, .png or .pdf (needs gnuplot)");
+  command->add_option("--format", a->format, "table or json")->capture_default_str();
+  command->add_option("-o,--output", a->output, "File to write; - prints")->capture_default_str();
+  command->callback([a] { run(*a); });
+}
+
+}  // namespace hydrapod::cli

@@ -1,0 +1,120 @@
+#include "hydrapod/diagnosis_arguments.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <numbers>
+
+#include "hydrapod/base/error.hpp"
+#include "hydrapod/interrupt.hpp"
+#include "hydrapod/kinematics/check_machine.hpp"
+#include "hydrapod/measured_modes.hpp"
+#include "hydrapod/terminal.hpp"
+
+namespace hydrapod::cli {
+
+namespace {
+
+std::string trimmed(const std::string& text) {
+  const auto first = text.find_first_not_of(" \t");
+  if (first == std::string::npos) return {};
+  return text.substr(first, text.find_last_not_of(" \t") - first + 1);
+}
+
+/// The machine with the pose that --pose gives as displacements, under a name of its own.
+model::MachineFile with_pose(model::MachineFile file, const report::PoseChoice& pose,
+                             std::string& name) {
+  const auto& poses = file.machine.poses;
+  name = pose.name;
+  if (std::ranges::any_of(poses, [&](const auto& p) { return p.name == pose.name; })) return file;
+  name = "as_measured";
+  const auto rpy = spatial::rpy_from_rotation(pose.X_BP.R_BP);
+  const auto& p = pose.X_BP.p_BP;
+  file.overrides.push_back(
+      fmt::format("poses.{}.position=[{:.17g}, {:.17g}, {:.17g}]", name, p.x(), p.y(), p.z()));
+  file.overrides.push_back(fmt::format("poses.{}.rotation=[{:.17g}, {:.17g}, {:.17g}]", name,
+                                       rpy.x(), rpy.y(), rpy.z()));
+  return model::parse_machine(file.text, file.machine.name, file.overrides,
+                              kinematics::check_machine);
+}
+
+/// Names with commas, "all" or "workspace".
+std::vector<model::NamedPose> poses_of(const model::Machine& machine, const std::string& text) {
+  if (text.empty() || text == "all") return machine.poses;
+  if (text == "workspace") return diagnosis::workspace_poses(machine);
+  std::vector<model::NamedPose> poses;
+  for (std::size_t begin = 0; begin <= text.size();) {
+    const auto end = std::min(text.find(';', begin), text.size());
+    const auto choice = choose_pose(machine, trimmed(text.substr(begin, end - begin)));
+    poses.push_back({choice.name, choice.X_BP});
+    begin = end + 1;
+  }
+  return poses;
+}
+
+}  // namespace
+
+diagnosis::RemedyGoal remedy_goal(const std::string& text) {
+  diagnosis::RemedyGoal goal;
+  std::string amount = trimmed(text);
+  const std::string argument = "--want " + text;
+  if (const auto equals = amount.find('='); equals != std::string::npos) {
+    const auto direction = trimmed(amount.substr(0, equals));
+    goal.direction =
+        static_cast<int>(choose_word(argument, direction, {"x", "y", "z", "rx", "ry", "rz"}));
+    amount = trimmed(amount.substr(equals + 1));
+  }
+  if (amount.starts_with("drop")) amount = trimmed(amount.substr(4));
+  if (amount.ends_with('%')) {
+    const auto value = plain_number(trimmed(amount.substr(0, amount.size() - 1)));
+    if (!value || !(*value > 0.0 && *value < 100.0))
+      bad_argument(argument, "expected a drop above 0 % and below 100 %, such as \"2 %\"");
+    goal.drop = *value / 100.0;
+    return goal;
+  }
+  const double frequency = plain_or_quantity(argument, amount, "Hz");
+  if (!(frequency > 0.0))
+    bad_argument(argument,
+                 "expected a frequency above 0 (\"5 Hz\", \"x=5 Hz\") or a largest drop "
+                 "(\"2 %\")");
+  goal.omega = 2.0 * std::numbers::pi * frequency;
+  return goal;
+}
+
+diagnosis::CaseFile investigate(const DiagnosisArguments& arguments,
+                                const MachineArguments& machine, const model::MachineFile& as_given,
+                                dynamics::ModelKind kind) {
+  std::string pose;
+  const auto file = with_pose(as_given, choose_pose(as_given.machine, machine.pose), pose);
+  diagnosis::CaseFile result{
+      .machine = file.machine, .kind = kind, .pose = pose, .goal = remedy_goal(arguments.want)};
+  const auto poses = poses_of(file.machine, arguments.poses);
+  const InterruptNote interrupt;
+  if (!arguments.measured.empty()) {
+    const auto measured = read_measured(arguments.measured, machine, file, pose);
+    ProgressLine line("diagnosing");
+    result.diagnosis =
+        diagnosis::diagnose(file, measured, kind, poses, arguments.options, [&](double share) {
+          line.update(share);
+          return InterruptNote::noted();
+        });
+    const auto& d = *result.diagnosis;
+    if (d.finding == diagnosis::Finding::do_not_belong || d.interrupted) return result;
+    const auto& best = d.explanations[d.alike.front()];
+    result.machine = diagnosis::machine_of(file, best);
+    result.kind = best.kind;
+  }
+  const auto X_BP = std::ranges::find(result.machine.poses, pose, &model::NamedPose::name)->X_BP;
+  if (result.kind == dynamics::ModelKind::rigid) return result;  // nothing to give way
+  for (auto& drop : diagnosis::attribute_drops(result.machine, X_BP, result.kind))
+    result.drops.push_back(std::move(drop));
+  ProgressLine line("looking for a remedy");
+  result.remedy =
+      diagnosis::find_remedy(result.machine, poses, result.kind, result.goal, [&](double share) {
+        line.update(share);
+        return InterruptNote::noted();
+      });
+  return result;
+}
+
+}  // namespace hydrapod::cli

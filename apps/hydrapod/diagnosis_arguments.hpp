@@ -1,0 +1,28 @@
+#pragma once
+/// What `hydrapod diagnose` and `hydrapod report --measured` share.
+
+#include <string>
+#include <vector>
+
+#include "hydrapod/diagnosis/summary.hpp"
+#include "hydrapod/machine_arguments.hpp"
+
+namespace hydrapod::cli {
+
+struct DiagnosisArguments {
+  std::string measured{};
+  std::string want{"2 %"};
+  std::string poses{};
+  diagnosis::DiagnoseOptions options{};
+};
+
+/// "2 %", "drop 2 %", "5.2 Hz", "x=5.2 Hz", "x=3 %". Throws base::InputError.
+diagnosis::RemedyGoal remedy_goal(const std::string& text);
+
+/// The whole investigation, with progress and Ctrl-C. Throws base::InputError and
+/// base::ComputationError.
+diagnosis::CaseFile investigate(const DiagnosisArguments& arguments,
+                                const MachineArguments& machine, const model::MachineFile& file,
+                                dynamics::ModelKind kind);
+
+}  // namespace hydrapod::cli

@@ -1,0 +1,101 @@
+#include "hydrapod/measured_modes.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <fstream>
+
+#include "hydrapod/base/error.hpp"
+#include "hydrapod/base/file.hpp"
+#include "hydrapod/data/record_io.hpp"
+#include "hydrapod/identification/exchange.hpp"
+#include "hydrapod/identification_arguments.hpp"
+#include "hydrapod/report/diagnosis.hpp"
+#include "hydrapod/report/identification_json.hpp"
+#include "hydrapod/terminal.hpp"
+
+namespace hydrapod::cli {
+
+namespace {
+
+constexpr std::size_t largest = std::size_t{1} << 31;
+
+bool ends_with(std::string path, const std::vector<std::string>& endings) {
+  std::ranges::transform(path, path.begin(), [](unsigned char c) { return std::tolower(c); });
+  return std::ranges::any_of(endings, [&](const auto& ending) { return path.ends_with(ending); });
+}
+
+char first_character(const std::string& path) {
+  std::ifstream file(path, std::ios::binary);
+  char first = ' ';
+  file >> first;
+  return file ? first : ' ';
+}
+
+/// A CSV file whose title row has a column "frequency" or "omega" is a list of modes; a record's
+/// has a time or channels.
+bool is_mode_list(const std::string& path) {
+  if (ends_with(path, {".toml"})) return true;
+  if (!ends_with(path, {".csv"})) return false;
+  std::ifstream file(path);
+  for (std::string line; std::getline(file, line);) {
+    if (line.empty() || line[0] == '#') continue;
+    std::ranges::transform(line, line.begin(), [](unsigned char c) { return std::tolower(c); });
+    const auto has = [&](const char* word) { return line.find(word) != std::string::npos; };
+    return (has("frequency") || has("omega")) && !has("time");
+  }
+  return false;
+}
+
+calibration::Targets identified(const identification::FrequencyResponses& responses,
+                                const std::string& path, const model::MachineFile& file,
+                                const diagnosis::MeasuredAt& at) {
+  identification::Identification found;
+  {
+    ProgressLine line("identifying");
+    found =
+        identification::identify_modes(responses, {}, [&](double share) { line.update(share); });
+  }
+  print_warnings(path, found.warnings);
+  return diagnosis::measured_modes(found, file.machine, at);
+}
+
+calibration::Targets from_json(const std::string& path, const model::MachineFile& file,
+                               const diagnosis::MeasuredAt& at) {
+  const std::string text =
+      base::read_file(path, largest, "JSON of `hydrapod identify` or `hydrapod frf`");
+  report::Json json;
+  try {
+    json = report::Json::parse(text);
+  } catch (const nlohmann::json::parse_error& error) {
+    bad_argument(path, fmt::format("is no JSON: {}", error.what()));
+  }
+  if (json.contains("modes")) return report::modes_from_json(json, path, file.machine, at);
+  return identified(report::responses_from_json(json, path), path, file, at);
+}
+
+}  // namespace
+
+calibration::Targets read_measured(const std::string& path, const MachineArguments& arguments,
+                                   const model::MachineFile& file, const std::string& pose) {
+  if (is_mode_list(path)) return calibration::read_targets(path);
+  const diagnosis::MeasuredAt at{pose, file.machine.platform.mass_center};
+  if (first_character(path) == '{') return from_json(path, file, at);
+  if (ends_with(path, {".uff", ".unv", ".uf"})) {
+    try {
+      const auto read = data::read_frequency_response(path);
+      print_diagnostics(read.notes);
+      return identified(identification::from_exchange(read.response, path), path, file, at);
+    } catch (const base::InputError&) {  // it may hold a record instead
+      data::open_record_reader(path);
+    }
+  }
+  MeasurementArguments measurement{.files = {path}};
+  measurement.machine = arguments.file;
+  measurement.pose = arguments.pose;
+  const auto& center = file.machine.platform.mass_center;
+  measurement.point = fmt::format("{:.17g},{:.17g},{:.17g}", center.x(), center.y(), center.z());
+  return identified(measure(measurement).responses, path, file, at);
+}
+
+}  // namespace hydrapod::cli

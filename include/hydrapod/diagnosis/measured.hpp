@@ -1,0 +1,38 @@
+#pragma once
+/// Measured modes, from what identification found, as targets of a diagnosis.
+///
+/// A complex shape is turned to its largest real part; what is left imaginary adds to the shape's
+/// deviation. Outputs are brought to (x, y, z, rx, ry, rz) of one point by their directions; a mode
+/// of an output set that does not have all six keeps its frequency, and the direction that is
+/// largest among those there are, in proportion to the stated machine's inertia.
+
+#include "hydrapod/calibration/targets.hpp"
+#include "hydrapod/identification/identify.hpp"
+#include "hydrapod/model/machine.hpp"
+
+namespace hydrapod::diagnosis {
+
+/// Where the modes were measured.
+struct MeasuredAt {
+  std::string pose{"neutral"};                       ///< one of the machine's
+  spatial::Vector3 point{spatial::Vector3::Zero()};  ///< Q, whose motion was measured, in P [m]
+};
+
+/// One mode by its numbers: what identification and its JSON have in common.
+struct MeasuredShape {
+  double omega{}, omega_deviation{};      ///< [rad/s]
+  double damping{}, damping_deviation{};  ///< ζ
+  /// Per direction x … rz: motion and its deviation; NaN where it was not measured.
+  std::array<std::complex<double>, 6> motion{};
+  std::array<double, 6> motion_deviation{};
+};
+
+/// `name`: what reports call it.
+calibration::ModeTarget mode_target(const MeasuredShape& measured, const std::string& name,
+                                    const model::Machine& machine, const MeasuredAt& at);
+
+/// Throws base::InputError when no mode was found, or no output is a direction of the platform.
+calibration::Targets measured_modes(const identification::Identification& identified,
+                                    const model::Machine& machine, const MeasuredAt& at);
+
+}  // namespace hydrapod::diagnosis

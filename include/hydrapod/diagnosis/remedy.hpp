@@ -1,0 +1,60 @@
+#pragma once
+/// How stiff the guide sleeves must be.
+///
+/// The sleeves of all legs are scaled by one factor. Wanted is the smallest one from which on the
+/// goal is met at every pose: from nearly rigid sleeves downwards in steps of a tenth of a decade
+/// to the first that is too soft, then by bisection, to 1e-6 of itself.
+
+#include <functional>
+#include <optional>
+
+#include "hydrapod/diagnosis/resonances.hpp"
+
+namespace hydrapod::diagnosis {
+
+/// What is wanted: a frequency, or a largest drop below the rigid calculation; one of the two.
+struct RemedyGoal {
+  std::optional<double> omega{};   ///< [rad/s] the first resonance must reach
+  std::optional<double> drop{};    ///< 0.02: at most 2 % below rigid
+  std::optional<int> direction{};  ///< 0…5; none: every direction
+};
+
+struct RemedyPoint {
+  double factor{};     ///< on today's stiffness
+  double stiffness{};  ///< of the stiffest leg's sleeve [N/m]
+  double omega{};      ///< lowest first resonance over poses and directions asked for [rad/s]
+  double drop{};       ///< largest drop
+};
+
+enum class RemedyStatus {
+  found,
+  met_already,  ///< today's stiffness, or less, is enough
+  out_of_reach  ///< rigid sleeves would not be enough: `limit` is what they give
+};
+
+/// A first resonance before and after.
+struct Change {
+  std::string pose{}, direction{};
+  double omega_rigid{}, omega_today{}, omega_needed{};  ///< [rad/s]; 0 where the legs fold
+};
+
+struct Remedy {
+  RemedyStatus status{};
+  RemedyPoint today{}, needed{}, limit{};
+  std::string pose{};                ///< that asks for the most
+  std::string direction{};           ///< and its direction
+  std::vector<RemedyPoint> curve{};  ///< from a tenth of today's stiffness to what is nearly rigid
+  std::vector<Change> changes{};     ///< everywhere, with the stiffness that is needed
+};
+
+/// `poses`: at least one. Throws std::invalid_argument for a goal that says neither or both.
+/// `progress`: share of the work done; true asks to stop, and base::ComputationError says so.
+Remedy find_remedy(const model::Machine& machine, const std::vector<model::NamedPose>& poses,
+                   dynamics::ModelKind kind, const RemedyGoal& goal,
+                   const std::function<bool(double)>& progress = {});
+
+/// Poses spread over what stroke and joints allow around the neutral one: its own, and where each
+/// of 26 directions of translation and of rotation ends at a limit (halfway there too).
+std::vector<model::NamedPose> workspace_poses(const model::Machine& machine);
+
+}  // namespace hydrapod::diagnosis

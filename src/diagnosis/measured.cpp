@@ -1,0 +1,118 @@
+#include "hydrapod/diagnosis/measured.hpp"
+
+#include <fmt/format.h>
+
+#include <Eigen/Cholesky>
+#include <cmath>
+#include <numbers>
+
+#include "hydrapod/base/error.hpp"
+#include "hydrapod/diagnosis/resonances.hpp"
+
+namespace hydrapod::diagnosis {
+
+namespace {
+
+using spatial::Matrix6;
+using spatial::Vector6;
+
+/// Mass of the platform for motions of Q, in base axes.
+Matrix6 mass_at(const model::Machine& machine, const model::NamedPose& pose,
+                const spatial::Vector3& p_PQ) {
+  const auto& R = pose.X_BP.R_BP;
+  Matrix6 M = Matrix6::Zero();
+  M.topLeftCorner<3, 3>().diagonal().setConstant(machine.platform.mass);
+  M.bottomRightCorner<3, 3>() = R * machine.platform.inertia * R.transpose();
+  Matrix6 to_center = Matrix6::Identity();
+  to_center.topRightCorner<3, 3>() = -spatial::skew(R * (machine.platform.mass_center - p_PQ));
+  return to_center.transpose() * M * to_center;
+}
+
+const model::NamedPose& pose_of(const model::Machine& machine, const std::string& name) {
+  for (const auto& pose : machine.poses)
+    if (pose.name == name) return pose;
+  throw base::InputError(
+      {{.key = "pose", .message = fmt::format("the machine has no pose \"{}\"", name)}});
+}
+
+/// Turned so that the sum of the squares of the real parts, weighted, is largest.
+std::array<std::complex<double>, 6> turned(const std::array<std::complex<double>, 6>& motion,
+                                           const Vector6& weights) {
+  std::complex<double> sum = 0.0;
+  for (int k = 0; k < 6; ++k)
+    if (!std::isnan(motion[k].real())) sum += weights[k] * motion[k] * motion[k];
+  const auto turn = std::polar(1.0, -0.5 * std::arg(sum));
+  auto result = motion;
+  for (auto& value : result) value *= turn;
+  return result;
+}
+
+}  // namespace
+
+calibration::ModeTarget mode_target(const MeasuredShape& measured, const std::string& name,
+                                    const model::Machine& machine, const MeasuredAt& at) {
+  calibration::ModeTarget target{.name = name,
+                                 .pose = at.pose,
+                                 .omega = measured.omega,
+                                 .deviation = measured.omega_deviation};
+  if (measured.damping > 0.0 && measured.damping_deviation > 0.0) {
+    target.damping = measured.damping;
+    target.damping_deviation = measured.damping_deviation;
+  }
+  const Matrix6 M = mass_at(machine, pose_of(machine, at.pose), at.point);
+  const auto motion = turned(measured.motion, M.diagonal());
+  Vector6 shape = Vector6::Zero(), lost = Vector6::Zero();
+  int known = 0;
+  for (int k = 0; k < 6; ++k) {
+    if (std::isnan(motion[k].real())) continue;
+    ++known;
+    shape[k] = motion[k].real();
+    lost[k] = std::hypot(measured.motion_deviation[k], motion[k].imag());
+  }
+  if (known == 0) return target;
+  Eigen::Index main = 0;
+  const Vector6 energy = known == 6 ? Vector6(shape.cwiseProduct(M * shape))
+                                    : Vector6(shape.cwiseAbs2().cwiseProduct(M.diagonal()));
+  energy.maxCoeff(&main);
+  target.direction = static_cast<int>(main);
+  if (known < 6) return target;
+  target.shape = shape;
+  target.shape_point = at.point;
+  target.shape_deviation = std::sqrt(lost.cwiseAbs2().dot(M.diagonal()) / (shape.dot(M * shape)));
+  return target;
+}
+
+calibration::Targets measured_modes(const identification::Identification& identified,
+                                    const model::Machine& machine, const MeasuredAt& at) {
+  calibration::Targets targets{.title = "identified modes"};
+  if (identified.modes.empty())
+    throw base::InputError({{.message = "no mode was found in the measurement"}});
+  const auto& outputs = identified.responses.outputs;
+  for (const auto& mode : identified.modes) {
+    MeasuredShape measured{.omega = mode.fit.omega(),
+                           .omega_deviation = mode.fit.omega_deviation,
+                           .damping = mode.fit.damping_ratio(),
+                           .damping_deviation = mode.fit.damping_deviation};
+    constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+    measured.motion.fill(nan);
+    for (std::size_t o = 0; o < outputs.size(); ++o) {
+      const int code = static_cast<int>(outputs[o].direction);
+      if (code == 0 || std::abs(code) > 6) continue;
+      const auto k = static_cast<std::size_t>(std::abs(code) - 1);
+      const auto row = static_cast<Eigen::Index>(o);
+      const double sign = code < 0 ? -1.0 : 1.0;
+      measured.motion[k] = sign * mode.displacement[row];
+      // deviations are of φ; displacement is φ/λ^d
+      const double scale = std::abs(mode.fit.shape[row]) > 0.0
+                               ? std::abs(mode.displacement[row]) / std::abs(mode.fit.shape[row])
+                               : 0.0;
+      measured.motion_deviation[k] = mode.fit.shape_deviation[row] * scale;
+    }
+    targets.modes.push_back(
+        mode_target(measured, fmt::format("{:.3f} Hz", measured.omega / (2.0 * std::numbers::pi)),
+                    machine, at));
+  }
+  return targets;
+}
+
+}  // namespace hydrapod::diagnosis

@@ -1,0 +1,167 @@
+#include "ranking.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "hydrapod/base/error.hpp"
+#include "hydrapod/calibration/pairing.hpp"
+#include "hydrapod/diagnosis/resonances.hpp"
+
+namespace hydrapod::diagnosis {
+
+namespace {
+
+/// Does a pair only repeat what one of its two says alone?
+bool holds(const Explanation& pair, const Explanation& single) {
+  return single.suspects.size() < pair.suspects.size() &&
+         std::includes(pair.suspects.begin(), pair.suspects.end(), single.suspects.begin(),
+                       single.suspects.end());
+}
+
+/// Root of the reduced misfit of the explanation that fits best for its number of parameters.
+double least_scatter(const Diagnosis& d) {
+  double least = std::numeric_limits<double>::infinity();
+  for (const auto& e : d.explanations) {
+    const double degrees = std::max(1, d.values - e.parameters);
+    least = std::min(least, e.misfit / degrees);
+  }
+  return std::sqrt(least);
+}
+
+}  // namespace
+
+double hypothesis_penalty(std::size_t suspects, std::size_t blamed) {
+  const auto n = static_cast<double>(suspects);
+  if (blamed == 0 || n < 2.0) return 0.0;
+  return 2.0 * std::log(blamed == 1 ? n : n * (n - 1.0) / 2.0);
+}
+
+void rank(Diagnosis& d) {
+  d.scatter = std::max(1.0, least_scatter(d));
+  for (auto& e : d.explanations)
+    e.criterion = e.misfit / (d.scatter * d.scatter) + e.parameters * std::log(d.values) +
+                  hypothesis_penalty(d.suspects.size(), e.suspects.size());
+  std::ranges::stable_sort(d.explanations, {}, &Explanation::criterion);
+}
+
+void judge(Diagnosis& d) {
+  if (d.scatter > no_explanation) {
+    d.finding = Finding::do_not_belong;
+    return;
+  }
+  const double limit = d.best().criterion + same;
+  for (const bool rigid : {true, false})
+    for (std::size_t k = 0; k < d.explanations.size(); ++k) {
+      const auto& e = d.explanations[k];
+      if (!e.suspects.empty() || e.rigid != rigid || e.criterion > limit) continue;
+      d.finding = rigid ? Finding::nothing_to_blame : Finding::as_stated;
+      d.alike = {k};
+      return;
+    }
+  for (std::size_t k = 0; k < d.explanations.size(); ++k)
+    if (d.explanations[k].criterion <= limit) d.alike.push_back(k);
+  std::erase_if(d.alike, [&](std::size_t k) {
+    return std::ranges::any_of(d.alike, [&](std::size_t other) {
+      return holds(d.explanations[k], d.explanations[other]);
+    });
+  });
+  d.finding = d.alike.size() == 1 ? Finding::guilty : Finding::undecided;
+}
+
+std::vector<std::string> unexplained(const Diagnosis& d) {
+  std::vector<std::string> reasons{fmt::format(
+      "even the best explanation ({}) misses the measured values by {:.0f} times what they are "
+      "known to",
+      d.best().name, d.scatter)};
+  for (const auto& wrong : d.best().wrong) reasons.push_back("it " + wrong);
+  return reasons;
+}
+
+namespace {
+
+/// Rigid mode of which a mode holds most: its frequency and share.
+void find_rigid(const model::Machine& machine, const model::NamedPose& pose,
+                const dynamics::LinearModel& flexible, const dynamics::ModelVector& phi,
+                MeasuredMode& mode) {
+  const auto rigid = dynamics::linear_model(without_mount_and_gimbals(machine), pose.X_BP,
+                                            dynamics::ModelKind::rigid);
+  const auto modes = modal::normal_modes(rigid);
+  const spatial::Vector6 momentum = flexible.M.topRows<6>() * phi;
+  for (int r = 0; r < 6; ++r) {
+    const spatial::Vector6 psi = modes.shapes.col(r);
+    const double mac = std::pow(psi.dot(momentum), 2);
+    if (mac <= mode.rigid_mac) continue;
+    mode.rigid_mac = mac;
+    mode.omega_rigid = modes.omega(r);
+  }
+}
+
+}  // namespace
+
+void trace_modes(const model::MachineFile& file, Diagnosis& d) {
+  const auto& best = d.alike.empty() ? d.best() : d.explanations[d.alike.front()];
+  const auto& stated = d.as_stated();
+  const auto machine = machine_of(file, best);
+  d.modes.clear();
+  for (std::size_t i = 0; i < d.targets.modes.size(); ++i) {
+    const auto& target = d.targets.modes[i];
+    MeasuredMode mode{.pose = target.pose,
+                      .direction = target.direction.value_or(-1),
+                      .omega = target.omega,
+                      .deviation = target.deviation,
+                      .omega_stated = stated.fit.targets[i].omega,
+                      .omega_best = best.fit.targets[i].omega,
+                      .shape_mac = best.fit.targets[i].shape_mac};
+    const auto pose = std::ranges::find(machine.poses, target.pose, &model::NamedPose::name);
+    const auto model = dynamics::linear_model(machine, pose->X_BP, best.kind);
+    const auto modes = modal::normal_modes(model);
+    const dynamics::ModelVector phi = modes.shapes.col(best.fit.targets[i].mode);
+    find_rigid(machine, *pose, model, phi, mode);
+    const auto energy = modal::energy_shares(model, phi).front();
+    mode.oil = energy.oil.sum();
+    mode.guide_sleeves = energy.guide_sleeve.sum();
+    mode.piston_rings = energy.piston_ring.sum();
+    mode.base = energy.base_mount;
+    d.modes.push_back(mode);
+  }
+}
+
+std::optional<Discriminator> discriminate(const model::MachineFile& file, const Diagnosis& d,
+                                          std::size_t other,
+                                          const std::vector<model::NamedPose>& poses,
+                                          double frequency_error) {
+  const auto& best = d.explanations[d.alike.front()];
+  const auto& rival = d.explanations[other];
+  const auto a = machine_of(file, best), b = machine_of(file, rival);
+  Discriminator found{.other = other};
+  for (const auto& pose : poses) {
+    std::vector<Resonance> in_a, in_b;
+    try {
+      in_a = visible_resonances(a, pose.X_BP, best.kind);
+      in_b = visible_resonances(b, pose.X_BP, rival.kind);
+    } catch (const base::ComputationError&) {  // one of them folds there
+      continue;
+    }
+    for (const auto& x : in_a) {
+      // the resonance of the other that is nearest in the same direction
+      const Resonance* nearest = nullptr;
+      for (const auto& y : in_b)
+        if (y.direction == x.direction &&
+            (nearest == nullptr ||
+             std::abs(y.omega - x.omega) < std::abs(nearest->omega - x.omega)))
+          nearest = &y;
+      if (nearest == nullptr) continue;
+      const double deviations =
+          std::abs(std::log(x.omega / nearest->omega)) / (std::sqrt(2.0) * frequency_error);
+      if (deviations <= found.deviations) continue;
+      found = {other, pose.name, x.direction, x.omega, nearest->omega, deviations};
+    }
+  }
+  if (found.pose.empty()) return std::nullopt;
+  return found;
+}
+
+}  // namespace hydrapod::diagnosis

@@ -1,0 +1,268 @@
+#include "hydrapod/diagnosis/summary.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <numbers>
+#include <set>
+
+#include "hydrapod/diagnosis/amounts.hpp"
+
+namespace hydrapod::diagnosis {
+
+namespace {
+
+constexpr double two_pi = 2.0 * std::numbers::pi;
+constexpr double notable_drop = 0.01;
+
+std::string hertz(double omega) {
+  return fmt::format("{:.{}f} Hz", omega / two_pi, omega < 10.0 * two_pi ? 2 : 1);
+}
+
+std::string percent(double share) {
+  return fmt::format("{:.{}f} %", 100.0 * share, std::abs(share) < 0.1 ? 1 : 0);
+}
+
+std::string capital(std::string text) {
+  if (!text.empty() && text[0] >= 'a' && text[0] <= 'z') text[0] = static_cast<char>(text[0] - 32);
+  return text;
+}
+
+/// Lowest measured mode of every direction at a pose that holds a tenth of a rigid mode.
+void add_drops(const Diagnosis& d, std::vector<std::string>& words) {
+  std::map<std::pair<std::string, int>, const MeasuredMode*> first;
+  for (const auto& mode : d.modes) {
+    if (mode.direction < 0 || mode.rigid_mac < resonance_mac) continue;
+    auto& lowest = first[{mode.pose, mode.direction}];
+    if (lowest == nullptr || mode.omega < lowest->omega) lowest = &mode;
+  }
+  // directions that fall alike are told together
+  std::vector<std::pair<const MeasuredMode*, std::vector<std::string>>> groups;
+  for (const auto& [key, mode] : first) {
+    if (mode->drop() < notable_drop) continue;
+    const auto same_as = std::ranges::find_if(groups, [&](const auto& group) {
+      return group.first->pose == mode->pose &&
+             std::abs(std::log(group.first->omega / mode->omega)) < notable_drop &&
+             std::abs(group.first->drop() - mode->drop()) < notable_drop;
+    });
+    if (same_as == groups.end())
+      groups.push_back({mode, {direction_name(mode->direction)}});
+    else
+      same_as->second.push_back(direction_name(mode->direction));
+  }
+  std::ranges::stable_sort(
+      groups, [](const auto& a, const auto& b) { return a.first->drop() > b.first->drop(); });
+  constexpr std::size_t most = 3;
+  for (std::size_t k = 0; k < std::min(most, groups.size()); ++k) {
+    const auto& [mode, names] = groups[k];
+    words.push_back(fmt::format(
+        "At pose {} the {} {} measured at {} {} {} below the rigid calculation ({}).", mode->pose,
+        fmt::join(names, " and "), names.size() > 1 ? "resonances" : "resonance",
+        hertz(mode->omega), names.size() > 1 ? "lie" : "lies", percent(mode->drop()),
+        hertz(mode->omega_rigid)));
+  }
+  if (groups.empty() && !d.modes.empty())
+    words.push_back("No measured resonance lies 1 % or more below the rigid calculation.");
+}
+
+/// Which compliance a measured resonance comes from, when it is not the platform on its oil.
+void add_origins(const Diagnosis& d, std::vector<std::string>& words) {
+  constexpr double main_part = 0.4;
+  struct Origin {
+    const char* part;
+    double MeasuredMode::*share;
+  };
+  constexpr std::array origins{Origin{"guide sleeves", &MeasuredMode::guide_sleeves},
+                               Origin{"piston rings", &MeasuredMode::piston_rings},
+                               Origin{"base", &MeasuredMode::base}};
+  for (const auto& origin : origins) {
+    std::vector<std::string> modes;
+    for (const auto& mode : d.modes) {
+      const double share = mode.*origin.share;
+      const double most = std::max({mode.guide_sleeves, mode.piston_rings, mode.base});
+      if (share < main_part || share < most || mode.direction < 0) continue;
+      const auto text = fmt::format("{} at {}", direction_name(mode.direction), hertz(mode.omega));
+      if (std::ranges::count(modes, text) == 0) modes.push_back(text);
+    }
+    constexpr std::size_t shown = 6;
+    if (modes.empty()) continue;
+    const std::size_t more = modes.size() > shown ? modes.size() - shown : 0;
+    modes.resize(modes.size() - more);
+    words.push_back(fmt::format(
+        "From the {} {} the {} in {}{}.", origin.part, modes.size() + more > 1 ? "come" : "comes",
+        modes.size() + more > 1 ? "resonances" : "resonance", fmt::join(modes, ", "),
+        more > 0 ? fmt::format(" and {} more", more) : ""));
+  }
+}
+
+/// Suspects that are not it, one of each family, with why.
+void add_innocents(const Diagnosis& d, std::vector<std::string>& words) {
+  if (d.finding == Finding::nothing_to_blame || d.finding == Finding::as_stated) return;
+  std::set<std::string> told;
+  for (const auto k : d.alike)
+    for (const auto s : d.explanations[k].suspects) told.insert(d.suspects[s].family);
+  constexpr std::size_t most = 3;
+  std::size_t count = 0;
+  for (const auto& e : d.explanations) {
+    if (e.suspects.size() != 1 || e.wrong.empty() || count == most) continue;
+    const auto& suspect = d.suspects[e.suspects.front()];
+    if (suspect.leg || !told.insert(suspect.family).second) continue;
+    words.push_back(fmt::format("Not {}: {}.", e.name, e.wrong.front()));
+    ++count;
+  }
+}
+
+std::string alike_words(const Diagnosis& d) {
+  constexpr std::size_t shown = 4;
+  std::string names;
+  for (std::size_t k = 0; k < std::min(shown, d.alike.size()); ++k)
+    names += (names.empty() ? "" : " from ") + d.explanations[d.alike[k]].name;
+  if (d.alike.size() > shown) names += fmt::format(" and {} more", d.alike.size() - shown);
+  return names;
+}
+
+void add_discriminators(const Diagnosis& d, std::vector<std::string>& words) {
+  constexpr std::size_t most = 3;
+  constexpr double enough = 3.0;
+  for (std::size_t k = 0; k < std::min(most, d.discriminators.size()); ++k) {
+    const auto& x = d.discriminators[k];
+    const auto& best = d.explanations[d.alike.front()];
+    const auto& other = d.explanations[x.other];
+    if (x.deviations < enough)
+      words.push_back(
+          fmt::format("No pose that was looked at tells {} from {}: their resonances "
+                      "differ by {:.1f} times what can be measured at most.",
+                      best.name, other.name, x.deviations));
+    else
+      words.push_back(fmt::format(
+          "A measurement at pose {} in direction {} would tell {} ({}) from {} ({}): {:.0f} times "
+          "what can be measured.",
+          x.pose, direction_name(x.direction), best.name, hertz(x.omega_best), other.name,
+          hertz(x.omega_other), x.deviations));
+  }
+}
+
+void add_attribution(const CaseFile& file, std::vector<std::string>& words) {
+  constexpr std::size_t most = 3;
+  std::vector<const AttributedDrop*> drops;
+  for (const auto& drop : file.drops)
+    if (drop.resonance.drop() >= notable_drop && !drop.parts.empty()) drops.push_back(&drop);
+  std::ranges::stable_sort(drops, [](const auto* a, const auto* b) {
+    return a->resonance.drop() > b->resonance.drop();
+  });
+  for (std::size_t k = 0; k < std::min(most, drops.size()); ++k) {
+    const auto& drop = *drops[k];
+    std::vector<std::string> parts;
+    constexpr double told = 0.05;
+    for (const auto& part : drop.parts)
+      if (!part.part.leg && std::abs(part.share) >= told)
+        parts.push_back(fmt::format("{} {}", part_name(part.part), percent(part.share)));
+    words.push_back(fmt::format(
+        "Calculated at pose {}: {} resonates at {}, {} below rigid; of this drop belongs to: {}.",
+        file.pose, drop.resonance.direction, hertz(drop.resonance.omega),
+        percent(drop.resonance.drop()),
+        parts.empty() ? "no part alone" : fmt::format("{}", fmt::join(parts, ", "))));
+  }
+  if (drops.empty() && !file.drops.empty())
+    words.push_back(fmt::format(
+        "Calculated at pose {}: no resonance lies 1 % or more below the rigid calculation.",
+        file.pose));
+}
+
+std::string remedy_words(const CaseFile& file) {
+  const auto& r = *file.remedy;
+  const std::string goal = goal_words(file.goal);
+  const auto stiffness = amount_text(r.needed.stiffness, 0.0, "N/m");
+  const auto today = amount_text(r.today.stiffness, 0.0, "N/m");
+  if (r.status == RemedyStatus::out_of_reach)
+    return fmt::format(
+        "No guide sleeve reaches {}: rigid ones give {} and a drop of {} (pose {}, "
+        "{}).",
+        goal, hertz(r.limit.omega), percent(r.limit.drop), r.pose, r.direction);
+  if (r.status == RemedyStatus::met_already)
+    return fmt::format("Guide sleeves of {} are stiff enough for {}; {} would do.", today, goal,
+                       stiffness);
+  return fmt::format(
+      "Guide sleeves of at least {} ({:.3g} times today's {}) give {}; pose {} in {} "
+      "asks for the most.",
+      stiffness, r.needed.factor, today, goal, r.pose, r.direction);
+}
+
+}  // namespace
+
+std::string goal_words(const RemedyGoal& goal) {
+  const std::string where =
+      goal.direction ? fmt::format(" in {}", direction_name(*goal.direction)) : "";
+  if (goal.drop) return fmt::format("a drop of at most {}{}", percent(*goal.drop), where);
+  return fmt::format("at least {}{}", hertz(goal.omega.value_or(0.0)), where);
+}
+
+std::vector<std::string> parameter_words(const Explanation& e) {
+  using calibration::Verdict;
+  std::vector<std::string> words;
+  for (const auto& p : e.fit.parameters) {
+    const bool bound = p.verdict == Verdict::at_bound, open = p.verdict == Verdict::undetermined;
+    const std::string value =
+        fmt::format("{} {}{}", fmt::join(p.paths, ", "),
+                    amount_text(p.value, bound || open ? 0.0 : p.deviation, p.unit),
+                    bound  ? ", at its bound"
+                    : open ? ", not determined"
+                           : "");
+    // with overrides the search began elsewhere than at the file's value
+    words.push_back(e.overrides.empty()
+                        ? fmt::format("{} (stated {})", value, amount_text(p.start, 0.0, p.unit))
+                        : value);
+  }
+  return words;
+}
+
+std::string finding_sentence(const Diagnosis& d) {
+  switch (d.finding) {
+    case Finding::nothing_to_blame:
+      return "Nothing is to blame: the rigid calculation explains what was measured.";
+    case Finding::as_stated:
+      return "The machine is as its file says: what gives way there explains what was measured.";
+    case Finding::guilty: {
+      const auto& best = d.explanations[d.alike.front()];
+      std::vector<std::string> statements;
+      for (const auto s : best.suspects) statements.push_back(d.suspects[s].statement);
+      return fmt::format("The cause: {}; {}.", fmt::join(statements, ", and "),
+                         fmt::join(parameter_words(best), "; "));
+    }
+    case Finding::undecided:
+      return fmt::format("The data cannot tell {}.", alike_words(d));
+    case Finding::do_not_belong:
+      break;
+  }
+  return "Machine and measurement do not belong together; no part is blamed.";
+}
+
+std::vector<std::string> summary(const CaseFile& file) {
+  std::vector<std::string> words;
+  if (file.diagnosis) {
+    const auto& d = *file.diagnosis;
+    words.push_back(finding_sentence(d));
+    if (d.finding == Finding::do_not_belong) {
+      for (const auto& reason : d.reasons) words.push_back(capital(reason) + ".");
+      return words;
+    }
+    if (d.finding == Finding::undecided)
+      for (std::size_t k = 0; k < std::min<std::size_t>(4, d.alike.size()); ++k) {
+        const auto& e = d.explanations[d.alike[k]];
+        words.push_back(
+            fmt::format("{}: {}.", capital(e.name), fmt::join(parameter_words(e), "; ")));
+      }
+    add_discriminators(d, words);
+    add_drops(d, words);
+    add_origins(d, words);
+    add_innocents(d, words);
+    if (d.interrupted) words.push_back("Interrupted: not every explanation was tried.");
+  }
+  add_attribution(file, words);
+  if (file.remedy) words.push_back(remedy_words(file));
+  return words;
+}
+
+}  // namespace hydrapod::diagnosis

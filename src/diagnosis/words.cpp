@@ -1,0 +1,227 @@
+#include "words.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <numbers>
+#include <set>
+
+#include "hydrapod/base/error.hpp"
+#include "hydrapod/diagnosis/amounts.hpp"
+#include "hydrapod/diagnosis/resonances.hpp"
+
+namespace hydrapod::diagnosis {
+
+namespace {
+
+using calibration::ModeTarget;
+using calibration::Targets;
+
+constexpr double two_pi = 2.0 * std::numbers::pi;
+constexpr double notable = 3.0;  // deviations
+
+const char* count_word(int count) {
+  constexpr std::array words{"no", "one", "two", "three", "four", "five", "six"};
+  return words.at(static_cast<std::size_t>(std::clamp(count, 0, 6)));
+}
+
+std::string resonances(int count) {
+  return fmt::format("{} resonance{}", count_word(count), count == 1 ? "" : "s");
+}
+
+std::string where(const Targets& targets, const std::string& pose) {
+  const bool several = std::any_of(targets.modes.begin(), targets.modes.end(),
+                                   [&](const auto& m) { return m.pose != pose; });
+  return several ? fmt::format(" at pose {}", pose) : "";
+}
+
+std::string mode_words(const ModeTarget& mode, const Targets& targets) {
+  return (mode.direction ? std::string(direction_name(*mode.direction)) : mode.name) +
+         where(targets, mode.pose);
+}
+
+/// Measured frequencies that are one resonance count once.
+int count_measured(const Targets& targets, const std::string& pose, int direction) {
+  std::vector<double> omega;
+  for (const auto& mode : targets.modes)
+    if (mode.pose == pose && mode.direction == direction) omega.push_back(mode.omega);
+  std::sort(omega.begin(), omega.end());
+  int count = 0;
+  for (std::size_t k = 0; k < omega.size(); ++k)
+    if (k == 0 || omega[k] > omega[k - 1] * (1.0 + seen_as_one)) ++count;
+  return count;
+}
+
+/// "predicts one resonance in x, two were measured"
+void add_missing(const Evidence& evidence, const Explanation& e, const model::Machine& machine,
+                 std::vector<std::string>& words) {
+  std::set<std::string> poses;
+  for (const auto& mode : evidence.targets().modes) poses.insert(mode.pose);
+  std::map<std::pair<int, int>, std::vector<std::string>> found;  // predicted, measured
+  for (const auto& named : machine.poses) {
+    if (!poses.contains(named.name)) continue;
+    const auto seen = visible_resonances(machine, named.X_BP, e.kind);
+    for (int direction = 0; direction < 6; ++direction) {
+      const auto predicted = static_cast<int>(std::count_if(
+          seen.begin(), seen.end(), [&](const auto& r) { return r.direction == direction; }));
+      const int measured = count_measured(evidence.targets(), named.name, direction);
+      if (predicted < measured)
+        found[{predicted, measured}].push_back(direction_name(direction) +
+                                               where(evidence.targets(), named.name));
+    }
+  }
+  for (const auto& [counts, places] : found)
+    words.push_back(fmt::format("predicts {} in {}, {} {} measured", resonances(counts.first),
+                                fmt::join(places, ", "), count_word(counts.second),
+                                counts.second == 1 ? "was" : "were"));
+}
+
+}  // namespace
+
+std::vector<std::string> what_is_wrong(const Evidence& evidence, const Explanation& e) {
+  constexpr std::size_t most = 3;
+  constexpr double other_motion = 0.8;
+  std::vector<std::string> words;
+  try {
+    add_missing(evidence, e, machine_of(evidence.file(), e), words);
+  } catch (const base::ComputationError&) {  // no equilibrium at one of the poses
+  }
+  std::vector<std::size_t> order;
+  for (std::size_t i = 0; i < e.fit.targets.size(); ++i) order.push_back(i);
+  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
+    return std::abs(e.fit.targets[a].difference) > std::abs(e.fit.targets[b].difference);
+  });
+  for (const auto i : order) {
+    if (words.size() >= most) break;
+    const auto& target = evidence.targets().modes[i];
+    const auto& fit = e.fit.targets[i];
+    const std::string mode = mode_words(target, evidence.targets());
+    if (std::abs(fit.difference) >= notable)
+      words.push_back(fmt::format("puts {} at {:.2f} Hz, {:.2f} Hz {} than measured", mode,
+                                  fit.omega / two_pi, std::abs(fit.omega - target.omega) / two_pi,
+                                  fit.omega > target.omega ? "higher" : "lower"));
+    else if (target.shape && fit.shape_mac < other_motion)
+      words.push_back(fmt::format("moves otherwise than measured in {} at {:.2f} Hz (MAC {:.2f})",
+                                  mode, target.omega / two_pi, fit.shape_mac));
+  }
+  return words;
+}
+
+std::string contrary(const Evidence& evidence, const Explanation& as_stated,
+                     const Explanation& explanation, const calibration::Progress& stop) {
+  if (explanation.suspects.size() != 1 || explanation.parameters != 1) return {};
+  // the direction that is missed most
+  const auto& targets = evidence.targets();
+  int direction = -1;
+  double largest = notable;
+  for (std::size_t i = 0; i < targets.modes.size(); ++i)
+    if (targets.modes[i].direction && std::abs(as_stated.fit.targets[i].difference) > largest) {
+      largest = std::abs(as_stated.fit.targets[i].difference);
+      direction = *targets.modes[i].direction;
+    }
+  if (direction < 0) return {};
+  Targets some = targets, rest = targets;
+  std::erase_if(some.modes, [&](const auto& m) { return m.direction != direction; });
+  std::erase_if(rest.modes, [&](const auto& m) { return m.direction == direction; });
+  if (rest.modes.empty()) return {};
+  const auto fitted = evidence.explain_some(explanation.suspects.front(), some, stop);
+  const double per_value = fitted.misfit / static_cast<double>(some.modes.size());
+  if (per_value > notable * notable * 4.0) return {};  // it does not explain even that
+  model::MachineFile file = evidence.file();
+  file.overrides.insert(file.overrides.end(), fitted.overrides.begin(), fitted.overrides.end());
+  const auto& p = fitted.fit.parameters.front();
+  for (const auto& path : p.paths)
+    file.overrides.push_back(fmt::format("{}={:.17g}", path, p.value));
+  const auto at = calibration::compare(file, rest, fitted.kind);
+  std::size_t worst = 0;
+  for (std::size_t i = 1; i < at.targets.size(); ++i)
+    if (std::abs(at.targets[i].difference) > std::abs(at.targets[worst].difference)) worst = i;
+  if (std::abs(at.targets[worst].difference) < notable) return {};
+  const auto& target = rest.modes[worst];
+  return fmt::format("what would explain {} ({}) contradicts {} by {:.2g} Hz",
+                     direction_name(direction), amount_text(p.value, p.deviation, p.unit),
+                     mode_words(target, targets),
+                     std::abs(at.targets[worst].omega - target.omega) / two_pi);
+}
+
+namespace {
+
+/// Ratios that slips of units make.
+std::string slip(double ratio) {
+  struct Slip {
+    double ratio;
+    const char* words;
+  };
+  constexpr std::array slips{
+      Slip{1e3, "a unit wrong by 1000 in the frequencies"}, Slip{two_pi, "rad/s taken for Hz"},
+      Slip{60.0, "cycles per minute taken for Hz"},
+      Slip{31.622776601683793, "a mass or a stiffness wrong by 1000 in the machine file"}};
+  constexpr double near = 0.2;
+  for (const auto& one : slips)
+    for (const bool up : {true, false})
+      if (std::abs(std::log(ratio * (up ? 1.0 / one.ratio : one.ratio))) < near) return one.words;
+  return {};
+}
+
+/// Lowest measured over lowest predicted frequency, direction by direction.
+std::vector<double> ratios(const Evidence& evidence, const Explanation& as_stated) {
+  std::vector<double> all;
+  const auto& machine = evidence.file().machine;
+  for (const auto& named : machine.poses) {
+    std::array<double, 6> lowest{};
+    for (const auto& mode : evidence.targets().modes) {
+      if (mode.pose != named.name || !mode.direction) continue;
+      auto& least = lowest[static_cast<std::size_t>(*mode.direction)];
+      least = least == 0.0 ? mode.omega : std::min(least, mode.omega);
+    }
+    if (std::all_of(lowest.begin(), lowest.end(), [](double w) { return w == 0.0; })) continue;
+    for (const auto& r : first_resonances(machine, named.X_BP, as_stated.kind)) {
+      const double measured = lowest[static_cast<std::size_t>(r.main_direction)];
+      if (measured > 0.0 && r.omega > 0.0) all.push_back(measured / r.omega);
+    }
+  }
+  std::sort(all.begin(), all.end());
+  return all;
+}
+
+}  // namespace
+
+std::vector<std::string> objections(const Evidence& evidence, const Explanation& as_stated) {
+  constexpr std::size_t fewest = 4;
+  constexpr int fewest_directions = 3;
+  constexpr double far = 2.5;
+  const auto& modes = evidence.targets().modes;
+  std::vector<std::string> reasons;
+  if (modes.size() < fewest)
+    reasons.push_back(fmt::format(
+        "{} {} measured; with fewer than {} every suspect explains them, and nothing is proved",
+        modes.size() == 1 ? "only one mode" : fmt::format("only {} modes", modes.size()),
+        modes.size() == 1 ? "was" : "were", fewest));
+  std::set<int> directions;
+  for (const auto& mode : modes)
+    if (mode.direction) directions.insert(*mode.direction);
+  if (static_cast<int>(directions.size()) < fewest_directions)
+    reasons.push_back(
+        directions.empty()
+            ? "the measured modes have neither directions nor shapes; frequencies alone fit many "
+              "machines (give x … rz, or a shape, with every mode)"
+            : fmt::format("the measured modes move the platform in {} of its six directions only; "
+                          "at least {} are needed",
+                          directions.size(), fewest_directions));
+  if (!reasons.empty()) return reasons;
+  const auto all = ratios(evidence, as_stated);
+  if (all.empty()) return reasons;
+  const double median = all[all.size() / 2];
+  if (median > far || median < 1.0 / far) {
+    const auto why = slip(median);
+    reasons.push_back(fmt::format(
+        "the measured frequencies are {:.3g} times those of this machine, direction by direction "
+        "(median){}",
+        median, why.empty() ? "" : ": " + why + "?"));
+  }
+  return reasons;
+}
+
+}  // namespace hydrapod::diagnosis

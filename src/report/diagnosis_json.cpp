@@ -1,0 +1,221 @@
+#include <fmt/format.h>
+
+#include <limits>
+#include <numbers>
+
+#include "hydrapod/base/error.hpp"
+#include "hydrapod/report/diagnosis.hpp"
+
+namespace hydrapod::report {
+
+namespace {
+
+using namespace diagnosis;
+
+constexpr double two_pi = 2.0 * std::numbers::pi;
+
+Json finite(double value) { return std::isfinite(value) ? Json(value) : Json(); }
+
+Json direction(int number) { return number < 0 ? Json() : Json(direction_name(number)); }
+
+Json explanation_json(const Diagnosis& d, std::size_t index) {
+  const auto& e = d.explanations[index];
+  Json suspects = Json::array(), parameters = Json::array(), targets = Json::array();
+  for (const auto s : e.suspects)
+    suspects.push_back({{"name", d.suspects[s].name},
+                        {"statement", d.suspects[s].statement},
+                        {"family", d.suspects[s].family}});
+  for (const auto& p : e.fit.parameters)
+    parameters.push_back({{"paths", p.paths},
+                          {"unit", p.unit},
+                          {"start", p.start},
+                          {"value", p.value},
+                          {"deviation", finite(p.deviation)},
+                          {"interval_95", {finite(p.interval_low), finite(p.interval_high)}},
+                          {"at_bound", p.verdict == calibration::Verdict::at_bound}});
+  for (const auto& t : e.fit.targets)
+    targets.push_back({{"frequency_hz", t.omega / two_pi},
+                       {"difference", t.difference},
+                       {"shape_mac", t.shape_mac}});
+  return {{"name", e.name},
+          {"suspects", suspects},
+          {"rigid_calculation", e.rigid},
+          {"model", dynamics::name(e.kind)},
+          {"fitted_numbers", e.parameters},
+          {"misfit", e.misfit},
+          {"criterion", e.criterion},
+          {"above_best", e.criterion - d.best().criterion},
+          {"alike", std::ranges::count(d.alike, index) > 0},
+          {"parameters", parameters},
+          {"targets", targets},
+          {"wrong", e.wrong}};
+}
+
+Json mode_json(const MeasuredMode& m) {
+  return {{"pose", m.pose},
+          {"direction", direction(m.direction)},
+          {"frequency_hz", m.omega / two_pi},
+          {"deviation_hz", m.deviation / two_pi},
+          {"stated_hz", m.omega_stated / two_pi},
+          {"explained_hz", m.omega_best / two_pi},
+          {"shape_mac", m.shape_mac},
+          {"rigid_hz", m.omega_rigid > 0.0 ? Json(m.omega_rigid / two_pi) : Json()},
+          {"rigid_mac", m.rigid_mac},
+          {"drop", m.drop()},
+          {"strain_energy",
+           {{"oil", m.oil},
+            {"guide_sleeve", m.guide_sleeves},
+            {"piston_ring", m.piston_rings},
+            {"base_mount", m.base}}}};
+}
+
+Json point_json(const RemedyPoint& p) {
+  return {{"factor", p.factor},
+          {"stiffness_N_m", p.stiffness},
+          {"frequency_hz", p.omega / two_pi},
+          {"drop", p.drop}};
+}
+
+Json remedy_json(const CaseFile& file) {
+  constexpr std::array status{"found", "met_already", "out_of_reach"};
+  const auto& r = *file.remedy;
+  Json curve = Json::array(), changes = Json::array();
+  for (const auto& point : r.curve) curve.push_back(point_json(point));
+  for (const auto& c : r.changes)
+    changes.push_back({{"pose", c.pose},
+                       {"direction", c.direction},
+                       {"rigid_hz", c.omega_rigid / two_pi},
+                       {"today_hz", c.omega_today / two_pi},
+                       {"needed_hz", c.omega_needed / two_pi}});
+  Json goal{{"words", goal_words(file.goal)}};
+  if (file.goal.drop) goal["drop"] = *file.goal.drop;
+  if (file.goal.omega) goal["frequency_hz"] = *file.goal.omega / two_pi;
+  if (file.goal.direction) goal["direction"] = direction_name(*file.goal.direction);
+  return {{"goal", goal},
+          {"status", status.at(static_cast<std::size_t>(r.status))},
+          {"today", point_json(r.today)},
+          {"needed", point_json(r.needed)},
+          {"rigid_sleeves", point_json(r.limit)},
+          {"pose", r.pose},
+          {"direction", r.direction},
+          {"curve", curve},
+          {"changes", changes}};
+}
+
+Json drop_json(const AttributedDrop& drop) {
+  Json parts = Json::array();
+  for (const auto& p : drop.parts)
+    parts.push_back({{"part", part_name(p.part)},
+                     {"leg", p.part.leg ? Json(*p.part.leg + 1) : Json()},
+                     {"frequency_hz", p.omega / two_pi},
+                     {"share", p.share}});
+  const auto& r = drop.resonance;
+  return {{"direction", r.direction},
+          {"rigid_hz", r.omega_rigid / two_pi},
+          {"frequency_hz", r.omega / two_pi},
+          {"drop", r.drop()},
+          {"mac", r.mac},
+          {"parts", parts}};
+}
+
+}  // namespace
+
+Json diagnosis_json(const CaseFile& file) {
+  Json json{{"summary", summary(file)}};
+  if (file.diagnosis) {
+    const auto& d = *file.diagnosis;
+    Json explanations = Json::array(), modes = Json::array(), tell = Json::array();
+    for (std::size_t k = 0; k < d.explanations.size(); ++k)
+      explanations.push_back(explanation_json(d, k));
+    for (const auto& mode : d.modes) modes.push_back(mode_json(mode));
+    for (const auto& x : d.discriminators)
+      tell.push_back({{"best", d.explanations[d.alike.front()].name},
+                      {"other", d.explanations[x.other].name},
+                      {"pose", x.pose},
+                      {"direction", direction(x.direction)},
+                      {"best_hz", x.omega_best / two_pi},
+                      {"other_hz", x.omega_other / two_pi},
+                      {"deviations", x.deviations}});
+    json["finding"] = name(d.finding);
+    json["reasons"] = d.reasons;
+    json["measured_values"] = d.values;
+    json["scatter"] = d.scatter;
+    json["interrupted"] = d.interrupted;
+    json["measured_modes"] = modes;
+    json["explanations"] = explanations;
+    json["discriminators"] = tell;
+  }
+  json["pose"] = file.pose;
+  json["attribution"] = Json::array();
+  for (const auto& drop : file.drops) json["attribution"].push_back(drop_json(drop));
+  if (file.remedy) json["remedy"] = remedy_json(file);
+  return json;
+}
+
+namespace {
+
+[[noreturn]] void bad(const std::string& file, const std::string& key, const std::string& what) {
+  throw base::InputError({{.file = file, .key = key, .message = what}});
+}
+
+double number(const Json& object, const char* key, const std::string& file) {
+  const auto found = object.find(key);
+  if (found == object.end() || !found->is_number())
+    bad(file, std::string("modes[].") + key, "expected a number, as `hydrapod identify` writes it");
+  return found->get<double>();
+}
+
+/// Row `o` of a complex vector {re: [], im: []}.
+std::complex<double> element(const Json& vector, std::size_t o, const std::string& file) {
+  const auto part = [&](const char* name) {
+    const auto found = vector.find(name);
+    if (found == vector.end() || !found->is_array() || found->size() <= o ||
+        !(*found)[o].is_number())
+      bad(file, std::string("modes[].displacement_shape.") + name,
+          "expected one number per output, as `hydrapod identify` writes them");
+    return (*found)[o].get<double>();
+  };
+  return {part("re"), part("im")};
+}
+
+}  // namespace
+
+calibration::Targets modes_from_json(const Json& json, const std::string& file,
+                                     const model::Machine& machine, const MeasuredAt& at) {
+  constexpr double band = 1.96, nan = std::numeric_limits<double>::quiet_NaN();
+  for (const char* key : {"modes", "outputs"})
+    if (!json.contains(key) || !json[key].is_array())
+      bad(file, key, "is missing; `hydrapod identify RECORD --format json` writes such a file");
+  if (json["modes"].empty()) bad(file, "modes", "is empty: no mode was identified");
+  calibration::Targets targets{.title = file};
+  for (const auto& mode : json["modes"]) {
+    if (!mode.is_object()) bad(file, "modes", "holds something that is no mode");
+    MeasuredShape measured{.omega = two_pi * number(mode, "frequency_hz", file),
+                           .omega_deviation = two_pi * number(mode, "frequency_95_hz", file) / band,
+                           .damping = number(mode, "damping_ratio", file),
+                           .damping_deviation = number(mode, "damping_95", file) / band};
+    if (!(measured.omega > 0.0)) bad(file, "modes[].frequency_hz", "expected a number above 0");
+    measured.motion.fill(nan);
+    const auto shape = mode.find("displacement_shape"), raw = mode.find("shape"),
+               spread = mode.find("shape_deviation");
+    for (std::size_t o = 0; shape != mode.end() && o < json["outputs"].size(); ++o) {
+      const auto& output = json["outputs"][o];
+      const auto found = data::direction_from_text(output.value("direction", ""));
+      const int code = found ? static_cast<int>(*found) : 0;
+      if (code == 0 || std::abs(code) > 6) continue;
+      const auto k = static_cast<std::size_t>(std::abs(code) - 1);
+      measured.motion[k] = (code < 0 ? -1.0 : 1.0) * element(*shape, o, file);
+      if (raw == mode.end() || spread == mode.end() || !spread->is_array() || spread->size() <= o)
+        continue;
+      const double size = std::abs(element(*raw, o, file));
+      if (size > 0.0 && (*spread)[o].is_number())
+        measured.motion_deviation[k] =
+            (*spread)[o].get<double>() * std::abs(measured.motion[k]) / size;
+    }
+    targets.modes.push_back(
+        mode_target(measured, fmt::format("{:.3f} Hz", measured.omega / two_pi), machine, at));
+  }
+  return targets;
+}
+
+}  // namespace hydrapod::report

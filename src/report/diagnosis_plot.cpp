@@ -1,0 +1,150 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "gnuplot.hpp"
+#include "hydrapod/diagnosis/amounts.hpp"
+#include "hydrapod/report/diagnosis.hpp"
+
+namespace hydrapod::report {
+
+namespace {
+
+using namespace diagnosis;
+
+constexpr double two_pi = 2.0 * std::numbers::pi;
+constexpr double panel = 340.0;  // height of the first and the last [pixels]
+constexpr double row_height = 24.0;
+constexpr std::size_t most_rows = 14;
+
+/// From top to bottom, what there is.
+struct Layout {
+  double measured{}, ranking{}, curve{};  ///< heights [pixels]
+  [[nodiscard]] double all() const { return measured + ranking + curve; }
+};
+
+std::string place(const Layout& layout, double top, double bottom, double left) {
+  return fmt::format(
+      "set tmargin at screen {:.4f}\nset bmargin at screen {:.4f}\n"
+      "set lmargin at screen {}\nset rmargin at screen 0.96\n",
+      1.0 - top / layout.all(), 1.0 - bottom / layout.all(), left);
+}
+
+std::string measured_panel(const Diagnosis& d, const Layout& layout) {
+  std::string s = "$m << END\n";
+  std::string labels = "set xtics ()\n";
+  int k = 0;
+  for (const auto& mode : d.modes) {
+    ++k;
+    s += fmt::format(
+        "{} {:.9g} {:.9g} {:.9g} {}\n", k, mode.omega / two_pi, 2.0 * mode.deviation / two_pi,
+        mode.omega_best / two_pi,
+        mode.rigid_mac >= resonance_mac ? fmt::format("{:.9g}", mode.omega_rigid / two_pi) : "NaN");
+    labels += fmt::format(
+        "set xtics add ({} {})\n",
+        quoted(mode.direction < 0 ? fmt::format("{}", k) : direction_name(mode.direction)), k);
+  }
+  s += "END\n" + labels;
+  s += fmt::format("set xrange [0.4:{}.6]\nset grid ytics back lt 1 lc rgb '#d0d0d0' lw 0.5\n", k);
+  s += place(layout, 0.1 * panel, 0.88 * panel, 0.09);
+  s += "set title 'Measured, rigid calculation, best explanation'\nset ylabel 'Hz'\n";
+  s += "set key outside top right horizontal\nset yrange [0:*]\n";
+  return s +
+         "plot $m using 1:5 with points pt 8 ps 1.3 lw 1.5 lc rgb '#999999' title 'rigid', "
+         "$m using 1:2:3 with yerrorbars pt 6 ps 1.6 lw 1.6 lc rgb '#d55e00' title 'measured (95 "
+         "%)', $m using 1:4 with points pt 7 ps 0.7 lc rgb '#0072b2' title 'best explanation'\n";
+}
+
+/// A bar per explanation: how far its criterion is above the best.
+std::string ranking_panel(const Diagnosis& d, const Layout& layout) {
+  std::vector<std::size_t> shown;
+  for (std::size_t k = 0; k < d.explanations.size(); ++k)
+    if (shown.size() < most_rows - 2 || d.explanations[k].suspects.empty()) shown.push_back(k);
+  std::string s = "unset ylabel\nunset key\nunset grid\n";
+  s += place(layout, layout.measured + 34.0, layout.measured + layout.ranking - 48.0, 0.5);
+  s += fmt::format(
+      "set title 'Explanations: how much worse than the best'\n"
+      "set yrange [{}.5:0.5]\nset logscale x\nset xrange [0.5:*]\n"
+      "set xtics auto\nset xtics format '%.0s%c'\n"
+      "set xlabel 'criterion above the best (green: cannot be told apart)'\n"
+      "set style fill solid\nset ytics () font ',9'\n$c << END\n",
+      shown.size());
+  int row = 0;
+  for (const auto k : shown) {
+    const auto& e = d.explanations[k];
+    const bool alike = std::ranges::count(d.alike, k) > 0;
+    s += fmt::format("{} {:.6g} {}\n", ++row, std::max(1.0, e.criterion - d.best().criterion),
+                     alike                ? "0x009e73"
+                     : e.suspects.empty() ? "0x999999"
+                                          : "0x0072b2");
+  }
+  s += "END\n";
+  row = 0;
+  for (const auto k : shown)
+    s += fmt::format("set ytics add ({} {})\n", quoted(d.explanations[k].name), ++row);
+  return s +
+         "plot $c using 2:1:(0.5):2:($1-0.35):($1+0.35):3 with boxxyerror lc rgb variable\n"
+         "unset logscale x\nset xtics format '%g'\n";
+}
+
+std::string curve_panel(const CaseFile& file, const Layout& layout) {
+  const auto& r = *file.remedy;
+  // down to where the legs fold: what is softer has no use
+  auto first = r.curve.end();
+  while (first != r.curve.begin() && std::prev(first)->omega > 0.0) --first;
+  std::string s = "$k << END\n";
+  for (; first != r.curve.end(); ++first)
+    s += fmt::format("{:.9g} {:.9g} {:.6g}\n", first->stiffness, first->omega / two_pi,
+                     100.0 * first->drop);
+  s += "END\nset yrange [*:*]\nset xrange [*:*]\nset ytics auto font ',9'\n";
+  const double top = layout.measured + layout.ranking;
+  s += place(layout, top + 0.12 * panel, top + 0.84 * panel, 0.09);
+  s += "set grid back lt 1 lc rgb '#d0d0d0' lw 0.5\nset logscale x\nset xtics format '%.0s %c'\n";
+  s += "set xlabel 'stiffness of the guide sleeves, N/m'\nset key bottom right\n";
+  s += fmt::format("set title {}\n",
+                   quoted("How stiff the guide sleeves must be: " + goal_words(file.goal)));
+  const bool drop = file.goal.drop.has_value();
+  s += drop ? "set ylabel 'largest drop below rigid, %'\n" : "set ylabel 'lowest resonance, Hz'\n";
+  const int column = drop ? 3 : 2;
+  const double goal = drop ? 100.0 * *file.goal.drop : file.goal.omega.value_or(0.0) / two_pi;
+  const auto value = [&](const RemedyPoint& p) { return drop ? 100.0 * p.drop : p.omega / two_pi; };
+  s += fmt::format("$t << END\n{:.9g} {:.9g}\nEND\n$n << END\n{:.9g} {:.9g}\nEND\n",
+                   r.today.stiffness, value(r.today), r.needed.stiffness, value(r.needed));
+  s += fmt::format(
+      "plot $k using 1:{} with lines lw 2 lc rgb '#0072b2' notitle, {:.9g} with lines dt 2 lc rgb "
+      "'#d55e00' title 'wanted', $t using 1:2 with points pt 6 ps 1.8 lw 2 lc rgb '#444444' "
+      "title {}",
+      column, goal, quoted("today, " + amount_text(r.today.stiffness, 0.0, "N/m")));
+  if (r.status != RemedyStatus::out_of_reach)
+    s += fmt::format(", $n using 1:2 with points pt 7 ps 1.4 lc rgb '#009e73' title {}",
+                     quoted("needed, " + amount_text(r.needed.stiffness, 0.0, "N/m")));
+  return s + "\n";
+}
+
+}  // namespace
+
+void plot_diagnosis(const CaseFile& file, const std::string& path) {
+  Layout layout;
+  if (file.diagnosis) {
+    layout.measured = panel;
+    const auto rows = std::min(most_rows, file.diagnosis->explanations.size());
+    if (rows > 1) layout.ranking = 90.0 + row_height * static_cast<double>(rows);
+  }
+  if (file.remedy) layout.curve = panel;
+  if (layout.all() == 0.0) layout.curve = panel;
+  draw(path, 1000, static_cast<int>(layout.all()),
+       [&](const std::string& terminal, const std::string& output) {
+         std::string s = fmt::format(
+             "set terminal {}\nset output {}\nset encoding utf8\nset termoption noenhanced\n"
+             "set tics font ',9'\nset border lw 0.8 lc rgb '#444444'\nset multiplot\n",
+             terminal, quoted(output));
+         if (layout.measured > 0.0) s += measured_panel(*file.diagnosis, layout);
+         if (layout.ranking > 0.0) s += ranking_panel(*file.diagnosis, layout);
+         if (file.remedy) s += curve_panel(file, layout);
+         return s + "unset multiplot\nunset output\n";
+       });
+}
+
+}  // namespace hydrapod::report

@@ -1,0 +1,136 @@
+/// Drops below the rigid calculation, what they belong to, and how stiff the sleeves must be.
+
+#include "hydrapod/diagnosis/attribution.hpp"
+
+#include <gtest/gtest.h>
+
+#include "hydrapod/diagnosis/remedy.hpp"
+#include "support/calibration_machine.hpp"
+#include "support/run_program.hpp"
+
+namespace hydrapod::diagnosis {
+namespace {
+
+using dynamics::ModelKind;
+
+model::Machine heavy(const std::vector<std::string>& overrides = {}) {
+  return model::read_machine_file(test::source_file("models/heavy-platform.toml"), overrides,
+                                  kinematics::check_machine)
+      .machine;
+}
+
+const FirstResonance& in(const std::array<FirstResonance, 6>& all, int direction) {
+  for (const auto& found : all)
+    if (found.main_direction == direction) return found;
+  throw std::runtime_error("no such direction");
+}
+
+TEST(FirstResonances, OfTheHeavyPlatformAreTheLowerOnesInXAndY) {
+  const auto machine = heavy();
+  const auto all = first_resonances(machine, machine.neutral(), ModelKind::guide);
+  const auto table = modal::mode_table(machine, machine.neutral(), ModelKind::guide);
+  for (const int direction : {0, 1}) {
+    const auto& found = in(all, direction);
+    EXPECT_LT(found.mode, 4);
+    EXPECT_NEAR(found.omega, table.real.normal.omega(found.mode), 1e-9 * found.omega);
+    EXPECT_GT(found.drop(), 0.3);
+  }
+}
+
+TEST(Attribution, GivesTheWholeDropToTheOnlyComplianceThereIs) {
+  const auto machine = heavy();
+  for (const auto& drop : attribute_drops(machine, machine.neutral(), ModelKind::guide)) {
+    ASSERT_EQ(drop.parts.size(), 7U);
+    EXPECT_EQ(part_name(drop.parts[0].part), "guide sleeves of all legs");
+    EXPECT_EQ(part_name(drop.parts[3].part), "guide sleeve of leg 3");
+    // with all sleeves rigid the machine is the rigid one, preload and all
+    EXPECT_NEAR(drop.parts[0].omega, drop.resonance.omega_rigid, 1e-4 * drop.resonance.omega_rigid);
+  }
+}
+
+/// One soft sleeve among stiff ones: stiffening it alone brings back what is lost, the others
+/// nothing.
+TEST(Attribution, FindsTheOneLegThatIsSoft) {
+  const auto machine =
+      heavy({"legs.guide_sleeve.stiffness=60 kN/mm", "leg.4.guide_sleeve.stiffness=0.84 kN/mm"});
+  const auto drops = attribute_drops(machine, machine.neutral(), ModelKind::guide);
+  const AttributedDrop* largest = &drops[0];
+  for (const auto& drop : drops)
+    if (drop.resonance.drop() > largest->resonance.drop()) largest = &drop;
+  ASSERT_GT(largest->resonance.drop(), 0.01);
+  for (const auto& share : largest->parts) {
+    if (!share.part.leg) continue;
+    if (*share.part.leg == 3)
+      EXPECT_GT(share.share, 0.95);
+    else
+      EXPECT_LT(std::abs(share.share), 0.05) << part_name(share.part);
+  }
+}
+
+TEST(Attribution, TellsSleevesFromRings) {
+  const auto machine = heavy({"legs.piston_ring.stiffness=40 kN/mm"});
+  const auto drops = attribute_drops(machine, machine.neutral(), ModelKind::full);
+  for (const auto& drop : drops) {
+    if (drop.resonance.main_direction > 1) continue;
+    ASSERT_EQ(drop.parts.size(), 14U);
+    EXPECT_GT(drop.parts[0].share, 0.8);            // sleeves
+    EXPECT_LT(std::abs(drop.parts[1].share), 0.2);  // rings
+    EXPECT_EQ(part_name(drop.parts[1].part), "piston rings of all legs");
+  }
+}
+
+TEST(Remedy, StiffnessPutIntoTheMachineGivesThePromisedDrop) {
+  const auto machine = heavy();
+  const auto found = find_remedy(machine, machine.poses, ModelKind::guide, {.drop = 0.02});
+  ASSERT_EQ(found.status, RemedyStatus::found);
+  EXPECT_GT(found.needed.factor, 1.0);
+  auto mended = machine;
+  for (auto& leg : mended.legs) leg.guide_sleeve.stiffness = found.needed.stiffness;
+  double largest = 0.0;
+  std::string where;
+  for (const auto& pose : mended.poses)
+    for (const auto& r : first_resonances(mended, pose.X_BP, ModelKind::guide))
+      if (r.drop() > largest) {
+        largest = r.drop();
+        where = pose.name;
+      }
+  EXPECT_NEAR(largest, 0.02, 1e-6);
+  EXPECT_EQ(where, found.pose);
+}
+
+TEST(Remedy, ReachesAFrequencyOrSaysWhatRigidSleevesWouldGive) {
+  const auto machine = heavy();
+  const double rigid =
+      in(first_resonances(machine, machine.neutral(), ModelKind::guide), 0).omega_rigid;
+  const std::vector<model::NamedPose> neutral{machine.poses.front()};
+  const auto found =
+      find_remedy(machine, neutral, ModelKind::guide, {.omega = 0.95 * rigid, .direction = 0});
+  ASSERT_EQ(found.status, RemedyStatus::found);
+  EXPECT_NEAR(found.needed.omega, 0.95 * rigid, 1e-5 * rigid);
+  // from where x itself is the first of its resonances
+  for (std::size_t k = 1; k < found.curve.size(); ++k)
+    if (found.curve[k - 1].factor > 1.0) {
+      EXPECT_GE(found.curve[k].omega, found.curve[k - 1].omega * (1.0 - 1e-9));
+    }
+  const auto beyond =
+      find_remedy(machine, neutral, ModelKind::guide, {.omega = 1.1 * rigid, .direction = 0});
+  EXPECT_EQ(beyond.status, RemedyStatus::out_of_reach);
+  EXPECT_NEAR(beyond.limit.omega, rigid, 1e-3 * rigid);
+  const auto met =
+      find_remedy(machine, neutral, ModelKind::guide, {.omega = 0.5 * rigid, .direction = 0});
+  EXPECT_EQ(met.status, RemedyStatus::met_already);
+  EXPECT_LT(met.needed.factor, 1.0);
+  EXPECT_THROW(find_remedy(machine, neutral, ModelKind::guide, {}), std::invalid_argument);
+}
+
+TEST(Workspace, PosesAreSoundAndReachTheirLimits) {
+  const auto machine = heavy();
+  const auto poses = workspace_poses(machine);
+  EXPECT_GT(poses.size(), 80U);
+  for (const auto& pose : poses)
+    for (const auto& finding : kinematics::check_pose(machine, pose.X_BP, pose.name))
+      EXPECT_NE(finding.severity, base::Severity::error) << pose.name << finding.message;
+}
+
+}  // namespace
+}  // namespace hydrapod::diagnosis

@@ -1,0 +1,97 @@
+#pragma once
+/// Machines with planted faults, and whether the diagnosis finds them.
+
+#include <algorithm>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "hydrapod/diagnosis/diagnose.hpp"
+#include "hydrapod/hydraulics/oil_spring.hpp"
+#include "support/calibration_machine.hpp"
+#include "support/noisy_modes.hpp"
+#include "support/run_program.hpp"
+
+namespace hydrapod::test {
+
+struct BlindCase {
+  std::string machine{};               ///< file in models/, or "random N"
+  std::vector<std::string> design{};   ///< overrides of the machine as its owner believes it to be
+  std::vector<std::string> fault{};    ///< overrides on top: what is wrong with it
+  std::vector<std::string> planted{};  ///< names of the suspects; none: nothing is wrong
+  std::vector<std::string> poses{"neutral"};
+  double noise{1e-3};  ///< of frequencies; that of shapes is 30 times as large, at most 5 %
+  dynamics::ModelKind kind{dynamics::ModelKind::guide};  ///< of the machine with the fault
+  int repetition{};
+
+  [[nodiscard]] std::string text() const {
+    if (!machine.starts_with("random")) return read_text(source_file("models/" + machine));
+    Random random(static_cast<std::uint64_t>(std::stoi(machine.substr(7))));
+    return random_machine_text(random, true);
+  }
+  [[nodiscard]] std::string planted_name() const {
+    std::string name;
+    for (const auto& one : planted) name += (name.empty() ? "" : " and ") + one;
+    return name.empty() ? "nothing" : name;
+  }
+};
+
+struct BlindResult {
+  diagnosis::Diagnosis diagnosis{};
+  bool found{};  ///< first or alike; where nothing is wrong: nothing blamed
+  bool first{};
+  double parameter_error{};  ///< (recovered − true)/deviation of a single suspect's first number
+};
+
+/// Modes "measured" on the machine with its fault: what a test of records replaces.
+using Measure = std::function<calibration::Targets(const BlindCase&, const model::MachineFile&)>;
+
+inline calibration::Targets by_noise(const BlindCase& test, const model::MachineFile& truth) {
+  Random random(7919u * static_cast<std::uint64_t>(test.repetition) + 17u);
+  return noisy_modes(truth.machine, test.poses, test.kind,
+                     {.frequency = test.noise, .shape = std::min(0.05, 30.0 * test.noise)}, random);
+}
+
+inline BlindResult run_blind(const BlindCase& test, const Measure& measure = by_noise) {
+  auto overrides = test.design;
+  const auto design = machine_file(test.text(), overrides);
+  overrides.insert(overrides.end(), test.fault.begin(), test.fault.end());
+  const auto truth = machine_file(test.text(), overrides);
+  const auto measured = measure(test, truth);
+  BlindResult result{
+      diagnosis::diagnose(design, measured, dynamics::ModelKind::guide, design.machine.poses)};
+  const auto& d = result.diagnosis;
+  if (test.planted.empty()) {
+    result.found = d.finding == diagnosis::Finding::nothing_to_blame ||
+                   d.finding == diagnosis::Finding::as_stated;
+    result.first = result.found;
+    return result;
+  }
+  const auto is_planted = [&](const diagnosis::Explanation& e) {
+    if (e.suspects.size() != test.planted.size()) return false;
+    return std::ranges::all_of(e.suspects, [&](std::size_t k) {
+      return std::ranges::count(test.planted, d.suspects[k].name) == 1;
+    });
+  };
+  if (d.finding == diagnosis::Finding::do_not_belong) return result;
+  for (const auto k : d.alike)
+    if (is_planted(d.explanations[k])) {
+      result.found = true;
+      result.first = result.first || k == d.alike.front();
+    }
+  return result;
+}
+
+/// What the table shows of a result.
+inline std::string verdict(const diagnosis::Diagnosis& d) {
+  std::string text = diagnosis::name(d.finding);
+  if (d.finding == diagnosis::Finding::guilty || d.finding == diagnosis::Finding::undecided) {
+    text.clear();
+    for (const auto k : d.alike) text += (text.empty() ? "" : "; or ") + d.explanations[k].name;
+  }
+  return text;
+}
+
+std::vector<BlindCase> blind_cases();
+
+}  // namespace hydrapod::test

@@ -1,0 +1,202 @@
+/// Planted faults are found from the modes they make; where there is none, none is named.
+
+#include "hydrapod/diagnosis/diagnose.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "blind_series.hpp"
+#include "hydrapod/base/error.hpp"
+#include "hydrapod/diagnosis/summary.hpp"
+
+namespace hydrapod::diagnosis {
+namespace {
+
+using dynamics::ModelKind;
+using test::BlindCase;
+using testing::HasSubstr;
+
+/// The machine as its owner believes it to be, with sleeves like steel.
+const std::vector<std::string> stiff{"legs.guide_sleeve.stiffness=20 kN/mm"};
+
+Diagnosis of(const std::vector<std::string>& fault, double noise = 1e-3,
+             const std::vector<std::string>& poses = {"neutral"}) {
+  return test::run_blind({.machine = "heavy-platform.toml",
+                          .design = stiff,
+                          .fault = fault,
+                          .poses = poses,
+                          .noise = noise})
+      .diagnosis;
+}
+
+/// Is the explanation called so among those that the data cannot tell from the best?
+bool named(const Diagnosis& d, const std::string& name) {
+  return std::ranges::any_of(d.alike, [&](auto k) { return d.explanations[k].name == name; });
+}
+
+model::MachineFile stiff_file() {
+  return test::machine_file(test::read_text(test::source_file("models/heavy-platform.toml")),
+                            stiff);
+}
+
+calibration::Targets measured(const std::vector<std::string>& fault) {
+  auto overrides = stiff;
+  overrides.insert(overrides.end(), fault.begin(), fault.end());
+  test::Random random(97);
+  return test::noisy_modes(
+      test::machine_file(test::read_text(test::source_file("models/heavy-platform.toml")),
+                         overrides)
+          .machine,
+      {"neutral"}, ModelKind::guide, {}, random);
+}
+
+Diagnosis diagnosis_of(const calibration::Targets& targets) {
+  const auto file = stiff_file();
+  return diagnose(file, targets, ModelKind::guide, file.machine.poses);
+}
+
+/// Seals made rigid: what is measured is the rigid machine.
+TEST(Diagnose, BlamesNothingWhereNothingIsWrong) {
+  const auto d =
+      test::run_blind({.machine = "heavy-platform.toml", .design = stiff, .kind = ModelKind::rigid})
+          .diagnosis;
+  EXPECT_EQ(d.finding, Finding::nothing_to_blame);
+  EXPECT_EQ(d.scatter, 1.0);
+}
+
+/// A file that states its soft sleeves explains the drop by itself.
+TEST(Diagnose, SaysThatAMachineIsAsStated) {
+  const auto d =
+      test::run_blind({.machine = "heavy-platform.toml", .design = {}, .poses = {"neutral"}})
+          .diagnosis;
+  EXPECT_EQ(d.finding, Finding::as_stated);
+}
+
+TEST(Diagnose, FindsSoftGuideSleevesAndHowSoftTheyAre) {
+  const auto d = of({"legs.guide_sleeve.stiffness=0.84 kN/mm"});
+  ASSERT_EQ(d.finding, Finding::guilty);
+  EXPECT_EQ(d.best().name, "guide sleeves of all legs");
+  const auto& k_s = d.best().fit.parameters[0];
+  EXPECT_NEAR(k_s.value, 0.84e6, 0.01e6);
+  EXPECT_LE(k_s.interval_low, 0.84e6);
+  EXPECT_GE(k_s.interval_high, 0.84e6);
+  // the resonances in x come from the sleeves, and others are told why not
+  EXPECT_GT(d.modes[0].guide_sleeves, 0.9);
+  const auto* oil = d.find("bulk modulus of the oil");
+  ASSERT_NE(oil, nullptr);
+  ASSERT_FALSE(oil->wrong.empty());
+  const auto* mass = d.find("payload (platform mass)");
+  ASSERT_NE(mass, nullptr);
+  EXPECT_THAT(mass->wrong, testing::Contains(HasSubstr("were measured")));
+}
+
+TEST(Diagnose, TellsWhatOilCannotExplain) {
+  // pushed sideways the base lowers x and y alone; the oil that would do so lowers z as well
+  const auto d = of({"base.mount.stiffness.x=80 kN/mm", "base.mount.stiffness.y=80 kN/mm"});
+  EXPECT_TRUE(named(d, "base giving way sideways"));
+  const auto* oil = d.find("bulk modulus of the oil");
+  ASSERT_NE(oil, nullptr);
+  EXPECT_THAT(oil->wrong, testing::Contains(HasSubstr("contradicts")));
+}
+
+TEST(Diagnose, FindsTheOilAndSaysHowToTellItFromTheGimbals) {
+  const auto d = of({"legs.oil_spring.cylinder.bulk_modulus=0.9 GPa"}, 5e-4);
+  EXPECT_TRUE(named(d, "bulk modulus of the oil"));
+  EXPECT_FALSE(named(d, "guide sleeves of all legs"));
+  EXPECT_EQ(d.discriminators.size() + 1, d.alike.size());
+}
+
+TEST(Diagnose, FindsOneLeg) {
+  EXPECT_TRUE(named(of({"leg.5.oil_spring.cylinder.bulk_modulus=0.7 GPa"}), "oil spring of leg 5"));
+}
+
+TEST(Diagnose, DoesNotDependOnTheNumberOfThreads) {
+  const auto file = stiff_file();
+  const auto targets = measured({"platform.mass=15.5 t"});
+  DiagnoseOptions one, three;
+  one.threads = 1;
+  three.threads = 3;
+  one.strongest = three.strongest = 1;
+  const auto a = diagnose(file, targets, ModelKind::guide, file.machine.poses, one);
+  const auto b = diagnose(file, targets, ModelKind::guide, file.machine.poses, three);
+  ASSERT_EQ(a.explanations.size(), b.explanations.size());
+  for (std::size_t k = 0; k < a.explanations.size(); ++k) {
+    EXPECT_EQ(a.explanations[k].name, b.explanations[k].name);
+    EXPECT_EQ(a.explanations[k].criterion, b.explanations[k].criterion);
+  }
+}
+
+TEST(Diagnose, StopsWhenAskedToWithWhatThereIs) {
+  const auto file = stiff_file();
+  const auto d = diagnose(file, measured({}), ModelKind::guide, file.machine.poses, {},
+                          [](double share) { return share > 0.05; });
+  EXPECT_TRUE(d.interrupted);
+  EXPECT_GT(d.explanations.size(), 1U);
+}
+
+// Wrong use: no part may be blamed.
+
+void expect_no_blame(const Diagnosis& d, const std::string& why) {
+  EXPECT_EQ(d.finding, Finding::do_not_belong);
+  EXPECT_TRUE(d.alike.empty());
+  ASSERT_FALSE(d.reasons.empty());
+  EXPECT_THAT(d.reasons.front(), HasSubstr(why));
+}
+
+TEST(WrongUse, UnitsWrongByAThousandAreNamed) {
+  for (const double factor : {1e3, 1e-3}) {
+    auto targets = measured({});
+    for (auto& mode : targets.modes) {
+      mode.omega *= factor;
+      mode.deviation *= factor;
+    }
+    expect_no_blame(diagnosis_of(targets), "a unit wrong by 1000");
+  }
+}
+
+TEST(WrongUse, RadiansPerSecondTakenForHertzAreNamed) {
+  auto targets = measured({});
+  for (auto& mode : targets.modes) mode.omega *= 2.0 * std::numbers::pi;
+  expect_no_blame(diagnosis_of(targets), "rad/s taken for Hz");
+}
+
+TEST(WrongUse, AnotherMachinesModesAreNotThisOnes) {
+  test::Random random(5);
+  const auto other = test::machine_file(test::random_machine_text(random, true));
+  const auto targets = test::noisy_modes(other.machine, {"neutral"}, ModelKind::guide, {}, random);
+  const auto d = diagnosis_of(targets);
+  EXPECT_EQ(d.finding, Finding::do_not_belong);
+  EXPECT_FALSE(d.reasons.empty());
+}
+
+TEST(WrongUse, ModesWithoutDirectionsProveNothing) {
+  auto targets = measured({"legs.guide_sleeve.stiffness=0.84 kN/mm"});
+  for (auto& mode : targets.modes) {
+    mode.shape.reset();
+    mode.direction.reset();
+  }
+  expect_no_blame(diagnosis_of(targets), "neither directions nor shapes");
+}
+
+TEST(WrongUse, TooFewModesProveNothing) {
+  auto targets = measured({"legs.guide_sleeve.stiffness=0.84 kN/mm"});
+  targets.modes.resize(3);
+  expect_no_blame(diagnosis_of(targets), "only 3 modes");
+}
+
+TEST(WrongUse, APoseThatTheMachineDoesNotHaveIsAnError) {
+  auto targets = measured({});
+  targets.modes[0].pose = "nowhere";
+  EXPECT_THROW(diagnosis_of(targets), base::InputError);
+}
+
+TEST(Summary, NamesTheCauseWithItsNumber) {
+  const auto d = of({"legs.guide_sleeve.stiffness=0.84 kN/mm"});
+  const auto words = summary({.diagnosis = d});
+  EXPECT_THAT(words.front(), HasSubstr("the guide sleeves of all legs are not as stiff as stated"));
+  EXPECT_THAT(words.front(), HasSubstr("(stated 20 MN/m)"));
+  EXPECT_THAT(words, testing::Contains(HasSubstr("below the rigid calculation")));
+}
+
+}  // namespace
+}  // namespace hydrapod::diagnosis

@@ -1,0 +1,23 @@
+#pragma once
+/// Modes as identification gives them from a record of a machine: only those that the platform
+/// feels, close ones as one, frequencies, dampings and shapes with noise.
+
+#include "hydrapod/calibration/targets.hpp"
+#include "hydrapod/modal/mode_table.hpp"
+#include "support/random.hpp"
+
+namespace hydrapod::test {
+
+/// Standard deviations.
+struct ModeNoise {
+  double frequency{1e-3};  ///< relative
+  double damping{0.07};    ///< relative
+  double shape{0.03};      ///< of a shape scaled to unit kinetic energy
+};
+
+/// Of the machine at its poses with these names; the motion of the platform frame's origin.
+calibration::Targets noisy_modes(const model::Machine& machine,
+                                 const std::vector<std::string>& poses, dynamics::ModelKind kind,
+                                 const ModeNoise& noise, Random& random);
+
+}  // namespace hydrapod::test
