@@ -46,6 +46,12 @@ std::string hertz(double omega) { return fmt::format("{:.4f}", omega / two_pi); 
 
 std::string percent(double ratio) { return fmt::format("{:.3f} %", 100.0 * ratio); }
 
+std::string opinion_text(const std::optional<identification::SecondOpinion>& opinion) {
+  if (!opinion) return "none";
+  return fmt::format("{:.4g} Hz {:.2g} %{}", opinion->omega / two_pi,
+                     100.0 * opinion->damping_ratio, opinion->agrees ? "" : ", differs");
+}
+
 std::string left_text(const report::ComparedModes& compared,
                       const identification::Identification& result) {
   std::string text;
@@ -76,33 +82,36 @@ TableStyle table_style(const std::string& output) {
   return {printed && has_colour(stdout), printed ? terminal_width() : Table::unlimited};
 }
 
-std::string modes_text(const identification::Identification& result, const std::string& measured,
-                       const std::string& frame, const TableStyle& style) {
+std::string modes_text(const identification::Identification& result,
+                       const std::vector<std::optional<identification::SecondOpinion>>& opinions,
+                       const std::string& measured, const std::string& frame,
+                       const TableStyle& style) {
   std::string text = fmt::format("{}\nband {:.4g} Hz to {:.4g} Hz, model orders up to {}, {}\n",
                                  measured, result.from, result.to,
                                  result.chart.empty() ? 0 : result.chart.back().order, frame);
   if (result.modes.empty()) return text + "\nno mode in this band\n";
-  Table table({{"mode"},
-               {"Hz"},
-               {"±"},
-               {"damping"},
-               {"±"},
-               {"what moves", Align::left},
-               {"MPC"},
-               {"MPD"},
-               {"quality"}});
+  std::vector<Column> columns{{"mode"},    {"Hz"},  {"±"},
+                              {"damping"}, {"±"},   {"what moves", Align::left},
+                              {"MPC"},     {"MPD"}, {"quality"}};
+  if (!opinions.empty()) columns.push_back({"second opinion (ERA)", Align::left});
+  Table table(columns);
   Eigen::VectorXd size =
       Eigen::VectorXd::Zero(static_cast<Eigen::Index>(result.responses.outputs.size()));
   for (const auto& H : result.responses.H) size += H.rowwise().squaredNorm();
   size = size.cwiseSqrt().cwiseMax(1e-300);
   for (std::size_t r = 0; r < result.modes.size(); ++r) {
     const auto& m = result.modes[r];
-    table.add_row({fmt::format("{}", r + 1), hertz(m.fit.omega()),
-                   hertz(band * m.fit.omega_deviation), percent(m.fit.damping_ratio()),
-                   percent(band * m.fit.damping_deviation),
-                   shape_text(m, size, result.responses.outputs), fmt::format("{:.3f}", m.mpc),
-                   fmt::format("{:.1f}°", m.mpd * 180.0 / std::numbers::pi),
-                   fmt::format("{:.2f}", m.quality())});
+    std::vector<std::string> row{fmt::format("{}", r + 1),
+                                 hertz(m.fit.omega()),
+                                 fmt::format("{:.2g}", band * m.fit.omega_deviation / two_pi),
+                                 percent(m.fit.damping_ratio()),
+                                 fmt::format("{:.2g} %", 100.0 * band * m.fit.damping_deviation),
+                                 shape_text(m, size, result.responses.outputs),
+                                 fmt::format("{:.3f}", m.mpc),
+                                 fmt::format("{:.1f}°", m.mpd * 180.0 / std::numbers::pi),
+                                 fmt::format("{:.2f}", m.quality())};
+    if (r < opinions.size()) row.push_back(opinion_text(opinions[r]));
+    table.add_row(row);
   }
   text += "\n" + table.text(style.colour, style.width);
   text += fmt::format("\n± is 95 %. The modes give the responses back to {:.2g} %",

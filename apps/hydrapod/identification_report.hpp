@@ -3,8 +3,8 @@
 
 #include <string>
 
-#include "hydrapod/identification/identify.hpp"
 #include "hydrapod/identification/realisation.hpp"
+#include "hydrapod/identification/second_opinion.hpp"
 #include "hydrapod/report/mode_comparison.hpp"
 
 namespace hydrapod::cli {
@@ -16,9 +16,12 @@ struct TableStyle {
 /// As fits what is printed to `output`; "-" is the terminal.
 TableStyle table_style(const std::string& output);
 
-/// `measured` and `frame` say what was measured and how it was brought to directions.
-std::string modes_text(const identification::Identification& result, const std::string& measured,
-                       const std::string& frame, const TableStyle& style);
+/// `measured` and `frame` say what was measured and how it was brought to directions; `opinions`:
+/// per mode, or empty.
+std::string modes_text(const identification::Identification& result,
+                       const std::vector<std::optional<identification::SecondOpinion>>& opinions,
+                       const std::string& measured, const std::string& frame,
+                       const TableStyle& style);
 
 std::string comparison_text(const report::ComparedModes& compared,
                             const identification::Identification& result, const TableStyle& style);

@@ -148,6 +148,18 @@ identification::Identification identified_modes(const IdentificationArguments& a
   return result;
 }
 
+std::vector<std::optional<identification::SecondOpinion>> second_opinions(
+    const IdentificationArguments& a, const IdentifiedSource& source,
+    const identification::Identification& result) {
+  if (result.modes.empty()) return {};
+  try {
+    return identification::second_opinion(result, source.responses);
+  } catch (const base::ComputationError& error) {
+    print_warnings(a.measurement.files[0], {fmt::format("no second opinion: {}", error.what())});
+    return {};
+  }
+}
+
 std::optional<report::ComparedModes> compared_modes(const IdentificationArguments& a,
                                                     const IdentifiedSource& source,
                                                     const identification::Identification& result) {

@@ -2,7 +2,7 @@
 /// From the command line's options to identified modes and their comparison with a model: what
 /// `hydrapod identify` and `hydrapod report --measured` share.
 
-#include "hydrapod/identification/identify.hpp"
+#include "hydrapod/identification/second_opinion.hpp"
 #include "hydrapod/identification_arguments.hpp"
 #include "hydrapod/report/mode_comparison.hpp"
 
@@ -37,6 +37,12 @@ IdentifiedSource identified_source(const IdentificationArguments& arguments);
 /// With a progress line; warnings go to stderr.
 identification::Identification identified_modes(const IdentificationArguments& arguments,
                                                 const IdentifiedSource& source);
+
+/// What the eigensystem realisation says of the same responses; empty with a warning where it
+/// cannot be had.
+std::vector<std::optional<identification::SecondOpinion>> second_opinions(
+    const IdentificationArguments& arguments, const IdentifiedSource& source,
+    const identification::Identification& result);
 
 /// Modes beside those of the machine that is known; none where there is no machine. A model that
 /// cannot be computed is a warning: the modes were found all the same.

@@ -73,6 +73,7 @@ void run_output_only(const Arguments& a, size_t format) {
 void write_result(const Arguments& a, size_t format, const IdentifiedSource& source,
                   const identification::Identification& result,
                   const std::optional<report::ComparedModes>& compared) {
+  const auto opinions = second_opinions(a, source, result);
   const std::string title = a.measurement.files[0];
   if (format == Format::uff)
     return report::write_modes_uff(a.output, result, title,
@@ -82,13 +83,14 @@ void write_result(const Arguments& a, size_t format, const IdentifiedSource& sou
   if (format == Format::json) {
     report::Json json{{"kind", "identified_modes"}, {"records", a.measurement.files}};
     json.update(report::identification_json(result));
+    report::add_second_opinions(opinions, json);
     if (compared) json["comparison"] = report::comparison_json(*compared, result);
     text = json.dump(1) + "\n";
   } else if (format == Format::csv) {
     text = report::identified_modes_csv(result);
   } else {
     const auto style = table_style(a.output);
-    text = modes_text(result, measurement_text(source.responses), source.frame, style);
+    text = modes_text(result, opinions, measurement_text(source.responses), source.frame, style);
     if (compared) text += comparison_text(*compared, result, style);
   }
   base::write_file_whole(a.output, text);

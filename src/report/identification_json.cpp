@@ -360,6 +360,20 @@ Json identification_json(const identification::Identification& result) {
           {"warnings", result.warnings}};
 }
 
+void add_second_opinions(const std::vector<std::optional<identification::SecondOpinion>>& opinions,
+                         Json& json) {
+  auto& modes = json["modes"];
+  for (std::size_t r = 0; r < modes.size(); ++r) {
+    modes[r]["second_opinion"] = nullptr;
+    if (r < opinions.size() && opinions[r])
+      modes[r]["second_opinion"] = {{"method", "era"},
+                                    {"frequency_hz", opinions[r]->omega / two_pi},
+                                    {"damping_ratio", opinions[r]->damping_ratio},
+                                    {"mac", opinions[r]->mac},
+                                    {"agrees", opinions[r]->agrees}};
+  }
+}
+
 std::string responses_csv(const FrequencyResponses& r) {
   std::string text = "frequency_hz";
   for (const auto& o : r.outputs)

@@ -8,6 +8,7 @@
 #include <numbers>
 
 #include "gnuplot.hpp"
+#include "hydrapod/identification/stabilisation.hpp"
 #include "hydrapod/report/simulation.hpp"
 
 namespace hydrapod::report {
@@ -95,8 +96,10 @@ std::string entry_plots(const FrequencyResponses& r, const Pair& pair, std::size
   const std::size_t first = 2 + 6 * index;
   const auto& out = r.outputs[static_cast<std::size_t>(pair.output)];
   const auto& in = r.inputs[static_cast<std::size_t>(pair.input)];
-  const std::string unit =
-      in.unit == "1" || in.unit.empty() ? out.unit : out.unit + "/(" + in.unit + ")";
+  const bool compound = in.unit.find_first_of(" /") != std::string::npos;
+  const std::string unit = in.unit == "1" || in.unit.empty()
+                               ? out.unit
+                               : out.unit + (compound ? "/(" + in.unit + ")" : "/" + in.unit);
   std::string text = margins(left, right, top, split + 0.006);
   text += fmt::format(
       "set title {} offset 0,-0.6\nset ylabel {} offset 1.2,0\nset format x ''\n"
@@ -110,7 +113,7 @@ std::string entry_plots(const FrequencyResponses& r, const Pair& pair, std::size
   if (with_fit)
     text += fmt::format(", $frf using 1:{} with lines lw 1.2 dt 2 lc rgb '#d55e00' title 'modes'",
                         first + 4);
-  text += "\nunset title\nunset key\n" + margins(left, right, split - 0.006, bottom);
+  text += "\nunset label\nunset title\nunset key\n" + margins(left, right, split - 0.006, bottom);
   text +=
       "set format x '%g'\nset xlabel 'Hz' offset 0,0.6\nset ylabel 'phase °' offset 1.2,0\n"
       "set ytics 90\nset yrange [-190:190]\n";
@@ -164,7 +167,7 @@ void plot_coherence(const FrequencyResponses& r, const PlotText& text, const std
     for (std::size_t o = 0; o < r.outputs.size(); ++o)
       script += fmt::format("{}$c using 1:{} with lines lw 1 title {}", o == 0 ? "" : ", ", o + 3,
                             quoted(r.outputs[o].name));
-    script += "\nunset key\n" + margins(0.09, 0.86, 0.39, 0.09) +
+    script += "\nunset label\nunset key\n" + margins(0.09, 0.86, 0.39, 0.09) +
               "set format x '%g'\nset xlabel 'Hz'\nset ylabel 'condition of the inputs'\n"
               "set logscale y\nset yrange [1:*]\nplot $c using 1:2 with lines lw 1 lc rgb "
               "'#444444'\nunset multiplot\nunset output\n";
@@ -172,49 +175,83 @@ void plot_coherence(const FrequencyResponses& r, const PlotText& text, const std
   });
 }
 
+namespace {
+
+/// How poles of each level of agreement are drawn, in the order of the levels.
+struct MarkStyle {
+  const char* title;
+  const char* style;
+};
+constexpr std::array<MarkStyle, 4> mark_styles{
+    MarkStyle{"new", "pt 6 ps 0.45 lc rgb '#8a949e'"},
+    MarkStyle{"frequency agrees", "pt 9 ps 0.7 lc rgb '#c79a00'"},
+    MarkStyle{"and damping", "pt 13 ps 0.75 lc rgb '#b5530a'"},
+    MarkStyle{"and shape", "pt 7 ps 0.6 lc rgb '#0072b2'"}};
+
+/// A block of poles per level of agreement, then those of modes.
+std::string chart_blocks(const identification::Identification& result) {
+  const auto stability = identification::pole_stability(result.chart);
+  std::string text;
+  for (std::size_t level = 0; level < mark_styles.size(); ++level) {
+    text += fmt::format("$level{} << END\n", level);
+    for (std::size_t n = 0; n < result.chart.size(); ++n)
+      for (std::size_t i = 0; i < result.chart[n].poles.size(); ++i)
+        if (const auto& e = result.chart[n].poles[i];
+            e.pole.real() < 0.0 && static_cast<std::size_t>(stability[n][i]) == level)
+          text += fmt::format("{:.7g} {}\n", e.omega() / two_pi, result.chart[n].order);
+    text += "0 -9\nEND\n";  // a block must not be empty
+  }
+  text += "$taken << END\n";
+  for (const auto& cluster : result.clusters)
+    for (const auto& [n, i] : cluster.members)
+      text += fmt::format("{:.7g} {}\n", result.chart[n].poles[i].omega() / two_pi,
+                          result.chart[n].order);
+  return text + "0 -9\nEND\n";
+}
+
+std::string indicator_block(const identification::Identification& result) {
+  const auto indicator = identification::mode_indicator(result.responses);
+  std::string text = "$cmif << END\n";
+  for (Index k = 0; k < indicator.rows(); ++k) {
+    text += fmt::format("{:.7g}", result.responses.frequency[static_cast<std::size_t>(k)]);
+    for (const double s : indicator.row(k)) text += fmt::format(" {:.4f}", decibels(s));
+    text += '\n';
+  }
+  return text + "END\n";
+}
+
+}  // namespace
+
 void plot_stabilisation(const identification::Identification& result, const PlotText& text,
                         const std::string& path) {
   constexpr int width = 1000, height = 640;
+  const auto curves = std::min(result.responses.outputs.size(), result.responses.inputs.size());
   draw(path, width, height, [&](const std::string& terminal, const std::string& file) {
-    std::string script = head(text, terminal, file, height) + "$all << END\n";
-    for (const auto& order : result.chart)
-      for (const auto& e : order.poles)
-        if (e.pole.real() < 0.0)
-          script += fmt::format("{:.7g} {} {:.5g}\n", e.omega() / two_pi, order.order,
-                                100.0 * e.damping_ratio());
-    script += "0 -1 0\nEND\n$kept << END\n";
-    for (const auto& cluster : result.clusters)
-      for (const auto& [n, i] : cluster.members)
-        script += fmt::format("{:.7g} {}\n", result.chart[n].poles[i].omega() / two_pi,
-                              result.chart[n].order);
-    script += "0 -1\nEND\n$cmif << END\n";
-    const auto indicator = identification::mode_indicator(result.responses);
-    for (Index k = 0; k < indicator.rows(); ++k) {
-      script += fmt::format("{:.7g}", result.responses.frequency[static_cast<std::size_t>(k)]);
-      for (const double s : indicator.row(k)) script += fmt::format(" {:.4f}", decibels(s));
-      script += '\n';
-    }
+    std::string script =
+        head(text, terminal, file, height) + chart_blocks(result) + indicator_block(result);
     const int top = result.chart.empty() ? 1 : result.chart.back().order;
     script += fmt::format(
-        "END\n{}set xrange [{:.7g}:{:.7g}]\nset yrange [0:{}]\nset y2tics font ',9'\n"
+        "{}set xrange [{:.7g}:{:.7g}]\nset yrange [0:{}]\nset y2tics font ',9'\n"
         "set ytics nomirror\nset xlabel 'Hz'\nset ylabel 'model order'\n"
-        "set y2label 'mode indicator (singular values of H) dB'\n"
-        "set tmargin at screen {:.4f}\nset key outside bottom center horizontal\n",
+        "set y2label 'mode indicator: singular values of H, dB'\n"
+        "set tmargin at screen {:.4f}\nset rmargin at screen 0.92\n"
+        "set key outside bottom center horizontal samplen 1.5 font ',9'\n",
         grid, result.from, result.to, top + 2, 1.0 - 66.0 / height);
     for (const auto& mode : result.modes)
       script += fmt::format(
-          "set arrow from {0:.7g},0 to {0:.7g},{1} nohead lw 0.7 dt 3 lc rgb "
-          "'#d55e00'\n",
+          "set arrow from {0:.7g},0 to {0:.7g},{1} nohead back lw 0.7 dt 3 lc rgb '#222222'\n",
           mode.fit.omega() / two_pi, top + 2);
     script += "plot ";
-    for (Index s = 0; s < indicator.cols(); ++s)
-      script += fmt::format("$cmif using 1:{} axes x1y2 with lines lw 1 lc rgb '{}' notitle, ",
-                            s + 2, s == 0 ? "#999999" : "#cccccc");
-    script +=
-        "$all using 1:2 with points pt 6 ps 0.5 lc rgb '#888888' title 'stable pole', "
-        "$kept using 1:2 with points pt 7 ps 0.6 lc rgb '#0072b2' title 'comes back: taken'\n"
-        "unset output\n";
-    return script;
+    for (std::size_t s = 0; s < curves; ++s)
+      script +=
+          fmt::format("$cmif using 1:{} axes x1y2 with lines lw {} lc rgb '#a9b2bd' {}, ", s + 2,
+                      s == 0 ? 1.6 : 0.8, s == 0 ? "title 'mode indicator'" : "notitle");
+    for (std::size_t level = 0; level < mark_styles.size(); ++level)
+      script += fmt::format("$level{} using 1:2 with points {} title '{}', ", level,
+                            mark_styles[level].style, mark_styles[level].title);
+    return script +
+           "$taken using 1:2 with points pt 6 ps 0.95 lw 1.1 lc rgb '#222222' title 'of a mode'\n"
+           "unset output\n";
   });
 }
 

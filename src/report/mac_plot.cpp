@@ -56,7 +56,7 @@ void draw_mac(const MacPicture& picture, const PlotText& text, const std::string
     script += tics("x", picture.columns) + tics("y", picture.rows);
     script += fmt::format(
         "set xtics rotate by 45 right\nset cbrange [0:1]\nset cbtics 0.2 font ',9'\n"
-        "set palette defined (0 '#ffffff', 0.5 '#7fb8d8', 1 '#0072b2')\nset cblabel 'MAC'\n"
+        "set palette defined (0 '#ffffff', 0.5 '#a9d3ea', 1 '#4aa3d0')\nset cblabel 'MAC'\n"
         "set xlabel {} offset 0,-0.5\nset ylabel {}\nunset key\n"
         "plot $mac using 1:2:3 with image pixels, "
         "$mac using 1:2:($3 >= 0.05 ? sprintf('%.2f', $3) : '') with labels font ',{}' "

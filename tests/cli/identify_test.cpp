@@ -52,11 +52,25 @@ TEST_F(Identify, ARecordGivesItsModes) {
   expect_modes(json::parse(run.out));
 }
 
+TEST_F(Identify, TheRealisationAgrees) {
+  const auto run = test::run_hydrapod({"identify", write(), "--format", "json"});
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  for (const auto& mode : json::parse(run.out)["modes"]) {
+    const auto& opinion = mode["second_opinion"];
+    ASSERT_TRUE(opinion.is_object());
+    EXPECT_EQ(opinion["agrees"], true);
+    EXPECT_NEAR(opinion["frequency_hz"].get<double>() / mode["frequency_hz"].get<double>(), 1.0,
+                0.005);
+    EXPECT_NE(opinion["frequency_hz"], mode["frequency_hz"]);
+  }
+}
+
 TEST_F(Identify, TheTableSaysWhatItIs) {
   const auto run = test::run_hydrapod({"identify", write()});
   ASSERT_EQ(run.exit_code, 0) << run.err;
   EXPECT_THAT(run.out, HasSubstr("3 inputs, 3 outputs"));
   EXPECT_THAT(run.out, HasSubstr("± is 95 %"));
+  EXPECT_THAT(run.out, HasSubstr("second opinion (ERA)"));
 }
 
 TEST_F(Identify, ResponsesThroughAFileGiveTheSameModes) {

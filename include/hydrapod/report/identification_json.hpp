@@ -4,6 +4,7 @@
 
 #include "hydrapod/identification/identify.hpp"
 #include "hydrapod/identification/realisation.hpp"
+#include "hydrapod/identification/second_opinion.hpp"
 #include "hydrapod/report/json.hpp"
 
 namespace hydrapod::report {
@@ -25,6 +26,10 @@ std::optional<data::RecordHeader> record_origin_from_json(const Json& json);
 /// `modes[]`, `heavily_damped[]`, `left_out[]`, `mac`, `band_hz`, `stabilisation[]`, `clusters[]`,
 /// `indicator`, `fit_error`, `misfit`, `warnings[]`.
 Json identification_json(const identification::Identification& result);
+
+/// Adds `second_opinion` to each of `modes[]` of identification_json(): null where there is none.
+void add_second_opinions(const std::vector<std::optional<identification::SecondOpinion>>& opinions,
+                         Json& json);
 
 /// Frequency, then re, im and deviation of every entry, then multiple coherence and condition.
 std::string responses_csv(const identification::FrequencyResponses& responses);

@@ -1,0 +1,108 @@
+#include "hydrapod/identification/bootstrap.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <random>
+#include <stdexcept>
+
+#include "hydrapod/base/error.hpp"
+
+namespace hydrapod::identification {
+
+namespace {
+
+using Eigen::Index;
+
+/// The modes of `found` in the order of its list, from a fit that began at its model.
+struct Refit {
+  Eigen::VectorXd omega{}, damping{};
+};
+
+Refit refit(const FrequencyResponses& responses, const Identification& found,
+            const IdentifyOptions& options) {
+  std::vector<PoleEstimate> start;
+  for (const auto& m : found.modes) start.push_back({m.fit.pole, m.fit.shape, m.fit.participation});
+  for (const auto& m : found.heavily_damped) start.push_back({m.pole, m.shape, m.participation});
+  const auto model = fit_modes(within(responses, found.from, found.to), start, options.fit);
+  const auto count = static_cast<Index>(found.modes.size());
+  Refit result{Eigen::VectorXd(count), Eigen::VectorXd(count)};
+  for (Index r = 0; r < count; ++r) {
+    const auto& mode = model.modes[static_cast<std::size_t>(r)];
+    result.omega[r] = mode.omega();
+    result.damping[r] = mode.damping_ratio();
+  }
+  return result;
+}
+
+/// Standard deviation of each row.
+Eigen::VectorXd row_deviation(const Eigen::MatrixXd& values) {
+  const Eigen::VectorXd mean = values.rowwise().mean();
+  return ((values.colwise() - mean).rowwise().squaredNorm() /
+          static_cast<double>(values.cols() - 1))
+      .cwiseSqrt();
+}
+
+}  // namespace
+
+CrossSpectra averaged_spectra(const std::vector<CrossSpectra>& groups,
+                              const std::vector<std::size_t>& picks) {
+  CrossSpectra sum = groups.at(picks.at(0));
+  sum.re.setZero();
+  sum.im.setZero();
+  if (sum.noise_re.size() > 0)
+    throw std::invalid_argument("periods are averaged as signals, not as spectra");
+  sum.blocks = 0;
+  sum.records = 0;
+  for (const std::size_t g : picks) {
+    const auto& group = groups.at(g);
+    const auto weight = static_cast<double>(group.blocks);
+    sum.re += weight * group.re;
+    sum.im += weight * group.im;
+    sum.blocks += group.blocks;
+    sum.records += group.records;
+  }
+  sum.re /= static_cast<double>(sum.blocks);
+  sum.im /= static_cast<double>(sum.blocks);
+  const int hop = sum.options.block_length -
+                  static_cast<int>(std::lround(sum.options.overlap * sum.options.block_length));
+  sum.statistics = average_statistics(sum.window, hop, static_cast<long>(sum.blocks));
+  return sum;
+}
+
+BootstrapScatter bootstrap_modes(const std::vector<CrossSpectra>& groups,
+                                 const ChannelChoice& choice, Estimator estimator,
+                                 const Identification& found, const BootstrapOptions& options,
+                                 const std::function<bool(double)>& progress) {
+  constexpr std::size_t fewest = 4;
+  if (groups.size() < fewest)
+    throw std::invalid_argument(fmt::format(
+        "a bootstrap needs at least {} groups of blocks, not {}", fewest, groups.size()));
+  if (found.modes.empty()) throw std::invalid_argument("there is no mode to bootstrap");
+  std::mt19937_64 random(options.seed);
+  const auto modes = static_cast<Index>(found.modes.size());
+  Eigen::MatrixXd omega(modes, options.resamples), damping(modes, options.resamples);
+  BootstrapScatter scatter;
+  for (int b = 0; b < options.resamples; ++b) {
+    std::vector<std::size_t> picks(groups.size());
+    for (auto& pick : picks) pick = random() % groups.size();
+    try {
+      const auto one = refit(estimate_responses(averaged_spectra(groups, picks), choice, estimator),
+                             found, options.identify);
+      omega.col(scatter.resamples) = one.omega;
+      damping.col(scatter.resamples) = one.damping;
+      ++scatter.resamples;
+    } catch (const base::ComputationError&) {  // this draw has too little in it
+    }
+    if (progress && !progress(static_cast<double>(b + 1) / options.resamples)) break;
+  }
+  if (scatter.resamples < 2)
+    throw base::ComputationError("hardly any draw of the blocks could be fitted");
+  const auto G = static_cast<double>(groups.size());
+  const double correction = std::sqrt(G / (G - 1.0));
+  scatter.omega_deviation = correction * row_deviation(omega.leftCols(scatter.resamples));
+  scatter.damping_deviation = correction * row_deviation(damping.leftCols(scatter.resamples));
+  return scatter;
+}
+
+}  // namespace hydrapod::identification

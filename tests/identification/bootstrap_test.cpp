@@ -1,0 +1,124 @@
+/// Intervals against the scatter over draws of the averages, and the second opinion.
+
+#include "hydrapod/identification/bootstrap.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "exact/modal_system.hpp"
+#include "hydrapod/identification/second_opinion.hpp"
+
+namespace hydrapod::identification {
+namespace {
+
+const ChannelChoice three_by_three{.inputs = {0, 1, 2}, .outputs = {3, 4, 5}, .instruments = {}};
+
+test::ModalSystem system_under_test() { return test::chain(3, 1.13, 1733.0, 0.021); }
+
+data::Record noisy_record() {
+  return test::record_of(system_under_test(), {.sample_rate = 50.0,
+                                               .samples = 1 << 16,
+                                               .output_noise = Eigen::Vector3d::Constant(2e-3),
+                                               .seed = 11});
+}
+
+constexpr int block = 1024;
+
+CrossSpectra spectra_of(const data::Record& record, Eigen::Index first, Eigen::Index count) {
+  SpectrumEstimator estimator(record.header, {.block_length = block});
+  estimator.add(record.samples.middleRows(first, count));
+  return estimator.result();
+}
+
+std::vector<CrossSpectra> groups_of(const data::Record& record, Eigen::Index groups) {
+  std::vector<CrossSpectra> all;
+  const Eigen::Index length = record.samples.rows() / groups;
+  for (Eigen::Index g = 0; g < groups; ++g) all.push_back(spectra_of(record, g * length, length));
+  return all;
+}
+
+TEST(Bootstrap, AveragedGroupsAreTheSpectraOfTheirBlocks) {
+  auto record = noisy_record();
+  record.samples = record.samples.topRows(8 * block).eval();
+  // without overlap no block reaches over the border of a group
+  const auto spectra = [&](Eigen::Index first, Eigen::Index count) {
+    SpectrumEstimator estimator(record.header, {.block_length = block, .overlap = 0.0});
+    estimator.add(record.samples.middleRows(first, count));
+    return estimator.result();
+  };
+  const std::vector<CrossSpectra> groups{spectra(0, 3 * block), spectra(3 * block, 5 * block)};
+  const auto sum = averaged_spectra(groups, {0, 1});
+  const auto whole = spectra(0, 8 * block);
+  EXPECT_EQ(sum.blocks, whole.blocks);
+  EXPECT_LT((sum.re - whole.re).norm(), 1e-12 * whole.re.norm());
+  EXPECT_LT((sum.im - whole.im).norm(), 1e-12 * whole.im.norm());
+  EXPECT_DOUBLE_EQ(sum.statistics.effective_averages, whole.statistics.effective_averages);
+}
+
+TEST(Bootstrap, ScatterIsWhatTheIntervalsSay) {
+  const auto record = noisy_record();
+  const auto found = identify_modes(estimate_responses(spectra_of(record, 0, record.samples.rows()),
+                                                       three_by_three, Estimator::h1));
+  ASSERT_EQ(found.modes.size(), 3U);
+  const auto scatter = bootstrap_modes(groups_of(record, 16), three_by_three, Estimator::h1, found,
+                                       {.resamples = 60});
+  EXPECT_EQ(scatter.resamples, 60);
+  // a standard deviation from 16 groups is itself known to 1/√30, and one from 60 draws to 1/√118:
+  // 20 % together, of which three times
+  constexpr double known_to = 0.6;
+  for (Eigen::Index r = 0; r < 3; ++r) {
+    const auto& fit = found.modes[static_cast<std::size_t>(r)].fit;
+    EXPECT_NEAR(scatter.omega_deviation[r] / fit.omega_deviation, 1.0, known_to) << r;
+    EXPECT_NEAR(scatter.damping_deviation[r] / fit.damping_deviation, 1.0, known_to) << r;
+  }
+}
+
+TEST(Bootstrap, TheSameSeedGivesTheSameScatter) {
+  const auto record = noisy_record();
+  const auto found = identify_modes(estimate_responses(spectra_of(record, 0, record.samples.rows()),
+                                                       three_by_three, Estimator::h1));
+  const auto groups = groups_of(record, 8);
+  const auto run = [&](std::uint64_t seed) {
+    return bootstrap_modes(groups, three_by_three, Estimator::h1, found,
+                           {.resamples = 4, .seed = seed})
+        .omega_deviation;
+  };
+  EXPECT_EQ(run(3), run(3));
+  EXPECT_NE(run(3), run(4));
+}
+
+TEST(Bootstrap, TooFewGroupsAreRefused) {
+  const auto record = noisy_record();
+  Identification found;
+  found.modes.resize(1);
+  EXPECT_THROW(bootstrap_modes(groups_of(record, 3), three_by_three, Estimator::h1, found),
+               std::invalid_argument);
+}
+
+TEST(SecondOpinion, OfAChainIsTheSame) {
+  const auto record = noisy_record();
+  const auto responses = estimate_responses(spectra_of(record, 0, record.samples.rows()),
+                                            three_by_three, Estimator::h1);
+  auto found = identify_modes(responses);
+  ASSERT_EQ(found.modes.size(), 3U);
+  const auto system = system_under_test();
+  auto opinions = second_opinion(found, responses);
+  for (std::size_t r = 0; r < 3; ++r) {
+    ASSERT_TRUE(opinions[r].has_value()) << r;
+    EXPECT_TRUE(opinions[r]->agrees);
+    EXPECT_NEAR(opinions[r]->omega / std::abs(system.modes[r].pole), 1.0, 0.005);
+    EXPECT_NEAR(opinions[r]->damping_ratio, 0.021, 0.004);
+    EXPECT_GT(opinions[r]->mac, 0.98);
+  }
+  // a mode that is not in the responses has no second opinion, or one that disagrees
+  found.modes[1].fit.pole *= 1.2;
+  found.modes[2].fit.pole = {-0.3 * std::abs(found.modes[2].fit.pole),
+                             found.modes[2].fit.pole.imag()};
+  opinions = second_opinion(found, responses);
+  EXPECT_TRUE(!opinions[1].has_value() || !opinions[1]->agrees);
+  EXPECT_TRUE(!opinions[2].has_value() || !opinions[2]->agrees);
+}
+
+}  // namespace
+}  // namespace hydrapod::identification
