@@ -81,6 +81,8 @@ std::string table_text(const Arguments& arguments, const identification::Measure
                                                            100.0 * m.spectra.options.overlap),
                   m.spectra.frequency(1));
   if (m.from_legs) text += "leg lengths were brought to platform directions\n";
+  if (arguments.measurement.accelerometers || !arguments.measurement.sensors.empty())
+    text += "accelerometers were brought to platform directions\n";
   text += fmt::format("condition of the input matrix: median {:.3g}, largest {:.3g}\n",
                       median(r.condition), *std::ranges::max_element(r.condition));
   if (m.h1_against_instrument)

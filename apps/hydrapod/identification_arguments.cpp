@@ -8,6 +8,7 @@
 #include "hydrapod/base/units.hpp"
 #include "hydrapod/interrupt.hpp"
 #include "hydrapod/machine_arguments.hpp"
+#include "hydrapod/rig/signal_text.hpp"
 #include "hydrapod/terminal.hpp"
 
 namespace hydrapod::cli {
@@ -44,6 +45,48 @@ std::optional<identification::PlatformFrame> platform_frame(const MeasurementArg
                                        .p_BQ = measured_point(arguments, *found)};
 }
 
+/// The sensors of --sensor, else those that the record notes; of these the ones that --outputs
+/// names, if it does.
+std::vector<PlacedSensor> chosen_sensors(const MeasurementArguments& a,
+                                         const data::RecordHeader& header) {
+  std::vector<PlacedSensor> all;
+  for (const auto& text : a.sensors) {
+    const auto sensor = rig::parse_accelerometer(text);
+    all.push_back({sensor.name, sensor.p_P, sensor.e_P});
+  }
+  if (all.empty()) all = placed_sensors(header);
+  if (all.empty())
+    bad_argument("--accelerometers",
+                 "the record does not say where its accelerometers are: add --sensor \"NAME, at=X "
+                 "Y Z, along=z\" for each, places in the platform's frame [m]");
+  const auto wanted = names(a.outputs);
+  if (wanted.empty()) return all;
+  std::vector<PlacedSensor> some;
+  for (const auto& name : wanted) {
+    const auto found = std::ranges::find(all, name, &PlacedSensor::name);
+    if (found == all.end()) bad_argument("--outputs " + name, "is no sensor whose place is known");
+    some.push_back(*found);
+  }
+  return some;
+}
+
+/// Accelerometers as outputs, and what makes directions of the platform of them.
+void use_accelerometers(const MeasurementArguments& a, identification::MeasureOptions& o) {
+  const auto header = data::open_record_reader(a.files[0])->header();
+  const auto machine = measured_machine(a, &header);
+  if (!machine)
+    bad_argument("--accelerometers",
+                 "the pose of the platform is needed: add --machine FILE and --pose");
+  std::vector<identification::LinearSensor> sensors;
+  o.outputs.clear();
+  for (const auto& s : chosen_sensors(a, header)) {
+    o.outputs.push_back(s.name);
+    sensors.push_back({machine->pose.X_BP * s.p_P, machine->pose.X_BP.R_BP * s.e_P});
+  }
+  o.outputs_to_platform =
+      identification::platform_from_accelerometers(sensors, measured_point(a, *machine));
+}
+
 identification::MeasureOptions options_of(const MeasurementArguments& a) {
   identification::MeasureOptions o;
   o.inputs = names(a.inputs);
@@ -68,7 +111,10 @@ identification::MeasureOptions options_of(const MeasurementArguments& a) {
     if (!(rate > 0.0)) bad_argument("--sample-rate " + a.sample_rate, "must be positive");
     o.read.sample_rate = rate;
   }
-  o.platform = platform_frame(a);
+  if (a.accelerometers || !a.sensors.empty())
+    use_accelerometers(a, o);
+  else
+    o.platform = platform_frame(a);
   return o;
 }
 
@@ -99,6 +145,14 @@ void add_measurement_options(CLI::App& command, MeasurementArguments& a) {
   command.add_option("--outputs", a.outputs, "Output channels; default: role response");
   command.add_flag("--from-drive", a.from_drive,
                    "Take the drives as inputs, with the excitations as instruments");
+  command.add_flag(
+      "--accelerometers", a.accelerometers,
+      "Outputs: the accelerometers, as accelerations of the platform in six directions");
+  command
+      .add_option("--sensor", a.sensors,
+                  "\"NAME, at=X Y Z, along=x\": where an accelerometer sits, in the platform frame "
+                  "[m], for records that do not say it; may be repeated")
+      ->allow_extra_args(false);
   command.add_option("--instruments", a.instruments,
                      "External excitations of a closed loop; default: role excitation");
   command

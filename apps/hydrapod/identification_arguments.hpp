@@ -15,6 +15,8 @@ struct MeasurementArguments {
   std::vector<std::string> files{};
   std::string inputs{}, outputs{}, instruments{};  ///< names with commas
   bool from_drive{};
+  bool accelerometers{};               ///< as outputs, brought to the platform
+  std::vector<std::string> sensors{};  ///< "NAME, at=X Y Z, along=z" where the record says nothing
   std::string estimator{"auto"};
   std::string window{"hann"};
   std::optional<int> block{};

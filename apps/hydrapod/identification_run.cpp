@@ -133,6 +133,8 @@ IdentifiedSource identified_source(const IdentificationArguments& a) {
   auto m = measure(a.measurement);
   IdentifiedSource source{.responses = std::move(m.responses), .header = std::move(m.header)};
   if (m.from_legs) source.frame = "leg lengths brought to platform directions";
+  if (a.measurement.accelerometers || !a.measurement.sensors.empty())
+    source.frame = "accelerometers brought to platform directions";
   return source;
 }
 

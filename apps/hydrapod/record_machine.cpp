@@ -12,7 +12,8 @@ namespace hydrapod::cli {
 namespace {
 
 constexpr std::string_view rig_mark = "test rig of hydrapod";
-constexpr std::string_view pose_key = "pose: ", model_key = "model: ", set_key = "--set ";
+constexpr std::string_view pose_key = "pose: ", model_key = "model: ", set_key = "--set ",
+                           sensor_key = "sensor: ";
 
 struct Noted {
   std::string pose{}, model{};
@@ -33,11 +34,38 @@ Noted noted(const std::string& notes) {
 }  // namespace
 
 std::string rig_notes(const std::string& pose, dynamics::ModelKind kind,
-                      const std::vector<std::string>& overrides) {
+                      const std::vector<std::string>& overrides,
+                      const std::vector<PlacedSensor>& sensors) {
   std::string text =
       fmt::format("{}\n{}{}\n{}{}", rig_mark, pose_key, pose, model_key, dynamics::name(kind));
   for (const auto& change : overrides) text += fmt::format("\n{}{}", set_key, change);
+  const auto numbers = [](const spatial::Vector3& v) {
+    return fmt::format("{:.9g} {:.9g} {:.9g}", v.x(), v.y(), v.z());
+  };
+  for (const auto& s : sensors)
+    text +=
+        fmt::format("\n{}{} at={} along={}", sensor_key, s.name, numbers(s.p_P), numbers(s.e_P));
   return text;
+}
+
+std::vector<PlacedSensor> placed_sensors(const data::RecordHeader& header) {
+  std::vector<PlacedSensor> sensors;
+  std::istringstream lines(header.notes);
+  for (std::string line; std::getline(lines, line);) {
+    // names may hold anything, so what follows them is looked for from the end
+    const auto at = line.rfind(" at="), along = line.rfind(" along=");
+    if (!line.starts_with(sensor_key) || at == std::string::npos || along == std::string::npos ||
+        at < sensor_key.size() || along < at)
+      continue;
+    PlacedSensor sensor{.name = line.substr(sensor_key.size(), at - sensor_key.size())};
+    std::istringstream place(line.substr(at + 4, along - at - 4)), axis(line.substr(along + 7));
+    for (int d = 0; d < 3; ++d) {
+      place >> sensor.p_P[d];
+      axis >> sensor.e_P[d];
+    }
+    if (place && axis) sensors.push_back(sensor);
+  }
+  return sensors;
 }
 
 bool is_rig_record(const data::RecordHeader& header) {

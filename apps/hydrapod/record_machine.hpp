@@ -10,10 +10,21 @@
 
 namespace hydrapod::cli {
 
+/// An accelerometer of the record and where it sits.
+struct PlacedSensor {
+  std::string name{};      ///< of its channel
+  spatial::Vector3 p_P{};  ///< in the platform frame [m]
+  spatial::Vector3 e_P{};  ///< its axis, unit
+};
+
 /// What `hydrapod rig` notes of the machine besides its file, a line each: "test rig of hydrapod",
-/// "pose: NAME", "model: KIND" and "--set PATH=VALUE".
+/// "pose: NAME", "model: KIND", "--set PATH=VALUE" and "sensor: NAME at=X Y Z along=X Y Z".
 std::string rig_notes(const std::string& pose, dynamics::ModelKind kind,
-                      const std::vector<std::string>& overrides);
+                      const std::vector<std::string>& overrides,
+                      const std::vector<PlacedSensor>& sensors);
+
+/// The sensors whose places the notes of `header` tell.
+std::vector<PlacedSensor> placed_sensors(const data::RecordHeader& header);
 
 /// Was it written by `hydrapod rig`, whose machine is under its controller?
 bool is_rig_record(const data::RecordHeader& header);

@@ -85,7 +85,10 @@ data::RecordHeader header_of(const Arguments& arguments, const model::MachineFil
   header.start = options.settling;  // the excitation begins at 0
   header.repeat = options.repeat;
   header.machine = file.text;
-  header.notes = rig_notes(pose.name, options.loop.kind, file.overrides) +
+  std::vector<PlacedSensor> sensors;
+  for (const auto& one : options.instruments.accelerometers)
+    sensors.push_back({one.name, one.p_P, one.e_P});
+  header.notes = rig_notes(pose.name, options.loop.kind, file.overrides, sensors) +
                  fmt::format("\nexcitation of the {}, seed {}", arguments.entry, options.seed);
   for (const auto& signal : options.signals) header.notes += "\n" + rig::description(signal);
   return header;

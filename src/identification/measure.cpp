@@ -207,6 +207,36 @@ std::vector<std::size_t> used_channels(ChannelChoice& choice) {
   return {used.begin(), used.end()};
 }
 
+/// Puts the six directions that `map` makes of the channels in the place of these.
+void replace_outputs(const std::vector<int>& channels, const Eigen::MatrixXd& map,
+                     ChannelChoice& choice, Measurement& m) {
+  m.spectra = to_platform(m.spectra, channels, map);
+  const auto renumber = [&](std::vector<int>& list) {
+    std::vector<int> now;
+    for (const int c : list) {
+      if (std::ranges::find(channels, c) != channels.end()) continue;
+      const auto before = std::ranges::count_if(channels, [&](int gone) { return gone < c; });
+      now.push_back(c - static_cast<int>(before));
+    }
+    list = now;
+  };
+  renumber(choice.inputs);
+  renumber(choice.outputs);
+  renumber(choice.instruments);
+  const int count = static_cast<int>(m.spectra.channels.size());
+  for (int d = 6; d > 0; --d) choice.outputs.push_back(count - d);
+}
+
+/// All outputs, sensors at places that are known, become directions of the platform.
+void bring_sensors_to_platform(const Eigen::MatrixXd& map, ChannelChoice& choice, Measurement& m) {
+  for (const int c : choice.outputs)
+    if (m.spectra.health[static_cast<std::size_t>(c)].constant())
+      throw base::ComputationError(
+          fmt::format("{} is dead: leave it out by naming the other sensors with --outputs",
+                      m.spectra.channels[static_cast<std::size_t>(c)].name));
+  replace_outputs(std::vector<int>(choice.outputs), map, choice, m);
+}
+
 /// Leg lengths among the outputs become directions of the platform.
 void bring_to_platform(const PlatformFrame& frame, ChannelChoice& choice, Measurement& m) {
   const auto legs = leg_channels(m.spectra);
@@ -219,23 +249,8 @@ void bring_to_platform(const PlatformFrame& frame, ChannelChoice& choice, Measur
           "{} is dead: the platform's directions need all six legs; without the machine file the "
           "other legs are identified as they are",
           m.spectra.channels[static_cast<std::size_t>(leg)].name));
-  m.spectra =
-      to_platform(m.spectra, *legs, platform_from_legs(frame.machine, frame.X_BP, frame.p_BQ));
+  replace_outputs(*legs, platform_from_legs(frame.machine, frame.X_BP, frame.p_BQ), choice, m);
   m.from_legs = true;
-  const auto renumber = [&](std::vector<int>& list) {
-    std::vector<int> now;
-    for (const int c : list) {
-      if (std::ranges::find(*legs, c) != legs->end()) continue;
-      const auto before = std::ranges::count_if(*legs, [&](int leg) { return leg < c; });
-      now.push_back(c - static_cast<int>(before));
-    }
-    list = now;
-  };
-  renumber(choice.inputs);
-  renumber(choice.outputs);
-  renumber(choice.instruments);
-  const int count = static_cast<int>(m.spectra.channels.size());
-  for (int d = 6; d > 0; --d) choice.outputs.push_back(count - d);
 }
 
 /// Reads all files into m.spectra.
@@ -312,7 +327,10 @@ Measurement measure_responses(const std::vector<std::string>& files, const Measu
   const auto spectrum = spectrum_options(files, m.header, plan, options, lengths.shortest);
   const auto used = used_channels(plan.choice);
   read_spectra(files, options, spectrum, used, lengths.total, progress, m);
-  if (options.platform) bring_to_platform(*options.platform, plan.choice, m);
+  if (options.outputs_to_platform)
+    bring_sensors_to_platform(*options.outputs_to_platform, plan.choice, m);
+  else if (options.platform)
+    bring_to_platform(*options.platform, plan.choice, m);
   m.responses = estimate_responses(m.spectra, plan.choice, plan.estimator);
   compare_with_instrument(plan, m);
   return m;
@@ -339,7 +357,10 @@ Measurement measure_outputs(const std::vector<std::string>& files, const Measure
   plan.choice.inputs.clear();
   const auto used = used_channels(plan.choice);
   read_spectra(files, own, spectrum, used, lengths.total, progress, m);
-  if (options.platform) bring_to_platform(*options.platform, plan.choice, m);
+  if (options.outputs_to_platform)
+    bring_sensors_to_platform(*options.outputs_to_platform, plan.choice, m);
+  else if (options.platform)
+    bring_to_platform(*options.platform, plan.choice, m);
   if (m.spectra.blocks == 0)
     throw base::ComputationError("every block of the record has missing samples");
   for (const int o : plan.choice.outputs)

@@ -276,5 +276,44 @@ TEST_F(MeasuredMachine, WithoutAMachineNothingIsCompared) {
   EXPECT_EQ(test::run_hydrapod({"identify", path, "--against", "plan"}).exit_code, 2);
 }
 
+TEST(Accelerometers, OfTheRigAreBroughtToThePlatform) {
+  const test::TemporaryFolder folder;
+  const std::string file = test::source_file("models/heavy-platform.toml");
+  const std::string record = folder / "run.csv";
+  ASSERT_EQ(test::run_hydrapod({"rig", file, "--pose", "z=20 mm, ry=2 deg", "--duration", "3",
+                                "--excite", "noise all=0.2 mm, from=2, to=12", "-o", record})
+                .exit_code,
+            0);
+  const auto run =
+      test::run_hydrapod({"frf", record, "--accelerometers", "--block", "256", "--format", "json"});
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  const auto outputs = json::parse(run.out)["outputs"];
+  ASSERT_EQ(outputs.size(), 6u);
+  EXPECT_EQ(outputs[4]["name"], "ry");
+  EXPECT_EQ(outputs[4]["unit"], "rad/s^2");
+  // two of the three places do not tell the rotation about the line through them
+  const auto few = test::run_hydrapod({"frf", record, "--accelerometers", "--outputs",
+                                       "acceleration 1x,acceleration 1y,acceleration 1z,"
+                                       "acceleration 3x,acceleration 3y,acceleration 3z"});
+  EXPECT_EQ(few.exit_code, 1);
+  EXPECT_THAT(few.err, HasSubstr("do not tell all six directions"));
+  const auto unknown =
+      test::run_hydrapod({"frf", record, "--accelerometers", "--outputs", "acceleration 9x"});
+  EXPECT_EQ(unknown.exit_code, 2);
+  EXPECT_THAT(unknown.err, HasSubstr("no sensor whose place is known"));
+}
+
+TEST_F(Identify, AccelerometersNeedPlacesAndAPose) {
+  const std::string path = write();
+  const auto machine = test::source_file("models/heavy-platform.toml");
+  const auto run = test::run_hydrapod({"identify", path, "--accelerometers"});
+  EXPECT_EQ(run.exit_code, 2);
+  EXPECT_THAT(run.err, HasSubstr("add --machine FILE"));
+  const auto placed =
+      test::run_hydrapod({"identify", path, "--accelerometers", "--machine", machine});
+  EXPECT_EQ(placed.exit_code, 2);
+  EXPECT_THAT(placed.err, HasSubstr("add --sensor"));
+}
+
 }  // namespace
 }  // namespace hydrapod

@@ -34,6 +34,8 @@ struct MeasureOptions {
   double settling{};               ///< [s] at the beginning of each record that are passed over
   data::ReadOptions read{};
   std::optional<PlatformFrame> platform{};  ///< for responses that are the six leg lengths
+  /// 6 × `outputs`: makes directions of the platform of them, see platform_from_accelerometers.
+  std::optional<Eigen::MatrixXd> outputs_to_platform{};
 };
 
 struct Measurement {
