@@ -208,14 +208,7 @@ void add_diagnose(CLI::App& app) {
                    "Modes (TOML, CSV, JSON of `hydrapod identify`), responses (JSON of `hydrapod "
                    "frf`, Universal File) or a record; default: none, the machine file alone")
       ->type_name("RECORD|FRF|MODES");
-  command
-      ->add_option("--want", a->diagnosis.want,
-                   "What the guide sleeves are to reach: a largest drop \"2 %\" below rigid, or a "
-                   "frequency \"5 Hz\"; in one direction \"x=5 Hz\"")
-      ->capture_default_str();
-  command->add_option("--poses", a->diagnosis.poses,
-                      "Where it is to be reached, and where could be measured: names or "
-                      "displacements with semicolons, all, or workspace [all of the file]");
+  add_diagnosis_options(*command, a->diagnosis);
   command
       ->add_option("--model-error", a->frequency_error,
                    "How near frequencies of a right model come to a real machine, per cent; added "

@@ -81,6 +81,32 @@ diagnosis::RemedyGoal remedy_goal(const std::string& text) {
   return goal;
 }
 
+void add_diagnosis_options(CLI::App& command, DiagnosisArguments& arguments) {
+  command
+      .add_option("--want", arguments.want,
+                  "What the guide sleeves are to reach: a largest drop \"2 %\" below rigid, or a "
+                  "frequency \"5 Hz\"; in one direction \"x=5 Hz\"")
+      ->capture_default_str();
+  command.add_option("--poses", arguments.poses,
+                     "Where it is to be reached, and where could be measured: names or "
+                     "displacements with semicolons, all, or workspace [all of the file]");
+}
+
+int guilty_mode(const diagnosis::Diagnosis& found, const std::string& pose) {
+  if (found.alike.empty()) return 0;
+  const auto& fit = found.explanations[found.alike.front()].fit;
+  int number = 0;
+  double most = 0.0;
+  for (std::size_t i = 0; i < found.modes.size(); ++i) {
+    const auto& mode = found.modes[i];
+    const double share = 1.0 - mode.oil;
+    if (mode.pose != pose || share <= most) continue;
+    most = share;
+    number = fit.targets[i].mode + 1;
+  }
+  return number;
+}
+
 diagnosis::CaseFile investigate(const DiagnosisArguments& arguments,
                                 const MachineArguments& machine, const model::MachineFile& as_given,
                                 dynamics::ModelKind kind) {

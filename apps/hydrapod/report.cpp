@@ -8,9 +8,11 @@
 #include "hydrapod/base/error.hpp"
 #include "hydrapod/base/file.hpp"
 #include "hydrapod/commands.hpp"
+#include "hydrapod/diagnosis_arguments.hpp"
 #include "hydrapod/identification_run.hpp"
 #include "hydrapod/interrupt.hpp"
 #include "hydrapod/machine_arguments.hpp"
+#include "hydrapod/report/diagnosis.hpp"
 #include "hydrapod/report/identification_section.hpp"
 #include "hydrapod/report/simulation.hpp"
 #include "hydrapod/terminal.hpp"
@@ -28,6 +30,7 @@ struct Arguments {
   std::vector<std::string> commands{};
   std::string until{};
   IdentificationArguments identification{};
+  DiagnosisArguments diagnosis{};
   report::HtmlOptions options{};
 };
 
@@ -104,11 +107,28 @@ report::Json measured(Arguments& arguments, const model::MachineFile& file,
       {a.measurement.files, measurement_text(source.responses), source.frame});
 }
 
+/// The diagnosis that `--diagnose` asks for; from here on the page shows the machine that explains
+/// the measurement best, its guilty mode first.
+report::Json diagnosed(Arguments& arguments, model::MachineFile& file) {
+  auto machine = arguments.machine;
+  machine.pose = arguments.poses.front();
+  auto& options = arguments.options;
+  const auto found = investigate(arguments.diagnosis, machine, file, options.kind);
+  const auto& d = *found.diagnosis;
+  if (!d.alike.empty()) {
+    file = diagnosis::file_of(file, d.explanations[d.alike.front()]);
+    options.kind = d.explanations[d.alike.front()].kind;
+    const int guilty = guilty_mode(d, found.pose);
+    if (options.modes.empty() && guilty > 0) options.modes = {guilty};
+  }
+  return report::diagnosis_json(found);
+}
+
 void run(Arguments& arguments) {
   constexpr std::array themes{report::Theme::automatic, report::Theme::light, report::Theme::dark};
   auto& options = arguments.options;
   options.theme = themes[choose_word("--theme", arguments.theme, {"auto", "light", "dark"})];
-  const auto file = load(arguments.machine);
+  auto file = load(arguments.machine);
   options.kind = choose_model(file.machine, arguments.machine.model);
   options.modes = mode_list(arguments.modes, dynamics::degrees_of_freedom(options.kind));
   if (arguments.poses.empty()) arguments.poses.push_back(arguments.machine.pose);
@@ -116,11 +136,18 @@ void run(Arguments& arguments) {
   for (const auto& pose : arguments.poses) poses.push_back(choose_pose(file.machine, pose));
   if (arguments.commands.empty() && !arguments.until.empty())
     bad_argument("--until", "says how long to simulate; add --command");
+  report::Json diagnosis;
+  if (!arguments.diagnosis.measured.empty()) {
+    diagnosis = diagnosed(arguments, file);
+    poses.clear();
+    for (const auto& pose : arguments.poses) poses.push_back(choose_pose(file.machine, pose));
+  }
   auto document = report::report_json(file, arguments.machine.file, poses, options);
   if (!arguments.commands.empty())
     document["simulation"] = simulated(arguments, file, poses.front());
   if (!arguments.identification.measurement.files.empty())
     document["identification"] = measured(arguments, file, poses.front());
+  if (!diagnosis.is_null()) document["diagnosis"] = diagnosis;
   base::write_file_whole(arguments.output, report::html_page(document, options.theme));
   if (arguments.output != "-") fmt::print(stderr, "wrote {}\n", arguments.output);
 }
@@ -140,6 +167,8 @@ void add_report(CLI::App& app) {
         "and what the machine does when it is told to move: over time, and in 3D"},
        {"report machine.toml --measured run.h5",
         "measured modes: live stabilisation chart, fit, comparison"},
+       {"report machine.toml --diagnose modes.csv",
+        "what explains measured modes, how stiff the sleeves must be, the guilty mode moving"},
        {"report machine.toml --set environment.gravity=0 --theme light",
         "a what-if, light colours only"}});
   auto arguments = std::make_shared<Arguments>();
@@ -190,6 +219,12 @@ void add_report(CLI::App& app) {
       ->add_option("--against", identification.against,
                    "Model to compare the record with: auto, mechanics, plant, system or none")
       ->capture_default_str();
+  command
+      ->add_option("--diagnose", arguments->diagnosis.measured,
+                   "Also diagnose from these modes, responses or records, as `hydrapod diagnose "
+                   "--measured` does; the page then shows the machine that explains them best")
+      ->type_name("RECORD|FRF|MODES");
+  add_diagnosis_options(*command, arguments->diagnosis);
   command->add_option("-o,--output", arguments->output, "File to write; - prints")
       ->capture_default_str();
   command->callback([arguments] { run(*arguments); });

@@ -142,13 +142,17 @@ Explanation Evidence::explain_some(std::size_t blamed, const Targets& some,
   return fitted({blamed}, some, nullptr, stop);
 }
 
-model::Machine machine_of(const model::MachineFile& file, const Explanation& explanation) {
+model::MachineFile file_of(const model::MachineFile& file, const Explanation& explanation) {
   std::vector<std::string> overrides = file.overrides;
   overrides.insert(overrides.end(), explanation.overrides.begin(), explanation.overrides.end());
   for (const auto& p : explanation.fit.parameters)
     for (const auto& path : p.paths) overrides.push_back(fmt::format("{}={:.17g}", path, p.value));
   const auto anything = [](const model::Machine&) { return std::vector<model::Finding>{}; };
-  return model::parse_machine(file.text, "machine", overrides, anything).machine;
+  return model::parse_machine(file.text, "machine", overrides, anything);
+}
+
+model::Machine machine_of(const model::MachineFile& file, const Explanation& explanation) {
+  return file_of(file, explanation).machine;
 }
 
 void for_all(std::size_t count, int threads, const std::function<void(std::size_t)>& task,

@@ -50,7 +50,7 @@ std::string measured_panel(const Diagnosis& d, const Layout& layout) {
   s += fmt::format("set xrange [0.4:{}.6]\nset grid ytics back lt 1 lc rgb '#d0d0d0' lw 0.5\n", k);
   s += place(layout, 0.1 * panel, 0.88 * panel, 0.09);
   s += "set title 'Measured, rigid calculation, best explanation'\nset ylabel 'Hz'\n";
-  s += "set key outside top right horizontal\nset yrange [0:*]\n";
+  s += "set key inside bottom right vertical\nset yrange [0:*]\n";
   return s +
          "plot $m using 1:5 with points pt 8 ps 1.3 lw 1.5 lc rgb '#999999' title 'rigid', "
          "$m using 1:2:3 with yerrorbars pt 6 ps 1.6 lw 1.6 lc rgb '#d55e00' title 'measured (95 "
@@ -102,10 +102,11 @@ std::string curve_panel(const CaseFile& file, const Layout& layout) {
   const double top = layout.measured + layout.ranking;
   s += place(layout, top + 0.12 * panel, top + 0.84 * panel, 0.09);
   s += "set grid back lt 1 lc rgb '#d0d0d0' lw 0.5\nset logscale x\nset xtics format '%.0s %c'\n";
-  s += "set xlabel 'stiffness of the guide sleeves, N/m'\nset key bottom right\n";
+  s += "set xlabel 'stiffness of the guide sleeves, N/m'\n";
   s += fmt::format("set title {}\n",
                    quoted("How stiff the guide sleeves must be: " + goal_words(file.goal)));
   const bool drop = file.goal.drop.has_value();
+  s += fmt::format("set key inside {} right vertical\n", drop ? "top" : "bottom");
   s += drop ? "set ylabel 'largest drop below rigid, %'\n" : "set ylabel 'lowest resonance, Hz'\n";
   const int column = drop ? 3 : 2;
   const double goal = drop ? 100.0 * *file.goal.drop : file.goal.omega.value_or(0.0) / two_pi;

@@ -146,6 +146,7 @@ export interface Report {
   pictured_modes: number[];
   poses: PoseReport[];
   simulation?: Simulation;
+  diagnosis?: Diagnosis;
   identification?: Identification;
 }
 
@@ -179,4 +180,57 @@ export function pictured(report: Report, pose: PoseReport): Mode[] {
 /** What is shown when the page opens. */
 export function firstMode(report: Report, pose: PoseReport): number {
   return report.pictured_modes[0] ?? pose.answer?.mode ?? 1;
+}
+
+/** A measured mode and what explains it. */
+export interface DiagnosedMode {
+  pose: string;
+  direction: string | null;
+  frequency_hz: number;
+  deviation_hz: number;
+  stated_hz: number;
+  explained_hz: number;
+  rigid_hz: number | null;
+  rigid_mac: number;
+  drop: number;
+  strain_energy: { oil: number; guide_sleeve: number; piston_ring: number; base_mount: number };
+}
+
+export interface Explanation {
+  name: string;
+  suspects: { name: string; statement: string; family: string }[];
+  above_best: number;
+  alike: boolean;
+  parameters: {
+    paths: string[];
+    unit: string;
+    value: number;
+    deviation: number | null;
+    at_bound: boolean;
+  }[];
+  wrong: string[];
+}
+
+interface RemedyPoint {
+  factor: number;
+  stiffness_N_m: number;
+  frequency_hz: number;
+  drop: number;
+}
+
+export interface Remedy {
+  goal: { words: string; drop?: number; frequency_hz?: number; direction?: string };
+  status: 'found' | 'met_already' | 'out_of_reach';
+  today: RemedyPoint;
+  needed: RemedyPoint;
+  curve: RemedyPoint[];
+}
+
+/** What `hydrapod diagnose --format json` writes. */
+export interface Diagnosis {
+  summary: string[];
+  finding?: string;
+  measured_modes?: DiagnosedMode[];
+  explanations?: Explanation[];
+  remedy?: Remedy;
 }

@@ -104,7 +104,8 @@ struct Diagnosis {
   [[nodiscard]] const Explanation& as_stated() const;
 };
 
-/// The machine as an explanation has it, not validated.
+/// The machine file as an explanation has it, by overrides; not validated.
+model::MachineFile file_of(const model::MachineFile& file, const Explanation& explanation);
 model::Machine machine_of(const model::MachineFile& file, const Explanation& explanation);
 
 /// `poses`: where measurements could be made, for discriminators. `progress`: share of the work

@@ -6,6 +6,7 @@ import { html } from '../dom';
 import type { State } from '../state';
 import { about } from './about';
 import { bode } from './bode';
+import { diagnosis } from './diagnosis';
 import { header } from './header';
 import { identification } from './identification';
 import { mechanism } from './mechanism';
@@ -23,7 +24,16 @@ export interface Section {
   render(state: State, host: HTMLElement): void;
 }
 
-export const sections: Section[] = [mechanism, modes, pictures, bode, simulation, identification, about];
+export const sections: Section[] = [
+  mechanism,
+  diagnosis,
+  modes,
+  pictures,
+  bode,
+  simulation,
+  identification,
+  about,
+];
 
 /** A section can be drawn late where it is far down: the page is usable before. */
 export function renderSections(state: State, page: HTMLElement): void {

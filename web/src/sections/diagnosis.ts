@@ -1,0 +1,213 @@
+// What lowers the resonances: measured beside rigid and best explanation, the ranking, the stiffness
+// that would help. A click on a measured mode sets the machine in motion in that mode.
+
+import { stackedBar, type Part } from '../bars';
+import type { Diagnosis, DiagnosedMode, Explanation, Remedy } from '../document';
+import { button, html, svg } from '../dom';
+import { fixed, hertz, signedPercent } from '../numbers';
+import type { State } from '../state';
+import type { Section } from './registry';
+
+export const diagnosis: Section = {
+  id: 'diagnosis',
+  title: 'Diagnosis',
+  applies: (report) => report.diagnosis !== undefined,
+  render,
+};
+
+const plain = (value: number): string =>
+  Math.abs(value) >= 1e5 || (value !== 0 && Math.abs(value) < 1e-2)
+    ? value.toPrecision(4).replace('e+', 'e')
+    : String(Number(value.toPrecision(4)));
+
+const energy = (strain: DiagnosedMode['strain_energy']): Part[] => [
+  { name: 'oil', long: 'oil', value: strain.oil, kind: 'oil' },
+  { name: 'sleeves', long: 'guide sleeves', value: strain.guide_sleeve, kind: 'sleeve' },
+  { name: 'rings', long: 'piston rings', value: strain.piston_ring, kind: 'ring' },
+  { name: 'base', long: 'base', value: strain.base_mount, kind: 'legs' },
+];
+
+/** The mode of the page's first pose that is nearest in frequency to what explains a measured one. */
+function shownMode(state: State, mode: DiagnosedMode): number {
+  let best = state.pose.modes[0];
+  for (const candidate of state.pose.modes)
+    if (
+      best === undefined ||
+      Math.abs(candidate.frequency_hz - mode.explained_hz) <
+        Math.abs(best.frequency_hz - mode.explained_hz)
+    )
+      best = candidate;
+  return best?.number ?? 1;
+}
+
+const cell = (text: string) => html('td', {}, text);
+
+function measuredTable(state: State, found: Diagnosis): HTMLElement {
+  const rows = (found.measured_modes ?? []).map((mode) => {
+    const show = () => {
+      state.chooseMode(shownMode(state, mode));
+      document.getElementById('mechanism')?.scrollIntoView({ behavior: 'auto' });
+    };
+    const here = mode.pose === state.report.poses[0]?.pose.name;
+    return html(
+      'tr',
+      {},
+      html('th', { scope: 'row' }, `${mode.direction ?? '?'}, ${mode.pose}`),
+      cell(`${hertz(mode.frequency_hz)} ± ${fixed(mode.deviation_hz, 3)}`),
+      cell(mode.rigid_hz !== null && mode.rigid_mac >= 0.1 ? hertz(mode.rigid_hz) : ''),
+      cell(mode.rigid_hz !== null && mode.rigid_mac >= 0.1 ? signedPercent(-100 * mode.drop) : ''),
+      cell(hertz(mode.stated_hz)),
+      cell(hertz(mode.explained_hz)),
+      html('td', {}, stackedBar(energy(mode.strain_energy))),
+      html('td', {}, here ? button('Show it moving', show, { 'data-control': 'show-mode' }) : ''),
+    );
+  });
+  const titles = [
+    'measured mode',
+    'measured, Hz',
+    'rigid, Hz',
+    'against rigid',
+    'as stated, Hz',
+    'best explanation, Hz',
+    'what gives',
+    'in 3D',
+  ];
+  return html(
+    'div',
+    { class: 'scroll', tabindex: '0', role: 'region', 'aria-label': 'Measured modes' },
+    html(
+      'table',
+      { class: 'diagnosed' },
+      html('caption', {}, 'Measured against rigid against best explanation'),
+      html('thead', {}, html('tr', {}, ...titles.map((t) => html('th', { scope: 'col' }, t)))),
+      html('tbody', {}, ...rows),
+    ),
+  );
+}
+
+const values = (e: Explanation): string =>
+  e.parameters
+    .map(
+      (p) =>
+        `${p.paths.join(', ')} = ${plain(p.value)}` +
+        (p.deviation !== null ? ` ± ${plain(p.deviation)}` : '') +
+        ` ${p.unit === '1' ? '' : p.unit}` +
+        (p.at_bound ? ' (at its bound)' : ''),
+    )
+    .join('; ');
+
+/** A bar per explanation; its length is the logarithm of how much worse than the best it is. */
+function ranking(found: Diagnosis): HTMLElement {
+  const explanations = found.explanations ?? [];
+  const shown = explanations.filter((e, k) => k < 12 || e.suspects.length === 0);
+  const length = (e: Explanation) => Math.log10(1 + Math.max(0, e.above_best));
+  const longest = Math.max(1, ...shown.map(length));
+  return html(
+    'ol',
+    { class: 'ranking' },
+    ...shown.map((e) => {
+      const bar = html('i', { class: e.alike ? 'bar alike' : 'bar' });
+      bar.style.width = `${2 + (98 * length(e)) / longest}%`;
+      const worse = e.above_best < 0.05 ? 'best' : `${plain(e.above_best)} worse than the best`;
+      return html(
+        'li',
+        {},
+        html('strong', {}, e.name),
+        ` (${e.alike ? 'as good as the best' : worse})`,
+        html('div', { class: 'track', 'aria-hidden': 'true' }, bar),
+        html('span', { class: 'note' }, [values(e), e.wrong[0] ?? ''].filter(Boolean).join(' — ')),
+      );
+    }),
+  );
+}
+
+/** Frequency or drop over stiffness, with today's value and the one that is needed. */
+function curve(remedy: Remedy): SVGSVGElement {
+  const width = 720;
+  const height = 300;
+  const [left, right, top, bottom] = [64, 16, 16, 46];
+  const drop = remedy.goal.drop !== undefined;
+  const y = (p: { drop: number; frequency_hz: number }) => (drop ? 100 * p.drop : p.frequency_hz);
+  // from the stiff end down to where the legs fold
+  let first = remedy.curve.length;
+  while (first > 0 && (remedy.curve[first - 1]?.frequency_hz ?? 0) > 0) --first;
+  const points = remedy.curve.slice(first);
+  const goal = drop ? 100 * (remedy.goal.drop ?? 0) : (remedy.goal.frequency_hz ?? 0);
+  const x0 = Math.log10(points[0]?.stiffness_N_m ?? 1);
+  const x1 = Math.log10(points[points.length - 1]?.stiffness_N_m ?? 10);
+  const all = [...points.map(y), goal];
+  const y0 = Math.min(0, ...all);
+  const y1 = Math.max(...all) * 1.05;
+  const px = (stiffness: number) =>
+    left + ((Math.log10(stiffness) - x0) / (x1 - x0)) * (width - left - right);
+  const py = (value: number) => height - bottom - ((value - y0) / (y1 - y0)) * (height - top - bottom);
+  const path = points
+    .map((p, k) => `${k === 0 ? 'M' : 'L'}${px(p.stiffness_N_m).toFixed(2)} ${py(y(p)).toFixed(2)}`)
+    .join('');
+  const label = `${remedy.goal.words}: today ${plain(remedy.today.stiffness_N_m)} N/m, needed ${plain(remedy.needed.stiffness_N_m)} N/m`;
+  const picture = svg('svg', {
+    viewBox: `0 0 ${width} ${height}`,
+    role: 'img',
+    'aria-label': `${drop ? 'Largest drop' : 'Lowest resonance'} over the stiffness of the guide sleeves; ${label}`,
+    class: 'stiffness',
+  });
+  for (let decade = Math.ceil(x0); decade <= x1; ++decade)
+    picture.append(
+      svg('line', { x1: px(10 ** decade), x2: px(10 ** decade), y1: top, y2: height - bottom, class: 'grid' }),
+      svg('text', { x: px(10 ** decade), y: height - bottom + 16, 'text-anchor': 'middle' }, `1e${decade}`),
+    );
+  for (let k = 0; k <= 4; ++k) {
+    const value = y0 + ((y1 - y0) * k) / 4;
+    picture.append(
+      svg('line', { x1: left, x2: width - right, y1: py(value), y2: py(value), class: 'grid' }),
+      svg('text', { x: left - 6, y: py(value) + 4, 'text-anchor': 'end' }, fixed(value, y1 < 20 ? 1 : 0)),
+    );
+  }
+  picture.append(
+    svg('line', { x1: left, x2: width - right, y1: py(goal), y2: py(goal), class: 'wanted' }),
+    svg('path', { d: path, class: 'line' }),
+    svg('circle', {
+      cx: px(remedy.today.stiffness_N_m),
+      cy: py(y(remedy.today)),
+      r: 6,
+      class: 'today',
+      'data-mark': 'today',
+    }),
+    svg('text', { x: (left + width - right) / 2, y: height - 8, 'text-anchor': 'middle' }, 'stiffness of the guide sleeves, N/m'),
+    svg(
+      'text',
+      { x: 14, y: height / 2, 'text-anchor': 'middle', transform: `rotate(-90 14 ${height / 2})` },
+      drop ? 'largest drop, %' : 'lowest resonance, Hz',
+    ),
+  );
+  if (remedy.status !== 'out_of_reach')
+    picture.append(
+      svg('circle', {
+        cx: px(remedy.needed.stiffness_N_m),
+        cy: py(y(remedy.needed)),
+        r: 5,
+        class: 'needed',
+        'data-mark': 'needed',
+      }),
+    );
+  return picture;
+}
+
+function render(state: State, host: HTMLElement): void {
+  const found = state.report.diagnosis as Diagnosis;
+  host.append(html('ul', { class: 'findings' }, ...found.summary.map((s) => html('li', {}, s))));
+  if (found.measured_modes && found.measured_modes.length > 0)
+    host.append(measuredTable(state, found));
+  if (found.explanations && found.explanations.length > 1)
+    host.append(html('h3', {}, 'Explanations'), ranking(found));
+  if (found.remedy)
+    host.append(
+      html('h3', {}, `How stiff the guide sleeves must be for ${found.remedy.goal.words}`),
+      html('figure', {}, curve(found.remedy)),
+      html(
+        'p',
+        { class: 'note' },
+        'Open circle: today. Filled: needed. Dashed: wanted. Softer than where the curve begins the legs fold.',
+      ),
+    );
+}
