@@ -18,9 +18,17 @@ struct Fault {
   ModelKind kind{ModelKind::guide};
 };
 
+/// Sizes of faults that a platform feels and under which its legs still carry it.
+struct Sizes {
+  double sleeve;   ///< factor on its stiffness
+  double payload;  ///< factor on its mass
+  double rings;    ///< their stiffness, in that of the sleeves
+  double shift;    ///< of the mass centre, in a quarter of the radius of gyration
+};
+
 /// Faults of a machine by factors on what its file says.
-std::vector<Fault> faults_of(const model::MachineFile& file, double sleeve, double payload,
-                             double rings) {
+std::vector<Fault> faults_of(const model::MachineFile& file, const Sizes& sizes) {
+  const auto [sleeve, payload, rings, shift] = sizes;
   const auto& m = file.machine;
   const auto& leg = m.legs[0];
   const double k_s = leg.guide_sleeve.stiffness, mass = m.platform.mass;
@@ -35,7 +43,7 @@ std::vector<Fault> faults_of(const model::MachineFile& file, double sleeve, doub
   const auto set = [](const std::string& path, double value) {
     return fmt::format("{}={:.12g}", path, value);
   };
-  const double reach = 0.25 * std::sqrt(I.trace() / (3.0 * mass));
+  const double reach = 0.25 * shift * std::sqrt(I.trace() / (3.0 * mass));
   const double K = 6.0 * k_h;
   const double height = m.neutral().p_BP.z();
   std::vector<Fault> faults{
@@ -91,31 +99,24 @@ struct Setting {
   std::vector<std::string> design;
   std::vector<std::string> poses;
   double noise;
-  double sleeve;   ///< factor on its stiffness that a platform feels and that holds the weight
-  double payload;  ///< factor on its mass that the legs can carry
-  double rings;    ///< their stiffness, in that of the sleeves
+  Sizes sizes;
 };
 
 }  // namespace
 
 std::vector<BlindCase> blind_cases() {
+  const std::vector<std::string> stiff{"legs.guide_sleeve.stiffness=20 kN/mm"};
   const std::vector<Setting> settings{
-      {"zhang-jiang-2021.toml", {}, {"neutral"}, 1e-3, 0.8, 1.24, 1.6},
-      {"heavy-platform.toml", {}, {"neutral", "low"}, 1e-3, 1.7, 0.93, 9.0},
-      {"heavy-platform.toml",
-       {"legs.guide_sleeve.stiffness=20 kN/mm"},
-       {"neutral"},
-       5e-4,
-       0.1,
-       1.21},
-      {"random 31", {}, {"neutral", "shifted"}, 2e-3, 0.7, 1.18, 4.0},
-      {"random 47", {}, {"neutral"}, 3e-3, 0.7, 1.27, 4.0},
-      {"random 83", {}, {"shifted"}, 5e-4, 0.7, 1.16, 4.0}};
+      {"zhang-jiang-2021.toml", {}, {"neutral"}, 1e-3, {0.8, 1.24, 1.6, 1.0}},
+      {"heavy-platform.toml", {}, {"neutral", "low"}, 1e-3, {1.7, 0.93, 9.0, 0.2}},
+      {"heavy-platform.toml", stiff, {"neutral"}, 5e-4, {0.1, 1.21, 0.3, 1.0}},
+      {"random 31", {}, {"neutral", "shifted"}, 2e-3, {0.7, 1.18, 4.0, 1.0}},
+      {"random 47", {}, {"neutral"}, 3e-3, {0.7, 1.27, 4.0, 1.0}},
+      {"random 83", {}, {"shifted"}, 5e-4, {0.7, 1.16, 4.0, 1.0}}};
   std::vector<BlindCase> cases;
   for (const auto& s : settings) {
     const BlindCase basic{.machine = s.machine, .design = s.design};
-    for (const auto& fault :
-         faults_of(machine_file(basic.text(), s.design), s.sleeve, s.payload, s.rings))
+    for (const auto& fault : faults_of(machine_file(basic.text(), s.design), s.sizes))
       cases.push_back({s.machine, s.design, fault.overrides, fault.planted, s.poses, s.noise,
                        fault.kind, static_cast<int>(cases.size())});
   }
