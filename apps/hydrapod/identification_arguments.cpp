@@ -199,6 +199,16 @@ identification::Measurement measure(const MeasurementArguments& arguments, bool 
   return result;
 }
 
+identification::GroupedSpectra measure_in_groups(const MeasurementArguments& arguments,
+                                                 int groups) {
+  const auto options = options_of(arguments);
+  ProgressLine line("reading again");
+  return identification::measure_groups(arguments.files, options, groups, [&](double share) {
+    line.update(share);
+    return true;
+  });
+}
+
 std::size_t result_format(const std::string& format, const std::string& output,
                           const std::vector<std::string_view>& words) {
   std::string word = format;

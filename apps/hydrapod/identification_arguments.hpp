@@ -46,6 +46,9 @@ identification::Measurement measure(const MeasurementArguments& arguments,
 std::size_t result_format(const std::string& format, const std::string& output,
                           const std::vector<std::string_view>& words);
 
+/// The same in pieces, for the bootstrap.
+identification::GroupedSpectra measure_in_groups(const MeasurementArguments& arguments, int groups);
+
 /// "6 inputs, 6 outputs, h1, 45.1 averages, lines 0.061 Hz apart"; what was measured, for headings.
 std::string measurement_text(const identification::FrequencyResponses& responses);
 

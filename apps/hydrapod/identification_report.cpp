@@ -82,8 +82,7 @@ TableStyle table_style(const std::string& output) {
   return {printed && has_colour(stdout), printed ? terminal_width() : Table::unlimited};
 }
 
-std::string modes_text(const identification::Identification& result,
-                       const std::vector<std::optional<identification::SecondOpinion>>& opinions,
+std::string modes_text(const identification::Identification& result, const Checks& checks,
                        const std::string& measured, const std::string& frame,
                        const TableStyle& style) {
   std::string text = fmt::format("{}\nband {:.4g} Hz to {:.4g} Hz, model orders up to {}, {}\n",
@@ -93,7 +92,11 @@ std::string modes_text(const identification::Identification& result,
   std::vector<Column> columns{{"mode"},    {"Hz"},  {"±"},
                               {"damping"}, {"±"},   {"what moves", Align::left},
                               {"MPC"},     {"MPD"}, {"quality"}};
-  if (!opinions.empty()) columns.push_back({"second opinion (ERA)", Align::left});
+  if (checks.bootstrap) {
+    columns.push_back({"bootstrap ± Hz"});
+    columns.push_back({"± damping"});
+  }
+  if (!checks.opinions.empty()) columns.push_back({"second opinion (ERA)", Align::left});
   Table table(columns);
   Eigen::VectorXd size =
       Eigen::VectorXd::Zero(static_cast<Eigen::Index>(result.responses.outputs.size()));
@@ -110,7 +113,12 @@ std::string modes_text(const identification::Identification& result,
                                  fmt::format("{:.3f}", m.mpc),
                                  fmt::format("{:.1f}°", m.mpd * 180.0 / std::numbers::pi),
                                  fmt::format("{:.2f}", m.quality())};
-    if (r < opinions.size()) row.push_back(opinion_text(opinions[r]));
+    if (checks.bootstrap) {
+      const auto k = static_cast<Eigen::Index>(r);
+      row.push_back(fmt::format("{:.2g}", band * checks.bootstrap->omega_deviation[k] / two_pi));
+      row.push_back(fmt::format("{:.2g} %", 100.0 * band * checks.bootstrap->damping_deviation[k]));
+    }
+    if (r < checks.opinions.size()) row.push_back(opinion_text(checks.opinions[r]));
     table.add_row(row);
   }
   text += "\n" + table.text(style.colour, style.width);
@@ -120,6 +128,10 @@ std::string modes_text(const identification::Identification& result,
     text +=
         fmt::format(", {:.2f} times what their noise explains (mean square)", result.model.misfit);
   text += ".\n";
+  if (checks.bootstrap)
+    text += fmt::format("Bootstrap: {} draws from {} groups of blocks, good to {:.0f} %.\n",
+                        checks.bootstrap->resamples, checks.bootstrap->groups,
+                        100.0 / std::sqrt(2.0 * (checks.bootstrap->groups - 1.0)));
   for (const auto& m : result.heavily_damped)
     text += fmt::format("Heavily damped pole, no mode: {:.3f} Hz, {:.0f} % of critical.\n",
                         m.omega() / two_pi, 100.0 * m.damping_ratio());

@@ -3,6 +3,7 @@
 
 #include <string>
 
+#include "hydrapod/identification/bootstrap.hpp"
 #include "hydrapod/identification/realisation.hpp"
 #include "hydrapod/identification/second_opinion.hpp"
 #include "hydrapod/report/mode_comparison.hpp"
@@ -16,10 +17,14 @@ struct TableStyle {
 /// As fits what is printed to `output`; "-" is the terminal.
 TableStyle table_style(const std::string& output);
 
-/// `measured` and `frame` say what was measured and how it was brought to directions; `opinions`:
-/// per mode, or empty.
-std::string modes_text(const identification::Identification& result,
-                       const std::vector<std::optional<identification::SecondOpinion>>& opinions,
+/// What there is besides the modes.
+struct Checks {
+  std::vector<std::optional<identification::SecondOpinion>> opinions{};  ///< per mode, or empty
+  std::optional<identification::BootstrapScatter> bootstrap{};
+};
+
+/// `measured` and `frame` say what was measured and how it was brought to directions.
+std::string modes_text(const identification::Identification& result, const Checks& checks,
                        const std::string& measured, const std::string& frame,
                        const TableStyle& style);
 

@@ -7,6 +7,7 @@
 
 #include "hydrapod/base/file.hpp"
 #include "hydrapod/identification/exchange.hpp"
+#include "hydrapod/interrupt.hpp"
 #include "hydrapod/machine_arguments.hpp"
 #include "hydrapod/report/identification_json.hpp"
 #include "hydrapod/terminal.hpp"
@@ -148,6 +149,31 @@ identification::Identification identified_modes(const IdentificationArguments& a
   }
   print_warnings(a.measurement.files[0], result.warnings);
   return result;
+}
+
+std::optional<identification::BootstrapScatter> bootstrap_scatter(
+    const IdentificationArguments& a, const identification::Identification& result, int resamples) {
+  if (result.modes.empty()) return {};
+  const std::string& first = a.measurement.files[0];
+  if (is_json(first) || !is_record(first))
+    bad_argument("--bootstrap", "draws from the blocks of a record; " + first + " is none");
+  constexpr int groups = 24;
+  try {
+    const auto grouped = measure_in_groups(a.measurement, groups);
+    const InterruptNote interrupt;
+    ProgressLine line("bootstrap");
+    return identification::bootstrap_modes(
+        grouped.groups, grouped.choice, grouped.estimator, result,
+        {.resamples = resamples, .identify = options_of(a)}, [&](double share) {
+          line.update(share);
+          return !InterruptNote::noted();
+        });
+  } catch (const base::ComputationError& error) {
+    print_warnings(first, {fmt::format("no bootstrap: {}", error.what())});
+  } catch (const std::invalid_argument& error) {
+    print_warnings(first, {fmt::format("no bootstrap: {}", error.what())});
+  }
+  return {};
 }
 
 std::vector<std::optional<identification::SecondOpinion>> second_opinions(

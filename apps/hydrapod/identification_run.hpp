@@ -2,6 +2,7 @@
 /// From the command line's options to identified modes and their comparison with a model: what
 /// `hydrapod identify` and `hydrapod report --measured` share.
 
+#include "hydrapod/identification/bootstrap.hpp"
 #include "hydrapod/identification/second_opinion.hpp"
 #include "hydrapod/identification_arguments.hpp"
 #include "hydrapod/report/mode_comparison.hpp"
@@ -37,6 +38,12 @@ IdentifiedSource identified_source(const IdentificationArguments& arguments);
 /// With a progress line; warnings go to stderr.
 identification::Identification identified_modes(const IdentificationArguments& arguments,
                                                 const IdentifiedSource& source);
+
+/// Scatter over `resamples` draws of the record's averages; none with a warning where the record
+/// does not give it. Ctrl-C ends the draws and keeps what was drawn.
+std::optional<identification::BootstrapScatter> bootstrap_scatter(
+    const IdentificationArguments& arguments, const identification::Identification& result,
+    int resamples);
 
 /// What the eigensystem realisation says of the same responses; empty with a warning where it
 /// cannot be had.

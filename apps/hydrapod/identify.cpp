@@ -19,6 +19,7 @@ namespace {
 
 struct Arguments : IdentificationArguments {
   bool output_only{};
+  int bootstrap{};  ///< draws
   std::string format{}, output{"-"}, plot{}, stabilisation{}, mac{}, cross_mac{};
 };
 
@@ -73,7 +74,8 @@ void run_output_only(const Arguments& a, size_t format) {
 void write_result(const Arguments& a, size_t format, const IdentifiedSource& source,
                   const identification::Identification& result,
                   const std::optional<report::ComparedModes>& compared) {
-  const auto opinions = second_opinions(a, source, result);
+  Checks checks{.opinions = second_opinions(a, source, result)};
+  if (a.bootstrap > 0) checks.bootstrap = bootstrap_scatter(a, result, a.bootstrap);
   const std::string title = a.measurement.files[0];
   if (format == Format::uff)
     return report::write_modes_uff(a.output, result, title,
@@ -83,14 +85,15 @@ void write_result(const Arguments& a, size_t format, const IdentifiedSource& sou
   if (format == Format::json) {
     report::Json json{{"kind", "identified_modes"}, {"records", a.measurement.files}};
     json.update(report::identification_json(result));
-    report::add_second_opinions(opinions, json);
+    report::add_second_opinions(checks.opinions, json);
+    if (checks.bootstrap) report::add_bootstrap(*checks.bootstrap, json);
     if (compared) json["comparison"] = report::comparison_json(*compared, result);
     text = json.dump(1) + "\n";
   } else if (format == Format::csv) {
     text = report::identified_modes_csv(result);
   } else {
     const auto style = table_style(a.output);
-    text = modes_text(result, opinions, measurement_text(source.responses), source.frame, style);
+    text = modes_text(result, checks, measurement_text(source.responses), source.frame, style);
     if (compared) text += comparison_text(*compared, result, style);
   }
   base::write_file_whole(a.output, text);
@@ -99,6 +102,8 @@ void write_result(const Arguments& a, size_t format, const IdentifiedSource& sou
 void run(const Arguments& a) {
   const size_t format = result_format(a.format, a.output, {"table", "json", "csv", "uff", "mat"});
   check_identification(a);
+  if (a.output_only && a.bootstrap > 0)
+    bad_argument("--bootstrap", "output-only modes have no intervals to check");
   if (a.output_only) return run_output_only(a, format);
   for (const auto* path : {&a.plot, &a.stabilisation, &a.mac, &a.cross_mac})
     if (!path->empty()) report::require_picture(*path);
@@ -130,6 +135,12 @@ void add_identify(CLI::App& app) {
   add_identification_options(*command, *a);
   command->add_flag("--output-only", a->output_only,
                     "The excitation was not measured: modes from the responses alone");
+  command
+      ->add_option("--bootstrap", a->bootstrap,
+                   "Check the intervals with so many draws of the record's averages, for instance "
+                   "50; 0: none")
+      ->check(CLI::Range(0, 10000))
+      ->capture_default_str();
   command->add_option("--plot", a->plot, "Bode diagram with the fit to write, .svg, .png or .pdf");
   command->add_option("--stabilisation", a->stabilisation,
                       "Stabilisation chart with mode indicator to write");

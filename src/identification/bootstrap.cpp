@@ -82,7 +82,7 @@ BootstrapScatter bootstrap_modes(const std::vector<CrossSpectra>& groups,
   std::mt19937_64 random(options.seed);
   const auto modes = static_cast<Index>(found.modes.size());
   Eigen::MatrixXd omega(modes, options.resamples), damping(modes, options.resamples);
-  BootstrapScatter scatter;
+  BootstrapScatter scatter{.groups = static_cast<int>(groups.size())};
   for (int b = 0; b < options.resamples; ++b) {
     std::vector<std::size_t> picks(groups.size());
     for (auto& pick : picks) pick = random() % groups.size();

@@ -369,4 +369,57 @@ Measurement measure_outputs(const std::vector<std::string>& files, const Measure
   return m;
 }
 
+GroupedSpectra measure_groups(const std::vector<std::string>& files, const MeasureOptions& options,
+                              int groups, const std::function<bool(double)>& progress) {
+  if (files.empty()) throw std::invalid_argument("no record is named");
+  const auto header = data::open_record_reader(files[0], options.read)->header();
+  Plan plan = plan_channels(files[0], header, options);
+  const Lengths lengths = lengths_of(files, options);
+  const auto spectrum = spectrum_options(files, header, plan, options, lengths.shortest);
+  if (spectrum.periodic)
+    throw base::ComputationError("the excitation is periodic: there are no blocks to draw from");
+  const auto used = used_channels(plan.choice);
+  const auto skip = static_cast<std::int64_t>(std::llround(options.settling * header.sample_rate));
+  const std::int64_t piece =
+      std::max(lengths.total / groups, std::int64_t{2} * spectrum.block_length);
+  GroupedSpectra result{.estimator = plan.estimator};
+  const auto close = [&](SpectrumEstimator& estimator) {
+    Measurement m{.spectra = estimator.result()};
+    if (m.spectra.blocks == 0) return;
+    result.choice = plan.choice;
+    if (options.outputs_to_platform)
+      bring_sensors_to_platform(*options.outputs_to_platform, result.choice, m);
+    else if (options.platform)
+      bring_to_platform(*options.platform, result.choice, m);
+    result.groups.push_back(std::move(m.spectra));
+  };
+  SpectrumEstimator estimator(header, spectrum, used);
+  std::int64_t samples = 0, in_piece = 0;
+  bool going_on = true;
+  for (std::size_t f = 0; f < files.size() && going_on; ++f) {
+    auto reader = data::open_record_reader(files[f], options.read);
+    if (!same_channels(header, reader->header())) bad(files[f], "other channels");
+    estimator.begin_record(skip);
+    auto block = data::make_block(reader->header());
+    while (const auto got = going_on ? reader->read(block) : 0) {
+      for (std::int64_t at = 0; at < got;) {
+        const std::int64_t count = std::min(got - at, piece - in_piece);
+        estimator.add(block.middleRows(at, count));
+        at += count;
+        in_piece += count;
+        if (in_piece < piece) continue;
+        close(estimator);
+        estimator = SpectrumEstimator(header, spectrum, used);
+        in_piece = 0;
+      }
+      samples += got;
+      going_on =
+          !progress || progress(static_cast<double>(samples) /
+                                static_cast<double>(std::max<std::int64_t>(lengths.total, 1)));
+    }
+  }
+  if (in_piece >= piece / 2) close(estimator);
+  return result;
+}
+
 }  // namespace hydrapod::identification

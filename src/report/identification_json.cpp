@@ -374,6 +374,18 @@ void add_second_opinions(const std::vector<std::optional<identification::SecondO
   }
 }
 
+void add_bootstrap(const identification::BootstrapScatter& scatter, Json& json) {
+  constexpr double band = 1.96;
+  json["bootstrap_resamples"] = scatter.resamples;
+  json["bootstrap_groups"] = scatter.groups;
+  auto& modes = json["modes"];
+  for (std::size_t r = 0; r < modes.size(); ++r) {
+    const auto k = static_cast<Index>(r);
+    modes[r]["bootstrap"] = {{"frequency_95_hz", band * scatter.omega_deviation[k] / two_pi},
+                             {"damping_95", band * scatter.damping_deviation[k]}};
+  }
+}
+
 std::string responses_csv(const FrequencyResponses& r) {
   std::string text = "frequency_hz";
   for (const auto& o : r.outputs)

@@ -65,6 +65,32 @@ TEST_F(Identify, TheRealisationAgrees) {
   }
 }
 
+TEST_F(Identify, TheBootstrapIsLikeTheIntervals) {
+  record = test::record_of(system, {.sample_rate = 50.0,
+                                    .samples = 1 << 16,
+                                    .output_noise = Eigen::Vector3d::Constant(2e-3),
+                                    .seed = 11});
+  const std::string path = write();
+  const auto run = test::run_hydrapod(
+      {"identify", path, "--bootstrap", "30", "--block", "1024", "--format", "json"});
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  const auto found = json::parse(run.out);
+  EXPECT_EQ(found["bootstrap_resamples"], 30);
+  EXPECT_EQ(found["bootstrap_groups"], 24);
+  // 24 groups and 30 draws tell a deviation to some 20 %
+  for (const auto& mode : found["modes"])
+    for (const char* what : {"frequency_95_hz", "damping_95"}) {
+      const double ratio = mode["bootstrap"][what].get<double>() / mode[what].get<double>();
+      EXPECT_GT(ratio, 0.4) << what;
+      EXPECT_LT(ratio, 1.7) << what;
+    }
+  const std::string frf = folder / "frf.json";
+  ASSERT_EQ(test::run_hydrapod({"frf", path, "-o", frf}).exit_code, 0);
+  const auto refused = test::run_hydrapod({"identify", frf, "--bootstrap", "30"});
+  EXPECT_EQ(refused.exit_code, 2);
+  EXPECT_THAT(refused.err, HasSubstr("draws from the blocks of a record"));
+}
+
 TEST_F(Identify, TheTableSaysWhatItIs) {
   const auto run = test::run_hydrapod({"identify", write()});
   ASSERT_EQ(run.exit_code, 0) << run.err;

@@ -31,6 +31,7 @@ struct BootstrapScatter {
   Eigen::VectorXd omega_deviation{};    ///< of ω [rad/s], per mode that was found
   Eigen::VectorXd damping_deviation{};  ///< of ζ
   int resamples{};                      ///< that could be fitted
+  int groups{};  ///< G: the scatter itself is known to 1/√(2 (G − 1)) or so
 };
 
 /// `groups`: spectra of at least four groups with the same channels and options. `progress` is told

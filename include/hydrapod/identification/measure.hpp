@@ -61,4 +61,17 @@ Measurement measure_responses(const std::vector<std::string>& files, const Measu
 Measurement measure_outputs(const std::vector<std::string>& files, const MeasureOptions& options,
                             const std::function<bool(double)>& progress = {});
 
+/// The record in pieces, for bootstrap.hpp: spectra of groups of neighbouring blocks, formed as
+/// measure_responses would, and what is input and output among their channels.
+struct GroupedSpectra {
+  std::vector<CrossSpectra> groups{};
+  ChannelChoice choice{};
+  Estimator estimator{Estimator::h1};
+};
+
+/// In at most `groups` pieces, each at least two blocks long. Throws as measure_responses, and
+/// base::ComputationError for periodic excitation, whose periods are no blocks to draw from.
+GroupedSpectra measure_groups(const std::vector<std::string>& files, const MeasureOptions& options,
+                              int groups, const std::function<bool(double)>& progress = {});
+
 }  // namespace hydrapod::identification

@@ -2,6 +2,7 @@
 /// Frequency responses and identified modes as JSON; the fields are documented in
 /// docs/howto/json.md.
 
+#include "hydrapod/identification/bootstrap.hpp"
 #include "hydrapod/identification/identify.hpp"
 #include "hydrapod/identification/realisation.hpp"
 #include "hydrapod/identification/second_opinion.hpp"
@@ -30,6 +31,9 @@ Json identification_json(const identification::Identification& result);
 /// Adds `second_opinion` to each of `modes[]` of identification_json(): null where there is none.
 void add_second_opinions(const std::vector<std::optional<identification::SecondOpinion>>& opinions,
                          Json& json);
+
+/// Adds `bootstrap` to each of `modes[]`, and `bootstrap_resamples`.
+void add_bootstrap(const identification::BootstrapScatter& scatter, Json& json);
 
 /// Frequency, then re, im and deviation of every entry, then multiple coherence and condition.
 std::string responses_csv(const identification::FrequencyResponses& responses);
