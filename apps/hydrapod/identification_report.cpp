@@ -37,9 +37,7 @@ std::string shape_text(const identification::IdentifiedMode& mode, const Eigen::
 }
 
 std::string signed_percent(double share) {
-  std::string text = fmt::format("{:+.2f} %", 100.0 * share);
-  if (text.starts_with('-')) text.replace(0, 1, "−");
-  return text;
+  return fmt::format("{}{:.2f} %", share < 0.0 ? "−" : "+", std::abs(100.0 * share));
 }
 
 std::string hertz(double omega) { return fmt::format("{:.4f}", omega / two_pi); }
