@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
 #include <numbers>
 
 #include "hydrapod/base/error.hpp"
@@ -69,6 +70,14 @@ Json lines_json(const std::vector<MatrixXcd>& lines) {
   return rows;
 }
 
+/// A name as a field of a title row: in quotes where it holds what would end the field.
+std::string csv_field(const std::string& name) {
+  if (name.find_first_of(",\"\n\r") == std::string::npos) return name;
+  std::string text = "\"";
+  for (const char c : name) text += c == '"' ? std::string("\"\"") : std::string(1, c);
+  return text + '"';
+}
+
 template <class Number>
 Json over_lines(std::size_t lines, const Number& number) {
   Json list = Json::array();
@@ -112,6 +121,20 @@ class Fields {
     }
     return values;
   }
+  /// A text, or what stands for one that is not there.
+  [[nodiscard]] std::string text(const Json& object, const std::string& key,
+                                 const std::string& otherwise) const {
+    const auto found = object.find(key);
+    if (found == object.end()) return otherwise;
+    if (!found->is_string()) bad(key, "is no text");
+    return found->get<std::string>();
+  }
+  [[nodiscard]] double number(const Json& object, const std::string& key, double otherwise) const {
+    const auto found = object.find(key);
+    if (found == object.end()) return otherwise;
+    if (!found->is_number()) bad(key, "is no number");
+    return found->get<double>();
+  }
   [[nodiscard]] std::vector<data::Channel> channels(const std::string& key) const {
     std::vector<data::Channel> list;
     const Json& all = at(key);
@@ -119,12 +142,14 @@ class Fields {
     for (const auto& c : all) {
       if (!c.is_object()) bad(key, "holds something that is no channel");
       data::Channel channel;
-      channel.name = c.value("name", "");
-      channel.unit = c.value("unit", "1");
+      channel.name = text(c, "name", "");
+      channel.unit = text(c, "unit", "1");
       channel.direction =
-          data::direction_from_text(c.value("direction", "")).value_or(data::Direction::none);
-      channel.role = data::role_from_text(c.value("role", "")).value_or(data::Role::other);
-      channel.point = c.value("point", 0);
+          data::direction_from_text(text(c, "direction", "")).value_or(data::Direction::none);
+      channel.role = data::role_from_text(text(c, "role", "")).value_or(data::Role::other);
+      const double point = number(c, "point", 0.0);
+      if (!(std::abs(point) < 1e9)) bad("point", "is no number of a measuring point");
+      channel.point = static_cast<int>(point);
       list.push_back(channel);
     }
     return list;
@@ -311,16 +336,16 @@ FrequencyResponses responses_from_json(const Json& json, const std::string& file
     r.noise = fields.lines("noise", outputs, outputs, r.lines());
     r.input_factor = fields.lines("input_factor", inputs, inputs, r.lines());
     r.line_covariance = fields.numbers(fields.at("line_covariance"), "line_covariance");
-    r.degrees = json.value("degrees_of_freedom", 0.0);
-    r.averages = json.value("averages", 0.0);
+    r.degrees = fields.number(json, "degrees_of_freedom", 0.0);
+    r.averages = fields.number(json, "averages", 0.0);
   }
   if (fields.has("taper")) {
     const auto taper = fields.numbers(fields.at("taper"), "taper");
     r.taper = Eigen::VectorXd::Map(taper.data(), static_cast<Index>(taper.size()));
-    r.sample_rate = json.value("sample_rate_hz", 0.0);
+    r.sample_rate = fields.number(json, "sample_rate_hz", 0.0);
     if (!(r.sample_rate > 0.0)) fields.bad("sample_rate_hz", "must be positive");
   }
-  r.estimator = identification::estimator_from_text(json.value("estimator", "h1"))
+  r.estimator = identification::estimator_from_text(fields.text(json, "estimator", "h1"))
                     .value_or(identification::Estimator::h1);
   return r;
 }
@@ -390,10 +415,11 @@ std::string responses_csv(const FrequencyResponses& r) {
   std::string text = "frequency_hz";
   for (const auto& o : r.outputs)
     for (const auto& i : r.inputs) {
-      text += fmt::format(",re {0}/{1},im {0}/{1}", o.name, i.name);
-      if (r.has_errors()) text += fmt::format(",deviation {}/{}", o.name, i.name);
+      const std::string pair = o.name + "/" + i.name;
+      text += "," + csv_field("re " + pair) + "," + csv_field("im " + pair);
+      if (r.has_errors()) text += "," + csv_field("deviation " + pair);
     }
-  for (const auto& o : r.outputs) text += ",coherence " + o.name;
+  for (const auto& o : r.outputs) text += "," + csv_field("coherence " + o.name);
   text += ",condition\n";
   for (std::size_t k = 0; k < r.lines(); ++k) {
     text += fmt::format("{:.17g}", r.frequency[k]);
@@ -440,7 +466,8 @@ std::string output_only_csv(const std::vector<identification::OutputOnlyMode>& m
 std::string identified_modes_csv(const identification::Identification& result) {
   std::string text =
       "mode,frequency_hz,frequency_95_hz,damping_ratio,damping_95,mpc,mpd_rad,quality,significance";
-  for (const auto& o : result.responses.outputs) text += fmt::format(",re {0},im {0}", o.name);
+  for (const auto& o : result.responses.outputs)
+    text += "," + csv_field("re " + o.name) + "," + csv_field("im " + o.name);
   text += '\n';
   int number = 0;
   for (const auto& m : result.modes) {

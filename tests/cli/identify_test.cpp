@@ -175,6 +175,10 @@ TEST_F(Identify, BrokenResponsesAreRefusedWithTheField) {
   run = test::run_hydrapod({"identify", path});
   EXPECT_EQ(run.exit_code, 2);
   EXPECT_THAT(run.err, HasSubstr("is no JSON"));
+  test::write_text(path, R"({"inputs": [{"name": 3}], "outputs": [{"name": "y"}]})");
+  run = test::run_hydrapod({"identify", path});
+  EXPECT_EQ(run.exit_code, 2);
+  EXPECT_THAT(run.err, HasSubstr("name: is no text"));
 }
 
 TEST_F(Identify, ResultsGoIntoFilesOfOtherPrograms) {
@@ -200,6 +204,13 @@ TEST_F(Identify, ResultsGoIntoFilesOfOtherPrograms) {
   const auto unnamed = test::run_hydrapod({"identify", path, "--format", "uff"});
   EXPECT_EQ(unnamed.exit_code, 2);
   EXPECT_THAT(unnamed.err, HasSubstr("-o FILE.uff"));
+}
+
+TEST_F(Identify, NamesWithCommasStayOneField) {
+  record.header.channels[3].name = "a, \"left\"";
+  const auto run = test::run_hydrapod({"identify", write(), "--format", "csv"});
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  EXPECT_THAT(run.out, HasSubstr("\"re a, \"\"left\"\"\",\"im a, \"\"left\"\"\",re y2"));
 }
 
 TEST_F(Identify, TheChartSaysOfEveryPoleWhatAgrees) {

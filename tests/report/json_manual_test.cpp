@@ -5,8 +5,11 @@
 #include <set>
 #include <string>
 
+#include "exact/modal_system.hpp"
 #include "hydrapod/report/bode.hpp"
 #include "hydrapod/report/check.hpp"
+#include "hydrapod/report/identification_json.hpp"
+#include "hydrapod/report/identification_section.hpp"
 #include "support/run_program.hpp"
 #include "support/symmetric_machine.hpp"
 
@@ -26,6 +29,37 @@ void add_names(const Json& json, std::set<std::string>& names) {
   }
 }
 
+/// Those of `frf` and `identified_modes`: of a chain of three masses, beside a machine.
+void add_identification_names(std::set<std::string>& names) {
+  const auto record = record_of(
+      chain(3, 1.13, 1733.0, 0.021),
+      {.sample_rate = 50.0, .samples = 1 << 14, .output_noise = Eigen::Vector3d::Constant(1e-3)});
+  identification::SpectrumEstimator estimator(record.header, {.block_length = 512});
+  estimator.add(record.samples);
+  const auto responses = identification::estimate_responses(
+      estimator.result(), {.inputs = {0, 1, 2}, .outputs = {3, 4, 5}, .instruments = {}},
+      identification::Estimator::h1);
+  const auto found = identification::identify_modes(responses);
+  ASSERT_EQ(found.modes.size(), 3U);
+  auto machine = symmetric_machine(0.0);
+  report::ComparedModes compared{.machine = "m", .pose = "neutral"};
+  compared.result = comparison::compare_modes(
+      found,
+      comparison::model_modes(machine, machine.neutral(), dynamics::ModelKind::rigid,
+                              comparison::Source::mechanics),
+      {machine, machine.neutral(), spatial::Vector3::Zero()});
+  Json json = report::identification_json(found);
+  report::add_second_opinions(identification::second_opinion(found, responses), json);
+  report::add_bootstrap({Eigen::Vector3d::Ones(), Eigen::Vector3d::Ones(), 2, 4}, json);
+  add_names(json, names);
+  add_names({{"comparison", report::comparison_json(compared, found)}}, names);
+  add_names(report::responses_json(responses), names);
+  add_names({{"record", report::record_origin_json(record.header)}}, names);
+  const Json section = report::identification_section(found, compared, {});
+  for (const auto& [name, value] : section.items()) names.insert(name);
+  add_names(section["responses"], names);
+}
+
 /// Field names of all that can be printed, complex shapes and strokes included.
 std::set<std::string> all_names() {
   auto machine = symmetric_machine(9.81);
@@ -40,6 +74,7 @@ std::set<std::string> all_names() {
   add_names({{"matrices", report::matrices_json(bode.table)}}, names);
   add_names(report::bode_json(bode), names);
   add_names(report::check_json(report::check(machine, pose, dynamics::ModelKind::guide)), names);
+  add_identification_names(names);
   return names;
 }
 
