@@ -158,11 +158,17 @@ std::string slip(double ratio) {
       Slip{1e3, "a unit wrong by 1000 in the frequencies"}, Slip{two_pi, "rad/s taken for Hz"},
       Slip{60.0, "cycles per minute taken for Hz"},
       Slip{31.622776601683793, "a mass or a stiffness wrong by 1000 in the machine file"}};
-  constexpr double near = 0.2;
+  // a fault may lower the resonances besides
+  double nearest = std::log(2.0);
+  std::string words;
   for (const auto& one : slips)
-    for (const bool up : {true, false})
-      if (std::abs(std::log(ratio * (up ? 1.0 / one.ratio : one.ratio))) < near) return one.words;
-  return {};
+    for (const bool up : {true, false}) {
+      const double off = std::abs(std::log(ratio * (up ? 1.0 / one.ratio : one.ratio)));
+      if (off >= nearest) continue;
+      nearest = off;
+      words = one.words;
+    }
+  return words;
 }
 
 /// Lowest measured over lowest predicted frequency, direction by direction.

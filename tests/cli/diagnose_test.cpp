@@ -1,0 +1,132 @@
+/// `hydrapod diagnose` as somebody uses it, rightly and wrongly.
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <fmt/format.h>
+
+#include "support/json_fields.hpp"
+
+namespace hydrapod {
+namespace {
+
+using test::json_of;
+using test::run_hydrapod;
+using testing::HasSubstr;
+
+class DiagnoseCommand : public testing::Test {
+ protected:
+  const std::string machine_ = test::source_file("models/heavy-platform.toml").string();
+  const std::vector<std::string> stiff_{"--set", "legs.guide_sleeve.stiffness=20 kN/mm"};
+  test::TemporaryFolder folder_;
+
+  std::string write(const std::string& name, const std::string& text) {
+    test::write_text(folder_ / name, text);
+    return (folder_ / name).string();
+  }
+
+  /// The modes of the machine with its soft sleeves, as a list; frequencies times `factor`.
+  std::string modes(double factor = 1.0) {
+    std::string text = "frequency [Hz],deviation [%],x,y,z,rx,ry,rz\n";
+    const auto soft = json_of({"modes", machine_, "--format", "json"});
+    for (const auto& mode : soft["modes"]) {
+      double platform = 0.0;
+      for (const auto& share : mode["platform_energy"]) platform += share.get<double>();
+      if (platform < 0.004) continue;
+      text += fmt::format("{},0.1", factor * mode["frequency_hz"].get<double>());
+      const auto& shape = mode["shape"].contains("re") ? mode["shape"]["re"] : mode["shape"];
+      for (std::size_t d = 0; d < 6; ++d) text += fmt::format(",{}", shape[d].get<double>());
+      text += "\n";
+    }
+    return write("modes.csv", text);
+  }
+
+  std::vector<std::string> command(std::vector<std::string> more) {
+    std::vector<std::string> all{"diagnose", machine_};
+    all.insert(all.end(), stiff_.begin(), stiff_.end());
+    all.insert(all.end(), more.begin(), more.end());
+    return all;
+  }
+};
+
+TEST_F(DiagnoseCommand, NamesTheSleevesInWordsAndNumbers) {
+  const auto picture = (folder_ / "why.svg").string();
+  const auto run =
+      run_hydrapod(command({"--measured", modes(), "--format", "json", "--plot", picture}));
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  const auto json = nlohmann::json::parse(run.out);
+  EXPECT_EQ(json["kind"], "diagnosis");
+  EXPECT_EQ(json["finding"], "guilty");
+  const auto& best = json["explanations"][0];
+  EXPECT_EQ(best["name"], "guide sleeves of all legs");
+  EXPECT_NEAR(best["parameters"][0]["value"].get<double>(), 0.84e6, 2e3);
+  EXPECT_LE(best["parameters"][0]["interval_95"][0].get<double>(), 0.8401e6);
+  EXPECT_THAT(json["summary"][0].get<std::string>(), HasSubstr("guide sleeves of all legs"));
+  // the remedy is of the machine as it is, not as it was designed
+  EXPECT_NEAR(json["remedy"]["today"]["stiffness_N_m"].get<double>(), 0.84e6, 2e3);
+  EXPECT_GT(json["remedy"]["needed"]["factor"].get<double>(), 1.2);
+  EXPECT_THAT(test::read_text(picture), HasSubstr("guide sleeves of all legs"));
+}
+
+/// The promised stiffness, put into the file, gives the promised frequency in `hydrapod modes`.
+/// (Heavy dampers would move it by some tenths of a per cent.)
+TEST_F(DiagnoseCommand, RemedyHoldsWhenItIsTried) {
+  const std::vector<std::string> undamped{"--set",    "legs.guide_sleeve.damping=0",
+                                          "--set",    "legs.oil_spring.damping=0",
+                                          "--format", "json"};
+  const auto with = [&](std::vector<std::string> words) {
+    words.insert(words.end(), undamped.begin(), undamped.end());
+    return json_of(words);
+  };
+  const auto wanted = with({"diagnose", machine_, "--want", "x=5 Hz", "--poses", "neutral"});
+  ASSERT_EQ(wanted["remedy"]["status"], "found");
+  const double stiffness = wanted["remedy"]["needed"]["stiffness_N_m"].get<double>();
+  const auto mended = with(
+      {"modes", machine_, "--set", fmt::format("legs.guide_sleeve.stiffness={:.12g}", stiffness)});
+  EXPECT_NEAR(mended["modes"][0]["frequency_hz"].get<double>(), 5.0, 1e-4);
+}
+
+TEST_F(DiagnoseCommand, WithoutAMeasurementSaysWhatTheDropBelongsTo) {
+  const auto run = run_hydrapod({"diagnose", machine_});
+  EXPECT_EQ(run.exit_code, 0) << run.err;
+  EXPECT_THAT(run.out, HasSubstr("guide sleeves of all legs 100 %"));
+  EXPECT_THAT(run.out, HasSubstr("Guide sleeves of at least"));
+  EXPECT_THAT(run.out, HasSubstr("guide sleeve of leg 6"));
+}
+
+TEST_F(DiagnoseCommand, WrongUnitsBlameNobody) {
+  const auto run = run_hydrapod(command({"--measured", modes(1000.0)}));
+  EXPECT_EQ(run.exit_code, 0);
+  EXPECT_THAT(run.out, HasSubstr("do not belong together; no part is blamed"));
+  EXPECT_THAT(run.out, HasSubstr("a unit wrong by 1000"));
+  EXPECT_THAT(run.out, testing::Not(HasSubstr("The cause")));
+}
+
+TEST_F(DiagnoseCommand, MistakesAreNamed) {
+  struct Wrong {
+    std::vector<std::string> arguments;
+    std::string message;
+  };
+  const std::vector<Wrong> wrongs{{{"--want", "soft"}, "--want soft"},
+                                  {{"--want", "120 %"}, "a drop above 0 % and below 100 %"},
+                                  {{"--want", "-3 Hz"}, "a frequency above 0"},
+                                  {{"--want", "q=3 Hz"}, "accepted are x, y, z"},
+                                  {{"--want", "3 kg"}, "--want 3 kg"},
+                                  {{"--poses", "nowhere"}, "unknown pose"},
+                                  {{"--pose", "lo"}, "did you mean 'low'"},
+                                  {{"--measured", "nothing.csv"}, "nothing.csv"},
+                                  {{"--measured", write("empty.csv", "")}, "empty.csv"},
+                                  {{"--measured", write("bad.json", "{\"modes\": 3}")}, "modes"},
+                                  {{"--measured", write("broken.json", "{\"modes\": ")}, "no JSON"},
+                                  {{"--plot", "why.gif"}, "why.gif"},
+                                  {{"--format", "xml"}, "xml"},
+                                  {{"--model-error", "0"}, "--model-error"}};
+  for (const auto& wrong : wrongs) {
+    const auto run = run_hydrapod(command(wrong.arguments));
+    EXPECT_EQ(run.exit_code, 2) << wrong.arguments[1] << '\n' << run.out << run.err;
+    EXPECT_THAT(run.err, HasSubstr(wrong.message)) << wrong.arguments[1];
+  }
+}
+
+}  // namespace
+}  // namespace hydrapod

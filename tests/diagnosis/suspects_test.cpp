@@ -1,0 +1,118 @@
+/// Suspects: every machine has all of them, each changes the model, and each is a hypothesis that
+/// holds the machine as stated.
+
+#include "hydrapod/diagnosis/suspect.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <set>
+
+#include "hydrapod/diagnosis/amounts.hpp"
+#include "hydrapod/model/variable_machine.hpp"
+#include "support/calibration_machine.hpp"
+#include "support/run_program.hpp"
+
+namespace hydrapod::diagnosis {
+namespace {
+
+using dynamics::ModelKind;
+
+std::vector<std::string> texts() {
+  std::vector<std::string> all;
+  for (const char* name : {"zhang-jiang-2021.toml", "heavy-platform.toml"})
+    all.push_back(test::read_text(test::source_file(std::string("models/") + name)));
+  test::Random random(71);
+  all.push_back(test::random_machine_text(random, true));
+  return all;
+}
+
+Eigen::VectorXd omega2(const model::Machine& machine, ModelKind kind) {
+  return modal::normal_modes(dynamics::linear_model(machine, machine.neutral(), kind)).omega2;
+}
+
+TEST(Suspects, OfEveryMachineCoverWhatCanBeWrong) {
+  for (const auto& text : texts()) {
+    std::set<std::string> families, names;
+    for (const auto& suspect : suspects_of(test::machine_file(text))) {
+      families.insert(suspect.family);
+      EXPECT_TRUE(names.insert(suspect.name).second) << suspect.name << " is there twice";
+      EXPECT_FALSE(suspect.statement.empty());
+      EXPECT_FALSE(suspect.free.empty());
+    }
+    EXPECT_THAT(families,
+                testing::UnorderedElementsAre("guide sleeves", "piston rings", "leg axes",
+                                              "platform", "mass centre", "base", "oil lines"));
+  }
+}
+
+/// Every free number is one of the file's with the suspect's overrides, starts within its bounds,
+/// and moving it moves a mode.
+TEST(Suspects, HaveNumbersThatMoveModes) {
+  for (const auto& text : texts()) {
+    const auto file = test::machine_file(text);
+    for (const auto& suspect : suspects_of(file)) {
+      auto with = file;
+      with.overrides = suspect.overrides;
+      model::VariableMachine machine(with);
+      const auto kind = suspect.needs_rings ? ModelKind::full : ModelKind::guide;
+      const auto before = omega2(machine.machine({}), kind);
+      for (const auto& free : suspect.free) {
+        const double start = std::stod(*free.start), low = std::stod(*free.lower),
+                     high = std::stod(*free.upper);
+        EXPECT_LE(low, start) << suspect.name;
+        EXPECT_GE(high, start) << suspect.name;
+        for (const auto& path : free.paths) {
+          ASSERT_NE(machine.find(path), nullptr) << path;
+          EXPECT_NEAR(machine.find(path)->value, start, 1e-9 * std::abs(start)) << path;
+        }
+        model::VariableMachine varied(with);
+        varied.vary({free.paths});
+        const double moved = start == 0.0 ? 0.1 * high : 1.07 * start;
+        const auto after = omega2(varied.machine({moved}), kind);
+        EXPECT_GT((after - before).cwiseQuotient(before).cwiseAbs().maxCoeff(), 1e-9)
+            << suspect.name << ' ' << free.paths.front();
+      }
+    }
+  }
+}
+
+/// What a suspect needs before it can be guilty changes the machine little: it begins innocent.
+TEST(Suspects, BeginNearTheMachineAsStated) {
+  for (const auto& text : texts()) {
+    const auto file = test::machine_file(text);
+    const auto stated = omega2(file.machine, ModelKind::guide);
+    for (const auto& suspect : suspects_of(file)) {
+      if (suspect.overrides.empty() || suspect.needs_rings) continue;
+      auto with = test::machine_file(text, suspect.overrides);
+      const auto begun = omega2(with.machine, ModelKind::guide);
+      EXPECT_LT((begun - stated).cwiseQuotient(stated).cwiseAbs().maxCoeff(), 0.1) << suspect.name;
+    }
+  }
+}
+
+TEST(Suspects, AreTriedTogetherAcrossFamiliesAndForTwoLegs) {
+  const Suspect all{.name = "a", .family = "leg axes"};
+  const Suspect leg2{.name = "b", .family = "leg axes", .leg = 1};
+  const Suspect leg5{.name = "c", .family = "leg axes", .leg = 4};
+  const Suspect mass{.name = "d", .family = "platform"};
+  const Suspect air{.name = "e", .family = "leg axes", .in_pairs = false};
+  EXPECT_FALSE(can_be_together(all, leg2));
+  EXPECT_TRUE(can_be_together(leg2, leg5));
+  EXPECT_FALSE(can_be_together(leg2, leg2));
+  EXPECT_TRUE(can_be_together(all, mass));
+  EXPECT_FALSE(can_be_together(mass, air));
+}
+
+TEST(Amounts, HaveTheDigitsThatTheirDeviationLeaves) {
+  EXPECT_EQ(amount_text(839951.0, 256.0, "N/m"), "839.95 ± 0.26 kN/m");
+  EXPECT_EQ(amount_text(1.2345e9, 0.0, "Pa"), "1.234 GPa");
+  EXPECT_EQ(amount_text(14200.0, 310.0, "kg"), "14200 ± 310 kg");
+  EXPECT_EQ(amount_text(-0.1634, 0.0021, "m"), "-163.4 ± 2.1 mm");
+  EXPECT_EQ(amount_text(0.0431, 0.0012, "1"), "0.0431 ± 0.0012");
+  EXPECT_EQ(amount_text(0.0009, 0.0, "m^3"), "0.9 l");
+  EXPECT_EQ(amount_text(5.0, std::numeric_limits<double>::infinity(), "kg"), "5 kg");
+}
+
+}  // namespace
+}  // namespace hydrapod::diagnosis
