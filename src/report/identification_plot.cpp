@@ -232,7 +232,7 @@ void plot_stabilisation(const identification::Identification& result, const Plot
     const int top = result.chart.empty() ? 1 : result.chart.back().order;
     script += fmt::format(
         "{}set xrange [{:.7g}:{:.7g}]\nset yrange [0:{}]\nset y2tics font ',9'\n"
-        "set ytics nomirror\nset xlabel 'Hz'\nset ylabel 'model order'\n"
+        "set ytics nomirror\nset xlabel 'Hz' offset 0,0.4\nset ylabel 'model order'\n"
         "set y2label 'mode indicator: singular values of H, dB'\n"
         "set tmargin at screen {:.4f}\nset rmargin at screen 0.92\n"
         "set key outside bottom center horizontal samplen 1.5 font ',9'\n",

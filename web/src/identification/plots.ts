@@ -19,6 +19,15 @@ interface Diagram {
   axis: Partial<uPlot.Axis>;
 }
 
+/** Phases [°], none where they jump by a turn: the line breaks there. */
+const unbroken = (phases: (number | null)[]): (number | null)[] =>
+  phases.map((value, k) => {
+    const before = phases[k - 1];
+    return value !== null && before !== null && k > 0 && Math.abs(value - (before as number)) > 180
+      ? null
+      : value;
+  });
+
 /** "m/N", "rad/(N m)" */
 function unitText(output: string, input: string): string {
   if (input === '' || input === '1') return output;
@@ -106,13 +115,13 @@ export class ResponsePlots {
       data: [
         this.frequency,
         H.map(phase),
-        fit ? fit.map(phase) : H.map(() => null),
+        fit ? unbroken(fit.map(phase)) : H.map(() => null),
       ] as uPlot.AlignedData,
       // points: a phase that jumps between ±180° would draw a thicket of lines
       series: [
         {},
         { ...measured, paths: () => null, points: { show: true, size: 2.5, fill: palette().flexible } },
-        { ...fitted, paths: () => null, points: { show: true, size: 1.5, fill: palette().rigid } },
+        fitted,
       ],
       scale: { distr: 1, range: [-185, 185] },
       axis: {
@@ -153,7 +162,10 @@ export class ResponsePlots {
         padding: [8, 12, 0, 0],
         legend: { show: false },
         cursor: { y: false, sync: { key: 'measured' }, drag: { x: true, y: false } },
-        scales: { x: { time: false, distr: logarithmic ? 3 : 1 }, y: diagram.scale },
+        scales: {
+          x: { time: false, distr: logarithmic ? 3 : 1, range: (_, min, max) => [min, max] },
+          y: diagram.scale,
+        },
         axes: [
           {
             ...axis,
