@@ -30,9 +30,9 @@ function normals(seed) {
 }
 
 /** Responses of the published machine with rigid legs, as a measurement with known noise. */
-function measurement(name, names = {}) {
+function measurement(name, names = {}, more = {}) {
   const { modes } = json('modes', published, '--model', 'rigid');
-  const frequency = Array.from({ length: 601 }, (_, k) => 2 + 0.06 * k);
+  const frequency = Array.from({ length: 577 }, (_, k) => 2 + 0.0625 * k);
   const normal = normals(7);
   const directions = ['x', 'y', 'z', 'rx', 'ry', 'rz'];
   const response = directions.map((_, o) =>
@@ -73,6 +73,7 @@ function measurement(name, names = {}) {
       noise: diagonal((o) => deviation[o] ** 2),
       input_factor: diagonal(() => 1),
       line_covariance: [1],
+      ...more,
     }),
   );
   return file;
@@ -171,6 +172,36 @@ test('the fit on the page is that of the program', async () => {
       });
     });
     near(await page.evaluate(() => window.hydrapod.identification.error()), found.fit_error, 0.01 * found.fit_error, 'error');
+  });
+});
+
+/** ρ of a Hann window: Σ w_t w_(t + τ)/Σ w². */
+function hannTaper(length) {
+  const w = Array.from({ length }, (_, t) => 0.5 - 0.5 * Math.cos((2 * Math.PI * t) / length));
+  const square = w.reduce((sum, v) => sum + v * v, 0);
+  return w.map((_, lag) => {
+    let sum = 0;
+    for (let t = 0; t + lag < length; ++t) sum += w[t] * w[t + lag];
+    return sum / square;
+  });
+}
+
+test('so it is through the window of the measurement', async () => {
+  // the data are those without a window: then neither fit is good, and both must be bad alike
+  const windowed = measurement('windowed.json', {}, { sample_rate_hz: 128, taper: hannTaper(2048) });
+  const expected = json('identify', windowed);
+  assert.ok(expected.fit_error > 2 * found.fit_error);
+  await withPage(report(published, '--measured', windowed), {}, async (page) => {
+    const error = await page.evaluate(() => window.hydrapod.identification.error());
+    near(error, expected.fit_error, 0.02 * expected.fit_error, 'error');
+    const shapes = await page.evaluate(() => window.hydrapod.identification.shapes());
+    expected.modes.forEach((mode, r) => {
+      const size = Math.hypot(...mode.shape.re, ...mode.shape.im);
+      mode.shape.re.forEach((re, o) => {
+        const off = Math.hypot(shapes[r][o].re - re, shapes[r][o].im - mode.shape.im[o]);
+        assert.ok(off < 0.01 * size, `shape ${r + 1}, output ${o}: off by ${off / size}`);
+      });
+    });
   });
 });
 
