@@ -53,9 +53,8 @@ void assume_losses(const model::Leg& leg, const ServoAxis& axis, double supply,
                                  " past the piston at the supply pressure: 1 % of the rated flow"});
   if (!friction.coulomb)
     all.push_back(
-        {"friction.coulomb",
-         fmt::format("{:.3g} N: 1 % of the supply pressure on the piston", axis.friction.coulomb)});
-  if (!friction.viscous)
+        {"friction.coulomb", "none: with it, small motions are damped more than modes say"});
+  if (friction.coulomb && !friction.viscous)
     all.push_back({"friction.viscous",
                    fmt::format("{:.3g} N s/m: 10 times coulomb per m/s", axis.friction.viscous)});
 }

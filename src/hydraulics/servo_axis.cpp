@@ -11,7 +11,6 @@ constexpr double load_share = 1.0 / 6.0;        // of the supply pressure carrie
 constexpr double no_load_speed = 0.5;           // m/s at the rated flow
 constexpr double valve_leakage_share = 0.01;    // of the rated flow
 constexpr double piston_leakage_share = 0.01;   // of the rated flow, at the supply pressure
-constexpr double coulomb_share = 0.01;          // of A_p p_s
 constexpr double breakaway_ratio = 1.5;         // F_s / F_c
 constexpr double viscous_per_coulomb = 10.0;    // s/m
 constexpr double stop_stiffness_ratio = 20.0;   // to the oil spring at mid stroke
@@ -125,10 +124,10 @@ void set_valve(const model::Leg& leg, const model::Supply& supply, ServoAxis& ax
   }
 }
 
-void set_friction(const model::Leg& leg, const model::Supply& supply, ServoAxis& axis) {
+void set_friction(const model::Leg& leg, ServoAxis& axis) {
   const auto& given = leg.hydraulics.friction;
   auto& friction = axis.friction;
-  friction.coulomb = given.coulomb.value_or(coulomb_share * axis.area.piston * supply.pressure);
+  friction.coulomb = given.coulomb.value_or(0.0);
   friction.breakaway = given.breakaway.value_or(breakaway_ratio * friction.coulomb);
   friction.viscous = given.viscous.value_or(viscous_per_coulomb * friction.coulomb);
   friction.stribeck_velocity = given.stribeck_velocity;
@@ -163,7 +162,7 @@ ServoAxis servo_axis(const model::Machine& machine, int i) {
   axis.internal_leakage =
       leakage.internal.value_or(piston_leakage_share * rated_flow(leg, axis) / supply.pressure);
   axis.external_leakage = leakage.external;
-  set_friction(leg, supply, axis);
+  set_friction(leg, axis);
   return axis;
 }
 

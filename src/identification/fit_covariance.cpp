@@ -59,7 +59,9 @@ class Meat {
       for (; first < k - reach; ++first) near.pop_front();
       MatrixXcd smooth = MatrixXcd::Zero(near[0].rows(), shared);
       for (Index j = first; j < next; ++j)
-        smooth += a[static_cast<size_t>(std::abs(j - k))] * near[static_cast<size_t>(j - first)];
+        smooth +=
+            (j < k ? std::conj(a[static_cast<size_t>(k - j)]) : a[static_cast<size_t>(j - k)]) *
+            near[static_cast<size_t>(j - first)];
       add(near[static_cast<size_t>(k - first)], smooth, noise_coherence(system_, responses_, k),
           total);
     }
@@ -133,7 +135,7 @@ VectorXd row_sizes(const FrequencyResponses& responses) {
 MatrixXcd modelled(const ModalModel& model, const std::vector<PoleLines>& lines, Index line,
                    const FrequencyResponses& responses) {
   const double omega = 2.0 * std::numbers::pi * responses.frequency[static_cast<size_t>(line)];
-  const Complex s(0.0, omega / model.omega_scale);
+  const Complex s = Complex(responses.shift, omega) / model.omega_scale;
   MatrixXcd H = MatrixXcd::Zero(responses.H[0].rows(), responses.H[0].cols());
   for (std::size_t r = 0; r < model.modes.size(); ++r) {
     const MatrixXcd A = model.modes[r].shape * model.modes[r].participation.transpose();
@@ -164,7 +166,7 @@ void add_deviations(const FitSystem& system, const FrequencyResponses& responses
       scale * N_inverse * Meat(system, responses, state, X).sum() * N_inverse;
   double neighbours = 1.0;  // noise that neighbouring lines share counts that often
   for (std::size_t d = 1; d < responses.line_covariance.size(); ++d)
-    neighbours += 2.0 * responses.line_covariance[d];
+    neighbours += 2.0 * responses.line_covariance[d].real();
   for (Index r = 0; r < modes; ++r) {
     auto& mode = model.modes[static_cast<size_t>(r)];
     pole_deviations(covariance, r * 2 * system.inputs(), mode);

@@ -83,7 +83,8 @@ void FitSystem::own_columns(const Basis& basis, Index line, Eigen::Ref<MatrixXcd
     columns.col(2 * r) = a + b;
     columns.col(2 * r + 1) = i_unit * (a - b);
   }
-  const Complex s = i_unit * (2.0 * std::numbers::pi * responses_.frequency[k] / omega_scale_);
+  const Complex s =
+      Complex(responses_.shift, 2.0 * std::numbers::pi * responses_.frequency[k]) / omega_scale_;
   for (int t = 0; t < residual_terms; ++t)
     columns.middleCols(2 * modes + t * inputs_, inputs_) =
         std::pow(s, t + lowest_residual_power) * white_[k];

@@ -11,6 +11,7 @@
 
 #include "hydrapod/base/error.hpp"
 #include "hydrapod/base/nearest.hpp"
+#include "hydrapod/identification/damped.hpp"
 
 namespace hydrapod::identification {
 
@@ -173,7 +174,10 @@ SpectrumOptions spectrum_options(const std::vector<std::string>& files,
   if (options.block_length) {
     o.block_length = *options.block_length;
   } else {
-    const double side_by_side = 4.0 * static_cast<double>(plan.choice.inputs.size()) + 8.0;
+    // the instrumental estimate averages over neighbouring lines besides
+    const double blocks_per_input = plan.estimator == Estimator::instrumental ? 2.0 : 4.0;
+    const double side_by_side =
+        blocks_per_input * static_cast<double>(plan.choice.inputs.size() + 2);
     const double total = static_cast<double>(shortest) * static_cast<double>(files.size());
     // the power of two that is nearest in ratio
     const auto wanted = static_cast<unsigned>(
@@ -286,11 +290,12 @@ void read_spectra(const std::vector<std::string>& files, const MeasureOptions& o
 /// Both estimates where both can be formed, and a warning where H1 is biased.
 void compare_with_instrument(const Plan& plan, Measurement& m) {
   if (plan.choice.instruments.empty()) return;
+  // both on the imaginary axis, at the same lines
   const bool instrumental = plan.estimator == Estimator::instrumental;
-  const auto other = estimate_responses(m.spectra, plan.choice,
-                                        instrumental ? Estimator::h1 : Estimator::instrumental);
-  const auto& plain = instrumental ? other : m.responses;
-  m.h1_against_instrument = compare_responses(plain, instrumental ? m.responses : other);
+  const auto by_instrument = estimate_responses(m.spectra, plan.choice, Estimator::instrumental);
+  m.h1_against_instrument = compare_responses(
+      instrumental ? estimate_responses(m.spectra, plan.choice, Estimator::h1) : m.responses,
+      by_instrument);
   constexpr double chance = 0.1;
   if (!instrumental && m.h1_against_instrument->share > chance)
     m.responses.warnings.push_back(fmt::format(
@@ -331,7 +336,9 @@ Measurement measure_responses(const std::vector<std::string>& files, const Measu
     bring_sensors_to_platform(*options.outputs_to_platform, plan.choice, m);
   else if (options.platform)
     bring_to_platform(*options.platform, plan.choice, m);
-  m.responses = estimate_responses(m.spectra, plan.choice, plan.estimator);
+  const bool damped = plan.estimator == Estimator::instrumental && !m.spectra.options.periodic;
+  m.responses = damped ? damped_instrumental(m.spectra, plan.choice)
+                       : estimate_responses(m.spectra, plan.choice, plan.estimator);
   compare_with_instrument(plan, m);
   return m;
 }

@@ -180,8 +180,8 @@ ModalModel fit_modes(const FrequencyResponses& responses, const std::vector<Pole
   return model;
 }
 
-Eigen::MatrixXcd synthesised(const ModalModel& model, double frequency) {
-  const Complex s(0.0, 2.0 * std::numbers::pi * frequency);
+Eigen::MatrixXcd synthesised(const ModalModel& model, double frequency, double shift) {
+  const Complex s(shift, 2.0 * std::numbers::pi * frequency);
   Eigen::MatrixXcd H = Eigen::MatrixXcd::Zero(model.residuals[0].rows(), model.residuals[0].cols());
   for (const auto& mode : model.modes) {
     const Eigen::MatrixXcd A = mode.shape * mode.participation.transpose();

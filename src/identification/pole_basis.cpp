@@ -14,6 +14,7 @@ PoleBasis::PoleBasis(const FrequencyResponses& responses, bool taper)
     : omega_(
           2.0 * std::numbers::pi *
           Eigen::VectorXd::Map(responses.frequency.data(), static_cast<Index>(responses.lines()))),
+      shift_(responses.shift),
       sample_rate_(responses.sample_rate) {
   if (!taper || responses.taper.size() == 0) return;
   taper_ = responses.taper.array() - 1.0;
@@ -31,7 +32,7 @@ PoleBasis::PoleBasis(const FrequencyResponses& responses, bool taper)
 PoleLines PoleBasis::at(Complex pole) const {
   PoleLines lines;
   const Index count = omega_.size(), n = taper_.size();
-  const Eigen::ArrayXcd s = omega_.array() * Complex(0.0, 1.0);
+  const Eigen::ArrayXcd s = omega_.array() * Complex(0.0, 1.0) + shift_;
   const double T = n == 0 ? 0.0 : static_cast<double>(n) / sample_rate_;
   const Complex end = n == 0 ? 0.0 : std::exp(pole * T);
   const Complex rest = 1.0 - end, rest_c = std::conj(rest), end_c = std::conj(end);

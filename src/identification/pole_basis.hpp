@@ -10,7 +10,8 @@ struct PoleLines {
   Eigen::VectorXcd g, g_conjugate, slope, slope_conjugate;
 };
 
-/// With `taper` of length n (T = n/f_s) all frequencies must be multiples of f_s/n, and
+/// Without taper g = 1/(s − λ), s = a + iω with the responses' shift a. With `taper` of length n (T
+/// = n/f_s) all frequencies must be multiples of f_s/n, and
 ///
 ///     g = (1 − e^(λT))/(s − λ) + ∫_0^T (ρ(τ) − 1) e^((λ − s) τ) dτ,
 ///
@@ -23,7 +24,7 @@ class PoleBasis {
  private:
   Eigen::VectorXd omega_;
   Eigen::VectorXd taper_;  // ρ − 1; empty: no window
-  double sample_rate_{};
+  double shift_, sample_rate_{};
   std::vector<Eigen::Index> line_;
 };
 

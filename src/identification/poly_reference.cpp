@@ -234,6 +234,7 @@ std::vector<OrderPoles> poly_reference_poles(const FrequencyResponses& responses
   for (int order = std::min(orders.lowest, highest); order <= highest; order += orders.step) {
     all.push_back(
         poles_of(problem, normal, denominator(normal, problem.inputs(), order), order, largest));
+    for (auto& e : all.back().poles) e.pole += responses.shift;
     if (progress) progress(static_cast<double>(order * order) / (highest * highest));
   }
   return all;

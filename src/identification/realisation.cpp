@@ -123,7 +123,12 @@ MarkovSequence impulse_response(const FrequencyResponses& r) {
           "multiples of their distance");
     lines.push_back(r.H[k]);
   }
-  return lags_of(lines, spacing, r.taper, r.sample_rate);
+  if (!(r.shift > 0.0)) return lags_of(lines, spacing, r.taper, r.sample_rate);
+  const double interval = 0.5 / r.frequency.back();
+  const auto lags = static_cast<Index>(1.0 / (spacing * interval)) + 2;
+  const Eigen::ArrayXd time =
+      interval * Eigen::ArrayXd::LinSpaced(lags, 0.0, static_cast<double>(lags - 1));
+  return lags_of(lines, spacing, (-r.shift * time).exp().matrix(), 1.0 / interval);
 }
 
 MarkovSequence output_covariances(const CrossSpectra& spectra, const std::vector<int>& outputs,

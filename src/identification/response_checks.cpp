@@ -191,6 +191,26 @@ double input_condition(const Eigen::MatrixXcd& S, const std::vector<int>& inputs
   return s[s.size() - 1] > 0.0 ? s[0] / s[s.size() - 1] : none;
 }
 
+void add_quality(const Eigen::MatrixXcd& S, const ChannelChoice& c, const Eigen::MatrixXcd& V,
+                 FrequencyResponses& r) {
+  const auto level = [&](int channel) { return S(channel, channel).real(); };
+  Eigen::MatrixXd coherence(c.outputs.size(), c.inputs.size());
+  Eigen::VectorXd multiple(c.outputs.size()), density(c.inputs.size());
+  for (std::size_t o = 0; o < c.outputs.size(); ++o) {
+    const double power = level(c.outputs[o]);
+    for (std::size_t i = 0; i < c.inputs.size(); ++i) {
+      const double product = power * level(c.inputs[i]);
+      coherence(o, i) = product > 0.0 ? std::norm(S(c.outputs[o], c.inputs[i])) / product : 0.0;
+    }
+    const double noise = V(static_cast<Index>(o), static_cast<Index>(o)).real();
+    multiple[o] = power > 0.0 ? std::clamp(1.0 - noise / power, 0.0, 1.0) : 0.0;
+  }
+  for (std::size_t i = 0; i < c.inputs.size(); ++i) density[i] = level(c.inputs[i]);
+  r.coherence.push_back(std::move(coherence));
+  r.multiple_coherence.push_back(std::move(multiple));
+  r.input_density.push_back(std::move(density));
+}
+
 void finish_checks(const CrossSpectra& spectra, const ChannelChoice& choice,
                    FrequencyResponses& responses) {
   if (responses.lines() == 0) {

@@ -20,6 +20,10 @@ double input_condition(const Eigen::MatrixXcd& S, const std::vector<int>& inputs
 /// Condition beyond which a line is left out.
 inline constexpr double singular_condition = 1e8;
 
+/// Coherences and input densities of a line; S its spectra, V what H does not explain.
+void add_quality(const Eigen::MatrixXcd& S, const ChannelChoice& choice, const Eigen::MatrixXcd& V,
+                 FrequencyResponses& responses);
+
 /// Warnings about the whole; throws base::ComputationError when no line is left.
 void finish_checks(const CrossSpectra& spectra, const ChannelChoice& choice,
                    FrequencyResponses& responses);

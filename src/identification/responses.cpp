@@ -78,26 +78,6 @@ MatrixXcd residual_spectrum(const MatrixXcd& S, const ChannelChoice& c, const Ma
   return V;
 }
 
-void add_quality(const MatrixXcd& S, const ChannelChoice& c, const MatrixXcd& V,
-                 FrequencyResponses& r) {
-  const auto level = [&](int channel) { return S(channel, channel).real(); };
-  Eigen::MatrixXd coherence(c.outputs.size(), c.inputs.size());
-  Eigen::VectorXd multiple(c.outputs.size()), density(c.inputs.size());
-  for (std::size_t o = 0; o < c.outputs.size(); ++o) {
-    const double power = level(c.outputs[o]);
-    for (std::size_t i = 0; i < c.inputs.size(); ++i) {
-      const double product = power * level(c.inputs[i]);
-      coherence(o, i) = product > 0.0 ? std::norm(S(c.outputs[o], c.inputs[i])) / product : 0.0;
-    }
-    const double noise = V(static_cast<Index>(o), static_cast<Index>(o)).real();
-    multiple[o] = power > 0.0 ? std::clamp(1.0 - noise / power, 0.0, 1.0) : 0.0;
-  }
-  for (std::size_t i = 0; i < c.inputs.size(); ++i) density[i] = level(c.inputs[i]);
-  r.coherence.push_back(std::move(coherence));
-  r.multiple_coherence.push_back(std::move(multiple));
-  r.input_density.push_back(std::move(density));
-}
-
 }  // namespace
 
 std::string_view estimator_text(Estimator estimator) {
@@ -132,7 +112,8 @@ FrequencyResponses estimate_responses(const CrossSpectra& spectra, const Channel
   const double K = spectra.statistics.effective_averages, p = static_cast<double>(c.inputs.size());
   r.averages = K;
   r.degrees = periodic ? static_cast<double>(spectra.blocks - spectra.records) : K - p;
-  r.line_covariance = spectra.statistics.line_covariance;
+  const auto& covariance = spectra.statistics.line_covariance;
+  r.line_covariance.assign(covariance.begin(), covariance.end());
   r.sample_rate = spectra.sample_rate;
   const bool widened = !periodic && estimator != Estimator::instrumental;
   if (widened) r.taper = lag_taper(spectra.window);

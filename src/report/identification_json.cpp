@@ -289,8 +289,11 @@ Json responses_json(const FrequencyResponses& r) {
   if (r.has_errors()) {
     json["noise"] = lines_json(r.noise);
     json["input_factor"] = lines_json(r.input_factor);
-    json["line_covariance"] = r.line_covariance;
+    const Eigen::VectorXcd covariance = Eigen::VectorXcd::Map(
+        r.line_covariance.data(), static_cast<Index>(r.line_covariance.size()));
+    json["line_covariance"] = vector_json(covariance);
   }
+  if (r.shift > 0.0) json["shift_per_s"] = r.shift;
   if (r.taper.size() > 0) {
     json["sample_rate_hz"] = r.sample_rate;
     json["taper"] = std::vector<double>(r.taper.begin(), r.taper.end());
@@ -335,7 +338,14 @@ FrequencyResponses responses_from_json(const Json& json, const std::string& file
   if (fields.has("noise")) {
     r.noise = fields.lines("noise", outputs, outputs, r.lines());
     r.input_factor = fields.lines("input_factor", inputs, inputs, r.lines());
-    r.line_covariance = fields.numbers(fields.at("line_covariance"), "line_covariance");
+    const Json& covariance = fields.at("line_covariance");
+    if (!covariance.is_object()) fields.bad("line_covariance", "needs re and im");
+    const auto re = fields.numbers(covariance.value("re", Json::array()), "line_covariance.re"),
+               im = fields.numbers(covariance.value("im", Json::array()), "line_covariance.im");
+    if (re.empty() || re.size() != im.size())
+      fields.bad("line_covariance", "needs re and im, as many numbers each");
+    r.line_covariance.clear();
+    for (std::size_t d = 0; d < re.size(); ++d) r.line_covariance.emplace_back(re[d], im[d]);
     r.degrees = fields.number(json, "degrees_of_freedom", 0.0);
     r.averages = fields.number(json, "averages", 0.0);
   }
@@ -345,6 +355,8 @@ FrequencyResponses responses_from_json(const Json& json, const std::string& file
     r.sample_rate = fields.number(json, "sample_rate_hz", 0.0);
     if (!(r.sample_rate > 0.0)) fields.bad("sample_rate_hz", "must be positive");
   }
+  r.shift = fields.number(json, "shift_per_s", 0.0);
+  if (!(r.shift >= 0.0)) fields.bad("shift_per_s", "must not be negative");
   r.estimator = identification::estimator_from_text(fields.text(json, "estimator", "h1"))
                     .value_or(identification::Estimator::h1);
   return r;

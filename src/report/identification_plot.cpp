@@ -49,7 +49,7 @@ std::string data_block(const FrequencyResponses& r, const identification::ModalM
   for (std::size_t k = 0; k < r.lines(); ++k) {
     text += fmt::format("{:.9g}", r.frequency[k]);
     const Eigen::MatrixXcd fit =
-        model != nullptr ? identification::synthesised(*model, r.frequency[k]) : Eigen::MatrixXcd();
+        model != nullptr ? identification::synthesised(*model, r.frequency[k], r.shift) : Eigen::MatrixXcd();
     for (const auto& [o, i] : pairs) {
       const auto h = r.H[k](o, i);
       const double band =

@@ -64,8 +64,8 @@ struct FitOptions {
 ModalModel fit_modes(const FrequencyResponses& responses, const std::vector<PoleEstimate>& start,
                      const FitOptions& options = {});
 
-/// H of the model at its own frequencies: without the window's effect.
-Eigen::MatrixXcd synthesised(const ModalModel& model, double frequency);
+/// H of the model at s = shift + iω: without the window's effect.
+Eigen::MatrixXcd synthesised(const ModalModel& model, double frequency, double shift = 0.0);
 
 /// Modal phase collinearity: 1 for a real shape.  Mean phase deviation [rad]: 0 for a real shape.
 double modal_phase_collinearity(const Eigen::VectorXcd& shape);

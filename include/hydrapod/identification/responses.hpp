@@ -27,6 +27,7 @@
 /// J. Schoukens, System Identification: A Frequency Domain Approach, 2nd ed. (2012), ch. 2 and 7;
 /// G. T. Rocklin, J. Crowley, H. Vold, IMAC 3 (1985) 272 (Hv).
 
+#include <complex>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -49,7 +50,10 @@ struct FrequencyResponses {
   std::vector<Eigen::MatrixXcd> noise{};         ///< S_vv/K, outputs × outputs
   std::vector<Eigen::MatrixXcd> input_factor{};  ///< Q, inputs × inputs
   double degrees{};  ///< K − p: of freedom of the noise estimate; 0: not known
-  std::vector<double> line_covariance{1.0};  ///< of neighbouring lines, see AverageStatistics
+  /// E[e_k e*_{k+d}]/E|e_k|² of neighbouring lines, d = 0, 1, …
+  std::vector<std::complex<double>> line_covariance{1.0};
+  /// a: H is at s = a + iω, see damped.hpp; 0: on the imaginary axis [1/s]
+  double shift{};
   /// ρ_τ at lag τ / sample_rate, see lag_taper(); empty where resonances are not widened.
   Eigen::VectorXd taper{};
   double sample_rate{};  ///< [Hz] of the taper
