@@ -92,7 +92,10 @@ identification::MeasureOptions options_of(const MeasurementArguments& a) {
   o.inputs = names(a.inputs);
   o.outputs = names(a.outputs);
   o.instruments = names(a.instruments);
-  o.from_drive = a.from_drive;
+  if (a.from_drive && a.from_excitation)
+    bad_argument("--from-drive", "and --from-excitation exclude each other");
+  if (a.from_drive) o.input_role = data::Role::drive;
+  if (a.from_excitation) o.input_role = data::Role::excitation;
   const auto estimator = choose_word("--estimator", a.estimator, {"auto", "h1", "h2", "hv", "iv"});
   if (estimator > 0) o.estimator = static_cast<Estimator>(estimator - 1);
   o.window = static_cast<identification::Window>(choose_word(
@@ -141,10 +144,13 @@ spatial::Vector3 measured_point(const MeasurementArguments& a, const RecordMachi
 
 void add_measurement_options(CLI::App& command, MeasurementArguments& a) {
   command.add_option("--inputs", a.inputs,
-                     "Input channels, names with commas; default: role excitation, else drive");
+                     "Input channels, names with commas; default by role: drive inside a loop, else excitation");
   command.add_option("--outputs", a.outputs, "Output channels; default: role response");
   command.add_flag("--from-drive", a.from_drive,
-                   "Take the drives as inputs, with the excitations as instruments");
+                   "Take the drives as inputs, the excitations as instruments: the machine without "
+                   "its controller (default where the excitations are commands)");
+  command.add_flag("--from-excitation", a.from_excitation,
+                   "Take the excitations as inputs: the machine with its controller");
   command.add_flag(
       "--accelerometers", a.accelerometers,
       "Outputs: the accelerometers, as accelerations of the platform in six directions");

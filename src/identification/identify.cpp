@@ -9,6 +9,7 @@
 
 #include "fit_covariance.hpp"
 #include "hydrapod/base/error.hpp"
+#include "weak_modes.hpp"
 
 namespace hydrapod::identification {
 
@@ -169,6 +170,57 @@ void fit_and_prune(const IdentifyOptions& options, std::vector<PoleCluster> clus
   result.clusters = std::move(clusters);
 }
 
+/// The clusters of the modes that `result` has, at where the fit put them.
+std::vector<PoleCluster> fitted_clusters(const Identification& result) {
+  auto clusters = result.clusters;
+  for (std::size_t r = 0; r < clusters.size(); ++r) {
+    const auto& mode = result.model.modes[r];
+    clusters[r].representative = {mode.pole, mode.shape, mode.participation};
+  }
+  return clusters;
+}
+
+bool is_near(std::complex<double> a, std::complex<double> b) {
+  constexpr double near = 0.005;
+  return std::abs(std::abs(a) / std::abs(b) - 1.0) < near;
+}
+
+/// Resonances that the fit has left over, while there are any.
+void add_weak_modes(const IdentifyOptions& options, Identification& result) {
+  for (int round = 0; round < 3 && !result.model.modes.empty(); ++round) {
+    auto weak =
+        weak_poles(result.responses, result.model, options.fit.taper, options.highest_damping);
+    const std::size_t before = result.clusters.size();
+    auto clusters = fitted_clusters(result);
+    std::ranges::move(weak, std::back_inserter(clusters));
+    if (clusters.size() == before) break;
+    fit_and_prune(options, std::move(clusters), result);
+    if (result.clusters.size() <= before) break;
+  }
+}
+
+/// Where a mode stands alone among the weak ones, from number `strong` on, a second one like it is
+/// tried; it stays if it comes out near the first and everything else stays.
+void add_second_of_pairs(const IdentifyOptions& options, std::size_t strong,
+                         Identification& result) {
+  const std::size_t end = result.model.modes.size();
+  for (std::size_t r = strong; r < end; ++r) {
+    const auto pole = result.model.modes[r].pole;
+    const auto close = std::ranges::count_if(
+        result.model.modes, [&](const FittedMode& m) { return is_near(m.pole, pole); });
+    if (close > 1) continue;
+    auto clusters = fitted_clusters(result);
+    clusters.push_back(clusters[r]);
+    clusters.back().representative =
+        second_of_pair(result.responses, result.model, r, options.fit.taper);
+    Identification trial = result;
+    fit_and_prune(options, std::move(clusters), trial);
+    if (trial.clusters.size() == result.clusters.size() + 1 &&
+        is_near(trial.model.modes.back().pole, pole) && is_near(trial.model.modes[r].pole, pole))
+      result = std::move(trial);
+  }
+}
+
 /// 0 for displacements, 1 for speeds, 2 for accelerations, by the unit.
 int time_derivatives(const std::string& unit) {
   return unit.ends_with("/s^2") || unit.ends_with("s^-2") || unit.ends_with("/s2")    ? 2
@@ -236,6 +288,9 @@ Identification identify_modes(const FrequencyResponses& responses, const Identif
   result.from = result.responses.frequency.front();
   result.to = result.responses.frequency.back();
   fit_and_prune(options, std::move(s.clusters), result);
+  const std::size_t strong = result.clusters.size();
+  add_weak_modes(options, result);
+  add_second_of_pairs(options, strong, result);
   list_modes(options, result);
   if (result.modes.empty())
     result.warnings.push_back(fmt::format(

@@ -83,6 +83,16 @@ std::vector<int> with_names(const std::string& file, const data::RecordHeader& h
   return list;
 }
 
+/// Do the drives stand between the excitations and the machine? They do where a controller makes
+/// them from commanded motions or adds commands to them, and do not where the excitation is force.
+bool inside_a_loop(const data::RecordHeader& header, const std::vector<int>& excitations,
+                   const std::vector<int>& drives) {
+  if (excitations.empty() || drives.size() != excitations.size()) return excitations.empty();
+  return std::ranges::none_of(excitations, [&](int c) {
+    return header.channels[static_cast<std::size_t>(c)].unit.starts_with("N");
+  });
+}
+
 struct Plan {
   ChannelChoice choice{};
   Estimator estimator{Estimator::h1};
@@ -94,9 +104,11 @@ Plan plan_channels(const std::string& file, const data::RecordHeader& header,
   auto& c = plan.choice;
   const auto excitations = with_role(header, Role::excitation);
   const auto drives = with_role(header, Role::drive);
-  c.inputs = !options.inputs.empty()                     ? with_names(file, header, options.inputs)
-             : options.from_drive || excitations.empty() ? drives
-                                                         : excitations;
+  const bool from_drive = options.input_role ? *options.input_role == Role::drive
+                                             : inside_a_loop(header, excitations, drives);
+  c.inputs = !options.inputs.empty() ? with_names(file, header, options.inputs)
+             : from_drive            ? drives
+                                     : excitations;
   c.outputs =
       options.outputs.empty() ? default_outputs(header) : with_names(file, header, options.outputs);
   c.instruments =
@@ -104,8 +116,9 @@ Plan plan_channels(const std::string& file, const data::RecordHeader& header,
   const std::string advice =
       ": name channels with --inputs and --outputs; the record has " + names_of(header);
   if (c.inputs.empty())
-    bad(file, (options.from_drive ? "no channel has the role drive"
-                                  : "no channel has the role excitation or drive") +
+    bad(file, (!options.input_role ? "no channel has the role excitation or drive"
+               : from_drive        ? "no channel has the role drive"
+                                   : "no channel has the role excitation") +
                   advice);
   if (c.outputs.empty()) bad(file, "no channel has the role response" + advice);
   for (const int i : c.inputs)
@@ -118,7 +131,7 @@ Plan plan_channels(const std::string& file, const data::RecordHeader& header,
   if (plan.estimator == Estimator::instrumental && c.instruments == c.inputs)
     bad(file,
         "the instrumental estimate needs inputs other than the excitations: take the drives "
-        "with --from-drive, or name them with --inputs");
+        "(--from-drive), or name them with --inputs");
   if (!from_instrument && plan.estimator != Estimator::instrumental) c.instruments.clear();
   return plan;
 }

@@ -1,8 +1,10 @@
 #pragma once
 /// From record files to frequency responses without a choice to make.
 ///
-/// Inputs are the channels with the role excitation, else those with the role drive; outputs those
-/// with the role response; among sensors of several kinds the platform's motion in six directions,
+/// Inputs are the channels with the role drive where there are as many excitations that are commands
+/// (not forces): the modes are then those of the machine without its controller. Else they are the
+/// channels with the role excitation, else those with the role drive. Outputs are those with the
+/// role response; among sensors of several kinds the platform's motion in six directions,
 /// else the six leg lengths. Estimator: H1 from excitations; from drives, the instrumental estimate
 /// where there are as many excitations, else H1. Block length: a power of two, so that there are
 /// some 4 p + 8 blocks side by side for p inputs. Excitation that repeats exactly is averaged over
@@ -25,7 +27,8 @@ struct PlatformFrame {
 
 struct MeasureOptions {
   std::vector<std::string> inputs{}, outputs{}, instruments{};  ///< channel names; empty: by role
-  bool from_drive{};  ///< take drives as inputs even where there are excitations
+  /// Role of the inputs, excitation or drive; default: as said above.
+  std::optional<data::Role> input_role{};
   std::optional<Estimator> estimator{};
   std::optional<int> block_length{};  ///< [samples]
   std::optional<double> overlap{};
