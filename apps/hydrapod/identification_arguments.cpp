@@ -143,8 +143,9 @@ spatial::Vector3 measured_point(const MeasurementArguments& a, const RecordMachi
 }
 
 void add_measurement_options(CLI::App& command, MeasurementArguments& a) {
-  command.add_option("--inputs", a.inputs,
-                     "Input channels, names with commas; default by role: drive inside a loop, else excitation");
+  command.add_option(
+      "--inputs", a.inputs,
+      "Input channels, names with commas; default by role: drive inside a loop, else excitation");
   command.add_option("--outputs", a.outputs, "Output channels; default: role response");
   command.add_flag("--from-drive", a.from_drive,
                    "Take the drives as inputs, the excitations as instruments: the machine without "

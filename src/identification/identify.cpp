@@ -9,6 +9,7 @@
 
 #include "fit_covariance.hpp"
 #include "hydrapod/base/error.hpp"
+#include "repeated_modes.hpp"
 #include "weak_modes.hpp"
 
 namespace hydrapod::identification {
@@ -247,13 +248,16 @@ void list_modes(const IdentifyOptions& options, Identification& result) {
     result.modes.push_back({.fit = fit,
                             .displacement = shape,
                             .persistence = result.clusters[r].persistence,
-                            .vector_consistency = result.clusters[r].vector_consistency,
-                            .mpc = modal_phase_collinearity(shape),
-                            .mpd = mean_phase_deviation(shape)});
+                            .vector_consistency = result.clusters[r].vector_consistency});
   }
   const auto omega = [](const auto& m) { return m.omega(); };
   std::ranges::sort(result.modes, {}, [&](const IdentifiedMode& m) { return omega(m.fit); });
   std::ranges::sort(result.heavily_damped, {}, omega);
+  untangle_repeated(result.responses, result.modes);
+  for (auto& mode : result.modes) {
+    mode.mpc = modal_phase_collinearity(mode.displacement);
+    mode.mpd = mean_phase_deviation(mode.displacement);
+  }
 }
 
 }  // namespace

@@ -39,10 +39,10 @@ VectorXd conspicuousness(const FrequencyResponses& rest) {
     const auto& H = rest.H[static_cast<std::size_t>(k)];
     for (Index o = 0; o < H.rows(); ++o)
       for (Index i = 0; i < H.cols(); ++i)
-        own[k] += std::norm(H(o, i)) /
-                  std::max(rest.variance(static_cast<std::size_t>(k), static_cast<int>(o),
-                                         static_cast<int>(i)),
-                           1e-300);
+        own[k] +=
+            std::norm(H(o, i)) / std::max(rest.variance(static_cast<std::size_t>(k),
+                                                        static_cast<int>(o), static_cast<int>(i)),
+                                          1e-300);
     own[k] /= static_cast<double>(H.size());
   }
   for (Index k = 0; k < count; ++k) {
@@ -57,8 +57,7 @@ std::vector<Index> places(VectorXd value, const std::vector<double>& frequency, 
   VectorXd sorted = value;
   std::nth_element(sorted.begin(), sorted.begin() + sorted.size() / 2, sorted.end());
   // a mean of `entries` squared numbers of two parts each scatters by 1/√entries
-  const double least =
-      sorted[sorted.size() / 2] * (1.0 + 4.0 / std::sqrt(entries)) + 1e-300;
+  const double least = sorted[sorted.size() / 2] * (1.0 + 4.0 / std::sqrt(entries)) + 1e-300;
   std::vector<Index> found;
   while (found.size() < most_places) {
     Index at = 0;

@@ -33,7 +33,9 @@ struct IdentifyOptions {
 struct IdentifiedMode {
   FittedMode fit{};
   /// φ as displacement: φ/λ^d for outputs that are speeds (d = 1) or accelerations (2).
+  /// Of repeated modes along outputs, where the space of their shapes has a real basis.
   Eigen::VectorXcd displacement{};
+  int repeated{1};       ///< how many modes this one cannot be told from by its pole, with itself
   double persistence{};  ///< see PoleCluster
   double vector_consistency{};
   double mpc{};  ///< of the displacement shape

@@ -1,10 +1,10 @@
 #pragma once
 /// From record files to frequency responses without a choice to make.
 ///
-/// Inputs are the channels with the role drive where there are as many excitations that are commands
-/// (not forces): the modes are then those of the machine without its controller. Else they are the
-/// channels with the role excitation, else those with the role drive. Outputs are those with the
-/// role response; among sensors of several kinds the platform's motion in six directions,
+/// Inputs are the channels with the role drive where there are as many excitations that are
+/// commands (not forces): the modes are then those of the machine without its controller. Else they
+/// are the channels with the role excitation, else those with the role drive. Outputs are those
+/// with the role response; among sensors of several kinds the platform's motion in six directions,
 /// else the six leg lengths. Estimator: H1 from excitations; from drives, the instrumental estimate
 /// where there are as many excitations, else H1. Block length: a power of two, so that there are
 /// some 4 p + 8 blocks side by side for p inputs. Excitation that repeats exactly is averaged over

@@ -1,0 +1,85 @@
+#include "repeated_modes.hpp"
+
+#include <Eigen/LU>
+#include <Eigen/QR>
+#include <Eigen/SVD>
+#include <algorithm>
+#include <cmath>
+
+#include "fit_covariance.hpp"
+
+namespace hydrapod::identification {
+
+using Eigen::Index;
+using Eigen::MatrixXcd;
+using Eigen::MatrixXd;
+
+namespace {
+
+constexpr double apart = 3.0;  // standard deviations
+
+bool cannot_be_told_apart(const FittedMode& a, const FittedMode& b) {
+  return std::abs(a.omega() - b.omega()) <=
+             apart * std::hypot(a.omega_deviation, b.omega_deviation) &&
+         std::abs(a.damping_ratio() - b.damping_ratio()) <=
+             apart * std::hypot(a.damping_deviation, b.damping_deviation);
+}
+
+/// Real basis of the space that the columns of `shapes` span; empty when there is none.
+MatrixXd real_basis(const MatrixXcd& shapes) {
+  const Index count = shapes.cols();
+  const Eigen::HouseholderQR<MatrixXcd> qr(shapes);
+  const MatrixXcd Q = qr.householderQ() * MatrixXcd::Identity(shapes.rows(), count);
+  MatrixXd parts(shapes.rows(), 2 * count);
+  parts << Q.real(), Q.imag();
+  const Eigen::JacobiSVD<MatrixXd> svd(parts, Eigen::ComputeThinU);
+  constexpr double real_enough = 0.3;
+  const auto& s = svd.singularValues();
+  if (s.size() > count && s[count] > real_enough * s[count - 1]) return {};
+  return svd.matrixU().leftCols(count);
+}
+
+/// The rows that tell the columns apart best, ascending.
+std::vector<Index> pivots(const MatrixXd& basis) {
+  MatrixXd rest = basis;
+  std::vector<Index> rows;
+  for (Index r = 0; r < basis.cols(); ++r) {
+    Index at = 0;
+    rest.rowwise().squaredNorm().maxCoeff(&at);
+    rows.push_back(at);
+    const Eigen::RowVectorXd along = rest.row(at).normalized();
+    rest -= (rest * along.transpose()) * along;
+  }
+  std::ranges::sort(rows);
+  return rows;
+}
+
+}  // namespace
+
+void untangle_repeated(const FrequencyResponses& responses, std::vector<IdentifiedMode>& modes) {
+  const Eigen::VectorXd size = row_sizes(responses);
+  for (std::size_t first = 0, end = 1; first < modes.size(); first = end, end = first + 1) {
+    while (end < modes.size() && cannot_be_told_apart(modes[end - 1].fit, modes[end].fit)) ++end;
+    const auto count = static_cast<Index>(end - first);
+    if (count < 2 || count >= size.size()) continue;
+    MatrixXcd shapes(size.size(), count);
+    for (Index r = 0; r < count; ++r) {
+      const auto& shape = modes[first + static_cast<std::size_t>(r)].displacement;
+      shapes.col(r) = shape.cwiseQuotient(size);
+      shapes.col(r).normalize();
+    }
+    const MatrixXd basis = real_basis(shapes);
+    if (basis.size() == 0) continue;
+    const auto rows = pivots(basis);
+    const MatrixXd along = basis * MatrixXd(basis(rows, Eigen::all)).inverse();
+    for (Index r = 0; r < count; ++r) {
+      auto& mode = modes[first + static_cast<std::size_t>(r)];
+      mode.displacement =
+          (along.col(r).cwiseProduct(size) / size[rows[static_cast<std::size_t>(r)]])
+              .cast<std::complex<double>>();
+      mode.repeated = static_cast<int>(count);
+    }
+  }
+}
+
+}  // namespace hydrapod::identification
