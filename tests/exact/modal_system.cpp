@@ -24,8 +24,9 @@ Eigen::MatrixXcd ModalSystem::response(double frequency) const {
   return H;
 }
 
-Eigen::MatrixXcd ModalSystem::sampled_response(double frequency, double sample_time) const {
-  const Complex z = std::polar(1.0, two_pi * frequency * sample_time);
+Eigen::MatrixXcd ModalSystem::sampled_response(double frequency, double sample_time,
+                                               double shift) const {
+  const Complex z = std::exp(Complex(shift, two_pi * frequency) * sample_time);
   Eigen::MatrixXcd H = Eigen::MatrixXcd::Zero(outputs(), inputs());
   for (const auto& m : modes) {
     const Complex e = std::exp(m.pole * sample_time), gain = (e - 1.0) / m.pole;

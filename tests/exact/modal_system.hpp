@@ -28,8 +28,9 @@ struct ModalSystem {
   [[nodiscard]] Eigen::Index inputs() const { return modes[0].participation.size(); }
   /// H(s) of the system itself.
   [[nodiscard]] Eigen::MatrixXcd response(double frequency) const;
-  /// From held samples to samples: H(z), z = e^(2πi f T).
-  [[nodiscard]] Eigen::MatrixXcd sampled_response(double frequency, double sample_time) const;
+  /// From held samples to samples: H(z), z = e^((shift + 2πi f) T).
+  [[nodiscard]] Eigen::MatrixXcd sampled_response(double frequency, double sample_time,
+                                                  double shift = 0.0) const;
 };
 
 /// A real mode of frequency [Hz] and damping ratio with displacement shape ψ: residue ψ ψᵀ/(2i Im

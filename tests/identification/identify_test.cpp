@@ -188,5 +188,43 @@ TEST(Identify, TooFewFrequenciesAreRefused) {
                base::ComputationError);
 }
 
+/// Two sharp modes 0.06 % apart that add a hundredth, on the flank of a strong repeated one.
+TEST(Identify, WeakPairsAreFoundInWhatTheStrongOnesLeaveOver) {
+  test::ModalSystem system;
+  system.modes.push_back(test::real_mode(7.443, 0.053, Eigen::Vector4d(3.1, 0.0, 0.0, 1.1)));
+  system.modes.push_back(test::real_mode(7.443, 0.053, Eigen::Vector4d(0.0, 3.1, -1.1, 0.0)));
+  system.modes.push_back(test::real_mode(8.503, 0.0024, Eigen::Vector4d(0.31, 0.0, 0.0, 0.13)));
+  system.modes.push_back(test::real_mode(8.509, 0.0024, Eigen::Vector4d(0.0, 0.33, -0.12, 0.0)));
+  test::NoiseExperiment experiment{.sample_rate = 60.0, .samples = 1 << 17, .seed = 3};
+  const auto record = noisy_record(system, experiment, 0.02);
+  const auto found = identify_modes(responses_of(record, 4, 4096), {.to = 15.0});
+  ASSERT_EQ(found.modes.size(), 4U);
+  for (std::size_t r = 2; r < 4; ++r) {
+    const auto& fit = found.modes[r].fit;
+    EXPECT_NEAR(fit.omega() / two_pi, 8.506, 0.012);
+    EXPECT_NEAR(fit.damping_ratio(), 0.0024, 3.5 * fit.damping_deviation);
+    EXPECT_LT(fit.damping_deviation, 6e-4);
+  }
+}
+
+TEST(Identify, ShapesOfARepeatedModeAreGivenAlongOutputs) {
+  test::ModalSystem system;  // any rotation of these two is as good
+  system.modes.push_back(test::real_mode(5.17, 0.03, Eigen::Vector4d(2.0, 1.2, -0.3, 0.5)));
+  system.modes.push_back(test::real_mode(5.17, 0.03, Eigen::Vector4d(-1.2, 2.0, -0.5, -0.3)));
+  test::NoiseExperiment experiment{.sample_rate = 60.0, .samples = 1 << 15, .seed = 4};
+  const auto record = noisy_record(system, experiment, 0.05);
+  const auto found = identify_modes(responses_of(record, 4, 1024), {.to = 12.0});
+  ASSERT_EQ(found.modes.size(), 2U);
+  for (int r = 0; r < 2; ++r) {
+    const auto& mode = found.modes[static_cast<size_t>(r)];
+    EXPECT_EQ(mode.repeated, 2);
+    EXPECT_NEAR(mode.displacement[r].real(), 1.0, 1e-9);
+    EXPECT_NEAR(std::abs(mode.displacement[1 - r]), 0.0, 1e-9);
+    EXPECT_NEAR(mode.displacement[2 + r].real(), 0.0, 0.05);
+    EXPECT_NEAR(mode.displacement[3 - r].real(), r == 0 ? 0.25 : -0.25, 0.05);
+    EXPECT_NEAR(mode.mpc, 1.0, 1e-9);
+  }
+}
+
 }  // namespace
 }  // namespace hydrapod::identification

@@ -7,7 +7,7 @@
 
 #include <cmath>
 
-#include "exact/modal_system.hpp"
+#include "exact/closed_loop.hpp"
 #include "hydrapod/base/error.hpp"
 
 namespace hydrapod::identification {
@@ -31,26 +31,11 @@ test::ModalSystem plant() {
   return system;
 }
 
-/// y = P u + v, u = r − k y with v the noise in the loop. Channels r (excitation), u (drive), y.
 data::Record closed_loop_record(const test::ModalSystem& system, double gain, double noise,
                                 int samples, std::uint64_t seed) {
-  data::Record record{.header = test::header_of(3, 3, sample_rate), .samples = {}};
-  for (int i = 0; i < 3; ++i)
-    record.header.channels.push_back(
-        {.name = fmt::format("d{}", i + 1), .role = data::Role::drive});
-  record.samples.resize(samples, 9);
-  test::Random random(seed);
-  test::ModalRun run(system, 1.0 / sample_rate);
-  Eigen::VectorXd r(3), y(3);
-  for (int k = -1000; k < samples; ++k) {
-    for (double& x : r) x = test::normal(random);
-    y = run.output();
-    for (double& x : y) x += noise * test::normal(random);
-    const Eigen::VectorXd u = r - gain * y;
-    if (k >= 0) record.samples.row(k) << r.transpose(), y.transpose(), u.transpose();
-    run.advance(u);
-  }
-  return record;
+  return test::closed_loop_record(
+      system,
+      {.gain = gain, .noise = noise, .samples = samples, .sample_rate = sample_rate, .seed = seed});
 }
 
 const ChannelChoice from_excitation{.inputs = {0, 1, 2}, .outputs = {3, 4, 5}, .instruments = {}};

@@ -184,7 +184,7 @@ TEST(ClosedLoop, DelaysDrivesByAnyFractionOfSamples) {
 
 TEST(ClosedLoop, AWrenchPushesThePlatformAndTheControllerPushesBack) {
   const auto machine = machine_of("heavy-platform");
-  const auto outcome = run(machine, {}, {.until = 9.0},
+  const auto outcome = run(machine, {}, {.until = 12.0},
                            [](double, Excitation& excitation) { excitation.wrench[2] = -20e3; });
   EXPECT_LT(std::abs(steady_error(outcome)[2]), machine.sensors.length.resolution);
   EXPECT_GT(outcome.summary.peak_error[2], 1e-4);

@@ -105,7 +105,7 @@ TEST(EndStops, CatchThePistonAndAreNoticed) {
     const auto& first = run.events().front();
     EXPECT_EQ(first.event, Plant::Event::extended);
     EXPECT_TRUE(first.begins);
-    EXPECT_NEAR(first.time, 0.1094, 3e-4) << name(method);  // the same for all
+    EXPECT_NEAR(first.time, 0.1051, 2e-4) << name(method);  // the same for all
   }
 }
 

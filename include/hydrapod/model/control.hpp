@@ -53,7 +53,7 @@ struct ControlSettings {
   /// Where neither is given: this share of the lowest oil mode's frequency.
   static constexpr double default_bandwidth_share = 0.3;
   /// The same without pressure feedback.
-  static constexpr double default_bandwidth_share_undamped = 0.1;
+  static constexpr double default_bandwidth_share_undamped = 0.05;
   std::optional<double> integral_time{};  ///< T_i [s], 0: no integral; default 8 / smallest gain
   double velocity_feedforward{1.0};       ///< k_ff
   DampingFeedback feedback{DampingFeedback::pressure};

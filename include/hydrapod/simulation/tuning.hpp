@@ -4,7 +4,7 @@
 /// With ω_1 and ω_6 the lowest and highest frequency of the rigid model at the pose (oil modes),
 /// k_h the oil spring of a leg there and ζ `feedback_damping`:
 ///
-///     gain G            0.3 ω_1 with pressure feedback, else 0.1 ω_1, the same for all six
+///     gain G            0.3 ω_1 with pressure feedback, else 0.05 ω_1, the same for all six
 ///     integral time     8 / smallest gain above 0: its own pole is then real and some times slower
 ///     pressure feedback g = 2 ζ ω_1 / k_h;  acceleration feedback  g = 2 ζ / ω_6
 ///     feedback corner   0.1 ω_1
