@@ -39,13 +39,16 @@ MatrixXd real_basis(const MatrixXcd& shapes) {
   return svd.matrixU().leftCols(count);
 }
 
-/// The rows that tell the columns apart best, ascending.
+/// Rows that tell the columns apart, ascending: the first ones that do so nearly as well as the
+/// best.
 std::vector<Index> pivots(const MatrixXd& basis) {
   MatrixXd rest = basis;
   std::vector<Index> rows;
   for (Index r = 0; r < basis.cols(); ++r) {
+    constexpr double nearly = 0.5;
+    const Eigen::VectorXd left = rest.rowwise().squaredNorm();
     Index at = 0;
-    rest.rowwise().squaredNorm().maxCoeff(&at);
+    while (left[at] < nearly * left.maxCoeff()) ++at;
     rows.push_back(at);
     const Eigen::RowVectorXd along = rest.row(at).normalized();
     rest -= (rest * along.transpose()) * along;
