@@ -13,7 +13,7 @@
 #include "hydrapod/simulation/system_poles.hpp"
 #include "hydrapod/simulation/trace.hpp"
 #include "hydrapod/simulation/tuning.hpp"
-#include "loop_machine.hpp"
+#include "support/loop_machine.hpp"
 
 namespace hydrapod::simulation {
 namespace {

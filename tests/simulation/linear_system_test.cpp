@@ -14,7 +14,7 @@
 #include "hydrapod/simulation/closed_loop.hpp"
 #include "hydrapod/simulation/system_poles.hpp"
 #include "hydrapod/simulation/tuning.hpp"
-#include "loop_machine.hpp"
+#include "support/loop_machine.hpp"
 
 namespace hydrapod::simulation {
 namespace {

@@ -9,7 +9,7 @@
 
 #include "hydrapod/kinematics/pose_quality.hpp"
 #include "hydrapod/simulation/tuning.hpp"
-#include "loop_machine.hpp"
+#include "support/loop_machine.hpp"
 
 namespace hydrapod::simulation {
 namespace {

@@ -8,7 +8,7 @@
 #include <cmath>
 #include <numeric>
 
-#include "loop_machine.hpp"
+#include "support/loop_machine.hpp"
 
 namespace hydrapod::simulation {
 namespace {

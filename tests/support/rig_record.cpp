@@ -1,0 +1,34 @@
+#include "support/rig_record.hpp"
+
+#include <gtest/gtest.h>
+
+#include "hydrapod/identification/measure.hpp"
+#include "support/run_program.hpp"
+
+namespace hydrapod::test {
+
+identification::Identification identified_on_rig(const model::Machine& machine,
+                                                 const RigExperiment& experiment) {
+  rig::RigOptions options;
+  rig::WhiteNoise white;
+  white.rms.setConstant(experiment.level);
+  options.signals = {white};
+  options.duration = experiment.duration;
+  options.seed = experiment.seed;
+  options.instruments.accelerometers = {};
+  options.loop.kind = experiment.kind;
+  const TemporaryFolder folder;
+  const std::string path = folder / "run.h5";
+  simulation::ClosedLoop loop(machine, experiment.X_BP, rig::loop_options(options));
+  const auto writer = data::open_record_writer(
+      path, {.channels = rig::rig_channels(options), .sample_rate = options.rate});
+  const auto result = rig::run_rig(loop, options, *writer);
+  EXPECT_EQ(result.summary.end, simulation::RunEnd::finished) << result.summary.message;
+  writer->close();
+  identification::MeasureOptions measure;
+  measure.platform = {machine, experiment.X_BP, machine.platform.mass_center};
+  return identification::identify_modes(
+      identification::measure_responses({path}, measure).responses);
+}
+
+}  // namespace hydrapod::test

@@ -1,0 +1,23 @@
+#pragma once
+/// Records of the software rig, as a user makes and reads them.
+
+#include "hydrapod/identification/identify.hpp"
+#include "hydrapod/model/machine.hpp"
+#include "hydrapod/rig/rig.hpp"
+
+namespace hydrapod::test {
+
+struct RigExperiment {
+  dynamics::ModelKind kind{dynamics::ModelKind::guide};
+  spatial::Pose X_BP{};  ///< where the platform stands
+  double duration{};     ///< [s]
+  double level{1e-4};    ///< RMS of the white command [m, rad]
+  std::uint64_t seed{1};
+};
+
+/// Drives to platform motion of a rig record in a file, and what identification without any
+/// setting makes of it.
+identification::Identification identified_on_rig(const model::Machine& machine,
+                                                 const RigExperiment& experiment);
+
+}  // namespace hydrapod::test
