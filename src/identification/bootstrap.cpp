@@ -7,6 +7,7 @@
 #include <stdexcept>
 
 #include "hydrapod/base/error.hpp"
+#include "hydrapod/identification/damped.hpp"
 
 namespace hydrapod::identification {
 
@@ -87,8 +88,9 @@ BootstrapScatter bootstrap_modes(const std::vector<CrossSpectra>& groups,
     std::vector<std::size_t> picks(groups.size());
     for (auto& pick : picks) pick = random() % groups.size();
     try {
-      const auto one = refit(estimate_responses(averaged_spectra(groups, picks), choice, estimator),
-                             found, options.identify);
+      const auto one =
+          refit(responses_for_modes(averaged_spectra(groups, picks), choice, estimator), found,
+                options.identify);
       omega.col(scatter.resamples) = one.omega;
       damping.col(scatter.resamples) = one.damping;
       ++scatter.resamples;

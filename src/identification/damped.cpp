@@ -27,6 +27,7 @@ constexpr double decay = 4.0;            // a times half a block: e⁻⁴ of h i
 constexpr Index kernel_reach = 12;       // lines of the spectra on either side that are mixed
 constexpr Index edge = 16;               // lines over which an excited band ends
 constexpr double weakly_excited = 1e-5;  // of the strongest line of an instrument
+constexpr std::size_t fewest_lines = 16;
 constexpr double negligible_covariance = 0.03;
 
 /// The factor q(τ) on impulse responses, and what it does to their errors.
@@ -238,8 +239,16 @@ FrequencyResponses damped_instrumental(const CrossSpectra& spectra, const Channe
              window.noise / (K - p), 2 * k, r);
     r.condition.push_back(condition);
   }
+  if (r.lines() < fewest_lines) return estimate_responses(spectra, wanted, r.estimator);
   finish_checks(spectra, c, r);
   return r;
+}
+
+FrequencyResponses responses_for_modes(const CrossSpectra& spectra, const ChannelChoice& choice,
+                                       Estimator estimator) {
+  return estimator == Estimator::instrumental && !spectra.options.periodic
+             ? damped_instrumental(spectra, choice)
+             : estimate_responses(spectra, choice, estimator);
 }
 
 }  // namespace hydrapod::identification

@@ -30,8 +30,10 @@ MatrixXd inverted(const MatrixXd& J, const char* what) {
   return svd.solve(MatrixXd::Identity(J.rows(), J.rows()));
 }
 
-/// "m/s^2" gives "rad/s^2".
-std::string angular(const std::string& unit) { return "rad" + unit.substr(1); }
+/// "m/s^2" gives "rad/s^2", "1" gives "1/m".
+std::string angular(const std::string& unit) {
+  return unit.starts_with('m') ? "rad" + unit.substr(1) : unit + "/m";
+}
 
 /// S' = M S Mᵀ for all lines of packed spectra.
 void mix(const MatrixXd& M, Index channels, MatrixXd& re, MatrixXd& im) {
@@ -74,7 +76,7 @@ MatrixXd platform_from_accelerometers(const std::vector<LinearSensor>& sensors,
 }
 
 CrossSpectra to_platform(const CrossSpectra& spectra, const std::vector<int>& channels,
-                         const MatrixXd& map) {
+                         const MatrixXd& map, const std::string& prefix) {
   static constexpr std::array names{"x", "y", "z", "rx", "ry", "rz"};
   const auto count = static_cast<Index>(spectra.channels.size());
   CrossSpectra result = spectra;
@@ -97,7 +99,7 @@ CrossSpectra to_platform(const CrossSpectra& spectra, const std::vector<int>& ch
     worst.missing = std::max(worst.missing, spectra.health[static_cast<size_t>(c)].missing);
   worst.at_limit = 0;  // of the legs, not of what is made of them
   for (int d = 0; d < 6; ++d) {
-    result.channels.push_back({.name = names[static_cast<size_t>(d)],
+    result.channels.push_back({.name = prefix + names[static_cast<size_t>(d)],
                                .unit = d < 3 ? first.unit : angular(first.unit),
                                .direction = static_cast<data::Direction>(d + 1),
                                .role = first.role});
@@ -108,13 +110,15 @@ CrossSpectra to_platform(const CrossSpectra& spectra, const std::vector<int>& ch
   return result;
 }
 
-std::optional<std::vector<int>> leg_channels(const CrossSpectra& spectra) {
+std::optional<std::vector<int>> leg_channels(const CrossSpectra& spectra, data::Role role) {
   std::vector<int> legs(6, -1);
   for (std::size_t c = 0; c < spectra.channels.size(); ++c) {
     const auto& channel = spectra.channels[c];
     const int leg = static_cast<int>(channel.direction) - static_cast<int>(data::Direction::leg1);
-    if (channel.role != data::Role::response || leg < 0 || leg > 5) continue;
-    if (channel.unit != "m" && channel.unit != "m/s" && channel.unit != "m/s^2") continue;
+    if (channel.role != role || leg < 0 || leg > 5) continue;
+    if (role == data::Role::response && channel.unit != "m" && channel.unit != "m/s" &&
+        channel.unit != "m/s^2")
+      continue;
     if (legs[static_cast<size_t>(leg)] >= 0) return {};
     legs[static_cast<size_t>(leg)] = static_cast<int>(c);
   }

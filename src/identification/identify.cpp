@@ -300,6 +300,13 @@ Identification identify_modes(const FrequencyResponses& responses, const Identif
     result.warnings.push_back(fmt::format(
         "no mode from {:.4g} Hz to {:.4g} Hz: no pole comes back whatever the model order",
         result.from, result.to));
+  constexpr double few_samples = 8.0;  // per period
+  if (const double rate = result.responses.sample_rate;
+      !result.modes.empty() && rate * two_pi < few_samples * result.modes.back().fit.omega())
+    result.warnings.push_back(fmt::format(
+        "the highest mode has {:.1f} samples per period: what sampling folds back is not in the "
+        "modal model, and where there is little noise the intervals are too narrow; sample faster",
+        rate * two_pi / result.modes.back().fit.omega()));
   constexpr double poor = 2.0;
   if (result.model.misfit > poor)
     result.warnings.push_back(fmt::format(

@@ -12,6 +12,7 @@
 #include "hydrapod/base/error.hpp"
 #include "hydrapod/base/nearest.hpp"
 #include "hydrapod/identification/damped.hpp"
+#include "response_checks.hpp"
 
 namespace hydrapod::identification {
 
@@ -224,24 +225,27 @@ std::vector<std::size_t> used_channels(ChannelChoice& choice) {
   return {used.begin(), used.end()};
 }
 
-/// Puts the six directions that `map` makes of the channels in the place of these.
-void replace_outputs(const std::vector<int>& channels, const Eigen::MatrixXd& map,
-                     ChannelChoice& choice, Measurement& m) {
-  m.spectra = to_platform(m.spectra, channels, map);
-  const auto renumber = [&](std::vector<int>& list) {
+/// Puts the six directions that `map` makes of the channels in the place of these, which are all in
+/// `list`, one of the choice's.
+void replace_channels(const std::vector<int>& channels, const Eigen::MatrixXd& map,
+                      const std::string& prefix, std::vector<int>& list, ChannelChoice& choice,
+                      Measurement& m) {
+  warn_of_limits(m.spectra, channels, m.responses.warnings);
+  m.spectra = to_platform(m.spectra, channels, map, prefix);
+  const auto renumber = [&](std::vector<int>& numbers) {
     std::vector<int> now;
-    for (const int c : list) {
+    for (const int c : numbers) {
       if (std::ranges::find(channels, c) != channels.end()) continue;
       const auto before = std::ranges::count_if(channels, [&](int gone) { return gone < c; });
       now.push_back(c - static_cast<int>(before));
     }
-    list = now;
+    numbers = now;
   };
   renumber(choice.inputs);
   renumber(choice.outputs);
   renumber(choice.instruments);
   const int count = static_cast<int>(m.spectra.channels.size());
-  for (int d = 6; d > 0; --d) choice.outputs.push_back(count - d);
+  for (int d = 6; d > 0; --d) list.push_back(count - d);
 }
 
 /// All outputs, sensors at places that are known, become directions of the platform.
@@ -251,23 +255,36 @@ void bring_sensors_to_platform(const Eigen::MatrixXd& map, ChannelChoice& choice
       throw base::ComputationError(
           fmt::format("{} is dead: leave it out by naming the other sensors with --outputs",
                       m.spectra.channels[static_cast<std::size_t>(c)].name));
-  replace_outputs(std::vector<int>(choice.outputs), map, choice, m);
+  replace_channels(std::vector<int>(choice.outputs), map, {}, choice.outputs, choice, m);
 }
 
-/// Leg lengths among the outputs become directions of the platform.
+/// The channels of legs 1 … 6 with this role, if all are in `list` and alive.
+std::optional<std::vector<int>> living_legs(const CrossSpectra& spectra, Role role,
+                                            const std::vector<int>& list) {
+  auto legs = leg_channels(spectra, role);
+  if (!legs) return {};
+  for (const int leg : *legs) {
+    if (std::ranges::find(list, leg) == list.end()) return {};
+    if (!spectra.health[static_cast<std::size_t>(leg)].constant()) continue;
+    if (role == Role::drive) return {};  // named where inputs are checked
+    throw base::ComputationError(fmt::format(
+        "{} is dead: the platform's directions need all six legs; without the machine file the "
+        "other legs are identified as they are",
+        spectra.channels[static_cast<std::size_t>(leg)].name));
+  }
+  return legs;
+}
+
+/// Leg lengths among the outputs become directions of the platform, and so do the legs' drives.
 void bring_to_platform(const PlatformFrame& frame, ChannelChoice& choice, Measurement& m) {
-  const auto legs = leg_channels(m.spectra);
+  const auto legs = living_legs(m.spectra, Role::response, choice.outputs);
   if (!legs) return;
-  for (const int leg : *legs)
-    if (std::ranges::find(choice.outputs, leg) == choice.outputs.end()) return;
-  for (const int leg : *legs)
-    if (m.spectra.health[static_cast<std::size_t>(leg)].constant())
-      throw base::ComputationError(fmt::format(
-          "{} is dead: the platform's directions need all six legs; without the machine file the "
-          "other legs are identified as they are",
-          m.spectra.channels[static_cast<std::size_t>(leg)].name));
-  replace_outputs(*legs, platform_from_legs(frame.machine, frame.X_BP, frame.p_BQ), choice, m);
+  const auto map = platform_from_legs(frame.machine, frame.X_BP, frame.p_BQ);
+  replace_channels(*legs, map, {}, choice.outputs, choice, m);
   m.from_legs = true;
+  if (choice.inputs.size() != 6) return;
+  if (const auto drives = living_legs(m.spectra, Role::drive, choice.inputs))
+    replace_channels(*drives, map, "drive ", choice.inputs, choice, m);
 }
 
 /// Reads all files into m.spectra.
@@ -349,9 +366,9 @@ Measurement measure_responses(const std::vector<std::string>& files, const Measu
     bring_sensors_to_platform(*options.outputs_to_platform, plan.choice, m);
   else if (options.platform)
     bring_to_platform(*options.platform, plan.choice, m);
-  const bool damped = plan.estimator == Estimator::instrumental && !m.spectra.options.periodic;
-  m.responses = damped ? damped_instrumental(m.spectra, plan.choice)
-                       : estimate_responses(m.spectra, plan.choice, plan.estimator);
+  const auto earlier = std::move(m.responses.warnings);
+  m.responses = responses_for_modes(m.spectra, plan.choice, plan.estimator);
+  m.responses.warnings.insert(m.responses.warnings.begin(), earlier.begin(), earlier.end());
   compare_with_instrument(plan, m);
   return m;
 }

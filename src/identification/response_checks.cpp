@@ -51,20 +51,6 @@ bool is_dead(const CrossSpectra& spectra, int channel) {
   return health.missing == health.samples || health.constant();
 }
 
-void warn_of_limits(const CrossSpectra& spectra, const std::vector<int>& channels,
-                    std::vector<std::string>& warnings) {
-  for (const int c : channels) {
-    const auto& health = spectra.health[static_cast<std::size_t>(c)];
-    const double share = static_cast<double>(health.at_limit) /
-                         static_cast<double>(std::max<std::int64_t>(1, health.samples));
-    if (health.at_limit >= few_at_limit && share > rare_at_limit && share < two_levels)
-      warnings.push_back(fmt::format(
-          "{}: {:.2g} % of the samples stand at {:.4g} or {:.4g}: the channel looks clipped, and "
-          "what follows from it is distorted",
-          name(spectra, c), 100.0 * share, health.lowest, health.highest));
-  }
-}
-
 void drop_dead_outputs(const CrossSpectra& spectra, ChannelChoice& choice,
                        std::vector<std::string>& warnings) {
   std::erase_if(choice.outputs, [&](int o) {
@@ -135,6 +121,20 @@ void check_counts(const CrossSpectra& spectra, const ChannelChoice& choice, Esti
 }
 
 }  // namespace
+
+void warn_of_limits(const CrossSpectra& spectra, const std::vector<int>& channels,
+                    std::vector<std::string>& warnings) {
+  for (const int c : channels) {
+    const auto& health = spectra.health[static_cast<std::size_t>(c)];
+    const double share = static_cast<double>(health.at_limit) /
+                         static_cast<double>(std::max<std::int64_t>(1, health.samples));
+    if (health.at_limit >= few_at_limit && share > rare_at_limit && share < two_levels)
+      warnings.push_back(fmt::format(
+          "{}: {:.2g} % of the samples stand at {:.4g} or {:.4g}: the channel looks clipped, and "
+          "what follows from it is distorted",
+          name(spectra, c), 100.0 * share, health.lowest, health.highest));
+  }
+}
 
 ChannelChoice checked_choice(const CrossSpectra& spectra, const ChannelChoice& wanted,
                              Estimator estimator, std::vector<std::string>& warnings) {

@@ -9,6 +9,10 @@ namespace hydrapod::identification {
 ChannelChoice checked_choice(const CrossSpectra& spectra, const ChannelChoice& wanted,
                              Estimator estimator, std::vector<std::string>& warnings);
 
+/// A warning for each channel that stands at its limits too often.
+void warn_of_limits(const CrossSpectra& spectra, const std::vector<int>& channels,
+                    std::vector<std::string>& warnings);
+
 /// Per channel the density below which a line is not excited.
 std::vector<double> quiet_levels(const CrossSpectra& spectra);
 

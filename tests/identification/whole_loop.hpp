@@ -44,7 +44,9 @@ inline void expect_found(const Identification& found, const std::vector<ExactPol
                          const Tolerance& tolerance) {
   std::vector<bool> taken(found.modes.size(), false);
   for (const auto& pole : exact) {
-    if (pole.platform < tolerance.least_share || pole.frequency > found.to) continue;
+    if (pole.platform < tolerance.least_share || pole.frequency < found.from ||
+        pole.frequency > found.to)
+      continue;
     std::size_t best = found.modes.size();
     double least = tolerance.frequency;
     for (std::size_t r = 0; r < found.modes.size(); ++r) {

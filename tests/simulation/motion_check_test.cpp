@@ -86,7 +86,7 @@ TEST(MotionCheck, WarnsOfSpeedsThatTheValveDoesNotGive) {
   ASSERT_EQ(found.size(), 12U);  // each leg, both ways
   for (const auto& finding : found) EXPECT_EQ(finding.severity, base::Severity::warning);
   EXPECT_THAT(found[0].message,
-              AllOf(HasSubstr("leg 1 must extend at "), HasSubstr("its valve gives 0.778 m/s")));
+              AllOf(HasSubstr("leg 1 must extend at "), HasSubstr("its valve gives 0.482 m/s")));
 }
 
 /// Base and platform circles alike and no difference in their pairs' angles: a platform turned by

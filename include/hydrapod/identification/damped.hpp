@@ -26,8 +26,14 @@
 
 namespace hydrapod::identification {
 
-/// For spectra that are not periodic. Lines are twice as far apart as those of the spectra. Throws
-/// base::ComputationError as estimate_responses does.
+/// For spectra that are not periodic. Lines are twice as far apart as those of the spectra. Where
+/// hardly any line is left (blocks too short for the band) it is estimate_responses(), without a
+/// shift; throws base::ComputationError as that does.
 FrequencyResponses damped_instrumental(const CrossSpectra& spectra, const ChannelChoice& choice);
+
+/// What modes are looked for in: damped_instrumental() for the instrumental estimate of spectra
+/// that are not periodic, else estimate_responses().
+FrequencyResponses responses_for_modes(const CrossSpectra& spectra, const ChannelChoice& choice,
+                                       Estimator estimator);
 
 }  // namespace hydrapod::identification
