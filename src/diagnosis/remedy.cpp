@@ -82,10 +82,10 @@ double bisect(const Question& question, double low, double high) {
   return high;
 }
 
-/// Smallest factor from which on the goal is met; `softest` where that is enough.
-double smallest_factor(const Question& question) {
+/// Smallest factor from which on, up to `from`, the goal is met; `softest` where that is enough.
+double smallest_factor(const Question& question, double from) {
   const double step = std::pow(10.0, -0.1);
-  double high = nearly_rigid;
+  double high = from;
   while (high > softest) {
     const double low = high * step;
     if (!question.met(question.worst(low))) return bisect(question, low, high);
@@ -147,8 +147,10 @@ Remedy find_remedy(const model::Machine& machine, const std::vector<model::Named
     remedy.direction = rigid.direction;
     return remedy;
   }
-  const double factor = smallest_factor(question);
-  remedy.status = factor <= 1.0 ? RemedyStatus::met_already : RemedyStatus::found;
+  // sleeves between today's and rigid ones may do worse: their own modes pass the platform's
+  const bool met = question.met(question.worst(1.0));
+  const double factor = smallest_factor(question, met ? 1.0 : nearly_rigid);
+  remedy.status = met ? RemedyStatus::met_already : RemedyStatus::found;
   remedy.needed = question.point(factor);
   const auto worst = question.worst(factor * (1.0 - 1e-6));
   remedy.pose = worst.pose;

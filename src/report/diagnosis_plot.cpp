@@ -50,11 +50,21 @@ std::string measured_panel(const Diagnosis& d, const Layout& layout) {
   s += fmt::format("set xrange [0.4:{}.6]\nset grid ytics back lt 1 lc rgb '#d0d0d0' lw 0.5\n", k);
   s += place(layout, 0.1 * panel, 0.88 * panel, 0.09);
   s += "set title 'Measured, rigid calculation, best explanation'\nset ylabel 'Hz'\n";
-  s += "set key inside bottom right vertical\nset yrange [0:*]\n";
+  double low = d.modes.front().omega, high = low;
+  for (const auto& mode : d.modes) {
+    low = std::min({low, mode.omega, mode.omega_best});
+    high = std::max({high, mode.omega, mode.omega_best, mode.omega_rigid});
+  }
+  constexpr double wide = 8.0;
+  s += "set key inside bottom right vertical\n";
+  s += high > wide * low ? fmt::format("set logscale y\nset yrange [{:.6g}:{:.6g}]\n",
+                                       0.5 * low / two_pi, 1.3 * high / two_pi)
+                         : "set yrange [0:*]\n";
   return s +
          "plot $m using 1:5 with points pt 8 ps 1.3 lw 1.5 lc rgb '#999999' title 'rigid', "
          "$m using 1:2:3 with yerrorbars pt 6 ps 1.6 lw 1.6 lc rgb '#d55e00' title 'measured (95 "
-         "%)', $m using 1:4 with points pt 7 ps 0.7 lc rgb '#0072b2' title 'best explanation'\n";
+         "%)', $m using 1:4 with points pt 7 ps 0.7 lc rgb '#0072b2' title 'best "
+         "explanation'\nunset logscale y\n";
 }
 
 /// A bar per explanation: how far its criterion is above the best.

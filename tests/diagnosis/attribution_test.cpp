@@ -123,6 +123,18 @@ TEST(Remedy, ReachesAFrequencyOrSaysWhatRigidSleevesWouldGive) {
   EXPECT_THROW(find_remedy(machine, neutral, ModelKind::guide, {}), std::invalid_argument);
 }
 
+/// The published machine drops by 0.1 %: there is nothing to mend, though sleeves some times as
+/// stiff would put their own modes below its rz.
+TEST(Remedy, IsNotNeededWhereTodaysSleevesWillDo) {
+  const auto machine =
+      test::machine_file(test::read_text(test::source_file("models/zhang-jiang-2021.toml")))
+          .machine;
+  const auto found = find_remedy(machine, machine.poses, ModelKind::guide, {.drop = 0.02});
+  EXPECT_EQ(found.status, RemedyStatus::met_already);
+  EXPECT_LT(found.needed.factor, 1.0);
+  EXPECT_LT(found.needed.drop, 0.02);
+}
+
 TEST(Workspace, PosesAreSoundAndReachTheirLimits) {
   const auto machine = heavy();
   const auto poses = workspace_poses(machine);

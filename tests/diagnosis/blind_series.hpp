@@ -92,6 +92,4 @@ inline std::string verdict(const diagnosis::Diagnosis& d) {
   return text;
 }
 
-std::vector<BlindCase> blind_cases();
-
 }  // namespace hydrapod::test

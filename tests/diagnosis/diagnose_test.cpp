@@ -90,6 +90,32 @@ TEST(Diagnose, FindsSoftGuideSleevesAndHowSoftTheyAre) {
   EXPECT_THAT(mass->wrong, testing::Contains(HasSubstr("were measured")));
 }
 
+/// Guide sleeves and piston rings, each for its own resonance.
+TEST(Diagnose, TellsWhichResonanceComesFromSleevesAndWhichFromRings) {
+  const auto d = test::run_blind({.machine = "zhang-jiang-2021.toml",
+                                  .fault = {"legs.piston_ring.stiffness=3 kN/mm"},
+                                  .kind = ModelKind::full})
+                     .diagnosis;
+  ASSERT_EQ(d.finding, Finding::guilty);
+  EXPECT_EQ(d.best().name, "piston rings of all legs");
+  EXPECT_NEAR(d.best().fit.parameters[0].value, 3e6, 0.05e6);
+  int of_sleeves = 0, of_rings = 0;
+  for (const auto& mode : d.modes) {
+    if (mode.guide_sleeves > 0.5) {
+      ++of_sleeves;
+      EXPECT_NEAR(mode.omega / (2.0 * std::numbers::pi), 8.3, 0.2);
+    }
+    if (mode.piston_rings > 0.5) {
+      ++of_rings;
+      EXPECT_NEAR(mode.omega / (2.0 * std::numbers::pi), 274.0, 3.0);
+    }
+  }
+  EXPECT_GE(of_sleeves, 2);
+  EXPECT_GE(of_rings, 2);
+  EXPECT_THAT(summary({.diagnosis = d}),
+              testing::Contains(HasSubstr("From the piston rings come")));
+}
+
 TEST(Diagnose, TellsWhatOilCannotExplain) {
   // pushed sideways the base lowers x and y alone; the oil that would do so lowers z as well
   const auto d = of({"base.mount.stiffness.x=80 kN/mm", "base.mount.stiffness.y=80 kN/mm"});

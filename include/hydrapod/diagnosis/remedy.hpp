@@ -1,9 +1,11 @@
 #pragma once
 /// How stiff the guide sleeves must be.
 ///
-/// The sleeves of all legs are scaled by one factor. Wanted is the smallest one from which on the
-/// goal is met at every pose: from nearly rigid sleeves downwards in steps of a tenth of a decade
-/// to the first that is too soft, then by bisection, to 1e-6 of itself.
+/// The sleeves of all legs are scaled by one factor. Where today's do not meet the goal, the
+/// smallest factor is wanted from which on everything stiffer meets it at every pose; where they
+/// do, how much softer they might be. It is found downwards from nearly rigid (or today's) sleeves
+/// in steps of a tenth of a decade to the first that is too soft, then by bisection, to 1e-6 of
+/// itself.
 
 #include <functional>
 #include <optional>
