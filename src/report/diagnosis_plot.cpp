@@ -128,7 +128,7 @@ std::string curve_panel(const CaseFile& file, const Layout& layout) {
       "'#d55e00' title 'wanted', $t using 1:2 with points pt 6 ps 1.8 lw 2 lc rgb '#444444' "
       "title {}",
       column, goal, quoted("today, " + amount_text(r.today.stiffness, 0.0, "N/m")));
-  if (r.status != RemedyStatus::out_of_reach)
+  if (r.status == RemedyStatus::found)
     s += fmt::format(", $n using 1:2 with points pt 7 ps 1.4 lc rgb '#009e73' title {}",
                      quoted("needed, " + amount_text(r.needed.stiffness, 0.0, "N/m")));
   return s + "\n";

@@ -105,6 +105,34 @@ TEST(Recovery, ShapesAndDampingsAreMetToo) {
   for (const auto& target : best.targets) EXPECT_NEAR(target.shape_mac, 1.0, 1e-5);
 }
 
+/// Shapes of the platform frame's origin tell where the mass centre is, though it is not theirs.
+TEST(Recovery, ShapesMayBeThoseOfAnyPoint) {
+  const auto truth = test::machine_file(
+      published().text, {"platform.mass_center[0]=0.031", "platform.mass_center[1]=-0.017"});
+  const auto model =
+      dynamics::linear_model(truth.machine, truth.machine.neutral(), ModelKind::rigid);
+  const auto modes = modal::normal_modes(model);
+  Targets targets = targets_of(truth, ModelKind::rigid, true);
+  const spatial::Vector3 point(0.21, 0.11, -0.07);
+  for (int k = 0; k < 6; ++k) {
+    Vector6 shape = modes.shapes.col(k).head<6>();
+    const spatial::Vector3 arm = model.X_BP * point - model.p_BC;
+    shape.head<3>() += spatial::Vector3(shape.tail<3>()).cross(arm);
+    targets.modes[k].shape = shape;
+    targets.modes[k].shape_deviation = 0.02;
+    targets.modes[k].shape_point = point;
+    targets.modes[k].deviation = 0.05 * targets.modes[k].omega;  // the shapes decide
+  }
+  const auto start = test::machine_file(
+      published().text, {"platform.mass_center[0]=0.002", "platform.mass_center[1]=0.003"});
+  std::vector<FreeParameter> free{
+      {.paths = {"platform.mass_center[0]"}, .lower = "-0.1", .upper = "0.1"},
+      {.paths = {"platform.mass_center[1]"}, .lower = "-0.1", .upper = "0.1"}};
+  const auto best = fit(start, targets, free, ModelKind::rigid, 1);
+  EXPECT_NEAR(best.parameters[0].value, 0.031, 1e-4);
+  EXPECT_NEAR(best.parameters[1].value, -0.017, 1e-4);
+}
+
 TEST(Recovery, AWrongTargetIsNamedAndLeftOut) {
   auto targets = targets_of(published(), ModelKind::guide, true);
   targets.modes[14].omega *= 1.17;

@@ -180,7 +180,7 @@ function curve(remedy: Remedy): SVGSVGElement {
       drop ? 'largest drop, %' : 'lowest resonance, Hz',
     ),
   );
-  if (remedy.status !== 'out_of_reach')
+  if (remedy.status === 'found')
     picture.append(
       svg('circle', {
         cx: px(remedy.needed.stiffness_N_m),
