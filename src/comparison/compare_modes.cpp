@@ -23,7 +23,7 @@ using Eigen::VectorXd;
 constexpr double frequency_scale = 0.1;
 constexpr double wrong_shape = 25.0;
 constexpr double no_partner = 16.0;
-constexpr double same_pole = 0.2;  // of the decay rate
+constexpr double same_pole = 0.05;  // of the decay rate
 constexpr double band_margin = 0.2;
 constexpr double unseen = 1e-6;  // of the largest motion that the outputs see
 constexpr double two_pi = 2.0 * std::numbers::pi;

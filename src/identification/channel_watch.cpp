@@ -4,9 +4,22 @@
 
 namespace hydrapod::identification {
 
-void ChannelWatch::Limit::restart(double at) {
-  value = at;
-  counted = 0;
+void ChannelWatch::Limit::add(const Column& samples, double extreme, double side) {
+  const auto count = [&](double at) { return (samples.array() == at).count(); };
+  if (extreme != value) {  // beyond all before
+    next = value;
+    counted_next = counted;
+    value = extreme;
+    counted = 0;
+  }
+  counted += count(value);
+  // the value next to it may be among these samples
+  double inner = next;
+  for (const double x : samples)
+    if (std::isfinite(x) && x != value && side * (x - inner) > 0.0) inner = x;
+  if (inner != next) counted_next = 0;
+  next = inner;
+  counted_next += count(next);
 }
 
 void ChannelWatch::add(const Column& samples) {
@@ -29,12 +42,14 @@ void ChannelWatch::add(const Column& samples) {
     }
   }
   if (!any) return;
-  if (!begun_ || low < low_.value) low_.restart(low);
-  if (!begun_ || high > high_.value) high_.restart(high);
+  if (!begun_) {
+    low_ = {.value = low, .next = high};
+    high_ = {.value = high, .next = low};
+  }
   begun_ = true;
-  // else no sample of this piece is at the limit
-  if (low == low_.value) low_.counted += (samples.array() == low_.value).count();
-  if (high == high_.value) high_.counted += (samples.array() == high_.value).count();
+  // else no sample of this piece is at the limit or next to it
+  if (low <= low_.next) low_.add(samples, std::min(low, low_.value), -1.0);
+  if (high >= high_.next) high_.add(samples, std::max(high, high_.value), 1.0);
 }
 
 ChannelHealth ChannelWatch::health() const {
@@ -43,7 +58,7 @@ ChannelHealth ChannelWatch::health() const {
   health.missing = missing_;
   health.lowest = low_.value;
   health.highest = high_.value;
-  if (high_.value > low_.value) health.at_limit = low_.counted + high_.counted;
+  if (high_.value > low_.value) health.at_limit = low_.clipped() + high_.clipped();
   return health;
 }
 

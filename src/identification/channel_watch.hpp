@@ -12,11 +12,14 @@ class ChannelWatch {
   [[nodiscard]] ChannelHealth health() const;
 
  private:
-  /// Samples at one end of the range.
+  /// Samples at one end of the range, and at the value next to it: a clipped channel has more of
+  /// the former, a coarsely resolved one fewer.
   struct Limit {
-    double value{};
-    std::int64_t counted{};
-    void restart(double at);
+    double value{}, next{};
+    std::int64_t counted{}, counted_next{};
+    /// `extreme`: of these and all samples before; `side`: 1 for the upper end, −1 for the lower.
+    void add(const Column& samples, double extreme, double side);
+    [[nodiscard]] std::int64_t clipped() const { return counted > 2 * counted_next ? counted : 0; }
   };
 
   bool begun_{};

@@ -67,6 +67,7 @@ Json shown_responses(const FrequencyResponses& r) {
       {"response", std::move(response)},
       {"radius_95", r.has_errors() ? Json(identification::confidence_radius(confidence, r.degrees))
                                    : Json(nullptr)}};
+  shown["shift_per_s"] = r.shift;
   for (const std::size_t k : lines) shown["frequency_hz"].push_back(r.frequency[k]);
   if (!coherence.empty()) shown["multiple_coherence"] = std::move(coherence);
   return shown;

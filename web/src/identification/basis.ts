@@ -1,7 +1,9 @@
 // What a pole contributes to a response at each line: g(ω, λ) and g(ω, λ*), as
 // src/identification/pole_basis.hpp has it. Under a window of length T
 //
-//     g = (1 − e^(λT))/(s − λ) + ∫_0^T (ρ(τ) − 1) e^((λ − s)τ) dτ,   else g = 1/(s − λ).
+//     g = (1 − e^(λT))/(s − λ) + ∫_0^T (ρ(τ) − 1) e^((λ − s)τ) dτ,   else g = 1/(s − λ), s = a + iω
+//
+// with the shift a of the responses.
 
 import type { Complex } from '../mechanics/response';
 import { fourier } from './fourier';
@@ -35,6 +37,7 @@ export class PoleBasis {
   constructor(
     private readonly frequency: number[],
     private readonly taper: Taper | null,
+    private readonly shift = 0,
   ) {
     this.line = taper ? frequency.map((f) => Math.round(f * taper.duration_s)) : null;
     const uneven = frequency.some(
@@ -56,8 +59,8 @@ export class PoleBasis {
     const end = { re: decay * Math.cos(pole.im * T), im: decay * Math.sin(pole.im * T) };
     this.frequency.forEach((f, k) => {
       const omega = two_pi * f;
-      const g = quotient(1 - end.re, -end.im, pole.re, pole.im, omega);
-      const c = quotient(1 - end.re, end.im, pole.re, -pole.im, omega);
+      const g = quotient(1 - end.re, -end.im, pole.re - this.shift, pole.im, omega);
+      const c = quotient(1 - end.re, end.im, pole.re - this.shift, -pole.im, omega);
       [lines.re[k], lines.im[k], lines.re_c[k], lines.im_c[k]] = [g.re, g.im, c.re, c.im];
     });
     if (T > 0) this.addWindow(pole, end, lines);

@@ -74,9 +74,10 @@ export class Fitter {
   constructor(
     private readonly measured: Measured,
     taper: Taper | null,
+    private readonly shift = 0,
   ) {
     const f = measured.frequency_hz;
-    this.basis = new PoleBasis(f, taper);
+    this.basis = new PoleBasis(f, taper, shift);
     this.omegaScale = two_pi * f[Math.floor(f.length / 2)] || 1;
     this.weight = measured.response.map((row) => this.rowWeights(row));
     this.size = measured.response.map((row) =>
@@ -103,7 +104,7 @@ export class Fitter {
         im += x[2 * r] * u.im + x[2 * r + 1] * v.im;
       });
       terms.forEach((power, t) => {
-        const s = powerOf(omega / this.omegaScale, power);
+        const s = powerOf(this.shift / this.omegaScale, omega / this.omegaScale, power);
         const c = x[2 * poles.length + t * inputs + i];
         re += c * s.re;
         im += c * s.im;
@@ -119,7 +120,7 @@ export class Fitter {
       error: this.errorOf(synthesis),
       synthesis,
       at: (o, i, frequency) => {
-        const alone = new PoleBasis([frequency], null);
+        const alone = new PoleBasis([frequency], null, this.shift);
         const g = poles.map((pole) => alone.at(pole.pole));
         return value(o, i, g, 0, two_pi * frequency);
       },
@@ -178,7 +179,7 @@ export class Fitter {
     });
     terms.forEach((power, t) => {
       const omega = two_pi * this.measured.frequency_hz[k];
-      const s = powerOf(omega / this.omegaScale, power);
+      const s = powerOf(this.shift / this.omegaScale, omega / this.omegaScale, power);
       [re[2 * poles.length + t], im[2 * poles.length + t]] = [s.re, s.im];
     });
   }
@@ -210,11 +211,14 @@ function columnsOf(pole: Pole, g: PoleLines, i: number, k: number): { u: Complex
 }
 
 /** (i w)^power */
-function powerOf(w: number, power: number): Complex {
+/** (a + iw) to the power −2 … 1. */
+function powerOf(a: number, w: number, power: number): Complex {
   if (power === 0) return { re: 1, im: 0 };
-  if (power === 1) return { re: 0, im: w };
-  if (power === -1) return { re: 0, im: -1 / w };
-  return { re: -1 / (w * w), im: 0 };
+  if (power === 1) return { re: a, im: w };
+  const square = a * a + w * w;
+  const inverse = { re: a / square, im: -w / square };
+  if (power === -1) return inverse;
+  return { re: inverse.re ** 2 - inverse.im ** 2, im: 2 * inverse.re * inverse.im };
 }
 
 function smoothedWeights(deviation: number[]): Float64Array {

@@ -78,6 +78,7 @@ export interface Identification {
   indicator: { frequency_hz: number[]; values: number[][] };
   responses: Measured & {
     radius_95: number | null;
+    shift_per_s: number;
     multiple_coherence?: number[][];
   };
   taper: Taper | null;

@@ -53,7 +53,7 @@ class IdentificationSection {
   constructor(state: State, host: HTMLElement) {
     this.data = state.report.identification as Identification;
     this.choice = new Choice(this.data);
-    this.fitter = new Fitter(this.data.responses, this.data.taper);
+    this.fitter = new Fitter(this.data.responses, this.data.taper, this.data.responses.shift_per_s);
     this.chart = new Chart(this.data, this.choice);
     this.plots = new ResponsePlots(this.data);
     this.table = new PoleTable(this.data, this.choice);
@@ -94,7 +94,12 @@ class IdentificationSection {
   }
 
   private fitNote(): string {
-    const window = this.data.taper ? ', seen through the window of the measurement' : '';
+    const shift = this.data.responses.shift_per_s;
+    const window = this.data.taper
+      ? ', seen through the window of the measurement'
+      : shift > 0
+        ? `; both at s = a + iω with a = ${shift.toPrecision(2)} 1/s, where resonances are that much wider`
+        : '';
     return (
       `Solid: measured, with its 95 % band where errors are known; dashed: fit of the poles that are ` +
       `switched on${window}. Drag across a diagram to zoom, double-click to see all again.`
