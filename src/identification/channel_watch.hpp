@@ -19,7 +19,7 @@ class ChannelWatch {
     std::int64_t counted{}, counted_next{};
     /// `extreme`: of these and all samples before; `side`: 1 for the upper end, −1 for the lower.
     void add(const Column& samples, double extreme, double side);
-    [[nodiscard]] std::int64_t clipped() const { return counted > 2 * counted_next ? counted : 0; }
+    [[nodiscard]] std::int64_t clipped() const { return counted > counted_next ? counted : 0; }
   };
 
   bool begun_{};

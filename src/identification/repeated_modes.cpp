@@ -5,6 +5,7 @@
 #include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "fit_covariance.hpp"
 
@@ -57,12 +58,46 @@ std::vector<Index> pivots(const MatrixXd& basis) {
   return rows;
 }
 
+/// Which column of `along` goes to which of the modes with the fitted `shapes`.
+std::vector<Index> order_of(const MatrixXcd& shapes, const MatrixXd& along) {
+  constexpr double clearly = 0.3;
+  std::vector<Index> order(static_cast<std::size_t>(along.cols()));
+  std::iota(order.begin(), order.end(), Index{0});
+  const auto likeness = [&](const std::vector<Index>& some) {
+    double sum = 0.0;
+    for (std::size_t r = 0; r < some.size(); ++r)
+      sum +=
+          mac(shapes.col(static_cast<Index>(r)), along.col(some[r]).cast<std::complex<double>>());
+    return sum;
+  };
+  auto best = order, trial = order;
+  double most = likeness(order) + clearly;
+  while (std::ranges::next_permutation(trial).found)
+    if (const double sum = likeness(trial); sum > most) {
+      most = sum;
+      best = trial;
+    }
+  return best;
+}
+
+/// Modes from `first` on of which each two cannot be told apart: one past the last.
+std::size_t end_of_group(const std::vector<IdentifiedMode>& modes, std::size_t first) {
+  std::size_t end = first + 1;
+  const auto joins = [&](std::size_t candidate) {
+    for (std::size_t r = first; r < candidate; ++r)
+      if (!cannot_be_told_apart(modes[r].fit, modes[candidate].fit)) return false;
+    return true;
+  };
+  while (end < modes.size() && joins(end)) ++end;
+  return end;
+}
+
 }  // namespace
 
 void untangle_repeated(const FrequencyResponses& responses, std::vector<IdentifiedMode>& modes) {
   const Eigen::VectorXd size = row_sizes(responses);
-  for (std::size_t first = 0, end = 1; first < modes.size(); first = end, end = first + 1) {
-    while (end < modes.size() && cannot_be_told_apart(modes[end - 1].fit, modes[end].fit)) ++end;
+  for (std::size_t first = 0, end = 0; first < modes.size(); first = end) {
+    end = end_of_group(modes, first);
     const auto count = static_cast<Index>(end - first);
     if (count < 2 || count >= size.size()) continue;
     MatrixXcd shapes(size.size(), count);
@@ -75,10 +110,12 @@ void untangle_repeated(const FrequencyResponses& responses, std::vector<Identifi
     if (basis.size() == 0) continue;
     const auto rows = pivots(basis);
     const MatrixXd along = basis * MatrixXd(basis(rows, Eigen::all)).inverse();
+    const auto order = order_of(shapes, along);
     for (Index r = 0; r < count; ++r) {
       auto& mode = modes[first + static_cast<std::size_t>(r)];
+      const Index column = order[static_cast<std::size_t>(r)];
       mode.displacement =
-          (along.col(r).cwiseProduct(size) / size[rows[static_cast<std::size_t>(r)]])
+          (along.col(column).cwiseProduct(size) / size[rows[static_cast<std::size_t>(column)]])
               .cast<std::complex<double>>();
       mode.repeated = static_cast<int>(count);
     }

@@ -123,8 +123,17 @@ TEST(Spectra, SamplesAtALimitAreCounted) {
   record.samples.col(0) = record.samples.col(0).cwiseMin(1.0).eval();
   const auto s = spectra_of(record, {.block_length = 512});
   EXPECT_GT(s.health[0].at_limit, 20);
-  EXPECT_EQ(s.health[1].at_limit, 2);  // its highest and its lowest
+  EXPECT_EQ(s.health[1].at_limit, 0);  // once at the highest value, once next to it: no limit
   EXPECT_EQ(s.health[0].highest, 1.0);
+}
+
+TEST(Spectra, CoarseStepsAreNoLimit) {
+  auto record = noise_record(20000, 2, 9);  // within ±4: six to nine steps
+  record.samples = (record.samples.array() / 0.7).round() * 0.7;
+  record.samples.col(1) = record.samples.col(1).cwiseMax(-0.7).eval();
+  const auto s = spectra_of(record, {.block_length = 512});
+  EXPECT_LT(s.health[0].at_limit, 10);
+  EXPECT_GT(s.health[1].at_limit, 5000);
 }
 
 TEST(Spectra, PeriodsTellSignalFromNoise) {
