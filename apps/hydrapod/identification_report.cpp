@@ -19,7 +19,9 @@ constexpr double band = 1.96;  // 95 % of a normal distribution
 /// The outputs that move most, each in proportion to the size of its own responses.
 std::string shape_text(const identification::IdentifiedMode& mode, const Eigen::VectorXd& size,
                        const std::vector<data::Channel>& outputs) {
-  Eigen::VectorXd share = mode.fit.shape.cwiseAbs().cwiseQuotient(size);
+  // of repeated modes the fit has some mixture
+  const auto& shape = mode.repeated > 1 ? mode.displacement : mode.fit.shape;
+  Eigen::VectorXd share = shape.cwiseAbs().cwiseQuotient(size);
   share /= share.maxCoeff();
   std::vector<int> order(outputs.size());
   std::iota(order.begin(), order.end(), 0);
@@ -28,8 +30,7 @@ std::string shape_text(const identification::IdentifiedMode& mode, const Eigen::
   constexpr double shown = 0.2;
   constexpr std::size_t most = 4;
   for (std::size_t k = 0; k < std::min(most, order.size()) && share[order[k]] >= shown; ++k) {
-    const bool opposite =
-        (mode.fit.shape[order[k]] * std::conj(mode.fit.shape[order[0]])).real() < 0.0;
+    const bool opposite = (shape[order[k]] * std::conj(shape[order[0]])).real() < 0.0;
     text += fmt::format("{}{}{} {:.2f}", k == 0 ? "" : ", ", opposite ? "−" : "",
                         outputs[static_cast<std::size_t>(order[k])].name, share[order[k]]);
   }
