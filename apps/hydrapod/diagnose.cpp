@@ -193,7 +193,7 @@ void add_diagnose(CLI::App& app) {
       app, "diagnose", "Which part is guilty, how sure that is, and how stiff it must be",
       {{"diagnose machine.toml --measured modes.csv",
         "what explains the measured modes, ranked, and what would help"},
-       {"diagnose machine.toml --measured run.h5 --pose low", "the same from a record"},
+       {"diagnose machine.toml --measured run.h5 --pose high", "the same from a record"},
        {"diagnose machine.toml --want \"x=5 Hz\" --poses workspace",
         "without a measurement: what lowers the resonances, and the remedy wherever the platform "
         "can go"},

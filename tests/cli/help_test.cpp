@@ -96,7 +96,7 @@ void furnish(const std::filesystem::path& folder, const std::string& command) {
       << "time [s], x [mm], rz [deg]\n0, 0, 0\n0.5, 5, 1\n1, 0, 0\n";
   std::ofstream(folder / "modes.csv") << modes_csv;
   std::ofstream(folder / "modes.toml") << modes_toml;
-  if (command == "frf" || command == "identify" || command == "report")
+  if (command == "frf" || command == "identify" || command == "report" || command == "diagnose")
     furnish_for_identification(folder);
   if (command != "record") return;
   for (const char* name : {"run.h5", "run.csv"})
