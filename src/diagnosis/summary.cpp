@@ -249,7 +249,8 @@ std::vector<std::string> summary(const CaseFile& file) {
     const auto& d = *file.diagnosis;
     words.push_back(finding_sentence(d));
     if (d.finding == Finding::do_not_belong) {
-      for (const auto& reason : d.reasons) words.push_back(capital(reason) + ".");
+      for (const auto& reason : d.reasons)
+        words.push_back(capital(reason) + (reason.ends_with('?') ? "" : "."));
       return words;
     }
     if (d.finding == Finding::undecided)
