@@ -16,6 +16,8 @@ identification::Identification identified_on_rig(const model::Machine& machine,
   options.duration = experiment.duration;
   options.seed = experiment.seed;
   options.instruments.accelerometers = {};
+  options.instruments.length.noise *= experiment.sensors;
+  options.instruments.length.resolution *= experiment.sensors;
   options.loop.kind = experiment.kind;
   const TemporaryFolder folder;
   const std::string path = folder / "run.h5";
@@ -26,7 +28,8 @@ identification::Identification identified_on_rig(const model::Machine& machine,
   EXPECT_EQ(result.summary.end, simulation::RunEnd::finished) << result.summary.message;
   writer->close();
   identification::MeasureOptions measure;
-  measure.platform = {machine, experiment.X_BP, machine.platform.mass_center};
+  measure.platform = {machine, experiment.X_BP,
+                      experiment.X_BP * experiment.point.value_or(machine.platform.mass_center)};
   return identification::identify_modes(
       identification::measure_responses({path}, measure).responses);
 }

@@ -13,6 +13,9 @@ struct RigExperiment {
   double duration{};     ///< [s]
   double level{1e-4};    ///< RMS of the white command [m, rad]
   std::uint64_t seed{1};
+  double sensors{1.0};  ///< noise and steps of the length sensors, in those of the default
+  /// Whose motion is identified, in P; default: the mass centre.
+  std::optional<spatial::Vector3> point{};
 };
 
 /// Drives to platform motion of a rig record in a file, and what identification without any

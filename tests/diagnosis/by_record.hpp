@@ -1,0 +1,43 @@
+#pragma once
+/// Measured modes of a blind case as a test rig gives them: records of the machine with its fault,
+/// one per pose, identified without any setting.
+
+#include "blind_series.hpp"
+#include "hydrapod/base/error.hpp"
+#include "hydrapod/diagnosis/measured.hpp"
+#include "support/rig_record.hpp"
+
+namespace hydrapod::test {
+
+struct RecordSetting {
+  double duration{120.0};  ///< [s] per pose
+  double level{1e-4};      ///< of the white command [m, rad]
+  double sensors{1.0};     ///< noise and steps of the length sensors, in those of the default
+};
+
+inline Measure by_record(const RecordSetting& setting) {
+  return [setting](const BlindCase& test, const model::MachineFile& truth) {
+    calibration::Targets all;
+    for (const auto& name : test.poses) {
+      const auto pose = std::ranges::find(truth.machine.poses, name, &model::NamedPose::name);
+      const auto found = identified_on_rig(
+          truth.machine, {.kind = test.kind,
+                          .X_BP = pose->X_BP,
+                          .duration = setting.duration,
+                          .level = setting.level,
+                          .seed = 100u + static_cast<std::uint64_t>(test.repetition),
+                          .sensors = setting.sensors,
+                          .point = spatial::Vector3::Zero()});
+      // the owner's file says where the legs are; where the mass centre is it may not
+      const auto targets = diagnosis::measured_modes(
+          found, truth.machine, {.pose = name, .point = spatial::Vector3::Zero()});
+      if (all.modes.empty())
+        all = targets;
+      else
+        all.modes.insert(all.modes.end(), targets.modes.begin(), targets.modes.end());
+    }
+    return all;
+  };
+}
+
+}  // namespace hydrapod::test
