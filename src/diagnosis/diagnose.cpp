@@ -114,6 +114,20 @@ void describe(const Evidence& evidence, Diagnosis& d, int threads, Watch& watch)
       [&](double share) { return watch.at(0.9 + 0.08 * share); });
 }
 
+/// Deviations of what is blamed, with the model's error.
+void widen(const Evidence& evidence, Diagnosis& d, double frequency_error, Watch& watch) {
+  for (const auto k : d.alike) {
+    if (watch.stopped()) return;
+    auto& e = d.explanations[k];
+    if (e.suspects.empty()) continue;
+    try {
+      evidence.widen(e, frequency_error);
+    } catch (const base::ComputationError&) {  // no machine near this one has modes
+    } catch (const base::InputError&) {
+    }
+  }
+}
+
 }  // namespace
 
 const char* name(Finding finding) {
@@ -170,6 +184,7 @@ Diagnosis diagnose(const model::MachineFile& file, const calibration::Targets& m
     rank(d);
   }
   judge(d);
+  if (d.finding != Finding::do_not_belong) widen(evidence, d, options.frequency_error, watch);
   trace_modes(file, d);
   if (!watch.stopped()) describe(evidence, d, options.threads, watch);
   if (d.finding == Finding::do_not_belong) d.reasons = unexplained(d);

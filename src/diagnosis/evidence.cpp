@@ -105,11 +105,23 @@ Explanation Evidence::rigid() const {
   return e;
 }
 
+/// Numbers of all legs may have to be found over decades, and the pairing of modes changes on the
+/// way; what is known of one suspect is a good start for most others.
+int Evidence::starts_for(const std::vector<std::size_t>& blamed, bool known) const {
+  constexpr int wide = 16, ordinary = 6, few = 3;
+  const bool single_numbers = std::ranges::all_of(
+      blamed, [&](std::size_t k) { return suspects_[k].free.size() == 1 && !suspects_[k].leg; });
+  const bool seals = std::ranges::any_of(
+      blamed, [&](std::size_t k) { return suspects_[k].family == "guide sleeves"; });
+  if (single_numbers && (blamed.size() == 1 || seals)) return wide;
+  return known ? few : ordinary;
+}
+
 Explanation Evidence::fitted(const std::vector<std::size_t>& blamed, const Targets& targets,
                              const Explanation* known, const calibration::Progress& stop) const {
   Explanation e{.suspects = blamed, .kind = kind_with(blamed)};
   calibration::Plan plan;
-  plan.options.starts = known == nullptr ? 6 : 3;
+  plan.options.starts = starts_for(blamed, known != nullptr);
   plan.options.threads = 1;
   plan.options.loss = calibration::Loss::squares;
   for (const auto k : blamed) {
@@ -135,6 +147,16 @@ Explanation Evidence::fitted(const std::vector<std::size_t>& blamed, const Targe
 Explanation Evidence::explain(const std::vector<std::size_t>& blamed, const Explanation* known,
                               const calibration::Progress& stop) const {
   return fitted(blamed, targets_, known, stop);
+}
+
+void Evidence::widen(Explanation& e, double frequency_error) const {
+  Targets shifted = targets_;
+  for (auto& mode : shifted.modes) mode.omega *= 1.0 + frequency_error;
+  const auto other = fitted(e.suspects, shifted, &e, {});
+  for (std::size_t k = 0; k < e.fit.parameters.size(); ++k) {
+    auto& p = e.fit.parameters[k];
+    p.deviation = std::hypot(p.deviation, other.fit.parameters[k].value - p.value);
+  }
 }
 
 Explanation Evidence::explain_some(std::size_t blamed, const Targets& some,

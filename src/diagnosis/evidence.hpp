@@ -32,6 +32,9 @@ class Evidence {
                                     const Explanation* known,
                                     const calibration::Progress& stop) const;
   /// The same with only some of the measured modes.
+  /// Adds to the deviations of its parameters what a model error that all frequencies share makes
+  /// of them: the fit counts the errors of modes as independent.
+  void widen(Explanation& explanation, double frequency_error) const;
   [[nodiscard]] Explanation explain_some(std::size_t blamed, const calibration::Targets& some,
                                          const calibration::Progress& stop) const;
 
@@ -41,6 +44,7 @@ class Evidence {
 
  private:
   [[nodiscard]] dynamics::ModelKind kind_with(const std::vector<std::size_t>& blamed) const;
+  [[nodiscard]] int starts_for(const std::vector<std::size_t>& blamed, bool known) const;
   [[nodiscard]] Explanation fitted(const std::vector<std::size_t>& blamed,
                                    const calibration::Targets& targets, const Explanation* known,
                                    const calibration::Progress& stop) const;

@@ -200,25 +200,55 @@ void add_weak_modes(const IdentifyOptions& options, Identification& result) {
   }
 }
 
+/// Tries a mode more, with this pole at the beginning. It stays if it comes out near there and
+/// everything else stays.
+bool try_one_more(const IdentifyOptions& options, const PoleCluster& like,
+                  std::complex<double> pole, double near, Identification& result) {
+  auto clusters = fitted_clusters(result);
+  clusters.push_back(like);
+  clusters.back().representative =
+      mode_in_residual(result.responses, result.model, pole, options.fit.taper);
+  Identification trial = result;
+  fit_and_prune(options, std::move(clusters), trial);
+  if (trial.clusters.size() != result.clusters.size() + 1) return false;
+  const auto& added = trial.model.modes.back();
+  if (std::abs(added.omega() / std::abs(pole) - 1.0) > near ||
+      added.damping_ratio() > options.highest_damping)
+    return false;
+  for (std::size_t r = 0; r < result.model.modes.size(); ++r)
+    if (!is_near(trial.model.modes[r].pole, result.model.modes[r].pole)) return false;
+  result = std::move(trial);
+  return true;
+}
+
+/// Modes that hide in the flank of a strong one.
+void add_hidden_modes(const IdentifyOptions& options, Identification& result) {
+  constexpr double sharp = 0.003, near = 0.02;
+  constexpr std::size_t most_places = 3;
+  bool found = !result.model.modes.empty();
+  for (int round = 0; round < 4 && found; ++round) {
+    found = false;
+    auto places = conspicuous_frequencies(result.responses, result.model, options.fit.taper);
+    if (places.size() > most_places) places.resize(most_places);
+    for (const double f : places)
+      if (!found)
+        found = try_one_more(
+            options, PoleCluster{},
+            two_pi * f * std::complex<double>(-sharp, std::sqrt(1 - sharp * sharp)), near, result);
+  }
+}
+
 /// Where a mode stands alone among the weak ones, from number `strong` on, a second one like it is
-/// tried; it stays if it comes out near the first and everything else stays.
+/// tried.
 void add_second_of_pairs(const IdentifyOptions& options, std::size_t strong,
                          Identification& result) {
+  constexpr double near = 0.005;
   const std::size_t end = result.model.modes.size();
   for (std::size_t r = strong; r < end; ++r) {
     const auto pole = result.model.modes[r].pole;
     const auto close = std::ranges::count_if(
         result.model.modes, [&](const FittedMode& m) { return is_near(m.pole, pole); });
-    if (close > 1) continue;
-    auto clusters = fitted_clusters(result);
-    clusters.push_back(clusters[r]);
-    clusters.back().representative =
-        second_of_pair(result.responses, result.model, r, options.fit.taper);
-    Identification trial = result;
-    fit_and_prune(options, std::move(clusters), trial);
-    if (trial.clusters.size() == result.clusters.size() + 1 &&
-        is_near(trial.model.modes.back().pole, pole) && is_near(trial.model.modes[r].pole, pole))
-      result = std::move(trial);
+    if (close == 1) try_one_more(options, result.clusters[r], pole, near, result);
   }
 }
 
@@ -294,6 +324,7 @@ Identification identify_modes(const FrequencyResponses& responses, const Identif
   fit_and_prune(options, std::move(s.clusters), result);
   const std::size_t strong = result.clusters.size();
   add_weak_modes(options, result);
+  add_hidden_modes(options, result);
   add_second_of_pairs(options, strong, result);
   list_modes(options, result);
   if (result.modes.empty())

@@ -52,8 +52,11 @@ VectorXd conspicuousness(const FrequencyResponses& rest) {
   return smooth;
 }
 
-/// Lines where `value` is highest, apart from each other, while it stands out.
-std::vector<Index> places(VectorXd value, const std::vector<double>& frequency, double entries) {
+/// Lines where the residual is most conspicuous, apart from each other, while it stands out.
+std::vector<Index> places(const FrequencyResponses& rest) {
+  VectorXd value = conspicuousness(rest);
+  const auto& frequency = rest.frequency;
+  const double entries = static_cast<double>(rest.H[0].size() * (2 * reach + 1));
   VectorXd sorted = value;
   std::nth_element(sorted.begin(), sorted.begin() + sorted.size() / 2, sorted.end());
   // a mean of `entries` squared numbers of two parts each scatters by 1/√entries
@@ -89,13 +92,12 @@ std::vector<PoleCluster> weak_poles(const FrequencyResponses& responses, const M
   std::vector<PoleCluster> found;
   if (!responses.has_errors()) return found;
   const auto rest = residual_of(responses, model, taper);
-  const double entries = static_cast<double>(rest.H[0].size() * (2 * reach + 1));
   SelectionOptions selection;
   selection.damping = 0.5;  // of a weak mode it is known that badly
   selection.damping_floor = 0.004;
   selection.fewest = 3;
   selection.highest_damping = highest_damping;
-  for (const Index place : places(conspicuousness(rest), rest.frequency, entries)) {
+  for (const Index place : places(rest)) {
     const auto band = around(rest, place);
     if (band.lines() < 2 * least_half_band) continue;
     for (auto& cluster : select_poles(poly_reference_poles(band, {1, 6, 1}), selection)) {
@@ -107,10 +109,19 @@ std::vector<PoleCluster> weak_poles(const FrequencyResponses& responses, const M
   return found;
 }
 
-PoleEstimate second_of_pair(const FrequencyResponses& responses, const ModalModel& model,
-                            std::size_t number, bool taper) {
+std::vector<double> conspicuous_frequencies(const FrequencyResponses& responses,
+                                            const ModalModel& model, bool taper) {
+  std::vector<double> found;
+  if (!responses.has_errors()) return found;
   const auto rest = residual_of(responses, model, taper);
-  const auto pole = model.modes[number].pole;
+  for (const Index place : places(rest))
+    found.push_back(rest.frequency[static_cast<std::size_t>(place)]);
+  return found;
+}
+
+PoleEstimate mode_in_residual(const FrequencyResponses& responses, const ModalModel& model,
+                              std::complex<double> pole, bool taper) {
+  const auto rest = residual_of(responses, model, taper);
   const auto g = PoleBasis(responses, taper).at(pole).g;
   Eigen::MatrixXcd residue = Eigen::MatrixXcd::Zero(rest.H[0].rows(), rest.H[0].cols());
   VectorXd outputs = VectorXd::Zero(residue.rows()), inputs = VectorXd::Zero(residue.cols());

@@ -15,9 +15,14 @@ namespace hydrapod::identification {
 std::vector<PoleCluster> weak_poles(const FrequencyResponses& responses, const ModalModel& model,
                                     bool taper, double highest_damping);
 
-/// A second mode with the pole of mode `number` of `model`: the strongest part of the residue that
-/// the residual has there. A weak mode of a machine with equal legs is often one of a pair.
-PoleEstimate second_of_pair(const FrequencyResponses& responses, const ModalModel& model,
-                            std::size_t number, bool taper);
+/// Frequencies [Hz] at which the residual stands above its noise, most conspicuous first: where a
+/// mode hides in the flank of a strong one, its residual is no resonance that poles could be
+/// fitted to.
+std::vector<double> conspicuous_frequencies(const FrequencyResponses& responses,
+                                            const ModalModel& model, bool taper);
+
+/// A mode with this pole: the strongest part of the residue that the residual of `model` has there.
+PoleEstimate mode_in_residual(const FrequencyResponses& responses, const ModalModel& model,
+                              std::complex<double> pole, bool taper);
 
 }  // namespace hydrapod::identification

@@ -20,7 +20,9 @@ TEST(WholeLoop, HeavyPlatform) {
   const test::RigExperiment experiment{
       .X_BP = machine.neutral(), .duration = 120.0, .level = 2.3e-4, .seed = 12};
   const auto found = test::identified_on_rig(machine, experiment);
-  expect_found(found, exact_poles(machine, experiment), {.least_share = 0.04});
+  // two minutes do not tell modes that are damped by 7 % to 0.3 %: the long test does
+  expect_found(found, exact_poles(machine, experiment),
+               {.least_share = 0.04, .frequency = 6e-3, .damping = 0.2});
 }
 
 }  // namespace

@@ -1,0 +1,119 @@
+#pragma once
+/// Faults of every suspect, and the machines that they are planted in.
+
+#include "blind_series.hpp"
+
+namespace hydrapod::test {
+
+using dynamics::ModelKind;
+
+struct Fault {
+  std::vector<std::string> overrides, planted;
+  ModelKind kind{ModelKind::guide};
+};
+
+/// Sizes of faults that a platform feels and under which its legs still carry it.
+struct Sizes {
+  double sleeve;   ///< factor on its stiffness
+  double payload;  ///< factor on its mass
+  double rings;    ///< their stiffness, in that of the sleeves
+  double shift;    ///< of the mass centre, in a quarter of the radius of gyration
+};
+
+/// Faults of a machine by factors on what its file says.
+inline std::vector<Fault> faults_of(const model::MachineFile& file, const Sizes& sizes) {
+  const auto [sleeve, payload, rings, shift] = sizes;
+  const auto& m = file.machine;
+  const auto& leg = m.legs[0];
+  const double k_s = leg.guide_sleeve.stiffness, mass = m.platform.mass;
+  const auto& I = m.platform.inertia;
+  const bool cylinder = leg.oil_spring.cylinder.has_value();
+  const double l_m = kinematics::leg_lengths(m, m.neutral())[0] - leg.rod.length;
+  const double k_h = hydraulics::oil_stiffness(leg, l_m);
+  const double oil = cylinder ? leg.oil_spring.cylinder->bulk_modulus : k_h;
+  const std::string oil_path =
+      cylinder ? "oil_spring.cylinder.bulk_modulus" : "oil_spring.stiffness";
+  const std::string oil_name = cylinder ? "bulk modulus of the oil" : "oil springs of all legs";
+  const auto set = [](const std::string& path, double value) {
+    return fmt::format("{}={:.12g}", path, value);
+  };
+  const double reach = 0.25 * shift * std::sqrt(I.trace() / (3.0 * mass));
+  const double K = 6.0 * k_h;
+  const double height = m.neutral().p_BP.z();
+  std::vector<Fault> faults{
+      {},
+      {{set("legs.guide_sleeve.stiffness", sleeve * k_s)}, {"guide sleeves of all legs"}},
+      {{set("leg.3.guide_sleeve.stiffness", sleeve * k_s)}, {"guide sleeve of leg 3"}},
+      {{set("legs.piston_ring.stiffness", rings * k_s)},
+       {"piston rings of all legs"},
+       ModelKind::full},
+      {{set("legs." + oil_path, 0.72 * oil)}, {oil_name}},
+      {{set("leg.2." + oil_path, 0.6 * oil)}, {"oil spring of leg 2"}},
+      {{set("legs.gimbal_stiffness", 3.1 * k_h)}, {"gimbals of all legs"}},
+      {{set("leg.5.gimbal_stiffness", 2.2 * k_h)}, {"gimbals of leg 5"}},
+      {{set("platform.mass", payload * mass)}, {"payload (platform mass)"}},
+      {{set("platform.inertia.xx", 1.3 * I(0, 0)), set("platform.inertia.yy", 1.18 * I(1, 1)),
+        set("platform.inertia.zz", 1.22 * I(2, 2))},
+       {"platform inertia"}},
+      {{set("platform.mass", payload * mass), set("platform.inertia.xx", 1.3 * I(0, 0)),
+        set("platform.inertia.yy", 1.18 * I(1, 1)), set("platform.inertia.zz", 1.22 * I(2, 2))},
+       {"platform mass and inertia"}},
+      {{set("platform.mass_center[0]", m.platform.mass_center.x() + 0.6 * reach),
+        set("platform.mass_center[1]", m.platform.mass_center.y() - 0.4 * reach),
+        set("platform.mass_center[2]", m.platform.mass_center.z() + 0.7 * reach)},
+       {"mass centre"}},
+      {{set("base.mount.stiffness.x", 3.0 * K), set("base.mount.stiffness.y", 3.0 * K)},
+       {"base giving way sideways"}},
+      {{set("base.mount.stiffness.z", 4.0 * K)}, {"base giving way vertically"}},
+      {{set("base.mount.stiffness.rx", 4.0 * K * height * height),
+        set("base.mount.stiffness.ry", 4.0 * K * height * height)},
+       {"base that rocks"}},
+      {{set("legs.added_axial_inertia", leg.added_axial_inertia + 0.03 * mass)},
+       {"oil in the lines"}},
+      {{set("legs.guide_sleeve.stiffness", sleeve * k_s), set("legs." + oil_path, 0.7 * oil)},
+       {"guide sleeves of all legs", oil_name}},
+      {{set("leg.2." + oil_path, 0.55 * oil), set("leg.6." + oil_path, 0.6 * oil)},
+       {"oil spring of leg 2", "oil spring of leg 6"}},
+      {{set("legs.guide_sleeve.stiffness", sleeve * k_s), set("platform.mass", payload * mass)},
+       {"guide sleeves of all legs", "payload (platform mass)"}},
+      {{set("leg.4." + oil_path, 0.55 * oil),
+        set("platform.mass_center[0]", m.platform.mass_center.x() + 1.2 * reach)},
+       {"oil spring of leg 4", "mass centre"}},
+  };
+  if (!cylinder) return faults;
+  faults.push_back({{"legs.oil_spring.cylinder.air.fraction=0.12"}, {"entrained air in all legs"}});
+  faults.push_back({{set("leg.1.oil_spring.cylinder.cap_line_volume",
+                         8.0 * leg.oil_spring.cylinder->cap_line_volume)},
+                    {"cap-side chamber or line volume of leg 1"}});
+  return faults;
+}
+
+struct Setting {
+  std::string machine;
+  std::vector<std::string> design;
+  std::vector<std::string> poses;
+  double noise;
+  Sizes sizes;
+};
+
+inline std::vector<Setting> settings() {
+  const std::vector<std::string> stiff{"legs.guide_sleeve.stiffness=20 kN/mm"};
+  return {{"zhang-jiang-2021.toml", {}, {"neutral"}, 1e-3, {0.8, 1.24, 1.6, 1.0}},
+          {"heavy-platform.toml", {}, {"neutral", "low"}, 1e-3, {1.7, 0.93, 9.0, 0.2}},
+          {"heavy-platform.toml", stiff, {"neutral"}, 5e-4, {0.1, 1.21, 0.3, 1.0}},
+          {"random 31", {}, {"neutral", "shifted"}, 2e-3, {0.7, 1.18, 4.0, 1.0}},
+          {"random 47", {}, {"neutral"}, 3e-3, {0.7, 1.27, 4.0, 1.0}},
+          {"random 83", {}, {"shifted"}, 5e-4, {0.7, 1.16, 4.0, 1.0}}};
+}
+
+/// All cases of a setting; `first`: number of its first case, which seeds the noise.
+inline std::vector<BlindCase> cases_of(const Setting& s, int first) {
+  const BlindCase basic{.machine = s.machine, .design = s.design};
+  std::vector<BlindCase> cases;
+  for (const auto& fault : faults_of(machine_file(basic.text(), s.design), s.sizes))
+    cases.push_back({s.machine, s.design, fault.overrides, fault.planted, s.poses, s.noise,
+                     fault.kind, first + static_cast<int>(cases.size())});
+  return cases;
+}
+
+}  // namespace hydrapod::test
