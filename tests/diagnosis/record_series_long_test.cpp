@@ -26,8 +26,8 @@ std::vector<Recorded> recorded() {
   stiff.push_back("legs.guide_sleeve.stiffness=20 kN/mm");
   const Sizes soft{1.7, 0.93, 9.0, 0.2}, hard{0.06, 1.21, 0.15, 1.0};
   return {
-      // the seals' modes are sharp there: ten minutes
-      {{"zhang-jiang-2021.toml", {}, {"neutral"}, 0.0, {0.8, 1.24, 1.6, 1.0}}, {600.0, 3e-4, 1.0}},
+      // the seals' modes are sharp there: ten minutes; faults that keep them away from x and y
+      {{"zhang-jiang-2021.toml", {}, {"neutral"}, 0.0, {0.55, 1.24, 6.0, 1.0}}, {600.0, 3e-4, 1.0}},
       {{"heavy-platform.toml", oil, {"neutral", "low"}, 0.0, soft}, {180.0, 2e-4, 1.0}},
       {{"heavy-platform.toml", stiff, {"neutral"}, 0.0, hard}, {180.0, 2e-4, 2.0}},
       {{"heavy-platform.toml", stiff, {"low"}, 0.0, hard}, {240.0, 1e-4, 1.0}}};

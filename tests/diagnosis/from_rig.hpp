@@ -1,0 +1,41 @@
+#pragma once
+/// A machine on the rig, diagnosed against what its owner believes it to be.
+
+#include <gtest/gtest.h>
+
+#include "hydrapod/diagnosis/diagnose.hpp"
+#include "hydrapod/diagnosis/measured.hpp"
+#include "support/calibration_machine.hpp"
+#include "support/rig_record.hpp"
+#include "support/run_program.hpp"
+
+namespace hydrapod::test {
+
+/// `design` and `truth`: overrides of models/`name`.toml. The pose is the neutral one.
+inline diagnosis::Diagnosis diagnosed_on_rig(const std::string& name,
+                                             const std::vector<std::string>& design,
+                                             const std::vector<std::string>& truth,
+                                             RigExperiment experiment) {
+  const auto text = read_text(source_file("models/" + name + ".toml"));
+  const auto machine = machine_file(text, truth).machine;
+  const auto file = machine_file(text, design);
+  experiment.X_BP = machine.neutral();
+  experiment.point = spatial::Vector3::Zero();
+  const auto targets =
+      diagnosis::measured_modes(identified_on_rig(machine, experiment), file.machine,
+                                {.pose = "neutral", .point = spatial::Vector3::Zero()});
+  return diagnosis::diagnose(file, targets, dynamics::ModelKind::guide, file.machine.poses);
+}
+
+/// The guide sleeves of all legs are blamed, and their stiffness is the true one, within 5 % and
+/// within the interval.
+inline void expect_sleeves(const diagnosis::Diagnosis& d, double stiffness) {
+  EXPECT_TRUE(d.finding == diagnosis::Finding::guilty || d.finding == diagnosis::Finding::undecided)
+      << diagnosis::name(d.finding);
+  ASSERT_EQ(d.best().name, "guide sleeves of all legs");
+  const auto& p = d.best().fit.parameters.at(0);
+  EXPECT_NEAR(p.value / stiffness, 1.0, 0.05);
+  EXPECT_NEAR(p.value, stiffness, 1.96 * p.deviation);
+}
+
+}  // namespace hydrapod::test
