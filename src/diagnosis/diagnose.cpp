@@ -6,6 +6,7 @@
 #include <cmath>
 #include <mutex>
 #include <set>
+#include <tuple>
 
 #include "evidence.hpp"
 #include "hydrapod/base/error.hpp"
@@ -78,6 +79,14 @@ Charges pairs(const Diagnosis& d, std::size_t strongest) {
       if (can_be_together(d.suspects[a], d.suspects[b]))
         found.insert({std::min(a, b), std::max(a, b)});
   }
+  // both seals at once, though either alone may explain little
+  for (std::size_t a = 0; a < d.suspects.size(); ++a)
+    for (std::size_t b = a + 1; b < d.suspects.size(); ++b) {
+      const auto& [sleeves, rings] = std::tie(d.suspects[a], d.suspects[b]);
+      if (sleeves.family == "guide sleeves" && rings.family == "piston rings" && !sleeves.leg &&
+          !rings.leg)
+        found.insert({a, b});
+    }
   return {found.begin(), found.end()};
 }
 

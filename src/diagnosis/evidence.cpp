@@ -108,12 +108,14 @@ Explanation Evidence::rigid() const {
 /// Numbers of all legs may have to be found over decades, and the pairing of modes changes on the
 /// way; what is known of one suspect is a good start for most others.
 int Evidence::starts_for(const std::vector<std::size_t>& blamed, bool known) const {
-  constexpr int wide = 16, ordinary = 6, few = 3;
+  constexpr int very_wide = 128, wide = 16, ordinary = 6, few = 3;
   const bool single_numbers = std::ranges::all_of(
       blamed, [&](std::size_t k) { return suspects_[k].free.size() == 1 && !suspects_[k].leg; });
-  const bool seals = std::ranges::any_of(
-      blamed, [&](std::size_t k) { return suspects_[k].family == "guide sleeves"; });
-  if (single_numbers && (blamed.size() == 1 || seals)) return wide;
+  const auto seals = std::ranges::count_if(blamed, [&](std::size_t k) {
+    return suspects_[k].family == "guide sleeves" || suspects_[k].family == "piston rings";
+  });
+  if (single_numbers && seals == 2) return very_wide;
+  if (single_numbers && (blamed.size() == 1 || seals == 1)) return wide;
   return known ? few : ordinary;
 }
 

@@ -4,7 +4,7 @@
 namespace hydrapod::diagnosis {
 
 std::vector<Suspect> guide_sleeves(const model::MachineFile& file) {
-  constexpr double factor = 3000.0;  // who calculates with rigid legs may state anything
+  constexpr double factor = 1e4;  // who calculates with rigid legs may state anything
   const auto& legs = file.machine.legs;
   std::vector<Suspect> suspects{
       {.name = "guide sleeves of all legs",
