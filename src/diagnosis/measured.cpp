@@ -79,6 +79,9 @@ calibration::ModeTarget mode_target(const MeasuredShape& measured, const std::st
   target.shape = shape;
   target.shape_point = at.point;
   target.shape_deviation = std::sqrt(lost.cwiseAbs2().dot(M.diagonal()) / (shape.dot(M * shape)));
+  if (measured.significance > 0.0)
+    target.shape_deviation =
+        std::hypot(target.shape_deviation, 2.0 / std::sqrt(measured.significance));
   return target;
 }
 
@@ -92,7 +95,8 @@ calibration::Targets measured_modes(const identification::Identification& identi
     MeasuredShape measured{.omega = mode.fit.omega(),
                            .omega_deviation = mode.fit.omega_deviation,
                            .damping = mode.fit.damping_ratio(),
-                           .damping_deviation = mode.fit.damping_deviation};
+                           .damping_deviation = mode.fit.damping_deviation,
+                           .significance = mode.fit.significance};
     constexpr double nan = std::numeric_limits<double>::quiet_NaN();
     measured.motion.fill(nan);
     for (std::size_t o = 0; o < outputs.size(); ++o) {

@@ -194,6 +194,8 @@ calibration::Targets modes_from_json(const Json& json, const std::string& file,
                            .omega_deviation = two_pi * number(mode, "frequency_95_hz", file) / band,
                            .damping = number(mode, "damping_ratio", file),
                            .damping_deviation = number(mode, "damping_95", file) / band};
+    if (const auto found = mode.find("significance"); found != mode.end() && found->is_number())
+      measured.significance = found->get<double>();
     if (!(measured.omega > 0.0)) bad(file, "modes[].frequency_hz", "expected a number above 0");
     measured.motion.fill(nan);
     const auto shape = mode.find("displacement_shape"), raw = mode.find("shape"),

@@ -2,7 +2,8 @@
 /// Measured modes, from what identification found, as targets of a diagnosis.
 ///
 /// A complex shape is turned to its largest real part; what is left imaginary adds to the shape's
-/// deviation. Outputs are brought to (x, y, z, rx, ry, rz) of one point by their directions; a mode
+/// deviation, and so does 2/√significance: a mode that hardly stands above the noise may have part
+/// of a neighbour's shape in its own. Outputs are brought to (x, y, z, rx, ry, rz) of one point by their directions; a mode
 /// of an output set that does not have all six keeps its frequency, and the direction that is
 /// largest among those there are, in proportion to the stated machine's inertia.
 
@@ -22,6 +23,8 @@ struct MeasuredAt {
 struct MeasuredShape {
   double omega{}, omega_deviation{};      ///< [rad/s]
   double damping{}, damping_deviation{};  ///< ζ
+  /// What the mode is above the noise, see FittedMode; 0: not known.
+  double significance{};
   /// Per direction x … rz: motion and its deviation; NaN where it was not measured.
   std::array<std::complex<double>, 6> motion{};
   std::array<double, 6> motion_deviation{};
