@@ -112,6 +112,19 @@ class Fields {
     return *found;
   }
   [[nodiscard]] bool has(const std::string& key) const { return json_.contains(key); }
+  /// "line_covariance": real numbers, or re and im.
+  [[nodiscard]] std::vector<std::complex<double>> covariance() const {
+    const Json& given = at("line_covariance");
+    const bool complex = given.is_object();
+    const auto re = numbers(complex ? given.value("re", Json()) : given, "line_covariance");
+    const auto im = complex ? numbers(given.value("im", Json()), "line_covariance.im")
+                            : std::vector<double>(re.size(), 0.0);
+    if (re.empty() || re.size() != im.size())
+      bad("line_covariance", "needs re and im, as many numbers each");
+    std::vector<std::complex<double>> list;
+    for (std::size_t d = 0; d < re.size(); ++d) list.emplace_back(re[d], im[d]);
+    return list;
+  }
   [[nodiscard]] std::vector<double> numbers(const Json& list, const std::string& key) const {
     if (!list.is_array()) bad(key, "is no list of numbers");
     std::vector<double> values;
@@ -338,14 +351,7 @@ FrequencyResponses responses_from_json(const Json& json, const std::string& file
   if (fields.has("noise")) {
     r.noise = fields.lines("noise", outputs, outputs, r.lines());
     r.input_factor = fields.lines("input_factor", inputs, inputs, r.lines());
-    const Json& covariance = fields.at("line_covariance");
-    if (!covariance.is_object()) fields.bad("line_covariance", "needs re and im");
-    const auto re = fields.numbers(covariance.value("re", Json::array()), "line_covariance.re"),
-               im = fields.numbers(covariance.value("im", Json::array()), "line_covariance.im");
-    if (re.empty() || re.size() != im.size())
-      fields.bad("line_covariance", "needs re and im, as many numbers each");
-    r.line_covariance.clear();
-    for (std::size_t d = 0; d < re.size(); ++d) r.line_covariance.emplace_back(re[d], im[d]);
+    r.line_covariance = fields.covariance();
     r.degrees = fields.number(json, "degrees_of_freedom", 0.0);
     r.averages = fields.number(json, "averages", 0.0);
   }
