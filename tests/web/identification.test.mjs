@@ -34,6 +34,7 @@ function measurement(name, names = {}, more = {}) {
   const { modes } = json('modes', published, '--model', 'rigid');
   const frequency = Array.from({ length: 577 }, (_, k) => 2 + 0.0625 * k);
   const normal = normals(7);
+  const shift = more.shift_per_s ?? 0;
   const directions = ['x', 'y', 'z', 'rx', 'ry', 'rz'];
   const response = directions.map((_, o) =>
     directions.map((__, i) => {
@@ -42,7 +43,11 @@ function measurement(name, names = {}, more = {}) {
         const omega = 2 * Math.PI * f;
         let [a, b] = [0, 0];
         for (const mode of modes) {
-          const [p, q] = [mode.omega_rad_s ** 2 - omega ** 2, 2 * damping * mode.omega_rad_s * omega];
+          const decay = damping * mode.omega_rad_s + shift; // s = shift + iω
+          const [p, q] = [
+            mode.omega_rad_s ** 2 + (2 * decay - shift) * shift - omega ** 2,
+            2 * decay * omega,
+          ];
           const weight = (mode.shape[o] * mode.shape[i]) / (p * p + q * q);
           a += weight * p;
           b -= weight * q;
@@ -202,6 +207,19 @@ test('so it is through the window of the measurement', async () => {
         assert.ok(off < 0.01 * size, `shape ${r + 1}, output ${o}: off by ${off / size}`);
       });
     });
+  });
+});
+
+test('and beside the imaginary axis', async () => {
+  const shifted = measurement('shifted.json', {}, { shift_per_s: 0.9 });
+  const expected = json('identify', shifted);
+  assert.equal(expected.modes.length, found.modes.length);
+  expected.modes.forEach((mode, r) =>
+    near(mode.damping_ratio, found.modes[r].damping_ratio, 0.05 * damping, `damping ${r + 1}`),
+  );
+  await withPage(report(published, '--measured', shifted), {}, async (page) => {
+    const error = await page.evaluate(() => window.hydrapod.identification.error());
+    near(error, expected.fit_error, 0.01 * expected.fit_error, 'error');
   });
 });
 
