@@ -5,6 +5,8 @@
 namespace hydrapod::identification {
 namespace {
 
+constexpr double two_pi = 2.0 * std::numbers::pi;
+
 TEST(WholeLoopLong, PublishedMachineWithBothResonancesInXAndY) {
   const auto machine = simulation::machine_of("zhang-jiang-2021");
   const test::RigExperiment experiment{
@@ -19,6 +21,28 @@ TEST(WholeLoopLong, HeavyPlatform) {
       .X_BP = machine.neutral(), .duration = 600.0, .level = 1e-4, .seed = 22};
   const auto found = test::identified_on_rig(machine, experiment);
   expect_found(found, exact_poles(machine, experiment), {.least_share = 0.04});
+}
+
+/// Longer guided rods with soft piston rings: x and y have a third resonance, at 40 Hz.
+TEST(WholeLoopLong, FullModelWithThreeResonancesInXAndY) {
+  const auto machine = simulation::machine_of(
+      "zhang-jiang-2021-transverse",
+      {"legs.guide_sleeve.stiffness=30 kN/m", "legs.guide_sleeve.position=0.738",
+       "legs.piston_ring={ stiffness = 3e4 }", "platform.mass=400", "damping.modal_ratio=0.01"});
+  const test::RigExperiment experiment{.kind = dynamics::ModelKind::full,
+                                       .X_BP = machine.neutral(),
+                                       .duration = 1200.0,
+                                       .level = 3e-4,
+                                       .seed = 23};
+  const auto found = test::identified_on_rig(machine, experiment);
+  expect_found(found, exact_poles(machine, experiment), {.least_share = 0.004});
+  for (const double f : {10.28, 11.00, 39.84})
+    EXPECT_EQ(std::ranges::count_if(found.modes,
+                                    [&](const IdentifiedMode& m) {
+                                      return std::abs(m.fit.omega() / two_pi / f - 1.0) < 1e-3;
+                                    }),
+              2)
+        << f;
 }
 
 }  // namespace
