@@ -200,10 +200,17 @@ void add_weak_modes(const IdentifyOptions& options, Identification& result) {
   }
 }
 
-/// Tries a mode more, with this pole at the beginning. It stays if it comes out near there and
-/// everything else stays.
+/// How well a mode must be known that no pole search came upon; relative.
+struct Certainty {
+  double near{};           ///< of its frequency to where it was tried
+  double frequency{0.02};  ///< standard deviation of ω
+  double damping{0.5};     ///< and of ζ
+};
+
+/// Tries a mode more, with this pole at the beginning. It stays if it comes out near there, as
+/// certain as is asked, and everything else stays.
 bool try_one_more(const IdentifyOptions& options, const PoleCluster& like,
-                  std::complex<double> pole, double near, Identification& result) {
+                  std::complex<double> pole, const Certainty& asked, Identification& result) {
   auto clusters = fitted_clusters(result);
   clusters.push_back(like);
   clusters.back().representative =
@@ -212,8 +219,10 @@ bool try_one_more(const IdentifyOptions& options, const PoleCluster& like,
   fit_and_prune(options, std::move(clusters), trial);
   if (trial.clusters.size() != result.clusters.size() + 1) return false;
   const auto& added = trial.model.modes.back();
-  if (std::abs(added.omega() / std::abs(pole) - 1.0) > near ||
-      added.damping_ratio() > options.highest_damping)
+  if (std::abs(added.omega() / std::abs(pole) - 1.0) > asked.near ||
+      added.damping_ratio() > options.highest_damping ||
+      added.omega_deviation > asked.frequency * added.omega() ||
+      added.damping_deviation > asked.damping * added.damping_ratio())
     return false;
   for (std::size_t r = 0; r < result.model.modes.size(); ++r)
     if (!is_near(trial.model.modes[r].pole, result.model.modes[r].pole)) return false;
@@ -223,7 +232,8 @@ bool try_one_more(const IdentifyOptions& options, const PoleCluster& like,
 
 /// Modes that hide in the flank of a strong one.
 void add_hidden_modes(const IdentifyOptions& options, Identification& result) {
-  constexpr double sharp = 0.003, near = 0.02;
+  constexpr double sharp = 0.003;
+  constexpr Certainty asked{.near = 0.02, .frequency = 0.002, .damping = 0.3};
   constexpr std::size_t most_places = 3;
   bool found = !result.model.modes.empty();
   for (int round = 0; round < 4 && found; ++round) {
@@ -234,7 +244,7 @@ void add_hidden_modes(const IdentifyOptions& options, Identification& result) {
       if (!found)
         found = try_one_more(
             options, PoleCluster{},
-            two_pi * f * std::complex<double>(-sharp, std::sqrt(1 - sharp * sharp)), near, result);
+            two_pi * f * std::complex<double>(-sharp, std::sqrt(1 - sharp * sharp)), asked, result);
   }
 }
 
@@ -242,13 +252,13 @@ void add_hidden_modes(const IdentifyOptions& options, Identification& result) {
 /// tried.
 void add_second_of_pairs(const IdentifyOptions& options, std::size_t strong,
                          Identification& result) {
-  constexpr double near = 0.005;
+  constexpr Certainty asked{.near = 0.005};
   const std::size_t end = result.model.modes.size();
   for (std::size_t r = strong; r < end; ++r) {
     const auto pole = result.model.modes[r].pole;
     const auto close = std::ranges::count_if(
         result.model.modes, [&](const FittedMode& m) { return is_near(m.pole, pole); });
-    if (close == 1) try_one_more(options, result.clusters[r], pole, near, result);
+    if (close == 1) try_one_more(options, result.clusters[r], pole, asked, result);
   }
 }
 
