@@ -133,7 +133,7 @@ void add_frf(CLI::App& app) {
       app, "frf", "Frequency responses from records, with coherence and errors",
       {{"frf run.h5", "responses from the excitations to the responses, a summary"},
        {"frf run.h5 --plot bode.svg --coherence coherence.svg", "as pictures"},
-       {"frf run.h5 --from-drive", "from the drives, inside the loop, without its bias"},
+       {"frf run.h5 --from-excitation", "from the commands: the machine with its controller"},
        {"frf run1.h5 run2.h5 --format json -o frf.json", "several records, for `identify`"},
        {"frf test.csv --inputs force --outputs a1,a2 --block 4096", "channels by name"}});
   auto arguments = std::make_shared<Arguments>();

@@ -10,6 +10,7 @@
 #include "exact/closed_loop.hpp"
 #include "hydrapod/base/error.hpp"
 #include "hydrapod/identification/identify.hpp"
+#include "spectra_of.hpp"
 
 namespace hydrapod::identification {
 namespace {
@@ -26,12 +27,6 @@ test::ModalSystem sharp_plant() {
   system.modes.push_back(test::real_mode(6.71, 0.0023, Eigen::Vector3d(-0.9, 2.1, 1.7)));
   system.modes.push_back(test::real_mode(11.3, 0.06, Eigen::Vector3d(2.9, -6.0, 8.1)));
   return system;
-}
-
-CrossSpectra spectra_of(const data::Record& record, const SpectrumOptions& options) {
-  SpectrumEstimator estimator(record.header, options);
-  estimator.add(record.samples);
-  return estimator.result();
 }
 
 TEST(Damped, IsTheResponseAtItsShiftAsOftenWithinItsBandAsPromised) {
@@ -78,7 +73,8 @@ TEST(Damped, SharpModesInsideALoopKeepTheirDamping) {
   const auto sharp = std::ranges::find_if(ratio.modes, [](const IdentifiedMode& m) {
     return std::abs(m.fit.omega() / two_pi - 6.71) < 0.1;
   });
-  if (sharp != ratio.modes.end()) EXPECT_GT(sharp->fit.damping_ratio(), 1.4 * 0.0023);
+  ASSERT_NE(sharp, ratio.modes.end());
+  EXPECT_GT(sharp->fit.damping_ratio(), 1.4 * 0.0023);
 }
 
 TEST(Damped, LeavesOutWhereNothingIsExcited) {

@@ -9,6 +9,7 @@
 
 #include "exact/closed_loop.hpp"
 #include "hydrapod/base/error.hpp"
+#include "spectra_of.hpp"
 
 namespace hydrapod::identification {
 namespace {
@@ -40,12 +41,6 @@ data::Record closed_loop_record(const test::ModalSystem& system, double gain, do
 
 const ChannelChoice from_excitation{.inputs = {0, 1, 2}, .outputs = {3, 4, 5}, .instruments = {}};
 const ChannelChoice from_drive{.inputs = {6, 7, 8}, .outputs = {3, 4, 5}, .instruments = {0, 1, 2}};
-
-CrossSpectra spectra_of(const data::Record& record, const SpectrumOptions& options) {
-  SpectrumEstimator estimator(record.header, options);
-  estimator.add(record.samples);
-  return estimator.result();
-}
 
 /// Share of entries × lines of an estimate within their 95 % radius of the truth.
 double coverage(const FrequencyResponses& r, const test::ModalSystem& system) {

@@ -10,6 +10,7 @@
 #include <stdexcept>
 
 #include "exact/modal_system.hpp"
+#include "spectra_of.hpp"
 
 namespace hydrapod::identification {
 namespace {
@@ -23,12 +24,6 @@ data::Record noise_record(int samples, int channels, std::uint64_t seed) {
   test::Random random(seed);
   for (Index k = 0; k < record.samples.size(); ++k) record.samples.data()[k] = test::normal(random);
   return record;
-}
-
-CrossSpectra spectra_of(const data::Record& record, const SpectrumOptions& options) {
-  SpectrumEstimator estimator(record.header, options);
-  estimator.add(record.samples);
-  return estimator.result();
 }
 
 TEST(Spectra, ASineHasItsPowerAndPhaseAtItsLine) {

@@ -64,3 +64,15 @@ export const palette = (): Palette => (isDark() ? dark : light);
 export function onSystemTheme(listener: () => void): void {
   systemIsDark.addEventListener('change', listener);
 }
+
+/** How the axes of all diagrams look. */
+export function axisStyle(colours: Palette) {
+  const font = '12px system-ui, sans-serif';
+  return {
+    stroke: colours.faint,
+    font,
+    labelFont: font,
+    grid: { stroke: colours.grid, width: 1 },
+    ticks: { stroke: colours.grid, width: 1 },
+  };
+}

@@ -4,7 +4,7 @@ import uPlot from 'uplot';
 import { html } from '../dom';
 import { magnitude, phase } from '../mechanics/response';
 import { tick } from '../numbers';
-import type { Palette } from '../palette';
+import { axisStyle, type Palette } from '../palette';
 import { unitOf, type Curves, type Mark } from './curves';
 import { clusters, logTicks, magnitudeTicks } from './picture';
 
@@ -84,14 +84,7 @@ export class BodePlot {
 
   private options(kind: 'magnitude' | 'phase', width: number, colours: Palette): uPlot.Options {
     const curves = this.curves as Curves;
-    const font = '12px system-ui, sans-serif';
-    const axis = {
-      stroke: colours.faint,
-      font,
-      labelFont: font,
-      grid: { stroke: colours.grid, width: 1 },
-      ticks: { stroke: colours.grid, width: 1 },
-    };
+    const axis = axisStyle(colours);
     const line = (label: string, stroke: string, dash?: number[]) => ({
       label,
       stroke,

@@ -4,7 +4,7 @@ import uPlot from 'uplot';
 import { html } from '../dom';
 import { magnitude, phase, type Complex } from '../mechanics/response';
 import { tick } from '../numbers';
-import { palette, type Palette } from '../palette';
+import { axisStyle, palette, type Palette } from '../palette';
 import { logTicks, magnitudeTicks } from '../bode/picture';
 import type { Identification } from './types';
 
@@ -145,14 +145,7 @@ export class ResponsePlots {
 
   private plot(diagram: Diagram, last: boolean): uPlot {
     const colours = palette();
-    const font = '12px system-ui, sans-serif';
-    const axis = {
-      stroke: colours.faint,
-      font,
-      labelFont: font,
-      grid: { stroke: colours.grid, width: 1 },
-      ticks: { stroke: colours.grid, width: 1 },
-    };
+    const axis = axisStyle(colours);
     const f = this.frequency;
     const logarithmic = f[f.length - 1] > 20 * f[0] && f[0] > 0;
     const plot = new uPlot(

@@ -5,7 +5,7 @@ import type { Simulation, Vector } from '../document';
 import { button, html, slider } from '../dom';
 import { movedMachine } from '../mechanics/platform_motion';
 import { fixed } from '../numbers';
-import { palette } from '../palette';
+import { axisStyle, palette } from '../palette';
 import type { View } from '../scene/view';
 import { sizesOf } from '../scene/view';
 import { WebglView } from '../scene/webgl_view';
@@ -152,15 +152,7 @@ const plain = (value: number): string => String(Number(value.toPrecision(3))).re
 
 function plotOf(diagram: Diagram, times: number[], width: number): uPlot {
   const colours = palette();
-  const font = '12px system-ui, sans-serif';
-  const axis = {
-    stroke: colours.faint,
-    font,
-    labelFont: font,
-    labelSize: 18,
-    grid: { stroke: colours.grid, width: 1 },
-    ticks: { stroke: colours.grid, width: 1 },
-  };
+  const axis = { ...axisStyle(colours), labelSize: 18 };
   const data = [
     times,
     ...diagram.lines.map((line) => line.values.map((v) => v * diagram.factor)),
