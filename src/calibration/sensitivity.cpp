@@ -57,6 +57,7 @@ ModePoint mode_point(const model::VariableMachine& machine, const std::vector<do
   point.modes = modal::normal_modes(point.model);
   if (!point.modes.omega2.allFinite())
     throw base::ComputationError("the modes are not finite with these values");
+  point.domega2.resize(point.modes.size(), static_cast<Eigen::Index>(scales.size()));
   if (scales.empty()) return point;
   const auto* near = workspace.gravity.isZero(0.0) ? nullptr : &point.model.statics;
   std::vector<double> moved = values;
