@@ -37,21 +37,15 @@ void require_piston_rings(const model::Machine& machine, ModelKind kind) {
           fmt::format("the full model needs legs.piston_ring.stiffness; leg {} has none", i + 1));
 }
 
-/// Motions in time have no coordinates for these two.
-void refuse_what_is_linear_only(const model::Machine& machine) {
-  std::vector<base::Diagnostic> errors;
-  if (machine.base_mount)
-    errors.push_back({.key = "base.mount",
-                      .message = "the base stands still in simulations; leave the table out (it "
-                                 "counts in modes, responses, calibration and diagnosis)"});
-  for (const auto& leg : machine.legs)
-    if (leg.gimbal_stiffness) {
-      errors.push_back({.key = "legs.gimbal_stiffness",
-                        .message = "gimbals do not give way in simulations; leave the key out (it "
-                                   "counts in modes, responses, calibration and diagnosis)"});
-      break;
-    }
-  if (!errors.empty()) throw base::InputError(errors);
+/// Motions in time have no coordinates for the base.
+void refuse_base_mount(const model::Machine& machine) {
+  if (!machine.base_mount) return;
+  const base::Diagnostic error{
+      .key = "base.mount",
+      .message =
+          "the base stands still in simulations; leave the table out (it counts in modes, "
+          "responses, calibration and diagnosis)"};
+  throw base::InputError(std::vector{error});
 }
 
 /// A bend given in the frame of `bent_leg` (its axis depends on the pose) in a frame on `axis`.
@@ -245,7 +239,7 @@ NonlinearModel::NonlinearModel(const model::Machine& machine, ModelKind kind,
       spinning_(machine.flexible_axes == model::FlexibleAxes::gimbal),
       joint_friction_(has_joint_friction(machine)) {
   require_piston_rings(machine, kind);
-  refuse_what_is_linear_only(machine);
+  refuse_base_mount(machine);
   const auto geometry = kinematics::inverse_kinematics(machine, X_reference);
   for (int i = 0; i < model::leg_count; ++i) {
     const auto& leg = machine.legs[i];

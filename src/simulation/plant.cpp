@@ -76,6 +76,7 @@ Plant::Plant(const model::Machine& machine, ModelKind kind, const PlantOptions& 
     reduce_friction(options.friction, axes_[i].friction);
   }
   layout_ = make_layout(mechanics_, options, axes_);
+  set_gimbals(X_reference);
   if (!options.hydraulics) set_springs(X_reference);
 }
 
@@ -87,10 +88,9 @@ void Plant::set_springs(const Pose& X_reference) {
   const auto statics = mechanics_.equilibrium(X_reference);
   for (int i = 0; i < leg_count; ++i) {
     const double s = motion.legs[i].s;
-    const double k_h = hydraulics::oil_stiffness(machine_.legs[i], s);
-    springs_[i] = {statics.legs[i].oil_force, k_h,
-                   machine_.legs[i].oil_spring.damping + machine_.damping.rayleigh_stiffness * k_h,
-                   s};
+    const auto axial = hydraulics::axial_spring(machine_.legs[i], s);
+    springs_[i] = {statics.legs[i].oil_force, axial.stiffness,
+                   axial.damping + machine_.damping.rayleigh_stiffness * axial.stiffness, s};
     if (machine_.legs[i].stroke) continue;
     axes_[i].stops.low = -std::numeric_limits<double>::infinity();
     axes_[i].stops.high = std::numeric_limits<double>::infinity();
@@ -110,12 +110,23 @@ double Plant::oil_side(int i, const LegMotion& motion, const double* x, const Pl
   const double across = axis.internal_leakage * (p_cap - p_rod);
   const double cap_out = axis.external_leakage * (p_cap - hydraulics::atmospheric_pressure);
   const double rod_out = axis.external_leakage * (p_rod - hydraulics::atmospheric_pressure);
-  const auto volume = axis.volumes(motion.s);
+  const auto& gimbals = gimbals_[i];
   const double v = motion.s_rate;
-  rate[cap] = (flows.cap - across - cap_out - axis.area.piston * v) /
-              (volume.cap * hydraulics::compressibility(axis.oil, p_cap));
-  rate[rod] = (flows.rod + across - rod_out + axis.area.annulus * v) /
-              (volume.rod * hydraulics::compressibility(axis.oil, p_rod));
+  out.oil_force = axis.force(p_cap, p_rod);
+  out.piston = motion.s + gimbals.compliance * (out.oil_force - gimbals.force);
+  const auto volume = axis.volumes(out.piston);
+  const double cap_in = flows.cap - across - cap_out, rod_in = flows.rod + across - rod_out;
+  const double cap_give = volume.cap * hydraulics::compressibility(axis.oil, p_cap);
+  const double rod_give = volume.rod * hydraulics::compressibility(axis.oil, p_rod);
+  out.piston_rate = v;
+  if (gimbals.compliance > 0.0) {
+    const double A_p = axis.area.piston, A_r = axis.area.annulus;
+    const double by_flows = A_p * cap_in / cap_give - A_r * rod_in / rod_give;
+    const double stiffness = A_p * A_p / cap_give + A_r * A_r / rod_give;
+    out.piston_rate = (v + gimbals.compliance * by_flows) / (1.0 + gimbals.compliance * stiffness);
+  }
+  rate[cap] = (cap_in - axis.area.piston * out.piston_rate) / cap_give;
+  rate[rod] = (rod_in + axis.area.annulus * out.piston_rate) / rod_give;
   rate[spool] = x[spool + 1];
   rate[spool + 1] =
       hydraulics::spool_acceleration(axis.valve, x[spool], x[spool + 1], input.command[i]);
@@ -139,7 +150,6 @@ double Plant::oil_side(int i, const LegMotion& motion, const double* x, const Pl
   out.return_flow = flows.back;
   out.internal_leakage = across;
   out.external_leakage = cap_out + rod_out;
-  out.oil_force = axis.force(p_cap, p_rod);
   out.friction_force = -friction;
   out.stop_force = hydraulics::stop_force(axis.stops, motion.s, v);
   return out.oil_force + out.friction_force + out.stop_force;
@@ -147,7 +157,10 @@ double Plant::oil_side(int i, const LegMotion& motion, const double* x, const Pl
 
 double Plant::spring_side(int i, const LegMotion& motion, LegOutput& out) const {
   const auto& spring = springs_[i];
+  const auto& gimbals = gimbals_[i];
   out.oil_force = -spring.force - spring.stiffness * (motion.s - spring.s);
+  out.piston = motion.s + gimbals.compliance * (out.oil_force - gimbals.force);
+  out.piston_rate = motion.s_rate * (1.0 - gimbals.compliance * spring.stiffness);
   out.friction_force = -spring.damping * motion.s_rate;
   out.stop_force = hydraulics::stop_force(axes_[i].stops, motion.s, motion.s_rate);
   return out.oil_force + out.friction_force + out.stop_force;
@@ -222,12 +235,13 @@ PlantOutput Plant::outputs(const double* x, const PlantInput& input) const {
     auto& leg = out.legs[i];
     leg.length = motion.length;
     leg.length_rate = motion.length_rate;
-    leg.piston = motion.s;
-    leg.piston_rate = motion.s_rate;
     leg.flexible = motion.flexible;
     leg.sleeve_offset = motion.sleeve_offset;
     out.dissipation -= leg.friction_force * motion.s_rate;
-    if (options_.hydraulics) continue;
+    if (options_.hydraulics) {
+      out.gimbal_energy += 0.5 * gimbals_[i].compliance * leg.oil_force * leg.oil_force;
+      continue;
+    }
     const double stretch = motion.s - springs_[i].s;
     out.oil_spring_energy += (springs_[i].force + 0.5 * springs_[i].stiffness * stretch) * stretch;
   }

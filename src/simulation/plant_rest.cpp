@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "hydrapod/base/error.hpp"
@@ -36,6 +37,19 @@ void require_rest(int i, const hydraulics::HydraulicRest& rest, double force, do
 }
 
 }  // namespace
+
+/// The file's lengths hold under the load at rest at the reference pose.
+void Plant::set_gimbals(const Pose& X_reference) {
+  const auto& legs = machine_.legs;
+  if (std::none_of(legs.begin(), legs.end(),
+                   [](const auto& leg) { return leg.gimbal_stiffness.has_value(); }))
+    return;
+  const auto statics = mechanics_.equilibrium(X_reference);
+  require_statics(statics);
+  for (int i = 0; i < leg_count; ++i)
+    if (legs[i].gimbal_stiffness)
+      gimbals_[i] = {1.0 / *legs[i].gimbal_stiffness, -statics.legs[i].oil_force};
+}
 
 /// Pressures and spools at the supply pressure of `supply`, into `rest`; returns the flow drawn.
 double Plant::hold(const dynamics::StaticEquilibrium& statics, const model::Supply& supply,

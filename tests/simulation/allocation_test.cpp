@@ -21,6 +21,7 @@ TEST(RealTime, ThePlantAndFixedStepsAllocateNothing) {
     leg.piston_ring = model::PistonRing{.stiffness = 2e6, .damping = 500.0};
     leg.hydraulics.joint_friction = {.viscous = 1.0, .coulomb = 2.0};
     leg.hydraulics.friction.bristles = model::LuGreBristles{3e7, 1e3};
+    leg.gimbal_stiffness = 1.3e7;
   }
   for (const auto kind : {ModelKind::rigid, ModelKind::guide, ModelKind::full}) {
     const Plant plant(machine, kind);

@@ -13,6 +13,12 @@
 /// spring, at rest at the reference pose: it pulls with f + k_h (s − s_0) + c_h ṡ. There is no
 /// friction of the seals along the leg then, and there are end stops only with a given stroke.
 ///
+/// Gimbals that give way along the leg (`gimbal_stiffness` k_j) are a spring without mass in series
+/// with the oil; they add no state. The piston stands at s_p = s + (F − F_0)/k_j with F the oil's
+/// force and F_0 that of rest at the reference pose, where the file's lengths hold; it moves at
+///     ṡ_p = (ṡ + q/k_j) / (1 + k/k_j)     q: Ḟ by flows alone, k: stiffness of both chambers
+/// Chambers see s_p and ṡ_p; seals' friction and end stops act beside oil and gimbals, on s and ṡ.
+///
 /// Input: valve commands in [−1, 1] (+: the leg extends) and a wrench on the platform.
 ///
 /// Damping. Seals, joints and hydraulics damp by their own laws. Of `[damping]`, Rayleigh's α acts
@@ -69,7 +75,7 @@ struct StateLayout {
 
 struct LegOutput {
   double length{}, length_rate{};         ///< l [m], l̇ [m/s]
-  double piston{}, piston_rate{};         ///< s [m], ṡ [m/s]
+  double piston{}, piston_rate{};         ///< in the cylinder: s_p [m], ṡ_p [m/s]
   double cap_pressure{}, rod_pressure{};  ///< [Pa]
   double spool{}, spool_rate{};
   double cap_flow{}, rod_flow{};        ///< from the valve into the chambers [m³/s]
@@ -77,7 +83,7 @@ struct LegOutput {
   double internal_leakage{};            ///< cap side to rod side [m³/s]
   double external_leakage{};            ///< out of both chambers [m³/s]
   double oil_force{};                   ///< on the piston, + pushes the leg out [N]
-  double friction_force{};              ///< on the piston along s [N]
+  double friction_force{};              ///< on the rod along s [N]
   double stop_force{};                  ///< [N]
   dynamics::Vector4 flexible{dynamics::Vector4::Zero()};       ///< φ1, φ2, u1, u2
   dynamics::Vector2 sleeve_offset{dynamics::Vector2::Zero()};  ///< d_s [m]
@@ -93,6 +99,7 @@ struct PlantOutput {
   double pump_flow{}, supply_flow{}, return_flow{};  ///< [m³/s]; supply: drawn by the valves
   dynamics::Energies energies{};                     ///< of the mechanism
   double oil_spring_energy{};  ///< [J], `hydraulics = false` only, from the reference pose
+  double gimbal_energy{};      ///< [J], with hydraulics: Σ F²/2k_j; else part of the oil springs'
   double dissipation{};        ///< [W]: seals, joints, friction, dampers; not the hydraulics
 };
 
@@ -167,6 +174,10 @@ class Plant {
   struct OilSpring {
     double force{}, stiffness{}, damping{}, s{};
   };
+  struct Gimbals {
+    double compliance{};  ///< 1/k_j [m/N], 0: they do not give way
+    double force{};       ///< F_0 [N]
+  };
   struct Work;  ///< intermediate results of one evaluation
   bool evaluate(const double* x, const PlantInput& input, double* rate, Work& work) const;
   double oil_side(int leg, const dynamics::LegMotion& motion, const double* x,
@@ -178,6 +189,7 @@ class Plant {
   [[nodiscard]] dynamics::Motion motion(const double* x) const;
   double hold(const dynamics::StaticEquilibrium& statics, const model::Supply& supply,
               Rest& rest) const;
+  void set_gimbals(const Pose& X_reference);
   void set_springs(const Pose& X_reference);
 
   model::Machine machine_;
@@ -185,6 +197,7 @@ class Plant {
   PlantOptions options_;
   std::array<hydraulics::ServoAxis, model::leg_count> axes_{};
   std::array<OilSpring, model::leg_count> springs_{};
+  std::array<Gimbals, model::leg_count> gimbals_{};
   StateLayout layout_{};
 };
 
