@@ -25,7 +25,9 @@ Refit refit(const FrequencyResponses& responses, const Identification& found,
   std::vector<PoleEstimate> start;
   for (const auto& m : found.modes) start.push_back({m.fit.pole, m.fit.shape, m.fit.participation});
   for (const auto& m : found.heavily_damped) start.push_back({m.pole, m.shape, m.participation});
-  const auto model = fit_modes(within(responses, found.from, found.to), start, options.fit);
+  auto fit = options.fit;
+  fit.deviations = Deviations::none;
+  const auto model = fit_modes(within(responses, found.from, found.to), start, fit);
   const auto count = static_cast<Index>(found.modes.size());
   Refit result{Eigen::VectorXd(count), Eigen::VectorXd(count)};
   for (Index r = 0; r < count; ++r) {

@@ -3,8 +3,8 @@
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 #include <cmath>
-#include <deque>
 #include <numbers>
+#include <utility>
 
 namespace hydrapod::identification {
 
@@ -12,6 +12,7 @@ using Complex = std::complex<double>;
 using Eigen::Index;
 using Eigen::MatrixXcd;
 using Eigen::MatrixXd;
+using Eigen::VectorXcd;
 using Eigen::VectorXd;
 
 namespace {
@@ -28,90 +29,113 @@ MatrixXd inverse(const MatrixXd& N) {
   return V * inverted.asDiagonal() * V.transpose();
 }
 
-/// The outputs' noise, each to its own deviation: cov(e_o, e_p*) per line.
-MatrixXcd noise_coherence(const FitSystem& system, const FrequencyResponses& r, Index line) {
-  MatrixXcd C = MatrixXcd::Identity(system.outputs(), system.outputs());
-  if (!r.has_errors()) return C;
-  const auto& S = r.noise[static_cast<size_t>(line)];
-  const double Q = r.input_factor[static_cast<size_t>(line)].diagonal().real().mean();
-  for (Index o = 0; o < C.rows(); ++o)
-    for (Index p = 0; p < C.cols(); ++p)
-      C(o, p) = S(o, p) * Q / (system.deviation()(line, o) * system.deviation()(line, p));
-  return C;
-}
-
-/// Jᵀ cov(e) J of the shared parameters, own ones eliminated by `X`.
-class Meat {
+/// Variances of what the errors of all lines make of functions of the shared parameters: own ones
+/// are eliminated, output o's by `X`.
+class Propagation {
  public:
-  Meat(const FitSystem& system, const FrequencyResponses& responses, const FittedState& state,
-       const std::vector<MatrixXd>& X)
-      : system_(system), responses_(responses), state_(state), X_(X) {}
-
-  MatrixXd sum() {
-    const Index shared = system_.shared_count(state_.shared.poles.size());
-    const auto& a = responses_.line_covariance;
-    const auto reach = static_cast<Index>(a.size()) - 1;
-    MatrixXd total = MatrixXd::Zero(shared, shared);
-    std::deque<MatrixXcd> near;  // of the lines from `first` on
-    Index first = 0, next = 0;
-    for (Index k = 0; k < system_.lines(); ++k) {
-      for (; next < system_.lines() && next <= k + reach; ++next) near.push_back(derivatives(next));
-      for (; first < k - reach; ++first) near.pop_front();
-      MatrixXcd smooth = MatrixXcd::Zero(near[0].rows(), shared);
-      for (Index j = first; j < next; ++j)
-        smooth +=
-            (j < k ? std::conj(a[static_cast<size_t>(k - j)]) : a[static_cast<size_t>(j - k)]) *
-            near[static_cast<size_t>(j - first)];
-      add(near[static_cast<size_t>(k - first)], smooth, noise_coherence(system_, responses_, k),
-          total);
+  Propagation(const FitSystem& system, const FrequencyResponses& responses, const FitState& state,
+              const std::vector<MatrixXd>& X)
+      : system_(system),
+        responses_(responses),
+        state_(state),
+        slopes_(system.slopes(state)),
+        whitening_(system.lines(), system.inputs() * system.inputs()) {
+    const Index p = system.inputs(), shared = system.shared_count(state.shared.poles.size());
+    for (Index o = 0; o < system.outputs(); ++o) {
+      const MatrixXd T = system.derivatives(state, o);
+      derivatives_.push_back(T.leftCols(shared) -
+                             T.rightCols(T.cols() - shared) * X[static_cast<size_t>(o)]);
     }
-    return total;
+    for (Index k = 0; k < system.lines(); ++k)
+      whitening_.row(k) =
+          system.whitening()[static_cast<size_t>(k)].reshaped<Eigen::RowMajor>(1, p * p);
+    add_coherence();
+  }
+
+  /// vᵀ Jᵀ cov(e) J v.
+  [[nodiscard]] double variance(const VectorXd& v) const {
+    const MatrixXcd F = changes(v), S = smoothed(F);
+    const Index p = system_.inputs(), outputs = system_.outputs();
+    double sum = 0.0;
+    for (Index o = 0; o < outputs; ++o)
+      for (Index q = 0; q < outputs; ++q) {
+        if (!responses_.has_errors() && o != q) continue;
+        const VectorXcd product =
+            F.middleCols(o * p, p).conjugate().cwiseProduct(S.middleCols(q * p, p)).rowwise().sum();
+        sum += coherence_.col(o * outputs + q).cwiseProduct(product).real().sum();
+      }
+    return 0.5 * sum;
   }
 
  private:
-  /// All outputs' derivatives at a line below each other.
-  MatrixXcd derivatives(Index line) const {
-    const Index modes = state_.shared.poles.size(), p = system_.inputs();
-    const Index shared = system_.shared_count(modes);
-    MatrixXcd all(p * system_.outputs(), shared), own(p, system_.own_count(modes)),
-        columns(p, shared);
-    system_.own_columns(state_.basis, line, own);
-    for (Index o = 0; o < system_.outputs(); ++o) {
-      const auto at = static_cast<size_t>(o);
-      system_.shared_columns(state_.basis, state_.shared, shape_row(state_.own[at], modes), line,
-                             columns);
-      all.middleRows(o * p, p) = (columns - own * X_[at]) / system_.deviation()(line, o);
+  /// The outputs' noise, each to its own deviation: cov(e_o, e_p*), o outputs + p.
+  void add_coherence() {
+    const Index outputs = system_.outputs();
+    coherence_ = MatrixXcd::Ones(system_.lines(), outputs * outputs);
+    if (!responses_.has_errors()) return;
+    const auto& deviation = system_.deviation();
+    for (Index k = 0; k < system_.lines(); ++k) {
+      const auto& S = responses_.noise[static_cast<size_t>(k)];
+      const double Q = responses_.input_factor[static_cast<size_t>(k)].diagonal().real().mean();
+      for (Index o = 0; o < outputs; ++o)
+        for (Index p = 0; p < outputs; ++p)
+          coherence_(k, o * outputs + p) = S(o, p) * Q / (deviation(k, o) * deviation(k, p));
     }
-    return all;
   }
 
-  /// ½ Re(Gᴴ (C ⊗ I) G'), in real numbers.
-  void add(const MatrixXcd& G, const MatrixXcd& smooth, const MatrixXcd& C, MatrixXd& total) const {
+  /// J v, whitened: entry o p + i, a row per line.
+  [[nodiscard]] MatrixXcd changes(const VectorXd& v) const {
     const Index p = system_.inputs(), outputs = system_.outputs();
-    MatrixXcd mixed = MatrixXcd::Zero(G.rows(), G.cols());
+    const Index n = state_.functions.cols(), count = slopes_.cols() / p;
+    MatrixXd by_functions(n, p * outputs), by_slopes(count, outputs);
+    for (Index o = 0; o < outputs; ++o) {
+      const VectorXd c = derivatives_[static_cast<size_t>(o)] * v;
+      by_functions.middleCols(o * p, p) = c.head(n * p).reshaped(p, n).transpose();
+      by_slopes.col(o) = c.tail(count);
+    }
+    MatrixXcd plain = state_.functions * by_functions;
+    for (Index i = 0; i < p; ++i)
+      plain(Eigen::all, Eigen::seqN(i, outputs, p)) +=
+          slopes_.middleCols(i * count, count) * by_slopes;
+    MatrixXcd white = MatrixXcd::Zero(plain.rows(), plain.cols());
     for (Index o = 0; o < outputs; ++o)
-      for (Index q = 0; q < outputs; ++q)
-        mixed.middleRows(o * p, p) += C(o, q) * smooth.middleRows(q * p, p);
-    total.noalias() += 0.5 * G.real().transpose() * mixed.real();
-    total.noalias() += 0.5 * G.imag().transpose() * mixed.imag();
+      for (Index i = 0; i < p; ++i) {
+        auto column = white.col(o * p + i);
+        for (Index j = 0; j <= i; ++j)  // W is lower triangular
+          column += whitening_.col(i * p + j).cwiseProduct(plain.col(o * p + j));
+        column.array() /= system_.deviation().col(o).array();
+      }
+    return white;
+  }
+
+  /// Each line with its neighbours, as their noise goes together.
+  [[nodiscard]] MatrixXcd smoothed(const MatrixXcd& F) const {
+    const auto& a = responses_.line_covariance;
+    MatrixXcd S = a[0] * F;
+    const Index lines = F.rows();
+    for (Index d = 1; d < std::min(lines, static_cast<Index>(a.size())); ++d) {
+      const Complex along = a[static_cast<size_t>(d)];
+      S.topRows(lines - d) += along * F.bottomRows(lines - d);
+      S.bottomRows(lines - d) += std::conj(along) * F.topRows(lines - d);
+    }
+    return S;
   }
 
   const FitSystem& system_;
   const FrequencyResponses& responses_;
-  const FittedState& state_;
-  const std::vector<MatrixXd>& X_;
+  const FitState& state_;
+  MatrixXcd slopes_;
+  MatrixXcd whitening_;                // lines × inputs², column i p + j
+  MatrixXcd coherence_;                // lines × outputs²
+  std::vector<MatrixXd> derivatives_;  // of the columns (c_a e_i, d), by the shared parameters
 };
 
-void pole_deviations(const MatrixXd& covariance, Index at, FittedMode& mode) {
-  const Complex l = mode.pole;
+/// Derivatives of ω and of ζ by Re λ and Im λ.
+std::pair<Eigen::Vector2d, Eigen::Vector2d> frequency_and_damping(Complex l) {
   const double w = std::abs(l);
-  const Eigen::RowVector2d omega(l.real() / w, l.imag() / w);
   // ζ = −Re/|λ|
-  const Eigen::RowVector2d zeta(-std::pow(l.imag(), 2) / std::pow(w, 3),
-                                l.real() * l.imag() / std::pow(w, 3));
-  const Eigen::Matrix2d block = covariance.block<2, 2>(at, at);
-  mode.omega_deviation = std::sqrt(std::max(0.0, (omega * block * omega.transpose()).value()));
-  mode.damping_deviation = std::sqrt(std::max(0.0, (zeta * block * zeta.transpose()).value()));
+  return {{l.real() / w, l.imag() / w},
+          {-std::pow(l.imag(), 2) / std::pow(w, 3), l.real() * l.imag() / std::pow(w, 3)}};
 }
 
 }  // namespace
@@ -147,37 +171,41 @@ MatrixXcd modelled(const ModalModel& model, const std::vector<PoleLines>& lines,
 }
 
 void add_deviations(const FitSystem& system, const FrequencyResponses& responses,
-                    const FittedState& state, double misfit, ModalModel& model) {
+                    const FitState& state, Deviations asked, double misfit, ModalModel& model) {
   const Index modes = state.shared.poles.size(), shared = system.shared_count(modes);
   MatrixXd N = MatrixXd::Zero(shared, shared);
   std::vector<MatrixXd> X, own_inverse;
-  for (Index o = 0; o < system.outputs(); ++o) {
-    const auto normal =
-        system.normal(state.basis, state.shared, o, state.own[static_cast<size_t>(o)]);
+  for (const auto& normal : system.normals(state)) {
     const Index own = normal.matrix.rows() - shared;
     X.push_back(own_by_shared(normal.matrix, shared));
-    own_inverse.push_back(inverse(normal.matrix.bottomRightCorner(own, own)));
+    if (asked == Deviations::all)
+      own_inverse.push_back(inverse(normal.matrix.bottomRightCorner(own, own)));
     N += normal.matrix.topLeftCorner(shared, shared) -
          normal.matrix.topRightCorner(shared, own) * X.back();
   }
   const double scale = responses.has_errors() ? std::max(1.0, misfit) : misfit;
   const MatrixXd N_inverse = inverse(N);
-  const MatrixXd covariance =
-      scale * N_inverse * Meat(system, responses, state, X).sum() * N_inverse;
+  const Propagation propagation(system, responses, state, X);
+  const auto variance = [&](const VectorXd& v) {
+    return scale * std::max(0.0, propagation.variance(v));
+  };
   double neighbours = 1.0;  // noise that neighbouring lines share counts that often
   for (std::size_t d = 1; d < responses.line_covariance.size(); ++d)
     neighbours += 2.0 * responses.line_covariance[d].real();
   for (Index r = 0; r < modes; ++r) {
     auto& mode = model.modes[static_cast<size_t>(r)];
-    pole_deviations(covariance, r * 2 * system.inputs(), mode);
+    const auto [omega, zeta] = frequency_and_damping(mode.pole);
+    const auto pole = N_inverse.middleCols<2>(r * 2 * system.inputs());
+    mode.omega_deviation = std::sqrt(variance(pole * omega));
+    mode.damping_deviation = std::sqrt(variance(pole * zeta));
+    if (asked != Deviations::all) continue;
     mode.shape_deviation.resize(system.outputs());
     for (Index o = 0; o < system.outputs(); ++o) {
       const auto at = static_cast<size_t>(o);
-      const auto rows = X[at].middleRows(2 * r, 2);
-      const double variance =
-          (rows * covariance * rows.transpose()).trace() +
-          0.5 * scale * neighbours * own_inverse[at].block<2, 2>(2 * r, 2 * r).trace();
-      mode.shape_deviation[o] = std::sqrt(std::max(0.0, variance));
+      const MatrixXd by_poles = N_inverse * X[at].middleRows<2>(2 * r).transpose();
+      mode.shape_deviation[o] =
+          std::sqrt(variance(by_poles.col(0)) + variance(by_poles.col(1)) +
+                    0.5 * scale * neighbours * own_inverse[at].block<2, 2>(2 * r, 2 * r).trace());
     }
   }
 }

@@ -15,16 +15,10 @@ Eigen::VectorXd row_sizes(const FrequencyResponses& responses);
 Eigen::MatrixXcd modelled(const ModalModel& model, const std::vector<PoleLines>& lines,
                           Eigen::Index line, const FrequencyResponses& responses);
 
-struct FittedState {
-  const SharedParameters& shared;
-  const Basis& basis;
-  const std::vector<Eigen::VectorXd>& own;
-};
-
 /// Puts the deviations into the modes of `model`. `misfit`: Σ|residual|² over the degrees of
 /// freedom; where it is above 1 all variances grow with it, and without known errors it is what
 /// they are.
 void add_deviations(const FitSystem& system, const FrequencyResponses& responses,
-                    const FittedState& state, double misfit, ModalModel& model);
+                    const FitState& state, Deviations asked, double misfit, ModalModel& model);
 
 }  // namespace hydrapod::identification

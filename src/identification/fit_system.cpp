@@ -19,12 +19,44 @@ using Eigen::VectorXd;
 namespace {
 
 constexpr Complex i_unit{0.0, 1.0};
-constexpr Index chunk = 64;  // lines whose derivatives are multiplied at once
+constexpr Index chunk = 128;  // lines whose products are held at once
 
-/// Real and imaginary rows of complex columns below each other, times `scale`.
-void stack(const MatrixXcd& columns, double scale, Eigen::Ref<MatrixXd> rows) {
-  rows.topRows(columns.rows()) = scale * columns.real();
-  rows.bottomRows(columns.rows()) = scale * columns.imag();
+/// B with columns (c_a e_i …) to columns by the own parameters.
+MatrixXd by_own(const Eigen::Ref<const MatrixXd>& B, const MatrixXcd& L) {
+  const Index p = L.rows(), modes = L.cols();
+  MatrixXd result(B.rows(), 2 * modes + residual_terms * p);
+  for (Index r = 0; r < modes; ++r) {
+    const auto sum = B.middleCols(2 * r * p, p), difference = B.middleCols((2 * r + 1) * p, p);
+    const VectorXd x = L.col(r).real(), y = L.col(r).imag();
+    result.col(2 * r) = sum * x + difference * y;
+    result.col(2 * r + 1) = difference * x - sum * y;
+  }
+  result.rightCols(residual_terms * p) = B.middleCols(2 * modes * p, residual_terms * p);
+  return result;
+}
+
+/// B with columns (c_a e_i, d) to columns by all parameters of an output with the shape row φ.
+MatrixXd by_parameters(const MatrixXd& B, const SharedParameters& shared, const VectorXcd& phi) {
+  const Index p = shared.participations.rows(), modes = phi.size();
+  const Index own = 2 * modes + residual_terms * p, slopes = (2 * modes + residual_terms) * p;
+  MatrixXd result(B.rows(), modes * 2 * p + own);
+  Index at = 0;
+  for (Index r = 0; r < modes; ++r) {
+    const auto add = [&](Index sum, Index difference) {
+      result.col(at++) = phi[r].real() * B.col(sum) + phi[r].imag() * B.col(difference);
+      result.col(at++) = phi[r].real() * B.col(difference) - phi[r].imag() * B.col(sum);
+    };
+    add(slopes + 2 * r, slopes + 2 * r + 1);
+    for (Index i = 0; i < p; ++i)
+      if (i != shared.fixed[static_cast<size_t>(r)]) add(2 * r * p + i, (2 * r + 1) * p + i);
+  }
+  result.rightCols(own) = by_own(B, shared.participations);
+  return result;
+}
+
+/// Coefficients a p + i as a matrix, functions × inputs.
+MatrixXd by_function(const VectorXd& coefficients, Index inputs) {
+  return coefficients.reshaped(inputs, coefficients.size() / inputs).transpose();
 }
 
 }  // namespace
@@ -48,9 +80,14 @@ FitSystem::FitSystem(const FrequencyResponses& r, bool taper)
       inputs_(r.H[0].cols()),
       outputs_(r.H[0].rows()),
       lines_(static_cast<Index>(r.lines())),
-      omega_scale_(2.0 * std::numbers::pi * r.frequency.back()) {
+      omega_scale_(2.0 * std::numbers::pi * r.frequency.back()),
+      M_(lines_, inputs_ * inputs_),
+      weights_re_(lines_, outputs_ * inputs_ * (inputs_ + 1) / 2),
+      weights_im_(lines_, weights_re_.cols()),
+      data_(lines_, outputs_ * inputs_) {
   // row_weights hold one over the variance averaged over inputs; W takes the inputs' part of it
-  deviation_ = row_weights(r, false).cwiseSqrt().cwiseInverse();
+  const MatrixXd weight = row_weights(r, false);
+  deviation_ = weight.cwiseSqrt().cwiseInverse();
   for (Index k = 0; k < lines_; ++k) {
     MatrixXcd W = MatrixXcd::Identity(inputs_, inputs_);
     if (r.has_errors()) {
@@ -59,124 +96,188 @@ FitSystem::FitSystem(const FrequencyResponses& r, bool taper)
       Q.diagonal().array() += 1e-12;
       W = Q.llt().matrixL().solve(W);
     }
+    const MatrixXcd M = W.adjoint() * W;
+    for (Index i = 0, pair = 0; i < inputs_; ++i)
+      for (Index j = 0; j < inputs_; ++j) {
+        M_(k, i * inputs_ + j) = M(i, j);
+        if (j < i) continue;
+        for (Index o = 0; o < outputs_; ++o) {
+          const Index at = o * inputs_ * (inputs_ + 1) / 2 + pair;
+          weights_re_(k, at) = weight(k, o) * M(i, j).real();
+          weights_im_(k, at) = weight(k, o) * M(i, j).imag();
+        }
+        ++pair;
+      }
+    data_.row(k) = r.H[static_cast<size_t>(k)].reshaped<Eigen::RowMajor>().transpose();
     white_.push_back(std::move(W));
   }
+  const MatrixXcd gradient = weighted(data_);
+  data_gradient_re_ = gradient.real();
+  data_gradient_im_ = gradient.imag();
 }
 
-Basis FitSystem::basis(const SharedParameters& shared) const {
-  Basis basis;
-  for (const Complex pole : shared.poles) basis.lines.push_back(pole_basis_.at(pole));
-  for (const auto& W : white_) {
-    basis.u.push_back(W * shared.participations);
-    basis.uc.push_back(W * shared.participations.conjugate());
-  }
-  return basis;
-}
-
-void FitSystem::own_columns(const Basis& basis, Index line, Eigen::Ref<MatrixXcd> columns) const {
-  const auto k = static_cast<size_t>(line);
-  const auto modes = static_cast<Index>(basis.lines.size());
-  for (Index r = 0; r < modes; ++r) {
-    const auto& lines = basis.lines[static_cast<size_t>(r)];
-    const VectorXcd a = lines.g[line] * basis.u[k].col(r);
-    const VectorXcd b = lines.g_conjugate[line] * basis.uc[k].col(r);
-    columns.col(2 * r) = a + b;
-    columns.col(2 * r + 1) = i_unit * (a - b);
-  }
-  const Complex s =
-      Complex(responses_.shift, 2.0 * std::numbers::pi * responses_.frequency[k]) / omega_scale_;
-  for (int t = 0; t < residual_terms; ++t)
-    columns.middleCols(2 * modes + t * inputs_, inputs_) =
-        std::pow(s, t + lowest_residual_power) * white_[k];
-}
-
-void FitSystem::shared_columns(const Basis& basis, const SharedParameters& shared,
-                               const VectorXcd& phi, Index line,
-                               Eigen::Ref<MatrixXcd> columns) const {
-  const auto k = static_cast<size_t>(line);
-  Index at = 0;
-  for (Index r = 0; r < phi.size(); ++r) {
-    const auto& lines = basis.lines[static_cast<size_t>(r)];
-    const Complex p = phi[r], pc = std::conj(p);
-    const VectorXcd a = p * lines.slope[line] * basis.u[k].col(r);
-    const VectorXcd b = pc * lines.slope_conjugate[line] * basis.uc[k].col(r);
-    columns.col(at++) = a + b;
-    columns.col(at++) = i_unit * (a - b);
-    const Complex g = p * lines.g[line], gc = pc * lines.g_conjugate[line];
+/// w_o M e_o for rows e_o, laid out as the residual.
+MatrixXcd FitSystem::weighted(const MatrixXcd& rows) const {
+  MatrixXcd result = MatrixXcd::Zero(rows.rows(), rows.cols());
+  for (Index o = 0; o < outputs_; ++o)
     for (Index i = 0; i < inputs_; ++i) {
-      if (i == shared.fixed[static_cast<size_t>(r)]) continue;
-      columns.col(at++) = (g + gc) * white_[k].col(i);
-      columns.col(at++) = i_unit * (g - gc) * white_[k].col(i);
+      auto column = result.col(o * inputs_ + i);
+      for (Index j = 0; j < inputs_; ++j)
+        column += M_.col(i * inputs_ + j).cwiseProduct(rows.col(o * inputs_ + j));
+      column.array() /= deviation_.col(o).array().square();
     }
-  }
+  return result;
 }
 
-VectorXcd FitSystem::data(Index output, Index line) const {
-  const auto k = static_cast<size_t>(line);
-  return white_[k] * responses_.H[k].row(output).transpose();
-}
-
-FitSystem::OwnFit FitSystem::fit_own(const Basis& basis, Index output) const {
-  const auto modes = static_cast<Index>(basis.lines.size());
-  const Index own = own_count(modes), rows = 2 * inputs_;
-  MatrixXd N = MatrixXd::Zero(own, own), J(rows * chunk, own);
-  VectorXd b = VectorXd::Zero(own), y(rows * chunk);
-  MatrixXcd columns(inputs_, own);
-  double power = 0.0;
+/// Σ w_o Re(c_a* c_b M_ij) for all outputs.
+void FitSystem::add_gram(FitState& state) const {
+  const auto& c = state.functions;
+  const Index n = c.cols(), p = inputs_, pairs = p * (p + 1) / 2;
+  MatrixXd re(chunk, n * (n + 1) / 2), im(chunk, re.cols());
+  MatrixXd even = MatrixXd::Zero(re.cols(), weights_re_.cols()), odd = even;
   for (Index first = 0; first < lines_; first += chunk) {
     const Index count = std::min(chunk, lines_ - first);
-    for (Index k = 0; k < count; ++k) {
-      const double scale = 1.0 / deviation_(first + k, output);
-      own_columns(basis, first + k, columns);
-      stack(columns, scale, J.middleRows(rows * k, rows));
-      const VectorXcd x = data(output, first + k);
-      y.segment(rows * k, inputs_) = scale * x.real();
-      y.segment(rows * k + inputs_, inputs_) = scale * x.imag();
-    }
-    const auto rows_used = J.topRows(rows * count);
-    N.selfadjointView<Eigen::Lower>().rankUpdate(rows_used.transpose());
-    b.noalias() += rows_used.transpose() * y.head(rows * count);
-    power += y.head(rows * count).squaredNorm();
+    for (Index b = 0, at = 0; b < n; ++b)
+      for (Index a = 0; a <= b; ++a, ++at) {
+        const VectorXcd product =
+            c.col(a).segment(first, count).conjugate().cwiseProduct(c.col(b).segment(first, count));
+        re.col(at).head(count) = product.real();
+        im.col(at).head(count) = product.imag();
+      }
+    even.noalias() += re.topRows(count).transpose() * weights_re_.middleRows(first, count);
+    odd.noalias() += im.topRows(count).transpose() * weights_im_.middleRows(first, count);
   }
-  N.triangularView<Eigen::StrictlyUpper>() = N.transpose();
-  const VectorXd scale = N.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
-  MatrixXd scaled = scale.asDiagonal() * N * scale.asDiagonal();
-  scaled.diagonal().array() += 1e-14;
-  OwnFit fit;
-  fit.parameters = scale.asDiagonal() * scaled.ldlt().solve(scale.asDiagonal() * b);
-  // ‖y − J x‖² from the normal equations; rounding is far below what is compared
-  fit.cost =
-      std::max(0.0, power - 2.0 * b.dot(fit.parameters) + fit.parameters.dot(N * fit.parameters));
-  return fit;
+  state.gram.assign(static_cast<size_t>(outputs_), MatrixXd(n * p, n * p));
+  for (Index o = 0; o < outputs_; ++o) {
+    auto& G = state.gram[static_cast<size_t>(o)];
+    for (Index b = 0, at = 0; b < n; ++b)
+      for (Index a = 0; a <= b; ++a, ++at)
+        for (Index i = 0, pair = o * pairs; i < p; ++i)
+          for (Index j = i; j < p; ++j, ++pair) {
+            const double same = even(at, pair), turned = odd(at, pair);
+            G(a * p + i, b * p + j) = G(b * p + j, a * p + i) = same - turned;
+            G(a * p + j, b * p + i) = G(b * p + i, a * p + j) = same + turned;
+          }
+  }
 }
 
-FitSystem::Normal FitSystem::normal(const Basis& basis, const SharedParameters& shared,
-                                    Index output, const VectorXd& own) const {
-  const auto modes = static_cast<Index>(basis.lines.size());
-  const Index shared_size = shared_count(modes), own_size = own_count(modes);
-  const Index all = shared_size + own_size, rows = 2 * inputs_;
-  const VectorXcd phi = shape_row(own, modes);
-  Normal normal{MatrixXd::Zero(all, all), VectorXd::Zero(all)};
-  MatrixXd J(rows * chunk, all);
-  VectorXd e(rows * chunk);
-  MatrixXcd columns(inputs_, all);
-  for (Index first = 0; first < lines_; first += chunk) {
-    const Index count = std::min(chunk, lines_ - first);
-    for (Index k = 0; k < count; ++k) {
-      const double scale = 1.0 / deviation_(first + k, output);
-      shared_columns(basis, shared, phi, first + k, columns.leftCols(shared_size));
-      own_columns(basis, first + k, columns.rightCols(own_size));
-      stack(columns, scale, J.middleRows(rows * k, rows));
-      const VectorXcd x = data(output, first + k) - columns.rightCols(own_size) * own;
-      e.segment(rows * k, inputs_) = scale * x.real();
-      e.segment(rows * k + inputs_, inputs_) = scale * x.imag();
-    }
-    const auto used = J.topRows(rows * count);
-    normal.matrix.selfadjointView<Eigen::Lower>().rankUpdate(used.transpose());
-    normal.gradient.noalias() += used.transpose() * e.head(rows * count);
+/// The own parameters that leave least, and what they leave.
+void FitSystem::solve_own(FitState& state) const {
+  const auto& L = state.shared.participations;
+  const Index modes = L.cols(), p = inputs_;
+  const MatrixXd gradient = state.functions.real().transpose() * data_gradient_re_ +
+                            state.functions.imag().transpose() * data_gradient_im_;
+  MatrixXd coefficients(state.functions.cols(), data_.cols());
+  const MatrixXd T = by_own(MatrixXd::Identity(state.gram[0].rows(), state.gram[0].cols()), L);
+  state.mode_power = VectorXd::Zero(modes);
+  for (Index o = 0; o < outputs_; ++o) {
+    const MatrixXd N = by_own(by_own(state.gram[static_cast<size_t>(o)], L).transpose(), L);
+    const VectorXd b = T.transpose() * gradient.middleCols(o * p, p).reshaped<Eigen::RowMajor>();
+    const VectorXd scale = N.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
+    MatrixXd scaled = scale.asDiagonal() * N * scale.asDiagonal();
+    scaled.diagonal().array() += 1e-14;
+    const VectorXd x = scale.asDiagonal() * scaled.ldlt().solve(scale.asDiagonal() * b);
+    coefficients.middleCols(o * p, p) = by_function(T * x, p);
+    for (Index r = 0; r < modes; ++r)
+      state.mode_power[r] +=
+          x.segment<2>(2 * r).dot(N.block<2, 2>(2 * r, 2 * r) * x.segment<2>(2 * r));
+    state.own.push_back(x);
   }
-  normal.matrix.triangularView<Eigen::StrictlyUpper>() = normal.matrix.transpose();
-  return normal;
+  state.residual = data_ - state.functions * coefficients;
+  state.cost = state.residual.conjugate().cwiseProduct(weighted(state.residual)).real().sum();
+}
+
+FitState FitSystem::solved(SharedParameters shared) const {
+  FitState state;
+  state.shared = std::move(shared);
+  const Index modes = state.shared.poles.size();
+  state.functions.resize(lines_, 2 * modes + residual_terms);
+  for (Index r = 0; r < modes; ++r) {
+    state.lines.push_back(pole_basis_.at(state.shared.poles[r]));
+    const auto& lines = state.lines.back();
+    state.functions.col(2 * r) = lines.g + lines.g_conjugate;
+    state.functions.col(2 * r + 1) = i_unit * (lines.g - lines.g_conjugate);
+  }
+  for (Index k = 0; k < lines_; ++k) {
+    const double omega = 2.0 * std::numbers::pi * responses_.frequency[static_cast<size_t>(k)];
+    const Complex s = Complex(responses_.shift, omega) / omega_scale_;
+    for (int t = 0; t < residual_terms; ++t)
+      state.functions(k, 2 * modes + t) = std::pow(s, t + lowest_residual_power);
+  }
+  add_gram(state);
+  solve_own(state);
+  return state;
+}
+
+MatrixXcd FitSystem::slopes(const FitState& state) const {
+  const auto& L = state.shared.participations;
+  const Index modes = L.cols();
+  MatrixXcd d(lines_, inputs_ * 2 * modes);
+  for (Index i = 0; i < inputs_; ++i)
+    for (Index r = 0; r < modes; ++r) {
+      const auto& lines = state.lines[static_cast<size_t>(r)];
+      const VectorXcd a = L(i, r) * lines.slope, b = std::conj(L(i, r)) * lines.slope_conjugate;
+      d.col(i * 2 * modes + 2 * r) = a + b;
+      d.col(i * 2 * modes + 2 * r + 1) = i_unit * (a - b);
+    }
+  return d;
+}
+
+/// The Gram matrix of all columns of an output. `turned`: M d.
+MatrixXd FitSystem::with_slopes(const FitState& state, const MatrixXcd& slopes,
+                                const MatrixXcd& turned, Index output) const {
+  const Index n = state.functions.cols(), count = slopes.cols() / inputs_, p = inputs_;
+  const VectorXd weight = deviation_.col(output).cwiseAbs2().cwiseInverse();
+  const MatrixXd re = weight.asDiagonal() * turned.real(), im = weight.asDiagonal() * turned.imag();
+  const MatrixXd mixed = re.transpose() * state.functions.real() +
+                         im.transpose() * state.functions.imag();  // i · count + number, a
+  MatrixXd G(n * p + count, n * p + count);
+  G.topLeftCorner(n * p, n * p) = state.gram[static_cast<size_t>(output)];
+  G.bottomRightCorner(count, count).setZero();
+  for (Index i = 0; i < p; ++i) {
+    for (Index a = 0; a < n; ++a)
+      G.col(a * p + i).tail(count) = mixed.col(a).segment(i * count, count);
+    const auto d = slopes.middleCols(i * count, count);
+    G.bottomRightCorner(count, count).noalias() +=
+        re.middleCols(i * count, count).transpose() * d.real() +
+        im.middleCols(i * count, count).transpose() * d.imag();
+  }
+  G.topRightCorner(n * p, count) = G.bottomLeftCorner(count, n * p).transpose();
+  return G;
+}
+
+std::vector<FitSystem::Normal> FitSystem::normals(const FitState& state) const {
+  const MatrixXcd d = slopes(state), e = weighted(state.residual);
+  const Index n = state.functions.cols(), p = inputs_, count = d.cols() / p;
+  MatrixXcd turned = MatrixXcd::Zero(lines_, d.cols());
+  for (Index i = 0; i < p; ++i)
+    for (Index j = 0; j < p; ++j)
+      turned.middleCols(i * count, count) +=
+          M_.col(i * p + j).asDiagonal() * d.middleCols(j * count, count);
+  const MatrixXd by_functions = (state.functions.adjoint() * e).real();
+  std::vector<Normal> all;
+  for (Index o = 0; o < outputs_; ++o) {
+    const VectorXcd phi = shape_row(state.own[static_cast<size_t>(o)], count / 2);
+    MatrixXd gradient(1, n * p + count);
+    gradient.leftCols(n * p) =
+        by_functions.middleCols(o * p, p).reshaped<Eigen::RowMajor>().transpose();
+    gradient.rightCols(count).setZero();
+    for (Index i = 0; i < p; ++i)
+      gradient.rightCols(count) +=
+          (d.middleCols(i * count, count).adjoint() * e.col(o * p + i)).real().transpose();
+    const MatrixXd half =
+        by_parameters(with_slopes(state, d, turned, o), state.shared, phi).transpose();
+    all.push_back({by_parameters(half, state.shared, phi).transpose(),
+                   by_parameters(gradient, state.shared, phi).transpose()});
+  }
+  return all;
+}
+
+MatrixXd FitSystem::derivatives(const FitState& state, Index output) const {
+  const Index modes = state.shared.poles.size();
+  const Index size = state.functions.cols() * inputs_ + 2 * modes;
+  return by_parameters(MatrixXd::Identity(size, size), state.shared,
+                       shape_row(state.own[static_cast<size_t>(output)], modes));
 }
 
 VectorXcd shape_row(const VectorXd& own, Index modes) {

@@ -142,7 +142,9 @@ void fit_and_prune(const IdentifyOptions& options, std::vector<PoleCluster> clus
   for (int round = 0; round < 5 && !clusters.empty(); ++round) {
     std::vector<PoleEstimate> start;
     for (const auto& c : clusters) start.push_back(c.representative);
-    result.model = fit_modes(result.responses, start, options.fit);
+    auto fit = options.fit;  // what is taken out is judged by its pole
+    fit.deviations = Deviations::poles;
+    result.model = fit_modes(result.responses, start, fit);
     std::vector<PoleCluster> kept;
     for (std::size_t r = 0; r < clusters.size(); ++r) {
       const auto& mode = result.model.modes[r];
@@ -277,6 +279,18 @@ Eigen::VectorXcd displacement_shape(const FittedMode& mode,
   return shape;
 }
 
+/// Those of the final model, which no trial needs.
+void add_shape_deviations(const IdentifyOptions& options, Identification& result) {
+  if (options.fit.deviations != Deviations::all || result.model.modes.empty()) return;
+  std::vector<PoleEstimate> start;
+  for (const auto& m : result.model.modes) start.push_back({m.pole, m.shape, m.participation});
+  auto fit = options.fit;
+  fit.max_iterations = 0;
+  const auto model = fit_modes(result.responses, start, fit);
+  for (std::size_t r = 0; r < start.size(); ++r)
+    result.model.modes[r].shape_deviation = model.modes[r].shape_deviation;
+}
+
 void list_modes(const IdentifyOptions& options, Identification& result) {
   for (std::size_t r = 0; r < result.model.modes.size(); ++r) {
     const auto& fit = result.model.modes[r];
@@ -336,6 +350,7 @@ Identification identify_modes(const FrequencyResponses& responses, const Identif
   add_weak_modes(options, result);
   add_hidden_modes(options, result);
   add_second_of_pairs(options, strong, result);
+  add_shape_deviations(options, result);
   list_modes(options, result);
   if (result.modes.empty())
     result.warnings.push_back(fmt::format(

@@ -19,24 +19,6 @@ using Eigen::VectorXd;
 
 namespace {
 
-struct State {
-  SharedParameters shared;
-  Basis basis;
-  std::vector<VectorXd> own;
-  double cost{};
-};
-
-State state_at(const FitSystem& system, SharedParameters shared) {
-  State state{.shared = std::move(shared), .basis = {}, .own = {}};
-  state.basis = system.basis(state.shared);
-  for (Index o = 0; o < system.outputs(); ++o) {
-    auto fit = system.fit_own(state.basis, o);
-    state.cost += fit.cost;
-    state.own.push_back(std::move(fit.parameters));
-  }
-  return state;
-}
-
 SharedParameters start_of(const std::vector<PoleEstimate>& start, Index inputs) {
   SharedParameters shared;
   const auto modes = static_cast<Index>(start.size());
@@ -54,12 +36,10 @@ SharedParameters start_of(const std::vector<PoleEstimate>& start, Index inputs) 
 }
 
 /// Normal equations of the shared parameters, own ones eliminated.
-FitSystem::Normal reduced_normal(const FitSystem& system, const State& state) {
-  const Index modes = state.shared.poles.size(), shared = system.shared_count(modes);
+FitSystem::Normal reduced_normal(const FitSystem& system, const FitState& state) {
+  const Index shared = system.shared_count(state.shared.poles.size());
   FitSystem::Normal sum{MatrixXd::Zero(shared, shared), VectorXd::Zero(shared)};
-  for (Index o = 0; o < system.outputs(); ++o) {
-    const auto normal =
-        system.normal(state.basis, state.shared, o, state.own[static_cast<size_t>(o)]);
+  for (const auto& normal : system.normals(state)) {
     const MatrixXd X = own_by_shared(normal.matrix, shared);
     const Index own = normal.matrix.rows() - shared;
     sum.matrix +=
@@ -75,7 +55,7 @@ bool is_sound(const SharedParameters& shared) {
 }
 
 /// One accepted step; false when none is found.
-bool improve(const FitSystem& system, State& state, double& damping) {
+bool improve(const FitSystem& system, FitState& state, double& damping) {
   const auto normal = reduced_normal(system, state);
   const VectorXd scale = normal.matrix.diagonal().cwiseMax(1e-300);
   for (int attempt = 0; attempt < 8; ++attempt, damping *= 10.0) {
@@ -84,7 +64,7 @@ bool improve(const FitSystem& system, State& state, double& damping) {
     auto shared = state.shared;
     shared.step(N.ldlt().solve(normal.gradient));
     if (!is_sound(shared)) continue;
-    State trial = state_at(system, std::move(shared));
+    FitState trial = system.solved(std::move(shared));
     if (!(trial.cost < state.cost)) continue;
     state = std::move(trial);
     damping = std::max(damping / 10.0, 1e-10);
@@ -93,7 +73,7 @@ bool improve(const FitSystem& system, State& state, double& damping) {
   return false;
 }
 
-void fill(const FitSystem& system, const State& state, ModalModel& model) {
+void fill(const FitSystem& system, const FitState& state, ModalModel& model) {
   const Index modes = state.shared.poles.size(), inputs = system.inputs(),
               outputs = system.outputs();
   for (Index r = 0; r < modes; ++r) {
@@ -120,34 +100,20 @@ void fill(const FitSystem& system, const State& state, ModalModel& model) {
   model.omega_scale = system.omega_scale();
 }
 
-/// Error of the synthesis and what each mode adds, from the model at the lines.
-void judge(const FitSystem& system, const State& state, const FrequencyResponses& responses,
+/// Error of the synthesis and what each mode adds.
+void judge(const FitSystem& system, const FitState& state, const FrequencyResponses& responses,
            double misfit, ModalModel& model) {
-  const Index modes = state.shared.poles.size(), own = system.own_count(modes);
-  Eigen::MatrixXcd columns(system.inputs(), own);
-  VectorXd added = VectorXd::Zero(modes);
-  for (Index k = 0; k < system.lines(); ++k) {
-    system.own_columns(state.basis, k, columns);
-    for (Index o = 0; o < system.outputs(); ++o) {
-      const auto& x = state.own[static_cast<size_t>(o)];
-      const double weight = std::pow(system.deviation()(k, o), -2);
-      for (Index r = 0; r < modes; ++r)
-        added[r] += weight * (columns.middleCols(2 * r, 2) * x.segment(2 * r, 2)).squaredNorm();
-    }
-  }
   const double count = 2.0 * static_cast<double>(system.outputs() + system.inputs());
   const double unit = responses.has_errors() ? std::max(1.0, misfit) : std::max(misfit, 1e-300);
-  for (Index r = 0; r < modes; ++r)
-    model.modes[static_cast<size_t>(r)].significance = added[r] / count / unit;
+  for (Index r = 0; r < state.mode_power.size(); ++r)
+    model.modes[static_cast<size_t>(r)].significance = state.mode_power[r] / count / unit;
   // the error is seen in the responses themselves, each output in proportion to its own size
+  const VectorXd size = row_sizes(responses);
   double off = 0.0, whole = 0.0;
-  const Eigen::VectorXd size = row_sizes(responses);
-  for (Index k = 0; k < system.lines(); ++k) {
-    const Eigen::MatrixXcd H = modelled(model, state.basis.lines, k, responses);
-    const Eigen::MatrixXcd D =
-        size.cwiseInverse().asDiagonal() * (responses.H[static_cast<size_t>(k)] - H);
-    off += D.squaredNorm();
-    whole += (size.cwiseInverse().asDiagonal() * responses.H[static_cast<size_t>(k)]).squaredNorm();
+  for (Index o = 0; o < system.outputs(); ++o) {
+    const Index p = system.inputs();
+    off += state.residual.middleCols(o * p, p).squaredNorm() / (size[o] * size[o]);
+    for (const auto& H : responses.H) whole += H.row(o).squaredNorm() / (size[o] * size[o]);
   }
   model.error = whole > 0.0 ? std::sqrt(off / whole) : 0.0;
 }
@@ -158,7 +124,7 @@ ModalModel fit_modes(const FrequencyResponses& responses, const std::vector<Pole
                      const FitOptions& options) {
   if (start.empty()) throw std::invalid_argument("a modal model needs at least one pole");
   const FitSystem system(responses, options.taper);
-  State state = state_at(system, start_of(start, system.inputs()));
+  FitState state = system.solved(start_of(start, system.inputs()));
   ModalModel model;
   double damping = 1e-4;
   for (; model.iterations < options.max_iterations; ++model.iterations) {
@@ -176,7 +142,8 @@ ModalModel fit_modes(const FrequencyResponses& responses, const std::vector<Pole
   const double misfit = state.cost / spare;
   if (responses.has_errors()) model.misfit = misfit;
   judge(system, state, responses, misfit, model);
-  add_deviations(system, responses, {state.shared, state.basis, state.own}, misfit, model);
+  if (options.deviations != Deviations::none)
+    add_deviations(system, responses, state, options.deviations, misfit, model);
   return model;
 }
 

@@ -2,9 +2,9 @@
 /// Measured modes of a blind case as a test rig gives them: records of the machine with its fault,
 /// one per pose, identified without any setting.
 
-#include "blind_series.hpp"
 #include "hydrapod/base/error.hpp"
 #include "hydrapod/diagnosis/measured.hpp"
+#include "kept_records.hpp"
 #include "support/rig_record.hpp"
 
 namespace hydrapod::test {
@@ -15,38 +15,25 @@ struct RecordSetting {
   double sensors{1.0};     ///< noise and steps of the length sensors, in those of the default
 };
 
-/// Can the rig have it? A base that gives way it cannot; gimbals that do are, at the pose, softer
-/// oil springs, where these are given by their stiffness.
-inline bool rig_can_have(const model::Machine& machine) {
-  if (machine.base_mount) return false;
-  return std::ranges::none_of(machine.legs, [](const model::Leg& leg) {
-    return leg.gimbal_stiffness && leg.oil_spring.cylinder;
-  });
-}
-
-inline model::Machine on_rig(model::Machine machine) {
-  for (auto& leg : machine.legs) {
-    if (!leg.gimbal_stiffness) continue;
-    const double k_h = *leg.oil_spring.stiffness, k_g = *leg.gimbal_stiffness;
-    leg.oil_spring.stiffness = k_h * k_g / (k_h + k_g);
-    leg.gimbal_stiffness.reset();
-  }
-  return machine;
-}
+/// Can the rig have it? A base that gives way it cannot.
+inline bool rig_can_have(const model::Machine& machine) { return !machine.base_mount; }
 
 inline Measure by_record(const RecordSetting& setting) {
   return [setting](const BlindCase& test, const model::MachineFile& truth) {
     calibration::Targets all;
     for (const auto& name : test.poses) {
       const auto pose = std::ranges::find(truth.machine.poses, name, &model::NamedPose::name);
-      const auto found = identified_on_rig(
-          on_rig(truth.machine), {.kind = test.kind,
-                                  .X_BP = pose->X_BP,
-                                  .duration = setting.duration,
-                                  .level = setting.level,
-                                  .seed = 100u + static_cast<std::uint64_t>(test.repetition),
-                                  .sensors = setting.sensors,
-                                  .point = spatial::Vector3::Zero()});
+      const auto found = identification::identify_modes(kept_responses(test, name, [&] {
+        return measured_on_rig(truth.machine,
+                               {.kind = test.kind,
+                                .X_BP = pose->X_BP,
+                                .duration = setting.duration,
+                                .level = setting.level,
+                                .seed = 100u + static_cast<std::uint64_t>(test.repetition),
+                                .sensors = setting.sensors,
+                                .point = spatial::Vector3::Zero()});
+      }));
+      keep_modes(test, name, found);
       // the owner's file says where the legs are; where the mass centre is it may not
       const auto targets = diagnosis::measured_modes(
           found, truth.machine, {.pose = name, .point = spatial::Vector3::Zero()});

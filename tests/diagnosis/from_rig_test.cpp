@@ -1,6 +1,8 @@
-/// Diagnosis of a record short enough for every day.
+/// Diagnosis of records short enough for every day.
 
 #include "from_rig.hpp"
+#include "by_record.hpp"
+#include "planted_faults.hpp"
 
 namespace hydrapod::test {
 namespace {
@@ -10,6 +12,29 @@ TEST(DiagnosisFromRig, NamesTheGuideSleevesOfTheHeavyMachine) {
                                   {.duration = 100.0, .level = 2e-4, .seed = 31});
   expect_sleeves(d, 0.84e6);
 }
+
+/// Of the series on records (record_series_long_test.cpp), with records of a minute. The parameter
+/// is what was planted.
+class ShortRecord : public testing::TestWithParam<std::string> {};
+
+TEST_P(ShortRecord, FindsWhatWasPlanted) {
+  const Setting setting{
+      "heavy-platform.toml",
+      {"legs.oil_spring.cylinder.air.fraction=0.001",
+       "legs.oil_spring.cylinder.bulk_modulus=0.8 GPa", "legs.guide_sleeve.stiffness=20 kN/mm"},
+      {"neutral"},
+      0.0,
+      {0.06, 1.21, 0.15, 1.0}};
+  const auto cases = cases_of(setting, 7000);
+  const auto test = std::ranges::find(cases, GetParam(), &BlindCase::planted_name);
+  ASSERT_NE(test, cases.end());
+  const auto result = run_blind(*test, by_record({60.0, 2e-4, 1.0}));
+  EXPECT_TRUE(result.found) << verdict(result.diagnosis);
+}
+
+INSTANTIATE_TEST_SUITE_P(DiagnosisFromRig, ShortRecord,
+                         testing::Values("nothing", "guide sleeve of leg 3", "oil spring of leg 2",
+                                         "payload (platform mass)"));
 
 }  // namespace
 }  // namespace hydrapod::test

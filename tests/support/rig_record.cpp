@@ -7,8 +7,8 @@
 
 namespace hydrapod::test {
 
-identification::Identification identified_on_rig(const model::Machine& machine,
-                                                 const RigExperiment& experiment) {
+identification::FrequencyResponses measured_on_rig(const model::Machine& machine,
+                                                   const RigExperiment& experiment) {
   rig::RigOptions options;
   rig::WhiteNoise white;
   white.rms.setConstant(experiment.level);
@@ -30,8 +30,12 @@ identification::Identification identified_on_rig(const model::Machine& machine,
   identification::MeasureOptions measure;
   measure.platform = {machine, experiment.X_BP,
                       experiment.X_BP * experiment.point.value_or(machine.platform.mass_center)};
-  return identification::identify_modes(
-      identification::measure_responses({path}, measure).responses);
+  return identification::measure_responses({path}, measure).responses;
+}
+
+identification::Identification identified_on_rig(const model::Machine& machine,
+                                                 const RigExperiment& experiment) {
+  return identification::identify_modes(measured_on_rig(machine, experiment));
 }
 
 }  // namespace hydrapod::test

@@ -18,8 +18,11 @@ struct RigExperiment {
   std::optional<spatial::Vector3> point{};
 };
 
-/// Drives to platform motion of a rig record in a file, and what identification without any
-/// setting makes of it.
+/// Drives to platform motion of a rig record in a file.
+identification::FrequencyResponses measured_on_rig(const model::Machine& machine,
+                                                   const RigExperiment& experiment);
+
+/// And what identification without any setting makes of it.
 identification::Identification identified_on_rig(const model::Machine& machine,
                                                  const RigExperiment& experiment);
 

@@ -54,10 +54,14 @@ struct ModalModel {
   bool converged{};
 };
 
+/// What standard deviations are asked for; those of shapes take several times as long.
+enum class Deviations { none, poles, all };
+
 struct FitOptions {
   int max_iterations{30};
   double tolerance{1e-9};  ///< relative fall of the sum of squares at which it stops
   bool taper{true};        ///< model the window, where the responses tell it
+  Deviations deviations{Deviations::all};
 };
 
 /// Starting from `start`. Throws std::invalid_argument without poles.
