@@ -55,7 +55,8 @@ TEST_F(Identify, ARecordGivesItsModes) {
 TEST_F(Identify, TheRealisationAgrees) {
   const auto run = test::run_hydrapod({"identify", write(), "--format", "json"});
   ASSERT_EQ(run.exit_code, 0) << run.err;
-  for (const auto& mode : json::parse(run.out)["modes"]) {
+  const auto found = json::parse(run.out);
+  for (const auto& mode : found["modes"]) {
     const auto& opinion = mode["second_opinion"];
     ASSERT_TRUE(opinion.is_object());
     EXPECT_EQ(opinion["agrees"], true);
