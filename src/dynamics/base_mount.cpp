@@ -95,6 +95,7 @@ void add_base_mount(const model::Machine& machine, LinearModel& model) {
   const Matrix6 against_base = Matrix6::Identity() - T * G;
 
   model.base_moves = true;
+  model.against_base = against_base;
   model.K_mount = G.transpose() * stiffness.asDiagonal() * G;
   const Matrix6 K_platform = model.K.topLeftCorner<6, 6>();  // what turns the joints' forces
   model.K.topLeftCorner<6, 6>() =

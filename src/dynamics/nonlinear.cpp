@@ -1,5 +1,4 @@
 #include "hydrapod/dynamics/nonlinear.hpp"
-#include "hydrapod/base/error.hpp"
 
 #include <fmt/format.h>
 
@@ -35,17 +34,6 @@ void require_piston_rings(const model::Machine& machine, ModelKind kind) {
     if (!machine.legs[i].piston_ring)
       throw std::invalid_argument(
           fmt::format("the full model needs legs.piston_ring.stiffness; leg {} has none", i + 1));
-}
-
-/// Motions in time have no coordinates for the base.
-void refuse_base_mount(const model::Machine& machine) {
-  if (!machine.base_mount) return;
-  const base::Diagnostic error{
-      .key = "base.mount",
-      .message =
-          "the base stands still in simulations; leave the table out (it counts in modes, "
-          "responses, calibration and diagnosis)"};
-  throw base::InputError(std::vector{error});
 }
 
 /// A bend given in the frame of `bent_leg` (its axis depends on the pose) in a frame on `axis`.
@@ -143,7 +131,9 @@ class Assembly {
   Assembly(const Motion& motion, const model::Platform& platform, const LegSurroundings& around)
       : motion_(motion), platform_(platform), around_(around) {}
 
-  void solve(const Vector6& wrench, double* v_rate) {
+  /// v̇; with `momentum` also v̇ per acceleration of the base, into `per_base`.
+  void solve(const Vector6& wrench, double* v_rate, const BaseMomentum* momentum = nullptr,
+             BaseResponse* per_base = nullptr) {
     const Vector3 omega = motion_.twist.tail<3>();
     const Matrix3 inertia = motion_.X_BP.R_BP * platform_.inertia * motion_.X_BP.R_BP.transpose();
     Vector6 force = wrench;
@@ -164,7 +154,8 @@ class Assembly {
     M.bottomRightCorner<3, 3>() += inertia;
     if (around_.joint_friction)
       for (int k = 0; k < 3; ++k) force[3 + k] += legs.joint_moment[k].sum();
-    const Vector6 acceleration = Eigen::LLT<Matrix6>(M).solve(force);  // reads the lower half
+    const Eigen::LLT<Matrix6> factors(M);  // reads the lower half
+    const Vector6 acceleration = factors.solve(force);
     store(acceleration, v_rate);
     if constexpr (n > 0) {
       Eigen::Matrix<Lanes, 6, 1> everywhere;
@@ -173,6 +164,7 @@ class Assembly {
       for (int k = 0; k < n; ++k)
         for (int i = 0; i < model::leg_count; ++i) v_rate[6 + n * i + k] = flexible[k][i];
     }
+    if (momentum) respond(legs, J, factors, *momentum, *per_base);
   }
 
   void add_mass(Eigen::MatrixXd& M) {
@@ -195,6 +187,32 @@ class Assembly {
 
  private:
   using JacobianL = Eigen::Matrix<Lanes, 3, 6>;
+
+  /// −M⁻¹ Pᵀ: what an acceleration of the base brings against the coordinates, legs eliminated.
+  void respond(const LegEquations<n>& legs, const JacobianL& J, const Eigen::LLT<Matrix6>& factors,
+               const BaseMomentum& momentum, BaseResponse& per_base) const {
+    per_base.resize(6 + model::leg_count * n, 6);
+    for (int b = 0; b < 6; ++b) {
+      Vector6 force = -momentum.row(b).template head<6>().transpose();
+      Eigen::Matrix<Lanes, n, 1> inner;
+      for (int k = 0; k < n; ++k)
+        inner[k] = gather([&](int i) { return momentum(b, 6 + n * i + k); });
+      if constexpr (n > 0) {
+        const Vector3L r = legs.X * (legs.M_ff_inverse * inner);
+        for (int k = 0; k < 6; ++k) force[k] += J.col(k).dot(r).sum();
+      }
+      const Vector6 acceleration = factors.solve(force);
+      per_base.col(b).template head<6>() = acceleration;
+      if constexpr (n > 0) {
+        Eigen::Matrix<Lanes, 6, 1> everywhere;
+        for (int k = 0; k < 6; ++k) everywhere[k] = Lanes(acceleration[k]);
+        const Eigen::Matrix<Lanes, n, 1> flexible =
+            -(legs.M_ff_inverse * (inner + legs.X.transpose() * (J * everywhere)));
+        for (int k = 0; k < n; ++k)
+          for (int i = 0; i < model::leg_count; ++i) per_base(6 + n * i + k, b) = flexible[k][i];
+      }
+    }
+  }
 
   /// Chart rates (α̇, β̇, ṡ) per platform twist.
   [[nodiscard]] JacobianL jacobian(const Matrix3L& A_inverse) const {
@@ -239,7 +257,6 @@ NonlinearModel::NonlinearModel(const model::Machine& machine, ModelKind kind,
       spinning_(machine.flexible_axes == model::FlexibleAxes::gimbal),
       joint_friction_(has_joint_friction(machine)) {
   require_piston_rings(machine, kind);
-  refuse_base_mount(machine);
   const auto geometry = kinematics::inverse_kinematics(machine, X_reference);
   for (int i = 0; i < model::leg_count; ++i) {
     const auto& leg = machine.legs[i];
@@ -325,18 +342,32 @@ void NonlinearModel::rates(const double* y, const double* v, double* y_rate) con
   std::copy(v + 6, v + velocities(), y_rate + 7);
 }
 
-void NonlinearModel::accelerations(const Motion& motion, const Loads& loads, double* v_rate) const {
+LegSurroundings NonlinearModel::surroundings(const Motion& motion, const Loads& loads) const {
   const Vector3L omega = broadcast(Vector3(motion.twist.tail<3>()));
   const Vector3L swing = omega.cross(motion.lanes.arm);
-  const LegSurroundings around{constants_,
-                               spinning_,
-                               joint_friction_,
-                               machine_.gravity,
-                               motion.twist.tail<3>(),
-                               omega.cross(swing),
-                               gather([&](int i) { return loads.axial[i]; })};
+  return {constants_,
+          spinning_,
+          joint_friction_,
+          machine_.gravity,
+          motion.twist.tail<3>(),
+          omega.cross(swing),
+          gather([&](int i) { return loads.axial[i]; })};
+}
+
+void NonlinearModel::accelerations(const Motion& motion, const Loads& loads, double* v_rate) const {
+  const LegSurroundings around = surroundings(motion, loads);
   with_flexible(kind_, [&](auto n) {
     Assembly<n()>(motion, machine_.platform, around).solve(loads.wrench, v_rate);
+  });
+}
+
+void NonlinearModel::accelerations(const Motion& motion, const Loads& loads,
+                                   const BaseMomentum& momentum, double* v_rate,
+                                   BaseResponse& per_base) const {
+  const LegSurroundings around = surroundings(motion, loads);
+  with_flexible(kind_, [&](auto n) {
+    Assembly<n()>(motion, machine_.platform, around)
+        .solve(loads.wrench, v_rate, &momentum, &per_base);
   });
 }
 

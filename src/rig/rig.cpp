@@ -40,13 +40,15 @@ struct Chain {
   }
 };
 
-/// Acceleration as the sensor feels it, less its value at rest.
+/// Acceleration as the sensor feels it: against the ground, and its share of gravity as the
+/// platform and the base under it tilt.
 double felt(const Accelerometer& sensor, const simulation::PlantOutput& plant,
             const Vector3& gravity, const Vector3& p_CA_B) {
-  const Vector3 omega = plant.twist.tail<3>(), alpha = plant.acceleration.tail<3>();
+  const Vector3 omega = plant.twist.tail<3>(), alpha = plant.ground_acceleration.tail<3>();
   const Vector3 a =
-      plant.acceleration.head<3>() + alpha.cross(p_CA_B) + omega.cross(omega.cross(p_CA_B));
-  return (plant.X_BP.R_BP * sensor.e_P).dot(a - gravity);
+      plant.ground_acceleration.head<3>() + alpha.cross(p_CA_B) + omega.cross(omega.cross(p_CA_B));
+  const Vector3 gravity_B = gravity - Vector3(plant.base.motion.tail<3>()).cross(gravity);
+  return (plant.X_BP.R_BP * sensor.e_P).dot(a - gravity_B);
 }
 
 class Recorder {

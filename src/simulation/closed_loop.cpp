@@ -27,7 +27,8 @@ void require_positive(const char* name, double value) {
         fmt::format("LoopOptions::{} is {:.6g}, expected more than 0", name, value));
 }
 
-/// Accelerations of the leg lengths l̈ [m/s²] as accelerometers along the legs see them.
+/// Accelerations [m/s²] as accelerometers along the legs at the platform's joints see them: l̈, and
+/// what a base that moves adds.
 Vector6 leg_accelerations(const model::Machine& machine, const PlantOutput& plant) {
   const Vector3 omega = plant.twist.tail<3>();
   Vector6 found;
@@ -35,8 +36,8 @@ Vector6 leg_accelerations(const model::Machine& machine, const PlantOutput& plan
     const Vector3 a = plant.X_BP * machine.legs[i].platform_joint;
     const Vector3 arm = a - plant.p_BC;
     const Vector3 speed = plant.twist.head<3>() + omega.cross(arm);
-    const Vector3 acceleration = plant.acceleration.head<3>() +
-                                 plant.acceleration.tail<3>().cross(arm) +
+    const Vector3 acceleration = plant.ground_acceleration.head<3>() +
+                                 plant.ground_acceleration.tail<3>().cross(arm) +
                                  omega.cross(omega.cross(arm));
     const Vector3 L = a - machine.legs[i].base_joint;
     const double l = L.norm();

@@ -95,6 +95,8 @@ std::vector<StatePart> plant_parts(const StateLayout& layout, int flexible) {
   if (layout.supply >= 0) parts[static_cast<size_t>(layout.supply - shift)] = {Part::supply, -1};
   for (int i = 0; layout.bristles >= 0 && i < 6; ++i)
     parts[static_cast<size_t>(layout.bristles - shift + i)] = {Part::friction, i};
+  for (int i = layout.base; i >= 0 && i < layout.size; ++i)
+    parts[static_cast<size_t>(i - shift)] = {Part::base, -1};
   return parts;
 }
 
@@ -219,7 +221,7 @@ const char* name(Part part) {
   constexpr const char* names[part_count]{"platform x",  "platform y",  "platform z", "platform rx",
                                           "platform ry", "platform rz", "seals",      "oil",
                                           "valves",      "supply",      "friction",   "controller",
-                                          "delay"};
+                                          "delay",       "base"};
   return names[static_cast<int>(part)];
 }
 

@@ -76,6 +76,7 @@ Plant::Plant(const model::Machine& machine, ModelKind kind, const PlantOptions& 
     reduce_friction(options.friction, axes_[i].friction);
   }
   layout_ = make_layout(mechanics_, options, axes_);
+  set_base(X_reference);
   set_gimbals(X_reference);
   if (!options.hydraulics) set_springs(X_reference);
 }
@@ -195,7 +196,10 @@ bool Plant::evaluate(const double* x, const PlantInput& input, double* rate, Wor
   }
   if (options_.hydraulics) supply_side(x, rate, work);
   double* v_rate = rate + layout_.velocity();
-  mechanics_.accelerations(work.motion, loads, v_rate);
+  if (base_.count > 0)
+    base_side(x, loads, rate, work);
+  else
+    mechanics_.accelerations(work.motion, loads, v_rate);
   const double alpha = machine_.damping.rayleigh_mass;
   if (alpha != 0.0)
     for (int k = 0; k < layout_.velocities; ++k) v_rate[k] -= alpha * v[k];
@@ -223,6 +227,8 @@ PlantOutput Plant::outputs(const double* x, const PlantInput& input) const {
   out.p_BC = work.motion.p_BC;
   out.twist = work.motion.twist;
   out.acceleration = rate.segment<6>(layout_.velocity());
+  out.ground_acceleration =
+      out.acceleration + dynamics::carried(work.base_acceleration, work.motion.p_BC);
   out.legs = work.legs;
   out.supply_pressure = work.supply_pressure;
   out.pump_flow = work.pump_flow;
@@ -230,6 +236,7 @@ PlantOutput Plant::outputs(const double* x, const PlantInput& input) const {
   out.return_flow = work.return_flow;
   out.energies = mechanics_.energies(work.motion);
   out.dissipation = mechanics_.dissipation(work.motion);
+  base_outputs(x, work, out);
   for (int i = 0; i < leg_count; ++i) {
     const auto& motion = work.motion.legs[i];
     auto& leg = out.legs[i];
@@ -245,8 +252,8 @@ PlantOutput Plant::outputs(const double* x, const PlantInput& input) const {
     const double stretch = motion.s - springs_[i].s;
     out.oil_spring_energy += (springs_[i].force + 0.5 * springs_[i].stiffness * stretch) * stretch;
   }
-  out.dissipation +=
-      2.0 * machine_.damping.rayleigh_mass * (out.energies.platform + out.energies.legs);
+  out.dissipation += 2.0 * machine_.damping.rayleigh_mass *
+                     (out.energies.platform + out.energies.legs + out.base.kinetic_energy);
   return out;
 }
 

@@ -27,7 +27,9 @@ struct Kind {
 constexpr Kind length{"m", 1e-2, 3e-4}, turn{"1", 1e-2, 3e-4}, tilt{"rad", 1e-2, 3e-4},
     offset{"m", 1e-3, 3e-5}, velocity{"m/s", 0.1, 1e-5}, turning{"rad/s", 0.1, 1e-5},
     tilting{"rad/s", 0.1, 1e-5}, shifting{"m/s", 1e-2, 1e-6}, pressure{"Pa", 1e6, 30.0},
-    spool{"1", 0.1, 3e-5}, spool_rate{"1/s", 10.0, 1e-2}, bristle{"m", 1e-5, 1e-8};
+    spool{"1", 0.1, 3e-5}, spool_rate{"1/s", 10.0, 1e-2}, bristle{"m", 1e-5, 1e-8},
+    base_shift{"m", 1e-2, 1e-5}, base_turn{"rad", 1e-2, 1e-5}, base_shifting{"m/s", 0.1, 1e-4},
+    base_turning{"rad/s", 0.1, 1e-4};
 
 struct Described {
   std::string name;
@@ -43,8 +45,19 @@ void add_flexible(int per_leg, const char* suffix, const Kind& of_tilt, const Ki
           {fmt::format("leg{}.{}{}", leg, names[k], suffix), k < 2 ? of_tilt : of_offset});
 }
 
+void add_base(const dynamics::MovingBase& base, const char* suffix, const Kind& of_shift,
+              const Kind& of_turn, std::vector<Described>& all) {
+  constexpr std::array<const char*, 6> names{"x", "y", "z", "rx", "ry", "rz"};
+  for (int k = 0; k < base.count; ++k) {
+    const int direction = base.directions[static_cast<size_t>(k)];
+    all.push_back({fmt::format("base.{}{}", names[static_cast<size_t>(direction)], suffix),
+                   direction < 3 ? of_shift : of_turn});
+  }
+}
+
 /// Every state in the order of x.
-std::vector<Described> described(const StateLayout& layout, int flexible) {
+std::vector<Described> described(const StateLayout& layout, int flexible,
+                                 const dynamics::MovingBase& base) {
   std::vector<Described> all;
   for (const char* name : {"x", "y", "z"}) all.push_back({name, length});
   for (const char* name : {"qw", "qx", "qy", "qz"}) all.push_back({name, turn});
@@ -65,12 +78,15 @@ std::vector<Described> described(const StateLayout& layout, int flexible) {
   }
   if (layout.supply >= 0) all.push_back({"p_supply", pressure});
   if (layout.bristles >= 0) per_leg("bristle", bristle, nullptr, bristle);
+  add_base(base, "", base_shift, base_turn, all);
+  add_base(base, "_rate", base_shifting, base_turning, all);
   return all;
 }
 
 /// The same for small changes: a rotation vector instead of the quaternion.
-std::vector<Described> described_tangent(const StateLayout& layout, int flexible) {
-  auto all = described(layout, flexible);
+std::vector<Described> described_tangent(const StateLayout& layout, int flexible,
+                                         const dynamics::MovingBase& base) {
+  auto all = described(layout, flexible, base);
   all.erase(all.begin() + quaternion);
   const Kind angle{"rad", turn.scale, turn.step};
   constexpr std::array<const char*, 3> names{"rx", "ry", "rz"};
@@ -97,22 +113,22 @@ Eigen::Quaterniond orientation(const double* x) {
 }  // namespace
 
 std::vector<std::string> Plant::state_names() const {
-  return names_of(described(layout_, mechanics_.flexible()));
+  return names_of(described(layout_, mechanics_.flexible(), base_));
 }
 
 std::vector<std::string> Plant::tangent_names() const {
-  return names_of(described_tangent(layout_, mechanics_.flexible()));
+  return names_of(described_tangent(layout_, mechanics_.flexible(), base_));
 }
 
 std::vector<std::string> Plant::state_units() const {
   std::vector<std::string> units;
-  for (const auto& state : described(layout_, mechanics_.flexible()))
+  for (const auto& state : described(layout_, mechanics_.flexible(), base_))
     units.emplace_back(state.kind.unit);
   return units;
 }
 
 VectorXd Plant::scales() const {
-  const auto all = described(layout_, mechanics_.flexible());
+  const auto all = described(layout_, mechanics_.flexible(), base_);
   VectorXd scales(layout_.size);
   for (int k = 0; k < layout_.size; ++k) scales[k] = all[k].kind.scale;
   return scales;
@@ -169,12 +185,13 @@ VectorXd Plant::tangent_rates(const VectorXd& x, const VectorXd& x_0,
     y[12 + i] = work.motion.legs[i].length_rate;
   }
   if (pressures > 0) y.segment(18, pressures) = x.segment(layout_.pressures, pressures);
-  y.tail<6>() = rate.segment<6>(first_v);
+  y.tail<6>() =
+      rate.segment<6>(first_v) + dynamics::carried(work.base_acceleration, work.motion.p_BC);
   return out;
 }
 
 LinearPlant Plant::linearise(const VectorXd& x, const PlantInput& input) const {
-  const auto states = described_tangent(layout_, mechanics_.flexible());
+  const auto states = described_tangent(layout_, mechanics_.flexible(), base_);
   const int n = layout_.tangent();
   const auto column = [&](double h, const auto& rates_at) -> VectorXd {
     return (8.0 * (rates_at(h) - rates_at(-h)) - (rates_at(2.0 * h) - rates_at(-2.0 * h))) /

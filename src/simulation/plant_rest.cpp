@@ -38,6 +38,15 @@ void require_rest(int i, const hydraulics::HydraulicRest& rest, double force, do
 
 }  // namespace
 
+/// Where mechanics rest at a pose: y.
+Eigen::VectorXd Plant::mechanics_at_rest(const Pose& X_BP) const {
+  const auto statics = mechanics_.equilibrium(X_BP);
+  require_statics(statics);
+  Eigen::VectorXd y(layout_.positions);
+  mechanics_.configuration(X_BP, statics.legs, y.data());
+  return y;
+}
+
 /// The file's lengths hold under the load at rest at the reference pose.
 void Plant::set_gimbals(const Pose& X_reference) {
   const auto& legs = machine_.legs;

@@ -89,6 +89,12 @@ std::vector<Channel> record_channels(const ClosedLoop& loop) {
   }
   if (has_supply(loop))
     channels.push_back({"supply.pressure", "Pa", data::Direction::none, Role::other});
+  const auto& base = loop.plant().base();
+  for (int k = 0; k < base.count; ++k) {
+    const int direction = base.directions[static_cast<size_t>(k)];
+    channels.push_back({fmt::format("base.{}", directions[static_cast<size_t>(direction)]),
+                        direction < 3 ? "m" : "rad", axis(direction), Role::other});
+  }
   return channels;
 }
 
@@ -107,6 +113,9 @@ void record_row(const ClosedLoop& loop, const LoopSample& sample, double* row) {
     *row++ = leg.sleeve_offset[1];
   }
   if (has_supply(loop)) *row++ = sample.plant.supply_pressure;
+  const auto& base = loop.plant().base();
+  for (int k = 0; k < base.count; ++k)
+    *row++ = sample.plant.base.motion[base.directions[static_cast<size_t>(k)]];
 }
 
 }  // namespace hydrapod::simulation

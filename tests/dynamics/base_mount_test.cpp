@@ -7,11 +7,10 @@
 #include <cmath>
 #include <complex>
 
-#include "hydrapod/base/error.hpp"
-#include "hydrapod/dynamics/nonlinear.hpp"
 #include "hydrapod/hydraulics/oil_spring.hpp"
 #include "hydrapod/modal/energy.hpp"
 #include "support/calibration_machine.hpp"
+#include "support/unreduced_mount.hpp"
 
 namespace hydrapod::dynamics {
 namespace {
@@ -106,44 +105,9 @@ TEST(BaseMount, TurnsTheWholeMachineAsOneBody) {
               1e-5 * std::sqrt(6.1e4 / inertia));
 }
 
-/// The unreduced system: six more coordinates for the base, each leg as two bodies whose motion
-/// follows from where its ends are. Nothing is shared with base_mount.cpp but the springs.
 Eigen::VectorXd unreduced(const model::Machine& machine, const spatial::Pose& X_BP) {
-  const auto C = kinematics::mass_center(machine, X_BP);
-  const auto geometry = kinematics::inverse_kinematics(machine, X_BP);
-  Eigen::Matrix<double, 12, 12> M = Eigen::Matrix<double, 12, 12>::Zero(), K = M;
-  M.topLeftCorner<3, 3>().diagonal().setConstant(machine.platform.mass);
-  M.block<3, 3>(3, 3) = X_BP.R_BP * machine.platform.inertia * X_BP.R_BP.transpose();
-  const auto& mount = *machine.base_mount;
-  for (int k = 0; k < 6; ++k) {
-    K(6 + k, 6 + k) = mount.stiffness[static_cast<std::size_t>(k)].value_or(0.0);
-    M(6 + k, 6 + k) = k < 3 ? mount.mass : mount.inertia[k - 3];
-  }
-  for (std::size_t i = 0; i < 6; ++i) {
-    const auto& leg = machine.legs[i];
-    const spatial::Vector3 n = geometry[i].n;
-    const double l = geometry[i].length;
-    Eigen::Matrix<double, 3, 12> top, foot;
-    top.setZero();
-    foot.setZero();
-    top.leftCols<3>().setIdentity();
-    top.middleCols<3>(3) = -spatial::skew(geometry[i].a - C);
-    foot.middleCols<3>(6).setIdentity();
-    foot.rightCols<3>() = -spatial::skew(leg.base_joint);
-    // a rod between two moving ends: case hangs on the foot, rod on the top
-    const Eigen::Matrix<double, 3, 12> rate = spatial::skew(n) * (top - foot) / l;
-    const auto add = [&](double m, const Eigen::Matrix<double, 3, 12>& v, double I) {
-      M += m * v.transpose() * v + I * rate.transpose() * rate;
-    };
-    add(leg.cylinder_case.mass, foot - leg.cylinder_case.mass_center * spatial::skew(n) * rate,
-        leg.cylinder_case.transverse_inertia);
-    add(leg.rod.mass, top + (leg.rod.length - leg.rod.mass_center) * spatial::skew(n) * rate,
-        leg.rod.transverse_inertia);
-    const Eigen::Matrix<double, 1, 12> stretch = n.transpose() * (top - foot);
-    M += leg.added_axial_inertia * stretch.transpose() * stretch;
-    K += *leg.oil_spring.stiffness * stretch.transpose() * stretch;
-  }
-  const Eigen::GeneralizedSelfAdjointEigenSolver<Eigen::MatrixXd> solver(K, M);
+  const auto system = test::unreduced_mount(machine, X_BP);
+  const Eigen::GeneralizedSelfAdjointEigenSolver<Eigen::MatrixXd> solver(system.K, system.M);
   return solver.eigenvalues().cwiseMax(0.0).cwiseSqrt();
 }
 
@@ -228,17 +192,6 @@ TEST(GimbalStiffness, IsInSeriesWithTheOil) {
   const double w = 1e-3, c = machine.legs[0].oil_spring.damping;
   const std::complex<double> series = 1.0 / (1.0 / (k_h + i * w * c) + 1.0 / k_j);
   EXPECT_NEAR(spring.damping, series.imag() / w, 1e-9 * spring.damping);
-}
-
-TEST(BaseMount, IsRefusedBySimulations) {
-  auto machine = machine_of(23, true);
-  machine.base_mount = mount_of(1e7, 1e7);
-  try {
-    const NonlinearModel model(machine, ModelKind::guide);
-    FAIL();
-  } catch (const base::InputError& error) {
-    EXPECT_NE(std::string(error.what()).find("base.mount"), std::string::npos);
-  }
 }
 
 }  // namespace

@@ -23,8 +23,8 @@ using dynamics::NonlinearModel;
 using model::FlexibleAxes;
 using model::Machine;
 
-/// Seen: 1e-14 with rigid legs, 7e-12 with bent ones, whose transverse axes MuJoCo approaches with an
-/// axial inertia of 1e-13 kg m².
+/// Seen: 1e-14 with rigid legs, 7e-12 with bent ones, whose transverse axes MuJoCo approaches with
+/// an axial inertia of 1e-13 kg m².
 constexpr double tolerance = 1e-10;
 constexpr int machine_count = 50;
 constexpr int states_per_machine = 20;
@@ -123,8 +123,22 @@ class MovingHexapod {
 /// One state in both programs.
 struct Comparison {
   double platform{}, flexible{};  ///< relative errors of the accelerations
+  double momentum{}, inertia{};   ///< of what a base that moves would feel
   bool closed{};
 };
+
+/// Axial inertia of the legs, which MuJoCo's transverse axes do not have (1e-13 kg m²).
+spatial::Matrix6 axial_inertia(const MujocoHexapod& hexapod) {
+  spatial::Matrix6 sum = spatial::Matrix6::Zero();
+  if (hexapod.machine().flexible_axes == FlexibleAxes::gimbal) return sum;
+  for (int i = 0; i < model::leg_count; ++i) {
+    const auto& leg = hexapod.machine().legs[i];
+    const Vector3 n = hexapod.case_axes(i).col(2), e = hexapod.rod_direction(i);
+    sum.bottomRightCorner<3, 3>() += leg.cylinder_case.axial_inertia * n * n.transpose() +
+                                     leg.rod.axial_inertia * e * e.transpose();
+  }
+  return sum;
+}
 
 Comparison compare(const NonlinearModel& model, MovingHexapod& moving, Random& random) {
   auto& hexapod = moving.hexapod();
@@ -179,6 +193,12 @@ Comparison compare(const NonlinearModel& model, MovingHexapod& moving, Random& r
   const VectorXd error = found - expected;
   result.platform = error.head<6>().norm() / expected.head<6>().norm();
   if (n > 0) result.flexible = error.tail(6 * n).norm() / expected.tail(6 * n).norm();
+  const spatial::Vector6 momentum = hexapod.momentum();
+  result.momentum = (model.momentum(motion) - momentum).norm() / momentum.norm();
+  const auto coupling = model.base_coupling(y.data());
+  EXPECT_LE((coupling.momentum * v - momentum).norm(), 1e-10 * momentum.norm());
+  const spatial::Matrix6 inertia = hexapod.locked_inertia() + axial_inertia(hexapod);
+  result.inertia = (coupling.inertia - inertia).norm() / inertia.norm();
   return result;
 }
 
@@ -201,6 +221,8 @@ TEST_P(LargeMotion, AccelerationsAreThoseOfMujoco) {
       ++closed;
       EXPECT_LE(result.platform, tolerance) << "machine " << k << ", state " << state;
       EXPECT_LE(result.flexible, tolerance) << "machine " << k << ", state " << state;
+      EXPECT_LE(result.momentum, tolerance) << "machine " << k << ", state " << state;
+      EXPECT_LE(result.inertia, tolerance) << "machine " << k << ", state " << state;
       worst = std::max({worst, result.platform, result.flexible});
     }
   }

@@ -191,6 +191,32 @@ VectorXd MujocoHexapod::constraint_bias() {
 
 double MujocoHexapod::extension(int i) const { return data_->qpos[extension_of(i) + 1]; }
 
+spatial::Vector6 MujocoHexapod::momentum() {
+  mj_subtreeVel(model_.get(), data_.get());
+  const Vector3 linear = model_->body_subtreemass[0] * vector_at(data_->subtree_linvel, 0);
+  spatial::Vector6 momentum;
+  momentum << linear,
+      vector_at(data_->subtree_angmom, 0) + vector_at(data_->subtree_com, 0).cross(linear);
+  return momentum;
+}
+
+spatial::Matrix6 MujocoHexapod::locked_inertia() const {
+  spatial::Matrix6 sum = spatial::Matrix6::Zero();
+  for (int body = 1; body < model_->nbody; ++body) {
+    const Vector3 c = vector_at(data_->xipos, body);
+    const double m = model_->body_mass[body];
+    using Rotation = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
+    const Matrix3 R = Eigen::Map<const Rotation>(data_->ximat + 9 * body);
+    const Vector3 moments = vector_at(model_->body_inertia, body);
+    sum.topLeftCorner<3, 3>() += m * Matrix3::Identity();
+    sum.topRightCorner<3, 3>() -= m * spatial::skew(c);
+    sum.bottomLeftCorner<3, 3>() += m * spatial::skew(c);
+    sum.bottomRightCorner<3, 3>() += R * moments.asDiagonal() * R.transpose() +
+                                     m * spatial::skew(c) * spatial::skew(c).transpose();
+  }
+  return sum;
+}
+
 MatrixXd MujocoHexapod::mass() const {
   RowMajor M(nv(), nv());
   mj_fullM(model_.get(), M.data(), data_->qM);

@@ -71,6 +71,10 @@ class MujocoHexapod {
   };
   std::array<LegBodies, model::leg_count> leg_bodies(const VectorXd& acceleration);
 
+  /// Linear and angular momentum about the origin of B of everything that moves.
+  [[nodiscard]] spatial::Vector6 momentum();
+  /// Inertia about the origin of B of everything, locked where it is.
+  [[nodiscard]] spatial::Matrix6 locked_inertia() const;
   [[nodiscard]] MatrixXd mass() const;                 ///< nv × nv
   [[nodiscard]] MatrixXd constraint_jacobian() const;  ///< 18 × nv
   [[nodiscard]] VectorXd constraint_error() const;     ///< 18 [m]

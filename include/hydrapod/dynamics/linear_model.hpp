@@ -4,10 +4,11 @@
 ///     y = (x, y, z, rx, ry, rz | φ1, φ2 (, u1, u2) of leg 1 | … | of leg 6)
 ///
 /// The platform's six are the motion of its mass centre C [m] and its rotation [rad], both in base
-/// axes; the flexible coordinates are those of LegElement. Summing T and V of platform and legs
-/// gives M and K, symmetric, M positive definite. Without gravity M and K have no preload terms and
-/// the upper-left 6×6 of M is the rigid model's M. With gravity everything is linearised about the
-/// static equilibrium (statics.hpp) of that very model. Derivation: docs/theory/linear-model.md.
+/// axes, against the ground; the flexible coordinates are those of LegElement. Summing T and V of
+/// platform and legs gives M and K, symmetric, M positive definite. Without gravity M and K have no
+/// preload terms and the upper-left 6×6 of M is the rigid model's M. With gravity everything is
+/// linearised about the static equilibrium (statics.hpp) of that very model. Derivation:
+/// docs/theory/linear-model.md.
 
 #include <string>
 #include <vector>
@@ -33,6 +34,9 @@ struct LinearModel {
   std::array<Eigen::Matrix<double, 3, 6>, model::leg_count> J{};
   StaticEquilibrium statics{};
   bool base_moves{};
+  /// I − T G: the motion of C against the base, which leg lengths show, per motion of C against the
+  /// ground, which the platform's six of y are. 1 where the base stands still.
+  Matrix6 against_base{Matrix6::Identity()};
   Matrix6 K_mount{Matrix6::Zero()};  ///< the mount's share of K_rr; see base_mount.hpp
   ModelMatrix M{}, K{};
   ModelMatrix

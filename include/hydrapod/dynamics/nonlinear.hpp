@@ -17,6 +17,9 @@
 /// turns in the case about an axis fixed in the case, parallel to a1 at the reference pose with the
 /// leg straight (or bent as static equilibrium bends it there), then about one normal to it and to
 /// the rod: two real hinges.
+///
+/// All motion is against the base. One that moves itself (`base.mount`) is added by
+/// moving_base.hpp.
 
 #include <array>
 
@@ -70,6 +73,16 @@ struct LegConstants {
   Lanes real;  ///< 1 for legs, 0 for the lanes that are none
 };
 
+/// How a base that moves and the mechanism on it feel each other; see moving_base.hpp.
+using BaseMomentum =
+    Eigen::Matrix<double, 6, Eigen::Dynamic, 0, 6, degrees_of_freedom(ModelKind::full)>;
+using BaseResponse =
+    Eigen::Matrix<double, Eigen::Dynamic, 6, 0, degrees_of_freedom(ModelKind::full), 6>;
+struct BaseCoupling {
+  BaseMomentum momentum{};           ///< P, 6 × velocities()
+  Matrix6 inertia{Matrix6::Zero()};  ///< M_b of platform and legs about the origin of B
+};
+
 struct Energies {
   double platform{};  ///< kinetic [J]
   double legs{};      ///< kinetic
@@ -88,6 +101,8 @@ struct Motion {
   LegsInMotion lanes;
   [[nodiscard]] bool exists() const;  ///< whether every leg closes
 };
+
+struct LegSurroundings;  // private to the sources
 
 class NonlinearModel {
  public:
@@ -118,6 +133,14 @@ class NonlinearModel {
   void rates(const double* y, const double* v, double* y_rate) const;
   /// v̇. Seals, gravity and joint friction of the machine act as well.
   void accelerations(const Motion& motion, const Loads& loads, double* v_rate) const;
+  /// The same, and into `per_base` (velocities() × 6) the v̇ that an acceleration of the base adds,
+  /// −M⁻¹ Pᵀ, P being `momentum`.
+  void accelerations(const Motion& motion, const Loads& loads, const BaseMomentum& momentum,
+                     double* v_rate, BaseResponse& per_base) const;
+  /// Momentum of platform and legs, linear [kg m/s] and angular about the origin of B [kg m²/s].
+  [[nodiscard]] Vector6 momentum(const Motion& motion) const;
+  /// P and M_b at the configuration `y`; the base itself is not in them.
+  [[nodiscard]] BaseCoupling base_coupling(const double* y) const;
   /// M with 2T = vᵀ M v, velocities() × velocities().
   [[nodiscard]] Eigen::MatrixXd mass_matrix(const Motion& motion) const;
 
@@ -127,6 +150,7 @@ class NonlinearModel {
 
  private:
   void turn_piston_axes(const spatial::Pose& X_reference);
+  [[nodiscard]] LegSurroundings surroundings(const Motion& motion, const Loads& loads) const;
 
   model::Machine machine_;
   ModelKind kind_;

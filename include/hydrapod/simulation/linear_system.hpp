@@ -25,9 +25,24 @@ namespace hydrapod::simulation {
 inline constexpr int default_pade_order = 2;
 
 /// Which part of the machine a state belongs to.
-enum class Part { x, y, z, rx, ry, rz, seal, oil, valve, supply, friction, controller, delay };
-inline constexpr int part_count = 13;
-/// "platform x", …, "seals", "oil", "valves", "supply", "friction", "controller", "delay".
+enum class Part {
+  x,
+  y,
+  z,
+  rx,
+  ry,
+  rz,
+  seal,
+  oil,
+  valve,
+  supply,
+  friction,
+  controller,
+  delay,
+  base
+};
+inline constexpr int part_count = 14;
+/// "platform x", …, "seals", "oil", "valves", "supply", "friction", "controller", "delay", "base".
 const char* name(Part part);
 
 struct StatePart {
@@ -39,7 +54,9 @@ struct LinearSystem {
   Eigen::MatrixXd A{};
   /// Input per commanded displacement (6) and its velocity (6), see ControllerInputs.
   Eigen::MatrixXd B_command{}, B_velocity{};
-  Eigen::MatrixXd C{};  ///< displacement of P (x…rz, origin of P) from the states
+  /// Displacement of P (x…rz, origin of P) from the states: against the base, as leg lengths show
+  /// it. See dynamics::LinearModel::against_base for the same of its modes.
+  Eigen::MatrixXd C{};
   std::vector<std::string> states{};
   std::vector<StatePart> parts{};
   Eigen::VectorXd scales{};  ///< magnitudes that matter of each state

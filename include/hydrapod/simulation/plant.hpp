@@ -9,6 +9,8 @@
 ///     w    per leg spool position [of the travel] and its rate [1/s]
 ///     p_s  supply pressure [Pa], with a limited pump only
 ///     z    per leg the bristles' bend [m], with LuGre friction in any leg only
+///     q_b  motion of the base against the ground [m, rad], in the directions that give way only
+///     v_b  its rates
 /// With `hydraulics = false` there are y and v only, and each leg is held by the linear model's oil
 /// spring, at rest at the reference pose: it pulls with f + k_h (s − s_0) + c_h ṡ. There is no
 /// friction of the seals along the leg then, and there are end stops only with a given stroke.
@@ -18,6 +20,9 @@
 /// force and F_0 that of rest at the reference pose, where the file's lengths hold; it moves at
 ///     ṡ_p = (ṡ + q/k_j) / (1 + k/k_j)     q: Ḟ by flows alone, k: stiffness of both chambers
 /// Chambers see s_p and ṡ_p; seals' friction and end stops act beside oil and gimbals, on s and ṡ.
+///
+/// A base that gives way (`base.mount`) moves as dynamics/moving_base.hpp says. Poses, lengths and
+/// everything else is then against the base, in its axes, unless it says otherwise.
 ///
 /// Input: valve commands in [−1, 1] (+: the leg extends) and a wrench on the platform.
 ///
@@ -31,7 +36,7 @@
 #include <string>
 #include <vector>
 
-#include "hydrapod/dynamics/nonlinear.hpp"
+#include "hydrapod/dynamics/moving_base.hpp"
 #include "hydrapod/hydraulics/servo_axis.hpp"
 
 namespace hydrapod::simulation {
@@ -65,6 +70,7 @@ struct StateLayout {
   int spools{-1};     ///< first of 12: leg 1 position, leg 1 rate, leg 2 position, …
   int supply{-1};
   int bristles{-1};  ///< first of 6
+  int base{-1};      ///< first of q_b, then as many of v_b
   int size{};
   [[nodiscard]] int velocity() const { return positions; }
   [[nodiscard]] int tangent() const { return size - 1; }  ///< length of a small change of x
@@ -89,18 +95,31 @@ struct LegOutput {
   dynamics::Vector2 sleeve_offset{dynamics::Vector2::Zero()};  ///< d_s [m]
 };
 
+/// The base against the ground, at the origin of B; all zero where it does not give way.
+struct BaseOutput {
+  Vector6 motion{Vector6::Zero()};        ///< q_b [m, rad]
+  Vector6 rate{Vector6::Zero()};          ///< v_b
+  Vector6 acceleration{Vector6::Zero()};  ///< a_b
+  double kinetic_energy{};                ///< what it adds to that of platform and legs [J]
+  double elastic_energy{};                ///< of its springs [J]
+};
+
+/// Motions are against the base, in its axes.
 struct PlantOutput {
   Pose X_BP{};
   Vector3 p_BC{Vector3::Zero()};
   Vector6 twist{Vector6::Zero()};         ///< velocity of C, ω
   Vector6 acceleration{Vector6::Zero()};  ///< of C, ω̇
+  /// Of C and ω̇, against the ground: what accelerometers feel.
+  Vector6 ground_acceleration{Vector6::Zero()};
+  BaseOutput base{};
   std::array<LegOutput, model::leg_count> legs{};
   double supply_pressure{};
   double pump_flow{}, supply_flow{}, return_flow{};  ///< [m³/s]; supply: drawn by the valves
   dynamics::Energies energies{};                     ///< of the mechanism
   double oil_spring_energy{};  ///< [J], `hydraulics = false` only, from the reference pose
   double gimbal_energy{};      ///< [J], with hydraulics: Σ F²/2k_j; else part of the oil springs'
-  double dissipation{};        ///< [W]: seals, joints, friction, dampers; not the hydraulics
+  double dissipation{};        ///< [W]: seals, joints, friction, dampers, mount; not the hydraulics
 };
 
 /// δẋ = A δx + B δu, δy = C δx + D δu. δx is a small change of x with the quaternion replaced by
@@ -122,6 +141,7 @@ class Plant {
   [[nodiscard]] const PlantOptions& options() const { return options_; }
   [[nodiscard]] const dynamics::NonlinearModel& mechanics() const { return mechanics_; }
   [[nodiscard]] const hydraulics::ServoAxis& axis(int leg) const { return axes_[leg]; }
+  [[nodiscard]] const dynamics::MovingBase& base() const { return base_; }  ///< `count` 0: still
 
   [[nodiscard]] const StateLayout& layout() const { return layout_; }
   [[nodiscard]] std::vector<std::string> state_names() const;  ///< "x", …, "leg1.p_cap", …
@@ -153,7 +173,7 @@ class Plant {
   void displace(const double* x, const double* change, double* result) const;
   [[nodiscard]] LinearPlant linearise(const Eigen::VectorXd& x, const PlantInput& input) const;
   /// "x", …, "rz" of the platform at C, "leg1.l", …, "leg1.l_rate", …, "leg1.p_cap", "leg1.p_rod",
-  /// …, "ax", …, "arz" (accelerations of C and ω̇).
+  /// …, "ax", …, "arz" (accelerations of C and ω̇ against the ground; all else against the base).
   [[nodiscard]] std::vector<std::string> linear_output_names() const;
 
   /// Event functions; each changes its sign when something happens.
@@ -189,6 +209,11 @@ class Plant {
   [[nodiscard]] dynamics::Motion motion(const double* x) const;
   double hold(const dynamics::StaticEquilibrium& statics, const model::Supply& supply,
               Rest& rest) const;
+  [[nodiscard]] Eigen::VectorXd mechanics_at_rest(const Pose& X_BP) const;
+  void set_base(const Pose& X_reference);
+  [[nodiscard]] Vector6 base_part(const double* x, int first) const;
+  void base_outputs(const double* x, const Work& work, PlantOutput& out) const;
+  void base_side(const double* x, const dynamics::Loads& loads, double* rate, Work& work) const;
   void set_gimbals(const Pose& X_reference);
   void set_springs(const Pose& X_reference);
 
@@ -198,6 +223,7 @@ class Plant {
   std::array<hydraulics::ServoAxis, model::leg_count> axes_{};
   std::array<OilSpring, model::leg_count> springs_{};
   std::array<Gimbals, model::leg_count> gimbals_{};
+  dynamics::MovingBase base_{};  ///< `count` 0: stands still
   StateLayout layout_{};
 };
 
