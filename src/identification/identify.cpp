@@ -207,7 +207,17 @@ struct Certainty {
   double near{};           ///< of its frequency to where it was tried
   double frequency{0.02};  ///< standard deviation of ω
   double damping{0.5};     ///< and of ζ
+  double significance{};   ///< what the fit gains, see gain()
 };
+
+/// Fall of the sum of squares from `before` to `after`, over the number of a mode's parameters as
+/// in FittedMode::significance.
+double gain(const Identification& before, const Identification& after) {
+  const auto& H = before.responses.H;
+  const double numbers = static_cast<double>(H.size()) * static_cast<double>(H[0].size());
+  return (before.model.misfit - after.model.misfit) * numbers /
+         (2.0 * static_cast<double>(H[0].rows() + H[0].cols()));
+}
 
 /// Tries a mode more, with this pole at the beginning. It stays if it comes out near there, as
 /// certain as is asked, and everything else stays.
@@ -224,7 +234,8 @@ bool try_one_more(const IdentifyOptions& options, const PoleCluster& like,
   if (std::abs(added.omega() / std::abs(pole) - 1.0) > asked.near ||
       added.damping_ratio() > options.highest_damping ||
       added.omega_deviation > asked.frequency * added.omega() ||
-      added.damping_deviation > asked.damping * added.damping_ratio())
+      added.damping_deviation > asked.damping * added.damping_ratio() ||
+      gain(result, trial) < asked.significance)
     return false;
   for (std::size_t r = 0; r < result.model.modes.size(); ++r)
     if (!is_near(trial.model.modes[r].pole, result.model.modes[r].pole)) return false;
@@ -251,10 +262,13 @@ void add_hidden_modes(const IdentifyOptions& options, Identification& result) {
 }
 
 /// Where a mode stands alone among the weak ones, from number `strong` on, a second one like it is
-/// tried.
-void add_second_of_pairs(const IdentifyOptions& options, std::size_t strong,
-                         Identification& result) {
-  constexpr Certainty asked{.near = 0.005};
+/// tried. How two nearly equal poles share their damping is hardly determined: that they are two is
+/// seen by what the fit gains.
+void add_second_of_pairs(IdentifyOptions options, std::size_t strong, Identification& result) {
+  options.largest_damping_deviation = std::max(1.0, options.largest_damping_deviation);
+  const Certainty asked{.near = 0.005,
+                        .damping = options.largest_damping_deviation,
+                        .significance = 0.5 * options.least_significance};
   const std::size_t end = result.model.modes.size();
   for (std::size_t r = strong; r < end; ++r) {
     const auto pole = result.model.modes[r].pole;
