@@ -29,6 +29,7 @@ struct Linearised {
   Eigen::VectorXd data{};
   Eigen::MatrixXd J_data{};
   Eigen::MatrixXd J_prior{};
+  int values{};  ///< that the data are
 };
 
 Linearised linearise(const Problem& problem, const Eigen::VectorXd& x) {
@@ -39,7 +40,8 @@ Linearised linearise(const Problem& problem, const Eigen::VectorXd& x) {
   problem.residuals(x, result.state, r, &J);
   std::vector<int> data, priors;
   int row = 0;
-  for (const auto& kind : problem.residuals())
+  for (const auto& kind : problem.residuals()) {
+    if (kind->is_data()) result.values += kind->values();
     for (int k = 0; k < kind->size(); ++k, ++row) {
       if (kind->is_data()) {
         data.push_back(row);
@@ -47,6 +49,7 @@ Linearised linearise(const Problem& problem, const Eigen::VectorXd& x) {
         priors.push_back(row);
       }
     }
+  }
   result.data = r(data);
   result.J_data = J(data, Eigen::all);
   result.J_prior = J(priors, Eigen::all);
@@ -110,22 +113,41 @@ FittedParameter fitted(const Variable& variable, double x, double data, double j
   return p;
 }
 
+/// How the model's modes meet target i: of mechanics.
+FittedTarget of_mechanics(const Problem& problem, const State& state, std::size_t i) {
+  const auto& target = problem.targets().modes[i];
+  const auto& point = state.points[problem.point_of(static_cast<int>(i))];
+  FittedTarget fit{.mode = state.mode_of[i], .omega = point.modes.omega(state.mode_of[i])};
+  if (target.damping) {
+    const dynamics::ModelVector phi = point.modes.shapes.col(fit.mode);
+    fit.damping = phi.dot(point.model.C * phi) / (2.0 * std::max(fit.omega, 1e-9)) +
+                  modal::modal_ratio(state.machine).value;
+  }
+  if (target.shape)
+    fit.shape_mac =
+        resonance_mac(point.model, point.modes, fit.mode, shape_at_center(point.model, target));
+  return fit;
+}
+
+/// The same of the plant.
+FittedTarget of_plant(const Problem& problem, const State& state, std::size_t i) {
+  const auto& target = problem.targets().modes[i];
+  const auto& point = state.seen[problem.point_of(static_cast<int>(i))];
+  const auto& mode = point.seen.modes[static_cast<std::size_t>(point.mode_of[i])];
+  FittedTarget fit{.mode = nearest_mode(point.seen, mode), .omega = mode.omega()};
+  if (target.damping) fit.damping = mode.damping_ratio();
+  if (target.shape) fit.shape_mac = shown_mac(point.seen, point.group_of[i], target);
+  return fit;
+}
+
 void describe_targets(const Problem& problem, const State& state, Candidate& candidate) {
   candidate.targets.clear();
   candidate.worst = 0.0;
   const auto& targets = problem.targets().modes;
   for (std::size_t i = 0; i < targets.size(); ++i) {
-    const auto& point = state.points[problem.point_of(static_cast<int>(i))];
-    FittedTarget fit{.mode = state.mode_of[i], .omega = point.modes.omega(state.mode_of[i])};
+    auto fit =
+        problem.observes_plant() ? of_plant(problem, state, i) : of_mechanics(problem, state, i);
     fit.difference = (fit.omega - targets[i].omega) / targets[i].deviation;
-    if (targets[i].damping) {
-      const dynamics::ModelVector phi = point.modes.shapes.col(fit.mode);
-      fit.damping = phi.dot(point.model.C * phi) / (2.0 * std::max(fit.omega, 1e-9)) +
-                    modal::modal_ratio(state.machine).value;
-    }
-    if (targets[i].shape)
-      fit.shape_mac = resonance_mac(point.model, point.modes, fit.mode,
-                                    shape_at_center(point.model, targets[i]));
     fit.outlier = candidate.robust && std::abs(fit.difference) > outlier * candidate.scatter;
     candidate.worst = std::max(candidate.worst, std::abs(fit.omega - targets[i].omega));
     candidate.targets.push_back(fit);
@@ -142,7 +164,8 @@ void drop_outliers(const Candidate& candidate, const Problem& problem, Linearise
       at.J_data.row(row).setZero();
       at.data[row] = 0.0;
     }
-    row += 1 + (target.damping ? 1 : 0) + (target.shape ? 6 : 0);
+    const int shape = problem.observes_plant() ? 12 : 6;
+    row += 1 + (target.damping ? 1 : 0) + (target.shape ? shape : 0);
   }
 }
 
@@ -156,7 +179,7 @@ void describe_parameters(const Problem& problem, const Solution& solution, Linea
   }
   const auto outliers = std::count_if(candidate.targets.begin(), candidate.targets.end(),
                                       [](const FittedTarget& t) { return t.outlier; });
-  const int degrees = static_cast<int>(at.data.size() - outliers) - numerical_rank(at.J_data);
+  const int degrees = static_cast<int>(at.values - outliers) - numerical_rank(at.J_data);
   double quantile = student_quantile(0);
   if (degrees > 0) {
     candidate.scatter = std::sqrt(at.data.squaredNorm() / degrees);

@@ -6,18 +6,14 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <stdexcept>
 
 #include "hydrapod/modal/mode_derivatives.hpp"
 #include "hydrapod/modal/mode_table.hpp"
+#include "pair_cost.hpp"
 
 namespace hydrapod::calibration {
-
-namespace {
-constexpr double frequency_scale = 0.1;
-constexpr double wrong_shape = 25.0;
-constexpr double wrong_mode_of_group = 1.0;
-}  // namespace
 
 std::vector<int> assign(const Eigen::MatrixXd& cost) {
   const auto rows = static_cast<int>(cost.rows()), columns = static_cast<int>(cost.cols());
@@ -88,12 +84,20 @@ double platform_mac(const dynamics::LinearModel& model, const dynamics::NormalMo
   return std::min(1.0, std::pow(shape.dot(momentum), 2) / (own * of_shape));
 }
 
-Eigen::MatrixXd regularised(const Eigen::MatrixXd& A) {
-  Eigen::MatrixXd gram = A.transpose() * A;
+namespace {
+
+template <class Matrix>
+Matrix regularised_of(const Matrix& A) {
+  Matrix gram = A.adjoint() * A;
   gram.diagonal().array() += weak_mode * A.colwise().squaredNorm().maxCoeff();
   // so that of a single mode nothing is lost
-  return regularised_gain * gram.llt().solve(A.transpose()).transpose();
+  return regularised_gain * gram.llt().solve(A.adjoint()).adjoint();
 }
+
+}  // namespace
+
+Eigen::MatrixXd regularised(const Eigen::MatrixXd& A) { return regularised_of(A); }
+Eigen::MatrixXcd regularised(const Eigen::MatrixXcd& A) { return regularised_of(A); }
 
 double resonance_mac(const dynamics::LinearModel& model, const dynamics::NormalModes& modes, int k,
                      const Vector6& shape) {
@@ -111,20 +115,52 @@ double resonance_mac(const dynamics::LinearModel& model, const dynamics::NormalM
 
 namespace {
 
-/// Modes that are seen as one show the shape together; among them the one is meant that the
-/// platform feels most and that is most like it.
-double shape_cost(const dynamics::LinearModel& model, const dynamics::NormalModes& modes, int k,
-                  const Vector6& shape) {
-  const auto energy = [&](int i) {
-    const Vector6 motion = modes.shapes.col(i).head<6>();
-    return motion.dot(model.platform_mass * motion);
+/// The modes in the metric of the platform's mass, looked at once for all targets.
+class ShownModes {
+ public:
+  ShownModes(const dynamics::LinearModel& model, const dynamics::NormalModes& modes)
+      : modes_(modes), llt_(model.platform_mass) {
+    // on its way a fit may try a platform whose inertia no body has
+    sound_ = llt_.info() == Eigen::Success;
+    if (sound_) motions_ = llt_.matrixU() * modes.shapes.topRows<6>();
+  }
+
+  /// Modes that are seen as one show the shape together; among them the one is meant that the
+  /// platform feels most and that is most like it.
+  double shape_cost(int k, const Vector6& shape) {
+    if (!sound_) return wrong_shape + wrong_mode_of_group;
+    const auto& group = group_of(k);
+    const auto motion = motions_.col(k);
+    if (motion.squaredNorm() < modal::felt_by_platform) return wrong_shape + wrong_mode_of_group;
+    const Vector6 u = (llt_.matrixU() * shape).normalized();
+    const double together = u.dot(group.A * (group.W.transpose() * u));
+    const double own = std::min(1.0, std::pow(u.dot(motion), 2) / motion.squaredNorm());
+    const double felt = motion.squaredNorm() / group.most;
+    return wrong_shape * (1.0 - together) + wrong_mode_of_group * (1.0 - felt * own);
+  }
+
+ private:
+  struct Group {
+    Eigen::MatrixXd A{}, W{};
+    double most{};
   };
-  double most = 0.0;
-  for (const int i : modal::neighbours(modes, k, seen_as_one)) most = std::max(most, energy(i));
-  const double felt = most > 0.0 ? energy(k) / most : 0.0;
-  return wrong_shape * (1.0 - resonance_mac(model, modes, k, shape)) +
-         wrong_mode_of_group * (1.0 - felt * platform_mac(model, modes, k, shape));
-}
+
+  const Group& group_of(int k) {
+    auto& group = groups_.try_emplace(k).first->second;
+    if (group.A.size() > 0) return group;
+    const auto members = modal::neighbours(modes_, k, seen_as_one);
+    group.A = motions_(Eigen::all, members);
+    group.W = regularised(group.A);
+    group.most = group.A.colwise().squaredNorm().maxCoeff();
+    return group;
+  }
+
+  const dynamics::NormalModes& modes_;
+  Eigen::LLT<spatial::Matrix6> llt_;
+  Eigen::Matrix<double, 6, Eigen::Dynamic> motions_{};
+  std::map<int, Group> groups_{};
+  bool sound_{};
+};
 
 }  // namespace
 
@@ -138,14 +174,17 @@ Vector6 shape_at_center(const dynamics::LinearModel& model, const ModeTarget& ta
 
 std::vector<int> pair_modes(const dynamics::LinearModel& model, const dynamics::NormalModes& modes,
                             std::span<const ModeTarget* const> targets) {
+  ShownModes shown(model, modes);
   Eigen::MatrixXd cost(targets.size(), modes.size());
   for (Eigen::Index i = 0; i < cost.rows(); ++i)
     for (int k = 0; k < modes.size(); ++k) {
       const auto& target = *targets[static_cast<std::size_t>(i)];
       const double omega = std::max(modes.omega(k), 1e-3 * target.omega);
       cost(i, k) = std::pow(std::log(omega / target.omega) / frequency_scale, 2);
-      if (target.shape) {
-        cost(i, k) += shape_cost(model, modes, k, shape_at_center(model, target));
+      if (cost(i, k) > hopeless) {
+        cost(i, k) += wrong_shape;
+      } else if (target.shape) {
+        cost(i, k) += shown.shape_cost(k, shape_at_center(model, target));
       } else if (target.direction) {
         cost(i, k) += wrong_shape * (1.0 - direction_share(model, modes, k, *target.direction));
       }

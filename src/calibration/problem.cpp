@@ -92,6 +92,62 @@ void Problem::add_margins(const std::vector<double>& scales, State& state) const
   }
 }
 
+std::vector<std::size_t> Problem::targets_at(std::size_t point) const {
+  std::vector<std::size_t> here;
+  for (std::size_t i = 0; i < targets_.modes.size(); ++i)
+    if (point_of_[i] == static_cast<int>(point)) here.push_back(i);
+  return here;
+}
+
+bool Problem::see_modes(const std::vector<double>& scales, State& state) const {
+  state.points.clear();
+  for (const std::size_t pose : poses_)
+    state.points.push_back(mode_point(machine_, state.values, pose, kind_, scales));
+  state.mode_of.assign(targets_.modes.size(), -1);
+  for (std::size_t p = 0; p < state.points.size(); ++p) {
+    const auto here = targets_at(p);
+    std::vector<const ModeTarget*> wanted;
+    for (const auto i : here) wanted.push_back(&targets_.modes[i]);
+    const auto modes = pair_modes(state.points[p].model, state.points[p].modes, wanted);
+    for (std::size_t i = 0; i < here.size(); ++i) state.mode_of[here[i]] = modes[i];
+  }
+  return true;
+}
+
+bool Problem::see_plant(const std::vector<double>& scales, State& state) const {
+  state.seen.assign(poses_.size(), {});
+  for (std::size_t p = 0; p < poses_.size(); ++p) {
+    state.seen[p].seen =
+        observe_plant(state.machine, state.machine.poses.at(poses_[p]).X_BP, kind_);
+    if (!pair_seen(targets_.modes, targets_at(p), state.seen[p])) return false;
+  }
+  // of a relative change: far above the rounding of the plant's own differences
+  constexpr double step = 1e-3;
+  state.seen_below.assign(scales.size(), {});
+  state.seen_above.assign(scales.size(), {});
+  state.steps.clear();
+  for (std::size_t j = 0; j < scales.size(); ++j) {
+    state.steps.push_back(step * scales[j]);
+    if (!see_beside(j, -state.steps[j], state, state.seen_below[j]) ||
+        !see_beside(j, state.steps[j], state, state.seen_above[j]))
+      return false;
+  }
+  return true;
+}
+
+bool Problem::see_beside(std::size_t parameter, double step, const State& state,
+                         std::vector<SeenPoint>& seen) const {
+  std::vector<double> values = state.values;
+  values[parameter] += step;
+  const model::Machine moved = machine_.machine(values);
+  seen.assign(poses_.size(), {});
+  for (std::size_t p = 0; p < poses_.size(); ++p) {
+    seen[p].seen = observe_plant(moved, moved.poses.at(poses_[p]).X_BP, kind_);
+    if (!follow_seen(targets_.modes, targets_at(p), state.seen[p], seen[p])) return false;
+  }
+  return true;
+}
+
 bool Problem::evaluate(const Eigen::VectorXd& x, bool derivatives, State& state) const {
   state.values.resize(variables_.size());
   std::vector<double> scales;
@@ -106,25 +162,11 @@ bool Problem::evaluate(const Eigen::VectorXd& x, bool derivatives, State& state)
     } else {
       machine_.machine(state.values, state.machine);
     }
-    state.points.clear();
-    for (const std::size_t pose : poses_)
-      state.points.push_back(mode_point(machine_, state.values, pose, kind_, scales));
+    if (!(observes_plant() ? see_plant(scales, state) : see_modes(scales, state))) return false;
   } catch (const base::ComputationError&) {
     return false;
   } catch (const std::invalid_argument&) {  // a leg along its gimbal axis
     return false;
-  }
-  state.mode_of.assign(targets_.modes.size(), -1);
-  for (std::size_t p = 0; p < state.points.size(); ++p) {
-    std::vector<const ModeTarget*> here;
-    std::vector<std::size_t> index;
-    for (std::size_t i = 0; i < targets_.modes.size(); ++i)
-      if (point_of_[i] == static_cast<int>(p)) {
-        here.push_back(&targets_.modes[i]);
-        index.push_back(i);
-      }
-    const auto modes = pair_modes(state.points[p].model, state.points[p].modes, here);
-    for (std::size_t i = 0; i < index.size(); ++i) state.mode_of[index[i]] = modes[i];
   }
   if (options_.hold_to_physics) add_margins(scales, state);
   return true;

@@ -10,6 +10,7 @@
 #include "hydrapod/calibration/admissibility.hpp"
 #include "hydrapod/calibration/sensitivity.hpp"
 #include "hydrapod/calibration/targets.hpp"
+#include "seen.hpp"
 
 namespace hydrapod::calibration {
 
@@ -38,10 +39,14 @@ struct Variable {
 struct State {
   std::vector<double> values{};  ///< parameters [SI]
   model::Machine machine{};
-  std::vector<ModePoint> points{};  ///< one per pose
-  std::vector<int> mode_of{};       ///< per target
-  Eigen::VectorXd margins{};        ///< admissibility
-  Eigen::MatrixXd dmargins{};       ///< per parameter
+  std::vector<ModePoint> points{};  ///< one per pose, where mechanics is observed
+  std::vector<int> mode_of{};       ///< per target, of `points`
+  std::vector<SeenPoint> seen{};    ///< one per pose, where the plant is observed
+  /// The same a step to each side, parameter by parameter; empty without derivatives.
+  std::vector<std::vector<SeenPoint>> seen_below{}, seen_above{};
+  std::vector<double> steps{};  ///< [SI]
+  Eigen::VectorXd margins{};    ///< admissibility
+  Eigen::MatrixXd dmargins{};   ///< per parameter
 };
 
 class Problem;
@@ -51,6 +56,8 @@ class ResidualKind {
  public:
   virtual ~ResidualKind() = default;
   [[nodiscard]] virtual int size() const = 0;
+  /// How many values it says something about.
+  [[nodiscard]] virtual int values() const { return size(); }
   /// May it be an outlier?
   [[nodiscard]] virtual bool is_data() const { return true; }
   virtual void evaluate(const Problem& problem, const State& state, Eigen::Ref<Eigen::VectorXd> r,
@@ -74,6 +81,7 @@ class Problem {
     return residuals_;
   }
   [[nodiscard]] int size() const { return static_cast<int>(variables_.size()); }
+  [[nodiscard]] bool observes_plant() const { return targets_.observed == Observed::plant; }
   [[nodiscard]] int point_of(int target) const { return point_of_[target]; }
   /// Roots of the platform's mass and moments of inertia at the start, at the target's pose.
   [[nodiscard]] const Vector6& metric(int target) const { return metric_[point_of_[target]]; }
@@ -89,6 +97,11 @@ class Problem {
 
  private:
   void find_poses();
+  [[nodiscard]] std::vector<std::size_t> targets_at(std::size_t point) const;
+  bool see_modes(const std::vector<double>& scales, State& state) const;
+  bool see_plant(const std::vector<double>& scales, State& state) const;
+  bool see_beside(std::size_t parameter, double step, const State& state,
+                  std::vector<SeenPoint>& seen) const;
   void add_margins(const std::vector<double>& scales, State& state) const;
 
   const model::VariableMachine& machine_;
@@ -101,6 +114,9 @@ class Problem {
   std::vector<Vector6> metric_{};
   std::vector<std::unique_ptr<ResidualKind>> residuals_{};
 };
+
+/// Frequency, damping and shape of one target each, of the plant's modes.
+void add_plant_residuals(const Targets& targets, std::vector<std::unique_ptr<ResidualKind>>& kinds);
 
 /// Frequency, damping and shape of one target each, the priors, the constraints.
 std::vector<std::unique_ptr<ResidualKind>> make_residuals(const Targets& targets,

@@ -200,7 +200,9 @@ std::vector<std::unique_ptr<ResidualKind>> make_residuals(const Targets& targets
                                                           bool hold_to_physics,
                                                           std::size_t constraints) {
   std::vector<std::unique_ptr<ResidualKind>> kinds;
+  if (targets.observed == Observed::plant) add_plant_residuals(targets, kinds);
   for (int i = 0; i < static_cast<int>(targets.modes.size()); ++i) {
+    if (targets.observed == Observed::plant) break;
     const auto& target = targets.modes[i];
     kinds.push_back(std::make_unique<FrequencyResidual>(i));
     if (target.damping) kinds.push_back(std::make_unique<DampingResidual>(i));

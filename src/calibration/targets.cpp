@@ -28,6 +28,10 @@ Targets parse_toml(const std::string& text, const std::string& file) {
 
 }  // namespace
 
+const char* name(Observed observed) {
+  return observed == Observed::mechanics ? "mechanics" : "plant";
+}
+
 Targets parse_targets(const std::string& text, const std::string& file_name) {
   std::string ending = std::filesystem::path(file_name).extension().string();
   for (char& c : ending) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));

@@ -40,7 +40,7 @@ struct FittedParameter {
 };
 
 struct FittedTarget {
-  int mode{};           ///< of the model at the target's pose
+  int mode{};           ///< of mechanics at the pose; where the plant is observed the most like it
   double omega{};       ///< of the model [rad/s]
   double difference{};  ///< model − target, in deviations
   double damping{};     ///< ζ of the model; 0 where the target has none

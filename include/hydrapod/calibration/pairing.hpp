@@ -3,8 +3,8 @@
 ///
 /// Every pair costs (ln ω/ω_t / 0.1)², and where the target names a direction or a shape, 25 (1 −
 /// s) more, s being how much the mode is like it: a mode of the wrong shape is as bad as one that
-/// is off by half. The assignment with the smallest sum is found exactly; without names that is the
-/// order of the frequencies.
+/// is off by half. Modes off by more than a factor e are not asked for their shapes. The assignment
+/// with the smallest sum is found exactly; without names that is the order of the frequencies.
 
 #include <Eigen/Core>
 #include <span>
@@ -39,6 +39,7 @@ inline constexpr double seen_as_one = 1e-2;
 inline constexpr double weak_mode = 0.03;
 inline constexpr double regularised_gain = 1.0 + weak_mode;
 Eigen::MatrixXd regularised(const Eigen::MatrixXd& A);
+Eigen::MatrixXcd regularised(const Eigen::MatrixXcd& A);
 
 /// MAC of a shape with mode k and those that are seen as one with it.
 double resonance_mac(const dynamics::LinearModel& model, const dynamics::NormalModes& modes, int k,

@@ -4,6 +4,7 @@
 /// From TOML (docs/howto/calibrate.md), or from CSV with a title row such as
 /// `frequency [Hz],direction,deviation [Hz],damping [%],pose,x,y,z,rx,ry,rz`.
 
+#include <complex>
 #include <optional>
 #include <string>
 #include <vector>
@@ -14,6 +15,21 @@
 namespace hydrapod::calibration {
 
 using spatial::Vector6;
+using Vector6c = Eigen::Matrix<std::complex<double>, 6, 1>;
+
+/// The system whose modes were measured.
+enum class Observed {
+  mechanics,  ///< legs on oil springs, undamped: a machine whose valves are shut
+  plant       ///< mechanics, oil and valves, damped: what the drives of the valves see
+};
+/// "mechanics", "plant".
+const char* name(Observed observed);
+
+/// A shape as it was measured, with its phases.
+struct ComplexShape {
+  Vector6c motion{Vector6c::Zero()};
+  double deviation{};  ///< of the shape scaled to unit kinetic energy of the platform
+};
 
 /// One mode that was found in the machine.
 struct ModeTarget {
@@ -28,11 +44,14 @@ struct ModeTarget {
   double shape_deviation{};         ///< of the shape scaled to unit kinetic energy of the platform
   /// Point of the platform whose motion the shape is, in P [m]; none: the model's mass centre.
   std::optional<spatial::Vector3> shape_point{};
+  /// What `shape` was before it was turned to real; of use for the plant, whose shapes are complex.
+  std::optional<ComplexShape> complex_shape{};
 };
 
 struct Targets {
   std::string title{};
   std::string source{};
+  Observed observed{};
   std::vector<ModeTarget> modes{};
   bool deviations_given{true};  ///< false: no mode says how exact it is; default_deviation counts
   Plan plan{};                  ///< what the file says about parameters and alternatives
