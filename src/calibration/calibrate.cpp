@@ -179,7 +179,9 @@ Calibration calibrate(const model::MachineFile& file, const Targets& targets, co
     const auto number = static_cast<int>(i % starts);
     combination.solutions[i % starts] =
         solve(*combination.problem, start_of(*combination.problem, plan.options.seed, number),
-              {.max_iterations = plan.options.max_iterations, .stop = stop});
+              {.max_iterations = plan.options.max_iterations,
+               .tolerance = plan.options.tolerance,
+               .stop = stop});
   });
   for (auto& combination : all) conclude(combination);
   rank(all);
@@ -210,7 +212,9 @@ Calibration calibrate(const model::MachineFile& file, const Targets& targets, co
 Candidate compare(const model::MachineFile& file, const Targets& targets,
                   dynamics::ModelKind kind) {
   Combination made = make_combination(file, targets, {.options = {.starts = 1}}, kind, {});
-  made.solutions[0] = {.usable = true, .converged = true};
+  State state;
+  const bool sound = made.problem->evaluate(Eigen::VectorXd(0), false, state);
+  made.solutions[0] = {.usable = sound, .converged = true};
   conclude(made);
   return made.candidate;
 }

@@ -32,9 +32,10 @@ struct Linearised {
   int values{};  ///< that the data are
 };
 
-Linearised linearise(const Problem& problem, const Eigen::VectorXd& x) {
+/// None where the machine, or one a little beside it, cannot be observed.
+std::optional<Linearised> linearise(const Problem& problem, const Eigen::VectorXd& x) {
   Linearised result;
-  problem.evaluate(x, true, result.state);
+  if (!problem.evaluate(x, true, result.state)) return std::nullopt;
   Eigen::VectorXd r;
   Eigen::MatrixXd J;
   problem.residuals(x, result.state, r, &J);
@@ -210,9 +211,14 @@ const Solution* best_of(const std::vector<Solution>& solutions) {
 
 /// Fills in the candidate from one solution.
 void describe(const Problem& problem, const Solution& solution, Candidate& candidate) {
-  candidate.fitted = true;
+  auto linearised = linearise(problem, solution.x);
+  candidate.fitted = linearised.has_value();
+  if (!candidate.fitted) {
+    candidate.problem = "the machine cannot be observed at the fitted values";
+    return;
+  }
+  auto& at = *linearised;
   candidate.converged = solution.converged;
-  auto at = linearise(problem, solution.x);
   describe_targets(problem, at.state, candidate);
   drop_outliers(candidate, problem, at);
   candidate.misfit = at.data.squaredNorm();
@@ -291,6 +297,7 @@ void conclude(Combination& combination) {
   for (const auto& other : combination.solutions)
     candidate.starts_that_agree += other.usable && other.cost <= best->cost * (1.0 + same) + 1e-9;
   describe(*combination.problem, *best, candidate);
+  if (!candidate.fitted) return;
   find_other_values(combination, *best);
 }
 
@@ -344,10 +351,11 @@ void conclude_unbound(Combination& combination, const Targets& targets, dynamics
   }
   if (!best.usable) return;
   const auto at = linearise(problem, best.x);
+  if (!at) return;
   Candidate described;
-  describe_targets(problem, at.state, described);
-  combination.candidate.unbound = Candidate::Unbound{at.data.squaredNorm(), described.worst,
-                                                     violations(at.state.machine), at.state.values};
+  describe_targets(problem, at->state, described);
+  combination.candidate.unbound = Candidate::Unbound{
+      at->data.squaredNorm(), described.worst, violations(at->state.machine), at->state.values};
 }
 
 }  // namespace hydrapod::calibration

@@ -54,6 +54,7 @@ Observation observe_plant(const model::Machine& machine, const spatial::Pose& X_
     const double energy = mode.shape.dot(momentum).real();
     if (!(energy > 0.0)) continue;  // oil and valves alone
     mode.shape /= std::sqrt(energy);
+    mode.input = seen.input.row(k) * std::sqrt(energy);
     seen.modes.push_back(std::move(mode));
   }
   std::ranges::sort(seen.modes, {}, &ObservedMode::omega);

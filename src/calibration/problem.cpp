@@ -115,11 +115,15 @@ bool Problem::see_modes(const std::vector<double>& scales, State& state) const {
 }
 
 bool Problem::see_plant(const std::vector<double>& scales, State& state) const {
-  state.seen.assign(poses_.size(), {});
-  for (std::size_t p = 0; p < poses_.size(); ++p) {
-    state.seen[p].seen =
-        observe_plant(state.machine, state.machine.poses.at(poses_[p]).X_BP, kind_);
-    if (!pair_seen(targets_.modes, targets_at(p), state.seen[p])) return false;
+  if (state.seen_at.empty() || state.seen_at != state.values) {
+    state.seen.assign(poses_.size(), {});
+    state.seen_at.clear();
+    for (std::size_t p = 0; p < poses_.size(); ++p) {
+      state.seen[p].seen =
+          observe_plant(state.machine, state.machine.poses.at(poses_[p]).X_BP, kind_);
+      if (!pair_seen(targets_.modes, targets_at(p), state.seen[p])) return false;
+    }
+    state.seen_at = state.values;
   }
   // of a relative change: far above the rounding of the plant's own differences
   constexpr double step = 1e-3;

@@ -41,6 +41,7 @@ struct State {
   model::Machine machine{};
   std::vector<ModePoint> points{};  ///< one per pose, where mechanics is observed
   std::vector<int> mode_of{};       ///< per target, of `points`
+  std::vector<double> seen_at{};    ///< values that `seen` is of; empty: none
   std::vector<SeenPoint> seen{};    ///< one per pose, where the plant is observed
   /// The same a step to each side, parameter by parameter; empty without derivatives.
   std::vector<std::vector<SeenPoint>> seen_below{}, seen_above{};

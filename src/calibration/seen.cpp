@@ -118,11 +118,14 @@ Vector6c shown_part(const Observation& seen, const std::vector<int>& modes,
                     const ModeTarget& target, const Matrix6& root, const Vector6c& u) {
   const Eigen::Matrix<Complex, 6, 6> map =
       (root * to_target_point(seen.mechanics, target)).cast<Complex>();
-  Eigen::MatrixXcd A(6, modes.size());
-  for (std::size_t k = 0; k < modes.size(); ++k) {
-    const Vector6c motion = map * seen.modes[static_cast<std::size_t>(modes[k])].motion();
-    A.col(static_cast<Eigen::Index>(k)) = target.complex_shape ? motion : turned_to_real(motion);
+  // poles that nearly coincide have vectors that are nearly one; their sum of residues has them all
+  Eigen::MatrixXcd A = Eigen::MatrixXcd::Zero(6, 6);
+  for (const int k : modes) {
+    const auto& mode = seen.modes[static_cast<std::size_t>(k)];
+    A += map * mode.motion() * mode.input;
   }
+  if (!target.complex_shape)
+    for (int column = 0; column < 6; ++column) A.col(column) = turned_to_real(A.col(column));
   return A * (regularised(A).adjoint() * u);
 }
 

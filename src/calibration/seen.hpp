@@ -29,8 +29,9 @@ spatial::Matrix6 to_target_point(const dynamics::LinearModel& model, const ModeT
 /// The target's shape: complex if it was measured so.
 Vector6c shape_of(const ModeTarget& target);
 
-/// A Wᴴ u: what the modes show of the shape u; all in the metric `root`, u of length one. Where the
-/// target's shape is real, the modes' are turned to real.
+/// A Wᴴ u: what the modes show of the shape u; A is the sum of their residues for the six valves,
+/// all in the metric `root`, u of length one. Where the target's shape is real, A's columns are
+/// turned to real.
 Vector6c shown_part(const Observation& seen, const std::vector<int>& modes,
                     const ModeTarget& target, const spatial::Matrix6& root, const Vector6c& u);
 

@@ -143,7 +143,7 @@ Solution solve(const Problem& problem, const Eigen::VectorXd& start, const Solve
   solver_options.linear_solver_type = ceres::DENSE_QR;
   solver_options.logging_type = ceres::SILENT;
   solver_options.num_threads = 1;
-  solver_options.function_tolerance = 1e-9;
+  solver_options.function_tolerance = options.tolerance;
   solver_options.parameter_tolerance = 1e-10;
   solver_options.gradient_tolerance = 1e-12;
   solver_options.max_num_consecutive_invalid_steps = 20;

@@ -90,6 +90,48 @@ Charges pairs(const Diagnosis& d, std::size_t strongest) {
   return {found.begin(), found.end()};
 }
 
+/// Those that come first by `criterion`, and all within reach of the first.
+void choose(const std::vector<double>& criterion, std::vector<char>& chosen) {
+  constexpr std::size_t best = 12;
+  constexpr double reach = 40.0;
+  std::vector<double> ordered = criterion;
+  std::ranges::sort(ordered);
+  if (ordered.empty()) return;
+  const double limit =
+      std::max(ordered[std::min(best, ordered.size()) - 1], ordered.front() + reach);
+  for (std::size_t k = 0; k < criterion.size(); ++k) chosen[k] |= criterion[k] <= limit;
+}
+
+/// Fits explanations that mechanics found to the plant: those that are near the best as mechanics
+/// or as the plant with the same numbers. The others keep these numbers, and what the plant makes
+/// of them is their misfit.
+void fit_to_plant(const Evidence& evidence, std::vector<Explanation>& found, double values,
+                  int threads, Watch& watch, double from, double to) {
+  if (!evidence.of_plant()) return;
+  const auto criteria = [&] {
+    std::vector<double> all;
+    for (const auto& e : found) all.push_back(e.misfit + e.parameters * std::log(values));
+    return all;
+  };
+  const auto show = [&](double share) { return watch.at(from + (to - from) * share); };
+  std::vector<char> chosen(found.size(), 0);
+  choose(criteria(), chosen);
+  for_all(
+      found.size(), threads, [&](std::size_t k) { evidence.see_plant(found[k]); },
+      [&](double share) { return show(0.3 * share); });
+  choose(criteria(), chosen);
+  for_all(
+      found.size(), threads,
+      [&](std::size_t k) {
+        if (chosen[k] == 0) return;
+        evidence.polish(found[k], false, {});
+        // it may have been led astray by mechanics
+        if (found[k].suspects.size() == 1 && found[k].misfit > values)
+          evidence.polish(found[k], true, {});
+      },
+      [&](double share) { return show(0.3 + 0.7 * share); });
+}
+
 /// Could a pair that fits perfectly still be the best?
 bool pairs_can_win(const Diagnosis& d) {
   const auto n = static_cast<double>(d.values);
@@ -170,6 +212,16 @@ Diagnosis diagnose(const model::MachineFile& file, const calibration::Targets& m
                    const DiagnoseOptions& options, const Progress& progress) {
   Diagnosis d{.suspects = suspects_of(file), .targets = weighted_targets(file, measured, options)};
   d.values = values_in(d.targets);
+  if (d.targets.observed == calibration::Observed::plant) {
+    const auto why = plant_refused(file, d.targets, kind);
+    if (!why.empty()) {
+      d.targets.observed = calibration::Observed::mechanics;
+      d.notes.push_back(
+          fmt::format("compared with mechanics on oil springs, though the drives of the valves see "
+                      "oil and valves too: the machine as stated with its hydraulics: {}",
+                      why));
+    }
+  }
   const Evidence evidence(file, d.targets, kind, d.suspects);
   Watch watch(progress);
   d.explanations.push_back(evidence.as_stated());
@@ -183,13 +235,15 @@ Diagnosis diagnose(const model::MachineFile& file, const calibration::Targets& m
   d.explanations.push_back(evidence.rigid());
   Charges alone;
   for (std::size_t a = 0; a < d.suspects.size(); ++a) alone.push_back({a});
-  for (auto& e : try_charges(evidence, alone, {}, options.threads, watch, 0.0, 0.3))
-    d.explanations.push_back(std::move(e));
+  auto singles = try_charges(evidence, alone, {}, options.threads, watch, 0.0, 0.3);
+  fit_to_plant(evidence, singles, d.values, options.threads, watch, 0.3, 0.4);
+  for (auto& e : singles) d.explanations.push_back(std::move(e));
   rank(d);
   if (!watch.stopped() && pairs_can_win(d)) {
-    for (auto& e : try_charges(evidence, pairs(d, options.strongest), d.explanations,
-                               options.threads, watch, 0.3, 0.9))
-      d.explanations.push_back(std::move(e));
+    auto found = try_charges(evidence, pairs(d, options.strongest), d.explanations, options.threads,
+                             watch, 0.4, evidence.of_plant() ? 0.75 : 0.9);
+    fit_to_plant(evidence, found, d.values, options.threads, watch, 0.75, 0.9);
+    for (auto& e : found) d.explanations.push_back(std::move(e));
     rank(d);
   }
   judge(d);

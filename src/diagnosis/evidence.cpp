@@ -10,7 +10,9 @@
 #include <thread>
 
 #include "hydrapod/base/error.hpp"
+#include "hydrapod/calibration/observation.hpp"
 #include "hydrapod/diagnosis/resonances.hpp"
+#include "hydrapod/modal/normal_modes.hpp"
 
 namespace hydrapod::diagnosis {
 
@@ -49,6 +51,9 @@ Targets weighted_targets(const model::MachineFile& file, const Targets& measured
     mode.deviation = std::hypot(own, options.frequency_error * mode.omega);
     if (mode.shape) {
       mode.shape_deviation = std::hypot(mode.shape_deviation, options.shape_error);
+      if (mode.complex_shape)
+        mode.complex_shape->deviation =
+            std::hypot(mode.complex_shape->deviation, options.shape_error);
       if (!mode.direction) mode.direction = main_direction(file.machine, mode);
     }
     if (mode.damping && options.damping)
@@ -71,12 +76,50 @@ dynamics::ModelKind Evidence::kind_with(const std::vector<std::size_t>& blamed) 
   return rings ? dynamics::ModelKind::full : kind_;
 }
 
-Explanation Evidence::as_stated() const {
-  Explanation e{.name = "the machine as stated", .kind = kind_};
-  e.fit = calibration::compare(file_, targets_, kind_);
-  if (!e.fit.fitted) throw base::ComputationError("the machine as stated has no modes");
-  e.misfit = e.fit.misfit;
-  return e;
+std::string plant_refused(const model::MachineFile& file, const Targets& targets,
+                          dynamics::ModelKind kind) {
+  try {
+    const auto fit = calibration::compare(file, targets, kind);
+    if (fit.fitted) return "";
+    for (const auto& pose : file.machine.poses)
+      if (std::ranges::count(targets.modes, pose.name, &ModeTarget::pose) > 0)
+        static_cast<void>(calibration::observe_plant(file.machine, pose.X_BP, kind));
+    return "not all measured modes have one of their own";
+  } catch (const base::InputError& error) {
+    return error.diagnostics().empty() ? "it is refused" : error.diagnostics().front().message;
+  } catch (const base::ComputationError& error) {
+    return error.what();
+  }
+}
+
+Evidence::Evidence(const model::MachineFile& file, const Targets& targets, dynamics::ModelKind kind,
+                   const std::vector<Suspect>& suspects)
+    : file_(file), targets_(targets), kind_(kind), suspects_(suspects) {
+  stated_ = {.name = "the machine as stated", .kind = kind_};
+  stated_.fit = calibration::compare(file_, targets_, kind_);
+  if (!stated_.fit.fitted) throw base::ComputationError("the machine as stated has no modes");
+  stated_.misfit = stated_.fit.misfit;
+  by_mechanics_ = for_mechanics();
+}
+
+/// Each frequency times that of the mode of mechanics which is most like the plant's.
+Targets Evidence::for_mechanics() const {
+  Targets targets = targets_;
+  if (!of_plant()) return targets;
+  targets.observed = calibration::Observed::mechanics;
+  const auto& machine = file_.machine;
+  for (const auto& pose : machine.poses) {
+    std::optional<modal::NormalModes> modes;
+    for (std::size_t i = 0; i < targets.modes.size(); ++i) {
+      if (targets.modes[i].pose != pose.name) continue;
+      if (!modes) modes = modal::normal_modes(dynamics::linear_model(machine, pose.X_BP, kind_));
+      const auto& fit = stated_.fit.targets[i];
+      const double ratio = modes->omega(fit.mode) / fit.omega;
+      targets.modes[i].omega *= ratio;
+      targets.modes[i].deviation *= ratio;
+    }
+  }
+  return targets;
 }
 
 Explanation Evidence::rigid() const {
@@ -97,9 +140,9 @@ Explanation Evidence::rigid() const {
     for (int k = 0; k < 6; ++k)
       if (file_.machine.base_mount->stiffness[static_cast<std::size_t>(k)])
         set(fmt::format("base.mount.stiffness.{}", direction_name(k)), like_rigid);
-  model::MachineFile file = file_;
-  file.overrides.insert(file.overrides.end(), e.overrides.begin(), e.overrides.end());
-  e.fit = calibration::compare(file, targets_, kind_);
+  const auto file = file_with(e);
+  e.by_mechanics = of_plant() && !plant_refused(file, targets_, kind_).empty();
+  e.fit = calibration::compare(file, e.by_mechanics ? by_mechanics_ : targets_, kind_);
   if (!e.fit.fitted) throw base::ComputationError("the rigid machine has no modes");
   e.misfit = e.fit.misfit;
   return e;
@@ -119,7 +162,21 @@ int Evidence::starts_for(const std::vector<std::size_t>& blamed, bool known) con
   return known ? few : ordinary;
 }
 
-Explanation Evidence::fitted(const std::vector<std::size_t>& blamed, const Targets& targets,
+model::MachineFile Evidence::file_with(const Explanation& e) const {
+  model::MachineFile file = file_;
+  file.overrides.insert(file.overrides.end(), e.overrides.begin(), e.overrides.end());
+  return file;
+}
+
+model::MachineFile Evidence::file_at(const Explanation& e) const {
+  auto file = file_with(e);
+  for (const auto& p : e.fit.parameters)
+    for (const auto& path : p.paths)
+      file.overrides.push_back(fmt::format("{}={:.17g}", path, p.value));
+  return file;
+}
+
+Explanation Evidence::search(const std::vector<std::size_t>& blamed, const Targets& targets,
                              const Explanation* known, const calibration::Progress& stop) const {
   Explanation e{.suspects = blamed, .kind = kind_with(blamed)};
   calibration::Plan plan;
@@ -138,34 +195,103 @@ Explanation Evidence::fitted(const std::vector<std::size_t>& blamed, const Targe
       plan.free.push_back(free);
     }
   }
-  model::MachineFile file = file_;
-  file.overrides.insert(file.overrides.end(), e.overrides.begin(), e.overrides.end());
-  e.fit = calibration::calibrate(file, targets, plan, e.kind, stop).best();
+  e.fit = calibration::calibrate(file_with(e), targets, plan, e.kind, stop).best();
   e.misfit = e.fit.misfit;
   e.parameters = static_cast<int>(plan.free.size());
+  e.by_mechanics = of_plant();
   return e;
+}
+
+calibration::Candidate Evidence::refit(const Explanation& e, const Targets& targets,
+                                       bool from_stated, const calibration::Progress& stop) const {
+  constexpr int enough = 15;
+  constexpr double near_enough = 1e-4;  // of a misfit, whose differences count from 1 on
+  calibration::Plan plan;
+  plan.options = {.starts = 1,
+                  .loss = calibration::Loss::squares,
+                  .max_iterations = enough,
+                  .tolerance = near_enough,
+                  .threads = 1};
+  std::size_t at = 0;
+  for (const auto k : e.suspects)
+    for (auto free : suspects_[k].free) {
+      const auto& p = e.fit.parameters[at++];
+      if (!from_stated) free.start = fmt::format("{:.17g}", std::clamp(p.value, p.lower, p.upper));
+      // bounds that follow from the start stay those of the search
+      free.lower = fmt::format("{:.17g}", p.lower);
+      free.upper = fmt::format("{:.17g}", p.upper);
+      plan.free.push_back(free);
+    }
+  return calibration::calibrate(file_with(e), targets, plan, e.kind, stop).best();
+}
+
+void Evidence::polish(Explanation& e, const Targets& targets, bool and_stated,
+                      const calibration::Progress& stop) const {
+  if (targets.observed != calibration::Observed::plant) return;
+  std::optional<calibration::Candidate> best;
+  for (const bool from_stated : {false, true}) {
+    if (from_stated && !and_stated) continue;
+    try {
+      auto fit = refit(e, targets, from_stated, stop);
+      if (!best || fit.misfit < best->misfit) best = std::move(fit);
+    } catch (const base::ComputationError&) {  // it cannot stand, or
+    } catch (const base::InputError&) {        // the plant cannot have what it is blamed for
+    }
+  }
+  if (!best) return;
+  e.fit = std::move(*best);
+  e.misfit = e.fit.misfit;
+  e.by_mechanics = false;
+}
+
+void Evidence::polish(Explanation& e, bool and_stated, const calibration::Progress& stop) const {
+  polish(e, targets_, and_stated, stop);
+}
+
+void Evidence::see_plant(Explanation& e) const {
+  if (!of_plant()) return;
+  try {
+    auto seen = calibration::compare(file_at(e), targets_, e.kind);
+    if (!seen.fitted) return;
+    e.fit.targets = std::move(seen.targets);
+    e.misfit = e.fit.misfit = seen.misfit;
+    e.by_mechanics = false;
+  } catch (const base::ComputationError&) {
+  } catch (const base::InputError&) {
+  }
 }
 
 Explanation Evidence::explain(const std::vector<std::size_t>& blamed, const Explanation* known,
                               const calibration::Progress& stop) const {
-  auto e = fitted(blamed, targets_, known, stop);
+  auto e = search(blamed, by_mechanics_, known, stop);
   static_cast<void>(file_of(file_, e));  // numbers that no machine has explain nothing
   return e;
 }
 
 void Evidence::widen(Explanation& e, double frequency_error) const {
-  Targets shifted = targets_;
+  Targets shifted = e.by_mechanics ? by_mechanics_ : targets_;
   for (auto& mode : shifted.modes) mode.omega *= 1.0 + frequency_error;
-  const auto other = fitted(e.suspects, shifted, &e, {});
+  const auto other = refit(e, shifted, false, {});
   for (std::size_t k = 0; k < e.fit.parameters.size(); ++k) {
     auto& p = e.fit.parameters[k];
-    p.deviation = std::hypot(p.deviation, other.fit.parameters[k].value - p.value);
+    p.deviation = std::hypot(p.deviation, other.parameters[k].value - p.value);
   }
 }
 
-Explanation Evidence::explain_some(std::size_t blamed, const Targets& some,
-                                   const calibration::Progress& stop) const {
-  return fitted({blamed}, some, nullptr, stop);
+std::optional<Evidence::Part> Evidence::explain_direction(std::size_t blamed, int direction,
+                                                          const calibration::Progress& stop) const {
+  const auto of_direction = [&](const ModeTarget& mode) { return mode.direction == direction; };
+  Part part{.rest = targets_};
+  Targets some = targets_, some_mechanics = by_mechanics_, rest_mechanics = by_mechanics_;
+  for (auto* targets : {&some, &some_mechanics})
+    std::erase_if(targets->modes, [&](const auto& m) { return !of_direction(m); });
+  for (auto* targets : {&part.rest, &rest_mechanics}) std::erase_if(targets->modes, of_direction);
+  if (part.rest.modes.empty()) return std::nullopt;
+  part.explanation = search({blamed}, some_mechanics, nullptr, stop);
+  polish(part.explanation, some, true, stop);
+  if (part.explanation.by_mechanics) part.rest = rest_mechanics;
+  part.at_rest = calibration::compare(file_at(part.explanation), part.rest, part.explanation.kind);
+  return part;
 }
 
 model::MachineFile file_of(const model::MachineFile& file, const Explanation& explanation) {

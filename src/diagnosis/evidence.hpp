@@ -2,6 +2,7 @@
 /// Explanations fitted to what was measured. Private to the module.
 
 #include <functional>
+#include <optional>
 
 #include "hydrapod/diagnosis/diagnose.hpp"
 
@@ -15,29 +16,43 @@ calibration::Targets weighted_targets(const model::MachineFile& file,
 /// Number of measured values.
 int values_in(const calibration::Targets& targets);
 
+/// Fits explanations. Where the plant was measured, each is sought with mechanics (fast, from many
+/// starts), to which measured frequencies are brought by the ratio mechanics/plant of the machine
+/// as stated, and then fitted to the plant from there.
 class Evidence {
  public:
-  /// All of these must outlive it.
+  /// All of these must outlive it. Throws base::ComputationError where the machine as stated has no
+  /// modes.
   Evidence(const model::MachineFile& file, const calibration::Targets& targets,
-           dynamics::ModelKind kind, const std::vector<Suspect>& suspects)
-      : file_(file), targets_(targets), kind_(kind), suspects_(suspects) {}
+           dynamics::ModelKind kind, const std::vector<Suspect>& suspects);
 
   /// The machine as stated.
-  [[nodiscard]] Explanation as_stated() const;
+  [[nodiscard]] const Explanation& as_stated() const { return stated_; }
   /// With legs, gimbals and base that do not give way.
   [[nodiscard]] Explanation rigid() const;
-  /// `blamed` let free. `known`: an explanation by one of them, whose values it begins with. Throws
-  /// base::ComputationError where no such machine has modes.
+  /// `blamed` let free, by mechanics. `known`: an explanation by one of them, whose values it
+  /// begins with. Throws base::ComputationError where no such machine has modes.
   [[nodiscard]] Explanation explain(const std::vector<std::size_t>& blamed,
                                     const Explanation* known,
                                     const calibration::Progress& stop) const;
-  /// The same with only some of the measured modes.
+  /// Compares it as it is with the plant, where that was measured.
+  void see_plant(Explanation& explanation) const;
+  /// Fits it to the plant, where that was measured. `and_stated`: from the stated values too.
+  void polish(Explanation& explanation, bool and_stated, const calibration::Progress& stop) const;
   /// Adds to the deviations of its parameters what a model error that all frequencies share makes
   /// of them: the fit counts the errors of modes as independent.
   void widen(Explanation& explanation, double frequency_error) const;
-  [[nodiscard]] Explanation explain_some(std::size_t blamed, const calibration::Targets& some,
-                                         const calibration::Progress& stop) const;
+  /// One suspect fitted to the modes that mainly move in `direction`, and how it then meets the
+  /// others.
+  struct Part {
+    Explanation explanation{};
+    calibration::Targets rest{};
+    calibration::Candidate at_rest{};
+  };
+  [[nodiscard]] std::optional<Part> explain_direction(std::size_t blamed, int direction,
+                                                      const calibration::Progress& stop) const;
 
+  [[nodiscard]] bool of_plant() const { return targets_.observed == calibration::Observed::plant; }
   [[nodiscard]] const model::MachineFile& file() const { return file_; }
   [[nodiscard]] const calibration::Targets& targets() const { return targets_; }
   [[nodiscard]] const std::vector<Suspect>& suspects() const { return suspects_; }
@@ -45,15 +60,31 @@ class Evidence {
  private:
   [[nodiscard]] dynamics::ModelKind kind_with(const std::vector<std::size_t>& blamed) const;
   [[nodiscard]] int starts_for(const std::vector<std::size_t>& blamed, bool known) const;
-  [[nodiscard]] Explanation fitted(const std::vector<std::size_t>& blamed,
+  [[nodiscard]] model::MachineFile file_with(const Explanation& explanation) const;
+  /// With its values.
+  [[nodiscard]] model::MachineFile file_at(const Explanation& explanation) const;
+  [[nodiscard]] Explanation search(const std::vector<std::size_t>& blamed,
                                    const calibration::Targets& targets, const Explanation* known,
                                    const calibration::Progress& stop) const;
+  /// Fitted again from its own values, or those of the file.
+  [[nodiscard]] calibration::Candidate refit(const Explanation& explanation,
+                                             const calibration::Targets& targets, bool from_stated,
+                                             const calibration::Progress& stop) const;
+  void polish(Explanation& explanation, const calibration::Targets& targets, bool and_stated,
+              const calibration::Progress& stop) const;
+  [[nodiscard]] calibration::Targets for_mechanics() const;
 
   const model::MachineFile& file_;
   const calibration::Targets& targets_;
   dynamics::ModelKind kind_;
   const std::vector<Suspect>& suspects_;
+  Explanation stated_{};
+  calibration::Targets by_mechanics_{};  ///< the targets brought to mechanics
 };
+
+/// Why the plant of the machine as stated cannot be compared with the targets; empty: it can.
+std::string plant_refused(const model::MachineFile& file, const calibration::Targets& targets,
+                          dynamics::ModelKind kind);
 
 /// Calls task(i) for i in [0, count) on several threads. `stop` is asked between tasks. Rethrows
 /// the first exception of a task.

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <Eigen/Cholesky>
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -61,13 +62,16 @@ calibration::ModeTarget mode_target(const MeasuredShape& measured, const std::st
   }
   const Matrix6 M = mass_at(machine, pose_of(machine, at.pose), at.point);
   const auto motion = turned(measured.motion, M.diagonal());
-  Vector6 shape = Vector6::Zero(), lost = Vector6::Zero();
+  Vector6 shape = Vector6::Zero(), lost = Vector6::Zero(), noise = Vector6::Zero();
+  calibration::Vector6c as_measured = calibration::Vector6c::Zero();
   int known = 0;
   for (int k = 0; k < 6; ++k) {
     if (std::isnan(motion[k].real())) continue;
     ++known;
     shape[k] = motion[k].real();
-    lost[k] = std::hypot(measured.motion_deviation[k], motion[k].imag());
+    noise[k] = measured.motion_deviation[k];
+    lost[k] = std::hypot(noise[k], motion[k].imag());
+    as_measured[k] = motion[k];
   }
   if (known == 0) return target;
   Eigen::Index main = 0;
@@ -78,11 +82,20 @@ calibration::ModeTarget mode_target(const MeasuredShape& measured, const std::st
   if (known < 6) return target;
   target.shape = shape;
   target.shape_point = at.point;
-  target.shape_deviation = std::sqrt(lost.cwiseAbs2().dot(M.diagonal()) / (shape.dot(M * shape)));
-  if (measured.significance > 0.0)
-    target.shape_deviation =
-        std::hypot(target.shape_deviation, 2.0 / std::sqrt(measured.significance));
+  const double hidden = measured.significance > 0.0 ? 2.0 / std::sqrt(measured.significance) : 0.0;
+  const auto deviation = [&](const Vector6& error, double size) {
+    return std::hypot(std::sqrt(error.cwiseAbs2().dot(M.diagonal()) / size), hidden);
+  };
+  target.shape_deviation = deviation(lost, shape.dot(M * shape));
+  const calibration::Vector6c momentum = M.cast<std::complex<double>>() * as_measured;
+  target.complex_shape = {as_measured, deviation(noise, as_measured.dot(momentum).real())};
   return target;
+}
+
+bool from_drives(const identification::FrequencyResponses& responses) {
+  return !responses.inputs.empty() && std::ranges::all_of(responses.inputs, [](const auto& input) {
+    return input.role == data::Role::drive;
+  });
 }
 
 calibration::Targets measured_modes(const identification::Identification& identified,
@@ -91,6 +104,7 @@ calibration::Targets measured_modes(const identification::Identification& identi
   if (identified.modes.empty())
     throw base::InputError({{.message = "no mode was found in the measurement"}});
   const auto& outputs = identified.responses.outputs;
+  if (from_drives(identified.responses)) targets.observed = calibration::Observed::plant;
   for (const auto& mode : identified.modes) {
     MeasuredShape measured{.omega = mode.fit.omega(),
                            .omega_deviation = mode.fit.omega_deviation,

@@ -263,6 +263,12 @@ std::vector<std::string> summary(const CaseFile& file) {
     add_drops(d, words);
     add_origins(d, words);
     add_innocents(d, words);
+    for (const auto& note : d.notes) words.push_back(capital(note) + ".");
+    if (d.targets.observed == calibration::Observed::plant && !d.alike.empty() &&
+        d.explanations[d.alike.front()].by_mechanics)
+      words.push_back(
+          "This machine cannot be had with its hydraulics: it was fitted as mechanics on oil "
+          "springs, to frequencies times the ratio mechanics/plant of the machine as stated.");
     if (d.interrupted) words.push_back("Interrupted: not every explanation was tried.");
   }
   add_attribution(file, words);

@@ -122,24 +122,19 @@ std::string contrary(const Evidence& evidence, const Explanation& as_stated,
       direction = *targets.modes[i].direction;
     }
   if (direction < 0) return {};
-  Targets some = targets, rest = targets;
-  std::erase_if(some.modes, [&](const auto& m) { return m.direction != direction; });
-  std::erase_if(rest.modes, [&](const auto& m) { return m.direction == direction; });
-  if (rest.modes.empty()) return {};
-  const auto fitted = evidence.explain_some(explanation.suspects.front(), some, stop);
-  const double per_value = fitted.misfit / static_cast<double>(some.modes.size());
-  if (per_value > notable * notable * 4.0) return {};  // it does not explain even that
-  model::MachineFile file = evidence.file();
-  file.overrides.insert(file.overrides.end(), fitted.overrides.begin(), fitted.overrides.end());
+  const auto part = evidence.explain_direction(explanation.suspects.front(), direction, stop);
+  if (!part) return {};
+  const auto& fitted = part->explanation;
+  const auto some = static_cast<double>(targets.modes.size() - part->rest.modes.size());
+  if (fitted.misfit / some > notable * notable * 4.0) return {};  // it does not explain even that
   const auto& p = fitted.fit.parameters.front();
-  for (const auto& path : p.paths)
-    file.overrides.push_back(fmt::format("{}={:.17g}", path, p.value));
-  const auto at = calibration::compare(file, rest, fitted.kind);
+  const auto& at = part->at_rest;
+  if (!at.fitted) return {};
   std::size_t worst = 0;
   for (std::size_t i = 1; i < at.targets.size(); ++i)
     if (std::abs(at.targets[i].difference) > std::abs(at.targets[worst].difference)) worst = i;
   if (std::abs(at.targets[worst].difference) < notable) return {};
-  const auto& target = rest.modes[worst];
+  const auto& target = part->rest.modes[worst];
   return fmt::format("what would explain {} ({}) contradicts {} by {:.2g} Hz",
                      direction_name(direction), amount_text(p.value, p.deviation, p.unit),
                      mode_words(target, targets),
@@ -148,8 +143,39 @@ std::string contrary(const Evidence& evidence, const Explanation& as_stated,
 
 namespace {
 
-/// Ratios that slips of units make.
-std::string slip(double ratio) {
+/// What was measured in a direction at a pose beside the first resonance predicted there.
+struct Beside {
+  double predicted{};
+  std::vector<double> measured{};  ///< ascending [rad/s]
+};
+
+std::vector<Beside> beside_predicted(const Evidence& evidence, const Explanation& as_stated) {
+  std::vector<Beside> all;
+  const auto& machine = evidence.file().machine;
+  for (const auto& named : machine.poses) {
+    std::array<std::vector<double>, 6> measured;
+    for (const auto& mode : evidence.targets().modes)
+      if (mode.pose == named.name && mode.direction)
+        measured[static_cast<std::size_t>(*mode.direction)].push_back(mode.omega);
+    if (std::ranges::all_of(measured, [](const auto& some) { return some.empty(); })) continue;
+    for (const auto& r : first_resonances(machine, named.X_BP, as_stated.kind)) {
+      auto& here = measured[static_cast<std::size_t>(r.main_direction)];
+      if (here.empty() || !(r.omega > 0.0)) continue;
+      std::ranges::sort(here);
+      all.push_back({r.omega, here});
+    }
+  }
+  return all;
+}
+
+double median(std::vector<double> values) {
+  std::ranges::sort(values);
+  return values[values.size() / 2];
+}
+
+/// The slip of units with which undone the measured resonances that are nearest to the predicted
+/// ones lie within a fifth of them (median); a fault may have moved them besides.
+std::string slip(const std::vector<Beside>& all) {
   struct Slip {
     double ratio;
     const char* words;
@@ -158,38 +184,22 @@ std::string slip(double ratio) {
       Slip{1e3, "a unit wrong by 1000 in the frequencies"}, Slip{two_pi, "rad/s taken for Hz"},
       Slip{60.0, "cycles per minute taken for Hz"},
       Slip{31.622776601683793, "a mass or a stiffness wrong by 1000 in the machine file"}};
-  // a fault may lower the resonances besides
-  double nearest = std::log(2.0);
+  double least = std::log(1.2);
   std::string words;
   for (const auto& one : slips)
-    for (const bool up : {true, false}) {
-      const double off = std::abs(std::log(ratio * (up ? 1.0 / one.ratio : one.ratio)));
-      if (off >= nearest) continue;
-      nearest = off;
+    for (const double factor : {one.ratio, 1.0 / one.ratio}) {
+      std::vector<double> off;
+      for (const auto& [predicted, measured] : all) {
+        double nearest = std::abs(std::log(measured.front() / (factor * predicted)));
+        for (const double omega : measured)
+          nearest = std::min(nearest, std::abs(std::log(omega / (factor * predicted))));
+        off.push_back(nearest);
+      }
+      if (median(off) >= least) continue;
+      least = median(off);
       words = one.words;
     }
   return words;
-}
-
-/// Lowest measured over lowest predicted frequency, direction by direction.
-std::vector<double> ratios(const Evidence& evidence, const Explanation& as_stated) {
-  std::vector<double> all;
-  const auto& machine = evidence.file().machine;
-  for (const auto& named : machine.poses) {
-    std::array<double, 6> lowest{};
-    for (const auto& mode : evidence.targets().modes) {
-      if (mode.pose != named.name || !mode.direction) continue;
-      auto& least = lowest[static_cast<std::size_t>(*mode.direction)];
-      least = least == 0.0 ? mode.omega : std::min(least, mode.omega);
-    }
-    if (std::all_of(lowest.begin(), lowest.end(), [](double w) { return w == 0.0; })) continue;
-    for (const auto& r : first_resonances(machine, named.X_BP, as_stated.kind)) {
-      const double measured = lowest[static_cast<std::size_t>(r.main_direction)];
-      if (measured > 0.0 && r.omega > 0.0) all.push_back(measured / r.omega);
-    }
-  }
-  std::sort(all.begin(), all.end());
-  return all;
 }
 
 }  // namespace
@@ -217,15 +227,17 @@ std::vector<std::string> objections(const Evidence& evidence, const Explanation&
                           "at least {} are needed",
                           directions.size(), fewest_directions));
   if (!reasons.empty()) return reasons;
-  const auto all = ratios(evidence, as_stated);
+  const auto all = beside_predicted(evidence, as_stated);
   if (all.empty()) return reasons;
-  const double median = all[all.size() / 2];
-  if (median > far || median < 1.0 / far) {
-    const auto why = slip(median);
+  std::vector<double> ratios;
+  for (const auto& [predicted, measured] : all) ratios.push_back(measured.front() / predicted);
+  const double ratio = median(ratios);
+  if (ratio > far || ratio < 1.0 / far) {
+    const auto why = slip(all);
     reasons.push_back(fmt::format(
         "the measured frequencies are {:.3g} times those of this machine, direction by direction "
         "(median){}",
-        median, why.empty() ? "" : ": " + why + "?"));
+        ratio, why.empty() ? "" : ": " + why + "?"));
   }
   return reasons;
 }

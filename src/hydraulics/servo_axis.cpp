@@ -137,14 +137,39 @@ void set_friction(const model::Leg& leg, ServoAxis& axis) {
   friction.bristle_damping = given.bristles->damping;
 }
 
-/// The largest argument in [low, high] at which a falling function is still positive.
+/// The largest argument in [low, high] at which a falling function is still positive, to some
+/// epsilons: false position (Illinois), with a halving wherever three steps do not make the bracket
+/// eight times narrower, or where the function is zero over a stretch.
 template <class Function>
 double falling_zero(double low, double high, Function function) {
-  constexpr int halvings = 100;
-  for (int k = 0; k < halvings; ++k) {
-    const double middle = 0.5 * (low + high);
-    if (!(middle > low && middle < high)) break;
-    (function(middle) > 0.0 ? low : high) = middle;
+  constexpr int most_steps = 300;
+  constexpr double finest = 2.0 * std::numeric_limits<double>::epsilon();
+  double at_low = function(low), at_high = function(high);
+  if (!(at_low > 0.0)) return low;
+  if (at_high > 0.0) return high;
+  double wanted = high - low;  // width of the bracket after three steps
+  for (int k = 0, side = 0; k < most_steps; ++k) {
+    const double least = finest * std::max(std::abs(low), std::abs(high));
+    if (!(high - low > 2.0 * least)) break;
+    bool halve = at_high == 0.0;
+    if (k % 3 == 2) {
+      halve = halve || high - low > wanted;
+      wanted = 0.125 * (high - low);
+    }
+    const double secant = low + (high - low) * at_low / (at_low - at_high);
+    const double x = halve ? 0.5 * (low + high) : std::clamp(secant, low + least, high - least);
+    const double f = function(x);
+    if (f > 0.0) {
+      low = x;
+      at_low = f;
+      if (side == 1) at_high *= 0.5;
+      side = 1;
+    } else {
+      high = x;
+      at_high = f;
+      if (side == -1) at_low *= 0.5;
+      side = -1;
+    }
   }
   return 0.5 * (low + high);
 }

@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <limits>
 #include <numbers>
 
@@ -42,6 +43,7 @@ Json explanation_json(const Diagnosis& d, std::size_t index) {
           {"rigid_calculation", e.rigid},
           {"model", dynamics::name(e.kind)},
           {"fitted_numbers", e.parameters},
+          {"by_mechanics", e.by_mechanics},
           {"misfit", e.misfit},
           {"criterion", e.criterion},
           {"above_best", e.criterion - d.best().criterion},
@@ -138,6 +140,8 @@ Json diagnosis_json(const CaseFile& file) {
                       {"deviations", x.deviations}});
     json["finding"] = name(d.finding);
     json["reasons"] = d.reasons;
+    json["notes"] = d.notes;
+    json["observed"] = calibration::name(d.targets.observed);
     json["measured_values"] = d.values;
     json["scatter"] = d.scatter;
     json["interrupted"] = d.interrupted;
@@ -178,6 +182,15 @@ std::complex<double> element(const Json& vector, std::size_t o, const std::strin
   return {part("re"), part("im")};
 }
 
+/// Does it say of its inputs that they drive the valves?
+bool inputs_are_drives(const Json& json) {
+  const auto inputs = json.find("inputs");
+  return inputs != json.end() && inputs->is_array() && !inputs->empty() &&
+         std::ranges::all_of(*inputs, [](const Json& input) {
+           return input.is_object() && input.contains("role") && input["role"] == "drive";
+         });
+}
+
 }  // namespace
 
 calibration::Targets modes_from_json(const Json& json, const std::string& file,
@@ -188,6 +201,7 @@ calibration::Targets modes_from_json(const Json& json, const std::string& file,
       bad(file, key, "is missing; `hydrapod identify RECORD --format json` writes such a file");
   if (json["modes"].empty()) bad(file, "modes", "is empty: no mode was identified");
   calibration::Targets targets{.title = file};
+  if (inputs_are_drives(json)) targets.observed = calibration::Observed::plant;
   for (const auto& mode : json["modes"]) {
     if (!mode.is_object()) bad(file, "modes", "holds something that is no mode");
     MeasuredShape measured{.omega = two_pi * number(mode, "frequency_hz", file),

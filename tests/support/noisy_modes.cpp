@@ -8,6 +8,8 @@
 #include <numbers>
 #include <stdexcept>
 
+#include "hydrapod/calibration/observation.hpp"
+
 namespace hydrapod::test {
 
 namespace {
@@ -82,6 +84,91 @@ calibration::Targets noisy_modes(const model::Machine& machine,
           .shape_deviation = noise.shape,
           .shape_point = spatial::Vector3::Zero()};
       targets.modes.push_back(mode);
+    }
+  }
+  return targets;
+}
+
+namespace {
+
+using Complex = std::complex<double>;
+
+struct SeenPole {
+  Complex pole{};
+  calibration::Vector6c motion{};  ///< of the mass centre, unit kinetic energy of the platform
+};
+
+std::vector<SeenPole> seen_poles(const calibration::Observation& plant) {
+  constexpr double most_damped = 0.3, within_decay = 0.5;
+  const Eigen::Matrix<double, 6, 6> weight = plant.mechanics.platform_mass.llt().matrixU();
+  std::vector<const calibration::ObservedMode*> left;
+  for (const auto& mode : plant.modes)
+    if (mode.damping_ratio() < most_damped && mode.omega() > 1.0) left.push_back(&mode);
+  std::vector<SeenPole> seen;
+  while (!left.empty()) {
+    const Complex first = left.front()->pole;
+    std::vector<const calibration::ObservedMode*> group;
+    std::erase_if(left, [&](const auto* mode) {
+      const double decay = std::min(-first.real(), -mode->pole.real());
+      const bool one = std::abs(mode->pole - first) <=
+                       std::max(one_line * std::abs(first), within_decay * decay);
+      if (one) group.push_back(mode);
+      return one;
+    });
+    Eigen::MatrixXcd residues = Eigen::MatrixXcd::Zero(6, 6), moment = residues;
+    for (const auto* mode : group) {
+      const Eigen::MatrixXcd residue = weight.cast<Complex>() * mode->motion() * mode->input;
+      residues += residue;
+      moment += (mode->pole - first) * residue;
+    }
+    // strongest directions of the residues, and where on the way from pole to pole they lie
+    const Eigen::JacobiSVD<Eigen::MatrixXcd> svd(residues,
+                                                 Eigen::ComputeThinU | Eigen::ComputeThinV);
+    const auto felt = [](const Eigen::VectorXcd& motion) { return motion.squaredNorm(); };
+    double strongest = 0.0;
+    for (const auto* mode : group)
+      strongest = std::max(strongest, felt(weight.cast<Complex>() * mode->motion()));
+    for (Eigen::Index j = 0; j < svd.singularValues().size() && j < std::ssize(group); ++j) {
+      const double share = svd.singularValues()[j] / svd.singularValues()[0];
+      if (strongest * share < drowned) continue;
+      const Complex shift =
+          svd.matrixU().col(j).dot(moment * svd.matrixV().col(j)) / svd.singularValues()[j];
+      seen.push_back({first + shift, weight.cast<Complex>().lu().solve(svd.matrixU().col(j))});
+    }
+  }
+  return seen;
+}
+
+}  // namespace
+
+calibration::Targets noisy_plant_modes(const model::Machine& machine,
+                                       const std::vector<std::string>& poses,
+                                       dynamics::ModelKind kind, const ModeNoise& noise,
+                                       Random& random) {
+  calibration::Targets targets{.title = "noisy modes of the plant",
+                               .observed = calibration::Observed::plant};
+  for (const auto& pose : machine.poses) {
+    if (std::find(poses.begin(), poses.end(), pose.name) == poses.end()) continue;
+    const auto plant = calibration::observe_plant(machine, pose.X_BP, kind);
+    const Eigen::Matrix<double, 6, 6> weight = plant.mechanics.platform_mass.llt().matrixU();
+    const spatial::Vector3 arm = pose.X_BP.p_BP - plant.mechanics.p_BC;
+    for (const auto& seen : seen_poles(plant)) {
+      calibration::Vector6c error;
+      for (Complex& e : error)
+        e = noise.shape / std::sqrt(12.0) * Complex(normal(random), normal(random));
+      calibration::Vector6c motion = seen.motion + weight.cast<Complex>().lu().solve(error);
+      motion.head<3>() -= spatial::skew(arm).cast<Complex>() * motion.tail<3>();
+      motion *= std::polar(1.0, -0.5 * std::arg(motion.cwiseProduct(motion).sum()));
+      const Vector6 lost = weight * Vector6(motion.imag());
+      const double omega = std::abs(seen.pole);
+      targets.modes.push_back({.name = pose.name + " " + std::to_string(targets.modes.size() + 1),
+                               .pose = pose.name,
+                               .omega = omega * (1.0 + noise.frequency * normal(random)),
+                               .deviation = noise.frequency * omega,
+                               .shape = motion.real(),
+                               .shape_deviation = std::hypot(noise.shape, lost.norm()),
+                               .shape_point = spatial::Vector3::Zero(),
+                               .complex_shape = calibration::ComplexShape{motion, noise.shape}});
     }
   }
   return targets;

@@ -21,6 +21,8 @@ struct ObservedMode {
   std::complex<double> pole{};  ///< λ [1/s], Im > 0
   /// Motion of mechanics in its coordinates (linear_model.hpp), scaled to φᴴ M φ = 1.
   Eigen::VectorXcd shape{};
+  /// How much each valve moves it: the mode's part of H is motion() · input / (s − λ).
+  Eigen::Matrix<std::complex<double>, 1, 6> input{};
   [[nodiscard]] double omega() const { return std::abs(pole); }
   [[nodiscard]] double damping_ratio() const { return -pole.real() / std::abs(pole); }
   [[nodiscard]] Vector6c motion() const { return shape.head<6>(); }  ///< of the mass centre

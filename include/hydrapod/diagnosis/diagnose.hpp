@@ -49,6 +49,9 @@ struct Explanation {
   double misfit{};
   double criterion{};
   calibration::Candidate fit{};
+  /// The plant was measured and cannot be had of this machine: fitted as mechanics, to frequencies
+  /// times the ratio mechanics/plant of the machine as stated.
+  bool by_mechanics{};
   std::vector<std::string> wrong{};  ///< what it gets wrong, in words, worst first
 };
 
@@ -89,6 +92,7 @@ struct Discriminator {
 struct Diagnosis {
   Finding finding{};
   std::vector<std::string> reasons{};  ///< for do_not_belong
+  std::vector<std::string> notes{};    ///< what was measured and could not be used as it is
   std::vector<Suspect> suspects{};
   std::vector<Explanation> explanations{};  ///< best first
   std::vector<std::size_t> alike{};  ///< those that the data cannot tell from the best, it first

@@ -3,9 +3,10 @@
 ///
 /// A complex shape is turned to its largest real part; what is left imaginary adds to the shape's
 /// deviation, and so does 2/√significance: a mode that hardly stands above the noise may have part
-/// of a neighbour's shape in its own. Outputs are brought to (x, y, z, rx, ry, rz) of one point by their directions; a mode
-/// of an output set that does not have all six keeps its frequency, and the direction that is
-/// largest among those there are, in proportion to the stated machine's inertia.
+/// of a neighbour's shape in its own. The complex shape is kept beside it. Outputs are brought to
+/// (x, y, z, rx, ry, rz) of one point by their directions; a mode of an output set that does not
+/// have all six keeps its frequency, and the direction that is largest among those there are, in
+/// proportion to the stated machine's inertia.
 
 #include "hydrapod/calibration/targets.hpp"
 #include "hydrapod/identification/identify.hpp"
@@ -33,6 +34,9 @@ struct MeasuredShape {
 /// `name`: what reports call it.
 calibration::ModeTarget mode_target(const MeasuredShape& measured, const std::string& name,
                                     const model::Machine& machine, const MeasuredAt& at);
+
+/// Are all inputs drives of the valves? What is measured is the plant then.
+bool from_drives(const identification::FrequencyResponses& responses);
 
 /// Throws base::InputError when no mode was found, or no output is a direction of the platform.
 calibration::Targets measured_modes(const identification::Identification& identified,
