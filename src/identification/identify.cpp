@@ -219,53 +219,69 @@ double gain(const Identification& before, const Identification& after) {
          (2.0 * static_cast<double>(H[0].rows() + H[0].cols()));
 }
 
-/// Tries a mode more, with this pole at the beginning. It stays if it comes out near there, as
-/// certain as is asked, and everything else stays.
-bool try_one_more(const IdentifyOptions& options, const PoleCluster& like,
-                  std::complex<double> pole, const Certainty& asked, Identification& result) {
+/// Tries `count` modes more, with this pole at the beginning. They stay if they come out near
+/// there, as certain as is asked, and everything else stays.
+bool try_more(const IdentifyOptions& options, const PoleCluster& like, std::complex<double> pole,
+              std::size_t count, const Certainty& asked, Identification& result) {
   auto clusters = fitted_clusters(result);
-  clusters.push_back(like);
-  clusters.back().representative =
-      mode_in_residual(result.responses, result.model, pole, options.fit.taper);
+  const std::size_t before = clusters.size();
+  for (auto& mode :
+       modes_in_residual(result.responses, result.model, pole, count, options.fit.taper)) {
+    clusters.push_back(like);
+    clusters.back().representative = std::move(mode);
+  }
   Identification trial = result;
   fit_and_prune(options, std::move(clusters), trial);
-  if (trial.clusters.size() != result.clusters.size() + 1) return false;
-  const auto& added = trial.model.modes.back();
-  if (std::abs(added.omega() / std::abs(pole) - 1.0) > asked.near ||
-      added.damping_ratio() > options.highest_damping ||
-      added.omega_deviation > asked.frequency * added.omega() ||
-      added.damping_deviation > asked.damping * added.damping_ratio() ||
-      gain(result, trial) < asked.significance)
+  if (trial.clusters.size() != before + count || gain(result, trial) < asked.significance)
     return false;
-  for (std::size_t r = 0; r < result.model.modes.size(); ++r)
+  for (std::size_t r = before; r < before + count; ++r) {
+    const auto& added = trial.model.modes[r];
+    if (std::abs(added.omega() / std::abs(pole) - 1.0) > asked.near ||
+        added.damping_ratio() > options.highest_damping ||
+        added.omega_deviation > asked.frequency * added.omega() ||
+        added.damping_deviation > asked.damping * added.damping_ratio())
+      return false;
+  }
+  for (std::size_t r = 0; r < before; ++r)
     if (!is_near(trial.model.modes[r].pole, result.model.modes[r].pole)) return false;
   result = std::move(trial);
   return true;
 }
 
-/// Modes that hide in the flank of a strong one.
+/// How two nearly equal poles share their damping is hardly determined: that they are two is seen
+/// by what the fit gains.
+IdentifyOptions for_pairs(IdentifyOptions options) {
+  options.largest_damping_deviation = std::max(1.0, options.largest_damping_deviation);
+  return options;
+}
+
+/// Modes that hide in the flank of a strong one: one, or a pair at once, of which one alone is no
+/// resonance.
 void add_hidden_modes(const IdentifyOptions& options, Identification& result) {
   constexpr double sharp = 0.003;
   constexpr Certainty asked{.near = 0.02, .frequency = 0.002, .damping = 0.3};
+  const Certainty of_pair{.near = 0.005,
+                          .frequency = 0.004,
+                          .damping = 1.0,
+                          .significance = 2.0 * options.least_significance};
   constexpr std::size_t most_places = 3;
   bool found = !result.model.modes.empty();
   for (int round = 0; round < 4 && found; ++round) {
     found = false;
     auto places = conspicuous_frequencies(result.responses, result.model, options.fit.taper);
     if (places.size() > most_places) places.resize(most_places);
-    for (const double f : places)
-      if (!found)
-        found = try_one_more(
-            options, PoleCluster{},
-            two_pi * f * std::complex<double>(-sharp, std::sqrt(1 - sharp * sharp)), asked, result);
+    for (const double f : places) {
+      const auto pole = two_pi * f * std::complex<double>(-sharp, std::sqrt(1 - sharp * sharp));
+      found = found || try_more(options, {}, pole, 1, asked, result) ||
+              try_more(for_pairs(options), {}, pole, 2, of_pair, result);
+    }
   }
 }
 
 /// Where a mode stands alone among the weak ones, from number `strong` on, a second one like it is
-/// tried. How two nearly equal poles share their damping is hardly determined: that they are two is
-/// seen by what the fit gains.
-void add_second_of_pairs(IdentifyOptions options, std::size_t strong, Identification& result) {
-  options.largest_damping_deviation = std::max(1.0, options.largest_damping_deviation);
+/// tried.
+void add_second_of_pairs(const IdentifyOptions& given, std::size_t strong, Identification& result) {
+  const auto options = for_pairs(given);
   const Certainty asked{.near = 0.005,
                         .damping = options.largest_damping_deviation,
                         .significance = 0.5 * options.least_significance};
@@ -274,7 +290,7 @@ void add_second_of_pairs(IdentifyOptions options, std::size_t strong, Identifica
     const auto pole = result.model.modes[r].pole;
     const auto close = std::ranges::count_if(
         result.model.modes, [&](const FittedMode& m) { return is_near(m.pole, pole); });
-    if (close == 1) try_one_more(options, result.clusters[r], pole, asked, result);
+    if (close == 1) try_more(options, result.clusters[r], pole, 1, asked, result);
   }
 }
 

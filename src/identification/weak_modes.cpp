@@ -119,8 +119,9 @@ std::vector<double> conspicuous_frequencies(const FrequencyResponses& responses,
   return found;
 }
 
-PoleEstimate mode_in_residual(const FrequencyResponses& responses, const ModalModel& model,
-                              std::complex<double> pole, bool taper) {
+std::vector<PoleEstimate> modes_in_residual(const FrequencyResponses& responses,
+                                            const ModalModel& model, std::complex<double> pole,
+                                            std::size_t count, bool taper) {
   const auto rest = residual_of(responses, model, taper);
   const auto g = PoleBasis(responses, taper).at(pole).g;
   Eigen::MatrixXcd residue = Eigen::MatrixXcd::Zero(rest.H[0].rows(), rest.H[0].cols());
@@ -136,8 +137,11 @@ PoleEstimate mode_in_residual(const FrequencyResponses& responses, const ModalMo
   const Eigen::JacobiSVD<Eigen::MatrixXcd> svd(
       row.cwiseInverse().asDiagonal() * residue * column.cwiseInverse().asDiagonal(),
       Eigen::ComputeThinU | Eigen::ComputeThinV);
-  return {pole, row.asDiagonal() * svd.matrixU().col(0),
-          column.asDiagonal() * svd.matrixV().col(0).conjugate()};
+  std::vector<PoleEstimate> modes;
+  for (Index r = 0; r < std::min(static_cast<Index>(count), svd.matrixU().cols()); ++r)
+    modes.push_back({pole, row.asDiagonal() * svd.matrixU().col(r),
+                     column.asDiagonal() * svd.matrixV().col(r).conjugate()});
+  return modes;
 }
 
 }  // namespace hydrapod::identification

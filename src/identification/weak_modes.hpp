@@ -21,8 +21,10 @@ std::vector<PoleCluster> weak_poles(const FrequencyResponses& responses, const M
 std::vector<double> conspicuous_frequencies(const FrequencyResponses& responses,
                                             const ModalModel& model, bool taper);
 
-/// A mode with this pole: the strongest part of the residue that the residual of `model` has there.
-PoleEstimate mode_in_residual(const FrequencyResponses& responses, const ModalModel& model,
-                              std::complex<double> pole, bool taper);
+/// `count` modes with this pole: the strongest parts of the residue that the residual of `model`
+/// has there.
+std::vector<PoleEstimate> modes_in_residual(const FrequencyResponses& responses,
+                                            const ModalModel& model, std::complex<double> pole,
+                                            std::size_t count, bool taper);
 
 }  // namespace hydrapod::identification
