@@ -1,0 +1,3 @@
+#include "eigen_instances.hpp"
+
+HYDRAPOD_EIGEN_REAL(template)
