@@ -40,33 +40,30 @@ class DifferencedResidual : public ResidualKind {
   int target_;
 };
 
-/// (|λ| − ω_t) / deviation
-class PlantFrequency : public DifferencedResidual {
+double frequency_difference(const ObservedMode& mode, const ModeTarget& wanted) {
+  return (mode.omega() - wanted.omega) / wanted.deviation;
+}
+
+double damping_difference(const ObservedMode& mode, const ModeTarget& wanted) {
+  return (mode.damping_ratio() - *wanted.damping) / wanted.damping_deviation;
+}
+
+/// One number of a mode against its target's, in deviations.
+class PlantNumber : public DifferencedResidual {
  public:
-  using DifferencedResidual::DifferencedResidual;
+  using Difference = double (*)(const ObservedMode&, const ModeTarget&);
+  PlantNumber(int target, Difference difference)
+      : DifferencedResidual(target), difference_(difference) {}
   [[nodiscard]] int size() const override { return 1; }
 
  private:
   [[nodiscard]] Eigen::VectorXd value(const Problem& problem,
                                       const SeenPoint& point) const override {
-    const auto& wanted = problem.targets().modes[target()];
-    return Eigen::VectorXd::Constant(1, (mode(point).omega() - wanted.omega) / wanted.deviation);
+    return Eigen::VectorXd::Constant(1,
+                                     difference_(mode(point), problem.targets().modes[target()]));
   }
-};
 
-/// (−Re λ/|λ| − ζ_t) / deviation
-class PlantDamping : public DifferencedResidual {
- public:
-  using DifferencedResidual::DifferencedResidual;
-  [[nodiscard]] int size() const override { return 1; }
-
- private:
-  [[nodiscard]] Eigen::VectorXd value(const Problem& problem,
-                                      const SeenPoint& point) const override {
-    const auto& wanted = problem.targets().modes[target()];
-    return Eigen::VectorXd::Constant(
-        1, (mode(point).damping_ratio() - *wanted.damping) / wanted.damping_deviation);
-  }
+  Difference difference_;
 };
 
 /// (1 − A Wᴴ) u / deviation, as of mechanics (residuals.cpp): real parts, then imaginary ones.
@@ -98,8 +95,8 @@ void add_plant_residuals(const Targets& targets,
                          std::vector<std::unique_ptr<ResidualKind>>& kinds) {
   for (int i = 0; i < static_cast<int>(targets.modes.size()); ++i) {
     const auto& target = targets.modes[i];
-    kinds.push_back(std::make_unique<PlantFrequency>(i));
-    if (target.damping) kinds.push_back(std::make_unique<PlantDamping>(i));
+    kinds.push_back(std::make_unique<PlantNumber>(i, frequency_difference));
+    if (target.damping) kinds.push_back(std::make_unique<PlantNumber>(i, damping_difference));
     if (target.shape) kinds.push_back(std::make_unique<PlantShape>(i));
   }
 }

@@ -101,7 +101,7 @@ class ShapeResidual : public ResidualKind {
     // of the start: else the residual would move with the platform's mass
     const Matrix6 root = problem.metric(target_).asDiagonal();
     const Vector6 u = (root * *target.shape).normalized();
-    const Matrix6 at_point = to_point(point, target);
+    const Matrix6 at_point = to_target_point(point.model, target);
     const auto members = modal::neighbours(point.modes, mode, seen_as_one);
     Eigen::MatrixXd A(6, members.size());
     for (std::size_t k = 0; k < members.size(); ++k)
@@ -129,15 +129,6 @@ class ShapeResidual : public ResidualKind {
   }
 
  private:
-  /// Motion of the target's point per motion of the mass centre.
-  static Matrix6 to_point(const ModePoint& point, const ModeTarget& target) {
-    Matrix6 A = Matrix6::Identity();
-    if (target.shape_point)
-      A.topRightCorner<3, 3>() =
-          -spatial::skew(point.model.X_BP * *target.shape_point - point.model.p_BC);
-    return A;
-  }
-
   /// What the point's motion changes by when parameter j moves the mass centre.
   static Vector6 moving_center(const ModePoint& point, const ModeTarget& target, int j,
                                const Vector6& motion) {
@@ -193,6 +184,17 @@ class AdmissibilityResidual : public ResidualKind {
   int constraints_;
 };
 
+/// Frequency, damping and shape of one target each, of mechanics.
+void add_mechanics_residuals(const Targets& targets,
+                             std::vector<std::unique_ptr<ResidualKind>>& kinds) {
+  for (int i = 0; i < static_cast<int>(targets.modes.size()); ++i) {
+    const auto& target = targets.modes[i];
+    kinds.push_back(std::make_unique<FrequencyResidual>(i));
+    if (target.damping) kinds.push_back(std::make_unique<DampingResidual>(i));
+    if (target.shape) kinds.push_back(std::make_unique<ShapeResidual>(i));
+  }
+}
+
 }  // namespace
 
 std::vector<std::unique_ptr<ResidualKind>> make_residuals(const Targets& targets,
@@ -200,14 +202,10 @@ std::vector<std::unique_ptr<ResidualKind>> make_residuals(const Targets& targets
                                                           bool hold_to_physics,
                                                           std::size_t constraints) {
   std::vector<std::unique_ptr<ResidualKind>> kinds;
-  if (targets.observed == Observed::plant) add_plant_residuals(targets, kinds);
-  for (int i = 0; i < static_cast<int>(targets.modes.size()); ++i) {
-    if (targets.observed == Observed::plant) break;
-    const auto& target = targets.modes[i];
-    kinds.push_back(std::make_unique<FrequencyResidual>(i));
-    if (target.damping) kinds.push_back(std::make_unique<DampingResidual>(i));
-    if (target.shape) kinds.push_back(std::make_unique<ShapeResidual>(i));
-  }
+  if (targets.observed == Observed::plant)
+    add_plant_residuals(targets, kinds);
+  else
+    add_mechanics_residuals(targets, kinds);
   for (int j = 0; j < static_cast<int>(variables.size()); ++j)
     if (variables[j].prior) kinds.push_back(std::make_unique<PriorResidual>(j));
   if (hold_to_physics)
