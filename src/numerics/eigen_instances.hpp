@@ -2,8 +2,8 @@
 /// Eigen's decompositions and kernels of dynamic size, compiled once for the whole project.
 ///
 /// Part of the precompiled headers of library, program and tests: what is listed here is declared
-/// `extern` there, and its code comes from numerics/eigen_*.cpp. Files with a decomposition take half
-/// the time to compile for it; results are the same. The kernels are internal to Eigen 3.4.
+/// `extern` there, and its code comes from numerics/eigen_*.cpp. Files with a decomposition take
+/// half the time to compile for it; results are the same. The kernels are internal to Eigen 3.4.
 
 #include <Eigen/Dense>
 #include <complex>
