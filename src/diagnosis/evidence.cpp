@@ -176,6 +176,17 @@ model::MachineFile Evidence::file_at(const Explanation& e) const {
   return file;
 }
 
+namespace {
+
+/// A fit that began elsewhere still differs from what the file states.
+void keep_stated(const calibration::Candidate& from, calibration::Candidate& fit) {
+  for (auto& p : fit.parameters)
+    for (const auto& known : from.parameters)
+      if (known.paths == p.paths) p.start = known.start;
+}
+
+}  // namespace
+
 Explanation Evidence::search(const std::vector<std::size_t>& blamed, const Targets& targets,
                              const Explanation* known, const calibration::Progress& stop) const {
   Explanation e{.suspects = blamed, .kind = kind_with(blamed)};
@@ -196,6 +207,7 @@ Explanation Evidence::search(const std::vector<std::size_t>& blamed, const Targe
     }
   }
   e.fit = calibration::calibrate(file_with(e), targets, plan, e.kind, stop).best();
+  if (known != nullptr) keep_stated(known->fit, e.fit);
   e.misfit = e.fit.misfit;
   e.parameters = static_cast<int>(plan.free.size());
   e.by_mechanics = of_plant();
@@ -239,6 +251,7 @@ void Evidence::polish(Explanation& e, const Targets& targets, bool and_stated,
     }
   }
   if (!best) return;
+  keep_stated(e.fit, *best);
   e.fit = std::move(*best);
   e.misfit = e.fit.misfit;
   e.by_mechanics = false;

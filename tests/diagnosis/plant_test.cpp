@@ -39,6 +39,9 @@ TEST(DiagnosePlant, TellsTheSleevesOfAllLegsThoughTheirKneeLiesBesideXAndY) {
   ASSERT_NE(sleeves, nullptr);
   EXPECT_FALSE(sleeves->by_mechanics);
   EXPECT_NEAR(sleeves->fit.parameters[0].value, 0.12586e6, 0.01 * 0.12586e6);
+  // what the file states, not where the last fit began
+  const auto stated = test::machine_file(soft_sleeves.text(), {}).machine;
+  EXPECT_DOUBLE_EQ(sleeves->fit.parameters[0].start, stated.legs[0].guide_sleeve.stiffness);
   // the same taken for modes of mechanics
   const auto other = test::run_blind(soft_sleeves, taken_for_mechanics);
   EXPECT_FALSE(other.first) << test::verdict(other.diagnosis);
