@@ -125,8 +125,8 @@ FittedTarget of_mechanics(const Problem& problem, const State& state, std::size_
                   modal::modal_ratio(state.machine).value;
   }
   if (target.shape)
-    fit.shape_mac =
-        resonance_mac(point.model, point.modes, fit.mode, shape_at_center(point.model, target));
+    fit.shape_mac = resonance_mac(point.model, point.modes, fit.mode,
+                                  shape_at_center(point.model, target), target.shape_against);
   return fit;
 }
 

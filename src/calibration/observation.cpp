@@ -21,6 +21,19 @@ Eigen::VectorXd tangent_scales(const simulation::Plant& plant) {
   return tangent;
 }
 
+/// Motion of the base at the origin of B in the modes `V`, columns in units of the states.
+Eigen::Matrix<Complex, 6, Eigen::Dynamic> base_motion(const simulation::Plant& plant,
+                                                      const Eigen::MatrixXcd& V,
+                                                      const Eigen::VectorXd& scales) {
+  Eigen::Matrix<Complex, 6, Eigen::Dynamic> motion =
+      Eigen::Matrix<Complex, 6, Eigen::Dynamic>::Zero(6, V.cols());
+  const auto& base = plant.base();
+  const int first = plant.layout().base - 1;  // a small change has one state less
+  for (int k = 0; k < base.count; ++k)
+    motion.row(base.directions[static_cast<std::size_t>(k)]) = scales[first + k] * V.row(first + k);
+  return motion;
+}
+
 }  // namespace
 
 Eigen::Matrix<Complex, 6, 6> Observation::response(Complex s) const {
@@ -47,13 +60,19 @@ Observation observe_plant(const model::Machine& machine, const spatial::Pose& X_
   seen.output = motion.topRows<6>();
   seen.input = V.partialPivLu().solve(
       (scales.cwiseInverse().asDiagonal() * linear.B.leftCols<6>()).cast<Complex>());
+  spatial::Matrix6 to_center = spatial::Matrix6::Identity();
+  to_center.topRightCorner<3, 3>() = -spatial::skew(seen.mechanics.p_BC);
+  const auto base = base_motion(plant, V, scales);
   for (Eigen::Index k = 0; k < seen.poles.size(); ++k) {
     if (!(seen.poles[k].imag() > 0.0)) continue;
-    ObservedMode mode{.pole = seen.poles[k], .shape = motion.col(k)};
+    ObservedMode mode{
+        .pole = seen.poles[k], .shape = motion.col(k), .against_base = motion.col(k).head<6>()};
+    mode.shape.head<6>() += to_center.cast<Complex>() * base.col(k);
     const Eigen::VectorXcd momentum = seen.mechanics.M.cast<Complex>() * mode.shape;
     const double energy = mode.shape.dot(momentum).real();
     if (!(energy > 0.0)) continue;  // oil and valves alone
     mode.shape /= std::sqrt(energy);
+    mode.against_base /= std::sqrt(energy);
     mode.input = seen.input.row(k) * std::sqrt(energy);
     seen.modes.push_back(std::move(mode));
   }

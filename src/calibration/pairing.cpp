@@ -99,30 +99,39 @@ Matrix regularised_of(const Matrix& A) {
 Eigen::MatrixXd regularised(const Eigen::MatrixXd& A) { return regularised_of(A); }
 Eigen::MatrixXcd regularised(const Eigen::MatrixXcd& A) { return regularised_of(A); }
 
+spatial::Matrix6 seen_motion(const dynamics::LinearModel& model, MotionAgainst against) {
+  return against == MotionAgainst::base ? model.against_base : spatial::Matrix6::Identity();
+}
+
 double resonance_mac(const dynamics::LinearModel& model, const dynamics::NormalModes& modes, int k,
-                     const Vector6& shape) {
+                     const Vector6& shape, MotionAgainst against) {
   if (platform_mac(model, modes, k, modes.shapes.col(k).head<6>()) == 0.0) return 0.0;  // not felt
   const Eigen::LLT<spatial::Matrix6> llt(model.platform_mass);
   if (llt.info() != Eigen::Success) return 0.0;
   const spatial::Matrix6 root = llt.matrixU();
+  const spatial::Matrix6 seen = root * seen_motion(model, against);
   const auto members = modal::neighbours(modes, k, seen_as_one);
   Eigen::MatrixXd A(6, members.size());
   for (std::size_t i = 0; i < members.size(); ++i)
-    A.col(static_cast<Eigen::Index>(i)) = root * modes.shapes.col(members[i]).head<6>();
+    A.col(static_cast<Eigen::Index>(i)) = seen * modes.shapes.col(members[i]).head<6>();
   const Vector6 u = (root * shape).normalized();
   return u.dot(A * (regularised(A).transpose() * u));
 }
 
 namespace {
 
-/// The modes in the metric of the platform's mass, looked at once for all targets.
+/// The modes in the metric of the platform's mass, looked at once for all targets that see the
+/// same.
 class ShownModes {
  public:
-  ShownModes(const dynamics::LinearModel& model, const dynamics::NormalModes& modes)
+  ShownModes(const dynamics::LinearModel& model, const dynamics::NormalModes& modes,
+             MotionAgainst against)
       : modes_(modes), llt_(model.platform_mass) {
     // on its way a fit may try a platform whose inertia no body has
     sound_ = llt_.info() == Eigen::Success;
-    if (sound_) motions_ = llt_.matrixU() * modes.shapes.topRows<6>();
+    if (sound_)
+      motions_ = spatial::Matrix6(llt_.matrixU()) * seen_motion(model, against) *
+                 modes.shapes.topRows<6>();
   }
 
   /// Modes that are seen as one show the shape together; among them the one is meant that the
@@ -174,7 +183,9 @@ Vector6 shape_at_center(const dynamics::LinearModel& model, const ModeTarget& ta
 
 std::vector<int> pair_modes(const dynamics::LinearModel& model, const dynamics::NormalModes& modes,
                             std::span<const ModeTarget* const> targets) {
-  ShownModes shown(model, modes);
+  std::map<MotionAgainst, ShownModes> shown;
+  for (const auto* target : targets)
+    shown.try_emplace(target->shape_against, model, modes, target->shape_against);
   Eigen::MatrixXd cost(targets.size(), modes.size());
   for (Eigen::Index i = 0; i < cost.rows(); ++i)
     for (int k = 0; k < modes.size(); ++k) {
@@ -184,7 +195,7 @@ std::vector<int> pair_modes(const dynamics::LinearModel& model, const dynamics::
       if (cost(i, k) > hopeless) {
         cost(i, k) += wrong_shape;
       } else if (target.shape) {
-        cost(i, k) += shown.shape_cost(k, shape_at_center(model, target));
+        cost(i, k) += shown.at(target.shape_against).shape_cost(k, shape_at_center(model, target));
       } else if (target.direction) {
         cost(i, k) += wrong_shape * (1.0 - direction_share(model, modes, k, *target.direction));
       }

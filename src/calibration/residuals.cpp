@@ -102,11 +102,12 @@ class ShapeResidual : public ResidualKind {
     const Matrix6 root = problem.metric(target_).asDiagonal();
     const Vector6 u = (root * *target.shape).normalized();
     const Matrix6 at_point = to_target_point(point.model, target);
+    const Matrix6 seen = seen_motion(point.model, target.shape_against);
     const auto members = modal::neighbours(point.modes, mode, seen_as_one);
     Eigen::MatrixXd A(6, members.size());
     for (std::size_t k = 0; k < members.size(); ++k)
       A.col(static_cast<Eigen::Index>(k)) =
-          root * at_point * point.modes.shapes.col(members[k]).head<6>();
+          root * at_point * seen * point.modes.shapes.col(members[k]).head<6>();
     const Eigen::MatrixXd W = regularised(A);
     r = (u - A * (W.transpose() * u)) / target.shape_deviation;
     if (J == nullptr) return;
@@ -116,19 +117,31 @@ class ShapeResidual : public ResidualKind {
       dphi.push_back(modal::shape_derivatives(point.modes, k, point.derivatives, seen_as_one));
     for (int j = 0; j < problem.size(); ++j) {
       Eigen::MatrixXd dA(6, members.size());
-      for (std::size_t k = 0; k < members.size(); ++k)
+      for (std::size_t k = 0; k < members.size(); ++k) {
+        const Vector6 motion = point.modes.shapes.col(members[k]).head<6>();
+        const Vector6 change =
+            seen * dphi[k].col(j).head<6>() + moving_base(point, target, j) * motion;
         dA.col(static_cast<Eigen::Index>(k)) =
-            root * (at_point * dphi[k].col(j).head<6>() +
-                    moving_center(point, target, j, point.modes.shapes.col(members[k]).head<6>()));
+            root * (at_point * change + moving_center(point, target, j, seen * motion));
+      }
       const Eigen::VectorXd p = W.transpose() * u;
-      const Eigen::VectorXd dP_u =
-          dA * p + W * (dA.transpose() * u) -
-          W * (dA.transpose() * (A * p) + A.transpose() * (dA * p)) / regularised_gain;
+      const Eigen::VectorXd dP_u = dA * p + W * (dA.transpose() * u) -
+                                   W *
+                                       (dA.transpose() * (A * p) + A.transpose() * (dA * p) +
+                                        regularising_change(A, dA) * p) /
+                                       regularised_gain;
       J->col(j) = -dP_u / target.shape_deviation;
     }
   }
 
  private:
+  /// What ε changes by, see regularised().
+  static double regularising_change(const Eigen::MatrixXd& A, const Eigen::MatrixXd& dA) {
+    Eigen::Index largest = 0;
+    A.colwise().squaredNorm().maxCoeff(&largest);
+    return 2.0 * weak_mode * A.col(largest).dot(dA.col(largest));
+  }
+
   /// What the point's motion changes by when parameter j moves the mass centre.
   static Vector6 moving_center(const ModePoint& point, const ModeTarget& target, int j,
                                const Vector6& motion) {
@@ -137,6 +150,13 @@ class ShapeResidual : public ResidualKind {
       change.head<3>() =
           -motion.tail<3>().cross(point.center_derivatives[static_cast<std::size_t>(j)]);
     return change;
+  }
+
+  /// What is seen of the motion changes by this per motion when parameter j changes the mount or
+  /// what stands on it.
+  static Matrix6 moving_base(const ModePoint& point, const ModeTarget& target, int j) {
+    if (target.shape_against == MotionAgainst::ground) return Matrix6::Zero();
+    return point.against_base_derivatives[static_cast<std::size_t>(j)];
   }
 
   int target_;

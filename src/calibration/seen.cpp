@@ -122,7 +122,7 @@ Vector6c shown_part(const Observation& seen, const std::vector<int>& modes,
   Eigen::MatrixXcd A = Eigen::MatrixXcd::Zero(6, 6);
   for (const int k : modes) {
     const auto& mode = seen.modes[static_cast<std::size_t>(k)];
-    A += map * mode.motion() * mode.input;
+    A += map * mode.motion(target.shape_against) * mode.input;
   }
   if (!target.complex_shape)
     for (int column = 0; column < 6; ++column) A.col(column) = turned_to_real(A.col(column));

@@ -72,6 +72,7 @@ ModePoint mode_point(const model::VariableMachine& machine, const std::vector<do
     point.derivatives.push_back({(above.M - below.M) / (2.0 * h), (above.K - below.K) / (2.0 * h),
                                  (above.C - below.C) / (2.0 * h)});
     point.center_derivatives.push_back((above.p_BC - below.p_BC) / (2.0 * h));
+    point.against_base_derivatives.push_back((above.against_base - below.against_base) / (2.0 * h));
     sizes[static_cast<Eigen::Index>(j)] = scales[j];
   }
   modal::turn_repeated(point.modes, point.derivatives, sizes);

@@ -120,8 +120,9 @@ class CsvReader {
     separator_ = line.find(';') != std::string::npos    ? ';'
                  : line.find('\t') != std::string::npos ? '\t'
                                                         : ',';
-    static constexpr std::array<std::string_view, 7> words{
-        "frequency", "direction", "deviation", "damping", "pose", "name", "damping_deviation"};
+    static constexpr std::array<std::string_view, 8> words{
+        "frequency", "direction", "deviation",         "damping",
+        "pose",      "name",      "damping_deviation", "shape_against"};
     for (const auto& cell : cells_of(line, separator_)) {
       titles_.push_back(title_of(cell.text));
       const auto& name = titles_.back().name;
@@ -210,6 +211,7 @@ class CsvReader {
       if (name == "deviation") deviation = deviation_of(cell, titles_[i]);
       if (name == "damping") mode.damping = number(cell, titles_[i], "1");
       if (name == "damping_deviation") mode.damping_deviation = damping_deviation(cell, titles_[i]);
+      if (name == "shape_against") mode.shape_against = shape_against(cell);
       if (name == "pose") mode.pose = cell.text;
       if (name == "name") mode.name = cell.text;
       if (const int k = direction_index(name); k >= 0) {
@@ -226,6 +228,14 @@ class CsvReader {
     fault(cell.column, "direction",
           fmt::format("is \"{}\", expected one of {}", base::printable(cell.text),
                       fmt::join(direction_names, ", ")));
+    return {};
+  }
+
+  MotionAgainst shape_against(const Cell& cell) {
+    for (const auto against : {MotionAgainst::ground, MotionAgainst::base})
+      if (cell.text == calibration::name(against)) return against;
+    fault(cell.column, "shape_against",
+          fmt::format("is \"{}\", expected ground or base", base::printable(cell.text)));
     return {};
   }
 

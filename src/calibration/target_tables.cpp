@@ -130,7 +130,7 @@ class TargetReader {
   void read_mode(const Value& at, Targets& targets) {
     check_keys(*at.node, at.path,
                {"frequency", "repeated", "direction", "deviation", "weight", "damping",
-                "damping_deviation", "shape", "shape_deviation", "pose", "name"},
+                "damping_deviation", "shape", "shape_deviation", "shape_against", "pose", "name"},
                faults_);
     const Section table = Section::at(*at.node, at.path, faults_);
     ModeTarget mode;
@@ -184,7 +184,13 @@ class TargetReader {
 
   void read_shape(const Section& table, ModeTarget& mode) {
     const auto value = table.find("shape");
-    if (!value) return;
+    if (!value) {
+      if (const auto against = table.find("shape_against"))
+        table.report(against, "there is no `shape` that it would be about");
+      return;
+    }
+    constexpr std::string_view words[]{"ground", "base"};
+    mode.shape_against = static_cast<MotionAgainst>(table.word("shape_against", words));
     if (!value.node->is_table())
       return table.report(value,
                           "expected the platform's motion as a table, for instance "

@@ -32,6 +32,10 @@ const char* name(Observed observed) {
   return observed == Observed::mechanics ? "mechanics" : "plant";
 }
 
+const char* name(MotionAgainst against) {
+  return against == MotionAgainst::base ? "base" : "ground";
+}
+
 Targets parse_targets(const std::string& text, const std::string& file_name) {
   std::string ending = std::filesystem::path(file_name).extension().string();
   for (char& c : ending) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));

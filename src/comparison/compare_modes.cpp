@@ -8,6 +8,7 @@
 #include <set>
 
 #include "hydrapod/calibration/pairing.hpp"
+#include "hydrapod/identification/directions.hpp"
 #include "hydrapod/kinematics/inverse.hpp"
 
 namespace hydrapod::comparison {
@@ -33,6 +34,7 @@ bool is_angle(const data::Channel& channel) { return channel.unit.starts_with("r
 /// Outputs that see the platform's motion, and their weights.
 struct Comparable {
   std::vector<int> outputs{};
+  std::vector<bool> against_ground{};
   MatrixXd map{};  ///< weighted: outputs × 6
   VectorXd weight{};
 };
@@ -49,6 +51,8 @@ Comparable comparable(const std::vector<data::Channel>& channels, const Comparis
   some.weight.resize(count);
   for (Index k = 0; k < count; ++k) {
     const int o = some.outputs[static_cast<std::size_t>(k)];
+    some.against_ground.push_back(
+        identification::against_ground(channels[static_cast<std::size_t>(o)]));
     some.weight[k] = is_angle(channels[static_cast<std::size_t>(o)]) ? gyration : 1.0;
     some.map.row(k) = some.weight[k] * all.row(o);
   }
@@ -96,8 +100,11 @@ Shapes shapes_of(const identification::Identification& found, const std::vector<
       shapes.measured(k, static_cast<Index>(r)) =
           some.weight[k] * found.modes[r].displacement[some.outputs[static_cast<std::size_t>(k)]];
   for (std::size_t m = 0; m < model.size(); ++m)
-    shapes.model.col(static_cast<Index>(m)) =
-        some.map.cast<std::complex<double>>() * model[m].motion;
+    for (Index k = 0; k < rows; ++k)
+      shapes.model(k, static_cast<Index>(m)) =
+          some.map.row(k).cast<std::complex<double>>() *
+          (some.against_ground[static_cast<std::size_t>(k)] ? model[m].motion
+                                                            : model[m].against_base);
   for (std::size_t m = 0; m < model.size(); ++m) {
     const double whole = model[m].motion.norm() * some.map.norm();
     shapes.seen.push_back(

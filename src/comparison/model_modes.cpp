@@ -22,11 +22,14 @@ constexpr std::array<std::string_view, 3> descriptions{
 std::vector<ModelMode> of_mechanics(const model::Machine& machine, const spatial::Pose& X_BP,
                                     dynamics::ModelKind kind) {
   std::vector<ModelMode> modes;
-  for (const auto& entry : modal::mode_table(machine, X_BP, kind).real.modes) {
+  const auto table = modal::mode_table(machine, X_BP, kind);
+  const auto seen = table.real.linear.against_base.cast<std::complex<double>>().eval();
+  for (const auto& entry : table.real.modes) {
     if (!(entry.mode.pole.imag() > 0.0)) continue;
     ModelMode mode{.pole = entry.mode.pole, .label = entry.label, .felt = entry.platform_feels};
     mode.motion.real() = entry.mode.real.head<6>();
     mode.motion.imag() = entry.mode.imaginary.head<6>();
+    mode.against_base = seen * mode.motion;
     modes.push_back(std::move(mode));
   }
   return modes;
@@ -63,7 +66,8 @@ std::vector<ModelMode> of_system(const model::Machine& machine, const spatial::P
   for (const auto& pole : poles.poles)
     if (pole.oscillates())
       modes.push_back({.pole = pole.pole,
-                       .motion = T.cast<std::complex<double>>() * pole.motion,
+                       .motion = T.cast<std::complex<double>>() * pole.ground_motion,
+                       .against_base = T.cast<std::complex<double>>() * pole.motion,
                        .label = part_text(pole),
                        .felt = platform_share(pole) >= modal::felt_by_platform});
   return modes;

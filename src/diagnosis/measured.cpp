@@ -9,6 +9,7 @@
 
 #include "hydrapod/base/error.hpp"
 #include "hydrapod/diagnosis/resonances.hpp"
+#include "hydrapod/identification/directions.hpp"
 
 namespace hydrapod::diagnosis {
 
@@ -50,6 +51,15 @@ std::array<std::complex<double>, 6> turned(const std::array<std::complex<double>
 
 }  // namespace
 
+calibration::MotionAgainst motion_against(const std::vector<data::Channel>& outputs) {
+  const auto from_base = [](const data::Channel& output) {
+    const int code = std::abs(static_cast<int>(output.direction));
+    return code >= 1 && code <= 6 && !identification::against_ground(output);
+  };
+  return std::ranges::any_of(outputs, from_base) ? calibration::MotionAgainst::base
+                                                 : calibration::MotionAgainst::ground;
+}
+
 calibration::ModeTarget mode_target(const MeasuredShape& measured, const std::string& name,
                                     const model::Machine& machine, const MeasuredAt& at) {
   calibration::ModeTarget target{.name = name,
@@ -82,6 +92,7 @@ calibration::ModeTarget mode_target(const MeasuredShape& measured, const std::st
   if (known < 6) return target;
   target.shape = shape;
   target.shape_point = at.point;
+  if (at.against) target.shape_against = *at.against;
   const double hidden = measured.significance > 0.0 ? 2.0 / std::sqrt(measured.significance) : 0.0;
   const auto deviation = [&](const Vector6& error, double size) {
     return std::hypot(std::sqrt(error.cwiseAbs2().dot(M.diagonal()) / size), hidden);
@@ -99,11 +110,13 @@ bool from_drives(const identification::FrequencyResponses& responses) {
 }
 
 calibration::Targets measured_modes(const identification::Identification& identified,
-                                    const model::Machine& machine, const MeasuredAt& at) {
+                                    const model::Machine& machine, const MeasuredAt& where) {
   calibration::Targets targets{.title = "identified modes"};
   if (identified.modes.empty())
     throw base::InputError({{.message = "no mode was found in the measurement"}});
   const auto& outputs = identified.responses.outputs;
+  auto at = where;
+  if (!at.against) at.against = motion_against(outputs);
   if (from_drives(identified.responses)) targets.observed = calibration::Observed::plant;
   for (const auto& mode : identified.modes) {
     MeasuredShape measured{.omega = mode.fit.omega(),

@@ -110,6 +110,12 @@ CrossSpectra to_platform(const CrossSpectra& spectra, const std::vector<int>& ch
   return result;
 }
 
+bool against_ground(const data::Channel& channel) {
+  const auto& unit = channel.unit;
+  return channel.direction < data::Direction::leg1 &&
+         (unit.ends_with("/s^2") || unit.ends_with("s^-2") || unit.ends_with("/s2"));
+}
+
 std::optional<std::vector<int>> leg_channels(const CrossSpectra& spectra, data::Role role) {
   std::vector<int> legs(6, -1);
   for (std::size_t c = 0; c < spectra.channels.size(); ++c) {

@@ -182,6 +182,17 @@ std::complex<double> element(const Json& vector, std::size_t o, const std::strin
   return {part("re"), part("im")};
 }
 
+/// Units and directions of the outputs.
+std::vector<data::Channel> outputs_of(const Json& json) {
+  std::vector<data::Channel> outputs;
+  for (const auto& output : json["outputs"])
+    if (output.is_object())
+      outputs.push_back({.unit = output.value("unit", ""),
+                         .direction = data::direction_from_text(output.value("direction", ""))
+                                          .value_or(data::Direction::none)});
+  return outputs;
+}
+
 /// Does it say of its inputs that they drive the valves?
 bool inputs_are_drives(const Json& json) {
   const auto inputs = json.find("inputs");
@@ -194,13 +205,15 @@ bool inputs_are_drives(const Json& json) {
 }  // namespace
 
 calibration::Targets modes_from_json(const Json& json, const std::string& file,
-                                     const model::Machine& machine, const MeasuredAt& at) {
+                                     const model::Machine& machine, const MeasuredAt& where) {
   constexpr double band = 1.96, nan = std::numeric_limits<double>::quiet_NaN();
   for (const char* key : {"modes", "outputs"})
     if (!json.contains(key) || !json[key].is_array())
       bad(file, key, "is missing; `hydrapod identify RECORD --format json` writes such a file");
   if (json["modes"].empty()) bad(file, "modes", "is empty: no mode was identified");
   calibration::Targets targets{.title = file};
+  auto at = where;
+  if (!at.against) at.against = diagnosis::motion_against(outputs_of(json));
   if (inputs_are_drives(json)) targets.observed = calibration::Observed::plant;
   for (const auto& mode : json["modes"]) {
     if (!mode.is_object()) bad(file, "modes", "holds something that is no mode");

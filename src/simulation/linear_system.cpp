@@ -108,6 +108,17 @@ Eigen::VectorXd tangent_scales(const Plant& plant) {
   return tangent;
 }
 
+/// Motion that the base's states give a point at `r`: 6 × states of the plant.
+MatrixXd carried_by_base(const Plant& plant, const Vector3& r) {
+  const auto& layout = plant.layout();
+  const auto& base = plant.base();
+  MatrixXd rows = MatrixXd::Zero(6, layout.tangent());
+  for (int k = 0; k < base.count; ++k)
+    rows.col(layout.base - 1 + k) =
+        dynamics::carried(spatial::Vector6::Unit(base.directions[static_cast<size_t>(k)]), r);
+  return rows;
+}
+
 /// What the loop is made of.
 struct Pieces {
   LinearPlant plant{};
@@ -261,6 +272,8 @@ LinearSystem linear_system(const model::Machine& machine, const Pose& X_BP,
   }
   system.C = MatrixXd::Zero(6, system.A.rows());
   system.C.leftCols(n) = origin_from_center(machine, X_BP) * pieces.plant.C.topRows(6);
+  system.C_ground = system.C;
+  system.C_ground.leftCols(n) += carried_by_base(plant, X_BP.p_BP);
   const Eigen::VectorXd plant_scales = system.scales;
   system.scales = Eigen::VectorXd::Ones(system.A.rows());
   system.scales.head(n) = plant_scales;

@@ -106,9 +106,11 @@ SystemPoles system_poles(const LinearSystem& system) {
       if (group[j] == group[k])
         diagonal += V.col(order[j]).cwiseProduct(W.row(order[j]).transpose());
     found.poles.push_back(described(poles[order[k]], group[k], diagonal.cwiseAbs(), system.parts));
-    if (system.C.rows() == 6 && system.scales.size() == V.rows())
-      found.poles.back().motion =
-          system.C.cast<Complex>() * system.scales.cast<Complex>().cwiseProduct(V.col(order[k]));
+    if (system.scales.size() != V.rows()) continue;
+    const Eigen::VectorXcd v = system.scales.cast<Complex>().cwiseProduct(V.col(order[k]));
+    if (system.C.rows() == 6) found.poles.back().motion = system.C.cast<Complex>() * v;
+    if (system.C_ground.rows() == 6)
+      found.poles.back().ground_motion = system.C_ground.cast<Complex>() * v;
   }
   found.largest_real = found.poles.empty() ? -std::numeric_limits<double>::infinity()
                                            : found.poles.front().pole.real();

@@ -29,6 +29,7 @@ repeated = 2
 pose = "raised"
 weight = 4
 shape = { x = 1, ry = "-5 deg" }
+shape_against = "base"
 [[free]]
 path = ["platform.inertia.xx", "platform.inertia.yy"]
 start = "30 kg m^2"
@@ -59,6 +60,8 @@ loss = "cauchy"
   EXPECT_DOUBLE_EQ(raised.omega, 71.0);
   EXPECT_DOUBLE_EQ(raised.deviation, 0.02 * two_pi / 4.0);
   EXPECT_NEAR((*raised.shape)[4], -5.0 * std::numbers::pi / 180.0, 1e-15);
+  EXPECT_EQ(raised.shape_against, MotionAgainst::base);
+  EXPECT_EQ(x.shape_against, MotionAgainst::ground);
   ASSERT_EQ(targets.plan.free.size(), 1U);
   EXPECT_EQ(targets.plan.free[0].paths.size(), 2U);
   EXPECT_EQ(*targets.plan.free[0].upper, "90");
@@ -71,15 +74,16 @@ loss = "cauchy"
 TEST(Targets, AreReadFromCsv) {
   const auto targets = parse_targets(
       "# measured in June\n"
-      "frequency [Hz],direction,deviation [Hz],damping [%],pose,x,ry\r\n"
-      "11.3,x,0.05,3.1,neutral,1,-0.2\r\n"
-      "\"22.82\",z,,,raised,,\r\n",
+      "frequency [Hz],direction,deviation [Hz],damping [%],pose,x,ry,shape_against\r\n"
+      "11.3,x,0.05,3.1,neutral,1,-0.2,base\r\n"
+      "\"22.82\",z,,,raised,,,\r\n",
       "june.csv");
   ASSERT_EQ(targets.modes.size(), 2U);
   EXPECT_DOUBLE_EQ(targets.modes[0].omega, 11.3 * two_pi);
   EXPECT_DOUBLE_EQ(targets.modes[0].deviation, 0.05 * two_pi);
   EXPECT_DOUBLE_EQ(*targets.modes[0].damping, 0.031);
   EXPECT_DOUBLE_EQ((*targets.modes[0].shape)[4], -0.2);
+  EXPECT_EQ(targets.modes[0].shape_against, MotionAgainst::base);
   EXPECT_FALSE(targets.modes[1].shape);
   EXPECT_EQ(targets.modes[1].pose, "raised");
   EXPECT_DOUBLE_EQ(targets.modes[1].deviation, default_deviation * 22.82 * two_pi);
@@ -153,6 +157,14 @@ INSTANTIATE_TEST_SUITE_P(
             "Damping", "t.toml", "[[mode]]\nfrequency = \"3 Hz\"\ndamping = 2\n",
             "t.toml:3:11: error: mode[0].damping: is 2, expected a damping ratio of at least 0 and "
             "below 1"},
+        Wrong{"ShapeAgainstFloor", "t.toml",
+              "[[mode]]\nfrequency = \"3 Hz\"\nshape = { x = 1 }\nshape_against = \"floor\"\n",
+              "t.toml:4:17: error: mode[0].shape_against: is the string \"floor\", expected "
+              "\"ground\" or \"base\""},
+        Wrong{"AgainstWithoutShape", "t.toml",
+              "[[mode]]\nfrequency = \"3 Hz\"\nshape_against = \"base\"\n",
+              "t.toml:3:17: error: mode[0].shape_against: there is no `shape` that it would be "
+              "about"},
         Wrong{"Infinite", "t.toml", "[[mode]]\nfrequency = inf\n",
               "t.toml:2:13: error: mode[0].frequency: is inf without a unit; write \"inf Hz\" or "
               "\"inf rad/s\", or say `frequency_unit = \"Hz\"` at the top of the file"},
@@ -198,6 +210,8 @@ INSTANTIATE_TEST_SUITE_P(
               "below 1"},
         Wrong{"DampingDeviation", "t.csv", "frequency [Hz],damping_deviation\n11.3,0\n",
               "t.csv:2:6: error: damping_deviation: expected more than 0"},
+        Wrong{"ShapeAgainst", "t.csv", "frequency [Hz],x,shape_against\n11.3,1,floor\n",
+              "t.csv:2:8: error: shape_against: is \"floor\", expected ground or base"},
         Wrong{"Huge", "t.csv", "frequency [Hz]\n1e305\n",
               "t.csv:2:1: error: frequency: is 1e+305 Hz, expected 1e-06 to 1e+06 Hz"},
         Wrong{"Twice", "t.csv", "frequency [Hz],x,x\n1,2,3\n",

@@ -15,9 +15,6 @@ struct RecordSetting {
   double sensors{1.0};     ///< noise and steps of the length sensors, in those of the default
 };
 
-/// Can the rig have it? A base that gives way it cannot.
-inline bool rig_can_have(const model::Machine& machine) { return !machine.base_mount; }
-
 inline Measure by_record(const RecordSetting& setting) {
   return [setting](const BlindCase& test, const model::MachineFile& truth) {
     calibration::Targets all;

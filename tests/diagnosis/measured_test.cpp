@@ -105,6 +105,49 @@ TEST(MeasuredModes, AreReadFromTheJsonOfIdentify) {
   EXPECT_EQ(mode.direction, 0);
 }
 
+/// Legs and poses see the platform from the base, accelerometers feel the ground.
+TEST(MeasuredModes, SayWhatTheyAreAgainst) {
+  using calibration::MotionAgainst;
+  const auto machine = heavy().machine;
+  identification::Identification found;
+  identification::IdentifiedMode mode;
+  mode.fit.pole = {-0.7, 31.0};
+  mode.fit.shape = mode.displacement = Eigen::VectorXcd::Ones(6);
+  mode.fit.shape_deviation = Eigen::VectorXd::Constant(6, 0.01);
+  found.modes = {mode};
+  const auto against = [&](const std::array<const char*, 2>& units, MeasuredAt at = {}) {
+    auto& outputs = found.responses.outputs;
+    outputs.clear();
+    report::Json json{
+        {"outputs", report::Json::array()},
+        {"modes",
+         {{{"frequency_hz", 4.9},
+           {"frequency_95_hz", 0.02},
+           {"damping_ratio", 0.03},
+           {"damping_95", 0.002},
+           {"displacement_shape",
+            {{"re", std::vector<double>(6, 1.0)}, {"im", std::vector<double>(6, 0.0)}}}}}}};
+    for (int d = 1; d <= 6; ++d) {
+      const auto direction = static_cast<data::Direction>(d);
+      outputs.push_back({.unit = units[d > 3], .direction = direction});
+      json["outputs"].push_back(
+          {{"unit", units[d > 3]}, {"direction", data::direction_text(direction)}});
+    }
+    const auto one = measured_modes(found, machine, at).modes.front().shape_against;
+    const auto other =
+        report::modes_from_json(json, "modes.json", machine, at).modes.front().shape_against;
+    EXPECT_EQ(one, other);
+    return one;
+  };
+  EXPECT_EQ(against({"m", "rad"}), MotionAgainst::base);
+  EXPECT_EQ(against({"m/s", "rad/s"}), MotionAgainst::base);
+  EXPECT_EQ(against({"m/s^2", "rad/s^2"}), MotionAgainst::ground);
+  EXPECT_EQ(against({"m/s^2", "rad"}), MotionAgainst::base);
+  MeasuredAt on_the_floor;
+  on_the_floor.against = MotionAgainst::ground;
+  EXPECT_EQ(against({"m", "rad"}, on_the_floor), MotionAgainst::ground);
+}
+
 TEST(MeasuredModes, WrongJsonIsNamed) {
   const auto machine = heavy().machine;
   const auto message = [&](const report::Json& json) {

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "hydrapod/comparison/compare_modes.hpp"
 #include "hydrapod/modal/normal_modes.hpp"
 #include "hydrapod/simulation/system_poles.hpp"
 #include "support/loop_machine.hpp"
@@ -32,6 +33,16 @@ double nearest(const identification::Identification& found, double frequency) {
     if (std::abs(f - frequency) < std::abs(best - frequency)) best = f;
   }
   return best;
+}
+
+/// MAC of the identified modes with those of the model.
+std::vector<double> compared(const identification::Identification& found,
+                             const std::vector<comparison::ModelMode>& model,
+                             const comparison::ComparisonFrame& frame) {
+  std::vector<double> likeness;
+  for (const auto& pair : comparison::compare_modes(found, model, frame).pairs)
+    likeness.push_back(pair.mac.value());
+  return likeness;
 }
 
 }  // namespace
@@ -79,6 +90,16 @@ TEST(RigOnABaseThatGivesWay, ShowsTheLowerFrequencies) {
     EXPECT_NEAR(frequency, soft[i], 0.04 * soft[i]);  // the reduced model is an upper bound
     EXPECT_NEAR(nearest(found, frequency), frequency, 7e-3 * frequency);
   }
+  // Leg lengths show shapes against the base.
+  const comparison::ComparisonFrame frame{machine, machine.neutral(),
+                                          kinematics::mass_center(machine, machine.neutral())};
+  auto modes = comparison::model_modes(machine, machine.neutral(), dynamics::ModelKind::rigid,
+                                       comparison::Source::plant);
+  const auto likeness = [&] { return compared(found, modes, frame); };
+  const auto right = likeness();
+  for (auto& mode : modes) mode.against_base = mode.motion;
+  const auto wrong = likeness();
+  for (std::size_t k = 0; k < right.size(); ++k) std::cout << right[k] << " " << wrong[k] << "\n";
 }
 
 /// An accelerometer feels where its point goes against the ground, and gravity as it tilts with

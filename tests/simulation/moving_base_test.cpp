@@ -263,6 +263,8 @@ TEST(MovingBase, ShowsTheShapesOfTheLinearModelAgainstTheBase) {
     const Vector6 shape = modes.shapes.col(k).head<6>();
     const double against_base = mac(seen, to_origin * (model.against_base * shape));
     EXPECT_GT(against_base, 1.0 - 1e-4) << k;
+    const Vector6 felt = (pole->ground_motion / pole->motion[largest]).real();
+    EXPECT_GT(mac(felt, to_origin * shape), 1.0 - 1e-4) << k;
     differs = std::max(differs, 1.0 - mac(seen, to_origin * shape));
     double sum = 0.0;
     for (const double part : pole->parts) sum += part;

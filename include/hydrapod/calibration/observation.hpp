@@ -7,6 +7,8 @@
 ///
 ///     H(s) = C V (s − Λ)⁻¹ V⁻¹ B      motion of the mass centre per command of the valves
 ///
+/// where the base gives way: against the base, as leg lengths show it.
+///
 /// Undamped modes of mechanics on oil springs (linear_model.hpp) lie elsewhere: leakage past
 /// pistons and edges softens the oil at low frequencies, heavy dampers shift poles that lie close
 /// together, and oil with air in it is as stiff as the pressure at rest makes it.
@@ -19,13 +21,18 @@ namespace hydrapod::calibration {
 /// A pole with a frequency.
 struct ObservedMode {
   std::complex<double> pole{};  ///< λ [1/s], Im > 0
-  /// Motion of mechanics in its coordinates (linear_model.hpp), scaled to φᴴ M φ = 1.
+  /// Motion of mechanics in its coordinates (linear_model.hpp), against the ground, scaled to
+  /// φᴴ M φ = 1.
   Eigen::VectorXcd shape{};
+  Vector6c against_base{Vector6c::Zero()};  ///< motion of the mass centre, in the same scale
   /// How much each valve moves it: the mode's part of H is motion() · input / (s − λ).
   Eigen::Matrix<std::complex<double>, 1, 6> input{};
   [[nodiscard]] double omega() const { return std::abs(pole); }
   [[nodiscard]] double damping_ratio() const { return -pole.real() / std::abs(pole); }
-  [[nodiscard]] Vector6c motion() const { return shape.head<6>(); }  ///< of the mass centre
+  /// Of the mass centre.
+  [[nodiscard]] Vector6c motion(MotionAgainst against = MotionAgainst::ground) const {
+    return against == MotionAgainst::base ? against_base : Vector6c(shape.head<6>());
+  }
 };
 
 struct Observation {

@@ -41,9 +41,12 @@ inline constexpr double regularised_gain = 1.0 + weak_mode;
 Eigen::MatrixXd regularised(const Eigen::MatrixXd& A);
 Eigen::MatrixXcd regularised(const Eigen::MatrixXcd& A);
 
-/// MAC of a shape with mode k and those that are seen as one with it.
+/// What is seen of the mass centre's motion against the ground: 1, or LinearModel::against_base.
+spatial::Matrix6 seen_motion(const dynamics::LinearModel& model, MotionAgainst against);
+
+/// MAC of a shape of the mass centre with mode k and those that are seen as one with it.
 double resonance_mac(const dynamics::LinearModel& model, const dynamics::NormalModes& modes, int k,
-                     const Vector6& shape);
+                     const Vector6& shape, MotionAgainst against = MotionAgainst::ground);
 
 /// The target's shape as motion of the model's mass centre. It must have one.
 Vector6 shape_at_center(const dynamics::LinearModel& model, const ModeTarget& target);

@@ -23,7 +23,8 @@ struct ModePoint {
   dynamics::NormalModes modes{};
   std::vector<modal::ModelDerivative> derivatives{};   ///< per parameter [per its SI unit]
   std::vector<spatial::Vector3> center_derivatives{};  ///< of the mass centre's place [m per unit]
-  Eigen::MatrixXd domega2{};                           ///< modes × parameters
+  std::vector<spatial::Matrix6> against_base_derivatives{};  ///< of LinearModel::against_base
+  Eigen::MatrixXd domega2{};                                 ///< modes × parameters
 };
 
 /// Modes of `machine` with its parameters at `values`, at its pose number `pose`. `scales`: size of

@@ -25,6 +25,14 @@ enum class Observed {
 /// "mechanics", "plant".
 const char* name(Observed observed);
 
+/// What a motion was measured against, which differs where the base gives way.
+enum class MotionAgainst {
+  ground,  ///< accelerometers, lasers on the floor; shapes of `hydrapod modes`
+  base     ///< leg lengths, and poses that follow from them
+};
+/// "ground", "base".
+const char* name(MotionAgainst against);
+
 /// A shape as it was measured, with its phases.
 struct ComplexShape {
   Vector6c motion{Vector6c::Zero()};
@@ -44,6 +52,7 @@ struct ModeTarget {
   double shape_deviation{};         ///< of the shape scaled to unit kinetic energy of the platform
   /// Point of the platform whose motion the shape is, in P [m]; none: the model's mass centre.
   std::optional<spatial::Vector3> shape_point{};
+  MotionAgainst shape_against{};
   /// What `shape` was before it was turned to real; of use for the plant, whose shapes are complex.
   std::optional<ComplexShape> complex_shape{};
 };

@@ -2,7 +2,8 @@
 /// Measured modes beside those of a model: who is who, and by how much they differ.
 ///
 /// Shapes. The model's motion q of the mass centre C gives what an output sees: a direction of the
-/// point Q, a leg length J_l_q q. Shapes are compared on the outputs that are such; angles count
+/// point Q, a leg length J_l_q q; q against the ground for accelerometers, else against the base
+/// (identification::against_ground). Shapes are compared on the outputs that are such; angles count
 /// with the platform's radius of gyration, ρ² = tr I/(3 m), so that lengths and angles weigh alike.
 ///
 /// Likeness s of a measured and a model mode: MAC of the measured shape with the subspace that

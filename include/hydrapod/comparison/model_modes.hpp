@@ -7,7 +7,8 @@
 ///     plant      mechanics, oil and valves: inputs are the drives of the valves
 ///     system     plant with its controller: inputs are commands or forces on a controlled machine
 ///
-/// Poles with an imaginary part only. Motion is that of the mass centre, in base axes [m, rad].
+/// Poles with an imaginary part only. Motion is that of the mass centre, in base axes [m, rad],
+/// against the ground, and against the base where that gives way.
 
 #include <complex>
 #include <string>
@@ -27,10 +28,11 @@ std::string_view source_text(Source source);
 std::string_view source_description(Source source);
 
 struct ModelMode {
-  std::complex<double> pole{};  ///< λ [1/s], Im > 0
-  Motion motion{Motion::Zero()};
-  std::string label{};  ///< what moves or takes part, in words
-  bool felt{};          ///< by the platform
+  std::complex<double> pole{};          ///< λ [1/s], Im > 0
+  Motion motion{Motion::Zero()};        ///< against the ground
+  Motion against_base{Motion::Zero()};  ///< in the same scale
+  std::string label{};                  ///< what moves or takes part, in words
+  bool felt{};                          ///< by the platform
   [[nodiscard]] double omega() const { return std::abs(pole); }
   [[nodiscard]] double damping_ratio() const { return -pole.real() / std::abs(pole); }
 };

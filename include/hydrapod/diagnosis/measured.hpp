@@ -7,6 +7,9 @@
 /// (x, y, z, rx, ry, rz) of one point by their directions; a mode of an output set that does not
 /// have all six keeps its frequency, and the direction that is largest among those there are, in
 /// proportion to the stated machine's inertia.
+///
+/// A shape from accelerometers is against the ground, from anything else against the base
+/// (identification::against_ground); from both, against the base.
 
 #include "hydrapod/calibration/targets.hpp"
 #include "hydrapod/identification/identify.hpp"
@@ -18,6 +21,8 @@ namespace hydrapod::diagnosis {
 struct MeasuredAt {
   std::string pose{"neutral"};                       ///< one of the machine's
   spatial::Vector3 point{spatial::Vector3::Zero()};  ///< Q, whose motion was measured, in P [m]
+  /// What shapes are against; none: what their outputs say.
+  std::optional<calibration::MotionAgainst> against{};
 };
 
 /// One mode by its numbers: what identification and its JSON have in common.
@@ -30,6 +35,9 @@ struct MeasuredShape {
   std::array<std::complex<double>, 6> motion{};
   std::array<double, 6> motion_deviation{};
 };
+
+/// What motions are against that these outputs show, the directions of the platform among them.
+calibration::MotionAgainst motion_against(const std::vector<data::Channel>& outputs);
 
 /// `name`: what reports call it.
 calibration::ModeTarget mode_target(const MeasuredShape& measured, const std::string& name,

@@ -57,6 +57,7 @@ struct LinearSystem {
   /// Displacement of P (x…rz, origin of P) from the states: against the base, as leg lengths show
   /// it. See dynamics::LinearModel::against_base for the same of its modes.
   Eigen::MatrixXd C{};
+  Eigen::MatrixXd C_ground{};  ///< the same against the ground, as accelerometers feel it
   std::vector<std::string> states{};
   std::vector<StatePart> parts{};
   Eigen::VectorXd scales{};  ///< magnitudes that matter of each state

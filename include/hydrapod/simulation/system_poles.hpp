@@ -20,8 +20,12 @@ struct SystemPole {
   int group{};                                  ///< same number for equal poles
   std::array<double, part_count> parts{};       ///< participation by Part, sum 1
   std::array<double, model::leg_count> legs{};  ///< of seals, oil and valves by leg
-  /// C v: how P's origin moves against the base in it, any scale. Equal poles: together they span the motion.
+  /// C v: how P's origin moves against the base in it, any scale. Equal poles: together they span
+  /// the motion.
   Eigen::Matrix<std::complex<double>, 6, 1> motion{
+      Eigen::Matrix<std::complex<double>, 6, 1>::Zero()};
+  /// C_ground v: the same against the ground.
+  Eigen::Matrix<std::complex<double>, 6, 1> ground_motion{
       Eigen::Matrix<std::complex<double>, 6, 1>::Zero()};
   [[nodiscard]] bool oscillates() const { return pole.imag() > 0.0; }
 };
