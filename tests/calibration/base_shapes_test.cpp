@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "calibration/problem.hpp"
 #include "hydrapod/calibration/calibrate.hpp"
 #include "hydrapod/calibration/pairing.hpp"
@@ -12,7 +14,6 @@ namespace hydrapod::calibration {
 namespace {
 
 using dynamics::ModelKind;
-using spatial::Matrix6;
 
 const std::vector<std::string> parameters{"base.mount.stiffness.x",  "base.mount.stiffness.y",
                                           "base.mount.stiffness.rx", "base.mount.mass",
