@@ -11,11 +11,12 @@
 #include "support/calibration_machine.hpp"
 #include "support/noisy_modes.hpp"
 #include "support/run_program.hpp"
+#include "vibration_table.hpp"
 
 namespace hydrapod::test {
 
 struct BlindCase {
-  std::string machine{};               ///< file in models/, or "random N"
+  std::string machine{};               ///< file in models/, "vibration table", or "random N"
   std::vector<std::string> design{};   ///< overrides of the machine as its owner believes it to be
   std::vector<std::string> fault{};    ///< overrides on top: what is wrong with it
   std::vector<std::string> planted{};  ///< names of the suspects; none: nothing is wrong
@@ -25,6 +26,7 @@ struct BlindCase {
   int repetition{};
 
   [[nodiscard]] std::string text() const {
+    if (machine == "vibration table") return vibration_table;
     if (!machine.starts_with("random")) return read_text(source_file("models/" + machine));
     Random random(static_cast<std::uint64_t>(std::stoi(machine.substr(7))));
     return random_machine_text(random, true);

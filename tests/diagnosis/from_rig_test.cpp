@@ -33,7 +33,7 @@ TEST_P(ShortRecord, FindsWhatWasPlanted) {
 }
 
 INSTANTIATE_TEST_SUITE_P(DiagnosisFromRig, ShortRecord,
-                         testing::Values("nothing", "guide sleeve of leg 3",
+                         testing::Values("nothing", "guide sleeve of leg 3", "base that rocks",
                                          "oil spring of leg 2"));
 
 }  // namespace

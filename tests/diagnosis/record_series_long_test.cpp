@@ -32,7 +32,10 @@ std::vector<Recorded> recorded() {
            1},
           {{"heavy-platform.toml", oil, {"neutral", "low"}, 0.0, soft}, {180.0, 2e-4, 1.0}, 0},
           {{"heavy-platform.toml", stiff, {"neutral"}, 0.0, hard}, {180.0, 2e-4, 2.0}, 0},
-          {{"heavy-platform.toml", stiff, {"neutral", "low"}, 0.0, hard}, {120.0, 2e-4, 1.0}, 0}};
+          {{"heavy-platform.toml", stiff, {"neutral", "low"}, 0.0, hard}, {120.0, 2e-4, 1.0}, 0},
+          {{"vibration table", {}, {"neutral", "tilted"}, 0.0, {0.07, 1.19, 0.1, 1.0}},
+           {90.0, 1.1e-4, 1.7},
+           2}};
 }
 
 class RecordSeries : public testing::TestWithParam<std::size_t> {};
@@ -66,7 +69,7 @@ TEST_P(RecordSeries, FindsWhatWasPlanted) {
   EXPECT_EQ(blamed, 0);
 }
 
-INSTANTIATE_TEST_SUITE_P(Settings, RecordSeries, testing::Range<std::size_t>(0, 4));
+INSTANTIATE_TEST_SUITE_P(Settings, RecordSeries, testing::Range<std::size_t>(0, 5));
 
 }  // namespace
 
