@@ -23,6 +23,8 @@ struct Arguments {
   DiagnosisArguments diagnosis{};
   double frequency_error{0.2};  // [%]
   double shape_error{5.0};      // [%]
+  double response_error{10.0};  // [%]
+  bool modes_only{};
   std::size_t shown{12};
   std::string format{"table"}, output{"-"}, plot{};
 };
@@ -146,7 +148,9 @@ std::string table_text(const Arguments& a, const model::MachineFile& file,
   const bool colour = a.output == "-" && has_colour(stdout);
   const std::size_t width = a.output == "-" ? terminal_width() : Table::unlimited;
   std::string text = fmt::format("{}{}\n", file.machine.name,
-                                 a.diagnosis.measured.empty() ? "" : ": " + a.diagnosis.measured);
+                                 a.diagnosis.measured.empty()
+                                     ? ""
+                                     : fmt::format(": {}", fmt::join(a.diagnosis.measured, ", ")));
   for (const auto& sentence : diagnosis::summary(found)) text += "  " + sentence + "\n";
   if (found.diagnosis) {
     text += modes_text(*found.diagnosis, colour, width);
@@ -161,6 +165,8 @@ void run(Arguments& a) {
   if (!a.plot.empty()) report::require_picture_ending(a.plot);
   a.diagnosis.options.frequency_error = a.frequency_error / 100.0;
   a.diagnosis.options.shape_error = a.shape_error / 100.0;
+  a.diagnosis.options.response_error = a.response_error / 100.0;
+  a.diagnosis.options.responses = !a.modes_only;
   remedy_goal(a.diagnosis.want);
   const auto file = load(a.machine);
   const auto kind = choose_model(file.machine, a.machine.model);
@@ -173,7 +179,7 @@ void run(Arguments& a) {
                       {"machine", report::machine_json(file, a.machine.file)},
                       {"assumptions", report::assumptions_json(file.machine)},
                       {"model", dynamics::name(kind)},
-                      {"measured", a.diagnosis.measured}};
+                      {"measured", fmt::format("{}", fmt::join(a.diagnosis.measured, ", "))}};
     json.update(report::diagnosis_json(found));
     text = json.dump(1) + "\n";
   }
@@ -194,6 +200,8 @@ void add_diagnose(CLI::App& app) {
       {{"diagnose machine.toml --measured modes.csv",
         "what explains the measured modes, ranked, and what would help"},
        {"diagnose machine.toml --measured run.h5 --pose high", "the same from a record"},
+       {"diagnose machine.toml --measured neutral.h5 --measured low.h5@low",
+        "from records at several poses"},
        {"diagnose machine.toml --want \"x=5 Hz\" --poses workspace",
         "without a measurement: what lowers the resonances, and the remedy wherever the platform "
         "can go"},
@@ -204,10 +212,13 @@ void add_diagnose(CLI::App& app) {
   add_pose_option(*command, a->machine);
   add_model_option(*command, a->machine);
   command
-      ->add_option("--measured", a->diagnosis.measured,
-                   "Modes (TOML, CSV, JSON of `hydrapod identify`), responses (JSON of `hydrapod "
-                   "frf`, Universal File) or a record; default: none, the machine file alone")
-      ->type_name("RECORD|FRF|MODES");
+      ->add_option(
+          "--measured", a->diagnosis.measured,
+          "Modes (TOML, CSV, JSON of `hydrapod identify`), responses (JSON of `hydrapod "
+          "frf`, Universal File) or a record; FILE@POSE says where it was measured; may be "
+          "repeated; default: none, the machine file alone")
+      ->type_name("RECORD|FRF|MODES")
+      ->allow_extra_args(false);
   add_diagnosis_options(*command, a->diagnosis);
   command
       ->add_option("--model-error", a->frequency_error,
@@ -218,6 +229,13 @@ void add_diagnose(CLI::App& app) {
   command->add_option("--shape-error", a->shape_error, "The same of shapes, per cent of their size")
       ->check(CLI::Range(0.1, 50.0))
       ->capture_default_str();
+  command
+      ->add_option("--response-error", a->response_error,
+                   "The same of responses to drives, line by line, per cent of their size")
+      ->check(CLI::Range(0.1, 100.0))
+      ->capture_default_str();
+  command->add_flag("--modes-only", a->modes_only,
+                    "Responses to drives are no evidence, only the modes identified from them");
   command->add_flag("--damping", a->diagnosis.options.damping,
                     "Dampings are evidence too (the file's dampers are those of the machine)");
   command->add_option("--threads", a->diagnosis.options.threads, "Threads; 0: one per core")

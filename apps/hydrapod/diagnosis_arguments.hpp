@@ -10,7 +10,7 @@
 namespace hydrapod::cli {
 
 struct DiagnosisArguments {
-  std::string measured{};
+  std::vector<std::string> measured{};
   std::string want{"2 %"};
   std::string poses{};
   diagnosis::DiagnoseOptions options{};

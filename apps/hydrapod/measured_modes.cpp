@@ -3,11 +3,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <filesystem>
 #include <fstream>
 
 #include "hydrapod/base/error.hpp"
 #include "hydrapod/base/file.hpp"
 #include "hydrapod/data/record_io.hpp"
+#include "hydrapod/diagnosis/responses.hpp"
 #include "hydrapod/identification/exchange.hpp"
 #include "hydrapod/identification_arguments.hpp"
 #include "hydrapod/report/diagnosis.hpp"
@@ -57,7 +59,10 @@ calibration::Targets identified(const identification::FrequencyResponses& respon
         identification::identify_modes(responses, {}, [&](double share) { line.update(share); });
   }
   print_warnings(path, found.warnings);
-  return diagnosis::measured_modes(found, file.machine, at);
+  auto targets = diagnosis::measured_modes(found, file.machine, at);
+  if (auto all = diagnosis::measured_responses(responses, file.machine, at))
+    targets.responses.push_back(std::move(*all));
+  return targets;
 }
 
 calibration::Targets from_json(const std::string& path, const model::MachineFile& file,
@@ -76,8 +81,11 @@ calibration::Targets from_json(const std::string& path, const model::MachineFile
 
 }  // namespace
 
-calibration::Targets read_measured(const std::string& path, const MachineArguments& arguments,
-                                   const model::MachineFile& file, const std::string& pose) {
+namespace {
+
+/// Of one file.
+calibration::Targets read_one(const std::string& path, const MachineArguments& arguments,
+                              const model::MachineFile& file, const std::string& pose) {
   if (is_mode_list(path)) return calibration::read_targets(path);
   const diagnosis::MeasuredAt at{pose, file.machine.platform.mass_center};
   if (first_character(path) == '{') return from_json(path, file, at);
@@ -92,10 +100,51 @@ calibration::Targets read_measured(const std::string& path, const MachineArgumen
   }
   MeasurementArguments measurement{.files = {path}};
   measurement.machine = arguments.file;
-  measurement.pose = arguments.pose;
+  measurement.pose = pose == "as_measured" ? arguments.pose : pose;
   const auto& center = file.machine.platform.mass_center;
   measurement.point = fmt::format("{:.17g},{:.17g},{:.17g}", center.x(), center.y(), center.z());
   return identified(measure(measurement).responses, path, file, at);
+}
+
+/// "run.h5@low": the file and the pose; a file whose own name has an @ is taken as it is.
+std::pair<std::string, std::string> file_and_pose(const std::string& text,
+                                                  const std::string& pose) {
+  const auto at = text.rfind('@');
+  if (at == std::string::npos || std::filesystem::exists(text)) return {text, pose};
+  return {text.substr(0, at), text.substr(at + 1)};
+}
+
+}  // namespace
+
+calibration::Targets read_measured(const std::vector<std::string>& files,
+                                   const MachineArguments& arguments,
+                                   const model::MachineFile& file, const std::string& pose) {
+  calibration::Targets all;
+  for (const auto& text : files) {
+    const auto [path, at] = file_and_pose(text, pose);
+    if (at != pose) {
+      const auto& poses = file.machine.poses;
+      const auto name = choose_pose(file.machine, at).name;
+      if (std::ranges::find(poses, name, &model::NamedPose::name) == poses.end())
+        bad_argument("--measured " + text,
+                     "what follows the @ must be a pose of the machine file by its name");
+    }
+    auto one = read_one(path, arguments, file, at);
+    if (&text == &files.front()) {
+      all = std::move(one);
+      continue;
+    }
+    if (one.observed != all.observed)
+      bad_argument("--measured " + text,
+                   fmt::format("these modes are of the {}, those of {} of the {}: they cannot be "
+                               "compared together",
+                               calibration::name(one.observed), files.front(),
+                               calibration::name(all.observed)));
+    all.deviations_given = all.deviations_given && one.deviations_given;
+    for (auto& mode : one.modes) all.modes.push_back(std::move(mode));
+    for (auto& response : one.responses) all.responses.push_back(std::move(response));
+  }
+  return all;
 }
 
 }  // namespace hydrapod::cli

@@ -223,7 +223,8 @@ void add_report(CLI::App& app) {
       ->add_option("--diagnose", arguments->diagnosis.measured,
                    "Also diagnose from these modes, responses or records, as `hydrapod diagnose "
                    "--measured` does; the page then shows the machine that explains them best")
-      ->type_name("RECORD|FRF|MODES");
+      ->type_name("RECORD|FRF|MODES")
+      ->allow_extra_args(false);
   add_diagnosis_options(*command, arguments->diagnosis);
   command->add_option("-o,--output", arguments->output, "File to write; - prints")
       ->capture_default_str();

@@ -11,11 +11,11 @@ using spatial::Matrix6;
 
 class DifferencedResidual : public ResidualKind {
  public:
-  explicit DifferencedResidual(int point_target) : target_(point_target) {}
+  explicit DifferencedResidual(int target) : target_(target) {}
 
   void evaluate(const Problem& problem, const State& state, Eigen::Ref<Eigen::VectorXd> r,
                 Eigen::MatrixXd* J) const override {
-    const auto p = static_cast<std::size_t>(problem.point_of(target_));
+    const auto p = static_cast<std::size_t>(point(problem));
     r = value(problem, state.seen[p]);
     if (J == nullptr) return;
     J->resize(size(), problem.size());
@@ -30,6 +30,10 @@ class DifferencedResidual : public ResidualKind {
  protected:
   [[nodiscard]] virtual Eigen::VectorXd value(const Problem& problem,
                                               const SeenPoint& point) const = 0;
+  /// Of the problem's poses.
+  [[nodiscard]] virtual int point(const Problem& problem) const {
+    return problem.point_of(target_);
+  }
   [[nodiscard]] int target() const { return target_; }
   [[nodiscard]] const ObservedMode& mode(const SeenPoint& point) const {
     const auto k = point.mode_of[static_cast<std::size_t>(target_)];
@@ -89,7 +93,58 @@ class PlantShape : public DifferencedResidual {
   }
 };
 
+/// All columns of responses at one pose: what is left of each, over its deviation.
+class PlantResponses : public DifferencedResidual {
+ public:
+  PlantResponses(int target, const ResponseTarget& measured)
+      : DifferencedResidual(target),
+        lines_(static_cast<int>(measured.s.size())),
+        inputs_(static_cast<int>(measured.drives.cols())) {}
+  [[nodiscard]] int size() const override { return 12 * lines_ * inputs_; }
+  [[nodiscard]] int values() const override { return 5 * lines_; }
+
+ private:
+  [[nodiscard]] int point(const Problem& problem) const override {
+    return problem.point_of_response(target());
+  }
+  [[nodiscard]] Eigen::VectorXd value(const Problem& problem,
+                                      const SeenPoint& seen) const override {
+    const auto& measured = problem.targets().responses[target()];
+    const auto& root = problem.metric_of_point(point(problem));
+    Eigen::VectorXd all(size());
+    int row = 0;
+    for (std::size_t line = 0; line < measured.s.size(); ++line) {
+      const Eigen::MatrixXcd rest = response_rest(seen.seen, measured, line, root);
+      for (int input = 0; input < inputs_; ++input, row += 12) {
+        const Vector6c r = rest.col(input) / measured.deviation[line][input];
+        all.segment<6>(row) = r.real();
+        all.segment<6>(row + 6) = r.imag();
+      }
+    }
+    return all;
+  }
+
+  int lines_, inputs_;
+};
+
 }  // namespace
+
+Eigen::MatrixXcd response_rest(const Observation& seen, const ResponseTarget& target,
+                               std::size_t line, const Vector6& root) {
+  using Complex = std::complex<double>;
+  Matrix6 to_point = Matrix6::Identity();
+  to_point.topRightCorner<3, 3>() =
+      -spatial::skew(seen.mechanics.X_BP * target.point - seen.mechanics.p_BC);
+  const Matrix6 map = root.asDiagonal() * to_point;
+  const Eigen::MatrixXcd V =
+      map.cast<Complex>() * seen.response(target.s[line]) * target.drives.cast<Complex>();
+  Eigen::MatrixXcd rest = root.cast<Complex>().asDiagonal() * target.H[line];
+  for (Eigen::Index input = 0; input < rest.cols(); ++input) {
+    const Vector6c u = rest.col(input).normalized(), v = V.col(input);
+    rest.col(input) = u - v * (v.dot(u) / v.squaredNorm());
+  }
+  return rest;
+}
 
 void add_plant_residuals(const Targets& targets,
                          std::vector<std::unique_ptr<ResidualKind>>& kinds) {
@@ -99,6 +154,8 @@ void add_plant_residuals(const Targets& targets,
     if (target.damping) kinds.push_back(std::make_unique<PlantNumber>(i, damping_difference));
     if (target.shape) kinds.push_back(std::make_unique<PlantShape>(i));
   }
+  for (int i = 0; i < static_cast<int>(targets.responses.size()); ++i)
+    kinds.push_back(std::make_unique<PlantResponses>(i, targets.responses[i]));
 }
 
 }  // namespace hydrapod::calibration

@@ -34,26 +34,30 @@ Problem::Problem(const model::VariableMachine& machine, const Targets& targets,
 void Problem::find_poses() {
   const auto machine = machine_.machine(machine_.values());
   std::vector<base::Diagnostic> errors;
-  for (const auto& target : targets_.modes) {
+  const auto point_at = [&](const std::string& what, const std::string& name) {
     const auto named = std::find_if(machine.poses.begin(), machine.poses.end(),
-                                    [&](const auto& pose) { return pose.name == target.pose; });
+                                    [&](const auto& pose) { return pose.name == name; });
     if (named == machine.poses.end()) {
       errors.push_back({.key = "pose",
-                        .message = fmt::format("target {}: the machine has no pose \"{}\"",
-                                               target.name, target.pose)});
-      continue;
+                        .message = fmt::format("{}: the machine has no pose \"{}\"", what, name)});
+      return -1;
     }
     const auto index = static_cast<std::size_t>(named - machine.poses.begin());
     const auto known = std::find(poses_.begin(), poses_.end(), index);
-    point_of_.push_back(static_cast<int>(known - poses_.begin()));
-    if (known != poses_.end()) continue;
+    const auto point = static_cast<int>(known - poses_.begin());
+    if (known != poses_.end()) return point;
     poses_.push_back(index);
     const auto& R_BP = named->X_BP.R_BP;
     const spatial::Matrix3 inertia = R_BP * machine.platform.inertia * R_BP.transpose();
     Vector6 mass;
     mass << spatial::Vector3::Constant(machine.platform.mass), inertia.diagonal();
     metric_.push_back(mass.cwiseAbs().cwiseSqrt());
-  }
+    return point;
+  };
+  for (const auto& target : targets_.modes)
+    point_of_.push_back(point_at("target " + target.name, target.pose));
+  for (const auto& target : targets_.responses)
+    if (observes_plant()) point_of_response_.push_back(point_at("responses", target.pose));
   for (std::size_t p = 0; p < poses_.size() && errors.empty(); ++p) {
     const auto wanted = std::count(point_of_.begin(), point_of_.end(), static_cast<int>(p));
     if (wanted > dynamics::degrees_of_freedom(kind_))

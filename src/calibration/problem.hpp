@@ -83,6 +83,8 @@ class Problem {
   }
   [[nodiscard]] int size() const { return static_cast<int>(variables_.size()); }
   [[nodiscard]] bool observes_plant() const { return targets_.observed == Observed::plant; }
+  [[nodiscard]] int point_of_response(int response) const { return point_of_response_[response]; }
+  [[nodiscard]] const Vector6& metric_of_point(int point) const { return metric_[point]; }
   [[nodiscard]] int point_of(int target) const { return point_of_[target]; }
   /// Roots of the platform's mass and moments of inertia at the start, at the target's pose.
   [[nodiscard]] const Vector6& metric(int target) const { return metric_[point_of_[target]]; }
@@ -111,12 +113,17 @@ class Problem {
   dynamics::ModelKind kind_;
   ProblemOptions options_;
   std::vector<std::size_t> poses_{};
-  std::vector<int> point_of_{};
+  std::vector<int> point_of_{}, point_of_response_{};
   std::vector<Vector6> metric_{};
   std::vector<std::unique_ptr<ResidualKind>> residuals_{};
 };
 
-/// Frequency, damping and shape of one target each, of the plant's modes.
+/// What is left of every column of the measured responses at a line, in the metric `root` and
+/// scaled to length one, beside the plant's: 6 × inputs.
+Eigen::MatrixXcd response_rest(const Observation& seen, const ResponseTarget& target,
+                               std::size_t line, const Vector6& root);
+
+/// Frequency, damping and shape of one target each, of the plant's modes; responses.
 void add_plant_residuals(const Targets& targets, std::vector<std::unique_ptr<ResidualKind>>& kinds);
 
 /// Frequency, damping and shape of one target each, the priors, the constraints.

@@ -10,7 +10,7 @@ namespace hydrapod::calibration {
 struct SolverOptions {
   int max_iterations{200};
   double tolerance{1e-9};  ///< relative change of the cost
-  bool cauchy{false};  ///< data residuals in a Cauchy loss of scale `cauchy_scale`
+  bool cauchy{false};      ///< data residuals in a Cauchy loss of scale `cauchy_scale`
   double cauchy_scale{2.0};
   /// Called after every step; true stops, with the best so far.
   std::function<bool()> stop{};

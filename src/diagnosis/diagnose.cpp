@@ -10,6 +10,7 @@
 
 #include "evidence.hpp"
 #include "hydrapod/base/error.hpp"
+#include "hydrapod/diagnosis/responses.hpp"
 #include "ranking.hpp"
 #include "words.hpp"
 
@@ -211,7 +212,7 @@ Diagnosis diagnose(const model::MachineFile& file, const calibration::Targets& m
                    dynamics::ModelKind kind, const std::vector<model::NamedPose>& poses,
                    const DiagnoseOptions& options, const Progress& progress) {
   Diagnosis d{.suspects = suspects_of(file), .targets = weighted_targets(file, measured, options)};
-  d.values = values_in(d.targets);
+  d.targets.responses.clear();
   if (d.targets.observed == calibration::Observed::plant) {
     const auto why = plant_refused(file, d.targets, kind);
     if (!why.empty()) {
@@ -220,8 +221,11 @@ Diagnosis diagnose(const model::MachineFile& file, const calibration::Targets& m
           fmt::format("compared with mechanics on oil springs, though the drives of the valves see "
                       "oil and valves too: the machine as stated with its hydraulics: {}",
                       why));
+    } else if (options.responses) {
+      d.targets.responses = chosen_lines(file, measured, kind, options.response_error);
     }
   }
+  d.values = values_in(d.targets);
   const Evidence evidence(file, d.targets, kind, d.suspects);
   Watch watch(progress);
   d.explanations.push_back(evidence.as_stated());

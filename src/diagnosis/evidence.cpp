@@ -67,6 +67,7 @@ Targets weighted_targets(const model::MachineFile& file, const Targets& measured
 int values_in(const Targets& targets) {
   int count = 0;
   for (const auto& mode : targets.modes) count += 1 + (mode.damping ? 1 : 0) + (mode.shape ? 5 : 0);
+  for (const auto& response : targets.responses) count += 5 * static_cast<int>(response.s.size());
   return count;
 }
 
@@ -107,6 +108,7 @@ Targets Evidence::for_mechanics() const {
   Targets targets = targets_;
   if (!of_plant()) return targets;
   targets.observed = calibration::Observed::mechanics;
+  targets.responses.clear();
   const auto& machine = file_.machine;
   for (const auto& pose : machine.poses) {
     std::optional<modal::NormalModes> modes;
@@ -267,6 +269,7 @@ void Evidence::see_plant(Explanation& e) const {
     auto seen = calibration::compare(file_at(e), targets_, e.kind);
     if (!seen.fitted) return;
     e.fit.targets = std::move(seen.targets);
+    e.fit.responses = std::move(seen.responses);
     e.misfit = e.fit.misfit = seen.misfit;
     e.by_mechanics = false;
   } catch (const base::ComputationError&) {
@@ -299,6 +302,8 @@ std::optional<Evidence::Part> Evidence::explain_direction(std::size_t blamed, in
   for (auto* targets : {&some, &some_mechanics})
     std::erase_if(targets->modes, [&](const auto& m) { return !of_direction(m); });
   for (auto* targets : {&part.rest, &rest_mechanics}) std::erase_if(targets->modes, of_direction);
+  some.responses.clear();  // of all directions together
+  part.rest.responses.clear();
   if (part.rest.modes.empty()) return std::nullopt;
   part.explanation = search({blamed}, some_mechanics, nullptr, stop);
   polish(part.explanation, some, true, stop);

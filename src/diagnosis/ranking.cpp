@@ -31,6 +31,23 @@ double least_scatter(const Diagnosis& d) {
   return std::sqrt(least);
 }
 
+double of_responses(const Explanation& e) {
+  double sum = 0.0;
+  for (const auto& response : e.fit.responses) sum += response.difference * response.difference;
+  return sum;
+}
+
+/// What is compared as mechanics says nothing about responses: it is taken to meet them as well as
+/// the one that meets them best.
+void add_unseen_responses(Diagnosis& d) {
+  if (d.targets.responses.empty()) return;
+  double least = std::numeric_limits<double>::infinity();
+  for (const auto& e : d.explanations)
+    if (!e.fit.responses.empty()) least = std::min(least, of_responses(e));
+  for (auto& e : d.explanations)
+    if (e.fit.responses.empty() && std::isfinite(least)) e.misfit = e.fit.misfit + least;
+}
+
 }  // namespace
 
 double hypothesis_penalty(std::size_t suspects, std::size_t blamed) {
@@ -40,6 +57,7 @@ double hypothesis_penalty(std::size_t suspects, std::size_t blamed) {
 }
 
 void rank(Diagnosis& d) {
+  add_unseen_responses(d);
   d.scatter = std::max(1.0, least_scatter(d));
   for (auto& e : d.explanations)
     e.criterion = e.misfit / (d.scatter * d.scatter) + e.parameters * std::log(d.values) +

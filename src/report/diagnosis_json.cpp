@@ -38,6 +38,8 @@ Json explanation_json(const Diagnosis& d, std::size_t index) {
     targets.push_back({{"frequency_hz", t.omega / two_pi},
                        {"difference", t.difference},
                        {"shape_mac", t.shape_mac}});
+  double responses = 0.0;
+  for (const auto& r : e.fit.responses) responses += r.difference * r.difference;
   return {{"name", e.name},
           {"suspects", suspects},
           {"rigid_calculation", e.rigid},
@@ -45,6 +47,7 @@ Json explanation_json(const Diagnosis& d, std::size_t index) {
           {"fitted_numbers", e.parameters},
           {"by_mechanics", e.by_mechanics},
           {"misfit", e.misfit},
+          {"response_misfit", e.fit.responses.empty() ? Json() : Json(responses)},
           {"criterion", e.criterion},
           {"above_best", e.criterion - d.best().criterion},
           {"alike", std::ranges::count(d.alike, index) > 0},
@@ -142,6 +145,13 @@ Json diagnosis_json(const CaseFile& file) {
     json["reasons"] = d.reasons;
     json["notes"] = d.notes;
     json["observed"] = calibration::name(d.targets.observed);
+    Json lines = Json::array();
+    for (const auto& response : d.targets.responses) {
+      Json hertz = Json::array();
+      for (const auto& s : response.s) hertz.push_back(s.imag() / two_pi);
+      lines.push_back({{"pose", response.pose}, {"frequency_hz", hertz}});
+    }
+    json["response_lines"] = lines;
     json["measured_values"] = d.values;
     json["scatter"] = d.scatter;
     json["interrupted"] = d.interrupted;

@@ -4,6 +4,8 @@
 #include <gtest/gtest.h>
 
 #include "blind_series.hpp"
+#include "hydrapod/calibration/observation.hpp"
+#include "hydrapod/kinematics/inverse.hpp"
 
 namespace hydrapod::diagnosis {
 namespace {
@@ -22,6 +24,34 @@ calibration::Targets by_plant(const BlindCase& test, const model::MachineFile& t
 calibration::Targets taken_for_mechanics(const BlindCase& test, const model::MachineFile& truth) {
   auto targets = by_plant(test, truth);
   targets.observed = calibration::Observed::mechanics;
+  return targets;
+}
+
+/// Modes and responses to drives in directions of the platform, with 1 % of noise.
+calibration::Targets with_responses(const BlindCase& test, const model::MachineFile& truth) {
+  auto targets = by_plant(test, truth);
+  test::Random random(271u);
+  for (const auto& name : test.poses) {
+    const auto& machine = truth.machine;
+    const auto pose = std::ranges::find(machine.poses, name, &model::NamedPose::name);
+    const auto plant = calibration::observe_plant(machine, pose->X_BP, test.kind);
+    const auto& X_BP = pose->X_BP;
+    calibration::ResponseTarget all{.pose = name};
+    all.drives = kinematics::leg_jacobian(kinematics::inverse_kinematics(machine, X_BP), X_BP.p_BP);
+    spatial::Matrix6 to_origin = spatial::Matrix6::Identity();
+    to_origin.topRightCorner<3, 3>() = -spatial::skew(X_BP.p_BP - plant.mechanics.p_BC);
+    constexpr double noise = 0.01;
+    for (double hertz = 2.0; hertz < 50.0; hertz *= 1.003) {
+      const std::complex<double> s(0.93, 2.0 * std::numbers::pi * hertz);
+      Eigen::MatrixXcd H = to_origin * plant.response(s) * all.drives;
+      for (auto& h : H.reshaped())
+        h *= 1.0 + noise * std::complex<double>(test::normal(random), test::normal(random));
+      all.s.push_back(s);
+      all.H.push_back(H);
+      all.deviation.emplace_back(Eigen::VectorXd::Constant(6, std::sqrt(2.0) * noise));
+    }
+    targets.responses.push_back(all);
+  }
   return targets;
 }
 
@@ -63,6 +93,31 @@ TEST(DiagnosePlant, BlamesNothingInASoundMachine) {
   const auto result = test::run_blind({.machine = "zhang-jiang-2021.toml"}, by_plant);
   EXPECT_EQ(result.diagnosis.finding, Finding::as_stated) << test::verdict(result.diagnosis);
   EXPECT_LT(result.diagnosis.as_stated().misfit, 2.0 * result.diagnosis.targets.modes.size());
+}
+
+/// Which of six like legs has the soft sleeve frequencies and shapes do not tell; how the platform
+/// moves between the resonances does.
+TEST(DiagnosePlant, ResponsesTellTheLegThatModesDoNot) {
+  const BlindCase one_leg{.machine = "zhang-jiang-2021.toml",
+                          .fault = {"leg.3.guide_sleeve.stiffness=0.1053 kN/mm"},
+                          .planted = {"guide sleeve of leg 3"}};
+  const auto modes = test::run_blind(one_leg, by_plant);
+  const auto all = test::run_blind(one_leg, with_responses);
+  EXPECT_TRUE(all.found) << test::verdict(all.diagnosis);
+  EXPECT_LT(all.diagnosis.alike.size(), modes.diagnosis.alike.size())
+      << test::verdict(modes.diagnosis) << "\n"
+      << test::verdict(all.diagnosis);
+}
+
+/// What one line shows that no mode was found for is said.
+TEST(DiagnosePlant, SaysWhichResponseAnExplanationMisses) {
+  const auto result = test::run_blind({.machine = "zhang-jiang-2021.toml"}, with_responses);
+  const auto& d = result.diagnosis;
+  EXPECT_EQ(d.finding, Finding::as_stated) << test::verdict(d);
+  ASSERT_EQ(d.targets.responses.size(), 1U);
+  EXPECT_LE(d.targets.responses[0].s.size(), 48U);
+  const auto rigid = std::ranges::find_if(d.explanations, &Explanation::rigid);
+  EXPECT_THAT(rigid->wrong, testing::Contains(HasSubstr("with the measured response")));
 }
 
 TEST(DiagnosePlant, SaysWhyWhereThePlantCannotBeHad) {

@@ -48,6 +48,15 @@ struct FittedTarget {
   bool outlier{};
 };
 
+/// How a column of measured responses is met.
+struct FittedResponse {
+  std::size_t target{};  ///< number in Targets::responses
+  std::size_t line{};
+  int input{};
+  double mac{};         ///< of measured and calculated motion
+  double difference{};  ///< √(1 − mac) in deviations
+};
+
 /// One combination of choices, fitted.
 struct Candidate {
   std::vector<std::size_t> choice{};     ///< per alternative
@@ -64,6 +73,7 @@ struct Candidate {
   bool robust{};  ///< Cauchy loss was used
   std::vector<FittedParameter> parameters{};
   std::vector<FittedTarget> targets{};
+  std::vector<FittedResponse> responses{};
   Identifiability identifiability{};
   double scatter{1.0};  ///< root of the reduced misfit where the targets give no deviations
 

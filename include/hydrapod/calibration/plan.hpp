@@ -59,7 +59,7 @@ struct FitOptions {
   Loss loss{Loss::automatic};
   int max_iterations{200};
   double tolerance{1e-9};  ///< relative change of the cost that ends a fit
-  int threads{0};  ///< 0: as many as there are processors; results do not depend on it
+  int threads{0};          ///< 0: as many as there are processors; results do not depend on it
 };
 
 struct Plan {

@@ -57,11 +57,25 @@ struct ModeTarget {
   std::optional<ComplexShape> complex_shape{};
 };
 
+/// Responses of the plant at one pose, line by line and input by input. A column of H counts up to
+/// one complex factor: what a valve lets through for a command is known worse than how the platform
+/// then moves. Compared where the plant is observed only.
+struct ResponseTarget {
+  std::string pose{"neutral"};
+  spatial::Vector3 point{spatial::Vector3::Zero()};  ///< Q, whose motion was measured, in P [m]
+  std::vector<std::complex<double>> s{};             ///< per line [1/s]
+  std::vector<Eigen::MatrixXcd> H{};                 ///< motion of Q, 6 × inputs
+  /// Per line of each column, as share of it in the metric of the platform's mass.
+  std::vector<Eigen::VectorXd> deviation{};
+  Eigen::MatrixXd drives{};  ///< what each input drives the six valves with, 6 × inputs
+};
+
 struct Targets {
   std::string title{};
   std::string source{};
   Observed observed{};
   std::vector<ModeTarget> modes{};
+  std::vector<ResponseTarget> responses{};
   bool deviations_given{true};  ///< false: no mode says how exact it is; default_deviation counts
   Plan plan{};                  ///< what the file says about parameters and alternatives
 };

@@ -6,12 +6,12 @@
 ///
 ///     criterion = misfit/s² + k ln n + 2 ln C(N, m)
 ///
-/// misfit: Σ (difference/deviation)² over the n measured values; k: numbers fitted; m of N suspects
-/// are blamed (Bayesian information criterion with known deviations, and a prior that gives every
-/// number of suspects the same odds: with many suspects one of them fits noise by chance); s ≥ 1:
-/// by what the deviations are too small, from the explanation that fits best for its number of
-/// parameters. Two that differ by less than `same` cannot be told apart by the data, and nothing is
-/// blamed unless it beats the machine as stated by more than that. Theory:
+/// misfit: Σ (difference/deviation)² over the n measured values, of modes and responses; k: numbers
+/// fitted; m of N suspects are blamed (Bayesian information criterion with known deviations, and a
+/// prior that gives every number of suspects the same odds: with many suspects one of them fits
+/// noise by chance); s ≥ 1: by what the deviations are too small, from the explanation that fits
+/// best for its number of parameters. Two that differ by less than `same` cannot be told apart by
+/// the data, and nothing is blamed unless it beats the machine as stated by more than that. Theory:
 /// docs/theory/diagnosis.md.
 
 #include "hydrapod/calibration/calibrate.hpp"
@@ -34,8 +34,11 @@ struct DiagnoseOptions {
   /// dampers in a machine file are rarely known.
   bool damping{};
   double damping_error{0.3};  ///< of ζ, relative
-  std::size_t strongest{6};   ///< suspects whose pairs with all others are tried
-  int threads{0};             ///< 0: as many as there are processors; results do not depend on it
+  /// Use measured responses too, where the plant was measured; see responses.hpp.
+  bool responses{true};
+  double response_error{0.1};  ///< of a column of responses, relative
+  std::size_t strongest{6};    ///< suspects whose pairs with all others are tried
+  int threads{0};              ///< 0: as many as there are processors; results do not depend on it
 };
 
 /// None, one or two suspects, fitted.
