@@ -99,9 +99,10 @@ class PlantResponses : public DifferencedResidual {
   PlantResponses(int target, const ResponseTarget& measured)
       : DifferencedResidual(target),
         lines_(static_cast<int>(measured.s.size())),
-        inputs_(static_cast<int>(measured.drives.cols())) {}
+        inputs_(static_cast<int>(measured.drives.cols())),
+        values_(measured.values) {}
   [[nodiscard]] int size() const override { return 12 * lines_ * inputs_; }
-  [[nodiscard]] int values() const override { return 5 * lines_; }
+  [[nodiscard]] int values() const override { return values_; }
 
  private:
   [[nodiscard]] int point(const Problem& problem) const override {
@@ -124,7 +125,7 @@ class PlantResponses : public DifferencedResidual {
     return all;
   }
 
-  int lines_, inputs_;
+  int lines_, inputs_, values_;
 };
 
 }  // namespace

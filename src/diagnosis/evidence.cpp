@@ -67,7 +67,7 @@ Targets weighted_targets(const model::MachineFile& file, const Targets& measured
 int values_in(const Targets& targets) {
   int count = 0;
   for (const auto& mode : targets.modes) count += 1 + (mode.damping ? 1 : 0) + (mode.shape ? 5 : 0);
-  for (const auto& response : targets.responses) count += 5 * static_cast<int>(response.s.size());
+  for (const auto& response : targets.responses) count += response.values;
   return count;
 }
 

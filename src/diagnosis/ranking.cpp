@@ -21,20 +21,26 @@ bool holds(const Explanation& pair, const Explanation& single) {
                        single.suspects.end());
 }
 
-/// Root of the reduced misfit of the explanation that fits best for its number of parameters.
-double least_scatter(const Diagnosis& d) {
-  double least = std::numeric_limits<double>::infinity();
-  for (const auto& e : d.explanations) {
-    const double degrees = std::max(1, d.values - e.parameters);
-    least = std::min(least, e.misfit / degrees);
-  }
-  return std::sqrt(least);
-}
-
 double of_responses(const Explanation& e) {
   double sum = 0.0;
   for (const auto& response : e.fit.responses) sum += response.difference * response.difference;
   return sum;
+}
+
+/// Root of the reduced misfit of the explanation that fits best for its number of parameters: of
+/// its modes or its responses, what is worse, so that many values of one kind, well met, do not
+/// hide that deviations of the other are too small.
+double least_scatter(const Diagnosis& d) {
+  int lines = 0;
+  for (const auto& response : d.targets.responses) lines += response.values;
+  double least = std::numeric_limits<double>::infinity();
+  for (const auto& e : d.explanations) {
+    const double responses = of_responses(e);
+    const double degrees = std::max(1, d.values - lines - e.parameters);
+    least = std::min(least, std::max((e.misfit - responses) / degrees,
+                                     responses / static_cast<double>(std::max(1, lines))));
+  }
+  return std::sqrt(least);
 }
 
 /// What is compared as mechanics says nothing about responses: it is taken to meet them as well as

@@ -1,5 +1,6 @@
 #include "hydrapod/diagnosis/responses.hpp"
 
+#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -67,6 +68,16 @@ Eigen::MatrixXd drives_of(const std::vector<data::Channel>& inputs, const model:
   return drives;
 }
 
+/// Which mixture of the inputs drives each valve alone; the inputs themselves where they cannot.
+/// What is not known of a valve is its own then: in a drive of the platform all six would mix.
+Eigen::MatrixXd inputs_of_valves(const Eigen::MatrixXd& drives) {
+  if (drives.cols() == 6) {
+    const Eigen::FullPivLU<Eigen::MatrixXd> lu(drives);
+    if (lu.isInvertible()) return lu.inverse();
+  }
+  return Eigen::MatrixXd::Identity(drives.cols(), drives.cols());
+}
+
 /// Root of the platform's mass for motions of its mass centre, times the way from Q to there.
 spatial::Matrix6 metric(const model::Machine& machine, const spatial::Pose& X_BP,
                         const spatial::Vector3& p_PQ) {
@@ -79,20 +90,40 @@ spatial::Matrix6 metric(const model::Machine& machine, const spatial::Pose& X_BP
   return mass.cwiseSqrt().asDiagonal() * to_center;
 }
 
-/// Frequencies worth a line of their own, ω [rad/s].
-std::vector<double> resonances_at(const model::MachineFile& file, const Targets& measured,
-                                  const model::NamedPose& pose, dynamics::ModelKind kind) {
-  constexpr double felt = 2e-3;  // of the kinetic energy, as in resonances.hpp
-  std::vector<double> omega;
+/// A measured resonance: within `width` of it, as share of ω, its damping decides.
+struct Peak {
+  double omega{}, width{};
+};
+constexpr double apart = 0.015;  // of the frequency: nearer lines say the same
+
+std::vector<Peak> peaks_at(const Targets& measured, const std::string& pose) {
+  constexpr double half_widths = 2.0, widest = 0.1, usual = 0.02;
+  std::vector<Peak> peaks;
   for (const auto& mode : measured.modes)
-    if (mode.pose == pose.name) omega.push_back(mode.omega);
+    if (mode.pose == pose)
+      peaks.push_back({mode.omega, std::min(widest, half_widths * mode.damping.value_or(usual))});
+  return peaks;
+}
+
+/// Where a line would be worth most: on the flanks of measured resonances, where the machine as
+/// stated has some, and then anywhere in the band.
+std::vector<double> wanted_lines(const std::vector<Peak>& peaks, const model::MachineFile& file,
+                                 const model::NamedPose& pose, dynamics::ModelKind kind,
+                                 double from, double to, int most) {
+  constexpr double felt = 2e-3, most_damped = 0.3;  // of the kinetic energy, as in resonances.hpp
+  std::vector<double> omega;
+  for (const auto& peak : peaks)
+    for (const double side : {-1.0, 1.0})
+      omega.push_back(peak.omega * (1.0 + side * (peak.width + 0.5 * apart)));
   const auto stated = calibration::observe_plant(file.machine, pose.X_BP, kind);
   for (const auto& mode : stated.modes) {
     const calibration::Vector6c motion = mode.motion();
     const calibration::Vector6c momentum = stated.mechanics.platform_mass.cast<Complex>() * motion;
-    if (mode.damping_ratio() < 0.3 && motion.dot(momentum).real() > felt)
+    if (mode.damping_ratio() < most_damped && motion.dot(momentum).real() > felt)
       omega.push_back(mode.omega());
   }
+  for (int k = 0; k < most; ++k)
+    omega.push_back(from * std::pow(to / from, (k + 0.5) / static_cast<double>(most)));
   return omega;
 }
 
@@ -103,26 +134,24 @@ double noise_at(const ResponseTarget& all, std::size_t line) {
 
 /// Numbers of the lines that count, ascending.
 std::vector<std::size_t> lines_of(const ResponseTarget& all, double from, double to,
-                                  const std::vector<double>& resonances, int most) {
-  constexpr double apart = 0.015;  // of the frequency
+                                  const std::vector<Peak>& peaks,
+                                  const std::vector<double>& wanted) {
+  const auto off = [](double a, double b) { return std::abs(std::log(a / b)); };
   std::vector<std::size_t> good;
   for (std::size_t line = 0; line < all.s.size(); ++line) {
     const double omega = all.s[line].imag();
-    if (omega >= from && omega <= to && noise_at(all, line) < worst_noise) good.push_back(line);
+    if (omega >= from && omega <= to && noise_at(all, line) < worst_noise &&
+        std::ranges::none_of(peaks, [&](const Peak& p) { return off(omega, p.omega) < p.width; }))
+      good.push_back(line);
   }
   if (good.empty()) return {};
-  std::vector<double> wanted = resonances;
-  for (int k = 0; k < most; ++k)
-    wanted.push_back(from * std::pow(to / from, (k + 0.5) / static_cast<double>(most)));
   std::vector<std::size_t> chosen;
   for (const double omega : wanted) {
-    const auto distance = [&](std::size_t line) {
-      return std::abs(std::log(all.s[line].imag() / omega));
-    };
-    const auto nearest = *std::ranges::min_element(good, {}, distance);
-    if (distance(nearest) > 2.0 * apart) continue;  // nothing is known there
+    const auto nearest = *std::ranges::min_element(
+        good, {}, [&](std::size_t line) { return off(all.s[line].imag(), omega); });
+    if (off(all.s[nearest].imag(), omega) > 2.0 * apart) continue;  // nothing is known there
     const bool taken = std::ranges::any_of(chosen, [&](std::size_t line) {
-      return std::abs(std::log(all.s[line].imag() / all.s[nearest].imag())) < apart;
+      return off(all.s[line].imag(), all.s[nearest].imag()) < apart;
     });
     if (!taken) chosen.push_back(nearest);
   }
@@ -144,16 +173,23 @@ std::optional<ResponseTarget> measured_responses(
   // widened resonances are not those of any model line by line
   if (rows.empty() || target.drives.size() == 0 || responses.taper.size() > 0) return std::nullopt;
   const spatial::Matrix6 root = metric(machine, pose->X_BP, at.point);
+  const Eigen::MatrixXd of_valves = inputs_of_valves(target.drives);
+  target.drives = target.drives * of_valves;
   const auto inputs = target.drives.cols();
   for (std::size_t line = 0; line < responses.lines(); ++line) {
     Eigen::MatrixXcd H(6, inputs);
-    Eigen::VectorXd noise = Eigen::VectorXd::Zero(inputs);
+    double noise_of_outputs = 0.0;
     for (int k = 0; k < 6; ++k) {
       const auto& row = rows[static_cast<std::size_t>(k)];
-      H.row(k) = row.sign * responses.H[line].row(row.output);
-      for (int i = 0; i < inputs && responses.has_errors(); ++i)
-        noise[i] += root.col(k).squaredNorm() * responses.variance(line, row.output, i);
+      H.row(k) = row.sign * responses.H[line].row(row.output) * of_valves;
+      if (responses.has_errors())
+        noise_of_outputs +=
+            root.col(k).squaredNorm() * responses.noise[line](row.output, row.output).real();
     }
+    Eigen::VectorXd noise = Eigen::VectorXd::Zero(inputs);
+    for (int i = 0; i < inputs && responses.has_errors(); ++i)
+      noise[i] = noise_of_outputs *
+                 of_valves.col(i).dot(responses.input_factor[line].real() * of_valves.col(i));
     const Eigen::VectorXd size = (root.cast<Complex>() * H).colwise().norm();
     if (!H.allFinite() || !(size.minCoeff() > 0.0)) continue;
     target.s.emplace_back(responses.shift, two_pi * responses.frequency[line]);
@@ -167,29 +203,28 @@ std::optional<ResponseTarget> measured_responses(
 std::vector<ResponseTarget> chosen_lines(const model::MachineFile& file, const Targets& measured,
                                          dynamics::ModelKind kind, double response_error) {
   constexpr double below = 0.6, above = 1.4;
+  constexpr int of_shape = 5;  // values
   std::vector<ResponseTarget> chosen;
   for (const auto& all : measured.responses) {
     const auto* pose = pose_named(file.machine, all.pose);
-    if (pose == nullptr) continue;
-    double lowest = 0.0, highest = 0.0;
-    for (const auto& mode : measured.modes) {
-      if (mode.pose != all.pose) continue;
-      lowest = lowest == 0.0 ? mode.omega : std::min(lowest, mode.omega);
-      highest = std::max(highest, mode.omega);
-    }
-    if (highest == 0.0) continue;
+    const auto peaks = peaks_at(measured, all.pose);
+    if (pose == nullptr || peaks.empty()) continue;
+    const double from = below * std::ranges::min(peaks, {}, &Peak::omega).omega;
+    const double to = above * std::ranges::max(peaks, {}, &Peak::omega).omega;
+    const int most = std::max(1, most_lines / static_cast<int>(measured.responses.size()));
     const auto lines =
-        lines_of(all, below * lowest, above * highest, resonances_at(file, measured, *pose, kind),
-                 std::max(1, most_lines / static_cast<int>(measured.responses.size())));
+        lines_of(all, from, to, peaks, wanted_lines(peaks, file, *pose, kind, from, to, most));
     ResponseTarget some{.pose = all.pose, .point = all.point, .drives = all.drives};
-    const double together = std::sqrt(static_cast<double>(all.drives.cols()));
+    const auto inputs = static_cast<double>(all.drives.cols());
+    const auto shapes = static_cast<double>(std::min(lines.size(), peaks.size()));
     for (const auto line : lines) {
       some.s.push_back(all.s[line]);
       some.H.push_back(all.H[line]);
+      const double error = std::pow(response_error, 2) * static_cast<double>(lines.size()) / shapes;
       some.deviation.push_back(
-          together *
-          (all.deviation[line].array().square() + response_error * response_error).sqrt().matrix());
+          (inputs * (all.deviation[line].array().square() + error)).sqrt().matrix());
     }
+    some.values = of_shape * static_cast<int>(shapes);
     if (!some.s.empty()) chosen.push_back(std::move(some));
   }
   return chosen;

@@ -4,6 +4,7 @@
 
 #include "hydrapod/base/error.hpp"
 #include "hydrapod/diagnosis/measured.hpp"
+#include "hydrapod/diagnosis/responses.hpp"
 #include "kept_records.hpp"
 #include "support/rig_record.hpp"
 
@@ -20,7 +21,7 @@ inline Measure by_record(const RecordSetting& setting) {
     calibration::Targets all;
     for (const auto& name : test.poses) {
       const auto pose = std::ranges::find(truth.machine.poses, name, &model::NamedPose::name);
-      const auto found = identification::identify_modes(kept_responses(test, name, [&] {
+      const auto responses = kept_responses(test, name, [&] {
         return measured_on_rig(truth.machine,
                                {.kind = test.kind,
                                 .X_BP = pose->X_BP,
@@ -29,15 +30,18 @@ inline Measure by_record(const RecordSetting& setting) {
                                 .seed = 100u + static_cast<std::uint64_t>(test.repetition),
                                 .sensors = setting.sensors,
                                 .point = spatial::Vector3::Zero()});
-      }));
+      });
+      const auto found = identification::identify_modes(responses);
       keep_modes(test, name, found);
       // the owner's file says where the legs are; where the mass centre is it may not
-      const auto targets = diagnosis::measured_modes(
-          found, truth.machine, {.pose = name, .point = spatial::Vector3::Zero()});
+      const diagnosis::MeasuredAt at{.pose = name, .point = spatial::Vector3::Zero()};
+      const auto targets = diagnosis::measured_modes(found, truth.machine, at);
       if (all.modes.empty())
         all = targets;
       else
         all.modes.insert(all.modes.end(), targets.modes.begin(), targets.modes.end());
+      if (const auto lines = diagnosis::measured_responses(responses, truth.machine, at))
+        all.responses.push_back(*lines);
     }
     return all;
   };

@@ -5,7 +5,6 @@
 
 #include "blind_series.hpp"
 #include "hydrapod/calibration/observation.hpp"
-#include "hydrapod/kinematics/inverse.hpp"
 
 namespace hydrapod::diagnosis {
 namespace {
@@ -27,7 +26,7 @@ calibration::Targets taken_for_mechanics(const BlindCase& test, const model::Mac
   return targets;
 }
 
-/// Modes and responses to drives in directions of the platform, with 1 % of noise.
+/// Modes and responses to the drives of the valves, with 1 % of noise.
 calibration::Targets with_responses(const BlindCase& test, const model::MachineFile& truth) {
   auto targets = by_plant(test, truth);
   test::Random random(271u);
@@ -37,7 +36,7 @@ calibration::Targets with_responses(const BlindCase& test, const model::MachineF
     const auto plant = calibration::observe_plant(machine, pose->X_BP, test.kind);
     const auto& X_BP = pose->X_BP;
     calibration::ResponseTarget all{.pose = name};
-    all.drives = kinematics::leg_jacobian(kinematics::inverse_kinematics(machine, X_BP), X_BP.p_BP);
+    all.drives = spatial::Matrix6::Identity();
     spatial::Matrix6 to_origin = spatial::Matrix6::Identity();
     to_origin.topRightCorner<3, 3>() = -spatial::skew(X_BP.p_BP - plant.mechanics.p_BC);
     constexpr double noise = 0.01;
@@ -92,32 +91,74 @@ TEST(DiagnosePlant, TellsAPayloadOnOilWithAir) {
 TEST(DiagnosePlant, BlamesNothingInASoundMachine) {
   const auto result = test::run_blind({.machine = "zhang-jiang-2021.toml"}, by_plant);
   EXPECT_EQ(result.diagnosis.finding, Finding::as_stated) << test::verdict(result.diagnosis);
-  EXPECT_LT(result.diagnosis.as_stated().misfit, 2.0 * result.diagnosis.targets.modes.size());
+  EXPECT_LT(result.diagnosis.as_stated().misfit,
+            2.0 * static_cast<double>(result.diagnosis.targets.modes.size()));
 }
 
-/// Which of six like legs has the soft sleeve frequencies and shapes do not tell; how the platform
-/// moves between the resonances does.
-TEST(DiagnosePlant, ResponsesTellTheLegThatModesDoNot) {
+constexpr std::size_t few = 6;
+
+/// The lowest ones, as a short record shows.
+calibration::Targets few_modes(const BlindCase& test, const model::MachineFile& truth) {
+  auto targets = by_plant(test, truth);
+  std::ranges::sort(targets.modes, {}, &calibration::ModeTarget::omega);
+  targets.modes.resize(few);
+  return targets;
+}
+
+calibration::Targets few_modes_with_responses(const BlindCase& test,
+                                              const model::MachineFile& truth) {
+  auto targets = few_modes(test, truth);
+  targets.responses = with_responses(test, truth).responses;
+  return targets;
+}
+
+/// Every suspect alone.
+Diagnosis without_pairs(const BlindCase& test, const test::Measure& measure,
+                        DiagnoseOptions options = {}) {
+  const auto design = test::machine_file(test.text(), test.design);
+  auto overrides = test.design;
+  overrides.insert(overrides.end(), test.fault.begin(), test.fault.end());
+  const auto measured = measure(test, test::machine_file(test.text(), overrides));
+  options.strongest = 0;
+  return diagnose(design, measured, dynamics::ModelKind::guide, design.machine.poses, options);
+}
+
+bool blamed(const Diagnosis& d, const std::string& name) {
+  return std::ranges::any_of(d.alike,
+                             [&](std::size_t k) { return d.explanations[k].name == name; });
+}
+
+/// Six modes whose shapes are not trusted do not tell the oil of leg 2 from that of leg 5, on the
+/// other side of the machine; how the valves of the two move the platform between the resonances
+/// does. (Gimbals are the same spring.)
+TEST(DiagnosePlant, ResponsesTellTheLegThatFewModesDoNot) {
   const BlindCase one_leg{.machine = "zhang-jiang-2021.toml",
-                          .fault = {"leg.3.guide_sleeve.stiffness=0.1053 kN/mm"},
-                          .planted = {"guide sleeve of leg 3"}};
-  const auto modes = test::run_blind(one_leg, by_plant);
-  const auto all = test::run_blind(one_leg, with_responses);
-  EXPECT_TRUE(all.found) << test::verdict(all.diagnosis);
-  EXPECT_LT(all.diagnosis.alike.size(), modes.diagnosis.alike.size())
-      << test::verdict(modes.diagnosis) << "\n"
-      << test::verdict(all.diagnosis);
+                          .fault = {"leg.2.oil_spring.stiffness=3.17e6"},
+                          .planted = {"oil spring of leg 2"}};
+  const auto modes = without_pairs(one_leg, few_modes, {.shape_error = 0.2});
+  const auto all = without_pairs(one_leg, few_modes_with_responses, {.shape_error = 0.2});
+  EXPECT_TRUE(blamed(modes, "oil spring of leg 5")) << test::verdict(modes);
+  EXPECT_FALSE(blamed(all, "oil spring of leg 5")) << test::verdict(all);
+  EXPECT_FALSE(blamed(all, "gimbals of leg 5")) << test::verdict(all);
+  EXPECT_TRUE(blamed(all, "oil spring of leg 2")) << test::verdict(all);
+  EXPECT_EQ(all.values, modes.values + 5 * static_cast<int>(few));
 }
 
-/// What one line shows that no mode was found for is said.
+/// Sound with responses too; what they contradict is said of other explanations.
 TEST(DiagnosePlant, SaysWhichResponseAnExplanationMisses) {
   const auto result = test::run_blind({.machine = "zhang-jiang-2021.toml"}, with_responses);
   const auto& d = result.diagnosis;
   EXPECT_EQ(d.finding, Finding::as_stated) << test::verdict(d);
   ASSERT_EQ(d.targets.responses.size(), 1U);
-  EXPECT_LE(d.targets.responses[0].s.size(), 48U);
-  const auto rigid = std::ranges::find_if(d.explanations, &Explanation::rigid);
-  EXPECT_THAT(rigid->wrong, testing::Contains(HasSubstr("with the measured response")));
+  EXPECT_THAT(d.as_stated().wrong, testing::IsEmpty());
+  EXPECT_LT(d.as_stated().misfit, 2.0 * static_cast<double>(d.targets.modes.size()));
+  const auto soft = without_pairs({.machine = "heavy-platform.toml",
+                                   .design = {"legs.guide_sleeve.stiffness=20 kN/mm"},
+                                   .fault = {"leg.2.oil_spring.cylinder.bulk_modulus=0.31 GPa"}},
+                                  with_responses);
+  EXPECT_TRUE(blamed(soft, "oil spring of leg 2")) << test::verdict(soft);
+  EXPECT_THAT(soft.best().wrong, testing::Not(testing::Contains(HasSubstr("driven"))));
+  EXPECT_THAT(soft.as_stated().wrong, testing::Contains(HasSubstr("Hz when driven (MAC 0.")));
 }
 
 TEST(DiagnosePlant, SaysWhyWhereThePlantCannotBeHad) {

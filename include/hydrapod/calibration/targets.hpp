@@ -68,6 +68,7 @@ struct ResponseTarget {
   /// Per line of each column, as share of it in the metric of the platform's mass.
   std::vector<Eigen::VectorXd> deviation{};
   Eigen::MatrixXd drives{};  ///< what each input drives the six valves with, 6 × inputs
+  int values{};              ///< how many values all lines together say something about
 };
 
 struct Targets {

@@ -1,0 +1,183 @@
+/// From measured responses to what a diagnosis compares: inputs brought to valves, lines chosen,
+/// what each is known to.
+
+#include "hydrapod/diagnosis/responses.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <numbers>
+
+#include "hydrapod/calibration/observation.hpp"
+#include "hydrapod/kinematics/inverse.hpp"
+#include "support/calibration_machine.hpp"
+#include "support/noisy_modes.hpp"
+#include "support/run_program.hpp"
+
+namespace hydrapod::diagnosis {
+namespace {
+
+using calibration::Targets;
+using Complex = std::complex<double>;
+using identification::FrequencyResponses;
+
+constexpr double two_pi = 2.0 * std::numbers::pi;
+const MeasuredAt at{"low", {0.137, -0.219, 0.083}};
+
+model::MachineFile heavy() {
+  return test::machine_file(test::read_text(test::source_file("models/heavy-platform.toml")));
+}
+
+spatial::Pose pose_of(const model::Machine& machine) {
+  return std::ranges::find(machine.poses, at.pose, &model::NamedPose::name)->X_BP;
+}
+
+/// Motion of Q per command of the valves.
+spatial::Matrix6 to_point(const calibration::Observation& plant) {
+  spatial::Matrix6 map = spatial::Matrix6::Identity();
+  map.topRightCorner<3, 3>() =
+      -spatial::skew(plant.mechanics.X_BP * at.point - plant.mechanics.p_BC);
+  return map;
+}
+
+/// As a rig measures it: drives in directions of the platform, the y channel the other way round,
+/// variance of every output and input.
+FrequencyResponses measured_on(const model::Machine& machine) {
+  FrequencyResponses all;
+  const auto X_BP = pose_of(machine);
+  const auto plant = calibration::observe_plant(machine, X_BP, dynamics::ModelKind::guide);
+  const Eigen::MatrixXd J =
+      kinematics::leg_jacobian(kinematics::inverse_kinematics(machine, X_BP), X_BP * at.point);
+  for (int k = 0; k < 6; ++k) {
+    const auto direction = static_cast<data::Direction>(k == 1 ? -2 : k + 1);
+    all.outputs.push_back({.unit = k < 3 ? "m" : "rad", .direction = direction});
+    all.inputs.push_back(
+        {.direction = static_cast<data::Direction>(k + 1), .role = data::Role::drive});
+  }
+  all.shift = 0.71;
+  for (double hertz = 1.0; hertz < 40.0; hertz += 0.05) {
+    all.frequency.push_back(hertz);
+    Eigen::MatrixXcd H = to_point(plant) * plant.response({all.shift, two_pi * hertz}) * J;
+    H.row(1) *= -1.0;
+    all.H.push_back(H);
+    Eigen::MatrixXcd noise = Eigen::MatrixXcd::Zero(6, 6);
+    noise.diagonal() << 1e-12, 4e-12, 9e-12, 2e-12, 3e-12, 5e-12;
+    Eigen::MatrixXcd Q = 0.3 * Eigen::MatrixXcd::Ones(6, 6);
+    Q.diagonal() << 1.0, 2.0, 3.0, 1.5, 2.5, 0.7;
+    all.noise.push_back(noise);
+    all.input_factor.push_back(Q);
+  }
+  return all;
+}
+
+Targets modes_of(const model::Machine& machine) {
+  test::Random random(7);
+  auto targets =
+      test::noisy_plant_modes(machine, {at.pose}, dynamics::ModelKind::guide, {}, random);
+  for (auto& mode : targets.modes) mode.damping = 0.031;
+  return targets;
+}
+
+TEST(MeasuredResponses, OfDrivesInDirectionsAreThoseOfTheValves) {
+  const auto machine = heavy().machine;
+  const auto responses = measured_on(machine);
+  const auto target = measured_responses(responses, machine, at);
+  ASSERT_TRUE(target);
+  EXPECT_EQ(target->pose, at.pose);
+  EXPECT_TRUE(target->drives.isIdentity(1e-12));
+  const auto plant =
+      calibration::observe_plant(machine, pose_of(machine), dynamics::ModelKind::guide);
+  ASSERT_EQ(target->s.size(), responses.lines());
+  for (const std::size_t line : {3U, 170U, 611U}) {
+    const Eigen::MatrixXcd H = to_point(plant) * plant.response(target->s[line]);
+    EXPECT_LT((target->H[line] - H).norm(), 1e-9 * H.norm()) << line;
+  }
+}
+
+/// Noise of the directions, mixed as the valves' columns are: with noise drawn so, what is drawn
+/// scatters as is said.
+TEST(MeasuredResponses, NoiseOfAColumnIsThatOfItsMixture) {
+  const auto machine = heavy().machine;
+  auto responses = measured_on(machine);
+  constexpr std::size_t line = 0;
+  responses.frequency = {responses.frequency[137]};
+  responses.H = {responses.H[137]};
+  const auto clean = measured_responses(responses, machine, at);
+  ASSERT_TRUE(clean);
+  const Eigen::MatrixXd root_Q =
+      Eigen::LLT<Eigen::MatrixXd>(responses.input_factor[line].real()).matrixL();
+  const Eigen::VectorXd root_noise = responses.noise[line].diagonal().real().cwiseSqrt();
+  const Eigen::MatrixXcd H = responses.H[line];
+  test::Random random(1013);
+  Eigen::VectorXd scatter = Eigen::VectorXd::Zero(6);
+  constexpr int draws = 4000;
+  const auto& R = pose_of(machine).R_BP;
+  const spatial::Matrix3 inertia = R * machine.platform.inertia * R.transpose();
+  spatial::Vector6 root;
+  root << spatial::Vector3::Constant(machine.platform.mass), inertia.diagonal();
+  spatial::Matrix6 to_center = spatial::Matrix6::Identity();
+  to_center.topRightCorner<3, 3>() = -spatial::skew(R * (machine.platform.mass_center - at.point));
+  const Eigen::MatrixXcd metric = (root.cwiseSqrt().asDiagonal() * to_center).cast<Complex>();
+  for (int draw = 0; draw < draws; ++draw) {
+    Eigen::MatrixXcd e(6, 6);
+    for (auto& value : e.reshaped())
+      value = std::sqrt(0.5) * Complex(test::normal(random), test::normal(random));
+    responses.H[line] = H + root_noise.asDiagonal() * e * root_Q.transpose();
+    const auto noisy = measured_responses(responses, machine, at);
+    const Eigen::MatrixXcd difference = metric * (noisy->H[line] - clean->H[line]);
+    scatter += difference.colwise().squaredNorm().transpose();
+  }
+  for (int i = 0; i < 6; ++i) {
+    const double size = (metric * clean->H[line].col(i)).norm();
+    const double found = std::sqrt(scatter[i] / draws) / size;
+    EXPECT_NEAR(clean->deviation[line][i] / found, 1.0, 0.03) << i;
+  }
+}
+
+TEST(MeasuredResponses, AreLeftOutWhereInputsOrOutputsAreOthers) {
+  const auto machine = heavy().machine;
+  auto forces = measured_on(machine);
+  forces.inputs[2].role = data::Role::excitation;
+  EXPECT_FALSE(measured_responses(forces, machine, at));
+  auto five = measured_on(machine);
+  five.outputs[4].direction = data::Direction::none;
+  EXPECT_FALSE(measured_responses(five, machine, at));
+  auto mixed = measured_on(machine);
+  mixed.outputs[3].unit = "rad/s";
+  EXPECT_FALSE(measured_responses(mixed, machine, at));
+  auto widened = measured_on(machine);
+  widened.taper = Eigen::VectorXd::Ones(3);
+  EXPECT_FALSE(measured_responses(widened, machine, at));
+}
+
+/// Lines lie in the band, off the measured resonances and apart from each other; together they
+/// count like one shape per mode.
+TEST(ChosenLines, LieOffThePeaksAndCountLikeOneShapePerMode) {
+  const auto file = heavy();
+  auto measured = modes_of(file.machine);
+  measured.responses.push_back(*measured_responses(measured_on(file.machine), file.machine, at));
+  auto& all = measured.responses[0];
+  for (std::size_t line = 300; line < 340; ++line) all.deviation[line][4] = 0.4;  // 16 … 18 Hz
+  constexpr double error = 0.07;
+  const auto chosen = chosen_lines(file, measured, dynamics::ModelKind::guide, error);
+  ASSERT_EQ(chosen.size(), 1U);
+  const auto& some = chosen[0];
+  ASSERT_GT(some.s.size(), 12U);
+  EXPECT_EQ(some.values, 5 * static_cast<int>(measured.modes.size()));
+  for (std::size_t k = 0; k < some.s.size(); ++k) {
+    const double omega = some.s[k].imag();
+    EXPECT_FALSE(omega > two_pi * 16.01 && omega < two_pi * 17.94);
+    EXPECT_GT(omega, 1.0149 * (k > 0 ? some.s[k - 1].imag() : 0.0));
+    for (const auto& mode : measured.modes)
+      EXPECT_GE(std::abs(std::log(omega / mode.omega)), 2.0 * 0.031);
+    const auto as_measured = std::ranges::find(all.s, some.s[k]) - all.s.begin();
+    const auto& noise = all.deviation[static_cast<std::size_t>(as_measured)];
+    const double shared = error * error * static_cast<double>(some.s.size()) /
+                          static_cast<double>(measured.modes.size());
+    for (int i = 0; i < 6; ++i)
+      EXPECT_NEAR(some.deviation[k][i], std::sqrt(6.0 * (noise[i] * noise[i] + shared)), 1e-12);
+  }
+}
+
+}  // namespace
+}  // namespace hydrapod::diagnosis
