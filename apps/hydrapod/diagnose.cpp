@@ -86,9 +86,12 @@ std::string ranking_text(const diagnosis::Diagnosis& d, std::size_t shown, bool 
     ++rank;
     if (rank <= shown || (e.suspects.empty())) add(e);
   }
-  return heading(fmt::format("Explanations ({} values measured; up to {:.0f} above the best are "
+  std::size_t lines = 0;
+  for (const auto& response : d.targets.responses) lines += response.s.size();
+  const auto responses = lines > 0 ? fmt::format(", with {} lines of responses", lines) : "";
+  return heading(fmt::format("Explanations ({} values measured{}; up to {:.0f} above the best are "
                              "as good)",
-                             d.values, diagnosis::same),
+                             d.values, responses, diagnosis::same),
                  colour) +
          table.text(colour, width);
 }

@@ -8,6 +8,7 @@
 
 #include "hydrapod/base/error.hpp"
 #include "hydrapod/base/file.hpp"
+#include "hydrapod/base/nearest.hpp"
 #include "hydrapod/data/record_io.hpp"
 #include "hydrapod/diagnosis/responses.hpp"
 #include "hydrapod/identification/exchange.hpp"
@@ -59,6 +60,10 @@ calibration::Targets identified(const identification::FrequencyResponses& respon
         identification::identify_modes(responses, {}, [&](double share) { line.update(share); });
   }
   print_warnings(path, found.warnings);
+  if (found.modes.empty())
+    bad_argument(path,
+                 "no mode was found in it; a longer record, or one with more excitation, shows "
+                 "more (`hydrapod identify` says what was tried)");
   auto targets = diagnosis::measured_modes(found, file.machine, at);
   if (auto all = diagnosis::measured_responses(responses, file.machine, at))
     targets.responses.push_back(std::move(*all));
@@ -78,10 +83,6 @@ calibration::Targets from_json(const std::string& path, const model::MachineFile
   if (json.contains("modes")) return report::modes_from_json(json, path, file.machine, at);
   return identified(report::responses_from_json(json, path), path, file, at);
 }
-
-}  // namespace
-
-namespace {
 
 /// Of one file.
 calibration::Targets read_one(const std::string& path, const MachineArguments& arguments,
@@ -106,12 +107,50 @@ calibration::Targets read_one(const std::string& path, const MachineArguments& a
   return identified(measure(measurement).responses, path, file, at);
 }
 
-/// "run.h5@low": the file and the pose; a file whose own name has an @ is taken as it is.
-std::pair<std::string, std::string> file_and_pose(const std::string& text,
-                                                  const std::string& pose) {
+/// "run.h5@low".
+struct MeasuredFile {
+  std::string option{};  ///< as messages call it
+  std::string path{};
+  std::string pose{};
+  bool says_pose{};
+};
+
+/// The file and the pose; a file whose own name has an @ is taken as it is.
+MeasuredFile file_and_pose(const std::string& text, const model::Machine& machine,
+                           const std::string& pose) {
+  MeasuredFile file{.option = "--measured " + text, .path = text, .pose = pose};
   const auto at = text.rfind('@');
-  if (at == std::string::npos || std::filesystem::exists(text)) return {text, pose};
-  return {text.substr(0, at), text.substr(at + 1)};
+  if (at == std::string::npos || std::filesystem::exists(text)) return file;
+  file.path = text.substr(0, at);
+  file.pose = text.substr(at + 1);
+  file.says_pose = true;
+  if (file.path.empty()) bad_argument(file.option, "names no file; expected FILE or FILE@POSE");
+  std::vector<std::string_view> names;
+  for (const auto& known : machine.poses) names.push_back(known.name);
+  if (std::ranges::find(names, file.pose) != names.end()) return file;
+  const auto near = base::nearest(file.pose, names);
+  bad_argument(
+      file.option,
+      fmt::format("after the @ comes a pose of the machine file by its name, where the "
+                  "machine stood; {}it has {}",
+                  near ? fmt::format("did you mean '{}'? ", *near) : "", fmt::join(names, ", ")));
+}
+
+const char* origin(calibration::Observed observed) {
+  return observed == calibration::Observed::plant ? "was measured from the drives of the valves"
+                                                  : "holds modes or responses of mechanics alone";
+}
+
+void add_measured(calibration::Targets one, const MeasuredFile& file, const std::string& first,
+                  calibration::Targets& all) {
+  if (one.observed != all.observed)
+    bad_argument(file.option,
+                 fmt::format("it {}, and {} {}: they cannot be compared together, diagnose from "
+                             "one of them",
+                             origin(one.observed), first, origin(all.observed)));
+  all.deviations_given = all.deviations_given && one.deviations_given;
+  for (auto& mode : one.modes) all.modes.push_back(std::move(mode));
+  for (auto& response : one.responses) all.responses.push_back(std::move(response));
 }
 
 }  // namespace
@@ -119,32 +158,26 @@ std::pair<std::string, std::string> file_and_pose(const std::string& text,
 calibration::Targets read_measured(const std::vector<std::string>& files,
                                    const MachineArguments& arguments,
                                    const model::MachineFile& file, const std::string& pose) {
-  calibration::Targets all;
+  std::vector<MeasuredFile> measured;  // all looked at before the first, which may take long
   for (const auto& text : files) {
-    const auto [path, at] = file_and_pose(text, pose);
-    if (at != pose) {
-      const auto& poses = file.machine.poses;
-      const auto name = choose_pose(file.machine, at).name;
-      if (std::ranges::find(poses, name, &model::NamedPose::name) == poses.end())
-        bad_argument("--measured " + text,
-                     "what follows the @ must be a pose of the machine file by its name");
-    }
-    auto one = read_one(path, arguments, file, at);
-    if (&text == &files.front()) {
-      all = std::move(one);
-      continue;
-    }
-    if (one.observed != all.observed)
-      bad_argument("--measured " + text,
-                   fmt::format("these modes are of the {}, those of {} of the {}: they cannot be "
-                               "compared together",
-                               calibration::name(one.observed), files.front(),
-                               calibration::name(all.observed)));
-    all.deviations_given = all.deviations_given && one.deviations_given;
-    for (auto& mode : one.modes) all.modes.push_back(std::move(mode));
-    for (auto& response : one.responses) all.responses.push_back(std::move(response));
+    auto one = file_and_pose(text, file.machine, pose);
+    if (std::ranges::count(measured, one.path, &MeasuredFile::path) > 0)
+      bad_argument(one.option, fmt::format("{} is given twice; it would count twice", one.path));
+    if (one.says_pose && is_mode_list(one.path))
+      bad_argument(one.option,
+                   "a list of modes says itself at which pose each was measured (pose = \"low\", "
+                   "or a column \"pose\"); give the file without @POSE");
+    measured.push_back(std::move(one));
   }
-  return all;
+  std::optional<calibration::Targets> all;
+  for (const auto& one : measured) {
+    auto targets = read_one(one.path, arguments, file, one.pose);
+    if (all)
+      add_measured(std::move(targets), one, files.front(), *all);
+    else
+      all = std::move(targets);
+  }
+  return std::move(all).value();
 }
 
 }  // namespace hydrapod::cli

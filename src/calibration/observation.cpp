@@ -36,8 +36,9 @@ Eigen::Matrix<Complex, 6, Eigen::Dynamic> base_motion(const simulation::Plant& p
 
 }  // namespace
 
-Eigen::Matrix<Complex, 6, 6> Observation::response(Complex s) const {
-  return output * (s - poles.array()).inverse().matrix().asDiagonal() * input;
+Eigen::Matrix<Complex, 6, 6> Observation::response(Complex s, MotionAgainst against) const {
+  const auto& motion = against == MotionAgainst::ground ? to_ground : output;
+  return motion * (s - poles.array()).inverse().matrix().asDiagonal() * input;
 }
 
 Observation observe_plant(const model::Machine& machine, const spatial::Pose& X_BP,
@@ -63,6 +64,7 @@ Observation observe_plant(const model::Machine& machine, const spatial::Pose& X_
   spatial::Matrix6 to_center = spatial::Matrix6::Identity();
   to_center.topRightCorner<3, 3>() = -spatial::skew(seen.mechanics.p_BC);
   const auto base = base_motion(plant, V, scales);
+  seen.to_ground = seen.output + to_center.cast<Complex>() * base;
   for (Eigen::Index k = 0; k < seen.poles.size(); ++k) {
     if (!(seen.poles[k].imag() > 0.0)) continue;
     ObservedMode mode{

@@ -137,8 +137,8 @@ Eigen::MatrixXcd response_rest(const Observation& seen, const ResponseTarget& ta
   to_point.topRightCorner<3, 3>() =
       -spatial::skew(seen.mechanics.X_BP * target.point - seen.mechanics.p_BC);
   const Matrix6 map = root.asDiagonal() * to_point;
-  const Eigen::MatrixXcd V =
-      map.cast<Complex>() * seen.response(target.s[line]) * target.drives.cast<Complex>();
+  const Eigen::MatrixXcd V = map.cast<Complex>() * seen.response(target.s[line], target.against) *
+                             target.drives.cast<Complex>();
   Eigen::MatrixXcd rest = root.cast<Complex>().asDiagonal() * target.H[line];
   for (Eigen::Index input = 0; input < rest.cols(); ++input) {
     const Vector6c u = rest.col(input).normalized(), v = V.col(input);

@@ -169,6 +169,7 @@ std::optional<ResponseTarget> measured_responses(
   const auto rows = direction_rows(responses.outputs);
   ResponseTarget target{.pose = at.pose,
                         .point = at.point,
+                        .against = at.against.value_or(motion_against(responses.outputs)),
                         .drives = drives_of(responses.inputs, machine, pose->X_BP, at.point)};
   // widened resonances are not those of any model line by line
   if (rows.empty() || target.drives.size() == 0 || responses.taper.size() > 0) return std::nullopt;
@@ -214,7 +215,8 @@ std::vector<ResponseTarget> chosen_lines(const model::MachineFile& file, const T
     const int most = std::max(1, most_lines / static_cast<int>(measured.responses.size()));
     const auto lines =
         lines_of(all, from, to, peaks, wanted_lines(peaks, file, *pose, kind, from, to, most));
-    ResponseTarget some{.pose = all.pose, .point = all.point, .drives = all.drives};
+    ResponseTarget some{
+        .pose = all.pose, .point = all.point, .against = all.against, .drives = all.drives};
     const auto inputs = static_cast<double>(all.drives.cols());
     const auto shapes = static_cast<double>(std::min(lines.size(), peaks.size()));
     for (const auto line : lines) {

@@ -7,6 +7,7 @@
 
 #include "hydrapod/base/error.hpp"
 #include "hydrapod/calibration/calibrate.hpp"
+#include "hydrapod/calibration/observation.hpp"
 #include "hydrapod/simulation/plant.hpp"
 #include "support/calibration_machine.hpp"
 #include "support/noisy_modes.hpp"
@@ -141,6 +142,29 @@ TEST(PlantResponses, GainsAndPhasesOfTheDrivesDoNotCount) {
   EXPECT_LT(compare(file, targets, ModelKind::guide).misfit, 1e-10);
   targets.responses[0].H[1].row(2) *= 1.37;
   EXPECT_GT(compare(file, targets, ModelKind::guide).misfit, 1.0);
+}
+
+/// Beside a pole the response is that mode's motion, against what it is asked for.
+TEST(PlantResponses, BesideAPoleAreTheMotionOfItsMode) {
+  const auto machine =
+      heavy({"base.mount.mass=1.31 t", "base.mount.stiffness.x=0.041 kN/um"}).machine;
+  const auto seen = observe_plant(machine, low(machine).X_BP, ModelKind::guide);
+  int differ = 0;
+  for (const auto& mode : seen.modes) {
+    const bool alone = std::ranges::count_if(seen.modes, [&](const auto& other) {
+                         return std::abs(other.pole - mode.pole) < 1e-2 * mode.omega();
+                       }) == 1;
+    if (!alone || mode.damping_ratio() > 0.3) continue;
+    const Complex s = mode.pole * (1.0 + 1e-7);
+    for (const auto against : {MotionAgainst::base, MotionAgainst::ground}) {
+      const Eigen::MatrixXcd residue = mode.motion(against) * mode.input;
+      EXPECT_LT(((s - mode.pole) * seen.response(s, against) - residue).norm(),
+                1e-4 * residue.norm());
+    }
+    const Vector6c apart = mode.motion(MotionAgainst::ground) - mode.motion(MotionAgainst::base);
+    differ += apart.norm() > 0.05 * mode.motion().norm();
+  }
+  EXPECT_GE(differ, 1);
 }
 
 TEST(PlantResponses, OfAPoseThatTheMachineDoesNotHaveAreRefused) {

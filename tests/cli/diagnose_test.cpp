@@ -5,6 +5,8 @@
 
 #include <fmt/format.h>
 
+#include <set>
+
 #include "support/json_fields.hpp"
 
 namespace hydrapod {
@@ -102,6 +104,50 @@ TEST_F(DiagnoseCommand, WrongUnitsBlameNobody) {
   EXPECT_THAT(run.out, testing::Not(HasSubstr("The cause")));
 }
 
+/// Records at two poses, the second said with its file; responses to drives count unless they are
+/// not wanted. (The oil of the file is ten times too stiff: said at once, before anything is
+/// fitted.)
+TEST_F(DiagnoseCommand, RecordsAtSeveralPosesAreOneMeasurement) {
+  const auto record = [&](const std::string& pose) {
+    const auto path = (folder_ / (pose + ".h5")).string();
+    const std::string level =
+        "white x=0.2 mm, y=0.2 mm, z=0.2 mm, rx=0.1 mrad, ry=0.1 mrad, rz=0.1 mrad";
+    std::vector<std::string> rig{"rig", machine_,   "--pose", pose, "--duration",
+                                 "30",  "--excite", level,    "-o", path};
+    rig.insert(rig.end(), stiff_.begin(), stiff_.end());
+    for (const char* value : {"bulk_modulus=0.8 GPa", "air.fraction=0.001"})
+      rig.insert(rig.end(), {"--set", std::string("legs.oil_spring.cylinder.") + value});
+    const auto run = run_hydrapod(rig);
+    EXPECT_EQ(run.exit_code, 0) << run.err;
+    return path;
+  };
+  auto words =
+      command({"--set", "legs.oil_spring.cylinder.bulk_modulus=8 GPa", "--set",
+               "legs.oil_spring.cylinder.air.fraction=0.001", "--measured", record("neutral"),
+               "--measured", record("low") + "@low", "--poses", "neutral", "--format", "json"});
+  const auto diagnosed = [&] {
+    const auto run = run_hydrapod(words);
+    EXPECT_EQ(run.exit_code, 0) << run.err;
+    return nlohmann::json::parse(run.out);
+  };
+  const auto json = diagnosed();
+  EXPECT_EQ(json["observed"], "plant");
+  EXPECT_EQ(json["finding"], "do not belong together");
+  ASSERT_EQ(json["response_lines"].size(), 2U);
+  EXPECT_EQ(json["response_lines"][0]["pose"], "neutral");
+  EXPECT_EQ(json["response_lines"][1]["pose"], "low");
+  EXPECT_GT(json["response_lines"][1]["frequency_hz"].size(), 3U);
+  std::set<std::string> poses;
+  for (const auto& mode : json["measured_modes"]) poses.insert(mode["pose"]);
+  EXPECT_THAT(poses, testing::ElementsAre("low", "neutral"));
+  EXPECT_GT(json["explanations"][0]["response_misfit"].get<double>(), 0.0);
+  words.push_back("--modes-only");
+  const auto modes_only = diagnosed();
+  EXPECT_EQ(modes_only["response_lines"].size(), 0U);
+  EXPECT_TRUE(modes_only["explanations"][0]["response_misfit"].is_null());
+  EXPECT_EQ(modes_only["measured_modes"].size(), json["measured_modes"].size());
+}
+
 TEST_F(DiagnoseCommand, MistakesAreNamed) {
   struct Wrong {
     std::vector<std::string> arguments;
@@ -118,6 +164,15 @@ TEST_F(DiagnoseCommand, MistakesAreNamed) {
                                   {{"--measured", write("empty.csv", "")}, "empty.csv"},
                                   {{"--measured", write("bad.json", "{\"modes\": 3}")}, "modes"},
                                   {{"--measured", write("broken.json", "{\"modes\": ")}, "no JSON"},
+                                  {{"--measured", modes() + "@low"}, "says itself at which pose"},
+                                  {{"--measured", "run.h5@lwo"}, "did you mean 'low'"},
+                                  {{"--measured", "run.h5@aloft"}, "it has neutral, low, surge"},
+                                  {{"--measured", "run.h5@"}, "comes a pose of the machine file"},
+                                  {{"--measured", "run.h5@z=5 mm"}, "by its name"},
+                                  {{"--measured", "@low"}, "names no file"},
+                                  {{"--measured", "none.h5@low"}, "none.h5: error: cannot read"},
+                                  {{"--measured", modes(), "--measured", modes()}, "given twice"},
+                                  {{"--response-error", "0"}, "--response-error"},
                                   {{"--plot", "why.gif"}, "why.gif"},
                                   {{"--format", "xml"}, "xml"},
                                   {{"--model-error", "0"}, "--model-error"}};

@@ -134,6 +134,16 @@ TEST(MeasuredResponses, NoiseOfAColumnIsThatOfItsMixture) {
   }
 }
 
+/// Poses from lengths of legs are against a base that gives way, accelerations against the ground.
+TEST(MeasuredResponses, AreAgainstWhatTheirOutputsAre) {
+  const auto machine = heavy().machine;
+  auto lengths = measured_on(machine);
+  EXPECT_EQ(measured_responses(lengths, machine, at)->against, calibration::MotionAgainst::base);
+  for (int k = 0; k < 6; ++k)
+    lengths.outputs[static_cast<std::size_t>(k)].unit = k < 3 ? "m/s^2" : "rad/s^2";
+  EXPECT_EQ(measured_responses(lengths, machine, at)->against, calibration::MotionAgainst::ground);
+}
+
 TEST(MeasuredResponses, AreLeftOutWhereInputsOrOutputsAreOthers) {
   const auto machine = heavy().machine;
   auto forces = measured_on(machine);

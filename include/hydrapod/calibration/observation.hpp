@@ -7,7 +7,7 @@
 ///
 ///     H(s) = C V (s − Λ)⁻¹ V⁻¹ B      motion of the mass centre per command of the valves
 ///
-/// where the base gives way: against the base, as leg lengths show it.
+/// where the base gives way: against the base, as leg lengths show it, or against the ground.
 ///
 /// Undamped modes of mechanics on oil springs (linear_model.hpp) lie elsewhere: leakage past
 /// pistons and edges softens the oil at low frequencies, heavy dampers shift poles that lie close
@@ -41,11 +41,14 @@ struct Observation {
 
   // The modal form of H.
   Eigen::VectorXcd poles{};                                         ///< all
-  Eigen::Matrix<std::complex<double>, 6, Eigen::Dynamic> output{};  ///< C V
+  Eigen::Matrix<std::complex<double>, 6, Eigen::Dynamic> output{};  ///< C V against the base
   Eigen::Matrix<std::complex<double>, Eigen::Dynamic, 6> input{};   ///< V⁻¹ B
 
+  Eigen::Matrix<std::complex<double>, 6, Eigen::Dynamic> to_ground{};  ///< C V against the ground
+
   /// H(s): 6 directions of the mass centre × 6 valves.
-  [[nodiscard]] Eigen::Matrix<std::complex<double>, 6, 6> response(std::complex<double> s) const;
+  [[nodiscard]] Eigen::Matrix<std::complex<double>, 6, 6> response(
+      std::complex<double> s, MotionAgainst against = MotionAgainst::base) const;
 };
 
 /// Throws base::ComputationError where the machine cannot stand at `X_BP`, and base::InputError

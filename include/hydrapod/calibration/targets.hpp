@@ -67,6 +67,7 @@ struct ResponseTarget {
   std::vector<Eigen::MatrixXcd> H{};                 ///< motion of Q, 6 × inputs
   /// Per line of each column, as share of it in the metric of the platform's mass.
   std::vector<Eigen::VectorXd> deviation{};
+  MotionAgainst against{MotionAgainst::base};  ///< what H is against
   Eigen::MatrixXd drives{};  ///< what each input drives the six valves with, 6 × inputs
   int values{};              ///< how many values all lines together say something about
 };

@@ -2,17 +2,20 @@
 /// Measured responses as evidence: motion of the platform, line by line, for each input.
 ///
 /// What a valve lets through for a command is rarely known to a tenth, and differs from line to
-/// line; how the platform then moves is not the valve's. A column of H, a line and an input, is
-/// therefore compared up to one complex factor (the operating shape at this line, as in the
-/// frequency domain assurance criterion). Its deviation is what the measurement says of its noise
-/// and the model's error, as root of the sum of squares, both as shares of the column in the metric
-/// of the platform's mass; all inputs of a line together count like one shape.
+/// line; how the platform then moves is not the valve's. Responses to six drives are brought to the
+/// six valves, and a column of H, a line and a valve, is compared up to one complex factor (the
+/// operating shape at this line, as in the frequency domain assurance criterion).
+///
+///     deviation² = inputs (noise² + error² lines/modes)
+///
+/// both as shares of the column in the metric of the platform's mass; error: the model's, the same
+/// in all lines. All lines at a pose together count like one shape per mode measured there.
 ///
 /// Lines: those where the noise of a column is below `worst_noise` of it, spread evenly over the
 /// logarithm of the frequency from 0.6 times the lowest measured mode to 1.4 times the highest, at
-/// most `most_lines` over all poses, and besides those nearest to measured modes and to poles of
-/// the machine as stated: neighbouring lines say the same, and the model's error is the same in
-/// them.
+/// most `most_lines` over all poses, and besides those on the flanks of measured modes and at poles
+/// of the machine as stated; none within two half widths of a measured mode, where its damping
+/// decides. Theory: docs/theory/diagnosis.md.
 
 #include <optional>
 
