@@ -247,9 +247,10 @@ void Evidence::polish(Explanation& e, const Targets& targets, bool and_stated,
     if (from_stated && !and_stated) continue;
     try {
       auto fit = refit(e, targets, from_stated, stop);
+      static_cast<void>(file_of(file_, {.overrides = e.overrides, .fit = fit}));
       if (!best || fit.misfit < best->misfit) best = std::move(fit);
     } catch (const base::ComputationError&) {  // it cannot stand, or
-    } catch (const base::InputError&) {        // the plant cannot have what it is blamed for
+    } catch (const base::InputError&) {        // no machine, or no plant, has such numbers
     }
   }
   if (!best) return;

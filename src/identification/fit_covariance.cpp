@@ -165,8 +165,8 @@ MatrixXcd modelled(const ModalModel& model, const std::vector<PoleLines>& lines,
     const MatrixXcd A = model.modes[r].shape * model.modes[r].participation.transpose();
     H += lines[r].g[line] * A + lines[r].g_conjugate[line] * A.conjugate();
   }
-  for (int t = 0; t < residual_terms; ++t)
-    H += std::pow(s, t + lowest_residual_power) * model.residuals[static_cast<size_t>(t)];
+  int power = lowest_residual_power;
+  for (const auto& C : model.residuals) H += std::pow(s, power++) * C;
   return H;
 }
 

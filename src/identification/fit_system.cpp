@@ -23,22 +23,22 @@ constexpr Index chunk = 128;  // lines whose products are held at once
 
 /// B with columns (c_a e_i …) to columns by the own parameters.
 MatrixXd by_own(const Eigen::Ref<const MatrixXd>& B, const MatrixXcd& L) {
-  const Index p = L.rows(), modes = L.cols();
-  MatrixXd result(B.rows(), 2 * modes + residual_terms * p);
+  const Index p = L.rows(), modes = L.cols(), residuals = B.cols() - 2 * modes * p;
+  MatrixXd result(B.rows(), 2 * modes + residuals);
   for (Index r = 0; r < modes; ++r) {
     const auto sum = B.middleCols(2 * r * p, p), difference = B.middleCols((2 * r + 1) * p, p);
     const VectorXd x = L.col(r).real(), y = L.col(r).imag();
     result.col(2 * r) = sum * x + difference * y;
     result.col(2 * r + 1) = difference * x - sum * y;
   }
-  result.rightCols(residual_terms * p) = B.middleCols(2 * modes * p, residual_terms * p);
+  result.rightCols(residuals) = B.rightCols(residuals);
   return result;
 }
 
 /// B with columns (c_a e_i, d) to columns by all parameters of an output with the shape row φ.
 MatrixXd by_parameters(const MatrixXd& B, const SharedParameters& shared, const VectorXcd& phi) {
   const Index p = shared.participations.rows(), modes = phi.size();
-  const Index own = 2 * modes + residual_terms * p, slopes = (2 * modes + residual_terms) * p;
+  const Index slopes = B.cols() - 2 * modes, own = 2 * modes + slopes - 2 * modes * p;
   MatrixXd result(B.rows(), modes * 2 * p + own);
   Index at = 0;
   for (Index r = 0; r < modes; ++r) {
@@ -50,7 +50,7 @@ MatrixXd by_parameters(const MatrixXd& B, const SharedParameters& shared, const 
     for (Index i = 0; i < p; ++i)
       if (i != shared.fixed[static_cast<size_t>(r)]) add(2 * r * p + i, (2 * r + 1) * p + i);
   }
-  result.rightCols(own) = by_own(B, shared.participations);
+  result.rightCols(own) = by_own(B.leftCols(slopes), shared.participations);
   return result;
 }
 
@@ -74,9 +74,10 @@ void SharedParameters::step(const VectorXd& change) {
   }
 }
 
-FitSystem::FitSystem(const FrequencyResponses& r, bool taper)
+FitSystem::FitSystem(const FrequencyResponses& r, const FitOptions& options)
     : responses_(r),
-      pole_basis_(r, taper),
+      pole_basis_(r, options.taper),
+      residual_terms_(options.highest_residual_power - lowest_residual_power + 1),
       inputs_(r.H[0].cols()),
       outputs_(r.H[0].rows()),
       lines_(static_cast<Index>(r.lines())),
@@ -191,7 +192,7 @@ FitState FitSystem::solved(SharedParameters shared) const {
   FitState state;
   state.shared = std::move(shared);
   const Index modes = state.shared.poles.size();
-  state.functions.resize(lines_, 2 * modes + residual_terms);
+  state.functions.resize(lines_, 2 * modes + residual_terms_);
   for (Index r = 0; r < modes; ++r) {
     state.lines.push_back(pole_basis_.at(state.shared.poles[r]));
     const auto& lines = state.lines.back();
@@ -201,7 +202,7 @@ FitState FitSystem::solved(SharedParameters shared) const {
   for (Index k = 0; k < lines_; ++k) {
     const double omega = 2.0 * std::numbers::pi * responses_.frequency[static_cast<size_t>(k)];
     const Complex s = Complex(responses_.shift, omega) / omega_scale_;
-    for (int t = 0; t < residual_terms; ++t)
+    for (int t = 0; t < residual_terms_; ++t)
       state.functions(k, 2 * modes + t) = std::pow(s, t + lowest_residual_power);
   }
   add_gram(state);

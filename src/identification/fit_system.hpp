@@ -21,9 +21,6 @@
 
 namespace hydrapod::identification {
 
-inline constexpr int residual_terms = 4;  // s⁻² … s
-inline constexpr int lowest_residual_power = -2;
-
 /// λ and L of all modes, and which element of L is 1.
 struct SharedParameters {
   Eigen::VectorXcd poles;
@@ -46,15 +43,16 @@ struct FitState {
 
 class FitSystem {
  public:
-  FitSystem(const FrequencyResponses& responses, bool taper);
+  FitSystem(const FrequencyResponses& responses, const FitOptions& options);
 
   [[nodiscard]] Eigen::Index inputs() const { return inputs_; }
   [[nodiscard]] Eigen::Index outputs() const { return outputs_; }
   [[nodiscard]] Eigen::Index lines() const { return lines_; }
   [[nodiscard]] Eigen::Index shared_count(Eigen::Index modes) const { return modes * 2 * inputs_; }
   [[nodiscard]] Eigen::Index own_count(Eigen::Index modes) const {
-    return 2 * modes + residual_terms * inputs_;
+    return 2 * modes + residual_terms_ * inputs_;
   }
+  [[nodiscard]] int residual_terms() const { return residual_terms_; }
   [[nodiscard]] double omega_scale() const { return omega_scale_; }
   [[nodiscard]] const Eigen::MatrixXd& deviation() const { return deviation_; }  ///< σ_o
   /// W per line, Wᴴ W = M.
@@ -85,6 +83,7 @@ class FitSystem {
 
   const FrequencyResponses& responses_;
   PoleBasis pole_basis_;
+  int residual_terms_;  // s⁻² … s^K
   Eigen::Index inputs_, outputs_, lines_;
   double omega_scale_;
   Eigen::MatrixXd deviation_;                // lines × outputs

@@ -135,11 +135,24 @@ bool doubles(const FittedMode& a, const FittedMode& b) {
          mac(a.participation, b.participation) > same;
 }
 
+/// Of modes that overlap so much that none of them is determined, one less may determine the
+/// others: does another go first?
+bool another_first(const ModalModel& model, std::size_t r, const Band& band,
+                   const IdentifyOptions& options) {
+  const auto& mode = model.modes[r];
+  const auto badly = [](const FittedMode& m) { return m.omega_deviation / m.omega(); };
+  return std::ranges::any_of(model.modes, [&](const FittedMode& m) {
+    return badly(m) > badly(mode) &&
+           std::abs(m.pole - mode.pole) < std::abs(m.pole.real()) + std::abs(mode.pole.real()) &&
+           m.damping_ratio() <= options.highest_damping && !objection(m, band, options).empty();
+  });
+}
+
 /// Fits, takes out what is nothing, and fits again.
 void fit_and_prune(const IdentifyOptions& options, std::vector<PoleCluster> clusters,
                    Identification& result) {
   const Band band{result.from, result.to};
-  for (int round = 0; round < 5 && !clusters.empty(); ++round) {
+  for (int round = 0; round < 8 && !clusters.empty(); ++round) {
     std::vector<PoleEstimate> start;
     for (const auto& c : clusters) start.push_back(c.representative);
     auto fit = options.fit;  // what is taken out is judged by its pole
@@ -159,7 +172,9 @@ void fit_and_prune(const IdentifyOptions& options, std::vector<PoleCluster> clus
             (clusters[q].members.size() > clusters[r].members.size() ||
              (clusters[q].members.size() == clusters[r].members.size() && q < r)))
           reason = "doubles another";
-      if (reason.empty()) {
+      if (reason.empty() ||
+          (reason.ends_with("not determined") &&
+           another_first(result.model, r, band, options))) {
         kept.push_back(clusters[r]);
         kept.back().representative = {mode.pole, mode.shape, mode.participation};
       } else {
@@ -309,13 +324,69 @@ Eigen::VectorXcd displacement_shape(const FittedMode& mode,
   return shape;
 }
 
+std::vector<PoleEstimate> estimates(const ModalModel& model) {
+  std::vector<PoleEstimate> poles;
+  for (const auto& m : model.modes) poles.push_back({m.pole, m.shape, m.participation});
+  return poles;
+}
+
+/// What lies far above the highest mode cannot tell of any mode, but of delays, valves and higher
+/// modes, for which the residual terms stand: it is left out.
+void leave_out_above(const IdentifyOptions& options, Identification& result) {
+  constexpr double room = 1.25;
+  double highest = 0.0;
+  for (const auto& m : result.model.modes)
+    if (m.damping_ratio() <= options.highest_damping) highest = std::max(highest, m.omega());
+  const double to = room * highest / two_pi;
+  if (options.to || highest == 0.0 || to > result.to) return;
+  auto narrower = within(result.responses, result.from, to);
+  if (narrower.lines() < 4 * fewest_lines) return;
+  result.responses = std::move(narrower);
+  result.to = result.responses.frequency.back();
+}
+
+/// 2 n ln(sum of squares) + 2 k (Akaike) by the k numbers of residual terms; n: lines and entries, as
+/// many as are independent.
+double residual_criterion(const FrequencyResponses& r, const ModalModel& model) {
+  double neighbours = 1.0;
+  for (std::size_t d = 1; d < r.line_covariance.size(); ++d)
+    neighbours += 2.0 * r.line_covariance[d].real();
+  const auto entries = static_cast<double>(r.H[0].size());
+  const double n = static_cast<double>(r.lines()) * entries / std::max(1.0, neighbours);
+  const double k = entries * static_cast<double>(model.residuals.size());
+  return 2.0 * n * std::log(std::max(model.cost, 1e-300)) + 2.0 * k;
+}
+
+/// As many residual terms as the responses ask for.
+void settle_residuals(const IdentifyOptions& options, Identification& result) {
+  constexpr int highest = 4;
+  auto better = options;
+  better.fit.deviations = Deviations::none;
+  auto best = fit_modes(result.responses, estimates(result.model), better.fit);
+  double least = residual_criterion(result.responses, best);
+  for (int power = options.fit.highest_residual_power + 1; power <= highest; ++power) {
+    auto fit = better.fit;
+    fit.highest_residual_power = power;
+    auto model = fit_modes(result.responses, estimates(best), fit);
+    const double criterion = residual_criterion(result.responses, model);
+    if (criterion >= least) break;
+    least = criterion;
+    best = std::move(model);
+    better.fit = fit;
+  }
+  result.model = std::move(best);
+  better.fit.deviations = options.fit.deviations;
+  fit_and_prune(better, fitted_clusters(result), result);
+}
+
 /// Those of the final model, which no trial needs.
 void add_shape_deviations(const IdentifyOptions& options, Identification& result) {
   if (options.fit.deviations != Deviations::all || result.model.modes.empty()) return;
-  std::vector<PoleEstimate> start;
-  for (const auto& m : result.model.modes) start.push_back({m.pole, m.shape, m.participation});
+  const auto start = estimates(result.model);
   auto fit = options.fit;
   fit.max_iterations = 0;
+  fit.highest_residual_power =
+      lowest_residual_power + static_cast<int>(result.model.residuals.size()) - 1;
   const auto model = fit_modes(result.responses, start, fit);
   for (std::size_t r = 0; r < start.size(); ++r)
     result.model.modes[r].shape_deviation = model.modes[r].shape_deviation;
@@ -380,6 +451,10 @@ Identification identify_modes(const FrequencyResponses& responses, const Identif
   add_weak_modes(options, result);
   add_hidden_modes(options, result);
   add_second_of_pairs(options, strong, result);
+  if (!result.model.modes.empty()) {
+    leave_out_above(options, result);
+    settle_residuals(options, result);
+  }
   add_shape_deviations(options, result);
   list_modes(options, result);
   if (result.modes.empty())

@@ -91,7 +91,7 @@ void fill(const FitSystem& system, const FitState& state, ModalModel& model) {
     mode.shape *= unit;
     model.modes.push_back(std::move(mode));
   }
-  for (int t = 0; t < residual_terms; ++t) {
+  for (int t = 0; t < system.residual_terms(); ++t) {
     MatrixXd C(outputs, inputs);
     for (Index o = 0; o < outputs; ++o)
       C.row(o) = state.own[static_cast<size_t>(o)].segment(2 * modes + t * inputs, inputs);
@@ -123,7 +123,7 @@ void judge(const FitSystem& system, const FitState& state, const FrequencyRespon
 ModalModel fit_modes(const FrequencyResponses& responses, const std::vector<PoleEstimate>& start,
                      const FitOptions& options) {
   if (start.empty()) throw std::invalid_argument("a modal model needs at least one pole");
-  const FitSystem system(responses, options.taper);
+  const FitSystem system(responses, options);
   FitState state = system.solved(start_of(start, system.inputs()));
   ModalModel model;
   double damping = 1e-4;
@@ -134,6 +134,7 @@ ModalModel fit_modes(const FrequencyResponses& responses, const std::vector<Pole
     if (model.converged) break;
   }
   fill(system, state, model);
+  model.cost = state.cost;
   const auto modes = static_cast<Index>(start.size());
   const double numbers = static_cast<double>(system.lines() * system.outputs() * system.inputs());
   const double parameters = 0.5 * static_cast<double>(system.shared_count(modes) +
@@ -154,9 +155,8 @@ Eigen::MatrixXcd synthesised(const ModalModel& model, double frequency, double s
     const Eigen::MatrixXcd A = mode.shape * mode.participation.transpose();
     H += A / (s - mode.pole) + A.conjugate() / (s - std::conj(mode.pole));
   }
-  for (int t = 0; t < residual_terms; ++t)
-    H += std::pow(s / model.omega_scale, t + lowest_residual_power) *
-         model.residuals[static_cast<size_t>(t)];
+  int power = lowest_residual_power;
+  for (const auto& C : model.residuals) H += std::pow(s / model.omega_scale, power++) * C;
   return H;
 }
 

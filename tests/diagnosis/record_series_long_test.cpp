@@ -44,8 +44,8 @@ TEST_P(RecordSeries, FindsWhatWasPlanted) {
   const auto [setting, record, missed] = recorded()[GetParam()];
   const auto measure = by_record(record);
   int cases = 0, found = 0, innocent = 0, blamed = 0;
-  std::cout << "| machine | poses | record | planted | verdict | ranked |\n"
-               "| --- | --- | --- | --- | --- | --- |\n";
+  std::cout << "| machine | poses | record | planted | verdict | ranked | s |\n"
+               "| --- | --- | --- | --- | --- | --- | --- |\n";
   for (const auto& test : cases_of(setting, 1000 * static_cast<int>(GetParam() + 1))) {
     const auto result = run_blind(test, measure);
     ++cases;
@@ -54,13 +54,14 @@ TEST_P(RecordSeries, FindsWhatWasPlanted) {
       ++innocent;
       blamed += !result.found;
     }
-    std::cout << fmt::format("| {} | {} | {:g} s, {:g} mm, sensors ×{:g} | {} | {} | {} |\n",
+    std::cout << fmt::format("| {} | {} | {:g} s, {:g} mm, sensors ×{:g} | {} | {} | {} | {:.2f} |\n",
                              test.machine, fmt::join(test.poses, ", "), record.duration,
                              1e3 * record.level, record.sensors, test.planted_name(),
                              verdict(result.diagnosis),
                              result.first   ? "first"
                              : result.found ? "alike"
-                                            : "MISSED")
+                                            : "MISSED",
+                             result.diagnosis.scatter)
               << std::flush;
   }
   std::cout << fmt::format("\n{} of {} found; {} of {} sound machines blamed\n", found, cases,

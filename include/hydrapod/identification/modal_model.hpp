@@ -1,12 +1,12 @@
 #pragma once
 /// The modal model of frequency responses, and its maximum-likelihood fit.
 ///
-///     H(ω) = Σ_r [ φ_r L_rᵀ g(ω, λ_r) + conj. ] + Σ_k C_k s^k,   s = iω, k = −2 … 1,
+///     H(ω) = Σ_r [ φ_r L_rᵀ g(ω, λ_r) + conj. ] + Σ_k C_k s^k,   s = iω, k = −2 … K,
 ///
 /// g = 1/(s − λ), or what averaging with a window makes of it under white excitation (the
 /// transform of ρ(τ) e^(λτ), see lag_taper): so the widening of resonances by the window is
 /// part of the model and not an error of the damping. C_k, real, stand for all modes below (−2, −1)
-/// and above (0, 1) the band.
+/// and above (0 … K; 1 unless said otherwise) the band.
 ///
 /// Fit. Rows of H are independent given λ and L: minimised is Σ over lines and outputs of
 ///
@@ -41,11 +41,14 @@ struct FittedMode {
   [[nodiscard]] double damping_ratio() const { return -pole.real() / std::abs(pole); }
 };
 
+inline constexpr int lowest_residual_power = -2;
+
 struct ModalModel {
   std::vector<FittedMode> modes{};
-  /// C_k for k = −2 … 1, outputs × inputs, with s/ω_scale for s.
+  /// C_k for k = −2 … K, outputs × inputs, with s/ω_scale for s.
   std::vector<Eigen::MatrixXd> residuals{};
   double omega_scale{1.0};
+  double cost{};   ///< the sum of squares that is minimised
   double error{};  ///< √(Σ|Ĥ − H|²/Σ|Ĥ|²) over lines and entries
   /// Mean of |residual|²/variance, less the parameters: about 1 when the model is right and the
   /// variances are; 0 where errors are not known.
@@ -62,6 +65,7 @@ struct FitOptions {
   double tolerance{1e-9};  ///< relative fall of the sum of squares at which it stops
   bool taper{true};        ///< model the window, where the responses tell it
   Deviations deviations{Deviations::all};
+  int highest_residual_power{1};  ///< K
 };
 
 /// Starting from `start`. Throws std::invalid_argument without poles.
