@@ -125,7 +125,7 @@ diagnosis::CaseFile investigate(const DiagnosisArguments& arguments,
           return InterruptNote::noted();
         });
     const auto& d = *result.diagnosis;
-    if (d.finding == diagnosis::Finding::do_not_belong || d.interrupted) return result;
+    if (d.alike.empty() || d.interrupted) return result;
     const auto& best = d.explanations[d.alike.front()];
     result.machine = diagnosis::machine_of(file, best);
     result.kind = best.kind;

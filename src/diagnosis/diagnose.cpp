@@ -192,6 +192,8 @@ const char* name(Finding finding) {
       return "guilty";
     case Finding::undecided:
       return "undecided";
+    case Finding::unexplained:
+      return "unexplained";
     case Finding::do_not_belong:
       break;
   }
@@ -251,10 +253,10 @@ Diagnosis diagnose(const model::MachineFile& file, const calibration::Targets& m
     rank(d);
   }
   judge(d);
-  if (d.finding != Finding::do_not_belong) widen(evidence, d, options.frequency_error, watch);
+  if (!d.alike.empty()) widen(evidence, d, options.frequency_error, watch);
   trace_modes(file, d);
   if (!watch.stopped()) describe(evidence, d, options.threads, watch);
-  if (d.finding == Finding::do_not_belong) d.reasons = unexplained(d);
+  if (d.alike.empty()) d.reasons = unexplained(d);
   for (std::size_t k = 1; k < d.alike.size() && !watch.stopped(); ++k)
     if (auto found = discriminate(file, d, d.alike[k], poses, options.frequency_error))
       d.discriminators.push_back(*found);

@@ -73,7 +73,7 @@ void rank(Diagnosis& d) {
 
 void judge(Diagnosis& d) {
   if (d.scatter > no_explanation) {
-    d.finding = Finding::do_not_belong;
+    d.finding = d.scatter > another_machine ? Finding::do_not_belong : Finding::unexplained;
     return;
   }
   const double limit = d.best().criterion + same;
@@ -97,10 +97,13 @@ void judge(Diagnosis& d) {
 
 std::vector<std::string> unexplained(const Diagnosis& d) {
   std::vector<std::string> reasons{fmt::format(
-      "even the best explanation ({}) misses the measured values by {:.0f} times what they are "
+      "even the best explanation ({}) misses the measured values by {:.{}f} times what they are "
       "known to",
-      d.best().name, d.scatter)};
+      d.best().name, d.scatter, d.scatter < 10.0 ? 1 : 0)};
   for (const auto& wrong : d.best().wrong) reasons.push_back("it " + wrong);
+  reasons.push_back(
+      "the cause may be none of the suspects, or more than two of them at once; or the measurement "
+      "is of another pose, payload or machine; or the model is rougher than was allowed for");
   return reasons;
 }
 

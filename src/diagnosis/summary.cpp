@@ -16,6 +16,7 @@ namespace {
 
 constexpr double two_pi = 2.0 * std::numbers::pi;
 constexpr double notable_drop = 0.01;
+constexpr const char* interrupted = "Interrupted: not every explanation was tried.";
 
 std::string hertz(double omega) {
   return fmt::format("{:.{}f} Hz", omega / two_pi, omega < 10.0 * two_pi ? 2 : 1);
@@ -237,6 +238,8 @@ std::string finding_sentence(const Diagnosis& d) {
     }
     case Finding::undecided:
       return fmt::format("The data cannot tell {}.", alike_words(d));
+    case Finding::unexplained:
+      return "Nothing in the list of suspects explains what was measured; no part is blamed.";
     case Finding::do_not_belong:
       break;
   }
@@ -248,9 +251,11 @@ std::vector<std::string> summary(const CaseFile& file) {
   if (file.diagnosis) {
     const auto& d = *file.diagnosis;
     words.push_back(finding_sentence(d));
-    if (d.finding == Finding::do_not_belong) {
+    if (d.alike.empty()) {
       for (const auto& reason : d.reasons)
         words.push_back(capital(reason) + (reason.ends_with('?') ? "" : "."));
+      if (d.finding == Finding::unexplained) add_drops(d, words);
+      if (d.interrupted) words.push_back(interrupted);
       return words;
     }
     if (d.finding == Finding::undecided)
@@ -269,7 +274,7 @@ std::vector<std::string> summary(const CaseFile& file) {
       words.push_back(
           "This machine cannot be had with its hydraulics: it was fitted as mechanics on oil "
           "springs, to frequencies times the ratio mechanics/plant of the machine as stated.");
-    if (d.interrupted) words.push_back("Interrupted: not every explanation was tried.");
+    if (d.interrupted) words.push_back(interrupted);
   }
   add_attribution(file, words);
   if (file.remedy) words.push_back(remedy_words(file));

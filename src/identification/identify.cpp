@@ -173,8 +173,7 @@ void fit_and_prune(const IdentifyOptions& options, std::vector<PoleCluster> clus
              (clusters[q].members.size() == clusters[r].members.size() && q < r)))
           reason = "doubles another";
       if (reason.empty() ||
-          (reason.ends_with("not determined") &&
-           another_first(result.model, r, band, options))) {
+          (reason.ends_with("not determined") && another_first(result.model, r, band, options))) {
         kept.push_back(clusters[r]);
         kept.back().representative = {mode.pole, mode.shape, mode.participation};
       } else {
@@ -345,8 +344,8 @@ void leave_out_above(const IdentifyOptions& options, Identification& result) {
   result.to = result.responses.frequency.back();
 }
 
-/// 2 n ln(sum of squares) + 2 k (Akaike) by the k numbers of residual terms; n: lines and entries, as
-/// many as are independent.
+/// 2 n ln(sum of squares) + 2 k (Akaike) by the k numbers of residual terms; n: lines and entries,
+/// as many as are independent.
 double residual_criterion(const FrequencyResponses& r, const ModalModel& model) {
   double neighbours = 1.0;
   for (std::size_t d = 1; d < r.line_covariance.size(); ++d)

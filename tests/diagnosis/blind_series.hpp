@@ -75,7 +75,6 @@ inline BlindResult run_blind(const BlindCase& test, const Measure& measure = by_
       return std::ranges::count(test.planted, d.suspects[k].name) == 1;
     });
   };
-  if (d.finding == diagnosis::Finding::do_not_belong) return result;
   for (const auto k : d.alike)
     if (is_planted(d.explanations[k])) {
       result.found = true;

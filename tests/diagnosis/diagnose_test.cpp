@@ -195,6 +195,18 @@ TEST(WrongUse, AnotherMachinesModesAreNotThisOnes) {
   EXPECT_FALSE(d.reasons.empty());
 }
 
+/// No pair of suspects is these three.
+TEST(WrongUse, ThreeFaultsAtOnceAreNotBlamedOnTwo) {
+  const auto d = diagnosis_of(
+      measured({"leg.2.oil_spring.cylinder.bulk_modulus=0.71 GPa",
+                "leg.5.gimbal_stiffness=110 kN/mm", "legs.guide_sleeve.stiffness=1.9 kN/mm"}));
+  EXPECT_EQ(d.finding, Finding::unexplained) << d.scatter << " " << d.best().name;
+  EXPECT_TRUE(d.alike.empty());
+  ASSERT_FALSE(d.reasons.empty());
+  EXPECT_THAT(d.reasons.front(), HasSubstr("even the best explanation (" + d.best().name + ")"));
+  EXPECT_THAT(d.reasons.back(), HasSubstr("more than two of them at once"));
+}
+
 TEST(WrongUse, ModesWithoutDirectionsProveNothing) {
   auto targets = measured({"legs.guide_sleeve.stiffness=0.84 kN/mm"});
   for (auto& mode : targets.modes) {

@@ -54,14 +54,14 @@ TEST_P(RecordSeries, FindsWhatWasPlanted) {
       ++innocent;
       blamed += !result.found;
     }
-    std::cout << fmt::format("| {} | {} | {:g} s, {:g} mm, sensors ×{:g} | {} | {} | {} | {:.2f} |\n",
-                             test.machine, fmt::join(test.poses, ", "), record.duration,
-                             1e3 * record.level, record.sensors, test.planted_name(),
-                             verdict(result.diagnosis),
-                             result.first   ? "first"
-                             : result.found ? "alike"
-                                            : "MISSED",
-                             result.diagnosis.scatter)
+    std::cout << fmt::format(
+                     "| {} | {} | {:g} s, {:g} mm, sensors ×{:g} | {} | {} | {} | {:.2f} |\n",
+                     test.machine, fmt::join(test.poses, ", "), record.duration, 1e3 * record.level,
+                     record.sensors, test.planted_name(), verdict(result.diagnosis),
+                     result.first   ? "first"
+                     : result.found ? "alike"
+                                    : "MISSED",
+                     result.diagnosis.scatter)
               << std::flush;
   }
   std::cout << fmt::format("\n{} of {} found; {} of {} sound machines blamed\n", found, cases,

@@ -1,6 +1,7 @@
 /// From the rig's record to modes, for records short enough for every day.
 
 #include "whole_loop.hpp"
+#include "hydrapod/model/machine_file.hpp"
 
 namespace hydrapod::identification {
 namespace {
@@ -23,6 +24,36 @@ TEST(WholeLoop, HeavyPlatform) {
   // two minutes do not tell modes that are damped by 7 % to 0.3 %: the long test does
   expect_found(found, exact_poles(machine, experiment),
                {.least_share = 0.04, .frequency = 6e-3, .damping = 0.2});
+}
+
+/// The sleeves' modes of this machine, six within 2 %, damped by 8 %, hardly move the platform, and
+/// the valves' own poles are near. Without residual terms that follow these the modes come out 3 Hz
+/// too low, seven standard deviations.
+TEST(WholeLoop, WeakModesBesideTheValves) {
+  const auto machine = model::parse_machine(model::starter_machine_file(), "starter").machine;
+  test::RigExperiment experiment{.X_BP = machine.neutral(), .duration = 60.0, .level = 1e-4};
+  const auto exact = exact_poles(machine, experiment);
+  for (const std::uint64_t seed : {1u, 5u}) {
+    experiment.seed = seed;
+    const auto found = test::identified_on_rig(machine, experiment);
+    int weak = 0;
+    for (const auto& mode : found.modes) {
+      const double f = mode.fit.omega() / (2.0 * std::numbers::pi);
+      if (f < 50.0) continue;
+      ++weak;
+      const double known_to = mode.fit.omega_deviation / (2.0 * std::numbers::pi);
+      EXPECT_TRUE(std::ranges::any_of(exact,
+                                      [&](const ExactPole& pole) {
+                                        return std::abs(f - pole.frequency) < 2.5 * known_to &&
+                                               std::abs(mode.fit.damping_ratio() - pole.damping) <
+                                                   3.0 * mode.fit.damping_deviation;
+                                      }))
+          << f << " ± " << known_to << " Hz, " << mode.fit.damping_ratio() << " ± "
+          << mode.fit.damping_deviation;
+    }
+    EXPECT_GT(weak, 0);
+    EXPECT_LT(found.to, 1.3 * found.modes.back().fit.omega() / (2.0 * std::numbers::pi));
+  }
 }
 
 }  // namespace

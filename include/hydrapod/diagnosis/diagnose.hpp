@@ -22,8 +22,9 @@ namespace hydrapod::diagnosis {
 /// Difference of the criterion up to which explanations count as equally good (odds of 20 : 1).
 inline constexpr double same = 6.0;
 
-/// s above which even the best explanation is none.
-inline constexpr double no_explanation = 5.0;
+/// s above which even the best explanation is none, and above which machine and data may not even
+/// belong together. The right explanation has s = 1, where deviations are right.
+inline constexpr double no_explanation = 2.0, another_machine = 5.0;
 
 /// How near a model with the right numbers comes to a real machine: added (root of the sum of
 /// squares) to what the measurement says of its own errors.
@@ -63,6 +64,7 @@ enum class Finding {
   as_stated,         ///< the machine is as its file says, with the compliances stated there
   guilty,            ///< one explanation stands out
   undecided,         ///< several explain it equally well
+  unexplained,       ///< nothing in the list explains it; `reasons` says what the best one misses
   do_not_belong      ///< machine and data do not belong together; `reasons` says why
 };
 
@@ -94,7 +96,7 @@ struct Discriminator {
 
 struct Diagnosis {
   Finding finding{};
-  std::vector<std::string> reasons{};  ///< for do_not_belong
+  std::vector<std::string> reasons{};  ///< for unexplained and do_not_belong
   std::vector<std::string> notes{};    ///< what was measured and could not be used as it is
   std::vector<Suspect> suspects{};
   std::vector<Explanation> explanations{};  ///< best first
