@@ -49,6 +49,33 @@ std::array<std::complex<double>, 6> turned(const std::array<std::complex<double>
   return result;
 }
 
+/// What the modal model lacks makes of a frequency [rad/s].
+double model_error(const MeasuredShape& measured, const Vector6& weights) {
+  constexpr double leakage = 0.05;  // of the line spacing
+  constexpr double flank = 0.5;     // of the half width
+  std::vector<std::complex<double>> parts;
+  for (int k = 0; k < 6; ++k)
+    if (!std::isnan(measured.motion[k].real()))
+      parts.push_back(std::sqrt(weights[k]) * measured.motion[k]);
+  const Eigen::Map<const Eigen::VectorXcd> shape(parts.data(),
+                                                 static_cast<Eigen::Index>(parts.size()));
+  const double mixed = parts.empty() ? 0.0 : 1.0 - identification::modal_phase_collinearity(shape);
+  const double half_width = measured.damping * measured.omega;
+  return std::hypot(leakage * measured.line_spacing, mixed * half_width,
+                    measured.in_flank ? flank * half_width : 0.0);
+}
+
+/// Says which modes are weak ones in the flank of another.
+void find_flanks(std::vector<MeasuredShape>& modes) {
+  constexpr double much_more = 10.0;
+  for (auto& weak : modes)
+    weak.in_flank = std::ranges::any_of(modes, [&](const MeasuredShape& strong) {
+      return strong.significance > much_more * weak.significance &&
+             std::abs(strong.omega - weak.omega) <
+                 strong.damping * strong.omega + weak.damping * weak.omega;
+    });
+}
+
 }  // namespace
 
 calibration::MotionAgainst motion_against(const std::vector<data::Channel>& outputs) {
@@ -71,6 +98,7 @@ calibration::ModeTarget mode_target(const MeasuredShape& measured, const std::st
     target.damping_deviation = measured.damping_deviation;
   }
   const Matrix6 M = mass_at(machine, pose_of(machine, at.pose), at.point);
+  target.deviation = std::hypot(target.deviation, model_error(measured, M.diagonal()));
   const auto motion = turned(measured.motion, M.diagonal());
   Vector6 shape = Vector6::Zero(), lost = Vector6::Zero(), noise = Vector6::Zero();
   calibration::Vector6c as_measured = calibration::Vector6c::Zero();
@@ -103,6 +131,14 @@ calibration::ModeTarget mode_target(const MeasuredShape& measured, const std::st
   return target;
 }
 
+void add_modes(std::vector<MeasuredShape> modes, const model::Machine& machine,
+               const MeasuredAt& at, calibration::Targets& targets) {
+  find_flanks(modes);
+  for (const auto& mode : modes)
+    targets.modes.push_back(mode_target(
+        mode, fmt::format("{:.3f} Hz", mode.omega / (2.0 * std::numbers::pi)), machine, at));
+}
+
 bool from_drives(const identification::FrequencyResponses& responses) {
   return !responses.inputs.empty() && std::ranges::all_of(responses.inputs, [](const auto& input) {
     return input.role == data::Role::drive;
@@ -118,12 +154,19 @@ calibration::Targets measured_modes(const identification::Identification& identi
   auto at = where;
   if (!at.against) at.against = motion_against(outputs);
   if (from_drives(identified.responses)) targets.observed = calibration::Observed::plant;
+  const auto& lines = identified.responses.frequency;
+  const double spacing = lines.size() > 1
+                             ? 2.0 * std::numbers::pi * (lines.back() - lines.front()) /
+                                   static_cast<double>(lines.size() - 1)
+                             : 0.0;
+  std::vector<MeasuredShape> shapes;
   for (const auto& mode : identified.modes) {
     MeasuredShape measured{.omega = mode.fit.omega(),
                            .omega_deviation = mode.fit.omega_deviation,
                            .damping = mode.fit.damping_ratio(),
                            .damping_deviation = mode.fit.damping_deviation,
-                           .significance = mode.fit.significance};
+                           .significance = mode.fit.significance,
+                           .line_spacing = spacing};
     constexpr double nan = std::numeric_limits<double>::quiet_NaN();
     measured.motion.fill(nan);
     for (std::size_t o = 0; o < outputs.size(); ++o) {
@@ -139,10 +182,9 @@ calibration::Targets measured_modes(const identification::Identification& identi
                                : 0.0;
       measured.motion_deviation[k] = mode.fit.shape_deviation[row] * scale;
     }
-    targets.modes.push_back(
-        mode_target(measured, fmt::format("{:.3f} Hz", measured.omega / (2.0 * std::numbers::pi)),
-                    machine, at));
+    shapes.push_back(measured);
   }
+  add_modes(std::move(shapes), machine, at, targets);
   return targets;
 }
 

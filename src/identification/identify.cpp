@@ -462,7 +462,8 @@ Identification identify_modes(const FrequencyResponses& responses, const Identif
         result.from, result.to));
   constexpr double few_samples = 8.0;  // per period
   if (const double rate = result.responses.sample_rate;
-      !result.modes.empty() && rate * two_pi < few_samples * result.modes.back().fit.omega())
+      rate > 0.0 && !result.modes.empty() &&
+      rate * two_pi < few_samples * result.modes.back().fit.omega())
     result.warnings.push_back(fmt::format(
         "the highest mode has {:.1f} samples per period: what sampling folds back is not in the "
         "modal model, and where there is little noise the intervals are too narrow; sample faster",

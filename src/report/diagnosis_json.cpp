@@ -212,6 +212,16 @@ bool inputs_are_drives(const Json& json) {
          });
 }
 
+/// Of the responses that were fitted [rad/s]; 0: not said.
+double line_spacing(const Json& json) {
+  const auto lines = json.value(Json::json_pointer("/indicator/frequency_hz"), Json());
+  if (!lines.is_array() || lines.size() < 2 || !lines.front().is_number() ||
+      !lines.back().is_number())
+    return 0.0;
+  const double span = lines.back().get<double>() - lines.front().get<double>();
+  return two_pi * std::max(0.0, span) / static_cast<double>(lines.size() - 1);
+}
+
 }  // namespace
 
 calibration::Targets modes_from_json(const Json& json, const std::string& file,
@@ -225,6 +235,7 @@ calibration::Targets modes_from_json(const Json& json, const std::string& file,
   auto at = where;
   if (!at.against) at.against = diagnosis::motion_against(outputs_of(json));
   if (inputs_are_drives(json)) targets.observed = calibration::Observed::plant;
+  std::vector<MeasuredShape> shapes;
   for (const auto& mode : json["modes"]) {
     if (!mode.is_object()) bad(file, "modes", "holds something that is no mode");
     MeasuredShape measured{.omega = two_pi * number(mode, "frequency_hz", file),
@@ -233,6 +244,7 @@ calibration::Targets modes_from_json(const Json& json, const std::string& file,
                            .damping_deviation = number(mode, "damping_95", file) / band};
     if (const auto found = mode.find("significance"); found != mode.end() && found->is_number())
       measured.significance = found->get<double>();
+    measured.line_spacing = line_spacing(json);
     if (!(measured.omega > 0.0)) bad(file, "modes[].frequency_hz", "expected a number above 0");
     measured.motion.fill(nan);
     const auto shape = mode.find("displacement_shape"), raw = mode.find("shape"),
@@ -251,9 +263,9 @@ calibration::Targets modes_from_json(const Json& json, const std::string& file,
         measured.motion_deviation[k] =
             (*spread)[o].get<double>() * std::abs(measured.motion[k]) / size;
     }
-    targets.modes.push_back(
-        mode_target(measured, fmt::format("{:.3f} Hz", measured.omega / two_pi), machine, at));
+    shapes.push_back(measured);
   }
+  diagnosis::add_modes(std::move(shapes), machine, at, targets);
   return targets;
 }
 

@@ -8,6 +8,13 @@
 /// have all six keeps its frequency, and the direction that is largest among those there are, in
 /// proportion to the stated machine's inertia.
 ///
+/// Identification knows what noise does to a mode, not what its model lacks. Three things are
+/// added to a frequency's deviation. (1 − MPC) ζω: a shape whose parts are out of step is the sum
+/// of modes that were not told apart, and the pole lies somewhere among theirs. A twentieth of the
+/// line spacing: what is left of leakage where blocks are short against the decay
+/// (docs/validation/diagnosis.md). ζω/2 of a weak mode within the half widths of one that is ten
+/// times as significant and takes its flanks.
+///
 /// A shape from accelerometers is against the ground, from anything else against the base
 /// (identification::against_ground); from both, against the base.
 
@@ -31,6 +38,8 @@ struct MeasuredShape {
   double damping{}, damping_deviation{};  ///< ζ
   /// What the mode is above the noise, see FittedMode; 0: not known.
   double significance{};
+  double line_spacing{};  ///< of the responses it was found in [rad/s]; 0: not known
+  bool in_flank{};        ///< of a mode that is much more significant; add_modes finds it out
   /// Per direction x … rz: motion and its deviation; NaN where it was not measured.
   std::array<std::complex<double>, 6> motion{};
   std::array<double, 6> motion_deviation{};
@@ -42,6 +51,10 @@ calibration::MotionAgainst motion_against(const std::vector<data::Channel>& outp
 /// `name`: what reports call it.
 calibration::ModeTarget mode_target(const MeasuredShape& measured, const std::string& name,
                                     const model::Machine& machine, const MeasuredAt& at);
+
+/// Adds all modes of one measurement to `targets`, called by their frequencies.
+void add_modes(std::vector<MeasuredShape> modes, const model::Machine& machine,
+               const MeasuredAt& at, calibration::Targets& targets);
 
 /// Are all inputs drives of the valves? What is measured is the plant then.
 bool from_drives(const identification::FrequencyResponses& responses);
