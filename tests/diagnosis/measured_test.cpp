@@ -70,6 +70,40 @@ TEST(MeasuredModes, WhatIsImaginaryIsNotTrusted) {
   EXPECT_GT(after, before + 0.03);
 }
 
+TEST(MeasuredModes, AreTrustedAsFarAsTheModalModelHoldsEverything) {
+  const auto machine = heavy().machine;
+  const MeasuredAt at{"neutral", spatial::Vector3::Zero()};
+  auto measured = identified(machine, "neutral", 0, spatial::Vector3::Zero());
+  measured.damping = 0.043;
+  const double known_to = mode_target(measured, "", machine, at).deviation;
+  EXPECT_NEAR(known_to, measured.omega_deviation, 1e-12 * measured.omega);
+  const double half_width = measured.damping * measured.omega;
+
+  auto coarse = measured;
+  coarse.line_spacing = 7.7;
+  EXPECT_NEAR(mode_target(coarse, "", machine, at).deviation, std::hypot(known_to, 0.05 * 7.7),
+              1e-12);
+
+  auto mixture = measured;
+  for (int d = 0; d < 6; ++d) mixture.motion[d] = std::polar(0.37, 0.9 * d);
+  EXPECT_GT(mode_target(mixture, "", machine, at).deviation, known_to + 0.2 * half_width);
+
+  // a weak one in the flank of a strong one, and not the strong one
+  measured.significance = 8000.0;
+  auto weak = measured, far = measured;
+  weak.significance = 80.0;
+  weak.omega += 1.9 * half_width;
+  far.significance = 80.0;
+  far.omega += 3.1 * half_width;
+  calibration::Targets targets;
+  add_modes({measured, weak, far}, machine, at, targets);
+  ASSERT_EQ(targets.modes.size(), 3U);
+  EXPECT_NEAR(targets.modes[0].deviation, known_to, 1e-12 * measured.omega);
+  EXPECT_NEAR(targets.modes[1].deviation, std::hypot(known_to, 0.5 * weak.damping * weak.omega),
+              1e-12 * measured.omega);
+  EXPECT_NEAR(targets.modes[2].deviation, known_to, 1e-12 * measured.omega);
+}
+
 TEST(MeasuredModes, WithoutAllSixDirectionsKeepTheLargestOne) {
   const auto machine = heavy().machine;
   auto measured = identified(machine, "neutral", 1, spatial::Vector3::Zero());

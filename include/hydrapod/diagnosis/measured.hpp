@@ -12,7 +12,7 @@
 /// added to a frequency's deviation. (1 − MPC) ζω: a shape whose parts are out of step is the sum
 /// of modes that were not told apart, and the pole lies somewhere among theirs. A twentieth of the
 /// line spacing: what is left of leakage where blocks are short against the decay
-/// (docs/validation/diagnosis.md). ζω/2 of a weak mode within the half widths of one that is ten
+/// (docs/theory/diagnosis.md). ζω/2 of a weak mode within the half widths of one that is ten
 /// times as significant and takes its flanks.
 ///
 /// A shape from accelerometers is against the ground, from anything else against the base
