@@ -35,7 +35,7 @@ std::vector<Recorded> recorded() {
           {{"heavy-platform.toml", stiff, {"neutral", "low"}, 0.0, hard}, {120.0, 2e-4, 1.0}, 0},
           {{"vibration table", {}, {"neutral", "tilted"}, 0.0, {0.07, 1.19, 0.1, 1.0}},
            {90.0, 1.1e-4, 1.7},
-           2}};
+           3}};
 }
 
 class RecordSeries : public testing::TestWithParam<std::size_t> {};
