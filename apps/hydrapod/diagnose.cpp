@@ -203,7 +203,7 @@ void add_diagnose(CLI::App& app) {
       {{"diagnose machine.toml --measured modes.csv",
         "what explains the measured modes, ranked, and what would help"},
        {"diagnose machine.toml --measured run.h5 --pose high", "the same from a record"},
-       {"diagnose machine.toml --measured neutral.h5 --measured low.h5@low",
+       {"diagnose machine.toml --measured neutral.h5 --measured high.h5@high",
         "from records at several poses"},
        {"diagnose machine.toml --want \"x=5 Hz\" --poses workspace",
         "without a measurement: what lowers the resonances, and the remedy wherever the platform "

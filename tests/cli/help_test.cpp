@@ -79,7 +79,7 @@ void furnish_for_identification(const std::filesystem::path& folder) {
   record.header.channels.push_back({.name = "d2", .role = data::Role::drive});
   record.samples.resize(measured.rows(), 6);
   record.samples << measured, 0.3 * measured.leftCols(2);
-  for (const char* name : {"run.h5", "run1.h5", "run2.h5"})
+  for (const char* name : {"run.h5", "run1.h5", "run2.h5", "neutral.h5", "high.h5"})
     data::write_record(folder / name, record, data::RecordFormat::hdf5);
   data::Record named = {.header = record.header, .samples = measured.rightCols(3)};
   named.header.channels = {{.name = "force"}, {.name = "a1"}, {.name = "a2"}};
