@@ -187,13 +187,17 @@ void fit_and_prune(const IdentifyOptions& options, std::vector<PoleCluster> clus
   result.clusters = std::move(clusters);
 }
 
+std::vector<PoleEstimate> estimates(const ModalModel& model) {
+  std::vector<PoleEstimate> poles;
+  for (const auto& m : model.modes) poles.push_back({m.pole, m.shape, m.participation});
+  return poles;
+}
+
 /// The clusters of the modes that `result` has, at where the fit put them.
 std::vector<PoleCluster> fitted_clusters(const Identification& result) {
   auto clusters = result.clusters;
-  for (std::size_t r = 0; r < clusters.size(); ++r) {
-    const auto& mode = result.model.modes[r];
-    clusters[r].representative = {mode.pole, mode.shape, mode.participation};
-  }
+  const auto poles = estimates(result.model);
+  for (std::size_t r = 0; r < clusters.size(); ++r) clusters[r].representative = poles[r];
   return clusters;
 }
 
@@ -321,12 +325,6 @@ Eigen::VectorXcd displacement_shape(const FittedMode& mode,
   for (Index o = 0; o < shape.size(); ++o)
     shape[o] /= std::pow(mode.pole, time_derivatives(outputs[static_cast<std::size_t>(o)].unit));
   return shape;
-}
-
-std::vector<PoleEstimate> estimates(const ModalModel& model) {
-  std::vector<PoleEstimate> poles;
-  for (const auto& m : model.modes) poles.push_back({m.pole, m.shape, m.participation});
-  return poles;
 }
 
 /// What lies far above the highest mode cannot tell of any mode, but of delays, valves and higher

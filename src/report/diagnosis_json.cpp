@@ -214,7 +214,9 @@ bool inputs_are_drives(const Json& json) {
 
 /// Of the responses that were fitted [rad/s]; 0: not said.
 double line_spacing(const Json& json) {
-  const auto lines = json.value(Json::json_pointer("/indicator/frequency_hz"), Json());
+  const auto indicator = json.find("indicator");
+  if (indicator == json.end() || !indicator->is_object()) return 0.0;
+  const auto lines = indicator->value("frequency_hz", Json());
   if (!lines.is_array() || lines.size() < 2 || !lines.front().is_number() ||
       !lines.back().is_number())
     return 0.0;

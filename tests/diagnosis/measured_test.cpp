@@ -137,6 +137,14 @@ TEST(MeasuredModes, AreReadFromTheJsonOfIdentify) {
   EXPECT_NEAR(mode.damping.value_or(0.0), 0.03, 1e-15);
   EXPECT_NEAR(mode.damping_deviation, 0.001, 1e-15);
   EXPECT_EQ(mode.direction, 0);
+  // the lines of the responses, where they are said
+  auto json = identified_json();
+  json["indicator"] = {{"frequency_hz", {1.0, 1.7, 2.4}}};
+  EXPECT_NEAR(report::modes_from_json(json, "", machine, {}).modes.front().deviation,
+              2.0 * std::numbers::pi * std::hypot(0.01, 0.05 * 0.7), 1e-12);
+  json["indicator"] = {1.0, 1.7};
+  EXPECT_NEAR(report::modes_from_json(json, "", machine, {}).modes.front().deviation,
+              2.0 * std::numbers::pi * 0.01, 1e-12);
 }
 
 /// Legs and poses see the platform from the base, accelerometers feel the ground.
