@@ -7,6 +7,7 @@
 
 #include "hydrapod/base/error.hpp"
 #include "hydrapod/calibration/observation.hpp"
+#include "hydrapod/identification/directions.hpp"
 #include "hydrapod/kinematics/inverse.hpp"
 
 namespace hydrapod::diagnosis {
@@ -39,9 +40,7 @@ std::vector<Row> direction_rows(const std::vector<data::Channel>& outputs) {
   }
   // displacements, speeds or accelerations: all of them the same
   const auto rate = [&](const Row& row) {
-    const auto& unit = outputs[static_cast<std::size_t>(row.output)].unit;
-    const auto slash = unit.find('/');
-    return slash == std::string::npos ? std::string() : unit.substr(slash);
+    return identification::time_derivatives(outputs[static_cast<std::size_t>(row.output)].unit);
   };
   if (std::ranges::any_of(rows, [](const Row& row) { return row.output < 0; })) return {};
   if (std::ranges::any_of(rows, [&](const Row& row) { return rate(row) != rate(rows[0]); }))

@@ -150,6 +150,13 @@ MatrixXd own_by_shared(const MatrixXd& normal, Index shared) {
          N.ldlt().solve(scale.asDiagonal() * normal.bottomLeftCorner(own, shared));
 }
 
+double lines_in_step(const FrequencyResponses& responses) {
+  double count = 1.0;
+  for (std::size_t d = 1; d < responses.line_covariance.size(); ++d)
+    count += 2.0 * responses.line_covariance[d].real();
+  return count;
+}
+
 VectorXd row_sizes(const FrequencyResponses& responses) {
   VectorXd sum = VectorXd::Zero(responses.H[0].rows());
   for (const auto& H : responses.H) sum += H.rowwise().squaredNorm();
@@ -189,9 +196,7 @@ void add_deviations(const FitSystem& system, const FrequencyResponses& responses
   const auto variance = [&](const VectorXd& v) {
     return scale * std::max(0.0, propagation.variance(v));
   };
-  double neighbours = 1.0;  // noise that neighbouring lines share counts that often
-  for (std::size_t d = 1; d < responses.line_covariance.size(); ++d)
-    neighbours += 2.0 * responses.line_covariance[d].real();
+  const double neighbours = lines_in_step(responses);
   for (Index r = 0; r < modes; ++r) {
     auto& mode = model.modes[static_cast<size_t>(r)];
     const auto [omega, zeta] = frequency_and_damping(mode.pole);

@@ -8,6 +8,9 @@ namespace hydrapod::identification {
 /// Derivative of the best own parameters by the shared ones, with the other sign: N_oo⁻¹ N_os.
 Eigen::MatrixXd own_by_shared(const Eigen::MatrixXd& normal, Eigen::Index shared);
 
+/// Noise that neighbouring lines share counts that often.
+double lines_in_step(const FrequencyResponses& responses);
+
 /// Root mean square of H per output.
 Eigen::VectorXd row_sizes(const FrequencyResponses& responses);
 

@@ -9,6 +9,7 @@
 
 #include "fit_covariance.hpp"
 #include "hydrapod/base/error.hpp"
+#include "hydrapod/identification/directions.hpp"
 #include "repeated_modes.hpp"
 #include "weak_modes.hpp"
 
@@ -312,13 +313,6 @@ void add_second_of_pairs(const IdentifyOptions& given, std::size_t strong, Ident
   }
 }
 
-/// 0 for displacements, 1 for speeds, 2 for accelerations, by the unit.
-int time_derivatives(const std::string& unit) {
-  return unit.ends_with("/s^2") || unit.ends_with("s^-2") || unit.ends_with("/s2")    ? 2
-         : unit == "m/s" || unit == "rad/s" || unit == "m s^-1" || unit == "rad s^-1" ? 1
-                                                                                      : 0;
-}
-
 Eigen::VectorXcd displacement_shape(const FittedMode& mode,
                                     const std::vector<data::Channel>& outputs) {
   Eigen::VectorXcd shape = mode.shape;
@@ -345,11 +339,8 @@ void leave_out_above(const IdentifyOptions& options, Identification& result) {
 /// 2 n ln(sum of squares) + 2 k (Akaike) by the k numbers of residual terms; n: lines and entries,
 /// as many as are independent.
 double residual_criterion(const FrequencyResponses& r, const ModalModel& model) {
-  double neighbours = 1.0;
-  for (std::size_t d = 1; d < r.line_covariance.size(); ++d)
-    neighbours += 2.0 * r.line_covariance[d].real();
   const auto entries = static_cast<double>(r.H[0].size());
-  const double n = static_cast<double>(r.lines()) * entries / std::max(1.0, neighbours);
+  const double n = static_cast<double>(r.lines()) * entries / std::max(1.0, lines_in_step(r));
   const double k = entries * static_cast<double>(model.residuals.size());
   return 2.0 * n * std::log(std::max(model.cost, 1e-300)) + 2.0 * k;
 }

@@ -27,8 +27,8 @@ TEST(WholeLoop, HeavyPlatform) {
 }
 
 /// The sleeves' modes of this machine, six within 2 %, damped by 8 %, hardly move the platform, and
-/// the valves' own poles are near. Without residual terms that follow these the modes come out 3 Hz
-/// too low, seven standard deviations.
+/// the valves' own poles are near. Without residual terms that follow these the modes come out
+/// too low by several standard deviations.
 TEST(WholeLoop, WeakModesBesideTheValves) {
   const auto machine = model::parse_machine(model::starter_machine_file(), "starter").machine;
   test::RigExperiment experiment{.X_BP = machine.neutral(), .duration = 60.0, .level = 1e-4};
