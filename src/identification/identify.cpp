@@ -11,6 +11,7 @@
 #include "hydrapod/base/error.hpp"
 #include "hydrapod/identification/directions.hpp"
 #include "repeated_modes.hpp"
+#include "search.hpp"
 #include "weak_modes.hpp"
 
 namespace hydrapod::identification {
@@ -19,101 +20,6 @@ namespace {
 
 using Eigen::Index;
 constexpr double two_pi = 2.0 * std::numbers::pi;
-constexpr std::size_t fewest_lines = 16;
-
-template <class T>
-std::vector<T> picked(const std::vector<T>& all, const std::vector<std::size_t>& lines) {
-  std::vector<T> some;
-  if (all.empty()) return some;
-  some.reserve(lines.size());
-  for (const std::size_t k : lines) some.push_back(all[k]);
-  return some;
-}
-
-/// Mean of |H|² over variance per line, over a few lines.
-std::vector<double> signal_to_noise(const FrequencyResponses& r) {
-  std::vector<double> raw;
-  for (std::size_t k = 0; k < r.lines(); ++k) {
-    double sum = 0.0;
-    for (Index o = 0; o < r.H[k].rows(); ++o)
-      for (Index i = 0; i < r.H[k].cols(); ++i)
-        sum += std::norm(r.H[k](o, i)) /
-               std::max(r.variance(k, static_cast<int>(o), static_cast<int>(i)), 1e-300);
-    raw.push_back(sum / static_cast<double>(r.H[k].size()));
-  }
-  constexpr std::size_t reach = 4;
-  std::vector<double> smooth;
-  for (std::size_t k = 0; k < raw.size(); ++k) {
-    const std::size_t from = k < reach ? 0 : k - reach, to = std::min(raw.size() - 1, k + reach);
-    double sum = 0.0;
-    for (std::size_t j = from; j <= to; ++j) sum += raw[j];
-    smooth.push_back(sum / static_cast<double>(to - from + 1));
-  }
-  return smooth;
-}
-
-struct Band {
-  double from{}, to{};
-};
-
-/// Where the responses stand above their noise.
-Band audible_band(const FrequencyResponses& r) {
-  Band band{r.frequency.front(), r.frequency.back()};
-  if (!r.has_errors()) return band;
-  constexpr double audible = 3.0;
-  const auto ratio = signal_to_noise(r);
-  const auto heard = [&](double x) { return x > audible; };
-  const auto first = std::ranges::find_if(ratio, heard);
-  if (first == ratio.end()) return band;
-  const auto last = std::find_if(ratio.rbegin(), ratio.rend(), heard);
-  band.from = r.frequency[static_cast<std::size_t>(first - ratio.begin())];
-  band.to = r.frequency[static_cast<std::size_t>(ratio.rend() - last - 1)];
-  return band;
-}
-
-struct Search {
-  FrequencyResponses responses;
-  std::vector<OrderPoles> chart;
-  std::vector<PoleCluster> clusters;
-};
-
-Search search(const FrequencyResponses& r, const Band& band, const IdentifyOptions& options,
-              const std::function<void(double)>& progress) {
-  Search s{within(r, band.from, band.to), {}, {}};
-  if (s.responses.lines() < fewest_lines)
-    throw base::ComputationError(fmt::format(
-        "{} frequencies from {:.4g} Hz to {:.4g} Hz are too few to find modes in; at least {} are "
-        "needed (a longer record, or longer blocks, has finer lines)",
-        s.responses.lines(), band.from, band.to, fewest_lines));
-  s.chart = poly_reference_poles(s.responses, options.orders, progress);
-  s.clusters = select_poles(s.chart, options.selection);
-  return s;
-}
-
-/// Narrows the band while all poles are in its lower part.
-Search search_in_best_band(const FrequencyResponses& r, const IdentifyOptions& options,
-                           const std::function<void(double)>& progress) {
-  Band band = audible_band(r);
-  if (options.from) band.from = *options.from;
-  if (options.to) band.to = *options.to;
-  Search s = search(r, band, options, progress);
-  constexpr double room = 1.6, worth = 0.75;
-  for (int round = 0; !options.to && round < 6; ++round) {
-    double highest = 0.0;
-    for (const auto& c : s.clusters)
-      if (c.representative.damping_ratio() <= options.highest_damping)
-        highest = std::max(highest, c.representative.omega() / two_pi);
-    const double to = highest > 0.0 ? room * highest : 0.5 * band.to;
-    if (to > worth * band.to) break;
-    const auto narrower = within(r, band.from, to);
-    if (narrower.lines() < 4 * fewest_lines) break;
-    Search next = search(r, {band.from, to}, options, progress);
-    if (highest > 0.0 && next.clusters.empty()) break;
-    band.to = to;
-    s = std::move(next);
-  }
-  return s;
-}
 
 /// Why a fitted mode is none; empty when it is one.
 std::string objection(const FittedMode& m, const Band& band, const IdentifyOptions& options) {
@@ -321,19 +227,38 @@ Eigen::VectorXcd displacement_shape(const FittedMode& mode,
   return shape;
 }
 
-/// What lies far above the highest mode cannot tell of any mode, but of delays, valves and higher
-/// modes, for which the residual terms stand: it is left out.
-void leave_out_above(const IdentifyOptions& options, Identification& result) {
+/// A little above the highest fitted mode [Hz]; 0: there is none.
+double above_modes(const IdentifyOptions& options, const Identification& result) {
   constexpr double room = 1.25;
   double highest = 0.0;
   for (const auto& m : result.model.modes)
     if (m.damping_ratio() <= options.highest_damping) highest = std::max(highest, m.omega());
-  const double to = room * highest / two_pi;
-  if (options.to || highest == 0.0 || to > result.to) return;
+  return room * highest / two_pi;
+}
+
+/// What lies far above the highest mode cannot tell of any mode, but of delays, valves and higher
+/// modes, for which the residual terms stand: it is left out.
+void leave_out_above(const IdentifyOptions& options, Identification& result) {
+  const double to = above_modes(options, result);
+  if (options.to || to == 0.0 || to > result.to) return;
   auto narrower = within(result.responses, result.from, to);
-  if (narrower.lines() < 4 * fewest_lines) return;
+  if (narrower.lines() < few_lines) return;
   result.responses = std::move(narrower);
   result.to = result.responses.frequency.back();
+}
+
+/// Where lines are so coarse that hardly any lie below and among the modes, fits to all that lie
+/// above them go wrong: a band of as many lines as are needed [Hz]; none: there are more than that,
+/// or the band is hardly wider.
+std::optional<Band> band_of_few_lines(const IdentifyOptions& options,
+                                      const Identification& result) {
+  constexpr double worth = 0.75;
+  const auto& frequency = result.responses.frequency;
+  const double to = above_modes(options, result);
+  if (options.to || to == 0.0 || frequency.size() <= few_lines || frequency[few_lines] < to ||
+      frequency[few_lines] > worth * result.to)
+    return std::nullopt;
+  return Band{result.from, frequency[few_lines]};
 }
 
 /// 2 n ln(sum of squares) + 2 k (Akaike) by the k numbers of residual terms; n: lines and entries,
@@ -365,6 +290,21 @@ void settle_residuals(const IdentifyOptions& options, Identification& result) {
   result.model = std::move(best);
   better.fit.deviations = options.fit.deviations;
   fit_and_prune(better, fitted_clusters(result), result);
+}
+
+/// Modes from what was found, and such as show only beside them.
+Identification fitted(const IdentifyOptions& options, Search s) {
+  Identification result;
+  result.responses = std::move(s.responses);
+  result.chart = std::move(s.chart);
+  result.from = result.responses.frequency.front();
+  result.to = result.responses.frequency.back();
+  fit_and_prune(options, std::move(s.clusters), result);
+  const std::size_t strong = result.clusters.size();
+  add_weak_modes(options, result);
+  add_hidden_modes(options, result);
+  add_second_of_pairs(options, strong, result);
+  return result;
 }
 
 /// Those of the final model, which no trial needs.
@@ -405,22 +345,6 @@ void list_modes(const IdentifyOptions& options, Identification& result) {
 
 }  // namespace
 
-FrequencyResponses within(const FrequencyResponses& r, double from, double to) {
-  std::vector<std::size_t> lines;
-  for (std::size_t k = 0; k < r.lines(); ++k)
-    if (r.frequency[k] >= from && r.frequency[k] <= to) lines.push_back(k);
-  FrequencyResponses some = r;
-  some.frequency = picked(r.frequency, lines);
-  some.H = picked(r.H, lines);
-  some.noise = picked(r.noise, lines);
-  some.input_factor = picked(r.input_factor, lines);
-  some.coherence = picked(r.coherence, lines);
-  some.multiple_coherence = picked(r.multiple_coherence, lines);
-  some.condition = picked(r.condition, lines);
-  some.input_density = picked(r.input_density, lines);
-  return some;
-}
-
 Identification identify_modes(const FrequencyResponses& responses, const IdentifyOptions& options,
                               const std::function<void(double)>& progress) {
   if (responses.lines() < fewest_lines)
@@ -428,17 +352,11 @@ Identification identify_modes(const FrequencyResponses& responses, const Identif
         fmt::format("{} frequencies are too few to find modes in; at "
                     "least {} are needed",
                     responses.lines(), fewest_lines));
-  Identification result;
-  Search s = search_in_best_band(responses, options, progress);
-  result.responses = std::move(s.responses);
-  result.chart = std::move(s.chart);
-  result.from = result.responses.frequency.front();
-  result.to = result.responses.frequency.back();
-  fit_and_prune(options, std::move(s.clusters), result);
-  const std::size_t strong = result.clusters.size();
-  add_weak_modes(options, result);
-  add_hidden_modes(options, result);
-  add_second_of_pairs(options, strong, result);
+  auto result = fitted(options, search_in_best_band(responses, options, progress));
+  if (const auto narrower = band_of_few_lines(options, result)) {
+    auto other = fitted(options, search(responses, *narrower, options, progress));
+    if (!other.model.modes.empty()) result = std::move(other);
+  }
   if (!result.model.modes.empty()) {
     leave_out_above(options, result);
     settle_residuals(options, result);
