@@ -200,7 +200,7 @@ void run(const Arguments& arguments) {
                                                        : report::bode_csv(bode));
 }
 
-void add_options(CLI::App& command, Arguments& arguments) {
+void add_options(Command command, Arguments& arguments) {
   add_machine_options(command, arguments.machine);
   add_pose_option(command, arguments.machine);
   add_model_option(command, arguments.machine);
@@ -208,11 +208,11 @@ void add_options(CLI::App& command, Arguments& arguments) {
       .add_option("--input", arguments.input,
                   "wrench at the point, actuator forces mapped to its directions, or command: the "
                   "commanded pose, with hydraulics and controller")
-      ->capture_default_str();
+      .capture_default_str();
   command
       .add_option("--output", arguments.output,
                   "displacement, velocity or acceleration of the point")
-      ->capture_default_str();
+      .capture_default_str();
   command.add_option("--point", arguments.point,
                      "Point of the platform, \"x,y,z\" in its frame; default: its mass centre");
   command.add_option("--from", arguments.from,
@@ -221,24 +221,24 @@ void add_options(CLI::App& command, Arguments& arguments) {
                      "Highest frequency, Hz or with a unit; default: from the modes");
   command
       .add_option("--points", arguments.points, "Frequencies, evenly spaced on a logarithmic axis")
-      ->check(CLI::Range(2, 100000))
-      ->capture_default_str();
+      .range(2, 100000)
+      .capture_default_str();
   command.add_option("--plot", arguments.plot,
                      "Picture to write, .svg, .png or .pdf (needs gnuplot)");
   command
       .add_option("--entries", arguments.entries,
                   "Entries to plot, as directions or output/input pairs")
-      ->capture_default_str();
+      .capture_default_str();
   command
       .add_option("--format", arguments.format, "table (the peaks), json or csv (the 6×6 response)")
-      ->capture_default_str();
-  command.add_option("-o", arguments.file, "File to write; - prints")->capture_default_str();
+      .capture_default_str();
+  command.add_option("-o", arguments.file, "File to write; - prints").capture_default_str();
 }
 
 }  // namespace
 
-void add_bode(CLI::App& app) {
-  CLI::App* command =
+void add_bode(Command app) {
+  Command command =
       add_command(app, "bode", "Bode diagram of the platform, rigid beside rigid-flexible",
                   {{"bode machine.toml --plot bode.svg",
                     "the six direct responses as a picture, peaks as a table"},
@@ -251,8 +251,8 @@ void add_bode(CLI::App& app) {
                    {"bode machine.toml --from 1 --to \"200 Hz\" --format csv -o bode.csv",
                     "the whole 6×6 response"}});
   auto arguments = std::make_shared<Arguments>();
-  add_options(*command, *arguments);
-  command->callback([arguments] { run(*arguments); });
+  add_options(command, *arguments);
+  command.callback([arguments] { run(*arguments); });
 }
 
 }  // namespace hydrapod::cli

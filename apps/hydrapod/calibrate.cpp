@@ -189,8 +189,8 @@ void run(const Arguments& arguments) {
 
 }  // namespace
 
-void add_calibrate(CLI::App& app) {
-  CLI::App* command = add_command(
+void add_calibrate(Command app) {
+  Command command = add_command(
       app, "calibrate", "Find numbers that nobody printed, from measured or published modes",
       {{"calibrate machine.toml --targets modes.csv --free legs.guide_sleeve.stiffness "
         "-o calibrated.toml",
@@ -201,36 +201,36 @@ void add_calibrate(CLI::App& app) {
        {"calibrate machine.toml --targets modes.toml --try model.flexible_axes=gimbal",
         "two readings of the machine side by side"}});
   auto arguments = std::make_shared<Arguments>();
-  add_machine_options(*command, arguments->machine);
-  add_model_option(*command, arguments->machine);
+  add_machine_options(command, arguments->machine);
+  add_model_option(command, arguments->machine);
   command
-      ->add_option("--targets", arguments->targets,
-                   "Modes to meet, TOML or CSV (docs/howto/calibrate.md)")
-      ->required();
-  command->add_option("--free", arguments->free,
-                      "A number of the machine file that may change: PATH or PATH=LOWEST..HIGHEST; "
-                      "PATH,PATH ties them; may be repeated");
-  command->add_option("--prior", arguments->priors,
-                      "What is known of a free number: PATH=VALUE+-SPREAD; may be repeated");
-  command->add_option("--try", arguments->tries,
-                      "Something that may be true or not: PATH=VALUE[; PATH=VALUE]; may be "
-                      "repeated, and all combinations are fitted");
-  command->add_option("--profile", arguments->profiles,
-                      "Also hold this parameter away from its best value and fit the others");
-  command->add_option("--loss", arguments->loss,
-                      "automatic, squares, or cauchy, which hardly feels wrong targets");
-  command->add_option("--starts", arguments->starts, "Starts per combination, all but one random")
-      ->check(CLI::Range(1, 10000));
-  command->add_option("--seed", arguments->seed, "Seed of the random starts")
-      ->check(CLI::Range(std::uint64_t{1}, std::uint64_t{1000000000000}));
-  command->add_option("--threads", arguments->threads, "Threads; 0: as many as there are cores")
-      ->check(CLI::Range(0, 256));
-  command->add_option("-o,--output", arguments->output,
-                      "Write the calibrated machine file here, comments kept");
-  command->add_option("--format", arguments->format, "Report as table or json")
-      ->capture_default_str();
-  command->add_option("--plot", arguments->plot, "Draw targets against model: .svg, .png or .pdf");
-  command->callback([arguments] { run(*arguments); });
+      .add_option("--targets", arguments->targets,
+                  "Modes to meet, TOML or CSV (docs/howto/calibrate.md)")
+      .required();
+  command.add_option("--free", arguments->free,
+                     "A number of the machine file that may change: PATH or PATH=LOWEST..HIGHEST; "
+                     "PATH,PATH ties them; may be repeated");
+  command.add_option("--prior", arguments->priors,
+                     "What is known of a free number: PATH=VALUE+-SPREAD; may be repeated");
+  command.add_option("--try", arguments->tries,
+                     "Something that may be true or not: PATH=VALUE[; PATH=VALUE]; may be "
+                     "repeated, and all combinations are fitted");
+  command.add_option("--profile", arguments->profiles,
+                     "Also hold this parameter away from its best value and fit the others");
+  command.add_option("--loss", arguments->loss,
+                     "automatic, squares, or cauchy, which hardly feels wrong targets");
+  command.add_option("--starts", arguments->starts, "Starts per combination, all but one random")
+      .range(1, 10000);
+  command.add_option("--seed", arguments->seed, "Seed of the random starts")
+      .range(std::uint64_t{1}, std::uint64_t{1000000000000});
+  command.add_option("--threads", arguments->threads, "Threads; 0: as many as there are cores")
+      .range(0, 256);
+  command.add_option("-o,--output", arguments->output,
+                     "Write the calibrated machine file here, comments kept");
+  command.add_option("--format", arguments->format, "Report as table or json")
+      .capture_default_str();
+  command.add_option("--plot", arguments->plot, "Draw targets against model: .svg, .png or .pdf");
+  command.callback([arguments] { run(*arguments); });
 }
 
 }  // namespace hydrapod::cli

@@ -145,23 +145,23 @@ void run(const Arguments& arguments) {
 
 }  // namespace
 
-void add_check(CLI::App& app) {
-  CLI::App* command = add_command(
+void add_check(Command app) {
+  Command command = add_command(
       app, "check", "Check a machine file and print what follows from it",
       {{"check machine.toml", "leg lengths, strokes left, oil springs, static forces, buckling"},
        {"check machine.toml --pose \"z=100 mm\"", "at another pose"},
        {"check machine.toml --set platform.mass=\"1.2 t\"", "with a heavier platform"},
        {"check machine.toml --format json", "for other programs"}});
   auto arguments = std::make_shared<Arguments>();
-  add_machine_options(*command, arguments->machine);
-  command->add_option(
+  add_machine_options(command, arguments->machine);
+  command.add_option(
       "--pose", arguments->machine.pose,
       "One pose instead of all of the file: a name, or displacements from the neutral one");
-  add_model_option(*command, arguments->machine);
-  command->add_option("--format", arguments->format, "table or json")->capture_default_str();
-  command->add_option("-o,--output", arguments->output, "File to write; - prints")
-      ->capture_default_str();
-  command->callback([arguments] { run(*arguments); });
+  add_model_option(command, arguments->machine);
+  command.add_option("--format", arguments->format, "table or json").capture_default_str();
+  command.add_option("-o,--output", arguments->output, "File to write; - prints")
+      .capture_default_str();
+  command.callback([arguments] { run(*arguments); });
 }
 
 }  // namespace hydrapod::cli

@@ -6,9 +6,9 @@
 
 namespace hydrapod::cli {
 
-CLI::App* add_command(CLI::App& app, const std::string& name, const std::string& description,
-                      const std::vector<Example>& examples) {
-  CLI::App* command = app.add_subcommand(name, description);
+Command add_command(Command app, const std::string& name, const std::string& description,
+                    const std::vector<Example>& examples) {
+  Command command = app.add_subcommand(name, description);
   std::size_t width = 0;
   for (const Example& example : examples) width = std::max(width, example.arguments.size());
   std::string footer = "Examples:\n";
@@ -16,7 +16,7 @@ CLI::App* add_command(CLI::App& app, const std::string& name, const std::string&
     footer += fmt::format("  hydrapod {:<{}}  {}\n", example.arguments, width, example.purpose);
   }
   footer.pop_back();
-  command->footer(footer);
+  command.footer(footer);
   return command;
 }
 

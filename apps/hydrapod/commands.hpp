@@ -1,15 +1,16 @@
 #pragma once
 /// The subcommands of the program `hydrapod`, one file each.
 ///
-/// To add one: write `<name>.cpp` with `void add_<name>(CLI::App& app)`, declare it here and put it
-/// into `all_commands`. The callback returns when all went well and throws otherwise:
-/// base::InputError for a bad file or argument (exit code 2), base::ComputationError or any other
-/// exception for a computation that failed (exit code 1).
+/// To add one: write `<name>.cpp` with `void add_<name>(Command app)`, declare it here and put it
+/// into `all_commands`. What it takes is said with options.hpp. The callback returns when all went
+/// well and throws otherwise: base::InputError for a bad file or argument (exit code 2),
+/// base::ComputationError or any other exception for a computation that failed (exit code 1).
 
-#include <CLI/CLI.hpp>
 #include <array>
 #include <string>
 #include <vector>
+
+#include "hydrapod/options.hpp"
 
 namespace hydrapod::cli {
 
@@ -20,23 +21,23 @@ struct Example {
 };
 
 /// A subcommand whose help ends with `examples`.
-CLI::App* add_command(CLI::App& app, const std::string& name, const std::string& description,
-                      const std::vector<Example>& examples);
+Command add_command(Command app, const std::string& name, const std::string& description,
+                    const std::vector<Example>& examples);
 
-void add_init(CLI::App& app);
-void add_check(CLI::App& app);
-void add_modes(CLI::App& app);
-void add_bode(CLI::App& app);
-void add_simulate(CLI::App& app);
-void add_sensitivity(CLI::App& app);
-void add_calibrate(CLI::App& app);
-void add_frf(CLI::App& app);
-void add_identify(CLI::App& app);
-void add_diagnose(CLI::App& app);
-void add_report(CLI::App& app);
-void add_rig(CLI::App& app);
-void add_record(CLI::App& app);
-void add_demo(CLI::App& app);
+void add_init(Command app);
+void add_check(Command app);
+void add_modes(Command app);
+void add_bode(Command app);
+void add_simulate(Command app);
+void add_sensitivity(Command app);
+void add_calibrate(Command app);
+void add_frf(Command app);
+void add_identify(Command app);
+void add_diagnose(Command app);
+void add_report(Command app);
+void add_rig(Command app);
+void add_record(Command app);
+void add_demo(Command app);
 
 /// In the order of the help.
 inline constexpr std::array all_commands{

@@ -112,16 +112,16 @@ void run(const Arguments& arguments) {
 
 }  // namespace
 
-void add_demo(CLI::App& app) {
-  CLI::App* command = add_command(
+void add_demo(Command app) {
+  Command command = add_command(
       app, "demo",
       "The published machine: its modes on the terminal, Bode diagrams and reports as files",
       {{"demo", "writes into the folder hydrapod-demo"},
        {"demo results", "writes into the folder results"}});
   auto arguments = std::make_shared<Arguments>();
-  command->add_option("FOLDER", arguments->folder, "Folder for the files; made if it is not there")
-      ->capture_default_str();
-  command->callback([arguments] { run(*arguments); });
+  command.add_option("FOLDER", arguments->folder, "Folder for the files; made if it is not there")
+      .capture_default_str();
+  command.callback([arguments] { run(*arguments); });
 }
 
 }  // namespace hydrapod::cli

@@ -197,8 +197,8 @@ void run(Arguments& a) {
 
 }  // namespace
 
-void add_diagnose(CLI::App& app) {
-  CLI::App* command = add_command(
+void add_diagnose(Command app) {
+  Command command = add_command(
       app, "diagnose", "Which part is guilty, how sure that is, and how stiff it must be",
       {{"diagnose machine.toml --measured modes.csv",
         "what explains the measured modes, ranked, and what would help"},
@@ -211,45 +211,50 @@ void add_diagnose(CLI::App& app) {
        {"diagnose machine.toml --measured modes.csv --plot why.svg --format json -o why.json",
         "as picture and for other programs"}});
   auto a = std::make_shared<Arguments>();
-  add_machine_options(*command, a->machine);
-  add_pose_option(*command, a->machine);
-  add_model_option(*command, a->machine);
+  add_machine_options(command, a->machine);
+  add_pose_option(command, a->machine);
+  add_model_option(command, a->machine);
   command
-      ->add_option(
-          "--measured", a->diagnosis.measured,
-          "Modes (TOML, CSV, JSON of `hydrapod identify`), responses (JSON of `hydrapod "
-          "frf`, Universal File) or a record; FILE@POSE says where it was measured; may be "
-          "repeated; default: none, the machine file alone")
-      ->type_name("RECORD|FRF|MODES")
-      ->allow_extra_args(false);
-  add_diagnosis_options(*command, a->diagnosis);
+      .add_option("--measured", a->diagnosis.measured,
+                  "Modes (TOML, CSV, JSON of `hydrapod identify`), responses (JSON of `hydrapod "
+                  "frf`, Universal File) or a record; FILE@POSE says where it was measured; may be "
+                  "repeated; default: none, the machine file alone")
+      .type_name("RECORD|FRF|MODES")
+      .allow_extra_args(false);
   command
-      ->add_option("--model-error", a->frequency_error,
-                   "How near frequencies of a right model come to a real machine, per cent; added "
-                   "to what the measurement says")
-      ->check(CLI::Range(0.001, 20.0))
-      ->capture_default_str();
-  command->add_option("--shape-error", a->shape_error, "The same of shapes, per cent of their size")
-      ->check(CLI::Range(0.1, 50.0))
-      ->capture_default_str();
+      .add_option("--against", a->diagnosis.against,
+                  "What was measured: mechanics (on oil springs, valves shut), plant (from the "
+                  "drives of the valves on) or system (under its controller); auto: what the file "
+                  "says of itself, else plant from drives, mechanics from all else")
+      .capture_default_str();
+  add_diagnosis_options(command, a->diagnosis);
   command
-      ->add_option("--response-error", a->response_error,
-                   "The same of responses to drives, line by line, per cent of their size")
-      ->check(CLI::Range(0.1, 100.0))
-      ->capture_default_str();
-  command->add_flag("--modes-only", a->modes_only,
-                    "Responses to drives are no evidence, only the modes identified from them");
-  command->add_flag("--damping", a->diagnosis.options.damping,
-                    "Dampings are evidence too (the file's dampers are those of the machine)");
-  command->add_option("--threads", a->diagnosis.options.threads, "Threads; 0: one per core")
-      ->check(CLI::Range(0, 256));
-  command->add_option("--show", a->shown, "Explanations in the table")
-      ->check(CLI::Range(1, 1000))
-      ->capture_default_str();
-  command->add_option("--plot", a->plot, "Picture to write, .svg, .png or .pdf (needs gnuplot)");
-  command->add_option("--format", a->format, "table or json")->capture_default_str();
-  command->add_option("-o,--output", a->output, "File to write; - prints")->capture_default_str();
-  command->callback([a] { run(*a); });
+      .add_option("--model-error", a->frequency_error,
+                  "How near frequencies of a right model come to a real machine, per cent; added "
+                  "to what the measurement says")
+      .range(0.001, 20.0)
+      .capture_default_str();
+  command.add_option("--shape-error", a->shape_error, "The same of shapes, per cent of their size")
+      .range(0.1, 50.0)
+      .capture_default_str();
+  command
+      .add_option("--response-error", a->response_error,
+                  "The same of responses, line by line, per cent of their size")
+      .range(0.1, 100.0)
+      .capture_default_str();
+  command.add_flag("--modes-only", a->modes_only,
+                   "Responses are no evidence, only the modes identified from them");
+  command.add_flag("--damping", a->diagnosis.options.damping,
+                   "Dampings are evidence too (the file's dampers are those of the machine)");
+  command.add_option("--threads", a->diagnosis.options.threads, "Threads; 0: one per core")
+      .range(0, 256);
+  command.add_option("--show", a->shown, "Explanations in the table")
+      .range(1, 1000)
+      .capture_default_str();
+  command.add_option("--plot", a->plot, "Picture to write, .svg, .png or .pdf (needs gnuplot)");
+  command.add_option("--format", a->format, "table or json").capture_default_str();
+  command.add_option("-o,--output", a->output, "File to write; - prints").capture_default_str();
+  command.callback([a] { run(*a); });
 }
 
 }  // namespace hydrapod::cli

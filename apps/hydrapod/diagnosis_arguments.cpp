@@ -81,12 +81,12 @@ diagnosis::RemedyGoal remedy_goal(const std::string& text) {
   return goal;
 }
 
-void add_diagnosis_options(CLI::App& command, DiagnosisArguments& arguments) {
+void add_diagnosis_options(Command command, DiagnosisArguments& arguments) {
   command
       .add_option("--want", arguments.want,
                   "What the guide sleeves are to reach: a largest drop \"2 %\" below rigid, or a "
                   "frequency \"5 Hz\"; in one direction \"x=5 Hz\"")
-      ->capture_default_str();
+      .capture_default_str();
   command.add_option("--poses", arguments.poses,
                      "Where it is to be reached, and where could be measured: names or "
                      "displacements with semicolons, all, or workspace [all of the file]");
@@ -117,7 +117,7 @@ diagnosis::CaseFile investigate(const DiagnosisArguments& arguments,
   const auto poses = poses_of(file.machine, arguments.poses);
   const InterruptNote interrupt;
   if (!arguments.measured.empty()) {
-    const auto measured = read_measured(arguments.measured, machine, file, pose);
+    const auto measured = read_measured(arguments.measured, machine, file, pose, arguments.against);
     ProgressLine line("diagnosing");
     result.diagnosis =
         diagnosis::diagnose(file, measured, kind, poses, arguments.options, [&](double share) {

@@ -11,6 +11,7 @@ namespace hydrapod::cli {
 
 struct DiagnosisArguments {
   std::vector<std::string> measured{};
+  std::string against{"auto"};  ///< the system that was measured
   std::string want{"2 %"};
   std::string poses{};
   diagnosis::DiagnoseOptions options{};
@@ -20,7 +21,7 @@ struct DiagnosisArguments {
 diagnosis::RemedyGoal remedy_goal(const std::string& text);
 
 /// "--want", "--poses" and the errors of the model.
-void add_diagnosis_options(CLI::App& command, DiagnosisArguments& arguments);
+void add_diagnosis_options(Command command, DiagnosisArguments& arguments);
 
 /// The measured mode that comes most from what gives way beside the oil, as number of the
 /// explaining machine's mode, from 1; 0 where there is none at that pose.

@@ -128,8 +128,8 @@ void run(const Arguments& arguments) {
 
 }  // namespace
 
-void add_frf(CLI::App& app) {
-  CLI::App* command = add_command(
+void add_frf(Command app) {
+  Command command = add_command(
       app, "frf", "Frequency responses from records, with coherence and errors",
       {{"frf run.h5", "responses from the excitations to the responses, a summary"},
        {"frf run.h5 --plot bode.svg --coherence coherence.svg", "as pictures"},
@@ -137,18 +137,18 @@ void add_frf(CLI::App& app) {
        {"frf run1.h5 run2.h5 --format json -o frf.json", "several records, for `identify`"},
        {"frf test.csv --inputs force --outputs a1,a2 --block 4096", "channels by name"}});
   auto arguments = std::make_shared<Arguments>();
-  command->add_option("RECORD", arguments->measurement.files, "Records that are averaged together")
-      ->required();
-  add_measurement_options(*command, arguments->measurement);
-  command->add_option("--plot", arguments->plot, "Bode diagram to write, .svg, .png or .pdf");
-  command->add_option("--coherence", arguments->coherence_plot,
-                      "Picture of coherence and condition to write");
-  command->add_option("--format", arguments->format,
-                      "table (a summary), json, csv, uff or mat (the whole response); default: by "
-                      "the ending of -o, else table");
-  command->add_option("-o,--output", arguments->output, "File to write; - prints")
-      ->capture_default_str();
-  command->callback([arguments] { run(*arguments); });
+  command.add_option("RECORD", arguments->measurement.files, "Records that are averaged together")
+      .required();
+  add_measurement_options(command, arguments->measurement);
+  command.add_option("--plot", arguments->plot, "Bode diagram to write, .svg, .png or .pdf");
+  command.add_option("--coherence", arguments->coherence_plot,
+                     "Picture of coherence and condition to write");
+  command.add_option("--format", arguments->format,
+                     "table (a summary), json, csv, uff or mat (the whole response); default: by "
+                     "the ending of -o, else table");
+  command.add_option("-o,--output", arguments->output, "File to write; - prints")
+      .capture_default_str();
+  command.callback([arguments] { run(*arguments); });
 }
 
 }  // namespace hydrapod::cli

@@ -142,7 +142,7 @@ spatial::Vector3 measured_point(const MeasurementArguments& a, const RecordMachi
   return X_BP * p_PQ;
 }
 
-void add_measurement_options(CLI::App& command, MeasurementArguments& a) {
+void add_measurement_options(Command command, MeasurementArguments& a) {
   command.add_option(
       "--inputs", a.inputs,
       "Input channels, names with commas; default by role: drive inside a loop, else excitation");
@@ -159,18 +159,18 @@ void add_measurement_options(CLI::App& command, MeasurementArguments& a) {
       .add_option("--sensor", a.sensors,
                   "\"NAME, at=X Y Z, along=x\": where an accelerometer sits, in the platform frame "
                   "[m], for records that do not say it; may be repeated")
-      ->allow_extra_args(false);
+      .allow_extra_args(false);
   command.add_option("--instruments", a.instruments,
                      "External excitations of a closed loop; default: role excitation");
   command
       .add_option("--estimator", a.estimator,
                   "auto, h1, h2, hv or iv (instrumental, for inputs inside a closed loop)")
-      ->capture_default_str();
+      .capture_default_str();
   command.add_option("--block", a.block, "Samples per block; default: from the record's length");
   command.add_option("--overlap", a.overlap, "Overlap of blocks in per cent; default: 50");
   command
       .add_option("--window", a.window, "hann, rectangular, hamming, blackman-harris or flat-top")
-      ->capture_default_str();
+      .capture_default_str();
   command.add_option("--period", a.period,
                      "Period of the excitation, s or with a unit; 0: none; default: found out");
   command.add_option("--settling", a.settling, "Time at the beginning that is passed over");

@@ -1,12 +1,12 @@
 #pragma once
 /// What `hydrapod frf` and `hydrapod identify` share: options of the measurement, reading records.
 
-#include <CLI/CLI.hpp>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "hydrapod/identification/measure.hpp"
+#include "hydrapod/options.hpp"
 #include "hydrapod/record_machine.hpp"
 
 namespace hydrapod::cli {
@@ -33,7 +33,7 @@ std::optional<RecordMachine> measured_machine(const MeasurementArguments& argume
 spatial::Vector3 measured_point(const MeasurementArguments& arguments,
                                 const RecordMachine& machine);
 
-void add_measurement_options(CLI::App& command, MeasurementArguments& arguments);
+void add_measurement_options(Command command, MeasurementArguments& arguments);
 
 /// Reads the records with a progress line; Ctrl-C ends the reading and keeps what was read.
 /// Warnings go to stderr. Throws base::InputError and base::ComputationError.

@@ -6,6 +6,7 @@
 #include <fstream>
 
 #include "hydrapod/base/file.hpp"
+#include "hydrapod/diagnosis/measured.hpp"
 #include "hydrapod/identification/exchange.hpp"
 #include "hydrapod/interrupt.hpp"
 #include "hydrapod/machine_arguments.hpp"
@@ -72,36 +73,37 @@ IdentifiedSource read_responses(const std::string& path) {
           .header = report::record_origin_from_json(json)};
 }
 
-/// What the inputs see: the plant from the drives on, else the machine as it stands, which is under
-/// its controller in a record of the rig.
 comparison::Source model_source(const IdentificationArguments& a, const IdentifiedSource& source) {
   const auto word = choose_word("--against", a.against, against_words);
   if (word > 0) return static_cast<comparison::Source>(word - 1);
-  if (!source.header || !is_rig_record(*source.header)) return comparison::Source::mechanics;
-  const bool drives = std::ranges::all_of(
-      source.responses.inputs, [](const auto& c) { return c.role == data::Role::drive; });
-  return drives ? comparison::Source::plant : comparison::Source::system;
+  return seen_in_rig(source.responses, source.header ? &*source.header : nullptr)
+      .value_or(comparison::Source::mechanics);
 }
 
 }  // namespace
 
-void add_identification_options(CLI::App& command, IdentificationArguments& a) {
+std::optional<calibration::Observed> seen_in_rig(
+    const identification::FrequencyResponses& responses, const data::RecordHeader* header) {
+  if (header == nullptr || !is_rig_record(*header)) return std::nullopt;
+  return diagnosis::from_drives(responses) ? calibration::Observed::plant
+                                           : calibration::Observed::system;
+}
+
+void add_identification_options(Command command, IdentificationArguments& a) {
   add_measurement_options(command, a.measurement);
   command.add_option("--from", a.from, "Lowest frequency, Hz or with a unit; default: found out");
   command.add_option("--to", a.to, "Highest frequency, Hz or with a unit; default: found out");
-  command.add_option("--order", a.order, "Highest model order")
-      ->check(CLI::Range(4, 100))
-      ->capture_default_str();
+  command.add_option("--order", a.order, "Highest model order").range(4, 100).capture_default_str();
   command
       .add_option("--highest-damping", a.highest_damping,
                   "Damping in per cent of critical above which a pole is no mode")
-      ->check(CLI::Range(0.1, 90.0))
-      ->capture_default_str();
+      .range(0.1, 90.0)
+      .capture_default_str();
   command
       .add_option("--against", a.against,
                   "Model to compare with: auto, mechanics (on oil springs), plant (with "
                   "hydraulics), system (with controller too) or none")
-      ->capture_default_str();
+      .capture_default_str();
 }
 
 void check_identification(const IdentificationArguments& a) {

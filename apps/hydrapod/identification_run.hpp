@@ -2,6 +2,7 @@
 /// From the command line's options to identified modes and their comparison with a model: what
 /// `hydrapod identify` and `hydrapod report --measured` share.
 
+#include "hydrapod/calibration/targets.hpp"
 #include "hydrapod/identification/bootstrap.hpp"
 #include "hydrapod/identification/second_opinion.hpp"
 #include "hydrapod/identification_arguments.hpp"
@@ -18,7 +19,7 @@ struct IdentificationArguments {
 };
 
 /// All but the files.
-void add_identification_options(CLI::App& command, IdentificationArguments& arguments);
+void add_identification_options(Command command, IdentificationArguments& arguments);
 
 /// Throws base::InputError for options that make no sense: before the work is done.
 void check_identification(const IdentificationArguments& arguments);
@@ -31,6 +32,11 @@ struct IdentifiedSource {
   std::optional<data::RecordHeader> header{};
   std::string frame{"outputs as measured"};  ///< how they were brought to directions
 };
+
+/// The system that the inputs of a record of the rig see: the plant from the drives on, else the
+/// machine under its controller. None for other records (`header` null: not known).
+std::optional<calibration::Observed> seen_in_rig(
+    const identification::FrequencyResponses& responses, const data::RecordHeader* header);
 
 /// Records, JSON of `hydrapod frf` or a Universal File; warnings go to stderr.
 IdentifiedSource identified_source(const IdentificationArguments& arguments);

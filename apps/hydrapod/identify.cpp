@@ -119,8 +119,8 @@ void run(const Arguments& a) {
 
 }  // namespace
 
-void add_identify(CLI::App& app) {
-  CLI::App* command = add_command(
+void add_identify(Command app) {
+  Command command = add_command(
       app, "identify", "Modes from records or from frequency responses, with their uncertainty",
       {{"identify run.h5", "modes, damping, shapes, without a setting"},
        {"identify run.h5 --plot fit.svg --stabilisation chart.svg", "with the pictures to it"},
@@ -129,29 +129,29 @@ void add_identify(CLI::App& app) {
        {"identify run.h5 -o modes.json", "for other programs; also .csv, .uff and .mat"}});
   auto a = std::make_shared<Arguments>();
   command
-      ->add_option("RECORD|FRF", a->measurement.files,
-                   "Records that are averaged together, or JSON of `hydrapod frf`")
-      ->required();
-  add_identification_options(*command, *a);
-  command->add_flag("--output-only", a->output_only,
-                    "The excitation was not measured: modes from the responses alone");
+      .add_option("RECORD|FRF", a->measurement.files,
+                  "Records that are averaged together, or JSON of `hydrapod frf`")
+      .required();
+  add_identification_options(command, *a);
+  command.add_flag("--output-only", a->output_only,
+                   "The excitation was not measured: modes from the responses alone");
   command
-      ->add_option("--bootstrap", a->bootstrap,
-                   "Check the intervals with so many draws of the record's averages, for instance "
-                   "50; 0: none")
-      ->check(CLI::Range(0, 10000))
-      ->capture_default_str();
-  command->add_option("--plot", a->plot, "Bode diagram with the fit to write, .svg, .png or .pdf");
-  command->add_option("--stabilisation", a->stabilisation,
-                      "Stabilisation chart with mode indicator to write");
-  command->add_option("--mac", a->mac, "Picture of the MAC matrix to write");
-  command->add_option("--cross-mac", a->cross_mac,
-                      "Picture of the MAC of measured and model modes to write");
-  command->add_option("--format", a->format,
-                      "table, json, csv, uff (dataset 55) or mat; default: by the ending of -o, "
-                      "else table");
-  command->add_option("-o,--output", a->output, "File to write; - prints")->capture_default_str();
-  command->callback([a] { run(*a); });
+      .add_option("--bootstrap", a->bootstrap,
+                  "Check the intervals with so many draws of the record's averages, for instance "
+                  "50; 0: none")
+      .range(0, 10000)
+      .capture_default_str();
+  command.add_option("--plot", a->plot, "Bode diagram with the fit to write, .svg, .png or .pdf");
+  command.add_option("--stabilisation", a->stabilisation,
+                     "Stabilisation chart with mode indicator to write");
+  command.add_option("--mac", a->mac, "Picture of the MAC matrix to write");
+  command.add_option("--cross-mac", a->cross_mac,
+                     "Picture of the MAC of measured and model modes to write");
+  command.add_option("--format", a->format,
+                     "table, json, csv, uff (dataset 55) or mat; default: by the ending of -o, "
+                     "else table");
+  command.add_option("-o,--output", a->output, "File to write; - prints").capture_default_str();
+  command.callback([a] { run(*a); });
 }
 
 }  // namespace hydrapod::cli

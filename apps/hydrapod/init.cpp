@@ -31,15 +31,15 @@ void run(const Arguments& arguments) {
 }
 }  // namespace
 
-void add_init(CLI::App& app) {
-  CLI::App* command = add_command(app, "init", "Write a commented machine file to start from",
-                                  {{"init", "writes machine.toml"},
-                                   {"init simulator.toml --force", "replaces simulator.toml"},
-                                   {"init -", "prints it"}});
+void add_init(Command app) {
+  Command command = add_command(app, "init", "Write a commented machine file to start from",
+                                {{"init", "writes machine.toml"},
+                                 {"init simulator.toml --force", "replaces simulator.toml"},
+                                 {"init -", "prints it"}});
   auto arguments = std::make_shared<Arguments>();
-  command->add_option("FILE", arguments->file, "File to write; - prints")->capture_default_str();
-  command->add_flag("--force", arguments->force, "Replace the file if it exists");
-  command->callback([arguments] { run(*arguments); });
+  command.add_option("FILE", arguments->file, "File to write; - prints").capture_default_str();
+  command.add_flag("--force", arguments->force, "Replace the file if it exists");
+  command.callback([arguments] { run(*arguments); });
 }
 
 }  // namespace hydrapod::cli

@@ -77,30 +77,30 @@ double plain_or_quantity(const std::string& argument, const std::string& text, c
   return read.value;
 }
 
-void add_machine_options(CLI::App& command, MachineArguments& arguments) {
+void add_machine_options(Command command, MachineArguments& arguments) {
   command.add_option("FILE", arguments.file, "Machine file (TOML); - reads the standard input")
-      ->required();
+      .required();
   command
       .add_option("--set", arguments.overrides,
                   "PATH=VALUE lays a value over the file, units allowed; may be repeated")
-      ->allow_extra_args(false)
-      ->type_name("PATH=VALUE");
+      .allow_extra_args(false)
+      .type_name("PATH=VALUE");
 }
 
-void add_pose_option(CLI::App& command, MachineArguments& arguments) {
+void add_pose_option(Command command, MachineArguments& arguments) {
   command
       .add_option("--pose", arguments.pose,
                   "Pose of the file, or displacements from the neutral one: \"z=50 mm, ry=5 deg\"")
-      ->capture_default_str();
+      .capture_default_str();
 }
 
-void add_model_option(CLI::App& command, MachineArguments& arguments) {
+void add_model_option(Command command, MachineArguments& arguments) {
   command
       .add_option(
           "--model", arguments.model,
           "rigid (6 modes), guide (18: guide sleeves give way) or full (30: piston rings too); "
           "default: full where the file gives piston rings, else guide")
-      ->type_name("MODEL");
+      .type_name("MODEL");
 }
 
 model::MachineFile load(const MachineArguments& arguments) {

@@ -1,7 +1,6 @@
 #pragma once
 /// What every command that works on a machine takes: FILE, --set, --pose, --model.
 
-#include <CLI/CLI.hpp>
 #include <memory>
 #include <optional>
 #include <string>
@@ -9,7 +8,8 @@
 
 #include "hydrapod/dynamics/statics.hpp"
 #include "hydrapod/model/machine_file.hpp"
-#include "hydrapod/report/json.hpp"
+#include "hydrapod/options.hpp"
+#include "hydrapod/report/pose_choice.hpp"
 
 namespace hydrapod::cli {
 
@@ -21,11 +21,11 @@ struct MachineArguments {
 };
 
 /// Adds FILE and --set to `command`.
-void add_machine_options(CLI::App& command, MachineArguments& arguments);
+void add_machine_options(Command command, MachineArguments& arguments);
 /// Adds --pose.
-void add_pose_option(CLI::App& command, MachineArguments& arguments);
+void add_pose_option(Command command, MachineArguments& arguments);
 /// Adds --model.
-void add_model_option(CLI::App& command, MachineArguments& arguments);
+void add_model_option(Command command, MachineArguments& arguments);
 
 /// Reads and checks the machine; warnings go to stderr. Throws base::InputError.
 model::MachineFile load(const MachineArguments& arguments);

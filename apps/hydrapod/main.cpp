@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <CLI/CLI.hpp>
 #include <cerrno>
 #include <csignal>
 #include <cstring>
@@ -26,7 +27,7 @@ void set_up(CLI::App& app) {
   app.set_help_flag("-h,--help", "Print this help and exit");
   app.footer("'hydrapod COMMAND --help' shows what a command takes, with examples.");
   app.get_formatter()->column_width(34);
-  for (const auto add : cli::all_commands) add(app);
+  for (const auto add : cli::all_commands) add(cli::Command(&app));
 }
 
 /// The innermost command that was understood.
@@ -35,11 +36,27 @@ const CLI::App& last_command(const CLI::App& app) {
   return commands.empty() ? app : last_command(*commands.front());
 }
 
+/// `hydrapod modes`
+std::string call_of(const CLI::App& command) {
+  const bool is_root = command.get_parent() == nullptr;
+  return is_root ? "hydrapod" : call_of(*command.get_parent()) + ' ' + command.get_name();
+}
+
+cli::Choices choices_of(const CLI::App& command) {
+  cli::Choices choices{.call = call_of(command)};
+  for (const CLI::App* one : command.get_subcommands([](const CLI::App*) { return true; }))
+    choices.commands.push_back(one->get_name());
+  for (const CLI::Option* option : command.get_options())
+    for (const auto& name : option->get_lnames()) choices.options.push_back("--" + name);
+  return choices;
+}
+
 int report_parse_error(const CLI::App& app, const CLI::ParseError& error) {
   const CLI::App& command = last_command(app);
   const auto extras = app.remaining(true);
   const bool is_extra = dynamic_cast<const CLI::ExtrasError*>(&error) != nullptr && !extras.empty();
-  cli::print_error(is_extra ? cli::unknown_argument(command, extras.front()) : error.what());
+  cli::print_error(is_extra ? cli::unknown_argument(choices_of(command), extras.front())
+                            : error.what());
   return bad_input;
 }
 

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <filesystem>
 #include <fstream>
 
@@ -12,7 +13,7 @@
 #include "hydrapod/data/record_io.hpp"
 #include "hydrapod/diagnosis/responses.hpp"
 #include "hydrapod/identification/exchange.hpp"
-#include "hydrapod/identification_arguments.hpp"
+#include "hydrapod/identification_run.hpp"
 #include "hydrapod/report/diagnosis.hpp"
 #include "hydrapod/report/identification_json.hpp"
 #include "hydrapod/terminal.hpp"
@@ -70,8 +71,17 @@ calibration::Targets identified(const identification::FrequencyResponses& respon
   return targets;
 }
 
+/// Where a record says it: what its inputs see, and the point that forces of the rig act at.
+void look_into(const data::RecordHeader* header,
+               const identification::FrequencyResponses& responses, diagnosis::MeasuredAt& at) {
+  if (!at.observed) at.observed = seen_in_rig(responses, header);
+  if (header == nullptr || !is_rig_record(*header) || header->machine.empty()) return;
+  if (const auto machine = record_machine(header, "the record", "", "", ""))
+    at.force_point = machine->file.machine.platform.mass_center;
+}
+
 calibration::Targets from_json(const std::string& path, const model::MachineFile& file,
-                               const diagnosis::MeasuredAt& at) {
+                               diagnosis::MeasuredAt at) {
   const std::string text =
       base::read_file(path, largest, "JSON of `hydrapod identify` or `hydrapod frf`");
   report::Json json;
@@ -81,14 +91,23 @@ calibration::Targets from_json(const std::string& path, const model::MachineFile
     bad_argument(path, fmt::format("is no JSON: {}", error.what()));
   }
   if (json.contains("modes")) return report::modes_from_json(json, path, file.machine, at);
-  return identified(report::responses_from_json(json, path), path, file, at);
+  const auto responses = report::responses_from_json(json, path);
+  const auto header = report::record_origin_from_json(json);
+  look_into(header ? &*header : nullptr, responses, at);
+  return identified(responses, path, file, at);
 }
 
 /// Of one file.
 calibration::Targets read_one(const std::string& path, const MachineArguments& arguments,
-                              const model::MachineFile& file, const std::string& pose) {
-  if (is_mode_list(path)) return calibration::read_targets(path);
-  const diagnosis::MeasuredAt at{pose, file.machine.platform.mass_center};
+                              const model::MachineFile& file, const std::string& pose,
+                              std::optional<calibration::Observed> observed) {
+  if (is_mode_list(path)) {
+    auto targets = calibration::read_targets(path);
+    targets.observed = observed.value_or(targets.observed);
+    return targets;
+  }
+  diagnosis::MeasuredAt at{
+      .pose = pose, .point = file.machine.platform.mass_center, .observed = observed};
   if (first_character(path) == '{') return from_json(path, file, at);
   if (ends_with(path, {".uff", ".unv", ".uf"})) {
     try {
@@ -104,7 +123,9 @@ calibration::Targets read_one(const std::string& path, const MachineArguments& a
   measurement.pose = pose == "as_measured" ? arguments.pose : pose;
   const auto& center = file.machine.platform.mass_center;
   measurement.point = fmt::format("{:.17g},{:.17g},{:.17g}", center.x(), center.y(), center.z());
-  return identified(measure(measurement).responses, path, file, at);
+  const auto measured = measure(measurement);
+  look_into(&measured.header, measured.responses, at);
+  return identified(measured.responses, path, file, at);
 }
 
 /// "run.h5@low".
@@ -137,8 +158,10 @@ MeasuredFile file_and_pose(const std::string& text, const model::Machine& machin
 }
 
 const char* origin(calibration::Observed observed) {
-  return observed == calibration::Observed::plant ? "was measured from the drives of the valves"
-                                                  : "holds modes or responses of mechanics alone";
+  constexpr std::array words{"holds modes or responses of mechanics alone",
+                             "was measured from the drives of the valves",
+                             "was measured on the machine under its controller"};
+  return words[static_cast<std::size_t>(observed)];
 }
 
 void add_measured(calibration::Targets one, const MeasuredFile& file, const std::string& first,
@@ -157,7 +180,12 @@ void add_measured(calibration::Targets one, const MeasuredFile& file, const std:
 
 calibration::Targets read_measured(const std::vector<std::string>& files,
                                    const MachineArguments& arguments,
-                                   const model::MachineFile& file, const std::string& pose) {
+                                   const model::MachineFile& file, const std::string& pose,
+                                   const std::string& against) {
+  std::optional<calibration::Observed> observed;
+  if (const auto word = choose_word("--against", against, {"auto", "mechanics", "plant", "system"});
+      word > 0)
+    observed = static_cast<calibration::Observed>(word - 1);
   std::vector<MeasuredFile> measured;  // all looked at before the first, which may take long
   for (const auto& text : files) {
     auto one = file_and_pose(text, file.machine, pose);
@@ -171,7 +199,7 @@ calibration::Targets read_measured(const std::vector<std::string>& files,
   }
   std::optional<calibration::Targets> all;
   for (const auto& one : measured) {
-    auto targets = read_one(one.path, arguments, file, one.pose);
+    auto targets = read_one(one.path, arguments, file, one.pose, observed);
     if (all)
       add_measured(std::move(targets), one, files.front(), *all);
     else

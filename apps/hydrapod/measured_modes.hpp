@@ -12,10 +12,12 @@ namespace hydrapod::cli {
 
 /// `files`: each may say its pose, `FILE@POSE`, by its name in the machine file; else `machine`
 /// stands at `pose`, one of its own, in records, responses and identified modes; lists say it
-/// themselves. Responses to drives are read beside their modes. Progress and warnings go to stderr.
-/// At least one file. Throws base::InputError and base::ComputationError.
+/// themselves. Responses are read beside their modes. `against`: the system that was measured,
+/// "mechanics", "plant", "system" or "auto". Progress and warnings go to stderr. At least one file.
+/// Throws base::InputError and base::ComputationError.
 calibration::Targets read_measured(const std::vector<std::string>& files,
                                    const MachineArguments& arguments,
-                                   const model::MachineFile& machine, const std::string& pose);
+                                   const model::MachineFile& machine, const std::string& pose,
+                                   const std::string& against);
 
 }  // namespace hydrapod::cli

@@ -96,8 +96,8 @@ void run(const Arguments& arguments) {
 
 }  // namespace
 
-void add_modes(CLI::App& app) {
-  CLI::App* command = add_command(
+void add_modes(Command app) {
+  Command command = add_command(
       app, "modes",
       "Modes of the machine, rigid beside rigid-flexible; poles with hydraulics and controller",
       {{"modes machine.toml", "which modes, what moves, where the energy is"},
@@ -113,16 +113,16 @@ void add_modes(CLI::App& app) {
        {"modes machine.toml --format json --matrices -o modes.json",
         "everything, for other programs"}});
   auto arguments = std::make_shared<Arguments>();
-  add_machine_options(*command, arguments->machine);
-  add_pose_option(*command, arguments->machine);
-  add_model_option(*command, arguments->machine);
-  command->add_option("--format", arguments->format, "table, json or csv")->capture_default_str();
-  command->add_flag("--matrices", arguments->matrices,
-                    "Put M, K and C into the JSON (with --format json)");
-  add_system_options(*command, arguments->system);
-  command->add_option("-o,--output", arguments->output, "File to write; - prints")
-      ->capture_default_str();
-  command->callback([arguments] { run(*arguments); });
+  add_machine_options(command, arguments->machine);
+  add_pose_option(command, arguments->machine);
+  add_model_option(command, arguments->machine);
+  command.add_option("--format", arguments->format, "table, json or csv").capture_default_str();
+  command.add_flag("--matrices", arguments->matrices,
+                   "Put M, K and C into the JSON (with --format json)");
+  add_system_options(command, arguments->system);
+  command.add_option("-o,--output", arguments->output, "File to write; - prints")
+      .capture_default_str();
+  command.callback([arguments] { run(*arguments); });
 }
 
 }  // namespace hydrapod::cli

@@ -8,19 +8,19 @@
 
 namespace hydrapod::cli {
 
-void add_record_options(CLI::App& command, RecordArguments& arguments,
+void add_record_options(Command command, RecordArguments& arguments,
                         const std::string& rate_option) {
   command
       .add_option(
           "FILE", arguments.file,
           "Record: HDF5, MAT (5 or 7.3), CSV or Universal File, recognised by what it holds")
-      ->required();
+      .required();
   command.add_option(rate_option, arguments.rate,
                      "Sample rate in Hz, for files that do not tell it");
 }
 
-void add_output_options(CLI::App& command, OutputArguments& arguments) {
-  command.add_option("-o", arguments.file, "File to write: .h5, .mat, .csv or .uff")->required();
+void add_output_options(Command command, OutputArguments& arguments) {
+  command.add_option("-o", arguments.file, "File to write: .h5, .mat, .csv or .uff").required();
   command.add_option("--format", arguments.format,
                      "hdf5, mat5, mat73, csv, uff (binary) or uff-ascii; default: by the ending");
 }
@@ -65,20 +65,20 @@ void report_written(const std::string& file, std::int64_t samples, bool complete
   fmt::print(stderr, "wrote {}: {} samples\n", file, samples);
 }
 
-void add_record(CLI::App& app) {
-  CLI::App* command = add_command(
+void add_record(Command app) {
+  Command command = add_command(
       app, "record", "Look at a record of a test rig, convert, cut, resample and plot it",
       {{"record show run.h5", "channels, levels, clipping, drop-outs"},
        {"record convert run.h5 -o run.uff", "to another format"},
        {"record cut run.h5 --from 0.2 --to 0.7 --role response -o part.mat", "a piece of it"},
        {"record resample run.h5 --rate 250 -o slow.h5", "another sample rate, without aliases"},
        {"record plot run.h5 -o run.svg", "time histories and spectra as a picture"}});
-  command->require_subcommand(1);
-  add_record_show(*command);
-  add_record_convert(*command);
-  add_record_cut(*command);
-  add_record_resample(*command);
-  add_record_plot(*command);
+  command.require_subcommand(1);
+  add_record_show(command);
+  add_record_convert(command);
+  add_record_cut(command);
+  add_record_resample(command);
+  add_record_plot(command);
 }
 
 }  // namespace hydrapod::cli

@@ -1,7 +1,6 @@
 #pragma once
 /// What the subcommands of `record` share.
 
-#include <CLI/CLI.hpp>
 #include <functional>
 #include <memory>
 #include <optional>
@@ -9,6 +8,7 @@
 #include <vector>
 
 #include "hydrapod/data/record_io.hpp"
+#include "hydrapod/options.hpp"
 
 namespace hydrapod::cli {
 
@@ -18,7 +18,7 @@ struct RecordArguments {
 };
 
 /// Adds FILE and --rate (`--file-rate` where `rate_option` says so).
-void add_record_options(CLI::App& command, RecordArguments& arguments,
+void add_record_options(Command command, RecordArguments& arguments,
                         const std::string& rate_option = "--rate");
 
 struct OutputArguments {
@@ -27,7 +27,7 @@ struct OutputArguments {
 };
 
 /// Adds -o and --format.
-void add_output_options(CLI::App& command, OutputArguments& arguments);
+void add_output_options(Command command, OutputArguments& arguments);
 
 /// The format asked for. Throws base::InputError.
 data::RecordFormat choose_format(const OutputArguments& arguments);
@@ -43,10 +43,10 @@ bool read_all(data::RecordReader& reader, const std::string& title,
 /// Says what was written, or throws base::ComputationError where Ctrl-C came before the end.
 void report_written(const std::string& file, std::int64_t samples, bool complete);
 
-void add_record_show(CLI::App& record);
-void add_record_convert(CLI::App& record);
-void add_record_cut(CLI::App& record);
-void add_record_resample(CLI::App& record);
-void add_record_plot(CLI::App& record);
+void add_record_show(Command record);
+void add_record_convert(Command record);
+void add_record_cut(Command record);
+void add_record_resample(Command record);
+void add_record_plot(Command record);
 
 }  // namespace hydrapod::cli

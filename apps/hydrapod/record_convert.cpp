@@ -161,49 +161,48 @@ void resample(const Arguments& arguments) {
 
 }  // namespace
 
-void add_record_convert(CLI::App& record) {
-  CLI::App* command = add_command(
+void add_record_convert(Command record) {
+  Command command = add_command(
       record, "convert", "Write a record in another format",
       {{"record convert run.h5 -o run.mat", "for MATLAB and Octave"},
        {"record convert run.h5 -o run.unv --format uff-ascii", "a Universal File in plain text"},
        {"record convert run.csv -o again.h5", "from a table of another program"}});
   auto arguments = std::make_shared<Arguments>();
-  add_record_options(*command, arguments->record);
-  add_output_options(*command, arguments->output);
-  command->callback([arguments] { convert(*arguments); });
+  add_record_options(command, arguments->record);
+  add_output_options(command, arguments->output);
+  command.callback([arguments] { convert(*arguments); });
 }
 
-void add_record_cut(CLI::App& record) {
-  CLI::App* command =
+void add_record_cut(Command record) {
+  Command command =
       add_command(record, "cut", "Write a piece of a record: some seconds, some channels",
                   {{"record cut run.h5 --from 0.2 --to \"700 ms\" -o part.h5", "half a second"},
                    {"record cut run.h5 --channel \"demand*\" -o demand.csv", "channels by name"},
                    {"record cut run.h5 --role response -o response.mat", "what was measured"}});
   auto arguments = std::make_shared<Arguments>();
-  add_record_options(*command, arguments->record);
-  add_output_options(*command, arguments->output);
-  command->add_option("--from", arguments->from,
-                      "First time, s or with a unit; default: the start");
-  command->add_option("--to", arguments->to, "Time before which it ends; default: the end");
+  add_record_options(command, arguments->record);
+  add_output_options(command, arguments->output);
+  command.add_option("--from", arguments->from, "First time, s or with a unit; default: the start");
+  command.add_option("--to", arguments->to, "Time before which it ends; default: the end");
   command
-      ->add_option("--channel", arguments->channels,
-                   "Name of a channel, * for any text; may be repeated")
-      ->allow_extra_args(false);
-  command->add_option("--role", arguments->role, "Only excitation, drive, response or other");
-  command->add_option("--direction", arguments->direction, "Only x … rz or \"leg 1\" … \"leg 6\"");
-  command->callback([arguments] { cut(*arguments); });
+      .add_option("--channel", arguments->channels,
+                  "Name of a channel, * for any text; may be repeated")
+      .allow_extra_args(false);
+  command.add_option("--role", arguments->role, "Only excitation, drive, response or other");
+  command.add_option("--direction", arguments->direction, "Only x … rz or \"leg 1\" … \"leg 6\"");
+  command.callback([arguments] { cut(*arguments); });
 }
 
-void add_record_resample(CLI::App& record) {
-  CLI::App* command = add_command(
+void add_record_resample(Command record) {
+  Command command = add_command(
       record, "resample", "Another sample rate, behind a linear-phase anti-alias filter",
       {{"record resample run.h5 --rate 200 -o slow.h5", "five times fewer samples"},
        {"record resample run.h5 --rate 44100 -o fast.h5", "any ratio will do"}});
   auto arguments = std::make_shared<Arguments>();
-  add_record_options(*command, arguments->record, "--file-rate");
-  add_output_options(*command, arguments->output);
-  command->add_option("--rate", arguments->rate, "New sample rate [Hz]")->required();
-  command->callback([arguments] { resample(*arguments); });
+  add_record_options(command, arguments->record, "--file-rate");
+  add_output_options(command, arguments->output);
+  command.add_option("--rate", arguments->rate, "New sample rate [Hz]").required();
+  command.callback([arguments] { resample(*arguments); });
 }
 
 }  // namespace hydrapod::cli

@@ -69,17 +69,17 @@ void run(const Arguments& arguments) {
 
 }  // namespace
 
-void add_record_plot(CLI::App& record) {
-  CLI::App* command = add_command(
+void add_record_plot(Command record) {
+  Command command = add_command(
       record, "plot", "Time histories and spectra of a record as a picture (needs gnuplot)",
       {{"record plot run.h5 -o run.svg", "all channels, at most 24"},
        {"record plot run.h5 --channel \"demand x\" --channel \"demand ry\" -o two.png", "some"}});
   auto arguments = std::make_shared<Arguments>();
-  add_record_options(*command, arguments->record);
-  command->add_option("-o", arguments->picture, "Picture to write, .svg, .png or .pdf")->required();
-  command->add_option("--channel", arguments->channels, "Name of a channel; may be repeated")
-      ->allow_extra_args(false);
-  command->callback([arguments] { run(*arguments); });
+  add_record_options(command, arguments->record);
+  command.add_option("-o", arguments->picture, "Picture to write, .svg, .png or .pdf").required();
+  command.add_option("--channel", arguments->channels, "Name of a channel; may be repeated")
+      .allow_extra_args(false);
+  command.callback([arguments] { run(*arguments); });
 }
 
 }  // namespace hydrapod::cli

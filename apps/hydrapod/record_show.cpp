@@ -102,18 +102,18 @@ void run(const Arguments& arguments) {
 
 }  // namespace
 
-void add_record_show(CLI::App& record) {
-  CLI::App* command =
+void add_record_show(Command record) {
+  Command command =
       add_command(record, "show", "Channels of a record with levels, clipping and drop-outs",
                   {{"record show run.h5", "a table"},
                    {"record show run.csv --format json", "the same for programs"},
                    {"record show run.h5 --format json --spectra -o run.json", "with spectra"}});
   auto arguments = std::make_shared<Arguments>();
-  add_record_options(*command, arguments->record);
-  command->add_option("--format", arguments->format, "table or json")->capture_default_str();
-  command->add_flag("--spectra", arguments->spectra, "Power spectral densities in the JSON");
-  command->add_option("-o", arguments->file, "File to write; - prints")->capture_default_str();
-  command->callback([arguments] { run(*arguments); });
+  add_record_options(command, arguments->record);
+  command.add_option("--format", arguments->format, "table or json").capture_default_str();
+  command.add_flag("--spectra", arguments->spectra, "Power spectral densities in the JSON");
+  command.add_option("-o", arguments->file, "File to write; - prints").capture_default_str();
+  command.callback([arguments] { run(*arguments); });
 }
 
 }  // namespace hydrapod::cli

@@ -113,7 +113,10 @@ report::Json diagnosed(Arguments& arguments, model::MachineFile& file) {
   auto machine = arguments.machine;
   machine.pose = arguments.poses.front();
   auto& options = arguments.options;
-  const auto found = investigate(arguments.diagnosis, machine, file, options.kind);
+  // no model to compare modes with says nothing of what was measured
+  auto asked = arguments.diagnosis;
+  if (arguments.identification.against != "none") asked.against = arguments.identification.against;
+  const auto found = investigate(asked, machine, file, options.kind);
   const auto& d = *found.diagnosis;
   if (!d.alike.empty()) {
     file = diagnosis::file_of(file, d.explanations[d.alike.front()]);
@@ -154,8 +157,8 @@ void run(Arguments& arguments) {
 
 }  // namespace
 
-void add_report(CLI::App& app) {
-  CLI::App* command = add_command(
+void add_report(Command app) {
+  Command command = add_command(
       app, "report",
       "One HTML file to look at and to mail: moving modes, Bode diagrams, all numbers",
       {{"report machine.toml -o report.html", "opens in any browser, without a network"},
@@ -172,63 +175,61 @@ void add_report(CLI::App& app) {
        {"report machine.toml --set environment.gravity=0 --theme light",
         "a what-if, light colours only"}});
   auto arguments = std::make_shared<Arguments>();
-  add_machine_options(*command, arguments->machine);
-  add_model_option(*command, arguments->machine);
+  add_machine_options(command, arguments->machine);
+  add_model_option(command, arguments->machine);
   command
-      ->add_option(
+      .add_option(
           "--pose", arguments->poses,
           "Pose of the file, or displacements from the neutral one: \"z=50 mm, ry=5 deg\"; may be "
           "repeated [neutral]")
-      ->allow_extra_args(false)
-      ->type_name("POSE");
-  command->add_option("--title", arguments->options.title,
-                      "Title of the page [the machine's name]");
-  command
-      ->add_option("--theme", arguments->theme, "auto (as the reader's system is), light or dark")
-      ->capture_default_str();
-  command->add_option(
+      .allow_extra_args(false)
+      .type_name("POSE");
+  command.add_option("--title", arguments->options.title, "Title of the page [the machine's name]");
+  command.add_option("--theme", arguments->theme, "auto (as the reader's system is), light or dark")
+      .capture_default_str();
+  command.add_option(
       "--modes", arguments->modes,
       "Modes pictured in print, the first one shown at once: 1,2,15-18 [those the platform "
       "feels, at most six]");
   command
-      ->add_option("--points", arguments->options.points,
-                   "Points of a Bode curve, besides those at resonances")
-      ->capture_default_str()
-      ->check(CLI::Range(2, 20000));
+      .add_option("--points", arguments->options.points,
+                  "Points of a Bode curve, besides those at resonances")
+      .capture_default_str()
+      .range(2, 20000);
   command
-      ->add_option(
+      .add_option(
           "--command", arguments->commands,
           "Also simulate this at the first pose, as `hydrapod simulate` does; may be repeated")
-      ->allow_extra_args(false)
-      ->type_name("COMMAND");
-  command->add_option("--until", arguments->until,
-                      "Simulated time, s or with a unit; default: what the commands need");
+      .allow_extra_args(false)
+      .type_name("COMMAND");
+  command.add_option("--until", arguments->until,
+                     "Simulated time, s or with a unit; default: what the commands need");
   auto& identification = arguments->identification;
   command
-      ->add_option("--measured", identification.measurement.files,
-                   "Also show the modes that `hydrapod identify` finds in this record or these "
-                   "frequency responses, beside those of the machine at the first pose; records "
-                   "may be repeated")
-      ->allow_extra_args(false)
-      ->type_name("RECORD|FRF");
-  command->add_flag("--from-drive", identification.measurement.from_drive,
-                    "Of the record: from the drives on, without the controller");
-  command->add_option("--from", identification.from, "Of the record: lowest frequency");
-  command->add_option("--to", identification.to, "Of the record: highest frequency");
+      .add_option("--measured", identification.measurement.files,
+                  "Also show the modes that `hydrapod identify` finds in this record or these "
+                  "frequency responses, beside those of the machine at the first pose; records "
+                  "may be repeated")
+      .allow_extra_args(false)
+      .type_name("RECORD|FRF");
+  command.add_flag("--from-drive", identification.measurement.from_drive,
+                   "Of the record: from the drives on, without the controller");
+  command.add_option("--from", identification.from, "Of the record: lowest frequency");
+  command.add_option("--to", identification.to, "Of the record: highest frequency");
   command
-      ->add_option("--against", identification.against,
-                   "Model to compare the record with: auto, mechanics, plant, system or none")
-      ->capture_default_str();
+      .add_option("--against", identification.against,
+                  "Model to compare the record with: auto, mechanics, plant, system or none")
+      .capture_default_str();
   command
-      ->add_option("--diagnose", arguments->diagnosis.measured,
-                   "Also diagnose from these modes, responses or records, as `hydrapod diagnose "
-                   "--measured` does; the page then shows the machine that explains them best")
-      ->type_name("RECORD|FRF|MODES")
-      ->allow_extra_args(false);
-  add_diagnosis_options(*command, arguments->diagnosis);
-  command->add_option("-o,--output", arguments->output, "File to write; - prints")
-      ->capture_default_str();
-  command->callback([arguments] { run(*arguments); });
+      .add_option("--diagnose", arguments->diagnosis.measured,
+                  "Also diagnose from these modes, responses or records, as `hydrapod diagnose "
+                  "--measured` does; the page then shows the machine that explains them best")
+      .type_name("RECORD|FRF|MODES")
+      .allow_extra_args(false);
+  add_diagnosis_options(command, arguments->diagnosis);
+  command.add_option("-o,--output", arguments->output, "File to write; - prints")
+      .capture_default_str();
+  command.callback([arguments] { run(*arguments); });
 }
 
 }  // namespace hydrapod::cli

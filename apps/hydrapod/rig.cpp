@@ -151,14 +151,14 @@ void run(const Arguments& arguments) {
                   arguments.file));
 }
 
-void add_instrument_options(CLI::App& command, Arguments& arguments) {
+void add_instrument_options(Command command, Arguments& arguments) {
   command
       .add_option(
           "--accelerometer", arguments.accelerometers,
           "\"name, at=X Y Z, along=x, noise=0.001, bandwidth=5 kHz, range=50\": place in the "
           "platform frame [m], density [m/s²/√Hz]; may be repeated; none: no accelerometer; "
           "default: three axes at the joints of legs 1, 3, 5")
-      ->allow_extra_args(false);
+      .allow_extra_args(false);
   command.add_option("--length-sensor", arguments.length,
                      "\"resolution=5 um, noise=2 um, low=0.8 m, high=1.2 m\"");
   command.add_option("--pressure-sensor", arguments.pressure,
@@ -170,7 +170,7 @@ void add_instrument_options(CLI::App& command, Arguments& arguments) {
   command.add_flag("--no-anti-alias", arguments.no_anti_alias, "Leave the anti-alias filter out");
 }
 
-void add_options(CLI::App& command, Arguments& arguments) {
+void add_options(Command command, Arguments& arguments) {
   add_machine_options(command, arguments.machine);
   add_pose_option(command, arguments.machine);
   add_model_option(command, arguments.machine);
@@ -179,30 +179,30 @@ void add_options(CLI::App& command, Arguments& arguments) {
           "--excite", arguments.signals,
           "Signal; may be repeated, signals add up: white, noise, multisine, binary, sweep, "
           "chirp (see below) [white]")
-      ->allow_extra_args(false)
-      ->type_name("SIGNAL");
+      .allow_extra_args(false)
+      .type_name("SIGNAL");
   command
       .add_option("--entry", arguments.entry,
                   "command (demanded pose; m, rad), drive (valves; shares) or wrench (N, N m)")
-      ->capture_default_str();
-  command.add_option("--duration", arguments.duration, "Of the record")->capture_default_str();
+      .capture_default_str();
+  command.add_option("--duration", arguments.duration, "Of the record").capture_default_str();
   command
       .add_option("--averages", arguments.averages,
                   "Periods of a periodic excitation, instead of --duration")
-      ->check(CLI::Range(1, 100000));
+      .range(1, 100000);
   command.add_option("--settling", arguments.settling, "Time before the record begins")
-      ->capture_default_str();
-  command.add_option("--rate", arguments.rate, "Sample rate of the record")->capture_default_str();
+      .capture_default_str();
+  command.add_option("--rate", arguments.rate, "Sample rate of the record").capture_default_str();
   command
       .add_option("--oversampling", arguments.oversampling,
                   "Simulated samples per sample of the record, for the anti-alias filter")
-      ->check(CLI::Range(1, 64))
-      ->capture_default_str();
+      .range(1, 64)
+      .capture_default_str();
   command.add_option("--seed", arguments.seed, "The same seed, the same file")
-      ->capture_default_str();
+      .capture_default_str();
   command.add_option("--repeat", arguments.repeat, "Number of this repetition, for the record")
-      ->check(CLI::Range(1, 1000000))
-      ->capture_default_str();
+      .range(1, 1000000)
+      .capture_default_str();
   add_instrument_options(command, arguments);
   command.add_flag("--check", arguments.check, "Only check the levels against stroke and valves");
   command.add_flag("--force", arguments.force, "Run though the levels do not fit");
@@ -211,8 +211,8 @@ void add_options(CLI::App& command, Arguments& arguments) {
 
 }  // namespace
 
-void add_rig(CLI::App& app) {
-  CLI::App* command = add_command(
+void add_rig(Command app) {
+  Command command = add_command(
       app, "rig", "The test rig: excite in six directions, measure, record",
       {{"rig machine.toml --duration 5 -o run.h5", "white noise in all six directions"},
        {"rig machine.toml --excite \"multisine all=0.1 mm, to=40, period=2, crest=low\" --averages "
@@ -225,18 +225,18 @@ void add_rig(CLI::App& app) {
         "a binary sequence on the valves"},
        {"rig machine.toml --excite \"sweep z=2 mm, to=30, duration=10\" --check",
         "is there room for it?"}});
-  command->footer(command->get_footer() +
-                  "\n\nSignals (levels: RMS of x y z rx ry rz, or all, SI or with units):\n"
-                  "  white x=0.1 mm, ry=0.1 mrad\n"
-                  "  noise x=1 mm, from=0, to=20 Hz, slope=0\n"
-                  "  multisine z=1 mm, from=0.5 Hz, to=20 Hz, period=10 s, slope=0, crest=low, "
-                  "experiment=1\n"
-                  "  binary z=1 mm, to=20 Hz, period=10 s\n"
-                  "  sweep z=1 mm, from=0.5 Hz, to=20 Hz, duration=20 s, spacing=log\n"
-                  "  chirp z=1 mm, from=0.5 Hz, to=20 Hz, period=1 s, turns=10");
+  command.footer(command.get_footer() +
+                 "\n\nSignals (levels: RMS of x y z rx ry rz, or all, SI or with units):\n"
+                 "  white x=0.1 mm, ry=0.1 mrad\n"
+                 "  noise x=1 mm, from=0, to=20 Hz, slope=0\n"
+                 "  multisine z=1 mm, from=0.5 Hz, to=20 Hz, period=10 s, slope=0, crest=low, "
+                 "experiment=1\n"
+                 "  binary z=1 mm, to=20 Hz, period=10 s\n"
+                 "  sweep z=1 mm, from=0.5 Hz, to=20 Hz, duration=20 s, spacing=log\n"
+                 "  chirp z=1 mm, from=0.5 Hz, to=20 Hz, period=1 s, turns=10");
   auto arguments = std::make_shared<Arguments>();
-  add_options(*command, *arguments);
-  command->callback([arguments] { run(*arguments); });
+  add_options(command, *arguments);
+  command.callback([arguments] { run(*arguments); });
 }
 
 }  // namespace hydrapod::cli

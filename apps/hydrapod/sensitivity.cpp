@@ -90,8 +90,8 @@ void run(const Arguments& arguments) {
 
 }  // namespace
 
-void add_sensitivity(CLI::App& app) {
-  CLI::App* command = add_command(
+void add_sensitivity(Command app) {
+  Command command = add_command(
       app, "sensitivity", "How much each number of the machine file changes each frequency",
       {{"sensitivity machine.toml", "all modes against all numbers, in per cent per per cent"},
        {"sensitivity machine.toml --parameter legs.guide_sleeve.stiffness --parameter "
@@ -100,16 +100,16 @@ void add_sensitivity(CLI::App& app) {
        {"sensitivity machine.toml --pose \"z=100 mm\" --plot map.svg",
         "at another pose, as a heat map"}});
   auto arguments = std::make_shared<Arguments>();
-  add_machine_options(*command, arguments->machine);
-  add_pose_option(*command, arguments->machine);
-  add_model_option(*command, arguments->machine);
-  command->add_option("--parameter", arguments->parameters,
-                      "Only this number (PATH); may be repeated");
-  command->add_option("--format", arguments->format, "table, json or csv")->capture_default_str();
-  command->add_option("-o,--output", arguments->output, "File to write; - prints")
-      ->capture_default_str();
-  command->add_option("--plot", arguments->plot, "Draw a heat map: .svg, .png or .pdf");
-  command->callback([arguments] { run(*arguments); });
+  add_machine_options(command, arguments->machine);
+  add_pose_option(command, arguments->machine);
+  add_model_option(command, arguments->machine);
+  command.add_option("--parameter", arguments->parameters,
+                     "Only this number (PATH); may be repeated");
+  command.add_option("--format", arguments->format, "table, json or csv").capture_default_str();
+  command.add_option("-o,--output", arguments->output, "File to write; - prints")
+      .capture_default_str();
+  command.add_option("--plot", arguments->plot, "Draw a heat map: .svg, .png or .pdf");
+  command.callback([arguments] { run(*arguments); });
 }
 
 }  // namespace hydrapod::cli

@@ -186,20 +186,20 @@ void run(const Arguments& arguments) {
   fail_if_early(arguments, result);
 }
 
-void add_options(CLI::App& command, Arguments& arguments) {
+void add_options(Command command, Arguments& arguments) {
   add_machine_options(command, arguments.machine);
   add_pose_option(command, arguments.machine);
   command
       .add_option("--model", arguments.machine.model,
                   "rigid, guide (legs bend in their guide sleeves) or full (piston rings too); "
                   "default: full where the file gives piston rings, else guide")
-      ->type_name("MODEL");
+      .type_name("MODEL");
   command
       .add_option("--command", arguments.commands,
                   "What the platform is told to do; may be repeated, commands add up. rest; step; "
                   "sine; sweep; multisine; noise; file PATH (see below) [rest]")
-      ->allow_extra_args(false)
-      ->type_name("COMMAND");
+      .allow_extra_args(false)
+      .type_name("COMMAND");
   command.add_option("--until", arguments.until,
                      "Simulated time, s or with a unit; default: what the commands need");
   command.add_option("--dt-output", arguments.dt_output,
@@ -212,27 +212,27 @@ void add_options(CLI::App& command, Arguments& arguments) {
       .add_option("--integrator", arguments.integrator,
                   "adaptive (Dormand-Prince 5(4)), adams or bdf (CVODE, locate stops), fixed "
                   "(Runge-Kutta 4)")
-      ->capture_default_str();
+      .capture_default_str();
   command.add_option("--tolerance", arguments.tolerance, "Of the integrator, relative")
-      ->capture_default_str();
+      .capture_default_str();
   command.add_option("--step", arguments.step, "Step of the fixed integrator")
-      ->capture_default_str();
+      .capture_default_str();
   command
       .add_option("--seed", arguments.seed,
                   "Of noise in sensors and commands; the same seed, the same run")
-      ->capture_default_str();
+      .capture_default_str();
   command.add_flag("--ideal-sensors", arguments.ideal_sensors,
                    "Sensors without noise, resolution and range");
   command.add_flag("--show-controller", arguments.show_controller,
                    "Print the controller's numbers and where they come from, and end");
   command.add_option("--format", arguments.format, "table or json (with time histories)")
-      ->capture_default_str();
+      .capture_default_str();
 }
 
 }  // namespace
 
-void add_simulate(CLI::App& app) {
-  CLI::App* command = add_command(
+void add_simulate(Command app) {
+  Command command = add_command(
       app, "simulate", "The machine in time: mechanics, hydraulics, controller",
       {{"simulate machine.toml --command \"step z=5 mm\" --plot step.svg",
         "how the platform answers a step"},
@@ -248,8 +248,8 @@ void add_simulate(CLI::App& app) {
        {"simulate machine.toml --command \"step z=1 mm\" --set controller.gain=40",
         "a faster controller"},
        {"simulate machine.toml --show-controller", "which controller that is"}});
-  command->footer(
-      command->get_footer() +
+  command.footer(
+      command.get_footer() +
       "\n\nCommands (key=value, commas between; sizes SI or with units, x y z rx ry rz):\n"
       "  step z=5 mm, at=0.1 s, rise=0 s\n"
       "  sine x=10 mm, frequency=1 Hz, fade=0.5 s\n"
@@ -258,8 +258,8 @@ void add_simulate(CLI::App& app) {
       "  noise x=1 mm, from=0 Hz, to=20 Hz, seed=1, fade=0.5 s\n"
       "  file motion.csv");
   auto arguments = std::make_shared<Arguments>();
-  add_options(*command, *arguments);
-  command->callback([arguments] { run(*arguments); });
+  add_options(command, *arguments);
+  command.callback([arguments] { run(*arguments); });
 }
 
 }  // namespace hydrapod::cli

@@ -193,7 +193,7 @@ report::Json json_head(const char* kind, const MachineArguments& arguments,
 
 }  // namespace
 
-void add_system_options(CLI::App& command, SystemArguments& arguments) {
+void add_system_options(Command command, SystemArguments& arguments) {
   command.add_flag("--system", arguments.system,
                    "Poles of everything: mechanics, hydraulics, controller, delay");
   command.add_flag("--open-loop", arguments.open_loop,
@@ -201,12 +201,12 @@ void add_system_options(CLI::App& command, SystemArguments& arguments) {
   command
       .add_option("--root-locus", arguments.root_locus,
                   "KEY=from:to:count: those poles over one number of the file (SI)")
-      ->type_name("KEY=from:to:count");
+      .type_name("KEY=from:to:count");
   command
       .add_option("--pade", arguments.pade,
                   "Order of the approximation of the delay, 0 (no delay) to 8")
-      ->check(CLI::Range(0, 8))
-      ->capture_default_str();
+      .range(0, 8)
+      .capture_default_str();
   command.add_option("--plot", arguments.plot,
                      "Picture of the root locus, .svg, .png or .pdf (needs gnuplot)");
 }

@@ -15,7 +15,7 @@ struct SystemArguments {
 };
 
 /// Adds --system, --open-loop, --root-locus, --pade and --plot.
-void add_system_options(CLI::App& command, SystemArguments& arguments);
+void add_system_options(Command command, SystemArguments& arguments);
 
 /// What `hydrapod modes` prints with --system, --open-loop or --root-locus; `format` is that of
 /// modes: 0 table, 1 JSON, 2 CSV.

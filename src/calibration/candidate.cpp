@@ -158,15 +158,14 @@ void describe_targets(const Problem& problem, const State& state, Candidate& can
 void describe_responses(const Problem& problem, const State& state, Candidate& candidate) {
   candidate.responses.clear();
   const auto& all = problem.targets().responses;
-  for (std::size_t t = 0; t < all.size() && problem.observes_plant(); ++t) {
+  for (std::size_t t = 0; t < all.size(); ++t) {
     const int p = problem.point_of_response(static_cast<int>(t));
     const auto& seen = state.seen[static_cast<std::size_t>(p)].seen;
     for (std::size_t line = 0; line < all[t].s.size(); ++line) {
       const Eigen::MatrixXcd rest = response_rest(seen, all[t], line, problem.metric_of_point(p));
       for (int input = 0; input < rest.cols(); ++input) {
         const double left = rest.col(input).norm();
-        candidate.responses.push_back(
-            {t, line, input, 1.0 - left * left, left / all[t].deviation[line][input]});
+        candidate.responses.push_back({t, line, input, left, left / all[t].deviation[line][input]});
       }
     }
   }

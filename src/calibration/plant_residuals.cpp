@@ -1,5 +1,6 @@
-// What a measurement of the plant says, as residuals; derivatives are central differences of the
-// residuals themselves, with the same modes on both sides.
+// What a measurement says of what was observed (observation.hpp), as residuals: modes of the plant
+// or of the system, responses of any; derivatives are central differences of the residuals
+// themselves, with the same modes on both sides.
 #include "hydrapod/calibration/pairing.hpp"
 #include "problem.hpp"
 
@@ -94,12 +95,12 @@ class PlantShape : public DifferencedResidual {
 };
 
 /// All columns of responses at one pose: what is left of each, over its deviation.
-class PlantResponses : public DifferencedResidual {
+class Responses : public DifferencedResidual {
  public:
-  PlantResponses(int target, const ResponseTarget& measured)
+  Responses(int target, const ResponseTarget& measured)
       : DifferencedResidual(target),
         lines_(static_cast<int>(measured.s.size())),
-        inputs_(static_cast<int>(measured.drives.cols())),
+        inputs_(static_cast<int>(measured.inputs.cols())),
         values_(measured.values) {}
   [[nodiscard]] int size() const override { return 12 * lines_ * inputs_; }
   [[nodiscard]] int values() const override { return values_; }
@@ -133,16 +134,24 @@ class PlantResponses : public DifferencedResidual {
 Eigen::MatrixXcd response_rest(const Observation& seen, const ResponseTarget& target,
                                std::size_t line, const Vector6& root) {
   using Complex = std::complex<double>;
+  const bool forces = target.entry == Entry::forces;
   Matrix6 to_point = Matrix6::Identity();
   to_point.topRightCorner<3, 3>() =
       -spatial::skew(seen.mechanics.X_BP * target.point - seen.mechanics.p_BC);
   const Matrix6 map = root.asDiagonal() * to_point;
-  const Eigen::MatrixXcd V = map.cast<Complex>() * seen.response(target.s[line], target.against) *
-                             target.drives.cast<Complex>();
+  // forces at the point are as much at the mass centre, with their moments about that
+  const Eigen::MatrixXd inputs = forces ? to_point.transpose() * target.inputs : target.inputs;
+  const Eigen::MatrixXcd V = map.cast<Complex>() *
+                             seen.response(target.s[line], target.entry, target.against,
+                                           target.window ? &*target.window : nullptr) *
+                             inputs.cast<Complex>();
   Eigen::MatrixXcd rest = root.cast<Complex>().asDiagonal() * target.H[line];
   for (Eigen::Index input = 0; input < rest.cols(); ++input) {
-    const Vector6c u = rest.col(input).normalized(), v = V.col(input);
-    rest.col(input) = u - v * (v.dot(u) / v.squaredNorm());
+    const double size = rest.col(input).norm();
+    const Vector6c u = rest.col(input) / size, v = V.col(input);
+    const Complex both = v.dot(u),
+                  factor = both / (forces ? size * std::abs(both) : v.squaredNorm());
+    rest.col(input) = u - v * factor;
   }
   return rest;
 }
@@ -155,8 +164,12 @@ void add_plant_residuals(const Targets& targets,
     if (target.damping) kinds.push_back(std::make_unique<PlantNumber>(i, damping_difference));
     if (target.shape) kinds.push_back(std::make_unique<PlantShape>(i));
   }
+}
+
+void add_response_residuals(const Targets& targets,
+                            std::vector<std::unique_ptr<ResidualKind>>& kinds) {
   for (int i = 0; i < static_cast<int>(targets.responses.size()); ++i)
-    kinds.push_back(std::make_unique<PlantResponses>(i, targets.responses[i]));
+    kinds.push_back(std::make_unique<Responses>(i, targets.responses[i]));
 }
 
 }  // namespace hydrapod::calibration

@@ -56,8 +56,11 @@ void Problem::find_poses() {
   };
   for (const auto& target : targets_.modes)
     point_of_.push_back(point_at("target " + target.name, target.pose));
-  for (const auto& target : targets_.responses)
-    if (observes_plant()) point_of_response_.push_back(point_at("responses", target.pose));
+  for (const auto& target : targets_.responses) {
+    if (!can_enter(targets_.observed, target.entry))
+      throw std::invalid_argument("Targets::responses: what is observed has no such input");
+    point_of_response_.push_back(point_at("responses", target.pose));
+  }
   for (std::size_t p = 0; p < poses_.size() && errors.empty(); ++p) {
     const auto wanted = std::count(point_of_.begin(), point_of_.end(), static_cast<int>(p));
     if (wanted > dynamics::degrees_of_freedom(kind_))
@@ -118,14 +121,21 @@ bool Problem::see_modes(const std::vector<double>& scales, State& state) const {
   return true;
 }
 
-bool Problem::see_plant(const std::vector<double>& scales, State& state) const {
+Observation Problem::see(const model::Machine& machine, std::size_t point) const {
+  const auto& pose = machine.poses.at(poses_[point]);
+  const auto controller = targets_.controllers.find(pose.name);
+  return observe(machine, pose.X_BP, kind_, targets_.observed,
+                 controller == targets_.controllers.end() ? nullptr : &controller->second);
+}
+
+bool Problem::see_all(const std::vector<double>& scales, State& state) const {
   if (state.seen_at.empty() || state.seen_at != state.values) {
     state.seen.assign(poses_.size(), {});
     state.seen_at.clear();
     for (std::size_t p = 0; p < poses_.size(); ++p) {
-      state.seen[p].seen =
-          observe_plant(state.machine, state.machine.poses.at(poses_[p]).X_BP, kind_);
-      if (!pair_seen(targets_.modes, targets_at(p), state.seen[p])) return false;
+      state.seen[p].seen = see(state.machine, p);
+      if (observes_plant() && !pair_seen(targets_.modes, targets_at(p), state.seen[p]))
+        return false;
     }
     state.seen_at = state.values;
   }
@@ -150,8 +160,9 @@ bool Problem::see_beside(std::size_t parameter, double step, const State& state,
   const model::Machine moved = machine_.machine(values);
   seen.assign(poses_.size(), {});
   for (std::size_t p = 0; p < poses_.size(); ++p) {
-    seen[p].seen = observe_plant(moved, moved.poses.at(poses_[p]).X_BP, kind_);
-    if (!follow_seen(targets_.modes, targets_at(p), state.seen[p], seen[p])) return false;
+    seen[p].seen = see(moved, p);
+    if (observes_plant() && !follow_seen(targets_.modes, targets_at(p), state.seen[p], seen[p]))
+      return false;
   }
   return true;
 }
@@ -170,7 +181,8 @@ bool Problem::evaluate(const Eigen::VectorXd& x, bool derivatives, State& state)
     } else {
       machine_.machine(state.values, state.machine);
     }
-    if (!(observes_plant() ? see_plant(scales, state) : see_modes(scales, state))) return false;
+    if (!observes_plant() && !see_modes(scales, state)) return false;
+    if ((observes_plant() || !targets_.responses.empty()) && !see_all(scales, state)) return false;
   } catch (const base::ComputationError&) {
     return false;
   } catch (const std::invalid_argument&) {  // a leg along its gimbal axis

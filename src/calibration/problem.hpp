@@ -39,10 +39,11 @@ struct Variable {
 struct State {
   std::vector<double> values{};  ///< parameters [SI]
   model::Machine machine{};
-  std::vector<ModePoint> points{};  ///< one per pose, where mechanics is observed
+  std::vector<ModePoint> points{};  ///< one per pose, where modes are those of mechanics
   std::vector<int> mode_of{};       ///< per target, of `points`
   std::vector<double> seen_at{};    ///< values that `seen` is of; empty: none
-  std::vector<SeenPoint> seen{};    ///< one per pose, where the plant is observed
+  /// One per pose, where modes are those of the plant or the system, or there are responses.
+  std::vector<SeenPoint> seen{};
   /// The same a step to each side, parameter by parameter; empty without derivatives.
   std::vector<std::vector<SeenPoint>> seen_below{}, seen_above{};
   std::vector<double> steps{};  ///< [SI]
@@ -82,7 +83,8 @@ class Problem {
     return residuals_;
   }
   [[nodiscard]] int size() const { return static_cast<int>(variables_.size()); }
-  [[nodiscard]] bool observes_plant() const { return targets_.observed == Observed::plant; }
+  /// Are modes those of the plant, controlled or not? Else of mechanics.
+  [[nodiscard]] bool observes_plant() const { return targets_.observed != Observed::mechanics; }
   [[nodiscard]] int point_of_response(int response) const { return point_of_response_[response]; }
   [[nodiscard]] const Vector6& metric_of_point(int point) const { return metric_[point]; }
   [[nodiscard]] int point_of(int target) const { return point_of_[target]; }
@@ -102,7 +104,8 @@ class Problem {
   void find_poses();
   [[nodiscard]] std::vector<std::size_t> targets_at(std::size_t point) const;
   bool see_modes(const std::vector<double>& scales, State& state) const;
-  bool see_plant(const std::vector<double>& scales, State& state) const;
+  bool see_all(const std::vector<double>& scales, State& state) const;
+  [[nodiscard]] Observation see(const model::Machine& machine, std::size_t point) const;
   bool see_beside(std::size_t parameter, double step, const State& state,
                   std::vector<SeenPoint>& seen) const;
   void add_margins(const std::vector<double>& scales, State& state) const;
@@ -119,12 +122,16 @@ class Problem {
 };
 
 /// What is left of every column of the measured responses at a line, in the metric `root` and
-/// scaled to length one, beside the plant's: 6 × inputs.
+/// scaled to length one, beside the calculated one with the phase, and unless it is one to forces
+/// the size, that fit it best: 6 × inputs.
 Eigen::MatrixXcd response_rest(const Observation& seen, const ResponseTarget& target,
                                std::size_t line, const Vector6& root);
 
-/// Frequency, damping and shape of one target each, of the plant's modes; responses.
+/// Frequency, damping and shape of one target each, of the plant's modes.
 void add_plant_residuals(const Targets& targets, std::vector<std::unique_ptr<ResidualKind>>& kinds);
+/// Responses, all of a pose together.
+void add_response_residuals(const Targets& targets,
+                            std::vector<std::unique_ptr<ResidualKind>>& kinds);
 
 /// Frequency, damping and shape of one target each, the priors, the constraints.
 std::vector<std::unique_ptr<ResidualKind>> make_residuals(const Targets& targets,

@@ -222,10 +222,11 @@ std::vector<std::unique_ptr<ResidualKind>> make_residuals(const Targets& targets
                                                           bool hold_to_physics,
                                                           std::size_t constraints) {
   std::vector<std::unique_ptr<ResidualKind>> kinds;
-  if (targets.observed == Observed::plant)
+  if (targets.observed != Observed::mechanics)
     add_plant_residuals(targets, kinds);
   else
     add_mechanics_residuals(targets, kinds);
+  add_response_residuals(targets, kinds);
   for (int j = 0; j < static_cast<int>(variables.size()); ++j)
     if (variables[j].prior) kinds.push_back(std::make_unique<PriorResidual>(j));
   if (hold_to_physics)

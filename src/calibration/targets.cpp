@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <array>
 #include <cctype>
 #include <filesystem>
 
@@ -29,7 +30,13 @@ Targets parse_toml(const std::string& text, const std::string& file) {
 }  // namespace
 
 const char* name(Observed observed) {
-  return observed == Observed::mechanics ? "mechanics" : "plant";
+  constexpr std::array words{"mechanics", "plant", "system"};
+  return words[static_cast<std::size_t>(observed)];
+}
+
+const char* name(Entry entry) {
+  constexpr std::array words{"valves", "forces", "commands"};
+  return words[static_cast<std::size_t>(entry)];
 }
 
 const char* name(MotionAgainst against) {

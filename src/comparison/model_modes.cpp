@@ -14,7 +14,6 @@ namespace hydrapod::comparison {
 
 namespace {
 
-constexpr std::array<std::string_view, 3> words{"mechanics", "plant", "system"};
 constexpr std::array<std::string_view, 3> descriptions{
     "mechanics with oil springs", "mechanics, hydraulics and valves, without controller",
     "mechanics, hydraulics, valves and controller"};
@@ -74,8 +73,6 @@ std::vector<ModelMode> of_system(const model::Machine& machine, const spatial::P
 }
 
 }  // namespace
-
-std::string_view source_text(Source source) { return words[static_cast<std::size_t>(source)]; }
 
 std::string_view source_description(Source source) {
   return descriptions[static_cast<std::size_t>(source)];

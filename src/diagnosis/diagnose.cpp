@@ -11,6 +11,7 @@
 #include "evidence.hpp"
 #include "hydrapod/base/error.hpp"
 #include "hydrapod/diagnosis/responses.hpp"
+#include "hydrapod/simulation/tuning.hpp"
 #include "ranking.hpp"
 #include "words.hpp"
 
@@ -103,12 +104,12 @@ void choose(const std::vector<double>& criterion, std::vector<char>& chosen) {
   for (std::size_t k = 0; k < criterion.size(); ++k) chosen[k] |= criterion[k] <= limit;
 }
 
-/// Fits explanations that mechanics found to the plant: those that are near the best as mechanics
-/// or as the plant with the same numbers. The others keep these numbers, and what the plant makes
-/// of them is their misfit.
-void fit_to_plant(const Evidence& evidence, std::vector<Explanation>& found, double values,
-                  int threads, Watch& watch, double from, double to) {
-  if (!evidence.of_plant()) return;
+/// Fits explanations that modes of mechanics found to everything: those that are near the best by
+/// those modes or by everything with the same numbers. The others keep these numbers, and what
+/// everything makes of them is their misfit.
+void fit_to_all(const Evidence& evidence, std::vector<Explanation>& found, double values,
+                int threads, Watch& watch, double from, double to) {
+  if (!evidence.in_two_steps()) return;
   const auto criteria = [&] {
     std::vector<double> all;
     for (const auto& e : found) all.push_back(e.misfit + e.parameters * std::log(values));
@@ -118,7 +119,7 @@ void fit_to_plant(const Evidence& evidence, std::vector<Explanation>& found, dou
   std::vector<char> chosen(found.size(), 0);
   choose(criteria(), chosen);
   for_all(
-      found.size(), threads, [&](std::size_t k) { evidence.see_plant(found[k]); },
+      found.size(), threads, [&](std::size_t k) { evidence.see(found[k]); },
       [&](double share) { return show(0.3 * share); });
   choose(criteria(), chosen);
   for_all(
@@ -166,6 +167,21 @@ void describe(const Evidence& evidence, Diagnosis& d, int threads, Watch& watch)
       [&](double share) { return watch.at(0.9 + 0.08 * share); });
 }
 
+/// A controller stays as it was tuned for the machine as stated, whatever is wrong with that. Why
+/// it cannot be had; empty: it can.
+std::string hold_controllers(const model::MachineFile& file, calibration::Targets& targets) {
+  if (targets.observed != calibration::Observed::system) return {};
+  try {
+    for (const auto& pose : file.machine.poses)
+      if (std::ranges::count(targets.modes, pose.name, &calibration::ModeTarget::pose) > 0)
+        targets.controllers.try_emplace(
+            pose.name, simulation::tune_controller(file.machine, pose.X_BP).parameters);
+  } catch (const base::ComputationError& error) {
+    return error.what();
+  }
+  return {};
+}
+
 /// Deviations of what is blamed, with the model's error.
 void widen(const Evidence& evidence, Diagnosis& d, double frequency_error, Watch& watch) {
   for (const auto k : d.alike) {
@@ -178,6 +194,31 @@ void widen(const Evidence& evidence, Diagnosis& d, double frequency_error, Watch
     } catch (const base::InputError&) {
     }
   }
+}
+
+/// What is compared: modes with the deviations that count, of the system that was measured or,
+/// where the machine as stated cannot be had so, of mechanics; lines of responses.
+void take_targets(const model::MachineFile& file, const calibration::Targets& measured,
+                  dynamics::ModelKind kind, const DiagnoseOptions& options, Diagnosis& d) {
+  d.targets.responses.clear();
+  if (d.targets.observed != calibration::Observed::mechanics) {
+    auto why = hold_controllers(file, d.targets);
+    if (why.empty()) why = plant_refused(file, d.targets, kind);
+    if (!why.empty()) {
+      d.notes.push_back(fmt::format(
+          "compared with mechanics on oil springs, though the {} was measured: the machine as "
+          "stated with its hydraulics: {}",
+          d.targets.observed == calibration::Observed::plant ? "plant from the drives of the valves"
+                                                             : "machine under its controller",
+          why));
+      d.targets.observed = calibration::Observed::mechanics;
+    }
+  }
+  if (!options.responses) return;
+  auto seen = measured;
+  seen.observed = d.targets.observed;
+  seen.controllers = d.targets.controllers;
+  d.targets.responses = chosen_lines(file, seen, kind, options);
 }
 
 }  // namespace
@@ -214,19 +255,7 @@ Diagnosis diagnose(const model::MachineFile& file, const calibration::Targets& m
                    dynamics::ModelKind kind, const std::vector<model::NamedPose>& poses,
                    const DiagnoseOptions& options, const Progress& progress) {
   Diagnosis d{.suspects = suspects_of(file), .targets = weighted_targets(file, measured, options)};
-  d.targets.responses.clear();
-  if (d.targets.observed == calibration::Observed::plant) {
-    const auto why = plant_refused(file, d.targets, kind);
-    if (!why.empty()) {
-      d.targets.observed = calibration::Observed::mechanics;
-      d.notes.push_back(
-          fmt::format("compared with mechanics on oil springs, though the drives of the valves see "
-                      "oil and valves too: the machine as stated with its hydraulics: {}",
-                      why));
-    } else if (options.responses) {
-      d.targets.responses = chosen_lines(file, measured, kind, options.response_error);
-    }
-  }
+  take_targets(file, measured, kind, options, d);
   d.values = values_in(d.targets);
   const Evidence evidence(file, d.targets, kind, d.suspects);
   Watch watch(progress);
@@ -242,13 +271,13 @@ Diagnosis diagnose(const model::MachineFile& file, const calibration::Targets& m
   Charges alone;
   for (std::size_t a = 0; a < d.suspects.size(); ++a) alone.push_back({a});
   auto singles = try_charges(evidence, alone, {}, options.threads, watch, 0.0, 0.3);
-  fit_to_plant(evidence, singles, d.values, options.threads, watch, 0.3, 0.4);
+  fit_to_all(evidence, singles, d.values, options.threads, watch, 0.3, 0.4);
   for (auto& e : singles) d.explanations.push_back(std::move(e));
   rank(d);
   if (!watch.stopped() && pairs_can_win(d)) {
     auto found = try_charges(evidence, pairs(d, options.strongest), d.explanations, options.threads,
-                             watch, 0.4, evidence.of_plant() ? 0.75 : 0.9);
-    fit_to_plant(evidence, found, d.values, options.threads, watch, 0.75, 0.9);
+                             watch, 0.4, evidence.in_two_steps() ? 0.75 : 0.9);
+    fit_to_all(evidence, found, d.values, options.threads, watch, 0.75, 0.9);
     for (auto& e : found) d.explanations.push_back(std::move(e));
     rank(d);
   }

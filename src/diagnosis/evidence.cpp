@@ -71,6 +71,10 @@ int values_in(const Targets& targets) {
   return count;
 }
 
+bool beyond_mechanics(const Targets& targets) {
+  return targets.observed != calibration::Observed::mechanics || !targets.responses.empty();
+}
+
 dynamics::ModelKind Evidence::kind_with(const std::vector<std::size_t>& blamed) const {
   const bool rings = std::any_of(blamed.begin(), blamed.end(),
                                  [&](std::size_t k) { return suspects_[k].needs_rings; });
@@ -84,7 +88,7 @@ std::string plant_refused(const model::MachineFile& file, const Targets& targets
     if (fit.fitted) return "";
     for (const auto& pose : file.machine.poses)
       if (std::ranges::count(targets.modes, pose.name, &ModeTarget::pose) > 0)
-        static_cast<void>(calibration::observe_plant(file.machine, pose.X_BP, kind));
+        static_cast<void>(calibration::observe(file.machine, pose.X_BP, kind, targets.observed));
     return "not all measured modes have one of their own";
   } catch (const base::InputError& error) {
     return error.diagnostics().empty() ? "it is refused" : error.diagnostics().front().message;
@@ -106,9 +110,9 @@ Evidence::Evidence(const model::MachineFile& file, const Targets& targets, dynam
 /// Each frequency times that of the mode of mechanics which is most like the plant's.
 Targets Evidence::for_mechanics() const {
   Targets targets = targets_;
-  if (!of_plant()) return targets;
-  targets.observed = calibration::Observed::mechanics;
   targets.responses.clear();
+  if (targets_.observed == calibration::Observed::mechanics) return targets;
+  targets.observed = calibration::Observed::mechanics;
   const auto& machine = file_.machine;
   for (const auto& pose : machine.poses) {
     std::optional<modal::NormalModes> modes;
@@ -143,7 +147,7 @@ Explanation Evidence::rigid() const {
       if (file_.machine.base_mount->stiffness[static_cast<std::size_t>(k)])
         set(fmt::format("base.mount.stiffness.{}", direction_name(k)), like_rigid);
   const auto file = file_with(e);
-  e.by_mechanics = of_plant() && !plant_refused(file, targets_, kind_).empty();
+  e.by_mechanics = beyond_mechanics(targets_) && !plant_refused(file, targets_, kind_).empty();
   e.fit = calibration::compare(file, e.by_mechanics ? by_mechanics_ : targets_, kind_);
   if (!e.fit.fitted) throw base::ComputationError("the rigid machine has no modes");
   e.misfit = e.fit.misfit;
@@ -212,7 +216,7 @@ Explanation Evidence::search(const std::vector<std::size_t>& blamed, const Targe
   if (known != nullptr) keep_stated(known->fit, e.fit);
   e.misfit = e.fit.misfit;
   e.parameters = static_cast<int>(plan.free.size());
-  e.by_mechanics = of_plant();
+  e.by_mechanics = in_two_steps();
   return e;
 }
 
@@ -241,7 +245,7 @@ calibration::Candidate Evidence::refit(const Explanation& e, const Targets& targ
 
 void Evidence::polish(Explanation& e, const Targets& targets, bool and_stated,
                       const calibration::Progress& stop) const {
-  if (targets.observed != calibration::Observed::plant) return;
+  if (!beyond_mechanics(targets)) return;
   std::optional<calibration::Candidate> best;
   for (const bool from_stated : {false, true}) {
     if (from_stated && !and_stated) continue;
@@ -264,8 +268,8 @@ void Evidence::polish(Explanation& e, bool and_stated, const calibration::Progre
   polish(e, targets_, and_stated, stop);
 }
 
-void Evidence::see_plant(Explanation& e) const {
-  if (!of_plant()) return;
+void Evidence::see(Explanation& e) const {
+  if (!in_two_steps()) return;
   try {
     auto seen = calibration::compare(file_at(e), targets_, e.kind);
     if (!seen.fitted) return;

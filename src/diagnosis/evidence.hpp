@@ -16,9 +16,14 @@ calibration::Targets weighted_targets(const model::MachineFile& file,
 /// Number of measured values.
 int values_in(const calibration::Targets& targets);
 
-/// Fits explanations. Where the plant was measured, each is sought with mechanics (fast, from many
-/// starts), to which measured frequencies are brought by the ratio mechanics/plant of the machine
-/// as stated, and then fitted to the plant from there.
+/// Do the targets ask for more than undamped modes of mechanics: those of the plant or the system,
+/// or responses?
+bool beyond_mechanics(const calibration::Targets& targets);
+
+/// Fits explanations. Where the targets ask for more than modes of mechanics, each is sought with
+/// these (fast, from many starts), to which frequencies measured of the plant or the system are
+/// brought by the ratio of mechanics to it of the machine as stated, and then fitted to everything
+/// from there.
 class Evidence {
  public:
   /// All of these must outlive it. Throws base::ComputationError where the machine as stated has no
@@ -35,9 +40,9 @@ class Evidence {
   [[nodiscard]] Explanation explain(const std::vector<std::size_t>& blamed,
                                     const Explanation* known,
                                     const calibration::Progress& stop) const;
-  /// Compares it as it is with the plant, where that was measured.
-  void see_plant(Explanation& explanation) const;
-  /// Fits it to the plant, where that was measured. `and_stated`: from the stated values too.
+  /// Compares it as it is with everything that was measured.
+  void see(Explanation& explanation) const;
+  /// Fits it to everything that was measured. `and_stated`: from the stated values too.
   void polish(Explanation& explanation, bool and_stated, const calibration::Progress& stop) const;
   /// Adds to the deviations of its parameters what a model error that all frequencies share makes
   /// of them: the fit counts the errors of modes as independent.
@@ -52,7 +57,7 @@ class Evidence {
   [[nodiscard]] std::optional<Part> explain_direction(std::size_t blamed, int direction,
                                                       const calibration::Progress& stop) const;
 
-  [[nodiscard]] bool of_plant() const { return targets_.observed == calibration::Observed::plant; }
+  [[nodiscard]] bool in_two_steps() const { return beyond_mechanics(targets_); }
   [[nodiscard]] const model::MachineFile& file() const { return file_; }
   [[nodiscard]] const calibration::Targets& targets() const { return targets_; }
   [[nodiscard]] const std::vector<Suspect>& suspects() const { return suspects_; }
@@ -79,10 +84,10 @@ class Evidence {
   dynamics::ModelKind kind_;
   const std::vector<Suspect>& suspects_;
   Explanation stated_{};
-  calibration::Targets by_mechanics_{};  ///< the targets brought to mechanics
+  calibration::Targets by_mechanics_{};  ///< the modes brought to mechanics
 };
 
-/// Why the plant of the machine as stated cannot be compared with the targets; empty: it can.
+/// Why the machine as stated cannot be compared with the targets; empty: it can.
 std::string plant_refused(const model::MachineFile& file, const calibration::Targets& targets,
                           dynamics::ModelKind kind);
 

@@ -153,7 +153,9 @@ calibration::Targets measured_modes(const identification::Identification& identi
   const auto& outputs = identified.responses.outputs;
   auto at = where;
   if (!at.against) at.against = motion_against(outputs);
-  if (from_drives(identified.responses)) targets.observed = calibration::Observed::plant;
+  targets.observed =
+      at.observed.value_or(from_drives(identified.responses) ? calibration::Observed::plant
+                                                             : calibration::Observed::mechanics);
   const auto& lines = identified.responses.frequency;
   const double spacing = lines.size() > 1
                              ? 2.0 * std::numbers::pi * (lines.back() - lines.front()) /

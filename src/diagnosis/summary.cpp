@@ -269,11 +269,12 @@ std::vector<std::string> summary(const CaseFile& file) {
     add_origins(d, words);
     add_innocents(d, words);
     for (const auto& note : d.notes) words.push_back(capital(note) + ".");
-    if (d.targets.observed == calibration::Observed::plant && !d.alike.empty() &&
+    if (d.targets.observed != calibration::Observed::mechanics && !d.alike.empty() &&
         d.explanations[d.alike.front()].by_mechanics)
       words.push_back(
           "This machine cannot be had with its hydraulics: it was fitted as mechanics on oil "
-          "springs, to frequencies times the ratio mechanics/plant of the machine as stated.");
+          "springs, to frequencies times the ratio of mechanics to what was measured of the "
+          "machine as stated.");
     if (d.interrupted) words.push_back(interrupted);
   }
   add_attribution(file, words);

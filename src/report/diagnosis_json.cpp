@@ -149,7 +149,9 @@ Json diagnosis_json(const CaseFile& file) {
     for (const auto& response : d.targets.responses) {
       Json hertz = Json::array();
       for (const auto& s : response.s) hertz.push_back(s.imag() / two_pi);
-      lines.push_back({{"pose", response.pose}, {"frequency_hz", hertz}});
+      lines.push_back({{"pose", response.pose},
+                       {"entry", calibration::name(response.entry)},
+                       {"frequency_hz", hertz}});
     }
     json["response_lines"] = lines;
     json["measured_values"] = d.values;
@@ -212,6 +214,17 @@ bool inputs_are_drives(const Json& json) {
          });
 }
 
+/// What its inputs see: the plant, where they drive the valves; the machine under its controller,
+/// where `hydrapod identify` compared it with that; else mechanics.
+calibration::Observed observed_in(const Json& json) {
+  if (inputs_are_drives(json)) return calibration::Observed::plant;
+  const auto compared = json.find("comparison");
+  const bool controlled =
+      compared != json.end() && compared->is_object() &&
+      compared->value("source", Json()) == calibration::name(calibration::Observed::system);
+  return controlled ? calibration::Observed::system : calibration::Observed::mechanics;
+}
+
 /// Of the responses that were fitted [rad/s]; 0: not said.
 double line_spacing(const Json& json) {
   const auto indicator = json.find("indicator");
@@ -236,7 +249,7 @@ calibration::Targets modes_from_json(const Json& json, const std::string& file,
   calibration::Targets targets{.title = file};
   auto at = where;
   if (!at.against) at.against = diagnosis::motion_against(outputs_of(json));
-  if (inputs_are_drives(json)) targets.observed = calibration::Observed::plant;
+  targets.observed = at.observed.value_or(observed_in(json));
   std::vector<MeasuredShape> shapes;
   for (const auto& mode : json["modes"]) {
     if (!mode.is_object()) bad(file, "modes", "holds something that is no mode");

@@ -55,7 +55,7 @@ Json comparison_json(const ComparedModes& c, const identification::Identificatio
   return {{"machine", c.machine},
           {"pose", c.pose},
           {"model", dynamics::name(c.kind)},
-          {"source", comparison::source_text(c.source)},
+          {"source", calibration::name(c.source)},
           {"heading", comparison_heading(c)},
           {"pairs", pairs},
           {"not_in_model", alone},

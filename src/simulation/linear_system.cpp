@@ -255,7 +255,8 @@ LinearSystem linear_system(const model::Machine& machine, const Pose& X_BP,
     system.A = pieces.plant.A;
     system.B_command = system.B_velocity = MatrixXd::Zero(n, 6);
   } else {
-    const auto p = tune_controller(machine, X_BP).parameters;
+    const auto p = options.controller != nullptr ? *options.controller
+                                                 : tune_controller(machine, X_BP).parameters;
     Vector6 loads;
     for (int i = 0; i < 6; ++i)
       loads[i] = rest.x[plant.layout().cap(i)] * p.axes[static_cast<size_t>(i)].piston_area -
@@ -267,9 +268,12 @@ LinearSystem linear_system(const model::Machine& machine, const Pose& X_BP,
     pieces.delay = p.delay;
     system.pade_order = options.pade_order;
     system.delay = options.pade_order > 0 ? (p.delay + 0.5) * p.sample_time : 0.0;
-    close_sampled(pieces, system);
+    if (options.sampled) close_sampled(pieces, system);
     close_continuous(pieces, system);
   }
+  system.B_valve = system.B_wrench = MatrixXd::Zero(system.A.rows(), 6);
+  system.B_valve.topRows(n) = pieces.valve();
+  system.B_wrench.topRows(n) = pieces.plant.B.rightCols(6);
   system.C = MatrixXd::Zero(6, system.A.rows());
   system.C.leftCols(n) = origin_from_center(machine, X_BP) * pieces.plant.C.topRows(6);
   system.C_ground = system.C;

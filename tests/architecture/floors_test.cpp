@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <map>
 #include <regex>
+#include <set>
 #include <sstream>
 #include <string>
 #include <vector>
@@ -85,6 +86,14 @@ TEST(Floors, TheLibraryDoesNotIncludeTheProgramOrTheTests) {
       EXPECT_FALSE(std::regex_search(test::read_text(file.path()), upward)) << file.path();
     }
   }
+}
+
+TEST(Floors, OnlyTwoFilesOfTheProgramCompileCli11) {
+  std::set<std::string> files;
+  for (const auto& file : fs::directory_iterator(test::source_file("apps/hydrapod")))
+    if (test::read_text(file.path()).find("#include <CLI/") != std::string::npos)
+      files.insert(file.path().filename().string());
+  EXPECT_EQ(files, (std::set<std::string>{"main.cpp", "options.cpp"}));
 }
 
 TEST(Floors, AnUpwardIncludeIsSeen) {

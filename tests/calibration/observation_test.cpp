@@ -7,6 +7,8 @@
 #include <Eigen/LU>
 
 #include "hydrapod/calibration/calibrate.hpp"
+#include "hydrapod/modal/damped_modes.hpp"
+#include "hydrapod/response/frequency_response.hpp"
 #include "hydrapod/simulation/system_poles.hpp"
 #include "support/calibration_machine.hpp"
 #include "support/noisy_modes.hpp"
@@ -40,7 +42,7 @@ TEST_P(ObservedPlant, HasThePolesAndMotionsOfTheLinearSystem) {
   }
   const auto machine = heavy(overrides).machine;
   const auto X_BP = machine.poses.back().X_BP;
-  const auto seen = observe_plant(machine, X_BP, ModelKind::guide);
+  const auto seen = observe(machine, X_BP, ModelKind::guide, Observed::plant);
   const auto system = simulation::system_poles(
       simulation::linear_system(machine, X_BP, {.kind = ModelKind::guide, .closed = false}));
   spatial::Matrix6 to_center = spatial::Matrix6::Identity();
@@ -77,7 +79,7 @@ TEST(Observation, ResponsesAreThoseOfTheStateSpace) {
   for (const auto& file : {heavy(), published({"legs.guide_sleeve.stiffness=1.31e5"})}) {
     const auto& machine = file.machine;
     const auto X_BP = machine.neutral();
-    const auto seen = observe_plant(machine, X_BP, ModelKind::guide);
+    const auto seen = observe(machine, X_BP, ModelKind::guide, Observed::plant);
     const simulation::Plant plant(machine, ModelKind::guide,
                                   {.friction = simulation::Friction::viscous}, X_BP);
     const auto rest = plant.equilibrium(X_BP);
@@ -89,9 +91,57 @@ TEST(Observation, ResponsesAreThoseOfTheStateSpace) {
       const Eigen::MatrixXcd H =
           linear.C.topRows<6>().cast<Complex>() *
           pencil.partialPivLu().solve(linear.B.leftCols<6>().cast<Complex>());
-      EXPECT_LT((seen.response(s) - H).norm(), 1e-7 * H.norm()) << s;
+      EXPECT_LT((seen.response(s, Entry::valves) - H).norm(), 1e-7 * H.norm()) << s;
     }
   }
+}
+
+/// Forces on legs with oil springs: by elimination of the legs' coordinates, with dampers and with
+/// a ratio for each mode.
+TEST(Observation, OfMechanicsRespondsAsTheLinearModel) {
+  for (const auto& file : {heavy(), published({"damping.modal_ratio=0.037"}),
+                           heavy({"base.mount.mass=1.31 t", "base.mount.stiffness.x=0.041 kN/um",
+                                  "base.mount.stiffness.ry=7.1e8"})}) {
+    const auto& machine = file.machine;
+    const auto X_BP = machine.neutral();
+    const auto seen = observe(machine, X_BP, ModelKind::guide, Observed::mechanics);
+    const auto model = dynamics::linear_model(machine, X_BP, ModelKind::guide);
+    const auto swept =
+        response::response_model(model, modal::normal_modes(model),
+                                 modal::modal_ratio(machine).value, machine.platform.mass_center);
+    const std::vector<double> omega{7.3, 26.1, 47.7, 190.0};
+    const auto H = response::frequency_response(swept, omega);
+    for (std::size_t k = 0; k < omega.size(); ++k) {
+      const Complex s(0.0, omega[k]);
+      EXPECT_LT((seen.response(s, Entry::forces, MotionAgainst::ground) - H[k]).norm(),
+                1e-9 * H[k].norm());
+      EXPECT_LT(
+          (seen.response(s, Entry::forces) - model.against_base.cast<Complex>() * H[k]).norm(),
+          1e-9 * H[k].norm());
+    }
+  }
+}
+
+/// Commands through the controller, and forces on the controlled machine.
+TEST(Observation, OfTheSystemRespondsAsTheClosedLoop) {
+  const auto machine = heavy().machine;
+  const auto X_BP = machine.poses.back().X_BP;
+  const auto seen = observe(machine, X_BP, ModelKind::guide, Observed::system);
+  const auto system = simulation::linear_system(machine, X_BP, {.kind = ModelKind::guide});
+  spatial::Matrix6 to_origin = spatial::Matrix6::Identity();
+  to_origin.topRightCorner<3, 3>() = -spatial::skew(X_BP.p_BP - seen.mechanics.p_BC);
+  for (const double omega : {3.1, 19.7, 44.3, 131.0}) {
+    const Complex s(0.0, omega);
+    const auto commanded = simulation::command_response(system, omega);
+    EXPECT_LT((to_origin * seen.response(s, Entry::commands) - commanded).norm(),
+              1e-7 * commanded.norm());
+    Eigen::MatrixXcd pencil = -system.A.cast<Complex>();
+    pencil.diagonal().array() += s;
+    const Eigen::MatrixXcd H =
+        system.C.cast<Complex>() * pencil.partialPivLu().solve(system.B_wrench.cast<Complex>());
+    EXPECT_LT((to_origin * seen.response(s, Entry::forces) - H).norm(), 1e-7 * H.norm());
+  }
+  EXPECT_THROW(static_cast<void>(seen.response({0.0, 3.0}, Entry::valves)), std::invalid_argument);
 }
 
 /// One number and one frequency: the number is known to the frequency's deviation over how much it
@@ -123,7 +173,8 @@ TEST(PlantCalibration, KnowsANumberAsWellAsTheFrequencyTellsIt) {
     auto machine = file.machine;
     machine.platform.mass = m;
     double nearest = 0.0;
-    for (const auto& mode : observe_plant(machine, machine.neutral(), ModelKind::guide).modes)
+    for (const auto& mode :
+         observe(machine, machine.neutral(), ModelKind::guide, Observed::plant).modes)
       if (std::abs(mode.omega() - only.omega) < std::abs(nearest - only.omega))
         nearest = mode.omega();
     return nearest;

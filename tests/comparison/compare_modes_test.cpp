@@ -67,9 +67,9 @@ TEST(CompareModes, AModelIsLikeItself) {
     std::vector<ModelMode> seen;
     for (const auto& mode : model)
       if (mode.felt && mode.damping_ratio() < 0.3) seen.push_back(mode);
-    ASSERT_GE(seen.size(), 6U) << source_text(source);
+    ASSERT_GE(seen.size(), 6U) << calibration::name(source);
     const auto c = compare_modes(measured(seen, platform_channels(), frame), model, frame);
-    ASSERT_EQ(c.pairs.size(), seen.size()) << source_text(source);
+    ASSERT_EQ(c.pairs.size(), seen.size()) << calibration::name(source);
     EXPECT_TRUE(c.measured_left.empty());
     for (const auto& pair : c.pairs) {
       EXPECT_NEAR(pair.frequency_difference, 0.0, 1e-12);

@@ -14,6 +14,7 @@ struct RecordSetting {
   double duration{120.0};  ///< [s] per pose
   double level{1e-4};      ///< of the white command [m, rad]
   double sensors{1.0};     ///< noise and steps of the length sensors, in those of the default
+  double force{};          ///< of white forces [N] and moments [N m] instead of commands; 0: none
 };
 
 inline Measure by_record(const RecordSetting& setting) {
@@ -27,6 +28,7 @@ inline Measure by_record(const RecordSetting& setting) {
                                 .X_BP = pose->X_BP,
                                 .duration = setting.duration,
                                 .level = setting.level,
+                                .force = setting.force,
                                 .seed = 100u + static_cast<std::uint64_t>(test.repetition),
                                 .sensors = setting.sensors,
                                 .point = spatial::Vector3::Zero()});
@@ -34,7 +36,11 @@ inline Measure by_record(const RecordSetting& setting) {
       const auto found = identification::identify_modes(responses);
       keep_modes(test, name, found);
       // the owner's file says where the legs are; where the mass centre is it may not
-      const diagnosis::MeasuredAt at{.pose = name, .point = spatial::Vector3::Zero()};
+      diagnosis::MeasuredAt at{.pose = name, .point = spatial::Vector3::Zero()};
+      if (setting.force > 0.0) {  // about the mass centre, and the controller is at work
+        at.observed = calibration::Observed::system;
+        at.force_point = truth.machine.platform.mass_center;
+      }
       const auto targets = diagnosis::measured_modes(found, truth.machine, at);
       if (all.modes.empty())
         all = targets;

@@ -5,13 +5,15 @@
 
 #include "hydrapod/diagnosis/diagnose.hpp"
 #include "hydrapod/diagnosis/measured.hpp"
+#include "hydrapod/diagnosis/responses.hpp"
 #include "support/calibration_machine.hpp"
 #include "support/rig_record.hpp"
 #include "support/run_program.hpp"
 
 namespace hydrapod::test {
 
-/// `design` and `truth`: overrides of models/`name`.toml. The pose is the neutral one.
+/// From modes and responses. `design` and `truth`: overrides of models/`name`.toml. The pose is the
+/// neutral one.
 inline diagnosis::Diagnosis diagnosed_on_rig(const std::string& name,
                                              const std::vector<std::string>& design,
                                              const std::vector<std::string>& truth,
@@ -21,9 +23,16 @@ inline diagnosis::Diagnosis diagnosed_on_rig(const std::string& name,
   const auto file = machine_file(text, design);
   experiment.X_BP = machine.neutral();
   experiment.point = spatial::Vector3::Zero();
-  const auto targets =
-      diagnosis::measured_modes(identified_on_rig(machine, experiment), file.machine,
-                                {.pose = "neutral", .point = spatial::Vector3::Zero()});
+  diagnosis::MeasuredAt at{.pose = "neutral", .point = spatial::Vector3::Zero()};
+  if (experiment.force > 0.0) {  // about the mass centre, and the controller is at work
+    at.observed = calibration::Observed::system;
+    at.force_point = machine.platform.mass_center;
+  }
+  const auto responses = measured_on_rig(machine, experiment);
+  auto targets =
+      diagnosis::measured_modes(identification::identify_modes(responses), file.machine, at);
+  if (const auto lines = diagnosis::measured_responses(responses, file.machine, at))
+    targets.responses.push_back(*lines);
   return diagnosis::diagnose(file, targets, dynamics::ModelKind::guide, file.machine.poses);
 }
 

@@ -13,6 +13,31 @@ TEST(DiagnosisFromRig, NamesTheGuideSleevesOfTheHeavyMachine) {
   expect_sleeves(d, 0.84e6);
 }
 
+/// White forces on the machine under a controller that does not damp it: modes and responses of
+/// all.
+TEST(DiagnosisFromRig, NamesTheGuideSleevesFromForcesUnderControl) {
+  const std::vector<std::string> owner{"controller.feedback=none",
+                                       "legs.oil_spring.cylinder.air.fraction=0.001",
+                                       "legs.guide_sleeve.stiffness=20 kN/mm"};
+  auto truth = owner;
+  truth.push_back("legs.guide_sleeve.stiffness=1.31 kN/mm");
+  const auto d = diagnosed_on_rig("heavy-platform", owner, truth,
+                                  {.duration = 100.0, .force = 5e3, .seed = 17});
+  EXPECT_EQ(d.targets.observed, calibration::Observed::system);
+  ASSERT_EQ(d.targets.responses.size(), 1U);
+  EXPECT_EQ(d.targets.responses[0].entry, calibration::Entry::forces);
+  expect_sleeves(d, 1.31e6);
+}
+
+/// The oil damped by 35 % of critical leaves the modes of the seals, in a band of few lines;
+/// compared as undamped mechanics a sound machine would be blamed.
+TEST(DiagnosisFromRig, BlamesNobodyFromForcesUnderControl) {
+  const auto d =
+      diagnosed_on_rig("heavy-platform", {}, {}, {.duration = 120.0, .force = 5e3, .seed = 23});
+  EXPECT_EQ(d.finding, diagnosis::Finding::as_stated) << verdict(d);
+  EXPECT_FALSE(d.targets.responses.empty());
+}
+
 /// Of the series on records (record_series_long_test.cpp), with records of a minute. The parameter
 /// is what was planted.
 class ShortRecord : public testing::TestWithParam<std::string> {};

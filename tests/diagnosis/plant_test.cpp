@@ -3,6 +3,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <functional>
+
 #include "blind_series.hpp"
 #include "hydrapod/calibration/observation.hpp"
 
@@ -26,29 +28,41 @@ calibration::Targets taken_for_mechanics(const BlindCase& test, const model::Mac
   return targets;
 }
 
-/// Modes and responses to the drives of the valves, with 1 % of noise.
+/// Adds lines from 2 to 50 Hz with 1 % of noise; `of_line`: the response at s, whose real part is
+/// `shift`.
+void add_lines(double shift, const std::function<Eigen::MatrixXcd(std::complex<double>)>& of_line,
+               test::Random& random, calibration::ResponseTarget& all) {
+  constexpr double noise = 0.01;
+  for (double hertz = 2.0; hertz < 50.0; hertz *= 1.003) {
+    const std::complex<double> s(shift, 2.0 * std::numbers::pi * hertz);
+    Eigen::MatrixXcd H = of_line(s);
+    for (auto& h : H.reshaped())
+      h *= 1.0 + noise * std::complex<double>(test::normal(random), test::normal(random));
+    all.s.push_back(s);
+    all.H.push_back(H);
+    all.deviation.emplace_back(Eigen::VectorXd::Constant(6, std::sqrt(2.0) * noise));
+  }
+}
+
+calibration::Observation observed_at(const BlindCase& test, const model::Machine& machine,
+                                     const std::string& pose, calibration::Observed observed) {
+  const auto named = std::ranges::find(machine.poses, pose, &model::NamedPose::name);
+  return calibration::observe(machine, named->X_BP, test.kind, observed);
+}
+
+/// Modes and responses to the drives of the valves.
 calibration::Targets with_responses(const BlindCase& test, const model::MachineFile& truth) {
   auto targets = by_plant(test, truth);
   test::Random random(271u);
   for (const auto& name : test.poses) {
-    const auto& machine = truth.machine;
-    const auto pose = std::ranges::find(machine.poses, name, &model::NamedPose::name);
-    const auto plant = calibration::observe_plant(machine, pose->X_BP, test.kind);
-    const auto& X_BP = pose->X_BP;
-    calibration::ResponseTarget all{.pose = name};
-    all.drives = spatial::Matrix6::Identity();
+    const auto plant = observed_at(test, truth.machine, name, calibration::Observed::plant);
+    calibration::ResponseTarget all{.pose = name, .inputs = spatial::Matrix6::Identity()};
     spatial::Matrix6 to_origin = spatial::Matrix6::Identity();
-    to_origin.topRightCorner<3, 3>() = -spatial::skew(X_BP.p_BP - plant.mechanics.p_BC);
-    constexpr double noise = 0.01;
-    for (double hertz = 2.0; hertz < 50.0; hertz *= 1.003) {
-      const std::complex<double> s(0.93, 2.0 * std::numbers::pi * hertz);
-      Eigen::MatrixXcd H = to_origin * plant.response(s) * all.drives;
-      for (auto& h : H.reshaped())
-        h *= 1.0 + noise * std::complex<double>(test::normal(random), test::normal(random));
-      all.s.push_back(s);
-      all.H.push_back(H);
-      all.deviation.emplace_back(Eigen::VectorXd::Constant(6, std::sqrt(2.0) * noise));
-    }
+    to_origin.topRightCorner<3, 3>() =
+        -spatial::skew(plant.mechanics.X_BP.p_BP - plant.mechanics.p_BC);
+    add_lines(
+        0.93, [&](auto s) { return to_origin * plant.response(s, calibration::Entry::valves); },
+        random, all);
     targets.responses.push_back(all);
   }
   return targets;
@@ -159,6 +173,53 @@ TEST(DiagnosePlant, SaysWhichResponseAnExplanationMisses) {
   EXPECT_TRUE(blamed(soft, "oil spring of leg 2")) << test::verdict(soft);
   EXPECT_THAT(soft.best().wrong, testing::Not(testing::Contains(HasSubstr("driven"))));
   EXPECT_THAT(soft.as_stated().wrong, testing::Contains(HasSubstr("Hz when driven (MAC 0.")));
+}
+
+/// Modes of mechanics, and what a hammer with a force sensor makes of them.
+calibration::Targets hammered(const BlindCase& test, const model::MachineFile& truth) {
+  auto targets = test::by_noise(test, truth);
+  test::Random random(523u);
+  for (const auto& name : test.poses) {
+    const auto seen = observed_at(test, truth.machine, name, calibration::Observed::mechanics);
+    calibration::ResponseTarget all{.pose = name,
+                                    .point = truth.machine.platform.mass_center,
+                                    .against = calibration::MotionAgainst::ground,
+                                    .entry = calibration::Entry::forces,
+                                    .inputs = spatial::Matrix6::Identity()};
+    add_lines(
+        0.0,
+        [&](auto s) {
+          return std::exp(-0.0007 * s) *  // filters delay
+                 seen.response(s, calibration::Entry::forces, calibration::MotionAgainst::ground);
+        },
+        random, all);
+    targets.responses.push_back(all);
+  }
+  return targets;
+}
+
+/// Mass and inertia 28 % less and springs 39 % stiffer have the same modes, and of the
+/// two the oil has one number where the platform has four; a force moves the lighter platform more.
+TEST(DiagnoseForces, TellALighterPlatformFromStifferOil) {
+  const BlindCase lighter{.machine = "zhang-jiang-2021.toml",
+                          .design = {"legs.guide_sleeve.stiffness=20 kN/mm"},
+                          .fault = {"platform.mass=643.7 kg", "platform.inertia.xx=32.47",
+                                    "platform.inertia.yy=32.47", "platform.inertia.zz=39.26"},
+                          .planted = {"platform mass and inertia"}};
+  const auto modes_alone = [](const BlindCase& test, const model::MachineFile& truth) {
+    auto targets = hammered(test, truth);
+    targets.responses.clear();
+    return targets;
+  };
+  const auto modes = without_pairs(lighter, modes_alone);
+  EXPECT_TRUE(blamed(modes, "oil springs of all legs")) << test::verdict(modes);
+  const auto all = without_pairs(lighter, hammered);
+  EXPECT_TRUE(blamed(all, "platform mass and inertia")) << test::verdict(all);
+  EXPECT_FALSE(blamed(all, "oil springs of all legs")) << test::verdict(all);
+  const auto* oil = all.find("oil springs of all legs");
+  ASSERT_NE(oil, nullptr);
+  EXPECT_FALSE(oil->by_mechanics);
+  EXPECT_THAT(oil->wrong, testing::Contains(HasSubstr("misses the response to forces at")));
 }
 
 TEST(DiagnosePlant, SaysWhyWhereThePlantCannotBeHad) {

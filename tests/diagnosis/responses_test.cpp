@@ -17,6 +17,8 @@
 namespace hydrapod::diagnosis {
 namespace {
 
+using calibration::Entry;
+using calibration::Observed;
 using calibration::Targets;
 using Complex = std::complex<double>;
 using identification::FrequencyResponses;
@@ -45,7 +47,8 @@ spatial::Matrix6 to_point(const calibration::Observation& plant) {
 FrequencyResponses measured_on(const model::Machine& machine) {
   FrequencyResponses all;
   const auto X_BP = pose_of(machine);
-  const auto plant = calibration::observe_plant(machine, X_BP, dynamics::ModelKind::guide);
+  const auto plant =
+      calibration::observe(machine, X_BP, dynamics::ModelKind::guide, Observed::plant);
   const Eigen::MatrixXd J =
       kinematics::leg_jacobian(kinematics::inverse_kinematics(machine, X_BP), X_BP * at.point);
   for (int k = 0; k < 6; ++k) {
@@ -57,7 +60,8 @@ FrequencyResponses measured_on(const model::Machine& machine) {
   all.shift = 0.71;
   for (double hertz = 1.0; hertz < 40.0; hertz += 0.05) {
     all.frequency.push_back(hertz);
-    Eigen::MatrixXcd H = to_point(plant) * plant.response({all.shift, two_pi * hertz}) * J;
+    Eigen::MatrixXcd H =
+        to_point(plant) * plant.response({all.shift, two_pi * hertz}, Entry::valves) * J;
     H.row(1) *= -1.0;
     all.H.push_back(H);
     Eigen::MatrixXcd noise = Eigen::MatrixXcd::Zero(6, 6);
@@ -84,12 +88,12 @@ TEST(MeasuredResponses, OfDrivesInDirectionsAreThoseOfTheValves) {
   const auto target = measured_responses(responses, machine, at);
   ASSERT_TRUE(target);
   EXPECT_EQ(target->pose, at.pose);
-  EXPECT_TRUE(target->drives.isIdentity(1e-12));
+  EXPECT_TRUE(target->inputs.isIdentity(1e-12));
   const auto plant =
-      calibration::observe_plant(machine, pose_of(machine), dynamics::ModelKind::guide);
+      calibration::observe(machine, pose_of(machine), dynamics::ModelKind::guide, Observed::plant);
   ASSERT_EQ(target->s.size(), responses.lines());
   for (const std::size_t line : {3U, 170U, 611U}) {
-    const Eigen::MatrixXcd H = to_point(plant) * plant.response(target->s[line]);
+    const Eigen::MatrixXcd H = to_point(plant) * plant.response(target->s[line], Entry::valves);
     EXPECT_LT((target->H[line] - H).norm(), 1e-9 * H.norm()) << line;
   }
 }
@@ -144,6 +148,108 @@ TEST(MeasuredResponses, AreAgainstWhatTheirOutputsAre) {
   EXPECT_EQ(measured_responses(lengths, machine, at)->against, calibration::MotionAgainst::ground);
 }
 
+/// Accelerations for forces about a point of their own, the third the other way round.
+FrequencyResponses forced(const model::Machine& machine, const spatial::Vector3& p_PF) {
+  FrequencyResponses all;
+  const auto X_BP = pose_of(machine);
+  const auto seen =
+      calibration::observe(machine, X_BP, dynamics::ModelKind::guide, Observed::mechanics);
+  spatial::Matrix6 at_center = spatial::Matrix6::Identity();
+  at_center.bottomLeftCorner<3, 3>() = spatial::skew(X_BP * p_PF - seen.mechanics.p_BC);
+  for (int k = 0; k < 6; ++k) {
+    const auto direction = static_cast<data::Direction>(k + 1);
+    all.outputs.push_back({.unit = k < 3 ? "m/s^2" : "rad/s^2", .direction = direction});
+    all.inputs.push_back({.unit = k < 3 ? "N" : "N m",
+                          .direction = k == 2 ? data::Direction::minus_z : direction,
+                          .role = data::Role::excitation});
+  }
+  for (double hertz = 3.0; hertz < 40.0; hertz += 0.31) {
+    const Complex s(0.0, two_pi * hertz);
+    all.frequency.push_back(hertz);
+    Eigen::MatrixXcd H = to_point(seen) * s * s *
+                         seen.response(s, Entry::forces, calibration::MotionAgainst::ground) *
+                         at_center;
+    H.col(2) *= -1.0;
+    all.H.push_back(H);
+  }
+  return all;
+}
+
+/// As motion of Q for forces there, in m/N: what a force elsewhere is about Q is its own.
+TEST(MeasuredResponses, OfForcesCountAsTheyAre) {
+  const auto machine = heavy().machine;
+  auto there = at;
+  there.force_point = spatial::Vector3(-0.41, 0.53, -0.29);
+  const auto responses = forced(machine, *there.force_point);
+  const auto target = measured_responses(responses, machine, there);
+  ASSERT_TRUE(target);
+  EXPECT_EQ(target->entry, Entry::forces);
+  EXPECT_EQ(target->against, calibration::MotionAgainst::ground);
+  const auto seen = calibration::observe(machine, pose_of(machine), dynamics::ModelKind::guide,
+                                         Observed::mechanics);
+  for (const std::size_t line : {5U, 71U, 113U}) {
+    const spatial::Matrix6 T = to_point(seen);
+    const Eigen::MatrixXcd H =
+        T * seen.response(target->s[line], Entry::forces, calibration::MotionAgainst::ground) *
+        T.transpose() * target->inputs;
+    EXPECT_LT((target->H[line] - H).norm(), 1e-9 * H.norm()) << line;
+  }
+}
+
+TEST(MeasuredResponses, OfForcesNeedUnitsAndOnePlace) {
+  const auto machine = heavy().machine;
+  const auto good = forced(machine, at.point);
+  EXPECT_EQ(entry_of(good.inputs), Entry::forces);
+  auto newton_metres = good;
+  for (int k = 3; k < 6; ++k) newton_metres.inputs[static_cast<std::size_t>(k)].unit = "N.m";
+  EXPECT_TRUE(measured_responses(newton_metres, machine, at));
+  auto some = good;  // a hammer in two directions
+  some.inputs.resize(2);
+  for (auto& H : some.H) H = H.leftCols(2).eval();
+  const auto two = measured_responses(some, machine, at);
+  ASSERT_TRUE(two);
+  EXPECT_EQ(two->inputs.cols(), 2);
+  auto unknown = good;
+  unknown.inputs[1].unit = "EU";
+  EXPECT_FALSE(measured_responses(unknown, machine, at));
+  auto strain = good;
+  strain.outputs[4].unit = "1/s^2";
+  EXPECT_FALSE(measured_responses(strain, machine, at));
+  auto moment = good;  // a force about an axis
+  moment.inputs[5].unit = "N";
+  EXPECT_FALSE(measured_responses(moment, machine, at));
+  auto elsewhere = good;
+  for (auto& output : elsewhere.outputs) output.point = 7;
+  EXPECT_TRUE(measured_responses(elsewhere, machine, at));
+  elsewhere.inputs[0].point = 12;
+  EXPECT_FALSE(measured_responses(elsewhere, machine, at));
+}
+
+/// Commands in directions of the platform, as displacements of the legs one by one.
+TEST(MeasuredResponses, OfCommandsAreThoseOfTheLegs) {
+  const auto machine = heavy().machine;
+  const auto X_BP = pose_of(machine);
+  const auto seen =
+      calibration::observe(machine, X_BP, dynamics::ModelKind::guide, Observed::system);
+  FrequencyResponses all;
+  for (int k = 0; k < 6; ++k) {
+    const auto direction = static_cast<data::Direction>(k + 1);
+    all.outputs.push_back({.unit = k < 3 ? "m" : "rad", .direction = direction});
+    all.inputs.push_back(
+        {.unit = k < 3 ? "m" : "rad", .direction = direction, .role = data::Role::excitation});
+  }
+  const Complex s(0.0, two_pi * 11.3);
+  all.frequency = {11.3};
+  all.H = {to_point(seen) * seen.response(s, Entry::commands)};
+  const auto target = measured_responses(all, machine, at);
+  ASSERT_TRUE(target);
+  EXPECT_EQ(target->entry, Entry::commands);
+  const auto legs =
+      kinematics::leg_jacobian(kinematics::inverse_kinematics(machine, X_BP), X_BP.p_BP);
+  EXPECT_TRUE((legs * target->inputs).isIdentity(1e-9));
+  EXPECT_LT((target->H[0] - all.H[0] * target->inputs).norm(), 1e-9 * target->H[0].norm());
+}
+
 TEST(MeasuredResponses, AreLeftOutWhereInputsOrOutputsAreOthers) {
   const auto machine = heavy().machine;
   auto forces = measured_on(machine);
@@ -169,7 +275,8 @@ TEST(ChosenLines, LieOffThePeaksAndCountLikeOneShapePerMode) {
   auto& all = measured.responses[0];
   for (std::size_t line = 300; line < 340; ++line) all.deviation[line][4] = 0.4;  // 16 … 18 Hz
   constexpr double error = 0.07;
-  const auto chosen = chosen_lines(file, measured, dynamics::ModelKind::guide, error);
+  const auto chosen =
+      chosen_lines(file, measured, dynamics::ModelKind::guide, {.response_error = error});
   ASSERT_EQ(chosen.size(), 1U);
   const auto& some = chosen[0];
   ASSERT_GT(some.s.size(), 12U);
@@ -186,6 +293,34 @@ TEST(ChosenLines, LieOffThePeaksAndCountLikeOneShapePerMode) {
                           static_cast<double>(measured.modes.size());
     for (int i = 0; i < 6; ++i)
       EXPECT_NEAR(some.deviation[k][i], std::sqrt(6.0 * (noise[i] * noise[i] + shared)), 1e-12);
+  }
+}
+
+/// Forces: what a misplaced or misdamped pole makes of a line is its deviation too, and lines of
+/// what the observed system has no input for are none.
+TEST(ChosenLines, OfForcesTrustLittleBesideAPeak) {
+  const auto file = heavy();
+  auto measured = modes_of(file.machine);
+  measured.observed = Observed::mechanics;
+  auto responses = forced(file.machine, at.point);
+  measured.responses.push_back(*measured_responses(responses, file.machine, at));
+  measured.responses.push_back(*measured_responses(measured_on(file.machine), file.machine, at));
+  constexpr double error = 0.07, frequency_error = 0.0041;
+  const auto chosen = chosen_lines(file, measured, dynamics::ModelKind::guide,
+                                   {.frequency_error = frequency_error, .response_error = error});
+  ASSERT_EQ(chosen.size(), 1U);
+  const auto& some = chosen[0];
+  ASSERT_EQ(some.entry, Entry::forces);
+  ASSERT_GT(some.s.size(), 8U);
+  for (std::size_t k = 0; k < some.s.size(); ++k) {
+    double off = 0.0;
+    for (const auto& mode : measured.modes) {
+      const double distance = std::hypot(0.031 * mode.omega, some.s[k].imag() - mode.omega);
+      off = std::max(off, std::hypot(0.031, frequency_error) * mode.omega / distance);
+    }
+    const double share = static_cast<double>(some.s.size()) /
+                         static_cast<double>(std::min(some.s.size(), measured.modes.size()));
+    EXPECT_NEAR(some.deviation[k][0], std::sqrt(6.0 * share * (error * error + off * off)), 1e-12);
   }
 }
 

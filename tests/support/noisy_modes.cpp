@@ -144,12 +144,11 @@ std::vector<SeenPole> seen_poles(const calibration::Observation& plant) {
 calibration::Targets noisy_plant_modes(const model::Machine& machine,
                                        const std::vector<std::string>& poses,
                                        dynamics::ModelKind kind, const ModeNoise& noise,
-                                       Random& random) {
-  calibration::Targets targets{.title = "noisy modes of the plant",
-                               .observed = calibration::Observed::plant};
+                                       Random& random, calibration::Observed observed) {
+  calibration::Targets targets{.title = "noisy modes of the plant", .observed = observed};
   for (const auto& pose : machine.poses) {
     if (std::find(poses.begin(), poses.end(), pose.name) == poses.end()) continue;
-    const auto plant = calibration::observe_plant(machine, pose.X_BP, kind);
+    const auto plant = calibration::observe(machine, pose.X_BP, kind, observed);
     const Eigen::Matrix<double, 6, 6> weight = plant.mechanics.platform_mass.llt().matrixU();
     const spatial::Vector3 arm = pose.X_BP.p_BP - plant.mechanics.p_BC;
     for (const auto& seen : seen_poles(plant)) {

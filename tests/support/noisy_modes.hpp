@@ -23,9 +23,9 @@ calibration::Targets noisy_modes(const model::Machine& machine,
 /// The same of the plant: what a record identified from the drives of the valves on shows. Poles
 /// with a damping ratio below 0.3; those nearer than half the smaller decay rate are one, in every
 /// direction they move the platform in. Complex shapes with complex noise.
-calibration::Targets noisy_plant_modes(const model::Machine& machine,
-                                       const std::vector<std::string>& poses,
-                                       dynamics::ModelKind kind, const ModeNoise& noise,
-                                       Random& random);
+calibration::Targets noisy_plant_modes(
+    const model::Machine& machine, const std::vector<std::string>& poses, dynamics::ModelKind kind,
+    const ModeNoise& noise, Random& random,
+    calibration::Observed observed = calibration::Observed::plant);
 
 }  // namespace hydrapod::test

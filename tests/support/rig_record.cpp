@@ -12,6 +12,10 @@ identification::FrequencyResponses measured_on_rig(const model::Machine& machine
   rig::RigOptions options;
   rig::WhiteNoise white;
   white.rms.setConstant(experiment.level);
+  if (experiment.force > 0.0) {
+    options.entry = rig::Entry::wrench;
+    white.rms.setConstant(experiment.force);
+  }
   options.signals = {white};
   options.duration = experiment.duration;
   options.seed = experiment.seed;

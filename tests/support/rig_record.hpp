@@ -12,13 +12,14 @@ struct RigExperiment {
   spatial::Pose X_BP{};  ///< where the platform stands
   double duration{};     ///< [s]
   double level{1e-4};    ///< RMS of the white command [m, rad]
+  double force{};        ///< of white forces [N], and moments [N m], instead; 0: none
   std::uint64_t seed{1};
   double sensors{1.0};  ///< noise and steps of the length sensors, in those of the default
   /// Whose motion is identified, in P; default: the mass centre.
   std::optional<spatial::Vector3> point{};
 };
 
-/// Drives to platform motion of a rig record in a file.
+/// Drives, or forces, to platform motion of a rig record in a file.
 identification::FrequencyResponses measured_on_rig(const model::Machine& machine,
                                                    const RigExperiment& experiment);
 

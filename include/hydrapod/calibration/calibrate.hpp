@@ -40,8 +40,9 @@ struct FittedParameter {
 };
 
 struct FittedTarget {
-  int mode{};           ///< of mechanics at the pose; where the plant is observed the most like it
-  double omega{};       ///< of the model [rad/s]
+  int mode{};      ///< of mechanics at the pose; where the plant or the system is observed the most
+                   ///< like it
+  double omega{};  ///< of the model [rad/s]
   double difference{};  ///< model − target, in deviations
   double damping{};     ///< ζ of the model; 0 where the target has none
   double shape_mac{};   ///< with the target's shape; 0 where it has none
@@ -53,8 +54,9 @@ struct FittedResponse {
   std::size_t target{};  ///< number in Targets::responses
   std::size_t line{};
   int input{};
-  double mac{};         ///< of measured and calculated motion
-  double difference{};  ///< √(1 − mac) in deviations
+  /// Share of the measured column that is not met; where its size does not count √(1 − MAC).
+  double missed{};
+  double difference{};  ///< the same in deviations
 };
 
 /// One combination of choices, fitted.

@@ -1,17 +1,20 @@
 #pragma once
-/// What a measurement from the drives of the valves on sees of a machine: poles of mechanics, oil
-/// and valves together.
+/// What a measurement sees of a machine: its poles, and its responses to what excites it.
 ///
-/// The plant (simulation/plant.hpp) at rest at a pose, Coulomb friction left out, linear:
-/// δẋ = A δx + B δu. With A V = V Λ,
+/// Linear about rest at a pose, δẋ = A δx + B δu, with A V = V Λ,
 ///
-///     H(s) = C V (s − Λ)⁻¹ V⁻¹ B      motion of the mass centre per command of the valves
+///     H(s) = C V (s − Λ)⁻¹ V⁻¹ B      motion of the mass centre per input
 ///
-/// where the base gives way: against the base, as leg lengths show it, or against the ground.
+/// where the base gives way: against the base, as leg lengths show it, or against the ground. Of
+/// which system (Observed):
 ///
-/// Undamped modes of mechanics on oil springs (linear_model.hpp) lie elsewhere: leakage past
-/// pistons and edges softens the oil at low frequencies, heavy dampers shift poles that lie close
-/// together, and oil with air in it is as stiff as the pressure at rest makes it.
+/// - mechanics: legs on oil springs (linear_model.hpp), damped as the machine file says;
+/// - plant: mechanics, oil and valves (simulation/linear_system.hpp), Coulomb friction left out.
+///   Leakage past pistons and edges softens the oil at low frequencies, heavy dampers shift poles
+///   that lie close together, and oil with air in it is as stiff as the pressure at rest makes it;
+/// - system: the plant with its controller and delays around it.
+
+#include <array>
 
 #include "hydrapod/calibration/targets.hpp"
 #include "hydrapod/dynamics/linear_model.hpp"
@@ -25,7 +28,9 @@ struct ObservedMode {
   /// φᴴ M φ = 1.
   Eigen::VectorXcd shape{};
   Vector6c against_base{Vector6c::Zero()};  ///< motion of the mass centre, in the same scale
-  /// How much each valve moves it: the mode's part of H is motion() · input / (s − λ).
+  /// How much each input of the observed system moves it: the mode's part of H is
+  /// motion() · input / (s − λ). Of the plant: valves. Of others: forces and moments about the mass
+  /// centre, in units of the roots of the platform's mass and moments of inertia.
   Eigen::Matrix<std::complex<double>, 1, 6> input{};
   [[nodiscard]] double omega() const { return std::abs(pole); }
   [[nodiscard]] double damping_ratio() const { return -pole.real() / std::abs(pole); }
@@ -40,20 +45,29 @@ struct Observation {
   std::vector<ObservedMode> modes{};  ///< ascending in ω
 
   // The modal form of H.
-  Eigen::VectorXcd poles{};                                         ///< all
-  Eigen::Matrix<std::complex<double>, 6, Eigen::Dynamic> output{};  ///< C V against the base
-  Eigen::Matrix<std::complex<double>, Eigen::Dynamic, 6> input{};   ///< V⁻¹ B
+  Eigen::VectorXcd poles{};                                            ///< all
+  Eigen::Matrix<std::complex<double>, 6, Eigen::Dynamic> to_base{};    ///< C V against the base
+  Eigen::Matrix<std::complex<double>, 6, Eigen::Dynamic> to_ground{};  ///< the same of the ground
+  /// V⁻¹ B of every Entry; of commands per displacement. Without columns: the system has no such
+  /// input.
+  std::array<Eigen::MatrixXcd, 3> inputs{};
+  Eigen::MatrixXcd command_speed{};  ///< V⁻¹ B per speed of the command
 
-  Eigen::Matrix<std::complex<double>, 6, Eigen::Dynamic> to_ground{};  ///< C V against the ground
-
-  /// H(s): 6 directions of the mass centre × 6 valves.
+  /// H(s): 6 directions of the mass centre × 6 inputs; `window`: as an average over blocks shows
+  /// it. Throws std::invalid_argument for an entry that the system does not have.
   [[nodiscard]] Eigen::Matrix<std::complex<double>, 6, 6> response(
-      std::complex<double> s, MotionAgainst against = MotionAgainst::base) const;
+      std::complex<double> s, Entry entry, MotionAgainst against = MotionAgainst::base,
+      const LagWindow* window = nullptr) const;
 };
 
-/// Throws base::ComputationError where the machine cannot stand at `X_BP`, and base::InputError
-/// for what the plant does not have.
-Observation observe_plant(const model::Machine& machine, const spatial::Pose& X_BP,
-                          dynamics::ModelKind kind);
+/// `controller`: at work where the system is observed; none: as the machine's file has it. Throws
+/// base::ComputationError where the machine cannot stand at `X_BP`, and base::InputError for what
+/// the plant does not have.
+Observation observe(const model::Machine& machine, const spatial::Pose& X_BP,
+                    dynamics::ModelKind kind, Observed observed,
+                    const control::ControllerParameters* controller = nullptr);
+
+/// Does the system have that input?
+bool can_enter(Observed observed, Entry entry);
 
 }  // namespace hydrapod::calibration

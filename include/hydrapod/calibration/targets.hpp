@@ -5,11 +5,14 @@
 /// `frequency [Hz],direction,deviation [Hz],damping [%],pose,x,y,z,rx,ry,rz`.
 
 #include <complex>
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "hydrapod/calibration/lag_window.hpp"
 #include "hydrapod/calibration/plan.hpp"
+#include "hydrapod/control/parameters.hpp"
 #include "hydrapod/spatial/pose.hpp"
 
 namespace hydrapod::calibration {
@@ -20,9 +23,10 @@ using Vector6c = Eigen::Matrix<std::complex<double>, 6, 1>;
 /// The system whose modes were measured.
 enum class Observed {
   mechanics,  ///< legs on oil springs, undamped: a machine whose valves are shut
-  plant       ///< mechanics, oil and valves, damped: what the drives of the valves see
+  plant,      ///< mechanics, oil and valves, damped: what the drives of the valves see
+  system      ///< with the controller: what commands see, and forces on a controlled machine
 };
-/// "mechanics", "plant".
+/// "mechanics", "plant", "system".
 const char* name(Observed observed);
 
 /// What a motion was measured against, which differs where the base gives way.
@@ -57,19 +61,31 @@ struct ModeTarget {
   std::optional<ComplexShape> complex_shape{};
 };
 
-/// Responses of the plant at one pose, line by line and input by input. A column of H counts up to
-/// one complex factor: what a valve lets through for a command is known worse than how the platform
-/// then moves. Compared where the plant is observed only.
+/// Where an excitation enters, and what six inputs of it are.
+enum class Entry {
+  valves,   ///< commands of the six valves, of the plant
+  forces,   ///< force [N] and moment [N m] on the platform at the measured point, of any system
+  commands  ///< commanded displacement of the pose (x … rz) to the controller, of the system
+};
+/// "valves", "forces", "commands".
+const char* name(Entry entry);
+
+/// Responses at one pose, line by line and input by input. A column of H counts up to one complex
+/// factor: what a valve lets through for a command is known worse than how the platform then moves.
+/// Forces are known, but not the delays of filters and converters between them and the motion:
+/// their columns count up to a phase.
 struct ResponseTarget {
   std::string pose{"neutral"};
   spatial::Vector3 point{spatial::Vector3::Zero()};  ///< Q, whose motion was measured, in P [m]
   std::vector<std::complex<double>> s{};             ///< per line [1/s]
-  std::vector<Eigen::MatrixXcd> H{};                 ///< motion of Q, 6 × inputs
+  std::vector<Eigen::MatrixXcd> H{};                 ///< displacement of Q, 6 × inputs
   /// Per line of each column, as share of it in the metric of the platform's mass.
   std::vector<Eigen::VectorXd> deviation{};
   MotionAgainst against{MotionAgainst::base};  ///< what H is against
-  Eigen::MatrixXd drives{};  ///< what each input drives the six valves with, 6 × inputs
-  int values{};              ///< how many values all lines together say something about
+  Entry entry{Entry::valves};
+  Eigen::MatrixXd inputs{};           ///< what each input is of the six of its entry, 6 × inputs
+  int values{};                       ///< how many values all lines together say something about
+  std::optional<LagWindow> window{};  ///< what the estimate made of the responses; none: nothing
 };
 
 struct Targets {
@@ -78,6 +94,9 @@ struct Targets {
   Observed observed{};
   std::vector<ModeTarget> modes{};
   std::vector<ResponseTarget> responses{};
+  /// What controlled the machine at a pose while the system was measured; a pose that is not in it:
+  /// as the file of the machine observed has it.
+  std::map<std::string, control::ControllerParameters> controllers{};
   bool deviations_given{true};  ///< false: no mode says how exact it is; default_deviation counts
   Plan plan{};                  ///< what the file says about parameters and alternatives
 };

@@ -15,15 +15,14 @@
 #include <string_view>
 #include <vector>
 
+#include "hydrapod/calibration/targets.hpp"
 #include "hydrapod/dynamics/linear_model.hpp"
 
 namespace hydrapod::comparison {
 
 using Motion = Eigen::Matrix<std::complex<double>, 6, 1>;
 
-enum class Source { mechanics, plant, system };
-/// "mechanics", "plant", "system".
-std::string_view source_text(Source source);
+using Source = calibration::Observed;
 /// "mechanics with oil springs", "mechanics, hydraulics and valves", "… and controller".
 std::string_view source_description(Source source);
 

@@ -35,7 +35,7 @@ struct DiagnoseOptions {
   /// dampers in a machine file are rarely known.
   bool damping{};
   double damping_error{0.3};  ///< of ζ, relative
-  /// Use measured responses too, where the plant was measured; see responses.hpp.
+  /// Use measured responses too; see responses.hpp.
   bool responses{true};
   double response_error{0.1};  ///< of a column of responses, relative
   std::size_t strongest{6};    ///< suspects whose pairs with all others are tried
@@ -53,8 +53,9 @@ struct Explanation {
   double misfit{};
   double criterion{};
   calibration::Candidate fit{};
-  /// The plant was measured and cannot be had of this machine: fitted as mechanics, to frequencies
-  /// times the ratio mechanics/plant of the machine as stated.
+  /// Fitted to modes as mechanics alone: what was measured cannot be had of this machine, or it is
+  /// far from the best. Frequencies of the plant or the system are then times the ratio of
+  /// mechanics to it of the machine as stated.
   bool by_mechanics{};
   std::vector<std::string> wrong{};  ///< what it gets wrong, in words, worst first
 };

@@ -30,6 +30,10 @@ struct MeasuredAt {
   spatial::Vector3 point{spatial::Vector3::Zero()};  ///< Q, whose motion was measured, in P [m]
   /// What shapes are against; none: what their outputs say.
   std::optional<calibration::MotionAgainst> against{};
+  /// The system that was measured; none: the plant where all inputs are drives, else mechanics.
+  std::optional<calibration::Observed> observed{};
+  /// Point of the platform that measured forces act at, in P [m]; none: the measured one.
+  std::optional<spatial::Vector3> force_point{};
 };
 
 /// One mode by its numbers: what identification and its JSON have in common.

@@ -1,15 +1,21 @@
 #pragma once
 /// Measured responses as evidence: motion of the platform, line by line, for each input.
 ///
-/// What a valve lets through for a command is rarely known to a tenth, and differs from line to
-/// line; how the platform then moves is not the valve's. Responses to six drives are brought to the
-/// six valves, and a column of H, a line and a valve, is compared up to one complex factor (the
-/// operating shape at this line, as in the frequency domain assurance criterion).
+/// Drives of the valves, and commands to a controller: what a valve lets through is rarely known to
+/// a tenth, and differs from line to line; how the platform then moves is not the valve's.
+/// Responses to six of them are brought to the six legs, and a column of H, a line and a leg, is
+/// compared up to one complex factor (the operating shape at this line, as in the frequency domain
+/// assurance criterion).
 ///
 ///     deviation² = inputs (noise² + error² lines/modes)
 ///
 /// both as shares of the column in the metric of the platform's mass; error: the model's, the same
 /// in all lines. All lines at a pose together count like one shape per mode measured there.
+///
+/// Forces and moments on the platform: a column counts up to a phase, in m/N, and so says how heavy
+/// and how stiff the machine is besides how it moves. To error² comes what poles make of it that
+/// are off by the frequency error and, for dampings are rarely known, by their whole half width:
+/// max (f² + ζ²) ω_k²/|s − λ_k|² over the measured modes.
 ///
 /// Lines: those where the noise of a column is below `worst_noise` of it, spread evenly over the
 /// logarithm of the frequency from 0.6 times the lowest measured mode to 1.4 times the highest, at
@@ -20,6 +26,7 @@
 #include <optional>
 
 #include "hydrapod/calibration/targets.hpp"
+#include "hydrapod/diagnosis/diagnose.hpp"
 #include "hydrapod/diagnosis/measured.hpp"
 #include "hydrapod/dynamics/statics.hpp"
 #include "hydrapod/model/machine_file.hpp"
@@ -29,16 +36,21 @@ namespace hydrapod::diagnosis {
 inline constexpr double worst_noise = 0.3;
 inline constexpr int most_lines = 32;
 
-/// All lines of responses to drives; none where the inputs are not drives in directions of the
-/// platform or of the legs, or the outputs not all six directions in one kind of unit.
+/// What the inputs are: drives by their role, forces (N, with moments in N m) and commands (m, rad)
+/// by their units. None: not all of one kind.
+std::optional<calibration::Entry> entry_of(const std::vector<data::Channel>& inputs);
+
+/// All lines of the responses; none where the inputs are not of one kind in directions of the
+/// platform (drives: or of the legs), the outputs not all six directions in one kind of unit, or
+/// forces act at other measuring points (channels' numbers) than the outputs.
 std::optional<calibration::ResponseTarget> measured_responses(
     const identification::FrequencyResponses& responses, const model::Machine& machine,
     const MeasuredAt& at);
 
-/// The lines that count, with the deviations that count.
+/// The lines that count, with the deviations that count, of those that the observed system has.
 std::vector<calibration::ResponseTarget> chosen_lines(const model::MachineFile& file,
                                                       const calibration::Targets& measured,
                                                       dynamics::ModelKind kind,
-                                                      double response_error);
+                                                      const DiagnoseOptions& options);
 
 }  // namespace hydrapod::diagnosis

@@ -8,17 +8,12 @@
 
 #include "hydrapod/modal/mode_table.hpp"
 #include "hydrapod/model/machine_file.hpp"
+#include "hydrapod/report/pose_choice.hpp"
 #include "hydrapod/response/peaks.hpp"
 
 namespace hydrapod::report {
 
 using Json = nlohmann::ordered_json;
-
-/// A pose with the name it is asked for by.
-struct PoseChoice {
-  std::string name{};
-  spatial::Pose X_BP{};
-};
 
 /// What a result was computed from: name, source, file, overrides.
 Json machine_json(const model::MachineFile& file, const std::string& path);

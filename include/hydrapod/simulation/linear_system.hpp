@@ -18,6 +18,7 @@
 #include <vector>
 
 #include "hydrapod/control/linear_controller.hpp"
+#include "hydrapod/control/parameters.hpp"
 #include "hydrapod/simulation/plant.hpp"
 
 namespace hydrapod::simulation {
@@ -54,6 +55,8 @@ struct LinearSystem {
   Eigen::MatrixXd A{};
   /// Input per commanded displacement (6) and its velocity (6), see ControllerInputs.
   Eigen::MatrixXd B_command{}, B_velocity{};
+  Eigen::MatrixXd B_valve{};   ///< per command of the valves themselves (6), past the controller
+  Eigen::MatrixXd B_wrench{};  ///< per force and moment on the platform about its mass centre (6)
   /// Displacement of P (x…rz, origin of P) from the states: against the base, as leg lengths show
   /// it. See dynamics::LinearModel::against_base for the same of its modes.
   Eigen::MatrixXd C{};
@@ -65,7 +68,8 @@ struct LinearSystem {
   int pade_order{};
   double sample_time{};
   /// The sampled loop: w_{k+1} = sampled · w_k + sampled_command · r_k + sampled_velocity · ṙ_k
-  /// with w = (plant; controller; drives of the last samples, the latest first).
+  /// with w = (plant; controller; drives of the last samples, the latest first). Empty where not
+  /// asked for.
   Eigen::MatrixXd sampled{}, sampled_command{}, sampled_velocity{};
 };
 
@@ -74,6 +78,9 @@ struct LinearSystemOptions {
   int pade_order{
       default_pade_order};  ///< 0: no delay at all in the continuous description, up to 8
   bool closed{true};        ///< false: the plant alone, valves held
+  bool sampled{true};       ///< the sampled loop too
+  /// The controller at work; none: as tune_controller has it for this machine.
+  const control::ControllerParameters* controller{};
 };
 
 /// At rest at `X_BP`. Throws base::ComputationError where the machine cannot stand there,
