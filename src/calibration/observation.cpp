@@ -1,13 +1,12 @@
 #include "hydrapod/calibration/observation.hpp"
 
-#include <Eigen/Eigenvalues>
-#include <Eigen/LU>
 #include <algorithm>
 #include <stdexcept>
 
 #include "hydrapod/base/error.hpp"
 #include "hydrapod/modal/damped_modes.hpp"
 #include "hydrapod/simulation/linear_system.hpp"
+#include "numerics/dense.hpp"
 
 namespace hydrapod::calibration {
 
@@ -19,17 +18,13 @@ using Eigen::MatrixXd;
 
 std::size_t number(Entry entry) { return static_cast<std::size_t>(entry); }
 
-/// A system in states that matter alike, and its eigenvectors.
-struct Solved {
-  Eigen::VectorXcd poles{};
-  MatrixXcd V{};
-};
-Solved solved(const MatrixXd& A) {
+/// Of a system in states that matter alike.
+numerics::EigenPairs solved(const MatrixXd& A) {
   if (!A.allFinite()) throw base::ComputationError("the plant is not finite with these values");
-  const Eigen::EigenSolver<MatrixXd> solver(A);
-  if (solver.info() != Eigen::Success)
+  auto pairs = numerics::eigen_pairs(A);
+  if (!pairs.converged)
     throw base::ComputationError("the poles of the plant could not be computed");
-  return {solver.eigenvalues(), solver.eigenvectors()};
+  return pairs;
 }
 
 /// Fills in the modes. `motion`: of mechanics in all its coordinates, the platform's against the
@@ -66,7 +61,7 @@ void observe_mechanics(const model::Machine& machine, Observation& seen) {
   A.bottomLeftCorner(n, n) = (-modes.omega2.cwiseQuotient(rate)).asDiagonal();
   A.bottomRightCorner(n, n) =
       -modal::modal_damping_matrix(model, modes, modal::modal_ratio(machine).value);
-  const auto [poles, V] = solved(A);
+  const auto [poles, V, converged] = solved(A);
   seen.poles = poles;
   const MatrixXcd motion =
       (modes.shapes * rate.cwiseInverse().asDiagonal()).cast<Complex>() * V.topRows(n);
@@ -74,7 +69,7 @@ void observe_mechanics(const model::Machine& machine, Observation& seen) {
   seen.to_base = model.against_base.cast<Complex>() * seen.to_ground;
   MatrixXd B = MatrixXd::Zero(2 * n, 6);
   B.bottomRows(n) = modes.shapes.topRows<6>().transpose();
-  seen.inputs[number(Entry::forces)] = V.partialPivLu().solve(B.cast<Complex>());
+  seen.inputs[number(Entry::forces)] = numerics::solve(V, B.cast<Complex>());
   add_modes(motion, Entry::forces, seen);
 }
 
@@ -85,13 +80,13 @@ void observe_hydraulics(const model::Machine& machine, bool closed,
       machine, model.X_BP,
       {.kind = model.kind, .closed = closed, .sampled = false, .controller = controller});
   const auto& scales = system.scales;
-  const auto [poles, scaled] =
+  const auto [poles, scaled, converged] =
       solved(scales.cwiseInverse().asDiagonal() * system.A * scales.asDiagonal());
   seen.poles = poles;
   const MatrixXcd V = scales.asDiagonal() * scaled;
-  const Eigen::PartialPivLU<MatrixXcd> lu(scaled);
+  const MatrixXcd to_modes = numerics::inverse(scaled) * scales.cwiseInverse().asDiagonal();
   const auto entering = [&](const MatrixXd& B) -> MatrixXcd {
-    return lu.solve((scales.cwiseInverse().asDiagonal() * B).cast<Complex>());
+    return to_modes * B.cast<Complex>();
   };
   seen.inputs[number(Entry::forces)] = entering(system.B_wrench);
   if (closed) {

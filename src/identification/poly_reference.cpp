@@ -3,14 +3,13 @@
 #include <fmt/format.h>
 
 #include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
-#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <stdexcept>
 
 #include "line_weights.hpp"
+#include "numerics/dense.hpp"
 
 namespace hydrapod::identification {
 
@@ -187,14 +186,13 @@ OrderPoles poles_of(const Problem& p, const Normal& normal, const MatrixXd& alph
   for (Index k = 0; k < order; ++k)  // w^k has the coefficient A_{n−k}
     companion.block(size - inputs, k * inputs, inputs, inputs) =
         -alpha.middleRows((order - k) * inputs, inputs);
-  const Eigen::EigenSolver<MatrixXd> solver(companion);
+  const auto [values, vectors, converged] = numerics::eigen_pairs(companion);
   OrderPoles found{.order = order, .poles = {}};
-  if (solver.info() != Eigen::Success) return found;
-  const MatrixXcd vectors = solver.eigenvectors();
-  const MatrixXcd left = vectors.partialPivLu().inverse();
+  if (!converged) return found;
+  const MatrixXcd left = numerics::inverse(vectors);
   const Numerator numerator(normal, alpha, order);
   for (Index r = 0; r < size; ++r) {
-    const Complex w = solver.eigenvalues()[r];
+    const Complex w = values[r];
     if (std::abs(w) < 1e-12) continue;
     const Complex z = 1.0 / w, s = std::log(z) / p.period;
     PoleEstimate e;

@@ -1,9 +1,5 @@
 #include "hydrapod/identification/realisation.hpp"
 
-#include <Eigen/Eigenvalues>
-#include <Eigen/LU>
-#include <Eigen/QR>
-#include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -11,6 +7,7 @@
 #include "hydrapod/base/error.hpp"
 #include "hydrapod/identification/modal_model.hpp"
 #include "hydrapod/numerics/fft.hpp"
+#include "numerics/dense.hpp"
 
 namespace hydrapod::identification {
 
@@ -76,22 +73,22 @@ Hankel decompose(const MarkovSequence& sequence, int highest) {
   for (Index i = 0; i < blocks; ++i)
     for (Index j = 0; j < blocks; ++j)
       H.block(i * rows, j * columns, rows, columns) = sequence.values[static_cast<size_t>(i + j)];
-  const Eigen::BDCSVD<MatrixXd> svd(H, Eigen::ComputeThinU | Eigen::ComputeThinV);
-  return {svd.matrixU(), svd.matrixV(), svd.singularValues(), rows, columns};
+  auto svd = numerics::singular_values(H);
+  return {std::move(svd.U), std::move(svd.V), std::move(svd.s), rows, columns};
 }
 
 OrderPoles poles_of(const Hankel& h, int order, double interval) {
   const Index up = h.U.rows() - h.rows;
   const Eigen::VectorXd root = h.s.head(order).cwiseSqrt();
   const MatrixXd O = h.U.leftCols(order) * root.asDiagonal();
-  const MatrixXd A = O.topRows(up).colPivHouseholderQr().solve(O.bottomRows(up));
+  const MatrixXd A = numerics::least_squares(O.topRows(up), O.bottomRows(up));
   const MatrixXd B = root.asDiagonal() * h.V.topLeftCorner(h.columns, order).transpose();
-  const Eigen::EigenSolver<MatrixXd> solver(A);
+  const auto [values, V, converged] = numerics::eigen_pairs(A);
   OrderPoles found{.order = order, .poles = {}};
-  if (solver.info() != Eigen::Success) return found;
-  const MatrixXcd V = solver.eigenvectors(), L = V.partialPivLu().inverse() * B;
+  if (!converged) return found;
+  const MatrixXcd L = numerics::inverse(V) * B;
   for (Index r = 0; r < order; ++r) {
-    const Complex z = solver.eigenvalues()[r];
+    const Complex z = values[r];
     if (std::abs(z) < 1e-12 || !(std::arg(z) > 0.0)) continue;
     PoleEstimate e;
     e.pole = std::log(z) / interval;

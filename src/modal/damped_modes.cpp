@@ -1,12 +1,12 @@
 #include "hydrapod/modal/damped_modes.hpp"
 
 #include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
 #include "hydrapod/base/error.hpp"
+#include "numerics/dense.hpp"
 
 namespace hydrapod::modal {
 
@@ -79,15 +79,13 @@ class PoleSolver {
     A.topRightCorner(n, n).setIdentity();
     A.bottomLeftCorner(n, n).diagonal() = -modes_.omega2 / (scale * scale);
     A.bottomRightCorner(n, n) = -Gamma_ / scale;
-    const Eigen::EigenSolver<Eigen::MatrixXd> solver(A);
-    if (solver.info() != Eigen::Success)
-      throw base::ComputationError("the damped modes did not converge");
-    const double largest = solver.eigenvalues().cwiseAbs().maxCoeff();
+    const auto [values, vectors, converged] = numerics::eigen_pairs(A);
+    if (!converged) throw base::ComputationError("the damped modes did not converge");
+    const double largest = values.cwiseAbs().maxCoeff();
     for (int k = 0; k < 2 * n; ++k) {
-      const Complex value = solver.eigenvalues()[k];
+      const Complex value = values[k];
       if (value.imag() >= 0.0)
-        add(value, solver.eigenvectors().col(k).head(n), scale,
-            same_pole_tolerance(value, largest));
+        add(value, vectors.col(k).head(n), scale, same_pole_tolerance(value, largest));
     }
     return poles_;
   }

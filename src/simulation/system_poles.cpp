@@ -1,13 +1,12 @@
 #include "hydrapod/simulation/system_poles.hpp"
 
-#include <Eigen/Eigenvalues>
-#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numeric>
 
 #include "hydrapod/base/error.hpp"
+#include "numerics/dense.hpp"
 
 namespace hydrapod::simulation {
 
@@ -66,9 +65,8 @@ void sampled_poles(const LinearSystem& system, SystemPoles& found) {
   const auto n = std::min<Eigen::Index>(scales.size(), system.scales.size());
   scales.head(n) = system.scales.head(n);
   const MatrixXd A = scales.cwiseInverse().asDiagonal() * system.sampled * scales.asDiagonal();
-  const Eigen::EigenSolver<MatrixXd> solver(A, false);
   found.largest_modulus = 0.0;
-  for (const Complex z : solver.eigenvalues()) {
+  for (const Complex z : numerics::eigenvalues(A)) {
     found.largest_modulus = std::max(found.largest_modulus, std::abs(z));
     if (z.imag() < 0.0 || std::abs(z) < 1e-12) continue;  // conjugates; drives that are forgotten
     found.sampled.push_back(std::log(z) / system.sample_time);
@@ -82,14 +80,12 @@ void sampled_poles(const LinearSystem& system, SystemPoles& found) {
 }  // namespace
 
 SystemPoles system_poles(const LinearSystem& system) {
-  const Eigen::EigenSolver<MatrixXd> solver(scaled(system));
-  if (solver.info() != Eigen::Success)
+  const auto [poles, V, converged] = numerics::eigen_pairs(scaled(system));
+  if (!converged)
     throw base::ComputationError(
         "the poles of the system could not be computed: the QR iteration "
         "did not converge");
-  const Eigen::VectorXcd poles = solver.eigenvalues();
-  const MatrixXcd V = solver.eigenvectors();
-  const MatrixXcd W = V.inverse();  // rows: left eigenvectors
+  const MatrixXcd W = numerics::inverse(V);  // rows: left eigenvectors
   std::vector<int> order;
   for (int k = 0; k < poles.size(); ++k)
     if (poles[k].imag() >= 0.0) order.push_back(k);
@@ -127,7 +123,7 @@ Eigen::Matrix<Complex, 6, 6> command_response(const LinearSystem& system, double
   const MatrixXcd B = d.cwiseInverse().asDiagonal() *
                       (system.B_command.cast<Complex>() + s * system.B_velocity.cast<Complex>());
   const MatrixXcd C = (system.C * d.asDiagonal()).cast<Complex>();
-  return C * pencil.partialPivLu().solve(B);
+  return C * numerics::solve(pencil, B);
 }
 
 }  // namespace hydrapod::simulation

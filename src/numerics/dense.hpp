@@ -1,0 +1,37 @@
+#pragma once
+/// Dense linear algebra of dynamic size, compiled once.
+///
+/// Eigen's decompositions take expressions, and every file that hands one over compiles the
+/// algorithm anew: 5 to 20 s a file. These take and give plain matrices.
+
+#include <Eigen/Core>
+
+namespace hydrapod::numerics {
+
+/// A V = V diag(values) of a real matrix; complex values come as pairs of conjugates, vectors with
+/// length 1.
+struct EigenPairs {
+  Eigen::VectorXcd values{};
+  Eigen::MatrixXcd vectors{};
+  bool converged = false;  ///< else values and vectors are empty
+};
+EigenPairs eigen_pairs(const Eigen::MatrixXd& A);
+
+/// The eigenvalues alone; empty where the iteration did not converge.
+Eigen::VectorXcd eigenvalues(const Eigen::MatrixXd& A);
+
+/// A⁻¹ B, by elimination with partial pivoting. Whether A can be inverted is not checked.
+Eigen::MatrixXcd solve(const Eigen::MatrixXcd& A, const Eigen::MatrixXcd& B);
+Eigen::MatrixXcd inverse(const Eigen::MatrixXcd& A);
+
+/// X with the least ‖A X − B‖, by QR with column pivoting.
+Eigen::MatrixXd least_squares(const Eigen::MatrixXd& A, const Eigen::MatrixXd& B);
+
+/// A = U diag(s) Vᵀ with as many columns as A has singular values; s descends.
+struct SingularValues {
+  Eigen::MatrixXd U{}, V{};
+  Eigen::VectorXd s{};
+};
+SingularValues singular_values(const Eigen::MatrixXd& A);
+
+}  // namespace hydrapod::numerics

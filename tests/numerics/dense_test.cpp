@@ -1,0 +1,88 @@
+/// Decompositions against what defines them, and against matrices whose spectrum is known.
+
+#include "numerics/dense.hpp"
+
+#include <gtest/gtest.h>
+
+#include <complex>
+#include <limits>
+
+#include "support/random.hpp"
+
+namespace hydrapod::numerics {
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXcd;
+using Eigen::MatrixXd;
+using Complex = std::complex<double>;
+
+MatrixXd random_matrix(test::Random& random, Index rows, Index columns) {
+  return MatrixXd::NullaryExpr(rows, columns, [&] { return random.uniform(-1.3, 1.7); });
+}
+
+TEST(Dense, EigenPairsAreThoseOfTheMatrix) {
+  test::Random random(71);
+  const MatrixXd A = random_matrix(random, 17, 17);
+  const auto pairs = eigen_pairs(A);
+  ASSERT_TRUE(pairs.converged);
+  const MatrixXcd lack =
+      A.cast<Complex>() * pairs.vectors - pairs.vectors * pairs.values.asDiagonal();
+  EXPECT_LT(lack.norm(), 1e-12 * A.norm());
+  EXPECT_NEAR((pairs.vectors.colwise().norm().array() - 1.0).abs().maxCoeff(), 0.0, 1e-14);
+  EXPECT_LT((eigenvalues(A) - pairs.values).norm(), 1e-12 * A.norm());
+}
+
+TEST(Dense, EigenvaluesOfAKnownSpectrum) {
+  // x˙˙ + 0.37 x˙ + 12.1 x = 0
+  MatrixXd A(2, 2);
+  A << 0.0, 1.0, -12.1, -0.37;
+  const auto values = eigenvalues(A);
+  ASSERT_EQ(values.size(), 2);
+  const double imaginary = std::sqrt(12.1 - 0.185 * 0.185);
+  for (const Complex value : values) {
+    EXPECT_NEAR(value.real(), -0.185, 1e-14);
+    EXPECT_NEAR(std::abs(value.imag()), imaginary, 1e-14);
+  }
+}
+
+TEST(Dense, WhatIsNotFiniteDoesNotConverge) {
+  MatrixXd A = MatrixXd::Identity(3, 3);
+  A(1, 2) = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_FALSE(eigen_pairs(A).converged);
+  EXPECT_EQ(eigenvalues(A).size(), 0);
+}
+
+TEST(Dense, SolvesAndInverts) {
+  test::Random random(72);
+  MatrixXcd A(9, 9);
+  A.real() = random_matrix(random, 9, 9);
+  A.imag() = random_matrix(random, 9, 9);
+  MatrixXcd B(9, 4);
+  B.real() = random_matrix(random, 9, 4);
+  B.imag() = random_matrix(random, 9, 4);
+  EXPECT_LT((A * solve(A, B) - B).norm(), 1e-12 * B.norm());
+  EXPECT_LT((A * inverse(A) - MatrixXcd::Identity(9, 9)).norm(), 1e-12);
+}
+
+TEST(Dense, LeastSquaresLeaveWhatIsOrthogonal) {
+  test::Random random(73);
+  const MatrixXd A = random_matrix(random, 23, 7), B = random_matrix(random, 23, 3);
+  const MatrixXd rest = B - A * least_squares(A, B);
+  EXPECT_GT(rest.norm(), 0.1 * B.norm());
+  EXPECT_LT((A.transpose() * rest).norm(), 1e-12 * A.norm() * B.norm());
+}
+
+TEST(Dense, SingularValuesBuildTheMatrix) {
+  test::Random random(74);
+  const MatrixXd A = random_matrix(random, 31, 12);
+  const auto [U, V, s] = singular_values(A);
+  ASSERT_EQ(s.size(), 12);
+  EXPECT_LT((U * s.asDiagonal() * V.transpose() - A).norm(), 1e-12 * A.norm());
+  EXPECT_LT((U.transpose() * U - MatrixXd::Identity(12, 12)).norm(), 1e-12);
+  for (Index k = 1; k < s.size(); ++k) EXPECT_LE(s[k], s[k - 1]);
+  EXPECT_NEAR(s.squaredNorm(), A.squaredNorm(), 1e-12 * A.squaredNorm());
+}
+
+}  // namespace
+}  // namespace hydrapod::numerics
