@@ -11,12 +11,14 @@ using Eigen::MatrixXcd;
 using Eigen::MatrixXd;
 
 EigenPairs eigen_pairs(const MatrixXd& A) {
+  if (!A.allFinite()) return {};  // Eigen may call it converged
   const Eigen::EigenSolver<MatrixXd> solver(A);
   if (solver.info() != Eigen::Success) return {};
   return {solver.eigenvalues(), solver.eigenvectors(), true};
 }
 
 Eigen::VectorXcd eigenvalues(const MatrixXd& A) {
+  if (!A.allFinite()) return {};
   const Eigen::EigenSolver<MatrixXd> solver(A, false);
   if (solver.info() != Eigen::Success) return {};
   return solver.eigenvalues();

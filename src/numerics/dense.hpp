@@ -13,11 +13,11 @@ namespace hydrapod::numerics {
 struct EigenPairs {
   Eigen::VectorXcd values{};
   Eigen::MatrixXcd vectors{};
-  bool converged = false;  ///< else values and vectors are empty
+  bool converged = false;  ///< else, and where A is not finite, values and vectors are empty
 };
 EigenPairs eigen_pairs(const Eigen::MatrixXd& A);
 
-/// The eigenvalues alone; empty where the iteration did not converge.
+/// The eigenvalues alone; empty where A is not finite or the iteration did not converge.
 Eigen::VectorXcd eigenvalues(const Eigen::MatrixXd& A);
 
 /// A⁻¹ B, by elimination with partial pivoting. Whether A can be inverted is not checked.
