@@ -104,9 +104,12 @@ void write_mat_variables(const std::string& path, const std::vector<MatVariable>
   std::string text = mat5_file_head();
   for (const auto& v : variables) {
     require_name(v.name);
-    text += v.is_text   ? mat5_text(v.name, v.texts.empty() ? "" : v.texts[0])
-              : v.is_list ? mat5_text_list(v.name, v.texts)
-                        : array_text(v);
+    if (v.is_text)
+      text += mat5_text(v.name, v.texts.empty() ? "" : v.texts[0]);
+    else if (v.is_list)
+      text += mat5_text_list(v.name, v.texts);
+    else
+      text += array_text(v);
   }
   base::write_file_whole(path, text);
 }

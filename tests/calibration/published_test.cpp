@@ -6,6 +6,7 @@
 #include "hydrapod/kinematics/check_machine.hpp"
 #include "hydrapod/model/variable_machine.hpp"
 #include "support/calibration_machine.hpp"
+#include "support/places.hpp"
 #include "support/run_program.hpp"
 
 namespace hydrapod::calibration {
@@ -44,9 +45,7 @@ TEST(Published, NoStartingValueIsNearTheKnownSet) {
 class PublishedTables : public testing::Test {
  protected:
   void SetUp() override {
-#ifdef __SANITIZE_ADDRESS__
-    GTEST_SKIP() << "too slow under sanitizers";
-#endif
+    if (test::sanitized) GTEST_SKIP() << "too slow under sanitizers";
   }
 };
 
