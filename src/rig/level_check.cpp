@@ -1,4 +1,5 @@
-/// Is there room for the excitation? Judged before the run.
+/// Is there room for the excitation, and does the machine stand still without it? Judged before the
+/// run.
 
 #include <fmt/format.h>
 
@@ -7,9 +8,11 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numbers>
 
 #include "hydrapod/kinematics/inverse.hpp"
 #include "hydrapod/rig/rig.hpp"
+#include "hydrapod/simulation/system_poles.hpp"
 #include "rig_work.hpp"
 
 namespace hydrapod::rig {
@@ -77,19 +80,20 @@ Vector6 room_left(const simulation::Plant& plant, const spatial::Pose& pose) {
 
 void judge_strokes(const Peaks& peaks, const spatial::Matrix6& J, const Vector6& room,
                    std::vector<LevelFinding>& findings) {
+  bool one_alone = false;
   for (int i = 0; i < 6; ++i) {
     const Vector6 needs = peaks.direction[i] * J.col(i).cwiseAbs();
     Eigen::Index leg = 0;
-    if ((needs - room).maxCoeff(&leg) > 0.0)
-      findings.push_back(
-          {base::Severity::error,
-           fmt::format("{} at this level needs {:.3g} mm of stroke in leg {}, {:.3g} "
-                       "mm left",
-                       directions[static_cast<std::size_t>(i)], needs[leg] / mm, leg + 1,
-                       std::max(room[leg], 0.0) / mm)});
+    if (!((needs - room).maxCoeff(&leg) > 0.0)) continue;
+    one_alone = true;
+    findings.push_back({base::Severity::error,
+                        fmt::format("{} at this level needs {:.3g} mm of stroke in leg {}, {:.3g} "
+                                    "mm left",
+                                    directions[static_cast<std::size_t>(i)], needs[leg] / mm,
+                                    leg + 1, std::max(room[leg], 0.0) / mm)});
   }
   Eigen::Index leg = 0;
-  if (findings.empty() && (peaks.leg - room).maxCoeff(&leg) > 0.0)
+  if (!one_alone && (peaks.leg - room).maxCoeff(&leg) > 0.0)
     findings.push_back(
         {base::Severity::error,
          fmt::format("all directions together need {:.3g} mm of stroke in leg {}, {:.3g} mm left",
@@ -135,11 +139,33 @@ void judge_pressures(const Peaks& peaks, const control::ControllerParameters& pa
              peaks.leg_force[worst] / 1e3, worst + 1, available[worst] / 1e3)});
 }
 
+/// What oscillates by itself is never seen at rest, and its modes are not what a record shows.
+void judge_stability(const simulation::ClosedLoop& loop, const RigOptions& options,
+                     std::vector<LevelFinding>& findings) {
+  const auto system =
+      simulation::linear_system(loop.plant().machine(), loop.operating(),
+                                {.kind = options.loop.kind, .controller = &loop.parameters()});
+  const auto poles = simulation::system_poles(system);
+  if (poles.sampled_stable) return;
+  const auto s = poles.sampled.front();
+  const double omega = std::abs(s);
+  findings.push_back(
+      {base::Severity::warning,
+       s.imag() > 0.0
+           ? fmt::format("the machine oscillates by itself under its controller, at {:.3g} Hz with "
+                         "{:.2g} % of critical damping: a record shows that beside the excitation; "
+                         "a smaller controller.bandwidth or another feedback may help",
+                         omega / (2.0 * std::numbers::pi), -100.0 * s.real() / omega)
+           : std::string("the machine does not stay where it is under its controller: the loop is "
+                         "unstable")});
+}
+
 }  // namespace
 
 std::vector<LevelFinding> check_levels(const simulation::ClosedLoop& loop,
                                        const RigOptions& options) {
   std::vector<LevelFinding> findings;
+  judge_stability(loop, options, findings);
   if (options.entry == Entry::wrench) return findings;  // what it moves, the run shows
   const spatial::Pose& pose = loop.operating();
   const spatial::Matrix6 J = excitation_jacobian(loop.plant().machine(), pose);

@@ -204,6 +204,43 @@ TEST(Rig, LevelsAreCheckedAgainstStrokeAndValves) {
   EXPECT_EQ(findings[0].severity, base::Severity::error);
 }
 
+/// With so large a gain and nothing that damps the oil the starter machine's loop is unstable, and
+/// the rig sees its platform swing ever more.
+TEST(Rig, SaysThatAMachineOscillatesByItself) {
+  const auto with = [](const std::string& gain) {
+    return model::parse_machine(model::starter_machine_file(), "starter.toml",
+                                {"controller.feedback=none", "controller.bandwidth=" + gain})
+        .machine;
+  };
+  auto options = at_rest();
+  options.duration = 4.0;
+  const auto swing = [&](const model::Machine& machine) {
+    auto pushed = options;
+    pushed.entry = Entry::wrench;
+    pushed.signals = default_signals(Entry::wrench);
+    const Eigen::VectorXd length = measured(pushed, machine).col(12);
+    return variance(length.tail(1000)) / variance(length.head(1000));
+  };
+  for (const auto entry : {Entry::command, Entry::drive, Entry::wrench}) {
+    options.entry = entry;
+    options.signals = {WhiteNoise{}};
+    const auto judged = [&](const std::string& gain) {
+      const auto machine = with(gain);
+      const simulation::ClosedLoop loop(machine, machine.neutral(), loop_options(options));
+      return check_levels(loop, options);
+    };
+    EXPECT_THAT(judged("0.47"), testing::IsEmpty());
+    const auto findings = judged("13.1");
+    ASSERT_EQ(findings.size(), 1U);
+    EXPECT_EQ(findings[0].severity, base::Severity::warning);
+    EXPECT_THAT(findings[0].message,
+                testing::MatchesRegex("the machine oscillates by itself under its controller, at "
+                                      "[0-9.]+ Hz with -[0-9.]+ % of critical damping.*"));
+  }
+  EXPECT_GT(swing(with("13.1")), 10.0);
+  EXPECT_LT(swing(with("0.47")), 4.0);
+}
+
 TEST(LowPass, OfEighthOrderIsThreeDecibelsDownAtItsCorner) {
   constexpr double rate = 2000.0, corner = 400.0;
   const auto level = [&](double frequency) {

@@ -45,7 +45,8 @@ std::vector<SignalSpec> default_signals(Entry entry);
 /// pressures, accelerometers.
 std::vector<data::Channel> rig_channels(const RigOptions& options);
 
-/// What keeps the machine from following: too little stroke, joints, valves, full drive.
+/// What keeps the machine from following, too little stroke, valves, full drive; or from standing
+/// still: a loop that is unstable.
 struct LevelFinding {
   base::Severity severity{base::Severity::error};
   std::string message{};  ///< "ry at this level needs 31 mm of stroke in leg 4, 12 mm left"
