@@ -67,29 +67,37 @@ std::vector<Explanation> try_charges(const Evidence& evidence, const Charges& ch
   return explanations;
 }
 
-/// Pairs that hold one of those that explain most alone: what explains the data together with
-/// another also explains most of them alone.
-Charges pairs(const Diagnosis& d, std::size_t strongest) {
-  std::set<std::vector<std::size_t>> found;
-  std::size_t taken = 0;
-  for (const auto& e : d.explanations) {
-    if (e.suspects.size() != 1) continue;
-    const std::size_t a = e.suspects.front();
-    if (!d.suspects[a].in_pairs) continue;
-    if (taken++ >= strongest) break;
+/// The suspects that explain most alone: what explains the data together with another mostly
+/// explains much of them alone.
+std::vector<std::size_t> strongest(const Diagnosis& d, std::size_t count) {
+  std::vector<std::size_t> found;
+  for (const auto& e : d.explanations)
+    if (e.suspects.size() == 1 && d.suspects[e.suspects.front()].in_pairs && found.size() < count)
+      found.push_back(e.suspects.front());
+  return found;
+}
+
+/// Pairs of `some` with all others, and both seals at once, though either alone may explain little;
+/// without those of `tried`, to which they are added.
+Charges pairs_of(const std::vector<std::size_t>& some, const Diagnosis& d,
+                 std::set<std::vector<std::size_t>>& tried) {
+  Charges found;
+  const auto add = [&](std::size_t a, std::size_t b) {
+    std::vector<std::size_t> pair{std::min(a, b), std::max(a, b)};
+    if (tried.insert(pair).second) found.push_back(std::move(pair));
+  };
+  for (const auto a : some)
     for (std::size_t b = 0; b < d.suspects.size(); ++b)
-      if (can_be_together(d.suspects[a], d.suspects[b]))
-        found.insert({std::min(a, b), std::max(a, b)});
-  }
-  // both seals at once, though either alone may explain little
+      if (can_be_together(d.suspects[a], d.suspects[b])) add(a, b);
   for (std::size_t a = 0; a < d.suspects.size(); ++a)
     for (std::size_t b = a + 1; b < d.suspects.size(); ++b) {
       const auto& [sleeves, rings] = std::tie(d.suspects[a], d.suspects[b]);
       if (sleeves.family == "guide sleeves" && rings.family == "piston rings" && !sleeves.leg &&
           !rings.leg)
-        found.insert({a, b});
+        add(a, b);
     }
-  return {found.begin(), found.end()};
+  std::ranges::sort(found);
+  return found;
 }
 
 /// Those that come first by `criterion`, and all within reach of the first.
@@ -134,11 +142,70 @@ void fit_to_all(const Evidence& evidence, std::vector<Explanation>& found, doubl
       [&](double share) { return show(0.3 + 0.7 * share); });
 }
 
+/// Explanations that hold a suspect, best first, each with numbers of its own for it: at most
+/// `most` of them for each suspect.
+std::vector<std::vector<const Explanation*>> by_suspect(const std::vector<Explanation>& all,
+                                                        std::size_t suspects, std::size_t most) {
+  std::vector<const Explanation*> ordered;
+  for (const auto& e : all) ordered.push_back(&e);
+  std::ranges::stable_sort(ordered, {}, &Explanation::misfit);
+  std::vector<std::vector<const Explanation*>> found(suspects);
+  for (const auto* e : ordered)
+    for (const auto k : e->suspects)
+      if (found[k].size() < most &&
+          std::ranges::none_of(found[k], [&](const auto* other) { return alike(*e, *other); }))
+        found[k].push_back(e);
+  return found;
+}
+
+/// A fit may end beside the best numbers: singles, and pairs near the best, go on from what others
+/// found for the same suspects, where that is better than their own.
+void learn_from_each_other(const Evidence& evidence, Diagnosis& d, int threads, Watch& watch,
+                           double from, double to) {
+  constexpr double near = 60.0;
+  constexpr std::size_t most = 4;
+  const double limit = d.best().criterion + near;
+  const auto before = d.explanations;
+  const auto found = by_suspect(before, d.suspects.size(), most);
+  for_all(
+      before.size(), threads,
+      [&](std::size_t k) {
+        auto& e = d.explanations[k];
+        if (e.suspects.size() == 1 || (e.suspects.size() > 1 && e.criterion < limit))
+          evidence.learn(e, found, {});
+      },
+      [&](double share) { return watch.at(from + (to - from) * share); });
+}
+
 /// Could a pair that fits perfectly still be the best?
 bool pairs_can_win(const Diagnosis& d) {
   const auto n = static_cast<double>(d.values);
   const double least = 2.0 * std::log(n) + hypothesis_penalty(d.suspects.size(), 2);
   return least < d.best().criterion;
+}
+
+/// Pairs of the strongest with all others; where a pair explains the data best, also of its two
+/// with all others, of which one may have explained little alone.
+void try_pairs(const Evidence& evidence, const DiagnoseOptions& options, Diagnosis& d,
+               Watch& watch) {
+  constexpr int rounds = 3;
+  constexpr double begin = 0.4, most = 0.8, end = 0.85;
+  std::set<std::vector<std::size_t>> tried;
+  auto some = strongest(d, options.strongest);
+  for (int round = 0; round < rounds && !watch.stopped(); ++round) {
+    const auto charges = pairs_of(some, d, tried);
+    const double from = round == 0 ? begin : most, to = round == 0 ? most : end;
+    const double found_at = evidence.in_two_steps() ? from + 0.8 * (to - from) : to;
+    auto found =
+        try_charges(evidence, charges, d.explanations, options.threads, watch, from, found_at);
+    fit_to_all(evidence, found, d.values, options.threads, watch, found_at, to);
+    for (auto& e : found) d.explanations.push_back(std::move(e));
+    rank(d);
+    some = d.best().suspects;
+    if (some.size() < 2) break;
+  }
+  learn_from_each_other(evidence, d, options.threads, watch, end, 0.9);
+  rank(d);
 }
 
 void describe(const Evidence& evidence, Diagnosis& d, int threads, Watch& watch) {
@@ -274,13 +341,7 @@ Diagnosis diagnose(const model::MachineFile& file, const calibration::Targets& m
   fit_to_all(evidence, singles, d.values, options.threads, watch, 0.3, 0.4);
   for (auto& e : singles) d.explanations.push_back(std::move(e));
   rank(d);
-  if (!watch.stopped() && pairs_can_win(d)) {
-    auto found = try_charges(evidence, pairs(d, options.strongest), d.explanations, options.threads,
-                             watch, 0.4, evidence.in_two_steps() ? 0.75 : 0.9);
-    fit_to_all(evidence, found, d.values, options.threads, watch, 0.75, 0.9);
-    for (auto& e : found) d.explanations.push_back(std::move(e));
-    rank(d);
-  }
+  if (!watch.stopped() && pairs_can_win(d)) try_pairs(evidence, options, d, watch);
   judge(d);
   if (!d.alike.empty()) widen(evidence, d, options.frequency_error, watch);
   trace_modes(file, d);

@@ -268,17 +268,75 @@ void Evidence::polish(Explanation& e, bool and_stated, const calibration::Progre
   polish(e, targets_, and_stated, stop);
 }
 
-void Evidence::see(Explanation& e) const {
-  if (!in_two_steps()) return;
+std::optional<calibration::Candidate> Evidence::seen(const Explanation& e) const {
   try {
-    auto seen = calibration::compare(file_at(e), targets_, e.kind);
-    if (!seen.fitted) return;
-    e.fit.targets = std::move(seen.targets);
-    e.fit.responses = std::move(seen.responses);
-    e.misfit = e.fit.misfit = seen.misfit;
-    e.by_mechanics = false;
+    auto fit = calibration::compare(file_at(e), targets_, e.kind);
+    if (fit.fitted) return fit;
   } catch (const base::ComputationError&) {
   } catch (const base::InputError&) {
+  }
+  return std::nullopt;
+}
+
+void Evidence::see(Explanation& e) const {
+  if (!in_two_steps()) return;
+  auto fit = seen(e);
+  if (!fit) return;
+  e.fit.targets = std::move(fit->targets);
+  e.fit.responses = std::move(fit->responses);
+  e.misfit = e.fit.misfit = fit->misfit;
+  e.by_mechanics = false;
+}
+
+namespace {
+
+/// Values of what two fits let free: those of `from`.
+void take_values(const calibration::Candidate& from, calibration::Candidate& fit) {
+  for (auto& p : fit.parameters)
+    for (const auto& known : from.parameters)
+      if (known.paths == p.paths) p.value = known.value;
+}
+
+}  // namespace
+
+bool alike(const Explanation& a, const Explanation& b) {
+  constexpr double another = 0.02;
+  for (const auto& p : a.fit.parameters)
+    for (const auto& q : b.fit.parameters)
+      if (p.paths == q.paths && std::abs(p.value - q.value) > another * std::abs(q.value))
+        return false;
+  return true;
+}
+
+void Evidence::learn(Explanation& e, const std::vector<std::vector<const Explanation*>>& found,
+                     const calibration::Progress& stop) const {
+  std::optional<Explanation> best;
+  const auto consider = [&](const std::vector<const Explanation*>& from) {
+    if (std::ranges::all_of(from, [&](const auto* one) { return alike(*one, e); })) return;
+    auto other = e;
+    for (const auto* one : from) take_values(one->fit, other.fit);
+    const auto fit = seen(other);
+    if (!fit || !(fit->misfit < (best ? best->misfit : e.misfit))) return;
+    other.misfit = fit->misfit;
+    best = std::move(other);
+  };
+  std::vector<const Explanation*> together;
+  for (const auto k : e.suspects) {
+    for (const auto* one : found[k]) consider({one});
+    if (!found[k].empty()) together.push_back(found[k].front());
+  }
+  if (together.size() > 1) consider(together);
+  if (!best) return;
+  try {
+    auto fit = refit(*best, targets_, false, stop);
+    static_cast<void>(file_of(file_, {.overrides = e.overrides, .fit = fit}));
+    if (!(fit.misfit < e.misfit)) return;
+    keep_stated(e.fit, fit);
+    e.fit = std::move(fit);
+    e.misfit = e.fit.misfit;
+    e.by_mechanics = false;
+  } catch (const base::ComputationError&) {  // it cannot stand, or
+  } catch (const base::InputError&) {        // no machine, or no plant, has such numbers
   }
 }
 

@@ -44,6 +44,10 @@ class Evidence {
   void see(Explanation& explanation) const;
   /// Fits it to everything that was measured. `and_stated`: from the stated values too.
   void polish(Explanation& explanation, bool and_stated, const calibration::Progress& stop) const;
+  /// Goes on from what others found for its suspects, where these numbers meet everything that was
+  /// measured better than its own: `found[k]`, explanations that hold suspect k, best first.
+  void learn(Explanation& explanation, const std::vector<std::vector<const Explanation*>>& found,
+             const calibration::Progress& stop) const;
   /// Adds to the deviations of its parameters what a model error that all frequencies share makes
   /// of them: the fit counts the errors of modes as independent.
   void widen(Explanation& explanation, double frequency_error) const;
@@ -71,6 +75,8 @@ class Evidence {
   [[nodiscard]] Explanation search(const std::vector<std::size_t>& blamed,
                                    const calibration::Targets& targets, const Explanation* known,
                                    const calibration::Progress& stop) const;
+  /// As it is, compared with everything that was measured; none where that cannot be had.
+  [[nodiscard]] std::optional<calibration::Candidate> seen(const Explanation& explanation) const;
   /// Fitted again from its own values, or those of the file.
   [[nodiscard]] calibration::Candidate refit(const Explanation& explanation,
                                              const calibration::Targets& targets, bool from_stated,
@@ -86,6 +92,9 @@ class Evidence {
   Explanation stated_{};
   calibration::Targets by_mechanics_{};  ///< the modes brought to mechanics
 };
+
+/// Have two explanations the same numbers, nearly, for what both let free?
+bool alike(const Explanation& a, const Explanation& b);
 
 /// Why the machine as stated cannot be compared with the targets; empty: it can.
 std::string plant_refused(const model::MachineFile& file, const calibration::Targets& targets,

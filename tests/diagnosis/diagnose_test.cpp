@@ -136,6 +136,22 @@ TEST(Diagnose, FindsOneLeg) {
   EXPECT_TRUE(named(of({"leg.5.oil_spring.cylinder.bulk_modulus=0.7 GPa"}), "oil spring of leg 5"));
 }
 
+/// Alone platform mass and inertia explain most of it; its best pair leads to the one planted.
+TEST(Diagnose, FindsAPairOfWhichNeitherExplainsMostAlone) {
+  const BlindCase planted{
+      .machine = "zhang-jiang-2021.toml",
+      .fault = {"leg.2.oil_spring.stiffness=2.117 N/um", "leg.6.oil_spring.stiffness=2.311 N/um"},
+      .repetition = 17};
+  const auto file = test::machine_file(planted.text(), {});
+  const auto targets = test::by_noise(planted, test::machine_file(planted.text(), planted.fault));
+  const auto d = diagnose(file, targets, ModelKind::guide, file.machine.poses, {.strongest = 1});
+  const auto single = std::ranges::find_if(d.explanations, [&](const auto& e) {
+    return e.suspects.size() == 1 && d.suspects[e.suspects.front()].in_pairs;
+  });
+  EXPECT_EQ(single->name, "platform mass and inertia");
+  EXPECT_EQ(d.explanations[d.alike.at(0)].name, "oil spring of leg 2 and oil spring of leg 6");
+}
+
 TEST(Diagnose, DoesNotDependOnTheNumberOfThreads) {
   const auto file = stiff_file();
   const auto targets = measured({});

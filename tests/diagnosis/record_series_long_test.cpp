@@ -25,8 +25,9 @@ std::vector<Recorded> recorded() {
                                      "legs.oil_spring.cylinder.bulk_modulus=0.8 GPa"};
   auto stiff = oil;
   stiff.push_back("legs.guide_sleeve.stiffness=20 kN/mm");
+  // slower than it would be tuned: with air in the oil it would oscillate by itself
   auto undamped = stiff;
-  undamped.push_back("controller.feedback=none");
+  undamped.insert(undamped.end(), {"controller.feedback=none", "controller.bandwidth=0.73"});
   const Sizes soft{1.7, 0.93, 40.0, 0.2}, hard{0.06, 1.21, 0.15, 1.0};
   return {// the seals' modes are sharp there: ten minutes; faults that keep them away from x and y
           {{"zhang-jiang-2021.toml", {}, {"neutral"}, 0.0, {0.55, 1.24, 6.0, 1.0}},
@@ -37,11 +38,11 @@ std::vector<Recorded> recorded() {
           {{"heavy-platform.toml", stiff, {"neutral", "low"}, 0.0, hard}, {120.0, 2e-4, 1.0}, 0},
           {{"vibration table", {}, {"neutral", "tilted"}, 0.0, {0.07, 1.19, 0.1, 1.0}},
            {90.0, 1.1e-4, 1.7},
-           3},
+           2},
           // a controller that does not damp, and forces on the platform
           {{"heavy-platform.toml", undamped, {"neutral"}, 0.0, hard},
-           {.duration = 120.0, .force = 5e3},
-           0}};
+           {.duration = 120.0, .force = 3e3},
+           1}};
 }
 
 class RecordSeries : public testing::TestWithParam<std::size_t> {};
@@ -53,8 +54,14 @@ TEST_P(RecordSeries, FindsWhatWasPlanted) {
   std::cout << "| machine | poses | record | planted | verdict | ranked | s |\n"
                "| --- | --- | --- | --- | --- | --- | --- |\n";
   for (const auto& test : cases_of(setting, 1000 * static_cast<int>(GetParam() + 1))) {
-    const auto result = run_blind(test, measure);
     ++cases;
+    BlindResult result;
+    try {
+      result = run_blind(test, measure);
+    } catch (const base::InputError& error) {  // nothing to diagnose in it
+      ADD_FAILURE() << test.planted_name() << ": " << error.what();
+      continue;
+    }
     found += result.found;
     if (test.planted.empty()) {
       ++innocent;
