@@ -109,17 +109,19 @@ std::vector<std::string> unexplained(const Diagnosis& d) {
 
 namespace {
 
-/// Rigid mode of which a mode holds most: its frequency and share.
-void find_rigid(const model::Machine& machine, const model::NamedPose& pose,
+/// Mode of the rigid calculation, of the machine as stated, of which a mode holds most: its
+/// frequency and share. An explanation may weigh the platform differently.
+void find_rigid(const model::Machine& stated, const model::NamedPose& pose,
                 const dynamics::LinearModel& flexible, const dynamics::ModelVector& phi,
                 MeasuredMode& mode) {
-  const auto rigid = dynamics::linear_model(without_mount_and_gimbals(machine), pose.X_BP,
+  const auto rigid = dynamics::linear_model(without_mount_and_gimbals(stated), pose.X_BP,
                                             dynamics::ModelKind::rigid);
   const auto modes = modal::normal_modes(rigid);
   const spatial::Vector6 momentum = flexible.M.topRows<6>() * phi;
+  const spatial::Matrix6 M = flexible.M.topLeftCorner<6, 6>();
   for (int r = 0; r < 6; ++r) {
     const spatial::Vector6 psi = modes.shapes.col(r);
-    const double mac = std::pow(psi.dot(momentum), 2);
+    const double mac = std::pow(psi.dot(momentum), 2) / psi.dot(M * psi);
     if (mac <= mode.rigid_mac) continue;
     mode.rigid_mac = mac;
     mode.omega_rigid = modes.omega(r);
@@ -146,7 +148,7 @@ void trace_modes(const model::MachineFile& file, Diagnosis& d) {
     const auto model = dynamics::linear_model(machine, pose->X_BP, best.kind);
     const auto modes = modal::normal_modes(model);
     const dynamics::ModelVector phi = modes.shapes.col(best.fit.targets[i].mode);
-    find_rigid(machine, *pose, model, phi, mode);
+    find_rigid(file.machine, *pose, model, phi, mode);
     const auto energy = modal::energy_shares(model, phi).front();
     mode.oil = energy.oil.sum();
     mode.guide_sleeves = energy.guide_sleeve.sum();

@@ -168,7 +168,7 @@ void add_attribution(const CaseFile& file, std::vector<std::string>& words) {
   }
   if (drops.empty() && !file.drops.empty())
     words.push_back(fmt::format(
-        "Calculated at pose {}: no resonance lies 1 % or more below the rigid calculation.",
+        "Calculated at pose {}: rigid seals, gimbals and base would raise no resonance by 1 %.",
         file.pose));
 }
 

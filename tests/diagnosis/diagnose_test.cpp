@@ -8,6 +8,7 @@
 #include "blind_series.hpp"
 #include "hydrapod/base/error.hpp"
 #include "hydrapod/diagnosis/summary.hpp"
+#include "hydrapod/modal/normal_modes.hpp"
 
 namespace hydrapod::diagnosis {
 namespace {
@@ -130,6 +131,18 @@ TEST(Diagnose, FindsTheOilAndSaysHowToTellItFromTheGimbals) {
   EXPECT_TRUE(named(d, "bulk modulus of the oil"));
   EXPECT_FALSE(named(d, "guide sleeves of all legs"));
   EXPECT_EQ(d.discriminators.size() + 1, d.alike.size());
+  // the rigid calculation is that of the owner, who does not know of his oil
+  const auto machine = stiff_file().machine;
+  const auto rigid =
+      modal::normal_modes(linear_model(machine, machine.neutral(), ModelKind::rigid));
+  for (std::size_t k = 0; k < 6; ++k) {
+    EXPECT_NEAR(d.modes[k].omega_rigid, rigid.omega(static_cast<int>(k)), 1e-9);
+    EXPECT_GT(d.modes[k].rigid_mac, 0.9);
+  }
+  const std::string drop = fmt::format("{:.0f} %", 100.0 * d.modes[0].drop());
+  EXPECT_THAT(summary({.diagnosis = d}),
+              testing::Contains(AllOf(HasSubstr("At pose neutral the "), HasSubstr("x and y"),
+                                      HasSubstr(drop + " below the rigid calculation"))));
 }
 
 TEST(Diagnose, FindsOneLeg) {

@@ -61,7 +61,10 @@ calibration::Targets with_responses(const BlindCase& test, const model::MachineF
     to_origin.topRightCorner<3, 3>() =
         -spatial::skew(plant.mechanics.X_BP.p_BP - plant.mechanics.p_BC);
     add_lines(
-        0.93, [&](auto s) { return to_origin * plant.response(s, calibration::Entry::valves); },
+        0.93,
+        [&](auto s) -> Eigen::MatrixXcd {
+          return to_origin * plant.response(s, calibration::Entry::valves);
+        },
         random, all);
     targets.responses.push_back(all);
   }
@@ -188,7 +191,7 @@ calibration::Targets hammered(const BlindCase& test, const model::MachineFile& t
                                     .inputs = spatial::Matrix6::Identity()};
     add_lines(
         0.0,
-        [&](auto s) {
+        [&](auto s) -> Eigen::MatrixXcd {
           return std::exp(-0.0007 * s) *  // filters delay
                  seen.response(s, calibration::Entry::forces, calibration::MotionAgainst::ground);
         },

@@ -79,7 +79,7 @@ struct MeasuredMode {
   double omega{}, deviation{};          ///< as used [rad/s]
   double omega_stated{}, omega_best{};  ///< of the machine as stated, of the best explanation
   double shape_mac{};                   ///< with the best explanation; 0 without a shape
-  double omega_rigid{};                 ///< rigid mode of which it holds most; 0: none
+  double omega_rigid{};  ///< mode of the rigid calculation of which it holds most; 0: none
   double rigid_mac{};
   double oil{}, guide_sleeves{}, piston_rings{}, base{};  ///< shares of the elastic energy
   /// 1 − ω/ω_rigid, of what was measured.
