@@ -184,7 +184,7 @@ std::string remedy_words(const CaseFile& file) {
         goal, hertz(r.limit.omega), percent(r.limit.drop), r.pose, r.direction);
   constexpr double far = 0.01;
   if (r.status == RemedyStatus::met_already && r.needed.factor < far)
-    return fmt::format("Guide sleeves of {} are stiff enough for {}, and far softer ones would be.",
+    return fmt::format("Guide sleeves of {} are stiff enough for {}, and far softer ones would do.",
                        today, goal);
   if (r.status == RemedyStatus::met_already)
     return fmt::format("Guide sleeves of {} are stiff enough for {}; {} would do.", today, goal,
