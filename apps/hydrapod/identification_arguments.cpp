@@ -35,9 +35,18 @@ double time_of(const std::string& option, const std::string& text) {
   return value;
 }
 
+/// How the files are read.
+data::ReadOptions read_options(const MeasurementArguments& a) {
+  if (a.sample_rate.empty()) return {};
+  const double rate = plain_or_quantity("--sample-rate " + a.sample_rate, a.sample_rate, "Hz");
+  if (!(rate > 0.0)) bad_argument("--sample-rate " + a.sample_rate, "must be positive");
+  return {.sample_rate = rate};
+}
+
 /// What brings leg lengths to the platform.
 std::optional<identification::PlatformFrame> platform_frame(const MeasurementArguments& arguments) {
-  const auto header = data::open_record_reader(arguments.files[0])->header();
+  const auto header =
+      data::open_record_reader(arguments.files[0], read_options(arguments))->header();
   const auto found = measured_machine(arguments, &header);
   if (!found) return {};
   return identification::PlatformFrame{.machine = found->file.machine,
@@ -72,7 +81,7 @@ std::vector<PlacedSensor> chosen_sensors(const MeasurementArguments& a,
 
 /// Accelerometers as outputs, and what makes directions of the platform of them.
 void use_accelerometers(const MeasurementArguments& a, identification::MeasureOptions& o) {
-  const auto header = data::open_record_reader(a.files[0])->header();
+  const auto header = data::open_record_reader(a.files[0], read_options(a))->header();
   const auto machine = measured_machine(a, &header);
   if (!machine)
     bad_argument("--accelerometers",
@@ -109,11 +118,7 @@ identification::MeasureOptions options_of(const MeasurementArguments& a) {
   if (a.overlap) o.overlap = *a.overlap / 100.0;
   if (!a.period.empty()) o.period = time_of("--period", a.period);
   if (!a.settling.empty()) o.settling = time_of("--settling", a.settling);
-  if (!a.sample_rate.empty()) {
-    const double rate = plain_or_quantity("--sample-rate " + a.sample_rate, a.sample_rate, "Hz");
-    if (!(rate > 0.0)) bad_argument("--sample-rate " + a.sample_rate, "must be positive");
-    o.read.sample_rate = rate;
-  }
+  o.read = read_options(a);
   if (a.accelerometers || !a.sensors.empty())
     use_accelerometers(a, o);
   else
@@ -174,7 +179,7 @@ void add_measurement_options(Command command, MeasurementArguments& a) {
   command.add_option("--period", a.period,
                      "Period of the excitation, s or with a unit; 0: none; default: found out");
   command.add_option("--settling", a.settling, "Time at the beginning that is passed over");
-  command.add_option("--sample-rate", a.sample_rate, "For files that do not tell it");
+  command.add_option("--sample-rate,--rate", a.sample_rate, "For files that do not tell it");
   command.add_option("--machine", a.machine,
                      "Machine file: turns leg lengths into platform directions, and is what modes "
                      "are compared with; default: the one in the record");

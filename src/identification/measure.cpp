@@ -185,6 +185,12 @@ SpectrumOptions spectrum_options(const std::vector<std::string>& files,
     o.block_length = static_cast<int>(period);
     return o;
   }
+  constexpr int shortest_block = 16;
+  if (shortest < shortest_block)
+    bad(files[0],
+        fmt::format("the record has {}: responses need blocks of at least {}, and several of them",
+                    shortest == 0 ? "no samples" : fmt::format("only {} samples", shortest),
+                    shortest_block));
   if (options.block_length) {
     o.block_length = *options.block_length;
   } else {
@@ -194,10 +200,11 @@ SpectrumOptions spectrum_options(const std::vector<std::string>& files,
         blocks_per_input * static_cast<double>(plan.choice.inputs.size() + 2);
     const double total = static_cast<double>(shortest) * static_cast<double>(files.size());
     // the power of two that is nearest in ratio
-    const auto wanted = static_cast<unsigned>(
-        std::clamp(std::numbers::sqrt2 * total / side_by_side, 16.0, static_cast<double>(1 << 17)));
+    const auto wanted = static_cast<unsigned>(std::clamp(std::numbers::sqrt2 * total / side_by_side,
+                                                         static_cast<double>(shortest_block),
+                                                         static_cast<double>(1 << 17)));
     o.block_length = static_cast<int>(std::bit_floor(wanted));
-    if (o.block_length > shortest && shortest >= 16)
+    if (o.block_length > shortest)
       o.block_length = static_cast<int>(std::bit_floor(static_cast<unsigned>(shortest)));
   }
   if (o.block_length > shortest)

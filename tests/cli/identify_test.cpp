@@ -151,6 +151,23 @@ TEST_F(Identify, ARecordTooShortForTheResolutionIsRefused) {
   const auto longer = test::run_hydrapod({"frf", write(), "--block", "65536"});
   EXPECT_EQ(longer.exit_code, 2);
   EXPECT_THAT(longer.err, HasSubstr("fewer than one block"));
+  const std::string few = folder / "few.csv", rate = "# hydrapod record 1\n# sample_rate_hz: 9\n";
+  test::write_text(few, rate + "time [s],u1 [N],y1 [m]\n0,1,0.1\n0.1,2,0.3\n");
+  const auto short_one = test::run_hydrapod({"frf", few, "--inputs", "u1", "--outputs", "y1"});
+  EXPECT_THAT(short_one.err, HasSubstr("few.csv: error: the record has only 2 samples:"));
+}
+
+/// The reader of the file says `--rate`, whatever command reads it.
+TEST_F(Identify, TheRateOfAFileWithoutOneCanBeGiven) {
+  const std::string few = folder / "few.csv";
+  test::write_text(few, "u1 [N],y1 [m]\n1,0.1\n2,0.3\n");
+  const std::vector<std::string> arguments{"frf", few, "--inputs", "u1", "--outputs", "y1"};
+  EXPECT_THAT(test::run_hydrapod(arguments).err, HasSubstr("give the rate in Hz with --rate"));
+  for (const char* option : {"--rate", "--sample-rate"}) {
+    auto with = arguments;
+    with.insert(with.end(), {option, "9 Hz"});
+    EXPECT_THAT(test::run_hydrapod(with).err, HasSubstr("the record has only 2 samples:"));
+  }
 }
 
 TEST_F(Identify, BadOptionsAreRefused) {
