@@ -40,6 +40,6 @@ packages_test=(
 
 # For ./test --sanitize-files, --sanitize and --long.
 packages_sanitize=(
-  "clang compiles with sanitizers in two thirds of the time of gcc, and the fuzz targets"
+  "clang compiles with sanitizers, and the fuzz targets"
   "libclang-rt-dev libFuzzer and sanitizers for clang"
 )

@@ -101,7 +101,7 @@ void judge(const std::vector<rig::LevelFinding>& findings, bool force) {
   for (const auto& finding : findings) {
     const bool error = finding.severity == base::Severity::error && !force;
     list.push_back({.severity = error ? base::Severity::error : base::Severity::warning,
-                    .file = "--excite",
+                    .file = finding.of_controller ? "controller" : "--excite",
                     .message = finding.message});
     bad = bad || error;
   }

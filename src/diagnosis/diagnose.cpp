@@ -152,8 +152,9 @@ std::vector<std::vector<const Explanation*>> by_suspect(const std::vector<Explan
   std::vector<std::vector<const Explanation*>> found(suspects);
   for (const auto* e : ordered)
     for (const auto k : e->suspects)
-      if (found[k].size() < most &&
-          std::ranges::none_of(found[k], [&](const auto* other) { return alike(*e, *other); }))
+      if (found[k].size() < most && std::ranges::none_of(found[k], [&](const auto* other) {
+            return same_numbers(*e, *other);
+          }))
         found[k].push_back(e);
   return found;
 }
@@ -171,8 +172,8 @@ void learn_from_each_other(const Evidence& evidence, Diagnosis& d, int threads, 
       before.size(), threads,
       [&](std::size_t k) {
         auto& e = d.explanations[k];
-        if (e.suspects.size() == 1 || (e.suspects.size() > 1 && e.criterion < limit))
-          evidence.learn(e, found, {});
+        const bool single = e.suspects.size() == 1, pair = e.suspects.size() == 2;
+        if (single || (pair && e.criterion < limit)) evidence.learn(e, found, {});
       },
       [&](double share) { return watch.at(from + (to - from) * share); });
 }

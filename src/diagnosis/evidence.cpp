@@ -191,6 +191,14 @@ void keep_stated(const calibration::Candidate& from, calibration::Candidate& fit
       if (known.paths == p.paths) p.start = known.start;
 }
 
+/// A fit to everything that was measured becomes that of the explanation.
+void take(calibration::Candidate fit, Explanation& e) {
+  keep_stated(e.fit, fit);
+  e.fit = std::move(fit);
+  e.misfit = e.fit.misfit;
+  e.by_mechanics = false;
+}
+
 }  // namespace
 
 Explanation Evidence::search(const std::vector<std::size_t>& blamed, const Targets& targets,
@@ -243,25 +251,28 @@ calibration::Candidate Evidence::refit(const Explanation& e, const Targets& targ
   return calibration::calibrate(file_with(e), targets, plan, e.kind, stop).best();
 }
 
+std::optional<calibration::Candidate> Evidence::sound_refit(
+    const Explanation& e, const Targets& targets, bool from_stated,
+    const calibration::Progress& stop) const {
+  try {
+    auto fit = refit(e, targets, from_stated, stop);
+    static_cast<void>(file_of(file_, {.overrides = e.overrides, .fit = fit}));
+    return fit;
+  } catch (const base::ComputationError&) {  // it cannot stand, or
+  } catch (const base::InputError&) {        // no machine, or no plant, has such numbers
+  }
+  return std::nullopt;
+}
+
 void Evidence::polish(Explanation& e, const Targets& targets, bool and_stated,
                       const calibration::Progress& stop) const {
   if (!beyond_mechanics(targets)) return;
-  std::optional<calibration::Candidate> best;
-  for (const bool from_stated : {false, true}) {
-    if (from_stated && !and_stated) continue;
-    try {
-      auto fit = refit(e, targets, from_stated, stop);
-      static_cast<void>(file_of(file_, {.overrides = e.overrides, .fit = fit}));
-      if (!best || fit.misfit < best->misfit) best = std::move(fit);
-    } catch (const base::ComputationError&) {  // it cannot stand, or
-    } catch (const base::InputError&) {        // no machine, or no plant, has such numbers
-    }
+  auto best = sound_refit(e, targets, false, stop);
+  if (and_stated) {
+    auto other = sound_refit(e, targets, true, stop);
+    if (other && (!best || other->misfit < best->misfit)) best = std::move(other);
   }
-  if (!best) return;
-  keep_stated(e.fit, *best);
-  e.fit = std::move(*best);
-  e.misfit = e.fit.misfit;
-  e.by_mechanics = false;
+  if (best) take(std::move(*best), e);
 }
 
 void Evidence::polish(Explanation& e, bool and_stated, const calibration::Progress& stop) const {
@@ -299,7 +310,7 @@ void take_values(const calibration::Candidate& from, calibration::Candidate& fit
 
 }  // namespace
 
-bool alike(const Explanation& a, const Explanation& b) {
+bool same_numbers(const Explanation& a, const Explanation& b) {
   constexpr double another = 0.02;
   for (const auto& p : a.fit.parameters)
     for (const auto& q : b.fit.parameters)
@@ -312,7 +323,7 @@ void Evidence::learn(Explanation& e, const std::vector<std::vector<const Explana
                      const calibration::Progress& stop) const {
   std::optional<Explanation> best;
   const auto consider = [&](const std::vector<const Explanation*>& from) {
-    if (std::ranges::all_of(from, [&](const auto* one) { return alike(*one, e); })) return;
+    if (std::ranges::all_of(from, [&](const auto* one) { return same_numbers(*one, e); })) return;
     auto other = e;
     for (const auto* one : from) take_values(one->fit, other.fit);
     const auto fit = seen(other);
@@ -327,17 +338,8 @@ void Evidence::learn(Explanation& e, const std::vector<std::vector<const Explana
   }
   if (together.size() > 1) consider(together);
   if (!best) return;
-  try {
-    auto fit = refit(*best, targets_, false, stop);
-    static_cast<void>(file_of(file_, {.overrides = e.overrides, .fit = fit}));
-    if (!(fit.misfit < e.misfit)) return;
-    keep_stated(e.fit, fit);
-    e.fit = std::move(fit);
-    e.misfit = e.fit.misfit;
-    e.by_mechanics = false;
-  } catch (const base::ComputationError&) {  // it cannot stand, or
-  } catch (const base::InputError&) {        // no machine, or no plant, has such numbers
-  }
+  auto fit = sound_refit(*best, targets_, false, stop);
+  if (fit && fit->misfit < e.misfit) take(std::move(*fit), e);
 }
 
 Explanation Evidence::explain(const std::vector<std::size_t>& blamed, const Explanation* known,

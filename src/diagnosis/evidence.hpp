@@ -81,6 +81,10 @@ class Evidence {
   [[nodiscard]] calibration::Candidate refit(const Explanation& explanation,
                                              const calibration::Targets& targets, bool from_stated,
                                              const calibration::Progress& stop) const;
+  /// None where no machine, or no plant, has the numbers that it finds.
+  [[nodiscard]] std::optional<calibration::Candidate> sound_refit(
+      const Explanation& explanation, const calibration::Targets& targets, bool from_stated,
+      const calibration::Progress& stop) const;
   void polish(Explanation& explanation, const calibration::Targets& targets, bool and_stated,
               const calibration::Progress& stop) const;
   [[nodiscard]] calibration::Targets for_mechanics() const;
@@ -94,7 +98,7 @@ class Evidence {
 };
 
 /// Have two explanations the same numbers, nearly, for what both let free?
-bool alike(const Explanation& a, const Explanation& b);
+bool same_numbers(const Explanation& a, const Explanation& b);
 
 /// Why the machine as stated cannot be compared with the targets; empty: it can.
 std::string plant_refused(const model::MachineFile& file, const calibration::Targets& targets,

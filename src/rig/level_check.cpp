@@ -157,7 +157,8 @@ void judge_stability(const simulation::ClosedLoop& loop, const RigOptions& optio
                          "a smaller controller.bandwidth or another feedback may help",
                          omega / (2.0 * std::numbers::pi), -100.0 * s.real() / omega)
            : std::string("the machine does not stay where it is under its controller: the loop is "
-                         "unstable")});
+                         "unstable"),
+       true});
 }
 
 }  // namespace

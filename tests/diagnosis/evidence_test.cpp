@@ -54,7 +54,7 @@ TEST_F(Learning, GoesOnFromBetterNumbersOfAnother) {
   const auto pair = at({sleeves, index_of("oil springs of all legs")}, 1.03 * soft);
   auto single = at({sleeves}, 2.7 * soft);
   const double before = single.misfit;
-  ASSERT_FALSE(alike(pair, single));
+  ASSERT_FALSE(same_numbers(pair, single));
   evidence_.learn(single, known(pair), {});
   EXPECT_LT(single.misfit, 0.1 * before);
   EXPECT_NEAR(single.fit.parameters[0].value, soft, 3.0 * single.fit.parameters[0].deviation);

@@ -50,6 +50,7 @@ std::vector<data::Channel> rig_channels(const RigOptions& options);
 struct LevelFinding {
   base::Severity severity{base::Severity::error};
   std::string message{};  ///< "ry at this level needs 31 mm of stroke in leg 4, 12 mm left"
+  bool of_controller{};   ///< of the controller, not of the excitation
 };
 
 /// Runs the excitation through kinematics (linear in the displacement, legs at the pose), up to
