@@ -172,6 +172,22 @@ void add_attribution(const CaseFile& file, std::vector<std::string>& words) {
         file.pose));
 }
 
+/// Of sleeves that will do today: stiffer ones may put their own resonances where they do harm.
+std::string stiffer_words(const CaseFile& file) {
+  const auto& r = *file.remedy;
+  double from = 0.0, to = 0.0;
+  for (const auto& point : r.curve) {
+    const bool misses =
+        file.goal.drop ? point.drop > *file.goal.drop : point.omega < file.goal.omega.value_or(0.0);
+    if (point.factor <= 1.0 || !misses) continue;
+    from = from > 0.0 ? std::min(from, point.stiffness) : point.stiffness;
+    to = std::max(to, point.stiffness);
+  }
+  if (to == 0.0) return "";
+  return fmt::format(" Stiffer ones miss it again, from about {} to {}.",
+                     amount_text(from, 0.0, "N/m"), amount_text(to, 0.0, "N/m"));
+}
+
 std::string remedy_words(const CaseFile& file) {
   const auto& r = *file.remedy;
   const std::string goal = goal_words(file.goal);
@@ -183,12 +199,12 @@ std::string remedy_words(const CaseFile& file) {
         "{}).",
         goal, hertz(r.limit.omega), percent(r.limit.drop), r.pose, r.direction);
   constexpr double far = 0.01;
-  if (r.status == RemedyStatus::met_already && r.needed.factor < far)
-    return fmt::format("Guide sleeves of {} are stiff enough for {}, and far softer ones would do.",
-                       today, goal);
-  if (r.status == RemedyStatus::met_already)
-    return fmt::format("Guide sleeves of {} are stiff enough for {}; {} would do.", today, goal,
-                       stiffness);
+  if (r.status == RemedyStatus::met_already) {
+    const bool softer = r.needed.factor < far;
+    const auto enough = softer ? ", and far softer ones would do" : "; " + stiffness + " would do";
+    return fmt::format("Guide sleeves of {} are stiff enough for {}{}.{}", today, goal, enough,
+                       stiffer_words(file));
+  }
   return fmt::format(
       "Guide sleeves of at least {} ({:.3g} times today's {}) give {}; pose {} in {} "
       "asks for the most.",

@@ -2,9 +2,11 @@
 
 #include "hydrapod/diagnosis/attribution.hpp"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "hydrapod/diagnosis/remedy.hpp"
+#include "hydrapod/diagnosis/summary.hpp"
 #include "support/calibration_machine.hpp"
 #include "support/run_program.hpp"
 
@@ -133,6 +135,11 @@ TEST(Remedy, IsNotNeededWhereTodaysSleevesWillDo) {
   EXPECT_EQ(found.status, RemedyStatus::met_already);
   EXPECT_LT(found.needed.factor, 1.0);
   EXPECT_LT(found.needed.drop, 0.02);
+  const auto words = summary({.goal = {.drop = 0.02}, .remedy = found});
+  const bool worse = std::ranges::any_of(
+      found.curve, [](const auto& point) { return point.factor > 1.0 && point.drop > 0.02; });
+  ASSERT_TRUE(worse);
+  EXPECT_THAT(words.back(), testing::HasSubstr("Stiffer ones miss it again, from about "));
 }
 
 TEST(Workspace, PosesAreSoundAndReachTheirLimits) {
