@@ -1,0 +1,48 @@
+#include "hydrapod/numerics/parallel.hpp"
+
+#include <algorithm>
+#include <atomic>
+#include <exception>
+#include <mutex>
+#include <thread>
+#include <vector>
+
+namespace hydrapod::numerics {
+
+Progress part_of(const Progress& progress, double from, double to) {
+  if (!progress) return {};
+  return [progress, from, to](double share) { return progress(from + (to - from) * share); };
+}
+
+bool parallel_for(std::size_t count, int threads, const std::function<void(std::size_t)>& task,
+                  const Progress& progress) {
+  const auto wanted = threads > 0 ? static_cast<unsigned>(threads)
+                                  : std::max(1U, std::thread::hardware_concurrency());
+  std::atomic<std::size_t> next{0}, done{0};
+  std::atomic<bool> stopped{false};
+  std::mutex mutex;
+  std::exception_ptr failure;
+  const auto work = [&] {
+    for (std::size_t i = next++; i < count && !stopped; i = next++) {
+      try {
+        task(i);
+        const std::lock_guard lock(mutex);
+        const double share = static_cast<double>(++done) / static_cast<double>(count);
+        if (progress && progress(share)) stopped = true;
+      } catch (...) {
+        const std::lock_guard lock(mutex);
+        if (!failure) failure = std::current_exception();
+        stopped = true;
+      }
+    }
+  };
+  {
+    std::vector<std::jthread> others;
+    for (unsigned k = 1; k < std::min<std::size_t>(wanted, count); ++k) others.emplace_back(work);
+    work();
+  }
+  if (failure) std::rethrow_exception(failure);
+  return !stopped;
+}
+
+}  // namespace hydrapod::numerics
