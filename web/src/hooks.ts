@@ -2,7 +2,7 @@
 
 import type { Report } from './document';
 import type { LegPoints } from './mechanics/leg';
-import type { Complex } from './mechanics/response';
+import type { Complex } from './complex';
 import type { State } from './state';
 
 export interface SceneHook {

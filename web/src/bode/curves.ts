@@ -2,16 +2,8 @@
 
 import type { Bode, PoseReport } from '../document';
 import { directions } from '../document';
-import {
-  entry,
-  grid,
-  leadingMode,
-  magnitude,
-  phase,
-  responseAt,
-  type Complex,
-  type Matrix6,
-} from '../mechanics/response';
+import type { Complex } from '../complex';
+import { entry, grid, leadingMode, magnitude, phase, responseAt, type Matrix6 } from '../mechanics/response';
 
 export interface Pair {
   output: number;

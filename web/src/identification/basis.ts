@@ -5,14 +5,9 @@
 //
 // with the shift a of the responses.
 
-import type { Complex } from '../mechanics/response';
+import type { Complex } from '../complex';
 import { fourier } from './fourier';
-
-export interface Taper {
-  duration_s: number;
-  /** ρ − 1 at even steps from lag 0 on; a power of two of them. */
-  values: number[];
-}
+import type { Taper } from './types';
 
 export interface PoleLines {
   re: Float64Array;

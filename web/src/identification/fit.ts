@@ -7,17 +7,13 @@
 // with one over the mean square of its row plus that row's median. The C++ fit (modal_model.hpp)
 // moves λ and L as well; with its λ and L this gives its shapes.
 
-import type { Complex } from '../mechanics/response';
-import { PoleBasis, type PoleLines, type Taper } from './basis';
+import type { Complex } from '../complex';
+import { PoleBasis, type PoleLines } from './basis';
+import type { Measured, Taper } from './types';
 
 export interface Pole {
   pole: Complex;
   participation: { re: number[]; im: number[] };
-}
-
-export interface Measured {
-  frequency_hz: number[];
-  response: { re: number[]; im: number[]; deviation?: number[] }[][];
 }
 
 export interface Fit {

@@ -2,7 +2,8 @@
 
 import uPlot from 'uplot';
 import { html } from '../dom';
-import { magnitude, phase, type Complex } from '../mechanics/response';
+import type { Complex } from '../complex';
+import { magnitude, phase } from '../mechanics/response';
 import { tick } from '../numbers';
 import { axisStyle, palette, type Palette } from '../palette';
 import { logTicks, magnitudeTicks } from '../bode/picture';

@@ -1,11 +1,23 @@
 // The part of the document that `hydrapod report --measured` adds; fields as in docs/howto/json.md.
 
-import type { Taper } from './basis';
-import type { Measured } from './fit';
+import type { Complex } from '../complex';
 
 export interface Vector {
   re: number[];
   im: number[];
+}
+
+/** What the window does to an impulse response. */
+export interface Taper {
+  duration_s: number;
+  /** ρ − 1 at even steps from lag 0 on; a power of two of them. */
+  values: number[];
+}
+
+/** Measured frequency responses by output and input. */
+export interface Measured {
+  frequency_hz: number[];
+  response: { re: number[]; im: number[]; deviation?: number[] }[][];
 }
 
 export interface Channel {
@@ -18,7 +30,7 @@ export interface FittedPole {
   frequency_95_hz: number;
   damping_ratio: number;
   damping_95: number;
-  pole: { re: number; im: number };
+  pole: Complex;
   shape: Vector;
   participation: Vector;
 }
@@ -39,7 +51,7 @@ export interface ChartPole {
   agrees: Agreement;
   /** From 1; null: of none. */
   cluster: number | null;
-  pole: { re: number; im: number };
+  pole: Complex;
   participation: Vector;
 }
 

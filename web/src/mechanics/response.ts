@@ -1,11 +1,7 @@
 // H(ω) = Φ_p (Ω² − ω² I + iω Γ)⁻¹ Φ_pᵀ at any frequency, see modal_response_json.hpp.
 
+import type { Complex } from '../complex';
 import type { ModalResponse } from '../document';
-
-export interface Complex {
-  re: number;
-  im: number;
-}
 
 /** All 36 responses at one frequency: re, im of (output, input) at 2 (6 output + input). */
 export type Matrix6 = Float64Array;

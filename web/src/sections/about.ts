@@ -4,7 +4,7 @@ import type { PoseReport, Report } from '../document';
 import { button, download, html } from '../dom';
 import { list } from '../numbers';
 import type { State } from '../state';
-import type { Section } from './registry';
+import type { Section } from './section';
 
 export const about: Section = {
   id: 'about',

@@ -8,11 +8,12 @@ import type { Bode } from '../document';
 import { directions } from '../document';
 import { button, download, html, slider } from '../dom';
 import type { Readout } from '../hooks';
-import { magnitude, phase, type Complex } from '../mechanics/response';
+import type { Complex } from '../complex';
+import { magnitude, phase } from '../mechanics/response';
 import { fixed, hertz, scientific } from '../numbers';
 import { light, palette } from '../palette';
 import type { State } from '../state';
-import type { Section } from './registry';
+import type { Section } from './section';
 
 export const bode: Section = {
   id: 'bode',

@@ -6,7 +6,7 @@ import type { Diagnosis, DiagnosedMode, Explanation, Remedy } from '../document'
 import { button, html, svg } from '../dom';
 import { fixed, hertz, signedPercent } from '../numbers';
 import type { State } from '../state';
-import type { Section } from './registry';
+import type { Section } from './section';
 
 export const diagnosis: Section = {
   id: 'diagnosis',

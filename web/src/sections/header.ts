@@ -6,7 +6,7 @@ import { fixed, hertz, share, signedPercent } from '../numbers';
 import { theme, type Theme } from '../palette';
 import type { State } from '../state';
 import { energyParts, stackedBar } from '../bars';
-import type { Section } from './registry';
+import type { Section } from './section';
 
 const modelNames = {
   rigid: 'rigid legs, 6 modes',

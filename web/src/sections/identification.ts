@@ -11,7 +11,7 @@ import { button, html, identifier, svg } from '../dom';
 import { fixed } from '../numbers';
 import { palette } from '../palette';
 import type { State } from '../state';
-import type { Section } from './registry';
+import type { Section } from './section';
 
 export const identification: Section = {
   id: 'identification',

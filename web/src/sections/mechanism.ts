@@ -9,7 +9,7 @@ import { SvgView } from '../scene/svg_view';
 import type { View } from '../scene/view';
 import { WebglView } from '../scene/webgl_view';
 import type { State } from '../state';
-import type { Section } from './registry';
+import type { Section } from './section';
 
 export const mechanism: Section = {
   id: 'mechanism',

@@ -7,7 +7,7 @@ import { folded, repeated } from '../document';
 import { button, html, unseen } from '../dom';
 import { fixed, hertz, signedPercent } from '../numbers';
 import type { State } from '../state';
-import type { Section } from './registry';
+import type { Section } from './section';
 
 export const modes: Section = {
   id: 'modes',

@@ -10,7 +10,7 @@ import { light } from '../palette';
 import { drawing } from '../scene/drawing';
 import { homeCamera } from '../scene/view';
 import type { State } from '../state';
-import type { Section } from './registry';
+import type { Section } from './section';
 
 export const pictures: Section = {
   id: 'pictures',

@@ -1,7 +1,6 @@
 // The sections of the page, in their order. A section appears when the document holds what it
 // shows, so that a later kind of result needs one more line here and nothing else.
 
-import type { Report } from '../document';
 import { html } from '../dom';
 import type { State } from '../state';
 import { about } from './about';
@@ -12,17 +11,8 @@ import { identification } from './identification';
 import { mechanism } from './mechanism';
 import { modes } from './modes';
 import { pictures } from './pictures';
+import type { Section } from './section';
 import { simulation } from './simulation';
-
-export interface Section {
-  id: string;
-  title: string;
-  /** Shown on paper only. */
-  printed?: boolean;
-  applies(report: Report): boolean;
-  /** Fills `host` once; follows the reader's choices by listening to `state`. */
-  render(state: State, host: HTMLElement): void;
-}
 
 export const sections: Section[] = [
   mechanism,

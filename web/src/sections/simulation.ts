@@ -11,7 +11,7 @@ import { sizesOf } from '../scene/view';
 import { WebglView } from '../scene/webgl_view';
 import { SvgView } from '../scene/svg_view';
 import type { State } from '../state';
-import type { Section } from './registry';
+import type { Section } from './section';
 
 export const simulation: Section = {
   id: 'simulation',
