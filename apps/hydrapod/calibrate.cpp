@@ -6,6 +6,7 @@
 
 #include "hydrapod/base/error.hpp"
 #include "hydrapod/base/file.hpp"
+#include "hydrapod/calibration/targets_file.hpp"
 #include "hydrapod/calibration_report.hpp"
 #include "hydrapod/commands.hpp"
 #include "hydrapod/interrupt.hpp"
@@ -89,8 +90,7 @@ calibration::Alternative alternative(const std::string& text) {
   return made;
 }
 
-calibration::Plan plan_of(const Arguments& arguments, calibration::Targets& targets) {
-  calibration::Plan plan = targets.plan;
+calibration::Plan plan_of(const Arguments& arguments, calibration::Plan plan) {
   for (const auto& text : arguments.free) plan.free.push_back(free_parameter(text));
   for (const auto& text : arguments.priors) add_prior(text, plan.free);
   for (const auto& text : arguments.tries) plan.alternatives.push_back(alternative(text));
@@ -129,7 +129,7 @@ void require_writable(const std::string& path) {
 }
 
 std::string json_text(const Arguments& arguments, const model::MachineFile& file,
-                      const calibration::Targets& targets, const calibration::Calibration& result,
+                      const observation::Targets& targets, const calibration::Calibration& result,
                       const std::vector<calibration::Profile>& profiles, dynamics::ModelKind kind) {
   report::Json json{{"kind", "calibration"},
                     {"machine", report::machine_json(file, arguments.machine.file)},
@@ -150,8 +150,8 @@ void run(const Arguments& arguments) {
   require_writable(arguments.plot);
   if (!arguments.plot.empty()) report::require_picture_ending(arguments.plot);
   const auto file = load(arguments.machine);
-  auto targets = calibration::read_targets(arguments.targets);
-  const auto plan = plan_of(arguments, targets);
+  auto [targets, in_file] = calibration::read_targets(arguments.targets);
+  const auto plan = plan_of(arguments, std::move(in_file));
   check_profiles(arguments, plan);
   const auto kind = choose_model(file.machine, arguments.machine.model);
 

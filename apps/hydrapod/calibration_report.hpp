@@ -12,7 +12,7 @@ namespace hydrapod::cli {
 
 /// Combinations, targets against model, parameters, what is determined and what is not, remarks.
 std::string calibration_text(const calibration::Calibration& result,
-                             const calibration::Targets& targets,
+                             const observation::Targets& targets,
                              const std::vector<calibration::Profile>& profiles, bool colour,
                              std::size_t width);
 

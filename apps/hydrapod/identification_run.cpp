@@ -73,20 +73,20 @@ IdentifiedSource read_responses(const std::string& path) {
           .header = report::record_origin_from_json(json)};
 }
 
-comparison::Source model_source(const IdentificationArguments& a, const IdentifiedSource& source) {
+observation::Source model_source(const IdentificationArguments& a, const IdentifiedSource& source) {
   const auto word = choose_word("--against", a.against, against_words);
-  if (word > 0) return static_cast<comparison::Source>(word - 1);
+  if (word > 0) return static_cast<observation::Source>(word - 1);
   return seen_in_rig(source.responses, source.header ? &*source.header : nullptr)
-      .value_or(comparison::Source::mechanics);
+      .value_or(observation::Source::mechanics);
 }
 
 }  // namespace
 
-std::optional<calibration::Observed> seen_in_rig(
+std::optional<observation::Observed> seen_in_rig(
     const identification::FrequencyResponses& responses, const data::RecordHeader* header) {
   if (header == nullptr || !is_rig_record(*header)) return std::nullopt;
-  return diagnosis::from_drives(responses) ? calibration::Observed::plant
-                                           : calibration::Observed::system;
+  return diagnosis::from_drives(responses) ? observation::Observed::plant
+                                           : observation::Observed::system;
 }
 
 void add_identification_options(Command command, IdentificationArguments& a) {
@@ -208,8 +208,8 @@ std::optional<report::ComparedModes> compared_modes(const IdentificationArgument
   try {
     compared.result = comparison::compare_modes(
         result,
-        comparison::model_modes(machine->file.machine, machine->pose.X_BP, machine->kind,
-                                compared.source),
+        observation::model_modes(machine->file.machine, machine->pose.X_BP, machine->kind,
+                                 compared.source),
         {machine->file.machine, machine->pose.X_BP, measured_point(a.measurement, *machine)},
         a.highest_damping / 100.0);
   } catch (const base::ComputationError& error) {

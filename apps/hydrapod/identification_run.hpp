@@ -2,10 +2,10 @@
 /// From the command line's options to identified modes and their comparison with a model: what
 /// `hydrapod identify` and `hydrapod report --measured` share.
 
-#include "hydrapod/calibration/targets.hpp"
 #include "hydrapod/identification/bootstrap.hpp"
 #include "hydrapod/identification/second_opinion.hpp"
 #include "hydrapod/identification_arguments.hpp"
+#include "hydrapod/observation/targets.hpp"
 #include "hydrapod/report/mode_comparison.hpp"
 
 namespace hydrapod::cli {
@@ -35,7 +35,7 @@ struct IdentifiedSource {
 
 /// The system that the inputs of a record of the rig see: the plant from the drives on, else the
 /// machine under its controller. None for other records (`header` null: not known).
-std::optional<calibration::Observed> seen_in_rig(
+std::optional<observation::Observed> seen_in_rig(
     const identification::FrequencyResponses& responses, const data::RecordHeader* header);
 
 /// Records, JSON of `hydrapod frf` or a Universal File; warnings go to stderr.

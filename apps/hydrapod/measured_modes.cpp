@@ -10,6 +10,7 @@
 #include "hydrapod/base/error.hpp"
 #include "hydrapod/base/file.hpp"
 #include "hydrapod/base/nearest.hpp"
+#include "hydrapod/calibration/targets_file.hpp"
 #include "hydrapod/data/record_io.hpp"
 #include "hydrapod/diagnosis/responses.hpp"
 #include "hydrapod/identification/exchange.hpp"
@@ -51,7 +52,7 @@ bool is_mode_list(const std::string& path) {
   return false;
 }
 
-calibration::Targets identified(const identification::FrequencyResponses& responses,
+observation::Targets identified(const identification::FrequencyResponses& responses,
                                 const std::string& path, const model::MachineFile& file,
                                 const diagnosis::MeasuredAt& at) {
   identification::Identification found;
@@ -80,7 +81,7 @@ void look_into(const data::RecordHeader* header,
     at.force_point = machine->file.machine.platform.mass_center;
 }
 
-calibration::Targets from_json(const std::string& path, const model::MachineFile& file,
+observation::Targets from_json(const std::string& path, const model::MachineFile& file,
                                diagnosis::MeasuredAt at) {
   const std::string text =
       base::read_file(path, largest, "JSON of `hydrapod identify` or `hydrapod frf`");
@@ -98,11 +99,11 @@ calibration::Targets from_json(const std::string& path, const model::MachineFile
 }
 
 /// Of one file.
-calibration::Targets read_one(const std::string& path, const MachineArguments& arguments,
+observation::Targets read_one(const std::string& path, const MachineArguments& arguments,
                               const model::MachineFile& file, const std::string& pose,
-                              std::optional<calibration::Observed> observed) {
+                              std::optional<observation::Observed> observed) {
   if (is_mode_list(path)) {
-    auto targets = calibration::read_targets(path);
+    auto targets = calibration::read_targets(path).targets;
     targets.observed = observed.value_or(targets.observed);
     return targets;
   }
@@ -157,15 +158,15 @@ MeasuredFile file_and_pose(const std::string& text, const model::Machine& machin
                   near ? fmt::format("did you mean '{}'? ", *near) : "", fmt::join(names, ", ")));
 }
 
-const char* origin(calibration::Observed observed) {
+const char* origin(observation::Observed observed) {
   constexpr std::array words{"holds modes or responses of mechanics alone",
                              "was measured from the drives of the valves",
                              "was measured on the machine under its controller"};
   return words[static_cast<std::size_t>(observed)];
 }
 
-void add_measured(calibration::Targets one, const MeasuredFile& file, const std::string& first,
-                  calibration::Targets& all) {
+void add_measured(observation::Targets one, const MeasuredFile& file, const std::string& first,
+                  observation::Targets& all) {
   if (one.observed != all.observed)
     bad_argument(file.option,
                  fmt::format("it {}, and {} {}: they cannot be compared together, diagnose from "
@@ -178,14 +179,14 @@ void add_measured(calibration::Targets one, const MeasuredFile& file, const std:
 
 }  // namespace
 
-calibration::Targets read_measured(const std::vector<std::string>& files,
+observation::Targets read_measured(const std::vector<std::string>& files,
                                    const MachineArguments& arguments,
                                    const model::MachineFile& file, const std::string& pose,
                                    const std::string& against) {
-  std::optional<calibration::Observed> observed;
+  std::optional<observation::Observed> observed;
   if (const auto word = choose_word("--against", against, {"auto", "mechanics", "plant", "system"});
       word > 0)
-    observed = static_cast<calibration::Observed>(word - 1);
+    observed = static_cast<observation::Observed>(word - 1);
   std::vector<MeasuredFile> measured;  // all looked at before the first, which may take long
   for (const auto& text : files) {
     auto one = file_and_pose(text, file.machine, pose);
@@ -197,7 +198,7 @@ calibration::Targets read_measured(const std::vector<std::string>& files,
                    "or a column \"pose\"); give the file without @POSE");
     measured.push_back(std::move(one));
   }
-  std::optional<calibration::Targets> all;
+  std::optional<observation::Targets> all;
   for (const auto& one : measured) {
     auto targets = read_one(one.path, arguments, file, one.pose, observed);
     if (all)

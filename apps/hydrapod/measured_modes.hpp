@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "hydrapod/calibration/targets.hpp"
 #include "hydrapod/machine_arguments.hpp"
+#include "hydrapod/observation/targets.hpp"
 
 namespace hydrapod::cli {
 
@@ -15,7 +15,7 @@ namespace hydrapod::cli {
 /// themselves. Responses are read beside their modes. `against`: the system that was measured,
 /// "mechanics", "plant", "system" or "auto". Progress and warnings go to stderr. At least one file.
 /// Throws base::InputError and base::ComputationError.
-calibration::Targets read_measured(const std::vector<std::string>& files,
+observation::Targets read_measured(const std::vector<std::string>& files,
                                    const MachineArguments& arguments,
                                    const model::MachineFile& machine, const std::string& pose,
                                    const std::string& against);

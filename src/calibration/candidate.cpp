@@ -7,8 +7,8 @@
 #include <numbers>
 #include <random>
 
-#include "hydrapod/calibration/pairing.hpp"
 #include "hydrapod/modal/damped_modes.hpp"
+#include "hydrapod/observation/pairing.hpp"
 #include "variables.hpp"
 
 namespace hydrapod::calibration {

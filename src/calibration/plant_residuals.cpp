@@ -1,7 +1,7 @@
 // What a measurement says of what was observed (observation.hpp), as residuals: modes of the plant
 // or of the system, responses of any; derivatives are central differences of the residuals
 // themselves, with the same modes on both sides.
-#include "hydrapod/calibration/pairing.hpp"
+#include "hydrapod/observation/pairing.hpp"
 #include "problem.hpp"
 
 namespace hydrapod::calibration {
@@ -134,7 +134,7 @@ class Responses : public DifferencedResidual {
 Eigen::MatrixXcd response_rest(const Observation& seen, const ResponseTarget& target,
                                std::size_t line, const Vector6& root) {
   using Complex = std::complex<double>;
-  const bool forces = target.entry == Entry::forces;
+  const bool forces = target.entry == observation::Entry::forces;
   Matrix6 to_point = Matrix6::Identity();
   to_point.topRightCorner<3, 3>() =
       -spatial::skew(seen.mechanics.X_BP * target.point - seen.mechanics.p_BC);

@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "hydrapod/base/error.hpp"
-#include "hydrapod/calibration/pairing.hpp"
+#include "hydrapod/observation/pairing.hpp"
 
 namespace hydrapod::calibration {
 

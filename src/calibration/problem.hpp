@@ -8,11 +8,22 @@
 #include <memory>
 
 #include "hydrapod/calibration/admissibility.hpp"
+#include "hydrapod/calibration/plan.hpp"
 #include "hydrapod/calibration/sensitivity.hpp"
-#include "hydrapod/calibration/targets.hpp"
-#include "seen.hpp"
+#include "hydrapod/observation/seen.hpp"
 
 namespace hydrapod::calibration {
+
+using observation::ModeTarget;
+using observation::MotionAgainst;
+using observation::Observation;
+using observation::Observed;
+using observation::ObservedMode;
+using observation::ResponseTarget;
+using observation::SeenPoint;
+using observation::Targets;
+using observation::Vector6c;
+using spatial::Vector6;
 
 struct Prior {
   double value{};

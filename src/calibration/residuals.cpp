@@ -3,14 +3,18 @@
 #include <algorithm>
 #include <cmath>
 
-#include "hydrapod/calibration/pairing.hpp"
 #include "hydrapod/modal/damped_modes.hpp"
+#include "hydrapod/observation/pairing.hpp"
 #include "problem.hpp"
 
 namespace hydrapod::calibration {
 
 namespace {
 
+using observation::regularised;
+using observation::regularised_gain;
+using observation::seen_as_one;
+using observation::weak_mode;
 using spatial::Matrix6;
 
 /// Where a target's mode is found.

@@ -233,7 +233,7 @@ class CsvReader {
 
   MotionAgainst shape_against(const Cell& cell) {
     for (const auto against : {MotionAgainst::ground, MotionAgainst::base})
-      if (cell.text == calibration::name(against)) return against;
+      if (cell.text == observation::name(against)) return against;
     fault(cell.column, "shape_against",
           fmt::format("is \"{}\", expected ground or base", base::printable(cell.text)));
     return {};

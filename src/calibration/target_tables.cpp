@@ -71,13 +71,14 @@ class TargetReader {
   TargetReader(const Node& root, std::string file, Faults& faults)
       : root_(root), file_(std::move(file)), faults_(faults) {}
 
-  Targets read() {
+  TargetsFile read() {
     check_keys(
         root_, "",
         {"title", "source", "frequency_unit", "deviation", "mode", "free", "alternative", "fit"},
         faults_);
     const Section top(root_, faults_);
-    Targets targets;
+    TargetsFile file;
+    auto& [targets, plan] = file;
     targets.title = top.optional_text("title");
     targets.source = top.optional_text("source");
     plain_unit_ = top.optional_text("frequency_unit");
@@ -91,11 +92,11 @@ class TargetReader {
       faults_.add(root_.place, "mode",
                   "there is no target; write a table [[mode]] with `frequency` for each");
     for (const auto& table : tables_of(root_, "free", "", faults_))
-      targets.plan.free.push_back(read_free(table));
+      plan.free.push_back(read_free(table));
     for (const auto& table : tables_of(root_, "alternative", "", faults_))
-      targets.plan.alternatives.push_back(read_alternative(table));
-    read_options(top, targets.plan.options);
-    return targets;
+      plan.alternatives.push_back(read_alternative(table));
+    read_options(top, plan.options);
+    return file;
   }
 
  private:
@@ -377,8 +378,8 @@ std::vector<TargetFault> target_faults(const ModeTarget& mode) {
   return faults;
 }
 
-Targets read_target_tables(const model::Node& root, const std::string& file,
-                           model::Faults& faults) {
+TargetsFile read_target_tables(const model::Node& root, const std::string& file,
+                               model::Faults& faults) {
   return TargetReader(root, file, faults).read();
 }
 

@@ -1,13 +1,20 @@
 #pragma once
 /// Reading the tables of a targets file. Private to the module.
 
-#include "hydrapod/calibration/targets.hpp"
+#include "hydrapod/calibration/targets_file.hpp"
 #include "model/section.hpp"
 
 namespace hydrapod::calibration {
 
+using observation::default_deviation;
+using observation::ModeTarget;
+using observation::MotionAgainst;
+using observation::Targets;
+using spatial::Vector6;
+
 /// Everything of a TOML targets file; mistakes go to `faults`.
-Targets read_target_tables(const model::Node& root, const std::string& file, model::Faults& faults);
+TargetsFile read_target_tables(const model::Node& root, const std::string& file,
+                               model::Faults& faults);
 
 /// The frequency [rad/s] that `text` is ("11.3 Hz", "71 rad/s"), or a plain number in
 /// `plain_unit` ("Hz", "rad/s", or empty: plain numbers are refused). Empty `problem` when read.

@@ -7,9 +7,9 @@
 #include <numbers>
 #include <set>
 
-#include "hydrapod/calibration/pairing.hpp"
 #include "hydrapod/identification/directions.hpp"
 #include "hydrapod/kinematics/inverse.hpp"
+#include "hydrapod/observation/pairing.hpp"
 
 namespace hydrapod::comparison {
 
@@ -217,7 +217,7 @@ ModeComparison compare_modes(const identification::Identification& found,
   const Shapes shapes = shapes_of(found, result.model, some);
   const MatrixXd likeness = some.outputs.empty() ? MatrixXd() : compare_shapes(shapes, result);
   const auto partner =
-      calibration::assign(pair_costs(found, result, shapes, likeness, highest_damping));
+      observation::assign(pair_costs(found, result, shapes, likeness, highest_damping));
   std::vector<bool> taken(result.model.size(), false);
   for (std::size_t r = 0; r < partner.size(); ++r) {
     const auto m = static_cast<std::size_t>(partner[r]);

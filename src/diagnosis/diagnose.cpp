@@ -237,11 +237,11 @@ void describe(const Evidence& evidence, Diagnosis& d, int threads, Watch& watch)
 
 /// A controller stays as it was tuned for the machine as stated, whatever is wrong with that. Why
 /// it cannot be had; empty: it can.
-std::string hold_controllers(const model::MachineFile& file, calibration::Targets& targets) {
-  if (targets.observed != calibration::Observed::system) return {};
+std::string hold_controllers(const model::MachineFile& file, observation::Targets& targets) {
+  if (targets.observed != observation::Observed::system) return {};
   try {
     for (const auto& pose : file.machine.poses)
-      if (std::ranges::count(targets.modes, pose.name, &calibration::ModeTarget::pose) > 0)
+      if (std::ranges::count(targets.modes, pose.name, &observation::ModeTarget::pose) > 0)
         targets.controllers.try_emplace(
             pose.name, simulation::tune_controller(file.machine, pose.X_BP).parameters);
   } catch (const base::ComputationError& error) {
@@ -266,20 +266,20 @@ void widen(const Evidence& evidence, Diagnosis& d, double frequency_error, Watch
 
 /// What is compared: modes with the deviations that count, of the system that was measured or,
 /// where the machine as stated cannot be had so, of mechanics; lines of responses.
-void take_targets(const model::MachineFile& file, const calibration::Targets& measured,
+void take_targets(const model::MachineFile& file, const observation::Targets& measured,
                   dynamics::ModelKind kind, const DiagnoseOptions& options, Diagnosis& d) {
   d.targets.responses.clear();
-  if (d.targets.observed != calibration::Observed::mechanics) {
+  if (d.targets.observed != observation::Observed::mechanics) {
     auto why = hold_controllers(file, d.targets);
     if (why.empty()) why = plant_refused(file, d.targets, kind);
     if (!why.empty()) {
       d.notes.push_back(fmt::format(
           "compared with mechanics on oil springs, though the {} was measured: the machine as "
           "stated with its hydraulics: {}",
-          d.targets.observed == calibration::Observed::plant ? "plant from the drives of the valves"
+          d.targets.observed == observation::Observed::plant ? "plant from the drives of the valves"
                                                              : "machine under its controller",
           why));
-      d.targets.observed = calibration::Observed::mechanics;
+      d.targets.observed = observation::Observed::mechanics;
     }
   }
   if (!options.responses) return;
@@ -319,7 +319,7 @@ const Explanation& Diagnosis::as_stated() const {
                                [](const auto& e) { return e.suspects.empty() && !e.rigid; });
 }
 
-Diagnosis diagnose(const model::MachineFile& file, const calibration::Targets& measured,
+Diagnosis diagnose(const model::MachineFile& file, const observation::Targets& measured,
                    dynamics::ModelKind kind, const std::vector<model::NamedPose>& poses,
                    const DiagnoseOptions& options, const Progress& progress) {
   Diagnosis d{.suspects = suspects_of(file), .targets = weighted_targets(file, measured, options)};

@@ -10,16 +10,16 @@
 #include <thread>
 
 #include "hydrapod/base/error.hpp"
-#include "hydrapod/calibration/observation.hpp"
 #include "hydrapod/diagnosis/resonances.hpp"
 #include "hydrapod/modal/normal_modes.hpp"
+#include "hydrapod/observation/observation.hpp"
 
 namespace hydrapod::diagnosis {
 
 namespace {
 
-using calibration::ModeTarget;
-using calibration::Targets;
+using observation::ModeTarget;
+using observation::Targets;
 
 /// What the platform mostly does in a shape, by kinetic energy.
 int main_direction(const model::Machine& machine, const ModeTarget& mode) {
@@ -44,7 +44,6 @@ int main_direction(const model::Machine& machine, const ModeTarget& mode) {
 Targets weighted_targets(const model::MachineFile& file, const Targets& measured,
                          const DiagnoseOptions& options) {
   Targets targets = measured;
-  targets.plan = {};
   targets.deviations_given = true;
   for (auto& mode : targets.modes) {
     const double own = measured.deviations_given ? mode.deviation : 0.0;
@@ -72,7 +71,7 @@ int values_in(const Targets& targets) {
 }
 
 bool beyond_mechanics(const Targets& targets) {
-  return targets.observed != calibration::Observed::mechanics || !targets.responses.empty();
+  return targets.observed != observation::Observed::mechanics || !targets.responses.empty();
 }
 
 dynamics::ModelKind Evidence::kind_with(const std::vector<std::size_t>& blamed) const {
@@ -88,7 +87,7 @@ std::string plant_refused(const model::MachineFile& file, const Targets& targets
     if (fit.fitted) return "";
     for (const auto& pose : file.machine.poses)
       if (std::ranges::count(targets.modes, pose.name, &ModeTarget::pose) > 0)
-        static_cast<void>(calibration::observe(file.machine, pose.X_BP, kind, targets.observed));
+        static_cast<void>(observation::observe(file.machine, pose.X_BP, kind, targets.observed));
     return "not all measured modes have one of their own";
   } catch (const base::InputError& error) {
     return error.diagnostics().empty() ? "it is refused" : error.diagnostics().front().message;
@@ -111,8 +110,8 @@ Evidence::Evidence(const model::MachineFile& file, const Targets& targets, dynam
 Targets Evidence::for_mechanics() const {
   Targets targets = targets_;
   targets.responses.clear();
-  if (targets_.observed == calibration::Observed::mechanics) return targets;
-  targets.observed = calibration::Observed::mechanics;
+  if (targets_.observed == observation::Observed::mechanics) return targets;
+  targets.observed = observation::Observed::mechanics;
   const auto& machine = file_.machine;
   for (const auto& pose : machine.poses) {
     std::optional<modal::NormalModes> modes;

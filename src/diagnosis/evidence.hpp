@@ -9,16 +9,16 @@
 namespace hydrapod::diagnosis {
 
 /// The measured modes with the deviations that count, and directions where shapes tell them.
-calibration::Targets weighted_targets(const model::MachineFile& file,
-                                      const calibration::Targets& measured,
+observation::Targets weighted_targets(const model::MachineFile& file,
+                                      const observation::Targets& measured,
                                       const DiagnoseOptions& options);
 
 /// Number of measured values.
-int values_in(const calibration::Targets& targets);
+int values_in(const observation::Targets& targets);
 
 /// Do the targets ask for more than undamped modes of mechanics: those of the plant or the system,
 /// or responses?
-bool beyond_mechanics(const calibration::Targets& targets);
+bool beyond_mechanics(const observation::Targets& targets);
 
 /// Fits explanations. Where the targets ask for more than modes of mechanics, each is sought with
 /// these (fast, from many starts), to which frequencies measured of the plant or the system are
@@ -28,7 +28,7 @@ class Evidence {
  public:
   /// All of these must outlive it. Throws base::ComputationError where the machine as stated has no
   /// modes.
-  Evidence(const model::MachineFile& file, const calibration::Targets& targets,
+  Evidence(const model::MachineFile& file, const observation::Targets& targets,
            dynamics::ModelKind kind, const std::vector<Suspect>& suspects);
 
   /// The machine as stated.
@@ -55,7 +55,7 @@ class Evidence {
   /// others.
   struct Part {
     Explanation explanation{};
-    calibration::Targets rest{};
+    observation::Targets rest{};
     calibration::Candidate at_rest{};
   };
   [[nodiscard]] std::optional<Part> explain_direction(std::size_t blamed, int direction,
@@ -63,7 +63,7 @@ class Evidence {
 
   [[nodiscard]] bool in_two_steps() const { return beyond_mechanics(targets_); }
   [[nodiscard]] const model::MachineFile& file() const { return file_; }
-  [[nodiscard]] const calibration::Targets& targets() const { return targets_; }
+  [[nodiscard]] const observation::Targets& targets() const { return targets_; }
   [[nodiscard]] const std::vector<Suspect>& suspects() const { return suspects_; }
 
  private:
@@ -73,35 +73,35 @@ class Evidence {
   /// With its values.
   [[nodiscard]] model::MachineFile file_at(const Explanation& explanation) const;
   [[nodiscard]] Explanation search(const std::vector<std::size_t>& blamed,
-                                   const calibration::Targets& targets, const Explanation* known,
+                                   const observation::Targets& targets, const Explanation* known,
                                    const calibration::Progress& stop) const;
   /// As it is, compared with everything that was measured; none where that cannot be had.
   [[nodiscard]] std::optional<calibration::Candidate> seen(const Explanation& explanation) const;
   /// Fitted again from its own values, or those of the file.
   [[nodiscard]] calibration::Candidate refit(const Explanation& explanation,
-                                             const calibration::Targets& targets, bool from_stated,
+                                             const observation::Targets& targets, bool from_stated,
                                              const calibration::Progress& stop) const;
   /// None where no machine, or no plant, has the numbers that it finds.
   [[nodiscard]] std::optional<calibration::Candidate> sound_refit(
-      const Explanation& explanation, const calibration::Targets& targets, bool from_stated,
+      const Explanation& explanation, const observation::Targets& targets, bool from_stated,
       const calibration::Progress& stop) const;
-  void polish(Explanation& explanation, const calibration::Targets& targets, bool and_stated,
+  void polish(Explanation& explanation, const observation::Targets& targets, bool and_stated,
               const calibration::Progress& stop) const;
-  [[nodiscard]] calibration::Targets for_mechanics() const;
+  [[nodiscard]] observation::Targets for_mechanics() const;
 
   const model::MachineFile& file_;
-  const calibration::Targets& targets_;
+  const observation::Targets& targets_;
   dynamics::ModelKind kind_;
   const std::vector<Suspect>& suspects_;
   Explanation stated_{};
-  calibration::Targets by_mechanics_{};  ///< the modes brought to mechanics
+  observation::Targets by_mechanics_{};  ///< the modes brought to mechanics
 };
 
 /// Have two explanations the same numbers, nearly, for what both let free?
 bool same_numbers(const Explanation& a, const Explanation& b);
 
 /// Why the machine as stated cannot be compared with the targets; empty: it can.
-std::string plant_refused(const model::MachineFile& file, const calibration::Targets& targets,
+std::string plant_refused(const model::MachineFile& file, const observation::Targets& targets,
                           dynamics::ModelKind kind);
 
 /// Calls task(i) for i in [0, count) on several threads. `stop` is asked between tasks. Rethrows

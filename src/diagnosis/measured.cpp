@@ -78,18 +78,18 @@ void find_flanks(std::vector<MeasuredShape>& modes) {
 
 }  // namespace
 
-calibration::MotionAgainst motion_against(const std::vector<data::Channel>& outputs) {
+observation::MotionAgainst motion_against(const std::vector<data::Channel>& outputs) {
   const auto from_base = [](const data::Channel& output) {
     const int code = std::abs(static_cast<int>(output.direction));
     return code >= 1 && code <= 6 && !identification::against_ground(output);
   };
-  return std::ranges::any_of(outputs, from_base) ? calibration::MotionAgainst::base
-                                                 : calibration::MotionAgainst::ground;
+  return std::ranges::any_of(outputs, from_base) ? observation::MotionAgainst::base
+                                                 : observation::MotionAgainst::ground;
 }
 
-calibration::ModeTarget mode_target(const MeasuredShape& measured, const std::string& name,
+observation::ModeTarget mode_target(const MeasuredShape& measured, const std::string& name,
                                     const model::Machine& machine, const MeasuredAt& at) {
-  calibration::ModeTarget target{.name = name,
+  observation::ModeTarget target{.name = name,
                                  .pose = at.pose,
                                  .omega = measured.omega,
                                  .deviation = measured.omega_deviation};
@@ -101,7 +101,7 @@ calibration::ModeTarget mode_target(const MeasuredShape& measured, const std::st
   target.deviation = std::hypot(target.deviation, model_error(measured, M.diagonal()));
   const auto motion = turned(measured.motion, M.diagonal());
   Vector6 shape = Vector6::Zero(), lost = Vector6::Zero(), noise = Vector6::Zero();
-  calibration::Vector6c as_measured = calibration::Vector6c::Zero();
+  observation::Vector6c as_measured = observation::Vector6c::Zero();
   int known = 0;
   for (int k = 0; k < 6; ++k) {
     if (std::isnan(motion[k].real())) continue;
@@ -126,13 +126,13 @@ calibration::ModeTarget mode_target(const MeasuredShape& measured, const std::st
     return std::hypot(std::sqrt(error.cwiseAbs2().dot(M.diagonal()) / size), hidden);
   };
   target.shape_deviation = deviation(lost, shape.dot(M * shape));
-  const calibration::Vector6c momentum = M.cast<std::complex<double>>() * as_measured;
+  const observation::Vector6c momentum = M.cast<std::complex<double>>() * as_measured;
   target.complex_shape = {as_measured, deviation(noise, as_measured.dot(momentum).real())};
   return target;
 }
 
 void add_modes(std::vector<MeasuredShape> modes, const model::Machine& machine,
-               const MeasuredAt& at, calibration::Targets& targets) {
+               const MeasuredAt& at, observation::Targets& targets) {
   find_flanks(modes);
   for (const auto& mode : modes)
     targets.modes.push_back(mode_target(
@@ -145,17 +145,17 @@ bool from_drives(const identification::FrequencyResponses& responses) {
   });
 }
 
-calibration::Targets measured_modes(const identification::Identification& identified,
+observation::Targets measured_modes(const identification::Identification& identified,
                                     const model::Machine& machine, const MeasuredAt& where) {
-  calibration::Targets targets{.title = "identified modes"};
+  observation::Targets targets{.title = "identified modes"};
   if (identified.modes.empty())
     throw base::InputError({{.message = "no mode was found in the measurement"}});
   const auto& outputs = identified.responses.outputs;
   auto at = where;
   if (!at.against) at.against = motion_against(outputs);
   targets.observed =
-      at.observed.value_or(from_drives(identified.responses) ? calibration::Observed::plant
-                                                             : calibration::Observed::mechanics);
+      at.observed.value_or(from_drives(identified.responses) ? observation::Observed::plant
+                                                             : observation::Observed::mechanics);
   const auto& lines = identified.responses.frequency;
   const double spacing = lines.size() > 1
                              ? 2.0 * std::numbers::pi * (lines.back() - lines.front()) /

@@ -7,8 +7,8 @@
 #include <limits>
 
 #include "hydrapod/base/error.hpp"
-#include "hydrapod/calibration/pairing.hpp"
 #include "hydrapod/diagnosis/resonances.hpp"
+#include "hydrapod/observation/pairing.hpp"
 
 namespace hydrapod::diagnosis {
 

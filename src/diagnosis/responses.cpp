@@ -8,16 +8,16 @@
 
 #include "hydrapod/base/error.hpp"
 #include "hydrapod/base/units.hpp"
-#include "hydrapod/calibration/observation.hpp"
 #include "hydrapod/identification/directions.hpp"
 #include "hydrapod/kinematics/inverse.hpp"
+#include "hydrapod/observation/observation.hpp"
 
 namespace hydrapod::diagnosis {
 
 namespace {
 
-using calibration::ResponseTarget;
-using calibration::Targets;
+using observation::ResponseTarget;
+using observation::Targets;
 using Complex = std::complex<double>;
 
 constexpr double two_pi = 2.0 * std::numbers::pi;
@@ -104,7 +104,7 @@ Eigen::MatrixXd inputs_of_legs(const Eigen::MatrixXd& legs) {
 
 /// What the inputs are, and the mixtures of them whose responses are compared.
 struct Inputs {
-  calibration::Entry entry{};
+  observation::Entry entry{};
   Eigen::MatrixXd of_entry{};  ///< of each mixture, see ResponseTarget::inputs; empty: none
   Eigen::MatrixXd mixture{};   ///< inputs × mixtures
 };
@@ -116,7 +116,7 @@ Inputs valves(const std::vector<data::Channel>& inputs, const model::Machine& ma
   const Eigen::MatrixXd legs = legs_of(inputs, J);
   if (legs.size() == 0) return {};
   const Eigen::MatrixXd mixture = inputs_of_legs(legs);
-  return {calibration::Entry::valves, legs * mixture, mixture};
+  return {observation::Entry::valves, legs * mixture, mixture};
 }
 
 /// Commanded displacements are of the platform's own frame.
@@ -126,7 +126,7 @@ Inputs commands(const std::vector<data::Channel>& inputs, const model::Machine& 
   if (units.size() == 0) return {};
   const auto J = kinematics::leg_jacobian(kinematics::inverse_kinematics(machine, X_BP), X_BP.p_BP);
   const Eigen::MatrixXd mixture = inputs_of_legs(J * units);
-  return {calibration::Entry::commands, units * mixture, mixture};
+  return {observation::Entry::commands, units * mixture, mixture};
 }
 
 /// Forces at the point that `at` says, as forces and moments at the measured one.
@@ -137,7 +137,7 @@ Inputs forces(const std::vector<data::Channel>& inputs, const spatial::Pose& X_B
   spatial::Matrix6 to_point = spatial::Matrix6::Identity();
   to_point.bottomLeftCorner<3, 3>() =
       spatial::skew(X_BP.R_BP * (at.force_point.value_or(at.point) - at.point));
-  return {calibration::Entry::forces, to_point * units,
+  return {observation::Entry::forces, to_point * units,
           Eigen::MatrixXd::Identity(units.cols(), units.cols())};
 }
 
@@ -164,11 +164,11 @@ Inputs inputs_of(const identification::FrequencyResponses& responses, const std:
   const auto entry = entry_of(inputs);
   if (!entry) return {};
   switch (*entry) {
-    case calibration::Entry::valves:
+    case observation::Entry::valves:
       return valves(inputs, machine, X_BP, at.point);
-    case calibration::Entry::commands:
+    case observation::Entry::commands:
       return commands(inputs, machine, X_BP);
-    case calibration::Entry::forces:
+    case observation::Entry::forces:
       break;
   }
   return known_as_they_are(inputs, responses.outputs, rows) ? forces(inputs, X_BP, at) : Inputs{};
@@ -219,16 +219,16 @@ double misplaced(const std::vector<Peak>& peaks, double omega, double frequency_
 /// stated has some, and then anywhere in the band.
 std::vector<double> wanted_lines(const std::vector<Peak>& peaks, const model::MachineFile& file,
                                  const model::NamedPose& pose, dynamics::ModelKind kind,
-                                 calibration::Observed observed, double from, double to, int most) {
+                                 observation::Observed observed, double from, double to, int most) {
   constexpr double felt = 2e-3, most_damped = 0.3;  // of the kinetic energy, as in resonances.hpp
   std::vector<double> omega;
   for (const auto& peak : peaks)
     for (const double side : {-1.0, 1.0})
       omega.push_back(peak.omega * (1.0 + side * (peak.width + 0.5 * apart)));
-  const auto stated = calibration::observe(file.machine, pose.X_BP, kind, observed);
+  const auto stated = observation::observe(file.machine, pose.X_BP, kind, observed);
   for (const auto& mode : stated.modes) {
-    const calibration::Vector6c motion = mode.motion();
-    const calibration::Vector6c momentum = stated.mechanics.platform_mass.cast<Complex>() * motion;
+    const observation::Vector6c motion = mode.motion();
+    const observation::Vector6c momentum = stated.mechanics.platform_mass.cast<Complex>() * motion;
     if (mode.damping_ratio() < most_damped && motion.dot(momentum).real() > felt)
       omega.push_back(mode.omega());
   }
@@ -271,15 +271,15 @@ std::vector<std::size_t> lines_of(const ResponseTarget& all, double from, double
 
 }  // namespace
 
-std::optional<calibration::Entry> entry_of(const std::vector<data::Channel>& inputs) {
+std::optional<observation::Entry> entry_of(const std::vector<data::Channel>& inputs) {
   const auto all = [&](const auto& is) { return std::ranges::all_of(inputs, is); };
   if (inputs.empty()) return std::nullopt;
   if (all([](const auto& input) { return input.role == data::Role::drive; }))
-    return calibration::Entry::valves;
+    return observation::Entry::valves;
   if (all([](const auto& input) { return measures(input, "N", "N m"); }))
-    return calibration::Entry::forces;
+    return observation::Entry::forces;
   if (all([](const auto& input) { return measures(input, "m", "rad"); }))
-    return calibration::Entry::commands;
+    return observation::Entry::commands;
   return std::nullopt;
 }
 
@@ -293,7 +293,7 @@ std::optional<ResponseTarget> measured_responses(
   const bool widened = responses.taper.size() > 0;
   const int rate = identification::time_derivatives(
       responses.outputs[static_cast<std::size_t>(rows[0].output)].unit);
-  const auto window = calibration::lag_window(responses.taper, responses.sample_rate, rate);
+  const auto window = observation::lag_window(responses.taper, responses.sample_rate, rate);
   if (widened && !window) return std::nullopt;  // in a way that is not known
   const auto inputs = inputs_of(responses, rows, machine, pose->X_BP, at);
   if (inputs.mixture.size() == 0) return std::nullopt;
@@ -357,7 +357,7 @@ std::vector<ResponseTarget> chosen_lines(const model::MachineFile& file, const T
     for (const auto line : lines) {
       some.s.push_back(all.s[line]);
       some.H.push_back(all.H[line]);
-      const double of_poles = all.entry == calibration::Entry::forces
+      const double of_poles = all.entry == observation::Entry::forces
                                   ? misplaced(peaks, all.s[line].imag(), options.frequency_error)
                                   : 0.0;
       const double error = (std::pow(options.response_error, 2) + std::pow(of_poles, 2)) *

@@ -285,7 +285,7 @@ std::vector<std::string> summary(const CaseFile& file) {
     add_origins(d, words);
     add_innocents(d, words);
     for (const auto& note : d.notes) words.push_back(capital(note) + ".");
-    if (d.targets.observed != calibration::Observed::mechanics && !d.alike.empty() &&
+    if (d.targets.observed != observation::Observed::mechanics && !d.alike.empty() &&
         d.explanations[d.alike.front()].by_mechanics)
       words.push_back(
           "This machine cannot be had with its hydraulics: it was fitted as mechanics on oil "

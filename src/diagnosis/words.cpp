@@ -17,8 +17,8 @@ namespace hydrapod::diagnosis {
 
 namespace {
 
-using calibration::ModeTarget;
-using calibration::Targets;
+using observation::ModeTarget;
+using observation::Targets;
 
 constexpr double two_pi = 2.0 * std::numbers::pi;
 constexpr double notable = 3.0;  // deviations
@@ -77,7 +77,7 @@ std::optional<std::string> missed_response(const Evidence& evidence, const Expla
   const double missed = worst->second.second;
   const auto place = fmt::format("at {:.2f} Hz{}", target.s[worst->first.second].imag() / two_pi,
                                  where(evidence.targets(), target.pose));
-  return target.entry == calibration::Entry::forces
+  return target.entry == observation::Entry::forces
              ? fmt::format("misses the response to forces {} by {:.0f} %", place, 100.0 * missed)
              : fmt::format("moves otherwise than measured {} when driven (MAC {:.2f})", place,
                            1.0 - missed * missed);

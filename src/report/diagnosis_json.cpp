@@ -144,13 +144,13 @@ Json diagnosis_json(const CaseFile& file) {
     json["finding"] = name(d.finding);
     json["reasons"] = d.reasons;
     json["notes"] = d.notes;
-    json["observed"] = calibration::name(d.targets.observed);
+    json["observed"] = observation::name(d.targets.observed);
     Json lines = Json::array();
     for (const auto& response : d.targets.responses) {
       Json hertz = Json::array();
       for (const auto& s : response.s) hertz.push_back(s.imag() / two_pi);
       lines.push_back({{"pose", response.pose},
-                       {"entry", calibration::name(response.entry)},
+                       {"entry", observation::name(response.entry)},
                        {"frequency_hz", hertz}});
     }
     json["response_lines"] = lines;
@@ -216,13 +216,13 @@ bool inputs_are_drives(const Json& json) {
 
 /// What its inputs see: the plant, where they drive the valves; the machine under its controller,
 /// where `hydrapod identify` compared it with that; else mechanics.
-calibration::Observed observed_in(const Json& json) {
-  if (inputs_are_drives(json)) return calibration::Observed::plant;
+observation::Observed observed_in(const Json& json) {
+  if (inputs_are_drives(json)) return observation::Observed::plant;
   const auto compared = json.find("comparison");
   const bool controlled =
       compared != json.end() && compared->is_object() &&
-      compared->value("source", Json()) == calibration::name(calibration::Observed::system);
-  return controlled ? calibration::Observed::system : calibration::Observed::mechanics;
+      compared->value("source", Json()) == observation::name(observation::Observed::system);
+  return controlled ? observation::Observed::system : observation::Observed::mechanics;
 }
 
 /// Of the responses that were fitted [rad/s]; 0: not said.
@@ -239,14 +239,14 @@ double line_spacing(const Json& json) {
 
 }  // namespace
 
-calibration::Targets modes_from_json(const Json& json, const std::string& file,
+observation::Targets modes_from_json(const Json& json, const std::string& file,
                                      const model::Machine& machine, const MeasuredAt& where) {
   constexpr double band = 1.96, nan = std::numeric_limits<double>::quiet_NaN();
   for (const char* key : {"modes", "outputs"})
     if (!json.contains(key) || !json[key].is_array())
       bad(file, key, "is missing; `hydrapod identify RECORD --format json` writes such a file");
   if (json["modes"].empty()) bad(file, "modes", "is empty: no mode was identified");
-  calibration::Targets targets{.title = file};
+  observation::Targets targets{.title = file};
   auto at = where;
   if (!at.against) at.against = diagnosis::motion_against(outputs_of(json));
   targets.observed = at.observed.value_or(observed_in(json));

@@ -12,7 +12,7 @@ namespace {
 constexpr double two_pi = 2.0 * std::numbers::pi;
 constexpr double percent = 100.0;
 
-Json model_json(const comparison::ModelMode& mode) {
+Json model_json(const observation::ModelMode& mode) {
   return {{"frequency_hz", mode.omega() / two_pi},
           {"damping_ratio", mode.damping_ratio()},
           {"pole", {{"re", mode.pole.real()}, {"im", mode.pole.imag()}}},
@@ -23,7 +23,7 @@ Json model_json(const comparison::ModelMode& mode) {
 
 std::string comparison_heading(const ComparedModes& c) {
   return fmt::format("{}, pose {}, {} model: {}", c.machine, c.pose, dynamics::name(c.kind),
-                     comparison::source_description(c.source));
+                     observation::source_description(c.source));
 }
 
 Json comparison_json(const ComparedModes& c, const identification::Identification& measured) {
@@ -55,7 +55,7 @@ Json comparison_json(const ComparedModes& c, const identification::Identificatio
   return {{"machine", c.machine},
           {"pose", c.pose},
           {"model", dynamics::name(c.kind)},
-          {"source", calibration::name(c.source)},
+          {"source", observation::name(c.source)},
           {"heading", comparison_heading(c)},
           {"pairs", pairs},
           {"not_in_model", alone},

@@ -7,11 +7,13 @@
 
 #include "calibration/problem.hpp"
 #include "hydrapod/calibration/calibrate.hpp"
-#include "hydrapod/calibration/pairing.hpp"
+#include "hydrapod/observation/pairing.hpp"
 #include "support/calibration_machine.hpp"
 
 namespace hydrapod::calibration {
 namespace {
+
+using namespace observation;
 
 using dynamics::ModelKind;
 

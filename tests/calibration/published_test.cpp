@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "hydrapod/calibration/targets_file.hpp"
 #include "hydrapod/kinematics/check_machine.hpp"
 #include "hydrapod/model/variable_machine.hpp"
 #include "support/calibration_machine.hpp"
@@ -12,13 +13,15 @@
 namespace hydrapod::calibration {
 namespace {
 
+using namespace observation;
+
 using testing::Contains;
 using testing::HasSubstr;
 
 struct Published {
   model::MachineFile file = model::read_machine_file(
       test::source_file("examples/zhang-jiang-2021/table-1.toml"), {}, kinematics::check_machine);
-  Targets targets =
+  TargetsFile measured =
       read_targets(test::source_file("examples/zhang-jiang-2021/table-2.toml").string());
 };
 
@@ -28,7 +31,7 @@ TEST(Published, NoStartingValueIsNearTheKnownSet) {
   const model::VariableMachine start(published.file);
   const model::VariableMachine known(
       model::read_machine_file(test::source_file("models/zhang-jiang-2021.toml")));
-  for (const auto& free : published.targets.plan.free)
+  for (const auto& free : published.measured.plan.free)
     for (const auto& path : free.paths) {
       const double ratio = start.find(path)->value / known.find(path)->value;
       EXPECT_GT(std::abs(ratio - 1.0), 0.3) << path;
@@ -54,9 +57,9 @@ class PublishedTables : public testing::Test {
 const Calibration& calibrated() {
   static const Calibration result = [] {
     const Published published;
-    auto plan = published.targets.plan;
+    auto plan = published.measured.plan;
     plan.options.starts = 8;
-    return calibrate(published.file, published.targets, plan, dynamics::ModelKind::guide);
+    return calibrate(published.file, published.measured.targets, plan, dynamics::ModelKind::guide);
   }();
   return result;
 }
@@ -69,7 +72,7 @@ TEST_F(PublishedTables, Table2FollowsFromTable1) {
       "joint circles swapped, mass centre below the joints, flexible axes along the gimbal's");
   EXPECT_TRUE(best.admissible());
   for (std::size_t i = 0; i < best.targets.size(); ++i) {
-    const double printed = published.targets.modes[i].omega;
+    const double printed = published.measured.targets.modes[i].omega;
     const bool of_platform = printed > 100.0 || printed < 50.0;
     EXPECT_NEAR(best.targets[i].omega, printed, of_platform ? 0.006 : 0.045) << i;
   }

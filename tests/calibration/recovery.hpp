@@ -38,7 +38,7 @@ inline void recover(std::uint64_t machine_seed, std::uint64_t noise_seed, bool g
   constexpr double noise = 1e-3;
   Random machine_random(machine_seed), random(noise_seed * 7919 + machine_seed);
   const auto truth = machine_file(random_machine_text(machine_random, gravity));
-  calibration::Targets targets;
+  observation::Targets targets;
   for (const char* pose : {"neutral", "shifted"})
     for (auto& mode : modes_of(truth, pose, dynamics::ModelKind::guide, noise)) {
       mode.omega *= 1.0 + noise * normal(random);

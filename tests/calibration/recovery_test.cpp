@@ -11,6 +11,8 @@
 namespace hydrapod::calibration {
 namespace {
 
+using namespace observation;
+
 using dynamics::ModelKind;
 using testing::Contains;
 using testing::HasSubstr;

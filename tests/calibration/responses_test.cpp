@@ -7,8 +7,8 @@
 
 #include "hydrapod/base/error.hpp"
 #include "hydrapod/calibration/calibrate.hpp"
-#include "hydrapod/calibration/observation.hpp"
 #include "hydrapod/dynamics/linear_model.hpp"
+#include "hydrapod/observation/observation.hpp"
 #include "hydrapod/simulation/linear_system.hpp"
 #include "hydrapod/simulation/tuning.hpp"
 #include "support/calibration_machine.hpp"
@@ -17,6 +17,8 @@
 
 namespace hydrapod::calibration {
 namespace {
+
+using namespace observation;
 
 using Complex = std::complex<double>;
 using dynamics::ModelKind;

@@ -1,6 +1,6 @@
 /// Targets files: what is read, and what is said of those that cannot be.
 
-#include "hydrapod/calibration/targets.hpp"
+#include "hydrapod/calibration/targets_file.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -12,10 +12,12 @@
 namespace hydrapod::calibration {
 namespace {
 
+using namespace observation;
+
 constexpr double two_pi = 2.0 * std::numbers::pi;
 
 TEST(Targets, AreReadFromToml) {
-  const auto targets = parse_targets(R"(title = "June"
+  const auto [targets, plan] = parse_targets(R"(title = "June"
 frequency_unit = "Hz"
 deviation = "0.5 %"
 [[mode]]
@@ -46,7 +48,7 @@ set = ["model.flexible_axes=gimbal"]
 starts = 3
 loss = "cauchy"
 )",
-                                     "t.toml");
+                                             "t.toml");
   EXPECT_EQ(targets.title, "June");
   ASSERT_EQ(targets.modes.size(), 3U);
   const auto& x = targets.modes[0];
@@ -62,17 +64,17 @@ loss = "cauchy"
   EXPECT_NEAR((*raised.shape)[4], -5.0 * std::numbers::pi / 180.0, 1e-15);
   EXPECT_EQ(raised.shape_against, MotionAgainst::base);
   EXPECT_EQ(x.shape_against, MotionAgainst::ground);
-  ASSERT_EQ(targets.plan.free.size(), 1U);
-  EXPECT_EQ(targets.plan.free[0].paths.size(), 2U);
-  EXPECT_EQ(*targets.plan.free[0].upper, "90");
-  EXPECT_EQ(targets.plan.free[0].prior->spread, "2 kg m^2");
-  EXPECT_EQ(targets.plan.alternatives[0].choices[1].overrides[0], "model.flexible_axes=gimbal");
-  EXPECT_EQ(targets.plan.options.starts, 3);
-  EXPECT_EQ(targets.plan.options.loss, Loss::cauchy);
+  ASSERT_EQ(plan.free.size(), 1U);
+  EXPECT_EQ(plan.free[0].paths.size(), 2U);
+  EXPECT_EQ(*plan.free[0].upper, "90");
+  EXPECT_EQ(plan.free[0].prior->spread, "2 kg m^2");
+  EXPECT_EQ(plan.alternatives[0].choices[1].overrides[0], "model.flexible_axes=gimbal");
+  EXPECT_EQ(plan.options.starts, 3);
+  EXPECT_EQ(plan.options.loss, Loss::cauchy);
 }
 
 TEST(Targets, AreReadFromCsv) {
-  const auto targets = parse_targets(
+  const auto [targets, plan] = parse_targets(
       "# measured in June\n"
       "frequency [Hz],direction,deviation [Hz],damping [%],pose,x,ry,shape_against\r\n"
       "11.3,x,0.05,3.1,neutral,1,-0.2,base\r\n"
@@ -87,14 +89,15 @@ TEST(Targets, AreReadFromCsv) {
   EXPECT_FALSE(targets.modes[1].shape);
   EXPECT_EQ(targets.modes[1].pose, "raised");
   EXPECT_DOUBLE_EQ(targets.modes[1].deviation, default_deviation * 22.82 * two_pi);
-  const auto semicolons = parse_targets("frequency [rad/s];deviation [%]\n71.5;0.2\n", "a.csv");
+  const auto semicolons =
+      parse_targets("frequency [rad/s];deviation [%]\n71.5;0.2\n", "a.csv").targets;
   EXPECT_DOUBLE_EQ(semicolons.modes[0].omega, 71.5);
   EXPECT_DOUBLE_EQ(semicolons.modes[0].deviation, 0.002 * 71.5);
 }
 
 /// Byte order mark, decimal commas, quoted separators, rows of nothing, an ending in capitals.
 TEST(Targets, AreReadAsSpreadsheetsWriteThem) {
-  const auto targets = parse_targets(
+  const auto [targets, plan] = parse_targets(
       "\xEF\xBB\xBF"
       "frequency [Hz];direction;deviation [Hz];name\r\n"
       "4,125;x;0,05;\"first; in x\"\r\n7,5;y;;sway, yaw\r\n;;;\r\n",
@@ -105,7 +108,8 @@ TEST(Targets, AreReadAsSpreadsheetsWriteThem) {
   EXPECT_EQ(targets.modes[0].name, "first; in x");
   EXPECT_EQ(targets.modes[1].name, "sway, yaw");
   EXPECT_TRUE(targets.deviations_given);
-  EXPECT_FALSE(parse_targets("frequency [Hz],deviation [Hz]\n4,\n", "a.csv").deviations_given);
+  EXPECT_FALSE(
+      parse_targets("frequency [Hz],deviation [Hz]\n4,\n", "a.csv").targets.deviations_given);
 }
 
 struct Wrong {

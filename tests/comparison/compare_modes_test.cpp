@@ -14,6 +14,7 @@
 namespace hydrapod::comparison {
 namespace {
 
+using namespace observation;
 using dynamics::ModelKind;
 using identification::Identification;
 constexpr double two_pi = 2.0 * std::numbers::pi;
@@ -67,9 +68,9 @@ TEST(CompareModes, AModelIsLikeItself) {
     std::vector<ModelMode> seen;
     for (const auto& mode : model)
       if (mode.felt && mode.damping_ratio() < 0.3) seen.push_back(mode);
-    ASSERT_GE(seen.size(), 6U) << calibration::name(source);
+    ASSERT_GE(seen.size(), 6U) << observation::name(source);
     const auto c = compare_modes(measured(seen, platform_channels(), frame), model, frame);
-    ASSERT_EQ(c.pairs.size(), seen.size()) << calibration::name(source);
+    ASSERT_EQ(c.pairs.size(), seen.size()) << observation::name(source);
     EXPECT_TRUE(c.measured_left.empty());
     for (const auto& pair : c.pairs) {
       EXPECT_NEAR(pair.frequency_difference, 0.0, 1e-12);

@@ -46,9 +46,9 @@ struct BlindResult {
 };
 
 /// Modes "measured" on the machine with its fault: what a test of records replaces.
-using Measure = std::function<calibration::Targets(const BlindCase&, const model::MachineFile&)>;
+using Measure = std::function<observation::Targets(const BlindCase&, const model::MachineFile&)>;
 
-inline calibration::Targets by_noise(const BlindCase& test, const model::MachineFile& truth) {
+inline observation::Targets by_noise(const BlindCase& test, const model::MachineFile& truth) {
   Random random(7919u * static_cast<std::uint64_t>(test.repetition) + 17u);
   return noisy_modes(truth.machine, test.poses, test.kind,
                      {.frequency = test.noise, .shape = std::min(0.05, 30.0 * test.noise)}, random);

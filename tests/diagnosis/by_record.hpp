@@ -19,7 +19,7 @@ struct RecordSetting {
 
 inline Measure by_record(const RecordSetting& setting) {
   return [setting](const BlindCase& test, const model::MachineFile& truth) {
-    calibration::Targets all;
+    observation::Targets all;
     for (const auto& name : test.poses) {
       const auto pose = std::ranges::find(truth.machine.poses, name, &model::NamedPose::name);
       const auto responses = kept_responses(test, name, [&] {
@@ -38,7 +38,7 @@ inline Measure by_record(const RecordSetting& setting) {
       // the owner's file says where the legs are; where the mass centre is it may not
       diagnosis::MeasuredAt at{.pose = name, .point = spatial::Vector3::Zero()};
       if (setting.force > 0.0) {  // about the mass centre, and the controller is at work
-        at.observed = calibration::Observed::system;
+        at.observed = observation::Observed::system;
         at.force_point = truth.machine.platform.mass_center;
       }
       const auto targets = diagnosis::measured_modes(found, truth.machine, at);

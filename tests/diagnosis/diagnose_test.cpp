@@ -40,7 +40,7 @@ model::MachineFile stiff_file() {
                             stiff);
 }
 
-calibration::Targets measured(const std::vector<std::string>& fault) {
+observation::Targets measured(const std::vector<std::string>& fault) {
   auto overrides = stiff;
   overrides.insert(overrides.end(), fault.begin(), fault.end());
   test::Random random(97);
@@ -51,7 +51,7 @@ calibration::Targets measured(const std::vector<std::string>& fault) {
       {"neutral"}, ModelKind::guide, {}, random);
 }
 
-Diagnosis diagnosis_of(const calibration::Targets& targets) {
+Diagnosis diagnosis_of(const observation::Targets& targets) {
   const auto file = stiff_file();
   return diagnose(file, targets, ModelKind::guide, file.machine.poses);
 }

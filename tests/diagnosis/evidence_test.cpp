@@ -35,12 +35,12 @@ class Learning : public testing::Test {
   static constexpr auto kind = dynamics::ModelKind::guide;
   const test::BlindCase case_{.machine = "zhang-jiang-2021.toml", .repetition = 3};
   const model::MachineFile file_ = test::machine_file(case_.text(), {});
-  const calibration::Targets targets_ = weighted_targets(file_, measured(), {});
+  const observation::Targets targets_ = weighted_targets(file_, measured(), {});
   const std::vector<Suspect> suspects_;
   const Evidence evidence_;
 
  private:
-  [[nodiscard]] calibration::Targets measured() const {
+  [[nodiscard]] observation::Targets measured() const {
     test::Random random(163u);
     const auto truth =
         test::machine_file(case_.text(), {fmt::format("legs.guide_sleeve.stiffness={}", soft)});

@@ -25,7 +25,7 @@ inline diagnosis::Diagnosis diagnosed_on_rig(const std::string& name,
   experiment.point = spatial::Vector3::Zero();
   diagnosis::MeasuredAt at{.pose = "neutral", .point = spatial::Vector3::Zero()};
   if (experiment.force > 0.0) {  // about the mass centre, and the controller is at work
-    at.observed = calibration::Observed::system;
+    at.observed = observation::Observed::system;
     at.force_point = machine.platform.mass_center;
   }
   const auto responses = measured_on_rig(machine, experiment);

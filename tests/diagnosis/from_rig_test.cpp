@@ -23,9 +23,9 @@ TEST(DiagnosisFromRig, NamesTheGuideSleevesFromForcesUnderControl) {
   truth.push_back("legs.guide_sleeve.stiffness=1.31 kN/mm");
   const auto d = diagnosed_on_rig("heavy-platform", owner, truth,
                                   {.duration = 100.0, .force = 5e3, .seed = 17});
-  EXPECT_EQ(d.targets.observed, calibration::Observed::system);
+  EXPECT_EQ(d.targets.observed, observation::Observed::system);
   ASSERT_EQ(d.targets.responses.size(), 1U);
-  EXPECT_EQ(d.targets.responses[0].entry, calibration::Entry::forces);
+  EXPECT_EQ(d.targets.responses[0].entry, observation::Entry::forces);
   expect_sleeves(d, 1.31e6);
 }
 

@@ -8,7 +8,7 @@
 #include <limits>
 
 #include "hydrapod/base/error.hpp"
-#include "hydrapod/calibration/pairing.hpp"
+#include "hydrapod/observation/pairing.hpp"
 #include "hydrapod/report/diagnosis.hpp"
 #include "support/calibration_machine.hpp"
 #include "support/run_program.hpp"
@@ -53,9 +53,9 @@ TEST(MeasuredModes, OfAnyPointAndPhaseAreTheModelsOwn) {
         const auto model = dynamics::linear_model(machine, X_BP, dynamics::ModelKind::guide);
         const auto modes = modal::normal_modes(model);
         EXPECT_NEAR(
-            calibration::platform_mac(model, modes, k, calibration::shape_at_center(model, target)),
+            observation::platform_mac(model, modes, k, observation::shape_at_center(model, target)),
             1.0, 1e-9);
-        EXPECT_GT(calibration::direction_share(model, modes, k, *target.direction), 0.3);
+        EXPECT_GT(observation::direction_share(model, modes, k, *target.direction), 0.3);
       }
 }
 
@@ -95,7 +95,7 @@ TEST(MeasuredModes, AreTrustedAsFarAsTheModalModelHoldsEverything) {
   weak.omega += 1.9 * half_width;
   far.significance = 80.0;
   far.omega += 3.1 * half_width;
-  calibration::Targets targets;
+  observation::Targets targets;
   add_modes({measured, weak, far}, machine, at, targets);
   ASSERT_EQ(targets.modes.size(), 3U);
   EXPECT_NEAR(targets.modes[0].deviation, known_to, 1e-12 * measured.omega);
@@ -149,7 +149,7 @@ TEST(MeasuredModes, AreReadFromTheJsonOfIdentify) {
 
 /// Legs and poses see the platform from the base, accelerometers feel the ground.
 TEST(MeasuredModes, SayWhatTheyAreAgainst) {
-  using calibration::MotionAgainst;
+  using observation::MotionAgainst;
   const auto machine = heavy().machine;
   identification::Identification found;
   identification::IdentifiedMode mode;

@@ -6,7 +6,7 @@
 #include <functional>
 
 #include "blind_series.hpp"
-#include "hydrapod/calibration/observation.hpp"
+#include "hydrapod/observation/observation.hpp"
 
 namespace hydrapod::diagnosis {
 namespace {
@@ -15,23 +15,23 @@ using test::BlindCase;
 using testing::HasSubstr;
 
 /// As by_noise, of the plant.
-calibration::Targets by_plant(const BlindCase& test, const model::MachineFile& truth) {
+observation::Targets by_plant(const BlindCase& test, const model::MachineFile& truth) {
   test::Random random(7919u * static_cast<std::uint64_t>(test.repetition) + 17u);
   return test::noisy_plant_modes(
       truth.machine, test.poses, test.kind,
       {.frequency = test.noise, .shape = std::min(0.05, 30.0 * test.noise)}, random);
 }
 
-calibration::Targets taken_for_mechanics(const BlindCase& test, const model::MachineFile& truth) {
+observation::Targets taken_for_mechanics(const BlindCase& test, const model::MachineFile& truth) {
   auto targets = by_plant(test, truth);
-  targets.observed = calibration::Observed::mechanics;
+  targets.observed = observation::Observed::mechanics;
   return targets;
 }
 
 /// Adds lines from 2 to 50 Hz with 1 % of noise; `of_line`: the response at s, whose real part is
 /// `shift`.
 void add_lines(double shift, const std::function<Eigen::MatrixXcd(std::complex<double>)>& of_line,
-               test::Random& random, calibration::ResponseTarget& all) {
+               test::Random& random, observation::ResponseTarget& all) {
   constexpr double noise = 0.01;
   for (double hertz = 2.0; hertz < 50.0; hertz *= 1.003) {
     const std::complex<double> s(shift, 2.0 * std::numbers::pi * hertz);
@@ -44,26 +44,26 @@ void add_lines(double shift, const std::function<Eigen::MatrixXcd(std::complex<d
   }
 }
 
-calibration::Observation observed_at(const BlindCase& test, const model::Machine& machine,
-                                     const std::string& pose, calibration::Observed observed) {
+observation::Observation observed_at(const BlindCase& test, const model::Machine& machine,
+                                     const std::string& pose, observation::Observed observed) {
   const auto named = std::ranges::find(machine.poses, pose, &model::NamedPose::name);
-  return calibration::observe(machine, named->X_BP, test.kind, observed);
+  return observation::observe(machine, named->X_BP, test.kind, observed);
 }
 
 /// Modes and responses to the drives of the valves.
-calibration::Targets with_responses(const BlindCase& test, const model::MachineFile& truth) {
+observation::Targets with_responses(const BlindCase& test, const model::MachineFile& truth) {
   auto targets = by_plant(test, truth);
   test::Random random(271u);
   for (const auto& name : test.poses) {
-    const auto plant = observed_at(test, truth.machine, name, calibration::Observed::plant);
-    calibration::ResponseTarget all{.pose = name, .inputs = spatial::Matrix6::Identity()};
+    const auto plant = observed_at(test, truth.machine, name, observation::Observed::plant);
+    observation::ResponseTarget all{.pose = name, .inputs = spatial::Matrix6::Identity()};
     spatial::Matrix6 to_origin = spatial::Matrix6::Identity();
     to_origin.topRightCorner<3, 3>() =
         -spatial::skew(plant.mechanics.X_BP.p_BP - plant.mechanics.p_BC);
     add_lines(
         0.93,
         [&](auto s) -> Eigen::MatrixXcd {
-          return to_origin * plant.response(s, calibration::Entry::valves);
+          return to_origin * plant.response(s, observation::Entry::valves);
         },
         random, all);
     targets.responses.push_back(all);
@@ -115,14 +115,14 @@ TEST(DiagnosePlant, BlamesNothingInASoundMachine) {
 constexpr std::size_t few = 6;
 
 /// The lowest ones, as a short record shows.
-calibration::Targets few_modes(const BlindCase& test, const model::MachineFile& truth) {
+observation::Targets few_modes(const BlindCase& test, const model::MachineFile& truth) {
   auto targets = by_plant(test, truth);
-  std::ranges::sort(targets.modes, {}, &calibration::ModeTarget::omega);
+  std::ranges::sort(targets.modes, {}, &observation::ModeTarget::omega);
   targets.modes.resize(few);
   return targets;
 }
 
-calibration::Targets few_modes_with_responses(const BlindCase& test,
+observation::Targets few_modes_with_responses(const BlindCase& test,
                                               const model::MachineFile& truth) {
   auto targets = few_modes(test, truth);
   targets.responses = with_responses(test, truth).responses;
@@ -179,21 +179,21 @@ TEST(DiagnosePlant, SaysWhichResponseAnExplanationMisses) {
 }
 
 /// Modes of mechanics, and what a hammer with a force sensor makes of them.
-calibration::Targets hammered(const BlindCase& test, const model::MachineFile& truth) {
+observation::Targets hammered(const BlindCase& test, const model::MachineFile& truth) {
   auto targets = test::by_noise(test, truth);
   test::Random random(523u);
   for (const auto& name : test.poses) {
-    const auto seen = observed_at(test, truth.machine, name, calibration::Observed::mechanics);
-    calibration::ResponseTarget all{.pose = name,
+    const auto seen = observed_at(test, truth.machine, name, observation::Observed::mechanics);
+    observation::ResponseTarget all{.pose = name,
                                     .point = truth.machine.platform.mass_center,
-                                    .against = calibration::MotionAgainst::ground,
-                                    .entry = calibration::Entry::forces,
+                                    .against = observation::MotionAgainst::ground,
+                                    .entry = observation::Entry::forces,
                                     .inputs = spatial::Matrix6::Identity()};
     add_lines(
         0.0,
         [&](auto s) -> Eigen::MatrixXcd {
           return std::exp(-0.0007 * s) *  // filters delay
-                 seen.response(s, calibration::Entry::forces, calibration::MotionAgainst::ground);
+                 seen.response(s, observation::Entry::forces, observation::MotionAgainst::ground);
         },
         random, all);
     targets.responses.push_back(all);
@@ -232,7 +232,7 @@ TEST(DiagnosePlant, SaysWhyWhereThePlantCannotBeHad) {
   test::Random random(3);
   auto targets =
       test::noisy_modes(file.machine, {"neutral"}, dynamics::ModelKind::guide, {}, random);
-  targets.observed = calibration::Observed::plant;
+  targets.observed = observation::Observed::plant;
   DiagnoseOptions options;
   options.strongest = 0;
   const auto d = diagnose(file, targets, dynamics::ModelKind::guide, file.machine.poses, options);

@@ -8,8 +8,8 @@
 #include <algorithm>
 #include <numbers>
 
-#include "hydrapod/calibration/observation.hpp"
 #include "hydrapod/kinematics/inverse.hpp"
+#include "hydrapod/observation/observation.hpp"
 #include "support/calibration_machine.hpp"
 #include "support/noisy_modes.hpp"
 #include "support/run_program.hpp"
@@ -17,9 +17,9 @@
 namespace hydrapod::diagnosis {
 namespace {
 
-using calibration::Entry;
-using calibration::Observed;
-using calibration::Targets;
+using observation::Entry;
+using observation::Observed;
+using observation::Targets;
 using Complex = std::complex<double>;
 using identification::FrequencyResponses;
 
@@ -35,7 +35,7 @@ spatial::Pose pose_of(const model::Machine& machine) {
 }
 
 /// Motion of Q per command of the valves.
-spatial::Matrix6 to_point(const calibration::Observation& plant) {
+spatial::Matrix6 to_point(const observation::Observation& plant) {
   spatial::Matrix6 map = spatial::Matrix6::Identity();
   map.topRightCorner<3, 3>() =
       -spatial::skew(plant.mechanics.X_BP * at.point - plant.mechanics.p_BC);
@@ -48,7 +48,7 @@ FrequencyResponses measured_on(const model::Machine& machine) {
   FrequencyResponses all;
   const auto X_BP = pose_of(machine);
   const auto plant =
-      calibration::observe(machine, X_BP, dynamics::ModelKind::guide, Observed::plant);
+      observation::observe(machine, X_BP, dynamics::ModelKind::guide, Observed::plant);
   const Eigen::MatrixXd J =
       kinematics::leg_jacobian(kinematics::inverse_kinematics(machine, X_BP), X_BP * at.point);
   for (int k = 0; k < 6; ++k) {
@@ -90,7 +90,7 @@ TEST(MeasuredResponses, OfDrivesInDirectionsAreThoseOfTheValves) {
   EXPECT_EQ(target->pose, at.pose);
   EXPECT_TRUE(target->inputs.isIdentity(1e-12));
   const auto plant =
-      calibration::observe(machine, pose_of(machine), dynamics::ModelKind::guide, Observed::plant);
+      observation::observe(machine, pose_of(machine), dynamics::ModelKind::guide, Observed::plant);
   ASSERT_EQ(target->s.size(), responses.lines());
   for (const std::size_t line : {3U, 170U, 611U}) {
     const Eigen::MatrixXcd H = to_point(plant) * plant.response(target->s[line], Entry::valves);
@@ -142,10 +142,10 @@ TEST(MeasuredResponses, NoiseOfAColumnIsThatOfItsMixture) {
 TEST(MeasuredResponses, AreAgainstWhatTheirOutputsAre) {
   const auto machine = heavy().machine;
   auto lengths = measured_on(machine);
-  EXPECT_EQ(measured_responses(lengths, machine, at)->against, calibration::MotionAgainst::base);
+  EXPECT_EQ(measured_responses(lengths, machine, at)->against, observation::MotionAgainst::base);
   for (int k = 0; k < 6; ++k)
     lengths.outputs[static_cast<std::size_t>(k)].unit = k < 3 ? "m/s^2" : "rad/s^2";
-  EXPECT_EQ(measured_responses(lengths, machine, at)->against, calibration::MotionAgainst::ground);
+  EXPECT_EQ(measured_responses(lengths, machine, at)->against, observation::MotionAgainst::ground);
 }
 
 /// Accelerations for forces about a point of their own, the third the other way round.
@@ -153,7 +153,7 @@ FrequencyResponses forced(const model::Machine& machine, const spatial::Vector3&
   FrequencyResponses all;
   const auto X_BP = pose_of(machine);
   const auto seen =
-      calibration::observe(machine, X_BP, dynamics::ModelKind::guide, Observed::mechanics);
+      observation::observe(machine, X_BP, dynamics::ModelKind::guide, Observed::mechanics);
   spatial::Matrix6 at_center = spatial::Matrix6::Identity();
   at_center.bottomLeftCorner<3, 3>() = spatial::skew(X_BP * p_PF - seen.mechanics.p_BC);
   for (int k = 0; k < 6; ++k) {
@@ -167,7 +167,7 @@ FrequencyResponses forced(const model::Machine& machine, const spatial::Vector3&
     const Complex s(0.0, two_pi * hertz);
     all.frequency.push_back(hertz);
     Eigen::MatrixXcd H = to_point(seen) * s * s *
-                         seen.response(s, Entry::forces, calibration::MotionAgainst::ground) *
+                         seen.response(s, Entry::forces, observation::MotionAgainst::ground) *
                          at_center;
     H.col(2) *= -1.0;
     all.H.push_back(H);
@@ -184,13 +184,13 @@ TEST(MeasuredResponses, OfForcesCountAsTheyAre) {
   const auto target = measured_responses(responses, machine, there);
   ASSERT_TRUE(target);
   EXPECT_EQ(target->entry, Entry::forces);
-  EXPECT_EQ(target->against, calibration::MotionAgainst::ground);
-  const auto seen = calibration::observe(machine, pose_of(machine), dynamics::ModelKind::guide,
+  EXPECT_EQ(target->against, observation::MotionAgainst::ground);
+  const auto seen = observation::observe(machine, pose_of(machine), dynamics::ModelKind::guide,
                                          Observed::mechanics);
   for (const std::size_t line : {5U, 71U, 113U}) {
     const spatial::Matrix6 T = to_point(seen);
     const Eigen::MatrixXcd H =
-        T * seen.response(target->s[line], Entry::forces, calibration::MotionAgainst::ground) *
+        T * seen.response(target->s[line], Entry::forces, observation::MotionAgainst::ground) *
         T.transpose() * target->inputs;
     EXPECT_LT((target->H[line] - H).norm(), 1e-9 * H.norm()) << line;
   }
@@ -230,7 +230,7 @@ TEST(MeasuredResponses, OfCommandsAreThoseOfTheLegs) {
   const auto machine = heavy().machine;
   const auto X_BP = pose_of(machine);
   const auto seen =
-      calibration::observe(machine, X_BP, dynamics::ModelKind::guide, Observed::system);
+      observation::observe(machine, X_BP, dynamics::ModelKind::guide, Observed::system);
   FrequencyResponses all;
   for (int k = 0; k < 6; ++k) {
     const auto direction = static_cast<data::Direction>(k + 1);

@@ -45,8 +45,8 @@ void add_identification_names(std::set<std::string>& names) {
   report::ComparedModes compared{.machine = "m", .pose = "neutral"};
   compared.result = comparison::compare_modes(
       found,
-      comparison::model_modes(machine, machine.neutral(), dynamics::ModelKind::rigid,
-                              comparison::Source::mechanics),
+      observation::model_modes(machine, machine.neutral(), dynamics::ModelKind::rigid,
+                               observation::Source::mechanics),
       {machine, machine.neutral(), spatial::Vector3::Zero()});
   Json json = report::identification_json(found);
   report::add_second_opinions(identification::second_opinion(found, responses), json);

@@ -37,7 +37,7 @@ double nearest(const identification::Identification& found, double frequency) {
 
 /// MAC of the identified modes with those of the model.
 std::vector<double> compared(const identification::Identification& found,
-                             const std::vector<comparison::ModelMode>& model,
+                             const std::vector<observation::ModelMode>& model,
                              const comparison::ComparisonFrame& frame) {
   std::vector<double> likeness;
   for (const auto& pair : comparison::compare_modes(found, model, frame).pairs)
@@ -93,8 +93,8 @@ TEST(RigOnABaseThatGivesWay, ShowsTheLowerFrequencies) {
   // leg lengths show shapes against the base
   const comparison::ComparisonFrame frame{machine, machine.neutral(),
                                           kinematics::mass_center(machine, machine.neutral())};
-  auto modes = comparison::model_modes(machine, machine.neutral(), dynamics::ModelKind::rigid,
-                                       comparison::Source::plant);
+  auto modes = observation::model_modes(machine, machine.neutral(), dynamics::ModelKind::rigid,
+                                        observation::Source::plant);
   const auto right = compared(found, modes, frame);
   ASSERT_EQ(right.size(), found.modes.size());
   EXPECT_GT(std::ranges::min(right), 0.995);

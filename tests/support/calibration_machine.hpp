@@ -79,18 +79,18 @@ inline model::MachineFile machine_file(const std::string& text,
 
 /// Targets at one of its poses: all modes of the machine, those that mainly move the platform with
 /// their direction.
-inline std::vector<calibration::ModeTarget> modes_of(const model::MachineFile& file,
+inline std::vector<observation::ModeTarget> modes_of(const model::MachineFile& file,
                                                      const std::string& pose_name,
                                                      dynamics::ModelKind kind,
                                                      double relative_deviation = 1e-3) {
-  std::vector<calibration::ModeTarget> targets;
+  std::vector<observation::ModeTarget> targets;
   for (const auto& pose : file.machine.poses) {
     if (pose.name != pose_name) continue;
     const auto model = dynamics::linear_model(file.machine, pose.X_BP, kind);
     const auto modes = modal::normal_modes(model);
     const auto shares = modal::energy_shares(model, modes.shapes);
     for (int k = 0; k < modes.size(); ++k) {
-      calibration::ModeTarget target{.name = fmt::format("{} {}", pose_name, k + 1),
+      observation::ModeTarget target{.name = fmt::format("{} {}", pose_name, k + 1),
                                      .pose = pose_name,
                                      .omega = modes.omega(k),
                                      .deviation = relative_deviation * modes.omega(k)};

@@ -8,7 +8,7 @@
 #include <numbers>
 #include <stdexcept>
 
-#include "hydrapod/calibration/observation.hpp"
+#include "hydrapod/observation/observation.hpp"
 
 namespace hydrapod::test {
 
@@ -58,10 +58,10 @@ std::vector<Seen> seen_modes(const model::Machine& machine, const spatial::Pose&
 
 }  // namespace
 
-calibration::Targets noisy_modes(const model::Machine& machine,
+observation::Targets noisy_modes(const model::Machine& machine,
                                  const std::vector<std::string>& poses, dynamics::ModelKind kind,
                                  const ModeNoise& noise, Random& random) {
-  calibration::Targets targets{.title = "noisy modes"};
+  observation::Targets targets{.title = "noisy modes"};
   for (const auto& pose : machine.poses) {
     if (std::find(poses.begin(), poses.end(), pose.name) == poses.end()) continue;
     const auto model = dynamics::linear_model(machine, pose.X_BP, kind);
@@ -73,7 +73,7 @@ calibration::Targets noisy_modes(const model::Machine& machine,
       Vector6 motion = seen.motion + Vector6(weight.lu().solve(error));
       // what the platform frame's origin does
       motion.head<3>() += motion.tail<3>().cross(pose.X_BP.p_BP - model.p_BC);
-      calibration::ModeTarget mode{
+      observation::ModeTarget mode{
           .name = fmt::format("{} {}", pose.name, targets.modes.size() + 1),
           .pose = pose.name,
           .omega = seen.omega * (1.0 + noise.frequency * normal(random)),
@@ -95,19 +95,19 @@ using Complex = std::complex<double>;
 
 struct SeenPole {
   Complex pole{};
-  calibration::Vector6c motion{};  ///< of the mass centre, unit kinetic energy of the platform
+  observation::Vector6c motion{};  ///< of the mass centre, unit kinetic energy of the platform
 };
 
-std::vector<SeenPole> seen_poles(const calibration::Observation& plant) {
+std::vector<SeenPole> seen_poles(const observation::Observation& plant) {
   constexpr double most_damped = 0.3, within_decay = 0.5;
   const Eigen::Matrix<double, 6, 6> weight = plant.mechanics.platform_mass.llt().matrixU();
-  std::vector<const calibration::ObservedMode*> left;
+  std::vector<const observation::ObservedMode*> left;
   for (const auto& mode : plant.modes)
     if (mode.damping_ratio() < most_damped && mode.omega() > 1.0) left.push_back(&mode);
   std::vector<SeenPole> seen;
   while (!left.empty()) {
     const Complex first = left.front()->pole;
-    std::vector<const calibration::ObservedMode*> group;
+    std::vector<const observation::ObservedMode*> group;
     std::erase_if(left, [&](const auto* mode) {
       const double decay = std::min(-first.real(), -mode->pole.real());
       const bool one = std::abs(mode->pole - first) <=
@@ -141,21 +141,21 @@ std::vector<SeenPole> seen_poles(const calibration::Observation& plant) {
 
 }  // namespace
 
-calibration::Targets noisy_plant_modes(const model::Machine& machine,
+observation::Targets noisy_plant_modes(const model::Machine& machine,
                                        const std::vector<std::string>& poses,
                                        dynamics::ModelKind kind, const ModeNoise& noise,
-                                       Random& random, calibration::Observed observed) {
-  calibration::Targets targets{.title = "noisy modes of the plant", .observed = observed};
+                                       Random& random, observation::Observed observed) {
+  observation::Targets targets{.title = "noisy modes of the plant", .observed = observed};
   for (const auto& pose : machine.poses) {
     if (std::find(poses.begin(), poses.end(), pose.name) == poses.end()) continue;
-    const auto plant = calibration::observe(machine, pose.X_BP, kind, observed);
+    const auto plant = observation::observe(machine, pose.X_BP, kind, observed);
     const Eigen::Matrix<double, 6, 6> weight = plant.mechanics.platform_mass.llt().matrixU();
     const spatial::Vector3 arm = pose.X_BP.p_BP - plant.mechanics.p_BC;
     for (const auto& seen : seen_poles(plant)) {
-      calibration::Vector6c error;
+      observation::Vector6c error;
       for (Complex& e : error)
         e = noise.shape / std::sqrt(12.0) * Complex(normal(random), normal(random));
-      calibration::Vector6c motion = seen.motion + weight.cast<Complex>().lu().solve(error);
+      observation::Vector6c motion = seen.motion + weight.cast<Complex>().lu().solve(error);
       motion.head<3>() -= spatial::skew(arm).cast<Complex>() * motion.tail<3>();
       motion *= std::polar(1.0, -0.5 * std::arg(motion.cwiseProduct(motion).sum()));
       const Vector6 lost = weight * Vector6(motion.imag());
@@ -167,7 +167,7 @@ calibration::Targets noisy_plant_modes(const model::Machine& machine,
                                .shape = motion.real(),
                                .shape_deviation = std::hypot(noise.shape, lost.norm()),
                                .shape_point = spatial::Vector3::Zero(),
-                               .complex_shape = calibration::ComplexShape{motion, noise.shape}});
+                               .complex_shape = observation::ComplexShape{motion, noise.shape}});
     }
   }
   return targets;

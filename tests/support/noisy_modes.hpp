@@ -2,8 +2,8 @@
 /// Modes as identification gives them from a record of a machine: only those that the platform
 /// feels, close ones as one, frequencies, dampings and shapes with noise.
 
-#include "hydrapod/calibration/targets.hpp"
 #include "hydrapod/modal/mode_table.hpp"
+#include "hydrapod/observation/targets.hpp"
 #include "support/random.hpp"
 
 namespace hydrapod::test {
@@ -16,16 +16,16 @@ struct ModeNoise {
 };
 
 /// Of the machine at its poses with these names; the motion of the platform frame's origin.
-calibration::Targets noisy_modes(const model::Machine& machine,
+observation::Targets noisy_modes(const model::Machine& machine,
                                  const std::vector<std::string>& poses, dynamics::ModelKind kind,
                                  const ModeNoise& noise, Random& random);
 
 /// The same of the plant: what a record identified from the drives of the valves on shows. Poles
 /// with a damping ratio below 0.3; those nearer than half the smaller decay rate are one, in every
 /// direction they move the platform in. Complex shapes with complex noise.
-calibration::Targets noisy_plant_modes(
+observation::Targets noisy_plant_modes(
     const model::Machine& machine, const std::vector<std::string>& poses, dynamics::ModelKind kind,
     const ModeNoise& noise, Random& random,
-    calibration::Observed observed = calibration::Observed::plant);
+    observation::Observed observed = observation::Observed::plant);
 
 }  // namespace hydrapod::test

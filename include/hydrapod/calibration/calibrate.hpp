@@ -11,9 +11,10 @@
 #include <functional>
 
 #include "hydrapod/calibration/identifiability.hpp"
-#include "hydrapod/calibration/targets.hpp"
+#include "hydrapod/calibration/plan.hpp"
 #include "hydrapod/dynamics/statics.hpp"
 #include "hydrapod/model/machine_file.hpp"
+#include "hydrapod/observation/targets.hpp"
 
 namespace hydrapod::calibration {
 
@@ -103,11 +104,12 @@ using Progress = std::function<bool(double)>;
 
 /// Throws base::InputError for paths, poses, bounds or choices that cannot be, all at once, and
 /// base::ComputationError when no combination has modes.
-Calibration calibrate(const model::MachineFile& file, const Targets& targets, const Plan& plan,
-                      dynamics::ModelKind kind, const Progress& progress = {});
+Calibration calibrate(const model::MachineFile& file, const observation::Targets& targets,
+                      const Plan& plan, dynamics::ModelKind kind, const Progress& progress = {});
 
 /// The machine as it is against the targets: a candidate without parameters.
-Candidate compare(const model::MachineFile& file, const Targets& targets, dynamics::ModelKind kind);
+Candidate compare(const model::MachineFile& file, const observation::Targets& targets,
+                  dynamics::ModelKind kind);
 
 /// One point of a profile: everything else fitted with the parameter held.
 struct ProfilePoint {
@@ -123,8 +125,8 @@ struct Profile {
   double interval_low{};               ///< 95 %: where the misfit has grown by 3.84 (scatter²)
   double interval_high{};  ///< −inf, +inf where it does not grow that much in the bounds
 };
-Profile profile(const model::MachineFile& file, const Targets& targets, const Plan& plan,
-                dynamics::ModelKind kind, const Candidate& candidate, int index,
+Profile profile(const model::MachineFile& file, const observation::Targets& targets,
+                const Plan& plan, dynamics::ModelKind kind, const Candidate& candidate, int index,
                 const Progress& progress = {});
 
 /// The machine file of a candidate: the text of `file` with the choices and the values put in, all

@@ -19,10 +19,12 @@
 
 #include <optional>
 
-#include "hydrapod/comparison/model_modes.hpp"
 #include "hydrapod/identification/identify.hpp"
+#include "hydrapod/observation/model_modes.hpp"
 
 namespace hydrapod::comparison {
+
+using observation::ModelMode;
 
 struct ModePair {
   int measured{}, model{};        ///< indices

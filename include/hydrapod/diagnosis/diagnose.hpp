@@ -103,7 +103,7 @@ struct Diagnosis {
   std::vector<Explanation> explanations{};  ///< best first
   std::vector<std::size_t> alike{};  ///< those that the data cannot tell from the best, it first
   std::vector<Discriminator> discriminators{};
-  calibration::Targets targets{};     ///< with the deviations that were used
+  observation::Targets targets{};     ///< with the deviations that were used
   std::vector<MeasuredMode> modes{};  ///< one per target
   int values{};                       ///< n
   double scatter{1.0};                ///< s
@@ -121,7 +121,7 @@ model::Machine machine_of(const model::MachineFile& file, const Explanation& exp
 /// `poses`: where measurements could be made, for discriminators. `progress`: share of the work
 /// done; true asks to stop with what there is. Throws base::InputError for poses that the machine
 /// does not have, and base::ComputationError when the machine as stated has no modes.
-Diagnosis diagnose(const model::MachineFile& file, const calibration::Targets& measured,
+Diagnosis diagnose(const model::MachineFile& file, const observation::Targets& measured,
                    dynamics::ModelKind kind, const std::vector<model::NamedPose>& poses,
                    const DiagnoseOptions& options = {}, const calibration::Progress& progress = {});
 

@@ -18,9 +18,9 @@
 /// A shape from accelerometers is against the ground, from anything else against the base
 /// (identification::against_ground); from both, against the base.
 
-#include "hydrapod/calibration/targets.hpp"
 #include "hydrapod/identification/identify.hpp"
 #include "hydrapod/model/machine.hpp"
+#include "hydrapod/observation/targets.hpp"
 
 namespace hydrapod::diagnosis {
 
@@ -29,9 +29,9 @@ struct MeasuredAt {
   std::string pose{"neutral"};                       ///< one of the machine's
   spatial::Vector3 point{spatial::Vector3::Zero()};  ///< Q, whose motion was measured, in P [m]
   /// What shapes are against; none: what their outputs say.
-  std::optional<calibration::MotionAgainst> against{};
+  std::optional<observation::MotionAgainst> against{};
   /// The system that was measured; none: the plant where all inputs are drives, else mechanics.
-  std::optional<calibration::Observed> observed{};
+  std::optional<observation::Observed> observed{};
   /// Point of the platform that measured forces act at, in P [m]; none: the measured one.
   std::optional<spatial::Vector3> force_point{};
 };
@@ -50,21 +50,21 @@ struct MeasuredShape {
 };
 
 /// What motions are against that these outputs show, the directions of the platform among them.
-calibration::MotionAgainst motion_against(const std::vector<data::Channel>& outputs);
+observation::MotionAgainst motion_against(const std::vector<data::Channel>& outputs);
 
 /// `name`: what reports call it.
-calibration::ModeTarget mode_target(const MeasuredShape& measured, const std::string& name,
+observation::ModeTarget mode_target(const MeasuredShape& measured, const std::string& name,
                                     const model::Machine& machine, const MeasuredAt& at);
 
 /// Adds all modes of one measurement to `targets`, called by their frequencies.
 void add_modes(std::vector<MeasuredShape> modes, const model::Machine& machine,
-               const MeasuredAt& at, calibration::Targets& targets);
+               const MeasuredAt& at, observation::Targets& targets);
 
 /// Are all inputs drives of the valves? What is measured is the plant then.
 bool from_drives(const identification::FrequencyResponses& responses);
 
 /// Throws base::InputError when no mode was found, or no output is a direction of the platform.
-calibration::Targets measured_modes(const identification::Identification& identified,
+observation::Targets measured_modes(const identification::Identification& identified,
                                     const model::Machine& machine, const MeasuredAt& at);
 
 }  // namespace hydrapod::diagnosis

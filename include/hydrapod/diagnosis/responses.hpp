@@ -25,11 +25,11 @@
 
 #include <optional>
 
-#include "hydrapod/calibration/targets.hpp"
 #include "hydrapod/diagnosis/diagnose.hpp"
 #include "hydrapod/diagnosis/measured.hpp"
 #include "hydrapod/dynamics/statics.hpp"
 #include "hydrapod/model/machine_file.hpp"
+#include "hydrapod/observation/targets.hpp"
 
 namespace hydrapod::diagnosis {
 
@@ -38,18 +38,18 @@ inline constexpr int most_lines = 32;
 
 /// What the inputs are: drives by their role, forces (N, with moments in N m) and commands (m, rad)
 /// by their units. None: not all of one kind.
-std::optional<calibration::Entry> entry_of(const std::vector<data::Channel>& inputs);
+std::optional<observation::Entry> entry_of(const std::vector<data::Channel>& inputs);
 
 /// All lines of the responses; none where the inputs are not of one kind in directions of the
 /// platform (drives: or of the legs), the outputs not all six directions in one kind of unit, or
 /// forces act at other measuring points (channels' numbers) than the outputs.
-std::optional<calibration::ResponseTarget> measured_responses(
+std::optional<observation::ResponseTarget> measured_responses(
     const identification::FrequencyResponses& responses, const model::Machine& machine,
     const MeasuredAt& at);
 
 /// The lines that count, with the deviations that count, of those that the observed system has.
-std::vector<calibration::ResponseTarget> chosen_lines(const model::MachineFile& file,
-                                                      const calibration::Targets& measured,
+std::vector<observation::ResponseTarget> chosen_lines(const model::MachineFile& file,
+                                                      const observation::Targets& measured,
                                                       dynamics::ModelKind kind,
                                                       const DiagnoseOptions& options);
 

@@ -8,7 +8,7 @@
 namespace hydrapod::report {
 
 /// `candidates[]`, best first: choices, misfit, parameters, targets, identifiability.
-Json calibration_json(const calibration::Calibration& result, const calibration::Targets& targets);
+Json calibration_json(const calibration::Calibration& result, const observation::Targets& targets);
 
 /// `profiles[]` of parameters of the best candidate.
 Json profile_json(const calibration::Profile& profile, const calibration::Candidate& candidate);
@@ -21,11 +21,11 @@ const char* verdict_word(calibration::Verdict verdict);
 
 /// What a reader must know and numbers do not say: "The targets cannot be met: …", one per line.
 std::vector<std::string> calibration_remarks(const calibration::Calibration& result,
-                                             const calibration::Targets& targets);
+                                             const observation::Targets& targets);
 
 /// Target against model per mode, above the misfit of every combination; throws as report's other
 /// pictures do.
-void plot_calibration(const calibration::Calibration& result, const calibration::Targets& targets,
+void plot_calibration(const calibration::Calibration& result, const observation::Targets& targets,
                       const std::string& path);
 
 /// Heat map: modes downwards, parameters across, colour and number in per cent per per cent.

@@ -14,7 +14,7 @@ Json diagnosis_json(const diagnosis::CaseFile& file);
 
 /// Modes out of `kind: identified_modes`. Throws base::InputError naming what is missing; `file` is
 /// what messages call it.
-calibration::Targets modes_from_json(const Json& json, const std::string& file,
+observation::Targets modes_from_json(const Json& json, const std::string& file,
                                      const model::Machine& machine,
                                      const diagnosis::MeasuredAt& at);
 

@@ -10,7 +10,7 @@ namespace hydrapod::report {
 /// What was compared with what.
 struct ComparedModes {
   comparison::ModeComparison result{};
-  comparison::Source source{};
+  observation::Source source{};
   dynamics::ModelKind kind{};
   std::string machine{}, pose{};  ///< names
 };

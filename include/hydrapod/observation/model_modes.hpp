@@ -15,14 +15,14 @@
 #include <string_view>
 #include <vector>
 
-#include "hydrapod/calibration/targets.hpp"
 #include "hydrapod/dynamics/linear_model.hpp"
+#include "hydrapod/observation/targets.hpp"
 
-namespace hydrapod::comparison {
+namespace hydrapod::observation {
 
 using Motion = Eigen::Matrix<std::complex<double>, 6, 1>;
 
-using Source = calibration::Observed;
+using Source = observation::Observed;
 /// "mechanics with oil springs", "mechanics, hydraulics and valves", "… and controller".
 std::string_view source_description(Source source);
 
@@ -40,4 +40,4 @@ struct ModelMode {
 std::vector<ModelMode> model_modes(const model::Machine& machine, const spatial::Pose& X_BP,
                                    dynamics::ModelKind kind, Source source);
 
-}  // namespace hydrapod::comparison
+}  // namespace hydrapod::observation

@@ -1,4 +1,4 @@
-#include "hydrapod/calibration/pairing.hpp"
+#include "hydrapod/observation/pairing.hpp"
 
 #include <fmt/format.h>
 
@@ -13,7 +13,7 @@
 #include "hydrapod/modal/mode_table.hpp"
 #include "pair_cost.hpp"
 
-namespace hydrapod::calibration {
+namespace hydrapod::observation {
 
 std::vector<int> assign(const Eigen::MatrixXd& cost) {
   const auto rows = static_cast<int>(cost.rows()), columns = static_cast<int>(cost.cols());
@@ -203,4 +203,4 @@ std::vector<int> pair_modes(const dynamics::LinearModel& model, const dynamics::
   return assign(cost);
 }
 
-}  // namespace hydrapod::calibration
+}  // namespace hydrapod::observation

@@ -1,8 +1,6 @@
 #pragma once
-/// What a machine is calibrated to: modes that were measured or published, at one pose or several.
-///
-/// From TOML (docs/howto/calibrate.md), or from CSV with a title row such as
-/// `frequency [Hz],direction,deviation [Hz],damping [%],pose,x,y,z,rx,ry,rz`.
+/// What a machine is compared with: modes and frequency responses that were measured or published,
+/// with their uncertainties, at one pose or several.
 
 #include <complex>
 #include <map>
@@ -10,12 +8,11 @@
 #include <string>
 #include <vector>
 
-#include "hydrapod/calibration/lag_window.hpp"
-#include "hydrapod/calibration/plan.hpp"
 #include "hydrapod/control/parameters.hpp"
+#include "hydrapod/observation/lag_window.hpp"
 #include "hydrapod/spatial/pose.hpp"
 
-namespace hydrapod::calibration {
+namespace hydrapod::observation {
 
 using spatial::Vector6;
 using Vector6c = Eigen::Matrix<std::complex<double>, 6, 1>;
@@ -98,16 +95,9 @@ struct Targets {
   /// as the file of the machine observed has it.
   std::map<std::string, control::ControllerParameters> controllers{};
   bool deviations_given{true};  ///< false: no mode says how exact it is; default_deviation counts
-  Plan plan{};                  ///< what the file says about parameters and alternatives
 };
 
 /// Relative standard deviation of a frequency that says nothing about it.
 inline constexpr double default_deviation = 1e-3;
 
-/// Reads `path`; CSV where it ends in .csv, else TOML. Throws base::InputError with every mistake.
-Targets read_targets(const std::string& path);
-
-/// The same from text; `file_name` decides between CSV and TOML and is what messages call it.
-Targets parse_targets(const std::string& text, const std::string& file_name);
-
-}  // namespace hydrapod::calibration
+}  // namespace hydrapod::observation

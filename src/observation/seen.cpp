@@ -1,16 +1,16 @@
-#include "seen.hpp"
+#include "hydrapod/observation/seen.hpp"
 
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
 #include <numeric>
 
-#include "hydrapod/calibration/pairing.hpp"
 #include "hydrapod/modal/mode_table.hpp"
 #include "hydrapod/modal/normal_modes.hpp"
+#include "hydrapod/observation/pairing.hpp"
 #include "pair_cost.hpp"
 
-namespace hydrapod::calibration {
+namespace hydrapod::observation {
 
 namespace {
 
@@ -200,4 +200,4 @@ int nearest_mode(const Observation& seen, const ObservedMode& mode) {
   return static_cast<int>(nearest);
 }
 
-}  // namespace hydrapod::calibration
+}  // namespace hydrapod::observation

@@ -1,12 +1,12 @@
 /// The window's transform against quadrature of the sampled autocorrelation.
 
-#include "hydrapod/calibration/lag_window.hpp"
+#include "hydrapod/observation/lag_window.hpp"
 
 #include <gtest/gtest.h>
 
 #include "hydrapod/identification/window.hpp"
 
-namespace hydrapod::calibration {
+namespace hydrapod::observation {
 namespace {
 
 using Complex = std::complex<double>;
@@ -72,4 +72,4 @@ TEST(LagWindow, IsNoneWhereItIsNoSumOfCosines) {
 }
 
 }  // namespace
-}  // namespace hydrapod::calibration
+}  // namespace hydrapod::observation

@@ -10,10 +10,10 @@
 #include <span>
 #include <vector>
 
-#include "hydrapod/calibration/targets.hpp"
 #include "hydrapod/dynamics/normal_modes.hpp"
+#include "hydrapod/observation/targets.hpp"
 
-namespace hydrapod::calibration {
+namespace hydrapod::observation {
 
 /// For every row of `cost` a column of its own, so that the sum is smallest (Hungarian method,
 /// O(rows² columns)). Throws std::invalid_argument when there are more rows than columns.
@@ -55,4 +55,4 @@ Vector6 shape_at_center(const dynamics::LinearModel& model, const ModeTarget& ta
 std::vector<int> pair_modes(const dynamics::LinearModel& model, const dynamics::NormalModes& modes,
                             std::span<const ModeTarget* const> targets);
 
-}  // namespace hydrapod::calibration
+}  // namespace hydrapod::observation

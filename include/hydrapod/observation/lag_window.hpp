@@ -19,7 +19,7 @@
 #include <complex>
 #include <optional>
 
-namespace hydrapod::calibration {
+namespace hydrapod::observation {
 
 struct LagWindow {
   static constexpr int most_periods = 4;
@@ -41,4 +41,4 @@ struct LagWindow {
 std::optional<LagWindow> lag_window(const Eigen::VectorXd& rho, double sample_rate,
                                     int derivative = 0);
 
-}  // namespace hydrapod::calibration
+}  // namespace hydrapod::observation

@@ -1,4 +1,4 @@
-#include "hydrapod/calibration/pairing.hpp"
+#include "hydrapod/observation/pairing.hpp"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +7,7 @@
 
 #include "support/calibration_machine.hpp"
 
-namespace hydrapod::calibration {
+namespace hydrapod::observation {
 namespace {
 
 double least_of_all(const Eigen::MatrixXd& cost) {
@@ -71,4 +71,4 @@ TEST(Pairing, FollowsNamesThroughACrossing) {
 }
 
 }  // namespace
-}  // namespace hydrapod::calibration
+}  // namespace hydrapod::observation

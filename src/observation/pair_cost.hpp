@@ -1,7 +1,7 @@
 #pragma once
 /// What it costs to take a mode for a target, see pairing.hpp. Private to the module.
 
-namespace hydrapod::calibration {
+namespace hydrapod::observation {
 
 inline constexpr double frequency_scale = 0.1;      ///< of ln ω
 inline constexpr double wrong_shape = 25.0;         ///< at MAC 0
@@ -9,4 +9,4 @@ inline constexpr double wrong_mode_of_group = 1.0;  ///< another one of those se
 /// Cost of the frequency alone from which shapes are not looked at any more.
 inline constexpr double hopeless = 100.0;
 
-}  // namespace hydrapod::calibration
+}  // namespace hydrapod::observation

@@ -1,4 +1,4 @@
-#include "hydrapod/calibration/observation.hpp"
+#include "hydrapod/observation/observation.hpp"
 
 #include <algorithm>
 #include <stdexcept>
@@ -8,7 +8,7 @@
 #include "hydrapod/simulation/linear_system.hpp"
 #include "numerics/dense.hpp"
 
-namespace hydrapod::calibration {
+namespace hydrapod::observation {
 
 namespace {
 
@@ -145,4 +145,4 @@ Observation observe(const model::Machine& machine, const spatial::Pose& X_BP,
   return seen;
 }
 
-}  // namespace hydrapod::calibration
+}  // namespace hydrapod::observation

@@ -1,10 +1,10 @@
-#include "hydrapod/calibration/lag_window.hpp"
+#include "hydrapod/observation/lag_window.hpp"
 
 #include <Eigen/QR>
 #include <cmath>
 #include <numbers>
 
-namespace hydrapod::calibration {
+namespace hydrapod::observation {
 
 namespace {
 
@@ -84,4 +84,4 @@ std::optional<LagWindow> lag_window(const Eigen::VectorXd& rho, double sample_ra
   return window;
 }
 
-}  // namespace hydrapod::calibration
+}  // namespace hydrapod::observation

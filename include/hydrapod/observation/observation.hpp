@@ -16,10 +16,10 @@
 
 #include <array>
 
-#include "hydrapod/calibration/targets.hpp"
 #include "hydrapod/dynamics/linear_model.hpp"
+#include "hydrapod/observation/targets.hpp"
 
-namespace hydrapod::calibration {
+namespace hydrapod::observation {
 
 /// A pole with a frequency.
 struct ObservedMode {
@@ -70,4 +70,4 @@ Observation observe(const model::Machine& machine, const spatial::Pose& X_BP,
 /// Does the system have that input?
 bool can_enter(Observed observed, Entry entry);
 
-}  // namespace hydrapod::calibration
+}  // namespace hydrapod::observation

@@ -1,4 +1,4 @@
-#include "hydrapod/comparison/model_modes.hpp"
+#include "hydrapod/observation/model_modes.hpp"
 
 #include <fmt/format.h>
 
@@ -10,7 +10,7 @@
 #include "hydrapod/modal/mode_table.hpp"
 #include "hydrapod/simulation/system_poles.hpp"
 
-namespace hydrapod::comparison {
+namespace hydrapod::observation {
 
 namespace {
 
@@ -87,4 +87,4 @@ std::vector<ModelMode> model_modes(const model::Machine& machine, const spatial:
   return modes;
 }
 
-}  // namespace hydrapod::comparison
+}  // namespace hydrapod::observation

@@ -8,9 +8,9 @@
 
 #include <span>
 
-#include "hydrapod/calibration/observation.hpp"
+#include "hydrapod/observation/observation.hpp"
 
-namespace hydrapod::calibration {
+namespace hydrapod::observation {
 
 /// What is observed at one pose. Both lists are per target of the problem; targets at other poses
 /// have −1 and none.
@@ -52,4 +52,4 @@ bool follow_seen(std::span<const ModeTarget> targets, const std::vector<std::siz
 /// The mode of mechanics whose shape is most like it.
 int nearest_mode(const Observation& seen, const ObservedMode& mode);
 
-}  // namespace hydrapod::calibration
+}  // namespace hydrapod::observation

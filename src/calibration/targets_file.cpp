@@ -1,8 +1,7 @@
-#include "hydrapod/calibration/targets.hpp"
+#include "hydrapod/calibration/targets_file.hpp"
 
 #include <fmt/format.h>
 
-#include <array>
 #include <cctype>
 #include <filesystem>
 
@@ -16,41 +15,27 @@ namespace {
 
 constexpr std::size_t largest_file = std::size_t{1} << 20;
 
-Targets parse_toml(const std::string& text, const std::string& file) {
+TargetsFile parse_toml(const std::string& text, const std::string& file) {
   auto parsed = model::parse_tree(text, 0);
   if (const auto* error = std::get_if<model::SyntaxError>(&parsed))
     throw base::InputError({{base::Severity::error, file, error->place.line, error->place.column,
                              "", error->message}});
   model::Faults faults({file});
-  Targets targets = read_target_tables(std::get<model::Node>(parsed), file, faults);
+  TargetsFile targets = read_target_tables(std::get<model::Node>(parsed), file, faults);
   if (faults.any_error()) throw base::InputError(faults.diagnostics(base::Severity::error));
   return targets;
 }
 
 }  // namespace
 
-const char* name(Observed observed) {
-  constexpr std::array words{"mechanics", "plant", "system"};
-  return words[static_cast<std::size_t>(observed)];
-}
-
-const char* name(Entry entry) {
-  constexpr std::array words{"valves", "forces", "commands"};
-  return words[static_cast<std::size_t>(entry)];
-}
-
-const char* name(MotionAgainst against) {
-  return against == MotionAgainst::base ? "base" : "ground";
-}
-
-Targets parse_targets(const std::string& text, const std::string& file_name) {
+TargetsFile parse_targets(const std::string& text, const std::string& file_name) {
   std::string ending = std::filesystem::path(file_name).extension().string();
   for (char& c : ending) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-  if (ending == ".csv") return parse_target_csv(text, file_name);
+  if (ending == ".csv") return {.targets = parse_target_csv(text, file_name)};
   return parse_toml(text, file_name);
 }
 
-Targets read_targets(const std::string& path) {
+TargetsFile read_targets(const std::string& path) {
   return parse_targets(base::read_file(path, largest_file, "a targets file"), path);
 }
 
