@@ -14,6 +14,8 @@ namespace hydrapod::cli {
 namespace {
 
 using namespace calibration;
+using observation::ModeTarget;
+using observation::Targets;
 
 constexpr double two_pi = 2.0 * std::numbers::pi;
 

@@ -11,6 +11,8 @@ namespace hydrapod::report {
 namespace {
 
 using namespace calibration;
+using observation::ModeTarget;
+using observation::Targets;
 
 constexpr double two_pi = 2.0 * std::numbers::pi;
 

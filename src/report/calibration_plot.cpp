@@ -12,6 +12,7 @@ namespace hydrapod::report {
 namespace {
 
 using namespace calibration;
+using observation::Targets;
 
 constexpr double two_pi = 2.0 * std::numbers::pi;
 
