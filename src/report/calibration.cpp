@@ -199,7 +199,7 @@ std::vector<std::string> calibration_remarks(const Calibration& result, const Ta
         fmt::format("the targets do not say how exact they are; {:g} % was assumed, and the "
                     "uncertainties follow "
                     "from how well they are met",
-                    100.0 * default_deviation));
+                    100.0 * observation::default_deviation));
   return remarks;
 }
 
