@@ -5,9 +5,9 @@
 
 #include <cmath>
 #include <complex>
-#include <numbers>
 #include <random>
 
+#include "hydrapod/base/constants.hpp"
 #include "hydrapod/identification/poly_reference.hpp"
 #include "hydrapod/identification/responses.hpp"
 #include "hydrapod/identification/selection.hpp"
@@ -97,10 +97,10 @@ const identification::FrequencyResponses& responses() {
     for (double& x : shapes.reshaped()) x = normal(generator);
     for (int k = 0; k < 2000; ++k) {
       const double f = 1.0 + 49.0 * k / 1999.0;
-      const Complex s(0.0, 2.0 * std::numbers::pi * f);
+      const Complex s(0.0, base::two_pi * f);
       Eigen::MatrixXcd H = Eigen::MatrixXcd::Zero(6, 6);
       for (int m = 0; m < 9; ++m) {
-        const double w = 2.0 * std::numbers::pi * (3.0 + 5.1 * m), zeta = 0.01 + 0.003 * m;
+        const double w = base::two_pi * (3.0 + 5.1 * m), zeta = 0.01 + 0.003 * m;
         H += shapes.col(m) * shapes.col(m).transpose() / (s * s + 2.0 * zeta * w * s + w * w);
       }
       for (Complex& h : H.reshaped()) h += 1e-5 * Complex(normal(generator), normal(generator));

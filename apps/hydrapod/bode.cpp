@@ -2,8 +2,8 @@
 
 #include <algorithm>
 #include <memory>
-#include <numbers>
 
+#include "hydrapod/base/constants.hpp"
 #include "hydrapod/base/file.hpp"
 #include "hydrapod/base/units.hpp"
 #include "hydrapod/bode_report.hpp"
@@ -13,14 +13,16 @@
 #include "hydrapod/report/bode.hpp"
 #include "hydrapod/report/system.hpp"
 #include "hydrapod/simulation/tuning.hpp"
+#include "hydrapod/spatial/directions.hpp"
 #include "hydrapod/terminal.hpp"
 
 namespace hydrapod::cli {
 
 namespace {
 
-constexpr double two_pi = 2.0 * std::numbers::pi;
-const std::vector<std::string_view> directions{"x", "y", "z", "rx", "ry", "rz"};
+using base::two_pi;
+const std::vector<std::string_view> directions(spatial::direction_names.begin(),
+                                               spatial::direction_names.end());
 
 struct Arguments {
   MachineArguments machine{};

@@ -4,16 +4,17 @@
 
 #include <array>
 #include <cmath>
-#include <numbers>
 
+#include "hydrapod/base/constants.hpp"
+#include "hydrapod/spatial/directions.hpp"
 #include "hydrapod/terminal.hpp"
 
 namespace hydrapod::cli {
 
 namespace {
 
-constexpr std::array<const char*, 6> directions{"x", "y", "z", "rx", "ry", "rz"};
-constexpr double two_pi = 2.0 * std::numbers::pi;
+using base::two_pi;
+using spatial::direction_names;
 
 std::string peak_table(const report::Bode& bode, const std::vector<response::Peak>& peaks,
                        const modal::AnalysedModel& model, bool colour, std::size_t width) {
@@ -56,8 +57,8 @@ std::string point_of_platform(const report::BodeOptions& options) {
 std::string count_text(const std::vector<response::Peak>& peaks) {
   std::string text;
   for (int d = 0; d < 6; ++d)
-    text +=
-        fmt::format("{}{} {}", d == 0 ? "" : ", ", directions[d], response::count_own(peaks, d));
+    text += fmt::format("{}{} {}", d == 0 ? "" : ", ", direction_names[d],
+                        response::count_own(peaks, d));
   return text;
 }
 
@@ -86,16 +87,15 @@ report::PlotText plot_text(const model::Machine& machine, const report::PoseChoi
 }
 
 std::string command_text(const report::CommandResponse& response, bool colour, std::size_t width) {
-  constexpr double two_pi = 2.0 * std::numbers::pi;
-  constexpr std::array names{"x", "y", "z", "rx", "ry", "rz"};
+  using base::two_pi;
   const auto hertz = [&](const std::optional<double>& omega) {
     return omega ? fmt::format("{:.3f}", *omega / two_pi) : std::string("–");
   };
   Table table({{"", Align::left}, {"-3 dB Hz"}, {"-90° Hz"}, {"peak dB"}, {"at Hz"}});
   for (int i = 0; i < 6; ++i) {
     const auto found = report::command_bandwidth(response, i);
-    table.add_row({names[static_cast<size_t>(i)], hertz(found.magnitude), hertz(found.phase),
-                   fmt::format("{:.2f}", 20.0 * std::log10(found.peak)),
+    table.add_row({direction_names[static_cast<size_t>(i)], hertz(found.magnitude),
+                   hertz(found.phase), fmt::format("{:.2f}", 20.0 * std::log10(found.peak)),
                    fmt::format("{:.3f}", found.peak_omega / two_pi)});
   }
   return table.text(colour, width);

@@ -6,6 +6,7 @@
 
 #include "hydrapod/base/error.hpp"
 #include "hydrapod/base/file.hpp"
+#include "hydrapod/base/text.hpp"
 #include "hydrapod/calibration/targets_file.hpp"
 #include "hydrapod/calibration_report.hpp"
 #include "hydrapod/commands.hpp"
@@ -32,30 +33,13 @@ struct Arguments {
   std::string plot{};
 };
 
-std::string trimmed(const std::string& text) {
-  const auto first = text.find_first_not_of(" \t");
-  if (first == std::string::npos) return {};
-  return text.substr(first, text.find_last_not_of(" \t") - first + 1);
-}
-
-/// `text` cut at `separator`, which may be more than one character.
-std::vector<std::string> split(const std::string& text, const std::string& separator) {
-  std::vector<std::string> parts;
-  for (std::size_t begin = 0;;) {
-    const auto end = text.find(separator, begin);
-    parts.push_back(trimmed(text.substr(begin, end - begin)));
-    if (end == std::string::npos) return parts;
-    begin = end + separator.size();
-  }
-}
-
 /// PATH[,PATH…][=LOW..HIGH]
 calibration::FreeParameter free_parameter(const std::string& text) {
   const auto equals = text.find('=');
-  calibration::FreeParameter free{.paths = split(text.substr(0, equals), ","),
+  calibration::FreeParameter free{.paths = base::split(text.substr(0, equals), ","),
                                   .origin = {.file = "--free " + text}};
   if (equals == std::string::npos) return free;
-  const auto bounds = split(text.substr(equals + 1), "..");
+  const auto bounds = base::split(text.substr(equals + 1), "..");
   if (bounds.size() != 2 || bounds[0].empty() || bounds[1].empty())
     bad_argument("--free " + text,
                  "expected PATH or PATH=LOWEST..HIGHEST, for instance "
@@ -69,12 +53,12 @@ calibration::FreeParameter free_parameter(const std::string& text) {
 void add_prior(const std::string& text, std::vector<calibration::FreeParameter>& free) {
   const auto equals = text.find('=');
   const std::string right = equals == std::string::npos ? "" : text.substr(equals + 1);
-  auto parts = split(right, "+-");
-  if (parts.size() != 2) parts = split(right, "±");
+  auto parts = base::split(right, "+-");
+  if (parts.size() != 2) parts = base::split(right, "±");
   if (parts.size() != 2)
     bad_argument("--prior " + text,
                  "expected PATH=VALUE+-SPREAD, for instance \"legs.rod.mass=22 kg+-2 kg\"");
-  const std::string path = trimmed(text.substr(0, equals));
+  const std::string path(base::trimmed(text.substr(0, equals)));
   for (auto& parameter : free)
     if (parameter.paths.front() == path) {
       parameter.prior = calibration::PriorAmounts{parts[0], parts[1]};
@@ -86,7 +70,7 @@ void add_prior(const std::string& text, std::vector<calibration::FreeParameter>&
 /// PATH=VALUE[; PATH=VALUE…], to be tried and left alone
 calibration::Alternative alternative(const std::string& text) {
   calibration::Alternative made{.name = "with " + text, .origin = {.file = "--try " + text}};
-  made.choices = {{"no", {}}, {"yes", split(text, ";")}};
+  made.choices = {{"no", {}}, {"yes", base::split(text, ";")}};
   return made;
 }
 

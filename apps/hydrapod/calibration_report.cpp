@@ -4,9 +4,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <numeric>
 
+#include "hydrapod/base/constants.hpp"
 #include "hydrapod/report/calibration.hpp"
 
 namespace hydrapod::cli {
@@ -17,7 +17,7 @@ using namespace calibration;
 using observation::ModeTarget;
 using observation::Targets;
 
-constexpr double two_pi = 2.0 * std::numbers::pi;
+using base::two_pi;
 
 std::string combinations_text(const Calibration& result, bool colour, std::size_t width) {
   if (result.candidates.size() < 2) return {};

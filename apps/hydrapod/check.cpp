@@ -3,6 +3,7 @@
 #include <memory>
 #include <numbers>
 
+#include "hydrapod/base/constants.hpp"
 #include "hydrapod/base/file.hpp"
 #include "hydrapod/commands.hpp"
 #include "hydrapod/hydraulics/servo_axis.hpp"
@@ -59,7 +60,7 @@ std::string buckling_text(const model::Machine& machine, const report::PoseCheck
       return text +
              fmt::format(
                  "; beyond that they fold (the lowest mode has sunk to {:.2f} Hz by then).\n",
-                 *check.lowest_at_buckling / (2.0 * std::numbers::pi));
+                 *check.lowest_at_buckling / (base::two_pi));
     return text + "; there a seal mode reaches zero and they fold.\n";
   }
   if (buckling.status == dynamics::BucklingStatus::buckled)

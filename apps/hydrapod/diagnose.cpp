@@ -2,8 +2,8 @@
 
 #include <filesystem>
 #include <memory>
-#include <numbers>
 
+#include "hydrapod/base/constants.hpp"
 #include "hydrapod/base/error.hpp"
 #include "hydrapod/base/file.hpp"
 #include "hydrapod/commands.hpp"
@@ -16,7 +16,7 @@ namespace hydrapod::cli {
 
 namespace {
 
-constexpr double two_pi = 2.0 * std::numbers::pi;
+using base::two_pi;
 
 struct Arguments {
   MachineArguments machine{};

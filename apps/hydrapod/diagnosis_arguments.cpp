@@ -3,23 +3,19 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <numbers>
 
+#include "hydrapod/base/constants.hpp"
 #include "hydrapod/base/error.hpp"
+#include "hydrapod/base/text.hpp"
 #include "hydrapod/interrupt.hpp"
 #include "hydrapod/kinematics/check_machine.hpp"
 #include "hydrapod/measured_modes.hpp"
+#include "hydrapod/spatial/directions.hpp"
 #include "hydrapod/terminal.hpp"
 
 namespace hydrapod::cli {
 
 namespace {
-
-std::string trimmed(const std::string& text) {
-  const auto first = text.find_first_not_of(" \t");
-  if (first == std::string::npos) return {};
-  return text.substr(first, text.find_last_not_of(" \t") - first + 1);
-}
 
 /// The machine with the pose that --pose gives as displacements, under a name of its own.
 model::MachineFile with_pose(model::MachineFile file, const report::PoseChoice& pose,
@@ -43,11 +39,9 @@ std::vector<model::NamedPose> poses_of(const model::Machine& machine, const std:
   if (text.empty() || text == "all") return machine.poses;
   if (text == "workspace") return diagnosis::workspace_poses(machine);
   std::vector<model::NamedPose> poses;
-  for (std::size_t begin = 0; begin <= text.size();) {
-    const auto end = std::min(text.find(';', begin), text.size());
-    const auto choice = choose_pose(machine, trimmed(text.substr(begin, end - begin)));
+  for (const auto& name : base::split(text, ";")) {
+    const auto choice = choose_pose(machine, name);
     poses.push_back({choice.name, choice.X_BP});
-    begin = end + 1;
   }
   return poses;
 }
@@ -56,28 +50,29 @@ std::vector<model::NamedPose> poses_of(const model::Machine& machine, const std:
 
 diagnosis::RemedyGoal remedy_goal(const std::string& text) {
   diagnosis::RemedyGoal goal;
-  std::string amount = trimmed(text);
+  std::string_view amount = base::trimmed(text);
   const std::string argument = "--want " + text;
   if (const auto equals = amount.find('='); equals != std::string::npos) {
-    const auto direction = trimmed(amount.substr(0, equals));
-    goal.direction =
-        static_cast<int>(choose_word(argument, direction, {"x", "y", "z", "rx", "ry", "rz"}));
-    amount = trimmed(amount.substr(equals + 1));
+    const std::string direction(base::trimmed(amount.substr(0, equals)));
+    goal.direction = static_cast<int>(choose_word(
+        argument, direction, {spatial::direction_names.begin(), spatial::direction_names.end()}));
+    amount = base::trimmed(amount.substr(equals + 1));
   }
-  if (amount.starts_with("drop")) amount = trimmed(amount.substr(4));
+  if (amount.starts_with("drop")) amount = base::trimmed(amount.substr(4));
   if (amount.ends_with('%')) {
-    const auto value = plain_number(trimmed(amount.substr(0, amount.size() - 1)));
+    const auto value =
+        plain_number(std::string(base::trimmed(amount.substr(0, amount.size() - 1))));
     if (!value || !(*value > 0.0 && *value < 100.0))
       bad_argument(argument, "expected a drop above 0 % and below 100 %, such as \"2 %\"");
     goal.drop = *value / 100.0;
     return goal;
   }
-  const double frequency = plain_or_quantity(argument, amount, "Hz");
+  const double frequency = plain_or_quantity(argument, std::string(amount), "Hz");
   if (!(frequency > 0.0))
     bad_argument(argument,
                  "expected a frequency above 0 (\"5 Hz\", \"x=5 Hz\") or a largest drop "
                  "(\"2 %\")");
-  goal.omega = 2.0 * std::numbers::pi * frequency;
+  goal.omega = base::two_pi * frequency;
   return goal;
 }
 

@@ -7,13 +7,14 @@
 #include <numbers>
 #include <numeric>
 
+#include "hydrapod/base/constants.hpp"
 #include "hydrapod/terminal.hpp"
 
 namespace hydrapod::cli {
 
 namespace {
 
-constexpr double two_pi = 2.0 * std::numbers::pi;
+using base::two_pi;
 constexpr double band = 1.96;  // 95 % of a normal distribution
 
 /// The outputs that move most, each in proportion to the size of its own responses.

@@ -6,42 +6,33 @@
 #include <array>
 
 #include "hydrapod/base/nearest.hpp"
+#include "hydrapod/base/text.hpp"
 #include "hydrapod/base/units.hpp"
 #include "hydrapod/kinematics/check_machine.hpp"
+#include "hydrapod/spatial/directions.hpp"
 #include "hydrapod/terminal.hpp"
 
 namespace hydrapod::cli {
 
 namespace {
 
-constexpr std::array<std::string_view, 6> coordinates{"x", "y", "z", "rx", "ry", "rz"};
-
-std::string trimmed(const std::string& text) {
-  const auto first = text.find_first_not_of(" \t");
-  if (first == std::string::npos) return {};
-  return text.substr(first, text.find_last_not_of(" \t") - first + 1);
-}
-
 /// `z=50 mm, ry=5 deg` over the neutral pose.
 spatial::Pose displaced_pose(const spatial::Pose& neutral, const std::string& text) {
   const std::string argument = "--pose " + text;
   std::array<std::optional<double>, 6> value{};
-  for (size_t begin = 0; begin <= text.size();) {
-    const size_t end = std::min(text.find(',', begin), text.size());
-    const std::string part = text.substr(begin, end - begin);
-    begin = end + 1;
+  for (const std::string& part : base::split(text, ",")) {
     const size_t equals = part.find('=');
-    const std::string key = trimmed(part.substr(0, equals));
-    const auto at = std::find(coordinates.begin(), coordinates.end(), key);
-    if (equals == std::string::npos || at == coordinates.end())
+    const std::string key(base::trimmed(part.substr(0, equals)));
+    const auto direction = spatial::direction_from_name(key);
+    if (equals == std::string::npos || !direction)
       bad_argument(argument,
                    fmt::format("'{}' is no displacement from the neutral pose; accepted are "
                                "x, y, z, rx, ry, rz, for instance \"z=50 mm, ry=5 deg\"",
-                               trimmed(part)));
-    const auto index = static_cast<size_t>(at - coordinates.begin());
+                               part));
+    const auto index = static_cast<size_t>(*direction);
     if (value[index]) bad_argument(argument, fmt::format("{} is given twice", key));
-    value[index] =
-        plain_or_quantity(argument, trimmed(part.substr(equals + 1)), index < 3 ? "m" : "rad");
+    value[index] = plain_or_quantity(argument, std::string(base::trimmed(part.substr(equals + 1))),
+                                     index < 3 ? "m" : "rad");
   }
   const auto of = [&](size_t index) { return value[index].value_or(0.0); };
   return {spatial::rotation_from_rpy({of(3), of(4), of(5)}) * neutral.R_BP,

@@ -4,17 +4,18 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <optional>
 
+#include "hydrapod/base/constants.hpp"
+#include "hydrapod/spatial/directions.hpp"
 #include "hydrapod/terminal.hpp"
 
 namespace hydrapod::cli {
 
 namespace {
 
-constexpr double two_pi = 2.0 * std::numbers::pi;
-constexpr std::array<const char*, 6> directions{"x", "y", "z", "rx", "ry", "rz"};
+using base::two_pi;
+using spatial::direction_names;
 constexpr double worth_showing = 0.01;  // MAC; a mode with less of it is no counterpart to a reader
 
 std::string percent(double share) {
@@ -41,7 +42,7 @@ std::string motion_text(const modal::EnergyShares& energy) {
   std::string text;
   for (int d = 0; d < 6; ++d)
     if (energy.platform[d] >= 0.01)
-      text += fmt::format("{} {} %, ", directions[d], percent(energy.platform[d]));
+      text += fmt::format("{} {} %, ", direction_names[d], percent(energy.platform[d]));
   return text + fmt::format("legs {} %", percent(energy.legs.sum()));
 }
 

@@ -6,12 +6,14 @@
 #include <cmath>
 #include <numbers>
 
+#include "hydrapod/spatial/directions.hpp"
+
 namespace hydrapod::cli {
 
 namespace {
 
 constexpr double degrees = 180.0 / std::numbers::pi;
-constexpr std::array directions{"x", "y", "z", "rx", "ry", "rz"};
+using spatial::direction_names;
 
 std::string joined(const std::vector<std::string>& parts, const char* between) {
   return fmt::format("{}", fmt::join(parts, between));
@@ -55,9 +57,9 @@ std::string direction_table(const report::Simulation& s, bool colour, std::size_
   for (int i = 0; i < 6; ++i) {
     const auto& r = s.summary;
     std::vector<std::string> row{
-        directions[static_cast<std::size_t>(i)],    i < 3 ? "mm" : "deg",
-        in_direction(r.peak_command[i], i),         in_direction(r.peak_motion[i], i),
-        in_direction(r.rms_error[i], i, "{:.3g}"),  in_direction(r.peak_error[i], i, "{:.3g}"),
+        direction_names[static_cast<std::size_t>(i)], i < 3 ? "mm" : "deg",
+        in_direction(r.peak_command[i], i),           in_direction(r.peak_motion[i], i),
+        in_direction(r.rms_error[i], i, "{:.3g}"),    in_direction(r.peak_error[i], i, "{:.3g}"),
         in_direction(r.final_error[i], i, "{:.3g}")};
     if (steps) row.push_back(settled_text(s, i));
     table.add_row(row);

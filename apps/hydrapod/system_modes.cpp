@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
-#include <numbers>
 
+#include "hydrapod/base/constants.hpp"
 #include "hydrapod/interrupt.hpp"
 #include "hydrapod/kinematics/check_machine.hpp"
 #include "hydrapod/report/simulation.hpp"
@@ -21,7 +21,7 @@ namespace {
 using simulation::LinearSystem;
 using simulation::SystemPoles;
 
-constexpr double two_pi = 2.0 * std::numbers::pi;
+using base::two_pi;
 constexpr int most_values = 1000;
 
 struct LocusRange {

@@ -10,6 +10,7 @@
 #include <stdexcept>
 
 #include "hydrapod/base/printable.hpp"
+#include "hydrapod/base/text.hpp"
 #include "unit_database.hpp"
 
 namespace hydrapod::base {
@@ -58,13 +59,6 @@ constexpr std::array<const char*, 36> common_units{
 constexpr bool is_digit(char c) { return c >= '0' && c <= '9'; }
 constexpr bool is_letter(char c) {
   return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_';
-}
-
-std::string_view trimmed(std::string_view text) {
-  constexpr const char* blanks = " \t\r\n";
-  const auto begin = text.find_first_not_of(blanks);
-  if (begin == std::string_view::npos) return {};
-  return text.substr(begin, text.find_last_not_of(blanks) - begin + 1);
 }
 
 /// Non-breaking and narrow spaces, as typeset text has them between number and unit, made plain.

@@ -3,12 +3,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <atomic>
 #include <cmath>
-#include <exception>
 #include <limits>
-#include <mutex>
-#include <thread>
 
 #include "candidate.hpp"
 #include "hydrapod/base/error.hpp"
@@ -53,56 +49,6 @@ std::vector<std::string> overrides_of(const std::vector<Alternative>& alternativ
   }
   return overrides;
 }
-
-/// Shares the tasks out over threads; which thread takes which does not show in the results.
-class Workers {
- public:
-  Workers(int threads, const Progress& progress)
-      : threads_(threads > 0 ? static_cast<unsigned>(threads)
-                             : std::max(1U, std::thread::hardware_concurrency())),
-        progress_(progress) {}
-
-  template <class Task>
-  void run(std::size_t count, double from, double to, const Task& task) {
-    std::atomic<std::size_t> next{0};
-    std::exception_ptr failure;
-    const auto work = [&] {
-      for (std::size_t i = next++; i < count; i = next++) {
-        if (stopped()) return;
-        try {
-          task(i);
-        } catch (...) {
-          const std::lock_guard lock(mutex_);
-          if (!failure) failure = std::current_exception();
-        }
-        report(from + (to - from) * static_cast<double>(i + 1) / static_cast<double>(count));
-      }
-    };
-    std::vector<std::jthread> others;
-    for (unsigned k = 1; k < std::min<std::size_t>(threads_, count); ++k) others.emplace_back(work);
-    work();
-    others.clear();
-    if (failure) std::rethrow_exception(failure);
-  }
-
-  bool stopped() {
-    report(last_);
-    return stopped_;
-  }
-
- private:
-  void report(double fraction) {
-    const std::lock_guard lock(mutex_);
-    last_ = std::max(last_.load(), fraction);
-    if (progress_ && progress_(last_)) stopped_ = true;
-  }
-
-  unsigned threads_;
-  const Progress& progress_;
-  std::mutex mutex_{};
-  std::atomic<double> last_{0.0};
-  std::atomic<bool> stopped_{false};
-};
 
 Combination make_combination(const model::MachineFile& file, const Targets& targets,
                              const Plan& plan, dynamics::ModelKind kind,
@@ -171,39 +117,49 @@ Calibration calibrate(const model::MachineFile& file, const Targets& targets, co
   for (const auto& choice : combinations(plan.alternatives))
     all.push_back(make_combination(file, targets, plan, kind, choice));
 
-  Workers workers(plan.options.threads, progress);
-  const std::function<bool()> stop = [&] { return workers.stopped(); };
+  numerics::Watch watch(progress);
+  const Progress show = [&](double share) { return watch.at(share); };
+  const std::function<bool()> stop = [&] { return watch.stopped(); };
   const auto starts = static_cast<std::size_t>(plan.options.starts);
-  workers.run(all.size() * starts, 0.0, 0.7, [&](std::size_t i) {
-    auto& combination = all[i / starts];
-    const auto number = static_cast<int>(i % starts);
-    combination.solutions[i % starts] =
-        solve(*combination.problem, start_of(*combination.problem, plan.options.seed, number),
-              {.max_iterations = plan.options.max_iterations,
-               .tolerance = plan.options.tolerance,
-               .stop = stop});
-  });
+  numerics::parallel_for(
+      all.size() * starts, plan.options.threads,
+      [&](std::size_t i) {
+        auto& combination = all[i / starts];
+        const auto number = static_cast<int>(i % starts);
+        combination.solutions[i % starts] =
+            solve(*combination.problem, start_of(*combination.problem, plan.options.seed, number),
+                  {.max_iterations = plan.options.max_iterations,
+                   .tolerance = plan.options.tolerance,
+                   .stop = stop});
+      },
+      numerics::part_of(show, 0.0, 0.7));
   for (auto& combination : all) conclude(combination);
   rank(all);
   const bool try_robust = plan.options.loss == Loss::cauchy ||
                           (plan.options.loss == Loss::automatic &&
                            (fits_poorly(all.front().candidate) || !all.front().candidate.fitted));
-  if (try_robust && !workers.stopped()) {
-    workers.run(all.size(), 0.7, 0.8, [&](std::size_t i) {
-      conclude_robust(all[i], plan.options, plan.options.loss == Loss::cauchy, stop);
-    });
+  if (try_robust && !watch.stopped()) {
+    numerics::parallel_for(
+        all.size(), plan.options.threads,
+        [&](std::size_t i) {
+          conclude_robust(all[i], plan.options, plan.options.loss == Loss::cauchy, stop);
+        },
+        numerics::part_of(show, 0.7, 0.8));
     rank(all);
   }
   constexpr double far_worse = 4.0;
-  workers.run(all.size() - 1, 0.8, 1.0, [&](std::size_t i) {
-    auto& combination = all[i + 1];
-    const double limit = far_worse * std::max(all.front().candidate.misfit,
-                                              static_cast<double>(targets.modes.size()));
-    if (combination.candidate.fitted && combination.candidate.misfit > limit)
-      conclude_unbound(combination, targets, kind, plan.options, stop);
-  });
+  numerics::parallel_for(
+      all.size() - 1, plan.options.threads,
+      [&](std::size_t i) {
+        auto& combination = all[i + 1];
+        const double limit = far_worse * std::max(all.front().candidate.misfit,
+                                                  static_cast<double>(targets.modes.size()));
+        if (combination.candidate.fitted && combination.candidate.misfit > limit)
+          conclude_unbound(combination, targets, kind, plan.options, stop);
+      },
+      numerics::part_of(show, 0.8, 1.0));
 
-  Calibration result{.alternatives = plan.alternatives, .interrupted = workers.stopped()};
+  Calibration result{.alternatives = plan.alternatives, .interrupted = watch.stopped()};
   for (auto& combination : all) result.candidates.push_back(std::move(combination.candidate));
   if (!result.best().fitted) throw base::ComputationError(result.best().problem);
   return result;
@@ -329,14 +285,18 @@ Profile profile(const model::MachineFile& file, const Targets& targets, const Pl
   const auto range = profile_range(parameter);
   const auto prior = prior_of(file, plan, candidate, index);
   std::vector<std::optional<ProfilePoint>> found(points);
-  Workers workers(plan.options.threads, progress);
-  const std::function<bool()> stop = [&] { return workers.stopped(); };
-  workers.run(points, 0.0, 1.0, [&](std::size_t k) {
-    ProfilePoint point{.value = range.at(static_cast<double>(k) / (points - 1))};
-    point.misfit = misfit_held(file, targets, plan, kind, candidate, index, point.value, stop);
-    if (prior) point.misfit += std::pow((point.value - prior->value) / prior->spread, 2);
-    if (!workers.stopped()) found[k] = point;
-  });
+  numerics::Watch watch(progress);
+  const Progress show = [&](double share) { return watch.at(share); };
+  const std::function<bool()> stop = [&] { return watch.stopped(); };
+  numerics::parallel_for(
+      points, plan.options.threads,
+      [&](std::size_t k) {
+        ProfilePoint point{.value = range.at(static_cast<double>(k) / (points - 1))};
+        point.misfit = misfit_held(file, targets, plan, kind, candidate, index, point.value, stop);
+        if (prior) point.misfit += std::pow((point.value - prior->value) / prior->spread, 2);
+        if (!watch.stopped()) found[k] = point;
+      },
+      show);
   Profile result{.parameter = index};
   for (const auto& point : found)
     if (point) result.points.push_back(*point);

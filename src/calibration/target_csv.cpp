@@ -5,9 +5,9 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
-#include <numbers>
 #include <sstream>
 
+#include "hydrapod/base/constants.hpp"
 #include "hydrapod/base/error.hpp"
 #include "hydrapod/base/nearest.hpp"
 #include "hydrapod/base/printable.hpp"
@@ -18,7 +18,7 @@ namespace hydrapod::calibration {
 
 namespace {
 
-constexpr double two_pi = 2.0 * std::numbers::pi;
+using base::two_pi;
 
 struct Cell {
   std::string text{};

@@ -4,8 +4,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
+#include "hydrapod/base/constants.hpp"
 #include "hydrapod/base/nearest.hpp"
 #include "hydrapod/base/printable.hpp"
 #include "hydrapod/base/units.hpp"
@@ -20,7 +20,7 @@ using model::Node;
 using model::Section;
 using Value = Section::Value;
 
-constexpr double two_pi = 2.0 * std::numbers::pi;
+using base::two_pi;
 constexpr int most_repeats = 30;
 
 /// Reports keys that are not among `known`.

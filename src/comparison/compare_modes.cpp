@@ -4,9 +4,9 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numbers>
 #include <set>
 
+#include "hydrapod/base/constants.hpp"
 #include "hydrapod/identification/directions.hpp"
 #include "hydrapod/kinematics/inverse.hpp"
 #include "hydrapod/observation/pairing.hpp"
@@ -27,7 +27,7 @@ constexpr double no_partner = 16.0;
 constexpr double same_pole = 0.05;  // of the decay rate
 constexpr double band_margin = 0.2;
 constexpr double unseen = 1e-6;  // of the largest motion that the outputs see
-constexpr double two_pi = 2.0 * std::numbers::pi;
+using base::two_pi;
 
 bool is_angle(const data::Channel& channel) { return channel.unit.starts_with("rad"); }
 

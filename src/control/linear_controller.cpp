@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "conditioning.hpp"
+#include "hydrapod/spatial/directions.hpp"
 
 namespace hydrapod::control {
 
@@ -15,11 +16,11 @@ namespace {
 using Inputs = ControllerInputs;
 
 std::vector<std::string> state_names(const ControllerParameters& parameters) {
-  constexpr std::array directions{"x", "y", "z", "rx", "ry", "rz"};
+  using spatial::direction_names;
   std::vector<std::string> names;
   for (int i = 0; i < 6; ++i)
     names.push_back(parameters.space == model::ControlSpace::pose
-                        ? fmt::format("integral {}", directions[i])
+                        ? fmt::format("integral {}", direction_names[i])
                         : fmt::format("integral of leg {}", i + 1));
   if (parameters.feedback == model::DampingFeedback::none) return names;
   const bool pressure = parameters.feedback == model::DampingFeedback::pressure;

@@ -6,6 +6,7 @@
 #include <set>
 
 #include "hydrapod/base/printable.hpp"
+#include "hydrapod/base/text.hpp"
 #include "hydrapod/base/units.hpp"
 
 namespace hydrapod::data {
@@ -31,16 +32,10 @@ constexpr std::array aliases{Alias{"-", "1"},
                              Alias{"mm/sec", "mm/s"}};
 constexpr double standard_gravity = 9.80665;  // [m/s²]
 
-std::string trimmed(std::string_view text) {
-  const auto first = text.find_first_not_of(" \t");
-  if (first == std::string_view::npos) return {};
-  return std::string(text.substr(first, text.find_last_not_of(" \t") - first + 1));
-}
-
 }  // namespace
 
 ChannelUnit channel_unit(std::string_view written) {
-  std::string unit = trimmed(clean_text(written));
+  std::string unit(base::trimmed(clean_text(written)));
   if (unit.empty()) return {};
   if (unit == "g" || unit == "gn" || unit == "g_n") return {standard_gravity, "m/s^2"};
   for (const Alias& alias : aliases)
@@ -71,7 +66,7 @@ std::vector<double> to_si(std::vector<Channel>& channels, Notes& notes, bool by_
 void make_names_unique(std::vector<Channel>& channels) {
   std::set<std::string> names;
   for (std::size_t c = 0; c < channels.size(); ++c) {
-    std::string name = trimmed(clean_text(channels[c].name));
+    std::string name(base::trimmed(clean_text(channels[c].name)));
     if (name.empty()) name = fmt::format("channel {}", c + 1);
     std::string unique = name;
     for (int n = 2; !names.insert(unique).second; ++n) unique = fmt::format("{} ({})", name, n);

@@ -3,10 +3,10 @@
 #include <array>
 #include <cmath>
 #include <map>
-#include <numbers>
 #include <optional>
 #include <sstream>
 
+#include "hydrapod/base/constants.hpp"
 #include "hydrapod/base/file.hpp"
 #include "hydrapod/data/modal_results.hpp"
 #include "modal_nodes.hpp"
@@ -70,7 +70,7 @@ class ModeReader {
     Mode mode;
     const auto numbers = reals(8, analysis == normal ? 3 : 2);
     if (analysis == normal) {
-      const double omega = 2.0 * std::numbers::pi * numbers[0], zeta = numbers[2];
+      const double omega = base::two_pi * numbers[0], zeta = numbers[2];
       mode.pole = {-zeta * omega, omega * std::sqrt(std::max(0.0, 1.0 - zeta * zeta))};
     } else {
       mode.pole = {numbers[0], numbers[1]};

@@ -4,9 +4,10 @@
 
 #include <cmath>
 #include <complex>
-#include <numbers>
 #include <stdexcept>
 #include <unsupported/Eigen/FFT>
+
+#include "hydrapod/base/constants.hpp"
 
 namespace hydrapod::data {
 
@@ -46,8 +47,8 @@ WelchSpectrum::WelchSpectrum(std::size_t channels, double sample_rate, std::size
   all.sample_rate = sample_rate;
   all.window.resize(n);
   for (Eigen::Index j = 0; j < n; ++j)
-    all.window[j] = 0.5 - 0.5 * std::cos(2.0 * std::numbers::pi * static_cast<double>(j) /
-                                         static_cast<double>(n));
+    all.window[j] =
+        0.5 - 0.5 * std::cos(base::two_pi * static_cast<double>(j) / static_cast<double>(n));
   all.segment.setZero(n, wide);
   all.last.setZero(wide);
   all.sum.setZero(n / 2 + 1, wide);

@@ -4,13 +4,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <mutex>
 #include <set>
 #include <tuple>
 
 #include "evidence.hpp"
 #include "hydrapod/base/error.hpp"
 #include "hydrapod/diagnosis/responses.hpp"
+#include "hydrapod/numerics/parallel.hpp"
 #include "hydrapod/simulation/tuning.hpp"
 #include "ranking.hpp"
 #include "words.hpp"
@@ -19,23 +19,10 @@ namespace hydrapod::diagnosis {
 
 namespace {
 
-using calibration::Progress;
+using numerics::parallel_for;
+using numerics::Progress;
+using numerics::Watch;
 using Charges = std::vector<std::vector<std::size_t>>;
-
-/// Share of the work from `from` to `to`; safe to be asked by several threads.
-class Watch {
- public:
-  explicit Watch(const Progress& progress) : progress_(progress) {}
-  [[nodiscard]] bool stopped() const { return stopped_; }
-  bool at(double share) {
-    if (progress_ && progress_(share)) stopped_ = true;
-    return stopped_;
-  }
-
- private:
-  const Progress& progress_;
-  bool stopped_{false};
-};
 
 /// Explanations by `charges`, in their order; those that no machine with modes fits are left out.
 std::vector<Explanation> try_charges(const Evidence& evidence, const Charges& charges,
@@ -51,7 +38,7 @@ std::vector<Explanation> try_charges(const Evidence& evidence, const Charges& ch
         best = &e;
     return best;
   };
-  for_all(
+  parallel_for(
       charges.size(), threads,
       [&](std::size_t k) {
         try {
@@ -126,11 +113,11 @@ void fit_to_all(const Evidence& evidence, std::vector<Explanation>& found, doubl
   const auto show = [&](double share) { return watch.at(from + (to - from) * share); };
   std::vector<char> chosen(found.size(), 0);
   choose(criteria(), chosen);
-  for_all(
+  parallel_for(
       found.size(), threads, [&](std::size_t k) { evidence.see(found[k]); },
       [&](double share) { return show(0.3 * share); });
   choose(criteria(), chosen);
-  for_all(
+  parallel_for(
       found.size(), threads,
       [&](std::size_t k) {
         if (chosen[k] == 0) return;
@@ -168,7 +155,7 @@ void learn_from_each_other(const Evidence& evidence, Diagnosis& d, int threads, 
   const double limit = d.best().criterion + near;
   const auto before = d.explanations;
   const auto found = by_suspect(before, d.suspects.size(), most);
-  for_all(
+  parallel_for(
       before.size(), threads,
       [&](std::size_t k) {
         auto& e = d.explanations[k];
@@ -219,7 +206,7 @@ void describe(const Evidence& evidence, Diagnosis& d, int threads, Watch& watch)
     if (k < first || of_all) described.push_back(k);
   }
   const auto stated = d.as_stated();
-  for_all(
+  parallel_for(
       described.size(), threads,
       [&](std::size_t k) {
         auto& e = d.explanations[described[k]];

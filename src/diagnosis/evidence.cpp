@@ -3,11 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <atomic>
 #include <cmath>
-#include <exception>
-#include <mutex>
-#include <thread>
 
 #include "hydrapod/base/error.hpp"
 #include "hydrapod/diagnosis/resonances.hpp"
@@ -201,7 +197,7 @@ void take(calibration::Candidate fit, Explanation& e) {
 }  // namespace
 
 Explanation Evidence::search(const std::vector<std::size_t>& blamed, const Targets& targets,
-                             const Explanation* known, const calibration::Progress& stop) const {
+                             const Explanation* known, const numerics::Progress& stop) const {
   Explanation e{.suspects = blamed, .kind = kind_with(blamed)};
   calibration::Plan plan;
   plan.options.starts = starts_for(blamed, known != nullptr);
@@ -228,7 +224,7 @@ Explanation Evidence::search(const std::vector<std::size_t>& blamed, const Targe
 }
 
 calibration::Candidate Evidence::refit(const Explanation& e, const Targets& targets,
-                                       bool from_stated, const calibration::Progress& stop) const {
+                                       bool from_stated, const numerics::Progress& stop) const {
   constexpr int enough = 15;
   constexpr double near_enough = 1e-4;  // of a misfit, whose differences count from 1 on
   calibration::Plan plan;
@@ -250,9 +246,10 @@ calibration::Candidate Evidence::refit(const Explanation& e, const Targets& targ
   return calibration::calibrate(file_with(e), targets, plan, e.kind, stop).best();
 }
 
-std::optional<calibration::Candidate> Evidence::sound_refit(
-    const Explanation& e, const Targets& targets, bool from_stated,
-    const calibration::Progress& stop) const {
+std::optional<calibration::Candidate> Evidence::sound_refit(const Explanation& e,
+                                                            const Targets& targets,
+                                                            bool from_stated,
+                                                            const numerics::Progress& stop) const {
   try {
     auto fit = refit(e, targets, from_stated, stop);
     static_cast<void>(file_of(file_, {.overrides = e.overrides, .fit = fit}));
@@ -264,7 +261,7 @@ std::optional<calibration::Candidate> Evidence::sound_refit(
 }
 
 void Evidence::polish(Explanation& e, const Targets& targets, bool and_stated,
-                      const calibration::Progress& stop) const {
+                      const numerics::Progress& stop) const {
   if (!beyond_mechanics(targets)) return;
   auto best = sound_refit(e, targets, false, stop);
   if (and_stated) {
@@ -274,7 +271,7 @@ void Evidence::polish(Explanation& e, const Targets& targets, bool and_stated,
   if (best) take(std::move(*best), e);
 }
 
-void Evidence::polish(Explanation& e, bool and_stated, const calibration::Progress& stop) const {
+void Evidence::polish(Explanation& e, bool and_stated, const numerics::Progress& stop) const {
   polish(e, targets_, and_stated, stop);
 }
 
@@ -319,7 +316,7 @@ bool same_numbers(const Explanation& a, const Explanation& b) {
 }
 
 void Evidence::learn(Explanation& e, const std::vector<std::vector<const Explanation*>>& found,
-                     const calibration::Progress& stop) const {
+                     const numerics::Progress& stop) const {
   std::optional<Explanation> best;
   const auto consider = [&](const std::vector<const Explanation*>& from) {
     if (std::ranges::all_of(from, [&](const auto* one) { return same_numbers(*one, e); })) return;
@@ -342,7 +339,7 @@ void Evidence::learn(Explanation& e, const std::vector<std::vector<const Explana
 }
 
 Explanation Evidence::explain(const std::vector<std::size_t>& blamed, const Explanation* known,
-                              const calibration::Progress& stop) const {
+                              const numerics::Progress& stop) const {
   auto e = search(blamed, by_mechanics_, known, stop);
   static_cast<void>(file_of(file_, e));  // numbers that no machine has explain nothing
   return e;
@@ -359,7 +356,7 @@ void Evidence::widen(Explanation& e, double frequency_error) const {
 }
 
 std::optional<Evidence::Part> Evidence::explain_direction(std::size_t blamed, int direction,
-                                                          const calibration::Progress& stop) const {
+                                                          const numerics::Progress& stop) const {
   const auto of_direction = [&](const ModeTarget& mode) { return mode.direction == direction; };
   Part part{.rest = targets_};
   Targets some = targets_, some_mechanics = by_mechanics_, rest_mechanics = by_mechanics_;
@@ -387,35 +384,6 @@ model::MachineFile file_of(const model::MachineFile& file, const Explanation& ex
 
 model::Machine machine_of(const model::MachineFile& file, const Explanation& explanation) {
   return file_of(file, explanation).machine;
-}
-
-void for_all(std::size_t count, int threads, const std::function<void(std::size_t)>& task,
-             const std::function<bool(double)>& stop) {
-  const auto wanted = threads > 0 ? static_cast<unsigned>(threads)
-                                  : std::max(1U, std::thread::hardware_concurrency());
-  std::atomic<std::size_t> next{0}, done{0};
-  std::atomic<bool> stopped{false};
-  std::mutex mutex;
-  std::exception_ptr failure;
-  const auto work = [&] {
-    for (std::size_t i = next++; i < count && !stopped; i = next++) {
-      try {
-        task(i);
-      } catch (...) {
-        const std::lock_guard lock(mutex);
-        if (!failure) failure = std::current_exception();
-        stopped = true;
-      }
-      const std::lock_guard lock(mutex);
-      if (stop && stop(static_cast<double>(++done) / static_cast<double>(count))) stopped = true;
-    }
-  };
-  {
-    std::vector<std::jthread> others;
-    for (unsigned k = 1; k < std::min<std::size_t>(wanted, count); ++k) others.emplace_back(work);
-    work();
-  }
-  if (failure) std::rethrow_exception(failure);
 }
 
 }  // namespace hydrapod::diagnosis

@@ -38,16 +38,15 @@ class Evidence {
   /// `blamed` let free, by mechanics. `known`: an explanation by one of them, whose values it
   /// begins with. Throws base::ComputationError where no such machine has modes.
   [[nodiscard]] Explanation explain(const std::vector<std::size_t>& blamed,
-                                    const Explanation* known,
-                                    const calibration::Progress& stop) const;
+                                    const Explanation* known, const numerics::Progress& stop) const;
   /// Compares it as it is with everything that was measured.
   void see(Explanation& explanation) const;
   /// Fits it to everything that was measured. `and_stated`: from the stated values too.
-  void polish(Explanation& explanation, bool and_stated, const calibration::Progress& stop) const;
+  void polish(Explanation& explanation, bool and_stated, const numerics::Progress& stop) const;
   /// Goes on from what others found for its suspects, where these numbers meet everything that was
   /// measured better than its own: `found[k]`, explanations that hold suspect k, best first.
   void learn(Explanation& explanation, const std::vector<std::vector<const Explanation*>>& found,
-             const calibration::Progress& stop) const;
+             const numerics::Progress& stop) const;
   /// Adds to the deviations of its parameters what a model error that all frequencies share makes
   /// of them: the fit counts the errors of modes as independent.
   void widen(Explanation& explanation, double frequency_error) const;
@@ -59,7 +58,7 @@ class Evidence {
     calibration::Candidate at_rest{};
   };
   [[nodiscard]] std::optional<Part> explain_direction(std::size_t blamed, int direction,
-                                                      const calibration::Progress& stop) const;
+                                                      const numerics::Progress& stop) const;
 
   [[nodiscard]] bool in_two_steps() const { return beyond_mechanics(targets_); }
   [[nodiscard]] const model::MachineFile& file() const { return file_; }
@@ -74,19 +73,19 @@ class Evidence {
   [[nodiscard]] model::MachineFile file_at(const Explanation& explanation) const;
   [[nodiscard]] Explanation search(const std::vector<std::size_t>& blamed,
                                    const observation::Targets& targets, const Explanation* known,
-                                   const calibration::Progress& stop) const;
+                                   const numerics::Progress& stop) const;
   /// As it is, compared with everything that was measured; none where that cannot be had.
   [[nodiscard]] std::optional<calibration::Candidate> seen(const Explanation& explanation) const;
   /// Fitted again from its own values, or those of the file.
   [[nodiscard]] calibration::Candidate refit(const Explanation& explanation,
                                              const observation::Targets& targets, bool from_stated,
-                                             const calibration::Progress& stop) const;
+                                             const numerics::Progress& stop) const;
   /// None where no machine, or no plant, has the numbers that it finds.
   [[nodiscard]] std::optional<calibration::Candidate> sound_refit(
       const Explanation& explanation, const observation::Targets& targets, bool from_stated,
-      const calibration::Progress& stop) const;
+      const numerics::Progress& stop) const;
   void polish(Explanation& explanation, const observation::Targets& targets, bool and_stated,
-              const calibration::Progress& stop) const;
+              const numerics::Progress& stop) const;
   [[nodiscard]] observation::Targets for_mechanics() const;
 
   const model::MachineFile& file_;
@@ -103,10 +102,5 @@ bool same_numbers(const Explanation& a, const Explanation& b);
 /// Why the machine as stated cannot be compared with the targets; empty: it can.
 std::string plant_refused(const model::MachineFile& file, const observation::Targets& targets,
                           dynamics::ModelKind kind);
-
-/// Calls task(i) for i in [0, count) on several threads. `stop` is asked between tasks. Rethrows
-/// the first exception of a task.
-void for_all(std::size_t count, int threads, const std::function<void(std::size_t)>& task,
-             const std::function<bool(double)>& stop);
 
 }  // namespace hydrapod::diagnosis

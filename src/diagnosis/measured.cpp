@@ -5,8 +5,8 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
+#include "hydrapod/base/constants.hpp"
 #include "hydrapod/base/error.hpp"
 #include "hydrapod/diagnosis/resonances.hpp"
 #include "hydrapod/identification/directions.hpp"
@@ -135,8 +135,8 @@ void add_modes(std::vector<MeasuredShape> modes, const model::Machine& machine,
                const MeasuredAt& at, observation::Targets& targets) {
   find_flanks(modes);
   for (const auto& mode : modes)
-    targets.modes.push_back(mode_target(
-        mode, fmt::format("{:.3f} Hz", mode.omega / (2.0 * std::numbers::pi)), machine, at));
+    targets.modes.push_back(
+        mode_target(mode, fmt::format("{:.3f} Hz", mode.omega / (base::two_pi)), machine, at));
 }
 
 bool from_drives(const identification::FrequencyResponses& responses) {
@@ -157,10 +157,9 @@ observation::Targets measured_modes(const identification::Identification& identi
       at.observed.value_or(from_drives(identified.responses) ? observation::Observed::plant
                                                              : observation::Observed::mechanics);
   const auto& lines = identified.responses.frequency;
-  const double spacing = lines.size() > 1
-                             ? 2.0 * std::numbers::pi * (lines.back() - lines.front()) /
-                                   static_cast<double>(lines.size() - 1)
-                             : 0.0;
+  const double spacing = lines.size() > 1 ? base::two_pi * (lines.back() - lines.front()) /
+                                                static_cast<double>(lines.size() - 1)
+                                          : 0.0;
   std::vector<MeasuredShape> shapes;
   for (const auto& mode : identified.modes) {
     MeasuredShape measured{.omega = mode.fit.omega(),

@@ -122,7 +122,7 @@ std::vector<Change> changes(const model::Machine& machine,
 
 Remedy find_remedy(const model::Machine& machine, const std::vector<model::NamedPose>& poses,
                    dynamics::ModelKind kind, const RemedyGoal& goal,
-                   const std::function<bool(double)>& progress) {
+                   const numerics::Progress& progress) {
   if (goal.omega.has_value() == goal.drop.has_value())
     throw std::invalid_argument("remedy: give either a frequency or a largest drop");
   if (poses.empty()) throw std::invalid_argument("remedy: no pose is given");

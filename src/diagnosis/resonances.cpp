@@ -44,11 +44,6 @@ void add_group(const dynamics::LinearModel& model, const dynamics::NormalModes& 
 
 }  // namespace
 
-const char* direction_name(int direction) {
-  constexpr std::array names{"x", "y", "z", "rx", "ry", "rz"};
-  return names.at(static_cast<std::size_t>(direction));
-}
-
 std::vector<Resonance> visible_resonances(const model::Machine& machine, const spatial::Pose& X_BP,
                                           dynamics::ModelKind kind) {
   const auto model = dynamics::linear_model(machine, X_BP, kind);

@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <numbers>
 
+#include "hydrapod/base/constants.hpp"
 #include "hydrapod/base/error.hpp"
 #include "hydrapod/base/units.hpp"
 #include "hydrapod/identification/directions.hpp"
@@ -20,7 +20,7 @@ using observation::ResponseTarget;
 using observation::Targets;
 using Complex = std::complex<double>;
 
-constexpr double two_pi = 2.0 * std::numbers::pi;
+using base::two_pi;
 
 const model::NamedPose* pose_named(const model::Machine& machine, const std::string& name) {
   const auto found = std::ranges::find(machine.poses, name, &model::NamedPose::name);

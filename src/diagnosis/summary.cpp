@@ -5,16 +5,16 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <numbers>
 #include <set>
 
+#include "hydrapod/base/constants.hpp"
 #include "hydrapod/diagnosis/amounts.hpp"
 
 namespace hydrapod::diagnosis {
 
 namespace {
 
-constexpr double two_pi = 2.0 * std::numbers::pi;
+using base::two_pi;
 constexpr double notable_drop = 0.01;
 constexpr const char* interrupted = "Interrupted: not every explanation was tried.";
 

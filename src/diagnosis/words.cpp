@@ -5,10 +5,10 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <numbers>
 #include <optional>
 #include <set>
 
+#include "hydrapod/base/constants.hpp"
 #include "hydrapod/base/error.hpp"
 #include "hydrapod/diagnosis/amounts.hpp"
 #include "hydrapod/diagnosis/resonances.hpp"
@@ -20,7 +20,7 @@ namespace {
 using observation::ModeTarget;
 using observation::Targets;
 
-constexpr double two_pi = 2.0 * std::numbers::pi;
+using base::two_pi;
 constexpr double notable = 3.0;  // deviations
 
 const char* count_word(int count) {
@@ -142,7 +142,7 @@ std::vector<std::string> what_is_wrong(const Evidence& evidence, const Explanati
 }
 
 std::string contrary(const Evidence& evidence, const Explanation& as_stated,
-                     const Explanation& explanation, const calibration::Progress& stop) {
+                     const Explanation& explanation, const numerics::Progress& stop) {
   if (explanation.suspects.size() != 1 || explanation.parameters != 1) return {};
   // the direction that is missed most
   const auto& targets = evidence.targets();

@@ -13,7 +13,7 @@ std::vector<std::string> what_is_wrong(const Evidence& evidence, const Explanati
 /// number do to the others? "the bulk modulus of the oil that would explain x (0.70 GPa) puts z 9.1
 /// Hz off"; empty when it does no harm.
 std::string contrary(const Evidence& evidence, const Explanation& as_stated,
-                     const Explanation& explanation, const calibration::Progress& stop);
+                     const Explanation& explanation, const numerics::Progress& stop);
 
 /// Why the data cannot be this machine's, or cannot say anything about it; empty: they may be.
 /// `as_stated`: null where the machine has fewer modes than were measured.

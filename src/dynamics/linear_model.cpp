@@ -7,6 +7,7 @@
 
 #include "base_mount.hpp"
 #include "hydrapod/base/error.hpp"
+#include "hydrapod/spatial/directions.hpp"
 
 namespace hydrapod::dynamics {
 
@@ -95,7 +96,7 @@ const char* name(ModelKind kind) {
 }
 
 std::vector<std::string> coordinate_names(ModelKind kind) {
-  std::vector<std::string> names{"x", "y", "z", "rx", "ry", "rz"};
+  std::vector<std::string> names(spatial::direction_names.begin(), spatial::direction_names.end());
   constexpr std::array<const char*, 4> flexible{"phi1", "phi2", "u1", "u2"};
   for (int leg = 1; leg <= model::leg_count; ++leg)
     for (int k = 0; k < flexible_per_leg(kind); ++k)

@@ -76,7 +76,7 @@ CrossSpectra averaged_spectra(const std::vector<CrossSpectra>& groups,
 BootstrapScatter bootstrap_modes(const std::vector<CrossSpectra>& groups,
                                  const ChannelChoice& choice, Estimator estimator,
                                  const Identification& found, const BootstrapOptions& options,
-                                 const std::function<bool(double)>& progress) {
+                                 const numerics::Progress& progress) {
   constexpr std::size_t fewest = 4;
   if (groups.size() < fewest)
     throw std::invalid_argument(fmt::format(

@@ -9,6 +9,7 @@
 #include <numbers>
 #include <span>
 
+#include "hydrapod/base/constants.hpp"
 #include "hydrapod/base/error.hpp"
 #include "hydrapod/numerics/fft.hpp"
 #include "response_checks.hpp"
@@ -22,7 +23,7 @@ using Eigen::VectorXd;
 
 namespace {
 
-constexpr double two_pi = 2.0 * std::numbers::pi;
+using base::two_pi;
 constexpr double decay = 4.0;            // a times half a block: e⁻⁴ of h is cut off
 constexpr Index kernel_reach = 12;       // lines of the spectra on either side that are mixed
 constexpr Index edge = 16;               // lines over which an excited band ends

@@ -9,6 +9,7 @@
 #include <array>
 
 #include "hydrapod/base/error.hpp"
+#include "hydrapod/spatial/directions.hpp"
 
 namespace hydrapod::identification {
 
@@ -77,7 +78,6 @@ MatrixXd platform_from_accelerometers(const std::vector<LinearSensor>& sensors,
 
 CrossSpectra to_platform(const CrossSpectra& spectra, const std::vector<int>& channels,
                          const MatrixXd& map, const std::string& prefix) {
-  static constexpr std::array names{"x", "y", "z", "rx", "ry", "rz"};
   const auto count = static_cast<Index>(spectra.channels.size());
   CrossSpectra result = spectra;
   result.channels.clear();
@@ -99,7 +99,7 @@ CrossSpectra to_platform(const CrossSpectra& spectra, const std::vector<int>& ch
     worst.missing = std::max(worst.missing, spectra.health[static_cast<size_t>(c)].missing);
   worst.at_limit = 0;  // of the legs, not of what is made of them
   for (int d = 0; d < 6; ++d) {
-    result.channels.push_back({.name = prefix + names[static_cast<size_t>(d)],
+    result.channels.push_back({.name = prefix + spatial::direction_name(d),
                                .unit = d < 3 ? first.unit : angular(first.unit),
                                .direction = static_cast<data::Direction>(d + 1),
                                .role = first.role});

@@ -3,8 +3,9 @@
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 #include <cmath>
-#include <numbers>
 #include <utility>
+
+#include "hydrapod/base/constants.hpp"
 
 namespace hydrapod::identification {
 
@@ -165,7 +166,7 @@ VectorXd row_sizes(const FrequencyResponses& responses) {
 
 MatrixXcd modelled(const ModalModel& model, const std::vector<PoleLines>& lines, Index line,
                    const FrequencyResponses& responses) {
-  const double omega = 2.0 * std::numbers::pi * responses.frequency[static_cast<size_t>(line)];
+  const double omega = base::two_pi * responses.frequency[static_cast<size_t>(line)];
   const Complex s = Complex(responses.shift, omega) / model.omega_scale;
   MatrixXcd H = MatrixXcd::Zero(responses.H[0].rows(), responses.H[0].cols());
   for (std::size_t r = 0; r < model.modes.size(); ++r) {

@@ -3,8 +3,8 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
+#include "hydrapod/base/constants.hpp"
 #include "line_weights.hpp"
 
 namespace hydrapod::identification {
@@ -81,7 +81,7 @@ FitSystem::FitSystem(const FrequencyResponses& r, const FitOptions& options)
       inputs_(r.H[0].cols()),
       outputs_(r.H[0].rows()),
       lines_(static_cast<Index>(r.lines())),
-      omega_scale_(2.0 * std::numbers::pi * r.frequency.back()),
+      omega_scale_(base::two_pi * r.frequency.back()),
       M_(lines_, inputs_ * inputs_),
       weights_re_(lines_, outputs_ * inputs_ * (inputs_ + 1) / 2),
       weights_im_(lines_, weights_re_.cols()),
@@ -200,7 +200,7 @@ FitState FitSystem::solved(SharedParameters shared) const {
     state.functions.col(2 * r + 1) = i_unit * (lines.g - lines.g_conjugate);
   }
   for (Index k = 0; k < lines_; ++k) {
-    const double omega = 2.0 * std::numbers::pi * responses_.frequency[static_cast<size_t>(k)];
+    const double omega = base::two_pi * responses_.frequency[static_cast<size_t>(k)];
     const Complex s = Complex(responses_.shift, omega) / omega_scale_;
     for (int t = 0; t < residual_terms_; ++t)
       state.functions(k, 2 * modes + t) = std::pow(s, t + lowest_residual_power);

@@ -5,9 +5,9 @@
 #include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include "fit_covariance.hpp"
+#include "hydrapod/base/constants.hpp"
 #include "hydrapod/base/error.hpp"
 #include "hydrapod/identification/directions.hpp"
 #include "repeated_modes.hpp"
@@ -18,8 +18,8 @@ namespace hydrapod::identification {
 
 namespace {
 
+using base::two_pi;
 using Eigen::Index;
-constexpr double two_pi = 2.0 * std::numbers::pi;
 
 /// Why a fitted mode is none; empty when it is one.
 std::string objection(const FittedMode& m, const Band& band, const IdentifyOptions& options) {

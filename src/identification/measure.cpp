@@ -297,7 +297,7 @@ void bring_to_platform(const PlatformFrame& frame, ChannelChoice& choice, Measur
 /// Reads all files into m.spectra.
 void read_spectra(const std::vector<std::string>& files, const MeasureOptions& options,
                   const SpectrumOptions& spectrum, const std::vector<std::size_t>& used,
-                  std::int64_t total, const std::function<bool(double)>& progress, Measurement& m) {
+                  std::int64_t total, const numerics::Progress& progress, Measurement& m) {
   SpectrumEstimator estimator(m.header, spectrum, used);
   const auto skip =
       static_cast<std::int64_t>(std::llround(options.settling * m.header.sample_rate));
@@ -360,7 +360,7 @@ Lengths lengths_of(const std::vector<std::string>& files, const MeasureOptions& 
 }  // namespace
 
 Measurement measure_responses(const std::vector<std::string>& files, const MeasureOptions& options,
-                              const std::function<bool(double)>& progress) {
+                              const numerics::Progress& progress) {
   if (files.empty()) throw std::invalid_argument("no record is named");
   Measurement m;
   m.header = data::open_record_reader(files[0], options.read)->header();
@@ -381,7 +381,7 @@ Measurement measure_responses(const std::vector<std::string>& files, const Measu
 }
 
 Measurement measure_outputs(const std::vector<std::string>& files, const MeasureOptions& options,
-                            const std::function<bool(double)>& progress) {
+                            const numerics::Progress& progress) {
   if (files.empty()) throw std::invalid_argument("no record is named");
   Measurement m;
   m.header = data::open_record_reader(files[0], options.read)->header();
@@ -414,7 +414,7 @@ Measurement measure_outputs(const std::vector<std::string>& files, const Measure
 }
 
 GroupedSpectra measure_groups(const std::vector<std::string>& files, const MeasureOptions& options,
-                              int groups, const std::function<bool(double)>& progress) {
+                              int groups, const numerics::Progress& progress) {
   if (files.empty()) throw std::invalid_argument("no record is named");
   const auto header = data::open_record_reader(files[0], options.read)->header();
   Plan plan = plan_channels(files[0], header, options);

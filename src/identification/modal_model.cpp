@@ -3,11 +3,11 @@
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 #include <cmath>
-#include <numbers>
 #include <stdexcept>
 
 #include "fit_covariance.hpp"
 #include "fit_system.hpp"
+#include "hydrapod/base/constants.hpp"
 
 namespace hydrapod::identification {
 
@@ -149,7 +149,7 @@ ModalModel fit_modes(const FrequencyResponses& responses, const std::vector<Pole
 }
 
 Eigen::MatrixXcd synthesised(const ModalModel& model, double frequency, double shift) {
-  const Complex s(shift, 2.0 * std::numbers::pi * frequency);
+  const Complex s(shift, base::two_pi * frequency);
   Eigen::MatrixXcd H = Eigen::MatrixXcd::Zero(model.residuals[0].rows(), model.residuals[0].cols());
   for (const auto& mode : model.modes) {
     const Eigen::MatrixXcd A = mode.shape * mode.participation.transpose();

@@ -1,8 +1,8 @@
 #include "pole_basis.hpp"
 
 #include <cmath>
-#include <numbers>
 
+#include "hydrapod/base/constants.hpp"
 #include "hydrapod/numerics/fft.hpp"
 
 namespace hydrapod::identification {
@@ -11,9 +11,8 @@ using Complex = std::complex<double>;
 using Eigen::Index;
 
 PoleBasis::PoleBasis(const FrequencyResponses& responses, bool taper)
-    : omega_(
-          2.0 * std::numbers::pi *
-          Eigen::VectorXd::Map(responses.frequency.data(), static_cast<Index>(responses.lines()))),
+    : omega_(base::two_pi * Eigen::VectorXd::Map(responses.frequency.data(),
+                                                 static_cast<Index>(responses.lines()))),
       shift_(responses.shift),
       sample_rate_(responses.sample_rate) {
   if (!taper || responses.taper.size() == 0) return;

@@ -3,16 +3,16 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <numbers>
 
+#include "hydrapod/base/constants.hpp"
 #include "hydrapod/base/error.hpp"
 
 namespace hydrapod::identification {
 
 namespace {
 
+using base::two_pi;
 using Eigen::Index;
-constexpr double two_pi = 2.0 * std::numbers::pi;
 
 template <class T>
 std::vector<T> picked(const std::vector<T>& all, const std::vector<std::size_t>& lines) {

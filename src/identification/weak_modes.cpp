@@ -3,9 +3,9 @@
 #include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include "fit_covariance.hpp"
+#include "hydrapod/base/constants.hpp"
 #include "hydrapod/identification/identify.hpp"
 
 namespace hydrapod::identification {
@@ -101,7 +101,7 @@ std::vector<PoleCluster> weak_poles(const FrequencyResponses& responses, const M
     const auto band = around(rest, place);
     if (band.lines() < 2 * least_half_band) continue;
     for (auto& cluster : select_poles(poly_reference_poles(band, {1, 6, 1}), selection)) {
-      const double f = cluster.representative.omega() / (2.0 * std::numbers::pi);
+      const double f = cluster.representative.omega() / (base::two_pi);
       if (f > band.frequency.front() && f < band.frequency.back())
         found.push_back(std::move(cluster));
     }

@@ -4,8 +4,8 @@
 #include <bit>
 #include <cmath>
 #include <complex>
-#include <numbers>
 
+#include "hydrapod/base/constants.hpp"
 #include "hydrapod/numerics/fft.hpp"
 
 namespace hydrapod::identification {
@@ -42,7 +42,7 @@ Eigen::VectorXd window_samples(Window window, int length) {
   for (int t = 0; t < length; ++t) {
     w[t] = a[0];
     for (int j = 1; j < 5; ++j)
-      w[t] += (j % 2 == 0 ? a[j] : -a[j]) * std::cos(2.0 * std::numbers::pi * j * t / length);
+      w[t] += (j % 2 == 0 ? a[j] : -a[j]) * std::cos(base::two_pi * j * t / length);
   }
   return w;
 }
@@ -60,7 +60,7 @@ AverageStatistics average_statistics(const Eigen::VectorXd& window, int hop, lon
       const auto shift = static_cast<int>(m * hop);
       std::complex<double> c = 0.0;
       for (int t = 0; t + shift < n; ++t)
-        c += window[t] * window[t + shift] * std::polar(1.0, -2.0 * std::numbers::pi * d * t / n);
+        c += window[t] * window[t + shift] * std::polar(1.0, -base::two_pi * d * t / n);
       const double both = m == 0 ? 1.0 : 2.0;  // m and −m
       sum += both * (1.0 - static_cast<double>(m) / count) * std::norm(c / power);
     }

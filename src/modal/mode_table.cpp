@@ -7,11 +7,13 @@
 #include <cmath>
 #include <numeric>
 
+#include "hydrapod/spatial/directions.hpp"
+
 namespace hydrapod::modal {
 
 namespace {
 
-constexpr std::array<const char*, 6> direction_names{"x", "y", "z", "rx", "ry", "rz"};
+using spatial::direction_names;
 
 /// "all legs", "leg 3", "legs 1, 2 and 4": the legs that hold 90 % of `per_leg`, "all" from five
 /// on.

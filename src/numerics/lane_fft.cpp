@@ -1,7 +1,8 @@
 #include "lane_fft.hpp"
 
 #include <cmath>
-#include <numbers>
+
+#include "hydrapod/base/constants.hpp"
 
 namespace hydrapod::numerics {
 
@@ -18,7 +19,7 @@ inline void turn(const Lanes& re, const Lanes& im, double c, double s, ComplexLa
 
 LaneFft::LaneFft(int length) : half_(length / 2), pairs_(half_), other_(half_) {
   for (int k = 0; k <= half_; ++k) {
-    const double angle = 2.0 * std::numbers::pi * k / length;
+    const double angle = base::two_pi * k / length;
     cosines_.push_back(std::cos(angle));
     sines_.push_back(std::sin(angle));
   }

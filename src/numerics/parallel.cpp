@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <atomic>
 #include <exception>
-#include <mutex>
 #include <thread>
 #include <vector>
 
@@ -14,21 +13,35 @@ Progress part_of(const Progress& progress, double from, double to) {
   return [progress, from, to](double share) { return progress(from + (to - from) * share); };
 }
 
+bool Watch::at(double share) {
+  const std::lock_guard lock(mutex_);
+  largest_ = std::max(largest_, share);
+  if (!stopped_ && progress_) stopped_ = progress_(largest_);
+  return stopped_;
+}
+
 bool parallel_for(std::size_t count, int threads, const std::function<void(std::size_t)>& task,
                   const Progress& progress) {
   const auto wanted = threads > 0 ? static_cast<unsigned>(threads)
                                   : std::max(1U, std::thread::hardware_concurrency());
-  std::atomic<std::size_t> next{0}, done{0};
+  std::atomic<std::size_t> next{0};
   std::atomic<bool> stopped{false};
   std::mutex mutex;
+  std::size_t done = 0;
   std::exception_ptr failure;
+  const auto tell = [&](std::size_t finished) {
+    const std::lock_guard lock(mutex);
+    done += finished;
+    if (progress && progress(static_cast<double>(done) / static_cast<double>(count)))
+      stopped = true;
+  };
   const auto work = [&] {
-    for (std::size_t i = next++; i < count && !stopped; i = next++) {
+    for (std::size_t i = next++; i < count; i = next++) {
       try {
+        tell(0);
+        if (stopped) return;
         task(i);
-        const std::lock_guard lock(mutex);
-        const double share = static_cast<double>(++done) / static_cast<double>(count);
-        if (progress && progress(share)) stopped = true;
+        tell(1);
       } catch (...) {
         const std::lock_guard lock(mutex);
         if (!failure) failure = std::current_exception();

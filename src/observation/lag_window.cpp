@@ -2,14 +2,15 @@
 
 #include <Eigen/QR>
 #include <cmath>
-#include <numbers>
+
+#include "hydrapod/base/constants.hpp"
 
 namespace hydrapod::observation {
 
 namespace {
 
 using Complex = std::complex<double>;
-constexpr Complex two_pi_i{0.0, 2.0 * std::numbers::pi};
+constexpr Complex two_pi_i{0.0, base::two_pi};
 
 /// (e^z − 1)/z and (e^z (z − 1) + 1)/z² = ∫ e^{zx} dx and ∫ x e^{zx} dx over 0 … 1.
 struct Moments {
@@ -59,7 +60,7 @@ std::optional<LagWindow> lag_window(const Eigen::VectorXd& rho, double sample_ra
   for (Eigen::Index t = 0; t < n; ++t) {
     const double x = static_cast<double>(t) / static_cast<double>(n);
     for (int j = 0; j <= periods; ++j) {
-      const double angle = 2.0 * std::numbers::pi * j * x;
+      const double angle = base::two_pi * j * x;
       basis(t, j) = std::cos(angle);
       if (j > 0) basis(t, periods + j) = std::sin(angle);
     }

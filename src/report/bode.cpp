@@ -4,17 +4,18 @@
 
 #include <algorithm>
 #include <array>
-#include <numbers>
 #include <stdexcept>
 
+#include "hydrapod/base/constants.hpp"
 #include "hydrapod/base/error.hpp"
+#include "hydrapod/spatial/directions.hpp"
 
 namespace hydrapod::report {
 
 namespace {
 
-constexpr std::array<const char*, 6> directions{"x", "y", "z", "rx", "ry", "rz"};
-constexpr double two_pi = 2.0 * std::numbers::pi;
+using base::two_pi;
+using spatial::direction_names;
 
 /// Fills in the band: a third of the lowest to twice the highest frequency that the platform feels.
 void fill_band(const modal::ModeTable& table, BodeOptions& options) {
@@ -101,8 +102,8 @@ std::string bode_csv(const Bode& bode) {
     for (int out = 0; out < 6; ++out)
       for (int in = 0; in < 6; ++in)
         for (const char* part : {"re", "im"})
-          text += fmt::format(",{}{} {}/{} [{}]", model, part, directions[out], directions[in],
-                              response_unit(bode.options.output, out, in));
+          text += fmt::format(",{}{} {}/{} [{}]", model, part, direction_names[out],
+                              direction_names[in], response_unit(bode.options.output, out, in));
   text += '\n';
   for (size_t i = 0; i < bode.omega.size(); ++i) {
     text += fmt::format("{:.12g},{:.12g}", bode.omega[i] / two_pi, bode.omega[i]);

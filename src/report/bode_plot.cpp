@@ -6,14 +6,16 @@
 #include <numbers>
 
 #include "gnuplot.hpp"
+#include "hydrapod/base/constants.hpp"
 #include "hydrapod/report/bode.hpp"
+#include "hydrapod/spatial/directions.hpp"
 
 namespace hydrapod::report {
 
 namespace {
 
-constexpr std::array<const char*, 6> directions{"x", "y", "z", "rx", "ry", "rz"};
-constexpr double two_pi = 2.0 * std::numbers::pi;
+using base::two_pi;
+using spatial::direction_names;
 constexpr const char* real_style = "lw 2 lc rgb '#0072b2'";  // colours safe for the colour-blind
 constexpr const char* rigid_style = "lw 2 dt (8,5) lc rgb '#d55e00'";
 
@@ -126,8 +128,8 @@ std::string entry_plots(const Bode& bode, const Entry& entry, size_t index, cons
   const std::string unit = response_unit(bode.options.output, entry.output, entry.input);
   const std::string name =
       entry.output == entry.input
-          ? std::string(directions[entry.output])
-          : fmt::format("{} from {}", directions[entry.output], directions[entry.input]);
+          ? std::string(direction_names[entry.output])
+          : fmt::format("{} from {}", direction_names[entry.output], direction_names[entry.input]);
   std::string text = margins({cell.left, cell.right, cell.top, split + 0.006});
   text += fmt::format(
       "set title {} offset 0,-0.6\nset ylabel {} offset 1.2,0\nset format x ''\nset xlabel ''\n",

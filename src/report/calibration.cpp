@@ -4,7 +4,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
+
+#include "hydrapod/base/constants.hpp"
 
 namespace hydrapod::report {
 
@@ -14,7 +15,7 @@ using namespace calibration;
 using observation::ModeTarget;
 using observation::Targets;
 
-constexpr double two_pi = 2.0 * std::numbers::pi;
+using base::two_pi;
 
 /// Infinite and undefined numbers do not exist in JSON.
 Json number(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }

@@ -2,9 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include "gnuplot.hpp"
+#include "hydrapod/base/constants.hpp"
 #include "hydrapod/report/calibration.hpp"
 
 namespace hydrapod::report {
@@ -14,7 +14,7 @@ namespace {
 using namespace calibration;
 using observation::Targets;
 
-constexpr double two_pi = 2.0 * std::numbers::pi;
+using base::two_pi;
 
 /// "legs.rod.mass_center" → "rod mass center", what fits below a column.
 std::string short_name(std::string path) {

@@ -2,8 +2,8 @@
 
 #include <algorithm>
 #include <limits>
-#include <numbers>
 
+#include "hydrapod/base/constants.hpp"
 #include "hydrapod/base/error.hpp"
 #include "hydrapod/report/diagnosis.hpp"
 
@@ -13,7 +13,7 @@ namespace {
 
 using namespace diagnosis;
 
-constexpr double two_pi = 2.0 * std::numbers::pi;
+using base::two_pi;
 
 Json finite(double value) { return std::isfinite(value) ? Json(value) : Json(); }
 

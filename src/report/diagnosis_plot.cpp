@@ -2,9 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include "gnuplot.hpp"
+#include "hydrapod/base/constants.hpp"
 #include "hydrapod/diagnosis/amounts.hpp"
 #include "hydrapod/report/diagnosis.hpp"
 
@@ -14,7 +14,7 @@ namespace {
 
 using namespace diagnosis;
 
-constexpr double two_pi = 2.0 * std::numbers::pi;
+using base::two_pi;
 constexpr double panel = 340.0;  // height of the first and the last [pixels]
 constexpr double row_height = 24.0;
 constexpr std::size_t most_rows = 14;

@@ -3,7 +3,8 @@
 #include <fmt/format.h>
 
 #include <cmath>
-#include <numbers>
+
+#include "hydrapod/base/constants.hpp"
 
 namespace hydrapod::report {
 
@@ -12,7 +13,7 @@ using identification::FrequencyResponses;
 
 namespace {
 
-constexpr double two_pi = 2.0 * std::numbers::pi;
+using base::two_pi;
 
 /// A name as a field of a title row: in quotes where it holds what would end the field.
 std::string csv_field(const std::string& name) {

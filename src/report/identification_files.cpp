@@ -1,8 +1,8 @@
 #include "hydrapod/report/identification_files.hpp"
 
 #include <cmath>
-#include <numbers>
 
+#include "hydrapod/base/constants.hpp"
 #include "hydrapod/data/mat_variables.hpp"
 #include "hydrapod/data/modal_results.hpp"
 
@@ -10,6 +10,7 @@ namespace hydrapod::report {
 
 namespace {
 
+using base::two_pi;
 using Eigen::Index;
 using Eigen::MatrixXcd;
 using Eigen::MatrixXd;
@@ -17,7 +18,6 @@ using Eigen::VectorXd;
 using identification::FrequencyResponses;
 using identification::Identification;
 using identification::IdentifiedMode;
-constexpr double two_pi = 2.0 * std::numbers::pi;
 constexpr double band = 1.96;
 
 void add_channels(const std::string& prefix, const std::vector<data::Channel>& channels,

@@ -3,8 +3,8 @@
 #include <fmt/format.h>
 
 #include <cmath>
-#include <numbers>
 
+#include "hydrapod/base/constants.hpp"
 #include "hydrapod/base/error.hpp"
 #include "hydrapod/identification/stabilisation.hpp"
 
@@ -12,10 +12,10 @@ namespace hydrapod::report {
 
 namespace {
 
+using base::two_pi;
 using Eigen::Index;
 using Eigen::MatrixXcd;
 using identification::FrequencyResponses;
-constexpr double two_pi = 2.0 * std::numbers::pi;
 
 Json complex_json(std::complex<double> value) {
   return {{"re", value.real()}, {"im", value.imag()}};

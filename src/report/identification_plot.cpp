@@ -8,6 +8,7 @@
 #include <numbers>
 
 #include "gnuplot.hpp"
+#include "hydrapod/base/constants.hpp"
 #include "hydrapod/identification/stabilisation.hpp"
 #include "hydrapod/report/simulation.hpp"
 
@@ -15,9 +16,9 @@ namespace hydrapod::report {
 
 namespace {
 
+using base::two_pi;
 using Eigen::Index;
 using identification::FrequencyResponses;
-constexpr double two_pi = 2.0 * std::numbers::pi;
 constexpr double degree = 180.0 / std::numbers::pi;
 
 struct Pair {
@@ -48,8 +49,9 @@ std::string data_block(const FrequencyResponses& r, const identification::ModalM
   std::string text = "$frf << END\n";
   for (std::size_t k = 0; k < r.lines(); ++k) {
     text += fmt::format("{:.9g}", r.frequency[k]);
-    const Eigen::MatrixXcd fit =
-        model != nullptr ? identification::synthesised(*model, r.frequency[k], r.shift) : Eigen::MatrixXcd();
+    const Eigen::MatrixXcd fit = model != nullptr
+                                     ? identification::synthesised(*model, r.frequency[k], r.shift)
+                                     : Eigen::MatrixXcd();
     for (const auto& [o, i] : pairs) {
       const auto h = r.H[k](o, i);
       const double band =

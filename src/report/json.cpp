@@ -4,16 +4,17 @@
 
 #include <array>
 #include <cmath>
-#include <numbers>
 
+#include "hydrapod/base/constants.hpp"
 #include "hydrapod/base/version.hpp"
+#include "hydrapod/spatial/directions.hpp"
 
 namespace hydrapod::report {
 
 namespace {
 
-constexpr std::array<const char*, 6> directions{"x", "y", "z", "rx", "ry", "rz"};
-constexpr double two_pi = 2.0 * std::numbers::pi;
+using base::two_pi;
+using spatial::direction_names;
 
 template <class Vector>
 Json array(const Vector& values) {
@@ -163,7 +164,7 @@ Json response_json(const std::vector<double>& omega, const std::vector<response:
         re[i] = H[i](out, in).real();
         im[i] = H[i](out, in).imag();
       }
-      json["response"][directions[out]][directions[in]] = {{"re", re}, {"im", im}};
+      json["response"][direction_names[out]][direction_names[in]] = {{"re", re}, {"im", im}};
     }
   return json;
 }
@@ -174,7 +175,7 @@ Json peaks_json(const std::vector<response::Peak>& peaks, const modal::ModeTable
   const auto& model = rigid ? table.rigid : table.real;
   for (const auto& peak : peaks) {
     const int tabled = model.tabled_of_normal[peak.mode];
-    list.push_back({{"direction", directions[peak.direction]},
+    list.push_back({{"direction", direction_names[peak.direction]},
                     {"omega_rad_s", peak.omega},
                     {"frequency_hz", peak.omega / two_pi},
                     {"magnitude", finite_or_null(peak.magnitude)},

@@ -1,9 +1,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <numbers>
 
 #include "gnuplot.hpp"
+#include "hydrapod/base/constants.hpp"
 #include "hydrapod/base/error.hpp"
 #include "hydrapod/report/identification_plot.hpp"
 #include "hydrapod/report/mode_comparison.hpp"
@@ -12,8 +12,8 @@ namespace hydrapod::report {
 
 namespace {
 
+using base::two_pi;
 using Eigen::Index;
-constexpr double two_pi = 2.0 * std::numbers::pi;
 
 /// A matrix with the names of its rows and columns.
 struct MacPicture {

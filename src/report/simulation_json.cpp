@@ -6,6 +6,7 @@
 
 #include "hydrapod/report/geometry_json.hpp"
 #include "hydrapod/report/simulation.hpp"
+#include "hydrapod/spatial/directions.hpp"
 
 namespace hydrapod::report {
 
@@ -13,7 +14,7 @@ namespace {
 
 using spatial::Vector6;
 
-constexpr std::array<const char*, 6> directions{"x", "y", "z", "rx", "ry", "rz"};
+using spatial::direction_names;
 constexpr std::array<const char*, 3> ends{"finished", "stopped", "failed"};
 
 Json six(const Vector6& values) {
@@ -35,7 +36,7 @@ Json histories(const std::vector<Vector6>& samples) {
 
 Json direction_json(const Simulation& s, int i) {
   const auto& summary = s.summary;
-  Json json{{"direction", directions[static_cast<std::size_t>(i)]},
+  Json json{{"direction", direction_names[static_cast<std::size_t>(i)]},
             {"peak_command", summary.peak_command[i]},
             {"peak_motion", summary.peak_motion[i]},
             {"rms_error", summary.rms_error[i]},

@@ -6,6 +6,7 @@
 
 #include "gnuplot.hpp"
 #include "hydrapod/report/simulation.hpp"
+#include "hydrapod/spatial/directions.hpp"
 
 namespace hydrapod::report {
 
@@ -15,7 +16,7 @@ using spatial::Vector6;
 
 constexpr double degrees = 180.0 / std::numbers::pi;
 constexpr int width = 1300, height = 1180;
-constexpr std::array directions{"x", "y", "z", "rx", "ry", "rz"};
+using spatial::direction_names;
 /// Six colours that are told apart by the colour-blind as well.
 constexpr std::array leg_colours{"#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9"};
 
@@ -64,9 +65,9 @@ std::string margins(int row, int column) {
 
 std::string direction_plot(const Simulation& s, int i) {
   std::string text = margins(i / 3, i % 3) + range(s, i);
-  text +=
-      fmt::format("set title {}\nset ylabel {}\n", quoted(directions[static_cast<std::size_t>(i)]),
-                  quoted(i < 3 ? "mm" : "deg"));
+  text += fmt::format("set title {}\nset ylabel {}\n",
+                      quoted(direction_names[static_cast<std::size_t>(i)]),
+                      quoted(i < 3 ? "mm" : "deg"));
   text += i == 0 ? "set key top right samplen 2.5 font ',9'\n" : "unset key\n";
   return text + fmt::format(
                     "plot $run using 1:{} with lines lw 1.5 dt (8,5) lc rgb '#d55e00' title "

@@ -4,7 +4,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
+
+#include "hydrapod/base/constants.hpp"
 
 namespace hydrapod::report {
 
@@ -15,7 +16,7 @@ using simulation::Part;
 using simulation::SystemPole;
 using simulation::SystemPoles;
 
-constexpr double two_pi = 2.0 * std::numbers::pi;
+using base::two_pi;
 constexpr double least_named = 0.1;  // participation
 constexpr double most_of_it = 0.75;  // of a leg's share
 constexpr double bisection = 1e-4;   // of the distance of two values

@@ -6,14 +6,16 @@
 #include <numbers>
 
 #include "gnuplot.hpp"
+#include "hydrapod/base/constants.hpp"
 #include "hydrapod/report/system.hpp"
+#include "hydrapod/spatial/directions.hpp"
 
 namespace hydrapod::report {
 
 namespace {
 
-constexpr double two_pi = 2.0 * std::numbers::pi;
-constexpr std::array directions{"x", "y", "z", "rx", "ry", "rz"};
+using base::two_pi;
+using spatial::direction_names;
 /// Six colours that are told apart by the colour-blind as well.
 constexpr std::array colours{"#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9"};
 
@@ -70,7 +72,7 @@ std::string six_curves(int first) {
   for (int i = 0; i < 6; ++i)
     text += fmt::format("{}$bode using 1:{} with lines lw 1.6 lc rgb '{}' title '{}'",
                         i == 0 ? "" : ", ", first + 2 * i, colours[static_cast<std::size_t>(i)],
-                        directions[static_cast<std::size_t>(i)]);
+                        direction_names[static_cast<std::size_t>(i)]);
   return text + "\n";
 }
 

@@ -4,14 +4,16 @@
 #include <cmath>
 #include <numbers>
 
+#include "hydrapod/base/constants.hpp"
 #include "hydrapod/report/system.hpp"
+#include "hydrapod/spatial/directions.hpp"
 
 namespace hydrapod::report {
 
 namespace {
 
-constexpr double two_pi = 2.0 * std::numbers::pi;
-constexpr std::array directions{"x", "y", "z", "rx", "ry", "rz"};
+using base::two_pi;
+using spatial::direction_names;
 
 /// Where `values` pass `level` downwards for the first time, between two logarithmic frequencies.
 std::optional<double> first_below(const std::vector<double>& omega,
@@ -67,7 +69,7 @@ Json command_response_json(const CommandResponse& response) {
     const auto hertz = [](const std::optional<double>& omega) {
       return omega ? Json(*omega / two_pi) : Json();
     };
-    bandwidths.push_back({{"direction", directions[static_cast<std::size_t>(i)]},
+    bandwidths.push_back({{"direction", direction_names[static_cast<std::size_t>(i)]},
                           {"minus_3_db_hz", hertz(b.magnitude)},
                           {"minus_90_deg_hz", hertz(b.phase)},
                           {"peak", b.peak},
@@ -79,8 +81,8 @@ Json command_response_json(const CommandResponse& response) {
 
 std::string command_response_csv(const CommandResponse& response) {
   std::string text = "frequency_hz,omega_rad_s";
-  for (const auto* out : directions)
-    for (const auto* in : directions) text += fmt::format(",{0}/{1}_re,{0}/{1}_im", out, in);
+  for (const auto* out : direction_names)
+    for (const auto* in : direction_names) text += fmt::format(",{0}/{1}_re,{0}/{1}_im", out, in);
   text += '\n';
   for (std::size_t k = 0; k < response.omega.size(); ++k) {
     text += fmt::format("{:.17g},{:.17g}", response.omega[k] / two_pi, response.omega[k]);

@@ -8,8 +8,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <numbers>
 
+#include "hydrapod/base/constants.hpp"
 #include "hydrapod/kinematics/inverse.hpp"
 #include "hydrapod/rig/rig.hpp"
 #include "hydrapod/simulation/system_poles.hpp"
@@ -155,7 +155,7 @@ void judge_stability(const simulation::ClosedLoop& loop, const RigOptions& optio
            ? fmt::format("the machine oscillates by itself under its controller, at {:.3g} Hz with "
                          "{:.2g} % of critical damping: a record shows that beside the excitation; "
                          "a smaller controller.bandwidth or another feedback may help",
-                         omega / (2.0 * std::numbers::pi), -100.0 * s.real() / omega)
+                         omega / (base::two_pi), -100.0 * s.real() / omega)
            : std::string("the machine does not stay where it is under its controller: the loop is "
                          "unstable"),
        true});

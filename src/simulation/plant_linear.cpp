@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "hydrapod/base/error.hpp"
+#include "hydrapod/spatial/directions.hpp"
 #include "plant_work.hpp"
 
 namespace hydrapod::simulation {
@@ -47,10 +48,9 @@ void add_flexible(int per_leg, const char* suffix, const Kind& of_tilt, const Ki
 
 void add_base(const dynamics::MovingBase& base, const char* suffix, const Kind& of_shift,
               const Kind& of_turn, std::vector<Described>& all) {
-  constexpr std::array<const char*, 6> names{"x", "y", "z", "rx", "ry", "rz"};
   for (int k = 0; k < base.count; ++k) {
     const int direction = base.directions[static_cast<size_t>(k)];
-    all.push_back({fmt::format("base.{}{}", names[static_cast<size_t>(direction)], suffix),
+    all.push_back({fmt::format("base.{}{}", spatial::direction_name(direction), suffix),
                    direction < 3 ? of_shift : of_turn});
   }
 }
@@ -135,7 +135,7 @@ VectorXd Plant::scales() const {
 }
 
 std::vector<std::string> Plant::linear_output_names() const {
-  std::vector<std::string> names{"x", "y", "z", "rx", "ry", "rz"};
+  std::vector<std::string> names(spatial::direction_names.begin(), spatial::direction_names.end());
   const auto per_leg = [&](const char* name) {
     for (int leg = 1; leg <= leg_count; ++leg) names.push_back(fmt::format("leg{}.{}", leg, name));
   };

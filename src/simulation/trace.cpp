@@ -7,6 +7,8 @@
 #include <array>
 #include <cmath>
 
+#include "hydrapod/spatial/directions.hpp"
+
 namespace hydrapod::simulation {
 
 namespace {
@@ -14,7 +16,7 @@ namespace {
 using data::Channel;
 using data::Role;
 
-constexpr std::array directions{"x", "y", "z", "rx", "ry", "rz"};
+using spatial::direction_names;
 
 data::Direction axis(int direction) {
   return static_cast<data::Direction>(static_cast<int>(data::Direction::x) + direction);
@@ -64,7 +66,7 @@ std::vector<Channel> record_channels(const ClosedLoop& loop) {
   std::vector<Channel> channels;
   const auto six = [&](const char* name, const char* linear, const char* angular, Role role) {
     for (int i = 0; i < 6; ++i)
-      channels.push_back({fmt::format("{}{}", name, directions[static_cast<size_t>(i)]),
+      channels.push_back({fmt::format("{}{}", name, direction_names[static_cast<size_t>(i)]),
                           i < 3 ? linear : angular, axis(i), role});
   };
   six("command.", "m", "rad", Role::excitation);
@@ -92,7 +94,7 @@ std::vector<Channel> record_channels(const ClosedLoop& loop) {
   const auto& base = loop.plant().base();
   for (int k = 0; k < base.count; ++k) {
     const int direction = base.directions[static_cast<size_t>(k)];
-    channels.push_back({fmt::format("base.{}", directions[static_cast<size_t>(direction)]),
+    channels.push_back({fmt::format("base.{}", direction_names[static_cast<size_t>(direction)]),
                         direction < 3 ? "m" : "rad", axis(direction), Role::other});
   }
   return channels;

@@ -26,7 +26,8 @@ TEST(ParallelFor, TellsProgressThatGrowsToOne) {
         shares.push_back(share);
         return false;
       });
-  ASSERT_EQ(shares.size(), 7u);
+  ASSERT_EQ(shares.size(), 14u);
+  EXPECT_EQ(shares.front(), 0.0);
   EXPECT_TRUE(std::is_sorted(shares.begin(), shares.end()));
   EXPECT_EQ(shares.back(), 1.0);
 }
@@ -36,6 +37,24 @@ TEST(ParallelFor, StopsWhenAsked) {
   EXPECT_FALSE(parallel_for(
       1000, 2, [&](std::size_t) { ++calls; }, [](double share) { return share > 0.01; }));
   EXPECT_LT(calls, 20);
+}
+
+TEST(ParallelFor, BeginsNothingWhenAskedToStopAtOnce) {
+  EXPECT_FALSE(parallel_for(
+      5, 2, [](std::size_t) { FAIL(); }, [](double) { return true; }));
+}
+
+TEST(ParallelFor, WatchRemembersTheLargestShareAndTheStop) {
+  std::vector<double> shares;
+  Watch watch([&](double share) {
+    shares.push_back(share);
+    return share > 0.5;
+  });
+  EXPECT_FALSE(watch.at(0.4));
+  EXPECT_FALSE(watch.stopped());
+  EXPECT_TRUE(watch.at(0.6));
+  EXPECT_TRUE(watch.stopped());
+  EXPECT_EQ(shares, (std::vector<double>{0.4, 0.4, 0.6}));
 }
 
 TEST(ParallelFor, ThrowsWhatATaskThrows) {

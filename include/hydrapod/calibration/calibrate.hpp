@@ -8,12 +8,11 @@
 /// keep (admissibility.hpp). Combinations are ranked: those that are admissible first, then by
 /// misfit. Theory: docs/theory/calibration.md.
 
-#include <functional>
-
 #include "hydrapod/calibration/identifiability.hpp"
 #include "hydrapod/calibration/plan.hpp"
 #include "hydrapod/dynamics/statics.hpp"
 #include "hydrapod/model/machine_file.hpp"
+#include "hydrapod/numerics/parallel.hpp"
 #include "hydrapod/observation/targets.hpp"
 
 namespace hydrapod::calibration {
@@ -99,8 +98,7 @@ struct Calibration {
   [[nodiscard]] const Candidate& best() const { return candidates.front(); }
 };
 
-/// Share of the work done; true asks to stop with what there is.
-using Progress = std::function<bool(double)>;
+using numerics::Progress;
 
 /// Throws base::InputError for paths, poses, bounds or choices that cannot be, all at once, and
 /// base::ComputationError when no combination has modes.

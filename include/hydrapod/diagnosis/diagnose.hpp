@@ -123,6 +123,6 @@ model::Machine machine_of(const model::MachineFile& file, const Explanation& exp
 /// does not have, and base::ComputationError when the machine as stated has no modes.
 Diagnosis diagnose(const model::MachineFile& file, const observation::Targets& measured,
                    dynamics::ModelKind kind, const std::vector<model::NamedPose>& poses,
-                   const DiagnoseOptions& options = {}, const calibration::Progress& progress = {});
+                   const DiagnoseOptions& options = {}, const numerics::Progress& progress = {});
 
 }  // namespace hydrapod::diagnosis

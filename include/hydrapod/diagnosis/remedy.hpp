@@ -7,10 +7,10 @@
 /// in steps of a tenth of a decade to the first that is too soft, then by bisection, to 1e-6 of
 /// itself.
 
-#include <functional>
 #include <optional>
 
 #include "hydrapod/diagnosis/resonances.hpp"
+#include "hydrapod/numerics/parallel.hpp"
 
 namespace hydrapod::diagnosis {
 
@@ -53,7 +53,7 @@ struct Remedy {
 /// `progress`: share of the work done; true asks to stop, and base::ComputationError says so.
 Remedy find_remedy(const model::Machine& machine, const std::vector<model::NamedPose>& poses,
                    dynamics::ModelKind kind, const RemedyGoal& goal,
-                   const std::function<bool(double)>& progress = {});
+                   const numerics::Progress& progress = {});
 
 /// Poses spread over what stroke and joints allow around the neutral one: its own, and where each
 /// of 26 directions of translation and of rotation ends at a limit (halfway there too).

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "hydrapod/modal/mode_table.hpp"
+#include "hydrapod/spatial/directions.hpp"
 
 namespace hydrapod::diagnosis {
 
@@ -58,7 +59,6 @@ struct FirstResonance {
 std::array<FirstResonance, 6> first_resonances(const model::Machine& machine,
                                                const spatial::Pose& X_BP, dynamics::ModelKind kind);
 
-/// "x", …, "rz".
-const char* direction_name(int direction);
+using spatial::direction_name;
 
 }  // namespace hydrapod::diagnosis

@@ -10,9 +10,9 @@
 /// Source: B. Efron, R. J. Tibshirani, An Introduction to the Bootstrap (1993), ch. 6 and 8.
 
 #include <cstdint>
-#include <functional>
 
 #include "hydrapod/identification/identify.hpp"
+#include "hydrapod/numerics/parallel.hpp"
 
 namespace hydrapod::identification {
 
@@ -40,6 +40,6 @@ struct BootstrapScatter {
 BootstrapScatter bootstrap_modes(const std::vector<CrossSpectra>& groups,
                                  const ChannelChoice& choice, Estimator estimator,
                                  const Identification& found, const BootstrapOptions& options = {},
-                                 const std::function<bool(double)>& progress = {});
+                                 const numerics::Progress& progress = {});
 
 }  // namespace hydrapod::identification

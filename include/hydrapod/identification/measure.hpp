@@ -10,11 +10,10 @@
 /// some 4 p + 8 blocks side by side for p inputs. Excitation that repeats exactly is averaged over
 /// whole periods.
 
-#include <functional>
-
 #include "hydrapod/data/record_io.hpp"
 #include "hydrapod/identification/directions.hpp"
 #include "hydrapod/identification/responses.hpp"
+#include "hydrapod/numerics/parallel.hpp"
 
 namespace hydrapod::identification {
 
@@ -57,12 +56,12 @@ struct Measurement {
 /// told the share that is done; where it says false the rest is left unread. Throws
 /// base::InputError and base::ComputationError.
 Measurement measure_responses(const std::vector<std::string>& files, const MeasureOptions& options,
-                              const std::function<bool(double)>& progress = {});
+                              const numerics::Progress& progress = {});
 
 /// The spectra alone, for machines whose excitation was not measured; `outputs` are those that
 /// live.
 Measurement measure_outputs(const std::vector<std::string>& files, const MeasureOptions& options,
-                            const std::function<bool(double)>& progress = {});
+                            const numerics::Progress& progress = {});
 
 /// The record in pieces, for bootstrap.hpp: spectra of groups of neighbouring blocks, formed as
 /// measure_responses would, and what is input and output among their channels.
@@ -75,6 +74,6 @@ struct GroupedSpectra {
 /// In at most `groups` pieces, each at least two blocks long. Throws as measure_responses, and
 /// base::ComputationError for periodic excitation, whose periods are no blocks to draw from.
 GroupedSpectra measure_groups(const std::vector<std::string>& files, const MeasureOptions& options,
-                              int groups, const std::function<bool(double)>& progress = {});
+                              int groups, const numerics::Progress& progress = {});
 
 }  // namespace hydrapod::identification
