@@ -12,6 +12,7 @@ packages_program=(
   "nlohmann-json3-dev JSON output"
   "libtomlplusplus-dev reads machine files"
   "libudunits2-dev units of measurement"
+  "libboost-dev quantiles of distributions (Boost.Math)"
   "libcli11-dev the command line"
   "libsundials-dev integrates the equations of motion"
   "libceres-dev least squares, for calibration"

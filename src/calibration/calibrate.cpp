@@ -8,6 +8,7 @@
 
 #include "candidate.hpp"
 #include "hydrapod/base/error.hpp"
+#include "hydrapod/numerics/quantiles.hpp"
 #include "variables.hpp"
 
 namespace hydrapod::calibration {
@@ -260,7 +261,7 @@ double crossing(const ProfilePoint& a, const ProfilePoint& b, double limit) {
 }
 
 void find_interval(Profile& profile, double scatter) {
-  constexpr double enough = 3.841458820694124;  // 95 % of χ² with one degree of freedom
+  const double enough = numerics::chi_squared_quantile(0.95, 1);
   double least = infinite;
   for (const auto& point : profile.points) least = std::min(least, point.misfit);
   const double limit = least + enough * scatter * scatter;

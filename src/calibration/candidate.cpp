@@ -4,11 +4,11 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numbers>
 #include <random>
 
 #include "hydrapod/modal/damped_modes.hpp"
 #include "hydrapod/observation/pairing.hpp"
+#include "hydrapod/numerics/quantiles.hpp"
 #include "variables.hpp"
 
 namespace hydrapod::calibration {
@@ -90,7 +90,7 @@ Eigen::VectorXd joint_deviations(const Linearised& at, double scatter) {
 }
 
 FittedParameter fitted(const Variable& variable, double x, double data, double joint,
-                       double quantile) {
+                       double half_width) {
   const double value = variable.value(x);
   FittedParameter p{.paths = variable.paths,
                     .unit = variable.unit,
@@ -102,7 +102,7 @@ FittedParameter fitted(const Variable& variable, double x, double data, double j
   const double size = size_of(variable, value);
   p.deviation = joint * size;
   p.data_deviation = data * size;
-  const double reach = quantile * joint;
+  const double reach = half_width * joint;
   const double a = variable.sign != 0 ? value * std::exp(-reach) : value - reach * size;
   const double b = variable.sign != 0 ? value * std::exp(reach) : value + reach * size;
   p.interval_low = std::min(a, b);
@@ -197,13 +197,13 @@ void describe_parameters(const Problem& problem, const Solution& solution, Linea
   const auto outliers = std::count_if(candidate.targets.begin(), candidate.targets.end(),
                                       [](const FittedTarget& t) { return t.outlier; });
   const int degrees = static_cast<int>(at.values - outliers) - numerical_rank(at.J_data);
-  double quantile = student_quantile(0);
+  double half_width = numerics::normal_half_width;
   if (degrees > 0) {
     candidate.scatter = std::sqrt(at.data.squaredNorm() / degrees);
     if (problem.targets().deviations_given) {
       candidate.scatter = std::max(1.0, candidate.scatter);
     } else {
-      quantile = student_quantile(degrees);
+      half_width = numerics::student_half_width(degrees);
     }
   }
   // a perfect fit says little about how exact the data are
@@ -215,7 +215,7 @@ void describe_parameters(const Problem& problem, const Solution& solution, Linea
   for (int j = 0; j < problem.size(); ++j)
     candidate.parameters.push_back(fitted(problem.variables()[static_cast<std::size_t>(j)],
                                           solution.x[j], candidate.identifiability.deviations[j],
-                                          joint[j], quantile));
+                                          joint[j], half_width));
 }
 
 const Solution* best_of(const std::vector<Solution>& solutions) {
@@ -246,9 +246,9 @@ void describe(const Problem& problem, const Solution& solution, Candidate& candi
 /// Parameters that look determined, but have another value in a solution that is as good.
 void find_other_values(Combination& combination, const Solution& best) {
   auto& candidate = combination.candidate;
-  constexpr double as_good = 0.5 * 3.841458820694124;  // of ½ χ², 95 % with one degree of freedom
-  constexpr double apart = 3.0;                        // half intervals
-  constexpr double tolerance = 1e-6;                   // of the search, where the fit is perfect
+  const double as_good = 0.5 * numerics::chi_squared_quantile(0.95, 1);  // of ½ χ²
+  constexpr double apart = 3.0;                                          // half intervals
+  constexpr double tolerance = 1e-6;  // of the search, where the fit is perfect
   const double limit = best.cost + as_good * std::pow(candidate.scatter, 2) + tolerance;
   for (const auto& other : combination.solutions) {
     if (!other.usable || other.cost > limit) continue;
@@ -268,17 +268,6 @@ void find_other_values(Combination& combination, const Solution& best) {
 }
 
 }  // namespace
-
-double student_quantile(int degrees) {
-  constexpr double z = 1.959963984540054;
-  if (degrees <= 0) return z;
-  if (degrees == 1) return std::tan(std::numbers::pi * 0.475);
-  if (degrees == 2) return 0.95 * std::sqrt(2.0 / (4.0 * 0.975 * 0.025));
-  const double n = degrees, z2 = z * z;
-  // Cornish & Fisher's expansion; 0.3 % off at three degrees
-  return z * (1.0 + (z2 + 1.0) / (4.0 * n) + ((5.0 * z2 + 16.0) * z2 + 3.0) / (96.0 * n * n) +
-              (((3.0 * z2 + 19.0) * z2 + 17.0) * z2 - 15.0) / (384.0 * n * n * n));
-}
 
 Eigen::VectorXd start_of(const Problem& problem, std::uint64_t seed, int number) {
   Eigen::VectorXd x = problem.start();

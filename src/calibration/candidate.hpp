@@ -36,7 +36,4 @@ bool conclude_robust(Combination& combination, const FitOptions& options, bool f
 void conclude_unbound(Combination& combination, const Targets& targets, dynamics::ModelKind kind,
                       const FitOptions& options, const std::function<bool()>& stop);
 
-/// 97.5 % point of Student's distribution; `degrees` 0: of the normal one.
-double student_quantile(int degrees);
-
 }  // namespace hydrapod::calibration

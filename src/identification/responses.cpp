@@ -10,6 +10,7 @@
 #include <cmath>
 
 #include "hydrapod/base/error.hpp"
+#include "hydrapod/numerics/quantiles.hpp"
 #include "response_checks.hpp"
 
 namespace hydrapod::identification {
@@ -95,10 +96,8 @@ double FrequencyResponses::variance(std::size_t line, int output, int input) con
 }
 
 double confidence_radius(double probability, double degrees) {
-  // quantile of F(2, 2ν): ν ((1 − p)^(−1/ν) − 1), which goes to −ln(1 − p)
-  const double rest = 1.0 - probability;
-  if (!(degrees > 0.0)) return std::sqrt(-std::log(rest));
-  return std::sqrt(degrees * std::expm1(-std::log(rest) / degrees));
+  if (!(degrees > 0.0)) return std::sqrt(-std::log1p(-probability));  // F(2, ∞)
+  return std::sqrt(numerics::fisher_quantile(probability, 2.0, 2.0 * degrees));
 }
 
 FrequencyResponses estimate_responses(const CrossSpectra& spectra, const ChannelChoice& wanted,

@@ -5,6 +5,7 @@
 
 #include "hydrapod/base/constants.hpp"
 #include "hydrapod/base/error.hpp"
+#include "hydrapod/numerics/quantiles.hpp"
 #include "hydrapod/report/diagnosis.hpp"
 
 namespace hydrapod::report {
@@ -241,7 +242,8 @@ double line_spacing(const Json& json) {
 
 observation::Targets modes_from_json(const Json& json, const std::string& file,
                                      const model::Machine& machine, const MeasuredAt& where) {
-  constexpr double band = 1.96, nan = std::numeric_limits<double>::quiet_NaN();
+  constexpr double band = numerics::normal_half_width,
+                   nan = std::numeric_limits<double>::quiet_NaN();
   for (const char* key : {"modes", "outputs"})
     if (!json.contains(key) || !json[key].is_array())
       bad(file, key, "is missing; `hydrapod identify RECORD --format json` writes such a file");

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "hydrapod/base/constants.hpp"
+#include "hydrapod/numerics/quantiles.hpp"
 
 namespace hydrapod::report {
 
@@ -71,10 +72,11 @@ std::string identified_modes_csv(const identification::Identification& result) {
   text += '\n';
   int number = 0;
   for (const auto& m : result.modes) {
-    text += fmt::format("{},{:.17g},{:.6g},{:.17g},{:.6g},{:.6g},{:.6g},{:.6g},{:.6g}", ++number,
-                        m.fit.omega() / two_pi, 1.96 * m.fit.omega_deviation / two_pi,
-                        m.fit.damping_ratio(), 1.96 * m.fit.damping_deviation, m.mpc, m.mpd,
-                        m.quality(), m.fit.significance);
+    text += fmt::format(
+        "{},{:.17g},{:.6g},{:.17g},{:.6g},{:.6g},{:.6g},{:.6g},{:.6g}", ++number,
+        m.fit.omega() / two_pi, numerics::normal_half_width * m.fit.omega_deviation / two_pi,
+        m.fit.damping_ratio(), numerics::normal_half_width * m.fit.damping_deviation, m.mpc, m.mpd,
+        m.quality(), m.fit.significance);
     for (const auto& value : m.displacement)
       text += fmt::format(",{:.9g},{:.9g}", value.real(), value.imag());
     text += '\n';

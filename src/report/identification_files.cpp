@@ -5,6 +5,7 @@
 #include "hydrapod/base/constants.hpp"
 #include "hydrapod/data/mat_variables.hpp"
 #include "hydrapod/data/modal_results.hpp"
+#include "hydrapod/numerics/quantiles.hpp"
 
 namespace hydrapod::report {
 
@@ -18,7 +19,7 @@ using Eigen::VectorXd;
 using identification::FrequencyResponses;
 using identification::Identification;
 using identification::IdentifiedMode;
-constexpr double band = 1.96;
+constexpr double band = numerics::normal_half_width;
 
 void add_channels(const std::string& prefix, const std::vector<data::Channel>& channels,
                   std::vector<data::MatVariable>& all) {

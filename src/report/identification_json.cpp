@@ -7,6 +7,7 @@
 #include "hydrapod/base/constants.hpp"
 #include "hydrapod/base/error.hpp"
 #include "hydrapod/identification/stabilisation.hpp"
+#include "hydrapod/numerics/quantiles.hpp"
 
 namespace hydrapod::report {
 
@@ -193,7 +194,7 @@ class Fields {
 };
 
 Json mode_json(const identification::FittedMode& m) {
-  constexpr double band = 1.96;
+  constexpr double band = numerics::normal_half_width;
   return {
       {"frequency_hz", m.omega() / two_pi},
       {"frequency_95_hz", band * m.omega_deviation / two_pi},
@@ -410,7 +411,7 @@ void add_second_opinions(const std::vector<std::optional<identification::SecondO
 }
 
 void add_bootstrap(const identification::BootstrapScatter& scatter, Json& json) {
-  constexpr double band = 1.96;
+  constexpr double band = numerics::normal_half_width;
   json["bootstrap_resamples"] = scatter.resamples;
   json["bootstrap_groups"] = scatter.groups;
   auto& modes = json["modes"];
