@@ -8,6 +8,7 @@
 #include <numeric>
 
 #include "hydrapod/base/constants.hpp"
+#include "hydrapod/numerics/quantiles.hpp"
 #include "hydrapod/terminal.hpp"
 
 namespace hydrapod::cli {
@@ -15,7 +16,7 @@ namespace hydrapod::cli {
 namespace {
 
 using base::two_pi;
-constexpr double band = 1.96;  // 95 % of a normal distribution
+constexpr double band = numerics::normal_half_width;
 
 /// The outputs that move most, each in proportion to the size of its own responses.
 std::string shape_text(const identification::IdentifiedMode& mode, const Eigen::VectorXd& size,

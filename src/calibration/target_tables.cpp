@@ -329,8 +329,7 @@ class TargetReader {
 }  // namespace
 
 int direction_index(std::string_view name) {
-  const auto found = std::find(direction_names.begin(), direction_names.end(), name);
-  return found == direction_names.end() ? -1 : static_cast<int>(found - direction_names.begin());
+  return spatial::direction_from_name(name).value_or(-1);
 }
 
 Frequency read_frequency(const std::string& text, bool plain, double number,

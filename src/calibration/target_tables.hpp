@@ -2,6 +2,8 @@
 /// Reading the tables of a targets file. Private to the module.
 
 #include "hydrapod/calibration/targets_file.hpp"
+#include "hydrapod/calibration/targets.hpp"
+#include "hydrapod/spatial/directions.hpp"
 #include "model/section.hpp"
 
 namespace hydrapod::calibration {
@@ -35,6 +37,6 @@ std::vector<TargetFault> target_faults(const ModeTarget& mode);
 /// Index of a direction x…rz; −1 when it is none.
 int direction_index(std::string_view name);
 
-inline constexpr std::array<std::string_view, 6> direction_names{"x", "y", "z", "rx", "ry", "rz"};
+using spatial::direction_names;
 
 }  // namespace hydrapod::calibration
