@@ -2,7 +2,6 @@
 /// Reading the tables of a targets file. Private to the module.
 
 #include "hydrapod/calibration/targets_file.hpp"
-#include "hydrapod/calibration/targets.hpp"
 #include "hydrapod/spatial/directions.hpp"
 #include "model/section.hpp"
 
