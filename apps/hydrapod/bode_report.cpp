@@ -31,7 +31,7 @@ std::string peak_table(const report::Bode& bode, const std::vector<response::Pea
     const int mode = model.tabled_of_normal[peak.mode];
     const std::string prominence =
         std::isinf(peak.prominence_db) ? "highest" : fmt::format("{:.1f}", peak.prominence_db);
-    table.add_row({directions[peak.direction], fmt::format("{:.3f}", peak.omega / two_pi),
+    table.add_row({direction_names[peak.direction], fmt::format("{:.3f}", peak.omega / two_pi),
                    fmt::format("{:.3f}", peak.omega),
                    std::isinf(peak.magnitude) ? "unbounded" : fmt::format("{:.3e}", peak.magnitude),
                    report::response_unit(bode.options.output, peak.direction, peak.direction),
