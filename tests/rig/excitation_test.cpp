@@ -8,7 +8,7 @@
 #include <complex>
 #include <numbers>
 
-#include "hydrapod/data/spectrum.hpp"
+#include "hydrapod/data/processing.hpp"
 #include "hydrapod/rig/excitation.hpp"
 
 namespace hydrapod::test {
