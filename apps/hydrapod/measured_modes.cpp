@@ -12,8 +12,6 @@
 #include "hydrapod/base/nearest.hpp"
 #include "hydrapod/calibration/targets_file.hpp"
 #include "hydrapod/data/record_io.hpp"
-#include "hydrapod/diagnosis/responses.hpp"
-#include "hydrapod/identification/exchange.hpp"
 #include "hydrapod/identification_run.hpp"
 #include "hydrapod/report/diagnosis.hpp"
 #include "hydrapod/report/identification_json.hpp"
@@ -52,9 +50,8 @@ bool is_mode_list(const std::string& path) {
   return false;
 }
 
-observation::Targets identified(const identification::FrequencyResponses& responses,
-                                const std::string& path, const model::MachineFile& file,
-                                const diagnosis::MeasuredAt& at) {
+observation::Targets identified(const data::FrequencyResponses& responses, const std::string& path,
+                                const model::MachineFile& file, const observation::MeasuredAt& at) {
   identification::Identification found;
   {
     ProgressLine line("identifying");
@@ -66,15 +63,16 @@ observation::Targets identified(const identification::FrequencyResponses& respon
     bad_argument(path,
                  "no mode was found in it; a longer record, or one with more excitation, shows "
                  "more (`hydrapod identify` says what was tried)");
-  auto targets = diagnosis::measured_modes(found, file.machine, at);
-  if (auto all = diagnosis::measured_responses(responses, file.machine, at))
+  auto targets =
+      observation::measured_modes(identification::modal_results(found), file.machine, at);
+  if (auto all = observation::measured_responses(responses, file.machine, at))
     targets.responses.push_back(std::move(*all));
   return targets;
 }
 
 /// Where a record says it: what its inputs see, and the point that forces of the rig act at.
-void look_into(const data::RecordHeader* header,
-               const identification::FrequencyResponses& responses, diagnosis::MeasuredAt& at) {
+void look_into(const data::RecordHeader* header, const data::FrequencyResponses& responses,
+               observation::MeasuredAt& at) {
   if (!at.observed) at.observed = seen_in_rig(responses, header);
   if (header == nullptr || !is_rig_record(*header) || header->machine.empty()) return;
   if (const auto machine = record_machine(header, "the record", "", "", ""))
@@ -82,7 +80,7 @@ void look_into(const data::RecordHeader* header,
 }
 
 observation::Targets from_json(const std::string& path, const model::MachineFile& file,
-                               diagnosis::MeasuredAt at) {
+                               observation::MeasuredAt at) {
   const std::string text =
       base::read_file(path, largest, "JSON of `hydrapod identify` or `hydrapod frf`");
   report::Json json;
@@ -107,14 +105,14 @@ observation::Targets read_one(const std::string& path, const MachineArguments& a
     targets.observed = observed.value_or(targets.observed);
     return targets;
   }
-  diagnosis::MeasuredAt at{
+  observation::MeasuredAt at{
       .pose = pose, .point = file.machine.platform.mass_center, .observed = observed};
   if (first_character(path) == '{') return from_json(path, file, at);
   if (ends_with(path, {".uff", ".unv", ".uf"})) {
     try {
-      const auto read = data::read_frequency_response(path);
+      const auto read = data::read_frequency_responses(path);
       print_diagnostics(read.notes);
-      return identified(identification::from_exchange(read.response, path), path, file, at);
+      return identified(read.responses, path, file, at);
     } catch (const base::InputError&) {  // it may hold a record instead
       data::open_record_reader(path);
     }

@@ -59,15 +59,18 @@ TEST(Pairing, FollowsNamesThroughACrossing) {
   const int a = labelled[0], b = labelled[1];
   ASSERT_NE(targets[a].direction, targets[b].direction);
   std::swap(targets[a].omega, targets[b].omega);
-  std::vector<const ModeTarget*> list;
-  for (const auto& target : targets) list.push_back(&target);
-  EXPECT_EQ(pair_modes(model, modes, list)[a], a);
-  EXPECT_EQ(pair_modes(model, modes, list)[b], b);
+  SeenPoint point{.seen = {.mechanics = model, .modes = undamped_modes(model, modes)}};
+  const auto paired = [&] {
+    EXPECT_TRUE(pair_seen(targets, {0, 1, 2, 3, 4, 5}, point));
+    return point.mode_of;
+  };
+  EXPECT_EQ(paired()[a], a);
+  EXPECT_EQ(paired()[b], b);
   for (auto& target : targets) target.direction.reset();
-  EXPECT_EQ(pair_modes(model, modes, list)[a], b);
+  EXPECT_EQ(paired()[a], b);
   // a measured shape says the same as a name
   for (int k = 0; k < 6; ++k) targets[k].shape = modes.shapes.col(k).head<6>();
-  EXPECT_EQ(pair_modes(model, modes, list)[a], a);
+  EXPECT_EQ(paired()[a], a);
 }
 
 }  // namespace
