@@ -4,6 +4,16 @@
 
 namespace hydrapod::data {
 
+int time_derivatives(const std::string& unit) {
+  return unit.ends_with("/s^2") || unit.ends_with("s^-2") || unit.ends_with("/s2")    ? 2
+         : unit == "m/s" || unit == "rad/s" || unit == "m s^-1" || unit == "rad s^-1" ? 1
+                                                                                      : 0;
+}
+
+bool against_ground(const Channel& channel) {
+  return channel.direction < Direction::leg1 && time_derivatives(channel.unit) == 2;
+}
+
 double mac(const Eigen::VectorXcd& a, const Eigen::VectorXcd& b) {
   const double norms = a.squaredNorm() * b.squaredNorm();
   return norms > 0.0 ? std::norm(a.dot(b)) / norms : 0.0;

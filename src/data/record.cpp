@@ -92,16 +92,6 @@ std::optional<Role> role_from_text(std::string_view text) {
   return static_cast<Role>(at - role_names.begin());
 }
 
-int time_derivatives(const std::string& unit) {
-  return unit.ends_with("/s^2") || unit.ends_with("s^-2") || unit.ends_with("/s2")    ? 2
-         : unit == "m/s" || unit == "rad/s" || unit == "m s^-1" || unit == "rad s^-1" ? 1
-                                                                                      : 0;
-}
-
-bool against_ground(const Channel& channel) {
-  return channel.direction < Direction::leg1 && time_derivatives(channel.unit) == 2;
-}
-
 void validate(const RecordHeader& header) {
   if (header.channels.empty()) refuse("has no channel");
   if (!(header.sample_rate > 0.0) || !std::isfinite(header.sample_rate))

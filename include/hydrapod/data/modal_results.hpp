@@ -44,6 +44,14 @@ struct ModalResults {
   std::vector<ModalResult> modes{};
 };
 
+/// 0 for displacements, 1 for speeds, 2 for accelerations, by the unit.
+int time_derivatives(const std::string& unit);
+
+/// Does the channel show motion against the ground? Accelerometers do. Lengths of legs, poses that
+/// follow from them and their speeds are against the base, and so are accelerations along a leg,
+/// which are lengths differentiated. Differs where the base gives way.
+bool against_ground(const data::Channel& channel);
+
 /// Modal assurance criterion |aᴴ b|²/(|a|² |b|²); 0 where one of them is zero.
 double mac(const Eigen::VectorXcd& a, const Eigen::VectorXcd& b);
 /// Modal phase collinearity: 1 for a real shape.  Mean phase deviation [rad]: 0 for a real shape.

@@ -89,14 +89,6 @@ struct Record {
   Samples samples{};
 };
 
-/// 0 for displacements, 1 for speeds, 2 for accelerations, by the unit.
-int time_derivatives(const std::string& unit);
-
-/// Does the channel show motion against the ground? Accelerometers do. Lengths of legs, poses that
-/// follow from them and their speeds are against the base, and so are accelerations along a leg,
-/// which are lengths differentiated. Differs where the base gives way.
-bool against_ground(const data::Channel& channel);
-
 /// Throws std::invalid_argument naming field, value and what would be accepted: no channel, names
 /// that are empty or not unique, a unit that is a known scale but not coherent SI, a sample rate
 /// that is not positive, a repeat below 1, text that is not UTF-8.
