@@ -274,6 +274,11 @@ bool pair_among(std::span<const ModeTarget> targets, const std::vector<std::size
                 const std::vector<int>& modes, const std::vector<const std::vector<int>*>& groups,
                 SeenPoint& point, const ObservationOptions& options) {
   if (here.size() > modes.size()) return false;
+  if (modes.size() == 1 && here.size() == 1) {
+    point.mode_of[here[0]] = modes[0];
+    point.group_of[here[0]] = *groups[0];
+    return true;
+  }
   PairCosts costs(point.seen, options);
   Eigen::MatrixXd cost(here.size(), modes.size());
   for (std::size_t i = 0; i < here.size(); ++i)
