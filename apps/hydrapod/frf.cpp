@@ -5,7 +5,6 @@
 
 #include "hydrapod/base/file.hpp"
 #include "hydrapod/commands.hpp"
-#include "hydrapod/identification/exchange.hpp"
 #include "hydrapod/identification_arguments.hpp"
 #include "hydrapod/machine_arguments.hpp"
 #include "hydrapod/report/identification_files.hpp"
@@ -114,8 +113,9 @@ void run(const Arguments& arguments) {
   if (format == 4) {
     report::write_responses_mat(arguments.output, m.responses);
   } else if (format == 3) {
-    data::write_frequency_response(arguments.output,
-                                   identification::to_exchange(m.responses, title));
+    auto responses = m.responses;
+    responses.title = title;
+    data::write_frequency_responses(arguments.output, responses);
   } else if (format == 1) {
     report::Json json{{"kind", "frf"}, {"records", arguments.measurement.files}};
     json["record"] = report::record_origin_json(m.header);

@@ -252,8 +252,8 @@ std::string measurement_text(const identification::FrequencyResponses& r) {
       "{}, {}, {} lines from {:.4g} Hz to {:.4g} Hz", counted(r.inputs.size(), "input"),
       counted(r.outputs.size(), "output"), r.lines(), r.frequency.front(), r.frequency.back());
   if (r.averages > 0.0)
-    text += fmt::format(", {} with {:.1f} independent averages",
-                        identification::estimator_text(r.estimator), r.averages);
+    text += fmt::format(", {} with {:.1f} independent averages", data::estimator_text(r.estimator),
+                        r.averages);
   return text;
 }
 

@@ -5,8 +5,6 @@
 #include <algorithm>
 
 #include "hydrapod/base/file.hpp"
-#include "hydrapod/diagnosis/measured.hpp"
-#include "hydrapod/identification/exchange.hpp"
 #include "hydrapod/interrupt.hpp"
 #include "hydrapod/machine_arguments.hpp"
 #include "hydrapod/report/identification_json.hpp"
@@ -53,20 +51,21 @@ IdentifiedSource read_responses(const std::string& path) {
   return source;
 }
 
-observation::Source model_source(const IdentificationArguments& a, const IdentifiedSource& source) {
+observation::Observed model_source(const IdentificationArguments& a,
+                                   const IdentifiedSource& source) {
   const auto word = choose_word("--against", a.against, against_words);
-  if (word > 0) return static_cast<observation::Source>(word - 1);
+  if (word > 0) return static_cast<observation::Observed>(word - 1);
   return seen_in_rig(source.responses, source.experiment ? &*source.experiment : nullptr)
-      .value_or(observation::Source::mechanics);
+      .value_or(observation::Observed::mechanics);
 }
 
 }  // namespace
 
 std::optional<observation::Observed> seen_in_rig(
-    const identification::FrequencyResponses& responses, const data::Experiment* experiment) {
+    const data::FrequencyResponses& responses, const data::Experiment* experiment) {
   if (experiment == nullptr || !experiment->excitation) return std::nullopt;
-  return diagnosis::from_drives(responses) ? observation::Observed::plant
-                                           : observation::Observed::system;
+  return observation::from_drives(responses.inputs) ? observation::Observed::plant
+                                                    : observation::Observed::system;
 }
 
 void add_identification_options(Command command, IdentificationArguments& a) {
@@ -107,9 +106,9 @@ IdentifiedSource identified_source(const IdentificationArguments& a) {
     return read_responses(first);
   }
   if (kind == data::FileKind::frequency_responses && alone) {
-    auto read = data::read_frequency_response(first);
+    auto read = data::read_frequency_responses(first);
     print_diagnostics(read.notes);
-    return {.responses = identification::from_exchange(read.response, first)};
+    return {.responses = std::move(read.responses)};
   }
   IdentifiedSource source{.records = open_records(a.measurement)};
   auto m = measure(*source.records, a.measurement);
@@ -184,22 +183,18 @@ std::optional<report::ComparedModes> compared_modes(const IdentificationArgument
                    "there is no machine to compare with: add --machine FILE");
     return {};
   }
-  report::ComparedModes compared{.source = model_source(a, source),
-                                 .kind = machine->kind,
-                                 .machine = machine->file.machine.name,
-                                 .pose = machine->pose.name};
   try {
-    compared.result = comparison::compare_modes(
+    auto compared = report::compared_with(
         result,
-        observation::model_modes(machine->file.machine, machine->pose.X_BP, machine->kind,
-                                 compared.source),
         {machine->file.machine, machine->pose.X_BP, measured_point(a.measurement, *machine)},
-        a.highest_damping / 100.0);
+        machine->kind, model_source(a, source), a.highest_damping / 100.0);
+    compared.machine = machine->file.machine.name;
+    compared.pose = machine->pose.name;
+    return compared;
   } catch (const base::ComputationError& error) {
     print_warnings(machine->name, {fmt::format("not compared with the model: {}", error.what())});
     return {};
   }
-  return compared;
 }
 
 }  // namespace hydrapod::cli

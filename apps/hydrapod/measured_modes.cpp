@@ -11,8 +11,6 @@
 #include "hydrapod/base/nearest.hpp"
 #include "hydrapod/calibration/targets_file.hpp"
 #include "hydrapod/data/record_io.hpp"
-#include "hydrapod/diagnosis/responses.hpp"
-#include "hydrapod/identification/exchange.hpp"
 #include "hydrapod/identification_run.hpp"
 #include "hydrapod/report/diagnosis.hpp"
 #include "hydrapod/report/identification_json.hpp"
@@ -29,9 +27,8 @@ bool is_mode_list(data::FileKind kind) {
   return kind == data::FileKind::toml || kind == data::FileKind::mode_table;
 }
 
-observation::Targets identified(const identification::FrequencyResponses& responses,
-                                const std::string& path, const model::MachineFile& file,
-                                const diagnosis::MeasuredAt& at) {
+observation::Targets identified(const data::FrequencyResponses& responses, const std::string& path,
+                                const model::MachineFile& file, const observation::MeasuredAt& at) {
   identification::Identification found;
   {
     ProgressLine line("identifying");
@@ -43,15 +40,16 @@ observation::Targets identified(const identification::FrequencyResponses& respon
     bad_argument(path,
                  "no mode was found in it; a longer record, or one with more excitation, shows "
                  "more (`hydrapod identify` says what was tried)");
-  auto targets = diagnosis::measured_modes(found, file.machine, at);
-  if (auto all = diagnosis::measured_responses(responses, file.machine, at))
+  auto targets =
+      observation::measured_modes(identification::modal_results(found), file.machine, at);
+  if (auto all = observation::measured_responses(responses, file.machine, at))
     targets.responses.push_back(std::move(*all));
   return targets;
 }
 
 /// Where a record says it: what its inputs see, and the point that forces of the rig act at.
-void look_into(const data::Experiment* experiment,
-               const identification::FrequencyResponses& responses, diagnosis::MeasuredAt& at) {
+void look_into(const data::Experiment* experiment, const data::FrequencyResponses& responses,
+               observation::MeasuredAt& at) {
   if (!at.observed) at.observed = seen_in_rig(responses, experiment);
   if (experiment == nullptr || !experiment->excitation || experiment->machine.empty()) return;
   if (const auto machine = record_machine(experiment, "the record", "", "", ""))
@@ -59,7 +57,7 @@ void look_into(const data::Experiment* experiment,
 }
 
 observation::Targets from_json(const std::string& path, const model::MachineFile& file,
-                               diagnosis::MeasuredAt at) {
+                               observation::MeasuredAt at) {
   const std::string text =
       base::read_file(path, largest, "JSON of `hydrapod identify` or `hydrapod frf`");
   report::Json json;
@@ -85,13 +83,13 @@ observation::Targets read_one(const std::string& path, const MachineArguments& a
     targets.observed = observed.value_or(targets.observed);
     return targets;
   }
-  diagnosis::MeasuredAt at{
+  observation::MeasuredAt at{
       .pose = pose, .point = file.machine.platform.mass_center, .observed = observed};
   if (kind == data::FileKind::json) return from_json(path, file, at);
   if (kind == data::FileKind::frequency_responses) {
-    const auto read = data::read_frequency_response(path);
+    const auto read = data::read_frequency_responses(path);
     print_diagnostics(read.notes);
-    return identified(identification::from_exchange(read.response, path), path, file, at);
+    return identified(read.responses, path, file, at);
   }
   MeasurementArguments measurement{.files = {path}};
   measurement.machine = arguments.file;

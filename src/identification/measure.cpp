@@ -343,7 +343,7 @@ void compare_with_instrument(const Plan& plan, Measurement& m) {
     m.responses.warnings.push_back(fmt::format(
         "{} is biased by the loop: it is off the instrumental estimate by {:.2g} % (median), "
         "beyond its 95 % band at {:.0f} % of the lines; take --estimator iv",
-        estimator_text(plan.estimator), 100.0 * m.h1_against_instrument->median,
+        data::estimator_text(plan.estimator), 100.0 * m.h1_against_instrument->median,
         100.0 * m.h1_against_instrument->share));
 }
 

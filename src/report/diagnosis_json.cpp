@@ -198,27 +198,33 @@ std::complex<double> element(const Json& vector, std::size_t o, const std::strin
 /// Units and directions of the outputs.
 std::vector<data::Channel> outputs_of(const Json& json) {
   std::vector<data::Channel> outputs;
-  for (const auto& output : json["outputs"])
-    if (output.is_object())
-      outputs.push_back({.unit = output.value("unit", ""),
-                         .direction = data::direction_from_text(output.value("direction", ""))
-                                          .value_or(data::Direction::none)});
+  for (const auto& output : json["outputs"]) {
+    outputs.emplace_back();
+    if (!output.is_object()) continue;
+    outputs.back() = {.unit = output.value("unit", ""),
+                      .direction = data::direction_from_text(output.value("direction", ""))
+                                       .value_or(data::Direction::none)};
+  }
   return outputs;
 }
 
-/// Does it say of its inputs that they drive the valves?
-bool inputs_are_drives(const Json& json) {
-  const auto inputs = json.find("inputs");
-  return inputs != json.end() && inputs->is_array() && !inputs->empty() &&
-         std::ranges::all_of(*inputs, [](const Json& input) {
-           return input.is_object() && input.contains("role") && input["role"] == "drive";
-         });
+/// Those that it names, with their roles.
+std::vector<data::Channel> inputs_of(const Json& json) {
+  std::vector<data::Channel> inputs;
+  const auto named = json.find("inputs");
+  if (named == json.end() || !named->is_array()) return inputs;
+  for (const auto& input : *named) {
+    const bool says = input.is_object() && input.contains("role") && input["role"].is_string();
+    inputs.push_back({.role = data::role_from_text(says ? input["role"].get<std::string>() : "")
+                                  .value_or(data::Role::other)});
+  }
+  return inputs;
 }
 
 /// What its inputs see: the plant, where they drive the valves; the machine under its controller,
 /// where `hydrapod identify` compared it with that; else mechanics.
 observation::Observed observed_in(const Json& json) {
-  if (inputs_are_drives(json)) return observation::Observed::plant;
+  if (observation::from_drives(inputs_of(json))) return observation::Observed::plant;
   const auto compared = json.find("comparison");
   const bool controlled =
       compared != json.end() && compared->is_object() &&
@@ -226,7 +232,7 @@ observation::Observed observed_in(const Json& json) {
   return controlled ? observation::Observed::system : observation::Observed::mechanics;
 }
 
-/// Of the responses that were fitted [rad/s]; 0: not said.
+/// Of the responses that were fitted [Hz]; 0: not said.
 double line_spacing(const Json& json) {
   const auto indicator = json.find("indicator");
   if (indicator == json.end() || !indicator->is_object()) return 0.0;
@@ -235,54 +241,56 @@ double line_spacing(const Json& json) {
       !lines.back().is_number())
     return 0.0;
   const double span = lines.back().get<double>() - lines.front().get<double>();
-  return two_pi * std::max(0.0, span) / static_cast<double>(lines.size() - 1);
+  return std::max(0.0, span) / static_cast<double>(lines.size() - 1);
+}
+
+data::ModalResult mode_from_json(const Json& mode, std::size_t outputs, const std::string& file) {
+  constexpr double band = numerics::normal_half_width;
+  if (!mode.is_object()) bad(file, "modes", "holds something that is no mode");
+  const double omega = two_pi * number(mode, "frequency_hz", file);
+  const double damping = number(mode, "damping_ratio", file);
+  if (!(omega > 0.0)) bad(file, "modes[].frequency_hz", "expected a number above 0");
+  data::ModalResult result{
+      .pole =
+          omega * std::complex<double>(-damping, std::sqrt(std::max(0.0, 1.0 - damping * damping))),
+      .omega_deviation = two_pi * number(mode, "frequency_95_hz", file) / band,
+      .damping_deviation = number(mode, "damping_95", file) / band};
+  if (const auto found = mode.find("significance"); found != mode.end() && found->is_number())
+    result.significance = found->get<double>();
+  const auto count = static_cast<Eigen::Index>(outputs);
+  result.shape.setConstant(count, std::numeric_limits<double>::quiet_NaN());
+  result.shape_deviation.setZero(count);
+  const auto shape = mode.find("displacement_shape"), raw = mode.find("shape"),
+             spread = mode.find("shape_deviation");
+  for (std::size_t o = 0; shape != mode.end() && o < outputs; ++o) {
+    const auto row = static_cast<Eigen::Index>(o);
+    result.shape[row] = element(*shape, o, file);
+    if (raw == mode.end() || spread == mode.end() || !spread->is_array() || spread->size() <= o)
+      continue;
+    const double size = std::abs(element(*raw, o, file));
+    if (size > 0.0 && (*spread)[o].is_number())
+      result.shape_deviation[row] = (*spread)[o].get<double>() * std::abs(result.shape[row]) / size;
+  }
+  return result;
 }
 
 }  // namespace
 
 observation::Targets modes_from_json(const Json& json, const std::string& file,
-                                     const model::Machine& machine, const MeasuredAt& where) {
-  constexpr double band = numerics::normal_half_width,
-                   nan = std::numeric_limits<double>::quiet_NaN();
+                                     const model::Machine& machine,
+                                     const observation::MeasuredAt& where) {
   for (const char* key : {"modes", "outputs"})
     if (!json.contains(key) || !json[key].is_array())
       bad(file, key, "is missing; `hydrapod identify RECORD --format json` writes such a file");
   if (json["modes"].empty()) bad(file, "modes", "is empty: no mode was identified");
-  observation::Targets targets{.title = file};
+  data::ModalResults results{
+      .outputs = outputs_of(json), .inputs = inputs_of(json), .line_spacing = line_spacing(json)};
+  for (const auto& mode : json["modes"])
+    results.modes.push_back(mode_from_json(mode, results.outputs.size(), file));
   auto at = where;
-  if (!at.against) at.against = diagnosis::motion_against(outputs_of(json));
-  targets.observed = at.observed.value_or(observed_in(json));
-  std::vector<MeasuredShape> shapes;
-  for (const auto& mode : json["modes"]) {
-    if (!mode.is_object()) bad(file, "modes", "holds something that is no mode");
-    MeasuredShape measured{.omega = two_pi * number(mode, "frequency_hz", file),
-                           .omega_deviation = two_pi * number(mode, "frequency_95_hz", file) / band,
-                           .damping = number(mode, "damping_ratio", file),
-                           .damping_deviation = number(mode, "damping_95", file) / band};
-    if (const auto found = mode.find("significance"); found != mode.end() && found->is_number())
-      measured.significance = found->get<double>();
-    measured.line_spacing = line_spacing(json);
-    if (!(measured.omega > 0.0)) bad(file, "modes[].frequency_hz", "expected a number above 0");
-    measured.motion.fill(nan);
-    const auto shape = mode.find("displacement_shape"), raw = mode.find("shape"),
-               spread = mode.find("shape_deviation");
-    for (std::size_t o = 0; shape != mode.end() && o < json["outputs"].size(); ++o) {
-      const auto& output = json["outputs"][o];
-      const auto found = data::direction_from_text(output.value("direction", ""));
-      const int code = found ? static_cast<int>(*found) : 0;
-      if (code == 0 || std::abs(code) > 6) continue;
-      const auto k = static_cast<std::size_t>(std::abs(code) - 1);
-      measured.motion[k] = (code < 0 ? -1.0 : 1.0) * element(*shape, o, file);
-      if (raw == mode.end() || spread == mode.end() || !spread->is_array() || spread->size() <= o)
-        continue;
-      const double size = std::abs(element(*raw, o, file));
-      if (size > 0.0 && (*spread)[o].is_number())
-        measured.motion_deviation[k] =
-            (*spread)[o].get<double>() * std::abs(measured.motion[k]) / size;
-    }
-    shapes.push_back(measured);
-  }
-  diagnosis::add_modes(std::move(shapes), machine, at, targets);
+  if (!at.observed) at.observed = observed_in(json);
+  auto targets = observation::measured_modes(results, machine, at);
+  targets.title = file;
   return targets;
 }
 

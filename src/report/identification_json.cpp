@@ -280,7 +280,7 @@ Json responses_json(const FrequencyResponses& r) {
   }
   Json json{{"inputs", channels_json(r.inputs)},
             {"outputs", channels_json(r.outputs)},
-            {"estimator", identification::estimator_text(r.estimator)},
+            {"estimator", data::estimator_text(r.estimator)},
             {"averages", r.averages},
             {"degrees_of_freedom", r.degrees},
             {"frequency_hz", r.frequency},
@@ -366,7 +366,7 @@ FrequencyResponses responses_from_json(const Json& json, const std::string& file
   }
   r.shift = fields.number(json, "shift_per_s", 0.0);
   if (!(r.shift >= 0.0)) fields.bad("shift_per_s", "must not be negative");
-  r.estimator = identification::estimator_from_text(fields.text(json, "estimator", "h1"))
+  r.estimator = data::estimator_from_text(fields.text(json, "estimator", "h1"))
                     .value_or(identification::Estimator::h1);
   return r;
 }

@@ -2,7 +2,6 @@
 /// A diagnosis as JSON and as a picture; modes out of the JSON of `hydrapod identify`. The fields
 /// are documented in docs/howto/json.md.
 
-#include "hydrapod/diagnosis/measured.hpp"
 #include "hydrapod/diagnosis/summary.hpp"
 #include "hydrapod/report/json.hpp"
 
@@ -16,7 +15,7 @@ Json diagnosis_json(const diagnosis::CaseFile& file);
 /// what messages call it.
 observation::Targets modes_from_json(const Json& json, const std::string& file,
                                      const model::Machine& machine,
-                                     const diagnosis::MeasuredAt& at);
+                                     const observation::MeasuredAt& at);
 
 /// Measured beside rigid and best explanation, ranking, frequency against stiffness; what there is
 /// of these. Throws as report's other pictures do.

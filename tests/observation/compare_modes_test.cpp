@@ -1,22 +1,20 @@
 /// Who is who among measured and model modes, on measurements made from models.
 
-#include "hydrapod/comparison/compare_modes.hpp"
-
 #include <gmock/gmock.h>
 
 #include <cmath>
 #include <numbers>
 
 #include "hydrapod/kinematics/inverse.hpp"
+#include "hydrapod/modal/mode_table.hpp"
 #include "hydrapod/model/machine_file.hpp"
+#include "hydrapod/observation/pairing.hpp"
 #include "support/run_program.hpp"
 
-namespace hydrapod::comparison {
+namespace hydrapod::observation {
 namespace {
 
-using namespace observation;
 using dynamics::ModelKind;
-using identification::Identification;
 constexpr double two_pi = 2.0 * std::numbers::pi;
 constexpr double nearly = 1e-3;  // the published coordinates are symmetric to their last digit
 
@@ -42,35 +40,40 @@ ComparisonFrame frame_of(const model::Machine& machine) {
 }
 
 /// What an ideal measurement of `modes` in `channels` gives; `turn` is the phase of the shapes.
-Identification measured(const std::vector<ModelMode>& modes,
-                        const std::vector<data::Channel>& channels, const ComparisonFrame& frame,
-                        std::complex<double> turn = std::polar(3.7, 1.1)) {
-  Identification found;
-  found.responses.outputs = channels;
+data::ModalResults measured(const std::vector<ObservedMode>& modes,
+                            const std::vector<data::Channel>& channels,
+                            const ComparisonFrame& frame,
+                            std::complex<double> turn = std::polar(3.7, 1.1)) {
+  data::ModalResults found{.outputs = channels};
   found.from = 0.1;
   found.to = 100.0;
   const Eigen::MatrixXcd map = output_map(channels, frame).cast<std::complex<double>>();
-  for (const auto& mode : modes) {
-    identification::IdentifiedMode m;
-    m.fit.pole = mode.pole;
-    m.displacement = turn * (map * mode.motion);
-    m.fit.shape = m.displacement;
-    found.modes.push_back(m);
-  }
+  for (const auto& mode : modes)
+    found.modes.push_back({.pole = mode.pole, .shape = turn * (map * mode.motion())});
   return found;
+}
+
+std::vector<ObservedMode> model_modes(const model::Machine& machine, ModelKind kind,
+                                      Observed observed = Observed::mechanics) {
+  return observe(machine, machine.neutral(), kind, observed).modes;
+}
+
+bool felt(const ObservedMode& mode, const ComparisonFrame& frame) {
+  const auto root = platform_metric(frame.machine, frame.X_BP, frame.machine.platform.mass_center);
+  return (root * mode.motion()).squaredNorm() >= modal::felt_by_platform;
 }
 
 TEST(CompareModes, AModelIsLikeItself) {
   const auto machine = machine_of("heavy-platform.toml");
   const auto frame = frame_of(machine);
-  for (const auto source : {Source::mechanics, Source::plant, Source::system}) {
-    auto model = model_modes(machine, frame.X_BP, ModelKind::guide, source);
-    std::vector<ModelMode> seen;
+  for (const auto source : {Observed::mechanics, Observed::plant, Observed::system}) {
+    auto model = model_modes(machine, ModelKind::guide, source);
+    std::vector<ObservedMode> seen;
     for (const auto& mode : model)
-      if (mode.felt && mode.damping_ratio() < 0.3) seen.push_back(mode);
-    ASSERT_GE(seen.size(), 6U) << observation::name(source);
+      if (felt(mode, frame) && mode.damping_ratio() < 0.3) seen.push_back(mode);
+    ASSERT_GE(seen.size(), 6U) << name(source);
     const auto c = compare_modes(measured(seen, platform_channels(), frame), model, frame);
-    ASSERT_EQ(c.pairs.size(), seen.size()) << observation::name(source);
+    ASSERT_EQ(c.pairs.size(), seen.size()) << name(source);
     EXPECT_TRUE(c.measured_left.empty());
     for (const auto& pair : c.pairs) {
       EXPECT_NEAR(pair.frequency_difference, 0.0, 1e-12);
@@ -89,10 +92,9 @@ TEST(CompareModes, StifferOilIsSeenAsSuch) {
     ASSERT_TRUE(leg.oil_spring.stiffness.has_value());
     *leg.oil_spring.stiffness *= 1.21;
   }
-  const auto true_modes = model_modes(soft, frame.X_BP, ModelKind::rigid, Source::mechanics);
-  const auto c =
-      compare_modes(measured(true_modes, platform_channels(), frame),
-                    model_modes(stiff, frame.X_BP, ModelKind::rigid, Source::mechanics), frame);
+  const auto true_modes = model_modes(soft, ModelKind::rigid);
+  const auto c = compare_modes(measured(true_modes, platform_channels(), frame),
+                               model_modes(stiff, ModelKind::rigid), frame);
   ASSERT_EQ(c.pairs.size(), 6U);
   for (const auto& pair : c.pairs) {
     EXPECT_NEAR(pair.frequency_difference, 1.0 / 1.1 - 1.0, 1e-9);
@@ -103,15 +105,15 @@ TEST(CompareModes, StifferOilIsSeenAsSuch) {
 TEST(CompareModes, OfRepeatedModesAnyMixIsRight) {
   const auto machine = machine_of("zhang-jiang-2021.toml");
   const auto frame = frame_of(machine);
-  const auto model = model_modes(machine, frame.X_BP, ModelKind::rigid, Source::mechanics);
+  const auto model = model_modes(machine, ModelKind::rigid);
   auto mixed = model;
   const auto first = std::adjacent_find(mixed.begin(), mixed.end(), [](auto& a, auto& b) {
     return std::abs(a.pole - b.pole) < nearly * std::abs(a.pole);
   });
   ASSERT_NE(first, mixed.end());
-  const Motion a = first->motion, b = (first + 1)->motion;
-  first->motion = 0.8 * a + 0.6 * b;
-  (first + 1)->motion = 0.6 * a - 0.8 * b;
+  const Eigen::VectorXcd a = first->shape, b = (first + 1)->shape;
+  first->shape = 0.8 * a + 0.6 * b;
+  (first + 1)->shape = 0.6 * a - 0.8 * b;
   const auto c = compare_modes(measured(mixed, platform_channels(), frame), model, frame);
   ASSERT_EQ(c.pairs.size(), model.size());
   for (const auto& pair : c.pairs) EXPECT_NEAR(pair.mac.value(), 1.0, 1e-9);
@@ -122,13 +124,13 @@ TEST(CompareModes, OfRepeatedModesAnyMixIsRight) {
 TEST(CompareModes, WhatHasNoPartnerIsSaid) {
   const auto machine = machine_of("zhang-jiang-2021.toml");
   const auto frame = frame_of(machine);
-  const auto model = model_modes(machine, frame.X_BP, ModelKind::guide, Source::mechanics);
-  std::vector<ModelMode> seen;
+  const auto model = model_modes(machine, ModelKind::guide);
+  std::vector<ObservedMode> seen;
   for (const auto& mode : model)
-    if (mode.felt) seen.push_back(mode);
+    if (felt(mode, frame)) seen.push_back(mode);
   const auto lost = seen.back();
   seen.pop_back();
-  ModelMode strange = seen.front();
+  ObservedMode strange = seen.front();
   strange.pole = std::complex<double>(-0.5, two_pi * 90.0);
   seen.push_back(strange);
   const auto c = compare_modes(measured(seen, platform_channels(), frame), model, frame);
@@ -136,12 +138,12 @@ TEST(CompareModes, WhatHasNoPartnerIsSaid) {
   int not_found = 0, not_felt = 0;
   for (const auto& left : c.model_left) {
     const auto& mode = c.model[static_cast<std::size_t>(left.model)];
-    if (left.reason == "not found") {
+    if (left.reason == Unpaired::not_found) {
       EXPECT_EQ(mode.pole, lost.pole);
       ++not_found;
     } else {
-      EXPECT_EQ(left.reason, "the platform does not feel it");
-      EXPECT_FALSE(mode.felt);
+      EXPECT_EQ(left.reason, Unpaired::not_felt);
+      EXPECT_FALSE(felt(mode, frame));
       ++not_felt;
     }
   }
@@ -153,7 +155,7 @@ TEST(CompareModes, ShapesDecideWhereFrequenciesMislead) {
   // the rigid model's z mode moved to where its rz mode is: frequency alone would pair them
   const auto machine = machine_of("zhang-jiang-2021.toml");
   const auto frame = frame_of(machine);
-  const auto model = model_modes(machine, frame.X_BP, ModelKind::rigid, Source::mechanics);
+  const auto model = model_modes(machine, ModelKind::rigid);
   auto swapped = model;
   std::vector<std::size_t> single;  // z and rz are not repeated
   for (std::size_t k = 0; k < model.size(); ++k) {
@@ -165,7 +167,7 @@ TEST(CompareModes, ShapesDecideWhereFrequenciesMislead) {
   ASSERT_EQ(single.size(), 2U);
   const double apart = std::log(model[single[1]].omega() / model[single[0]].omega());  // 25 % or so
   ASSERT_LT(apart, 0.35);
-  std::swap(swapped[single[0]].motion, swapped[single[1]].motion);
+  std::swap(swapped[single[0]].shape, swapped[single[1]].shape);
   const auto c = compare_modes(measured(swapped, platform_channels(), frame), model, frame);
   ASSERT_EQ(c.pairs.size(), model.size());
   for (const auto& pair : c.pairs) EXPECT_NEAR(pair.mac.value(), 1.0, 1e-9);
@@ -176,9 +178,9 @@ TEST(CompareModes, ShapesDecideWhereFrequenciesMislead) {
 TEST(CompareModes, WithoutDirectionsFrequenciesPair) {
   const auto machine = machine_of("heavy-platform.toml");
   const auto frame = frame_of(machine);
-  const auto model = model_modes(machine, frame.X_BP, ModelKind::rigid, Source::mechanics);
+  const auto model = model_modes(machine, ModelKind::rigid);
   auto found = measured(model, platform_channels(), frame);
-  for (auto& channel : found.responses.outputs) channel.direction = data::Direction::none;
+  for (auto& channel : found.outputs) channel.direction = data::Direction::none;
   const auto c = compare_modes(found, model, frame);
   ASSERT_EQ(c.pairs.size(), 6U);
   for (const auto& pair : c.pairs) {
@@ -233,4 +235,4 @@ TEST(OutputMap, DirectionsOfSeveralPointsAreNotThePlatforms) {
 }
 
 }  // namespace
-}  // namespace hydrapod::comparison
+}  // namespace hydrapod::observation

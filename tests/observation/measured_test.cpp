@@ -1,43 +1,53 @@
 /// From identified modes to what a diagnosis compares: turning complex shapes, directions, points.
 
-#include "hydrapod/diagnosis/measured.hpp"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <limits>
+#include <numbers>
 
 #include "hydrapod/base/error.hpp"
+#include "hydrapod/identification/identify.hpp"
 #include "hydrapod/observation/pairing.hpp"
 #include "hydrapod/report/diagnosis.hpp"
 #include "support/calibration_machine.hpp"
 #include "support/run_program.hpp"
 
-namespace hydrapod::diagnosis {
+namespace hydrapod::observation {
 namespace {
-
-constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 
 model::MachineFile heavy() {
   return test::machine_file(test::read_text(test::source_file("models/heavy-platform.toml")));
 }
 
+/// The six directions of the platform.
+std::vector<data::Channel> directions() {
+  std::vector<data::Channel> outputs;
+  for (int d = 1; d <= 6; ++d)
+    outputs.push_back({.unit = d < 4 ? "m" : "rad", .direction = static_cast<data::Direction>(d)});
+  return outputs;
+}
+
 /// The machine's own mode k at `pose`, as an identification at the point p_PQ would give it: any
 /// phase, any size.
-MeasuredShape identified(const model::Machine& machine, const std::string& pose, int k,
-                         const spatial::Vector3& p_PQ) {
+data::ModalResult identified(const model::Machine& machine, const std::string& pose, int k,
+                             const spatial::Vector3& p_PQ, double damping = 0.0) {
   const auto& X_BP = std::ranges::find(machine.poses, pose, &model::NamedPose::name)->X_BP;
   const auto model = dynamics::linear_model(machine, X_BP, dynamics::ModelKind::guide);
   const auto modes = modal::normal_modes(model);
-  spatial::Vector6 motion = modes.shapes.col(k).head<6>();
+  Vector6 motion = modes.shapes.col(k).head<6>();
   motion.head<3>() += motion.tail<3>().cross(X_BP * p_PQ - model.p_BC);
-  MeasuredShape measured{.omega = modes.omega(k), .omega_deviation = 1e-3 * modes.omega(k)};
-  const auto phase = std::polar(3.7, 1.234);
-  for (int d = 0; d < 6; ++d) {
-    measured.motion[d] = phase * motion[d];
-    measured.motion_deviation[d] = 0.02 * std::abs(measured.motion[d]);
-  }
-  return measured;
+  return {
+      .pole = modes.omega(k) * std::complex<double>(-damping, std::sqrt(1.0 - damping * damping)),
+      .shape = std::polar(3.7, 1.234) * motion,
+      .omega_deviation = 1e-3 * modes.omega(k),
+      .shape_deviation = 0.02 * 3.7 * motion.cwiseAbs()};
+}
+
+ModeTarget mode_target(const data::ModalResult& mode, const model::Machine& machine,
+                       const MeasuredAt& at, double line_spacing = 0.0) {
+  return measured_modes({.outputs = directions(), .line_spacing = line_spacing, .modes = {mode}},
+                        machine, at)
+      .modes.front();
 }
 
 TEST(MeasuredModes, OfAnyPointAndPhaseAreTheModelsOwn) {
@@ -47,72 +57,71 @@ TEST(MeasuredModes, OfAnyPointAndPhaseAreTheModelsOwn) {
          {spatial::Vector3(0.0, 0.0, 0.0), spatial::Vector3(0.31, -0.17, 0.44)})
       for (const int k : {0, 1, 4, 13, 17}) {
         const auto target =
-            mode_target(identified(machine, pose, k, point), "mode", machine, {pose, point});
+            mode_target(identified(machine, pose, k, point), machine, {pose, point});
         ASSERT_TRUE(target.shape);
         const auto& X_BP = std::ranges::find(machine.poses, pose, &model::NamedPose::name)->X_BP;
         const auto model = dynamics::linear_model(machine, X_BP, dynamics::ModelKind::guide);
-        const auto modes = modal::normal_modes(model);
-        EXPECT_NEAR(
-            observation::platform_mac(model, modes, k, observation::shape_at_center(model, target)),
-            1.0, 1e-9);
-        EXPECT_GT(observation::direction_share(model, modes, k, *target.direction), 0.3);
+        const Observation seen{.mechanics = model,
+                               .modes = undamped_modes(model, modal::normal_modes(model))};
+        EXPECT_NEAR(shown_mac(seen, {k}, target), 1.0, 1e-9);
+        EXPECT_GT(direction_share(seen, k, *target.direction), 0.3);
       }
 }
 
 TEST(MeasuredModes, WhatIsImaginaryIsNotTrusted) {
   const auto machine = heavy().machine;
   auto measured = identified(machine, "neutral", 0, spatial::Vector3::Zero());
-  const double before =
-      mode_target(measured, "", machine, {"neutral", spatial::Vector3::Zero()}).shape_deviation;
-  measured.motion[0] *= std::polar(1.0, 0.3);  // two directions out of step
-  const double after =
-      mode_target(measured, "", machine, {"neutral", spatial::Vector3::Zero()}).shape_deviation;
+  const MeasuredAt at{"neutral", spatial::Vector3::Zero()};
+  const double before = mode_target(measured, machine, at).shape_deviation;
+  measured.shape[0] *= std::polar(1.0, 0.3);  // two directions out of step
+  const double after = mode_target(measured, machine, at).shape_deviation;
   EXPECT_GT(after, before + 0.03);
 }
 
 TEST(MeasuredModes, AreTrustedAsFarAsTheModalModelHoldsEverything) {
   const auto machine = heavy().machine;
   const MeasuredAt at{"neutral", spatial::Vector3::Zero()};
-  auto measured = identified(machine, "neutral", 0, spatial::Vector3::Zero());
-  measured.damping = 0.043;
-  const double known_to = mode_target(measured, "", machine, at).deviation;
-  EXPECT_NEAR(known_to, measured.omega_deviation, 1e-12 * measured.omega);
-  const double half_width = measured.damping * measured.omega;
-
-  auto coarse = measured;
-  coarse.line_spacing = 7.7;
-  EXPECT_NEAR(mode_target(coarse, "", machine, at).deviation, std::hypot(known_to, 0.05 * 7.7),
-              1e-12);
+  auto measured = identified(machine, "neutral", 0, spatial::Vector3::Zero(), 0.043);
+  const double known_to = mode_target(measured, machine, at).deviation;
+  EXPECT_NEAR(known_to, measured.omega_deviation, 1e-12 * measured.omega());
+  const double half_width = 0.043 * measured.omega();
+  EXPECT_NEAR(mode_target(measured, machine, at, 7.7).deviation,
+              std::hypot(known_to, 0.05 * 2.0 * std::numbers::pi * 7.7), 1e-12);
 
   auto mixture = measured;
-  for (int d = 0; d < 6; ++d) mixture.motion[d] = std::polar(0.37, 0.9 * d);
-  EXPECT_GT(mode_target(mixture, "", machine, at).deviation, known_to + 0.2 * half_width);
+  for (int d = 0; d < 6; ++d) mixture.shape[d] = std::polar(0.37, 0.9 * d);
+  EXPECT_GT(mode_target(mixture, machine, at).deviation, known_to + 0.2 * half_width);
 
   // a weak one in the flank of a strong one, and not the strong one
   measured.significance = 8000.0;
   auto weak = measured, far = measured;
   weak.significance = 80.0;
-  weak.omega += 1.9 * half_width;
+  weak.pole *= 1.0 + 1.9 * half_width / measured.omega();
   far.significance = 80.0;
-  far.omega += 3.1 * half_width;
-  observation::Targets targets;
-  add_modes({measured, weak, far}, machine, at, targets);
+  far.pole *= 1.0 + 3.1 * half_width / measured.omega();
+  const auto targets =
+      measured_modes({.outputs = directions(), .modes = {measured, weak, far}}, machine, at);
   ASSERT_EQ(targets.modes.size(), 3U);
-  EXPECT_NEAR(targets.modes[0].deviation, known_to, 1e-12 * measured.omega);
-  EXPECT_NEAR(targets.modes[1].deviation, std::hypot(known_to, 0.5 * weak.damping * weak.omega),
-              1e-12 * measured.omega);
-  EXPECT_NEAR(targets.modes[2].deviation, known_to, 1e-12 * measured.omega);
+  EXPECT_NEAR(targets.modes[0].deviation, known_to, 1e-12 * measured.omega());
+  EXPECT_NEAR(targets.modes[1].deviation, std::hypot(known_to, 0.5 * 0.043 * weak.omega()),
+              1e-12 * measured.omega());
+  EXPECT_NEAR(targets.modes[2].deviation, known_to, 1e-12 * measured.omega());
 }
 
 TEST(MeasuredModes, WithoutAllSixDirectionsKeepTheLargestOne) {
   const auto machine = heavy().machine;
-  auto measured = identified(machine, "neutral", 1, spatial::Vector3::Zero());
-  for (const int missing : {3, 4, 5}) measured.motion[missing] = {nan, nan};
-  const auto target = mode_target(measured, "", machine, {"neutral", spatial::Vector3::Zero()});
+  const auto measured = identified(machine, "neutral", 1, spatial::Vector3::Zero());
+  const MeasuredAt at{"neutral", spatial::Vector3::Zero()};
+  auto outputs = directions();
+  for (const std::size_t missing : {3, 4, 5}) outputs[missing].direction = data::Direction::none;
+  const auto target =
+      measured_modes({.outputs = outputs, .modes = {measured}}, machine, at).modes.front();
   EXPECT_FALSE(target.shape);
   EXPECT_EQ(target.direction, 1);
-  measured.motion.fill({nan, nan});
-  EXPECT_FALSE(mode_target(measured, "", machine, {"neutral", spatial::Vector3::Zero()}).direction);
+  for (auto& output : outputs) output.direction = data::Direction::none;
+  EXPECT_FALSE(measured_modes({.outputs = outputs, .modes = {measured}}, machine, at)
+                   .modes.front()
+                   .direction);
 }
 
 report::Json identified_json() {
@@ -149,7 +158,6 @@ TEST(MeasuredModes, AreReadFromTheJsonOfIdentify) {
 
 /// Legs and poses see the platform from the base, accelerometers feel the ground.
 TEST(MeasuredModes, SayWhatTheyAreAgainst) {
-  using observation::MotionAgainst;
   const auto machine = heavy().machine;
   identification::Identification found;
   identification::IdentifiedMode mode;
@@ -175,7 +183,9 @@ TEST(MeasuredModes, SayWhatTheyAreAgainst) {
       json["outputs"].push_back(
           {{"unit", units[d > 3]}, {"direction", data::direction_text(direction)}});
     }
-    const auto one = measured_modes(found, machine, at).modes.front().shape_against;
+    const auto one = measured_modes(identification::modal_results(found), machine, at)
+                         .modes.front()
+                         .shape_against;
     const auto other =
         report::modes_from_json(json, "modes.json", machine, at).modes.front().shape_against;
     EXPECT_EQ(one, other);
@@ -217,4 +227,4 @@ TEST(MeasuredModes, WrongJsonIsNamed) {
 }
 
 }  // namespace
-}  // namespace hydrapod::diagnosis
+}  // namespace hydrapod::observation
