@@ -10,7 +10,7 @@
 #include "hydrapod/machine_arguments.hpp"
 #include "hydrapod/record_machine.hpp"
 #include "hydrapod/rig/rig.hpp"
-#include "hydrapod/rig/signal_text.hpp"
+#include "hydrapod/signal_help.hpp"
 #include "hydrapod/terminal.hpp"
 
 namespace hydrapod::cli {
@@ -40,8 +40,11 @@ rig::RigOptions options_of(const Arguments& arguments, const model::Machine& mac
   rig::RigOptions options;
   options.entry = static_cast<rig::Entry>(
       choose_word("--entry", arguments.entry, {"command", "drive", "wrench"}));
-  for (const auto& text : arguments.signals)
-    options.signals.push_back(rig::parse_signal(text, options.entry));
+  options.signals =
+      signals::read_signals(arguments.signals, {.argument = "--excite",
+                                                .units = rig::units_of(options.entry),
+                                                .rate = 1.0 / machine.controller.sample_time,
+                                                .excitation = true});
   if (options.signals.empty()) options.signals = rig::default_signals(options.entry);
   options.settling = plain_or_quantity("--settling", arguments.settling, "s");
   if (!(options.settling >= 0.0)) bad_argument("--settling", "must be 0 or more");
@@ -70,7 +73,7 @@ rig::RigOptions options_of(const Arguments& arguments, const model::Machine& mac
 /// `--averages N`: N periods of a periodic excitation.
 void set_duration(const Arguments& arguments, double control_rate, rig::RigOptions& options) {
   if (arguments.averages == 0) return;
-  const auto period = rig::period_samples(options.signals, control_rate);
+  const auto period = signals::period_samples(options.signals, control_rate);
   if (!period)
     bad_argument("--averages", "the excitation does not repeat; give its duration instead");
   options.duration = arguments.averages * static_cast<double>(*period) / control_rate;
@@ -90,7 +93,8 @@ data::RecordHeader header_of(const Arguments& arguments, const model::MachineFil
     sensors.push_back({one.name, one.p_P, one.e_P});
   header.notes = rig_notes(pose.name, options.loop.kind, file.overrides, sensors) +
                  fmt::format("\nexcitation of the {}, seed {}", arguments.entry, options.seed);
-  for (const auto& signal : options.signals) header.notes += "\n" + rig::description(signal);
+  for (const auto& signal : options.signals)
+    header.notes += "\n" + signals::signal_text(signal, rig::units_of(options.entry));
   return header;
 }
 
@@ -175,10 +179,8 @@ void add_options(Command command, Arguments& arguments) {
   add_pose_option(command, arguments.machine);
   add_model_option(command, arguments.machine);
   command
-      .add_option(
-          "--excite", arguments.signals,
-          "Signal; may be repeated, signals add up: white, noise, multisine, binary, sweep, "
-          "chirp (see below) [white]")
+      .add_option("--excite", arguments.signals,
+                  "Signal (see below); may be repeated, signals add up [white]")
       .allow_extra_args(false)
       .type_name("SIGNAL");
   command
@@ -225,15 +227,8 @@ void add_rig(Command app) {
         "a binary sequence on the valves"},
        {"rig machine.toml --excite \"sweep z=2 mm, to=30, duration=10\" --check",
         "is there room for it?"}});
-  command.footer(command.get_footer() +
-                 "\n\nSignals (levels: RMS of x y z rx ry rz, or all, SI or with units):\n"
-                 "  white x=0.1 mm, ry=0.1 mrad\n"
-                 "  noise x=1 mm, from=0, to=20 Hz, slope=0\n"
-                 "  multisine z=1 mm, from=0.5 Hz, to=20 Hz, period=10 s, slope=0, crest=low, "
-                 "experiment=1\n"
-                 "  binary z=1 mm, to=20 Hz, period=10 s\n"
-                 "  sweep z=1 mm, from=0.5 Hz, to=20 Hz, duration=20 s, spacing=log\n"
-                 "  chirp z=1 mm, from=0.5 Hz, to=20 Hz, period=1 s, turns=10");
+  command.footer(command.get_footer() + signal_help +
+                 "\nHere: level=rms; turns=1 of a sweep, turns=10 of a chirp.");
   auto arguments = std::make_shared<Arguments>();
   add_options(command, *arguments);
   command.callback([arguments] { run(*arguments); });

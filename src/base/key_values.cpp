@@ -1,7 +1,6 @@
 #include "hydrapod/base/key_values.hpp"
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <charconv>
@@ -46,7 +45,8 @@ std::optional<double> KeyValues::number(std::string_view key, const char* unit) 
 std::optional<int> KeyValues::whole(std::string_view key, int low, int high) {
   const auto value = number(key, "1");
   if (value && !(*value >= low && *value <= high && *value == std::floor(*value)))
-    fail(fmt::format("{} is {:.6g}, expected a whole number from {} to {}", key, *value, low, high));
+    fail(
+        fmt::format("{} is {:.6g}, expected a whole number from {} to {}", key, *value, low, high));
   return value ? std::optional(static_cast<int>(*value)) : std::nullopt;
 }
 

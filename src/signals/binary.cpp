@@ -62,18 +62,17 @@ SequenceShape sequence_shape(const Binary& binary, double rate) {
   return shape;
 }
 
-std::unique_ptr<Source> make_source(const Binary& binary, const Context& context) {
+Source make_source(const Binary& binary, const Context& context) {
   const SequenceShape shape = sequence_shape(binary, context.rate);
-  return function_source([size = context.size, shape,
-                          sequence = maximum_length_sequence(shape.bits,
-                                                             context.seed + context.stream)](long k) {
+  return [size = context.size, shape,
+          sequence = maximum_length_sequence(shape.bits, context.seed + context.stream)](long k) {
     Sample sample;
     const auto clocks = static_cast<long>(sequence.size());
     for (long i = 0; i < 6; ++i)
-      sample.value[i] = size[i] * sequence[static_cast<std::size_t>(
-                                      (k / shape.hold + i * clocks / 6) % clocks)];
+      sample.value[i] =
+          size[i] * sequence[static_cast<std::size_t>((k / shape.hold + i * clocks / 6) % clocks)];
     return sample;
-  });
+  };
 }
 
 }  // namespace hydrapod::signals

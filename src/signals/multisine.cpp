@@ -132,7 +132,7 @@ class Synthesis {
 
 }  // namespace
 
-std::unique_ptr<Source> make_source(const Multisine& multisine, const Context& context) {
+Source make_source(const Multisine& multisine, const Context& context) {
   const Lines lines = multisine_lines(multisine, context);
   Eigen::VectorXcd rates(lines.amplitude.rows());  // iω
   for (Eigen::Index k = 0; k < rates.size(); ++k)
@@ -149,9 +149,9 @@ std::unique_ptr<Source> make_source(const Multisine& multisine, const Context& c
       period[k].rate[i] = rate[k];
     }
   }
-  return function_source([period = std::move(period)](long k) {
+  return [period = std::move(period)](long k) {
     return period[static_cast<std::size_t>(k) % period.size()];
-  });
+  };
 }
 
 }  // namespace hydrapod::signals

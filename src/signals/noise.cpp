@@ -23,24 +23,6 @@ std::vector<Gaussian> random_streams(const Context& context) {
   return streams;
 }
 
-class WhiteSource final : public Source {
- public:
-  explicit WhiteSource(const Context& context)
-      : context_(context), random_(random_streams(context)) {}
-  void restart() override { random_ = random_streams(context_); }
-  Sample next() override {
-    Sample sample;
-    for (int i = 0; i < 6; ++i)
-      if (context_.size[i] != 0.0)
-        sample.value[i] = context_.size[i] * random_[static_cast<std::size_t>(i)]();
-    return sample;
-  }
-
- private:
-  Context context_;
-  std::vector<Gaussian> random_;
-};
-
 /// The impulse response of a filter and its derivative, at the samples.
 struct Filter {
   Eigen::VectorXd value{}, rate{};
@@ -74,8 +56,8 @@ Filter shaping_filter(const Noise& noise, double rate) {
   for (Eigen::Index j = 0; j < taps; ++j) {
     const double u = two_pi * (static_cast<double>(j) + 0.5) / static_cast<double>(taps);
     const double window = 0.42 - 0.5 * std::cos(u) + 0.08 * std::cos(2.0 * u);
-    const double window_rate = two_pi * rate / static_cast<double>(taps) *
-                               (0.5 * std::sin(u) - 0.16 * std::sin(2.0 * u));
+    const double window_rate =
+        two_pi * rate / static_cast<double>(taps) * (0.5 * std::sin(u) - 0.16 * std::sin(2.0 * u));
     const Eigen::Index at = (j - taps / 2 + grid) % grid;
     filter.value[j] = response[at].real() * window;
     filter.rate[j] = response_rate[at].real() * window + response[at].real() * window_rate;
@@ -88,7 +70,7 @@ Filter shaping_filter(const Noise& noise, double rate) {
 
 /// White noise through the filter, by overlap and save: blocks of the transform's length less the
 /// filter's.
-class NoiseSource final : public Source {
+class NoiseSource {
  public:
   NoiseSource(const Noise& noise, const Context& context) : context_(context) {
     const Filter filter = shaping_filter(noise, context.rate);
@@ -102,12 +84,11 @@ class NoiseSource final : public Source {
     fft_.fwd(response_rate_, padded);
   }
 
-  void restart() override {
-    at_ = 0;
-    if (blocks_ > 1) blocks_ = 0;  // else the first one is still there
-  }
-
-  Sample next() override {
+  Sample operator()(long k) {
+    if (k == 0) {
+      at_ = 0;
+      if (blocks_ > 1) blocks_ = 0;  // else the first one is still there
+    }
     if (at_ == block_ || blocks_ == 0) make_block();
     Sample sample;
     for (int i = 0; i < 6; ++i) {
@@ -158,12 +139,19 @@ class NoiseSource final : public Source {
 
 }  // namespace
 
-std::unique_ptr<Source> make_source(const White& /*flat*/, const Context& context) {
-  return std::make_unique<WhiteSource>(context);
+Source make_source(const White& /*flat*/, const Context& context) {
+  return [context, random = random_streams(context)](long k) mutable {
+    if (k == 0) random = random_streams(context);
+    Sample sample;
+    for (int i = 0; i < 6; ++i)
+      if (context.size[i] != 0.0)
+        sample.value[i] = context.size[i] * random[static_cast<std::size_t>(i)]();
+    return sample;
+  };
 }
 
-std::unique_ptr<Source> make_source(const Noise& noise, const Context& context) {
-  return std::make_unique<NoiseSource>(noise, context);
+Source make_source(const Noise& noise, const Context& context) {
+  return NoiseSource(noise, context);
 }
 
 }  // namespace hydrapod::signals

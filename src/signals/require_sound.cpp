@@ -21,76 +21,63 @@ void require_time(const std::string& what, double value) {
   require(std::isfinite(value) && value >= 0.0, what, value, "0 s or more");
 }
 
-void require_period(const std::string& what, double seconds, double rate) {
-  const double samples = std::round(seconds * rate);
-  require(samples >= 2.0 && samples <= static_cast<double>(longest_period), what, seconds,
-          "two to ten million samples, in seconds");
-}
-
-void require_band(const std::string& signal, double from, double to, double rate) {
-  if (!(from >= 0.0 && from <= to && to < rate / 2.0))
-    throw std::invalid_argument(
-        fmt::format("{}: the band is {:.6g} … {:.6g} Hz, expected 0 ≤ from ≤ to < {:.6g} Hz, half "
-                    "the sample rate",
-                    signal, from, to, rate / 2.0));
-}
-
-void require_frequency(const std::string& what, double frequency, double rate) {
-  require(
-      frequency > 0.0 && frequency < rate / 2.0, what, frequency,
-      fmt::format("more than 0 and less than {:.6g} Hz, half the sample rate", rate / 2.0));
-}
-
-void require_slope(const std::string& what, double slope) {
-  require(std::abs(slope) <= 24.0, what, slope, "−24 … 24 dB/octave");
-}
-
-void require_turns(const std::string& what, int turns) {
-  require(turns >= 0, what, turns, "0 (all directions together) or more");
-}
-
+/// Judges the parameters of one signal.
 struct Check {
+  std::string_view name;
   double rate;
 
-  void operator()(const Step& s) const {
-    require_time("step: at", s.at);
-    require_time("step: rise", s.rise);
+  template <typename T>
+  void operator()(const T& s) const {
+    if constexpr (requires { s.at; }) require_time(of("at"), s.at);
+    if constexpr (requires { s.rise; }) require_time(of("rise"), s.rise);
+    if constexpr (requires { s.frequency; }) frequency("frequency", s.frequency);
+    if constexpr (std::is_same_v<T, Sweep>) frequency("from", s.from);
+    if constexpr (std::is_same_v<T, Sweep> || std::is_same_v<T, Binary>) frequency("to", s.to);
+    if constexpr (requires { s.from; } && !std::is_same_v<T, Sweep>) band(s.from, s.to);
+    if constexpr (requires { s.duration; }) period("duration", s.duration);
+    if constexpr (requires { s.period; }) period("period", s.period);
+    if constexpr (requires { s.slope; })
+      require(std::abs(s.slope) <= 24.0, of("slope"), s.slope, "−24 … 24 dB/octave");
+    if constexpr (requires { s.turns; })
+      require(s.turns >= 0, of("turns"), s.turns, "0 (all directions together) or more");
+    more(s);
   }
-  void operator()(const Sine& s) const { require_frequency("sine: frequency", s.frequency, rate); }
-  void operator()(const Sweep& s) const {
-    require_frequency("sweep: from", s.from, rate);
-    require_frequency("sweep: to", s.to, rate);
-    require_period("sweep: duration", s.duration, rate);
-    require_turns("sweep: turns", s.turns);
+
+ private:
+  [[nodiscard]] std::string of(const char* key) const { return fmt::format("{}: {}", name, key); }
+
+  void frequency(const char* key, double value) const {
+    require(value > 0.0 && value < rate / 2.0, of(key), value,
+            fmt::format("more than 0 and less than {:.6g} Hz, half the sample rate", rate / 2.0));
   }
-  void operator()(const Chirp& s) const {
-    require_band("chirp", s.from, s.to, rate);
-    require_period("chirp: period", s.period, rate);
-    require_turns("chirp: turns", s.turns);
+  void band(double from, double to) const {
+    if (!(from >= 0.0 && from <= to && to < rate / 2.0))
+      throw std::invalid_argument(
+          fmt::format("{}: the band is {:.6g} … {:.6g} Hz, expected 0 ≤ from ≤ to < {:.6g} Hz, "
+                      "half the sample rate",
+                      name, from, to, rate / 2.0));
   }
-  void operator()(const Multisine& s) const {
-    require_band("multisine", s.from, s.to, rate);
-    require_period("multisine: period", s.period, rate);
+  void period(const char* key, double seconds) const {
+    const double samples = std::round(seconds * rate);
+    require(samples >= 2.0 && samples <= static_cast<double>(longest_period), of(key), seconds,
+            "two to ten million samples, in seconds");
+  }
+
+  template <typename T>
+  void more(const T& /*no more*/) const {}
+  void more(const Multisine& s) const {
     const auto [first, last] = line_range(s, rate);
-    require(last >= first, "multisine: period", s.period,
+    require(last >= first, of("period"), s.period,
             "one so long that a multiple of 1/period lies in the band");
-    require_slope("multisine: slope", s.slope);
     const int experiment = s.experiment.value_or(1);
-    require(experiment >= 1 && experiment <= 6, "multisine: experiment", experiment, "1 … 6");
+    require(experiment >= 1 && experiment <= 6, of("experiment"), experiment, "1 … 6");
   }
-  void operator()(const White& /*anything goes*/) const {}
-  void operator()(const Noise& s) const {
-    require_band("noise", s.from, s.to, rate);
-    require(s.from < s.to, "noise: from", s.from, "less than `to`");
-    require_slope("noise: slope", s.slope);
-  }
-  void operator()(const Binary& s) const {
-    require_frequency("binary sequence: to", s.to, rate);
-    require_period("binary sequence: period", s.period, rate);
-    require(sequence_shape(s, rate).length() <= longest_period, "binary sequence: period", s.period,
+  void more(const Noise& s) const { require(s.from < s.to, of("from"), s.from, "less than `to`"); }
+  void more(const Binary& s) const {
+    require(sequence_shape(s, rate).length() <= longest_period, of("period"), s.period,
             "at most ten million samples, in seconds");
   }
-  void operator()(const Trajectory& s) const {
+  void more(const Trajectory& s) const {
     require(!s.times.empty() && s.times.size() == s.points.size(), "trajectory: points",
             static_cast<double>(s.points.size()), "one for every time, and at least one");
     for (std::size_t k = 1; k < s.times.size(); ++k)
@@ -116,7 +103,7 @@ void require_sound(const Signal& signal, double rate) {
     require(std::isfinite(signal.size[i]), fmt::format("size of {}", spatial::direction_name(i)),
             signal.size[i], "a finite number");
   require_time("fade", signal.fade);
-  std::visit(Check{rate}, signal.form);
+  std::visit(Check{kinds[signal.form.index()], rate}, signal.form);
 }
 
 }  // namespace hydrapod::signals

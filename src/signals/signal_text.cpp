@@ -1,198 +1,202 @@
-#include "hydrapod/simulation/command_text.hpp"
+#include "hydrapod/signals/signal_text.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <array>
-#include <charconv>
-#include <map>
-#include <set>
+#include <numbers>
+#include <stdexcept>
 #include <string_view>
 
 #include "hydrapod/base/error.hpp"
+#include "hydrapod/base/key_values.hpp"
 #include "hydrapod/base/nearest.hpp"
 #include "hydrapod/base/printable.hpp"
-#include "hydrapod/base/units.hpp"
+#include "hydrapod/base/text.hpp"
+#include "hydrapod/spatial/directions.hpp"
+#include "sources.hpp"
 
-namespace hydrapod::simulation {
+namespace hydrapod::signals {
 
 namespace {
 
-constexpr std::array<std::string_view, 6> directions{"x", "y", "z", "rx", "ry", "rz"};
-constexpr std::array<std::string_view, 7> kinds{"rest",      "step",  "sine", "sweep",
-                                                "multisine", "noise", "file"};
+using base::KeyValues;
 
-std::string_view trimmed(std::string_view text) {
-  const auto first = text.find_first_not_of(" \t");
-  if (first == std::string_view::npos) return {};
-  return text.substr(first, text.find_last_not_of(" \t") - first + 1);
-}
-
-/// One command's text, split into its kind and its keys.
-class CommandText {
- public:
-  explicit CommandText(const std::string& text) : text_(text) {
-    const std::string_view all = trimmed(text_);
-    const auto blank = all.find_first_of(" \t");
-    kind_ = std::string(all.substr(0, blank));
-    rest_ = blank == std::string_view::npos ? "" : std::string(trimmed(all.substr(blank)));
-  }
-
-  [[nodiscard]] const std::string& kind() const { return kind_; }
-  [[nodiscard]] const std::string& rest() const { return rest_; }
-
-  [[noreturn]] void reject(const std::string& message) const {
-    throw base::InputError(
-        {{.file = "--command " + base::printable(text_, 100), .message = message}});
-  }
-
-  /// Reads `key=value, …`; only `keys` and directions are known.
-  void split(std::vector<std::string_view> keys) {
-    keys.insert(keys.begin(), directions.begin(), directions.end());
-    for (std::size_t begin = 0; begin < rest_.size();) {
-      const std::size_t end = std::min(rest_.find(',', begin), rest_.size());
-      const std::string_view part = trimmed(std::string_view(rest_).substr(begin, end - begin));
-      begin = end + 1;
-      const auto equals = part.find('=');
-      const std::string key(trimmed(part.substr(0, equals)));
-      if (std::find(keys.begin(), keys.end(), key) == keys.end()) unknown(key, keys);
-      if (equals == std::string_view::npos)
-        reject(fmt::format("'{}' has no value, expected {}=…", key, key));
-      if (!values_.emplace(key, trimmed(part.substr(equals + 1))).second)
-        reject(fmt::format("{} is given twice", key));
-    }
-  }
-
-  [[nodiscard]] double number(const std::string& key, const char* unit, double fallback) const {
-    const auto at = values_.find(key);
-    return at == values_.end() ? fallback : read(key, at->second, unit);
-  }
-
-  [[nodiscard]] std::uint64_t seed(std::uint64_t fallback) const {
-    const auto at = values_.find("seed");
-    if (at == values_.end()) return fallback;
-    std::uint64_t value{};
-    const auto* end = at->second.data() + at->second.size();
-    const auto [stop, status] = std::from_chars(at->second.data(), end, value);
-    if (status != std::errc{} || stop != end)
-      reject(fmt::format("seed is '{}', expected a whole number of 0 or more",
-                         base::printable(at->second)));
-    return value;
-  }
-
-  /// One of two words; whether it is the first.
-  [[nodiscard]] bool first_of(const std::string& key, std::string_view first,
-                              std::string_view second) const {
-    const auto at = values_.find(key);
-    if (at == values_.end() || at->second == first) return true;
-    if (at->second != second)
-      reject(fmt::format("{} is '{}', expected {} or {}", key, base::printable(at->second), first,
-                         second));
-    return false;
-  }
-
-  /// At least one direction, which is not zero.
-  [[nodiscard]] Vector6 motion() const {
-    Vector6 motion = Vector6::Zero();
-    for (int i = 0; i < 6; ++i)
-      motion[i] = number(std::string(directions[static_cast<size_t>(i)]), i < 3 ? "m" : "rad", 0.0);
-    if (motion.isZero(0.0))
-      reject(
-          fmt::format("moves nothing; give a size, for instance \"{} z=5 mm\" (x, y, z, rx, ry, "
-                      "rz)",
-                      kind_));
-    return motion;
-  }
-
- private:
-  [[nodiscard]] double read(const std::string& key, const std::string& text,
-                            const char* unit) const {
-    const auto last = text.find_last_of("0123456789.");
-    const bool plain = last != std::string::npos && last + 1 == text.size();
-    const auto quantity = base::read_quantity(text, plain ? "1" : unit);
-    if (!quantity.ok()) reject(fmt::format("{}: {}", key, quantity.problem));
-    return quantity.value;
-  }
-
-  [[noreturn]] void unknown(const std::string& key,
-                            const std::vector<std::string_view>& keys) const {
-    const auto near = base::nearest(key, keys);
-    reject(fmt::format("'{}' is unknown; {}", base::printable(key),
-                       near && near->size() > 2
-                           ? fmt::format("did you mean '{}'?", *near)
-                           : fmt::format("{} takes {}", kind_, fmt::join(keys, ", "))));
-  }
-
-  std::string text_;
-  std::string kind_;
-  std::string rest_;
-  std::map<std::string, std::string> values_{};
+/// A key, the member that it stands for, and a number's unit or the words for true and false.
+struct Key {
+  using Member =
+      std::variant<double*, bool*, int*, std::optional<int>*, std::optional<std::uint64_t>*>;
+  const char* name;
+  Member member;
+  const char* unit{};  ///< or the word for true
+  const char* otherwise{};
 };
+using Keys = std::vector<Key>;
 
-Step parse_step(CommandText& text) {
-  text.split({"at", "rise"});
-  const Step standard;
-  return {text.motion(), text.number("at", "s", standard.at),
-          text.number("rise", "s", standard.rise)};
+/// Every signal's keys: what it is read and written from.
+Keys keys(Signal& signal) {
+  return std::visit(
+      [&]<typename T>(T& s) {
+        Keys all;
+        if constexpr (requires { s.at; }) all.push_back({"at", &s.at, "s"});
+        if constexpr (requires { s.rise; }) all.push_back({"rise", &s.rise, "s"});
+        if constexpr (requires { s.frequency; }) all.push_back({"frequency", &s.frequency, "Hz"});
+        if constexpr (requires { s.from; }) all.push_back({"from", &s.from, "Hz"});
+        if constexpr (requires { s.to; }) all.push_back({"to", &s.to, "Hz"});
+        if constexpr (requires { s.duration; }) all.push_back({"duration", &s.duration, "s"});
+        if constexpr (requires { s.period; }) all.push_back({"period", &s.period, "s"});
+        if constexpr (requires { s.slope; }) all.push_back({"slope", &s.slope, "1"});
+        if constexpr (requires { s.logarithmic; })
+          all.push_back({"spacing", &s.logarithmic, "log", "linear"});
+        if constexpr (requires { s.turns; }) all.push_back({"turns", &s.turns});
+        if constexpr (requires { s.rms; }) all.push_back({"level", &s.rms, "rms", "amplitude"});
+        if constexpr (requires { s.low_crest; })
+          all.push_back({"crest", &s.low_crest, "low", "random"});
+        if constexpr (requires { s.experiment; }) all.push_back({"experiment", &s.experiment});
+        if (!std::is_same_v<T, Step>) all.push_back({"fade", &signal.fade, "s"});
+        if (is_random<T>) all.push_back({"seed", &signal.seed});
+        return all;
+      },
+      signal.form);
 }
 
-Sine parse_sine(CommandText& text) {
-  text.split({"frequency", "fade"});
-  const Sine standard;
-  return {text.motion(), text.number("frequency", "Hz", standard.frequency),
-          text.number("fade", "s", standard.fade)};
+void read(KeyValues& text, const Key& key) {
+  struct Read {
+    KeyValues& text;
+    const Key& key;
+    void operator()(double* m) const { *m = text.number(key.name, key.unit).value_or(*m); }
+    void operator()(bool* m) const {
+      *m = text.choice(key.name, key.unit, key.otherwise).value_or(*m);
+    }
+    void operator()(int* m) const { *m = text.whole(key.name, 0, 1'000'000).value_or(*m); }
+    void operator()(std::optional<int>* m) const { *m = text.whole(key.name, 1, 6); }
+    void operator()(std::optional<std::uint64_t>* m) const { *m = text.seed(key.name); }
+  };
+  std::visit(Read{text, key}, key.member);
 }
 
-Sweep parse_sweep(CommandText& text) {
-  text.split({"from", "to", "duration", "spacing", "fade"});
-  const Sweep standard;
-  return {text.motion(),
-          text.number("from", "Hz", standard.from),
-          text.number("to", "Hz", standard.to),
-          text.number("duration", "s", standard.duration),
-          text.first_of("spacing", "log", "linear"),
-          text.number("fade", "s", standard.fade)};
+std::string number_text(double value, std::string_view unit) {
+  return unit == "1" ? fmt::format("{:.9g}", value) : fmt::format("{:.9g} {}", value, unit);
 }
 
-Multisine parse_multisine(CommandText& text, std::uint64_t seed) {
-  text.split({"from", "to", "period", "seed", "fade"});
-  const Multisine standard;
-  return {text.motion(),
-          text.number("from", "Hz", standard.from),
-          text.number("to", "Hz", standard.to),
-          text.number("period", "s", standard.period),
-          text.seed(seed),
-          text.number("fade", "s", standard.fade)};
+/// Lengths in mm; angles in degrees or milliradians, whichever is shorter.
+std::string size_text(double value, std::string_view unit) {
+  if (unit == "m") return number_text(1e3 * value, "mm");
+  if (unit != "rad") return number_text(value, unit);
+  const auto degrees = number_text(value * 180.0 / std::numbers::pi, "deg");
+  const auto milliradians = number_text(1e3 * value, "mrad");
+  return milliradians.size() < degrees.size() ? milliradians : degrees;
 }
 
-Noise parse_noise(CommandText& text, std::uint64_t seed) {
-  text.split({"from", "to", "seed", "fade"});
-  const Noise standard;
-  return {text.motion(), text.number("from", "Hz", standard.from),
-          text.number("to", "Hz", standard.to), text.seed(seed),
-          text.number("fade", "s", standard.fade)};
+/// None: there is nothing to write.
+std::optional<std::string> value_text(const Key& key) {
+  struct Write {
+    const Key& key;
+    std::optional<std::string> operator()(const double* m) const {
+      return number_text(*m, key.unit);
+    }
+    std::optional<std::string> operator()(const bool* m) const {
+      return *m ? key.unit : key.otherwise;
+    }
+    std::optional<std::string> operator()(const int* m) const { return fmt::to_string(*m); }
+    template <typename T>
+    std::optional<std::string> operator()(const std::optional<T>* m) const {
+      return *m ? std::optional(fmt::to_string(**m)) : std::nullopt;
+    }
+  };
+  return std::visit(Write{key}, key.member);
+}
+
+/// The form of that name with the defaults of the place.
+Form form_of(std::size_t kind, const TextPlace& place) {
+  const bool rms = place.excitation;
+  const std::array<Form, kinds.size()> defaults{Step{},
+                                                Sine{.rms = rms},
+                                                Sweep{.turns = rms ? 1 : 0, .rms = rms},
+                                                Chirp{.turns = rms ? 10 : 0, .rms = rms},
+                                                Multisine{},
+                                                White{},
+                                                Noise{},
+                                                Binary{},
+                                                Trajectory{}};
+  return defaults[kind];
+}
+
+void read_sizes(KeyValues& text, const Units& units, Signal& signal) {
+  bool any = false;
+  const auto read_size = [&](const char* key, const char* unit, auto&& take) {
+    if (const auto size = text.number(key, unit)) {
+      take(*size);
+      any = true;
+    }
+  };
+  read_size("all", units[0], [&](double size) { signal.size.setConstant(size); });
+  for (int i = 0; i < 6; ++i)
+    read_size(spatial::direction_name(i), units[static_cast<std::size_t>(i)],
+              [&](double size) { signal.size[i] = size; });
+  for (const Key& key : keys(signal)) read(text, key);
+  text.finish();
+  if (!any) text.fail("no size is given; for instance \"z=1 mm\", or all=0.0001");
+}
+
+std::optional<Signal> read_signal(std::string_view text, const TextPlace& place) {
+  const std::string name = place.argument + " " + base::printable(text, 100);
+  const auto whole = base::trimmed(text);
+  const auto end = std::min(whole.find_first_of(" \t,"), whole.size());
+  const auto word = whole.substr(0, end);
+  auto rest = base::trimmed(whole.substr(end));
+  if (rest.starts_with(',')) rest.remove_prefix(1);
+  if (word == "rest") {
+    if (!rest.empty()) KeyValues(name, "").fail("rest takes nothing more");
+    return {};
+  }
+  const auto kind = static_cast<std::size_t>(std::ranges::find(kinds, word) - kinds.begin());
+  Signal signal;
+  if (kind == kinds.size()) {
+    const auto near = base::nearest(word, kinds);
+    KeyValues(name, "").fail(
+        fmt::format("unknown signal '{}'; {}accepted are rest, {}", base::printable(word, 20),
+                    near ? fmt::format("did you mean '{}'? ", *near) : "", fmt::join(kinds, ", ")));
+  }
+  signal.form = form_of(kind, place);
+  if (std::holds_alternative<Trajectory>(signal.form)) {
+    if (rest.empty()) KeyValues(name, "").fail("names no file, expected \"file motion.csv\"");
+    signal.form = read_trajectory(std::string(rest), place.units);
+    return signal;
+  }
+  KeyValues values(name, rest);
+  read_sizes(values, place.units, signal);
+  try {
+    require_sound(signal, place.rate);
+  } catch (const std::invalid_argument& error) {
+    values.fail(error.what());
+  }
+  return signal;
 }
 
 }  // namespace
 
-std::optional<CommandSpec> parse_command(const std::string& text, std::uint64_t seed) {
-  CommandText command(text);
-  const std::string& kind = command.kind();
-  if (kind == "rest" && command.rest().empty()) return std::nullopt;
-  if (kind == "step") return parse_step(command);
-  if (kind == "sine") return parse_sine(command);
-  if (kind == "sweep") return parse_sweep(command);
-  if (kind == "multisine") return parse_multisine(command, seed);
-  if (kind == "noise") return parse_noise(command, seed);
-  if (kind == "file") {
-    if (command.rest().empty()) command.reject("names no file, expected \"file motion.csv\"");
-    return read_trajectory(command.rest());
-  }
-  if (kind == "rest") command.reject("rest takes nothing more");
-  const auto near = base::nearest(kind, kinds);
-  command.reject(fmt::format("'{}' is no command; {}known are {}", base::printable(kind),
-                             near ? fmt::format("did you mean '{}'? ", *near) : "",
-                             fmt::join(kinds, ", ")));
+std::vector<Signal> read_signals(const std::vector<std::string>& texts, const TextPlace& place) {
+  std::vector<Signal> signals;
+  for (const auto& text : texts)
+    if (auto signal = read_signal(text, place)) signals.push_back(std::move(*signal));
+  return signals;
 }
 
-}  // namespace hydrapod::simulation
+std::string signal_text(const Signal& signal, const Units& units) {
+  const auto kind = kinds[signal.form.index()];
+  if (const auto* trajectory = std::get_if<Trajectory>(&signal.form))
+    return fmt::format("{} {}", kind, trajectory->source);
+  std::vector<std::string> parts;
+  for (int i = 0; i < 6; ++i)
+    if (signal.size[i] != 0.0)
+      parts.push_back(fmt::format("{}={}", spatial::direction_name(i),
+                                  size_text(signal.size[i], units[static_cast<std::size_t>(i)])));
+  if (parts.empty()) parts.emplace_back("all=0");
+  Signal copy = signal;
+  for (const Key& key : keys(copy))
+    if (const auto value = value_text(key)) parts.push_back(fmt::format("{}={}", key.name, *value));
+  return fmt::format("{} {}", kind, fmt::join(parts, ", "));
+}
+
+}  // namespace hydrapod::signals

@@ -13,35 +13,18 @@ namespace {
 
 using base::two_pi;
 
-/// A source that fades in.
-class FadedSource final : public Source {
- public:
-  FadedSource(std::unique_ptr<Source> source, double fade, double rate)
-      : source_(std::move(source)), fade_(fade), rate_(rate) {}
-  void restart() override {
-    source_->restart();
-    at_ = 0;
-  }
-  Sample next() override {
-    return faded(source_->next(), fade_at(static_cast<double>(at_++) / rate_, fade_));
-  }
-
- private:
-  std::unique_ptr<Source> source_;
-  double fade_, rate_;
-  long at_{};
-};
-
 template <typename T>
 constexpr bool fades_itself =
     std::is_same_v<T, Step> || std::is_same_v<T, Sweep> || std::is_same_v<T, Trajectory>;
 
-std::unique_ptr<Source> source_of(const Signal& signal, const Context& context) {
+Source source_of(const Signal& signal, const Context& context) {
   return std::visit(
-      [&]<typename T>(const T& form) -> std::unique_ptr<Source> {
-        auto source = make_source(form, context);
-        if (fades_itself<T> || context.fade == 0.0) return source;
-        return std::make_unique<FadedSource>(std::move(source), context.fade, context.rate);
+      [&]<typename T>(const T& form) -> Source {
+        Source source = make_source(form, context);
+        if (fades_itself<T>) return source;
+        return [source = std::move(source), fade = context.fade, rate = context.rate](long k) {
+          return faded(source(k), fade_at(static_cast<double>(k) / rate, fade));
+        };
       },
       signal.form);
 }
@@ -67,9 +50,7 @@ struct Period {
   std::optional<long> operator()(const Chirp& s) const {
     return whole_samples(s.period, rate) * (s.turns == 0 ? 1 : s.turns * active());
   }
-  std::optional<long> operator()(const Multisine& s) const {
-    return whole_samples(s.period, rate);
-  }
+  std::optional<long> operator()(const Multisine& s) const { return whole_samples(s.period, rate); }
   std::optional<long> operator()(const Binary& s) const { return sequence_shape(s, rate).length(); }
   template <typename T>
   std::optional<long> operator()(const T& /*does not repeat*/) const {
@@ -104,27 +85,20 @@ Generator::Generator(const std::vector<Signal>& signals, double rate, std::uint6
   for (const Signal& signal : signals) {
     require_sound(signal, rate);
     // With a seed of its own a signal is the same at every place of the list.
-    sources_.push_back(source_of(signal, {signal.size, signal.fade, rate, signal.seed.value_or(seed),
-                                          signal.seed ? 0 : stream}));
+    sources_.push_back(source_of(signal, {signal.size, signal.fade, rate,
+                                          signal.seed.value_or(seed), signal.seed ? 0 : stream}));
     stream += 16;  // more than there are directions
   }
-}
-
-Generator::~Generator() = default;
-Generator::Generator(Generator&&) noexcept = default;
-Generator& Generator::operator=(Generator&&) noexcept = default;
-
-void Generator::restart() {
-  for (const auto& source : sources_) source->restart();
 }
 
 Sample Generator::next() {
   Sample sum;
   for (const auto& source : sources_) {
-    const Sample one = source->next();
+    const Sample one = source(at_);
     sum.value += one.value;
     sum.rate += one.rate;
   }
+  ++at_;
   return sum;
 }
 
@@ -167,22 +141,22 @@ int active_directions(const Vector6& size) {
   return static_cast<int>((size.array() != 0.0).count());
 }
 
-std::unique_ptr<Source> make_source(const Step& step, const Context& context) {
+Source make_source(const Step& step, const Context& context) {
   // A step that is due at a sample is there at that sample, whatever rounding says.
   const double slack = 1e-6 / context.rate;
-  return function_source([step, context, slack](long k) {
+  return [step, context, slack](long k) {
     const double time = static_cast<double>(k) / context.rate;
     return faded({context.size, Vector6::Zero()}, fade_at(time - step.at + slack, step.rise));
-  });
+  };
 }
 
-std::unique_ptr<Source> make_source(const Sine& sine, const Context& context) {
+Source make_source(const Sine& sine, const Context& context) {
   const Vector6 amplitude = (sine.rms ? std::sqrt(2.0) : 1.0) * context.size;
   const double omega = two_pi * sine.frequency;
-  return function_source([amplitude, omega, rate = context.rate](long k) -> Sample {
+  return [amplitude, omega, rate = context.rate](long k) -> Sample {
     const double phase = omega * static_cast<double>(k) / rate;
     return {amplitude * std::sin(phase), amplitude * (omega * std::cos(phase))};
-  });
+  };
 }
 
 }  // namespace hydrapod::signals

@@ -1,21 +1,24 @@
 #pragma once
 /// The signals behind Form. Private to the module.
 
+#include <array>
+#include <string_view>
+
 #include "hydrapod/numerics/gaussian.hpp"
 #include "hydrapod/signals/signals.hpp"
 
 namespace hydrapod::signals {
 
-/// One signal of a list, sample by sample.
-class Source {
- public:
-  Source() = default;
-  Source(const Source&) = delete;
-  Source& operator=(const Source&) = delete;
-  virtual ~Source() = default;
-  virtual void restart() = 0;
-  virtual Sample next() = 0;
-};
+/// The names of the alternatives of Form.
+inline constexpr std::array<std::string_view, std::variant_size_v<Form>> kinds{
+    "step", "sine", "sweep", "chirp", "multisine", "white", "noise", "binary", "file"};
+
+template <typename T>
+constexpr bool is_random = std::is_same_v<T, Multisine> || std::is_same_v<T, White> ||
+                           std::is_same_v<T, Noise> || std::is_same_v<T, Binary>;
+
+/// One signal of a list: its samples k = 0, 1, 2, …, asked for in this order; 0 begins anew.
+using Source = std::function<Sample(long k)>;
 
 /// What all signals are made of. Signals of one list take different random numbers of one seed by
 /// their `stream`, directions by stream + 0 … 5.
@@ -31,33 +34,15 @@ struct Context {
   }
 };
 
-/// A function of the sample's number.
-template <typename Function>
-class FunctionSource final : public Source {
- public:
-  explicit FunctionSource(Function function) : function_(std::move(function)) {}
-  void restart() override { at_ = 0; }
-  Sample next() override { return function_(at_++); }
-
- private:
-  Function function_;
-  long at_{};
-};
-
-template <typename Function>
-std::unique_ptr<Source> function_source(Function function) {
-  return std::make_unique<FunctionSource<Function>>(std::move(function));
-}
-
-std::unique_ptr<Source> make_source(const Step& step, const Context& context);
-std::unique_ptr<Source> make_source(const Sine& sine, const Context& context);
-std::unique_ptr<Source> make_source(const Sweep& sweep, const Context& context);
-std::unique_ptr<Source> make_source(const Chirp& chirp, const Context& context);
-std::unique_ptr<Source> make_source(const Multisine& multisine, const Context& context);
-std::unique_ptr<Source> make_source(const White& white, const Context& context);
-std::unique_ptr<Source> make_source(const Noise& noise, const Context& context);
-std::unique_ptr<Source> make_source(const Binary& binary, const Context& context);
-std::unique_ptr<Source> make_source(const Trajectory& trajectory, const Context& context);
+Source make_source(const Step& step, const Context& context);
+Source make_source(const Sine& sine, const Context& context);
+Source make_source(const Sweep& sweep, const Context& context);
+Source make_source(const Chirp& chirp, const Context& context);
+Source make_source(const Multisine& multisine, const Context& context);
+Source make_source(const White& white, const Context& context);
+Source make_source(const Noise& noise, const Context& context);
+Source make_source(const Binary& binary, const Context& context);
+Source make_source(const Trajectory& trajectory, const Context& context);
 
 /// w and dw/dt of a fade over `duration` that began `time` seconds ago.
 struct Fade {

@@ -1,4 +1,4 @@
-/// Sweeps, chirps and trajectories: functions of time.
+/// Sweeps and chirps.
 
 #include <algorithm>
 #include <cmath>
@@ -31,8 +31,7 @@ struct Passes {
 
 /// Passes of `wave`, a function of the sample's number within the pass.
 template <typename Function>
-std::unique_ptr<Source> passes_source(Vector6 size, bool rms, const Passes& passes,
-                                      const Function& wave) {
+Source passes_source(Vector6 size, bool rms, const Passes& passes, const Function& wave) {
   if (rms) {
     double squares = 0.0;
     for (long k = 0; k < passes.length; ++k) squares += wave(k).value * wave(k).value;
@@ -41,19 +40,19 @@ std::unique_ptr<Source> passes_source(Vector6 size, bool rms, const Passes& pass
   std::vector<int> directions;
   for (int i = 0; i < 6; ++i)
     if (size[i] != 0.0) directions.push_back(i);
-  return function_source([=](long k) -> Sample {
+  return [=](long k) -> Sample {
     const long pass = k / passes.length;
     if (directions.empty() || (passes.once && pass > 0)) return {};
     const Wave now = wave(k % passes.length);
     if (passes.turns == 0) return {now.value * size, now.rate * size};
     const int i = directions[static_cast<std::size_t>(pass / passes.turns) % directions.size()];
     return {size[i] * now.value * Vector6::Unit(i), size[i] * now.rate * Vector6::Unit(i)};
-  });
+  };
 }
 
 }  // namespace
 
-std::unique_ptr<Source> make_source(const Sweep& sweep, const Context& context) {
+Source make_source(const Sweep& sweep, const Context& context) {
   const long length = whole_samples(sweep.duration, context.rate);
   const double duration = static_cast<double>(length) / context.rate;
   const double ratio = std::log(sweep.to / sweep.from);
@@ -76,7 +75,7 @@ std::unique_ptr<Source> make_source(const Sweep& sweep, const Context& context) 
   return passes_source(context.size, sweep.rms, {length, sweep.turns, sweep.turns == 0}, wave);
 }
 
-std::unique_ptr<Source> make_source(const Chirp& chirp, const Context& context) {
+Source make_source(const Chirp& chirp, const Context& context) {
   const long length = whole_samples(chirp.period, context.rate);
   const double period = static_cast<double>(length) / context.rate;
   // whole cycles per period, so that it repeats without a break
@@ -87,32 +86,6 @@ std::unique_ptr<Source> make_source(const Chirp& chirp, const Context& context) 
     return sine_wave(chirp.from * t + 0.5 * rise * t * t / period, chirp.from + rise * t / period);
   };
   return passes_source(context.size, chirp.rms, {length, chirp.turns}, wave);
-}
-
-std::unique_ptr<Source> make_source(const Trajectory& trajectory, const Context& context) {
-  const auto slope = [trajectory](std::size_t k) -> Vector6 {
-    const auto& [times, points, source] = trajectory;
-    if (k == 0 || k + 1 == times.size()) return Vector6::Zero();  // at rest before and after
-    const double before = times[k] - times[k - 1], after = times[k + 1] - times[k];
-    return (after / before * (points[k] - points[k - 1]) +
-            before / after * (points[k + 1] - points[k])) /
-           (before + after);
-  };
-  return function_source([trajectory, slope, rate = context.rate](long sample) -> Sample {
-    const auto& [times, points, source] = trajectory;
-    const double time = static_cast<double>(sample) / rate;
-    if (time <= times.front()) return {points.front(), Vector6::Zero()};
-    if (time >= times.back()) return {points.back(), Vector6::Zero()};
-    const auto k = static_cast<std::size_t>(std::upper_bound(times.begin(), times.end(), time) -
-                                            times.begin()) -
-                   1;
-    const double h = times[k + 1] - times[k];
-    const double r = (time - times[k]) / h;
-    const Vector6 rise = points[k + 1] - points[k];
-    const Vector6 m_0 = h * slope(k), m_1 = h * slope(k + 1);
-    const Vector6 b = 3.0 * rise - 2.0 * m_0 - m_1, c = m_0 + m_1 - 2.0 * rise;
-    return {points[k] + r * (m_0 + r * (b + r * c)), (m_0 + r * (2.0 * b + 3.0 * r * c)) / h};
-  });
 }
 
 }  // namespace hydrapod::signals

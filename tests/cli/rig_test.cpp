@@ -38,7 +38,7 @@ TEST_F(Rig, TheSameSeedGivesTheSameFile) {
   EXPECT_EQ(record.header.start, 0.1);  // after settling
   EXPECT_EQ(record.header.channels.size(), 39U);
   EXPECT_EQ(record.header.machine, read_text(file("machine.toml")));
-  EXPECT_THAT(record.header.notes, HasSubstr("white noise, RMS x 0.0001"));
+  EXPECT_THAT(record.header.notes, HasSubstr("white x=0.1 mm, y=0.1 mm, z=0.1 mm, rx=0.1 mrad"));
 }
 
 /// Its 39 channels are more than a picture holds.

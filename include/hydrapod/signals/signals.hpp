@@ -24,7 +24,7 @@
 /// multisines).
 
 #include <cstdint>
-#include <memory>
+#include <functional>
 #include <optional>
 #include <string>
 #include <variant>
@@ -91,7 +91,7 @@ struct White {};
 /// from the first sample on. Filters end at 65536 samples: edges are at least rate/10923 wide.
 struct Noise {
   double from{}, to{20.0};  ///< [Hz], 0 ≤ from < to < half the sample rate
-  double slope{};           ///< [dB/octave], −24 … 24; −6: constant velocity where 0 is displacement
+  double slope{};  ///< [dB/octave], −24 … 24; −6: constant velocity where 0 is displacement
 };
 
 /// Maximum-length binary sequence, ± size; its spectrum is flat to 3 dB up to `to`. The directions
@@ -109,8 +109,7 @@ struct Trajectory {
   std::string source{};           ///< the file
 };
 
-using Form =
-    std::variant<Step, Sine, Sweep, Chirp, Multisine, White, Noise, Binary, Trajectory>;
+using Form = std::variant<Step, Sine, Sweep, Chirp, Multisine, White, Noise, Binary, Trajectory>;
 
 struct Signal {
   Vector6 size{Vector6::Zero()};
@@ -128,23 +127,18 @@ struct Sample {
 /// sampled at `rate` [Hz].
 void require_sound(const Signal& signal, double rate);
 
-class Source;
-
 /// The sum of signals, sample by sample; without any it rests.
 class Generator {
  public:
   /// Signals without a seed of their own draw from `seed`, each its own stream. Throws as
   /// require_sound does.
   Generator(const std::vector<Signal>& signals, double rate, std::uint64_t seed = 1);
-  ~Generator();
-  Generator(Generator&&) noexcept;
-  Generator& operator=(Generator&&) noexcept;
-
-  void restart();
+  void restart() { at_ = 0; }
   Sample next();
 
  private:
-  std::vector<std::unique_ptr<Source>> sources_;
+  std::vector<std::function<Sample(long)>> sources_{};
+  long at_{};
 };
 
 /// Samples after which the sum of `signals` repeats once it has faded in; none where one of them
