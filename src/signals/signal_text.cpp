@@ -90,21 +90,19 @@ std::string size_text(double value, std::string_view unit) {
 
 /// None: there is nothing to write.
 std::optional<std::string> value_text(const Key& key) {
-  struct Write {
-    const Key& key;
-    std::optional<std::string> operator()(const double* m) const {
-      return number_text(*m, key.unit);
-    }
-    std::optional<std::string> operator()(const bool* m) const {
-      return *m ? key.unit : key.otherwise;
-    }
-    std::optional<std::string> operator()(const int* m) const { return fmt::to_string(*m); }
-    template <typename T>
-    std::optional<std::string> operator()(const std::optional<T>* m) const {
-      return *m ? std::optional(fmt::to_string(**m)) : std::nullopt;
-    }
-  };
-  return std::visit(Write{key}, key.member);
+  return std::visit(
+      [&](const auto* m) -> std::optional<std::string> {
+        using T = std::decay_t<decltype(*m)>;
+        if constexpr (std::is_same_v<T, double>)
+          return number_text(*m, key.unit);
+        else if constexpr (std::is_same_v<T, bool>)
+          return *m ? key.unit : key.otherwise;
+        else if constexpr (std::is_same_v<T, int>)
+          return fmt::to_string(*m);
+        else
+          return *m ? std::optional(fmt::to_string(**m)) : std::nullopt;
+      },
+      key.member);
 }
 
 /// The form of that name with the defaults of the place.
