@@ -4,7 +4,6 @@
 #include <array>
 #include <bit>
 #include <cmath>
-#include <numbers>
 #include <unsupported/Eigen/FFT>
 
 #include "hydrapod/base/constants.hpp"

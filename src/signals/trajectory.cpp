@@ -14,13 +14,19 @@
 #include "hydrapod/base/table.hpp"
 #include "hydrapod/base/units.hpp"
 #include "hydrapod/signals/signal_text.hpp"
+#include "hydrapod/spatial/directions.hpp"
 #include "sources.hpp"
 
 namespace hydrapod::signals {
 
 namespace {
 
-constexpr std::array<std::string_view, 7> column_names{"time", "x", "y", "z", "rx", "ry", "rz"};
+/// Names of the columns: time, then the directions.
+constexpr std::array<std::string_view, 7> column_names = [] {
+  std::array<std::string_view, 7> names{"time"};
+  std::ranges::copy(spatial::direction_names, names.begin() + 1);
+  return names;
+}();
 constexpr std::size_t most_faults = 20;
 
 /// What a column holds: its place in column_names and the factor of its unit to SI.
