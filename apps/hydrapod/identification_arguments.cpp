@@ -8,7 +8,7 @@
 #include "hydrapod/base/units.hpp"
 #include "hydrapod/interrupt.hpp"
 #include "hydrapod/machine_arguments.hpp"
-#include "hydrapod/rig/signal_text.hpp"
+#include "hydrapod/rig/instruments.hpp"
 #include "hydrapod/terminal.hpp"
 
 namespace hydrapod::cli {

@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <array>
 
+#include "hydrapod/base/key_values.hpp"
 #include "hydrapod/base/nearest.hpp"
-#include "hydrapod/base/text.hpp"
 #include "hydrapod/base/units.hpp"
 #include "hydrapod/kinematics/check_machine.hpp"
 #include "hydrapod/spatial/directions.hpp"
@@ -18,25 +18,12 @@ namespace {
 
 /// `z=50 mm, ry=5 deg` over the neutral pose.
 spatial::Pose displaced_pose(const spatial::Pose& neutral, const std::string& text) {
-  const std::string argument = "--pose " + text;
-  std::array<std::optional<double>, 6> value{};
-  for (const std::string& part : base::split(text, ",")) {
-    const size_t equals = part.find('=');
-    const std::string key(base::trimmed(part.substr(0, equals)));
-    const auto direction = spatial::direction_from_name(key);
-    if (equals == std::string::npos || !direction)
-      bad_argument(argument,
-                   fmt::format("'{}' is no displacement from the neutral pose; accepted are "
-                               "x, y, z, rx, ry, rz, for instance \"z=50 mm, ry=5 deg\"",
-                               part));
-    const auto index = static_cast<size_t>(*direction);
-    if (value[index]) bad_argument(argument, fmt::format("{} is given twice", key));
-    value[index] = plain_or_quantity(argument, std::string(base::trimmed(part.substr(equals + 1))),
-                                     index < 3 ? "m" : "rad");
-  }
-  const auto of = [&](size_t index) { return value[index].value_or(0.0); };
-  return {spatial::rotation_from_rpy({of(3), of(4), of(5)}) * neutral.R_BP,
-          neutral.p_BP + spatial::Vector3(of(0), of(1), of(2))};
+  base::KeyValues values("--pose " + text, text);
+  spatial::Vector6 d;
+  for (int i = 0; i < 6; ++i)
+    d[i] = values.number(spatial::direction_name(i), i < 3 ? "m" : "rad").value_or(0.0);
+  values.finish();
+  return {spatial::rotation_from_rpy(d.tail<3>()) * neutral.R_BP, neutral.p_BP + d.head<3>()};
 }
 
 void require_sound(const model::Machine& machine, const report::PoseChoice& pose) {
@@ -62,8 +49,7 @@ std::optional<double> plain_number(const std::string& text) {
 }
 
 double plain_or_quantity(const std::string& argument, const std::string& text, const char* unit) {
-  if (const auto plain = plain_number(text)) return *plain;
-  const auto read = base::read_quantity(text, unit);
+  const auto read = base::read_plain_or_quantity(text, unit);
   if (!read.ok()) bad_argument(argument, read.problem);
   return read.value;
 }

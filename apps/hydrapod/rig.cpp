@@ -10,7 +10,7 @@
 #include "hydrapod/machine_arguments.hpp"
 #include "hydrapod/record_machine.hpp"
 #include "hydrapod/rig/rig.hpp"
-#include "hydrapod/rig/signal_text.hpp"
+#include "hydrapod/signal_help.hpp"
 #include "hydrapod/terminal.hpp"
 
 namespace hydrapod::cli {
@@ -40,8 +40,11 @@ rig::RigOptions options_of(const Arguments& arguments, const model::Machine& mac
   rig::RigOptions options;
   options.entry = static_cast<rig::Entry>(
       choose_word("--entry", arguments.entry, {"command", "drive", "wrench"}));
-  for (const auto& text : arguments.signals)
-    options.signals.push_back(rig::parse_signal(text, options.entry));
+  options.signals =
+      signals::read_signals(arguments.signals, {.argument = "--excite",
+                                                .units = rig::units_of(options.entry),
+                                                .rate = 1.0 / machine.controller.sample_time,
+                                                .excitation = true});
   if (options.signals.empty()) options.signals = rig::default_signals(options.entry);
   options.settling = plain_or_quantity("--settling", arguments.settling, "s");
   if (!(options.settling >= 0.0)) bad_argument("--settling", "must be 0 or more");
@@ -70,7 +73,7 @@ rig::RigOptions options_of(const Arguments& arguments, const model::Machine& mac
 /// `--averages N`: N periods of a periodic excitation.
 void set_duration(const Arguments& arguments, double control_rate, rig::RigOptions& options) {
   if (arguments.averages == 0) return;
-  const auto period = rig::period_samples(options.signals, control_rate);
+  const auto period = signals::period_samples(options.signals, control_rate);
   if (!period)
     bad_argument("--averages", "the excitation does not repeat; give its duration instead");
   options.duration = arguments.averages * static_cast<double>(*period) / control_rate;
@@ -101,11 +104,11 @@ data::RecordHeader header_of(const Arguments& arguments, const model::MachineFil
   excitation.entry = arguments.entry;
   Vector6 squares = Vector6::Zero();
   for (const auto& signal : options.signals) {
-    excitation.signals.push_back(rig::description(signal));
-    squares += std::visit([](const auto& s) { return s.rms.cwiseAbs2().eval(); }, signal);
+    excitation.signals.push_back(signals::signal_text(signal, rig::units_of(options.entry)));
+    squares += signal.size.cwiseAbs2();
   }
   for (int d = 0; d < 6; ++d) excitation.level[static_cast<std::size_t>(d)] = std::sqrt(squares[d]);
-  if (const auto period = rig::period_samples(options.signals, 1.0 / controller.sample_time))
+  if (const auto period = signals::period_samples(options.signals, 1.0 / controller.sample_time))
     excitation.period = static_cast<double>(*period) * controller.sample_time;
   header.experiment.controller = controller_text(controller);
   for (const auto& one : options.instruments.accelerometers)
@@ -194,10 +197,8 @@ void add_options(Command command, Arguments& arguments) {
   add_pose_option(command, arguments.machine);
   add_model_option(command, arguments.machine);
   command
-      .add_option(
-          "--excite", arguments.signals,
-          "Signal; may be repeated, signals add up: white, noise, multisine, binary, sweep, "
-          "chirp (see below) [white]")
+      .add_option("--excite", arguments.signals,
+                  "Signal (see below); may be repeated, signals add up [white]")
       .allow_extra_args(false)
       .type_name("SIGNAL");
   command
@@ -244,15 +245,8 @@ void add_rig(Command app) {
         "a binary sequence on the valves"},
        {"rig machine.toml --excite \"sweep z=2 mm, to=30, duration=10\" --check",
         "is there room for it?"}});
-  command.footer(command.get_footer() +
-                 "\n\nSignals (levels: RMS of x y z rx ry rz, or all, SI or with units):\n"
-                 "  white x=0.1 mm, ry=0.1 mrad\n"
-                 "  noise x=1 mm, from=0, to=20 Hz, slope=0\n"
-                 "  multisine z=1 mm, from=0.5 Hz, to=20 Hz, period=10 s, slope=0, crest=low, "
-                 "experiment=1\n"
-                 "  binary z=1 mm, to=20 Hz, period=10 s\n"
-                 "  sweep z=1 mm, from=0.5 Hz, to=20 Hz, duration=20 s, spacing=log\n"
-                 "  chirp z=1 mm, from=0.5 Hz, to=20 Hz, period=1 s, turns=10");
+  command.footer(command.get_footer() + signal_help +
+                 "\nHere: level=rms; turns=1 of a sweep, turns=10 of a chirp.");
   auto arguments = std::make_shared<Arguments>();
   add_options(command, *arguments);
   command.callback([arguments] { run(*arguments); });

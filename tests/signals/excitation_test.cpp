@@ -1,4 +1,4 @@
-/// What the rig is excited with: levels, spectra, independence, orthogonality.
+/// Signals that excite: levels, spectra, independence, orthogonality.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -8,15 +8,16 @@
 #include <complex>
 #include <numbers>
 
+#include "hydrapod/base/constants.hpp"
 #include "hydrapod/data/processing.hpp"
-#include "hydrapod/rig/excitation.hpp"
+#include "hydrapod/signals/signals.hpp"
 
 namespace hydrapod::test {
 namespace {
 
-using namespace rig;
+using namespace signals;
+using base::two_pi;
 constexpr double rate = 500.0;
-constexpr double two_pi = 2.0 * std::numbers::pi;
 
 Vector6 ugly_levels() {
   Vector6 rms;
@@ -24,11 +25,14 @@ Vector6 ugly_levels() {
   return rms;
 }
 
-data::Samples samples_of(const std::vector<SignalSpec>& specs, Eigen::Index count,
+/// At the levels above, from the first sample on.
+Signal at_once(const Form& form) { return {.size = ugly_levels(), .form = form, .fade = 0.0}; }
+
+data::Samples samples_of(const std::vector<Signal>& signals, Eigen::Index count,
                          std::uint64_t seed = 7) {
-  Excitation excitation(specs, rate, seed);
+  Generator generator(signals, rate, seed);
   data::Samples all(count, 6);
-  for (Eigen::Index k = 0; k < count; ++k) all.row(k) = excitation.next().transpose();
+  for (Eigen::Index k = 0; k < count; ++k) all.row(k) = generator.next().value.transpose();
   return all;
 }
 
@@ -66,8 +70,8 @@ Eigen::VectorXcd lines_of(const Eigen::VectorXd& period, const std::vector<long>
   return lines;
 }
 
-TEST(WhiteNoise, HasItsLevelsIsFlatAndIndependent) {
-  const auto samples = samples_of({WhiteNoise{ugly_levels()}}, 200'000);
+TEST(White, HasItsLevelsIsFlatAndIndependent) {
+  const auto samples = samples_of({at_once(White{})}, 200'000);
   expect_levels(samples, ugly_levels(), 0.01);  // 5 standard errors are 0.8 %
   expect_uncorrelated(samples, 200'000.0);
   data::WelchSpectrum welch(6, rate, 256);
@@ -81,9 +85,8 @@ TEST(WhiteNoise, HasItsLevelsIsFlatAndIndependent) {
   }
 }
 
-TEST(ShapedNoise, HasItsLevelsInItsBandOnly) {
-  ShapedNoise spec{ugly_levels(), 5.0, 40.0, 0.0};
-  const auto samples = samples_of({spec}, 400'000);
+TEST(Noise, HasItsLevelsInItsBandOnly) {
+  const auto samples = samples_of({at_once(Noise{5.0, 40.0})}, 400'000);
   // a band of 35 Hz for 800 s: 56 000 independent values, standard error of the level 0.3 %
   expect_levels(samples, ugly_levels(), 0.015);
   expect_uncorrelated(samples, 56'000.0);
@@ -106,9 +109,8 @@ TEST(ShapedNoise, HasItsLevelsInItsBandOnly) {
   }
 }
 
-TEST(ShapedNoise, FallsWithItsSlope) {
-  ShapedNoise spec{ugly_levels(), 2.0, 100.0, -6.0};
-  const auto samples = samples_of({spec}, 400'000);
+TEST(Noise, FallsWithItsSlope) {
+  const auto samples = samples_of({at_once(Noise{2.0, 100.0, -6.0})}, 400'000);
   data::WelchSpectrum welch(6, rate, 1024);
   welch.add(samples);
   const auto spectrum = welch.result();
@@ -121,8 +123,7 @@ TEST(ShapedNoise, FallsWithItsSlope) {
 }
 
 TEST(MultisineSignal, HasItsLevelsAndNothingBesideItsLines) {
-  const Multisine spec{ugly_levels(), 1.0, 30.0, 4.0, 0.0, false, {}};
-  const auto period = samples_of({spec}, 2000);
+  const auto period = samples_of({at_once(Multisine{1.0, 30.0, 4.0})}, 2000);
   expect_levels(period, ugly_levels(), 1e-12);
   std::vector<long> all;
   for (long k = 0; k < 1000; ++k) all.push_back(k);
@@ -134,24 +135,38 @@ TEST(MultisineSignal, HasItsLevelsAndNothingBesideItsLines) {
   }
 }
 
+/// A transform of a prime length takes too long, so the lines are summed: to the same signal.
+TEST(MultisineSignal, OfAPrimeNumberOfSamplesIsTheSameSum) {
+  const auto period = samples_of({at_once(Multisine{1.0, 5.0, 1009.0 / rate})}, 1009);
+  expect_levels(period, ugly_levels(), 1e-12);
+  std::vector<long> all;
+  for (long k = 0; k < 504; ++k) all.push_back(k);
+  const auto lines = lines_of(period.col(3), all);
+  const double size = ugly_levels()[3] * std::sqrt(2.0 / 8.0);  // lines 3 to 10
+  for (long k = 0; k < 504; ++k)
+    EXPECT_NEAR(std::abs(lines[k]), k >= 3 && k <= 10 ? size : 0.0, 1e-12 * size) << k;
+}
+
 TEST(MultisineSignal, RepeatsExactly) {
-  const Multisine spec{ugly_levels(), 1.0, 30.0, 1.234, 0.0, false, {}};
-  const auto two = samples_of({spec}, 2 * 617);
+  const Signal signal = at_once(Multisine{1.0, 30.0, 1.234});
+  const auto two = samples_of({signal}, 2 * 617);
   EXPECT_EQ((two.topRows(617) - two.bottomRows(617)).cwiseAbs().maxCoeff(), 0.0);
-  EXPECT_EQ(period_samples({spec}, rate), 617);
+  EXPECT_EQ(period_samples({signal}, rate), 617);
 }
 
 /// Inputs of six experiments at each line, rows over their levels: condition number 1.
-void expect_orthogonal(Multisine spec) {
-  const auto lines = multisine_lines(spec, rate, 7);
-  std::vector<Eigen::MatrixXcd> U(lines.cycles.size(), Eigen::MatrixXcd(6, 6));
+void expect_orthogonal(Multisine multisine) {
+  std::vector<long> cycles;
+  for (double k = multisine.from * multisine.period; k <= multisine.to * multisine.period; ++k)
+    cycles.push_back(std::lround(k));
+  std::vector<Eigen::MatrixXcd> U(cycles.size(), Eigen::MatrixXcd(6, 6));
   for (int experiment = 0; experiment < 6; ++experiment) {
-    spec.experiment = experiment;
-    const auto period = samples_of({spec}, lines.samples);
+    multisine.experiment = experiment + 1;
+    const auto period = samples_of({at_once(multisine)}, std::lround(multisine.period * rate));
     for (int i = 0; i < 6; ++i) {
-      const auto at_lines = lines_of(period.col(i), lines.cycles);
+      const auto at_lines = lines_of(period.col(i), cycles);
       for (std::size_t k = 0; k < U.size(); ++k)
-        U[k](i, experiment) = at_lines[static_cast<Eigen::Index>(k)] / spec.rms[i];
+        U[k](i, experiment) = at_lines[static_cast<Eigen::Index>(k)] / ugly_levels()[i];
     }
   }
   double worst = 1.0;
@@ -163,8 +178,8 @@ void expect_orthogonal(Multisine spec) {
 }
 
 TEST(MultisineSignal, SixExperimentsAreOrthogonalAtEveryLine) {
-  expect_orthogonal({ugly_levels(), 1.0, 30.0, 2.0, 0.0, false, {}});
-  expect_orthogonal({ugly_levels(), 2.0, 60.0, 1.0, -3.0, true, {}});
+  expect_orthogonal({1.0, 30.0, 2.0});
+  expect_orthogonal({2.0, 60.0, 1.0, -3.0, true});
 }
 
 double crest_factor(const Eigen::VectorXd& period) {
@@ -173,11 +188,10 @@ double crest_factor(const Eigen::VectorXd& period) {
 }
 
 TEST(MultisineSignal, LowCrestPhasesHaveLowPeaksInAllSixExperiments) {
-  for (int experiment = 0; experiment < 6; ++experiment) {
-    const auto low =
-        samples_of({Multisine{ugly_levels(), 1.0, 30.0, 4.0, 0.0, true, experiment}}, 2000);
+  for (int experiment = 1; experiment <= 6; ++experiment) {
+    const auto low = samples_of({at_once(Multisine{1.0, 30.0, 4.0, 0.0, true, experiment})}, 2000);
     const auto random =
-        samples_of({Multisine{ugly_levels(), 1.0, 30.0, 4.0, 0.0, false, experiment}}, 2000);
+        samples_of({at_once(Multisine{1.0, 30.0, 4.0, 0.0, false, experiment})}, 2000);
     expect_levels(low, ugly_levels(), 1e-12);
     for (int i = 0; i < 6; ++i) {
       EXPECT_LT(crest_factor(low.col(i)), 1.8);
@@ -190,7 +204,7 @@ TEST(BinarySequenceSignal, IsTwoValuedAndAsWhiteAsItCanBe) {
   // clocks every 4 samples; 2^n − 1 clocks for every length of register
   for (int bits = 3; bits <= 16; ++bits) {
     const long clocks = (1L << bits) - 1;
-    BinarySequence spec{ugly_levels(), 0.443 * rate / 4.0, static_cast<double>(4 * clocks) / rate};
+    const Signal spec = at_once(Binary{0.443 * rate / 4.0, static_cast<double>(4 * clocks) / rate});
     ASSERT_EQ(period_samples({spec}, rate), 4 * clocks) << bits;
     const auto period = samples_of({spec}, 4 * clocks);
     Eigen::VectorXd signs(clocks);
@@ -215,8 +229,8 @@ TEST(BinarySequenceSignal, IsTwoValuedAndAsWhiteAsItCanBe) {
 
 TEST(SweptSineSignal, DirectionsTakeTurnsAtTheirLevels) {
   for (const bool logarithmic : {true, false}) {
-    SweptSine spec{ugly_levels(), 1.0, 50.0, 8.0, logarithmic};
-    const auto samples = samples_of({spec}, 6 * 4000);
+    const Sweep sweep{1.0, 50.0, 8.0, logarithmic, 1, true};
+    const auto samples = samples_of({{ugly_levels(), sweep, 0.4}}, 6 * 4000);
     for (int turn = 0; turn < 6; ++turn) {
       const data::Samples part = samples.middleRows(4000 * turn, 4000);
       for (int i = 0; i < 6; ++i)
@@ -228,7 +242,7 @@ TEST(SweptSineSignal, DirectionsTakeTurnsAtTheirLevels) {
 TEST(ChirpSignal, RepeatsWithoutABreak) {
   Vector6 levels = Vector6::Zero();
   levels[4] = 0.02;
-  const auto samples = samples_of({Chirp{levels, 1.0, 60.0, 1.5, 3}}, 750 * 4);
+  const auto samples = samples_of({{levels, Chirp{1.0, 60.0, 1.5, 3, true}, 0.0}}, 750 * 4);
   EXPECT_NEAR(rms_of(samples)[4], 0.02, 1e-12);
   EXPECT_EQ((samples.topRows(750) - samples.bottomRows(750)).cwiseAbs().maxCoeff(), 0.0);
   double largest_step = 0.0;
@@ -239,47 +253,45 @@ TEST(ChirpSignal, RepeatsWithoutABreak) {
 }
 
 TEST(ExcitationOfSeveral, IsTheirSumAndTheSameAgain) {
-  const SignalSpec noise = ShapedNoise{ugly_levels(), 0.0, 30.0, 0.0};
-  const SignalSpec white = WhiteNoise{ugly_levels()};
-  const SignalSpec sines = Multisine{ugly_levels(), 1.0, 20.0, 2.0, 0.0, false, {}};
-  Excitation all({noise, white, sines}, rate, 3), again({noise, white, sines}, rate, 3),
+  const Signal noise = at_once(Noise{0.0, 30.0}), white = at_once(White{});
+  const Signal sines = at_once(Multisine{1.0, 20.0, 2.0});
+  Generator all({noise, white, sines}, rate, 3), again({noise, white, sines}, rate, 3),
       other({noise, white, sines}, rate, 4);
   std::vector<Vector6> first;
   bool differs = false;
   for (int k = 0; k < 3000; ++k) {
-    first.push_back(all.next());
-    ASSERT_EQ(first.back(), again.next());
-    differs = differs || first.back() != other.next();
+    first.push_back(all.next().value);
+    ASSERT_EQ(first.back(), again.next().value);
+    differs = differs || first.back() != other.next().value;
   }
   EXPECT_TRUE(differs);
   all.restart();
-  for (int k = 0; k < 3000; ++k) ASSERT_EQ(all.next(), first[static_cast<std::size_t>(k)]);
+  for (int k = 0; k < 3000; ++k) ASSERT_EQ(all.next().value, first[static_cast<std::size_t>(k)]);
   EXPECT_FALSE(period_samples({white, sines}, rate));
-  EXPECT_EQ(period_samples({sines, Multisine{ugly_levels(), 1.0, 20.0, 3.0, 0.0, false, {}}}, rate),
-            3000);
+  EXPECT_EQ(period_samples({sines, at_once(Multisine{1.0, 20.0, 3.0})}, rate), 3000);
 }
 
-TEST(ExcitationOptions, SayWhatIsWrong) {
-  const auto message = [](const SignalSpec& spec) -> std::string {
+TEST(Excitation, SaysWhatIsWrong) {
+  const auto message = [](const Signal& signal) -> std::string {
     try {
-      Excitation excitation({spec}, rate, 1);
+      Generator generator({signal}, rate, 1);
     } catch (const std::invalid_argument& error) {
       return error.what();
     }
     return "";
   };
-  Vector6 negative = Vector6::Zero();
-  negative[4] = -1.0;
-  EXPECT_EQ(message(WhiteNoise{negative}),
-            "white noise: the level of ry is -1, expected 0 or more");
-  EXPECT_EQ(message(Multisine{ugly_levels(), 1.0, 300.0, 2.0, 0.0, false, {}}),
-            "multisine: the band is 1 … 300 Hz, expected 0 < from ≤ to < 250 Hz, half the sample "
+  Vector6 endless = Vector6::Zero();
+  endless[4] = INFINITY;
+  EXPECT_EQ(message({.size = endless, .form = White{}}),
+            "size of ry is inf, expected a finite number");
+  EXPECT_EQ(message(at_once(Multisine{1.0, 300.0, 2.0})),
+            "multisine: the band is 1 … 300 Hz, expected 0 ≤ from ≤ to < 250 Hz, half the sample "
             "rate");
-  EXPECT_EQ(message(Multisine{ugly_levels(), 1.1, 1.2, 2.0, 0.0, false, {}}),
+  EXPECT_EQ(message(at_once(Multisine{1.1, 1.2, 2.0})),
             "multisine: period is 2, expected one so long that a multiple of 1/period lies in the "
             "band");
-  EXPECT_EQ(message(SweptSine{ugly_levels(), 1.0, 20.0, 0.0, true}),
-            "swept sine: duration is 0, expected two to ten million samples, in seconds");
+  EXPECT_EQ(message(at_once(Sweep{1.0, 20.0, 0.0})),
+            "sweep: duration is 0, expected two to ten million samples, in seconds");
 }
 
 }  // namespace

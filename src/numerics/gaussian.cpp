@@ -1,9 +1,9 @@
-#include "hydrapod/simulation/gaussian.hpp"
+#include "hydrapod/numerics/gaussian.hpp"
 
 #include <array>
 #include <cmath>
 
-namespace hydrapod::simulation {
+namespace hydrapod::numerics {
 
 namespace {
 
@@ -38,4 +38,4 @@ double Gaussian::operator()() {
   return u * factor;
 }
 
-}  // namespace hydrapod::simulation
+}  // namespace hydrapod::numerics

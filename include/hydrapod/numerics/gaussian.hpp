@@ -7,7 +7,7 @@
 #include <cstdint>
 #include <random>
 
-namespace hydrapod::simulation {
+namespace hydrapod::numerics {
 
 class Gaussian {
  public:
@@ -24,4 +24,4 @@ class Gaussian {
   bool has_spare_{};
 };
 
-}  // namespace hydrapod::simulation
+}  // namespace hydrapod::numerics
