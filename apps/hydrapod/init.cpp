@@ -14,9 +14,11 @@ namespace {
 struct Arguments {
   std::string file{"machine.toml"};
   bool force{};
+  bool reference{};
 };
 
 void run(const Arguments& arguments) {
+  if (arguments.reference) return fmt::print("{}", model::parameter_reference());
   std::error_code ignored;
   if (!arguments.force && arguments.file != "-" &&
       std::filesystem::is_regular_file(arguments.file, ignored)) {
@@ -35,10 +37,13 @@ void add_init(Command app) {
   Command command = add_command(app, "init", "Write a commented machine file to start from",
                                 {{"init", "writes machine.toml"},
                                  {"init simulator.toml --force", "replaces simulator.toml"},
-                                 {"init -", "prints it"}});
+                                 {"init -", "prints it"},
+                                 {"init --reference", "prints tables of all keys"}});
   auto arguments = std::make_shared<Arguments>();
   command.add_option("FILE", arguments->file, "File to write; - prints").capture_default_str();
   command.add_flag("--force", arguments->force, "Replace the file if it exists");
+  command.add_flag("--reference", arguments->reference,
+                   "Print the tables of all keys in Markdown, and write no file");
   command.callback([arguments] { run(*arguments); });
 }
 

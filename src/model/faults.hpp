@@ -12,15 +12,6 @@
 
 namespace hydrapod::model {
 
-/// A number that was read, or the default that took its place.
-struct ReadNumber {
-  std::string path{};
-  std::string unit{};
-  double value{};  ///< SI
-  Place place{};
-  bool given{};  ///< false: a default, not in the file
-};
-
 class Faults {
  public:
   /// `sources` names the file and the overrides, as Place::source counts them.
@@ -40,13 +31,6 @@ class Faults {
 
   [[nodiscard]] bool any_error() const { return errors_ > 0; }
 
-  /// From now on every number that is read is put into `log`; what six legs share, six times.
-  void log_numbers(std::vector<ReadNumber>* log) { log_ = log; }
-  void read(ReadNumber number) {
-    if (log_ != nullptr) log_->push_back(std::move(number));
-  }
-  [[nodiscard]] bool logging() const { return log_ != nullptr; }
-
   /// Everything of that severity in the order of the file, then of the overrides.
   [[nodiscard]] std::vector<base::Diagnostic> diagnostics(base::Severity severity) const;
 
@@ -62,7 +46,6 @@ class Faults {
   std::size_t errors_{};
   std::size_t not_kept_{};
   bool incomplete_{};
-  std::vector<ReadNumber>* log_{};
 };
 
 }  // namespace hydrapod::model

@@ -92,12 +92,13 @@ MachineFile parse_machine(const std::string& text, const std::string& file_name,
   Faults faults(source_names(file_name, overrides));
   lay_over(root, overrides, faults);
   check_keys(root, faults);
-  Machine machine = read_machine(root, faults);
+  auto [machine, given] = read_machine(root, faults);
   add_findings(findings_of(machine, check, faults.incomplete()), root, faults);
   if (faults.any_error()) {
     throw base::InputError(faults.diagnostics(base::Severity::error));
   }
-  return {std::move(machine), faults.diagnostics(base::Severity::warning), text, overrides};
+  return {std::move(machine), faults.diagnostics(base::Severity::warning), std::move(given), text,
+          overrides};
 }
 
 MachineFile read_machine_file(const std::string& path, const std::vector<std::string>& overrides,

@@ -2,14 +2,14 @@
 
 #include <fmt/format.h>
 
-#include <cmath>
+#include <algorithm>
+#include <array>
 #include <limits>
-#include <numeric>
 #include <optional>
+#include <string>
 #include <utility>
 
-#include "control_reader.hpp"
-#include "hydraulics_reader.hpp"
+#include "key_path.hpp"
 #include "section.hpp"
 
 namespace hydrapod::model {
@@ -18,6 +18,13 @@ namespace {
 
 constexpr std::size_t most_poses = 1000;
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+constexpr std::string_view of_legs = "legs.";
+
+std::string_view last_key(std::string_view path) { return path.substr(path.rfind('.') + 1); }
+std::string_view table_of(std::string_view path) {
+  const auto dot = path.rfind('.');
+  return dot == std::string_view::npos ? std::string_view{} : path.substr(0, dot);
+}
 
 JointPoints unread_points() {
   JointPoints points;
@@ -25,300 +32,374 @@ JointPoints unread_points() {
   return points;
 }
 
-/// Gravity as a magnitude along −z, or as a vector.
-Vector3 read_gravity(const Section& environment) {
-  const auto value = environment.find("gravity");
-  if (!value) return {0.0, 0.0, -standard_gravity};
-  if (value.node->kind == Node::Kind::array) return environment.read_vector(value, "m/s^2");
-  const double magnitude = environment.read_number(value, "m/s^2");
-  if (magnitude < 0.0) {
-    environment.report(value, fmt::format("is {} m/s^2, expected a magnitude of 0 or more (it "
-                                          "points along -z), or an array [gx, gy, gz]",
-                                          magnitude));
+/// Reads one machine, row by row of the table, and remembers which numbers the file gives.
+class Reader {
+ public:
+  Reader(const Node& tree, Faults& faults) : tree_(tree), root_(tree, faults) {}
+
+  ReadMachine read() {
+    auto& machine = read_.machine;
+    machine.name = root_.text("name");
+    machine.description = root_.optional_text("description");
+    machine.source = root_.optional_text("source");
+    read_gravity();
+    read_inertia();
+    read_legs();
+    for (std::size_t r = 0; r < rows_.size(); ++r)
+      if (!rows_[r].path.starts_with(of_legs)) read_row(r, root_, rows_[r].path, 0);
+    read_poses();
+    return std::move(read_);
   }
-  return {0.0, 0.0, 0.0 - magnitude};
-}
 
-std::optional<JointCircle> read_circle(const Section& joints) {
-  const Section table = joints.required_table("circle");
-  const JointCircle circle{table.number("radius", "m"), table.number("spacing", "m")};
-  if (circle.radius <= 0.0) {
-    table.report(table.find("radius"),
-                 fmt::format("is {} m, expected a radius above 0", circle.radius));
-    return std::nullopt;
-  }
-  if (circle.spacing <= 0.0 || circle.spacing >= 2.0 * circle.radius) {
-    table.report(table.find("spacing"),
-                 fmt::format("is {} m, expected more than 0 and less than the circle's diameter, "
-                             "{} m",
-                             circle.spacing, 2.0 * circle.radius));
-    return std::nullopt;
-  }
-  return circle;
-}
+ private:
+  // ---- Rows ---------------------------------------------------------------------------------
 
-JointPoints read_points(const Section& joints) {
-  JointPoints points = unread_points();
-  const auto rows = joints.elements(joints.find("points"), leg_count,
-                                    "an array of 6 points, each [x, y, z] in m");
-  for (std::size_t i = 0; i < rows.size(); ++i) points[i] = joints.read_vector(rows[i], "m");
-  return points;
-}
-
-/// Joints that every leg shares a table for; legs may still give their own.
-JointPoints read_joints(const Section& owner, JointPoints (*on_circle)(const JointCircle&)) {
-  const Section joints = owner.optional_table("joints");
-  const auto how = joints.choice("circle", "points");
-  if (how == "points") return read_points(joints);
-  if (how == "circle") {
-    const auto circle = read_circle(joints);
-    if (circle) return on_circle(*circle);
-  }
-  return unread_points();
-}
-
-/// Reports the legs that have a joint neither from the shared table nor from their own.
-void require_joints(const Section& root, std::string_view owner, std::string_view own_key,
-                    const std::vector<int>& legs_without) {
-  if (legs_without.empty()) return;
-  const Section table = root.optional_table(owner);
-  const Section joints = table.optional_table("joints");
-  if (!joints.choice("circle", "points").empty()) return;  // there, but not readable
-  std::string legs = "every leg";
-  if (legs_without.size() < leg_count) {
-    legs = fmt::format("leg {}", fmt::join(legs_without, ", "));
-  }
-  const std::string what = fmt::format(
-      "`circle = {{ radius, spacing }}` or `points = [[x, y, z] of six legs]` (or `{}` of {})",
-      own_key, legs);
-  if (joints.exists()) return joints.report_missing("circle", what);
-  if (table.exists()) return table.report_missing("joints", "required table with " + what);
-  root.report_missing(owner, fmt::format("required table [{}]", owner));
-}
-
-Matrix3 read_inertia_matrix(const Section& platform, const Section::Value& value) {
-  Matrix3 inertia = Matrix3::Constant(nan);
-  const auto rows = platform.elements(
-      value, 3, "three rows of three numbers in kg m^2, or { xx, yy, zz, xy, xz, yz }");
-  for (std::size_t i = 0; i < rows.size(); ++i) {
-    inertia.row(static_cast<Eigen::Index>(i)) = platform.read_vector(rows[i], "kg m^2").transpose();
-  }
-  return inertia;
-}
-
-Matrix3 read_inertia(const Section& platform) {
-  const auto value = platform.find("inertia");
-  if (value && !value.node->is_table()) return read_inertia_matrix(platform, value);
-  if (!value) {
-    platform.report_missing("inertia",
-                            "required value ({ xx, yy, zz, xy, xz, yz }, or three rows of three "
-                            "numbers in kg m^2)");
-    return Matrix3::Constant(nan);
-  }
-  const Section table = platform.required_table("inertia");
-  const auto moment = [&](std::string_view key) { return table.number(key, "kg m^2"); };
-  const auto product = [&](std::string_view key) { return table.number(key, "kg m^2", 0.0); };
-  const double xy = product("xy");
-  const double xz = product("xz");
-  const double yz = product("yz");
-  Matrix3 inertia;
-  inertia << moment("xx"), xy, xz, xy, moment("yy"), yz, xz, yz, moment("zz");
-  return inertia;
-}
-
-Platform read_platform(const Section& root) {
-  const Section table = root.required_table("platform");
-  return {table.number("mass", "kg"), table.vector("mass_center", "m"), read_inertia(table)};
-}
-
-CylinderCase read_case(const Section& leg) {
-  const Section table = leg.required_table("case");
-  return {table.number("mass", "kg"), table.number("mass_center", "m"),
-          table.number("transverse_inertia", "kg m^2"),
-          table.number("axial_inertia", "kg m^2", 0.0)};
-}
-
-Rod read_rod(const Section& leg) {
-  const Section table = leg.required_table("rod");
-  return {table.number("length", "m"), table.number("mass", "kg"), table.number("mass_center", "m"),
-          table.number("transverse_inertia", "kg m^2"),
-          table.number("axial_inertia", "kg m^2", 0.0)};
-}
-
-GuideSleeve read_guide_sleeve(const Section& leg) {
-  const Section table = leg.required_table("guide_sleeve");
-  return {table.number("position", "m"), table.number("stiffness", "N/m"),
-          table.number("damping", "N s/m", 0.0)};
-}
-
-std::optional<PistonRing> read_piston_ring(const Section& leg) {
-  const Section table = leg.optional_table("piston_ring");
-  if (!table.exists()) return std::nullopt;
-  return PistonRing{table.number("stiffness", "N/m"), table.number("damping", "N s/m", 0.0)};
-}
-
-std::optional<EntrainedAir> read_air(const Section& cylinder) {
-  const Section table = cylinder.optional_table("air");
-  if (!table.exists()) return std::nullopt;
-  return EntrainedAir{table.number("fraction", "1"), table.number("pressure", "Pa"),
-                      table.number("polytropic", "1", EntrainedAir{}.polytropic)};
-}
-
-Cylinder read_cylinder(const Section& oil_spring) {
-  const Section table = oil_spring.required_table("cylinder");
-  Cylinder cylinder;
-  cylinder.bore = table.number("bore", "m");
-  cylinder.rod_diameter = table.number("rod_diameter", "m");
-  cylinder.cap_dead_volume = table.number("cap_dead_volume", "m^3", 0.0);
-  cylinder.rod_dead_volume = table.number("rod_dead_volume", "m^3", 0.0);
-  cylinder.cap_line_volume = table.number("cap_line_volume", "m^3", 0.0);
-  cylinder.rod_line_volume = table.number("rod_line_volume", "m^3", 0.0);
-  cylinder.bulk_modulus = table.number("bulk_modulus", "Pa");
-  cylinder.air = read_air(table);
-  constexpr std::string_view rules[]{"chambers", "equal"};
-  cylinder.volumes = table.word("volumes", rules) == 0 ? VolumeRule::chambers : VolumeRule::equal;
-  cylinder.control_volume = table.optional_number("control_volume", "m^3");
-  return cylinder;
-}
-
-OilSpring read_oil_spring(const Section& leg) {
-  const Section table = leg.required_table("oil_spring");
-  OilSpring spring;
-  spring.damping = table.number("damping", "N s/m", 0.0);
-  const auto how = table.choice("stiffness", "cylinder");
-  if (how == "cylinder") {
-    spring.cylinder = read_cylinder(table);
-  } else if (how == "stiffness") {
-    spring.stiffness = table.number("stiffness", "N/m");
-  } else {
-    table.report_missing("stiffness", "either this value or the table `cylinder`");
-    spring.stiffness = nan;
-  }
-  return spring;
-}
-
-std::optional<Stroke> read_stroke(const Section& leg) {
-  const Section table = leg.optional_table("stroke");
-  if (!table.exists()) return std::nullopt;
-  return Stroke{table.number("retracted", "m"), table.number("length", "m")};
-}
-
-JointLimits read_joint_limits(const Section& leg) {
-  const Section table = leg.optional_table("joint_limits");
-  return {table.optional_number("base", "rad"), table.optional_number("platform", "rad")};
-}
-
-/// The axis with length one; a zero axis stays zero for validate() to find.
-Vector3 read_gimbal_axis(const Section& leg) {
-  Vector3 axis = leg.vector("gimbal_axis", "1", Vector3::UnitY());
-  const double largest = axis.cwiseAbs().maxCoeff();
-  if (largest == 0.0 || !axis.allFinite()) return axis;
-  return (axis / largest).normalized();
-}
-
-Leg read_leg(const Section& section) {
-  Leg leg;
-  leg.cylinder_case = read_case(section);
-  leg.rod = read_rod(section);
-  leg.guide_sleeve = read_guide_sleeve(section);
-  leg.piston_ring = read_piston_ring(section);
-  leg.oil_spring = read_oil_spring(section);
-  leg.stroke = read_stroke(section);
-  leg.joint_limits = read_joint_limits(section);
-  leg.added_axial_inertia = section.number("added_axial_inertia", "kg", 0.0);
-  leg.gimbal_stiffness = section.optional_number("gimbal_stiffness", "N/m");
-  leg.gimbal_axis = read_gimbal_axis(section);
-  leg.hydraulics = read_leg_hydraulics(section);
-  return leg;
-}
-
-void read_legs(const Section& root, Machine& machine) {
-  const JointPoints base = read_joints(root.optional_table("base"), base_joint_points);
-  const JointPoints platform = read_joints(root.optional_table("platform"), platform_joint_points);
-  const Section all_legs = root.optional_table("legs");
-  const Section single_legs = root.optional_table("leg");
-  std::vector<int> without_base;
-  std::vector<int> without_platform;
-  for (std::size_t i = 0; i < leg_count; ++i) {
-    const int number = static_cast<int>(i) + 1;
-    const Section own = single_legs.optional_table(std::to_string(number));
-    if (!own.exists() && !all_legs.exists()) {
-      machine.legs[i] = read_leg(root.required_table("legs"));
-    } else {
-      machine.legs[i] = read_leg(Section::overlaid(own, all_legs));
+  /// Reads the key of a row from its table below `top`, where that table is in the file.
+  void read_row(std::size_t r, const Section& top, std::string_view path, int index) {
+    const auto& row = rows_[r];
+    if (row.in_code || row.kind == Kind::table || row.kind == Kind::text) return;
+    if (table_of(row.path) != last_table_path_) {
+      last_table_path_ = table_of(row.path);
+      last_table_ =
+          table_at(top, row.path.substr(0, row.path.size() - path.size()), table_of(path));
     }
-    if (!own.has("base_joint") && !base[i].allFinite()) without_base.push_back(number);
-    if (!own.has("platform_joint") && !platform[i].allFinite()) without_platform.push_back(number);
-    machine.legs[i].base_joint = own.vector("base_joint", "m", base[i]);
-    machine.legs[i].platform_joint = own.vector("platform_joint", "m", platform[i]);
+    const auto& table = last_table_;
+    if (!table || !is_chosen(*table, row.path)) return;
+    if (row.kind == Kind::word) {
+      const auto key = last_key(path);
+      if (table->has(key))
+        row.set_word(read_.machine, index, static_cast<int>(table->word(key, row.words)));
+    } else {
+      read_numbers(r, *table, index);
+    }
   }
-  require_joints(root, "base", "base_joint", without_base);
-  require_joints(root, "platform", "platform_joint", without_platform);
-}
 
-std::optional<BaseMount> read_base_mount(const Section& base) {
-  const Section table = base.optional_table("mount");
-  if (!table.exists()) return std::nullopt;
-  BaseMount mount;
-  const Section stiffness = table.required_table("stiffness");
-  constexpr std::array directions{"x", "y", "z", "rx", "ry", "rz"};
-  for (std::size_t k = 0; k < directions.size(); ++k)
-    mount.stiffness[k] = stiffness.optional_number(directions[k], k < 3 ? "N/m" : "N m/rad");
-  mount.mass = table.number("mass", "kg", 0.0);
-  mount.inertia = table.vector("inertia", "kg m^2", Vector3::Zero());
-  return mount;
-}
-
-Pose read_pose(const Section& pose) {
-  const Vector3 rpy = pose.vector("rotation", "rad", Vector3::Zero());
-  return {spatial::rotation_from_rpy(rpy), pose.vector("position", "m")};
-}
-
-std::vector<NamedPose> read_poses(const Section& root, const Node& tree) {
-  const Section table = root.required_table("poses");
-  std::vector<NamedPose> poses{{"neutral", read_pose(table.required_table("neutral"))}};
-  const Node* node = tree.find("poses");
-  if (node == nullptr || !node->is_table()) return poses;
-  if (node->children.size() > most_poses) {
-    root.report(root.find("poses"), fmt::format("holds {} poses, expected no more than {}",
-                                                node->children.size(), most_poses));
-    return poses;
+  /// The table at `path` below `top`; nothing where an optional table on the way is left out.
+  /// `front` is the path of `top` in the rows.
+  std::optional<Section> table_at(const Section& top, std::string_view front,
+                                  std::string_view path) {
+    Section table = top;
+    std::string at{front};
+    while (!path.empty()) {
+      const auto key = path.substr(0, path.find('.'));
+      path.remove_prefix(std::min(path.size(), key.size() + 1));
+      at += key;
+      const auto row = std::find_if(rows_.begin(), rows_.end(),
+                                    [&](const ParameterRow& r) { return r.path == at; });
+      const bool required = row != rows_.end() && row->required;
+      if (!is_chosen(table, at)) return std::nullopt;
+      table = required ? table.required_table(key) : table.optional_table(key);
+      if (!required && !table.exists()) return std::nullopt;
+      at += '.';
+    }
+    return table;
   }
-  for (const auto& child : node->children) {
-    if (child.key == "neutral" || !child.is_table()) continue;
-    poses.push_back({child.key, read_pose(table.optional_table(child.key))});
-  }
-  return poses;
-}
 
-Damping read_damping(const Section& root) {
-  const Section table = root.optional_table("damping");
-  return {table.optional_number("modal_ratio", "1"), table.number("rayleigh_mass", "1/s", 0.0),
-          table.number("rayleigh_stiffness", "s", 0.0)};
-}
+  /// Is the key at `path` the one of two alternatives that the file gives? Others always are.
+  static bool is_chosen(const Section& table, std::string_view path) {
+    const auto key = last_key(path);
+    for (const auto& pair : alternatives()) {
+      if (last_key(table_of(path)) != pair.table || (key != pair.first && key != pair.second))
+        continue;
+      return table.choice(pair.first, pair.second) == key;
+    }
+    return true;
+  }
+
+  void read_numbers(std::size_t r, const Section& table, int index) {
+    const auto& row = rows_[r];
+    const auto key = last_key(row.path);
+    const auto unit =
+        row.other_unit != nullptr ? row.other_unit(read_.machine, row.unit) : row.unit;
+    const auto value = table.find(key);
+    std::vector<double> numbers(static_cast<std::size_t>(row.numbers), nan);
+    if (value) {
+      const bool single =
+          row.numbers == 1 || (row.kind == Kind::six && value.node->kind != Node::Kind::array);
+      if (single) {
+        std::fill(numbers.begin(), numbers.end(), table.read_number(value, unit));
+        remember(r, row.numbers == 1 ? 0 : whole, index, value, numbers[0]);
+      } else {
+        numbers = read_array(r, table, value, index, unit);
+      }
+    } else if (row.required) {
+      table.report_missing_numbers(key, unit, numbers.size());
+    } else {
+      return make_part(row, index);
+    }
+    for (int k = 0; k < row.numbers; ++k) *row.make(read_.machine, index, k) = numbers[k];
+    if (row.finish != nullptr) row.finish(read_.machine, 1U << index);
+  }
+
+  /// A part whose table is there is there, even where all of its keys are left out.
+  void make_part(const ParameterRow& row, int index) {
+    if (!row.optional) row.make(read_.machine, index, 0);
+  }
+
+  std::vector<double> read_array(std::size_t r, const Section& table, const Section::Value& value,
+                                 int index, std::string_view unit) {
+    const auto numbers = table.read_array(value, static_cast<std::size_t>(rows_[r].numbers), unit);
+    for (std::size_t k = 0; k < numbers.size(); ++k)
+      remember(r, static_cast<int>(k), index, table.element(value, k), numbers[k]);
+    return numbers;
+  }
+
+  /// Notes a number of leg or pose `index`; one that legs share is one number.
+  void remember(std::size_t r, int element, int index, const Section::Value& value, double number) {
+    if (value.node == nullptr) return;
+    const bool of_leg = value.path.starts_with("leg.") || rows_[r].path.starts_with("leg.");
+    const bool single = of_leg || rows_[r].path.starts_with("poses.");
+    const bool shared = value.path.starts_with(of_legs);
+    const ParameterId id{static_cast<std::uint16_t>(r), static_cast<std::int16_t>(element),
+                         static_cast<std::int16_t>(single ? index + 1 : 0),
+                         static_cast<std::uint16_t>(shared || of_leg ? 1U << index : 0x3FU)};
+    const auto known = std::find_if(read_.given.begin(), read_.given.end(), [&](const auto& given) {
+      return given.id == id && given.written == value.path;
+    });
+    if (known == read_.given.end()) {
+      read_.given.push_back({id, number, value.node->place.line, value.path});
+    } else {
+      known->id.legs |= id.legs;
+    }
+  }
+
+  std::size_t row(std::string_view path) const {
+    const auto found = std::find_if(rows_.begin(), rows_.end(),
+                                    [&](const ParameterRow& r) { return r.path == path; });
+    return static_cast<std::size_t>(found - rows_.begin());
+  }
+
+  // ---- Gravity and the platform's tensor -----------------------------------------------------
+
+  /// Gravity as a magnitude along −z, or as a vector.
+  void read_gravity() {
+    const Section environment = root_.optional_table("environment");
+    const auto value = environment.find("gravity");
+    if (!value) return;
+    const auto r = row("environment.gravity");
+    if (value.node->kind == Node::Kind::array) {
+      const auto numbers = read_array(r, environment, value, 0, rows_[r].unit);
+      read_.machine.gravity = Eigen::Map<const Vector3>(numbers.data());
+      return;
+    }
+    const double magnitude = environment.read_number(value, rows_[r].unit);
+    remember(r, whole, 0, value, magnitude);
+    if (magnitude < 0.0) {
+      environment.report(value, fmt::format("is {} m/s^2, expected a magnitude of 0 or more (it "
+                                            "points along -z), or an array [gx, gy, gz]",
+                                            magnitude));
+    }
+    rows_[r].set(read_.machine, 0, whole, magnitude);
+  }
+
+  void read_inertia() {
+    const Section platform = root_.required_table("platform");
+    auto& inertia = read_.machine.platform.inertia;
+    inertia.setConstant(nan);
+    const auto value = platform.find("inertia");
+    const auto r = row("platform.inertia");
+    const auto unit = rows_[r].unit;
+    if (!value) {
+      return platform.report_missing("inertia",
+                                     "required value ({ xx, yy, zz, xy, xz, yz }, or three rows of "
+                                     "three numbers in kg m^2)");
+    }
+    constexpr int element_of[3][3]{{0, 3, 4}, {3, 1, 5}, {4, 5, 2}};
+    if (!value.node->is_table()) {
+      const auto rows = platform.elements(
+          value, 3, "three rows of three numbers in kg m^2, or { xx, yy, zz, xy, xz, yz }");
+      for (std::size_t i = 0; i < rows.size(); ++i) {
+        const auto numbers = platform.read_array(rows[i], 3, unit);
+        for (std::size_t k = 0; k < numbers.size(); ++k) {
+          inertia(static_cast<int>(i), static_cast<int>(k)) = numbers[k];
+          remember(r, element_of[i][k], 0, platform.element(rows[i], k), numbers[k]);
+        }
+      }
+      return;
+    }
+    const Section table = platform.required_table("inertia");
+    constexpr std::array moments{"xx", "yy", "zz"}, products{"xy", "xz", "yz"};
+    for (int k = 0; k < 6; ++k) {
+      const std::string_view key = k < 3 ? moments[k] : products[k - 3];
+      const double number = k < 3 ? table.number(key, unit) : table.number(key, unit, 0.0);
+      rows_[r].set(read_.machine, 0, k, number);
+      remember(r, k, 0, table.find(key), number);
+    }
+  }
+
+  // ---- Joints and legs -----------------------------------------------------------------------
+
+  std::optional<JointCircle> read_circle(const Section& joints) {
+    const Section table = joints.required_table("circle");
+    const JointCircle circle{table.number("radius", "m"), table.number("spacing", "m")};
+    if (circle.radius <= 0.0) {
+      table.report(table.find("radius"),
+                   fmt::format("is {} m, expected a radius above 0", circle.radius));
+      return std::nullopt;
+    }
+    if (circle.spacing <= 0.0 || circle.spacing >= 2.0 * circle.radius) {
+      table.report(table.find("spacing"),
+                   fmt::format("is {} m, expected more than 0 and less than the circle's diameter, "
+                               "{} m",
+                               circle.spacing, 2.0 * circle.radius));
+      return std::nullopt;
+    }
+    return circle;
+  }
+
+  JointPoints read_points(const Section& joints, std::size_t joint) {
+    JointPoints points = unread_points();
+    const auto rows = joints.elements(joints.find("points"), leg_count,
+                                      "an array of 6 points, each [x, y, z] in m");
+    for (std::size_t i = 0; i < rows.size(); ++i) {
+      const auto numbers = read_array(joint, joints, rows[i], static_cast<int>(i), "m");
+      points[i] = Eigen::Map<const Vector3>(numbers.data());
+    }
+    return points;
+  }
+
+  /// Joints that every leg shares a table for; legs may still give their own. Lays out a circle.
+  JointPoints read_joints(std::string_view owner, std::optional<JointCircle>& circle,
+                          JointPoints (*on_circle)(const JointCircle&)) {
+    const Section joints = root_.optional_table(owner).optional_table("joints");
+    const auto how = joints.choice("circle", "points");
+    if (how == "points") return read_points(joints, row(fmt::format("leg.*.{}_joint", owner)));
+    if (how != "circle") return unread_points();
+    const Section table = joints.optional_table("circle");
+    circle = read_circle(joints);
+    if (!circle) return unread_points();
+    for (const auto key : {"radius", "spacing"}) {
+      const auto r = row(fmt::format("{}.joints.circle.{}", owner, key));
+      remember(r, 0, 0, table.find(key), *rows_[r].find(read_.machine, 0, 0));
+    }
+    return on_circle(*circle);
+  }
+
+  /// Reports the legs that have a joint neither from the shared table nor from their own.
+  void require_joints(std::string_view owner, std::string_view own_key,
+                      const std::vector<int>& legs_without) {
+    if (legs_without.empty()) return;
+    const Section table = root_.optional_table(owner);
+    const Section joints = table.optional_table("joints");
+    if (!joints.choice("circle", "points").empty()) return;  // there, but not readable
+    std::string legs = "every leg";
+    if (legs_without.size() < leg_count) {
+      legs = fmt::format("leg {}", fmt::join(legs_without, ", "));
+    }
+    const std::string what = fmt::format(
+        "`circle = {{ radius, spacing }}` or `points = [[x, y, z] of six legs]` (or `{}` of {})",
+        own_key, legs);
+    if (joints.exists()) return joints.report_missing("circle", what);
+    if (table.exists()) return table.report_missing("joints", "required table with " + what);
+    root_.report_missing(owner, fmt::format("required table [{}]", owner));
+  }
+
+  Vector3 read_joint(const Section& own, std::string_view key, const Vector3& shared, int leg) {
+    const auto value = own.find(key);
+    if (!value) return shared;
+    const auto r = row(fmt::format("leg.*.{}", key));
+    // the point that this joint takes the place of is no number of the machine
+    std::erase_if(read_.given, [&](const GivenNumber& given) {
+      return given.id.row == r && given.id.of == leg + 1;
+    });
+    const auto numbers = read_array(r, own, value, leg, "m");
+    return Eigen::Map<const Vector3>(numbers.data());
+  }
+
+  void read_legs() {
+    auto& machine = read_.machine;
+    const JointPoints base = read_joints("base", machine.base_circle, base_joint_points);
+    const JointPoints platform =
+        read_joints("platform", machine.platform_circle, platform_joint_points);
+    const Section all_legs = root_.optional_table("legs");
+    const Section single_legs = root_.optional_table("leg");
+    std::vector<int> without_base;
+    std::vector<int> without_platform;
+    unsigned own_base = 0, own_platform = 0;
+    for (int i = 0; i < leg_count; ++i) {
+      const Section own = single_legs.optional_table(std::to_string(i + 1));
+      const bool given = own.exists() || all_legs.exists();
+      const Section both = given ? Section::overlaid(own, all_legs) : root_.required_table("legs");
+      read_leg(both, i);
+      auto& leg = machine.legs[static_cast<std::size_t>(i)];
+      const auto& shared_base = base[static_cast<std::size_t>(i)];
+      const auto& shared_platform = platform[static_cast<std::size_t>(i)];
+      if (!own.has("base_joint") && !shared_base.allFinite()) without_base.push_back(i + 1);
+      if (!own.has("platform_joint") && !shared_platform.allFinite())
+        without_platform.push_back(i + 1);
+      own_base |= unsigned{own.has("base_joint")} << i;
+      own_platform |= unsigned{own.has("platform_joint")} << i;
+      leg.base_joint = read_joint(own, "base_joint", shared_base, i);
+      leg.platform_joint = read_joint(own, "platform_joint", shared_platform, i);
+    }
+    for (auto& given : read_.given) {
+      if (rows_[given.id.row].path.starts_with("base.joints"))
+        given.id.legs = static_cast<std::uint16_t>(given.id.legs & ~own_base);
+      if (rows_[given.id.row].path.starts_with("platform.joints"))
+        given.id.legs = static_cast<std::uint16_t>(given.id.legs & ~own_platform);
+    }
+    require_joints("base", "base_joint", without_base);
+    require_joints("platform", "platform_joint", without_platform);
+  }
+
+  void read_leg(const Section& section, int leg) {
+    last_table_path_ = {};
+    for (std::size_t r = 0; r < rows_.size(); ++r)
+      if (rows_[r].path.starts_with(of_legs))
+        read_row(r, section, rows_[r].path.substr(of_legs.size()), leg);
+    const Section spring = section.required_table("oil_spring");
+    if (!spring.choice("stiffness", "cylinder").empty()) return;
+    spring.report_missing("stiffness", "either this value or the table `cylinder`");
+    read_.machine.legs[static_cast<std::size_t>(leg)].oil_spring.stiffness = nan;
+  }
+
+  // ---- Poses ---------------------------------------------------------------------------------
+
+  Pose read_pose(const Section& pose, int index) {
+    const Vector3 rpy = pose.vector("rotation", "rad", Vector3::Zero());
+    const Pose X_BP{spatial::rotation_from_rpy(rpy), pose.vector("position", "m")};
+    for (const auto& [key, numbers] : {std::pair{"rotation", rpy}, {"position", X_BP.p_BP}})
+      if (const auto value = pose.find(key); value)
+        for (int k = 0; k < 3; ++k)
+          remember(row(fmt::format("poses.*.{}", key)), k, index,
+                   pose.element(value, static_cast<std::size_t>(k)), numbers[k]);
+    return X_BP;
+  }
+
+  void read_poses() {
+    const Section table = root_.required_table("poses");
+    auto& poses = read_.machine.poses;
+    poses.push_back({"neutral", read_pose(table.required_table("neutral"), 0)});
+    const Node* node = tree_.find("poses");
+    if (node == nullptr || !node->is_table()) return;
+    if (node->children.size() > most_poses) {
+      return root_.report(root_.find("poses"),
+                          fmt::format("holds {} poses, expected no more than {}",
+                                      node->children.size(), most_poses));
+    }
+    for (const auto& child : node->children) {
+      if (child.key == "neutral" || !child.is_table()) continue;
+      const int index = static_cast<int>(poses.size());
+      poses.push_back({child.key, read_pose(table.optional_table(child.key), index)});
+    }
+  }
+
+  const Node& tree_;
+  Section root_;
+  std::span<const ParameterRow> rows_{parameter_table()};
+  std::string_view last_table_path_{};  ///< of the rows
+  std::optional<Section> last_table_{};
+  ReadMachine read_{};
+};
 
 }  // namespace
 
-Machine read_machine(const Node& tree, Faults& faults) {
-  const Section root(tree, faults);
-  Machine machine;
-  machine.name = root.text("name");
-  machine.description = root.optional_text("description");
-  machine.source = root.optional_text("source");
-  machine.gravity = read_gravity(root.optional_table("environment"));
-  machine.platform = read_platform(root);
-  read_legs(root, machine);
-  machine.base_mount = read_base_mount(root.optional_table("base"));
-  constexpr std::string_view axes[]{"transverse", "gimbal"};
-  machine.flexible_axes = root.optional_table("model").word("flexible_axes", axes) == 0
-                              ? FlexibleAxes::transverse
-                              : FlexibleAxes::gimbal;
-  machine.damping = read_damping(root);
-  machine.hydraulics = read_hydraulics(root);
-  machine.controller = read_controller(root);
-  machine.sensors = read_sensors(root);
-  machine.poses = read_poses(root, tree);
-  return machine;
+ReadMachine read_machine(const Node& tree, Faults& faults) {
+  auto read = Reader(tree, faults).read();
+  std::stable_sort(read.given.begin(), read.given.end(), [](const auto& a, const auto& b) {
+    return a.line - 1U < b.line - 1U;  // overrides, of line 0, last
+  });
+  return read;
 }
 
 }  // namespace hydrapod::model

@@ -1,13 +1,20 @@
 #pragma once
-/// The tree of a machine file, read into a Machine. Private to model/machine_file.cpp.
+/// The tree of a machine file, read into a Machine. Private to the module.
+
+#include <vector>
 
 #include "faults.hpp"
-#include "hydrapod/model/machine.hpp"
+#include "hydrapod/model/parameters.hpp"
 #include "value_tree.hpp"
 
 namespace hydrapod::model {
 
+struct ReadMachine {
+  Machine machine{};
+  std::vector<GivenNumber> given{};  ///< in the order of the file, then of the overrides
+};
+
 /// Reads all of the machine. What is wrong goes to `faults`; a value that could not be read is NaN.
-Machine read_machine(const Node& root, Faults& faults);
+ReadMachine read_machine(const Node& root, Faults& faults);
 
 }  // namespace hydrapod::model

@@ -1,6 +1,5 @@
 #pragma once
-/// The keys a machine file may have. Private to the reader; docs/howto/machine-file.md explains
-/// them.
+/// The keys a machine file may have: those of parameter_table(). Private to the module.
 
 #include "faults.hpp"
 #include "value_tree.hpp"

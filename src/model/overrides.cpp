@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "hydrapod/base/printable.hpp"
+#include "hydrapod/model/parameters.hpp"
 #include "key_path.hpp"
 
 namespace hydrapod::model {
@@ -17,16 +18,6 @@ namespace {
 
 constexpr std::size_t longest_override = 4096;
 constexpr const char* example = "legs.guide_sleeve.stiffness=2e6 N/m";
-
-/// Two ways to say the same thing: giving one takes the other away.
-struct Alternatives {
-  std::string_view parent;
-  std::string_view first;
-  std::string_view second;
-};
-constexpr std::array alternatives{Alternatives{"oil_spring", "stiffness", "cylinder"},
-                                  Alternatives{"joints", "circle", "points"},
-                                  Alternatives{"controller", "gain", "bandwidth"}};
 
 std::string_view trimmed(std::string_view text) {
   constexpr const char* blanks = " \t\r\n";
@@ -159,8 +150,8 @@ class Overlay {
   }
 
   static void remove_alternative(Node& table, std::string_view name, std::string_view key) {
-    for (const auto& pair : alternatives) {
-      if (name != pair.parent || (key != pair.first && key != pair.second)) continue;
+    for (const auto& pair : alternatives()) {
+      if (name != pair.table || (key != pair.first && key != pair.second)) continue;
       const std::string_view other = key == pair.first ? pair.second : pair.first;
       std::erase_if(table.children, [&](const Node& node) { return node.key == other; });
     }

@@ -120,6 +120,13 @@ void Section::report_missing(std::string_view key, std::string_view what) const 
   faults_->add(lacking().place, missing_path(key), fmt::format("{} is missing", what));
 }
 
+void Section::report_missing_numbers(std::string_view key, std::string_view unit,
+                                     std::size_t size) const {
+  if (size == 1 && unit == "1") return report_missing(key, "required number");
+  report_missing(key, fmt::format("required value ({})",
+                                  size == 1 ? expected_number(unit) : array_of(size, unit)));
+}
+
 void Section::report(const Value& value, std::string message) const {
   faults_->add(value.node->place, value.path, std::move(message));
   faults_->mark_incomplete();
@@ -127,17 +134,12 @@ void Section::report(const Value& value, std::string message) const {
 
 double Section::read_number(const Value& value, std::string_view unit) const {
   const Node& node = *value.node;
-  const auto read = [&](double number) {
-    if (faults_->logging())
-      faults_->read({value.path, std::string{unit}, number, node.place, true});
-    return number;
-  };
   if (node.is_number()) {
-    if (std::isfinite(node.number)) return read(node.number);
+    if (std::isfinite(node.number)) return node.number;
     report(value, fmt::format("is {}, expected a finite number", node.number));
   } else if (node.kind == Node::Kind::text) {
     const auto quantity = base::read_quantity(node.text, unit);
-    if (quantity.ok()) return read(quantity.value);
+    if (quantity.ok()) return quantity.value;
     report(value, quantity.problem);
   } else {
     report(value, fmt::format("is {}, expected {}", described(node), expected_number(unit)));
@@ -148,16 +150,12 @@ double Section::read_number(const Value& value, std::string_view unit) const {
 double Section::number(std::string_view key, std::string_view unit) const {
   const auto value = optional_number(key, unit);
   if (value) return *value;
-  report_missing(key, unit == "1" ? "required number"
-                                  : fmt::format("required value ({})", expected_number(unit)));
+  report_missing_numbers(key, unit, 1);
   return nan;
 }
 
 double Section::number(std::string_view key, std::string_view unit, double fallback) const {
-  if (const auto value = optional_number(key, unit)) return *value;
-  if (faults_->logging() && lacking().node != nullptr)
-    faults_->read({missing_path(key), std::string{unit}, fallback, lacking().place, false});
-  return fallback;
+  return optional_number(key, unit).value_or(fallback);
 }
 
 std::optional<double> Section::optional_number(std::string_view key, std::string_view unit) const {
@@ -173,10 +171,13 @@ std::vector<Section::Value> Section::elements(const Value& value, std::size_t si
     report(value, fmt::format("is {}, expected {}", described(*value.node), what));
     return found;
   }
-  for (std::size_t i = 0; i < size; ++i) {
-    found.push_back({&value.node->children[i], fmt::format("{}[{}]", value.path, i)});
-  }
+  for (std::size_t i = 0; i < size; ++i) found.push_back(element(value, i));
   return found;
+}
+
+Section::Value Section::element(const Value& array, std::size_t i) {
+  const auto& children = array.node->children;
+  return {i < children.size() ? &children[i] : nullptr, fmt::format("{}[{}]", array.path, i)};
 }
 
 std::vector<double> Section::read_array(const Value& value, std::size_t size,
@@ -195,7 +196,7 @@ Vector3 Section::read_vector(const Value& value, std::string_view unit) const {
 Vector3 Section::vector(std::string_view key, std::string_view unit) const {
   const Value value = find(key);
   if (value) return read_vector(value, unit);
-  report_missing(key, "required value (" + array_of(3, unit) + ")");
+  report_missing_numbers(key, unit, 3);
   return nan_vector;
 }
 

@@ -75,9 +75,13 @@ class Section {
   [[nodiscard]] std::vector<Value> elements(const Value& value, std::size_t size,
                                             std::string_view what) const;
 
+  /// Element `i` of an array; without a node where there is none.
+  [[nodiscard]] static Value element(const Value& array, std::size_t i);
+
   /// The path at which a missing key is reported.
   [[nodiscard]] std::string missing_path(std::string_view key) const;
   void report_missing(std::string_view key, std::string_view what) const;
+  void report_missing_numbers(std::string_view key, std::string_view unit, std::size_t size) const;
   void report(const Value& value, std::string message) const;
 
  private:

@@ -16,14 +16,12 @@ std::vector<Finding> validate_values(const Machine& machine, NonFinite non_finit
 
 class ValueChecks;
 
-/// Findings about the tables `controller` and `sensors`.
-void check_control(const ControlSettings& control, const Sensors& sensors, ValueChecks& checks);
-
-/// Findings about what simulation needs: of one leg (keys relative to it), and the table `supply`.
+/// What the table cannot say: conditions between numbers. Keys of a leg are relative to it.
+void check_sensors(const Sensors& sensors, ValueChecks& checks);
 void check_leg_hydraulics(const Leg& leg, ValueChecks& checks);
 void check_supply(const Hydraulics& hydraulics, ValueChecks& checks);
 
-/// The findings about one leg, with keys relative to it (`rod.length`).
-std::vector<Finding> leg_findings(const Leg& leg, NonFinite non_finite);
+/// The findings about one leg (0…5), with keys relative to it (`rod.length`).
+std::vector<Finding> leg_findings(const Machine& machine, int leg, NonFinite non_finite);
 
 }  // namespace hydrapod::model

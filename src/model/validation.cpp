@@ -52,12 +52,6 @@ void check_inertia_tensor(const Matrix3& inertia, ValueChecks& checks) {
   }
 }
 
-void check_platform(const Platform& platform, ValueChecks& checks) {
-  checks.positive("platform.mass", platform.mass, "kg");
-  checks.finite("platform.mass_center", platform.mass_center, "m");
-  check_inertia_tensor(platform.inertia, checks);
-}
-
 /// Largest distance of a joint from the middle of all.
 double pattern_size(const JointPoints& joints) {
   Vector3 middle = Vector3::Zero();
@@ -106,7 +100,7 @@ void check_joints(const Machine& machine, ValueChecks& checks) {
 void check_legs(const Machine& machine, NonFinite non_finite, std::vector<Finding>& findings) {
   std::array<std::vector<Finding>, leg_count> found;
   for (std::size_t i = 0; i < leg_count; ++i) {
-    found[i] = leg_findings(machine.legs[i], non_finite);
+    found[i] = leg_findings(machine, static_cast<int>(i), non_finite);
   }
   const auto shared = [&](const Finding& finding) {
     return std::all_of(found.begin(), found.end(), [&](const auto& of_leg) {
@@ -124,29 +118,6 @@ void check_legs(const Machine& machine, NonFinite non_finite, std::vector<Findin
           {finding.severity, fmt::format("{}.{}", leg, finding.key), finding.message});
     }
   }
-}
-
-void check_base_mount(const BaseMount& mount, ValueChecks& checks) {
-  constexpr std::array directions{"x", "y", "z", "rx", "ry", "rz"};
-  for (std::size_t k = 0; k < directions.size(); ++k)
-    if (mount.stiffness[k])
-      checks.positive(fmt::format("base.mount.stiffness.{}", directions[k]), *mount.stiffness[k],
-                      k < 3 ? "N/m" : "N m/rad");
-  checks.not_negative("base.mount.mass", mount.mass, "kg");
-  if (!checks.finite("base.mount.inertia", mount.inertia, "kg m^2")) return;
-  if ((mount.inertia.array() < 0.0).any())
-    checks.add("base.mount.inertia", "holds a negative moment, expected three of 0 or more");
-}
-
-void check_damping(const Damping& damping, ValueChecks& checks) {
-  if (damping.modal_ratio) {
-    const double ratio = *damping.modal_ratio;
-    if (checks.not_negative("damping.modal_ratio", ratio, "1") && ratio >= 1.0) {
-      checks.add("damping.modal_ratio", fmt::format("is {:.6g}, expected less than 1", ratio));
-    }
-  }
-  checks.not_negative("damping.rayleigh_mass", damping.rayleigh_mass, "1/s");
-  checks.not_negative("damping.rayleigh_stiffness", damping.rayleigh_stiffness, "s");
 }
 
 void check_pose(const std::string& key, const Pose& pose, ValueChecks& checks) {
@@ -186,12 +157,11 @@ void check_poses(const std::vector<NamedPose>& poses, ValueChecks& checks) {
 std::vector<Finding> validate_values(const Machine& machine, NonFinite non_finite) {
   ValueChecks checks(non_finite);
   checks.finite("environment.gravity", machine.gravity, "m/s^2");
-  check_platform(machine.platform, checks);
+  checks.rows(machine, std::nullopt);
+  check_inertia_tensor(machine.platform.inertia, checks);
   check_joints(machine, checks);
-  if (machine.base_mount) check_base_mount(*machine.base_mount, checks);
-  check_damping(machine.damping, checks);
   check_supply(machine.hydraulics, checks);
-  check_control(machine.controller, machine.sensors, checks);
+  check_sensors(machine.sensors, checks);
   check_poses(machine.poses, checks);
   std::vector<Finding> findings = checks.take();
   check_legs(machine, non_finite, findings);

@@ -2,7 +2,9 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
+#include <optional>
 
 namespace hydrapod::model {
 
@@ -11,6 +13,19 @@ namespace {
 /// "-3 kg", or "-3" for pure numbers.
 std::string with_unit(double value, std::string_view unit) {
   return unit == "1" ? fmt::format("{:.6g}", value) : fmt::format("{:.6g} {}", value, unit);
+}
+
+/// "more than 0", "no more than 2", "1e-05 s to 1 s": what a number that is too small, or too large
+/// where it is `above` the lowest, should be.
+std::string expected(const Bound& bound, std::string_view unit, bool above) {
+  const bool both = std::isfinite(bound.lowest) && std::isfinite(bound.highest);
+  if (!bound.expected.empty() && (above || bound.lowest != 0.0)) return std::string{bound.expected};
+  if (both && bound.lowest != 0.0)
+    return fmt::format("{} to {}", with_unit(bound.lowest, unit), with_unit(bound.highest, unit));
+  if (above)
+    return fmt::format("{} {:g}", bound.less_than_highest ? "less than" : "no more than",
+                       bound.highest / bound.shown_size);
+  return bound.more_than_lowest ? "more than 0" : "0 or more";
 }
 
 }  // namespace
@@ -35,18 +50,38 @@ bool ValueChecks::finite(std::string_view key, const Vector3& value, std::string
   return true;
 }
 
-bool ValueChecks::positive(std::string_view key, double value, std::string_view unit) {
+bool ValueChecks::within(std::string_view key, double value, std::string_view unit,
+                         const Bound& bound) {
   if (!finite(key, value, unit)) return false;
-  if (value >= 1.0 / largest_number) return true;
-  add(key, fmt::format("is {}, expected more than 0", with_unit(value, unit)));
+  const bool above =
+      bound.more_than_lowest ? value - bound.lowest >= 1.0 / largest_number : value >= bound.lowest;
+  const bool below = bound.less_than_highest ? value < bound.highest : value <= bound.highest;
+  if (above && below) return true;
+  const bool in_other = above && !bound.shown_in.empty();
+  const std::string found =
+      in_other ? with_unit(value / bound.shown_size, bound.shown_in) : with_unit(value, unit);
+  add(key, fmt::format("is {}, expected {}", found, expected(bound, unit, above)));
   return false;
 }
 
-bool ValueChecks::not_negative(std::string_view key, double value, std::string_view unit) {
-  if (!finite(key, value, unit)) return false;
-  if (value >= 0.0) return true;
-  add(key, fmt::format("is {}, expected 0 or more", with_unit(value, unit)));
-  return false;
+void ValueChecks::rows(const Machine& machine, std::optional<int> leg) {
+  constexpr std::string_view of_legs = "legs.";
+  auto& from = const_cast<Machine&>(machine);
+  for (const auto& row : parameter_table()) {
+    const bool of_leg = row.path.starts_with(of_legs);
+    if (row.in_code || row.find == nullptr || of_leg != leg.has_value()) continue;
+    const auto key = of_leg ? row.path.substr(of_legs.size()) : row.path;
+    const auto unit = row.other_unit != nullptr ? row.other_unit(machine, row.unit) : row.unit;
+    for (int k = 0; k < row.numbers; ++k) {
+      const double* number = row.find(from, leg.value_or(0), k);
+      if (number != nullptr && !within(key, *number, unit, row.bound)) break;
+    }
+  }
+}
+
+bool ValueChecks::sound(std::string_view key) const {
+  return std::none_of(findings_.begin(), findings_.end(),
+                      [&](const Finding& finding) { return finding.key == key; });
 }
 
 }  // namespace hydrapod::model

@@ -332,7 +332,8 @@ TEST(StarterFile, IsSound) {
 /// The commented-out lines are TOML that works, not prose that has grown old.
 TEST(StarterFile, IsSoundWithItsOptionalKeysToo) {
   const std::regex option(R"re(# (\[[a-z0-9_.]+\]|[a-z_]+ = ).*)re");
-  const std::string other_spring = "# stiffness = \"20 kN/mm\"";  // beside the table `cylinder`
+  const std::string other_spring =
+      "# stiffness = \"20 kN/mm\"                # k_h";  // beside the table `cylinder`
   std::string text;
   std::istringstream lines(starter_machine_file());
   for (std::string line; std::getline(lines, line);) {

@@ -74,8 +74,8 @@ struct EntrainedAir {
 };
 
 enum class VolumeRule {
-  equal,    ///< Eq. 16: both chambers hold V_0 at every pose
-  chambers  ///< the two true volumes at the pose
+  chambers,  ///< the two true volumes at the pose
+  equal      ///< Eq. 16: both chambers hold V_0 at every pose
 };
 
 /// What the oil spring follows from when it is not given directly.
@@ -159,6 +159,15 @@ struct NamedPose {
   Pose X_BP{};
 };
 
+/// Joints on a circle of radius r in pairs: three pairs, the joints of a pair `spacing` apart
+/// (Table 1 of the paper: "gimbal spacing").
+struct JointCircle {
+  double radius{};   ///< r [m] > 0
+  double spacing{};  ///< s [m], 0 < s < 2r
+  /// Half the angle between the two joints of a pair: α = asin(s / 2r) [rad].
+  [[nodiscard]] double half_angle() const { return std::asin(spacing / (2.0 * radius)); }
+};
+
 struct Machine {
   std::string name{};
   std::string description{};
@@ -173,17 +182,10 @@ struct Machine {
   Sensors sensors{};
   Hydraulics hydraulics{};         ///< for simulation only
   std::vector<NamedPose> poses{};  ///< the first one, "neutral", always exists
+  /// What the joints were laid out by, so that it can be varied; the legs hold where they are.
+  std::optional<JointCircle> base_circle{}, platform_circle{};
 
   [[nodiscard]] const Pose& neutral() const { return poses.front().X_BP; }
-};
-
-/// Joints on a circle of radius r in pairs: three pairs, the joints of a pair `spacing` apart
-/// (Table 1 of the paper: "gimbal spacing").
-struct JointCircle {
-  double radius{};   ///< r [m] > 0
-  double spacing{};  ///< s [m], 0 < s < 2r
-  /// Half the angle between the two joints of a pair: α = asin(s / 2r) [rad].
-  [[nodiscard]] double half_angle() const { return std::asin(spacing / (2.0 * radius)); }
 };
 
 using JointPoints = std::array<Vector3, leg_count>;

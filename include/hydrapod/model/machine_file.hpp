@@ -10,6 +10,7 @@
 
 #include "hydrapod/base/error.hpp"
 #include "hydrapod/model/machine.hpp"
+#include "hydrapod/model/parameters.hpp"
 #include "hydrapod/model/validation.hpp"
 
 namespace hydrapod::model {
@@ -21,6 +22,7 @@ using Check = std::function<std::vector<Finding>(const Machine&)>;
 struct MachineFile {
   Machine machine{};
   std::vector<base::Diagnostic> warnings{};
+  std::vector<GivenNumber> given{};      ///< in the order of the file, then of the overrides
   std::string text{};                    ///< the file as read
   std::vector<std::string> overrides{};  ///< `PATH=VALUE`, as given
 };

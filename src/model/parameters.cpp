@@ -1,0 +1,260 @@
+#include "hydrapod/model/parameters.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <bit>
+
+#include "hydrapod/base/nearest.hpp"
+#include "hydrapod/model/machine_file.hpp"
+#include "key_path.hpp"
+
+namespace hydrapod::model {
+
+namespace {
+
+constexpr unsigned all_legs = 0x3F;
+constexpr std::string_view of_legs = "legs.", of_leg = "leg.*.", of_poses = "poses.*.";
+constexpr std::array tensor_elements{"xx", "yy", "zz", "xy", "xz", "yz"};
+
+bool is_of_legs(const ParameterRow& row) {
+  return row.path.starts_with(of_legs) || row.path.starts_with(of_leg);
+}
+
+/// Does the row hold numbers?
+bool has_numbers(const ParameterRow& row) { return row.make != nullptr || row.get != nullptr; }
+
+/// May one number stand for all of the row?
+bool may_be_whole(const ParameterRow& row) {
+  return row.kind == Kind::six || row.path == "environment.gravity";
+}
+
+/// The leg or pose in which a number stands.
+int index_of(const ParameterId& id) {
+  if (is_of_legs(row_of(id))) return id.legs == 0 ? 0 : std::countr_zero(unsigned{id.legs});
+  return id.of - 1;
+}
+
+std::optional<double> value_in(const Machine& machine, const ParameterId& id, int index) {
+  const auto& row = row_of(id);
+  if (row.get != nullptr) return row.get(machine, index, id.element);
+  const auto* number = row.find(const_cast<Machine&>(machine), index, std::max<int>(id.element, 0));
+  if (number == nullptr) return std::nullopt;
+  return *number;
+}
+
+/// "[2]", ".xy", or nothing.
+std::string element_text(const ParameterRow& row, int element) {
+  if (row.kind == Kind::tensor) return fmt::format(".{}", tensor_elements.at(element));
+  if (row.numbers == 1 || element == whole) return "";
+  return fmt::format("[{}]", element);
+}
+
+/// The element that the end of a path means; nothing where the row has none such.
+std::optional<int> element_at(const ParameterRow& row, std::string_view rest) {
+  if (rest.empty()) {
+    if (row.numbers == 1) return 0;
+    if (may_be_whole(row)) return whole;
+    return std::nullopt;
+  }
+  for (int element = 0; element < row.numbers; ++element)
+    if (rest == element_text(row, element)) return element;
+  return std::nullopt;
+}
+
+/// The number at `path` in that row; `shared`: "legs.", "leg.3." in front instead of the row's.
+std::optional<ParameterId> in_table(std::string_view front, std::string_view rest, int of,
+                                    unsigned legs) {
+  const auto rows = parameter_table();
+  for (std::size_t r = 0; r < rows.size(); ++r) {
+    const auto& row = rows[r];
+    if (!has_numbers(row) || !row.path.starts_with(front)) continue;
+    const auto key = row.path.substr(front.size());
+    if (!rest.starts_with(key)) continue;
+    if (const auto element = element_at(row, rest.substr(key.size())))
+      return ParameterId{static_cast<std::uint16_t>(r), static_cast<std::int16_t>(*element),
+                         static_cast<std::int16_t>(of), static_cast<std::uint16_t>(legs)};
+  }
+  return std::nullopt;
+}
+
+/// The row of the table that row `r` stands in, or above it; itself where there is none.
+std::size_t table_above(std::size_t r) {
+  const auto rows = parameter_table();
+  const auto dot = rows[r].path.rfind('.');
+  if (dot == std::string_view::npos) return r;
+  const auto path = rows[r].path.substr(0, dot);
+  const auto found =
+      std::find_if(rows.begin(), rows.end(), [&](const auto& row) { return row.path == path; });
+  return found == rows.end() ? r : static_cast<std::size_t>(found - rows.begin());
+}
+
+/// table_above() of every row.
+const std::vector<std::size_t>& tables_above() {
+  static const std::vector<std::size_t> tables = [] {
+    std::vector<std::size_t> above(parameter_table().size());
+    for (std::size_t r = 0; r < above.size(); ++r) above[r] = table_above(r);
+    return above;
+  }();
+  return tables;
+}
+
+void set(Machine& machine, const ParameterId& id, int index, double value) {
+  const auto rows = parameter_table();
+  const auto& above = tables_above();
+  for (std::size_t r = id.row;; r = above[r]) {
+    if (rows[r].instead != nullptr) rows[r].instead(machine, index);
+    if (above[r] == r) break;
+  }
+  const auto& row = rows[id.row];
+  if (row.set != nullptr) return row.set(machine, index, id.element, value);
+  if (id.element != whole) {
+    *row.make(machine, index, id.element) = value;
+    return;
+  }
+  for (int element = 0; element < row.numbers; ++element)
+    *row.make(machine, index, element) = value;
+}
+
+void set(Machine& machine, const Assignment& assignment) {
+  const auto& id = assignment.id;
+  if (!is_of_legs(row_of(id))) return set(machine, id, id.of - 1, assignment.value);
+  for (int leg = 0; leg < leg_count; ++leg)
+    if ((id.legs >> leg & 1) != 0) set(machine, id, leg, assignment.value);
+}
+
+/// Does the id stand for all legs, or for joints that all legs share?
+bool is_shared(const ParameterId& id) {
+  return id.of == 0 && (is_of_legs(row_of(id)) || row_of(id).finish != nullptr);
+}
+
+/// The legs for which the file says something of their own instead of what `id` says.
+unsigned own_legs(const MachineFile& file, const ParameterId& id) {
+  std::string_view instead = row_of(id).path;
+  if (instead.starts_with("base.joints")) instead = "leg.*.base_joint";
+  if (instead.starts_with("platform.joints")) instead = "leg.*.platform_joint";
+  unsigned own = 0;
+  for (const auto& given : file.given)
+    if (given.id.of != 0 && row_of(given.id).path == instead) own |= given.id.legs;
+  return own;
+}
+
+}  // namespace
+
+const ParameterRow& row_of(const ParameterId& id) { return parameter_table()[id.row]; }
+
+std::optional<ParameterId> find_parameter(const Machine& machine, std::string_view path) {
+  const auto steps = parse_path(path);
+  if (!steps) return std::nullopt;
+  const std::string text = to_string(*steps);
+  const auto below = [&](std::size_t first) {
+    const std::string rest =
+        to_string(KeyPath(steps->begin() + static_cast<long>(first), steps->end()));
+    return rest;
+  };
+  if (steps->size() > 2 && (*steps)[0].key == "leg") {
+    for (int leg = 1; leg <= leg_count; ++leg) {
+      if ((*steps)[1].key != std::to_string(leg)) continue;
+      if (auto id = in_table(of_legs, below(2), leg, 1U << (leg - 1))) return id;
+      return in_table(of_leg, below(2), leg, 1U << (leg - 1));
+    }
+    return std::nullopt;
+  }
+  if (steps->size() > 2 && (*steps)[0].key == "poses") {
+    for (std::size_t p = 0; p < machine.poses.size(); ++p)
+      if ((*steps)[1].key == machine.poses[p].name)
+        return in_table(of_poses, below(2), static_cast<int>(p) + 1, all_legs);
+    return std::nullopt;
+  }
+  return in_table("", text, 0, all_legs);
+}
+
+std::optional<ParameterId> find_parameter(const MachineFile& file, std::string_view path) {
+  const auto written = std::find_if(file.given.begin(), file.given.end(),
+                                    [&](const auto& given) { return given.written == path; });
+  auto id = written != file.given.end() ? written->id : find_parameter(file.machine, path);
+  if (!id || !is_shared(*id)) return id;
+  id->legs = static_cast<std::uint16_t>(all_legs & ~own_legs(file, *id));
+  if (id->legs == 0) return std::nullopt;
+  return id;
+}
+
+std::string nearest_parameter(const MachineFile& file, std::string_view text) {
+  std::vector<std::string> paths;
+  for (const auto& id : parameters(file.machine)) paths.push_back(path(file.machine, id));
+  const std::vector<std::string_view> views(paths.begin(), paths.end());
+  return std::string{base::nearest(text, views).value_or("")};
+}
+
+std::string path(const Machine& machine, const ParameterId& id) {
+  const auto& row = row_of(id);
+  const std::string element = element_text(row, id.element);
+  const auto below = [&](std::string_view front) { return row.path.substr(front.size()); };
+  if (row.path.starts_with(of_poses))
+    return fmt::format("poses.{}.{}{}", written_key(machine.poses.at(id.of - 1).name),
+                       below(of_poses), element);
+  if (row.path.starts_with(of_leg))
+    return fmt::format("leg.{}.{}{}", id.of, below(of_leg), element);
+  if (row.path.starts_with(of_legs) && id.of != 0)
+    return fmt::format("leg.{}.{}{}", id.of, below(of_legs), element);
+  return fmt::format("{}{}", row.path, element);
+}
+
+std::string_view unit(const Machine& machine, const ParameterId& id) {
+  const auto& row = row_of(id);
+  return row.other_unit != nullptr ? row.other_unit(machine, row.unit) : row.unit;
+}
+
+bool of_mechanics(const ParameterId& id) {
+  const auto rows = parameter_table();
+  const auto& above = tables_above();
+  for (std::size_t r = id.row;; r = above[r]) {
+    if (!rows[r].mechanics) return false;
+    if (above[r] == r) return true;
+  }
+}
+
+std::optional<double> value(const Machine& machine, const ParameterId& id) {
+  return value_in(machine, id, index_of(id));
+}
+
+std::vector<ParameterId> parameters(const Machine& machine) {
+  std::vector<ParameterId> ids;
+  const auto add = [&](std::size_t r, int of, unsigned legs) {
+    for (int element = 0; element < parameter_table()[r].numbers; ++element) {
+      const ParameterId id{static_cast<std::uint16_t>(r), static_cast<std::int16_t>(element),
+                           static_cast<std::int16_t>(of), static_cast<std::uint16_t>(legs)};
+      if (value(machine, id)) ids.push_back(id);
+    }
+  };
+  const auto rows = parameter_table();
+  for (std::size_t r = 0; r < rows.size(); ++r) {
+    if (!has_numbers(rows[r])) continue;
+    const int poses = static_cast<int>(machine.poses.size());
+    if (rows[r].path.starts_with(of_poses)) {
+      for (int pose = 1; pose <= poses; ++pose) add(r, pose, all_legs);
+      continue;
+    }
+    if (!rows[r].path.starts_with(of_leg)) add(r, 0, all_legs);
+    if (!is_of_legs(rows[r])) continue;
+    for (int leg = 1; leg <= leg_count; ++leg) add(r, leg, 1U << (leg - 1));
+  }
+  return ids;
+}
+
+void assign(Machine& machine, std::span<const Assignment> assignments) {
+  for (const auto& assignment : assignments)
+    if (assignment.id.of == 0) set(machine, assignment);
+  for (const auto& assignment : assignments)
+    if (assignment.id.of != 0) set(machine, assignment);
+  for (const auto& [id, value] : assignments)
+    if (row_of(id).finish != nullptr) row_of(id).finish(machine, id.legs);
+}
+
+Machine with(Machine machine, std::span<const Assignment> assignments) {
+  assign(machine, assignments);
+  return machine;
+}
+
+}  // namespace hydrapod::model

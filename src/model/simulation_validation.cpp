@@ -1,0 +1,85 @@
+// Conditions between numbers that only simulation needs; single numbers are checked by their rows.
+#include <fmt/format.h>
+
+#include "validate_values.hpp"
+#include "value_checks.hpp"
+
+namespace hydrapod::model {
+
+namespace {
+
+void check_valve(const ServoValve& valve, ValueChecks& checks) {
+  constexpr double most_leakage = 0.5;  // of the rated flow
+  if (!valve.leakage || !valve.rated_flow || !checks.sound("valve.leakage")) return;
+  if (*valve.leakage > most_leakage * *valve.rated_flow)
+    checks.add(
+        "valve.leakage",
+        fmt::format("is {:.6g} m^3/s, expected no more than half the rated flow, {:.6g} m^3/s",
+                    *valve.leakage, most_leakage * *valve.rated_flow));
+}
+
+void check_friction(const SealFriction& friction, ValueChecks& checks) {
+  if (friction.breakaway && checks.sound("friction.breakaway")) {
+    if (!friction.coulomb)
+      checks.add("friction.breakaway", "is given alone, expected `coulomb` beside it");
+    else if (checks.sound("friction.coulomb") && *friction.breakaway < *friction.coulomb)
+      checks.add("friction.breakaway",
+                 fmt::format("is {:.6g} N, expected no less than `coulomb`, {:.6g} N",
+                             *friction.breakaway, *friction.coulomb));
+  }
+  if (friction.bristles && friction.coulomb && *friction.coulomb == 0.0)
+    checks.add("friction.bristles", "have nothing to slide at with `coulomb` = 0 N, expected more");
+}
+
+void check_equivalent_cylinder(const Leg& leg, ValueChecks& checks) {
+  const auto& cylinder = leg.hydraulics.equivalent_cylinder;
+  if (!cylinder.area || !leg.stroke || !leg.oil_spring.stiffness) return;
+  for (const auto* key : {"area", "area_ratio", "bulk_modulus"})
+    if (!checks.sound(fmt::format("equivalent_cylinder.{}", key))) return;
+  const double least = 0.5 * leg.stroke->length * *leg.oil_spring.stiffness /
+                       (cylinder.bulk_modulus * (1.0 + cylinder.area_ratio * cylinder.area_ratio));
+  if (*cylinder.area < least)
+    checks.add("equivalent_cylinder.area",
+               fmt::format("is {:.6g} m^2: with the stiffness of the oil spring its chambers would "
+                           "be shorter than the stroke, expected more than {:.6g} m^2",
+                           *cylinder.area, least));
+}
+
+}  // namespace
+
+void check_leg_hydraulics(const Leg& leg, ValueChecks& checks) {
+  check_valve(leg.hydraulics.valve, checks);
+  check_friction(leg.hydraulics.friction, checks);
+  check_equivalent_cylinder(leg, checks);
+}
+
+void check_supply(const Hydraulics& hydraulics, ValueChecks& checks) {
+  const auto& supply = hydraulics.supply;
+  const bool back = checks.sound("supply.return_pressure");
+  if (back && checks.sound("supply.pressure") && supply.return_pressure >= supply.pressure)
+    checks.add("supply.return_pressure",
+               fmt::format("is {:.6g} Pa, expected less than the supply pressure, {:.6g} Pa",
+                           supply.return_pressure, supply.pressure));
+  const double p_c = hydraulics.cavitation_pressure;
+  if (back && checks.sound("supply.cavitation_pressure") && p_c >= supply.return_pressure)
+    checks.add("supply.cavitation_pressure",
+               fmt::format("is {:.6g} Pa, expected less than the return pressure, {:.6g} Pa", p_c,
+                           supply.return_pressure));
+  if (supply.accumulator && !supply.pump_flow)
+    checks.add("supply.accumulator",
+               "has nothing to do: without a `pump_flow` the supply holds its pressure whatever is "
+               "drawn, expected `pump_flow` beside it");
+}
+
+void check_sensors(const Sensors& sensors, ValueChecks& checks) {
+  const auto check = [&](const char* key, const Sensor& sensor, const char* unit) {
+    if (sensor.low && sensor.high && checks.sound(key) && *sensor.low >= *sensor.high)
+      checks.add(key, fmt::format("goes from {:.6g} {} to {:.6g} {}, expected the lower end first",
+                                  *sensor.low, unit, *sensor.high, unit));
+  };
+  check("sensors.length.range", sensors.length, "m");
+  check("sensors.pressure.range", sensors.pressure, "Pa");
+  check("sensors.acceleration.range", sensors.acceleration, "m/s^2");
+}
+
+}  // namespace hydrapod::model
