@@ -11,11 +11,10 @@
 #include <stdexcept>
 
 #include "hydrapod/diagnosis/diagnose.hpp"
-#include "hydrapod/diagnosis/measured.hpp"
-#include "hydrapod/diagnosis/responses.hpp"
 #include "hydrapod/identification/identify.hpp"
 #include "hydrapod/identification/measure.hpp"
 #include "hydrapod/kinematics/check_machine.hpp"
+#include "hydrapod/observation/targets.hpp"
 #include "hydrapod/rig/rig.hpp"
 #include "support/noisy_modes.hpp"
 
@@ -40,8 +39,8 @@ class RecordOnRig {
  public:
   explicit RecordOnRig(const model::Machine& machine) {
     rig::RigOptions options;
-    rig::WhiteNoise white;
-    white.rms.setConstant(2e-4);
+    signals::Signal white{.form = signals::White{}};
+    white.size.setConstant(2e-4);
     options.signals = {white};
     options.duration = 60.0;
     options.seed = 7002;
@@ -71,7 +70,8 @@ identification::FrequencyResponses responses_of(const std::string& record) {
   const auto machine = machine_file().machine;
   identification::MeasureOptions options;
   options.platform = {machine, machine.neutral(), machine.neutral().p_BP};
-  return identification::measure_responses({record}, options).responses;
+  data::RecordSet records({record});
+  return identification::measure_responses(records, options).responses;
 }
 
 /// What is known after each stage of the way from the record to the diagnosis.
@@ -88,9 +88,10 @@ const Stages& stages() {
 
 observation::Targets targets_of_record() {
   const auto machine = machine_file().machine;
-  const diagnosis::MeasuredAt at{.pose = "neutral", .point = spatial::Vector3::Zero()};
-  auto targets = diagnosis::measured_modes(stages().identified, machine, at);
-  if (const auto lines = diagnosis::measured_responses(stages().responses, machine, at))
+  const observation::MeasuredAt at{.pose = "neutral", .point = spatial::Vector3::Zero()};
+  auto targets =
+      observation::measured_modes(identification::modal_results(stages().identified), machine, at);
+  if (const auto lines = observation::measured_responses(stages().responses, machine, at))
     targets.responses.push_back(*lines);
   return targets;
 }

@@ -109,6 +109,28 @@ void rank(std::vector<Combination>& all) {
   });
 }
 
+/// Brings the solutions of least cost that differ to the front, at most `count`, and gives up the
+/// others.
+void keep_best(std::vector<Solution>& solutions, std::size_t count) {
+  constexpr double same_place = 0.01;  // of the variables, most of which are logarithms
+  std::ranges::stable_sort(solutions, [](const Solution& a, const Solution& b) {
+    return a.usable != b.usable ? a.usable : a.usable && a.cost < b.cost;
+  });
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < solutions.size() && solutions[i].usable; ++i) {
+    const auto& x = solutions[i].x;
+    const bool known =
+        std::any_of(solutions.begin(), solutions.begin() + static_cast<std::ptrdiff_t>(kept),
+                    [&](const Solution& other) {
+                      return (other.x - x).lpNorm<Eigen::Infinity>() < same_place;
+                    });
+    if (known || kept == count)
+      solutions[i].usable = false;
+    else
+      std::swap(solutions[kept++], solutions[i]);
+  }
+}
+
 }  // namespace
 
 Calibration calibrate(const model::MachineFile& file, const Targets& targets, const Plan& plan,
@@ -121,19 +143,35 @@ Calibration calibrate(const model::MachineFile& file, const Targets& targets, co
   numerics::Watch watch(progress);
   const Progress show = [&](double share) { return watch.at(share); };
   const std::function<bool()> stop = [&] { return watch.stopped(); };
+  const SolverOptions to_the_end{.max_iterations = plan.options.max_iterations,
+                                 .tolerance = plan.options.tolerance,
+                                 .stop = stop};
   const auto starts = static_cast<std::size_t>(plan.options.starts);
+  const bool trial = plan.options.kept > 0 && plan.options.kept < plan.options.starts;
+  auto first = to_the_end;
+  if (trial) first.max_iterations = plan.options.trial_iterations;
   numerics::parallel_for(
       all.size() * starts, plan.options.threads,
       [&](std::size_t i) {
         auto& combination = all[i / starts];
         const auto number = static_cast<int>(i % starts);
-        combination.solutions[i % starts] =
-            solve(*combination.problem, start_of(*combination.problem, plan.options.seed, number),
-                  {.max_iterations = plan.options.max_iterations,
-                   .tolerance = plan.options.tolerance,
-                   .stop = stop});
+        combination.solutions[i % starts] = solve(
+            *combination.problem, start_of(*combination.problem, plan.options.seed, number), first);
       },
-      numerics::part_of(show, 0.0, 0.7));
+      numerics::part_of(show, 0.0, trial ? 0.4 : 0.7));
+  if (trial) {
+    const auto kept = static_cast<std::size_t>(plan.options.kept);
+    for (auto& combination : all) keep_best(combination.solutions, kept);
+    numerics::parallel_for(
+        all.size() * kept, plan.options.threads,
+        [&](std::size_t i) {
+          auto& combination = all[i / kept];
+          auto& solution = combination.solutions[i % kept];
+          if (solution.usable && !solution.converged)
+            solution = solve(*combination.problem, solution.x, to_the_end);
+        },
+        numerics::part_of(show, 0.4, 0.7));
+  }
   for (auto& combination : all) conclude(combination);
   rank(all);
   const bool try_robust = plan.options.loss == Loss::cauchy ||

@@ -190,7 +190,11 @@ Explanation Evidence::search(const std::vector<std::size_t>& blamed, const Targe
                              const Explanation* known, const numerics::Progress& stop) const {
   Explanation e{.suspects = blamed, .kind = kind_with(blamed)};
   calibration::Plan plan;
+  constexpr int kept = 3;
+  constexpr double enough = 1e-6;  // of a misfit, whose differences count from 1 on
   plan.options.starts = starts_for(blamed, known != nullptr);
+  plan.options.kept = plan.options.starts > 16 ? 2 * kept : kept;
+  plan.options.tolerance = enough;
   plan.options.threads = 1;
   plan.options.loss = calibration::Loss::squares;
   for (const auto k : blamed) {

@@ -56,6 +56,9 @@ enum class Loss {
 struct FitOptions {
   int starts{8};          ///< per combination, the first at the start values, the others at random
   std::uint64_t seed{1};  ///< of the random starts
+  /// Starts that go on after `trial_iterations`: those of least cost that differ; 0: all do.
+  int kept{};
+  int trial_iterations{10};
   Loss loss{Loss::automatic};
   int max_iterations{200};
   double tolerance{1e-9};  ///< relative change of the cost that ends a fit
