@@ -51,14 +51,13 @@ model::FileEdit edit_of(const std::string& text, const std::string& path, const 
 
 /// The text must be read as the machine that was fitted.
 void verify(const model::MachineFile& file, const std::string& text, const Candidate& candidate) {
-  model::MachineFile edited = file;
-  edited.text = text;
-  const model::VariableMachine machine(edited);
+  const auto edited = model::parse_machine(text, "calibrated machine", file.overrides, {});
   constexpr double rounding = 1e-8;
   for (const auto& p : candidate.parameters)
     for (const auto& path : p.paths) {
-      const auto* number = machine.find(path);
-      if (number == nullptr || std::abs(number->value - p.value) > rounding * std::abs(p.value))
+      const auto id = find_parameter(edited, path);
+      const auto value = id ? model::value(edited.machine, *id) : std::nullopt;
+      if (!value || std::abs(*value - p.value) > rounding * std::abs(p.value))
         throw base::ComputationError(
             fmt::format("`{}` could not be written into the machine file", path));
     }

@@ -28,7 +28,7 @@ struct VariableMachine::State {
 };
 
 VariableMachine::VariableMachine(const MachineFile& file) : state_(std::make_unique<State>()) {
-  state_->file = parse_machine(file.text, "machine file", file.overrides, {});
+  state_->file = file;
   for (const auto& given : state_->file.given) state_->add(given.id, true, given.line);
   for (const auto& id : parameters(state_->file.machine)) state_->add(id, false, 0);
 }
@@ -46,6 +46,10 @@ const FileNumber* VariableMachine::find(const std::string& path) const {
   return found == state_->ids.end()
              ? nullptr
              : &state_->numbers[static_cast<std::size_t>(found - state_->ids.begin())];
+}
+
+ParameterId VariableMachine::id(const std::string& path) const {
+  return find_parameter(state_->file, path).value();
 }
 
 std::string VariableMachine::nearest_path(const std::string& path) const {
