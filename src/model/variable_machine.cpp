@@ -20,10 +20,10 @@ struct VariableMachine::State {
   void add(const ParameterId& id, bool given, unsigned line) {
     const auto text = path(file.machine, id);
     const auto shared = find_parameter(file, text);
-    if (!shared || std::find(ids.begin(), ids.end(), id) != ids.end()) return;
+    const auto number = shared ? value(file.machine, *shared) : std::nullopt;
+    if (!number || std::find(ids.begin(), ids.end(), id) != ids.end()) return;
     ids.push_back(*shared);
-    numbers.push_back(
-        {text, std::string{unit(file.machine, id)}, *value(file.machine, *shared), given, line});
+    numbers.push_back({text, std::string{unit(file.machine, id)}, *number, given, line});
   }
 };
 
