@@ -18,19 +18,27 @@ struct VariableMachine::State {
   std::vector<double> values{};
 
   void add(const ParameterId& id, bool given, unsigned line) {
-    const auto text = path(file.machine, id);
-    const auto shared = find_parameter(file, text);
-    const auto number = shared ? value(file.machine, *shared) : std::nullopt;
-    if (!number || std::find(ids.begin(), ids.end(), id) != ids.end()) return;
-    ids.push_back(*shared);
-    numbers.push_back({text, std::string{unit(file.machine, id)}, *number, given, line});
+    const auto number = value(file.machine, id);
+    if (!number) return;
+    ids.push_back(id);
+    numbers.push_back(
+        {path(file.machine, id), std::string{unit(file.machine, id)}, *number, given, line});
   }
 };
 
 VariableMachine::VariableMachine(const MachineFile& file) : state_(std::make_unique<State>()) {
   state_->file = file;
-  for (const auto& given : state_->file.given) state_->add(given.id, true, given.line);
-  for (const auto& id : parameters(state_->file.machine)) state_->add(id, false, 0);
+  auto& ids = state_->ids;
+  // an element of a tensor in rows is given twice
+  for (const auto& given : file.given)
+    if (std::find(ids.begin(), ids.end(), given.id) == ids.end())
+      state_->add(given.id, true, given.line);
+  const auto count = static_cast<std::ptrdiff_t>(ids.size());
+  for (const auto& id : parameters(file.machine)) {
+    const auto known = ids.begin() + count;
+    if (std::find(ids.begin(), known, id) != known) continue;
+    if (const auto own = in_file(file, id)) state_->add(*own, false, 0);
+  }
 }
 
 VariableMachine::~VariableMachine() = default;
