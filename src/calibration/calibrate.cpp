@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 
@@ -51,6 +52,14 @@ std::vector<std::string> overrides_of(const std::vector<Alternative>& alternativ
   return overrides;
 }
 
+/// The file with the choices of the candidate made; only these need its text.
+model::MachineFile chosen(const model::MachineFile& file, const Candidate& candidate) {
+  if (candidate.overrides.empty()) return file;
+  auto overrides = file.overrides;
+  overrides.insert(overrides.end(), candidate.overrides.begin(), candidate.overrides.end());
+  return model::parse_machine(file.text, "machine file", overrides, {});
+}
+
 Combination make_combination(const model::MachineFile& file, const Targets& targets,
                              const Plan& plan, dynamics::ModelKind kind,
                              const std::vector<std::size_t>& choice) {
@@ -58,10 +67,7 @@ Combination make_combination(const model::MachineFile& file, const Targets& targ
   made.candidate.choice = choice;
   made.candidate.name = name_of(plan.alternatives, choice);
   made.candidate.overrides = overrides_of(plan.alternatives, choice);
-  model::MachineFile with = file;
-  with.overrides.insert(with.overrides.end(), made.candidate.overrides.begin(),
-                        made.candidate.overrides.end());
-  made.machine = std::make_unique<model::VariableMachine>(with);
+  made.machine = std::make_unique<model::VariableMachine>(chosen(file, made.candidate));
   std::vector<base::Diagnostic> errors;
   made.variables = make_variables(plan.free, *made.machine, errors);
   if (!plan.alternatives.empty())
@@ -216,7 +222,7 @@ Candidate compare(const model::MachineFile& file, const Targets& targets,
 
 namespace {
 
-/// The plan with the candidate's choices made, its values as starts, and one parameter held.
+/// The plan with the candidate's values as starts, and one parameter held.
 struct HeldFit {
   model::MachineFile file{};
   Plan plan{};
@@ -225,18 +231,17 @@ struct HeldFit {
 HeldFit hold(const model::MachineFile& file, const Plan& plan, const Candidate& candidate,
              int index, double value) {
   HeldFit held{file, {.options = plan.options}};
-  auto& overrides = held.file.overrides;
-  overrides.insert(overrides.end(), candidate.overrides.begin(), candidate.overrides.end());
   for (const auto& path : candidate.parameters[static_cast<std::size_t>(index)].paths)
-    overrides.push_back(fmt::format("{}={:.17g}", path, value));
+    model::assign(held.file.machine,
+                  std::array{model::Assignment{*find_parameter(held.file, path), value}});
   for (int j = 0; j < static_cast<int>(plan.free.size()); ++j) {
     if (j == index) continue;
     held.plan.free.push_back(plan.free[j]);
     const auto& p = candidate.parameters[static_cast<std::size_t>(j)];
     // at a bound, rounding may have put it outside
-    held.plan.free.back().start = fmt::format("{:.17g}", std::clamp(p.value, p.lower, p.upper));
-    held.plan.free.back().lower = fmt::format("{:.17g}", p.lower);
-    held.plan.free.back().upper = fmt::format("{:.17g}", p.upper);
+    held.plan.free.back().start = std::clamp(p.value, p.lower, p.upper);
+    held.plan.free.back().lower = p.lower;
+    held.plan.free.back().upper = p.upper;
   }
   return held;
 }
@@ -258,12 +263,8 @@ double misfit_held(const model::MachineFile& file, const Targets& targets, const
 }
 
 /// What is known of the parameter besides the data, in SI.
-std::optional<Prior> prior_of(const model::MachineFile& file, const Plan& plan,
-                              const Candidate& candidate, int index) {
-  auto with = file;
-  with.overrides.insert(with.overrides.end(), candidate.overrides.begin(),
-                        candidate.overrides.end());
-  model::VariableMachine machine(with);
+std::optional<Prior> prior_of(const model::MachineFile& file, const Plan& plan, int index) {
+  model::VariableMachine machine(file);
   std::vector<base::Diagnostic> errors;
   return make_variables({plan.free.at(static_cast<std::size_t>(index))}, machine, errors)
       .front()
@@ -322,7 +323,8 @@ Profile profile(const model::MachineFile& file, const Targets& targets, const Pl
   constexpr int points = 21;
   const auto& parameter = candidate.parameters.at(static_cast<std::size_t>(index));
   const auto range = profile_range(parameter);
-  const auto prior = prior_of(file, plan, candidate, index);
+  const auto with_choices = chosen(file, candidate);
+  const auto prior = prior_of(with_choices, plan, index);
   std::vector<std::optional<ProfilePoint>> found(points);
   numerics::Watch watch(progress);
   const Progress show = [&](double share) { return watch.at(share); };
@@ -331,7 +333,8 @@ Profile profile(const model::MachineFile& file, const Targets& targets, const Pl
       points, plan.options.threads,
       [&](std::size_t k) {
         ProfilePoint point{.value = range.at(static_cast<double>(k) / (points - 1))};
-        point.misfit = misfit_held(file, targets, plan, kind, candidate, index, point.value, stop);
+        point.misfit =
+            misfit_held(with_choices, targets, plan, kind, candidate, index, point.value, stop);
         if (prior) point.misfit += std::pow((point.value - prior->value) / prior->spread, 2);
         if (!watch.stopped()) found[k] = point;
       },

@@ -35,6 +35,7 @@ struct Prior {
 /// A parameter with everything resolved to SI.
 struct Variable {
   std::vector<std::string> paths{};
+  std::vector<model::ParameterId> ids{};
   std::string unit{};
   double start{}, lower{}, upper{};
   std::optional<Prior> prior{};

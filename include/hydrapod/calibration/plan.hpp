@@ -4,12 +4,14 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <variant>
 #include <vector>
 
 namespace hydrapod::calibration {
 
-/// A number as somebody wrote it, "12 kg" or "12"; its unit is that of the path it is meant for.
-using Amount = std::string;
+/// A number [SI], or a quantity as somebody wrote it, "12 kg", in a unit of the path it is meant
+/// for.
+using Amount = std::variant<double, std::string>;
 
 /// Knowledge about a parameter besides the data: Gaussian, value ± spread.
 struct PriorAmounts {
