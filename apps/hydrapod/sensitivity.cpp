@@ -45,13 +45,8 @@ std::size_t pose_index(model::MachineFile& file, const std::string& text) {
   const auto pose = choose_pose(file.machine, text);
   for (std::size_t k = 0; k < file.machine.poses.size(); ++k)
     if (file.machine.poses[k].name == pose.name) return k;
-  const auto rpy = spatial::rpy_from_rotation(pose.X_BP.R_BP);
-  const auto& p = pose.X_BP.p_BP;
-  file.overrides.push_back(fmt::format(
-      "poses.asked-for={{ position = [{:.17g}, {:.17g}, {:.17g}], rotation = [{:.17g}, {:.17g}, "
-      "{:.17g}] }}",
-      p.x(), p.y(), p.z(), rpy.x(), rpy.y(), rpy.z()));
-  return file.machine.poses.size();
+  file.machine.poses.push_back({"asked-for", pose.X_BP});
+  return file.machine.poses.size() - 1;
 }
 
 void run(const Arguments& arguments) {

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 
@@ -51,6 +52,14 @@ std::vector<std::string> overrides_of(const std::vector<Alternative>& alternativ
   return overrides;
 }
 
+/// The file with the choices of the candidate made; only these need its text.
+model::MachineFile chosen(const model::MachineFile& file, const Candidate& candidate) {
+  if (candidate.overrides.empty()) return file;
+  auto overrides = file.overrides;
+  overrides.insert(overrides.end(), candidate.overrides.begin(), candidate.overrides.end());
+  return model::parse_machine(file.text, "machine file", overrides, {});
+}
+
 Combination make_combination(const model::MachineFile& file, const Targets& targets,
                              const Plan& plan, dynamics::ModelKind kind,
                              const std::vector<std::size_t>& choice) {
@@ -58,10 +67,7 @@ Combination make_combination(const model::MachineFile& file, const Targets& targ
   made.candidate.choice = choice;
   made.candidate.name = name_of(plan.alternatives, choice);
   made.candidate.overrides = overrides_of(plan.alternatives, choice);
-  model::MachineFile with = file;
-  with.overrides.insert(with.overrides.end(), made.candidate.overrides.begin(),
-                        made.candidate.overrides.end());
-  made.machine = std::make_unique<model::VariableMachine>(with);
+  made.machine = std::make_unique<model::VariableMachine>(chosen(file, made.candidate));
   std::vector<base::Diagnostic> errors;
   made.variables = make_variables(plan.free, *made.machine, errors);
   if (!plan.alternatives.empty())
@@ -109,6 +115,28 @@ void rank(std::vector<Combination>& all) {
   });
 }
 
+/// Brings the solutions of least cost that differ to the front, at most `count`, and gives up the
+/// others.
+void keep_best(std::vector<Solution>& solutions, std::size_t count) {
+  constexpr double same_place = 0.01;  // of the variables, most of which are logarithms
+  std::ranges::stable_sort(solutions, [](const Solution& a, const Solution& b) {
+    return a.usable != b.usable ? a.usable : a.usable && a.cost < b.cost;
+  });
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < solutions.size() && solutions[i].usable; ++i) {
+    const auto& x = solutions[i].x;
+    const bool known =
+        std::any_of(solutions.begin(), solutions.begin() + static_cast<std::ptrdiff_t>(kept),
+                    [&](const Solution& other) {
+                      return (other.x - x).lpNorm<Eigen::Infinity>() < same_place;
+                    });
+    if (known || kept == count)
+      solutions[i].usable = false;
+    else
+      std::swap(solutions[kept++], solutions[i]);
+  }
+}
+
 }  // namespace
 
 Calibration calibrate(const model::MachineFile& file, const Targets& targets, const Plan& plan,
@@ -121,19 +149,35 @@ Calibration calibrate(const model::MachineFile& file, const Targets& targets, co
   numerics::Watch watch(progress);
   const Progress show = [&](double share) { return watch.at(share); };
   const std::function<bool()> stop = [&] { return watch.stopped(); };
+  const SolverOptions to_the_end{.max_iterations = plan.options.max_iterations,
+                                 .tolerance = plan.options.tolerance,
+                                 .stop = stop};
   const auto starts = static_cast<std::size_t>(plan.options.starts);
+  const bool trial = plan.options.kept > 0 && plan.options.kept < plan.options.starts;
+  auto first = to_the_end;
+  if (trial) first.max_iterations = plan.options.trial_iterations;
   numerics::parallel_for(
       all.size() * starts, plan.options.threads,
       [&](std::size_t i) {
         auto& combination = all[i / starts];
         const auto number = static_cast<int>(i % starts);
-        combination.solutions[i % starts] =
-            solve(*combination.problem, start_of(*combination.problem, plan.options.seed, number),
-                  {.max_iterations = plan.options.max_iterations,
-                   .tolerance = plan.options.tolerance,
-                   .stop = stop});
+        combination.solutions[i % starts] = solve(
+            *combination.problem, start_of(*combination.problem, plan.options.seed, number), first);
       },
-      numerics::part_of(show, 0.0, 0.7));
+      numerics::part_of(show, 0.0, trial ? 0.4 : 0.7));
+  if (trial) {
+    const auto kept = static_cast<std::size_t>(plan.options.kept);
+    for (auto& combination : all) keep_best(combination.solutions, kept);
+    numerics::parallel_for(
+        all.size() * kept, plan.options.threads,
+        [&](std::size_t i) {
+          auto& combination = all[i / kept];
+          auto& solution = combination.solutions[i % kept];
+          if (solution.usable && !solution.converged)
+            solution = solve(*combination.problem, solution.x, to_the_end);
+        },
+        numerics::part_of(show, 0.4, 0.7));
+  }
   for (auto& combination : all) conclude(combination);
   rank(all);
   const bool try_robust = plan.options.loss == Loss::cauchy ||
@@ -178,7 +222,7 @@ Candidate compare(const model::MachineFile& file, const Targets& targets,
 
 namespace {
 
-/// The plan with the candidate's choices made, its values as starts, and one parameter held.
+/// The plan with the candidate's values as starts, and one parameter held.
 struct HeldFit {
   model::MachineFile file{};
   Plan plan{};
@@ -187,18 +231,17 @@ struct HeldFit {
 HeldFit hold(const model::MachineFile& file, const Plan& plan, const Candidate& candidate,
              int index, double value) {
   HeldFit held{file, {.options = plan.options}};
-  auto& overrides = held.file.overrides;
-  overrides.insert(overrides.end(), candidate.overrides.begin(), candidate.overrides.end());
   for (const auto& path : candidate.parameters[static_cast<std::size_t>(index)].paths)
-    overrides.push_back(fmt::format("{}={:.17g}", path, value));
+    model::assign(held.file.machine,
+                  std::array{model::Assignment{*find_parameter(held.file, path), value}});
   for (int j = 0; j < static_cast<int>(plan.free.size()); ++j) {
     if (j == index) continue;
     held.plan.free.push_back(plan.free[j]);
     const auto& p = candidate.parameters[static_cast<std::size_t>(j)];
     // at a bound, rounding may have put it outside
-    held.plan.free.back().start = fmt::format("{:.17g}", std::clamp(p.value, p.lower, p.upper));
-    held.plan.free.back().lower = fmt::format("{:.17g}", p.lower);
-    held.plan.free.back().upper = fmt::format("{:.17g}", p.upper);
+    held.plan.free.back().start = std::clamp(p.value, p.lower, p.upper);
+    held.plan.free.back().lower = p.lower;
+    held.plan.free.back().upper = p.upper;
   }
   return held;
 }
@@ -220,12 +263,8 @@ double misfit_held(const model::MachineFile& file, const Targets& targets, const
 }
 
 /// What is known of the parameter besides the data, in SI.
-std::optional<Prior> prior_of(const model::MachineFile& file, const Plan& plan,
-                              const Candidate& candidate, int index) {
-  auto with = file;
-  with.overrides.insert(with.overrides.end(), candidate.overrides.begin(),
-                        candidate.overrides.end());
-  model::VariableMachine machine(with);
+std::optional<Prior> prior_of(const model::MachineFile& file, const Plan& plan, int index) {
+  model::VariableMachine machine(file);
   std::vector<base::Diagnostic> errors;
   return make_variables({plan.free.at(static_cast<std::size_t>(index))}, machine, errors)
       .front()
@@ -284,7 +323,8 @@ Profile profile(const model::MachineFile& file, const Targets& targets, const Pl
   constexpr int points = 21;
   const auto& parameter = candidate.parameters.at(static_cast<std::size_t>(index));
   const auto range = profile_range(parameter);
-  const auto prior = prior_of(file, plan, candidate, index);
+  const auto with_choices = chosen(file, candidate);
+  const auto prior = prior_of(with_choices, plan, index);
   std::vector<std::optional<ProfilePoint>> found(points);
   numerics::Watch watch(progress);
   const Progress show = [&](double share) { return watch.at(share); };
@@ -293,7 +333,8 @@ Profile profile(const model::MachineFile& file, const Targets& targets, const Pl
       points, plan.options.threads,
       [&](std::size_t k) {
         ProfilePoint point{.value = range.at(static_cast<double>(k) / (points - 1))};
-        point.misfit = misfit_held(file, targets, plan, kind, candidate, index, point.value, stop);
+        point.misfit =
+            misfit_held(with_choices, targets, plan, kind, candidate, index, point.value, stop);
         if (prior) point.misfit += std::pow((point.value - prior->value) / prior->spread, 2);
         if (!watch.stopped()) found[k] = point;
       },

@@ -5,7 +5,6 @@
 #include "hydrapod/base/error.hpp"
 #include "hydrapod/calibration/calibrate.hpp"
 #include "hydrapod/model/file_edit.hpp"
-#include "hydrapod/model/variable_machine.hpp"
 
 namespace hydrapod::calibration {
 
@@ -49,16 +48,26 @@ model::FileEdit edit_of(const std::string& text, const std::string& path, const 
       fmt::format("{} {} (was {:.5g})", last_key(path), value_text(p, unit), before / unit.size)};
 }
 
+/// Where the number stands in the file, or where it would; an element of a tensor that is given in
+/// rows stands there twice.
+std::vector<std::string> written_paths(const model::MachineFile& file,
+                                       const model::ParameterId& id) {
+  std::vector<std::string> paths;
+  for (const auto& given : file.given)
+    if (given.id == id) paths.push_back(given.written);
+  if (paths.empty()) paths.push_back(path(file.machine, id));
+  return paths;
+}
+
 /// The text must be read as the machine that was fitted.
-void verify(const model::MachineFile& file, const std::string& text, const Candidate& candidate) {
-  model::MachineFile edited = file;
-  edited.text = text;
-  const model::VariableMachine machine(edited);
+void verify(const std::string& text, const Candidate& candidate) {
+  const auto edited = model::parse_machine(text, "calibrated machine", {}, {});
   constexpr double rounding = 1e-8;
   for (const auto& p : candidate.parameters)
     for (const auto& path : p.paths) {
-      const auto* number = machine.find(path);
-      if (number == nullptr || std::abs(number->value - p.value) > rounding * std::abs(p.value))
+      const auto id = find_parameter(edited, path);
+      const auto value = id ? model::value(edited.machine, *id) : std::nullopt;
+      if (!value || std::abs(*value - p.value) > rounding * std::abs(p.value))
         throw base::ComputationError(
             fmt::format("`{}` could not be written into the machine file", path));
     }
@@ -67,23 +76,22 @@ void verify(const model::MachineFile& file, const std::string& text, const Candi
 }  // namespace
 
 std::string calibrated_text(const model::MachineFile& file, const Candidate& candidate) {
-  model::MachineFile chosen = file;
-  chosen.overrides.insert(chosen.overrides.end(), candidate.overrides.begin(),
-                          candidate.overrides.end());
-  auto edits = model::edits_of_overrides(file.text, chosen.overrides);
+  auto overrides = file.overrides;
+  overrides.insert(overrides.end(), candidate.overrides.begin(), candidate.overrides.end());
+  auto edits = model::edits_of_overrides(file.text, overrides);
   for (auto& edit : edits) edit.remark = last_key(edit.path) + " chosen";
   const std::string with_choices = model::edited_file(file.text, edits, label);
-  const model::VariableMachine before(chosen);
+  const auto before = model::parse_machine(file.text, "machine file", overrides, {});
   for (const auto& p : candidate.parameters)
     for (const auto& path : p.paths) {
-      const auto& number = *before.find(path);
-      std::erase_if(edits, [&](const auto& edit) { return edit.path == number.path; });
-      edits.push_back(edit_of(with_choices, number.path, p, number.value));
+      const auto id = find_parameter(before, path).value();
+      for (const auto& at : written_paths(before, id)) {
+        std::erase_if(edits, [&](const auto& edit) { return edit.path == at; });
+        edits.push_back(edit_of(with_choices, at, p, value(before.machine, id).value()));
+      }
     }
   const std::string text = model::edited_file(file.text, edits, label);
-  model::MachineFile without = file;
-  without.overrides.clear();
-  verify(without, text, candidate);
+  verify(text, candidate);
   return text;
 }
 

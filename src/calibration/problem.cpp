@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <tuple>
 
 #include "hydrapod/base/error.hpp"
 #include "hydrapod/observation/pairing.hpp"
@@ -112,30 +113,55 @@ std::vector<std::size_t> Problem::targets_at(std::size_t point) const {
 }
 
 bool Problem::see_modes(const std::vector<double>& scales, State& state) const {
-  state.points.clear();
-  for (const std::size_t pose : poses_)
-    state.points.push_back(mode_point(machine_, state.values, pose, kind_, scales));
-  state.seen.resize(poses_.size());
-  for (std::size_t p = 0; p < state.points.size(); ++p) {
-    const auto& point = state.points[p];
-    state.seen[p].seen.mechanics = point.model;
-    state.seen[p].seen.modes = observation::undamped_modes(point.model, point.modes);
-    if (!pair_seen(targets_.modes, targets_at(p), state.seen[p])) return false;
+  if (state.modes_at.empty() || state.modes_at != state.values) {
+    state.modes_at.clear();
+    state.points.clear();
+    for (const std::size_t pose : poses_)
+      state.points.push_back(mode_point(machine_, state.values, pose, kind_, {}));
+    state.seen.resize(poses_.size());
+    for (std::size_t p = 0; p < poses_.size(); ++p)
+      if (!pair_modes_at(p, state)) return false;
+    state.modes_at = state.values;
+  }
+  for (std::size_t p = 0; p < poses_.size() && !scales.empty(); ++p) {
+    auto& point = state.points[p];
+    if (point.derivatives.size() == scales.size()) continue;  // known already
+    add_derivatives(machine_, state.values, poses_[p], scales, point);
+    const bool repeated = point.modes.group.back() + 1 < point.modes.size();
+    if (repeated && !pair_modes_at(p, state)) return false;  // they have another basis now
   }
   return true;
 }
 
+bool Problem::pair_modes_at(std::size_t point, State& state) const {
+  const auto& [model, modes] = std::tie(state.points[point].model, state.points[point].modes);
+  auto& seen = state.seen[point];
+  seen.seen.mechanics = model;
+  seen.seen.modes = observation::undamped_modes(model, modes);
+  return pair_seen(targets_.modes, targets_at(point), seen);
+}
+
+const control::ControllerParameters* Problem::controller(const model::NamedPose& pose) const {
+  const auto known = targets_.controllers.find(pose.name);
+  return known == targets_.controllers.end() ? nullptr : &known->second;
+}
+
 Observation Problem::see(const model::Machine& machine, std::size_t point) const {
   const auto& pose = machine.poses.at(poses_[point]);
-  const auto controller = targets_.controllers.find(pose.name);
-  return observe(machine, pose.X_BP, kind_, targets_.observed,
-                 controller == targets_.controllers.end() ? nullptr : &controller->second);
+  return observe(machine, pose.X_BP, kind_, targets_.observed, controller(pose));
+}
+
+ObservedSystem Problem::system(const model::Machine& machine, std::size_t point) const {
+  const auto& pose = machine.poses.at(poses_[point]);
+  return observed_system(machine, pose.X_BP, kind_, targets_.observed, controller(pose));
 }
 
 bool Problem::see_all(const std::vector<double>& scales, State& state) const {
   if (state.seen_at.empty() || state.seen_at != state.values) {
     state.seen.assign(poses_.size(), {});
     state.seen_at.clear();
+    state.modes_at.clear();
+    state.steps.clear();
     for (std::size_t p = 0; p < poses_.size(); ++p) {
       state.seen[p].seen = see(state.machine, p);
       if (observes_plant() && !pair_seen(targets_.modes, targets_at(p), state.seen[p]))
@@ -143,31 +169,42 @@ bool Problem::see_all(const std::vector<double>& scales, State& state) const {
     }
     state.seen_at = state.values;
   }
+  if (scales.empty() || state.steps.size() == scales.size()) return true;  // known already
   // of a relative change: far above the rounding of the plant's own differences
   constexpr double step = 1e-3;
   state.seen_below.assign(scales.size(), {});
   state.seen_above.assign(scales.size(), {});
   state.steps.clear();
-  for (std::size_t j = 0; j < scales.size(); ++j) {
-    state.steps.push_back(step * scales[j]);
-    if (!see_beside(j, -state.steps[j], state, state.seen_below[j]) ||
-        !see_beside(j, state.steps[j], state, state.seen_above[j]))
-      return false;
-  }
+  for (std::size_t j = 0; j < scales.size(); ++j)
+    if (!see_beside(j, step * scales[j], state)) return false;
   return true;
 }
 
-bool Problem::see_beside(std::size_t parameter, double step, const State& state,
-                         std::vector<SeenPoint>& seen) const {
-  std::vector<double> values = state.values;
-  values[parameter] += step;
-  const model::Machine moved = machine_.machine(values);
-  seen.assign(poses_.size(), {});
+bool Problem::see_beside(std::size_t parameter, double step, State& state) const {
+  constexpr double tiny = 1e-4;  // of the step
+  const auto moved_by = [&](double change) {
+    std::vector<double> values = state.values;
+    values[parameter] += change;
+    return machine_.machine(values);
+  };
+  const model::Machine below = moved_by(-step), above = moved_by(step);
+  auto& seen_below = state.seen_below[parameter];
+  auto& seen_above = state.seen_above[parameter];
   for (std::size_t p = 0; p < poses_.size(); ++p) {
-    seen[p].seen = see(moved, p);
-    if (observes_plant() && !follow_seen(targets_.modes, targets_at(p), state.seen[p], seen[p]))
-      return false;
+    if (!observes_plant()) {
+      seen_below.push_back({.seen = see(below, p)});
+      seen_above.push_back({.seen = see(above, p)});
+      continue;
+    }
+    const auto& center = state.seen[p];
+    const observation::Tangent tangent(center.seen, system(below, p), system(above, p), 2.0 * step);
+    for (const double side : {-tiny, tiny}) {
+      SeenPoint point{tangent.at(side * step), center.mode_of, center.group_of};
+      if (tangent.turned() && !pair_again(targets_.modes, targets_at(p), point)) return false;
+      (side < 0.0 ? seen_below : seen_above).push_back(std::move(point));
+    }
   }
+  state.steps.push_back(observes_plant() ? tiny * step : step);
   return true;
 }
 

@@ -11,6 +11,7 @@
 #include "hydrapod/calibration/plan.hpp"
 #include "hydrapod/calibration/sensitivity.hpp"
 #include "hydrapod/observation/pairing.hpp"
+#include "hydrapod/observation/tangent.hpp"
 
 namespace hydrapod::calibration {
 
@@ -19,6 +20,7 @@ using observation::MotionAgainst;
 using observation::Observation;
 using observation::Observed;
 using observation::ObservedMode;
+using observation::ObservedSystem;
 using observation::ResponseTarget;
 using observation::SeenPoint;
 using observation::Targets;
@@ -33,6 +35,7 @@ struct Prior {
 /// A parameter with everything resolved to SI.
 struct Variable {
   std::vector<std::string> paths{};
+  std::vector<model::ParameterId> ids{};
   std::string unit{};
   double start{}, lower{}, upper{};
   std::optional<Prior> prior{};
@@ -51,9 +54,11 @@ struct State {
   std::vector<double> values{};  ///< parameters [SI]
   model::Machine machine{};
   std::vector<ModePoint> points{};  ///< one per pose, where modes are those of mechanics
+  std::vector<double> modes_at{};   ///< values that `points` are of; empty: none
   std::vector<double> seen_at{};    ///< values that the responses of `seen` are of; empty: none
   std::vector<SeenPoint> seen{};    ///< one per pose; modes of mechanics are those of `points`
-  /// The same a step to each side, parameter by parameter; empty without derivatives.
+  /// The same a step to each side, parameter by parameter; of plant and system to first order
+  /// (tangent.hpp).
   std::vector<std::vector<SeenPoint>> seen_below{}, seen_above{};
   std::vector<double> steps{};  ///< [SI]
   Eigen::VectorXd margins{};    ///< admissibility
@@ -115,10 +120,12 @@ class Problem {
   void find_poses();
   [[nodiscard]] std::vector<std::size_t> targets_at(std::size_t point) const;
   bool see_modes(const std::vector<double>& scales, State& state) const;
+  bool pair_modes_at(std::size_t point, State& state) const;
   bool see_all(const std::vector<double>& scales, State& state) const;
+  [[nodiscard]] const control::ControllerParameters* controller(const model::NamedPose& pose) const;
   [[nodiscard]] Observation see(const model::Machine& machine, std::size_t point) const;
-  bool see_beside(std::size_t parameter, double step, const State& state,
-                  std::vector<SeenPoint>& seen) const;
+  [[nodiscard]] ObservedSystem system(const model::Machine& machine, std::size_t point) const;
+  bool see_beside(std::size_t parameter, double step, State& state) const;
   void add_margins(const std::vector<double>& scales, State& state) const;
 
   const model::VariableMachine& machine_;

@@ -83,10 +83,12 @@ class DampingResidual : public ResidualKind {
 
  private:
   static void add_ratio(const Problem& problem, Eigen::MatrixXd& J) {
+    static const auto ratio =
+        model::find_parameter(model::Machine{}, "damping.modal_ratio").value();
     const auto& variables = problem.variables();
     for (std::size_t j = 0; j < variables.size(); ++j)
-      for (const auto& path : variables[j].paths)
-        if (path == "damping.modal_ratio") J(0, static_cast<Eigen::Index>(j)) += 1.0;
+      if (std::ranges::count(variables[j].ids, ratio) > 0)
+        J(0, static_cast<Eigen::Index>(j)) += 1.0;
   }
 
   int target_;

@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "hydrapod/base/error.hpp"
+#include "hydrapod/dynamics/neighbour_model.hpp"
 #include "hydrapod/modal/normal_modes.hpp"
 
 namespace hydrapod::calibration {
@@ -22,13 +23,13 @@ void require_finite(const Machine& machine) {
       throw base::ComputationError("the joints' places are not finite with these values");
 }
 
-dynamics::LinearModel model_at(const model::VariableMachine& machine,
-                               const std::vector<double>& values, std::size_t pose,
-                               dynamics::ModelKind kind, const dynamics::StaticEquilibrium* start,
-                               Machine& workspace) {
+/// The machine with these values, into `workspace`, and its pose.
+const spatial::Pose& pose_at(const model::VariableMachine& machine,
+                             const std::vector<double>& values, std::size_t pose,
+                             Machine& workspace) {
   machine.machine(values, workspace);
   require_finite(workspace);
-  return dynamics::linear_model(workspace, workspace.poses.at(pose).X_BP, kind, start);
+  return workspace.poses.at(pose).X_BP;
 }
 
 /// Dampers, for instance.
@@ -53,21 +54,33 @@ ModePoint mode_point(const model::VariableMachine& machine, const std::vector<do
                      std::size_t pose, dynamics::ModelKind kind, std::span<const double> scales,
                      const dynamics::StaticEquilibrium* start) {
   Machine workspace = machine.machine(values);
-  ModePoint point{.model = model_at(machine, values, pose, kind, start, workspace)};
+  const auto& X_BP = pose_at(machine, values, pose, workspace);
+  ModePoint point{.model = dynamics::linear_model(workspace, X_BP, kind, start)};
   point.modes = modal::normal_modes(point.model);
   if (!point.modes.omega2.allFinite())
     throw base::ComputationError("the modes are not finite with these values");
-  point.domega2.resize(point.modes.size(), static_cast<Eigen::Index>(scales.size()));
-  if (scales.empty()) return point;
-  const auto* near = workspace.gravity.isZero(0.0) ? nullptr : &point.model.statics;
+  if (!scales.empty()) add_derivatives(machine, values, pose, scales, point);
+  return point;
+}
+
+void add_derivatives(const model::VariableMachine& machine, const std::vector<double>& values,
+                     std::size_t pose, std::span<const double> scales, ModePoint& point) {
+  point.derivatives.clear();
+  point.center_derivatives.clear();
+  point.against_base_derivatives.clear();
+  Machine workspace = machine.machine(values);
+  const auto model_of = [&](const std::vector<double>& at) {
+    const auto& X_BP = pose_at(machine, at, pose, workspace);
+    return dynamics::neighbour_model(workspace, X_BP, point.model);
+  };
   std::vector<double> moved = values;
   Eigen::VectorXd sizes(scales.size());
   for (std::size_t j = 0; j < scales.size(); ++j) {
     const double h = relative_step * scales[j];
     moved[j] = values[j] + h;
-    const auto above = model_at(machine, moved, pose, kind, near, workspace);
+    const auto above = model_of(moved);
     moved[j] = values[j] - h;
-    const auto below = model_at(machine, moved, pose, kind, near, workspace);
+    const auto below = model_of(moved);
     moved[j] = values[j];
     point.derivatives.push_back({(above.M - below.M) / (2.0 * h), (above.K - below.K) / (2.0 * h),
                                  (above.C - below.C) / (2.0 * h)});
@@ -77,7 +90,6 @@ ModePoint mode_point(const model::VariableMachine& machine, const std::vector<do
   }
   modal::turn_repeated(point.modes, point.derivatives, sizes);
   point.domega2 = modal::omega2_derivatives(point.modes, point.derivatives);
-  return point;
 }
 
 Sensitivities sensitivities(const model::MachineFile& file, std::size_t pose,

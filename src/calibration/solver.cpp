@@ -141,6 +141,8 @@ Solution solve(const Problem& problem, const Eigen::VectorXd& start, const Solve
   ceres::Solver::Options solver_options;
   solver_options.max_num_iterations = options.max_iterations;
   solver_options.linear_solver_type = ceres::DENSE_QR;
+  // with bounds every step is followed by a line search; this one needs no derivatives
+  solver_options.line_search_interpolation_type = ceres::QUADRATIC;
   solver_options.logging_type = ceres::SILENT;
   solver_options.num_threads = 1;
   solver_options.function_tolerance = options.tolerance;

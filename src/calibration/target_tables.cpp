@@ -52,7 +52,7 @@ std::vector<Value> tables_of(const Node& root, std::string_view key, const std::
 }
 
 Amount amount_of(const Node& node) {
-  return node.is_number() ? fmt::format("{:.17g}", node.number) : node.text;
+  return node.is_number() ? Amount(node.number) : Amount(node.text);
 }
 
 /// A number or a string; the unit is judged where the machine is known.
@@ -215,12 +215,11 @@ class TargetReader {
       return;
     }
     const std::string given = table.optional_text("name");
-    const auto frequency = amount_of(*table.find("frequency").node);
-    const std::string name =
-        !given.empty() ? given
-        : table.find("frequency").node->is_number()
-            ? fmt::format("{:g} {}", table.find("frequency").node->number, plain_unit_)
-            : frequency;
+    const auto& frequency = *table.find("frequency").node;
+    const std::string name = !given.empty() ? given
+                             : frequency.is_number()
+                                 ? fmt::format("{:g} {}", frequency.number, plain_unit_)
+                                 : frequency.text;
     for (int k = 1; k <= static_cast<int>(repeated); ++k) {
       mode.name = repeated > 1.0 ? fmt::format("{} ({})", name, k) : name;
       targets.modes.push_back(mode);

@@ -25,6 +25,7 @@ class VariableMaker {
     Variable variable{.paths = free_.paths};
     const auto* number = find_paths();
     if (number == nullptr) return variable;
+    for (const auto& path : free_.paths) variable.ids.push_back(machine_.id(path));
     variable.unit = number->unit;
     variable.start = free_.start ? amount(*free_.start, "start") : number->value;
     set_bounds(variable);
@@ -65,7 +66,13 @@ class VariableMaker {
     return first;
   }
 
-  double amount(const Amount& text, const char* what) {
+  double amount(const Amount& amount, const char* what) {
+    if (const auto* value = std::get_if<double>(&amount)) {
+      if (!std::isfinite(*value))
+        error(fmt::format("{}: is {}, expected a finite number", what, *value));
+      return *value;
+    }
+    const auto& text = std::get<std::string>(amount);
     double number = 0.0;
     const auto [end, status] = std::from_chars(text.data(), text.data() + text.size(), number);
     if (status == std::errc{} && end == text.data() + text.size()) {

@@ -117,7 +117,7 @@ Explanation Evidence::rigid() const {
   constexpr double like_rigid = 1e15;  // [N/m], [N m/rad]
   Explanation e{.rigid = true, .name = "the rigid calculation", .kind = kind_};
   const auto set = [&](const std::string& path, double value) {
-    e.overrides.push_back(fmt::format("{}={:.17g}", path, value));
+    e.changes.push_back({*find_parameter(file_, path), value});
   };
   for (int i = 0; i < model::leg_count; ++i) {
     const auto& leg = file_.machine.legs[static_cast<std::size_t>(i)];
@@ -154,18 +154,12 @@ int Evidence::starts_for(const std::vector<std::size_t>& blamed, bool known) con
 }
 
 model::MachineFile Evidence::file_with(const Explanation& e) const {
-  model::MachineFile file = file_;
-  file.overrides.insert(file.overrides.end(), e.overrides.begin(), e.overrides.end());
+  auto file = file_;
+  model::assign(file.machine, e.changes);
   return file;
 }
 
-model::MachineFile Evidence::file_at(const Explanation& e) const {
-  auto file = file_with(e);
-  for (const auto& p : e.fit.parameters)
-    for (const auto& path : p.paths)
-      file.overrides.push_back(fmt::format("{}={:.17g}", path, p.value));
-  return file;
-}
+model::MachineFile Evidence::file_at(const Explanation& e) const { return file_of(file_, e); }
 
 namespace {
 
@@ -190,18 +184,21 @@ Explanation Evidence::search(const std::vector<std::size_t>& blamed, const Targe
                              const Explanation* known, const numerics::Progress& stop) const {
   Explanation e{.suspects = blamed, .kind = kind_with(blamed)};
   calibration::Plan plan;
+  constexpr int kept = 3;
+  constexpr double enough = 1e-6;  // of a misfit, whose differences count from 1 on
   plan.options.starts = starts_for(blamed, known != nullptr);
+  plan.options.kept = plan.options.starts > 16 ? 2 * kept : kept;
+  plan.options.tolerance = enough;
   plan.options.threads = 1;
   plan.options.loss = calibration::Loss::squares;
   for (const auto k : blamed) {
     const auto& suspect = suspects_[k];
     e.name = plan.free.empty() ? suspect.name : e.name + " and " + suspect.name;
-    e.overrides.insert(e.overrides.end(), suspect.overrides.begin(), suspect.overrides.end());
+    e.changes.insert(e.changes.end(), suspect.changes.begin(), suspect.changes.end());
     for (auto free : suspect.free) {
       if (known != nullptr)
         for (const auto& p : known->fit.parameters)
-          if (p.paths == free.paths)
-            free.start = fmt::format("{:.17g}", std::clamp(p.value, p.lower, p.upper));
+          if (p.paths == free.paths) free.start = std::clamp(p.value, p.lower, p.upper);
       plan.free.push_back(free);
     }
   }
@@ -227,10 +224,10 @@ calibration::Candidate Evidence::refit(const Explanation& e, const Targets& targ
   for (const auto k : e.suspects)
     for (auto free : suspects_[k].free) {
       const auto& p = e.fit.parameters[at++];
-      if (!from_stated) free.start = fmt::format("{:.17g}", std::clamp(p.value, p.lower, p.upper));
+      if (!from_stated) free.start = std::clamp(p.value, p.lower, p.upper);
       // bounds that follow from the start stay those of the search
-      free.lower = fmt::format("{:.17g}", p.lower);
-      free.upper = fmt::format("{:.17g}", p.upper);
+      free.lower = p.lower;
+      free.upper = p.upper;
       plan.free.push_back(free);
     }
   return calibration::calibrate(file_with(e), targets, plan, e.kind, stop).best();
@@ -242,7 +239,7 @@ std::optional<calibration::Candidate> Evidence::sound_refit(const Explanation& e
                                                             const numerics::Progress& stop) const {
   try {
     auto fit = refit(e, targets, from_stated, stop);
-    static_cast<void>(file_of(file_, {.overrides = e.overrides, .fit = fit}));
+    static_cast<void>(file_of(file_, {.changes = e.changes, .fit = fit}));
     return fit;
   } catch (const base::ComputationError&) {  // it cannot stand, or
   } catch (const base::InputError&) {        // no machine, or no plant, has such numbers
@@ -364,12 +361,17 @@ std::optional<Evidence::Part> Evidence::explain_direction(std::size_t blamed, in
 }
 
 model::MachineFile file_of(const model::MachineFile& file, const Explanation& explanation) {
-  std::vector<std::string> overrides = file.overrides;
-  overrides.insert(overrides.end(), explanation.overrides.begin(), explanation.overrides.end());
+  auto changes = explanation.changes;
   for (const auto& p : explanation.fit.parameters)
-    for (const auto& path : p.paths) overrides.push_back(fmt::format("{}={:.17g}", path, p.value));
-  const auto anything = [](const model::Machine&) { return std::vector<model::Finding>{}; };
-  return model::parse_machine(file.text, "machine", overrides, anything);
+    for (const auto& path : p.paths) changes.push_back({*find_parameter(file, path), p.value});
+  auto changed = file;
+  model::assign(changed.machine, changes);
+  std::vector<base::Diagnostic> errors;
+  for (const auto& finding : model::validate(changed.machine))
+    if (finding.severity == base::Severity::error)
+      errors.push_back({.key = finding.key, .message = finding.message});
+  if (!errors.empty()) throw base::InputError(errors);
+  return changed;
 }
 
 model::Machine machine_of(const model::MachineFile& file, const Explanation& explanation) {

@@ -232,7 +232,7 @@ std::vector<std::string> parameter_words(const Explanation& e) {
                     : open ? ", not determined"
                            : "");
     // with overrides the search began elsewhere than at the file's value
-    words.push_back(e.overrides.empty()
+    words.push_back(e.changes.empty()
                         ? fmt::format("{} (stated {})", value, amount_text(p.start, 0.0, p.unit))
                         : value);
   }

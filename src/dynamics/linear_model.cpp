@@ -7,7 +7,9 @@
 
 #include "base_mount.hpp"
 #include "hydrapod/base/error.hpp"
+#include "hydrapod/dynamics/neighbour_model.hpp"
 #include "hydrapod/spatial/directions.hpp"
+#include "statics_search.hpp"
 
 namespace hydrapod::dynamics {
 
@@ -79,13 +81,12 @@ void require_equilibrium(const StaticEquilibrium& statics, ModelKind kind) {
 }
 
 /// The legs with preload; adds the platform's share of the geometric stiffness to K.
-void bend_legs(const model::Machine& machine, const kinematics::LegGeometries& geometry,
-               LinearModel& model) {
+void bend_legs(const std::array<BentLeg, model::leg_count>& bent,
+               const kinematics::LegGeometries& geometry, LinearModel& model) {
   for (int i = 0; i < model::leg_count; ++i) {
-    const auto bent = bent_leg(machine.legs[i], geometry[i].a, machine.flexible_axes,
-                               machine.gravity, model.statics.legs[i]);
-    model.legs[i] = bent.element;
-    model.K.block<3, 3>(3, 3) += rotation_curvature(bent.joint_force, geometry[i].a - model.p_BC);
+    model.legs[i] = bent[i].element;
+    model.K.block<3, 3>(3, 3) +=
+        rotation_curvature(bent[i].joint_force, geometry[i].a - model.p_BC);
   }
 }
 
@@ -104,8 +105,10 @@ std::vector<std::string> coordinate_names(ModelKind kind) {
   return names;
 }
 
-LinearModel linear_model(const model::Machine& machine, const spatial::Pose& X_BP, ModelKind kind,
-                         const StaticEquilibrium* start) {
+namespace {
+
+LinearModel assembled(const model::Machine& machine, const spatial::Pose& X_BP, ModelKind kind,
+                      const StaticsSearch& search) {
   check_piston_rings(machine, kind);
   LinearModel model{.kind = kind, .X_BP = X_BP, .p_BC = kinematics::mass_center(machine, X_BP)};
   const auto geometry = kinematics::inverse_kinematics(machine, X_BP);
@@ -116,13 +119,14 @@ LinearModel linear_model(const model::Machine& machine, const spatial::Pose& X_B
   model.C.setZero(dof, dof);
   model.M.topLeftCorner<6, 6>() = model.platform_mass;
 
-  model.statics = static_equilibrium(machine, X_BP, kind, {}, start);
+  std::array<BentLeg, model::leg_count> bent;
+  model.statics = static_equilibrium(machine, X_BP, kind, search, bent);
   require_equilibrium(model.statics, kind);
   if (machine.gravity.isZero(0.0)) {
     for (int i = 0; i < model::leg_count; ++i)
       model.legs[i] = straight_leg(machine.legs[i], geometry[i], machine.flexible_axes);
   } else {
-    bend_legs(machine, geometry, model);
+    bend_legs(bent, geometry, model);
   }
   for (int i = 0; i < model::leg_count; ++i)
     model.J[i] = joint_jacobian(model.legs[i].frame.R_BL, geometry[i].a - model.p_BC);
@@ -138,6 +142,20 @@ LinearModel linear_model(const model::Machine& machine, const spatial::Pose& X_B
   if (damping.rayleigh_mass != 0.0 || damping.rayleigh_stiffness != 0.0)
     model.C += damping.rayleigh_mass * model.M + damping.rayleigh_stiffness * model.K;
   return model;
+}
+
+}  // namespace
+
+LinearModel linear_model(const model::Machine& machine, const spatial::Pose& X_BP, ModelKind kind,
+                         const StaticEquilibrium* start) {
+  return assembled(machine, X_BP, kind, {.start = start});
+}
+
+LinearModel neighbour_model(const model::Machine& machine, const spatial::Pose& X_BP,
+                            const LinearModel& center) {
+  constexpr double first_order = 1e-6;
+  return assembled(machine, X_BP, center.kind,
+                   {.tolerance_after_step = first_order, .start = &center.statics});
 }
 
 }  // namespace hydrapod::dynamics

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "statics_search.hpp"
+
 namespace hydrapod::dynamics {
 
 namespace {
@@ -119,14 +121,14 @@ struct Problem {
 }  // namespace
 
 StaticEquilibrium static_equilibrium(const model::Machine& machine, const spatial::Pose& X_BP,
-                                     ModelKind kind, const StaticsOptions& options,
-                                     const StaticEquilibrium* start) {
+                                     ModelKind kind, const StaticsSearch& search,
+                                     std::array<BentLeg, model::leg_count>& legs) {
   StaticEquilibrium at;
   if (machine.gravity.isZero(0.0)) {
     at.status = StaticsStatus::converged;
     return at;
   }
-  if (start) at.legs = start->legs;
+  if (search.start) at.legs = search.start->legs;
   const Problem problem(machine, X_BP, kind);
   for (at.iterations = 0;; ++at.iterations) {
     const Iterate now = problem.evaluate(at);
@@ -135,16 +137,26 @@ StaticEquilibrium static_equilibrium(const model::Machine& machine, const spatia
       return at;
     }
     at.residual = now.residual;
-    if (now.residual <= options.tolerance) {
+    const double tolerance =
+        at.iterations > 0 ? search.tolerance_after_step : search.options.tolerance;
+    if (now.residual <= tolerance) {
       at.status = problem.guided(now) ? StaticsStatus::converged : StaticsStatus::folded;
+      legs = now.legs;
       return at;
     }
-    if (at.iterations == options.max_iterations) return at;
+    if (at.iterations == search.options.max_iterations) return at;
     if (!problem.step(now, at)) {
       at.status = StaticsStatus::singular;
       return at;
     }
   }
+}
+
+StaticEquilibrium static_equilibrium(const model::Machine& machine, const spatial::Pose& X_BP,
+                                     ModelKind kind, const StaticsOptions& options,
+                                     const StaticEquilibrium* start) {
+  std::array<BentLeg, model::leg_count> legs;
+  return static_equilibrium(machine, X_BP, kind, {.options = options, .start = start}, legs);
 }
 
 }  // namespace hydrapod::dynamics

@@ -170,14 +170,18 @@ std::optional<ParameterId> find_parameter(const Machine& machine, std::string_vi
   return in_table("", text, 0, all_legs);
 }
 
+std::optional<ParameterId> in_file(const MachineFile& file, ParameterId id) {
+  if (!is_shared(id)) return id;
+  id.legs = static_cast<std::uint16_t>(all_legs & ~own_legs(file, id));
+  if (id.legs == 0) return std::nullopt;
+  return id;
+}
+
 std::optional<ParameterId> find_parameter(const MachineFile& file, std::string_view path) {
   const auto written = std::find_if(file.given.begin(), file.given.end(),
                                     [&](const auto& given) { return given.written == path; });
-  auto id = written != file.given.end() ? written->id : find_parameter(file.machine, path);
-  if (!id || !is_shared(*id)) return id;
-  id->legs = static_cast<std::uint16_t>(all_legs & ~own_legs(file, *id));
-  if (id->legs == 0) return std::nullopt;
-  return id;
+  const auto id = written != file.given.end() ? written->id : find_parameter(file.machine, path);
+  return id ? in_file(file, *id) : std::nullopt;
 }
 
 std::string nearest_parameter(const MachineFile& file, std::string_view text) {

@@ -18,19 +18,27 @@ struct VariableMachine::State {
   std::vector<double> values{};
 
   void add(const ParameterId& id, bool given, unsigned line) {
-    const auto text = path(file.machine, id);
-    const auto shared = find_parameter(file, text);
-    if (!shared || std::find(ids.begin(), ids.end(), id) != ids.end()) return;
-    ids.push_back(*shared);
+    const auto number = value(file.machine, id);
+    if (!number) return;
+    ids.push_back(id);
     numbers.push_back(
-        {text, std::string{unit(file.machine, id)}, *value(file.machine, *shared), given, line});
+        {path(file.machine, id), std::string{unit(file.machine, id)}, *number, given, line});
   }
 };
 
 VariableMachine::VariableMachine(const MachineFile& file) : state_(std::make_unique<State>()) {
-  state_->file = parse_machine(file.text, "machine file", file.overrides, {});
-  for (const auto& given : state_->file.given) state_->add(given.id, true, given.line);
-  for (const auto& id : parameters(state_->file.machine)) state_->add(id, false, 0);
+  state_->file = file;
+  auto& ids = state_->ids;
+  // an element of a tensor in rows is given twice
+  for (const auto& given : file.given)
+    if (std::find(ids.begin(), ids.end(), given.id) == ids.end())
+      state_->add(given.id, true, given.line);
+  const auto count = static_cast<std::ptrdiff_t>(ids.size());
+  for (const auto& id : parameters(file.machine)) {
+    const auto known = ids.begin() + count;
+    if (std::find(ids.begin(), known, id) != known) continue;
+    if (const auto own = in_file(file, id)) state_->add(*own, false, 0);
+  }
 }
 
 VariableMachine::~VariableMachine() = default;
@@ -46,6 +54,10 @@ const FileNumber* VariableMachine::find(const std::string& path) const {
   return found == state_->ids.end()
              ? nullptr
              : &state_->numbers[static_cast<std::size_t>(found - state_->ids.begin())];
+}
+
+ParameterId VariableMachine::id(const std::string& path) const {
+  return find_parameter(state_->file, path).value();
 }
 
 std::string VariableMachine::nearest_path(const std::string& path) const {

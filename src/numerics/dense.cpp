@@ -4,6 +4,8 @@
 #include <Eigen/LU>
 #include <Eigen/QR>
 #include <Eigen/SVD>
+#include <algorithm>
+#include <vector>
 
 namespace hydrapod::numerics {
 
@@ -15,6 +17,62 @@ EigenPairs eigen_pairs(const MatrixXd& A) {
   const Eigen::EigenSolver<MatrixXd> solver(A);
   if (solver.info() != Eigen::Success) return {};
   return {solver.eigenvalues(), solver.eigenvectors(), true};
+}
+
+namespace {
+
+using Indices = std::vector<Eigen::Index>;
+
+/// States that act on state i, itself among them; more than `most` + 1 are not looked for.
+Indices acting_on(const MatrixXd& A, Eigen::Index i, std::size_t most) {
+  Indices found{i};
+  for (std::size_t next = 0; next < found.size() && found.size() <= most; ++next)
+    for (Eigen::Index j = 0; j < A.cols(); ++j)
+      if (A(found[next], j) != 0.0 && std::ranges::count(found, j) == 0) found.push_back(j);
+  return found;
+}
+
+EigenSystem plain_system(const MatrixXd& A) {
+  auto pairs = eigen_pairs(A);
+  if (!pairs.converged) return {};
+  MatrixXcd left = inverse(pairs.vectors);
+  return {std::move(pairs.values), std::move(pairs.vectors), std::move(left), true};
+}
+
+}  // namespace
+
+EigenSystem eigen_system(const MatrixXd& A) {
+  if (!A.allFinite()) return {};
+  const auto n = A.rows();
+  const auto few = static_cast<std::size_t>(n) / 8;
+  Indices first, second;
+  for (Eigen::Index i = 0; i < n; ++i)
+    (acting_on(A, i, few).size() <= few ? second : first).push_back(i);
+  if (second.empty() || first.empty()) return plain_system(A);
+  const auto one = plain_system(A(first, first)), two = plain_system(A(second, second));
+  if (!one.converged || !two.converged) return {};
+  MatrixXcd Z = one.left * A(first, second).cast<std::complex<double>>() * two.right;
+  const double coincide =
+      1e-10 * std::max(one.values.cwiseAbs().maxCoeff(), two.values.cwiseAbs().maxCoeff());
+  for (Eigen::Index k = 0; k < Z.cols(); ++k)
+    for (Eigen::Index j = 0; j < Z.rows(); ++j) {
+      const auto apart = two.values[k] - one.values[j];
+      if (std::abs(apart) < coincide) return plain_system(A);
+      Z(j, k) /= apart;
+    }
+  const auto n1 = one.values.size(), n2 = two.values.size();
+  EigenSystem both{.converged = true};
+  both.values.resize(n);
+  both.values << one.values, two.values;
+  both.right.setZero(n, n);
+  both.left.setZero(n, n);
+  both.right(first, Eigen::seqN(0, n1)) = one.right;
+  both.right(first, Eigen::seqN(n1, n2)) = one.right * Z;
+  both.right(second, Eigen::seqN(n1, n2)) = two.right;
+  both.left(Eigen::seqN(0, n1), first) = one.left;
+  both.left(Eigen::seqN(0, n1), second) = -Z * two.left;
+  both.left(Eigen::seqN(n1, n2), second) = two.left;
+  return both;
 }
 
 Eigen::VectorXcd eigenvalues(const MatrixXd& A) {

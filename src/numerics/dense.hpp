@@ -17,6 +17,18 @@ struct EigenPairs {
 };
 EigenPairs eigen_pairs(const Eigen::MatrixXd& A);
 
+/// The same with the inverse of the vectors' matrix: A = right diag(values) left. States that only
+/// a few others act on, as those of filters and valves in front of a machine, are solved apart:
+///
+///     A = [A₁ B; 0 A₂],   right = [V₁ V₁Z; 0 V₂],   left = [V₁⁻¹ −Z V₂⁻¹; 0 V₂⁻¹],
+///     Z_jk = (V₁⁻¹ B V₂)_jk / (μ_k − λ_j)
+struct EigenSystem {
+  Eigen::VectorXcd values{};  ///< conjugates are neighbours, Im > 0 first
+  Eigen::MatrixXcd right{}, left{};
+  bool converged = false;  ///< else, and where A is not finite, all is empty
+};
+EigenSystem eigen_system(const Eigen::MatrixXd& A);
+
 /// The eigenvalues alone; empty where A is not finite or the iteration did not converge.
 Eigen::VectorXcd eigenvalues(const Eigen::MatrixXd& A);
 

@@ -5,7 +5,8 @@
 
 #include "hydrapod/base/error.hpp"
 #include "hydrapod/modal/damped_modes.hpp"
-#include "hydrapod/simulation/linear_system.hpp"
+#include "hydrapod/observation/tangent.hpp"
+#include "modal_form.hpp"
 #include "numerics/dense.hpp"
 
 namespace hydrapod::observation {
@@ -19,29 +20,40 @@ using Eigen::MatrixXd;
 std::size_t number(Entry entry) { return static_cast<std::size_t>(entry); }
 
 /// Of a system in states that matter alike.
-numerics::EigenPairs solved(const MatrixXd& A) {
+numerics::EigenSystem solved(const MatrixXd& A) {
   if (!A.allFinite()) throw base::ComputationError("the plant is not finite with these values");
-  auto pairs = numerics::eigen_pairs(A);
-  if (!pairs.converged)
+  auto system = numerics::eigen_system(A);
+  if (!system.converged)
     throw base::ComputationError("the poles of the plant could not be computed");
-  return pairs;
+  return system;
+}
+
+/// Scales the pole's column of V, and what follows from it.
+void scale_column(Eigen::Index k, double factor, Observation& seen) {
+  seen.to_base.col(k) *= factor;
+  seen.to_ground.col(k) *= factor;
+  for (auto& input : seen.inputs)
+    if (input.size() > 0) input.row(k) /= factor;
+  if (seen.command_speed.size() > 0) seen.command_speed.row(k) /= factor;
+  if (seen.right.size() == 0) return;
+  seen.right.col(k) *= factor;
+  seen.left.row(k) /= factor;
 }
 
 /// Fills in the modes. `motion`: of mechanics in all its coordinates, the platform's against the
 /// ground, a column per pole.
-void add_modes(const MatrixXcd& motion, Entry entry, Observation& seen) {
-  Eigen::VectorXd unit = Eigen::VectorXd::Ones(6);
-  if (entry == Entry::forces) unit = seen.mechanics.platform_mass.diagonal().cwiseAbs().cwiseSqrt();
+void add_modes(const MatrixXcd& motion, Observation& seen) {
   for (Eigen::Index k = 0; k < seen.poles.size(); ++k) {
     if (!(seen.poles[k].imag() > 0.0)) continue;
-    ObservedMode mode{
-        .pole = seen.poles[k], .shape = motion.col(k), .against_base = seen.to_base.col(k)};
-    const Eigen::VectorXcd momentum = seen.mechanics.M.cast<Complex>() * mode.shape;
-    const double energy = mode.shape.dot(momentum).real();
+    const Eigen::VectorXcd shape = motion.col(k);
+    const Eigen::VectorXcd momentum = seen.mechanics.M.cast<Complex>() * shape;
+    const double energy = shape.dot(momentum).real();
     if (!(energy > 0.0)) continue;  // oil and valves alone
-    mode.shape /= std::sqrt(energy);
-    mode.against_base /= std::sqrt(energy);
-    mode.input = std::sqrt(energy) * seen.inputs[number(entry)].row(k) * unit.asDiagonal();
+    const double factor = 1.0 / std::sqrt(energy);
+    scale_column(k, factor, seen);
+    scale_column(k + 1, factor, seen);  // its conjugate
+    ObservedMode mode{.column = k, .shape = factor * shape};
+    describe_mode(seen, mode);
     seen.modes.push_back(std::move(mode));
   }
   std::ranges::sort(seen.modes, {}, &ObservedMode::omega);
@@ -61,7 +73,7 @@ void observe_mechanics(const model::Machine& machine, Observation& seen) {
   A.bottomLeftCorner(n, n) = (-modes.omega2.cwiseQuotient(rate)).asDiagonal();
   A.bottomRightCorner(n, n) =
       -modal::modal_damping_matrix(model, modes, modal::modal_ratio(machine).value);
-  const auto [poles, V, converged] = solved(A);
+  const auto [poles, V, W, converged] = solved(A);
   seen.poles = poles;
   const MatrixXcd motion =
       (modes.shapes * rate.cwiseInverse().asDiagonal()).cast<Complex>() * V.topRows(n);
@@ -69,43 +81,67 @@ void observe_mechanics(const model::Machine& machine, Observation& seen) {
   seen.to_base = model.against_base.cast<Complex>() * seen.to_ground;
   MatrixXd B = MatrixXd::Zero(2 * n, 6);
   B.bottomRows(n) = modes.shapes.topRows<6>().transpose();
-  seen.inputs[number(Entry::forces)] = numerics::solve(V, B.cast<Complex>());
-  add_modes(motion, Entry::forces, seen);
+  seen.inputs[number(Entry::forces)] = W * B.cast<Complex>();
+  add_modes(motion, seen);
 }
 
-void observe_hydraulics(const model::Machine& machine, bool closed,
-                        const control::ControllerParameters* controller, Observation& seen) {
-  const auto& model = seen.mechanics;
-  const auto system = simulation::linear_system(
-      machine, model.X_BP,
-      {.kind = model.kind, .closed = closed, .sampled = false, .controller = controller});
-  const auto& scales = system.scales;
-  const auto [poles, scaled, converged] =
-      solved(scales.cwiseInverse().asDiagonal() * system.A * scales.asDiagonal());
+void observe_hydraulics(const ObservedSystem& system, bool closed, Observation& seen) {
+  const auto& linear = system.linear;
+  const auto& scales = linear.scales;
+  const auto [poles, scaled, unscaled, converged] =
+      solved(scales.cwiseInverse().asDiagonal() * linear.A * scales.asDiagonal());
   seen.poles = poles;
-  const MatrixXcd V = scales.asDiagonal() * scaled;
-  const MatrixXcd to_modes = numerics::inverse(scaled) * scales.cwiseInverse().asDiagonal();
+  seen.right = scales.asDiagonal() * scaled;
+  seen.left = unscaled * scales.cwiseInverse().asDiagonal();
   const auto entering = [&](const MatrixXd& B) -> MatrixXcd {
-    return to_modes * B.cast<Complex>();
+    return seen.left * B.cast<Complex>();
   };
-  seen.inputs[number(Entry::forces)] = entering(system.B_wrench);
+  seen.inputs[number(Entry::forces)] = entering(linear.B_wrench);
   if (closed) {
-    seen.inputs[number(Entry::commands)] = entering(system.B_command);
-    seen.command_speed = entering(system.B_velocity);
+    seen.inputs[number(Entry::commands)] = entering(linear.B_command);
+    seen.command_speed = entering(linear.B_velocity);
   } else {
-    seen.inputs[number(Entry::valves)] = entering(system.B_valve);
+    seen.inputs[number(Entry::valves)] = entering(linear.B_valve);
   }
   // the mechanics' coordinates are the first states, the platform's against the base
-  MatrixXcd motion = V.topRows(model.dof());
+  MatrixXcd motion = seen.right.topRows(seen.mechanics.dof());
   seen.to_base = motion.topRows<6>();
-  spatial::Matrix6 to_center = spatial::Matrix6::Identity();
-  to_center.topRightCorner<3, 3>() = -spatial::skew(model.p_BC - model.X_BP.p_BP);
-  seen.to_ground = seen.to_base + (to_center * (system.C_ground - system.C)).cast<Complex>() * V;
+  seen.to_ground = seen.to_base + system.carried.cast<Complex>() * seen.right;
   motion.topRows<6>() = seen.to_ground;
-  add_modes(motion, closed ? Entry::forces : Entry::valves, seen);
+  add_modes(motion, seen);
 }
 
 }  // namespace
+
+ObservedSystem observed_system(const model::Machine& machine, const spatial::Pose& X_BP,
+                               dynamics::ModelKind kind, Observed observed,
+                               const control::ControllerParameters* controller) {
+  ObservedSystem system{.X_BP = X_BP, .p_BC = kinematics::mass_center(machine, X_BP)};
+  system.platform_mass.setZero();
+  system.platform_mass.diagonal().head<3>().setConstant(machine.platform.mass);
+  system.platform_mass.bottomRightCorner<3, 3>() =
+      X_BP.R_BP * machine.platform.inertia * X_BP.R_BP.transpose();
+  system.linear = simulation::linear_system(machine, X_BP,
+                                            {.kind = kind,
+                                             .closed = observed == Observed::system,
+                                             .sampled = false,
+                                             .controller = controller});
+  spatial::Matrix6 to_center = spatial::Matrix6::Identity();
+  to_center.topRightCorner<3, 3>() = -spatial::skew(system.p_BC - X_BP.p_BP);
+  system.carried = to_center * (system.linear.C_ground - system.linear.C);
+  return system;
+}
+
+void describe_mode(const Observation& seen, ObservedMode& mode) {
+  const bool by_valves = seen.inputs[number(Entry::valves)].cols() > 0;
+  Eigen::VectorXd unit = Eigen::VectorXd::Ones(6);
+  if (!by_valves) unit = seen.mechanics.platform_mass.diagonal().cwiseAbs().cwiseSqrt();
+  mode.pole = seen.poles[mode.column];
+  mode.shape.head<6>() = seen.to_ground.col(mode.column);
+  mode.against_base = seen.to_base.col(mode.column);
+  mode.input = seen.inputs[number(by_valves ? Entry::valves : Entry::forces)].row(mode.column) *
+               unit.asDiagonal();
+}
 
 bool can_enter(Observed observed, Entry entry) {
   switch (entry) {
@@ -141,7 +177,8 @@ Observation observe(const model::Machine& machine, const spatial::Pose& X_BP,
   if (observed == Observed::mechanics)
     observe_mechanics(machine, seen);
   else
-    observe_hydraulics(machine, observed == Observed::system, controller, seen);
+    observe_hydraulics(observed_system(machine, X_BP, kind, observed, controller),
+                       observed == Observed::system, seen);
   return seen;
 }
 

@@ -316,38 +316,18 @@ bool pair_seen(std::span<const ModeTarget> targets, const std::vector<std::size_
   return pair_among(targets, here, modes, group_of_mode, point, options);
 }
 
-bool follow_seen(std::span<const ModeTarget> targets, const std::vector<std::size_t>& here,
-                 const SeenPoint& center, SeenPoint& point, const ObservationOptions& options) {
-  point.mode_of.assign(targets.size(), -1);
-  point.group_of.assign(targets.size(), {});
-  // modes of the centre's groups, and which they are now
-  std::vector<int> old;
-  for (const auto i : here)
-    for (const int k : center.group_of[i])
-      if (std::ranges::find(old, k) == old.end()) old.push_back(k);
-  const auto& before = center.seen.modes;
-  const auto& now = point.seen.modes;
-  if (old.size() > now.size()) return false;
-  Eigen::MatrixXd cost(old.size(), now.size());
-  for (Eigen::Index i = 0; i < cost.rows(); ++i)
-    for (Eigen::Index k = 0; k < cost.cols(); ++k) {
-      const Complex pole = before[static_cast<std::size_t>(old[static_cast<std::size_t>(i)])].pole;
-      cost(i, k) = std::abs(now[static_cast<std::size_t>(k)].pole - pole) / std::abs(pole);
-    }
-  if (!cost.allFinite()) return false;
-  const auto became = assign(cost);
+bool pair_again(std::span<const ModeTarget> targets, const std::vector<std::size_t>& here,
+                SeenPoint& point, const ObservationOptions& options) {
   std::vector<bool> done(targets.size(), false);
   for (const auto i : here) {
     if (done[i]) continue;
+    const auto group = point.group_of[i];
     std::vector<std::size_t> together;  // targets in the same group
     for (const auto other : here)
-      if (center.group_of[other] == center.group_of[i]) {
+      if (point.group_of[other] == group) {
         together.push_back(other);
         done[other] = true;
       }
-    std::vector<int> group;
-    for (const int k : center.group_of[i])
-      group.push_back(became[static_cast<std::size_t>(std::ranges::find(old, k) - old.begin())]);
     const std::vector<const std::vector<int>*> same(group.size(), &group);
     if (!pair_among(targets, together, group, same, point, options)) return false;
   }

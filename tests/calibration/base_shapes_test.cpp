@@ -156,10 +156,8 @@ TEST(BaseShapesAlone, TellTheStiffnessOfTheMount) {
     Plan plan;
     for (const char* path : {"base.mount.stiffness.x", "base.mount.stiffness.rx"}) {
       const double value = numbers.find(path)->value;
-      plan.free.push_back({.paths = {path},
-                           .start = fmt::format("{:.17g}", 1.4 * value),
-                           .lower = fmt::format("{:.17g}", 0.2 * value),
-                           .upper = fmt::format("{:.17g}", 5.0 * value)});
+      plan.free.push_back(
+          {.paths = {path}, .start = 1.4 * value, .lower = 0.2 * value, .upper = 5.0 * value});
     }
     plan.options.starts = 1;
     const auto right = calibrate(truth, targets, plan, ModelKind::rigid).best();

@@ -50,9 +50,9 @@ inline void recover(std::uint64_t machine_seed, std::uint64_t noise_seed, bool g
   plan.options.threads = 1;
   for (auto& free : plan.free) {
     const double value = numbers.find(free.paths.front())->value;
-    free.start = fmt::format("{:.17g}", value * random.uniform(0.7, 1.5));
-    free.lower = fmt::format("{:.17g}", value > 0.0 ? value / 8.0 : value * 8.0);
-    free.upper = fmt::format("{:.17g}", value > 0.0 ? value * 8.0 : value / 8.0);
+    free.start = value * random.uniform(0.7, 1.5);
+    free.lower = value > 0.0 ? value / 8.0 : value * 8.0;
+    free.upper = value > 0.0 ? value * 8.0 : value / 8.0;
   }
   const auto result =
       calibration::calibrate(truth, targets, plan, dynamics::ModelKind::guide).best();

@@ -66,8 +66,8 @@ loss = "cauchy"
   EXPECT_EQ(x.shape_against, MotionAgainst::ground);
   ASSERT_EQ(plan.free.size(), 1U);
   EXPECT_EQ(plan.free[0].paths.size(), 2U);
-  EXPECT_EQ(*plan.free[0].upper, "90");
-  EXPECT_EQ(plan.free[0].prior->spread, "2 kg m^2");
+  EXPECT_EQ(plan.free[0].upper, Amount(90.0));
+  EXPECT_EQ(plan.free[0].prior->spread, Amount("2 kg m^2"));
   EXPECT_EQ(plan.alternatives[0].choices[1].overrides[0], "model.flexible_axes=gimbal");
   EXPECT_EQ(plan.options.starts, 3);
   EXPECT_EQ(plan.options.loss, Loss::cauchy);

@@ -46,20 +46,20 @@ TEST(Suspects, OfEveryMachineCoverWhatCanBeWrong) {
   }
 }
 
-/// Every free number is one of the file's with the suspect's overrides, starts within its bounds,
+/// Every free number is one of the file's with the suspect's changes, starts within its bounds,
 /// and moving it moves a mode.
 TEST(Suspects, HaveNumbersThatMoveModes) {
   for (const auto& text : texts()) {
     const auto file = test::machine_file(text);
     for (const auto& suspect : suspects_of(file)) {
       auto with = file;
-      with.overrides = suspect.overrides;
+      model::assign(with.machine, suspect.changes);
       model::VariableMachine machine(with);
       const auto kind = suspect.needs_rings ? ModelKind::full : ModelKind::guide;
       const auto before = omega2(machine.machine({}), kind);
       for (const auto& free : suspect.free) {
-        const double start = std::stod(*free.start), low = std::stod(*free.lower),
-                     high = std::stod(*free.upper);
+        const double start = std::get<double>(*free.start), low = std::get<double>(*free.lower),
+                     high = std::get<double>(*free.upper);
         EXPECT_LE(low, start) << suspect.name;
         EXPECT_GE(high, start) << suspect.name;
         for (const auto& path : free.paths) {
@@ -83,9 +83,8 @@ TEST(Suspects, BeginNearTheMachineAsStated) {
     const auto file = test::machine_file(text);
     const auto stated = omega2(file.machine, ModelKind::guide);
     for (const auto& suspect : suspects_of(file)) {
-      if (suspect.overrides.empty() || suspect.needs_rings) continue;
-      auto with = test::machine_file(text, suspect.overrides);
-      const auto begun = omega2(with.machine, ModelKind::guide);
+      if (suspect.changes.empty() || suspect.needs_rings) continue;
+      const auto begun = omega2(model::with(file.machine, suspect.changes), ModelKind::guide);
       EXPECT_LT((begun - stated).cwiseQuotient(stated).cwiseAbs().maxCoeff(), 0.1) << suspect.name;
     }
   }

@@ -33,6 +33,30 @@ TEST(Dense, EigenPairsAreThoseOfTheMatrix) {
   EXPECT_LT((eigenvalues(A) - pairs.values).norm(), 1e-12 * A.norm());
 }
 
+/// As it is, and with two pairs of states that no other acts on, at any place.
+TEST(Dense, EigenSystemIsThatOfTheMatrix) {
+  test::Random random(79);
+  for (const bool cascade : {false, true}) {
+    MatrixXd A = random_matrix(random, 29, 29);
+    for (const Index first : {3, 17}) {
+      if (!cascade) continue;
+      A.middleRows(first, 2).setZero();
+      A.block(first, first, 2, 2) << 0.0, 1.0, -12.1, -0.37;
+    }
+    const auto system = eigen_system(A);
+    ASSERT_TRUE(system.converged);
+    const MatrixXcd& V = system.right;
+    EXPECT_LT((A.cast<Complex>() * V - V * system.values.asDiagonal()).norm(),
+              1e-10 * A.norm() * V.norm());
+    EXPECT_LT((system.left * V - MatrixXcd::Identity(29, 29)).norm(), 1e-10);
+    for (Index k = 0; k < 29; ++k)
+      if (system.values[k].imag() > 0.0) {
+        EXPECT_LT(std::abs(system.values[k + 1] - std::conj(system.values[k])), 1e-13);
+        EXPECT_LT((V.col(k + 1) - V.col(k).conjugate()).norm(), 1e-12 * V.col(k).norm());
+      }
+  }
+}
+
 TEST(Dense, EigenvaluesOfAKnownSpectrum) {
   // x˙˙ + 0.37 x˙ + 12.1 x = 0
   MatrixXd A(2, 2);
@@ -50,6 +74,7 @@ TEST(Dense, WhatIsNotFiniteDoesNotConverge) {
   MatrixXd A = MatrixXd::Identity(3, 3);
   A(1, 2) = std::numeric_limits<double>::quiet_NaN();
   EXPECT_FALSE(eigen_pairs(A).converged);
+  EXPECT_FALSE(eigen_system(A).converged);
   EXPECT_EQ(eigenvalues(A).size(), 0);
 }
 

@@ -4,12 +4,14 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <variant>
 #include <vector>
 
 namespace hydrapod::calibration {
 
-/// A number as somebody wrote it, "12 kg" or "12"; its unit is that of the path it is meant for.
-using Amount = std::string;
+/// A number [SI], or a quantity as somebody wrote it, "12 kg", in a unit of the path it is meant
+/// for.
+using Amount = std::variant<double, std::string>;
 
 /// Knowledge about a parameter besides the data: Gaussian, value ± spread.
 struct PriorAmounts {
@@ -56,6 +58,9 @@ enum class Loss {
 struct FitOptions {
   int starts{8};          ///< per combination, the first at the start values, the others at random
   std::uint64_t seed{1};  ///< of the random starts
+  /// Starts that go on after `trial_iterations`: those of least cost that differ; 0: all do.
+  int kept{};
+  int trial_iterations{10};
   Loss loss{Loss::automatic};
   int max_iterations{200};
   double tolerance{1e-9};  ///< relative change of the cost that ends a fit

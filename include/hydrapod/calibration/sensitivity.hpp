@@ -34,6 +34,11 @@ ModePoint mode_point(const model::VariableMachine& machine, const std::vector<do
                      std::size_t pose, dynamics::ModelKind kind, std::span<const double> scales,
                      const dynamics::StaticEquilibrium* start = nullptr);
 
+/// Adds the derivatives by the parameters to a point that was made without, at the same values.
+/// Turns the basis of modes that repeat to the parameter that parts them most.
+void add_derivatives(const model::VariableMachine& machine, const std::vector<double>& values,
+                     std::size_t pose, std::span<const double> scales, ModePoint& point);
+
 /// One mode's frequency against all numbers of the file.
 struct Sensitivities {
   ModePoint point{};

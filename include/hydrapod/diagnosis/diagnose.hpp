@@ -48,7 +48,7 @@ struct Explanation {
   bool rigid{};                         ///< the rigid calculation
   std::string name{};                   ///< "the machine as stated", "guide sleeves of all legs"
   dynamics::ModelKind kind{};
-  std::vector<std::string> overrides{};  ///< what it needs before its parameters
+  std::vector<model::Assignment> changes{};  ///< what it needs before its parameters
   int parameters{};
   double misfit{};
   double criterion{};
@@ -114,7 +114,8 @@ struct Diagnosis {
   [[nodiscard]] const Explanation& as_stated() const;
 };
 
-/// The machine file as an explanation has it, by overrides; not validated.
+/// The machine as an explanation has it, beside the text of the file. Throws base::InputError where
+/// no machine has such numbers.
 model::MachineFile file_of(const model::MachineFile& file, const Explanation& explanation);
 model::Machine machine_of(const model::MachineFile& file, const Explanation& explanation);
 

@@ -23,8 +23,8 @@ struct Suspect {
   std::string family{};
   std::optional<int> leg{};  ///< 0…5; none: all legs, or no leg at all
   std::vector<calibration::FreeParameter> free{};
-  std::vector<std::string> overrides{};  ///< what the model needs before it can have this fault
-  bool needs_rings{};                    ///< the model with piston rings
+  std::vector<model::Assignment> changes{};  ///< what the model needs before it can have this fault
+  bool needs_rings{};                        ///< the model with piston rings
   /// Tried in pairs. Off for those that another one stands for (air and gimbals change the same
   /// springs as the bulk modulus, only otherwise from pose to pose).
   bool in_pairs{true};

@@ -131,6 +131,10 @@ std::optional<ParameterId> find_parameter(const Machine& machine, std::string_vi
 /// Nothing where all of them have.
 std::optional<ParameterId> find_parameter(const MachineFile& file, std::string_view path);
 
+/// The number in a file: one of all legs is then of those that have no value of their own. Nothing
+/// where all of them have.
+std::optional<ParameterId> in_file(const MachineFile& file, ParameterId id);
+
 /// The path in `file` most like `path`; empty where none is near.
 std::string nearest_parameter(const MachineFile& file, std::string_view path);
 

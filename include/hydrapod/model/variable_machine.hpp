@@ -6,9 +6,7 @@
 /// rules for what legs share. Optional numbers that the file leaves out have their default and can
 /// be varied too, and what all legs share can be varied for one of them.
 ///
-/// Most numbers enter the machine as they are. For these the change of the machine per change of
-/// the number is taken once, by reading the file with two other values, and machine(…) only adds.
-/// Numbers that do more (the radius of a joint circle) make machine(…) read the whole tree again.
+/// No text is read: the machine takes the values by assignments (parameters.hpp).
 
 #include <memory>
 #include <string>
@@ -32,7 +30,7 @@ using TiedPaths = std::vector<std::string>;
 
 class VariableMachine {
  public:
-  /// Reads `file.text` with `file.overrides` again. Throws base::InputError as parse_machine does.
+  /// Of `file.machine`, which need not be what the text of the file says.
   explicit VariableMachine(const MachineFile& file);
   ~VariableMachine();
   VariableMachine(VariableMachine&&) noexcept;
@@ -43,6 +41,8 @@ class VariableMachine {
   [[nodiscard]] const std::vector<FileNumber>& numbers() const;
   /// The number at `path`; null when there is none.
   [[nodiscard]] const FileNumber* find(const std::string& path) const;
+  /// Its id. Throws std::bad_optional_access where find() knows none.
+  [[nodiscard]] ParameterId id(const std::string& path) const;
   /// The path most like `path`; empty when none is near.
   [[nodiscard]] std::string nearest_path(const std::string& path) const;
 

@@ -24,6 +24,7 @@ namespace hydrapod::observation {
 /// A pole with a frequency.
 struct ObservedMode {
   std::complex<double> pole{};  ///< λ [1/s], Im > 0
+  Eigen::Index column{};        ///< of Observation::poles
   /// Motion of mechanics in its coordinates (linear_model.hpp), against the ground, scaled to
   /// φᴴ M φ = 1.
   Eigen::VectorXcd shape{};
@@ -54,6 +55,7 @@ struct Observation {
   /// input.
   std::array<Eigen::MatrixXcd, 3> inputs{};
   Eigen::MatrixXcd command_speed{};  ///< V⁻¹ B per speed of the command
+  Eigen::MatrixXcd right{}, left{};  ///< V and V⁻¹, of plant and system
 
   /// H(s): 6 directions of the mass centre × 6 inputs; `window`: as an average over blocks shows
   /// it. Throws std::invalid_argument for an entry that the system does not have.

@@ -114,10 +114,9 @@ struct SeenPoint {
 bool pair_seen(std::span<const ModeTarget> targets, const std::vector<std::size_t>& here,
                SeenPoint& point, const ObservationOptions& options = {});
 
-/// The same for a machine a little beside that of `center`: groups are those of the centre, so that
-/// differences are those of one and the same mode. False where modes were lost.
-bool follow_seen(std::span<const ModeTarget> targets, const std::vector<std::size_t>& here,
-                 const SeenPoint& center, SeenPoint& point, const ObservationOptions& options = {});
+/// Pairs again within the groups of `point`, whose modes have moved or have another basis.
+bool pair_again(std::span<const ModeTarget> targets, const std::vector<std::size_t>& here,
+                SeenPoint& point, const ObservationOptions& options = {});
 
 struct Resonance {
   int direction{};    ///< 0…5, x … rz: what the platform mostly does

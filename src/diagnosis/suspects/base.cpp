@@ -40,7 +40,7 @@ std::vector<Suspect> base(const model::MachineFile& file) {
       if (machine.base_mount) stated = machine.base_mount->stiffness[at];
       const double value = stated.value_or(stiff * std::abs(of_legs[way.directions[0]]));
       const std::string path = std::string("base.mount.stiffness.") + way.keys[k];
-      if (!stated) suspect.overrides.push_back(fmt::format("{}={:.17g}", path, value));
+      if (!stated) suspect.changes.push_back(change(file, path, value));
       if (k == 0) free = within(path, value, factor);
       if (k > 0) free.paths.push_back(path);
     }

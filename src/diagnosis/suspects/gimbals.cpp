@@ -23,7 +23,7 @@ std::vector<Suspect> gimbals(const model::MachineFile& file) {
         .free = {within(path, k, factor)},
         .in_pairs = false};
     if (i >= 0) suspect.leg = i;
-    if (!leg.gimbal_stiffness) suspect.overrides = {fmt::format("{}={:.17g}", path, k)};
+    if (!leg.gimbal_stiffness) suspect.changes = {change(file, path, k)};
     suspects.push_back(suspect);
   }
   return suspects;

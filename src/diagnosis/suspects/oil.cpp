@@ -15,7 +15,8 @@ std::pair<const char*, double> spring_number(const model::Leg& leg) {
 }
 
 /// Air in all legs; where the file has none, from next to nothing, at a usual chamber pressure.
-Suspect entrained_air(const model::Cylinder& cylinder) {
+Suspect entrained_air(const model::MachineFile& file) {
+  const auto& cylinder = *file.machine.legs[0].oil_spring.cylinder;
   constexpr double least = 1e-4, most = 0.25, usual_pressure = 4e6;
   Suspect air{.name = "entrained air in all legs",
               .statement = "the oil of all legs carries more or less air than stated",
@@ -24,12 +25,12 @@ Suspect entrained_air(const model::Cylinder& cylinder) {
   double fraction = 1e-3;
   if (cylinder.air && cylinder.air->fraction > least) fraction = cylinder.air->fraction;
   if (!cylinder.air)
-    air.overrides = {fmt::format("legs.oil_spring.cylinder.air.pressure={:.17g}", usual_pressure),
-                     fmt::format("legs.oil_spring.cylinder.air.fraction={:.17g}", fraction)};
+    air.changes = {change(file, "legs.oil_spring.cylinder.air.pressure", usual_pressure),
+                   change(file, "legs.oil_spring.cylinder.air.fraction", fraction)};
   air.free = {{.paths = {"legs.oil_spring.cylinder.air.fraction"},
-               .start = fmt::format("{:.17g}", fraction),
-               .lower = fmt::format("{:.17g}", least),
-               .upper = fmt::format("{:.17g}", most)}};
+               .start = fraction,
+               .lower = least,
+               .upper = most}};
   return air;
 }
 
@@ -52,11 +53,9 @@ Suspect volume(const model::MachineFile& file, const char* side, int leg) {
   if (leg >= 0) suspect.leg = leg;
   const double start = std::max(stated, 0.01 * swept);
   const std::string path = leg < 0 ? "legs." + rest : leg_path(leg, rest.c_str());
-  if (start != stated) suspect.overrides = {fmt::format("{}={:.17g}", path, start)};
-  suspect.free = {{.paths = {path},
-                   .start = fmt::format("{:.17g}", start),
-                   .lower = fmt::format("{:.17g}", 1e-4 * swept),
-                   .upper = fmt::format("{:.17g}", 5.0 * swept + stated)}};
+  if (start != stated) suspect.changes = {change(file, path, start)};
+  suspect.free = {
+      {.paths = {path}, .start = start, .lower = 1e-4 * swept, .upper = 5.0 * swept + stated}};
   return suspect;
 }
 
@@ -81,7 +80,7 @@ std::vector<Suspect> oil(const model::MachineFile& file) {
          .free = {within(leg_path(i, own), stated, factor)}});
   }
   if (!from_modulus) return suspects;
-  suspects.push_back(entrained_air(*first.oil_spring.cylinder));
+  suspects.push_back(entrained_air(file));
   if (first.oil_spring.cylinder->volumes == model::VolumeRule::equal) return suspects;
   for (const char* side : {"cap", "rod"})
     for (int leg = -1; leg < model::leg_count; ++leg) suspects.push_back(volume(file, side, leg));

@@ -14,10 +14,10 @@ std::vector<Suspect> piston_rings(const model::MachineFile& file) {
   std::vector<Suspect> suspects;
   const double stated =
       leg.piston_ring ? leg.piston_ring->stiffness : stiffer * leg.guide_sleeve.stiffness;
-  if (!leg.piston_ring) all.overrides = {fmt::format("legs.piston_ring.stiffness={:.17g}", stated)};
+  if (!leg.piston_ring) all.changes = {change(file, "legs.piston_ring.stiffness", stated)};
   all.free = {within("legs.piston_ring.stiffness", stated, factor)};
   // sleeves that are stated as good as rigid say nothing about the rings
-  if (!leg.piston_ring) all.free[0].lower = "1000";
+  if (!leg.piston_ring) all.free[0].lower = 1000.0;
   suspects.push_back(all);
   if (!leg.piston_ring) return suspects;
   for (int i = 0; i < model::leg_count; ++i) {
