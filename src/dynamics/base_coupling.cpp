@@ -33,8 +33,8 @@ Vector3 leg_vector(const Vector3L& v, int i) { return {v[0][i], v[1][i], v[2][i]
 }  // namespace
 
 Vector6 NonlinearModel::momentum(const Motion& motion) const {
-  const auto& at = motion.lanes;
-  const auto& legs = constants_;
+  const auto& at = side_by_side(motion);
+  const auto& legs = *constants_;
   const auto& platform = machine_.platform;
   const Vector3 omega = motion.twist.tail<3>();
   const Vector3 p_platform = platform.mass * motion.twist.head<3>();
@@ -71,7 +71,7 @@ BaseCoupling NonlinearModel::base_coupling(const double* y) const {
   const Matrix3& R = motion.X_BP.R_BP;
   const auto& platform = machine_.platform;
   coupling.inertia = about_origin(platform.mass, motion.p_BC, R * platform.inertia * R.transpose());
-  const auto& at = motion.lanes;
+  const auto& at = side_by_side(motion);
   const Vector3L n = at.R_BL.col(2), e = at.R_BL * at.e, g = at.R_BL * at.g;
   for (int i = 0; i < model::leg_count; ++i) {
     const auto& leg = machine_.legs[i];

@@ -8,7 +8,7 @@
 
 #include <Eigen/Geometry>
 
-#include "hydrapod/dynamics/nonlinear.hpp"
+#include "legs_in_motion.hpp"
 
 namespace hydrapod::dynamics {
 

@@ -1,7 +1,7 @@
 #pragma once
 /// Kinematics of the legs in motion. Private to NonlinearModel.
 
-#include "hydrapod/dynamics/nonlinear.hpp"
+#include "legs_in_motion.hpp"
 
 namespace hydrapod::dynamics {
 

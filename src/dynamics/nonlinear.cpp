@@ -140,7 +140,7 @@ class Assembly {
     force.head<3>() += platform_.mass * around_.gravity;
     force.tail<3>() -= omega.cross(inertia * omega);
     LegEquations<n> legs;
-    leg_equations<n>(motion_.lanes, around_, legs);
+    leg_equations<n>(side_by_side(motion_), around_, legs);
     const JacobianL J = jacobian(legs.A_inverse);
     const Matrix3L S = around_.legs.real * legs.eliminated_mass();
     const Vector3L r = around_.legs.real * legs.eliminated_residual();
@@ -169,7 +169,7 @@ class Assembly {
 
   void add_mass(Eigen::MatrixXd& M) {
     LegEquations<n> legs;
-    leg_mass<n>(motion_.lanes, around_, legs);
+    leg_mass<n>(side_by_side(motion_), around_, legs);
     const JacobianL J = jacobian(legs.A_inverse);
     const Matrix3L S = around_.legs.real * legs.M_cc;
     const JacobianL SJ = S * J;
@@ -217,11 +217,11 @@ class Assembly {
   /// Chart rates (α̇, β̇, ṡ) per platform twist.
   [[nodiscard]] JacobianL jacobian(const Matrix3L& A_inverse) const {
     JacobianL J;
-    const Matrix3L linear = A_inverse * motion_.lanes.R_BL.transpose();
+    const Matrix3L linear = A_inverse * side_by_side(motion_).R_BL.transpose();
     for (int row = 0; row < 3; ++row) {
       const Vector3L j = linear.row(row).transpose();
       J.row(row).head<3>() = j.transpose();
-      J.row(row).tail<3>() = motion_.lanes.arm.cross(j).transpose();
+      J.row(row).tail<3>() = side_by_side(motion_).arm.cross(j).transpose();
     }
     return J;
   }
@@ -265,7 +265,8 @@ NonlinearModel::NonlinearModel(const model::Machine& machine, ModelKind kind,
     piston_axes_[i] = Vector3(1.0, 0.0, frame.tan_gimbal).normalized();
   }
   if (spinning_ && kind != ModelKind::rigid) turn_piston_axes(X_reference);
-  constants_ = gather_constants(machine_, axes_, piston_axes_);
+  constants_ =
+      std::make_shared<const LegConstants>(gather_constants(machine_, axes_, piston_axes_));
 }
 
 /// To where the gimbals' axes are when the legs are bent by gravity.
@@ -311,17 +312,17 @@ void NonlinearModel::motion(const double* y, const double* v, Motion& motion) co
   motion.X_BP.p_BP = motion.p_BC - motion.X_BP.R_BP * machine_.platform.mass_center;
   motion.twist = Eigen::Map<const Vector6>(v);
   const Vector3 velocity = motion.twist.head<3>(), omega = motion.twist.tail<3>();
-  auto& lanes = motion.lanes;
+  auto& lanes = side_by_side(motion);
   lanes.flexible.setConstant(Lanes(0.0));
   lanes.flexible_rate.setConstant(Lanes(0.0));
   for (int k = 0; k < n; ++k) {
     lanes.flexible[k] = gather([&](int i) { return y[7 + n * i + k]; });
     lanes.flexible_rate[k] = gather([&](int i) { return v[6 + n * i + k]; });
   }
-  lanes.arm = broadcast(motion.X_BP.R_BP) * constants_.arm;
-  const Vector3L L = broadcast(motion.p_BC) + lanes.arm - constants_.b;
+  lanes.arm = broadcast(motion.X_BP.R_BP) * constants_->arm;
+  const Vector3L L = broadcast(motion.p_BC) + lanes.arm - constants_->b;
   const Vector3L v_a = broadcast(velocity) + broadcast(omega).cross(lanes.arm);
-  const Lanes exist = move_legs(constants_, L, v_a, spinning_, n > 0, lanes);
+  const Lanes exist = move_legs(*constants_, L, v_a, spinning_, n > 0, lanes);
   for (int i = 0; i < model::leg_count; ++i) {
     auto& leg = motion.legs[i];
     leg.exists = exist[i] > 0.0;
@@ -344,8 +345,8 @@ void NonlinearModel::rates(const double* y, const double* v, double* y_rate) con
 
 LegSurroundings NonlinearModel::surroundings(const Motion& motion, const Loads& loads) const {
   const Vector3L omega = broadcast(Vector3(motion.twist.tail<3>()));
-  const Vector3L swing = omega.cross(motion.lanes.arm);
-  return {constants_,
+  const Vector3L swing = omega.cross(side_by_side(motion).arm);
+  return {*constants_,
           spinning_,
           joint_friction_,
           machine_.gravity,
@@ -375,7 +376,7 @@ Eigen::MatrixXd NonlinearModel::mass_matrix(const Motion& motion) const {
   Eigen::MatrixXd M = Eigen::MatrixXd::Zero(velocities(), velocities());
   M.diagonal().head<3>().setConstant(machine_.platform.mass);
   M.block<3, 3>(3, 3) = motion.X_BP.R_BP * machine_.platform.inertia * motion.X_BP.R_BP.transpose();
-  const LegSurroundings around{constants_,
+  const LegSurroundings around{*constants_,
                                spinning_,
                                joint_friction_,
                                machine_.gravity,
@@ -389,8 +390,8 @@ Eigen::MatrixXd NonlinearModel::mass_matrix(const Motion& motion) const {
 
 Energies NonlinearModel::energies(const Motion& motion) const {
   const auto& platform = machine_.platform;
-  const auto& legs = constants_;
-  const auto& at = motion.lanes;
+  const auto& legs = *constants_;
+  const auto& at = side_by_side(motion);
   const Vector3 velocity = motion.twist.head<3>();
   const Vector3 omega_P = motion.X_BP.R_BP.transpose() * motion.twist.tail<3>();
   Energies energy;
@@ -424,17 +425,17 @@ Energies NonlinearModel::energies(const Motion& motion) const {
 }
 
 double NonlinearModel::dissipation(const Motion& motion) const {
-  const auto& at = motion.lanes;
+  const auto& at = side_by_side(motion);
   Lanes power(0.0);
   if (joint_friction_) {
-    const auto turning = joint_turning(at, constants_, motion.twist.tail<3>());
+    const auto turning = joint_turning(at, *constants_, motion.twist.tail<3>());
     power += turning.base_slope * turning.base_rate.dot(turning.base_rate) +
              turning.platform_slope * turning.platform_rate.dot(turning.platform_rate);
   }
   if (kind_ != ModelKind::rigid)
-    power += constants_.c_s * at.sleeve_offset_rate.dot(at.sleeve_offset_rate);
+    power += constants_->c_s * at.sleeve_offset_rate.dot(at.sleeve_offset_rate);
   if (kind_ == ModelKind::full)
-    power += constants_.c_ring * at.ring_offset_rate.dot(at.ring_offset_rate);
+    power += constants_->c_ring * at.ring_offset_rate.dot(at.ring_offset_rate);
   return power.sum();
 }
 

@@ -22,8 +22,9 @@
 /// moving_base.hpp.
 
 #include <array>
+#include <cstddef>
+#include <memory>
 
-#include "hydrapod/dynamics/lanes.hpp"
 #include "hydrapod/dynamics/statics.hpp"
 
 namespace hydrapod::dynamics {
@@ -43,34 +44,6 @@ struct LegMotion {
   double s{}, s_rate{};                    ///< piston from the base joint along the case
   Vector4 flexible{Vector4::Zero()};       ///< φ1, φ2 [rad], u1, u2 [m]
   Vector2 sleeve_offset{Vector2::Zero()};  ///< d_s [m] along t and a2
-};
-
-/// All legs in motion, for the equations. Vectors marked L are in the frame of the case.
-struct LegsInMotion {
-  Vector3L arm;   ///< platform joint from C, in B [m]
-  Matrix3L R_BL;  ///< frame of the case: t, a2, n
-  Vector4L flexible, flexible_rate;
-  Lanes length, length_rate, s, s_rate;
-  Lanes cosine, sine;    ///< the frame's first axis in L is (cosine, 0, sine)
-  Lanes alpha, beta;     ///< rotation rates of the case about a1 and a2 [rad/s]
-  Vector3L omega;        ///< angular velocity of the frame, L
-  Vector3L P;            ///< joint from the base joint, L [m]
-  Vector3L e, e_1, e_2;  ///< rod's direction, ∂e/∂φ1, ∂e/∂φ2, L
-  Vector3L e_bending;    ///< ė that L sees
-  Vector3L e_curvature;  ///< ë that L sees at constant rates of φ
-  Vector3L e_rate;       ///< ė in B, components in L
-  Vector3L g, g_rate;    ///< rod's mass centre from the base joint, L; its velocity in B, in L
-  Vector2L sleeve_offset, sleeve_offset_rate;  ///< d_s, and its rate as the case sees it
-  Vector2L ring_offset_rate;                   ///< u̇ as the case sees it
-  Eigen::Matrix<Lanes, 2, 3> sleeve_slopes;    ///< ∂d_s/∂(s, φ1, φ2)
-};
-
-/// What the equations need to know of the legs; letters as in docs/notation.md.
-struct LegConstants {
-  Vector3L b, axis, arm, piston_axis;  ///< arm: platform joint from C, in P
-  Lanes l_mn, c_g, L_g, m_t_r_b, I_b, I_ta, m_g, I_r, I_ra, m_a, k_s, c_s, k_g, c_ring;
-  Lanes joint_viscous, joint_coulomb, joint_smoothing;
-  Lanes real;  ///< 1 for legs, 0 for the lanes that are none
 };
 
 /// How a base that moves and the mechanism on it feel each other; see moving_base.hpp.
@@ -98,11 +71,14 @@ struct Motion {
   Vector3 p_BC{Vector3::Zero()};
   Vector6 twist{Vector6::Zero()};  ///< velocity of C; ω
   std::array<LegMotion, model::leg_count> legs{};
-  LegsInMotion lanes;
+  /// The legs once more, side by side as the equations take them: a LegsInMotion, which only the
+  /// sources know.
+  alignas(double) std::array<std::byte, 4480> side_by_side;
   [[nodiscard]] bool exists() const;  ///< whether every leg closes
 };
 
-struct LegSurroundings;  // private to the sources
+struct LegSurroundings;  // private to the sources, as is
+struct LegConstants;
 
 class NonlinearModel {
  public:
@@ -159,7 +135,7 @@ class NonlinearModel {
   std::array<Vector3, model::leg_count> axes_{};  ///< first axis of each leg's frame, in B
   /// First hinge of the rod in the case, in L; gimbal axes only.
   std::array<Vector3, model::leg_count> piston_axes_{};
-  LegConstants constants_;
+  std::shared_ptr<const LegConstants> constants_;
 };
 
 }  // namespace hydrapod::dynamics

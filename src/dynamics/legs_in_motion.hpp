@@ -1,0 +1,48 @@
+#pragma once
+/// All legs side by side, for the equations of NonlinearModel. Private to it.
+
+#include <new>
+
+#include "hydrapod/dynamics/nonlinear.hpp"
+#include "lanes.hpp"
+
+namespace hydrapod::dynamics {
+
+/// All legs in motion, for the equations. Vectors marked L are in the frame of the case.
+struct LegsInMotion {
+  Vector3L arm;   ///< platform joint from C, in B [m]
+  Matrix3L R_BL;  ///< frame of the case: t, a2, n
+  Vector4L flexible, flexible_rate;
+  Lanes length, length_rate, s, s_rate;
+  Lanes cosine, sine;    ///< the frame's first axis in L is (cosine, 0, sine)
+  Lanes alpha, beta;     ///< rotation rates of the case about a1 and a2 [rad/s]
+  Vector3L omega;        ///< angular velocity of the frame, L
+  Vector3L P;            ///< joint from the base joint, L [m]
+  Vector3L e, e_1, e_2;  ///< rod's direction, ∂e/∂φ1, ∂e/∂φ2, L
+  Vector3L e_bending;    ///< ė that L sees
+  Vector3L e_curvature;  ///< ë that L sees at constant rates of φ
+  Vector3L e_rate;       ///< ė in B, components in L
+  Vector3L g, g_rate;    ///< rod's mass centre from the base joint, L; its velocity in B, in L
+  Vector2L sleeve_offset, sleeve_offset_rate;  ///< d_s, and its rate as the case sees it
+  Vector2L ring_offset_rate;                   ///< u̇ as the case sees it
+  Eigen::Matrix<Lanes, 2, 3> sleeve_slopes;    ///< ∂d_s/∂(s, φ1, φ2)
+};
+
+/// What the equations need to know of the legs; letters as in docs/notation.md.
+struct LegConstants {
+  Vector3L b, axis, arm, piston_axis;  ///< arm: platform joint from C, in P
+  Lanes l_mn, c_g, L_g, m_t_r_b, I_b, I_ta, m_g, I_r, I_ra, m_a, k_s, c_s, k_g, c_ring;
+  Lanes joint_viscous, joint_coulomb, joint_smoothing;
+  Lanes real;  ///< 1 for legs, 0 for the lanes that are none
+};
+
+/// The legs side by side that `motion` has room for.
+inline LegsInMotion& side_by_side(Motion& motion) {
+  static_assert(sizeof(LegsInMotion) == sizeof(motion.side_by_side));
+  return *std::launder(reinterpret_cast<LegsInMotion*>(motion.side_by_side.data()));
+}
+inline const LegsInMotion& side_by_side(const Motion& motion) {
+  return *std::launder(reinterpret_cast<const LegsInMotion*>(motion.side_by_side.data()));
+}
+
+}  // namespace hydrapod::dynamics
