@@ -115,10 +115,8 @@ void require_writable(const std::string& path) {
 std::string json_text(const Arguments& arguments, const model::MachineFile& file,
                       const observation::Targets& targets, const calibration::Calibration& result,
                       const std::vector<calibration::Profile>& profiles, dynamics::ModelKind kind) {
-  report::Json json{{"kind", "calibration"},
-                    {"machine", report::machine_json(file, arguments.machine.file)},
-                    {"assumptions", report::assumptions_json(file.machine)},
-                    {"model", dynamics::name(kind)}};
+  auto json = report::head_json("calibration", file, arguments.machine.file);
+  json["model"] = dynamics::name(kind);
   json.update(report::calibration_json(result, targets));
   json["profiles"] = report::Json::array();
   for (const auto& profile : profiles)
@@ -133,11 +131,12 @@ void run(const Arguments& arguments) {
   require_writable(arguments.output);
   require_writable(arguments.plot);
   if (!arguments.plot.empty()) report::require_picture_ending(arguments.plot);
-  const auto file = load(arguments.machine);
+  const auto machine = load(arguments.machine);
+  const auto& file = machine.file;
   auto [targets, in_file] = calibration::read_targets(arguments.targets);
   const auto plan = plan_of(arguments, std::move(in_file));
   check_profiles(arguments, plan);
-  const auto kind = choose_model(file.machine, arguments.machine.model);
+  const auto kind = machine.kind;
 
   calibration::Calibration result;
   bool interrupted = false;

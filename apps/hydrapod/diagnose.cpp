@@ -171,18 +171,16 @@ void run(Arguments& a) {
   a.diagnosis.options.response_error = a.response_error / 100.0;
   a.diagnosis.options.responses = !a.modes_only;
   remedy_goal(a.diagnosis.want);
-  const auto file = load(a.machine);
-  const auto kind = choose_model(file.machine, a.machine.model);
-  const auto found = investigate(a.diagnosis, a.machine, file, kind);
+  const auto machine = load(a.machine);
+  const auto& file = machine.file;
+  const auto found = investigate(a.diagnosis, a.machine, machine);
   std::string text;
   if (format == 0) {
     text = table_text(a, file, found);
   } else {
-    report::Json json{{"kind", "diagnosis"},
-                      {"machine", report::machine_json(file, a.machine.file)},
-                      {"assumptions", report::assumptions_json(file.machine)},
-                      {"model", dynamics::name(kind)},
-                      {"measured", fmt::format("{}", fmt::join(a.diagnosis.measured, ", "))}};
+    auto json = report::head_json("diagnosis", file, a.machine.file);
+    json["model"] = dynamics::name(machine.kind);
+    json["measured"] = fmt::format("{}", fmt::join(a.diagnosis.measured, ", "));
     json.update(report::diagnosis_json(found));
     text = json.dump(1) + "\n";
   }

@@ -29,8 +29,7 @@ int guilty_mode(const diagnosis::Diagnosis& found, const std::string& pose);
 
 /// The whole investigation, with progress and Ctrl-C. Throws base::InputError and
 /// base::ComputationError.
-diagnosis::CaseFile investigate(const DiagnosisArguments& arguments,
-                                const MachineArguments& machine, const model::MachineFile& file,
-                                dynamics::ModelKind kind);
+diagnosis::CaseFile investigate(const DiagnosisArguments& arguments, const MachineArguments& asked,
+                                tasks::Machine machine);
 
 }  // namespace hydrapod::cli

@@ -137,14 +137,7 @@ std::optional<RecordMachine> measured_machine(const MeasurementArguments& a,
 spatial::Vector3 measured_point(const MeasurementArguments& a, const RecordMachine& machine) {
   const auto& X_BP = machine.pose.X_BP;
   if (a.point.empty()) return kinematics::mass_center(machine.file.machine, X_BP);
-  const auto parts = names(a.point);
-  const std::string argument = "--point " + a.point;
-  if (parts.size() != 3)
-    bad_argument(argument, "a point is three lengths, for instance \"0,0,0.2 m\"");
-  spatial::Vector3 p_PQ;
-  for (int d = 0; d < 3; ++d)
-    p_PQ[d] = plain_or_quantity(argument, parts[static_cast<std::size_t>(d)], "m");
-  return X_BP * p_PQ;
+  return X_BP * cli::point(a.point);
 }
 
 void add_measurement_options(Command command, MeasurementArguments& a) {

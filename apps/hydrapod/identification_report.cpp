@@ -9,7 +9,6 @@
 
 #include "hydrapod/base/constants.hpp"
 #include "hydrapod/numerics/quantiles.hpp"
-#include "hydrapod/terminal.hpp"
 
 namespace hydrapod::cli {
 
@@ -77,11 +76,6 @@ std::string left_text(const report::ComparedModes& compared,
 }
 
 }  // namespace
-
-TableStyle table_style(const std::string& output) {
-  const bool printed = output == "-";
-  return {printed && has_colour(stdout), printed ? terminal_width() : Table::unlimited};
-}
 
 std::string modes_text(const identification::Identification& result, const Checks& checks,
                        const std::string& measured, const std::string& frame,

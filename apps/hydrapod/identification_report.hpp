@@ -7,15 +7,9 @@
 #include "hydrapod/identification/realisation.hpp"
 #include "hydrapod/identification/second_opinion.hpp"
 #include "hydrapod/report/mode_comparison.hpp"
+#include "hydrapod/terminal.hpp"
 
 namespace hydrapod::cli {
-
-struct TableStyle {
-  bool colour{};
-  std::size_t width{};
-};
-/// As fits what is printed to `output`; "-" is the terminal.
-TableStyle table_style(const std::string& output);
 
 /// What there is besides the modes.
 struct Checks {

@@ -80,7 +80,7 @@ std::optional<RecordMachine> record_machine(const data::RecordHeader* header,
   std::string model = kind;
   if (!machine.empty()) {
     found.name = machine;
-    found.file = load({.file = machine});
+    found.file = load({.file = machine}).file;
   } else if (header != nullptr && !header->machine.empty()) {
     found.name = record + " (machine)";
     found.file = model::parse_machine(header->machine, found.name, notes.overrides,
@@ -89,10 +89,10 @@ std::optional<RecordMachine> record_machine(const data::RecordHeader* header,
   } else {
     return {};
   }
-  found.pose = choose_pose(found.file.machine, !pose.empty()         ? pose
-                                               : !notes.pose.empty() ? notes.pose
-                                                                     : "neutral");
-  found.kind = choose_model(found.file.machine, model);
+  found.pose = tasks::pose_of(found.file.machine, !pose.empty()         ? pose
+                                                  : !notes.pose.empty() ? notes.pose
+                                                                        : "neutral");
+  found.kind = tasks::model_of(found.file.machine, model_kind(model));
   return found;
 }
 

@@ -32,7 +32,7 @@ bool is_rig_record(const data::RecordHeader& header);
 struct RecordMachine {
   std::string name{};  ///< of the file, as messages call it
   model::MachineFile file{};
-  report::PoseChoice pose{};
+  model::NamedPose pose{};
   dynamics::ModelKind kind{};
 };
 

@@ -69,7 +69,7 @@ std::vector<int> mode_list(const std::string& text, int count) {
 
 /// The run that `--command` asks for, at the first pose.
 report::Json simulated(const Arguments& arguments, const model::MachineFile& file,
-                       const report::PoseChoice& pose) {
+                       const model::NamedPose& pose) {
   report::SimulationOptions options{.commands = arguments.commands, .trace_samples = 1500};
   options.loop.kind = arguments.options.kind;
   auto& integrator = options.loop.integrator;
@@ -95,7 +95,7 @@ report::Json simulated(const Arguments& arguments, const model::MachineFile& fil
 
 /// The modes that `--measured` asks for, beside those of the machine at the first pose.
 report::Json measured(Arguments& arguments, const model::MachineFile& file,
-                      const report::PoseChoice& pose) {
+                      const model::NamedPose& pose) {
   auto& a = arguments.identification;
   check_identification(a);
   a.measurement.known = RecordMachine{
@@ -109,14 +109,15 @@ report::Json measured(Arguments& arguments, const model::MachineFile& file,
 
 /// The diagnosis that `--diagnose` asks for; from here on the page shows the machine that explains
 /// the measurement best, its guilty mode first.
-report::Json diagnosed(Arguments& arguments, model::MachineFile& file) {
-  auto machine = arguments.machine;
-  machine.pose = arguments.poses.front();
+report::Json diagnosed(Arguments& arguments, const tasks::Machine& machine,
+                       model::MachineFile& file) {
+  auto given = arguments.machine;
+  given.pose = arguments.poses.front();
   auto& options = arguments.options;
   // no model to compare modes with says nothing of what was measured
   auto asked = arguments.diagnosis;
   if (arguments.identification.against != "none") asked.against = arguments.identification.against;
-  const auto found = investigate(asked, machine, file, options.kind);
+  const auto found = investigate(asked, given, machine);
   const auto& d = *found.diagnosis;
   if (!d.alike.empty()) {
     file = diagnosis::file_of(file, d.explanations[d.alike.front()]);
@@ -131,19 +132,22 @@ void run(Arguments& arguments) {
   constexpr std::array themes{report::Theme::automatic, report::Theme::light, report::Theme::dark};
   auto& options = arguments.options;
   options.theme = themes[choose_word("--theme", arguments.theme, {"auto", "light", "dark"})];
-  auto file = load(arguments.machine);
-  options.kind = choose_model(file.machine, arguments.machine.model);
-  options.modes = mode_list(arguments.modes, dynamics::degrees_of_freedom(options.kind));
   if (arguments.poses.empty()) arguments.poses.push_back(arguments.machine.pose);
-  std::vector<report::PoseChoice> poses;
-  for (const auto& pose : arguments.poses) poses.push_back(choose_pose(file.machine, pose));
+  auto asked = arguments.machine;
+  asked.pose = arguments.poses.front();
+  const auto machine = load(asked);
+  auto file = machine.file;
+  options.kind = machine.kind;
+  options.modes = mode_list(arguments.modes, dynamics::degrees_of_freedom(options.kind));
+  std::vector<model::NamedPose> poses;
+  for (const auto& pose : arguments.poses) poses.push_back(tasks::pose_of(file.machine, pose));
   if (arguments.commands.empty() && !arguments.until.empty())
     bad_argument("--until", "says how long to simulate; add --command");
   report::Json diagnosis;
   if (!arguments.diagnosis.measured.empty()) {
-    diagnosis = diagnosed(arguments, file);
+    diagnosis = diagnosed(arguments, machine, file);
     poses.clear();
-    for (const auto& pose : arguments.poses) poses.push_back(choose_pose(file.machine, pose));
+    for (const auto& pose : arguments.poses) poses.push_back(tasks::pose_of(file.machine, pose));
   }
   auto document = report::report_json(file, arguments.machine.file, poses, options);
   if (!arguments.commands.empty())

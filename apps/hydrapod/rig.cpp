@@ -77,7 +77,7 @@ void set_duration(const Arguments& arguments, double control_rate, rig::RigOptio
 }
 
 data::RecordHeader header_of(const Arguments& arguments, const model::MachineFile& file,
-                             const report::PoseChoice& pose, const rig::RigOptions& options) {
+                             const model::NamedPose& pose, const rig::RigOptions& options) {
   data::RecordHeader header;
   header.title = file.machine.name;
   header.channels = rig::rig_channels(options);
@@ -114,10 +114,10 @@ void run(const Arguments& arguments) {
     if (arguments.file.empty()) bad_argument("-o", "a file for the record is required");
     data::format_of_ending(arguments.file);
   }
-  const auto file = load(arguments.machine);
-  const auto pose = choose_pose(file.machine, arguments.machine.pose);
+  const auto machine = load(arguments.machine);
+  const auto& [file, path, pose, kind] = machine;
   auto options = options_of(arguments, file.machine);
-  options.loop.kind = choose_model(file.machine, arguments.machine.model);
+  options.loop.kind = kind;
   rig::RigResult result;
   try {
     simulation::ClosedLoop loop(file.machine, pose.X_BP, rig::loop_options(options));

@@ -38,12 +38,12 @@ double positive(const std::string& option, const std::string& text) {
   return value;
 }
 
-report::SimulationOptions options_of(const Arguments& arguments, const model::Machine& machine) {
+report::SimulationOptions options_of(const Arguments& arguments, dynamics::ModelKind kind) {
   constexpr std::array methods{simulation::Method::adaptive, simulation::Method::cvode_adams,
                                simulation::Method::cvode_bdf, simulation::Method::fixed};
   report::SimulationOptions options{.commands = arguments.commands};
   auto& loop = options.loop;
-  loop.kind = choose_model(machine, arguments.machine.model);
+  loop.kind = kind;
   loop.integrator.method = methods[choose_word("--integrator", arguments.integrator,
                                                {"adaptive", "adams", "bdf", "fixed"})];
   if (!(arguments.tolerance >= 1e-13 && arguments.tolerance <= 1e-2))
@@ -100,7 +100,7 @@ class RecordFile {
 };
 
 /// What a record says about how it was made.
-std::string record_notes(const report::PreparedSimulation& prepared, const report::PoseChoice& pose,
+std::string record_notes(const report::PreparedSimulation& prepared, const model::NamedPose& pose,
                          const model::MachineFile& file) {
   std::string notes =
       fmt::format("simulated by hydrapod, pose {}, seed {}", pose.name, prepared.options.loop.seed);
@@ -115,17 +115,15 @@ void warn(const std::vector<std::string>& warnings) {
     print_diagnostics({{.severity = base::Severity::warning, .message = warning}});
 }
 
-std::string result_text(const Arguments& arguments, const model::MachineFile& file,
-                        const report::PoseChoice& pose, const report::Simulation& simulation) {
+std::string result_text(const Arguments& arguments, const tasks::Machine& machine,
+                        const report::Simulation& simulation) {
   if (arguments.format == "json") {
-    report::Json json{{"kind", "simulation"},
-                      {"machine", report::machine_json(file, arguments.machine.file)},
-                      {"assumptions", report::assumptions_json(file.machine)},
-                      {"pose", report::pose_json(pose)}};
+    auto json = report::head_json("simulation", machine);
     json.update(report::simulation_json(simulation));
     return json.dump() + "\n";
   }
-  return simulation_text(file.machine, pose, simulation, has_colour(stdout), terminal_width());
+  return simulation_text(machine.file.machine, machine.pose, simulation, has_colour(stdout),
+                         terminal_width());
 }
 
 /// A run that ended early fails the command, but only after everything it has was written.
@@ -145,10 +143,9 @@ void run(const Arguments& arguments) {
   choose_word("--format", arguments.format, {"table", "json"});
   if (!arguments.plot.empty()) report::require_picture_ending(arguments.plot);
   if (!arguments.record.empty()) data::format_of_ending(arguments.record);
-  const auto file = load(arguments.machine);
-  const auto pose = choose_pose(file.machine, arguments.machine.pose);
-  auto prepared =
-      report::prepare_simulation(file.machine, pose, options_of(arguments, file.machine));
+  const auto machine = load(arguments.machine);
+  const auto& [file, path, pose, kind] = machine;
+  auto prepared = report::prepare_simulation(file.machine, pose, options_of(arguments, kind));
   if (arguments.show_controller) {
     base::write_file_whole("-", controller_text(file.machine, prepared.loop->parameters(),
                                                 prepared.loop->lowest_oil_mode()));
@@ -182,7 +179,7 @@ void run(const Arguments& arguments) {
                             arguments.plot);
     fmt::print(stderr, "wrote {}\n", arguments.plot);
   }
-  base::write_file_whole("-", result_text(arguments, file, pose, result));
+  base::write_file_whole("-", result_text(arguments, machine, result));
   fail_if_early(arguments, result);
 }
 

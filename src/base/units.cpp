@@ -254,6 +254,15 @@ QuantityResult read_quantity(std::string_view text, std::string_view unit) {
   return {value, ""};
 }
 
+QuantityResult read_plain_or_quantity(std::string_view text, std::string_view unit) {
+  const std::string_view whole = trimmed(text);
+  const bool ends_in_number =
+      !whole.empty() && std::string_view("0123456789.").find(whole.back()) != whole.npos;
+  if (ends_in_number)
+    if (const auto plain = read_quantity(whole, "1"); plain.ok()) return plain;
+  return read_quantity(text, unit);
+}
+
 double quantity(std::string_view text, std::string_view unit) {
   const QuantityResult result = read_quantity(text, unit);
   if (!result.ok()) throw std::invalid_argument(result.problem);

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "fields.hpp"
 #include "hydrapod/base/constants.hpp"
 
 namespace hydrapod::report {
@@ -149,14 +150,31 @@ Json profile_json(const Profile& profile, const Candidate& candidate) {
   return json;
 }
 
-Json sensitivity_json(const Sensitivities& s) {
-  Json json{{"modes", Json::array()}, {"parameters", Json::array()}};
-  for (const double omega : s.omega)
-    json["modes"].push_back({{"omega_rad_s", omega}, {"frequency_hz", omega / two_pi}});
-  for (const auto& p : s.parameters)
-    json["parameters"].push_back({{"path", p.path}, {"unit", p.unit}, {"value", p.value}});
-  json["percent_per_percent"] = matrix_json(s.percent_per_percent);
-  return json;
+template <class Fields>
+void describe(Fields& f, model::FileNumber& number) {
+  f("path", number.path);
+  f("unit", number.unit);
+  f("value", number.value);
+}
+
+template <class Fields>
+void describe(Fields& f, Sensitivities& s) {
+  if constexpr (Fields::reads) s.omega.resize(static_cast<Eigen::Index>(f.size("modes")));
+  f.list("modes", static_cast<std::size_t>(s.omega.size()), [&](auto& mode, std::size_t k) {
+    double& omega = s.omega[static_cast<Eigen::Index>(k)];
+    mode("omega_rad_s", omega);
+    mode.derived("frequency_hz", omega / two_pi);
+  });
+  f("parameters", s.parameters);
+  f("percent_per_percent", s.percent_per_percent);
+}
+
+Json sensitivity_json(const Sensitivities& sensitivities) { return written(sensitivities); }
+
+Sensitivities sensitivity_from_json(const Json& json, const std::string& file) {
+  Sensitivities sensitivities;
+  read(json, file, sensitivities);
+  return sensitivities;
 }
 
 std::vector<std::string> calibration_remarks(const Calibration& result, const Targets& targets) {

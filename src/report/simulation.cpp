@@ -39,7 +39,7 @@ double natural_duration(const std::vector<CommandSpec>& commands) {
   throw base::InputError({{.file = "--command " + text, .message = message}});
 }
 
-void require_possible(PreparedSimulation& prepared, const PoseChoice& pose) {
+void require_possible(PreparedSimulation& prepared, const model::NamedPose& pose) {
   auto& loop = *prepared.loop;
   const auto findings = simulation::check_motion(loop.plant(), loop.parameters(), pose.X_BP,
                                                  *prepared.signal, *prepared.options.until);
@@ -55,7 +55,7 @@ void require_possible(PreparedSimulation& prepared, const PoseChoice& pose) {
 
 }  // namespace
 
-PreparedSimulation prepare_simulation(const model::Machine& machine, const PoseChoice& pose,
+PreparedSimulation prepare_simulation(const model::Machine& machine, const model::NamedPose& pose,
                                       const SimulationOptions& options) {
   PreparedSimulation prepared{.options = options};
   const double sample_time = machine.controller.sample_time;

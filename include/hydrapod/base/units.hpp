@@ -29,7 +29,10 @@ struct QuantityResult {
 /// std::runtime_error when the unit database is missing.
 QuantityResult read_quantity(std::string_view text, std::string_view unit);
 
-/// The same for callers that know the text to be good. Throws std::invalid_argument with the
+/// The same, and a number without unit is one in SI.
+QuantityResult read_plain_or_quantity(std::string_view text, std::string_view unit);
+
+/// read_quantity for callers that know the text to be good. Throws std::invalid_argument with the
 /// problem.
 double quantity(std::string_view text, std::string_view unit);
 

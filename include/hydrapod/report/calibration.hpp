@@ -15,6 +15,8 @@ Json profile_json(const calibration::Profile& profile, const calibration::Candid
 
 /// `modes[]`, `parameters[]`, `percent_per_percent` by mode, then by parameter.
 Json sensitivity_json(const calibration::Sensitivities& sensitivities);
+/// Reads it; `point` stays empty.
+calibration::Sensitivities sensitivity_from_json(const Json& json, const std::string& file);
 
 /// "determined", "not determined", "at its bound", "by the prior".
 const char* verdict_word(calibration::Verdict verdict);
