@@ -188,7 +188,7 @@ class Reader {
 
  private:
   [[nodiscard]] std::string key_of(const std::string& key) const {
-    return path_.empty() || key.empty() ? path_ + key : path_ + "." + key;
+    return path_.empty() || key.empty() ? path_ + key : fmt::format("{}.{}", path_, key);
   }
   [[noreturn]] void refuse(const std::string& path, const std::string& message) const {
     throw base::InputError({{.file = file_, .key = path, .message = message}});
@@ -242,6 +242,14 @@ class Reader {
   template <class S, int Rows, int Columns, int Options, int MaxRows, int MaxColumns>
   void get(const Json& json, const std::string& path,
            Eigen::Matrix<S, Rows, Columns, Options, MaxRows, MaxColumns>& values) const {
+    if constexpr (Columns == 1 && !std::is_same_v<S, double>) {
+      if (json.is_array()) {  // real numbers alone
+        Eigen::VectorXd real;
+        get(json, path, real);
+        values = real.cast<S>();
+        return;
+      }
+    }
     if constexpr (Columns == 1 && std::is_same_v<S, double>) {
       const auto size = static_cast<Eigen::Index>(list(json, path).size());
       if (Rows != Eigen::Dynamic && size != Rows)
