@@ -3,8 +3,25 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <string_view>
 
 namespace hydrapod::cli {
+
+namespace {
+std::vector<std::string> line;
+}  // namespace
+
+const std::vector<std::string>& command_line() { return line; }
+
+void set_command_line(int argc, const char* const* argv) {
+  for (int i = 1; i < argc; ++i) {
+    const std::string_view argument = argv[i];
+    if (argument == "-o" || argument == "--output")
+      ++i;
+    else if (!argument.starts_with("-o") && !argument.starts_with("--output="))
+      line.emplace_back(argument);
+  }
+}
 
 Command add_command(Command app, const std::string& name, const std::string& description,
                     const std::vector<Example>& examples) {

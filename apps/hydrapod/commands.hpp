@@ -24,6 +24,10 @@ struct Example {
 Command add_command(Command app, const std::string& name, const std::string& description,
                     const std::vector<Example>& examples);
 
+/// The arguments of this run but for the files it writes (-o): what records say of their origin.
+const std::vector<std::string>& command_line();
+void set_command_line(int argc, const char* const* argv);
+
 void add_init(Command app);
 void add_check(Command app);
 void add_modes(Command app);

@@ -98,7 +98,8 @@ void run(const Arguments& arguments) {
       result_format(arguments.format, arguments.output, {"table", "json", "csv", "uff", "mat"});
   for (const auto* path : {&arguments.plot, &arguments.coherence_plot})
     if (!path->empty()) report::require_picture(*path);
-  const auto m = measure(arguments.measurement);
+  auto records = open_records(arguments.measurement);
+  const auto m = measure(records, arguments.measurement);
   const std::string title = arguments.measurement.files[0];
   if (!arguments.plot.empty()) {
     report::plot_responses(m.responses, nullptr, {title, measurement_text(m.responses)},

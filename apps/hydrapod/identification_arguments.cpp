@@ -35,19 +35,10 @@ double time_of(const std::string& option, const std::string& text) {
   return value;
 }
 
-/// How the files are read.
-data::ReadOptions read_options(const MeasurementArguments& a) {
-  if (a.sample_rate.empty()) return {};
-  const double rate = plain_or_quantity("--sample-rate " + a.sample_rate, a.sample_rate, "Hz");
-  if (!(rate > 0.0)) bad_argument("--sample-rate " + a.sample_rate, "must be positive");
-  return {.sample_rate = rate};
-}
-
 /// What brings leg lengths to the platform.
-std::optional<identification::PlatformFrame> platform_frame(const MeasurementArguments& arguments) {
-  const auto header =
-      data::open_record_reader(arguments.files[0], read_options(arguments))->header();
-  const auto found = measured_machine(arguments, &header);
+std::optional<identification::PlatformFrame> platform_frame(const MeasurementArguments& arguments,
+                                                            const data::Experiment& experiment) {
+  const auto found = measured_machine(arguments, &experiment);
   if (!found) return {};
   return identification::PlatformFrame{.machine = found->file.machine,
                                        .X_BP = found->pose.X_BP,
@@ -56,23 +47,23 @@ std::optional<identification::PlatformFrame> platform_frame(const MeasurementArg
 
 /// The sensors of --sensor, else those that the record notes; of these the ones that --outputs
 /// names, if it does.
-std::vector<PlacedSensor> chosen_sensors(const MeasurementArguments& a,
-                                         const data::RecordHeader& header) {
-  std::vector<PlacedSensor> all;
+std::vector<data::PlacedSensor> chosen_sensors(const MeasurementArguments& a,
+                                               const data::Experiment& experiment) {
+  std::vector<data::PlacedSensor> all;
   for (const auto& text : a.sensors) {
     const auto sensor = rig::parse_accelerometer(text);
     all.push_back({sensor.name, sensor.p_P, sensor.e_P});
   }
-  if (all.empty()) all = placed_sensors(header);
+  if (all.empty()) all = experiment.sensors;
   if (all.empty())
     bad_argument("--accelerometers",
                  "the record does not say where its accelerometers are: add --sensor \"NAME, at=X "
                  "Y Z, along=z\" for each, places in the platform's frame [m]");
   const auto wanted = names(a.outputs);
   if (wanted.empty()) return all;
-  std::vector<PlacedSensor> some;
+  std::vector<data::PlacedSensor> some;
   for (const auto& name : wanted) {
-    const auto found = std::ranges::find(all, name, &PlacedSensor::name);
+    const auto found = std::ranges::find(all, name, &data::PlacedSensor::name);
     if (found == all.end()) bad_argument("--outputs " + name, "is no sensor whose place is known");
     some.push_back(*found);
   }
@@ -80,23 +71,24 @@ std::vector<PlacedSensor> chosen_sensors(const MeasurementArguments& a,
 }
 
 /// Accelerometers as outputs, and what makes directions of the platform of them.
-void use_accelerometers(const MeasurementArguments& a, identification::MeasureOptions& o) {
-  const auto header = data::open_record_reader(a.files[0], read_options(a))->header();
-  const auto machine = measured_machine(a, &header);
+void use_accelerometers(const MeasurementArguments& a, const data::Experiment& experiment,
+                        identification::MeasureOptions& o) {
+  const auto machine = measured_machine(a, &experiment);
   if (!machine)
     bad_argument("--accelerometers",
                  "the pose of the platform is needed: add --machine FILE and --pose");
   std::vector<identification::LinearSensor> sensors;
   o.outputs.clear();
-  for (const auto& s : chosen_sensors(a, header)) {
+  for (const auto& s : chosen_sensors(a, experiment)) {
     o.outputs.push_back(s.name);
-    sensors.push_back({machine->pose.X_BP * s.p_P, machine->pose.X_BP.R_BP * s.e_P});
+    sensors.push_back({machine->pose.X_BP * s.position, machine->pose.X_BP.R_BP * s.axis});
   }
   o.outputs_to_platform =
       identification::platform_from_accelerometers(sensors, measured_point(a, *machine));
 }
 
-identification::MeasureOptions options_of(const MeasurementArguments& a) {
+identification::MeasureOptions options_of(const MeasurementArguments& a,
+                                          const data::Experiment& experiment) {
   identification::MeasureOptions o;
   o.inputs = names(a.inputs);
   o.outputs = names(a.outputs);
@@ -118,24 +110,24 @@ identification::MeasureOptions options_of(const MeasurementArguments& a) {
   if (a.overlap) o.overlap = *a.overlap / 100.0;
   if (!a.period.empty()) o.period = time_of("--period", a.period);
   if (!a.settling.empty()) o.settling = time_of("--settling", a.settling);
-  o.read = read_options(a);
   if (a.accelerometers || !a.sensors.empty())
-    use_accelerometers(a, o);
+    use_accelerometers(a, experiment, o);
   else
-    o.platform = platform_frame(a);
+    o.platform = platform_frame(a, experiment);
   return o;
 }
 
 }  // namespace
 
 std::optional<RecordMachine> measured_machine(const MeasurementArguments& a,
-                                              const data::RecordHeader* header) {
+                                              const data::Experiment* experiment) {
   if (a.known) return a.known;
-  return record_machine(header, a.files[0], a.machine, a.pose, a.model);
+  return record_machine(experiment, a.files[0], a.machine, a.pose, a.model);
 }
 
 spatial::Vector3 measured_point(const MeasurementArguments& a, const RecordMachine& machine) {
   const auto& X_BP = machine.pose.X_BP;
+  if (a.p_PQ) return X_BP * *a.p_PQ;
   if (a.point.empty()) return kinematics::mass_center(machine.file.machine, X_BP);
   return X_BP * cli::point(a.point);
 }
@@ -186,16 +178,24 @@ void add_measurement_options(Command command, MeasurementArguments& a) {
                      "mass centre");
 }
 
-identification::Measurement measure(const MeasurementArguments& arguments, bool output_only) {
-  const auto options = options_of(arguments);
+data::RecordSet open_records(const MeasurementArguments& a) {
+  if (a.sample_rate.empty()) return data::RecordSet(a.files);
+  const double rate = plain_or_quantity("--sample-rate " + a.sample_rate, a.sample_rate, "Hz");
+  if (!(rate > 0.0)) bad_argument("--sample-rate " + a.sample_rate, "must be positive");
+  return data::RecordSet(a.files, {.sample_rate = rate});
+}
+
+identification::Measurement measure(data::RecordSet& records, const MeasurementArguments& arguments,
+                                    bool output_only) {
+  const auto options = options_of(arguments, records.experiment());
   const InterruptNote interrupt;
   ProgressLine line("reading");
   const auto going_on = [&](double share) {
     line.update(share);
     return !InterruptNote::noted();
   };
-  auto result = output_only ? identification::measure_outputs(arguments.files, options, going_on)
-                            : identification::measure_responses(arguments.files, options, going_on);
+  auto result = output_only ? identification::measure_outputs(records, options, going_on)
+                            : identification::measure_responses(records, options, going_on);
   print_diagnostics(result.notes);
   if (result.interrupted)
     result.responses.warnings.push_back(fmt::format(
@@ -204,11 +204,12 @@ identification::Measurement measure(const MeasurementArguments& arguments, bool 
   return result;
 }
 
-identification::GroupedSpectra measure_in_groups(const MeasurementArguments& arguments,
+identification::GroupedSpectra measure_in_groups(data::RecordSet& records,
+                                                 const MeasurementArguments& arguments,
                                                  int groups) {
-  const auto options = options_of(arguments);
+  const auto options = options_of(arguments, records.experiment());
   ProgressLine line("reading again");
-  return identification::measure_groups(arguments.files, options, groups, [&](double share) {
+  return identification::measure_groups(records, options, groups, [&](double share) {
     line.update(share);
     return true;
   });

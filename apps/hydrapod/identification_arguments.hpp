@@ -23,22 +23,27 @@ struct MeasurementArguments {
   std::optional<double> overlap{};
   std::string period{}, settling{}, sample_rate{};
   std::string machine{}, pose{}, model{}, point{};
-  std::optional<RecordMachine> known{};  ///< the machine, where another command read it
+  // what another command knows already
+  std::optional<RecordMachine> known{};    ///< the machine
+  std::optional<spatial::Vector3> p_PQ{};  ///< the point
 };
 
-/// The machine that was measured, if one is known; `header` of the first record, if there is one.
+/// The machine that was measured, if one is known; `experiment` of the records, if there is one.
 std::optional<RecordMachine> measured_machine(const MeasurementArguments& arguments,
-                                              const data::RecordHeader* header);
+                                              const data::Experiment* experiment);
 /// The point whose directions are meant: --point, else the mass centre; in B [m].
 spatial::Vector3 measured_point(const MeasurementArguments& arguments,
                                 const RecordMachine& machine);
 
 void add_measurement_options(Command command, MeasurementArguments& arguments);
 
+/// Opens the records.
+data::RecordSet open_records(const MeasurementArguments& arguments);
+
 /// Reads the records with a progress line; Ctrl-C ends the reading and keeps what was read.
 /// Warnings go to stderr. Throws base::InputError and base::ComputationError.
 /// `output_only`: spectra of the responses alone.
-identification::Measurement measure(const MeasurementArguments& arguments,
+identification::Measurement measure(data::RecordSet& records, const MeasurementArguments& arguments,
                                     bool output_only = false);
 
 /// --format, or where it is empty what the ending of `output` says, else the first of `words`, a
@@ -47,7 +52,8 @@ std::size_t result_format(const std::string& format, const std::string& output,
                           const std::vector<std::string_view>& words);
 
 /// The same in pieces, for the bootstrap.
-identification::GroupedSpectra measure_in_groups(const MeasurementArguments& arguments, int groups);
+identification::GroupedSpectra measure_in_groups(data::RecordSet& records,
+                                                 const MeasurementArguments& arguments, int groups);
 
 /// "6 inputs, 6 outputs, h1, 45.1 averages, lines 0.061 Hz apart"; what was measured, for headings.
 std::string measurement_text(const identification::FrequencyResponses& responses);

@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <fstream>
 
 #include "hydrapod/base/file.hpp"
 #include "hydrapod/diagnosis/measured.hpp"
@@ -37,29 +36,6 @@ identification::IdentifyOptions options_of(const IdentificationArguments& a) {
   return o;
 }
 
-/// JSON of `hydrapod frf`? Its first character tells.
-bool is_json(const std::string& path) {
-  std::ifstream file(path, std::ios::binary);
-  char first = ' ';
-  file >> first;
-  return file && first == '{';
-}
-
-/// By its ending a Universal File?
-bool is_universal(const std::string& path) {
-  return path.ends_with(".uff") || path.ends_with(".unv") || path.ends_with(".uf") ||
-         path.ends_with(".UFF") || path.ends_with(".UNV");
-}
-
-bool is_record(const std::string& path) {
-  try {
-    data::open_record_reader(path);
-    return true;
-  } catch (const base::InputError&) {
-    return false;
-  }
-}
-
 IdentifiedSource read_responses(const std::string& path) {
   constexpr std::size_t largest = std::size_t{1} << 31;
   const std::string text = base::read_file(path, largest, "frequency responses of `hydrapod frf`");
@@ -69,22 +45,26 @@ IdentifiedSource read_responses(const std::string& path) {
   } catch (const nlohmann::json::parse_error& error) {
     bad_argument(path, fmt::format("is no JSON: {}", error.what()));
   }
-  return {.responses = report::responses_from_json(json, path),
-          .header = report::record_origin_from_json(json)};
+  IdentifiedSource source{.responses = report::responses_from_json(json, path)};
+  if (const auto header = report::record_origin_from_json(json, path)) {
+    source.date = header->date;
+    source.experiment = header->experiment;
+  }
+  return source;
 }
 
 observation::Source model_source(const IdentificationArguments& a, const IdentifiedSource& source) {
   const auto word = choose_word("--against", a.against, against_words);
   if (word > 0) return static_cast<observation::Source>(word - 1);
-  return seen_in_rig(source.responses, source.header ? &*source.header : nullptr)
+  return seen_in_rig(source.responses, source.experiment ? &*source.experiment : nullptr)
       .value_or(observation::Source::mechanics);
 }
 
 }  // namespace
 
 std::optional<observation::Observed> seen_in_rig(
-    const identification::FrequencyResponses& responses, const data::RecordHeader* header) {
-  if (header == nullptr || !is_rig_record(*header)) return std::nullopt;
+    const identification::FrequencyResponses& responses, const data::Experiment* experiment) {
+  if (experiment == nullptr || !experiment->excitation) return std::nullopt;
   return diagnosis::from_drives(responses) ? observation::Observed::plant
                                            : observation::Observed::system;
 }
@@ -117,24 +97,25 @@ std::optional<double> upper_frequency(const IdentificationArguments& a) {
 
 IdentifiedSource identified_source(const IdentificationArguments& a) {
   const std::string& first = a.measurement.files[0];
-  if (is_json(first)) {
-    if (a.measurement.files.size() > 1)
+  const bool alone = a.measurement.files.size() == 1;
+  const auto kind = data::file_kind(first);
+  if (kind == data::FileKind::json) {
+    if (!alone)
       bad_argument(a.measurement.files[1],
                    "frequency responses stand alone: only records are "
                    "averaged together");
     return read_responses(first);
   }
-  if (is_universal(first) && a.measurement.files.size() == 1) {
-    try {
-      auto read = data::read_frequency_response(first);
-      print_diagnostics(read.notes);
-      return {.responses = identification::from_exchange(read.response, first)};
-    } catch (const base::InputError&) {  // it may hold a record instead
-      if (!is_record(first)) throw;
-    }
+  if (kind == data::FileKind::frequency_responses && alone) {
+    auto read = data::read_frequency_response(first);
+    print_diagnostics(read.notes);
+    return {.responses = identification::from_exchange(read.response, first)};
   }
-  auto m = measure(a.measurement);
-  IdentifiedSource source{.responses = std::move(m.responses), .header = std::move(m.header)};
+  IdentifiedSource source{.records = open_records(a.measurement)};
+  auto m = measure(*source.records, a.measurement);
+  source.responses = std::move(m.responses);
+  source.date = m.header.date;
+  source.experiment = std::move(m.header.experiment);
   if (m.from_legs) source.frame = "leg lengths brought to platform directions";
   if (a.measurement.accelerometers || !a.measurement.sensors.empty())
     source.frame = "accelerometers brought to platform directions";
@@ -154,14 +135,15 @@ identification::Identification identified_modes(const IdentificationArguments& a
 }
 
 std::optional<identification::BootstrapScatter> bootstrap_scatter(
-    const IdentificationArguments& a, const identification::Identification& result, int resamples) {
+    const IdentificationArguments& a, IdentifiedSource& source,
+    const identification::Identification& result, int resamples) {
   if (result.modes.empty()) return {};
   const std::string& first = a.measurement.files[0];
-  if (is_json(first) || !is_record(first))
+  if (!source.records)
     bad_argument("--bootstrap", "draws from the blocks of a record; " + first + " is none");
   constexpr int groups = 24;
   try {
-    const auto grouped = measure_in_groups(a.measurement, groups);
+    const auto grouped = measure_in_groups(*source.records, a.measurement, groups);
     const InterruptNote interrupt;
     ProgressLine line("bootstrap");
     return identification::bootstrap_modes(
@@ -194,7 +176,8 @@ std::optional<report::ComparedModes> compared_modes(const IdentificationArgument
                                                     const IdentifiedSource& source,
                                                     const identification::Identification& result) {
   if (a.against == "none" || result.modes.empty()) return {};
-  const auto machine = measured_machine(a.measurement, source.header ? &*source.header : nullptr);
+  const auto machine =
+      measured_machine(a.measurement, source.experiment ? &*source.experiment : nullptr);
   if (!machine) {
     if (a.against != "auto")
       bad_argument("--against " + a.against,

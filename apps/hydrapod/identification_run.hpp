@@ -29,14 +29,16 @@ std::optional<double> upper_frequency(const IdentificationArguments& arguments);
 /// What is identified, and what is known of where it comes from.
 struct IdentifiedSource {
   identification::FrequencyResponses responses{};
-  std::optional<data::RecordHeader> header{};
+  std::optional<data::RecordSet> records{};  ///< where it is records
+  std::string date{};
+  std::optional<data::Experiment> experiment{};
   std::string frame{"outputs as measured"};  ///< how they were brought to directions
 };
 
 /// The system that the inputs of a record of the rig see: the plant from the drives on, else the
-/// machine under its controller. None for other records (`header` null: not known).
+/// machine under its controller. None for other records (`experiment` null: not known).
 std::optional<observation::Observed> seen_in_rig(
-    const identification::FrequencyResponses& responses, const data::RecordHeader* header);
+    const identification::FrequencyResponses& responses, const data::Experiment* experiment);
 
 /// Records, JSON of `hydrapod frf` or a Universal File; warnings go to stderr.
 IdentifiedSource identified_source(const IdentificationArguments& arguments);
@@ -48,8 +50,8 @@ identification::Identification identified_modes(const IdentificationArguments& a
 /// Scatter over `resamples` draws of the record's averages; none with a warning where the record
 /// does not give it. Ctrl-C ends the draws and keeps what was drawn.
 std::optional<identification::BootstrapScatter> bootstrap_scatter(
-    const IdentificationArguments& arguments, const identification::Identification& result,
-    int resamples);
+    const IdentificationArguments& arguments, IdentifiedSource& source,
+    const identification::Identification& result, int resamples);
 
 /// What the eigensystem realisation says of the same responses; empty with a warning where it
 /// cannot be had.

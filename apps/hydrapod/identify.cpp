@@ -55,7 +55,8 @@ void run_output_only(const Arguments& a, size_t format) {
     if (!path->empty()) bad_argument("--output-only", "has no responses to plot");
   if (format > Format::csv)
     bad_argument("--output-only", "its modes are written as table, json or csv");
-  const auto m = measure(a.measurement, true);
+  auto records = open_records(a.measurement);
+  const auto m = measure(records, a.measurement, true);
   const double highest = upper_frequency(a).value_or(0.45 * m.spectra.sample_rate);
   const auto modes = identification::identify_outputs(m.spectra, m.outputs, highest);
   if (format == Format::table)
@@ -71,15 +72,13 @@ void run_output_only(const Arguments& a, size_t format) {
                                        "\n");
 }
 
-void write_result(const Arguments& a, size_t format, const IdentifiedSource& source,
+void write_result(const Arguments& a, size_t format, IdentifiedSource& source,
                   const identification::Identification& result,
                   const std::optional<report::ComparedModes>& compared) {
   Checks checks{.opinions = second_opinions(a, source, result)};
-  if (a.bootstrap > 0) checks.bootstrap = bootstrap_scatter(a, result, a.bootstrap);
+  if (a.bootstrap > 0) checks.bootstrap = bootstrap_scatter(a, source, result, a.bootstrap);
   const std::string title = a.measurement.files[0];
-  if (format == Format::uff)
-    return report::write_modes_uff(a.output, result, title,
-                                   source.header ? source.header->date : "");
+  if (format == Format::uff) return report::write_modes_uff(a.output, result, title, source.date);
   if (format == Format::mat) return report::write_modes_mat(a.output, result);
   std::string text;
   if (format == Format::json) {
@@ -107,7 +106,7 @@ void run(const Arguments& a) {
   if (a.output_only) return run_output_only(a, format);
   for (const auto* path : {&a.plot, &a.stabilisation, &a.mac, &a.cross_mac})
     if (!path->empty()) report::require_picture(*path);
-  const auto source = identified_source(a);
+  auto source = identified_source(a);
   const auto result = identified_modes(a, source);
   const auto compared = compared_modes(a, source, result);
   if (!compared && !a.cross_mac.empty())

@@ -74,6 +74,7 @@ int run(int argc, char** argv) {
       "Dynamics of hydraulic hexapods: modes, Bode diagrams, and what the seals do to them",
       "hydrapod"};
   set_up(app);
+  cli::set_command_line(argc, argv);
   if (argc < 2) {
     std::cout << app.help();
     return close_output();

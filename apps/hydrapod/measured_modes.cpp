@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <array>
 #include <filesystem>
-#include <fstream>
 
 #include "hydrapod/base/error.hpp"
 #include "hydrapod/base/file.hpp"
@@ -25,31 +24,9 @@ namespace {
 
 constexpr std::size_t largest = std::size_t{1} << 31;
 
-bool ends_with(std::string path, const std::vector<std::string>& endings) {
-  std::ranges::transform(path, path.begin(), [](unsigned char c) { return std::tolower(c); });
-  return std::ranges::any_of(endings, [&](const auto& ending) { return path.ends_with(ending); });
-}
-
-char first_character(const std::string& path) {
-  std::ifstream file(path, std::ios::binary);
-  char first = ' ';
-  file >> first;
-  return file ? first : ' ';
-}
-
-/// A CSV file whose title row has a column "frequency" or "omega" is a list of modes; a record's
-/// has a time or channels.
-bool is_mode_list(const std::string& path) {
-  if (ends_with(path, {".toml"})) return true;
-  if (!ends_with(path, {".csv"})) return false;
-  std::ifstream file(path);
-  for (std::string line; std::getline(file, line);) {
-    if (line.empty() || line[0] == '#') continue;
-    std::ranges::transform(line, line.begin(), [](unsigned char c) { return std::tolower(c); });
-    const auto has = [&](const char* word) { return line.find(word) != std::string::npos; };
-    return (has("frequency") || has("omega")) && !has("time");
-  }
-  return false;
+/// Modes as a person or a spreadsheet lists them?
+bool is_mode_list(data::FileKind kind) {
+  return kind == data::FileKind::toml || kind == data::FileKind::mode_table;
 }
 
 observation::Targets identified(const identification::FrequencyResponses& responses,
@@ -73,11 +50,11 @@ observation::Targets identified(const identification::FrequencyResponses& respon
 }
 
 /// Where a record says it: what its inputs see, and the point that forces of the rig act at.
-void look_into(const data::RecordHeader* header,
+void look_into(const data::Experiment* experiment,
                const identification::FrequencyResponses& responses, diagnosis::MeasuredAt& at) {
-  if (!at.observed) at.observed = seen_in_rig(responses, header);
-  if (header == nullptr || !is_rig_record(*header) || header->machine.empty()) return;
-  if (const auto machine = record_machine(header, "the record", "", "", ""))
+  if (!at.observed) at.observed = seen_in_rig(responses, experiment);
+  if (experiment == nullptr || !experiment->excitation || experiment->machine.empty()) return;
+  if (const auto machine = record_machine(experiment, "the record", "", "", ""))
     at.force_point = machine->file.machine.platform.mass_center;
 }
 
@@ -93,8 +70,8 @@ observation::Targets from_json(const std::string& path, const model::MachineFile
   }
   if (json.contains("modes")) return report::modes_from_json(json, path, file.machine, at);
   const auto responses = report::responses_from_json(json, path);
-  const auto header = report::record_origin_from_json(json);
-  look_into(header ? &*header : nullptr, responses, at);
+  const auto header = report::record_origin_from_json(json, path);
+  look_into(header ? &header->experiment : nullptr, responses, at);
   return identified(responses, path, file, at);
 }
 
@@ -102,30 +79,27 @@ observation::Targets from_json(const std::string& path, const model::MachineFile
 observation::Targets read_one(const std::string& path, const MachineArguments& arguments,
                               const model::MachineFile& file, const std::string& pose,
                               std::optional<observation::Observed> observed) {
-  if (is_mode_list(path)) {
+  const auto kind = data::file_kind(path);
+  if (is_mode_list(kind)) {
     auto targets = calibration::read_targets(path).targets;
     targets.observed = observed.value_or(targets.observed);
     return targets;
   }
   diagnosis::MeasuredAt at{
       .pose = pose, .point = file.machine.platform.mass_center, .observed = observed};
-  if (first_character(path) == '{') return from_json(path, file, at);
-  if (ends_with(path, {".uff", ".unv", ".uf"})) {
-    try {
-      const auto read = data::read_frequency_response(path);
-      print_diagnostics(read.notes);
-      return identified(identification::from_exchange(read.response, path), path, file, at);
-    } catch (const base::InputError&) {  // it may hold a record instead
-      data::open_record_reader(path);
-    }
+  if (kind == data::FileKind::json) return from_json(path, file, at);
+  if (kind == data::FileKind::frequency_responses) {
+    const auto read = data::read_frequency_response(path);
+    print_diagnostics(read.notes);
+    return identified(identification::from_exchange(read.response, path), path, file, at);
   }
   MeasurementArguments measurement{.files = {path}};
   measurement.machine = arguments.file;
   measurement.pose = pose == "as_measured" ? arguments.pose : pose;
-  const auto& center = file.machine.platform.mass_center;
-  measurement.point = fmt::format("{:.17g},{:.17g},{:.17g}", center.x(), center.y(), center.z());
-  const auto measured = measure(measurement);
-  look_into(&measured.header, measured.responses, at);
+  measurement.p_PQ = file.machine.platform.mass_center;
+  auto records = open_records(measurement);
+  const auto measured = measure(records, measurement);
+  look_into(&records.experiment(), measured.responses, at);
   return identified(measured.responses, path, file, at);
 }
 
@@ -192,7 +166,7 @@ observation::Targets read_measured(const std::vector<std::string>& files,
     auto one = file_and_pose(text, file.machine, pose);
     if (std::ranges::count(measured, one.path, &MeasuredFile::path) > 0)
       bad_argument(one.option, fmt::format("{} is given twice; it would count twice", one.path));
-    if (one.says_pose && is_mode_list(one.path))
+    if (one.says_pose && is_mode_list(data::file_kind(one.path)))
       bad_argument(one.option,
                    "a list of modes says itself at which pose each was measured (pose = \"low\", "
                    "or a column \"pose\"); give the file without @POSE");

@@ -31,31 +31,30 @@ data::RecordFormat choose_format(const OutputArguments& arguments) {
   return *data::format_from_text(words[choose_word("--format", arguments.format, words)]);
 }
 
-std::unique_ptr<data::RecordReader> open_record(const RecordArguments& arguments) {
+data::RecordSet open_record(const RecordArguments& arguments) {
   if (arguments.rate && !(*arguments.rate > 0.0 && *arguments.rate < 1e12))
     bad_argument("--rate", "a sample rate must be positive");
-  return data::open_record_reader(arguments.file, {.sample_rate = arguments.rate});
+  return data::RecordSet({arguments.file}, {.sample_rate = arguments.rate});
 }
 
-bool read_all(data::RecordReader& reader, const std::string& title,
+bool read_all(data::RecordSet& record, const std::string& title,
               const std::function<void(const Eigen::Ref<const data::Samples>&)>& use) {
   const InterruptNote interrupt;
-  data::Samples block = data::make_block(reader.header());
+  const auto count = record.sample_count();
   std::int64_t done = 0;
+  bool complete = false;
   {
     ProgressLine progress(title);
-    while (!InterruptNote::noted()) {
-      const std::int64_t rows = reader.read(block);
-      if (rows == 0) break;
-      use(block.topRows(rows));
-      done += rows;
-      const auto count = reader.sample_count();
+    complete = record.stream([&](std::size_t /*file*/, const auto& block) {
+      use(block);
+      done += block.rows();
       if (count && *count > 0)
         progress.update(static_cast<double>(done) / static_cast<double>(*count));
-    }
+      return !InterruptNote::noted();
+    });
   }
-  print_diagnostics(reader.notes());
-  return !InterruptNote::noted();
+  print_diagnostics(record.notes());
+  return complete;
 }
 
 void report_written(const std::string& file, std::int64_t samples, bool complete) {

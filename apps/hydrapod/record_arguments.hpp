@@ -33,11 +33,11 @@ void add_output_options(Command command, OutputArguments& arguments);
 data::RecordFormat choose_format(const OutputArguments& arguments);
 
 /// Throws base::InputError; for a wrong --rate too.
-std::unique_ptr<data::RecordReader> open_record(const RecordArguments& arguments);
+data::RecordSet open_record(const RecordArguments& arguments);
 
 /// Reads to the end in blocks, with a progress line titled `title` where the length is known. Notes
 /// go to stderr at the end. False when Ctrl-C ended it before.
-bool read_all(data::RecordReader& reader, const std::string& title,
+bool read_all(data::RecordSet& record, const std::string& title,
               const std::function<void(const Eigen::Ref<const data::Samples>&)>& use);
 
 /// Says what was written, or throws base::ComputationError where Ctrl-C came before the end.

@@ -29,10 +29,10 @@ struct Arguments {
 
 void convert(const Arguments& arguments) {
   const auto format = choose_format(arguments.output);
-  const auto reader = open_record(arguments.record);
-  const auto writer = data::open_record_writer(arguments.output.file, reader->header(), format);
+  auto record = open_record(arguments.record);
+  const auto writer = data::open_record_writer(arguments.output.file, record.header(), format);
   std::int64_t samples = 0;
-  const bool complete = read_all(*reader, "converting", [&](const auto& block) {
+  const bool complete = read_all(record, "converting", [&](const auto& block) {
     writer->append(block);
     samples += block.rows();
   });
@@ -101,13 +101,13 @@ std::int64_t sample_at(const std::string& option, const std::string& text,
 
 void cut(const Arguments& arguments) {
   const auto format = choose_format(arguments.output);
-  const auto reader = open_record(arguments.record);
-  data::RecordHeader header = reader->header();
+  auto record = open_record(arguments.record);
+  data::RecordHeader header = record.header();
   const auto kept = chosen_channels(header, arguments);
   const std::int64_t from = sample_at("--from", arguments.from, header, 0);
   const std::int64_t to =
       sample_at("--to", arguments.to, header, std::numeric_limits<std::int64_t>::max());
-  const auto count = reader->sample_count();
+  const auto count = record.sample_count();
   if (from >= to || (count && from >= *count))
     bad_argument("--from, --to",
                  fmt::format("no sample lies there; the record begins at {:.9g} s{}", header.start,
@@ -121,7 +121,7 @@ void cut(const Arguments& arguments) {
   header.channels = channels;
   const auto writer = data::open_record_writer(arguments.output.file, header, format);
   std::int64_t at = 0, written = 0;
-  const bool complete = read_all(*reader, "cutting", [&](const auto& block) {
+  const bool complete = read_all(record, "cutting", [&](const auto& block) {
     const std::int64_t first = std::clamp<std::int64_t>(from - at, 0, block.rows());
     const std::int64_t last = std::clamp<std::int64_t>(to - at, first, block.rows());
     at += block.rows();
@@ -138,8 +138,8 @@ void resample(const Arguments& arguments) {
   const auto format = choose_format(arguments.output);
   if (!(arguments.rate > 0.0 && arguments.rate < 1e12))
     bad_argument("--rate", "the new sample rate must be positive");
-  const auto reader = open_record(arguments.record);
-  data::RecordHeader header = reader->header();
+  auto record = open_record(arguments.record);
+  data::RecordHeader header = record.header();
   const double before = header.sample_rate;
   constexpr double most = 1e4;
   if (before / arguments.rate > most || arguments.rate / before > most)
@@ -153,7 +153,7 @@ void resample(const Arguments& arguments) {
     written += block.rows();
   });
   const bool complete =
-      read_all(*reader, "resampling", [&](const auto& block) { resampler.add(block); });
+      read_all(record, "resampling", [&](const auto& block) { resampler.add(block); });
   resampler.finish();
   writer->close();
   report_written(arguments.output.file, written, complete);

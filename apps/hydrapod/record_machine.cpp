@@ -2,97 +2,61 @@
 
 #include <fmt/format.h>
 
-#include <sstream>
-#include <string_view>
+#include <algorithm>
 
+#include "hydrapod/base/version.hpp"
+#include "hydrapod/commands.hpp"
 #include "hydrapod/kinematics/check_machine.hpp"
 
 namespace hydrapod::cli {
 
 namespace {
 
-constexpr std::string_view rig_mark = "test rig of hydrapod";
-constexpr std::string_view pose_key = "pose: ", model_key = "model: ", set_key = "--set ",
-                           sensor_key = "sensor: ";
-
-struct Noted {
-  std::string pose{}, model{};
-  std::vector<std::string> overrides{};
-};
-
-Noted noted(const std::string& notes) {
-  Noted found;
-  std::istringstream lines(notes);
-  for (std::string line; std::getline(lines, line);) {
-    if (line.starts_with(pose_key)) found.pose = line.substr(pose_key.size());
-    if (line.starts_with(model_key)) found.model = line.substr(model_key.size());
-    if (line.starts_with(set_key)) found.overrides.push_back(line.substr(set_key.size()));
-  }
-  return found;
+/// A pose of the machine by its name, else by its numbers, else by what its name says.
+report::PoseChoice recorded_pose(const model::Machine& machine, const data::Experiment* e) {
+  if (e == nullptr || e->pose_name.empty()) return choose_pose(machine, "neutral");
+  const bool named = std::ranges::find(machine.poses, e->pose_name, &model::NamedPose::name) !=
+                     machine.poses.end();
+  if (named || !e->pose) return choose_pose(machine, e->pose_name);
+  const auto& p = *e->pose;
+  return {e->pose_name,
+          {.R_BP = spatial::rotation_from_rpy({p[3], p[4], p[5]}), .p_BP = {p[0], p[1], p[2]}}};
 }
 
 }  // namespace
 
-std::string rig_notes(const std::string& pose, dynamics::ModelKind kind,
-                      const std::vector<std::string>& overrides,
-                      const std::vector<PlacedSensor>& sensors) {
-  std::string text =
-      fmt::format("{}\n{}{}\n{}{}", rig_mark, pose_key, pose, model_key, dynamics::name(kind));
-  for (const auto& change : overrides) text += fmt::format("\n{}{}", set_key, change);
-  const auto numbers = [](const spatial::Vector3& v) {
-    return fmt::format("{:.9g} {:.9g} {:.9g}", v.x(), v.y(), v.z());
-  };
-  for (const auto& s : sensors)
-    text +=
-        fmt::format("\n{}{} at={} along={}", sensor_key, s.name, numbers(s.p_P), numbers(s.e_P));
-  return text;
+data::Experiment experiment_of(const model::MachineFile& file, const report::PoseChoice& pose,
+                               dynamics::ModelKind kind, std::uint64_t seed) {
+  const spatial::Vector3 rpy = spatial::rpy_from_rotation(pose.X_BP.R_BP), &p = pose.X_BP.p_BP;
+  return {.program = fmt::format("hydrapod {}", base::version),
+          .command = command_line(),
+          .machine = file.text,
+          .overrides = file.overrides,
+          .pose_name = pose.name,
+          .pose = {{p.x(), p.y(), p.z(), rpy.x(), rpy.y(), rpy.z()}},
+          .model = std::string(dynamics::name(kind)),
+          .seed = seed};
 }
 
-std::vector<PlacedSensor> placed_sensors(const data::RecordHeader& header) {
-  std::vector<PlacedSensor> sensors;
-  std::istringstream lines(header.notes);
-  for (std::string line; std::getline(lines, line);) {
-    // names may hold anything, so what follows them is looked for from the end
-    const auto at = line.rfind(" at="), along = line.rfind(" along=");
-    if (!line.starts_with(sensor_key) || at == std::string::npos || along == std::string::npos ||
-        at < sensor_key.size() || along < at)
-      continue;
-    PlacedSensor sensor{.name = line.substr(sensor_key.size(), at - sensor_key.size())};
-    std::istringstream place(line.substr(at + 4, along - at - 4)), axis(line.substr(along + 7));
-    for (int d = 0; d < 3; ++d) {
-      place >> sensor.p_P[d];
-      axis >> sensor.e_P[d];
-    }
-    if (place && axis) sensors.push_back(sensor);
-  }
-  return sensors;
-}
-
-bool is_rig_record(const data::RecordHeader& header) {
-  return header.notes.starts_with(rig_mark) && !noted(header.notes).pose.empty();
-}
-
-std::optional<RecordMachine> record_machine(const data::RecordHeader* header,
+std::optional<RecordMachine> record_machine(const data::Experiment* experiment,
                                             const std::string& record, const std::string& machine,
                                             const std::string& pose, const std::string& kind) {
-  const Noted notes = header != nullptr ? noted(header->notes) : Noted{};
   RecordMachine found;
   std::string model = kind;
   if (!machine.empty()) {
     found.name = machine;
-    found.file = load({.file = machine}).file;
-  } else if (header != nullptr && !header->machine.empty()) {
+    found.file = load({.file = machine});
+  } else if (experiment != nullptr && !experiment->machine.empty()) {
     found.name = record + " (machine)";
-    found.file = model::parse_machine(header->machine, found.name, notes.overrides,
+    found.file = model::parse_machine(experiment->machine, found.name, experiment->overrides,
                                       kinematics::check_machine);
-    if (model.empty()) model = notes.model;
+    if (model.empty()) model = experiment->model;
   } else {
     return {};
   }
-  found.pose = tasks::pose_of(found.file.machine, !pose.empty()         ? pose
-                                                  : !notes.pose.empty() ? notes.pose
-                                                                        : "neutral");
-  found.kind = tasks::model_of(found.file.machine, model_kind(model));
+  found.pose = pose.empty() ? recorded_pose(found.file.machine, experiment)
+                            : choose_pose(found.file.machine, pose);
+  found.kind = choose_model(found.file.machine, model);
   return found;
 }
 

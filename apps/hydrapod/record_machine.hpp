@@ -10,24 +10,9 @@
 
 namespace hydrapod::cli {
 
-/// An accelerometer of the record and where it sits.
-struct PlacedSensor {
-  std::string name{};      ///< of its channel
-  spatial::Vector3 p_P{};  ///< in the platform frame [m]
-  spatial::Vector3 e_P{};  ///< its axis, unit
-};
-
-/// What `hydrapod rig` notes of the machine besides its file, a line each: "test rig of hydrapod",
-/// "pose: NAME", "model: KIND", "--set PATH=VALUE" and "sensor: NAME at=X Y Z along=X Y Z".
-std::string rig_notes(const std::string& pose, dynamics::ModelKind kind,
-                      const std::vector<std::string>& overrides,
-                      const std::vector<PlacedSensor>& sensors);
-
-/// The sensors whose places the notes of `header` tell.
-std::vector<PlacedSensor> placed_sensors(const data::RecordHeader& header);
-
-/// Was it written by `hydrapod rig`, whose machine is under its controller?
-bool is_rig_record(const data::RecordHeader& header);
+/// The part of an experiment that simulation and test rig have in common.
+data::Experiment experiment_of(const model::MachineFile& file, const report::PoseChoice& pose,
+                               dynamics::ModelKind kind, std::uint64_t seed);
 
 struct RecordMachine {
   std::string name{};  ///< of the file, as messages call it
@@ -36,10 +21,10 @@ struct RecordMachine {
   dynamics::ModelKind kind{};
 };
 
-/// --machine, else the machine file in the record (`header`) with what its notes say; `pose` and
-/// `kind` in words, empty: as noted, else neutral and what the file describes. None where there is
-/// no machine. Throws base::InputError.
-std::optional<RecordMachine> record_machine(const data::RecordHeader* header,
+/// --machine, else the machine file of the `experiment` of a record, with its overrides; `pose` and
+/// `kind` in words, empty: as in the experiment, else neutral and what the file describes. None
+/// where there is no machine. Throws base::InputError.
+std::optional<RecordMachine> record_machine(const data::Experiment* experiment,
                                             const std::string& record, const std::string& machine,
                                             const std::string& pose, const std::string& kind);
 

@@ -52,18 +52,18 @@ std::vector<std::size_t> shown_channels(const data::RecordHeader& header,
 
 void run(const Arguments& arguments) {
   report::require_picture_ending(arguments.picture);
-  const auto reader = open_record(arguments.record);
-  const auto shown = shown_channels(reader->header(), arguments.channels);
-  data::OverviewBuilder overview(reader->header(),
-                                 data::default_segment(reader->header(), reader->sample_count()));
-  report::TraceBuilder traces(reader->header().channels.size());
-  const bool complete = read_all(*reader, "reading", [&](const auto& block) {
+  auto record = open_record(arguments.record);
+  const auto shown = shown_channels(record.header(), arguments.channels);
+  data::OverviewBuilder overview(record.header(),
+                                 data::default_segment(record.header(), record.sample_count()));
+  report::TraceBuilder traces(record.header().channels.size());
+  const bool complete = read_all(record, "reading", [&](const auto& block) {
     overview.add(block);
     traces.add(block);
   });
   if (!complete) throw base::ComputationError("interrupted");
   if (traces.stretches().empty()) throw base::ComputationError("the record has no samples to plot");
-  report::plot_record(reader->header(), traces, overview.result(), shown, arguments.picture);
+  report::plot_record(record.header(), traces, overview.result(), shown, arguments.picture);
   fmt::print(stderr, "wrote {}\n", arguments.picture);
 }
 

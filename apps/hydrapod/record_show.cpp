@@ -22,6 +22,29 @@ struct Arguments {
   std::string file{"-"};
 };
 
+/// How the record was made, a line per statement.
+std::string experiment_text(const data::Experiment& e) {
+  std::string out;
+  const auto add = [&](const char* what, const std::string& text) {
+    if (!text.empty()) out += fmt::format("{}: {}\n", what, text);
+  };
+  add("program", e.program);
+  add("pose", e.pose_name);
+  add("model", e.model);
+  for (const auto& change : e.overrides) add("--set", change);
+  if (e.excitation) {
+    add("excitation", e.excitation->entry);
+    for (const auto& signal : e.excitation->signals) add("signal", signal);
+  }
+  if (e.seed) add("seed", fmt::format("{}", *e.seed));
+  add("controller", e.controller);
+  for (const auto& s : e.sensors)
+    out += fmt::format("sensor: {} at {:.4g} {:.4g} {:.4g} m along {:.4g} {:.4g} {:.4g}\n", s.name,
+                       s.position.x(), s.position.y(), s.position.z(), s.axis.x(), s.axis.y(),
+                       s.axis.z());
+  return out;
+}
+
 std::string heading(const data::RecordHeader& header, const data::RecordOverview& overview,
                     data::RecordFormat format, bool colour) {
   std::string out;
@@ -33,8 +56,9 @@ std::string heading(const data::RecordHeader& header, const data::RecordOverview
   if (!header.date.empty() || header.repeat > 1)
     out += fmt::format("recorded {}, repeat {}\n", header.date.empty() ? "?" : header.date,
                        header.repeat);
+  out += experiment_text(header.experiment);
   if (!header.notes.empty()) out += header.notes + (header.notes.ends_with('\n') ? "" : "\n");
-  if (!header.machine.empty()) out += "The machine file is in the record.\n";
+  if (!header.experiment.machine.empty()) out += "The machine file is in the record.\n";
   return out + '\n';
 }
 
@@ -79,16 +103,14 @@ constexpr const char* legend =
 
 void run(const Arguments& arguments) {
   const std::size_t format = choose_word("--format", arguments.format, {"table", "json"});
-  const auto reader = open_record(arguments.record);
-  const data::RecordHeader& header = reader->header();
-  data::OverviewBuilder builder(header, data::default_segment(header, reader->sample_count()));
-  const bool complete =
-      read_all(*reader, "reading", [&](const auto& block) { builder.add(block); });
+  auto record = open_record(arguments.record);
+  const data::RecordHeader& header = record.header();
+  data::OverviewBuilder builder(header, data::default_segment(header, record.sample_count()));
+  const bool complete = read_all(record, "reading", [&](const auto& block) { builder.add(block); });
   if (!complete) throw base::ComputationError("interrupted");
   const data::RecordOverview overview = builder.result();
   if (format == 1) {
-    const auto json =
-        report::record_json(arguments.record.file, *reader, overview, arguments.spectra);
+    const auto json = report::record_json(record, overview, arguments.spectra);
     base::write_file_whole(arguments.file, json.dump() + "\n");
     return;
   }
@@ -96,7 +118,7 @@ void run(const Arguments& arguments) {
   const bool colour = printed && has_colour(stdout);
   base::write_file_whole(
       arguments.file,
-      heading(header, overview, reader->format(), colour) +
+      heading(header, overview, record.format(), colour) +
           table(header, overview, colour, printed ? terminal_width() : Table::unlimited) + legend);
 }
 

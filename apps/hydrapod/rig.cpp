@@ -76,21 +76,40 @@ void set_duration(const Arguments& arguments, double control_rate, rig::RigOptio
   options.duration = arguments.averages * static_cast<double>(*period) / control_rate;
 }
 
+/// The settings that the controller ran with.
+std::string controller_text(const control::ControllerParameters& p) {
+  return fmt::format(
+      "space={}, gain={:.6g} 1/s, integral_time={:.6g} s, velocity_feedforward={:.6g}, "
+      "damping_feedback={}, feedback_gain={:.6g}, feedback_corner={:.6g} rad/s, "
+      "sample_time={:.6g} s, delay={:.6g} samples",
+      p.space == model::ControlSpace::pose ? "pose" : "legs", fmt::join(p.gain, " "),
+      p.integral_time, p.velocity_feedforward, static_cast<int>(p.feedback),
+      fmt::join(p.feedback_gain, " "), p.feedback_corner, p.sample_time, p.delay);
+}
+
 data::RecordHeader header_of(const Arguments& arguments, const model::MachineFile& file,
-                             const model::NamedPose& pose, const rig::RigOptions& options) {
+                             const report::PoseChoice& pose, const rig::RigOptions& options,
+                             const control::ControllerParameters& controller) {
   data::RecordHeader header;
   header.title = file.machine.name;
   header.channels = rig::rig_channels(options);
   header.sample_rate = options.rate;
   header.start = options.settling;  // the excitation begins at 0
   header.repeat = options.repeat;
-  header.machine = file.text;
-  std::vector<PlacedSensor> sensors;
+  header.experiment = experiment_of(file, pose, options.loop.kind, options.seed);
+  auto& excitation = header.experiment.excitation.emplace();
+  excitation.entry = arguments.entry;
+  Vector6 squares = Vector6::Zero();
+  for (const auto& signal : options.signals) {
+    excitation.signals.push_back(rig::description(signal));
+    squares += std::visit([](const auto& s) { return s.rms.cwiseAbs2().eval(); }, signal);
+  }
+  for (int d = 0; d < 6; ++d) excitation.level[static_cast<std::size_t>(d)] = std::sqrt(squares[d]);
+  if (const auto period = rig::period_samples(options.signals, 1.0 / controller.sample_time))
+    excitation.period = static_cast<double>(*period) * controller.sample_time;
+  header.experiment.controller = controller_text(controller);
   for (const auto& one : options.instruments.accelerometers)
-    sensors.push_back({one.name, one.p_P, one.e_P});
-  header.notes = rig_notes(pose.name, options.loop.kind, file.overrides, sensors) +
-                 fmt::format("\nexcitation of the {}, seed {}", arguments.entry, options.seed);
-  for (const auto& signal : options.signals) header.notes += "\n" + rig::description(signal);
+    header.experiment.sensors.push_back({one.name, one.p_P, one.e_P});
   return header;
 }
 
@@ -127,8 +146,8 @@ void run(const Arguments& arguments) {
       loop = simulation::ClosedLoop(file.machine, pose.X_BP, rig::loop_options(options));
     judge(rig::check_levels(loop, options), arguments.force);
     if (arguments.check) return;
-    const auto writer =
-        data::open_record_writer(arguments.file, header_of(arguments, file, pose, options));
+    const auto writer = data::open_record_writer(
+        arguments.file, header_of(arguments, file, pose, options, loop.parameters()));
     const InterruptNote interrupt;
     {
       ProgressLine progress("measuring");

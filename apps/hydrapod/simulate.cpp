@@ -8,6 +8,7 @@
 #include "hydrapod/data/record_io.hpp"
 #include "hydrapod/interrupt.hpp"
 #include "hydrapod/machine_arguments.hpp"
+#include "hydrapod/record_machine.hpp"
 #include "hydrapod/report/simulation.hpp"
 #include "hydrapod/simulation_report.hpp"
 #include "hydrapod/terminal.hpp"
@@ -62,14 +63,14 @@ report::SimulationOptions options_of(const Arguments& arguments, dynamics::Model
 class RecordFile {
  public:
   RecordFile(const std::string& path, const simulation::ClosedLoop& loop,
-             const model::MachineFile& file, const std::string& notes)
+             data::Experiment experiment, const std::string& title, const std::string& notes)
       : loop_(loop) {
     data::RecordHeader header;
-    header.title = file.machine.name;
+    header.title = title;
     header.channels = simulation::record_channels(loop);
     header.sample_rate = 1.0 / loop.output_interval();
     header.notes = notes;
-    header.machine = file.text;
+    header.experiment = std::move(experiment);
     block_.resize(rows, static_cast<Eigen::Index>(header.channels.size()));
     writer_ = data::open_record_writer(path, header);
   }
@@ -99,14 +100,11 @@ class RecordFile {
   std::unique_ptr<data::RecordWriter> writer_{};
 };
 
-/// What a record says about how it was made.
-std::string record_notes(const report::PreparedSimulation& prepared, const model::NamedPose& pose,
-                         const model::MachineFile& file) {
-  std::string notes =
-      fmt::format("simulated by hydrapod, pose {}, seed {}", pose.name, prepared.options.loop.seed);
+std::string record_notes(const report::PreparedSimulation& prepared) {
+  std::string notes;
   for (const auto& command : prepared.commands)
-    notes += "\ncommand: " + simulation::description(command);
-  for (const auto& change : file.overrides) notes += "\n--set " + change;
+    notes +=
+        fmt::format("{}command: {}", notes.empty() ? "" : "\n", simulation::description(command));
   return notes;
 }
 
@@ -154,8 +152,10 @@ void run(const Arguments& arguments) {
   warn(prepared.warnings);
   std::unique_ptr<RecordFile> record;
   if (!arguments.record.empty())
-    record = std::make_unique<RecordFile>(arguments.record, *prepared.loop, file,
-                                          record_notes(prepared, pose, file));
+    record = std::make_unique<RecordFile>(
+        arguments.record, *prepared.loop,
+        experiment_of(file, pose, prepared.options.loop.kind, prepared.options.loop.seed),
+        file.machine.name, record_notes(prepared));
   report::Simulation result;
   {
     const InterruptNote interrupt;

@@ -4,9 +4,8 @@
 #include <cstdio>
 #include <limits>
 
-#include "csv_text.hpp"
 #include "formats.hpp"
-#include "hydrapod/base/file.hpp"
+#include "hydrapod/base/table.hpp"
 #include "record_comments.hpp"
 
 namespace hydrapod::data {
@@ -16,7 +15,8 @@ namespace {
 std::string header_text(const RecordHeader& header) {
   std::string titles = "time [s]";
   for (const Channel& c : header.channels)
-    titles += ',' + quoted_field(c.unit.empty() ? c.name : fmt::format("{} [{}]", c.name, c.unit));
+    titles +=
+        ',' + base::quoted_cell(c.unit.empty() ? c.name : fmt::format("{} [{}]", c.name, c.unit));
   return comment_lines(header) + titles + '\n';
 }
 

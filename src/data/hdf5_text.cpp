@@ -104,41 +104,35 @@ bool write_attribute(hid_t object, const char* name, int value) {
   return write_scalar(object, name, H5T_STD_I32LE, H5T_NATIVE_INT, &value);
 }
 
-bool write_text(hid_t group, const char* name, const std::string& text) {
-  const Hdf5Handle type = string_type(text.size());
-  const Hdf5Handle space(H5Screate(H5S_SCALAR), H5Sclose);
+bool write_set(hid_t group, const char* name, hid_t file_type, hid_t memory_type,
+               const Hdf5Handle& space, const void* values) {
   const Hdf5Handle list = dataset_without_times();
   const Hdf5Handle set(
-      H5Dcreate2(group, name, type.id(), space.id(), H5P_DEFAULT, list.id(), H5P_DEFAULT),
+      H5Dcreate2(group, name, file_type, space.id(), H5P_DEFAULT, list.id(), H5P_DEFAULT),
       H5Dclose);
-  const std::string padded = text.empty() ? std::string(1, '\0') : text;
-  return set.ok() &&
-         H5Dwrite(set.id(), type.id(), H5S_ALL, H5S_ALL, H5P_DEFAULT, padded.data()) >= 0;
+  return set.ok() && H5Dwrite(set.id(), memory_type, H5S_ALL, H5S_ALL, H5P_DEFAULT, values) >= 0;
 }
 
-bool write_texts(hid_t group, const char* name, const std::vector<std::string>& texts) {
+bool write_text(hid_t group, const char* name, const std::string& text) {
+  const Hdf5Handle type = string_type(text.size());
+  const std::string padded = text.empty() ? std::string(1, '\0') : text;
+  return write_set(group, name, type.id(), type.id(), {H5Screate(H5S_SCALAR), H5Sclose},
+                   padded.data());
+}
+
+bool write_list(hid_t group, const char* name, const std::vector<std::string>& texts) {
   std::size_t length = 1;
   for (const auto& text : texts) length = std::max(length, text.size());
   const Hdf5Handle type = string_type(length);
   const hsize_t count = texts.size();
-  const Hdf5Handle space(H5Screate_simple(1, &count, nullptr), H5Sclose);
-  const Hdf5Handle list = dataset_without_times();
-  const Hdf5Handle set(
-      H5Dcreate2(group, name, type.id(), space.id(), H5P_DEFAULT, list.id(), H5P_DEFAULT),
-      H5Dclose);
-  const std::string all = joined(texts, length);
-  return set.ok() && H5Dwrite(set.id(), type.id(), H5S_ALL, H5S_ALL, H5P_DEFAULT, all.data()) >= 0;
+  return write_set(group, name, type.id(), type.id(),
+                   {H5Screate_simple(1, &count, nullptr), H5Sclose}, joined(texts, length).data());
 }
 
-bool write_integers(hid_t group, const char* name, const std::vector<int>& values) {
+bool write_list(hid_t group, const char* name, const std::vector<int>& values) {
   const hsize_t count = values.size();
-  const Hdf5Handle space(H5Screate_simple(1, &count, nullptr), H5Sclose);
-  const Hdf5Handle list = dataset_without_times();
-  const Hdf5Handle set(
-      H5Dcreate2(group, name, H5T_STD_I32LE, space.id(), H5P_DEFAULT, list.id(), H5P_DEFAULT),
-      H5Dclose);
-  return set.ok() &&
-         H5Dwrite(set.id(), H5T_NATIVE_INT, H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data()) >= 0;
+  return write_set(group, name, H5T_STD_I32LE, H5T_NATIVE_INT,
+                   {H5Screate_simple(1, &count, nullptr), H5Sclose}, values.data());
 }
 
 std::optional<std::string> read_text_attribute(hid_t object, const char* name) {
@@ -166,38 +160,12 @@ std::optional<double> read_number_attribute(hid_t object, const char* name) {
   return value;
 }
 
-std::optional<std::vector<std::string>> read_texts(hid_t group, const char* name,
-                                                   std::size_t most_bytes) {
-  if (!has_object(group, name)) return {};
-  const Hdf5Handle set(H5Dopen2(group, name, H5P_DEFAULT), H5Dclose);
-  if (!set.ok()) return {};
-  const Hdf5Handle type(H5Dget_type(set.id()), H5Tclose);
-  const Hdf5Handle space(H5Dget_space(set.id()), H5Sclose);
+std::optional<std::vector<std::string>> read_texts(hid_t dataset, std::size_t most_bytes) {
+  const Hdf5Handle type(H5Dget_type(dataset), H5Tclose);
+  const Hdf5Handle space(H5Dget_space(dataset), H5Sclose);
   return read_strings(type, space, most_bytes, [&](hid_t memory, void* buffer) {
-    return H5Dread(set.id(), memory, H5S_ALL, H5S_ALL, H5P_DEFAULT, buffer);
+    return H5Dread(dataset, memory, H5S_ALL, H5S_ALL, H5P_DEFAULT, buffer);
   });
-}
-
-std::optional<std::string> read_text(hid_t group, const char* name, std::size_t most_bytes) {
-  auto texts = read_texts(group, name, most_bytes);
-  if (!texts || texts->size() != 1) return {};
-  return texts->front();
-}
-
-std::optional<std::vector<int>> read_integers(hid_t group, const char* name,
-                                              std::size_t most_bytes) {
-  if (!has_object(group, name)) return {};
-  const Hdf5Handle set(H5Dopen2(group, name, H5P_DEFAULT), H5Dclose);
-  if (!set.ok()) return {};
-  const Hdf5Handle type(H5Dget_type(set.id()), H5Tclose);
-  const Hdf5Handle space(H5Dget_space(set.id()), H5Sclose);
-  const hssize_t count = H5Sget_simple_extent_npoints(space.id());
-  if (H5Tget_class(type.id()) != H5T_INTEGER || count < 1) return {};
-  if (static_cast<std::size_t>(count) > most_bytes / sizeof(int)) return {};
-  std::vector<int> values(static_cast<std::size_t>(count));
-  if (H5Dread(set.id(), H5T_NATIVE_INT, H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data()) < 0)
-    return {};
-  return values;
 }
 
 std::uint64_t chunk_bytes(hid_t dataset) {

@@ -21,18 +21,17 @@ bool write_attribute(hid_t object, const char* name, int value);
 /// A scalar string.
 bool write_text(hid_t group, const char* name, const std::string& text);
 /// A list of strings, of integers.
-bool write_texts(hid_t group, const char* name, const std::vector<std::string>& texts);
-bool write_integers(hid_t group, const char* name, const std::vector<int>& values);
+bool write_list(hid_t group, const char* name, const std::vector<std::string>& texts);
+bool write_list(hid_t group, const char* name, const std::vector<int>& values);
+/// A dataset of that size, written whole.
+bool write_set(hid_t group, const char* name, hid_t file_type, hid_t memory_type,
+               const Hdf5Handle& space, const void* values);
 
 /// None where there is none, or where it is of another type or size than it can be: a declared size
 /// beyond `most_bytes` is not believed.
 std::optional<std::string> read_text_attribute(hid_t object, const char* name);
 std::optional<double> read_number_attribute(hid_t object, const char* name);
-std::optional<std::string> read_text(hid_t group, const char* name, std::size_t most_bytes);
-std::optional<std::vector<std::string>> read_texts(hid_t group, const char* name,
-                                                   std::size_t most_bytes);
-std::optional<std::vector<int>> read_integers(hid_t group, const char* name,
-                                              std::size_t most_bytes);
+std::optional<std::vector<std::string>> read_texts(hid_t dataset, std::size_t most_bytes);
 /// Bytes of a chunk in memory; 0 for a dataset that has none.
 std::uint64_t chunk_bytes(hid_t dataset);
 /// Chunks larger than this are not taken into memory, whatever the file says.

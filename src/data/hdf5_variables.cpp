@@ -27,6 +27,7 @@ class Hdf5Variables final : public VariableFile {
     if (!file_.ok()) notes.fail("the HDF5 file is damaged or cut off: it cannot be opened");
     const Hdf5Handle root(H5Gopen2(file_.id(), "/", H5P_DEFAULT), H5Gclose);
     notes_ = &notes;
+    take_attributes(root.id());
     take_group(root.id(), "", 0);
     notes_ = nullptr;
   }
@@ -61,6 +62,16 @@ class Hdf5Variables final : public VariableFile {
     auto& children = *static_cast<std::vector<Child>*>(list);
     children.push_back({name});
     return children.size() > most_variables ? 1 : 0;
+  }
+
+  /// What the header of a record has in attributes.
+  void take_attributes(hid_t root) {
+    for (const char* name : {"format", "title", "date"})
+      if (const auto text = read_text_attribute(root, name))
+        add({.name = name, .kind = VariableKind::text, .text = *text}, {});
+    for (const char* name : {"format_version", "sample_rate_hz", "start_s", "repeat"})
+      if (const auto number = read_number_attribute(root, name))
+        add({.name = name, .number = *number}, {});
   }
 
   void take_group(hid_t group, const std::string& prefix, int depth) {
@@ -163,7 +174,7 @@ class Hdf5Variables final : public VariableFile {
   }
 
   void take_strings(hid_t set, const std::string& name) {
-    const auto texts = read_texts(set, ".", std::min<std::uint64_t>(longest_text, file_bytes_));
+    const auto texts = read_texts(set, std::min<std::uint64_t>(longest_text, file_bytes_));
     if (!texts)
       return notes_->add(fmt::format("the texts of '{}' cannot be read", base::printable(name)));
     const Hdf5Handle space(H5Dget_space(set), H5Sclose);

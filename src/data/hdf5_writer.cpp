@@ -2,8 +2,8 @@
 
 #include <algorithm>
 
-#include "formats.hpp"
 #include "hdf5_text.hpp"
+#include "header_fields.hpp"
 #include "hydrapod/base/file.hpp"
 #include "mat73_text.hpp"
 
@@ -16,58 +16,46 @@ hsize_t chunk_rows(std::size_t channels) {
   return std::clamp<hsize_t>((64U * 1024U) / (sizeof(double) * channels), 1, 8192);
 }
 
-struct ChannelTexts {
-  std::vector<std::string> name{}, unit{}, direction{}, role{};
-  std::vector<int> point{};
+/// Attributes of the file and a group `channels`. False when HDF5 could not write.
+struct PlainHeader {
+  hid_t root{};
+  Hdf5Handle group{};
+
+  template <class Value>
+  bool attribute(const char* name, const Value& value) const {
+    return write_attribute(root, name, value);
+  }
+  bool text(const char* name, const std::string& text) const {
+    return write_text(root, name, text);
+  }
+  template <class Value>
+  bool channels(const char* name, const std::vector<Value>& values) const {
+    return write_list(group.id(), name, values);
+  }
 };
 
-ChannelTexts texts_of(const RecordHeader& header) {
-  ChannelTexts texts;
-  for (const Channel& channel : header.channels) {
-    texts.name.push_back(channel.name);
-    texts.unit.push_back(channel.unit);
-    texts.direction.emplace_back(direction_text(channel.direction));
-    texts.role.emplace_back(role_text(channel.role));
-    texts.point.push_back(channel.point);
-  }
-  return texts;
-}
-
-/// Attributes of the file and a group `channels`. False when HDF5 could not write.
-bool write_plain_header(hid_t root, const RecordHeader& header) {
-  const Hdf5Handle group = group_without_times(root, "channels");
-  const ChannelTexts channels = texts_of(header);
-  return write_attribute(root, "format", std::string(record_mark)) &&
-         write_attribute(root, "format_version", record_version) &&
-         write_attribute(root, "title", header.title) &&
-         write_attribute(root, "sample_rate_hz", header.sample_rate) &&
-         write_attribute(root, "start_s", header.start) &&
-         write_attribute(root, "date", header.date) &&
-         write_attribute(root, "repeat", header.repeat) &&
-         write_text(root, "notes", header.notes) && write_text(root, "machine", header.machine) &&
-         write_texts(group.id(), "name", channels.name) &&
-         write_texts(group.id(), "unit", channels.unit) &&
-         write_texts(group.id(), "direction", channels.direction) &&
-         write_texts(group.id(), "role", channels.role) &&
-         write_integers(group.id(), "point", channels.point);
-}
-
 /// The same as variables of MATLAB.
-bool write_mat73_header(hid_t root, const RecordHeader& header) {
-  const ChannelTexts channels = texts_of(header);
-  const std::vector<double> points(channels.point.begin(), channels.point.end());
-  return mat73_text(root, "format", record_mark) &&
-         mat73_numbers(root, "format_version", {record_version}) &&
-         mat73_text(root, "title", header.title) &&
-         mat73_numbers(root, "sample_rate_hz", {header.sample_rate}) &&
-         mat73_numbers(root, "start_s", {header.start}) && mat73_text(root, "date", header.date) &&
-         mat73_numbers(root, "repeat", {static_cast<double>(header.repeat)}) &&
-         mat73_text(root, "notes", header.notes) && mat73_text(root, "machine", header.machine) &&
-         mat73_texts(root, "channel_name", channels.name) &&
-         mat73_texts(root, "channel_unit", channels.unit) &&
-         mat73_texts(root, "channel_direction", channels.direction) &&
-         mat73_texts(root, "channel_role", channels.role) &&
-         mat73_numbers(root, "channel_point", points);
+struct Mat73Header {
+  hid_t root{};
+
+  bool attribute(const char* name, const std::string& value) const { return text(name, value); }
+  bool attribute(const char* name, double value) const {
+    return mat73_numbers(root, name, {value});
+  }
+  bool text(const char* name, const std::string& text) const {
+    return mat73_text(root, name, text);
+  }
+  bool channels(const std::string& name, const std::vector<std::string>& texts) const {
+    return mat73_texts(root, ("channel_" + name).c_str(), texts);
+  }
+  bool channels(const std::string& name, const std::vector<int>& values) const {
+    return mat73_numbers(root, ("channel_" + name).c_str(), {values.begin(), values.end()});
+  }
+};
+
+bool write_header(hid_t root, const RecordHeader& header, bool for_matlab) {
+  if (for_matlab) return put_header(header, Mat73Header{root});
+  return put_header(header, PlainHeader{root, group_without_times(root, "channels")});
 }
 
 /// HDF5 of hydrapod's own layout or of MATLAB 7.3; `samples` are one dataset of samples × channels
@@ -82,7 +70,7 @@ class Hdf5Writer final : public RecordWriter {
     file_ = {H5Fcreate(part_.part().c_str(), H5F_ACC_TRUNC, list.id(), H5P_DEFAULT), H5Fclose};
     if (!file_.ok()) fail();
     const Hdf5Handle root(H5Gopen2(file_.id(), "/", H5P_DEFAULT), H5Gclose);
-    if (!(for_matlab ? write_mat73_header : write_plain_header)(root.id(), header)) fail();
+    if (!write_header(root.id(), header, for_matlab)) fail();
     make_samples();
     flush();
   }

@@ -3,8 +3,7 @@
 #include <cstdio>
 #include <stdexcept>
 
-#include "formats.hpp"
-#include "hydrapod/base/file.hpp"
+#include "header_fields.hpp"
 #include "mat5_elements.hpp"
 #include "mat5_layout.hpp"
 
@@ -12,25 +11,28 @@ namespace hydrapod::data {
 
 namespace {
 
-std::string header_variables(const RecordHeader& header) {
-  std::vector<std::string> name, unit, direction, role;
-  std::vector<double> point;
-  for (const Channel& c : header.channels) {
-    name.push_back(c.name);
-    unit.push_back(c.unit);
-    direction.emplace_back(direction_text(c.direction));
-    role.emplace_back(role_text(c.role));
-    point.push_back(c.point);
+/// Variables one after the other.
+struct Mat5Header {
+  std::string out{};
+
+  bool attribute(const char* name, const std::string& value) { return text(name, value); }
+  bool attribute(const char* name, double value) {
+    out += mat5_numbers(name, {value});
+    return true;
   }
-  return mat5_text("format", record_mark) + mat5_numbers("format_version", {record_version}) +
-         mat5_text("title", header.title) + mat5_numbers("sample_rate_hz", {header.sample_rate}) +
-         mat5_numbers("start_s", {header.start}) + mat5_text("date", header.date) +
-         mat5_numbers("repeat", {static_cast<double>(header.repeat)}) +
-         mat5_text("notes", header.notes) + mat5_text("machine", header.machine) +
-         mat5_text_list("channel_name", name) + mat5_text_list("channel_unit", unit) +
-         mat5_text_list("channel_direction", direction) + mat5_text_list("channel_role", role) +
-         mat5_numbers("channel_point", point);
-}
+  bool text(const char* name, const std::string& text) {
+    out += mat5_text(name, text);
+    return true;
+  }
+  bool channels(const std::string& name, const std::vector<std::string>& texts) {
+    out += mat5_text_list("channel_" + name, texts);
+    return true;
+  }
+  bool channels(const std::string& name, const std::vector<int>& values) {
+    out += mat5_numbers("channel_" + name, {values.begin(), values.end()});
+    return true;
+  }
+};
 
 /// `samples` comes last and grows; its sizes are brought up to date with every block.
 class Mat5Writer final : public RecordWriter {
@@ -38,7 +40,9 @@ class Mat5Writer final : public RecordWriter {
   Mat5Writer(const std::string& path, const RecordHeader& header)
       : part_(path), header_(header), file_(std::fopen(part_.part().c_str(), "wb")) {
     if (!file_) fail();
-    const std::string before = mat5_file_head() + header_variables(header);
+    Mat5Header fields{mat5_file_head()};
+    put_header(header, fields);
+    const std::string& before = fields.out;
     samples_at_ = static_cast<long>(before.size());
     write(before + samples_head());
     if (std::fflush(file_.get()) != 0) fail();

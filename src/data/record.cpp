@@ -101,7 +101,8 @@ void validate(const RecordHeader& header) {
   require_line("the title", header.title);
   require_line("the date", header.date);
   require_text("the notes", header.notes);
-  require_text("the machine file's lines", header.machine);
+  require_text("the machine file's lines", header.experiment.machine);
+  experiment_json(header.experiment);
   std::set<std::string_view> names;
   for (const Channel& channel : header.channels) {
     if (channel.name.empty()) refuse("a channel has no name");

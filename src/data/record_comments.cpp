@@ -6,13 +6,32 @@
 #include <cmath>
 
 #include "channel_units.hpp"
-#include "csv_text.hpp"
+#include "experiment.hpp"
 #include "formats.hpp"
 #include "hydrapod/base/printable.hpp"
+#include "hydrapod/base/table.hpp"
+#include "hydrapod/base/text.hpp"
 
 namespace hydrapod::data {
 
 namespace {
+
+/// Carriage returns as \\r and backslashes as \\\\, so that they survive in a comment line.
+std::string escaped(std::string_view text) {
+  std::string out;
+  for (const char c : text) out += c == '\\' ? "\\\\" : c == '\r' ? "\\r" : std::string(1, c);
+  return out;
+}
+
+std::string unescaped(std::string_view text) {
+  std::string out;
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    const char next = text[i] == '\\' && i + 1 < text.size() ? text[i + 1] : ' ';
+    if (next == 'r' || next == '\\') ++i;
+    out += next == 'r' ? '\r' : next == '\\' ? '\\' : text[i];
+  }
+  return out;
+}
 
 /// One comment line per line of `text`, so that notes and machine files stay legible.
 void add_lines(std::string& out, const char* key, const std::string& text) {
@@ -34,16 +53,15 @@ std::string comment_lines(const RecordHeader& header) {
   if (!header.title.empty()) add_lines(out, "title", header.title);
   if (!header.date.empty()) add_lines(out, "date", header.date);
   if (!header.notes.empty()) add_lines(out, "notes", header.notes);
-  if (!header.machine.empty()) add_lines(out, "machine", header.machine);
+  const auto experiment = experiment_json(header.experiment);
+  if (!experiment.empty()) add_lines(out, "experiment", experiment);
+  if (!header.experiment.machine.empty()) add_lines(out, "machine", header.experiment.machine);
   out += "# channel: name,unit,direction,role,point\n";
   for (const Channel& c : header.channels)
-    out += fmt::format("# channel: {},{},{},{},{}\n", quoted_field(c.name), quoted_field(c.unit),
-                       direction_text(c.direction), role_text(c.role), c.point);
+    out += fmt::format("# channel: {},{},{},{},{}\n", base::quoted_cell(c.name),
+                       base::quoted_cell(c.unit), direction_text(c.direction), role_text(c.role),
+                       c.point);
   return out;
-}
-
-bool RecordComments::is_comment(std::string_view line) {
-  return line.starts_with('#') || line.starts_with('%') || line.starts_with("//");
 }
 
 void RecordComments::take(std::string_view line, unsigned number) {
@@ -52,7 +70,7 @@ void RecordComments::take(std::string_view line, unsigned number) {
   line.remove_prefix(begin);
   const std::size_t colon = line.find(':');
   if (colon == line.npos) {
-    lines_[std::string(trimmed_view(line))].push_back({"", number});
+    lines_[std::string(base::trimmed(line))].push_back({"", number});
     return;
   }
   std::string_view value = line.substr(colon + 1);
@@ -67,7 +85,7 @@ double RecordComments::number_of(const std::string& key, double otherwise,
   const auto at = lines_.find(key);
   if (at == lines_.end()) return otherwise;
   const Line& line = at->second.back();
-  const auto value = field_number(line.text, false);
+  const auto value = base::table_number(base::trimmed(line.text), false);
   if (value && std::isfinite(*value)) return *value;
   notes.fail(fmt::format("{}: \"{}\" is not a finite number", key, base::printable(line.text)),
              line.number);
@@ -86,36 +104,36 @@ std::string RecordComments::text_of(const std::string& key) const {
 
 /// "name,unit,direction,role,point".
 Channel RecordComments::channel_of(const Line& line, const Notes& notes) {
-  const auto fields = split_fields(line.text, ',');
+  const auto fields = base::table_cells(line.text, ',');
   if (fields.size() != 5)
     notes.fail(fmt::format("a channel is described by name,unit,direction,role,point; found {} "
                            "fields",
                            fields.size()),
                line.number);
-  Channel channel{.name = fields[0], .unit = fields[1]};
-  const auto direction = direction_from_text(fields[2]);
-  const auto role = role_from_text(fields[3]);
+  Channel channel{.name = fields[0].text, .unit = fields[1].text};
+  const auto direction = direction_from_text(fields[2].text);
+  const auto role = role_from_text(fields[3].text);
   if (!direction)
     notes.fail(fmt::format("direction \"{}\" is unknown; accepted are x, y, z, rx, ry, rz, these "
                            "with a -, leg 1 … leg 6 and nothing",
-                           base::printable(fields[2])),
+                           base::printable(fields[2].text)),
                line.number);
   if (!role)
     notes.fail(fmt::format("role \"{}\" is unknown; accepted are excitation, drive, response and "
                            "other",
-                           base::printable(fields[3])),
+                           base::printable(fields[3].text)),
                line.number);
   channel.direction = *direction;
   channel.role = *role;
-  const char* end_of_text = fields[4].data() + fields[4].size();
-  const auto [end, status] = std::from_chars(fields[4].data(), end_of_text, channel.point);
+  const char* end_of_text = fields[4].text.data() + fields[4].text.size();
+  const auto [end, status] = std::from_chars(fields[4].text.data(), end_of_text, channel.point);
   if (status != std::errc{} || end != end_of_text)
-    notes.fail(fmt::format("point \"{}\" is not a whole number", base::printable(fields[4])),
+    notes.fail(fmt::format("point \"{}\" is not a whole number", base::printable(fields[4].text)),
                line.number);
   return channel;
 }
 
-RecordHeader RecordComments::header(const Notes& notes) const {
+RecordHeader RecordComments::header(Notes& notes) const {
   RecordHeader record;
   record.sample_rate = number_of("sample_rate_hz", 0.0, notes);
   if (lines_.contains("sample_rate_hz") && !(record.sample_rate > 0.0))
@@ -128,7 +146,8 @@ RecordHeader RecordComments::header(const Notes& notes) const {
   record.title = clean_text(text_of("title"));
   record.date = clean_text(text_of("date"));
   record.notes = text_of("notes");
-  record.machine = text_of("machine");
+  record.experiment.machine = text_of("machine");
+  settle_experiment(text_of("experiment"), notes, record);
   const auto at = lines_.find("channel");
   if (at == lines_.end()) return record;
   for (std::size_t i = 1; i < at->second.size(); ++i)  // the first names the fields

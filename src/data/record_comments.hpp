@@ -26,9 +26,7 @@ class RecordComments {
 
   /// Throws base::InputError where a line does not hold what it should. Names and units are as they
   /// stand; the sample rate is 0 where none was given.
-  [[nodiscard]] RecordHeader header(const Notes& notes) const;
-
-  static bool is_comment(std::string_view line);
+  [[nodiscard]] RecordHeader header(Notes& notes) const;
 
  private:
   struct Line {

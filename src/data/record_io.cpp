@@ -6,13 +6,18 @@
 #include <algorithm>
 #include <array>
 #include <cerrno>
+#include <cmath>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <stdexcept>
 
+#include "channel_units.hpp"
 #include "formats.hpp"
 #include "hydrapod/base/printable.hpp"
+#include "hydrapod/base/table.hpp"
+#include "hydrapod/base/text.hpp"
+#include "uff_dataset.hpp"
 
 namespace hydrapod::data {
 
@@ -77,10 +82,37 @@ std::unique_ptr<RecordReader> open_by_content(const std::string& path, const Rea
   const std::string head = head_of(path);
   if (has_hdf5_signature(head)) return make_hdf5_reader(path, options);
   if (head.starts_with("MATLAB 5.0") || has_mat5_mark(head)) return make_mat5_reader(path, options);
-  if (begins_as_uff(head)) return make_uff_reader(path, options);
+  if (begins_as_uff(head)) return make_uff_reader(path);
   if (head.find('\0') != std::string::npos)
     refuse(path, "this is no record: it begins neither as HDF5, MAT, Universal File nor text");
   return make_csv_reader(path, options);
+}
+
+std::unique_ptr<RecordReader> open_reader(const std::string& path, const ReadOptions& options) {
+  auto reader = open_by_content(path, options);
+  try {
+    validate(reader->header());
+  } catch (const std::invalid_argument& error) {
+    refuse(path, error.what());
+  }
+  return reader;
+}
+
+bool same_channels(const RecordHeader& a, const RecordHeader& b) {
+  return a.sample_rate == b.sample_rate &&
+         std::ranges::equal(a.channels, b.channels, {}, &Channel::name, &Channel::name);
+}
+
+/// A column of frequencies and none of times in the title row.
+bool is_mode_table(const std::string& path) {
+  base::TableReader table(path);
+  bool frequency = false;
+  for (const base::TableTitle& title : table.titles()) {
+    const std::string name = base::lower_case(title.name);
+    if (name.find("time") != name.npos) return false;
+    frequency = frequency || name.starts_with("frequency") || name.starts_with("omega");
+  }
+  return frequency;
 }
 
 }  // namespace
@@ -96,9 +128,7 @@ std::optional<RecordFormat> format_from_text(std::string_view text) {
 }
 
 RecordFormat format_of_ending(const std::string& path) {
-  std::string found = std::filesystem::path(path).extension().string();
-  std::transform(found.begin(), found.end(), found.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  const std::string found = base::lower_case(std::filesystem::path(path).extension().string());
   for (const auto& known : endings)
     if (found == known.ending) return known.format;
   refuse(path,
@@ -131,15 +161,97 @@ std::unique_ptr<RecordWriter> open_record_writer(const std::string& path,
   return open_record_writer(path, header, format_of_ending(path));
 }
 
-std::unique_ptr<RecordReader> open_record_reader(const std::string& path,
-                                                 const ReadOptions& options) {
-  auto reader = open_by_content(path, options);
-  try {
-    validate(reader->header());
-  } catch (const std::invalid_argument& error) {
-    refuse(path, error.what());
+FileKind file_kind(const std::string& path) {
+  if (base::has_ending(path, {".toml"})) return FileKind::toml;
+  const std::string head = head_of(path);
+  if (begins_as_uff(head)) return uff_kind(path);
+  const bool binary = head.find('\0') != std::string::npos || has_hdf5_signature(head);
+  if (binary || head.starts_with("MATLAB 5.0")) return FileKind::record;
+  if (base::trimmed(head).starts_with('{')) return FileKind::json;
+  return is_mode_table(path) ? FileKind::mode_table : FileKind::record;
+}
+
+RecordSet::RecordSet(std::vector<std::string> files, const ReadOptions& options)
+    : files_(std::move(files)), counts_(files_.size()) {
+  if (files_.empty()) throw std::invalid_argument("RecordSet: no file is named");
+  for (std::size_t k = 0; k < files_.size(); ++k) {
+    readers_.push_back(open_reader(files_[k], options));
+    if (!same_channels(header(), header(k)))
+      refuse(files_[k], fmt::format("other channels or another sample rate than {}: records that "
+                                    "are averaged together have the same",
+                                    files_[0]));
+    counts_[k] = readers_[k]->sample_count();
   }
-  return reader;
+}
+
+RecordSet::RecordSet(RecordSet&&) noexcept = default;
+RecordSet& RecordSet::operator=(RecordSet&&) noexcept = default;
+RecordSet::~RecordSet() = default;
+
+RecordFormat RecordSet::format(std::size_t file) const { return readers_.at(file)->format(); }
+
+const RecordHeader& RecordSet::header(std::size_t file) const {
+  return readers_.at(file)->header();
+}
+
+std::optional<std::int64_t> RecordSet::sample_count() const {
+  std::int64_t sum = 0;
+  for (const auto& count : counts_) {
+    if (!count) return {};
+    sum += *count;
+  }
+  return sum;
+}
+
+std::int64_t RecordSet::count_samples(std::size_t file) {
+  if (!counts_.at(file)) stream_file(file, [](auto, const auto&) { return true; });
+  return *counts_[file];
+}
+
+bool RecordSet::stream_file(std::size_t file, const Use& use) {
+  RecordReader& reader = *readers_[file];
+  reader.rewind();
+  Samples block = make_block(reader.header());
+  std::int64_t samples = 0;
+  while (const std::int64_t rows = reader.read(block)) {
+    samples += rows;
+    if (!use(file, block.topRows(rows))) return false;
+  }
+  counts_[file] = samples;
+  return true;
+}
+
+bool RecordSet::stream(const Use& use) {
+  for (std::size_t k = 0; k < readers_.size(); ++k)
+    if (!stream_file(k, use)) return false;
+  return true;
+}
+
+std::vector<base::Diagnostic> RecordSet::notes() const {
+  std::vector<base::Diagnostic> all;
+  for (const auto& reader : readers_)
+    all.insert(all.end(), reader->notes().begin(), reader->notes().end());
+  return all;
+}
+
+std::int64_t RecordReader::read(Eigen::Ref<Samples> block) {
+  if (!opened_) opened_ = notes_;
+  const std::int64_t rows = read_values(block);
+  for (Eigen::Index c = 0; c < block.cols(); ++c)
+    if (const double factor = factors_[static_cast<std::size_t>(c)]; factor != 1.0)
+      block.col(c).head(rows) *= factor;
+  return rows;
+}
+
+void RecordReader::rewind() {
+  if (!opened_) return;
+  notes_ = *opened_;
+  to_first_sample();
+}
+
+void RecordReader::settle_channels(bool by_hydrapod) {
+  make_names_unique(header_.channels);
+  factors_ = to_si(header_.channels, notes_, by_hydrapod);
 }
 
 Samples make_block(const RecordHeader& header) {
@@ -150,17 +262,17 @@ Samples make_block(const RecordHeader& header) {
 }
 
 ReadRecordResult read_record(const std::string& path, const ReadOptions& options) {
-  const auto reader = open_record_reader(path, options);
-  ReadRecordResult result;
-  Samples block = make_block(reader->header());
+  RecordSet set({path}, options);
+  ReadRecordResult result{.record = {.header = set.header()}};
   std::vector<double> values;
-  while (const std::int64_t rows = reader->read(block))
-    values.insert(values.end(), block.data(), block.data() + rows * block.cols());
-  const Eigen::Index columns = block.cols();
-  result.record.header = reader->header();
+  set.stream([&](std::size_t /*file*/, const Eigen::Ref<const Samples>& block) {
+    values.insert(values.end(), block.data(), block.data() + block.size());
+    return true;
+  });
+  const auto columns = static_cast<Eigen::Index>(set.header().channels.size());
   result.record.samples = Eigen::Map<const Samples>(
       values.data(), static_cast<Eigen::Index>(values.size()) / columns, columns);
-  result.notes = reader->notes();
+  result.notes = set.notes();
   return result;
 }
 
@@ -174,6 +286,16 @@ void require_columns(const Eigen::Ref<const Samples>& samples, const RecordHeade
   if (samples.cols() != static_cast<Eigen::Index>(header.channels.size()))
     throw std::invalid_argument(fmt::format("RecordWriter::append: {} columns for {} channels",
                                             samples.cols(), header.channels.size()));
+}
+
+bool is_time_of_sample(double time, double start, double step, std::uint64_t sample) {
+  const double planned = start + static_cast<double>(sample) * step;
+  return std::abs(time - planned) <= 0.1 * step + 1e-5 * std::abs(planned);
+}
+
+double rounded_rate(double rate, double tolerance) {
+  const double whole = std::round(rate);
+  return whole > 0.0 && std::abs(rate - whole) <= tolerance * whole ? whole : rate;
 }
 
 std::string failed_write(base::PartFile& part, bool holds_samples) {

@@ -13,6 +13,7 @@
 
 #include "channel_units.hpp"
 #include "file_window.hpp"
+#include "hydrapod/data/record_io.hpp"
 #include "notes.hpp"
 #include "record_comments.hpp"
 
@@ -79,6 +80,7 @@ struct UffUnits {
 struct UffContents {
   std::vector<UffFunction> functions{};
   std::optional<UffUnits> units{};
+  std::size_t modes{};                                 ///< datasets 55
   std::string model_name{}, description{}, program{};  ///< dataset 151
   RecordComments own{};
 };
@@ -86,6 +88,14 @@ struct UffContents {
 /// Reads all but the values of the functions. What is skipped or damaged is noted; throws
 /// base::InputError only where there is no dataset at all.
 UffContents scan_uff(const std::string& path, Notes& notes);
+
+/// Is it a record, are frequency responses or modes in it? Throws base::InputError as scan_uff.
+FileKind uff_kind(const std::string& path);
+
+/// The direction that is said by code or as the entity "LEG n".
+Direction uff_direction(const UffPlace& place);
+/// Node and direction of a channel.
+UffPlace uff_place(const Channel& channel);
 
 /// SI unit of an axis and the factor to it: its unit label if that is known, else dataset 164 with
 /// the exponents of its quantity.

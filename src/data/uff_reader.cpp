@@ -18,31 +18,28 @@ constexpr double rate_tolerance = 2e-5;  ///< increments are written with six di
 class UffReader final : public RecordReader {
  public:
   explicit UffReader(const std::string& path)
-      : notes_(path), file_(path), contents_(scan_uff(path, notes_)) {
+      : RecordReader(path), file_(path), contents_(scan_uff(path, notes_)) {
     choose();
     make_header();
     for (const UffFunction& f : chosen_) count_ = std::max(count_, f.count);
-    const std::size_t window = std::clamp<std::size_t>((32U << 20U) / chosen_.size(), 8192, 65536);
-    for (std::size_t c = 0; c < chosen_.size(); ++c) {
+    for (std::size_t c = 0; c < chosen_.size(); ++c)
       if (chosen_[c].count < count_)
         notes_.add(fmt::format("channel \"{}\" has {} of {} samples; those that lack are taken as "
                                "missing",
                                base::printable(header_.channels[c].name), chosen_[c].count, count_),
                    chosen_[c].line);
-      values_.push_back(std::make_unique<UffValues>(file_, chosen_[c], window));
-    }
+    to_first_sample();
   }
 
   [[nodiscard]] RecordFormat format() const override {
     return chosen_.front().binary ? RecordFormat::uff : RecordFormat::uff_ascii;
   }
-  [[nodiscard]] const RecordHeader& header() const override { return header_; }
   [[nodiscard]] std::optional<std::int64_t> sample_count() const override {
     return static_cast<std::int64_t>(count_);
   }
-  [[nodiscard]] const std::vector<base::Diagnostic>& notes() const override { return notes_.all(); }
 
-  std::int64_t read(Eigen::Ref<Samples> block) override {
+ private:
+  std::int64_t read_values(Eigen::Ref<Samples> block) override {
     const auto rows =
         std::min<std::uint64_t>(count_ - done_, static_cast<std::uint64_t>(block.rows()));
     for (std::size_t c = 0; c < values_.size(); ++c)
@@ -53,13 +50,20 @@ class UffReader final : public RecordReader {
     return static_cast<std::int64_t>(rows);
   }
 
- private:
+  void to_first_sample() override {
+    const std::size_t window = std::clamp<std::size_t>((32U << 20U) / chosen_.size(), 8192, 65536);
+    done_ = 0;
+    values_.clear();
+    for (const UffFunction& f : chosen_)
+      values_.push_back(std::make_unique<UffValues>(file_, f, window));
+  }
+
   double sample(std::size_t channel, std::uint64_t index) {
     double value = std::numeric_limits<double>::quiet_NaN();
     if (index >= chosen_[channel].count) return value;
     if (!chosen_[channel].is_even) values_[channel]->next(value, notes_);  // its time
     values_[channel]->next(value, notes_);
-    return value * factors_[channel];
+    return value;
   }
 
   /// Functions over time that share the first one's sampling.
@@ -115,8 +119,7 @@ class UffReader final : public RecordReader {
     for (std::uint64_t k = 0; even && k < n; ++k) {
       again.next(time, ignored);
       again.next(value, ignored);
-      const double planned = first + static_cast<double>(k) * step;
-      even = std::abs(time - planned) <= 0.1 * step + 1e-5 * std::abs(planned);
+      even = is_time_of_sample(time, first, step, k);
     }
     if (!even) {
       notes_.add(fmt::format("dataset {} is not evenly sampled: left out", f.dataset), f.line);
@@ -129,20 +132,13 @@ class UffReader final : public RecordReader {
 
   void make_header() {
     const UffFunction& first = chosen_.front();
-    header_.sample_rate = 1.0 / first.step;
-    const double whole = std::round(header_.sample_rate);
-    if (whole > 0.0 && std::abs(header_.sample_rate - whole) <= rate_tolerance * whole)
-      header_.sample_rate = whole;
+    header_.sample_rate = rounded_rate(1.0 / first.step, rate_tolerance);
     header_.start = first.first;
     header_.title = contents_.model_name == "NONE" ? "" : contents_.model_name;
     header_.date = iso_date(first.id[2] == "NONE" ? "" : first.id[2]);
     header_.repeat = static_cast<int>(std::clamp(first.version, 1LL, 99999LL));
     for (const UffFunction& f : chosen_) header_.channels.push_back(channel_of(f));
-    if (contents_.own.by_hydrapod() && use_own_header()) {
-      make_names_unique(header_.channels);
-      factors_ = to_si(header_.channels, notes_, true);
-      return;
-    }
+    if (contents_.own.by_hydrapod() && use_own_header()) return settle_channels(true);
     make_names_unique(header_.channels);
     for (std::size_t c = 0; c < chosen_.size(); ++c) set_unit(chosen_[c], header_.channels[c]);
   }
@@ -170,10 +166,7 @@ class UffReader final : public RecordReader {
         f.ordinate.label != "NONE" && !f.ordinate.label.empty() ? f.ordinate.label : f.id[0];
     if (channel.name.size() < f.id[0].size() && f.id[0].starts_with(channel.name))
       channel.name = f.id[0];  // the label has 20 characters only
-    channel.direction = static_cast<Direction>(f.response.direction);
-    for (int leg = 1; leg <= 6; ++leg)
-      if (f.response.direction == 0 && f.response.entity == fmt::format("LEG {}", leg))
-        channel.direction = leg_direction(leg);
+    channel.direction = uff_direction(f.response);
     channel.role = Role::response;
     if (f.ordinate.quantity == uff_quantity::excitation_force) channel.role = Role::excitation;
     const std::string word = f.id[3].substr(0, f.id[3].find(" of repeat"));
@@ -197,20 +190,16 @@ class UffReader final : public RecordReader {
                              unit.factor));
   }
 
-  Notes notes_;
   FileWindow file_;
   UffContents contents_;
   std::vector<UffFunction> chosen_;
-  RecordHeader header_;
-  std::vector<double> factors_;
   std::vector<std::unique_ptr<UffValues>> values_;
   std::uint64_t count_{}, done_{};
 };
 
 }  // namespace
 
-std::unique_ptr<RecordReader> make_uff_reader(const std::string& path,
-                                              const ReadOptions& /*options*/) {
+std::unique_ptr<RecordReader> make_uff_reader(const std::string& path) {
   return std::make_unique<UffReader>(path);
 }
 

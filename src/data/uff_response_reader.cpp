@@ -19,10 +19,7 @@ constexpr double missing = std::numeric_limits<double>::quiet_NaN();
 Channel channel_at(const UffPlace& place, const std::string& name, const ChannelUnit& unit,
                    Role role) {
   Channel channel{.name = name, .unit = unit.unit, .role = role};
-  channel.direction = static_cast<Direction>(place.direction);
-  for (int leg = 1; leg <= 6; ++leg)
-    if (place.direction == 0 && place.entity == fmt::format("LEG {}", leg))
-      channel.direction = leg_direction(leg);
+  channel.direction = uff_direction(place);
   if (std::abs(place.node) <= 999'999'999) channel.point = static_cast<int>(place.node);
   return channel;
 }

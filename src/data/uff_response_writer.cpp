@@ -32,18 +32,10 @@ bool fits_six_digits(double first, double step, Eigen::Index count) {
   return std::abs(rounded(first) + last * rounded(step) - (first + last * step)) <= 1e-6 * step;
 }
 
-UffPlace place_of(const Channel& channel) {
-  const int code = static_cast<int>(channel.direction);
-  constexpr int first_leg = static_cast<int>(Direction::leg1);
-  UffPlace place{"NONE", channel.point, std::abs(code) <= 6 ? code : 0};
-  if (code >= first_leg) place.entity = fmt::format("LEG {}", code - first_leg + 1);
-  return place;
-}
-
 UffFunction head_of(const FrequencyResponse& all, const Channel& output, bool binary) {
   UffFunction f;
   f.id = {output.name, all.title, uff_date(all.date), output.name, "NONE"};
-  f.response = place_of(output);
+  f.response = uff_place(output);
   f.declared = static_cast<std::uint64_t>(all.frequency.size());
   const double step = even_step(all.frequency);
   f.is_even = step > 0.0 && fits_six_digits(all.frequency[0], step, all.frequency.size());
@@ -91,7 +83,7 @@ void write_frequency_response(const std::string& path, const FrequencyResponse& 
       f.is_complex = true;
       f.id[0] = fmt::format("{} from {}", all.outputs[o].name, all.inputs[i].name);
       f.id[4] = all.inputs[i].name;
-      f.reference = place_of(all.inputs[i]);
+      f.reference = uff_place(all.inputs[i]);
       f.ordinate = uff_axis_of(all.outputs[o].name, all.outputs[o].unit);
       f.denominator = uff_axis_of(all.inputs[i].name, all.inputs[i].unit);
       out += function_text(f, all.frequency, [&](Eigen::Index k) {

@@ -3,8 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "csv_text.hpp"
 #include "hydrapod/base/printable.hpp"
+#include "hydrapod/base/table.hpp"
+#include "hydrapod/base/text.hpp"
 #include "uff_dataset.hpp"
 #include "uff_text.hpp"
 
@@ -21,7 +22,7 @@ struct Unusable {
 };
 
 bool is_delimiter(std::string_view line) {
-  return trimmed_view(line) == "-1" && trimmed_view(line.substr(0, 6)) == "-1";
+  return base::trimmed(line) == "-1" && base::trimmed(line.substr(0, 6)) == "-1";
 }
 
 class Scan {
@@ -32,7 +33,7 @@ class Scan {
     std::string_view line;
     while (next(line)) {
       if (!is_delimiter(line)) {
-        if (!trimmed_view(line).empty())
+        if (!base::trimmed(line).empty())
           notes_.add("text outside of datasets, skipped", line_, 0, "outside");
         continue;
       }
@@ -77,10 +78,12 @@ class Scan {
         units();
       else if (*number == uff_own_dataset)
         own_header();
-      else
+      else {
+        contents_.modes += *number == 55 ? 1 : 0;
         notes_.add(fmt::format("dataset {} has the number {}, which is not read: skipped",
                                datasets_, *number),
                    first_line_, 0, fmt::format("number {}", *number));
+      }
     } catch (const Unusable& unusable) {
       notes_.add(fmt::format("dataset {}: {}; skipped", datasets_, unusable.why), first_line_);
     }
@@ -351,7 +354,7 @@ class Scan {
       std::string whole(line);  // lines may be longer than the pieces they come in
       while (offset_ < file_.size() && whole.size() % 4096 == 0 && !whole.empty() && next(line))
         whole += line;
-      if (RecordComments::is_comment(whole)) contents_.own.take(whole, line_);
+      if (base::is_table_comment(whole)) contents_.own.take(whole, line_);
     }
   }
 
@@ -369,5 +372,14 @@ class Scan {
 }  // namespace
 
 UffContents scan_uff(const std::string& path, Notes& notes) { return Scan(path, notes).all(); }
+
+FileKind uff_kind(const std::string& path) {
+  Notes notes(path);
+  const UffContents contents = scan_uff(path, notes);
+  const auto is_response = [](const auto& f) { return f.type == uff_function::frequency_response; };
+  if (std::ranges::any_of(contents.functions, is_response)) return FileKind::frequency_responses;
+  return contents.functions.empty() && contents.modes > 0 ? FileKind::modal_results
+                                                          : FileKind::record;
+}
 
 }  // namespace hydrapod::data

@@ -8,7 +8,7 @@
 #include <cmath>
 #include <limits>
 
-#include "csv_text.hpp"
+#include "hydrapod/base/text.hpp"
 
 namespace hydrapod::data {
 
@@ -61,11 +61,11 @@ std::string fortran_a(std::string_view text, std::size_t width) {
 
 std::string_view columns(std::string_view line, std::size_t begin, std::size_t width) {
   if (begin >= line.size()) return {};
-  return trimmed_view(line.substr(begin, width));
+  return base::trimmed(line.substr(begin, width));
 }
 
 std::optional<double> fortran_number(std::string_view field) {
-  field = trimmed_view(field);
+  field = base::trimmed(field);
   if (field.starts_with('+')) field.remove_prefix(1);
   if (field.empty() || field.size() > 60 || field.starts_with('+')) return {};
   if (const auto plain = parsed(field)) return plain;
@@ -90,7 +90,7 @@ std::optional<double> fortran_number(std::string_view field) {
 }
 
 std::optional<long long> fortran_integer(std::string_view field) {
-  field = trimmed_view(field);
+  field = base::trimmed(field);
   if (field.starts_with('+')) field.remove_prefix(1);
   long long value = 0;
   const auto [end, status] = std::from_chars(field.data(), field.data() + field.size(), value);

@@ -44,7 +44,21 @@ std::string powers(int length, int force) {
   return text;
 }
 
+constexpr int first_leg = static_cast<int>(Direction::leg1);
+
 }  // namespace
+
+Direction uff_direction(const UffPlace& place) {
+  for (int leg = 1; leg <= 6 && place.direction == 0; ++leg)
+    if (place.entity == fmt::format("LEG {}", leg)) return leg_direction(leg);
+  return static_cast<Direction>(place.direction);
+}
+
+UffPlace uff_place(const Channel& channel) {
+  const int code = static_cast<int>(channel.direction);
+  if (code < first_leg) return {"NONE", channel.point, code};
+  return {fmt::format("LEG {}", code - first_leg + 1), channel.point, 0};
+}
 
 ChannelUnit uff_unit(const UffAxis& axis, int direction, const std::optional<UffUnits>& units) {
   const bool labelled = !axis.unit.empty() && axis.unit != "NONE";

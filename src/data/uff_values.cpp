@@ -4,7 +4,7 @@
 #include <cstring>
 #include <limits>
 
-#include "csv_text.hpp"
+#include "hydrapod/base/text.hpp"
 #include "uff_dataset.hpp"
 #include "uff_text.hpp"
 
@@ -47,11 +47,11 @@ std::vector<double> uff_line_numbers(std::string_view line, const std::vector<in
     numbers.push_back(number.value_or(missing));
   };
   if (free_form) {
-    std::string_view rest = trimmed_view(line);
+    std::string_view rest = base::trimmed(line);
     while (!rest.empty()) {
       const std::size_t end = std::min(rest.find_first_of(" \t"), rest.size());
       take(rest.substr(0, end));
-      rest = trimmed_view(rest.substr(end));
+      rest = base::trimmed(rest.substr(end));
     }
     return numbers;
   }

@@ -89,24 +89,16 @@ class Spool {
   std::uint64_t whole_{};
 };
 
-/// "LEG 3" for a leg, where no direction code says it.
-std::string entity_of(const Channel& channel) {
-  const int code = static_cast<int>(channel.direction);
-  constexpr int first_leg = static_cast<int>(Direction::leg1);
-  return code < first_leg ? "NONE" : fmt::format("LEG {}", code - first_leg + 1);
-}
-
 UffFunction function_of(const RecordHeader& header, std::size_t index, std::uint64_t samples,
                         bool binary) {
   const Channel& channel = header.channels[index];
-  const int code = static_cast<int>(channel.direction);
   UffFunction f;
   f.id = {channel.name, header.title, uff_date(header.date),
           fmt::format("{} of repeat {}", role_text(channel.role), header.repeat), "NONE"};
   f.type = uff_function::time_response;
   f.number = static_cast<long long>(index + 1);
   f.version = std::min(header.repeat, 99999);
-  f.response = {entity_of(channel), channel.point, std::abs(code) <= 6 ? code : 0};
+  f.response = uff_place(channel);
   f.declared = samples;
   f.first = header.start;
   f.step = 1.0 / header.sample_rate;

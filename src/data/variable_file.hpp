@@ -41,13 +41,9 @@ class VariableFile {
                     std::uint64_t fast_first, std::uint64_t fast_count, double* out) = 0;
 };
 
-/// Throws base::InputError. What cannot be used is noted.
+/// Opens such a file. Throws base::InputError. What cannot be used is noted.
+using OpenVariableFile = std::unique_ptr<VariableFile> (*)(const std::string& path, Notes& notes);
 std::unique_ptr<VariableFile> open_mat5_file(const std::string& path, Notes& notes);
 std::unique_ptr<VariableFile> open_hdf5_variables(const std::string& path, Notes& notes);
-
-/// A record from such a file: hydrapod's own layout, or the arrays of the length that most have.
-/// The sample rate comes from a variable such as fs or dt, from a list of times, or from `options`.
-std::unique_ptr<RecordReader> make_variables_reader(std::unique_ptr<VariableFile> file, Notes notes,
-                                                    const ReadOptions& options);
 
 }  // namespace hydrapod::data

@@ -7,25 +7,20 @@
 #include <optional>
 
 #include "channel_units.hpp"
+#include "experiment.hpp"
 #include "formats.hpp"
-#include "header_numbers.hpp"
 #include "hydrapod/base/printable.hpp"
+#include "hydrapod/base/text.hpp"
 #include "variable_file.hpp"
 
 namespace hydrapod::data {
 
 namespace {
 
-std::string lower(std::string text) {
-  std::transform(text.begin(), text.end(), text.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return text;
-}
-
 /// The last part of "group/name" or "structure.name", in small letters.
 std::string short_name(const std::string& name) {
   const std::size_t at = name.find_last_of("/.");
-  return lower(at == name.npos ? name : name.substr(at + 1));
+  return base::lower_case(at == name.npos ? name : name.substr(at + 1));
 }
 
 template <std::size_t n>
@@ -54,24 +49,24 @@ struct Source {
 
 class VariablesReader final : public RecordReader {
  public:
-  VariablesReader(std::unique_ptr<VariableFile> file, Notes notes, const ReadOptions& options)
-      : file_(std::move(file)), notes_(std::move(notes)) {
-    if (text("format") == record_mark)
+  VariablesReader(const std::string& path, OpenVariableFile open, const ReadOptions& options)
+      : RecordReader(path), file_(open(path, notes_)) {
+    const bool own = text("format") == record_mark;
+    if (own)
       read_own();
     else
       read_foreign(options);
-    make_names_unique(header_.channels);
-    factors_ = to_si(header_.channels, notes_, own_);
+    declared_ = count_;
+    settle_channels(own);
   }
 
   [[nodiscard]] RecordFormat format() const override { return file_->format(); }
-  [[nodiscard]] const RecordHeader& header() const override { return header_; }
   [[nodiscard]] std::optional<std::int64_t> sample_count() const override {
     return static_cast<std::int64_t>(count_);
   }
-  [[nodiscard]] const std::vector<base::Diagnostic>& notes() const override { return notes_.all(); }
 
-  std::int64_t read(Eigen::Ref<Samples> block) override {
+ private:
+  std::int64_t read_values(Eigen::Ref<Samples> block) override {
     const auto rows =
         std::min<std::uint64_t>(count_ - done_, static_cast<std::uint64_t>(block.rows()));
     if (rows == 0) return 0;
@@ -86,7 +81,11 @@ class VariablesReader final : public RecordReader {
     return static_cast<std::int64_t>(rows);
   }
 
- private:
+  void to_first_sample() override {
+    done_ = 0;
+    count_ = declared_;
+  }
+
   [[nodiscard]] const std::vector<Variable>& all() const { return file_->variables(); }
 
   [[nodiscard]] const Variable* find(const std::string& name) const {
@@ -124,8 +123,6 @@ class VariablesReader final : public RecordReader {
         block.col(column + c).head(high) = Eigen::Map<const Eigen::VectorXd>(buffer_.data(), high);
       }
     }
-    for (Eigen::Index c = column; c < column + wide; ++c)
-      block.col(c).head(high) *= factors_[static_cast<std::size_t>(c)];
     return true;
   }
 
@@ -140,14 +137,22 @@ class VariablesReader final : public RecordReader {
   }
 
   void read_own() {
-    own_ = true;
-    read_header_numbers([this](const char* name,
-                               std::optional<double> otherwise) { return number(name, otherwise); },
-                        notes_, header_);
+    if (const double version = number("format_version"); version != record_version)
+      notes_.fail(fmt::format("format_version is {}; this program reads version {}", version,
+                              record_version));
+    header_.sample_rate = number("sample_rate_hz");
+    if (!(header_.sample_rate > 0.0))
+      notes_.fail(fmt::format("sample_rate_hz is {} and must be positive", header_.sample_rate));
+    header_.start = number("start_s", 0.0);
+    const double repeat = number("repeat", 1.0);
+    if (!(repeat >= 1.0) || repeat > 1e9 || repeat != std::floor(repeat))
+      notes_.fail(fmt::format("repeat is {} and must be a whole number, 1 or more", repeat));
+    header_.repeat = static_cast<int>(repeat);
     header_.title = clean_text(text("title"));
     header_.date = clean_text(text("date"));
     header_.notes = clean_text(text("notes"), true);
-    header_.machine = clean_text(text("machine"), true);
+    header_.experiment.machine = clean_text(text("machine"), true);
+    settle_experiment(text("experiment"), notes_, header_);
     const Variable* samples = find("samples");
     if (samples == nullptr || samples->kind != VariableKind::numbers)
       notes_.fail("the variable 'samples' is missing or does not hold numbers");
@@ -158,17 +163,18 @@ class VariablesReader final : public RecordReader {
   }
 
   void own_channels(std::uint64_t count) {
-    const Variable* names = find("channel_name");
+    const std::string group = find("channels/name") != nullptr ? "channels/" : "channel_";
+    const Variable* names = find(group + "name");
     const std::size_t named = names == nullptr                     ? 0
                               : names->kind == VariableKind::texts ? names->texts.size()
                               : names->kind == VariableKind::text  ? 1
                                                                    : 0;
     if (named == 0 || named != count)
       notes_.fail(
-          fmt::format("'samples' has {} rows for {} names in 'channel_name'", count, named));
-    const auto name = texts("channel_name", named), unit = texts("channel_unit", named),
-               direction = texts("channel_direction", named), role = texts("channel_role", named);
-    const Variable* points = find("channel_point");
+          fmt::format("'samples' has {} channels for {} names in '{}name'", count, named, group));
+    const auto name = texts(group + "name", named), unit = texts(group + "unit", named),
+               direction = texts(group + "direction", named), role = texts(group + "role", named);
+    const Variable* points = find(group + "point");
     std::vector<double> point(named, 0.0);
     if (points != nullptr && points->kind == VariableKind::numbers &&
         points->fast * points->slow == named)
@@ -176,11 +182,22 @@ class VariablesReader final : public RecordReader {
                   point.data());
     for (std::size_t c = 0; c < named; ++c) {
       Channel channel{.name = name[c], .unit = unit[c]};
-      channel.direction = direction_from_text(direction[c]).value_or(Direction::none);
-      channel.role = role_from_text(role[c]).value_or(Role::other);
+      channel.direction = known(direction_from_text(direction[c]), "direction", direction[c]);
+      channel.role = role[c].empty() ? Role::other
+                                     : known(role_from_text(role[c]), "role", role[c], Role::other);
       if (std::abs(point[c]) < 1e9) channel.point = static_cast<int>(point[c]);
       header_.channels.push_back(channel);
     }
+  }
+
+  template <class Word>
+  Word known(const std::optional<Word>& word, const char* what, const std::string& text,
+             Word otherwise = {}) {
+    if (!word)
+      notes_.add(fmt::format("the {} \"{}\" of a channel is unknown and left out", what,
+                             base::printable(text)),
+                 0, 0, what);
+    return word.value_or(otherwise);
   }
 
   /// The length that most arrays have, that of the times if there are some.
@@ -283,19 +300,12 @@ class VariablesReader final : public RecordReader {
       if (!(std::abs(t[k] - (t[0] + static_cast<double>(k) * step)) <= 0.1 * step))
         notes_.fail(fmt::format("the times in '{}' are not evenly spaced: sample {} is at {} s",
                                 base::printable(times.name), k + 1, t[k]));
-    header_.sample_rate = 1.0 / step;
-    const double whole = std::round(header_.sample_rate);
-    if (whole > 0.0 && std::abs(header_.sample_rate - whole) < 1e-7 * whole)
-      header_.sample_rate = whole;
+    header_.sample_rate = rounded_rate(1.0 / step, 1e-7);
   }
 
   std::unique_ptr<VariableFile> file_;
-  Notes notes_;
-  bool own_{};
-  RecordHeader header_;
   std::vector<Source> sources_;
-  std::vector<double> factors_;
-  std::uint64_t count_{}, done_{};
+  std::uint64_t declared_{}, count_{}, done_{};
   std::vector<double> buffer_;
 };
 
@@ -303,14 +313,12 @@ class VariablesReader final : public RecordReader {
 
 std::unique_ptr<RecordReader> make_mat5_reader(const std::string& path,
                                                const ReadOptions& options) {
-  Notes notes(path);
-  auto file = open_mat5_file(path, notes);
-  return make_variables_reader(std::move(file), std::move(notes), options);
+  return std::make_unique<VariablesReader>(path, open_mat5_file, options);
 }
 
-std::unique_ptr<RecordReader> make_variables_reader(std::unique_ptr<VariableFile> file, Notes notes,
-                                                    const ReadOptions& options) {
-  return std::make_unique<VariablesReader>(std::move(file), std::move(notes), options);
+std::unique_ptr<RecordReader> make_hdf5_reader(const std::string& path,
+                                               const ReadOptions& options) {
+  return std::make_unique<VariablesReader>(path, open_hdf5_variables, options);
 }
 
 }  // namespace hydrapod::data

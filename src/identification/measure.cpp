@@ -137,48 +137,60 @@ Plan plan_channels(const std::string& file, const data::RecordHeader& header,
   return plan;
 }
 
-/// Samples of a file, counted where it does not tell.
-std::int64_t count_samples(const std::string& file, const MeasureOptions& options) {
-  auto reader = data::open_record_reader(file, options.read);
-  if (const auto count = reader->sample_count()) return *count;
-  auto block = data::make_block(reader->header());
-  std::int64_t total = 0;
-  while (const auto got = reader->read(block)) total += got;
-  return total;
-}
-
 /// The first input, up to a million samples, to see whether it repeats.
-std::int64_t find_period(const std::string& file, const MeasureOptions& options, int channel,
-                         std::int64_t skip) {
-  constexpr std::int64_t most = 1 << 20;
-  auto reader = data::open_record_reader(file, options.read);
-  auto block = data::make_block(reader->header());
+std::int64_t find_period(data::RecordSet& records, int channel, std::int64_t skip) {
+  constexpr std::size_t most = 1 << 20;
   std::vector<double> samples;
   std::int64_t seen = 0;
-  while (const auto got = reader->read(block)) {
-    for (std::int64_t k = 0; k < got && static_cast<std::int64_t>(samples.size()) < most; ++k)
+  records.stream([&](std::size_t file, const Eigen::Ref<const data::Samples>& block) {
+    if (file > 0) return false;
+    for (Eigen::Index k = 0; k < block.rows() && samples.size() < most; ++k)
       if (seen + k >= skip) samples.push_back(block(k, channel));
-    seen += got;
-    if (static_cast<std::int64_t>(samples.size()) >= most) break;
-  }
+    seen += block.rows();
+    return samples.size() < most;
+  });
   const auto x = Eigen::VectorXd::Map(samples.data(), static_cast<Eigen::Index>(samples.size()));
   if (samples.size() < 32 || !x.allFinite()) return 0;
   return period_of(x.tail(x.size() - x.size() / 8));  // past a fade-in
 }
 
-SpectrumOptions spectrum_options(const std::vector<std::string>& files,
-                                 const data::RecordHeader& header, const Plan& plan,
-                                 const MeasureOptions& options, std::int64_t shortest) {
+double share_of(std::int64_t samples, std::int64_t total) {
+  return static_cast<double>(samples) / static_cast<double>(std::max<std::int64_t>(total, 1));
+}
+
+/// Samples of the shortest file and of all.
+struct Lengths {
+  std::int64_t shortest{std::numeric_limits<std::int64_t>::max()}, total{};
+};
+
+Lengths lengths_of(data::RecordSet& records) {
+  Lengths lengths;
+  for (std::size_t k = 0; k < records.files().size(); ++k) {
+    const std::int64_t count = records.count_samples(k);
+    lengths.shortest = std::min(lengths.shortest, count);
+    lengths.total += count;
+  }
+  return lengths;
+}
+
+std::int64_t settling_samples(const data::RecordSet& records, const MeasureOptions& options) {
+  return std::llround(options.settling * records.header().sample_rate);
+}
+
+SpectrumOptions spectrum_options(data::RecordSet& records, const Plan& plan,
+                                 const MeasureOptions& options, const Lengths& lengths) {
+  const std::string& first = records.files()[0];
+  const std::int64_t shortest = lengths.shortest;
   SpectrumOptions o{.window = options.window};
   if (options.overlap)
     o.overlap = *options.overlap;
   else if (options.window == Window::rectangular)
     o.overlap = 0.0;
-  const auto skip = static_cast<std::int64_t>(std::llround(options.settling * header.sample_rate));
-  std::int64_t period = options.period ? std::llround(*options.period * header.sample_rate)
-                        : options.block_length
-                            ? 0
-                            : find_period(files[0], options, plan.choice.inputs[0], skip);
+  std::int64_t period =
+      options.period ? std::llround(*options.period * records.header().sample_rate)
+      : options.block_length
+          ? 0
+          : find_period(records, plan.choice.inputs[0], settling_samples(records, options));
   if (period % 2 != 0) period *= 2;  // blocks have an even length
   if (period >= 8) {
     o.periodic = true;
@@ -187,7 +199,7 @@ SpectrumOptions spectrum_options(const std::vector<std::string>& files,
   }
   constexpr int shortest_block = 16;
   if (shortest < shortest_block)
-    bad(files[0],
+    bad(first,
         fmt::format("the record has {}: responses need blocks of at least {}, and several of them",
                     shortest == 0 ? "no samples" : fmt::format("only {} samples", shortest),
                     shortest_block));
@@ -198,7 +210,8 @@ SpectrumOptions spectrum_options(const std::vector<std::string>& files,
     const double blocks_per_input = plan.estimator == Estimator::instrumental ? 2.0 : 4.0;
     const double side_by_side =
         blocks_per_input * static_cast<double>(plan.choice.inputs.size() + 2);
-    const double total = static_cast<double>(shortest) * static_cast<double>(files.size());
+    const double total =
+        static_cast<double>(shortest) * static_cast<double>(records.files().size());
     // the power of two that is nearest in ratio
     const auto wanted = static_cast<unsigned>(std::clamp(std::numbers::sqrt2 * total / side_by_side,
                                                          static_cast<double>(shortest_block),
@@ -208,15 +221,10 @@ SpectrumOptions spectrum_options(const std::vector<std::string>& files,
       o.block_length = static_cast<int>(std::bit_floor(static_cast<unsigned>(shortest)));
   }
   if (o.block_length > shortest)
-    bad(files[0], fmt::format("the record has {} samples, fewer than one block of {}: take "
-                              "shorter blocks or a longer record",
-                              shortest, o.block_length));
+    bad(first, fmt::format("the record has {} samples, fewer than one block of {}: take "
+                           "shorter blocks or a longer record",
+                           shortest, o.block_length));
   return o;
-}
-
-bool same_channels(const data::RecordHeader& a, const data::RecordHeader& b) {
-  return a.channels.size() == b.channels.size() && a.sample_rate == b.sample_rate &&
-         std::ranges::equal(a.channels, b.channels, {}, &data::Channel::name, &data::Channel::name);
 }
 
 /// Channels that are used, in the order of the record, and the choice in terms of them.
@@ -294,33 +302,30 @@ void bring_to_platform(const PlatformFrame& frame, ChannelChoice& choice, Measur
     replace_channels(*drives, map, "drive ", choice.inputs, choice, m);
 }
 
+/// Where the options say how: the outputs become directions of the platform.
+void bring_outputs_to_platform(const MeasureOptions& options, ChannelChoice& choice,
+                               Measurement& m) {
+  if (options.outputs_to_platform)
+    bring_sensors_to_platform(*options.outputs_to_platform, choice, m);
+  else if (options.platform)
+    bring_to_platform(*options.platform, choice, m);
+}
+
 /// Reads all files into m.spectra.
-void read_spectra(const std::vector<std::string>& files, const MeasureOptions& options,
+void read_spectra(data::RecordSet& records, const MeasureOptions& options,
                   const SpectrumOptions& spectrum, const std::vector<std::size_t>& used,
                   std::int64_t total, const numerics::Progress& progress, Measurement& m) {
   SpectrumEstimator estimator(m.header, spectrum, used);
-  const auto skip =
-      static_cast<std::int64_t>(std::llround(options.settling * m.header.sample_rate));
-  for (const auto& file : files) {
-    auto reader = data::open_record_reader(file, options.read);
-    if (!same_channels(m.header, reader->header()))
-      bad(file, "other channels or another sample rate than " + files[0] +
-                    ": records that are averaged together have the same");
-    estimator.begin_record(skip);
-    auto block = data::make_block(reader->header());
-    while (const auto got = reader->read(block)) {
-      estimator.add(block.topRows(got));
-      m.samples += got;
-      const double share =
-          static_cast<double>(m.samples) / static_cast<double>(std::max<std::int64_t>(total, 1));
-      if (progress && !progress(share)) {
-        m.interrupted = true;
-        break;
-      }
-    }
-    m.notes.insert(m.notes.end(), reader->notes().begin(), reader->notes().end());
-    if (m.interrupted) break;
-  }
+  const std::int64_t skip = settling_samples(records, options);
+  std::optional<std::size_t> begun;
+  m.interrupted = !records.stream([&](std::size_t file, const auto& block) {
+    if (begun != file) estimator.begin_record(skip);
+    begun = file;
+    estimator.add(block);
+    m.samples += block.rows();
+    return !progress || progress(share_of(m.samples, total));
+  });
+  m.notes = records.notes();
   m.spectra = estimator.result();
 }
 
@@ -342,37 +347,17 @@ void compare_with_instrument(const Plan& plan, Measurement& m) {
         100.0 * m.h1_against_instrument->share));
 }
 
-/// Samples of the shortest file and of all.
-struct Lengths {
-  std::int64_t shortest{std::numeric_limits<std::int64_t>::max()}, total{};
-};
-
-Lengths lengths_of(const std::vector<std::string>& files, const MeasureOptions& options) {
-  Lengths lengths;
-  for (const auto& file : files) {
-    const std::int64_t count = count_samples(file, options);
-    lengths.shortest = std::min(lengths.shortest, count);
-    lengths.total += count;
-  }
-  return lengths;
-}
-
 }  // namespace
 
-Measurement measure_responses(const std::vector<std::string>& files, const MeasureOptions& options,
+Measurement measure_responses(data::RecordSet& records, const MeasureOptions& options,
                               const numerics::Progress& progress) {
-  if (files.empty()) throw std::invalid_argument("no record is named");
-  Measurement m;
-  m.header = data::open_record_reader(files[0], options.read)->header();
-  Plan plan = plan_channels(files[0], m.header, options);
-  const Lengths lengths = lengths_of(files, options);
-  const auto spectrum = spectrum_options(files, m.header, plan, options, lengths.shortest);
+  Measurement m{.header = records.header()};
+  Plan plan = plan_channels(records.files()[0], m.header, options);
+  const Lengths lengths = lengths_of(records);
+  const auto spectrum = spectrum_options(records, plan, options, lengths);
   const auto used = used_channels(plan.choice);
-  read_spectra(files, options, spectrum, used, lengths.total, progress, m);
-  if (options.outputs_to_platform)
-    bring_sensors_to_platform(*options.outputs_to_platform, plan.choice, m);
-  else if (options.platform)
-    bring_to_platform(*options.platform, plan.choice, m);
+  read_spectra(records, options, spectrum, used, lengths.total, progress, m);
+  bring_outputs_to_platform(options, plan.choice, m);
   const auto earlier = std::move(m.responses.warnings);
   m.responses = responses_for_modes(m.spectra, plan.choice, plan.estimator);
   m.responses.warnings.insert(m.responses.warnings.begin(), earlier.begin(), earlier.end());
@@ -380,31 +365,26 @@ Measurement measure_responses(const std::vector<std::string>& files, const Measu
   return m;
 }
 
-Measurement measure_outputs(const std::vector<std::string>& files, const MeasureOptions& options,
+Measurement measure_outputs(data::RecordSet& records, const MeasureOptions& options,
                             const numerics::Progress& progress) {
-  if (files.empty()) throw std::invalid_argument("no record is named");
-  Measurement m;
-  m.header = data::open_record_reader(files[0], options.read)->header();
+  Measurement m{.header = records.header()};
+  const std::string& first = records.files()[0];
   Plan plan;
   plan.choice.outputs = options.outputs.empty() ? default_outputs(m.header)
-                                                : with_names(files[0], m.header, options.outputs);
+                                                : with_names(first, m.header, options.outputs);
   if (plan.choice.outputs.empty())
-    bad(files[0],
-        "no channel has the role response: name channels with --outputs; the record has " +
-            names_of(m.header));
+    bad(first, "no channel has the role response: name channels with --outputs; the record has " +
+                   names_of(m.header));
   // covariances want long lags more than many averages
   plan.choice.inputs = {plan.choice.outputs[0]};
   MeasureOptions own = options;
   if (!own.period) own.period = 0.0;
-  const Lengths lengths = lengths_of(files, own);
-  const auto spectrum = spectrum_options(files, m.header, plan, own, lengths.shortest);
+  const Lengths lengths = lengths_of(records);
+  const auto spectrum = spectrum_options(records, plan, own, lengths);
   plan.choice.inputs.clear();
   const auto used = used_channels(plan.choice);
-  read_spectra(files, own, spectrum, used, lengths.total, progress, m);
-  if (options.outputs_to_platform)
-    bring_sensors_to_platform(*options.outputs_to_platform, plan.choice, m);
-  else if (options.platform)
-    bring_to_platform(*options.platform, plan.choice, m);
+  read_spectra(records, own, spectrum, used, lengths.total, progress, m);
+  bring_outputs_to_platform(options, plan.choice, m);
   if (m.spectra.blocks == 0)
     throw base::ComputationError("every block of the record has missing samples");
   for (const int o : plan.choice.outputs)
@@ -413,17 +393,16 @@ Measurement measure_outputs(const std::vector<std::string>& files, const Measure
   return m;
 }
 
-GroupedSpectra measure_groups(const std::vector<std::string>& files, const MeasureOptions& options,
-                              int groups, const numerics::Progress& progress) {
-  if (files.empty()) throw std::invalid_argument("no record is named");
-  const auto header = data::open_record_reader(files[0], options.read)->header();
-  Plan plan = plan_channels(files[0], header, options);
-  const Lengths lengths = lengths_of(files, options);
-  const auto spectrum = spectrum_options(files, header, plan, options, lengths.shortest);
+GroupedSpectra measure_groups(data::RecordSet& records, const MeasureOptions& options, int groups,
+                              const numerics::Progress& progress) {
+  const auto& header = records.header();
+  Plan plan = plan_channels(records.files()[0], header, options);
+  const Lengths lengths = lengths_of(records);
+  const auto spectrum = spectrum_options(records, plan, options, lengths);
   if (spectrum.periodic)
     throw base::ComputationError("the excitation is periodic: there are no blocks to draw from");
   const auto used = used_channels(plan.choice);
-  const auto skip = static_cast<std::int64_t>(std::llround(options.settling * header.sample_rate));
+  const std::int64_t skip = settling_samples(records, options);
   const std::int64_t piece =
       std::max(lengths.total / groups, std::int64_t{2} * spectrum.block_length);
   GroupedSpectra result{.estimator = plan.estimator};
@@ -431,37 +410,28 @@ GroupedSpectra measure_groups(const std::vector<std::string>& files, const Measu
     Measurement m{.spectra = estimator.result()};
     if (m.spectra.blocks == 0) return;
     result.choice = plan.choice;
-    if (options.outputs_to_platform)
-      bring_sensors_to_platform(*options.outputs_to_platform, result.choice, m);
-    else if (options.platform)
-      bring_to_platform(*options.platform, result.choice, m);
+    bring_outputs_to_platform(options, result.choice, m);
     result.groups.push_back(std::move(m.spectra));
   };
   SpectrumEstimator estimator(header, spectrum, used);
   std::int64_t samples = 0, in_piece = 0;
-  bool going_on = true;
-  for (std::size_t f = 0; f < files.size() && going_on; ++f) {
-    auto reader = data::open_record_reader(files[f], options.read);
-    if (!same_channels(header, reader->header())) bad(files[f], "other channels");
-    estimator.begin_record(skip);
-    auto block = data::make_block(reader->header());
-    while (const auto got = going_on ? reader->read(block) : 0) {
-      for (std::int64_t at = 0; at < got;) {
-        const std::int64_t count = std::min(got - at, piece - in_piece);
-        estimator.add(block.middleRows(at, count));
-        at += count;
-        in_piece += count;
-        if (in_piece < piece) continue;
-        close(estimator);
-        estimator = SpectrumEstimator(header, spectrum, used);
-        in_piece = 0;
-      }
-      samples += got;
-      going_on =
-          !progress || progress(static_cast<double>(samples) /
-                                static_cast<double>(std::max<std::int64_t>(lengths.total, 1)));
+  std::optional<std::size_t> begun;
+  records.stream([&](std::size_t file, const Eigen::Ref<const data::Samples>& block) {
+    if (begun != file) estimator.begin_record(skip);
+    begun = file;
+    for (Eigen::Index at = 0; at < block.rows();) {
+      const std::int64_t count = std::min(block.rows() - at, piece - in_piece);
+      estimator.add(block.middleRows(at, count));
+      at += count;
+      in_piece += count;
+      if (in_piece < piece) continue;
+      close(estimator);
+      estimator = SpectrumEstimator(header, spectrum, used);
+      in_piece = 0;
     }
-  }
+    samples += block.rows();
+    return !progress || progress(share_of(samples, lengths.total));
+  });
   if (in_piece >= piece / 2) close(estimator);
   return result;
 }

@@ -8,6 +8,7 @@
 #include "hydrapod/base/error.hpp"
 #include "hydrapod/identification/stabilisation.hpp"
 #include "hydrapod/numerics/quantiles.hpp"
+#include "hydrapod/report/record_json.hpp"
 
 namespace hydrapod::report {
 
@@ -312,10 +313,12 @@ Json record_origin_json(const data::RecordHeader& header) {
   return {{"title", header.title},
           {"date", header.date},
           {"notes", header.notes},
-          {"machine_file", header.machine}};
+          {"machine_file", header.experiment.machine},
+          {"experiment", experiment_object(header.experiment)}};
 }
 
-std::optional<data::RecordHeader> record_origin_from_json(const Json& json) {
+std::optional<data::RecordHeader> record_origin_from_json(const Json& json,
+                                                          const std::string& file) {
   const auto found = json.find("record");
   if (found == json.end() || !found->is_object()) return {};
   const auto text = [&](const char* key) {
@@ -326,7 +329,14 @@ std::optional<data::RecordHeader> record_origin_from_json(const Json& json) {
   header.title = text("title");
   header.date = text("date");
   header.notes = text("notes");
-  header.machine = text("machine_file");
+  const auto experiment = found->find("experiment");
+  try {
+    header.experiment =
+        data::read_experiment(experiment == found->end() ? "" : experiment->dump(), header.notes);
+  } catch (const std::invalid_argument& error) {
+    throw base::InputError({{.file = file, .key = "record.experiment", .message = error.what()}});
+  }
+  header.experiment.machine = text("machine_file");
   return header;
 }
 

@@ -37,13 +37,18 @@ Json channel_json(const data::Channel& channel, const data::ChannelOverview& ove
 
 }  // namespace
 
-Json record_json(const std::string& file, const data::RecordReader& reader,
-                 const data::RecordOverview& overview, bool with_spectra) {
-  const data::RecordHeader& header = reader.header();
+Json experiment_object(const data::Experiment& experiment) {
+  const std::string text = data::experiment_json(experiment);
+  return text.empty() ? Json::object() : Json::parse(text);
+}
+
+Json record_json(const data::RecordSet& record, const data::RecordOverview& overview,
+                 bool with_spectra) {
+  const data::RecordHeader& header = record.header();
   Json json{{"kind", "record"},
             {"hydrapod", base::version},
-            {"file", file},
-            {"format", data::format_text(reader.format())},
+            {"file", record.files().front()},
+            {"format", data::format_text(record.format())},
             {"title", header.title},
             {"date", header.date},
             {"repeat", header.repeat},
@@ -52,12 +57,13 @@ Json record_json(const std::string& file, const data::RecordReader& reader,
             {"samples", overview.samples},
             {"duration_s", overview.duration},
             {"notes", header.notes},
-            {"machine_file", header.machine},
+            {"machine_file", header.experiment.machine},
+            {"experiment", experiment_object(header.experiment)},
             {"channels", Json::array()},
             {"warnings", Json::array()}};
   for (std::size_t c = 0; c < header.channels.size(); ++c)
     json["channels"].push_back(channel_json(header.channels[c], overview.channels[c]));
-  for (const auto& note : reader.notes()) json["warnings"].push_back(note.text());
+  for (const auto& note : record.notes()) json["warnings"].push_back(note.text());
   if (!with_spectra) return json;
   json["spectra"] = {{"frequency_hz", numbers(overview.spectrum.frequency)},
                      {"segments", overview.spectrum.segments},

@@ -37,8 +37,19 @@ TEST_F(Rig, TheSameSeedGivesTheSameFile) {
   EXPECT_EQ(record.samples.rows(), 500);
   EXPECT_EQ(record.header.start, 0.1);  // after settling
   EXPECT_EQ(record.header.channels.size(), 39U);
-  EXPECT_EQ(record.header.machine, read_text(file("machine.toml")));
-  EXPECT_THAT(record.header.notes, HasSubstr("white noise, RMS x 0.0001"));
+  const auto& e = record.header.experiment;
+  EXPECT_EQ(e.machine, read_text(file("machine.toml")));
+  EXPECT_EQ(e.seed, 1U);
+  EXPECT_EQ(e.pose_name, "neutral");
+  EXPECT_THAT(e.program, testing::StartsWith("hydrapod "));
+  EXPECT_THAT(e.command, testing::ElementsAre("rig", "machine.toml", "--duration", "0.5",
+                                              "--settling", "0.1"));
+  EXPECT_EQ(e.excitation->entry, "command");
+  EXPECT_THAT(e.excitation->signals, testing::ElementsAre(HasSubstr("white noise, RMS x 0.0001")));
+  EXPECT_EQ(e.excitation->level[5], 1e-4);
+  EXPECT_FALSE(e.excitation->period);
+  EXPECT_EQ(e.sensors.size(), 9U);
+  EXPECT_THAT(e.controller, HasSubstr("sample_time=0.001 s"));
 }
 
 /// Its 39 channels are more than a picture holds.

@@ -69,8 +69,10 @@ TEST(Simulate, WritesRecordsThatSayWhatTheyAre) {
     const auto record = data::read_record(path).record;
     EXPECT_EQ(record.samples.rows(), 151);
     EXPECT_EQ(record.header.sample_rate, 500.0);
-    EXPECT_EQ(record.header.machine, test::read_text(published));
-    EXPECT_THAT(record.header.notes, AllOf(HasSubstr("seed 7"), HasSubstr("noise of RMS")));
+    EXPECT_EQ(record.header.experiment.machine, test::read_text(published));
+    EXPECT_EQ(record.header.experiment.seed, 7U);
+    EXPECT_FALSE(record.header.experiment.excitation);  // of no test rig
+    EXPECT_THAT(record.header.notes, HasSubstr("noise of RMS"));
     const auto length = data::find_channel(record.header, "leg3.length");
     EXPECT_EQ(record.header.channels.at(length.value()).unit, "m");
     ends.push_back(last_of(record, "leg3.length"));

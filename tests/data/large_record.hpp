@@ -47,11 +47,14 @@ inline bool write_and_scan(const std::string& path, data::RecordFormat format, d
     }
     writer->close();
   }
-  const auto reader = data::open_record_reader(path);
-  data::OverviewBuilder overview(reader->header(), 4096);
-  while (const auto rows = reader->read(block)) overview.add(block.topRows(rows));
+  data::RecordSet record({path});
+  data::OverviewBuilder overview(record.header(), 4096);
+  record.stream([&](std::size_t /*file*/, const auto& samples) {
+    overview.add(samples);
+    return true;
+  });
   const auto result = overview.result();
-  bool good = reader->notes().empty() && result.samples == total;
+  bool good = record.notes().empty() && result.samples == total;
   for (const auto& channel : result.channels)
     good = good && channel.lowest == 0.0 && channel.highest == 999.0 &&
            std::abs(channel.mean - 499.5) < 1e-6;

@@ -29,7 +29,22 @@ inline data::RecordHeader sample_header() {
   header.date = "2026-11-20T09:00:00";
   header.repeat = 3;
   header.notes = "first line\n\n  third, with blanks \nback\\slash\tand tab\n";
-  header.machine = "name = \"ugly\"\r\n[platform]\nmass = \"894.3 kg\" # µ\n";
+  header.experiment = {
+      .program = "hydrapod 0.9",
+      .command = {"rig", "a \"b\".toml"},
+      .machine = "name = \"ugly\"\r\n[platform]\nmass = \"894.3 kg\" # µ\n",
+      .overrides = {"platform.mass=3 t"},
+      .pose_name = "z=10 mm",
+      .pose = {{0.1, -1.0 / 3.0, 1e-300, 0.0, -0.0, 2.5}},
+      .model = "full",
+      .excitation = data::ExcitationNote{.entry = "command",
+                                         .signals = {"white, all=1 mm", "\\µ\n"},
+                                         .period = 0.1,
+                                         .level = {1.0 / 7.0, 0.0, 3.0, 4.0, 5.0, 6.0}},
+      .controller = "space=pose",
+      .sensors = {{"acceleration -z", {0.1, 0.2, 0.3}, {0.0, 0.0, -1.0}}},
+      .seed = 18446744073709551615U,
+      .others = R"({"logger":{"serial":[1,2.5,null]}})"};
   return header;
 }
 
@@ -60,7 +75,8 @@ inline void expect_same_header(const data::RecordHeader& a, const data::RecordHe
   EXPECT_EQ(a.date, b.date);
   EXPECT_EQ(a.repeat, b.repeat);
   EXPECT_EQ(a.notes, b.notes);
-  EXPECT_EQ(a.machine, b.machine);
+  EXPECT_EQ(a.experiment.machine, b.experiment.machine);
+  EXPECT_EQ(data::experiment_json(a.experiment), data::experiment_json(b.experiment));
   ASSERT_EQ(a.channels.size(), b.channels.size());
   for (std::size_t c = 0; c < a.channels.size(); ++c) {
     EXPECT_EQ(a.channels[c].name, b.channels[c].name);

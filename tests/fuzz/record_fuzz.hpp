@@ -22,17 +22,18 @@ inline void require_presentable(const base::Diagnostic& diagnostic) {
 }
 
 inline void read_to_the_end(const std::string& path) {
-  const auto reader = data::open_record_reader(path, {.sample_rate = 100.0});
-  data::validate(reader->header());
-  data::Samples block(64, static_cast<Eigen::Index>(reader->header().channels.size()));
+  data::file_kind(path);
+  data::RecordSet record({path}, {.sample_rate = 100.0});
+  data::validate(record.header());
   constexpr std::int64_t most = 2'000'000;  // numbers: a fuzzer has no time for more
   std::int64_t numbers = 0;
-  while (const std::int64_t rows = reader->read(block)) {
-    if (rows < 0 || rows > block.rows()) std::abort();
-    numbers += rows * block.cols();
-    if (numbers > most) return;
-  }
-  for (const auto& note : reader->notes()) require_presentable(note);
+  const bool complete = record.stream([&](std::size_t /*file*/, const auto& block) {
+    numbers += block.size();
+    return numbers <= most;
+  });
+  if (!complete) return;
+  if (record.sample_count() != record.count_samples(0)) std::abort();
+  for (const auto& note : record.notes()) require_presentable(note);
 }
 
 inline void read_as_record(const std::string& bytes) {

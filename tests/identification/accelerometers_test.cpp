@@ -63,7 +63,8 @@ class Accelerometers : public testing::Test {
 TEST_F(Accelerometers, GiveTheAccelerationOfThePoint) {
   const std::string path = folder / "run.h5";
   data::write_record(path, record_of(G), data::RecordFormat::hdf5);
-  const auto m = measure_responses({path}, options);
+  data::RecordSet record({path});
+  const auto m = measure_responses(record, options);
   ASSERT_EQ(m.responses.outputs.size(), 6U);
   for (int d = 0; d < 6; ++d) {
     const auto& channel = m.responses.outputs[static_cast<std::size_t>(d)];
@@ -80,8 +81,9 @@ TEST_F(Accelerometers, ADeadOneIsNamed) {
   record.samples.col(8).setConstant(0.25);
   const std::string path = folder / "run.h5";
   data::write_record(path, record, data::RecordFormat::hdf5);
+  data::RecordSet records({path});
   try {
-    measure_responses({path}, options);
+    measure_responses(records, options);
     FAIL() << "accepted";
   } catch (const base::ComputationError& error) {
     EXPECT_THAT(error.what(), testing::HasSubstr("a3 is dead"));

@@ -34,7 +34,8 @@ identification::FrequencyResponses measured_on_rig(const model::Machine& machine
   identification::MeasureOptions measure;
   measure.platform = {machine, experiment.X_BP,
                       experiment.X_BP * experiment.point.value_or(machine.platform.mass_center)};
-  return identification::measure_responses({path}, measure).responses;
+  data::RecordSet record({path});
+  return identification::measure_responses(record, measure).responses;
 }
 
 identification::Identification identified_on_rig(const model::Machine& machine,

@@ -11,6 +11,7 @@
 /// those that fit into memory.
 
 #include <Eigen/Core>
+#include <array>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -69,6 +70,37 @@ struct Channel {
   int point{};  ///< number of the measuring point (node); 0: none
 };
 
+/// An accelerometer or another sensor along one axis, where its place is known.
+struct PlacedSensor {
+  std::string name{};          ///< of its channel
+  Eigen::Vector3d position{};  ///< in the platform frame [m]
+  Eigen::Vector3d axis{};      ///< in the platform frame, unit vector
+};
+
+struct ExcitationNote {
+  std::string entry{};                 ///< "command", "drive" or "wrench"
+  std::vector<std::string> signals{};  ///< as text, one each
+  std::optional<double> period{};      ///< [s]; none: does not repeat
+  std::array<double, 6> level{};       ///< RMS in x … rz, in the units of the entry
+};
+
+/// How a record was made, as far as that is known.
+struct Experiment {
+  std::string program{};                        ///< that wrote it, "hydrapod 0.9"
+  std::vector<std::string> command{};           ///< its arguments
+  std::string machine{};                        ///< text of the machine file (TOML)
+  std::vector<std::string> overrides{};         ///< of the machine file, "platform.mass=3 t"
+  std::string pose_name{};                      ///< a pose of the machine file, or "z=10 mm"
+  std::optional<std::array<double, 6>> pose{};  ///< x y z [m], rx ry rz [rad]; R = Rz Ry Rx
+  std::string model{};                          ///< "rigid", "guide" or "full"
+  std::optional<ExcitationNote>
+      excitation{};          ///< given: by a test rig, machine under its controller
+  std::string controller{};  ///< its settings
+  std::vector<PlacedSensor> sensors{};
+  std::optional<std::uint64_t> seed{};  ///< of the random numbers
+  std::string others{};  ///< JSON object of what other programs noted; kept; empty: nothing
+};
+
 struct RecordHeader {
   std::string title{};
   std::vector<Channel> channels{};
@@ -77,7 +109,7 @@ struct RecordHeader {
   std::string date{};    ///< when it was recorded, ISO 8601 ("2026-11-20T09:00:00"); empty: unknown
   int repeat{1};         ///< number of this repetition of the experiment, from 1
   std::string notes{};   ///< any text, may have several lines
-  std::string machine{};  ///< text of the machine file (TOML) that was used; empty: unknown
+  Experiment experiment{};
 };
 
 /// Samples of a record or a piece of one: one row per sample, one column per channel, stored row by
@@ -93,6 +125,13 @@ struct Record {
 /// that are empty or not unique, a unit that is a known scale but not coherent SI, a sample rate
 /// that is not positive, a repeat below 1, text that is not UTF-8.
 void validate(const RecordHeader& header);
+
+/// The members of `experiment` that are known, but for the machine file, as a JSON object in one
+/// line; empty where nothing is known. docs/howto/record.md lists them.
+std::string experiment_json(const Experiment& experiment);
+/// Reads that back; where `json` is empty, what records of hydrapod without it say in their notes.
+/// Members that it does not know go to `others`. Throws std::invalid_argument naming what is wrong.
+Experiment read_experiment(const std::string& json, const std::string& notes);
 
 /// The channel of that name, if there is one.
 std::optional<std::size_t> find_channel(const RecordHeader& header, std::string_view name);

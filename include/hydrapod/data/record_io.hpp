@@ -14,6 +14,7 @@
 /// they make sense; what was left out or repaired is said in the reader's notes.
 
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -65,31 +66,64 @@ struct ReadOptions {
       sample_rate{};  ///< [Hz] for files that do not tell it; else the file's holds
 };
 
-/// Reads a record from beginning to end.
-class RecordReader {
- public:
-  RecordReader() = default;
-  RecordReader(const RecordReader&) = delete;
-  RecordReader& operator=(const RecordReader&) = delete;
-  virtual ~RecordReader() = default;
-
-  [[nodiscard]] virtual RecordFormat format() const = 0;
-  [[nodiscard]] virtual const RecordHeader& header() const = 0;
-  /// Number of samples that can be read; not known before the end of a text file.
-  [[nodiscard]] virtual std::optional<std::int64_t> sample_count() const = 0;
-  /// Fills the first rows of `block` with the next samples and returns how many; 0 at the end.
-  /// `block` has a column per channel and at least one row. Throws base::InputError where the file
-  /// is damaged so that nothing sensible follows.
-  virtual std::int64_t read(Eigen::Ref<Samples> block) = 0;
-  /// What was skipped, converted or missing so far; warnings, complete once read() returned 0.
-  [[nodiscard]] virtual const std::vector<base::Diagnostic>& notes() const = 0;
+/// What a file of a measurement holds.
+enum class FileKind {
+  record,
+  frequency_responses,  ///< Universal File with functions of type 4
+  modal_results,        ///< Universal File with modes (dataset 55) and no function
+  mode_table,           ///< CSV with a column of frequencies and none of times
+  json,
+  toml
 };
 
-/// Recognises the format by what the file holds. Throws base::InputError.
-std::unique_ptr<RecordReader> open_record_reader(const std::string& path,
-                                                 const ReadOptions& options = {});
+/// Told by what the file holds; TOML by its ending. Throws base::InputError where the file cannot
+/// be read.
+FileKind file_kind(const std::string& path);
 
-/// A block for `reader` of about a megabyte.
+class RecordReader;  // private to the module: one file
+
+/// The records of one experiment, one or several files with the same channels and sample rate. Each
+/// file is opened once, its format found by what it holds; samples stream from the open file as
+/// often as they are wanted.
+class RecordSet {
+ public:
+  /// Throws base::InputError for a file that is no record, and for one whose channels or sample
+  /// rate are not those of the first; std::invalid_argument for no file.
+  explicit RecordSet(std::vector<std::string> files, const ReadOptions& options = {});
+  RecordSet(RecordSet&&) noexcept;
+  RecordSet& operator=(RecordSet&&) noexcept;
+  ~RecordSet();
+
+  [[nodiscard]] const std::vector<std::string>& files() const { return files_; }
+  [[nodiscard]] RecordFormat format(std::size_t file = 0) const;
+  /// Of a file; title, notes and experiment of the set are those of the first.
+  [[nodiscard]] const RecordHeader& header(std::size_t file = 0) const;
+  [[nodiscard]] const Experiment& experiment() const { return header().experiment; }
+
+  /// Samples of all files; none where a text file that was not read to its end does not tell.
+  [[nodiscard]] std::optional<std::int64_t> sample_count() const;
+  /// Samples of a file, which is read to its end where it does not tell.
+  std::int64_t count_samples(std::size_t file);
+
+  /// `block` is a piece of `file`; false ends the reading.
+  using Use = std::function<bool(std::size_t file, const Eigen::Ref<const Samples>& block)>;
+  /// All samples from the beginning, file after file, in blocks of about a megabyte. False when
+  /// `use` ended it. Throws base::InputError where a file is damaged so that nothing sensible
+  /// follows.
+  bool stream(const Use& use);
+
+  /// What was skipped, converted or missing, of all files: at opening and in the last stream().
+  [[nodiscard]] std::vector<base::Diagnostic> notes() const;
+
+ private:
+  bool stream_file(std::size_t file, const Use& use);
+
+  std::vector<std::string> files_;
+  std::vector<std::unique_ptr<RecordReader>> readers_;
+  std::vector<std::optional<std::int64_t>> counts_;
+};
+
+/// A block of about a megabyte for samples of `header`.
 Samples make_block(const RecordHeader& header);
 
 struct ReadRecordResult {

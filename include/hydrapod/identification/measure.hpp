@@ -34,7 +34,6 @@ struct MeasureOptions {
   Window window{Window::hann};
   std::optional<double> period{};  ///< [s] of the excitation; 0: not periodic; default: found out
   double settling{};               ///< [s] at the beginning of each record that are passed over
-  data::ReadOptions read{};
   std::optional<PlatformFrame> platform{};  ///< for responses that are the six leg lengths
   /// 6 × `outputs`: makes directions of the platform of them, see platform_from_accelerometers.
   std::optional<Eigen::MatrixXd> outputs_to_platform{};
@@ -52,15 +51,14 @@ struct Measurement {
   std::optional<BiasFinding> h1_against_instrument{};  ///< where both could be formed
 };
 
-/// Of records with the same channels and sample rate; they are averaged together. `progress` is
-/// told the share that is done; where it says false the rest is left unread. Throws
-/// base::InputError and base::ComputationError.
-Measurement measure_responses(const std::vector<std::string>& files, const MeasureOptions& options,
+/// The records are averaged together. `progress` is told the share that is done; where it says
+/// false the rest is left unread. Throws base::InputError and base::ComputationError.
+Measurement measure_responses(data::RecordSet& records, const MeasureOptions& options,
                               const numerics::Progress& progress = {});
 
 /// The spectra alone, for machines whose excitation was not measured; `outputs` are those that
 /// live.
-Measurement measure_outputs(const std::vector<std::string>& files, const MeasureOptions& options,
+Measurement measure_outputs(data::RecordSet& records, const MeasureOptions& options,
                             const numerics::Progress& progress = {});
 
 /// The record in pieces, for bootstrap.hpp: spectra of groups of neighbouring blocks, formed as
@@ -73,7 +71,7 @@ struct GroupedSpectra {
 
 /// In at most `groups` pieces, each at least two blocks long. Throws as measure_responses, and
 /// base::ComputationError for periodic excitation, whose periods are no blocks to draw from.
-GroupedSpectra measure_groups(const std::vector<std::string>& files, const MeasureOptions& options,
-                              int groups, const numerics::Progress& progress = {});
+GroupedSpectra measure_groups(data::RecordSet& records, const MeasureOptions& options, int groups,
+                              const numerics::Progress& progress = {});
 
 }  // namespace hydrapod::identification

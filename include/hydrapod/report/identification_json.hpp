@@ -22,7 +22,8 @@ identification::FrequencyResponses responses_from_json(const Json& json, const s
 /// Where responses come from: `title`, `date`, `notes`, `machine_file` of the record; and back, if
 /// `json` has it as `record`.
 Json record_origin_json(const data::RecordHeader& header);
-std::optional<data::RecordHeader> record_origin_from_json(const Json& json);
+std::optional<data::RecordHeader> record_origin_from_json(const Json& json,
+                                                          const std::string& file);
 
 /// `modes[]`, `heavily_damped[]`, `left_out[]`, `mac`, `band_hz`, `stabilisation[]`, `clusters[]`,
 /// `indicator`, `fit_error`, `misfit`, `warnings[]`.

@@ -8,8 +8,11 @@
 
 namespace hydrapod::report {
 
-/// What `hydrapod record show FILE --format json` prints. `reader` must have been read to its end.
-Json record_json(const std::string& file, const data::RecordReader& reader,
-                 const data::RecordOverview& overview, bool with_spectra);
+/// data::experiment_json as an object.
+Json experiment_object(const data::Experiment& experiment);
+
+/// What `hydrapod record show FILE --format json` prints. `record` must have been read to its end.
+Json record_json(const data::RecordSet& record, const data::RecordOverview& overview,
+                 bool with_spectra);
 
 }  // namespace hydrapod::report
