@@ -8,10 +8,9 @@
 #include "hydrapod/base/error.hpp"
 #include "hydrapod/base/text.hpp"
 #include "hydrapod/base/units.hpp"
-#include "hydrapod/interrupt.hpp"
-#include "hydrapod/measured_modes.hpp"
+#include "hydrapod/identification_arguments.hpp"
+#include "hydrapod/machine_arguments.hpp"
 #include "hydrapod/spatial/directions.hpp"
-#include "hydrapod/terminal.hpp"
 
 namespace hydrapod::cli {
 
@@ -19,15 +18,14 @@ namespace {
 
 /// Names with commas, "all" or "workspace".
 std::vector<model::NamedPose> poses_of(const model::Machine& machine, const std::string& text) {
-  if (text.empty() || text == "all") return machine.poses;
+  if (text.empty() || text == "all") return {};  // all of the file
   if (text == "workspace") return diagnosis::workspace_poses(machine);
   std::vector<model::NamedPose> poses;
   for (const auto& name : base::split(text, ";")) poses.push_back(tasks::pose_of(machine, name));
   return poses;
 }
 
-}  // namespace
-
+/// "2 %", "drop 2 %", "5.2 Hz", "x=5.2 Hz", "x=3 %".
 diagnosis::RemedyGoal remedy_goal(const std::string& text) {
   diagnosis::RemedyGoal goal;
   std::string_view amount = base::trimmed(text);
@@ -55,6 +53,8 @@ diagnosis::RemedyGoal remedy_goal(const std::string& text) {
   return goal;
 }
 
+}  // namespace
+
 void add_diagnosis_options(Command command, DiagnosisArguments& arguments) {
   command
       .add_option("--want", arguments.want,
@@ -66,55 +66,12 @@ void add_diagnosis_options(Command command, DiagnosisArguments& arguments) {
                      "displacements with semicolons, all, or workspace [all of the file]");
 }
 
-int guilty_mode(const diagnosis::Diagnosis& found, const std::string& pose) {
-  if (found.alike.empty()) return 0;
-  const auto& fit = found.explanations[found.alike.front()].fit;
-  int number = 0;
-  double most = 0.0;
-  for (std::size_t i = 0; i < found.modes.size(); ++i) {
-    const auto& mode = found.modes[i];
-    const double share = 1.0 - mode.oil;
-    if (mode.pose != pose || share <= most) continue;
-    most = share;
-    number = fit.targets[i].mode + 1;
-  }
-  return number;
-}
-
-diagnosis::CaseFile investigate(const DiagnosisArguments& arguments, const MachineArguments& asked,
-                                tasks::Machine machine) {
-  tasks::add_pose(machine.file, machine.pose, "as_measured");
-  const auto& [file, path, named, kind] = machine;
-  const auto& pose = named.name;
-  diagnosis::CaseFile result{
-      .machine = file.machine, .kind = kind, .pose = pose, .goal = remedy_goal(arguments.want)};
-  const auto poses = poses_of(file.machine, arguments.poses);
-  const InterruptNote interrupt;
-  if (!arguments.measured.empty()) {
-    const auto measured = read_measured(arguments.measured, asked, file, pose, arguments.against);
-    ProgressLine line("diagnosing");
-    result.diagnosis =
-        diagnosis::diagnose(file, measured, kind, poses, arguments.options, [&](double share) {
-          line.update(share);
-          return InterruptNote::noted();
-        });
-    const auto& d = *result.diagnosis;
-    if (d.alike.empty() || d.interrupted) return result;
-    const auto& best = d.explanations[d.alike.front()];
-    result.machine = diagnosis::machine_of(file, best);
-    result.kind = best.kind;
-  }
-  const auto X_BP = std::ranges::find(result.machine.poses, pose, &model::NamedPose::name)->X_BP;
-  if (result.kind == dynamics::ModelKind::rigid) return result;  // nothing to give way
-  for (auto& drop : diagnosis::attribute_drops(result.machine, X_BP, result.kind))
-    result.drops.push_back(std::move(drop));
-  ProgressLine line("looking for a remedy");
-  result.remedy =
-      diagnosis::find_remedy(result.machine, poses, result.kind, result.goal, [&](double share) {
-        line.update(share);
-        return InterruptNote::noted();
-      });
-  return result;
+tasks::DiagnoseOptions diagnose_options(const DiagnosisArguments& arguments,
+                                        const model::Machine& machine) {
+  return {.measured = {.files = arguments.measured, .observed = observed_system(arguments.against)},
+          .diagnosis = arguments.options,
+          .goal = remedy_goal(arguments.want),
+          .poses = poses_of(machine, arguments.poses)};
 }
 
 }  // namespace hydrapod::cli

@@ -15,3 +15,4 @@
 #include "hydrapod/base/version.hpp"
 #include "hydrapod/tasks/linear.hpp"
 #include "hydrapod/tasks/machine.hpp"
+#include "hydrapod/tasks/report.hpp"

@@ -1,10 +1,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <limits>
 
 #include "hydrapod/base/constants.hpp"
-#include "hydrapod/base/error.hpp"
 #include "hydrapod/numerics/quantiles.hpp"
 #include "hydrapod/report/diagnosis.hpp"
 
@@ -167,123 +165,6 @@ Json diagnosis_json(const CaseFile& file) {
   for (const auto& drop : file.drops) json["attribution"].push_back(drop_json(drop));
   if (file.remedy) json["remedy"] = remedy_json(file);
   return json;
-}
-
-namespace {
-
-[[noreturn]] void bad(const std::string& file, const std::string& key, const std::string& what) {
-  throw base::InputError({{.file = file, .key = key, .message = what}});
-}
-
-double number(const Json& object, const char* key, const std::string& file) {
-  const auto found = object.find(key);
-  if (found == object.end() || !found->is_number())
-    bad(file, std::string("modes[].") + key, "expected a number, as `hydrapod identify` writes it");
-  return found->get<double>();
-}
-
-/// Row `o` of a complex vector {re: [], im: []}.
-std::complex<double> element(const Json& vector, std::size_t o, const std::string& file) {
-  const auto part = [&](const char* name) {
-    const auto found = vector.find(name);
-    if (found == vector.end() || !found->is_array() || found->size() <= o ||
-        !(*found)[o].is_number())
-      bad(file, std::string("modes[].displacement_shape.") + name,
-          "expected one number per output, as `hydrapod identify` writes them");
-    return (*found)[o].get<double>();
-  };
-  return {part("re"), part("im")};
-}
-
-/// Units and directions of the outputs.
-std::vector<data::Channel> outputs_of(const Json& json) {
-  std::vector<data::Channel> outputs;
-  for (const auto& output : json["outputs"])
-    if (output.is_object())
-      outputs.push_back({.unit = output.value("unit", ""),
-                         .direction = data::direction_from_text(output.value("direction", ""))
-                                          .value_or(data::Direction::none)});
-  return outputs;
-}
-
-/// Does it say of its inputs that they drive the valves?
-bool inputs_are_drives(const Json& json) {
-  const auto inputs = json.find("inputs");
-  return inputs != json.end() && inputs->is_array() && !inputs->empty() &&
-         std::ranges::all_of(*inputs, [](const Json& input) {
-           return input.is_object() && input.contains("role") && input["role"] == "drive";
-         });
-}
-
-/// What its inputs see: the plant, where they drive the valves; the machine under its controller,
-/// where `hydrapod identify` compared it with that; else mechanics.
-observation::Observed observed_in(const Json& json) {
-  if (inputs_are_drives(json)) return observation::Observed::plant;
-  const auto compared = json.find("comparison");
-  const bool controlled =
-      compared != json.end() && compared->is_object() &&
-      compared->value("source", Json()) == observation::name(observation::Observed::system);
-  return controlled ? observation::Observed::system : observation::Observed::mechanics;
-}
-
-/// Of the responses that were fitted [rad/s]; 0: not said.
-double line_spacing(const Json& json) {
-  const auto indicator = json.find("indicator");
-  if (indicator == json.end() || !indicator->is_object()) return 0.0;
-  const auto lines = indicator->value("frequency_hz", Json());
-  if (!lines.is_array() || lines.size() < 2 || !lines.front().is_number() ||
-      !lines.back().is_number())
-    return 0.0;
-  const double span = lines.back().get<double>() - lines.front().get<double>();
-  return two_pi * std::max(0.0, span) / static_cast<double>(lines.size() - 1);
-}
-
-}  // namespace
-
-observation::Targets modes_from_json(const Json& json, const std::string& file,
-                                     const model::Machine& machine, const MeasuredAt& where) {
-  constexpr double band = numerics::normal_half_width,
-                   nan = std::numeric_limits<double>::quiet_NaN();
-  for (const char* key : {"modes", "outputs"})
-    if (!json.contains(key) || !json[key].is_array())
-      bad(file, key, "is missing; `hydrapod identify RECORD --format json` writes such a file");
-  if (json["modes"].empty()) bad(file, "modes", "is empty: no mode was identified");
-  observation::Targets targets{.title = file};
-  auto at = where;
-  if (!at.against) at.against = diagnosis::motion_against(outputs_of(json));
-  targets.observed = at.observed.value_or(observed_in(json));
-  std::vector<MeasuredShape> shapes;
-  for (const auto& mode : json["modes"]) {
-    if (!mode.is_object()) bad(file, "modes", "holds something that is no mode");
-    MeasuredShape measured{.omega = two_pi * number(mode, "frequency_hz", file),
-                           .omega_deviation = two_pi * number(mode, "frequency_95_hz", file) / band,
-                           .damping = number(mode, "damping_ratio", file),
-                           .damping_deviation = number(mode, "damping_95", file) / band};
-    if (const auto found = mode.find("significance"); found != mode.end() && found->is_number())
-      measured.significance = found->get<double>();
-    measured.line_spacing = line_spacing(json);
-    if (!(measured.omega > 0.0)) bad(file, "modes[].frequency_hz", "expected a number above 0");
-    measured.motion.fill(nan);
-    const auto shape = mode.find("displacement_shape"), raw = mode.find("shape"),
-               spread = mode.find("shape_deviation");
-    for (std::size_t o = 0; shape != mode.end() && o < json["outputs"].size(); ++o) {
-      const auto& output = json["outputs"][o];
-      const auto found = data::direction_from_text(output.value("direction", ""));
-      const int code = found ? static_cast<int>(*found) : 0;
-      if (code == 0 || std::abs(code) > 6) continue;
-      const auto k = static_cast<std::size_t>(std::abs(code) - 1);
-      measured.motion[k] = (code < 0 ? -1.0 : 1.0) * element(*shape, o, file);
-      if (raw == mode.end() || spread == mode.end() || !spread->is_array() || spread->size() <= o)
-        continue;
-      const double size = std::abs(element(*raw, o, file));
-      if (size > 0.0 && (*spread)[o].is_number())
-        measured.motion_deviation[k] =
-            (*spread)[o].get<double>() * std::abs(measured.motion[k]) / size;
-    }
-    shapes.push_back(measured);
-  }
-  diagnosis::add_modes(std::move(shapes), machine, at, targets);
-  return targets;
 }
 
 }  // namespace hydrapod::report

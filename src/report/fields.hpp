@@ -62,6 +62,11 @@ class Writer {
   void optional(const char* key, const std::optional<T>& value) {
     if (value) json[key] = written(*value);
   }
+  /// Need not be there for a reader.
+  template <class T>
+  void maybe(const char* key, const T& value) {
+    json[key] = written(value);
+  }
   /// Absent where it is `usual`.
   template <class T>
   void unless(const T& usual, const char* key, const T& value) {
@@ -134,6 +139,10 @@ class Reader {
   template <class T>
   void optional(const char* key, std::optional<T>& value) const {
     if (has(key)) get(json_[key], key_of(key), value);
+  }
+  template <class T>
+  void maybe(const char* key, T& value) const {
+    if (has(key)) (*this)(key, value);
   }
   template <class T>
   void unless(const T& usual, const char* key, T& value) const {

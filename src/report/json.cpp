@@ -84,6 +84,12 @@ Json head_json(const char* kind, const Subject& subject) {
 
 Json pose_json(const model::NamedPose& pose) { return written(pose); }
 
+model::NamedPose pose_from_json(const Json& json, const std::string& file) {
+  model::NamedPose pose;
+  Reader(json, file)("pose", pose);
+  return pose;
+}
+
 template <class Fields>
 void describe(Fields& f, modal::EnergyShares& energy) {
   f.derived("oil", energy.oil.sum());

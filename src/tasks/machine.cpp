@@ -33,7 +33,7 @@ spatial::Pose displaced_pose(const spatial::Pose& neutral, const std::string& te
     auto& number = value.at(static_cast<std::size_t>(*direction));
     if (number) bad(argument, fmt::format("{} is given twice", key));
     const auto read = base::read_plain_or_quantity(base::trimmed(part.substr(equals + 1)),
-                                                *direction < 3 ? "m" : "rad");
+                                                   *direction < 3 ? "m" : "rad");
     if (!read.ok()) bad(argument, read.problem);
     number = read.value;
   }

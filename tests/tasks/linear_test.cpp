@@ -108,8 +108,8 @@ TEST(RoundTrip, CommandResponse) {
 
 TEST(RoundTrip, Check) {
   const auto machine = heavy("neutral", {"platform.mass=60000"});
-  const auto json = report::check_json(tasks::check(machine, machine.file.machine.poses),
-                                       machine.file.machine);
+  const auto json =
+      report::check_json(tasks::check(machine, machine.file.machine.poses), machine.file.machine);
   expect_round_trip(json, report::checks_from_json, [&](const auto& checks) {
     return report::check_json(checks, machine.file.machine);
   });

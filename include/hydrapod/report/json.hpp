@@ -28,6 +28,8 @@ struct Subject {
 Json machine_json(const model::MachineFile& file, const std::string& path);
 
 Json pose_json(const model::NamedPose& pose);
+/// `pose` of a result.
+model::NamedPose pose_from_json(const Json& json, const std::string& file);
 
 /// Gravity, axes, damping: everything a reader must know to reproduce the numbers.
 Json assumptions_json(const model::Machine& machine);
