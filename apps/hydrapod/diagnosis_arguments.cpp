@@ -69,7 +69,7 @@ void add_diagnosis_options(Command command, DiagnosisArguments& arguments) {
 tasks::DiagnoseOptions diagnose_options(const DiagnosisArguments& arguments,
                                         const model::Machine& machine) {
   return {.measured = {.files = arguments.measured, .observed = observed_system(arguments.against)},
-          .diagnosis = arguments.options,
+          .rules = arguments.options,
           .goal = remedy_goal(arguments.want),
           .poses = poses_of(machine, arguments.poses)};
 }

@@ -71,7 +71,7 @@ void run(const Arguments& arguments) {
     data::format_of_ending(arguments.file);
   }
   const auto machine = load(arguments.machine);
-  const tasks::RigOptions options{.rig = options_of(arguments, machine.file.machine),
+  const tasks::RigOptions options{.test = options_of(arguments, machine.file.machine),
                                   .averages = arguments.averages,
                                   .record = arguments.check ? "" : arguments.file,
                                   .force = arguments.force,

@@ -92,7 +92,7 @@ Diagnosed diagnose(const Machine& given, const DiagnoseOptions& options, const P
     auto measured =
         read_measured(result.machine, options.measured, numerics::part_of(progress, 0.0, 0.2));
     result.warnings = std::move(measured.warnings);
-    found.diagnosis = diagnosis::diagnose(file, measured.targets, kind, poses, options.diagnosis,
+    found.diagnosis = diagnosis::diagnose(file, measured.targets, kind, poses, options.rules,
                                           numerics::part_of(progress, 0.2, 0.9));
     const auto& d = *found.diagnosis;
     if (d.alike.empty() || d.interrupted) return result;

@@ -163,7 +163,7 @@ report::Json parsed_json(const std::string& path, const std::vector<std::string>
     bad(path, fmt::format("is no JSON: {}", error.what()));
   }
   const auto kind = json.is_object() ? json.find("kind") : json.end();
-  if (kind == json.end() || std::ranges::find(kinds, *kind) != kinds.end()) return json;
+  if (kind == json.end() || std::ranges::count(kinds, kind->dump()) > 0) return json;
   throw base::InputError({{.file = path,
                            .key = "kind",
                            .message = fmt::format("is {}; accepted here are {}", kind->dump(),
@@ -224,7 +224,7 @@ void add_comparison(const IdentifyOptions& options, Identified& found) {
                                  .pose = machine.pose.name};
   compared.result = comparison::compare_modes(
       found.modes,
-      comparison::model_modes(machine.file.machine, machine.pose.X_BP, machine.kind, source),
+      observation::model_modes(machine.file.machine, machine.pose.X_BP, machine.kind, source),
       {machine.file.machine, machine.pose.X_BP, measured_point(options.measure, machine)},
       options.modes.highest_damping);
   found.compared = std::move(compared);
@@ -355,7 +355,7 @@ observation::Targets read_one(const MeasuredFile& file, const Machine& machine,
     return diagnosis::measured_modes(list.modes, of, at);
   }
   if (kind == data::FileKind::json) {
-    const auto json = parsed_json(path, {"identified_modes", "modes", "frf"});
+    const auto json = parsed_json(path, {"\"identified_modes\"", "\"modes\"", "\"frf\""});
     if (!json.is_object()) bad(path, "expected an object of `hydrapod identify` or `hydrapod frf`");
     if (json.contains("matrices") || json.contains("rigid_modes"))
       return calculated_targets(json, path, of);
@@ -392,7 +392,7 @@ Measured frf(const MeasureOptions& options, const Progress& progress) {
     bad(options.files[1], "frequency responses stand alone: only records are averaged together");
   if (responses) {
     auto measured = kind == data::FileKind::json
-                        ? responses_from(parsed_json(first, {"frf"}), first)
+                        ? responses_from(parsed_json(first, {"\"frf\""}), first)
                         : responses_of_universal_file(first);
     measured.machine = measured_machine(options, measured.experiment());
     return measured;

@@ -151,7 +151,7 @@ report::Simulation simulate(const Machine& machine, const SimulateOptions& optio
 
 Rig rig(const Machine& machine, const RigOptions& asked, const Progress& progress) {
   const auto& of = machine.file.machine;
-  Rig result{.options = asked.rig};
+  Rig result{.options = asked.test};
   auto& options = result.options;
   options.loop.kind = machine.kind;
   if (options.signals.empty()) options.signals = rig::default_signals(options.entry);

@@ -25,7 +25,7 @@ class Exchange : public testing::Test {
     folder = std::make_unique<TemporaryFolder>();
     machine = tasks::read_machine({.file = source_file("models/heavy-platform.toml").string()});
     machine.file.machine.name = "heavy";
-    tasks::rig(machine, {.rig = {.duration = 20.0}, .record = path("run.h5")});
+    tasks::rig(machine, {.test = {.duration = 20.0}, .record = path("run.h5")});
     tasks::simulate(machine, {.until = 0.02, .record = path("simulated.h5")});
     found = tasks::identify({.measure = {.files = {path("run.h5")}}, .second_opinion = true});
     ASSERT_FALSE(found.modes.modes.empty());
@@ -103,14 +103,14 @@ TEST_F(Exchange, EveryReaderTakesWhatItCanUse) {
       {"frf.json", "read", "read", "frf.json"},
       {"frf.uff", "read", "read", "frf.uff"},
       {"frf.csv", "holds a table of frequencies", "unknown column", "frf.csv"},
-      {"identified.json", "is \"identified_modes\"; accepted here are frf", "read",
+      {"identified.json", "is \"identified_modes\"; accepted here are \"frf\"", "read",
        "identified.json"},
       {"identified.csv", "holds a table of frequencies", "read", "identified.csv"},
       {"identified.uff", "holds modes (dataset 55)", "holds modes (dataset 55)", "identified.uff"},
       {"identified.mat", "identified.mat", "identified.mat", "identified.mat"},
-      {"modes.json", "is \"modes\"; accepted here are frf", "read", "modes.json"},
-      {"bode.json", "is \"bode\"; accepted here are frf",
-       "is \"bode\"; accepted here are identified_modes, modes, frf", "bode.json"},
+      {"modes.json", "is \"modes\"; accepted here are \"frf\"", "read", "modes.json"},
+      {"bode.json", "is \"bode\"; accepted here are \"frf\"",
+       "is \"bode\"; accepted here are \"identified_modes\", \"modes\", \"frf\"", "bode.json"},
       {"system.json", "is \"system\"", "is \"system\"", "system.json"},
       {"check.json", "is \"check\"", "is \"check\"", "check.json"},
       {"calibration.json", "is \"calibration\"", "is \"calibration\"", "calibration.json"},

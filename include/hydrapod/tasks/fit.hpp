@@ -45,7 +45,7 @@ Calibrated calibrate(const Machine& machine, const CalibrateOptions& options,
 
 struct DiagnoseOptions {
   MeasuredOptions measured{};  ///< without files: the machine file alone
-  diagnosis::DiagnoseOptions diagnosis{};
+  diagnosis::DiagnoseOptions rules{};
   diagnosis::RemedyGoal goal{.drop = 0.02};  ///< of the guide sleeves
   /// Where the goal is to be met, and where could be measured; empty: all poses of the file.
   std::vector<model::NamedPose> poses{};

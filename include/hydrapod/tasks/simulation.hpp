@@ -26,7 +26,7 @@ report::Simulation simulate(const Machine& machine, const SimulateOptions& optio
                             const Progress& progress = {});
 
 struct RigOptions {
-  rig::RigOptions rig{};  ///< `loop.kind` is not used; `signals` empty: rig::default_signals
+  rig::RigOptions test{};  ///< `loop.kind` is not used; `signals` empty: rig::default_signals
   int averages{};         ///< periods of a periodic excitation, instead of `duration`; 0: none
   std::string record{};   ///< file to write; empty: only the levels are checked
   bool force{};           ///< run though the levels do not fit
