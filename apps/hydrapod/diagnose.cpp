@@ -9,6 +9,7 @@
 #include "hydrapod/commands.hpp"
 #include "hydrapod/diagnosis_arguments.hpp"
 #include "hydrapod/interrupt.hpp"
+#include "hydrapod/machine_arguments.hpp"
 #include "hydrapod/report/diagnosis.hpp"
 #include "hydrapod/report/simulation.hpp"
 #include "hydrapod/terminal.hpp"

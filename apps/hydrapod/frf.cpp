@@ -11,6 +11,7 @@
 #include "hydrapod/report/identification_files.hpp"
 #include "hydrapod/report/identification_json.hpp"
 #include "hydrapod/report/identification_plot.hpp"
+#include "hydrapod/report/identification_section.hpp"
 #include "hydrapod/terminal.hpp"
 
 namespace hydrapod::cli {
@@ -42,8 +43,7 @@ std::string channel_table(const identification::FrequencyResponses& r, const Tab
     double largest = 0.0;
     std::size_t line = 0, input = 0;
     for (std::size_t k = 0; k < r.lines(); ++k) {
-      if (!r.multiple_coherence.empty())
-        coherence.push_back(r.multiple_coherence[k][static_cast<Eigen::Index>(o)]);
+      coherence.push_back(r.multiple_coherence[k][static_cast<Eigen::Index>(o)]);
       for (std::size_t i = 0; i < r.inputs.size(); ++i) {
         // per input level, so that inputs of different units can be compared
         const double size =
@@ -91,7 +91,7 @@ std::string table_text(const Arguments& arguments, const tasks::Measured& measur
         "H1 against the instrumental estimate: {:.2g} % apart (median), beyond its "
         "95 % band at {:.0f} % of the lines\n",
         100.0 * m.h1_against_instrument->median, 100.0 * m.h1_against_instrument->share);
-  return text + "\n" + channel_table(r, style);
+  return measured.records ? text + "\n" + channel_table(r, style) : text;
 }
 
 void run(const Arguments& arguments) {

@@ -9,6 +9,7 @@
 
 #include "hydrapod/base/constants.hpp"
 #include "hydrapod/numerics/quantiles.hpp"
+#include "hydrapod/report/identification_section.hpp"
 
 namespace hydrapod::cli {
 

@@ -11,6 +11,7 @@
 #include "hydrapod/report/identification_files.hpp"
 #include "hydrapod/report/identification_json.hpp"
 #include "hydrapod/report/identification_plot.hpp"
+#include "hydrapod/report/identification_section.hpp"
 #include "hydrapod/report/mode_comparison.hpp"
 #include "hydrapod/terminal.hpp"
 

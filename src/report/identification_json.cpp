@@ -149,7 +149,7 @@ void describe(Fields& f, data::Channel& channel) {
   f.maybe("unit", channel.unit);
   f.maybe("direction", direction);
   f.maybe("role", role);
-  f.unless(0, "point", channel.point);
+  f.maybe("point", channel.point);
   if constexpr (Fields::reads) {
     channel.direction = data::direction_from_text(direction).value_or(data::Direction::none);
     channel.role = data::role_from_text(role).value_or(data::Role::other);
