@@ -156,6 +156,13 @@ TEST_F(Exchange, CalibrationToItsOwnModesChangesNothing) {
               1e-3 * best.parameters.at(0).start);
 }
 
+TEST_F(Exchange, RoundTripOfACalibration) {
+  expect_round_trip(report::calibration_json(calibrated.result, calibrated.targets),
+                    report::calibration_from_json, [](const report::ReadCalibration& read) {
+                      return report::calibration_json(read.result, read.targets);
+                    });
+}
+
 TEST_F(Exchange, RoundTripOfResponses) {
   auto responses = found.measured.responses();
   // what tells how good the measurement is follows from the record alone

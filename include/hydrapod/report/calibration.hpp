@@ -9,6 +9,11 @@ namespace hydrapod::report {
 
 /// `candidates[]`, best first: choices, misfit, parameters, targets, identifiability.
 Json calibration_json(const calibration::Calibration& result, const observation::Targets& targets);
+struct ReadCalibration {
+  calibration::Calibration result{};
+  observation::Targets targets{};  ///< names, poses, frequencies and damping of modes
+};
+ReadCalibration calibration_from_json(const Json& json, const std::string& file);
 
 /// `profiles[]` of parameters of the best candidate.
 Json profile_json(const calibration::Profile& profile, const calibration::Candidate& candidate);
