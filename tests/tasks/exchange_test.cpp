@@ -24,7 +24,6 @@ class Exchange : public testing::Test {
   static void SetUpTestSuite() {
     folder = std::make_unique<TemporaryFolder>();
     machine = tasks::read_machine({.file = source_file("models/heavy-platform.toml").string()});
-    machine.file.machine.name = "heavy";
     tasks::rig(machine, {.test = {.duration = 20.0}, .record = path("run.h5")});
     tasks::simulate(machine, {.until = 0.02, .record = path("simulated.h5")});
     found = tasks::identify({.measure = {.files = {path("run.h5")}}, .second_opinion = true});
