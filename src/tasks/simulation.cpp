@@ -16,6 +16,10 @@ namespace {
 using simulation::ClosedLoop;
 using simulation::LoopSample;
 
+[[noreturn]] void bad(const std::string& argument, const std::string& message) {
+  throw base::InputError({{.file = argument, .message = message}});
+}
+
 data::RecordHeader header_of(const Machine& machine, std::uint64_t seed,
                              const std::vector<std::string>& command_line) {
   const auto& X_BP = machine.pose.X_BP;
@@ -159,9 +163,7 @@ Rig rig(const Machine& machine, const RigOptions& asked, const Progress& progres
     const double rate = 1.0 / of.controller.sample_time;
     const auto period = rig::period_samples(options.signals, rate);
     if (!period)
-      throw base::InputError(
-          {{.file = "--averages",
-            .message = "the excitation does not repeat; give its duration instead"}});
+      bad("--averages", "the excitation does not repeat; give its duration instead");
     options.duration = asked.averages * static_cast<double>(*period) / rate;
   }
   try {
@@ -175,7 +177,7 @@ Rig rig(const Machine& machine, const RigOptions& asked, const Progress& progres
                                  keep_going(progress, options.settling + options.duration));
     writer->close();
   } catch (const std::invalid_argument& error) {
-    throw base::InputError({{.file = "--excite", .message = error.what()}});
+    bad("--excite", error.what());
   }
   return result;
 }

@@ -11,6 +11,7 @@
 #include "hydrapod/diagnosis/measured.hpp"
 #include "hydrapod/identification/bootstrap.hpp"
 #include "hydrapod/identification/measure.hpp"
+#include "hydrapod/identification/realisation.hpp"
 #include "hydrapod/identification/second_opinion.hpp"
 #include "hydrapod/report/mode_comparison.hpp"
 #include "hydrapod/tasks/machine.hpp"
