@@ -27,11 +27,11 @@ struct Samples {
   Samples() {
     std::mt19937_64 generator(20210316);
     std::normal_distribution<double> noise;
-    simulation::Sine sine{.frequency = 2.0, .fade = 0.0};
-    sine.amplitude << 0.01, 0.01, 0.01, 0.017, 0.017, 0.017;
-    const auto signal = simulation::make_signal({sine}, 1e-3);
+    signals::Signal sine{.form = signals::Sine{2.0}, .fade = 0.0};
+    sine.size << 0.01, 0.01, 0.01, 0.017, 0.017, 0.017;
+    signals::Generator generator({sine}, 1e3);
     for (int k = 0; k < sample_count; ++k) {
-      commands.push_back(simulation::command_at(machine.neutral(), signal->next()));
+      commands.push_back(simulation::command_at(machine.neutral(), generator.next()));
       control::Measurement sample;
       sample.length = kinematics::leg_lengths(machine, commands.back().X_BP);
       for (int i = 0; i < 6; ++i) {
@@ -66,12 +66,12 @@ BENCHMARK_CAPTURE(tick, leg, model::ControlSpace::leg, true);
 void closed_loop_second(benchmark::State& state) {
   const auto machine = bench::published();
   simulation::ClosedLoop loop(machine, machine.neutral(), {.until = 1.0});
-  simulation::Noise noise{.to = 20.0};
-  noise.rms << 1e-3, 1e-3, 1e-3, 1.7e-3, 1.7e-3, 1.7e-3;
-  const auto signal = simulation::make_signal({noise}, loop.parameters().sample_time);
+  signals::Signal noise{.form = signals::Noise{.to = 20.0}};
+  noise.size << 1e-3, 1e-3, 1e-3, 1.7e-3, 1.7e-3, 1.7e-3;
+  signals::Generator generator({noise}, 1.0 / loop.parameters().sample_time);
   for (auto _ : state) {
-    signal->restart();
-    const auto summary = loop.run(simulation::command_source(*signal), {});
+    generator.restart();
+    const auto summary = loop.run(simulation::command_source(generator), {});
     if (summary.end != simulation::RunEnd::finished) state.SkipWithError("run ended early");
   }
 }

@@ -5,7 +5,6 @@
 
 #include "hydrapod/base/file.hpp"
 #include "hydrapod/commands.hpp"
-#include "hydrapod/identification/exchange.hpp"
 #include "hydrapod/identification_arguments.hpp"
 #include "hydrapod/interrupt.hpp"
 #include "hydrapod/report/identification_files.hpp"
@@ -116,8 +115,11 @@ void run(const Arguments& arguments) {
     fmt::print(stderr, "wrote {}\n", arguments.coherence_plot);
   }
   if (format == mat) return report::write_responses_mat(arguments.output, r);
-  if (format == uff)
-    return data::write_frequency_response(arguments.output, identification::to_exchange(r, title));
+  if (format == uff) {
+    auto titled = r;
+    titled.title = title;
+    return data::write_frequency_responses(arguments.output, titled);
+  }
   if (format == csv) return base::write_file_whole(arguments.output, report::responses_csv(r));
   if (format == table)
     return base::write_file_whole(arguments.output, table_text(arguments, measured));

@@ -64,12 +64,14 @@ std::string left_text(const report::ComparedModes& compared,
   std::string quiet;  // modes that nobody expects to measure share a line
   for (const auto& left : compared.result.model_left) {
     const auto& mode = compared.result.model[static_cast<std::size_t>(left.model)];
-    if (!mode.felt) {
+    if (left.reason == observation::Unpaired::not_felt) {
       quiet += (quiet.empty() ? "" : ", ") + hertz(mode.omega());
       continue;
     }
     text += fmt::format("Not measured: {} Hz, {} of critical, {}: {}.\n", hertz(mode.omega()),
-                        percent(mode.damping_ratio()), mode.label, left.reason);
+                        percent(mode.damping_ratio()),
+                        compared.labels[static_cast<std::size_t>(left.model)],
+                        report::words(left.reason));
   }
   if (!quiet.empty())
     text += fmt::format("Not measured, because the platform does not feel them: {} Hz.\n", quiet);
@@ -158,7 +160,8 @@ std::string comparison_text(const report::ComparedModes& compared,
       table.add_row({fmt::format("{}", p.measured + 1), hertz(fit.omega()), hertz(mode.omega()),
                      signed_percent(p.frequency_difference), percent(fit.damping_ratio()),
                      percent(mode.damping_ratio()), signed_percent(p.damping_difference),
-                     p.mac ? fmt::format("{:.3f}", *p.mac) : "–", mode.label});
+                     p.mac ? fmt::format("{:.3f}", *p.mac) : "–",
+                     compared.labels[static_cast<std::size_t>(p.model)]});
     }
     text += "\n" + table.text(style.colour, style.width);
   }

@@ -9,7 +9,7 @@
 
 #include "hydrapod/base/nearest.hpp"
 #include "hydrapod/commands.hpp"
-#include "hydrapod/data/resample.hpp"
+#include "hydrapod/data/processing.hpp"
 #include "hydrapod/machine_arguments.hpp"
 #include "hydrapod/record_arguments.hpp"
 #include "hydrapod/terminal.hpp"

@@ -5,7 +5,7 @@
 
 #include "hydrapod/base/file.hpp"
 #include "hydrapod/commands.hpp"
-#include "hydrapod/data/overview.hpp"
+#include "hydrapod/data/processing.hpp"
 #include "hydrapod/machine_arguments.hpp"
 #include "hydrapod/record_arguments.hpp"
 #include "hydrapod/report/record_json.hpp"

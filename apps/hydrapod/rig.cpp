@@ -8,7 +8,7 @@
 #include "hydrapod/commands.hpp"
 #include "hydrapod/interrupt.hpp"
 #include "hydrapod/machine_arguments.hpp"
-#include "hydrapod/rig/signal_text.hpp"
+#include "hydrapod/signal_help.hpp"
 #include "hydrapod/tasks/simulation.hpp"
 #include "hydrapod/terminal.hpp"
 
@@ -39,8 +39,11 @@ rig::RigOptions options_of(const Arguments& arguments, const model::Machine& mac
   rig::RigOptions options;
   options.entry = static_cast<rig::Entry>(
       choose_word("--entry", arguments.entry, {"command", "drive", "wrench"}));
-  for (const auto& text : arguments.signals)
-    options.signals.push_back(rig::parse_signal(text, options.entry));
+  options.signals =
+      signals::read_signals(arguments.signals, {.argument = "--excite",
+                                                .units = rig::units_of(options.entry),
+                                                .rate = 1.0 / machine.controller.sample_time,
+                                                .excitation = true});
   options.settling = plain_or_quantity("--settling", arguments.settling, "s");
   if (!(options.settling >= 0.0)) bad_argument("--settling", "must be 0 or more");
   options.duration = positive("--duration", arguments.duration, "s");
@@ -116,10 +119,8 @@ void add_options(Command command, Arguments& arguments) {
   add_pose_option(command, arguments.machine);
   add_model_option(command, arguments.machine);
   command
-      .add_option(
-          "--excite", arguments.signals,
-          "Signal; may be repeated, signals add up: white, noise, multisine, binary, sweep, "
-          "chirp (see below) [white]")
+      .add_option("--excite", arguments.signals,
+                  "Signal (see below); may be repeated, signals add up [white]")
       .allow_extra_args(false)
       .type_name("SIGNAL");
   command
@@ -166,15 +167,8 @@ void add_rig(Command app) {
         "a binary sequence on the valves"},
        {"rig machine.toml --excite \"sweep z=2 mm, to=30, duration=10\" --check",
         "is there room for it?"}});
-  command.footer(command.get_footer() +
-                 "\n\nSignals (levels: RMS of x y z rx ry rz, or all, SI or with units):\n"
-                 "  white x=0.1 mm, ry=0.1 mrad\n"
-                 "  noise x=1 mm, from=0, to=20 Hz, slope=0\n"
-                 "  multisine z=1 mm, from=0.5 Hz, to=20 Hz, period=10 s, slope=0, crest=low, "
-                 "experiment=1\n"
-                 "  binary z=1 mm, to=20 Hz, period=10 s\n"
-                 "  sweep z=1 mm, from=0.5 Hz, to=20 Hz, duration=20 s, spacing=log\n"
-                 "  chirp z=1 mm, from=0.5 Hz, to=20 Hz, period=1 s, turns=10");
+  command.footer(command.get_footer() + signal_help +
+                 "\nHere: level=rms; turns=1 of a sweep, turns=10 of a chirp.");
   auto arguments = std::make_shared<Arguments>();
   add_options(command, *arguments);
   command.callback([arguments] { run(*arguments); });

@@ -6,6 +6,7 @@
 #include "hydrapod/commands.hpp"
 #include "hydrapod/interrupt.hpp"
 #include "hydrapod/machine_arguments.hpp"
+#include "hydrapod/signal_help.hpp"
 #include "hydrapod/simulation_report.hpp"
 #include "hydrapod/tasks/simulation.hpp"
 #include "hydrapod/terminal.hpp"
@@ -116,8 +117,7 @@ void add_options(Command command, Arguments& arguments) {
       .type_name("MODEL");
   command
       .add_option("--command", arguments.commands,
-                  "What the platform is told to do; may be repeated, commands add up. rest; step; "
-                  "sine; sweep; multisine; noise; file PATH (see below) [rest]")
+                  "Commanded motion (see below); may be repeated, commands add up [rest]")
       .allow_extra_args(false)
       .type_name("COMMAND");
   command.add_option("--until", arguments.until,
@@ -168,15 +168,7 @@ void add_simulate(Command app) {
        {"simulate machine.toml --command \"step z=1 mm\" --set controller.gain=40",
         "a faster controller"},
        {"simulate machine.toml --show-controller", "which controller that is"}});
-  command.footer(
-      command.get_footer() +
-      "\n\nCommands (key=value, commas between; sizes SI or with units, x y z rx ry rz):\n"
-      "  step z=5 mm, at=0.1 s, rise=0 s\n"
-      "  sine x=10 mm, frequency=1 Hz, fade=0.5 s\n"
-      "  sweep ry=1 deg, from=0.5 Hz, to=20 Hz, duration=20 s, spacing=log, fade=0.5 s\n"
-      "  multisine z=2 mm, from=0.5 Hz, to=20 Hz, period=10 s, seed=1, fade=0.5 s\n"
-      "  noise x=1 mm, from=0 Hz, to=20 Hz, seed=1, fade=0.5 s\n"
-      "  file motion.csv");
+  command.footer(command.get_footer() + signal_help + "\nHere: level=amplitude, turns=0.");
   auto arguments = std::make_shared<Arguments>();
   add_options(command, *arguments);
   command.callback([arguments] { run(*arguments); });

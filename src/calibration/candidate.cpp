@@ -7,7 +7,6 @@
 #include <random>
 
 #include "hydrapod/modal/damped_modes.hpp"
-#include "hydrapod/observation/pairing.hpp"
 #include "hydrapod/numerics/quantiles.hpp"
 #include "variables.hpp"
 
@@ -114,29 +113,23 @@ FittedParameter fitted(const Variable& variable, double x, double data, double j
   return p;
 }
 
-/// How the model's modes meet target i: of mechanics.
-FittedTarget of_mechanics(const Problem& problem, const State& state, std::size_t i) {
+/// How the observed modes meet target i.
+FittedTarget met(const Problem& problem, const State& state, std::size_t i) {
   const auto& target = problem.targets().modes[i];
-  const auto& point = state.points[problem.point_of(static_cast<int>(i))];
-  FittedTarget fit{.mode = state.mode_of[i], .omega = point.modes.omega(state.mode_of[i])};
-  if (target.damping) {
-    const dynamics::ModelVector phi = point.modes.shapes.col(fit.mode);
-    fit.damping = phi.dot(point.model.C * phi) / (2.0 * std::max(fit.omega, 1e-9)) +
+  const int p = problem.point_of(static_cast<int>(i));
+  const auto& point = state.seen[static_cast<std::size_t>(p)];
+  const int k = point.mode_of[i];
+  const auto& mode = point.seen.modes[static_cast<std::size_t>(k)];
+  FittedTarget fit{.mode = problem.observes_plant() ? nearest_mode(point.seen, mode) : k,
+                   .omega = mode.omega()};
+  if (target.damping && problem.observes_plant()) {
+    fit.damping = mode.damping_ratio();
+  } else if (target.damping) {
+    const auto& undamped = state.points[static_cast<std::size_t>(p)];
+    const dynamics::ModelVector phi = undamped.modes.shapes.col(k);
+    fit.damping = phi.dot(undamped.model.C * phi) / (2.0 * std::max(fit.omega, 1e-9)) +
                   modal::modal_ratio(state.machine).value;
   }
-  if (target.shape)
-    fit.shape_mac = resonance_mac(point.model, point.modes, fit.mode,
-                                  shape_at_center(point.model, target), target.shape_against);
-  return fit;
-}
-
-/// The same of the plant.
-FittedTarget of_plant(const Problem& problem, const State& state, std::size_t i) {
-  const auto& target = problem.targets().modes[i];
-  const auto& point = state.seen[problem.point_of(static_cast<int>(i))];
-  const auto& mode = point.seen.modes[static_cast<std::size_t>(point.mode_of[i])];
-  FittedTarget fit{.mode = nearest_mode(point.seen, mode), .omega = mode.omega()};
-  if (target.damping) fit.damping = mode.damping_ratio();
   if (target.shape) fit.shape_mac = shown_mac(point.seen, point.group_of[i], target);
   return fit;
 }
@@ -146,8 +139,7 @@ void describe_targets(const Problem& problem, const State& state, Candidate& can
   candidate.worst = 0.0;
   const auto& targets = problem.targets().modes;
   for (std::size_t i = 0; i < targets.size(); ++i) {
-    auto fit =
-        problem.observes_plant() ? of_plant(problem, state, i) : of_mechanics(problem, state, i);
+    auto fit = met(problem, state, i);
     fit.difference = (fit.omega - targets[i].omega) / targets[i].deviation;
     fit.outlier = candidate.robust && std::abs(fit.difference) > outlier * candidate.scatter;
     candidate.worst = std::max(candidate.worst, std::abs(fit.omega - targets[i].omega));
@@ -162,7 +154,8 @@ void describe_responses(const Problem& problem, const State& state, Candidate& c
     const int p = problem.point_of_response(static_cast<int>(t));
     const auto& seen = state.seen[static_cast<std::size_t>(p)].seen;
     for (std::size_t line = 0; line < all[t].s.size(); ++line) {
-      const Eigen::MatrixXcd rest = response_rest(seen, all[t], line, problem.metric_of_point(p));
+      const Eigen::MatrixXcd rest =
+          response_rest(seen, all[t], line, problem.metric_of_response(static_cast<int>(t)));
       for (int input = 0; input < rest.cols(); ++input) {
         const double left = rest.col(input).norm();
         candidate.responses.push_back({t, line, input, left, left / all[t].deviation[line][input]});

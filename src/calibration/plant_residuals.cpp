@@ -82,7 +82,7 @@ class PlantShape : public DifferencedResidual {
   [[nodiscard]] Eigen::VectorXd value(const Problem& problem,
                                       const SeenPoint& point) const override {
     const auto& wanted = problem.targets().modes[target()];
-    const Matrix6 root = problem.metric(target()).asDiagonal();
+    const Matrix6& root = problem.metric(target());
     const Vector6c u = (root.cast<std::complex<double>>() * shape_of(wanted)).normalized();
     const auto& group = point.group_of[static_cast<std::size_t>(target())];
     const double deviation =
@@ -112,7 +112,7 @@ class Responses : public DifferencedResidual {
   [[nodiscard]] Eigen::VectorXd value(const Problem& problem,
                                       const SeenPoint& seen) const override {
     const auto& measured = problem.targets().responses[target()];
-    const auto& root = problem.metric_of_point(point(problem));
+    const auto& root = problem.metric_of_response(target());
     Eigen::VectorXd all(size());
     int row = 0;
     for (std::size_t line = 0; line < measured.s.size(); ++line) {
@@ -132,20 +132,20 @@ class Responses : public DifferencedResidual {
 }  // namespace
 
 Eigen::MatrixXcd response_rest(const Observation& seen, const ResponseTarget& target,
-                               std::size_t line, const Vector6& root) {
+                               std::size_t line, const Matrix6& root) {
   using Complex = std::complex<double>;
   const bool forces = target.entry == observation::Entry::forces;
   Matrix6 to_point = Matrix6::Identity();
   to_point.topRightCorner<3, 3>() =
       -spatial::skew(seen.mechanics.X_BP * target.point - seen.mechanics.p_BC);
-  const Matrix6 map = root.asDiagonal() * to_point;
+  const Matrix6 map = root * to_point;
   // forces at the point are as much at the mass centre, with their moments about that
   const Eigen::MatrixXd inputs = forces ? to_point.transpose() * target.inputs : target.inputs;
   const Eigen::MatrixXcd V = map.cast<Complex>() *
                              seen.response(target.s[line], target.entry, target.against,
                                            target.window ? &*target.window : nullptr) *
                              inputs.cast<Complex>();
-  Eigen::MatrixXcd rest = root.cast<Complex>().asDiagonal() * target.H[line];
+  Eigen::MatrixXcd rest = root.cast<Complex>() * target.H[line];
   for (Eigen::Index input = 0; input < rest.cols(); ++input) {
     const double size = rest.col(input).norm();
     const Vector6c u = rest.col(input) / size, v = V.col(input);

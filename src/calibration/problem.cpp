@@ -47,11 +47,6 @@ void Problem::find_poses() {
     const auto point = static_cast<int>(known - poses_.begin());
     if (known != poses_.end()) return point;
     poses_.push_back(index);
-    const auto& R_BP = named->X_BP.R_BP;
-    const spatial::Matrix3 inertia = R_BP * machine.platform.inertia * R_BP.transpose();
-    Vector6 mass;
-    mass << spatial::Vector3::Constant(machine.platform.mass), inertia.diagonal();
-    metric_.push_back(mass.cwiseAbs().cwiseSqrt());
     return point;
   };
   for (const auto& target : targets_.modes)
@@ -61,7 +56,17 @@ void Problem::find_poses() {
       throw std::invalid_argument("Targets::responses: what is observed has no such input");
     point_of_response_.push_back(point_at("responses", target.pose));
   }
-  for (std::size_t p = 0; p < poses_.size() && errors.empty(); ++p) {
+  if (!errors.empty()) throw base::InputError(errors);
+  const auto metric = [&](int point, const spatial::Vector3& p_PQ) {
+    const auto& pose = machine.poses[poses_[static_cast<std::size_t>(point)]];
+    return observation::platform_metric(machine, pose.X_BP, p_PQ);
+  };
+  for (std::size_t i = 0; i < targets_.modes.size(); ++i)
+    metric_.push_back(
+        metric(point_of_[i], targets_.modes[i].shape_point.value_or(machine.platform.mass_center)));
+  for (std::size_t i = 0; i < targets_.responses.size(); ++i)
+    metric_of_response_.push_back(metric(point_of_response_[i], targets_.responses[i].point));
+  for (std::size_t p = 0; p < poses_.size(); ++p) {
     const auto wanted = std::count(point_of_.begin(), point_of_.end(), static_cast<int>(p));
     if (wanted > dynamics::degrees_of_freedom(kind_))
       errors.push_back(
@@ -110,13 +115,12 @@ bool Problem::see_modes(const std::vector<double>& scales, State& state) const {
   state.points.clear();
   for (const std::size_t pose : poses_)
     state.points.push_back(mode_point(machine_, state.values, pose, kind_, scales));
-  state.mode_of.assign(targets_.modes.size(), -1);
+  state.seen.resize(poses_.size());
   for (std::size_t p = 0; p < state.points.size(); ++p) {
-    const auto here = targets_at(p);
-    std::vector<const ModeTarget*> wanted;
-    for (const auto i : here) wanted.push_back(&targets_.modes[i]);
-    const auto modes = pair_modes(state.points[p].model, state.points[p].modes, wanted);
-    for (std::size_t i = 0; i < here.size(); ++i) state.mode_of[here[i]] = modes[i];
+    const auto& point = state.points[p];
+    state.seen[p].seen.mechanics = point.model;
+    state.seen[p].seen.modes = observation::undamped_modes(point.model, point.modes);
+    if (!pair_seen(targets_.modes, targets_at(p), state.seen[p])) return false;
   }
   return true;
 }
@@ -181,8 +185,8 @@ bool Problem::evaluate(const Eigen::VectorXd& x, bool derivatives, State& state)
     } else {
       machine_.machine(state.values, state.machine);
     }
-    if (!observes_plant() && !see_modes(scales, state)) return false;
     if ((observes_plant() || !targets_.responses.empty()) && !see_all(scales, state)) return false;
+    if (!observes_plant() && !see_modes(scales, state)) return false;
   } catch (const base::ComputationError&) {
     return false;
   } catch (const std::invalid_argument&) {  // a leg along its gimbal axis

@@ -10,7 +10,7 @@
 #include "hydrapod/calibration/admissibility.hpp"
 #include "hydrapod/calibration/plan.hpp"
 #include "hydrapod/calibration/sensitivity.hpp"
-#include "hydrapod/observation/seen.hpp"
+#include "hydrapod/observation/pairing.hpp"
 
 namespace hydrapod::calibration {
 
@@ -51,10 +51,8 @@ struct State {
   std::vector<double> values{};  ///< parameters [SI]
   model::Machine machine{};
   std::vector<ModePoint> points{};  ///< one per pose, where modes are those of mechanics
-  std::vector<int> mode_of{};       ///< per target, of `points`
-  std::vector<double> seen_at{};    ///< values that `seen` is of; empty: none
-  /// One per pose, where modes are those of the plant or the system, or there are responses.
-  std::vector<SeenPoint> seen{};
+  std::vector<double> seen_at{};    ///< values that the responses of `seen` are of; empty: none
+  std::vector<SeenPoint> seen{};    ///< one per pose; modes of mechanics are those of `points`
   /// The same a step to each side, parameter by parameter; empty without derivatives.
   std::vector<std::vector<SeenPoint>> seen_below{}, seen_above{};
   std::vector<double> steps{};  ///< [SI]
@@ -97,10 +95,12 @@ class Problem {
   /// Are modes those of the plant, controlled or not? Else of mechanics.
   [[nodiscard]] bool observes_plant() const { return targets_.observed != Observed::mechanics; }
   [[nodiscard]] int point_of_response(int response) const { return point_of_response_[response]; }
-  [[nodiscard]] const Vector6& metric_of_point(int point) const { return metric_[point]; }
   [[nodiscard]] int point_of(int target) const { return point_of_[target]; }
-  /// Roots of the platform's mass and moments of inertia at the start, at the target's pose.
-  [[nodiscard]] const Vector6& metric(int target) const { return metric_[point_of_[target]]; }
+  /// observation::platform_metric of the machine at the start, for motions of the target's point.
+  [[nodiscard]] const spatial::Matrix6& metric(int target) const { return metric_[target]; }
+  [[nodiscard]] const spatial::Matrix6& metric_of_response(int response) const {
+    return metric_of_response_[response];
+  }
 
   /// The state at x; false where the machine has no modes there.
   bool evaluate(const Eigen::VectorXd& x, bool derivatives, State& state) const;
@@ -128,15 +128,16 @@ class Problem {
   ProblemOptions options_;
   std::vector<std::size_t> poses_{};
   std::vector<int> point_of_{}, point_of_response_{};
-  std::vector<Vector6> metric_{};
+  std::vector<spatial::Matrix6> metric_{}, metric_of_response_{};
   std::vector<std::unique_ptr<ResidualKind>> residuals_{};
 };
 
-/// What is left of every column of the measured responses at a line, in the metric `root` and
+/// What is left of every column of the measured responses at a line, in the metric `root` of
+/// motions of the measured point and
 /// scaled to length one, beside the calculated one with the phase, and unless it is one to forces
 /// the size, that fit it best: 6 × inputs.
 Eigen::MatrixXcd response_rest(const Observation& seen, const ResponseTarget& target,
-                               std::size_t line, const Vector6& root);
+                               std::size_t line, const spatial::Matrix6& root);
 
 /// Frequency, damping and shape of one target each, of the plant's modes.
 void add_plant_residuals(const Targets& targets, std::vector<std::unique_ptr<ResidualKind>>& kinds);

@@ -12,19 +12,22 @@ namespace hydrapod::calibration {
 namespace {
 
 using observation::regularised;
-using observation::regularised_gain;
-using observation::seen_as_one;
-using observation::weak_mode;
 using spatial::Matrix6;
+
+constexpr observation::ObservationOptions options{};
+constexpr double together = 2.0 * options.same_frequency;  // of ω²
 
 /// Where a target's mode is found.
 struct Found {
   const ModePoint& point;
   int mode;
+  const std::vector<int>& group;
 };
 
 Found found(const Problem& problem, const State& state, int target) {
-  return {state.points[problem.point_of(target)], state.mode_of[target]};
+  const int point = problem.point_of(target);
+  return {state.points[point], state.seen[point].mode_of[target],
+          state.seen[point].group_of[target]};
 }
 
 /// ω, negative where ω² is: a mode that has buckled pulls back.
@@ -39,7 +42,7 @@ class FrequencyResidual : public ResidualKind {
   [[nodiscard]] int size() const override { return 1; }
   void evaluate(const Problem& problem, const State& state, Eigen::Ref<Eigen::VectorXd> r,
                 Eigen::MatrixXd* J) const override {
-    const auto [point, mode] = found(problem, state, target_);
+    const auto& [point, mode, group] = found(problem, state, target_);
     const auto& target = problem.targets().modes[target_];
     const double omega = signed_omega(point.modes.omega2[mode]);
     r[0] = (omega - target.omega) / target.deviation;
@@ -60,7 +63,7 @@ class DampingResidual : public ResidualKind {
   [[nodiscard]] int size() const override { return 1; }
   void evaluate(const Problem& problem, const State& state, Eigen::Ref<Eigen::VectorXd> r,
                 Eigen::MatrixXd* J) const override {
-    const auto [point, mode] = found(problem, state, target_);
+    const auto [point, mode, group] = found(problem, state, target_);
     const auto& target = problem.targets().modes[target_];
     const double omega2 = std::max(point.modes.omega2[mode], 1e-12 * target.omega * target.omega);
     const double omega = std::sqrt(omega2);
@@ -89,25 +92,22 @@ class DampingResidual : public ResidualKind {
   int target_;
 };
 
-/// What of the target's shape the model's mode, with those next to it that a measurement takes for
-/// the same, does not show: with u the shape and A the modes' platform rows, both in the metric of
-/// the platform's mass and u of length one, r = (1 − A Wᵀ) u / deviation (pairing.hpp), so that for
-/// one mode |r|² = (1 − MAC) / deviation². ε keeps out those of the neighbours that the platform
-/// hardly feels beside the others.
+/// What of the target's shape the group of the mode does not show: r = (1 − P) u / deviation
+/// (observation/pairing.hpp), so that for one mode |r|² = (1 − MAC) / deviation².
 class ShapeResidual : public ResidualKind {
  public:
   explicit ShapeResidual(int target) : target_(target) {}
   [[nodiscard]] int size() const override { return 6; }
   void evaluate(const Problem& problem, const State& state, Eigen::Ref<Eigen::VectorXd> r,
                 Eigen::MatrixXd* J) const override {
-    const auto [point, mode] = found(problem, state, target_);
+    const auto [point, mode, members] = found(problem, state, target_);
     const auto& target = problem.targets().modes[target_];
     // of the start: else the residual would move with the platform's mass
-    const Matrix6 root = problem.metric(target_).asDiagonal();
+    const Matrix6& root = problem.metric(target_);
     const Vector6 u = (root * *target.shape).normalized();
     const Matrix6 at_point = to_target_point(point.model, target);
-    const Matrix6 seen = seen_motion(point.model, target.shape_against);
-    const auto members = modal::neighbours(point.modes, mode, seen_as_one);
+    const Matrix6 seen = target.shape_against == MotionAgainst::base ? point.model.against_base
+                                                                     : Matrix6::Identity();
     Eigen::MatrixXd A(6, members.size());
     for (std::size_t k = 0; k < members.size(); ++k)
       A.col(static_cast<Eigen::Index>(k)) =
@@ -118,7 +118,7 @@ class ShapeResidual : public ResidualKind {
     J->setZero(6, problem.size());
     std::vector<Eigen::MatrixXd> dphi;
     for (const int k : members)
-      dphi.push_back(modal::shape_derivatives(point.modes, k, point.derivatives, seen_as_one));
+      dphi.push_back(modal::shape_derivatives(point.modes, k, point.derivatives, together));
     for (int j = 0; j < problem.size(); ++j) {
       Eigen::MatrixXd dA(6, members.size());
       for (std::size_t k = 0; k < members.size(); ++k) {
@@ -133,7 +133,7 @@ class ShapeResidual : public ResidualKind {
                                    W *
                                        (dA.transpose() * (A * p) + A.transpose() * (dA * p) +
                                         regularising_change(A, dA) * p) /
-                                       regularised_gain;
+                                       (1.0 + options.weak);
       J->col(j) = -dP_u / target.shape_deviation;
     }
   }
@@ -143,7 +143,7 @@ class ShapeResidual : public ResidualKind {
   static double regularising_change(const Eigen::MatrixXd& A, const Eigen::MatrixXd& dA) {
     Eigen::Index largest = 0;
     A.colwise().squaredNorm().maxCoeff(&largest);
-    return 2.0 * weak_mode * A.col(largest).dot(dA.col(largest));
+    return 2.0 * options.weak * A.col(largest).dot(dA.col(largest));
   }
 
   /// What the point's motion changes by when parameter j moves the mass centre.

@@ -18,63 +18,31 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-[[noreturn]] void refuse(const std::string& member, const std::string& expected) {
-  throw std::invalid_argument(fmt::format("{} is not {}", member, expected));
+/// Takes a member off `json`, if it is there. Throws std::invalid_argument for another type.
+template <class Value>
+void take(Json& json, const char* member, Value& to) {
+  const auto at = json.find(member);
+  if (at == json.end()) return;
+  try {
+    at->get_to(to);
+  } catch (const Json::exception& error) {
+    const std::string_view what = error.what();  // "[json.exception.…] type must be …"
+    throw std::invalid_argument(fmt::format("{}: {}", member, what.substr(what.find(']') + 2)));
+  }
+  json.erase(at);
 }
 
-template <class Numbers>
-void read_numbers(const char* member, const Json& json, Numbers& to) {
-  const auto is_number = [](const Json& one) { return one.is_number(); };
-  const auto count = static_cast<std::size_t>(to.size());
-  if (!json.is_array() || json.size() != count || !std::ranges::all_of(json, is_number))
-    refuse(member, fmt::format("a list of {} numbers", count));
-  for (std::size_t i = 0; i < count; ++i) *(to.data() + i) = json[i].template get<double>();
+/// The same for one that may be missing.
+template <class Value>
+void take(Json& json, const char* member, std::optional<Value>& to) {
+  if (json.contains(member)) take(json, member, to.emplace());
 }
 
-/// Takes the members off a JSON object; what is left is unknown.
-class Members {
- public:
-  explicit Members(Json json) : json_(std::move(json)) {
-    if (!json_.is_object()) refuse("the experiment", "a JSON object");
-  }
-
-  void text(const char* member, std::string& to) {
-    take(member, [&](const Json& json) {
-      if (!json.is_string()) refuse(member, "a text");
-      to = json.get<std::string>();
-    });
-  }
-  void texts(const char* member, std::vector<std::string>& to) {
-    take(member, [&](const Json& json) {
-      const auto is_text = [](const Json& one) { return one.is_string(); };
-      if (!json.is_array() || !std::ranges::all_of(json, is_text))
-        refuse(member, "a list of texts");
-      to = json.get<std::vector<std::string>>();
-    });
-  }
-  template <class Numbers>
-  void numbers(const char* member, Numbers& to) {
-    take(member, [&](const Json& json) { read_numbers(member, json, to); });
-  }
-  template <class Use>
-  void object(const char* member, const Use& use) {
-    take(member, [&](const Json& json) {
-      Members inner(json);
-      use(inner);
-    });
-  }
-  template <class Use>
-  void take(const char* member, const Use& use) {
-    const auto at = json_.find(member);
-    if (at == json_.end()) return;
-    use(*at);
-    json_.erase(at);
-  }
-  [[nodiscard]] std::string left() const { return json_.empty() ? "" : json_.dump(); }
-
- private:
-  Json json_;
-};
+Eigen::Vector3d take_vector(Json& json, const char* member) {
+  std::array<double, 3> numbers{};
+  take(json, member, numbers);
+  return {numbers[0], numbers[1], numbers[2]};
+}
 
 Json list(const Eigen::Vector3d& v) { return {v.x(), v.y(), v.z()}; }
 
@@ -121,42 +89,34 @@ namespace {
 
 Experiment experiment_from_json(const std::string& text) {
   Json json = Json::parse(text, nullptr, false);
-  if (json.is_discarded()) refuse("the experiment", "JSON");
-  Members members(std::move(json));
+  if (!json.is_object()) throw std::invalid_argument("it is no JSON object");
   Experiment e;
-  members.text("program", e.program);
-  members.texts("command", e.command);
-  members.texts("overrides", e.overrides);
-  members.text("pose", e.pose_name);
-  members.take("pose_xyz_rpy",
-               [&](const Json& pose) { read_numbers("pose_xyz_rpy", pose, e.pose.emplace()); });
-  members.text("model", e.model);
-  members.take("seed", [&](const Json& seed) {
-    if (!seed.is_number_unsigned()) refuse("seed", "a whole number");
-    e.seed = seed.get<std::uint64_t>();
-  });
-  members.object("excitation", [&](Members& inner) {
-    auto& excitation = e.excitation.emplace();
-    inner.text("entry", excitation.entry);
-    inner.texts("signals", excitation.signals);
-    inner.numbers("level_rms", excitation.level);
-    inner.take("period_s", [&](const Json& period) {
-      if (!period.is_number()) refuse("period_s", "a number");
-      excitation.period = period.get<double>();
-    });
-  });
-  members.text("controller", e.controller);
-  members.take("sensors", [&](const Json& sensors) {
-    if (!sensors.is_array()) refuse("sensors", "a list");
-    for (const Json& one : sensors) {
-      Members inner(one);
-      auto& sensor = e.sensors.emplace_back();
-      inner.text("name", sensor.name);
-      inner.numbers("position_m", sensor.position);
-      inner.numbers("axis", sensor.axis);
-    }
-  });
-  e.others = members.left();
+  take(json, "program", e.program);
+  take(json, "command", e.command);
+  take(json, "overrides", e.overrides);
+  take(json, "pose", e.pose_name);
+  take(json, "pose_xyz_rpy", e.pose);
+  take(json, "model", e.model);
+  take(json, "seed", e.seed);
+  take(json, "controller", e.controller);
+  std::optional<Json> excitation;
+  take(json, "excitation", excitation);
+  if (excitation) {
+    auto& to = e.excitation.emplace();
+    take(*excitation, "entry", to.entry);
+    take(*excitation, "signals", to.signals);
+    take(*excitation, "level_rms", to.level);
+    take(*excitation, "period_s", to.period);
+  }
+  std::vector<Json> sensors;
+  take(json, "sensors", sensors);
+  for (Json& sensor : sensors) {
+    auto& to = e.sensors.emplace_back();
+    take(sensor, "name", to.name);
+    to.position = take_vector(sensor, "position_m");
+    to.axis = take_vector(sensor, "axis");
+  }
+  if (!json.empty()) e.others = json.dump();
   return e;
 }
 

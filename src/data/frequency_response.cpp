@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <stdexcept>
 
@@ -24,34 +26,55 @@ void require_channels(const std::vector<Channel>& channels, const char* what) {
   }
 }
 
+constexpr std::array<std::string_view, 4> estimator_names{"h1", "h2", "hv", "iv"};
+
 }  // namespace
 
-void validate(const FrequencyResponse& response) {
-  require_channels(response.outputs, "outputs");
-  require_channels(response.inputs, "inputs");
-  const auto lines = static_cast<std::size_t>(response.frequency.size());
-  const auto outputs = static_cast<Eigen::Index>(response.outputs.size());
-  const auto inputs = static_cast<Eigen::Index>(response.inputs.size());
+std::string_view estimator_text(Estimator estimator) {
+  return estimator_names[static_cast<std::size_t>(estimator)];
+}
+
+std::optional<Estimator> estimator_from_text(std::string_view text) {
+  for (std::size_t i = 0; i < estimator_names.size(); ++i)
+    if (estimator_names[i] == text) return static_cast<Estimator>(i);
+  return {};
+}
+
+double FrequencyResponses::variance(std::size_t line, int output, int input) const {
+  return noise[line](output, output).real() * input_factor[line](input, input).real();
+}
+
+void validate(const FrequencyResponses& responses) {
+  require_channels(responses.outputs, "outputs");
+  require_channels(responses.inputs, "inputs");
+  const auto lines = responses.lines();
+  const auto outputs = static_cast<Eigen::Index>(responses.outputs.size());
+  const auto inputs = static_cast<Eigen::Index>(responses.inputs.size());
   if (lines == 0) refuse("has no frequency");
-  for (Eigen::Index k = 0; k < response.frequency.size(); ++k)
-    if (!std::isfinite(response.frequency[k]) || response.frequency[k] < 0.0 ||
-        (k > 0 && response.frequency[k] <= response.frequency[k - 1]))
+  const auto& frequency = responses.frequency;
+  for (std::size_t k = 0; k < lines; ++k)
+    if (!std::isfinite(frequency[k]) || frequency[k] < 0.0 ||
+        (k > 0 && frequency[k] <= frequency[k - 1]))
       refuse(fmt::format("frequency {} is {} Hz; they must be finite and ascend", k + 1,
-                         response.frequency[k]));
-  if (response.response.size() != lines)
-    refuse(fmt::format("{} matrices for {} frequencies", response.response.size(), lines));
-  for (const auto& H : response.response)
+                         frequency[k]));
+  if (responses.H.size() != lines)
+    refuse(fmt::format("{} matrices for {} frequencies", responses.H.size(), lines));
+  const auto fits = [&](const auto& matrices, Eigen::Index rows, Eigen::Index columns) {
+    return (matrices.empty() || matrices.size() == lines) &&
+           std::ranges::all_of(matrices, [&](const auto& matrix) {
+             return matrix.rows() == rows && matrix.cols() == columns;
+           });
+  };
+  for (const auto& H : responses.H)
     if (H.rows() != outputs || H.cols() != inputs)
       refuse(fmt::format("a matrix is {} × {} for {} outputs and {} inputs", H.rows(), H.cols(),
                          outputs, inputs));
-  if (response.coherence.size() > 0 && (response.coherence.rows() != response.frequency.size() ||
-                                        response.coherence.cols() != outputs))
+  if (!fits(responses.multiple_coherence, outputs, 1))
     refuse("the coherence is not frequency × output");
-  if (!response.variance.empty() && response.variance.size() != lines)
-    refuse("the variance has another number of frequencies");
-  for (const auto& variance : response.variance)
-    if (variance.rows() != outputs || variance.cols() != inputs)
-      refuse("a variance is not outputs × inputs");
+  if (!fits(responses.noise, outputs, outputs)) refuse("the noise is not outputs × outputs");
+  if (!fits(responses.input_factor, inputs, inputs) ||
+      responses.input_factor.size() != responses.noise.size())
+    refuse("the input factor is not inputs × inputs, or without noise");
 }
 
 }  // namespace hydrapod::data

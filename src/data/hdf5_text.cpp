@@ -104,20 +104,23 @@ bool write_attribute(hid_t object, const char* name, int value) {
   return write_scalar(object, name, H5T_STD_I32LE, H5T_NATIVE_INT, &value);
 }
 
-bool write_set(hid_t group, const char* name, hid_t file_type, hid_t memory_type,
-               const Hdf5Handle& space, const void* values) {
+Hdf5Handle write_set(hid_t group, const char* name, hid_t file_type, hid_t memory_type,
+                     const Hdf5Handle& space, const void* values) {
   const Hdf5Handle list = dataset_without_times();
-  const Hdf5Handle set(
+  Hdf5Handle set(
       H5Dcreate2(group, name, file_type, space.id(), H5P_DEFAULT, list.id(), H5P_DEFAULT),
       H5Dclose);
-  return set.ok() && H5Dwrite(set.id(), memory_type, H5S_ALL, H5S_ALL, H5P_DEFAULT, values) >= 0;
+  const bool good =
+      set.ok() && H5Dwrite(set.id(), memory_type, H5S_ALL, H5S_ALL, H5P_DEFAULT, values) >= 0;
+  return good ? std::move(set) : Hdf5Handle();
 }
 
 bool write_text(hid_t group, const char* name, const std::string& text) {
   const Hdf5Handle type = string_type(text.size());
   const std::string padded = text.empty() ? std::string(1, '\0') : text;
   return write_set(group, name, type.id(), type.id(), {H5Screate(H5S_SCALAR), H5Sclose},
-                   padded.data());
+                   padded.data())
+      .ok();
 }
 
 bool write_list(hid_t group, const char* name, const std::vector<std::string>& texts) {
@@ -126,13 +129,15 @@ bool write_list(hid_t group, const char* name, const std::vector<std::string>& t
   const Hdf5Handle type = string_type(length);
   const hsize_t count = texts.size();
   return write_set(group, name, type.id(), type.id(),
-                   {H5Screate_simple(1, &count, nullptr), H5Sclose}, joined(texts, length).data());
+                   {H5Screate_simple(1, &count, nullptr), H5Sclose}, joined(texts, length).data())
+      .ok();
 }
 
 bool write_list(hid_t group, const char* name, const std::vector<int>& values) {
   const hsize_t count = values.size();
   return write_set(group, name, H5T_STD_I32LE, H5T_NATIVE_INT,
-                   {H5Screate_simple(1, &count, nullptr), H5Sclose}, values.data());
+                   {H5Screate_simple(1, &count, nullptr), H5Sclose}, values.data())
+      .ok();
 }
 
 std::optional<std::string> read_text_attribute(hid_t object, const char* name) {

@@ -23,9 +23,9 @@ bool write_text(hid_t group, const char* name, const std::string& text);
 /// A list of strings, of integers.
 bool write_list(hid_t group, const char* name, const std::vector<std::string>& texts);
 bool write_list(hid_t group, const char* name, const std::vector<int>& values);
-/// A dataset of that size, written whole.
-bool write_set(hid_t group, const char* name, hid_t file_type, hid_t memory_type,
-               const Hdf5Handle& space, const void* values);
+/// A dataset of that size, written whole; not ok() when HDF5 could not write.
+Hdf5Handle write_set(hid_t group, const char* name, hid_t file_type, hid_t memory_type,
+                     const Hdf5Handle& space, const void* values);
 
 /// None where there is none, or where it is of another type or size than it can be: a declared size
 /// beyond `most_bytes` is not believed.

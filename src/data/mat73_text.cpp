@@ -15,25 +15,18 @@ namespace hydrapod::data {
 namespace {
 
 /// One row of `count` items; MATLAB's first index is HDF5's last.
-Hdf5Handle row(hid_t group, const char* name, hid_t type, std::size_t count) {
+Hdf5Handle row(std::size_t count) {
   const hsize_t size[2] = {count, 1};
-  const Hdf5Handle space(H5Screate_simple(2, size, nullptr), H5Sclose);
-  const Hdf5Handle list = dataset_without_times();
-  return {H5Dcreate2(group, name, type, space.id(), H5P_DEFAULT, list.id(), H5P_DEFAULT), H5Dclose};
+  return {H5Screate_simple(2, size, nullptr), H5Sclose};
 }
 
 /// HDF5 has no empty datasets of MATLAB's kind: their size stands where the data would.
 bool write_empty_text(hid_t group, const char* name) {
   const hsize_t two = 2;
   const std::uint64_t size[2] = {0, 0};
-  const Hdf5Handle space(H5Screate_simple(1, &two, nullptr), H5Sclose);
-  const Hdf5Handle list = dataset_without_times();
-  const Hdf5Handle set(
-      H5Dcreate2(group, name, H5T_STD_U64LE, space.id(), H5P_DEFAULT, list.id(), H5P_DEFAULT),
-      H5Dclose);
-  return set.ok() &&
-         H5Dwrite(set.id(), H5T_NATIVE_UINT64, H5S_ALL, H5S_ALL, H5P_DEFAULT, size) >= 0 &&
-         mat73_class(set.id(), "char") && write_attribute(set.id(), "MATLAB_empty", 1);
+  const auto set = write_set(group, name, H5T_STD_U64LE, H5T_NATIVE_UINT64,
+                             {H5Screate_simple(1, &two, nullptr), H5Sclose}, size);
+  return set.ok() && mat73_class(set.id(), "char") && write_attribute(set.id(), "MATLAB_empty", 1);
 }
 
 }  // namespace
@@ -52,17 +45,16 @@ bool mat73_class(hid_t dataset, const char* name) {
 bool mat73_text(hid_t group, const char* name, const std::string& text) {
   if (text.empty()) return write_empty_text(group, name);
   const std::u16string units = utf16_from(text);
-  const Hdf5Handle set = row(group, name, H5T_STD_U16LE, units.size());
-  return set.ok() &&
-         H5Dwrite(set.id(), H5T_NATIVE_UINT16, H5S_ALL, H5S_ALL, H5P_DEFAULT, units.data()) >= 0 &&
-         mat73_class(set.id(), "char") && write_attribute(set.id(), "MATLAB_int_decode", 2);
+  const auto set =
+      write_set(group, name, H5T_STD_U16LE, H5T_NATIVE_UINT16, row(units.size()), units.data());
+  return set.ok() && mat73_class(set.id(), "char") &&
+         write_attribute(set.id(), "MATLAB_int_decode", 2);
 }
 
 bool mat73_numbers(hid_t group, const char* name, const std::vector<double>& values) {
-  const Hdf5Handle set = row(group, name, H5T_IEEE_F64LE, values.size());
-  return set.ok() &&
-         H5Dwrite(set.id(), H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data()) >= 0 &&
-         mat73_class(set.id(), "double");
+  const auto set =
+      write_set(group, name, H5T_IEEE_F64LE, H5T_NATIVE_DOUBLE, row(values.size()), values.data());
+  return set.ok() && mat73_class(set.id(), "double");
 }
 
 bool mat73_texts(hid_t root, const char* name, const std::vector<std::string>& texts) {
@@ -81,10 +73,9 @@ bool mat73_texts(hid_t root, const char* name, const std::vector<std::string>& t
       return false;
     list.push_back(reference);
   }
-  const Hdf5Handle set = row(root, name, H5T_STD_REF_OBJ, list.size());
-  return set.ok() &&
-         H5Dwrite(set.id(), H5T_STD_REF_OBJ, H5S_ALL, H5S_ALL, H5P_DEFAULT, list.data()) >= 0 &&
-         mat73_class(set.id(), "cell");
+  const auto set =
+      write_set(root, name, H5T_STD_REF_OBJ, H5T_STD_REF_OBJ, row(list.size()), list.data());
+  return set.ok() && mat73_class(set.id(), "cell");
 }
 
 bool write_mat73_userblock(const std::string& path) {

@@ -1,4 +1,4 @@
-#include "hydrapod/data/overview.hpp"
+#include "hydrapod/data/processing.hpp"
 
 #include <algorithm>
 #include <bit>

@@ -1,4 +1,4 @@
-#include "hydrapod/data/resample.hpp"
+#include "hydrapod/data/processing.hpp"
 
 #include <fmt/format.h>
 

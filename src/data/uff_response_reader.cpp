@@ -58,7 +58,7 @@ class ResponseReader {
   explicit ResponseReader(const std::string& path)
       : notes_(path), file_(path), contents_(scan_uff(path, notes_)) {}
 
-  ReadFrequencyResponseResult read() {
+  ReadFrequencyResponsesResult read() {
     for (const UffFunction& f : contents_.functions)
       if (f.type == uff_function::frequency_response) take_response(f);
     if (responses_.empty())
@@ -166,14 +166,15 @@ class ResponseReader {
     variances_.push_back(std::move(curve));
   }
 
-  FrequencyResponse assembled() {
-    FrequencyResponse all;
+  FrequencyResponses assembled() {
+    FrequencyResponses all;
     all.title = contents_.model_name == "NONE" ? "" : contents_.model_name;
     all.date = date_;
     all.outputs = outputs_.channels();
     all.inputs = inputs_.channels();
     make_names_unique(all.outputs);
     make_names_unique(all.inputs);
+    all.frequency = frequency_;
     const auto lines = static_cast<Eigen::Index>(frequency_.size());
     const auto rows = static_cast<Eigen::Index>(all.outputs.size());
     const auto columns = static_cast<Eigen::Index>(all.inputs.size());
@@ -182,24 +183,40 @@ class ResponseReader {
       notes_.fail(
           fmt::format("{} outputs × {} inputs × {} frequencies are more than fit into memory", rows,
                       columns, lines));
-    all.frequency = Eigen::Map<const Eigen::VectorXd>(frequency_.data(), lines);
-    all.response.assign(frequency_.size(), Eigen::MatrixXcd::Constant(rows, columns, missing));
-    for (const Curve& curve : responses_)
-      for (std::size_t k = 0; k < frequency_.size(); ++k)
-        all.response[k](static_cast<Eigen::Index>(curve.output),
-                        static_cast<Eigen::Index>(curve.input)) = curve.values[k];
-    if (!coherences_.empty()) all.coherence.setConstant(lines, rows, missing);
-    for (const Curve& curve : coherences_)
-      for (Eigen::Index k = 0; k < lines; ++k)
-        all.coherence(k, static_cast<Eigen::Index>(curve.output)) =
-            curve.values[static_cast<std::size_t>(k)].real();
-    if (!variances_.empty())
-      all.variance.assign(frequency_.size(), Eigen::MatrixXd::Constant(rows, columns, missing));
-    for (const Curve& curve : variances_)
-      for (std::size_t k = 0; k < frequency_.size(); ++k)
-        all.variance[k](static_cast<Eigen::Index>(curve.output),
-                        static_cast<Eigen::Index>(curve.input)) = curve.values[k].real();
+    const auto collected = [&](const std::vector<Curve>& curves, Eigen::Index width) {
+      std::vector<Eigen::MatrixXcd> matrices;
+      if (!curves.empty())
+        matrices.assign(frequency_.size(), Eigen::MatrixXcd::Constant(rows, width, missing));
+      for (const Curve& curve : curves)
+        for (std::size_t k = 0; k < frequency_.size(); ++k)
+          matrices[k](static_cast<Eigen::Index>(curve.output),
+                      static_cast<Eigen::Index>(curve.input)) = curve.values[k];
+      return matrices;
+    };
+    all.H = collected(responses_, columns);
+    require_all_pairs(all);
+    for (const auto& coherence : collected(coherences_, 1))
+      all.multiple_coherence.emplace_back(coherence.real());
+    for (const auto& variance : collected(variances_, columns)) {
+      const Eigen::MatrixXd V = variance.real();
+      const Eigen::VectorXd noise = V.rowwise().mean();
+      const Eigen::VectorXd factor = V.colwise().mean().transpose() / V.mean();
+      all.noise.emplace_back(noise.cast<std::complex<double>>().asDiagonal());
+      all.input_factor.emplace_back(factor.cast<std::complex<double>>().asDiagonal());
+    }
     return all;
+  }
+
+  void require_all_pairs(const FrequencyResponses& all) const {
+    for (std::size_t k = 0; k < all.lines(); ++k)
+      for (Eigen::Index o = 0; o < all.H[k].rows(); ++o)
+        for (Eigen::Index i = 0; i < all.H[k].cols(); ++i)
+          if (!std::isfinite(std::abs(all.H[k](o, i))))
+            notes_.fail(
+                fmt::format("the response of {} to {} is missing at {:.6g} Hz; modes need all "
+                            "pairs of outputs and inputs at all frequencies",
+                            all.outputs[static_cast<std::size_t>(o)].name,
+                            all.inputs[static_cast<std::size_t>(i)].name, all.frequency[k]));
   }
 
   Notes notes_;
@@ -213,7 +230,7 @@ class ResponseReader {
 
 }  // namespace
 
-ReadFrequencyResponseResult read_frequency_response(const std::string& path) {
+ReadFrequencyResponsesResult read_frequency_responses(const std::string& path) {
   return ResponseReader(path).read();
 }
 

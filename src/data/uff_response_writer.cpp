@@ -12,19 +12,19 @@ namespace hydrapod::data {
 namespace {
 
 /// Increments of even frequencies; 0 where they are not even.
-double even_step(const Eigen::VectorXd& frequency) {
+double even_step(const std::vector<double>& frequency) {
   if (frequency.size() < 2) return 0.0;
   const double step =
-      (frequency[frequency.size() - 1] - frequency[0]) / static_cast<double>(frequency.size() - 1);
+      (frequency.back() - frequency.front()) / static_cast<double>(frequency.size() - 1);
   constexpr double tolerance = 1e-6;
-  for (Eigen::Index k = 0; k < frequency.size(); ++k)
+  for (std::size_t k = 0; k < frequency.size(); ++k)
     if (std::abs(frequency[k] - (frequency[0] + static_cast<double>(k) * step)) > tolerance * step)
       return 0.0;
   return step;
 }
 
 /// Does the six-digit abscissa of a header say all of it?
-bool fits_six_digits(double first, double step, Eigen::Index count) {
+bool fits_six_digits(double first, double step, std::size_t count) {
   const auto rounded = [](double value) {
     return fortran_number(fortran_e(value, 13, 5)).value_or(0.0);
   };
@@ -32,11 +32,11 @@ bool fits_six_digits(double first, double step, Eigen::Index count) {
   return std::abs(rounded(first) + last * rounded(step) - (first + last * step)) <= 1e-6 * step;
 }
 
-UffFunction head_of(const FrequencyResponse& all, const Channel& output, bool binary) {
+UffFunction head_of(const FrequencyResponses& all, const Channel& output, bool binary) {
   UffFunction f;
   f.id = {output.name, all.title, uff_date(all.date), output.name, "NONE"};
   f.response = uff_place(output);
-  f.declared = static_cast<std::uint64_t>(all.frequency.size());
+  f.declared = all.lines();
   const double step = even_step(all.frequency);
   f.is_even = step > 0.0 && fits_six_digits(all.frequency[0], step, all.frequency.size());
   f.first = f.is_even ? all.frequency[0] : 0.0;
@@ -48,7 +48,7 @@ UffFunction head_of(const FrequencyResponse& all, const Channel& output, bool bi
 
 /// The head, then the numbers that `value` gives for a frequency.
 template <typename Value>
-std::string function_text(const UffFunction& f, const Eigen::VectorXd& frequency, Value value) {
+std::string function_text(const UffFunction& f, const std::vector<double>& frequency, Value value) {
   std::string out = uff_function_head(f);
   UffLines lines(f);
   const auto put = [&](double number) {
@@ -57,7 +57,7 @@ std::string function_text(const UffFunction& f, const Eigen::VectorXd& frequency
     else
       lines.add(number, out);
   };
-  for (Eigen::Index k = 0; k < frequency.size(); ++k) {
+  for (std::size_t k = 0; k < frequency.size(); ++k) {
     if (!f.is_even) put(frequency[k]);
     const std::complex<double> number = value(k);
     put(number.real());
@@ -69,7 +69,8 @@ std::string function_text(const UffFunction& f, const Eigen::VectorXd& frequency
 
 }  // namespace
 
-void write_frequency_response(const std::string& path, const FrequencyResponse& all, bool binary) {
+void write_frequency_responses(const std::string& path, const FrequencyResponses& all,
+                               bool binary) {
   validate(all);
   std::string out = uff_file_header(all.title, "", all.date) + uff_si_units();
   long long number = 0;
@@ -86,24 +87,23 @@ void write_frequency_response(const std::string& path, const FrequencyResponse& 
       f.reference = uff_place(all.inputs[i]);
       f.ordinate = uff_axis_of(all.outputs[o].name, all.outputs[o].unit);
       f.denominator = uff_axis_of(all.inputs[i].name, all.inputs[i].unit);
-      out += function_text(f, all.frequency, [&](Eigen::Index k) {
-        return all.response[static_cast<std::size_t>(k)](row, column);
-      });
-      if (all.variance.empty()) continue;
+      out += function_text(f, all.frequency, [&](std::size_t k) { return all.H[k](row, column); });
+      if (!all.has_errors()) continue;
       f.type = uff_function::general;
       f.is_complex = false;
       f.id[0] = "variance";
       f.ordinate.unit = f.denominator.unit = "NONE";
       f.ordinate.quantity = f.denominator.quantity = uff_quantity::unknown;
-      out += function_text(f, all.frequency, [&](Eigen::Index k) {
-        return all.variance[static_cast<std::size_t>(k)](row, column);
+      out += function_text(f, all.frequency, [&](std::size_t k) {
+        return all.variance(k, static_cast<int>(o), static_cast<int>(i));
       });
     }
-    if (all.coherence.size() == 0) continue;
+    if (all.multiple_coherence.empty()) continue;
     UffFunction f = head_of(all, all.outputs[o], binary);
     f.type = uff_function::multiple_coherence;
     f.ordinate = {.quantity = uff_quantity::unknown, .label = "multiple coherence", .unit = "1"};
-    out += function_text(f, all.frequency, [&](Eigen::Index k) { return all.coherence(k, row); });
+    out += function_text(f, all.frequency,
+                         [&](std::size_t k) { return all.multiple_coherence[k][row]; });
   }
   base::write_file_whole(path, out);
 }

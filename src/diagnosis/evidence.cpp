@@ -8,7 +8,7 @@
 #include "hydrapod/base/error.hpp"
 #include "hydrapod/diagnosis/resonances.hpp"
 #include "hydrapod/modal/normal_modes.hpp"
-#include "hydrapod/observation/observation.hpp"
+#include "hydrapod/observation/pairing.hpp"
 
 namespace hydrapod::diagnosis {
 
@@ -19,20 +19,10 @@ using observation::Targets;
 
 /// What the platform mostly does in a shape, by kinetic energy.
 int main_direction(const model::Machine& machine, const ModeTarget& mode) {
-  const auto pose = std::find_if(machine.poses.begin(), machine.poses.end(),
-                                 [&](const auto& p) { return p.name == mode.pose; });
+  const auto pose = std::ranges::find(machine.poses, mode.pose, &model::NamedPose::name);
   if (pose == machine.poses.end()) return 0;  // said by the fit
-  const auto& R = pose->X_BP.R_BP;
-  spatial::Matrix6 M = spatial::Matrix6::Zero();
-  M.topLeftCorner<3, 3>().diagonal().setConstant(machine.platform.mass);
-  M.bottomRightCorner<3, 3>() = R * machine.platform.inertia * R.transpose();
-  spatial::Vector6 motion = *mode.shape;
-  if (mode.shape_point)
-    motion.head<3>() +=
-        motion.tail<3>().cross(R * (machine.platform.mass_center - *mode.shape_point));
-  Eigen::Index main = 0;
-  motion.cwiseProduct(M * motion).maxCoeff(&main);
-  return static_cast<int>(main);
+  return observation::main_direction(
+      machine, pose->X_BP, mode.shape_point.value_or(machine.platform.mass_center), *mode.shape);
 }
 
 }  // namespace

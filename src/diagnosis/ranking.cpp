@@ -167,16 +167,16 @@ std::optional<Discriminator> discriminate(const model::MachineFile& file, const 
   const auto a = machine_of(file, best), b = machine_of(file, rival);
   Discriminator found{.other = other};
   for (const auto& pose : poses) {
-    std::vector<Resonance> in_a, in_b;
+    std::vector<observation::Resonance> in_a, in_b;
     try {
-      in_a = visible_resonances(a, pose.X_BP, best.kind);
-      in_b = visible_resonances(b, pose.X_BP, rival.kind);
+      in_a = observation::visible_resonances(a, pose.X_BP, best.kind);
+      in_b = observation::visible_resonances(b, pose.X_BP, rival.kind);
     } catch (const base::ComputationError&) {  // one of them folds there
       continue;
     }
     for (const auto& x : in_a) {
       // the resonance of the other that is nearest in the same direction
-      const Resonance* nearest = nullptr;
+      const observation::Resonance* nearest = nullptr;
       for (const auto& y : in_b)
         if (y.direction == x.direction &&
             (nearest == nullptr ||

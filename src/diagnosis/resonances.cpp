@@ -18,46 +18,7 @@ double share(const dynamics::LinearModel& flexible, const Vector6& psi,
   return std::pow(psi.dot(momentum), 2) / psi.dot(M_rr * psi);
 }
 
-/// What of the modes first … last − 1 is seen.
-void add_group(const dynamics::LinearModel& model, const dynamics::NormalModes& modes, int first,
-               int last, std::vector<Resonance>& seen) {
-  const Eigen::LLT<Matrix6> llt(model.platform_mass);
-  const Matrix6 root = llt.matrixU();
-  Matrix6 energy = Matrix6::Zero();
-  Eigen::MatrixXd u(6, last - first);
-  for (int k = first; k < last; ++k) u.col(k - first) = root * modes.shapes.col(k).head<6>();
-  energy = u * u.transpose();
-  const Eigen::SelfAdjointEigenSolver<Matrix6> solver(energy);
-  for (int j = 0; j < 6; ++j) {
-    const double strength = solver.eigenvalues()[j];
-    if (strength < visible) continue;
-    const Vector6 along = solver.eigenvectors().col(j);
-    double omega = 0.0;
-    for (int k = first; k < last; ++k)
-      omega += modes.omega(k) * std::pow(along.dot(u.col(k - first)), 2) / strength;
-    const Vector6 motion = llt.matrixU().solve(along);
-    Eigen::Index main = 0;
-    motion.cwiseProduct(model.platform_mass * motion).maxCoeff(&main);
-    seen.push_back({static_cast<int>(main), omega, strength, motion});
-  }
-}
-
 }  // namespace
-
-std::vector<Resonance> visible_resonances(const model::Machine& machine, const spatial::Pose& X_BP,
-                                          dynamics::ModelKind kind) {
-  const auto model = dynamics::linear_model(machine, X_BP, kind);
-  const auto modes = modal::normal_modes(model);
-  std::vector<Resonance> seen;
-  for (int first = 0; first < modes.size();) {
-    int last = first + 1;
-    while (last < modes.size() && modes.omega(last) < modes.omega(first) * (1.0 + seen_as_one))
-      ++last;
-    add_group(model, modes, first, last, seen);
-    first = last;
-  }
-  return seen;
-}
 
 model::Machine without_mount_and_gimbals(model::Machine machine) {
   machine.base_mount.reset();

@@ -12,6 +12,7 @@
 #include "hydrapod/base/error.hpp"
 #include "hydrapod/diagnosis/amounts.hpp"
 #include "hydrapod/diagnosis/resonances.hpp"
+#include "hydrapod/observation/pairing.hpp"
 
 namespace hydrapod::diagnosis {
 
@@ -45,14 +46,10 @@ std::string mode_words(const ModeTarget& mode, const Targets& targets) {
 
 /// Measured frequencies that are one resonance count once.
 int count_measured(const Targets& targets, const std::string& pose, int direction) {
-  std::vector<double> omega;
+  std::vector<std::complex<double>> poles;
   for (const auto& mode : targets.modes)
-    if (mode.pose == pose && mode.direction == direction) omega.push_back(mode.omega);
-  std::sort(omega.begin(), omega.end());
-  int count = 0;
-  for (std::size_t k = 0; k < omega.size(); ++k)
-    if (k == 0 || omega[k] > omega[k - 1] * (1.0 + seen_as_one)) ++count;
-  return count;
+    if (mode.pose == pose && mode.direction == direction) poles.emplace_back(0.0, mode.omega);
+  return static_cast<int>(observation::groups_of(poles).size());
 }
 
 /// "moves otherwise than measured at 8.52 Hz when driven (MAC 0.61)", "misses the response to
@@ -91,7 +88,7 @@ void add_missing(const Evidence& evidence, const Explanation& e, const model::Ma
   std::map<std::pair<int, int>, std::vector<std::string>> found;  // predicted, measured
   for (const auto& named : machine.poses) {
     if (!poses.contains(named.name)) continue;
-    const auto seen = visible_resonances(machine, named.X_BP, e.kind);
+    const auto seen = observation::visible_resonances(machine, named.X_BP, e.kind);
     for (int direction = 0; direction < 6; ++direction) {
       const auto predicted = static_cast<int>(std::count_if(
           seen.begin(), seen.end(), [&](const auto& r) { return r.direction == direction; }));

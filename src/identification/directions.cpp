@@ -110,16 +110,6 @@ CrossSpectra to_platform(const CrossSpectra& spectra, const std::vector<int>& ch
   return result;
 }
 
-int time_derivatives(const std::string& unit) {
-  return unit.ends_with("/s^2") || unit.ends_with("s^-2") || unit.ends_with("/s2")    ? 2
-         : unit == "m/s" || unit == "rad/s" || unit == "m s^-1" || unit == "rad s^-1" ? 1
-                                                                                      : 0;
-}
-
-bool against_ground(const data::Channel& channel) {
-  return channel.direction < data::Direction::leg1 && time_derivatives(channel.unit) == 2;
-}
-
 std::optional<std::vector<int>> leg_channels(const CrossSpectra& spectra, data::Role role) {
   std::vector<int> legs(6, -1);
   for (std::size_t c = 0; c < spectra.channels.size(); ++c) {

@@ -237,7 +237,8 @@ Eigen::VectorXcd displacement_shape(const FittedMode& mode,
                                     const std::vector<data::Channel>& outputs) {
   Eigen::VectorXcd shape = mode.shape;
   for (Index o = 0; o < shape.size(); ++o)
-    shape[o] /= std::pow(mode.pole, time_derivatives(outputs[static_cast<std::size_t>(o)].unit));
+    shape[o] /=
+        std::pow(mode.pole, data::time_derivatives(outputs[static_cast<std::size_t>(o)].unit));
   return shape;
 }
 
@@ -352,8 +353,8 @@ void list_modes(const IdentifyOptions& options, Identification& result) {
   std::ranges::sort(result.heavily_damped, {}, omega);
   untangle_repeated(result.responses, result.modes);
   for (auto& mode : result.modes) {
-    mode.mpc = modal_phase_collinearity(mode.displacement);
-    mode.mpd = mean_phase_deviation(mode.displacement);
+    mode.mpc = data::modal_phase_collinearity(mode.displacement);
+    mode.mpd = data::mean_phase_deviation(mode.displacement);
   }
 }
 
@@ -396,6 +397,34 @@ Identification identify_modes(const FrequencyResponses& responses, const Identif
         "may be missing, or the machine is not linear; the intervals are widened by that",
         result.model.misfit));
   return result;
+}
+
+data::ModalResults modal_results(const Identification& identified) {
+  const auto& responses = identified.responses;
+  data::ModalResults results{.title = responses.title,
+                             .date = responses.date,
+                             .outputs = responses.outputs,
+                             .inputs = responses.inputs,
+                             .from = identified.from,
+                             .to = identified.to};
+  if (responses.lines() > 1)
+    results.line_spacing = (responses.frequency.back() - responses.frequency.front()) /
+                           static_cast<double>(responses.lines() - 1);
+  for (const auto& mode : identified.modes) {
+    data::ModalResult result{.pole = mode.fit.pole,
+                             .shape = mode.displacement,
+                             .omega_deviation = mode.fit.omega_deviation,
+                             .damping_deviation = mode.fit.damping_deviation,
+                             .shape_deviation = mode.fit.shape_deviation,
+                             .significance = mode.fit.significance};
+    // those of φ; the displacement is φ/λ^d
+    for (Index o = 0; o < result.shape_deviation.size(); ++o) {
+      const double size = std::abs(mode.fit.shape[o]);
+      result.shape_deviation[o] *= size > 0.0 ? std::abs(mode.displacement[o]) / size : 0.0;
+    }
+    results.modes.push_back(std::move(result));
+  }
+  return results;
 }
 
 Eigen::MatrixXd mode_indicator(const FrequencyResponses& r) {

@@ -323,7 +323,7 @@ void read_spectra(data::RecordSet& records, const MeasureOptions& options,
     begun = file;
     estimator.add(block);
     m.samples += block.rows();
-    return !progress || progress(share_of(m.samples, total));
+    return !(progress && progress(share_of(m.samples, total)));
   });
   m.notes = records.notes();
   m.spectra = estimator.result();
@@ -343,7 +343,7 @@ void compare_with_instrument(const Plan& plan, Measurement& m) {
     m.responses.warnings.push_back(fmt::format(
         "{} is biased by the loop: it is off the instrumental estimate by {:.2g} % (median), "
         "beyond its 95 % band at {:.0f} % of the lines; take --estimator iv",
-        estimator_text(plan.estimator), 100.0 * m.h1_against_instrument->median,
+        data::estimator_text(plan.estimator), 100.0 * m.h1_against_instrument->median,
         100.0 * m.h1_against_instrument->share));
 }
 
@@ -430,7 +430,7 @@ GroupedSpectra measure_groups(data::RecordSet& records, const MeasureOptions& op
       in_piece = 0;
     }
     samples += block.rows();
-    return !progress || progress(share_of(samples, lengths.total));
+    return !(progress && progress(share_of(samples, lengths.total)));
   });
   if (in_piece >= piece / 2) close(estimator);
   return result;

@@ -160,27 +160,4 @@ Eigen::MatrixXcd synthesised(const ModalModel& model, double frequency, double s
   return H;
 }
 
-double modal_phase_collinearity(const VectorXcd& shape) {
-  const double rr = shape.real().squaredNorm(), ii = shape.imag().squaredNorm();
-  const double ri = shape.real().dot(shape.imag());
-  // the eigenvalues of [rr ri; ri ii]: (λ1 − λ2)²/(λ1 + λ2)²
-  return rr + ii > 0.0 ? (std::pow(rr - ii, 2) + 4.0 * ri * ri) / std::pow(rr + ii, 2) : 0.0;
-}
-
-double mean_phase_deviation(const VectorXcd& shape) {
-  if (!(shape.squaredNorm() > 0.0)) return 0.0;
-  // the straight line through the complex plane that fits the elements best
-  const double rr = shape.real().squaredNorm(), ii = shape.imag().squaredNorm();
-  const double ri = shape.real().dot(shape.imag());
-  const double direction = 0.5 * std::atan2(2.0 * ri, rr - ii);
-  double sum = 0.0, weight = 0.0;
-  for (const Complex c : shape) {
-    if (c == 0.0) continue;
-    const Complex turned = c * std::polar(1.0, -direction);
-    sum += std::abs(c) * std::atan2(std::abs(turned.imag()), std::abs(turned.real()));
-    weight += std::abs(c);
-  }
-  return sum / weight;
-}
-
 }  // namespace hydrapod::identification

@@ -169,7 +169,7 @@ std::vector<OutputOnlyMode> identify_outputs(const CrossSpectra& spectra,
     mode.frequency_scatter = cluster.frequency_scatter;
     mode.damping_scatter = cluster.damping_scatter;
     mode.persistence = cluster.persistence;
-    mode.mpc = modal_phase_collinearity(mode.shape);
+    mode.mpc = data::modal_phase_collinearity(mode.shape);
     modes.push_back(std::move(mode));
   }
   return modes;

@@ -72,7 +72,7 @@ void drop_dead_inputs(const CrossSpectra& spectra, ChannelChoice& choice, Estima
       throw base::ComputationError(
           fmt::format("input {} is dead, and {} needs all of them; leave it out, with its "
                       "counterpart, or take h1",
-                      name(spectra, i), estimator_text(estimator)));
+                      name(spectra, i), data::estimator_text(estimator)));
     warnings.push_back(
         fmt::format("input {}: dead (constant); no responses to it", name(spectra, i)));
     return true;

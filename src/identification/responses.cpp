@@ -20,8 +20,6 @@ using Eigen::MatrixXcd;
 
 namespace {
 
-constexpr std::array<std::string_view, 4> estimator_names{"h1", "h2", "hv", "iv"};
-
 MatrixXcd part(const MatrixXcd& S, const std::vector<int>& rows, const std::vector<int>& columns) {
   return S(rows, columns);
 }
@@ -80,20 +78,6 @@ MatrixXcd residual_spectrum(const MatrixXcd& S, const ChannelChoice& c, const Ma
 }
 
 }  // namespace
-
-std::string_view estimator_text(Estimator estimator) {
-  return estimator_names[static_cast<std::size_t>(estimator)];
-}
-
-std::optional<Estimator> estimator_from_text(std::string_view text) {
-  for (std::size_t i = 0; i < estimator_names.size(); ++i)
-    if (estimator_names[i] == text) return static_cast<Estimator>(i);
-  return {};
-}
-
-double FrequencyResponses::variance(std::size_t line, int output, int input) const {
-  return noise[line](output, output).real() * input_factor[line](input, input).real();
-}
 
 double confidence_radius(double probability, double degrees) {
   if (!(degrees > 0.0)) return std::sqrt(-std::log1p(-probability));  // F(2, ∞)

@@ -143,11 +143,6 @@ std::size_t common_order(const std::vector<PoleCluster>& clusters, const Chart& 
 
 }  // namespace
 
-double mac(const Eigen::VectorXcd& a, const Eigen::VectorXcd& b) {
-  const double norms = a.squaredNorm() * b.squaredNorm();
-  return norms > 0.0 ? std::norm(a.dot(b)) / norms : 0.0;
-}
-
 std::vector<PoleCluster> select_poles(const std::vector<OrderPoles>& chart,
                                       const SelectionOptions& options) {
   Matcher matcher(chart, options);

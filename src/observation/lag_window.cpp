@@ -1,4 +1,4 @@
-#include "hydrapod/observation/lag_window.hpp"
+#include "hydrapod/observation/targets.hpp"
 
 #include <Eigen/QR>
 #include <cmath>

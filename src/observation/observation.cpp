@@ -145,4 +145,30 @@ Observation observe(const model::Machine& machine, const spatial::Pose& X_BP,
   return seen;
 }
 
+std::vector<ObservedMode> undamped_modes(const dynamics::LinearModel& model,
+                                         const dynamics::NormalModes& modes) {
+  const Eigen::MatrixXd against_base = model.against_base * modes.shapes.topRows<6>();
+  std::vector<ObservedMode> observed;
+  for (int k = 0; k < modes.size(); ++k)
+    observed.push_back({.pole = {0.0, modes.omega(k)},
+                        .shape = modes.shapes.col(k).cast<Complex>(),
+                        .against_base = against_base.col(k).cast<Complex>()});
+  return observed;
+}
+
+int nearest_mode(const Observation& seen, const ObservedMode& mode) {
+  const auto modes = modal::normal_modes(seen.mechanics);
+  const Eigen::VectorXcd momentum = seen.mechanics.M.cast<Complex>() * mode.shape;
+  Eigen::Index nearest = 0;
+  (modes.shapes.transpose().cast<Complex>() * momentum).cwiseAbs().maxCoeff(&nearest);
+  return static_cast<int>(nearest);
+}
+
+std::string_view description(Observed observed) {
+  constexpr std::array<std::string_view, 3> descriptions{
+      "mechanics with oil springs", "mechanics, hydraulics and valves, without controller",
+      "mechanics, hydraulics, valves and controller"};
+  return descriptions[static_cast<std::size_t>(observed)];
+}
+
 }  // namespace hydrapod::observation

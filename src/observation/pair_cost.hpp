@@ -1,12 +1,23 @@
 #pragma once
-/// What it costs to take a mode for a target, see pairing.hpp. Private to the module.
+/// Terms of the cost of a pair, see pairing.hpp. Private to the module.
+
+#include "hydrapod/observation/pairing.hpp"
 
 namespace hydrapod::observation {
 
-inline constexpr double frequency_scale = 0.1;      ///< of ln ω
-inline constexpr double wrong_shape = 25.0;         ///< at MAC 0
-inline constexpr double wrong_mode_of_group = 1.0;  ///< another one of those seen as one
-/// Cost of the frequency alone from which shapes are not looked at any more.
-inline constexpr double hopeless = 100.0;
+double frequency_cost(double omega, double wanted, const ObservationOptions& options);
+
+/// `shown`: MAC with the group; `alone`: with the mode; `felt`: its energy over the group's
+/// largest.
+double shape_cost(double shown, double alone, double felt, const ObservationOptions& options);
+
+/// uᴴ P u for motions A, in one metric, u of length one.
+double share_shown(const Eigen::MatrixXcd& A, const Eigen::VectorXcd& u, double weak);
+
+/// The platform's share of the kinetic energy of a mode; `mass`: LinearModel::platform_mass.
+double felt_energy(const ObservedMode& mode, const spatial::Matrix6& mass);
+
+/// U with UᵀU = M, symmetric.
+spatial::Matrix6 metric_root(const spatial::Matrix6& mass);
 
 }  // namespace hydrapod::observation

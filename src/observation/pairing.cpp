@@ -8,12 +8,26 @@
 #include <limits>
 #include <map>
 #include <stdexcept>
+#include <tuple>
 
-#include "hydrapod/modal/mode_derivatives.hpp"
 #include "hydrapod/modal/mode_table.hpp"
 #include "pair_cost.hpp"
 
 namespace hydrapod::observation {
+
+namespace {
+
+using Complex = std::complex<double>;
+using Eigen::MatrixXcd;
+using spatial::Matrix6;
+
+/// Turned so that the sum of the squares of the real parts is largest, and real.
+Vector6c turned_to_real(const Vector6c& motion) {
+  const Complex sum = motion.cwiseProduct(motion).sum();
+  return (motion * std::polar(1.0, -0.5 * std::arg(sum))).real().cast<Complex>();
+}
+
+}  // namespace
 
 std::vector<int> assign(const Eigen::MatrixXd& cost) {
   const auto rows = static_cast<int>(cost.rows()), columns = static_cast<int>(cost.cols());
@@ -65,142 +79,279 @@ std::vector<int> assign(const Eigen::MatrixXd& cost) {
   return column_of;
 }
 
-double direction_share(const dynamics::LinearModel& model, const dynamics::NormalModes& modes,
-                       int k, int direction) {
-  const Vector6 motion = modes.shapes.col(k).head<6>();
-  const Vector6 energy = motion.cwiseProduct(model.platform_mass * motion);
-  // φᵀ M φ = 1: the sum is the platform's share of the whole
-  return energy.sum() < modal::felt_by_platform ? 0.0 : energy[direction] / energy.sum();
-}
-
-double platform_mac(const dynamics::LinearModel& model, const dynamics::NormalModes& modes, int k,
-                    const Vector6& shape) {
-  const Vector6 motion = modes.shapes.col(k).head<6>();
-  const Vector6 momentum = model.platform_mass * motion;
-  const double own = motion.dot(momentum);
-  const double of_shape = shape.dot(model.platform_mass * shape);
+Matrix6 metric_root(const Matrix6& mass) {
   // on its way a fit may try a platform whose inertia no body has
-  if (!(own >= modal::felt_by_platform) || !(of_shape > 0.0)) return 0.0;
-  return std::min(1.0, std::pow(shape.dot(momentum), 2) / (own * of_shape));
+  const Eigen::SelfAdjointEigenSolver<Matrix6> solver(mass);
+  return solver.eigenvectors() * solver.eigenvalues().cwiseAbs().cwiseSqrt().asDiagonal() *
+         solver.eigenvectors().transpose();
 }
 
-namespace {
+Matrix6 platform_metric(const model::Machine& machine, const spatial::Pose& X_BP,
+                        const spatial::Vector3& p_PQ) {
+  const auto& R = X_BP.R_BP;
+  Matrix6 mass = Matrix6::Zero(), to_center = Matrix6::Identity();
+  mass.topLeftCorner<3, 3>().diagonal().setConstant(machine.platform.mass);
+  mass.bottomRightCorner<3, 3>() = R * machine.platform.inertia * R.transpose();
+  to_center.topRightCorner<3, 3>() = -spatial::skew(R * (machine.platform.mass_center - p_PQ));
+  return metric_root(mass) * to_center;
+}
+
+std::vector<std::vector<int>> groups_of(std::span<const Complex> poles,
+                                        const ObservationOptions& options) {
+  std::vector<std::vector<int>> groups;
+  for (std::size_t k = 0; k < poles.size(); ++k) {
+    const auto one = [&](int i) {
+      const Complex a = poles[static_cast<std::size_t>(i)], b = poles[k];
+      const double decay = std::min(std::abs(a.real()), std::abs(b.real()));
+      return std::abs(a - b) <=
+             std::max(options.same_frequency * std::abs(b), options.same_decay * decay);
+    };
+    std::vector<int> joined{static_cast<int>(k)};
+    std::erase_if(groups, [&](const std::vector<int>& group) {
+      if (std::ranges::none_of(group, one)) return false;
+      joined.insert(joined.end(), group.begin(), group.end());
+      return true;
+    });
+    std::ranges::sort(joined);
+    groups.push_back(joined);
+  }
+  std::ranges::sort(groups);
+  return groups;
+}
 
 template <class Matrix>
-Matrix regularised_of(const Matrix& A) {
+Matrix regularised(const Matrix& A, double weak) {
   Matrix gram = A.adjoint() * A;
-  gram.diagonal().array() += weak_mode * A.colwise().squaredNorm().maxCoeff();
+  gram.diagonal().array() += weak * A.colwise().squaredNorm().maxCoeff();
   // so that of a single mode nothing is lost
-  return regularised_gain * gram.llt().solve(A.adjoint()).adjoint();
+  return (1.0 + weak) * gram.llt().solve(A.adjoint()).adjoint();
+}
+template Eigen::MatrixXd regularised(const Eigen::MatrixXd&, double);
+template MatrixXcd regularised(const MatrixXcd&, double);
+
+double shape_cost(double shown, double alone, double felt, const ObservationOptions& options) {
+  return options.wrong_shape * (1.0 - shown) + options.wrong_member * (1.0 - felt * alone);
 }
 
-}  // namespace
-
-Eigen::MatrixXd regularised(const Eigen::MatrixXd& A) { return regularised_of(A); }
-Eigen::MatrixXcd regularised(const Eigen::MatrixXcd& A) { return regularised_of(A); }
-
-spatial::Matrix6 seen_motion(const dynamics::LinearModel& model, MotionAgainst against) {
-  return against == MotionAgainst::base ? model.against_base : spatial::Matrix6::Identity();
+double frequency_cost(double omega, double wanted, const ObservationOptions& options) {
+  const double least = 1e-3 * wanted;  // of modes that have buckled
+  return std::pow(std::log(std::max(omega, least) / wanted) / options.frequency_scale, 2);
 }
 
-double resonance_mac(const dynamics::LinearModel& model, const dynamics::NormalModes& modes, int k,
-                     const Vector6& shape, MotionAgainst against) {
-  if (platform_mac(model, modes, k, modes.shapes.col(k).head<6>()) == 0.0) return 0.0;  // not felt
-  const Eigen::LLT<spatial::Matrix6> llt(model.platform_mass);
-  if (llt.info() != Eigen::Success) return 0.0;
-  const spatial::Matrix6 root = llt.matrixU();
-  const spatial::Matrix6 seen = root * seen_motion(model, against);
-  const auto members = modal::neighbours(modes, k, seen_as_one);
-  Eigen::MatrixXd A(6, members.size());
-  for (std::size_t i = 0; i < members.size(); ++i)
-    A.col(static_cast<Eigen::Index>(i)) = seen * modes.shapes.col(members[i]).head<6>();
-  const Vector6 u = (root * shape).normalized();
-  return u.dot(A * (regularised(A).transpose() * u));
+double felt_energy(const ObservedMode& mode, const Matrix6& mass) {
+  const Vector6c motion = mode.motion(), momentum = mass.cast<Complex>() * motion;
+  return motion.dot(momentum).real();
+}
+
+double share_shown(const MatrixXcd& A, const Eigen::VectorXcd& u, double weak) {
+  return std::clamp(u.dot(A * (regularised(A, weak).adjoint() * u)).real(), 0.0, 1.0);
+}
+
+Matrix6 to_target_point(const dynamics::LinearModel& model, const ModeTarget& target) {
+  Matrix6 A = Matrix6::Identity();
+  if (target.shape_point)
+    A.topRightCorner<3, 3>() = -spatial::skew(model.X_BP * *target.shape_point - model.p_BC);
+  return A;
+}
+
+Vector6c shape_of(const ModeTarget& target) {
+  return target.complex_shape ? target.complex_shape->motion
+                              : Vector6c(target.shape->cast<Complex>());
+}
+
+double direction_share(const Observation& seen, int k, int direction) {
+  const Vector6c motion = seen.modes[static_cast<std::size_t>(k)].motion();
+  const Vector6c momentum = seen.mechanics.platform_mass.cast<Complex>() * motion;
+  const double all = motion.dot(momentum).real();
+  return all < modal::felt_by_platform
+             ? 0.0
+             : (std::conj(motion[direction]) * momentum[direction]).real() / all;
 }
 
 namespace {
 
-/// The modes in the metric of the platform's mass, looked at once for all targets that see the
-/// same.
-class ShownModes {
- public:
-  ShownModes(const dynamics::LinearModel& model, const dynamics::NormalModes& modes,
-             MotionAgainst against)
-      : modes_(modes), llt_(model.platform_mass) {
-    // on its way a fit may try a platform whose inertia no body has
-    sound_ = llt_.info() == Eigen::Success;
-    if (sound_)
-      motions_ = spatial::Matrix6(llt_.matrixU()) * seen_motion(model, against) *
-                 modes.shapes.topRows<6>();
+bool undamped(const Observation& seen) {
+  return seen.modes.empty() || seen.modes.front().input.isZero(0.0);
+}
+
+/// The target's shape as motion of the mass centre; real for undamped modes.
+Vector6c shape_at_center(const Observation& seen, const ModeTarget& target) {
+  Vector6c shape = undamped(seen) ? Vector6c(target.shape->cast<Complex>()) : shape_of(target);
+  const auto& model = seen.mechanics;
+  if (target.shape_point) {
+    const spatial::Vector3 from_center = model.X_BP * *target.shape_point - model.p_BC;
+    shape.head<3>() += spatial::skew(from_center).cast<Complex>() * shape.tail<3>();
   }
-
-  /// Modes that are seen as one show the shape together; among them the one is meant that the
-  /// platform feels most and that is most like it.
-  double shape_cost(int k, const Vector6& shape) {
-    if (!sound_) return wrong_shape + wrong_mode_of_group;
-    const auto& group = group_of(k);
-    const auto motion = motions_.col(k);
-    if (motion.squaredNorm() < modal::felt_by_platform) return wrong_shape + wrong_mode_of_group;
-    const Vector6 u = (llt_.matrixU() * shape).normalized();
-    const double together = u.dot(group.A * (group.W.transpose() * u));
-    const double own = std::min(1.0, std::pow(u.dot(motion), 2) / motion.squaredNorm());
-    const double felt = motion.squaredNorm() / group.most;
-    return wrong_shape * (1.0 - together) + wrong_mode_of_group * (1.0 - felt * own);
-  }
-
- private:
-  struct Group {
-    Eigen::MatrixXd A{}, W{};
-    double most{};
-  };
-
-  const Group& group_of(int k) {
-    auto& group = groups_.try_emplace(k).first->second;
-    if (group.A.size() > 0) return group;
-    const auto members = modal::neighbours(modes_, k, seen_as_one);
-    group.A = motions_(Eigen::all, members);
-    group.W = regularised(group.A);
-    group.most = group.A.colwise().squaredNorm().maxCoeff();
-    return group;
-  }
-
-  const dynamics::NormalModes& modes_;
-  Eigen::LLT<spatial::Matrix6> llt_;
-  Eigen::Matrix<double, 6, Eigen::Dynamic> motions_{};
-  std::map<int, Group> groups_{};
-  bool sound_{};
-};
-
-}  // namespace
-
-Vector6 shape_at_center(const dynamics::LinearModel& model, const ModeTarget& target) {
-  Vector6 shape = *target.shape;
-  if (!target.shape_point) return shape;
-  const spatial::Vector3 to_center = model.p_BC - model.X_BP * *target.shape_point;
-  shape.head<3>() += shape.tail<3>().cross(to_center);
   return shape;
 }
 
-std::vector<int> pair_modes(const dynamics::LinearModel& model, const dynamics::NormalModes& modes,
-                            std::span<const ModeTarget* const> targets) {
-  std::map<MotionAgainst, ShownModes> shown;
-  for (const auto* target : targets)
-    shown.try_emplace(target->shape_against, model, modes, target->shape_against);
-  Eigen::MatrixXd cost(targets.size(), modes.size());
-  for (Eigen::Index i = 0; i < cost.rows(); ++i)
-    for (int k = 0; k < modes.size(); ++k) {
-      const auto& target = *targets[static_cast<std::size_t>(i)];
-      const double omega = std::max(modes.omega(k), 1e-3 * target.omega);
-      cost(i, k) = std::pow(std::log(omega / target.omega) / frequency_scale, 2);
-      if (cost(i, k) > hopeless) {
-        cost(i, k) += wrong_shape;
-      } else if (target.shape) {
-        cost(i, k) += shown.at(target.shape_against).shape_cost(k, shape_at_center(model, target));
-      } else if (target.direction) {
-        cost(i, k) += wrong_shape * (1.0 - direction_share(model, modes, k, *target.direction));
-      }
+/// A of a group, `map` being the metric of motions of the mass centre.
+MatrixXcd shown_motions(const Observation& seen, const std::vector<int>& group,
+                        const ModeTarget& target, const Matrix6& map) {
+  const auto mode = [&](int k) -> const ObservedMode& {
+    return seen.modes[static_cast<std::size_t>(k)];
+  };
+  const auto motion = [&](int k) -> Vector6c {
+    return map.cast<Complex>() * mode(k).motion(target.shape_against);
+  };
+  if (undamped(seen)) {
+    MatrixXcd A(6, group.size());
+    for (std::size_t i = 0; i < group.size(); ++i)
+      A.col(static_cast<Eigen::Index>(i)) = motion(group[i]);
+    return A;
+  }
+  MatrixXcd A = MatrixXcd::Zero(6, 6);
+  for (const int k : group) A += motion(k) * mode(k).input;
+  if (!target.complex_shape)
+    for (int column = 0; column < 6; ++column) A.col(column) = turned_to_real(A.col(column));
+  return A;
+}
+
+}  // namespace
+
+Vector6c shown_part(const Observation& seen, const std::vector<int>& group,
+                    const ModeTarget& target, const Matrix6& root, const Vector6c& u) {
+  const auto A = shown_motions(seen, group, target, root * to_target_point(seen.mechanics, target));
+  return A * (regularised(A).adjoint() * u);
+}
+
+double shown_mac(const Observation& seen, const std::vector<int>& group, const ModeTarget& target) {
+  const Matrix6 root = metric_root(seen.mechanics.platform_mass);
+  const Vector6c u = (root.cast<Complex>() * shape_at_center(seen, target)).normalized();
+  return share_shown(shown_motions(seen, group, target, root), u, ObservationOptions{}.weak);
+}
+
+namespace {
+
+/// Costs of pairs of targets with the modes of one observation; what groups show is computed once.
+class PairCosts {
+ public:
+  PairCosts(const Observation& seen, const ObservationOptions& options)
+      : seen_(seen), options_(options), root_(metric_root(seen.mechanics.platform_mass)) {
+    for (const auto& mode : seen.modes)
+      energy_.push_back(felt_energy(mode, seen.mechanics.platform_mass));
+  }
+
+  [[nodiscard]] double of(int k, const std::vector<int>& group, const ModeTarget& target) {
+    const double omega = seen_.modes[static_cast<std::size_t>(k)].omega();
+    const double cost = frequency_cost(omega, target.omega, options_);
+    if (cost > options_.hopeless) return cost + options_.wrong_shape;
+    if (target.shape) return cost + of_shape(k, group, target);
+    if (!target.direction) return cost;
+    return cost + options_.wrong_shape * (1.0 - direction_share(seen_, k, *target.direction));
+  }
+
+ private:
+  [[nodiscard]] double of_shape(int k, const std::vector<int>& group, const ModeTarget& target) {
+    const double energy = energy_[static_cast<std::size_t>(k)];
+    if (energy < modal::felt_by_platform) return shape_cost(0.0, 0.0, 0.0, options_);
+    double most = 0.0;
+    for (const int i : group) most = std::max(most, energy_[static_cast<std::size_t>(i)]);
+    const Vector6c u = (root_.cast<Complex>() * shape_at_center(seen_, target)).normalized();
+    const double shown = share(group, target, u);
+    return shape_cost(shown, group.size() > 1 ? share({k}, target, u) : shown, energy / most,
+                      options_);
+  }
+
+  double share(const std::vector<int>& modes, const ModeTarget& target, const Vector6c& u) {
+    auto& P = shown_[{modes, target.shape_against, target.complex_shape.has_value()}];
+    if (P.size() == 0) {
+      const auto A = shown_motions(seen_, modes, target, root_);
+      P = A * regularised(A, options_.weak).adjoint();
     }
-  return assign(cost);
+    return std::clamp(u.dot(P * u).real(), 0.0, 1.0);
+  }
+
+  const Observation& seen_;
+  const ObservationOptions& options_;
+  Matrix6 root_;
+  std::vector<double> energy_{};
+  std::map<std::tuple<std::vector<int>, MotionAgainst, bool>, MatrixXcd> shown_{};
+};
+
+/// Gives every target a mode of its own; false where there are too few.
+bool pair_among(std::span<const ModeTarget> targets, const std::vector<std::size_t>& here,
+                const std::vector<int>& modes, const std::vector<const std::vector<int>*>& groups,
+                SeenPoint& point, const ObservationOptions& options) {
+  if (here.size() > modes.size()) return false;
+  if (modes.size() == 1 && here.size() == 1) {
+    point.mode_of[here[0]] = modes[0];
+    point.group_of[here[0]] = *groups[0];
+    return true;
+  }
+  PairCosts costs(point.seen, options);
+  Eigen::MatrixXd cost(here.size(), modes.size());
+  for (std::size_t i = 0; i < here.size(); ++i)
+    for (std::size_t k = 0; k < modes.size(); ++k)
+      cost(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(k)) =
+          costs.of(modes[k], *groups[k], targets[here[i]]);
+  if (!cost.allFinite()) return false;
+  const auto chosen = assign(cost);
+  for (std::size_t i = 0; i < here.size(); ++i) {
+    const auto k = static_cast<std::size_t>(chosen[i]);
+    point.mode_of[here[i]] = modes[k];
+    point.group_of[here[i]] = *groups[k];
+  }
+  return true;
+}
+
+}  // namespace
+
+bool pair_seen(std::span<const ModeTarget> targets, const std::vector<std::size_t>& here,
+               SeenPoint& point, const ObservationOptions& options) {
+  point.mode_of.assign(targets.size(), -1);
+  point.group_of.assign(targets.size(), {});
+  std::vector<Complex> poles;
+  for (const auto& mode : point.seen.modes) poles.push_back(mode.pole);
+  const auto groups = groups_of(poles, options);
+  std::vector<int> modes;
+  std::vector<const std::vector<int>*> group_of_mode;
+  for (const auto& group : groups)
+    for (const int k : group) {
+      if (point.seen.modes[static_cast<std::size_t>(k)].damping_ratio() > options.overdamped)
+        continue;
+      modes.push_back(k);
+      group_of_mode.push_back(&group);
+    }
+  return pair_among(targets, here, modes, group_of_mode, point, options);
+}
+
+bool follow_seen(std::span<const ModeTarget> targets, const std::vector<std::size_t>& here,
+                 const SeenPoint& center, SeenPoint& point, const ObservationOptions& options) {
+  point.mode_of.assign(targets.size(), -1);
+  point.group_of.assign(targets.size(), {});
+  // modes of the centre's groups, and which they are now
+  std::vector<int> old;
+  for (const auto i : here)
+    for (const int k : center.group_of[i])
+      if (std::ranges::find(old, k) == old.end()) old.push_back(k);
+  const auto& before = center.seen.modes;
+  const auto& now = point.seen.modes;
+  if (old.size() > now.size()) return false;
+  Eigen::MatrixXd cost(old.size(), now.size());
+  for (Eigen::Index i = 0; i < cost.rows(); ++i)
+    for (Eigen::Index k = 0; k < cost.cols(); ++k) {
+      const Complex pole = before[static_cast<std::size_t>(old[static_cast<std::size_t>(i)])].pole;
+      cost(i, k) = std::abs(now[static_cast<std::size_t>(k)].pole - pole) / std::abs(pole);
+    }
+  if (!cost.allFinite()) return false;
+  const auto became = assign(cost);
+  std::vector<bool> done(targets.size(), false);
+  for (const auto i : here) {
+    if (done[i]) continue;
+    std::vector<std::size_t> together;  // targets in the same group
+    for (const auto other : here)
+      if (center.group_of[other] == center.group_of[i]) {
+        together.push_back(other);
+        done[other] = true;
+      }
+    std::vector<int> group;
+    for (const int k : center.group_of[i])
+      group.push_back(became[static_cast<std::size_t>(std::ranges::find(old, k) - old.begin())]);
+    const std::vector<const std::vector<int>*> same(group.size(), &group);
+    if (!pair_among(targets, together, group, same, point, options)) return false;
+  }
+  return true;
 }
 
 }  // namespace hydrapod::observation

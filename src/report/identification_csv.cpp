@@ -7,7 +7,6 @@
 
 #include "hydrapod/base/constants.hpp"
 #include "hydrapod/base/table.hpp"
-#include "hydrapod/diagnosis/measured.hpp"
 #include "hydrapod/numerics/quantiles.hpp"
 #include "hydrapod/spatial/directions.hpp"
 
@@ -67,7 +66,7 @@ std::string identified_modes_csv(const identification::Identification& result,
   for (const auto& o : result.responses.outputs)
     text += "," + base::quoted_cell("re " + o.name) + "," + base::quoted_cell("im " + o.name);
   text += ",shape_against,observed\n";
-  const auto* against = observation::name(diagnosis::motion_against(result.responses.outputs));
+  const auto* against = observation::name(observation::motion_against(result.responses.outputs));
   int number = 0;
   for (const auto& m : result.modes) {
     text += fmt::format(
@@ -141,26 +140,22 @@ std::vector<data::Channel> outputs_of(const std::vector<base::TableTitle>& title
   return outputs;
 }
 
-identification::IdentifiedMode mode_of(const ModeRow& row,
-                                       const std::vector<data::Channel>& outputs) {
+data::ModalResult mode_of(const ModeRow& row, const std::vector<data::Channel>& outputs) {
   constexpr double band = numerics::normal_half_width;
-  identification::IdentifiedMode mode;
+  data::ModalResult mode;
   const double omega = two_pi * row.number("frequency_hz"), ratio = row.number("damping_ratio");
   const auto count = static_cast<Index>(outputs.size());
-  mode.fit.pole =
+  mode.pole =
       omega * std::complex<double>(-ratio, std::sqrt(std::max(0.0, 1.0 - ratio * ratio)));
-  mode.fit.omega_deviation = two_pi * row.number("frequency_95_hz") / band;
-  mode.fit.damping_deviation = row.number("damping_95") / band;
-  mode.fit.significance = row.number("significance");
-  mode.mpc = row.number("mpc");
-  mode.mpd = row.number("mpd_rad");
-  mode.displacement.resize(count);
+  mode.omega_deviation = two_pi * row.number("frequency_95_hz") / band;
+  mode.damping_deviation = row.number("damping_95") / band;
+  mode.significance = row.number("significance");
+  mode.shape.resize(count);
   for (Index o = 0; o < count; ++o) {
     const auto& name = outputs[static_cast<std::size_t>(o)].name;
-    mode.displacement[o] = {row.number("re " + name), row.number("im " + name)};
+    mode.shape[o] = {row.number("re " + name), row.number("im " + name)};
   }
-  mode.fit.shape = mode.displacement;
-  mode.fit.shape_deviation = Eigen::VectorXd::Zero(count);
+  mode.shape_deviation = Eigen::VectorXd::Zero(count);
   return mode;
 }
 
@@ -177,11 +172,11 @@ ListedModes identified_modes_from_csv(const std::string& path) {
   base::TableReader table(path);
   const auto titles = table.titles();
   ListedModes list;
-  list.modes.responses.outputs = outputs_of(titles);
+  list.modes.outputs = outputs_of(titles);
   std::vector<base::TableCell> cells;
   while (table.row(cells)) {
     const ModeRow row(table, titles, cells);
-    list.modes.modes.push_back(mode_of(row, list.modes.responses.outputs));
+    list.modes.modes.push_back(mode_of(row, list.modes.outputs));
     list.against =
         row.word("shape_against", std::array{MotionAgainst::ground, MotionAgainst::base});
     list.observed =

@@ -81,8 +81,9 @@ data::MatVariable mode_vectors(const char* name, const std::vector<IdentifiedMod
 
 void write_modes_uff(const std::string& path, const Identification& result,
                      const std::string& title, const std::string& date) {
-  data::ModalResults all{.title = title, .date = date, .outputs = result.responses.outputs};
-  for (const auto& m : result.modes) all.modes.push_back({m.fit.pole, m.displacement});
+  auto all = identification::modal_results(result);
+  all.title = title;
+  all.date = date;
   data::write_modal_results(path, all);
 }
 

@@ -233,7 +233,7 @@ Json responses_json(const FrequencyResponses& r) {
   }
   Json json{{"inputs", written(r.inputs)},
             {"outputs", written(r.outputs)},
-            {"estimator", identification::estimator_text(r.estimator)},
+            {"estimator", data::estimator_text(r.estimator)},
             {"averages", r.averages},
             {"degrees_of_freedom", r.degrees},
             {"frequency_hz", r.frequency},
@@ -327,7 +327,7 @@ FrequencyResponses responses_from_json(const Json& json, const std::string& file
   std::string estimator;
   fields.unless(std::string("h1"), "estimator", estimator);
   r.estimator =
-      identification::estimator_from_text(estimator).value_or(identification::Estimator::h1);
+      data::estimator_from_text(estimator).value_or(identification::Estimator::h1);
   return r;
 }
 

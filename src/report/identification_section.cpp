@@ -114,7 +114,7 @@ std::string measurement_text(const identification::FrequencyResponses& r) {
       counted(r.outputs.size(), "output"), r.lines(), r.frequency.front(), r.frequency.back());
   if (r.averages > 0.0)
     text += fmt::format(", {} with {:.1f} independent averages",
-                        identification::estimator_text(r.estimator), r.averages);
+                        data::estimator_text(r.estimator), r.averages);
   return text;
 }
 

@@ -97,7 +97,7 @@ void plot_cross_mac(const ComparedModes& compared, const identification::Identif
   std::vector<int> shown;
   for (const auto& pair : c.pairs) shown.push_back(pair.model);
   for (const auto& left : c.model_left)
-    if (c.model[static_cast<std::size_t>(left.model)].felt) shown.push_back(left.model);
+    if (left.reason != observation::Unpaired::not_felt) shown.push_back(left.model);
   std::ranges::sort(shown);
   MacPicture picture{
       .rows = measured_names(measured.modes), .row_title = "measured", .column_title = "model"};

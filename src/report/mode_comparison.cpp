@@ -6,6 +6,8 @@
 
 #include "hydrapod/base/constants.hpp"
 
+#include "hydrapod/modal/mode_table.hpp"
+
 namespace hydrapod::report {
 
 namespace {
@@ -13,25 +15,52 @@ namespace {
 using base::two_pi;
 constexpr double percent = 100.0;
 
-Json model_json(const observation::ModelMode& mode) {
+Json model_json(const ComparedModes& c, int model) {
+  const auto& mode = c.result.model[static_cast<std::size_t>(model)];
   return {{"frequency_hz", mode.omega() / two_pi},
           {"damping_ratio", mode.damping_ratio()},
           {"pole", {{"re", mode.pole.real()}, {"im", mode.pole.imag()}}},
-          {"label", mode.label}};
+          {"label", c.labels[static_cast<std::size_t>(model)]}};
 }
 
 }  // namespace
 
+ComparedModes compared_with(const identification::Identification& measured,
+                            const observation::ComparisonFrame& frame, dynamics::ModelKind kind,
+                            observation::Observed source, double highest_damping) {
+  auto model = observation::observe(frame.machine, frame.X_BP, kind, source);
+  ComparedModes compared{.source = source, .kind = kind};
+  for (const auto& mode : model.modes)
+    compared.labels.push_back(modal::mode_label(
+        modal::energy_shares(model.mechanics, mode.shape.real(), mode.shape.imag()),
+        mode.pole.real() < 0.0));
+  compared.result = observation::compare_modes(identification::modal_results(measured),
+                                               std::move(model.modes), frame, highest_damping);
+  return compared;
+}
+
+std::string_view words(observation::Unpaired reason) {
+  switch (reason) {
+    case observation::Unpaired::not_found:
+      return "not found";
+    case observation::Unpaired::not_felt:
+      return "the platform does not feel it";
+    case observation::Unpaired::not_seen:
+      break;
+  }
+  return "the outputs do not see it";
+}
+
 std::string comparison_heading(const ComparedModes& c) {
   return fmt::format("{}, pose {}, {} model: {}", c.machine, c.pose, dynamics::name(c.kind),
-                     observation::source_description(c.source));
+                     observation::description(c.source));
 }
 
 Json comparison_json(const ComparedModes& c, const identification::Identification& measured) {
   Json pairs = Json::array(), alone = Json::array(), left = Json::array(), names = Json::array();
   for (const auto& p : c.result.pairs) {
     Json pair{{"mode", p.measured + 1},
-              {"model", model_json(c.result.model[static_cast<std::size_t>(p.model)])},
+              {"model", model_json(c, p.model)},
               {"frequency_difference_percent", percent * p.frequency_difference},
               {"damping_difference_percent", percent * p.damping_difference},
               {"mac", nullptr}};
@@ -40,8 +69,8 @@ Json comparison_json(const ComparedModes& c, const identification::Identificatio
   }
   for (const int r : c.result.measured_left) alone.push_back(r + 1);
   for (const auto& l : c.result.model_left) {
-    Json mode = model_json(c.result.model[static_cast<std::size_t>(l.model)]);
-    mode["reason"] = l.reason;
+    Json mode = model_json(c, l.model);
+    mode["reason"] = words(l.reason);
     left.push_back(std::move(mode));
   }
   for (const int o : c.result.outputs)
@@ -52,7 +81,8 @@ Json comparison_json(const ComparedModes& c, const identification::Identificatio
     mac.push_back(std::vector<double>(row.begin(), row.end()));
   }
   Json model = Json::array();
-  for (const auto& mode : c.result.model) model.push_back(model_json(mode));
+  for (int k = 0; k < static_cast<int>(c.result.model.size()); ++k)
+    model.push_back(model_json(c, k));
   return {{"machine", c.machine},
           {"pose", c.pose},
           {"model", dynamics::name(c.kind)},
@@ -85,7 +115,7 @@ std::string comparison_csv(const ComparedModes& c, const identification::Identif
   for (const auto& l : c.result.model_left) {
     const auto& model = c.result.model[static_cast<std::size_t>(l.model)];
     text += fmt::format(",,{:.17g},,,{:.17g},,,{}\n", model.omega() / two_pi, model.damping_ratio(),
-                        l.reason);
+                        words(l.reason));
   }
   return text;
 }

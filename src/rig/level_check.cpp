@@ -13,13 +13,13 @@
 #include "hydrapod/kinematics/inverse.hpp"
 #include "hydrapod/rig/rig.hpp"
 #include "hydrapod/simulation/system_poles.hpp"
+#include "hydrapod/spatial/directions.hpp"
 #include "rig_work.hpp"
 
 namespace hydrapod::rig {
 
 namespace {
 
-constexpr std::array<const char*, 6> directions{"x", "y", "z", "rx", "ry", "rz"};
 constexpr double mm = 1e-3;
 
 struct Peaks {
@@ -43,23 +43,18 @@ spatial::Matrix6 force_matrix(const model::Machine& machine, const spatial::Pose
 
 Peaks peaks_of(const RigOptions& options, double sample_time, const spatial::Matrix6& J,
                const spatial::Matrix6& forces = spatial::Matrix6::Zero()) {
-  Excitation excitation(options.signals, 1.0 / sample_time, options.seed);
+  signals::Generator signals(options.signals, 1.0 / sample_time, options.seed);
   const double seconds = std::min(options.settling + options.duration, longest_checked);
-  const bool smooth = is_smooth(options.signals);
   Peaks peaks;
-  Vector6 before = Vector6::Zero(), last = Vector6::Zero(), one_before = Vector6::Zero();
+  Vector6 last_rate = Vector6::Zero();
   for (long k = 0; k < std::lround(seconds / sample_time); ++k) {
-    const Vector6 sample = fade_in(static_cast<double>(k) * sample_time) * excitation.next();
-    const Vector6 legs = J * sample;
-    peaks.direction = peaks.direction.cwiseMax(sample.cwiseAbs());
-    peaks.leg = peaks.leg.cwiseMax(legs.cwiseAbs());
-    if (smooth) peaks.leg_rate = peaks.leg_rate.cwiseMax((legs - before).cwiseAbs() / sample_time);
-    const Vector6 acceleration = (sample - 2.0 * last + one_before) / (sample_time * sample_time);
-    if (smooth && k > 1)
-      peaks.leg_force = peaks.leg_force.cwiseMax((forces * acceleration).cwiseAbs());
-    before = legs;
-    one_before = last;
-    last = sample;
+    const signals::Sample sample = signals.next();
+    peaks.direction = peaks.direction.cwiseMax(sample.value.cwiseAbs());
+    peaks.leg = peaks.leg.cwiseMax((J * sample.value).cwiseAbs());
+    peaks.leg_rate = peaks.leg_rate.cwiseMax((J * sample.rate).cwiseAbs());
+    const Vector6 acceleration = (sample.rate - last_rate) / sample_time;
+    if (k > 0) peaks.leg_force = peaks.leg_force.cwiseMax((forces * acceleration).cwiseAbs());
+    last_rate = sample.rate;
   }
   return peaks;
 }
@@ -89,8 +84,8 @@ void judge_strokes(const Peaks& peaks, const spatial::Matrix6& J, const Vector6&
     findings.push_back({base::Severity::error,
                         fmt::format("{} at this level needs {:.3g} mm of stroke in leg {}, {:.3g} "
                                     "mm left",
-                                    directions[static_cast<std::size_t>(i)], needs[leg] / mm,
-                                    leg + 1, std::max(room[leg], 0.0) / mm)});
+                                    spatial::direction_name(i), needs[leg] / mm, leg + 1,
+                                    std::max(room[leg], 0.0) / mm)});
   }
   Eigen::Index leg = 0;
   if (!one_alone && (peaks.leg - room).maxCoeff(&leg) > 0.0)

@@ -8,18 +8,18 @@
 #include <stdexcept>
 
 #include "hydrapod/kinematics/inverse.hpp"
-#include "hydrapod/simulation/gaussian.hpp"
+#include "hydrapod/numerics/gaussian.hpp"
 #include "hydrapod/simulation/sensors.hpp"
+#include "hydrapod/spatial/directions.hpp"
 #include "rig_work.hpp"
 
 namespace hydrapod::rig {
 
 namespace {
 
-using simulation::Gaussian;
+using numerics::Gaussian;
 using simulation::LoopSample;
 
-constexpr std::array<const char*, 6> directions{"x", "y", "z", "rx", "ry", "rz"};
 constexpr int excitations = 6, currents = 6, lengths = 6, pressures = 12;
 constexpr int before_accelerometers = excitations + currents + lengths + pressures;
 constexpr std::uint64_t noise_streams = 1'000'000;  ///< apart from those of the excitation
@@ -166,45 +166,30 @@ class Recorder {
   Vector6 drive_signal_{Vector6::Zero()};
 };
 
-/// The excitation at controller samples, with its rate where it has one.
+/// The excitation at controller samples.
 class Source {
  public:
   Source(const simulation::ClosedLoop& loop, const RigOptions& options)
-      : options_(options),
-        sample_time_(loop.parameters().sample_time),
-        excitation_(options.signals, 1.0 / sample_time_, options.seed),
-        smooth_(is_smooth(options.signals)),
-        shares_(drive_shares(excitation_jacobian(loop.plant().machine(), loop.operating()))) {
-    next_ = faded_next();
-  }
+      : entry_(options.entry),
+        signals_(options.signals, 1.0 / loop.parameters().sample_time, options.seed),
+        shares_(drive_shares(excitation_jacobian(loop.plant().machine(), loop.operating()))) {}
 
   void fill(simulation::Excitation& out, Recorder& recorder) {
-    const Vector6 before = now_;
-    now_ = next_;
-    next_ = faded_next();
-    if (options_.entry == Entry::command) {
-      out.command.value = now_;
-      if (smooth_) out.command.rate = (next_ - before) / (2.0 * sample_time_);
-    } else if (options_.entry == Entry::drive) {
-      out.drive = shares_ * now_;
-      recorder.set_drive_signal(now_);
+    const signals::Sample now = signals_.next();
+    if (entry_ == Entry::command) {
+      out.command = now;
+    } else if (entry_ == Entry::drive) {
+      out.drive = shares_ * now.value;
+      recorder.set_drive_signal(now.value);
     } else {
-      out.wrench = now_;
+      out.wrench = now.value;
     }
   }
 
  private:
-  Vector6 faded_next() {
-    return fade_in(static_cast<double>(sample_++) * sample_time_) * excitation_.next();
-  }
-
-  const RigOptions& options_;
-  double sample_time_;
-  Excitation excitation_;
-  bool smooth_;
+  Entry entry_;
+  signals::Generator signals_;
   spatial::Matrix6 shares_;
-  Vector6 now_{Vector6::Zero()}, next_{Vector6::Zero()};
-  std::int64_t sample_{};
 };
 
 }  // namespace
@@ -219,25 +204,17 @@ spatial::Matrix6 drive_shares(const spatial::Matrix6& J) {
   return shares;
 }
 
-bool is_smooth(const std::vector<SignalSpec>& signals) {
-  return std::none_of(signals.begin(), signals.end(), [](const SignalSpec& spec) {
-    return std::holds_alternative<WhiteNoise>(spec) || std::holds_alternative<BinarySequence>(spec);
-  });
-}
-
-double fade_in(double time) {
-  constexpr double duration = 0.5;
-  if (time >= duration) return 1.0;
-  const double u = time / duration;
-  return u * u * u * (10.0 - 15.0 * u + 6.0 * u * u);
-}
-
-std::vector<SignalSpec> default_signals(Entry entry) {
-  WhiteNoise noise;
-  if (entry == Entry::command) noise.rms.setConstant(1e-4);
-  if (entry == Entry::drive) noise.rms.setConstant(0.02);
-  if (entry == Entry::wrench) noise.rms << 100.0, 100.0, 100.0, 50.0, 50.0, 50.0;
+std::vector<signals::Signal> default_signals(Entry entry) {
+  signals::Signal noise{.form = signals::White{}};
+  if (entry == Entry::command) noise.size.setConstant(1e-4);
+  if (entry == Entry::drive) noise.size.setConstant(0.02);
+  if (entry == Entry::wrench) noise.size << 100.0, 100.0, 100.0, 50.0, 50.0, 50.0;
   return {noise};
+}
+
+const signals::Units& units_of(Entry entry) {
+  if (entry == Entry::drive) return signals::drive_units;
+  return entry == Entry::wrench ? signals::wrench_units : signals::displacement_units;
 }
 
 std::vector<data::Channel> rig_channels(const RigOptions& options) {
@@ -245,10 +222,8 @@ std::vector<data::Channel> rig_channels(const RigOptions& options) {
   using data::Role;
   std::vector<data::Channel> list;
   for (int i = 0; i < 6; ++i) {
-    const char* unit = options.entry == Entry::command ? (i < 3 ? "m" : "rad")
-                       : options.entry == Entry::drive ? "1"
-                                                       : (i < 3 ? "N" : "N m");
-    list.push_back({fmt::format("excitation {}", directions[static_cast<std::size_t>(i)]), unit,
+    list.push_back({fmt::format("excitation {}", spatial::direction_name(i)),
+                    units_of(options.entry)[static_cast<std::size_t>(i)],
                     static_cast<Direction>(i + 1), Role::excitation, 0});
   }
   for (int leg = 1; leg <= 6; ++leg)

@@ -11,10 +11,4 @@ spatial::Matrix6 excitation_jacobian(const model::Machine& machine, const spatia
 /// Columns of J over their largest entries: drives per direction.
 spatial::Matrix6 drive_shares(const spatial::Matrix6& J);
 
-/// Can the signals be differentiated? Then their rate goes to the controller's feed-forward.
-bool is_smooth(const std::vector<SignalSpec>& signals);
-
-/// Smooth rise from 0 to 1 over the first half second.
-double fade_in(double time);
-
 }  // namespace hydrapod::rig

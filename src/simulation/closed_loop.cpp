@@ -267,8 +267,22 @@ RunSummary ClosedLoop::run(const ExcitationSource& source, const LoopSink& sink,
   return run.go(source, sink, keep_going);
 }
 
-ExcitationSource command_source(Signal& signal) {
-  return [&signal](double, Excitation& excitation) { excitation.command = signal.next(); };
+ExcitationSource command_source(signals::Generator& signals) {
+  return [&signals](double, Excitation& excitation) { excitation.command = signals.next(); };
+}
+
+control::Command command_at(const Pose& operating, const signals::Sample& displacement) {
+  const Vector3 rpy = displacement.value.tail<3>(), rates = displacement.rate.tail<3>();
+  const double sy = std::sin(rpy.y()), cy = std::cos(rpy.y());
+  const double sz = std::sin(rpy.z()), cz = std::cos(rpy.z());
+  control::Command command;
+  command.X_BP = {spatial::rotation_from_rpy(rpy) * operating.R_BP,
+                  operating.p_BP + displacement.value.head<3>()};
+  // The angular velocity in base axes of Rz(rz) Ry(ry) Rx(rx).
+  command.velocity << displacement.rate.head<3>(), rates.x() * Vector3(cz * cy, sz * cy, -sy) +
+                                                       rates.y() * Vector3(-sz, cz, 0.0) +
+                                                       rates.z() * Vector3::UnitZ();
+  return command;
 }
 
 Vector6 displacement_between(const Pose& operating, const Pose& X_BP) {

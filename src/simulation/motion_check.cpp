@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "hydrapod/kinematics/pose_quality.hpp"
+#include "hydrapod/simulation/closed_loop.hpp"
 
 namespace hydrapod::simulation {
 
@@ -135,7 +136,8 @@ class MotionCheck {
 
 std::vector<MotionFinding> check_motion(const Plant& plant,
                                         const control::ControllerParameters& parameters,
-                                        const Pose& operating, Signal& signal, double until) {
+                                        const Pose& operating, signals::Generator& signal,
+                                        double until) {
   MotionCheck check(plant, parameters);
   const double T = parameters.sample_time;
   const long samples = static_cast<long>(std::floor(until / T + 1e-6));

@@ -4,9 +4,8 @@
 
 #include <algorithm>
 
+#include "hydrapod/base/key_values.hpp"
 #include "hydrapod/base/nearest.hpp"
-#include "hydrapod/base/text.hpp"
-#include "hydrapod/base/units.hpp"
 #include "hydrapod/kinematics/check_machine.hpp"
 #include "hydrapod/spatial/directions.hpp"
 
@@ -21,25 +20,12 @@ namespace {
 /// `z=50 mm, ry=5 deg` from the neutral pose.
 spatial::Pose displaced_pose(const spatial::Pose& neutral, const std::string& text,
                              const std::string& argument) {
-  std::array<std::optional<double>, 6> value{};
-  for (const auto& part : base::split(text, ",")) {
-    const auto equals = part.find('=');
-    const std::string key(base::trimmed(part.substr(0, equals)));
-    const auto direction = spatial::direction_from_name(key);
-    if (equals == std::string::npos || !direction)
-      bad(argument, fmt::format("'{}' is no displacement from the neutral pose; accepted are {}, "
-                                "for instance \"z=50 mm, ry=5 deg\"",
-                                part, fmt::join(spatial::direction_names, ", ")));
-    auto& number = value.at(static_cast<std::size_t>(*direction));
-    if (number) bad(argument, fmt::format("{} is given twice", key));
-    const auto read = base::read_plain_or_quantity(base::trimmed(part.substr(equals + 1)),
-                                                   *direction < 3 ? "m" : "rad");
-    if (!read.ok()) bad(argument, read.problem);
-    number = read.value;
-  }
-  const auto of = [&](std::size_t index) { return value[index].value_or(0.0); };
-  return {spatial::rotation_from_rpy({of(3), of(4), of(5)}) * neutral.R_BP,
-          neutral.p_BP + spatial::Vector3(of(0), of(1), of(2))};
+  base::KeyValues values(argument, text);
+  spatial::Vector6 d;
+  for (int i = 0; i < 6; ++i)
+    d[i] = values.number(spatial::direction_name(i), i < 3 ? "m" : "rad").value_or(0.0);
+  values.finish();
+  return {spatial::rotation_from_rpy(d.tail<3>()) * neutral.R_BP, neutral.p_BP + d.head<3>()};
 }
 
 }  // namespace

@@ -9,8 +9,6 @@
 #include "hydrapod/base/file.hpp"
 #include "hydrapod/base/nearest.hpp"
 #include "hydrapod/calibration/targets_file.hpp"
-#include "hydrapod/diagnosis/responses.hpp"
-#include "hydrapod/identification/exchange.hpp"
 #include "hydrapod/kinematics/check_machine.hpp"
 #include "hydrapod/report/identification_json.hpp"
 
@@ -140,10 +138,6 @@ Measured opened(const MeasureOptions& options) {
   return measured;
 }
 
-std::function<bool(double)> going_on(const Progress& progress) {
-  return [&progress](double share) { return !progress || !progress(share); };
-}
-
 void note_reading(const MeasureOptions& options, Measured& measured) {
   auto& m = measured.measurement;
   append(m.notes, measured.warnings);
@@ -186,9 +180,9 @@ Measured responses_from(const report::Json& json, const std::string& path) {
 }
 
 Measured responses_of_universal_file(const std::string& path) {
-  auto read = data::read_frequency_response(path);
+  auto read = data::read_frequency_responses(path);
   Measured measured{.warnings = read.notes};
-  measured.measurement.responses = identification::from_exchange(read.response, path);
+  measured.measurement.responses = std::move(read.responses);
   return measured;
 }
 
@@ -203,7 +197,8 @@ void add_bootstrap(const IdentifyOptions& options, const Progress& progress, Ide
       *measured.records, estimate_options(options.measure, measured), groups);
   found.bootstrap = identification::bootstrap_modes(
       grouped.groups, grouped.choice, grouped.estimator, found.modes,
-      {.resamples = options.bootstrap, .identify = options.modes}, going_on(progress));
+      {.resamples = options.bootstrap, .identify = options.modes},
+      [&](double share) { return !progress || !progress(share); });  // it asks whether to go on
 }
 
 void add_comparison(const IdentifyOptions& options, Identified& found) {
@@ -218,15 +213,12 @@ void add_comparison(const IdentifyOptions& options, Identified& found) {
   const auto source = options.against         ? *options.against
                       : observed_in(measured) ? *observed_in(measured)
                                               : observation::Observed::mechanics;
-  report::ComparedModes compared{.source = source,
-                                 .kind = machine.kind,
-                                 .machine = machine.file.machine.name,
-                                 .pose = machine.pose.name};
-  compared.result = comparison::compare_modes(
+  auto compared = report::compared_with(
       found.modes,
-      observation::model_modes(machine.file.machine, machine.pose.X_BP, machine.kind, source),
       {machine.file.machine, machine.pose.X_BP, measured_point(options.measure, machine)},
-      options.modes.highest_damping);
+      machine.kind, source, options.modes.highest_damping);
+  compared.machine = machine.file.machine.name;
+  compared.pose = machine.pose.name;
   found.compared = std::move(compared);
 }
 
@@ -272,7 +264,7 @@ observation::Targets calculated_targets(const report::Json& json, const std::str
 }
 
 /// Where a record says it: what its inputs see, and the point that forces of the rig act at.
-void look_into(const Measured& measured, diagnosis::MeasuredAt& at) {
+void look_into(const Measured& measured, observation::MeasuredAt& at) {
   if (!at.observed) at.observed = observed_in(measured);
   const auto* experiment = measured.experiment();
   if (experiment == nullptr || !experiment->excitation || experiment->machine.empty()) return;
@@ -282,7 +274,7 @@ void look_into(const Measured& measured, diagnosis::MeasuredAt& at) {
 
 /// Targets of responses, by way of their modes.
 observation::Targets identified_targets(const Measured& measured, const std::string& path,
-                                        const Machine& machine, diagnosis::MeasuredAt at,
+                                        const Machine& machine, observation::MeasuredAt at,
                                         const Progress& progress, Diagnostics& warnings) {
   look_into(measured, at);
   append(measured.warnings, warnings);
@@ -294,8 +286,8 @@ observation::Targets identified_targets(const Measured& measured, const std::str
     bad(path,
         "no mode was found in it; a longer record, or one with more excitation, shows more "
         "(`hydrapod identify` says what was tried)");
-  auto targets = diagnosis::measured_modes(found, machine.file.machine, at);
-  if (auto all = diagnosis::measured_responses(measured.responses(), machine.file.machine, at))
+  auto targets = observation::measured_modes(identification::modal_results(found), machine.file.machine, at);
+  if (auto all = observation::measured_responses(measured.responses(), machine.file.machine, at))
     targets.responses.push_back(std::move(*all));
   return targets;
 }
@@ -339,7 +331,7 @@ observation::Targets read_one(const MeasuredFile& file, const Machine& machine,
                               std::optional<observation::Observed> observed,
                               const Progress& progress, Diagnostics& warnings) {
   const auto& path = file.path;
-  diagnosis::MeasuredAt at{
+  observation::MeasuredAt at{
       .pose = file.pose, .point = machine.file.machine.platform.mass_center, .observed = observed};
   if (is_mode_list(path)) {
     auto targets = calibration::read_targets(path).targets;
@@ -352,7 +344,7 @@ observation::Targets read_one(const MeasuredFile& file, const Machine& machine,
     const auto list = report::identified_modes_from_csv(path);
     at.against = list.against;
     if (!at.observed) at.observed = list.observed;
-    return diagnosis::measured_modes(list.modes, of, at);
+    return observation::measured_modes(list.modes, of, at);
   }
   if (kind == data::FileKind::json) {
     const auto json = parsed_json(path, {"\"identified_modes\"", "\"modes\"", "\"frf\""});
@@ -365,7 +357,7 @@ observation::Targets read_one(const MeasuredFile& file, const Machine& machine,
     auto modes = report::identification_from_json(json, path);
     measured.measurement.responses.inputs = modes.responses.inputs;
     look_into(measured, at);
-    return diagnosis::measured_modes(modes, of, at);
+    return observation::measured_modes(identification::modal_results(modes), of, at);
   }
   refuse_modal_results(path);
   MeasureOptions options{.files = {path}, .known = machine};
@@ -404,7 +396,7 @@ Measured frf(const MeasureOptions& options, const Progress& progress) {
   refuse_modal_results(first);
   auto measured = opened(options);
   measured.measurement = identification::measure_responses(
-      *measured.records, estimate_options(options, measured), going_on(progress));
+      *measured.records, estimate_options(options, measured), progress);
   note_reading(options, measured);
   return measured;
 }
@@ -412,14 +404,14 @@ Measured frf(const MeasureOptions& options, const Progress& progress) {
 Measured measure_outputs(const MeasureOptions& options, const Progress& progress) {
   auto measured = opened(options);
   measured.measurement = identification::measure_outputs(
-      *measured.records, estimate_options(options, measured), going_on(progress));
+      *measured.records, estimate_options(options, measured), progress);
   note_reading(options, measured);
   return measured;
 }
 
 std::optional<observation::Observed> observed_in(const Measured& measured) {
   if (measured.experiment() == nullptr || !measured.experiment()->excitation) return {};
-  return diagnosis::from_drives(measured.responses()) ? observation::Observed::plant
+  return observation::from_drives(measured.responses().inputs) ? observation::Observed::plant
                                                       : observation::Observed::system;
 }
 

@@ -6,8 +6,7 @@
 #include <memory>
 
 #include "hydrapod/base/version.hpp"
-#include "hydrapod/rig/signal_text.hpp"
-#include "hydrapod/simulation/command_text.hpp"
+#include "hydrapod/signals/signal_text.hpp"
 
 namespace hydrapod::tasks {
 
@@ -100,11 +99,11 @@ data::RecordHeader rig_header(const Machine& machine, const rig::RigOptions& opt
   excitation.entry = entries.at(static_cast<std::size_t>(options.entry));
   spatial::Vector6 squares = spatial::Vector6::Zero();
   for (const auto& signal : options.signals) {
-    excitation.signals.push_back(rig::description(signal));
-    squares += std::visit([](const auto& s) { return s.rms.cwiseAbs2().eval(); }, signal);
+    excitation.signals.push_back(signals::signal_text(signal, rig::units_of(options.entry)));
+    squares += signal.size.cwiseAbs2();
   }
   for (int d = 0; d < 6; ++d) excitation.level.at(d) = std::sqrt(squares[d]);
-  if (const auto period = rig::period_samples(options.signals, 1.0 / controller.sample_time))
+  if (const auto period = signals::period_samples(options.signals, 1.0 / controller.sample_time))
     excitation.period = static_cast<double>(*period) * controller.sample_time;
   header.experiment.controller = controller_text(controller);
   for (const auto& one : options.instruments.accelerometers)
@@ -140,7 +139,7 @@ report::Simulation simulate(const Machine& machine, const SimulateOptions& optio
     auto header = header_of(machine, options.loop.seed, options.command_line);
     for (const auto& command : prepared.commands)
       header.notes += fmt::format("{}command: {}", header.notes.empty() ? "" : "\n",
-                                  simulation::description(command));
+                                  signals::signal_text(command));
     record.emplace(options.record, *prepared.loop, std::move(header));
   }
   auto result = report::run_simulation(
@@ -161,7 +160,7 @@ Rig rig(const Machine& machine, const RigOptions& asked, const Progress& progres
   if (options.signals.empty()) options.signals = rig::default_signals(options.entry);
   if (asked.averages > 0) {
     const double rate = 1.0 / of.controller.sample_time;
-    const auto period = rig::period_samples(options.signals, rate);
+    const auto period = signals::period_samples(options.signals, rate);
     if (!period)
       bad("--averages", "the excitation does not repeat; give its duration instead");
     options.duration = asked.averages * static_cast<double>(*period) / rate;

@@ -56,9 +56,10 @@ Targets targets_of(const model::MachineFile& file, ModelKind kind, MotionAgainst
     for (int k = 0; k < modes.size(); ++k) {
       Vector6 shape = modes.shapes.col(k).head<6>();
       if (shape.dot(model.platform_mass * shape) < 0.01) continue;
-      if (modal::neighbours(modes, k, seen_as_one).size() > 1) continue;
+      if (modal::neighbours(modes, k, 2.0 * ObservationOptions{}.same_frequency).size() > 1)
+        continue;
       auto target = here[static_cast<std::size_t>(k)];
-      shape = seen_motion(model, against) * shape;
+      if (against == MotionAgainst::base) shape = model.against_base * shape;
       if (point)
         shape.head<3>() += spatial::Vector3(shape.tail<3>()).cross(X_BP * *point - model.p_BC);
       for (double& s : shape) s *= 1.0 + error * test::normal(random);

@@ -30,11 +30,10 @@ class DiagnoseForces : public testing::Test {
     const auto at_center =
         response::response_model(model, modal::normal_modes(model),
                                  modal::modal_ratio(machine).value, machine.platform.mass_center);
-    data::FrequencyResponse file{.title = "hammer"};
+    data::FrequencyResponses file{.title = "hammer"};
     std::vector<double> omega;
     for (int line = 20; line <= 400; ++line) omega.push_back(2.0 * std::numbers::pi * 0.05 * line);
-    file.frequency = Eigen::VectorXd::Map(omega.data(), static_cast<Eigen::Index>(omega.size())) /
-                     (2.0 * std::numbers::pi);
+    for (const double each : omega) file.frequency.push_back(each / (2.0 * std::numbers::pi));
     for (int k = 0; k < 6; ++k) {
       const auto direction = static_cast<data::Direction>(k + 1);
       file.outputs.push_back({.name = "acceleration " + std::to_string(k + 1),
@@ -50,9 +49,9 @@ class DiagnoseForces : public testing::Test {
     }
     for (const auto& H :
          response::frequency_response(at_center, omega, response::Output::acceleration))
-      file.response.emplace_back(H);
+      file.H.emplace_back(H);
     const auto path = (folder_ / "hammer.uff").string();
-    data::write_frequency_response(path, file);
+    data::write_frequency_responses(path, file);
     return path;
   }
 

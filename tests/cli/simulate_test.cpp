@@ -33,7 +33,7 @@ TEST(Simulate, ShowsHowAStepSettles) {
   const auto result = run_hydrapod(
       {"simulate", published, "--command", "step z=2 mm", "--until", "3", "--model", "rigid"});
   EXPECT_EQ(result.exit_code, 0) << result.err;
-  EXPECT_THAT(result.out, AllOf(HasSubstr("step of z 2 mm at 0.1 s"), HasSubstr("rigid legs"),
+  EXPECT_THAT(result.out, AllOf(HasSubstr("step z=2 mm, at=0.1 s"), HasSubstr("rigid legs"),
                                 HasSubstr("within 2 % after"), HasSubstr("stroke used")));
 }
 
@@ -72,7 +72,7 @@ TEST(Simulate, WritesRecordsThatSayWhatTheyAre) {
     EXPECT_EQ(record.header.experiment.machine, test::read_text(published));
     EXPECT_EQ(record.header.experiment.seed, 7U);
     EXPECT_FALSE(record.header.experiment.excitation);  // of no test rig
-    EXPECT_THAT(record.header.notes, HasSubstr("noise of RMS"));
+    EXPECT_THAT(record.header.notes, HasSubstr("noise x=1 mm, ry=0.05 deg"));
     const auto length = data::find_channel(record.header, "leg3.length");
     EXPECT_EQ(record.header.channels.at(length.value()).unit, "m");
     ends.push_back(last_of(record, "leg3.length"));
@@ -141,7 +141,7 @@ TEST(Simulate, MistakesInArgumentsAreNamed) {
   };
   EXPECT_EQ(complaint({"--command", "sine z=1 mm, frequency=600"}),
             "--command sine z=1 mm, frequency=600: error: sine: frequency is 600, expected more "
-            "than 0 and less than 500 Hz, half the controller's sample rate\n");
+            "than 0 and less than 500 Hz, half the sample rate\n");
   EXPECT_EQ(complaint({"--until", "-1"}), "--until -1: error: expected a time of more than 0 s\n");
   EXPECT_EQ(complaint({"--integrator", "euler"}),
             "--integrator euler: error: unknown value; accepted are adaptive, adams, bdf, fixed\n");

@@ -5,8 +5,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "hydrapod/data/overview.hpp"
-#include "hydrapod/data/resample.hpp"
+#include "hydrapod/data/processing.hpp"
 #include "support/random.hpp"
 
 namespace hydrapod::test {

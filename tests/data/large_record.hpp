@@ -10,7 +10,8 @@
 #include <cmath>
 #include <string>
 
-#include "hydrapod/data/overview.hpp"
+#include "hydrapod/data/processing.hpp"
+#include "hydrapod/data/record_io.hpp"
 #include "support/run_program.hpp"
 
 namespace hydrapod::test {

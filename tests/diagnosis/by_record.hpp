@@ -3,8 +3,7 @@
 /// one per pose, identified without any setting.
 
 #include "hydrapod/base/error.hpp"
-#include "hydrapod/diagnosis/measured.hpp"
-#include "hydrapod/diagnosis/responses.hpp"
+#include "hydrapod/observation/targets.hpp"
 #include "kept_records.hpp"
 #include "support/rig_record.hpp"
 
@@ -36,17 +35,18 @@ inline Measure by_record(const RecordSetting& setting) {
       const auto found = identification::identify_modes(responses);
       keep_modes(test, name, found);
       // the owner's file says where the legs are; where the mass centre is it may not
-      diagnosis::MeasuredAt at{.pose = name, .point = spatial::Vector3::Zero()};
+      observation::MeasuredAt at{.pose = name, .point = spatial::Vector3::Zero()};
       if (setting.force > 0.0) {  // about the mass centre, and the controller is at work
         at.observed = observation::Observed::system;
         at.force_point = truth.machine.platform.mass_center;
       }
-      const auto targets = diagnosis::measured_modes(found, truth.machine, at);
+      const auto targets =
+          observation::measured_modes(identification::modal_results(found), truth.machine, at);
       if (all.modes.empty())
         all = targets;
       else
         all.modes.insert(all.modes.end(), targets.modes.begin(), targets.modes.end());
-      if (const auto lines = diagnosis::measured_responses(responses, truth.machine, at))
+      if (const auto lines = observation::measured_responses(responses, truth.machine, at))
         all.responses.push_back(*lines);
     }
     return all;

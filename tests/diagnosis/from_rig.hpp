@@ -4,8 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "hydrapod/diagnosis/diagnose.hpp"
-#include "hydrapod/diagnosis/measured.hpp"
-#include "hydrapod/diagnosis/responses.hpp"
+#include "hydrapod/observation/targets.hpp"
 #include "support/calibration_machine.hpp"
 #include "support/rig_record.hpp"
 #include "support/run_program.hpp"
@@ -23,15 +22,15 @@ inline diagnosis::Diagnosis diagnosed_on_rig(const std::string& name,
   const auto file = machine_file(text, design);
   experiment.X_BP = machine.neutral();
   experiment.point = spatial::Vector3::Zero();
-  diagnosis::MeasuredAt at{.pose = "neutral", .point = spatial::Vector3::Zero()};
+  observation::MeasuredAt at{.pose = "neutral", .point = spatial::Vector3::Zero()};
   if (experiment.force > 0.0) {  // about the mass centre, and the controller is at work
     at.observed = observation::Observed::system;
     at.force_point = machine.platform.mass_center;
   }
   const auto responses = measured_on_rig(machine, experiment);
-  auto targets =
-      diagnosis::measured_modes(identification::identify_modes(responses), file.machine, at);
-  if (const auto lines = diagnosis::measured_responses(responses, file.machine, at))
+  auto targets = observation::measured_modes(
+      identification::modal_results(identification::identify_modes(responses)), file.machine, at);
+  if (const auto lines = observation::measured_responses(responses, file.machine, at))
     targets.responses.push_back(*lines);
   return diagnosis::diagnose(file, targets, dynamics::ModelKind::guide, file.machine.poses);
 }

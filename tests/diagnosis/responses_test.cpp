@@ -21,7 +21,10 @@ using observation::Entry;
 using observation::Observed;
 using observation::Targets;
 using Complex = std::complex<double>;
-using identification::FrequencyResponses;
+using data::FrequencyResponses;
+using observation::entry_of;
+using observation::measured_responses;
+using observation::MeasuredAt;
 
 constexpr double two_pi = 2.0 * std::numbers::pi;
 const MeasuredAt at{"low", {0.137, -0.219, 0.083}};

@@ -50,7 +50,7 @@ inline void read_as_record(const std::string& bytes) {
   }
   if (!bytes.starts_with("    -1")) return;
   try {
-    data::validate(data::read_frequency_response(path).response);
+    data::validate(data::read_frequency_responses(path).responses);
   } catch (const base::InputError& error) {
     if (error.diagnostics().empty()) std::abort();
   }

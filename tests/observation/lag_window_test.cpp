@@ -1,6 +1,6 @@
 /// The window's transform against quadrature of the sampled autocorrelation.
 
-#include "hydrapod/observation/lag_window.hpp"
+#include "hydrapod/observation/targets.hpp"
 
 #include <gtest/gtest.h>
 

@@ -44,6 +44,16 @@ TEST(Assignment, RefusesMoreTargetsThanModes) {
   EXPECT_THROW(assign(Eigen::MatrixXd::Zero(3, 2)), std::invalid_argument);
 }
 
+/// Undamped poles by their distance, damped ones by their decay too; a chain is one group.
+TEST(Groups, AreWhatNoMeasurementSeparates) {
+  using Pole = std::complex<double>;
+  const std::vector<Pole> undamped{{0, 10.0}, {0, 10.04}, {0, 10.08}, {0, 10.2}};
+  EXPECT_EQ(groups_of(undamped), (std::vector<std::vector<int>>{{0, 1, 2}, {3}}));
+  const std::vector<Pole> damped{{-1.0, 10.0}, {-0.9, 30.0}, {-1.1, 10.19}, {-0.1, 10.4}};
+  EXPECT_EQ(groups_of(damped), (std::vector<std::vector<int>>{{0, 2}, {1}, {3}}));
+  EXPECT_EQ(groups_of(damped, {.same_decay = 0.05}).size(), 4U);
+}
+
 /// Two frequencies that have crossed: names tell them apart, order does not.
 TEST(Pairing, FollowsNamesThroughACrossing) {
   test::Random random(3);
@@ -59,15 +69,18 @@ TEST(Pairing, FollowsNamesThroughACrossing) {
   const int a = labelled[0], b = labelled[1];
   ASSERT_NE(targets[a].direction, targets[b].direction);
   std::swap(targets[a].omega, targets[b].omega);
-  std::vector<const ModeTarget*> list;
-  for (const auto& target : targets) list.push_back(&target);
-  EXPECT_EQ(pair_modes(model, modes, list)[a], a);
-  EXPECT_EQ(pair_modes(model, modes, list)[b], b);
+  SeenPoint point{.seen = {.mechanics = model, .modes = undamped_modes(model, modes)}};
+  const auto paired = [&] {
+    EXPECT_TRUE(pair_seen(targets, {0, 1, 2, 3, 4, 5}, point));
+    return point.mode_of;
+  };
+  EXPECT_EQ(paired()[a], a);
+  EXPECT_EQ(paired()[b], b);
   for (auto& target : targets) target.direction.reset();
-  EXPECT_EQ(pair_modes(model, modes, list)[a], b);
+  EXPECT_EQ(paired()[a], b);
   // a measured shape says the same as a name
   for (int k = 0; k < 6; ++k) targets[k].shape = modes.shapes.col(k).head<6>();
-  EXPECT_EQ(pair_modes(model, modes, list)[a], a);
+  EXPECT_EQ(paired()[a], a);
 }
 
 }  // namespace

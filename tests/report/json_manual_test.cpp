@@ -41,12 +41,9 @@ void add_identification_names(std::set<std::string>& names) {
   const auto found = identification::identify_modes(responses);
   ASSERT_EQ(found.modes.size(), 3U);
   auto machine = symmetric_machine(0.0);
-  report::ComparedModes compared{.machine = "m", .pose = "neutral"};
-  compared.result = comparison::compare_modes(
-      found,
-      observation::model_modes(machine, machine.neutral(), dynamics::ModelKind::rigid,
-                               observation::Source::mechanics),
-      {machine, machine.neutral(), spatial::Vector3::Zero()});
+  const auto compared =
+      report::compared_with(found, {machine, machine.neutral(), spatial::Vector3::Zero()},
+                            dynamics::ModelKind::rigid, observation::Observed::mechanics);
   Json json = report::identification_json(found);
   report::add_second_opinions(identification::second_opinion(found, responses), json);
   report::add_bootstrap({Eigen::Vector3d::Ones(), Eigen::Vector3d::Ones(), 2, 4}, json);

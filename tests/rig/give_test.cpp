@@ -7,8 +7,8 @@
 #include <cmath>
 #include <numbers>
 
-#include "hydrapod/comparison/compare_modes.hpp"
 #include "hydrapod/modal/normal_modes.hpp"
+#include "hydrapod/observation/pairing.hpp"
 #include "hydrapod/simulation/system_poles.hpp"
 #include "support/loop_machine.hpp"
 #include "support/rig_record.hpp"
@@ -37,10 +37,11 @@ double nearest(const identification::Identification& found, double frequency) {
 
 /// MAC of the identified modes with those of the model.
 std::vector<double> compared(const identification::Identification& found,
-                             const std::vector<observation::ModelMode>& model,
-                             const comparison::ComparisonFrame& frame) {
+                             const std::vector<observation::ObservedMode>& model,
+                             const observation::ComparisonFrame& frame) {
   std::vector<double> likeness;
-  for (const auto& pair : comparison::compare_modes(found, model, frame).pairs)
+  const auto modes = identification::modal_results(found);
+  for (const auto& pair : observation::compare_modes(modes, model, frame).pairs)
     likeness.push_back(pair.mac.value());
   return likeness;
 }
@@ -91,14 +92,15 @@ TEST(RigOnABaseThatGivesWay, ShowsTheLowerFrequencies) {
     EXPECT_NEAR(nearest(found, frequency), frequency, 7e-3 * frequency);
   }
   // leg lengths show shapes against the base
-  const comparison::ComparisonFrame frame{machine, machine.neutral(),
-                                          kinematics::mass_center(machine, machine.neutral())};
-  auto modes = observation::model_modes(machine, machine.neutral(), dynamics::ModelKind::rigid,
-                                        observation::Source::plant);
+  const observation::ComparisonFrame frame{machine, machine.neutral(),
+                                           kinematics::mass_center(machine, machine.neutral())};
+  auto modes = observation::observe(machine, machine.neutral(), dynamics::ModelKind::rigid,
+                                    observation::Observed::plant)
+                   .modes;
   const auto right = compared(found, modes, frame);
   ASSERT_EQ(right.size(), found.modes.size());
   EXPECT_GT(std::ranges::min(right), 0.995);
-  for (auto& mode : modes) mode.against_base = mode.motion;
+  for (auto& mode : modes) mode.against_base = mode.motion();
   const auto wrong = compared(found, modes, frame);
   EXPECT_LT(std::ranges::min(wrong), 0.6);
 }

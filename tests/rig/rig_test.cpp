@@ -11,7 +11,6 @@
 #include "hydrapod/kinematics/inverse.hpp"
 #include "hydrapod/model/machine_file.hpp"
 #include "hydrapod/rig/rig.hpp"
-#include "hydrapod/rig/signal_text.hpp"
 #include "support/run_program.hpp"
 
 namespace hydrapod::test {
@@ -48,7 +47,7 @@ data::Samples measured(const RigOptions& options, const model::Machine& machine 
 /// No excitation to speak of, sensors as asked for.
 RigOptions at_rest() {
   RigOptions options;
-  options.signals = {WhiteNoise{}};
+  options.signals = {{.form = signals::White{}}};
   options.settling = 0.5;
   options.duration = 2.0;
   options.oversampling = 1;
@@ -105,7 +104,7 @@ TEST(Rig, RangeSaturatesAndDropOutsAreMissing) {
 
 TEST(Rig, TheSameSeedGivesTheSameRecordBitForBit) {
   RigOptions options;
-  options.signals = {ShapedNoise{spatial::Vector6::Constant(1e-4), 0.0, 30.0, 0.0}};
+  options.signals = {{spatial::Vector6::Constant(1e-4), signals::Noise{0.0, 30.0}}};
   options.settling = 0.2;
   options.duration = 0.5;
   options.instruments.accelerometers = default_accelerometers(starter());
@@ -123,12 +122,12 @@ TEST(Rig, TheRecordShowsThePlannedExcitation) {
   options.oversampling = 2;  // with the anti-alias filter
   spatial::Vector6 levels;
   levels << 1.1e-4, 0.7e-4, 0.9e-4, 2.3e-4, 1.7e-4, 3.1e-4;
-  options.signals = {Multisine{levels, 1.0, 60.0, 2.0, 0.0, false, {}}};
+  options.signals = {{levels, signals::Multisine{1.0, 60.0, 2.0}}};
   options.settling = 1.0;
   options.duration = 4.0;
   const auto record = measured(options);
   // white noise at the controller's rate is recorded as it is: RMS within 2 %, spectrum flat
-  options.signals = {WhiteNoise{levels}};
+  options.signals = {{levels, signals::White{}}};
   const auto noise = measured(options);
   for (int i = 0; i < 6; ++i)
     EXPECT_NEAR(std::sqrt(variance(noise.col(i))), levels[i],
@@ -150,7 +149,7 @@ TEST(Rig, InstrumentsShowTheMotion) {
   options.settling = 2.0;
   spatial::Vector6 rms = spatial::Vector6::Zero();
   rms[2] = 2e-3;  // z
-  options.signals = {Multisine{rms, 2.0, 2.0, 0.5, 0.0, false, {}}};
+  options.signals = {{rms, signals::Multisine{2.0, 2.0, 0.5}}};
   options.instruments.length = {};
   Accelerometer sensor{
       .name = "z", .p_P = {0.3, -0.2, 0.1}, .e_P = {0, 0, 1}, .noise_density = 0.0};
@@ -183,15 +182,16 @@ TEST(Rig, InstrumentsShowTheMotion) {
 TEST(Rig, LevelsAreCheckedAgainstStrokeAndValves) {
   const model::Machine machine = starter();
   RigOptions options = at_rest();
-  options.signals = {
-      parse_signal("multisine ry=5 deg, to=1 Hz, from=0.5, period=2", Entry::command)};
+  const auto excite = [](const std::string& text) {
+    return signals::read_signals({text}, {.excitation = true});
+  };
+  options.signals = excite("multisine ry=5 deg, to=1 Hz, from=0.5, period=2");
   simulation::ClosedLoop loop(machine, machine.neutral(), loop_options(options));
   EXPECT_THAT(check_levels(loop, options), testing::IsEmpty());
-  options.signals = {
-      parse_signal("multisine ry=25 deg, to=1 Hz, from=0.5, period=2", Entry::command)};
+  options.signals = excite("multisine ry=25 deg, to=1 Hz, from=0.5, period=2");
   const auto findings = check_levels(loop, options);
   ASSERT_FALSE(findings.empty());
-  options.signals = {parse_signal("multisine x=8 mm, from=30, to=45 Hz, period=2", Entry::command)};
+  options.signals = excite("multisine x=8 mm, from=30, to=45 Hz, period=2");
   const auto fast = check_levels(loop, options);
   ASSERT_EQ(fast.size(), 2U);
   EXPECT_THAT(fast[0].message, testing::HasSubstr("the drive will be at its limit"));
@@ -223,7 +223,7 @@ TEST(Rig, SaysThatAMachineOscillatesByItself) {
   };
   for (const auto entry : {Entry::command, Entry::drive, Entry::wrench}) {
     options.entry = entry;
-    options.signals = {WhiteNoise{}};
+    options.signals = {{.form = signals::White{}}};
     const auto judged = [&](const std::string& gain) {
       const auto machine = with(gain);
       const simulation::ClosedLoop loop(machine, machine.neutral(), loop_options(options));
@@ -258,36 +258,6 @@ TEST(LowPass, OfEighthOrderIsThreeDecibelsDownAtItsCorner) {
   LowPass settled = LowPass::butterworth(8, corner, rate);
   settled.settle(3.7);
   for (int k = 0; k < 100; ++k) EXPECT_NEAR(settled(3.7), 3.7, 1e-12);
-}
-
-TEST(SignalText, IsReadWithUnitsAndRefusedWithAdvice) {
-  const auto spec = std::get<Multisine>(
-      parse_signal("multisine z=2 mm, ry=0.1 deg, from=1, to=20 Hz, period=4 s, "
-                   "crest=low, experiment=3",
-                   Entry::command));
-  EXPECT_EQ(spec.rms[2], 2e-3);
-  EXPECT_NEAR(spec.rms[4], 0.1 * std::numbers::pi / 180.0, 1e-18);
-  EXPECT_EQ(spec.experiment, 2);
-  EXPECT_TRUE(spec.low_crest);
-  const auto message = [](const std::string& text) -> std::string {
-    try {
-      parse_signal(text, Entry::command);
-    } catch (const base::InputError& error) {
-      return error.diagnostics().front().message;
-    }
-    return "";
-  };
-  EXPECT_EQ(message("multsine z=1 mm"),
-            "unknown signal 'multsine'; did you mean 'multisine'? accepted are white, noise, "
-            "multisine, binary, sweep, chirp");
-  EXPECT_EQ(
-      message("noise z=1 mm, too=20"),
-      "unknown key 'too'; did you mean 'to'? accepted are x, y, z, rx, ry, rz, all, from, to, "
-      "slope");
-  EXPECT_EQ(message("white"), "no level is given; for instance \"z=1 mm\", or all=0.0001");
-  EXPECT_EQ(message("white q=1 mm"),
-            "no level is given, only q; for instance \"z=1 mm\", or all=0.0001");
-  EXPECT_THAT(message("white z=1 kg"), testing::StartsWith("z: \"1 kg\" has the unit \"kg\""));
 }
 
 }  // namespace

@@ -5,6 +5,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <Eigen/Geometry>
 #include <cmath>
 #include <deque>
 #include <stdexcept>
@@ -21,10 +22,8 @@ namespace {
 using testing::HasSubstr;
 
 /// A commanded step in one direction at 0.1 s.
-std::vector<CommandSpec> step_in(int direction, double size) {
-  Step step;
-  step.size[direction] = size;
-  return {step};
+std::vector<signals::Signal> step_in(int direction, double size) {
+  return {{.size = size * Vector6::Unit(direction), .form = signals::Step{}}};
 }
 
 struct Outcome {
@@ -34,11 +33,11 @@ struct Outcome {
   std::vector<double> rows{};    ///< of the record
 };
 
-Outcome run(const model::Machine& machine, const std::vector<CommandSpec>& commands,
+Outcome run(const model::Machine& machine, const std::vector<signals::Signal>& commands,
             const LoopOptions& options, const ExcitationSource& more = {}) {
   ClosedLoop loop(machine, machine.neutral(), options);
-  const auto signal = make_signal(commands, loop.parameters().sample_time);
-  const auto from_signal = command_source(*signal);
+  signals::Generator generator(commands, 1.0 / loop.parameters().sample_time);
+  const auto from_signal = command_source(generator);
   Outcome outcome;
   std::vector<double> row(record_channels(loop).size());
   outcome.summary = loop.run(
@@ -66,6 +65,24 @@ Vector6 steady_error(const Outcome& outcome) {
     ++count;
   }
   return sum / count;
+}
+
+/// The twist of the commanded pose against differences of the pose, rotated and about an operating
+/// pose that is itself rotated.
+TEST(CommandAt, HasTheTwistOfItsPose) {
+  const Pose operating{spatial::rotation_from_rpy({0.3, -0.2, 0.5}), {0.1, 0.2, 0.9}};
+  const signals::Sample now{(Vector6() << 0.1, 0.2, -0.1, 0.4, -0.7, 0.6).finished(),
+                            (Vector6() << 0.3, -0.1, 0.2, 0.9, 1.1, -0.8).finished()};
+  constexpr double h = 1e-6;
+  const auto at = [&](double t) {
+    return command_at(operating, {now.value + t * now.rate, now.rate});
+  };
+  const auto before = at(-h), after = at(h);
+  const Eigen::AngleAxisd turn(Eigen::Matrix3d(after.X_BP.R_BP * before.X_BP.R_BP.transpose()));
+  Vector6 twist;
+  twist << (after.X_BP.p_BP - before.X_BP.p_BP) / (2.0 * h), turn.angle() * turn.axis() / (2.0 * h);
+  EXPECT_LT((twist - at(0.0).velocity).norm(), 1e-9);
+  EXPECT_LT((command_at(operating, {}).X_BP.R_BP - operating.R_BP).norm(), 1e-15);
 }
 
 TEST(ClosedLoop, AStepInZSettlesWithoutErrorBeyondTheSensors) {
@@ -134,7 +151,8 @@ TEST(ClosedLoop, AnUnstablePoleGrowsAtItsRate) {
 
 TEST(ClosedLoop, TheSameSeedGivesTheSameRunToTheBit) {
   const auto machine = machine_of("heavy-platform");
-  const std::vector<CommandSpec> commands{Noise{.rms = Vector6::Constant(5e-4), .to = 15.0}};
+  const std::vector<signals::Signal> commands{
+      {.size = Vector6::Constant(5e-4), .form = signals::Noise{.to = 15.0}}};
   const LoopOptions options{.until = 0.5, .seed = 3};
   const auto one = run(machine, commands, options);
   const auto again = run(machine, commands, options);
@@ -150,8 +168,8 @@ TEST(ClosedLoop, RunsAgainFromTheStart) {
   ClosedLoop loop(machine, machine.neutral(), {.until = 0.2});
   std::vector<double> first, second;
   for (auto* list : {&first, &second}) {
-    const auto signal = make_signal(step_in(1, 1e-3), loop.parameters().sample_time);
-    loop.run(command_source(*signal),
+    signals::Generator generator(step_in(1, 1e-3), 1.0 / loop.parameters().sample_time);
+    loop.run(command_source(generator),
              [&](const LoopSample& sample) { list->push_back(sample.plant.X_BP.p_BP.y()); });
   }
   EXPECT_EQ(first, second);
@@ -207,8 +225,7 @@ TEST(ClosedLoop, EndsWhereTheControllerFindsNoPose) {
   ClosedLoop loop(machine, machine.neutral(), {.until = 1.0});
   machine.sensors.length.high = 0.3;  // no hexapod of this size has legs that short
   ClosedLoop blind(machine, machine.neutral(), {.until = 1.0});
-  const auto signal = make_signal({}, 1e-3);
-  const auto summary = blind.run(command_source(*signal), {});
+  const auto summary = blind.run([](double, Excitation&) {}, {});
   EXPECT_EQ(summary.end, RunEnd::failed);
   EXPECT_THAT(summary.message, HasSubstr("finds no pose for the measured leg lengths"));
 }
@@ -216,11 +233,9 @@ TEST(ClosedLoop, EndsWhereTheControllerFindsNoPose) {
 TEST(ClosedLoop, StopsWhenItIsTold) {
   const auto machine = machine_of("heavy-platform");
   ClosedLoop loop(machine, machine.neutral(), {.until = 10.0});
-  const auto signal = make_signal({}, 1e-3);
   int samples = 0;
-  const auto summary = loop.run(
-      command_source(*signal), [&](const LoopSample&) { ++samples; },
-      [](double time) { return time < 0.0499; });
+  const auto summary = loop.run([](double, Excitation&) {}, [&](const LoopSample&) { ++samples; },
+                                [](double time) { return time < 0.0499; });
   EXPECT_EQ(summary.end, RunEnd::stopped);
   EXPECT_NEAR(summary.time, 0.05, 1e-9);
   EXPECT_EQ(samples, 51);

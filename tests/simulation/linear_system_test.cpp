@@ -191,18 +191,18 @@ TEST(SampledLoop, FollowsTheNonlinearMachineForASmallStep) {
                      .ideal_sensors = true});
     const auto system = linear_system(machine, neutral(machine));
     for (const int direction : {0, 2, 5}) {
-      Step step{.at = 0.0};
-      step.size[direction] = 2e-5;
-      const auto signal = make_signal({step}, loop.parameters().sample_time);
+      const Vector6 size = 2e-5 * Vector6::Unit(direction);
+      signals::Generator step({{.size = size, .form = signals::Step{.at = 0.0}}},
+                              1.0 / loop.parameters().sample_time);
       Eigen::VectorXd w = Eigen::VectorXd::Zero(system.sampled.rows());
       double worst = 0.0;
-      const auto summary = loop.run(command_source(*signal), [&](const LoopSample& sample) {
+      const auto summary = loop.run(command_source(step), [&](const LoopSample& sample) {
         const Vector6 linear =
             system.C.leftCols(system.scales.size()).leftCols(loop.plant().layout().tangent()) *
             w.head(loop.plant().layout().tangent());
         const Vector6 real = displacement_between(loop.operating(), sample.plant.X_BP);
         worst = std::max(worst, (linear - real).norm());
-        w = (system.sampled * w + system.sampled_command * step.size).eval();
+        w = (system.sampled * w + system.sampled_command * size).eval();
       });
       EXPECT_EQ(summary.end, RunEnd::finished);
       // The valve's null is bent: a step this small moves the spools by 3e-4 of their travel.
@@ -223,11 +223,11 @@ TEST(CommandResponse, IsOneAtRestAndMatchesASine) {
                    .integrator = {.relative_tolerance = 1e-9, .absolute_tolerance = 1e-9},
                    .until = until,
                    .ideal_sensors = true});
-  Sine sine{.frequency = frequency};
-  sine.amplitude[0] = amplitude;
-  const auto signal = make_signal({sine}, loop.parameters().sample_time);
+  signals::Generator sine(
+      {{.size = amplitude * Vector6::Unit(0), .form = signals::Sine{frequency}}},
+      1.0 / loop.parameters().sample_time);
   Complex sum;  // over the last second: whole periods
-  loop.run(command_source(*signal), [&](const LoopSample& sample) {
+  loop.run(command_source(sine), [&](const LoopSample& sample) {
     if (sample.time <= until - 1.0 + 1e-9) return;
     const double x = displacement_between(loop.operating(), sample.plant.X_BP)[0];
     sum += x * std::polar(1.0, -2.0 * M_PI * frequency * sample.time);

@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "hydrapod/kinematics/pose_quality.hpp"
+#include "hydrapod/simulation/closed_loop.hpp"
 #include "hydrapod/simulation/tuning.hpp"
 #include "support/loop_machine.hpp"
 
@@ -18,21 +19,22 @@ using testing::AllOf;
 using testing::HasSubstr;
 
 std::vector<MotionFinding> findings(const model::Machine& machine,
-                                    const std::vector<CommandSpec>& commands, double until = 2.0) {
+                                    const std::vector<signals::Signal>& commands,
+                                    double until = 2.0) {
   const Plant plant(machine, ModelKind::rigid);
   const auto parameters = tune_controller(machine, machine.neutral()).parameters;
-  const auto signal = make_signal(commands, 1e-3);
-  return check_motion(plant, parameters, machine.neutral(), *signal, until);
+  signals::Generator generator(commands, 1e3);
+  return check_motion(plant, parameters, machine.neutral(), generator, until);
 }
 
-Trajectory ramp_to(const Vector6& end, double from, double to) {
-  return {.times = {from, to}, .points = {Vector6::Zero(), end}};
+signals::Signal ramp_to(const Vector6& end, double from, double to) {
+  return {.form = signals::Trajectory{.times = {from, to}, .points = {Vector6::Zero(), end}}};
 }
 
 TEST(MotionCheck, FindsNothingInASmallMotion) {
   const auto machine = machine_of("heavy-platform");
   EXPECT_TRUE(
-      findings(machine, {Sine{.amplitude = Vector6::Constant(5e-3), .frequency = 1.0}}).empty());
+      findings(machine, {{.size = Vector6::Constant(5e-3), .form = signals::Sine{1.0}}}).empty());
 }
 
 TEST(MotionCheck, NamesLegTimeAndAmountOfStroke) {
@@ -80,9 +82,8 @@ TEST(MotionCheck, NamesJointsBeyondTheirLimits) {
 
 TEST(MotionCheck, WarnsOfSpeedsThatTheValveDoesNotGive) {
   const auto machine = machine_of("heavy-platform");
-  Sine sine{.frequency = 4.0};
-  sine.amplitude[2] = 0.05;  // 1.26 m/s
-  const auto found = findings(machine, {sine});
+  const Vector6 heave = 0.05 * Vector6::Unit(2);  // 1.26 m/s
+  const auto found = findings(machine, {{.size = heave, .form = signals::Sine{4.0}}});
   ASSERT_EQ(found.size(), 12U);  // each leg, both ways
   for (const auto& finding : found) EXPECT_EQ(finding.severity, base::Severity::warning);
   EXPECT_THAT(found[0].message,
@@ -138,10 +139,10 @@ TEST(MotionCheck, LeavesTheSignalAtItsStart) {
   const auto machine = machine_of("heavy-platform");
   const Plant plant(machine, ModelKind::rigid);
   const auto parameters = tune_controller(machine, machine.neutral()).parameters;
-  const auto signal = make_signal({Noise{.rms = Vector6::Constant(1e-4)}}, 1e-3);
-  const auto fresh = make_signal({Noise{.rms = Vector6::Constant(1e-4)}}, 1e-3);
-  check_motion(plant, parameters, machine.neutral(), *signal, 0.7);
-  for (int k = 0; k < 50; ++k) ASSERT_EQ(signal->next().value, fresh->next().value);
+  const signals::Signal noise{.size = Vector6::Constant(1e-4), .form = signals::Noise{}};
+  signals::Generator used({noise}, 1e3), fresh({noise}, 1e3);
+  check_motion(plant, parameters, machine.neutral(), used, 0.7);
+  for (int k = 0; k < 50; ++k) ASSERT_EQ(used.next().value, fresh.next().value);
 }
 
 }  // namespace

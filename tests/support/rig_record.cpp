@@ -10,11 +10,11 @@ namespace hydrapod::test {
 identification::FrequencyResponses measured_on_rig(const model::Machine& machine,
                                                    const RigExperiment& experiment) {
   rig::RigOptions options;
-  rig::WhiteNoise white;
-  white.rms.setConstant(experiment.level);
+  signals::Signal white{.form = signals::White{}};
+  white.size.setConstant(experiment.level);
   if (experiment.force > 0.0) {
     options.entry = rig::Entry::wrench;
-    white.rms.setConstant(experiment.force);
+    white.size.setConstant(experiment.force);
   }
   options.signals = {white};
   options.duration = experiment.duration;

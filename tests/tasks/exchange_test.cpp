@@ -6,7 +6,6 @@
 
 #include "hydrapod/base/file.hpp"
 #include "hydrapod/hydrapod.hpp"
-#include "hydrapod/identification/exchange.hpp"
 #include "hydrapod/report/calibration.hpp"
 #include "hydrapod/report/identification_files.hpp"
 #include "hydrapod/report/identification_json.hpp"
@@ -50,7 +49,7 @@ class Exchange : public testing::Test {
     Json frf{{"kind", "frf"}, {"record", report::record_origin_json(*found.measured.header)}};
     frf.update(report::responses_json(responses));
     base::write_file_whole(path("frf.json"), frf.dump());
-    data::write_frequency_response(path("frf.uff"), identification::to_exchange(responses, "frf"));
+    data::write_frequency_responses(path("frf.uff"), responses);
     base::write_file_whole(path("frf.csv"), report::responses_csv(responses));
     Json modes{{"kind", "identified_modes"},
                {"record", report::record_origin_json(*found.measured.header)}};

@@ -1,12 +1,14 @@
 #pragma once
-/// Frequency responses of several inputs and outputs, and their Universal Files.
+/// Frequency responses of several inputs and outputs, what is known of their errors, and their
+/// Universal Files.
 ///
-/// H(f): output o per input i, in the units of the channels. Coherence and variance come from the
-/// estimator and may be absent.
+/// H(f): output o per input i, in the units of the channels.
 
 #include <Eigen/Core>
 #include <complex>
+#include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "hydrapod/base/error.hpp"
@@ -14,38 +16,69 @@
 
 namespace hydrapod::data {
 
-struct FrequencyResponse {
+/// How responses were estimated from spectra (identification/responses.hpp).
+enum class Estimator { h1, h2, hv, instrumental };
+/// "h1", "h2", "hv", "iv".
+std::string_view estimator_text(Estimator estimator);
+std::optional<Estimator> estimator_from_text(std::string_view text);
+
+/// Frequency responses with what is known of their errors. All vectors over lines have one length.
+struct FrequencyResponses {
   std::string title{};
   std::string date{};  ///< ISO 8601
-  std::vector<Channel> outputs{};
-  std::vector<Channel> inputs{};             ///< references
-  Eigen::VectorXd frequency{};               ///< [Hz], ascending
-  std::vector<Eigen::MatrixXcd> response{};  ///< per frequency: outputs × inputs
-  /// Multiple coherence of each output with all inputs, 0 … 1: frequency × output; or empty.
-  Eigen::MatrixXd coherence{};
-  /// Variance of H, E|δH|² [unit²]: per frequency, outputs × inputs; or empty.
-  std::vector<Eigen::MatrixXd> variance{};
+  std::vector<data::Channel> inputs{}, outputs{};
+  std::vector<double> frequency{};    ///< [Hz], ascending
+  std::vector<Eigen::MatrixXcd> H{};  ///< outputs × inputs
+  /// cov(H_oi, H_pj*) = noise(o, p) · input_factor(j, i). Empty: errors are not known.
+  std::vector<Eigen::MatrixXcd> noise{};         ///< S_vv/K, outputs × outputs
+  std::vector<Eigen::MatrixXcd> input_factor{};  ///< Q, inputs × inputs
+  double degrees{};  ///< K − p: of freedom of the noise estimate; 0: not known
+  /// E[e_k e*_{k+d}]/E|e_k|² of neighbouring lines, d = 0, 1, …
+  std::vector<std::complex<double>> line_covariance{1.0};
+  /// a: H is at s = a + iω; 0: on the imaginary axis [1/s]
+  double shift{};
+  /// ρ_τ at lag τ / sample_rate, the autocorrelation of the window of the estimate; empty where
+  /// resonances are not widened.
+  Eigen::VectorXd taper{};
+  double sample_rate{};  ///< [Hz] of the taper
+
+  // What tells how good the measurement is; empty for responses from a file.
+  Estimator estimator{Estimator::h1};
+  double averages{};                                  ///< K
+  std::vector<Eigen::MatrixXd> coherence{};           ///< |S_oi|²/(S_oo S_ii), outputs × inputs
+  std::vector<Eigen::VectorXd> multiple_coherence{};  ///< share of S_oo that H explains
+  /// Largest by smallest eigenvalue of the inputs' coherence matrix (singular values for the
+  /// instrumental estimate): 1 is best.
+  std::vector<double> condition{};
+  std::vector<Eigen::VectorXd> input_density{};  ///< S_uu [unit²/Hz]
+  std::vector<std::string> warnings{};
+
+  [[nodiscard]] std::size_t lines() const { return frequency.size(); }
+  [[nodiscard]] bool has_errors() const { return !noise.empty(); }
+  /// E|Ĥ_oi − H_oi|² at a line; sum of the variances of real and imaginary part.
+  [[nodiscard]] double variance(std::size_t line, int output, int input) const;
 };
 
 /// Throws std::invalid_argument naming what does not fit: sizes, frequencies that do not ascend or
 /// are not finite, channels as validate(RecordHeader) has them.
-void validate(const FrequencyResponse& response);
+void validate(const FrequencyResponses& responses);
 
 /// Datasets 151, 164 and per output and input one dataset 58 (type 4, complex double; multiple
 /// coherence type 26, variance type 0 with "variance" as its fifth line). Frequencies even within
 /// 1e-6 of their spacing are written as such, others one by one (to six digits). `binary`: 58b.
 /// Written whole or not at all. Throws as base::write_file_whole.
-void write_frequency_response(const std::string& path, const FrequencyResponse& response,
-                              bool binary = true);
+void write_frequency_responses(const std::string& path, const FrequencyResponses& responses,
+                               bool binary = true);
 
-struct ReadFrequencyResponseResult {
-  FrequencyResponse response{};
+struct ReadFrequencyResponsesResult {
+  FrequencyResponses responses{};
   std::vector<base::Diagnostic> notes{};
 };
 
 /// All functions of type 4 that share the first one's frequencies, with their coherences and
-/// variances. Units become SI: labels that are known, else dataset 164. A pair of output and input
-/// that is not in the file is NaN. Throws base::InputError.
-ReadFrequencyResponseResult read_frequency_response(const std::string& path);
+/// variances. Units become SI: labels that are known, else dataset 164. Variances V_oi become noise
+/// and input factor V_oi ≈ n_o q_i, by their means over rows and columns. Throws base::InputError,
+/// also where a pair of output and input is missing.
+ReadFrequencyResponsesResult read_frequency_responses(const std::string& path);
 
 }  // namespace hydrapod::data

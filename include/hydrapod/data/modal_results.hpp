@@ -1,5 +1,6 @@
 #pragma once
-/// Modes as a measurement found them, and their Universal Files (dataset 55).
+/// Modes as a measurement found them, what shapes have in common, and Universal Files of modes
+/// (dataset 55: poles and shapes, without what is known of their errors).
 ///
 /// One dataset 55 per mode, "complex eigenvalue, first order", displacement: eigenvalue λ [1/s],
 /// modal A = 1, modal B = −λ, and the shape at nodes. A node has six values x … rz, or three where
@@ -22,16 +23,40 @@
 namespace hydrapod::data {
 
 struct ModalResult {
-  std::complex<double> pole{};  ///< λ [1/s]
-  Eigen::VectorXcd shape{};     ///< a number per output
+  std::complex<double> pole{};  ///< λ [1/s], Im > 0
+  Eigen::VectorXcd shape{};     ///< displacement, a number per output
+  /// Standard deviations of ω [rad/s] and ζ; 0: not known.
+  double omega_deviation{}, damping_deviation{};
+  Eigen::VectorXd shape_deviation{};  ///< of each number of the shape; empty: not known
+  /// What the mode is above the noise, around 1: nothing; 0: not known.
+  double significance{};
+  [[nodiscard]] double omega() const { return std::abs(pole); }
+  [[nodiscard]] double damping_ratio() const { return -pole.real() / std::abs(pole); }
 };
 
 struct ModalResults {
   std::string title{};
   std::string date{};  ///< ISO 8601
   std::vector<Channel> outputs{};
+  std::vector<Channel> inputs{};  ///< empty: not known
+  double from{}, to{};            ///< band that was looked at [Hz]
+  double line_spacing{};          ///< of the responses they were found in [Hz]; 0: not known
   std::vector<ModalResult> modes{};
 };
+
+/// 0 for displacements, 1 for speeds, 2 for accelerations, by the unit.
+int time_derivatives(const std::string& unit);
+
+/// Does the channel show motion against the ground? Accelerometers do. Lengths of legs, poses that
+/// follow from them and their speeds are against the base, and so are accelerations along a leg,
+/// which are lengths differentiated. Differs where the base gives way.
+bool against_ground(const data::Channel& channel);
+
+/// Modal assurance criterion |aᴴ b|²/(|a|² |b|²); 0 where one of them is zero.
+double mac(const Eigen::VectorXcd& a, const Eigen::VectorXcd& b);
+/// Modal phase collinearity: 1 for a real shape.  Mean phase deviation [rad]: 0 for a real shape.
+double modal_phase_collinearity(const Eigen::VectorXcd& shape);
+double mean_phase_deviation(const Eigen::VectorXcd& shape);
 
 /// Written whole or not at all. Throws std::invalid_argument for shapes of another size than
 /// outputs, else as base::write_file_whole.

@@ -1,11 +1,5 @@
 #pragma once
-/// Resonances as a measurement of the platform sees them, direction by direction.
-///
-/// Modes within `seen_as_one` of each other's frequency are one resonance in every direction that
-/// they move the platform in: of a group with platform motions u_k (in the metric of the platform's
-/// mass, so that |u|² is its share of the kinetic energy) the eigenvectors of Σ u uᵀ are the
-/// motions that are seen, and the eigenvalues their strengths. What is weaker than `visible` is
-/// not seen.
+/// First resonances of a machine beside those of the rigid-leg model.
 
 #include <array>
 #include <string>
@@ -15,23 +9,6 @@
 #include "hydrapod/spatial/directions.hpp"
 
 namespace hydrapod::diagnosis {
-
-/// Share of ω within which modes cannot be told apart.
-inline constexpr double seen_as_one = 5e-3;
-
-/// Share of the kinetic energy that the platform has in a resonance that can be seen.
-inline constexpr double visible = 2e-3;
-
-struct Resonance {
-  int direction{};            ///< 0…5, x … rz: what the platform mostly does
-  double omega{};             ///< mean of the group, weighted with its motion [rad/s]
-  double strength{};          ///< the platform's share of the kinetic energy
-  spatial::Vector6 motion{};  ///< of the mass centre, scaled to unit kinetic energy of the platform
-};
-
-/// Ascending in ω. Throws base::ComputationError where the machine has no equilibrium.
-std::vector<Resonance> visible_resonances(const model::Machine& machine, const spatial::Pose& X_BP,
-                                          dynamics::ModelKind kind);
 
 /// The machine whose base stands still and whose gimbals do not give way: with its rigid model it
 /// is the rigid calculation.

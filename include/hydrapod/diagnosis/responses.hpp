@@ -23,29 +23,12 @@
 /// of the machine as stated; none within two half widths of a measured mode, where its damping
 /// decides. Theory: docs/theory/diagnosis.md.
 
-#include <optional>
-
 #include "hydrapod/diagnosis/diagnose.hpp"
-#include "hydrapod/diagnosis/measured.hpp"
-#include "hydrapod/dynamics/statics.hpp"
-#include "hydrapod/model/machine_file.hpp"
-#include "hydrapod/observation/targets.hpp"
 
 namespace hydrapod::diagnosis {
 
 inline constexpr double worst_noise = 0.3;
 inline constexpr int most_lines = 32;
-
-/// What the inputs are: drives by their role, forces (N, with moments in N m) and commands (m, rad)
-/// by their units. None: not all of one kind.
-std::optional<observation::Entry> entry_of(const std::vector<data::Channel>& inputs);
-
-/// All lines of the responses; none where the inputs are not of one kind in directions of the
-/// platform (drives: or of the legs), the outputs not all six directions in one kind of unit, or
-/// forces act at other measuring points (channels' numbers) than the outputs.
-std::optional<observation::ResponseTarget> measured_responses(
-    const identification::FrequencyResponses& responses, const model::Machine& machine,
-    const MeasuredAt& at);
 
 /// The lines that count, with the deviations that count, of those that the observed system has.
 std::vector<observation::ResponseTarget> chosen_lines(const model::MachineFile& file,

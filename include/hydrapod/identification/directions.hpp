@@ -33,14 +33,6 @@ Eigen::MatrixXd platform_from_accelerometers(const std::vector<LinearSensor>& se
 CrossSpectra to_platform(const CrossSpectra& spectra, const std::vector<int>& channels,
                          const Eigen::MatrixXd& map, const std::string& prefix = {});
 
-/// 0 for displacements, 1 for speeds, 2 for accelerations, by the unit.
-int time_derivatives(const std::string& unit);
-
-/// Does the channel show motion against the ground? Accelerometers do. Lengths of legs, poses that
-/// follow from them and their speeds are against the base, and so are accelerations along a leg,
-/// which are lengths differentiated. Differs where the base gives way.
-bool against_ground(const data::Channel& channel);
-
 /// The channels of a role with the directions leg 1 … 6 in this order, if all are there once;
 /// responses if they are lengths, speeds or accelerations.
 std::optional<std::vector<int>> leg_channels(const CrossSpectra& spectra,

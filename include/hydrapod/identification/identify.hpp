@@ -67,6 +67,9 @@ Identification identify_modes(const FrequencyResponses& responses,
                               const IdentifyOptions& options = {},
                               const std::function<void(double)>& progress = {});
 
+/// The modes with their errors, as others take them.
+data::ModalResults modal_results(const Identification& identified);
+
 /// Lines from `from` to `to` [Hz].
 FrequencyResponses within(const FrequencyResponses& responses, double from, double to);
 

@@ -51,8 +51,8 @@ struct Measurement {
   std::optional<BiasFinding> h1_against_instrument{};  ///< where both could be formed
 };
 
-/// The records are averaged together. `progress` is told the share that is done; where it says
-/// false the rest is left unread. Throws base::InputError and base::ComputationError.
+/// The records are averaged together. Where `progress` asks to stop the rest is left
+/// unread. Throws base::InputError and base::ComputationError.
 Measurement measure_responses(data::RecordSet& records, const MeasureOptions& options,
                               const numerics::Progress& progress = {});
 

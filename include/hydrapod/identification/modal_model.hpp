@@ -75,8 +75,4 @@ ModalModel fit_modes(const FrequencyResponses& responses, const std::vector<Pole
 /// H of the model at s = shift + iω: without the window's effect.
 Eigen::MatrixXcd synthesised(const ModalModel& model, double frequency, double shift = 0.0);
 
-/// Modal phase collinearity: 1 for a real shape.  Mean phase deviation [rad]: 0 for a real shape.
-double modal_phase_collinearity(const Eigen::VectorXcd& shape);
-double mean_phase_deviation(const Eigen::VectorXcd& shape);
-
 }  // namespace hydrapod::identification

@@ -27,53 +27,15 @@
 /// J. Schoukens, System Identification: A Frequency Domain Approach, 2nd ed. (2012), ch. 2 and 7;
 /// G. T. Rocklin, J. Crowley, H. Vold, IMAC 3 (1985) 272 (Hv).
 
-#include <complex>
-#include <string>
-#include <string_view>
 #include <vector>
 
+#include "hydrapod/data/frequency_response.hpp"
 #include "hydrapod/identification/spectra.hpp"
 
 namespace hydrapod::identification {
 
-enum class Estimator { h1, h2, hv, instrumental };
-/// "h1", "h2", "hv", "iv".
-std::string_view estimator_text(Estimator estimator);
-std::optional<Estimator> estimator_from_text(std::string_view text);
-
-/// Frequency responses with what is known of their errors. All vectors over lines have one length.
-struct FrequencyResponses {
-  std::vector<data::Channel> inputs{}, outputs{};
-  std::vector<double> frequency{};    ///< [Hz], ascending
-  std::vector<Eigen::MatrixXcd> H{};  ///< outputs × inputs
-  /// cov(H_oi, H_pj*) = noise(o, p) · input_factor(j, i). Empty: errors are not known.
-  std::vector<Eigen::MatrixXcd> noise{};         ///< S_vv/K, outputs × outputs
-  std::vector<Eigen::MatrixXcd> input_factor{};  ///< Q, inputs × inputs
-  double degrees{};  ///< K − p: of freedom of the noise estimate; 0: not known
-  /// E[e_k e*_{k+d}]/E|e_k|² of neighbouring lines, d = 0, 1, …
-  std::vector<std::complex<double>> line_covariance{1.0};
-  /// a: H is at s = a + iω, see damped.hpp; 0: on the imaginary axis [1/s]
-  double shift{};
-  /// ρ_τ at lag τ / sample_rate, see lag_taper(); empty where resonances are not widened.
-  Eigen::VectorXd taper{};
-  double sample_rate{};  ///< [Hz] of the taper
-
-  // What tells how good the measurement is; empty for responses from a file.
-  Estimator estimator{Estimator::h1};
-  double averages{};                                  ///< K
-  std::vector<Eigen::MatrixXd> coherence{};           ///< |S_oi|²/(S_oo S_ii), outputs × inputs
-  std::vector<Eigen::VectorXd> multiple_coherence{};  ///< share of S_oo that H explains
-  /// Largest by smallest eigenvalue of the inputs' coherence matrix (singular values for the
-  /// instrumental estimate): 1 is best.
-  std::vector<double> condition{};
-  std::vector<Eigen::VectorXd> input_density{};  ///< S_uu [unit²/Hz]
-  std::vector<std::string> warnings{};
-
-  [[nodiscard]] std::size_t lines() const { return frequency.size(); }
-  [[nodiscard]] bool has_errors() const { return !noise.empty(); }
-  /// E|Ĥ_oi − H_oi|² at a line; sum of the variances of real and imaginary part.
-  [[nodiscard]] double variance(std::size_t line, int output, int input) const;
-};
+using data::Estimator;
+using data::FrequencyResponses;
 
 /// Which channels of the spectra are what.
 struct ChannelChoice {

@@ -13,9 +13,12 @@
 /// least `persistence` of the orders from the one on at which it first appears, and at least
 /// `fewest`.
 
+#include "hydrapod/data/modal_results.hpp"
 #include "hydrapod/identification/poly_reference.hpp"
 
 namespace hydrapod::identification {
+
+using data::mac;
 
 struct SelectionOptions {
   double frequency{0.01};
@@ -45,8 +48,5 @@ struct PoleCluster {
 /// Ascending in frequency.
 std::vector<PoleCluster> select_poles(const std::vector<OrderPoles>& chart,
                                       const SelectionOptions& options = {});
-
-/// Modal assurance criterion |aᴴ b|²/(aᴴa bᴴb); 0 when one of them vanishes.
-double mac(const Eigen::VectorXcd& a, const Eigen::VectorXcd& b);
 
 }  // namespace hydrapod::identification

@@ -16,7 +16,7 @@
 
 #include <array>
 
-#include "hydrapod/dynamics/linear_model.hpp"
+#include "hydrapod/dynamics/normal_modes.hpp"
 #include "hydrapod/observation/targets.hpp"
 
 namespace hydrapod::observation {
@@ -30,8 +30,10 @@ struct ObservedMode {
   Vector6c against_base{Vector6c::Zero()};  ///< motion of the mass centre, in the same scale
   /// How much each input of the observed system moves it: the mode's part of H is
   /// motion() · input / (s − λ). Of the plant: valves. Of others: forces and moments about the mass
-  /// centre, in units of the roots of the platform's mass and moments of inertia.
-  Eigen::Matrix<std::complex<double>, 1, 6> input{};
+  /// centre, in units of the roots of the platform's mass and moments of inertia. Zero for
+  /// undamped modes.
+  Eigen::Matrix<std::complex<double>, 1, 6> input{
+      Eigen::Matrix<std::complex<double>, 1, 6>::Zero()};
   [[nodiscard]] double omega() const { return std::abs(pole); }
   [[nodiscard]] double damping_ratio() const { return -pole.real() / std::abs(pole); }
   /// Of the mass centre.
@@ -66,6 +68,16 @@ struct Observation {
 Observation observe(const model::Machine& machine, const spatial::Pose& X_BP,
                     dynamics::ModelKind kind, Observed observed,
                     const control::ControllerParameters* controller = nullptr);
+
+/// The undamped modes of mechanics in their order, λ = iω; 0 for modes that have buckled.
+std::vector<ObservedMode> undamped_modes(const dynamics::LinearModel& model,
+                                         const dynamics::NormalModes& modes);
+
+/// The undamped mode of mechanics whose shape is most like it.
+int nearest_mode(const Observation& seen, const ObservedMode& mode);
+
+/// "mechanics with oil springs", "mechanics, hydraulics and valves", "… and controller".
+std::string_view description(Observed observed);
 
 /// Does the system have that input?
 bool can_enter(Observed observed, Entry entry);

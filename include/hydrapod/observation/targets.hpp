@@ -2,6 +2,7 @@
 /// What a machine is compared with: modes and frequency responses that were measured or published,
 /// with their uncertainties, at one pose or several.
 
+#include <Eigen/Core>
 #include <complex>
 #include <map>
 #include <optional>
@@ -9,7 +10,9 @@
 #include <vector>
 
 #include "hydrapod/control/parameters.hpp"
-#include "hydrapod/observation/lag_window.hpp"
+#include "hydrapod/data/frequency_response.hpp"
+#include "hydrapod/data/modal_results.hpp"
+#include "hydrapod/model/machine.hpp"
 #include "hydrapod/spatial/pose.hpp"
 
 namespace hydrapod::observation {
@@ -67,6 +70,41 @@ enum class Entry {
 /// "valves", "forces", "commands".
 const char* name(Entry entry);
 
+/// What averaging over windowed blocks makes of a response.
+///
+/// Under white excitation an averaged response is, in the mean, the transform of the impulse
+/// response times ρ(t), the autocorrelation of the window, 0 ≤ t ≤ T: resonances get wider. For the
+/// windows in use, sums of cosines with at most four periods,
+///
+///     ρ(t) = Σ_j (a_j + b_j t/T) e^{2πi j t/T},   |j| ≤ 4
+///
+/// and a pole's 1/(s − λ) becomes, with z_j = (λ − s) T + 2πi j,
+///
+///     g(λ) = T Σ_j a_j (e^z − 1)/z + b_j (e^z (z − 1) + 1)/z²
+///
+/// Where speeds (d = 1) or accelerations (d = 2) were averaged, λ^d/(s − λ) does that, and what
+/// acts at once, Σ λ over the poles, stays: divided by s^d the displacement shows
+/// (λ^d g(λ) + (d = 2: λ))/s^d.
+struct LagWindow {
+  static constexpr int most_periods = 4;
+  using Terms = Eigen::Matrix<std::complex<double>, 2 * most_periods + 1, 1>;
+  int derivative{};               ///< d
+  double duration{};              ///< T [s]
+  Terms constant{Terms::Zero()};  ///< a_j, j = −4 … 4
+  Terms slope{Terms::Zero()};     ///< b_j
+
+  /// g = ∫ ρ(t) e^{(λ − s) t} dt over 0 … T [s].
+  [[nodiscard]] std::complex<double> transform(std::complex<double> pole,
+                                               std::complex<double> s) const;
+  /// What stands for 1/(s − λ) in a displacement.
+  [[nodiscard]] std::complex<double> of_pole(std::complex<double> pole,
+                                             std::complex<double> s) const;
+};
+
+/// From samples of ρ at `sample_rate` [Hz], from lag 0 on up to T; none where they are no such sum.
+std::optional<LagWindow> lag_window(const Eigen::VectorXd& rho, double sample_rate,
+                                    int derivative = 0);
+
 /// Responses at one pose, line by line and input by input. A column of H counts up to one complex
 /// factor: what a valve lets through for a command is known worse than how the platform then moves.
 /// Forces are known, but not the delays of filters and converters between them and the motion:
@@ -99,5 +137,60 @@ struct Targets {
 
 /// Relative standard deviation of a frequency that says nothing about it.
 inline constexpr double default_deviation = 1e-3;
+
+/// Where something was measured.
+struct MeasuredAt {
+  std::string pose{"neutral"};                       ///< one of the machine's
+  spatial::Vector3 point{spatial::Vector3::Zero()};  ///< Q, whose motion was measured, in P [m]
+  /// What shapes are against; none: what their outputs say.
+  std::optional<MotionAgainst> against{};
+  /// The system that was measured; none: the plant where all inputs are drives, else mechanics.
+  std::optional<Observed> observed{};
+  /// Point of the platform that measured forces act at, in P [m]; none: the measured one.
+  std::optional<spatial::Vector3> force_point{};
+};
+
+/// What motions are against that these outputs show, the directions of the platform among them:
+/// accelerometers measure against the ground, all else against the base (data::against_ground);
+/// of both, the base.
+MotionAgainst motion_against(const std::vector<data::Channel>& outputs);
+
+/// Are all inputs drives of the valves? What is measured is the plant then.
+bool from_drives(const std::vector<data::Channel>& inputs);
+
+/// Identified modes as targets.
+///
+/// A complex shape is turned to its largest real part; what is left imaginary adds to the shape's
+/// deviation, and so does 2/√significance: a mode that hardly stands above the noise may have part
+/// of a neighbour's shape in its own. The complex shape is kept beside it. Outputs are brought to
+/// (x, y, z, rx, ry, rz) of one point by their directions; a mode of an output set that does not
+/// have all six keeps its frequency, and the direction that is largest among those there are, in
+/// proportion to the machine's inertia.
+///
+/// Identification knows what noise does to a mode, not what its model lacks. Three things are
+/// added to a frequency's deviation. (1 − MPC) ζω: a shape whose parts are out of phase is the sum
+/// of modes that were not separated, and the pole lies between theirs. A twentieth of the line
+/// spacing: the leakage that remains where blocks are short compared with the decay
+/// (docs/theory/diagnosis.md). ζω/2 of a weak mode within the half widths of one that is ten
+/// times as significant.
+///
+/// Throws base::InputError when no mode was found, or the machine has no such pose.
+Targets measured_modes(const data::ModalResults& identified, const model::Machine& machine,
+                       const MeasuredAt& at);
+
+/// What the inputs are: drives by their role, forces (N, with moments in N m) and commands (m, rad)
+/// by their units. None: not all of one kind.
+std::optional<Entry> entry_of(const std::vector<data::Channel>& inputs);
+
+/// All lines of the responses, with the noise of each column as its deviation; none where the
+/// inputs are not of one kind in directions of the platform (drives: or of the legs), the outputs
+/// not all six directions in one kind of unit, or forces act at other measuring points (channels'
+/// numbers) than the outputs.
+///
+/// Drives of the valves, and commands to a controller: responses to six of them are brought to the
+/// six legs, so that what is not known of a valve is in one column only.
+std::optional<ResponseTarget> measured_responses(const data::FrequencyResponses& responses,
+                                                 const model::Machine& machine,
+                                                 const MeasuredAt& at);
 
 }  // namespace hydrapod::observation

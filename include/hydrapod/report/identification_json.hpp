@@ -53,7 +53,7 @@ std::string identified_modes_csv(const identification::Identification& result,
 
 /// What such a table holds.
 struct ListedModes {
-  identification::Identification modes{};  ///< modes and outputs; deviations of shapes are zero
+  data::ModalResults modes{};  ///< and outputs; deviations of shapes are zero
   std::optional<observation::MotionAgainst> against{};
   std::optional<observation::Observed> observed{};
 };

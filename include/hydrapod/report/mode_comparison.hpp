@@ -1,7 +1,8 @@
 #pragma once
 /// Measured modes beside a model's, for people and programs.
 
-#include "hydrapod/comparison/compare_modes.hpp"
+#include "hydrapod/identification/identify.hpp"
+#include "hydrapod/observation/pairing.hpp"
 #include "hydrapod/report/bode.hpp"
 #include "hydrapod/report/json.hpp"
 
@@ -9,11 +10,21 @@ namespace hydrapod::report {
 
 /// What was compared with what.
 struct ComparedModes {
-  comparison::ModeComparison result{};
-  observation::Source source{};
+  observation::ModeComparison result{};
+  std::vector<std::string> labels{};  ///< of the model's modes
+  observation::Observed source{};
   dynamics::ModelKind kind{};
   std::string machine{}, pose{};  ///< names
 };
+
+/// Identified modes beside those of the machine. Throws as observation::observe. The names of
+/// machine and pose are the caller's to fill in.
+ComparedModes compared_with(const identification::Identification& measured,
+                            const observation::ComparisonFrame& frame, dynamics::ModelKind kind,
+                            observation::Observed source, double highest_damping = 0.3);
+
+/// "not found", "the platform does not feel it", "the outputs do not see it".
+std::string_view words(observation::Unpaired reason);
 
 /// "Heavy motion platform, pose neutral, guide model: mechanics, hydraulics, …".
 std::string comparison_heading(const ComparedModes& compared);

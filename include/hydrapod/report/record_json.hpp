@@ -3,7 +3,8 @@
 
 #include <string>
 
-#include "hydrapod/data/overview.hpp"
+#include "hydrapod/data/processing.hpp"
+#include "hydrapod/data/record_io.hpp"
 #include "hydrapod/report/json.hpp"
 
 namespace hydrapod::report {

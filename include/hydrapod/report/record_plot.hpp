@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "hydrapod/data/overview.hpp"
+#include "hydrapod/data/processing.hpp"
 
 namespace hydrapod::report {
 

@@ -15,7 +15,7 @@
 namespace hydrapod::report {
 
 struct SimulationOptions {
-  std::vector<std::string> commands{};  ///< see simulation/command_text.hpp; they add up
+  std::vector<std::string> commands{};  ///< see signals/signal_text.hpp; they add up
   std::optional<double> until{};        ///< [s]; default: what the commands need, and a little more
   simulation::LoopOptions loop{};       ///< `until` is not used
   std::size_t trace_samples{3000};
@@ -24,8 +24,8 @@ struct SimulationOptions {
 /// A run that can begin: commands read, machine at rest, motion checked.
 struct PreparedSimulation {
   SimulationOptions options{};  ///< with `until` filled in
-  std::vector<simulation::CommandSpec> commands{};
-  std::unique_ptr<simulation::Signal> signal{};
+  std::vector<signals::Signal> commands{};
+  std::unique_ptr<signals::Generator> signal{};
   std::unique_ptr<simulation::ClosedLoop> loop{};
   std::vector<std::string> warnings{};  ///< valves too small for the motion
 };
@@ -36,7 +36,7 @@ PreparedSimulation prepare_simulation(const model::Machine& machine, const model
                                       const SimulationOptions& options);
 
 struct Simulation {
-  std::vector<std::string> commands{};  ///< in words
+  std::vector<std::string> commands{};  ///< as signals::signal_text writes them
   std::vector<std::string> warnings{};
   double until{};
   double output_interval{};

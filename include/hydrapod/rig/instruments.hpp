@@ -44,6 +44,13 @@ struct Instruments {
 /// Three axes at the platform joints of legs 1, 3 and 5: enough for six directions.
 std::vector<Accelerometer> default_accelerometers(const model::Machine& machine);
 
+/// "resolution=5 um, noise=2 um, low=0.8 m, high=1.2 m" in `unit`. Throws base::InputError with
+/// `argument` as place.
+model::Sensor parse_sensor(const std::string& argument, const std::string& text, const char* unit);
+
+/// "front, at=0.3 0 0.1, along=z, noise=0.001, bandwidth=5 kHz, range=50, resolution=0.001".
+Accelerometer parse_accelerometer(const std::string& text);
+
 /// Low-pass sections of order two, by the bilinear transform with the corner kept in place.
 class LowPass {
  public:

@@ -10,13 +10,16 @@
 #include <vector>
 
 #include "hydrapod/data/record_io.hpp"
-#include "hydrapod/rig/excitation.hpp"
 #include "hydrapod/rig/instruments.hpp"
+#include "hydrapod/signals/signal_text.hpp"
 #include "hydrapod/simulation/closed_loop.hpp"
 
 namespace hydrapod::rig {
 
-/// Where the excitation goes in.
+using spatial::Vector6;
+
+/// Where the excitation goes in. It has the units of signals::displacement_units, drive_units or
+/// wrench_units.
 enum class Entry {
   command,  ///< displacement of the demanded pose, levels in m and rad
   drive,    ///< added to the valves' drives: levels as shares of full drive of the leg that a
@@ -25,7 +28,7 @@ enum class Entry {
 };
 
 struct RigOptions {
-  std::vector<SignalSpec> signals{};  ///< empty: default_signals()
+  std::vector<signals::Signal> signals{};  ///< empty: default_signals()
   Entry entry{Entry::command};
   double settling{2.0};   ///< [s]
   double duration{60.0};  ///< [s] of the record
@@ -39,7 +42,9 @@ struct RigOptions {
 
 /// White noise in all six directions: 0.1 mm and 0.1 mrad RMS (Entry::command), 2 % of full drive
 /// (drive), 100 N and 50 N m (wrench).
-std::vector<SignalSpec> default_signals(Entry entry);
+std::vector<signals::Signal> default_signals(Entry entry);
+
+const signals::Units& units_of(Entry entry);
 
 /// Channels in the order of the record: 6 excitations, 6 valve currents, 6 leg lengths, 12 chamber
 /// pressures, accelerometers.

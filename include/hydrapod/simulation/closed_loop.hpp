@@ -7,8 +7,8 @@
 /// fixed order, own random numbers: the same options give the same samples bit for bit.
 ///
 ///     ClosedLoop loop(machine, pose, {.until = 5.0});
-///     const auto signal = make_signal({Step{.size = …}}, loop.parameters().sample_time);
-///     loop.run(command_source(*signal), [&](const LoopSample& sample) { … });
+///     signals::Generator commands({{.size = …, .form = signals::Step{}}}, 1.0 / T);
+///     loop.run(command_source(commands), [&](const LoopSample& sample) { … });
 
 #include <functional>
 #include <memory>
@@ -17,7 +17,7 @@
 #include <vector>
 
 #include "hydrapod/control/controller.hpp"
-#include "hydrapod/simulation/command.hpp"
+#include "hydrapod/signals/signals.hpp"
 #include "hydrapod/simulation/integrator.hpp"
 
 namespace hydrapod::simulation {
@@ -35,15 +35,15 @@ struct LoopOptions {
 /// What comes from outside at a sample: the commanded displacement from the operating pose, drives
 /// added to the controller's (shares, delayed and limited as they are), a wrench about C.
 struct Excitation {
-  Displacement command{};
+  signals::Sample command{};
   Vector6 drive{Vector6::Zero()};
   Vector6 wrench{Vector6::Zero()};
 };
 /// Called once per controller sample, in order, with its time [s].
 using ExcitationSource = std::function<void(double time, Excitation& excitation)>;
 
-/// The commands of `signal`, from its next sample on. It must outlive the source.
-ExcitationSource command_source(Signal& signal);
+/// The commands of `signals`, from its next sample on. It must outlive the source.
+ExcitationSource command_source(signals::Generator& signals);
 
 /// What is known at an output instant. With an output at a controller sample, it is of that sample.
 struct LoopSample {
@@ -116,6 +116,11 @@ class ClosedLoop {
   struct Implementation;
   std::unique_ptr<Implementation> implementation_;
 };
+
+/// The command that a displacement d = (x, y, z, rx, ry, rz) [m, rad] from `operating` is: p = p_0
+/// + (x, y, z), R = Rz(rz) Ry(ry) Rx(rx) R_0, as `--pose "z=50 mm, ry=5 deg"` does. Its rate
+/// becomes the velocity for the controller's feed-forward.
+control::Command command_at(const Pose& operating, const signals::Sample& displacement);
 
 /// (x, y, z; rx, ry, rz) of `X_BP` as a displacement from `operating`: the inverse of command_at.
 Vector6 displacement_between(const Pose& operating, const Pose& X_BP);

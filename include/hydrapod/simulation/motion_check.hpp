@@ -5,7 +5,7 @@
 
 #include "hydrapod/base/error.hpp"
 #include "hydrapod/control/parameters.hpp"
-#include "hydrapod/simulation/command.hpp"
+#include "hydrapod/signals/signals.hpp"
 #include "hydrapod/simulation/plant.hpp"
 
 namespace hydrapod::simulation {
@@ -20,7 +20,8 @@ struct MotionFinding {
 /// the drive will be at its limit). `signal` is run through from its start and restarted.
 std::vector<MotionFinding> check_motion(const Plant& plant,
                                         const control::ControllerParameters& parameters,
-                                        const Pose& operating, Signal& signal, double until);
+                                        const Pose& operating, signals::Generator& signal,
+                                        double until);
 
 /// Why a pose that the platform has come to ends a run: a joint beyond its limit, a singular pose.
 /// Empty when it does not.

@@ -2,7 +2,7 @@
 /// Sensors with their faults: noise, range, resolution.
 
 #include "hydrapod/control/controller.hpp"
-#include "hydrapod/simulation/gaussian.hpp"
+#include "hydrapod/numerics/gaussian.hpp"
 
 namespace hydrapod::simulation {
 
@@ -17,7 +17,7 @@ class SensorBank {
 
  private:
   model::Sensors sensors_;
-  Gaussian random_;
+  numerics::Gaussian random_;
 };
 
 }  // namespace hydrapod::simulation

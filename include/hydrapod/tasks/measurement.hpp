@@ -8,7 +8,6 @@
 /// What one task writes every task that can use it reads. A file is recognised by what it holds:
 /// modes (TOML, CSV, JSON of identify or modes), responses (JSON of frf, Universal File), records.
 
-#include "hydrapod/diagnosis/measured.hpp"
 #include "hydrapod/identification/bootstrap.hpp"
 #include "hydrapod/identification/measure.hpp"
 #include "hydrapod/identification/realisation.hpp"
