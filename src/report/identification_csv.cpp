@@ -145,8 +145,7 @@ data::ModalResult mode_of(const ModeRow& row, const std::vector<data::Channel>& 
   data::ModalResult mode;
   const double omega = two_pi * row.number("frequency_hz"), ratio = row.number("damping_ratio");
   const auto count = static_cast<Index>(outputs.size());
-  mode.pole =
-      omega * std::complex<double>(-ratio, std::sqrt(std::max(0.0, 1.0 - ratio * ratio)));
+  mode.pole = omega * std::complex<double>(-ratio, std::sqrt(std::max(0.0, 1.0 - ratio * ratio)));
   mode.omega_deviation = two_pi * row.number("frequency_95_hz") / band;
   mode.damping_deviation = row.number("damping_95") / band;
   mode.significance = row.number("significance");

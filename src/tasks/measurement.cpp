@@ -286,7 +286,8 @@ observation::Targets identified_targets(const Measured& measured, const std::str
     bad(path,
         "no mode was found in it; a longer record, or one with more excitation, shows more "
         "(`hydrapod identify` says what was tried)");
-  auto targets = observation::measured_modes(identification::modal_results(found), machine.file.machine, at);
+  auto targets =
+      observation::measured_modes(identification::modal_results(found), machine.file.machine, at);
   if (auto all = observation::measured_responses(measured.responses(), machine.file.machine, at))
     targets.responses.push_back(std::move(*all));
   return targets;
@@ -412,7 +413,7 @@ Measured measure_outputs(const MeasureOptions& options, const Progress& progress
 std::optional<observation::Observed> observed_in(const Measured& measured) {
   if (measured.experiment() == nullptr || !measured.experiment()->excitation) return {};
   return observation::from_drives(measured.responses().inputs) ? observation::Observed::plant
-                                                      : observation::Observed::system;
+                                                               : observation::Observed::system;
 }
 
 Identified identify(const IdentifyOptions& options, const Progress& progress) {

@@ -161,8 +161,7 @@ Rig rig(const Machine& machine, const RigOptions& asked, const Progress& progres
   if (asked.averages > 0) {
     const double rate = 1.0 / of.controller.sample_time;
     const auto period = signals::period_samples(options.signals, rate);
-    if (!period)
-      bad("--averages", "the excitation does not repeat; give its duration instead");
+    if (!period) bad("--averages", "the excitation does not repeat; give its duration instead");
     options.duration = asked.averages * static_cast<double>(*period) / rate;
   }
   try {

@@ -138,8 +138,10 @@ report::Json identified_json() {
 
 TEST(MeasuredModes, AreReadFromTheJsonOfIdentify) {
   const auto machine = heavy().machine;
-  const auto targets = measured_modes(
-      report::identification_from_json(identified_json(), "modes.json"), machine, {});
+  const auto targets =
+      measured_modes(identification::modal_results(
+                         report::identification_from_json(identified_json(), "modes.json")),
+                     machine, {});
   ASSERT_EQ(targets.modes.size(), 1U);
   const auto& mode = targets.modes.front();
   EXPECT_NEAR(mode.omega, 2.0 * std::numbers::pi * 4.1, 1e-9);
@@ -150,15 +152,19 @@ TEST(MeasuredModes, AreReadFromTheJsonOfIdentify) {
   // the lines of the responses, where they are said
   auto json = identified_json();
   json["indicator"] = {{"frequency_hz", {1.0, 1.7, 2.4}}};
-  EXPECT_NEAR(measured_modes(report::identification_from_json(json, ""), machine, {})
-                  .modes.front()
-                  .deviation,
-              2.0 * std::numbers::pi * std::hypot(0.01, 0.05 * 0.7), 1e-12);
+  EXPECT_NEAR(
+      measured_modes(identification::modal_results(report::identification_from_json(json, "")),
+                     machine, {})
+          .modes.front()
+          .deviation,
+      2.0 * std::numbers::pi * std::hypot(0.01, 0.05 * 0.7), 1e-12);
   json["indicator"] = {1.0, 1.7};
-  EXPECT_NEAR(measured_modes(report::identification_from_json(json, ""), machine, {})
-                  .modes.front()
-                  .deviation,
-              2.0 * std::numbers::pi * 0.01, 1e-12);
+  EXPECT_NEAR(
+      measured_modes(identification::modal_results(report::identification_from_json(json, "")),
+                     machine, {})
+          .modes.front()
+          .deviation,
+      2.0 * std::numbers::pi * 0.01, 1e-12);
 }
 
 /// Legs and poses see the platform from the base, accelerometers feel the ground.
@@ -192,7 +198,9 @@ TEST(MeasuredModes, SayWhatTheyAreAgainst) {
                          .modes.front()
                          .shape_against;
     const auto other =
-        measured_modes(report::identification_from_json(json, "modes.json"), machine, at)
+        measured_modes(
+            identification::modal_results(report::identification_from_json(json, "modes.json")),
+            machine, at)
             .modes.front()
             .shape_against;
     EXPECT_EQ(one, other);
@@ -211,7 +219,9 @@ TEST(MeasuredModes, WrongJsonIsNamed) {
   const auto machine = heavy().machine;
   const auto message = [&](const report::Json& json) {
     try {
-      measured_modes(report::identification_from_json(json, "modes.json"), machine, {});
+      measured_modes(
+          identification::modal_results(report::identification_from_json(json, "modes.json")),
+          machine, {});
     } catch (const base::InputError& error) {
       return std::string(error.what());
     }
