@@ -26,10 +26,12 @@ std::string responses_csv(const FrequencyResponses& r) {
   for (const auto& o : r.outputs)
     for (const auto& i : r.inputs) {
       const std::string pair = o.name + "/" + i.name;
-      text += "," + base::quoted_cell("re " + pair) + "," + base::quoted_cell("im " + pair);
-      if (r.has_errors()) text += "," + base::quoted_cell("deviation " + pair);
+      text +=
+          fmt::format(",{},{}", base::quoted_cell("re " + pair), base::quoted_cell("im " + pair));
+      if (r.has_errors()) text += fmt::format(",{}", base::quoted_cell("deviation " + pair));
     }
-  for (const auto& o : r.outputs) text += "," + base::quoted_cell("coherence " + o.name);
+  for (const auto& o : r.outputs)
+    text += fmt::format(",{}", base::quoted_cell("coherence " + o.name));
   text += ",condition\n";
   for (std::size_t k = 0; k < r.lines(); ++k) {
     text += fmt::format("{:.17g}", r.frequency[k]);
@@ -64,7 +66,8 @@ std::string identified_modes_csv(const identification::Identification& result,
   std::string text =
       "mode,frequency_hz,frequency_95_hz,damping_ratio,damping_95,mpc,mpd_rad,quality,significance";
   for (const auto& o : result.responses.outputs)
-    text += "," + base::quoted_cell("re " + o.name) + "," + base::quoted_cell("im " + o.name);
+    text +=
+        fmt::format(",{},{}", base::quoted_cell("re " + o.name), base::quoted_cell("im " + o.name));
   text += ",shape_against,observed\n";
   const auto* against = observation::name(observation::motion_against(result.responses.outputs));
   int number = 0;
