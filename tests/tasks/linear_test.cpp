@@ -5,6 +5,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "hydrapod/report/calibration.hpp"
 #include "support/round_trip.hpp"
 #include "support/run_program.hpp"
 
