@@ -1,8 +1,6 @@
 #pragma once
 /// All of hydrapod behind one header: everything that the command line can do, as calls.
 ///
-///     #include <hydrapod/hydrapod.hpp>
-///
 ///     const auto machine = hydrapod::tasks::read_machine({.file = "machine.toml"});
 ///     for (const auto& mode : hydrapod::tasks::modes(machine).real.modes)
 ///       std::printf("%.3f Hz  %s\n", mode.mode.omega / hydrapod::base::two_pi, mode.label.c_str());
