@@ -11,6 +11,7 @@
 
 #include "hydrapod/base/constants.hpp"
 #include "hydrapod/base/version.hpp"
+#include "hydrapod/spatial/directions.hpp"
 #include "hydrapod/tasks/linear.hpp"
 #include "hydrapod/tasks/machine.hpp"
 #include "hydrapod/tasks/report.hpp"
