@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <string>
 
 #include "hydrapod/report/json.hpp"
@@ -12,10 +13,10 @@ namespace hydrapod::test {
 /// Numbers agree to rounding: JSON holds hertz, results hold radians per second.
 inline void expect_same_json(const report::Json& found, const report::Json& expected,
                              const std::string& path = "") {
-  constexpr double rounding = 1e-13;
+  constexpr double rounding = 1e-13, nothing = 1e-15;  // relative, and of what should be zero
   if (expected.is_number() && found.is_number()) {
     const double value = expected.get<double>();
-    EXPECT_NEAR(found.get<double>(), value, rounding * std::abs(value)) << path;
+    EXPECT_NEAR(found.get<double>(), value, rounding * std::abs(value) + nothing) << path;
   } else if (expected.is_structured() && found.size() == expected.size()) {
     for (const auto& item : expected.items()) {
       const auto key = path + "/" + item.key();
