@@ -115,7 +115,7 @@ TEST(RigOnABaseThatGivesWay, HasAccelerometersThatFeelTheGround) {
   options.entry = rig::Entry::wrench;
   spatial::Vector6 rms;
   rms << 310.0, 250.0, 190.0, 70.0, 50.0, 60.0;
-  options.signals = {rig::Multisine{rms, 1.0, 1.0, 1.0, 0.0, false, {}}};
+  options.signals = {{rms, signals::Multisine{1.0, 1.0, 1.0}}};
   options.settling = 0.0;
   options.duration = 2.0;
   options.rate = 1000.0;  // the controller's: the wrench stays from sample to sample
