@@ -5,14 +5,12 @@
 
 #include "hydrapod/base/constants.hpp"
 #include "hydrapod/base/file.hpp"
+#include "hydrapod/base/text.hpp"
 #include "hydrapod/base/units.hpp"
 #include "hydrapod/bode_report.hpp"
 #include "hydrapod/commands.hpp"
 #include "hydrapod/machine_arguments.hpp"
 #include "hydrapod/mode_report.hpp"
-#include "hydrapod/report/bode.hpp"
-#include "hydrapod/report/system.hpp"
-#include "hydrapod/simulation/tuning.hpp"
 #include "hydrapod/spatial/directions.hpp"
 #include "hydrapod/terminal.hpp"
 
@@ -34,50 +32,22 @@ struct Arguments {
   std::string file{"-"};
 };
 
-std::vector<std::string> parts_of(const std::string& text, char separator) {
-  std::vector<std::string> parts;
-  for (size_t begin = 0; begin <= text.size();) {
-    const size_t end = std::min(text.find(separator, begin), text.size());
-    parts.push_back(text.substr(begin, end - begin));
-    begin = end + 1;
-  }
-  return parts;
-}
-
 /// A frequency: a number in Hz, or a quantity ("30 rad/s", "2 kHz"), in rad/s.
 std::optional<double> frequency(const std::string& option, const std::string& text) {
   if (text.empty()) return {};
-  double value = 0.0;
-  if (const auto plain = plain_number(text)) {
-    value = two_pi * *plain;
-  } else if (const auto hertz = base::read_quantity(text, "Hz"); hertz.ok()) {
-    value = two_pi * hertz.value;
-  } else if (const auto radians = base::read_quantity(text, "rad/s"); radians.ok()) {
-    value = radians.value;
-  } else {
-    bad_argument(option + " " + text, hertz.problem);
-  }
+  const auto hertz = base::read_plain_or_quantity(text, "Hz");
+  const auto radians = base::read_quantity(text, "rad/s");
+  if (!hertz.ok() && !radians.ok()) bad_argument(option + " " + text, hertz.problem);
+  const double value = hertz.ok() ? two_pi * hertz.value : radians.value;
   if (!(value > 0.0)) bad_argument(option + " " + text, "a frequency must be positive");
   return value;
-}
-
-/// "x,y,z" in the platform frame, each SI or with a unit.
-std::optional<spatial::Vector3> point(const std::string& text) {
-  if (text.empty()) return {};
-  const auto parts = parts_of(text, ',');
-  const std::string argument = "--point " + text;
-  if (parts.size() != 3)
-    bad_argument(argument, "a point is three lengths, for instance \"0,0,0.2 m\"");
-  return spatial::Vector3(plain_or_quantity(argument, parts[0], "m"),
-                          plain_or_quantity(argument, parts[1], "m"),
-                          plain_or_quantity(argument, parts[2], "m"));
 }
 
 /// "x,ry/x": direct responses and output/input pairs.
 std::vector<report::Entry> entries(const std::string& text) {
   std::vector<report::Entry> list;
-  for (const auto& part : parts_of(text, ',')) {
-    const auto pair = parts_of(part, '/');
+  for (const auto& part : base::split(text, ",")) {
+    const auto pair = base::split(part, "/");
     if (pair.size() > 2)
       bad_argument("--entries " + text,
                    fmt::format("'{}' is no output/input pair such as ry/x", part));
@@ -97,109 +67,85 @@ report::BodeOptions options_of(const Arguments& arguments) {
       choose_word("--output", arguments.output, {"displacement", "velocity", "acceleration"}));
   options.from = frequency("--from", arguments.from);
   options.to = frequency("--to", arguments.to);
-  options.p_PQ = point(arguments.point);
+  if (!arguments.point.empty()) options.p_PQ = point(arguments.point);
   options.points = arguments.points;
   if (options.from && options.to && *options.from >= *options.to)
     bad_argument("--from " + arguments.from, "must be less than --to " + arguments.to);
   return options;
 }
 
-std::string json_text(const Arguments& arguments, const model::MachineFile& file,
-                      const report::PoseChoice& pose, const report::Bode& bode) {
-  report::Json json{{"kind", "bode"},
-                    {"machine", report::machine_json(file, arguments.machine.file)},
-                    {"assumptions", report::assumptions_json(file.machine)},
-                    {"pose", report::pose_json(pose)}};
-  json.update(report::bode_json(bode));
-  return json.dump() + "\n";
-}
-
-std::string table_text(const Arguments& arguments, const model::MachineFile& file,
-                       const report::PoseChoice& pose, const report::Bode& bode) {
-  const bool printed = arguments.file == "-";
-  const bool colour = printed && has_colour(stdout);
-  const size_t width = printed ? terminal_width() : Table::unlimited;
-  return heading(file.machine, pose, bode.table, colour) + peak_text(bode, colour, width);
-}
-
 /// A response that grows without bound is no response: it is shown, but not without a word.
-void warn_if_unstable(const report::Bode& bode) {
-  const auto& modes = bode.table.real.modes;
-  if (std::all_of(modes.begin(), modes.end(), [](const auto& m) { return m.mode.stable; })) return;
+void warn_unstable(const char* what) {
   print_diagnostics(
       {{.severity = base::Severity::warning,
-        .message = "the machine is unstable at this pose, so that no steady vibration "
-                   "exists; the response is that of its linear equations"}});
+        .message = fmt::format("{}, so that no steady vibration exists; the response is that of "
+                               "its linear equations",
+                               what)}});
 }
 
+void wrote(const std::string& path) { fmt::print(stderr, "wrote {}\n", path); }
+
 /// The response of the whole machine from commanded to true pose.
-void run_command(const Arguments& arguments, size_t format) {
+std::string command_output(const Arguments& arguments, const report::BodeOptions& options,
+                           std::size_t format) {
   if (arguments.output != "displacement")
     bad_argument("--output " + arguments.output,
                  "from command to pose there is the displacement only");
   if (!arguments.point.empty())
     bad_argument("--point " + arguments.point,
                  "from command to pose, the point is the origin of the platform frame");
-  const auto file = load(arguments.machine);
-  const auto pose = choose_pose(file.machine, arguments.machine.pose);
-  const auto kind = choose_model(file.machine, arguments.machine.model);
-  const auto system = simulation::linear_system(file.machine, pose.X_BP, {.kind = kind});
-  const auto poles = simulation::system_poles(system);
-  if (!poles.sampled_stable)
-    print_diagnostics({{.severity = base::Severity::warning,
-                        .message = "the loop is unstable, so that no steady vibration exists; the "
-                                   "response is that of its linear equations"}});
-  const double lowest = simulation::tune_controller(file.machine, pose.X_BP).lowest_oil_mode;
-  const double from = frequency("--from", arguments.from).value_or(0.01 * lowest);
-  const double to = frequency("--to", arguments.to).value_or(20.0 * lowest);
-  const auto response = report::command_response(system, from, to, arguments.points);
+  const auto machine = load(arguments.machine);
+  const auto result = tasks::command_response(
+      machine, {.from = options.from, .to = options.to, .points = options.points});
+  if (!result.system.poles.sampled_stable) warn_unstable("the loop is unstable");
+  const auto& response = result.response;
+  const char* model = dynamics::name(machine.kind);
   if (!arguments.plot.empty()) {
     report::plot_command_response(
-        response, file.machine.name,
-        fmt::format("from command to pose; pose {}, {} model", pose.name, dynamics::name(kind)),
+        response, machine.file.machine.name,
+        fmt::format("from command to pose; pose {}, {} model", machine.pose.name, model),
         arguments.plot);
-    fmt::print(stderr, "wrote {}\n", arguments.plot);
+    wrote(arguments.plot);
   }
-  if (format == 2) {
-    base::write_file_whole(arguments.file, report::command_response_csv(response));
-  } else if (format == 1) {
-    report::Json json{{"kind", "bode"},
-                      {"machine", report::machine_json(file, arguments.machine.file)},
-                      {"assumptions", report::assumptions_json(file.machine)},
-                      {"pose", report::pose_json(pose)},
-                      {"model", dynamics::name(kind)},
-                      {"input", "command"},
-                      {"output", "displacement"}};
-    json.update(report::command_response_json(response));
-    base::write_file_whole(arguments.file, json.dump() + "\n");
-  } else {
-    const bool printed = arguments.file == "-";
-    base::write_file_whole(
-        arguments.file,
-        fmt::format("{}, pose {}: from command to pose, {} model\n{}\n\n", file.machine.name,
-                    pose.name, dynamics::name(kind), report::verdict_text(system, poles)) +
-            command_text(response, printed && has_colour(stdout),
-                         printed ? terminal_width() : Table::unlimited));
+  if (format == 2) return report::command_response_csv(response);
+  if (format == 0)
+    return fmt::format("{}, pose {}: from command to pose, {} model\n{}\n\n",
+                       machine.file.machine.name, machine.pose.name, model,
+                       report::verdict_text(result.system.poles)) +
+           command_text(response, table_style(arguments.file));
+  auto json = report::head_json("bode", machine);
+  json.update({{"model", model}, {"input", "command"}, {"output", "displacement"}});
+  json.update(report::command_response_json(response));
+  return json.dump() + "\n";
+}
+
+std::string mechanics_output(const Arguments& arguments, const report::BodeOptions& options,
+                             std::size_t format) {
+  const auto shown = entries(arguments.entries);
+  const auto machine = load(arguments.machine);
+  const auto bode = tasks::bode(machine, options);
+  if (!std::ranges::all_of(bode.table.real.modes, [](const auto& m) { return m.mode.stable; }))
+    warn_unstable("the machine is unstable at this pose");
+  if (!arguments.plot.empty()) {
+    report::plot_bode(bode, shown, plot_text(machine, bode), arguments.plot);
+    wrote(arguments.plot);
   }
+  if (format == 2) return report::bode_csv(bode);
+  if (format == 0) {
+    const auto style = table_style(arguments.file);
+    return heading(machine, style.colour) + peak_text(bode, style);
+  }
+  auto json = report::head_json("bode", machine);
+  json.update(report::bode_json(bode));
+  return json.dump() + "\n";
 }
 
 void run(const Arguments& arguments) {
   const size_t format = choose_word("--format", arguments.format, {"table", "json", "csv"});
   const auto options = options_of(arguments);
-  if (arguments.input == "command") return run_command(arguments, format);
-  const auto shown = entries(arguments.entries);
-  const auto file = load(arguments.machine);
-  const auto pose = choose_pose(file.machine, arguments.machine.pose);
-  const auto kind = choose_model(file.machine, arguments.machine.model);
-  const auto bode = report::bode(file.machine, pose, kind, options);
-  warn_if_unstable(bode);
-  if (!arguments.plot.empty()) {
-    report::plot_bode(bode, shown, plot_text(file.machine, pose, bode), arguments.plot);
-    fmt::print(stderr, "wrote {}\n", arguments.plot);
-  }
-  base::write_file_whole(arguments.file, format == 0   ? table_text(arguments, file, pose, bode)
-                                         : format == 1 ? json_text(arguments, file, pose, bode)
-                                                       : report::bode_csv(bode));
+  base::write_file_whole(arguments.file, arguments.input == "command"
+                                             ? command_output(arguments, options, format)
+                                             : mechanics_output(arguments, options, format));
 }
 
 void add_options(Command command, Arguments& arguments) {

@@ -17,7 +17,7 @@ using base::two_pi;
 using spatial::direction_names;
 
 std::string peak_table(const report::Bode& bode, const std::vector<response::Peak>& peaks,
-                       const modal::AnalysedModel& model, bool colour, std::size_t width) {
+                       const modal::AnalysedModel& model, const TableStyle& style) {
   if (peaks.empty()) return "none in this band\n";
   Table table({{"direction", Align::left},
                {"Hz"},
@@ -38,7 +38,7 @@ std::string peak_table(const report::Bode& bode, const std::vector<response::Pea
                    prominence, fmt::format("{}", mode + 1),
                    model.modes[mode].label + (peak.own ? "" : " (coupled)")});
   }
-  return table.text(colour, width);
+  return table.text(style);
 }
 
 constexpr std::array<const char*, 2> inputs{"wrench", "actuator forces"};
@@ -64,29 +64,29 @@ std::string count_text(const std::vector<response::Peak>& peaks) {
 
 }  // namespace
 
-std::string peak_text(const report::Bode& bode, bool colour, std::size_t width) {
+std::string peak_text(const report::Bode& bode, const TableStyle& style) {
   const bool flexible = bode.table.kind != dynamics::ModelKind::rigid;
   std::string text =
       fmt::format("{}; {}; {:.4g} Hz to {:.4g} Hz\n\nPeaks of the direct responses\n",
                   output_from_input(bode.options), point_of_platform(bode.options),
                   *bode.options.from / two_pi, *bode.options.to / two_pi);
   if (flexible)
-    text +=
-        peak_table(bode, bode.real_peaks, bode.table.real, colour, width) + "\nWith rigid legs\n";
-  text += peak_table(bode, bode.rigid_peaks, bode.table.rigid, colour, width);
+    text += peak_table(bode, bode.real_peaks, bode.table.real, style) + "\nWith rigid legs\n";
+  text += peak_table(bode, bode.rigid_peaks, bode.table.rigid, style);
   text += "\nResonances of its own per direction (coupled ones left out)\n";
   if (flexible) text += fmt::format("  with seals  {}\n", count_text(bode.real_peaks));
   return text + fmt::format("  rigid legs  {}\n", count_text(bode.rigid_peaks));
 }
 
-report::PlotText plot_text(const model::Machine& machine, const report::PoseChoice& pose,
-                           const report::Bode& bode) {
+report::PlotText plot_text(const tasks::Machine& subject, const report::Bode& bode) {
+  const auto& machine = subject.file.machine;
   return {fmt::format("{}: {}", machine.name, output_from_input(bode.options)),
-          fmt::format("pose {}; {}; {}; damping: {}", pose.name, point_of_platform(bode.options),
-                      report::gravity_text(machine), report::damping_text(machine))};
+          fmt::format("pose {}; {}; {}; damping: {}", subject.pose.name,
+                      point_of_platform(bode.options), report::gravity_text(machine),
+                      report::damping_text(machine))};
 }
 
-std::string command_text(const report::CommandResponse& response, bool colour, std::size_t width) {
+std::string command_text(const report::CommandResponse& response, const TableStyle& style) {
   using base::two_pi;
   const auto hertz = [&](const std::optional<double>& omega) {
     return omega ? fmt::format("{:.3f}", *omega / two_pi) : std::string("–");
@@ -98,7 +98,7 @@ std::string command_text(const report::CommandResponse& response, bool colour, s
                    hertz(found.phase), fmt::format("{:.2f}", 20.0 * std::log10(found.peak)),
                    fmt::format("{:.3f}", found.peak_omega / two_pi)});
   }
-  return table.text(colour, width);
+  return table.text(style);
 }
 
 }  // namespace hydrapod::cli

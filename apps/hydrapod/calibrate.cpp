@@ -7,13 +7,13 @@
 #include "hydrapod/base/error.hpp"
 #include "hydrapod/base/file.hpp"
 #include "hydrapod/base/text.hpp"
-#include "hydrapod/calibration/targets_file.hpp"
 #include "hydrapod/calibration_report.hpp"
 #include "hydrapod/commands.hpp"
 #include "hydrapod/interrupt.hpp"
 #include "hydrapod/machine_arguments.hpp"
 #include "hydrapod/report/calibration.hpp"
 #include "hydrapod/report/simulation.hpp"
+#include "hydrapod/tasks/fit.hpp"
 #include "hydrapod/terminal.hpp"
 
 namespace hydrapod::cli {
@@ -50,7 +50,7 @@ calibration::FreeParameter free_parameter(const std::string& text) {
 }
 
 /// PATH=VALUE+-SPREAD, or with ±
-void add_prior(const std::string& text, std::vector<calibration::FreeParameter>& free) {
+tasks::KnownParameter prior(const std::string& text) {
   const auto equals = text.find('=');
   const std::string right = equals == std::string::npos ? "" : text.substr(equals + 1);
   auto parts = base::split(right, "+-");
@@ -58,13 +58,7 @@ void add_prior(const std::string& text, std::vector<calibration::FreeParameter>&
   if (parts.size() != 2)
     bad_argument("--prior " + text,
                  "expected PATH=VALUE+-SPREAD, for instance \"legs.rod.mass=22 kg+-2 kg\"");
-  const std::string path(base::trimmed(text.substr(0, equals)));
-  for (auto& parameter : free)
-    if (parameter.paths.front() == path) {
-      parameter.prior = calibration::PriorAmounts{parts[0], parts[1]};
-      return;
-    }
-  bad_argument("--prior " + text, fmt::format("`{}` is not free; add --free {}", path, path));
+  return {std::string(base::trimmed(text.substr(0, equals))), {parts[0], parts[1]}};
 }
 
 /// PATH=VALUE[; PATH=VALUE…], to be tried and left alone
@@ -74,33 +68,19 @@ calibration::Alternative alternative(const std::string& text) {
   return made;
 }
 
-calibration::Plan plan_of(const Arguments& arguments, calibration::Plan plan) {
+tasks::CalibrateOptions options_of(const Arguments& arguments) {
+  tasks::CalibrateOptions options{.targets = arguments.targets, .profiles = arguments.profiles};
+  auto& plan = options.plan;
   for (const auto& text : arguments.free) plan.free.push_back(free_parameter(text));
-  for (const auto& text : arguments.priors) add_prior(text, plan.free);
+  for (const auto& text : arguments.priors) options.priors.push_back(prior(text));
   for (const auto& text : arguments.tries) plan.alternatives.push_back(alternative(text));
-  if (arguments.starts > 0) plan.options.starts = arguments.starts;
-  if (arguments.seed > 0) plan.options.seed = arguments.seed;
+  if (arguments.starts > 0) options.starts = arguments.starts;
+  if (arguments.seed > 0) options.seed = arguments.seed;
   if (!arguments.loss.empty())
-    plan.options.loss = static_cast<calibration::Loss>(
+    options.loss = static_cast<calibration::Loss>(
         choose_word("--loss", arguments.loss, {"automatic", "squares", "cauchy"}));
   plan.options.threads = arguments.threads;
-  return plan;
-}
-
-int index_of(const std::string& path, const calibration::Candidate& candidate) {
-  for (std::size_t j = 0; j < candidate.parameters.size(); ++j)
-    for (const auto& own : candidate.parameters[j].paths)
-      if (own == path) return static_cast<int>(j);
-  bad_argument("--profile " + path, "is not one of the free parameters");
-}
-
-void check_profiles(const Arguments& arguments, const calibration::Plan& plan) {
-  for (const auto& path : arguments.profiles) {
-    bool known = false;
-    for (const auto& free : plan.free)
-      for (const auto& own : free.paths) known = known || own == path;
-    if (!known) bad_argument("--profile " + path, "is not one of the free parameters");
-  }
+  return options;
 }
 
 /// Says before the work, not after it, that a file cannot be written.
@@ -112,17 +92,13 @@ void require_writable(const std::string& path) {
     const base::PartFile probe{path};
 }
 
-std::string json_text(const Arguments& arguments, const model::MachineFile& file,
-                      const observation::Targets& targets, const calibration::Calibration& result,
-                      const std::vector<calibration::Profile>& profiles, dynamics::ModelKind kind) {
-  report::Json json{{"kind", "calibration"},
-                    {"machine", report::machine_json(file, arguments.machine.file)},
-                    {"assumptions", report::assumptions_json(file.machine)},
-                    {"model", dynamics::name(kind)}};
-  json.update(report::calibration_json(result, targets));
+std::string json_text(const tasks::Machine& machine, const tasks::Calibrated& found) {
+  auto json = report::head_json("calibration", machine.file, machine.path);
+  json["model"] = dynamics::name(machine.kind);
+  json.update(report::calibration_json(found.result, found.targets));
   json["profiles"] = report::Json::array();
-  for (const auto& profile : profiles)
-    json["profiles"].push_back(report::profile_json(profile, result.best()));
+  for (const auto& profile : found.profiles)
+    json["profiles"].push_back(report::profile_json(profile, found.result.best()));
   return json.dump(1) + "\n";
 }
 
@@ -133,39 +109,22 @@ void run(const Arguments& arguments) {
   require_writable(arguments.output);
   require_writable(arguments.plot);
   if (!arguments.plot.empty()) report::require_picture_ending(arguments.plot);
-  const auto file = load(arguments.machine);
-  auto [targets, in_file] = calibration::read_targets(arguments.targets);
-  const auto plan = plan_of(arguments, std::move(in_file));
-  check_profiles(arguments, plan);
-  const auto kind = choose_model(file.machine, arguments.machine.model);
-
-  calibration::Calibration result;
-  bool interrupted = false;
-  std::vector<calibration::Profile> profiles;
-  {
-    const InterruptNote interrupt;
-    ProgressLine line("calibrating");
-    const auto progress = [&](double fraction) {
-      line.update(fraction);
-      return InterruptNote::noted();
-    };
-    result = calibration::calibrate(file, targets, plan, kind, progress);
-    for (const auto& path : arguments.profiles) {
-      auto profile = calibration::profile(file, targets, plan, kind, result.best(),
-                                          index_of(path, result.best()), progress);
-      if (InterruptNote::noted()) break;  // half a profile has no interval
-      profiles.push_back(std::move(profile));
-    }
-    interrupted = InterruptNote::noted();
-  }
-  base::write_file_whole(
-      "-", format == 0
-               ? calibration_text(result, targets, profiles, has_colour(stdout), terminal_width())
-               : json_text(arguments, file, targets, result, profiles, kind));
+  const auto machine = load(arguments.machine);
+  const auto options = options_of(arguments);
+  const auto found = with_progress("calibrating", [&](const auto& progress) {
+    return tasks::calibrate(machine, options, progress);
+  });
+  print_diagnostics(found.warnings);
+  base::write_file_whole("-", format == 0
+                                  ? calibration_text(found.result, found.targets, found.profiles,
+                                                     has_colour(stdout), terminal_width())
+                                  : json_text(machine, found));
   if (!arguments.output.empty())
-    base::write_file_whole(arguments.output, calibration::calibrated_text(file, result.best()));
-  if (!arguments.plot.empty()) report::plot_calibration(result, targets, arguments.plot);
-  if (interrupted)
+    base::write_file_whole(arguments.output,
+                           calibration::calibrated_text(machine.file, found.result.best()));
+  if (!arguments.plot.empty())
+    report::plot_calibration(found.result, found.targets, arguments.plot);
+  if (found.interrupted)
     throw base::ComputationError(
         fmt::format("interrupted: the report{} the best so far",
                     arguments.output.empty() ? " shows" : " and " + arguments.output + " hold"));

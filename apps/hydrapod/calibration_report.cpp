@@ -215,7 +215,7 @@ std::string calibration_text(const Calibration& result, const Targets& targets,
   return text;
 }
 
-std::string sensitivity_text(const Sensitivities& s, bool colour, std::size_t width) {
+std::string sensitivity_text(const Sensitivities& s, const TableStyle& style) {
   std::vector<Column> columns{{"% of ω per % of", Align::left}};
   for (const double omega : s.omega) columns.push_back({fmt::format("{:.2f} Hz", omega / two_pi)});
   Table table(columns);
@@ -239,7 +239,7 @@ std::string sensitivity_text(const Sensitivities& s, bool colour, std::size_t wi
     }
     table.add_row(row);
   }
-  return table.text(colour, width);
+  return table.text(style);
 }
 
 std::string sensitivity_csv(const Sensitivities& s) {

@@ -17,8 +17,8 @@ std::string calibration_text(const calibration::Calibration& result,
                              std::size_t width);
 
 /// Modes across, parameters downwards, in per cent per per cent, the most important first.
-std::string sensitivity_text(const calibration::Sensitivities& sensitivities, bool colour,
-                             std::size_t width);
+std::string sensitivity_text(const calibration::Sensitivities& sensitivities,
+                             const TableStyle& style);
 std::string sensitivity_csv(const calibration::Sensitivities& sensitivities);
 
 }  // namespace hydrapod::cli

@@ -8,7 +8,7 @@
 #include "hydrapod/commands.hpp"
 #include "hydrapod/hydraulics/servo_axis.hpp"
 #include "hydrapod/machine_arguments.hpp"
-#include "hydrapod/report/check.hpp"
+#include "hydrapod/tasks/linear.hpp"
 #include "hydrapod/terminal.hpp"
 
 namespace hydrapod::cli {
@@ -25,7 +25,7 @@ std::string optional_text(const std::optional<double>& value) {
   return value ? fmt::format("{:.1f}", 1e3 * *value) : "–";
 }
 
-std::string leg_table(const report::PoseCheck& check, bool colour, size_t width) {
+std::string leg_table(const report::PoseCheck& check, const TableStyle& style) {
   constexpr double degrees = 180.0 / std::numbers::pi;
   Table table({{"leg"},
                {"length mm"},
@@ -47,7 +47,7 @@ std::string leg_table(const report::PoseCheck& check, bool colour, size_t width)
          check.equilibrium ? fmt::format("{:.2f}", 1e3 * leg.tilt) : "–",
          fmt::format("{:.1f} / {:.1f}", leg.base_tilt * degrees, leg.platform_tilt * degrees)});
   }
-  return table.text(colour, width);
+  return table.text(style);
 }
 
 std::string buckling_text(const model::Machine& machine, const report::PoseCheck& check) {
@@ -73,75 +73,59 @@ std::string buckling_text(const model::Machine& machine, const report::PoseCheck
   return "Buckling: none found up to 100 times the platform's mass.\n";
 }
 
-std::string pose_text(const model::Machine& machine, const report::PoseCheck& check, bool colour,
-                      size_t width) {
-  std::string text = fmt::format("{}\n{}", styled("Pose " + check.pose.name, Style::bold, colour),
-                                 leg_table(check, colour, width));
+std::string pose_text(const model::Machine& machine, const report::PoseCheck& check,
+                      const TableStyle& style) {
+  std::string text =
+      fmt::format("{}\n{}", styled("Pose " + check.pose.name, Style::bold, style.colour),
+                  leg_table(check, style));
   text += fmt::format(
       "Jacobian: condition {:.3g} (lengths scaled with {:.3g} m; singular from {:.0g})\n",
       check.quality.condition, check.quality.characteristic_length, kinematics::singular_condition);
   text += buckling_text(machine, check);
   for (const auto& warning : check.warnings)
-    text += fmt::format("{} {}\n", styled("warning:", Style::yellow, colour), warning);
+    text += fmt::format("{} {}\n", styled("warning:", Style::yellow, style.colour),
+                        report::warning_text(warning));
   return text;
 }
 
-std::vector<report::PoseChoice> chosen_poses(const model::Machine& machine,
-                                             const std::string& text) {
-  if (!text.empty()) return {choose_pose(machine, text)};
-  std::vector<report::PoseChoice> poses;
-  for (const auto& pose : machine.poses) poses.push_back({pose.name, pose.X_BP});
-  return poses;
-}
-
 /// What simulation takes where the file says nothing.
-std::string assumptions_text(const model::Machine& machine, bool colour) {
+std::string assumptions_text(const model::Machine& machine, const TableStyle& style) {
   const auto assumptions = hydraulics::hydraulic_assumptions(machine);
   if (assumptions.empty()) return {};
   std::string text = fmt::format(
-      "\n{}\n", styled("Assumed for simulation, where the file says nothing", Style::bold, colour));
+      "\n{}\n",
+      styled("Assumed for simulation, where the file says nothing", Style::bold, style.colour));
   for (const auto& one : assumptions) text += fmt::format("  {}: {}\n", one.key, one.text);
   return text;
 }
 
 std::string table_text(const model::MachineFile& file, const std::vector<report::PoseCheck>& checks,
-                       bool colour, size_t width) {
+                       const TableStyle& style) {
   const auto& machine = file.machine;
   double legs = 0.0;
   for (const auto& leg : machine.legs) legs += leg.cylinder_case.mass + leg.rod.mass;
-  std::string text = fmt::format("{}: sound\n", styled(machine.name, Style::bold, colour));
+  std::string text = fmt::format("{}: sound\n", styled(machine.name, Style::bold, style.colour));
   if (!machine.description.empty()) text += machine.description + "\n";
   text += fmt::format("platform {}, legs {} in all; {}\n", report::mass_text(machine.platform.mass),
                       report::mass_text(legs), report::gravity_text(machine));
-  for (const auto& check : checks) text += "\n" + pose_text(machine, check, colour, width);
-  return text + assumptions_text(machine, colour);
-}
-
-std::string json_text(const Arguments& arguments, const model::MachineFile& file,
-                      const std::vector<report::PoseCheck>& checks) {
-  report::Json json{{"kind", "check"},
-                    {"machine", report::machine_json(file, arguments.machine.file)},
-                    {"assumptions", report::assumptions_json(file.machine)},
-                    {"simulation_assumptions", report::Json::array()},
-                    {"poses", report::Json::array()}};
-  for (const auto& one : hydraulics::hydraulic_assumptions(file.machine))
-    json["simulation_assumptions"].push_back({{"key", one.key}, {"text", one.text}});
-  for (const auto& check : checks) json["poses"].push_back(report::check_json(check));
-  return json.dump(1) + "\n";
+  for (const auto& check : checks) text += "\n" + pose_text(machine, check, style);
+  return text + assumptions_text(machine, style);
 }
 
 void run(const Arguments& arguments) {
   const size_t format = choose_word("--format", arguments.format, {"table", "json"});
-  const auto file = load(arguments.machine);
-  const auto kind = choose_model(file.machine, arguments.machine.model);
-  std::vector<report::PoseCheck> checks;
-  for (const auto& pose : chosen_poses(file.machine, arguments.machine.pose))
-    checks.push_back(report::check(file.machine, pose, kind));
-  const bool printed = arguments.output == "-";
-  const bool colour = printed && has_colour(stdout);
-  const size_t width = printed ? terminal_width() : Table::unlimited;
-  base::write_file_whole(arguments.output, format == 0 ? table_text(file, checks, colour, width)
-                                                       : json_text(arguments, file, checks));
+  auto asked = arguments.machine;
+  if (asked.pose.empty()) asked.pose = "neutral";
+  const auto machine = load(asked);
+  const auto& poses = machine.file.machine.poses;
+  const auto checks =
+      tasks::check(machine, arguments.machine.pose.empty() ? poses : std::vector{machine.pose});
+  if (format == 0)
+    return base::write_file_whole(arguments.output,
+                                  table_text(machine.file, checks, table_style(arguments.output)));
+  auto json = report::head_json("check", machine.file, machine.path);
+  json.update(report::check_json(checks, machine.file.machine));
+  base::write_file_whole(arguments.output, json.dump(1) + "\n");
 }
 
 }  // namespace

@@ -8,11 +8,9 @@
 #include "hydrapod/bode_report.hpp"
 #include "hydrapod/commands.hpp"
 #include "hydrapod/embedded_models.hpp"
-#include "hydrapod/kinematics/check_machine.hpp"
 #include "hydrapod/machine_arguments.hpp"
 #include "hydrapod/mode_report.hpp"
 #include "hydrapod/report/answer.hpp"
-#include "hydrapod/report/bode.hpp"
 #include "hydrapod/report/html.hpp"
 #include "hydrapod/terminal.hpp"
 
@@ -49,14 +47,11 @@ std::string path_in(const Arguments& arguments, const std::string& name) {
 }
 
 /// The report, with every pose of the file. A program built without the page goes on without it.
-void write_report(const Case& the_case, const model::MachineFile& file, const std::string& path,
-                  dynamics::ModelKind kind, const Arguments& arguments) {
-  std::vector<report::PoseChoice> poses;
-  for (const auto& pose : file.machine.poses) poses.push_back({pose.name, pose.X_BP});
-  const report::HtmlOptions options{.kind = kind};
+void write_report(const Case& the_case, const tasks::Machine& machine, const Arguments& arguments) {
   try {
     base::write_file_whole(path_in(arguments, fmt::format("report-{}.html", the_case.stem)),
-                           report::html_report(file, path, poses, options));
+                           report::html_report(machine.file, machine.path,
+                                               machine.file.machine.poses, {.kind = machine.kind}));
   } catch (const base::ComputationError& error) {
     fmt::print(stderr, "no report for {}: {}\n", the_case.file, error.what());
   }
@@ -64,25 +59,23 @@ void write_report(const Case& the_case, const model::MachineFile& file, const st
 
 /// Modes on the terminal; the Bode diagram and the report as files.
 void show(const Case& the_case, const Arguments& arguments) {
-  const bool colour = has_colour(stdout);
+  const auto style = table_style("-");
   const std::string path = path_in(arguments, the_case.file);
   const std::string text(embedded_model(the_case.file));
   base::write_file_whole(path, text);
-  const auto file = model::parse_machine(text, path, the_case.overrides, kinematics::check_machine);
-  const report::PoseChoice pose{"neutral", file.machine.neutral()};
-  const auto kind = choose_model(file.machine, "");
-  const auto bode = report::bode(file.machine, pose, kind, {});
-  fmt::print("{}\n\n{}\n{}\n{}\n", styled(the_case.headline, Style::cyan, colour),
-             heading(file.machine, pose, bode.table, colour),
-             mode_text(bode.table, nullptr, colour, terminal_width()),
+  const auto machine =
+      tasks::read_machine({.file = path, .text = text, .overrides = the_case.overrides});
+  const auto bode = tasks::bode(machine);
+  fmt::print("{}\n\n{}\n{}\n{}\n", styled(the_case.headline, Style::cyan, style.colour),
+             heading(machine, style.colour), mode_text(bode.table, nullptr, style),
              report::answer_text(bode.table));
   const std::vector<report::Entry> direct{{0, 0}, {1, 1}, {2, 2}, {3, 3}, {4, 4}, {5, 5}};
   for (const char* ending : {".svg", ".png"})
-    report::plot_bode(bode, direct, plot_text(file.machine, pose, bode),
+    report::plot_bode(bode, direct, plot_text(machine, bode),
                       path_in(arguments, fmt::format("bode-{}{}", the_case.stem, ending)));
   base::write_file_whole(path_in(arguments, fmt::format("bode-{}.csv", the_case.stem)),
                          report::bode_csv(bode));
-  write_report(the_case, file, path, kind, arguments);
+  write_report(the_case, machine, arguments);
 }
 
 void make_folder(const std::string& folder) {

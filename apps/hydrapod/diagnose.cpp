@@ -8,6 +8,8 @@
 #include "hydrapod/base/file.hpp"
 #include "hydrapod/commands.hpp"
 #include "hydrapod/diagnosis_arguments.hpp"
+#include "hydrapod/interrupt.hpp"
+#include "hydrapod/machine_arguments.hpp"
 #include "hydrapod/report/diagnosis.hpp"
 #include "hydrapod/report/simulation.hpp"
 #include "hydrapod/terminal.hpp"
@@ -166,32 +168,33 @@ std::string table_text(const Arguments& a, const model::MachineFile& file,
 void run(Arguments& a) {
   const auto format = choose_word("--format", a.format, {"table", "json"});
   if (!a.plot.empty()) report::require_picture_ending(a.plot);
-  a.diagnosis.options.frequency_error = a.frequency_error / 100.0;
-  a.diagnosis.options.shape_error = a.shape_error / 100.0;
-  a.diagnosis.options.response_error = a.response_error / 100.0;
-  a.diagnosis.options.responses = !a.modes_only;
-  remedy_goal(a.diagnosis.want);
-  const auto file = load(a.machine);
-  const auto kind = choose_model(file.machine, a.machine.model);
-  const auto found = investigate(a.diagnosis, a.machine, file, kind);
+  auto& rules = a.diagnosis.options;
+  rules.frequency_error = a.frequency_error / 100.0;
+  rules.shape_error = a.shape_error / 100.0;
+  rules.response_error = a.response_error / 100.0;
+  rules.responses = !a.modes_only;
+  const auto machine = load(a.machine);
+  const auto options = diagnose_options(a.diagnosis, machine.file.machine);
+  const auto found = with_progress("diagnosing", [&](const auto& progress) {
+    return tasks::diagnose(machine, options, progress);
+  });
+  print_diagnostics(found.warnings);
   std::string text;
   if (format == 0) {
-    text = table_text(a, file, found);
+    text = table_text(a, machine.file, found.file);
   } else {
-    report::Json json{{"kind", "diagnosis"},
-                      {"machine", report::machine_json(file, a.machine.file)},
-                      {"assumptions", report::assumptions_json(file.machine)},
-                      {"model", dynamics::name(kind)},
-                      {"measured", fmt::format("{}", fmt::join(a.diagnosis.measured, ", "))}};
-    json.update(report::diagnosis_json(found));
+    auto json = report::head_json("diagnosis", machine.file, machine.path);
+    json["model"] = dynamics::name(machine.kind);
+    json["measured"] = fmt::format("{}", fmt::join(a.diagnosis.measured, ", "));
+    json.update(report::diagnosis_json(found.file));
     text = json.dump(1) + "\n";
   }
   base::write_file_whole(a.output, text);
   if (!a.plot.empty()) {
-    report::plot_diagnosis(found, a.plot);
+    report::plot_diagnosis(found.file, a.plot);
     fmt::print(stderr, "wrote {}\n", a.plot);
   }
-  if (found.diagnosis && found.diagnosis->interrupted)
+  if (found.file.diagnosis && found.file.diagnosis->interrupted)
     throw base::ComputationError("interrupted: the report shows what was tried so far");
 }
 

@@ -7,47 +7,25 @@
 #include "hydrapod/base/constants.hpp"
 #include "hydrapod/base/error.hpp"
 #include "hydrapod/base/text.hpp"
-#include "hydrapod/interrupt.hpp"
-#include "hydrapod/kinematics/check_machine.hpp"
-#include "hydrapod/measured_modes.hpp"
+#include "hydrapod/base/units.hpp"
+#include "hydrapod/identification_arguments.hpp"
+#include "hydrapod/machine_arguments.hpp"
 #include "hydrapod/spatial/directions.hpp"
-#include "hydrapod/terminal.hpp"
 
 namespace hydrapod::cli {
 
 namespace {
 
-/// The machine with the pose that --pose gives as displacements, under a name of its own.
-model::MachineFile with_pose(model::MachineFile file, const report::PoseChoice& pose,
-                             std::string& name) {
-  const auto& poses = file.machine.poses;
-  name = pose.name;
-  if (std::ranges::any_of(poses, [&](const auto& p) { return p.name == pose.name; })) return file;
-  name = "as_measured";
-  const auto rpy = spatial::rpy_from_rotation(pose.X_BP.R_BP);
-  const auto& p = pose.X_BP.p_BP;
-  file.overrides.push_back(
-      fmt::format("poses.{}.position=[{:.17g}, {:.17g}, {:.17g}]", name, p.x(), p.y(), p.z()));
-  file.overrides.push_back(fmt::format("poses.{}.rotation=[{:.17g}, {:.17g}, {:.17g}]", name,
-                                       rpy.x(), rpy.y(), rpy.z()));
-  return model::parse_machine(file.text, file.machine.name, file.overrides,
-                              kinematics::check_machine);
-}
-
 /// Names with commas, "all" or "workspace".
 std::vector<model::NamedPose> poses_of(const model::Machine& machine, const std::string& text) {
-  if (text.empty() || text == "all") return machine.poses;
+  if (text.empty() || text == "all") return {};  // all of the file
   if (text == "workspace") return diagnosis::workspace_poses(machine);
   std::vector<model::NamedPose> poses;
-  for (const auto& name : base::split(text, ";")) {
-    const auto choice = choose_pose(machine, name);
-    poses.push_back({choice.name, choice.X_BP});
-  }
+  for (const auto& name : base::split(text, ";")) poses.push_back(tasks::pose_of(machine, name));
   return poses;
 }
 
-}  // namespace
-
+/// "2 %", "drop 2 %", "5.2 Hz", "x=5.2 Hz", "x=3 %".
 diagnosis::RemedyGoal remedy_goal(const std::string& text) {
   diagnosis::RemedyGoal goal;
   std::string_view amount = base::trimmed(text);
@@ -60,11 +38,10 @@ diagnosis::RemedyGoal remedy_goal(const std::string& text) {
   }
   if (amount.starts_with("drop")) amount = base::trimmed(amount.substr(4));
   if (amount.ends_with('%')) {
-    const auto value =
-        plain_number(std::string(base::trimmed(amount.substr(0, amount.size() - 1))));
-    if (!value || !(*value > 0.0 && *value < 100.0))
+    const auto drop = base::read_quantity(amount, "1");
+    if (!(drop.value > 0.0 && drop.value < 1.0))
       bad_argument(argument, "expected a drop above 0 % and below 100 %, such as \"2 %\"");
-    goal.drop = *value / 100.0;
+    goal.drop = drop.value;
     return goal;
   }
   const double frequency = plain_or_quantity(argument, std::string(amount), "Hz");
@@ -75,6 +52,8 @@ diagnosis::RemedyGoal remedy_goal(const std::string& text) {
   goal.omega = base::two_pi * frequency;
   return goal;
 }
+
+}  // namespace
 
 void add_diagnosis_options(Command command, DiagnosisArguments& arguments) {
   command
@@ -87,55 +66,12 @@ void add_diagnosis_options(Command command, DiagnosisArguments& arguments) {
                      "displacements with semicolons, all, or workspace [all of the file]");
 }
 
-int guilty_mode(const diagnosis::Diagnosis& found, const std::string& pose) {
-  if (found.alike.empty()) return 0;
-  const auto& fit = found.explanations[found.alike.front()].fit;
-  int number = 0;
-  double most = 0.0;
-  for (std::size_t i = 0; i < found.modes.size(); ++i) {
-    const auto& mode = found.modes[i];
-    const double share = 1.0 - mode.oil;
-    if (mode.pose != pose || share <= most) continue;
-    most = share;
-    number = fit.targets[i].mode + 1;
-  }
-  return number;
-}
-
-diagnosis::CaseFile investigate(const DiagnosisArguments& arguments,
-                                const MachineArguments& machine, const model::MachineFile& as_given,
-                                dynamics::ModelKind kind) {
-  std::string pose;
-  const auto file = with_pose(as_given, choose_pose(as_given.machine, machine.pose), pose);
-  diagnosis::CaseFile result{
-      .machine = file.machine, .kind = kind, .pose = pose, .goal = remedy_goal(arguments.want)};
-  const auto poses = poses_of(file.machine, arguments.poses);
-  const InterruptNote interrupt;
-  if (!arguments.measured.empty()) {
-    const auto measured = read_measured(arguments.measured, machine, file, pose, arguments.against);
-    ProgressLine line("diagnosing");
-    result.diagnosis =
-        diagnosis::diagnose(file, measured, kind, poses, arguments.options, [&](double share) {
-          line.update(share);
-          return InterruptNote::noted();
-        });
-    const auto& d = *result.diagnosis;
-    if (d.alike.empty() || d.interrupted) return result;
-    const auto& best = d.explanations[d.alike.front()];
-    result.machine = diagnosis::machine_of(file, best);
-    result.kind = best.kind;
-  }
-  const auto X_BP = std::ranges::find(result.machine.poses, pose, &model::NamedPose::name)->X_BP;
-  if (result.kind == dynamics::ModelKind::rigid) return result;  // nothing to give way
-  for (auto& drop : diagnosis::attribute_drops(result.machine, X_BP, result.kind))
-    result.drops.push_back(std::move(drop));
-  ProgressLine line("looking for a remedy");
-  result.remedy =
-      diagnosis::find_remedy(result.machine, poses, result.kind, result.goal, [&](double share) {
-        line.update(share);
-        return InterruptNote::noted();
-      });
-  return result;
+tasks::DiagnoseOptions diagnose_options(const DiagnosisArguments& arguments,
+                                        const model::Machine& machine) {
+  return {.measured = {.files = arguments.measured, .observed = observed_system(arguments.against)},
+          .rules = arguments.options,
+          .goal = remedy_goal(arguments.want),
+          .poses = poses_of(machine, arguments.poses)};
 }
 
 }  // namespace hydrapod::cli

@@ -1,11 +1,11 @@
 #pragma once
-/// What `hydrapod diagnose` and `hydrapod report --measured` share.
+/// What `hydrapod diagnose` and `hydrapod report --diagnose` share.
 
 #include <string>
 #include <vector>
 
-#include "hydrapod/diagnosis/summary.hpp"
-#include "hydrapod/machine_arguments.hpp"
+#include "hydrapod/options.hpp"
+#include "hydrapod/tasks/fit.hpp"
 
 namespace hydrapod::cli {
 
@@ -17,20 +17,11 @@ struct DiagnosisArguments {
   diagnosis::DiagnoseOptions options{};
 };
 
-/// "2 %", "drop 2 %", "5.2 Hz", "x=5.2 Hz", "x=3 %". Throws base::InputError.
-diagnosis::RemedyGoal remedy_goal(const std::string& text);
-
 /// "--want", "--poses" and the errors of the model.
 void add_diagnosis_options(Command command, DiagnosisArguments& arguments);
 
-/// The measured mode that comes most from what gives way beside the oil, as number of the
-/// explaining machine's mode, from 1; 0 where there is none at that pose.
-int guilty_mode(const diagnosis::Diagnosis& found, const std::string& pose);
-
-/// The whole investigation, with progress and Ctrl-C. Throws base::InputError and
-/// base::ComputationError.
-diagnosis::CaseFile investigate(const DiagnosisArguments& arguments,
-                                const MachineArguments& machine, const model::MachineFile& file,
-                                dynamics::ModelKind kind);
+/// Throws base::InputError.
+tasks::DiagnoseOptions diagnose_options(const DiagnosisArguments& arguments,
+                                        const model::Machine& machine);
 
 }  // namespace hydrapod::cli

@@ -6,10 +6,11 @@
 #include "hydrapod/base/file.hpp"
 #include "hydrapod/commands.hpp"
 #include "hydrapod/identification_arguments.hpp"
-#include "hydrapod/machine_arguments.hpp"
+#include "hydrapod/interrupt.hpp"
 #include "hydrapod/report/identification_files.hpp"
 #include "hydrapod/report/identification_json.hpp"
 #include "hydrapod/report/identification_plot.hpp"
+#include "hydrapod/report/identification_section.hpp"
 #include "hydrapod/terminal.hpp"
 
 namespace hydrapod::cli {
@@ -28,7 +29,7 @@ double median(std::vector<double> values) {
   return *middle;
 }
 
-std::string channel_table(const identification::FrequencyResponses& r, bool colour, size_t width) {
+std::string channel_table(const identification::FrequencyResponses& r, const TableStyle& style) {
   Table table({{"output", Align::left},
                {"unit", Align::left},
                {"coherence, median"},
@@ -63,68 +64,69 @@ std::string channel_table(const identification::FrequencyResponses& r, bool colo
                    fmt::format("{:.3f}", r.frequency[line]),
                    fmt::format("{:.1f} %", 100.0 * deviation / value)});
   }
-  return table.text(colour, width);
+  return table.text(style);
 }
 
-std::string table_text(const Arguments& arguments, const identification::Measurement& m) {
-  const bool printed = arguments.output == "-";
-  const bool colour = printed && has_colour(stdout);
-  const size_t width = printed ? terminal_width() : Table::unlimited;
+std::string table_text(const Arguments& arguments, const tasks::Measured& measured) {
+  const auto style = table_style(arguments.output);
+  const auto& m = measured.measurement;
   const auto& r = m.responses;
-  std::string text =
-      fmt::format("{}\nblocks of {} samples ({}), lines {:.4g} Hz apart\n", measurement_text(r),
-                  m.spectra.options.block_length,
-                  m.spectra.options.periodic ? "one period each"
-                                             : fmt::format("{} window, {:.0f} % overlap",
-                                                           window_text(m.spectra.options.window),
-                                                           100.0 * m.spectra.options.overlap),
-                  m.spectra.frequency(1));
+  std::string text = report::measurement_text(r) + "\n";
+  if (measured.records)
+    text += fmt::format(
+        "blocks of {} samples ({}), lines {:.4g} Hz apart\n", m.spectra.options.block_length,
+        m.spectra.options.periodic
+            ? "one period each"
+            : fmt::format("{} window, {:.0f} % overlap", window_text(m.spectra.options.window),
+                          100.0 * m.spectra.options.overlap),
+        m.spectra.frequency(1));
   if (m.from_legs) text += "leg lengths were brought to platform directions\n";
-  if (arguments.measurement.accelerometers || !arguments.measurement.sensors.empty())
-    text += "accelerometers were brought to platform directions\n";
-  text += fmt::format("condition of the input matrix: median {:.3g}, largest {:.3g}\n",
-                      median(r.condition), *std::ranges::max_element(r.condition));
+  if (measured.from_accelerometers) text += "accelerometers were brought to platform directions\n";
+  if (!r.condition.empty())
+    text += fmt::format("condition of the input matrix: median {:.3g}, largest {:.3g}\n",
+                        median(r.condition), *std::ranges::max_element(r.condition));
   if (m.h1_against_instrument)
     text += fmt::format(
         "H1 against the instrumental estimate: {:.2g} % apart (median), beyond its "
         "95 % band at {:.0f} % of the lines\n",
         100.0 * m.h1_against_instrument->median, 100.0 * m.h1_against_instrument->share);
-  return text + "\n" + channel_table(r, colour, width);
+  return measured.records ? text + "\n" + channel_table(r, style) : text;
 }
 
 void run(const Arguments& arguments) {
-  const size_t format =
+  enum Format : std::size_t { table, json, csv, uff, mat };
+  const auto format =
       result_format(arguments.format, arguments.output, {"table", "json", "csv", "uff", "mat"});
   for (const auto* path : {&arguments.plot, &arguments.coherence_plot})
     if (!path->empty()) report::require_picture(*path);
-  auto records = open_records(arguments.measurement);
-  const auto m = measure(records, arguments.measurement);
-  const std::string title = arguments.measurement.files[0];
+  const auto options = measure_options(arguments.measurement);
+  const auto measured =
+      with_progress("reading", [&](const auto& progress) { return tasks::frf(options, progress); });
+  print_diagnostics(measured.warnings);
+  const auto& r = measured.responses();
+  const std::string title = options.files.front();
+  const report::PlotText text{title, report::measurement_text(r)};
   if (!arguments.plot.empty()) {
-    report::plot_responses(m.responses, nullptr, {title, measurement_text(m.responses)},
-                           arguments.plot);
+    report::plot_responses(r, nullptr, text, arguments.plot);
     fmt::print(stderr, "wrote {}\n", arguments.plot);
   }
   if (!arguments.coherence_plot.empty()) {
-    report::plot_coherence(m.responses, {title, measurement_text(m.responses)},
-                           arguments.coherence_plot);
+    report::plot_coherence(r, text, arguments.coherence_plot);
     fmt::print(stderr, "wrote {}\n", arguments.coherence_plot);
   }
-  if (format == 4) {
-    report::write_responses_mat(arguments.output, m.responses);
-  } else if (format == 3) {
-    auto responses = m.responses;
-    responses.title = title;
-    data::write_frequency_responses(arguments.output, responses);
-  } else if (format == 1) {
-    report::Json json{{"kind", "frf"}, {"records", arguments.measurement.files}};
-    json["record"] = report::record_origin_json(m.header);
-    json.update(report::responses_json(m.responses));
-    base::write_file_whole(arguments.output, json.dump() + "\n");
-  } else {
-    base::write_file_whole(arguments.output, format == 0 ? table_text(arguments, m)
-                                                         : report::responses_csv(m.responses));
+  if (format == mat) return report::write_responses_mat(arguments.output, r);
+  if (format == uff) {
+    auto titled = r;
+    titled.title = title;
+    return data::write_frequency_responses(arguments.output, titled);
   }
+  if (format == csv) return base::write_file_whole(arguments.output, report::responses_csv(r));
+  if (format == table)
+    return base::write_file_whole(arguments.output, table_text(arguments, measured));
+  report::Json document{{"kind", "frf"}, {"records", options.files}};
+  if (measured.header) document["record"] = report::record_origin_json(*measured.header);
+  document.update(report::responses_json(r));
+  base::write_file_whole(arguments.output, document.dump() + "\n");
 }
 
 }  // namespace

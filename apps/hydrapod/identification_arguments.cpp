@@ -3,102 +3,40 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
 
-#include "hydrapod/base/units.hpp"
-#include "hydrapod/interrupt.hpp"
+#include "hydrapod/base/text.hpp"
 #include "hydrapod/machine_arguments.hpp"
 #include "hydrapod/rig/instruments.hpp"
-#include "hydrapod/terminal.hpp"
 
 namespace hydrapod::cli {
 
 namespace {
 
-using identification::Estimator;
-
 std::vector<std::string> names(const std::string& text) {
-  std::vector<std::string> list;
-  for (std::size_t begin = 0; begin < text.size();) {
-    const std::size_t end = std::min(text.find(',', begin), text.size());
-    std::string name = text.substr(begin, end - begin);
-    const auto first = name.find_first_not_of(' '), last = name.find_last_not_of(' ');
-    if (first != std::string::npos) list.push_back(name.substr(first, last - first + 1));
-    begin = end + 1;
-  }
+  auto list = base::split(text, ",");
+  std::erase(list, "");
   return list;
 }
 
-double time_of(const std::string& option, const std::string& text) {
-  const double value = plain_or_quantity(option + " " + text, text, "s");
-  if (!(value >= 0.0)) bad_argument(option + " " + text, "a time cannot be negative");
+/// A quantity that must not be negative; none for an empty text.
+std::optional<double> optional_quantity(const char* option, const std::string& text,
+                                        const char* unit, const char* what) {
+  if (text.empty()) return {};
+  const std::string argument = std::string(option) + " " + text;
+  const double value = plain_or_quantity(argument, text, unit);
+  if (!(value >= 0.0)) bad_argument(argument, fmt::format("{} cannot be negative", what));
   return value;
 }
 
-/// What brings leg lengths to the platform.
-std::optional<identification::PlatformFrame> platform_frame(const MeasurementArguments& arguments,
-                                                            const data::Experiment& experiment) {
-  const auto found = measured_machine(arguments, &experiment);
-  if (!found) return {};
-  return identification::PlatformFrame{.machine = found->file.machine,
-                                       .X_BP = found->pose.X_BP,
-                                       .p_BQ = measured_point(arguments, *found)};
-}
-
-/// The sensors of --sensor, else those that the record notes; of these the ones that --outputs
-/// names, if it does.
-std::vector<data::PlacedSensor> chosen_sensors(const MeasurementArguments& a,
-                                               const data::Experiment& experiment) {
-  std::vector<data::PlacedSensor> all;
-  for (const auto& text : a.sensors) {
-    const auto sensor = rig::parse_accelerometer(text);
-    all.push_back({sensor.name, sensor.p_P, sensor.e_P});
-  }
-  if (all.empty()) all = experiment.sensors;
-  if (all.empty())
-    bad_argument("--accelerometers",
-                 "the record does not say where its accelerometers are: add --sensor \"NAME, at=X "
-                 "Y Z, along=z\" for each, places in the platform's frame [m]");
-  const auto wanted = names(a.outputs);
-  if (wanted.empty()) return all;
-  std::vector<data::PlacedSensor> some;
-  for (const auto& name : wanted) {
-    const auto found = std::ranges::find(all, name, &data::PlacedSensor::name);
-    if (found == all.end()) bad_argument("--outputs " + name, "is no sensor whose place is known");
-    some.push_back(*found);
-  }
-  return some;
-}
-
-/// Accelerometers as outputs, and what makes directions of the platform of them.
-void use_accelerometers(const MeasurementArguments& a, const data::Experiment& experiment,
-                        identification::MeasureOptions& o) {
-  const auto machine = measured_machine(a, &experiment);
-  if (!machine)
-    bad_argument("--accelerometers",
-                 "the pose of the platform is needed: add --machine FILE and --pose");
-  std::vector<identification::LinearSensor> sensors;
-  o.outputs.clear();
-  for (const auto& s : chosen_sensors(a, experiment)) {
-    o.outputs.push_back(s.name);
-    sensors.push_back({machine->pose.X_BP * s.position, machine->pose.X_BP.R_BP * s.axis});
-  }
-  o.outputs_to_platform =
-      identification::platform_from_accelerometers(sensors, measured_point(a, *machine));
-}
-
-identification::MeasureOptions options_of(const MeasurementArguments& a,
-                                          const data::Experiment& experiment) {
-  identification::MeasureOptions o;
-  o.inputs = names(a.inputs);
-  o.outputs = names(a.outputs);
-  o.instruments = names(a.instruments);
+identification::MeasureOptions estimate_options(const MeasurementArguments& a) {
+  identification::MeasureOptions o{
+      .inputs = names(a.inputs), .outputs = names(a.outputs), .instruments = names(a.instruments)};
   if (a.from_drive && a.from_excitation)
     bad_argument("--from-drive", "and --from-excitation exclude each other");
   if (a.from_drive) o.input_role = data::Role::drive;
   if (a.from_excitation) o.input_role = data::Role::excitation;
   const auto estimator = choose_word("--estimator", a.estimator, {"auto", "h1", "h2", "hv", "iv"});
-  if (estimator > 0) o.estimator = static_cast<Estimator>(estimator - 1);
+  if (estimator > 0) o.estimator = static_cast<identification::Estimator>(estimator - 1);
   o.window = static_cast<identification::Window>(choose_word(
       "--window", a.window, {"hann", "rectangular", "hamming", "blackman-harris", "flat-top"}));
   if (a.block && (*a.block < 16 || *a.block % 2 != 0))
@@ -108,36 +46,12 @@ identification::MeasureOptions options_of(const MeasurementArguments& a,
   if (a.overlap && !(*a.overlap >= 0.0 && *a.overlap < 100.0))
     bad_argument(fmt::format("--overlap {}", *a.overlap), "must be from 0 to below 100 per cent");
   if (a.overlap) o.overlap = *a.overlap / 100.0;
-  if (!a.period.empty()) o.period = time_of("--period", a.period);
-  if (!a.settling.empty()) o.settling = time_of("--settling", a.settling);
-  if (a.accelerometers || !a.sensors.empty())
-    use_accelerometers(a, experiment, o);
-  else
-    o.platform = platform_frame(a, experiment);
+  o.period = optional_quantity("--period", a.period, "s", "a time");
+  o.settling = optional_quantity("--settling", a.settling, "s", "a time").value_or(0.0);
   return o;
 }
 
 }  // namespace
-
-std::optional<RecordMachine> measured_machine(const MeasurementArguments& a,
-                                              const data::Experiment* experiment) {
-  if (a.known) return a.known;
-  return record_machine(experiment, a.files[0], a.machine, a.pose, a.model);
-}
-
-spatial::Vector3 measured_point(const MeasurementArguments& a, const RecordMachine& machine) {
-  const auto& X_BP = machine.pose.X_BP;
-  if (a.p_PQ) return X_BP * *a.p_PQ;
-  if (a.point.empty()) return kinematics::mass_center(machine.file.machine, X_BP);
-  const auto parts = names(a.point);
-  const std::string argument = "--point " + a.point;
-  if (parts.size() != 3)
-    bad_argument(argument, "a point is three lengths, for instance \"0,0,0.2 m\"");
-  spatial::Vector3 p_PQ;
-  for (int d = 0; d < 3; ++d)
-    p_PQ[d] = plain_or_quantity(argument, parts[static_cast<std::size_t>(d)], "m");
-  return X_BP * p_PQ;
-}
 
 void add_measurement_options(Command command, MeasurementArguments& a) {
   command.add_option(
@@ -185,41 +99,63 @@ void add_measurement_options(Command command, MeasurementArguments& a) {
                      "mass centre");
 }
 
-data::RecordSet open_records(const MeasurementArguments& a) {
-  if (a.sample_rate.empty()) return data::RecordSet(a.files);
-  const double rate = plain_or_quantity("--sample-rate " + a.sample_rate, a.sample_rate, "Hz");
-  if (!(rate > 0.0)) bad_argument("--sample-rate " + a.sample_rate, "must be positive");
-  return data::RecordSet(a.files, {.sample_rate = rate});
+void add_identification_options(Command command, IdentificationArguments& a) {
+  add_measurement_options(command, a.measurement);
+  command.add_option("--from", a.from, "Lowest frequency, Hz or with a unit; default: found out");
+  command.add_option("--to", a.to, "Highest frequency, Hz or with a unit; default: found out");
+  command.add_option("--order", a.order, "Highest model order").range(4, 100).capture_default_str();
+  command
+      .add_option("--highest-damping", a.highest_damping,
+                  "Damping in per cent of critical above which a pole is no mode")
+      .range(0.1, 90.0)
+      .capture_default_str();
+  command
+      .add_option("--against", a.against,
+                  "Model to compare with: auto, mechanics (on oil springs), plant (with "
+                  "hydraulics), system (with controller too) or none")
+      .capture_default_str();
 }
 
-identification::Measurement measure(data::RecordSet& records, const MeasurementArguments& arguments,
-                                    bool output_only) {
-  const auto options = options_of(arguments, records.experiment());
-  const InterruptNote interrupt;
-  ProgressLine line("reading");
-  const auto progress = [&](double share) {
-    line.update(share);
-    return InterruptNote::noted();
-  };
-  auto result = output_only ? identification::measure_outputs(records, options, progress)
-                            : identification::measure_responses(records, options, progress);
-  print_diagnostics(result.notes);
-  if (result.interrupted)
-    result.responses.warnings.push_back(fmt::format(
-        "interrupted: {} samples were read, and the result is of these", result.samples));
-  print_warnings(arguments.files[0], result.responses.warnings);
-  return result;
+tasks::MeasureOptions measure_options(const MeasurementArguments& a) {
+  tasks::MeasureOptions options{
+      .files = a.files,
+      .sample_rate = optional_quantity("--sample-rate", a.sample_rate, "Hz", "a sample rate"),
+      .estimate = estimate_options(a),
+      .accelerometers = a.accelerometers,
+      .machine = a.machine,
+      .pose = a.pose,
+      .model = model_kind(a.model)};
+  if (options.sample_rate && !(*options.sample_rate > 0.0))
+    bad_argument("--sample-rate " + a.sample_rate, "must be positive");
+  for (const auto& text : a.sensors) {
+    const auto sensor = rig::parse_accelerometer(text);
+    options.sensors.push_back({sensor.name, sensor.p_P, sensor.e_P});
+  }
+  if (!a.point.empty()) options.p_PQ = point(a.point);
+  return options;
 }
 
-identification::GroupedSpectra measure_in_groups(data::RecordSet& records,
-                                                 const MeasurementArguments& arguments,
-                                                 int groups) {
-  const auto options = options_of(arguments, records.experiment());
-  ProgressLine line("reading again");
-  return identification::measure_groups(records, options, groups, [&](double share) {
-    line.update(share);
-    return false;
-  });
+tasks::IdentifyOptions identify_options(const IdentificationArguments& a) {
+  tasks::IdentifyOptions options{.measure = measure_options(a.measurement),
+                                 .compare = a.against != "none",
+                                 .against = observed_system(a.against, "none")};
+  auto& modes = options.modes;
+  modes.from = optional_quantity("--from", a.from, "Hz", "a frequency");
+  modes.to = optional_quantity("--to", a.to, "Hz", "a frequency");
+  if (modes.from && modes.to && *modes.from >= *modes.to)
+    bad_argument("--from " + a.from, "must be less than --to " + a.to);
+  modes.orders.highest = a.order;
+  modes.highest_damping = a.highest_damping / 100.0;
+  return options;
+}
+
+std::optional<observation::Observed> observed_system(const std::string& word,
+                                                     const std::string& also) {
+  std::vector<std::string_view> words{"auto", "mechanics", "plant", "system"};
+  if (!also.empty()) words.push_back(also);
+  const auto chosen = choose_word("--against", word, words);
+  if (chosen == 0 || chosen > 3) return {};
+  return static_cast<observation::Observed>(chosen - 1);
 }
 
 std::size_t result_format(const std::string& format, const std::string& output,
@@ -235,26 +171,6 @@ std::size_t result_format(const std::string& format, const std::string& output,
   if (output == "-" && (word == "uff" || word == "mat"))
     bad_argument("--format " + word, "such a file needs a name: add -o FILE." + word);
   return chosen;
-}
-
-void print_warnings(const std::string& file, const std::vector<std::string>& warnings) {
-  std::vector<base::Diagnostic> list;
-  for (const auto& text : warnings)
-    list.push_back({.severity = base::Severity::warning, .file = file, .message = text});
-  print_diagnostics(list);
-}
-
-std::string measurement_text(const identification::FrequencyResponses& r) {
-  const auto counted = [](std::size_t n, const char* what) {
-    return fmt::format("{} {}{}", n, what, n == 1 ? "" : "s");
-  };
-  std::string text = fmt::format(
-      "{}, {}, {} lines from {:.4g} Hz to {:.4g} Hz", counted(r.inputs.size(), "input"),
-      counted(r.outputs.size(), "output"), r.lines(), r.frequency.front(), r.frequency.back());
-  if (r.averages > 0.0)
-    text += fmt::format(", {} with {:.1f} independent averages", data::estimator_text(r.estimator),
-                        r.averages);
-  return text;
 }
 
 }  // namespace hydrapod::cli

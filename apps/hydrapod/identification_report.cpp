@@ -9,7 +9,7 @@
 
 #include "hydrapod/base/constants.hpp"
 #include "hydrapod/numerics/quantiles.hpp"
-#include "hydrapod/terminal.hpp"
+#include "hydrapod/report/identification_section.hpp"
 
 namespace hydrapod::cli {
 
@@ -80,17 +80,14 @@ std::string left_text(const report::ComparedModes& compared,
 
 }  // namespace
 
-TableStyle table_style(const std::string& output) {
-  const bool printed = output == "-";
-  return {printed && has_colour(stdout), printed ? terminal_width() : Table::unlimited};
-}
-
-std::string modes_text(const identification::Identification& result, const Checks& checks,
-                       const std::string& measured, const std::string& frame,
-                       const TableStyle& style) {
-  std::string text = fmt::format("{}\nband {:.4g} Hz to {:.4g} Hz, model orders up to {}, {}\n",
-                                 measured, result.from, result.to,
-                                 result.chart.empty() ? 0 : result.chart.back().order, frame);
+std::string modes_text(const tasks::Identified& checks, const TableStyle& style) {
+  const auto& result = checks.modes;
+  const auto& measured = checks.measured;
+  std::string text =
+      fmt::format("{}\nband {:.4g} Hz to {:.4g} Hz, model orders up to {}, {}\n",
+                  report::measurement_text(measured.responses()), result.from, result.to,
+                  result.chart.empty() ? 0 : result.chart.back().order,
+                  report::frame_text(measured.measurement.from_legs, measured.from_accelerometers));
   if (result.modes.empty()) return text + "\nno mode in this band\n";
   std::vector<Column> columns{{"mode"},    {"Hz"},  {"±"},
                               {"damping"}, {"±"},   {"what moves", Align::left},

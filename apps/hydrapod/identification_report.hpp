@@ -3,30 +3,12 @@
 
 #include <string>
 
-#include "hydrapod/identification/bootstrap.hpp"
-#include "hydrapod/identification/realisation.hpp"
-#include "hydrapod/identification/second_opinion.hpp"
-#include "hydrapod/report/mode_comparison.hpp"
+#include "hydrapod/tasks/measurement.hpp"
+#include "hydrapod/terminal.hpp"
 
 namespace hydrapod::cli {
 
-struct TableStyle {
-  bool colour{};
-  std::size_t width{};
-};
-/// As fits what is printed to `output`; "-" is the terminal.
-TableStyle table_style(const std::string& output);
-
-/// What there is besides the modes.
-struct Checks {
-  std::vector<std::optional<identification::SecondOpinion>> opinions{};  ///< per mode, or empty
-  std::optional<identification::BootstrapScatter> bootstrap{};
-};
-
-/// `measured` and `frame` say what was measured and how it was brought to directions.
-std::string modes_text(const identification::Identification& result, const Checks& checks,
-                       const std::string& measured, const std::string& frame,
-                       const TableStyle& style);
+std::string modes_text(const tasks::Identified& found, const TableStyle& style);
 
 std::string comparison_text(const report::ComparedModes& compared,
                             const identification::Identification& result, const TableStyle& style);

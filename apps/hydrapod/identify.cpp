@@ -4,12 +4,14 @@
 
 #include "hydrapod/base/file.hpp"
 #include "hydrapod/commands.hpp"
+#include "hydrapod/identification_arguments.hpp"
 #include "hydrapod/identification_report.hpp"
-#include "hydrapod/identification_run.hpp"
+#include "hydrapod/interrupt.hpp"
 #include "hydrapod/machine_arguments.hpp"
 #include "hydrapod/report/identification_files.hpp"
 #include "hydrapod/report/identification_json.hpp"
 #include "hydrapod/report/identification_plot.hpp"
+#include "hydrapod/report/identification_section.hpp"
 #include "hydrapod/report/mode_comparison.hpp"
 #include "hydrapod/terminal.hpp"
 
@@ -25,9 +27,10 @@ struct Arguments : IdentificationArguments {
 
 enum Format : std::size_t { table, json, csv, uff, mat };
 
-void draw(const Arguments& a, const identification::Identification& result,
-          const std::optional<report::ComparedModes>& compared) {
-  const report::PlotText text{a.measurement.files[0], measurement_text(result.responses)};
+void draw(const Arguments& a, const tasks::Identified& found) {
+  const auto& result = found.modes;
+  const report::PlotText text{a.measurement.files[0],
+                              report::measurement_text(found.measured.responses())};
   const auto wrote = [](const std::string& path) { fmt::print(stderr, "wrote {}\n", path); };
   if (!a.plot.empty()) {
     report::plot_responses(result.responses, result.modes.empty() ? nullptr : &result.model, text,
@@ -44,8 +47,8 @@ void draw(const Arguments& a, const identification::Identification& result,
     wrote(a.mac);
   }
   if (!a.cross_mac.empty()) {
-    report::plot_cross_mac(*compared, result, {text.title, report::comparison_heading(*compared)},
-                           a.cross_mac);
+    report::plot_cross_mac(*found.compared, result,
+                           {text.title, report::comparison_heading(*found.compared)}, a.cross_mac);
     wrote(a.cross_mac);
   }
 }
@@ -55,10 +58,13 @@ void run_output_only(const Arguments& a, size_t format) {
     if (!path->empty()) bad_argument("--output-only", "has no responses to plot");
   if (format > Format::csv)
     bad_argument("--output-only", "its modes are written as table, json or csv");
-  auto records = open_records(a.measurement);
-  const auto m = measure(records, a.measurement, true);
-  const double highest = upper_frequency(a).value_or(0.45 * m.spectra.sample_rate);
-  const auto modes = identification::identify_outputs(m.spectra, m.outputs, highest);
+  const auto options = identify_options(a);
+  const auto measured = with_progress("reading", [&](const auto& progress) {
+    return tasks::measure_outputs(options.measure, progress);
+  });
+  print_diagnostics(measured.warnings);
+  const auto& m = measured.measurement;
+  const auto modes = tasks::identify_outputs(measured, options.modes.to);
   if (format == Format::table)
     return base::write_file_whole(
         a.output, output_only_text(modes, m.outputs.size(), m.spectra.options.block_length,
@@ -72,48 +78,50 @@ void run_output_only(const Arguments& a, size_t format) {
                                        "\n");
 }
 
-void write_result(const Arguments& a, size_t format, IdentifiedSource& source,
-                  const identification::Identification& result,
-                  const std::optional<report::ComparedModes>& compared) {
-  Checks checks{.opinions = second_opinions(a, source, result)};
-  if (a.bootstrap > 0) checks.bootstrap = bootstrap_scatter(a, source, result, a.bootstrap);
+void write_result(const Arguments& a, size_t format, const tasks::Identified& found) {
+  const auto& result = found.modes;
   const std::string title = a.measurement.files[0];
-  if (format == Format::uff) return report::write_modes_uff(a.output, result, title, source.date);
+  if (format == Format::uff)
+    return report::write_modes_uff(a.output, result, title,
+                                   found.measured.header ? found.measured.header->date : "");
   if (format == Format::mat) return report::write_modes_mat(a.output, result);
   std::string text;
   if (format == Format::json) {
     report::Json json{{"kind", "identified_modes"}, {"records", a.measurement.files}};
+    if (found.measured.header) json["record"] = report::record_origin_json(*found.measured.header);
     json.update(report::identification_json(result));
-    report::add_second_opinions(checks.opinions, json);
-    if (checks.bootstrap) report::add_bootstrap(*checks.bootstrap, json);
-    if (compared) json["comparison"] = report::comparison_json(*compared, result);
+    report::add_second_opinions(found.opinions, json);
+    if (found.bootstrap) report::add_bootstrap(*found.bootstrap, json);
+    if (found.compared) json["comparison"] = report::comparison_json(*found.compared, result);
     text = json.dump(1) + "\n";
   } else if (format == Format::csv) {
-    text = report::identified_modes_csv(result);
+    text = report::identified_modes_csv(result, tasks::observed_in(found.measured));
   } else {
     const auto style = table_style(a.output);
-    text = modes_text(result, checks, measurement_text(source.responses), source.frame, style);
-    if (compared) text += comparison_text(*compared, result, style);
+    text = modes_text(found, style);
+    if (found.compared) text += comparison_text(*found.compared, result, style);
   }
   base::write_file_whole(a.output, text);
 }
 
 void run(const Arguments& a) {
   const size_t format = result_format(a.format, a.output, {"table", "json", "csv", "uff", "mat"});
-  check_identification(a);
+  auto options = identify_options(a);
   if (a.output_only && a.bootstrap > 0)
     bad_argument("--bootstrap", "output-only modes have no intervals to check");
   if (a.output_only) return run_output_only(a, format);
   for (const auto* path : {&a.plot, &a.stabilisation, &a.mac, &a.cross_mac})
     if (!path->empty()) report::require_picture(*path);
-  auto source = identified_source(a);
-  const auto result = identified_modes(a, source);
-  const auto compared = compared_modes(a, source, result);
-  if (!compared && !a.cross_mac.empty())
+  options.bootstrap = a.bootstrap;
+  options.second_opinion = format != Format::uff && format != Format::mat;
+  const auto found = with_progress(
+      "identifying", [&](const auto& progress) { return tasks::identify(options, progress); });
+  print_diagnostics(found.warnings);
+  if (!found.compared && !a.cross_mac.empty())
     bad_argument("--cross-mac " + a.cross_mac,
                  "there is nothing to compare with: add --machine FILE");
-  draw(a, result, compared);
-  write_result(a, format, source, result, compared);
+  draw(a, found);
+  write_result(a, format, found);
 }
 
 }  // namespace

@@ -5,53 +5,30 @@
 #include <algorithm>
 #include <array>
 
-#include "hydrapod/base/key_values.hpp"
 #include "hydrapod/base/nearest.hpp"
+#include "hydrapod/base/text.hpp"
 #include "hydrapod/base/units.hpp"
-#include "hydrapod/kinematics/check_machine.hpp"
-#include "hydrapod/spatial/directions.hpp"
 #include "hydrapod/terminal.hpp"
 
 namespace hydrapod::cli {
 
-namespace {
-
-/// `z=50 mm, ry=5 deg` over the neutral pose.
-spatial::Pose displaced_pose(const spatial::Pose& neutral, const std::string& text) {
-  base::KeyValues values("--pose " + text, text);
-  spatial::Vector6 d;
-  for (int i = 0; i < 6; ++i)
-    d[i] = values.number(spatial::direction_name(i), i < 3 ? "m" : "rad").value_or(0.0);
-  values.finish();
-  return {spatial::rotation_from_rpy(d.tail<3>()) * neutral.R_BP, neutral.p_BP + d.head<3>()};
-}
-
-void require_sound(const model::Machine& machine, const report::PoseChoice& pose) {
-  std::vector<base::Diagnostic> errors;
-  for (const auto& finding : kinematics::check_pose(machine, pose.X_BP, ""))
-    errors.push_back({.file = "--pose " + pose.name, .message = finding.message});
-  if (!errors.empty()) throw base::InputError(errors);
-}
-
-}  // namespace
-
 void bad_argument(const std::string& argument, const std::string& message) {
   throw base::InputError({{.file = argument, .message = message}});
-}
-
-std::optional<double> plain_number(const std::string& text) {
-  const auto last = text.find_last_not_of(" \t");
-  const bool has_unit = last == std::string::npos ||
-                        std::string_view("0123456789.").find(text[last]) == std::string_view::npos;
-  const auto read = base::read_quantity(text, "1");
-  if (!read.ok() || has_unit) return {};  // "2 %" is a pure number, but not a plain one
-  return read.value;
 }
 
 double plain_or_quantity(const std::string& argument, const std::string& text, const char* unit) {
   const auto read = base::read_plain_or_quantity(text, unit);
   if (!read.ok()) bad_argument(argument, read.problem);
   return read.value;
+}
+
+spatial::Vector3 point(const std::string& text) {
+  const auto parts = base::split(text, ",");
+  const std::string argument = "--point " + text;
+  if (parts.size() != 3)
+    bad_argument(argument, "a point is three lengths, for instance \"0,0,0.2 m\"");
+  return {plain_or_quantity(argument, parts[0], "m"), plain_or_quantity(argument, parts[1], "m"),
+          plain_or_quantity(argument, parts[2], "m")};
 }
 
 void add_machine_options(Command command, MachineArguments& arguments) {
@@ -80,27 +57,18 @@ void add_model_option(Command command, MachineArguments& arguments) {
       .type_name("MODEL");
 }
 
-model::MachineFile load(const MachineArguments& arguments) {
-  auto file =
-      model::read_machine_file(arguments.file, arguments.overrides, kinematics::check_machine);
-  print_diagnostics(file.warnings);
-  return file;
+tasks::Machine load(const MachineArguments& arguments) {
+  auto machine = tasks::read_machine({.file = arguments.file,
+                                      .overrides = arguments.overrides,
+                                      .pose = arguments.pose,
+                                      .model = model_kind(arguments.model)});
+  print_diagnostics(machine.file.warnings);
+  return machine;
 }
 
-report::PoseChoice choose_pose(const model::Machine& machine, const std::string& text) {
-  for (const auto& pose : machine.poses)
-    if (pose.name == text) return {pose.name, pose.X_BP};
-  if (text.find('=') == std::string::npos) {
-    std::vector<std::string_view> names;
-    for (const auto& pose : machine.poses) names.push_back(pose.name);
-    const auto near = base::nearest(text, names);
-    bad_argument("--pose " + text,
-                 near ? fmt::format("unknown pose; did you mean '{}'?", *near)
-                      : fmt::format("unknown pose; the file has {}", fmt::join(names, ", ")));
-  }
-  report::PoseChoice choice{text, displaced_pose(machine.neutral(), text)};
-  require_sound(machine, choice);
-  return choice;
+std::optional<dynamics::ModelKind> model_kind(const std::string& word) {
+  if (word.empty()) return {};
+  return static_cast<dynamics::ModelKind>(choose_word("--model", word, {"rigid", "guide", "full"}));
 }
 
 size_t choose_word(const std::string& option, const std::string& word,
@@ -112,21 +80,6 @@ size_t choose_word(const std::string& option, const std::string& word,
       option + " " + word,
       fmt::format("unknown value; {}accepted are {}",
                   near ? fmt::format("did you mean '{}'? ", *near) : "", fmt::join(words, ", ")));
-}
-
-dynamics::ModelKind choose_model(const model::Machine& machine, const std::string& text) {
-  using dynamics::ModelKind;
-  const bool rings = std::all_of(machine.legs.begin(), machine.legs.end(),
-                                 [](const model::Leg& leg) { return leg.piston_ring.has_value(); });
-  if (text.empty()) return rings ? ModelKind::full : ModelKind::guide;
-  constexpr std::array kinds{ModelKind::rigid, ModelKind::guide, ModelKind::full};
-  const ModelKind kind = kinds[choose_word("--model", text, {"rigid", "guide", "full"})];
-  if (kind == ModelKind::full && !rings)
-    bad_argument(
-        "--model full",
-        "not every leg has a piston ring; give legs.piston_ring.stiffness in the file or with "
-        "--set legs.piston_ring.stiffness=\"… N/m\"");
-  return kind;
 }
 
 }  // namespace hydrapod::cli

@@ -1,15 +1,12 @@
 #pragma once
 /// What every command that works on a machine takes: FILE, --set, --pose, --model.
 
-#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
-#include "hydrapod/dynamics/statics.hpp"
-#include "hydrapod/model/machine_file.hpp"
 #include "hydrapod/options.hpp"
-#include "hydrapod/report/pose_choice.hpp"
+#include "hydrapod/tasks/machine.hpp"
 
 namespace hydrapod::cli {
 
@@ -27,19 +24,14 @@ void add_pose_option(Command command, MachineArguments& arguments);
 /// Adds --model.
 void add_model_option(Command command, MachineArguments& arguments);
 
-/// Reads and checks the machine; warnings go to stderr. Throws base::InputError.
-model::MachineFile load(const MachineArguments& arguments);
+/// Reads the machine; warnings go to stderr. Throws base::InputError.
+tasks::Machine load(const MachineArguments& arguments);
 
-/// The pose asked for, checked. Offsets (`x`, `y`, `z`, `rx`, `ry`, `rz`, SI or with a unit) are
-/// laid over the neutral pose. Throws base::InputError.
-report::PoseChoice choose_pose(const model::Machine& machine, const std::string& text);
+/// The model of that name; none for no name. Throws base::InputError.
+std::optional<dynamics::ModelKind> model_kind(const std::string& word);
 
-/// The model asked for; if none was, the full one where every leg has a piston ring, else the guide
-/// model. Throws base::InputError for the full model of legs without a piston ring.
-dynamics::ModelKind choose_model(const model::Machine& machine, const std::string& text);
-
-/// `text` as a number without a unit, "2 %" not being one.
-std::optional<double> plain_number(const std::string& text);
+/// "x,y,z" of --point [m]. Throws base::InputError.
+spatial::Vector3 point(const std::string& text);
 
 /// `text` as a number in SI, or as a quantity of the dimension of `unit`; `argument` is what the
 /// message calls it. Throws base::InputError.

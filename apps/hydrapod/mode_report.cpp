@@ -99,7 +99,7 @@ std::vector<Column> columns(const modal::ModeTable& table, bool with_change) {
 }
 
 /// The six rigid modes and where each of them went.
-std::string rigid_text(const modal::ModeTable& table, bool colour, std::size_t width) {
+std::string rigid_text(const modal::ModeTable& table, const TableStyle& style) {
   Table text({{"rigid"},
               {"Hz"},
               {"rad/s"},
@@ -120,7 +120,7 @@ std::string rigid_text(const modal::ModeTable& table, bool colour, std::size_t w
         {number_text(table.rigid.modes, r), fmt::format("{:.3f}", rigid.mode.omega / two_pi),
          fmt::format("{:.3f}", rigid.mode.omega), modal::platform_directions(rigid.energy), found});
   }
-  return text.text(colour, width);
+  return text.text(style);
 }
 
 bool any_preload(const modal::ModeTable& table) {
@@ -130,19 +130,19 @@ bool any_preload(const modal::ModeTable& table) {
 
 }  // namespace
 
-std::string heading(const model::Machine& machine, const report::PoseChoice& pose,
-                    const modal::ModeTable& table, bool colour) {
+std::string heading(const tasks::Machine& subject, bool colour) {
   constexpr std::array<const char*, 3> what{"rigid model, 6 modes", "guide-sleeve model, 18 modes",
                                             "guide-sleeve and piston-ring model, 30 modes"};
+  const auto& machine = subject.file.machine;
   return fmt::format("{}, pose {}: {}\n{}; {} axes; damping: {}\n",
-                     styled(machine.name, Style::bold, colour), pose.name,
-                     what[static_cast<size_t>(table.kind)], report::gravity_text(machine),
+                     styled(machine.name, Style::bold, colour), subject.pose.name,
+                     what[static_cast<size_t>(subject.kind)], report::gravity_text(machine),
                      machine.flexible_axes == model::FlexibleAxes::gimbal ? "gimbal" : "transverse",
                      report::damping_text(machine));
 }
 
-std::string mode_text(const modal::ModeTable& table, const modal::ModeTable* before, bool colour,
-                      std::size_t width) {
+std::string mode_text(const modal::ModeTable& table, const modal::ModeTable* before,
+                      const TableStyle& style) {
   Table text(columns(table, before != nullptr));
   const auto match = before ? modal::match_modes(table.real, before->real)
                             : std::vector<int>(table.real.modes.size());
@@ -153,8 +153,8 @@ std::string mode_text(const modal::ModeTable& table, const modal::ModeTable* bef
     text.add_row(row(table, k, change));
     pairs = pairs || repeats(table.real.modes, k);
   }
-  std::string all = text.text(colour, width);
-  if (table.kind != dynamics::ModelKind::rigid) all += "\n" + rigid_text(table, colour, width);
+  std::string all = text.text(style);
+  if (table.kind != dynamics::ModelKind::rigid) all += "\n" + rigid_text(table, style);
   if (pairs)
     all +=
         "\n= repeated frequency: any mix of such modes is a mode; shown is the mix that moves "

@@ -1,16 +1,15 @@
 #include <fmt/format.h>
 
-#include <cstdio>
 #include <memory>
 #include <optional>
 
 #include "hydrapod/base/file.hpp"
 #include "hydrapod/commands.hpp"
-#include "hydrapod/kinematics/check_machine.hpp"
 #include "hydrapod/machine_arguments.hpp"
 #include "hydrapod/mode_report.hpp"
 #include "hydrapod/report/answer.hpp"
 #include "hydrapod/system_modes.hpp"
+#include "hydrapod/tasks/linear.hpp"
 #include "hydrapod/terminal.hpp"
 
 namespace hydrapod::cli {
@@ -25,73 +24,49 @@ struct Arguments {
   SystemArguments system{};
 };
 
-/// The table of the file without the overrides, to show what they change.
-modal::ModeTable table_of_file_alone(const Arguments& arguments, const std::string& text) {
-  const auto file =
-      model::parse_machine(text, arguments.machine.file, {}, kinematics::check_machine);
-  const auto pose = choose_pose(file.machine, arguments.machine.pose);
-  const bool may_lack_rings = arguments.machine.model == "full";
-  const auto kind = choose_model(file.machine, may_lack_rings ? "" : arguments.machine.model);
-  return modal::mode_table(file.machine, pose.X_BP, kind);
-}
-
-std::string json_text(const Arguments& arguments, const model::MachineFile& file,
-                      const report::PoseChoice& pose, const modal::ModeTable& table) {
-  report::Json json{{"kind", "modes"},
-                    {"machine", report::machine_json(file, arguments.machine.file)},
-                    {"assumptions", report::assumptions_json(file.machine)},
-                    {"pose", report::pose_json(pose)}};
+std::string json_text(const tasks::Machine& machine, const modal::ModeTable& table, bool matrices) {
+  auto json = report::head_json("modes", machine);
   json.update(report::modes_json(table));
-  if (arguments.matrices) json["matrices"] = report::matrices_json(table);
+  if (matrices) json["matrices"] = report::matrices_json(table);
   return json.dump(1) + "\n";
 }
 
-std::string table_text(const Arguments& arguments, const model::MachineFile& file,
-                       const report::PoseChoice& pose, const modal::ModeTable& table) {
-  const bool colour = arguments.output == "-" && has_colour(stdout);
-  const size_t width = arguments.output == "-" ? terminal_width() : Table::unlimited;
+std::string table_text(const tasks::Machine& machine, const modal::ModeTable& table,
+                       const TableStyle& style) {
   std::optional<modal::ModeTable> before;
   std::string note;
-  if (!file.overrides.empty()) {
-    try {
-      before = table_of_file_alone(arguments, file.text);
-    } catch (const std::exception&) {  // it may be unsound or buckled, and --set mends it
-      note = "\nno change by --set is shown: the file alone has no modes at this pose\n";
-    }
+  try {
+    before = tasks::modes_without_overrides(machine);
+  } catch (const std::exception&) {  // it may be unsound or buckled, and --set mends it
+    note = "\nno change by --set is shown: the file alone has no modes at this pose\n";
   }
-  return heading(file.machine, pose, table, colour) + "\n" +
-         mode_text(table, before ? &*before : nullptr, colour, width) + note + "\n" +
+  return heading(machine, style.colour) + "\n" +
+         mode_text(table, before ? &*before : nullptr, style) + note + "\n" +
          report::answer_text(table);
-}
-
-void run_system(const Arguments& arguments, size_t format) {
-  if (arguments.matrices)
-    bad_argument("--matrices", "M, K and C are those of the mechanics; leave --system out");
-  const bool printed = arguments.output == "-";
-  base::write_file_whole(
-      arguments.output,
-      system_modes_text(arguments.machine, arguments.system, format, printed && has_colour(stdout),
-                        printed ? terminal_width() : Table::unlimited));
 }
 
 void run(const Arguments& arguments) {
   const size_t format = choose_word("--format", arguments.format, {"table", "json", "csv"});
   const auto& system = arguments.system;
+  const auto style = table_style(arguments.output);
   if (!system.plot.empty() && system.root_locus.empty())
     bad_argument("--plot " + system.plot,
                  "there is a plot of a --root-locus only; for modes, "
                  "`hydrapod report` draws them moving");
-  if (system.system || system.open_loop || !system.root_locus.empty())
-    return run_system(arguments, format);
+  if (system.system || system.open_loop || !system.root_locus.empty()) {
+    if (arguments.matrices)
+      bad_argument("--matrices", "M, K and C are those of the mechanics; leave --system out");
+    return base::write_file_whole(arguments.output,
+                                  system_modes_text(arguments.machine, system, format, style));
+  }
   if (arguments.matrices && arguments.format != "json")
     bad_argument("--matrices", "matrices are part of the JSON; add --format json");
-  const auto file = load(arguments.machine);
-  const auto pose = choose_pose(file.machine, arguments.machine.pose);
-  const auto kind = choose_model(file.machine, arguments.machine.model);
-  const auto table = modal::mode_table(file.machine, pose.X_BP, kind);
-  base::write_file_whole(arguments.output, format == 0   ? table_text(arguments, file, pose, table)
-                                           : format == 1 ? json_text(arguments, file, pose, table)
-                                                         : mode_csv(table));
+  const auto machine = load(arguments.machine);
+  const auto table = tasks::modes(machine);
+  base::write_file_whole(arguments.output, format == 0 ? table_text(machine, table, style)
+                                           : format == 1
+                                               ? json_text(machine, table, arguments.matrices)
+                                               : mode_csv(table));
 }
 
 }  // namespace

@@ -1,20 +1,16 @@
-#include "hydrapod/report/html.hpp"
+#include "hydrapod/tasks/report.hpp"
 
 #include <fmt/format.h>
 
 #include <charconv>
 #include <memory>
 
-#include "hydrapod/base/error.hpp"
 #include "hydrapod/base/file.hpp"
 #include "hydrapod/commands.hpp"
 #include "hydrapod/diagnosis_arguments.hpp"
-#include "hydrapod/identification_run.hpp"
+#include "hydrapod/identification_arguments.hpp"
 #include "hydrapod/interrupt.hpp"
 #include "hydrapod/machine_arguments.hpp"
-#include "hydrapod/report/diagnosis.hpp"
-#include "hydrapod/report/identification_section.hpp"
-#include "hydrapod/report/simulation.hpp"
 #include "hydrapod/terminal.hpp"
 
 namespace hydrapod::cli {
@@ -31,7 +27,7 @@ struct Arguments {
   std::string until{};
   IdentificationArguments identification{};
   DiagnosisArguments diagnosis{};
-  report::HtmlOptions options{};
+  report::HtmlOptions page{};
 };
 
 [[noreturn]] void bad_modes(const std::string& text, const std::string& message) {
@@ -67,92 +63,46 @@ std::vector<int> mode_list(const std::string& text, int count) {
   return modes;
 }
 
-/// The run that `--command` asks for, at the first pose.
-report::Json simulated(const Arguments& arguments, const model::MachineFile& file,
-                       const report::PoseChoice& pose) {
-  report::SimulationOptions options{.commands = arguments.commands, .trace_samples = 1500};
-  options.loop.kind = arguments.options.kind;
-  auto& integrator = options.loop.integrator;
-  integrator.relative_tolerance = integrator.absolute_tolerance = 1e-6;  // as `simulate` has it
-  if (!arguments.until.empty())
-    options.until = plain_or_quantity("--until " + arguments.until, arguments.until, "s");
-  if (options.until && !(*options.until > 0.0))
-    bad_argument("--until " + arguments.until, "expected a time above 0");
-  auto prepared = report::prepare_simulation(file.machine, pose, options);
-  report::Simulation result;
-  {
-    const InterruptNote interrupt;
-    ProgressLine progress("simulating");
-    result = report::run_simulation(prepared, {}, [&](double time) {
-      progress.update(time / *prepared.options.until);
-      return !InterruptNote::noted();
-    });
-  }
-  return report::simulation_section(
-      result, file.machine, pose,
-      dynamics::linear_model(file.machine, pose.X_BP, arguments.options.kind));
-}
-
-/// The modes that `--measured` asks for, beside those of the machine at the first pose.
-report::Json measured(Arguments& arguments, const model::MachineFile& file,
-                      const report::PoseChoice& pose) {
-  auto& a = arguments.identification;
-  check_identification(a);
-  a.measurement.known = RecordMachine{
-      .name = arguments.machine.file, .file = file, .pose = pose, .kind = arguments.options.kind};
-  const auto source = identified_source(a);
-  const auto result = identified_modes(a, source);
-  return report::identification_section(
-      result, compared_modes(a, source, result),
-      {a.measurement.files, measurement_text(source.responses), source.frame});
-}
-
-/// The diagnosis that `--diagnose` asks for; from here on the page shows the machine that explains
-/// the measurement best, its guilty mode first.
-report::Json diagnosed(Arguments& arguments, model::MachineFile& file) {
-  auto machine = arguments.machine;
-  machine.pose = arguments.poses.front();
-  auto& options = arguments.options;
-  // no model to compare modes with says nothing of what was measured
-  auto asked = arguments.diagnosis;
-  if (arguments.identification.against != "none") asked.against = arguments.identification.against;
-  const auto found = investigate(asked, machine, file, options.kind);
-  const auto& d = *found.diagnosis;
-  if (!d.alike.empty()) {
-    file = diagnosis::file_of(file, d.explanations[d.alike.front()]);
-    options.kind = d.explanations[d.alike.front()].kind;
-    const int guilty = guilty_mode(d, found.pose);
-    if (options.modes.empty() && guilty > 0) options.modes = {guilty};
-  }
-  return report::diagnosis_json(found);
-}
-
-void run(Arguments& arguments) {
+tasks::ReportOptions options_of(const Arguments& a, const tasks::Machine& machine) {
   constexpr std::array themes{report::Theme::automatic, report::Theme::light, report::Theme::dark};
-  auto& options = arguments.options;
-  options.theme = themes[choose_word("--theme", arguments.theme, {"auto", "light", "dark"})];
-  auto file = load(arguments.machine);
-  options.kind = choose_model(file.machine, arguments.machine.model);
-  options.modes = mode_list(arguments.modes, dynamics::degrees_of_freedom(options.kind));
-  if (arguments.poses.empty()) arguments.poses.push_back(arguments.machine.pose);
-  std::vector<report::PoseChoice> poses;
-  for (const auto& pose : arguments.poses) poses.push_back(choose_pose(file.machine, pose));
-  if (arguments.commands.empty() && !arguments.until.empty())
+  tasks::ReportOptions options{.page = a.page};
+  options.page.theme = themes[choose_word("--theme", a.theme, {"auto", "light", "dark"})];
+  options.page.modes = mode_list(a.modes, dynamics::degrees_of_freedom(machine.kind));
+  for (const auto& pose : a.poses)
+    options.poses.push_back(tasks::pose_of(machine.file.machine, pose));
+  if (a.commands.empty() && !a.until.empty())
     bad_argument("--until", "says how long to simulate; add --command");
-  report::Json diagnosis;
-  if (!arguments.diagnosis.measured.empty()) {
-    diagnosis = diagnosed(arguments, file);
-    poses.clear();
-    for (const auto& pose : arguments.poses) poses.push_back(choose_pose(file.machine, pose));
+  if (!a.commands.empty()) {
+    auto& simulation = options.simulation.emplace();
+    simulation.commands = a.commands;
+    simulation.trace_samples = 1500;
+    auto& integrator = simulation.loop.integrator;
+    integrator.relative_tolerance = integrator.absolute_tolerance = 1e-6;  // as `simulate` has it
+    if (!a.until.empty()) {
+      simulation.until = plain_or_quantity("--until " + a.until, a.until, "s");
+      if (!(*simulation.until > 0.0)) bad_argument("--until " + a.until, "expected a time above 0");
+    }
   }
-  auto document = report::report_json(file, arguments.machine.file, poses, options);
-  if (!arguments.commands.empty())
-    document["simulation"] = simulated(arguments, file, poses.front());
-  if (!arguments.identification.measurement.files.empty())
-    document["identification"] = measured(arguments, file, poses.front());
-  if (!diagnosis.is_null()) document["diagnosis"] = diagnosis;
-  base::write_file_whole(arguments.output, report::html_page(document, options.theme));
-  if (arguments.output != "-") fmt::print(stderr, "wrote {}\n", arguments.output);
+  if (!a.identification.measurement.files.empty())
+    options.identification = identify_options(a.identification);
+  if (!a.diagnosis.measured.empty()) {
+    options.diagnosis = diagnose_options(a.diagnosis, machine.file.machine);
+    options.diagnosis->measured.observed = observed_system(a.identification.against, "none");
+  }
+  return options;
+}
+
+void run(const Arguments& a) {
+  auto asked = a.machine;
+  if (!a.poses.empty()) asked.pose = a.poses.front();
+  const auto machine = load(asked);
+  const auto options = options_of(a, machine);
+  const auto result = with_progress("reporting", [&](const auto& progress) {
+    return tasks::report_document(machine, options, progress);
+  });
+  print_diagnostics(result.warnings);
+  base::write_file_whole(a.output, report::html_page(result.document, options.page.theme));
+  if (a.output != "-") fmt::print(stderr, "wrote {}\n", a.output);
 }
 
 }  // namespace
@@ -184,7 +134,7 @@ void add_report(Command app) {
           "repeated [neutral]")
       .allow_extra_args(false)
       .type_name("POSE");
-  command.add_option("--title", arguments->options.title, "Title of the page [the machine's name]");
+  command.add_option("--title", arguments->page.title, "Title of the page [the machine's name]");
   command.add_option("--theme", arguments->theme, "auto (as the reader's system is), light or dark")
       .capture_default_str();
   command.add_option(
@@ -192,7 +142,7 @@ void add_report(Command app) {
       "Modes pictured in print, the first one shown at once: 1,2,15-18 [those the platform "
       "feels, at most six]");
   command
-      .add_option("--points", arguments->options.points,
+      .add_option("--points", arguments->page.points,
                   "Points of a Bode curve, besides those at resonances")
       .capture_default_str()
       .range(2, 20000);

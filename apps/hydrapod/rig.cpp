@@ -8,9 +8,8 @@
 #include "hydrapod/commands.hpp"
 #include "hydrapod/interrupt.hpp"
 #include "hydrapod/machine_arguments.hpp"
-#include "hydrapod/record_machine.hpp"
-#include "hydrapod/rig/rig.hpp"
 #include "hydrapod/signal_help.hpp"
+#include "hydrapod/tasks/simulation.hpp"
 #include "hydrapod/terminal.hpp"
 
 namespace hydrapod::cli {
@@ -45,7 +44,6 @@ rig::RigOptions options_of(const Arguments& arguments, const model::Machine& mac
                                                 .units = rig::units_of(options.entry),
                                                 .rate = 1.0 / machine.controller.sample_time,
                                                 .excitation = true});
-  if (options.signals.empty()) options.signals = rig::default_signals(options.entry);
   options.settling = plain_or_quantity("--settling", arguments.settling, "s");
   if (!(options.settling >= 0.0)) bad_argument("--settling", "must be 0 or more");
   options.duration = positive("--duration", arguments.duration, "s");
@@ -70,102 +68,26 @@ rig::RigOptions options_of(const Arguments& arguments, const model::Machine& mac
   return options;
 }
 
-/// `--averages N`: N periods of a periodic excitation.
-void set_duration(const Arguments& arguments, double control_rate, rig::RigOptions& options) {
-  if (arguments.averages == 0) return;
-  const auto period = signals::period_samples(options.signals, control_rate);
-  if (!period)
-    bad_argument("--averages", "the excitation does not repeat; give its duration instead");
-  options.duration = arguments.averages * static_cast<double>(*period) / control_rate;
-}
-
-/// The settings that the controller ran with.
-std::string controller_text(const control::ControllerParameters& p) {
-  return fmt::format(
-      "space={}, gain={:.6g} 1/s, integral_time={:.6g} s, velocity_feedforward={:.6g}, "
-      "damping_feedback={}, feedback_gain={:.6g}, feedback_corner={:.6g} rad/s, "
-      "sample_time={:.6g} s, delay={:.6g} samples",
-      p.space == model::ControlSpace::pose ? "pose" : "legs", fmt::join(p.gain, " "),
-      p.integral_time, p.velocity_feedforward, static_cast<int>(p.feedback),
-      fmt::join(p.feedback_gain, " "), p.feedback_corner, p.sample_time, p.delay);
-}
-
-data::RecordHeader header_of(const Arguments& arguments, const model::MachineFile& file,
-                             const report::PoseChoice& pose, const rig::RigOptions& options,
-                             const control::ControllerParameters& controller) {
-  data::RecordHeader header;
-  header.title = file.machine.name;
-  header.channels = rig::rig_channels(options);
-  header.sample_rate = options.rate;
-  header.start = options.settling;  // the excitation begins at 0
-  header.repeat = options.repeat;
-  header.experiment = experiment_of(file, pose, options.loop.kind, options.seed);
-  auto& excitation = header.experiment.excitation.emplace();
-  excitation.entry = arguments.entry;
-  Vector6 squares = Vector6::Zero();
-  for (const auto& signal : options.signals) {
-    excitation.signals.push_back(signals::signal_text(signal, rig::units_of(options.entry)));
-    squares += signal.size.cwiseAbs2();
-  }
-  for (int d = 0; d < 6; ++d) excitation.level[static_cast<std::size_t>(d)] = std::sqrt(squares[d]);
-  if (const auto period = signals::period_samples(options.signals, 1.0 / controller.sample_time))
-    excitation.period = static_cast<double>(*period) * controller.sample_time;
-  header.experiment.controller = controller_text(controller);
-  for (const auto& one : options.instruments.accelerometers)
-    header.experiment.sensors.push_back({one.name, one.p_P, one.e_P});
-  return header;
-}
-
-/// Prints what does not fit; throws when it must not run.
-void judge(const std::vector<rig::LevelFinding>& findings, bool force) {
-  std::vector<base::Diagnostic> list;
-  bool bad = false;
-  for (const auto& finding : findings) {
-    const bool error = finding.severity == base::Severity::error && !force;
-    list.push_back({.severity = error ? base::Severity::error : base::Severity::warning,
-                    .file = finding.of_controller ? "controller" : "--excite",
-                    .message = finding.message});
-    bad = bad || error;
-  }
-  if (bad) throw base::InputError(list);
-  print_diagnostics(list);
-}
-
 void run(const Arguments& arguments) {
   if (!arguments.check) {
     if (arguments.file.empty()) bad_argument("-o", "a file for the record is required");
     data::format_of_ending(arguments.file);
   }
-  const auto file = load(arguments.machine);
-  const auto pose = choose_pose(file.machine, arguments.machine.pose);
-  auto options = options_of(arguments, file.machine);
-  options.loop.kind = choose_model(file.machine, arguments.machine.model);
-  rig::RigResult result;
-  try {
-    simulation::ClosedLoop loop(file.machine, pose.X_BP, rig::loop_options(options));
-    const double control_rate = 1.0 / loop.parameters().sample_time;
-    set_duration(arguments, control_rate, options);
-    if (arguments.averages > 0)
-      loop = simulation::ClosedLoop(file.machine, pose.X_BP, rig::loop_options(options));
-    judge(rig::check_levels(loop, options), arguments.force);
-    if (arguments.check) return;
-    const auto writer = data::open_record_writer(
-        arguments.file, header_of(arguments, file, pose, options, loop.parameters()));
-    const InterruptNote interrupt;
-    {
-      ProgressLine progress("measuring");
-      const double until = options.settling + options.duration;
-      result = rig::run_rig(loop, options, *writer, [&](double time) {
-        progress.update(time / until);
-        return !InterruptNote::noted();
-      });
-    }
-    writer->close();
-  } catch (const std::invalid_argument& error) {
-    bad_argument("--excite", error.what());
-  }
-  fmt::print(stderr, "wrote {}: {} samples\n", arguments.file, result.samples);
-  const auto& summary = result.summary;
+  const auto machine = load(arguments.machine);
+  const tasks::RigOptions options{.test = options_of(arguments, machine.file.machine),
+                                  .averages = arguments.averages,
+                                  .record = arguments.check ? "" : arguments.file,
+                                  .force = arguments.force,
+                                  .command_line = command_line()};
+  const auto done = with_progress(
+      "measuring", [&](const auto& progress) { return tasks::rig(machine, options, progress); });
+  for (const auto& finding : done.findings)
+    print_diagnostics({{.severity = base::Severity::warning,
+                        .file = finding.of_controller ? "controller" : "--excite",
+                        .message = finding.message}});
+  if (arguments.check) return;
+  fmt::print(stderr, "wrote {}: {} samples\n", arguments.file, done.result.samples);
+  const auto& summary = done.result.summary;
   if (summary.end == simulation::RunEnd::finished) return;
   throw base::ComputationError(
       fmt::format("the run ended at {:.6g} s: {}; {} holds everything up to there", summary.time,

@@ -1,25 +1,19 @@
 #include <fmt/format.h>
 
-#include <cmath>
 #include <memory>
 
 #include "hydrapod/base/file.hpp"
 #include "hydrapod/commands.hpp"
-#include "hydrapod/data/record_io.hpp"
 #include "hydrapod/interrupt.hpp"
 #include "hydrapod/machine_arguments.hpp"
-#include "hydrapod/record_machine.hpp"
-#include "hydrapod/report/simulation.hpp"
 #include "hydrapod/signal_help.hpp"
-#include "hydrapod/signals/signal_text.hpp"
 #include "hydrapod/simulation_report.hpp"
+#include "hydrapod/tasks/simulation.hpp"
 #include "hydrapod/terminal.hpp"
 
 namespace hydrapod::cli {
 
 namespace {
-
-using simulation::LoopSample;
 
 struct Arguments {
   MachineArguments machine{};
@@ -41,12 +35,12 @@ double positive(const std::string& option, const std::string& text) {
   return value;
 }
 
-report::SimulationOptions options_of(const Arguments& arguments, const model::Machine& machine) {
+tasks::SimulateOptions options_of(const Arguments& arguments) {
   constexpr std::array methods{simulation::Method::adaptive, simulation::Method::cvode_adams,
                                simulation::Method::cvode_bdf, simulation::Method::fixed};
-  report::SimulationOptions options{.commands = arguments.commands};
+  tasks::SimulateOptions options{
+      .commands = arguments.commands, .record = arguments.record, .command_line = command_line()};
   auto& loop = options.loop;
-  loop.kind = choose_model(machine, arguments.machine.model);
   loop.integrator.method = methods[choose_word("--integrator", arguments.integrator,
                                                {"adaptive", "adams", "bdf", "fixed"})];
   if (!(arguments.tolerance >= 1e-13 && arguments.tolerance <= 1e-2))
@@ -61,70 +55,15 @@ report::SimulationOptions options_of(const Arguments& arguments, const model::Ma
   return options;
 }
 
-/// A record that grows block by block.
-class RecordFile {
- public:
-  RecordFile(const std::string& path, const simulation::ClosedLoop& loop,
-             data::Experiment experiment, const std::string& title, const std::string& notes)
-      : loop_(loop) {
-    data::RecordHeader header;
-    header.title = title;
-    header.channels = simulation::record_channels(loop);
-    header.sample_rate = 1.0 / loop.output_interval();
-    header.notes = notes;
-    header.experiment = std::move(experiment);
-    block_.resize(rows, static_cast<Eigen::Index>(header.channels.size()));
-    writer_ = data::open_record_writer(path, header);
-  }
-
-  void append(const LoopSample& sample) {
-    simulation::record_row(loop_, sample, block_.row(filled_).data());
-    if (++filled_ == block_.rows()) flush();
-  }
-
-  void close() {
-    flush();
-    writer_->close();
-  }
-
- private:
-  static constexpr Eigen::Index rows = 256;
-
-  void flush() {
-    const Eigen::Index count = filled_;
-    filled_ = 0;  // what could not be written is not tried again
-    if (count > 0) writer_->append(block_.topRows(count));
-  }
-
-  const simulation::ClosedLoop& loop_;
-  data::Samples block_{};
-  Eigen::Index filled_{};
-  std::unique_ptr<data::RecordWriter> writer_{};
-};
-
-std::string record_notes(const report::PreparedSimulation& prepared) {
-  std::string notes;
-  for (const auto& command : prepared.commands)
-    notes += (notes.empty() ? "command: " : "\ncommand: ") + signals::signal_text(command);
-  return notes;
-}
-
-void warn(const std::vector<std::string>& warnings) {
-  for (const auto& warning : warnings)
-    print_diagnostics({{.severity = base::Severity::warning, .message = warning}});
-}
-
-std::string result_text(const Arguments& arguments, const model::MachineFile& file,
-                        const report::PoseChoice& pose, const report::Simulation& simulation) {
+std::string result_text(const Arguments& arguments, const tasks::Machine& machine,
+                        const report::Simulation& simulation) {
   if (arguments.format == "json") {
-    report::Json json{{"kind", "simulation"},
-                      {"machine", report::machine_json(file, arguments.machine.file)},
-                      {"assumptions", report::assumptions_json(file.machine)},
-                      {"pose", report::pose_json(pose)}};
+    auto json = report::head_json("simulation", machine);
     json.update(report::simulation_json(simulation));
     return json.dump() + "\n";
   }
-  return simulation_text(file.machine, pose, simulation, has_colour(stdout), terminal_width());
+  return simulation_text(machine.file.machine, machine.pose, simulation, has_colour(stdout),
+                         terminal_width());
 }
 
 /// A run that ended early fails the command, but only after everything it has was written.
@@ -144,46 +83,27 @@ void run(const Arguments& arguments) {
   choose_word("--format", arguments.format, {"table", "json"});
   if (!arguments.plot.empty()) report::require_picture_ending(arguments.plot);
   if (!arguments.record.empty()) data::format_of_ending(arguments.record);
-  const auto file = load(arguments.machine);
-  const auto pose = choose_pose(file.machine, arguments.machine.pose);
-  auto prepared =
-      report::prepare_simulation(file.machine, pose, options_of(arguments, file.machine));
+  const auto machine = load(arguments.machine);
+  const auto options = options_of(arguments);
+  const auto& of = machine.file.machine;
   if (arguments.show_controller) {
-    base::write_file_whole("-", controller_text(file.machine, prepared.loop->parameters(),
-                                                prepared.loop->lowest_oil_mode()));
-    return;
+    const auto tuning = simulation::tune_controller(of, machine.pose.X_BP);
+    return base::write_file_whole("-",
+                                  controller_text(of, tuning.parameters, tuning.lowest_oil_mode));
   }
-  warn(prepared.warnings);
-  std::unique_ptr<RecordFile> record;
-  if (!arguments.record.empty())
-    record = std::make_unique<RecordFile>(
-        arguments.record, *prepared.loop,
-        experiment_of(file, pose, prepared.options.loop.kind, prepared.options.loop.seed),
-        file.machine.name, record_notes(prepared));
-  report::Simulation result;
-  {
-    const InterruptNote interrupt;
-    ProgressLine progress("simulating");
-    result = report::run_simulation(
-        prepared,
-        [&](const LoopSample& sample) {
-          if (record) record->append(sample);
-        },
-        [&](double time) {
-          progress.update(time / *prepared.options.until);
-          return !InterruptNote::noted();
-        });
-  }
-  if (record) {
-    record->close();
-    fmt::print(stderr, "wrote {}\n", arguments.record);
-  }
+  const auto result = with_progress("simulating", [&](const auto& progress) {
+    return tasks::simulate(machine, options, progress);
+  });
+  for (const auto& warning : result.warnings)
+    print_diagnostics({{.severity = base::Severity::warning, .message = warning}});
+  const auto wrote = [](const std::string& path) { fmt::print(stderr, "wrote {}\n", path); };
+  if (!arguments.record.empty()) wrote(arguments.record);
   if (!arguments.plot.empty() && !result.trace.time.empty()) {
-    report::plot_simulation(result, file.machine.name, simulation_subtitle(pose, result),
+    report::plot_simulation(result, of.name, simulation_subtitle(machine.pose, result),
                             arguments.plot);
-    fmt::print(stderr, "wrote {}\n", arguments.plot);
+    wrote(arguments.plot);
   }
-  base::write_file_whole("-", result_text(arguments, file, pose, result));
+  base::write_file_whole("-", result_text(arguments, machine, result));
   fail_if_early(arguments, result);
 }
 

@@ -119,7 +119,7 @@ std::string six(const spatial::Vector6& values, const char* unit) {
 
 }  // namespace
 
-std::string simulation_subtitle(const report::PoseChoice& pose, const report::Simulation& s) {
+std::string simulation_subtitle(const model::NamedPose& pose, const report::Simulation& s) {
   return fmt::format("pose {}; {}; {}; gain {}, {} feedback", pose.name, command_text(s),
                      kind_text(s.loop.kind), six(s.controller.gain, "1/s"),
                      s.controller.feedback == model::DampingFeedback::none       ? "no"
@@ -162,7 +162,7 @@ std::string controller_text(const model::Machine& machine, const control::Contro
   return table.text();
 }
 
-std::string simulation_text(const model::Machine& machine, const report::PoseChoice& pose,
+std::string simulation_text(const model::Machine& machine, const model::NamedPose& pose,
                             const report::Simulation& s, bool colour, std::size_t width) {
   const auto& r = s.summary;
   std::string text = fmt::format(

@@ -10,7 +10,7 @@ namespace hydrapod::cli {
 
 /// Machine, commands, controller and how the run ended; then per direction and per leg what
 /// happened.
-std::string simulation_text(const model::Machine& machine, const report::PoseChoice& pose,
+std::string simulation_text(const model::Machine& machine, const model::NamedPose& pose,
                             const report::Simulation& simulation, bool colour,
                             std::size_t width = Table::unlimited);
 
@@ -20,7 +20,6 @@ std::string controller_text(const model::Machine& machine,
                             double lowest_oil_mode);
 
 /// What a plot says about the run in one line.
-std::string simulation_subtitle(const report::PoseChoice& pose,
-                                const report::Simulation& simulation);
+std::string simulation_subtitle(const model::NamedPose& pose, const report::Simulation& simulation);
 
 }  // namespace hydrapod::cli

@@ -3,33 +3,25 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <charconv>
-#include <cmath>
+#include <array>
 
 #include "hydrapod/base/constants.hpp"
+#include "hydrapod/base/text.hpp"
+#include "hydrapod/base/units.hpp"
 #include "hydrapod/interrupt.hpp"
-#include "hydrapod/kinematics/check_machine.hpp"
 #include "hydrapod/report/simulation.hpp"
-#include "hydrapod/report/system.hpp"
-#include "hydrapod/simulation/tuning.hpp"
-#include "hydrapod/terminal.hpp"
+#include "hydrapod/tasks/linear.hpp"
 
 namespace hydrapod::cli {
 
 namespace {
 
-using simulation::LinearSystem;
 using simulation::SystemPoles;
 
 using base::two_pi;
 constexpr int most_values = 1000;
 
-struct LocusRange {
-  std::string key{};
-  std::vector<double> values{};
-};
-
-LocusRange locus_range(const std::string& text) {
+tasks::RootLocusOptions locus_options(const std::string& text) {
   const std::string argument = "--root-locus " + text;
   const auto reject = [&](const std::string& found) {
     bad_argument(argument, found +
@@ -40,14 +32,11 @@ LocusRange locus_range(const std::string& text) {
   if (equals == std::string::npos || equals == 0) reject("no key");
   std::array<double, 3> numbers{0.0, 0.0, 11.0};
   std::size_t count = 0;
-  for (std::size_t begin = equals + 1; begin <= text.size();) {
-    const std::size_t end = std::min(text.find(':', begin), text.size());
-    const std::string part = text.substr(begin, end - begin);
-    const auto number = plain_number(part);
+  for (const auto& part : base::split(std::string_view(text).substr(equals + 1), ":")) {
+    const auto number = base::read_quantity(part, "1");
     if (count == numbers.size()) reject("more than three numbers");
-    if (!number) reject(fmt::format("'{}' is no plain number", part));
-    numbers[count++] = *number;
-    begin = end + 1;
+    if (!number.ok()) reject(fmt::format("'{}' is no plain number", part));
+    numbers[count++] = number.value;
   }
   if (count < 2) reject("only one number");
   const int steps = static_cast<int>(std::clamp(numbers[2], -1.0, 1e6));
@@ -55,19 +44,16 @@ LocusRange locus_range(const std::string& text) {
     reject(fmt::format("the count is {:g}; it must be a whole number from 2 to {}", numbers[2],
                        most_values));
   if (numbers[0] == numbers[1]) reject("both ends are equal");
-  LocusRange range{text.substr(0, equals), {}};
-  for (int k = 0; k < steps; ++k)
-    range.values.push_back(numbers[0] + (numbers[1] - numbers[0]) * k / (steps - 1));
-  return range;
+  return {.key = text.substr(0, equals), .from = numbers[0], .to = numbers[1], .count = steps};
 }
 
 /// Slower than this a pole is a drift [rad/s].
 constexpr double drift = 1e-2;
 
 /// Without a controller drifting is what a platform on valves does, and no fault.
-std::string open_verdict(const LinearSystem& linear, const SystemPoles& poles) {
+std::string open_verdict(const SystemPoles& poles) {
   const double rate = poles.largest_real;
-  if (rate < -drift || rate > drift) return report::verdict_text(linear, poles);
+  if (rate < -drift || rate > drift) return report::verdict_text(poles);
   constexpr double none = 1e-9;
   return rate > none ? fmt::format(
                            "without a controller nothing holds the pose: the platform "
@@ -77,7 +63,7 @@ std::string open_verdict(const LinearSystem& linear, const SystemPoles& poles) {
 }
 
 /// Table of poles, ascending in frequency.
-std::string pole_table(const SystemPoles& poles, bool closed, bool colour, std::size_t width) {
+std::string pole_table(const SystemPoles& poles, bool closed, const TableStyle& style) {
   std::vector<const simulation::SystemPole*> order;
   for (const auto& pole : poles.poles) order.push_back(&pole);
   std::stable_sort(order.begin(), order.end(),
@@ -104,25 +90,27 @@ std::string pole_table(const SystemPoles& poles, bool closed, bool colour, std::
                   : "UNSTABLE",
          report::participation_text(pole)});
   }
-  return table.text(colour, width);
+  return table.text(style);
 }
 
-std::string system_heading(const model::Machine& machine, const report::PoseChoice& pose,
-                           dynamics::ModelKind kind, const LinearSystem& system, bool closed,
-                           bool colour) {
-  if (!closed)
+std::string system_heading(const tasks::Machine& machine, const report::System& system,
+                           const TableStyle& style) {
+  const auto& linear = system.linear;
+  const std::string title = fmt::format(
+      "{}, pose {}: {} model", styled(machine.file.machine.name, Style::bold, style.colour),
+      machine.pose.name, dynamics::name(machine.kind));
+  if (!system.closed)
     return fmt::format(
-        "{}, pose {}: {} model with hydraulics, without controller, {} states\n"
+        "{} with hydraulics, without controller, {} states\n"
         "the valves are held where the machine rests; measured from the drives on these are the "
         "poles\n",
-        styled(machine.name, Style::bold, colour), pose.name, dynamics::name(kind),
-        system.A.rows());
+        title, linear.A.rows());
   return fmt::format(
-      "{}, pose {}: {} model with hydraulics and controller, {} states\n"
+      "{} with hydraulics and controller, {} states\n"
       "sampled every {:.4g} ms; delay and hold of {:.4g} ms as Padé {}/{} (the verdict is that of "
       "the sampled loop)\n",
-      styled(machine.name, Style::bold, colour), pose.name, dynamics::name(kind), system.A.rows(),
-      1e3 * system.sample_time, 1e3 * system.delay, system.pade_order, system.pade_order);
+      title, linear.A.rows(), 1e3 * linear.sample_time, 1e3 * linear.delay, linear.pade_order,
+      linear.pade_order);
 }
 
 /// Of the oscillations that the platform takes part in.
@@ -138,7 +126,7 @@ const simulation::SystemPole* least_damped(const SystemPoles& poles) {
   return least;
 }
 
-std::string locus_table(const report::RootLocus& locus, bool colour, std::size_t width) {
+std::string locus_table(const report::RootLocus& locus, const TableStyle& style) {
   Table table({{locus.key},
                {"stable", Align::left},
                {"largest |z|"},
@@ -159,36 +147,34 @@ std::string locus_table(const report::RootLocus& locus, bool colour, std::size_t
                    least != nullptr ? fmt::format("{:.3f}", least->omega / two_pi) : "–",
                    least != nullptr ? report::participation_text(*least) : ""});
   }
-  std::string text = table.text(colour, width);
+  std::string text = table.text(style);
   for (const double limit : locus.limits)
     text += fmt::format("\nlimit of stability: {} = {:.6g}\n", locus.key, limit);
   return text;
 }
 
-report::RootLocus computed_locus(const MachineArguments& arguments, const LocusRange& range,
-                                 const model::MachineFile& file, const report::PoseChoice& pose,
-                                 const simulation::LinearSystemOptions& options) {
-  ProgressLine progress("root locus");
-  return report::root_locus(
-      range.key, range.values,
-      [&](double value) {
-        auto overrides = arguments.overrides;
-        overrides.push_back(fmt::format("{}={:.17g}", range.key, value));
-        const auto changed =
-            model::parse_machine(file.text, arguments.file, overrides, kinematics::check_machine);
-        return simulation::linear_system(changed.machine, pose.X_BP, options);
-      },
-      [&](double fraction) { progress.update(fraction); });
-}
-
-report::Json json_head(const char* kind, const MachineArguments& arguments,
-                       const model::MachineFile& file, const report::PoseChoice& pose,
-                       dynamics::ModelKind model) {
-  return {{"kind", kind},
-          {"machine", report::machine_json(file, arguments.file)},
-          {"assumptions", report::assumptions_json(file.machine)},
-          {"pose", report::pose_json(pose)},
-          {"model", dynamics::name(model)}};
+std::string locus_output(const tasks::Machine& machine, const tasks::RootLocusOptions& options,
+                         const std::string& plot, std::size_t format, const TableStyle& style) {
+  const auto locus = with_progress("root locus", [&](const numerics::Progress& progress) {
+    return tasks::root_locus(machine, options, progress);
+  });
+  const auto& name = machine.file.machine.name;
+  if (!plot.empty()) {
+    report::plot_root_locus(locus, name,
+                            fmt::format("root locus over {}; pose {}, {} model", locus.key,
+                                        machine.pose.name, dynamics::name(machine.kind)),
+                            plot);
+    fmt::print(stderr, "wrote {}\n", plot);
+  }
+  if (format == 2) return report::root_locus_csv(locus);
+  if (format == 0)
+    return fmt::format("{}, pose {}: poles over {}\n\n", styled(name, Style::bold, style.colour),
+                       machine.pose.name, locus.key) +
+           locus_table(locus, style);
+  auto json = report::head_json("root_locus", machine);
+  json["model"] = dynamics::name(machine.kind);
+  json.update(report::root_locus_json(locus));
+  return json.dump() + "\n";
 }
 
 }  // namespace
@@ -211,48 +197,25 @@ void add_system_options(Command command, SystemArguments& arguments) {
                      "Picture of the root locus, .svg, .png or .pdf (needs gnuplot)");
 }
 
-std::string system_modes_text(const MachineArguments& arguments, const SystemArguments& system,
-                              std::size_t format, bool colour, std::size_t width) {
-  const bool is_locus = !system.root_locus.empty();
-  const auto range = is_locus ? locus_range(system.root_locus) : LocusRange{};
-  if (!system.plot.empty()) report::require_picture_ending(system.plot);
-  const auto file = load(arguments);
-  const auto pose = choose_pose(file.machine, arguments.pose);
-  const simulation::LinearSystemOptions options{.kind = choose_model(file.machine, arguments.model),
-                                                .pade_order = system.pade,
-                                                .closed = !system.open_loop};
-  if (is_locus) {
-    const auto locus = computed_locus(arguments, range, file, pose, options);
-    if (!system.plot.empty()) {
-      report::plot_root_locus(locus, file.machine.name,
-                              fmt::format("root locus over {}; pose {}, {} model", locus.key,
-                                          pose.name, dynamics::name(options.kind)),
-                              system.plot);
-      fmt::print(stderr, "wrote {}\n", system.plot);
-    }
-    if (format == 2) return report::root_locus_csv(locus);
-    if (format == 0)
-      return fmt::format("{}, pose {}: poles over {}\n\n",
-                         styled(file.machine.name, Style::bold, colour), pose.name, locus.key) +
-             locus_table(locus, colour, width);
-    auto json = json_head("root_locus", arguments, file, pose, options.kind);
-    json.update(report::root_locus_json(locus));
-    return json.dump() + "\n";
+std::string system_modes_text(const MachineArguments& arguments, const SystemArguments& asked,
+                              std::size_t format, const TableStyle& style) {
+  const tasks::SystemOptions options{.closed = !asked.open_loop, .pade_order = asked.pade};
+  if (!asked.root_locus.empty()) {
+    auto locus = locus_options(asked.root_locus);
+    locus.system = options;
+    if (!asked.plot.empty()) report::require_picture_ending(asked.plot);
+    return locus_output(load(arguments), locus, asked.plot, format, style);
   }
-  const auto linear = simulation::linear_system(file.machine, pose.X_BP, options);
-  const auto poles = simulation::system_poles(linear);
-  if (format == 2) return report::system_poles_csv(poles);
+  const auto machine = load(arguments);
+  const auto system = tasks::system(machine, options);
+  if (format == 2) return report::system_poles_csv(system.poles);
   if (format == 0)
-    return system_heading(file.machine, pose, options.kind, linear, options.closed, colour) + "\n" +
-           pole_table(poles, options.closed, colour, width) + "\n" +
-           (options.closed ? report::verdict_text(linear, poles) : open_verdict(linear, poles)) +
-           "\n";
-  auto json = json_head("system", arguments, file, pose, options.kind);
-  if (options.closed) {
-    const auto tuning = simulation::tune_controller(file.machine, pose.X_BP);
-    json["controller"] = report::controller_json(tuning.parameters, tuning.lowest_oil_mode);
-  }
-  json.update(report::system_poles_json(linear, poles));
+    return system_heading(machine, system, style) + "\n" +
+           pole_table(system.poles, system.closed, style) + "\n" +
+           (system.closed ? report::verdict_text(system.poles) : open_verdict(system.poles)) + "\n";
+  auto json = report::head_json("system", machine);
+  json["model"] = dynamics::name(machine.kind);
+  json.update(report::system_json(system));
   return json.dump(1) + "\n";
 }
 

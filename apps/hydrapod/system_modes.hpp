@@ -3,6 +3,7 @@
 
 #include "hydrapod/machine_arguments.hpp"
 #include "hydrapod/simulation/linear_system.hpp"
+#include "hydrapod/terminal.hpp"
 
 namespace hydrapod::cli {
 
@@ -20,6 +21,6 @@ void add_system_options(Command command, SystemArguments& arguments);
 /// What `hydrapod modes` prints with --system, --open-loop or --root-locus; `format` is that of
 /// modes: 0 table, 1 JSON, 2 CSV.
 std::string system_modes_text(const MachineArguments& machine, const SystemArguments& system,
-                              std::size_t format, bool colour, std::size_t width);
+                              std::size_t format, const TableStyle& style);
 
 }  // namespace hydrapod::cli

@@ -195,6 +195,13 @@ std::string Table::text(bool colour, std::size_t width) const {
   return all;
 }
 
+std::string Table::text(const TableStyle& style) const { return text(style.colour, style.width); }
+
+TableStyle table_style(const std::string& output) {
+  const bool printed = output == "-";
+  return {printed && has_colour(stdout), printed ? terminal_width() : Table::unlimited};
+}
+
 ProgressLine::ProgressLine(std::string title)
     : title_(std::move(title)), active_(is_terminal(stderr)) {}
 

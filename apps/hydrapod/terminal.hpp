@@ -53,6 +53,8 @@ class Table {
   /// column.
   [[nodiscard]] std::string text(bool colour = false, std::size_t width = unlimited) const;
 
+  [[nodiscard]] std::string text(const struct TableStyle& style) const;
+
   static constexpr std::size_t unlimited = static_cast<std::size_t>(-1);
 
  private:
@@ -62,6 +64,15 @@ class Table {
   std::vector<Column> columns_;
   std::vector<std::vector<std::string>> rows_;
 };
+
+/// How tables are written.
+struct TableStyle {
+  bool colour{};
+  std::size_t width{Table::unlimited};
+};
+
+/// As the file `output` asks for; "-" is the terminal.
+TableStyle table_style(const std::string& output);
 
 /// A line on stderr that is rewritten in place, at most ten times a second, and gone at the end;
 /// after two seconds it says how many are left at this speed. Silent when stderr is not a terminal.

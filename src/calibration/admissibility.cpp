@@ -32,20 +32,18 @@ class Collector {
   explicit Collector(bool statements) : statements_(statements) {}
 
   void add(std::string_view what, double margin) {
-    constraints_.push_back({statements_ ? prefix_ + std::string{what} : std::string{}, margin});
+    constraints_.push_back({statements_ ? std::string{what} : std::string{}, leg_, margin});
   }
   void sign(std::string_view what, double value) {
     add(statements_ ? fmt::format("{} is not negative", what) : "", not_negative(value));
   }
-  void of_leg(std::size_t leg) {
-    if (statements_) prefix_ = fmt::format("leg {}: ", leg + 1);
-  }
+  void of_leg(std::size_t leg) { leg_ = static_cast<int>(leg); }
   [[nodiscard]] bool statements() const { return statements_; }
   std::vector<Constraint> take() { return std::move(constraints_); }
 
  private:
   bool statements_;
-  std::string prefix_{};
+  std::optional<int> leg_{};
   std::vector<Constraint> constraints_{};
 };
 
@@ -134,26 +132,21 @@ std::vector<double> admissibility_margins(const Machine& machine) {
 }
 
 std::vector<std::string> violations(const model::Machine& machine) {
-  std::map<std::string, std::vector<std::string>> legs_of;  // statement without the leg
+  std::map<std::string, std::vector<std::string>> legs_of;
   std::vector<std::string> order;
-  for (const auto& [statement, margin] : admissibility(machine)) {
+  for (const auto& [what, leg, margin] : admissibility(machine)) {
     if (margin >= 0.0) continue;
-    const bool of_leg = statement.starts_with("leg ");
-    const auto split = of_leg ? statement.find(": ") : 0;
-    const std::string what = of_leg ? statement.substr(split + 2) : statement;
     if (!legs_of.contains(what)) order.push_back(what);
-    legs_of[what].push_back(of_leg ? statement.substr(0, split) : "");
+    auto& legs = legs_of[what];
+    if (leg) legs.push_back(fmt::format("leg {}", *leg + 1));
   }
   std::vector<std::string> list;
   for (const auto& what : order) {
     const auto& legs = legs_of[what];
-    if (legs.front().empty()) {
-      list.push_back(what);
-    } else if (legs.size() == model::leg_count) {
-      list.push_back("all legs: " + what);
-    } else {
-      list.push_back(fmt::format("{}: {}", fmt::join(legs, ", "), what));
-    }
+    list.push_back(legs.empty() ? what
+                   : legs.size() == model::leg_count
+                       ? "all legs: " + what
+                       : fmt::format("{}: {}", fmt::join(legs, ", "), what));
   }
   return list;
 }

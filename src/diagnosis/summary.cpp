@@ -268,8 +268,7 @@ std::vector<std::string> summary(const CaseFile& file) {
     const auto& d = *file.diagnosis;
     words.push_back(finding_sentence(d));
     if (d.alike.empty()) {
-      for (const auto& reason : d.reasons)
-        words.push_back(capital(reason) + (reason.ends_with('?') ? "" : "."));
+      for (const auto& reason : d.reasons) words.push_back(capital(reason) + ".");
       if (d.finding == Finding::unexplained) add_drops(d, words);
       if (d.interrupted) words.push_back(interrupted);
       return words;

@@ -266,7 +266,7 @@ std::vector<std::string> objections(const Evidence& evidence, const Explanation&
     reasons.push_back(fmt::format(
         "the measured frequencies are {:.3g} times those of this machine, direction by direction "
         "(median){}",
-        ratio, why.empty() ? "" : ": " + why + "?"));
+        ratio, why.empty() ? "" : fmt::format("; possible reason: {}", why)));
   }
   return reasons;
 }

@@ -4,6 +4,7 @@
 
 #include <Eigen/SVD>
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "fit_covariance.hpp"
@@ -21,16 +22,28 @@ namespace {
 using base::two_pi;
 using Eigen::Index;
 
-/// Why a fitted mode is none; empty when it is one.
-std::string objection(const FittedMode& m, const Band& band, const IdentifyOptions& options) {
+/// Why a fitted mode is none.
+enum class Objection { none, left_band, in_noise, open_frequency, open_damping, doubles };
+
+const char* text(Objection objection) {
+  constexpr std::array words{"",
+                             "left the band in the fit",
+                             "does not stand above the noise",
+                             "its frequency is not determined",
+                             "its damping is not determined",
+                             "doubles another"};
+  return words[static_cast<std::size_t>(objection)];
+}
+
+Objection objection_to(const FittedMode& m, const Band& band, const IdentifyOptions& options) {
   const double f = m.omega() / two_pi;
-  if (f < band.from || f > band.to) return "left the band in the fit";
-  if (m.significance < options.least_significance) return "does not stand above the noise";
+  if (f < band.from || f > band.to) return Objection::left_band;
+  if (m.significance < options.least_significance) return Objection::in_noise;
   if (m.omega_deviation > options.largest_frequency_deviation * m.omega())
-    return "its frequency is not determined";
+    return Objection::open_frequency;
   if (m.damping_deviation > options.largest_damping_deviation * std::max(m.damping_ratio(), 0.002))
-    return "its damping is not determined";
-  return {};
+    return Objection::open_damping;
+  return Objection::none;
 }
 
 /// Two poles closer than their own uncertainty, with the same shape and participation, are one.
@@ -51,7 +64,8 @@ bool another_first(const ModalModel& model, std::size_t r, const Band& band,
   return std::ranges::any_of(model.modes, [&](const FittedMode& m) {
     return badly(m) > badly(mode) &&
            std::abs(m.pole - mode.pole) < std::abs(m.pole.real()) + std::abs(mode.pole.real()) &&
-           m.damping_ratio() <= options.highest_damping && !objection(m, band, options).empty();
+           m.damping_ratio() <= options.highest_damping &&
+           objection_to(m, band, options) != Objection::none;
   });
 }
 
@@ -70,21 +84,21 @@ void fit_and_prune(const IdentifyOptions& options, std::vector<PoleCluster> clus
       const auto& mode = result.model.modes[r];
       // a heavily damped pole may be anywhere: it is no mode and only helps the fit
       const bool heavy = mode.damping_ratio() > options.highest_damping;
-      std::string reason =
-          heavy ? (mode.significance < options.least_significance ? "does not stand above the noise"
-                                                                  : "")
-                : objection(mode, band, options);
-      for (std::size_t q = 0; q < clusters.size() && reason.empty(); ++q)
+      auto objection = !heavy ? objection_to(mode, band, options)
+                       : mode.significance < options.least_significance ? Objection::in_noise
+                                                                        : Objection::none;
+      for (std::size_t q = 0; q < clusters.size() && objection == Objection::none; ++q)
         if (q != r && doubles(mode, result.model.modes[q]) &&
             (clusters[q].members.size() > clusters[r].members.size() ||
              (clusters[q].members.size() == clusters[r].members.size() && q < r)))
-          reason = "doubles another";
-      if (reason.empty() ||
-          (reason.ends_with("not determined") && another_first(result.model, r, band, options))) {
+          objection = Objection::doubles;
+      const bool open =
+          objection == Objection::open_frequency || objection == Objection::open_damping;
+      if (objection == Objection::none || (open && another_first(result.model, r, band, options))) {
         kept.push_back(clusters[r]);
         kept.back().representative = {mode.pole, mode.shape, mode.participation};
       } else {
-        result.left_out.push_back({mode.pole, reason});
+        result.left_out.push_back({mode.pole, text(objection)});
       }
     }
     if (kept.size() == clusters.size()) break;

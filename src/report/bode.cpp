@@ -6,8 +6,8 @@
 #include <array>
 #include <stdexcept>
 
+#include "fields.hpp"
 #include "hydrapod/base/constants.hpp"
-#include "hydrapod/base/error.hpp"
 #include "hydrapod/spatial/directions.hpp"
 
 namespace hydrapod::report {
@@ -17,51 +17,10 @@ namespace {
 using base::two_pi;
 using spatial::direction_names;
 
-/// Fills in the band: a third of the lowest to twice the highest frequency that the platform feels.
-void fill_band(const modal::ModeTable& table, BodeOptions& options) {
-  double lowest = 1e300, highest = 0.0;
-  for (const auto* modes : {&table.real.modes, &table.rigid.modes})
-    for (const auto& entry : *modes) {
-      if (!entry.platform_feels || entry.mode.omega <= 0.0) continue;
-      lowest = std::min(lowest, entry.mode.omega);
-      highest = std::max(highest, entry.mode.omega);
-    }
-  if (highest == 0.0 && (!options.from || !options.to))
-    throw base::ComputationError(
-        "no stable mode that the platform feels; give the band with --from and --to");
-  if (!options.from) options.from = std::min(lowest / 3.0, options.to.value_or(lowest) / 3.0);
-  if (!options.to) options.to = std::max(2.0 * highest, 3.0 * *options.from);
-}
-
-struct Swept {
-  std::vector<response::Matrix6c> H;
-  std::vector<response::Peak> peaks;
-};
-
-Swept sweep(const modal::AnalysedModel& model, double ratio, const Bode& bode) {
-  const auto& options = bode.options;
-  const auto swept =
-      response::response_model(model.linear, model.normal, ratio, *options.p_PQ, options.input);
-  return {response::frequency_response(swept, bode.omega, options.output),
-          response::find_peaks(swept, {*options.from, *options.to, options.output})};
-}
+constexpr std::array input_words{"wrench", "actuator"};
+constexpr std::array output_words{"displacement", "velocity", "acceleration"};
 
 }  // namespace
-
-Bode bode(const model::Machine& machine, const PoseChoice& pose, dynamics::ModelKind kind,
-          const BodeOptions& options) {
-  Bode result{.options = options, .table = modal::mode_table(machine, pose.X_BP, kind)};
-  if (!result.options.p_PQ) result.options.p_PQ = machine.platform.mass_center;
-  fill_band(result.table, result.options);
-  result.omega = response::log_space(*result.options.from, *result.options.to, options.points);
-  auto real = sweep(result.table.real, result.table.ratio.value, result);
-  auto rigid = sweep(result.table.rigid, result.table.ratio.value, result);
-  result.real = std::move(real.H);
-  result.real_peaks = std::move(real.peaks);
-  result.rigid = std::move(rigid.H);
-  result.rigid_peaks = std::move(rigid.peaks);
-  return result;
-}
 
 std::string response_unit(response::Output output, int out_direction, int in_direction) {
   const std::string numerator = out_direction < 3 ? "m" : "rad";
@@ -77,23 +36,120 @@ std::string response_unit(response::Output output, int out_direction, int in_dir
   return numerator + "/" + load;
 }
 
+template <class Fields>
+void describe(Fields& f, response::Peak& peak) {
+  f.word("direction", peak.direction, spatial::direction_names);
+  f("omega_rad_s", peak.omega);
+  f.derived("frequency_hz", peak.omega / two_pi);
+  f.unbounded("magnitude", peak.magnitude);
+  f.unbounded("prominence_db", peak.prominence_db);
+  f.counted("mode", peak.mode);
+  f.derived("label", "");  // peaks_json() knows it
+  f("own", peak.own);
+}
+
+/// `[output][input]` by the names of directions, with re[] and im[] over frequency.
+template <class Fields>
+void describe_response(Fields& f, std::vector<response::Matrix6c>& H) {
+  for (int out = 0; out < 6; ++out)
+    f.object(direction_names.at(out), [&](auto& row) {
+      for (int in = 0; in < 6; ++in) {
+        Eigen::VectorXcd values(static_cast<Eigen::Index>(H.size()));
+        for (std::size_t k = 0; k < H.size(); ++k)
+          values[static_cast<Eigen::Index>(k)] = H[k](out, in);
+        row(direction_names.at(in), values);
+        if constexpr (Fields::reads) {
+          if (values.size() != static_cast<Eigen::Index>(H.size()))
+            row.bad(direction_names.at(in), "must have a number per frequency");
+          for (std::size_t k = 0; k < H.size(); ++k)
+            H[k](out, in) = values[static_cast<Eigen::Index>(k)];
+        }
+      }
+    });
+}
+
+Json peaks_json(const std::vector<response::Peak>& peaks, const modal::AnalysedModel& model) {
+  Json list = written(peaks);
+  for (std::size_t k = 0; k < peaks.size(); ++k) {
+    const int mode = model.tabled_of_normal[static_cast<std::size_t>(peaks[k].mode)];
+    list[k]["mode"] = mode + 1;
+    list[k]["label"] = model.modes[static_cast<std::size_t>(mode)].label;
+  }
+  return list;
+}
+
+namespace {
+
+/// Peaks, and of the modes as much as they say of them.
+std::vector<response::Peak> peaks_from_json(const Reader& fields, const char* key,
+                                            const std::string& file, modal::AnalysedModel& model) {
+  std::vector<response::Peak> peaks;
+  fields(key, peaks);
+  for (std::size_t k = 0; k < peaks.size(); ++k) {
+    const auto mode = static_cast<std::size_t>(peaks[k].mode);
+    constexpr std::size_t most = 30;
+    if (mode >= most) fields.bad(key, "holds a mode that no model has");
+    while (model.modes.size() <= mode) {
+      model.tabled_of_normal.push_back(static_cast<int>(model.modes.size()));
+      model.modes.emplace_back();
+    }
+    Reader(fields.at(key)[k], file, key)("label", model.modes[mode].label);
+  }
+  return peaks;
+}
+
+}  // namespace
+
+template <class Fields>
+void describe(Fields& f, BodeOptions& options) {
+  f.word("input", options.input, input_words);
+  f.word("output", options.output, output_words);
+  f("point_m", options.p_PQ);
+}
+
+Json response_json(const std::vector<double>& omega, const std::vector<response::Matrix6c>& H) {
+  std::vector<double> hertz;
+  for (const double value : omega) hertz.push_back(value / two_pi);
+  Writer response;
+  describe_response(response, const_cast<std::vector<response::Matrix6c>&>(H));
+  return {{"omega_rad_s", omega}, {"frequency_hz", hertz}, {"response", response.json}};
+}
+
+std::vector<double> response_from_json(const Json& json, const std::string& file,
+                                       std::vector<response::Matrix6c>& H) {
+  const Reader fields(json, file);
+  std::vector<double> omega;
+  fields("omega_rad_s", omega);
+  H.resize(omega.size());
+  fields.object("response", [&](auto& f) { describe_response(f, H); });
+  return omega;
+}
+
 Json bode_json(const Bode& bode) {
-  constexpr std::array<const char*, 2> inputs{"wrench", "actuator"};
-  constexpr std::array<const char*, 3> outputs{"displacement", "velocity", "acceleration"};
-  const auto& options = bode.options;
-  const auto& p = *options.p_PQ;
-  Json json{{"model", dynamics::name(bode.table.kind)},
-            {"input", inputs[static_cast<size_t>(options.input)]},
-            {"output", outputs[static_cast<size_t>(options.output)]},
-            {"point_m", {p.x(), p.y(), p.z()}},
-            {"peaks", peaks_json(bode.real_peaks, bode.table, false)},
-            {"rigid_peaks", peaks_json(bode.rigid_peaks, bode.table, true)}};
-  const Json real = response_json(bode.omega, bode.real);
-  json["omega_rad_s"] = real["omega_rad_s"];
-  json["frequency_hz"] = real["frequency_hz"];
-  json["response"] = real["response"];
+  Json json{{"model", dynamics::name(bode.table.kind)}};
+  json.update(written(bode.options));
+  json["peaks"] = peaks_json(bode.real_peaks, bode.table.real);
+  json["rigid_peaks"] = peaks_json(bode.rigid_peaks, bode.table.rigid);
+  json.update(response_json(bode.omega, bode.real));
   json["rigid_response"] = response_json(bode.omega, bode.rigid)["response"];
   return json;
+}
+
+Bode bode_from_json(const Json& json, const std::string& file) {
+  const Reader fields(json, file);
+  Bode bode;
+  fields.word("model", bode.table.kind, model_words);
+  read(json, file, bode.options);
+  bode.omega = response_from_json(json, file, bode.real);
+  bode.rigid.resize(bode.omega.size());
+  fields.object("rigid_response", [&](auto& f) { describe_response(f, bode.rigid); });
+  bode.real_peaks = peaks_from_json(fields, "peaks", file, bode.table.real);
+  bode.rigid_peaks = peaks_from_json(fields, "rigid_peaks", file, bode.table.rigid);
+  if (bode.omega.empty()) fields.bad("omega_rad_s", "is empty");
+  bode.options.from = bode.omega.front();
+  bode.options.to = bode.omega.back();
+  bode.options.points = static_cast<int>(bode.omega.size());
+  return bode;
 }
 
 std::string bode_csv(const Bode& bode) {

@@ -4,7 +4,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <tuple>
 
+#include "fields.hpp"
 #include "hydrapod/base/constants.hpp"
 
 namespace hydrapod::report {
@@ -16,97 +18,6 @@ using observation::ModeTarget;
 using observation::Targets;
 
 using base::two_pi;
-
-/// Infinite and undefined numbers do not exist in JSON.
-Json number(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
-
-Json parameter_json(const FittedParameter& p) {
-  return {{"paths", p.paths},
-          {"unit", p.unit},
-          {"start", p.start},
-          {"bounds", {p.lower, p.upper}},
-          {"value", p.value},
-          {"deviation", number(p.deviation)},
-          {"interval_95", {number(p.interval_low), number(p.interval_high)}},
-          {"deviation_data_alone", number(p.data_deviation)},
-          {"other_value", p.other_value ? Json(*p.other_value) : Json(nullptr)},
-          {"verdict", verdict_word(p.verdict)}};
-}
-
-Json target_json(const ModeTarget& target, const FittedTarget& fit) {
-  Json json{{"name", target.name},
-            {"pose", target.pose},
-            {"mode", fit.mode + 1},
-            {"target_rad_s", target.omega},
-            {"model_rad_s", fit.omega},
-            {"deviation_rad_s", target.deviation},
-            {"difference_in_deviations", fit.difference},
-            {"outlier", fit.outlier}};
-  if (target.damping) {
-    json["target_damping_ratio"] = *target.damping;
-    json["model_damping_ratio"] = fit.damping;
-  }
-  if (target.shape) json["shape_mac"] = fit.shape_mac;
-  return json;
-}
-
-Json matrix_json(const Eigen::MatrixXd& matrix) {
-  Json rows = Json::array();
-  for (Eigen::Index i = 0; i < matrix.rows(); ++i) {
-    Json row = Json::array();
-    for (Eigen::Index j = 0; j < matrix.cols(); ++j) row.push_back(number(matrix(i, j)));
-    rows.push_back(row);
-  }
-  return rows;
-}
-
-Json identifiability_json(const Identifiability& found) {
-  Json trades = Json::array();
-  for (const auto& trade : found.trades)
-    trades.push_back({{"parameters", trade.parameters},
-                      {"relative_direction",
-                       std::vector<double>(trade.direction.begin(), trade.direction.end())},
-                      {"relative_deviation", number(trade.deviation)},
-                      {"words", trade.words}});
-  return {{"singular_values",
-           std::vector<double>(found.singular_values.begin(), found.singular_values.end())},
-          {"directions", matrix_json(found.directions)},
-          {"rank", found.rank},
-          {"numerical_rank", found.numerical_rank},
-          {"correlations", matrix_json(found.correlations)},
-          {"trades", trades}};
-}
-
-Json candidate_json(const Candidate& candidate, const Targets& targets) {
-  Json json{{"name", candidate.name},
-            {"overrides", candidate.overrides},
-            {"fitted", candidate.fitted},
-            {"admissible", candidate.admissible()}};
-  if (!candidate.fitted) {
-    json["problem"] = candidate.problem;
-    return json;
-  }
-  json["violated"] = candidate.violated;
-  json["converged"] = candidate.converged;
-  json["starts"] = candidate.starts;
-  json["starts_that_agree"] = candidate.starts_that_agree;
-  json["loss"] = candidate.robust ? "cauchy" : "squares";
-  json["misfit"] = candidate.misfit;
-  json["worst_rad_s"] = candidate.worst;
-  json["scatter"] = candidate.scatter;
-  json["parameters"] = Json::array();
-  for (const auto& p : candidate.parameters) json["parameters"].push_back(parameter_json(p));
-  json["targets"] = Json::array();
-  for (std::size_t i = 0; i < candidate.targets.size(); ++i)
-    json["targets"].push_back(target_json(targets.modes[i], candidate.targets[i]));
-  json["identifiability"] = identifiability_json(candidate.identifiability);
-  if (candidate.unbound)
-    json["unbound"] = {{"misfit", candidate.unbound->misfit},
-                       {"worst_rad_s", candidate.unbound->worst},
-                       {"violated", candidate.unbound->violated},
-                       {"values", candidate.unbound->values}};
-  return json;
-}
 
 }  // namespace
 
@@ -126,37 +37,163 @@ const char* verdict_word(Verdict verdict) {
   return "not determined";
 }
 
+template <class Fields>
+void describe(Fields& f, FittedParameter& p) {
+  std::array bounds{p.lower, p.upper}, interval{p.interval_low, p.interval_high};
+  f("paths", p.paths);
+  f("unit", p.unit);
+  f("start", p.start);
+  f("bounds", bounds);
+  f("value", p.value);
+  f("deviation", p.deviation);
+  f("interval_95", interval);
+  f("deviation_data_alone", p.data_deviation);
+  f("other_value", p.other_value);
+  f.word("verdict", p.verdict, words_of<5>(verdict_word));
+  if constexpr (Fields::reads) {
+    std::tie(p.lower, p.upper) = std::tie(bounds[0], bounds[1]);
+    std::tie(p.interval_low, p.interval_high) = std::tie(interval[0], interval[1]);
+  }
+}
+
+template <class Fields>
+void describe(Fields& f, Trade& trade) {
+  f("parameters", trade.parameters);
+  f("relative_direction", trade.direction);
+  f("relative_deviation", trade.deviation);
+  f("words", trade.words);
+}
+
+template <class Fields>
+void describe(Fields& f, Identifiability& found) {
+  f("singular_values", found.singular_values);
+  f("directions", found.directions);
+  f("rank", found.rank);
+  f("numerical_rank", found.numerical_rank);
+  f("correlations", found.correlations);
+  f("trades", found.trades);
+}
+
+template <class Fields>
+void describe(Fields& f, Candidate::Unbound& unbound) {
+  f("misfit", unbound.misfit);
+  f("worst_rad_s", unbound.worst);
+  f("violated", unbound.violated);
+  f("values", unbound.values);
+}
+
+namespace {
+
+template <class Fields>
+void describe_target(Fields& f, ModeTarget& target, FittedTarget& fit) {
+  f("name", target.name);
+  f("pose", target.pose);
+  f.counted("mode", fit.mode);
+  f("target_rad_s", target.omega);
+  f("model_rad_s", fit.omega);
+  f("deviation_rad_s", target.deviation);
+  f("difference_in_deviations", fit.difference);
+  f("outlier", fit.outlier);
+  f.optional("target_damping_ratio", target.damping);
+  if (target.damping) f("model_damping_ratio", fit.damping);
+  if (target.shape || f.has("shape_mac")) f("shape_mac", fit.shape_mac);
+  if (Fields::reads && f.has("shape_mac")) target.shape.emplace();  // what it is, is not said
+}
+
+template <class Fields>
+void describe_candidate(Fields& f, Candidate& candidate, Targets& targets) {
+  f("name", candidate.name);
+  f("overrides", candidate.overrides);
+  f("fitted", candidate.fitted);
+  f.derived("admissible", candidate.admissible());
+  if (!candidate.fitted) return f("problem", candidate.problem);
+  static constexpr std::array losses{"squares", "cauchy"};
+  f("violated", candidate.violated);
+  f("converged", candidate.converged);
+  f("starts", candidate.starts);
+  f("starts_that_agree", candidate.starts_that_agree);
+  f.word("loss", candidate.robust, losses);
+  f("misfit", candidate.misfit);
+  f("worst_rad_s", candidate.worst);
+  f("scatter", candidate.scatter);
+  f("parameters", candidate.parameters);
+  if constexpr (Fields::reads) {
+    candidate.targets.resize(f.size("targets"));
+    targets.modes.resize(candidate.targets.size());
+  }
+  f.list("targets", candidate.targets.size(), [&](auto& item, std::size_t k) {
+    describe_target(item, targets.modes[k], candidate.targets[k]);
+  });
+  f("identifiability", candidate.identifiability);
+  f.optional("unbound", candidate.unbound);
+}
+
+template <class Fields>
+void describe_calibration(Fields& f, Calibration& result, Targets& targets) {
+  f("targets_title", targets.title);
+  f("targets_source", targets.source);
+  f("deviations_given", targets.deviations_given);
+  f("interrupted", result.interrupted);
+  if constexpr (!Fields::reads) f.derived("remarks", calibration_remarks(result, targets));
+  if constexpr (Fields::reads) result.candidates.resize(f.size("candidates"));
+  f.list("candidates", result.candidates.size(), [&](auto& item, std::size_t k) {
+    describe_candidate(item, result.candidates[k], targets);
+  });
+}
+
+}  // namespace
+
 Json calibration_json(const Calibration& result, const Targets& targets) {
-  Json json{{"targets_title", targets.title},
-            {"targets_source", targets.source},
-            {"interrupted", result.interrupted},
-            {"remarks", calibration_remarks(result, targets)},
-            {"candidates", Json::array()}};
-  for (const auto& candidate : result.candidates)
-    json["candidates"].push_back(candidate_json(candidate, targets));
-  return json;
+  Writer fields;  // changes nothing
+  describe_calibration(fields, const_cast<Calibration&>(result), const_cast<Targets&>(targets));
+  return std::move(fields.json);
+}
+
+ReadCalibration calibration_from_json(const Json& json, const std::string& file) {
+  ReadCalibration read;
+  Reader fields(json, file);
+  describe_calibration(fields, read.result, read.targets);
+  if (read.result.candidates.empty()) fields.bad("candidates", "is empty");
+  return read;
 }
 
 Json profile_json(const Profile& profile, const Candidate& candidate) {
-  Json json{{"paths", candidate.parameters.at(static_cast<std::size_t>(profile.parameter)).paths},
-            {"interval_95", {number(profile.interval_low), number(profile.interval_high)}},
-            {"values", Json::array()},
-            {"misfits", Json::array()}};
+  std::vector<double> values, misfits;
   for (const auto& point : profile.points) {
-    json["values"].push_back(point.value);
-    json["misfits"].push_back(number(point.misfit));
+    values.push_back(point.value);
+    misfits.push_back(point.misfit);
   }
-  return json;
+  return {{"paths", candidate.parameters.at(static_cast<std::size_t>(profile.parameter)).paths},
+          {"interval_95", written(std::array{profile.interval_low, profile.interval_high})},
+          {"values", values},
+          {"misfits", written(misfits)}};
 }
 
-Json sensitivity_json(const Sensitivities& s) {
-  Json json{{"modes", Json::array()}, {"parameters", Json::array()}};
-  for (const double omega : s.omega)
-    json["modes"].push_back({{"omega_rad_s", omega}, {"frequency_hz", omega / two_pi}});
-  for (const auto& p : s.parameters)
-    json["parameters"].push_back({{"path", p.path}, {"unit", p.unit}, {"value", p.value}});
-  json["percent_per_percent"] = matrix_json(s.percent_per_percent);
-  return json;
+template <class Fields>
+void describe(Fields& f, model::FileNumber& number) {
+  f("path", number.path);
+  f("unit", number.unit);
+  f("value", number.value);
+}
+
+template <class Fields>
+void describe(Fields& f, Sensitivities& s) {
+  if constexpr (Fields::reads) s.omega.resize(static_cast<Eigen::Index>(f.size("modes")));
+  f.list("modes", static_cast<std::size_t>(s.omega.size()), [&](auto& mode, std::size_t k) {
+    double& omega = s.omega[static_cast<Eigen::Index>(k)];
+    mode("omega_rad_s", omega);
+    mode.derived("frequency_hz", omega / two_pi);
+  });
+  f("parameters", s.parameters);
+  f("percent_per_percent", s.percent_per_percent);
+}
+
+Json sensitivity_json(const Sensitivities& sensitivities) { return written(sensitivities); }
+
+Sensitivities sensitivity_from_json(const Json& json, const std::string& file) {
+  Sensitivities sensitivities;
+  read(json, file, sensitivities);
+  return sensitivities;
 }
 
 std::vector<std::string> calibration_remarks(const Calibration& result, const Targets& targets) {

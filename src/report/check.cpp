@@ -5,64 +5,12 @@
 #include <cmath>
 #include <numbers>
 
-#include "hydrapod/hydraulics/oil_spring.hpp"
-#include "hydrapod/modal/normal_modes.hpp"
+#include "fields.hpp"
+#include "hydrapod/hydraulics/servo_axis.hpp"
 
 namespace hydrapod::report {
 
 namespace {
-
-constexpr double degrees = 180.0 / std::numbers::pi;
-
-LegCheck check_leg(const model::Leg& leg, double length, const kinematics::JointAngles& angles) {
-  LegCheck result{.length = length, .piston = length - leg.rod.length};
-  result.guided_length = leg.guide_sleeve.position - result.piston;
-  result.oil_stiffness = hydraulics::oil_stiffness(leg, result.piston);
-  result.base_tilt = angles.base_tilt;
-  result.platform_tilt = angles.platform_tilt;
-  if (leg.stroke) {
-    result.retract_left = result.piston - leg.stroke->retracted;
-    result.extend_left = leg.stroke->retracted + leg.stroke->length - result.piston;
-  }
-  return result;
-}
-
-void add_statics(const model::Machine& machine, dynamics::ModelKind kind, PoseCheck& result) {
-  const auto statics = dynamics::static_equilibrium(machine, result.pose.X_BP, kind);
-  result.equilibrium = statics.status == dynamics::StaticsStatus::converged;
-  for (int i = 0; i < model::leg_count; ++i) {
-    result.legs[i].axial_force = 0.0 - statics.legs[i].oil_force;  // no -0 without a load
-    result.legs[i].tilt = statics.legs[i].flexible.head<2>().norm();
-  }
-}
-
-void add_buckling(const model::Machine& machine, dynamics::ModelKind kind, PoseCheck& result) {
-  result.buckling_sought = kind != dynamics::ModelKind::rigid && !machine.gravity.isZero(0.0);
-  if (!result.buckling_sought) return;
-  result.buckling = dynamics::buckling_payload(machine, result.pose.X_BP, kind);
-  if (result.buckling.status != dynamics::BucklingStatus::found) return;
-  model::Machine loaded = machine;
-  const double just_below = 1.0 - dynamics::BucklingOptions{}.tolerance;  // of the bracketed load
-  loaded.platform.mass = just_below * (machine.platform.mass + result.buckling.payload);
-  const auto model = dynamics::linear_model(loaded, result.pose.X_BP, kind, &result.buckling.last);
-  result.lowest_at_buckling = modal::normal_modes(model).omega(0);
-}
-
-void warn_of_load(const model::Machine& machine, PoseCheck& result) {
-  const auto& buckling = result.buckling;
-  if (buckling.status == dynamics::BucklingStatus::buckled)
-    result.warnings.push_back(
-        fmt::format("the legs buckle under the load they have: {} must come off, or the "
-                    "guide sleeves must be stiffer",
-                    mass_text(-buckling.payload)));
-  else if (buckling.status == dynamics::BucklingStatus::found &&
-           buckling.payload < machine.platform.mass)
-    result.warnings.push_back(
-        fmt::format("the legs buckle with {} more on the platform ({:.3g} times the mass it has)",
-                    mass_text(buckling.payload), 1.0 + buckling.payload / machine.platform.mass));
-  else if (!result.equilibrium)
-    result.warnings.emplace_back("no static equilibrium was found at this pose");
-}
 
 /// "leg 3", "legs 1, 2 and 5", "all legs".
 std::string legs_text(const std::vector<int>& legs) {
@@ -73,108 +21,106 @@ std::string legs_text(const std::vector<int>& legs) {
   return text;
 }
 
-/// One warning for all legs whose `value` is bad, with the worst of them.
-template <class Value, class Bad>
-void warn_together(PoseCheck& result, const char* format, Value value, Bad bad,
-                   bool smallest_is_worst) {
-  std::vector<int> legs;
-  double worst = 0.0;
-  for (int i = 0; i < model::leg_count; ++i) {
-    if (!bad(i)) continue;
-    const double now = value(i);
-    if (legs.empty() || (smallest_is_worst ? now < worst : now > worst)) worst = now;
-    legs.push_back(i);
-  }
-  if (!legs.empty())
-    result.warnings.push_back(fmt::format(fmt::runtime(format), legs_text(legs), worst));
-}
-
-void warn_of_legs(const model::Machine& machine, PoseCheck& result) {
-  constexpr double little_stroke = 0.05;  // of the stroke
-  constexpr double short_guide = 0.05;    // l_mh, of the rod's length
-  constexpr double large_tilt = 0.02;     // rad
-  const auto left = [&](int i) {
-    return machine.legs[i].stroke
-               ? std::min(*result.legs[i].retract_left, *result.legs[i].extend_left)
-               : 1e9;
-  };
-  const auto guided = [&](int i) { return result.legs[i].guided_length; };
-  const auto tilt = [&](int i) { return result.legs[i].tilt; };
-  warn_together(
-      result, "{}: only {:.3g} mm of stroke left", [&](int i) { return 1e3 * left(i); },
-      [&](int i) {
-        return machine.legs[i].stroke && left(i) < little_stroke * machine.legs[i].stroke->length;
-      },
-      true);
-  warn_together(
-      result, "{}: the piston is only {:.3g} mm inside the guide sleeve; the knee is soft there",
-      [&](int i) { return 1e3 * guided(i); },
-      [&](int i) { return guided(i) < short_guide * machine.legs[i].rod.length; }, true);
-  warn_together(
-      result, "{}: the rod hangs {:.2g}° askew in its seals under the static load",
-      [&](int i) { return tilt(i) * degrees; },
-      [&](int i) { return result.equilibrium && tilt(i) > large_tilt; }, false);
-}
-
 }  // namespace
 
 std::string mass_text(double mass) {
   return std::abs(mass) < 1e4 ? fmt::format("{:.4g} kg", mass) : fmt::format("{:.0f} kg", mass);
 }
 
-PoseCheck check(const model::Machine& machine, const PoseChoice& pose, dynamics::ModelKind kind) {
-  PoseCheck result{.pose = pose, .quality = kinematics::pose_quality(machine, pose.X_BP)};
-  const auto lengths = kinematics::leg_lengths(machine, pose.X_BP);
-  const auto angles = kinematics::joint_angles(machine, pose.X_BP);
-  for (int i = 0; i < model::leg_count; ++i)
-    result.legs[i] = check_leg(machine.legs[i], lengths[i], angles[i]);
-  add_statics(machine, kind, result);
-  add_buckling(machine, kind, result);
-  warn_of_load(machine, result);
-  warn_of_legs(machine, result);
-  constexpr double poor_condition = 100.0;
-  if (result.quality.condition > poor_condition)
-    result.warnings.push_back(
-        fmt::format("the pose is near a singular one: condition {:.3g}", result.quality.condition));
-  return result;
+std::string warning_text(const PoseWarning& warning) {
+  constexpr double degrees = 180.0 / std::numbers::pi;
+  const double value = warning.value;
+  const auto of_legs = [&] { return legs_text(warning.legs); };
+  switch (warning.kind) {
+    case PoseWarning::Kind::buckled:
+      return fmt::format(
+          "the legs buckle under the load they have: {} must come off, or the guide sleeves must "
+          "be stiffer",
+          mass_text(value));
+    case PoseWarning::Kind::near_buckling:
+      return fmt::format(
+          "the legs buckle with {} more on the platform ({:.3g} times the mass it has)",
+          mass_text(value), warning.ratio);
+    case PoseWarning::Kind::no_equilibrium:
+      return "no static equilibrium was found at this pose";
+    case PoseWarning::Kind::little_stroke:
+      return fmt::format("{}: only {:.3g} mm of stroke left", of_legs(), 1e3 * value);
+    case PoseWarning::Kind::short_guide:
+      return fmt::format(
+          "{}: the piston is only {:.3g} mm inside the guide sleeve; the knee is soft there",
+          of_legs(), 1e3 * value);
+    case PoseWarning::Kind::tilted_rod:
+      return fmt::format("{}: the rod hangs {:.2g}° askew in its seals under the static load",
+                         of_legs(), value * degrees);
+    case PoseWarning::Kind::near_singular:
+      break;
+  }
+  return fmt::format("the pose is near a singular one: condition {:.3g}", value);
 }
 
-namespace {
+template <class Fields>
+void describe(Fields& f, LegCheck& leg) {
+  f("length_m", leg.length);
+  f("piston_m", leg.piston);
+  f("guided_length_m", leg.guided_length);
+  f("oil_stiffness_N_m", leg.oil_stiffness);
+  f("axial_force_N", leg.axial_force);
+  f("static_tilt_rad", leg.tilt);
+  f("base_joint_tilt_rad", leg.base_tilt);
+  f("platform_joint_tilt_rad", leg.platform_tilt);
+  f.optional("retract_left_m", leg.retract_left);
+  f.optional("extend_left_m", leg.extend_left);
+}
 
-Json leg_json(const LegCheck& leg) {
-  Json json{{"length_m", leg.length},
-            {"piston_m", leg.piston},
-            {"guided_length_m", leg.guided_length},
-            {"oil_stiffness_N_m", leg.oil_stiffness},
-            {"axial_force_N", leg.axial_force},
-            {"static_tilt_rad", leg.tilt},
-            {"base_joint_tilt_rad", leg.base_tilt},
-            {"platform_joint_tilt_rad", leg.platform_tilt}};
-  if (leg.retract_left) json["retract_left_m"] = *leg.retract_left;
-  if (leg.extend_left) json["extend_left_m"] = *leg.extend_left;
+template <class Fields>
+void describe(Fields& f, PoseWarning& warning) {
+  static constexpr std::array words{"buckled",       "near_buckling", "no_equilibrium",
+                                    "little_stroke", "short_guide",   "tilted_rod",
+                                    "near_singular"};
+  f.word("kind", warning.kind, words);
+  f("value", warning.value);
+  f("ratio", warning.ratio);
+  f("legs", warning.legs);
+}
+
+template <class Fields>
+void describe(Fields& f, PoseCheck& check) {
+  f("pose", check.pose);
+  f("condition", check.quality.condition);
+  f("characteristic_length_m", check.quality.characteristic_length);
+  f("equilibrium", check.equilibrium);
+  f("legs", check.legs);
+  f.object("buckling", [&](auto& b) {
+    enum class Sought { found, not_found, buckled, not_sought };
+    static constexpr std::array words{"found", "not_found", "buckled", "not_sought"};
+    auto status =
+        check.buckling_sought ? static_cast<Sought>(check.buckling.status) : Sought::not_sought;
+    b.word("status", status, words);
+    check.buckling_sought = status != Sought::not_sought;
+    if (!check.buckling_sought) return;
+    check.buckling.status = static_cast<dynamics::BucklingStatus>(status);
+    if (check.buckling.status == dynamics::BucklingStatus::not_found) return;
+    b("payload_kg", check.buckling.payload);
+    b("limit_point", check.buckling.limit_point);
+    b.optional("lowest_omega_rad_s", check.lowest_at_buckling);
+  });
+  std::vector<std::string> words;
+  for (const auto& warning : check.warnings) words.push_back(warning_text(warning));
+  f.derived("warnings", words);
+  f("findings", check.warnings);
+}
+
+Json check_json(const std::vector<PoseCheck>& poses, const model::Machine& machine) {
+  Json json{{"simulation_assumptions", Json::array()}, {"poses", written(poses)}};
+  for (const auto& one : hydraulics::hydraulic_assumptions(machine))
+    json["simulation_assumptions"].push_back({{"key", one.key}, {"text", one.text}});
   return json;
 }
 
-Json buckling_json(const PoseCheck& check) {
-  const auto& buckling = check.buckling;
-  if (!check.buckling_sought) return {{"status", "not_sought"}};
-  constexpr std::array<const char*, 3> words{"found", "not_found", "buckled"};
-  Json json{{"status", words[static_cast<size_t>(buckling.status)]}};
-  if (buckling.status == dynamics::BucklingStatus::not_found) return json;
-  json["payload_kg"] = buckling.payload;
-  json["limit_point"] = buckling.limit_point;
-  if (check.lowest_at_buckling) json["lowest_omega_rad_s"] = *check.lowest_at_buckling;
-  return json;
-}
-
-}  // namespace
-
-Json check_json(const PoseCheck& check) {
-  Json json{{"pose", pose_json(check.pose)},    {"condition", check.quality.condition},
-            {"equilibrium", check.equilibrium}, {"legs", Json::array()},
-            {"buckling", buckling_json(check)}, {"warnings", check.warnings}};
-  for (const auto& leg : check.legs) json["legs"].push_back(leg_json(leg));
-  return json;
+std::vector<PoseCheck> checks_from_json(const Json& json, const std::string& file) {
+  std::vector<PoseCheck> poses;
+  Reader(json, file)("poses", poses);
+  return poses;
 }
 
 }  // namespace hydrapod::report

@@ -1,10 +1,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <limits>
 
 #include "hydrapod/base/constants.hpp"
-#include "hydrapod/base/error.hpp"
 #include "hydrapod/numerics/quantiles.hpp"
 #include "hydrapod/report/diagnosis.hpp"
 
@@ -167,131 +165,6 @@ Json diagnosis_json(const CaseFile& file) {
   for (const auto& drop : file.drops) json["attribution"].push_back(drop_json(drop));
   if (file.remedy) json["remedy"] = remedy_json(file);
   return json;
-}
-
-namespace {
-
-[[noreturn]] void bad(const std::string& file, const std::string& key, const std::string& what) {
-  throw base::InputError({{.file = file, .key = key, .message = what}});
-}
-
-double number(const Json& object, const char* key, const std::string& file) {
-  const auto found = object.find(key);
-  if (found == object.end() || !found->is_number())
-    bad(file, std::string("modes[].") + key, "expected a number, as `hydrapod identify` writes it");
-  return found->get<double>();
-}
-
-/// Row `o` of a complex vector {re: [], im: []}.
-std::complex<double> element(const Json& vector, std::size_t o, const std::string& file) {
-  const auto part = [&](const char* name) {
-    const auto found = vector.find(name);
-    if (found == vector.end() || !found->is_array() || found->size() <= o ||
-        !(*found)[o].is_number())
-      bad(file, std::string("modes[].displacement_shape.") + name,
-          "expected one number per output, as `hydrapod identify` writes them");
-    return (*found)[o].get<double>();
-  };
-  return {part("re"), part("im")};
-}
-
-/// Units and directions of the outputs.
-std::vector<data::Channel> outputs_of(const Json& json) {
-  std::vector<data::Channel> outputs;
-  for (const auto& output : json["outputs"]) {
-    outputs.emplace_back();
-    if (!output.is_object()) continue;
-    outputs.back() = {.unit = output.value("unit", ""),
-                      .direction = data::direction_from_text(output.value("direction", ""))
-                                       .value_or(data::Direction::none)};
-  }
-  return outputs;
-}
-
-/// Those that it names, with their roles.
-std::vector<data::Channel> inputs_of(const Json& json) {
-  std::vector<data::Channel> inputs;
-  const auto named = json.find("inputs");
-  if (named == json.end() || !named->is_array()) return inputs;
-  for (const auto& input : *named) {
-    const bool says = input.is_object() && input.contains("role") && input["role"].is_string();
-    inputs.push_back({.role = data::role_from_text(says ? input["role"].get<std::string>() : "")
-                                  .value_or(data::Role::other)});
-  }
-  return inputs;
-}
-
-/// What its inputs see: the plant, where they drive the valves; the machine under its controller,
-/// where `hydrapod identify` compared it with that; else mechanics.
-observation::Observed observed_in(const Json& json) {
-  if (observation::from_drives(inputs_of(json))) return observation::Observed::plant;
-  const auto compared = json.find("comparison");
-  const bool controlled =
-      compared != json.end() && compared->is_object() &&
-      compared->value("source", Json()) == observation::name(observation::Observed::system);
-  return controlled ? observation::Observed::system : observation::Observed::mechanics;
-}
-
-/// Of the responses that were fitted [Hz]; 0: not said.
-double line_spacing(const Json& json) {
-  const auto indicator = json.find("indicator");
-  if (indicator == json.end() || !indicator->is_object()) return 0.0;
-  const auto lines = indicator->value("frequency_hz", Json());
-  if (!lines.is_array() || lines.size() < 2 || !lines.front().is_number() ||
-      !lines.back().is_number())
-    return 0.0;
-  const double span = lines.back().get<double>() - lines.front().get<double>();
-  return std::max(0.0, span) / static_cast<double>(lines.size() - 1);
-}
-
-data::ModalResult mode_from_json(const Json& mode, std::size_t outputs, const std::string& file) {
-  constexpr double band = numerics::normal_half_width;
-  if (!mode.is_object()) bad(file, "modes", "holds something that is no mode");
-  const double omega = two_pi * number(mode, "frequency_hz", file);
-  const double damping = number(mode, "damping_ratio", file);
-  if (!(omega > 0.0)) bad(file, "modes[].frequency_hz", "expected a number above 0");
-  data::ModalResult result{
-      .pole =
-          omega * std::complex<double>(-damping, std::sqrt(std::max(0.0, 1.0 - damping * damping))),
-      .omega_deviation = two_pi * number(mode, "frequency_95_hz", file) / band,
-      .damping_deviation = number(mode, "damping_95", file) / band};
-  if (const auto found = mode.find("significance"); found != mode.end() && found->is_number())
-    result.significance = found->get<double>();
-  const auto count = static_cast<Eigen::Index>(outputs);
-  result.shape.setConstant(count, std::numeric_limits<double>::quiet_NaN());
-  result.shape_deviation.setZero(count);
-  const auto shape = mode.find("displacement_shape"), raw = mode.find("shape"),
-             spread = mode.find("shape_deviation");
-  for (std::size_t o = 0; shape != mode.end() && o < outputs; ++o) {
-    const auto row = static_cast<Eigen::Index>(o);
-    result.shape[row] = element(*shape, o, file);
-    if (raw == mode.end() || spread == mode.end() || !spread->is_array() || spread->size() <= o)
-      continue;
-    const double size = std::abs(element(*raw, o, file));
-    if (size > 0.0 && (*spread)[o].is_number())
-      result.shape_deviation[row] = (*spread)[o].get<double>() * std::abs(result.shape[row]) / size;
-  }
-  return result;
-}
-
-}  // namespace
-
-observation::Targets modes_from_json(const Json& json, const std::string& file,
-                                     const model::Machine& machine,
-                                     const observation::MeasuredAt& where) {
-  for (const char* key : {"modes", "outputs"})
-    if (!json.contains(key) || !json[key].is_array())
-      bad(file, key, "is missing; `hydrapod identify RECORD --format json` writes such a file");
-  if (json["modes"].empty()) bad(file, "modes", "is empty: no mode was identified");
-  data::ModalResults results{
-      .outputs = outputs_of(json), .inputs = inputs_of(json), .line_spacing = line_spacing(json)};
-  for (const auto& mode : json["modes"])
-    results.modes.push_back(mode_from_json(mode, results.outputs.size(), file));
-  auto at = where;
-  if (!at.observed) at.observed = observed_in(json);
-  auto targets = observation::measured_modes(results, machine, at);
-  targets.title = file;
-  return targets;
 }
 
 }  // namespace hydrapod::report

@@ -43,7 +43,7 @@ std::string_view cut(std::string_view& page, std::string_view mark) {
   return before;
 }
 
-Json pose_report(const model::Machine& machine, const PoseChoice& pose,
+Json pose_report(const model::Machine& machine, const model::NamedPose& pose,
                  const HtmlOptions& options) {
   const auto table = modal::mode_table(machine, pose.X_BP, options.kind);
   const int count = static_cast<int>(table.real.modes.size());
@@ -128,7 +128,7 @@ std::string escape_json(const Json& json) {
 }
 
 Json report_json(const model::MachineFile& file, const std::string& path,
-                 const std::vector<PoseChoice>& poses, const HtmlOptions& options) {
+                 const std::vector<model::NamedPose>& poses, const HtmlOptions& options) {
   if (poses.empty()) throw std::invalid_argument("poses: a report needs at least one");
   if (options.points < 2)
     throw std::invalid_argument(fmt::format("points = {}: at least 2", options.points));
@@ -169,7 +169,7 @@ std::string html_page(const Json& document, Theme theme) {
 }
 
 std::string html_report(const model::MachineFile& file, const std::string& path,
-                        const std::vector<PoseChoice>& poses, const HtmlOptions& options) {
+                        const std::vector<model::NamedPose>& poses, const HtmlOptions& options) {
   return html_page(report_json(file, path, poses, options), options.theme);
 }
 

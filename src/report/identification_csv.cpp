@@ -2,10 +2,13 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "hydrapod/base/constants.hpp"
+#include "hydrapod/base/table.hpp"
 #include "hydrapod/numerics/quantiles.hpp"
+#include "hydrapod/spatial/directions.hpp"
 
 namespace hydrapod::report {
 
@@ -16,14 +19,6 @@ namespace {
 
 using base::two_pi;
 
-/// A name as a field of a title row: in quotes where it holds what would end the field.
-std::string csv_field(const std::string& name) {
-  if (name.find_first_of(",\"\n\r") == std::string::npos) return name;
-  std::string text = "\"";
-  for (const char c : name) text += c == '"' ? std::string("\"\"") : std::string(1, c);
-  return text + '"';
-}
-
 }  // namespace
 
 std::string responses_csv(const FrequencyResponses& r) {
@@ -31,10 +26,12 @@ std::string responses_csv(const FrequencyResponses& r) {
   for (const auto& o : r.outputs)
     for (const auto& i : r.inputs) {
       const std::string pair = o.name + "/" + i.name;
-      text += "," + csv_field("re " + pair) + "," + csv_field("im " + pair);
-      if (r.has_errors()) text += "," + csv_field("deviation " + pair);
+      text +=
+          fmt::format(",{},{}", base::quoted_cell("re " + pair), base::quoted_cell("im " + pair));
+      if (r.has_errors()) text += fmt::format(",{}", base::quoted_cell("deviation " + pair));
     }
-  for (const auto& o : r.outputs) text += "," + csv_field("coherence " + o.name);
+  for (const auto& o : r.outputs)
+    text += fmt::format(",{}", base::quoted_cell("coherence " + o.name));
   text += ",condition\n";
   for (std::size_t k = 0; k < r.lines(); ++k) {
     text += fmt::format("{:.17g}", r.frequency[k]);
@@ -64,12 +61,15 @@ std::string output_only_csv(const std::vector<identification::OutputOnlyMode>& m
   return text;
 }
 
-std::string identified_modes_csv(const identification::Identification& result) {
+std::string identified_modes_csv(const identification::Identification& result,
+                                 std::optional<observation::Observed> observed) {
   std::string text =
       "mode,frequency_hz,frequency_95_hz,damping_ratio,damping_95,mpc,mpd_rad,quality,significance";
   for (const auto& o : result.responses.outputs)
-    text += "," + csv_field("re " + o.name) + "," + csv_field("im " + o.name);
-  text += '\n';
+    text +=
+        fmt::format(",{},{}", base::quoted_cell("re " + o.name), base::quoted_cell("im " + o.name));
+  text += ",shape_against,observed\n";
+  const auto* against = observation::name(observation::motion_against(result.responses.outputs));
   int number = 0;
   for (const auto& m : result.modes) {
     text += fmt::format(
@@ -79,9 +79,114 @@ std::string identified_modes_csv(const identification::Identification& result) {
         m.quality(), m.fit.significance);
     for (const auto& value : m.displacement)
       text += fmt::format(",{:.9g},{:.9g}", value.real(), value.imag());
-    text += '\n';
+    text += fmt::format(",{},{}\n", against, observed ? observation::name(*observed) : "");
   }
   return text;
+}
+
+namespace {
+
+/// A row of the table of identified modes, by the titles of its columns.
+class ModeRow {
+ public:
+  ModeRow(const base::TableReader& table, const std::vector<base::TableTitle>& titles,
+          const std::vector<base::TableCell>& cells)
+      : table_(table), titles_(titles), cells_(cells) {
+    if (cells.size() != titles.size())
+      throw base::InputError(
+          {table.fault(1, "",
+                       fmt::format("has {} cells, expected {} as in the title row", cells.size(),
+                                   titles.size()))});
+  }
+
+  [[nodiscard]] const base::TableCell* find(std::string_view title) const {
+    for (std::size_t k = 0; k < titles_.size(); ++k)
+      if (titles_[k].name == title) return &cells_[k];
+    return nullptr;
+  }
+  [[nodiscard]] double number(const std::string& title) const {
+    const auto* cell = find(title);
+    const auto value = cell != nullptr ? base::table_number(cell->text, table_.style.decimal_comma)
+                                       : std::optional<double>();
+    if (!value)
+      throw base::InputError({table_.fault(cell != nullptr ? cell->column : 1, title,
+                                           "expected a number, as `hydrapod identify` writes it")});
+    return *value;
+  }
+  /// One of two words and more; none for an empty cell.
+  template <class Enum, std::size_t N>
+  [[nodiscard]] std::optional<Enum> word(const char* title,
+                                         const std::array<Enum, N>& values) const {
+    const auto* cell = find(title);
+    if (cell == nullptr || cell->text.empty()) return {};
+    for (const auto value : values)
+      if (cell->text == observation::name(value)) return value;
+    throw base::InputError({table_.fault(cell->column, title, "is an unknown word")});
+  }
+
+ private:
+  const base::TableReader& table_;
+  const std::vector<base::TableTitle>& titles_;
+  const std::vector<base::TableCell>& cells_;
+};
+
+/// The outputs whose shapes stand in the columns "re NAME" and "im NAME".
+std::vector<data::Channel> outputs_of(const std::vector<base::TableTitle>& titles) {
+  std::vector<data::Channel> outputs;
+  for (const auto& title : titles) {
+    if (!title.name.starts_with("re ")) continue;
+    data::Channel channel{.name = title.name.substr(3)};
+    if (const auto direction = spatial::direction_from_name(channel.name))
+      channel.direction = static_cast<data::Direction>(*direction + 1);
+    outputs.push_back(channel);
+  }
+  return outputs;
+}
+
+data::ModalResult mode_of(const ModeRow& row, const std::vector<data::Channel>& outputs) {
+  constexpr double band = numerics::normal_half_width;
+  data::ModalResult mode;
+  const double omega = two_pi * row.number("frequency_hz"), ratio = row.number("damping_ratio");
+  const auto count = static_cast<Index>(outputs.size());
+  mode.pole = omega * std::complex<double>(-ratio, std::sqrt(std::max(0.0, 1.0 - ratio * ratio)));
+  mode.omega_deviation = two_pi * row.number("frequency_95_hz") / band;
+  mode.damping_deviation = row.number("damping_95") / band;
+  mode.significance = row.number("significance");
+  mode.shape.resize(count);
+  for (Index o = 0; o < count; ++o) {
+    const auto& name = outputs[static_cast<std::size_t>(o)].name;
+    mode.shape[o] = {row.number("re " + name), row.number("im " + name)};
+  }
+  mode.shape_deviation = Eigen::VectorXd::Zero(count);
+  return mode;
+}
+
+}  // namespace
+
+bool is_identified_modes_csv(const std::string& path) {
+  const auto titles = base::TableReader(path).titles();
+  return std::ranges::count(titles, "frequency_95_hz", &base::TableTitle::name) > 0;
+}
+
+ListedModes identified_modes_from_csv(const std::string& path) {
+  using observation::MotionAgainst;
+  using observation::Observed;
+  base::TableReader table(path);
+  const auto titles = table.titles();
+  ListedModes list;
+  list.modes.outputs = outputs_of(titles);
+  std::vector<base::TableCell> cells;
+  while (table.row(cells)) {
+    const ModeRow row(table, titles, cells);
+    list.modes.modes.push_back(mode_of(row, list.modes.outputs));
+    list.against =
+        row.word("shape_against", std::array{MotionAgainst::ground, MotionAgainst::base});
+    list.observed =
+        row.word("observed", std::array{Observed::mechanics, Observed::plant, Observed::system});
+  }
+  if (list.modes.modes.empty())
+    throw base::InputError({table.fault(0, "", "there is no mode below the title row")});
+  return list;
 }
 
 }  // namespace hydrapod::report

@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "fields.hpp"
 #include "hydrapod/base/constants.hpp"
 #include "hydrapod/base/error.hpp"
 #include "hydrapod/identification/stabilisation.hpp"
@@ -19,40 +20,6 @@ using Eigen::Index;
 using Eigen::MatrixXcd;
 using identification::FrequencyResponses;
 
-Json complex_json(std::complex<double> value) {
-  return {{"re", value.real()}, {"im", value.imag()}};
-}
-
-Json vector_json(const Eigen::VectorXcd& v) {
-  Json re = Json::array(), im = Json::array();
-  for (const auto& value : v) {
-    re.push_back(value.real());
-    im.push_back(value.imag());
-  }
-  return {{"re", re}, {"im", im}};
-}
-
-Json matrix_json(const Eigen::MatrixXd& M) {
-  Json rows = Json::array();
-  for (Index i = 0; i < M.rows(); ++i) {
-    Json row = Json::array();
-    for (Index j = 0; j < M.cols(); ++j) row.push_back(M(i, j));
-    rows.push_back(row);
-  }
-  return rows;
-}
-
-Json channels_json(const std::vector<data::Channel>& channels) {
-  Json list = Json::array();
-  for (const auto& c : channels)
-    list.push_back({{"name", c.name},
-                    {"unit", c.unit},
-                    {"direction", data::direction_text(c.direction)},
-                    {"role", data::role_text(c.role)},
-                    {"point", c.point}});
-  return list;
-}
-
 /// `[row][column]` with re[] and im[] over the lines.
 Json lines_json(const std::vector<MatrixXcd>& lines) {
   Json rows = Json::array();
@@ -60,16 +27,37 @@ Json lines_json(const std::vector<MatrixXcd>& lines) {
   for (Index i = 0; i < lines[0].rows(); ++i) {
     Json row = Json::array();
     for (Index j = 0; j < lines[0].cols(); ++j) {
-      Json re = Json::array(), im = Json::array();
-      for (const auto& M : lines) {
-        re.push_back(M(i, j).real());
-        im.push_back(M(i, j).imag());
-      }
-      row.push_back({{"re", re}, {"im", im}});
+      Eigen::VectorXcd values(static_cast<Index>(lines.size()));
+      for (std::size_t k = 0; k < lines.size(); ++k) values[static_cast<Index>(k)] = lines[k](i, j);
+      row.push_back(written(values));
     }
     rows.push_back(row);
   }
   return rows;
+}
+
+/// And back.
+std::vector<MatrixXcd> read_lines(const Reader& fields, const char* key, std::size_t rows,
+                                  std::size_t columns, std::size_t lines) {
+  std::vector<std::vector<Eigen::VectorXcd>> all;
+  fields(key, all);
+  if (all.size() != rows) fields.bad(key, fmt::format("must have {} rows, one per output", rows));
+  std::vector<MatrixXcd> result(lines,
+                                MatrixXcd(static_cast<Index>(rows), static_cast<Index>(columns)));
+  for (std::size_t i = 0; i < rows; ++i) {
+    if (all[i].size() != columns)
+      fields.bad(key, fmt::format("row {} must have {} entries", i + 1, columns));
+    for (std::size_t j = 0; j < columns; ++j) {
+      const auto& values = all[i][j];
+      if (static_cast<std::size_t>(values.size()) != lines)
+        fields.bad(
+            fmt::format("{}[{}][{}]", key, i, j),
+            fmt::format("has {} numbers, but there are {} frequencies", values.size(), lines));
+      for (std::size_t k = 0; k < lines; ++k)
+        result[k](static_cast<Index>(i), static_cast<Index>(j)) = values[static_cast<Index>(k)];
+    }
+  }
+  return result;
 }
 
 template <class Number>
@@ -91,123 +79,6 @@ Json entry_json(const FrequencyResponses& r, Index o, Index i) {
   return entry;
 }
 
-/// Reads fields, and says which one is wrong.
-class Fields {
- public:
-  Fields(const Json& json, const std::string& file) : json_(json), file_(file) {}
-
-  [[noreturn]] void bad(const std::string& key, const std::string& message) const {
-    throw base::InputError({{.file = file_, .key = key, .message = message}});
-  }
-  [[nodiscard]] const Json& at(const std::string& key) const {
-    const auto found = json_.find(key);
-    if (found == json_.end())
-      bad(key, "is missing; `hydrapod frf RECORD --format json` writes such a file");
-    return *found;
-  }
-  [[nodiscard]] bool has(const std::string& key) const { return json_.contains(key); }
-  /// "line_covariance": real numbers, or re and im.
-  [[nodiscard]] std::vector<std::complex<double>> covariance() const {
-    const Json& given = at("line_covariance");
-    const bool complex = given.is_object();
-    const auto re = numbers(complex ? given.value("re", Json()) : given, "line_covariance");
-    const auto im = complex ? numbers(given.value("im", Json()), "line_covariance.im")
-                            : std::vector<double>(re.size(), 0.0);
-    if (re.empty() || re.size() != im.size())
-      bad("line_covariance", "needs re and im, as many numbers each");
-    std::vector<std::complex<double>> list;
-    for (std::size_t d = 0; d < re.size(); ++d) list.emplace_back(re[d], im[d]);
-    return list;
-  }
-  [[nodiscard]] std::vector<double> numbers(const Json& list, const std::string& key) const {
-    if (!list.is_array()) bad(key, "is no list of numbers");
-    std::vector<double> values;
-    for (const auto& value : list) {
-      if (!value.is_number()) bad(key, "holds something that is no number");
-      values.push_back(value.get<double>());
-    }
-    return values;
-  }
-  /// A text, or what stands for one that is not there.
-  [[nodiscard]] std::string text(const Json& object, const std::string& key,
-                                 const std::string& otherwise) const {
-    const auto found = object.find(key);
-    if (found == object.end()) return otherwise;
-    if (!found->is_string()) bad(key, "is no text");
-    return found->get<std::string>();
-  }
-  [[nodiscard]] double number(const Json& object, const std::string& key, double otherwise) const {
-    const auto found = object.find(key);
-    if (found == object.end()) return otherwise;
-    if (!found->is_number()) bad(key, "is no number");
-    return found->get<double>();
-  }
-  [[nodiscard]] std::vector<data::Channel> channels(const std::string& key) const {
-    std::vector<data::Channel> list;
-    const Json& all = at(key);
-    if (!all.is_array() || all.empty()) bad(key, "is no list of channels");
-    for (const auto& c : all) {
-      if (!c.is_object()) bad(key, "holds something that is no channel");
-      data::Channel channel;
-      channel.name = text(c, "name", "");
-      channel.unit = text(c, "unit", "1");
-      channel.direction =
-          data::direction_from_text(text(c, "direction", "")).value_or(data::Direction::none);
-      channel.role = data::role_from_text(text(c, "role", "")).value_or(data::Role::other);
-      const double point = number(c, "point", 0.0);
-      if (!(std::abs(point) < 1e9)) bad("point", "is no number of a measuring point");
-      channel.point = static_cast<int>(point);
-      list.push_back(channel);
-    }
-    return list;
-  }
-  /// `[row][column]` with re[] and im[] of `lines` numbers.
-  [[nodiscard]] std::vector<MatrixXcd> lines(const std::string& key, Index rows, Index columns,
-                                             std::size_t lines) const {
-    std::vector<MatrixXcd> result(lines, MatrixXcd(rows, columns));
-    const Json& all = at(key);
-    const auto size = [](const Json& list) { return static_cast<Index>(list.size()); };
-    if (!all.is_array() || size(all) != rows)
-      bad(key, fmt::format("must have {} rows, one per output", rows));
-    for (Index i = 0; i < rows; ++i) {
-      const Json& row = all[static_cast<std::size_t>(i)];
-      if (!row.is_array() || size(row) != columns)
-        bad(key, fmt::format("row {} must have {} entries", i + 1, columns));
-      for (Index j = 0; j < columns; ++j) {
-        const Json& entry = row[static_cast<std::size_t>(j)];
-        const std::string place = fmt::format("{}[{}][{}]", key, i, j);
-        if (!entry.is_object() || !entry.contains("re") || !entry.contains("im"))
-          bad(place, "must have re and im");
-        const auto re = numbers(entry["re"], place + ".re"),
-                   im = numbers(entry["im"], place + ".im");
-        if (re.size() != lines || im.size() != lines)
-          bad(place, fmt::format("has {} and {} numbers, but there are {} frequencies", re.size(),
-                                 im.size(), lines));
-        for (std::size_t k = 0; k < lines; ++k) result[k](i, j) = {re[k], im[k]};
-      }
-    }
-    return result;
-  }
-
- private:
-  const Json& json_;
-  const std::string& file_;
-};
-
-Json mode_json(const identification::FittedMode& m) {
-  constexpr double band = numerics::normal_half_width;
-  return {
-      {"frequency_hz", m.omega() / two_pi},
-      {"frequency_95_hz", band * m.omega_deviation / two_pi},
-      {"damping_ratio", m.damping_ratio()},
-      {"damping_95", band * m.damping_deviation},
-      {"pole", complex_json(m.pole)},
-      {"shape", vector_json(m.shape)},
-      {"shape_deviation", std::vector<double>(m.shape_deviation.begin(), m.shape_deviation.end())},
-      {"participation", vector_json(m.participation)},
-      {"significance", m.significance}};
-}
-
 /// Which mode (from 1) a cluster became; null for heavily damped poles.
 Json mode_of_cluster(const identification::Identification& result, std::size_t cluster) {
   if (cluster >= result.model.modes.size()) return nullptr;
@@ -219,7 +90,7 @@ Json mode_of_cluster(const identification::Identification& result, std::size_t c
 /// Lower and upper residuals C_k, k = −2 … 1, of (iω/scale)^k.
 Json residuals_json(const identification::ModalModel& model) {
   Json terms = Json::array();
-  for (const auto& C : model.residuals) terms.push_back(matrix_json(C));
+  for (const auto& C : model.residuals) terms.push_back(written(C));
   return {{"omega_scale_rad_s", model.omega_scale}, {"terms", terms}};
 }
 
@@ -270,6 +141,88 @@ Json clusters_json(const identification::Identification& result) {
 
 }  // namespace
 
+template <class Fields>
+void describe(Fields& f, data::Channel& channel) {
+  std::string direction(data::direction_text(channel.direction)),
+      role(data::role_text(channel.role));
+  f.maybe("name", channel.name);
+  f.maybe("unit", channel.unit);
+  f.maybe("direction", direction);
+  f.maybe("role", role);
+  f.maybe("point", channel.point);
+  if constexpr (Fields::reads) {
+    channel.direction = data::direction_from_text(direction).value_or(data::Direction::none);
+    channel.role = data::role_from_text(role).value_or(data::Role::other);
+  }
+}
+
+template <class Fields>
+void describe(Fields& f, identification::FittedMode& mode) {
+  constexpr double band = numerics::normal_half_width;
+  double omega = mode.omega(), ratio = mode.damping_ratio();
+  f.scaled("frequency_hz", omega, two_pi);
+  f.scaled("frequency_95_hz", mode.omega_deviation, two_pi / band);
+  f("damping_ratio", ratio);
+  f.scaled("damping_95", mode.damping_deviation, 1.0 / band);
+  if constexpr (Fields::reads) {
+    if (!(omega > 0.0)) f.bad("frequency_hz", "expected a number above 0");
+    mode.pole = omega * std::complex<double>(-ratio, std::sqrt(std::max(0.0, 1.0 - ratio * ratio)));
+  }
+  f.maybe("pole", mode.pole);
+  f.maybe("shape", mode.shape);
+  f.maybe("shape_deviation", mode.shape_deviation);
+  f.maybe("participation", mode.participation);
+  f.maybe("significance", mode.significance);
+}
+
+template <class Fields>
+void describe(Fields& f, identification::IdentifiedMode& mode) {
+  describe(f, mode.fit);
+  f.maybe("displacement_shape", mode.displacement);
+  f.unless(1, "repeated", mode.repeated);
+  f.maybe("mpc", mode.mpc);
+  f.maybe("mpd_rad", mode.mpd);
+  f.maybe("persistence", mode.persistence);
+  f.maybe("vector_consistency", mode.vector_consistency);
+  f.derived("quality", mode.quality());
+}
+
+template <class Fields>
+void describe(Fields& f, identification::LeftOut& left) {
+  f("pole", left.pole);
+  f("reason", left.reason);
+}
+
+template <class Fields>
+void describe(Fields& f, identification::OutputOnlyMode& mode) {
+  f.derived("frequency_hz", std::abs(mode.pole) / two_pi);
+  f("frequency_scatter", mode.frequency_scatter);
+  f.derived("damping_ratio", -mode.pole.real() / std::abs(mode.pole));
+  f("damping_scatter", mode.damping_scatter);
+  f("pole", mode.pole);
+  f("shape", mode.shape);
+  f("mpc", mode.mpc);
+  f("persistence", mode.persistence);
+}
+
+template <class Fields>
+void describe(Fields& f, identification::Identification& result) {
+  std::array band{result.from, result.to};
+  f.maybe("inputs", result.responses.inputs);
+  f("outputs", result.responses.outputs);
+  f.maybe("band_hz", band);
+  f("modes", result.modes);
+  f.maybe("heavily_damped", result.heavily_damped);
+  f.maybe("left_out", result.left_out);
+  f.maybe("fit_error", result.model.error);
+  f.maybe("misfit", result.model.misfit);
+  f.maybe("warnings", result.warnings);
+  if constexpr (Fields::reads) {
+    result.from = band[0];
+    result.to = band[1];
+  }
+}
+
 Json responses_json(const FrequencyResponses& r) {
   Json response = Json::array();
   for (std::size_t o = 0; o < r.outputs.size(); ++o) {
@@ -278,8 +231,8 @@ Json responses_json(const FrequencyResponses& r) {
       row.push_back(entry_json(r, static_cast<Index>(o), static_cast<Index>(i)));
     response.push_back(row);
   }
-  Json json{{"inputs", channels_json(r.inputs)},
-            {"outputs", channels_json(r.outputs)},
+  Json json{{"inputs", written(r.inputs)},
+            {"outputs", written(r.outputs)},
             {"estimator", data::estimator_text(r.estimator)},
             {"averages", r.averages},
             {"degrees_of_freedom", r.degrees},
@@ -296,14 +249,15 @@ Json responses_json(const FrequencyResponses& r) {
   if (r.has_errors()) {
     json["noise"] = lines_json(r.noise);
     json["input_factor"] = lines_json(r.input_factor);
-    const Eigen::VectorXcd covariance = Eigen::VectorXcd::Map(
-        r.line_covariance.data(), static_cast<Index>(r.line_covariance.size()));
-    json["line_covariance"] = vector_json(covariance);
+    json["line_covariance"] =
+        written(Eigen::VectorXcd::Map(r.line_covariance.data(),
+                                      static_cast<Index>(r.line_covariance.size()))
+                    .eval());
   }
   if (r.shift > 0.0) json["shift_per_s"] = r.shift;
   if (r.taper.size() > 0) {
     json["sample_rate_hz"] = r.sample_rate;
-    json["taper"] = std::vector<double>(r.taper.begin(), r.taper.end());
+    json["taper"] = written(r.taper);
   }
   json["warnings"] = r.warnings;
   return json;
@@ -341,69 +295,77 @@ std::optional<data::RecordHeader> record_origin_from_json(const Json& json,
 }
 
 FrequencyResponses responses_from_json(const Json& json, const std::string& file) {
-  const Fields fields(json, file);
+  const Reader fields(json, file);
+  if (!json.contains("response"))
+    fields.bad("response", "is missing; `hydrapod frf RECORD --format json` writes such a file");
   FrequencyResponses r;
-  r.inputs = fields.channels("inputs");
-  r.outputs = fields.channels("outputs");
-  r.frequency = fields.numbers(fields.at("frequency_hz"), "frequency_hz");
+  fields("inputs", r.inputs);
+  fields("outputs", r.outputs);
+  fields("frequency_hz", r.frequency);
+  if (r.inputs.empty() || r.outputs.empty()) fields.bad("inputs", "and outputs: none is there");
   for (std::size_t k = 1; k < r.frequency.size(); ++k)
     if (!(r.frequency[k] > r.frequency[k - 1])) fields.bad("frequency_hz", "must ascend");
-  const auto outputs = static_cast<Index>(r.outputs.size()),
-             inputs = static_cast<Index>(r.inputs.size());
-  r.H = fields.lines("response", outputs, inputs, r.lines());
+  const std::size_t outputs = r.outputs.size(), inputs = r.inputs.size();
+  r.H = read_lines(fields, "response", outputs, inputs, r.lines());
   if (fields.has("noise")) {
-    r.noise = fields.lines("noise", outputs, outputs, r.lines());
-    r.input_factor = fields.lines("input_factor", inputs, inputs, r.lines());
-    r.line_covariance = fields.covariance();
-    r.degrees = fields.number(json, "degrees_of_freedom", 0.0);
-    r.averages = fields.number(json, "averages", 0.0);
+    Eigen::VectorXcd covariance;
+    r.noise = read_lines(fields, "noise", outputs, outputs, r.lines());
+    r.input_factor = read_lines(fields, "input_factor", inputs, inputs, r.lines());
+    fields("line_covariance", covariance);
+    if (covariance.size() == 0) fields.bad("line_covariance", "is empty");
+    r.line_covariance.assign(covariance.begin(), covariance.end());
+    fields.unless(0.0, "degrees_of_freedom", r.degrees);
+    fields.unless(0.0, "averages", r.averages);
   }
   if (fields.has("taper")) {
-    const auto taper = fields.numbers(fields.at("taper"), "taper");
-    r.taper = Eigen::VectorXd::Map(taper.data(), static_cast<Index>(taper.size()));
-    r.sample_rate = fields.number(json, "sample_rate_hz", 0.0);
+    fields("taper", r.taper);
+    fields("sample_rate_hz", r.sample_rate);
     if (!(r.sample_rate > 0.0)) fields.bad("sample_rate_hz", "must be positive");
   }
-  r.shift = fields.number(json, "shift_per_s", 0.0);
+  fields.unless(0.0, "shift_per_s", r.shift);
   if (!(r.shift >= 0.0)) fields.bad("shift_per_s", "must not be negative");
-  r.estimator = data::estimator_from_text(fields.text(json, "estimator", "h1"))
-                    .value_or(identification::Estimator::h1);
+  std::string estimator;
+  fields.unless(std::string("h1"), "estimator", estimator);
+  r.estimator =
+      data::estimator_from_text(estimator).value_or(identification::Estimator::h1);
   return r;
 }
 
 Json identification_json(const identification::Identification& result) {
-  Json modes = Json::array(), heavy = Json::array(), left = Json::array();
   std::vector<Eigen::VectorXcd> shapes;
-  for (const auto& m : result.modes) {
-    Json mode = mode_json(m.fit);
-    mode["displacement_shape"] = vector_json(m.displacement);
-    mode["mpc"] = m.mpc;
-    mode["mpd_rad"] = m.mpd;
-    mode["persistence"] = m.persistence;
-    mode["vector_consistency"] = m.vector_consistency;
-    mode["quality"] = m.quality();
-    modes.push_back(mode);
-    shapes.push_back(m.displacement);
+  for (const auto& m : result.modes) shapes.push_back(m.displacement);
+  Json json = written(result);
+  json["mac"] = written(identification::mac_matrix(shapes, shapes));
+  json["residuals"] = residuals_json(result.model);
+  json["stabilisation"] = stabilisation_json(result);
+  json["clusters"] = clusters_json(result);
+  json["indicator"] = {
+      {"frequency_hz", result.responses.frequency},
+      {"values", written(identification::mode_indicator(result.responses).transpose().eval())}};
+  return json;
+}
+
+identification::Identification identification_from_json(const Json& json, const std::string& file) {
+  const Reader fields(json, file);
+  if (!json.contains("modes"))
+    fields.bad("modes", "is missing; `hydrapod identify RECORD --format json` writes such a file");
+  identification::Identification result;
+  read(json, file, result);
+  if (result.modes.empty()) fields.bad("modes", "is empty: no mode was identified");
+  if (fields.has("indicator") && fields.at("indicator").is_object())
+    fields.object("indicator",
+                  [&](const Reader& f) { f("frequency_hz", result.responses.frequency); });
+  const auto outputs = static_cast<Index>(result.responses.outputs.size());
+  for (auto& mode : result.modes) {
+    const bool has_shape = mode.displacement.size() > 0;
+    if (has_shape && mode.displacement.size() != outputs)
+      fields.bad("modes[].displacement_shape", "must have a number per output");
+    if (!has_shape) mode.displacement.setConstant(outputs, std::nan(""));  // not measured
+    if (mode.fit.shape.size() != outputs) mode.fit.shape = mode.displacement;
+    if (mode.fit.shape_deviation.size() != outputs)
+      mode.fit.shape_deviation = Eigen::VectorXd::Zero(outputs);
   }
-  for (const auto& m : result.heavily_damped) heavy.push_back(mode_json(m));
-  for (const auto& l : result.left_out)
-    left.push_back({{"pole", complex_json(l.pole)}, {"reason", l.reason}});
-  return {{"inputs", channels_json(result.responses.inputs)},
-          {"outputs", channels_json(result.responses.outputs)},
-          {"band_hz", {result.from, result.to}},
-          {"modes", modes},
-          {"heavily_damped", heavy},
-          {"left_out", left},
-          {"mac", matrix_json(identification::mac_matrix(shapes, shapes))},
-          {"residuals", residuals_json(result.model)},
-          {"fit_error", result.model.error},
-          {"misfit", result.model.misfit},
-          {"stabilisation", stabilisation_json(result)},
-          {"clusters", clusters_json(result)},
-          {"indicator",
-           {{"frequency_hz", result.responses.frequency},
-            {"values", matrix_json(identification::mode_indicator(result.responses).transpose())}}},
-          {"warnings", result.warnings}};
+  return result;
 }
 
 void add_second_opinions(const std::vector<std::optional<identification::SecondOpinion>>& opinions,
@@ -433,17 +395,7 @@ void add_bootstrap(const identification::BootstrapScatter& scatter, Json& json) 
 }
 
 Json output_only_json(const std::vector<identification::OutputOnlyMode>& modes) {
-  Json list = Json::array();
-  for (const auto& m : modes)
-    list.push_back({{"frequency_hz", std::abs(m.pole) / two_pi},
-                    {"frequency_scatter", m.frequency_scatter},
-                    {"damping_ratio", -m.pole.real() / std::abs(m.pole)},
-                    {"damping_scatter", m.damping_scatter},
-                    {"pole", complex_json(m.pole)},
-                    {"shape", vector_json(m.shape)},
-                    {"mpc", m.mpc},
-                    {"persistence", m.persistence}});
-  return list;
+  return written(modes);
 }
 
 }  // namespace hydrapod::report

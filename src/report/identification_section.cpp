@@ -105,6 +105,25 @@ Json vector_json(const Eigen::VectorXcd& v) {
 
 }  // namespace
 
+std::string measurement_text(const identification::FrequencyResponses& r) {
+  const auto counted = [](std::size_t n, const char* what) {
+    return fmt::format("{} {}{}", n, what, n == 1 ? "" : "s");
+  };
+  std::string text = fmt::format(
+      "{}, {}, {} lines from {:.4g} Hz to {:.4g} Hz", counted(r.inputs.size(), "input"),
+      counted(r.outputs.size(), "output"), r.lines(), r.frequency.front(), r.frequency.back());
+  if (r.averages > 0.0)
+    text += fmt::format(", {} with {:.1f} independent averages",
+                        data::estimator_text(r.estimator), r.averages);
+  return text;
+}
+
+const char* frame_text(bool from_legs, bool from_accelerometers) {
+  return from_accelerometers ? "accelerometers brought to platform directions"
+         : from_legs         ? "leg lengths brought to platform directions"
+                             : "outputs as measured";
+}
+
 Json identification_section(const identification::Identification& result,
                             const std::optional<ComparedModes>& compared,
                             const MeasuredText& text) {

@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 
+#include "fields.hpp"
 #include "hydrapod/base/constants.hpp"
 #include "hydrapod/base/version.hpp"
 #include "hydrapod/spatial/directions.hpp"
@@ -15,57 +16,6 @@ namespace {
 
 using base::two_pi;
 using spatial::direction_names;
-
-template <class Vector>
-Json array(const Vector& values) {
-  Json list = Json::array();
-  for (Eigen::Index i = 0; i < values.size(); ++i) list.push_back(values[i]);
-  return list;
-}
-
-Json finite_or_null(double value) { return std::isfinite(value) ? Json(value) : Json(); }
-
-Json rows(const dynamics::ModelMatrix& A) {
-  Json list = Json::array();
-  for (Eigen::Index i = 0; i < A.rows(); ++i) list.push_back(array(A.row(i)));
-  return list;
-}
-
-Json strain_json(const modal::EnergyShares& energy) {
-  Json json{{"oil", energy.oil.sum()},
-            {"guide_sleeve", energy.guide_sleeve.sum()},
-            {"piston_ring", energy.piston_ring.sum()},
-            {"preload", energy.preload},
-            {"per_leg",
-             {{"oil", array(energy.oil)},
-              {"guide_sleeve", array(energy.guide_sleeve)},
-              {"piston_ring", array(energy.piston_ring)}}}};
-  if (energy.base_mount != 0.0) json["base_mount"] = energy.base_mount;
-  return json;
-}
-
-Json mode_json(const modal::TabledMode& entry, size_t number) {
-  const auto& mode = entry.mode;
-  Json json{{"number", number},
-            {"omega_rad_s", mode.omega},
-            {"frequency_hz", mode.omega / two_pi},
-            {"damping_ratio", mode.damping_ratio},
-            {"pole", {{"re", mode.pole.real()}, {"im", mode.pole.imag()}}},
-            {"stable", mode.stable},
-            {"label", entry.label},
-            {"platform_feels", entry.platform_feels},
-            {"group", mode.group},
-            {"platform_energy", array(entry.energy.platform)},
-            {"leg_energy", array(entry.energy.legs)},
-            {"strain_energy", strain_json(entry.energy)},
-            {"shape", array(mode.real)}};
-  if (mode.is_complex()) json["shape_imaginary"] = array(mode.imaginary);
-  return json;
-}
-
-Json matrix_set(const modal::LinearModel& model) {
-  return {{"M", rows(model.M)}, {"K", rows(model.K)}, {"C", rows(model.C)}};
-}
 
 bool has_dampers(const model::Machine& machine) {
   for (const auto& leg : machine.legs)
@@ -108,16 +58,10 @@ Json machine_json(const model::MachineFile& file, const std::string& path) {
           {"overrides", file.overrides}};
 }
 
-Json pose_json(const PoseChoice& pose) {
-  return {{"name", pose.name},
-          {"position_m", array(pose.X_BP.p_BP)},
-          {"rotation_rad", array(spatial::rpy_from_rotation(pose.X_BP.R_BP))}};
-}
-
 Json assumptions_json(const model::Machine& machine) {
   const auto ratio = modal::modal_ratio(machine);
   return {{"hydrapod", base::version},
-          {"gravity_m_s2", array(machine.gravity)},
+          {"gravity_m_s2", written(machine.gravity)},
           {"gravity", gravity_text(machine)},
           {"flexible_axes",
            machine.flexible_axes == model::FlexibleAxes::gimbal ? "gimbal" : "transverse"},
@@ -126,65 +70,107 @@ Json assumptions_json(const model::Machine& machine) {
           {"modal_ratio_is_default", ratio.is_default}};
 }
 
+Json head_json(const char* kind, const model::MachineFile& file, const std::string& path) {
+  return {{"kind", kind},
+          {"machine", machine_json(file, path)},
+          {"assumptions", assumptions_json(file.machine)}};
+}
+
+Json head_json(const char* kind, const Subject& subject) {
+  Json json = head_json(kind, subject.file, subject.path);
+  json["pose"] = pose_json(subject.pose);
+  return json;
+}
+
+Json pose_json(const model::NamedPose& pose) { return written(pose); }
+
+model::NamedPose pose_from_json(const Json& json, const std::string& file) {
+  model::NamedPose pose;
+  Reader(json, file)("pose", pose);
+  return pose;
+}
+
+template <class Fields>
+void describe(Fields& f, modal::EnergyShares& energy) {
+  f.derived("oil", energy.oil.sum());
+  f.derived("guide_sleeve", energy.guide_sleeve.sum());
+  f.derived("piston_ring", energy.piston_ring.sum());
+  f("preload", energy.preload);
+  f.object("per_leg", [&](auto& leg) {
+    leg("oil", energy.oil);
+    leg("guide_sleeve", energy.guide_sleeve);
+    leg("piston_ring", energy.piston_ring);
+  });
+  f.unless(0.0, "base_mount", energy.base_mount);
+}
+
+template <class Fields>
+void describe(Fields& f, modal::RigidCounterpart& rigid) {
+  f.counted("mode", rigid.mode);
+  f.derived("omega_rad_s", 0.0);  // modes_json() knows it
+  f("mac", rigid.mac);
+  f.percent("shift_percent", rigid.shift);
+}
+
+template <class Fields>
+void describe(Fields& f, modal::TabledMode& entry) {
+  auto& mode = entry.mode;
+  f.derived("number", 0);  // modes_json() knows it
+  f("omega_rad_s", mode.omega);
+  f.derived("frequency_hz", mode.omega / base::two_pi);
+  f("damping_ratio", mode.damping_ratio);
+  f("pole", mode.pole);
+  f("stable", mode.stable);
+  f("label", entry.label);
+  f("platform_feels", entry.platform_feels);
+  f("group", mode.group);
+  f("platform_energy", entry.energy.platform);
+  f("leg_energy", entry.energy.legs);
+  f("strain_energy", entry.energy);
+  f("shape", mode.real);
+  if (Fields::reads) mode.imaginary = modal::ModelVector::Zero(mode.real.size());
+  if (mode.is_complex() || f.has("shape_imaginary")) f("shape_imaginary", mode.imaginary);
+  f.optional("rigid", entry.rigid);
+}
+
+template <class Fields>
+void describe(Fields& f, modal::ModeTable& table) {
+  f.word("model", table.kind, model_words);
+  f.derived("coordinates", dynamics::coordinate_names(table.kind));
+  f("modes", table.real.modes);
+  f("rigid_modes", table.rigid.modes);
+}
+
 Json modes_json(const modal::ModeTable& table) {
-  Json json{{"model", dynamics::name(table.kind)},
-            {"coordinates", dynamics::coordinate_names(table.kind)},
-            {"modes", Json::array()},
-            {"rigid_modes", Json::array()}};
-  for (size_t k = 0; k < table.real.modes.size(); ++k) {
-    const auto& entry = table.real.modes[k];
-    Json mode = mode_json(entry, k + 1);
-    if (entry.rigid)
-      mode["rigid"] = {{"mode", entry.rigid->mode + 1},
-                       {"omega_rad_s", table.rigid.modes[entry.rigid->mode].mode.omega},
-                       {"mac", entry.rigid->mac},
-                       {"shift_percent", 100.0 * entry.rigid->shift}};
-    json["modes"].push_back(std::move(mode));
-  }
-  for (size_t k = 0; k < table.rigid.modes.size(); ++k)
-    json["rigid_modes"].push_back(mode_json(table.rigid.modes[k], k + 1));
-  return json;
-}
-
-Json matrices_json(const modal::ModeTable& table) {
-  Json json = matrix_set(table.real.linear);
-  json["rigid"] = matrix_set(table.rigid.linear);
-  return json;
-}
-
-Json response_json(const std::vector<double>& omega, const std::vector<response::Matrix6c>& H) {
-  Json json{{"omega_rad_s", omega}};
-  std::vector<double> hertz(omega.size());
-  for (size_t i = 0; i < omega.size(); ++i) hertz[i] = omega[i] / two_pi;
-  json["frequency_hz"] = hertz;
-  for (int out = 0; out < 6; ++out)
-    for (int in = 0; in < 6; ++in) {
-      std::vector<double> re(H.size()), im(H.size());
-      for (size_t i = 0; i < H.size(); ++i) {
-        re[i] = H[i](out, in).real();
-        im[i] = H[i](out, in).imag();
-      }
-      json["response"][direction_names[out]][direction_names[in]] = {{"re", re}, {"im", im}};
+  Json json = written(table);
+  for (auto* list : {&json["modes"], &json["rigid_modes"]})
+    for (std::size_t k = 0; k < list->size(); ++k) {
+      auto& mode = (*list)[k];
+      mode["number"] = k + 1;
+      if (!mode.contains("rigid")) continue;
+      const int rigid = mode["rigid"]["mode"].get<int>() - 1;
+      mode["rigid"]["omega_rad_s"] = table.rigid.modes[static_cast<std::size_t>(rigid)].mode.omega;
     }
   return json;
 }
 
-Json peaks_json(const std::vector<response::Peak>& peaks, const modal::ModeTable& table,
-                bool rigid) {
-  Json list = Json::array();
-  const auto& model = rigid ? table.rigid : table.real;
-  for (const auto& peak : peaks) {
-    const int tabled = model.tabled_of_normal[peak.mode];
-    list.push_back({{"direction", direction_names[peak.direction]},
-                    {"omega_rad_s", peak.omega},
-                    {"frequency_hz", peak.omega / two_pi},
-                    {"magnitude", finite_or_null(peak.magnitude)},
-                    {"prominence_db", finite_or_null(peak.prominence_db)},
-                    {"mode", tabled + 1},
-                    {"label", model.modes[tabled].label},
-                    {"own", peak.own}});
-  }
-  return list;
+modal::ModeTable modes_from_json(const Json& json, const std::string& file) {
+  modal::ModeTable table;
+  read(json, file, table);
+  return table;
+}
+
+template <class Fields>
+void describe(Fields& f, modal::LinearModel& model) {
+  f("M", model.M);
+  f("K", model.K);
+  f("C", model.C);
+}
+
+Json matrices_json(const modal::ModeTable& table) {
+  Json json = written(table.real.linear);
+  json["rigid"] = written(table.rigid.linear);
+  return json;
 }
 
 }  // namespace hydrapod::report

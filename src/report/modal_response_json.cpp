@@ -4,18 +4,14 @@
 #include <limits>
 #include <stdexcept>
 
+#include "fields.hpp"
+#include "hydrapod/report/bode.hpp"
+
 namespace hydrapod::report {
 
 namespace {
 
 using dynamics::ModelMatrix;
-
-template <class Vector>
-Json array(const Vector& values) {
-  Json list = Json::array();
-  for (Eigen::Index i = 0; i < values.size(); ++i) list.push_back(values[i]);
-  return list;
-}
 
 /// Off-diagonal terms of rounding size beside their diagonal ones do not couple modes.
 bool is_diagonal(const ModelMatrix& Gamma) {
@@ -29,10 +25,8 @@ Json damping_json(const response::ResponseModel& model) {
   ModelMatrix Gamma = Phi.transpose() * model.C * Phi;
   for (int k = 0; k < model.modes.size(); ++k)
     Gamma(k, k) += 2.0 * model.modal_ratio * model.modes.omega(k);
-  if (is_diagonal(Gamma)) return array(Gamma.diagonal());
-  Json rows = Json::array();
-  for (Eigen::Index i = 0; i < Gamma.rows(); ++i) rows.push_back(array(Gamma.row(i)));
-  return rows;
+  if (is_diagonal(Gamma)) return written(Gamma.diagonal());
+  return written(Gamma);
 }
 
 struct Band {
@@ -53,12 +47,12 @@ void widen(Band& band, const std::vector<modal::TabledMode>& modes) {
 Json modal_response_json(const response::ResponseModel& model, const std::vector<int>& tabled) {
   if (model.loads_flexible)
     throw std::invalid_argument("modal_response_json: loads on flexible coordinates");
-  Json json{{"omega2", array(model.modes.omega2)},
+  Json json{{"omega2", written(model.modes.omega2)},
             {"damping", damping_json(model)},
             {"platform_shapes", Json::array()},
             {"mode", Json::array()}};
   for (int k = 0; k < model.modes.size(); ++k) {
-    json["platform_shapes"].push_back(array(model.modes.shapes.col(k).head<6>()));
+    json["platform_shapes"].push_back(written(model.modes.shapes.col(k).head<6>()));
     json["mode"].push_back(tabled.at(k) + 1);
   }
   return json;
@@ -80,14 +74,14 @@ Json bode_json(const modal::ModeTable& table, const model::Machine& machine, int
   return {{"input", "wrench"},
           {"output", "displacement"},
           {"point", "platform mass centre"},
-          {"point_m", array(real.p_BQ)},
+          {"point_m", written(real.p_BQ)},
           {"from_rad_s", options.from},
           {"to_rad_s", options.to},
           {"points", points},
           {"real", modal_response_json(real, table.real.tabled_of_normal)},
           {"rigid", modal_response_json(rigid, table.rigid.tabled_of_normal)},
-          {"peaks", peaks_json(response::find_peaks(real, options), table, false)},
-          {"rigid_peaks", peaks_json(response::find_peaks(rigid, options), table, true)}};
+          {"peaks", peaks_json(response::find_peaks(real, options), table.real)},
+          {"rigid_peaks", peaks_json(response::find_peaks(rigid, options), table.rigid)}};
 }
 
 }  // namespace hydrapod::report

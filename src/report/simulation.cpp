@@ -13,7 +13,7 @@ namespace {
 
 constexpr double settled_share = 0.02;  // of a step
 
-void require_possible(PreparedSimulation& prepared, const PoseChoice& pose) {
+void require_possible(PreparedSimulation& prepared, const model::NamedPose& pose) {
   auto& loop = *prepared.loop;
   const auto findings = simulation::check_motion(loop.plant(), loop.parameters(), pose.X_BP,
                                                  *prepared.signal, *prepared.options.until);
@@ -29,7 +29,7 @@ void require_possible(PreparedSimulation& prepared, const PoseChoice& pose) {
 
 }  // namespace
 
-PreparedSimulation prepare_simulation(const model::Machine& machine, const PoseChoice& pose,
+PreparedSimulation prepare_simulation(const model::Machine& machine, const model::NamedPose& pose,
                                       const SimulationOptions& options) {
   PreparedSimulation prepared{.options = options};
   const double rate = 1.0 / machine.controller.sample_time;

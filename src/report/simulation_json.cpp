@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 
+#include "fields.hpp"
 #include "hydrapod/report/geometry_json.hpp"
 #include "hydrapod/report/simulation.hpp"
 #include "hydrapod/spatial/directions.hpp"
@@ -14,119 +15,161 @@ namespace {
 
 using spatial::Vector6;
 
-using spatial::direction_names;
-constexpr std::array<const char*, 3> ends{"finished", "stopped", "failed"};
-
-Json six(const Vector6& values) {
-  Json list = Json::array();
-  for (int i = 0; i < 6; ++i) list.push_back(values[i]);
-  return list;
-}
-
 /// Six lists, one per direction or leg, of a history.
-Json histories(const std::vector<Vector6>& samples) {
-  Json lists = Json::array();
-  for (int i = 0; i < 6; ++i) {
-    std::vector<double> list(samples.size());
-    for (std::size_t k = 0; k < samples.size(); ++k) list[k] = samples[k][i];
-    lists.push_back(std::move(list));
+template <class Fields>
+void histories(Fields& f, const char* key, std::vector<Vector6>& samples) {
+  std::array<std::vector<double>, 6> lists;
+  for (const auto& sample : samples)
+    for (int i = 0; i < 6; ++i) lists.at(i).push_back(sample[i]);
+  f(key, lists);
+  if constexpr (Fields::reads) {
+    samples.resize(lists[0].size());
+    for (int i = 0; i < 6; ++i) {
+      if (lists.at(i).size() != samples.size()) f.bad(key, "has lists of different lengths");
+      for (std::size_t k = 0; k < samples.size(); ++k) samples[k][i] = lists.at(i)[k];
+    }
   }
-  return lists;
 }
 
-Json direction_json(const Simulation& s, int i) {
-  const auto& summary = s.summary;
-  Json json{{"direction", direction_names[static_cast<std::size_t>(i)]},
-            {"peak_command", summary.peak_command[i]},
-            {"peak_motion", summary.peak_motion[i]},
-            {"rms_error", summary.rms_error[i]},
-            {"peak_error", summary.peak_error[i]},
-            {"final_error", summary.final_error[i]}};
-  if (const auto at = s.step_time[static_cast<std::size_t>(i)]) {
-    json["settling_band"] = s.settling_band[i];
-    const bool settled = std::abs(summary.final_error[i]) <= s.settling_band[i];
-    json["settling_time_s"] = settled ? Json(std::max(summary.settled[i] - *at, 0.0)) : Json();
+template <class Fields>
+void describe_direction(Fields& f, Simulation& s, int i) {
+  auto& summary = s.summary;
+  auto& step = s.step_time[static_cast<std::size_t>(i)];
+  f.derived("direction", spatial::direction_name(i));
+  f("peak_command", summary.peak_command[i]);
+  f("peak_motion", summary.peak_motion[i]);
+  f("rms_error", summary.rms_error[i]);
+  f("peak_error", summary.peak_error[i]);
+  f("final_error", summary.final_error[i]);
+  if (!step && !f.has("settling_band")) return;
+  f("settling_band", s.settling_band[i]);
+  const bool settled = std::abs(summary.final_error[i]) <= s.settling_band[i];
+  std::optional<double> after;
+  if (settled) after = std::max(summary.settled[i] - step.value_or(0.0), 0.0);
+  f("settling_time_s", after);
+  if constexpr (Fields::reads) {
+    step = 0.0;
+    summary.settled[i] = after.value_or(0.0);
   }
-  return json;
 }
 
-Json leg_json(const Simulation& s, std::size_t i) {
-  const auto& stops = s.stops[i];
-  const double used = s.summary.piston_high[i] - s.summary.piston_low[i];
-  const double samples = static_cast<double>(std::max(s.summary.samples, 1L));
-  return {{"stroke_m", {stops.low, stops.high}},
-          {"piston_m", {s.summary.piston_low[i], s.summary.piston_high[i]}},
-          {"stroke_used", used / (stops.high - stops.low)},
-          {"peak_speed_m_s", s.summary.peak_speed[i]},
-          {"peak_drive", s.summary.peak_drive[i]},
-          {"share_at_limit", static_cast<double>(s.summary.limited[i]) / samples}};
+template <class Fields>
+void describe_leg(Fields& f, Simulation& s, std::size_t i) {
+  auto& stops = s.stops[i];
+  auto& summary = s.summary;
+  std::array stroke{stops.low, stops.high}, piston{summary.piston_low[i], summary.piston_high[i]};
+  const double samples = static_cast<double>(std::max(summary.samples, 1L));
+  double limited = static_cast<double>(summary.limited[i]) / samples;
+  f("stroke_m", stroke);
+  f("piston_m", piston);
+  f.derived("stroke_used", (piston[1] - piston[0]) / (stroke[1] - stroke[0]));
+  f("peak_speed_m_s", summary.peak_speed[i]);
+  f("peak_drive", summary.peak_drive[i]);
+  f("share_at_limit", limited);
+  if constexpr (Fields::reads) {
+    stops = {stroke[0], stroke[1]};
+    summary.piston_low[i] = piston[0];
+    summary.piston_high[i] = piston[1];
+    summary.limited[i] = std::lround(limited * samples);
+  }
 }
 
-Json run_json(const Simulation& s) {
-  Json events = Json::array();
-  for (const auto& event : s.summary.events)
-    events.push_back({{"time_s", event.time},
-                      {"leg", event.leg + 1},
-                      {"event", simulation::Plant::name(event.event)},
-                      {"begins", event.begins}});
-  const auto& integrator = s.loop.integrator;
-  const auto& counts = s.summary.integrator;
-  return {{"end", ends[static_cast<std::size_t>(s.summary.end)]},
-          {"message", s.summary.message},
-          {"time_s", s.summary.time},
-          {"until_s", s.until},
-          {"output_interval_s", s.output_interval},
-          {"seed", s.loop.seed},
-          {"integrator", simulation::name(integrator.method)},
-          {"relative_tolerance", integrator.relative_tolerance},
-          {"steps", counts.steps},
-          {"evaluations", counts.evaluations},
-          {"events", std::move(events)}};
+template <class Fields>
+void describe_run(Fields& f, Simulation& s) {
+  static constexpr std::array ends{"finished", "stopped", "failed"};
+  auto& summary = s.summary;
+  f.word("end", summary.end, ends);
+  f("message", summary.message);
+  f("time_s", summary.time);
+  f("until_s", s.until);
+  f("output_interval_s", s.output_interval);
+  f("samples", summary.samples);
+  f("seed", s.loop.seed);
+  f.word("integrator", s.loop.integrator.method, words_of<4>(simulation::name));
+  f("relative_tolerance", s.loop.integrator.relative_tolerance);
+  f("steps", summary.integrator.steps);
+  f("evaluations", summary.integrator.evaluations);
+  f("events", summary.events);
 }
 
 }  // namespace
 
-Json controller_json(const control::ControllerParameters& p, double lowest_oil_mode) {
-  constexpr std::array<const char*, 2> spaces{"pose", "leg"};
-  constexpr std::array<const char*, 3> feedbacks{"pressure", "acceleration", "none"};
-  constexpr std::array<const char*, 3> compensations{"load", "asymmetry", "none"};
-  return {{"lowest_oil_mode_rad_s", lowest_oil_mode},
-          {"space", spaces[static_cast<std::size_t>(p.space)]},
-          {"gain_1_s", six(p.gain)},
-          {"integral_time_s", p.integral_time},
-          {"velocity_feedforward", p.velocity_feedforward},
-          {"feedback", feedbacks[static_cast<std::size_t>(p.feedback)]},
-          {"feedback_gain", six(p.feedback_gain)},
-          {"feedback_corner_rad_s", p.feedback_corner},
-          {"sample_time_s", p.sample_time},
-          {"delay_samples", p.delay},
-          {"compensation", compensations[static_cast<std::size_t>(p.compensation)]},
-          {"overlap_compensation", p.overlap_compensation},
-          {"limit", p.output.limit}};
+template <class Fields>
+void describe(Fields& f, simulation::EventRecord& event) {
+  f("time_s", event.time);
+  f.counted("leg", event.leg);
+  f.word("event", event.event,
+         words_of<simulation::Plant::events_per_leg>(simulation::Plant::name));
+  f("begins", event.begins);
 }
 
-Json simulation_json(const Simulation& s) {
-  Json json{{"model", dynamics::name(s.loop.kind)},
-            {"commands", s.commands},
-            {"warnings", s.warnings},
-            {"controller", controller_json(s.controller, s.lowest_oil_mode)},
-            {"run", run_json(s)},
-            {"directions", Json::array()},
-            {"legs", Json::array()}};
-  for (int i = 0; i < 6; ++i) json["directions"].push_back(direction_json(s, i));
-  for (std::size_t i = 0; i < model::leg_count; ++i) json["legs"].push_back(leg_json(s, i));
-  json["trace"] = {{"time_s", s.trace.time},
-                   {"command", histories(s.trace.command)},
-                   {"motion", histories(s.trace.motion)},
-                   {"piston_m", histories(s.trace.piston)},
-                   {"drive", histories(s.trace.drive)},
-                   {"cap_pressure_Pa", histories(s.trace.cap_pressure)},
-                   {"rod_pressure_Pa", histories(s.trace.rod_pressure)}};
-  return json;
+template <class Fields>
+void describe(Fields& f, simulation::Tuning& tuning) {
+  static constexpr std::array spaces{"pose", "leg"};
+  static constexpr std::array feedbacks{"pressure", "acceleration", "none"};
+  static constexpr std::array compensations{"load", "asymmetry", "none"};
+  auto& p = tuning.parameters;
+  f("lowest_oil_mode_rad_s", tuning.lowest_oil_mode);
+  f.word("space", p.space, spaces);
+  f("gain_1_s", p.gain);
+  f("integral_time_s", p.integral_time);
+  f("velocity_feedforward", p.velocity_feedforward);
+  f.word("feedback", p.feedback, feedbacks);
+  f("feedback_gain", p.feedback_gain);
+  f("feedback_corner_rad_s", p.feedback_corner);
+  f("sample_time_s", p.sample_time);
+  f("delay_samples", p.delay);
+  f.word("compensation", p.compensation, compensations);
+  f("overlap_compensation", p.overlap_compensation);
+  f("limit", p.output.limit);
+}
+
+Json controller_json(const control::ControllerParameters& parameters, double lowest_oil_mode) {
+  return written(simulation::Tuning{parameters, lowest_oil_mode});
+}
+
+simulation::Tuning controller_from_json(const Json& json, const std::string& file) {
+  simulation::Tuning tuning;
+  read(json, file, tuning);
+  return tuning;
+}
+
+template <class Fields>
+void describe(Fields& f, Simulation& s) {
+  simulation::Tuning tuning{s.controller, s.lowest_oil_mode};
+  f.word("model", s.loop.kind, model_words);
+  f("commands", s.commands);
+  f("warnings", s.warnings);
+  f("controller", tuning);
+  f.object("run", [&](auto& run) { describe_run(run, s); });
+  f.list("directions", 6,
+         [&](auto& item, std::size_t i) { describe_direction(item, s, static_cast<int>(i)); });
+  f.list("legs", model::leg_count, [&](auto& item, std::size_t i) { describe_leg(item, s, i); });
+  f.object("trace", [&](auto& trace) {
+    trace("time_s", s.trace.time);
+    histories(trace, "command", s.trace.command);
+    histories(trace, "motion", s.trace.motion);
+    histories(trace, "piston_m", s.trace.piston);
+    histories(trace, "drive", s.trace.drive);
+    histories(trace, "cap_pressure_Pa", s.trace.cap_pressure);
+    histories(trace, "rod_pressure_Pa", s.trace.rod_pressure);
+  });
+  if constexpr (Fields::reads) {
+    s.controller = tuning.parameters;
+    s.lowest_oil_mode = tuning.lowest_oil_mode;
+  }
+}
+
+Json simulation_json(const Simulation& simulation) { return written(simulation); }
+
+Simulation simulation_from_json(const Json& json, const std::string& file) {
+  Simulation simulation;
+  read(json, file, simulation);
+  return simulation;
 }
 
 Json simulation_section(const Simulation& simulation, const model::Machine& machine,
-                        const PoseChoice& pose, const dynamics::LinearModel& rest) {
+                        const model::NamedPose& pose, const dynamics::LinearModel& rest) {
   double used = 0.0;
   for (std::size_t i = 0; i < model::leg_count; ++i) {
     const auto& stops = simulation.stops[i];

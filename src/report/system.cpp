@@ -5,13 +5,14 @@
 #include <algorithm>
 #include <cmath>
 
+#include "fields.hpp"
 #include "hydrapod/base/constants.hpp"
+#include "hydrapod/report/simulation.hpp"
 
 namespace hydrapod::report {
 
 namespace {
 
-using simulation::LinearSystem;
 using simulation::Part;
 using simulation::SystemPole;
 using simulation::SystemPoles;
@@ -19,22 +20,6 @@ using simulation::SystemPoles;
 using base::two_pi;
 constexpr double least_named = 0.1;  // participation
 constexpr double most_of_it = 0.75;  // of a leg's share
-constexpr double bisection = 1e-4;   // of the distance of two values
-
-Json complex_json(std::complex<double> value) {
-  return {{"re", value.real()}, {"im", value.imag()}};
-}
-
-Json pole_json(const SystemPole& pole) {
-  Json parts;
-  for (int i = 0; i < simulation::part_count; ++i)
-    parts[simulation::name(static_cast<Part>(i))] = pole.parts[static_cast<std::size_t>(i)];
-  return {{"pole", complex_json(pole.pole)},     {"omega_rad_s", pole.omega},
-          {"frequency_hz", pole.omega / two_pi}, {"damping_ratio", pole.damping_ratio},
-          {"stable", pole.pole.real() < 0.0},    {"group", pole.group},
-          {"label", participation_text(pole)},   {"participation", std::move(parts)},
-          {"participation_of_legs", pole.legs}};
-}
 
 std::string csv_row(const SystemPole& pole) {
   std::string text =
@@ -72,39 +57,79 @@ std::string participation_text(const SystemPole& pole) {
   return text;
 }
 
-std::string verdict_text(const LinearSystem& system, const SystemPoles& poles) {
+std::string verdict_text(const SystemPoles& poles) {
   const auto& first = poles.poles.front();
   const double rate = poles.sampled.empty() ? poles.largest_real : poles.sampled.front().real();
   const double omega =
       poles.sampled.empty() ? first.pole.imag() : std::abs(poles.sampled.front().imag());
-  const bool stable = system.sampled.size() > 0 ? poles.sampled_stable : poles.stable;
+  const bool stable = !poles.sampled.empty() ? poles.sampled_stable : poles.stable;
   const std::string motion =
       omega > 0.0 ? fmt::format("oscillation at {:.4g} Hz", omega / two_pi) : "motion";
   const char* article = omega > 0.0 ? "an" : "a";
   std::string text =
       stable ? fmt::format("stable: the slowest {} decays with {:.3g} 1/s", motion, -rate)
              : fmt::format("UNSTABLE: {} {} grows with {:.3g} 1/s", article, motion, rate);
-  if (system.sampled.size() > 0)
+  if (!poles.sampled.empty())
     text += fmt::format(" (sampled loop, exact: largest |z| {:.6f})", poles.largest_modulus);
-  if (system.sampled.size() > 0 && poles.stable != poles.sampled_stable)
+  if (!poles.sampled.empty() && poles.stable != poles.sampled_stable)
     text +=
         fmt::format("; the continuous approximation says {}", poles.stable ? "stable" : "unstable");
   return text;
 }
 
-Json system_poles_json(const LinearSystem& system, const SystemPoles& poles) {
-  Json list = Json::array(), sampled = Json::array();
-  for (const auto& pole : poles.poles) list.push_back(pole_json(pole));
-  for (const auto& pole : poles.sampled) sampled.push_back(complex_json(pole));
-  return {{"stable", system.sampled.size() > 0 ? poles.sampled_stable : poles.stable},
-          {"verdict", verdict_text(system, poles)},
-          {"delay", {{"seconds", system.delay}, {"pade_order", system.pade_order}}},
-          {"poles", std::move(list)},
-          {"sampled",
-           {{"sample_time_s", system.sample_time},
-            {"largest_modulus", poles.largest_modulus},
-            {"stable", poles.sampled_stable},
-            {"poles", std::move(sampled)}}}};
+template <class Fields>
+void describe(Fields& f, SystemPole& pole) {
+  f("pole", pole.pole);
+  f("omega_rad_s", pole.omega);
+  f.derived("frequency_hz", pole.omega / two_pi);
+  f("damping_ratio", pole.damping_ratio);
+  f.derived("stable", pole.pole.real() < 0.0);
+  f("group", pole.group);
+  f.derived("label", participation_text(pole));
+  f.object("participation", [&](auto& parts) {
+    for (int i = 0; i < simulation::part_count; ++i)
+      parts(simulation::name(static_cast<Part>(i)), pole.parts[static_cast<std::size_t>(i)]);
+  });
+  f("participation_of_legs", pole.legs);
+}
+
+template <class Fields>
+void describe(Fields& f, System& system) {
+  auto& linear = system.linear;
+  auto& poles = system.poles;
+  f.derived("stable", poles.sampled.empty() ? poles.stable : poles.sampled_stable);
+  f.derived("verdict", Fields::reads ? "" : verdict_text(poles));
+  f.object("delay", [&](auto& delay) {
+    delay("seconds", linear.delay);
+    delay("pade_order", linear.pade_order);
+  });
+  f("poles", poles.poles);
+  f.object("sampled", [&](auto& sampled) {
+    sampled("sample_time_s", linear.sample_time);
+    sampled("largest_modulus", poles.largest_modulus);
+    sampled("stable", poles.sampled_stable);
+    sampled("poles", poles.sampled);
+  });
+}
+
+Json system_json(const System& system) {
+  Json json = Json::object();
+  if (system.closed)
+    json["controller"] = controller_json(system.tuning.parameters, system.tuning.lowest_oil_mode);
+  json.update(written(system));
+  return json;
+}
+
+System system_from_json(const Json& json, const std::string& file) {
+  System system;
+  read(json, file, system);
+  system.closed = json.contains("controller");
+  if (system.closed) system.tuning = controller_from_json(json["controller"], file);
+  auto& poles = system.poles;
+  poles.stable = true;
+  for (const auto& pole : poles.poles) poles.stable = poles.stable && pole.pole.real() < 0.0;
+  if (!poles.poles.empty()) poles.largest_real = poles.poles.front().pole.real();
+  return system;
 }
 
 std::string system_poles_csv(const SystemPoles& poles) {
@@ -113,42 +138,50 @@ std::string system_poles_csv(const SystemPoles& poles) {
   return text;
 }
 
-RootLocus root_locus(const std::string& key, const std::vector<double>& values,
-                     const std::function<LinearSystem(double)>& system_at,
-                     const std::function<void(double)>& progress) {
-  RootLocus locus{.key = key, .values = values};
-  for (const double value : values) {
-    locus.poles.push_back(simulation::system_poles(system_at(value)));
-    if (progress)
-      progress(static_cast<double>(locus.poles.size()) / static_cast<double>(values.size()));
-  }
-  for (std::size_t k = 0; k + 1 < values.size(); ++k) {
-    const bool stable = locus.poles[k].sampled_stable;
-    if (stable == locus.poles[k + 1].sampled_stable) continue;
-    double low = values[k], high = values[k + 1];
-    while (std::abs(high - low) > bisection * std::abs(values[k + 1] - values[k])) {
-      const double middle = 0.5 * (low + high);
-      const bool same = simulation::system_poles(system_at(middle)).sampled_stable == stable;
-      (same ? low : high) = middle;
-    }
-    locus.limits.push_back(0.5 * (low + high));
-  }
-  return locus;
+namespace {
+
+struct LocusPoint {
+  double value{};
+  SystemPoles poles{};
+};
+
+}  // namespace
+
+template <class Fields>
+void describe(Fields& f, LocusPoint& point) {
+  std::vector<std::complex<double>> poles;
+  for (const auto& pole : point.poles.poles) poles.push_back(pole.pole);
+  f("value", point.value);
+  f("stable", point.poles.sampled_stable);
+  f("largest_modulus", point.poles.largest_modulus);
+  f("poles", poles);
+  f("sampled", point.poles.sampled);
+  if constexpr (Fields::reads)
+    for (const auto& pole : poles)
+      point.poles.poles.push_back({.pole = pole, .omega = std::abs(pole)});
 }
 
-Json root_locus_json(const RootLocus& locus) {
-  Json points = Json::array();
-  for (std::size_t k = 0; k < locus.values.size(); ++k) {
-    Json list = Json::array(), sampled = Json::array();
-    for (const auto& pole : locus.poles[k].poles) list.push_back(complex_json(pole.pole));
-    for (const auto& pole : locus.poles[k].sampled) sampled.push_back(complex_json(pole));
-    points.push_back({{"value", locus.values[k]},
-                      {"stable", locus.poles[k].sampled_stable},
-                      {"largest_modulus", locus.poles[k].largest_modulus},
-                      {"poles", std::move(list)},
-                      {"sampled", std::move(sampled)}});
-  }
-  return {{"key", locus.key}, {"limits", locus.limits}, {"points", std::move(points)}};
+template <class Fields>
+void describe(Fields& f, RootLocus& locus) {
+  std::vector<LocusPoint> points;
+  for (std::size_t k = 0; k < locus.values.size(); ++k)
+    points.push_back({locus.values[k], locus.poles[k]});
+  f("key", locus.key);
+  f("limits", locus.limits);
+  f("points", points);
+  if constexpr (Fields::reads)
+    for (auto& point : points) {
+      locus.values.push_back(point.value);
+      locus.poles.push_back(std::move(point.poles));
+    }
+}
+
+Json root_locus_json(const RootLocus& locus) { return written(locus); }
+
+RootLocus root_locus_from_json(const Json& json, const std::string& file) {
+  RootLocus locus;
+  read(json, file, locus);
+  return locus;
 }
 
 std::string root_locus_csv(const RootLocus& locus) {

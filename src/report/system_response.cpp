@@ -28,18 +28,6 @@ std::optional<double> first_below(const std::vector<double>& omega,
 
 }  // namespace
 
-CommandResponse command_response(const simulation::LinearSystem& system, double from, double to,
-                                 int points) {
-  CommandResponse response;
-  for (int k = 0; k < points; ++k) {
-    const double omega =
-        from * std::pow(to / from, static_cast<double>(k) / static_cast<double>(points - 1));
-    response.omega.push_back(omega);
-    response.H.push_back(simulation::command_response(system, omega));
-  }
-  return response;
-}
-
 CommandBandwidth command_bandwidth(const CommandResponse& response, int direction) {
   CommandBandwidth found;
   std::vector<double> magnitude, phase;
@@ -61,8 +49,7 @@ CommandBandwidth command_bandwidth(const CommandResponse& response, int directio
 }
 
 Json command_response_json(const CommandResponse& response) {
-  std::vector<response::Matrix6c> H(response.H.begin(), response.H.end());
-  Json json = response_json(response.omega, H);
+  Json json = response_json(response.omega, response.H);
   Json bandwidths = Json::array();
   for (int i = 0; i < 6; ++i) {
     const auto b = command_bandwidth(response, i);
@@ -77,6 +64,12 @@ Json command_response_json(const CommandResponse& response) {
   }
   json["bandwidths"] = std::move(bandwidths);
   return json;
+}
+
+CommandResponse command_response_from_json(const Json& json, const std::string& file) {
+  CommandResponse response;
+  response.omega = response_from_json(json, file, response.H);
+  return response;
 }
 
 std::string command_response_csv(const CommandResponse& response) {

@@ -8,7 +8,7 @@
 #include "hydrapod/base/error.hpp"
 #include "hydrapod/identification/identify.hpp"
 #include "hydrapod/observation/pairing.hpp"
-#include "hydrapod/report/diagnosis.hpp"
+#include "hydrapod/report/identification_json.hpp"
 #include "support/calibration_machine.hpp"
 #include "support/run_program.hpp"
 
@@ -138,7 +138,10 @@ report::Json identified_json() {
 
 TEST(MeasuredModes, AreReadFromTheJsonOfIdentify) {
   const auto machine = heavy().machine;
-  const auto targets = report::modes_from_json(identified_json(), "modes.json", machine, {});
+  const auto targets =
+      measured_modes(identification::modal_results(
+                         report::identification_from_json(identified_json(), "modes.json")),
+                     machine, {});
   ASSERT_EQ(targets.modes.size(), 1U);
   const auto& mode = targets.modes.front();
   EXPECT_NEAR(mode.omega, 2.0 * std::numbers::pi * 4.1, 1e-9);
@@ -149,11 +152,19 @@ TEST(MeasuredModes, AreReadFromTheJsonOfIdentify) {
   // the lines of the responses, where they are said
   auto json = identified_json();
   json["indicator"] = {{"frequency_hz", {1.0, 1.7, 2.4}}};
-  EXPECT_NEAR(report::modes_from_json(json, "", machine, {}).modes.front().deviation,
-              2.0 * std::numbers::pi * std::hypot(0.01, 0.05 * 0.7), 1e-12);
+  EXPECT_NEAR(
+      measured_modes(identification::modal_results(report::identification_from_json(json, "")),
+                     machine, {})
+          .modes.front()
+          .deviation,
+      2.0 * std::numbers::pi * std::hypot(0.01, 0.05 * 0.7), 1e-12);
   json["indicator"] = {1.0, 1.7};
-  EXPECT_NEAR(report::modes_from_json(json, "", machine, {}).modes.front().deviation,
-              2.0 * std::numbers::pi * 0.01, 1e-12);
+  EXPECT_NEAR(
+      measured_modes(identification::modal_results(report::identification_from_json(json, "")),
+                     machine, {})
+          .modes.front()
+          .deviation,
+      2.0 * std::numbers::pi * 0.01, 1e-12);
 }
 
 /// Legs and poses see the platform from the base, accelerometers feel the ground.
@@ -187,7 +198,11 @@ TEST(MeasuredModes, SayWhatTheyAreAgainst) {
                          .modes.front()
                          .shape_against;
     const auto other =
-        report::modes_from_json(json, "modes.json", machine, at).modes.front().shape_against;
+        measured_modes(
+            identification::modal_results(report::identification_from_json(json, "modes.json")),
+            machine, at)
+            .modes.front()
+            .shape_against;
     EXPECT_EQ(one, other);
     return one;
   };
@@ -204,7 +219,9 @@ TEST(MeasuredModes, WrongJsonIsNamed) {
   const auto machine = heavy().machine;
   const auto message = [&](const report::Json& json) {
     try {
-      report::modes_from_json(json, "modes.json", machine, {});
+      measured_modes(
+          identification::modal_results(report::identification_from_json(json, "modes.json")),
+          machine, {});
     } catch (const base::InputError& error) {
       return std::string(error.what());
     }
@@ -212,10 +229,10 @@ TEST(MeasuredModes, WrongJsonIsNamed) {
   };
   auto json = identified_json();
   json["modes"][0].erase("frequency_hz");
-  EXPECT_THAT(message(json), testing::HasSubstr("modes[].frequency_hz"));
+  EXPECT_THAT(message(json), testing::HasSubstr("modes[0].frequency_hz"));
   json = identified_json();
   json["modes"][0]["displacement_shape"]["im"] = {1};
-  EXPECT_THAT(message(json), testing::HasSubstr("displacement_shape.im"));
+  EXPECT_THAT(message(json), testing::HasSubstr("displacement_shape"));
   json = identified_json();
   json.erase("outputs");
   EXPECT_THAT(message(json), testing::HasSubstr("outputs"));
@@ -223,7 +240,7 @@ TEST(MeasuredModes, WrongJsonIsNamed) {
   json["modes"] = report::Json::array();
   EXPECT_THAT(message(json), testing::HasSubstr("no mode was identified"));
   json["modes"] = {3};
-  EXPECT_THAT(message(json), testing::HasSubstr("no mode"));
+  EXPECT_THAT(message(json), testing::HasSubstr("modes[0]: expected an object"));
 }
 
 }  // namespace

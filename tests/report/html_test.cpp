@@ -27,7 +27,7 @@ model::MachineFile published(const std::vector<std::string>& overrides = {}) {
                                   overrides, kinematics::check_machine);
 }
 
-std::vector<PoseChoice> neutral(const model::MachineFile& file) {
+std::vector<model::NamedPose> neutral(const model::MachineFile& file) {
   return {{"neutral", file.machine.neutral()}};
 }
 
@@ -71,7 +71,7 @@ TEST(HtmlReport, NeedsNoNetwork) {
 TEST(HtmlReport, StaysBelowOneAndAHalfMegabytesWithThirtyComplexModesAndFourPoses) {
   const auto file = published({"legs.piston_ring.stiffness=2e6", "legs.guide_sleeve.damping=60",
                                "legs.oil_spring.damping=4000", "damping.modal_ratio=0.003"});
-  std::vector<PoseChoice> poses;
+  std::vector<model::NamedPose> poses;
   for (const double x : {0.0, 0.01, 0.02, 0.03}) {
     auto pose = file.machine.neutral();
     pose.p_BP.x() += x;

@@ -6,10 +6,9 @@
 #include <string>
 
 #include "exact/modal_system.hpp"
-#include "hydrapod/report/bode.hpp"
-#include "hydrapod/report/check.hpp"
 #include "hydrapod/report/identification_json.hpp"
 #include "hydrapod/report/identification_section.hpp"
+#include "hydrapod/tasks/linear.hpp"
 #include "support/run_program.hpp"
 #include "support/symmetric_machine.hpp"
 
@@ -62,15 +61,17 @@ std::set<std::string> all_names() {
   auto machine = symmetric_machine(9.81);
   machine.legs[0].guide_sleeve.damping = 50.0;
   for (auto& leg : machine.legs) leg.stroke = model::Stroke{0.3, 0.3};
-  const report::PoseChoice pose{"neutral", machine.neutral()};
-  const auto bode = report::bode(machine, pose, dynamics::ModelKind::guide, {.points = 3});
+  const tasks::Machine subject{.file = {.machine = machine},
+                               .path = "m.toml",
+                               .pose = {"neutral", machine.neutral()},
+                               .kind = dynamics::ModelKind::guide};
+  const auto bode = tasks::bode(subject, {.points = 3});
   std::set<std::string> names{"kind", "poses"};
-  add_names(report::machine_json({.machine = machine}, "m.toml"), names);
-  add_names(report::assumptions_json(machine), names);
+  add_names(report::head_json("modes", subject), names);
   add_names(report::modes_json(bode.table), names);
   add_names({{"matrices", report::matrices_json(bode.table)}}, names);
   add_names(report::bode_json(bode), names);
-  add_names(report::check_json(report::check(machine, pose, dynamics::ModelKind::guide)), names);
+  add_names(report::check_json(tasks::check(subject), machine), names);
   add_identification_names(names);
   return names;
 }

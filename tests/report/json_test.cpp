@@ -85,32 +85,17 @@ TEST(PeaksJson, HasNullForWhatIsUnbounded) {
   const auto machine = symmetric_machine();
   const auto table = modal::mode_table(machine, machine.neutral(), dynamics::ModelKind::guide);
   constexpr double infinite = std::numeric_limits<double>::infinity();
-  const Json json = report::peaks_json({{0, 46.8, infinite, infinite, 0, true}}, table, false);
+  const Json json = report::peaks_json({{0, 46.8, infinite, infinite, 0, true}}, table.real);
   EXPECT_TRUE(json[0]["magnitude"].is_null());
   EXPECT_TRUE(json[0]["prominence_db"].is_null());
   EXPECT_EQ(json[0]["mode"], 1);
 }
 
-TEST(Bode, FindsABandThatHoldsWhatThePlatformFeels) {
-  const auto machine = symmetric_machine();
-  const report::PoseChoice pose{"neutral", machine.neutral()};
-  const auto bode = report::bode(machine, pose, dynamics::ModelKind::guide, {.points = 11});
-  EXPECT_EQ(bode.omega.size(), 11U);
-  double lowest = 1e300, highest = 0.0;
-  for (const auto& entry : bode.table.real.modes) {
-    if (!entry.platform_feels) continue;
-    lowest = std::min(lowest, entry.mode.omega);
-    highest = std::max(highest, entry.mode.omega);
-  }
-  EXPECT_NEAR(bode.omega.front(), lowest / 3.0, 1e-9);
-  EXPECT_NEAR(bode.omega.back(), 2.0 * highest, 0.01 * highest);
-  EXPECT_EQ(*bode.options.p_PQ, machine.platform.mass_center);
-}
-
 TEST(BodeScript, IsWholeAndQuotesItsText) {
-  const auto machine = symmetric_machine();
-  const report::PoseChoice pose{"neutral", machine.neutral()};
-  const auto bode = report::bode(machine, pose, dynamics::ModelKind::guide, {.points = 11});
+  const report::Bode bode{.options = {.from = 1.0, .to = 10.0},
+                          .omega = {1.0, 10.0},
+                          .real = {response::Matrix6c::Ones(), response::Matrix6c::Ones()},
+                          .rigid = {response::Matrix6c::Ones(), response::Matrix6c::Ones()}};
   const std::string script = report::bode_script(
       bode, {{0, 0}, {4, 0}}, {.title = "it's\nset output 'stolen'"}, "svg", "out.svg");
   EXPECT_NE(script.find("set output 'out.svg'\n"), std::string::npos);

@@ -1,6 +1,7 @@
 #pragma once
 /// What a machine must satisfy to be one that can be built, as margins that a fit can hold on to.
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -10,7 +11,8 @@ namespace hydrapod::calibration {
 
 /// `margin` ≥ 0: holds. Margins are relative: 0.1 means that there is room of a tenth.
 struct Constraint {
-  std::string statement{};  ///< "platform: I_zz ≤ I_xx + I_yy"
+  std::string statement{};   ///< "the platform's mass is positive"
+  std::optional<int> leg{};  ///< 0…5; none: of the platform
   double margin{};
 };
 

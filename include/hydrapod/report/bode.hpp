@@ -1,11 +1,12 @@
 #pragma once
-/// Bode diagrams, rigid beside flexible: what `hydrapod bode` computes, prints and plots.
+/// Bode diagrams, rigid beside flexible: JSON, CSV and pictures.
 
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "hydrapod/report/json.hpp"
+#include "hydrapod/response/peaks.hpp"
 
 namespace hydrapod::report {
 
@@ -27,15 +28,20 @@ struct Bode {
   std::vector<response::Peak> real_peaks{}, rigid_peaks{};
 };
 
-/// Throws base::ComputationError when the default band cannot be found (no stable mode), and
-/// std::invalid_argument for a band that is empty.
-Bode bode(const model::Machine& machine, const PoseChoice& pose, dynamics::ModelKind kind,
-          const BodeOptions& options);
-
 /// "m/N", "rad/s/(N m)"; what an entry of the response is measured in.
 std::string response_unit(response::Output output, int out_direction, int in_direction);
 
 Json bode_json(const Bode& bode);
+/// Reads it. Of `table` there is the model, and the labels of the modes at peaks.
+Bode bode_from_json(const Json& json, const std::string& file);
+
+/// A 6×6 response over frequency: `omega_rad_s[]`, `frequency_hz[]`, `response[output][input]` with
+/// `re[]` and `im[]`; and back.
+Json response_json(const std::vector<double>& omega, const std::vector<response::Matrix6c>& H);
+std::vector<double> response_from_json(const Json& json, const std::string& file,
+                                       std::vector<response::Matrix6c>& H);
+
+Json peaks_json(const std::vector<response::Peak>& peaks, const modal::AnalysedModel& model);
 
 /// Frequency in Hz and rad/s, then re and im of all 36 entries of both models, a header line with
 /// units.

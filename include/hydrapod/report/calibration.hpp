@@ -9,12 +9,19 @@ namespace hydrapod::report {
 
 /// `candidates[]`, best first: choices, misfit, parameters, targets, identifiability.
 Json calibration_json(const calibration::Calibration& result, const observation::Targets& targets);
+struct ReadCalibration {
+  calibration::Calibration result{};
+  observation::Targets targets{};  ///< names, poses, frequencies and damping of modes
+};
+ReadCalibration calibration_from_json(const Json& json, const std::string& file);
 
 /// `profiles[]` of parameters of the best candidate.
 Json profile_json(const calibration::Profile& profile, const calibration::Candidate& candidate);
 
 /// `modes[]`, `parameters[]`, `percent_per_percent` by mode, then by parameter.
 Json sensitivity_json(const calibration::Sensitivities& sensitivities);
+/// Reads it; `point` stays empty.
+calibration::Sensitivities sensitivity_from_json(const Json& json, const std::string& file);
 
 /// "determined", "not determined", "at its bound", "by the prior".
 const char* verdict_word(calibration::Verdict verdict);

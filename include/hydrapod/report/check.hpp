@@ -24,8 +24,25 @@ struct LegCheck {
   double base_tilt{}, platform_tilt{};  ///< joint angles from the neutral pose [rad]
 };
 
+/// What a user should know of a pose.
+struct PoseWarning {
+  enum class Kind {
+    buckled,        ///< value: mass that must come off [kg]
+    near_buckling,  ///< value: payload that the legs carry [kg]; ratio: of all mass to today's
+    no_equilibrium,
+    little_stroke,  ///< value: stroke left [m]
+    short_guide,    ///< value: length of the piston inside the guide sleeve [m]
+    tilted_rod,     ///< value: static tilt [rad]
+    near_singular   ///< value: condition
+  };
+  Kind kind{};
+  double value{};  ///< of the worst leg
+  double ratio{};
+  std::vector<int> legs{};  ///< 0…5
+};
+
 struct PoseCheck {
-  PoseChoice pose{};
+  model::NamedPose pose{};
   kinematics::PoseQuality quality{};
   std::array<LegCheck, model::leg_count> legs{};
   bool equilibrium{};      ///< static forces and tilts are valid
@@ -33,13 +50,14 @@ struct PoseCheck {
   dynamics::Buckling buckling{};
   std::optional<double>
       lowest_at_buckling{};  ///< ω of the lowest mode just below that payload [rad/s]
-  std::vector<std::string> warnings{};
+  std::vector<PoseWarning> warnings{};
 };
 
-/// Statics are those of the model `kind`.
-PoseCheck check(const model::Machine& machine, const PoseChoice& pose, dynamics::ModelKind kind);
+/// `hydrapod check`: legs, strokes, static forces and buckling at poses.
+Json check_json(const std::vector<PoseCheck>& poses, const model::Machine& machine);
+std::vector<PoseCheck> checks_from_json(const Json& json, const std::string& file);
 
-Json check_json(const PoseCheck& check);
+std::string warning_text(const PoseWarning& warning);
 
 /// "45.92 kg", "74940 kg": four digits, but never a power of ten.
 std::string mass_text(double mass);

@@ -29,7 +29,7 @@ struct HtmlOptions {
 /// modes, geometry, bode and answer per pose. Throws std::invalid_argument without poses, for
 /// `points` < 2 and for modes that the model does not have.
 Json report_json(const model::MachineFile& file, const std::string& path,
-                 const std::vector<PoseChoice>& poses, const HtmlOptions& options = {});
+                 const std::vector<model::NamedPose>& poses, const HtmlOptions& options = {});
 
 /// The page around `document` (an object with `title`). Throws base::ComputationError when the page
 /// was not built into this program.
@@ -37,7 +37,8 @@ std::string html_page(const Json& document, Theme theme = Theme::automatic);
 
 /// report_json and html_page in one.
 std::string html_report(const model::MachineFile& file, const std::string& path,
-                        const std::vector<PoseChoice>& poses, const HtmlOptions& options = {});
+                        const std::vector<model::NamedPose>& poses,
+                        const HtmlOptions& options = {});
 
 /// `text` as HTML text or attribute value.
 std::string escape_html(std::string_view text);

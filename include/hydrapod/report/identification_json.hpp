@@ -6,6 +6,7 @@
 #include "hydrapod/identification/identify.hpp"
 #include "hydrapod/identification/realisation.hpp"
 #include "hydrapod/identification/second_opinion.hpp"
+#include "hydrapod/observation/targets.hpp"
 #include "hydrapod/report/json.hpp"
 
 namespace hydrapod::report {
@@ -28,6 +29,9 @@ std::optional<data::RecordHeader> record_origin_from_json(const Json& json,
 /// `modes[]`, `heavily_damped[]`, `left_out[]`, `mac`, `band_hz`, `stabilisation[]`, `clusters[]`,
 /// `indicator`, `fit_error`, `misfit`, `warnings[]`.
 Json identification_json(const identification::Identification& result);
+/// Reads it: modes, heavily damped poles, inputs, outputs and lines of the responses. The chart,
+/// the clusters and the model stay empty.
+identification::Identification identification_from_json(const Json& json, const std::string& file);
 
 /// Adds `second_opinion` to each of `modes[]` of identification_json(): null where there is none.
 void add_second_opinions(const std::vector<std::optional<identification::SecondOpinion>>& opinions,
@@ -43,7 +47,19 @@ std::string responses_csv(const identification::FrequencyResponses& responses);
 Json output_only_json(const std::vector<identification::OutputOnlyMode>& modes);
 std::string output_only_csv(const std::vector<identification::OutputOnlyMode>& modes);
 
-/// One line per mode.
-std::string identified_modes_csv(const identification::Identification& result);
+/// One line per mode. `observed`: the system that was measured, where it is known.
+std::string identified_modes_csv(const identification::Identification& result,
+                                 std::optional<observation::Observed> observed = {});
+
+/// What such a table holds.
+struct ListedModes {
+  data::ModalResults modes{};  ///< and outputs; deviations of shapes are zero
+  std::optional<observation::MotionAgainst> against{};
+  std::optional<observation::Observed> observed{};
+};
+/// By its title row.
+bool is_identified_modes_csv(const std::string& path);
+/// Throws base::InputError with file:line:column.
+ListedModes identified_modes_from_csv(const std::string& path);
 
 }  // namespace hydrapod::report

@@ -8,6 +8,12 @@
 
 namespace hydrapod::report {
 
+/// "6 inputs, 6 outputs, 200 lines from 1 Hz to 20 Hz, h1 with 45.1 independent averages".
+std::string measurement_text(const identification::FrequencyResponses& responses);
+
+/// How outputs were brought to directions: "leg lengths brought to platform directions".
+const char* frame_text(bool from_legs, bool from_accelerometers);
+
 struct MeasuredText {
   std::vector<std::string> records{};
   std::string measured{};  ///< "6 inputs, 6 outputs, …"

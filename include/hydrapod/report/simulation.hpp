@@ -10,6 +10,7 @@
 #include "hydrapod/report/json.hpp"
 #include "hydrapod/simulation/motion_check.hpp"
 #include "hydrapod/simulation/trace.hpp"
+#include "hydrapod/simulation/tuning.hpp"
 
 namespace hydrapod::report {
 
@@ -31,7 +32,7 @@ struct PreparedSimulation {
 
 /// Throws base::InputError for commands that cannot be read, make no sense, or lead out of the
 /// workspace; base::ComputationError where the machine does not stand at the pose.
-PreparedSimulation prepare_simulation(const model::Machine& machine, const PoseChoice& pose,
+PreparedSimulation prepare_simulation(const model::Machine& machine, const model::NamedPose& pose,
                                       const SimulationOptions& options);
 
 struct Simulation {
@@ -57,14 +58,16 @@ Simulation run_simulation(PreparedSimulation& prepared, const simulation::LoopSi
 
 /// `model`, `commands[]`, `controller`, `run`, `directions[]`, `legs[]`, `trace`.
 Json simulation_json(const Simulation& simulation);
+Simulation simulation_from_json(const Json& json, const std::string& file);
 
 /// The run as the page of `hydrapod report` shows it: `pose`, `geometry` of the machine there,
 /// `summary` in words, and the above. `rest`: the model at the pose at which the run began.
 Json simulation_section(const Simulation& simulation, const model::Machine& machine,
-                        const PoseChoice& pose, const dynamics::LinearModel& rest);
+                        const model::NamedPose& pose, const dynamics::LinearModel& rest);
 
 /// The controller's numbers: `controller` of the above.
 Json controller_json(const control::ControllerParameters& parameters, double lowest_oil_mode);
+simulation::Tuning controller_from_json(const Json& json, const std::string& file);
 
 /// Commanded and true motion in the six directions, and pistons and drives of the legs, over time.
 /// Throws as plot_bode does.

@@ -2,13 +2,13 @@
 /// The whole machine as one linear system, for people and programs: poles, root locus, response
 /// from command to pose.
 
-#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
 
-#include "hydrapod/report/json.hpp"
+#include "hydrapod/report/bode.hpp"
 #include "hydrapod/simulation/system_poles.hpp"
+#include "hydrapod/simulation/tuning.hpp"
 
 namespace hydrapod::report {
 
@@ -17,12 +17,20 @@ namespace hydrapod::report {
 std::string participation_text(const simulation::SystemPole& pole);
 
 /// "stable: …" or "unstable: …", by the sampled loop, with the pole that decides it.
-std::string verdict_text(const simulation::LinearSystem& system,
-                         const simulation::SystemPoles& poles);
+std::string verdict_text(const simulation::SystemPoles& poles);
 
-/// `stable`, `poles[]`, `sampled`, `delay`.
-Json system_poles_json(const simulation::LinearSystem& system,
-                       const simulation::SystemPoles& poles);
+/// Mechanics, hydraulics and controller as one linear system.
+struct System {
+  bool closed{true};  ///< false: without the controller
+  simulation::LinearSystem linear{};
+  simulation::SystemPoles poles{};
+  simulation::Tuning tuning{};  ///< of the controller; empty without one
+};
+
+/// `controller`, `stable`, `poles[]`, `sampled`, `delay`.
+Json system_json(const System& system);
+/// Reads it. Of `linear` there are the delay and the sample time.
+System system_from_json(const Json& json, const std::string& file);
 std::string system_poles_csv(const simulation::SystemPoles& poles);
 
 /// Poles over one number of the machine file.
@@ -34,11 +42,9 @@ struct RootLocus {
   /// 1e-4 of their distance.
   std::vector<double> limits{};
 };
-/// `system_at` gives the system for a value; `progress` gets the share that is done.
-RootLocus root_locus(const std::string& key, const std::vector<double>& values,
-                     const std::function<simulation::LinearSystem(double)>& system_at,
-                     const std::function<void(double)>& progress = {});
 Json root_locus_json(const RootLocus& locus);
+/// Reads it. Of the poles there is λ alone.
+RootLocus root_locus_from_json(const Json& json, const std::string& file);
 std::string root_locus_csv(const RootLocus& locus);
 /// Poles in the complex plane, coloured by the value. Throws as plot_bode does.
 void plot_root_locus(const RootLocus& locus, const std::string& title, const std::string& subtitle,
@@ -47,10 +53,8 @@ void plot_root_locus(const RootLocus& locus, const std::string& title, const std
 /// H from the commanded to the true displacement of the pose, 6×6.
 struct CommandResponse {
   std::vector<double> omega{};  ///< [rad/s]
-  std::vector<Eigen::Matrix<std::complex<double>, 6, 6>> H{};
+  std::vector<response::Matrix6c> H{};
 };
-CommandResponse command_response(const simulation::LinearSystem& system, double from, double to,
-                                 int points);
 
 /// What a direct response is like.
 struct CommandBandwidth {
@@ -62,6 +66,7 @@ struct CommandBandwidth {
 CommandBandwidth command_bandwidth(const CommandResponse& response, int direction);
 
 Json command_response_json(const CommandResponse& response);
+CommandResponse command_response_from_json(const Json& json, const std::string& file);
 std::string command_response_csv(const CommandResponse& response);
 void plot_command_response(const CommandResponse& response, const std::string& title,
                            const std::string& subtitle, const std::string& path);

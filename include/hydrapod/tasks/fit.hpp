@@ -1,0 +1,68 @@
+#pragma once
+/// Tasks that explain measurements: parameters fitted to modes, and the part that is guilty.
+///
+///     const auto found = tasks::diagnose(machine, {.measured = {.files = {"run.h5"}}});
+///     for (const auto& e : found.file.diagnosis->explanations) std::printf("%s\n",
+///     e.name.c_str());
+
+#include "hydrapod/calibration/calibrate.hpp"
+#include "hydrapod/diagnosis/summary.hpp"
+#include "hydrapod/tasks/measurement.hpp"
+
+namespace hydrapod::tasks {
+
+/// What is known of a free parameter besides the data.
+struct KnownParameter {
+  std::string path{};
+  calibration::PriorAmounts prior{};
+};
+
+struct CalibrateOptions {
+  /// File of targets: TOML or CSV (calibration/targets_file.hpp), or whatever read_measured()
+  /// reads.
+  std::string targets{};
+  calibration::Plan plan{};              ///< added to that of the file; its options hold
+  std::vector<KnownParameter> priors{};  ///< of free parameters of the file or of `plan`
+  std::optional<int> starts{};           ///< instead of the file's, as the next two
+  std::optional<std::uint64_t> seed{};
+  std::optional<calibration::Loss> loss{};
+  std::vector<std::string> profiles{};  ///< paths of free parameters to be held and profiled
+};
+
+struct Calibrated {
+  observation::Targets targets{};
+  calibration::Plan plan{};  ///< as used
+  calibration::Calibration result{};
+  std::vector<calibration::Profile> profiles{};
+  bool interrupted{};
+  std::vector<base::Diagnostic> warnings{};
+};
+
+/// Throws base::InputError for a targets file or paths that cannot be, base::ComputationError when
+/// no combination has modes.
+Calibrated calibrate(const Machine& machine, const CalibrateOptions& options,
+                     const Progress& progress = {});
+
+struct DiagnoseOptions {
+  MeasuredOptions measured{};  ///< without files: the machine file alone
+  diagnosis::DiagnoseOptions rules{};
+  diagnosis::RemedyGoal goal{.drop = 0.02};  ///< of the guide sleeves
+  /// Where the goal is to be met, and where could be measured; empty: all poses of the file.
+  std::vector<model::NamedPose> poses{};
+};
+
+struct Diagnosed {
+  Machine machine{};  ///< as given, its pose among those of its file
+  diagnosis::CaseFile file{};
+  std::vector<base::Diagnostic> warnings{};
+};
+
+/// Diagnosis of the measurement, then attribution and remedy of the machine that explains it best.
+Diagnosed diagnose(const Machine& machine, const DiagnoseOptions& options = {},
+                   const Progress& progress = {});
+
+/// The measured mode that comes most from what gives way beside the oil, as number of the
+/// explaining machine's mode, from 1; 0 where there is none at that pose.
+int guilty_mode(const diagnosis::Diagnosis& found, const std::string& pose);
+
+}  // namespace hydrapod::tasks

@@ -1,0 +1,73 @@
+#pragma once
+/// Tasks on the machine near rest: modes, poles, frequency responses, statics, sensitivities.
+///
+///     const auto modes = tasks::modes(machine);
+///     for (const auto& mode : modes.real.modes) std::printf("%.3f Hz\n", mode.mode.omega /
+///     two_pi);
+
+#include "hydrapod/calibration/sensitivity.hpp"
+#include "hydrapod/report/bode.hpp"
+#include "hydrapod/report/check.hpp"
+#include "hydrapod/report/system.hpp"
+#include "hydrapod/tasks/machine.hpp"
+
+namespace hydrapod::tasks {
+
+/// Modes at the machine's pose, of its model beside the rigid one.
+modal::ModeTable modes(const Machine& machine);
+
+/// The same of the file without the overrides; none where there are no overrides. Throws
+/// base::InputError and base::ComputationError where the file alone has no modes at this pose.
+std::optional<modal::ModeTable> modes_without_overrides(const Machine& machine);
+
+struct SystemOptions {
+  bool closed{true};  ///< false: without the controller, the valves held
+  int pade_order{simulation::default_pade_order};
+};
+
+/// Mechanics, hydraulics and controller as one linear system, and its poles.
+report::System system(const Machine& machine, const SystemOptions& options = {});
+
+struct RootLocusOptions {
+  std::string key{};  ///< of the machine file: "controller.gain"
+  double from{}, to{};
+  int count{11};  ///< values, both ends included; 2 … 1000
+  SystemOptions system{};
+};
+
+/// Poles over one number of the machine file. Throws std::invalid_argument for a range without
+/// length or another count. Throws base::InputError for a key that the file does not have.
+report::RootLocus root_locus(const Machine& machine, const RootLocusOptions& options,
+                             const Progress& progress = {});
+
+/// Responses of the mechanics. Throws base::ComputationError when the default band cannot be found
+/// (no stable mode), and std::invalid_argument for an empty band.
+report::Bode bode(const Machine& machine, const report::BodeOptions& options = {});
+
+struct CommandResponseOptions {
+  std::optional<double> from{}, to{};  ///< [rad/s]; default: 0.01 and 20 times the lowest oil mode
+  int points{2000};
+};
+
+/// Response of the whole machine, from the commanded to the true pose.
+struct SystemResponse {
+  report::System system{};
+  report::CommandResponse response{};
+};
+
+SystemResponse command_response(const Machine& machine, const CommandResponseOptions& options = {});
+
+/// Legs, static forces and buckling at `poses`; none given: at the machine's own pose.
+std::vector<report::PoseCheck> check(const Machine& machine,
+                                     const std::vector<model::NamedPose>& poses = {});
+
+struct SensitivityOptions {
+  std::vector<std::string> parameters{};  ///< paths in the machine file; empty: all that matter
+};
+
+/// Change of each frequency per change of each number of the machine file. Throws base::InputError
+/// for a path that the file does not have, and for a number that is zero.
+calibration::Sensitivities sensitivity(const Machine& machine,
+                                       const SensitivityOptions& options = {});
+
+}  // namespace hydrapod::tasks

@@ -1,0 +1,112 @@
+#pragma once
+/// Tasks on measurements: frequency responses, modes, and whatever a file holds as targets.
+///
+///     const auto found = tasks::identify({.measure = {.files = {"run.h5"}}});
+///     for (const auto& mode : found.modes.modes) std::printf("%.3f Hz\n", mode.fit.omega() /
+///     two_pi);
+///
+/// What one task writes every task that can use it reads. A file is recognised by what it holds:
+/// modes (TOML, CSV, JSON of identify or modes), responses (JSON of frf, Universal File), records.
+
+#include "hydrapod/identification/bootstrap.hpp"
+#include "hydrapod/identification/measure.hpp"
+#include "hydrapod/identification/realisation.hpp"
+#include "hydrapod/identification/second_opinion.hpp"
+#include "hydrapod/report/mode_comparison.hpp"
+#include "hydrapod/tasks/machine.hpp"
+
+namespace hydrapod::tasks {
+
+/// Records, or one file of responses, and how responses are estimated from records.
+struct MeasureOptions {
+  std::vector<std::string> files{};     ///< records are averaged together
+  std::optional<double> sample_rate{};  ///< [Hz] for files that do not tell it
+  /// `platform` and `outputs_to_platform` follow from the machine.
+  identification::MeasureOptions estimate{};
+  /// Outputs are accelerometers, brought to accelerations of the platform in six directions.
+  bool accelerometers{};
+  std::vector<data::PlacedSensor> sensors{};  ///< where they sit; empty: as the record says
+  /// The machine that was measured: turns leg lengths into directions of the platform, and modes
+  /// are compared with its modes. Path of a machine file; empty: the one in the record, if any.
+  std::string machine{};
+  std::string pose{};                          ///< see pose_of; empty: as the record says
+  std::optional<dynamics::ModelKind> model{};  ///< none: as the record says
+  std::optional<Machine> known{};              ///< the machine, where it is read already
+  std::optional<spatial::Vector3> p_PQ{};  ///< point whose motion is meant [m]; none: mass centre
+};
+
+/// Frequency responses and where they come from.
+struct Measured {
+  identification::Measurement measurement{};   ///< of responses that were read, only `responses`
+  std::optional<data::RecordSet> records{};    ///< none: responses were read
+  std::optional<data::RecordHeader> header{};  ///< where it is known: of the first record
+  bool from_accelerometers{};                  ///< outputs were brought to the platform
+  std::optional<Machine> machine{};
+  std::vector<base::Diagnostic> warnings{};
+
+  [[nodiscard]] const identification::FrequencyResponses& responses() const {
+    return measurement.responses;
+  }
+  [[nodiscard]] const data::Experiment* experiment() const {
+    return header ? &header->experiment : nullptr;
+  }
+};
+
+/// Frequency responses. Reads records, JSON of frf and Universal Files. `progress` that asks to
+/// stop ends the reading of records; the result is of what was read. Throws base::InputError and
+/// base::ComputationError.
+Measured frf(const MeasureOptions& options, const Progress& progress = {});
+
+/// The spectra of the responses alone, of a machine whose excitation was not measured.
+Measured measure_outputs(const MeasureOptions& options, const Progress& progress = {});
+
+/// The system that the inputs see: in a record of a test rig the plant from the drives on, else the
+/// machine under its controller. None: not known.
+std::optional<observation::Observed> observed_in(const Measured& measured);
+
+struct IdentifyOptions {
+  MeasureOptions measure{};
+  identification::IdentifyOptions modes{};
+  int bootstrap{};  ///< draws to check the intervals with; 0: none
+  bool second_opinion{};
+  bool compare{true};  ///< with the modes of the machine, where one is known
+  std::optional<observation::Observed> against{};  ///< system to compare with; none: observed_in()
+};
+
+struct Identified {
+  Measured measured{};
+  identification::Identification modes{};
+  std::vector<std::optional<identification::SecondOpinion>> opinions{};  ///< per mode, or empty
+  std::optional<identification::BootstrapScatter> bootstrap{};
+  std::optional<report::ComparedModes> compared{};
+  std::vector<base::Diagnostic> warnings{};  ///< those of `measured` too
+};
+
+/// Modes from records or responses. What cannot be had besides the modes is a warning.
+Identified identify(const IdentifyOptions& options, const Progress& progress = {});
+
+/// Modes of a machine whose excitation was not measured, up to `to` [Hz].
+std::vector<identification::OutputOnlyMode> identify_outputs(const Measured& measured,
+                                                             std::optional<double> to = {});
+
+struct MeasuredOptions {
+  /// Each may say its pose, "run.h5@low", by its name in the machine file; else it was taken at the
+  /// machine's pose. Lists of modes say it themselves.
+  std::vector<std::string> files{};
+  std::optional<observation::Observed> observed{};  ///< system that was measured; none: found out
+};
+
+struct MeasuredTargets {
+  observation::Targets targets{};
+  std::vector<base::Diagnostic> warnings{};
+};
+
+/// Modes as a person or a spreadsheet lists them, which calibration/targets_file.hpp reads?
+bool is_mode_list(const std::string& path);
+
+/// Modes, and responses beside them, of any files as targets for `machine`, whose pose must be one
+/// of its file's. Throws base::InputError and base::ComputationError.
+MeasuredTargets read_measured(const Machine& machine, const MeasuredOptions& options,
+                              const Progress& progress = {});
+
+}  // namespace hydrapod::tasks

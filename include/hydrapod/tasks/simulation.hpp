@@ -1,0 +1,46 @@
+#pragma once
+/// Tasks over time: the machine moves as it is commanded, or is excited and measured.
+///
+///     const auto run = tasks::simulate(machine, {.commands = {"step z=5 mm"}, .record =
+///     "run.h5"}); tasks::rig(machine, {.record = "test.h5"});
+
+#include "hydrapod/report/simulation.hpp"
+#include "hydrapod/rig/rig.hpp"
+#include "hydrapod/tasks/machine.hpp"
+
+namespace hydrapod::tasks {
+
+struct SimulateOptions {
+  std::vector<std::string> commands{};  ///< see signals/signal_text.hpp; they add up; none: rest
+  std::optional<double> until{};        ///< [s]; default: what the commands need, and a little more
+  simulation::LoopOptions loop{};       ///< `kind` and `until` are not used
+  std::size_t trace_samples{3000};
+  std::string record{};                     ///< file to write (data/record_io.hpp); empty: none
+  std::vector<std::string> command_line{};  ///< what the record says of its origin
+};
+
+/// A run that ends early has everything up to there, and so has its record. `progress` that asks to
+/// stop ends the run. Throws base::InputError for commands that cannot be read, make no sense, or
+/// lead out of the workspace; base::ComputationError where the machine does not stand at the pose.
+report::Simulation simulate(const Machine& machine, const SimulateOptions& options,
+                            const Progress& progress = {});
+
+struct RigOptions {
+  rig::RigOptions test{};  ///< `loop.kind` is not used; `signals` empty: rig::default_signals
+  int averages{};         ///< periods of a periodic excitation, instead of `duration`; 0: none
+  std::string record{};   ///< file to write; empty: only the levels are checked
+  bool force{};           ///< run though the levels do not fit
+  std::vector<std::string> command_line{};  ///< what the record says of its origin
+};
+
+struct Rig {
+  rig::RigOptions options{};                  ///< as used
+  std::vector<rig::LevelFinding> findings{};  ///< of the levels
+  rig::RigResult result{};
+};
+
+/// Throws base::InputError for levels that do not fit, unless `force` is set. A run that ends early
+/// leaves its record.
+Rig rig(const Machine& machine, const RigOptions& options, const Progress& progress = {});
+
+}  // namespace hydrapod::tasks

@@ -1,0 +1,123 @@
+#include <algorithm>
+
+#include "hydrapod/hydraulics/oil_spring.hpp"
+#include "hydrapod/modal/normal_modes.hpp"
+#include "hydrapod/tasks/linear.hpp"
+
+namespace hydrapod::tasks {
+
+namespace {
+
+using report::LegCheck;
+using report::PoseCheck;
+using Kind = report::PoseWarning::Kind;
+
+LegCheck check_leg(const model::Leg& leg, double length, const kinematics::JointAngles& angles) {
+  LegCheck result{.length = length, .piston = length - leg.rod.length};
+  result.guided_length = leg.guide_sleeve.position - result.piston;
+  result.oil_stiffness = hydraulics::oil_stiffness(leg, result.piston);
+  result.base_tilt = angles.base_tilt;
+  result.platform_tilt = angles.platform_tilt;
+  if (leg.stroke) {
+    result.retract_left = result.piston - leg.stroke->retracted;
+    result.extend_left = leg.stroke->retracted + leg.stroke->length - result.piston;
+  }
+  return result;
+}
+
+void add_statics(const model::Machine& machine, dynamics::ModelKind kind, PoseCheck& result) {
+  const auto statics = dynamics::static_equilibrium(machine, result.pose.X_BP, kind);
+  result.equilibrium = statics.status == dynamics::StaticsStatus::converged;
+  for (int i = 0; i < model::leg_count; ++i) {
+    result.legs[i].axial_force = 0.0 - statics.legs[i].oil_force;  // no -0 without a load
+    result.legs[i].tilt = statics.legs[i].flexible.head<2>().norm();
+  }
+}
+
+void add_buckling(const model::Machine& machine, dynamics::ModelKind kind, PoseCheck& result) {
+  result.buckling_sought = kind != dynamics::ModelKind::rigid && !machine.gravity.isZero(0.0);
+  if (!result.buckling_sought) return;
+  result.buckling = dynamics::buckling_payload(machine, result.pose.X_BP, kind);
+  if (result.buckling.status != dynamics::BucklingStatus::found) return;
+  model::Machine loaded = machine;
+  const double just_below = 1.0 - dynamics::BucklingOptions{}.tolerance;  // of the bracketed load
+  loaded.platform.mass = just_below * (machine.platform.mass + result.buckling.payload);
+  const auto model = dynamics::linear_model(loaded, result.pose.X_BP, kind, &result.buckling.last);
+  result.lowest_at_buckling = modal::normal_modes(model).omega(0);
+}
+
+void warn_of_load(const model::Machine& machine, PoseCheck& result) {
+  const auto& buckling = result.buckling;
+  const double payload = buckling.payload, mass = machine.platform.mass;
+  if (buckling.status == dynamics::BucklingStatus::buckled)
+    result.warnings.push_back({.kind = Kind::buckled, .value = -payload});
+  else if (buckling.status == dynamics::BucklingStatus::found && payload < mass)
+    result.warnings.push_back(
+        {.kind = Kind::near_buckling, .value = payload, .ratio = 1.0 + payload / mass});
+  else if (!result.equilibrium)
+    result.warnings.push_back({.kind = Kind::no_equilibrium});
+}
+
+/// One warning for all legs whose `value` lies below its limit, with the lowest of them.
+template <class Value, class Limit>
+void warn_below(PoseCheck& result, Kind kind, Value value, Limit limit) {
+  report::PoseWarning warning{.kind = kind};
+  for (int i = 0; i < model::leg_count; ++i) {
+    if (!(value(i) < limit(i))) continue;
+    warning.value = warning.legs.empty() ? value(i) : std::min(warning.value, value(i));
+    warning.legs.push_back(i);
+  }
+  if (!warning.legs.empty()) result.warnings.push_back(warning);
+}
+
+void warn_of_legs(const model::Machine& machine, PoseCheck& result) {
+  constexpr double little_stroke = 0.05;  // of the stroke
+  constexpr double short_guide = 0.05;    // l_mh, of the rod's length
+  constexpr double large_tilt = 0.02;     // rad
+  const auto& legs = result.legs;
+  warn_below(
+      result, Kind::little_stroke,
+      [&](int i) {
+        return machine.legs[i].stroke ? std::min(*legs[i].retract_left, *legs[i].extend_left) : 0.0;
+      },
+      [&](int i) {
+        return machine.legs[i].stroke ? little_stroke * machine.legs[i].stroke->length : -1.0;
+      });
+  warn_below(
+      result, Kind::short_guide, [&](int i) { return legs[i].guided_length; },
+      [&](int i) { return short_guide * machine.legs[i].rod.length; });
+  if (!result.equilibrium) return;
+  warn_below(
+      result, Kind::tilted_rod, [&](int i) { return -legs[i].tilt; },
+      [](int) { return -large_tilt; });
+  if (!result.warnings.empty() && result.warnings.back().kind == Kind::tilted_rod)
+    result.warnings.back().value *= -1.0;
+}
+
+PoseCheck check_pose(const model::Machine& machine, const model::NamedPose& pose,
+                     dynamics::ModelKind kind) {
+  PoseCheck result{.pose = pose, .quality = kinematics::pose_quality(machine, pose.X_BP)};
+  const auto lengths = kinematics::leg_lengths(machine, pose.X_BP);
+  const auto angles = kinematics::joint_angles(machine, pose.X_BP);
+  for (int i = 0; i < model::leg_count; ++i)
+    result.legs[i] = check_leg(machine.legs[i], lengths[i], angles[i]);
+  add_statics(machine, kind, result);
+  add_buckling(machine, kind, result);
+  warn_of_load(machine, result);
+  warn_of_legs(machine, result);
+  constexpr double poor_condition = 100.0;
+  if (result.quality.condition > poor_condition)
+    result.warnings.push_back({.kind = Kind::near_singular, .value = result.quality.condition});
+  return result;
+}
+
+}  // namespace
+
+std::vector<PoseCheck> check(const Machine& machine, const std::vector<model::NamedPose>& poses) {
+  std::vector<PoseCheck> results;
+  for (const auto& pose : poses.empty() ? std::vector{machine.pose} : poses)
+    results.push_back(check_pose(machine.file.machine, pose, machine.kind));
+  return results;
+}
+
+}  // namespace hydrapod::tasks

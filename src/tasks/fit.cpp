@@ -1,0 +1,127 @@
+#include "hydrapod/tasks/fit.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "hydrapod/calibration/targets_file.hpp"
+
+namespace hydrapod::tasks {
+
+namespace {
+
+/// Positions of the profiled paths among the free parameters. Throws base::InputError.
+std::vector<int> profiled(const std::vector<std::string>& paths, const calibration::Plan& plan) {
+  std::vector<int> positions;
+  for (const auto& path : paths) {
+    const auto found = std::ranges::find_if(
+        plan.free, [&](const auto& free) { return std::ranges::count(free.paths, path) > 0; });
+    if (found == plan.free.end())
+      throw base::InputError(
+          {{.file = "--profile " + path, .message = "is not one of the free parameters"}});
+    positions.push_back(static_cast<int>(found - plan.free.begin()));
+  }
+  return positions;
+}
+
+void add_prior(const KnownParameter& known, calibration::Plan& plan) {
+  const auto free = std::ranges::find_if(
+      plan.free, [&](const auto& one) { return one.paths.front() == known.path; });
+  if (free == plan.free.end())
+    throw base::InputError(
+        {{.file = "--prior " + known.path,
+          .message = fmt::format("`{0}` is not free; add --free {0}", known.path)}});
+  free->prior = known.prior;
+}
+
+/// The targets, and what their file says of the fit.
+Calibrated prepared(const Machine& machine, const CalibrateOptions& options,
+                    const Progress& progress) {
+  Calibrated result;
+  if (is_mode_list(options.targets)) {
+    auto file = calibration::read_targets(options.targets);
+    result.targets = std::move(file.targets);
+    result.plan = std::move(file.plan);
+  } else {
+    auto measured = read_measured(machine, {.files = {options.targets}}, progress);
+    result.targets = std::move(measured.targets);
+    result.warnings = std::move(measured.warnings);
+  }
+  auto& plan = result.plan;
+  std::ranges::copy(options.plan.free, std::back_inserter(plan.free));
+  std::ranges::copy(options.plan.alternatives, std::back_inserter(plan.alternatives));
+  for (const auto& known : options.priors) add_prior(known, plan);
+  plan.options.threads = options.plan.options.threads;
+  plan.options.starts = options.starts.value_or(plan.options.starts);
+  plan.options.seed = options.seed.value_or(plan.options.seed);
+  plan.options.loss = options.loss.value_or(plan.options.loss);
+  return result;
+}
+
+}  // namespace
+
+Calibrated calibrate(const Machine& machine, const CalibrateOptions& options,
+                     const Progress& progress) {
+  auto result = prepared(machine, options, progress);
+  const auto positions = profiled(options.profiles, result.plan);
+  bool stopped = false;
+  const Progress watched = [&](double share) {
+    stopped = progress && progress(share);
+    return stopped;
+  };
+  result.result =
+      calibration::calibrate(machine.file, result.targets, result.plan, machine.kind, watched);
+  for (const int position : positions) {
+    auto profile = calibration::profile(machine.file, result.targets, result.plan, machine.kind,
+                                        result.result.best(), position, watched);
+    if (stopped) break;  // half a profile has no interval
+    result.profiles.push_back(std::move(profile));
+  }
+  result.interrupted = stopped;
+  return result;
+}
+
+Diagnosed diagnose(const Machine& given, const DiagnoseOptions& options, const Progress& progress) {
+  Diagnosed result{.machine = given};
+  auto& [file, path, pose, kind] = result.machine;
+  add_pose(file, pose, "as_measured");
+  auto& found = result.file;
+  found = {.machine = file.machine, .kind = kind, .pose = pose.name, .goal = options.goal};
+  const auto poses = options.poses.empty() ? file.machine.poses : options.poses;
+  if (!options.measured.files.empty()) {
+    auto measured =
+        read_measured(result.machine, options.measured, numerics::part_of(progress, 0.0, 0.2));
+    result.warnings = std::move(measured.warnings);
+    found.diagnosis = diagnosis::diagnose(file, measured.targets, kind, poses, options.rules,
+                                          numerics::part_of(progress, 0.2, 0.9));
+    const auto& d = *found.diagnosis;
+    if (d.alike.empty() || d.interrupted) return result;
+    const auto& best = d.explanations[d.alike.front()];
+    found.machine = diagnosis::machine_of(file, best);
+    found.kind = best.kind;
+  }
+  if (found.kind == dynamics::ModelKind::rigid) return result;  // nothing to give way
+  const auto X_BP =
+      std::ranges::find(found.machine.poses, pose.name, &model::NamedPose::name)->X_BP;
+  found.drops = diagnosis::attribute_drops(found.machine, X_BP, found.kind);
+  found.remedy = diagnosis::find_remedy(found.machine, poses, found.kind, found.goal,
+                                        numerics::part_of(progress, 0.9, 1.0));
+  return result;
+}
+
+int guilty_mode(const diagnosis::Diagnosis& found, const std::string& pose) {
+  if (found.alike.empty()) return 0;
+  const auto& fit = found.explanations[found.alike.front()].fit;
+  int number = 0;
+  double most = 0.0;
+  for (std::size_t i = 0; i < found.modes.size(); ++i) {
+    const auto& mode = found.modes[i];
+    const double share = 1.0 - mode.oil;
+    if (mode.pose != pose || share <= most) continue;
+    most = share;
+    number = fit.targets[i].mode + 1;
+  }
+  return number;
+}
+
+}  // namespace hydrapod::tasks

@@ -1,0 +1,163 @@
+#include "hydrapod/tasks/linear.hpp"
+
+#include <fmt/format.h>
+
+#include <stdexcept>
+
+#include "hydrapod/kinematics/check_machine.hpp"
+
+namespace hydrapod::tasks {
+
+namespace {
+
+constexpr int most_values = 1000;   // of a root locus
+constexpr double bisection = 1e-4;  // of the distance of two values of a root locus
+
+simulation::LinearSystemOptions linear_options(const Machine& machine,
+                                               const SystemOptions& options) {
+  return {.kind = machine.kind, .pade_order = options.pade_order, .closed = options.closed};
+}
+
+/// Fills in the band: a third of the lowest to twice the highest frequency that the platform feels.
+void fill_band(const modal::ModeTable& table, report::BodeOptions& options) {
+  double lowest = 1e300, highest = 0.0;
+  for (const auto* modes : {&table.real.modes, &table.rigid.modes})
+    for (const auto& entry : *modes) {
+      if (!entry.platform_feels || entry.mode.omega <= 0.0) continue;
+      lowest = std::min(lowest, entry.mode.omega);
+      highest = std::max(highest, entry.mode.omega);
+    }
+  if (highest == 0.0 && (!options.from || !options.to))
+    throw base::ComputationError(
+        "no stable mode that the platform feels; give the band with --from and --to");
+  if (!options.from) options.from = std::min(lowest / 3.0, options.to.value_or(lowest) / 3.0);
+  if (!options.to) options.to = std::max(2.0 * highest, 3.0 * *options.from);
+}
+
+struct Swept {
+  std::vector<response::Matrix6c> H;
+  std::vector<response::Peak> peaks;
+};
+
+Swept sweep(const modal::AnalysedModel& model, const report::Bode& bode) {
+  const auto& options = bode.options;
+  const auto swept = response::response_model(model.linear, model.normal, bode.table.ratio.value,
+                                              *options.p_PQ, options.input);
+  return {response::frequency_response(swept, bode.omega, options.output),
+          response::find_peaks(swept, {*options.from, *options.to, options.output})};
+}
+
+/// Throws base::InputError for numbers without a relative sensitivity.
+void check_parameters(const std::vector<std::string>& paths, const model::MachineFile& file) {
+  const model::VariableMachine machine(file);
+  std::vector<base::Diagnostic> errors;
+  for (const auto& path : paths) {
+    const auto* number = machine.find(path);
+    const std::string near = machine.nearest_path(path);
+    if (number == nullptr)
+      errors.push_back(
+          {.file = "--parameter " + path,
+           .message = "the machine file has no such number" +
+                      (near.empty() ? "" : fmt::format("; did you mean `{}`?", near))});
+    else if (number->value == 0.0)
+      errors.push_back(
+          {.file = "--parameter " + path, .message = "is 0, and has no change in per cent"});
+  }
+  if (!errors.empty()) throw base::InputError(errors);
+}
+
+}  // namespace
+
+modal::ModeTable modes(const Machine& machine) {
+  return modal::mode_table(machine.file.machine, machine.pose.X_BP, machine.kind);
+}
+
+std::optional<modal::ModeTable> modes_without_overrides(const Machine& machine) {
+  if (machine.file.overrides.empty()) return {};
+  auto kind = machine.kind;
+  const auto file =
+      model::parse_machine(machine.file.text, machine.path, {}, kinematics::check_machine);
+  if (kind == dynamics::ModelKind::full) kind = model_of(file.machine);
+  return modal::mode_table(file.machine, pose_of(file.machine, machine.pose.name).X_BP, kind);
+}
+
+report::System system(const Machine& machine, const SystemOptions& options) {
+  const auto& of = machine.file.machine;
+  report::System result{
+      .closed = options.closed,
+      .linear = simulation::linear_system(of, machine.pose.X_BP, linear_options(machine, options))};
+  if (options.closed) result.tuning = simulation::tune_controller(of, machine.pose.X_BP);
+  result.poles = simulation::system_poles(result.linear);
+  return result;
+}
+
+report::RootLocus root_locus(const Machine& machine, const RootLocusOptions& options,
+                             const Progress& progress) {
+  if (options.count < 2 || options.count > most_values || options.from == options.to)
+    throw std::invalid_argument(fmt::format(
+        "root_locus: {} values from {} to {}; expected 2 to {} values and two different "
+        "ends",
+        options.count, options.from, options.to, most_values));
+  const auto poles_at = [&](double value) {
+    auto overrides = machine.file.overrides;
+    overrides.push_back(fmt::format("{}={:.17g}", options.key, value));
+    const auto changed =
+        model::parse_machine(machine.file.text, machine.path, overrides, kinematics::check_machine);
+    return simulation::system_poles(simulation::linear_system(
+        changed.machine, machine.pose.X_BP, linear_options(machine, options.system)));
+  };
+  report::RootLocus locus{.key = options.key};
+  for (int k = 0; k < options.count; ++k) {
+    locus.values.push_back(options.from + (options.to - options.from) * k / (options.count - 1));
+    locus.poles.push_back(poles_at(locus.values.back()));
+    if (progress && progress((k + 1.0) / options.count)) break;
+  }
+  for (std::size_t k = 0; k + 1 < locus.values.size(); ++k) {
+    const bool stable = locus.poles[k].sampled_stable;
+    if (stable == locus.poles[k + 1].sampled_stable) continue;
+    double low = locus.values[k], high = locus.values[k + 1];
+    const double enough = bisection * std::abs(high - low);
+    while (std::abs(high - low) > enough) {
+      const double middle = 0.5 * (low + high);
+      (poles_at(middle).sampled_stable == stable ? low : high) = middle;
+    }
+    locus.limits.push_back(0.5 * (low + high));
+  }
+  return locus;
+}
+
+report::Bode bode(const Machine& machine, const report::BodeOptions& options) {
+  report::Bode result{.options = options, .table = modes(machine)};
+  if (!result.options.p_PQ) result.options.p_PQ = machine.file.machine.platform.mass_center;
+  fill_band(result.table, result.options);
+  result.omega = response::log_space(*result.options.from, *result.options.to, options.points);
+  auto real = sweep(result.table.real, result);
+  auto rigid = sweep(result.table.rigid, result);
+  result.real = std::move(real.H);
+  result.real_peaks = std::move(real.peaks);
+  result.rigid = std::move(rigid.H);
+  result.rigid_peaks = std::move(rigid.peaks);
+  return result;
+}
+
+SystemResponse command_response(const Machine& machine, const CommandResponseOptions& options) {
+  SystemResponse result{.system = system(machine)};
+  const double lowest = result.system.tuning.lowest_oil_mode;
+  const double from =
+      options.from.value_or(std::min(0.01 * lowest, options.to.value_or(lowest) / 3.0));
+  const double to = options.to.value_or(std::max(20.0 * lowest, 3.0 * from));
+  result.response.omega = response::log_space(from, to, options.points);
+  for (const double omega : result.response.omega)
+    result.response.H.push_back(simulation::command_response(result.system.linear, omega));
+  return result;
+}
+
+calibration::Sensitivities sensitivity(const Machine& machine, const SensitivityOptions& options) {
+  check_parameters(options.parameters, machine.file);
+  auto file = machine.file;
+  auto pose = machine.pose;
+  const auto index = add_pose(file, pose, "asked-for");
+  return calibration::sensitivities(file, index, machine.kind, options.parameters);
+}
+
+}  // namespace hydrapod::tasks

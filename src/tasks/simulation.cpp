@@ -1,0 +1,183 @@
+#include "hydrapod/tasks/simulation.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <memory>
+
+#include "hydrapod/base/version.hpp"
+#include "hydrapod/signals/signal_text.hpp"
+
+namespace hydrapod::tasks {
+
+namespace {
+
+using simulation::ClosedLoop;
+using simulation::LoopSample;
+
+[[noreturn]] void bad(const std::string& argument, const std::string& message) {
+  throw base::InputError({{.file = argument, .message = message}});
+}
+
+data::RecordHeader header_of(const Machine& machine, std::uint64_t seed,
+                             const std::vector<std::string>& command_line) {
+  const auto& X_BP = machine.pose.X_BP;
+  const spatial::Vector3 rpy = spatial::rpy_from_rotation(X_BP.R_BP), &p = X_BP.p_BP;
+  return {.title = machine.file.machine.name,
+          .experiment = {.program = fmt::format("hydrapod {}", base::version),
+                         .command = command_line,
+                         .machine = machine.file.text,
+                         .overrides = machine.file.overrides,
+                         .pose_name = machine.pose.name,
+                         .pose = {{p.x(), p.y(), p.z(), rpy.x(), rpy.y(), rpy.z()}},
+                         .model = dynamics::name(machine.kind),
+                         .seed = seed}};
+}
+
+/// Simulated time as share of the whole; the loop goes on until told otherwise.
+simulation::KeepGoing keep_going(const Progress& progress, double until) {
+  return [&progress, until](double time) { return !progress || !progress(time / until); };
+}
+
+/// A record that grows block by block.
+class RecordFile {
+ public:
+  RecordFile(const std::string& path, const ClosedLoop& loop, data::RecordHeader header)
+      : loop_(loop) {
+    header.channels = simulation::record_channels(loop);
+    header.sample_rate = 1.0 / loop.output_interval();
+    block_.resize(rows, static_cast<Eigen::Index>(header.channels.size()));
+    writer_ = data::open_record_writer(path, header);
+  }
+
+  void append(const LoopSample& sample) {
+    simulation::record_row(loop_, sample, block_.row(filled_).data());
+    if (++filled_ == block_.rows()) flush();
+  }
+
+  void close() {
+    flush();
+    writer_->close();
+  }
+
+ private:
+  static constexpr Eigen::Index rows = 256;
+
+  void flush() {
+    const Eigen::Index count = filled_;
+    filled_ = 0;  // what could not be written is not tried again
+    if (count > 0) writer_->append(block_.topRows(count));
+  }
+
+  const ClosedLoop& loop_;
+  data::Samples block_{};
+  Eigen::Index filled_{};
+  std::unique_ptr<data::RecordWriter> writer_{};
+};
+
+/// The settings that the controller ran with.
+std::string controller_text(const control::ControllerParameters& p) {
+  return fmt::format(
+      "space={}, gain={:.6g} 1/s, integral_time={:.6g} s, velocity_feedforward={:.6g}, "
+      "damping_feedback={}, feedback_gain={:.6g}, feedback_corner={:.6g} rad/s, "
+      "sample_time={:.6g} s, delay={:.6g} samples",
+      p.space == model::ControlSpace::pose ? "pose" : "legs", fmt::join(p.gain, " "),
+      p.integral_time, p.velocity_feedforward, static_cast<int>(p.feedback),
+      fmt::join(p.feedback_gain, " "), p.feedback_corner, p.sample_time, p.delay);
+}
+
+data::RecordHeader rig_header(const Machine& machine, const rig::RigOptions& options,
+                              const std::vector<std::string>& command_line,
+                              const control::ControllerParameters& controller) {
+  constexpr std::array entries{"command", "drive", "wrench"};
+  auto header = header_of(machine, options.seed, command_line);
+  header.channels = rig::rig_channels(options);
+  header.sample_rate = options.rate;
+  header.start = options.settling;  // the excitation begins at 0
+  header.repeat = options.repeat;
+  auto& excitation = header.experiment.excitation.emplace();
+  excitation.entry = entries.at(static_cast<std::size_t>(options.entry));
+  spatial::Vector6 squares = spatial::Vector6::Zero();
+  for (const auto& signal : options.signals) {
+    excitation.signals.push_back(signals::signal_text(signal, rig::units_of(options.entry)));
+    squares += signal.size.cwiseAbs2();
+  }
+  for (int d = 0; d < 6; ++d) excitation.level.at(d) = std::sqrt(squares[d]);
+  if (const auto period = signals::period_samples(options.signals, 1.0 / controller.sample_time))
+    excitation.period = static_cast<double>(*period) * controller.sample_time;
+  header.experiment.controller = controller_text(controller);
+  for (const auto& one : options.instruments.accelerometers)
+    header.experiment.sensors.push_back({one.name, one.p_P, one.e_P});
+  return header;
+}
+
+/// Throws where the levels do not fit.
+void judge(const std::vector<rig::LevelFinding>& findings) {
+  std::vector<base::Diagnostic> list;
+  bool bad = false;
+  for (const auto& finding : findings) {
+    list.push_back({.severity = finding.severity,
+                    .file = finding.of_controller ? "controller" : "--excite",
+                    .message = finding.message});
+    bad = bad || finding.severity == base::Severity::error;
+  }
+  if (bad) throw base::InputError(list);
+}
+
+}  // namespace
+
+report::Simulation simulate(const Machine& machine, const SimulateOptions& options,
+                            const Progress& progress) {
+  report::SimulationOptions asked{.commands = options.commands,
+                                  .until = options.until,
+                                  .loop = options.loop,
+                                  .trace_samples = options.trace_samples};
+  asked.loop.kind = machine.kind;
+  auto prepared = report::prepare_simulation(machine.file.machine, machine.pose, asked);
+  std::optional<RecordFile> record;
+  if (!options.record.empty()) {
+    auto header = header_of(machine, options.loop.seed, options.command_line);
+    for (const auto& command : prepared.commands)
+      header.notes += fmt::format("{}command: {}", header.notes.empty() ? "" : "\n",
+                                  signals::signal_text(command));
+    record.emplace(options.record, *prepared.loop, std::move(header));
+  }
+  auto result = report::run_simulation(
+      prepared,
+      [&](const LoopSample& sample) {
+        if (record) record->append(sample);
+      },
+      keep_going(progress, *prepared.options.until));
+  if (record) record->close();
+  return result;
+}
+
+Rig rig(const Machine& machine, const RigOptions& asked, const Progress& progress) {
+  const auto& of = machine.file.machine;
+  Rig result{.options = asked.test};
+  auto& options = result.options;
+  options.loop.kind = machine.kind;
+  if (options.signals.empty()) options.signals = rig::default_signals(options.entry);
+  if (asked.averages > 0) {
+    const double rate = 1.0 / of.controller.sample_time;
+    const auto period = signals::period_samples(options.signals, rate);
+    if (!period) bad("--averages", "the excitation does not repeat; give its duration instead");
+    options.duration = asked.averages * static_cast<double>(*period) / rate;
+  }
+  try {
+    ClosedLoop loop(of, machine.pose.X_BP, rig::loop_options(options));
+    result.findings = rig::check_levels(loop, options);
+    if (!asked.force) judge(result.findings);
+    if (asked.record.empty()) return result;
+    const auto writer = data::open_record_writer(
+        asked.record, rig_header(machine, options, asked.command_line, loop.parameters()));
+    result.result = rig::run_rig(loop, options, *writer,
+                                 keep_going(progress, options.settling + options.duration));
+    writer->close();
+  } catch (const std::invalid_argument& error) {
+    bad("--excite", error.what());
+  }
+  return result;
+}
+
+}  // namespace hydrapod::tasks
