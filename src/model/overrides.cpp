@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "hydrapod/base/printable.hpp"
+#include "hydrapod/base/text.hpp"
 #include "hydrapod/model/parameters.hpp"
 #include "key_path.hpp"
 
@@ -18,13 +19,6 @@ namespace {
 
 constexpr std::size_t longest_override = 4096;
 constexpr const char* example = "legs.guide_sleeve.stiffness=2e6 N/m";
-
-std::string_view trimmed(std::string_view text) {
-  constexpr const char* blanks = " \t\r\n";
-  const auto begin = text.find_first_not_of(blanks);
-  if (begin == std::string_view::npos) return {};
-  return text.substr(begin, text.find_last_not_of(blanks) - begin + 1);
-}
 
 /// A number that TOML would spell differently (".5", "007").
 std::optional<double> as_number(std::string_view text) {
@@ -66,8 +60,8 @@ class Overlay {
     if (equals == std::string_view::npos) {
       return reject("", fmt::format("no \"=\", expected PATH=VALUE such as {}", example));
     }
-    const auto path = parse_path(trimmed(text.substr(0, equals)));
-    const std::string_view value = trimmed(text.substr(equals + 1));
+    const auto path = parse_path(base::trimmed(text.substr(0, equals)));
+    const std::string_view value = base::trimmed(text.substr(equals + 1));
     if (!path) {
       return reject("", fmt::format("the part before \"=\" is not a path, expected "
                                     "PATH=VALUE such as {}",
