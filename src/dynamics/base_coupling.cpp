@@ -46,7 +46,9 @@ Vector6 NonlinearModel::momentum(const Motion& motion) const {
                          legs.m_g * at.g.cross(at.g_rate);
   if (spinning_) {
     const auto spin = axial_spin(at, legs.piston_axis);
-    about_joint += (legs.I_ta * spin.of_case) * n + (legs.I_ra * spin.of_rod) * at.e;
+    const Vector3L a1(at.cosine, Lanes(0.0), at.sine);
+    about_joint += (legs.I_ta * spin.of_case) * n + (legs.I_ra * spin.of_rod) * at.e +
+                   (legs.I_c * at.alpha) * a1;
   }
   const Vector3L p_leg = at.R_BL * Vector3L(legs.m_t_r_b * n_rate + legs.m_g * at.g_rate);
   Vector6 total;
@@ -82,6 +84,9 @@ BaseCoupling NonlinearModel::base_coupling(const double* y) const {
     coupling.inertia += about_origin(
         leg.rod.mass, leg.base_joint + leg_vector(g, i),
         of_revolution(leg.rod.transverse_inertia, leg.rod.axial_inertia, leg_vector(e, i)));
+    if (spinning_)
+      coupling.inertia.bottomRightCorner<3, 3>() +=
+          leg.gimbal_cross_inertia * leg.gimbal_axis * leg.gimbal_axis.transpose();
   }
   return coupling;
 }

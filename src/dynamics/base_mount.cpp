@@ -55,10 +55,18 @@ std::array<Body, 2> bodies(const model::Leg& leg, const LegElement& element) {
 }
 
 /// Momentum about the origin of B per x, and inertia about it.
-void momentum_and_inertia(const model::Leg& leg, const LegElement& element, Matrix67& p,
-                          Matrix6& inertia) {
+void momentum_and_inertia(const model::Leg& leg, const LegElement& element,
+                          model::FlexibleAxes axes, Matrix67& p, Matrix6& inertia) {
   p.setZero();
   inertia.setZero();
+  if (axes == model::FlexibleAxes::gimbal) {  // the cross of the lower gimbal turns about a1
+    const Vector3& a1 = leg.gimbal_axis;
+    const Vector7 omega_t =
+        bodies(leg, element)[0].rotation.transpose() * element.frame.R_BL.col(0);
+    p.bottomRows<3>() +=
+        leg.gimbal_cross_inertia * element.frame.sec_gimbal * a1 * omega_t.transpose();
+    inertia.bottomRightCorner<3, 3>() += leg.gimbal_cross_inertia * a1 * a1.transpose();
+  }
   for (const auto& body : bodies(leg, element)) {
     const auto J = at_point(body.center);
     p += J.transpose() * body.mass * body.velocity;
@@ -107,7 +115,7 @@ void add_base_mount(const model::Machine& machine, LinearModel& model) {
   for (int i = 0; i < model::leg_count; ++i) {
     Matrix67 p;
     Matrix6 inertia;
-    momentum_and_inertia(machine.legs[i], model.legs[i], p, inertia);
+    momentum_and_inertia(machine.legs[i], model.legs[i], machine.flexible_axes, p, inertia);
     carried += inertia;
     model.J[i] = model.J[i] * against_base;
     const Matrix6 cross = G.transpose() * p.leftCols<3>() * model.J[i];

@@ -161,6 +161,7 @@ Matrix7 chart_mass(const model::Leg& leg, const Configuration& at, const Matrix3
   M += rod.transverse_inertia * e_rates.transpose() * e_rates;
   if (!gimbal) return M;
 
+  M(alpha, alpha) += leg.gimbal_cross_inertia;
   // Case: σ = a1·n α̇. Rod: two revolute joints, first axis f1 = a1, second normal to f1 and e.
   M(alpha, alpha) += tube.axial_inertia * at.a1.z() * at.a1.z();
   const Vector3 normal = at.rod.e.cross(at.a1);

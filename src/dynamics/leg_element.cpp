@@ -36,17 +36,19 @@ void scatter(const Matrix3& plane, const std::array<int, 3>& at, double sign, Ma
 constexpr std::array<int, 3> plane_t{0, 4, 5};
 constexpr std::array<int, 3> plane_2{1, 3, 6};
 
-/// Axial spin forced by the gimbals: σ = tan_gimbal ω_t for the case, σ + tan_gimbal φ̇1 for the
-/// rod.
-void add_gimbal_spin(const model::Leg& leg, double l, double tan_gimbal, Matrix7& M) {
-  Vector7 spin = Vector7::Zero();  // tan_gimbal × rotation rate of the case about t
-  spin[1] = -tan_gimbal / l;
-  spin[3] = -tan_gimbal * leg.rod.length / l;
-  spin[6] = tan_gimbal / l;
+/// Rotations forced by the gimbals: axial spin σ = tan_gimbal ω_t of the case, σ + tan_gimbal φ̇1 of
+/// the rod; rotation α̇ = sec_gimbal ω_t of the lower gimbal's cross about a1.
+void add_gimbal_rotations(const model::Leg& leg, double l, const LegFrame& frame, Matrix7& M) {
+  Vector7 omega_t = Vector7::Zero();  // rotation rate of the case about t
+  omega_t[1] = -1.0 / l;
+  omega_t[3] = -leg.rod.length / l;
+  omega_t[6] = 1.0 / l;
+  const Vector7 spin = frame.tan_gimbal * omega_t, cross = frame.sec_gimbal * omega_t;
   Vector7 rod_spin = spin;
-  rod_spin[3] += tan_gimbal;
+  rod_spin[3] += frame.tan_gimbal;
   M += leg.cylinder_case.axial_inertia * spin * spin.transpose() +
-       leg.rod.axial_inertia * rod_spin * rod_spin.transpose();
+       leg.rod.axial_inertia * rod_spin * rod_spin.transpose() +
+       leg.gimbal_cross_inertia * cross * cross.transpose();
 }
 
 /// Springs or dampers of a straight leg: guide sleeve `at_sleeve`, piston ring `at_ring`, axial
@@ -78,7 +80,10 @@ LegFrame leg_frame(const Vector3& n, const Vector3& a1, model::FlexibleAxes axes
   const Vector3 t = a2.cross(n);
   LegFrame frame;
   frame.R_BL << t, a2, n;
-  frame.tan_gimbal = gimbal ? a1.dot(n) / a1.dot(t) : 0.0;
+  if (gimbal) {
+    frame.sec_gimbal = 1.0 / a1.dot(t);
+    frame.tan_gimbal = a1.dot(n) * frame.sec_gimbal;
+  }
   return frame;
 }
 
@@ -105,7 +110,7 @@ LegElement straight_leg(const model::Leg& leg, const kinematics::LegGeometry& ge
   scatter(plane, plane_2, -1.0, element.M);
   element.M(2, 2) = leg.rod.mass + leg.added_axial_inertia;
   if (axes == model::FlexibleAxes::gimbal)
-    add_gimbal_spin(leg, element.l, element.frame.tan_gimbal, element.M);
+    add_gimbal_rotations(leg, element.l, element.frame, element.M);
 
   element.K = lateral_and_axial(element, element.k_s, element.k_g, element.k_h);
   element.C = lateral_and_axial(element, leg.guide_sleeve.damping,

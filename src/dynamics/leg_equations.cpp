@@ -113,7 +113,7 @@ void mass(const LegsInMotion& at, const LegSurroundings& around, const Partials<
   M(0, 0) += legs.I_b * at.cosine * at.cosine;
   M(1, 1) += legs.I_b;
   M(2, 2) += legs.m_a;
-  if (around.spinning) M(0, 0) += legs.I_ta * at.sine * at.sine;
+  if (around.spinning) M(0, 0) += legs.I_ta * at.sine * at.sine + legs.I_c;
   out.A_inverse = inverse_joint_rates(at);
   out.M_cc = M.template topLeftCorner<3, 3>();
   if constexpr (n > 0) {
@@ -128,7 +128,7 @@ void mass(const LegsInMotion& at, const LegSurroundings& around, const Partials<
 /// Accelerations of the points of a leg for (α̈, β̈, s̈) = κ and constant flexible rates, in L.
 struct PointAccelerations {
   Vector3L n, e, g;
-  Lanes s, case_spin, rod_spin;
+  Lanes s, cross, case_spin, rod_spin;  ///< cross: of the lower gimbal, about a1
 };
 
 /// Angular acceleration of the frame at α̈ = β̈ = 0: α̇ β̇ a1 × a2.
@@ -162,6 +162,7 @@ PointAccelerations point_accelerations(const LegsInMotion& at, const Vector3L& k
   out.g = dw.cross(at.g) + w.cross(g_inner) + c_g * at.e_curvature;
   out.g[2] += kappa[2];
   out.s = kappa[2];
+  out.cross = kappa[0];
   out.case_spin = dw[2];
   out.rod_spin = dw.dot(at.e) + w.dot(at.e_bending);
   return out;
@@ -170,7 +171,7 @@ PointAccelerations point_accelerations(const LegsInMotion& at, const Vector3L& k
 /// Forces that are dual to the motions of n, e, g and s: inertia less what acts.
 struct PointForces {
   Vector3L n, e, g;
-  Lanes s, case_spin, rod_spin;
+  Lanes s, cross, case_spin, rod_spin;
 };
 
 PointForces point_forces(const LegsInMotion& at, const LegSurroundings& around,
@@ -187,6 +188,7 @@ PointForces point_forces(const LegsInMotion& at, const LegSurroundings& around,
   const Lanes momentum = legs.I_ta * spin.of_case;
   forces.n += Vector3L(-momentum * at.omega[0], -momentum * at.omega[1], zero);
   forces.e += (legs.I_ra * spin.of_rod) * at.e_rate.cross(at.e);
+  forces.cross = legs.I_c * acceleration.cross;
   forces.case_spin = legs.I_ta * acceleration.case_spin;
   forces.rod_spin = legs.I_ra * (acceleration.rod_spin + spin.row_rate);
   return forces;
@@ -235,7 +237,7 @@ Eigen::Matrix<Lanes, 3 + n, 1> residual(const LegsInMotion& at, const LegSurroun
   r[0] -= at.cosine * forces.n[1];
   r[1] += forces.n[0];
   r[2] += forces.s;
-  if (around.spinning) r[0] += at.sine * forces.case_spin;
+  if (around.spinning) r[0] += forces.cross + at.sine * forces.case_spin;
   if constexpr (n > 0) add_seals<n>(at, around, r);
   return r;
 }

@@ -31,7 +31,7 @@ struct LegsInMotion {
 /// What the equations need to know of the legs; letters as in docs/notation.md.
 struct LegConstants {
   Vector3L b, axis, arm, piston_axis;  ///< arm: platform joint from C, in P
-  Lanes l_mn, c_g, L_g, m_t_r_b, I_b, I_ta, m_g, I_r, I_ra, m_a, k_s, c_s, k_g, c_ring;
+  Lanes l_mn, c_g, L_g, m_t_r_b, I_b, I_ta, I_c, m_g, I_r, I_ra, m_a, k_s, c_s, k_g, c_ring;
   Lanes joint_viscous, joint_coulomb, joint_smoothing;
   Lanes real;  ///< 1 for legs, 0 for the lanes that are none
 };

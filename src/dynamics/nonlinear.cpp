@@ -101,6 +101,7 @@ LegConstants gather_constants(const model::Machine& machine,
     return tube(i).transverse_inertia + tube(i).mass * tube(i).mass_center * tube(i).mass_center;
   });
   to.I_ta = gather([&](int i) { return tube(i).axial_inertia; });
+  to.I_c = gather([&](int i) { return legs[i].gimbal_cross_inertia; });
   to.m_g = gather([&](int i) { return rod(i).mass; });
   to.I_r = gather([&](int i) { return rod(i).transverse_inertia; });
   to.I_ra = gather([&](int i) { return rod(i).axial_inertia; });
@@ -402,7 +403,8 @@ Energies NonlinearModel::energies(const Motion& motion) const {
                 legs.m_a * at.s_rate * at.s_rate;
   if (spinning_) {
     const auto spin = axial_spin(at, legs.piston_axis);
-    twice += legs.I_ta * spin.of_case * spin.of_case + legs.I_ra * spin.of_rod * spin.of_rod;
+    twice += legs.I_ta * spin.of_case * spin.of_case + legs.I_ra * spin.of_rod * spin.of_rod +
+             legs.I_c * at.alpha * at.alpha;
   }
   energy.legs = 0.5 * twice.sum();
   energy.gravity = -platform.mass * machine_.gravity.dot(motion.p_BC);

@@ -372,6 +372,10 @@ constexpr ParameterRow rows[]{
                  "legs.gimbal_axis", "1", standard, any,
                  "base-fixed axis of the lower gimbal in the base frame, of any length; "
                  "used with `flexible_axes = \"gimbal\"`")),
+    number<&Leg::gimbal_cross_inertia>(
+        "legs.gimbal_cross_inertia", "kg m^2", standard, not_negative,
+        "I_c, of the cross of the lower gimbal about its first axis; used with `flexible_axes = "
+        "\"gimbal\"`"),
     number<&Leg::added_axial_inertia>(
         "legs.added_axial_inertia", "kg", standard, not_negative,
         "m_a, inertia that moves with the piston only: the oil in the lines, seen at "

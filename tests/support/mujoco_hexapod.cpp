@@ -67,7 +67,8 @@ std::string leg_text(const model::Machine& machine, int i, const Vector3& L, Mod
   const auto axial = [&](double inertia) { return gimbal ? inertia : least_inertia; };
 
   std::string out = fmt::format("<body pos='{}' quat='{}'>", text(leg.base_joint), text(R));
-  out += joint("hinge", first) + joint("hinge", Vector3::UnitY());
+  out += joint("hinge", first, gimbal ? leg.gimbal_cross_inertia : 0.0) +
+         joint("hinge", Vector3::UnitY());
   const auto& tube = leg.cylinder_case;
   out +=
       leg_inertial(tube.mass, tube.mass_center, tube.transverse_inertia, axial(tube.axial_inertia));

@@ -109,6 +109,7 @@ void draw_leg(Random& random, Leg& leg, double platform_mass) {
                        tube.transverse, tube.axial};
   const SlenderBody rod(random, platform_mass * random.log_uniform(0.002, 0.03), length);
   leg.rod = {length, rod.mass, length * random.uniform(0.2, 0.8), rod.transverse, rod.axial};
+  leg.gimbal_cross_inertia = 0.7 * tube.axial;
   const double k_h = platform_mass * random.log_uniform(3e3, 6e4);
   if (random.chance(0.5))
     draw_cylinder(random, leg, k_h);

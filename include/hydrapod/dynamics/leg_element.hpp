@@ -36,6 +36,7 @@ using Matrix7 = Eigen::Matrix<double, leg_coordinates, leg_coordinates>;
 struct LegFrame {
   Matrix3 R_BL{};
   double tan_gimbal{};  ///< (a1·n)/(a1·t), axial spin of the case per rotation about t
+  double sec_gimbal{};  ///< 1/(a1·t), rotation of the gimbal's cross per rotation about t
 };
 
 /// The base-fixed axis a leg frame is built on: a1, or for FlexibleAxes::transverse with a leg

@@ -120,7 +120,9 @@ struct Leg {
   /// k_j [N/m] of both gimbals and their fastening along the leg; absent: they do not give way.
   std::optional<double> gimbal_stiffness{};
   Vector3 gimbal_axis{Vector3::UnitY()};  ///< a1: base-fixed axis of the lower gimbal, unit, in B
-  LegHydraulics hydraulics{};             ///< for simulation only
+  /// I_c [kg m²] of the lower gimbal's cross about a1; used with FlexibleAxes::gimbal only.
+  double gimbal_cross_inertia{};
+  LegHydraulics hydraulics{};  ///< for simulation only
 };
 
 /// What the base stands on, as springs between base and ground at the origin of B along its axes.
