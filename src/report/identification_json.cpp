@@ -296,8 +296,9 @@ std::optional<data::RecordHeader> record_origin_from_json(const Json& json,
 
 FrequencyResponses responses_from_json(const Json& json, const std::string& file) {
   const Reader fields(json, file);
-  if (!json.contains("response"))
-    fields.bad("response", "is missing; `hydrapod frf RECORD --format json` writes such a file");
+  for (const char* key : {"inputs", "outputs", "frequency_hz", "response"})
+    if (!fields.has(key))
+      fields.bad(key, "is missing; `hydrapod frf RECORD --format json` writes such a file");
   FrequencyResponses r;
   fields("inputs", r.inputs);
   fields("outputs", r.outputs);
@@ -326,8 +327,7 @@ FrequencyResponses responses_from_json(const Json& json, const std::string& file
   if (!(r.shift >= 0.0)) fields.bad("shift_per_s", "must not be negative");
   std::string estimator;
   fields.unless(std::string("h1"), "estimator", estimator);
-  r.estimator =
-      data::estimator_from_text(estimator).value_or(identification::Estimator::h1);
+  r.estimator = data::estimator_from_text(estimator).value_or(identification::Estimator::h1);
   return r;
 }
 
@@ -347,8 +347,9 @@ Json identification_json(const identification::Identification& result) {
 
 identification::Identification identification_from_json(const Json& json, const std::string& file) {
   const Reader fields(json, file);
-  if (!json.contains("modes"))
-    fields.bad("modes", "is missing; `hydrapod identify RECORD --format json` writes such a file");
+  for (const char* key : {"modes", "outputs"})
+    if (!fields.has(key) || !fields.at(key).is_array())
+      fields.bad(key, "is missing; `hydrapod identify RECORD --format json` writes such a file");
   identification::Identification result;
   read(json, file, result);
   if (result.modes.empty()) fields.bad("modes", "is empty: no mode was identified");

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <filesystem>
 
 #include "hydrapod/calibration/targets_file.hpp"
 
@@ -38,7 +39,7 @@ void add_prior(const KnownParameter& known, calibration::Plan& plan) {
 Calibrated prepared(const Machine& machine, const CalibrateOptions& options,
                     const Progress& progress) {
   Calibrated result;
-  if (is_mode_list(options.targets)) {
+  if (!std::filesystem::exists(options.targets) || is_mode_list(options.targets)) {
     auto file = calibration::read_targets(options.targets);
     result.targets = std::move(file.targets);
     result.plan = std::move(file.plan);

@@ -196,7 +196,7 @@ TEST_F(Identify, BrokenResponsesAreRefusedWithTheField) {
   test::write_text(path, R"({"inputs": [{"name": 3}], "outputs": [{"name": "y"}]})");
   run = test::run_hydrapod({"identify", path});
   EXPECT_EQ(run.exit_code, 2);
-  EXPECT_THAT(run.err, HasSubstr("name: is no text"));
+  EXPECT_THAT(run.err, HasSubstr("inputs[0].name: expected a text"));
 }
 
 TEST_F(Identify, ResultsGoIntoFilesOfOtherPrograms) {
