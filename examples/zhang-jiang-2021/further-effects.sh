@@ -36,6 +36,8 @@ fit "mass centre off the axis by up to 5 mm" --free "platform.mass_center[0]=-0.
   --free "platform.mass_center[1]=-0.005..0.005"
 fit "legs 1, 3, 5 apart from 2, 4, 6 in the sleeve" --free \
   "leg.1.guide_sleeve.position,leg.3.guide_sleeve.position,leg.5.guide_sleeve.position=0.15..0.85"
+fit "inertia of the lower gimbal's cross free" --set legs.gimbal_cross_inertia=0.05 \
+  --free "legs.gimbal_cross_inertia=0.001..3" --starts 64
 own=()
 for leg in 1 2 3 4 5 6; do own+=(--free "leg.$leg.guide_sleeve.stiffness=1.5e5..1.65e5"); done
 fit "every leg's guide sleeve of its own stiffness" "${own[@]}"
