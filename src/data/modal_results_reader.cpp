@@ -1,17 +1,13 @@
 #include <fmt/format.h>
 
-#include <array>
+#include <algorithm>
 #include <cmath>
 #include <map>
 #include <optional>
-#include <sstream>
 
 #include "hydrapod/base/constants.hpp"
-#include "hydrapod/base/file.hpp"
 #include "hydrapod/data/modal_results.hpp"
 #include "modal_nodes.hpp"
-#include "notes.hpp"
-#include "record_comments.hpp"
 #include "uff_dataset.hpp"
 #include "uff_text.hpp"
 
@@ -22,53 +18,27 @@ namespace {
 using Complex = std::complex<double>;
 using NodeValues = std::map<std::pair<int, int>, Complex>;  // (node, component)
 
-struct Line {
-  std::string text{};
-  unsigned number{};
-};
-using Dataset = std::vector<Line>;  // without its delimiters, the number line first
-
 struct Mode {
   Complex pole{};
   NodeValues values{};
 };
 
-bool is_delimiter(const std::string& line) { return columns(line, 0, 80) == "-1"; }
-
-std::vector<Dataset> datasets_of(const std::string& text) {
-  std::vector<Dataset> all;
-  std::istringstream lines(text);
-  unsigned number = 0;
-  bool inside = false;
-  for (std::string line; std::getline(lines, line);) {
-    ++number;
-    if (!line.empty() && line.back() == '\r') line.pop_back();
-    if (is_delimiter(line)) {
-      inside = !inside;
-      if (inside) all.emplace_back();
-    } else if (inside) {
-      all.back().push_back({line, number});
-    }
-  }
-  return all;
-}
-
 class ModeReader {
  public:
-  ModeReader(const Dataset& dataset, const Notes& notes) : dataset_(dataset), notes_(notes) {}
+  ModeReader(const UffMode& dataset, const Notes& notes) : dataset_(dataset), notes_(notes) {}
 
   /// None for analyses that are no modes.
   std::optional<Mode> read() {
-    const auto head = integers(6, 6);
+    const auto head = integers(5, 6);
     const auto analysis = head[1], type = head[4], per_node = head[5];
     constexpr long long normal = 2, first_order = 3, second_order = 7, real = 2, complex = 5;
     if (analysis != normal && analysis != first_order && analysis != second_order) return {};
     if (type != real && type != complex)
-      fail(6, fmt::format("data type {}: expected 2 (real) or 5 (complex)", type));
+      fail(5, fmt::format("data type {}: expected 2 (real) or 5 (complex)", type));
     if (per_node != 3 && per_node != 6)
-      fail(6, fmt::format("{} values per node: expected 3 or 6", per_node));
+      fail(5, fmt::format("{} values per node: expected 3 or 6", per_node));
     Mode mode;
-    const auto numbers = reals(8, analysis == normal ? 3 : 2);
+    const auto numbers = reals(7, analysis == normal ? 3 : 2);
     if (analysis == normal) {
       const double omega = base::two_pi * numbers[0], zeta = numbers[2];
       mode.pole = {-zeta * omega, omega * std::sqrt(std::max(0.0, 1.0 - zeta * zeta))};
@@ -82,11 +52,11 @@ class ModeReader {
  private:
   [[noreturn]] void fail(std::size_t line, const std::string& what) const {
     notes_.fail("dataset 55: " + what,
-                line < dataset_.size() ? dataset_[line].number : dataset_.back().number);
+                dataset_.line + static_cast<unsigned>(std::min(line, dataset_.lines.size())));
   }
   [[nodiscard]] const std::string& line(std::size_t at) const {
-    if (at >= dataset_.size()) fail(at, "ends too early");
-    return dataset_[at].text;
+    if (at >= dataset_.lines.size()) fail(at, "ends too early");
+    return dataset_.lines[at];
   }
   [[nodiscard]] std::vector<long long> integers(std::size_t at, std::size_t count) const {
     std::vector<long long> values;
@@ -109,7 +79,7 @@ class ModeReader {
   void read_nodes(std::size_t per_node, bool complex, NodeValues& values) const {
     const std::size_t numbers = per_node * (complex ? 2 : 1);
     const std::size_t lines = (numbers + 5) / 6;
-    for (std::size_t at = 9; at < dataset_.size(); at += 1 + lines) {
+    for (std::size_t at = 8; at < dataset_.lines.size(); at += 1 + lines) {
       const int node = static_cast<int>(integers(at, 1)[0]);
       std::vector<double> all;
       for (std::size_t k = 0; k < lines; ++k) {
@@ -122,7 +92,7 @@ class ModeReader {
     }
   }
 
-  const Dataset& dataset_;
+  const UffMode& dataset_;
   const Notes& notes_;
 };
 
@@ -165,25 +135,17 @@ ModalResults assembled(const std::vector<Mode>& modes, const RecordHeader& heade
 
 ReadModalResultsResult read_modal_results(const std::string& path) {
   Notes notes(path);
-  constexpr std::size_t largest = std::size_t{1} << 28;
-  RecordComments own;
+  const UffContents contents = scan_uff(path, notes);
   std::vector<Mode> modes;
-  int others = 0;
-  for (const auto& dataset : datasets_of(base::read_file(path, largest, "a Universal File"))) {
-    const auto number =
-        dataset.empty() ? std::nullopt : fortran_integer(columns(dataset[0].text, 0, 6));
-    if (number == uff_own_dataset) {
-      for (std::size_t k = 1; k < dataset.size(); ++k) own.take(dataset[k].text, dataset[k].number);
-    } else if (number == 55) {
-      if (auto mode = ModeReader(dataset, notes).read())
-        modes.push_back(std::move(*mode));
-      else
-        ++others;
-    }
-  }
+  for (const UffMode& dataset : contents.modes)
+    if (auto mode = ModeReader(dataset, notes).read()) modes.push_back(std::move(*mode));
   if (modes.empty()) notes.fail("the Universal File holds no modes (dataset 55)");
-  if (others > 0) notes.add(fmt::format("{} datasets 55 that are no modes left out", others));
-  return {assembled(modes, own.by_hydrapod() ? own.header(notes) : RecordHeader{}), notes.all()};
+  if (modes.size() < contents.modes.size())
+    notes.add(fmt::format("{} datasets 55 that are no modes left out",
+                          contents.modes.size() - modes.size()));
+  const RecordComments& own = contents.own;
+  auto results = assembled(modes, own.by_hydrapod() ? own.header(notes) : RecordHeader{});
+  return {std::move(results), notes.all()};
 }
 
 }  // namespace hydrapod::data

@@ -5,6 +5,7 @@
 #include <set>
 #include <stdexcept>
 
+#include "hydrapod/base/constants.hpp"
 #include "hydrapod/base/file.hpp"
 #include "hydrapod/data/modal_results.hpp"
 #include "modal_nodes.hpp"
@@ -53,7 +54,7 @@ std::string mode_text(const ModalResults& all, std::size_t number,
   const double omega = std::abs(mode.pole);
   std::string text = fmt::format("{}    55\n", uff_delimiter);
   const std::string frequency =
-      fmt::format("mode {}: {:.6g} Hz, damping {:.4g} %", number + 1, omega / (2.0 * M_PI),
+      fmt::format("mode {}: {:.6g} Hz, damping {:.4g} %", number + 1, omega / base::two_pi,
                   -100.0 * mode.pole.real() / omega);
   for (const std::string& id :
        {all.title, frequency, uff_date(all.date), std::string("identified by hydrapod"),

@@ -77,10 +77,16 @@ struct UffUnits {
   double length{1.0}, force{1.0}, temperature{1.0}, temperature_offset{273.15};
 };
 
+/// Dataset 55, line by line, without its number.
+struct UffMode {
+  std::vector<std::string> lines{};
+  unsigned line{};  ///< of the first one in the file
+};
+
 struct UffContents {
   std::vector<UffFunction> functions{};
   std::optional<UffUnits> units{};
-  std::size_t modes{};                                 ///< datasets 55
+  std::vector<UffMode> modes{};
   std::string model_name{}, description{}, program{};  ///< dataset 151
   RecordComments own{};
 };

@@ -85,6 +85,9 @@ class UffReader final : public RecordReader {
           fmt::format("{} function{} over time (spectra, frequency responses, …) left out of "
                       "the record",
                       others, others == 1 ? " that is none" : "s that are none"));
+    if (!contents_.modes.empty())
+      notes_.add(fmt::format("modes (dataset 55, {} times) left out of the record",
+                             contents_.modes.size()));
     if (chosen_.empty())
       notes_.fail("the Universal File holds no function over time that can be read");
   }

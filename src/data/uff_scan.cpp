@@ -72,18 +72,18 @@ class Scan {
                                    base::printable(columns(head, 0, 6)))};
       if (*number == 58)
         function(head, is_binary_);
+      else if (*number == 55)
+        mode();
       else if (*number == 151)
         file_header();
       else if (*number == 164)
         units();
       else if (*number == uff_own_dataset)
         own_header();
-      else {
-        contents_.modes += *number == 55 ? 1 : 0;
+      else
         notes_.add(fmt::format("dataset {} has the number {}, which is not read: skipped",
                                datasets_, *number),
                    first_line_, 0, fmt::format("number {}", *number));
-      }
     } catch (const Unusable& unusable) {
       notes_.add(fmt::format("dataset {}: {}; skipped", datasets_, unusable.why), first_line_);
     }
@@ -325,6 +325,21 @@ class Scan {
     f.count = std::min<std::uint64_t>(f.declared, numbers / tuple_size(f));
   }
 
+  void mode() {
+    constexpr std::size_t most_lines = 2'000'000;
+    UffMode& mode = contents_.modes.emplace_back();
+    mode.line = line_ + 1;
+    for (std::string_view line; next(line);) {
+      if (is_delimiter(line)) {
+        ended_ = true;
+        return;
+      }
+      if (++mode_lines_ > most_lines)
+        throw Unusable{fmt::format("more than {} lines of modes", most_lines)};
+      mode.lines.emplace_back(line);
+    }
+  }
+
   void file_header() {
     contents_.model_name = text(header_line("model name"), 0, 80);
     contents_.description = text(header_line("description"), 0, 80);
@@ -367,6 +382,7 @@ class Scan {
   bool is_binary_{};
   bool ended_{};  ///< the delimiter of this dataset has been taken
   std::size_t datasets_{};
+  std::size_t mode_lines_{};
 };
 
 }  // namespace
@@ -378,8 +394,8 @@ FileKind uff_kind(const std::string& path) {
   const UffContents contents = scan_uff(path, notes);
   const auto is_response = [](const auto& f) { return f.type == uff_function::frequency_response; };
   if (std::ranges::any_of(contents.functions, is_response)) return FileKind::frequency_responses;
-  return contents.functions.empty() && contents.modes > 0 ? FileKind::modal_results
-                                                          : FileKind::record;
+  return contents.functions.empty() && !contents.modes.empty() ? FileKind::modal_results
+                                                               : FileKind::record;
 }
 
 }  // namespace hydrapod::data

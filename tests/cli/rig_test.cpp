@@ -45,8 +45,9 @@ TEST_F(Rig, TheSameSeedGivesTheSameFile) {
   EXPECT_THAT(e.command, testing::ElementsAre("rig", "machine.toml", "--duration", "0.5",
                                               "--settling", "0.1"));
   EXPECT_EQ(e.excitation->entry, "command");
-  EXPECT_THAT(e.excitation->signals, testing::ElementsAre(HasSubstr("white x=0.1 mm, y=0.1 mm, z=0.1 mm, rx=0.1 mrad")));
-  EXPECT_EQ(e.excitation->level[5], 1e-4);
+  EXPECT_THAT(e.excitation->signals,
+              testing::ElementsAre(HasSubstr("white x=0.1 mm, y=0.1 mm, z=0.1 mm, rx=0.1 mrad")));
+  EXPECT_DOUBLE_EQ(e.excitation->level[5], 1e-4);
   EXPECT_FALSE(e.excitation->period);
   EXPECT_EQ(e.sensors.size(), 9U);
   EXPECT_THAT(e.controller, HasSubstr("sample_time=0.001 s"));

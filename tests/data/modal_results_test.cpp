@@ -144,7 +144,7 @@ TEST(ModalResults, DamagedFilesAreRefusedWithTheLine) {
   std::string wrong = text;
   wrong.replace(wrong.find("  1.25000E+00"), 13, "  one         ");
   EXPECT_THAT(refused(wrong), HasSubstr("no number"));
-  EXPECT_THAT(refused(""), HasSubstr("no modes"));
+  EXPECT_THAT(refused(""), HasSubstr("no Universal File"));
 }
 
 struct CloseMat {

@@ -1,5 +1,11 @@
 #pragma once
 /// Named variables in a MAT file of version 5, for results that are no record.
+///
+/// The writers of MAT files are hydrapod's own. libmatio 1.5.23 cannot append to a variable of
+/// version 5. On a full disk its functions for version 5 return 0 and leave a truncated file, those
+/// for version 7.3 end in a segmentation fault. Files of version 7.3 have time stamps, so that equal
+/// records are not equal files. tests/data/matio_test.cpp reads with libmatio what is written here,
+/// and the reverse.
 
 #include <Eigen/Core>
 #include <string>
