@@ -56,7 +56,7 @@ require_tools() {
   local tool
   for tool in c++ cmake ninja; do
     [[ -n $(type -P "$tool") ]] && continue
-    say "no '$tool' here, and no dpkg to install it with; wanted are Debian 12's packages:"
+    say "'$tool' is missing, and there is no dpkg to install it; needed are these packages of Debian 12:"
     say "  ${packages_program[*]%% *}"
     exit "$setup_failed"
   done
@@ -67,7 +67,7 @@ install_packages() {
   local as_root=() command=(apt-get install --yes --no-install-recommends "$@")
   if ((EUID != 0)); then as_root=(sudo); fi
   if [[ -n ${HYDRAPOD_NO_INSTALL:-} ]] || ! may_install; then
-    say "may not install them; run this, then start again:"
+    say "no permission to install them; run this command, then start again:"
     printf '  %s\n' "sudo apt-get update && sudo ${command[*]}" >&2
     exit "$setup_failed"
   fi

@@ -90,10 +90,10 @@ std::string command_output(const Arguments& arguments, const report::BodeOptions
                            std::size_t format) {
   if (arguments.output != "displacement")
     bad_argument("--output " + arguments.output,
-                 "from command to pose there is the displacement only");
+                 "with input command the output is the displacement only");
   if (!arguments.point.empty())
     bad_argument("--point " + arguments.point,
-                 "from command to pose, the point is the origin of the platform frame");
+                 "with input command the point is the origin of the platform frame");
   const auto machine = load(arguments.machine);
   const auto result = tasks::command_response(
       machine, {.from = options.from, .to = options.to, .points = options.points});
@@ -186,18 +186,17 @@ void add_options(Command command, Arguments& arguments) {
 }  // namespace
 
 void add_bode(Command app) {
-  Command command =
-      add_command(app, "bode", "Bode diagram of the platform, rigid beside rigid-flexible",
-                  {{"bode machine.toml --plot bode.svg",
-                    "the six direct responses as a picture, peaks as a table"},
-                   {"bode machine.toml --entries x,ry/x --plot coupling.pdf",
-                    "x, and ry caused by a force in x"},
-                   {"bode machine.toml --point \"0,0,0.5 m\" --output acceleration",
-                    "at another point of the platform"},
-                   {"bode machine.toml --input command --plot loop.svg",
-                    "from commanded to true pose, hydraulics and controller included"},
-                   {"bode machine.toml --from 1 --to \"200 Hz\" --format csv -o bode.csv",
-                    "the whole 6×6 response"}});
+  Command command = add_command(
+      app, "bode", "Bode diagrams of the platform with rigid and with flexible legs",
+      {{"bode machine.toml --plot bode.svg",
+        "the six direct responses as a picture, peaks as a table"},
+       {"bode machine.toml --entries x,ry/x --plot coupling.pdf", "x, and ry due to a force in x"},
+       {"bode machine.toml --point \"0,0,0.5 m\" --output acceleration",
+        "at another point of the platform"},
+       {"bode machine.toml --input command --plot loop.svg",
+        "from commanded to true pose, hydraulics and controller included"},
+       {"bode machine.toml --from 1 --to \"200 Hz\" --format csv -o bode.csv",
+        "the whole 6×6 response"}});
   auto arguments = std::make_shared<Arguments>();
   add_options(command, *arguments);
   command.callback([arguments] { run(*arguments); });

@@ -24,9 +24,9 @@ std::string peak_table(const report::Bode& bode, const std::vector<response::Pea
                {"rad/s"},
                {"height"},
                {"unit", Align::left},
-               {"above valley dB"},
+               {"prominence dB"},
                {"mode"},
-               {"what moves, what gives", Align::left}});
+               {"motion, compliance", Align::left}});
   for (const auto& peak : peaks) {
     const int mode = model.tabled_of_normal[peak.mode];
     const std::string prominence =
@@ -73,7 +73,7 @@ std::string peak_text(const report::Bode& bode, const TableStyle& style) {
   if (flexible)
     text += peak_table(bode, bode.real_peaks, bode.table.real, style) + "\nWith rigid legs\n";
   text += peak_table(bode, bode.rigid_peaks, bode.table.rigid, style);
-  text += "\nResonances of its own per direction (coupled ones left out)\n";
+  text += "\nResonances per direction, without coupled ones\n";
   if (flexible) text += fmt::format("  with seals  {}\n", count_text(bode.real_peaks));
   return text + fmt::format("  rigid legs  {}\n", count_text(bode.rigid_peaks));
 }

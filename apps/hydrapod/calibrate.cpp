@@ -134,45 +134,46 @@ void run(const Arguments& arguments) {
 
 void add_calibrate(Command app) {
   Command command = add_command(
-      app, "calibrate", "Find numbers that nobody printed, from measured or published modes",
+      app, "calibrate", "Fit parameters of a machine file to measured or published modes",
       {{"calibrate machine.toml --targets modes.csv --free legs.guide_sleeve.stiffness "
         "-o calibrated.toml",
-        "the seals' stiffness that the measured frequencies ask for"},
+        "stiffness of the guide sleeves from measured frequencies"},
        {"calibrate machine.toml --targets modes.toml --free \"legs.rod.mass=5 kg..30 kg\" --prior "
         "\"legs.rod.mass=22 kg+-2 kg\"",
-        "with bounds, and with what is known besides"},
+        "with bounds and prior knowledge"},
        {"calibrate machine.toml --targets modes.toml --try model.flexible_axes=gimbal",
-        "two readings of the machine side by side"}});
+        "two alternatives"}});
   auto arguments = std::make_shared<Arguments>();
   add_machine_options(command, arguments->machine);
   add_model_option(command, arguments->machine);
   command
       .add_option("--targets", arguments->targets,
-                  "Modes to meet, TOML or CSV (docs/howto/calibrate.md)")
+                  "Target modes, TOML or CSV (docs/howto/calibrate.md)")
       .required();
   command.add_option("--free", arguments->free,
-                     "A number of the machine file that may change: PATH or PATH=LOWEST..HIGHEST; "
-                     "PATH,PATH ties them; may be repeated");
+                     "Free parameter: PATH or PATH=LOWEST..HIGHEST; PATH,PATH ties several to one "
+                     "value; may be repeated");
   command.add_option("--prior", arguments->priors,
-                     "What is known of a free number: PATH=VALUE+-SPREAD; may be repeated");
+                     "Prior of a free parameter: PATH=VALUE+-SPREAD; may be repeated");
   command.add_option("--try", arguments->tries,
-                     "Something that may be true or not: PATH=VALUE[; PATH=VALUE]; may be "
-                     "repeated, and all combinations are fitted");
-  command.add_option("--profile", arguments->profiles,
-                     "Also hold this parameter away from its best value and fit the others");
+                     "Alternative: PATH=VALUE[; PATH=VALUE]; fits with and without it; may be "
+                     "repeated, all combinations are fitted");
+  command.add_option(
+      "--profile", arguments->profiles,
+      "Also compute the misfit as a function of this parameter, with all others fitted");
   command.add_option("--loss", arguments->loss,
-                     "automatic, squares, or cauchy, which hardly feels wrong targets");
+                     "automatic, squares, or cauchy (little weight of outliers)");
   command.add_option("--starts", arguments->starts, "Starts per combination, all but one random")
       .range(1, 10000);
   command.add_option("--seed", arguments->seed, "Seed of the random starts")
       .range(std::uint64_t{1}, std::uint64_t{1000000000000});
-  command.add_option("--threads", arguments->threads, "Threads; 0: as many as there are cores")
-      .range(0, 256);
+  command.add_option("--threads", arguments->threads, "Threads; 0: one per core").range(0, 256);
   command.add_option("-o,--output", arguments->output,
-                     "Write the calibrated machine file here, comments kept");
+                     "Calibrated machine file to write; comments are kept");
   command.add_option("--format", arguments->format, "Report as table or json")
       .capture_default_str();
-  command.add_option("--plot", arguments->plot, "Draw targets against model: .svg, .png or .pdf");
+  command.add_option("--plot", arguments->plot,
+                     "Picture of targets and model to write: .svg, .png or .pdf");
   command.callback([arguments] { run(*arguments); });
 }
 

@@ -23,9 +23,9 @@ std::string combinations_text(const Calibration& result, bool colour, std::size_
   if (result.candidates.size() < 2) return {};
   Table table({{"combination", Align::left},
                {"rms diff", Align::right},
-               {"worst Hz", Align::right},
+               {"max diff Hz", Align::right},
                {"rad/s", Align::right},
-               {"can be built", Align::left},
+               {"admissible", Align::left},
                {"starts", Align::right}});
   for (const auto& c : result.candidates) {
     if (!c.fitted) {
@@ -43,16 +43,16 @@ std::string combinations_text(const Calibration& result, bool colour, std::size_
     const double rms = std::sqrt(c.unbound->misfit / static_cast<double>(c.targets.size()));
     constexpr double better = 0.5;  // of the misfit
     if (c.unbound->misfit > better * c.misfit) {
-      text += fmt::format(
-          "\n{}: no values at all, allowed or not, were found to fit better by much\n", c.name);
+      text +=
+          fmt::format("\n{}: no values outside the bounds or conditions fit much better\n", c.name);
       continue;
     }
-    text += fmt::format("\n{}: with any values at all, {:.3g} σ", c.name, rms);
+    text += fmt::format("\n{}: without bounds and conditions, {:.3g} σ", c.name, rms);
     if (c.unbound->violated.empty()) {
       text += ", outside the bounds\n";
       continue;
     }
-    text += ", but then these do not hold:\n";
+    text += ", which violates:\n";
     for (const auto& what : c.unbound->violated) text += "  - " + what + "\n";
   }
   return styled("Combinations, best first", Style::bold, colour) + "\n" + text + "\n";
@@ -156,23 +156,24 @@ std::string direction_text(const Candidate& best, const Eigen::VectorXd& directi
 
 std::string identifiability_text(const Candidate& best, bool colour) {
   const auto& found = best.identifiability;
-  std::string text = styled("What the data determine", Style::bold, colour) + "\n";
+  std::string text = styled("Identifiability", Style::bold, colour) + "\n";
   text += fmt::format(
-      "{} of {} combinations of the parameters better than ± {:g} %; {} show at all.\n"
-      "Each is known to the given share, as a weighted sum of relative changes:\n",
+      "{} of {} combinations of the parameters are known within ± {:g} %. {} have an effect on the "
+      "data.\nEach line: relative uncertainty, and the combination as a weighted sum of relative "
+      "changes:\n",
       found.rank, best.parameters.size(), 100.0 * free_above, found.numerical_rank);
   for (int k = 0; k < found.numerical_rank; ++k)
     text += fmt::format("  ± {:<9} {}\n",
                         fmt::format("{:.2g} %", 100.0 * best.scatter / found.singular_values[k]),
                         direction_text(best, found.directions.col(k)));
-  if (!found.trades.empty()) text += "What they leave open:\n";
+  if (!found.trades.empty()) text += "Not determined:\n";
   constexpr std::size_t most = 12;
   for (std::size_t k = 0; k < std::min(most, found.trades.size()); ++k)
     text += "  - " + found.trades[k].words + "\n";
   if (found.trades.size() > most)
     text += fmt::format("  - and {} more (--format json has all)\n", found.trades.size() - most);
   const auto correlations = correlations_text(best);
-  if (!correlations.empty()) text += "Hard to tell apart:\n" + correlations;
+  if (!correlations.empty()) text += "Correlated parameters:\n" + correlations;
   return text;
 }
 
@@ -183,7 +184,7 @@ std::string profiles_text(const std::vector<Profile>& profiles, const Candidate&
     const auto& p = best.parameters[static_cast<std::size_t>(profile.parameter)];
     const auto end = [](double value) {
       return std::isfinite(value) ? fmt::format("{:.5g}", value)
-                                  : std::string("no end within its bounds");
+                                  : std::string("no limit within its bounds");
     };
     text += "\n" + styled("Profile of " + p.paths.front(), Style::bold, colour) + "\n";
     text +=

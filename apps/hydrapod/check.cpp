@@ -54,23 +54,23 @@ std::string buckling_text(const model::Machine& machine, const report::PoseCheck
   const auto& buckling = check.buckling;
   const double mass = machine.platform.mass;
   if (buckling.status == dynamics::BucklingStatus::found) {
-    std::string text = fmt::format("Buckling: the legs carry {} more than the platform's {}",
+    std::string text = fmt::format("Buckling load: {} in addition to the platform mass of {}",
                                    report::mass_text(buckling.payload), report::mass_text(mass));
     if (buckling.limit_point && check.lowest_at_buckling)
       return text +
              fmt::format(
-                 "; beyond that they fold (the lowest mode has sunk to {:.2f} Hz by then).\n",
+                 "; the equilibrium ends there at a limit point (lowest frequency {:.2f} Hz).\n",
                  *check.lowest_at_buckling / (base::two_pi));
-    return text + "; there a seal mode reaches zero and they fold.\n";
+    return text + "; the frequency of a seal mode is zero there.\n";
   }
   if (buckling.status == dynamics::BucklingStatus::buckled)
     return fmt::format(
-        "Buckling: the legs fold under the load they have; they carry {} of the "
-        "platform's {}.\n",
+        "Buckling: the legs buckle under the present load; they carry {} of the platform mass of "
+        "{}.\n",
         report::mass_text(mass + buckling.payload), report::mass_text(mass));
-  if (machine.gravity.isZero(0.0)) return "Buckling: no gravity, no load.\n";
-  if (!check.buckling_sought) return "Buckling: rigid legs do not fold.\n";
-  return "Buckling: none found up to 100 times the platform's mass.\n";
+  if (machine.gravity.isZero(0.0)) return "Buckling: not computed without gravity.\n";
+  if (!check.buckling_sought) return "Buckling: rigid legs do not buckle.\n";
+  return "Buckling: none up to 100 times the platform mass.\n";
 }
 
 std::string pose_text(const model::Machine& machine, const report::PoseCheck& check,
@@ -92,9 +92,8 @@ std::string pose_text(const model::Machine& machine, const report::PoseCheck& ch
 std::string assumptions_text(const model::Machine& machine, const TableStyle& style) {
   const auto assumptions = hydraulics::hydraulic_assumptions(machine);
   if (assumptions.empty()) return {};
-  std::string text = fmt::format(
-      "\n{}\n",
-      styled("Assumed for simulation, where the file says nothing", Style::bold, style.colour));
+  std::string text =
+      fmt::format("\n{}\n", styled("Assumed values for simulations", Style::bold, style.colour));
   for (const auto& one : assumptions) text += fmt::format("  {}: {}\n", one.key, one.text);
   return text;
 }
@@ -104,10 +103,12 @@ std::string table_text(const model::MachineFile& file, const std::vector<report:
   const auto& machine = file.machine;
   double legs = 0.0;
   for (const auto& leg : machine.legs) legs += leg.cylinder_case.mass + leg.rod.mass;
-  std::string text = fmt::format("{}: sound\n", styled(machine.name, Style::bold, style.colour));
+  std::string text =
+      fmt::format("{}: no errors\n", styled(machine.name, Style::bold, style.colour));
   if (!machine.description.empty()) text += machine.description + "\n";
-  text += fmt::format("platform {}, legs {} in all; {}\n", report::mass_text(machine.platform.mass),
-                      report::mass_text(legs), report::gravity_text(machine));
+  text += fmt::format("mass of the platform {}, of all legs {}; {}\n",
+                      report::mass_text(machine.platform.mass), report::mass_text(legs),
+                      report::gravity_text(machine));
   for (const auto& check : checks) text += "\n" + pose_text(machine, check, style);
   return text + assumptions_text(machine, style);
 }
@@ -131,17 +132,18 @@ void run(const Arguments& arguments) {
 }  // namespace
 
 void add_check(Command app) {
-  Command command = add_command(
-      app, "check", "Check a machine file and print what follows from it",
-      {{"check machine.toml", "leg lengths, strokes left, oil springs, static forces, buckling"},
-       {"check machine.toml --pose \"z=100 mm\"", "at another pose"},
-       {"check machine.toml --set platform.mass=\"1.2 t\"", "with a heavier platform"},
-       {"check machine.toml --format json", "for other programs"}});
+  Command command =
+      add_command(app, "check", "Check a machine file; print lengths, forces and the buckling load",
+                  {{"check machine.toml",
+                    "leg lengths, remaining strokes, oil springs, static forces, buckling load"},
+                   {"check machine.toml --pose \"z=100 mm\"", "at another pose"},
+                   {"check machine.toml --set platform.mass=\"1.2 t\"", "with a heavier platform"},
+                   {"check machine.toml --format json", "as JSON"}});
   auto arguments = std::make_shared<Arguments>();
   add_machine_options(command, arguments->machine);
   command.add_option(
       "--pose", arguments->machine.pose,
-      "One pose instead of all of the file: a name, or displacements from the neutral one");
+      "One pose instead of all of the file: a name, or displacements from the neutral pose");
   add_model_option(command, arguments->machine);
   command.add_option("--format", arguments->format, "table or json").capture_default_str();
   command.add_option("-o,--output", arguments->output, "File to write; - prints")

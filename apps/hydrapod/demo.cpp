@@ -38,7 +38,7 @@ const std::vector<Case>& cases() {
        "2. The same machine under its own weight, which the paper leaves out",
        {"environment.gravity=9.81"}},
       {"heavy-platform.toml", "heavy",
-       "3. A heavy machine whose x and y frequencies really fall by a third"}};
+       "3. A heavy machine whose seals lower the x and y frequencies by a third"}};
   return list;
 }
 
@@ -83,7 +83,7 @@ void make_folder(const std::string& folder) {
   std::filesystem::create_directories(folder, error);
   if (error || !std::filesystem::is_directory(folder))
     throw base::InputError(
-        {{.file = folder, .message = "no folder can be made here: " + error.message()}});
+        {{.file = folder, .message = "cannot make a folder here: " + error.message()}});
 }
 
 void list_files(const Arguments& arguments) {
@@ -91,9 +91,7 @@ void list_files(const Arguments& arguments) {
   for (const auto& the_case : cases())
     fmt::print("  {0:<34} report-{1}.html, bode-{1}.svg, .png, .csv\n", the_case.file,
                the_case.stem);
-  fmt::print(
-      "\nOpen a report in any browser: the mechanism moves in its modes, Bode diagrams are "
-      "live.\n");
+  fmt::print("\nOpen a report in a browser: moving modes, interactive Bode diagrams.\n");
   fmt::print("Next: `hydrapod init` writes a machine file to fill in with your own machine.\n");
 }
 

@@ -41,8 +41,8 @@ std::string modes_text(const diagnosis::Diagnosis& d, bool colour, std::size_t w
                {"measured Hz"},
                {"rigid Hz"},
                {"drop"},
-               {"stated Hz"},
-               {"explained Hz"},
+               {"nominal Hz"},
+               {"fitted Hz"},
                {"MAC"},
                {"elastic energy", Align::left}});
   for (const auto& m : d.modes) {
@@ -71,11 +71,11 @@ std::string ranking_text(const diagnosis::Diagnosis& d, std::size_t shown, bool 
                          std::size_t width) {
   Table table({{"rank"},
                {"explanation", Align::left},
-               {"above best"},
+               {"ΔBIC"},
                {"numbers"},
                {"misfit"},
                {"values", Align::left},
-               {"gets wrong", Align::left}});
+               {"contradiction", Align::left}});
   std::size_t rank = 0;
   const auto add = [&](const diagnosis::Explanation& e) {
     table.add_row({fmt::format("{}", rank), e.name,
@@ -90,9 +90,9 @@ std::string ranking_text(const diagnosis::Diagnosis& d, std::size_t shown, bool 
   }
   std::size_t lines = 0;
   for (const auto& response : d.targets.responses) lines += response.s.size();
-  const auto responses = lines > 0 ? fmt::format(", with {} lines of responses", lines) : "";
-  return heading(fmt::format("Explanations ({} values measured{}; up to {:.0f} above the best are "
-                             "as good)",
+  const auto responses = lines > 0 ? fmt::format(", {} lines of responses", lines) : "";
+  return heading(fmt::format("Hypotheses ({} measured values{}; up to ΔBIC {:.0f} they explain the "
+                             "data equally well)",
                              d.values, responses, diagnosis::same),
                  colour) +
          table.text(colour, width);
@@ -114,8 +114,7 @@ std::string attribution_text(const diagnosis::CaseFile& file, bool colour, std::
       row.push_back(std::abs(r.drop()) < least ? "" : fmt::format("{:.0f} %", 100.0 * part.share));
     table.add_row(row);
   }
-  return heading(fmt::format("What the drop belongs to, at pose {} (share that is gone when this "
-                             "part alone is rigid)",
+  return heading(fmt::format("Share of the frequency drop at pose {}, with this part alone rigid",
                              file.pose),
                  colour) +
          table.text(colour, width);
@@ -127,9 +126,9 @@ std::string remedy_text(const diagnosis::CaseFile& file, bool colour, std::size_
   Table table({{"pose", Align::left},
                {"direction", Align::left},
                {"rigid Hz"},
-               {"today Hz"},
-               {"then Hz"},
-               {"drop then"}});
+               {"nominal Hz"},
+               {"stiffer Hz"},
+               {"drop stiffer"}});
   const auto& changes = file.remedy->changes;
   for (std::size_t k = 0; k < std::min(most, changes.size()); ++k) {
     const auto& c = changes[k];
@@ -195,24 +194,24 @@ void run(Arguments& a) {
     fmt::print(stderr, "wrote {}\n", a.plot);
   }
   if (found.file.diagnosis && found.file.diagnosis->interrupted)
-    throw base::ComputationError("interrupted: the report shows what was tried so far");
+    throw base::ComputationError("interrupted: the result contains the hypotheses tried so far");
 }
 
 }  // namespace
 
 void add_diagnose(Command app) {
   Command command = add_command(
-      app, "diagnose", "Which part is guilty, how sure that is, and how stiff it must be",
+      app, "diagnose", "Cause of low frequencies, its uncertainty, and the required stiffness",
       {{"diagnose machine.toml --measured modes.csv",
-        "what explains the measured modes, ranked, and what would help"},
+        "hypotheses for the measured modes, ranked, and the required stiffness"},
        {"diagnose machine.toml --measured run.h5 --pose high", "the same from a record"},
        {"diagnose machine.toml --measured neutral.h5 --measured high.h5@high",
         "from records at several poses"},
        {"diagnose machine.toml --want \"x=5 Hz\" --poses workspace",
-        "without a measurement: what lowers the resonances, and the remedy wherever the platform "
-        "can go"},
+        "without a measurement: shares of the frequency drop, and the required stiffness in the "
+        "whole workspace"},
        {"diagnose machine.toml --measured modes.csv --plot why.svg --format json -o why.json",
-        "as picture and for other programs"}});
+        "as a picture and as JSON"}});
   auto a = std::make_shared<Arguments>();
   add_machine_options(command, a->machine);
   add_pose_option(command, a->machine);
@@ -220,38 +219,39 @@ void add_diagnose(Command app) {
   command
       .add_option("--measured", a->diagnosis.measured,
                   "Modes (TOML, CSV, JSON of `hydrapod identify`), responses (JSON of `hydrapod "
-                  "frf`, Universal File) or a record; FILE@POSE says where it was measured; may be "
-                  "repeated; default: none, the machine file alone")
+                  "frf`, Universal File) or a record; FILE@POSE names its pose; may be repeated; "
+                  "default: no measurement")
       .type_name("RECORD|FRF|MODES")
       .allow_extra_args(false);
   command
       .add_option("--against", a->diagnosis.against,
-                  "What was measured: mechanics (on oil springs, valves shut), plant (from the "
-                  "drives of the valves on) or system (under its controller); auto: what the file "
-                  "says of itself, else plant from drives, mechanics from all else")
+                  "Measured system: mechanics (oil springs, closed valves), plant (inputs are the "
+                  "valve drives) or system (with its controller); auto: as the file states, else "
+                  "plant for drives and mechanics for other inputs")
       .capture_default_str();
   add_diagnosis_options(command, a->diagnosis);
   command
       .add_option("--model-error", a->frequency_error,
-                  "How near frequencies of a right model come to a real machine, per cent; added "
-                  "to what the measurement says")
+                  "Model uncertainty of frequencies, %, added to that of the measurement")
       .range(0.001, 20.0)
       .capture_default_str();
-  command.add_option("--shape-error", a->shape_error, "The same of shapes, per cent of their size")
+  command
+      .add_option("--shape-error", a->shape_error,
+                  "Model uncertainty of shapes, % of their magnitude")
       .range(0.1, 50.0)
       .capture_default_str();
   command
       .add_option("--response-error", a->response_error,
-                  "The same of responses, line by line, per cent of their size")
+                  "Model uncertainty of frequency responses, % of their magnitude at each line")
       .range(0.1, 100.0)
       .capture_default_str();
   command.add_flag("--modes-only", a->modes_only,
-                   "Responses are no evidence, only the modes identified from them");
+                   "Compare modes only, not the frequency responses");
   command.add_flag("--damping", a->diagnosis.options.damping,
-                   "Dampings are evidence too (the file's dampers are those of the machine)");
+                   "Compare damping ratios too (the dampers of the file are those of the machine)");
   command.add_option("--threads", a->diagnosis.options.threads, "Threads; 0: one per core")
       .range(0, 256);
-  command.add_option("--show", a->shown, "Explanations in the table")
+  command.add_option("--show", a->shown, "Number of hypotheses in the table")
       .range(1, 1000)
       .capture_default_str();
   command.add_option("--plot", a->plot, "Picture to write, .svg, .png or .pdf (needs gnuplot)");

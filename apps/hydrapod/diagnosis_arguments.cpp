@@ -58,12 +58,12 @@ diagnosis::RemedyGoal remedy_goal(const std::string& text) {
 void add_diagnosis_options(Command command, DiagnosisArguments& arguments) {
   command
       .add_option("--want", arguments.want,
-                  "What the guide sleeves are to reach: a largest drop \"2 %\" below rigid, or a "
-                  "frequency \"5 Hz\"; in one direction \"x=5 Hz\"")
+                  "Goal for the guide sleeves: a largest drop \"2 %\" below the rigid-leg model, "
+                  "or a lowest frequency \"5 Hz\"; in one direction \"x=5 Hz\"")
       .capture_default_str();
   command.add_option("--poses", arguments.poses,
-                     "Where it is to be reached, and where could be measured: names or "
-                     "displacements with semicolons, all, or workspace [all of the file]");
+                     "Poses for the goal and for further measurements: names or displacements "
+                     "separated by semicolons, all, or workspace [all of the file]");
 }
 
 tasks::DiagnoseOptions diagnose_options(const DiagnosisArguments& arguments,

@@ -80,15 +80,16 @@ std::string table_text(const Arguments& arguments, const tasks::Measured& measur
             : fmt::format("{} window, {:.0f} % overlap", window_text(m.spectra.options.window),
                           100.0 * m.spectra.options.overlap),
         m.spectra.frequency(1));
-  if (m.from_legs) text += "leg lengths were brought to platform directions\n";
-  if (measured.from_accelerometers) text += "accelerometers were brought to platform directions\n";
+  if (m.from_legs) text += "leg lengths were transformed to platform directions\n";
+  if (measured.from_accelerometers)
+    text += "accelerometers were transformed to platform directions\n";
   if (!r.condition.empty())
     text += fmt::format("condition of the input matrix: median {:.3g}, largest {:.3g}\n",
                         median(r.condition), *std::ranges::max_element(r.condition));
   if (m.h1_against_instrument)
     text += fmt::format(
-        "H1 against the instrumental estimate: {:.2g} % apart (median), beyond its "
-        "95 % band at {:.0f} % of the lines\n",
+        "Difference of H1 from the instrumental estimate: {:.2g} % (median), outside its 95 % band "
+        "at {:.0f} % of the lines\n",
         100.0 * m.h1_against_instrument->median, 100.0 * m.h1_against_instrument->share);
   return measured.records ? text + "\n" + channel_table(r, style) : text;
 }
@@ -134,13 +135,13 @@ void run(const Arguments& arguments) {
 void add_frf(Command app) {
   Command command = add_command(
       app, "frf", "Frequency responses from records, with coherence and errors",
-      {{"frf run.h5", "responses from the excitations to the responses, a summary"},
+      {{"frf run.h5", "from the excitations to the outputs, a summary"},
        {"frf run.h5 --plot bode.svg --coherence coherence.svg", "as pictures"},
        {"frf run.h5 --from-excitation", "from the commands: the machine with its controller"},
        {"frf run1.h5 run2.h5 --format json -o frf.json", "several records, for `identify`"},
        {"frf test.csv --inputs force --outputs a1,a2 --block 4096", "channels by name"}});
   auto arguments = std::make_shared<Arguments>();
-  command.add_option("RECORD", arguments->measurement.files, "Records that are averaged together")
+  command.add_option("RECORD", arguments->measurement.files, "Records, averaged together")
       .required();
   add_measurement_options(command, arguments->measurement);
   command.add_option("--plot", arguments->plot, "Bode diagram to write, .svg, .png or .pdf");

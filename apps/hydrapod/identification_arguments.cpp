@@ -54,28 +54,28 @@ identification::MeasureOptions estimate_options(const MeasurementArguments& a) {
 }  // namespace
 
 void add_measurement_options(Command command, MeasurementArguments& a) {
-  command.add_option(
-      "--inputs", a.inputs,
-      "Input channels, names with commas; default by role: drive inside a loop, else excitation");
+  command.add_option("--inputs", a.inputs,
+                     "Input channels, names separated by commas; default by role: drive in a "
+                     "closed loop, else excitation");
   command.add_option("--outputs", a.outputs, "Output channels; default: role response");
   command.add_flag("--from-drive", a.from_drive,
-                   "Take the drives as inputs, the excitations as instruments: the machine without "
-                   "its controller (default where the excitations are commands)");
+                   "Inputs are the drives, instruments the excitations: the machine without its "
+                   "controller (default where the excitations are commands)");
   command.add_flag("--from-excitation", a.from_excitation,
-                   "Take the excitations as inputs: the machine with its controller");
+                   "Inputs are the excitations: the machine with its controller");
   command.add_flag(
       "--accelerometers", a.accelerometers,
       "Outputs: the accelerometers, as accelerations of the platform in six directions");
   command
       .add_option("--sensor", a.sensors,
-                  "\"NAME, at=X Y Z, along=x\": where an accelerometer sits, in the platform frame "
-                  "[m], for records that do not say it; may be repeated")
+                  "\"NAME, at=X Y Z, along=x\": position of an accelerometer in the platform frame "
+                  "[m], for records that do not state it; may be repeated")
       .allow_extra_args(false);
   command.add_option("--instruments", a.instruments,
                      "External excitations of a closed loop; default: role excitation");
   command
       .add_option("--estimator", a.estimator,
-                  "auto, h1, h2, hv or iv (instrumental, for inputs inside a closed loop)")
+                  "auto, h1, h2, hv or iv (instrumental, for inputs in a closed loop)")
       .capture_default_str();
   command.add_option("--block", a.block, "Samples per block; default: from the record's length");
   command.add_option("--overlap", a.overlap, "Overlap of blocks in per cent; default: 50");
@@ -83,30 +83,29 @@ void add_measurement_options(Command command, MeasurementArguments& a) {
       .add_option("--window", a.window, "hann, rectangular, hamming, blackman-harris or flat-top")
       .capture_default_str();
   command.add_option("--period", a.period,
-                     "Period of the excitation, s or with a unit; 0: none; default: found out");
-  command.add_option("--settling", a.settling, "Time at the beginning that is passed over");
-  command.add_option("--sample-rate,--rate", a.sample_rate, "For files that do not tell it");
+                     "Period of the excitation, s or with a unit; 0: none; default: detected");
+  command.add_option("--settling", a.settling, "Time at the beginning that is left out");
+  command.add_option("--sample-rate,--rate", a.sample_rate, "For files that do not state it");
   command.add_option("--machine", a.machine,
-                     "Machine file: turns leg lengths into platform directions, and is what modes "
-                     "are compared with; default: the one in the record");
+                     "Machine file for the transformation of leg lengths and the comparison of "
+                     "modes; default: the one in the record");
   command.add_option("--pose", a.pose,
-                     "Pose of the record, for the machine; default: as the record says, else "
-                     "neutral");
-  command.add_option("--model", a.model,
-                     "rigid, guide or full, for the machine; default: as the record says");
+                     "Pose of the record; default: that of the record, else neutral");
+  command.add_option("--model", a.model, "rigid, guide or full; default: that of the record");
   command.add_option("--point", a.point,
-                     "Point whose motion is meant, \"x,y,z\" in the platform's frame; default: the "
-                     "mass centre");
+                     "Point of the platform, \"x,y,z\" in its frame; default: the mass centre");
 }
 
 void add_identification_options(Command command, IdentificationArguments& a) {
   add_measurement_options(command, a.measurement);
-  command.add_option("--from", a.from, "Lowest frequency, Hz or with a unit; default: found out");
-  command.add_option("--to", a.to, "Highest frequency, Hz or with a unit; default: found out");
+  command.add_option("--from", a.from,
+                     "Lowest frequency, Hz or with a unit; default: from the record");
+  command.add_option("--to", a.to,
+                     "Highest frequency, Hz or with a unit; default: from the record");
   command.add_option("--order", a.order, "Highest model order").range(4, 100).capture_default_str();
   command
       .add_option("--highest-damping", a.highest_damping,
-                  "Damping in per cent of critical above which a pole is no mode")
+                  "Damping ratio in % above which a pole is not counted as a mode")
       .range(0.1, 90.0)
       .capture_default_str();
   command
@@ -169,7 +168,7 @@ std::size_t result_format(const std::string& format, const std::string& output,
   }
   const auto chosen = choose_word("--format", word, words);
   if (output == "-" && (word == "uff" || word == "mat"))
-    bad_argument("--format " + word, "such a file needs a name: add -o FILE." + word);
+    bad_argument("--format " + word, "this format needs a file name: add -o FILE." + word);
   return chosen;
 }
 

@@ -47,10 +47,10 @@ std::string hertz(double omega) { return fmt::format("{:.4f}", omega / two_pi); 
 
 std::string percent(double ratio) { return fmt::format("{:.3f} %", 100.0 * ratio); }
 
-std::string opinion_text(const std::optional<identification::SecondOpinion>& opinion) {
-  if (!opinion) return "none";
-  return fmt::format("{:.4g} Hz {:.2g} %{}", opinion->omega / two_pi,
-                     100.0 * opinion->damping_ratio, opinion->agrees ? "" : ", differs");
+std::string cross_check_text(const std::optional<identification::CrossCheck>& cross_check) {
+  if (!cross_check) return "none";
+  return fmt::format("{:.4g} Hz {:.2g} %{}", cross_check->omega / two_pi,
+                     100.0 * cross_check->damping_ratio, cross_check->agrees ? "" : ", differs");
 }
 
 std::string left_text(const report::ComparedModes& compared,
@@ -73,8 +73,7 @@ std::string left_text(const report::ComparedModes& compared,
                         compared.labels[static_cast<std::size_t>(left.model)],
                         report::words(left.reason));
   }
-  if (!quiet.empty())
-    text += fmt::format("Not measured, because the platform does not feel them: {} Hz.\n", quiet);
+  if (!quiet.empty()) text += fmt::format("Not measured, local seal modes: {} Hz.\n", quiet);
   return text;
 }
 
@@ -90,13 +89,13 @@ std::string modes_text(const tasks::Identified& checks, const TableStyle& style)
                   report::frame_text(measured.measurement.from_legs, measured.from_accelerometers));
   if (result.modes.empty()) return text + "\nno mode in this band\n";
   std::vector<Column> columns{{"mode"},    {"Hz"},  {"±"},
-                              {"damping"}, {"±"},   {"what moves", Align::left},
+                              {"damping"}, {"±"},   {"motion", Align::left},
                               {"MPC"},     {"MPD"}, {"quality"}};
   if (checks.bootstrap) {
     columns.push_back({"bootstrap ± Hz"});
     columns.push_back({"± damping"});
   }
-  if (!checks.opinions.empty()) columns.push_back({"second opinion (ERA)", Align::left});
+  if (!checks.cross_checks.empty()) columns.push_back({"ERA", Align::left});
   Table table(columns);
   Eigen::VectorXd size =
       Eigen::VectorXd::Zero(static_cast<Eigen::Index>(result.responses.outputs.size()));
@@ -118,23 +117,24 @@ std::string modes_text(const tasks::Identified& checks, const TableStyle& style)
       row.push_back(fmt::format("{:.2g}", band * checks.bootstrap->omega_deviation[k] / two_pi));
       row.push_back(fmt::format("{:.2g} %", 100.0 * band * checks.bootstrap->damping_deviation[k]));
     }
-    if (r < checks.opinions.size()) row.push_back(opinion_text(checks.opinions[r]));
+    if (r < checks.cross_checks.size()) row.push_back(cross_check_text(checks.cross_checks[r]));
     table.add_row(row);
   }
   text += "\n" + table.text(style.colour, style.width);
-  text += fmt::format("\n± is 95 %. The modes give the responses back to {:.2g} %",
+  text += fmt::format("\n± is half the 95 % interval. Error of the synthesised responses: {:.2g} %",
                       100.0 * result.model.error);
   if (result.model.misfit > 0.0)
-    text +=
-        fmt::format(", {:.2f} times what their noise explains (mean square)", result.model.misfit);
+    text += fmt::format(", {:.2f} times their noise (mean square)", result.model.misfit);
   text += ".\n";
   if (checks.bootstrap)
-    text += fmt::format("Bootstrap: {} draws from {} groups of blocks, good to {:.0f} %.\n",
-                        checks.bootstrap->resamples, checks.bootstrap->groups,
-                        100.0 / std::sqrt(2.0 * (checks.bootstrap->groups - 1.0)));
+    text += fmt::format(
+        "Bootstrap: {} resamples of {} groups of blocks, relative uncertainty {:.0f} %.\n",
+        checks.bootstrap->resamples, checks.bootstrap->groups,
+        100.0 / std::sqrt(2.0 * (checks.bootstrap->groups - 1.0)));
   for (const auto& m : result.heavily_damped)
-    text += fmt::format("Heavily damped pole, no mode: {:.3f} Hz, {:.0f} % of critical.\n",
-                        m.omega() / two_pi, 100.0 * m.damping_ratio());
+    text += fmt::format(
+        "Heavily damped pole, not counted as a mode: {:.3f} Hz, damping ratio {:.0f} %.\n",
+        m.omega() / two_pi, 100.0 * m.damping_ratio());
   return text;
 }
 
@@ -143,7 +143,9 @@ std::string comparison_text(const report::ComparedModes& compared,
   std::string text = fmt::format("\nCompared with {}\n", report::comparison_heading(compared));
   const auto& c = compared.result;
   if (c.outputs.empty())
-    text += "No output has a direction of the platform or a leg: pairs by frequency alone.\n";
+    text +=
+        "No output has a direction of the platform or a leg: frequencies alone determine the "
+        "pairs.\n";
   if (!c.pairs.empty()) {
     Table table({{"mode"},
                  {"Hz"},
@@ -153,7 +155,7 @@ std::string comparison_text(const report::ComparedModes& compared,
                  {"model"},
                  {"differs"},
                  {"MAC"},
-                 {"model's mode", Align::left}});
+                 {"mode of the model", Align::left}});
     for (const auto& p : c.pairs) {
       const auto& fit = result.modes[static_cast<std::size_t>(p.measured)].fit;
       const auto& mode = c.model[static_cast<std::size_t>(p.model)];
@@ -173,7 +175,7 @@ std::string output_only_text(const std::vector<identification::OutputOnlyMode>& 
   std::string text = fmt::format(
       "{} outputs, no input: covariance-driven subspace identification, blocks of {} samples\n",
       outputs, block);
-  if (modes.empty()) return text + "\nno mode comes back whatever the model order\n";
+  if (modes.empty()) return text + "\nno stable pole\n";
   Table table({{"mode"}, {"Hz"}, {"scatter"}, {"damping"}, {"scatter"}, {"MPC"}, {"quality"}});
   for (std::size_t r = 0; r < modes.size(); ++r) {
     const auto& mode = modes[r];
@@ -183,7 +185,7 @@ std::string output_only_text(const std::vector<identification::OutputOnlyMode>& 
                    fmt::format("{:.3f}", mode.mpc), fmt::format("{:.2f}", mode.persistence)});
   }
   return text + "\n" + table.text(style.colour, style.width) +
-         "\nscatter: over model orders; it is no interval of confidence\n";
+         "\nscatter: over model orders; this is not a confidence interval\n";
 }
 
 }  // namespace hydrapod::cli

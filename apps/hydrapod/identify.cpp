@@ -90,7 +90,7 @@ void write_result(const Arguments& a, size_t format, const tasks::Identified& fo
     report::Json json{{"kind", "identified_modes"}, {"records", a.measurement.files}};
     if (found.measured.header) json["record"] = report::record_origin_json(*found.measured.header);
     json.update(report::identification_json(result));
-    report::add_second_opinions(found.opinions, json);
+    report::add_cross_checks(found.cross_checks, json);
     if (found.bootstrap) report::add_bootstrap(*found.bootstrap, json);
     if (found.compared) json["comparison"] = report::comparison_json(*found.compared, result);
     text = json.dump(1) + "\n";
@@ -113,7 +113,7 @@ void run(const Arguments& a) {
   for (const auto* path : {&a.plot, &a.stabilisation, &a.mac, &a.cross_mac})
     if (!path->empty()) report::require_picture(*path);
   options.bootstrap = a.bootstrap;
-  options.second_opinion = format != Format::uff && format != Format::mat;
+  options.cross_check = format != Format::uff && format != Format::mat;
   const auto found = with_progress(
       "identifying", [&](const auto& progress) { return tasks::identify(options, progress); });
   print_diagnostics(found.warnings);
@@ -129,26 +129,26 @@ void run(const Arguments& a) {
 void add_identify(Command app) {
   Command command = add_command(
       app, "identify", "Modes from records or from frequency responses, with their uncertainty",
-      {{"identify run.h5", "modes, damping, shapes, without a setting"},
-       {"identify run.h5 --plot fit.svg --stabilisation chart.svg", "with the pictures to it"},
-       {"identify frf.json --from 2 --to 30", "from responses that `hydrapod frf` wrote"},
-       {"identify run.h5 --machine machine.toml", "beside the modes of a machine file"},
+      {{"identify run.h5", "modes, damping ratios and shapes with default settings"},
+       {"identify run.h5 --plot fit.svg --stabilisation chart.svg", "with pictures"},
+       {"identify frf.json --from 2 --to 30", "from responses of `hydrapod frf`"},
+       {"identify run.h5 --machine machine.toml", "compared with the modes of a machine file"},
        {"identify run.h5 -o modes.json", "for other programs; also .csv, .uff and .mat"}});
   auto a = std::make_shared<Arguments>();
   command
       .add_option("RECORD|FRF", a->measurement.files,
-                  "Records that are averaged together, or JSON of `hydrapod frf`")
+                  "Records, averaged together, or JSON of `hydrapod frf`")
       .required();
   add_identification_options(command, *a);
   command.add_flag("--output-only", a->output_only,
-                   "The excitation was not measured: modes from the responses alone");
+                   "Modes from the outputs alone, for records without measured excitation");
   command
       .add_option("--bootstrap", a->bootstrap,
-                  "Check the intervals with so many draws of the record's averages, for instance "
-                  "50; 0: none")
+                  "Number of bootstrap resamples to check the intervals, for instance 50; 0: none")
       .range(0, 10000)
       .capture_default_str();
-  command.add_option("--plot", a->plot, "Bode diagram with the fit to write, .svg, .png or .pdf");
+  command.add_option("--plot", a->plot,
+                     "Bode diagram of measurement and fit to write, .svg, .png or .pdf");
   command.add_option("--stabilisation", a->stabilisation,
                      "Stabilisation chart with mode indicator to write");
   command.add_option("--mac", a->mac, "Picture of the MAC matrix to write");

@@ -36,7 +36,7 @@ void add_machine_options(Command command, MachineArguments& arguments) {
       .required();
   command
       .add_option("--set", arguments.overrides,
-                  "PATH=VALUE lays a value over the file, units allowed; may be repeated")
+                  "PATH=VALUE overrides a value of the file, units allowed; may be repeated")
       .allow_extra_args(false)
       .type_name("PATH=VALUE");
 }
@@ -44,16 +44,15 @@ void add_machine_options(Command command, MachineArguments& arguments) {
 void add_pose_option(Command command, MachineArguments& arguments) {
   command
       .add_option("--pose", arguments.pose,
-                  "Pose of the file, or displacements from the neutral one: \"z=50 mm, ry=5 deg\"")
+                  "Pose of the file, or displacements from the neutral pose: \"z=50 mm, ry=5 deg\"")
       .capture_default_str();
 }
 
 void add_model_option(Command command, MachineArguments& arguments) {
   command
-      .add_option(
-          "--model", arguments.model,
-          "rigid (6 modes), guide (18: guide sleeves give way) or full (30: piston rings too); "
-          "default: full where the file gives piston rings, else guide")
+      .add_option("--model", arguments.model,
+                  "rigid (6 modes), guide (18: compliant guide sleeves) or full (30: piston rings "
+                  "too); default: full where the file has piston rings, else guide")
       .type_name("MODEL");
 }
 

@@ -25,7 +25,7 @@ constexpr int bad_input = 2;
 void set_up(CLI::App& app) {
   app.set_version_flag("--version", fmt::format("hydrapod {}", base::version));
   app.set_help_flag("-h,--help", "Print this help and exit");
-  app.footer("'hydrapod COMMAND --help' shows what a command takes, with examples.");
+  app.footer("'hydrapod COMMAND --help' shows the options of a command and examples.");
   app.get_formatter()->column_width(34);
   for (const auto add : cli::all_commands) add(cli::Command(&app));
 }
@@ -71,7 +71,8 @@ int close_output() {
 
 int run(int argc, char** argv) {
   CLI::App app{
-      "Dynamics of hydraulic hexapods: modes, Bode diagrams, and what the seals do to them",
+      "Dynamics of hydraulic hexapods: modes, Bode diagrams, effect of the seals, identification, "
+      "diagnosis",
       "hydrapod"};
   set_up(app);
   cli::set_command_line(argc, argv);

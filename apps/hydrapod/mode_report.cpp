@@ -90,7 +90,7 @@ std::vector<std::string> row(const modal::ModeTable& table, size_t k,
 std::vector<Column> columns(const modal::ModeTable& table, bool with_change) {
   std::vector<Column> list{{"mode"}, {"Hz"}, {"rad/s"}, {"damping"}};
   if (with_change) list.push_back({"by --set"});
-  list.push_back({"what moves, what gives", Align::left});
+  list.push_back({"motion, compliance", Align::left});
   list.push_back({"kinetic energy", Align::left});
   list.push_back({"elastic energy", Align::left});
   if (table.kind == dynamics::ModelKind::rigid) return list;
@@ -103,7 +103,7 @@ std::string rigid_text(const modal::ModeTable& table, const TableStyle& style) {
   Table text({{"rigid"},
               {"Hz"},
               {"rad/s"},
-              {"what moves", Align::left},
+              {"motion", Align::left},
               {"found in modes (MAC)", Align::left}});
   for (size_t r = 0; r < table.rigid.modes.size(); ++r) {
     const auto& rigid = table.rigid.modes[r];
@@ -131,7 +131,8 @@ bool any_preload(const modal::ModeTable& table) {
 }  // namespace
 
 std::string heading(const tasks::Machine& subject, bool colour) {
-  constexpr std::array<const char*, 3> what{"rigid model, 6 modes", "guide-sleeve model, 18 modes",
+  constexpr std::array<const char*, 3> what{"rigid-leg model, 6 modes",
+                                            "guide-sleeve model, 18 modes",
                                             "guide-sleeve and piston-ring model, 30 modes"};
   const auto& machine = subject.file.machine;
   return fmt::format("{}, pose {}: {}\n{}; {} axes; damping: {}\n",
@@ -157,19 +158,17 @@ std::string mode_text(const modal::ModeTable& table, const modal::ModeTable* bef
   if (table.kind != dynamics::ModelKind::rigid) all += "\n" + rigid_text(table, style);
   if (pairs)
     all +=
-        "\n= repeated frequency: any mix of such modes is a mode; shown is the mix that moves "
-        "along the axes";
+        "\n= repeated frequency: any combination of these modes is a mode; shown are the "
+        "combinations along the axes";
   if (any_preload(table))
-    all +=
-        "\nelastic energy is that of the springs; under load, compressed knees give part of it "
-        "back";
+    all += "\nelastic energy is that of the springs; the compression of the legs reduces the total";
   if (pairs || any_preload(table)) all += "\n";
   return all;
 }
 
 std::string mode_csv(const modal::ModeTable& table) {
   std::string text =
-      "mode,omega_rad_s,frequency_hz,damping_ratio,stable,platform_feels,group,label,"
+      "mode,omega_rad_s,frequency_hz,damping_ratio,stable,moves_platform,group,label,"
       "kinetic_x,kinetic_y,kinetic_z,kinetic_rx,kinetic_ry,kinetic_rz,kinetic_legs,"
       "elastic_oil,elastic_guide_sleeve,elastic_piston_ring,preload,"
       "rigid_mode,rigid_omega_rad_s,rigid_mac,rigid_shift_percent\n";
@@ -178,7 +177,7 @@ std::string mode_csv(const modal::ModeTable& table) {
     const auto& energy = entry.energy;
     text += fmt::format("{},{:.17g},{:.17g},{:.17g},{},{},{},\"{}\"", k + 1, entry.mode.omega,
                         entry.mode.omega / two_pi, entry.mode.damping_ratio, entry.mode.stable,
-                        entry.platform_feels, entry.mode.group, entry.label);
+                        entry.moves_platform, entry.mode.group, entry.label);
     for (int d = 0; d < 6; ++d) text += fmt::format(",{:.17g}", energy.platform[d]);
     text +=
         fmt::format(",{:.17g},{:.17g},{:.17g},{:.17g},{:.17g}", energy.legs.sum(), energy.oil.sum(),

@@ -38,7 +38,7 @@ std::string table_text(const tasks::Machine& machine, const modal::ModeTable& ta
   try {
     before = tasks::modes_without_overrides(machine);
   } catch (const std::exception&) {  // it may be unsound or buckled, and --set mends it
-    note = "\nno change by --set is shown: the file alone has no modes at this pose\n";
+    note = "\nthe change by --set is not shown: without it the file has no modes at this pose\n";
   }
   return heading(machine, style.colour) + "\n" +
          mode_text(table, before ? &*before : nullptr, style) + note + "\n" +
@@ -51,8 +51,7 @@ void run(const Arguments& arguments) {
   const auto style = table_style(arguments.output);
   if (!system.plot.empty() && system.root_locus.empty())
     bad_argument("--plot " + system.plot,
-                 "there is a plot of a --root-locus only; for modes, "
-                 "`hydrapod report` draws them moving");
+                 "needs --root-locus; `hydrapod report` shows moving modes");
   if (system.system || system.open_loop || !system.root_locus.empty()) {
     if (arguments.matrices)
       bad_argument("--matrices", "M, K and C are those of the mechanics; leave --system out");
@@ -74,19 +73,18 @@ void run(const Arguments& arguments) {
 void add_modes(Command app) {
   Command command = add_command(
       app, "modes",
-      "Modes of the machine, rigid beside rigid-flexible; poles with hydraulics and controller",
-      {{"modes machine.toml", "which modes, what moves, where the energy is"},
+      "Modes of the machine with rigid and with flexible legs; poles with hydraulics and "
+      "controller",
+      {{"modes machine.toml", "frequencies, motion, energy shares"},
        {"modes machine.toml --pose \"z=100 mm, ry=5 deg\"", "at another pose"},
-       {"modes machine.toml --model rigid", "the six rigid modes alone"},
+       {"modes machine.toml --model rigid", "the six modes of the rigid-leg model"},
        {"modes machine.toml --set legs.guide_sleeve.stiffness=\"2e6 N/m\"",
-        "what stiffer seals would change"},
-       {"modes machine.toml --system",
-        "poles with hydraulics and controller, and whether it is stable"},
+        "effect of stiffer seals"},
+       {"modes machine.toml --system", "poles with hydraulics and controller; stability"},
        {"modes machine.toml --open-loop", "the same without the controller"},
        {"modes machine.toml --root-locus controller.gain=5:80:16 --plot locus.svg",
-        "those poles over the gain"},
-       {"modes machine.toml --format json --matrices -o modes.json",
-        "everything, for other programs"}});
+        "these poles as functions of the gain"},
+       {"modes machine.toml --format json --matrices -o modes.json", "all results as JSON"}});
   auto arguments = std::make_shared<Arguments>();
   add_machine_options(command, arguments->machine);
   add_pose_option(command, arguments->machine);

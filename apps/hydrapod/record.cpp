@@ -11,12 +11,11 @@ namespace hydrapod::cli {
 void add_record_options(Command command, RecordArguments& arguments,
                         const std::string& rate_option) {
   command
-      .add_option(
-          "FILE", arguments.file,
-          "Record: HDF5, MAT (5 or 7.3), CSV or Universal File, recognised by what it holds")
+      .add_option("FILE", arguments.file,
+                  "Record: HDF5, MAT (5 or 7.3), CSV or Universal File, detected by its content")
       .required();
   command.add_option(rate_option, arguments.rate,
-                     "Sample rate in Hz, for files that do not tell it");
+                     "Sample rate in Hz, for files that do not state it");
 }
 
 void add_output_options(Command command, OutputArguments& arguments) {
@@ -60,16 +59,16 @@ bool read_all(data::RecordSet& record, const std::string& title,
 void report_written(const std::string& file, std::int64_t samples, bool complete) {
   if (!complete)
     throw base::ComputationError(
-        fmt::format("interrupted; {} holds the first {} samples", file, samples));
+        fmt::format("interrupted; {} contains the first {} samples", file, samples));
   fmt::print(stderr, "wrote {}: {} samples\n", file, samples);
 }
 
 void add_record(Command app) {
   Command command = add_command(
-      app, "record", "Look at a record of a test rig, convert, cut, resample and plot it",
+      app, "record", "Show, convert, cut, resample and plot records of a test rig",
       {{"record show run.h5", "channels, levels, clipping, drop-outs"},
        {"record convert run.h5 -o run.uff", "to another format"},
-       {"record cut run.h5 --from 0.2 --to 0.7 --role response -o part.mat", "a piece of it"},
+       {"record cut run.h5 --from 0.2 --to 0.7 --role response -o part.mat", "a part of it"},
        {"record resample run.h5 --rate 250 -o slow.h5", "another sample rate, without aliases"},
        {"record plot run.h5 -o run.svg", "time histories and spectra as a picture"}});
   command.require_subcommand(1);

@@ -85,7 +85,7 @@ std::vector<Eigen::Index> chosen_channels(const data::RecordHeader& header,
         (arguments.direction.empty() || channel.direction == *direction))
       kept.push_back(static_cast<Eigen::Index>(c));
   }
-  if (kept.empty()) bad_argument("--role, --direction", "no channel is left with this choice");
+  if (kept.empty()) bad_argument("--role, --direction", "no channel matches");
   return kept;
 }
 
@@ -175,10 +175,10 @@ void add_record_convert(Command record) {
 
 void add_record_cut(Command record) {
   Command command =
-      add_command(record, "cut", "Write a piece of a record: some seconds, some channels",
+      add_command(record, "cut", "Write a part of a record: a time range, some channels",
                   {{"record cut run.h5 --from 0.2 --to \"700 ms\" -o part.h5", "half a second"},
                    {"record cut run.h5 --channel \"demand*\" -o demand.csv", "channels by name"},
-                   {"record cut run.h5 --role response -o response.mat", "what was measured"}});
+                   {"record cut run.h5 --role response -o response.mat", "measured channels"}});
   auto arguments = std::make_shared<Arguments>();
   add_record_options(command, arguments->record);
   add_output_options(command, arguments->output);
@@ -195,9 +195,9 @@ void add_record_cut(Command record) {
 
 void add_record_resample(Command record) {
   Command command = add_command(
-      record, "resample", "Another sample rate, behind a linear-phase anti-alias filter",
+      record, "resample", "Change the sample rate, with a linear-phase anti-alias filter",
       {{"record resample run.h5 --rate 200 -o slow.h5", "five times fewer samples"},
-       {"record resample run.h5 --rate 44100 -o fast.h5", "any ratio will do"}});
+       {"record resample run.h5 --rate 44100 -o fast.h5", "any ratio"}});
   auto arguments = std::make_shared<Arguments>();
   add_record_options(command, arguments->record, "--file-rate");
   add_output_options(command, arguments->output);

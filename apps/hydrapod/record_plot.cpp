@@ -43,10 +43,9 @@ std::vector<std::size_t> shown_channels(const data::RecordHeader& header,
                  shown.size(), known.size());
   }
   if (shown.size() > report::most_plotted_channels)
-    bad_argument(
-        "--channel",
-        fmt::format("{} channels are too many for one picture, which holds {}; choose some",
-                    shown.size(), report::most_plotted_channels));
+    bad_argument("--channel",
+                 fmt::format("{} channels are too many for one picture (at most {}); choose some",
+                             shown.size(), report::most_plotted_channels));
   return shown;
 }
 

@@ -41,7 +41,8 @@ int mode_number(const std::string& all, std::string_view text) {
   int value = 0;
   const auto [end, status] = std::from_chars(text.data(), text.data() + text.size(), value);
   if (status != std::errc() || end != text.data() + text.size())
-    bad_modes(all, fmt::format("'{}' is no mode's number; a list looks like 1,2,15-18", text));
+    bad_modes(all,
+              fmt::format("'{}' is not a mode number; expected a list such as 1,2,15-18", text));
   return value;
 }
 
@@ -70,8 +71,7 @@ tasks::ReportOptions options_of(const Arguments& a, const tasks::Machine& machin
   options.page.modes = mode_list(a.modes, dynamics::degrees_of_freedom(machine.kind));
   for (const auto& pose : a.poses)
     options.poses.push_back(tasks::pose_of(machine.file.machine, pose));
-  if (a.commands.empty() && !a.until.empty())
-    bad_argument("--until", "says how long to simulate; add --command");
+  if (a.commands.empty() && !a.until.empty()) bad_argument("--until", "needs --command");
   if (!a.commands.empty()) {
     auto& simulation = options.simulation.emplace();
     simulation.commands = a.commands;
@@ -109,38 +109,35 @@ void run(const Arguments& a) {
 
 void add_report(Command app) {
   Command command = add_command(
-      app, "report",
-      "One HTML file to look at and to mail: moving modes, Bode diagrams, all numbers",
+      app, "report", "One HTML file with moving modes, Bode diagrams and all numbers",
       {{"report machine.toml -o report.html", "opens in any browser, without a network"},
        {"report machine.toml --pose neutral --pose \"z=100 mm, ry=5 deg\"",
         "two poses to switch between"},
        {"report machine.toml --modes 1,2,15-18 --title \"Before the new seals\"",
-        "modes pictured in print"},
+        "modes shown in print"},
        {"report machine.toml --command \"step z=5 mm\"",
-        "and what the machine does when it is told to move: over time, and in 3D"},
+        "with a simulated motion: time histories and 3D"},
        {"report machine.toml --measured run.h5",
-        "measured modes: live stabilisation chart, fit, comparison"},
+        "measured modes: interactive stabilisation chart, fit, comparison"},
        {"report machine.toml --diagnose modes.csv",
-        "what explains measured modes, how stiff the sleeves must be, the guilty mode moving"},
+        "hypotheses for measured modes, required stiffness of the guide sleeves"},
        {"report machine.toml --set environment.gravity=0 --theme light",
-        "a what-if, light colours only"}});
+        "another value of a parameter, light colours"}});
   auto arguments = std::make_shared<Arguments>();
   add_machine_options(command, arguments->machine);
   add_model_option(command, arguments->machine);
   command
-      .add_option(
-          "--pose", arguments->poses,
-          "Pose of the file, or displacements from the neutral one: \"z=50 mm, ry=5 deg\"; may be "
-          "repeated [neutral]")
+      .add_option("--pose", arguments->poses,
+                  "Pose of the file, or displacements from the neutral pose: \"z=50 mm, ry=5 "
+                  "deg\"; may be repeated [neutral]")
       .allow_extra_args(false)
       .type_name("POSE");
   command.add_option("--title", arguments->page.title, "Title of the page [the machine's name]");
-  command.add_option("--theme", arguments->theme, "auto (as the reader's system is), light or dark")
+  command.add_option("--theme", arguments->theme, "auto (as the reader's system), light or dark")
       .capture_default_str();
-  command.add_option(
-      "--modes", arguments->modes,
-      "Modes pictured in print, the first one shown at once: 1,2,15-18 [those the platform "
-      "feels, at most six]");
+  command.add_option("--modes", arguments->modes,
+                     "Modes shown in print; the page opens with the first one: 1,2,15-18 [at most "
+                     "six, without local seal modes]");
   command
       .add_option("--points", arguments->page.points,
                   "Points of a Bode curve, besides those at resonances")
@@ -153,17 +150,17 @@ void add_report(Command app) {
       .allow_extra_args(false)
       .type_name("COMMAND");
   command.add_option("--until", arguments->until,
-                     "Simulated time, s or with a unit; default: what the commands need");
+                     "Simulated time, s or with a unit; default: until shortly after the commands");
   auto& identification = arguments->identification;
   command
-      .add_option("--measured", identification.measurement.files,
-                  "Also show the modes that `hydrapod identify` finds in this record or these "
-                  "frequency responses, beside those of the machine at the first pose; records "
-                  "may be repeated")
+      .add_option(
+          "--measured", identification.measurement.files,
+          "Also identify this record or these frequency responses, as `hydrapod identify` does, "
+          "and compare with the machine at the first pose; may be repeated for records")
       .allow_extra_args(false)
       .type_name("RECORD|FRF");
   command.add_flag("--from-drive", identification.measurement.from_drive,
-                   "Of the record: from the drives on, without the controller");
+                   "Of the record: inputs are the drives (machine without controller)");
   command.add_option("--from", identification.from, "Of the record: lowest frequency");
   command.add_option("--to", identification.to, "Of the record: highest frequency");
   command
@@ -173,7 +170,7 @@ void add_report(Command app) {
   command
       .add_option("--diagnose", arguments->diagnosis.measured,
                   "Also diagnose from these modes, responses or records, as `hydrapod diagnose "
-                  "--measured` does; the page then shows the machine that explains them best")
+                  "--measured` does; the page then shows the machine of the best hypothesis")
       .type_name("RECORD|FRF|MODES")
       .allow_extra_args(false);
   add_diagnosis_options(command, arguments->diagnosis);

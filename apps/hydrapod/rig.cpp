@@ -89,19 +89,18 @@ void run(const Arguments& arguments) {
   fmt::print(stderr, "wrote {}: {} samples\n", arguments.file, done.result.samples);
   const auto& summary = done.result.summary;
   if (summary.end == simulation::RunEnd::finished) return;
-  throw base::ComputationError(
-      fmt::format("the run ended at {:.6g} s: {}; {} holds everything up to there", summary.time,
-                  summary.end == simulation::RunEnd::stopped ? "interrupted" : summary.message,
-                  arguments.file));
+  throw base::ComputationError(fmt::format(
+      "the run ended at {:.6g} s: {}; {} contains the run up to this time", summary.time,
+      summary.end == simulation::RunEnd::stopped ? "interrupted" : summary.message,
+      arguments.file));
 }
 
 void add_instrument_options(Command command, Arguments& arguments) {
   command
-      .add_option(
-          "--accelerometer", arguments.accelerometers,
-          "\"name, at=X Y Z, along=x, noise=0.001, bandwidth=5 kHz, range=50\": place in the "
-          "platform frame [m], density [m/s²/√Hz]; may be repeated; none: no accelerometer; "
-          "default: three axes at the joints of legs 1, 3, 5")
+      .add_option("--accelerometer", arguments.accelerometers,
+                  "\"name, at=X Y Z, along=x, noise=0.001, bandwidth=5 kHz, range=50\": position "
+                  "in the platform frame [m], density [m/s²/√Hz]; may be repeated; none: no "
+                  "accelerometer; default: three axes at the joints of legs 1, 3, 5")
       .allow_extra_args(false);
   command.add_option("--length-sensor", arguments.length,
                      "\"resolution=5 um, noise=2 um, low=0.8 m, high=1.2 m\"");
@@ -140,14 +139,14 @@ void add_options(Command command, Arguments& arguments) {
                   "Simulated samples per sample of the record, for the anti-alias filter")
       .range(1, 64)
       .capture_default_str();
-  command.add_option("--seed", arguments.seed, "The same seed, the same file")
+  command.add_option("--seed", arguments.seed, "Seed; the same seed gives the same file")
       .capture_default_str();
   command.add_option("--repeat", arguments.repeat, "Number of this repetition, for the record")
       .range(1, 1000000)
       .capture_default_str();
   add_instrument_options(command, arguments);
   command.add_flag("--check", arguments.check, "Only check the levels against stroke and valves");
-  command.add_flag("--force", arguments.force, "Run though the levels do not fit");
+  command.add_flag("--force", arguments.force, "Run although the levels are too high");
   command.add_option("-o", arguments.file, "Record to write: .h5, .mat, .csv or .uff");
 }
 
@@ -155,7 +154,7 @@ void add_options(Command command, Arguments& arguments) {
 
 void add_rig(Command app) {
   Command command = add_command(
-      app, "rig", "The test rig: excite in six directions, measure, record",
+      app, "rig", "Simulated test rig: excite the machine in six directions and write a record",
       {{"rig machine.toml --duration 5 -o run.h5", "white noise in all six directions"},
        {"rig machine.toml --excite \"multisine all=0.1 mm, to=40, period=2, crest=low\" --averages "
         "2 "
@@ -166,7 +165,7 @@ void add_rig(Command app) {
        {"rig machine.toml --excite \"binary z=2 %\" --entry drive --duration 3 -o run.uff",
         "a binary sequence on the valves"},
        {"rig machine.toml --excite \"sweep z=2 mm, to=30, duration=10\" --check",
-        "is there room for it?"}});
+        "check of the levels only"}});
   command.footer(command.get_footer() + signal_help +
                  "\nHere: level=rms; turns=1 of a sweep, turns=10 of a chirp.");
   auto arguments = std::make_shared<Arguments>();

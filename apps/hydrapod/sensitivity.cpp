@@ -33,8 +33,7 @@ void run(const Arguments& arguments) {
   if (format == 0) {
     const auto style = table_style(arguments.output);
     text = styled(title, Style::bold, style.colour) + "\n\n" + sensitivity_text(result, style) +
-           "\nOf repeated modes each is shown as it parts from the others along the parameter that "
-           "splits them most.\n";
+           "\nRepeated modes are shown in the basis of the parameter that separates them most.\n";
   } else if (format == 1) {
     auto json = report::head_json("sensitivity", machine);
     json["model"] = dynamics::name(machine.kind);
@@ -50,11 +49,11 @@ void run(const Arguments& arguments) {
 
 void add_sensitivity(Command app) {
   Command command = add_command(
-      app, "sensitivity", "How much each number of the machine file changes each frequency",
-      {{"sensitivity machine.toml", "all modes against all numbers, in per cent per per cent"},
+      app, "sensitivity", "Effect of each parameter of the machine file on each frequency",
+      {{"sensitivity machine.toml", "all modes and all parameters, % per %"},
        {"sensitivity machine.toml --parameter legs.guide_sleeve.stiffness --parameter "
         "legs.oil_spring.cylinder.bulk_modulus",
-        "seals against oil"},
+        "seals and oil"},
        {"sensitivity machine.toml --pose \"z=100 mm\" --plot map.svg",
         "at another pose, as a heat map"}});
   auto arguments = std::make_shared<Arguments>();
@@ -62,11 +61,11 @@ void add_sensitivity(Command app) {
   add_pose_option(command, arguments->machine);
   add_model_option(command, arguments->machine);
   command.add_option("--parameter", arguments->parameters,
-                     "Only this number (PATH); may be repeated");
+                     "Only this parameter (PATH); may be repeated");
   command.add_option("--format", arguments->format, "table, json or csv").capture_default_str();
   command.add_option("-o,--output", arguments->output, "File to write; - prints")
       .capture_default_str();
-  command.add_option("--plot", arguments->plot, "Draw a heat map: .svg, .png or .pdf");
+  command.add_option("--plot", arguments->plot, "Heat map to write: .svg, .png or .pdf");
   command.callback([arguments] { run(*arguments); });
 }
 

@@ -72,9 +72,10 @@ void fail_if_early(const Arguments& arguments, const report::Simulation& simulat
   if (summary.end == simulation::RunEnd::finished) return;
   const std::string why =
       summary.end == simulation::RunEnd::stopped ? "interrupted" : summary.message;
-  const std::string kept = arguments.record.empty()
-                               ? ""
-                               : fmt::format("; {} holds everything up to there", arguments.record);
+  const std::string kept =
+      arguments.record.empty()
+          ? ""
+          : fmt::format("; {} contains the run up to this time", arguments.record);
   throw base::ComputationError(fmt::format("the run ended at {:.6g} s of {:.6g} s: {}{}",
                                            summary.time, simulation.until, why, kept));
 }
@@ -112,8 +113,8 @@ void add_options(Command command, Arguments& arguments) {
   add_pose_option(command, arguments.machine);
   command
       .add_option("--model", arguments.machine.model,
-                  "rigid, guide (legs bend in their guide sleeves) or full (piston rings too); "
-                  "default: full where the file gives piston rings, else guide")
+                  "rigid, guide (compliant guide sleeves) or full (piston rings too); default: "
+                  "full where the file has piston rings, else guide")
       .type_name("MODEL");
   command
       .add_option("--command", arguments.commands,
@@ -121,7 +122,7 @@ void add_options(Command command, Arguments& arguments) {
       .allow_extra_args(false)
       .type_name("COMMAND");
   command.add_option("--until", arguments.until,
-                     "Simulated time, s or with a unit; default: what the commands need");
+                     "Simulated time, s or with a unit; default: until shortly after the commands");
   command.add_option("--dt-output", arguments.dt_output,
                      "Time between samples of the record; default: the controller's sample time");
   command.add_option("-o,--output", arguments.record,
@@ -139,12 +140,12 @@ void add_options(Command command, Arguments& arguments) {
       .capture_default_str();
   command
       .add_option("--seed", arguments.seed,
-                  "Of noise in sensors and commands; the same seed, the same run")
+                  "Seed of noise in sensors and commands; the same seed gives the same run")
       .capture_default_str();
   command.add_flag("--ideal-sensors", arguments.ideal_sensors,
                    "Sensors without noise, resolution and range");
   command.add_flag("--show-controller", arguments.show_controller,
-                   "Print the controller's numbers and where they come from, and end");
+                   "Print the values of the controller and their origin, and end");
   command.add_option("--format", arguments.format, "table or json (with time histories)")
       .capture_default_str();
 }
@@ -153,9 +154,9 @@ void add_options(Command command, Arguments& arguments) {
 
 void add_simulate(Command app) {
   Command command = add_command(
-      app, "simulate", "The machine in time: mechanics, hydraulics, controller",
+      app, "simulate", "Time simulation: mechanics, hydraulics, controller",
       {{"simulate machine.toml --command \"step z=5 mm\" --plot step.svg",
-        "how the platform answers a step"},
+        "response of the platform to a step"},
        {"simulate machine.toml --command \"sine ry=2 deg, frequency=1 Hz\" -o run.h5",
         "a sine, all signals as HDF5"},
        {"simulate machine.toml --command \"noise x=1 mm, y=1 mm, to=20 Hz\" --until 5 -o "
@@ -167,7 +168,7 @@ void add_simulate(Command app) {
         "columns time [s], x [mm], …, rz [deg]"},
        {"simulate machine.toml --command \"step z=1 mm\" --set controller.gain=40",
         "a faster controller"},
-       {"simulate machine.toml --show-controller", "which controller that is"}});
+       {"simulate machine.toml --show-controller", "values of the controller"}});
   command.footer(command.get_footer() + signal_help + "\nHere: level=amplitude, turns=0.");
   auto arguments = std::make_shared<Arguments>();
   add_options(command, *arguments);

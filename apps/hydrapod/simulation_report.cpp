@@ -28,11 +28,11 @@ const char* kind_text(dynamics::ModelKind kind) {
     case dynamics::ModelKind::rigid:
       return "rigid legs";
     case dynamics::ModelKind::guide:
-      return "legs that bend in their guide sleeves";
+      return "legs with compliant guide sleeves";
     case dynamics::ModelKind::full:
       break;
   }
-  return "legs that bend in guide sleeves and piston rings";
+  return "legs with compliant guide sleeves and piston rings";
 }
 
 /// Lengths in mm and angles in degrees.
@@ -43,7 +43,7 @@ std::string in_direction(double value, int direction, const char* format = "{:.4
 std::string settled_text(const report::Simulation& s, int i) {
   const auto at = s.step_time[static_cast<std::size_t>(i)];
   if (!at) return "–";
-  if (std::abs(s.summary.final_error[i]) > s.settling_band[i]) return "not yet";
+  if (std::abs(s.summary.final_error[i]) > s.settling_band[i]) return "not settled";
   return fmt::format("{:.3f} s", std::max(s.summary.settled[i] - *at, 0.0));
 }
 
@@ -103,7 +103,7 @@ std::string event_text(const report::Simulation& s) {
     text +=
         fmt::format("leg {} at {:.4f} s: {} {}\n", events[k].leg + 1, events[k].time,
                     simulation::Plant::name(events[k].event), events[k].begins ? "begins" : "ends");
-  if (events.size() > most) text += fmt::format("… and {} events more\n", events.size() - most);
+  if (events.size() > most) text += fmt::format("… and {} more events\n", events.size() - most);
   return text;
 }
 

@@ -28,7 +28,7 @@ std::string unknown_argument(const Choices& choices, const std::string& argument
   if (is_option) best = nearest(word, choices.options);
   if (is_command) best = nearest(word, choices.commands);
   if (!best.empty()) message += fmt::format("; did you mean '{}'?", best);
-  return message + fmt::format(" ('{} --help' shows what there is)", choices.call);
+  return message + fmt::format(" ('{} --help' lists the options)", choices.call);
 }
 
 }  // namespace hydrapod::cli

@@ -35,7 +35,7 @@ tasks::RootLocusOptions locus_options(const std::string& text) {
   for (const auto& part : base::split(std::string_view(text).substr(equals + 1), ":")) {
     const auto number = base::read_quantity(part, "1");
     if (count == numbers.size()) reject("more than three numbers");
-    if (!number.ok()) reject(fmt::format("'{}' is no plain number", part));
+    if (!number.ok()) reject(fmt::format("'{}' is not a plain number", part));
     numbers[count++] = number.value;
   }
   if (count < 2) reject("only one number");
@@ -55,11 +55,11 @@ std::string open_verdict(const SystemPoles& poles) {
   const double rate = poles.largest_real;
   if (rate < -drift || rate > drift) return report::verdict_text(poles);
   constexpr double none = 1e-9;
-  return rate > none ? fmt::format(
-                           "without a controller nothing holds the pose: the platform "
-                           "drifts away with {:.2g} 1/s",
-                           rate)
-                     : std::string("without a controller nothing holds the pose");
+  return rate > none
+             ? fmt::format(
+                   "without a controller the pose is not held: the platform drifts with {:.2g} 1/s",
+                   rate)
+             : std::string("without a controller the pose is not held");
 }
 
 /// Table of poles, ascending in frequency.
@@ -74,7 +74,7 @@ std::string pole_table(const SystemPoles& poles, bool closed, const TableStyle& 
                {"damping"},
                {"Re 1/s"},
                {"", Align::left},
-               {"what takes part", Align::left}});
+               {"participation", Align::left}});
   for (std::size_t k = 0; k < order.size(); ++k) {
     const auto& pole = *order[k];
     const bool stable = pole.pole.real() < 0.0;
@@ -101,14 +101,12 @@ std::string system_heading(const tasks::Machine& machine, const report::System& 
       machine.pose.name, dynamics::name(machine.kind));
   if (!system.closed)
     return fmt::format(
-        "{} with hydraulics, without controller, {} states\n"
-        "the valves are held where the machine rests; measured from the drives on these are the "
-        "poles\n",
+        "{} with hydraulics, without controller, {} states\nthe valves are held at their rest "
+        "positions; inputs are the drives\n",
         title, linear.A.rows());
   return fmt::format(
-      "{} with hydraulics and controller, {} states\n"
-      "sampled every {:.4g} ms; delay and hold of {:.4g} ms as Padé {}/{} (the verdict is that of "
-      "the sampled loop)\n",
+      "{} with hydraulics and controller, {} states\nsampled every {:.4g} ms; delay and hold of "
+      "{:.4g} ms as Padé {}/{} (stability is that of the sampled loop)\n",
       title, linear.A.rows(), 1e3 * linear.sample_time, 1e3 * linear.delay, linear.pade_order,
       linear.pade_order);
 }
@@ -132,9 +130,9 @@ std::string locus_table(const report::RootLocus& locus, const TableStyle& style)
                {"largest |z|"},
                {"largest Re 1/s"},
                {"Hz"},
-               {"least damping felt"},
+               {"lowest damping"},
                {"Hz"},
-               {"what takes part", Align::left}});
+               {"participation", Align::left}});
   for (std::size_t k = 0; k < locus.values.size(); ++k) {
     const auto& poles = locus.poles[k];
     const auto* least = least_damped(poles);
@@ -181,12 +179,12 @@ std::string locus_output(const tasks::Machine& machine, const tasks::RootLocusOp
 
 void add_system_options(Command command, SystemArguments& arguments) {
   command.add_flag("--system", arguments.system,
-                   "Poles of everything: mechanics, hydraulics, controller, delay");
+                   "Poles of mechanics, hydraulics, controller and delay");
   command.add_flag("--open-loop", arguments.open_loop,
-                   "The same without the controller: the poles that are seen from the drives on");
+                   "The same without the controller; inputs are the drives");
   command
       .add_option("--root-locus", arguments.root_locus,
-                  "KEY=from:to:count: those poles over one number of the file (SI)")
+                  "KEY=from:to:count: these poles as functions of one parameter of the file (SI)")
       .type_name("KEY=from:to:count");
   command
       .add_option("--pade", arguments.pade,

@@ -83,8 +83,9 @@ Combination make_combination(const model::MachineFile& file, const Targets& targ
 void check_plan(const Targets& targets, const Plan& plan) {
   std::vector<base::Diagnostic> errors;
   if (plan.free.empty())
-    errors.push_back({.message = "no parameter is free; say which with --free PATH or with tables "
-                                 "[[free]] in the targets file"});
+    errors.push_back(
+        {.message =
+             "no parameter is free; use --free PATH or tables [[free]] in the targets file"});
   if (targets.modes.empty()) errors.push_back({.message = "there are no targets"});
   constexpr std::size_t most = 1000;
   std::size_t count = 1;

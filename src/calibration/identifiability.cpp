@@ -39,8 +39,8 @@ std::string words_of_pair(const Trade& trade, const std::vector<ParameterColumn>
                        b.name);
   }
   return fmt::format(
-      "only one combination of {} and {} is determined: {:+.3g} % of the one goes "
-      "unnoticed with {:+.3g} % of the other",
+      "only one combination of {} and {} is determined: a change of {:+.3g} % of the first "
+      "together with {:+.3g} % of the second has no effect",
       a.name, b.name, 1.0, trade.direction[1] / trade.direction[0]);
 }
 
@@ -55,8 +55,9 @@ std::string words_of(const Trade& trade, const std::vector<ParameterColumn>& par
     changes += fmt::format("{}{:+.2g} %", k == 0 ? "" : ", ",
                            trade.direction[static_cast<Eigen::Index>(k)]);
   }
-  return fmt::format("of {} only {} combinations are determined: {} together go unnoticed", names,
-                     members.size() - 1, changes);
+  return fmt::format(
+      "of {} only {} combinations are determined: a joint change of {} has no effect", names,
+      members.size() - 1, changes);
 }
 
 /// The direction in which the members of `group` are known worst.

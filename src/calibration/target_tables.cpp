@@ -187,7 +187,7 @@ class TargetReader {
     const auto value = table.find("shape");
     if (!value) {
       if (const auto against = table.find("shape_against"))
-        table.report(against, "there is no `shape` that it would be about");
+        table.report(against, "needs a `shape`");
       return;
     }
     constexpr std::string_view words[]{"ground", "base"};
@@ -210,8 +210,9 @@ class TargetReader {
   void add_repeated(const Section& table, ModeTarget mode, Targets& targets) const {
     const double repeated = table.number("repeated", "1", 1.0);
     if (!(repeated >= 1.0 && repeated <= most_repeats) || repeated != std::floor(repeated)) {
-      table.report(table.find("repeated"),
-                   fmt::format("expected how often the mode is there, 1 to {}", most_repeats));
+      table.report(
+          table.find("repeated"),
+          fmt::format("expected the number of modes with this frequency, 1 to {}", most_repeats));
       return;
     }
     const std::string given = table.optional_text("name");
@@ -264,7 +265,7 @@ class TargetReader {
       const auto center = read_amount(prior, "value"), spread = read_amount(prior, "spread");
       if (center && spread) return PriorAmounts{*center, *spread};
     }
-    table.report(value, "expected { value = …, spread = … }: what is known besides the data");
+    table.report(value, "expected { value = …, spread = … }: prior knowledge");
     return {};
   }
 

@@ -141,7 +141,7 @@ std::vector<Variable> make_variables(const std::vector<FreeParameter>& free,
     if (!machine.matters(j))
       errors.push_back({base::Severity::error, free[j].origin.file, free[j].origin.line,
                         free[j].origin.column, free[j].paths.front(),
-                        "changes nothing that moves or bends; it cannot be found from modes"});
+                        "has no effect on the modes; it cannot be fitted"});
   return variables;
 }
 

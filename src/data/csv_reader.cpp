@@ -206,7 +206,7 @@ class CsvReader final : public RecordReader {
     }
     if (found != columns_)
       notes_.add(fmt::format("{} fields instead of {}; {}", found, columns_,
-                             found < columns_ ? "those that lack are taken as missing samples"
+                             found < columns_ ? "absent ones are taken as missing samples"
                                               : "those beyond are left out"),
                  table_.line(), 0, found < columns_ ? "short" : "long");
     check_time();
@@ -228,8 +228,8 @@ class CsvReader final : public RecordReader {
   void find_rate(const ReadOptions& options) {
     if (!time_column_ && !options.sample_rate)
       notes_.fail(
-          "the file tells no sample rate: no column of times was found; give the rate in "
-          "Hz with --rate");
+          "the file states no sample rate: no column of times was found; give the rate in Hz with "
+          "--rate");
     if (time_column_) {
       const Notes before = notes_;  // the rows are read again
       to_first_sample();
@@ -247,7 +247,7 @@ class CsvReader final : public RecordReader {
     const double span = times.size() < 2 ? 0.0 : times.back() - times.front();
     if (!(span > 0.0) || !std::isfinite(span))
       notes_.fail(
-          "the sample rate cannot be told from the column of times: it needs at least two "
+          "the sample rate cannot be determined from the column of times: it needs at least two "
           "times, rising; give the rate in Hz with --rate");
     const double rate = rounded_rate(static_cast<double>(times.size() - 1) / span, 1e-5);
     for (std::size_t k = 0; k < times.size(); ++k)

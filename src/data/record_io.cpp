@@ -84,7 +84,7 @@ std::unique_ptr<RecordReader> open_by_content(const std::string& path, const Rea
   if (head.starts_with("MATLAB 5.0") || has_mat5_mark(head)) return make_mat5_reader(path, options);
   if (begins_as_uff(head)) return make_uff_reader(path);
   if (head.find('\0') != std::string::npos)
-    refuse(path, "this is no record: it begins neither as HDF5, MAT, Universal File nor text");
+    refuse(path, "this is not a record: it is neither HDF5, MAT, Universal File nor text");
   return make_csv_reader(path, options);
 }
 

@@ -24,10 +24,10 @@ class UffReader final : public RecordReader {
     for (const UffFunction& f : chosen_) count_ = std::max(count_, f.count);
     for (std::size_t c = 0; c < chosen_.size(); ++c)
       if (chosen_[c].count < count_)
-        notes_.add(fmt::format("channel \"{}\" has {} of {} samples; those that lack are taken as "
-                               "missing",
-                               base::printable(header_.channels[c].name), chosen_[c].count, count_),
-                   chosen_[c].line);
+        notes_.add(
+            fmt::format("channel \"{}\" has {} of {} samples; absent ones are taken as missing",
+                        base::printable(header_.channels[c].name), chosen_[c].count, count_),
+            chosen_[c].line);
     to_first_sample();
   }
 

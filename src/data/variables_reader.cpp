@@ -279,8 +279,8 @@ class VariablesReader final : public RecordReader {
     if (times != nullptr) use_times(*times);
     if (header_.sample_rate > 0.0) return;
     notes_.fail(
-        "the file tells no sample rate: no variable such as fs, dt or time was found; give "
-        "the rate in Hz with --rate");
+        "the file states no sample rate: no variable such as fs, dt or time was found; give the "
+        "rate in Hz with --rate");
   }
 
   /// Start and, if it is not known yet, the rate.

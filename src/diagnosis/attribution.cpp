@@ -57,7 +57,7 @@ std::string part_name(const Part& part) {
   constexpr std::array names{Names{"guide sleeve of leg", "guide sleeves of all legs"},
                              Names{"piston ring of leg", "piston rings of all legs"},
                              Names{"gimbals of leg", "gimbals of all legs"},
-                             Names{"", "base on its mount"}};
+                             Names{"", "base mount"}};
   const auto& of = names.at(static_cast<std::size_t>(part.what));
   return part.leg ? fmt::format("{} {}", of.one, *part.leg + 1) : of.all;
 }

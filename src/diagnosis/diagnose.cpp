@@ -281,11 +281,11 @@ void take_targets(const model::MachineFile& file, const observation::Targets& me
 const char* name(Finding finding) {
   switch (finding) {
     case Finding::nothing_to_blame:
-      return "nothing to blame";
+      return "no cause";
     case Finding::as_stated:
-      return "as stated";
+      return "nominal machine";
     case Finding::guilty:
-      return "guilty";
+      return "cause identified";
     case Finding::undecided:
       return "undecided";
     case Finding::unexplained:
@@ -293,7 +293,7 @@ const char* name(Finding finding) {
     case Finding::do_not_belong:
       break;
   }
-  return "do not belong together";
+  return "mismatch";
 }
 
 const Explanation* Diagnosis::find(const std::string& wanted) const {

@@ -74,7 +74,7 @@ std::string plant_refused(const model::MachineFile& file, const Targets& targets
     for (const auto& pose : file.machine.poses)
       if (std::ranges::count(targets.modes, pose.name, &ModeTarget::pose) > 0)
         static_cast<void>(observation::observe(file.machine, pose.X_BP, kind, targets.observed));
-    return "not all measured modes have one of their own";
+    return "there are fewer computed than measured modes";
   } catch (const base::InputError& error) {
     return error.diagnostics().empty() ? "it is refused" : error.diagnostics().front().message;
   } catch (const base::ComputationError& error) {
@@ -85,9 +85,9 @@ std::string plant_refused(const model::MachineFile& file, const Targets& targets
 Evidence::Evidence(const model::MachineFile& file, const Targets& targets, dynamics::ModelKind kind,
                    const std::vector<Suspect>& suspects)
     : file_(file), targets_(targets), kind_(kind), suspects_(suspects) {
-  stated_ = {.name = "the machine as stated", .kind = kind_};
+  stated_ = {.name = "nominal machine", .kind = kind_};
   stated_.fit = calibration::compare(file_, targets_, kind_);
-  if (!stated_.fit.fitted) throw base::ComputationError("the machine as stated has no modes");
+  if (!stated_.fit.fitted) throw base::ComputationError("the nominal machine has no modes");
   stated_.misfit = stated_.fit.misfit;
   by_mechanics_ = for_mechanics();
 }
@@ -115,7 +115,7 @@ Targets Evidence::for_mechanics() const {
 
 Explanation Evidence::rigid() const {
   constexpr double like_rigid = 1e15;  // [N/m], [N m/rad]
-  Explanation e{.rigid = true, .name = "the rigid calculation", .kind = kind_};
+  Explanation e{.rigid = true, .name = "rigid-leg model", .kind = kind_};
   const auto set = [&](const std::string& path, double value) {
     e.changes.push_back({*find_parameter(file_, path), value});
   };
@@ -134,7 +134,7 @@ Explanation Evidence::rigid() const {
   const auto file = file_with(e);
   e.by_mechanics = beyond_mechanics(targets_) && !plant_refused(file, targets_, kind_).empty();
   e.fit = calibration::compare(file, e.by_mechanics ? by_mechanics_ : targets_, kind_);
-  if (!e.fit.fitted) throw base::ComputationError("the rigid machine has no modes");
+  if (!e.fit.fitted) throw base::ComputationError("the rigid-leg model has no modes");
   e.misfit = e.fit.misfit;
   return e;
 }

@@ -96,14 +96,13 @@ void judge(Diagnosis& d) {
 }
 
 std::vector<std::string> unexplained(const Diagnosis& d) {
-  std::vector<std::string> reasons{fmt::format(
-      "even the best explanation ({}) misses the measured values by {:.{}f} times what they are "
-      "known to",
-      d.best().name, d.scatter, d.scatter < 10.0 ? 1 : 0)};
+  std::vector<std::string> reasons{
+      fmt::format("even the best hypothesis ({}) differs from the measured values by {:.{}f} σ",
+                  d.best().name, d.scatter, d.scatter < 10.0 ? 1 : 0)};
   for (const auto& wrong : d.best().wrong) reasons.push_back("it " + wrong);
   reasons.push_back(
-      "the cause may be none of the suspects, or more than two of them at once; or the measurement "
-      "is of another pose, payload or machine; or the model is rougher than was allowed for");
+      "possible reasons: a cause that is not a candidate, more than two causes, another pose, "
+      "payload or machine, a model uncertainty above the allowed one");
   return reasons;
 }
 

@@ -16,7 +16,7 @@ namespace {
 
 using base::two_pi;
 constexpr double notable_drop = 0.01;
-constexpr const char* interrupted = "Interrupted: not every explanation was tried.";
+constexpr const char* interrupted = "Interrupted: not all hypotheses were tried.";
 
 std::string hertz(double omega) {
   return fmt::format("{:.{}f} Hz", omega / two_pi, omega < 10.0 * two_pi ? 2 : 1);
@@ -39,7 +39,7 @@ void add_drops(const Diagnosis& d, std::vector<std::string>& words) {
     auto& lowest = first[{mode.pose, mode.direction}];
     if (lowest == nullptr || mode.omega < lowest->omega) lowest = &mode;
   }
-  // directions that fall alike are told together
+  // directions with equal drops are reported together
   std::vector<std::pair<const MeasuredMode*, std::vector<std::string>>> groups;
   for (const auto& [key, mode] : first) {
     if (mode->drop() < notable_drop) continue;
@@ -59,13 +59,13 @@ void add_drops(const Diagnosis& d, std::vector<std::string>& words) {
   for (std::size_t k = 0; k < std::min(most, groups.size()); ++k) {
     const auto& [mode, names] = groups[k];
     words.push_back(fmt::format(
-        "At pose {} the {} {} measured at {} {} {} below the rigid calculation ({}).", mode->pose,
+        "At pose {} the {} {} measured at {} {} {} below the rigid-leg model ({}).", mode->pose,
         fmt::join(names, " and "), names.size() > 1 ? "resonances" : "resonance",
         hertz(mode->omega), names.size() > 1 ? "lie" : "lies", percent(mode->drop()),
         hertz(mode->omega_rigid)));
   }
   if (groups.empty() && !d.modes.empty())
-    words.push_back("No measured resonance lies 1 % or more below the rigid calculation.");
+    words.push_back("No measured resonance lies 1 % or more below the rigid-leg model.");
 }
 
 /// Which compliance a measured resonance comes from, when it is not the platform on its oil.
@@ -110,17 +110,20 @@ void add_innocents(const Diagnosis& d, std::vector<std::string>& words) {
     if (e.suspects.size() != 1 || e.wrong.empty() || count == most) continue;
     const auto& suspect = d.suspects[e.suspects.front()];
     if (suspect.leg || !told.insert(suspect.family).second) continue;
-    words.push_back(fmt::format("Not {}: {}.", e.name, e.wrong.front()));
+    words.push_back(fmt::format("Excluded: {}: {}.", e.name, e.wrong.front()));
     ++count;
   }
 }
 
 std::string alike_words(const Diagnosis& d) {
   constexpr std::size_t shown = 4;
+  const std::size_t count = d.alike.size();
   std::string names;
-  for (std::size_t k = 0; k < std::min(shown, d.alike.size()); ++k)
-    names += (names.empty() ? "" : " from ") + d.explanations[d.alike[k]].name;
-  if (d.alike.size() > shown) names += fmt::format(" and {} more", d.alike.size() - shown);
+  for (std::size_t k = 0; k < std::min(shown, count); ++k) {
+    const bool last = k > 0 && k + 1 == count;
+    names += (k == 0 ? "" : last ? " and " : ", ") + d.explanations[d.alike[k]].name;
+  }
+  if (count > shown) names += fmt::format(" and {} more", count - shown);
   return names;
 }
 
@@ -133,15 +136,15 @@ void add_discriminators(const Diagnosis& d, std::vector<std::string>& words) {
     const auto& other = d.explanations[x.other];
     if (x.deviations < enough)
       words.push_back(
-          fmt::format("No pose that was looked at tells {} from {}: their resonances "
-                      "differ by {:.1f} times what can be measured at most.",
+          fmt::format("No offered pose distinguishes {} from {}: their resonances differ by at "
+                      "most {:.1f} σ of a measurement.",
                       best.name, other.name, x.deviations));
     else
-      words.push_back(fmt::format(
-          "A measurement at pose {} in direction {} would tell {} ({}) from {} ({}): {:.0f} times "
-          "what can be measured.",
-          x.pose, direction_name(x.direction), best.name, hertz(x.omega_best), other.name,
-          hertz(x.omega_other), x.deviations));
+      words.push_back(
+          fmt::format("A measurement at pose {} in direction {} distinguishes {} ({}) from {} "
+                      "({}): the difference is {:.0f} σ.",
+                      x.pose, direction_name(x.direction), best.name, hertz(x.omega_best),
+                      other.name, hertz(x.omega_other), x.deviations));
   }
 }
 
@@ -160,11 +163,12 @@ void add_attribution(const CaseFile& file, std::vector<std::string>& words) {
     for (const auto& part : drop.parts)
       if (!part.part.leg && std::abs(part.share) >= told)
         parts.push_back(fmt::format("{} {}", part_name(part.part), percent(part.share)));
-    words.push_back(fmt::format(
-        "Calculated at pose {}: {} resonates at {}, {} below rigid; of this drop belongs to: {}.",
-        file.pose, drop.resonance.direction, hertz(drop.resonance.omega),
-        percent(drop.resonance.drop()),
-        parts.empty() ? "no part alone" : fmt::format("{}", fmt::join(parts, ", "))));
+    words.push_back(
+        fmt::format("Calculated at pose {}: the {} resonance is at {}, {} below the rigid-leg "
+                    "model. Share of the frequency drop: {}.",
+                    file.pose, drop.resonance.direction, hertz(drop.resonance.omega),
+                    percent(drop.resonance.drop()),
+                    parts.empty() ? "no part alone" : fmt::format("{}", fmt::join(parts, ", "))));
   }
   if (drops.empty() && !file.drops.empty())
     words.push_back(fmt::format(
@@ -184,7 +188,7 @@ std::string stiffer_words(const CaseFile& file) {
     to = std::max(to, point.stiffness);
   }
   if (to == 0.0) return "";
-  return fmt::format(" Stiffer ones miss it again, from about {} to {}.",
+  return fmt::format(" Stiffer guide sleeves, from about {} to {}, miss the goal.",
                      amount_text(from, 0.0, "N/m"), amount_text(to, 0.0, "N/m"));
 }
 
@@ -195,20 +199,22 @@ std::string remedy_words(const CaseFile& file) {
   const auto today = amount_text(r.today.stiffness, 0.0, "N/m");
   if (r.status == RemedyStatus::out_of_reach)
     return fmt::format(
-        "No guide sleeve reaches {}: rigid ones give {} and a drop of {} (pose {}, "
-        "{}).",
+        "No stiffness of the guide sleeves reaches {}: rigid guide sleeves give {} and a drop of "
+        "{} (pose {}, {}).",
         goal, hertz(r.limit.omega), percent(r.limit.drop), r.pose, r.direction);
   constexpr double far = 0.01;
   if (r.status == RemedyStatus::met_already) {
     const bool softer = r.needed.factor < far;
-    const auto enough = softer ? ", and far softer ones would do" : "; " + stiffness + " would do";
-    return fmt::format("Guide sleeves of {} are stiff enough for {}{}.{}", today, goal, enough,
-                       stiffer_words(file));
+    const auto enough =
+        softer ? "much less is sufficient" : "at least " + stiffness + " is required";
+    return fmt::format(
+        "The nominal stiffness of the guide sleeves, {}, is sufficient for {}; {}.{}", today, goal,
+        enough, stiffer_words(file));
   }
   return fmt::format(
-      "Guide sleeves of at least {} ({:.3g} times today's {}) give {}; pose {} in {} "
-      "asks for the most.",
-      stiffness, r.needed.factor, today, goal, r.pose, r.direction);
+      "Required stiffness of the guide sleeves for {}: at least {}, {:.3g} times the nominal {} "
+      "(highest demand at pose {} in {}).",
+      goal, stiffness, r.needed.factor, today, r.pose, r.direction);
 }
 
 }  // namespace
@@ -233,7 +239,7 @@ std::vector<std::string> parameter_words(const Explanation& e) {
                            : "");
     // with overrides the search began elsewhere than at the file's value
     words.push_back(e.changes.empty()
-                        ? fmt::format("{} (stated {})", value, amount_text(p.start, 0.0, p.unit))
+                        ? fmt::format("{} (nominal {})", value, amount_text(p.start, 0.0, p.unit))
                         : value);
   }
   return words;
@@ -242,24 +248,25 @@ std::vector<std::string> parameter_words(const Explanation& e) {
 std::string finding_sentence(const Diagnosis& d) {
   switch (d.finding) {
     case Finding::nothing_to_blame:
-      return "Nothing is to blame: the rigid calculation explains what was measured.";
+      return "No cause: the rigid-leg model explains the measurement.";
     case Finding::as_stated:
-      return "The machine is as its file says: what gives way there explains what was measured.";
+      return "The nominal machine explains the measurement: the frequency drop comes from the "
+             "compliances in the file.";
     case Finding::guilty: {
       const auto& best = d.explanations[d.alike.front()];
       std::vector<std::string> statements;
       for (const auto s : best.suspects) statements.push_back(d.suspects[s].statement);
-      return fmt::format("The cause: {}; {}.", fmt::join(statements, ", and "),
+      return fmt::format("Identified cause: {}; {}.", fmt::join(statements, ", and "),
                          fmt::join(parameter_words(best), "; "));
     }
     case Finding::undecided:
-      return fmt::format("The data cannot tell {}.", alike_words(d));
+      return fmt::format("{} explain the data equally well.", capital(alike_words(d)));
     case Finding::unexplained:
-      return "Nothing in the list of suspects explains what was measured; no part is blamed.";
+      return "No candidate cause explains the measurement; no cause is identified.";
     case Finding::do_not_belong:
       break;
   }
-  return "Machine and measurement do not belong together; no part is blamed.";
+  return "Measurement and machine file do not match; no cause is identified.";
 }
 
 std::vector<std::string> summary(const CaseFile& file) {
@@ -287,9 +294,9 @@ std::vector<std::string> summary(const CaseFile& file) {
     if (d.targets.observed != observation::Observed::mechanics && !d.alike.empty() &&
         d.explanations[d.alike.front()].by_mechanics)
       words.push_back(
-          "This machine cannot be had with its hydraulics: it was fitted as mechanics on oil "
-          "springs, to frequencies times the ratio of mechanics to what was measured of the "
-          "machine as stated.");
+          "This machine cannot be computed with its hydraulics. It was fitted as mechanics on oil "
+          "springs. The measured frequencies were multiplied by the ratio of mechanics to measured "
+          "system of the nominal machine.");
     if (d.interrupted) words.push_back(interrupted);
   }
   add_attribution(file, words);

@@ -75,9 +75,11 @@ std::optional<std::string> missed_response(const Evidence& evidence, const Expla
   const auto place = fmt::format("at {:.2f} Hz{}", target.s[worst->first.second].imag() / two_pi,
                                  where(evidence.targets(), target.pose));
   return target.entry == observation::Entry::forces
-             ? fmt::format("misses the response to forces {} by {:.0f} %", place, 100.0 * missed)
-             : fmt::format("moves otherwise than measured {} when driven (MAC {:.2f})", place,
-                           1.0 - missed * missed);
+             ? fmt::format("differs from the response to forces {} by {:.0f} %", place,
+                           100.0 * missed)
+             : fmt::format(
+                   "shape of the response to drives differs from the measured one {} (MAC {:.2f})",
+                   place, 1.0 - missed * missed);
 }
 
 /// "predicts one resonance in x, two were measured"
@@ -127,12 +129,13 @@ std::vector<std::string> what_is_wrong(const Evidence& evidence, const Explanati
     const auto& fit = e.fit.targets[i];
     const std::string mode = mode_words(target, evidence.targets());
     if (std::abs(fit.difference) >= notable)
-      words.push_back(fmt::format("puts {} at {:.2f} Hz, {:.2f} Hz {} than measured", mode,
+      words.push_back(fmt::format("predicts {} at {:.2f} Hz, {:.2f} Hz {} than measured", mode,
                                   fit.omega / two_pi, std::abs(fit.omega - target.omega) / two_pi,
                                   fit.omega > target.omega ? "higher" : "lower"));
     else if (target.shape && fit.shape_mac < other_motion)
-      words.push_back(fmt::format("moves otherwise than measured in {} at {:.2f} Hz (MAC {:.2f})",
-                                  mode, target.omega / two_pi, fit.shape_mac));
+      words.push_back(
+          fmt::format("mode shape differs from the measured one in {} at {:.2f} Hz (MAC {:.2f})",
+                      mode, target.omega / two_pi, fit.shape_mac));
   }
   if (response) words.push_back(*response);
   return words;
@@ -164,7 +167,7 @@ std::string contrary(const Evidence& evidence, const Explanation& as_stated,
     if (std::abs(at.targets[i].difference) > std::abs(at.targets[worst].difference)) worst = i;
   if (std::abs(at.targets[worst].difference) < notable) return {};
   const auto& target = part->rest.modes[worst];
-  return fmt::format("what would explain {} ({}) contradicts {} by {:.2g} Hz",
+  return fmt::format("the value that explains {} ({}) contradicts {} by {:.2g} Hz",
                      direction_name(direction), amount_text(p.value, p.deviation, p.unit),
                      mode_words(target, targets),
                      std::abs(at.targets[worst].omega - target.omega) / two_pi);
@@ -241,7 +244,7 @@ std::vector<std::string> objections(const Evidence& evidence, const Explanation&
   std::vector<std::string> reasons;
   if (modes.size() < fewest)
     reasons.push_back(fmt::format(
-        "{} {} measured; with fewer than {} every suspect explains them, and nothing is proved",
+        "{} {} measured; with fewer than {} every candidate cause explains them",
         modes.size() == 1 ? "only one mode" : fmt::format("only {} modes", modes.size()),
         modes.size() == 1 ? "was" : "were", fewest));
   std::set<int> directions;

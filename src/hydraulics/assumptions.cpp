@@ -22,7 +22,7 @@ void assume_cylinder(const model::Leg& leg, const ServoAxis& axis, std::vector<A
        fmt::format("A_p = {:.3g} cm^2 ({}), e = {:.3g}, {:.3g} l in both chambers at mid stroke: "
                    "the given oil spring at {:.3g} GPa (Eq. 16)",
                    1e4 * axis.area.piston,
-                   given.area ? "given" : "a sixth of the supply pressure bears the platform",
+                   given.area ? "given" : "a sixth of the supply pressure carries the platform",
                    axis.area.ratio(), 1e3 * axis.volume.cap, 1e-9 * axis.oil.bulk_modulus)});
 }
 
@@ -52,8 +52,7 @@ void assume_losses(const model::Leg& leg, const ServoAxis& axis, double supply,
         {"leakage.internal", flow_text(axis.internal_leakage * supply) +
                                  " past the piston at the supply pressure: 1 % of the rated flow"});
   if (!friction.coulomb)
-    all.push_back(
-        {"friction.coulomb", "none: with it, small motions are damped more than modes say"});
+    all.push_back({"friction.coulomb", "none: friction would add damping to small motions"});
   if (friction.coulomb && !friction.viscous)
     all.push_back({"friction.viscous",
                    fmt::format("{:.3g} N s/m: 10 times coulomb per m/s", axis.friction.viscous)});

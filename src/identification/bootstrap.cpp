@@ -101,7 +101,7 @@ BootstrapScatter bootstrap_modes(const std::vector<CrossSpectra>& groups,
     if (progress && !progress(static_cast<double>(b + 1) / options.resamples)) break;
   }
   if (scatter.resamples < 2)
-    throw base::ComputationError("hardly any draw of the blocks could be fitted");
+    throw base::ComputationError("most resamples of the blocks could not be fitted");
   const auto G = static_cast<double>(groups.size());
   const double correction = std::sqrt(G / (G - 1.0));
   scatter.omega_deviation = correction * row_deviation(omega.leftCols(scatter.resamples));

@@ -27,7 +27,7 @@ MatrixXd inverted(const MatrixXd& J, const char* what) {
   const auto& s = svd.singularValues();
   if (s.size() < 6 || !(s[5] > least_regularity * s[0]))
     throw base::ComputationError(
-        fmt::format("the {} do not tell all six directions of the platform", what));
+        fmt::format("the {} do not determine all six directions of the platform", what));
   return svd.solve(MatrixXd::Identity(J.rows(), J.rows()));
 }
 

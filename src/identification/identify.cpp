@@ -28,10 +28,10 @@ enum class Objection { none, left_band, in_noise, open_frequency, open_damping, 
 const char* text(Objection objection) {
   constexpr std::array words{"",
                              "left the band in the fit",
-                             "does not stand above the noise",
+                             "is not above the noise",
                              "its frequency is not determined",
                              "its damping is not determined",
-                             "doubles another"};
+                             "repeats another pole"};
   return words[static_cast<std::size_t>(objection)];
 }
 
@@ -380,21 +380,20 @@ Identification identify_modes(const FrequencyResponses& responses, const Identif
   list_modes(options, result);
   if (result.modes.empty())
     result.warnings.push_back(fmt::format(
-        "no mode from {:.4g} Hz to {:.4g} Hz: no pole comes back whatever the model order",
-        result.from, result.to));
+        "no mode from {:.4g} Hz to {:.4g} Hz: there is no stable pole", result.from, result.to));
   constexpr double few_samples = 8.0;  // per period
   if (const double rate = result.responses.sample_rate;
       rate > 0.0 && !result.modes.empty() &&
       rate * two_pi < few_samples * result.modes.back().fit.omega())
     result.warnings.push_back(fmt::format(
-        "the highest mode has {:.1f} samples per period: what sampling folds back is not in the "
-        "modal model, and where there is little noise the intervals are too narrow; sample faster",
+        "the highest mode has {:.1f} samples per period: the modal model does not include "
+        "aliasing, and with little noise the intervals are too narrow; use a higher sample rate",
         rate * two_pi / result.modes.back().fit.omega()));
   constexpr double poor = 2.0;
   if (result.model.misfit > poor)
     result.warnings.push_back(fmt::format(
         "the modal model misses the responses by {:.1f} times their noise (mean square): a mode "
-        "may be missing, or the machine is not linear; the intervals are widened by that",
+        "may be missing, or the machine is not linear; the intervals are widened accordingly",
         result.model.misfit));
   return result;
 }

@@ -341,8 +341,8 @@ void compare_with_instrument(const Plan& plan, Measurement& m) {
   constexpr double chance = 0.1;
   if (!instrumental && m.h1_against_instrument->share > chance)
     m.responses.warnings.push_back(fmt::format(
-        "{} is biased by the loop: it is off the instrumental estimate by {:.2g} % (median), "
-        "beyond its 95 % band at {:.0f} % of the lines; take --estimator iv",
+        "{} is biased by the loop: it differs from the instrumental estimate by {:.2g} % (median), "
+        "outside its 95 % band at {:.0f} % of the lines; take --estimator iv",
         data::estimator_text(plan.estimator), 100.0 * m.h1_against_instrument->median,
         100.0 * m.h1_against_instrument->share));
 }
@@ -400,7 +400,7 @@ GroupedSpectra measure_groups(data::RecordSet& records, const MeasureOptions& op
   const Lengths lengths = lengths_of(records);
   const auto spectrum = spectrum_options(records, plan, options, lengths);
   if (spectrum.periodic)
-    throw base::ComputationError("the excitation is periodic: there are no blocks to draw from");
+    throw base::ComputationError("the excitation is periodic: there are no blocks to resample");
   const auto used = used_channels(plan.choice);
   const std::int64_t skip = settling_samples(records, options);
   const std::int64_t piece =

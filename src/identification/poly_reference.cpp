@@ -217,7 +217,7 @@ std::vector<OrderPoles> poly_reference_poles(const FrequencyResponses& responses
                                              const OrderRange& orders,
                                              const std::function<void(double)>& progress) {
   if (orders.lowest < 1 || orders.highest < orders.lowest || orders.step < 1)
-    throw std::invalid_argument(fmt::format("orders from {} to {} in steps of {} make no sense",
+    throw std::invalid_argument(fmt::format("orders from {} to {} in steps of {} are not valid",
                                             orders.lowest, orders.highest, orders.step));
   if (responses.lines() < 4)
     throw std::invalid_argument(

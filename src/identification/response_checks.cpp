@@ -59,8 +59,7 @@ void drop_dead_outputs(const CrossSpectra& spectra, ChannelChoice& choice,
                                    spectra.health[static_cast<std::size_t>(o)].lowest));
     return true;
   });
-  if (choice.outputs.empty())
-    throw base::ComputationError("no response channel is alive: all of them are constant");
+  if (choice.outputs.empty()) throw base::ComputationError("all response channels are constant");
 }
 
 void drop_dead_inputs(const CrossSpectra& spectra, ChannelChoice& choice, Estimator estimator,
@@ -77,8 +76,7 @@ void drop_dead_inputs(const CrossSpectra& spectra, ChannelChoice& choice, Estima
         fmt::format("input {}: dead (constant); no responses to it", name(spectra, i)));
     return true;
   });
-  if (choice.inputs.empty())
-    throw base::ComputationError("no input channel is alive: all of them are constant");
+  if (choice.inputs.empty()) throw base::ComputationError("all input channels are constant");
 }
 
 void drop_repeated_inputs(const CrossSpectra& spectra, ChannelChoice& choice,
@@ -117,7 +115,7 @@ void check_counts(const CrossSpectra& spectra, const ChannelChoice& choice, Esti
                  : "the record is too short for this resolution; take shorter blocks"));
   if (periodic && spectra.blocks <= spectra.records)
     throw base::ComputationError(
-        "one period alone does not tell signal from noise: at least two are needed");
+        "one period does not separate signal and noise: at least two are needed");
 }
 
 }  // namespace
@@ -129,10 +127,10 @@ void warn_of_limits(const CrossSpectra& spectra, const std::vector<int>& channel
     const double share = static_cast<double>(health.at_limit) /
                          static_cast<double>(std::max<std::int64_t>(1, health.samples));
     if (health.at_limit >= few_at_limit && share > rare_at_limit && share < two_levels)
-      warnings.push_back(fmt::format(
-          "{}: {:.2g} % of the samples stand at {:.4g} or {:.4g}: the channel looks clipped, and "
-          "what follows from it is distorted",
-          name(spectra, c), 100.0 * share, health.lowest, health.highest));
+      warnings.push_back(
+          fmt::format("{}: {:.2g} % of the samples are {:.4g} or {:.4g}: the channel looks "
+                      "clipped, and its results are distorted",
+                      name(spectra, c), 100.0 * share, health.lowest, health.highest));
   }
 }
 
@@ -218,7 +216,7 @@ void finish_checks(const CrossSpectra& spectra, const ChannelChoice& choice,
     throw base::ComputationError(
         several ? "the inputs are linearly dependent at every frequency (one is a mixture of the "
                   "others): leave inputs out, or excite them independently"
-                : fmt::format("nothing is sent on input {}", name(spectra, choice.inputs[0])));
+                : fmt::format("input {} has no excitation", name(spectra, choice.inputs[0])));
   }
   auto sorted = responses.condition;
   std::nth_element(sorted.begin(), sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2),
@@ -228,11 +226,10 @@ void finish_checks(const CrossSpectra& spectra, const ChannelChoice& choice,
   const double spread = std::sqrt(static_cast<double>(choice.inputs.size()) / responses.averages);
   const double chance = spread < 1.0 ? std::pow((1.0 + spread) / (1.0 - spread), 2) : INFINITY;
   if (choice.inputs.size() > 1 && median > correlated * chance)
-    responses.warnings.push_back(
-        fmt::format("the inputs are correlated: the condition of their matrix is {:.0f} (median "
-                    "over lines; 1 is "
-                    "best), and the responses to them are that much less certain",
-                    median));
+    responses.warnings.push_back(fmt::format(
+        "the inputs are correlated: the condition of their matrix is {:.0f} (median over lines; 1 "
+        "is best), and the uncertainty of the responses to them is larger by this factor",
+        median));
 }
 
 }  // namespace hydrapod::identification

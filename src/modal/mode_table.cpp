@@ -37,19 +37,19 @@ std::string legs_involved(const Vector6& per_leg) {
 }
 
 /// What gives way: the spring that holds most of the elastic energy.
-std::string what_gives(const EnergyShares& energy) {
+std::string compliance_text(const EnergyShares& energy) {
   const double oil = energy.oil.sum();
   const double guide = energy.guide_sleeve.sum();
   const double ring = energy.piston_ring.sum();
   if (oil >= guide && oil >= ring) return "oil springs of " + legs_involved(energy.oil);
-  if (guide >= ring) return "knee of " + legs_involved(energy.guide_sleeve);
+  if (guide >= ring) return "guide sleeves of " + legs_involved(energy.guide_sleeve);
   return "piston rings of " + legs_involved(energy.piston_ring);
 }
 
 TabledMode tabled(const LinearModel& model, const DampedMode& mode) {
   TabledMode entry{.mode = mode};
   entry.energy = energy_shares(model, mode.real, mode.imaginary);
-  entry.platform_feels = entry.energy.platform.sum() >= felt_by_platform;
+  entry.moves_platform = entry.energy.platform.sum() >= local_mode_energy;
   entry.label = mode_label(entry.energy, mode.stable);
   return entry;
 }
@@ -111,16 +111,16 @@ std::string platform_directions(const EnergyShares& energy) {
 
 std::string mode_label(const EnergyShares& energy, bool stable) {
   const std::string unstable = stable ? "" : "unstable (buckling): ";
-  if (energy.platform.sum() < felt_by_platform) {
+  if (energy.platform.sum() < local_mode_energy) {
     const bool ring = energy.piston_ring.sum() > energy.guide_sleeve.sum();
-    return unstable + (ring ? "piston-ring mode" : "seal mode") + " the platform cannot feel";
+    return unstable + (ring ? "local piston-ring mode" : "local seal mode");
   }
-  return unstable + platform_directions(energy) + ", " + what_gives(energy);
+  return unstable + platform_directions(energy) + ", " + compliance_text(energy);
 }
 
-int lowest_felt(const std::vector<TabledMode>& modes) {
+int lowest_platform_mode(const std::vector<TabledMode>& modes) {
   const auto found = std::find_if(modes.begin(), modes.end(),
-                                  [](const TabledMode& m) { return m.platform_feels; });
+                                  [](const TabledMode& m) { return m.moves_platform; });
   return found == modes.end() ? -1 : static_cast<int>(found - modes.begin());
 }
 
@@ -175,7 +175,7 @@ ModeTable mode_table(const model::Machine& machine, const spatial::Pose& X_BP,
   }
   table.real = analyse(machine, X_BP, kind, table.ratio.value);
   for (auto& entry : table.real.modes)
-    if (entry.platform_feels)
+    if (entry.moves_platform)
       entry.rigid = counterpart(table.real.linear, table.rigid.modes, entry.mode);
   return table;
 }

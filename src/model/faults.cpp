@@ -44,7 +44,7 @@ std::vector<base::Diagnostic> Faults::diagnostics(base::Severity severity) const
   }
   if (not_kept_ > 0 && severity == base::Severity::error) {
     diagnostics.push_back(
-        {severity, sources_.front(), 0, 0, "", fmt::format("and {} more mistakes", not_kept_)});
+        {severity, sources_.front(), 0, 0, "", fmt::format("and {} more errors", not_kept_)});
   }
   return diagnostics;
 }

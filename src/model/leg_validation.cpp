@@ -40,11 +40,11 @@ void check_flexible_inertia(const Leg& leg, ValueChecks& checks) {
   } else if (leg.piston_ring && of_case < least) {
     checks.add("case.transverse_inertia",
                "the case has no inertia about the base joint, expected a mass or a transverse "
-               "inertia because the piston ring lets it move on its own");
+               "inertia because it moves independently with a piston ring");
   } else if (leg.piston_ring && of_rod < least) {
     checks.add("rod.transverse_inertia",
                "the rod has no inertia about the platform joint, expected a mass or a transverse "
-               "inertia because the piston ring lets it move on its own");
+               "inertia because it moves independently with a piston ring");
   }
 }
 

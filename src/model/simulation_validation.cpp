@@ -21,14 +21,14 @@ void check_valve(const ServoValve& valve, ValueChecks& checks) {
 void check_friction(const SealFriction& friction, ValueChecks& checks) {
   if (friction.breakaway && checks.sound("friction.breakaway")) {
     if (!friction.coulomb)
-      checks.add("friction.breakaway", "is given alone, expected `coulomb` beside it");
+      checks.add("friction.breakaway", "is given alone, expected `coulomb` too");
     else if (checks.sound("friction.coulomb") && *friction.breakaway < *friction.coulomb)
       checks.add("friction.breakaway",
                  fmt::format("is {:.6g} N, expected no less than `coulomb`, {:.6g} N",
                              *friction.breakaway, *friction.coulomb));
   }
   if (friction.bristles && friction.coulomb && *friction.coulomb == 0.0)
-    checks.add("friction.bristles", "have nothing to slide at with `coulomb` = 0 N, expected more");
+    checks.add("friction.bristles", "have no effect with `coulomb` = 0 N, expected more");
 }
 
 void check_equivalent_cylinder(const Leg& leg, ValueChecks& checks) {
@@ -67,8 +67,8 @@ void check_supply(const Hydraulics& hydraulics, ValueChecks& checks) {
                            supply.return_pressure));
   if (supply.accumulator && !supply.pump_flow)
     checks.add("supply.accumulator",
-               "has nothing to do: without a `pump_flow` the supply holds its pressure whatever is "
-               "drawn, expected `pump_flow` beside it");
+               "has no effect: without a `pump_flow` the supply pressure is constant, expected "
+               "`pump_flow` too");
 }
 
 void check_sensors(const Sensors& sensors, ValueChecks& checks) {

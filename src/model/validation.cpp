@@ -141,12 +141,12 @@ std::string pose_key(const std::string& name) {
 
 void check_poses(const std::vector<NamedPose>& poses, ValueChecks& checks) {
   if (poses.empty() || poses.front().name != "neutral") {
-    checks.add("poses", "has no pose \"neutral\" in the first place, expected one");
+    checks.add("poses", "has no first pose \"neutral\", expected one");
   }
   std::set<std::string> names;
   for (const auto& pose : poses) {
     if (!names.insert(pose.name).second) {
-      checks.add(pose_key(pose.name), "is there twice, expected different names");
+      checks.add(pose_key(pose.name), "is given twice, expected different names");
     }
     check_pose(pose_key(pose.name), pose.X_BP, checks);
   }

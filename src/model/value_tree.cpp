@@ -97,7 +97,7 @@ std::string advice(std::string_view description, std::string_view line) {
   const bool saw_letter = description.ends_with('\'') && description.size() > 2 &&
                           std::isalpha(static_cast<unsigned char>(*(description.end() - 2))) != 0;
   if (after_digit && saw_letter && line.find('=') != std::string_view::npos) {
-    return "; a number with a unit stands in quotes, for instance \"0.5 m\"";
+    return "; a number with a unit needs quotes, for instance \"0.5 m\"";
   }
   return "";
 }

@@ -75,7 +75,7 @@ void VariableMachine::vary(const std::vector<TiedPaths>& parameters) {
       if (number == nullptr)
         throw std::invalid_argument(fmt::format("the machine file has no number `{}`", path));
       if (!taken.insert(number->path).second)
-        throw std::invalid_argument(fmt::format("`{}` stands in two parameters", path));
+        throw std::invalid_argument(fmt::format("`{}` is in two parameters", path));
       state_->varied.back().push_back(*find_parameter(state_->file, path));
     }
     state_->values.push_back(find(paths.front())->value);

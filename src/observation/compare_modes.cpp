@@ -86,7 +86,7 @@ Shapes shapes_of(const data::ModalResults& found, const std::vector<ObservedMode
     const double whole = model[m].motion().norm() * some.map.norm();
     shapes.energy.push_back(felt_energy(model[m], root.transpose() * root));
     shapes.seen.push_back(
-        shapes.energy.back() >= modal::felt_by_platform &&
+        shapes.energy.back() >= modal::local_mode_energy &&
         (rows == 0 || shapes.model.col(static_cast<Index>(m)).norm() > unseen * whole));
   }
   if (rows == 0) return shapes;
@@ -109,7 +109,7 @@ void list_left(const data::ModalResults& found, double highest_damping, const Sh
     const double f = mode.omega() / base::two_pi;
     if (taken[m] || mode.damping_ratio() > highest_damping || f < found.from || f > found.to)
       continue;
-    const auto reason = shapes.energy[m] < modal::felt_by_platform ? Unpaired::not_felt
+    const auto reason = shapes.energy[m] < modal::local_mode_energy ? Unpaired::not_felt
                         : !shapes.seen[m]                          ? Unpaired::not_seen
                                                                    : Unpaired::not_found;
     result.model_left.push_back({static_cast<int>(m), reason});

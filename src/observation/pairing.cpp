@@ -163,7 +163,7 @@ double direction_share(const Observation& seen, int k, int direction) {
   const Vector6c motion = seen.modes[static_cast<std::size_t>(k)].motion();
   const Vector6c momentum = seen.mechanics.platform_mass.cast<Complex>() * motion;
   const double all = motion.dot(momentum).real();
-  return all < modal::felt_by_platform
+  return all < modal::local_mode_energy
              ? 0.0
              : (std::conj(motion[direction]) * momentum[direction]).real() / all;
 }
@@ -244,7 +244,7 @@ class PairCosts {
  private:
   [[nodiscard]] double of_shape(int k, const std::vector<int>& group, const ModeTarget& target) {
     const double energy = energy_[static_cast<std::size_t>(k)];
-    if (energy < modal::felt_by_platform) return shape_cost(0.0, 0.0, 0.0, options_);
+    if (energy < modal::local_mode_energy) return shape_cost(0.0, 0.0, 0.0, options_);
     double most = 0.0;
     for (const int i : group) most = std::max(most, energy_[static_cast<std::size_t>(i)]);
     const Vector6c u = (root_.cast<Complex>() * shape_at_center(seen_, target)).normalized();

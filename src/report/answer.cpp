@@ -48,25 +48,23 @@ bool is_stable(const modal::ModeTable& table) {
 
 std::string answer_text(const modal::ModeTable& table) {
   if (!is_stable(table))
-    return "The machine is unstable at this pose: the legs buckle. `hydrapod check` finds the "
-           "payload "
-           "they carry.\n";
-  const int k = modal::lowest_felt(table.real.modes);
+    return "The machine is unstable at this pose: the legs buckle. `hydrapod check` computes the "
+           "buckling load.\n";
+  const int k = modal::lowest_platform_mode(table.real.modes);
   if (k < 0) return {};
   const auto& entry = table.real.modes[k];
   std::string text =
-      fmt::format("Lowest mode the platform feels: {:.3f} Hz in {}", entry.mode.omega / two_pi,
+      fmt::format("Lowest mode with platform motion: {:.3f} Hz in {}", entry.mode.omega / two_pi,
                   modal::platform_directions(entry.energy));
   if (!entry.rigid) return text + ".\n";
   const double rigid = table.rigid.modes[entry.rigid->mode].mode.omega;
-  return text +
-         fmt::format("; with rigid legs it would be {:.3f} Hz. {}; its elastic energy: {}.\n",
-                     rigid / two_pi, drop_text(table, -100.0 * entry.rigid->shift),
-                     energy_text(entry.energy));
+  return text + fmt::format("; with rigid legs: {:.3f} Hz. {}. Elastic energy: {}.\n",
+                            rigid / two_pi, drop_text(table, -100.0 * entry.rigid->shift),
+                            energy_text(entry.energy));
 }
 
 Json answer_json(const modal::ModeTable& table) {
-  const int k = modal::lowest_felt(table.real.modes);
+  const int k = modal::lowest_platform_mode(table.real.modes);
   if (k < 0) return nullptr;
   const auto& entry = table.real.modes[k];
   std::string text = answer_text(table);

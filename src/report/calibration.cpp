@@ -71,7 +71,7 @@ void describe(Fields& f, Identifiability& found) {
   f("rank", found.rank);
   f("numerical_rank", found.numerical_rank);
   f("correlations", found.correlations);
-  f("trades", found.trades);
+  f("trade_offs", found.trades);
 }
 
 template <class Fields>
@@ -125,7 +125,7 @@ void describe_candidate(Fields& f, Candidate& candidate, Targets& targets) {
     describe_target(item, targets.modes[k], candidate.targets[k]);
   });
   f("identifiability", candidate.identifiability);
-  f.optional("unbound", candidate.unbound);
+  f.optional("unconstrained", candidate.unbound);
 }
 
 template <class Fields>
@@ -199,44 +199,41 @@ Sensitivities sensitivity_from_json(const Json& json, const std::string& file) {
 std::vector<std::string> calibration_remarks(const Calibration& result, const Targets& targets) {
   std::vector<std::string> remarks;
   const auto& best = result.best();
-  if (result.interrupted)
-    remarks.push_back("interrupted: these are the best values so far, not the best there are");
+  if (result.interrupted) remarks.push_back("interrupted: these are the best values so far");
   for (std::size_t i = 0; i < best.targets.size(); ++i)
     if (best.targets[i].outlier)
       remarks.push_back(fmt::format(
-          "target {} does not fit the others: it is {:.1f} deviations off and was left out; is it "
-          "wrong?",
+          "target {} does not fit the others: it differs by {:.1f} σ and was left out; check it",
           targets.modes[i].name, std::abs(best.targets[i].difference)));
   const double count = static_cast<double>(best.targets.size());
   if (best.misfit > 9.0 * count)
-    remarks.push_back(fmt::format(
-        "the targets cannot be met: the worst is off by {:.3g} rad/s; the model lacks something, a "
-        "bound is too tight, or a target is wrong",
-        best.worst));
-  if (!best.converged && !result.interrupted)
     remarks.push_back(
-        "the last step still found a little; more steps (`max_iterations` in [fit]) may help");
+        fmt::format("the targets cannot be met: the largest difference is {:.3g} rad/s; an effect "
+                    "is missing in the model, a bound is too tight, or a target is wrong",
+                    best.worst));
+  if (!best.converged && !result.interrupted)
+    remarks.push_back("the fit has not converged; more steps (`max_iterations` in [fit]) may help");
   if (best.targets.size() < best.parameters.size())
     remarks.push_back(fmt::format("{} parameters are free, but there are only {} targets",
                                   best.parameters.size(), best.targets.size()));
   for (const auto& p : best.parameters) {
     if (p.verdict == Verdict::by_prior)
-      remarks.push_back(fmt::format("{}: its prior decides, not the data", p.paths.front()));
+      remarks.push_back(
+          fmt::format("{}: determined by its prior, not by the data", p.paths.front()));
     if (p.verdict == Verdict::ambiguous)
       remarks.push_back(fmt::format(
-          "{}: {:.5g} {} meets the targets as well; bounds or a prior can say which it is",
+          "{}: {:.5g} {} fits the targets equally well; bounds or a prior can select one",
           p.paths.front(), *p.other_value, p.unit == "1" ? "" : p.unit));
     if (p.verdict == Verdict::at_bound)
-      remarks.push_back(fmt::format("{} ended at its bound, {:.5g} {}; is the bound right?",
+      remarks.push_back(fmt::format("{} ended at its bound, {:.5g} {}; check the bound",
                                     p.paths.front(), p.value, p.unit == "1" ? "" : p.unit));
   }
   for (const auto& broken : best.violated)
-    remarks.push_back("no such machine can be built; this does not hold: " + broken);
+    remarks.push_back("the fitted machine is not admissible; violated: " + broken);
   if (!targets.deviations_given)
     remarks.push_back(
-        fmt::format("the targets do not say how exact they are; {:g} % was assumed, and the "
-                    "uncertainties follow "
-                    "from how well they are met",
+        fmt::format("the targets state no standard deviations; {:g} % was assumed, and the "
+                    "uncertainties follow from the scatter of the residuals",
                     100.0 * observation::default_deviation));
   return remarks;
 }

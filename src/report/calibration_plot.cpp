@@ -72,7 +72,7 @@ std::string combination_panel(const Calibration& result, const Heights& heights)
                    1.0 - (heights.targets + 26.0) / heights.all, 52.0 / heights.all);
   s += "set lmargin at screen 0.62\nset xrange [*:*]\nset xtics auto\n";
   s += fmt::format("set yrange [{}.5:0.5]\n", result.candidates.size());
-  s += "set xlabel 'root mean square difference, in deviations' offset 0,0\n";
+  s += "set xlabel 'root mean square difference, σ' offset 0,0\n";
   s += "set style fill solid\nset ytics () font ',8'\n$c << END\n";
   int row = 0;
   for (const auto& c : result.candidates) {
@@ -84,7 +84,7 @@ std::string combination_panel(const Calibration& result, const Heights& heights)
   row = 0;
   for (const auto& c : result.candidates)
     s += fmt::format("set ytics add ({} {})\n",
-                     quoted(c.name + (c.admissible() ? "" : " (cannot be built)")), ++row);
+                     quoted(c.name + (c.admissible() ? "" : " (not admissible)")), ++row);
   return s + "plot $c using 2:1:(1e-3):2:($1-0.3):($1+0.3):3 with boxxyerror lc rgb variable\n";
 }
 

@@ -34,28 +34,26 @@ std::string warning_text(const PoseWarning& warning) {
   switch (warning.kind) {
     case PoseWarning::Kind::buckled:
       return fmt::format(
-          "the legs buckle under the load they have: {} must come off, or the guide sleeves must "
-          "be stiffer",
+          "the legs buckle under the present load: remove {}, or use stiffer guide sleeves",
           mass_text(value));
     case PoseWarning::Kind::near_buckling:
-      return fmt::format(
-          "the legs buckle with {} more on the platform ({:.3g} times the mass it has)",
-          mass_text(value), warning.ratio);
+      return fmt::format("the legs buckle with {} more on the platform ({:.3g} times its mass)",
+                         mass_text(value), warning.ratio);
     case PoseWarning::Kind::no_equilibrium:
       return "no static equilibrium was found at this pose";
     case PoseWarning::Kind::little_stroke:
       return fmt::format("{}: only {:.3g} mm of stroke left", of_legs(), 1e3 * value);
     case PoseWarning::Kind::short_guide:
       return fmt::format(
-          "{}: the piston is only {:.3g} mm inside the guide sleeve; the knee is soft there",
+          "{}: the piston is only {:.3g} mm from the guide sleeve; the tilt stiffness is low there",
           of_legs(), 1e3 * value);
     case PoseWarning::Kind::tilted_rod:
-      return fmt::format("{}: the rod hangs {:.2g}° askew in its seals under the static load",
-                         of_legs(), value * degrees);
+      return fmt::format("{}: the static load tilts the rod in its seals by {:.2g}°", of_legs(),
+                         value * degrees);
     case PoseWarning::Kind::near_singular:
       break;
   }
-  return fmt::format("the pose is near a singular one: condition {:.3g}", value);
+  return fmt::format("the pose is close to a singular pose: condition {:.3g}", value);
 }
 
 template <class Fields>

@@ -40,19 +40,19 @@ Json explanation_json(const Diagnosis& d, std::size_t index) {
   double responses = 0.0;
   for (const auto& r : e.fit.responses) responses += r.difference * r.difference;
   return {{"name", e.name},
-          {"suspects", suspects},
-          {"rigid_calculation", e.rigid},
+          {"causes", suspects},
+          {"rigid_legs", e.rigid},
           {"model", dynamics::name(e.kind)},
-          {"fitted_numbers", e.parameters},
+          {"fitted_parameters", e.parameters},
           {"by_mechanics", e.by_mechanics},
           {"misfit", e.misfit},
           {"response_misfit", e.fit.responses.empty() ? Json() : Json(responses)},
-          {"criterion", e.criterion},
-          {"above_best", e.criterion - d.best().criterion},
-          {"alike", std::ranges::count(d.alike, index) > 0},
+          {"bic", e.criterion},
+          {"bic_above_best", e.criterion - d.best().criterion},
+          {"equally_good", std::ranges::count(d.alike, index) > 0},
           {"parameters", parameters},
           {"targets", targets},
-          {"wrong", e.wrong}};
+          {"contradictions", e.wrong}};
 }
 
 Json mode_json(const MeasuredMode& m) {
@@ -60,8 +60,8 @@ Json mode_json(const MeasuredMode& m) {
           {"direction", direction(m.direction)},
           {"frequency_hz", m.omega / two_pi},
           {"deviation_hz", m.deviation / two_pi},
-          {"stated_hz", m.omega_stated / two_pi},
-          {"explained_hz", m.omega_best / two_pi},
+          {"nominal_hz", m.omega_stated / two_pi},
+          {"fitted_hz", m.omega_best / two_pi},
           {"shape_mac", m.shape_mac},
           {"rigid_hz", m.omega_rigid > 0.0 ? Json(m.omega_rigid / two_pi) : Json()},
           {"rigid_mac", m.rigid_mac},
@@ -89,16 +89,16 @@ Json remedy_json(const CaseFile& file) {
     changes.push_back({{"pose", c.pose},
                        {"direction", c.direction},
                        {"rigid_hz", c.omega_rigid / two_pi},
-                       {"today_hz", c.omega_today / two_pi},
-                       {"needed_hz", c.omega_needed / two_pi}});
+                       {"nominal_hz", c.omega_today / two_pi},
+                       {"required_hz", c.omega_needed / two_pi}});
   Json goal{{"words", goal_words(file.goal)}};
   if (file.goal.drop) goal["drop"] = *file.goal.drop;
   if (file.goal.omega) goal["frequency_hz"] = *file.goal.omega / two_pi;
   if (file.goal.direction) goal["direction"] = direction_name(*file.goal.direction);
   return {{"goal", goal},
           {"status", status.at(static_cast<std::size_t>(r.status))},
-          {"today", point_json(r.today)},
-          {"needed", point_json(r.needed)},
+          {"nominal", point_json(r.today)},
+          {"required", point_json(r.needed)},
           {"rigid_sleeves", point_json(r.limit)},
           {"pose", r.pose},
           {"direction", r.direction},
@@ -157,7 +157,7 @@ Json diagnosis_json(const CaseFile& file) {
     json["scatter"] = d.scatter;
     json["interrupted"] = d.interrupted;
     json["measured_modes"] = modes;
-    json["explanations"] = explanations;
+    json["hypotheses"] = explanations;
     json["discriminators"] = tell;
   }
   json["pose"] = file.pose;

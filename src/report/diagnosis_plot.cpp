@@ -49,7 +49,7 @@ std::string measured_panel(const Diagnosis& d, const Layout& layout) {
   s += "END\n" + labels;
   s += fmt::format("set xrange [0.4:{}.6]\nset grid ytics back lt 1 lc rgb '#d0d0d0' lw 0.5\n", k);
   s += place(layout, 0.1 * panel, 0.88 * panel, 0.09);
-  s += "set title 'Measured, rigid calculation, best explanation'\nset ylabel 'Hz'\n";
+  s += "set title 'Measured, rigid-leg model, best hypothesis'\nset ylabel 'Hz'\n";
   double low = d.modes.front().omega, high = low;
   for (const auto& mode : d.modes) {
     low = std::min({low, mode.omega, mode.omega_best});
@@ -61,10 +61,10 @@ std::string measured_panel(const Diagnosis& d, const Layout& layout) {
                                        0.5 * low / two_pi, 1.3 * high / two_pi)
                          : "set yrange [0:*]\n";
   return s +
-         "plot $m using 1:5 with points pt 8 ps 1.3 lw 1.5 lc rgb '#999999' title 'rigid', "
-         "$m using 1:2:3 with yerrorbars pt 6 ps 1.6 lw 1.6 lc rgb '#d55e00' title 'measured (95 "
-         "%)', $m using 1:4 with points pt 7 ps 0.7 lc rgb '#0072b2' title 'best "
-         "explanation'\nunset logscale y\n";
+         "plot $m using 1:5 with points pt 8 ps 1.3 lw 1.5 lc rgb '#999999' title 'rigid', $m "
+         "using 1:2:3 with yerrorbars pt 6 ps 1.6 lw 1.6 lc rgb '#d55e00' title 'measured (95 %)', "
+         "$m using 1:4 with points pt 7 ps 0.7 lc rgb '#0072b2' title 'best hypothesis'\nunset "
+         "logscale y\n";
 }
 
 /// A bar per explanation: how far its criterion is above the best.
@@ -75,11 +75,9 @@ std::string ranking_panel(const Diagnosis& d, const Layout& layout) {
   std::string s = "unset ylabel\nunset key\nunset grid\n";
   s += place(layout, layout.measured + 34.0, layout.measured + layout.ranking - 48.0, 0.5);
   s += fmt::format(
-      "set title 'Explanations: how much worse than the best'\n"
-      "set yrange [{}.5:0.5]\nset logscale x\nset xrange [0.5:*]\n"
-      "set xtics auto\nset xtics format '%.0s%c'\n"
-      "set xlabel 'criterion above the best (green: cannot be told apart)'\n"
-      "set style fill solid\nset ytics () font ',9'\n$c << END\n",
+      "set title 'Hypotheses: BIC above the best'\nset yrange [{}.5:0.5]\nset logscale x\nset "
+      "xrange [0.5:*]\nset xtics auto\nset xtics format '%.0s%c'\nset xlabel 'BIC above the best "
+      "(green: equally good)'\nset style fill solid\nset ytics () font ',9'\n$c << END\n",
       shown.size());
   int row = 0;
   for (const auto k : shown) {
@@ -114,10 +112,11 @@ std::string curve_panel(const CaseFile& file, const Layout& layout) {
   s += "set grid back lt 1 lc rgb '#d0d0d0' lw 0.5\nset logscale x\nset xtics format '%.0s %c'\n";
   s += "set xlabel 'stiffness of the guide sleeves, N/m'\n";
   s += fmt::format("set title {}\n",
-                   quoted("How stiff the guide sleeves must be: " + goal_words(file.goal)));
+                   quoted("Required stiffness of the guide sleeves: " + goal_words(file.goal)));
   const bool drop = file.goal.drop.has_value();
   s += fmt::format("set key inside {} right vertical\n", drop ? "top" : "bottom");
-  s += drop ? "set ylabel 'largest drop below rigid, %'\n" : "set ylabel 'lowest resonance, Hz'\n";
+  s += drop ? "set ylabel 'largest drop below rigid legs, %'\n"
+            : "set ylabel 'lowest resonance, Hz'\n";
   const int column = drop ? 3 : 2;
   const double goal = drop ? 100.0 * *file.goal.drop : file.goal.omega.value_or(0.0) / two_pi;
   const auto value = [&](const RemedyPoint& p) { return drop ? 100.0 * p.drop : p.omega / two_pi; };
@@ -125,12 +124,11 @@ std::string curve_panel(const CaseFile& file, const Layout& layout) {
                    r.today.stiffness, value(r.today), r.needed.stiffness, value(r.needed));
   s += fmt::format(
       "plot $k using 1:{} with lines lw 2 lc rgb '#0072b2' notitle, {:.9g} with lines dt 2 lc rgb "
-      "'#d55e00' title 'wanted', $t using 1:2 with points pt 6 ps 1.8 lw 2 lc rgb '#444444' "
-      "title {}",
-      column, goal, quoted("today, " + amount_text(r.today.stiffness, 0.0, "N/m")));
+      "'#d55e00' title 'goal', $t using 1:2 with points pt 6 ps 1.8 lw 2 lc rgb '#444444' title {}",
+      column, goal, quoted("nominal, " + amount_text(r.today.stiffness, 0.0, "N/m")));
   if (r.status == RemedyStatus::found)
     s += fmt::format(", $n using 1:2 with points pt 7 ps 1.4 lc rgb '#009e73' title {}",
-                     quoted("needed, " + amount_text(r.needed.stiffness, 0.0, "N/m")));
+                     quoted("required, " + amount_text(r.needed.stiffness, 0.0, "N/m")));
   return s + "\n";
 }
 

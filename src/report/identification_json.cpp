@@ -213,7 +213,7 @@ void describe(Fields& f, identification::Identification& result) {
   f.maybe("band_hz", band);
   f("modes", result.modes);
   f.maybe("heavily_damped", result.heavily_damped);
-  f.maybe("left_out", result.left_out);
+  f.maybe("rejected", result.left_out);
   f.maybe("fit_error", result.model.error);
   f.maybe("misfit", result.model.misfit);
   f.maybe("warnings", result.warnings);
@@ -369,17 +369,17 @@ identification::Identification identification_from_json(const Json& json, const 
   return result;
 }
 
-void add_second_opinions(const std::vector<std::optional<identification::SecondOpinion>>& opinions,
+void add_cross_checks(const std::vector<std::optional<identification::CrossCheck>>& cross_checks,
                          Json& json) {
   auto& modes = json["modes"];
   for (std::size_t r = 0; r < modes.size(); ++r) {
-    modes[r]["second_opinion"] = nullptr;
-    if (r < opinions.size() && opinions[r])
-      modes[r]["second_opinion"] = {{"method", "era"},
-                                    {"frequency_hz", opinions[r]->omega / two_pi},
-                                    {"damping_ratio", opinions[r]->damping_ratio},
-                                    {"mac", opinions[r]->mac},
-                                    {"agrees", opinions[r]->agrees}};
+    modes[r]["cross_check"] = nullptr;
+    if (r < cross_checks.size() && cross_checks[r])
+      modes[r]["cross_check"] = {{"method", "era"},
+                                    {"frequency_hz", cross_checks[r]->omega / two_pi},
+                                    {"damping_ratio", cross_checks[r]->damping_ratio},
+                                    {"mac", cross_checks[r]->mac},
+                                    {"agrees", cross_checks[r]->agrees}};
   }
 }
 

@@ -113,14 +113,14 @@ std::string measurement_text(const identification::FrequencyResponses& r) {
       "{}, {}, {} lines from {:.4g} Hz to {:.4g} Hz", counted(r.inputs.size(), "input"),
       counted(r.outputs.size(), "output"), r.lines(), r.frequency.front(), r.frequency.back());
   if (r.averages > 0.0)
-    text += fmt::format(", {} with {:.1f} independent averages",
-                        data::estimator_text(r.estimator), r.averages);
+    text += fmt::format(", {} with {:.1f} independent averages", data::estimator_text(r.estimator),
+                        r.averages);
   return text;
 }
 
 const char* frame_text(bool from_legs, bool from_accelerometers) {
-  return from_accelerometers ? "accelerometers brought to platform directions"
-         : from_legs         ? "leg lengths brought to platform directions"
+  return from_accelerometers ? "accelerometers transformed to platform directions"
+         : from_legs         ? "leg lengths transformed to platform directions"
                              : "outputs as measured";
 }
 

@@ -39,7 +39,7 @@ std::string damping_text(const model::Machine& machine) {
     add(fmt::format("Rayleigh α = {:.3g} 1/s, β = {:.3g} s", damping.rayleigh_mass,
                     damping.rayleigh_stiffness));
   if (text.empty()) return "none";
-  return ratio.is_default ? text + " (default: the machine file gives no damping)" : text;
+  return ratio.is_default ? text + " (default: the machine file states no damping)" : text;
 }
 
 std::string gravity_text(const model::Machine& machine) {
@@ -122,7 +122,7 @@ void describe(Fields& f, modal::TabledMode& entry) {
   f("pole", mode.pole);
   f("stable", mode.stable);
   f("label", entry.label);
-  f("platform_feels", entry.platform_feels);
+  f("moves_platform", entry.moves_platform);
   f("group", mode.group);
   f("platform_energy", entry.energy.platform);
   f("leg_energy", entry.energy.legs);

@@ -93,7 +93,7 @@ void plot_cross_mac(const ComparedModes& compared, const identification::Identif
   if (c.mac.rows() == 0 || c.mac.cols() == 0)
     throw base::InputError({{.file = path,
                              .message = "no output has a direction of the platform or a leg: there "
-                                        "are no shapes to compare with the model's"}});
+                                        "are no shapes to compare with the model"}});
   std::vector<int> shown;
   for (const auto& pair : c.pairs) shown.push_back(pair.model);
   for (const auto& left : c.model_left)

@@ -36,7 +36,7 @@ struct Band {
 
 void widen(Band& band, const std::vector<modal::TabledMode>& modes) {
   for (const auto& entry : modes) {
-    if (!entry.platform_feels || !(entry.mode.omega > 0.0)) continue;
+    if (!entry.moves_platform || !(entry.mode.omega > 0.0)) continue;
     band.from = std::min(band.from, entry.mode.omega);
     band.to = std::max(band.to, entry.mode.omega);
   }

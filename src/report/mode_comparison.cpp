@@ -44,11 +44,11 @@ std::string_view words(observation::Unpaired reason) {
     case observation::Unpaired::not_found:
       return "not found";
     case observation::Unpaired::not_felt:
-      return "the platform does not feel it";
+      return "local seal mode";
     case observation::Unpaired::not_seen:
       break;
   }
-  return "the outputs do not see it";
+  return "the outputs do not show it";
 }
 
 std::string comparison_heading(const ComparedModes& c) {

@@ -72,8 +72,8 @@ std::string verdict_text(const SystemPoles& poles) {
   if (!poles.sampled.empty())
     text += fmt::format(" (sampled loop, exact: largest |z| {:.6f})", poles.largest_modulus);
   if (!poles.sampled.empty() && poles.stable != poles.sampled_stable)
-    text +=
-        fmt::format("; the continuous approximation says {}", poles.stable ? "stable" : "unstable");
+    text += fmt::format("; the continuous approximation gives {}",
+                        poles.stable ? "stable" : "unstable");
   return text;
 }
 

@@ -128,10 +128,9 @@ void judge_pressures(const Peaks& peaks, const control::ControllerParameters& pa
   if ((peaks.leg_force - available).maxCoeff(&worst) > 0.0)
     findings.push_back(
         {base::Severity::warning,
-         fmt::format(
-             "this level needs {:.3g} kN in leg {} for the platform alone, and the supply's "
-             "pressure gives {:.3g} kN besides the load: the motion will not follow",
-             peaks.leg_force[worst] / 1e3, worst + 1, available[worst] / 1e3)});
+         fmt::format("this level needs {:.3g} kN in leg {} for the platform alone, and the supply "
+                     "pressure gives {:.3g} kN in addition to the load: the motion will not follow",
+                     peaks.leg_force[worst] / 1e3, worst + 1, available[worst] / 1e3)});
 }
 
 /// What oscillates by itself is never seen at rest, and its modes are not what a record shows.
@@ -147,12 +146,11 @@ void judge_stability(const simulation::ClosedLoop& loop, const RigOptions& optio
   findings.push_back(
       {base::Severity::warning,
        s.imag() > 0.0
-           ? fmt::format("the machine oscillates by itself under its controller, at {:.3g} Hz with "
-                         "{:.2g} % of critical damping: a record shows that beside the excitation; "
-                         "a smaller controller.bandwidth or another feedback may help",
+           ? fmt::format("the closed loop is unstable: it oscillates at {:.3g} Hz with {:.2g} % "
+                         "damping without excitation, and a record shows this oscillation; a "
+                         "smaller controller.bandwidth or another feedback may help",
                          omega / (base::two_pi), -100.0 * s.real() / omega)
-           : std::string("the machine does not stay where it is under its controller: the loop is "
-                         "unstable"),
+           : std::string("the closed loop is unstable: the machine does not stay at its pose"),
        true});
 }
 

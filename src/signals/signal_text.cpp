@@ -145,7 +145,7 @@ std::optional<Signal> read_signal(std::string_view text, const TextPlace& place)
   auto rest = base::trimmed(whole.substr(end));
   if (rest.starts_with(',')) rest.remove_prefix(1);
   if (word == "rest") {
-    if (!rest.empty()) KeyValues(name, "").fail("rest takes nothing more");
+    if (!rest.empty()) KeyValues(name, "").fail("rest has no keys");
     return {};
   }
   const auto kind = static_cast<std::size_t>(std::ranges::find(kinds, word) - kinds.begin());

@@ -70,7 +70,7 @@ class TrajectoryReader {
       }
       auto& column = columns.emplace_back(static_cast<std::size_t>(at - column_names.begin()));
       if (std::exchange(seen[column.quantity], true))
-        fault(title.column, fmt::format("{} is there twice", *at));
+        fault(title.column, fmt::format("{} is given twice", *at));
       if (title.unit.empty()) continue;
       const auto read =
           base::read_quantity(fmt::format("1 {}", title.unit),
@@ -81,7 +81,7 @@ class TrajectoryReader {
     if (!faults_.empty()) return;
     if (!seen[0]) fault(1, "no column `time`, expected a header such as \"time [s], x [mm]\"");
     if (columns.size() < 2)
-      fault(1, "no column that moves, expected at least one of x, y, z, rx, ry, rz");
+      fault(1, "no motion column, expected at least one of x, y, z, rx, ry, rz");
     if (faults_.empty()) columns_ = std::move(columns);
   }
 

@@ -176,8 +176,8 @@ class Run {
     drive_ = controller_.step(measured_, command_at(operating_, excitation_.command));
     if (controller_.state().forward != kinematics::ForwardStatus::converged) {
       fail(
-          "the controller finds no pose for the measured leg lengths: the platform has come to "
-          "a singular pose, or a sensor has left its range");
+          "the controller finds no pose for the measured leg lengths: the platform has reached a "
+          "singular pose, or a sensor has left its range");
       return false;
     }
     const double limit = controller_.parameters().output.limit;

@@ -156,7 +156,7 @@ std::vector<MotionFinding> check_motion(const Plant& plant,
 std::string leaves_workspace(const model::Machine& machine, const Pose& X_BP) {
   const double condition = kinematics::pose_quality(machine, X_BP).condition;
   if (!(condition < kinematics::singular_condition))
-    return fmt::format("the platform has come to a singular pose: condition of the Jacobian {:.2g}",
+    return fmt::format("the platform has reached a singular pose: condition of the Jacobian {:.2g}",
                        condition);
   const auto angles = kinematics::joint_angles(machine, X_BP);
   for (size_t i = 0; i < model::leg_count; ++i) {

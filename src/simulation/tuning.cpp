@@ -29,9 +29,8 @@ OilModes oil_modes(const dynamics::LinearModel& model) {
   const double lowest = solver.eigenvalues()[0];
   if (!(lowest > 0.0))
     throw base::ComputationError(
-        "the rigid machine does not stand at this pose (it has no positive lowest frequency), so "
-        "the "
-        "controller cannot be tuned; give controller.gain, controller.feedback_gain and "
+        "the rigid-leg model is not stable at this pose (it has no positive lowest frequency), so "
+        "the controller cannot be tuned; give controller.gain, controller.feedback_gain and "
         "controller.feedback_corner");
   return {std::sqrt(lowest), std::sqrt(solver.eigenvalues()[5])};
 }

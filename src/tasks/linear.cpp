@@ -23,13 +23,13 @@ void fill_band(const modal::ModeTable& table, report::BodeOptions& options) {
   double lowest = 1e300, highest = 0.0;
   for (const auto* modes : {&table.real.modes, &table.rigid.modes})
     for (const auto& entry : *modes) {
-      if (!entry.platform_feels || entry.mode.omega <= 0.0) continue;
+      if (!entry.moves_platform || entry.mode.omega <= 0.0) continue;
       lowest = std::min(lowest, entry.mode.omega);
       highest = std::max(highest, entry.mode.omega);
     }
   if (highest == 0.0 && (!options.from || !options.to))
     throw base::ComputationError(
-        "no stable mode that the platform feels; give the band with --from and --to");
+        "no stable mode with platform motion; give the band with --from and --to");
   if (!options.from) options.from = std::min(lowest / 3.0, options.to.value_or(lowest) / 3.0);
   if (!options.to) options.to = std::max(2.0 * highest, 3.0 * *options.from);
 }
@@ -61,7 +61,7 @@ void check_parameters(const std::vector<std::string>& paths, const model::Machin
                       (near.empty() ? "" : fmt::format("; did you mean `{}`?", near))});
     else if (number->value == 0.0)
       errors.push_back(
-          {.file = "--parameter " + path, .message = "is 0, and has no change in per cent"});
+          {.file = "--parameter " + path, .message = "is 0 and has no relative change"});
   }
   if (!errors.empty()) throw base::InputError(errors);
 }

@@ -86,14 +86,14 @@ std::vector<data::PlacedSensor> chosen_sensors(const MeasureOptions& options,
   const auto& all = options.sensors.empty() ? experiment.sensors : options.sensors;
   if (all.empty())
     bad("--accelerometers",
-        "the record does not say where its accelerometers are: add --sensor \"NAME, at=X Y Z, "
-        "along=z\" for each, places in the platform's frame [m]");
+        "the record does not state the positions of its accelerometers: add --sensor \"NAME, at=X "
+        "Y Z, along=z\" for each, in the platform frame [m]");
   const auto& wanted = options.estimate.outputs;
   if (wanted.empty()) return all;
   std::vector<data::PlacedSensor> some;
   for (const auto& name : wanted) {
     const auto found = std::ranges::find(all, name, &data::PlacedSensor::name);
-    if (found == all.end()) bad("--outputs " + name, "is no sensor whose place is known");
+    if (found == all.end()) bad("--outputs " + name, "is not a sensor with a known position");
     some.push_back(*found);
   }
   return some;
@@ -143,7 +143,7 @@ void note_reading(const MeasureOptions& options, Measured& measured) {
   append(m.notes, measured.warnings);
   if (m.interrupted)
     m.responses.warnings.push_back(
-        fmt::format("interrupted: {} samples were read, and the result is of these", m.samples));
+        fmt::format("interrupted: the result uses the first {} samples", m.samples));
   add_warnings(options.files.front(), m.responses.warnings, measured.warnings);
 }
 
@@ -154,7 +154,7 @@ report::Json parsed_json(const std::string& path, const std::vector<std::string>
   try {
     json = report::Json::parse(base::read_file(path, largest, "JSON of hydrapod"));
   } catch (const nlohmann::json::parse_error& error) {
-    bad(path, fmt::format("is no JSON: {}", error.what()));
+    bad(path, fmt::format("is not JSON: {}", error.what()));
   }
   const auto kind = json.is_object() ? json.find("kind") : json.end();
   if (kind == json.end() || std::ranges::count(kinds, kind->dump()) > 0) return json;
@@ -245,7 +245,7 @@ observation::Targets calculated_targets(const report::Json& json, const std::str
         fmt::format("holds modes at pose \"{}\", which the machine file does not have", pose.name));
   for (const auto& entry : report::modes_from_json(json, path).real.modes) {
     const auto& mode = entry.mode;
-    if (!entry.platform_feels || !(mode.omega > 0.0)) continue;
+    if (!entry.moves_platform || !(mode.omega > 0.0)) continue;
     observation::ModeTarget target{.name = fmt::format("{:.3f} Hz", mode.omega / base::two_pi),
                                    .pose = pose.name,
                                    .omega = mode.omega,
@@ -259,7 +259,7 @@ observation::Targets calculated_targets(const report::Json& json, const std::str
     }
     targets.modes.push_back(target);
   }
-  if (targets.modes.empty()) bad(path, "holds no mode that the platform feels");
+  if (targets.modes.empty()) bad(path, "contains no mode with platform motion");
   return targets;
 }
 
@@ -284,8 +284,8 @@ observation::Targets identified_targets(const Measured& measured, const std::str
   add_warnings(path, found.warnings, warnings);
   if (found.modes.empty())
     bad(path,
-        "no mode was found in it; a longer record, or one with more excitation, shows more "
-        "(`hydrapod identify` says what was tried)");
+        "no mode was found in it; use a longer record or a higher excitation (`hydrapod identify` "
+        "shows details)");
   auto targets =
       observation::measured_modes(identification::modal_results(found), machine.file.machine, at);
   if (auto all = observation::measured_responses(measured.responses(), machine.file.machine, at))
@@ -315,15 +315,14 @@ MeasuredFile file_and_pose(const std::string& text, const Machine& machine) {
   if (std::ranges::find(names, file.pose) != names.end()) return file;
   const auto near = base::nearest(file.pose, names);
   bad(file.option,
-      fmt::format("after the @ comes a pose of the machine file by its name, where the machine "
-                  "stood; {}it has {}",
+      fmt::format("expected the name of a pose of the machine file after the @; {}it has {}",
                   near ? fmt::format("did you mean '{}'? ", *near) : "", fmt::join(names, ", ")));
 }
 
 const char* origin(observation::Observed observed) {
-  constexpr std::array words{"holds modes or responses of mechanics alone",
-                             "was measured from the drives of the valves",
-                             "was measured on the machine under its controller"};
+  constexpr std::array words{"contains modes or responses of the mechanics",
+                             "was measured with the valve drives as inputs",
+                             "was measured on the controlled machine"};
   return words[static_cast<std::size_t>(observed)];
 }
 
@@ -382,7 +381,7 @@ Measured frf(const MeasureOptions& options, const Progress& progress) {
   const bool responses =
       kind == data::FileKind::json || kind == data::FileKind::frequency_responses;
   if (responses && options.files.size() > 1)
-    bad(options.files[1], "frequency responses stand alone: only records are averaged together");
+    bad(options.files[1], "only records are averaged: give one file of frequency responses");
   if (responses) {
     auto measured = kind == data::FileKind::json
                         ? responses_from(parsed_json(first, {"\"frf\""}), first)
@@ -429,9 +428,9 @@ Identified identify(const IdentifyOptions& options, const Progress& progress) {
   if (options.compare)
     or_warn(found.measured.machine ? found.measured.machine->path : file,
             "not compared with the model", found.warnings, [&] { add_comparison(options, found); });
-  if (options.second_opinion)
-    or_warn(file, "no second opinion", found.warnings, [&] {
-      found.opinions = identification::second_opinion(found.modes, found.measured.responses());
+  if (options.cross_check)
+    or_warn(file, "no ERA modes", found.warnings, [&] {
+      found.cross_checks = identification::cross_check(found.modes, found.measured.responses());
     });
   if (options.bootstrap > 0)
     or_warn(file, "no bootstrap", found.warnings, [&] { add_bootstrap(options, progress, found); });
@@ -455,8 +454,8 @@ MeasuredTargets read_measured(const Machine& machine, const MeasuredOptions& opt
       bad(one.option, fmt::format("{} is given twice; it would count twice", one.path));
     if (one.says_pose && is_mode_list(one.path))
       bad(one.option,
-          "a list of modes says itself at which pose each was measured (pose = \"low\", or a "
-          "column \"pose\"); give the file without @POSE");
+          "a list of modes states the pose of each mode (pose = \"low\", or a column \"pose\"); "
+          "give the file without @POSE");
     files.push_back(std::move(one));
   }
   MeasuredTargets result;
@@ -469,8 +468,7 @@ MeasuredTargets read_measured(const Machine& machine, const MeasuredOptions& opt
     }
     if (one.observed != all.observed)
       bad(file.option,
-          fmt::format("it {}, and {} {}: they cannot be compared together, diagnose from one of "
-                      "them",
+          fmt::format("it {}, and {} {}: these are different systems; diagnose from one of them",
                       origin(one.observed), options.files.front(), origin(all.observed)));
     all.deviations_given = all.deviations_given && one.deviations_given;
     std::ranges::move(one.modes, std::back_inserter(all.modes));

@@ -167,8 +167,7 @@ INSTANTIATE_TEST_SUITE_P(
               "\"ground\" or \"base\""},
         Wrong{"AgainstWithoutShape", "t.toml",
               "[[mode]]\nfrequency = \"3 Hz\"\nshape_against = \"base\"\n",
-              "t.toml:3:17: error: mode[0].shape_against: there is no `shape` that it would be "
-              "about"},
+              "t.toml:3:17: error: mode[0].shape_against: needs a `shape`"},
         Wrong{"Infinite", "t.toml", "[[mode]]\nfrequency = inf\n",
               "t.toml:2:13: error: mode[0].frequency: is inf without a unit; write \"inf Hz\" or "
               "\"inf rad/s\", or say `frequency_unit = \"Hz\"` at the top of the file"},

@@ -71,7 +71,7 @@ TEST_F(DiagnoseForces, NameTheSleevesFromAUniversalFile) {
   EXPECT_EQ(json["observed"], "mechanics");
   ASSERT_EQ(json["response_lines"].size(), 1U);
   EXPECT_EQ(json["response_lines"][0]["entry"], "forces");
-  const auto& best = json["explanations"][0];
+  const auto& best = json["hypotheses"][0];
   EXPECT_EQ(best["name"], "guide sleeves of all legs");
   EXPECT_NEAR(best["parameters"][0]["value"].get<double>(), 0.84e6, 0.01 * 0.84e6);
   EXPECT_FALSE(best["response_misfit"].is_null());

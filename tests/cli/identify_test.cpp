@@ -57,12 +57,12 @@ TEST_F(Identify, TheRealisationAgrees) {
   ASSERT_EQ(run.exit_code, 0) << run.err;
   const auto found = json::parse(run.out);
   for (const auto& mode : found["modes"]) {
-    const auto& opinion = mode["second_opinion"];
-    ASSERT_TRUE(opinion.is_object());
-    EXPECT_EQ(opinion["agrees"], true);
-    EXPECT_NEAR(opinion["frequency_hz"].get<double>() / mode["frequency_hz"].get<double>(), 1.0,
+    const auto& cross_check = mode["cross_check"];
+    ASSERT_TRUE(cross_check.is_object());
+    EXPECT_EQ(cross_check["agrees"], true);
+    EXPECT_NEAR(cross_check["frequency_hz"].get<double>() / mode["frequency_hz"].get<double>(), 1.0,
                 0.005);
-    EXPECT_NE(opinion["frequency_hz"], mode["frequency_hz"]);
+    EXPECT_NE(cross_check["frequency_hz"], mode["frequency_hz"]);
   }
 }
 
@@ -89,15 +89,15 @@ TEST_F(Identify, TheBootstrapIsLikeTheIntervals) {
   ASSERT_EQ(test::run_hydrapod({"frf", path, "-o", frf}).exit_code, 0);
   const auto refused = test::run_hydrapod({"identify", frf, "--bootstrap", "30"});
   EXPECT_EQ(refused.exit_code, 2);
-  EXPECT_THAT(refused.err, HasSubstr("draws from the blocks of a record"));
+  EXPECT_THAT(refused.err, HasSubstr("resamples the blocks of a record"));
 }
 
 TEST_F(Identify, TheTableSaysWhatItIs) {
   const auto run = test::run_hydrapod({"identify", write()});
   ASSERT_EQ(run.exit_code, 0) << run.err;
   EXPECT_THAT(run.out, HasSubstr("3 inputs, 3 outputs"));
-  EXPECT_THAT(run.out, HasSubstr("± is 95 %"));
-  EXPECT_THAT(run.out, HasSubstr("second opinion (ERA)"));
+  EXPECT_THAT(run.out, HasSubstr("± is half the 95 % interval"));
+  EXPECT_THAT(run.out, HasSubstr("ERA"));
 }
 
 TEST_F(Identify, ResponsesThroughAFileGiveTheSameModes) {
@@ -192,7 +192,7 @@ TEST_F(Identify, BrokenResponsesAreRefusedWithTheField) {
   test::write_text(path, "{ not JSON");
   run = test::run_hydrapod({"identify", path});
   EXPECT_EQ(run.exit_code, 2);
-  EXPECT_THAT(run.err, HasSubstr("is no JSON"));
+  EXPECT_THAT(run.err, HasSubstr("is not JSON"));
   test::write_text(path, R"({"inputs": [{"name": 3}], "outputs": [{"name": "y"}]})");
   run = test::run_hydrapod({"identify", path});
   EXPECT_EQ(run.exit_code, 2);
@@ -312,7 +312,7 @@ TEST_F(MeasuredMachine, ModesThatTheModelLacksAreSaid) {
   const auto run = test::run_hydrapod({"identify", path, "--machine", file, "--model", "guide"});
   ASSERT_EQ(run.exit_code, 0) << run.err;
   EXPECT_THAT(run.out, HasSubstr("Not measured"));
-  EXPECT_THAT(run.out, HasSubstr("because the platform does not feel them"));
+  EXPECT_THAT(run.out, HasSubstr("Not measured, local seal modes: "));
 }
 
 TEST_F(MeasuredMachine, WithoutAMachineNothingIsCompared) {
@@ -351,11 +351,11 @@ TEST(Accelerometers, OfTheRigAreBroughtToThePlatform) {
                                        "acceleration 1x,acceleration 1y,acceleration 1z,"
                                        "acceleration 3x,acceleration 3y,acceleration 3z"});
   EXPECT_EQ(few.exit_code, 1);
-  EXPECT_THAT(few.err, HasSubstr("do not tell all six directions"));
+  EXPECT_THAT(few.err, HasSubstr("do not determine all six directions"));
   const auto unknown =
       test::run_hydrapod({"frf", record, "--accelerometers", "--outputs", "acceleration 9x"});
   EXPECT_EQ(unknown.exit_code, 2);
-  EXPECT_THAT(unknown.err, HasSubstr("no sensor whose place is known"));
+  EXPECT_THAT(unknown.err, HasSubstr("not a sensor with a known position"));
 }
 
 TEST_F(Identify, AccelerometersNeedPlacesAndAPose) {

@@ -34,14 +34,14 @@ TEST(Program, NamesTheCommandNearestToAnUnknownOne) {
   EXPECT_EQ(result.out, "");
   EXPECT_EQ(result.err,
             "error: unknown command 'inti'; did you mean 'init'? "
-            "('hydrapod --help' shows what there is)\n");
+            "('hydrapod --help' lists the options)\n");
 }
 
 TEST(Program, DoesNotGuessWhenNothingIsNear) {
   const auto result = run_hydrapod({"xylophone"});
   EXPECT_EQ(result.exit_code, 2);
   EXPECT_EQ(result.err,
-            "error: unknown command 'xylophone' ('hydrapod --help' shows what there is)\n");
+            "error: unknown command 'xylophone' ('hydrapod --help' lists the options)\n");
 }
 
 TEST(Program, NamesTheOptionNearestToAnUnknownOne) {
@@ -49,7 +49,7 @@ TEST(Program, NamesTheOptionNearestToAnUnknownOne) {
   EXPECT_EQ(result.exit_code, 2);
   EXPECT_EQ(result.err,
             "error: unknown option '--forse'; did you mean '--force'? "
-            "('hydrapod init --help' shows what there is)\n");
+            "('hydrapod init --help' lists the options)\n");
 }
 
 TEST(Program, NamesAnArgumentTooMany) {

@@ -161,7 +161,7 @@ TEST(Simulate, ARunThatFailsKeepsWhatItHas) {
   EXPECT_EQ(result.exit_code, 1) << result.out;
   EXPECT_THAT(result.err,
               AllOf(HasSubstr("error: the run ended at "), HasSubstr("beyond its limit of 2.01°"),
-                    HasSubstr("holds everything up to there")));
+                    HasSubstr("contains the run up to this time")));
   const auto record = data::read_record(path).record;
   EXPECT_GT(record.samples.rows(), 100);
   EXPECT_TRUE(record.samples.allFinite());
@@ -285,7 +285,7 @@ TEST(SystemModes, WithoutTheControllerTheOilModesAreThoseOfTheMechanics) {
   ASSERT_EQ(oil.size(), 6U);
   for (std::size_t k = 0; k < 6; ++k) EXPECT_NEAR(oil[k] / expected[k], 1.0, 2e-3);
   const auto table = run_hydrapod({"modes", published, "--open-loop", "--model", "rigid"});
-  EXPECT_THAT(table.out, AllOf(HasSubstr("without controller"), HasSubstr("nothing holds the pose"),
+  EXPECT_THAT(table.out, AllOf(HasSubstr("without controller"), HasSubstr("the pose is not held"),
                                testing::Not(HasSubstr("UNSTABLE"))));
 }
 

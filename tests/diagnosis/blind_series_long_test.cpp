@@ -34,11 +34,11 @@ TEST_P(BlindSeries, FindsWhatWasPlanted) {
                              fmt::join(test.poses, ", "), 100.0 * test.noise, test.planted_name(),
                              verdict(result.diagnosis),
                              result.first   ? "first"
-                             : result.found ? "alike"
+                             : result.found ? "equal"
                                             : "MISSED")
               << std::flush;
   }
-  std::cout << fmt::format("\n{} of {} found; {} of {} sound machines blamed\n", found,
+  std::cout << fmt::format("\n{} of {} found; a cause identified in {} of {} machines without fault\n", found,
                            cases.size(), blamed, innocent);
   EXPECT_GE(found, 0.95 * static_cast<double>(cases.size()));
   EXPECT_EQ(blamed, 0);

@@ -120,7 +120,7 @@ TEST(Diagnose, TellsWhichResonanceComesFromSleevesAndWhichFromRings) {
 TEST(Diagnose, TellsWhatOilCannotExplain) {
   // pushed sideways the base lowers x and y alone; the oil that would do so lowers z as well
   const auto d = of({"base.mount.stiffness.x=80 kN/mm", "base.mount.stiffness.y=80 kN/mm"});
-  EXPECT_TRUE(named(d, "base giving way sideways"));
+  EXPECT_TRUE(named(d, "lateral compliance of the base"));
   const auto* oil = d.find("bulk modulus of the oil");
   ASSERT_NE(oil, nullptr);
   EXPECT_THAT(oil->wrong, testing::Contains(HasSubstr("contradicts")));
@@ -142,7 +142,7 @@ TEST(Diagnose, FindsTheOilAndSaysHowToTellItFromTheGimbals) {
   const std::string drop = fmt::format("{:.0f} %", 100.0 * d.modes[0].drop());
   EXPECT_THAT(summary({.diagnosis = d}),
               testing::Contains(AllOf(HasSubstr("At pose neutral the "), HasSubstr("x and y"),
-                                      HasSubstr(drop + " below the rigid calculation"))));
+                                      HasSubstr(drop + " below the rigid-leg model"))));
 }
 
 TEST(Diagnose, FindsOneLeg) {
@@ -232,8 +232,8 @@ TEST(WrongUse, ThreeFaultsAtOnceAreNotBlamedOnTwo) {
   EXPECT_EQ(d.finding, Finding::unexplained) << d.scatter << " " << d.best().name;
   EXPECT_TRUE(d.alike.empty());
   ASSERT_FALSE(d.reasons.empty());
-  EXPECT_THAT(d.reasons.front(), HasSubstr("even the best explanation (" + d.best().name + ")"));
-  EXPECT_THAT(d.reasons.back(), HasSubstr("more than two of them at once"));
+  EXPECT_THAT(d.reasons.front(), HasSubstr("even the best hypothesis (" + d.best().name + ")"));
+  EXPECT_THAT(d.reasons.back(), HasSubstr("more than two causes"));
 }
 
 TEST(WrongUse, ModesWithoutDirectionsProveNothing) {
@@ -260,9 +260,11 @@ TEST(WrongUse, APoseThatTheMachineDoesNotHaveIsAnError) {
 TEST(Summary, NamesTheCauseWithItsNumber) {
   const auto d = of({"legs.guide_sleeve.stiffness=0.84 kN/mm"});
   const auto words = summary({.diagnosis = d});
-  EXPECT_THAT(words.front(), HasSubstr("the guide sleeves of all legs are not as stiff as stated"));
+  EXPECT_THAT(
+      words.front(),
+      HasSubstr("the stiffness of the guide sleeves of all legs differs from the nominal value"));
   EXPECT_THAT(words.front(), HasSubstr("(stated 20 MN/m)"));
-  EXPECT_THAT(words, testing::Contains(HasSubstr("below the rigid calculation")));
+  EXPECT_THAT(words, testing::Contains(HasSubstr("below the rigid-leg model")));
 }
 
 }  // namespace

@@ -58,8 +58,8 @@ TEST_P(ShortRecord, FindsWhatWasPlanted) {
 }
 
 INSTANTIATE_TEST_SUITE_P(DiagnosisFromRig, ShortRecord,
-                         testing::Values("nothing", "guide sleeve of leg 3", "base that rocks",
-                                         "oil spring of leg 2"));
+                         testing::Values("nothing", "guide sleeve of leg 3",
+                                         "rocking compliance of the base", "oil spring of leg 2"));
 
 /// Blocks of a record of half a minute are short against the decay: all frequencies come out a
 /// little too high, and a stiffer oil would explain that.

@@ -73,12 +73,12 @@ TEST_P(RecordSeries, FindsWhatWasPlanted) {
                                                 : fmt::format("{:g} mm", 1e3 * record.level),
                              record.sensors, test.planted_name(), verdict(result.diagnosis),
                              result.first   ? "first"
-                             : result.found ? "alike"
+                             : result.found ? "equal"
                                             : "MISSED",
                              result.diagnosis.scatter)
               << std::flush;
   }
-  std::cout << fmt::format("\n{} of {} found; {} of {} sound machines blamed\n", found, cases,
+  std::cout << fmt::format("\n{} of {} found; a cause identified in {} of {} machines without fault\n", found, cases,
                            blamed, innocent);
   EXPECT_GE(found, cases - missed);
   EXPECT_EQ(blamed, 0);

@@ -1,4 +1,4 @@
-/// Intervals against the scatter over draws of the averages, and the second opinion.
+/// Intervals against the scatter over draws of the averages, and the cross-check.
 
 #include "hydrapod/identification/bootstrap.hpp"
 
@@ -7,7 +7,7 @@
 #include <cmath>
 
 #include "exact/modal_system.hpp"
-#include "hydrapod/identification/second_opinion.hpp"
+#include "hydrapod/identification/cross_check.hpp"
 
 namespace hydrapod::identification {
 namespace {
@@ -96,28 +96,28 @@ TEST(Bootstrap, TooFewGroupsAreRefused) {
                std::invalid_argument);
 }
 
-TEST(SecondOpinion, OfAChainIsTheSame) {
+TEST(CrossCheck, OfAChainIsTheSame) {
   const auto record = noisy_record();
   const auto responses = estimate_responses(spectra_of(record, 0, record.samples.rows()),
                                             three_by_three, Estimator::h1);
   auto found = identify_modes(responses);
   ASSERT_EQ(found.modes.size(), 3U);
   const auto system = system_under_test();
-  auto opinions = second_opinion(found, responses);
+  auto cross_checks = cross_check(found, responses);
   for (std::size_t r = 0; r < 3; ++r) {
-    ASSERT_TRUE(opinions[r].has_value()) << r;
-    EXPECT_TRUE(opinions[r]->agrees);
-    EXPECT_NEAR(opinions[r]->omega / std::abs(system.modes[r].pole), 1.0, 0.005);
-    EXPECT_NEAR(opinions[r]->damping_ratio, 0.021, 0.004);
-    EXPECT_GT(opinions[r]->mac, 0.98);
+    ASSERT_TRUE(cross_checks[r].has_value()) << r;
+    EXPECT_TRUE(cross_checks[r]->agrees);
+    EXPECT_NEAR(cross_checks[r]->omega / std::abs(system.modes[r].pole), 1.0, 0.005);
+    EXPECT_NEAR(cross_checks[r]->damping_ratio, 0.021, 0.004);
+    EXPECT_GT(cross_checks[r]->mac, 0.98);
   }
-  // a mode that is not in the responses has no second opinion, or one that disagrees
+  // a mode that is not in the responses has no cross-check, or one that disagrees
   found.modes[1].fit.pole *= 1.2;
   found.modes[2].fit.pole = {-0.3 * std::abs(found.modes[2].fit.pole),
                              found.modes[2].fit.pole.imag()};
-  opinions = second_opinion(found, responses);
-  EXPECT_TRUE(!opinions[1].has_value() || !opinions[1]->agrees);
-  EXPECT_TRUE(!opinions[2].has_value() || !opinions[2]->agrees);
+  cross_checks = cross_check(found, responses);
+  EXPECT_TRUE(!cross_checks[1].has_value() || !cross_checks[1]->agrees);
+  EXPECT_TRUE(!cross_checks[2].has_value() || !cross_checks[2]->agrees);
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-/// The time-domain second opinion on systems known exactly.
+/// The time-domain cross-check on systems known exactly.
 
 #include "hydrapod/identification/realisation.hpp"
 

@@ -33,14 +33,14 @@ std::vector<std::string> labels(const std::vector<modal::TabledMode>& modes) {
   return list;
 }
 
-TEST(Labels, OfThePublishedMachineSayWhatMovesAndWhatGives) {
+TEST(Labels, OfThePublishedMachineNameMotionAndCompliance) {
   const auto table = table_of(machine_of("zhang-jiang-2021.toml"), ModelKind::guide);
   const auto found = labels(table.real.modes);
   EXPECT_EQ(found[0], "x, oil springs of all legs");
   EXPECT_EQ(found[1], "y, oil springs of all legs");
-  EXPECT_EQ(found[2], "seal mode the platform cannot feel");
-  EXPECT_EQ(found[12], "x, knee of all legs");
-  EXPECT_EQ(found[13], "y, knee of all legs");
+  EXPECT_EQ(found[2], "local seal mode");
+  EXPECT_EQ(found[12], "x, guide sleeves of all legs");
+  EXPECT_EQ(found[13], "y, guide sleeves of all legs");
   EXPECT_EQ(found[14], "rz, oil springs of all legs");
   EXPECT_EQ(found[15], "z, oil springs of all legs");
   EXPECT_EQ(found[16], "ry, oil springs of all legs");
@@ -70,14 +70,15 @@ TEST(Labels, NameDirectionsByTheirSharesAndLegsByWhatTheyHold) {
   EXPECT_EQ(modal::mode_label(shares, true), "x + ry, oil springs of all legs");
   shares.oil << 0.0, 0.0, 0.1, 0.0, 0.0, 0.0;
   shares.guide_sleeve << 0.0, 0.4, 0.0, 0.45, 0.05, 0.0;
-  EXPECT_EQ(modal::mode_label(shares, true), "x + ry, knee of legs 2 and 4");
+  EXPECT_EQ(modal::mode_label(shares, true), "x + ry, guide sleeves of legs 2 and 4");
   shares.guide_sleeve << 0.0, 0.0, 0.0, 0.0, 0.0, 0.9;
-  EXPECT_EQ(modal::mode_label(shares, false), "unstable (buckling): x + ry, knee of leg 6");
+  EXPECT_EQ(modal::mode_label(shares, false),
+            "unstable (buckling): x + ry, guide sleeves of leg 6");
   shares.guide_sleeve.setZero();
   shares.piston_ring << 0.3, 0.3, 0.3, 0.0, 0.0, 0.0;
   EXPECT_EQ(modal::mode_label(shares, true), "x + ry, piston rings of legs 1, 2 and 3");
   shares.platform.setZero();
-  EXPECT_EQ(modal::mode_label(shares, true), "piston-ring mode the platform cannot feel");
+  EXPECT_EQ(modal::mode_label(shares, true), "local piston-ring mode");
 }
 
 /// The share of a rigid mode that is found in a flexible one sums to one over all of them, because
@@ -119,8 +120,8 @@ TEST(RigidCounterpart, HasOnlyWhatThePlatformFeels) {
   const auto table = table_of(symmetric_machine(), ModelKind::guide);
   int unfelt = 0;
   for (const auto& entry : table.real.modes) {
-    EXPECT_EQ(entry.rigid.has_value(), entry.platform_feels);
-    unfelt += !entry.platform_feels;
+    EXPECT_EQ(entry.rigid.has_value(), entry.moves_platform);
+    unfelt += !entry.moves_platform;
   }
   EXPECT_GE(unfelt, 6) << "those of symmetry, and those that it feels less than 1e-4";
   for (const auto& entry : table_of(symmetric_machine(), ModelKind::rigid).real.modes)
@@ -149,7 +150,7 @@ TEST(MatchModes, PairsOneToOneAcrossKinds) {
   for (int k = 0; k < 18; ++k) {
     const auto& before = guide.real.modes[match[k]];
     EXPECT_NEAR(full.real.modes[k].mode.omega / before.mode.omega, 1.0, 1e-3);
-    EXPECT_EQ(full.real.modes[k].platform_feels, before.platform_feels);
+    EXPECT_EQ(full.real.modes[k].moves_platform, before.moves_platform);
   }
   EXPECT_EQ(match[0], 0);
   EXPECT_EQ(match[1], 1);
@@ -157,9 +158,9 @@ TEST(MatchModes, PairsOneToOneAcrossKinds) {
 
 TEST(LowestFelt, IsMinusOneWhereThereIsNone) {
   auto table = table_of(symmetric_machine(), ModelKind::guide);
-  EXPECT_EQ(modal::lowest_felt(table.real.modes), 0);
-  for (auto& entry : table.real.modes) entry.platform_feels = false;
-  EXPECT_EQ(modal::lowest_felt(table.real.modes), -1);
+  EXPECT_EQ(modal::lowest_platform_mode(table.real.modes), 0);
+  for (auto& entry : table.real.modes) entry.moves_platform = false;
+  EXPECT_EQ(modal::lowest_platform_mode(table.real.modes), -1);
 }
 
 /// Heavy dampers change the order of modes; the table still says which undamped mode became which.

@@ -118,12 +118,11 @@ INSTANTIATE_TEST_SUITE_P(
                 "legs.valve.natural_frequency: \"100 Hz\" has the unit \"Hz\" (a frequency), "
                 "expected an angular speed such as \"rad/s\""},
         Refused{"legs.friction.breakaway=9",
-                "legs.friction.breakaway: is given alone, expected `coulomb` beside it"},
+                "legs.friction.breakaway: is given alone, expected `coulomb` too"},
         Refused{"leg.2.friction={ coulomb = 9, breakaway = 8 }",
                 "leg.2.friction.breakaway: is 8 N, expected no less than `coulomb`, 9 N"},
         Refused{"legs.friction={ coulomb = 0, bristles = { stiffness = 1e7 } }",
-                "legs.friction.bristles: have nothing to slide at with `coulomb` = 0 N, expected "
-                "more"},
+                "legs.friction.bristles: have no effect with `coulomb` = 0 N, expected more"},
         Refused{"legs.leakage.internal=-1",
                 "legs.leakage.internal: is -1 m^3/(s Pa), expected 0 or more"},
         Refused{"legs.equivalent_cylinder.area_ratio=1.5",
@@ -135,8 +134,8 @@ INSTANTIATE_TEST_SUITE_P(
                 "supply.cavitation_pressure: is 600000 Pa, expected less than the return pressure, "
                 "500000 Pa"},
         Refused{"supply.accumulator={ gas_volume = 0.01, precharge = 9e6 }",
-                "supply.accumulator: has nothing to do: without a `pump_flow` the supply holds its "
-                "pressure whatever is drawn, expected `pump_flow` beside it"},
+                "supply.accumulator: has no effect: without a `pump_flow` the supply pressure is "
+                "constant, expected `pump_flow` too"},
         Refused{"supply.pressur=1e7", "supply.pressur: unknown key; did you mean `pressure`?"}));
 
 TEST(HydraulicsFile, AnEquivalentCylinderMustHoldItsStroke) {

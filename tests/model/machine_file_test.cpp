@@ -260,7 +260,7 @@ TEST(MachineFile, ThousandsOfMistakesAreCutShort) {
     FAIL();
   } catch (const base::InputError& error) {
     EXPECT_EQ(error.diagnostics().size(), 101u);
-    EXPECT_EQ(error.diagnostics().back().text(), "m.toml: error: and 900 more mistakes");
+    EXPECT_EQ(error.diagnostics().back().text(), "m.toml: error: and 900 more errors");
   }
 }
 

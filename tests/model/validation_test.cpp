@@ -280,8 +280,8 @@ TEST(Validation, PosesBeginWithNeutralAndDiffer) {
   Machine machine = full_machine();
   machine.poses[0].name = "tilted";
   EXPECT_THAT(findings_about(machine),
-              ElementsAre("poses: has no pose \"neutral\" in the first place, expected one",
-                          "poses.tilted: is there twice, expected different names"));
+              ElementsAre("poses: has no first pose \"neutral\", expected one",
+                          "poses.tilted: is given twice, expected different names"));
   machine.poses.clear();
   EXPECT_EQ(validate(machine).size(), 1u);
 }

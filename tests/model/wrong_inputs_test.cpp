@@ -386,7 +386,7 @@ const std::vector<WrongInput> wrong_files{
      {{"mass = 35", "mass = 35 kg"}},
      {},
      "m.toml:15:11: error: not valid TOML in key-value pair: expected a comment or whitespace, saw "
-     "'k'; a number with a unit stands in quotes, for instance \"0.5 m\""},
+     "'k'; a number with a unit needs quotes, for instance \"0.5 m\""},
     {"KeyTwice",
      {{"mass = 35", "mass = 35\nmass = 36"}},
      {},
@@ -411,12 +411,12 @@ const std::vector<WrongInput> wrong_files{
      {{"mass = 35", "mass = 35kg"}},
      {},
      "m.toml:15:10: error: not valid TOML in decimal integer: expected digit, saw 'k'; a number "
-     "with a unit stands in quotes, for instance \"0.5 m\""},
+     "with a unit needs quotes, for instance \"0.5 m\""},
     {"UnitWithoutQuotesInAnArray",
      {{"[0, 0, 0.2]", "[0, 0, 0.2 m]"}},
      {},
      "m.toml:10:26: error: not valid TOML in array: expected comma or closing ']', saw 'm'; a "
-     "number with a unit stands in quotes, for instance \"0.5 m\""},
+     "number with a unit needs quotes, for instance \"0.5 m\""},
 };
 /// What is wrong with an override of the sound file.
 const std::vector<WrongInput> wrong_overrides{
@@ -473,7 +473,7 @@ const std::vector<WrongInput> wrong_overrides{
      {},
      {"platform.mass_center=[0, 0, 0.1 m]"},
      "--set platform.mass_center=[0, 0, 0.1 m]: error: platform.mass_center: not valid TOML in "
-     "array: expected comma or closing ']', saw 'm'; a number with a unit stands in quotes, for "
+     "array: expected comma or closing ']', saw 'm'; a number with a unit needs quotes, for "
      "instance \"0.5 m\""},
     {"OverrideOfTheTensor",
      {},

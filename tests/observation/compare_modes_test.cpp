@@ -60,7 +60,7 @@ std::vector<ObservedMode> model_modes(const model::Machine& machine, ModelKind k
 
 bool felt(const ObservedMode& mode, const ComparisonFrame& frame) {
   const auto root = platform_metric(frame.machine, frame.X_BP, frame.machine.platform.mass_center);
-  return (root * mode.motion()).squaredNorm() >= modal::felt_by_platform;
+  return (root * mode.motion()).squaredNorm() >= modal::local_mode_energy;
 }
 
 TEST(CompareModes, AModelIsLikeItself) {

@@ -45,7 +45,7 @@ void add_identification_names(std::set<std::string>& names) {
       report::compared_with(found, {machine, machine.neutral(), spatial::Vector3::Zero()},
                             dynamics::ModelKind::rigid, observation::Observed::mechanics);
   Json json = report::identification_json(found);
-  report::add_second_opinions(identification::second_opinion(found, responses), json);
+  report::add_cross_checks(identification::cross_check(found, responses), json);
   report::add_bootstrap({Eigen::Vector3d::Ones(), Eigen::Vector3d::Ones(), 2, 4}, json);
   add_names(json, names);
   add_names({{"comparison", report::comparison_json(compared, found)}}, names);

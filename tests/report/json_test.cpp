@@ -21,7 +21,7 @@ using report::Json;
 TEST(DampingText, SaysWhatDampsAndWhatIsAssumed) {
   auto machine = symmetric_machine();
   EXPECT_EQ(report::damping_text(machine),
-            "2 % of critical in every mode (default: the machine file gives no damping)");
+            "2 % of critical in every mode (default: the machine file states no damping)");
   machine.damping.modal_ratio = 0.002;
   EXPECT_EQ(report::damping_text(machine), "0.2 % of critical in every mode");
   machine.damping.modal_ratio = 0.0;

@@ -196,7 +196,7 @@ TEST(Rig, LevelsAreCheckedAgainstStrokeAndValves) {
   ASSERT_EQ(fast.size(), 2U);
   EXPECT_THAT(fast[0].message, testing::HasSubstr("the drive will be at its limit"));
   EXPECT_THAT(fast[1].message,
-              testing::HasSubstr("kN besides the load: the motion will not follow"));
+              testing::HasSubstr("kN in addition to the load: the motion will not follow"));
   EXPECT_EQ(fast[1].severity, base::Severity::warning);
   EXPECT_THAT(findings[0].message,
               testing::MatchesRegex("ry at this level needs [0-9.]+ mm of stroke in leg [1-6], "

@@ -177,9 +177,10 @@ TEST(TrajectoryFile, MistakesHaveTheirPlace) {
   EXPECT_EQ(file_complaint(head),
             "m.csv: error: holds no point, expected rows of numbers below the "
             "header");
-  EXPECT_EQ(file_complaint("x [mm]\n1\n"),
-            "m.csv:1:1: error: no column `time`, expected a header such as \"time [s], x [mm]\"\n"
-            "m.csv:1:1: error: no column that moves, expected at least one of x, y, z, rx, ry, rz");
+  EXPECT_EQ(
+      file_complaint("x [mm]\n1\n"),
+      "m.csv:1:1: error: no column `time`, expected a header such as \"time [s], x "
+      "[mm]\"\nm.csv:1:1: error: no motion column, expected at least one of x, y, z, rx, ry, rz");
   EXPECT_EQ(file_complaint("time, heave [mm]\n0, 1\n"),
             "m.csv:1:7: error: unknown column 'heave'; known are time, x, y, z, rx, ry, rz");
   EXPECT_EQ(file_complaint("time, x [mm], x\n0, 1, 2\n"), "m.csv:1:15: error: x is there twice");

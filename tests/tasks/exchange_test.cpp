@@ -25,7 +25,7 @@ class Exchange : public testing::Test {
     machine = tasks::read_machine({.file = source_file("models/heavy-platform.toml").string()});
     tasks::rig(machine, {.test = {.duration = 20.0}, .record = path("run.h5")});
     tasks::simulate(machine, {.until = 0.02, .record = path("simulated.h5")});
-    found = tasks::identify({.measure = {.files = {path("run.h5")}}, .second_opinion = true});
+    found = tasks::identify({.measure = {.files = {path("run.h5")}}, .cross_check = true});
     ASSERT_FALSE(found.modes.modes.empty());
     write_measurement();
     write_json("modes.json", "modes", report::modes_json(tasks::modes(machine)));

@@ -64,7 +64,7 @@ TEST(Bode, FindsABandThatHoldsWhatThePlatformFeels) {
   double lowest = 1e300, highest = 0.0;
   for (const auto* modes : {&bode.table.real.modes, &bode.table.rigid.modes})
     for (const auto& entry : *modes) {
-      if (!entry.platform_feels) continue;
+      if (!entry.moves_platform) continue;
       lowest = std::min(lowest, entry.mode.omega);
       highest = std::max(highest, entry.mode.omega);
     }

@@ -1,4 +1,4 @@
-// The diagnosis: numbers against the command line's JSON, the guilty mode in motion, the stiffness.
+// The diagnosis: numbers against the command line's JSON, the mode of the identified cause in motion, the stiffness.
 import assert from 'node:assert/strict';
 import { writeFileSync } from 'node:fs';
 import { test } from 'node:test';
@@ -28,8 +28,8 @@ test('the section says what hydrapod diagnose says', async () => {
   await withPage(page_, {}, async (page) => {
     const shown = await page.evaluate(() => window.hydrapod.report.diagnosis);
     assert.deepEqual(shown.summary, expected.summary);
-    assert.equal(shown.finding, 'guilty');
-    near(shown.explanations[0].parameters[0].value, 0.84e6, 2e3, 'stiffness');
+    assert.equal(shown.finding, 'cause identified');
+    near(shown.hypotheses[0].parameters[0].value, 0.84e6, 2e3, 'stiffness');
     const lines = await page.locator('#diagnosis .findings li').allTextContents();
     assert.deepEqual(lines, expected.summary);
     assert.equal(
@@ -38,18 +38,18 @@ test('the section says what hydrapod diagnose says', async () => {
     );
     const ranked = await page.locator('#diagnosis .ranking li strong').allTextContents();
     assert.equal(ranked[0], 'guide sleeves of all legs');
-    assert.ok(ranked.includes('the rigid calculation'));
+    assert.ok(ranked.includes('rigid-leg model'));
     const widths = await page
       .locator('#diagnosis .ranking .bar')
       .evaluateAll((bars) => bars.map((bar) => bar.getBoundingClientRect().width));
-    const worse = expected.explanations.slice(0, 12).map((e) => e.above_best);
+    const worse = expected.hypotheses.slice(0, 12).map((e) => e.bic_above_best);
     worse.slice(1).forEach((value, k) => {
       if (value > worse[k] * 1.05) assert.ok(widths[k + 1] > widths[k], `bar ${k + 1}`);
     });
   });
 });
 
-test('the page opens in the guilty mode, and a measured mode can be chosen', async () => {
+test('the page opens in the mode of the identified cause, and a measured mode can be chosen', async () => {
   await withPage(page_, {}, async (page) => {
     const { report: document } = await page.evaluate(() => ({ report: window.hydrapod.report }));
     const first = document.modes_to_picture?.[0] ?? document.pictured?.[0];
@@ -74,14 +74,14 @@ test('the page opens in the guilty mode, and a measured mode can be chosen', asy
   });
 });
 
-test("today's and the needed stiffness stand on the curve", async () => {
+test("the nominal and the required stiffness stand on the curve", async () => {
   await withPage(page_, {}, async (page) => {
     const { remedy } = await page.evaluate(() => window.hydrapod.report.diagnosis);
     const at = async (mark) => {
       const circle = page.locator(`#diagnosis [data-mark="${mark}"]`);
       return [Number(await circle.getAttribute('cx')), Number(await circle.getAttribute('cy'))];
     };
-    const [today, needed] = [await at('today'), await at('needed')];
+    const [nominal, required] = [await at('nominal'), await at('required')];
     // one decade is as wide everywhere: from the labels of the axis
     const ticks = await page.locator('#diagnosis .stiffness text[text-anchor="middle"]').evaluateAll((all) =>
       all
@@ -89,8 +89,8 @@ test("today's and the needed stiffness stand on the curve", async () => {
         .map((t) => [Number(t.textContent.slice(2)), Number(t.getAttribute('x'))]),
     );
     const decade = (ticks.at(-1)[1] - ticks[0][1]) / (ticks.at(-1)[0] - ticks[0][0]);
-    near(needed[0] - today[0], decade * Math.log10(remedy.needed.factor), 0.05, 'distance');
-    assert.ok(needed[1] > today[1], 'a smaller drop lies lower');
+    near(required[0] - nominal[0], decade * Math.log10(remedy.required.factor), 0.05, 'distance');
+    assert.ok(required[1] > nominal[1], 'a smaller drop lies lower');
   });
 });
 

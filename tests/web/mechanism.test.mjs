@@ -6,15 +6,15 @@ import { damped, model, near, published, report, withPage } from './support.mjs'
 
 const tolerance = 1e-6; // [m]
 
-/** Motion of leg i in the coordinates `y`: of its joint, and its flexible ones times `knee`. */
-function legMotion(pose, leg, i, y, knee) {
+/** Motion of leg i in the coordinates `y`: of its joint, and its flexible ones times `tilt`. */
+function legMotion(pose, leg, i, y, tilt) {
   const c = pose.geometry.platform.mass_center_m;
   const r = leg.platform_joint_m.map((x, k) => x - c[k]);
   const [w0, w1, w2] = y.slice(3, 6);
   const turn = [w1 * r[2] - w2 * r[1], w2 * r[0] - w0 * r[2], w0 * r[1] - w1 * r[0]];
   const perLeg = (y.length - 6) / 6;
   const own = [...y.slice(6 + i * perLeg, 6 + (i + 1) * perLeg), 0, 0, 0, 0].slice(0, 4);
-  return { joint: turn.map((x, k) => x + y[k]), flexible: own.map((x) => knee * x) };
+  return { joint: turn.map((x, k) => x + y[k]), flexible: own.map((x) => tilt * x) };
 }
 
 /** y(θ) = Re[(r + i m) e^{iθ}] */
@@ -47,7 +47,7 @@ async function checkMode(page, pose, mode, phase) {
     const leg = pose.geometry.legs[i];
     const expected = firstOrderPoints(
       leg,
-      legMotion(pose, leg, i, y, motion.knee),
+      legMotion(pose, leg, i, y, motion.tilt),
       motion.amplitude,
     );
     compare(points, expected, `mode ${mode.number}, leg ${i + 1}`);
@@ -131,8 +131,8 @@ test('sliders, reset, view buttons and leg numbers', async () => {
     const usual = await motion();
     await slide('amplitude', 24);
     near((await motion()).amplitude, 2 * usual.amplitude, 1e-12 * usual.amplitude, 'amplitude');
-    await slide('knee', 4);
-    assert.equal((await motion()).knee, 4);
+    await slide('tilt', 4);
+    assert.equal((await motion()).tilt, 4);
     const pose = await page.evaluate(() => window.hydrapod.report.poses[0]);
     await checkMode(page, pose, pose.modes[0], 0.3);
 
@@ -140,7 +140,7 @@ test('sliders, reset, view buttons and leg numbers', async () => {
     await page.click('[data-control="reset"]');
     const again = await motion();
     near(again.amplitude, usual.amplitude, 1e-12 * usual.amplitude, 'amplitude after reset');
-    assert.equal(again.knee, 1);
+    assert.equal(again.tilt, 1);
     assert.equal(again.playing, true);
 
     await page.evaluate(() => window.hydrapod.scene.setPhase(0));

@@ -14,7 +14,7 @@ test('shows what the command line prints', async () => {
       modes,
       'the report holds the JSON of `hydrapod modes`',
     );
-    for (const mode of modes.filter((m) => m.platform_feels)) {
+    for (const mode of modes.filter((m) => m.moves_platform)) {
       const row = page.locator(`[data-row="${mode.number}"]`);
       near(
         Number(await row.locator('.col-frequency').innerText()),
@@ -76,16 +76,16 @@ test('sorts by every column, both ways, and tells it', async () => {
   });
 });
 
-test('seal modes that the platform cannot feel are behind one row', async () => {
+test('local seal modes are collapsed into one row', async () => {
   await withPage(report(published), {}, async (page) => {
     const modes = await page.evaluate(() => window.hydrapod.report.poses[0].modes);
-    const felt = modes.filter((mode) => mode.platform_feels).map((mode) => mode.number);
+    const felt = modes.filter((mode) => mode.moves_platform).map((mode) => mode.number);
     assert.ok(felt.length < modes.length);
     assert.deepEqual(await numbersShown(page), felt);
     const fold = page.locator('[data-control="fold"]');
     assert.match(
       await fold.innerText(),
-      new RegExp(`${modes.length - felt.length} modes that the platform cannot feel`),
+      new RegExp(`${modes.length - felt.length} local seal modes`),
     );
     assert.equal(await fold.getAttribute('aria-expanded'), 'false');
     await fold.click();
@@ -110,7 +110,7 @@ test('repeated pairs are shown as such', async () => {
 test('bars are as long as the shares', async () => {
   await withPage(report(...damped), {}, async (page) => {
     const modes = await page.evaluate(() => window.hydrapod.report.poses[0].modes);
-    for (const mode of modes.filter((m) => m.platform_feels)) {
+    for (const mode of modes.filter((m) => m.moves_platform)) {
       const widths = await page.$$eval(`[data-row="${mode.number}"] .col-energy rect`, (bars) =>
         Object.fromEntries(
           bars.map((bar) => [bar.getAttribute('class'), Number(bar.getAttribute('width'))]),
@@ -127,7 +127,7 @@ test('the answer stands at the top: words and four numbers', async () => {
   const text = json('modes', published);
   await withPage(report(published), {}, async (page) => {
     const answer = await page.locator('#answer').innerText();
-    const lowest = text.modes.find((mode) => mode.platform_feels);
+    const lowest = text.modes.find((mode) => mode.moves_platform);
     for (const part of [
       lowest.frequency_hz.toFixed(3),
       (lowest.rigid.omega_rad_s / (2 * Math.PI)).toFixed(3),
@@ -135,7 +135,7 @@ test('the answer stands at the top: words and four numbers', async () => {
       `${Math.round(100 * lowest.strain_energy.oil)} %`,
     ])
       assert.ok(answer.includes(part), `${answer} has ${part}`);
-    assert.match(answer, /Lowest mode the platform feels: 7\.445 Hz in x/);
+    assert.match(answer, /Lowest mode with platform motion: 7\.445 Hz in x/);
   });
 });
 

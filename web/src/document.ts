@@ -20,7 +20,7 @@ export interface Mode {
   damping_ratio: number;
   stable: boolean;
   label: string;
-  platform_feels: boolean;
+  moves_platform: boolean;
   group: number;
   platform_energy: number[];
   leg_energy: number[];
@@ -63,7 +63,7 @@ export interface Peak {
   direction: string;
   omega_rad_s: number;
   frequency_hz: number;
-  /** null where the mode behind it has no damping */
+  /** null where its mode has no damping */
   magnitude: number | null;
   mode: number;
   own: boolean;
@@ -157,50 +157,49 @@ export function repeated(modes: Mode[], mode: Mode): Mode[] {
   return modes.filter((other) => other.group === mode.group);
 }
 
-/** Can the platform's motion be seen in nothing but the legs? */
-export const folded = (mode: Mode): boolean => !mode.platform_feels;
+/** Is it a local seal mode? */
+export const folded = (mode: Mode): boolean => !mode.moves_platform;
 
 const platformShare = (mode: Mode): number =>
   mode.platform_energy.reduce((sum, part) => sum + part, 0);
 
 /**
- * The modes pictured in print: those asked for, else at most six that the platform feels: the
- * lowest three in which it holds a tenth of the energy, for they are the trouble, and those that
- * move it most.
+ * The modes shown in print: those of --modes, else at most six without local seal modes: the
+ * lowest three with a tenth of the energy in the platform, and those that move it most.
  */
 export function pictured(report: Report, pose: PoseReport): Mode[] {
   if (report.pictured_modes.length > 0)
     return report.pictured_modes.flatMap((number) => pose.modes.filter((m) => m.number === number));
-  const felt = pose.modes.filter((mode) => mode.platform_feels);
+  const felt = pose.modes.filter((mode) => mode.moves_platform);
   const lowest = felt.filter((mode) => platformShare(mode) >= 0.1).slice(0, 3);
   const moving = [...felt].sort((a, b) => platformShare(b) - platformShare(a));
   return [...new Set([...lowest, ...moving])].slice(0, 6).sort((a, b) => a.number - b.number);
 }
 
-/** What is shown when the page opens. */
+/** The mode that is shown when the page opens. */
 export function firstMode(report: Report, pose: PoseReport): number {
   return report.pictured_modes[0] ?? pose.answer?.mode ?? 1;
 }
 
-/** A measured mode and what explains it. */
+/** A measured mode and its counterparts in the models. */
 export interface DiagnosedMode {
   pose: string;
   direction: string | null;
   frequency_hz: number;
   deviation_hz: number;
-  stated_hz: number;
-  explained_hz: number;
+  nominal_hz: number;
+  fitted_hz: number;
   rigid_hz: number | null;
   rigid_mac: number;
   drop: number;
   strain_energy: { oil: number; guide_sleeve: number; piston_ring: number; base_mount: number };
 }
 
-export interface Explanation {
+export interface Hypothesis {
   name: string;
-  suspects: { name: string; statement: string; family: string }[];
-  above_best: number;
-  alike: boolean;
+  causes: { name: string; statement: string; family: string }[];
+  bic_above_best: number;
+  equally_good: boolean;
   parameters: {
     paths: string[];
     unit: string;
@@ -208,7 +207,7 @@ export interface Explanation {
     deviation: number | null;
     at_bound: boolean;
   }[];
-  wrong: string[];
+  contradictions: string[];
 }
 
 interface RemedyPoint {
@@ -221,8 +220,8 @@ interface RemedyPoint {
 export interface Remedy {
   goal: { words: string; drop?: number; frequency_hz?: number; direction?: string };
   status: 'found' | 'met_already' | 'out_of_reach';
-  today: RemedyPoint;
-  needed: RemedyPoint;
+  nominal: RemedyPoint;
+  required: RemedyPoint;
   curve: RemedyPoint[];
 }
 
@@ -231,6 +230,6 @@ export interface Diagnosis {
   summary: string[];
   finding?: string;
   measured_modes?: DiagnosedMode[];
-  explanations?: Explanation[];
+  hypotheses?: Hypothesis[];
   remedy?: Remedy;
 }

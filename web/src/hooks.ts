@@ -1,4 +1,4 @@
-// What tests and curious readers find under `window.hydrapod`; described in docs/howto/report.md.
+// The members of `window.hydrapod`, for tests and for the console; see docs/howto/report.md.
 
 import type { Report } from './document';
 import type { LegPoints } from './mechanics/leg';
@@ -10,12 +10,12 @@ export interface SceneHook {
   kind: 'webgl' | 'svg';
   /** Points of leg 1…6 as drawn at this moment, base axes [m], read back from the drawing. */
   jointPositions(leg: number, side?: 'flexible' | 'rigid'): LegPoints;
-  /** Metres (and radians) per unit of the mode's shape, phase [rad], factor on the knees. */
+  /** Metres (and radians) per unit of the mode's shape, phase [rad], factor on the rod tilt. */
   motion(): {
     amplitude: number;
     rigidAmplitude: number;
     phase: number;
-    knee: number;
+    tilt: number;
     playing: boolean;
   };
   /** Stops the animation at a phase [rad] and draws it. */
@@ -57,9 +57,9 @@ export interface IdentificationHook {
   error(): number;
   /** Fitted shapes, by pole that is on and output. */
   shapes(): Complex[][];
-  /** The fit at the measured lines, through the window of the measurement. */
+  /** The fit at the measured lines, including the effect of the measurement window. */
   fitted(output: number, input: number): Complex[];
-  /** The fitted model itself at a frequency [Hz]. */
+  /** The fitted model without the window at a frequency [Hz]. */
   responseAt(output: number, input: number, frequency: number): Complex;
 }
 

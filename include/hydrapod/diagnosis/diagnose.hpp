@@ -69,7 +69,7 @@ enum class Finding {
   do_not_belong      ///< machine and data do not belong together; `reasons` says why
 };
 
-/// "nothing to blame", ….
+/// "no cause", ….
 const char* name(Finding finding);
 
 /// A measured mode, and where the best explanation says that it comes from.

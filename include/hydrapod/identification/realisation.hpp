@@ -1,5 +1,5 @@
 #pragma once
-/// Poles in the time domain, as a second opinion: realisation of a state space from a sequence of
+/// Poles in the time domain, as a cross-check: realisation of a state space from a sequence of
 /// matrices Y_k = C A^(k−1) B.
 ///
 /// - Eigensystem realisation (ERA): Y_k is the impulse response at k T, the inverse transform of H.

@@ -17,7 +17,7 @@ namespace hydrapod::modal {
 
 /// A mode whose platform share of the kinetic energy is below this is one that the platform cannot
 /// feel.
-inline constexpr double felt_by_platform = 1e-4;
+inline constexpr double local_mode_energy = 1e-4;
 
 struct RigidCounterpart {
   int mode{};      ///< index into ModeTable::rigid.modes
@@ -28,7 +28,7 @@ struct RigidCounterpart {
 struct TabledMode {
   DampedMode mode{};
   EnergyShares energy{};
-  bool platform_feels{true};
+  bool moves_platform{true};
   std::string label{};  ///< "x, knee of all legs"; "seal mode the platform cannot feel"
   std::optional<RigidCounterpart>
       rigid{};  ///< none for rigid modes and those the platform cannot feel
@@ -52,7 +52,7 @@ struct ModeTable {
 };
 
 /// Index of the lowest mode that the platform feels, in `modes`; −1 when there is none.
-int lowest_felt(const std::vector<TabledMode>& modes);
+int lowest_platform_mode(const std::vector<TabledMode>& modes);
 
 /// Pairs the modes of two models by likeness of shape, most alike first, one to one: per mode of
 /// `now` the index of a mode of `before`, −1 where there are none left. The models may be of

@@ -5,7 +5,7 @@
 #include "hydrapod/identification/bootstrap.hpp"
 #include "hydrapod/identification/identify.hpp"
 #include "hydrapod/identification/realisation.hpp"
-#include "hydrapod/identification/second_opinion.hpp"
+#include "hydrapod/identification/cross_check.hpp"
 #include "hydrapod/observation/targets.hpp"
 #include "hydrapod/report/json.hpp"
 
@@ -33,8 +33,8 @@ Json identification_json(const identification::Identification& result);
 /// the clusters and the model stay empty.
 identification::Identification identification_from_json(const Json& json, const std::string& file);
 
-/// Adds `second_opinion` to each of `modes[]` of identification_json(): null where there is none.
-void add_second_opinions(const std::vector<std::optional<identification::SecondOpinion>>& opinions,
+/// Adds `cross_check` to each of `modes[]` of identification_json(): null where there is none.
+void add_cross_checks(const std::vector<std::optional<identification::CrossCheck>>& cross_checks,
                          Json& json);
 
 /// Adds `bootstrap` to each of `modes[]`, and `bootstrap_resamples`.

@@ -11,7 +11,7 @@
 #include "hydrapod/identification/bootstrap.hpp"
 #include "hydrapod/identification/measure.hpp"
 #include "hydrapod/identification/realisation.hpp"
-#include "hydrapod/identification/second_opinion.hpp"
+#include "hydrapod/identification/cross_check.hpp"
 #include "hydrapod/report/mode_comparison.hpp"
 #include "hydrapod/tasks/machine.hpp"
 
@@ -68,7 +68,7 @@ struct IdentifyOptions {
   MeasureOptions measure{};
   identification::IdentifyOptions modes{};
   int bootstrap{};  ///< draws to check the intervals with; 0: none
-  bool second_opinion{};
+  bool cross_check{};
   bool compare{true};  ///< with the modes of the machine, where one is known
   std::optional<observation::Observed> against{};  ///< system to compare with; none: observed_in()
 };
@@ -76,7 +76,7 @@ struct IdentifyOptions {
 struct Identified {
   Measured measured{};
   identification::Identification modes{};
-  std::vector<std::optional<identification::SecondOpinion>> opinions{};  ///< per mode, or empty
+  std::vector<std::optional<identification::CrossCheck>> cross_checks{};  ///< per mode, or empty
   std::optional<identification::BootstrapScatter> bootstrap{};
   std::optional<report::ComparedModes> compared{};
   std::vector<base::Diagnostic> warnings{};  ///< those of `measured` too

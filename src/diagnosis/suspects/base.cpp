@@ -13,10 +13,18 @@ struct Way {
   std::array<int, 2> directions;
 };
 
-constexpr std::array ways{
-    Way{"base giving way sideways", "the base gives way sideways", {"x", "y"}, {0, 1}},
-    Way{"base giving way vertically", "the base gives way vertically", {"z", "z"}, {2, 2}},
-    Way{"base that rocks", "the base rocks on its foundation", {"rx", "ry"}, {3, 4}}};
+constexpr std::array ways{Way{"lateral compliance of the base",
+                              "the base is compliant in lateral directions",
+                              {"x", "y"},
+                              {0, 1}},
+                          Way{"vertical compliance of the base",
+                              "the base is compliant in the vertical direction",
+                              {"z", "z"},
+                              {2, 2}},
+                          Way{"rocking compliance of the base",
+                              "the base is compliant in rocking",
+                              {"rx", "ry"},
+                              {3, 4}}};
 
 }  // namespace
 

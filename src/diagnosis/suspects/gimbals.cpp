@@ -17,8 +17,8 @@ std::vector<Suspect> gimbals(const model::MachineFile& file) {
     const std::string path = i < 0 ? "legs.gimbal_stiffness" : leg_path(i, "gimbal_stiffness");
     Suspect suspect{
         .name = i < 0 ? "gimbals of all legs" : fmt::format("gimbals of leg {}", i + 1),
-        .statement = i < 0 ? "the gimbals of all legs give way or have play"
-                           : fmt::format("a gimbal of leg {} gives way or has play", i + 1),
+        .statement = i < 0 ? "the gimbals of all legs are compliant or have free play"
+                           : fmt::format("a gimbal of leg {} is compliant or has free play", i + 1),
         .family = "leg axes",
         .free = {within(path, k, factor)},
         .in_pairs = false};

@@ -8,14 +8,15 @@ std::vector<Suspect> guide_sleeves(const model::MachineFile& file) {
   const auto& legs = file.machine.legs;
   std::vector<Suspect> suspects{
       {.name = "guide sleeves of all legs",
-       .statement = "the guide sleeves of all legs are not as stiff as stated",
+       .statement = "the stiffness of the guide sleeves of all legs differs from the nominal value",
        .family = "guide sleeves",
        .free = {within("legs.guide_sleeve.stiffness", legs[0].guide_sleeve.stiffness, factor)}}};
   for (int i = 0; i < model::leg_count; ++i) {
     const double stated = legs[static_cast<std::size_t>(i)].guide_sleeve.stiffness;
     suspects.push_back(
         {.name = fmt::format("guide sleeve of leg {}", i + 1),
-         .statement = fmt::format("the guide sleeve of leg {} is not as stiff as stated", i + 1),
+         .statement = fmt::format(
+             "the stiffness of the guide sleeve of leg {} differs from the nominal value", i + 1),
          .family = "guide sleeves",
          .leg = i,
          .free = {within(leg_path(i, "guide_sleeve.stiffness"), stated, factor)}});

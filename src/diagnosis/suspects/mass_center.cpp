@@ -8,7 +8,7 @@ std::vector<Suspect> mass_center(const model::MachineFile& file) {
   // a radius of gyration to every side
   const double reach = std::sqrt(platform.inertia.trace() / (3.0 * platform.mass));
   Suspect suspect{.name = "mass centre",
-                  .statement = "the mass centre is not where it is stated",
+                  .statement = "the mass centre differs from the nominal position",
                   .family = "mass centre"};
   for (int k = 0; k < 3; ++k)
     suspect.free.push_back(

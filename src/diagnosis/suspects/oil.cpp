@@ -19,7 +19,7 @@ Suspect entrained_air(const model::MachineFile& file) {
   const auto& cylinder = *file.machine.legs[0].oil_spring.cylinder;
   constexpr double least = 1e-4, most = 0.25, usual_pressure = 4e6;
   Suspect air{.name = "entrained air in all legs",
-              .statement = "the oil of all legs carries more or less air than stated",
+              .statement = "the air content of the oil of all legs differs from the nominal value",
               .family = "leg axes",
               .in_pairs = false};
   double fraction = 1e-3;
@@ -47,7 +47,8 @@ Suspect volume(const model::MachineFile& file, const char* side, int leg) {
   const std::string whose = leg < 0 ? "all legs" : fmt::format("leg {}", leg + 1);
   Suspect suspect{
       .name = fmt::format("{}-side chamber or line volume of {}", side, whose),
-      .statement = fmt::format("the {} side of {} holds more or less oil than stated", side, whose),
+      .statement = fmt::format("the oil volume on the {} side of {} differs from the nominal value",
+                               side, whose),
       .family = "leg axes",
       .in_pairs = false};
   if (leg >= 0) suspect.leg = leg;
@@ -67,17 +68,17 @@ std::vector<Suspect> oil(const model::MachineFile& file) {
   const bool from_modulus = first.oil_spring.cylinder.has_value();
   std::vector<Suspect> suspects{
       {.name = from_modulus ? "bulk modulus of the oil" : "oil springs of all legs",
-       .statement = "the oil of all legs is not as stiff as stated",
+       .statement = "the oil stiffness of all legs differs from the nominal value",
        .family = "leg axes",
        .free = {within(std::string("legs.") + path, value, factor)}}};
   for (int i = 0; i < model::leg_count; ++i) {
     const auto [own, stated] = spring_number(file.machine.legs[static_cast<std::size_t>(i)]);
-    suspects.push_back(
-        {.name = fmt::format("oil spring of leg {}", i + 1),
-         .statement = fmt::format("the oil of leg {} is not as stiff as stated", i + 1),
-         .family = "leg axes",
-         .leg = i,
-         .free = {within(leg_path(i, own), stated, factor)}});
+    suspects.push_back({.name = fmt::format("oil spring of leg {}", i + 1),
+                        .statement = fmt::format(
+                            "the oil stiffness of leg {} differs from the nominal value", i + 1),
+                        .family = "leg axes",
+                        .leg = i,
+                        .free = {within(leg_path(i, own), stated, factor)}});
   }
   if (!from_modulus) return suspects;
   suspects.push_back(entrained_air(file));

@@ -8,7 +8,7 @@ std::vector<Suspect> piston_rings(const model::MachineFile& file) {
   constexpr double factor = 1000.0, stiffer = 10.0;
   const auto& leg = file.machine.legs[0];
   Suspect all{.name = "piston rings of all legs",
-              .statement = "the piston rings of all legs let the pistons move sideways",
+              .statement = "the piston rings of all legs are compliant",
               .family = "piston rings",
               .needs_rings = true};
   std::vector<Suspect> suspects;
@@ -24,7 +24,8 @@ std::vector<Suspect> piston_rings(const model::MachineFile& file) {
     if (!file.machine.legs[static_cast<std::size_t>(i)].piston_ring) continue;
     suspects.push_back(
         {.name = fmt::format("piston ring of leg {}", i + 1),
-         .statement = fmt::format("the piston ring of leg {} is not as stiff as stated", i + 1),
+         .statement = fmt::format(
+             "the stiffness of the piston ring of leg {} differs from the nominal value", i + 1),
          .family = "piston rings",
          .leg = i,
          .free = {within(leg_path(i, "piston_ring.stiffness"),

@@ -21,23 +21,24 @@ std::vector<Suspect> platform(const model::MachineFile& file) {
   both.insert(both.begin(), mass);
   // a payload raises the centre with the mass, and where there is gravity presses on the knees
   const double reach = std::sqrt(stated.inertia.trace() / (3.0 * stated.mass));
-  return {{.name = "payload (platform mass)",
-           .statement = "the platform with its payload is not as heavy as stated",
-           .family = "platform",
-           .free = {mass}},
-          {.name = "payload with a height of its own",
-           .statement = "the payload is not as heavy as stated, and not as high",
-           .family = "platform",
-           .free = {mass, near("platform.mass_center[2]", stated.mass_center[2], reach)},
-           .in_pairs = false},
-          {.name = "platform inertia",
-           .statement = "the platform's moments of inertia are not as stated",
-           .family = "platform",
-           .free = moments(stated)},
-          {.name = "platform mass and inertia",
-           .statement = "the platform's mass and moments of inertia are not as stated",
-           .family = "platform",
-           .free = both}};
+  return {
+      {.name = "payload (platform mass)",
+       .statement = "the mass of platform and payload differs from the nominal mass",
+       .family = "platform",
+       .free = {mass}},
+      {.name = "payload at another height",
+       .statement = "mass and height of the payload differ from the nominal values",
+       .family = "platform",
+       .free = {mass, near("platform.mass_center[2]", stated.mass_center[2], reach)},
+       .in_pairs = false},
+      {.name = "platform inertia",
+       .statement = "the moments of inertia of the platform differ from the nominal values",
+       .family = "platform",
+       .free = moments(stated)},
+      {.name = "platform mass and inertia",
+       .statement = "mass and moments of inertia of the platform differ from the nominal values",
+       .family = "platform",
+       .free = both}};
 }
 
 }  // namespace hydrapod::diagnosis

@@ -1,4 +1,4 @@
-// The stabilisation chart: poles over frequency and model order, the mode indicator behind them.
+// The stabilisation chart: poles by frequency and model order, and the mode indicator.
 
 import { html, svg } from '../dom';
 import { fixed, hertz } from '../numbers';
@@ -13,7 +13,7 @@ const reach = 14; // px from a mark at which a click still means it
 /** Colours that stand out on light and dark ground, and shapes besides. */
 export const agreements: { agrees: Agreement; label: string; colour: () => string }[] = [
   { agrees: 'new', label: 'new', colour: () => palette().faint },
-  { agrees: 'frequency', label: 'frequency agrees with the order before', colour: () => palette().piston },
+  { agrees: 'frequency', label: 'frequency agrees with the previous order', colour: () => palette().piston },
   { agrees: 'damping', label: 'and damping', colour: () => palette().rigid },
   { agrees: 'vector', label: 'and shape', colour: () => palette().flexible },
 ];
@@ -81,8 +81,8 @@ export class Chart {
       viewBox: `0 0 ${this.width} ${height}`,
       role: 'img',
       'aria-label':
-        `Stabilisation chart: poles of model orders up to ${this.highest}, over frequency; the ` +
-        'poles that are used stand in the table below.',
+        `Stabilisation chart: poles of model orders up to ${this.highest} by frequency; the table ` +
+        'below lists the selected poles.',
       'data-control': 'chart',
     });
     this.axes(colours.grid, colours.faint);
@@ -231,6 +231,6 @@ export class Chart {
     const of = this.choice.of(pole);
     const what = of?.kind === 'mode' ? `, of mode ${of.number}` : of?.kind === 'heavy' ? ', heavily damped' : '';
     this.readout.textContent =
-      `Order ${order}: ${hertz(pole.frequency_hz)} Hz, ${fixed(100 * pole.damping_ratio, 2)} % of critical${what}`;
+      `Order ${order}: ${hertz(pole.frequency_hz)} Hz, ${fixed(100 * pole.damping_ratio, 2)} % damping${what}`;
   }
 }

@@ -1,5 +1,5 @@
-// Which poles the reader has switched on: those of modes and heavily damped ones at first, then as
-// they like, poles of the chart added by hand included.
+// The selected poles: at first those of modes and heavily damped ones; the reader switches them, and
+// adds poles of the chart by hand.
 
 import type { Pole } from './fit';
 import type { ChartPole, Identification, Vector } from './types';
@@ -35,7 +35,7 @@ export class Choice {
     return this.poles.filter((pole) => pole.on);
   }
 
-  /** What a mark of the chart stands for, if it is one of `poles`. */
+  /** The pole of a mark of the chart, if it is one of `poles`. */
   of(mark: ChartPole): ChosenPole | undefined {
     const cluster = mark.cluster === null ? undefined : this.data.clusters[mark.cluster - 1];
     if (cluster?.mode) return this.poles.find((p) => p.kind === 'mode' && p.number === cluster.mode);

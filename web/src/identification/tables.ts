@@ -76,7 +76,7 @@ export class PoleTable {
         ['±', true],
         ['damping', true],
         ['±', true],
-        ['what moves', false],
+        ['motion', false],
         ['MPC', true],
         ['MPD', true],
         ['quality', true],
@@ -134,7 +134,7 @@ export function macTable(data: Identification): HTMLElement {
   const table = html(
     'table',
     { class: 'mac' },
-    html('caption', {}, 'MAC: likeness of the shapes with each other, 0 to 1'),
+    html('caption', {}, 'MAC between the shapes, 0 to 1'),
     html(
       'thead',
       {},
@@ -156,9 +156,9 @@ export function macTable(data: Identification): HTMLElement {
   return framed('MAC matrix', table);
 }
 
-/** One line per mode, but for those that the platform does not feel. */
+/** One line per mode, and one for all local seal modes. */
 function notMeasured(comparison: Comparison): string[] {
-  const unfelt = 'the platform does not feel it';
+  const unfelt = 'local seal mode';
   const lines = comparison.not_measured
     .filter((m) => m.reason !== unfelt)
     .map(
@@ -168,7 +168,7 @@ function notMeasured(comparison: Comparison): string[] {
   const quiet = comparison.not_measured.filter((m) => m.reason === unfelt);
   if (quiet.length > 0)
     lines.push(
-      `Not measured, because the platform does not feel them: ${quiet.map((m) => hertz(m.frequency_hz)).join(', ')} Hz.`,
+      `Not measured, local seal modes: ${quiet.map((m) => hertz(m.frequency_hz)).join(', ')} Hz.`,
     );
   return lines;
 }
@@ -193,17 +193,17 @@ export function comparisonTable(data: Identification, comparison: Comparison): H
   const table = html(
     'table',
     { class: 'modes compared' },
-    html('caption', { class: 'unseen' }, 'Measured modes beside those of the model'),
+    html('caption', { class: 'unseen' }, 'Measured modes and modes of the model'),
     headed([
       ['mode', true],
       ['Hz', true],
       ['model Hz', true],
-      ['differs', true],
+      ['difference', true],
       ['damping', true],
       ['model', true],
-      ['differs', true],
+      ['difference', true],
       ['MAC', true],
-      ['the model’s mode', false],
+      ['mode of the model', false],
     ]),
     html('tbody', {}, ...rows),
   );
@@ -216,7 +216,7 @@ export function comparisonTable(data: Identification, comparison: Comparison): H
   return html(
     'div',
     {},
-    html('h3', {}, 'Beside the model'),
+    html('h3', {}, 'Comparison with the model'),
     html('p', { class: 'note' }, comparison.heading),
     framed('Measured and model modes', table),
     left.length > 0 ? html('ul', { class: 'note' }, ...left.map((text) => html('li', {}, text))) : null,

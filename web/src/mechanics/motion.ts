@@ -26,24 +26,24 @@ export interface Shape {
 
 const keys = ['base', 'sleeve', 'piston', 'rodAtSleeve', 'joint'] as const;
 
-function displacements(geometry: Geometry, legs: Leg[], y: number[], perLeg: number, knee: number) {
+function displacements(geometry: Geometry, legs: Leg[], y: number[], perLeg: number, tilt: number) {
   const center = geometry.platform.mass_center_m;
   const displacement = y.slice(0, 3) as Vector;
   const rotation = y.slice(3, 6) as Vector;
   const motions = legs.map((leg, i) => {
     const joint = add(displacement, cross(rotation, subtract(leg.platform_joint_m, center)));
-    const own = y.slice(6 + i * perLeg, 6 + (i + 1) * perLeg).map((value) => knee * value);
+    const own = y.slice(6 + i * perLeg, 6 + (i + 1) * perLeg).map((value) => tilt * value);
     return legMotion(leg, joint, [0, 1, 2, 3].map((k) => own[k] ?? 0) as Flexible);
   });
   return { legs: motions, center, displacement, rotation };
 }
 
-/** The shape of `mode`; `knee`: factor on tilt and piston offset, to make small knees visible. */
-export function shapeOf(pose: PoseReport, mode: Mode, knee = 1): Shape {
+/** The shape of `mode`; `tilt`: factor on rod tilt and piston offset, to make small ones visible. */
+export function shapeOf(pose: PoseReport, mode: Mode, tilt = 1): Shape {
   const perLeg = (mode.shape.length - 6) / 6;
   const { geometry } = pose;
   const legs = perLeg === 0 ? geometry.legs.map(straightLeg) : geometry.legs;
-  const part = (y: number[]) => displacements(geometry, legs, y, perLeg, knee);
+  const part = (y: number[]) => displacements(geometry, legs, y, perLeg, tilt);
   return {
     legs,
     center: geometry.platform.mass_center_m,

@@ -12,7 +12,7 @@ import {
 } from '../mechanics/motion';
 import type { Side, View } from './view';
 
-/** A mode holds so much of a rigid one, at least, that the two are worth comparing. */
+/** Least MAC of two modes that are shown as counterparts. */
 export const comparable = 0.1;
 
 export class Player {
@@ -22,7 +22,7 @@ export class Player {
   relativeAmplitude = 0.12;
   /** Periods shown per second. */
   speed = 0.5;
-  knee = 1;
+  tilt = 1;
   frames = 0;
   private flexible: Shape | null = null;
   private rigid: Shape | null = null;
@@ -52,7 +52,7 @@ export class Player {
     this.refresh();
   }
 
-  /** After a change of amplitude or knee. */
+  /** After a change of amplitude or of the factor on the rod tilt. */
   reshape(): void {
     this.shape();
     this.refresh();
@@ -62,8 +62,8 @@ export class Player {
     const { pose, mode } = this;
     if (!pose || !mode) return;
     const wanted = this.relativeAmplitude * sizeOf(pose.geometry);
-    const own = shapeOf(pose, mode, this.knee);
-    // the knee's factor must not shrink the rest of the motion
+    const own = shapeOf(pose, mode, this.tilt);
+    // the factor must not reduce the rest of the motion
     this.amplitude = wanted / Math.max(largest(shapeOf(pose, mode)), Number.MIN_VALUE);
     if (pose.model === 'rigid') {
       [this.rigid, this.rigidAmplitude] = [own, this.amplitude];
@@ -86,8 +86,8 @@ export class Player {
   }
 
   motion() {
-    const { amplitude, rigidAmplitude, phase, knee, playing } = this;
-    return { amplitude, rigidAmplitude, phase, knee, playing };
+    const { amplitude, rigidAmplitude, phase, tilt, playing } = this;
+    return { amplitude, rigidAmplitude, phase, tilt, playing };
   }
 
   setPlaying(playing: boolean): void {

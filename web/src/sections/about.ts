@@ -1,4 +1,4 @@
-// Everything a reader needs to get the same numbers again.
+// All data to reproduce the numbers.
 
 import type { PoseReport, Report } from '../document';
 import { button, download, html } from '../dom';
@@ -19,7 +19,7 @@ const degrees = (radians: number[]): string =>
     3,
   );
 
-/** A word that a shell takes as it stands, or in quotes. */
+/** A word for a shell, in quotes where needed. */
 const shellWord = (word: string): string =>
   /^[\w./=+-]+$/.test(word) ? word : `'${word.replaceAll("'", `'\\''`)}'`;
 
@@ -45,7 +45,7 @@ function facts(report: Report): [string, string][] {
     ['Machine', machine.name || 'without a name'],
     ['Source', machine.source || 'not stated'],
     ['File', machine.file],
-    ['Laid over it', machine.overrides.join('\n') || 'nothing'],
+    ['Overrides', machine.overrides.join('\n') || 'none'],
     ['Gravity', `${a.gravity}: (${list(a.gravity_m_s2, 5)}) m/s² in base axes`],
     ['Flexible axes', flexibleAxes(a.flexible_axes)],
     ['Damping', a.damping],
@@ -56,7 +56,7 @@ function facts(report: Report): [string, string][] {
   if (pose?.bode)
     rows.push([
       'Bode diagrams',
-      `force or moment at the ${pose.bode.point}, displacement there, base axes; exact at every frequency drawn`,
+      `force or moment at the ${pose.bode.point}, displacement at this point, base axes; exact at every drawn frequency`,
     ]);
   rows.push(
     [
@@ -76,7 +76,7 @@ function facts(report: Report): [string, string][] {
 function flexibleAxes(name: string): string {
   return name === 'gimbal'
     ? 'gimbal: parallel to the axes of the lower gimbals'
-    : 'transverse: normal to each leg, nothing spins about the leg’s axis';
+    : 'transverse: normal to each leg, no spin about the axis of the leg';
 }
 
 function poseText({ pose }: PoseReport): string {
@@ -92,7 +92,7 @@ function render(state: State, host: HTMLElement): void {
     html(
       'table',
       { class: 'facts' },
-      html('caption', { class: 'unseen' }, 'What the numbers rest on'),
+      html('caption', { class: 'unseen' }, 'Assumptions of the calculation'),
       html('tbody', {}, ...rows),
     ),
     html('h3', {}, 'Command'),
@@ -124,7 +124,7 @@ function render(state: State, host: HTMLElement): void {
     html(
       'p',
       { class: 'note' },
-      'Drawn with three.js and uPlot, both under the MIT licence; their notices stand at the head of this file.',
+      'Drawn with three.js and uPlot, both under the MIT licence. Their notices are at the beginning of this file.',
     ),
   );
 }

@@ -143,8 +143,8 @@ class BodeSection {
 
   private explanation(): string {
     const { point } = this.data;
-    const where = `Force or moment at the ${point}, displacement there, base axes. Damping: ${this.state.report.assumptions.damping}.`;
-    const none = `${titleOf(this.pair)}: not coupled at this pose; what is drawn is rounding. `;
+    const where = `Force or moment at the ${point}, displacement at this point, base axes. Damping: ${this.state.report.assumptions.damping}.`;
+    const none = `${titleOf(this.pair)}: not coupled at this pose; the curve is rounding error. `;
     return (this.sweep.isCoupled(this.pair) ? '' : none) + where;
   }
 
@@ -258,7 +258,7 @@ class BodeSection {
     if (this.curves.flexible) rows.unshift(row('Flexible legs', now?.flexible));
     const where = now
       ? `${scientificOrPlain(now.frequency_hz)} Hz = ${scientificOrPlain(two_pi * now.frequency_hz)} rad/s`
-      : 'Point at the diagram, or move the cursor’s slider';
+      : 'Point at the diagram, or move the slider of the cursor';
     return html(
       'table',
       { class: 'values' },

@@ -1,8 +1,8 @@
-// What lowers the resonances: measured beside rigid and best explanation, the ranking, the stiffness
-// that would help. A click on a measured mode sets the machine in motion in that mode.
+// The diagnosis: measured modes with those of the rigid-leg model and of the best hypothesis, the
+// ranking, the required stiffness. A click on a measured mode shows the machine moving in this mode.
 
 import { stackedBar, type Part } from '../bars';
-import type { Diagnosis, DiagnosedMode, Explanation, Remedy } from '../document';
+import type { Diagnosis, DiagnosedMode, Hypothesis, Remedy } from '../document';
 import { button, html, svg } from '../dom';
 import { fixed, hertz, signedPercent } from '../numbers';
 import type { State } from '../state';
@@ -27,14 +27,14 @@ const energy = (strain: DiagnosedMode['strain_energy']): Part[] => [
   { name: 'base', long: 'base', value: strain.base_mount, kind: 'legs' },
 ];
 
-/** The mode of the page's first pose that is nearest in frequency to what explains a measured one. */
+/** The mode of the page's first pose whose frequency is closest to the fitted one of `mode`. */
 function shownMode(state: State, mode: DiagnosedMode): number {
   let best = state.pose.modes[0];
   for (const candidate of state.pose.modes)
     if (
       best === undefined ||
-      Math.abs(candidate.frequency_hz - mode.explained_hz) <
-        Math.abs(best.frequency_hz - mode.explained_hz)
+      Math.abs(candidate.frequency_hz - mode.fitted_hz) <
+        Math.abs(best.frequency_hz - mode.fitted_hz)
     )
       best = candidate;
   return best?.number ?? 1;
@@ -56,20 +56,20 @@ function measuredTable(state: State, found: Diagnosis): HTMLElement {
       cell(`${hertz(mode.frequency_hz)} ± ${fixed(mode.deviation_hz, 3)}`),
       cell(mode.rigid_hz !== null && mode.rigid_mac >= 0.1 ? hertz(mode.rigid_hz) : ''),
       cell(mode.rigid_hz !== null && mode.rigid_mac >= 0.1 ? signedPercent(-100 * mode.drop) : ''),
-      cell(hertz(mode.stated_hz)),
-      cell(hertz(mode.explained_hz)),
+      cell(hertz(mode.nominal_hz)),
+      cell(hertz(mode.fitted_hz)),
       html('td', {}, stackedBar(energy(mode.strain_energy))),
-      html('td', {}, here ? button('Show it moving', show, { 'data-control': 'show-mode' }) : ''),
+      html('td', {}, here ? button('Show motion', show, { 'data-control': 'show-mode' }) : ''),
     );
   });
   const titles = [
     'measured mode',
     'measured, Hz',
-    'rigid, Hz',
-    'against rigid',
-    'as stated, Hz',
-    'best explanation, Hz',
-    'what gives',
+    'rigid legs, Hz',
+    'relative to rigid legs',
+    'nominal, Hz',
+    'best hypothesis, Hz',
+    'compliance',
     'in 3D',
   ];
   return html(
@@ -78,14 +78,14 @@ function measuredTable(state: State, found: Diagnosis): HTMLElement {
     html(
       'table',
       { class: 'diagnosed' },
-      html('caption', {}, 'Measured against rigid against best explanation'),
+      html('caption', {}, 'Measured modes, rigid-leg model and best hypothesis'),
       html('thead', {}, html('tr', {}, ...titles.map((t) => html('th', { scope: 'col' }, t)))),
       html('tbody', {}, ...rows),
     ),
   );
 }
 
-const values = (e: Explanation): string =>
+const values = (e: Hypothesis): string =>
   e.parameters
     .map(
       (p) =>
@@ -96,39 +96,39 @@ const values = (e: Explanation): string =>
     )
     .join('; ');
 
-/** A bar per explanation; its length is the logarithm of how much worse than the best it is. */
+/** A bar per hypothesis; its length is the logarithm of its BIC above the best. */
 function ranking(found: Diagnosis): HTMLElement {
-  const explanations = found.explanations ?? [];
-  const shown = explanations.filter((e, k) => k < 12 || e.suspects.length === 0);
-  const length = (e: Explanation) => Math.log10(1 + Math.max(0, e.above_best));
+  const hypotheses = found.hypotheses ?? [];
+  const shown = hypotheses.filter((e, k) => k < 12 || e.causes.length === 0);
+  const length = (e: Hypothesis) => Math.log10(1 + Math.max(0, e.bic_above_best));
   const longest = Math.max(1, ...shown.map(length));
   return html(
     'ol',
     { class: 'ranking' },
     ...shown.map((e) => {
-      const bar = html('i', { class: e.alike ? 'bar alike' : 'bar' });
+      const bar = html('i', { class: e.equally_good ? 'bar equally_good' : 'bar' });
       bar.style.width = `${2 + (98 * length(e)) / longest}%`;
-      const worse = e.above_best < 0.05 ? 'best' : `${plain(e.above_best)} worse than the best`;
+      const worse = e.bic_above_best < 0.05 ? 'lowest BIC' : `BIC ${plain(e.bic_above_best)} above the best`;
       return html(
         'li',
         {},
         html('strong', {}, e.name),
-        ` (${e.alike ? 'as good as the best' : worse})`,
+        ` (${e.equally_good ? `${worse}, explains the data equally well` : worse})`,
         html('div', { class: 'track', 'aria-hidden': 'true' }, bar),
-        html('span', { class: 'note' }, [values(e), e.wrong[0] ?? ''].filter(Boolean).join(' — ')),
+        html('span', { class: 'note' }, [values(e), e.contradictions[0] ?? ''].filter(Boolean).join(' — ')),
       );
     }),
   );
 }
 
-/** Frequency or drop over stiffness, with today's value and the one that is needed. */
+/** Frequency or drop as a function of stiffness, with the nominal and the required value. */
 function curve(remedy: Remedy): SVGSVGElement {
   const width = 720;
   const height = 300;
   const [left, right, top, bottom] = [64, 16, 16, 46];
   const drop = remedy.goal.drop !== undefined;
   const y = (p: { drop: number; frequency_hz: number }) => (drop ? 100 * p.drop : p.frequency_hz);
-  // from the stiff end down to where the legs fold
+  // from the stiff end to buckling
   let first = remedy.curve.length;
   while (first > 0 && (remedy.curve[first - 1]?.frequency_hz ?? 0) > 0) --first;
   const points = remedy.curve.slice(first);
@@ -144,11 +144,11 @@ function curve(remedy: Remedy): SVGSVGElement {
   const path = points
     .map((p, k) => `${k === 0 ? 'M' : 'L'}${px(p.stiffness_N_m).toFixed(2)} ${py(y(p)).toFixed(2)}`)
     .join('');
-  const label = `${remedy.goal.words}: today ${plain(remedy.today.stiffness_N_m)} N/m, needed ${plain(remedy.needed.stiffness_N_m)} N/m`;
+  const label = `${remedy.goal.words}: nominal ${plain(remedy.nominal.stiffness_N_m)} N/m, required ${plain(remedy.required.stiffness_N_m)} N/m`;
   const picture = svg('svg', {
     viewBox: `0 0 ${width} ${height}`,
     role: 'img',
-    'aria-label': `${drop ? 'Largest drop' : 'Lowest resonance'} over the stiffness of the guide sleeves; ${label}`,
+    'aria-label': `${drop ? 'Largest drop' : 'Lowest resonance'} as a function of the stiffness of the guide sleeves; ${label}`,
     class: 'stiffness',
   });
   for (let decade = Math.ceil(x0); decade <= x1; ++decade)
@@ -167,11 +167,11 @@ function curve(remedy: Remedy): SVGSVGElement {
     svg('line', { x1: left, x2: width - right, y1: py(goal), y2: py(goal), class: 'wanted' }),
     svg('path', { d: path, class: 'line' }),
     svg('circle', {
-      cx: px(remedy.today.stiffness_N_m),
-      cy: py(y(remedy.today)),
+      cx: px(remedy.nominal.stiffness_N_m),
+      cy: py(y(remedy.nominal)),
       r: 6,
-      class: 'today',
-      'data-mark': 'today',
+      class: 'nominal',
+      'data-mark': 'nominal',
     }),
     svg('text', { x: (left + width - right) / 2, y: height - 8, 'text-anchor': 'middle' }, 'stiffness of the guide sleeves, N/m'),
     svg(
@@ -183,11 +183,11 @@ function curve(remedy: Remedy): SVGSVGElement {
   if (remedy.status === 'found')
     picture.append(
       svg('circle', {
-        cx: px(remedy.needed.stiffness_N_m),
-        cy: py(y(remedy.needed)),
+        cx: px(remedy.required.stiffness_N_m),
+        cy: py(y(remedy.required)),
         r: 5,
-        class: 'needed',
-        'data-mark': 'needed',
+        class: 'required',
+        'data-mark': 'required',
       }),
     );
   return picture;
@@ -198,16 +198,16 @@ function render(state: State, host: HTMLElement): void {
   host.append(html('ul', { class: 'findings' }, ...found.summary.map((s) => html('li', {}, s))));
   if (found.measured_modes && found.measured_modes.length > 0)
     host.append(measuredTable(state, found));
-  if (found.explanations && found.explanations.length > 1)
-    host.append(html('h3', {}, 'Explanations'), ranking(found));
+  if (found.hypotheses && found.hypotheses.length > 1)
+    host.append(html('h3', {}, 'Hypotheses'), ranking(found));
   if (found.remedy)
     host.append(
-      html('h3', {}, `How stiff the guide sleeves must be for ${found.remedy.goal.words}`),
+      html('h3', {}, `Required stiffness of the guide sleeves for ${found.remedy.goal.words}`),
       html('figure', {}, curve(found.remedy)),
       html(
         'p',
         { class: 'note' },
-        'Open circle: today. Filled: needed. Dashed: wanted. Softer than where the curve begins the legs fold.',
+        'Open circle: nominal. Filled: required. Dashed: goal. The legs buckle below the first stiffness of the curve.',
       ),
     );
 }

@@ -1,4 +1,4 @@
-// Top of the page: what the machine is, the answer in words, and four numbers.
+// Top of the page: the machine, the result in words, and four numbers.
 
 import type { Answer, PoseReport, Report } from '../document';
 import { button, html } from '../dom';
@@ -10,8 +10,8 @@ import type { Section } from './section';
 
 const modelNames = {
   rigid: 'rigid legs, 6 modes',
-  guide: 'guide sleeves give way, 18 modes',
-  full: 'guide sleeves and piston rings give way, 30 modes',
+  guide: 'compliant guide sleeves, 18 modes',
+  full: 'compliant guide sleeves and piston rings, 30 modes',
 };
 
 export function header(state: State, sections: Section[], page: HTMLElement): void {
@@ -37,7 +37,7 @@ export function header(state: State, sections: Section[], page: HTMLElement): vo
   const host = html('section', {
     class: 'answer',
     id: 'answer',
-    'aria-label': 'Answer',
+    'aria-label': 'Result',
     'aria-live': 'polite',
   });
   page.append(host);
@@ -46,7 +46,7 @@ export function header(state: State, sections: Section[], page: HTMLElement): vo
   show();
 }
 
-/** What the machine is, and how it was computed. */
+/** The machine and the assumptions of the calculation. */
 function subtitles(report: Report): string[] {
   const { machine, assumptions } = report;
   const pose = report.poses[0];
@@ -124,7 +124,7 @@ function number(
   );
 }
 
-/** What stands between backticks is code. */
+/** Text between backticks is code. */
 const withCode = (text: string): Node[] =>
   text
     .split('`')
@@ -132,7 +132,7 @@ const withCode = (text: string): Node[] =>
 
 function answer(pose: PoseReport): Node[] {
   const result = pose.answer;
-  if (!result) return [html('p', { class: 'words' }, 'The platform feels no mode of this model.')];
+  if (!result) return [html('p', { class: 'words' }, 'All modes of this model are local seal modes.')];
   const nodes: Node[] = [html('p', { class: 'words' }, ...withCode(result.text))];
   if (result.stable) nodes.push(html('dl', { class: 'numbers' }, ...numbers(result)));
   return nodes;
@@ -147,7 +147,7 @@ function numbers(result: Answer): HTMLElement[] {
     );
   items.push(
     number(
-      'Lowest real frequency',
+      'With flexible legs',
       hertz(result.frequency_hz),
       'Hz',
       `mode ${result.mode}, ${result.directions}`,
@@ -160,7 +160,7 @@ function numbers(result: Answer): HTMLElement[] {
         drop >= 0 ? 'Drop' : 'Rise',
         fixed(Math.abs(drop), Math.abs(drop) < 10 ? 2 : 1),
         '%',
-        signedPercent(-drop) + ' against rigid legs',
+        signedPercent(-drop) + ' relative to rigid legs',
         'drop',
       ),
     );
@@ -170,7 +170,7 @@ function numbers(result: Answer): HTMLElement[] {
     html(
       'div',
       { class: 'number energy' },
-      html('dt', {}, 'Where its energy sits'),
+      html('dt', {}, 'Strain energy of this mode'),
       html(
         'dd',
         {},

@@ -1,4 +1,4 @@
-// Measured modes: a live stabilisation chart, the fit of the poles that are switched on, and the
+// Measured modes: an interactive stabilisation chart, the fit of the selected poles, and the
 // comparison with the model.
 
 import { agreements, Chart, markPath } from '../identification/chart';
@@ -88,7 +88,7 @@ class IdentificationSection {
       html('div', { class: 'controls' }, html('div', { class: 'row' }, output.element, input.element)),
       this.plots.element,
       html('p', { class: 'note' }, this.fitNote()),
-      ...(data.modes.length > 0 ? [html('h3', {}, 'Likeness of shapes'), this.macHost] : []),
+      ...(data.modes.length > 0 ? [html('h3', {}, 'MAC of the shapes'), this.macHost] : []),
       ...(data.comparison ? [comparisonTable(data, data.comparison)] : []),
     ];
   }
@@ -96,17 +96,17 @@ class IdentificationSection {
   private fitNote(): string {
     const shift = this.data.responses.shift_per_s;
     const window = this.data.taper
-      ? ', seen through the window of the measurement'
+      ? ', including the effect of the measurement window'
       : shift > 0
-        ? `; both at s = a + iω with a = ${shift.toPrecision(2)} 1/s, where resonances are that much wider`
+        ? `; both at s = a + iω with a = ${shift.toPrecision(2)} 1/s, which widens the resonances`
         : '';
     return (
       `Solid: measured, with its 95 % band where errors are known; dashed: fit of the poles that are ` +
-      `switched on${window}. Drag across a diagram to zoom, double-click to see all again.`
+      `switched on${window}. Drag across a diagram to zoom, double-click for the whole range.`
     );
   }
 
-  /** Adding a pole without pointing at it. */
+  /** Adding a pole by order and frequency. */
   private byHand(): HTMLElement {
     const order = html(
       'select',
@@ -139,10 +139,10 @@ class IdentificationSection {
         { class: 'row' },
         html('label', { for: order.id }, 'Pole of order'),
         order,
-        html('label', { for: frequency.id }, 'next to Hz'),
+        html('label', { for: frequency.id }, 'closest to Hz'),
         frequency,
         button('Switch', toggle, { 'data-control': 'hand-switch' }),
-        button('As found', () => this.choice.reset(), { 'data-control': 'as-found' }),
+        button('Reset', () => this.choice.reset(), { 'data-control': 'as-found' }),
       ),
     );
   }
@@ -164,7 +164,7 @@ class IdentificationSection {
   private errorText(): string {
     const count = this.choice.active.length;
     const poles = count === 1 ? '1 pole' : `${count} poles`;
-    return `${poles} switched on give the responses back to ${fixed(100 * this.fit.error, 2)} %.`;
+    return `${poles} switched on: error of the synthesised responses ${fixed(100 * this.fit.error, 2)} %.`;
   }
 
   private drawKeys(): void {

@@ -1,4 +1,4 @@
-// The mechanism in 3D, moving in the chosen mode, with its rigid counterpart beside it.
+// The mechanism in 3D, moving in the chosen mode, and its rigid counterpart.
 
 import type { Mode, PoseReport } from '../document';
 import { repeated } from '../document';
@@ -22,7 +22,7 @@ function makeView(onChange: () => void): { view: View; note: string } {
   try {
     return { view: new WebglView(onChange), note: '' };
   } catch {
-    const note = 'This browser offers no WebGL, so the machine is drawn flat.';
+    const note = 'This browser has no WebGL. The drawing is flat.';
     return { view: new SvgView(), note };
   }
 }
@@ -100,7 +100,7 @@ function viewportHeads(pose: PoseReport, mode: Mode): HTMLElement[] {
   const rigid =
     counterpart && mode.rigid && mode.rigid.mac >= comparable
       ? title('rigid', 'Rigid legs', numberAndFrequency(counterpart))
-      : title('rigid', 'Rigid legs', 'at rest: no such mode');
+      : title('rigid', 'Rigid legs', 'at rest: no similar mode');
   return [flexible, rigid];
 }
 
@@ -110,20 +110,20 @@ function captionOf(pose: PoseReport, mode: Mode): string {
   if (group.length > 0) {
     const others = group.map((other) => other.number).join(', ');
     parts.push(
-      `Repeats with mode${group.length > 1 ? 's' : ''} ${others}: the same frequency, and any mix of them is a mode; ` +
-        'shown is the mix that moves along the axes.',
+      `Repeats with mode${group.length > 1 ? 's' : ''} ${others}: equal frequency. Any combination of them is a mode. ` +
+        'The combinations along the axes are shown.',
     );
   }
   if (mode.shape_imaginary)
-    parts.push('Complex mode: its parts do not turn back at the same time.');
+    parts.push('Complex mode: its components are out of phase.');
   if (!mode.stable) parts.push('Unstable: the legs buckle.');
   if (mode.rigid && mode.stable)
     parts.push(
       mode.rigid.mac >= comparable
-        ? `Against rigid legs ${signedPercent(mode.rigid.shift_percent)} (MAC ${fixed(mode.rigid.mac, 2)}).`
-        : `No rigid mode is like it (MAC at most ${fixed(mode.rigid.mac, 2)}).`,
+        ? `${signedPercent(mode.rigid.shift_percent)} relative to rigid legs (MAC ${fixed(mode.rigid.mac, 2)}).`
+        : `No similar mode with rigid legs (MAC at most ${fixed(mode.rigid.mac, 2)}).`,
     );
-  else if (pose.model !== 'rigid' && !mode.rigid) parts.push('A rigid machine has no such mode.');
+  else if (pose.model !== 'rigid' && !mode.rigid) parts.push('A machine with rigid legs does not have this mode.');
   return parts.join(' ');
 }
 
@@ -164,10 +164,10 @@ function controls(player: Player, view: View, state: State): HTMLElement {
     { class: 'group', role: 'group', 'aria-label': 'View' },
     button('←', turn(-angle, 0, 1), { 'aria-label': 'Turn left' }),
     button('→', turn(angle, 0, 1), { 'aria-label': 'Turn right' }),
-    button('↑', turn(0, angle, 1), { 'aria-label': 'Look from higher up' }),
-    button('↓', turn(0, -angle, 1), { 'aria-label': 'Look from lower down' }),
-    button('+', turn(0, 0, 1.2), { 'aria-label': 'Closer' }),
-    button('−', turn(0, 0, 1 / 1.2), { 'aria-label': 'Farther' }),
+    button('↑', turn(0, angle, 1), { 'aria-label': 'View from higher up' }),
+    button('↓', turn(0, -angle, 1), { 'aria-label': 'View from lower down' }),
+    button('+', turn(0, 0, 1.2), { 'aria-label': 'Zoom in' }),
+    button('−', turn(0, 0, 1 / 1.2), { 'aria-label': 'Zoom out' }),
   );
   const sliders = motionSliders(player);
   const reset = button(
@@ -219,14 +219,14 @@ function motionSliders(player: Player) {
       'speed',
     ),
     slider(
-      'Knee',
-      { min: 1, max: 10, step: 0.5, value: player.knee },
+      'Rod tilt',
+      { min: 1, max: 10, step: 0.5, value: player.tilt },
       (value) => (value === 1 ? 'to scale' : `× ${fixed(value, 1)}`),
       (value) => {
-        player.knee = value;
+        player.tilt = value;
         player.reshape();
       },
-      'knee',
+      'tilt',
     ),
   ];
   for (const { input } of made) input.defaultValue = input.value;
@@ -236,7 +236,7 @@ function motionSliders(player: Player) {
 function legendOfParts(pose: PoseReport): HTMLElement {
   const drawn = pose.geometry.legs.every((leg) => leg.bore_m !== undefined)
     ? 'All lengths and diameters to scale.'
-    : 'All lengths to scale; the machine file gives no diameters, those drawn are usual ones.';
+    : 'All lengths to scale. The machine file states no diameters; usual diameters are drawn.';
   const item = (kind: string, text: string) =>
     html('li', {}, html('i', { class: `swatch swatch-${kind}` }), text);
   return html(
@@ -255,7 +255,7 @@ function legendOfParts(pose: PoseReport): HTMLElement {
     html(
       'p',
       { class: 'note' },
-      `${drawn} Motion is exaggerated by the amplitude; click the picture to zoom with the wheel.`,
+      `${drawn} The motion is magnified by the amplitude. After a click into the picture, the wheel zooms.`,
     ),
   );
 }

@@ -1,5 +1,4 @@
-// The mode table: sortable, with bars, seal modes that the platform cannot feel folded behind one
-// row.
+// The mode table: sortable, with bars; local seal modes are collapsed into one row.
 
 import { energyParts, legend, motionParts, stackedBar } from '../bars';
 import type { Mode, PoseReport } from '../document';
@@ -56,8 +55,8 @@ const columns: Column[] = [
   },
   {
     id: 'motion',
-    title: 'What moves',
-    long: 'What moves: shares of the kinetic energy',
+    title: 'Motion',
+    long: 'Motion: shares of the kinetic energy',
     key: legsShare,
     cell: (mode) => [
       html('span', { class: 'mode-label' }, mode.label),
@@ -67,8 +66,8 @@ const columns: Column[] = [
   },
   {
     id: 'energy',
-    title: 'Where the energy is',
-    long: 'Where the energy is: shares of the elastic energy',
+    title: 'Compliance',
+    long: 'Compliance: shares of the elastic energy',
     key: (mode) => mode.strain_energy.oil,
     cell: (mode) => [stackedBar(energyParts(mode.strain_energy))],
     numeric: false,
@@ -85,7 +84,7 @@ const columns: Column[] = [
   {
     id: 'shift',
     title: 'Shift',
-    long: 'Shift of the frequency against the rigid counterpart',
+    long: 'Shift of the frequency relative to the rigid counterpart',
     key: (mode) => mode.rigid?.shift_percent ?? Number.POSITIVE_INFINITY,
     cell: (mode) => [mode.rigid ? signedPercent(mode.rigid.shift_percent) : ''],
     numeric: true,
@@ -94,7 +93,7 @@ const columns: Column[] = [
   {
     id: 'mac',
     title: 'MAC',
-    long: 'MAC: share of the rigid counterpart found in this mode (modal assurance criterion)',
+    long: 'MAC: share of the rigid counterpart in this mode (modal assurance criterion)',
     key: (mode) => mode.rigid?.mac ?? -1,
     cell: (mode) => [mode.rigid ? fixed(mode.rigid.mac, 2) : ''],
     numeric: true,
@@ -116,7 +115,7 @@ class ModeTable {
     const caption = html(
       'caption',
       { class: 'unseen' },
-      'Modes: choose one by its number to see it move; column heads sort.',
+      'Modes: the number of a mode shows its motion; column heads sort.',
     );
     const table = html('table', { class: 'modes' }, caption, this.head, this.body);
     host.append(
@@ -227,9 +226,9 @@ class ModeTable {
     const [low, high] = [Math.min(...frequencies), Math.max(...frequencies)];
     const band =
       high - low < 5e-4 ? `at ${hertz(low)} Hz` : `from ${hertz(low)} to ${hertz(high)} Hz`;
-    const many = hidden.length === 1 ? '1 mode' : `${hidden.length} modes`;
+    const many = hidden.length === 1 ? '1 local seal mode' : `${hidden.length} local seal modes`;
     const control = button(
-      `${this.open ? '▾' : '▸'} ${many} that the platform cannot feel, ${band}`,
+      `${this.open ? '▾' : '▸'} ${many} (platform energy < 0.01 %), ${band}`,
       () => {
         this.open = !this.open;
         this.show();
@@ -271,7 +270,7 @@ function render(state: State, host: HTMLElement): void {
     html(
       'p',
       { class: 'note' },
-      '= marks modes of one frequency: any mix of them is a mode. Shift and MAC compare with the rigid mode that is most like it.',
+      '= marks modes of equal frequency: any combination of them is a mode. Shift and MAC compare with the most similar mode with rigid legs.',
     ),
   );
 }

@@ -1,4 +1,4 @@
-// Static pictures of the chosen modes: on paper they take the place of the animation.
+// Static pictures of the chosen modes, for paper.
 
 import { energyParts, inWords, motionParts } from '../bars';
 import type { Mode, PoseReport } from '../document';
@@ -33,7 +33,7 @@ export function picture(pose: PoseReport, mode: Mode): HTMLElement {
   });
   const shift =
     mode.rigid && mode.rigid.mac >= 0.1
-      ? `, ${signedPercent(mode.rigid.shift_percent)} against rigid`
+      ? `, ${signedPercent(mode.rigid.shift_percent)} relative to rigid legs`
       : '';
   return html(
     'figure',
@@ -46,7 +46,7 @@ export function picture(pose: PoseReport, mode: Mode): HTMLElement {
       html('br'),
       mode.label,
       html('br'),
-      `moves ${inWords(motionParts(mode))}; energy in ${inWords(energyParts(mode.strain_energy))}`,
+      `motion: ${inWords(motionParts(mode))}; strain energy: ${inWords(energyParts(mode.strain_energy))}`,
     ),
   );
 }

@@ -1,5 +1,5 @@
-// The sections of the page, in their order. A section appears when the document holds what it
-// shows, so that a later kind of result needs one more line here and nothing else.
+// The sections of the page, in their order. A section is shown where the document contains its
+// data. A new kind of result needs one more line here.
 
 import { html } from '../dom';
 import type { State } from '../state';
@@ -25,7 +25,7 @@ export const sections: Section[] = [
   about,
 ];
 
-/** A section can be drawn late where it is far down: the page is usable before. */
+/** Renders the sections whose data the document contains. */
 export function renderSections(state: State, page: HTMLElement): void {
   const shown = sections.filter((section) => section.applies(state.report));
   header(state, shown, page);

@@ -9,6 +9,6 @@ export interface Section {
   /** Shown on paper only. */
   printed?: boolean;
   applies(report: Report): boolean;
-  /** Fills `host` once; follows the reader's choices by listening to `state`. */
+  /** Fills `host` once; listens to `state` for later choices. */
   render(state: State, host: HTMLElement): void;
 }

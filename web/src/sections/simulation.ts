@@ -147,7 +147,7 @@ function makeView(onChange: () => void): View {
   }
 }
 
-/** A tick's value as people write it, small ones included. */
+/** The value of a tick, small ones included. */
 const plain = (value: number): string => String(Number(value.toPrecision(3))).replace('-', '−');
 
 function plotOf(diagram: Diagram, times: number[], width: number): uPlot {
@@ -239,7 +239,7 @@ function render(state: State, host: HTMLElement): void {
   const run = state.report.simulation as Simulation;
   let player: Run | null = null;
   const view = makeView(() => player?.refresh());
-  view.element.setAttribute('aria-label', 'The machine along the simulated run');
+  view.element.setAttribute('aria-label', 'The machine in the simulated run');
   player = new Run(view, run);
   player.exaggeration = visibleExaggeration(run);
   const now = player;
@@ -288,8 +288,8 @@ function render(state: State, host: HTMLElement): void {
     html(
       'p',
       { class: 'note' },
-      'Motion is counted from the pose at which the run began. Drag across a diagram to zoom, double-click to ' +
-        'see all again, click to see the machine at that moment. Legs are drawn straight.',
+      'Motion is relative to the initial pose. Drag across a diagram to zoom, double-click for the whole range, ' +
+        'click to show the machine at this time. Legs are drawn straight.',
     ),
   );
   state.listen((change) => {

@@ -9,7 +9,7 @@
 
 namespace hydrapod::identification {
 
-struct SecondOpinion {
+struct CrossCheck {
   double omega{}, damping_ratio{};  ///< mean over the model orders that know it
   double mac{};                     ///< of its shape with what realised modes within 2 % span
   /// Within 1 % in frequency, 20 % (and 0.002) in damping and 80 % in MAC: SelectionOptions.
@@ -19,7 +19,7 @@ struct SecondOpinion {
 /// Per mode of `found` what the realisation has near it (3 % in frequency), each of its modes once.
 /// `responses`: all lines that were measured, of which those up to the band's end are used. Throws
 /// base::ComputationError where there is no impulse response: frequencies that are not even.
-std::vector<std::optional<SecondOpinion>> second_opinion(const Identification& found,
+std::vector<std::optional<CrossCheck>> cross_check(const Identification& found,
                                                          const FrequencyResponses& responses);
 
 }  // namespace hydrapod::identification

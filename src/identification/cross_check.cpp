@@ -1,4 +1,4 @@
-#include "hydrapod/identification/second_opinion.hpp"
+#include "hydrapod/identification/cross_check.hpp"
 
 #include <Eigen/QR>
 #include <algorithm>
@@ -54,7 +54,7 @@ struct Candidate {
 
 }  // namespace
 
-std::vector<std::optional<SecondOpinion>> second_opinion(const Identification& found,
+std::vector<std::optional<CrossCheck>> cross_check(const Identification& found,
                                                          const FrequencyResponses& responses) {
   const auto others = realised(within(responses, 0.0, found.to));
   std::vector<Candidate> candidates;
@@ -67,23 +67,23 @@ std::vector<std::optional<SecondOpinion>> second_opinion(const Identification& f
             {apart + shape_weight * (1.0 - mac(fit.shape, others[q].shape)), r, q});
     }
   std::ranges::stable_sort(candidates, {}, &Candidate::cost);
-  std::vector<std::optional<SecondOpinion>> opinions(found.modes.size());
+  std::vector<std::optional<CrossCheck>> cross_checks(found.modes.size());
   std::vector<bool> taken(others.size(), false);
   const SelectionOptions limits;
   for (const auto& [cost, r, q] : candidates) {
-    if (opinions[r] || taken[q]) continue;
+    if (cross_checks[r] || taken[q]) continue;
     taken[q] = true;
     const auto& fit = found.modes[r].fit;
-    SecondOpinion opinion{.omega = std::abs(others[q].pole),
+    CrossCheck cross_check{.omega = std::abs(others[q].pole),
                           .damping_ratio = -others[q].pole.real() / std::abs(others[q].pole),
                           .mac = likeness(fit.shape, others[q].pole, others, limits.neighbourhood)};
-    opinion.agrees = opinion.mac >= limits.vector &&
-                     std::abs(opinion.omega / fit.omega() - 1.0) <= limits.frequency &&
-                     std::abs(opinion.damping_ratio - fit.damping_ratio()) <=
+    cross_check.agrees = cross_check.mac >= limits.vector &&
+                     std::abs(cross_check.omega / fit.omega() - 1.0) <= limits.frequency &&
+                     std::abs(cross_check.damping_ratio - fit.damping_ratio()) <=
                          limits.damping * fit.damping_ratio() + limits.damping_floor;
-    opinions[r] = opinion;
+    cross_checks[r] = cross_check;
   }
-  return opinions;
+  return cross_checks;
 }
 
 }  // namespace hydrapod::identification
