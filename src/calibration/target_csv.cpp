@@ -30,7 +30,8 @@ struct Title {
   std::string unit{};
 };
 
-std::string trimmed(const std::string& text) {
+/// Without quotes and blanks around it.
+std::string unquoted(const std::string& text) {
   const auto first = text.find_first_not_of(" \t\r\"");
   if (first == std::string::npos) return {};
   return text.substr(first, text.find_last_not_of(" \t\r\"") - first + 1);
@@ -50,7 +51,7 @@ std::vector<Cell> cells_of(const std::string& line, char separator) {
   std::vector<Cell> cells;
   for (std::size_t begin = 0; begin <= line.size();) {
     const auto end = cell_end(line, begin, separator);
-    cells.push_back({trimmed(line.substr(begin, end - begin)), static_cast<unsigned>(begin) + 1});
+    cells.push_back({unquoted(line.substr(begin, end - begin)), static_cast<unsigned>(begin) + 1});
     begin = end + 1;
   }
   return cells;
@@ -60,7 +61,8 @@ std::vector<Cell> cells_of(const std::string& line, char separator) {
 Title title_of(const std::string& text) {
   const auto open = text.find('[');
   if (open == std::string::npos) return {text, ""};
-  return {trimmed(text.substr(0, open)), trimmed(text.substr(open + 1, text.find(']') - open - 1))};
+  return {unquoted(text.substr(0, open)),
+          unquoted(text.substr(open + 1, text.find(']') - open - 1))};
 }
 
 class CsvReader {
@@ -79,7 +81,7 @@ class CsvReader {
     std::string line;
     while (std::getline(lines, line)) {
       ++line_;
-      if (trimmed(line).empty() || trimmed(line)[0] == '#') continue;
+      if (unquoted(line).empty() || unquoted(line)[0] == '#') continue;
       if (titles_.empty()) {
         read_titles(line);
       } else {
