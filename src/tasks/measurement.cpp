@@ -190,7 +190,7 @@ void add_bootstrap(const IdentifyOptions& options, const Progress& progress, Ide
   if (found.modes.modes.empty()) return;
   auto& measured = found.measured;
   if (!measured.records)
-    bad("--bootstrap", fmt::format("draws from the blocks of a record; {} is none",
+    bad("--bootstrap", fmt::format("resamples the blocks of a record; {} is not one",
                                    options.measure.files.front()));
   constexpr int groups = 24;
   const auto grouped = identification::measure_groups(

@@ -32,10 +32,24 @@ constexpr Term terms[] = {
     {"what (moves|gives)\\b", "motion, compliance"},
 };
 
-/// `text` without what Markdown marks as code.
+/// `text` without what Markdown marks as code: blocks between lines of ``` and spans between `.
 std::string without_code(const std::string& text) {
-  static const std::regex block("```[^]*?```"), span("`[^`]*`");
-  return std::regex_replace(std::regex_replace(text, block, ""), span, "");
+  std::string found;
+  std::istringstream lines(text);
+  bool block = false, span = false;
+  for (std::string line; std::getline(lines, line);) {
+    if (line.starts_with("```")) {
+      block = !block;
+      continue;
+    }
+    if (block) continue;
+    for (const char c : line) {
+      if (c == '`') span = !span;
+      if (!span && c != '`') found += c;
+    }
+    found += '\n';
+  }
+  return found;
 }
 
 /// The string literals of C++, one a line.

@@ -18,12 +18,13 @@ namespace {
 using report::Json;
 
 /// Every producer once, on a record of the heavy platform.
-class Exchange : public testing::Test {
- protected:
-  static void SetUpTestSuite() {
+struct Exchange {
+  static void make() {
     folder = std::make_unique<TemporaryFolder>();
     machine = tasks::read_machine({.file = source_file("models/heavy-platform.toml").string()});
-    tasks::rig(machine, {.test = {.duration = 20.0}, .record = path("run.h5")});
+    const signals::Signal white{.size = spatial::Vector6::Constant(2e-4), .form = signals::White{}};
+    tasks::rig(machine, {.test = {.signals = {white}, .duration = 100.0, .seed = 31},
+                         .record = path("run.h5")});
     tasks::simulate(machine, {.until = 0.02, .record = path("simulated.h5")});
     found = tasks::identify({.measure = {.files = {path("run.h5")}}, .cross_check = true});
     ASSERT_FALSE(found.modes.modes.empty());
@@ -42,7 +43,6 @@ class Exchange : public testing::Test {
     base::write_file_whole(path("calibrated.toml"),
                            calibration::calibrated_text(machine.file, calibrated.result.best()));
   }
-  static void TearDownTestSuite() { folder.reset(); }
 
   static void write_measurement() {
     const auto& responses = found.measured.responses();
@@ -70,6 +70,14 @@ class Exchange : public testing::Test {
 
   static std::string path(const std::string& name) { return *folder / name; }
 
+  static void every_reader_takes_what_it_can_use();
+  static void files_of_one_measurement_give_the_same_targets();
+  static void calibration_to_its_own_modes_changes_nothing();
+  static void round_trip_of_a_calibration();
+  static void round_trip_of_responses();
+  static void round_trip_of_identified_modes();
+  static void round_trip_of_a_simulation();
+
   static inline std::unique_ptr<TemporaryFolder> folder;
   static inline tasks::Machine machine;
   static inline tasks::Identified found;
@@ -89,7 +97,7 @@ std::string outcome(const Use& use) {
   return "read";
 }
 
-TEST_F(Exchange, EveryReaderTakesWhatItCanUse) {
+void Exchange::every_reader_takes_what_it_can_use() {
   struct Row {
     const char* file;
     const char* responses;  ///< of identify, frf, report --measured; a part of the outcome
@@ -128,7 +136,7 @@ TEST_F(Exchange, EveryReaderTakesWhatItCanUse) {
 }
 
 /// The way does not matter: a record, its responses and its modes give the same targets.
-TEST_F(Exchange, FilesOfOneMeasurementGiveTheSameTargets) {
+void Exchange::files_of_one_measurement_give_the_same_targets() {
   const auto of = [&](const char* file) {
     return tasks::read_measured(machine, {.files = {path(file)}}).targets;
   };
@@ -148,20 +156,20 @@ TEST_F(Exchange, FilesOfOneMeasurementGiveTheSameTargets) {
   }
 }
 
-TEST_F(Exchange, CalibrationToItsOwnModesChangesNothing) {
+void Exchange::calibration_to_its_own_modes_changes_nothing() {
   const auto& best = calibrated.result.best();
   EXPECT_NEAR(best.parameters.at(0).value, best.parameters.at(0).start,
               1e-3 * best.parameters.at(0).start);
 }
 
-TEST_F(Exchange, RoundTripOfACalibration) {
+void Exchange::round_trip_of_a_calibration() {
   expect_round_trip(report::calibration_json(calibrated.result, calibrated.targets),
                     report::calibration_from_json, [](const report::ReadCalibration& read) {
                       return report::calibration_json(read.result, read.targets);
                     });
 }
 
-TEST_F(Exchange, RoundTripOfResponses) {
+void Exchange::round_trip_of_responses() {
   auto responses = found.measured.responses();
   // what tells how good the measurement is follows from the record alone
   responses.coherence.clear();
@@ -172,7 +180,7 @@ TEST_F(Exchange, RoundTripOfResponses) {
 }
 
 /// Of what is read: modes, heavily damped poles, channels.
-TEST_F(Exchange, RoundTripOfIdentifiedModes) {
+void Exchange::round_trip_of_identified_modes() {
   const auto expected = report::identification_json(found.modes);
   const auto read = report::identification_from_json(Json::parse(expected.dump()), "modes.json");
   ASSERT_EQ(read.modes.size(), found.modes.modes.size());
@@ -189,10 +197,24 @@ TEST_F(Exchange, RoundTripOfIdentifiedModes) {
   EXPECT_EQ(read.heavily_damped.size(), found.modes.heavily_damped.size());
 }
 
-TEST_F(Exchange, RoundTripOfASimulation) {
+void Exchange::round_trip_of_a_simulation() {
   const auto run = tasks::simulate(machine, {.commands = {"step z=1 mm, at=0.01"}, .until = 0.1});
   expect_round_trip(report::simulation_json(run), report::simulation_from_json,
                     report::simulation_json);
+}
+
+/// One test, so that the record is made once.
+TEST(Exchange, WhatOneTaskWritesTheOthersRead) {
+  Exchange::make();
+  if (HasFatalFailure()) return;
+  Exchange::every_reader_takes_what_it_can_use();
+  Exchange::files_of_one_measurement_give_the_same_targets();
+  Exchange::calibration_to_its_own_modes_changes_nothing();
+  Exchange::round_trip_of_a_calibration();
+  Exchange::round_trip_of_responses();
+  Exchange::round_trip_of_identified_modes();
+  Exchange::round_trip_of_a_simulation();
+  Exchange::folder.reset();
 }
 
 }  // namespace
