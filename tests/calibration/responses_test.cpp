@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <Eigen/Cholesky>
 #include <Eigen/LU>
 
 #include "hydrapod/base/error.hpp"
@@ -125,17 +126,19 @@ Targets targets_of(const model::MachineFile& file, const Experiment& experiment 
 Eigen::VectorXcd rest_of(const Targets& targets, const model::Machine& stated,
                          const model::Machine& machine, const Experiment& experiment) {
   const auto& target = targets.responses[0];
+  // |root q|²: twice the kinetic energy of the platform when Q moves with q
   const auto& R = low(stated).X_BP.R_BP;
-  spatial::Vector6 root;
-  root << spatial::Vector3::Constant(stated.platform.mass),
-      (R * stated.platform.inertia * R.transpose()).diagonal();
-  root = root.cwiseSqrt().eval();
+  spatial::Matrix6 mass = spatial::Matrix6::Zero(), to_center = spatial::Matrix6::Identity();
+  mass.diagonal().head<3>().setConstant(stated.platform.mass);
+  mass.bottomRightCorner<3, 3>() = R * stated.platform.inertia * R.transpose();
+  to_center.topRightCorner<3, 3>() = -spatial::skew(R * (stated.platform.mass_center - p_PQ));
+  const spatial::Matrix6 root = (to_center.transpose() * mass * to_center).llt().matrixU();
   Eigen::VectorXcd all(0);
   for (std::size_t line = 0; line < target.s.size(); ++line) {
-    const Eigen::MatrixXcd H = root.cast<Complex>().asDiagonal() *
-                               by_elimination(machine, target.s[line], experiment, target.inputs);
+    const Eigen::MatrixXcd H =
+        root.cast<Complex>() * by_elimination(machine, target.s[line], experiment, target.inputs);
     for (Eigen::Index i = 0; i < H.cols(); ++i) {
-      const Eigen::VectorXcd measured = root.cast<Complex>().asDiagonal() * target.H[line].col(i);
+      const Eigen::VectorXcd measured = root.cast<Complex>() * target.H[line].col(i);
       const Eigen::VectorXcd v = H.col(i).normalized(), u = measured.normalized();
       const Eigen::MatrixXcd projector = Eigen::MatrixXcd::Identity(6, 6) - v * v.adjoint();
       // for forces the nearest vector of the calculated size along v
