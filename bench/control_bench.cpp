@@ -29,9 +29,9 @@ struct Samples {
     std::normal_distribution<double> noise;
     signals::Signal sine{.form = signals::Sine{2.0}, .fade = 0.0};
     sine.size << 0.01, 0.01, 0.01, 0.017, 0.017, 0.017;
-    signals::Generator generator({sine}, 1e3);
+    signals::Generator motion({sine}, 1e3);
     for (int k = 0; k < sample_count; ++k) {
-      commands.push_back(simulation::command_at(machine.neutral(), generator.next()));
+      commands.push_back(simulation::command_at(machine.neutral(), motion.next()));
       control::Measurement sample;
       sample.length = kinematics::leg_lengths(machine, commands.back().X_BP);
       for (int i = 0; i < 6; ++i) {
