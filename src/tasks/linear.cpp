@@ -141,7 +141,8 @@ report::Bode bode(const Machine& machine, const report::BodeOptions& options) {
 }
 
 SystemResponse command_response(const Machine& machine, const CommandResponseOptions& options) {
-  SystemResponse result{.system = system(machine)};
+  SystemResponse result;
+  result.system = system(machine);
   const double lowest = result.system.tuning.lowest_oil_mode;
   const double from =
       options.from.value_or(std::min(0.01 * lowest, options.to.value_or(lowest) / 3.0));

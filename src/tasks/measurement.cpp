@@ -131,8 +131,9 @@ identification::MeasureOptions estimate_options(const MeasureOptions& options,
 
 /// The records opened, the machine that was measured found.
 Measured opened(const MeasureOptions& options) {
-  Measured measured{.records = data::RecordSet(options.files, {.sample_rate = options.sample_rate}),
-                    .from_accelerometers = options.accelerometers || !options.sensors.empty()};
+  Measured measured;
+  measured.records.emplace(options.files, data::ReadOptions{.sample_rate = options.sample_rate});
+  measured.from_accelerometers = options.accelerometers || !options.sensors.empty();
   measured.header = measured.records->header();
   measured.machine = measured_machine(options, measured.experiment());
   return measured;
@@ -353,7 +354,8 @@ observation::Targets read_one(const MeasuredFile& file, const Machine& machine,
       return calculated_targets(json, path, of);
     if (!json.contains("modes"))
       return identified_targets(responses_from(json, path), path, machine, at, progress, warnings);
-    Measured measured{.header = report::record_origin_from_json(json, path)};
+    Measured measured;
+    measured.header = report::record_origin_from_json(json, path);
     auto modes = report::identification_from_json(json, path);
     measured.measurement.responses.inputs = modes.responses.inputs;
     look_into(measured, at);
@@ -416,7 +418,8 @@ std::optional<observation::Observed> observed_in(const Measured& measured) {
 }
 
 Identified identify(const IdentifyOptions& options, const Progress& progress) {
-  Identified found{.measured = frf(options.measure, numerics::part_of(progress, 0.0, 0.4))};
+  Identified found;
+  found.measured = frf(options.measure, numerics::part_of(progress, 0.0, 0.4));
   const auto& file = options.measure.files.front();
   found.modes =
       identification::identify_modes(found.measured.responses(), options.modes, [&](double share) {

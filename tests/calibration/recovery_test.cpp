@@ -208,7 +208,7 @@ TEST(Recovery, APriorThatDecidesIsNamed) {
   EXPECT_NEAR(mass.value, 6.6, 0.01);
   EXPECT_NEAR(mass.deviation, 0.3, 0.003);
   EXPECT_THAT(report::calibration_remarks(result, targets),
-              Contains(HasSubstr("legs.case.mass: its prior decides, not the data")));
+              Contains(HasSubstr("legs.case.mass: determined by its prior, not by the data")));
 }
 
 TEST(Recovery, AProfileRisesAsTheLikelihoodSays) {

@@ -289,9 +289,10 @@ TEST(Bode, OfAnUnstableMachineWarns) {
   text = std::regex_replace(text, std::regex("mass = 894.0"), "mass = 4000.0");
   const auto result = run_hydrapod({"bode", "-"}, {.input = text});
   EXPECT_EQ(result.exit_code, 0);
-  EXPECT_EQ(result.err,
-            "warning: the machine is unstable at this pose: no steady vibration exists; the "
-            "response is that of the linear equations\n");
+  EXPECT_EQ(
+      result.err,
+      "warning: the machine is unstable at this pose, so that no steady vibration exists; the "
+      "response is that of its linear equations\n");
 }
 
 }  // namespace

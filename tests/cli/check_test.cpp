@@ -40,8 +40,8 @@ TEST(Check, JsonHasItsStableFields) {
   EXPECT_EQ(json["kind"], "check");
   EXPECT_EQ(json["poses"].size(), 4U);
   const Json& pose = json["poses"][0];
-  EXPECT_THAT(fields(pose),
-              ElementsAre("pose", "condition", "equilibrium", "legs", "buckling", "warnings"));
+  EXPECT_THAT(fields(pose), ElementsAre("pose", "condition", "characteristic_length_m",
+                                        "equilibrium", "legs", "buckling", "warnings", "findings"));
   EXPECT_EQ(pose["pose"]["name"], "neutral");
   EXPECT_EQ(pose["legs"].size(), 6U);
   EXPECT_THAT(fields(pose["legs"][0]),

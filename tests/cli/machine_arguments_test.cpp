@@ -41,17 +41,19 @@ TEST_P(MachineCommand, SaysWhatIsWrongWithItsArguments) {
       {{"--pose", "nutral"}, "--pose nutral: error: unknown pose; did you mean 'neutral'?\n"},
       {{"--pose", "upside"},
        "--pose upside: error: unknown pose; the file has neutral, low, surge, pitched\n"},
-      {{"--pose", "w=3"},
-       "--pose w=3: error: unknown key 'w'; accepted are x, y, z, rx, ry, rz\n"},
+      {{"--pose", "w=3"}, "--pose w=3: error: unknown key 'w'; accepted are x, y, z, rx, ry, rz\n"},
       {{"--pose", "z=5 deg"},
-       "--pose z=5 deg: error: z: \"5 deg\" has the unit \"deg\" (an angle), expected a length such "
+       "--pose z=5 deg: error: z: \"5 deg\" has the unit \"deg\" (an angle), expected a length "
+       "such "
        "as "
        "\"m\"\n"},
       {{"--pose", "ry=5 mm"},
-       "--pose ry=5 mm: error: ry: \"5 mm\" has the unit \"mm\" (a length), expected an angle such as "
+       "--pose ry=5 mm: error: ry: \"5 mm\" has the unit \"mm\" (a length), expected an angle such "
+       "as "
        "\"rad\"\n"},
       {{"--pose", "z=2 %"},
-       "--pose z=2 %: error: z: \"2 %\" has the unit \"%\" (a pure number), expected a length such as "
+       "--pose z=2 %: error: z: \"2 %\" has the unit \"%\" (a pure number), expected a length such "
+       "as "
        "\"m\"\n"},
       {{"--pose", "z=nan"}, "--pose z=nan: error: z: \"nan\" is not a finite number\n"},
       {{"--pose", "z=1 mm, z=2 mm"}, "--pose z=1 mm, z=2 mm: error: z is given twice\n"},

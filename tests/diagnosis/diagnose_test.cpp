@@ -263,7 +263,7 @@ TEST(Summary, NamesTheCauseWithItsNumber) {
   EXPECT_THAT(
       words.front(),
       HasSubstr("the stiffness of the guide sleeves of all legs differs from the nominal value"));
-  EXPECT_THAT(words.front(), HasSubstr("(stated 20 MN/m)"));
+  EXPECT_THAT(words.front(), HasSubstr("(nominal 20 MN/m)"));
   EXPECT_THAT(words, testing::Contains(HasSubstr("below the rigid-leg model")));
 }
 

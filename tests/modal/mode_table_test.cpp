@@ -51,7 +51,7 @@ TEST(Labels, OfTheHeavyMachineBlameTheKnees) {
   const auto machine = machine_of("heavy-platform.toml");
   const auto table = table_of(machine, ModelKind::guide);
   const auto& lowest = table.real.modes[0];
-  EXPECT_THAT(lowest.label, HasSubstr("knee"));
+  EXPECT_THAT(lowest.label, HasSubstr("guide sleeves"));
   ASSERT_TRUE(lowest.rigid);
   EXPECT_LT(lowest.rigid->shift, -0.25) << "a third, as in the case that is told";
   EXPECT_GT(lowest.rigid->shift, -0.45);

@@ -129,8 +129,8 @@ report::Json identified_json() {
     "outputs": [{"name": "x", "unit": "m", "direction": "x"},
                 {"name": "up", "unit": "m", "direction": "-z"},
                 {"name": "p", "unit": "Pa", "direction": ""}],
-    "modes": [{"frequency_hz": 4.1, "frequency_95_hz": 0.0196, "damping_ratio": 0.03,
-               "damping_95": 0.00196,
+    "modes": [{"frequency_hz": 4.1, "frequency_95_hz": 0.01959963984540054, "damping_ratio": 0.03,
+               "damping_95": 0.001959963984540054,
                "shape": {"re": [2, 0.2, 7], "im": [0, 0, 0]},
                "shape_deviation": [0.02, 0.01, 1],
                "displacement_shape": {"re": [1, 0.1, 3], "im": [0, 0, 0]}}]})");

@@ -49,7 +49,7 @@ TEST(Groups, AreWhatNoMeasurementSeparates) {
   using Pole = std::complex<double>;
   const std::vector<Pole> undamped{{0, 10.0}, {0, 10.04}, {0, 10.08}, {0, 10.2}};
   EXPECT_EQ(groups_of(undamped), (std::vector<std::vector<int>>{{0, 1, 2}, {3}}));
-  const std::vector<Pole> damped{{-1.0, 10.0}, {-0.9, 30.0}, {-1.1, 10.19}, {-0.1, 10.4}};
+  const std::vector<Pole> damped{{-1.0, 10.0}, {-0.9, 30.0}, {-1.1, 10.15}, {-0.1, 10.4}};
   EXPECT_EQ(groups_of(damped), (std::vector<std::vector<int>>{{0, 2}, {1}, {3}}));
   EXPECT_EQ(groups_of(damped, {.same_decay = 0.05}).size(), 4U);
 }

@@ -98,7 +98,8 @@ TEST_P(Tangents, ResponsesMoveAsDifferencesSay) {
         const auto at = [&](const Observation& seen) { return seen.response(s, entry, against); };
         const auto found = ((at(high) - at(low)) / (2.0 * tiny)).eval();
         const auto expected = ((at(above) - at(below)) / (2.0 * h)).eval();
-        const double rounding = 1e-7 * at(high).norm() / std::abs(value());  // of what hardly moves
+        // A, B and C come from differences of the plant that are good to some 1e-9; over h it shows
+        const double rounding = 2e-6 * at(high).norm() / std::abs(value());
         EXPECT_LT((found - expected).norm(), 3e-4 * expected.norm() + rounding) << omega;
       }
 }

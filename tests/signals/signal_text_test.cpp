@@ -144,7 +144,7 @@ TEST(SignalText, MistakesAreNamed) {
   EXPECT_EQ(command_complaint("sine z=1 mm, frequency=600"),
             "--command sine z=1 mm, frequency=600: error: sine: frequency is 600, expected more "
             "than 0 and less than 500 Hz, half the sample rate");
-  EXPECT_EQ(command_complaint("rest z=1"), "--command rest z=1: error: rest takes nothing more");
+  EXPECT_EQ(command_complaint("rest z=1"), "--command rest z=1: error: rest has no keys");
   EXPECT_EQ(command_complaint("file"),
             "--command file: error: names no file, expected \"file motion.csv\"");
   EXPECT_EQ(command_complaint("file /nowhere/motion.csv"),
@@ -183,7 +183,7 @@ TEST(TrajectoryFile, MistakesHaveTheirPlace) {
       "[mm]\"\nm.csv:1:1: error: no motion column, expected at least one of x, y, z, rx, ry, rz");
   EXPECT_EQ(file_complaint("time, heave [mm]\n0, 1\n"),
             "m.csv:1:7: error: unknown column 'heave'; known are time, x, y, z, rx, ry, rz");
-  EXPECT_EQ(file_complaint("time, x [mm], x\n0, 1, 2\n"), "m.csv:1:15: error: x is there twice");
+  EXPECT_EQ(file_complaint("time, x [mm], x\n0, 1, 2\n"), "m.csv:1:15: error: x is given twice");
   EXPECT_EQ(file_complaint("time, x [deg]\n0, 1\n"),
             "m.csv:1:10: error: unit of x: \"1 deg\" has the unit \"deg\" (an angle), expected a "
             "length such as \"m\"");
