@@ -193,7 +193,8 @@ TEST_F(Identify, BrokenResponsesAreRefusedWithTheField) {
   run = test::run_hydrapod({"identify", path});
   EXPECT_EQ(run.exit_code, 2);
   EXPECT_THAT(run.err, HasSubstr("is not JSON"));
-  test::write_text(path, R"({"inputs": [{"name": 3}], "outputs": [{"name": "y"}]})");
+  test::write_text(path, R"({"inputs": [{"name": 3}], "outputs": [{"name": "y"}],
+      "frequency_hz": [1, 2], "response": []})");
   run = test::run_hydrapod({"identify", path});
   EXPECT_EQ(run.exit_code, 2);
   EXPECT_THAT(run.err, HasSubstr("inputs[0].name: expected a text"));
