@@ -185,7 +185,8 @@ std::vector<TableCell> table_cells(std::string_view line, char separator) {
   std::vector<TableCell> cells;
   TableCells rest(line, separator);
   for (std::string_view cell; rest.next(cell);) {
-    TableCell& made = cells.emplace_back(std::string(cell), rest.column());
+    cells.push_back({std::string(cell), rest.column()});
+    TableCell& made = cells.back();
     for (auto at = made.text.find("\"\""); at != made.text.npos;
          at = made.text.find("\"\"", at + 1))
       made.text.erase(at, 1);

@@ -68,7 +68,8 @@ class TrajectoryReader {
         unknown(title);
         continue;
       }
-      auto& column = columns.emplace_back(static_cast<std::size_t>(at - column_names.begin()));
+      columns.push_back({.quantity = static_cast<std::size_t>(at - column_names.begin())});
+      auto& column = columns.back();
       if (std::exchange(seen[column.quantity], true))
         fault(title.column, fmt::format("{} is given twice", *at));
       if (title.unit.empty()) continue;
