@@ -6,7 +6,7 @@
 #include <random>
 
 #include "hydrapod/simulation/closed_loop.hpp"
-#include "hydrapod/simulation/tuning.hpp"
+#include "hydrapod/simulation/linear_system.hpp"
 #include "machines.hpp"
 
 namespace {

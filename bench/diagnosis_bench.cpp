@@ -12,7 +12,7 @@
 
 #include "hydrapod/diagnosis/diagnose.hpp"
 #include "hydrapod/identification/identify.hpp"
-#include "hydrapod/identification/measure.hpp"
+#include "hydrapod/identification/responses.hpp"
 #include "hydrapod/kinematics/check_machine.hpp"
 #include "hydrapod/observation/targets.hpp"
 #include "hydrapod/rig/rig.hpp"

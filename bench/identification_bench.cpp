@@ -7,10 +7,9 @@
 #include <complex>
 #include <random>
 
-#include "hydrapod/base/constants.hpp"
-#include "hydrapod/identification/poly_reference.hpp"
+#include "hydrapod/base/units.hpp"
+#include "hydrapod/identification/identify.hpp"
 #include "hydrapod/identification/responses.hpp"
-#include "hydrapod/identification/selection.hpp"
 #include "hydrapod/numerics/fft.hpp"
 
 namespace {

@@ -8,7 +8,7 @@
 #include <random>
 #include <unsupported/Eigen/NonLinearOptimization>
 
-#include "hydrapod/kinematics/forward.hpp"
+#include "hydrapod/kinematics/legs.hpp"
 #include "machines.hpp"
 
 namespace {

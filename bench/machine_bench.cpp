@@ -2,7 +2,6 @@
 
 #include <benchmark/benchmark.h>
 
-#include "hydrapod/dynamics/buckling.hpp"
 #include "hydrapod/dynamics/linear_model.hpp"
 #include "machines.hpp"
 

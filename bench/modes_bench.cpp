@@ -5,7 +5,6 @@
 
 #include <Eigen/Eigenvalues>
 
-#include "hydrapod/modal/energy.hpp"
 #include "hydrapod/modal/normal_modes.hpp"
 #include "machines.hpp"
 

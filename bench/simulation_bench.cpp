@@ -5,7 +5,7 @@
 
 #include <random>
 
-#include "hydrapod/simulation/integrator.hpp"
+#include "hydrapod/simulation/closed_loop.hpp"
 #include "machines.hpp"
 #include "support/mujoco_hexapod.hpp"
 

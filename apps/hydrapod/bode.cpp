@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <memory>
 
-#include "hydrapod/base/constants.hpp"
 #include "hydrapod/base/file.hpp"
 #include "hydrapod/base/text.hpp"
 #include "hydrapod/base/units.hpp"
@@ -11,7 +10,7 @@
 #include "hydrapod/commands.hpp"
 #include "hydrapod/machine_arguments.hpp"
 #include "hydrapod/mode_report.hpp"
-#include "hydrapod/spatial/directions.hpp"
+#include "hydrapod/spatial/pose.hpp"
 #include "hydrapod/terminal.hpp"
 
 namespace hydrapod::cli {

@@ -5,8 +5,8 @@
 #include <array>
 #include <cmath>
 
-#include "hydrapod/base/constants.hpp"
-#include "hydrapod/spatial/directions.hpp"
+#include "hydrapod/base/units.hpp"
+#include "hydrapod/spatial/pose.hpp"
 #include "hydrapod/terminal.hpp"
 
 namespace hydrapod::cli {

@@ -11,8 +11,8 @@
 #include "hydrapod/commands.hpp"
 #include "hydrapod/interrupt.hpp"
 #include "hydrapod/machine_arguments.hpp"
-#include "hydrapod/report/calibration.hpp"
-#include "hydrapod/report/simulation.hpp"
+#include "hydrapod/report/measured_results.hpp"
+#include "hydrapod/report/model_results.hpp"
 #include "hydrapod/tasks/fit.hpp"
 #include "hydrapod/terminal.hpp"
 

@@ -6,8 +6,8 @@
 #include <cmath>
 #include <numeric>
 
-#include "hydrapod/base/constants.hpp"
-#include "hydrapod/report/calibration.hpp"
+#include "hydrapod/base/units.hpp"
+#include "hydrapod/report/measured_results.hpp"
 
 namespace hydrapod::cli {
 

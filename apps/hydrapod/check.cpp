@@ -3,8 +3,8 @@
 #include <memory>
 #include <numbers>
 
-#include "hydrapod/base/constants.hpp"
 #include "hydrapod/base/file.hpp"
+#include "hydrapod/base/units.hpp"
 #include "hydrapod/commands.hpp"
 #include "hydrapod/hydraulics/servo_axis.hpp"
 #include "hydrapod/machine_arguments.hpp"

@@ -10,8 +10,7 @@
 #include "hydrapod/embedded_models.hpp"
 #include "hydrapod/machine_arguments.hpp"
 #include "hydrapod/mode_report.hpp"
-#include "hydrapod/report/answer.hpp"
-#include "hydrapod/report/html.hpp"
+#include "hydrapod/report/json.hpp"
 #include "hydrapod/terminal.hpp"
 
 namespace hydrapod::cli {

@@ -3,15 +3,15 @@
 #include <filesystem>
 #include <memory>
 
-#include "hydrapod/base/constants.hpp"
 #include "hydrapod/base/error.hpp"
 #include "hydrapod/base/file.hpp"
+#include "hydrapod/base/units.hpp"
 #include "hydrapod/commands.hpp"
 #include "hydrapod/diagnosis_arguments.hpp"
 #include "hydrapod/interrupt.hpp"
 #include "hydrapod/machine_arguments.hpp"
-#include "hydrapod/report/diagnosis.hpp"
-#include "hydrapod/report/simulation.hpp"
+#include "hydrapod/report/measured_results.hpp"
+#include "hydrapod/report/model_results.hpp"
 #include "hydrapod/terminal.hpp"
 
 namespace hydrapod::cli {

@@ -4,13 +4,12 @@
 
 #include <algorithm>
 
-#include "hydrapod/base/constants.hpp"
 #include "hydrapod/base/error.hpp"
 #include "hydrapod/base/text.hpp"
 #include "hydrapod/base/units.hpp"
 #include "hydrapod/identification_arguments.hpp"
 #include "hydrapod/machine_arguments.hpp"
-#include "hydrapod/spatial/directions.hpp"
+#include "hydrapod/spatial/pose.hpp"
 
 namespace hydrapod::cli {
 

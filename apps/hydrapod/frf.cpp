@@ -7,10 +7,7 @@
 #include "hydrapod/commands.hpp"
 #include "hydrapod/identification_arguments.hpp"
 #include "hydrapod/interrupt.hpp"
-#include "hydrapod/report/identification_files.hpp"
-#include "hydrapod/report/identification_json.hpp"
-#include "hydrapod/report/identification_plot.hpp"
-#include "hydrapod/report/identification_section.hpp"
+#include "hydrapod/report/measured_results.hpp"
 #include "hydrapod/terminal.hpp"
 
 namespace hydrapod::cli {

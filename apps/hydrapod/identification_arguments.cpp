@@ -6,7 +6,7 @@
 
 #include "hydrapod/base/text.hpp"
 #include "hydrapod/machine_arguments.hpp"
-#include "hydrapod/rig/instruments.hpp"
+#include "hydrapod/rig/rig.hpp"
 
 namespace hydrapod::cli {
 

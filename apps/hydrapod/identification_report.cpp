@@ -7,9 +7,9 @@
 #include <numbers>
 #include <numeric>
 
-#include "hydrapod/base/constants.hpp"
-#include "hydrapod/numerics/quantiles.hpp"
-#include "hydrapod/report/identification_section.hpp"
+#include "hydrapod/base/units.hpp"
+#include "hydrapod/numerics/statistics.hpp"
+#include "hydrapod/report/measured_results.hpp"
 
 namespace hydrapod::cli {
 

@@ -8,11 +8,7 @@
 #include "hydrapod/identification_report.hpp"
 #include "hydrapod/interrupt.hpp"
 #include "hydrapod/machine_arguments.hpp"
-#include "hydrapod/report/identification_files.hpp"
-#include "hydrapod/report/identification_json.hpp"
-#include "hydrapod/report/identification_plot.hpp"
-#include "hydrapod/report/identification_section.hpp"
-#include "hydrapod/report/mode_comparison.hpp"
+#include "hydrapod/report/measured_results.hpp"
 #include "hydrapod/terminal.hpp"
 
 namespace hydrapod::cli {

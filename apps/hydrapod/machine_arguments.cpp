@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <array>
 
-#include "hydrapod/base/nearest.hpp"
 #include "hydrapod/base/text.hpp"
 #include "hydrapod/base/units.hpp"
 #include "hydrapod/terminal.hpp"

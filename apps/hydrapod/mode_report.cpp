@@ -6,8 +6,8 @@
 #include <cmath>
 #include <optional>
 
-#include "hydrapod/base/constants.hpp"
-#include "hydrapod/spatial/directions.hpp"
+#include "hydrapod/base/units.hpp"
+#include "hydrapod/spatial/pose.hpp"
 #include "hydrapod/terminal.hpp"
 
 namespace hydrapod::cli {

@@ -7,7 +7,7 @@
 #include "hydrapod/commands.hpp"
 #include "hydrapod/machine_arguments.hpp"
 #include "hydrapod/mode_report.hpp"
-#include "hydrapod/report/answer.hpp"
+#include "hydrapod/report/json.hpp"
 #include "hydrapod/system_modes.hpp"
 #include "hydrapod/tasks/linear.hpp"
 #include "hydrapod/terminal.hpp"

@@ -7,7 +7,7 @@
 #include <limits>
 #include <memory>
 
-#include "hydrapod/base/nearest.hpp"
+#include "hydrapod/base/text.hpp"
 #include "hydrapod/commands.hpp"
 #include "hydrapod/data/processing.hpp"
 #include "hydrapod/machine_arguments.hpp"

@@ -3,12 +3,12 @@
 #include <algorithm>
 #include <memory>
 
-#include "hydrapod/base/nearest.hpp"
+#include "hydrapod/base/text.hpp"
 #include "hydrapod/commands.hpp"
 #include "hydrapod/machine_arguments.hpp"
 #include "hydrapod/record_arguments.hpp"
-#include "hydrapod/report/record_plot.hpp"
-#include "hydrapod/report/simulation.hpp"
+#include "hydrapod/report/measured_results.hpp"
+#include "hydrapod/report/model_results.hpp"
 
 namespace hydrapod::cli {
 

@@ -8,7 +8,7 @@
 #include "hydrapod/data/processing.hpp"
 #include "hydrapod/machine_arguments.hpp"
 #include "hydrapod/record_arguments.hpp"
-#include "hydrapod/report/record_json.hpp"
+#include "hydrapod/report/measured_results.hpp"
 #include "hydrapod/terminal.hpp"
 
 namespace hydrapod::cli {

@@ -6,7 +6,7 @@
 #include "hydrapod/calibration_report.hpp"
 #include "hydrapod/commands.hpp"
 #include "hydrapod/machine_arguments.hpp"
-#include "hydrapod/report/calibration.hpp"
+#include "hydrapod/report/measured_results.hpp"
 #include "hydrapod/tasks/linear.hpp"
 #include "hydrapod/terminal.hpp"
 

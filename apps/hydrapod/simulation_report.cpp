@@ -6,7 +6,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "hydrapod/spatial/directions.hpp"
+#include "hydrapod/spatial/pose.hpp"
 
 namespace hydrapod::cli {
 

@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "hydrapod/report/simulation.hpp"
+#include "hydrapod/report/model_results.hpp"
 #include "hydrapod/terminal.hpp"
 
 namespace hydrapod::cli {

@@ -5,7 +5,7 @@
 #include <string_view>
 #include <vector>
 
-#include "hydrapod/base/nearest.hpp"
+#include "hydrapod/base/text.hpp"
 
 namespace hydrapod::cli {
 

@@ -5,11 +5,10 @@
 #include <algorithm>
 #include <array>
 
-#include "hydrapod/base/constants.hpp"
 #include "hydrapod/base/text.hpp"
 #include "hydrapod/base/units.hpp"
 #include "hydrapod/interrupt.hpp"
-#include "hydrapod/report/simulation.hpp"
+#include "hydrapod/report/model_results.hpp"
 #include "hydrapod/tasks/linear.hpp"
 
 namespace hydrapod::cli {

@@ -3,15 +3,16 @@
 ///
 ///     const auto machine = hydrapod::tasks::read_machine({.file = "machine.toml"});
 ///     for (const auto& mode : hydrapod::tasks::modes(machine).real.modes)
-///       std::printf("%.3f Hz  %s\n", mode.mode.omega / hydrapod::base::two_pi, mode.label.c_str());
+///       std::printf("%.3f Hz  %s\n", mode.mode.omega / hydrapod::base::two_pi,
+///       mode.label.c_str());
 ///
 /// A task takes options and returns a result. Numbers are SI and radians. Tasks that take long tell
 /// their progress and can be stopped (tasks/machine.hpp). Results become JSON, pictures and pages
 /// by the functions of `report`. Numbered programs: examples/cpp.
 
-#include "hydrapod/base/constants.hpp"
+#include "hydrapod/base/units.hpp"
 #include "hydrapod/base/version.hpp"
-#include "hydrapod/spatial/directions.hpp"
+#include "hydrapod/spatial/pose.hpp"
 #include "hydrapod/tasks/linear.hpp"
 #include "hydrapod/tasks/machine.hpp"
 #include "hydrapod/tasks/report.hpp"

@@ -1,4 +1,4 @@
-#include "hydrapod/base/key_values.hpp"
+#include "hydrapod/base/text.hpp"
 
 #include <fmt/format.h>
 
@@ -7,9 +7,6 @@
 #include <cmath>
 
 #include "hydrapod/base/error.hpp"
-#include "hydrapod/base/nearest.hpp"
-#include "hydrapod/base/printable.hpp"
-#include "hydrapod/base/text.hpp"
 #include "hydrapod/base/units.hpp"
 
 namespace hydrapod::base {

@@ -1,4 +1,4 @@
-#include "hydrapod/base/nearest.hpp"
+#include "hydrapod/base/text.hpp"
 
 #include <algorithm>
 #include <array>

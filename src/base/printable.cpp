@@ -1,4 +1,4 @@
-#include "hydrapod/base/printable.hpp"
+#include "hydrapod/base/text.hpp"
 
 namespace hydrapod::base {
 

@@ -1,4 +1,4 @@
-#include "hydrapod/base/table.hpp"
+#include "hydrapod/base/file.hpp"
 
 #include <fmt/format.h>
 

@@ -9,7 +9,6 @@
 #include <optional>
 #include <stdexcept>
 
-#include "hydrapod/base/printable.hpp"
 #include "hydrapod/base/text.hpp"
 #include "unit_database.hpp"
 

@@ -1,4 +1,4 @@
-#include "hydrapod/calibration/admissibility.hpp"
+#include "admissibility.hpp"
 
 #include <fmt/format.h>
 
@@ -8,7 +8,7 @@
 #include <map>
 #include <string_view>
 
-#include "hydrapod/kinematics/inverse.hpp"
+#include "hydrapod/kinematics/legs.hpp"
 
 namespace hydrapod::calibration {
 

@@ -9,7 +9,7 @@
 
 #include "candidate.hpp"
 #include "hydrapod/base/error.hpp"
-#include "hydrapod/numerics/quantiles.hpp"
+#include "hydrapod/numerics/statistics.hpp"
 #include "variables.hpp"
 
 namespace hydrapod::calibration {

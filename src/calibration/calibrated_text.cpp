@@ -4,7 +4,7 @@
 
 #include "hydrapod/base/error.hpp"
 #include "hydrapod/calibration/calibrate.hpp"
-#include "hydrapod/model/file_edit.hpp"
+#include "hydrapod/model/machine_file.hpp"
 
 namespace hydrapod::calibration {
 

@@ -7,7 +7,7 @@
 #include <random>
 
 #include "hydrapod/modal/damped_modes.hpp"
-#include "hydrapod/numerics/quantiles.hpp"
+#include "hydrapod/numerics/statistics.hpp"
 #include "variables.hpp"
 
 namespace hydrapod::calibration {

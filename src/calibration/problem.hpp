@@ -7,11 +7,11 @@
 
 #include <memory>
 
-#include "hydrapod/calibration/admissibility.hpp"
-#include "hydrapod/calibration/plan.hpp"
+#include "admissibility.hpp"
+#include "hydrapod/calibration/calibrate.hpp"
 #include "hydrapod/calibration/sensitivity.hpp"
+#include "hydrapod/observation/observation.hpp"
 #include "hydrapod/observation/pairing.hpp"
-#include "hydrapod/observation/tangent.hpp"
 
 namespace hydrapod::calibration {
 

@@ -6,7 +6,7 @@
 #include <limits>
 
 #include "hydrapod/base/error.hpp"
-#include "hydrapod/dynamics/neighbour_model.hpp"
+#include "hydrapod/dynamics/linear_model.hpp"
 #include "hydrapod/modal/normal_modes.hpp"
 
 namespace hydrapod::calibration {

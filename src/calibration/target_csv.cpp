@@ -7,10 +7,8 @@
 #include <cmath>
 #include <sstream>
 
-#include "hydrapod/base/constants.hpp"
 #include "hydrapod/base/error.hpp"
-#include "hydrapod/base/nearest.hpp"
-#include "hydrapod/base/printable.hpp"
+#include "hydrapod/base/text.hpp"
 #include "hydrapod/base/units.hpp"
 #include "target_tables.hpp"
 

@@ -5,11 +5,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "hydrapod/base/constants.hpp"
-#include "hydrapod/base/nearest.hpp"
-#include "hydrapod/base/printable.hpp"
+#include "hydrapod/base/text.hpp"
 #include "hydrapod/base/units.hpp"
-#include "model/key_path.hpp"
+#include "hydrapod/model/section.hpp"
 
 namespace hydrapod::calibration {
 

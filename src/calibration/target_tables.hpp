@@ -1,9 +1,9 @@
 #pragma once
 /// Reading the tables of a targets file. Private to the module.
 
-#include "hydrapod/calibration/targets_file.hpp"
-#include "hydrapod/spatial/directions.hpp"
-#include "model/section.hpp"
+#include "hydrapod/calibration/calibrate.hpp"
+#include "hydrapod/model/section.hpp"
+#include "hydrapod/spatial/pose.hpp"
 
 namespace hydrapod::calibration {
 

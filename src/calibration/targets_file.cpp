@@ -1,4 +1,4 @@
-#include "hydrapod/calibration/targets_file.hpp"
+#include "hydrapod/calibration/calibrate.hpp"
 
 #include <fmt/format.h>
 

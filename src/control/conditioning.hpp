@@ -1,7 +1,7 @@
 #pragma once
 /// Signal conditioning of one leg: wanted speed to drive. Private to the module.
 
-#include "hydrapod/control/parameters.hpp"
+#include "hydrapod/control/controller.hpp"
 
 namespace hydrapod::control {
 

@@ -7,7 +7,7 @@
 #include <cmath>
 
 #include "conditioning.hpp"
-#include "hydrapod/spatial/directions.hpp"
+#include "hydrapod/spatial/pose.hpp"
 
 namespace hydrapod::control {
 

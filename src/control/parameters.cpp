@@ -1,4 +1,4 @@
-#include "hydrapod/control/parameters.hpp"
+#include "hydrapod/control/controller.hpp"
 
 #include <fmt/format.h>
 

@@ -5,7 +5,6 @@
 #include <array>
 #include <set>
 
-#include "hydrapod/base/printable.hpp"
 #include "hydrapod/base/text.hpp"
 #include "hydrapod/base/units.hpp"
 

@@ -5,7 +5,7 @@
 #include <limits>
 
 #include "formats.hpp"
-#include "hydrapod/base/table.hpp"
+#include "hydrapod/base/file.hpp"
 #include "record_comments.hpp"
 
 namespace hydrapod::data {

@@ -7,7 +7,7 @@
 
 #include "channel_units.hpp"
 #include "hdf5_text.hpp"
-#include "hydrapod/base/printable.hpp"
+#include "hydrapod/base/text.hpp"
 #include "unicode.hpp"
 #include "variable_file.hpp"
 

@@ -11,7 +11,7 @@
 
 #include "channel_units.hpp"
 #include "file_window.hpp"
-#include "hydrapod/base/printable.hpp"
+#include "hydrapod/base/text.hpp"
 #include "mat5_layout.hpp"
 #include "mat5_stream.hpp"
 #include "unicode.hpp"

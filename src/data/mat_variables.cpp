@@ -1,4 +1,4 @@
-#include "hydrapod/data/mat_variables.hpp"
+#include "hydrapod/data/record_io.hpp"
 
 #include <fmt/format.h>
 

@@ -5,7 +5,7 @@
 #include <map>
 #include <optional>
 
-#include "hydrapod/base/constants.hpp"
+#include "hydrapod/base/units.hpp"
 #include "hydrapod/data/modal_results.hpp"
 #include "modal_nodes.hpp"
 #include "uff_dataset.hpp"

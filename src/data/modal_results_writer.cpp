@@ -5,8 +5,8 @@
 #include <set>
 #include <stdexcept>
 
-#include "hydrapod/base/constants.hpp"
 #include "hydrapod/base/file.hpp"
+#include "hydrapod/base/units.hpp"
 #include "hydrapod/data/modal_results.hpp"
 #include "modal_nodes.hpp"
 #include "record_comments.hpp"

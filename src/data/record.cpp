@@ -8,7 +8,7 @@
 #include <set>
 #include <stdexcept>
 
-#include "hydrapod/base/printable.hpp"
+#include "hydrapod/base/text.hpp"
 #include "hydrapod/base/units.hpp"
 
 namespace hydrapod::data {

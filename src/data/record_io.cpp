@@ -14,8 +14,7 @@
 
 #include "channel_units.hpp"
 #include "formats.hpp"
-#include "hydrapod/base/printable.hpp"
-#include "hydrapod/base/table.hpp"
+#include "hydrapod/base/file.hpp"
 #include "hydrapod/base/text.hpp"
 #include "uff_dataset.hpp"
 

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "hydrapod/base/constants.hpp"
+#include "hydrapod/base/units.hpp"
 #include "hydrapod/data/processing.hpp"
 
 namespace hydrapod::data {

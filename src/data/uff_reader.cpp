@@ -5,7 +5,7 @@
 #include <limits>
 
 #include "formats.hpp"
-#include "hydrapod/base/printable.hpp"
+#include "hydrapod/base/text.hpp"
 #include "uff_dataset.hpp"
 #include "uff_text.hpp"
 

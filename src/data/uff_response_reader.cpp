@@ -5,7 +5,7 @@
 #include <limits>
 #include <map>
 
-#include "hydrapod/base/printable.hpp"
+#include "hydrapod/base/text.hpp"
 #include "hydrapod/data/frequency_response.hpp"
 #include "uff_dataset.hpp"
 #include "uff_text.hpp"

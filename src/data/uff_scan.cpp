@@ -3,8 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "hydrapod/base/printable.hpp"
-#include "hydrapod/base/table.hpp"
+#include "hydrapod/base/file.hpp"
 #include "hydrapod/base/text.hpp"
 #include "uff_dataset.hpp"
 #include "uff_text.hpp"

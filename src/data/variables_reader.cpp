@@ -9,7 +9,6 @@
 #include "channel_units.hpp"
 #include "experiment.hpp"
 #include "formats.hpp"
-#include "hydrapod/base/printable.hpp"
 #include "hydrapod/base/text.hpp"
 #include "variable_file.hpp"
 

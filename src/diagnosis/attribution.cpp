@@ -1,4 +1,4 @@
-#include "hydrapod/diagnosis/attribution.hpp"
+#include "hydrapod/diagnosis/diagnose.hpp"
 
 #include <fmt/format.h>
 

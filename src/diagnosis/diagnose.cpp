@@ -9,10 +9,10 @@
 
 #include "evidence.hpp"
 #include "hydrapod/base/error.hpp"
-#include "hydrapod/diagnosis/responses.hpp"
 #include "hydrapod/numerics/parallel.hpp"
-#include "hydrapod/simulation/tuning.hpp"
+#include "hydrapod/simulation/linear_system.hpp"
 #include "ranking.hpp"
+#include "responses.hpp"
 #include "words.hpp"
 
 namespace hydrapod::diagnosis {

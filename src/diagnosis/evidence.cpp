@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "hydrapod/base/error.hpp"
-#include "hydrapod/diagnosis/resonances.hpp"
+#include "hydrapod/diagnosis/diagnose.hpp"
 #include "hydrapod/modal/normal_modes.hpp"
 #include "hydrapod/observation/pairing.hpp"
 

@@ -7,7 +7,7 @@
 #include <limits>
 
 #include "hydrapod/base/error.hpp"
-#include "hydrapod/diagnosis/resonances.hpp"
+#include "hydrapod/diagnosis/diagnose.hpp"
 #include "hydrapod/observation/pairing.hpp"
 
 namespace hydrapod::diagnosis {

@@ -1,4 +1,4 @@
-#include "hydrapod/diagnosis/resonances.hpp"
+#include "hydrapod/diagnosis/diagnose.hpp"
 
 #include <Eigen/Eigenvalues>
 #include <cmath>

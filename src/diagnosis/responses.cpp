@@ -1,4 +1,4 @@
-#include "hydrapod/diagnosis/responses.hpp"
+#include "responses.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "hydrapod/diagnosis/summary.hpp"
+#include "hydrapod/diagnosis/diagnose.hpp"
 
 #include <fmt/format.h>
 
@@ -7,8 +7,7 @@
 #include <map>
 #include <set>
 
-#include "hydrapod/base/constants.hpp"
-#include "hydrapod/diagnosis/amounts.hpp"
+#include "hydrapod/base/units.hpp"
 
 namespace hydrapod::diagnosis {
 

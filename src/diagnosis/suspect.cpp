@@ -1,4 +1,4 @@
-#include "hydrapod/diagnosis/suspect.hpp"
+#include "hydrapod/diagnosis/diagnose.hpp"
 
 #include <algorithm>
 

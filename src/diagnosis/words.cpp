@@ -8,10 +8,9 @@
 #include <optional>
 #include <set>
 
-#include "hydrapod/base/constants.hpp"
 #include "hydrapod/base/error.hpp"
-#include "hydrapod/diagnosis/amounts.hpp"
-#include "hydrapod/diagnosis/resonances.hpp"
+#include "hydrapod/base/units.hpp"
+#include "hydrapod/diagnosis/diagnose.hpp"
 #include "hydrapod/observation/pairing.hpp"
 
 namespace hydrapod::diagnosis {

@@ -1,4 +1,4 @@
-#include "hydrapod/dynamics/bent_leg.hpp"
+#include "hydrapod/dynamics/leg.hpp"
 
 #include <Eigen/Geometry>
 #include <Eigen/LU>

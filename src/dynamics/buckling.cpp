@@ -1,4 +1,4 @@
-#include "hydrapod/dynamics/buckling.hpp"
+#include "hydrapod/dynamics/linear_model.hpp"
 
 #include <Eigen/Eigenvalues>
 #include <algorithm>

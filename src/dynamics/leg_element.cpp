@@ -1,4 +1,4 @@
-#include "hydrapod/dynamics/leg_element.hpp"
+#include "hydrapod/dynamics/leg.hpp"
 
 #include <Eigen/Geometry>
 #include <cmath>

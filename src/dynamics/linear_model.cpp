@@ -7,8 +7,7 @@
 
 #include "base_mount.hpp"
 #include "hydrapod/base/error.hpp"
-#include "hydrapod/dynamics/neighbour_model.hpp"
-#include "hydrapod/spatial/directions.hpp"
+#include "hydrapod/spatial/pose.hpp"
 #include "statics_search.hpp"
 
 namespace hydrapod::dynamics {

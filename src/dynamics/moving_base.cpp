@@ -1,4 +1,4 @@
-#include "hydrapod/dynamics/moving_base.hpp"
+#include "hydrapod/dynamics/nonlinear.hpp"
 
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>

@@ -8,7 +8,7 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "hydrapod/dynamics/bent_leg.hpp"
+#include "hydrapod/dynamics/leg.hpp"
 #include "leg_equations.hpp"
 #include "leg_motion.hpp"
 

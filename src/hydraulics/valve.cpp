@@ -1,4 +1,4 @@
-#include "hydrapod/hydraulics/valve.hpp"
+#include "hydrapod/hydraulics/servo_axis.hpp"
 
 namespace hydrapod::hydraulics {
 

@@ -1,4 +1,4 @@
-#include "hydrapod/identification/bootstrap.hpp"
+#include "hydrapod/identification/identify.hpp"
 
 #include <fmt/format.h>
 
@@ -6,8 +6,8 @@
 #include <random>
 #include <stdexcept>
 
+#include "damped.hpp"
 #include "hydrapod/base/error.hpp"
-#include "hydrapod/identification/damped.hpp"
 
 namespace hydrapod::identification {
 

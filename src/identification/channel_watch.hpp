@@ -1,7 +1,7 @@
 #pragma once
 /// Watches a channel for samples that are missing or stand at a limit. Private to the module.
 
-#include "hydrapod/identification/spectra.hpp"
+#include "hydrapod/identification/responses.hpp"
 
 namespace hydrapod::identification {
 

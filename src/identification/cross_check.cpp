@@ -5,8 +5,6 @@
 #include <cmath>
 #include <complex>
 
-#include "hydrapod/identification/realisation.hpp"
-
 namespace hydrapod::identification {
 
 namespace {
@@ -55,7 +53,7 @@ struct Candidate {
 }  // namespace
 
 std::vector<std::optional<CrossCheck>> cross_check(const Identification& found,
-                                                         const FrequencyResponses& responses) {
+                                                   const FrequencyResponses& responses) {
   const auto others = realised(within(responses, 0.0, found.to));
   std::vector<Candidate> candidates;
   for (std::size_t r = 0; r < found.modes.size(); ++r)
@@ -74,13 +72,14 @@ std::vector<std::optional<CrossCheck>> cross_check(const Identification& found,
     if (cross_checks[r] || taken[q]) continue;
     taken[q] = true;
     const auto& fit = found.modes[r].fit;
-    CrossCheck cross_check{.omega = std::abs(others[q].pole),
-                          .damping_ratio = -others[q].pole.real() / std::abs(others[q].pole),
-                          .mac = likeness(fit.shape, others[q].pole, others, limits.neighbourhood)};
+    CrossCheck cross_check{
+        .omega = std::abs(others[q].pole),
+        .damping_ratio = -others[q].pole.real() / std::abs(others[q].pole),
+        .mac = likeness(fit.shape, others[q].pole, others, limits.neighbourhood)};
     cross_check.agrees = cross_check.mac >= limits.vector &&
-                     std::abs(cross_check.omega / fit.omega() - 1.0) <= limits.frequency &&
-                     std::abs(cross_check.damping_ratio - fit.damping_ratio()) <=
-                         limits.damping * fit.damping_ratio() + limits.damping_floor;
+                         std::abs(cross_check.omega / fit.omega() - 1.0) <= limits.frequency &&
+                         std::abs(cross_check.damping_ratio - fit.damping_ratio()) <=
+                             limits.damping * fit.damping_ratio() + limits.damping_floor;
     cross_checks[r] = cross_check;
   }
   return cross_checks;

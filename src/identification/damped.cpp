@@ -1,4 +1,4 @@
-#include "hydrapod/identification/damped.hpp"
+#include "damped.hpp"
 
 #include <fmt/format.h>
 
@@ -9,8 +9,8 @@
 #include <numbers>
 #include <span>
 
-#include "hydrapod/base/constants.hpp"
 #include "hydrapod/base/error.hpp"
+#include "hydrapod/base/units.hpp"
 #include "hydrapod/numerics/fft.hpp"
 #include "response_checks.hpp"
 

@@ -1,4 +1,4 @@
-#include "hydrapod/identification/directions.hpp"
+#include "hydrapod/identification/responses.hpp"
 
 #include <fmt/format.h>
 
@@ -9,7 +9,7 @@
 #include <array>
 
 #include "hydrapod/base/error.hpp"
-#include "hydrapod/spatial/directions.hpp"
+#include "hydrapod/spatial/pose.hpp"
 
 namespace hydrapod::identification {
 

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <utility>
 
-#include "hydrapod/base/constants.hpp"
+#include "hydrapod/base/units.hpp"
 
 namespace hydrapod::identification {
 

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "hydrapod/base/constants.hpp"
+#include "hydrapod/base/units.hpp"
 #include "line_weights.hpp"
 
 namespace hydrapod::identification {

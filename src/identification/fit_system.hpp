@@ -16,7 +16,7 @@
 /// (g, ḡ: of λ and λ*, g' the derivative by the pole), so that Gram matrices need but the products
 /// c_a* c_b at each line, summed with the weights w_o M_ij.
 
-#include "hydrapod/identification/modal_model.hpp"
+#include "hydrapod/identification/identify.hpp"
 #include "pole_basis.hpp"
 
 namespace hydrapod::identification {

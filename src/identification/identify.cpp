@@ -8,9 +8,9 @@
 #include <cmath>
 
 #include "fit_covariance.hpp"
-#include "hydrapod/base/constants.hpp"
 #include "hydrapod/base/error.hpp"
-#include "hydrapod/identification/directions.hpp"
+#include "hydrapod/base/units.hpp"
+#include "hydrapod/identification/responses.hpp"
 #include "repeated_modes.hpp"
 #include "search.hpp"
 #include "weak_modes.hpp"

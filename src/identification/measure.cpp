@@ -1,4 +1,4 @@
-#include "hydrapod/identification/measure.hpp"
+#include "hydrapod/identification/responses.hpp"
 
 #include <fmt/format.h>
 
@@ -9,9 +9,9 @@
 #include <numbers>
 #include <stdexcept>
 
+#include "damped.hpp"
 #include "hydrapod/base/error.hpp"
-#include "hydrapod/base/nearest.hpp"
-#include "hydrapod/identification/damped.hpp"
+#include "hydrapod/base/text.hpp"
 #include "response_checks.hpp"
 
 namespace hydrapod::identification {

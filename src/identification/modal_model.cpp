@@ -1,4 +1,4 @@
-#include "hydrapod/identification/modal_model.hpp"
+#include "hydrapod/identification/identify.hpp"
 
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
@@ -7,7 +7,7 @@
 
 #include "fit_covariance.hpp"
 #include "fit_system.hpp"
-#include "hydrapod/base/constants.hpp"
+#include "hydrapod/base/units.hpp"
 
 namespace hydrapod::identification {
 

@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "hydrapod/base/constants.hpp"
+#include "hydrapod/base/units.hpp"
 #include "hydrapod/numerics/fft.hpp"
 
 namespace hydrapod::identification {

@@ -1,4 +1,4 @@
-#include "hydrapod/identification/poly_reference.hpp"
+#include "hydrapod/identification/identify.hpp"
 
 #include <fmt/format.h>
 
@@ -8,9 +8,9 @@
 #include <numbers>
 #include <stdexcept>
 
-#include "hydrapod/base/constants.hpp"
+#include "hydrapod/base/units.hpp"
+#include "hydrapod/numerics/dense.hpp"
 #include "line_weights.hpp"
-#include "numerics/dense.hpp"
 
 namespace hydrapod::identification {
 

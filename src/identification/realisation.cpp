@@ -1,13 +1,13 @@
-#include "hydrapod/identification/realisation.hpp"
+#include "hydrapod/identification/cross_check.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 
 #include "hydrapod/base/error.hpp"
-#include "hydrapod/identification/modal_model.hpp"
+#include "hydrapod/identification/identify.hpp"
+#include "hydrapod/numerics/dense.hpp"
 #include "hydrapod/numerics/fft.hpp"
-#include "numerics/dense.hpp"
 
 namespace hydrapod::identification {
 

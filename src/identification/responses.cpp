@@ -10,7 +10,7 @@
 #include <cmath>
 
 #include "hydrapod/base/error.hpp"
-#include "hydrapod/numerics/quantiles.hpp"
+#include "hydrapod/numerics/statistics.hpp"
 #include "response_checks.hpp"
 
 namespace hydrapod::identification {

@@ -4,8 +4,8 @@
 
 #include <algorithm>
 
-#include "hydrapod/base/constants.hpp"
 #include "hydrapod/base/error.hpp"
+#include "hydrapod/base/units.hpp"
 
 namespace hydrapod::identification {
 

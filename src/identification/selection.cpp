@@ -1,4 +1,4 @@
-#include "hydrapod/identification/selection.hpp"
+#include "hydrapod/identification/identify.hpp"
 
 #include <Eigen/QR>
 #include <algorithm>

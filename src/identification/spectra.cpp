@@ -1,4 +1,4 @@
-#include "hydrapod/identification/spectra.hpp"
+#include "hydrapod/identification/responses.hpp"
 
 #include <fmt/format.h>
 

@@ -1,4 +1,4 @@
-#include "hydrapod/identification/stabilisation.hpp"
+#include "hydrapod/identification/identify.hpp"
 
 #include <Eigen/QR>
 #include <algorithm>

@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "fit_covariance.hpp"
-#include "hydrapod/base/constants.hpp"
+#include "hydrapod/base/units.hpp"
 #include "hydrapod/identification/identify.hpp"
 
 namespace hydrapod::identification {

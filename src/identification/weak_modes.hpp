@@ -6,7 +6,7 @@
 /// lines at which it stands above its noise. Around each such place poles of low order are fitted
 /// to the residual; those that come back between orders are offered for the fit of everything.
 
-#include "hydrapod/identification/modal_model.hpp"
+#include "hydrapod/identification/identify.hpp"
 
 namespace hydrapod::identification {
 

@@ -1,11 +1,11 @@
-#include "hydrapod/identification/window.hpp"
+#include "hydrapod/identification/responses.hpp"
 
 #include <array>
 #include <bit>
 #include <cmath>
 #include <complex>
 
-#include "hydrapod/base/constants.hpp"
+#include "hydrapod/base/units.hpp"
 #include "hydrapod/numerics/fft.hpp"
 
 namespace hydrapod::identification {

@@ -4,8 +4,6 @@
 
 #include <numbers>
 
-#include "hydrapod/kinematics/pose_quality.hpp"
-
 namespace hydrapod::kinematics {
 
 namespace {

@@ -1,4 +1,4 @@
-#include "hydrapod/kinematics/forward.hpp"
+#include "hydrapod/kinematics/legs.hpp"
 
 #include <Eigen/LU>
 #include <algorithm>

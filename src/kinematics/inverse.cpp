@@ -1,4 +1,4 @@
-#include "hydrapod/kinematics/inverse.hpp"
+#include "hydrapod/kinematics/legs.hpp"
 
 #include <Eigen/Geometry>
 

@@ -1,4 +1,4 @@
-#include "hydrapod/kinematics/pose_quality.hpp"
+#include "hydrapod/kinematics/check_machine.hpp"
 
 #include <Eigen/Geometry>
 #include <Eigen/SVD>

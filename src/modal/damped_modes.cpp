@@ -6,7 +6,7 @@
 #include <limits>
 
 #include "hydrapod/base/error.hpp"
-#include "numerics/dense.hpp"
+#include "hydrapod/numerics/dense.hpp"
 
 namespace hydrapod::modal {
 

@@ -1,4 +1,4 @@
-#include "hydrapod/modal/energy.hpp"
+#include "hydrapod/modal/normal_modes.hpp"
 
 #include <algorithm>
 #include <array>

@@ -1,4 +1,4 @@
-#include "hydrapod/modal/mode_derivatives.hpp"
+#include "hydrapod/modal/damped_modes.hpp"
 
 #include <Eigen/Eigenvalues>
 #include <cmath>

@@ -7,7 +7,7 @@
 #include <cmath>
 #include <numeric>
 
-#include "hydrapod/spatial/directions.hpp"
+#include "hydrapod/spatial/pose.hpp"
 
 namespace hydrapod::modal {
 

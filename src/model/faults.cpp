@@ -1,4 +1,4 @@
-#include "faults.hpp"
+#include "hydrapod/model/section.hpp"
 
 #include <fmt/format.h>
 

@@ -1,16 +1,14 @@
-#include "hydrapod/model/file_edit.hpp"
+#include "hydrapod/model/machine_file.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <map>
 
-#include "faults.hpp"
 #include "hydrapod/base/error.hpp"
 #include "hydrapod/base/units.hpp"
-#include "key_path.hpp"
+#include "hydrapod/model/section.hpp"
 #include "overrides.hpp"
-#include "value_tree.hpp"
 
 namespace hydrapod::model {
 

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "hydrapod/model/machine.hpp"
-#include "key_path.hpp"
+#include "hydrapod/model/section.hpp"
 
 namespace hydrapod::model {
 

@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "value_tree.hpp"
+#include "hydrapod/model/section.hpp"
 
 namespace hydrapod::model {
 

@@ -1,11 +1,11 @@
-#include "key_path.hpp"
+#include "hydrapod/model/section.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <charconv>
 
-#include "hydrapod/base/printable.hpp"
+#include "hydrapod/base/text.hpp"
 
 namespace hydrapod::model {
 

@@ -7,14 +7,13 @@
 #include <tuple>
 #include <utility>
 
-#include "faults.hpp"
 #include "finding_place.hpp"
 #include "hydrapod/base/file.hpp"
+#include "hydrapod/model/section.hpp"
 #include "machine_reader.hpp"
 #include "machine_schema.hpp"
 #include "overrides.hpp"
 #include "validate_values.hpp"
-#include "value_tree.hpp"
 
 namespace hydrapod::model {
 

@@ -9,8 +9,7 @@
 #include <string>
 #include <utility>
 
-#include "key_path.hpp"
-#include "section.hpp"
+#include "hydrapod/model/section.hpp"
 
 namespace hydrapod::model {
 

@@ -3,9 +3,8 @@
 
 #include <vector>
 
-#include "faults.hpp"
 #include "hydrapod/model/parameters.hpp"
-#include "value_tree.hpp"
+#include "hydrapod/model/section.hpp"
 
 namespace hydrapod::model {
 

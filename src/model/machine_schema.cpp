@@ -7,9 +7,9 @@
 #include <string_view>
 #include <vector>
 
-#include "hydrapod/base/nearest.hpp"
+#include "hydrapod/base/text.hpp"
 #include "hydrapod/model/parameters.hpp"
-#include "key_path.hpp"
+#include "hydrapod/model/section.hpp"
 
 namespace hydrapod::model {
 

@@ -1,8 +1,7 @@
 #pragma once
 /// The keys a machine file may have: those of parameter_table(). Private to the module.
 
-#include "faults.hpp"
-#include "value_tree.hpp"
+#include "hydrapod/model/section.hpp"
 
 namespace hydrapod::model {
 

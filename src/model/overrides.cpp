@@ -8,10 +8,9 @@
 #include <string_view>
 #include <utility>
 
-#include "hydrapod/base/printable.hpp"
 #include "hydrapod/base/text.hpp"
 #include "hydrapod/model/parameters.hpp"
-#include "key_path.hpp"
+#include "hydrapod/model/section.hpp"
 
 namespace hydrapod::model {
 

@@ -4,8 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "faults.hpp"
-#include "value_tree.hpp"
+#include "hydrapod/model/section.hpp"
 
 namespace hydrapod::model {
 

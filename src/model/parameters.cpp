@@ -6,9 +6,9 @@
 #include <array>
 #include <bit>
 
-#include "hydrapod/base/nearest.hpp"
+#include "hydrapod/base/text.hpp"
 #include "hydrapod/model/machine_file.hpp"
-#include "key_path.hpp"
+#include "hydrapod/model/section.hpp"
 
 namespace hydrapod::model {
 

@@ -1,4 +1,4 @@
-#include "section.hpp"
+#include "hydrapod/model/section.hpp"
 
 #include <fmt/format.h>
 
@@ -6,10 +6,8 @@
 #include <limits>
 #include <utility>
 
-#include "hydrapod/base/nearest.hpp"
-#include "hydrapod/base/printable.hpp"
+#include "hydrapod/base/text.hpp"
 #include "hydrapod/base/units.hpp"
-#include "key_path.hpp"
 
 namespace hydrapod::model {
 

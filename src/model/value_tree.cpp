@@ -1,4 +1,4 @@
-#include "value_tree.hpp"
+#include "hydrapod/model/section.hpp"
 
 #include <fmt/format.h>
 #include <toml++/toml.h>
@@ -7,7 +7,7 @@
 #include <cctype>
 #include <tuple>
 
-#include "hydrapod/base/printable.hpp"
+#include "hydrapod/base/text.hpp"
 #include "nesting_guard.hpp"
 
 namespace hydrapod::model {

@@ -1,4 +1,4 @@
-#include "hydrapod/model/variable_machine.hpp"
+#include "hydrapod/model/machine_file.hpp"
 
 #include <fmt/format.h>
 
@@ -6,7 +6,7 @@
 #include <set>
 #include <stdexcept>
 
-#include "key_path.hpp"
+#include "hydrapod/model/section.hpp"
 
 namespace hydrapod::model {
 

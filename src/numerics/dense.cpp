@@ -1,4 +1,4 @@
-#include "numerics/dense.hpp"
+#include "hydrapod/numerics/dense.hpp"
 
 #include <Eigen/Eigenvalues>
 #include <Eigen/LU>

@@ -1,4 +1,4 @@
-#include "hydrapod/numerics/gaussian.hpp"
+#include "hydrapod/numerics/statistics.hpp"
 
 #include <array>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "hydrapod/numerics/quantiles.hpp"
+#include "hydrapod/numerics/statistics.hpp"
 
 #include <boost/math/distributions/chi_squared.hpp>
 #include <boost/math/distributions/fisher_f.hpp>

@@ -5,8 +5,8 @@
 #include <limits>
 #include <set>
 
-#include "hydrapod/base/constants.hpp"
-#include "hydrapod/kinematics/inverse.hpp"
+#include "hydrapod/base/units.hpp"
+#include "hydrapod/kinematics/legs.hpp"
 #include "hydrapod/modal/mode_table.hpp"
 #include "pair_cost.hpp"
 
@@ -110,8 +110,8 @@ void list_left(const data::ModalResults& found, double highest_damping, const Sh
     if (taken[m] || mode.damping_ratio() > highest_damping || f < found.from || f > found.to)
       continue;
     const auto reason = shapes.energy[m] < modal::local_mode_energy ? Unpaired::not_felt
-                        : !shapes.seen[m]                          ? Unpaired::not_seen
-                                                                   : Unpaired::not_found;
+                        : !shapes.seen[m]                           ? Unpaired::not_seen
+                                                                    : Unpaired::not_found;
     result.model_left.push_back({static_cast<int>(m), reason});
   }
 }

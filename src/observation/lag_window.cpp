@@ -3,7 +3,7 @@
 #include <Eigen/QR>
 #include <cmath>
 
-#include "hydrapod/base/constants.hpp"
+#include "hydrapod/base/units.hpp"
 
 namespace hydrapod::observation {
 

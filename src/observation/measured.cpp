@@ -6,8 +6,8 @@
 #include <cmath>
 #include <limits>
 
-#include "hydrapod/base/constants.hpp"
 #include "hydrapod/base/error.hpp"
+#include "hydrapod/base/units.hpp"
 #include "hydrapod/observation/pairing.hpp"
 
 namespace hydrapod::observation {

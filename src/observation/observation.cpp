@@ -5,9 +5,8 @@
 
 #include "hydrapod/base/error.hpp"
 #include "hydrapod/modal/damped_modes.hpp"
-#include "hydrapod/observation/tangent.hpp"
+#include "hydrapod/numerics/dense.hpp"
 #include "modal_form.hpp"
-#include "numerics/dense.hpp"
 
 namespace hydrapod::observation {
 

@@ -4,9 +4,8 @@
 #include <array>
 #include <cmath>
 
-#include "hydrapod/base/constants.hpp"
 #include "hydrapod/base/units.hpp"
-#include "hydrapod/kinematics/inverse.hpp"
+#include "hydrapod/kinematics/legs.hpp"
 #include "hydrapod/observation/pairing.hpp"
 #include "hydrapod/observation/targets.hpp"
 

@@ -1,4 +1,4 @@
-#include "hydrapod/observation/tangent.hpp"
+#include "hydrapod/observation/observation.hpp"
 
 #include <Eigen/Eigenvalues>
 #include <Eigen/LU>

@@ -1,10 +1,10 @@
-#include "hydrapod/report/answer.hpp"
+#include "hydrapod/report/json.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 
-#include "hydrapod/base/constants.hpp"
+#include "hydrapod/base/units.hpp"
 
 namespace hydrapod::report {
 

@@ -1,4 +1,4 @@
-#include "hydrapod/report/bode.hpp"
+#include "hydrapod/report/model_results.hpp"
 
 #include <fmt/format.h>
 
@@ -7,8 +7,8 @@
 #include <stdexcept>
 
 #include "fields.hpp"
-#include "hydrapod/base/constants.hpp"
-#include "hydrapod/spatial/directions.hpp"
+#include "hydrapod/base/units.hpp"
+#include "hydrapod/spatial/pose.hpp"
 
 namespace hydrapod::report {
 

@@ -6,9 +6,9 @@
 #include <numbers>
 
 #include "gnuplot.hpp"
-#include "hydrapod/base/constants.hpp"
-#include "hydrapod/report/bode.hpp"
-#include "hydrapod/spatial/directions.hpp"
+#include "hydrapod/base/units.hpp"
+#include "hydrapod/report/model_results.hpp"
+#include "hydrapod/spatial/pose.hpp"
 
 namespace hydrapod::report {
 

@@ -1,4 +1,4 @@
-#include "hydrapod/report/calibration.hpp"
+#include "hydrapod/report/measured_results.hpp"
 
 #include <fmt/format.h>
 
@@ -7,7 +7,7 @@
 #include <tuple>
 
 #include "fields.hpp"
-#include "hydrapod/base/constants.hpp"
+#include "hydrapod/base/units.hpp"
 
 namespace hydrapod::report {
 

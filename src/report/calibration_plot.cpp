@@ -4,8 +4,8 @@
 #include <cmath>
 
 #include "gnuplot.hpp"
-#include "hydrapod/base/constants.hpp"
-#include "hydrapod/report/calibration.hpp"
+#include "hydrapod/base/units.hpp"
+#include "hydrapod/report/measured_results.hpp"
 
 namespace hydrapod::report {
 

@@ -2,9 +2,9 @@
 
 #include <algorithm>
 
-#include "hydrapod/base/constants.hpp"
-#include "hydrapod/numerics/quantiles.hpp"
-#include "hydrapod/report/diagnosis.hpp"
+#include "hydrapod/base/units.hpp"
+#include "hydrapod/numerics/statistics.hpp"
+#include "hydrapod/report/measured_results.hpp"
 
 namespace hydrapod::report {
 

@@ -4,9 +4,9 @@
 #include <cmath>
 
 #include "gnuplot.hpp"
-#include "hydrapod/base/constants.hpp"
-#include "hydrapod/diagnosis/amounts.hpp"
-#include "hydrapod/report/diagnosis.hpp"
+#include "hydrapod/base/units.hpp"
+#include "hydrapod/diagnosis/diagnose.hpp"
+#include "hydrapod/report/measured_results.hpp"
 
 namespace hydrapod::report {
 

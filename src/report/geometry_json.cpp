@@ -1,4 +1,4 @@
-#include "hydrapod/report/geometry_json.hpp"
+#include "geometry_json.hpp"
 
 namespace hydrapod::report {
 

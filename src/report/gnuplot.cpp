@@ -10,7 +10,7 @@
 
 #include "hydrapod/base/error.hpp"
 #include "hydrapod/base/file.hpp"
-#include "hydrapod/report/simulation.hpp"
+#include "hydrapod/report/model_results.hpp"
 
 namespace hydrapod::report {
 

@@ -1,14 +1,13 @@
-#include "hydrapod/report/html.hpp"
+#include "hydrapod/report/json.hpp"
 
 #include <fmt/format.h>
 
 #include <array>
 #include <stdexcept>
 
+#include "geometry_json.hpp"
 #include "hydrapod/base/error.hpp"
-#include "hydrapod/report/answer.hpp"
-#include "hydrapod/report/geometry_json.hpp"
-#include "hydrapod/report/modal_response_json.hpp"
+#include "modal_response_json.hpp"
 #include "page.hpp"
 
 namespace hydrapod::report {

@@ -1,14 +1,14 @@
-#include "hydrapod/report/identification_json.hpp"
+#include "hydrapod/report/measured_results.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
 
-#include "hydrapod/base/constants.hpp"
-#include "hydrapod/base/table.hpp"
-#include "hydrapod/numerics/quantiles.hpp"
-#include "hydrapod/spatial/directions.hpp"
+#include "hydrapod/base/file.hpp"
+#include "hydrapod/base/units.hpp"
+#include "hydrapod/numerics/statistics.hpp"
+#include "hydrapod/spatial/pose.hpp"
 
 namespace hydrapod::report {
 

@@ -1,11 +1,11 @@
-#include "hydrapod/report/identification_files.hpp"
+#include "hydrapod/report/measured_results.hpp"
 
 #include <cmath>
 
-#include "hydrapod/base/constants.hpp"
-#include "hydrapod/data/mat_variables.hpp"
+#include "hydrapod/base/units.hpp"
 #include "hydrapod/data/modal_results.hpp"
-#include "hydrapod/numerics/quantiles.hpp"
+#include "hydrapod/data/record_io.hpp"
+#include "hydrapod/numerics/statistics.hpp"
 
 namespace hydrapod::report {
 

@@ -1,15 +1,14 @@
-#include "hydrapod/report/identification_json.hpp"
+#include "hydrapod/report/measured_results.hpp"
 
 #include <fmt/format.h>
 
 #include <cmath>
 
 #include "fields.hpp"
-#include "hydrapod/base/constants.hpp"
 #include "hydrapod/base/error.hpp"
-#include "hydrapod/identification/stabilisation.hpp"
-#include "hydrapod/numerics/quantiles.hpp"
-#include "hydrapod/report/record_json.hpp"
+#include "hydrapod/base/units.hpp"
+#include "hydrapod/identification/identify.hpp"
+#include "hydrapod/numerics/statistics.hpp"
 
 namespace hydrapod::report {
 
@@ -370,16 +369,16 @@ identification::Identification identification_from_json(const Json& json, const 
 }
 
 void add_cross_checks(const std::vector<std::optional<identification::CrossCheck>>& cross_checks,
-                         Json& json) {
+                      Json& json) {
   auto& modes = json["modes"];
   for (std::size_t r = 0; r < modes.size(); ++r) {
     modes[r]["cross_check"] = nullptr;
     if (r < cross_checks.size() && cross_checks[r])
       modes[r]["cross_check"] = {{"method", "era"},
-                                    {"frequency_hz", cross_checks[r]->omega / two_pi},
-                                    {"damping_ratio", cross_checks[r]->damping_ratio},
-                                    {"mac", cross_checks[r]->mac},
-                                    {"agrees", cross_checks[r]->agrees}};
+                                 {"frequency_hz", cross_checks[r]->omega / two_pi},
+                                 {"damping_ratio", cross_checks[r]->damping_ratio},
+                                 {"mac", cross_checks[r]->mac},
+                                 {"agrees", cross_checks[r]->agrees}};
   }
 }
 

@@ -1,4 +1,4 @@
-#include "hydrapod/report/identification_plot.hpp"
+#include "hydrapod/report/measured_results.hpp"
 
 #include <fmt/format.h>
 
@@ -8,9 +8,9 @@
 #include <numbers>
 
 #include "gnuplot.hpp"
-#include "hydrapod/base/constants.hpp"
-#include "hydrapod/identification/stabilisation.hpp"
-#include "hydrapod/report/simulation.hpp"
+#include "hydrapod/base/units.hpp"
+#include "hydrapod/identification/identify.hpp"
+#include "hydrapod/report/model_results.hpp"
 
 namespace hydrapod::report {
 

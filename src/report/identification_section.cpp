@@ -1,4 +1,4 @@
-#include "hydrapod/report/identification_section.hpp"
+#include "hydrapod/report/measured_results.hpp"
 
 #include <fmt/format.h>
 
@@ -6,8 +6,6 @@
 #include <bit>
 #include <cmath>
 #include <cstdlib>
-
-#include "hydrapod/report/identification_json.hpp"
 
 namespace hydrapod::report {
 

@@ -6,9 +6,9 @@
 #include <cmath>
 
 #include "fields.hpp"
-#include "hydrapod/base/constants.hpp"
+#include "hydrapod/base/units.hpp"
 #include "hydrapod/base/version.hpp"
-#include "hydrapod/spatial/directions.hpp"
+#include "hydrapod/spatial/pose.hpp"
 
 namespace hydrapod::report {
 

@@ -3,10 +3,9 @@
 #include <algorithm>
 
 #include "gnuplot.hpp"
-#include "hydrapod/base/constants.hpp"
 #include "hydrapod/base/error.hpp"
-#include "hydrapod/report/identification_plot.hpp"
-#include "hydrapod/report/mode_comparison.hpp"
+#include "hydrapod/base/units.hpp"
+#include "hydrapod/report/measured_results.hpp"
 
 namespace hydrapod::report {
 

@@ -1,11 +1,11 @@
-#include "hydrapod/report/modal_response_json.hpp"
+#include "modal_response_json.hpp"
 
 #include <algorithm>
 #include <limits>
 #include <stdexcept>
 
 #include "fields.hpp"
-#include "hydrapod/report/bode.hpp"
+#include "hydrapod/report/model_results.hpp"
 
 namespace hydrapod::report {
 

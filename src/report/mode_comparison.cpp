@@ -1,10 +1,10 @@
-#include "hydrapod/report/mode_comparison.hpp"
+#include "hydrapod/report/measured_results.hpp"
 
 #include <fmt/format.h>
 
 #include <cmath>
 
-#include "hydrapod/base/constants.hpp"
+#include "hydrapod/base/units.hpp"
 
 #include "hydrapod/modal/mode_table.hpp"
 

@@ -1,4 +1,4 @@
-#include "hydrapod/report/record_json.hpp"
+#include "hydrapod/report/measured_results.hpp"
 
 #include <cmath>
 

@@ -1,4 +1,4 @@
-#include "hydrapod/report/record_plot.hpp"
+#include "hydrapod/report/measured_results.hpp"
 
 #include <fmt/format.h>
 

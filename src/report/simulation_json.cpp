@@ -5,9 +5,9 @@
 #include <cmath>
 
 #include "fields.hpp"
-#include "hydrapod/report/geometry_json.hpp"
-#include "hydrapod/report/simulation.hpp"
-#include "hydrapod/spatial/directions.hpp"
+#include "geometry_json.hpp"
+#include "hydrapod/report/model_results.hpp"
+#include "hydrapod/spatial/pose.hpp"
 
 namespace hydrapod::report {
 

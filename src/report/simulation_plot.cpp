@@ -5,8 +5,8 @@
 #include <numbers>
 
 #include "gnuplot.hpp"
-#include "hydrapod/report/simulation.hpp"
-#include "hydrapod/spatial/directions.hpp"
+#include "hydrapod/report/model_results.hpp"
+#include "hydrapod/spatial/pose.hpp"
 
 namespace hydrapod::report {
 

@@ -1,4 +1,4 @@
-#include "hydrapod/report/system.hpp"
+#include "hydrapod/report/model_results.hpp"
 
 #include <fmt/format.h>
 
@@ -6,8 +6,7 @@
 #include <cmath>
 
 #include "fields.hpp"
-#include "hydrapod/base/constants.hpp"
-#include "hydrapod/report/simulation.hpp"
+#include "hydrapod/base/units.hpp"
 
 namespace hydrapod::report {
 

@@ -4,9 +4,9 @@
 #include <cmath>
 #include <numbers>
 
-#include "hydrapod/base/constants.hpp"
-#include "hydrapod/report/system.hpp"
-#include "hydrapod/spatial/directions.hpp"
+#include "hydrapod/base/units.hpp"
+#include "hydrapod/report/model_results.hpp"
+#include "hydrapod/spatial/pose.hpp"
 
 namespace hydrapod::report {
 

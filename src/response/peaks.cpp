@@ -1,4 +1,4 @@
-#include "hydrapod/response/peaks.hpp"
+#include "hydrapod/response/frequency_response.hpp"
 
 #include <algorithm>
 #include <array>

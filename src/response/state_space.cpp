@@ -1,4 +1,4 @@
-#include "hydrapod/response/state_space.hpp"
+#include "state_space.hpp"
 
 #include <Eigen/Cholesky>
 

@@ -2,10 +2,8 @@
 #include <cmath>
 #include <sstream>
 
-#include "hydrapod/base/key_values.hpp"
-#include "hydrapod/base/printable.hpp"
 #include "hydrapod/base/text.hpp"
-#include "hydrapod/rig/instruments.hpp"
+#include "hydrapod/rig/rig.hpp"
 
 namespace hydrapod::rig {
 

@@ -1,4 +1,4 @@
-#include "hydrapod/rig/instruments.hpp"
+#include "hydrapod/rig/rig.hpp"
 
 #include <fmt/format.h>
 

@@ -9,11 +9,11 @@
 #include <array>
 #include <cmath>
 
-#include "hydrapod/base/constants.hpp"
-#include "hydrapod/kinematics/inverse.hpp"
+#include "hydrapod/base/units.hpp"
+#include "hydrapod/kinematics/legs.hpp"
 #include "hydrapod/rig/rig.hpp"
-#include "hydrapod/simulation/system_poles.hpp"
-#include "hydrapod/spatial/directions.hpp"
+#include "hydrapod/simulation/linear_system.hpp"
+#include "hydrapod/spatial/pose.hpp"
 #include "rig_work.hpp"
 
 namespace hydrapod::rig {

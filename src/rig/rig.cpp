@@ -7,10 +7,10 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "hydrapod/kinematics/inverse.hpp"
-#include "hydrapod/numerics/gaussian.hpp"
-#include "hydrapod/simulation/sensors.hpp"
-#include "hydrapod/spatial/directions.hpp"
+#include "hydrapod/kinematics/legs.hpp"
+#include "hydrapod/numerics/statistics.hpp"
+#include "hydrapod/simulation/closed_loop.hpp"
+#include "hydrapod/spatial/pose.hpp"
 #include "rig_work.hpp"
 
 namespace hydrapod::rig {

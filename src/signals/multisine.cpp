@@ -7,7 +7,7 @@
 #include <numbers>
 #include <unsupported/Eigen/FFT>
 
-#include "hydrapod/base/constants.hpp"
+#include "hydrapod/base/units.hpp"
 #include "sources.hpp"
 
 namespace hydrapod::signals {

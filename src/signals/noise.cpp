@@ -6,7 +6,7 @@
 #include <cmath>
 #include <unsupported/Eigen/FFT>
 
-#include "hydrapod/base/constants.hpp"
+#include "hydrapod/base/units.hpp"
 #include "sources.hpp"
 
 namespace hydrapod::signals {

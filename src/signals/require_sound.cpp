@@ -4,7 +4,7 @@
 #include <stdexcept>
 #include <utility>
 
-#include "hydrapod/spatial/directions.hpp"
+#include "hydrapod/spatial/pose.hpp"
 #include "sources.hpp"
 
 namespace hydrapod::signals {

@@ -9,11 +9,8 @@
 #include <string_view>
 
 #include "hydrapod/base/error.hpp"
-#include "hydrapod/base/key_values.hpp"
-#include "hydrapod/base/nearest.hpp"
-#include "hydrapod/base/printable.hpp"
 #include "hydrapod/base/text.hpp"
-#include "hydrapod/spatial/directions.hpp"
+#include "hydrapod/spatial/pose.hpp"
 #include "sources.hpp"
 
 namespace hydrapod::signals {

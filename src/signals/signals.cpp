@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numeric>
 
-#include "hydrapod/base/constants.hpp"
+#include "hydrapod/base/units.hpp"
 #include "sources.hpp"
 
 namespace hydrapod::signals {

@@ -4,7 +4,7 @@
 #include <array>
 #include <string_view>
 
-#include "hydrapod/numerics/gaussian.hpp"
+#include "hydrapod/numerics/statistics.hpp"
 #include "hydrapod/signals/signals.hpp"
 
 namespace hydrapod::signals {

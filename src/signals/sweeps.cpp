@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "hydrapod/base/constants.hpp"
+#include "hydrapod/base/units.hpp"
 #include "sources.hpp"
 
 namespace hydrapod::signals {

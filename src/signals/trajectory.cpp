@@ -9,12 +9,11 @@
 #include <string_view>
 #include <utility>
 
-#include "hydrapod/base/nearest.hpp"
-#include "hydrapod/base/printable.hpp"
-#include "hydrapod/base/table.hpp"
+#include "hydrapod/base/file.hpp"
+#include "hydrapod/base/text.hpp"
 #include "hydrapod/base/units.hpp"
 #include "hydrapod/signals/signal_text.hpp"
-#include "hydrapod/spatial/directions.hpp"
+#include "hydrapod/spatial/pose.hpp"
 #include "sources.hpp"
 
 namespace hydrapod::signals {

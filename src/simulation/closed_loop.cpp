@@ -9,9 +9,7 @@
 #include <stdexcept>
 
 #include "hydrapod/base/error.hpp"
-#include "hydrapod/simulation/motion_check.hpp"
-#include "hydrapod/simulation/sensors.hpp"
-#include "hydrapod/simulation/tuning.hpp"
+#include "hydrapod/simulation/linear_system.hpp"
 #include "run_accounts.hpp"
 
 namespace hydrapod::simulation {

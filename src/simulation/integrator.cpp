@@ -1,4 +1,4 @@
-#include "hydrapod/simulation/integrator.hpp"
+#include "hydrapod/simulation/closed_loop.hpp"
 
 #include <fmt/format.h>
 

@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "hydrapod/simulation/integrator.hpp"
+#include "hydrapod/simulation/closed_loop.hpp"
 
 namespace hydrapod::simulation {
 

@@ -7,8 +7,6 @@
 #include <stdexcept>
 #include <unsupported/Eigen/MatrixFunctions>
 
-#include "hydrapod/simulation/tuning.hpp"
-
 namespace hydrapod::simulation {
 
 namespace {

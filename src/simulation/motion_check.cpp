@@ -1,12 +1,11 @@
-#include "hydrapod/simulation/motion_check.hpp"
+#include "hydrapod/simulation/closed_loop.hpp"
 
 #include <fmt/format.h>
 
 #include <cmath>
 #include <numbers>
 
-#include "hydrapod/kinematics/pose_quality.hpp"
-#include "hydrapod/simulation/closed_loop.hpp"
+#include "hydrapod/kinematics/check_machine.hpp"
 
 namespace hydrapod::simulation {
 

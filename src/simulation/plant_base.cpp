@@ -1,4 +1,4 @@
-/// The plant's base on its springs; see dynamics/moving_base.hpp.
+/// The plant's base on its springs; see dynamics/nonlinear.hpp.
 
 #include "plant_work.hpp"
 

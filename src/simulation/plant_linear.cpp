@@ -4,7 +4,7 @@
 #include <algorithm>
 
 #include "hydrapod/base/error.hpp"
-#include "hydrapod/spatial/directions.hpp"
+#include "hydrapod/spatial/pose.hpp"
 #include "plant_work.hpp"
 
 namespace hydrapod::simulation {

@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "hydrapod/dynamics/leg_element.hpp"
+#include "hydrapod/dynamics/leg.hpp"
 
 namespace hydrapod::simulation {
 

@@ -1,4 +1,4 @@
-#include "hydrapod/simulation/sensors.hpp"
+#include "hydrapod/simulation/closed_loop.hpp"
 
 #include <algorithm>
 #include <cmath>

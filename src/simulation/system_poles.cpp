@@ -1,4 +1,4 @@
-#include "hydrapod/simulation/system_poles.hpp"
+#include "hydrapod/simulation/linear_system.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -6,7 +6,7 @@
 #include <numeric>
 
 #include "hydrapod/base/error.hpp"
-#include "numerics/dense.hpp"
+#include "hydrapod/numerics/dense.hpp"
 
 namespace hydrapod::simulation {
 

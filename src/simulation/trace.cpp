@@ -1,4 +1,4 @@
-#include "hydrapod/simulation/trace.hpp"
+#include "hydrapod/simulation/closed_loop.hpp"
 
 #include <fmt/format.h>
 
@@ -7,7 +7,7 @@
 #include <array>
 #include <cmath>
 
-#include "hydrapod/spatial/directions.hpp"
+#include "hydrapod/spatial/pose.hpp"
 
 namespace hydrapod::simulation {
 

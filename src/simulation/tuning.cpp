@@ -1,4 +1,4 @@
-#include "hydrapod/simulation/tuning.hpp"
+#include "hydrapod/simulation/linear_system.hpp"
 
 #include <Eigen/Eigenvalues>
 #include <cmath>

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <filesystem>
 
-#include "hydrapod/calibration/targets_file.hpp"
+#include "hydrapod/calibration/calibrate.hpp"
 
 namespace hydrapod::tasks {
 

@@ -4,10 +4,9 @@
 
 #include <algorithm>
 
-#include "hydrapod/base/key_values.hpp"
-#include "hydrapod/base/nearest.hpp"
+#include "hydrapod/base/text.hpp"
 #include "hydrapod/kinematics/check_machine.hpp"
-#include "hydrapod/spatial/directions.hpp"
+#include "hydrapod/spatial/pose.hpp"
 
 namespace hydrapod::tasks {
 

@@ -5,12 +5,12 @@
 #include <algorithm>
 #include <filesystem>
 
-#include "hydrapod/base/constants.hpp"
 #include "hydrapod/base/file.hpp"
-#include "hydrapod/base/nearest.hpp"
-#include "hydrapod/calibration/targets_file.hpp"
+#include "hydrapod/base/text.hpp"
+#include "hydrapod/base/units.hpp"
+#include "hydrapod/calibration/calibrate.hpp"
 #include "hydrapod/kinematics/check_machine.hpp"
-#include "hydrapod/report/identification_json.hpp"
+#include "hydrapod/report/measured_results.hpp"
 
 namespace hydrapod::tasks {
 

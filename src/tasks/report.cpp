@@ -2,8 +2,7 @@
 
 #include <algorithm>
 
-#include "hydrapod/report/diagnosis.hpp"
-#include "hydrapod/report/identification_section.hpp"
+#include "hydrapod/report/measured_results.hpp"
 
 namespace hydrapod::tasks {
 

@@ -89,6 +89,82 @@ TEST(Floors, TheLibraryDoesNotIncludeTheProgramOrTheTests) {
   }
 }
 
+/// What files in quotes include, with the files that do.
+std::map<std::string, std::vector<fs::path>> includers_in(const char* folder) {
+  static const std::regex pattern(R"re(^\s*#\s*include\s*"([^"]+)")re");
+  std::map<std::string, std::vector<fs::path>> found;
+  for (const auto& file : fs::recursive_directory_iterator(test::source_file(folder))) {
+    if (!file.is_regular_file()) continue;
+    std::istringstream lines(test::read_text(file.path()));
+    for (std::string line; std::getline(lines, line);) {
+      std::smatch match;
+      if (std::regex_search(line, match, pattern)) found[match[1]].push_back(file.path());
+    }
+  }
+  return found;
+}
+
+/// The module of a file below include/hydrapod or src; empty for the umbrella header.
+std::string module_of(const fs::path& file) {
+  for (const char* folder : {"include/hydrapod", "src"}) {
+    const fs::path inside = fs::relative(file, test::source_file(folder));
+    if (!inside.empty() && *inside.begin() != "..")
+      return inside.has_parent_path() ? inside.begin()->string() : std::string{};
+  }
+  return {};
+}
+
+TEST(Floors, PrivateHeadersAreIncludedByTheirOwnModuleOnly) {
+  for (const auto& [header, files] : includers_in("src")) {
+    if (header.starts_with("hydrapod/")) continue;
+    for (const fs::path& file : files) {
+      const fs::path module = test::source_file("src") / fs::path(module_of(file));
+      EXPECT_TRUE(fs::exists(file.parent_path() / header) || fs::exists(module / header) ||
+                  header.starts_with(module_of(file) + '/'))
+          << file << " includes " << header;
+    }
+  }
+  for (const auto& [header, files] : includers_in("include/hydrapod"))
+    EXPECT_TRUE(header.starts_with("hydrapod/")) << files.front() << " includes " << header;
+}
+
+TEST(Floors, PublicHeadersAreFew) {
+  constexpr int most = 60;
+  int count = 1;  // base/version.hpp, which the build writes
+  for (const auto& file : fs::recursive_directory_iterator(test::source_file("include/hydrapod")))
+    count += file.is_regular_file() ? 1 : 0;
+  EXPECT_LE(count, most);
+}
+
+/// Needed by another module or by the program, itself or through another public header. What tasks
+/// has is there for users of the library.
+TEST(Floors, PublicHeadersAreNeededOutsideTheirModule) {
+  std::map<std::string, std::vector<fs::path>> includers;
+  for (const char* folder : {"include/hydrapod", "src", "apps"})
+    for (auto& [header, files] : includers_in(folder))
+      includers[header].insert(includers[header].end(), files.begin(), files.end());
+  const fs::path include = test::source_file("include");
+  std::map<std::string, bool> needed;
+  const auto is_needed = [&](const auto& self, const std::string& header) -> bool {
+    if (const auto known = needed.find(header); known != needed.end()) return known->second;
+    const std::string module = module_of(include / header);
+    bool result = module.empty() || module == "tasks";
+    for (const fs::path& file : includers[header]) {
+      const std::string other = module_of(file);
+      const fs::path inside = fs::relative(file, include);
+      const bool is_public = *inside.begin() != "..";
+      result = result || (other != module && !(is_public && other.empty())) ||
+               (is_public && other == module && self(self, inside.generic_string()));
+    }
+    return needed[header] = result;
+  };
+  for (const auto& file : fs::recursive_directory_iterator(include / "hydrapod")) {
+    if (!file.is_regular_file()) continue;
+    const std::string header = fs::relative(file.path(), include).generic_string();
+    EXPECT_TRUE(is_needed(is_needed, header)) << header << " belongs into src";
+  }
+}
+
 TEST(Floors, OnlyTwoFilesOfTheProgramCompileCli11) {
   std::set<std::string> files;
   for (const auto& file : fs::directory_iterator(test::source_file("apps/hydrapod")))

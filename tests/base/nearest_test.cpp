@@ -1,6 +1,6 @@
 /// Which known word was meant.
 
-#include "hydrapod/base/nearest.hpp"
+#include "hydrapod/base/text.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,6 +1,6 @@
 /// Text from outside, made fit for a message.
 
-#include "hydrapod/base/printable.hpp"
+#include "hydrapod/base/text.hpp"
 
 #include <gtest/gtest.h>
 

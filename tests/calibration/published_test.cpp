@@ -3,9 +3,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "hydrapod/calibration/targets_file.hpp"
+#include "hydrapod/calibration/calibrate.hpp"
 #include "hydrapod/kinematics/check_machine.hpp"
-#include "hydrapod/model/variable_machine.hpp"
+#include "hydrapod/model/machine_file.hpp"
 #include "support/calibration_machine.hpp"
 #include "support/places.hpp"
 #include "support/run_program.hpp"

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "hydrapod/calibration/calibrate.hpp"
-#include "hydrapod/model/variable_machine.hpp"
+#include "hydrapod/model/machine_file.hpp"
 #include "support/calibration_machine.hpp"
 
 namespace hydrapod::test {

@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "hydrapod/base/error.hpp"
-#include "hydrapod/report/calibration.hpp"
+#include "hydrapod/report/measured_results.hpp"
 #include "recovery.hpp"
 #include "support/run_program.hpp"
 

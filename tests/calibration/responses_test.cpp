@@ -11,7 +11,6 @@
 #include "hydrapod/dynamics/linear_model.hpp"
 #include "hydrapod/observation/observation.hpp"
 #include "hydrapod/simulation/linear_system.hpp"
-#include "hydrapod/simulation/tuning.hpp"
 #include "support/calibration_machine.hpp"
 #include "support/noisy_modes.hpp"
 #include "support/run_program.hpp"

@@ -1,6 +1,6 @@
 /// Targets files: what is read, and what is said of those that cannot be.
 
-#include "hydrapod/calibration/targets_file.hpp"
+#include "hydrapod/calibration/calibrate.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -154,9 +154,9 @@ INSTANTIATE_TEST_SUITE_P(
             "for each"},
         Wrong{"NotTables", "t.toml", "mode = 3\n",
               "t.toml:1:8: error: mode: expected tables, each begun with [[mode]]"},
-        Wrong{
-            "Repeated", "t.toml", "[[mode]]\nfrequency = \"3 Hz\"\nrepeated = 1.5\n",
-            "t.toml:3:12: error: mode[0].repeated: expected the number of modes with this frequency, 1 to 30"},
+        Wrong{"Repeated", "t.toml", "[[mode]]\nfrequency = \"3 Hz\"\nrepeated = 1.5\n",
+              "t.toml:3:12: error: mode[0].repeated: expected the number of modes with this "
+              "frequency, 1 to 30"},
         Wrong{
             "Damping", "t.toml", "[[mode]]\nfrequency = \"3 Hz\"\ndamping = 2\n",
             "t.toml:3:11: error: mode[0].damping: is 2, expected a damping ratio of at least 0 and "

@@ -11,7 +11,7 @@
 #include "hydrapod/data/record_io.hpp"
 #include "hydrapod/dynamics/linear_model.hpp"
 #include "hydrapod/model/machine_file.hpp"
-#include "hydrapod/report/identification_json.hpp"
+#include "hydrapod/report/measured_results.hpp"
 #include "support/run_program.hpp"
 
 namespace hydrapod {

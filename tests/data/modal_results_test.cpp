@@ -8,7 +8,7 @@
 #include <memory>
 #include <sstream>
 
-#include "hydrapod/data/mat_variables.hpp"
+#include "hydrapod/data/record_io.hpp"
 #include "support/run_program.hpp"
 
 namespace hydrapod::data {

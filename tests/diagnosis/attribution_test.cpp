@@ -1,12 +1,10 @@
 /// Drops below the rigid calculation, what they belong to, and how stiff the sleeves must be.
 
-#include "hydrapod/diagnosis/attribution.hpp"
+#include "hydrapod/diagnosis/diagnose.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "hydrapod/diagnosis/remedy.hpp"
-#include "hydrapod/diagnosis/summary.hpp"
 #include "support/calibration_machine.hpp"
 #include "support/run_program.hpp"
 

@@ -7,7 +7,6 @@
 
 #include "blind_series.hpp"
 #include "hydrapod/base/error.hpp"
-#include "hydrapod/diagnosis/summary.hpp"
 #include "hydrapod/modal/normal_modes.hpp"
 
 namespace hydrapod::diagnosis {

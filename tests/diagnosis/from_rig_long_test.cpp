@@ -5,7 +5,7 @@
 #include <numbers>
 
 #include "from_rig.hpp"
-#include "hydrapod/diagnosis/remedy.hpp"
+#include "hydrapod/diagnosis/diagnose.hpp"
 
 namespace hydrapod::test {
 namespace {

@@ -18,7 +18,7 @@
 
 #include "blind_series.hpp"
 #include "hydrapod/base/file.hpp"
-#include "hydrapod/report/identification_json.hpp"
+#include "hydrapod/report/measured_results.hpp"
 
 namespace hydrapod::test {
 

@@ -1,14 +1,14 @@
 /// From measured responses to what a diagnosis compares: inputs brought to valves, lines chosen,
 /// what each is known to.
 
-#include "hydrapod/diagnosis/responses.hpp"
+#include "diagnosis/responses.hpp"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <numbers>
 
-#include "hydrapod/kinematics/inverse.hpp"
+#include "hydrapod/kinematics/legs.hpp"
 #include "hydrapod/observation/observation.hpp"
 #include "support/calibration_machine.hpp"
 #include "support/noisy_modes.hpp"

@@ -1,15 +1,14 @@
 /// Suspects: every machine has all of them, each changes the model, and each is a hypothesis that
 /// holds the machine as stated.
 
-#include "hydrapod/diagnosis/suspect.hpp"
+#include "hydrapod/diagnosis/diagnose.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <set>
 
-#include "hydrapod/diagnosis/amounts.hpp"
-#include "hydrapod/model/variable_machine.hpp"
+#include "hydrapod/model/machine_file.hpp"
 #include "support/calibration_machine.hpp"
 #include "support/run_program.hpp"
 

@@ -8,7 +8,7 @@
 #include <complex>
 
 #include "hydrapod/hydraulics/oil_spring.hpp"
-#include "hydrapod/modal/energy.hpp"
+#include "hydrapod/modal/normal_modes.hpp"
 #include "support/calibration_machine.hpp"
 #include "support/unreduced_mount.hpp"
 

@@ -1,6 +1,6 @@
 /// The payload at which the legs fold.
 
-#include "hydrapod/dynamics/buckling.hpp"
+#include "hydrapod/dynamics/linear_model.hpp"
 
 #include <gtest/gtest.h>
 

@@ -6,7 +6,7 @@
 #include <limits>
 
 #include "exact/leg_potential.hpp"
-#include "hydrapod/dynamics/bent_leg.hpp"
+#include "hydrapod/dynamics/leg.hpp"
 #include "support/kinds.hpp"
 #include "support/random_machine.hpp"
 

@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "hydrapod/base/printable.hpp"
+#include "hydrapod/base/text.hpp"
 #include "hydrapod/model/machine_file.hpp"
 
 namespace {

@@ -8,7 +8,7 @@
 #include <cstdlib>
 #include <string>
 
-#include "hydrapod/base/printable.hpp"
+#include "hydrapod/base/text.hpp"
 #include "hydrapod/data/frequency_response.hpp"
 #include "hydrapod/data/record_io.hpp"
 

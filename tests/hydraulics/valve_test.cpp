@@ -1,12 +1,11 @@
 /// The servo valve against closed forms and differences.
 
-#include "hydrapod/hydraulics/valve.hpp"
+#include "hydrapod/hydraulics/servo_axis.hpp"
 
 #include <gtest/gtest.h>
 
 #include <complex>
 
-#include "hydrapod/hydraulics/servo_axis.hpp"
 #include "support/published_machine.hpp"
 
 namespace hydrapod::test {

@@ -7,7 +7,7 @@
 #include "exact/modal_system.hpp"
 #include "hydrapod/base/error.hpp"
 #include "hydrapod/data/record_io.hpp"
-#include "hydrapod/identification/measure.hpp"
+#include "hydrapod/identification/responses.hpp"
 #include "support/random.hpp"
 #include "support/run_program.hpp"
 

@@ -1,6 +1,6 @@
 /// Intervals against the scatter over draws of the averages, and the cross-check.
 
-#include "hydrapod/identification/bootstrap.hpp"
+#include "hydrapod/identification/identify.hpp"
 
 #include <gtest/gtest.h>
 

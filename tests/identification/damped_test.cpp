@@ -1,6 +1,6 @@
 /// The instrumental estimate beside the imaginary axis, of loops known exactly.
 
-#include "hydrapod/identification/damped.hpp"
+#include "identification/damped.hpp"
 
 #include <gmock/gmock.h>
 

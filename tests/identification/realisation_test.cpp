@@ -1,6 +1,6 @@
 /// The time-domain cross-check on systems known exactly.
 
-#include "hydrapod/identification/realisation.hpp"
+#include "hydrapod/identification/cross_check.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,7 +1,7 @@
 #pragma once
 /// Cross spectra of a whole record.
 
-#include "hydrapod/identification/spectra.hpp"
+#include "hydrapod/identification/responses.hpp"
 
 namespace hydrapod::identification {
 

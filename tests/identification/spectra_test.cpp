@@ -1,6 +1,6 @@
 /// Cross spectra against what is known of the signals.
 
-#include "hydrapod/identification/spectra.hpp"
+#include "hydrapod/identification/responses.hpp"
 
 #include <gtest/gtest.h>
 

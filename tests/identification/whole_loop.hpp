@@ -7,7 +7,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "hydrapod/simulation/system_poles.hpp"
+#include "hydrapod/simulation/linear_system.hpp"
 #include "support/loop_machine.hpp"
 #include "support/rig_record.hpp"
 

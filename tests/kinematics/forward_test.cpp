@@ -1,6 +1,6 @@
 /// Forward kinematics undoes inverse kinematics.
 
-#include "hydrapod/kinematics/forward.hpp"
+#include "hydrapod/kinematics/legs.hpp"
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>

@@ -10,7 +10,7 @@
 #include <limits>
 
 #include "exact/symmetric_hexapod.hpp"
-#include "hydrapod/modal/energy.hpp"
+#include "hydrapod/modal/normal_modes.hpp"
 #include "support/kinds.hpp"
 #include "support/random_machine.hpp"
 #include "support/symmetric_machine.hpp"

@@ -1,6 +1,6 @@
 /// Energy shares: they sum to one, and they are what frequencies do when a part is changed.
 
-#include "hydrapod/modal/energy.hpp"
+#include "hydrapod/modal/normal_modes.hpp"
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>

@@ -1,6 +1,6 @@
 /// Changing values in a machine file and nothing else.
 
-#include "hydrapod/model/file_edit.hpp"
+#include "hydrapod/model/machine_file.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,6 +1,6 @@
 /// Numbers of a machine file, varied without writing text, against the file read with overrides.
 
-#include "hydrapod/model/variable_machine.hpp"
+#include "hydrapod/model/machine_file.hpp"
 
 #include <gtest/gtest.h>
 

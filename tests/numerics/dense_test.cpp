@@ -1,6 +1,6 @@
 /// Decompositions against what defines them, and against matrices whose spectrum is known.
 
-#include "numerics/dense.hpp"
+#include "hydrapod/numerics/dense.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,6 +1,6 @@
 /// Quantiles against printed tables and closed forms.
 
-#include "hydrapod/numerics/quantiles.hpp"
+#include "hydrapod/numerics/statistics.hpp"
 
 #include <gtest/gtest.h>
 

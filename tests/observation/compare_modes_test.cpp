@@ -5,7 +5,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "hydrapod/kinematics/inverse.hpp"
+#include "hydrapod/kinematics/legs.hpp"
 #include "hydrapod/modal/mode_table.hpp"
 #include "hydrapod/model/machine_file.hpp"
 #include "hydrapod/observation/pairing.hpp"

@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include "hydrapod/identification/window.hpp"
+#include "hydrapod/identification/responses.hpp"
 
 namespace hydrapod::observation {
 namespace {

@@ -8,7 +8,7 @@
 #include "hydrapod/base/error.hpp"
 #include "hydrapod/identification/identify.hpp"
 #include "hydrapod/observation/pairing.hpp"
-#include "hydrapod/report/identification_json.hpp"
+#include "hydrapod/report/measured_results.hpp"
 #include "support/calibration_machine.hpp"
 #include "support/run_program.hpp"
 

@@ -8,7 +8,7 @@
 
 #include "hydrapod/modal/damped_modes.hpp"
 #include "hydrapod/response/frequency_response.hpp"
-#include "hydrapod/simulation/system_poles.hpp"
+#include "hydrapod/simulation/linear_system.hpp"
 #include "support/calibration_machine.hpp"
 #include "support/run_program.hpp"
 

@@ -1,11 +1,11 @@
 /// First-order changes of what is observed, against differences of the observations themselves.
 
-#include "hydrapod/observation/tangent.hpp"
+#include "hydrapod/observation/observation.hpp"
 
 #include <gtest/gtest.h>
 
-#include "hydrapod/model/variable_machine.hpp"
-#include "hydrapod/simulation/tuning.hpp"
+#include "hydrapod/model/machine_file.hpp"
+#include "hydrapod/simulation/linear_system.hpp"
 #include "support/calibration_machine.hpp"
 #include "support/run_program.hpp"
 

@@ -1,6 +1,6 @@
 /// The report's file: what goes into it, and that nothing in a machine file can become markup.
 
-#include "hydrapod/report/html.hpp"
+#include "hydrapod/report/json.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -10,7 +10,7 @@
 #include <set>
 
 #include "hydrapod/kinematics/check_machine.hpp"
-#include "hydrapod/report/modal_response_json.hpp"
+#include "report/modal_response_json.hpp"
 #include "support/run_program.hpp"
 
 namespace hydrapod::report {

@@ -6,8 +6,7 @@
 #include <string>
 
 #include "exact/modal_system.hpp"
-#include "hydrapod/report/identification_json.hpp"
-#include "hydrapod/report/identification_section.hpp"
+#include "hydrapod/report/measured_results.hpp"
 #include "hydrapod/tasks/linear.hpp"
 #include "support/run_program.hpp"
 #include "support/symmetric_machine.hpp"

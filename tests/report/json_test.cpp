@@ -8,8 +8,7 @@
 #include <cmath>
 #include <limits>
 
-#include "hydrapod/report/bode.hpp"
-#include "hydrapod/report/check.hpp"
+#include "hydrapod/report/model_results.hpp"
 #include "support/random_machine.hpp"
 #include "support/symmetric_machine.hpp"
 

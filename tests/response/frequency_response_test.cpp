@@ -12,7 +12,7 @@
 #include <stdexcept>
 
 #include "hydrapod/modal/damped_modes.hpp"
-#include "hydrapod/response/state_space.hpp"
+#include "response/state_space.hpp"
 #include "support/kinds.hpp"
 #include "support/random_machine.hpp"
 #include "support/symmetric_machine.hpp"

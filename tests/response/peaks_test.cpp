@@ -1,6 +1,6 @@
 /// Resonance peaks: of a chain of two masses in closed form, and those of the published machine.
 
-#include "hydrapod/response/peaks.hpp"
+#include "hydrapod/response/frequency_response.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -9,7 +9,7 @@
 
 #include "hydrapod/modal/normal_modes.hpp"
 #include "hydrapod/observation/pairing.hpp"
-#include "hydrapod/simulation/system_poles.hpp"
+#include "hydrapod/simulation/linear_system.hpp"
 #include "support/loop_machine.hpp"
 #include "support/rig_record.hpp"
 #include "support/run_program.hpp"

@@ -8,7 +8,7 @@
 
 #include <complex>
 
-#include "hydrapod/kinematics/inverse.hpp"
+#include "hydrapod/kinematics/legs.hpp"
 #include "hydrapod/model/machine_file.hpp"
 #include "hydrapod/rig/rig.hpp"
 #include "support/run_program.hpp"

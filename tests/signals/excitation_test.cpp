@@ -8,7 +8,7 @@
 #include <complex>
 #include <numbers>
 
-#include "hydrapod/base/constants.hpp"
+#include "hydrapod/base/units.hpp"
 #include "hydrapod/data/processing.hpp"
 #include "hydrapod/signals/signals.hpp"
 

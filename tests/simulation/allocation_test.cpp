@@ -5,7 +5,7 @@
 
 #include "allocations/allocations.hpp"
 #include "hydrapod/dynamics/linear_model.hpp"
-#include "hydrapod/simulation/integrator.hpp"
+#include "hydrapod/simulation/closed_loop.hpp"
 #include "support/published_machine.hpp"
 
 namespace hydrapod::test {

@@ -10,10 +10,7 @@
 #include <deque>
 #include <stdexcept>
 
-#include "hydrapod/simulation/sensors.hpp"
-#include "hydrapod/simulation/system_poles.hpp"
-#include "hydrapod/simulation/trace.hpp"
-#include "hydrapod/simulation/tuning.hpp"
+#include "hydrapod/simulation/linear_system.hpp"
 #include "support/loop_machine.hpp"
 
 namespace hydrapod::simulation {

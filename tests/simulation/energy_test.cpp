@@ -4,8 +4,8 @@
 
 #include <cmath>
 
-#include "hydrapod/kinematics/forward.hpp"
-#include "hydrapod/simulation/integrator.hpp"
+#include "hydrapod/kinematics/legs.hpp"
+#include "hydrapod/simulation/closed_loop.hpp"
 #include "support/free_flight.hpp"
 #include "support/kinds.hpp"
 

@@ -5,7 +5,7 @@
 #include <Eigen/Core>
 #include <cmath>
 
-#include "hydrapod/simulation/integrator.hpp"
+#include "hydrapod/simulation/closed_loop.hpp"
 #include "support/published_machine.hpp"
 #include "support/random.hpp"
 

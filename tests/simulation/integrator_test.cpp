@@ -1,6 +1,6 @@
 /// The four integrators on the full plant.
 
-#include "hydrapod/simulation/integrator.hpp"
+#include "hydrapod/simulation/closed_loop.hpp"
 
 #include <gtest/gtest.h>
 

@@ -12,8 +12,6 @@
 #include <unsupported/Eigen/MatrixFunctions>
 
 #include "hydrapod/simulation/closed_loop.hpp"
-#include "hydrapod/simulation/system_poles.hpp"
-#include "hydrapod/simulation/tuning.hpp"
 #include "support/loop_machine.hpp"
 
 namespace hydrapod::simulation {

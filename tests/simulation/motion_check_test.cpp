@@ -1,15 +1,14 @@
 /// Motions judged before they run: which leg, when, by how much.
 
-#include "hydrapod/simulation/motion_check.hpp"
+#include "hydrapod/simulation/closed_loop.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <fmt/format.h>
 
-#include "hydrapod/kinematics/pose_quality.hpp"
-#include "hydrapod/simulation/closed_loop.hpp"
-#include "hydrapod/simulation/tuning.hpp"
+#include "hydrapod/kinematics/check_machine.hpp"
+#include "hydrapod/simulation/linear_system.hpp"
 #include "support/loop_machine.hpp"
 
 namespace hydrapod::simulation {

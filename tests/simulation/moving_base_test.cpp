@@ -9,8 +9,8 @@
 
 #include "hydrapod/dynamics/linear_model.hpp"
 #include "hydrapod/modal/normal_modes.hpp"
-#include "hydrapod/simulation/integrator.hpp"
-#include "hydrapod/simulation/system_poles.hpp"
+#include "hydrapod/simulation/closed_loop.hpp"
+#include "hydrapod/simulation/linear_system.hpp"
 #include "support/calibration_machine.hpp"
 #include "support/kinds.hpp"
 #include "support/random_machine.hpp"

@@ -8,7 +8,7 @@
 #include <cmath>
 
 #include "hydrapod/base/error.hpp"
-#include "hydrapod/simulation/integrator.hpp"
+#include "hydrapod/simulation/closed_loop.hpp"
 #include "support/kinds.hpp"
 #include "support/published_machine.hpp"
 #include "support/random_machine.hpp"

@@ -9,7 +9,7 @@
 #include <unsupported/Eigen/FFT>
 
 #include "hydrapod/modal/normal_modes.hpp"
-#include "hydrapod/simulation/integrator.hpp"
+#include "hydrapod/simulation/closed_loop.hpp"
 #include "support/published_machine.hpp"
 #include "support/random.hpp"
 

@@ -1,6 +1,6 @@
 /// Poles and participation of systems whose answer is known.
 
-#include "hydrapod/simulation/system_poles.hpp"
+#include "hydrapod/simulation/linear_system.hpp"
 
 #include <gtest/gtest.h>
 

@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "hydrapod/simulation/integrator.hpp"
+#include "hydrapod/simulation/closed_loop.hpp"
 #include "support/published_machine.hpp"
 
 namespace hydrapod::test {

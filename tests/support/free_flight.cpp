@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "hydrapod/kinematics/forward.hpp"
+#include "hydrapod/kinematics/legs.hpp"
 
 namespace hydrapod::test {
 

@@ -2,7 +2,7 @@
 /// A random machine on soft oil springs, let go far from rest and moving: energy and kinematics on
 /// its way.
 
-#include "hydrapod/simulation/integrator.hpp"
+#include "hydrapod/simulation/closed_loop.hpp"
 #include "support/random_machine.hpp"
 
 namespace hydrapod::test {

@@ -4,7 +4,7 @@
 /// digits more than the rounded set that is printed there, so that the frequencies come out to
 /// their last digit.
 
-#include "hydrapod/kinematics/inverse.hpp"
+#include "hydrapod/kinematics/legs.hpp"
 #include "hydrapod/model/machine.hpp"
 
 namespace hydrapod::test {

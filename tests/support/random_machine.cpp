@@ -6,7 +6,6 @@
 #include <numbers>
 
 #include "hydrapod/kinematics/check_machine.hpp"
-#include "hydrapod/kinematics/pose_quality.hpp"
 
 namespace hydrapod::test {
 

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "hydrapod/identification/measure.hpp"
+#include "hydrapod/identification/responses.hpp"
 #include "support/run_program.hpp"
 
 namespace hydrapod::test {

@@ -7,7 +7,7 @@
 #include <Eigen/Geometry>
 
 #include "hydrapod/hydraulics/oil_spring.hpp"
-#include "hydrapod/kinematics/inverse.hpp"
+#include "hydrapod/kinematics/legs.hpp"
 
 namespace hydrapod::test {
 

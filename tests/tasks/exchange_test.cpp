@@ -6,9 +6,7 @@
 
 #include "hydrapod/base/file.hpp"
 #include "hydrapod/hydrapod.hpp"
-#include "hydrapod/report/calibration.hpp"
-#include "hydrapod/report/identification_files.hpp"
-#include "hydrapod/report/identification_json.hpp"
+#include "hydrapod/report/measured_results.hpp"
 #include "support/round_trip.hpp"
 #include "support/run_program.hpp"
 

@@ -5,7 +5,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "hydrapod/report/calibration.hpp"
+#include "hydrapod/report/measured_results.hpp"
 #include "support/round_trip.hpp"
 #include "support/run_program.hpp"
 

@@ -8,13 +8,18 @@
 ///
 /// The unit database is read at the first quantity that has a unit (about 3 ms), not before. All
 /// functions may be called from several threads and in any locale: a number always has a point.
+///
+/// Mathematical constants that the standard library does not have.
 
 #include <limits>
+#include <numbers>
 #include <optional>
 #include <string>
 #include <string_view>
 
 namespace hydrapod::base {
+
+inline constexpr double two_pi = 2.0 * std::numbers::pi;
 
 /// A quantity, or why it could not be read.
 struct QuantityResult {

@@ -7,15 +7,140 @@
 /// units of their deviations, priors, and the constraints that a machine which can be built must
 /// keep (admissibility.hpp). Combinations are ranked: those that are admissible first, then by
 /// misfit. Theory: docs/theory/calibration.md.
+///
+/// What a calibration may change, and what it is to compare.
+///
+/// What data say about parameters, and what they cannot say.
+///
+/// From the weighted Jacobian J of the data at the solution (residuals in standard deviations per
+/// relative change of each parameter) by its singular values: along a right singular vector with
+/// value σ the data know the parameters to ± 1/σ. A direction known no better than ± `free_above`
+/// is free. Parameters that can be traded for each other without the data noticing are found as the
+/// smallest groups whose columns of J nearly depend on each other. Bounds are not asked: what only
+/// a bound holds, the data do not know.
+///
+/// A file of targets, and of what a calibration to them may change.
+///
+/// From TOML (docs/howto/calibrate.md), or from CSV with a title row such as
+/// `frequency [Hz],direction,deviation [Hz],damping [%],pose,x,y,z,rx,ry,rz`, which has targets
+/// alone.
 
-#include "hydrapod/calibration/identifiability.hpp"
-#include "hydrapod/calibration/plan.hpp"
+#include <Eigen/Core>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <variant>
+#include <vector>
+
 #include "hydrapod/dynamics/statics.hpp"
 #include "hydrapod/model/machine_file.hpp"
 #include "hydrapod/numerics/parallel.hpp"
 #include "hydrapod/observation/targets.hpp"
 
 namespace hydrapod::calibration {
+
+/// A number [SI], or a quantity as somebody wrote it, "12 kg", in a unit of the path it is meant
+/// for.
+using Amount = std::variant<double, std::string>;
+
+/// Knowledge about a parameter besides the data: Gaussian, value ± spread.
+struct PriorAmounts {
+  Amount value{};
+  Amount spread{};  ///< > 0
+};
+
+/// Where something was asked for.
+struct Origin {
+  std::string file{};  ///< or the argument: `--free legs.rod.mass`
+  unsigned line{};
+  unsigned column{};
+};
+
+/// A number of the machine file that the fit may change; several paths are tied to one value.
+struct FreeParameter {
+  std::vector<std::string> paths{};
+  std::optional<Amount> start{};  ///< default: the value in the file
+  std::optional<Amount> lower{};  ///< default: a tenth of the start
+  std::optional<Amount> upper{};  ///< default: ten times the start
+  std::optional<PriorAmounts> prior{};
+  Origin origin{};
+};
+
+/// One of several things that may be true of a machine, as overrides `PATH=VALUE` of its file.
+struct Choice {
+  std::string name{};
+  std::vector<std::string> overrides{};
+};
+
+/// Choices of which one is true; every combination of all alternatives is fitted.
+struct Alternative {
+  std::string name{};
+  std::vector<Choice> choices{};
+  Origin origin{};
+};
+
+enum class Loss {
+  automatic,  ///< squares; where single targets lie far off the others, Cauchy
+  squares,
+  cauchy  ///< a target off by many deviations pulls little
+};
+
+struct FitOptions {
+  int starts{8};          ///< per combination, the first at the start values, the others at random
+  std::uint64_t seed{1};  ///< of the random starts
+  /// Starts that go on after `trial_iterations`: those of least cost that differ; 0: all do.
+  int kept{};
+  int trial_iterations{10};
+  Loss loss{Loss::automatic};
+  int max_iterations{200};
+  double tolerance{1e-9};  ///< relative change of the cost that ends a fit
+  int threads{0};          ///< 0: as many as there are processors; results do not depend on it
+};
+
+struct Plan {
+  std::vector<FreeParameter> free{};
+  std::vector<Alternative> alternatives{};
+  FitOptions options{};
+};
+
+/// A direction whose relative standard deviation is larger than this is called free.
+inline constexpr double free_above = 0.3;
+
+/// A parameter as identifiability sees it.
+struct ParameterColumn {
+  std::string name{};  ///< "legs.rod.mass"
+  std::string unit{};  ///< SI
+  double value{};      ///< at the solution
+  double size{};       ///< what a relative change is relative to: |value|, or a range around zero
+};
+
+/// Parameters of which the data know a combination only.
+struct Trade {
+  std::vector<int> parameters{};  ///< indices; a single one: the data do not see it at all
+  Eigen::VectorXd direction{};    ///< relative changes that the data do not notice, largest 1
+  double deviation{};             ///< how far one may go along it, relative; inf: anywhere
+  std::string words{};            ///< "only legs.rod.mass + 1.02 legs.added_axial_inertia is …"
+};
+
+struct Identifiability {
+  Eigen::VectorXd singular_values{};  ///< of J, descending
+  Eigen::MatrixXd directions{};       ///< right singular vectors, columns, relative changes
+  int rank{};                         ///< directions known better than free_above
+  int numerical_rank{};               ///< singular values above rounding
+  Eigen::VectorXd deviations{};       ///< relative, data alone; inf where not determined at all
+  Eigen::MatrixXd correlations{};     ///< of the determined parameters; NaN elsewhere
+  std::vector<Trade> trades{};        ///< smallest groups, shortest first
+};
+
+/// Singular values of J above rounding.
+int numerical_rank(const Eigen::MatrixXd& J);
+
+/// Trades are sought in groups of up to four parameters, fewer where there would be more than some
+/// ten thousand groups. `J`: residuals in deviations × parameters, per relative change. `scatter`:
+/// factor on all deviations where the data tell their own scatter, else 1.
+Identifiability identify_parameters(const Eigen::MatrixXd& J,
+                                    const std::vector<ParameterColumn>& parameters,
+                                    double scatter = 1.0);
 
 enum class Verdict {
   determined,    ///< by the data, to better than free_above
@@ -131,5 +256,16 @@ Profile profile(const model::MachineFile& file, const observation::Targets& targ
 /// its comments kept, every changed value marked with its uncertainty. Throws
 /// base::ComputationError should the result not read as the machine that was fitted.
 std::string calibrated_text(const model::MachineFile& file, const Candidate& candidate);
+
+struct TargetsFile {
+  observation::Targets targets{};
+  Plan plan{};
+};
+
+/// Reads `path`; CSV where it ends in .csv, else TOML. Throws base::InputError with every mistake.
+TargetsFile read_targets(const std::string& path);
+
+/// The same from text; `file_name` decides between CSV and TOML and is what messages call it.
+TargetsFile parse_targets(const std::string& text, const std::string& file_name);
 
 }  // namespace hydrapod::calibration

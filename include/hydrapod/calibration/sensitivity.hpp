@@ -2,7 +2,7 @@
 /// How the modes of a machine follow the numbers of its file.
 ///
 /// The derivatives of eigenvalues and shapes are exact given those of M, K and C
-/// (modal/mode_derivatives.hpp). Those of the matrices are central differences of the assembly,
+/// (modal/damped_modes.hpp). Those of the matrices are central differences of the assembly,
 /// equilibrium under gravity included, with a relative step of `relative_step`: masses, inertias
 /// and stiffnesses enter M and K linearly and lengths as low polynomials over l², so that the error
 /// is some 1e-9 of the derivative.
@@ -10,8 +10,8 @@
 #include <span>
 #include <vector>
 
-#include "hydrapod/modal/mode_derivatives.hpp"
-#include "hydrapod/model/variable_machine.hpp"
+#include "hydrapod/modal/damped_modes.hpp"
+#include "hydrapod/model/machine_file.hpp"
 
 namespace hydrapod::calibration {
 

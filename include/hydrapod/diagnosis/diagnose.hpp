@@ -13,11 +13,113 @@
 /// best for its number of parameters. Two that differ by less than `same` cannot be told apart by
 /// the data, and nothing is blamed unless it beats the machine as stated by more than that. Theory:
 /// docs/theory/diagnosis.md.
+///
+/// Numbers with what they are known to, as people write them.
+///
+/// First resonances of a machine beside those of the rigid-leg model.
+///
+/// What may be wrong with a machine: named changes of its model, each with numbers of its own.
+///
+/// A suspect is one small file in src/diagnosis/suspects; to add one, write its function there,
+/// declare it here and put it into all_suspects.
+///
+/// How much of each drop below the rigid calculation belongs to which compliance.
+///
+/// Each part is made rigid alone (seals a million times stiffer; gimbals and mount that do not give
+/// way) and the modes are computed again, gravity and preload included. Shares need not sum to one:
+/// two compliances in one leg do more together than either alone, and one leg alone stiffened
+/// breaks the symmetry.
+///
+/// How stiff the guide sleeves must be.
+///
+/// The sleeves of all legs are scaled by one factor. Where today's do not meet the goal, the
+/// smallest factor is wanted from which on everything stiffer meets it at every pose; where they
+/// do, how much softer they might be. It is found downwards from nearly rigid (or today's) sleeves
+/// in steps of a tenth of a decade to the first that is too soft, then by bisection, to 1e-6 of
+/// itself.
+///
+/// A diagnosis in plain words with numbers behind each.
+
+#include <array>
+#include <optional>
+#include <string>
+#include <vector>
 
 #include "hydrapod/calibration/calibrate.hpp"
-#include "hydrapod/diagnosis/suspect.hpp"
+#include "hydrapod/dynamics/statics.hpp"
+#include "hydrapod/modal/mode_table.hpp"
+#include "hydrapod/model/machine_file.hpp"
+#include "hydrapod/numerics/parallel.hpp"
+#include "hydrapod/spatial/pose.hpp"
 
 namespace hydrapod::diagnosis {
+
+/// "0.841 ± 0.012 MN/m", "1.23 GPa" (deviation 0 or not finite), "14.2 ± 0.3 t"; as many digits as
+/// the deviation leaves, else four.
+std::string amount_text(double value, double deviation, const std::string& unit);
+
+/// The machine whose base stands still and whose gimbals do not give way: with its rigid model it
+/// is the rigid calculation.
+model::Machine without_mount_and_gimbals(model::Machine machine);
+
+/// A rigid mode stands for the direction in which it mostly moves the platform. Its first resonance
+/// in the real machine is the lowest mode that holds a tenth of it (MAC) or more: with soft seals x
+/// and y have two resonances each, and the lower one is what users see.
+inline constexpr double resonance_mac = 0.1;
+
+struct FirstResonance {
+  std::string direction{};  ///< "x", "ry + x"
+  int main_direction{};     ///< 0…5, x … rz
+  int rigid_mode{};         ///< index of the rigid mode
+  double omega_rigid{};     ///< [rad/s]
+  int mode{};               ///< index of the flexible mode
+  double omega{};           ///< [rad/s]
+  double mac{};             ///< how much of the rigid mode is in it
+  /// 1 − ω/ω_rigid; negative where the seals lie below and push the mode up.
+  [[nodiscard]] double drop() const { return 1.0 - omega / omega_rigid; }
+};
+
+/// One per rigid mode, in their order. Throws base::ComputationError where the machine has no
+/// equilibrium.
+std::array<FirstResonance, 6> first_resonances(const model::Machine& machine,
+                                               const spatial::Pose& X_BP, dynamics::ModelKind kind);
+
+using spatial::direction_name;
+
+struct Suspect {
+  std::string name{};       ///< "guide sleeves of all legs"
+  std::string statement{};  ///< "the guide sleeves of all legs are not as stiff as stated"
+  /// What gives way or is wrong: "guide sleeves", "piston rings", "leg axes", "platform",
+  /// "mass centre", "base", "oil lines". Two of one family are tried together only for two legs.
+  std::string family{};
+  std::optional<int> leg{};  ///< 0…5; none: all legs, or no leg at all
+  std::vector<calibration::FreeParameter> free{};
+  std::vector<model::Assignment> changes{};  ///< what the model needs before it can have this fault
+  bool needs_rings{};                        ///< the model with piston rings
+  /// Tried in pairs. Off for those that another one stands for (air and gimbals change the same
+  /// springs as the bulk modulus, only otherwise from pose to pose).
+  bool in_pairs{true};
+};
+
+using SuspectMaker = std::vector<Suspect> (*)(const model::MachineFile&);
+
+std::vector<Suspect> guide_sleeves(const model::MachineFile& file);
+std::vector<Suspect> piston_rings(const model::MachineFile& file);
+std::vector<Suspect> oil(const model::MachineFile& file);
+std::vector<Suspect> gimbals(const model::MachineFile& file);
+std::vector<Suspect> platform(const model::MachineFile& file);
+std::vector<Suspect> mass_center(const model::MachineFile& file);
+std::vector<Suspect> base(const model::MachineFile& file);
+std::vector<Suspect> oil_lines(const model::MachineFile& file);
+
+inline constexpr std::array all_suspects{&guide_sleeves, &piston_rings, &oil,  &gimbals,
+                                         &platform,      &mass_center,  &base, &oil_lines};
+
+/// All suspects of a machine.
+std::vector<Suspect> suspects_of(const model::MachineFile& file);
+
+/// Can both be guilty at once, and are they worth being tried together?
+bool can_be_together(const Suspect& a, const Suspect& b);
 
 /// Difference of the criterion up to which explanations count as equally good (odds of 20 : 1).
 inline constexpr double same = 6.0;
@@ -125,5 +227,101 @@ model::Machine machine_of(const model::MachineFile& file, const Explanation& exp
 Diagnosis diagnose(const model::MachineFile& file, const observation::Targets& measured,
                    dynamics::ModelKind kind, const std::vector<model::NamedPose>& poses,
                    const DiagnoseOptions& options = {}, const numerics::Progress& progress = {});
+
+enum class Compliance { guide_sleeve, piston_ring, gimbals, base_mount };
+
+struct Part {
+  Compliance what{};
+  std::optional<int> leg{};  ///< 0…5; none: that of all legs, or the base's
+};
+
+/// "guide sleeves of all legs", "guide sleeve of leg 3".
+std::string part_name(const Part& part);
+
+struct PartShare {
+  Part part{};
+  double omega{};  ///< first resonance with this part rigid [rad/s]
+  double share{};  ///< of the drop that is gone then
+};
+
+struct AttributedDrop {
+  FirstResonance resonance{};
+  std::vector<PartShare> parts{};  ///< all legs first, then single legs
+};
+
+/// One per rigid mode. `machine` in its model `kind`; parts it does not have are left out.
+std::vector<AttributedDrop> attribute_drops(const model::Machine& machine,
+                                            const spatial::Pose& X_BP, dynamics::ModelKind kind);
+
+/// What is wanted: a frequency, or a largest drop below the rigid calculation; one of the two.
+struct RemedyGoal {
+  std::optional<double> omega{};   ///< [rad/s] the first resonance must reach
+  std::optional<double> drop{};    ///< 0.02: at most 2 % below rigid
+  std::optional<int> direction{};  ///< 0…5; none: every direction
+};
+
+struct RemedyPoint {
+  double factor{};     ///< on today's stiffness
+  double stiffness{};  ///< of the stiffest leg's sleeve [N/m]
+  double omega{};      ///< lowest first resonance over poses and directions asked for [rad/s]
+  double drop{};       ///< largest drop
+};
+
+enum class RemedyStatus {
+  found,
+  met_already,  ///< today's stiffness, or less, is enough
+  out_of_reach  ///< rigid sleeves would not be enough: `limit` is what they give
+};
+
+/// A first resonance before and after.
+struct Change {
+  std::string pose{}, direction{};
+  double omega_rigid{}, omega_today{}, omega_needed{};  ///< [rad/s]; 0 where the legs fold
+};
+
+struct Remedy {
+  RemedyStatus status{};
+  RemedyPoint today{}, needed{}, limit{};
+  std::string pose{};                ///< that asks for the most
+  std::string direction{};           ///< and its direction
+  std::vector<RemedyPoint> curve{};  ///< from a tenth of today's stiffness to what is nearly rigid
+  std::vector<Change> changes{};     ///< everywhere, with the stiffness that is needed
+};
+
+/// `poses`: at least one. Throws std::invalid_argument for a goal that says neither or both.
+/// `progress`: share of the work done; true asks to stop, and base::ComputationError says so.
+Remedy find_remedy(const model::Machine& machine, const std::vector<model::NamedPose>& poses,
+                   dynamics::ModelKind kind, const RemedyGoal& goal,
+                   const numerics::Progress& progress = {});
+
+/// Poses spread over what stroke and joints allow around the neutral one: its own, and where each
+/// of 26 directions of translation and of rotation ends at a limit (halfway there too).
+std::vector<model::NamedPose> workspace_poses(const model::Machine& machine);
+
+/// All that `hydrapod diagnose` finds out. Attribution and remedy are of the machine that explains
+/// the measurement best, of the machine as stated where nothing was measured.
+struct CaseFile {
+  std::optional<Diagnosis> diagnosis{};
+  model::Machine machine{};  ///< the one that attribution and remedy are of
+  dynamics::ModelKind kind{};
+  std::string pose{};  ///< of the attribution
+  std::vector<AttributedDrop> drops{};
+  RemedyGoal goal{};
+  std::optional<Remedy> remedy{};
+};
+
+/// The finding in one sentence: "guide sleeves of all legs: stiffness 0.841 ± 0.012 MN/m instead of
+/// 30 MN/m".
+std::string finding_sentence(const Diagnosis& diagnosis);
+
+/// Sentences, most important first.
+std::vector<std::string> summary(const CaseFile& file);
+
+/// What an explanation's numbers are, and were in the file: "legs.guide_sleeve.stiffness 0.841 ±
+/// 0.012 MN/m (stated 30 MN/m)".
+std::vector<std::string> parameter_words(const Explanation& explanation);
+
+/// "a drop of at most 2 %", "at least 5.2 Hz in x".
+std::string goal_words(const RemedyGoal& goal);
 
 }  // namespace hydrapod::diagnosis

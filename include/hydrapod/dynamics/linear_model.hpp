@@ -9,11 +9,32 @@
 /// preload terms and the upper-left 6×6 of M is the rigid model's M. With gravity everything is
 /// linearised about the static equilibrium (statics.hpp) of that very model. Derivation:
 /// docs/theory/linear-model.md.
+///
+/// What a set of undamped modes is: (K − ω² M) φ = 0. modal/normal_modes.hpp computes them;
+/// responses and others that only use them need no more than this.
+///
+/// The load at which the legs fold: how much payload the machine carries at a pose.
+///
+/// A payload is mass added at the platform's mass centre. For a load growing from nothing the
+/// static equilibrium at the pose is followed until one of two things happens, which is bracketed
+/// and bisected:
+/// - the lowest stiffness reaches zero (K singular: a seal mode at zero frequency);
+/// - a limit point: beyond it no oil forces hold the platform at this pose with legs that are
+///   merely bent. Legs that their own weight bends before they are loaded end here, shortly before
+///   the mode is at zero, as an imperfect column does; straight ones (vertical, or without weight)
+///   end in the first way.
+///
+/// The linear model of a machine a little beside one whose model is known: for central differences.
+///
+/// The search for the equilibrium starts at the known one and ends after the first Newton step that
+/// leaves less than 1e-6 of the weight. What is left is of second order in the change, and the same
+/// on both sides of a central difference.
 
+#include <cmath>
 #include <string>
 #include <vector>
 
-#include "hydrapod/dynamics/leg_element.hpp"
+#include "hydrapod/dynamics/leg.hpp"
 #include "hydrapod/dynamics/statics.hpp"
 
 namespace hydrapod::dynamics {
@@ -59,5 +80,40 @@ std::vector<std::string> coordinate_names(ModelKind kind);
 
 /// "rigid", "guide", "full".
 const char* name(ModelKind kind);
+
+struct NormalModes {
+  ModelVector omega2{};      ///< ω² [rad²/s²], ascending; negative: unstable, the legs buckle
+  ModelMatrix shapes{};      ///< columns φ [m, rad per √(kg m²)…], φᵀ M φ = 1
+  std::vector<int> group{};  ///< same number for modes whose ω² repeat
+
+  [[nodiscard]] int size() const { return static_cast<int>(omega2.size()); }
+  /// √ω² [rad/s], 0 when unstable.
+  [[nodiscard]] double omega(int k) const { return omega2[k] > 0.0 ? std::sqrt(omega2[k]) : 0.0; }
+};
+
+struct BucklingOptions {
+  double tolerance{1e-6};      ///< relative to the total mass on the legs
+  double largest_factor{100};  ///< search up to this multiple of the platform's mass
+};
+
+enum class BucklingStatus {
+  found,      ///< the legs buckle at `payload`
+  not_found,  ///< no buckling up to the largest payload searched, or no gravity
+  buckled     ///< the machine as it stands is unstable; `payload` is negative: what must come off
+};
+
+struct Buckling {
+  BucklingStatus status{BucklingStatus::not_found};
+  double payload{};          ///< [kg] on top of the platform's mass
+  bool limit_point{};        ///< ended at a limit point, else with a mode at zero
+  StaticEquilibrium last{};  ///< the equilibrium at (just below) that payload
+};
+
+Buckling buckling_payload(const model::Machine& machine, const spatial::Pose& X_BP, ModelKind kind,
+                          const BucklingOptions& options = {});
+
+/// Throws as linear_model() does.
+LinearModel neighbour_model(const model::Machine& machine, const spatial::Pose& X_BP,
+                            const LinearModel& center);
 
 }  // namespace hydrapod::dynamics

@@ -12,7 +12,7 @@
 
 #include <array>
 
-#include "hydrapod/dynamics/bent_leg.hpp"
+#include "hydrapod/dynamics/leg.hpp"
 
 namespace hydrapod::dynamics {
 

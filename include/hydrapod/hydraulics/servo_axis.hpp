@@ -16,18 +16,231 @@
 /// - Leakage past the piston: 1 % of the rated flow at the supply pressure.
 /// - Seals: F_c is 1 % of A_p p_s, F_s = 1.5 F_c, b = 10 F_c per m/s.
 /// - End stops: 20 times as stiff as the oil spring at mid stroke.
+///
+/// Oil in a chamber: how its pressure follows from the flow into it.
+///
+///     ṗ = β(p) / V · (Q − V̇)
+///     1/β(p) = [(1 − α)/β + α x/(n p)] / [(1 − α) + α x] + 0.001 exp(−(p − p_c)/p_w) / p_w
+///     x = (p_0 / p)^(1/n),   p_w = p_c / 10
+///
+/// The first part is oil of modulus β with the share α of air at atmospheric pressure p_0 (exponent
+/// n), at the pressure that the chamber has now. The second is vapour: at the cavitation pressure
+/// p_c it fills 0.1 % of the chamber, which can then be torn open to twenty times its volume before
+/// the pressure is zero. It gives back what it took, and is lost in rounding from p_c + 40 p_w on.
+///
+/// Friction of a cylinder's seals along its axis, in two ways.
+///
+/// Smooth (Stribeck):   F = [F_c + (F_s − F_c) exp(−(v/v_s)²)] tanh(v/v_0) + b v
+/// Bristles (LuGre; Canudas de Wit et al., IEEE TAC 1995):
+///     ż = v − σ0 |v| z / g(v),   g = F_c + (F_s − F_c) exp(−(v/v_s)²)
+///     F = σ0 z + σ1 ż + b v
+///
+/// F [N] is the force against the motion v [m/s]. The smooth law creeps under a load below F_s with
+/// a velocity of about v_0; bristles stick.
+///
+/// Supply pressure: a pump with limited flow, the oil between pump and valves, an accumulator.
+///
+///     ṗ_s = (Q_pump − Q_drawn) / C,    C = V_line / β + V_gas(p_s) / (n p_s)
+///     V_gas(p) = V_0 (p_0 / p)^(1/n) above the precharge p_0, none below
+///     Q_pump = Q_max sat((p_set + b/2 − p_s) / b)       pressure-controlled pump, band b = 2 %
+///     p_set
+///
+/// p_set is the pressure at which the pump gives half of its flow. Without a pump flow the supply
+/// keeps its pressure and has no state.
+///
+/// Four-edge servo valve: turbulent orifices with a smooth laminar transition, overlap, leakage.
+///
+///     Q_A = K [ o(x) q(p_s − p_A) − o(−x) q(p_A − p_r) ]         into the cap-side chamber
+///     Q_B = K [ o(−x) q(p_s − p_B) − o(x) q(p_B − p_r) ]         into the rod-side chamber
+///
+///     q(Δp) = Δp / (Δp² + p_t²)^(1/4)       ±√|Δp| far from zero, Δp/√p_t near it; the flow is
+///                                           less than the turbulent one by p_t² / 4Δp² of it
+///     o(x)  = ½ [ x − x_o + √((x − x_o)² + ε²) ]        opening of an edge, fraction of full
+///
+/// x ∈ [−1, 1] spool position, x_o overlap (negative: underlap). ε rounds the edge's corner so that
+/// the spool's middle leaks what the valve's null leakage is; without leakage the corner is sharp.
+/// Flows are [m³/s], pressures [Pa]. All functions are smooth in the pressures.
 
+#include <algorithm>
 #include <array>
+#include <cmath>
 #include <string>
 #include <vector>
 
-#include "hydrapod/hydraulics/chamber.hpp"
-#include "hydrapod/hydraulics/friction.hpp"
-#include "hydrapod/hydraulics/supply.hpp"
-#include "hydrapod/hydraulics/valve.hpp"
+#include "hydrapod/hydraulics/oil_spring.hpp"
 #include "hydrapod/model/machine.hpp"
 
 namespace hydrapod::hydraulics {
+
+/// A liquid with everything resolved; made by servo_axis().
+struct Oil {
+  double bulk_modulus{};         ///< β [Pa] without air
+  double air_fraction{};         ///< α
+  double air_exponent{1.4};      ///< n
+  double cavitation_pressure{};  ///< p_c [Pa]
+};
+
+/// Compressibility 1/β(p) [1/Pa] at the absolute pressure `p` [Pa].
+inline double compressibility(const Oil& oil, double p) {
+  constexpr double widths = 40.0;  // from here on vapour is lost in rounding
+  constexpr double share = 1e-3;   // of the chamber, at the cavitation pressure
+  const double width = oil.cavitation_pressure / 10.0;
+  double sum = 1.0 / oil.bulk_modulus;
+  if (oil.air_fraction > 0.0) {
+    // Below the cavitation pressure the air is taken to stay as it is there.
+    const double at = std::max(p, oil.cavitation_pressure);
+    const double x = oil.air_fraction * std::pow(atmospheric_pressure / at, 1.0 / oil.air_exponent);
+    const double liquid = 1.0 - oil.air_fraction;
+    sum = (liquid / oil.bulk_modulus + x / (oil.air_exponent * at)) / (liquid + x);
+  }
+  const double above = (p - oil.cavitation_pressure) / width;
+  return above > widths ? sum : sum + share * std::exp(-above) / width;
+}
+
+/// Friction with everything resolved; made by servo_axis().
+struct Friction {
+  double coulomb{};              ///< F_c [N]
+  double breakaway{};            ///< F_s [N]
+  double stribeck_velocity{1};   ///< v_s [m/s]
+  double smoothing_velocity{1};  ///< v_0 [m/s]
+  double viscous{};              ///< b [N s/m]
+  double bristle_stiffness{};    ///< σ0 [N/m]; 0: the smooth law
+  double bristle_damping{};      ///< σ1 [N s/m]
+
+  [[nodiscard]] bool has_bristles() const { return bristle_stiffness > 0.0; }
+};
+
+/// g(v) [N]: what sliding takes at the velocity `v`.
+inline double sliding_force(const Friction& friction, double v) {
+  if (friction.breakaway == friction.coulomb) return friction.coulomb;
+  const double ratio = v / friction.stribeck_velocity;
+  return friction.coulomb + (friction.breakaway - friction.coulomb) * std::exp(-ratio * ratio);
+}
+
+/// F [N] of the smooth law.
+inline double smooth_friction(const Friction& friction, double v) {
+  if (friction.breakaway == 0.0) return friction.viscous * v;
+  return sliding_force(friction, v) * std::tanh(v / friction.smoothing_velocity) +
+         friction.viscous * v;
+}
+
+/// ż [m/s] and F [N] of bristles bent by `z` [m].
+struct BristleFriction {
+  double rate{}, force{};
+};
+inline BristleFriction bristle_friction(const Friction& friction, double v, double z) {
+  const double sliding = sliding_force(friction, v);
+  const double rate =
+      sliding > 0.0 ? v - friction.bristle_stiffness * std::abs(v) * z / sliding : 0.0;
+  return {rate,
+          friction.bristle_stiffness * z + friction.bristle_damping * rate + friction.viscous * v};
+}
+
+/// Whether the supply pressure is a state.
+inline bool is_dynamic(const model::Supply& supply) { return supply.pump_flow.has_value(); }
+
+inline constexpr double pump_band = 0.02;  ///< b / p_set
+
+/// Q_pump [m³/s].
+inline double pump_flow(const model::Supply& supply, double p) {
+  const double open = (supply.pressure - p) / (pump_band * supply.pressure) + 0.5;
+  return supply.pump_flow.value_or(0.0) * std::clamp(open, 0.0, 1.0);
+}
+
+/// The pressure [Pa] at which the pump gives `flow` [m³/s], between nothing and all it has.
+inline double pressure_at_flow(const model::Supply& supply, double flow) {
+  return supply.pressure * (1.0 + pump_band * (0.5 - flow / supply.pump_flow.value_or(flow)));
+}
+
+/// C [m³/Pa]; `compressibility` [1/Pa] is that of the oil.
+inline double supply_capacity(const model::Supply& supply, double p, double compressibility) {
+  double capacity = supply.line_volume * compressibility;
+  if (supply.accumulator && p > supply.accumulator->precharge) {
+    const auto& gas = *supply.accumulator;
+    capacity +=
+        gas.gas_volume * std::pow(gas.precharge / p, 1.0 / gas.polytropic) / (gas.polytropic * p);
+  }
+  return capacity;
+}
+
+/// A valve with everything resolved; made by servo_axis().
+struct Valve {
+  double gain{};              ///< K [m³/(s √Pa)] at full opening
+  double overlap{};           ///< x_o
+  double rounding{};          ///< ε
+  double laminar_pressure{};  ///< p_t [Pa]
+  double natural_frequency{};
+  double damping_ratio{};
+  double rate_limit{};
+};
+
+/// q(Δp) [√Pa].
+inline double orifice(double drop, double laminar_pressure) {
+  return drop / std::sqrt(std::sqrt(drop * drop + laminar_pressure * laminar_pressure));
+}
+
+/// ∂q/∂Δp.
+inline double orifice_slope(double drop, double laminar_pressure) {
+  const double square = drop * drop + laminar_pressure * laminar_pressure;
+  return (0.5 * drop * drop + laminar_pressure * laminar_pressure) /
+         (square * std::sqrt(std::sqrt(square)));
+}
+
+/// o(x).
+inline double opening(const Valve& valve, double x) {
+  const double over = x - valve.overlap;
+  return 0.5 * (over + std::sqrt(over * over + valve.rounding * valve.rounding));
+}
+
+/// ∂o/∂x; one half at a sharp corner.
+inline double opening_slope(const Valve& valve, double x) {
+  const double over = x - valve.overlap;
+  const double root = std::sqrt(over * over + valve.rounding * valve.rounding);
+  return root > 0.0 ? 0.5 * (1.0 + over / root) : 0.5;
+}
+
+/// Pressures around a valve [Pa].
+struct PortPressures {
+  double supply{}, back{}, cap{}, rod{};
+};
+
+/// Flows of a valve [m³/s]: into both chambers, out of the supply, into the return.
+struct PortFlows {
+  double cap{}, rod{}, supply{}, back{};
+};
+
+/// Flows at spool position `x`; beyond full travel nothing opens further.
+inline PortFlows valve_flows(const Valve& valve, double x, const PortPressures& p) {
+  const double at = std::clamp(x, -1.0, 1.0);
+  const double open_forward = valve.gain * opening(valve, at);
+  const double open_backward = valve.gain * opening(valve, -at);
+  const double supply_cap = open_forward * orifice(p.supply - p.cap, valve.laminar_pressure);
+  const double cap_back = open_backward * orifice(p.cap - p.back, valve.laminar_pressure);
+  const double supply_rod = open_backward * orifice(p.supply - p.rod, valve.laminar_pressure);
+  const double rod_back = open_forward * orifice(p.rod - p.back, valve.laminar_pressure);
+  return {supply_cap - cap_back, supply_rod - rod_back, supply_cap + supply_rod,
+          cap_back + rod_back};
+}
+
+/// Slopes of the flows into the chambers, by spool position and by the chamber's own pressure.
+struct PortFlowSlopes {
+  double cap_x{}, cap_p{}, rod_x{}, rod_p{};
+};
+PortFlowSlopes valve_flow_slopes(const Valve& valve, double x, const PortPressures& p);
+
+/// Flow through the spool's middle [m³/s], both ports blocked: what a data sheet calls null
+/// leakage.
+double null_leakage(const Valve& valve, double supply, double back);
+
+/// ẍ of the spool for a command u ∈ [−1, 1]: a lag of second order with limited rate,
+///     ẍ = 2ζω [ sat(ω (u − x) / 2ζ) − ẋ ],     |sat| ≤ rate limit,
+/// whose rate never passes the limit and which is ω²(u − x) − 2ζω ẋ below it.
+inline double spool_acceleration(const Valve& valve, double x, double rate, double command) {
+  const double aim =
+      0.5 * valve.natural_frequency / valve.damping_ratio * (std::clamp(command, -1.0, 1.0) - x);
+  return 2.0 * valve.damping_ratio * valve.natural_frequency *
+         (std::clamp(aim, -valve.rate_limit, valve.rate_limit) - rate);
+}
 
 /// Stops at both ends: against a piston δ beyond an end, N = k δ (1 + d δ̇), never pulling.
 struct Stops {

@@ -12,12 +12,188 @@
 ///    that double another (nearly the same pole and shape).
 /// 5. Modes with little damping are the machine's modes; heavily damped poles (a controller's, a
 ///    delay's) stay in the model and are listed apart.
+///
+/// Poles from frequency responses: poly-reference least squares in the frequency domain (pLSCF).
+///
+/// Right matrix fraction with p inputs (references) and order n, z = e^(sT) on the band f_0 … f_1,
+/// T = 1/(2 (f_1 − f_0)), s = 2πi (f − f_0):
+///
+///     H(z) = B(z) A(z)⁻¹,   A = Σ A_k z^k (p×p),   B = Σ B_k z^k,   real coefficients.
+///
+/// Per output o the equation error w_o (B_o − H_o A) is linear in all of them; B is eliminated and
+/// the reduced normal equations M α = 0 are solved with A_0 = I. Then the zeros of det A that model
+/// noise lie outside the unit circle and are told from those of the machine by their sign. All
+/// sums depend on differences of powers only: they are formed once, for the highest order, and a
+/// lower one uses the leading blocks. With fewer outputs than inputs the transposed problem is
+/// solved.
+///
+/// Source: B. Peeters, H. Van der Auweraer, P. Guillaume, J. Leuridan, Shock and Vibration 11
+/// (2004) 395.
+///
+/// Which poles are the machine's: those that come back whatever the model order.
+///
+/// A pole of one order matches one of another order when
+///
+///     |Δω|/ω ≤ frequency,   |Δζ| ≤ damping · ζ + damping_floor,   MAC ≥ vector,
+///
+/// MAC being that of its shape (and of its participation) with what the other order has within
+/// `neighbourhood` of it: with the subspace that those poles span, so that repeated modes, whose
+/// shapes may be mixed at will, count as the same. A cluster takes one pole of every order at most;
+/// the pole that most other orders match begins the first one, and so on with what is left. So
+/// a repeated mode makes as many clusters as it has poles. A cluster is kept when it has at
+/// least `persistence` of the orders from the one on at which it first appears, and at least
+/// `fewest`.
+///
+/// The modal model of frequency responses, and its maximum-likelihood fit.
+///
+///     H(ω) = Σ_r [ φ_r L_rᵀ g(ω, λ_r) + conj. ] + Σ_k C_k s^k,   s = iω, k = −2 … K,
+///
+/// g = 1/(s − λ), or what averaging with a window makes of it under white excitation (the
+/// transform of ρ(τ) e^(λτ), see lag_taper): so the widening of resonances by the window is
+/// part of the model and not an error of the damping. C_k, real, stand for all modes below (−2, −1)
+/// and above (0 … K; 1 unless said otherwise) the band.
+///
+/// Fit. Rows of H are independent given λ and L: minimised is Σ over lines and outputs of
+///
+///     ‖(Ĥ_o − H_o) W‖²/σ_o²,   W Wᴴ = Q⁻¹  (transposed as the row needs it),
+///
+/// σ_o² and Q being those of the responses' errors; by Gauss-Newton steps with Levenberg's damping
+/// over λ and L, with φ and C eliminated exactly. Without known errors they are taken in proportion
+/// to the response, see line_weights.hpp, and their size from the residual.
+///
+/// Errors. Estimates are θ̂ − θ = N⁻¹ Jᵀ e with N = Jᵀ J; the covariance is N⁻¹ Jᵀ cov(e) J N⁻¹ with
+/// what the responses say of cov(e), between outputs and between neighbouring lines. Where nothing
+/// is known, cov(e) is taken from the residual.
+///
+/// Sources: P. Guillaume, P. Verboven, S. Vanlanduit, ISMA 23 (1998) 359 (maximum likelihood); M.
+/// El-Kafafy, P. Guillaume, B. Peeters, Mech. Syst. Signal Process. 37 (2013) 1 (modal model).
+///
+/// How much frequencies and damping scatter when the averages are drawn anew: a check of the
+/// intervals that needs none of their theory.
+///
+/// The blocks of a record are kept in G groups of neighbours. A resample draws G groups with
+/// replacement, averages their spectra, estimates the responses anew and fits the modes that were
+/// found, starting from them. The standard deviation over resamples, times √(G/(G − 1)), estimates
+/// that of the frequency and the damping ratio.
+///
+/// Source: B. Efron, R. J. Tibshirani, An Introduction to the Bootstrap (1993), ch. 6 and 8.
+///
+/// What a pole of the stabilisation chart has in common with the model order before its own.
 
+#include <cstdint>
+#include <functional>
 #include <optional>
 
-#include "hydrapod/identification/modal_model.hpp"
+#include "hydrapod/data/modal_results.hpp"
+#include "hydrapod/identification/responses.hpp"
+#include "hydrapod/numerics/parallel.hpp"
 
 namespace hydrapod::identification {
+
+/// A pole λ with its rank-one residue A = φ Lᵀ: H ≈ φ Lᵀ/(s − λ) near it.
+struct PoleEstimate {
+  std::complex<double> pole{};       ///< λ [1/s], Im > 0
+  Eigen::VectorXcd shape{};          ///< φ, a number per output
+  Eigen::VectorXcd participation{};  ///< L, a number per input
+  [[nodiscard]] double omega() const { return std::abs(pole); }
+  [[nodiscard]] double damping_ratio() const { return -pole.real() / std::abs(pole); }
+};
+
+/// What was found with one model order.
+struct OrderPoles {
+  int order{};
+  std::vector<PoleEstimate> poles{};  ///< oscillating, in the band; ascending in |λ|
+};
+
+struct OrderRange {
+  int lowest{2}, highest{40}, step{2};
+};
+
+/// Of the lines of `responses`; frequencies may be unevenly spaced. `progress` is told the share
+/// that is done. Throws std::invalid_argument for orders that make no sense and for less than four
+/// lines; highest order is lowered to what the number of lines can bear.
+std::vector<OrderPoles> poly_reference_poles(const FrequencyResponses& responses,
+                                             const OrderRange& orders = {},
+                                             const std::function<void(double)>& progress = {});
+
+using data::mac;
+
+struct SelectionOptions {
+  double frequency{0.01};
+  double damping{0.2};
+  double damping_floor{0.002};
+  double vector{0.8};
+  double neighbourhood{0.02};
+  double persistence{0.5};
+  int fewest{4};
+  double highest_damping{0.9};  ///< poles with more than this are not looked at
+};
+
+/// Which pole of which order.
+struct PoleIndex {
+  std::size_t order{}, pole{};
+};
+
+struct PoleCluster {
+  PoleEstimate representative{};     ///< of the highest order in which all clusters near it are
+  std::vector<PoleIndex> members{};  ///< one per order at most
+  double persistence{};              ///< share of the orders from the first one on
+  double frequency_scatter{};        ///< standard deviation of ω over its mean, over members
+  double damping_scatter{};          ///< standard deviation of ζ
+  double vector_consistency{};       ///< mean MAC of the members with the representative
+};
+
+/// Ascending in frequency.
+std::vector<PoleCluster> select_poles(const std::vector<OrderPoles>& chart,
+                                      const SelectionOptions& options = {});
+
+struct FittedMode {
+  std::complex<double> pole{};
+  Eigen::VectorXcd shape{};          ///< φ
+  Eigen::VectorXcd participation{};  ///< L, its largest element is 1
+  /// Standard deviations, from the responses' errors.
+  double omega_deviation{}, damping_deviation{};  ///< of ω [rad/s] and ζ
+  Eigen::VectorXd shape_deviation{};              ///< of φ_o: √E|φ̂ − φ|²
+  /// Σ over lines and entries of |contribution|²/variance, over the number of its parameters: what
+  /// the mode is above the noise. Around 1 it is nothing.
+  double significance{};
+  [[nodiscard]] double omega() const { return std::abs(pole); }
+  [[nodiscard]] double damping_ratio() const { return -pole.real() / std::abs(pole); }
+};
+
+inline constexpr int lowest_residual_power = -2;
+
+struct ModalModel {
+  std::vector<FittedMode> modes{};
+  /// C_k for k = −2 … K, outputs × inputs, with s/ω_scale for s.
+  std::vector<Eigen::MatrixXd> residuals{};
+  double omega_scale{1.0};
+  double cost{};   ///< the sum of squares that is minimised
+  double error{};  ///< √(Σ|Ĥ − H|²/Σ|Ĥ|²) over lines and entries
+  /// Mean of |residual|²/variance, less the parameters: about 1 when the model is right and the
+  /// variances are; 0 where errors are not known.
+  double misfit{};
+  int iterations{};
+  bool converged{};
+};
+
+/// What standard deviations are asked for; those of shapes take several times as long.
+enum class Deviations { none, poles, all };
+
+struct FitOptions {
+  int max_iterations{30};
+  double tolerance{1e-9};  ///< relative fall of the sum of squares at which it stops
+  bool taper{true};        ///< model the window, where the responses tell it
+  Deviations deviations{Deviations::all};
+  int highest_residual_power{1};  ///< K
+};
+
+/// Starting from `start`. Throws std::invalid_argument without poles.
+ModalModel fit_modes(const FrequencyResponses& responses, const std::vector<PoleEstimate>& start,
+                     const FitOptions& options = {});
+
+/// H of the model at s = shift + iω: without the window's effect.
+Eigen::MatrixXcd synthesised(const ModalModel& model, double frequency, double shift = 0.0);
 
 struct IdentifyOptions {
   std::optional<double> from{}, to{};  ///< band [Hz]; default: found as said above
@@ -80,5 +256,45 @@ Eigen::MatrixXd mode_indicator(const FrequencyResponses& responses);
 /// MAC of every shape with every other.
 Eigen::MatrixXd mac_matrix(const std::vector<Eigen::VectorXcd>& a,
                            const std::vector<Eigen::VectorXcd>& b);
+
+/// Spectra that were formed alike as one, each with the weight of its blocks. `picks`: which ones,
+/// some perhaps several times.
+CrossSpectra averaged_spectra(const std::vector<CrossSpectra>& groups,
+                              const std::vector<std::size_t>& picks);
+
+struct BootstrapOptions {
+  int resamples{50};
+  std::uint64_t seed{1};
+  IdentifyOptions identify{};  ///< those that found the modes
+};
+
+struct BootstrapScatter {
+  Eigen::VectorXd omega_deviation{};    ///< of ω [rad/s], per mode that was found
+  Eigen::VectorXd damping_deviation{};  ///< of ζ
+  int resamples{};                      ///< that could be fitted
+  int groups{};  ///< G: the scatter itself is known to 1/√(2 (G − 1)) or so
+};
+
+/// `groups`: spectra of at least four groups with the same channels and options. `progress` is told
+/// the share that is done; where it says false the resamples so far count. Throws
+/// std::invalid_argument for fewer groups and for a result without modes.
+BootstrapScatter bootstrap_modes(const std::vector<CrossSpectra>& groups,
+                                 const ChannelChoice& choice, Estimator estimator,
+                                 const Identification& found, const BootstrapOptions& options = {},
+                                 const numerics::Progress& progress = {});
+
+/// Each level holds what the ones before it do.
+enum class PoleStability {
+  fresh,      ///< no pole near it in the order before
+  frequency,  ///< one within SelectionOptions::frequency
+  damping,    ///< and its damping ratio agrees
+  vector      ///< and shape and participation lie in what poles near it span
+};
+/// "new", "frequency", "damping", "vector".
+std::string_view stability_text(PoleStability stability);
+
+/// Per order and pole of `chart`. Poles of the lowest order are fresh.
+std::vector<std::vector<PoleStability>> pole_stability(const std::vector<OrderPoles>& chart,
+                                                       const SelectionOptions& options = {});
 
 }  // namespace hydrapod::identification

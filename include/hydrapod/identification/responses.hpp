@@ -26,13 +26,177 @@
 /// Sources: J. S. Bendat, A. G. Piersol, Random Data, 4th ed. (2010), ch. 7 and 9; R. Pintelon,
 /// J. Schoukens, System Identification: A Frequency Domain Approach, 2nd ed. (2012), ch. 2 and 7;
 /// G. T. Rocklin, J. Crowley, H. Vold, IMAC 3 (1985) 272 (Hv).
+///
+/// Windows of spectral estimates, and what they do to statistics and to responses.
+///
+/// Cross spectra of all channels of a record, from samples that stream past.
+///
+/// Blocks of n samples, D apart (Welch), lose their mean, get a window and are transformed once per
+/// channel, z_k = (Z_1 … Z_c)ᵀ at line f_k = k f_s/n. Averaged over the blocks,
+///
+///     S(f_k) = c_k/(f_s Σ w²) · mean of z_k z_kᴴ,   c = 1 at k = 0 and n/2, else 2,
+///
+/// is the one-sided density [unit²/Hz]: S_ij = E[Z_i Z_j*]. Memory: n · c for the samples and
+/// c (c + 1)/2 complex numbers per line, whatever the length of the record.
+///
+/// Periodic excitation: blocks are whole periods, without window and overlap. They are averaged as
+/// transforms over the periods of a record, z̄, and S = mean over the records of z̄ z̄ᴴ; what
+/// differs from period to period is the noise, N = mean of (z − z̄)(z − z̄)ᴴ · m/(m − 1).
+///
+/// From what sensors measure to directions of the platform.
+///
+/// Small motions about the pose: leg lengths l = J_l_q q, so q = J_l_q⁻¹ l with q = (x, y, z, rx,
+/// ry, rz) of the point Q in base axes. Drives, to which the legs' speeds are proportional, are
+/// brought to directions in the same way. Accelerometers at p_k with axis e_k, both in base axes,
+/// measure a_k = e_kᵀ (q̈_lin + q̈_rot × (p_k − Q)); six or more that see all directions give q̈ by
+/// least squares.
+///
+/// From record files to frequency responses without a choice to make.
+///
+/// Inputs are the channels with the role drive where there are as many excitations that are
+/// commands (not forces): the modes are then those of the machine without its controller. Else they
+/// are the channels with the role excitation, else those with the role drive. Outputs are those
+/// with the role response; among sensors of several kinds the platform's motion in six directions,
+/// else the six leg lengths. Estimator: H1 from excitations; from drives, the instrumental estimate
+/// where there are as many excitations, else H1. Block length: a power of two, so that there are
+/// some 4 p + 8 blocks side by side for p inputs. Excitation that repeats exactly is averaged over
+/// whole periods.
 
+#include <Eigen/Core>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string_view>
 #include <vector>
 
 #include "hydrapod/data/frequency_response.hpp"
-#include "hydrapod/identification/spectra.hpp"
+#include "hydrapod/data/record.hpp"
+#include "hydrapod/data/record_io.hpp"
+#include "hydrapod/kinematics/legs.hpp"
+#include "hydrapod/numerics/parallel.hpp"
 
 namespace hydrapod::identification {
+
+enum class Window { hann, rectangular, hamming, blackman_harris, flat_top };
+
+/// "hann", "rectangular", "hamming", "blackman-harris", "flat-top".
+std::string_view window_text(Window window);
+std::optional<Window> window_from_text(std::string_view text);
+
+/// w_t, t = 0 … n − 1, periodic: w_t = Σ_j (−1)^j a_j cos(2π j t/n).
+Eigen::VectorXd window_samples(Window window, int length);
+
+/// Statistics of averages over K blocks of length n whose starts are D samples apart, for noise
+/// whose spectrum is flat over a few lines. With
+///
+///     c(m, d) = Σ_t w_t w_{t + mD} e^(−2πi d t/n) / Σ_t w_t²
+///
+/// the covariance of a cross spectrum between the lines k and k + d is proportional to
+///
+///     a_d = 1/K Σ_m (1 − |m|/K) |c(m, d)|²,   |m| < K.
+struct AverageStatistics {
+  double effective_averages{};          ///< 1/a_0: as many independent blocks would be as good
+  std::vector<double> line_covariance;  ///< a_d/a_0, d = 0, 1, … while it is above 1e-4
+};
+AverageStatistics average_statistics(const Eigen::VectorXd& window, int hop, long blocks);
+
+/// ρ_τ = Σ_t w_t w_{t+τ} / Σ_t w_t², τ = 0 … n − 1. Under white excitation an averaged cross
+/// spectrum is, in the mean, the transform of the impulse response times ρ: a window makes
+/// resonances wider, by an amount that is known.
+Eigen::VectorXd lag_taper(const Eigen::VectorXd& window);
+
+struct SpectrumOptions {
+  int block_length{};           ///< n [samples], even, at least 8
+  double overlap{0.5};          ///< 0 … < 1, share of a block that the next one has too
+  Window window{Window::hann};  ///< for periodic excitation there is none
+  bool periodic{};              ///< blocks are periods
+};
+
+/// What a look at a channel's samples tells.
+struct ChannelHealth {
+  std::int64_t samples{};
+  std::int64_t missing{};  ///< NaN or infinite
+  std::int64_t
+      at_limit{};  ///< at the highest or lowest value: more than a few say that it was clipped
+  double lowest{}, highest{};
+  [[nodiscard]] bool constant() const { return samples > missing && !(highest > lowest); }
+};
+
+struct CrossSpectra {
+  std::vector<data::Channel> channels{};
+  double sample_rate{};  ///< [Hz]
+  SpectrumOptions options{};
+  Eigen::VectorXd window{};        ///< w_t
+  std::int64_t blocks{};           ///< that were averaged
+  std::int64_t blocks_left_out{};  ///< for a missing sample
+  int records{};                   ///< that held at least one block
+  AverageStatistics statistics{};
+  std::vector<ChannelHealth> health{};
+  /// Pair (i, j), i ≥ j, is column i (i + 1)/2 + j; a row per line.
+  Eigen::MatrixXd re{}, im{};
+  Eigen::MatrixXd noise_re{}, noise_im{};  ///< N, for periodic excitation; else empty
+
+  [[nodiscard]] Eigen::Index lines() const { return re.rows(); }
+  [[nodiscard]] double frequency(Eigen::Index line) const {
+    return static_cast<double>(line) * sample_rate / options.block_length;
+  }
+  /// S or N at a line, Hermitian.
+  [[nodiscard]] Eigen::MatrixXcd at(Eigen::Index line) const;
+  [[nodiscard]] Eigen::MatrixXcd noise_at(Eigen::Index line) const;
+};
+
+class SpectrumEstimator {
+ public:
+  /// Of these channels of `header` (all of them when none is named). Throws std::invalid_argument
+  /// for options that make no sense.
+  SpectrumEstimator(const data::RecordHeader& header, const SpectrumOptions& options,
+                    const std::vector<std::size_t>& channels = {});
+  ~SpectrumEstimator();
+  SpectrumEstimator(SpectrumEstimator&&) noexcept;
+  SpectrumEstimator& operator=(SpectrumEstimator&&) noexcept;
+
+  /// The next samples of the record, all its channels.
+  void add(const Eigen::Ref<const data::Samples>& samples);
+  /// What comes next is another record: no block reaches over the border. Its first `settling`
+  /// samples are passed over.
+  void begin_record(std::int64_t settling = 0);
+  /// Of what has come so far.
+  [[nodiscard]] CrossSpectra result();
+
+ private:
+  struct Implementation;
+  std::unique_ptr<Implementation> implementation_;
+};
+
+/// Samples after which excitation repeats, to within `tolerance` of its RMS; 0: it does not.
+/// `samples`: one signal, at least three periods of it.
+std::int64_t period_of(const Eigen::VectorXd& samples, double tolerance = 1e-3);
+
+struct LinearSensor {
+  spatial::Vector3 position{};  ///< in B [m]
+  spatial::Vector3 axis{};      ///< unit vector in B
+};
+
+/// q from leg lengths, 6×6. Throws base::ComputationError at a singular pose.
+Eigen::MatrixXd platform_from_legs(const model::Machine& machine, const spatial::Pose& X_BP,
+                                   const spatial::Vector3& p_BQ);
+
+/// q̈ from accelerations, 6×n. Throws base::ComputationError when the sensors do not see all
+/// directions.
+Eigen::MatrixXd platform_from_accelerometers(const std::vector<LinearSensor>& sensors,
+                                             const spatial::Vector3& p_BQ);
+
+/// The spectra with `channels` replaced by six platform channels, `map` times the former, which
+/// come last; the numbers of the other channels close up. Names: `prefix` and x … rz. Units: those
+/// of a length channel give "m" and "rad" with the same powers of time, those of drives "1" and
+/// "1/m".
+CrossSpectra to_platform(const CrossSpectra& spectra, const std::vector<int>& channels,
+                         const Eigen::MatrixXd& map, const std::string& prefix = {});
+
+/// The channels of a role with the directions leg 1 … 6 in this order, if all are there once;
+/// responses if they are lengths, speeds or accelerations.
+std::optional<std::vector<int>> leg_channels(const CrossSpectra& spectra,
+                                             data::Role role = data::Role::response);
 
 using data::Estimator;
 using data::FrequencyResponses;
@@ -61,5 +225,62 @@ struct BiasFinding {
 };
 BiasFinding compare_responses(const FrequencyResponses& plain,
                               const FrequencyResponses& instrumental);
+
+/// A machine at a pose: brings leg lengths to directions of the platform at Q.
+struct PlatformFrame {
+  model::Machine machine{};
+  spatial::Pose X_BP{};
+  spatial::Vector3 p_BQ{};  ///< [m]
+};
+
+struct MeasureOptions {
+  std::vector<std::string> inputs{}, outputs{}, instruments{};  ///< channel names; empty: by role
+  /// Role of the inputs, excitation or drive; default: as said above.
+  std::optional<data::Role> input_role{};
+  std::optional<Estimator> estimator{};
+  std::optional<int> block_length{};  ///< [samples]
+  std::optional<double> overlap{};
+  Window window{Window::hann};
+  std::optional<double> period{};  ///< [s] of the excitation; 0: not periodic; default: found out
+  double settling{};               ///< [s] at the beginning of each record that are passed over
+  std::optional<PlatformFrame> platform{};  ///< for responses that are the six leg lengths
+  /// 6 × `outputs`: makes directions of the platform of them, see platform_from_accelerometers.
+  std::optional<Eigen::MatrixXd> outputs_to_platform{};
+};
+
+struct Measurement {
+  FrequencyResponses responses{};
+  CrossSpectra spectra{};
+  data::RecordHeader header{};            ///< of the first record
+  std::vector<base::Diagnostic> notes{};  ///< of the readers
+  std::int64_t samples{};                 ///< of all records that were read
+  bool interrupted{};
+  bool from_legs{};            ///< the responses were brought from leg lengths to the platform
+  std::vector<int> outputs{};  ///< of the spectra, by measure_outputs
+  std::optional<BiasFinding> h1_against_instrument{};  ///< where both could be formed
+};
+
+/// The records are averaged together. Where `progress` asks to stop the rest is left
+/// unread. Throws base::InputError and base::ComputationError.
+Measurement measure_responses(data::RecordSet& records, const MeasureOptions& options,
+                              const numerics::Progress& progress = {});
+
+/// The spectra alone, for machines whose excitation was not measured; `outputs` are those that
+/// live.
+Measurement measure_outputs(data::RecordSet& records, const MeasureOptions& options,
+                            const numerics::Progress& progress = {});
+
+/// The record in pieces, for bootstrap.hpp: spectra of groups of neighbouring blocks, formed as
+/// measure_responses would, and what is input and output among their channels.
+struct GroupedSpectra {
+  std::vector<CrossSpectra> groups{};
+  ChannelChoice choice{};
+  Estimator estimator{Estimator::h1};
+};
+
+/// In at most `groups` pieces, each at least two blocks long. Throws as measure_responses, and
+/// base::ComputationError for periodic excitation, whose periods are no blocks to draw from.
+GroupedSpectra measure_groups(data::RecordSet& records, const MeasureOptions& options, int groups,
+                              const numerics::Progress& progress = {});
 
 }  // namespace hydrapod::identification

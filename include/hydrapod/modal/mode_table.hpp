@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "hydrapod/modal/damped_modes.hpp"
-#include "hydrapod/modal/energy.hpp"
+#include "hydrapod/modal/normal_modes.hpp"
 
 namespace hydrapod::modal {
 

@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "hydrapod/control/parameters.hpp"
+#include "hydrapod/control/controller.hpp"
 #include "hydrapod/data/frequency_response.hpp"
 #include "hydrapod/data/modal_results.hpp"
 #include "hydrapod/model/machine.hpp"

@@ -48,7 +48,7 @@ std::vector<Signal> read_signals(const std::vector<std::string>& texts, const Te
 /// s".
 std::string signal_text(const Signal& signal, const Units& units = displacement_units);
 
-/// A trajectory from a table (base/table.hpp), whose titles name the columns with their units:
+/// A trajectory from a table (base/file.hpp), whose titles name the columns with their units:
 /// `time [s], x [mm], rz [deg]`, SI without any. Needed are time and at least one of x, y, z, rx,
 /// ry, rz; directions that are not there rest. Throws base::InputError with file:line:column for
 /// every mistake: an unknown or repeated column, a wrong unit, a row with another number of values,

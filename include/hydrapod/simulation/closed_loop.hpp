@@ -9,6 +9,31 @@
 ///     ClosedLoop loop(machine, pose, {.until = 5.0});
 ///     signals::Generator commands({{.size = …, .form = signals::Step{}}}, 1.0 / T);
 ///     loop.run(command_source(commands), [&](const LoopSample& sample) { … });
+///
+/// Sensors with their faults: noise, range, resolution.
+///
+/// Time integration of a Plant with inputs that are held between calls.
+///
+///     Integrator run(plant, {.method = Method::adaptive});
+///     run.start(0.0, plant.equilibrium(pose).x);
+///     for (int k = 1; k <= 1000; ++k) run.advance(1e-3 * k, input);
+///
+/// Local errors are kept below  relative_tolerance |x_i| + absolute_tolerance · scale_i  with
+/// Plant::scales(), in the weighted root mean square. Methods:
+/// - adaptive: one-step, explicit, embedded Runge–Kutta of order 5(4) (ARKODE's ERKStep, Dormand
+/// and
+///   Prince). Starts again at no cost after every change of the input; the default.
+///   Events are noticed at the end of a step.
+/// - cvode_adams, cvode_bdf: CVODE's multistep methods; for long stretches of constant input, BDF
+///   with a dense Jacobian by differences where something is stiff. They find events to rounding
+///   and start again there.
+/// - fixed: classical Runge–Kutta of order 4 with a fixed step, no allocation, the same work in
+/// every
+///   call: for real time.
+///
+/// What a run leaves behind: time histories in memory for pictures, and rows of a record.
+///
+/// Can the machine do what it is commanded? Judged before a run, by kinematics alone.
 
 #include <functional>
 #include <memory>
@@ -16,11 +41,81 @@
 #include <string>
 #include <vector>
 
+#include "hydrapod/base/error.hpp"
 #include "hydrapod/control/controller.hpp"
+#include "hydrapod/data/record.hpp"
+#include "hydrapod/numerics/statistics.hpp"
 #include "hydrapod/signals/signals.hpp"
-#include "hydrapod/simulation/integrator.hpp"
+#include "hydrapod/simulation/plant.hpp"
 
 namespace hydrapod::simulation {
+
+/// What one sensor shows of `value`; `noise` is a normally distributed number.
+double shown(const model::Sensor& sensor, double value, double noise);
+
+/// The sensors that a controller reads. The same seed gives the same noise.
+class SensorBank {
+ public:
+  SensorBank(const model::Sensors& sensors, std::uint64_t seed);
+  [[nodiscard]] control::Measurement read(const control::Measurement& truth);
+
+ private:
+  model::Sensors sensors_;
+  numerics::Gaussian random_;
+};
+
+enum class Method { adaptive, cvode_adams, cvode_bdf, fixed };
+const char* name(Method method);
+
+struct IntegratorOptions {
+  Method method{Method::adaptive};
+  double relative_tolerance{1e-5};
+  double absolute_tolerance{1e-5};  ///< of Plant::scales()
+  double fixed_step{1e-4};          ///< [s], `fixed` only; calls are divided into equal steps
+  double largest_step{0.0};         ///< [s]; 0: none
+};
+
+struct IntegratorStatistics {
+  long steps{};
+  long evaluations{};  ///< of the right-hand side, those for Jacobians included
+  long rejected{};     ///< steps that failed the error test
+  long jacobians{};
+};
+
+/// Something that happened; `begins`: the event's function turned negative (touched, cavitates).
+struct EventRecord {
+  double time{};
+  int leg{};  ///< from 0
+  Plant::Event event{};
+  bool begins{};
+};
+
+class Integrator {
+ public:
+  /// The plant must outlive the integrator.
+  Integrator(const Plant& plant, const IntegratorOptions& options = {});
+  ~Integrator();
+  Integrator(Integrator&&) noexcept;
+  Integrator& operator=(Integrator&&) noexcept;
+
+  void start(double time, const Eigen::VectorXd& x);
+  /// Integrates to `to` ≥ time() with constant input. Throws base::ComputationError that names the
+  /// time and the part when it cannot go on (a piston leaves its guide sleeve, a leg does not
+  /// close, a value is not finite, the step becomes too small); time() and state() are then the
+  /// last good ones.
+  void advance(double to, const PlantInput& input);
+
+  [[nodiscard]] double time() const;
+  [[nodiscard]] const Eigen::VectorXd& state() const;
+  [[nodiscard]] const IntegratorStatistics& statistics() const;
+  /// Events since the start, in order; by `adaptive` and `fixed` noticed at the end of the step, by
+  /// CVODE located.
+  [[nodiscard]] const std::vector<EventRecord>& events() const;
+
+ private:
+  struct Implementation;
+  std::unique_ptr<Implementation> implementation_;
+};
 
 struct LoopOptions {
   ModelKind kind{ModelKind::guide};
@@ -124,5 +219,55 @@ control::Command command_at(const Pose& operating, const signals::Sample& displa
 
 /// (x, y, z; rx, ry, rz) of `X_BP` as a displacement from `operating`: the inverse of command_at.
 Vector6 displacement_between(const Pose& operating, const Pose& X_BP);
+
+/// Time histories, thinned out for pictures.
+struct Trace {
+  std::vector<double> time{};      ///< [s]
+  std::vector<Vector6> command{};  ///< displacement from the operating pose [m, rad]
+  std::vector<Vector6> motion{};   ///< the same of the platform
+  std::vector<Vector6> piston{};   ///< s per leg, from the base joint [m]
+  std::vector<Vector6> drive{};    ///< at the valves
+  std::vector<Vector6> cap_pressure{}, rod_pressure{};  ///< [Pa]
+};
+
+/// Collects at most `most` samples of a run, evenly.
+class TraceRecorder {
+ public:
+  TraceRecorder(const ClosedLoop& loop, double until, std::size_t most = 3000);
+  void operator()(const LoopSample& sample);
+  [[nodiscard]] const Trace& trace() const { return trace_; }
+
+ private:
+  Pose operating_;
+  long stride_{1};
+  long seen_{};
+  Trace trace_{};
+};
+
+/// The channels of a run's record: command.x … rz, platform.x … rz (displacements from the
+/// operating pose), platform.ax … arz (acceleration of the platform's origin), then per leg its
+/// length, measured length, drive at the valve, spool, both pressures, oil force, and with flexible
+/// legs the offset of the rod in its guide sleeve; the supply pressure where it moves.
+std::vector<data::Channel> record_channels(const ClosedLoop& loop);
+
+/// The sample as one row of that record; `row` has record_channels().size() places.
+void record_row(const ClosedLoop& loop, const LoopSample& sample, double* row);
+
+struct MotionFinding {
+  base::Severity severity{base::Severity::error};
+  std::string message{};
+};
+
+/// The worst of each kind per leg, with its time and by how much: stroke and joint limits exceeded,
+/// a singular pose (errors); a speed beyond what the valve gives under the load at rest (a warning:
+/// the drive will be at its limit). `signal` is run through from its start and restarted.
+std::vector<MotionFinding> check_motion(const Plant& plant,
+                                        const control::ControllerParameters& parameters,
+                                        const Pose& operating, signals::Generator& signal,
+                                        double until);
+
+/// Why a pose that the platform has come to ends a run: a joint beyond its limit, a singular pose.
+/// Empty when it does not.
+std::string leaves_workspace(const model::Machine& machine, const Pose& X_BP);
 
 }  // namespace hydrapod::simulation

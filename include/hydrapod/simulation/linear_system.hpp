@@ -12,13 +12,38 @@
 /// - sampled: exact. The plant over one sample by the matrix exponential, with the drives changing
 ///   where within the sample the delay puts it, and past drives as states. Its poles z are those of
 ///   the true loop, s = ln(z) / T.
+///
+/// Poles of a linear system, what takes part in them, and whether it is stable.
+///
+/// Participation of state k in the pole λ with right and left eigenvectors v, w (wᵀ v = 1) is
+/// |w_k v_k|, brought to the sum 1: it does not depend on units. In equal poles (a symmetric
+/// machine has x with y, rx with ry) any mix of vectors is one; there |P_kk| of the projector P = Σ
+/// v wᵀ over the group is used, which does not depend on the mix.
+///
+/// The controller's parameters for a machine: what its file leaves out follows from the machine.
+///
+/// With ω_1 and ω_6 the lowest and highest frequency of the rigid model at the pose (oil modes),
+/// k_h the oil spring of a leg there and ζ `feedback_damping`:
+///
+///     gain G            0.3 ω_1 with pressure feedback, else 0.05 ω_1, the same for all six
+///     integral time     8 / smallest gain above 0: its own pole is then real and some times slower
+///     pressure feedback g = 2 ζ ω_1 / k_h;  acceleration feedback  g = 2 ζ / ω_6
+///     feedback corner   0.1 ω_1
+///
+/// One mass m on one such leg, Ḟ = k_h (v_valve − v), m v̇ = F, answers to v_valve = −g F with
+/// s² + k_h g s + k_h/m = 0: damping ratio ζ_j = k_h g / 2ω_j for a mode at ω_j, and a velocity
+/// gain is stable up to 2 ζ_j ω_j = k_h g, whatever the mode. Fed-back acceleration gives ζ_j = g
+/// ω_j / 2: most to the highest mode, where valve and delay lag most, so that one bounds it, and
+/// leaves little to the lowest, hence the smaller gain.
 
 #include <Eigen/Core>
+#include <array>
+#include <complex>
 #include <string>
 #include <vector>
 
+#include "hydrapod/control/controller.hpp"
 #include "hydrapod/control/linear_controller.hpp"
-#include "hydrapod/control/parameters.hpp"
 #include "hydrapod/simulation/plant.hpp"
 
 namespace hydrapod::simulation {
@@ -87,5 +112,47 @@ struct LinearSystemOptions {
 /// std::invalid_argument for a Padé order outside 0…8.
 LinearSystem linear_system(const model::Machine& machine, const Pose& X_BP,
                            const LinearSystemOptions& options = {});
+
+struct SystemPole {
+  std::complex<double> pole{};                  ///< λ [1/s], Im ≥ 0: one of each conjugate pair
+  double omega{};                               ///< |λ| [rad/s]
+  double damping_ratio{};                       ///< −Re λ / |λ|, 1 for real stable poles
+  int group{};                                  ///< same number for equal poles
+  std::array<double, part_count> parts{};       ///< participation by Part, sum 1
+  std::array<double, model::leg_count> legs{};  ///< of seals, oil and valves by leg
+  /// C v: how P's origin moves against the base in it, any scale. Equal poles: together they span
+  /// the motion.
+  Eigen::Matrix<std::complex<double>, 6, 1> motion{
+      Eigen::Matrix<std::complex<double>, 6, 1>::Zero()};
+  /// C_ground v: the same against the ground.
+  Eigen::Matrix<std::complex<double>, 6, 1> ground_motion{
+      Eigen::Matrix<std::complex<double>, 6, 1>::Zero()};
+  [[nodiscard]] bool oscillates() const { return pole.imag() > 0.0; }
+};
+
+struct SystemPoles {
+  std::vector<SystemPole> poles{};  ///< least damped in time first: by Re λ, descending
+  bool stable{};                    ///< all Re λ < 0
+  double largest_real{};            ///< max Re λ [1/s]
+  /// Of the sampled loop: exact. Equal to 1 in growth is the limit.
+  std::vector<std::complex<double>> sampled{};  ///< s = ln(z)/T [1/s], Im ≥ 0, by Re, descending
+  double largest_modulus{};                     ///< max |z|
+  bool sampled_stable{};                        ///< max |z| < 1
+};
+
+SystemPoles system_poles(const LinearSystem& system);
+
+/// H(iω) from the commanded displacement (with its velocity, fed forward) to the platform's.
+/// 6×6, at `omega` [rad/s].
+Eigen::Matrix<std::complex<double>, 6, 6> command_response(const LinearSystem& system,
+                                                           double omega);
+
+struct Tuning {
+  control::ControllerParameters parameters{};
+  double lowest_oil_mode{};  ///< ω_1 [rad/s]
+};
+
+/// Throws base::ComputationError where the machine does not stand at `X_BP`.
+Tuning tune_controller(const model::Machine& machine, const spatial::Pose& X_BP);
 
 }  // namespace hydrapod::simulation

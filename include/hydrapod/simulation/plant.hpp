@@ -21,7 +21,7 @@
 ///     ṡ_p = (ṡ + q/k_j) / (1 + k/k_j)     q: Ḟ by flows alone, k: stiffness of both chambers
 /// Chambers see s_p and ṡ_p; seals' friction and end stops act beside oil and gimbals, on s and ṡ.
 ///
-/// A base that gives way (`base.mount`) moves as dynamics/moving_base.hpp says. Poses, lengths and
+/// A base that gives way (`base.mount`) moves as dynamics/nonlinear.hpp says. Poses, lengths and
 /// everything else is then against the base, in its axes, unless it says otherwise.
 ///
 /// Input: valve commands in [−1, 1] (+: the leg extends) and a wrench on the platform.
@@ -36,7 +36,7 @@
 #include <string>
 #include <vector>
 
-#include "hydrapod/dynamics/moving_base.hpp"
+#include "hydrapod/dynamics/nonlinear.hpp"
 #include "hydrapod/hydraulics/servo_axis.hpp"
 
 namespace hydrapod::simulation {

@@ -6,7 +6,7 @@
 ///     e.name.c_str());
 
 #include "hydrapod/calibration/calibrate.hpp"
-#include "hydrapod/diagnosis/summary.hpp"
+#include "hydrapod/diagnosis/diagnose.hpp"
 #include "hydrapod/tasks/measurement.hpp"
 
 namespace hydrapod::tasks {
@@ -18,7 +18,7 @@ struct KnownParameter {
 };
 
 struct CalibrateOptions {
-  /// File of targets: TOML or CSV (calibration/targets_file.hpp), or whatever read_measured()
+  /// File of targets: TOML or CSV (calibration/calibrate.hpp), or whatever read_measured()
   /// reads.
   std::string targets{};
   calibration::Plan plan{};              ///< added to that of the file; its options hold

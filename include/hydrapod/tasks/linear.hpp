@@ -6,9 +6,7 @@
 ///     two_pi);
 
 #include "hydrapod/calibration/sensitivity.hpp"
-#include "hydrapod/report/bode.hpp"
-#include "hydrapod/report/check.hpp"
-#include "hydrapod/report/system.hpp"
+#include "hydrapod/report/model_results.hpp"
 #include "hydrapod/tasks/machine.hpp"
 
 namespace hydrapod::tasks {

@@ -8,11 +8,10 @@
 /// What one task writes every task that can use it reads. A file is recognised by what it holds:
 /// modes (TOML, CSV, JSON of identify or modes), responses (JSON of frf, Universal File), records.
 
-#include "hydrapod/identification/bootstrap.hpp"
-#include "hydrapod/identification/measure.hpp"
-#include "hydrapod/identification/realisation.hpp"
 #include "hydrapod/identification/cross_check.hpp"
-#include "hydrapod/report/mode_comparison.hpp"
+#include "hydrapod/identification/identify.hpp"
+#include "hydrapod/identification/responses.hpp"
+#include "hydrapod/report/measured_results.hpp"
 #include "hydrapod/tasks/machine.hpp"
 
 namespace hydrapod::tasks {
@@ -101,7 +100,7 @@ struct MeasuredTargets {
   std::vector<base::Diagnostic> warnings{};
 };
 
-/// Modes as a person or a spreadsheet lists them, which calibration/targets_file.hpp reads?
+/// Modes as a person or a spreadsheet lists them, which calibration/calibrate.hpp reads?
 bool is_mode_list(const std::string& path);
 
 /// Modes, and responses beside them, of any files as targets for `machine`, whose pose must be one

@@ -1,7 +1,7 @@
 #pragma once
 /// The page: one HTML file with modes, Bode diagrams and what was simulated, measured, diagnosed.
 
-#include "hydrapod/report/html.hpp"
+#include "hydrapod/report/json.hpp"
 #include "hydrapod/tasks/fit.hpp"
 #include "hydrapod/tasks/simulation.hpp"
 

@@ -4,7 +4,7 @@
 ///     const auto run = tasks::simulate(machine, {.commands = {"step z=5 mm"}, .record =
 ///     "run.h5"}); tasks::rig(machine, {.record = "test.h5"});
 
-#include "hydrapod/report/simulation.hpp"
+#include "hydrapod/report/model_results.hpp"
 #include "hydrapod/rig/rig.hpp"
 #include "hydrapod/tasks/machine.hpp"
 
@@ -27,9 +27,9 @@ report::Simulation simulate(const Machine& machine, const SimulateOptions& optio
 
 struct RigOptions {
   rig::RigOptions test{};  ///< `loop.kind` is not used; `signals` empty: rig::default_signals
-  int averages{};         ///< periods of a periodic excitation, instead of `duration`; 0: none
-  std::string record{};   ///< file to write; empty: only the levels are checked
-  bool force{};           ///< run though the levels do not fit
+  int averages{};          ///< periods of a periodic excitation, instead of `duration`; 0: none
+  std::string record{};    ///< file to write; empty: only the levels are checked
+  bool force{};            ///< run though the levels do not fit
   std::vector<std::string> command_line{};  ///< what the record says of its origin
 };
 

@@ -7,8 +7,8 @@
 #include <cmath>
 #include <numbers>
 
-#include "hydrapod/diagnosis/suspect.hpp"
-#include "hydrapod/kinematics/inverse.hpp"
+#include "hydrapod/diagnosis/diagnose.hpp"
+#include "hydrapod/kinematics/legs.hpp"
 
 namespace hydrapod::diagnosis {
 

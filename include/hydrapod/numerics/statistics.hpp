@@ -1,5 +1,13 @@
 #pragma once
 /// Quantiles of the distributions that intervals are made of (Boost.Math).
+///
+/// Normally distributed random numbers, the same on every machine with the same libm.
+///
+/// The standard fixes std::mt19937_64 to the bit but leaves its distributions open, so Marsaglia's
+/// polar method is written out.
+
+#include <cstdint>
+#include <random>
 
 namespace hydrapod::numerics {
 
@@ -14,5 +22,20 @@ double chi_squared_quantile(double probability, int degrees);
 
 /// x with P(F ≤ x) = `probability`, F with `numerator` and `denominator` > 0 degrees of freedom.
 double fisher_quantile(double probability, double numerator, double denominator);
+
+class Gaussian {
+ public:
+  /// Different `stream`s of one seed are independent.
+  explicit Gaussian(std::uint64_t seed, std::uint64_t stream = 0);
+  /// Mean 0, variance 1.
+  double operator()();
+  /// In [0, 1), 53 random bits.
+  double uniform();
+
+ private:
+  std::mt19937_64 engine_;
+  double spare_{};
+  bool has_spare_{};
+};
 
 }  // namespace hydrapod::numerics

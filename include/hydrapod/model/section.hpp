@@ -1,20 +1,105 @@
 #pragma once
-/// Reading typed values out of a table of the file. Private to the reader.
+/// Reading typed values out of a table of the file.
 ///
 /// What cannot be read goes to Faults and is NaN in the machine, so that everything else can still
 /// be judged: comparisons with NaN find nothing.
+///
+/// A machine file as a tree of values that know where they came from.
+///
+/// toml++ parses; its tables are sorted by key and forget places when they are copied. Here the
+/// order of the file is kept, and a value laid over the file by an override knows the override.
+///
+/// What the reader finds wrong, until it is told to whoever asked.
+///
+/// Dotted paths such as `legs.rod.length`, `platform.mass_center[2]`, `poses."far left".position`.
 
+#include <cstddef>
 #include <optional>
+#include <set>
 #include <span>
 #include <string>
 #include <string_view>
+#include <variant>
 #include <vector>
 
-#include "faults.hpp"
+#include "hydrapod/base/error.hpp"
 #include "hydrapod/model/machine.hpp"
-#include "value_tree.hpp"
 
 namespace hydrapod::model {
+
+/// Where a value stands. `source` is 0 for the file, i for the i-th override; lines and columns
+/// count from 1, and an override has line 0.
+struct Place {
+  int source{};
+  unsigned line{};
+  unsigned column{};
+};
+
+struct Node {
+  enum class Kind { table, array, text, integer, real, boolean, date };
+
+  Kind kind{Kind::table};
+  Place place{};                 ///< of the value
+  Place key_place{};             ///< of the key, where it has one
+  std::string key{};             ///< in the parent table
+  std::string text{};            ///< Kind::text
+  double number{};               ///< Kind::integer, Kind::real
+  std::vector<Node> children{};  ///< of a table in the order of the file, or of an array
+
+  [[nodiscard]] bool is_table() const { return kind == Kind::table; }
+  [[nodiscard]] bool is_number() const { return kind == Kind::integer || kind == Kind::real; }
+  [[nodiscard]] const Node* find(std::string_view name) const;
+  Node* find(std::string_view name);
+};
+
+/// What a value is, with its article, for messages: "the number 3", "a table".
+std::string described(const Node& node);
+
+/// A TOML syntax error.
+struct SyntaxError {
+  Place place{};
+  std::string message{};
+};
+
+/// The tree of a TOML text whose places are of `source`. Text that is not UTF-8, or nested so
+/// deeply that no machine can be meant, is a syntax error too.
+std::variant<Node, SyntaxError> parse_tree(std::string_view text, int source);
+
+class Faults {
+ public:
+  /// `sources` names the file and the overrides, as Place::source counts them.
+  explicit Faults(std::vector<std::string> sources) : sources_(std::move(sources)) {}
+
+  /// Records a mistake; the same one (six legs share a table) is recorded once.
+  void add(const Place& place, std::string key, std::string message,
+           base::Severity severity = base::Severity::error);
+
+  /// Says that a value could not be read and the machine therefore holds a NaN.
+  void mark_incomplete() { incomplete_ = true; }
+  [[nodiscard]] bool incomplete() const { return incomplete_; }
+
+  /// Says that `path` is absent because it was misspelt, which has been reported.
+  void mark_misspelt(std::string path) { misspelt_.insert(std::move(path)); }
+  [[nodiscard]] bool misspelt(const std::string& path) const { return misspelt_.contains(path); }
+
+  [[nodiscard]] bool any_error() const { return errors_ > 0; }
+
+  /// Everything of that severity in the order of the file, then of the overrides.
+  [[nodiscard]] std::vector<base::Diagnostic> diagnostics(base::Severity severity) const;
+
+ private:
+  struct Fault {
+    Place place{};
+    base::Diagnostic diagnostic{};
+  };
+
+  std::vector<std::string> sources_;
+  std::vector<Fault> faults_;
+  std::set<std::string> misspelt_;
+  std::size_t errors_{};
+  std::size_t not_kept_{};
+  bool incomplete_{};
+};
 
 /// One table of the file; for one leg, its own table laid over the one of all legs. Nothing is
 /// copied: each value is looked up in the specific table first, then in the general one.
@@ -103,5 +188,26 @@ class Section {
   bool silent_{};  ///< what is missing has been reported already
   Faults* faults_;
 };
+
+/// A key of a table, or an element of an array.
+struct PathStep {
+  std::string key{};
+  std::optional<std::size_t> index{};
+};
+using KeyPath = std::vector<PathStep>;
+
+/// Reads a path; none when it is not one, or has more than 32 steps.
+std::optional<KeyPath> parse_path(std::string_view text);
+
+std::string to_string(const KeyPath& path);
+
+/// `key` as it must be written in a path: bare, or in quotes.
+std::string written_key(std::string_view key);
+
+/// `parent.key`, or the key alone at the top level.
+std::string joined_path(std::string_view parent, std::string_view key);
+
+/// The node at `path` below `root`, or null.
+const Node* find_node(const Node& root, const KeyPath& path);
 
 }  // namespace hydrapod::model

@@ -1,0 +1,259 @@
+#pragma once
+/// A record's overview as JSON; the fields are listed in docs/howto/json.md.
+///
+/// Pictures of records: each channel over time beside its power spectral density.
+///
+/// Measured modes beside a model's, for people and programs.
+///
+/// Frequency responses and identified modes as files of other programs.
+///
+/// Frequency responses and identified modes as JSON; the fields are documented in
+/// docs/howto/json.md.
+///
+/// Pictures of frequency responses and of identified modes, drawn by gnuplot; formats and errors as
+/// for plot_bode (bode.hpp).
+///
+/// Identified modes as the page of `hydrapod report` shows them: with what it takes to switch poles
+/// on and off there and to fit the responses anew.
+///
+/// A calibration and sensitivities as JSON, as pictures and in words.
+///
+/// A diagnosis as JSON and as a picture. The fields are documented in docs/howto/json.md.
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "hydrapod/calibration/calibrate.hpp"
+#include "hydrapod/calibration/sensitivity.hpp"
+#include "hydrapod/data/processing.hpp"
+#include "hydrapod/data/record_io.hpp"
+#include "hydrapod/diagnosis/diagnose.hpp"
+#include "hydrapod/identification/cross_check.hpp"
+#include "hydrapod/identification/identify.hpp"
+#include "hydrapod/observation/pairing.hpp"
+#include "hydrapod/observation/targets.hpp"
+#include "hydrapod/report/json.hpp"
+#include "hydrapod/report/model_results.hpp"
+
+namespace hydrapod::report {
+
+/// data::experiment_json as an object.
+Json experiment_object(const data::Experiment& experiment);
+
+/// What `hydrapod record show FILE --format json` prints. `record` must have been read to its end.
+Json record_json(const data::RecordSet& record, const data::RecordOverview& overview,
+                 bool with_spectra);
+
+/// Lowest and highest sample of each of up to a few thousand stretches of equal length, for a
+/// record of any length: stretches grow as samples come.
+class TraceBuilder {
+ public:
+  explicit TraceBuilder(std::size_t channels);
+  void add(const Eigen::Ref<const data::Samples>& samples);
+
+  struct Stretch {
+    std::vector<double> low{}, high{};  ///< per channel; NaN where all samples are missing
+  };
+  [[nodiscard]] const std::vector<Stretch>& stretches() const { return stretches_; }
+  [[nodiscard]] std::int64_t samples_per_stretch() const { return length_; }
+
+ private:
+  void halve();
+
+  std::size_t channels_;
+  std::int64_t length_{1};
+  std::int64_t in_last_{};
+  std::vector<Stretch> stretches_{};
+};
+
+/// Most channels of one picture.
+inline constexpr std::size_t most_plotted_channels = 24;
+
+/// Draws the channels `shown` (at most most_plotted_channels) to `path`, .svg, .png or .pdf. Throws
+/// base::InputError, base::ComputationError as plot_bode does.
+void plot_record(const data::RecordHeader& header, const TraceBuilder& traces,
+                 const data::RecordOverview& overview, const std::vector<std::size_t>& shown,
+                 const std::string& path);
+
+/// What was compared with what.
+struct ComparedModes {
+  observation::ModeComparison result{};
+  std::vector<std::string> labels{};  ///< of the model's modes
+  observation::Observed source{};
+  dynamics::ModelKind kind{};
+  std::string machine{}, pose{};  ///< names
+};
+
+/// Identified modes beside those of the machine. Throws as observation::observe. The names of
+/// machine and pose are the caller's to fill in.
+ComparedModes compared_with(const identification::Identification& measured,
+                            const observation::ComparisonFrame& frame, dynamics::ModelKind kind,
+                            observation::Observed source, double highest_damping = 0.3);
+
+/// "not found", "the platform does not feel it", "the outputs do not see it".
+std::string_view words(observation::Unpaired reason);
+
+/// "Heavy motion platform, pose neutral, guide model: mechanics, hydraulics, …".
+std::string comparison_heading(const ComparedModes& compared);
+
+/// `machine`, `pose`, `model`, `source`, `pairs[]`, `not_in_model[]`, `not_measured[]`,
+/// `outputs[]`, `cross_mac`.
+Json comparison_json(const ComparedModes& compared, const identification::Identification& measured);
+
+/// A line per pair, then per mode that has no partner.
+std::string comparison_csv(const ComparedModes& compared,
+                           const identification::Identification& measured);
+
+/// MAC of measured and model modes that were paired or left in the band. Throws as plot_bode; and
+/// base::InputError where no shapes could be compared.
+void plot_cross_mac(const ComparedModes& compared, const identification::Identification& measured,
+                    const PlotText& text, const std::string& path);
+
+/// Modes as Universal File, dataset 55 (data/modal_results.hpp).
+void write_modes_uff(const std::string& path, const identification::Identification& result,
+                     const std::string& title, const std::string& date);
+
+/// MAT file of version 5. `frequency_hz`, `response` (outputs × inputs × lines), `deviation`,
+/// `coherence` (outputs × lines), `condition`, `outputs`, `inputs` with units.
+void write_responses_mat(const std::string& path,
+                         const identification::FrequencyResponses& responses);
+
+/// The same, and modes: a row each in `pole`, `mode_frequency_hz`, `damping_ratio`, their
+/// `…_95`, `mpc`, `mpd_rad`, `quality`, a column each in `shape`, `displacement_shape` and
+/// `participation`; `mac`, and the model's response at the lines, `fitted`.
+void write_modes_mat(const std::string& path, const identification::Identification& result);
+
+/// `inputs[]`, `outputs[]`, `frequency_hz[]`, `response[output][input]` with `re[]`, `im[]` and
+/// `deviation[]`, coherences, condition, and all that responses_from_json needs to give the same
+/// responses again.
+Json responses_json(const identification::FrequencyResponses& responses);
+
+/// Responses out of such JSON. Throws base::InputError naming the field that is missing or does not
+/// fit; `file` is what messages call it.
+identification::FrequencyResponses responses_from_json(const Json& json, const std::string& file);
+
+/// Where responses come from: `title`, `date`, `notes`, `machine_file` of the record; and back, if
+/// `json` has it as `record`.
+Json record_origin_json(const data::RecordHeader& header);
+std::optional<data::RecordHeader> record_origin_from_json(const Json& json,
+                                                          const std::string& file);
+
+/// `modes[]`, `heavily_damped[]`, `left_out[]`, `mac`, `band_hz`, `stabilisation[]`, `clusters[]`,
+/// `indicator`, `fit_error`, `misfit`, `warnings[]`.
+Json identification_json(const identification::Identification& result);
+/// Reads it: modes, heavily damped poles, inputs, outputs and lines of the responses. The chart,
+/// the clusters and the model stay empty.
+identification::Identification identification_from_json(const Json& json, const std::string& file);
+
+/// Adds `cross_check` to each of `modes[]` of identification_json(): null where there is none.
+void add_cross_checks(const std::vector<std::optional<identification::CrossCheck>>& cross_checks,
+                      Json& json);
+
+/// Adds `bootstrap` to each of `modes[]`, and `bootstrap_resamples`.
+void add_bootstrap(const identification::BootstrapScatter& scatter, Json& json);
+
+/// Frequency, then re, im and deviation of every entry, then multiple coherence and condition.
+std::string responses_csv(const identification::FrequencyResponses& responses);
+
+/// `modes` of an output-only record, and the same as lines.
+Json output_only_json(const std::vector<identification::OutputOnlyMode>& modes);
+std::string output_only_csv(const std::vector<identification::OutputOnlyMode>& modes);
+
+/// One line per mode. `observed`: the system that was measured, where it is known.
+std::string identified_modes_csv(const identification::Identification& result,
+                                 std::optional<observation::Observed> observed = {});
+
+/// What such a table holds.
+struct ListedModes {
+  data::ModalResults modes{};  ///< and outputs; deviations of shapes are zero
+  std::optional<observation::MotionAgainst> against{};
+  std::optional<observation::Observed> observed{};
+};
+/// By its title row.
+bool is_identified_modes_csv(const std::string& path);
+/// Throws base::InputError with file:line:column.
+ListedModes identified_modes_from_csv(const std::string& path);
+
+/// Magnitude and phase of the direct responses (output k from input k; all inputs where their
+/// numbers differ), with their 95 % band and, if `model` is given, its synthesis.
+void plot_responses(const identification::FrequencyResponses& responses,
+                    const identification::ModalModel* model, const PlotText& text,
+                    const std::string& path);
+
+/// Multiple coherence of every output, and the condition of the input matrix.
+void plot_coherence(const identification::FrequencyResponses& responses, const PlotText& text,
+                    const std::string& path);
+
+/// Poles over frequency and model order, those of modes marked, in front of the mode indicator.
+void plot_stabilisation(const identification::Identification& result, const PlotText& text,
+                        const std::string& path);
+
+/// MAC of the modes with each other.
+void plot_mac(const identification::Identification& result, const PlotText& text,
+              const std::string& path);
+
+/// Throws base::InputError for an ending that is no picture: before the work is done.
+void require_picture(const std::string& path);
+
+/// "6 inputs, 6 outputs, 200 lines from 1 Hz to 20 Hz, h1 with 45.1 independent averages".
+std::string measurement_text(const identification::FrequencyResponses& responses);
+
+/// How outputs were brought to directions: "leg lengths brought to platform directions".
+const char* frame_text(bool from_legs, bool from_accelerometers);
+
+struct MeasuredText {
+  std::vector<std::string> records{};
+  std::string measured{};  ///< "6 inputs, 6 outputs, …"
+  std::string frame{};     ///< how outputs were brought to directions
+};
+
+/// What identification_json() has, and `records[]`, `measured`, `frame`, `comparison` (or null),
+/// `responses`: `frequency_hz[]`, `line[]`, `response[output][input]` with `re[]`, `im[]`,
+/// `deviation[]`, `multiple_coherence[]`, at most 1000 lines of them; `taper`: ρ − 1 at steps of
+/// `step_s`, null where resonances are not widened; poles of `stabilisation[]` with `pole` and
+/// `participation`. Numbers to seven digits.
+Json identification_section(const identification::Identification& result,
+                            const std::optional<ComparedModes>& compared, const MeasuredText& text);
+
+/// `candidates[]`, best first: choices, misfit, parameters, targets, identifiability.
+Json calibration_json(const calibration::Calibration& result, const observation::Targets& targets);
+struct ReadCalibration {
+  calibration::Calibration result{};
+  observation::Targets targets{};  ///< names, poses, frequencies and damping of modes
+};
+ReadCalibration calibration_from_json(const Json& json, const std::string& file);
+
+/// `profiles[]` of parameters of the best candidate.
+Json profile_json(const calibration::Profile& profile, const calibration::Candidate& candidate);
+
+/// `modes[]`, `parameters[]`, `percent_per_percent` by mode, then by parameter.
+Json sensitivity_json(const calibration::Sensitivities& sensitivities);
+/// Reads it; `point` stays empty.
+calibration::Sensitivities sensitivity_from_json(const Json& json, const std::string& file);
+
+/// "determined", "not determined", "at its bound", "by the prior".
+const char* verdict_word(calibration::Verdict verdict);
+
+/// What a reader must know and numbers do not say: "The targets cannot be met: …", one per line.
+std::vector<std::string> calibration_remarks(const calibration::Calibration& result,
+                                             const observation::Targets& targets);
+
+/// Target against model per mode, above the misfit of every combination; throws as report's other
+/// pictures do.
+void plot_calibration(const calibration::Calibration& result, const observation::Targets& targets,
+                      const std::string& path);
+
+/// Heat map: modes downwards, parameters across, colour and number in per cent per per cent.
+void plot_sensitivities(const calibration::Sensitivities& sensitivities, const std::string& title,
+                        const std::string& path);
+
+/// `summary[]`, `finding`, `explanations[]`, `measured_modes[]`, `discriminators[]`,
+/// `attribution[]`, `remedy`.
+Json diagnosis_json(const diagnosis::CaseFile& file);
+
+/// Measured beside rigid and best explanation, ranking, frequency against stiffness; what there is
+/// of these. Throws as report's other pictures do.
+void plot_diagnosis(const diagnosis::CaseFile& file, const std::string& path);
+
+}  // namespace hydrapod::report

@@ -1,0 +1,257 @@
+#pragma once
+/// What follows from a machine file without solving for modes: `hydrapod check`.
+///
+/// Bode diagrams, rigid beside flexible: JSON, CSV and pictures.
+///
+/// The whole machine as one linear system, for people and programs: poles, root locus, response
+/// from command to pose.
+///
+/// A simulated run from commands as people write them: what `hydrapod simulate` runs, prints and
+/// plots.
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "hydrapod/dynamics/linear_model.hpp"
+#include "hydrapod/kinematics/check_machine.hpp"
+#include "hydrapod/report/json.hpp"
+#include "hydrapod/response/frequency_response.hpp"
+#include "hydrapod/simulation/closed_loop.hpp"
+#include "hydrapod/simulation/linear_system.hpp"
+
+namespace hydrapod::report {
+
+/// One leg at a pose.
+struct LegCheck {
+  double length{};                       ///< l [m]
+  double piston{};                       ///< l_m [m]
+  double guided_length{};                ///< l_mh [m]
+  std::optional<double> retract_left{};  ///< stroke left inwards [m]; none without a stroke
+  std::optional<double> extend_left{};   ///< and outwards [m]
+  double oil_stiffness{};                ///< k_h [N/m]
+  double axial_force{};  ///< static, of the oil on the piston [N], positive in compression
+  double tilt{};         ///< static tilt of the rod in the guide sleeve [rad]
+  double base_tilt{}, platform_tilt{};  ///< joint angles from the neutral pose [rad]
+};
+
+/// What a user should know of a pose.
+struct PoseWarning {
+  enum class Kind {
+    buckled,        ///< value: mass that must come off [kg]
+    near_buckling,  ///< value: payload that the legs carry [kg]; ratio: of all mass to today's
+    no_equilibrium,
+    little_stroke,  ///< value: stroke left [m]
+    short_guide,    ///< value: length of the piston inside the guide sleeve [m]
+    tilted_rod,     ///< value: static tilt [rad]
+    near_singular   ///< value: condition
+  };
+  Kind kind{};
+  double value{};  ///< of the worst leg
+  double ratio{};
+  std::vector<int> legs{};  ///< 0…5
+};
+
+struct PoseCheck {
+  model::NamedPose pose{};
+  kinematics::PoseQuality quality{};
+  std::array<LegCheck, model::leg_count> legs{};
+  bool equilibrium{};      ///< static forces and tilts are valid
+  bool buckling_sought{};  ///< not without gravity, nor for legs that cannot fold
+  dynamics::Buckling buckling{};
+  std::optional<double>
+      lowest_at_buckling{};  ///< ω of the lowest mode just below that payload [rad/s]
+  std::vector<PoseWarning> warnings{};
+};
+
+/// `hydrapod check`: legs, strokes, static forces and buckling at poses.
+Json check_json(const std::vector<PoseCheck>& poses, const model::Machine& machine);
+std::vector<PoseCheck> checks_from_json(const Json& json, const std::string& file);
+
+std::string warning_text(const PoseWarning& warning);
+
+/// "45.92 kg", "74940 kg": four digits, but never a power of ten.
+std::string mass_text(double mass);
+
+struct BodeOptions {
+  response::Input input{response::Input::wrench};
+  response::Output output{response::Output::displacement};
+  std::optional<spatial::Vector3>
+      p_PQ{};                    ///< the point, in P [m]; default: the platform's mass centre
+  std::optional<double> from{};  ///< [rad/s]; default: a third of the lowest frequency that is felt
+  std::optional<double> to{};    ///< [rad/s]; default: twice the highest one
+  int points{2000};
+};
+
+struct Bode {
+  BodeOptions options{};  ///< with every default filled in
+  modal::ModeTable table{};
+  std::vector<double> omega{};  ///< [rad/s], evenly spaced on a logarithmic axis
+  std::vector<response::Matrix6c> real{}, rigid{};
+  std::vector<response::Peak> real_peaks{}, rigid_peaks{};
+};
+
+/// "m/N", "rad/s/(N m)"; what an entry of the response is measured in.
+std::string response_unit(response::Output output, int out_direction, int in_direction);
+
+Json bode_json(const Bode& bode);
+/// Reads it. Of `table` there is the model, and the labels of the modes at peaks.
+Bode bode_from_json(const Json& json, const std::string& file);
+
+/// A 6×6 response over frequency: `omega_rad_s[]`, `frequency_hz[]`, `response[output][input]` with
+/// `re[]` and `im[]`; and back.
+Json response_json(const std::vector<double>& omega, const std::vector<response::Matrix6c>& H);
+std::vector<double> response_from_json(const Json& json, const std::string& file,
+                                       std::vector<response::Matrix6c>& H);
+
+Json peaks_json(const std::vector<response::Peak>& peaks, const modal::AnalysedModel& model);
+
+/// Frequency in Hz and rad/s, then re and im of all 36 entries of both models, a header line with
+/// units.
+std::string bode_csv(const Bode& bode);
+
+/// One entry of the 6×6 response.
+struct Entry {
+  int output{};
+  int input{};
+};
+
+/// What a plot says about itself.
+struct PlotText {
+  std::string title{};
+  std::string subtitle{};  ///< pose, point, damping, gravity: what a reader must know
+};
+
+/// Magnitude and phase of `entries` as a gnuplot script that plots to `terminal` and `file`.
+std::string bode_script(const Bode& bode, const std::vector<Entry>& entries, const PlotText& text,
+                        const std::string& terminal, const std::string& file);
+
+/// Runs gnuplot; the picture's format follows from the ending of `path` (.svg, .png, .pdf). The
+/// file is written whole or not at all. Throws base::InputError for another ending or a folder that
+/// is not there, base::ComputationError when gnuplot is missing or fails.
+void plot_bode(const Bode& bode, const std::vector<Entry>& entries, const PlotText& text,
+               const std::string& path);
+
+/// What takes part in a pole, in words: "oil 41 %, controller 38 %, platform z 12 %"; parts below
+/// 10 % are left out. A leg that has most of a part's share is named.
+std::string participation_text(const simulation::SystemPole& pole);
+
+/// "stable: …" or "unstable: …", by the sampled loop, with the pole that decides it.
+std::string verdict_text(const simulation::SystemPoles& poles);
+
+/// Mechanics, hydraulics and controller as one linear system.
+struct System {
+  bool closed{true};  ///< false: without the controller
+  simulation::LinearSystem linear{};
+  simulation::SystemPoles poles{};
+  simulation::Tuning tuning{};  ///< of the controller; empty without one
+};
+
+/// `controller`, `stable`, `poles[]`, `sampled`, `delay`.
+Json system_json(const System& system);
+/// Reads it. Of `linear` there are the delay and the sample time.
+System system_from_json(const Json& json, const std::string& file);
+std::string system_poles_csv(const simulation::SystemPoles& poles);
+
+/// Poles over one number of the machine file.
+struct RootLocus {
+  std::string key{};
+  std::vector<double> values{};
+  std::vector<simulation::SystemPoles> poles{};
+  /// Where the sampled loop passes from stable to unstable or back between two values, bisected to
+  /// 1e-4 of their distance.
+  std::vector<double> limits{};
+};
+Json root_locus_json(const RootLocus& locus);
+/// Reads it. Of the poles there is λ alone.
+RootLocus root_locus_from_json(const Json& json, const std::string& file);
+std::string root_locus_csv(const RootLocus& locus);
+/// Poles in the complex plane, coloured by the value. Throws as plot_bode does.
+void plot_root_locus(const RootLocus& locus, const std::string& title, const std::string& subtitle,
+                     const std::string& path);
+
+/// H from the commanded to the true displacement of the pose, 6×6.
+struct CommandResponse {
+  std::vector<double> omega{};  ///< [rad/s]
+  std::vector<response::Matrix6c> H{};
+};
+
+/// What a direct response is like.
+struct CommandBandwidth {
+  std::optional<double> magnitude{};  ///< −3 dB [rad/s]
+  std::optional<double> phase{};      ///< −90° [rad/s]
+  double peak{};                      ///< largest magnitude
+  double peak_omega{};                ///< [rad/s]
+};
+CommandBandwidth command_bandwidth(const CommandResponse& response, int direction);
+
+Json command_response_json(const CommandResponse& response);
+CommandResponse command_response_from_json(const Json& json, const std::string& file);
+std::string command_response_csv(const CommandResponse& response);
+void plot_command_response(const CommandResponse& response, const std::string& title,
+                           const std::string& subtitle, const std::string& path);
+
+struct SimulationOptions {
+  std::vector<std::string> commands{};  ///< see signals/signal_text.hpp; they add up
+  std::optional<double> until{};        ///< [s]; default: what the commands need, and a little more
+  simulation::LoopOptions loop{};       ///< `until` is not used
+  std::size_t trace_samples{3000};
+};
+
+/// A run that can begin: commands read, machine at rest, motion checked.
+struct PreparedSimulation {
+  SimulationOptions options{};  ///< with `until` filled in
+  std::vector<signals::Signal> commands{};
+  std::unique_ptr<signals::Generator> signal{};
+  std::unique_ptr<simulation::ClosedLoop> loop{};
+  std::vector<std::string> warnings{};  ///< valves too small for the motion
+};
+
+/// Throws base::InputError for commands that cannot be read, make no sense, or lead out of the
+/// workspace; base::ComputationError where the machine does not stand at the pose.
+PreparedSimulation prepare_simulation(const model::Machine& machine, const model::NamedPose& pose,
+                                      const SimulationOptions& options);
+
+struct Simulation {
+  std::vector<std::string> commands{};  ///< as signals::signal_text writes them
+  std::vector<std::string> warnings{};
+  double until{};
+  double output_interval{};
+  simulation::LoopOptions loop{};
+  control::ControllerParameters controller{};
+  double lowest_oil_mode{};  ///< [rad/s]
+  std::array<hydraulics::Stops, model::leg_count> stops{};
+  /// Of the steps among the commands, per direction: when [s], and within which band a settled
+  /// platform stays: 2 % of the step. Not set without a step.
+  std::array<std::optional<double>, 6> step_time{};
+  Eigen::Matrix<double, 6, 1> settling_band{};
+  simulation::RunSummary summary{};
+  simulation::Trace trace{};
+};
+
+/// Runs it; `sink` gets every sample.
+Simulation run_simulation(PreparedSimulation& prepared, const simulation::LoopSink& sink = {},
+                          const simulation::KeepGoing& keep_going = {});
+
+/// `model`, `commands[]`, `controller`, `run`, `directions[]`, `legs[]`, `trace`.
+Json simulation_json(const Simulation& simulation);
+Simulation simulation_from_json(const Json& json, const std::string& file);
+
+/// The run as the page of `hydrapod report` shows it: `pose`, `geometry` of the machine there,
+/// `summary` in words, and the above. `rest`: the model at the pose at which the run began.
+Json simulation_section(const Simulation& simulation, const model::Machine& machine,
+                        const model::NamedPose& pose, const dynamics::LinearModel& rest);
+
+/// The controller's numbers: `controller` of the above.
+Json controller_json(const control::ControllerParameters& parameters, double lowest_oil_mode);
+simulation::Tuning controller_from_json(const Json& json, const std::string& file);
+
+/// Commanded and true motion in the six directions, and pistons and drives of the legs, over time.
+/// Throws as plot_bode does.
+void plot_simulation(const Simulation& simulation, const std::string& title,
+                     const std::string& subtitle, const std::string& path);
+/// Throws base::InputError for a picture ending that plots do not know.
+void require_picture_ending(const std::string& path);
+
+}  // namespace hydrapod::report
