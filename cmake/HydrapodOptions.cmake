@@ -16,6 +16,22 @@ if(HYDRAPOD_SANITIZE)
   add_link_options(-fsanitize=${HYDRAPOD_SANITIZE})
 endif()
 
+# Compiles the sources of a target a few at a time, those of one folder together: most of the time goes
+# to headers, which they share. So names in anonymous namespaces are unique within a folder.
+function(hydrapod_unity target root)
+  set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_MODE GROUP)
+  get_target_property(sources ${target} SOURCES)
+  foreach(source IN LISTS sources)
+    if(NOT source MATCHES "^${root}/(.*)/[^/]*[.]cpp$")
+      continue()
+    endif()
+    string(MAKE_C_IDENTIFIER "${CMAKE_MATCH_1}" folder)
+    math(EXPR number_${folder} "0${number_${folder}} + 1")
+    math(EXPR group "(${number_${folder}} - 1) / 5")
+    set_source_files_properties(${source} PROPERTIES UNITY_GROUP ${folder}_${group})
+  endforeach()
+endfunction()
+
 # ccache looks into precompiled headers only with these settings (its manual, "Precompiled headers").
 find_program(HYDRAPOD_CCACHE ccache)
 if(HYDRAPOD_CCACHE AND NOT CMAKE_CXX_COMPILER_LAUNCHER)

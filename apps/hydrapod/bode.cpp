@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <memory>
 
+#include "hydrapod/base/error.hpp"
 #include "hydrapod/base/file.hpp"
 #include "hydrapod/base/text.hpp"
 #include "hydrapod/base/units.hpp"
@@ -36,9 +37,9 @@ std::optional<double> frequency(const std::string& option, const std::string& te
   if (text.empty()) return {};
   const auto hertz = base::read_plain_or_quantity(text, "Hz");
   const auto radians = base::read_quantity(text, "rad/s");
-  if (!hertz.ok() && !radians.ok()) bad_argument(option + " " + text, hertz.problem);
+  if (!hertz.ok() && !radians.ok()) base::refuse(option + " " + text, hertz.problem);
   const double value = hertz.ok() ? two_pi * hertz.value : radians.value;
-  if (!(value > 0.0)) bad_argument(option + " " + text, "a frequency must be positive");
+  if (!(value > 0.0)) base::refuse(option + " " + text, "a frequency must be positive");
   return value;
 }
 
@@ -48,7 +49,7 @@ std::vector<report::Entry> entries(const std::string& text) {
   for (const auto& part : base::split(text, ",")) {
     const auto pair = base::split(part, "/");
     if (pair.size() > 2)
-      bad_argument("--entries " + text,
+      base::refuse("--entries " + text,
                    fmt::format("'{}' is no output/input pair such as ry/x", part));
     const auto out = static_cast<int>(choose_word("--entries", pair[0], directions));
     const auto in =
@@ -69,7 +70,7 @@ report::BodeOptions options_of(const Arguments& arguments) {
   if (!arguments.point.empty()) options.p_PQ = point(arguments.point);
   options.points = arguments.points;
   if (options.from && options.to && *options.from >= *options.to)
-    bad_argument("--from " + arguments.from, "must be less than --to " + arguments.to);
+    base::refuse("--from " + arguments.from, "must be less than --to " + arguments.to);
   return options;
 }
 
@@ -88,10 +89,10 @@ void wrote(const std::string& path) { fmt::print(stderr, "wrote {}\n", path); }
 std::string command_output(const Arguments& arguments, const report::BodeOptions& options,
                            std::size_t format) {
   if (arguments.output != "displacement")
-    bad_argument("--output " + arguments.output,
+    base::refuse("--output " + arguments.output,
                  "with input command the output is the displacement only");
   if (!arguments.point.empty())
-    bad_argument("--point " + arguments.point,
+    base::refuse("--point " + arguments.point,
                  "with input command the point is the origin of the platform frame");
   const auto machine = load(arguments.machine);
   const auto result = tasks::command_response(

@@ -41,7 +41,7 @@ calibration::FreeParameter free_parameter(const std::string& text) {
   if (equals == std::string::npos) return free;
   const auto bounds = base::split(text.substr(equals + 1), "..");
   if (bounds.size() != 2 || bounds[0].empty() || bounds[1].empty())
-    bad_argument("--free " + text,
+    base::refuse("--free " + text,
                  "expected PATH or PATH=LOWEST..HIGHEST, for instance "
                  "\"legs.rod.mass=1 kg..20 kg\"");
   free.lower = bounds[0];
@@ -56,7 +56,7 @@ tasks::KnownParameter prior(const std::string& text) {
   auto parts = base::split(right, "+-");
   if (parts.size() != 2) parts = base::split(right, "±");
   if (parts.size() != 2)
-    bad_argument("--prior " + text,
+    base::refuse("--prior " + text,
                  "expected PATH=VALUE+-SPREAD, for instance \"legs.rod.mass=22 kg+-2 kg\"");
   return {std::string(base::trimmed(text.substr(0, equals))), {parts[0], parts[1]}};
 }
@@ -105,7 +105,7 @@ std::string json_text(const tasks::Machine& machine, const tasks::Calibrated& fo
 void run(const Arguments& arguments) {
   const auto format = choose_word("--format", arguments.format, {"table", "json"});
   if (arguments.output == "-")
-    bad_argument("-o -", "the report goes to the standard output; give a file");
+    base::refuse("-o -", "the report goes to the standard output; give a file");
   require_writable(arguments.output);
   require_writable(arguments.plot);
   if (!arguments.plot.empty()) report::require_picture_ending(arguments.plot);

@@ -39,13 +39,13 @@ diagnosis::RemedyGoal remedy_goal(const std::string& text) {
   if (amount.ends_with('%')) {
     const auto drop = base::read_quantity(amount, "1");
     if (!(drop.value > 0.0 && drop.value < 1.0))
-      bad_argument(argument, "expected a drop above 0 % and below 100 %, such as \"2 %\"");
+      base::refuse(argument, "expected a drop above 0 % and below 100 %, such as \"2 %\"");
     goal.drop = drop.value;
     return goal;
   }
   const double frequency = plain_or_quantity(argument, std::string(amount), "Hz");
   if (!(frequency > 0.0))
-    bad_argument(argument,
+    base::refuse(argument,
                  "expected a frequency above 0 (\"5 Hz\", \"x=5 Hz\") or a largest drop "
                  "(\"2 %\")");
   goal.omega = base::two_pi * frequency;

@@ -1,4 +1,5 @@
 #include "hydrapod/identification_arguments.hpp"
+#include "hydrapod/base/error.hpp"
 
 #include <fmt/format.h>
 
@@ -24,7 +25,7 @@ std::optional<double> optional_quantity(const char* option, const std::string& t
   if (text.empty()) return {};
   const std::string argument = std::string(option) + " " + text;
   const double value = plain_or_quantity(argument, text, unit);
-  if (!(value >= 0.0)) bad_argument(argument, fmt::format("{} cannot be negative", what));
+  if (!(value >= 0.0)) base::refuse(argument, fmt::format("{} cannot be negative", what));
   return value;
 }
 
@@ -32,7 +33,7 @@ identification::MeasureOptions estimate_options(const MeasurementArguments& a) {
   identification::MeasureOptions o{
       .inputs = names(a.inputs), .outputs = names(a.outputs), .instruments = names(a.instruments)};
   if (a.from_drive && a.from_excitation)
-    bad_argument("--from-drive", "and --from-excitation exclude each other");
+    base::refuse("--from-drive", "and --from-excitation exclude each other");
   if (a.from_drive) o.input_role = data::Role::drive;
   if (a.from_excitation) o.input_role = data::Role::excitation;
   const auto estimator = choose_word("--estimator", a.estimator, {"auto", "h1", "h2", "hv", "iv"});
@@ -40,11 +41,11 @@ identification::MeasureOptions estimate_options(const MeasurementArguments& a) {
   o.window = static_cast<identification::Window>(choose_word(
       "--window", a.window, {"hann", "rectangular", "hamming", "blackman-harris", "flat-top"}));
   if (a.block && (*a.block < 16 || *a.block % 2 != 0))
-    bad_argument(fmt::format("--block {}", *a.block),
+    base::refuse(fmt::format("--block {}", *a.block),
                  "a block has an even number of samples, at least 16");
   o.block_length = a.block;
   if (a.overlap && !(*a.overlap >= 0.0 && *a.overlap < 100.0))
-    bad_argument(fmt::format("--overlap {}", *a.overlap), "must be from 0 to below 100 per cent");
+    base::refuse(fmt::format("--overlap {}", *a.overlap), "must be from 0 to below 100 per cent");
   if (a.overlap) o.overlap = *a.overlap / 100.0;
   o.period = optional_quantity("--period", a.period, "s", "a time");
   o.settling = optional_quantity("--settling", a.settling, "s", "a time").value_or(0.0);
@@ -125,7 +126,7 @@ tasks::MeasureOptions measure_options(const MeasurementArguments& a) {
       .pose = a.pose,
       .model = model_kind(a.model)};
   if (options.sample_rate && !(*options.sample_rate > 0.0))
-    bad_argument("--sample-rate " + a.sample_rate, "must be positive");
+    base::refuse("--sample-rate " + a.sample_rate, "must be positive");
   for (const auto& text : a.sensors) {
     const auto sensor = rig::parse_accelerometer(text);
     options.sensors.push_back({sensor.name, sensor.p_P, sensor.e_P});
@@ -142,7 +143,7 @@ tasks::IdentifyOptions identify_options(const IdentificationArguments& a) {
   modes.from = optional_quantity("--from", a.from, "Hz", "a frequency");
   modes.to = optional_quantity("--to", a.to, "Hz", "a frequency");
   if (modes.from && modes.to && *modes.from >= *modes.to)
-    bad_argument("--from " + a.from, "must be less than --to " + a.to);
+    base::refuse("--from " + a.from, "must be less than --to " + a.to);
   modes.orders.highest = a.order;
   modes.highest_damping = a.highest_damping / 100.0;
   return options;
@@ -168,7 +169,7 @@ std::size_t result_format(const std::string& format, const std::string& output,
   }
   const auto chosen = choose_word("--format", word, words);
   if (output == "-" && (word == "uff" || word == "mat"))
-    bad_argument("--format " + word, "this format needs a file name: add -o FILE." + word);
+    base::refuse("--format " + word, "this format needs a file name: add -o FILE." + word);
   return chosen;
 }
 

@@ -2,6 +2,7 @@
 
 #include <memory>
 
+#include "hydrapod/base/error.hpp"
 #include "hydrapod/base/file.hpp"
 #include "hydrapod/commands.hpp"
 #include "hydrapod/identification_arguments.hpp"
@@ -38,7 +39,7 @@ void draw(const Arguments& a, const tasks::Identified& found) {
     wrote(a.stabilisation);
   }
   if (!a.mac.empty()) {
-    if (result.modes.empty()) bad_argument("--mac " + a.mac, "there is no mode to compare");
+    if (result.modes.empty()) base::refuse("--mac " + a.mac, "there is no mode to compare");
     report::plot_mac(result, text, a.mac);
     wrote(a.mac);
   }
@@ -51,9 +52,9 @@ void draw(const Arguments& a, const tasks::Identified& found) {
 
 void run_output_only(const Arguments& a, size_t format) {
   for (const auto* path : {&a.plot, &a.stabilisation, &a.mac, &a.cross_mac})
-    if (!path->empty()) bad_argument("--output-only", "has no responses to plot");
+    if (!path->empty()) base::refuse("--output-only", "has no responses to plot");
   if (format > Format::csv)
-    bad_argument("--output-only", "its modes are written as table, json or csv");
+    base::refuse("--output-only", "its modes are written as table, json or csv");
   const auto options = identify_options(a);
   const auto measured = with_progress("reading", [&](const auto& progress) {
     return tasks::measure_outputs(options.measure, progress);
@@ -104,7 +105,7 @@ void run(const Arguments& a) {
   const size_t format = result_format(a.format, a.output, {"table", "json", "csv", "uff", "mat"});
   auto options = identify_options(a);
   if (a.output_only && a.bootstrap > 0)
-    bad_argument("--bootstrap", "output-only modes have no intervals to check");
+    base::refuse("--bootstrap", "output-only modes have no intervals to check");
   if (a.output_only) return run_output_only(a, format);
   for (const auto* path : {&a.plot, &a.stabilisation, &a.mac, &a.cross_mac})
     if (!path->empty()) report::require_picture(*path);
@@ -114,7 +115,7 @@ void run(const Arguments& a) {
       "identifying", [&](const auto& progress) { return tasks::identify(options, progress); });
   print_diagnostics(found.warnings);
   if (!found.compared && !a.cross_mac.empty())
-    bad_argument("--cross-mac " + a.cross_mac,
+    base::refuse("--cross-mac " + a.cross_mac,
                  "there is nothing to compare with: add --machine FILE");
   draw(a, found);
   write_result(a, format, found);

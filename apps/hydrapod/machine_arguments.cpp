@@ -1,4 +1,5 @@
 #include "hydrapod/machine_arguments.hpp"
+#include "hydrapod/base/error.hpp"
 
 #include <fmt/format.h>
 
@@ -11,13 +12,9 @@
 
 namespace hydrapod::cli {
 
-void bad_argument(const std::string& argument, const std::string& message) {
-  throw base::InputError({{.file = argument, .message = message}});
-}
-
 double plain_or_quantity(const std::string& argument, const std::string& text, const char* unit) {
   const auto read = base::read_plain_or_quantity(text, unit);
-  if (!read.ok()) bad_argument(argument, read.problem);
+  if (!read.ok()) base::refuse(argument, read.problem);
   return read.value;
 }
 
@@ -25,7 +22,7 @@ spatial::Vector3 point(const std::string& text) {
   const auto parts = base::split(text, ",");
   const std::string argument = "--point " + text;
   if (parts.size() != 3)
-    bad_argument(argument, "a point is three lengths, for instance \"0,0,0.2 m\"");
+    base::refuse(argument, "a point is three lengths, for instance \"0,0,0.2 m\"");
   return {plain_or_quantity(argument, parts[0], "m"), plain_or_quantity(argument, parts[1], "m"),
           plain_or_quantity(argument, parts[2], "m")};
 }
@@ -74,7 +71,7 @@ size_t choose_word(const std::string& option, const std::string& word,
   const auto at = std::find(words.begin(), words.end(), word);
   if (at != words.end()) return static_cast<size_t>(at - words.begin());
   const auto near = base::nearest(word, words);
-  bad_argument(
+  base::refuse(
       option + " " + word,
       fmt::format("unknown value; {}accepted are {}",
                   near ? fmt::format("did you mean '{}'? ", *near) : "", fmt::join(words, ", ")));

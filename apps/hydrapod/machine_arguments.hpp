@@ -37,9 +37,6 @@ spatial::Vector3 point(const std::string& text);
 /// message calls it. Throws base::InputError.
 double plain_or_quantity(const std::string& argument, const std::string& text, const char* unit);
 
-/// Throws base::InputError: exit code 2.
-[[noreturn]] void bad_argument(const std::string& argument, const std::string& message);
-
 /// One of several words for an option, or base::InputError with the nearest of them.
 size_t choose_word(const std::string& option, const std::string& word,
                    const std::vector<std::string_view>& words);

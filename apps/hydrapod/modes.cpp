@@ -3,6 +3,7 @@
 #include <memory>
 #include <optional>
 
+#include "hydrapod/base/error.hpp"
 #include "hydrapod/base/file.hpp"
 #include "hydrapod/commands.hpp"
 #include "hydrapod/machine_arguments.hpp"
@@ -50,16 +51,16 @@ void run(const Arguments& arguments) {
   const auto& system = arguments.system;
   const auto style = table_style(arguments.output);
   if (!system.plot.empty() && system.root_locus.empty())
-    bad_argument("--plot " + system.plot,
+    base::refuse("--plot " + system.plot,
                  "needs --root-locus; `hydrapod report` shows moving modes");
   if (system.system || system.open_loop || !system.root_locus.empty()) {
     if (arguments.matrices)
-      bad_argument("--matrices", "M, K and C are those of the mechanics; leave --system out");
+      base::refuse("--matrices", "M, K and C are those of the mechanics; leave --system out");
     return base::write_file_whole(arguments.output,
                                   system_modes_text(arguments.machine, system, format, style));
   }
   if (arguments.matrices && arguments.format != "json")
-    bad_argument("--matrices", "matrices are part of the JSON; add --format json");
+    base::refuse("--matrices", "matrices are part of the JSON; add --format json");
   const auto machine = load(arguments.machine);
   const auto table = tasks::modes(machine);
   base::write_file_whole(arguments.output, format == 0 ? table_text(machine, table, style)

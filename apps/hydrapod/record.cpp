@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include "hydrapod/base/error.hpp"
 #include "hydrapod/commands.hpp"
 #include "hydrapod/interrupt.hpp"
 #include "hydrapod/machine_arguments.hpp"
@@ -32,7 +33,7 @@ data::RecordFormat choose_format(const OutputArguments& arguments) {
 
 data::RecordSet open_record(const RecordArguments& arguments) {
   if (arguments.rate && !(*arguments.rate > 0.0 && *arguments.rate < 1e12))
-    bad_argument("--rate", "a sample rate must be positive");
+    base::refuse("--rate", "a sample rate must be positive");
   return data::RecordSet({arguments.file}, {.sample_rate = arguments.rate});
 }
 

@@ -7,6 +7,7 @@
 #include <limits>
 #include <memory>
 
+#include "hydrapod/base/error.hpp"
 #include "hydrapod/base/text.hpp"
 #include "hydrapod/commands.hpp"
 #include "hydrapod/data/processing.hpp"
@@ -60,7 +61,7 @@ std::vector<Eigen::Index> chosen_channels(const data::RecordHeader& header,
         choose_word("--role", arguments.role, {"excitation", "drive", "response", "other"}));
   const auto direction = data::direction_from_text(arguments.direction);
   if (!direction)
-    bad_argument("--direction " + arguments.direction,
+    base::refuse("--direction " + arguments.direction,
                  "unknown direction; accepted are x, y, z, rx, ry, rz, these with a -, and "
                  "\"leg 1\" to \"leg 6\"");
   std::vector<std::string_view> names;
@@ -70,7 +71,7 @@ std::vector<Eigen::Index> chosen_channels(const data::RecordHeader& header,
                     [&](std::string_view name) { return matches(pattern, name); }))
       continue;
     const auto near = base::nearest(pattern, names);
-    bad_argument(
+    base::refuse(
         "--channel " + pattern,
         near ? fmt::format("the record has no such channel; did you mean '{}'?", *near)
              : fmt::format("the record has no such channel; it has {}", fmt::join(names, ", ")));
@@ -85,7 +86,7 @@ std::vector<Eigen::Index> chosen_channels(const data::RecordHeader& header,
         (arguments.direction.empty() || channel.direction == *direction))
       kept.push_back(static_cast<Eigen::Index>(c));
   }
-  if (kept.empty()) bad_argument("--role, --direction", "no channel matches");
+  if (kept.empty()) base::refuse("--role, --direction", "no channel matches");
   return kept;
 }
 
@@ -109,7 +110,7 @@ void cut(const Arguments& arguments) {
       sample_at("--to", arguments.to, header, std::numeric_limits<std::int64_t>::max());
   const auto count = record.sample_count();
   if (from >= to || (count && from >= *count))
-    bad_argument("--from, --to",
+    base::refuse("--from, --to",
                  fmt::format("no sample lies there; the record begins at {:.9g} s{}", header.start,
                              count ? fmt::format(" and has {:.9g} s",
                                                  static_cast<double>(*count) / header.sample_rate)
@@ -137,13 +138,13 @@ void cut(const Arguments& arguments) {
 void resample(const Arguments& arguments) {
   const auto format = choose_format(arguments.output);
   if (!(arguments.rate > 0.0 && arguments.rate < 1e12))
-    bad_argument("--rate", "the new sample rate must be positive");
+    base::refuse("--rate", "the new sample rate must be positive");
   auto record = open_record(arguments.record);
   data::RecordHeader header = record.header();
   const double before = header.sample_rate;
   constexpr double most = 1e4;
   if (before / arguments.rate > most || arguments.rate / before > most)
-    bad_argument("--rate", fmt::format("{} Hz is more than 1:10000 from the record's {} Hz",
+    base::refuse("--rate", fmt::format("{} Hz is more than 1:10000 from the record's {} Hz",
                                        arguments.rate, before));
   header.sample_rate = arguments.rate;
   const auto writer = data::open_record_writer(arguments.output.file, header, format);

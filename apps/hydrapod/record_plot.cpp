@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <memory>
 
+#include "hydrapod/base/error.hpp"
 #include "hydrapod/base/text.hpp"
 #include "hydrapod/commands.hpp"
 #include "hydrapod/machine_arguments.hpp"
@@ -29,7 +30,7 @@ std::vector<std::size_t> shown_channels(const data::RecordHeader& header,
     const auto found = data::find_channel(header, name);
     const auto near = base::nearest(name, known);
     if (!found)
-      bad_argument(
+      base::refuse(
           "--channel " + name,
           near ? fmt::format("the record has no such channel; did you mean '{}'?", *near)
                : fmt::format("the record has no such channel; it has {}", fmt::join(known, ", ")));
@@ -43,7 +44,7 @@ std::vector<std::size_t> shown_channels(const data::RecordHeader& header,
                  shown.size(), known.size());
   }
   if (shown.size() > report::most_plotted_channels)
-    bad_argument("--channel",
+    base::refuse("--channel",
                  fmt::format("{} channels are too many for one picture (at most {}); choose some",
                              shown.size(), report::most_plotted_channels));
   return shown;

@@ -1,4 +1,5 @@
 #include "hydrapod/tasks/report.hpp"
+#include "hydrapod/base/error.hpp"
 
 #include <fmt/format.h>
 
@@ -30,10 +31,6 @@ struct Arguments {
   report::HtmlOptions page{};
 };
 
-[[noreturn]] void bad_modes(const std::string& text, const std::string& message) {
-  throw base::InputError({{.file = "--modes " + text, .message = message}});
-}
-
 /// A mode's number, all of `text`.
 int mode_number(const std::string& all, std::string_view text) {
   while (text.starts_with(' ')) text.remove_prefix(1);
@@ -41,8 +38,8 @@ int mode_number(const std::string& all, std::string_view text) {
   int value = 0;
   const auto [end, status] = std::from_chars(text.data(), text.data() + text.size(), value);
   if (status != std::errc() || end != text.data() + text.size())
-    bad_modes(all,
-              fmt::format("'{}' is not a mode number; expected a list such as 1,2,15-18", text));
+    base::refuse("--modes " + all,
+                 fmt::format("'{}' is not a mode number; expected a list such as 1,2,15-18", text));
   return value;
 }
 
@@ -58,7 +55,7 @@ std::vector<int> mode_list(const std::string& text, int count) {
     const int last =
         dash == std::string_view::npos ? first : mode_number(text, part.substr(dash + 1));
     if (first < 1 || last > count || first > last)
-      bad_modes(text, fmt::format("the modes of this model are 1 to {}", count));
+      base::refuse("--modes " + text, fmt::format("the modes of this model are 1 to {}", count));
     for (int mode = first; mode <= last; ++mode) modes.push_back(mode);
   }
   return modes;
@@ -71,7 +68,7 @@ tasks::ReportOptions options_of(const Arguments& a, const tasks::Machine& machin
   options.page.modes = mode_list(a.modes, dynamics::degrees_of_freedom(machine.kind));
   for (const auto& pose : a.poses)
     options.poses.push_back(tasks::pose_of(machine.file.machine, pose));
-  if (a.commands.empty() && !a.until.empty()) bad_argument("--until", "needs --command");
+  if (a.commands.empty() && !a.until.empty()) base::refuse("--until", "needs --command");
   if (!a.commands.empty()) {
     auto& simulation = options.simulation.emplace();
     simulation.commands = a.commands;
@@ -80,7 +77,7 @@ tasks::ReportOptions options_of(const Arguments& a, const tasks::Machine& machin
     integrator.relative_tolerance = integrator.absolute_tolerance = 1e-6;  // as `simulate` has it
     if (!a.until.empty()) {
       simulation.until = plain_or_quantity("--until " + a.until, a.until, "s");
-      if (!(*simulation.until > 0.0)) bad_argument("--until " + a.until, "expected a time above 0");
+      if (!(*simulation.until > 0.0)) base::refuse("--until " + a.until, "expected a time above 0");
     }
   }
   if (!a.identification.measurement.files.empty())

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <memory>
 
+#include "hydrapod/base/error.hpp"
 #include "hydrapod/base/file.hpp"
 #include "hydrapod/commands.hpp"
 #include "hydrapod/interrupt.hpp"
@@ -31,7 +32,7 @@ struct Arguments {
 
 double positive(const std::string& option, const std::string& text, const char* unit) {
   const double value = plain_or_quantity(option + " " + text, text, unit);
-  if (!(value > 0.0)) bad_argument(option + " " + text, "must be positive");
+  if (!(value > 0.0)) base::refuse(option + " " + text, "must be positive");
   return value;
 }
 
@@ -45,7 +46,7 @@ rig::RigOptions options_of(const Arguments& arguments, const model::Machine& mac
                                                 .rate = 1.0 / machine.controller.sample_time,
                                                 .excitation = true});
   options.settling = plain_or_quantity("--settling", arguments.settling, "s");
-  if (!(options.settling >= 0.0)) bad_argument("--settling", "must be 0 or more");
+  if (!(options.settling >= 0.0)) base::refuse("--settling", "must be 0 or more");
   options.duration = positive("--duration", arguments.duration, "s");
   options.rate = positive("--rate", arguments.rate, "Hz");
   options.oversampling = arguments.oversampling;
@@ -70,7 +71,7 @@ rig::RigOptions options_of(const Arguments& arguments, const model::Machine& mac
 
 void run(const Arguments& arguments) {
   if (!arguments.check) {
-    if (arguments.file.empty()) bad_argument("-o", "a file for the record is required");
+    if (arguments.file.empty()) base::refuse("-o", "a file for the record is required");
     data::format_of_ending(arguments.file);
   }
   const auto machine = load(arguments.machine);

@@ -2,6 +2,7 @@
 
 #include <memory>
 
+#include "hydrapod/base/error.hpp"
 #include "hydrapod/base/file.hpp"
 #include "hydrapod/commands.hpp"
 #include "hydrapod/interrupt.hpp"
@@ -31,7 +32,7 @@ struct Arguments {
 
 double positive(const std::string& option, const std::string& text) {
   const double value = plain_or_quantity(option + " " + text, text, "s");
-  if (!(value > 0.0)) bad_argument(option + " " + text, "expected a time of more than 0 s");
+  if (!(value > 0.0)) base::refuse(option + " " + text, "expected a time of more than 0 s");
   return value;
 }
 
@@ -44,7 +45,7 @@ tasks::SimulateOptions options_of(const Arguments& arguments) {
   loop.integrator.method = methods[choose_word("--integrator", arguments.integrator,
                                                {"adaptive", "adams", "bdf", "fixed"})];
   if (!(arguments.tolerance >= 1e-13 && arguments.tolerance <= 1e-2))
-    bad_argument(fmt::format("--tolerance {}", arguments.tolerance), "expected 1e-13 to 0.01");
+    base::refuse(fmt::format("--tolerance {}", arguments.tolerance), "expected 1e-13 to 0.01");
   loop.integrator.relative_tolerance = loop.integrator.absolute_tolerance = arguments.tolerance;
   loop.integrator.fixed_step = positive("--step", arguments.step);
   loop.seed = arguments.seed;

@@ -1,4 +1,5 @@
 #include "hydrapod/system_modes.hpp"
+#include "hydrapod/base/error.hpp"
 
 #include <fmt/format.h>
 
@@ -23,7 +24,7 @@ constexpr int most_values = 1000;
 tasks::RootLocusOptions locus_options(const std::string& text) {
   const std::string argument = "--root-locus " + text;
   const auto reject = [&](const std::string& found) {
-    bad_argument(argument, found +
+    base::refuse(argument, found +
                                ", expected KEY=from:to:count with numbers in SI, for instance "
                                "controller.gain=5:80:16");
   };

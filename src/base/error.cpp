@@ -29,4 +29,8 @@ std::string joined(const std::vector<Diagnostic>& diagnostics) {
 InputError::InputError(std::vector<Diagnostic> diagnostics)
     : std::runtime_error(joined(diagnostics)), diagnostics_(std::move(diagnostics)) {}
 
+void refuse(const std::string& where, const std::string& message) {
+  throw InputError({{.file = where, .message = message}});
+}
+
 }  // namespace hydrapod::base

@@ -16,8 +16,6 @@ namespace hydrapod::calibration {
 
 namespace {
 
-constexpr double infinite = std::numeric_limits<double>::infinity();
-
 /// Every combination of choices, the first of each first.
 std::vector<std::vector<std::size_t>> combinations(const std::vector<Alternative>& alternatives) {
   std::vector<std::vector<std::size_t>> all{{}};

@@ -13,8 +13,6 @@
 namespace hydrapod::calibration {
 
 namespace {
-
-constexpr double infinite = std::numeric_limits<double>::infinity();
 constexpr double outlier = 5.0;  ///< deviations
 
 /// Uniform in [0, 1), the same with every standard library.

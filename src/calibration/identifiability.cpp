@@ -8,11 +8,11 @@
 #include <cmath>
 #include <limits>
 
+#include "variables.hpp"
+
 namespace hydrapod::calibration {
 
 namespace {
-
-constexpr double infinite = std::numeric_limits<double>::infinity();
 constexpr int largest_trade = 4;
 constexpr double most_groups = 30000.0;
 constexpr double takes_part = 1e-3;  // of the largest relative change in a trade

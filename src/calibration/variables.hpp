@@ -1,9 +1,13 @@
 #pragma once
 /// From what somebody wrote about parameters to variables in SI. Private to the module.
 
+#include <limits>
+
 #include "problem.hpp"
 
 namespace hydrapod::calibration {
+
+inline constexpr double infinite = std::numeric_limits<double>::infinity();
 
 /// Resolves `free` against the numbers of `machine`, which then varies them. Mistakes of all of
 /// them go to `errors`; the result is then of no use.

@@ -1,4 +1,5 @@
 #include "hydrapod/data/record_io.hpp"
+#include "hydrapod/base/error.hpp"
 
 #include <fmt/format.h>
 #include <sys/stat.h>
@@ -34,25 +35,21 @@ constexpr std::array endings{
     Ending{".txt", RecordFormat::csv},  Ending{".uff", RecordFormat::uff},
     Ending{".unv", RecordFormat::uff},  Ending{".uf", RecordFormat::uff}};
 
-[[noreturn]] void refuse(const std::string& path, const std::string& message) {
-  throw base::InputError({{.file = path, .message = message}});
-}
-
 /// The first bytes of a file that must be a regular one.
 std::string head_of(const std::string& path) {
   struct stat info {};
   if (::stat(path.c_str(), &info) != 0)
-    refuse(path, fmt::format("cannot read the file: {}", std::strerror(errno)));
+    base::refuse(path, fmt::format("cannot read the file: {}", std::strerror(errno)));
   if (!S_ISREG(info.st_mode))
-    refuse(path,
-           "cannot read the file: a record is read from a regular file, not from a folder, "
-           "pipe or device");
+    base::refuse(path,
+                 "cannot read the file: a record is read from a regular file, not from a folder, "
+                 "pipe or device");
   std::ifstream stream(path, std::ios::binary);
-  if (!stream) refuse(path, fmt::format("cannot read the file: {}", std::strerror(errno)));
+  if (!stream) base::refuse(path, fmt::format("cannot read the file: {}", std::strerror(errno)));
   std::string head(1024, '\0');
   stream.read(head.data(), static_cast<std::streamsize>(head.size()));
   head.resize(static_cast<std::size_t>(stream.gcount()));
-  if (head.empty()) refuse(path, "the file is empty");
+  if (head.empty()) base::refuse(path, "the file is empty");
   return head;
 }
 
@@ -83,7 +80,7 @@ std::unique_ptr<RecordReader> open_by_content(const std::string& path, const Rea
   if (head.starts_with("MATLAB 5.0") || has_mat5_mark(head)) return make_mat5_reader(path, options);
   if (begins_as_uff(head)) return make_uff_reader(path);
   if (head.find('\0') != std::string::npos)
-    refuse(path, "this is not a record: it is neither HDF5, MAT, Universal File nor text");
+    base::refuse(path, "this is not a record: it is neither HDF5, MAT, Universal File nor text");
   return make_csv_reader(path, options);
 }
 
@@ -92,7 +89,7 @@ std::unique_ptr<RecordReader> open_reader(const std::string& path, const ReadOpt
   try {
     validate(reader->header());
   } catch (const std::invalid_argument& error) {
-    refuse(path, error.what());
+    base::refuse(path, error.what());
   }
   return reader;
 }
@@ -130,10 +127,10 @@ RecordFormat format_of_ending(const std::string& path) {
   const std::string found = base::lower_case(std::filesystem::path(path).extension().string());
   for (const auto& known : endings)
     if (found == known.ending) return known.format;
-  refuse(path,
-         fmt::format("the ending '{}' names no format of records; known are .h5, .hdf5, .mat, "
-                     ".csv, .txt, .uff, .unv and .uf",
-                     base::printable(found)));
+  base::refuse(
+      path, fmt::format("the ending '{}' names no format of records; known are .h5, .hdf5, .mat, "
+                        ".csv, .txt, .uff, .unv and .uf",
+                        base::printable(found)));
 }
 
 std::unique_ptr<RecordWriter> open_record_writer(const std::string& path,
@@ -176,9 +173,10 @@ RecordSet::RecordSet(std::vector<std::string> files, const ReadOptions& options)
   for (std::size_t k = 0; k < files_.size(); ++k) {
     readers_.push_back(open_reader(files_[k], options));
     if (!same_channels(header(), header(k)))
-      refuse(files_[k], fmt::format("other channels or another sample rate than {}: records that "
-                                    "are averaged together have the same",
-                                    files_[0]));
+      base::refuse(files_[k],
+                   fmt::format("other channels or another sample rate than {}: records that "
+                               "are averaged together have the same",
+                               files_[0]));
     counts_[k] = readers_[k]->sample_count();
   }
 }

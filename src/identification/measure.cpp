@@ -20,10 +20,6 @@ namespace {
 
 using data::Role;
 
-[[noreturn]] void bad(const std::string& file, const std::string& message) {
-  throw base::InputError({{.file = file, .message = message}});
-}
-
 std::vector<int> with_role(const data::RecordHeader& header, Role role) {
   std::vector<int> list;
   for (std::size_t c = 0; c < header.channels.size(); ++c)
@@ -75,9 +71,9 @@ std::vector<int> with_names(const std::string& file, const data::RecordHeader& h
       std::vector<std::string_view> known;
       for (const auto& c : header.channels) known.push_back(c.name);
       const auto near = base::nearest(name, known);
-      bad(file, fmt::format("there is no channel '{}'; {}", name,
-                            near ? fmt::format("did you mean '{}'?", *near)
-                                 : "the record has " + names_of(header)));
+      base::refuse(file, fmt::format("there is no channel '{}'; {}", name,
+                                     near ? fmt::format("did you mean '{}'?", *near)
+                                          : "the record has " + names_of(header)));
     }
     list.push_back(static_cast<int>(*at));
   }
@@ -117,20 +113,21 @@ Plan plan_channels(const std::string& file, const data::RecordHeader& header,
   const std::string advice =
       ": name channels with --inputs and --outputs; the record has " + names_of(header);
   if (c.inputs.empty())
-    bad(file, (!options.input_role ? "no channel has the role excitation or drive"
-               : from_drive        ? "no channel has the role drive"
-                                   : "no channel has the role excitation") +
-                  advice);
-  if (c.outputs.empty()) bad(file, "no channel has the role response" + advice);
+    base::refuse(file, (!options.input_role ? "no channel has the role excitation or drive"
+                        : from_drive        ? "no channel has the role drive"
+                                            : "no channel has the role excitation") +
+                           advice);
+  if (c.outputs.empty()) base::refuse(file, "no channel has the role response" + advice);
   for (const int i : c.inputs)
     if (std::ranges::find(c.outputs, i) != c.outputs.end())
-      bad(file, fmt::format("channel '{}' is named as input and as output",
-                            header.channels[static_cast<std::size_t>(i)].name));
+      base::refuse(file, fmt::format("channel '{}' is named as input and as output",
+                                     header.channels[static_cast<std::size_t>(i)].name));
   const bool from_instrument = c.instruments.size() == c.inputs.size() && c.instruments != c.inputs;
   plan.estimator = options.estimator.value_or(
       from_instrument && c.inputs != excitations ? Estimator::instrumental : Estimator::h1);
   if (plan.estimator == Estimator::instrumental && c.instruments == c.inputs)
-    bad(file,
+    base::refuse(
+        file,
         "the instrumental estimate needs inputs other than the excitations: take the drives "
         "(--from-drive), or name them with --inputs");
   if (!from_instrument && plan.estimator != Estimator::instrumental) c.instruments.clear();
@@ -199,7 +196,8 @@ SpectrumOptions spectrum_options(data::RecordSet& records, const Plan& plan,
   }
   constexpr int shortest_block = 16;
   if (shortest < shortest_block)
-    bad(first,
+    base::refuse(
+        first,
         fmt::format("the record has {}: responses need blocks of at least {}, and several of them",
                     shortest == 0 ? "no samples" : fmt::format("only {} samples", shortest),
                     shortest_block));
@@ -221,9 +219,9 @@ SpectrumOptions spectrum_options(data::RecordSet& records, const Plan& plan,
       o.block_length = static_cast<int>(std::bit_floor(static_cast<unsigned>(shortest)));
   }
   if (o.block_length > shortest)
-    bad(first, fmt::format("the record has {} samples, fewer than one block of {}: take "
-                           "shorter blocks or a longer record",
-                           shortest, o.block_length));
+    base::refuse(first, fmt::format("the record has {} samples, fewer than one block of {}: take "
+                                    "shorter blocks or a longer record",
+                                    shortest, o.block_length));
   return o;
 }
 
@@ -373,8 +371,9 @@ Measurement measure_outputs(data::RecordSet& records, const MeasureOptions& opti
   plan.choice.outputs = options.outputs.empty() ? default_outputs(m.header)
                                                 : with_names(first, m.header, options.outputs);
   if (plan.choice.outputs.empty())
-    bad(first, "no channel has the role response: name channels with --outputs; the record has " +
-                   names_of(m.header));
+    base::refuse(first,
+                 "no channel has the role response: name channels with --outputs; the record has " +
+                     names_of(m.header));
   // covariances want long lags more than many averages
   plan.choice.inputs = {plan.choice.outputs[0]};
   MeasureOptions own = options;

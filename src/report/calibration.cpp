@@ -49,7 +49,7 @@ void describe(Fields& f, FittedParameter& p) {
   f("interval_95", interval);
   f("deviation_data_alone", p.data_deviation);
   f("other_value", p.other_value);
-  f.word("verdict", p.verdict, words_of<5>(verdict_word));
+  f.word("verdict", p.verdict, words_of<calibration::Verdict, 5>(verdict_word));
   if constexpr (Fields::reads) {
     std::tie(p.lower, p.upper) = std::tie(bounds[0], bounds[1]);
     std::tie(p.interval_low, p.interval_high) = std::tie(interval[0], interval[1]);

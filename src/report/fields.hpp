@@ -38,7 +38,7 @@ concept Described = requires(Writer& f, T& value) {
 inline constexpr std::array model_words{"rigid", "guide", "full"};
 
 /// The words of an enum with `N` values.
-template <std::size_t N, class Enum>
+template <class Enum, std::size_t N>
 std::array<const char*, N> words_of(const char* (*name)(Enum)) {
   std::array<const char*, N> words{};
   for (std::size_t k = 0; k < N; ++k) words[k] = name(static_cast<Enum>(k));

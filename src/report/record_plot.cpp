@@ -13,7 +13,7 @@ namespace hydrapod::report {
 namespace {
 
 constexpr std::size_t most_stretches = 4000;
-constexpr int row_height = 130, width = 1200, top_band = 40, bottom_band = 50;  // [px]
+constexpr int row_height = 130, picture_width = 1200, top_band = 40, bottom_band = 50;  // [px]
 
 double lower(double a, double b) { return std::isnan(a) || b < a ? b : a; }
 double higher(double a, double b) { return std::isnan(a) || b > a ? b : a; }
@@ -124,7 +124,7 @@ void plot_record(const data::RecordHeader& header, const TraceBuilder& traces,
   const int rows = static_cast<int>(shown.size());
   const int height = rows * row_height + top_band + bottom_band;
   const bool with_spectrum = overview.spectrum.segments > 0;
-  draw(path, width, height, [&](const std::string& terminal, const std::string& file) {
+  draw(path, picture_width, height, [&](const std::string& terminal, const std::string& file) {
     std::string script =
         fmt::format("set terminal {}\nset output {}\nset encoding utf8\n", terminal, quoted(file));
     script += trace_block(header, traces, shown);

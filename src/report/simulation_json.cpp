@@ -85,7 +85,7 @@ void describe_run(Fields& f, Simulation& s) {
   f("output_interval_s", s.output_interval);
   f("samples", summary.samples);
   f("seed", s.loop.seed);
-  f.word("integrator", s.loop.integrator.method, words_of<4>(simulation::name));
+  f.word("integrator", s.loop.integrator.method, words_of<simulation::Method, 4>(simulation::name));
   f("relative_tolerance", s.loop.integrator.relative_tolerance);
   f("steps", summary.integrator.steps);
   f("evaluations", summary.integrator.evaluations);
@@ -99,7 +99,8 @@ void describe(Fields& f, simulation::EventRecord& event) {
   f("time_s", event.time);
   f.counted("leg", event.leg);
   f.word("event", event.event,
-         words_of<simulation::Plant::events_per_leg>(simulation::Plant::name));
+         words_of<simulation::Plant::Event, simulation::Plant::events_per_leg>(
+             simulation::Plant::name));
   f("begins", event.begins);
 }
 

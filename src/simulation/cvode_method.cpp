@@ -11,8 +11,6 @@ namespace hydrapod::simulation {
 
 namespace {
 
-constexpr long most_steps = 1'000'000;  // in one call
-
 /// CVODE: Adams with fixed-point iteration, or BDF with Newton and a dense Jacobian by differences.
 class CvodeMethod : public SundialsMethod {
  public:

@@ -9,8 +9,6 @@ namespace hydrapod::simulation {
 
 namespace {
 
-constexpr long most_steps = 1'000'000;  // in one call
-
 /// ARKODE's ERKStep: Dormand and Prince 5(4).
 class ErkMethod : public SundialsMethod {
  public:

@@ -1,4 +1,5 @@
 #include "hydrapod/tasks/machine.hpp"
+#include "hydrapod/base/error.hpp"
 
 #include <fmt/format.h>
 
@@ -11,10 +12,6 @@
 namespace hydrapod::tasks {
 
 namespace {
-
-[[noreturn]] void bad(const std::string& argument, const std::string& message) {
-  throw base::InputError({{.file = argument, .message = message}});
-}
 
 /// `z=50 mm, ry=5 deg` from the neutral pose.
 spatial::Pose displaced_pose(const spatial::Pose& neutral, const std::string& text,
@@ -48,8 +45,9 @@ model::NamedPose pose_of(const model::Machine& machine, const std::string& text)
     std::vector<std::string_view> names;
     for (const auto& pose : machine.poses) names.push_back(pose.name);
     const auto near = base::nearest(text, names);
-    bad(place, near ? fmt::format("unknown pose; did you mean '{}'?", *near)
-                    : fmt::format("unknown pose; the file has {}", fmt::join(names, ", ")));
+    base::refuse(place, near
+                            ? fmt::format("unknown pose; did you mean '{}'?", *near)
+                            : fmt::format("unknown pose; the file has {}", fmt::join(names, ", ")));
   }
   model::NamedPose pose{text, displaced_pose(machine.neutral(), text, place)};
   std::vector<base::Diagnostic> errors;
@@ -66,7 +64,8 @@ dynamics::ModelKind model_of(const model::Machine& machine,
       machine.legs, [](const model::Leg& leg) { return leg.piston_ring.has_value(); });
   if (!asked) return rings ? ModelKind::full : ModelKind::guide;
   if (*asked == ModelKind::full && !rings)
-    bad("--model full",
+    base::refuse(
+        "--model full",
         "not every leg has a piston ring; give legs.piston_ring.stiffness in the file or with "
         "--set legs.piston_ring.stiffness=\"… N/m\"");
   return *asked;

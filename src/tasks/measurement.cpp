@@ -1,4 +1,5 @@
 #include "hydrapod/tasks/measurement.hpp"
+#include "hydrapod/base/error.hpp"
 
 #include <fmt/format.h>
 
@@ -17,10 +18,6 @@ namespace hydrapod::tasks {
 namespace {
 
 using Diagnostics = std::vector<base::Diagnostic>;
-
-[[noreturn]] void bad(const std::string& file, const std::string& message) {
-  throw base::InputError({{.file = file, .message = message}});
-}
 
 void add_warnings(const std::string& file, const std::vector<std::string>& texts,
                   Diagnostics& warnings) {
@@ -85,7 +82,8 @@ std::vector<data::PlacedSensor> chosen_sensors(const MeasureOptions& options,
                                                const data::Experiment& experiment) {
   const auto& all = options.sensors.empty() ? experiment.sensors : options.sensors;
   if (all.empty())
-    bad("--accelerometers",
+    base::refuse(
+        "--accelerometers",
         "the record does not state the positions of its accelerometers: add --sensor \"NAME, at=X "
         "Y Z, along=z\" for each, in the platform frame [m]");
   const auto& wanted = options.estimate.outputs;
@@ -93,7 +91,8 @@ std::vector<data::PlacedSensor> chosen_sensors(const MeasureOptions& options,
   std::vector<data::PlacedSensor> some;
   for (const auto& name : wanted) {
     const auto found = std::ranges::find(all, name, &data::PlacedSensor::name);
-    if (found == all.end()) bad("--outputs " + name, "is not a sensor with a known position");
+    if (found == all.end())
+      base::refuse("--outputs " + name, "is not a sensor with a known position");
     some.push_back(*found);
   }
   return some;
@@ -103,7 +102,8 @@ std::vector<data::PlacedSensor> chosen_sensors(const MeasureOptions& options,
 void use_accelerometers(const MeasureOptions& options, const Measured& measured,
                         identification::MeasureOptions& estimate) {
   if (!measured.machine)
-    bad("--accelerometers", "the pose of the platform is needed: add --machine FILE and --pose");
+    base::refuse("--accelerometers",
+                 "the pose of the platform is needed: add --machine FILE and --pose");
   const auto& X_BP = measured.machine->pose.X_BP;
   std::vector<identification::LinearSensor> sensors;
   const auto chosen = chosen_sensors(options, *measured.experiment());
@@ -155,7 +155,7 @@ report::Json parsed_json(const std::string& path, const std::vector<std::string>
   try {
     json = report::Json::parse(base::read_file(path, largest, "JSON of hydrapod"));
   } catch (const nlohmann::json::parse_error& error) {
-    bad(path, fmt::format("is not JSON: {}", error.what()));
+    base::refuse(path, fmt::format("is not JSON: {}", error.what()));
   }
   const auto kind = json.is_object() ? json.find("kind") : json.end();
   if (kind == json.end() || std::ranges::count(kinds, kind->dump()) > 0) return json;
@@ -167,7 +167,8 @@ report::Json parsed_json(const std::string& path, const std::vector<std::string>
 
 void refuse_modal_results(const std::string& path) {
   if (data::file_kind(path) == data::FileKind::modal_results)
-    bad(path,
+    base::refuse(
+        path,
         "holds modes (dataset 55) without their uncertainties; JSON or CSV of `hydrapod identify` "
         "has them");
 }
@@ -191,8 +192,8 @@ void add_bootstrap(const IdentifyOptions& options, const Progress& progress, Ide
   if (found.modes.modes.empty()) return;
   auto& measured = found.measured;
   if (!measured.records)
-    bad("--bootstrap", fmt::format("resamples the blocks of a record; {} is not one",
-                                   options.measure.files.front()));
+    base::refuse("--bootstrap", fmt::format("resamples the blocks of a record; {} is not one",
+                                            options.measure.files.front()));
   constexpr int groups = 24;
   const auto grouped = identification::measure_groups(
       *measured.records, estimate_options(options.measure, measured), groups);
@@ -206,8 +207,8 @@ void add_comparison(const IdentifyOptions& options, Identified& found) {
   const auto& measured = found.measured;
   if (!measured.machine) {
     if (options.against)
-      bad(fmt::format("--against {}", observation::name(*options.against)),
-          "there is no machine to compare with: add --machine FILE");
+      base::refuse(fmt::format("--against {}", observation::name(*options.against)),
+                   "there is no machine to compare with: add --machine FILE");
     return;
   }
   const auto& machine = *measured.machine;
@@ -242,7 +243,8 @@ observation::Targets calculated_targets(const report::Json& json, const std::str
   observation::Targets targets{.title = path, .deviations_given = false};
   const auto pose = report::pose_from_json(json, path);
   if (std::ranges::count(machine.poses, pose.name, &model::NamedPose::name) == 0)
-    bad(path,
+    base::refuse(
+        path,
         fmt::format("holds modes at pose \"{}\", which the machine file does not have", pose.name));
   for (const auto& entry : report::modes_from_json(json, path).real.modes) {
     const auto& mode = entry.mode;
@@ -260,7 +262,7 @@ observation::Targets calculated_targets(const report::Json& json, const std::str
     }
     targets.modes.push_back(target);
   }
-  if (targets.modes.empty()) bad(path, "contains no mode with platform motion");
+  if (targets.modes.empty()) base::refuse(path, "contains no mode with platform motion");
   return targets;
 }
 
@@ -284,7 +286,8 @@ observation::Targets identified_targets(const Measured& measured, const std::str
   });
   add_warnings(path, found.warnings, warnings);
   if (found.modes.empty())
-    bad(path,
+    base::refuse(
+        path,
         "no mode was found in it; use a longer record or a higher excitation (`hydrapod identify` "
         "shows details)");
   auto targets =
@@ -310,12 +313,13 @@ MeasuredFile file_and_pose(const std::string& text, const Machine& machine) {
   file.path = text.substr(0, at);
   file.pose = text.substr(at + 1);
   file.says_pose = true;
-  if (file.path.empty()) bad(file.option, "names no file; expected FILE or FILE@POSE");
+  if (file.path.empty()) base::refuse(file.option, "names no file; expected FILE or FILE@POSE");
   std::vector<std::string_view> names;
   for (const auto& known : machine.file.machine.poses) names.push_back(known.name);
   if (std::ranges::find(names, file.pose) != names.end()) return file;
   const auto near = base::nearest(file.pose, names);
-  bad(file.option,
+  base::refuse(
+      file.option,
       fmt::format("expected the name of a pose of the machine file after the @; {}it has {}",
                   near ? fmt::format("did you mean '{}'? ", *near) : "", fmt::join(names, ", ")));
 }
@@ -349,7 +353,8 @@ observation::Targets read_one(const MeasuredFile& file, const Machine& machine,
   }
   if (kind == data::FileKind::json) {
     const auto json = parsed_json(path, {"\"identified_modes\"", "\"modes\"", "\"frf\""});
-    if (!json.is_object()) bad(path, "expected an object of `hydrapod identify` or `hydrapod frf`");
+    if (!json.is_object())
+      base::refuse(path, "expected an object of `hydrapod identify` or `hydrapod frf`");
     if (json.contains("matrices") || json.contains("rigid_modes"))
       return calculated_targets(json, path, of);
     if (!json.contains("modes"))
@@ -383,7 +388,8 @@ Measured frf(const MeasureOptions& options, const Progress& progress) {
   const bool responses =
       kind == data::FileKind::json || kind == data::FileKind::frequency_responses;
   if (responses && options.files.size() > 1)
-    bad(options.files[1], "only records are averaged: give one file of frequency responses");
+    base::refuse(options.files[1],
+                 "only records are averaged: give one file of frequency responses");
   if (responses) {
     auto measured = kind == data::FileKind::json
                         ? responses_from(parsed_json(first, {"\"frf\""}), first)
@@ -392,7 +398,8 @@ Measured frf(const MeasureOptions& options, const Progress& progress) {
     return measured;
   }
   if (kind == data::FileKind::mode_table || kind == data::FileKind::toml)
-    bad(first, fmt::format("holds {}; expected records, JSON of `hydrapod frf` or a Universal File",
+    base::refuse(
+        first, fmt::format("holds {}; expected records, JSON of `hydrapod frf` or a Universal File",
                            kind == data::FileKind::toml ? "no measurement, as TOML"
                                                         : "a table of frequencies"));
   refuse_modal_results(first);
@@ -454,9 +461,10 @@ MeasuredTargets read_measured(const Machine& machine, const MeasuredOptions& opt
   for (const auto& text : options.files) {
     auto one = file_and_pose(text, machine);
     if (std::ranges::count(files, one.path, &MeasuredFile::path) > 0)
-      bad(one.option, fmt::format("{} is given twice; it would count twice", one.path));
+      base::refuse(one.option, fmt::format("{} is given twice; it would count twice", one.path));
     if (one.says_pose && is_mode_list(one.path))
-      bad(one.option,
+      base::refuse(
+          one.option,
           "a list of modes states the pose of each mode (pose = \"low\", or a column \"pose\"); "
           "give the file without @POSE");
     files.push_back(std::move(one));
@@ -470,7 +478,8 @@ MeasuredTargets read_measured(const Machine& machine, const MeasuredOptions& opt
       continue;
     }
     if (one.observed != all.observed)
-      bad(file.option,
+      base::refuse(
+          file.option,
           fmt::format("it {}, and {} {}: these are different systems; diagnose from one of them",
                       origin(one.observed), options.files.front(), origin(all.observed)));
     all.deviations_given = all.deviations_given && one.deviations_given;

@@ -1,4 +1,5 @@
 #include "hydrapod/tasks/simulation.hpp"
+#include "hydrapod/base/error.hpp"
 
 #include <fmt/format.h>
 
@@ -14,10 +15,6 @@ namespace {
 
 using simulation::ClosedLoop;
 using simulation::LoopSample;
-
-[[noreturn]] void bad(const std::string& argument, const std::string& message) {
-  throw base::InputError({{.file = argument, .message = message}});
-}
 
 data::RecordHeader header_of(const Machine& machine, std::uint64_t seed,
                              const std::vector<std::string>& command_line) {
@@ -161,7 +158,8 @@ Rig rig(const Machine& machine, const RigOptions& asked, const Progress& progres
   if (asked.averages > 0) {
     const double rate = 1.0 / of.controller.sample_time;
     const auto period = signals::period_samples(options.signals, rate);
-    if (!period) bad("--averages", "the excitation does not repeat; give its duration instead");
+    if (!period)
+      base::refuse("--averages", "the excitation does not repeat; give its duration instead");
     options.duration = asked.averages * static_cast<double>(*period) / rate;
   }
   try {
@@ -175,7 +173,7 @@ Rig rig(const Machine& machine, const RigOptions& asked, const Progress& progres
                                  keep_going(progress, options.settling + options.duration));
     writer->close();
   } catch (const std::invalid_argument& error) {
-    bad("--excite", error.what());
+    base::refuse("--excite", error.what());
   }
   return result;
 }

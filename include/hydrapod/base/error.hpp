@@ -38,6 +38,9 @@ class InputError : public std::runtime_error {
   std::vector<Diagnostic> diagnostics_;
 };
 
+/// Throws an InputError of one finding; `where`: the file, or the argument as it was written.
+[[noreturn]] void refuse(const std::string& where, const std::string& message);
+
 /// The input was fine and the computation failed: exit code 1 on the command line.
 class ComputationError : public std::runtime_error {
  public:
