@@ -199,7 +199,8 @@ bool Problem::see_beside(std::size_t parameter, double step, State& state) const
     const auto& center = state.seen[p];
     const observation::Tangent tangent(center.seen, system(below, p), system(above, p), 2.0 * step);
     for (const double side : {-tiny, tiny}) {
-      SeenPoint point{tangent.at(side * step), center.mode_of, center.group_of};
+      SeenPoint point{tangent.at(side * step), center.mode_of, center.group_of,
+                      center.group_of_mode};
       if (tangent.turned() && !pair_again(targets_.modes, targets_at(p), point)) return false;
       (side < 0.0 ? seen_below : seen_above).push_back(std::move(point));
     }

@@ -133,10 +133,10 @@ std::vector<std::vector<int>> groups_seen(const std::vector<ObservedMode>& model
       number.push_back(static_cast<int>(m));
     }
   std::vector<std::vector<int>> group_of(model.size());
-  for (auto group : groups_of(poles, options)) {
-    for (int& k : group) k = number[static_cast<std::size_t>(k)];
-    for (const int k : group) group_of[static_cast<std::size_t>(k)] = group;
-  }
+  const auto groups = group_of_each(poles, options);
+  for (std::size_t i = 0; i < groups.size(); ++i)
+    for (const int k : groups[i])
+      group_of[static_cast<std::size_t>(number[i])].push_back(number[static_cast<std::size_t>(k)]);
   return group_of;
 }
 

@@ -96,27 +96,36 @@ Matrix6 platform_metric(const model::Machine& machine, const spatial::Pose& X_BP
   return metric_root(mass) * to_center;
 }
 
+std::vector<std::vector<int>> group_of_each(std::span<const Complex> poles,
+                                            const ObservationOptions& options) {
+  std::vector<std::vector<int>> groups;
+  for (const Complex a : poles) {
+    auto& group = groups.emplace_back();
+    for (std::size_t b = 0; b < poles.size(); ++b) {
+      const double decay = std::min(std::abs(a.real()), std::abs(poles[b].real()));
+      if (std::abs(a - poles[b]) <=
+          std::max(options.same_frequency * std::abs(a), options.same_decay * decay))
+        group.push_back(static_cast<int>(b));
+    }
+  }
+  return groups;
+}
+
 std::vector<std::vector<int>> groups_of(std::span<const Complex> poles,
                                         const ObservationOptions& options) {
-  std::vector<std::vector<int>> groups;
-  for (std::size_t k = 0; k < poles.size(); ++k) {
-    const auto one = [&](int i) {
-      const Complex a = poles[static_cast<std::size_t>(i)], b = poles[k];
-      const double decay = std::min(std::abs(a.real()), std::abs(b.real()));
-      return std::abs(a - b) <=
-             std::max(options.same_frequency * std::abs(b), options.same_decay * decay);
-    };
-    std::vector<int> joined{static_cast<int>(k)};
-    std::erase_if(groups, [&](const std::vector<int>& group) {
-      if (std::ranges::none_of(group, one)) return false;
-      joined.insert(joined.end(), group.begin(), group.end());
-      return true;
+  std::vector<std::vector<int>> chains;
+  for (auto joined : group_of_each(poles, options)) {
+    std::erase_if(chains, [&](const std::vector<int>& chain) {
+      const bool met = std::ranges::find_first_of(chain, joined) != chain.end();
+      if (met) joined.insert(joined.end(), chain.begin(), chain.end());
+      return met;
     });
     std::ranges::sort(joined);
-    groups.push_back(joined);
+    joined.erase(std::ranges::unique(joined).begin(), joined.end());
+    chains.push_back(joined);
   }
-  std::ranges::sort(groups);
-  return groups;
+  std::ranges::sort(chains);
+  return chains;
 }
 
 template <class Matrix>
@@ -271,12 +280,15 @@ class PairCosts {
 
 /// Gives every target a mode of its own; false where there are too few.
 bool pair_among(std::span<const ModeTarget> targets, const std::vector<std::size_t>& here,
-                const std::vector<int>& modes, const std::vector<const std::vector<int>*>& groups,
-                SeenPoint& point, const ObservationOptions& options) {
+                const std::vector<int>& modes, SeenPoint& point,
+                const ObservationOptions& options) {
+  const auto group = [&](int k) -> const std::vector<int>& {
+    return point.group_of_mode[static_cast<std::size_t>(k)];
+  };
   if (here.size() > modes.size()) return false;
   if (modes.size() == 1 && here.size() == 1) {
     point.mode_of[here[0]] = modes[0];
-    point.group_of[here[0]] = *groups[0];
+    point.group_of[here[0]] = group(modes[0]);
     return true;
   }
   PairCosts costs(point.seen, options);
@@ -284,13 +296,13 @@ bool pair_among(std::span<const ModeTarget> targets, const std::vector<std::size
   for (std::size_t i = 0; i < here.size(); ++i)
     for (std::size_t k = 0; k < modes.size(); ++k)
       cost(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(k)) =
-          costs.of(modes[k], *groups[k], targets[here[i]]);
+          costs.of(modes[k], group(modes[k]), targets[here[i]]);
   if (!cost.allFinite()) return false;
   const auto chosen = assign(cost);
   for (std::size_t i = 0; i < here.size(); ++i) {
-    const auto k = static_cast<std::size_t>(chosen[i]);
-    point.mode_of[here[i]] = modes[k];
-    point.group_of[here[i]] = *groups[k];
+    const int k = modes[static_cast<std::size_t>(chosen[i])];
+    point.mode_of[here[i]] = k;
+    point.group_of[here[i]] = group(k);
   }
   return true;
 }
@@ -303,33 +315,34 @@ bool pair_seen(std::span<const ModeTarget> targets, const std::vector<std::size_
   point.group_of.assign(targets.size(), {});
   std::vector<Complex> poles;
   for (const auto& mode : point.seen.modes) poles.push_back(mode.pole);
-  const auto groups = groups_of(poles, options);
+  point.group_of_mode = group_of_each(poles, options);
   std::vector<int> modes;
-  std::vector<const std::vector<int>*> group_of_mode;
-  for (const auto& group : groups)
-    for (const int k : group) {
-      if (point.seen.modes[static_cast<std::size_t>(k)].damping_ratio() > options.overdamped)
-        continue;
-      modes.push_back(k);
-      group_of_mode.push_back(&group);
-    }
-  return pair_among(targets, here, modes, group_of_mode, point, options);
+  for (std::size_t k = 0; k < poles.size(); ++k)
+    if (point.seen.modes[k].damping_ratio() <= options.overdamped)
+      modes.push_back(static_cast<int>(k));
+  return pair_among(targets, here, modes, point, options);
 }
 
 bool pair_again(std::span<const ModeTarget> targets, const std::vector<std::size_t>& here,
                 SeenPoint& point, const ObservationOptions& options) {
-  std::vector<bool> done(targets.size(), false);
-  for (const auto i : here) {
-    if (done[i]) continue;
-    const auto group = point.group_of[i];
-    std::vector<std::size_t> together;  // targets in the same group
-    for (const auto other : here)
-      if (point.group_of[other] == group) {
-        together.push_back(other);
-        done[other] = true;
-      }
-    const std::vector<const std::vector<int>*> same(group.size(), &group);
-    if (!pair_among(targets, together, group, same, point, options)) return false;
+  std::vector<std::size_t> left = here;
+  while (!left.empty()) {
+    // targets whose groups meet have their modes among them
+    std::vector<std::size_t> together{left.front()};
+    std::vector<int> modes = point.group_of[left.front()];
+    left.erase(left.begin());
+    const auto meets = [&](std::size_t i) {
+      return std::ranges::find_first_of(point.group_of[i], modes) != point.group_of[i].end();
+    };
+    for (auto i = std::ranges::find_if(left, meets); i != left.end();
+         i = std::ranges::find_if(left, meets)) {
+      together.push_back(*i);
+      modes.insert(modes.end(), point.group_of[*i].begin(), point.group_of[*i].end());
+      left.erase(i);
+    }
+    std::ranges::sort(modes);
+    modes.erase(std::ranges::unique(modes).begin(), modes.end());
+    if (!pair_among(targets, together, modes, point, options)) return false;
   }
   return true;
 }

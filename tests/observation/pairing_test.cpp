@@ -44,10 +44,13 @@ TEST(Assignment, RefusesMoreTargetsThanModes) {
   EXPECT_THROW(assign(Eigen::MatrixXd::Zero(3, 2)), std::invalid_argument);
 }
 
-/// Undamped poles by their distance, damped ones by their decay too; a chain is one group.
+/// Undamped poles by their distance, damped ones by their decay too; the group of a mode does not
+/// go on to its neighbours' neighbours.
 TEST(Groups, AreWhatNoMeasurementSeparates) {
   using Pole = std::complex<double>;
   const std::vector<Pole> undamped{{0, 10.0}, {0, 10.04}, {0, 10.08}, {0, 10.2}};
+  EXPECT_EQ(group_of_each(undamped),
+            (std::vector<std::vector<int>>{{0, 1}, {0, 1, 2}, {1, 2}, {3}}));
   EXPECT_EQ(groups_of(undamped), (std::vector<std::vector<int>>{{0, 1, 2}, {3}}));
   const std::vector<Pole> damped{{-1.0, 10.0}, {-0.9, 30.0}, {-1.1, 10.15}, {-0.1, 10.4}};
   EXPECT_EQ(groups_of(damped), (std::vector<std::vector<int>>{{0, 2}, {1}, {3}}));

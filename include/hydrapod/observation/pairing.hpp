@@ -5,12 +5,12 @@
 /// vectors U q with UᵀU = M: |U q|² is the platform's share of the kinetic energy of a mode
 /// scaled to φᴴ M φ = 1, and lengths and angles weigh as they do in the machine.
 ///
-/// Groups. A measurement shows of modes with nearly the same pole any mixture. Two modes are in one
-/// group where
+/// Groups. A measurement shows of modes with nearly the same pole any mixture. The group of mode a
+/// are the modes b with
 ///
-///     |λ_a − λ_b| ≤ max(same_frequency |λ|, same_decay min(|Re λ_a|, |Re λ_b|))
+///     |λ_a − λ_b| ≤ max(same_frequency |λ_a|, same_decay min(|Re λ_a|, |Re λ_b|)).
 ///
-/// or where a chain of such pairs joins them. Undamped modes have the decay 0.
+/// Undamped modes have the decay 0.
 ///
 /// MAC of a measured shape u, |u| = 1, with a group. A: the motions that the group shows, a column
 /// per undamped mode; of damped modes the sum of their residues for the six inputs of the system,
@@ -75,7 +75,11 @@ int main_direction(const spatial::Matrix6& mass, const Vector6& motion);
 int main_direction(const model::Machine& machine, const spatial::Pose& X_BP,
                    const spatial::Vector3& p_PQ, const Vector6& motion);
 
-/// Indices of the members of every group, ascending.
+/// Per mode the members of its group, ascending.
+std::vector<std::vector<int>> group_of_each(std::span<const std::complex<double>> poles,
+                                            const ObservationOptions& options = {});
+
+/// Every mode once: modes that a chain of groups joins are together, ascending.
 std::vector<std::vector<int>> groups_of(std::span<const std::complex<double>> poles,
                                         const ObservationOptions& options = {});
 
@@ -107,6 +111,7 @@ struct SeenPoint {
   Observation seen{};
   std::vector<int> mode_of{};
   std::vector<std::vector<int>> group_of{};
+  std::vector<std::vector<int>> group_of_mode{};
 };
 
 /// Pairs the targets `here` (numbers in `targets`) with modes that are not overdamped. False where
