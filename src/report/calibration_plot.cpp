@@ -27,13 +27,13 @@ std::string short_name(std::string path) {
 }
 
 std::string target_rows(const Candidate& best, const Targets& targets) {
-  std::string text = "$targets << END\n";
+  std::string text;
   for (std::size_t i = 0; i < best.targets.size(); ++i)
     text +=
         fmt::format("{} {:.9g} {:.9g} {:.9g} {}\n", i + 1, targets.modes[i].omega / two_pi,
                     best.targets[i].omega / two_pi, best.targets[i].omega - targets.modes[i].omega,
                     best.targets[i].outlier ? 1 : 0);
-  return text + "END\n";
+  return block_of("targets", text);
 }
 
 /// Height [pixels] of the two panels about targets, and of the whole picture.
@@ -42,24 +42,20 @@ struct Heights {
   double all{640.0};
 };
 
-std::string margins(const Heights& h, double top, double bottom) {
-  return fmt::format(
-      "set tmargin at screen {:.4f}\nset bmargin at screen {:.4f}\n"
-      "set lmargin at screen 0.09\nset rmargin at screen 0.97\n",
-      1.0 - top * h.targets / h.all, 1.0 - bottom * h.targets / h.all);
+std::string panel_at(const Heights& h, double top, double bottom) {
+  return at_screen({0.09, 0.97, 1.0 - top * h.targets / h.all, 1.0 - bottom * h.targets / h.all});
 }
 
 /// Frequencies above, differences below.
 std::string target_panels(const Candidate& best, const Targets& targets, const Heights& heights) {
   std::string s = target_rows(best, targets);
-  s += "set grid ytics back lt 1 lc rgb '#d0d0d0' lw 0.5\nset tics font ',9'\n";
-  s += "set border lw 0.8 lc rgb '#444444'\n";
+  s += std::string("set grid ytics back lt 1 lc rgb '#d0d0d0' lw 0.5\n") + thin_axes;
   s += fmt::format("set xrange [0.4:{}.6]\nset xtics 1\n", best.targets.size());
-  s += margins(heights, 0.08, 0.52) + fmt::format("set title {}\n", quoted(targets.title));
+  s += panel_at(heights, 0.08, 0.52) + fmt::format("set title {}\n", quoted(targets.title));
   s += "set ylabel 'Hz'\nset key top right\nset format x ''\n";
   s += "plot $targets using 1:2 with points pt 6 ps 1.6 lw 2 lc rgb '#d55e00' title 'target', "
        "$targets using 1:3 with points pt 7 ps 0.7 lc rgb '#0072b2' title 'model'\n";
-  s += margins(heights, 0.56, 0.93);
+  s += panel_at(heights, 0.56, 0.93);
   s += "unset title\nunset key\nset format x '%g'\nset xlabel 'target' offset 0,0.5\n";
   s += "set ylabel 'model − target, rad/s'\nset xzeroaxis lt 1 lc rgb '#888888'\n";
   return s + "plot $targets using 1:4 with impulses lw 4 lc rgb '#0072b2'\n";
@@ -68,23 +64,20 @@ std::string target_panels(const Candidate& best, const Targets& targets, const H
 /// A bar per combination.
 std::string combination_panel(const Calibration& result, const Heights& heights) {
   std::string s = "unset xzeroaxis\nunset ylabel\nunset grid\nset logscale x\n";
-  s += fmt::format("set tmargin at screen {:.4f}\nset bmargin at screen {:.4f}\n",
-                   1.0 - (heights.targets + 26.0) / heights.all, 52.0 / heights.all);
-  s += "set lmargin at screen 0.62\nset xrange [*:*]\nset xtics auto\n";
+  s += at_screen({0.62, 0.97, 1.0 - (heights.targets + 26.0) / heights.all, 52.0 / heights.all});
+  s += "set xrange [*:*]\nset xtics auto\n";
   s += fmt::format("set yrange [{}.5:0.5]\n", result.candidates.size());
   s += "set xlabel 'root mean square difference, σ' offset 0,0\n";
-  s += "set style fill solid\nset ytics () font ',8'\n$c << END\n";
-  int row = 0;
+  std::string rows;
+  std::vector<std::string> names;
   for (const auto& c : result.candidates) {
     const double rms = std::sqrt(c.misfit / std::max(1.0, static_cast<double>(c.targets.size())));
-    s += fmt::format("{} {:.6g} {}\n", ++row, c.fitted ? std::max(1e-3, rms) : 1e6,
-                     c.admissible() ? "0x009e73" : "0xbbbbbb");
+    names.push_back(c.name + (c.admissible() ? "" : " (not admissible)"));
+    rows += fmt::format("{} {:.6g} {}\n", names.size(), c.fitted ? std::max(1e-3, rms) : 1e6,
+                        c.admissible() ? "0x009e73" : "0xbbbbbb");
   }
-  s += "END\n";
-  row = 0;
-  for (const auto& c : result.candidates)
-    s += fmt::format("set ytics add ({} {})\n",
-                     quoted(c.name + (c.admissible() ? "" : " (not admissible)")), ++row);
+  s += "set style fill solid\n" + named_tics('y', names) + "set ytics font ',8'\n";
+  s += block_of("c", rows);
   return s + "plot $c using 2:1:(1e-3):2:($1-0.3):($1+0.3):3 with boxxyerror lc rgb variable\n";
 }
 
@@ -94,49 +87,30 @@ void plot_calibration(const Calibration& result, const Targets& targets, const s
   const bool several = result.candidates.size() > 1;
   Heights heights;
   if (several) heights.all += 60.0 + 26.0 * static_cast<double>(result.candidates.size());
-  draw(path, 1000, static_cast<int>(heights.all),
-       [&](const std::string& terminal, const std::string& file) {
-         std::string s = fmt::format(
-             "set terminal {}\nset output {}\nset encoding utf8\nset termoption noenhanced\n"
-             "set multiplot\n",
-             terminal, quoted(file));
-         s += target_panels(result.best(), targets, heights);
-         if (several) s += combination_panel(result, heights);
-         return s + "unset multiplot\nunset output\n";
-       });
+  std::string s = "set multiplot\n" + target_panels(result.best(), targets, heights);
+  if (several) s += combination_panel(result, heights);
+  draw(path, 1000, static_cast<int>(heights.all), s + "unset multiplot\n");
 }
 
 void plot_sensitivities(const Sensitivities& s, const std::string& title, const std::string& path) {
-  const auto modes = s.omega.size();
-  const auto parameters = static_cast<Eigen::Index>(s.parameters.size());
-  const int width = 190 + 54 * static_cast<int>(parameters);
-  const int height = 250 + 26 * static_cast<int>(modes);
-  draw(path, width, height, [&](const std::string& terminal, const std::string& file) {
-    std::string text = fmt::format(
-        "set terminal {}\nset output {}\nset encoding utf8\nset termoption noenhanced\n", terminal,
-        quoted(file));
-    text += "$map << END\n";
-    for (Eigen::Index k = 0; k < modes; ++k)
-      for (Eigen::Index j = 0; j < parameters; ++j)
-        text += fmt::format("{} {} {:.4f}\n", j, k, s.percent_per_percent(k, j));
-    text += "END\n";
-    text += fmt::format("set title {}\nset key off\nset tics font ',9' scale 0\n", quoted(title));
-    text +=
-        fmt::format("set xrange [-0.5:{}.5]\nset yrange [{}.5:-0.5]\n", parameters - 1, modes - 1);
-    text += "set palette defined (-1 '#0072b2', 0 'white', 1 '#d55e00')\nset cbrange [-1:1]\n";
-    text += "set cblabel '% of the frequency per % of the parameter'\n";
-    text += "set xtics () rotate by 50 right\nset ytics ()\n";
-    for (Eigen::Index j = 0; j < parameters; ++j)
-      text += fmt::format("set xtics add ({} {})\n",
-                          quoted(short_name(s.parameters[static_cast<std::size_t>(j)].path)), j);
-    for (Eigen::Index k = 0; k < modes; ++k)
-      text += fmt::format("set ytics add ({} {})\n",
-                          quoted(fmt::format("{}: {:.2f} Hz", k + 1, s.omega[k] / two_pi)), k);
-    text +=
-        "plot $map using 1:2:3 with image, $map using 1:2:(abs($3) < 0.005 ? '' : "
-        "sprintf('%.2f', $3)) with labels font ',8'\n";
-    return text + "unset output\n";
-  });
+  const auto modes = static_cast<int>(s.omega.size()),
+             parameters = static_cast<int>(s.parameters.size());
+  std::vector<std::string> columns, rows;
+  for (const auto& parameter : s.parameters) columns.push_back(short_name(parameter.path));
+  for (const double omega : s.omega)
+    rows.push_back(fmt::format("{}: {:.2f} Hz", rows.size() + 1, omega / two_pi));
+  std::string text = block_of("map", matrix_rows(s.percent_per_percent, 0));
+  text += fmt::format("set title {}\nset key off\nset tics font ',9' scale 0\n", quoted(title));
+  text +=
+      fmt::format("set xrange [-0.5:{}.5]\nset yrange [{}.5:-0.5]\n", parameters - 1, modes - 1);
+  text += "set palette defined (-1 '#0072b2', 0 'white', 1 '#d55e00')\nset cbrange [-1:1]\n";
+  text += "set cblabel '% of the frequency per % of the parameter'\n";
+  text += named_tics('x', columns, 0) + "set xtics rotate by 50 right\n";
+  text += named_tics('y', rows, 0);
+  text +=
+      "plot $map using 1:2:3 with image, $map using 1:2:(abs($3) < 0.005 ? '' : "
+      "sprintf('%.2f', $3)) with labels font ',8'\n";
+  draw(path, 190 + 54 * parameters, 250 + 26 * modes, text);
 }
 
 }  // namespace hydrapod::report

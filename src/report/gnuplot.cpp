@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 #include <sys/wait.h>
 
+#include <algorithm>
+#include <cmath>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
@@ -32,9 +34,8 @@ std::string terminal_of(const std::string& path, int width, int height) {
   if (ending == ".png") return fmt::format("pngcairo size {},{} {}", width, height, font);
   if (ending == ".pdf")
     return fmt::format("pdfcairo size {:.2f}in,{:.2f}in {}", width / 96.0, height / 96.0, font);
-  throw base::InputError(
-      {{.file = "--plot " + path,
-        .message = fmt::format("a plot ends in .svg, .png or .pdf; found '{}'", ending)}});
+  base::refuse("--plot " + path,
+               fmt::format("a plot ends in .svg, .png or .pdf; found '{}'", ending));
 }
 
 std::string file_text(const std::filesystem::path& path) {
@@ -95,6 +96,81 @@ void draw(const std::string& path, int width, int height, const Script& script) 
   base::write_file_whole(file.string(), script(terminal, picture.string()));
   run_gnuplot(file, folder.path / "log");
   base::write_file_whole(path, file_text(picture));
+}
+
+void draw(const std::string& path, int width, int height, const std::string& body) {
+  draw(path, width, height, [&](const std::string& terminal, const std::string& file) {
+    return opened(terminal, file) + body + "unset output\n";
+  });
+}
+
+std::string opened(const std::string& terminal, const std::string& file) {
+  return fmt::format(
+      "set terminal {}\nset output {}\nset encoding utf8\nset termoption noenhanced\n", terminal,
+      quoted(file));
+}
+
+std::string titles(const std::string& title, const std::string& subtitle, int height) {
+  return fmt::format(
+      "set label 101 {} at screen 0.5,{:.4f} center font ',14'\n"
+      "set label 102 {} at screen 0.5,{:.4f} center font ',10' tc rgb '#444444'\n",
+      quoted(title), 1.0 - 22.0 / height, quoted(subtitle), 1.0 - 46.0 / height);
+}
+
+std::string at_screen(const Cell& cell) {
+  return fmt::format(
+      "set lmargin at screen {:.4f}; set rmargin at screen {:.4f}\n"
+      "set tmargin at screen {:.4f}; set bmargin at screen {:.4f}\n",
+      cell.left, cell.right, cell.top, cell.bottom);
+}
+
+CellGrid::CellGrid(std::size_t cells)
+    : columns(static_cast<int>(std::min<std::size_t>(3, cells))),
+      rows((static_cast<int>(cells) + columns - 1) / columns) {}
+
+Cell CellGrid::operator[](std::size_t index) const {
+  const int row = static_cast<int>(index) / columns, column = static_cast<int>(index) % columns;
+  const double w = 1.0 / columns;
+  const double top_band = 70.0 / height();
+  const double h = (1.0 - top_band) / rows;
+  const double top = 1.0 - top_band - row * h;
+  return {column * w + 80.0 / width(), (column + 1) * w - 14.0 / width(), top - 26.0 / height(),
+          top - h + 52.0 / height()};
+}
+
+std::string block_of(const std::string& name, const std::string& rows) {
+  return fmt::format("${} << END\n{}END\n", name, rows);
+}
+
+std::string matrix_rows(const Eigen::MatrixXd& values, int first) {
+  std::string text;
+  for (Eigen::Index i = 0; i < values.rows(); ++i)
+    for (Eigen::Index j = 0; j < values.cols(); ++j)
+      text += fmt::format("{} {} {:.4f}\n", j + first, i + first, values(i, j));
+  return text;
+}
+
+std::string named_tics(char axis, const std::vector<std::string>& names, int first) {
+  std::string text = fmt::format("set {}tics ()\n", axis);
+  for (const auto& name : names)
+    text += fmt::format("set {}tics add ({} {})\n", axis, quoted(name), first++);
+  return text;
+}
+
+std::string six_lines(const char* name, int first, int step, double width,
+                      const std::array<std::string, 6>& names) {
+  constexpr std::array colours{"#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9"};
+  std::vector<std::string> lines;
+  for (std::size_t i = 0; i < names.size(); ++i)
+    lines.push_back(fmt::format("${} using 1:{} with lines lw {} lc rgb '{}' title '{}'", name,
+                                first + step * static_cast<int>(i), width, colours[i], names[i]));
+  return fmt::format("plot {}\n", fmt::join(lines, ", "));
+}
+
+double level_db(double magnitude) { return 20.0 * std::log10(std::max(magnitude, 1e-300)); }
+
+double continued(double angle, double last, double turn) {
+  return angle + turn * std::round((last - angle) / turn);
 }
 
 }  // namespace hydrapod::report

@@ -1,8 +1,11 @@
 #pragma once
-/// Running gnuplot. Private to the module.
+/// Running gnuplot, and what its scripts have in common. Private to the module.
 
+#include <Eigen/Core>
+#include <array>
 #include <functional>
 #include <string>
+#include <vector>
 
 namespace hydrapod::report {
 
@@ -16,5 +19,49 @@ using Script = std::function<std::string(const std::string& terminal, const std:
 /// (.svg, .png, .pdf). The file is written whole or not at all. Throws base::InputError for another
 /// ending or a folder that is not there, base::ComputationError when gnuplot is missing or fails.
 void draw(const std::string& path, int width, int height, const Script& script);
+/// With opened() and the end around `body`.
+void draw(const std::string& path, int width, int height, const std::string& body);
+
+/// How a script begins: plots to `file`, texts as they are.
+std::string opened(const std::string& terminal, const std::string& file);
+
+inline constexpr const char* thin_axes = "set tics font ',9'\nset border lw 0.8 lc rgb '#444444'\n";
+inline constexpr const char* thin_grid = "set grid xtics ytics back lt 1 lc rgb '#d0d0d0' lw 0.5\n";
+
+/// Title and subtitle at the top of a picture of `height` pixels, as labels 101 and 102.
+std::string titles(const std::string& title, const std::string& subtitle, int height);
+
+/// Edges of a plot in the picture, 0 … 1 from the lower left.
+struct Cell {
+  double left, right, top, bottom;
+};
+std::string at_screen(const Cell& cell);
+
+/// Plots side by side, at most three in a row, below the titles.
+struct CellGrid {
+  int columns, rows;
+  explicit CellGrid(std::size_t cells);
+  [[nodiscard]] int width() const { return 420 * columns + 40; }  ///< [pixels]
+  [[nodiscard]] int height() const { return 400 * rows + 70; }
+  [[nodiscard]] Cell operator[](std::size_t index) const;
+};
+
+/// The data `$name`; every line of `rows` has its end.
+std::string block_of(const std::string& name, const std::string& rows);
+/// Lines of column, row and value, both numbered from `first`.
+std::string matrix_rows(const Eigen::MatrixXd& values, int first);
+
+/// `names` along the axis x or y at `first` and the following whole numbers.
+std::string named_tics(char axis, const std::vector<std::string>& names, int first = 1);
+
+/// A plot of six lines over column 1 of `$name`, from column `first` on, every `step` columns, in
+/// colours that are told apart by the colour-blind as well.
+std::string six_lines(const char* name, int first, int step, double width,
+                      const std::array<std::string, 6>& names);
+
+/// 20 lg |H|, also of what vanishes.
+double level_db(double magnitude);
+/// `angle` plus the whole turns that bring it nearest to `last`, so that curves do not jump.
+double continued(double angle, double last, double turn = 360.0);
 
 }  // namespace hydrapod::report

@@ -21,7 +21,7 @@ double higher(double a, double b) { return std::isnan(a) || b > a ? b : a; }
 /// Columns: time, then low and high of every channel shown.
 std::string trace_block(const data::RecordHeader& header, const TraceBuilder& traces,
                         const std::vector<std::size_t>& shown) {
-  std::string text = "$traces << END\n";
+  std::string text;
   const double step = static_cast<double>(traces.samples_per_stretch()) / header.sample_rate;
   for (std::size_t i = 0; i < traces.stretches().size(); ++i) {
     text += fmt::format("{:.9g}", header.start + step * static_cast<double>(i));
@@ -30,12 +30,12 @@ std::string trace_block(const data::RecordHeader& header, const TraceBuilder& tr
                           traces.stretches()[i].high[c]);
     text += '\n';
   }
-  return text + "END\n";
+  return block_of("traces", text);
 }
 
 /// Columns: Hz, then dB of the density of every channel shown.
 std::string spectrum_block(const data::Spectrum& spectrum, const std::vector<std::size_t>& shown) {
-  std::string text = "$spectra << END\n";
+  std::string text;
   for (Eigen::Index k = 1; k < spectrum.frequency.size(); ++k) {
     text += fmt::format("{:.6g}", spectrum.frequency[k]);
     for (const std::size_t c : shown) {
@@ -44,24 +44,14 @@ std::string spectrum_block(const data::Spectrum& spectrum, const std::vector<std
     }
     text += '\n';
   }
-  return text + "END\n";
+  return block_of("spectra", text);
 }
 
-struct Band {
-  double top, bottom;  // of the picture, 0 … 1 from below
-};
-
-std::string margins(double left, double right, const Band& band) {
-  return fmt::format(
-      "set lmargin at screen {:.4f}; set rmargin at screen {:.4f}\n"
-      "set tmargin at screen {:.4f}; set bmargin at screen {:.4f}\n",
-      left, right, band.top, band.bottom);
-}
-
-std::string row_script(const data::Channel& channel, const Band& band, std::size_t row, bool last,
-                       bool whole, bool with_spectrum) {
+std::string row_script(const data::Channel& channel, double top, double bottom, std::size_t row,
+                       bool last, bool whole, bool with_spectrum) {
   const std::string unit = channel.unit.empty() ? "?" : channel.unit;
-  std::string text = margins(0.11, 0.60, band) + "set key at graph 0.995,1.0 right top\n";
+  std::string text =
+      at_screen({0.11, 0.60, top, bottom}) + "set key at graph 0.995,1.0 right top\n";
   text += fmt::format("unset logscale\nset format x '{}'\nset xlabel '{}'\nset ylabel {}\n",
                       last ? "%g" : "", last ? "s" : "", quoted(unit));
   const std::size_t low = 2 + 2 * row, high = low + 1;
@@ -72,7 +62,7 @@ std::string row_script(const data::Channel& channel, const Band& band, std::size
                       "{}\n",
                       low, high, quoted(channel.name));
   if (!with_spectrum) return text;
-  text += margins(0.69, 0.985, band) + "unset key\nset logscale x\n";
+  text += at_screen({0.69, 0.985, top, bottom}) + "unset key\nset logscale x\n";
   text += fmt::format("set format x '{}'\nset xlabel '{}'\nset ylabel {}\n", last ? "%g" : "",
                       last ? "Hz" : "", quoted("dB re 1 (" + unit + ")²/Hz"));
   return text + fmt::format("plot $spectra using 1:{} with lines lw 1 lc rgb '#d55e00' notitle\n",
@@ -88,11 +78,9 @@ void TraceBuilder::add(const Eigen::Ref<const data::Samples>& samples) {
   for (Eigen::Index row = 0; row < samples.rows(); ++row) {
     if (stretches_.empty() || in_last_ == length_) {
       if (stretches_.size() == most_stretches) halve();
-      if (stretches_.empty() || in_last_ == length_) {
-        stretches_.push_back(
-            {std::vector<double>(channels_, missing), std::vector<double>(channels_, missing)});
-        in_last_ = 0;
-      }
+      stretches_.push_back(
+          {std::vector<double>(channels_, missing), std::vector<double>(channels_, missing)});
+      in_last_ = 0;
     }
     ++in_last_;
     for (std::size_t c = 0; c < channels_; ++c) {
@@ -108,10 +96,8 @@ void TraceBuilder::halve() {
   for (std::size_t i = 0; i < stretches_.size() / 2; ++i) {
     Stretch& to = stretches_[i];
     const Stretch a = stretches_[2 * i], &b = stretches_[2 * i + 1];
-    for (std::size_t c = 0; c < channels_; ++c) {
-      to.low[c] = std::isnan(b.low[c]) ? a.low[c] : lower(a.low[c], b.low[c]);
-      to.high[c] = std::isnan(b.high[c]) ? a.high[c] : higher(a.high[c], b.high[c]);
-    }
+    std::ranges::transform(a.low, b.low, to.low.begin(), lower);
+    std::ranges::transform(a.high, b.high, to.high.begin(), higher);
   }
   stretches_.resize(stretches_.size() / 2);
   length_ *= 2;
@@ -124,29 +110,22 @@ void plot_record(const data::RecordHeader& header, const TraceBuilder& traces,
   const int rows = static_cast<int>(shown.size());
   const int height = rows * row_height + top_band + bottom_band;
   const bool with_spectrum = overview.spectrum.segments > 0;
-  draw(path, picture_width, height, [&](const std::string& terminal, const std::string& file) {
-    std::string script =
-        fmt::format("set terminal {}\nset output {}\nset encoding utf8\n", terminal, quoted(file));
-    script += trace_block(header, traces, shown);
-    if (with_spectrum) script += spectrum_block(overview.spectrum, shown);
-    script +=
-        "set multiplot\nset termoption noenhanced\nset datafile missing 'nan'\n"
-        "set grid xtics ytics back lt 1 lc rgb '#d0d0d0' lw 0.5\nset tics font ',8'\n"
-        "set border lw 0.8 lc rgb '#444444'\nset ylabel font ',8' offset 1,0\n"
-        "set xlabel offset 0,0.6\nset ytics autofreq\nset style fill solid 1.0\n";
-    const std::string title = header.title.empty() ? path : header.title;
-    script += fmt::format("set label 1 {} at screen 0.5,{:.4f} center font ',13'\n", quoted(title),
-                          1.0 - 20.0 / height);
-    for (int row = 0; row < rows; ++row) {
-      const double top = 1.0 - static_cast<double>(top_band + row * row_height) / height;
-      const Band band{top, top - static_cast<double>(row_height - 12) / height};
-      script += row_script(header.channels[shown[static_cast<std::size_t>(row)]], band,
-                           static_cast<std::size_t>(row), row + 1 == rows,
-                           traces.samples_per_stretch() == 1, with_spectrum);
-      script += "unset label 1\n";
-    }
-    return script + "unset multiplot\nunset output\n";
-  });
+  std::string script = trace_block(header, traces, shown);
+  if (with_spectrum) script += spectrum_block(overview.spectrum, shown);
+  script += std::string("set multiplot\nset datafile missing 'nan'\n") + thin_grid + thin_axes +
+            "set tics font ',8'\nset ylabel font ',8' offset 1,0\n"
+            "set xlabel offset 0,0.6\nset ytics autofreq\nset style fill solid 1.0\n";
+  script += fmt::format("set label 1 {} at screen 0.5,{:.4f} center font ',13'\n",
+                        quoted(header.title.empty() ? path : header.title), 1.0 - 20.0 / height);
+  for (int row = 0; row < rows; ++row) {
+    const double top = 1.0 - static_cast<double>(top_band + row * row_height) / height;
+    const auto k = static_cast<std::size_t>(row);
+    script += row_script(header.channels[shown[k]], top,
+                         top - static_cast<double>(row_height - 12) / height, k, row + 1 == rows,
+                         traces.samples_per_stretch() == 1, with_spectrum);
+    script += "unset label 1\n";
+  }
+  draw(path, picture_width, height, script + "unset multiplot\n");
 }
 
 }  // namespace hydrapod::report

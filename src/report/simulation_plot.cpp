@@ -16,13 +16,9 @@ using spatial::Vector6;
 
 constexpr double degrees = 180.0 / std::numbers::pi;
 constexpr int width = 1300, height = 1180;
-using spatial::direction_names;
-/// Six colours that are told apart by the colour-blind as well.
-constexpr std::array leg_colours{"#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9"};
-
 /// Columns: time, 6 commands, 6 motions (mm, deg), 6 pistons (mm), 6 drives (%).
 std::string data_block(const simulation::Trace& trace) {
-  std::string text = "$run << END\n";
+  std::string text;
   for (std::size_t k = 0; k < trace.time.size(); ++k) {
     text += fmt::format("{:.9g}", trace.time[k]);
     for (const auto* samples : {&trace.command, &trace.motion})
@@ -32,7 +28,7 @@ std::string data_block(const simulation::Trace& trace) {
     for (int i = 0; i < 6; ++i) text += fmt::format(" {:.6g}", 100.0 * trace.drive[k][i]);
     text += '\n';
   }
-  return text + "END\n";
+  return block_of("run", text);
 }
 
 /// A range that shows `samples` of direction `i`, and small motions as small beside the others.
@@ -53,20 +49,17 @@ std::string range(const Simulation& s, int i) {
                      factor * (high + margin));
 }
 
-std::string margins(int row, int column) {
+/// Of three rows of three.
+std::string cell_at(int row, int column) {
+  const double h = (1.0 - 66.0 / height) / 3.0;
   const double left = column / 3.0, top = 1.0 - 66.0 / height - row * (1.0 - 66.0 / height) / 3.0;
-  const double bottom = top - (1.0 - 66.0 / height) / 3.0;
-  return fmt::format(
-      "set lmargin at screen {:.4f}; set rmargin at screen {:.4f}\n"
-      "set tmargin at screen {:.4f}; set bmargin at screen {:.4f}\n",
-      left + 78.0 / width, left + 1.0 / 3.0 - 16.0 / width, top - 28.0 / height,
-      bottom + 50.0 / height);
+  return at_screen({left + 78.0 / width, left + 1.0 / 3.0 - 16.0 / width, top - 28.0 / height,
+                    top - h + 50.0 / height});
 }
 
 std::string direction_plot(const Simulation& s, int i) {
-  std::string text = margins(i / 3, i % 3) + range(s, i);
-  text += fmt::format("set title {}\nset ylabel {}\n",
-                      quoted(direction_names[static_cast<std::size_t>(i)]),
+  std::string text = cell_at(i / 3, i % 3) + range(s, i);
+  text += fmt::format("set title {}\nset ylabel {}\n", quoted(spatial::direction_name(i)),
                       quoted(i < 3 ? "mm" : "deg"));
   text += i == 0 ? "set key top right samplen 2.5 font ',9'\n" : "unset key\n";
   return text + fmt::format(
@@ -77,46 +70,29 @@ std::string direction_plot(const Simulation& s, int i) {
 }
 
 std::string leg_plot(const char* title, const char* unit, int column, int first, bool key) {
-  std::string text = margins(2, column) + "set autoscale y\n";
+  std::string text = cell_at(2, column) + "set autoscale y\n";
   text += fmt::format("set title {}\nset ylabel {}\n", quoted(title), quoted(unit));
   text += key ? "set key outside right samplen 1.5 font ',9'\n" : "unset key\n";
-  text += "plot ";
-  for (int i = 0; i < 6; ++i)
-    text +=
-        fmt::format("{}$run using 1:{} with lines lw 1.3 lc rgb '{}' title 'leg {}'",
-                    i == 0 ? "" : ", ", first + i, leg_colours[static_cast<std::size_t>(i)], i + 1);
-  return text + "\n";
-}
-
-std::string script(const Simulation& s, const std::string& title, const std::string& subtitle,
-                   const std::string& terminal, const std::string& file) {
-  std::string text =
-      fmt::format("set terminal {}\nset output {}\nset encoding utf8\n", terminal, quoted(file));
-  text += data_block(s.trace);
-  text += "set multiplot\nset grid xtics ytics back lt 1 lc rgb '#d0d0d0' lw 0.5\n";
-  text += "set tics font ',9'\nset border lw 0.8 lc rgb '#444444'\nset termoption noenhanced\n";
-  text += "set xlabel 's' offset 0,0.6\nset ylabel offset 1.2,0\n";
-  text += fmt::format("set xrange [0:{:.9g}]\n", std::max(s.trace.time.back(), 1e-9));
-  text += fmt::format("set label 101 {} at screen 0.5,{:.4f} center font ',14'\n", quoted(title),
-                      1.0 - 22.0 / height);
-  text += fmt::format("set label 102 {} at screen 0.5,{:.4f} center font ',10' tc rgb '#444444'\n",
-                      quoted(subtitle), 1.0 - 46.0 / height);
-  for (int i = 0; i < 6; ++i) {
-    text += direction_plot(s, i);
-    if (i == 0) text += "unset label 101\nunset label 102\n";
-  }
-  text += leg_plot("pistons, from the base joints", "mm", 0, 14, false);
-  text += leg_plot("drives at the valves", "%", 1, 20, true);
-  return text + "unset multiplot\nunset output\n";
+  std::array<std::string, 6> names;
+  for (std::size_t i = 0; i < names.size(); ++i) names[i] = fmt::format("leg {}", i + 1);
+  return text + six_lines("run", first, 1, 1.3, names);
 }
 
 }  // namespace
 
 void plot_simulation(const Simulation& s, const std::string& title, const std::string& subtitle,
                      const std::string& path) {
-  draw(path, width, height, [&](const std::string& terminal, const std::string& file) {
-    return script(s, title, subtitle, terminal, file);
-  });
+  std::string text = data_block(s.trace) + "set multiplot\n" + thin_grid + thin_axes;
+  text += "set xlabel 's' offset 0,0.6\nset ylabel offset 1.2,0\n";
+  text += fmt::format("set xrange [0:{:.9g}]\n", std::max(s.trace.time.back(), 1e-9));
+  text += titles(title, subtitle, height);
+  for (int i = 0; i < 6; ++i) {
+    text += direction_plot(s, i);
+    if (i == 0) text += "unset label 101\nunset label 102\n";
+  }
+  text += leg_plot("pistons, from the base joints", "mm", 0, 14, false);
+  text += leg_plot("drives at the valves", "%", 1, 20, true);
+  draw(path, width, height, text + "unset multiplot\n");
 }
 
 }  // namespace hydrapod::report

@@ -15,22 +15,6 @@ namespace hydrapod::report {
 namespace {
 
 using base::two_pi;
-using spatial::direction_names;
-/// Six colours that are told apart by the colour-blind as well.
-constexpr std::array colours{"#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9"};
-
-std::string head(const std::string& terminal, const std::string& file, const std::string& title,
-                 const std::string& subtitle, int height) {
-  return fmt::format(
-      "set terminal {}\nset output {}\nset encoding utf8\nset termoption noenhanced\n"
-      "set grid xtics ytics back lt 1 lc rgb '#d0d0d0' lw 0.5\n"
-      "set tics font ',9'\nset border lw 0.8 lc rgb '#444444'\n"
-      "set label 101 {} at screen 0.5,{:.4f} center font ',14'\n"
-      "set label 102 {} at screen 0.5,{:.4f} center font ',10' tc rgb '#444444'\n",
-      terminal, quoted(file), quoted(title), 1.0 - 22.0 / height, quoted(subtitle),
-      1.0 - 46.0 / height);
-}
-
 /// The part of the plane around the oscillations of mechanics and oil: those of valves and delay
 /// lie so far out that they would squeeze the rest.
 std::array<double, 4> shown_plane(const RootLocus& locus) {
@@ -50,74 +34,70 @@ std::array<double, 4> shown_plane(const RootLocus& locus) {
 
 /// Columns: Hz, then dB and phase of the six direct responses.
 std::string response_block(const CommandResponse& response) {
-  std::string text = "$bode << END\n";
+  std::string text;
   std::array<double, 6> last{};
   for (std::size_t k = 0; k < response.omega.size(); ++k) {
     text += fmt::format("{:.9g}", response.omega[k] / two_pi);
     for (int i = 0; i < 6; ++i) {
       const auto value = response.H[k](i, i);
       auto& phase = last[static_cast<std::size_t>(i)];
-      const double now = std::arg(value) * 180.0 / std::numbers::pi;
-      phase = now + 360.0 * std::round((phase - now) / 360.0);
-      text += fmt::format(" {:.6f} {:.4f}", 20.0 * std::log10(std::max(std::abs(value), 1e-300)),
-                          phase);
+      phase = continued(std::arg(value) * 180.0 / std::numbers::pi, phase);
+      text += fmt::format(" {:.6f} {:.4f}", level_db(std::abs(value)), phase);
     }
     text += '\n';
   }
-  return text + "END\n";
+  return block_of("bode", text);
 }
 
 std::string six_curves(int first) {
-  std::string text = "plot ";
-  for (int i = 0; i < 6; ++i)
-    text += fmt::format("{}$bode using 1:{} with lines lw 1.6 lc rgb '{}' title '{}'",
-                        i == 0 ? "" : ", ", first + 2 * i, colours[static_cast<std::size_t>(i)],
-                        direction_names[static_cast<std::size_t>(i)]);
-  return text + "\n";
+  std::array<std::string, 6> names;
+  std::ranges::copy(spatial::direction_names, names.begin());
+  return six_lines("bode", first, 2, 1.6, names);
+}
+
+constexpr int plane_width = 960, plane_height = 760;  // [pixels]
+
+std::string beginning(const std::string& title, const std::string& subtitle) {
+  return std::string(thin_grid) + thin_axes + titles(title, subtitle, plane_height);
 }
 
 }  // namespace
 
 void plot_root_locus(const RootLocus& locus, const std::string& title, const std::string& subtitle,
                      const std::string& path) {
-  constexpr int width = 960, height = 760;
-  draw(path, width, height, [&](const std::string& terminal, const std::string& file) {
-    std::string text = head(terminal, file, title, subtitle, height) + "$poles << END\n";
-    for (std::size_t k = 0; k < locus.values.size(); ++k)
-      for (const auto& pole : locus.poles[k].poles)
-        text += fmt::format("{:.9g} {:.9g} {:.9g}\n", pole.pole.real(), pole.pole.imag(),
-                            locus.values[k]);
-    const auto [left, right, bottom, top] = shown_plane(locus);
-    text += fmt::format(
-        "END\nset tmargin at screen {:.4f}\nset xrange [{:.6g}:{:.6g}]\nset yrange "
-        "[{:.6g}:{:.6g}]\nset xlabel 'Re 1/s'\nset ylabel 'Im rad/s'\nset cblabel {}\n"
-        "set cbrange [{:.9g}:{:.9g}]\nset palette defined (0 '#0072b2', 0.5 '#e69f00', 1 "
-        "'#d55e00')\n"
-        "set arrow from 0,{:.6g} to 0,{:.6g} nohead lw 1.2 lc rgb '#444444'\nunset key\n",
-        1.0 - 66.0 / height, left, right, bottom, top, quoted(locus.key),
-        *std::min_element(locus.values.begin(), locus.values.end()),
-        *std::max_element(locus.values.begin(), locus.values.end()), bottom, top);
-    return text + "plot $poles using 1:2:3 with points pt 7 ps 0.55 lc palette\nunset output\n";
-  });
+  std::string rows;
+  for (std::size_t k = 0; k < locus.values.size(); ++k)
+    for (const auto& pole : locus.poles[k].poles)
+      rows += fmt::format("{:.9g} {:.9g} {:.9g}\n", pole.pole.real(), pole.pole.imag(),
+                          locus.values[k]);
+  const auto [left, right, bottom, top] = shown_plane(locus);
+  const auto [least, most] = std::ranges::minmax(locus.values);
+  draw(path, plane_width, plane_height,
+       beginning(title, subtitle) + block_of("poles", rows) +
+           fmt::format(
+               "set tmargin at screen {:.4f}\nset xrange [{:.6g}:{:.6g}]\n"
+               "set yrange [{:.6g}:{:.6g}]\nset xlabel 'Re 1/s'\nset ylabel 'Im rad/s'\n"
+               "set cblabel {}\nset cbrange [{:.9g}:{:.9g}]\n"
+               "set palette defined (0 '#0072b2', 0.5 '#e69f00', 1 '#d55e00')\n"
+               "set arrow from 0,{:.6g} to 0,{:.6g} nohead lw 1.2 lc rgb '#444444'\nunset key\n"
+               "plot $poles using 1:2:3 with points pt 7 ps 0.55 lc palette\n",
+               1.0 - 66.0 / plane_height, left, right, bottom, top, quoted(locus.key), least, most,
+               bottom, top));
 }
 
 void plot_command_response(const CommandResponse& response, const std::string& title,
                            const std::string& subtitle, const std::string& path) {
-  constexpr int width = 960, height = 760;
-  draw(path, width, height, [&](const std::string& terminal, const std::string& file) {
-    std::string text = head(terminal, file, title, subtitle, height) + response_block(response);
-    text += fmt::format(
-        "set multiplot\nset logscale x\nset xrange [{:.9g}:{:.9g}]\nset lmargin at screen 0.09\n"
-        "set rmargin at screen 0.97\nset tmargin at screen {:.4f}\nset bmargin at screen 0.42\n"
-        "set format x ''\nset ylabel 'dB, platform / command'\nset yrange [-40:*]\n"
-        "set key bottom left font ',10'\n",
-        response.omega.front() / two_pi, response.omega.back() / two_pi, 1.0 - 66.0 / height);
-    text += six_curves(2) + "unset label 101\nunset label 102\nunset key\n";
-    text +=
-        "set tmargin at screen 0.40\nset bmargin at screen 0.08\nset format x '%g'\n"
-        "set xlabel 'Hz'\nset ylabel 'phase °'\nset yrange [-360:30]\nset ytics 90\n";
-    return text + six_curves(3) + "unset multiplot\nunset output\n";
-  });
+  std::string text = beginning(title, subtitle) + response_block(response);
+  text += fmt::format("set multiplot\nset logscale x\nset xrange [{:.9g}:{:.9g}]\n",
+                      response.omega.front() / two_pi, response.omega.back() / two_pi);
+  text += at_screen({0.09, 0.97, 1.0 - 66.0 / plane_height, 0.42}) +
+          "set format x ''\nset ylabel 'dB, platform / command'\nset yrange [-40:*]\n"
+          "set key bottom left font ',10'\n";
+  text += six_curves(2) + "unset label 101\nunset label 102\nunset key\n";
+  text += at_screen({0.09, 0.97, 0.40, 0.08}) +
+          "set format x '%g'\nset xlabel 'Hz'\nset ylabel 'phase °'\nset yrange [-360:30]\n"
+          "set ytics 90\n";
+  draw(path, plane_width, plane_height, text + six_curves(3) + "unset multiplot\n");
 }
 
 }  // namespace hydrapod::report
