@@ -23,17 +23,10 @@ constexpr std::array output_words{"displacement", "velocity", "acceleration"};
 }  // namespace
 
 std::string response_unit(response::Output output, int out_direction, int in_direction) {
-  const std::string numerator = out_direction < 3 ? "m" : "rad";
-  const std::string load = in_direction < 3 ? "N" : "(N m)";
-  switch (output) {
-    case response::Output::velocity:
-      return fmt::format("({}/s)/{}", numerator, load);
-    case response::Output::acceleration:
-      return fmt::format("({}/s²)/{}", numerator, load);
-    case response::Output::displacement:
-      break;
-  }
-  return numerator + "/" + load;
+  constexpr std::array begins{"", "(", "("}, ends{"", "/s)", "/s²)"};
+  const auto k = static_cast<std::size_t>(output);
+  return fmt::format("{}{}{}/{}", begins.at(k), out_direction < 3 ? "m" : "rad", ends.at(k),
+                     in_direction < 3 ? "N" : "(N m)");
 }
 
 template <class Fields>

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <tuple>
 
 #include "fields.hpp"
 #include "hydrapod/base/units.hpp"
@@ -22,38 +21,23 @@ using base::two_pi;
 }  // namespace
 
 const char* verdict_word(Verdict verdict) {
-  switch (verdict) {
-    case Verdict::determined:
-      return "determined";
-    case Verdict::ambiguous:
-      return "one of several";
-    case Verdict::at_bound:
-      return "at its bound";
-    case Verdict::by_prior:
-      return "by the prior";
-    case Verdict::undetermined:
-      break;
-  }
-  return "not determined";
+  static constexpr std::array words{"determined", "not determined", "one of several",
+                                    "at its bound", "by the prior"};
+  return words.at(static_cast<std::size_t>(verdict));
 }
 
 template <class Fields>
 void describe(Fields& f, FittedParameter& p) {
-  std::array bounds{p.lower, p.upper}, interval{p.interval_low, p.interval_high};
   f("paths", p.paths);
   f("unit", p.unit);
   f("start", p.start);
-  f("bounds", bounds);
+  f.pair("bounds", p.lower, p.upper);
   f("value", p.value);
   f("deviation", p.deviation);
-  f("interval_95", interval);
+  f.pair("interval_95", p.interval_low, p.interval_high);
   f("deviation_data_alone", p.data_deviation);
   f("other_value", p.other_value);
   f.word("verdict", p.verdict, words_of<calibration::Verdict, 5>(verdict_word));
-  if constexpr (Fields::reads) {
-    std::tie(p.lower, p.upper) = std::tie(bounds[0], bounds[1]);
-    std::tie(p.interval_low, p.interval_high) = std::tie(interval[0], interval[1]);
-  }
 }
 
 template <class Fields>
@@ -191,9 +175,7 @@ void describe(Fields& f, Sensitivities& s) {
 Json sensitivity_json(const Sensitivities& sensitivities) { return written(sensitivities); }
 
 Sensitivities sensitivity_from_json(const Json& json, const std::string& file) {
-  Sensitivities sensitivities;
-  read(json, file, sensitivities);
-  return sensitivities;
+  return read<Sensitivities>(json, file);
 }
 
 std::vector<std::string> calibration_remarks(const Calibration& result, const Targets& targets) {

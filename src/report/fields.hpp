@@ -7,9 +7,9 @@
 ///       f.optional("retract_left_m", leg.retract_left);
 ///     }
 ///
-/// written(leg) is the JSON; read(json, file, leg) fills `leg` from it. Both call describe(), which
-/// stands in namespace report. A number that is not finite is null; null is read as not a number.
-/// Reading throws base::InputError with file and key.
+/// written(leg) is the JSON; read(json, file, leg) fills `leg` from it, read<LegCheck>(json, file)
+/// makes one. All call describe(), which stands in namespace report. A number that is not finite is
+/// null; null is read as not a number. Reading throws base::InputError with file and key.
 
 #include <fmt/format.h>
 
@@ -87,6 +87,10 @@ class Writer {
   /// In another unit: JSON holds `value` / `unit`.
   void scaled(const char* key, double value, double unit) { json[key] = written(value / unit); }
   void percent(const char* key, double value) { json[key] = written(100.0 * value); }
+  /// Two numbers as one list.
+  void pair(const char* key, double first, double second) {
+    json[key] = written(std::array{first, second});
+  }
   /// An enum by its words; value 0 is the first.
   template <class Enum>
   void word(const char* key, Enum value, std::span<const char* const> words) {
@@ -168,6 +172,12 @@ class Reader {
   void percent(const char* key, double& value) const {
     (*this)(key, value);
     value /= 100.0;
+  }
+  void pair(const char* key, double& first, double& second) const {
+    std::array<double, 2> both{};
+    (*this)(key, both);
+    first = both[0];
+    second = both[1];
   }
   template <class Enum>
   void word(const char* key, Enum& value, std::span<const char* const> words) const {
@@ -347,6 +357,12 @@ template <class T>
 void read(const Json& json, const std::string& file, T& value) {
   Reader fields(json, file);
   describe(fields, value);
+}
+template <class T>
+T read(const Json& json, const std::string& file) {
+  T value;
+  read(json, file, value);
+  return value;
 }
 
 }  // namespace hydrapod::report

@@ -1,17 +1,17 @@
 #include "geometry_json.hpp"
 
+#include "fields.hpp"
+
 namespace hydrapod::report {
 
 namespace {
-
-Json list(const dynamics::Vector3& v) { return {v.x(), v.y(), v.z()}; }
 
 Json leg_json(const model::Leg& leg, const dynamics::LegElement& element,
               const dynamics::LegState& state, const dynamics::Vector3& a) {
   const auto& axes = element.frame.R_BL;
   Json json{
-      {"base_joint_m", list(leg.base_joint)},
-      {"platform_joint_m", list(a)},
+      {"base_joint_m", written(leg.base_joint)},
+      {"platform_joint_m", written(a)},
       {"length_m", (a - leg.base_joint).norm()},
       {"l_m", element.l_m},
       {"l_mh", element.l_mh},
@@ -19,7 +19,8 @@ Json leg_json(const model::Leg& leg, const dynamics::LegElement& element,
       {"l_mn", leg.rod.length},
       {"r_b", leg.cylinder_case.mass_center},
       {"c_g", leg.rod.mass_center},
-      {"axes", {{"t", list(axes.col(0))}, {"a2", list(axes.col(1))}, {"n", list(axes.col(2))}}},
+      {"axes",
+       {{"t", written(axes.col(0))}, {"a2", written(axes.col(1))}, {"n", written(axes.col(2))}}},
       {"tan_gimbal", element.frame.tan_gimbal},
       {"tilt_rad", {state.flexible[0], state.flexible[1]}},
       {"offset_m", {state.flexible[2], state.flexible[3]}},
@@ -37,11 +38,10 @@ Json leg_json(const model::Leg& leg, const dynamics::LegElement& element,
 }  // namespace
 
 Json geometry_json(const model::Machine& machine, const dynamics::LinearModel& model) {
-  const auto& R = model.X_BP.R_BP;
   Json json{{"platform",
-             {{"origin_m", list(model.X_BP.p_BP)},
-              {"rotation", {list(R.row(0)), list(R.row(1)), list(R.row(2))}},
-              {"mass_center_m", list(model.p_BC)}}},
+             {{"origin_m", written(model.X_BP.p_BP)},
+              {"rotation", written(model.X_BP.R_BP)},
+              {"mass_center_m", written(model.p_BC)}}},
             {"legs", Json::array()}};
   for (size_t i = 0; i < machine.legs.size(); ++i)
     json["legs"].push_back(leg_json(machine.legs[i], model.legs[i], model.statics.legs[i],

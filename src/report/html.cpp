@@ -2,8 +2,10 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <stdexcept>
+#include <utility>
 
 #include "geometry_json.hpp"
 #include "hydrapod/base/error.hpp"
@@ -20,17 +22,7 @@ constexpr std::string_view theme_mark = "{{hydrapod-theme}}";
 constexpr std::string_view summary_mark = "{{hydrapod-summary}}";
 constexpr std::string_view data_mark = "{{hydrapod-data}}";
 
-const char* name_of(Theme theme) {
-  switch (theme) {
-    case Theme::light:
-      return "light";
-    case Theme::dark:
-      return "dark";
-    case Theme::automatic:
-      break;
-  }
-  return "auto";
-}
+constexpr std::array theme_names{"auto", "light", "dark"};
 
 /// `page` up to `mark`, which it loses together with what stands before it.
 std::string_view cut(std::string_view& page, std::string_view mark) {
@@ -58,6 +50,22 @@ Json pose_report(const model::Machine& machine, const model::NamedPose& pose,
   return json;
 }
 
+using Replacement = std::pair<std::string_view, std::string_view>;
+
+/// `text` with what stands first in `replacements` replaced by what stands second.
+std::string replaced(std::string_view text, std::initializer_list<Replacement> replacements) {
+  std::string result;
+  result.reserve(text.size());
+  while (!text.empty()) {
+    const auto* found = std::ranges::find_if(
+        replacements, [&](const Replacement& one) { return text.starts_with(one.first); });
+    const bool kept = found == replacements.end();
+    result += kept ? text.substr(0, 1) : found->second;
+    text.remove_prefix(kept ? 1 : found->first.size());
+  }
+  return result;
+}
+
 /// What a reader without JavaScript gets.
 std::string plain_summary(const Json& document) {
   std::string text;
@@ -71,59 +79,17 @@ std::string plain_summary(const Json& document) {
 }  // namespace
 
 std::string escape_html(std::string_view text) {
-  std::string escaped;
-  escaped.reserve(text.size());
-  for (const char c : text) {
-    switch (c) {
-      case '&':
-        escaped += "&amp;";
-        break;
-      case '<':
-        escaped += "&lt;";
-        break;
-      case '>':
-        escaped += "&gt;";
-        break;
-      case '"':
-        escaped += "&quot;";
-        break;
-      case '\'':
-        escaped += "&#39;";
-        break;
-      default:
-        escaped += c;
-    }
-  }
-  return escaped;
+  return replaced(text,
+                  {{"&", "&amp;"}, {"<", "&lt;"}, {">", "&gt;"}, {"\"", "&quot;"}, {"'", "&#39;"}});
 }
 
 std::string escape_json(const Json& json) {
-  const std::string text = json.dump(-1, ' ', false, Json::error_handler_t::replace);
-  std::string escaped;
-  escaped.reserve(text.size());
-  for (size_t i = 0; i < text.size(); ++i) {
-    const std::string_view rest(text.data() + i, text.size() - i);
-    switch (text[i]) {
-      case '<':
-        escaped += "\\u003c";
-        continue;
-      case '>':
-        escaped += "\\u003e";
-        continue;
-      case '&':
-        escaped += "\\u0026";
-        continue;
-      default:
-        break;
-    }
-    if (rest.starts_with("\xE2\x80\xA8") || rest.starts_with("\xE2\x80\xA9")) {
-      escaped += text[i + 2] == '\xA8' ? "\\u2028" : "\\u2029";
-      i += 2;
-    } else {
-      escaped += text[i];
-    }
-  }
-  return escaped;
+  return replaced(json.dump(-1, ' ', false, Json::error_handler_t::replace),
+                  {{"<", "\\u003c"},
+                   {">", "\\u003e"},
+                   {"&", "\\u0026"},
+                   {"\xE2\x80\xA8", "\\u2028"},
+                   {"\xE2\x80\xA9", "\\u2029"}});
 }
 
 Json report_json(const model::MachineFile& file, const std::string& path,
@@ -156,7 +122,7 @@ std::string html_page(const Json& document, Theme theme) {
         fmt::format("this program was built without the report's page: {}", why_no_page()));
   std::string html;
   html += cut(page, theme_mark);
-  html += name_of(theme);
+  html += theme_names.at(static_cast<std::size_t>(theme));
   html += cut(page, title_mark);
   html += escape_html(document.value("title", "hydrapod"));
   html += cut(page, summary_mark);

@@ -155,9 +155,7 @@ Json modes_json(const modal::ModeTable& table) {
 }
 
 modal::ModeTable modes_from_json(const Json& json, const std::string& file) {
-  modal::ModeTable table;
-  read(json, file, table);
-  return table;
+  return read<modal::ModeTable>(json, file);
 }
 
 template <class Fields>

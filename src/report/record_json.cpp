@@ -1,18 +1,11 @@
 #include "hydrapod/report/measured_results.hpp"
 
-#include <cmath>
-
+#include "fields.hpp"
 #include "hydrapod/base/version.hpp"
 
 namespace hydrapod::report {
 
 namespace {
-
-Json numbers(const Eigen::Ref<const Eigen::VectorXd>& values) {
-  Json list = Json::array();
-  for (const double value : values) list.push_back(std::isfinite(value) ? Json(value) : Json());
-  return list;
-}
 
 Json channel_json(const data::Channel& channel, const data::ChannelOverview& overview) {
   return {{"name", channel.name},
@@ -65,11 +58,9 @@ Json record_json(const data::RecordSet& record, const data::RecordOverview& over
     json["channels"].push_back(channel_json(header.channels[c], overview.channels[c]));
   for (const auto& note : record.notes()) json["warnings"].push_back(note.text());
   if (!with_spectra) return json;
-  json["spectra"] = {{"frequency_hz", numbers(overview.spectrum.frequency)},
+  json["spectra"] = {{"frequency_hz", written(overview.spectrum.frequency)},
                      {"segments", overview.spectrum.segments},
-                     {"density", Json::array()}};
-  for (Eigen::Index c = 0; c < overview.spectrum.density.cols(); ++c)
-    json["spectra"]["density"].push_back(numbers(overview.spectrum.density.col(c)));
+                     {"density", written(overview.spectrum.density.transpose().eval())}};
   return json;
 }
 

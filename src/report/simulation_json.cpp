@@ -57,21 +57,16 @@ template <class Fields>
 void describe_leg(Fields& f, Simulation& s, std::size_t i) {
   auto& stops = s.stops[i];
   auto& summary = s.summary;
-  std::array stroke{stops.low, stops.high}, piston{summary.piston_low[i], summary.piston_high[i]};
   const double samples = static_cast<double>(std::max(summary.samples, 1L));
   double limited = static_cast<double>(summary.limited[i]) / samples;
-  f("stroke_m", stroke);
-  f("piston_m", piston);
-  f.derived("stroke_used", (piston[1] - piston[0]) / (stroke[1] - stroke[0]));
+  f.pair("stroke_m", stops.low, stops.high);
+  f.pair("piston_m", summary.piston_low[i], summary.piston_high[i]);
+  f.derived("stroke_used",
+            (summary.piston_high[i] - summary.piston_low[i]) / (stops.high - stops.low));
   f("peak_speed_m_s", summary.peak_speed[i]);
   f("peak_drive", summary.peak_drive[i]);
   f("share_at_limit", limited);
-  if constexpr (Fields::reads) {
-    stops = {stroke[0], stroke[1]};
-    summary.piston_low[i] = piston[0];
-    summary.piston_high[i] = piston[1];
-    summary.limited[i] = std::lround(limited * samples);
-  }
+  if constexpr (Fields::reads) summary.limited[i] = std::lround(limited * samples);
 }
 
 template <class Fields>
@@ -130,9 +125,7 @@ Json controller_json(const control::ControllerParameters& parameters, double low
 }
 
 simulation::Tuning controller_from_json(const Json& json, const std::string& file) {
-  simulation::Tuning tuning;
-  read(json, file, tuning);
-  return tuning;
+  return read<simulation::Tuning>(json, file);
 }
 
 template <class Fields>
@@ -164,9 +157,7 @@ void describe(Fields& f, Simulation& s) {
 Json simulation_json(const Simulation& simulation) { return written(simulation); }
 
 Simulation simulation_from_json(const Json& json, const std::string& file) {
-  Simulation simulation;
-  read(json, file, simulation);
-  return simulation;
+  return read<Simulation>(json, file);
 }
 
 Json simulation_section(const Simulation& simulation, const model::Machine& machine,

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "fields.hpp"
 #include "hydrapod/base/units.hpp"
@@ -39,7 +40,7 @@ std::string csv_head() {
 
 std::string participation_text(const SystemPole& pole) {
   std::vector<int> order(simulation::part_count);
-  for (int i = 0; i < simulation::part_count; ++i) order[static_cast<std::size_t>(i)] = i;
+  std::iota(order.begin(), order.end(), 0);
   const auto share = [&](int i) { return pole.parts[static_cast<std::size_t>(i)]; };
   std::stable_sort(order.begin(), order.end(), [&](int a, int b) { return share(a) > share(b); });
   std::string text;
@@ -48,8 +49,7 @@ std::string participation_text(const SystemPole& pole) {
     text += fmt::format("{}{} {:.0f} %", text.empty() ? "" : ", ",
                         simulation::name(static_cast<Part>(i)), 100.0 * share(i));
   }
-  double of_legs = 0.0;
-  for (const double leg : pole.legs) of_legs += leg;
+  const double of_legs = std::accumulate(pole.legs.begin(), pole.legs.end(), 0.0);
   const auto most = std::max_element(pole.legs.begin(), pole.legs.end());
   if (of_legs > least_named && *most > most_of_it * of_legs)
     text += fmt::format(" (leg {})", most - pole.legs.begin() + 1);
@@ -120,13 +120,12 @@ Json system_json(const System& system) {
 }
 
 System system_from_json(const Json& json, const std::string& file) {
-  System system;
-  read(json, file, system);
+  auto system = read<System>(json, file);
   system.closed = json.contains("controller");
   if (system.closed) system.tuning = controller_from_json(json["controller"], file);
   auto& poles = system.poles;
-  poles.stable = true;
-  for (const auto& pole : poles.poles) poles.stable = poles.stable && pole.pole.real() < 0.0;
+  poles.stable = std::ranges::all_of(poles.poles,
+                                     [](const SystemPole& pole) { return pole.pole.real() < 0.0; });
   if (!poles.poles.empty()) poles.largest_real = poles.poles.front().pole.real();
   return system;
 }
@@ -178,9 +177,7 @@ void describe(Fields& f, RootLocus& locus) {
 Json root_locus_json(const RootLocus& locus) { return written(locus); }
 
 RootLocus root_locus_from_json(const Json& json, const std::string& file) {
-  RootLocus locus;
-  read(json, file, locus);
-  return locus;
+  return read<RootLocus>(json, file);
 }
 
 std::string root_locus_csv(const RootLocus& locus) {

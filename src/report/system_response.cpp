@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "gnuplot.hpp"
 #include "hydrapod/base/units.hpp"
 #include "hydrapod/report/model_results.hpp"
 #include "hydrapod/spatial/pose.hpp"
@@ -35,8 +36,7 @@ CommandBandwidth command_bandwidth(const CommandResponse& response, int directio
   for (std::size_t k = 0; k < response.omega.size(); ++k) {
     const auto value = response.H[k](direction, direction);
     magnitude.push_back(std::abs(value));
-    const double now = std::arg(value);
-    last = now + two_pi * std::round((last - now) / two_pi);
+    last = continued(std::arg(value), last, two_pi);
     phase.push_back(last);
     if (magnitude.back() > found.peak) {
       found.peak = magnitude.back();
@@ -50,19 +50,18 @@ CommandBandwidth command_bandwidth(const CommandResponse& response, int directio
 
 Json command_response_json(const CommandResponse& response) {
   Json json = response_json(response.omega, response.H);
-  Json bandwidths = Json::array();
+  json["bandwidths"] = Json::array();
+  const auto hertz = [](const std::optional<double>& omega) {
+    return omega ? Json(*omega / two_pi) : Json();
+  };
   for (int i = 0; i < 6; ++i) {
     const auto b = command_bandwidth(response, i);
-    const auto hertz = [](const std::optional<double>& omega) {
-      return omega ? Json(*omega / two_pi) : Json();
-    };
-    bandwidths.push_back({{"direction", direction_names[static_cast<std::size_t>(i)]},
-                          {"minus_3_db_hz", hertz(b.magnitude)},
-                          {"minus_90_deg_hz", hertz(b.phase)},
-                          {"peak", b.peak},
-                          {"peak_hz", b.peak_omega / two_pi}});
+    json["bandwidths"].push_back({{"direction", spatial::direction_name(i)},
+                                  {"minus_3_db_hz", hertz(b.magnitude)},
+                                  {"minus_90_deg_hz", hertz(b.phase)},
+                                  {"peak", b.peak},
+                                  {"peak_hz", b.peak_omega / two_pi}});
   }
-  json["bandwidths"] = std::move(bandwidths);
   return json;
 }
 

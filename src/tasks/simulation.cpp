@@ -121,31 +121,82 @@ void judge(const std::vector<rig::LevelFinding>& findings) {
   if (bad) throw base::InputError(list);
 }
 
+/// Throws for a motion that cannot be; returns what else there is to say: valves too small for it.
+std::vector<std::string> require_possible(const Machine& machine, const ClosedLoop& loop,
+                                          signals::Generator& signal, double until) {
+  std::vector<base::Diagnostic> errors;
+  std::vector<std::string> warnings;
+  for (const auto& finding : simulation::check_motion(loop.plant(), loop.parameters(),
+                                                      machine.pose.X_BP, signal, until)) {
+    if (finding.severity == base::Severity::error)
+      errors.push_back({.file = "the commanded motion", .message = finding.message});
+    else
+      warnings.push_back(finding.message);
+  }
+  if (!errors.empty()) throw base::InputError(errors);
+  return warnings;
+}
+
+/// When the last step of each direction comes, and how near to its end a settled platform stays.
+void expect_steps(const std::vector<signals::Signal>& commands, report::Simulation& result) {
+  constexpr double settled_share = 0.02;  // of a step
+  result.settling_band.setConstant(1e-5);
+  for (const auto& command : commands) {
+    const auto* step = std::get_if<signals::Step>(&command.form);
+    for (int i = 0; step != nullptr && i < 6; ++i) {
+      if (command.size[i] == 0.0) continue;
+      auto& time = result.step_time[static_cast<std::size_t>(i)];
+      time = std::max(time.value_or(0.0), step->at);
+      result.settling_band[i] = settled_share * std::abs(command.size[i]);
+    }
+  }
+}
+
+/// What is known of a run before it begins.
+void fill_in(const ClosedLoop& loop, report::Simulation& result) {
+  result.output_interval = loop.output_interval();
+  result.controller = loop.parameters();
+  result.lowest_oil_mode = loop.lowest_oil_mode();
+  for (int i = 0; i < model::leg_count; ++i)
+    result.stops[static_cast<std::size_t>(i)] = loop.plant().axis(i).stops;
+}
+
 }  // namespace
 
 report::Simulation simulate(const Machine& machine, const SimulateOptions& options,
                             const Progress& progress) {
-  report::SimulationOptions asked{.commands = options.commands,
-                                  .until = options.until,
-                                  .loop = options.loop,
-                                  .trace_samples = options.trace_samples};
-  asked.loop.kind = machine.kind;
-  auto prepared = report::prepare_simulation(machine.file.machine, machine.pose, asked);
+  const auto& of = machine.file.machine;
+  const double rate = 1.0 / of.controller.sample_time;
+  const auto commands = signals::read_signals(options.commands, {.rate = rate});
+  report::Simulation result;
+  result.until = options.until.value_or(signals::natural_duration(commands));
+  result.loop = options.loop;
+  result.loop.kind = machine.kind;
+  result.loop.until = result.until;
+  signals::Generator signal(commands, rate, options.loop.seed);
+  ClosedLoop loop(of, machine.pose.X_BP, result.loop);
+  result.warnings = require_possible(machine, loop, signal, result.until);
+  for (const auto& command : commands) result.commands.push_back(signals::signal_text(command));
+  expect_steps(commands, result);
+  fill_in(loop, result);
   std::optional<RecordFile> record;
   if (!options.record.empty()) {
     auto header = header_of(machine, options.loop.seed, options.command_line);
-    for (const auto& command : prepared.commands)
-      header.notes += fmt::format("{}command: {}", header.notes.empty() ? "" : "\n",
-                                  signals::signal_text(command));
-    record.emplace(options.record, *prepared.loop, std::move(header));
+    for (const auto& command : result.commands)
+      header.notes += fmt::format("{}command: {}", header.notes.empty() ? "" : "\n", command);
+    record.emplace(options.record, loop, std::move(header));
   }
-  auto result = report::run_simulation(
-      prepared,
+  simulation::TraceRecorder recorder(loop, result.until, options.trace_samples);
+  signal.restart();
+  result.summary = loop.run(
+      simulation::command_source(signal),
       [&](const LoopSample& sample) {
+        recorder(sample);
         if (record) record->append(sample);
       },
-      keep_going(progress, *prepared.options.until));
+      keep_going(progress, result.until), result.settling_band);
   if (record) record->close();
+  result.trace = recorder.trace();
   return result;
 }
 

@@ -101,10 +101,6 @@ std::string comparison_heading(const ComparedModes& compared);
 /// `outputs[]`, `cross_mac`.
 Json comparison_json(const ComparedModes& compared, const identification::Identification& measured);
 
-/// A line per pair, then per mode that has no partner.
-std::string comparison_csv(const ComparedModes& compared,
-                           const identification::Identification& measured);
-
 /// MAC of measured and model modes that were paired or left in the band. Throws as plot_bode; and
 /// base::InputError where no shapes could be compared.
 void plot_cross_mac(const ComparedModes& compared, const identification::Identification& measured,

@@ -9,7 +9,6 @@
 /// A simulated run from commands as people write them: what `hydrapod simulate` runs, prints and
 /// plots.
 
-#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -192,27 +191,7 @@ std::string command_response_csv(const CommandResponse& response);
 void plot_command_response(const CommandResponse& response, const std::string& title,
                            const std::string& subtitle, const std::string& path);
 
-struct SimulationOptions {
-  std::vector<std::string> commands{};  ///< see signals/signal_text.hpp; they add up
-  std::optional<double> until{};        ///< [s]; default: what the commands need, and a little more
-  simulation::LoopOptions loop{};       ///< `until` is not used
-  std::size_t trace_samples{3000};
-};
-
-/// A run that can begin: commands read, machine at rest, motion checked.
-struct PreparedSimulation {
-  SimulationOptions options{};  ///< with `until` filled in
-  std::vector<signals::Signal> commands{};
-  std::unique_ptr<signals::Generator> signal{};
-  std::unique_ptr<simulation::ClosedLoop> loop{};
-  std::vector<std::string> warnings{};  ///< valves too small for the motion
-};
-
-/// Throws base::InputError for commands that cannot be read, make no sense, or lead out of the
-/// workspace; base::ComputationError where the machine does not stand at the pose.
-PreparedSimulation prepare_simulation(const model::Machine& machine, const model::NamedPose& pose,
-                                      const SimulationOptions& options);
-
+/// A simulated run.
 struct Simulation {
   std::vector<std::string> commands{};  ///< as signals::signal_text writes them
   std::vector<std::string> warnings{};
@@ -229,10 +208,6 @@ struct Simulation {
   simulation::RunSummary summary{};
   simulation::Trace trace{};
 };
-
-/// Runs it; `sink` gets every sample.
-Simulation run_simulation(PreparedSimulation& prepared, const simulation::LoopSink& sink = {},
-                          const simulation::KeepGoing& keep_going = {});
 
 /// `model`, `commands[]`, `controller`, `run`, `directions[]`, `legs[]`, `trace`.
 Json simulation_json(const Simulation& simulation);
