@@ -14,6 +14,7 @@ namespace {
 
 /// "leg 3", "legs 1, 2 and 5", "all legs".
 std::string legs_text(const std::vector<int>& legs) {
+  if (legs.empty()) return {};
   if (legs.size() == model::leg_count) return "all legs";
   std::string text = fmt::format("leg{} {}", legs.size() > 1 ? "s" : "", legs[0] + 1);
   for (size_t k = 1; k < legs.size(); ++k)
@@ -28,32 +29,23 @@ std::string mass_text(double mass) {
 }
 
 std::string warning_text(const PoseWarning& warning) {
-  constexpr double degrees = 180.0 / std::numbers::pi;
+  static constexpr std::array texts{
+      "the legs buckle under the present load: remove {mass}, or use stiffer guide sleeves",
+      "the legs buckle with {mass} more on the platform ({ratio:.3g} times its mass)",
+      "no static equilibrium was found at this pose",
+      "{legs}: only {millimetres:.3g} mm of stroke left",
+      "{legs}: the piston is only {millimetres:.3g} mm from the guide sleeve; the tilt stiffness "
+      "is "
+      "low there",
+      "{legs}: the static load tilts the rod in its seals by {degrees:.2g}°",
+      "the pose is close to a singular pose: condition {value:.3g}"};
   const double value = warning.value;
-  const auto of_legs = [&] { return legs_text(warning.legs); };
-  switch (warning.kind) {
-    case PoseWarning::Kind::buckled:
-      return fmt::format(
-          "the legs buckle under the present load: remove {}, or use stiffer guide sleeves",
-          mass_text(value));
-    case PoseWarning::Kind::near_buckling:
-      return fmt::format("the legs buckle with {} more on the platform ({:.3g} times its mass)",
-                         mass_text(value), warning.ratio);
-    case PoseWarning::Kind::no_equilibrium:
-      return "no static equilibrium was found at this pose";
-    case PoseWarning::Kind::little_stroke:
-      return fmt::format("{}: only {:.3g} mm of stroke left", of_legs(), 1e3 * value);
-    case PoseWarning::Kind::short_guide:
-      return fmt::format(
-          "{}: the piston is only {:.3g} mm from the guide sleeve; the tilt stiffness is low there",
-          of_legs(), 1e3 * value);
-    case PoseWarning::Kind::tilted_rod:
-      return fmt::format("{}: the static load tilts the rod in its seals by {:.2g}°", of_legs(),
-                         value * degrees);
-    case PoseWarning::Kind::near_singular:
-      break;
-  }
-  return fmt::format("the pose is close to a singular pose: condition {:.3g}", value);
+  const std::string mass = mass_text(value), legs = legs_text(warning.legs);
+  return fmt::format(fmt::runtime(texts.at(static_cast<std::size_t>(warning.kind))),
+                     fmt::arg("value", value), fmt::arg("ratio", warning.ratio),
+                     fmt::arg("mass", mass), fmt::arg("legs", legs),
+                     fmt::arg("millimetres", 1e3 * value),
+                     fmt::arg("degrees", value * (180.0 / std::numbers::pi)));
 }
 
 template <class Fields>

@@ -106,13 +106,12 @@ class Writer {
   /// A list of `count` objects: describe_fields(fields, index).
   template <class Describe>
   void list(const char* key, std::size_t count, const Describe& describe_fields) {
-    Json all = Json::array();
+    Json& all = json[key] = Json::array();
     for (std::size_t k = 0; k < count; ++k) {
       Writer inner;
       describe_fields(inner, k);
       all.push_back(std::move(inner.json));
     }
-    json[key] = std::move(all);
   }
 };
 

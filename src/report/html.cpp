@@ -121,14 +121,14 @@ std::string html_page(const Json& document, Theme theme) {
     throw base::ComputationError(
         fmt::format("this program was built without the report's page: {}", why_no_page()));
   std::string html;
-  html += cut(page, theme_mark);
-  html += theme_names.at(static_cast<std::size_t>(theme));
-  html += cut(page, title_mark);
-  html += escape_html(document.value("title", "hydrapod"));
-  html += cut(page, summary_mark);
-  html += plain_summary(document);
-  html += cut(page, data_mark);
-  html += escape_json(document);
+  const auto put = [&](std::string_view mark, std::string_view text) {
+    html += cut(page, mark);
+    html += text;
+  };
+  put(theme_mark, theme_names.at(static_cast<std::size_t>(theme)));
+  put(title_mark, escape_html(document.value("title", "hydrapod")));
+  put(summary_mark, plain_summary(document));
+  put(data_mark, escape_json(document));
   html += page;
   return html;
 }

@@ -12,10 +12,9 @@ namespace hydrapod::report {
 
 namespace {
 
-using spatial::Vector6;
-
 constexpr double degrees = 180.0 / std::numbers::pi;
-constexpr int width = 1300, height = 1180;
+constexpr int run_width = 1300, run_height = 1180;  // [pixels]
+
 /// Columns: time, 6 commands, 6 motions (mm, deg), 6 pistons (mm), 6 drives (%).
 std::string data_block(const simulation::Trace& trace) {
   std::string text;
@@ -51,10 +50,11 @@ std::string range(const Simulation& s, int i) {
 
 /// Of three rows of three.
 std::string cell_at(int row, int column) {
-  const double h = (1.0 - 66.0 / height) / 3.0;
-  const double left = column / 3.0, top = 1.0 - 66.0 / height - row * (1.0 - 66.0 / height) / 3.0;
-  return at_screen({left + 78.0 / width, left + 1.0 / 3.0 - 16.0 / width, top - 28.0 / height,
-                    top - h + 50.0 / height});
+  const double h = (1.0 - 66.0 / run_height) / 3.0;
+  const double left = column / 3.0,
+               top = 1.0 - 66.0 / run_height - row * (1.0 - 66.0 / run_height) / 3.0;
+  return at_screen({left + 78.0 / run_width, left + 1.0 / 3.0 - 16.0 / run_width,
+                    top - 28.0 / run_height, top - h + 50.0 / run_height});
 }
 
 std::string direction_plot(const Simulation& s, int i) {
@@ -85,14 +85,14 @@ void plot_simulation(const Simulation& s, const std::string& title, const std::s
   std::string text = data_block(s.trace) + "set multiplot\n" + thin_grid + thin_axes;
   text += "set xlabel 's' offset 0,0.6\nset ylabel offset 1.2,0\n";
   text += fmt::format("set xrange [0:{:.9g}]\n", std::max(s.trace.time.back(), 1e-9));
-  text += titles(title, subtitle, height);
+  text += titles(title, subtitle, run_height);
   for (int i = 0; i < 6; ++i) {
     text += direction_plot(s, i);
     if (i == 0) text += "unset label 101\nunset label 102\n";
   }
   text += leg_plot("pistons, from the base joints", "mm", 0, 14, false);
   text += leg_plot("drives at the valves", "%", 1, 20, true);
-  draw(path, width, height, text + "unset multiplot\n");
+  draw(path, run_width, run_height, text + "unset multiplot\n");
 }
 
 }  // namespace hydrapod::report

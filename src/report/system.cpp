@@ -22,11 +22,9 @@ constexpr double least_named = 0.1;  // participation
 constexpr double most_of_it = 0.75;  // of a leg's share
 
 std::string csv_row(const SystemPole& pole) {
-  std::string text =
-      fmt::format("{:.17g},{:.17g},{:.17g},{:.17g},{:.17g}", pole.pole.real(), pole.pole.imag(),
-                  pole.omega, pole.omega / two_pi, pole.damping_ratio);
-  for (const double share : pole.parts) text += fmt::format(",{:.6g}", share);
-  return text + "\n";
+  return fmt::format("{:.17g},{:.17g},{:.17g},{:.17g},{:.17g},{:.6g}\n", pole.pole.real(),
+                     pole.pole.imag(), pole.omega, pole.omega / two_pi, pole.damping_ratio,
+                     fmt::join(pole.parts, ","));
 }
 
 std::string csv_head() {
@@ -57,20 +55,20 @@ std::string participation_text(const SystemPole& pole) {
 }
 
 std::string verdict_text(const SystemPoles& poles) {
-  const auto& first = poles.poles.front();
-  const double rate = poles.sampled.empty() ? poles.largest_real : poles.sampled.front().real();
+  const bool sampled = !poles.sampled.empty();
+  const double rate = sampled ? poles.sampled.front().real() : poles.largest_real;
   const double omega =
-      poles.sampled.empty() ? first.pole.imag() : std::abs(poles.sampled.front().imag());
-  const bool stable = !poles.sampled.empty() ? poles.sampled_stable : poles.stable;
+      sampled ? std::abs(poles.sampled.front().imag()) : poles.poles.front().pole.imag();
+  const bool stable = sampled ? poles.sampled_stable : poles.stable;
   const std::string motion =
       omega > 0.0 ? fmt::format("oscillation at {:.4g} Hz", omega / two_pi) : "motion";
   const char* article = omega > 0.0 ? "an" : "a";
   std::string text =
       stable ? fmt::format("stable: the slowest {} decays with {:.3g} 1/s", motion, -rate)
              : fmt::format("UNSTABLE: {} {} grows with {:.3g} 1/s", article, motion, rate);
-  if (!poles.sampled.empty())
+  if (sampled)
     text += fmt::format(" (sampled loop, exact: largest |z| {:.6f})", poles.largest_modulus);
-  if (!poles.sampled.empty() && poles.stable != poles.sampled_stable)
+  if (sampled && poles.stable != poles.sampled_stable)
     text += fmt::format("; the continuous approximation gives {}",
                         poles.stable ? "stable" : "unstable");
   return text;

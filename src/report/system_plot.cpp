@@ -15,6 +15,7 @@ namespace hydrapod::report {
 namespace {
 
 using base::two_pi;
+
 /// The part of the plane around the oscillations of mechanics and oil: those of valves and delay
 /// lie so far out that they would squeeze the rest.
 std::array<double, 4> shown_plane(const RootLocus& locus) {
