@@ -98,14 +98,21 @@ UffContents scan_uff(const std::string& path, Notes& notes);
 /// Is it a record, are frequency responses or modes in it? Throws base::InputError as scan_uff.
 FileKind uff_kind(const std::string& path);
 
+/// A text of a Universal File; empty where it is "NONE".
+inline std::string given(const std::string& text) { return text == "NONE" ? "" : text; }
+
 /// The direction that is said by code or as the entity "LEG n".
 Direction uff_direction(const UffPlace& place);
+/// The node, unless it has more digits than a channel's point.
+int uff_point(const UffPlace& place);
 /// Node and direction of a channel.
 UffPlace uff_place(const Channel& channel);
 
 /// SI unit of an axis and the factor to it: its unit label if that is known, else dataset 164 with
 /// the exponents of its quantity.
 ChannelUnit uff_unit(const UffAxis& axis, int direction, const std::optional<UffUnits>& units);
+/// Quantity, exponents and label of an axis that shows `unit`, a coherent SI unit.
+UffAxis uff_axis_of(const std::string& label, const std::string& unit);
 
 /// The values of a function one after the other.
 class UffValues {
