@@ -181,8 +181,8 @@ class ModeReader {
 
  private:
   [[noreturn]] void fail(std::size_t line, const std::string& what) const {
-    notes_.fail("dataset 55: " + what,
-                dataset_.line + static_cast<unsigned>(std::min(line, dataset_.lines.size())));
+    const auto below = static_cast<unsigned>(std::min(line, dataset_.lines.size()));
+    notes_.fail("dataset 55: " + what, dataset_.line > 0 ? dataset_.line + below : 0);
   }
   [[nodiscard]] const std::string& line(std::size_t at) const {
     if (at >= dataset_.lines.size()) fail(at, "ends too early");

@@ -80,7 +80,7 @@ struct UffUnits {
 /// Dataset 55, line by line, without its number.
 struct UffMode {
   std::vector<std::string> lines{};
-  unsigned line{};  ///< of the first one in the file
+  unsigned line{};  ///< of the first one in the file; 0 where binary data stand before it
 };
 
 struct UffContents {
@@ -95,7 +95,8 @@ struct UffContents {
 /// base::InputError only where there is no dataset at all.
 UffContents scan_uff(const std::string& path, Notes& notes);
 
-/// Is it a record, are frequency responses or modes in it? Throws base::InputError as scan_uff.
+/// Is it a record, are frequency responses or modes in it? Reads heads of datasets and hardly any
+/// values: files are large. Throws base::InputError as scan_uff.
 FileKind uff_kind(const std::string& path);
 
 /// A text of a Universal File; empty where it is "NONE".
