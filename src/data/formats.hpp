@@ -55,6 +55,7 @@ class PartStream {
  public:
   explicit PartStream(const std::string& path);
 
+  [[nodiscard]] const std::string& path() const { return part_.path(); }
   [[nodiscard]] const std::string& part() const { return part_.part(); }
   [[nodiscard]] bool is_open() const { return file_ != nullptr; }
   void write(std::string_view text);

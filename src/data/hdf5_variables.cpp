@@ -32,11 +32,6 @@ class Hdf5Variables final : public VariableFile {
     notes_ = nullptr;
   }
 
-  [[nodiscard]] RecordFormat format() const override {
-    return for_matlab_ ? RecordFormat::mat73 : RecordFormat::hdf5;
-  }
-  [[nodiscard]] const std::vector<Variable>& variables() const override { return variables_; }
-
   bool read(std::size_t variable, std::uint64_t slow_first, std::uint64_t slow_count,
             std::uint64_t fast_first, std::uint64_t fast_count, double* out) override {
     const Hdf5Silence silence;
@@ -55,12 +50,9 @@ class Hdf5Variables final : public VariableFile {
   }
 
  private:
-  struct Child {
-    std::string name{};
-  };
   static herr_t collect(hid_t /*group*/, const char* name, const H5L_info_t* /*info*/, void* list) {
-    auto& children = *static_cast<std::vector<Child>*>(list);
-    children.push_back({name});
+    auto& children = *static_cast<std::vector<std::string>*>(list);
+    children.emplace_back(name);
     return children.size() > most_variables ? 1 : 0;
   }
 
@@ -75,21 +67,21 @@ class Hdf5Variables final : public VariableFile {
   }
 
   void take_group(hid_t group, const std::string& prefix, int depth) {
-    std::vector<Child> children;
+    std::vector<std::string> children;
     if (H5Literate(group, H5_INDEX_NAME, H5_ITER_INC, nullptr, collect, &children) < 0)
       notes_->add(fmt::format("the group '{}' cannot be read: the file is damaged there",
                               base::printable(prefix.empty() ? "/" : prefix)));
-    for (const Child& child : children) {
-      if (child.name == "#refs#" || child.name == "#subsystem#") continue;
-      const std::string name = prefix + clean_text(child.name);
+    for (const std::string& child : children) {
+      if (child == "#refs#" || child == "#subsystem#") continue;
+      const std::string name = prefix + clean_text(child);
       H5O_info_t info{};
-      if (H5Oget_info_by_name(group, child.name.c_str(), &info, H5P_DEFAULT) < 0) {
+      if (H5Oget_info_by_name(group, child.c_str(), &info, H5P_DEFAULT) < 0) {
         notes_->add(fmt::format("'{}' cannot be opened: left out", base::printable(name)));
       } else if (info.type == H5O_TYPE_GROUP && depth < deepest) {
-        const Hdf5Handle inner(H5Gopen2(group, child.name.c_str(), H5P_DEFAULT), H5Gclose);
+        const Hdf5Handle inner(H5Gopen2(group, child.c_str(), H5P_DEFAULT), H5Gclose);
         if (inner.ok()) take_group(inner.id(), name + '/', depth + 1);
       } else if (info.type == H5O_TYPE_DATASET && variables_.size() < most_variables) {
-        take_set({H5Dopen2(group, child.name.c_str(), H5P_DEFAULT), H5Dclose}, name);
+        take_set({H5Dopen2(group, child.c_str(), H5P_DEFAULT), H5Dclose}, name);
       }
     }
   }
@@ -103,7 +95,7 @@ class Hdf5Variables final : public VariableFile {
     if (!set.ok())
       return notes_->add(fmt::format("'{}' cannot be opened: left out", base::printable(name)));
     const std::string matlab = read_text_attribute(set.id(), "MATLAB_class").value_or("");
-    if (!matlab.empty()) for_matlab_ = true;
+    if (!matlab.empty()) format_ = RecordFormat::mat73;
     if (chunk_bytes(set.id()) > most_chunk_bytes)
       return notes_->add(fmt::format("'{}' has chunks larger than {} MiB: left out",
                                      base::printable(name), most_chunk_bytes >> 20U));
@@ -215,8 +207,6 @@ class Hdf5Variables final : public VariableFile {
   std::uint64_t file_bytes_;
   Hdf5Handle file_;
   Notes* notes_{};
-  bool for_matlab_{};
-  std::vector<Variable> variables_;
   std::vector<Hdf5Handle> sets_;
 };
 

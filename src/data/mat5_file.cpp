@@ -91,13 +91,11 @@ class Mat5File final : public VariableFile {
     if (order != "IM" && order != "MI")
       notes.fail("the MAT file has no mark of its byte order (IM or MI) at byte 126");
     swapped_ = order == "MI";
+    format_ = RecordFormat::mat5;
     for (offset_ = mat5_header_bytes; offset_ < file_.size();)
       if (!take_element()) break;
     notes_ = nullptr;  // it lives no longer than this
   }
-
-  [[nodiscard]] RecordFormat format() const override { return RecordFormat::mat5; }
-  [[nodiscard]] const std::vector<Variable>& variables() const override { return variables_; }
 
   bool read(std::size_t variable, std::uint64_t slow_first, std::uint64_t slow_count,
             std::uint64_t fast_first, std::uint64_t fast_count, double* out) override {
@@ -396,7 +394,6 @@ class Mat5File final : public VariableFile {
   bool swapped_{};
   std::uint64_t offset_{};
   std::size_t elements_{};
-  std::vector<Variable> variables_;
   std::vector<Place> places_;
   std::map<std::pair<std::size_t, std::uint64_t>, Cursor> cursors_;
 };
