@@ -15,9 +15,8 @@ namespace hydrapod::data {
 
 namespace {
 
-constexpr int deepest = 6;
+constexpr int deepest_group = 6;
 constexpr std::size_t most_variables = 20'000;
-constexpr std::size_t longest_text = 64U << 20U;
 
 class Hdf5Variables final : public VariableFile {
  public:
@@ -77,7 +76,7 @@ class Hdf5Variables final : public VariableFile {
       H5O_info_t info{};
       if (H5Oget_info_by_name(group, child.c_str(), &info, H5P_DEFAULT) < 0) {
         notes_->add(fmt::format("'{}' cannot be opened: left out", base::printable(name)));
-      } else if (info.type == H5O_TYPE_GROUP && depth < deepest) {
+      } else if (info.type == H5O_TYPE_GROUP && depth < deepest_group) {
         const Hdf5Handle inner(H5Gopen2(group, child.c_str(), H5P_DEFAULT), H5Gclose);
         if (inner.ok()) take_group(inner.id(), name + '/', depth + 1);
       } else if (info.type == H5O_TYPE_DATASET && variables_.size() < most_variables) {

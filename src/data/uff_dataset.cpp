@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
-#include <limits>
 
 #include "hydrapod/base/text.hpp"
 #include "uff_text.hpp"
@@ -51,7 +50,6 @@ std::string powers(int length, int force) {
 }
 
 constexpr int first_leg = static_cast<int>(Direction::leg1);
-constexpr double missing = std::numeric_limits<double>::quiet_NaN();
 
 template <typename Number>
 double decoded(std::string_view bytes, bool big_endian) {
@@ -128,7 +126,7 @@ std::vector<double> uff_line_numbers(std::string_view line, const std::vector<in
   const auto take = [&](std::string_view field) {
     const auto number = fortran_number(field);
     if (!number && bad == 0) bad = static_cast<unsigned>(field.data() - line.data()) + 1;
-    numbers.push_back(number.value_or(missing));
+    numbers.push_back(number.value_or(uff_missing));
   };
   if (free_form) {
     std::string_view rest = base::trimmed(line);

@@ -7,6 +7,7 @@
 
 #include <array>
 #include <cstdint>
+#include <limits>
 #include <optional>
 #include <string>
 #include <vector>
@@ -20,6 +21,9 @@
 namespace hydrapod::data {
 
 inline constexpr int uff_own_dataset = 99001;  ///< header of a record as hydrapod's comment lines
+
+inline constexpr int uff_header_lines = 11;  ///< of dataset 58
+inline constexpr double uff_missing = std::numeric_limits<double>::quiet_NaN();
 
 namespace uff_function {  // function types of dataset 58
 inline constexpr int general = 0, time_response = 1, frequency_response = 4, coherence = 6,

@@ -13,7 +13,6 @@ namespace hydrapod::data {
 
 namespace {
 
-constexpr int header_lines = 11;
 constexpr std::size_t most_functions = 100'000;
 
 /// A dataset that cannot be used; the scan goes on behind it.
@@ -200,19 +199,19 @@ class Scan {
     f.dataset = datasets_;
     f.line = first_line_;
     f.binary = binary;
-    const char* names[header_lines] = {"record 1",
-                                       "record 2",
-                                       "record 3",
-                                       "record 4",
-                                       "record 5",
-                                       "record 6",
-                                       "record 7",
-                                       "record 8 (abscissa)",
-                                       "record 9 (ordinate)",
-                                       "record 10",
-                                       "record 11 (z axis)"};
-    std::array<std::string, header_lines> lines;
-    for (int i = 0; i < header_lines; ++i)
+    const char* names[uff_header_lines] = {"record 1",
+                                           "record 2",
+                                           "record 3",
+                                           "record 4",
+                                           "record 5",
+                                           "record 6",
+                                           "record 7",
+                                           "record 8 (abscissa)",
+                                           "record 9 (ordinate)",
+                                           "record 10",
+                                           "record 11 (z axis)"};
+    std::array<std::string, uff_header_lines> lines;
+    for (int i = 0; i < uff_header_lines; ++i)
       lines[static_cast<std::size_t>(i)] = header_line(names[i]);
     for (std::size_t i = 0; i < f.id.size(); ++i) f.id[i] = text(lines[i], 0, 80);
     places(lines[5], f);

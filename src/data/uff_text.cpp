@@ -45,9 +45,9 @@ std::string place_columns(const UffPlace& place) {
 std::string dataset_number_line(const UffFunction& f) {
   if (!f.binary) return "    58\n";
   const std::uint64_t value = (f.is_double ? 8U : 4U) * tuple_size(f);
-  constexpr int little_endian = 1, ieee = 2, header_lines = 11;
+  constexpr int little_endian = 1, ieee = 2;
   return fmt::format("    58b{:6}{:6}{:12}{:12}{:6}{:6}{:12}{:12}\n", little_endian, ieee,
-                     header_lines, f.declared * value, 0, 0, 0, 0);
+                     uff_header_lines, f.declared * value, 0, 0, 0, 0);
 }
 
 int ordinate_type(const UffFunction& f) {

@@ -11,6 +11,8 @@
 
 namespace hydrapod::data {
 
+inline constexpr std::size_t longest_text = 64U << 20U;  ///< bytes
+
 enum class VariableKind { numbers, text, texts };
 
 /// An array of one or two dimensions. Of two, `fast` is the one whose neighbours stand side by side
