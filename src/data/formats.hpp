@@ -79,10 +79,10 @@ class PartStream {
 };
 
 std::unique_ptr<RecordWriter> make_csv_writer(const std::string& path, const RecordHeader& header);
-std::unique_ptr<RecordWriter> make_hdf5_writer(const std::string& path, const RecordHeader& header);
+/// `for_matlab`: MATLAB 7.3.
+std::unique_ptr<RecordWriter> make_hdf5_writer(const std::string& path, const RecordHeader& header,
+                                               bool for_matlab);
 std::unique_ptr<RecordWriter> make_mat5_writer(const std::string& path, const RecordHeader& header);
-std::unique_ptr<RecordWriter> make_mat73_writer(const std::string& path,
-                                                const RecordHeader& header);
 std::unique_ptr<RecordWriter> make_uff_writer(const std::string& path, const RecordHeader& header,
                                               bool binary);
 

@@ -224,16 +224,10 @@ class Hdf5Writer final : public RecordWriter {
 
 }  // namespace
 
-std::unique_ptr<RecordWriter> make_hdf5_writer(const std::string& path,
-                                               const RecordHeader& header) {
+std::unique_ptr<RecordWriter> make_hdf5_writer(const std::string& path, const RecordHeader& header,
+                                               bool for_matlab) {
   const Hdf5Silence silence;
-  return std::make_unique<Hdf5Writer>(path, header, false);
-}
-
-std::unique_ptr<RecordWriter> make_mat73_writer(const std::string& path,
-                                                const RecordHeader& header) {
-  const Hdf5Silence silence;
-  return std::make_unique<Hdf5Writer>(path, header, true);
+  return std::make_unique<Hdf5Writer>(path, header, for_matlab);
 }
 
 }  // namespace hydrapod::data

@@ -138,7 +138,8 @@ std::unique_ptr<RecordWriter> open_record_writer(const std::string& path,
   validate(header);
   switch (format) {
     case RecordFormat::hdf5:
-      return make_hdf5_writer(path, header);
+    case RecordFormat::mat73:
+      return make_hdf5_writer(path, header, format == RecordFormat::mat73);
     case RecordFormat::csv:
       return make_csv_writer(path, header);
     case RecordFormat::uff:
@@ -146,8 +147,6 @@ std::unique_ptr<RecordWriter> open_record_writer(const std::string& path,
       return make_uff_writer(path, header, format == RecordFormat::uff);
     case RecordFormat::mat5:
       return make_mat5_writer(path, header);
-    case RecordFormat::mat73:
-      return make_mat73_writer(path, header);
   }
   throw std::invalid_argument("open_record_writer: unknown format");
 }
