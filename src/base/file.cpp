@@ -48,7 +48,7 @@ class Descriptor {
   if (cause == ENOENT && !folder.empty() && !fs::exists(folder, ignored)) {
     reason = fmt::format("there is no folder '{}'", folder.string());
   }
-  throw InputError({{.file = path, .message = "cannot write the file: " + reason}});
+  base::refuse(path, "cannot write the file: " + reason);
 }
 
 [[noreturn]] void fail(const std::string& path, int cause) {
@@ -109,28 +109,25 @@ void write_beside_and_rename(const std::string& target, const std::string& path,
 }  // namespace
 
 std::string read_file(const std::string& path, std::size_t largest, std::string_view expected) {
-  const auto reject = [](const std::string& file, const std::string& message) {
-    throw InputError({{.file = file, .message = message}});
-  };
   const bool standard_input = path == "-";
   const std::string name = standard_input ? "<stdin>" : path;
   std::error_code error;
   if (!standard_input && fs::is_directory(path, error))
-    reject(path, fmt::format("is a directory, expected {}", expected));
+    refuse(path, fmt::format("is a directory, expected {}", expected));
   std::ifstream file;
   if (!standard_input) {
     errno = 0;
     file.open(path, std::ios::binary);
     if (!file)
-      reject(path, fmt::format("cannot be opened: {}", std::generic_category().message(errno)));
+      refuse(path, fmt::format("cannot be opened: {}", std::generic_category().message(errno)));
   }
   std::istream& stream = standard_input ? std::cin : file;
   std::string text(largest + 1, '\0');
   stream.read(text.data(), static_cast<std::streamsize>(text.size()));
-  if (stream.bad()) reject(name, "cannot be read");
+  if (stream.bad()) refuse(name, "cannot be read");
   text.resize(static_cast<std::size_t>(stream.gcount()));
   if (text.size() > largest)
-    reject(name, fmt::format("is larger than {} MiB, expected {} of some kilobytes", largest >> 20,
+    refuse(name, fmt::format("is larger than {} MiB, expected {} of some kilobytes", largest >> 20,
                              expected));
   return text;
 }
@@ -149,19 +146,15 @@ void write_file_whole(const std::string& path, std::string_view text) {
 
 PartFile::PartFile(const std::string& path) : path_(path) {
   if (path.empty()) refuse(path, ENOENT);
-  if (path == "-") {
-    throw InputError({{.file = path, .message = "cannot write this to the standard output"}});
-  }
+  if (path == "-") refuse(path, "cannot write this to the standard output");
   target_ = target_of(path);
   part_ = target_ + ".part";
   std::error_code ignored;
   for (const std::string& place : {target_, part_}) {
     const fs::file_status status = fs::status(place, ignored);
     if (fs::is_directory(status)) refuse(path, EISDIR);
-    if (fs::exists(status) && !fs::is_regular_file(status)) {
-      throw InputError(
-          {{.file = path, .message = "cannot write the file: it is a device or pipe"}});
-    }
+    if (fs::exists(status) && !fs::is_regular_file(status))
+      refuse(path, "cannot write the file: it is a device or pipe");
     if (fs::exists(status) && ::access(place.c_str(), W_OK) != 0) refuse(path, errno);
   }
   Descriptor file(::open(part_.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666));

@@ -76,8 +76,6 @@ void KeyValues::finish() const {
   }
 }
 
-void KeyValues::fail(const std::string& message) const {
-  throw InputError({{.file = place_, .message = message}});
-}
+void KeyValues::fail(const std::string& message) const { refuse(place_, message); }
 
 }  // namespace hydrapod::base

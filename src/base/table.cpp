@@ -36,9 +36,7 @@ std::optional<double> parsed(std::string_view text) {
 
 TableReader::TableReader(const std::string& path)
     : name_(path), file_(std::fopen(path.c_str(), "rb")), buffer_(1U << 16U) {
-  if (!file_)
-    throw InputError(
-        {{.file = path, .message = fmt::format("cannot read the file: {}", std::strerror(errno))}});
+  if (!file_) refuse(path, fmt::format("cannot read the file: {}", std::strerror(errno)));
 }
 
 TableReader::TableReader(std::string text, std::string name)

@@ -43,21 +43,29 @@ ChannelUnit channel_unit(std::string_view written) {
   return {1.0, unit, false};
 }
 
+double use_unit(Channel& channel, const ChannelUnit& unit, const std::string& written,
+                Notes& notes) {
+  const std::string name = base::printable(channel.name);
+  if (!unit.known)
+    notes.add(
+        fmt::format("channel \"{}\": the unit \"{}\" is not known or has an offset; its "
+                    "samples are left as they are",
+                    name, base::printable(written.empty() ? unit.unit : written, 30)));
+  else if (unit.factor != 1.0)
+    notes.add(
+        fmt::format("channel \"{}\": {}converted to \"{}\", times {}", name,
+                    written.empty() ? "" : fmt::format("\"{}\" ", base::printable(written, 30)),
+                    unit.unit, unit.factor));
+  channel.unit = unit.unit;
+  return unit.factor;
+}
+
 std::vector<double> to_si(std::vector<Channel>& channels, Notes& notes, bool by_hydrapod) {
   std::vector<double> factors;
   for (Channel& channel : channels) {
-    const ChannelUnit unit = channel_unit(channel.unit);
-    const std::string written = base::printable(channel.unit, 30);
-    if (!unit.known && !by_hydrapod)
-      notes.add(
-          fmt::format("channel \"{}\": the unit \"{}\" is not known or has an offset; its "
-                      "samples are left as they are",
-                      base::printable(channel.name), written));
-    else if (unit.factor != 1.0)
-      notes.add(fmt::format("channel \"{}\": \"{}\" converted to \"{}\", times {}",
-                            base::printable(channel.name), written, unit.unit, unit.factor));
-    channel.unit = unit.unit;
-    factors.push_back(unit.factor);
+    ChannelUnit unit = channel_unit(channel.unit);
+    unit.known = unit.known || by_hydrapod;
+    factors.push_back(use_unit(channel, unit, channel.unit, notes));
   }
   return factors;
 }

@@ -19,6 +19,11 @@ struct ChannelUnit {
 /// "g" is the acceleration of gravity here, "Nm" a newton metre, "sec" a second; "-" is "1".
 ChannelUnit channel_unit(std::string_view written);
 
+/// Gives `channel` its unit and returns the factor of its samples. A conversion is noted, and a
+/// unit that is not known; `written` is what the file has, if it is to be named.
+double use_unit(Channel& channel, const ChannelUnit& unit, const std::string& written,
+                Notes& notes);
+
 /// Turns the units of `channels`, as the file has them, into SI and returns the factors of their
 /// samples. What was converted is noted, and what is not understood too, unless hydrapod wrote the
 /// file.

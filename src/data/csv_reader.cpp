@@ -56,15 +56,13 @@ class CsvReader final : public RecordReader {
  public:
   CsvReader(const std::string& path, const ReadOptions& options)
       : RecordReader(path), table_(path) {
+    format_ = RecordFormat::csv;
     read_header();
     settle_channels(by_hydrapod_);
     if (header_.sample_rate == 0.0) find_rate(options);
     if (header_.channels.empty()) notes_.fail("there is no column besides the times");
     to_first_sample();
   }
-
-  [[nodiscard]] RecordFormat format() const override { return RecordFormat::csv; }
-  [[nodiscard]] std::optional<std::int64_t> sample_count() const override { return {}; }
 
  private:
   struct TextLine {

@@ -1,7 +1,6 @@
 #include <fmt/format.h>
 
 #include <cmath>
-#include <cstdio>
 #include <limits>
 
 #include "formats.hpp"
@@ -22,18 +21,12 @@ std::string header_text(const RecordHeader& header) {
 
 class CsvWriter final : public RecordWriter {
  public:
-  CsvWriter(const std::string& path, const RecordHeader& header)
-      : part_(path), header_(header), file_(std::fopen(part_.part().c_str(), "wb")) {
-    if (file_ == nullptr) fail();
-    write(header_text(header_));
-  }
-  ~CsvWriter() override {
-    if (file_ != nullptr) std::fclose(file_);
+  CsvWriter(const std::string& path, const RecordHeader& header) : file_(path), header_(header) {
+    file_.write(header_text(header_));
   }
 
   void append(const Eigen::Ref<const Samples>& samples) override {
-    require_columns(samples, header_);
-    if (file_ == nullptr) throw std::invalid_argument("RecordWriter::append: the record is closed");
+    require_appendable(samples, header_, file_.is_open());
     for (Eigen::Index row = 0; row < samples.rows(); ++row) {
       text_.clear();
       auto out = std::back_inserter(text_);
@@ -42,33 +35,24 @@ class CsvWriter final : public RecordWriter {
       for (Eigen::Index column = 0; column < samples.cols(); ++column)
         add_number(samples(row, column));
       text_ += '\n';
-      write(text_);
+      file_.write(text_);
+      file_.keep_on_failure();
       ++written_;
     }
-    if (std::fflush(file_) != 0) fail();
+    file_.flush();
   }
 
-  void close() override {
-    const bool good = std::fclose(file_) == 0;
-    file_ = nullptr;
-    if (!good) fail();
-    part_.commit();
-  }
+  void close() override { file_.close(); }
 
  private:
-  [[noreturn]] void fail() { throw base::ComputationError(failed_write(part_, written_ > 0)); }
-  void write(const std::string& text) {
-    if (std::fwrite(text.data(), 1, text.size(), file_) != text.size()) fail();
-  }
   /// The shortest text that reads back as the same number; every NaN is "nan".
   void add_number(double value) {
     if (std::isnan(value)) value = std::numeric_limits<double>::quiet_NaN();
     fmt::format_to(std::back_inserter(text_), ",{}", value);
   }
 
-  base::PartFile part_;
+  PartStream file_;
   RecordHeader header_;
-  std::FILE* file_;
   std::string text_;
   std::int64_t written_{};
 };

@@ -1,7 +1,5 @@
 /// How a record was made, as JSON and out of the notes of older records.
 
-#include "experiment.hpp"
-
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -9,8 +7,8 @@
 #include <sstream>
 #include <stdexcept>
 
+#include "formats.hpp"
 #include "hydrapod/base/text.hpp"
-#include "hydrapod/data/record.hpp"
 
 namespace hydrapod::data {
 

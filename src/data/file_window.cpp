@@ -20,8 +20,7 @@ FileWindow::FileWindow(const std::string& path, std::size_t bytes)
     : window_(std::max(bytes, 2 * longest_line)) {
   std::FILE* file = std::fopen(path.c_str(), "rb");
   if (file == nullptr)
-    throw base::InputError(
-        {{.file = path, .message = fmt::format("cannot read the file: {}", std::strerror(errno))}});
+    base::refuse(path, fmt::format("cannot read the file: {}", std::strerror(errno)));
   file_ = {file, std::fclose};
   size_ = std::filesystem::file_size(path);
 }

@@ -20,36 +20,69 @@ class RecordReader {
   RecordReader& operator=(const RecordReader&) = delete;
   virtual ~RecordReader() = default;
 
-  [[nodiscard]] virtual RecordFormat format() const = 0;
+  [[nodiscard]] RecordFormat format() const { return format_; }
   [[nodiscard]] const RecordHeader& header() const { return header_; }
   [[nodiscard]] const std::vector<base::Diagnostic>& notes() const { return notes_.all(); }
   /// Not known before the end of a text file.
-  [[nodiscard]] virtual std::optional<std::int64_t> sample_count() const = 0;
+  [[nodiscard]] std::optional<std::int64_t> sample_count() const { return count_; }
   /// Fills the first rows of `block` with the next samples and returns how many; 0 at the end.
   std::int64_t read(Eigen::Ref<Samples> block);
   /// Back to the first sample, with the notes of the opening.
   void rewind();
 
  protected:
-  /// Samples as the file has them.
+  /// The samples behind the first done_ ones as the file has them; where count_ is known, no more
+  /// are asked for than there are.
   virtual std::int64_t read_values(Eigen::Ref<Samples> block) = 0;
-  virtual void to_first_sample() = 0;
+  virtual void to_first_sample() {}
   /// Names become unique, units SI, and samples are then multiplied by what that takes.
   void settle_channels(bool by_hydrapod);
 
   Notes notes_;
+  RecordFormat format_{};
   RecordHeader header_{};
   std::vector<double> factors_{};
+  std::optional<std::int64_t> count_{};  ///< of samples
+  std::int64_t done_{};                  ///< samples that have been read
 
  private:
   std::optional<Notes> opened_{};  ///< notes before the first read
 };
 
+/// The part of a file that a writer fills from front to back. All functions throw
+/// base::ComputationError.
+class PartStream {
+ public:
+  explicit PartStream(const std::string& path);
+
+  [[nodiscard]] const std::string& path() const { return part_.path(); }
+  [[nodiscard]] const std::string& part() const { return part_.part(); }
+  [[nodiscard]] bool is_open() const { return file_ != nullptr; }
+  void write(std::string_view text);
+  /// Over what stands at `offset`; then on at the end.
+  void write_at(long offset, std::string_view text);
+  void flush();
+  /// The part becomes the file.
+  void close();
+  /// What has been written can be read by itself: it stays when there is a failure.
+  void keep_on_failure() { legible_ = true; }
+
+ private:
+  struct CloseFile {
+    void operator()(std::FILE* file) const { std::fclose(file); }
+  };
+  [[noreturn]] void fail();
+
+  base::PartFile part_;
+  std::unique_ptr<std::FILE, CloseFile> file_;
+  bool legible_{};
+};
+
 std::unique_ptr<RecordWriter> make_csv_writer(const std::string& path, const RecordHeader& header);
-std::unique_ptr<RecordWriter> make_hdf5_writer(const std::string& path, const RecordHeader& header);
+/// `for_matlab`: MATLAB 7.3.
+std::unique_ptr<RecordWriter> make_hdf5_writer(const std::string& path, const RecordHeader& header,
+                                               bool for_matlab);
 std::unique_ptr<RecordWriter> make_mat5_writer(const std::string& path, const RecordHeader& header);
-std::unique_ptr<RecordWriter> make_mat73_writer(const std::string& path,
-                                                const RecordHeader& header);
 std::unique_ptr<RecordWriter> make_uff_writer(const std::string& path, const RecordHeader& header,
                                               bool binary);
 
@@ -58,8 +91,13 @@ std::unique_ptr<RecordReader> make_uff_reader(const std::string& path);
 std::unique_ptr<RecordReader> make_csv_reader(const std::string& path, const ReadOptions& options);
 std::unique_ptr<RecordReader> make_hdf5_reader(const std::string& path, const ReadOptions& options);
 
-/// Throws std::invalid_argument unless `samples` has a column per channel.
-void require_columns(const Eigen::Ref<const Samples>& samples, const RecordHeader& header);
+/// Throws std::invalid_argument unless `samples` has a column per channel and the record is open.
+void require_appendable(const Eigen::Ref<const Samples>& samples, const RecordHeader& header,
+                        bool is_open);
+
+/// Fills header.experiment, but for the machine file that is there already, from its JSON; where
+/// that is empty, from what older records of hydrapod say in header.notes.
+void settle_experiment(const std::string& json, Notes& notes, RecordHeader& header);
 
 /// What to say when `part` cannot be written to. With samples in it the part is kept, and the
 /// message names it.
@@ -68,6 +106,32 @@ std::string failed_write(base::PartFile& part, bool holds_samples);
 /// Words of the files that hydrapod writes.
 inline constexpr const char* record_mark = "hydrapod record";
 inline constexpr int record_version = 1;
+
+/// What HDF5 and MAT files of hydrapod hold of a record besides its samples: tells `sink` every
+/// field, until it says false: attribute(name, text or number) short ones, text(name, text) those
+/// of several lines, channels(name, texts or points) those of the channels.
+template <class Sink>
+bool put_header(const RecordHeader& header, Sink&& sink) {
+  std::vector<std::string> name, unit, direction, role;
+  std::vector<int> point;
+  for (const Channel& channel : header.channels) {
+    name.push_back(channel.name);
+    unit.push_back(channel.unit);
+    direction.emplace_back(direction_text(channel.direction));
+    role.emplace_back(role_text(channel.role));
+    point.push_back(channel.point);
+  }
+  return sink.attribute("format", std::string(record_mark)) &&
+         sink.attribute("format_version", record_version) &&
+         sink.attribute("title", header.title) &&
+         sink.attribute("sample_rate_hz", header.sample_rate) &&
+         sink.attribute("start_s", header.start) && sink.attribute("date", header.date) &&
+         sink.attribute("repeat", header.repeat) && sink.text("notes", header.notes) &&
+         sink.text("experiment", experiment_json(header.experiment)) &&
+         sink.text("machine", header.experiment.machine) && sink.channels("name", name) &&
+         sink.channels("unit", unit) && sink.channels("direction", direction) &&
+         sink.channels("role", role) && sink.channels("point", point);
+}
 
 /// Where the times of samples are read rather than told, they are this near to even: a tenth of a
 /// step, and 1e-5 of the time itself for times of six digits.

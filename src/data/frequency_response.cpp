@@ -11,7 +11,7 @@ namespace hydrapod::data {
 
 namespace {
 
-[[noreturn]] void refuse(const std::string& what) {
+[[noreturn]] void refuse_responses(const std::string& what) {
   throw std::invalid_argument("frequency response: " + what);
 }
 
@@ -22,7 +22,7 @@ void require_channels(const std::vector<Channel>& channels, const char* what) {
   try {
     validate(header);
   } catch (const std::invalid_argument& error) {
-    refuse(fmt::format("{}: {}", what, error.what()));
+    refuse_responses(fmt::format("{}: {}", what, error.what()));
   }
 }
 
@@ -50,15 +50,15 @@ void validate(const FrequencyResponses& responses) {
   const auto lines = responses.lines();
   const auto outputs = static_cast<Eigen::Index>(responses.outputs.size());
   const auto inputs = static_cast<Eigen::Index>(responses.inputs.size());
-  if (lines == 0) refuse("has no frequency");
+  if (lines == 0) refuse_responses("has no frequency");
   const auto& frequency = responses.frequency;
   for (std::size_t k = 0; k < lines; ++k)
     if (!std::isfinite(frequency[k]) || frequency[k] < 0.0 ||
         (k > 0 && frequency[k] <= frequency[k - 1]))
-      refuse(fmt::format("frequency {} is {} Hz; they must be finite and ascend", k + 1,
-                         frequency[k]));
+      refuse_responses(fmt::format("frequency {} is {} Hz; they must be finite and ascend", k + 1,
+                                   frequency[k]));
   if (responses.H.size() != lines)
-    refuse(fmt::format("{} matrices for {} frequencies", responses.H.size(), lines));
+    refuse_responses(fmt::format("{} matrices for {} frequencies", responses.H.size(), lines));
   const auto fits = [&](const auto& matrices, Eigen::Index rows, Eigen::Index columns) {
     return (matrices.empty() || matrices.size() == lines) &&
            std::ranges::all_of(matrices, [&](const auto& matrix) {
@@ -67,14 +67,15 @@ void validate(const FrequencyResponses& responses) {
   };
   for (const auto& H : responses.H)
     if (H.rows() != outputs || H.cols() != inputs)
-      refuse(fmt::format("a matrix is {} × {} for {} outputs and {} inputs", H.rows(), H.cols(),
-                         outputs, inputs));
+      refuse_responses(fmt::format("a matrix is {} × {} for {} outputs and {} inputs", H.rows(),
+                                   H.cols(), outputs, inputs));
   if (!fits(responses.multiple_coherence, outputs, 1))
-    refuse("the coherence is not frequency × output");
-  if (!fits(responses.noise, outputs, outputs)) refuse("the noise is not outputs × outputs");
+    refuse_responses("the coherence is not frequency × output");
+  if (!fits(responses.noise, outputs, outputs))
+    refuse_responses("the noise is not outputs × outputs");
   if (!fits(responses.input_factor, inputs, inputs) ||
       responses.input_factor.size() != responses.noise.size())
-    refuse("the input factor is not inputs × inputs, or without noise");
+    refuse_responses("the input factor is not inputs × inputs, or without noise");
 }
 
 }  // namespace hydrapod::data

@@ -19,6 +19,8 @@ Hdf5Handle string_type(std::size_t length) {
   return type;
 }
 
+Hdf5Handle list_space(hsize_t count) { return {H5Screate_simple(1, &count, nullptr), H5Sclose}; }
+
 bool write_scalar(hid_t object, const char* name, hid_t file_type, hid_t memory_type,
                   const void* value) {
   const Hdf5Handle space(H5Screate(H5S_SCALAR), H5Sclose);
@@ -92,8 +94,7 @@ Hdf5Handle group_without_times(hid_t where, const char* name) {
 
 bool write_attribute(hid_t object, const char* name, const std::string& text) {
   const Hdf5Handle type = string_type(text.size());
-  const std::string padded = text.empty() ? std::string(1, '\0') : text;
-  return write_scalar(object, name, type.id(), type.id(), padded.data());
+  return write_scalar(object, name, type.id(), type.id(), text.c_str());
 }
 
 bool write_attribute(hid_t object, const char* name, double value) {
@@ -117,9 +118,8 @@ Hdf5Handle write_set(hid_t group, const char* name, hid_t file_type, hid_t memor
 
 bool write_text(hid_t group, const char* name, const std::string& text) {
   const Hdf5Handle type = string_type(text.size());
-  const std::string padded = text.empty() ? std::string(1, '\0') : text;
   return write_set(group, name, type.id(), type.id(), {H5Screate(H5S_SCALAR), H5Sclose},
-                   padded.data())
+                   text.c_str())
       .ok();
 }
 
@@ -127,16 +127,14 @@ bool write_list(hid_t group, const char* name, const std::vector<std::string>& t
   std::size_t length = 1;
   for (const auto& text : texts) length = std::max(length, text.size());
   const Hdf5Handle type = string_type(length);
-  const hsize_t count = texts.size();
-  return write_set(group, name, type.id(), type.id(),
-                   {H5Screate_simple(1, &count, nullptr), H5Sclose}, joined(texts, length).data())
+  return write_set(group, name, type.id(), type.id(), list_space(texts.size()),
+                   joined(texts, length).data())
       .ok();
 }
 
 bool write_list(hid_t group, const char* name, const std::vector<int>& values) {
-  const hsize_t count = values.size();
-  return write_set(group, name, H5T_STD_I32LE, H5T_NATIVE_INT,
-                   {H5Screate_simple(1, &count, nullptr), H5Sclose}, values.data())
+  return write_set(group, name, H5T_STD_I32LE, H5T_NATIVE_INT, list_space(values.size()),
+                   values.data())
       .ok();
 }
 

@@ -15,9 +15,8 @@ namespace hydrapod::data {
 
 namespace {
 
-constexpr int deepest = 6;
+constexpr int deepest_group = 6;
 constexpr std::size_t most_variables = 20'000;
-constexpr std::size_t longest_text = 64U << 20U;
 
 class Hdf5Variables final : public VariableFile {
  public:
@@ -31,11 +30,6 @@ class Hdf5Variables final : public VariableFile {
     take_group(root.id(), "", 0);
     notes_ = nullptr;
   }
-
-  [[nodiscard]] RecordFormat format() const override {
-    return for_matlab_ ? RecordFormat::mat73 : RecordFormat::hdf5;
-  }
-  [[nodiscard]] const std::vector<Variable>& variables() const override { return variables_; }
 
   bool read(std::size_t variable, std::uint64_t slow_first, std::uint64_t slow_count,
             std::uint64_t fast_first, std::uint64_t fast_count, double* out) override {
@@ -55,12 +49,9 @@ class Hdf5Variables final : public VariableFile {
   }
 
  private:
-  struct Child {
-    std::string name{};
-  };
   static herr_t collect(hid_t /*group*/, const char* name, const H5L_info_t* /*info*/, void* list) {
-    auto& children = *static_cast<std::vector<Child>*>(list);
-    children.push_back({name});
+    auto& children = *static_cast<std::vector<std::string>*>(list);
+    children.emplace_back(name);
     return children.size() > most_variables ? 1 : 0;
   }
 
@@ -75,23 +66,27 @@ class Hdf5Variables final : public VariableFile {
   }
 
   void take_group(hid_t group, const std::string& prefix, int depth) {
-    std::vector<Child> children;
+    std::vector<std::string> children;
     if (H5Literate(group, H5_INDEX_NAME, H5_ITER_INC, nullptr, collect, &children) < 0)
       notes_->add(fmt::format("the group '{}' cannot be read: the file is damaged there",
                               base::printable(prefix.empty() ? "/" : prefix)));
-    for (const Child& child : children) {
-      if (child.name == "#refs#" || child.name == "#subsystem#") continue;
-      const std::string name = prefix + clean_text(child.name);
+    for (const std::string& child : children) {
+      if (child == "#refs#" || child == "#subsystem#") continue;
+      const std::string name = prefix + clean_text(child);
       H5O_info_t info{};
-      if (H5Oget_info_by_name(group, child.name.c_str(), &info, H5P_DEFAULT) < 0) {
-        notes_->add(fmt::format("'{}' cannot be opened: left out", base::printable(name)));
-      } else if (info.type == H5O_TYPE_GROUP && depth < deepest) {
-        const Hdf5Handle inner(H5Gopen2(group, child.name.c_str(), H5P_DEFAULT), H5Gclose);
+      if (H5Oget_info_by_name(group, child.c_str(), &info, H5P_DEFAULT) < 0) {
+        left_out(name, "cannot be opened");
+      } else if (info.type == H5O_TYPE_GROUP && depth < deepest_group) {
+        const Hdf5Handle inner(H5Gopen2(group, child.c_str(), H5P_DEFAULT), H5Gclose);
         if (inner.ok()) take_group(inner.id(), name + '/', depth + 1);
       } else if (info.type == H5O_TYPE_DATASET && variables_.size() < most_variables) {
-        take_set({H5Dopen2(group, child.name.c_str(), H5P_DEFAULT), H5Dclose}, name);
+        take_set({H5Dopen2(group, child.c_str(), H5P_DEFAULT), H5Dclose}, name);
       }
     }
+  }
+
+  void left_out(const std::string& name, const std::string& why, const char* kind = "") {
+    notes_->add(fmt::format("'{}' {}: left out", base::printable(name), why), 0, 0, kind);
   }
 
   void add(Variable variable, Hdf5Handle set) {
@@ -100,13 +95,11 @@ class Hdf5Variables final : public VariableFile {
   }
 
   void take_set(Hdf5Handle set, const std::string& name) {
-    if (!set.ok())
-      return notes_->add(fmt::format("'{}' cannot be opened: left out", base::printable(name)));
+    if (!set.ok()) return left_out(name, "cannot be opened");
     const std::string matlab = read_text_attribute(set.id(), "MATLAB_class").value_or("");
-    if (!matlab.empty()) for_matlab_ = true;
+    if (!matlab.empty()) format_ = RecordFormat::mat73;
     if (chunk_bytes(set.id()) > most_chunk_bytes)
-      return notes_->add(fmt::format("'{}' has chunks larger than {} MiB: left out",
-                                     base::printable(name), most_chunk_bytes >> 20U));
+      return left_out(name, fmt::format("has chunks larger than {} MiB", most_chunk_bytes >> 20U));
     const Hdf5Handle type(H5Dget_type(set.id()), H5Tclose);
     const H5T_class_t kind = H5Tget_class(type.id());
     if (matlab == "char") {
@@ -118,9 +111,7 @@ class Hdf5Variables final : public VariableFile {
     } else if (kind == H5T_FLOAT || kind == H5T_INTEGER) {
       take_numbers(std::move(set), name);
     } else {
-      notes_->add(
-          fmt::format("'{}' holds neither numbers nor texts: left out", base::printable(name)), 0,
-          0, "kind");
+      left_out(name, "holds neither numbers nor texts", "kind");
     }
   }
 
@@ -129,16 +120,14 @@ class Hdf5Variables final : public VariableFile {
     const int rank = H5Sget_simple_extent_ndims(space.id());
     hsize_t size[2] = {1, 1};
     if (rank < 0 || rank > 2 || H5Sget_simple_extent_dims(space.id(), size, nullptr) < 0)
-      return notes_->add(
-          fmt::format("'{}' has {} dimensions: left out", base::printable(name), rank));
+      return left_out(name, fmt::format("has {} dimensions", rank));
     if (read_number_attribute(set.id(), "MATLAB_empty").value_or(0.0) != 0.0) size[0] = 0;
     Variable v{.name = name};
     v.slow = rank == 2 ? size[0] : 1;
     v.fast = rank == 2 ? size[1] : size[0];
     constexpr hsize_t most = hsize_t{1} << 48U;
     if (v.slow > most || v.fast > most || (v.fast > 0 && v.slow > most / v.fast))
-      return notes_->add(
-          fmt::format("'{}' has dimensions beyond any file: left out", base::printable(name)));
+      return left_out(name, "has dimensions beyond any file");
     limit(set.id(), rank, v);
     v.unit = read_text_attribute(set.id(), "unit")
                  .value_or(read_text_attribute(set.id(), "units").value_or(""));
@@ -193,20 +182,17 @@ class Hdf5Variables final : public VariableFile {
     const hssize_t count = H5Sget_simple_extent_npoints(space.id());
     if (H5Tequal(type.id(), H5T_STD_REF_OBJ) <= 0 || count < 1 ||
         static_cast<std::uint64_t>(count) > file_bytes_ / sizeof(hobj_ref_t))
-      return notes_->add(fmt::format("'{}' is no list of texts: left out", base::printable(name)));
+      return left_out(name, "is no list of texts");
     std::vector<hobj_ref_t> references(static_cast<std::size_t>(count));
     if (H5Dread(set, H5T_STD_REF_OBJ, H5S_ALL, H5S_ALL, H5P_DEFAULT, references.data()) < 0) return;
     Variable v{.name = name, .kind = VariableKind::texts};
     for (const hobj_ref_t& reference : references) {
       H5O_type_t target{};
       const bool known = H5Rget_obj_type2(set, H5R_OBJECT, &reference, &target) >= 0;
-      if (!known || target != H5O_TYPE_DATASET)
-        return notes_->add(
-            fmt::format("'{}' is no list of texts: left out", base::printable(name)));
+      if (!known || target != H5O_TYPE_DATASET) return left_out(name, "is no list of texts");
       const Hdf5Handle item(H5Rdereference2(set, H5P_DEFAULT, H5R_OBJECT, &reference), H5Dclose);
       if (!item.ok() || read_text_attribute(item.id(), "MATLAB_class") != "char")
-        return notes_->add(
-            fmt::format("'{}' is no list of texts: left out", base::printable(name)));
+        return left_out(name, "is no list of texts");
       v.texts.push_back(matlab_text(item.id()));
     }
     add(std::move(v), {});
@@ -215,8 +201,6 @@ class Hdf5Variables final : public VariableFile {
   std::uint64_t file_bytes_;
   Hdf5Handle file_;
   Notes* notes_{};
-  bool for_matlab_{};
-  std::vector<Variable> variables_;
   std::vector<Hdf5Handle> sets_;
 };
 

@@ -1,6 +1,7 @@
 /// MAT files of version 5, read without believing any size that they declare.
 
 #include <fmt/format.h>
+#include <zlib.h>
 
 #include <algorithm>
 #include <array>
@@ -8,12 +9,12 @@
 #include <cstring>
 #include <limits>
 #include <map>
+#include <stdexcept>
 
 #include "channel_units.hpp"
 #include "file_window.hpp"
 #include "hydrapod/base/text.hpp"
 #include "mat5_layout.hpp"
-#include "mat5_stream.hpp"
 #include "unicode.hpp"
 #include "variable_file.hpp"
 
@@ -21,10 +22,103 @@ namespace hydrapod::data {
 
 namespace {
 
-constexpr int deepest = 4;                        // structures in structures
-constexpr std::size_t longest_text = 64U << 20U;  // bytes
+constexpr int deepest_structure = 4;  // structures in structures
 constexpr std::size_t most_fields = 10'000;
 constexpr std::size_t most_cursors = 512;
+
+constexpr std::size_t window_bytes = 1U << 15U;
+constexpr std::uint64_t most_expansion = 1032;  // of deflate
+
+/// Bytes of one data element of a MAT file, inflated on the way where it is compressed.
+class Mat5Stream {
+ public:
+  /// The bytes `begin` … `end` of the file.
+  Mat5Stream(const FileWindow& file, std::uint64_t begin, std::uint64_t end, bool compressed)
+      : file_(file, window_bytes),
+        at_(begin),
+        end_(std::min(end, file.size())),
+        compressed_(compressed) {
+    if (compressed_ && inflateInit(&stream_) != Z_OK)
+      throw std::runtime_error("zlib could not be set up");
+  }
+  Mat5Stream(const Mat5Stream&) = delete;
+  Mat5Stream& operator=(const Mat5Stream&) = delete;
+  ~Mat5Stream() {
+    if (compressed_) inflateEnd(&stream_);
+  }
+
+  /// Bytes taken so far, after inflation.
+  [[nodiscard]] std::uint64_t position() const { return position_; }
+  /// False when fewer bytes are left or the compressed data are damaged.
+  bool read(void* out, std::size_t bytes) {
+    auto* to = static_cast<char*>(out);
+    if (compressed_) {
+      if (!inflate_into(to, bytes)) return false;
+      position_ += bytes;
+      return true;
+    }
+    if (bytes > end_ - std::min(at_, end_)) return false;
+    for (std::size_t done = 0; done < bytes;) {
+      const std::string_view got = file_.at(at_, std::min(bytes - done, window_bytes));
+      const std::size_t taken = std::min(got.size(), bytes - done);
+      if (taken == 0) return false;
+      std::memcpy(to + done, got.data(), taken);
+      done += taken;
+      at_ += taken;
+    }
+    position_ += bytes;
+    return true;
+  }
+  bool skip(std::uint64_t bytes) {
+    if (!compressed_) {
+      if (bytes > end_ - std::min(at_, end_)) return false;
+      at_ += bytes;
+      position_ += bytes;
+      return true;
+    }
+    std::array<char, 16384> nowhere{};
+    while (bytes > 0) {
+      const std::size_t step = std::min<std::uint64_t>(bytes, nowhere.size());
+      if (!read(nowhere.data(), step)) return false;
+      bytes -= step;
+    }
+    return true;
+  }
+  /// Most bytes that can still come; of compressed data what deflate can make of what is left.
+  [[nodiscard]] std::uint64_t most_left() const {
+    const std::uint64_t left = end_ - std::min(at_, end_);
+    return compressed_ ? (left + stream_.avail_in + 1) * most_expansion + window_bytes : left;
+  }
+
+ private:
+  bool inflate_into(char* out, std::size_t bytes) {
+    stream_.next_out = reinterpret_cast<Bytef*>(out);
+    stream_.avail_out = static_cast<uInt>(bytes);
+    while (stream_.avail_out > 0) {
+      if (stream_.avail_in == 0) {
+        if (at_ >= end_) return false;
+        const std::string_view got = file_.at(at_, 1);
+        const std::size_t taken = std::min<std::uint64_t>(got.size(), end_ - at_);
+        if (taken == 0) return false;
+        input_.assign(got.begin(), got.begin() + static_cast<std::ptrdiff_t>(taken));
+        stream_.next_in = input_.data();
+        stream_.avail_in = static_cast<uInt>(taken);
+        at_ += taken;
+      }
+      const int status = inflate(&stream_, Z_NO_FLUSH);
+      if (status == Z_STREAM_END) return stream_.avail_out == 0;
+      if (status != Z_OK) return false;
+    }
+    return true;
+  }
+
+  FileWindow file_;
+  std::uint64_t at_, end_;  ///< in the file
+  bool compressed_;
+  std::uint64_t position_{};
+  z_stream stream_{};
+  std::vector<unsigned char> input_;
+};
 
 /// A place where the file does not make sense.
 struct Damaged {
@@ -91,13 +185,11 @@ class Mat5File final : public VariableFile {
     if (order != "IM" && order != "MI")
       notes.fail("the MAT file has no mark of its byte order (IM or MI) at byte 126");
     swapped_ = order == "MI";
+    format_ = RecordFormat::mat5;
     for (offset_ = mat5_header_bytes; offset_ < file_.size();)
       if (!take_element()) break;
     notes_ = nullptr;  // it lives no longer than this
   }
-
-  [[nodiscard]] RecordFormat format() const override { return RecordFormat::mat5; }
-  [[nodiscard]] const std::vector<Variable>& variables() const override { return variables_; }
 
   bool read(std::size_t variable, std::uint64_t slow_first, std::uint64_t slow_count,
             std::uint64_t fast_first, std::uint64_t fast_count, double* out) override {
@@ -159,8 +251,6 @@ class Mat5File final : public VariableFile {
     return {first, word(bytes.data() + 4), false, {}};
   }
 
-  static std::uint64_t padded(std::uint64_t bytes) { return (bytes + 7) / 8 * 8; }
-
   /// The data of an element that must not be long.
   std::string data(Mat5Stream& stream, const Tag& tag, std::size_t most) const {
     if (tag.small) return {tag.within.data(), tag.bytes};
@@ -174,8 +264,7 @@ class Mat5File final : public VariableFile {
       if (!stream.read(bytes.data() + before, bytes.size() - before))
         throw Damaged{"it is cut off"};
     }
-    if (!stream.skip(padded(tag.bytes) - tag.bytes) && padded(tag.bytes) != tag.bytes)
-      throw Damaged{"it is cut off"};
+    if (!stream.skip((8 - tag.bytes % 8) % 8)) throw Damaged{"it is cut off"};
     return bytes;
   }
 
@@ -377,7 +466,7 @@ class Mat5File final : public VariableFile {
     const std::string names = data(stream, tag(stream), most_fields * 64);
     if (length == 0 || length > 4096 || names.size() % length != 0)
       throw Damaged{"the names of its fields make no sense"};
-    if (array.fast * array.slow != 1 || depth == deepest) {
+    if (array.fast * array.slow != 1 || depth == deepest_structure) {
       notes_->add(fmt::format("variable '{}' is a list of structures or too deep: left out",
                               base::printable(name)));
       return;
@@ -396,7 +485,6 @@ class Mat5File final : public VariableFile {
   bool swapped_{};
   std::uint64_t offset_{};
   std::size_t elements_{};
-  std::vector<Variable> variables_;
   std::vector<Place> places_;
   std::map<std::pair<std::size_t, std::uint64_t>, Cursor> cursors_;
 };

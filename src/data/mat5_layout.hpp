@@ -1,6 +1,7 @@
 #pragma once
 /// Numbers of the MAT-file format, version 5 (MathWorks, "MAT-File Format").
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 
@@ -20,28 +21,9 @@ inline constexpr std::uint32_t cell = 1, structure = 2, object = 3, character = 
 
 /// Bytes of one item of a numeric type; 0 for a type that holds no numbers.
 constexpr std::size_t mat5_item_bytes(std::uint32_t type) {
-  using namespace mat5_type;
-  switch (type) {
-    case int8:
-    case uint8:
-    case utf8:
-      return 1;
-    case int16:
-    case uint16:
-    case utf16:
-      return 2;
-    case int32:
-    case uint32:
-    case single_float:
-    case utf32:
-      return 4;
-    case double_float:
-    case int64:
-    case uint64:
-      return 8;
-    default:
-      return 0;
-  }
+  constexpr std::array<std::uint8_t, 19> bytes{0, 1, 1, 2, 2, 4, 4, 4, 0, 8,
+                                               0, 0, 8, 8, 0, 0, 1, 2, 4};
+  return type < bytes.size() ? bytes[type] : 0;
 }
 
 }  // namespace hydrapod::data

@@ -6,7 +6,6 @@
 #include <cmath>
 
 #include "channel_units.hpp"
-#include "experiment.hpp"
 #include "formats.hpp"
 #include "hydrapod/base/file.hpp"
 #include "hydrapod/base/text.hpp"

@@ -138,7 +138,8 @@ std::unique_ptr<RecordWriter> open_record_writer(const std::string& path,
   validate(header);
   switch (format) {
     case RecordFormat::hdf5:
-      return make_hdf5_writer(path, header);
+    case RecordFormat::mat73:
+      return make_hdf5_writer(path, header, format == RecordFormat::mat73);
     case RecordFormat::csv:
       return make_csv_writer(path, header);
     case RecordFormat::uff:
@@ -146,8 +147,6 @@ std::unique_ptr<RecordWriter> open_record_writer(const std::string& path,
       return make_uff_writer(path, header, format == RecordFormat::uff);
     case RecordFormat::mat5:
       return make_mat5_writer(path, header);
-    case RecordFormat::mat73:
-      return make_mat73_writer(path, header);
   }
   throw std::invalid_argument("open_record_writer: unknown format");
 }
@@ -233,16 +232,19 @@ std::vector<base::Diagnostic> RecordSet::notes() const {
 
 std::int64_t RecordReader::read(Eigen::Ref<Samples> block) {
   if (!opened_) opened_ = notes_;
-  const std::int64_t rows = read_values(block);
+  const auto wanted = count_ ? std::min<std::int64_t>(*count_ - done_, block.rows()) : block.rows();
+  const std::int64_t rows = wanted > 0 ? read_values(block.topRows(wanted)) : 0;
   for (Eigen::Index c = 0; c < block.cols(); ++c)
     if (const double factor = factors_[static_cast<std::size_t>(c)]; factor != 1.0)
       block.col(c).head(rows) *= factor;
+  done_ += rows;
   return rows;
 }
 
 void RecordReader::rewind() {
   if (!opened_) return;
   notes_ = *opened_;
+  done_ = 0;
   to_first_sample();
 }
 
@@ -279,11 +281,39 @@ void write_record(const std::string& path, const Record& record, RecordFormat fo
   writer->close();
 }
 
-void require_columns(const Eigen::Ref<const Samples>& samples, const RecordHeader& header) {
+void require_appendable(const Eigen::Ref<const Samples>& samples, const RecordHeader& header,
+                        bool is_open) {
   if (samples.cols() != static_cast<Eigen::Index>(header.channels.size()))
     throw std::invalid_argument(fmt::format("RecordWriter::append: {} columns for {} channels",
                                             samples.cols(), header.channels.size()));
+  if (!is_open) throw std::invalid_argument("RecordWriter::append: the record is closed");
 }
+
+PartStream::PartStream(const std::string& path)
+    : part_(path), file_(std::fopen(part_.part().c_str(), "wb")) {
+  if (!file_) fail();
+}
+
+void PartStream::write(std::string_view text) {
+  if (!file_ || std::fwrite(text.data(), 1, text.size(), file_.get()) != text.size()) fail();
+}
+
+void PartStream::write_at(long offset, std::string_view text) {
+  if (std::fseek(file_.get(), offset, SEEK_SET) != 0) fail();
+  write(text);
+  if (std::fseek(file_.get(), 0, SEEK_END) != 0) fail();
+}
+
+void PartStream::flush() {
+  if (std::fflush(file_.get()) != 0) fail();
+}
+
+void PartStream::close() {
+  if (!file_ || std::fclose(file_.release()) != 0) fail();
+  part_.commit();
+}
+
+void PartStream::fail() { throw base::ComputationError(failed_write(part_, legible_)); }
 
 bool is_time_of_sample(double time, double start, double step, std::uint64_t sample) {
   const double planned = start + static_cast<double>(sample) * step;

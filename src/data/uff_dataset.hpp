@@ -7,6 +7,7 @@
 
 #include <array>
 #include <cstdint>
+#include <limits>
 #include <optional>
 #include <string>
 #include <vector>
@@ -20,6 +21,9 @@
 namespace hydrapod::data {
 
 inline constexpr int uff_own_dataset = 99001;  ///< header of a record as hydrapod's comment lines
+
+inline constexpr int uff_header_lines = 11;  ///< of dataset 58
+inline constexpr double uff_missing = std::numeric_limits<double>::quiet_NaN();
 
 namespace uff_function {  // function types of dataset 58
 inline constexpr int general = 0, time_response = 1, frequency_response = 4, coherence = 6,
@@ -80,7 +84,7 @@ struct UffUnits {
 /// Dataset 55, line by line, without its number.
 struct UffMode {
   std::vector<std::string> lines{};
-  unsigned line{};  ///< of the first one in the file
+  unsigned line{};  ///< of the first one in the file; 0 where binary data stand before it
 };
 
 struct UffContents {
@@ -95,17 +99,25 @@ struct UffContents {
 /// base::InputError only where there is no dataset at all.
 UffContents scan_uff(const std::string& path, Notes& notes);
 
-/// Is it a record, are frequency responses or modes in it? Throws base::InputError as scan_uff.
+/// Is it a record, are frequency responses or modes in it? Reads heads of datasets and hardly any
+/// values: files are large. Throws base::InputError as scan_uff.
 FileKind uff_kind(const std::string& path);
+
+/// A text of a Universal File; empty where it is "NONE".
+inline std::string given(const std::string& text) { return text == "NONE" ? "" : text; }
 
 /// The direction that is said by code or as the entity "LEG n".
 Direction uff_direction(const UffPlace& place);
+/// The node, unless it has more digits than a channel's point.
+int uff_point(const UffPlace& place);
 /// Node and direction of a channel.
 UffPlace uff_place(const Channel& channel);
 
 /// SI unit of an axis and the factor to it: its unit label if that is known, else dataset 164 with
 /// the exponents of its quantity.
 ChannelUnit uff_unit(const UffAxis& axis, int direction, const std::optional<UffUnits>& units);
+/// Quantity, exponents and label of an axis that shows `unit`, a coherent SI unit.
+UffAxis uff_axis_of(const std::string& label, const std::string& unit);
 
 /// The values of a function one after the other.
 class UffValues {

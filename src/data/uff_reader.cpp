@@ -21,38 +21,29 @@ class UffReader final : public RecordReader {
       : RecordReader(path), file_(path), contents_(scan_uff(path, notes_)) {
     choose();
     make_header();
-    for (const UffFunction& f : chosen_) count_ = std::max(count_, f.count);
+    const std::uint64_t most = std::ranges::max(chosen_, {}, &UffFunction::count).count;
     for (std::size_t c = 0; c < chosen_.size(); ++c)
-      if (chosen_[c].count < count_)
+      if (chosen_[c].count < most)
         notes_.add(
             fmt::format("channel \"{}\" has {} of {} samples; absent ones are taken as missing",
-                        base::printable(header_.channels[c].name), chosen_[c].count, count_),
+                        base::printable(header_.channels[c].name), chosen_[c].count, most),
             chosen_[c].line);
+    count_ = static_cast<std::int64_t>(most);
+    format_ = chosen_.front().binary ? RecordFormat::uff : RecordFormat::uff_ascii;
     to_first_sample();
-  }
-
-  [[nodiscard]] RecordFormat format() const override {
-    return chosen_.front().binary ? RecordFormat::uff : RecordFormat::uff_ascii;
-  }
-  [[nodiscard]] std::optional<std::int64_t> sample_count() const override {
-    return static_cast<std::int64_t>(count_);
   }
 
  private:
   std::int64_t read_values(Eigen::Ref<Samples> block) override {
-    const auto rows =
-        std::min<std::uint64_t>(count_ - done_, static_cast<std::uint64_t>(block.rows()));
     for (std::size_t c = 0; c < values_.size(); ++c)
-      for (std::uint64_t row = 0; row < rows; ++row)
-        block(static_cast<Eigen::Index>(row), static_cast<Eigen::Index>(c)) =
-            sample(c, done_ + row);
-    done_ += rows;
-    return static_cast<std::int64_t>(rows);
+      for (Eigen::Index row = 0; row < block.rows(); ++row)
+        block(row, static_cast<Eigen::Index>(c)) =
+            sample(c, static_cast<std::uint64_t>(done_ + row));
+    return block.rows();
   }
 
   void to_first_sample() override {
     const std::size_t window = std::clamp<std::size_t>((32U << 20U) / chosen_.size(), 8192, 65536);
-    done_ = 0;
     values_.clear();
     for (const UffFunction& f : chosen_)
       values_.push_back(std::make_unique<UffValues>(file_, f, window));
@@ -137,13 +128,17 @@ class UffReader final : public RecordReader {
     const UffFunction& first = chosen_.front();
     header_.sample_rate = rounded_rate(1.0 / first.step, rate_tolerance);
     header_.start = first.first;
-    header_.title = contents_.model_name == "NONE" ? "" : contents_.model_name;
-    header_.date = iso_date(first.id[2] == "NONE" ? "" : first.id[2]);
+    header_.title = given(contents_.model_name);
+    header_.date = iso_date(given(first.id[2]));
     header_.repeat = static_cast<int>(std::clamp(first.version, 1LL, 99999LL));
     for (const UffFunction& f : chosen_) header_.channels.push_back(channel_of(f));
     if (contents_.own.by_hydrapod() && use_own_header()) return settle_channels(true);
     make_names_unique(header_.channels);
-    for (std::size_t c = 0; c < chosen_.size(); ++c) set_unit(chosen_[c], header_.channels[c]);
+    for (std::size_t c = 0; c < chosen_.size(); ++c) {
+      const UffFunction& f = chosen_[c];
+      const auto unit = uff_unit(f.ordinate, f.response.direction, contents_.units);
+      factors_.push_back(use_unit(header_.channels[c], unit, "", notes_));
+    }
   }
 
   /// What hydrapod wrote about the record, if the functions are still those it wrote.
@@ -165,39 +160,22 @@ class UffReader final : public RecordReader {
 
   static Channel channel_of(const UffFunction& f) {
     Channel channel;
-    channel.name =
-        f.ordinate.label != "NONE" && !f.ordinate.label.empty() ? f.ordinate.label : f.id[0];
+    channel.name = given(f.ordinate.label).empty() ? f.id[0] : f.ordinate.label;
     if (channel.name.size() < f.id[0].size() && f.id[0].starts_with(channel.name))
       channel.name = f.id[0];  // the label has 20 characters only
     channel.direction = uff_direction(f.response);
+    channel.point = uff_point(f.response);
     channel.role = Role::response;
     if (f.ordinate.quantity == uff_quantity::excitation_force) channel.role = Role::excitation;
     const std::string word = f.id[3].substr(0, f.id[3].find(" of repeat"));
     if (const auto role = role_from_text(word)) channel.role = *role;
-    if (std::abs(f.response.node) <= 999'999'999) channel.point = static_cast<int>(f.response.node);
     return channel;
-  }
-
-  void set_unit(const UffFunction& f, Channel& channel) {
-    const ChannelUnit unit = uff_unit(f.ordinate, f.response.direction, contents_.units);
-    channel.unit = unit.unit;
-    factors_.push_back(unit.factor);
-    const std::string name = base::printable(channel.name);
-    if (!unit.known)
-      notes_.add(
-          fmt::format("channel \"{}\": the unit \"{}\" is not known or has an offset; its "
-                      "samples are left as they are",
-                      name, base::printable(unit.unit, 30)));
-    else if (unit.factor != 1.0)
-      notes_.add(fmt::format("channel \"{}\": converted to \"{}\", times {}", name, unit.unit,
-                             unit.factor));
   }
 
   FileWindow file_;
   UffContents contents_;
   std::vector<UffFunction> chosen_;
   std::vector<std::unique_ptr<UffValues>> values_;
-  std::uint64_t count_{}, done_{};
 };
 
 }  // namespace

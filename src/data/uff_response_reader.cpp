@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <map>
 
 #include "hydrapod/base/text.hpp"
@@ -14,38 +13,34 @@ namespace hydrapod::data {
 
 namespace {
 
-constexpr double missing = std::numeric_limits<double>::quiet_NaN();
-
-Channel channel_at(const UffPlace& place, const std::string& name, const ChannelUnit& unit,
-                   Role role) {
-  Channel channel{.name = name, .unit = unit.unit, .role = role};
-  channel.direction = uff_direction(place);
-  if (std::abs(place.node) <= 999'999'999) channel.point = static_cast<int>(place.node);
-  return channel;
+Channel channel_at(const UffPlace& place, const std::string& name, const ChannelUnit& unit = {},
+                   Role role = Role::other) {
+  return {name, unit.unit, uff_direction(place), role, uff_point(place)};
 }
 
-/// Outputs or inputs in the order in which they come.
+/// Outputs or inputs in the order in which they come; point, direction and name tell them apart.
 class Places {
  public:
   /// The number of a place; the channel is kept when it is new.
   std::size_t number(const Channel& channel) {
-    const auto key =
-        std::make_tuple(channel.point, static_cast<int>(channel.direction), channel.name);
-    const auto [at, is_new] = numbers_.emplace(key, channels_.size());
-    if (is_new) channels_.push_back(channel);
+    const auto [at, is_new] = numbers_.emplace(key_of(channel), channels.size());
+    if (is_new) channels.push_back(channel);
     return at->second;
   }
-  [[nodiscard]] std::optional<std::size_t> known(int point, Direction direction,
-                                                 const std::string& name) const {
-    const auto at = numbers_.find(std::make_tuple(point, static_cast<int>(direction), name));
-    if (at == numbers_.end()) return {};
-    return at->second;
+  [[nodiscard]] std::optional<std::size_t> known(const Channel& channel) const {
+    const auto at = numbers_.find(key_of(channel));
+    return at == numbers_.end() ? std::nullopt : std::optional(at->second);
   }
-  std::vector<Channel>& channels() { return channels_; }
+
+  std::vector<Channel> channels{};
 
  private:
-  std::map<std::tuple<int, int, std::string>, std::size_t> numbers_{};
-  std::vector<Channel> channels_{};
+  using Key = std::tuple<int, Direction, std::string>;
+  static Key key_of(const Channel& channel) {
+    return {channel.point, channel.direction, channel.name};
+  }
+
+  std::map<Key, std::size_t> numbers_{};
 };
 
 struct Curve {
@@ -66,9 +61,9 @@ class ResponseReader {
     std::size_t others = 0;
     for (const UffFunction& f : contents_.functions) {
       if (f.type == uff_function::multiple_coherence)
-        take_coherence(f);
+        take_companion(f, "coherence", false, coherences_);
       else if (f.type == uff_function::general && f.id[0] == "variance")
-        take_variance(f);
+        take_companion(f, "variance", true, variances_);
       else if (f.type != uff_function::frequency_response)
         ++others;
     }
@@ -78,9 +73,8 @@ class ResponseReader {
 
  private:
   static std::string name_of(const UffAxis& axis, const std::string& line) {
-    const bool labelled = !axis.label.empty() && axis.label != "NONE";
-    if (line != "NONE" && !line.empty() && (!labelled || line.starts_with(axis.label))) return line;
-    return labelled ? axis.label : "";
+    const std::string label = given(axis.label), whole = given(line);
+    return !whole.empty() && whole.starts_with(label) ? whole : label;
   }
 
   /// Frequencies and values; false where the frequencies are not those of the first function.
@@ -88,17 +82,16 @@ class ResponseReader {
     UffValues reader(file_, f);
     std::vector<double> frequency;
     for (std::uint64_t k = 0; k < f.count; ++k) {
-      double at = f.first + static_cast<double>(k) * f.step, real = missing, imaginary = 0.0;
+      double at = f.first + static_cast<double>(k) * f.step, real = uff_missing, imaginary = 0.0;
       if (!f.is_even && !reader.next(at, notes_)) break;
       if (!reader.next(real, notes_) || (f.is_complex && !reader.next(imaginary, notes_))) break;
       frequency.push_back(at);
       values.emplace_back(real, imaginary);
     }
-    const bool ascending = std::all_of(frequency.begin(), frequency.end(),
-                                       [](double v) { return std::isfinite(v); }) &&
-                           std::adjacent_find(frequency.begin(), frequency.end(),
-                                              std::greater_equal<>()) == frequency.end() &&
-                           !frequency.empty() && frequency.front() >= 0.0;
+    const bool ascending =
+        !frequency.empty() && frequency.front() >= 0.0 &&
+        std::ranges::all_of(frequency, [](double v) { return std::isfinite(v); }) &&
+        std::ranges::adjacent_find(frequency, std::greater_equal<>()) == frequency.end();
     if (!ascending) {
       notes_.add(fmt::format("dataset {}: its frequencies do not ascend from 0 Hz on: left out",
                              f.dataset),
@@ -131,47 +124,31 @@ class ResponseReader {
         outputs_.number(channel_at(f.response, name_of(f.ordinate, f.id[3]), up, Role::response));
     curve.input = inputs_.number(
         channel_at(f.reference, name_of(f.denominator, f.id[4]), down, Role::excitation));
-    if (responses_.empty()) {
-      date_ = iso_date(f.id[2] == "NONE" ? "" : f.id[2]);
-    }
+    if (responses_.empty()) date_ = iso_date(given(f.id[2]));
     responses_.push_back(std::move(curve));
   }
 
-  std::optional<std::size_t> output_of(const UffFunction& f) const {
-    const Channel at = channel_at(f.response, f.id[3] == "NONE" ? "" : f.id[3], {}, Role::response);
-    return outputs_.known(at.point, at.direction, at.name);
-  }
-
-  void take_coherence(const UffFunction& f) {
+  /// What is said of a response: `with_input` or of all inputs together.
+  void take_companion(const UffFunction& f, const char* what, bool with_input,
+                      std::vector<Curve>& curves) {
     Curve curve;
-    const auto output = output_of(f);
-    if (!output || f.is_complex || !values_of(f, curve.values))
-      return notes_.add(
-          fmt::format("dataset {}: a coherence without its response: left out", f.dataset), f.line);
-    curve.output = *output;
-    coherences_.push_back(std::move(curve));
-  }
-
-  void take_variance(const UffFunction& f) {
-    Curve curve;
-    const auto output = output_of(f);
-    const Channel at =
-        channel_at(f.reference, f.id[4] == "NONE" ? "" : f.id[4], {}, Role::excitation);
-    const auto input = inputs_.known(at.point, at.direction, at.name);
+    const auto output = outputs_.known(channel_at(f.response, given(f.id[3])));
+    const auto input = with_input ? inputs_.known(channel_at(f.reference, given(f.id[4])))
+                                  : std::optional<std::size_t>(0);
     if (!output || !input || f.is_complex || !values_of(f, curve.values))
       return notes_.add(
-          fmt::format("dataset {}: a variance without its response: left out", f.dataset), f.line);
+          fmt::format("dataset {}: a {} without its response: left out", f.dataset, what), f.line);
     curve.output = *output;
     curve.input = *input;
-    variances_.push_back(std::move(curve));
+    curves.push_back(std::move(curve));
   }
 
   FrequencyResponses assembled() {
     FrequencyResponses all;
-    all.title = contents_.model_name == "NONE" ? "" : contents_.model_name;
+    all.title = given(contents_.model_name);
     all.date = date_;
-    all.outputs = outputs_.channels();
-    all.inputs = inputs_.channels();
+    all.outputs = outputs_.channels;
+    all.inputs = inputs_.channels;
     make_names_unique(all.outputs);
     make_names_unique(all.inputs);
     all.frequency = frequency_;
@@ -186,7 +163,7 @@ class ResponseReader {
     const auto collected = [&](const std::vector<Curve>& curves, Eigen::Index width) {
       std::vector<Eigen::MatrixXcd> matrices;
       if (!curves.empty())
-        matrices.assign(frequency_.size(), Eigen::MatrixXcd::Constant(rows, width, missing));
+        matrices.assign(frequency_.size(), Eigen::MatrixXcd::Constant(rows, width, uff_missing));
       for (const Curve& curve : curves)
         for (std::size_t k = 0; k < frequency_.size(); ++k)
           matrices[k](static_cast<Eigen::Index>(curve.output),

@@ -5,7 +5,6 @@
 #include "hydrapod/base/file.hpp"
 #include "hydrapod/data/frequency_response.hpp"
 #include "uff_text.hpp"
-#include "uff_write.hpp"
 
 namespace hydrapod::data {
 
@@ -50,21 +49,15 @@ UffFunction head_of(const FrequencyResponses& all, const Channel& output, bool b
 template <typename Value>
 std::string function_text(const UffFunction& f, const std::vector<double>& frequency, Value value) {
   std::string out = uff_function_head(f);
-  UffLines lines(f);
-  const auto put = [&](double number) {
-    if (f.binary)
-      out.append(reinterpret_cast<const char*>(&number), sizeof number);
-    else
-      lines.add(number, out);
-  };
+  UffNumbers numbers(f);
   for (std::size_t k = 0; k < frequency.size(); ++k) {
-    if (!f.is_even) put(frequency[k]);
+    if (!f.is_even) numbers.add(frequency[k], out);
     const std::complex<double> number = value(k);
-    put(number.real());
-    if (f.is_complex) put(number.imag());
+    numbers.add(number.real(), out);
+    if (f.is_complex) numbers.add(number.imag(), out);
   }
-  lines.finish(out);
-  return out + uff_delimiter;
+  numbers.finish(out);
+  return out;
 }
 
 }  // namespace
@@ -72,7 +65,7 @@ std::string function_text(const UffFunction& f, const std::vector<double>& frequ
 void write_frequency_responses(const std::string& path, const FrequencyResponses& all,
                                bool binary) {
   validate(all);
-  std::string out = uff_file_header(all.title, "", all.date) + uff_si_units();
+  std::string out = uff_beginning(all.title, all.date);
   long long number = 0;
   for (std::size_t o = 0; o < all.outputs.size(); ++o) {
     const auto row = static_cast<Eigen::Index>(o);

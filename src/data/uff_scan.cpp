@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "hydrapod/base/file.hpp"
 #include "hydrapod/base/text.hpp"
@@ -12,7 +13,6 @@ namespace hydrapod::data {
 
 namespace {
 
-constexpr int header_lines = 11;
 constexpr std::size_t most_functions = 100'000;
 
 /// A dataset that cannot be used; the scan goes on behind it.
@@ -26,7 +26,9 @@ bool is_delimiter(std::string_view line) {
 
 class Scan {
  public:
-  Scan(const std::string& path, Notes& notes) : file_(path), notes_(notes) {}
+  /// `heads_only`: values are passed over where their lines are even.
+  Scan(const std::string& path, Notes& notes, bool heads_only)
+      : file_(path), notes_(notes), heads_only_(heads_only) {}
 
   UffContents all() {
     std::string_view line;
@@ -52,6 +54,13 @@ class Scan {
     offset_ = got.next;
     if (count_lines_) ++line_;
     return true;
+  }
+
+  /// The next line of a dataset; false at its end.
+  bool next_inside(std::string_view& line) {
+    if (!next(line)) return false;
+    ended_ = is_delimiter(line);
+    return !ended_;
   }
 
   void begin_dataset() {
@@ -123,12 +132,9 @@ class Scan {
   /// A line of a dataset's header, which may not end here.
   std::string header_line(const char* what) {
     std::string_view line;
-    if (!next(line)) throw Unusable{fmt::format("the file is cut off before its {}", what)};
-    if (is_delimiter(line)) {
-      ended_ = true;
-      throw Unusable{fmt::format("it ends before its {}", what)};
-    }
-    return std::string(line);
+    if (next_inside(line)) return std::string(line);
+    if (ended_) throw Unusable{fmt::format("it ends before its {}", what)};
+    throw Unusable{fmt::format("the file is cut off before its {}", what)};
   }
 
   static long long integer(std::string_view line, std::size_t begin, std::size_t width,
@@ -193,19 +199,19 @@ class Scan {
     f.dataset = datasets_;
     f.line = first_line_;
     f.binary = binary;
-    const char* names[header_lines] = {"record 1",
-                                       "record 2",
-                                       "record 3",
-                                       "record 4",
-                                       "record 5",
-                                       "record 6",
-                                       "record 7",
-                                       "record 8 (abscissa)",
-                                       "record 9 (ordinate)",
-                                       "record 10",
-                                       "record 11 (z axis)"};
-    std::array<std::string, header_lines> lines;
-    for (int i = 0; i < header_lines; ++i)
+    const char* names[uff_header_lines] = {"record 1",
+                                           "record 2",
+                                           "record 3",
+                                           "record 4",
+                                           "record 5",
+                                           "record 6",
+                                           "record 7",
+                                           "record 8 (abscissa)",
+                                           "record 9 (ordinate)",
+                                           "record 10",
+                                           "record 11 (z axis)"};
+    std::array<std::string, uff_header_lines> lines;
+    for (int i = 0; i < uff_header_lines; ++i)
       lines[static_cast<std::size_t>(i)] = header_line(names[i]);
     for (std::size_t i = 0; i < f.id.size(); ++i) f.id[i] = text(lines[i], 0, 80);
     places(lines[5], f);
@@ -296,19 +302,30 @@ class Scan {
           fmt::format("the floating point format is {}; only 2 (IEEE 754) is read", floats)};
   }
 
+  /// To the delimiter, where lines as long as the first one lead to it. Lines are not counted then.
+  bool pass_over_values(const UffFunction& f, const std::vector<int>& widths) {
+    const FileWindow::Line first = file_.line_at(offset_);
+    if (is_delimiter(first.text)) return false;
+    const std::uint64_t numbers = f.declared * tuple_size(f), length = first.next - offset_;
+    const auto left = static_cast<std::ptrdiff_t>(numbers % widths.size());
+    std::uint64_t bytes = numbers / widths.size() * length;
+    if (left > 0)
+      bytes += std::accumulate(widths.begin(), widths.begin() + left,
+                               length - std::min<std::uint64_t>(length, first.text.size()));
+    if (bytes > file_.size() - offset_ || !delimiter_at(offset_ + bytes)) return false;
+    offset_ += bytes;
+    return true;
+  }
+
   /// Lines up to the delimiter; how many values they hold.
   void text_values(UffFunction& f) {
     const auto widths = uff_widths(f);
-    std::size_t whole = 0;
-    for (const int width : widths) whole += static_cast<std::size_t>(width);
+    const auto whole = std::accumulate(widths.begin(), widths.end(), std::size_t{0});
+    if (heads_only_ && pass_over_values(f, widths)) return;
     std::uint64_t numbers = 0;
     bool is_first = true;
     std::string_view line;
-    for (f.end = offset_; next(line); f.end = offset_) {
-      if (is_delimiter(line)) {
-        ended_ = true;
-        break;
-      }
+    for (f.end = offset_; next_inside(line); f.end = offset_) {
       unsigned bad = 0;
       if (is_first) {
         uff_line_numbers(line, widths, false, bad);
@@ -327,12 +344,8 @@ class Scan {
   void mode() {
     constexpr std::size_t most_lines = 2'000'000;
     UffMode& mode = contents_.modes.emplace_back();
-    mode.line = line_ + 1;
-    for (std::string_view line; next(line);) {
-      if (is_delimiter(line)) {
-        ended_ = true;
-        return;
-      }
+    mode.line = count_lines_ ? line_ + 1 : 0;
+    for (std::string_view line; next_inside(line);) {
       if (++mode_lines_ > most_lines)
         throw Unusable{fmt::format("more than {} lines of modes", most_lines)};
       mode.lines.emplace_back(line);
@@ -360,11 +373,7 @@ class Scan {
 
   void own_header() {
     std::string_view line;
-    while (next(line)) {
-      if (is_delimiter(line)) {
-        ended_ = true;
-        return;
-      }
+    while (next_inside(line)) {
       std::string whole(line);  // lines may be longer than the pieces they come in
       while (offset_ < file_.size() && whole.size() % 4096 == 0 && !whole.empty() && next(line))
         whole += line;
@@ -374,6 +383,7 @@ class Scan {
 
   FileWindow file_;
   Notes& notes_;
+  bool heads_only_;
   UffContents contents_;
   std::uint64_t offset_{};
   unsigned line_{}, first_line_{};
@@ -386,11 +396,13 @@ class Scan {
 
 }  // namespace
 
-UffContents scan_uff(const std::string& path, Notes& notes) { return Scan(path, notes).all(); }
+UffContents scan_uff(const std::string& path, Notes& notes) {
+  return Scan(path, notes, false).all();
+}
 
 FileKind uff_kind(const std::string& path) {
   Notes notes(path);
-  const UffContents contents = scan_uff(path, notes);
+  const UffContents contents = Scan(path, notes, true).all();
   const auto is_response = [](const auto& f) { return f.type == uff_function::frequency_response; };
   if (std::ranges::any_of(contents.functions, is_response)) return FileKind::frequency_responses;
   return contents.functions.empty() && !contents.modes.empty() ? FileKind::modal_results

@@ -9,6 +9,7 @@
 #include <limits>
 
 #include "hydrapod/base/text.hpp"
+#include "hydrapod/base/version.hpp"
 
 namespace hydrapod::data {
 
@@ -35,6 +36,22 @@ std::optional<double> parsed(std::string_view text) {
   }
   if (status != std::errc{}) return {};
   return value;
+}
+
+std::string place_columns(const UffPlace& place) {
+  return fmt::format(" {}{:10}{:4}", fortran_a(place.entity, 10), place.node, place.direction);
+}
+
+std::string dataset_number_line(const UffFunction& f) {
+  if (!f.binary) return "    58\n";
+  const std::uint64_t value = (f.is_double ? 8U : 4U) * tuple_size(f);
+  constexpr int little_endian = 1, ieee = 2;
+  return fmt::format("    58b{:6}{:6}{:12}{:12}{:6}{:6}{:12}{:12}\n", little_endian, ieee,
+                     uff_header_lines, f.declared * value, 0, 0, 0, 0);
+}
+
+int ordinate_type(const UffFunction& f) {
+  return f.is_complex ? (f.is_double ? 6 : 5) : (f.is_double ? 4 : 2);
 }
 
 }  // namespace
@@ -117,6 +134,60 @@ std::string iso_date(std::string_view uff) {
   if (month == months.end() || !year) return std::string(uff);
   return fmt::format("{}-{:02}-{}T{}", *year < 70 ? 2000 + *year : 1900 + *year,
                      month - months.begin() + 1, uff.substr(0, 2), uff.substr(10, 8));
+}
+
+std::string uff_text_line(const std::string& text) {
+  return fortran_a(text.empty() ? "NONE" : text, 80) + '\n';
+}
+
+std::string uff_function_head(const UffFunction& f) {
+  std::string out = uff_delimiter + dataset_number_line(f);
+  for (const std::string& id : f.id) out += uff_text_line(id);
+  out += fmt::format("{:5}{:10}{:5}{:10}{}{}\n", f.type, f.number, f.version, f.load_case,
+                     place_columns(f.response), place_columns(f.reference));
+  out += fmt::format("{:10}{:10}{:10}{}{}{}\n", ordinate_type(f), f.declared, f.is_even ? 1 : 0,
+                     fortran_e(f.first, 13, 5), fortran_e(f.step, 13, 5), fortran_e(f.z, 13, 5));
+  for (const UffAxis& axis : {f.abscissa, f.ordinate, f.denominator, f.z_axis})
+    out += fmt::format("{:10}{:5}{:5}{:5} {} {}\n", axis.quantity, axis.length_exponent,
+                       axis.force_exponent, axis.temperature_exponent, fortran_a(axis.label, 20),
+                       fortran_a(axis.unit, 20));
+  return out;
+}
+
+std::string uff_beginning(const std::string& model, const std::string& date,
+                          const std::string& comments) {
+  const std::string program = fmt::format("hydrapod {}", base::version);
+  const std::string when = uff_date(date);
+  const bool dated = when.size() == 18;
+  const std::string stamp = fortran_a(dated ? when.substr(0, 9) : "NONE", 10) +
+                            fortran_a(dated ? when.substr(10) : "NONE", 10);
+  std::string out = fmt::format("{}   151\n{}{}{}", uff_delimiter, uff_text_line(model),
+                                uff_text_line(""), uff_text_line(program));
+  out += fmt::format("{}{:10}{:10}{:10}\n{}\n{}", stamp, 0, 0, 0, stamp, uff_text_line(program));
+  out += fmt::format("{}{:5}{:5}{:5}{:5}{:5}\n{}", stamp, 0, 0, 0, 0, 0, uff_delimiter);
+  const UffUnits si;
+  out += fmt::format("{}   164\n{:10}{}{:10}\n{}{}{}\n{}\n{}", uff_delimiter, si.code,
+                     fortran_a(si.description, 20), 2, fortran_d(si.length), fortran_d(si.force),
+                     fortran_d(si.temperature), fortran_d(si.temperature_offset), uff_delimiter);
+  if (!comments.empty())
+    out += fmt::format("{}{:6}\n{}{}", uff_delimiter, uff_own_dataset, comments, uff_delimiter);
+  return out;
+}
+
+void UffNumbers::add(double number, std::string& out) {
+  if (binary_) {
+    out.append(reinterpret_cast<const char*>(&number), sizeof number);
+    return;
+  }
+  const int width = widths_[column_];
+  out += fortran_e(number, width, width == 13 ? 5 : 12);
+  column_ = (column_ + 1) % widths_.size();
+  if (column_ == 0) out += '\n';
+}
+
+void UffNumbers::finish(std::string& out) const {
+  if (column_ > 0) out += '\n';
+  out += uff_delimiter;
 }
 
 }  // namespace hydrapod::data

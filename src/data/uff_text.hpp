@@ -1,9 +1,11 @@
 #pragma once
-/// Fields of Universal Files: FORTRAN's fixed columns.
+/// Universal Files as text: FORTRAN's fixed columns, and datasets made of them.
 
 #include <optional>
 #include <string>
 #include <string_view>
+
+#include "uff_dataset.hpp"
 
 namespace hydrapod::data {
 
@@ -26,5 +28,33 @@ std::optional<long long> fortran_integer(std::string_view field);
 /// are.
 std::string uff_date(std::string_view iso);
 std::string iso_date(std::string_view uff);
+
+inline constexpr const char* uff_delimiter = "    -1\n";
+
+/// 80A1, "NONE" for an empty text.
+std::string uff_text_line(const std::string& text);
+
+/// From the first delimiter to the last line before the values. Of a binary function the number of
+/// bytes is that of `f.declared` values.
+std::string uff_function_head(const UffFunction& f);
+
+/// Datasets 151 and 164 (SI) and, unless `comments` is empty, hydrapod's own. `date` as in
+/// RecordHeader.
+std::string uff_beginning(const std::string& model, const std::string& date,
+                          const std::string& comments = "");
+
+/// Values of a function, which stand in lines unless it is binary.
+class UffNumbers {
+ public:
+  explicit UffNumbers(const UffFunction& f) : binary_(f.binary), widths_(uff_widths(f)) {}
+  void add(double number, std::string& out);
+  /// Ends the last line and the dataset.
+  void finish(std::string& out) const;
+
+ private:
+  bool binary_;
+  std::vector<int> widths_;
+  std::size_t column_{};
+};
 
 }  // namespace hydrapod::data

@@ -5,13 +5,9 @@
 #include <algorithm>
 #include <cerrno>
 #include <cmath>
-#include <cstdio>
-#include <stdexcept>
 
 #include "formats.hpp"
-#include "hydrapod/base/file.hpp"
 #include "uff_text.hpp"
-#include "uff_write.hpp"
 
 namespace hydrapod::data {
 
@@ -111,14 +107,13 @@ UffFunction function_of(const RecordHeader& header, std::size_t index, std::uint
 class UffWriter final : public RecordWriter {
  public:
   UffWriter(const std::string& path, const RecordHeader& header, bool binary)
-      : part_(path),
+      : file_(path),
         header_(header),
         binary_(binary),
-        spool_(part_.part(), header.channels.size()) {}
+        spool_(file_.part(), header.channels.size()) {}
 
   void append(const Eigen::Ref<const Samples>& samples) override {
-    require_columns(samples, header_);
-    if (closed_) throw std::invalid_argument("RecordWriter::append: the record is closed");
+    require_appendable(samples, header_, file_.is_open());
     constexpr std::uint64_t most = 2'147'483'647;  // I10 as other programs read it
     if (spool_.samples() + static_cast<std::uint64_t>(samples.rows()) > most)
       throw base::ComputationError("a Universal File holds at most 2147483647 samples per channel");
@@ -126,56 +121,29 @@ class UffWriter final : public RecordWriter {
   }
 
   void close() override {
-    closed_ = true;
-    const std::unique_ptr<std::FILE, CloseFile> file(std::fopen(part_.part().c_str(), "wb"));
-    if (!file) fail();
-    file_ = file.get();
-    write(uff_file_header(header_.title, "", header_.date) + uff_si_units());
-    write(fmt::format("{}{:6}\n{}{}", uff_delimiter, uff_own_dataset, comment_lines(header_),
-                      uff_delimiter));
+    file_.write(uff_beginning(header_.title, header_.date, comment_lines(header_)));
     for (std::size_t c = 0; c < header_.channels.size(); ++c) write_channel(c);
-    if (std::fflush(file_) != 0) fail();
-    part_.commit();
+    file_.close();
   }
 
  private:
-  struct CloseFile {
-    void operator()(std::FILE* file) const { std::fclose(file); }
-  };
-
   void write_channel(std::size_t index) {
     const UffFunction f = function_of(header_, index, spool_.samples(), binary_);
-    write(uff_function_head(f));
-    UffLines lines(f);
-    std::string text;
+    std::string text = uff_function_head(f);
+    UffNumbers numbers(f);
     spool_.channel(index, [&](const double* values, std::size_t count) {
-      if (binary_) {
-        write({reinterpret_cast<const char*>(values), count * sizeof(double)});
-        return;
-      }
+      for (std::size_t i = 0; i < count; ++i) numbers.add(values[i], text);
+      file_.write(text);
       text.clear();
-      for (std::size_t i = 0; i < count; ++i) lines.add(values[i], text);
-      write(text);
     });
-    text.clear();
-    lines.finish(text);
-    write(text + uff_delimiter);
+    numbers.finish(text);
+    file_.write(text);
   }
 
-  void write(std::string_view text) const {
-    if (std::fwrite(text.data(), 1, text.size(), file_) != text.size()) fail();
-  }
-  [[noreturn]] void fail() const {
-    throw base::ComputationError(
-        fmt::format("writing '{}' failed; is the disk full?", part_.path()));
-  }
-
-  base::PartFile part_;
+  PartStream file_;
   RecordHeader header_;
   bool binary_;
   Spool spool_;
-  std::FILE* file_{};
-  bool closed_{};
 };
 
 }  // namespace

@@ -11,6 +11,8 @@
 
 namespace hydrapod::data {
 
+inline constexpr std::size_t longest_text = 64U << 20U;  ///< bytes
+
 enum class VariableKind { numbers, text, texts };
 
 /// An array of one or two dimensions. Of two, `fast` is the one whose neighbours stand side by side
@@ -32,13 +34,17 @@ class VariableFile {
   VariableFile& operator=(const VariableFile&) = delete;
   virtual ~VariableFile() = default;
 
-  [[nodiscard]] virtual RecordFormat format() const = 0;
-  [[nodiscard]] virtual const std::vector<Variable>& variables() const = 0;
+  [[nodiscard]] RecordFormat format() const { return format_; }
+  [[nodiscard]] const std::vector<Variable>& variables() const { return variables_; }
   /// Numbers of a variable: whole lines (fast_first = 0, fast_count = fast), or a part of one line
   /// (slow_count = 1), line by line. Reads on from where it was before are fast. False when the
   /// file is damaged there.
   virtual bool read(std::size_t variable, std::uint64_t slow_first, std::uint64_t slow_count,
                     std::uint64_t fast_first, std::uint64_t fast_count, double* out) = 0;
+
+ protected:
+  RecordFormat format_{};
+  std::vector<Variable> variables_;
 };
 
 /// Opens such a file. Throws base::InputError. What cannot be used is noted.

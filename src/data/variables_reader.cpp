@@ -7,7 +7,6 @@
 #include <optional>
 
 #include "channel_units.hpp"
-#include "experiment.hpp"
 #include "formats.hpp"
 #include "hydrapod/base/text.hpp"
 #include "variable_file.hpp"
@@ -55,34 +54,18 @@ class VariablesReader final : public RecordReader {
       read_own();
     else
       read_foreign(options);
-    declared_ = count_;
+    format_ = file_->format();
+    count_ = static_cast<std::int64_t>(length_);
     settle_channels(own);
-  }
-
-  [[nodiscard]] RecordFormat format() const override { return file_->format(); }
-  [[nodiscard]] std::optional<std::int64_t> sample_count() const override {
-    return static_cast<std::int64_t>(count_);
   }
 
  private:
   std::int64_t read_values(Eigen::Ref<Samples> block) override {
-    const auto rows =
-        std::min<std::uint64_t>(count_ - done_, static_cast<std::uint64_t>(block.rows()));
-    if (rows == 0) return 0;
-    for (const Source& source : sources_) {
-      if (read_source(source, rows, block)) continue;
-      notes_.add(fmt::format("the samples from {} on cannot be read: the file is damaged there",
-                             done_ + 1));
-      count_ = done_;
-      return 0;
-    }
-    done_ += rows;
-    return static_cast<std::int64_t>(rows);
-  }
-
-  void to_first_sample() override {
-    done_ = 0;
-    count_ = declared_;
+    if (std::ranges::all_of(sources_, [&](const Source& s) { return read_source(s, block); }))
+      return block.rows();
+    notes_.add(
+        fmt::format("the samples from {} on cannot be read: the file is damaged there", done_ + 1));
+    return 0;
   }
 
   [[nodiscard]] const std::vector<Variable>& all() const { return file_->variables(); }
@@ -105,22 +88,24 @@ class VariablesReader final : public RecordReader {
     return found->number;
   }
 
-  bool read_source(const Source& source, std::uint64_t rows, Eigen::Ref<Samples> block) {
-    buffer_.resize(rows * source.channels);
-    const auto column = static_cast<Eigen::Index>(source.first_channel);
-    const auto wide = static_cast<Eigen::Index>(source.channels);
-    const auto high = static_cast<Eigen::Index>(rows);
+  bool read_source(const Source& source, Eigen::Ref<Samples> block) {
+    const auto first = static_cast<std::uint64_t>(done_);
+    const auto rows = static_cast<std::uint64_t>(block.rows());
+    auto columns = block.middleCols(static_cast<Eigen::Index>(source.first_channel),
+                                    static_cast<Eigen::Index>(source.channels));
     if (source.samples_are_slow) {
-      if (!file_->read(source.variable, done_, rows, 0, source.channels, buffer_.data()))
+      buffer_.resize(columns.rows(), columns.cols());
+      if (!file_->read(source.variable, first, rows, 0, source.channels, buffer_.data()))
         return false;
-      block.block(0, column, high, wide) = Eigen::Map<const Samples>(buffer_.data(), high, wide);
-    } else {
-      for (Eigen::Index c = 0; c < wide; ++c) {
-        if (!file_->read(source.variable, static_cast<std::uint64_t>(c), 1, done_, rows,
-                         buffer_.data()))
-          return false;
-        block.col(column + c).head(high) = Eigen::Map<const Eigen::VectorXd>(buffer_.data(), high);
-      }
+      columns = buffer_;
+      return true;
+    }
+    buffer_.resize(columns.rows(), 1);
+    for (Eigen::Index c = 0; c < columns.cols(); ++c) {
+      if (!file_->read(source.variable, static_cast<std::uint64_t>(c), 1, first, rows,
+                       buffer_.data()))
+        return false;
+      columns.col(c) = buffer_;
     }
     return true;
   }
@@ -156,7 +141,7 @@ class VariablesReader final : public RecordReader {
     if (samples == nullptr || samples->kind != VariableKind::numbers)
       notes_.fail("the variable 'samples' is missing or does not hold numbers");
     own_channels(samples->fast);
-    count_ = samples->slow;
+    length_ = samples->slow;
     sources_ = {{static_cast<std::size_t>(samples - all().data()), true, 0,
                  static_cast<std::size_t>(samples->fast)}};
   }
@@ -218,7 +203,7 @@ class VariablesReader final : public RecordReader {
       if (times == nullptr && v.kind == VariableKind::numbers && is_one_of(v.name, time_words) &&
           std::min(v.fast, v.slow) == 1 && std::max(v.fast, v.slow) > 1)
         times = &v;
-    count_ = common_length(times);
+    length_ = common_length(times);
     for (std::size_t i = 0; i < all().size(); ++i) take_variable(i, times);
     if (sources_.empty())
       notes_.fail("no array of numbers with two samples or more was found in the file");
@@ -230,12 +215,12 @@ class VariablesReader final : public RecordReader {
     constexpr std::uint64_t most_channels = 10'000;
     const Variable& v = all()[index];
     if (v.kind != VariableKind::numbers || v.fast * v.slow < 2 || &v == times) return;
-    const bool slow = v.slow == count_;
+    const bool slow = v.slow == length_;
     const std::uint64_t channels = slow ? v.fast : v.slow;
-    if ((!slow && v.fast != count_) || channels > most_channels) {
+    if ((!slow && v.fast != length_) || channels > most_channels) {
       notes_.add(
           fmt::format("variable '{}' is {} × {} and not of the record's length of {}: left out",
-                      base::printable(v.name), v.fast, v.slow, count_),
+                      base::printable(v.name), v.fast, v.slow, length_),
           0, 0, "length");
       return;
     }
@@ -286,7 +271,7 @@ class VariablesReader final : public RecordReader {
   void use_times(const Variable& times) {
     const auto index = static_cast<std::size_t>(&times - all().data());
     constexpr std::uint64_t looked_at = 1000;
-    const std::uint64_t n = std::min(count_, looked_at);
+    const std::uint64_t n = std::min(length_, looked_at);
     std::vector<double> t(n);
     const bool lies = times.slow == 1;
     if (!file_->read(index, 0, lies ? 1 : n, 0, lies ? n : 1, t.data()) || !std::isfinite(t[0]))
@@ -304,8 +289,8 @@ class VariablesReader final : public RecordReader {
 
   std::unique_ptr<VariableFile> file_;
   std::vector<Source> sources_;
-  std::uint64_t declared_{}, count_{}, done_{};
-  std::vector<double> buffer_;
+  std::uint64_t length_{};  ///< samples
+  Samples buffer_;
 };
 
 }  // namespace

@@ -147,6 +147,32 @@ TEST(ModalResults, DamagedFilesAreRefusedWithTheLine) {
   EXPECT_THAT(refused(""), HasSubstr("no Universal File"));
 }
 
+TEST(ModalResults, LinesBehindBinaryDataHaveNoNumber) {
+  const test::TemporaryFolder folder;
+  const std::string path = folder / "bad.uff";
+  const auto refused = [&](const std::string& text) {
+    test::write_text(path, text);
+    try {
+      read_modal_results(path);
+    } catch (const base::InputError& error) {
+      return std::string(error.what());
+    }
+    return std::string("accepted");
+  };
+  const std::string mode =
+      "    -1\n    55\nNONE\nNONE\nNONE\nNONE\nNONE\n"
+      "         1         2         2         8         2         4\n    -1\n";
+  const std::string problem = "error: dataset 55: 4 values per node: expected 3 or 6";
+  EXPECT_EQ(refused(mode), path + ":8:1: " + problem);
+  Record record;
+  record.header.channels = {{.name = "x", .unit = "m"}};
+  record.header.sample_rate = 10.0;
+  record.samples = Samples::Constant(3, 1, 0.1);
+  write_record(folder / "binary.uff", record, RecordFormat::uff);
+  const std::string binary = test::read_text(folder / "binary.uff");
+  EXPECT_EQ(refused(binary + mode), path + ": " + problem);
+}
+
 struct CloseMat {
   void operator()(mat_t* file) const { Mat_Close(file); }
 };

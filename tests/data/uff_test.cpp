@@ -4,6 +4,8 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <filesystem>
+#include <fstream>
 
 #include "hydrapod/data/record_io.hpp"
 #include "sample_record.hpp"
@@ -245,6 +247,40 @@ TEST(Uff, BigEndianBinaryIsRead) {
   const auto [record, notes] = read(text);
   EXPECT_THAT(notes, testing::IsEmpty());
   EXPECT_THAT(record.samples.reshaped(), testing::ElementsAre(1.0, -2.5, 123.0));
+}
+
+/// Bytes that this process has read so far.
+std::uint64_t bytes_read() {
+  std::ifstream stream("/proc/self/io");
+  std::string key;
+  std::uint64_t bytes = 0;
+  stream >> key >> bytes;
+  return key == "rchar:" ? bytes : 0;
+}
+
+TEST(Uff, TheKindOfALargeFileIsFoundWithoutItsValues) {
+  if (bytes_read() == 0) GTEST_SKIP() << "no /proc/self/io";
+  const TemporaryFolder folder;
+  data::write_record(folder / "r.uff", sample_record(100'000), RecordFormat::uff_ascii);
+  const std::uint64_t before = bytes_read();
+  EXPECT_EQ(data::file_kind(folder / "r.uff"), data::FileKind::record);
+  EXPECT_LT(bytes_read() - before, std::filesystem::file_size(folder / "r.uff") / 3);
+}
+
+TEST(Uff, TheKindIsFoundBehindValuesThatAreNotAsDeclared) {
+  const TemporaryFolder folder;
+  const auto kind = [&](const std::string& text) {
+    write_text(folder / "r.uff", text);
+    return data::file_kind(folder / "r.uff");
+  };
+  const std::string response =
+      function(std::string(general) + "m", three,
+               "         5         1         1  0.00000E+00  1.00000E+00  0.00000E+00",
+               "    4         1    0         0 NONE               0   0 NONE               0   0");
+  for (const std::string values : {three, " -3.81956E+00\n", "1.5 -2.5\n 4\n", ""})
+    EXPECT_EQ(kind(function(std::string(general) + "m", values) + response),
+              data::FileKind::frequency_responses)
+        << values;
 }
 
 TEST(Uff, UnknownDatasetsAreSkippedWithANote) {

@@ -81,7 +81,10 @@ struct ExcitationNote {
   std::string entry{};                 ///< "command", "drive" or "wrench"
   std::vector<std::string> signals{};  ///< as text, one each
   std::optional<double> period{};      ///< [s]; none: does not repeat
-  std::array<double, 6> level{};       ///< RMS in x … rz, in the units of the entry
+  /// In x … rz, in the units of the entry: the root of the sum of the squared sizes of the signals.
+  /// A size is an RMS value for noise, sequences and multisines, an amplitude for sine, sweep and
+  /// chirp unless their RMS value was asked for, and the final value of a step.
+  std::array<double, 6> level{};
 };
 
 /// How a record was made, as far as that is known.
