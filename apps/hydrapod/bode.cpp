@@ -1,18 +1,11 @@
-#include <fmt/format.h>
+#include "hydrapod/command.hpp"
 
 #include <algorithm>
-#include <memory>
 
-#include "hydrapod/base/error.hpp"
-#include "hydrapod/base/file.hpp"
 #include "hydrapod/base/text.hpp"
 #include "hydrapod/base/units.hpp"
-#include "hydrapod/bode_report.hpp"
-#include "hydrapod/commands.hpp"
-#include "hydrapod/machine_arguments.hpp"
-#include "hydrapod/mode_report.hpp"
+#include "hydrapod/reports.hpp"
 #include "hydrapod/spatial/pose.hpp"
-#include "hydrapod/terminal.hpp"
 
 namespace hydrapod::cli {
 
@@ -76,14 +69,10 @@ report::BodeOptions options_of(const Arguments& arguments) {
 
 /// A response that grows without bound is no response: it is shown, but not without a word.
 void warn_unstable(const char* what) {
-  print_diagnostics(
-      {{.severity = base::Severity::warning,
-        .message = fmt::format("{}, so that no steady vibration exists; the response is that of "
-                               "its linear equations",
-                               what)}});
+  print_warning(fmt::format(
+      "{}, so that no steady vibration exists; the response is that of its linear equations",
+      what));
 }
-
-void wrote(const std::string& path) { fmt::print(stderr, "wrote {}\n", path); }
 
 /// The response of the whole machine from commanded to true pose.
 std::string command_output(const Arguments& arguments, const report::BodeOptions& options,
@@ -100,23 +89,20 @@ std::string command_output(const Arguments& arguments, const report::BodeOptions
   if (!result.system.poles.sampled_stable) warn_unstable("the loop is unstable");
   const auto& response = result.response;
   const char* model = dynamics::name(machine.kind);
-  if (!arguments.plot.empty()) {
+  draw(arguments.plot, [&](const auto& path) {
     report::plot_command_response(
         response, machine.file.machine.name,
-        fmt::format("from command to pose; pose {}, {} model", machine.pose.name, model),
-        arguments.plot);
-    wrote(arguments.plot);
-  }
+        fmt::format("from command to pose; pose {}, {} model", machine.pose.name, model), path);
+  });
   if (format == 2) return report::command_response_csv(response);
   if (format == 0)
     return fmt::format("{}, pose {}: from command to pose, {} model\n{}\n\n",
                        machine.file.machine.name, machine.pose.name, model,
                        report::verdict_text(result.system.poles)) +
            command_text(response, table_style(arguments.file));
-  auto json = report::head_json("bode", machine);
-  json.update({{"model", model}, {"input", "command"}, {"output", "displacement"}});
-  json.update(report::command_response_json(response));
-  return json.dump() + "\n";
+  auto json = head_of_model("bode", machine);
+  json.update({{"input", "command"}, {"output", "displacement"}});
+  return json_text(json, report::command_response_json(response), -1);
 }
 
 std::string mechanics_output(const Arguments& arguments, const report::BodeOptions& options,
@@ -126,18 +112,13 @@ std::string mechanics_output(const Arguments& arguments, const report::BodeOptio
   const auto bode = tasks::bode(machine, options);
   if (!std::ranges::all_of(bode.table.real.modes, [](const auto& m) { return m.mode.stable; }))
     warn_unstable("the machine is unstable at this pose");
-  if (!arguments.plot.empty()) {
-    report::plot_bode(bode, shown, plot_text(machine, bode), arguments.plot);
-    wrote(arguments.plot);
-  }
+  draw(arguments.plot,
+       [&](const auto& path) { report::plot_bode(bode, shown, plot_text(machine, bode), path); });
   if (format == 2) return report::bode_csv(bode);
-  if (format == 0) {
-    const auto style = table_style(arguments.file);
-    return heading(machine, style.colour) + peak_text(bode, style);
-  }
-  auto json = report::head_json("bode", machine);
-  json.update(report::bode_json(bode));
-  return json.dump() + "\n";
+  if (format != 0)
+    return json_text(report::head_json("bode", machine), report::bode_json(bode), -1);
+  const auto style = table_style(arguments.file);
+  return heading(machine, style) + peak_text(bode, style);
 }
 
 void run(const Arguments& arguments) {
@@ -146,41 +127,6 @@ void run(const Arguments& arguments) {
   base::write_file_whole(arguments.file, arguments.input == "command"
                                              ? command_output(arguments, options, format)
                                              : mechanics_output(arguments, options, format));
-}
-
-void add_options(Command command, Arguments& arguments) {
-  add_machine_options(command, arguments.machine);
-  add_pose_option(command, arguments.machine);
-  add_model_option(command, arguments.machine);
-  command
-      .add_option("--input", arguments.input,
-                  "wrench at the point, actuator forces mapped to its directions, or command: the "
-                  "commanded pose, with hydraulics and controller")
-      .capture_default_str();
-  command
-      .add_option("--output", arguments.output,
-                  "displacement, velocity or acceleration of the point")
-      .capture_default_str();
-  command.add_option("--point", arguments.point,
-                     "Point of the platform, \"x,y,z\" in its frame; default: its mass centre");
-  command.add_option("--from", arguments.from,
-                     "Lowest frequency, Hz or with a unit; default: from the modes");
-  command.add_option("--to", arguments.to,
-                     "Highest frequency, Hz or with a unit; default: from the modes");
-  command
-      .add_option("--points", arguments.points, "Frequencies, evenly spaced on a logarithmic axis")
-      .range(2, 100000)
-      .capture_default_str();
-  command.add_option("--plot", arguments.plot,
-                     "Picture to write, .svg, .png or .pdf (needs gnuplot)");
-  command
-      .add_option("--entries", arguments.entries,
-                  "Entries to plot, as directions or output/input pairs")
-      .capture_default_str();
-  command
-      .add_option("--format", arguments.format, "table (the peaks), json or csv (the 6×6 response)")
-      .capture_default_str();
-  command.add_option("-o", arguments.file, "File to write; - prints").capture_default_str();
 }
 
 }  // namespace
@@ -197,9 +143,23 @@ void add_bode(Command app) {
         "from commanded to true pose, hydraulics and controller included"},
        {"bode machine.toml --from 1 --to \"200 Hz\" --format csv -o bode.csv",
         "the whole 6×6 response"}});
-  auto arguments = std::make_shared<Arguments>();
-  add_options(command, *arguments);
-  command.callback([arguments] { run(*arguments); });
+  auto& arguments = command.calls(&run);
+  add_subject_options(command, arguments.machine);
+  command.add_options(
+      {{"--input", arguments.input,
+        "wrench at the point, actuator forces mapped to its directions, or command: the "
+        "commanded pose, with hydraulics and controller"},
+       {"--output", arguments.output, "displacement, velocity or acceleration of the point"},
+       {"--point", arguments.point,
+        "Point of the platform, \"x,y,z\" in its frame; default: its mass centre"},
+       {"--from", arguments.from, "Lowest frequency, Hz or with a unit; default: from the modes"},
+       {"--to", arguments.to, "Highest frequency, Hz or with a unit; default: from the modes"},
+       {"--points", arguments.points, "Frequencies, evenly spaced on a logarithmic axis",
+        range(2, 100000)},
+       {"--plot", arguments.plot, "Picture to write, .svg, .png or .pdf (needs gnuplot)"},
+       {"--entries", arguments.entries, "Entries to plot, as directions or output/input pairs"},
+       {"--format", arguments.format, "table (the peaks), json or csv (the 6×6 response)"},
+       {"-o", arguments.file, "File to write; - prints"}});
 }
 
 }  // namespace hydrapod::cli

@@ -1,4 +1,4 @@
-#include "hydrapod/bode_report.hpp"
+#include "hydrapod/reports.hpp"
 
 #include <fmt/format.h>
 
@@ -19,14 +19,8 @@ using spatial::direction_names;
 std::string peak_table(const report::Bode& bode, const std::vector<response::Peak>& peaks,
                        const modal::AnalysedModel& model, const TableStyle& style) {
   if (peaks.empty()) return "none in this band\n";
-  Table table({{"direction", Align::left},
-               {"Hz"},
-               {"rad/s"},
-               {"height"},
-               {"unit", Align::left},
-               {"prominence dB"},
-               {"mode"},
-               {"motion, compliance", Align::left}});
+  Table table({"<direction", "Hz", "rad/s", "height", "<unit", "prominence dB", "mode",
+               "<motion, compliance"});
   for (const auto& peak : peaks) {
     const int mode = model.tabled_of_normal[peak.mode];
     const std::string prominence =
@@ -91,7 +85,7 @@ std::string command_text(const report::CommandResponse& response, const TableSty
   const auto hertz = [&](const std::optional<double>& omega) {
     return omega ? fmt::format("{:.3f}", *omega / two_pi) : std::string("–");
   };
-  Table table({{"", Align::left}, {"-3 dB Hz"}, {"-90° Hz"}, {"peak dB"}, {"at Hz"}});
+  Table table({"<", "-3 dB Hz", "-90° Hz", "peak dB", "at Hz"});
   for (int i = 0; i < 6; ++i) {
     const auto found = report::command_bandwidth(response, i);
     table.add_row({direction_names[static_cast<size_t>(i)], hertz(found.magnitude),

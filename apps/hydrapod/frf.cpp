@@ -1,14 +1,9 @@
-#include <fmt/format.h>
+#include "hydrapod/command.hpp"
 
 #include <algorithm>
-#include <memory>
 
-#include "hydrapod/base/file.hpp"
-#include "hydrapod/commands.hpp"
 #include "hydrapod/identification_arguments.hpp"
-#include "hydrapod/interrupt.hpp"
 #include "hydrapod/report/measured_results.hpp"
-#include "hydrapod/terminal.hpp"
 
 namespace hydrapod::cli {
 
@@ -27,13 +22,8 @@ double median(std::vector<double> values) {
 }
 
 std::string channel_table(const identification::FrequencyResponses& r, const TableStyle& style) {
-  Table table({{"output", Align::left},
-               {"unit", Align::left},
-               {"coherence, median"},
-               {"lowest"},
-               {"largest response", Align::left},
-               {"Hz"},
-               {"error there"}});
+  Table table({"<output", "<unit", "coherence, median", "lowest", "<largest response", "Hz",
+               "error there"});
   for (std::size_t o = 0; o < r.outputs.size(); ++o) {
     std::vector<double> coherence;
     double largest = 0.0;
@@ -104,14 +94,8 @@ void run(const Arguments& arguments) {
   const auto& r = measured.responses();
   const std::string title = options.files.front();
   const report::PlotText text{title, report::measurement_text(r)};
-  if (!arguments.plot.empty()) {
-    report::plot_responses(r, nullptr, text, arguments.plot);
-    fmt::print(stderr, "wrote {}\n", arguments.plot);
-  }
-  if (!arguments.coherence_plot.empty()) {
-    report::plot_coherence(r, text, arguments.coherence_plot);
-    fmt::print(stderr, "wrote {}\n", arguments.coherence_plot);
-  }
+  draw(arguments.plot, [&](const auto& path) { report::plot_responses(r, nullptr, text, path); });
+  draw(arguments.coherence_plot, [&](const auto& path) { report::plot_coherence(r, text, path); });
   if (format == mat) return report::write_responses_mat(arguments.output, r);
   if (format == uff) {
     auto titled = r;
@@ -123,8 +107,7 @@ void run(const Arguments& arguments) {
     return base::write_file_whole(arguments.output, table_text(arguments, measured));
   report::Json document{{"kind", "frf"}, {"records", options.files}};
   if (measured.header) document["record"] = report::record_origin_json(*measured.header);
-  document.update(report::responses_json(r));
-  base::write_file_whole(arguments.output, document.dump() + "\n");
+  base::write_file_whole(arguments.output, json_text(document, report::responses_json(r), -1));
 }
 
 }  // namespace
@@ -137,19 +120,17 @@ void add_frf(Command app) {
        {"frf run.h5 --from-excitation", "from the commands: the machine with its controller"},
        {"frf run1.h5 run2.h5 --format json -o frf.json", "several records, for `identify`"},
        {"frf test.csv --inputs force --outputs a1,a2 --block 4096", "channels by name"}});
-  auto arguments = std::make_shared<Arguments>();
-  command.add_option("RECORD", arguments->measurement.files, "Records, averaged together")
-      .required();
-  add_measurement_options(command, arguments->measurement);
-  command.add_option("--plot", arguments->plot, "Bode diagram to write, .svg, .png or .pdf");
-  command.add_option("--coherence", arguments->coherence_plot,
-                     "Picture of coherence and condition to write");
-  command.add_option("--format", arguments->format,
-                     "table (a summary), json, csv, uff or mat (the whole response); default: by "
-                     "the ending of -o, else table");
-  command.add_option("-o,--output", arguments->output, "File to write; - prints")
-      .capture_default_str();
-  command.callback([arguments] { run(*arguments); });
+  auto& arguments = command.calls(&run);
+  command.add_options(
+      {{"RECORD", arguments.measurement.files, "Records, averaged together", required}});
+  add_measurement_options(command, arguments.measurement);
+  command.add_options(
+      {{"--plot", arguments.plot, "Bode diagram to write, .svg, .png or .pdf"},
+       {"--coherence", arguments.coherence_plot, "Picture of coherence and condition to write"},
+       {"--format", arguments.format,
+        "table (a summary), json, csv, uff or mat (the whole response); default: by "
+        "the ending of -o, else table"},
+       {"-o,--output", arguments.output, "File to write; - prints"}});
 }
 
 }  // namespace hydrapod::cli

@@ -1,4 +1,4 @@
-#include "hydrapod/identification_report.hpp"
+#include "hydrapod/reports.hpp"
 
 #include <fmt/format.h>
 
@@ -88,14 +88,13 @@ std::string modes_text(const tasks::Identified& checks, const TableStyle& style)
                   result.chart.empty() ? 0 : result.chart.back().order,
                   report::frame_text(measured.measurement.from_legs, measured.from_accelerometers));
   if (result.modes.empty()) return text + "\nno mode in this band\n";
-  std::vector<Column> columns{{"mode"},    {"Hz"},  {"±"},
-                              {"damping"}, {"±"},   {"motion", Align::left},
-                              {"MPC"},     {"MPD"}, {"quality"}};
+  std::vector<Column> columns{"mode",    "Hz",  "±",   "damping", "±",
+                              "<motion", "MPC", "MPD", "quality"};
   if (checks.bootstrap) {
-    columns.push_back({"bootstrap ± Hz"});
-    columns.push_back({"± damping"});
+    columns.push_back("bootstrap ± Hz");
+    columns.push_back("± damping");
   }
-  if (!checks.cross_checks.empty()) columns.push_back({"ERA", Align::left});
+  if (!checks.cross_checks.empty()) columns.push_back("<ERA");
   Table table(columns);
   Eigen::VectorXd size =
       Eigen::VectorXd::Zero(static_cast<Eigen::Index>(result.responses.outputs.size()));
@@ -147,15 +146,8 @@ std::string comparison_text(const report::ComparedModes& compared,
         "No output has a direction of the platform or a leg: frequencies alone determine the "
         "pairs.\n";
   if (!c.pairs.empty()) {
-    Table table({{"mode"},
-                 {"Hz"},
-                 {"model Hz"},
-                 {"differs"},
-                 {"damping"},
-                 {"model"},
-                 {"differs"},
-                 {"MAC"},
-                 {"mode of the model", Align::left}});
+    Table table({"mode", "Hz", "model Hz", "differs", "damping", "model", "differs", "MAC",
+                 "<mode of the model"});
     for (const auto& p : c.pairs) {
       const auto& fit = result.modes[static_cast<std::size_t>(p.measured)].fit;
       const auto& mode = c.model[static_cast<std::size_t>(p.model)];
@@ -176,7 +168,7 @@ std::string output_only_text(const std::vector<identification::OutputOnlyMode>& 
       "{} outputs, no input: covariance-driven subspace identification, blocks of {} samples\n",
       outputs, block);
   if (modes.empty()) return text + "\nno stable pole\n";
-  Table table({{"mode"}, {"Hz"}, {"scatter"}, {"damping"}, {"scatter"}, {"MPC"}, {"quality"}});
+  Table table({"mode", "Hz", "scatter", "damping", "scatter", "MPC", "quality"});
   for (std::size_t r = 0; r < modes.size(); ++r) {
     const auto& mode = modes[r];
     const double omega = std::abs(mode.pole);

@@ -1,16 +1,7 @@
-#include <fmt/format.h>
-
-#include <memory>
-
-#include "hydrapod/base/error.hpp"
-#include "hydrapod/base/file.hpp"
-#include "hydrapod/commands.hpp"
+#include "hydrapod/command.hpp"
 #include "hydrapod/identification_arguments.hpp"
-#include "hydrapod/identification_report.hpp"
-#include "hydrapod/interrupt.hpp"
-#include "hydrapod/machine_arguments.hpp"
 #include "hydrapod/report/measured_results.hpp"
-#include "hydrapod/terminal.hpp"
+#include "hydrapod/reports.hpp"
 
 namespace hydrapod::cli {
 
@@ -24,30 +15,23 @@ struct Arguments : IdentificationArguments {
 
 enum Format : std::size_t { table, json, csv, uff, mat };
 
-void draw(const Arguments& a, const tasks::Identified& found) {
+void draw_all(const Arguments& a, const tasks::Identified& found) {
   const auto& result = found.modes;
   const report::PlotText text{a.measurement.files[0],
                               report::measurement_text(found.measured.responses())};
-  const auto wrote = [](const std::string& path) { fmt::print(stderr, "wrote {}\n", path); };
-  if (!a.plot.empty()) {
+  draw(a.plot, [&](const auto& path) {
     report::plot_responses(result.responses, result.modes.empty() ? nullptr : &result.model, text,
-                           a.plot);
-    wrote(a.plot);
-  }
-  if (!a.stabilisation.empty()) {
-    report::plot_stabilisation(result, text, a.stabilisation);
-    wrote(a.stabilisation);
-  }
-  if (!a.mac.empty()) {
-    if (result.modes.empty()) base::refuse("--mac " + a.mac, "there is no mode to compare");
-    report::plot_mac(result, text, a.mac);
-    wrote(a.mac);
-  }
-  if (!a.cross_mac.empty()) {
+                           path);
+  });
+  draw(a.stabilisation, [&](const auto& path) { report::plot_stabilisation(result, text, path); });
+  draw(a.mac, [&](const auto& path) {
+    if (result.modes.empty()) base::refuse("--mac " + path, "there is no mode to compare");
+    report::plot_mac(result, text, path);
+  });
+  draw(a.cross_mac, [&](const auto& path) {
     report::plot_cross_mac(*found.compared, result,
-                           {text.title, report::comparison_heading(*found.compared)}, a.cross_mac);
-    wrote(a.cross_mac);
-  }
+                           {text.title, report::comparison_heading(*found.compared)}, path);
+  });
 }
 
 void run_output_only(const Arguments& a, size_t format) {
@@ -68,11 +52,9 @@ void run_output_only(const Arguments& a, size_t format) {
                                    table_style(a.output)));
   if (format == Format::csv)
     return base::write_file_whole(a.output, report::output_only_csv(modes));
-  base::write_file_whole(a.output, report::Json{{"kind", "output_only_modes"},
-                                                {"records", a.measurement.files},
-                                                {"modes", report::output_only_json(modes)}}
-                                           .dump(1) +
-                                       "\n");
+  base::write_file_whole(
+      a.output, json_text({{"kind", "output_only_modes"}, {"records", a.measurement.files}},
+                          {{"modes", report::output_only_json(modes)}}));
 }
 
 void write_result(const Arguments& a, size_t format, const tasks::Identified& found) {
@@ -117,7 +99,7 @@ void run(const Arguments& a) {
   if (!found.compared && !a.cross_mac.empty())
     base::refuse("--cross-mac " + a.cross_mac,
                  "there is nothing to compare with: add --machine FILE");
-  draw(a, found);
+  draw_all(a, found);
   write_result(a, format, found);
 }
 
@@ -131,31 +113,24 @@ void add_identify(Command app) {
        {"identify frf.json --from 2 --to 30", "from responses of `hydrapod frf`"},
        {"identify run.h5 --machine machine.toml", "compared with the modes of a machine file"},
        {"identify run.h5 -o modes.json", "for other programs; also .csv, .uff and .mat"}});
-  auto a = std::make_shared<Arguments>();
-  command
-      .add_option("RECORD|FRF", a->measurement.files,
-                  "Records, averaged together, or JSON of `hydrapod frf`")
-      .required();
-  add_identification_options(command, *a);
-  command.add_flag("--output-only", a->output_only,
-                   "Modes from the outputs alone, for records without measured excitation");
-  command
-      .add_option("--bootstrap", a->bootstrap,
-                  "Number of bootstrap resamples to check the intervals, for instance 50; 0: none")
-      .range(0, 10000)
-      .capture_default_str();
-  command.add_option("--plot", a->plot,
-                     "Bode diagram of measurement and fit to write, .svg, .png or .pdf");
-  command.add_option("--stabilisation", a->stabilisation,
-                     "Stabilisation chart with mode indicator to write");
-  command.add_option("--mac", a->mac, "Picture of the MAC matrix to write");
-  command.add_option("--cross-mac", a->cross_mac,
-                     "Picture of the MAC of measured and model modes to write");
-  command.add_option("--format", a->format,
-                     "table, json, csv, uff (dataset 55) or mat; default: by the ending of -o, "
-                     "else table");
-  command.add_option("-o,--output", a->output, "File to write; - prints").capture_default_str();
-  command.callback([a] { run(*a); });
+  auto& a = command.calls(&run);
+  command.add_options({{"RECORD|FRF", a.measurement.files,
+                        "Records, averaged together, or JSON of `hydrapod frf`", required}});
+  add_identification_options(command, a);
+  command.add_options(
+      {{"--output-only", a.output_only,
+        "Modes from the outputs alone, for records without measured excitation"},
+       {"--bootstrap", a.bootstrap,
+        "Number of bootstrap resamples to check the intervals, for instance 50; 0: none",
+        OptionRule{.shows_zero = true, .range = std::pair(0, 10000)}},
+       {"--plot", a.plot, "Bode diagram of measurement and fit to write, .svg, .png or .pdf"},
+       {"--stabilisation", a.stabilisation, "Stabilisation chart with mode indicator to write"},
+       {"--mac", a.mac, "Picture of the MAC matrix to write"},
+       {"--cross-mac", a.cross_mac, "Picture of the MAC of measured and model modes to write"},
+       {"--format", a.format,
+        "table, json, csv, uff (dataset 55) or mat; default: by the ending of -o, "
+        "else table"},
+       {"-o,--output", a.output, "File to write; - prints"}});
 }
 
 }  // namespace hydrapod::cli

@@ -1,11 +1,7 @@
-#include <fmt/format.h>
+#include "hydrapod/command.hpp"
 
 #include <filesystem>
-#include <memory>
 
-#include "hydrapod/base/error.hpp"
-#include "hydrapod/base/file.hpp"
-#include "hydrapod/commands.hpp"
 #include "hydrapod/model/machine_file.hpp"
 
 namespace hydrapod::cli {
@@ -39,12 +35,11 @@ void add_init(Command app) {
                                  {"init simulator.toml --force", "replaces simulator.toml"},
                                  {"init -", "prints it"},
                                  {"init --reference", "prints tables of all keys"}});
-  auto arguments = std::make_shared<Arguments>();
-  command.add_option("FILE", arguments->file, "File to write; - prints").capture_default_str();
-  command.add_flag("--force", arguments->force, "Replace the file if it exists");
-  command.add_flag("--reference", arguments->reference,
-                   "Print the tables of all keys in Markdown, and write no file");
-  command.callback([arguments] { run(*arguments); });
+  auto& arguments = command.calls(&run);
+  command.add_options({{"FILE", arguments.file, "File to write; - prints"},
+                       {"--force", arguments.force, "Replace the file if it exists"},
+                       {"--reference", arguments.reference,
+                        "Print the tables of all keys in Markdown, and write no file"}});
 }
 
 }  // namespace hydrapod::cli

@@ -1,17 +1,11 @@
-#include <fmt/format.h>
+#include "hydrapod/command.hpp"
 
-#include <memory>
 #include <optional>
 
-#include "hydrapod/base/error.hpp"
-#include "hydrapod/base/file.hpp"
-#include "hydrapod/commands.hpp"
-#include "hydrapod/machine_arguments.hpp"
-#include "hydrapod/mode_report.hpp"
 #include "hydrapod/report/json.hpp"
+#include "hydrapod/reports.hpp"
 #include "hydrapod/system_modes.hpp"
 #include "hydrapod/tasks/linear.hpp"
-#include "hydrapod/terminal.hpp"
 
 namespace hydrapod::cli {
 
@@ -25,11 +19,10 @@ struct Arguments {
   SystemArguments system{};
 };
 
-std::string json_text(const tasks::Machine& machine, const modal::ModeTable& table, bool matrices) {
-  auto json = report::head_json("modes", machine);
-  json.update(report::modes_json(table));
+std::string mode_json(const tasks::Machine& machine, const modal::ModeTable& table, bool matrices) {
+  auto json = report::modes_json(table);
   if (matrices) json["matrices"] = report::matrices_json(table);
-  return json.dump(1) + "\n";
+  return json_text(report::head_json("modes", machine), json);
 }
 
 std::string table_text(const tasks::Machine& machine, const modal::ModeTable& table,
@@ -41,9 +34,8 @@ std::string table_text(const tasks::Machine& machine, const modal::ModeTable& ta
   } catch (const std::exception&) {  // it may be unsound or buckled, and --set mends it
     note = "\nthe change by --set is not shown: without it the file has no modes at this pose\n";
   }
-  return heading(machine, style.colour) + "\n" +
-         mode_text(table, before ? &*before : nullptr, style) + note + "\n" +
-         report::answer_text(table);
+  return heading(machine, style) + "\n" + mode_text(table, before ? &*before : nullptr, style) +
+         note + "\n" + report::answer_text(table);
 }
 
 void run(const Arguments& arguments) {
@@ -65,7 +57,7 @@ void run(const Arguments& arguments) {
   const auto table = tasks::modes(machine);
   base::write_file_whole(arguments.output, format == 0 ? table_text(machine, table, style)
                                            : format == 1
-                                               ? json_text(machine, table, arguments.matrices)
+                                               ? mode_json(machine, table, arguments.matrices)
                                                : mode_csv(table));
 }
 
@@ -86,17 +78,13 @@ void add_modes(Command app) {
        {"modes machine.toml --root-locus controller.gain=5:80:16 --plot locus.svg",
         "these poles as functions of the gain"},
        {"modes machine.toml --format json --matrices -o modes.json", "all results as JSON"}});
-  auto arguments = std::make_shared<Arguments>();
-  add_machine_options(command, arguments->machine);
-  add_pose_option(command, arguments->machine);
-  add_model_option(command, arguments->machine);
-  command.add_option("--format", arguments->format, "table, json or csv").capture_default_str();
-  command.add_flag("--matrices", arguments->matrices,
-                   "Put M, K and C into the JSON (with --format json)");
-  add_system_options(command, arguments->system);
-  command.add_option("-o,--output", arguments->output, "File to write; - prints")
-      .capture_default_str();
-  command.callback([arguments] { run(*arguments); });
+  auto& arguments = command.calls(&run);
+  add_subject_options(command, arguments.machine);
+  command.add_options(
+      {{"--format", arguments.format, "table, json or csv"},
+       {"--matrices", arguments.matrices, "Put M, K and C into the JSON (with --format json)"}});
+  add_system_options(command, arguments.system);
+  command.add_options({{"-o,--output", arguments.output, "File to write; - prints"}});
 }
 
 }  // namespace hydrapod::cli

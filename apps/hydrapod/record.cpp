@@ -1,28 +1,22 @@
-#include <fmt/format.h>
-
-#include "hydrapod/base/error.hpp"
-#include "hydrapod/commands.hpp"
-#include "hydrapod/interrupt.hpp"
-#include "hydrapod/machine_arguments.hpp"
+#include "hydrapod/base/text.hpp"
+#include "hydrapod/command.hpp"
 #include "hydrapod/record_arguments.hpp"
-#include "hydrapod/terminal.hpp"
 
 namespace hydrapod::cli {
 
 void add_record_options(Command command, RecordArguments& arguments,
                         const std::string& rate_option) {
-  command
-      .add_option("FILE", arguments.file,
-                  "Record: HDF5, MAT (5 or 7.3), CSV or Universal File, detected by its content")
-      .required();
-  command.add_option(rate_option, arguments.rate,
-                     "Sample rate in Hz, for files that do not state it");
+  command.add_options(
+      {{"FILE", arguments.file,
+        "Record: HDF5, MAT (5 or 7.3), CSV or Universal File, detected by its content", required},
+       {rate_option, arguments.rate, "Sample rate in Hz, for files that do not state it"}});
 }
 
 void add_output_options(Command command, OutputArguments& arguments) {
-  command.add_option("-o", arguments.file, "File to write: .h5, .mat, .csv or .uff").required();
-  command.add_option("--format", arguments.format,
-                     "hdf5, mat5, mat73, csv, uff (binary) or uff-ascii; default: by the ending");
+  command.add_options(
+      {{"-o", arguments.file, "File to write: .h5, .mat, .csv or .uff", required},
+       {"--format", arguments.format,
+        "hdf5, mat5, mat73, csv, uff (binary) or uff-ascii; default: by the ending"}});
 }
 
 data::RecordFormat choose_format(const OutputArguments& arguments) {
@@ -35,6 +29,15 @@ data::RecordSet open_record(const RecordArguments& arguments) {
   if (arguments.rate && !(*arguments.rate > 0.0 && *arguments.rate < 1e12))
     base::refuse("--rate", "a sample rate must be positive");
   return data::RecordSet({arguments.file}, {.sample_rate = arguments.rate});
+}
+
+void refuse_channel(const std::string& name, const data::RecordHeader& header) {
+  std::vector<std::string_view> known;
+  for (const auto& channel : header.channels) known.push_back(channel.name);
+  const auto near = base::nearest(name, known);
+  base::refuse("--channel " + name, "the record has no such channel; " +
+                                        (near ? fmt::format("did you mean '{}'?", *near)
+                                              : fmt::format("it has {}", fmt::join(known, ", "))));
 }
 
 bool read_all(data::RecordSet& record, const std::string& title,

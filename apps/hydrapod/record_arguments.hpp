@@ -35,6 +35,9 @@ data::RecordFormat choose_format(const OutputArguments& arguments);
 /// Throws base::InputError; for a wrong --rate too.
 data::RecordSet open_record(const RecordArguments& arguments);
 
+/// For a --channel `name` that the record does not have. Throws base::InputError.
+[[noreturn]] void refuse_channel(const std::string& name, const data::RecordHeader& header);
+
 /// Reads to the end in blocks, with a progress line titled `title` where the length is known. Notes
 /// go to stderr at the end. False when Ctrl-C ended it before.
 bool read_all(data::RecordSet& record, const std::string& title,

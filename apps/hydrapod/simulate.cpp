@@ -1,16 +1,7 @@
-#include <fmt/format.h>
-
-#include <memory>
-
-#include "hydrapod/base/error.hpp"
-#include "hydrapod/base/file.hpp"
-#include "hydrapod/commands.hpp"
-#include "hydrapod/interrupt.hpp"
-#include "hydrapod/machine_arguments.hpp"
+#include "hydrapod/command.hpp"
+#include "hydrapod/reports.hpp"
 #include "hydrapod/signal_help.hpp"
-#include "hydrapod/simulation_report.hpp"
 #include "hydrapod/tasks/simulation.hpp"
-#include "hydrapod/terminal.hpp"
 
 namespace hydrapod::cli {
 
@@ -30,10 +21,8 @@ struct Arguments {
   std::string format{"table"};
 };
 
-double positive(const std::string& option, const std::string& text) {
-  const double value = plain_or_quantity(option + " " + text, text, "s");
-  if (!(value > 0.0)) base::refuse(option + " " + text, "expected a time of more than 0 s");
-  return value;
+double time(const std::string& option, const std::string& text) {
+  return positive_quantity(option, text, "s", "expected a time of more than 0 s");
 }
 
 tasks::SimulateOptions options_of(const Arguments& arguments) {
@@ -47,24 +36,20 @@ tasks::SimulateOptions options_of(const Arguments& arguments) {
   if (!(arguments.tolerance >= 1e-13 && arguments.tolerance <= 1e-2))
     base::refuse(fmt::format("--tolerance {}", arguments.tolerance), "expected 1e-13 to 0.01");
   loop.integrator.relative_tolerance = loop.integrator.absolute_tolerance = arguments.tolerance;
-  loop.integrator.fixed_step = positive("--step", arguments.step);
+  loop.integrator.fixed_step = time("--step", arguments.step);
   loop.seed = arguments.seed;
   loop.ideal_sensors = arguments.ideal_sensors;
-  if (!arguments.until.empty()) options.until = positive("--until", arguments.until);
-  if (!arguments.dt_output.empty())
-    loop.output_interval = positive("--dt-output", arguments.dt_output);
+  if (!arguments.until.empty()) options.until = time("--until", arguments.until);
+  if (!arguments.dt_output.empty()) loop.output_interval = time("--dt-output", arguments.dt_output);
   return options;
 }
 
 std::string result_text(const Arguments& arguments, const tasks::Machine& machine,
                         const report::Simulation& simulation) {
-  if (arguments.format == "json") {
-    auto json = report::head_json("simulation", machine);
-    json.update(report::simulation_json(simulation));
-    return json.dump() + "\n";
-  }
-  return simulation_text(machine.file.machine, machine.pose, simulation, has_colour(stdout),
-                         terminal_width());
+  if (arguments.format == "json")
+    return json_text(report::head_json("simulation", machine), report::simulation_json(simulation),
+                     -1);
+  return simulation_text(machine.file.machine, machine.pose, simulation, table_style("-"));
 }
 
 /// A run that ended early fails the command, but only after everything it has was written.
@@ -96,59 +81,14 @@ void run(const Arguments& arguments) {
   const auto result = with_progress("simulating", [&](const auto& progress) {
     return tasks::simulate(machine, options, progress);
   });
-  for (const auto& warning : result.warnings)
-    print_diagnostics({{.severity = base::Severity::warning, .message = warning}});
-  const auto wrote = [](const std::string& path) { fmt::print(stderr, "wrote {}\n", path); };
-  if (!arguments.record.empty()) wrote(arguments.record);
-  if (!arguments.plot.empty() && !result.trace.time.empty()) {
-    report::plot_simulation(result, of.name, simulation_subtitle(machine.pose, result),
-                            arguments.plot);
-    wrote(arguments.plot);
-  }
+  for (const auto& warning : result.warnings) print_warning(warning);
+  if (!arguments.record.empty()) print_written(arguments.record);
+  if (!result.trace.time.empty())
+    draw(arguments.plot, [&](const auto& path) {
+      report::plot_simulation(result, of.name, simulation_subtitle(machine.pose, result), path);
+    });
   base::write_file_whole("-", result_text(arguments, machine, result));
   fail_if_early(arguments, result);
-}
-
-void add_options(Command command, Arguments& arguments) {
-  add_machine_options(command, arguments.machine);
-  add_pose_option(command, arguments.machine);
-  command
-      .add_option("--model", arguments.machine.model,
-                  "rigid, guide (compliant guide sleeves) or full (piston rings too); default: "
-                  "full where the file has piston rings, else guide")
-      .type_name("MODEL");
-  command
-      .add_option("--command", arguments.commands,
-                  "Commanded motion (see below); may be repeated, commands add up [rest]")
-      .allow_extra_args(false)
-      .type_name("COMMAND");
-  command.add_option("--until", arguments.until,
-                     "Simulated time, s or with a unit; default: until shortly after the commands");
-  command.add_option("--dt-output", arguments.dt_output,
-                     "Time between samples of the record; default: the controller's sample time");
-  command.add_option("-o,--output", arguments.record,
-                     "Record to write: .h5, .mat, .csv or .uff; a PATH.part while it grows");
-  command.add_option("--plot", arguments.plot,
-                     "Picture to write, .svg, .png or .pdf (needs gnuplot)");
-  command
-      .add_option("--integrator", arguments.integrator,
-                  "adaptive (Dormand-Prince 5(4)), adams or bdf (CVODE, locate stops), fixed "
-                  "(Runge-Kutta 4)")
-      .capture_default_str();
-  command.add_option("--tolerance", arguments.tolerance, "Of the integrator, relative")
-      .capture_default_str();
-  command.add_option("--step", arguments.step, "Step of the fixed integrator")
-      .capture_default_str();
-  command
-      .add_option("--seed", arguments.seed,
-                  "Seed of noise in sensors and commands; the same seed gives the same run")
-      .capture_default_str();
-  command.add_flag("--ideal-sensors", arguments.ideal_sensors,
-                   "Sensors without noise, resolution and range");
-  command.add_flag("--show-controller", arguments.show_controller,
-                   "Print the values of the controller and their origin, and end");
-  command.add_option("--format", arguments.format, "table or json (with time histories)")
-      .capture_default_str();
 }
 
 }  // namespace
@@ -171,9 +111,35 @@ void add_simulate(Command app) {
         "a faster controller"},
        {"simulate machine.toml --show-controller", "values of the controller"}});
   command.footer(command.get_footer() + signal_help + "\nHere: level=amplitude, turns=0.");
-  auto arguments = std::make_shared<Arguments>();
-  add_options(command, *arguments);
-  command.callback([arguments] { run(*arguments); });
+  auto& arguments = command.calls(&run);
+  add_machine_options(command, arguments.machine);
+  add_pose_option(command, arguments.machine);
+  command.add_options(
+      {{"--model", arguments.machine.model,
+        "rigid, guide (compliant guide sleeves) or full (piston rings too); default: "
+        "full where the file has piston rings, else guide",
+        shown_as("MODEL")},
+       {"--command", arguments.commands,
+        "Commanded motion (see below); may be repeated, commands add up [rest]",
+        one_each_as("COMMAND")},
+       {"--until", arguments.until,
+        "Simulated time, s or with a unit; default: until shortly after the commands"},
+       {"--dt-output", arguments.dt_output,
+        "Time between samples of the record; default: the controller's sample time"},
+       {"-o,--output", arguments.record,
+        "Record to write: .h5, .mat, .csv or .uff; a PATH.part while it grows"},
+       {"--plot", arguments.plot, "Picture to write, .svg, .png or .pdf (needs gnuplot)"},
+       {"--integrator", arguments.integrator,
+        "adaptive (Dormand-Prince 5(4)), adams or bdf (CVODE, locate stops), fixed "
+        "(Runge-Kutta 4)"},
+       {"--tolerance", arguments.tolerance, "Of the integrator, relative"},
+       {"--step", arguments.step, "Step of the fixed integrator"},
+       {"--seed", arguments.seed,
+        "Seed of noise in sensors and commands; the same seed gives the same run"},
+       {"--ideal-sensors", arguments.ideal_sensors, "Sensors without noise, resolution and range"},
+       {"--show-controller", arguments.show_controller,
+        "Print the values of the controller and their origin, and end"},
+       {"--format", arguments.format, "table or json (with time histories)"}});
 }
 
 }  // namespace hydrapod::cli

@@ -1,4 +1,4 @@
-#include "hydrapod/simulation_report.hpp"
+#include "hydrapod/reports.hpp"
 
 #include <fmt/format.h>
 
@@ -47,12 +47,12 @@ std::string settled_text(const report::Simulation& s, int i) {
   return fmt::format("{:.3f} s", std::max(s.summary.settled[i] - *at, 0.0));
 }
 
-std::string direction_table(const report::Simulation& s, bool colour, std::size_t width) {
+std::string direction_table(const report::Simulation& s, const TableStyle& style) {
   const bool steps = std::any_of(s.step_time.begin(), s.step_time.end(),
                                  [](const auto& time) { return time.has_value(); });
-  std::vector<Column> columns{{"", Align::left}, {"unit", Align::left}, {"commanded"}, {"moved"},
-                              {"RMS error"},     {"peak error"},        {"at the end"}};
-  if (steps) columns.push_back({"within 2 % after"});
+  std::vector<Column> columns{"<",         "<unit",      "commanded", "moved",
+                              "RMS error", "peak error", "at the end"};
+  if (steps) columns.push_back("within 2 % after");
   Table table(columns);
   for (int i = 0; i < 6; ++i) {
     const auto& r = s.summary;
@@ -64,19 +64,12 @@ std::string direction_table(const report::Simulation& s, bool colour, std::size_
     if (steps) row.push_back(settled_text(s, i));
     table.add_row(row);
   }
-  return table.text(colour, width);
+  return table.text(style);
 }
 
-std::string leg_table(const report::Simulation& s, bool colour, std::size_t width) {
-  Table table({{"leg", Align::left},
-               {"piston from mm"},
-               {"to mm"},
-               {"stroke used"},
-               {"left in mm"},
-               {"left out mm"},
-               {"peak speed mm/s"},
-               {"peak drive"},
-               {"at its limit"}});
+std::string leg_table(const report::Simulation& s, const TableStyle& style) {
+  Table table({"<leg", "piston from mm", "to mm", "stroke used", "left in mm", "left out mm",
+               "peak speed mm/s", "peak drive", "at its limit"});
   for (std::size_t i = 0; i < model::leg_count; ++i) {
     const auto& r = s.summary;
     const auto& stops = s.stops[i];
@@ -91,7 +84,7 @@ std::string leg_table(const report::Simulation& s, bool colour, std::size_t widt
                    fmt::format("{:.3g} %", 100.0 * r.peak_drive[i]),
                    fmt::format("{:.2g} %", 100.0 * limited)});
   }
-  return table.text(colour, width);
+  return table.text(style);
 }
 
 /// The first few events, one line each.
@@ -130,7 +123,7 @@ std::string simulation_subtitle(const model::NamedPose& pose, const report::Simu
 std::string controller_text(const model::Machine& machine, const control::ControllerParameters& p,
                             double lowest_oil_mode) {
   const auto& given = machine.controller;
-  Table table({{"", Align::left}, {"", Align::left}, {"", Align::left}});
+  Table table({"<", "<", "<"});
   const auto row = [&](const char* key, std::string value, std::string from) {
     table.add_row({key, std::move(value), std::move(from)});
   };
@@ -163,13 +156,13 @@ std::string controller_text(const model::Machine& machine, const control::Contro
 }
 
 std::string simulation_text(const model::Machine& machine, const model::NamedPose& pose,
-                            const report::Simulation& s, bool colour, std::size_t width) {
+                            const report::Simulation& s, const TableStyle& style) {
   const auto& r = s.summary;
-  std::string text = fmt::format(
-      "{}, {}\n{:.6g} s simulated with {}: {} steps, {} evaluations\n\n",
-      styled(machine.name, Style::bold, colour), simulation_subtitle(pose, s), r.time,
-      simulation::name(s.loop.integrator.method), r.integrator.steps, r.integrator.evaluations);
-  if (r.samples > 0) text += direction_table(s, colour, width) + "\n" + leg_table(s, colour, width);
+  std::string text = fmt::format("{}, {}\n{:.6g} s simulated with {}: {} steps, {} evaluations\n\n",
+                                 bold(machine.name, style), simulation_subtitle(pose, s), r.time,
+                                 simulation::name(s.loop.integrator.method), r.integrator.steps,
+                                 r.integrator.evaluations);
+  if (r.samples > 0) text += direction_table(s, style) + "\n" + leg_table(s, style);
   const std::string events = event_text(s);
   if (!events.empty()) text += "\n" + events;
   return text;

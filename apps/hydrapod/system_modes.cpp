@@ -1,14 +1,11 @@
 #include "hydrapod/system_modes.hpp"
-#include "hydrapod/base/error.hpp"
-
-#include <fmt/format.h>
+#include "hydrapod/command.hpp"
 
 #include <algorithm>
 #include <array>
 
 #include "hydrapod/base/text.hpp"
 #include "hydrapod/base/units.hpp"
-#include "hydrapod/interrupt.hpp"
 #include "hydrapod/report/model_results.hpp"
 #include "hydrapod/tasks/linear.hpp"
 
@@ -68,13 +65,7 @@ std::string pole_table(const SystemPoles& poles, bool closed, const TableStyle& 
   for (const auto& pole : poles.poles) order.push_back(&pole);
   std::stable_sort(order.begin(), order.end(),
                    [](const auto* a, const auto* b) { return a->omega < b->omega; });
-  Table table({{"pole"},
-               {"Hz"},
-               {"rad/s"},
-               {"damping"},
-               {"Re 1/s"},
-               {"", Align::left},
-               {"participation", Align::left}});
+  Table table({"pole", "Hz", "rad/s", "damping", "Re 1/s", "<", "<participation"});
   for (std::size_t k = 0; k < order.size(); ++k) {
     const auto& pole = *order[k];
     const bool stable = pole.pole.real() < 0.0;
@@ -96,9 +87,9 @@ std::string pole_table(const SystemPoles& poles, bool closed, const TableStyle& 
 std::string system_heading(const tasks::Machine& machine, const report::System& system,
                            const TableStyle& style) {
   const auto& linear = system.linear;
-  const std::string title = fmt::format(
-      "{}, pose {}: {} model", styled(machine.file.machine.name, Style::bold, style.colour),
-      machine.pose.name, dynamics::name(machine.kind));
+  const std::string title =
+      fmt::format("{}, pose {}: {} model", bold(machine.file.machine.name, style),
+                  machine.pose.name, dynamics::name(machine.kind));
   if (!system.closed)
     return fmt::format(
         "{} with hydraulics, without controller, {} states\nthe valves are held at their rest "
@@ -126,13 +117,13 @@ const simulation::SystemPole* least_damped(const SystemPoles& poles) {
 
 std::string locus_table(const report::RootLocus& locus, const TableStyle& style) {
   Table table({{locus.key},
-               {"stable", Align::left},
-               {"largest |z|"},
-               {"largest Re 1/s"},
-               {"Hz"},
-               {"lowest damping"},
-               {"Hz"},
-               {"participation", Align::left}});
+               "<stable",
+               "largest |z|",
+               "largest Re 1/s",
+               "Hz",
+               "lowest damping",
+               "Hz",
+               "<participation"});
   for (std::size_t k = 0; k < locus.values.size(); ++k) {
     const auto& poles = locus.poles[k];
     const auto* least = least_damped(poles);
@@ -157,42 +148,34 @@ std::string locus_output(const tasks::Machine& machine, const tasks::RootLocusOp
     return tasks::root_locus(machine, options, progress);
   });
   const auto& name = machine.file.machine.name;
-  if (!plot.empty()) {
+  draw(plot, [&](const auto& path) {
     report::plot_root_locus(locus, name,
                             fmt::format("root locus over {}; pose {}, {} model", locus.key,
                                         machine.pose.name, dynamics::name(machine.kind)),
-                            plot);
-    fmt::print(stderr, "wrote {}\n", plot);
-  }
+                            path);
+  });
   if (format == 2) return report::root_locus_csv(locus);
   if (format == 0)
-    return fmt::format("{}, pose {}: poles over {}\n\n", styled(name, Style::bold, style.colour),
-                       machine.pose.name, locus.key) +
+    return fmt::format("{}, pose {}: poles over {}\n\n", bold(name, style), machine.pose.name,
+                       locus.key) +
            locus_table(locus, style);
-  auto json = report::head_json("root_locus", machine);
-  json["model"] = dynamics::name(machine.kind);
-  json.update(report::root_locus_json(locus));
-  return json.dump() + "\n";
+  return json_text(head_of_model("root_locus", machine), report::root_locus_json(locus), -1);
 }
 
 }  // namespace
 
 void add_system_options(Command command, SystemArguments& arguments) {
-  command.add_flag("--system", arguments.system,
-                   "Poles of mechanics, hydraulics, controller and delay");
-  command.add_flag("--open-loop", arguments.open_loop,
-                   "The same without the controller; inputs are the drives");
-  command
-      .add_option("--root-locus", arguments.root_locus,
-                  "KEY=from:to:count: these poles as functions of one parameter of the file (SI)")
-      .type_name("KEY=from:to:count");
-  command
-      .add_option("--pade", arguments.pade,
-                  "Order of the approximation of the delay, 0 (no delay) to 8")
-      .range(0, 8)
-      .capture_default_str();
-  command.add_option("--plot", arguments.plot,
-                     "Picture of the root locus, .svg, .png or .pdf (needs gnuplot)");
+  command.add_options(
+      {{"--system", arguments.system, "Poles of mechanics, hydraulics, controller and delay"},
+       {"--open-loop", arguments.open_loop,
+        "The same without the controller; inputs are the drives"},
+       {"--root-locus", arguments.root_locus,
+        "KEY=from:to:count: these poles as functions of one parameter of the file (SI)",
+        shown_as("KEY=from:to:count")},
+       {"--pade", arguments.pade, "Order of the approximation of the delay, 0 (no delay) to 8",
+        range(0, 8)},
+       {"--plot", arguments.plot,
+        "Picture of the root locus, .svg, .png or .pdf (needs gnuplot)"}});
 }
 
 std::string system_modes_text(const MachineArguments& arguments, const SystemArguments& asked,
@@ -211,10 +194,7 @@ std::string system_modes_text(const MachineArguments& arguments, const SystemArg
     return system_heading(machine, system, style) + "\n" +
            pole_table(system.poles, system.closed, style) + "\n" +
            (system.closed ? report::verdict_text(system.poles) : open_verdict(system.poles)) + "\n";
-  auto json = report::head_json("system", machine);
-  json["model"] = dynamics::name(machine.kind);
-  json.update(report::system_json(system));
-  return json.dump(1) + "\n";
+  return json_text(head_of_model("system", machine), report::system_json(system));
 }
 
 }  // namespace hydrapod::cli

@@ -140,6 +140,18 @@ void print_error(std::string_view message) {
   print_diagnostics({{.message = std::string(message)}});
 }
 
+void print_warning(const std::string& message, const std::string& file) {
+  print_diagnostics({{.severity = base::Severity::warning, .file = file, .message = message}});
+}
+
+void print_written(const std::string& path) { fmt::print(stderr, "wrote {}\n", path); }
+
+Column::Column(std::string text) : title(std::move(text)) {
+  if (!title.starts_with('<')) return;
+  title.erase(0, 1);
+  align = Align::left;
+}
+
 void Table::add_row(std::vector<std::string> cells) {
   if (cells.size() > columns_.size()) {
     throw std::invalid_argument(
@@ -196,6 +208,10 @@ std::string Table::text(bool colour, std::size_t width) const {
 }
 
 std::string Table::text(const TableStyle& style) const { return text(style.colour, style.width); }
+
+std::string bold(std::string_view text, const TableStyle& style) {
+  return styled(text, Style::bold, style.colour);
+}
 
 TableStyle table_style(const std::string& output) {
   const bool printed = output == "-";

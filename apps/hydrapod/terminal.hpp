@@ -29,11 +29,27 @@ void print_diagnostics(const std::vector<base::Diagnostic>& diagnostics);
 
 /// The same for a message that belongs to no file.
 void print_error(std::string_view message);
+void print_warning(const std::string& message, const std::string& file = {});
+
+/// "wrote PATH" on stderr.
+void print_written(const std::string& path);
+
+/// Where a picture was asked for: draws it, and says so.
+template <class Draw>
+void draw(const std::string& path, const Draw& plot) {
+  if (path.empty()) return;
+  plot(path);
+  print_written(path);
+}
 
 enum class Align { left, right };
 
+/// A title; one that begins with '<' stands above a column that is aligned left.
 struct Column {
-  std::string title{};
+  Column(const char* text) : Column(std::string(text)) {}  // NOLINT: a title is a column
+  Column(std::string text);                                // NOLINT
+
+  std::string title;
   Align align{Align::right};
 };
 
@@ -70,6 +86,8 @@ struct TableStyle {
   bool colour{};
   std::size_t width{Table::unlimited};
 };
+
+std::string bold(std::string_view text, const TableStyle& style);
 
 /// As the file `output` asks for; "-" is the terminal.
 TableStyle table_style(const std::string& output);
