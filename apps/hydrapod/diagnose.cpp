@@ -3,7 +3,7 @@
 #include <filesystem>
 
 #include "hydrapod/base/units.hpp"
-#include "hydrapod/diagnosis_arguments.hpp"
+#include "hydrapod/identification_arguments.hpp"
 #include "hydrapod/report/measured_results.hpp"
 #include "hydrapod/report/model_results.hpp"
 

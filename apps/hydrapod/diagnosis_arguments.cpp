@@ -1,4 +1,4 @@
-#include "hydrapod/diagnosis_arguments.hpp"
+#include "hydrapod/identification_arguments.hpp"
 
 #include <fmt/format.h>
 
@@ -7,7 +7,6 @@
 #include "hydrapod/base/error.hpp"
 #include "hydrapod/base/text.hpp"
 #include "hydrapod/base/units.hpp"
-#include "hydrapod/identification_arguments.hpp"
 #include "hydrapod/machine_arguments.hpp"
 #include "hydrapod/spatial/pose.hpp"
 

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 
-#include "hydrapod/base/text.hpp"
 #include "hydrapod/record_arguments.hpp"
 #include "hydrapod/report/measured_results.hpp"
 #include "hydrapod/report/model_results.hpp"

@@ -3,7 +3,6 @@
 #include <charconv>
 
 #include "hydrapod/base/text.hpp"
-#include "hydrapod/diagnosis_arguments.hpp"
 #include "hydrapod/identification_arguments.hpp"
 #include "hydrapod/tasks/report.hpp"
 

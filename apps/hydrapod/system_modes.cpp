@@ -16,7 +16,7 @@ namespace {
 using simulation::SystemPoles;
 
 using base::two_pi;
-constexpr int most_values = 1000;
+constexpr int most_values = tasks::RootLocusOptions::most_values;
 
 tasks::RootLocusOptions locus_options(const std::string& text) {
   const std::string argument = "--root-locus " + text;
