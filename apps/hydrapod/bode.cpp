@@ -1,6 +1,8 @@
 #include "hydrapod/command.hpp"
 
 #include <algorithm>
+#include <array>
+#include <cmath>
 
 #include "hydrapod/base/text.hpp"
 #include "hydrapod/base/units.hpp"
@@ -12,8 +14,89 @@ namespace hydrapod::cli {
 namespace {
 
 using base::two_pi;
-const std::vector<std::string_view> directions(spatial::direction_names.begin(),
-                                               spatial::direction_names.end());
+using spatial::direction_names;
+
+std::string peak_table(const report::Bode& bode, const std::vector<response::Peak>& peaks,
+                       const modal::AnalysedModel& model, const TableStyle& style) {
+  if (peaks.empty()) return "none in this band\n";
+  Table table({"<direction", "Hz", "rad/s", "height", "<unit", "prominence dB", "mode",
+               "<motion, compliance"});
+  for (const auto& peak : peaks) {
+    const int mode = model.tabled_of_normal[peak.mode];
+    const std::string prominence =
+        std::isinf(peak.prominence_db) ? "highest" : fmt::format("{:.1f}", peak.prominence_db);
+    table.add_row(
+        {direction_names[peak.direction], hertz(peak.omega), fmt::format("{:.3f}", peak.omega),
+         std::isinf(peak.magnitude) ? "unbounded" : fmt::format("{:.3e}", peak.magnitude),
+         report::response_unit(bode.options.output, peak.direction, peak.direction), prominence,
+         fmt::format("{}", mode + 1), model.modes[mode].label + (peak.own ? "" : " (coupled)")});
+  }
+  return table.text(style);
+}
+
+constexpr std::array<const char*, 2> inputs{"wrench", "actuator forces"};
+constexpr std::array<const char*, 3> outputs{"displacement", "velocity", "acceleration"};
+
+std::string output_from_input(const report::BodeOptions& options) {
+  return fmt::format("{} from {}", outputs[static_cast<size_t>(options.output)],
+                     inputs[static_cast<size_t>(options.input)]);
+}
+
+std::string point_of_platform(const report::BodeOptions& options) {
+  const auto& p = *options.p_PQ;
+  return fmt::format("point ({:.4g}, {:.4g}, {:.4g}) m of the platform", p.x(), p.y(), p.z());
+}
+
+std::string count_text(const std::vector<response::Peak>& peaks) {
+  std::string text;
+  for (int d = 0; d < 6; ++d)
+    text += fmt::format("{}{} {}", d == 0 ? "" : ", ", direction_names[d],
+                        response::count_own(peaks, d));
+  return text;
+}
+
+}  // namespace
+
+std::string peak_text(const report::Bode& bode, const TableStyle& style) {
+  const bool flexible = bode.table.kind != dynamics::ModelKind::rigid;
+  std::string text =
+      fmt::format("{}; {}; {:.4g} Hz to {:.4g} Hz\n\nPeaks of the direct responses\n",
+                  output_from_input(bode.options), point_of_platform(bode.options),
+                  *bode.options.from / two_pi, *bode.options.to / two_pi);
+  if (flexible)
+    text += peak_table(bode, bode.real_peaks, bode.table.real, style) + "\nWith rigid legs\n";
+  text += peak_table(bode, bode.rigid_peaks, bode.table.rigid, style);
+  text += "\nResonances per direction, without coupled ones\n";
+  if (flexible) text += fmt::format("  with seals  {}\n", count_text(bode.real_peaks));
+  return text + fmt::format("  rigid legs  {}\n", count_text(bode.rigid_peaks));
+}
+
+report::PlotText plot_text(const tasks::Machine& subject, const report::Bode& bode) {
+  const auto& machine = subject.file.machine;
+  return {fmt::format("{}: {}", machine.name, output_from_input(bode.options)),
+          fmt::format("pose {}; {}; {}; damping: {}", subject.pose.name,
+                      point_of_platform(bode.options), report::gravity_text(machine),
+                      report::damping_text(machine))};
+}
+
+namespace {
+
+/// Bandwidths, peaks and couplings of the response from command to pose.
+std::string command_text(const report::CommandResponse& response, const TableStyle& style) {
+  const auto cell = [](const std::optional<double>& omega) {
+    return omega ? hertz(*omega) : std::string("–");
+  };
+  Table table({"<", "-3 dB Hz", "-90° Hz", "peak dB", "at Hz"});
+  for (int i = 0; i < 6; ++i) {
+    const auto found = report::command_bandwidth(response, i);
+    table.add_row({direction_names[static_cast<size_t>(i)], cell(found.magnitude),
+                   cell(found.phase), fmt::format("{:.2f}", 20.0 * std::log10(found.peak)),
+                   hertz(found.peak_omega)});
+  }
+  return table.text(style);
+}
+
+const std::vector<std::string_view> directions(direction_names.begin(), direction_names.end());
 
 struct Arguments {
   MachineArguments machine{};
@@ -28,10 +111,10 @@ struct Arguments {
 /// A frequency: a number in Hz, or a quantity ("30 rad/s", "2 kHz"), in rad/s.
 std::optional<double> frequency(const std::string& option, const std::string& text) {
   if (text.empty()) return {};
-  const auto hertz = base::read_plain_or_quantity(text, "Hz");
-  const auto radians = base::read_quantity(text, "rad/s");
-  if (!hertz.ok() && !radians.ok()) base::refuse(option + " " + text, hertz.problem);
-  const double value = hertz.ok() ? two_pi * hertz.value : radians.value;
+  const auto in_hertz = base::read_plain_or_quantity(text, "Hz");
+  const auto in_radians = base::read_quantity(text, "rad/s");
+  if (!in_hertz.ok() && !in_radians.ok()) base::refuse(option + " " + text, in_hertz.problem);
+  const double value = in_hertz.ok() ? two_pi * in_hertz.value : in_radians.value;
   if (!(value > 0.0)) base::refuse(option + " " + text, "a frequency must be positive");
   return value;
 }
@@ -132,8 +215,8 @@ void run(const Arguments& arguments) {
 }  // namespace
 
 void add_bode(Command app) {
-  Command command = add_command(
-      app, "bode", "Bode diagrams of the platform with rigid and with flexible legs",
+  Command command = app.add_command(
+      "bode", "Bode diagrams of the platform with rigid and with flexible legs",
       {{"bode machine.toml --plot bode.svg",
         "the six direct responses as a picture, peaks as a table"},
        {"bode machine.toml --entries x,ry/x --plot coupling.pdf", "x, and ry due to a force in x"},

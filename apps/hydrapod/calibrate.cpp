@@ -125,8 +125,8 @@ void run(const Arguments& arguments) {
 }  // namespace
 
 void add_calibrate(Command app) {
-  Command command = add_command(
-      app, "calibrate", "Fit parameters of a machine file to measured or published modes",
+  Command command = app.add_command(
+      "calibrate", "Fit parameters of a machine file to measured or published modes",
       {{"calibrate machine.toml --targets modes.csv --free legs.guide_sleeve.stiffness "
         "-o calibrated.toml",
         "stiffness of the guide sleeves from measured frequencies"},

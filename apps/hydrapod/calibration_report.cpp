@@ -70,8 +70,8 @@ std::string targets_text(const Candidate& best, const Targets& targets, const Ta
     std::vector<std::string> row{target.name,
                                  target.pose,
                                  fmt::format("{}", fit.mode + 1),
-                                 fmt::format("{:.4f}", target.omega / two_pi),
-                                 fmt::format("{:.4f}", fit.omega / two_pi),
+                                 hertz(target.omega, 4),
+                                 hertz(fit.omega, 4),
                                  fmt::format("{:+.4f}", fit.omega - target.omega),
                                  fmt::format("{:+.2f}", fit.difference)};
     if (damping) {

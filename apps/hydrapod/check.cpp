@@ -117,13 +117,13 @@ void run(const Arguments& arguments) {
 }  // namespace
 
 void add_check(Command app) {
-  Command command =
-      add_command(app, "check", "Check a machine file; print lengths, forces and the buckling load",
-                  {{"check machine.toml",
-                    "leg lengths, remaining strokes, oil springs, static forces, buckling load"},
-                   {"check machine.toml --pose \"z=100 mm\"", "at another pose"},
-                   {"check machine.toml --set platform.mass=\"1.2 t\"", "with a heavier platform"},
-                   {"check machine.toml --format json", "as JSON"}});
+  Command command = app.add_command(
+      "check", "Check a machine file; print lengths, forces and the buckling load",
+      {{"check machine.toml",
+        "leg lengths, remaining strokes, oil springs, static forces, buckling load"},
+       {"check machine.toml --pose \"z=100 mm\"", "at another pose"},
+       {"check machine.toml --set platform.mass=\"1.2 t\"", "with a heavier platform"},
+       {"check machine.toml --format json", "as JSON"}});
   auto& arguments = command.calls(&run);
   add_machine_options(command, arguments.machine);
   command.add_options(

@@ -6,6 +6,5 @@
 #include "hydrapod/base/error.hpp"
 #include "hydrapod/base/file.hpp"
 #include "hydrapod/commands.hpp"
-#include "hydrapod/interrupt.hpp"
 #include "hydrapod/machine_arguments.hpp"
 #include "hydrapod/terminal.hpp"

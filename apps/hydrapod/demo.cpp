@@ -2,11 +2,14 @@
 
 #include <filesystem>
 
-#include "hydrapod/embedded_models.hpp"
 #include "hydrapod/report/json.hpp"
 #include "hydrapod/reports.hpp"
 
 namespace hydrapod::cli {
+
+/// Text of models/`name`, carried inside the program (embedded_models.cpp.in). Throws
+/// std::out_of_range for a file that was not there when it was built.
+std::string_view embedded_model(std::string_view name);
 
 namespace {
 
@@ -96,8 +99,8 @@ void run(const Arguments& arguments) {
 }  // namespace
 
 void add_demo(Command app) {
-  Command command = add_command(
-      app, "demo",
+  Command command = app.add_command(
+      "demo",
       "The published machine: its modes on the terminal, Bode diagrams and reports as files",
       {{"demo", "writes into the folder hydrapod-demo"},
        {"demo results", "writes into the folder results"}});

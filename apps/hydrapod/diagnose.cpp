@@ -1,7 +1,5 @@
 #include "hydrapod/command.hpp"
 
-#include <filesystem>
-
 #include "hydrapod/base/units.hpp"
 #include "hydrapod/identification_arguments.hpp"
 #include "hydrapod/report/measured_results.hpp"
@@ -35,11 +33,9 @@ std::string modes_text(const diagnosis::Diagnosis& d, const TableStyle& style) {
     const bool rigid = m.rigid_mac >= diagnosis::resonance_mac;
     table.add_row({m.pose, m.direction < 0 ? "" : diagnosis::direction_name(m.direction),
                    fmt::format("{:.3f} ± {:.3f}", m.omega / two_pi, m.deviation / two_pi),
-                   rigid ? fmt::format("{:.3f}", m.omega_rigid / two_pi) : "",
-                   rigid ? fmt::format("{:.1f} %", 100.0 * m.drop()) : "",
-                   fmt::format("{:.3f}", m.omega_stated / two_pi),
-                   fmt::format("{:.3f}", m.omega_best / two_pi),
-                   m.shape_mac > 0.0 ? fmt::format("{:.2f}", m.shape_mac) : "",
+                   rigid ? hertz(m.omega_rigid) : "",
+                   rigid ? fmt::format("{:.1f} %", 100.0 * m.drop()) : "", hertz(m.omega_stated),
+                   hertz(m.omega_best), m.shape_mac > 0.0 ? fmt::format("{:.2f}", m.shape_mac) : "",
                    report::energy_text(m.oil, m.guide_sleeves, m.piston_rings, m.base)});
   }
   return heading("Measured modes", style) + table.text(style);
@@ -78,8 +74,7 @@ std::string attribution_text(const diagnosis::CaseFile& file, const TableStyle& 
   Table table(columns);
   for (const auto& drop : file.drops) {
     const auto& r = drop.resonance;
-    std::vector<std::string> row{r.direction, fmt::format("{:.3f}", r.omega_rigid / two_pi),
-                                 fmt::format("{:.3f}", r.omega / two_pi),
+    std::vector<std::string> row{r.direction, hertz(r.omega_rigid), hertz(r.omega),
                                  fmt::format("{:.2f} %", 100.0 * r.drop())};
     constexpr double least = 5e-4;  // of a smaller drop shares mean nothing
     for (const auto& part : drop.parts)
@@ -99,9 +94,8 @@ std::string remedy_text(const diagnosis::CaseFile& file, const TableStyle& style
   const auto& changes = file.remedy->changes;
   for (std::size_t k = 0; k < std::min(most, changes.size()); ++k) {
     const auto& c = changes[k];
-    table.add_row({c.pose, c.direction, fmt::format("{:.3f}", c.omega_rigid / two_pi),
-                   c.omega_today > 0.0 ? fmt::format("{:.3f}", c.omega_today / two_pi) : "folds",
-                   fmt::format("{:.3f}", c.omega_needed / two_pi),
+    table.add_row({c.pose, c.direction, hertz(c.omega_rigid),
+                   c.omega_today > 0.0 ? hertz(c.omega_today) : "folds", hertz(c.omega_needed),
                    fmt::format("{:.1f} %", 100.0 * (1.0 - c.omega_needed / c.omega_rigid))});
   }
   std::string text =
@@ -163,8 +157,8 @@ void run(const Arguments& a) {
 }  // namespace
 
 void add_diagnose(Command app) {
-  Command command = add_command(
-      app, "diagnose", "Cause of low frequencies, its uncertainty, and the required stiffness",
+  Command command = app.add_command(
+      "diagnose", "Cause of low frequencies, its uncertainty, and the required stiffness",
       {{"diagnose machine.toml --measured modes.csv",
         "hypotheses for the measured modes, ranked, and the required stiffness"},
        {"diagnose machine.toml --measured run.h5 --pose high", "the same from a record"},

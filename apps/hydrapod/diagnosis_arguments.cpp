@@ -2,8 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
-
 #include "hydrapod/base/error.hpp"
 #include "hydrapod/base/text.hpp"
 #include "hydrapod/base/units.hpp"

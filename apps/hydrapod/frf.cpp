@@ -113,8 +113,8 @@ void run(const Arguments& arguments) {
 }  // namespace
 
 void add_frf(Command app) {
-  Command command = add_command(
-      app, "frf", "Frequency responses from records, with coherence and errors",
+  Command command = app.add_command(
+      "frf", "Frequency responses from records, with coherence and errors",
       {{"frf run.h5", "from the excitations to the outputs, a summary"},
        {"frf run.h5 --plot bode.svg --coherence coherence.svg", "as pictures"},
        {"frf run.h5 --from-excitation", "from the commands: the machine with its controller"},

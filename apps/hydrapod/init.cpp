@@ -30,11 +30,11 @@ void run(const Arguments& arguments) {
 }  // namespace
 
 void add_init(Command app) {
-  Command command = add_command(app, "init", "Write a commented machine file to start from",
-                                {{"init", "writes machine.toml"},
-                                 {"init simulator.toml --force", "replaces simulator.toml"},
-                                 {"init -", "prints it"},
-                                 {"init --reference", "prints tables of all keys"}});
+  Command command = app.add_command("init", "Write a commented machine file to start from",
+                                    {{"init", "writes machine.toml"},
+                                     {"init simulator.toml --force", "replaces simulator.toml"},
+                                     {"init -", "prints it"},
+                                     {"init --reference", "prints tables of all keys"}});
   auto& arguments = command.calls(&run);
   command.add_options({{"FILE", arguments.file, "File to write; - prints"},
                        {"--force", arguments.force, "Replace the file if it exists"},

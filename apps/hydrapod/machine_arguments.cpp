@@ -4,7 +4,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 
 #include "hydrapod/base/text.hpp"
 #include "hydrapod/base/units.hpp"

@@ -55,15 +55,15 @@ std::vector<std::string> row(const modal::ModeTable& table, size_t k,
                              const std::optional<std::string>& change) {
   const auto& entry = table.real.modes[k];
   const auto& mode = entry.mode;
-  std::vector<std::string> cells{
-      number_text(table.real.modes, k), fmt::format("{:.3f}", mode.omega / two_pi),
-      fmt::format("{:.3f}", mode.omega), fmt::format("{:.2f} %", 100.0 * mode.damping_ratio)};
+  std::vector<std::string> cells{number_text(table.real.modes, k), hertz(mode.omega),
+                                 fmt::format("{:.3f}", mode.omega),
+                                 fmt::format("{:.2f} %", 100.0 * mode.damping_ratio)};
   if (change) cells.push_back(*change);
   cells.insert(cells.end(),
                {entry.label, motion_text(entry.energy), report::energy_text(entry.energy)});
   if (entry.rigid && entry.rigid->mac >= worth_showing) {
     const double rigid = table.rigid.modes[entry.rigid->mode].mode.omega;
-    cells.push_back(fmt::format("{:.3f}", rigid / two_pi));
+    cells.push_back(hertz(rigid));
     cells.push_back(signed_percent(entry.rigid->shift));
     cells.push_back(fmt::format("{:.2f}", entry.rigid->mac));
   }
@@ -95,9 +95,9 @@ std::string rigid_text(const modal::ModeTable& table, const TableStyle& style) {
       found += fmt::format("{}{} at {:.3f} Hz ({:.2f})", found.empty() ? "" : ", ", k + 1,
                            entry.mode.omega / two_pi, entry.rigid->mac);
     }
-    text.add_row(
-        {number_text(table.rigid.modes, r), fmt::format("{:.3f}", rigid.mode.omega / two_pi),
-         fmt::format("{:.3f}", rigid.mode.omega), modal::platform_directions(rigid.energy), found});
+    text.add_row({number_text(table.rigid.modes, r), hertz(rigid.mode.omega),
+                  fmt::format("{:.3f}", rigid.mode.omega), modal::platform_directions(rigid.energy),
+                  found});
   }
   return text.text(style);
 }

@@ -1,6 +1,9 @@
 #include "hydrapod/options.hpp"
 
+#include <fmt/format.h>
+
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <type_traits>
 
 namespace hydrapod::cli {
@@ -40,12 +43,19 @@ void Command::add_options(std::initializer_list<OptionRow> rows) {
   for (const auto& row : rows) std::visit([&](auto* value) { add(*app_, row, *value); }, row.value);
 }
 
-Command Command::add_subcommand(const std::string& name, const std::string& description) {
-  return Command(app_->add_subcommand(name, description));
+Command Command::add_command(const std::string& name, const std::string& description,
+                             const std::vector<Example>& examples, const std::string& after) {
+  std::size_t width = 0;
+  for (const Example& example : examples) width = std::max(width, example.arguments.size());
+  std::string footer = "Examples:";
+  for (const Example& example : examples)
+    footer += fmt::format("\n  hydrapod {:<{}}  {}", example.arguments, width, example.purpose);
+  CLI::App* command = app_->add_subcommand(name, description);
+  command->footer(footer + after);
+  return Command(command);
 }
+
 void Command::require_subcommand(int count) { app_->require_subcommand(count); }
-void Command::footer(const std::string& text) { app_->footer(text); }
-std::string Command::get_footer() const { return app_->get_footer(); }
 void Command::callback(std::function<void()> run) { app_->callback(std::move(run)); }
 
 }  // namespace hydrapod::cli

@@ -65,6 +65,12 @@ struct OptionRow {
   OptionRule rule;
 };
 
+/// One line of the examples below the help of a command.
+struct Example {
+  std::string arguments{};  ///< without the program's name: `modes machine.toml --pose up`
+  std::string purpose{};    ///< what it does, in a few words
+};
+
 /// A handle to a command, or to the program, of which the commands are a part.
 class Command {
  public:
@@ -72,10 +78,10 @@ class Command {
 
   void add_options(std::initializer_list<OptionRow> rows);
 
-  Command add_subcommand(const std::string& name, const std::string& description);
+  /// A subcommand whose help ends with `examples`, and `after` behind them.
+  Command add_command(const std::string& name, const std::string& description,
+                      const std::vector<Example>& examples, const std::string& after = {});
   void require_subcommand(int count);
-  void footer(const std::string& text);  ///< what stands below the help
-  std::string get_footer() const;
 
   /// When the command was called and understood, `run` gets what this returns, filled in.
   template <class Arguments>

@@ -68,8 +68,8 @@ void report_written(const std::string& file, std::int64_t samples, bool complete
 }
 
 void add_record(Command app) {
-  Command command = add_command(
-      app, "record", "Show, convert, cut, resample and plot records of a test rig",
+  Command command = app.add_command(
+      "record", "Show, convert, cut, resample and plot records of a test rig",
       {{"record show run.h5", "channels, levels, clipping, drop-outs"},
        {"record convert run.h5 -o run.uff", "to another format"},
        {"record cut run.h5 --from 0.2 --to 0.7 --role response -o part.mat", "a part of it"},

@@ -2,10 +2,8 @@
 /// What the subcommands of `record` share.
 
 #include <functional>
-#include <memory>
 #include <optional>
 #include <string>
-#include <vector>
 
 #include "hydrapod/data/record_io.hpp"
 #include "hydrapod/options.hpp"

@@ -5,7 +5,6 @@
 #include <limits>
 #include "hydrapod/command.hpp"
 
-#include "hydrapod/base/text.hpp"
 #include "hydrapod/data/processing.hpp"
 #include "hydrapod/record_arguments.hpp"
 
@@ -150,8 +149,8 @@ void resample(const Arguments& arguments) {
 }  // namespace
 
 void add_record_convert(Command record) {
-  Command command = add_command(
-      record, "convert", "Write a record in another format",
+  Command command = record.add_command(
+      "convert", "Write a record in another format",
       {{"record convert run.h5 -o run.mat", "for MATLAB and Octave"},
        {"record convert run.h5 -o run.unv --format uff-ascii", "a Universal File in plain text"},
        {"record convert run.csv -o again.h5", "from a table of another program"}});
@@ -161,11 +160,11 @@ void add_record_convert(Command record) {
 }
 
 void add_record_cut(Command record) {
-  Command command =
-      add_command(record, "cut", "Write a part of a record: a time range, some channels",
-                  {{"record cut run.h5 --from 0.2 --to \"700 ms\" -o part.h5", "half a second"},
-                   {"record cut run.h5 --channel \"demand*\" -o demand.csv", "channels by name"},
-                   {"record cut run.h5 --role response -o response.mat", "measured channels"}});
+  Command command = record.add_command(
+      "cut", "Write a part of a record: a time range, some channels",
+      {{"record cut run.h5 --from 0.2 --to \"700 ms\" -o part.h5", "half a second"},
+       {"record cut run.h5 --channel \"demand*\" -o demand.csv", "channels by name"},
+       {"record cut run.h5 --role response -o response.mat", "measured channels"}});
   auto& arguments = command.calls(&cut);
   add_record_options(command, arguments.record);
   add_output_options(command, arguments.output);
@@ -179,8 +178,8 @@ void add_record_cut(Command record) {
 }
 
 void add_record_resample(Command record) {
-  Command command = add_command(
-      record, "resample", "Change the sample rate, with a linear-phase anti-alias filter",
+  Command command = record.add_command(
+      "resample", "Change the sample rate, with a linear-phase anti-alias filter",
       {{"record resample run.h5 --rate 200 -o slow.h5", "five times fewer samples"},
        {"record resample run.h5 --rate 44100 -o fast.h5", "any ratio"}});
   auto& arguments = command.calls(&resample);

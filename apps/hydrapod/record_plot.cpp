@@ -59,8 +59,8 @@ void run(const Arguments& arguments) {
 }  // namespace
 
 void add_record_plot(Command record) {
-  Command command = add_command(
-      record, "plot", "Time histories and spectra of a record as a picture (needs gnuplot)",
+  Command command = record.add_command(
+      "plot", "Time histories and spectra of a record as a picture (needs gnuplot)",
       {{"record plot run.h5 -o run.svg", "all channels, at most 24"},
        {"record plot run.h5 --channel \"demand x\" --channel \"demand ry\" -o two.png", "some"}});
   auto& arguments = command.calls(&run);

@@ -1,7 +1,5 @@
 #include "hydrapod/command.hpp"
 
-#include <cmath>
-
 #include "hydrapod/data/processing.hpp"
 #include "hydrapod/record_arguments.hpp"
 #include "hydrapod/report/measured_results.hpp"
@@ -106,11 +104,11 @@ void run(const Arguments& arguments) {
 }  // namespace
 
 void add_record_show(Command record) {
-  Command command =
-      add_command(record, "show", "Channels of a record with levels, clipping and drop-outs",
-                  {{"record show run.h5", "a table"},
-                   {"record show run.csv --format json", "the same for programs"},
-                   {"record show run.h5 --format json --spectra -o run.json", "with spectra"}});
+  Command command = record.add_command(
+      "show", "Channels of a record with levels, clipping and drop-outs",
+      {{"record show run.h5", "a table"},
+       {"record show run.csv --format json", "the same for programs"},
+       {"record show run.h5 --format json --spectra -o run.json", "with spectra"}});
   auto& arguments = command.calls(&run);
   add_record_options(command, arguments.record);
   command.add_options({{"--format", arguments.format, "table or json"},

@@ -91,8 +91,8 @@ void run(const Arguments& a) {
 }  // namespace
 
 void add_report(Command app) {
-  Command command = add_command(
-      app, "report", "One HTML file with moving modes, Bode diagrams and all numbers",
+  Command command = app.add_command(
+      "report", "One HTML file with moving modes, Bode diagrams and all numbers",
       {{"report machine.toml -o report.html", "opens in any browser, without a network"},
        {"report machine.toml --pose neutral --pose \"z=100 mm, ry=5 deg\"",
         "two poses to switch between"},

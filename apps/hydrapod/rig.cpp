@@ -1,8 +1,5 @@
 #include "hydrapod/command.hpp"
 
-#include <algorithm>
-#include <cmath>
-
 #include "hydrapod/signal_help.hpp"
 #include "hydrapod/tasks/simulation.hpp"
 
@@ -124,8 +121,8 @@ void add_options(Command command, Arguments& arguments) {
 }  // namespace
 
 void add_rig(Command app) {
-  Command command = add_command(
-      app, "rig", "Simulated test rig: excite the machine in six directions and write a record",
+  Command command = app.add_command(
+      "rig", "Simulated test rig: excite the machine in six directions and write a record",
       {{"rig machine.toml --duration 5 -o run.h5", "white noise in all six directions"},
        {"rig machine.toml --excite \"multisine all=0.1 mm, to=40, period=2, crest=low\" --averages "
         "2 "
@@ -136,9 +133,8 @@ void add_rig(Command app) {
        {"rig machine.toml --excite \"binary z=2 %\" --entry drive --duration 3 -o run.uff",
         "a binary sequence on the valves"},
        {"rig machine.toml --excite \"sweep z=2 mm, to=30, duration=10\" --check",
-        "check of the levels only"}});
-  command.footer(command.get_footer() + signal_help +
-                 "\nHere: level=rms; turns=1 of a sweep, turns=10 of a chirp.");
+        "check of the levels only"}},
+      std::string(signal_help) + "\nHere: level=rms; turns=1 of a sweep, turns=10 of a chirp.");
   auto& arguments = command.calls(&run);
   add_options(command, arguments);
 }

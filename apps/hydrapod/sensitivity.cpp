@@ -38,8 +38,8 @@ void run(const Arguments& arguments) {
 }  // namespace
 
 void add_sensitivity(Command app) {
-  Command command = add_command(
-      app, "sensitivity", "Effect of each parameter of the machine file on each frequency",
+  Command command = app.add_command(
+      "sensitivity", "Effect of each parameter of the machine file on each frequency",
       {{"sensitivity machine.toml", "all modes and all parameters, % per %"},
        {"sensitivity machine.toml --parameter legs.guide_sleeve.stiffness --parameter "
         "legs.oil_spring.cylinder.bulk_modulus",

@@ -5,8 +5,11 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <csignal>
 #include <cstdlib>
 #include <stdexcept>
+
+#include "hydrapod/base/units.hpp"
 
 namespace hydrapod::cli {
 
@@ -89,6 +92,13 @@ std::string padded(const std::string& cell, std::size_t width, Align align) {
 }
 
 void trim_right(std::string& line) { line.erase(line.find_last_not_of(' ') + 1); }
+
+volatile std::sig_atomic_t interrupted = 0;
+
+extern "C" void note_interrupt(int signal) {
+  interrupted = 1;
+  std::signal(signal, SIG_DFL);
+}
 }  // namespace
 
 bool has_colour(std::FILE* stream) {
@@ -218,6 +228,10 @@ TableStyle table_style(const std::string& output) {
   return {printed && has_colour(stdout), printed ? terminal_width() : Table::unlimited};
 }
 
+std::string hertz(double omega, int decimals) {
+  return fmt::format("{:.{}f}", omega / base::two_pi, decimals);
+}
+
 ProgressLine::ProgressLine(std::string title)
     : title_(std::move(title)), active_(is_terminal(stderr)) {}
 
@@ -239,5 +253,18 @@ void ProgressLine::update(double fraction) {
   std::fputs(line.c_str(), stderr);
   std::fflush(stderr);
 }
+
+InterruptNote::InterruptNote() {
+  interrupted = 0;
+  before_interrupt_ = std::signal(SIGINT, note_interrupt);
+  before_terminate_ = std::signal(SIGTERM, note_interrupt);
+}
+
+InterruptNote::~InterruptNote() {
+  std::signal(SIGINT, before_interrupt_);
+  std::signal(SIGTERM, before_terminate_);
+}
+
+bool InterruptNote::noted() { return interrupted != 0; }
 
 }  // namespace hydrapod::cli

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "hydrapod/base/error.hpp"
+#include "hydrapod/numerics/parallel.hpp"
 
 namespace hydrapod::cli {
 
@@ -92,6 +93,9 @@ std::string bold(std::string_view text, const TableStyle& style);
 /// As the file `output` asks for; "-" is the terminal.
 TableStyle table_style(const std::string& output);
 
+/// A frequency `omega` [rad/s] in Hz, without the unit.
+std::string hertz(double omega, int decimals = 3);
+
 /// A line on stderr that is rewritten in place, at most ten times a second, and gone at the end;
 /// after two seconds it says how many are left at this speed. Silent when stderr is not a terminal.
 class ProgressLine {
@@ -111,5 +115,34 @@ class ProgressLine {
   std::chrono::steady_clock::time_point begun_{std::chrono::steady_clock::now()};
   std::chrono::steady_clock::time_point last_{};
 };
+
+/// Ctrl-C as a wish to stop, not as an end: long work looks, and leaves what it has.
+///
+/// While one exists, the first SIGINT or SIGTERM is only noted; a second one ends the program as
+/// usual. One at a time.
+class InterruptNote {
+ public:
+  InterruptNote();
+  ~InterruptNote();
+  InterruptNote(const InterruptNote&) = delete;
+  InterruptNote& operator=(const InterruptNote&) = delete;
+
+  [[nodiscard]] static bool noted();
+
+ private:
+  void (*before_interrupt_)(int);
+  void (*before_terminate_)(int);
+};
+
+/// What `task` makes, with a progress line titled `title`. Ctrl-C asks the task to stop.
+template <class Task>
+auto with_progress(const char* title, const Task& task) {
+  const InterruptNote interrupt;
+  ProgressLine line(title);
+  return task(numerics::Progress([&](double share) {
+    line.update(share);
+    return InterruptNote::noted();
+  }));
+}
 
 }  // namespace hydrapod::cli
