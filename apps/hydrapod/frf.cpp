@@ -1,7 +1,5 @@
 #include "hydrapod/command.hpp"
 
-#include <algorithm>
-
 #include "hydrapod/identification_arguments.hpp"
 #include "hydrapod/report/measured_results.hpp"
 
@@ -14,42 +12,18 @@ struct Arguments {
   std::string format{}, output{"-"}, plot{}, coherence_plot{};
 };
 
-double median(std::vector<double> values) {
-  if (values.empty()) return 0.0;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
-
-std::string channel_table(const identification::FrequencyResponses& r, const TableStyle& style) {
+std::string channel_table(const identification::FrequencyResponses& r,
+                          const tasks::ResponseSummary& summary, const TableStyle& style) {
   Table table({"<output", "<unit", "coherence, median", "lowest", "<largest response", "Hz",
                "error there"});
-  for (std::size_t o = 0; o < r.outputs.size(); ++o) {
-    std::vector<double> coherence;
-    double largest = 0.0;
-    std::size_t line = 0, input = 0;
-    for (std::size_t k = 0; k < r.lines(); ++k) {
-      coherence.push_back(r.multiple_coherence[k][static_cast<Eigen::Index>(o)]);
-      for (std::size_t i = 0; i < r.inputs.size(); ++i) {
-        // per input level, so that inputs of different units can be compared
-        const double size =
-            std::abs(r.H[k](static_cast<Eigen::Index>(o), static_cast<Eigen::Index>(i))) *
-            std::sqrt(r.input_density[k][static_cast<Eigen::Index>(i)]);
-        if (size <= largest) continue;
-        largest = size;
-        line = k;
-        input = i;
-      }
-    }
-    const double value =
-        std::abs(r.H[line](static_cast<Eigen::Index>(o), static_cast<Eigen::Index>(input)));
-    const double deviation =
-        std::sqrt(r.variance(line, static_cast<int>(o), static_cast<int>(input)));
-    table.add_row({r.outputs[o].name, r.outputs[o].unit, fmt::format("{:.4f}", median(coherence)),
-                   fmt::format("{:.4f}", *std::ranges::min_element(coherence)),
-                   fmt::format("{:.3e} from {}", value, r.inputs[input].name),
-                   fmt::format("{:.3f}", r.frequency[line]),
-                   fmt::format("{:.1f} %", 100.0 * deviation / value)});
+  for (std::size_t o = 0; o < summary.outputs.size(); ++o) {
+    const auto& found = summary.outputs[o];
+    table.add_row({r.outputs[o].name, r.outputs[o].unit,
+                   fmt::format("{:.4f}", found.median_coherence),
+                   fmt::format("{:.4f}", found.lowest_coherence),
+                   fmt::format("{:.3e} from {}", found.magnitude, r.inputs[found.input].name),
+                   fmt::format("{:.3f}", r.frequency[found.line]),
+                   fmt::format("{:.1f} %", 100.0 * found.deviation / found.magnitude)});
   }
   return table.text(style);
 }
@@ -70,15 +44,16 @@ std::string table_text(const Arguments& arguments, const tasks::Measured& measur
   if (m.from_legs) text += "leg lengths were transformed to platform directions\n";
   if (measured.from_accelerometers)
     text += "accelerometers were transformed to platform directions\n";
+  const auto summary = tasks::summary_of(r);
   if (!r.condition.empty())
     text += fmt::format("condition of the input matrix: median {:.3g}, largest {:.3g}\n",
-                        median(r.condition), *std::ranges::max_element(r.condition));
+                        summary.median_condition, summary.largest_condition);
   if (m.h1_against_instrument)
     text += fmt::format(
         "Difference of H1 from the instrumental estimate: {:.2g} % (median), outside its 95 % band "
         "at {:.0f} % of the lines\n",
         100.0 * m.h1_against_instrument->median, 100.0 * m.h1_against_instrument->share);
-  return measured.records ? text + "\n" + channel_table(r, style) : text;
+  return measured.records ? text + "\n" + channel_table(r, summary, style) : text;
 }
 
 void run(const Arguments& arguments) {
