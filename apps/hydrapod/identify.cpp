@@ -114,7 +114,7 @@ std::string modes_text(const tasks::Identified& checks, const TableStyle& style)
     if (r < checks.cross_checks.size()) row.push_back(cross_check_text(checks.cross_checks[r]));
     table.add_row(row);
   }
-  text += "\n" + table.text(style.colour, style.width);
+  text += "\n" + table.text(style);
   text += fmt::format("\n± is half the 95 % interval. Error of the synthesised responses: {:.2g} %",
                       100.0 * result.model.error);
   if (result.model.misfit > 0.0)
@@ -153,7 +153,7 @@ std::string comparison_text(const report::ComparedModes& compared,
                      p.mac ? fmt::format("{:.3f}", *p.mac) : "–",
                      compared.labels[static_cast<std::size_t>(p.model)]});
     }
-    text += "\n" + table.text(style.colour, style.width);
+    text += "\n" + table.text(style);
   }
   return text + "\n" + left_text(compared, result);
 }
@@ -173,7 +173,7 @@ std::string output_only_text(const std::vector<identification::OutputOnlyMode>& 
                    percent(mode.damping_scatter), fmt::format("{:.3f}", mode.mpc),
                    fmt::format("{:.2f}", mode.persistence)});
   }
-  return text + "\n" + table.text(style.colour, style.width) +
+  return text + "\n" + table.text(style) +
          "\nscatter: over model orders; this is not a confidence interval\n";
 }
 

@@ -184,7 +184,7 @@ struct Arguments {
   std::string format{"table"};
 };
 
-double time(const std::string& option, const std::string& text) {
+double positive_time(const std::string& option, const std::string& text) {
   return positive_quantity(option, text, "s", "expected a time of more than 0 s");
 }
 
@@ -199,11 +199,12 @@ tasks::SimulateOptions options_of(const Arguments& arguments) {
   if (!(arguments.tolerance >= 1e-13 && arguments.tolerance <= 1e-2))
     base::refuse(fmt::format("--tolerance {}", arguments.tolerance), "expected 1e-13 to 0.01");
   loop.integrator.relative_tolerance = loop.integrator.absolute_tolerance = arguments.tolerance;
-  loop.integrator.fixed_step = time("--step", arguments.step);
+  loop.integrator.fixed_step = positive_time("--step", arguments.step);
   loop.seed = arguments.seed;
   loop.ideal_sensors = arguments.ideal_sensors;
-  if (!arguments.until.empty()) options.until = time("--until", arguments.until);
-  if (!arguments.dt_output.empty()) loop.output_interval = time("--dt-output", arguments.dt_output);
+  if (!arguments.until.empty()) options.until = positive_time("--until", arguments.until);
+  if (!arguments.dt_output.empty())
+    loop.output_interval = positive_time("--dt-output", arguments.dt_output);
   return options;
 }
 

@@ -107,13 +107,6 @@ bool has_colour(std::FILE* stream) {
   return is_terminal(stream) && !is_set("NO_COLOR") && !dumb;
 }
 
-std::size_t terminal_width() {
-  winsize size{};
-  if (!is_terminal(stdout) || ::ioctl(::fileno(stdout), TIOCGWINSZ, &size) != 0 || size.ws_col == 0)
-    return Table::unlimited;
-  return size.ws_col;
-}
-
 std::string styled(std::string_view text, Style style, bool colour) {
   if (!colour) return std::string(text);
   return fmt::format("{}{}\033[0m", escape_code(style), text);
@@ -199,7 +192,7 @@ std::string Table::part(const std::vector<std::size_t>& shown, bool colour) cons
   return all;
 }
 
-std::string Table::text(bool colour, std::size_t width) const {
+std::string Table::text(const TableStyle& style) const {
   const auto wide = widths();
   std::string all;
   std::size_t next = 1;
@@ -207,25 +200,31 @@ std::string Table::text(bool colour, std::size_t width) const {
     std::vector<std::size_t> shown{0};
     std::size_t used = wide[0];
     while (next < columns_.size() &&
-           (shown.size() == 1 || used + gap.size() + wide[next] <= width)) {
+           (shown.size() == 1 || used + gap.size() + wide[next] <= style.width)) {
       used += gap.size() + wide[next];
       shown.push_back(next++);
     }
     if (!all.empty()) all += '\n';
-    all += part(shown, colour);
+    all += part(shown, style.colour);
   } while (next < columns_.size());
   return all;
 }
-
-std::string Table::text(const TableStyle& style) const { return text(style.colour, style.width); }
 
 std::string bold(std::string_view text, const TableStyle& style) {
   return styled(text, Style::bold, style.colour);
 }
 
+/// Columns of the terminal that stdout is; where it is none, more than any table needs.
+static std::size_t terminal_width() {
+  winsize size{};
+  if (!is_terminal(stdout) || ::ioctl(::fileno(stdout), TIOCGWINSZ, &size) != 0 || size.ws_col == 0)
+    return TableStyle{}.width;
+  return size.ws_col;
+}
+
 TableStyle table_style(const std::string& output) {
   const bool printed = output == "-";
-  return {printed && has_colour(stdout), printed ? terminal_width() : Table::unlimited};
+  return {printed && has_colour(stdout), printed ? terminal_width() : TableStyle{}.width};
 }
 
 std::string hertz(double omega, int decimals) {

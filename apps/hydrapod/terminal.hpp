@@ -54,8 +54,17 @@ struct Column {
   Align align{Align::right};
 };
 
-/// Columns of the terminal that stdout is; where it is none, more than any table needs.
-std::size_t terminal_width();
+/// How tables are written. A table wider than `width` comes in parts, one below the other, each
+/// beginning with the first column.
+struct TableStyle {
+  bool colour{};
+  std::size_t width{static_cast<std::size_t>(-1)};
+};
+
+/// As the file `output` asks for; "-" is the terminal.
+TableStyle table_style(const std::string& output);
+
+std::string bold(std::string_view text, const TableStyle& style);
 
 /// A table with a title row; columns are as wide as their widest cell and two spaces apart.
 class Table {
@@ -65,14 +74,8 @@ class Table {
   /// A row may be shorter than the columns; a longer one throws std::invalid_argument.
   void add_row(std::vector<std::string> cells);
 
-  /// Lines without trailing blanks, each with its line end; the title row is bold if `colour`. A
-  /// table wider than `width` comes in parts, one below the other, each beginning with the first
-  /// column.
-  [[nodiscard]] std::string text(bool colour = false, std::size_t width = unlimited) const;
-
-  [[nodiscard]] std::string text(const struct TableStyle& style) const;
-
-  static constexpr std::size_t unlimited = static_cast<std::size_t>(-1);
+  /// Lines without trailing blanks, each with its line end; the title row is bold if in colour.
+  [[nodiscard]] std::string text(const TableStyle& style = {}) const;
 
  private:
   [[nodiscard]] std::vector<std::size_t> widths() const;
@@ -81,17 +84,6 @@ class Table {
   std::vector<Column> columns_;
   std::vector<std::vector<std::string>> rows_;
 };
-
-/// How tables are written.
-struct TableStyle {
-  bool colour{};
-  std::size_t width{Table::unlimited};
-};
-
-std::string bold(std::string_view text, const TableStyle& style);
-
-/// As the file `output` asks for; "-" is the terminal.
-TableStyle table_style(const std::string& output);
 
 /// A frequency `omega` [rad/s] in Hz, without the unit.
 std::string hertz(double omega, int decimals = 3);

@@ -44,7 +44,7 @@ TEST(Table, TooWideComesInPartsThatBeginWithTheFirstColumn) {
   Table table({"mode", "Hz", "<label", "MAC"});
   table.add_row({"1", "7.4", "x, oil springs", "0.99"});
   table.add_row({"2", "8.5", "seals"});
-  EXPECT_EQ(table.text(false, 26),
+  EXPECT_EQ(table.text({false, 26}),
             "mode   Hz  label\n"
             "   1  7.4  x, oil springs\n"
             "   2  8.5  seals\n"
@@ -52,14 +52,14 @@ TEST(Table, TooWideComesInPartsThatBeginWithTheFirstColumn) {
             "mode   MAC\n"
             "   1  0.99\n"
             "   2\n");
-  EXPECT_EQ(table.text(false, 31), table.text()) << "it just fits";
-  EXPECT_EQ(table.text(false, 3), table.text(false, 1)) << "never less than two columns";
+  EXPECT_EQ(table.text({false, 31}), table.text()) << "it just fits";
+  EXPECT_EQ(table.text({false, 3}), table.text({false, 1})) << "never less than two columns";
 }
 
 TEST(Table, OfOneColumnIsOnePart) {
   Table table({"<name"});
   table.add_row({"longer than the terminal"});
-  EXPECT_EQ(table.text(false, 10), "name\nlonger than the terminal\n");
+  EXPECT_EQ(table.text({false, 10}), "name\nlonger than the terminal\n");
 }
 
 TEST(Table, RefusesARowWithTooManyCells) {
