@@ -1,26 +1,102 @@
-#include <fmt/format.h>
+#include "hydrapod/command.hpp"
 
 #include <algorithm>
-#include <memory>
+#include <array>
+#include <cmath>
 
-#include "hydrapod/base/error.hpp"
-#include "hydrapod/base/file.hpp"
 #include "hydrapod/base/text.hpp"
 #include "hydrapod/base/units.hpp"
-#include "hydrapod/bode_report.hpp"
-#include "hydrapod/commands.hpp"
-#include "hydrapod/machine_arguments.hpp"
-#include "hydrapod/mode_report.hpp"
+#include "hydrapod/reports.hpp"
 #include "hydrapod/spatial/pose.hpp"
-#include "hydrapod/terminal.hpp"
 
 namespace hydrapod::cli {
 
 namespace {
 
 using base::two_pi;
-const std::vector<std::string_view> directions(spatial::direction_names.begin(),
-                                               spatial::direction_names.end());
+using spatial::direction_names;
+
+std::string peak_table(const report::Bode& bode, const std::vector<response::Peak>& peaks,
+                       const modal::AnalysedModel& model, const TableStyle& style) {
+  if (peaks.empty()) return "none in this band\n";
+  Table table({"<direction", "Hz", "rad/s", "height", "<unit", "prominence dB", "mode",
+               "<motion, compliance"});
+  for (const auto& peak : peaks) {
+    const int mode = model.tabled_of_normal[peak.mode];
+    const std::string prominence =
+        std::isinf(peak.prominence_db) ? "highest" : fmt::format("{:.1f}", peak.prominence_db);
+    table.add_row(
+        {direction_names[peak.direction], hertz(peak.omega), fmt::format("{:.3f}", peak.omega),
+         std::isinf(peak.magnitude) ? "unbounded" : fmt::format("{:.3e}", peak.magnitude),
+         report::response_unit(bode.options.output, peak.direction, peak.direction), prominence,
+         fmt::format("{}", mode + 1), model.modes[mode].label + (peak.own ? "" : " (coupled)")});
+  }
+  return table.text(style);
+}
+
+constexpr std::array<const char*, 2> inputs{"wrench", "actuator forces"};
+constexpr std::array<const char*, 3> outputs{"displacement", "velocity", "acceleration"};
+
+std::string output_from_input(const report::BodeOptions& options) {
+  return fmt::format("{} from {}", outputs[static_cast<size_t>(options.output)],
+                     inputs[static_cast<size_t>(options.input)]);
+}
+
+std::string point_of_platform(const report::BodeOptions& options) {
+  const auto& p = *options.p_PQ;
+  return fmt::format("point ({:.4g}, {:.4g}, {:.4g}) m of the platform", p.x(), p.y(), p.z());
+}
+
+std::string count_text(const std::vector<response::Peak>& peaks) {
+  std::string text;
+  for (int d = 0; d < 6; ++d)
+    text += fmt::format("{}{} {}", d == 0 ? "" : ", ", direction_names[d],
+                        response::count_own(peaks, d));
+  return text;
+}
+
+}  // namespace
+
+std::string peak_text(const report::Bode& bode, const TableStyle& style) {
+  const bool flexible = bode.table.kind != dynamics::ModelKind::rigid;
+  std::string text =
+      fmt::format("{}; {}; {:.4g} Hz to {:.4g} Hz\n\nPeaks of the direct responses\n",
+                  output_from_input(bode.options), point_of_platform(bode.options),
+                  *bode.options.from / two_pi, *bode.options.to / two_pi);
+  if (flexible)
+    text += peak_table(bode, bode.real_peaks, bode.table.real, style) + "\nWith rigid legs\n";
+  text += peak_table(bode, bode.rigid_peaks, bode.table.rigid, style);
+  text += "\nResonances per direction, without coupled ones\n";
+  if (flexible) text += fmt::format("  with seals  {}\n", count_text(bode.real_peaks));
+  return text + fmt::format("  rigid legs  {}\n", count_text(bode.rigid_peaks));
+}
+
+report::PlotText plot_text(const tasks::Machine& subject, const report::Bode& bode) {
+  const auto& machine = subject.file.machine;
+  return {fmt::format("{}: {}", machine.name, output_from_input(bode.options)),
+          fmt::format("pose {}; {}; {}; damping: {}", subject.pose.name,
+                      point_of_platform(bode.options), report::gravity_text(machine),
+                      report::damping_text(machine))};
+}
+
+namespace {
+
+/// Bandwidths, peaks and couplings of the response from command to pose.
+std::string command_text(const report::CommandResponse& response, const TableStyle& style) {
+  const auto cell = [](const std::optional<double>& omega) {
+    return omega ? hertz(*omega) : std::string("–");
+  };
+  Table table({"<", "-3 dB Hz", "-90° Hz", "peak dB", "at Hz"});
+  for (int i = 0; i < 6; ++i) {
+    const auto found = report::command_bandwidth(response, i);
+    table.add_row({direction_names[static_cast<size_t>(i)], cell(found.magnitude),
+                   cell(found.phase), fmt::format("{:.2f}", 20.0 * std::log10(found.peak)),
+                   hertz(found.peak_omega)});
+  }
+  return table.text(style);
+}
+
+const std::vector<std::string_view> directions(direction_names.begin(), direction_names.end());
 
 struct Arguments {
   MachineArguments machine{};
@@ -35,10 +111,10 @@ struct Arguments {
 /// A frequency: a number in Hz, or a quantity ("30 rad/s", "2 kHz"), in rad/s.
 std::optional<double> frequency(const std::string& option, const std::string& text) {
   if (text.empty()) return {};
-  const auto hertz = base::read_plain_or_quantity(text, "Hz");
-  const auto radians = base::read_quantity(text, "rad/s");
-  if (!hertz.ok() && !radians.ok()) base::refuse(option + " " + text, hertz.problem);
-  const double value = hertz.ok() ? two_pi * hertz.value : radians.value;
+  const auto in_hertz = base::read_plain_or_quantity(text, "Hz");
+  const auto in_radians = base::read_quantity(text, "rad/s");
+  if (!in_hertz.ok() && !in_radians.ok()) base::refuse(option + " " + text, in_hertz.problem);
+  const double value = in_hertz.ok() ? two_pi * in_hertz.value : in_radians.value;
   if (!(value > 0.0)) base::refuse(option + " " + text, "a frequency must be positive");
   return value;
 }
@@ -76,14 +152,10 @@ report::BodeOptions options_of(const Arguments& arguments) {
 
 /// A response that grows without bound is no response: it is shown, but not without a word.
 void warn_unstable(const char* what) {
-  print_diagnostics(
-      {{.severity = base::Severity::warning,
-        .message = fmt::format("{}, so that no steady vibration exists; the response is that of "
-                               "its linear equations",
-                               what)}});
+  print_warning(fmt::format(
+      "{}, so that no steady vibration exists; the response is that of its linear equations",
+      what));
 }
-
-void wrote(const std::string& path) { fmt::print(stderr, "wrote {}\n", path); }
 
 /// The response of the whole machine from commanded to true pose.
 std::string command_output(const Arguments& arguments, const report::BodeOptions& options,
@@ -100,23 +172,20 @@ std::string command_output(const Arguments& arguments, const report::BodeOptions
   if (!result.system.poles.sampled_stable) warn_unstable("the loop is unstable");
   const auto& response = result.response;
   const char* model = dynamics::name(machine.kind);
-  if (!arguments.plot.empty()) {
+  draw(arguments.plot, [&](const auto& path) {
     report::plot_command_response(
         response, machine.file.machine.name,
-        fmt::format("from command to pose; pose {}, {} model", machine.pose.name, model),
-        arguments.plot);
-    wrote(arguments.plot);
-  }
+        fmt::format("from command to pose; pose {}, {} model", machine.pose.name, model), path);
+  });
   if (format == 2) return report::command_response_csv(response);
   if (format == 0)
     return fmt::format("{}, pose {}: from command to pose, {} model\n{}\n\n",
                        machine.file.machine.name, machine.pose.name, model,
                        report::verdict_text(result.system.poles)) +
            command_text(response, table_style(arguments.file));
-  auto json = report::head_json("bode", machine);
-  json.update({{"model", model}, {"input", "command"}, {"output", "displacement"}});
-  json.update(report::command_response_json(response));
-  return json.dump() + "\n";
+  auto json = head_of_model("bode", machine);
+  json.update({{"input", "command"}, {"output", "displacement"}});
+  return json_text(json, report::command_response_json(response), -1);
 }
 
 std::string mechanics_output(const Arguments& arguments, const report::BodeOptions& options,
@@ -126,18 +195,13 @@ std::string mechanics_output(const Arguments& arguments, const report::BodeOptio
   const auto bode = tasks::bode(machine, options);
   if (!std::ranges::all_of(bode.table.real.modes, [](const auto& m) { return m.mode.stable; }))
     warn_unstable("the machine is unstable at this pose");
-  if (!arguments.plot.empty()) {
-    report::plot_bode(bode, shown, plot_text(machine, bode), arguments.plot);
-    wrote(arguments.plot);
-  }
+  draw(arguments.plot,
+       [&](const auto& path) { report::plot_bode(bode, shown, plot_text(machine, bode), path); });
   if (format == 2) return report::bode_csv(bode);
-  if (format == 0) {
-    const auto style = table_style(arguments.file);
-    return heading(machine, style.colour) + peak_text(bode, style);
-  }
-  auto json = report::head_json("bode", machine);
-  json.update(report::bode_json(bode));
-  return json.dump() + "\n";
+  if (format != 0)
+    return json_text(report::head_json("bode", machine), report::bode_json(bode), -1);
+  const auto style = table_style(arguments.file);
+  return heading(machine, style) + peak_text(bode, style);
 }
 
 void run(const Arguments& arguments) {
@@ -148,46 +212,11 @@ void run(const Arguments& arguments) {
                                              : mechanics_output(arguments, options, format));
 }
 
-void add_options(Command command, Arguments& arguments) {
-  add_machine_options(command, arguments.machine);
-  add_pose_option(command, arguments.machine);
-  add_model_option(command, arguments.machine);
-  command
-      .add_option("--input", arguments.input,
-                  "wrench at the point, actuator forces mapped to its directions, or command: the "
-                  "commanded pose, with hydraulics and controller")
-      .capture_default_str();
-  command
-      .add_option("--output", arguments.output,
-                  "displacement, velocity or acceleration of the point")
-      .capture_default_str();
-  command.add_option("--point", arguments.point,
-                     "Point of the platform, \"x,y,z\" in its frame; default: its mass centre");
-  command.add_option("--from", arguments.from,
-                     "Lowest frequency, Hz or with a unit; default: from the modes");
-  command.add_option("--to", arguments.to,
-                     "Highest frequency, Hz or with a unit; default: from the modes");
-  command
-      .add_option("--points", arguments.points, "Frequencies, evenly spaced on a logarithmic axis")
-      .range(2, 100000)
-      .capture_default_str();
-  command.add_option("--plot", arguments.plot,
-                     "Picture to write, .svg, .png or .pdf (needs gnuplot)");
-  command
-      .add_option("--entries", arguments.entries,
-                  "Entries to plot, as directions or output/input pairs")
-      .capture_default_str();
-  command
-      .add_option("--format", arguments.format, "table (the peaks), json or csv (the 6×6 response)")
-      .capture_default_str();
-  command.add_option("-o", arguments.file, "File to write; - prints").capture_default_str();
-}
-
 }  // namespace
 
 void add_bode(Command app) {
-  Command command = add_command(
-      app, "bode", "Bode diagrams of the platform with rigid and with flexible legs",
+  Command command = app.add_command(
+      "bode", "Bode diagrams of the platform with rigid and with flexible legs",
       {{"bode machine.toml --plot bode.svg",
         "the six direct responses as a picture, peaks as a table"},
        {"bode machine.toml --entries x,ry/x --plot coupling.pdf", "x, and ry due to a force in x"},
@@ -197,9 +226,23 @@ void add_bode(Command app) {
         "from commanded to true pose, hydraulics and controller included"},
        {"bode machine.toml --from 1 --to \"200 Hz\" --format csv -o bode.csv",
         "the whole 6×6 response"}});
-  auto arguments = std::make_shared<Arguments>();
-  add_options(command, *arguments);
-  command.callback([arguments] { run(*arguments); });
+  auto& arguments = command.calls(&run);
+  add_subject_options(command, arguments.machine);
+  command.add_options(
+      {{"--input", arguments.input,
+        "wrench at the point, actuator forces mapped to its directions, or command: the "
+        "commanded pose, with hydraulics and controller"},
+       {"--output", arguments.output, "displacement, velocity or acceleration of the point"},
+       {"--point", arguments.point,
+        "Point of the platform, \"x,y,z\" in its frame; default: its mass centre"},
+       {"--from", arguments.from, "Lowest frequency, Hz or with a unit; default: from the modes"},
+       {"--to", arguments.to, "Highest frequency, Hz or with a unit; default: from the modes"},
+       {"--points", arguments.points, "Frequencies, evenly spaced on a logarithmic axis",
+        range(2, 100000)},
+       {"--plot", arguments.plot, "Picture to write, .svg, .png or .pdf (needs gnuplot)"},
+       {"--entries", arguments.entries, "Entries to plot, as directions or output/input pairs"},
+       {"--format", arguments.format, "table (the peaks), json or csv (the 6×6 response)"},
+       {"-o", arguments.file, "File to write; - prints"}});
 }
 
 }  // namespace hydrapod::cli

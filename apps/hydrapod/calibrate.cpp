@@ -1,20 +1,13 @@
-#include <fmt/format.h>
+#include "hydrapod/command.hpp"
 
 #include <cstdio>
 #include <filesystem>
-#include <memory>
 
-#include "hydrapod/base/error.hpp"
-#include "hydrapod/base/file.hpp"
 #include "hydrapod/base/text.hpp"
-#include "hydrapod/calibration_report.hpp"
-#include "hydrapod/commands.hpp"
-#include "hydrapod/interrupt.hpp"
-#include "hydrapod/machine_arguments.hpp"
 #include "hydrapod/report/measured_results.hpp"
 #include "hydrapod/report/model_results.hpp"
+#include "hydrapod/reports.hpp"
 #include "hydrapod/tasks/fit.hpp"
-#include "hydrapod/terminal.hpp"
 
 namespace hydrapod::cli {
 
@@ -92,14 +85,14 @@ void require_writable(const std::string& path) {
     const base::PartFile probe{path};
 }
 
-std::string json_text(const tasks::Machine& machine, const tasks::Calibrated& found) {
-  auto json = report::head_json("calibration", machine.file, machine.path);
-  json["model"] = dynamics::name(machine.kind);
-  json.update(report::calibration_json(found.result, found.targets));
+std::string calibration_json(const tasks::Machine& machine, const tasks::Calibrated& found) {
+  auto head = report::head_json("calibration", machine.file, machine.path);
+  head["model"] = dynamics::name(machine.kind);
+  auto json = report::calibration_json(found.result, found.targets);
   json["profiles"] = report::Json::array();
   for (const auto& profile : found.profiles)
     json["profiles"].push_back(report::profile_json(profile, found.result.best()));
-  return json.dump(1) + "\n";
+  return json_text(head, json);
 }
 
 void run(const Arguments& arguments) {
@@ -115,10 +108,9 @@ void run(const Arguments& arguments) {
     return tasks::calibrate(machine, options, progress);
   });
   print_diagnostics(found.warnings);
-  base::write_file_whole("-", format == 0
-                                  ? calibration_text(found.result, found.targets, found.profiles,
-                                                     has_colour(stdout), terminal_width())
-                                  : json_text(machine, found));
+  base::write_file_whole("-", format == 0 ? calibration_text(found.result, found.targets,
+                                                             found.profiles, table_style("-"))
+                                          : calibration_json(machine, found));
   if (!arguments.output.empty())
     base::write_file_whole(arguments.output,
                            calibration::calibrated_text(machine.file, found.result.best()));
@@ -133,8 +125,8 @@ void run(const Arguments& arguments) {
 }  // namespace
 
 void add_calibrate(Command app) {
-  Command command = add_command(
-      app, "calibrate", "Fit parameters of a machine file to measured or published modes",
+  Command command = app.add_command(
+      "calibrate", "Fit parameters of a machine file to measured or published modes",
       {{"calibrate machine.toml --targets modes.csv --free legs.guide_sleeve.stiffness "
         "-o calibrated.toml",
         "stiffness of the guide sleeves from measured frequencies"},
@@ -143,38 +135,31 @@ void add_calibrate(Command app) {
         "with bounds and prior knowledge"},
        {"calibrate machine.toml --targets modes.toml --try model.flexible_axes=gimbal",
         "two alternatives"}});
-  auto arguments = std::make_shared<Arguments>();
-  add_machine_options(command, arguments->machine);
-  add_model_option(command, arguments->machine);
-  command
-      .add_option("--targets", arguments->targets,
-                  "Target modes, TOML or CSV (docs/howto/calibrate.md)")
-      .required();
-  command.add_option("--free", arguments->free,
-                     "Free parameter: PATH or PATH=LOWEST..HIGHEST; PATH,PATH ties several to one "
-                     "value; may be repeated");
-  command.add_option("--prior", arguments->priors,
-                     "Prior of a free parameter: PATH=VALUE+-SPREAD; may be repeated");
-  command.add_option("--try", arguments->tries,
-                     "Alternative: PATH=VALUE[; PATH=VALUE]; fits with and without it; may be "
-                     "repeated, all combinations are fitted");
-  command.add_option(
-      "--profile", arguments->profiles,
-      "Also compute the misfit as a function of this parameter, with all others fitted");
-  command.add_option("--loss", arguments->loss,
-                     "automatic, squares, or cauchy (little weight of outliers)");
-  command.add_option("--starts", arguments->starts, "Starts per combination, all but one random")
-      .range(1, 10000);
-  command.add_option("--seed", arguments->seed, "Seed of the random starts")
-      .range(std::uint64_t{1}, std::uint64_t{1000000000000});
-  command.add_option("--threads", arguments->threads, "Threads; 0: one per core").range(0, 256);
-  command.add_option("-o,--output", arguments->output,
-                     "Calibrated machine file to write; comments are kept");
-  command.add_option("--format", arguments->format, "Report as table or json")
-      .capture_default_str();
-  command.add_option("--plot", arguments->plot,
-                     "Picture of targets and model to write: .svg, .png or .pdf");
-  command.callback([arguments] { run(*arguments); });
+  auto& arguments = command.calls(&run);
+  add_machine_options(command, arguments.machine);
+  add_model_option(command, arguments.machine);
+  command.add_options(
+      {{"--targets", arguments.targets, "Target modes, TOML or CSV (docs/howto/calibrate.md)",
+        required},
+       {"--free", arguments.free,
+        "Free parameter: PATH or PATH=LOWEST..HIGHEST; PATH,PATH ties several to one "
+        "value; may be repeated"},
+       {"--prior", arguments.priors,
+        "Prior of a free parameter: PATH=VALUE+-SPREAD; may be repeated"},
+       {"--try", arguments.tries,
+        "Alternative: PATH=VALUE[; PATH=VALUE]; fits with and without it; may be "
+        "repeated, all combinations are fitted"},
+       {"--profile", arguments.profiles,
+        "Also compute the misfit as a function of this parameter, with all others fitted"},
+       {"--loss", arguments.loss, "automatic, squares, or cauchy (little weight of outliers)"},
+       {"--starts", arguments.starts, "Starts per combination, all but one random",
+        range(1, 10000)},
+       {"--seed", arguments.seed, "Seed of the random starts",
+        range(std::uint64_t{1}, std::uint64_t{1000000000000})},
+       {"--threads", arguments.threads, "Threads; 0: one per core", range(0, 256)},
+       {"-o,--output", arguments.output, "Calibrated machine file to write; comments are kept"},
+       {"--format", arguments.format, "Report as table or json"},
+       {"--plot", arguments.plot, "Picture of targets and model to write: .svg, .png or .pdf"}});
 }
 
 }  // namespace hydrapod::cli

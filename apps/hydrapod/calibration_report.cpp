@@ -1,4 +1,4 @@
-#include "hydrapod/calibration_report.hpp"
+#include "hydrapod/reports.hpp"
 
 #include <fmt/format.h>
 
@@ -19,14 +19,9 @@ using observation::Targets;
 
 using base::two_pi;
 
-std::string combinations_text(const Calibration& result, bool colour, std::size_t width) {
+std::string combinations_text(const Calibration& result, const TableStyle& style) {
   if (result.candidates.size() < 2) return {};
-  Table table({{"combination", Align::left},
-               {"rms diff", Align::right},
-               {"max diff Hz", Align::right},
-               {"rad/s", Align::right},
-               {"admissible", Align::left},
-               {"starts", Align::right}});
+  Table table({"<combination", "rms diff", "max diff Hz", "rad/s", "<admissible", "starts"});
   for (const auto& c : result.candidates) {
     if (!c.fitted) {
       table.add_row({c.name, "-", "-", "-", c.problem});
@@ -37,7 +32,7 @@ std::string combinations_text(const Calibration& result, bool colour, std::size_
                    fmt::format("{:.4g}", c.worst), c.admissible() ? "yes" : "no",
                    fmt::format("{} of {}", c.starts_that_agree, c.starts)});
   }
-  std::string text = table.text(colour, width);
+  std::string text = table.text(style);
   for (const auto& c : result.candidates) {
     if (!c.unbound) continue;
     const double rms = std::sqrt(c.unbound->misfit / static_cast<double>(c.targets.size()));
@@ -55,25 +50,19 @@ std::string combinations_text(const Calibration& result, bool colour, std::size_
     text += ", which violates:\n";
     for (const auto& what : c.unbound->violated) text += "  - " + what + "\n";
   }
-  return styled("Combinations, best first", Style::bold, colour) + "\n" + text + "\n";
+  return bold("Combinations, best first", style) + "\n" + text + "\n";
 }
 
-std::string targets_text(const Candidate& best, const Targets& targets, bool colour,
-                         std::size_t width) {
+std::string targets_text(const Candidate& best, const Targets& targets, const TableStyle& style) {
   const bool damping = std::any_of(targets.modes.begin(), targets.modes.end(),
                                    [](const ModeTarget& t) { return t.damping.has_value(); });
   const bool shapes = std::any_of(targets.modes.begin(), targets.modes.end(),
                                   [](const ModeTarget& t) { return t.shape.has_value(); });
-  std::vector<Column> columns{{"target", Align::left},
-                              {"pose", Align::left},
-                              {"mode"},
-                              {"target Hz"},
-                              {"model Hz"},
-                              {"diff rad/s"},
-                              {"diff σ"}};
-  if (damping) columns.insert(columns.end(), {{"target ζ %"}, {"model ζ %"}});
-  if (shapes) columns.push_back({"MAC"});
-  columns.push_back({"", Align::left});
+  std::vector<Column> columns{"<target",  "<pose",      "mode",  "target Hz",
+                              "model Hz", "diff rad/s", "diff σ"};
+  if (damping) columns.insert(columns.end(), {"target ζ %", "model ζ %"});
+  if (shapes) columns.push_back("MAC");
+  columns.push_back("<");
   Table table(columns);
   for (std::size_t i = 0; i < best.targets.size(); ++i) {
     const auto& target = targets.modes[i];
@@ -81,8 +70,8 @@ std::string targets_text(const Candidate& best, const Targets& targets, bool col
     std::vector<std::string> row{target.name,
                                  target.pose,
                                  fmt::format("{}", fit.mode + 1),
-                                 fmt::format("{:.4f}", target.omega / two_pi),
-                                 fmt::format("{:.4f}", fit.omega / two_pi),
+                                 hertz(target.omega, 4),
+                                 hertz(fit.omega, 4),
                                  fmt::format("{:+.4f}", fit.omega - target.omega),
                                  fmt::format("{:+.2f}", fit.difference)};
     if (damping) {
@@ -93,7 +82,7 @@ std::string targets_text(const Candidate& best, const Targets& targets, bool col
     row.push_back(fit.outlier ? "outlier, left out" : "");
     table.add_row(row);
   }
-  return styled("Targets", Style::bold, colour) + "\n" + table.text(colour, width);
+  return bold("Targets", style) + "\n" + table.text(style);
 }
 
 std::string interval_text(const FittedParameter& p) {
@@ -101,14 +90,8 @@ std::string interval_text(const FittedParameter& p) {
   return fmt::format("{:.4g} … {:.4g}", p.interval_low, p.interval_high);
 }
 
-std::string parameters_text(const Candidate& best, bool colour, std::size_t width) {
-  Table table({{"parameter", Align::left},
-               {"start"},
-               {"value"},
-               {"unit", Align::left},
-               {"± "},
-               {"95 % interval"},
-               {"", Align::left}});
+std::string parameters_text(const Candidate& best, const TableStyle& style) {
+  Table table({"<parameter", "start", "value", "<unit", "± ", "95 % interval", "<"});
   for (const auto& p : best.parameters) {
     const bool known = p.verdict == calibration::Verdict::determined ||
                        p.verdict == calibration::Verdict::by_prior;
@@ -117,7 +100,7 @@ std::string parameters_text(const Candidate& best, bool colour, std::size_t widt
                    known ? fmt::format("{:.2g}", p.deviation) : "", known ? interval_text(p) : "",
                    report::verdict_word(p.verdict)});
   }
-  return styled("Parameters", Style::bold, colour) + "\n" + table.text(colour, width);
+  return bold("Parameters", style) + "\n" + table.text(style);
 }
 
 std::string correlations_text(const Candidate& best) {
@@ -154,9 +137,9 @@ std::string direction_text(const Candidate& best, const Eigen::VectorXd& directi
   return text;
 }
 
-std::string identifiability_text(const Candidate& best, bool colour) {
+std::string identifiability_text(const Candidate& best, const TableStyle& style) {
   const auto& found = best.identifiability;
-  std::string text = styled("Identifiability", Style::bold, colour) + "\n";
+  std::string text = bold("Identifiability", style) + "\n";
   text += fmt::format(
       "{} of {} combinations of the parameters are known within ± {:g} %. {} have an effect on the "
       "data.\nEach line: relative uncertainty, and the combination as a weighted sum of relative "
@@ -177,8 +160,8 @@ std::string identifiability_text(const Candidate& best, bool colour) {
   return text;
 }
 
-std::string profiles_text(const std::vector<Profile>& profiles, const Candidate& best, bool colour,
-                          std::size_t width) {
+std::string profiles_text(const std::vector<Profile>& profiles, const Candidate& best,
+                          const TableStyle& style) {
   std::string text;
   for (const auto& profile : profiles) {
     const auto& p = best.parameters[static_cast<std::size_t>(profile.parameter)];
@@ -186,13 +169,13 @@ std::string profiles_text(const std::vector<Profile>& profiles, const Candidate&
       return std::isfinite(value) ? fmt::format("{:.5g}", value)
                                   : std::string("no limit within its bounds");
     };
-    text += "\n" + styled("Profile of " + p.paths.front(), Style::bold, colour) + "\n";
+    text += "\n" + bold("Profile of " + p.paths.front(), style) + "\n";
     text +=
         fmt::format("95 %: from {} to {}\n", end(profile.interval_low), end(profile.interval_high));
-    Table table({{p.unit == "1" ? "value" : p.unit}, {"misfit"}});
+    Table table({{p.unit == "1" ? "value" : p.unit}, "misfit"});
     for (const auto& point : profile.points)
       table.add_row({fmt::format("{:.6g}", point.value), fmt::format("{:.4g}", point.misfit)});
-    text += table.text(colour, width);
+    text += table.text(style);
   }
   return text;
 }
@@ -200,25 +183,25 @@ std::string profiles_text(const std::vector<Profile>& profiles, const Candidate&
 }  // namespace
 
 std::string calibration_text(const Calibration& result, const Targets& targets,
-                             const std::vector<Profile>& profiles, bool colour, std::size_t width) {
+                             const std::vector<Profile>& profiles, const TableStyle& style) {
   const auto& best = result.best();
   std::string text;
-  if (!targets.title.empty()) text += styled(targets.title, Style::bold, colour) + "\n\n";
-  text += combinations_text(result, colour, width);
+  if (!targets.title.empty()) text += bold(targets.title, style) + "\n\n";
+  text += combinations_text(result, style);
   if (result.candidates.size() > 1) text += "Below: " + best.name + "\n\n";
-  text += targets_text(best, targets, colour, width) + "\n";
-  text += parameters_text(best, colour, width) + "\n";
-  text += identifiability_text(best, colour);
-  text += profiles_text(profiles, best, colour, width);
+  text += targets_text(best, targets, style) + "\n";
+  text += parameters_text(best, style) + "\n";
+  text += identifiability_text(best, style);
+  text += profiles_text(profiles, best, style);
   const auto remarks = report::calibration_remarks(result, targets);
-  if (!remarks.empty()) text += "\n" + styled("Mind", Style::bold, colour) + "\n";
+  if (!remarks.empty()) text += "\n" + bold("Mind", style) + "\n";
   for (const auto& remark : remarks) text += "  - " + remark + "\n";
   return text;
 }
 
 std::string sensitivity_text(const Sensitivities& s, const TableStyle& style) {
-  std::vector<Column> columns{{"% of ω per % of", Align::left}};
-  for (const double omega : s.omega) columns.push_back({fmt::format("{:.2f} Hz", omega / two_pi)});
+  std::vector<Column> columns{"<% of ω per % of"};
+  for (const double omega : s.omega) columns.push_back(fmt::format("{:.2f} Hz", omega / two_pi));
   Table table(columns);
   std::vector<Eigen::Index> order(s.parameters.size());
   std::iota(order.begin(), order.end(), 0);

@@ -1,15 +1,10 @@
-#include <fmt/format.h>
+#include "hydrapod/command.hpp"
 
-#include <memory>
 #include <numbers>
 
-#include "hydrapod/base/file.hpp"
 #include "hydrapod/base/units.hpp"
-#include "hydrapod/commands.hpp"
 #include "hydrapod/hydraulics/servo_axis.hpp"
-#include "hydrapod/machine_arguments.hpp"
 #include "hydrapod/tasks/linear.hpp"
-#include "hydrapod/terminal.hpp"
 
 namespace hydrapod::cli {
 
@@ -27,15 +22,9 @@ std::string optional_text(const std::optional<double>& value) {
 
 std::string leg_table(const report::PoseCheck& check, const TableStyle& style) {
   constexpr double degrees = 180.0 / std::numbers::pi;
-  Table table({{"leg"},
-               {"length mm"},
-               {"piston mm"},
-               {"guided mm"},
-               {"stroke left in/out mm"},
-               {"oil spring N/µm"},
-               {"axial force N"},
-               {"static tilt mrad"},
-               {"joint tilt base/platform °"}});
+  Table table({"leg", "length mm", "piston mm", "guided mm", "stroke left in/out mm",
+               "oil spring N/µm", "axial force N", "static tilt mrad",
+               "joint tilt base/platform °"});
   for (int i = 0; i < model::leg_count; ++i) {
     const auto& leg = check.legs[i];
     table.add_row(
@@ -76,8 +65,7 @@ std::string buckling_text(const model::Machine& machine, const report::PoseCheck
 std::string pose_text(const model::Machine& machine, const report::PoseCheck& check,
                       const TableStyle& style) {
   std::string text =
-      fmt::format("{}\n{}", styled("Pose " + check.pose.name, Style::bold, style.colour),
-                  leg_table(check, style));
+      fmt::format("{}\n{}", bold("Pose " + check.pose.name, style), leg_table(check, style));
   text += fmt::format(
       "Jacobian: condition {:.3g} (lengths scaled with {:.3g} m; singular from {:.0g})\n",
       check.quality.condition, check.quality.characteristic_length, kinematics::singular_condition);
@@ -92,8 +80,7 @@ std::string pose_text(const model::Machine& machine, const report::PoseCheck& ch
 std::string assumptions_text(const model::Machine& machine, const TableStyle& style) {
   const auto assumptions = hydraulics::hydraulic_assumptions(machine);
   if (assumptions.empty()) return {};
-  std::string text =
-      fmt::format("\n{}\n", styled("Assumed values for simulations", Style::bold, style.colour));
+  std::string text = fmt::format("\n{}\n", bold("Assumed values for simulations", style));
   for (const auto& one : assumptions) text += fmt::format("  {}: {}\n", one.key, one.text);
   return text;
 }
@@ -103,8 +90,7 @@ std::string table_text(const model::MachineFile& file, const std::vector<report:
   const auto& machine = file.machine;
   double legs = 0.0;
   for (const auto& leg : machine.legs) legs += leg.cylinder_case.mass + leg.rod.mass;
-  std::string text =
-      fmt::format("{}: no errors\n", styled(machine.name, Style::bold, style.colour));
+  std::string text = fmt::format("{}: no errors\n", bold(machine.name, style));
   if (!machine.description.empty()) text += machine.description + "\n";
   text += fmt::format("mass of the platform {}, of all legs {}; {}\n",
                       report::mass_text(machine.platform.mass), report::mass_text(legs),
@@ -121,34 +107,31 @@ void run(const Arguments& arguments) {
   const auto& poses = machine.file.machine.poses;
   const auto checks =
       tasks::check(machine, arguments.machine.pose.empty() ? poses : std::vector{machine.pose});
-  if (format == 0)
-    return base::write_file_whole(arguments.output,
-                                  table_text(machine.file, checks, table_style(arguments.output)));
-  auto json = report::head_json("check", machine.file, machine.path);
-  json.update(report::check_json(checks, machine.file.machine));
-  base::write_file_whole(arguments.output, json.dump(1) + "\n");
+  base::write_file_whole(arguments.output,
+                         format == 0
+                             ? table_text(machine.file, checks, table_style(arguments.output))
+                             : json_text(report::head_json("check", machine.file, machine.path),
+                                         report::check_json(checks, machine.file.machine)));
 }
 
 }  // namespace
 
 void add_check(Command app) {
-  Command command =
-      add_command(app, "check", "Check a machine file; print lengths, forces and the buckling load",
-                  {{"check machine.toml",
-                    "leg lengths, remaining strokes, oil springs, static forces, buckling load"},
-                   {"check machine.toml --pose \"z=100 mm\"", "at another pose"},
-                   {"check machine.toml --set platform.mass=\"1.2 t\"", "with a heavier platform"},
-                   {"check machine.toml --format json", "as JSON"}});
-  auto arguments = std::make_shared<Arguments>();
-  add_machine_options(command, arguments->machine);
-  command.add_option(
-      "--pose", arguments->machine.pose,
-      "One pose instead of all of the file: a name, or displacements from the neutral pose");
-  add_model_option(command, arguments->machine);
-  command.add_option("--format", arguments->format, "table or json").capture_default_str();
-  command.add_option("-o,--output", arguments->output, "File to write; - prints")
-      .capture_default_str();
-  command.callback([arguments] { run(*arguments); });
+  Command command = app.add_command(
+      "check", "Check a machine file; print lengths, forces and the buckling load",
+      {{"check machine.toml",
+        "leg lengths, remaining strokes, oil springs, static forces, buckling load"},
+       {"check machine.toml --pose \"z=100 mm\"", "at another pose"},
+       {"check machine.toml --set platform.mass=\"1.2 t\"", "with a heavier platform"},
+       {"check machine.toml --format json", "as JSON"}});
+  auto& arguments = command.calls(&run);
+  add_machine_options(command, arguments.machine);
+  command.add_options(
+      {{"--pose", arguments.machine.pose,
+        "One pose instead of all of the file: a name, or displacements from the neutral pose"}});
+  add_model_option(command, arguments.machine);
+  command.add_options({{"--format", arguments.format, "table or json"},
+                       {"-o,--output", arguments.output, "File to write; - prints"}});
 }
 
 }  // namespace hydrapod::cli

@@ -14,16 +14,6 @@
 
 namespace hydrapod::cli {
 
-/// One line of the examples below the help of a command.
-struct Example {
-  std::string arguments{};  ///< without the program's name: `modes machine.toml --pose up`
-  std::string purpose{};    ///< what it does, in a few words
-};
-
-/// A subcommand whose help ends with `examples`.
-Command add_command(Command app, const std::string& name, const std::string& description,
-                    const std::vector<Example>& examples);
-
 /// The arguments of this run but for the files it writes (-o): what records say of their origin.
 const std::vector<std::string>& command_line();
 void set_command_line(int argc, const char* const* argv);

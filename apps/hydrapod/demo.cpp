@@ -1,19 +1,15 @@
-#include <fmt/format.h>
+#include "hydrapod/command.hpp"
 
 #include <filesystem>
-#include <memory>
 
-#include "hydrapod/base/error.hpp"
-#include "hydrapod/base/file.hpp"
-#include "hydrapod/bode_report.hpp"
-#include "hydrapod/commands.hpp"
-#include "hydrapod/embedded_models.hpp"
-#include "hydrapod/machine_arguments.hpp"
-#include "hydrapod/mode_report.hpp"
 #include "hydrapod/report/json.hpp"
-#include "hydrapod/terminal.hpp"
+#include "hydrapod/reports.hpp"
 
 namespace hydrapod::cli {
+
+/// Text of models/`name`, carried inside the program (embedded_models.cpp.in). Throws
+/// std::out_of_range for a file that was not there when it was built.
+std::string_view embedded_model(std::string_view name);
 
 namespace {
 
@@ -66,7 +62,7 @@ void show(const Case& the_case, const Arguments& arguments) {
       tasks::read_machine({.file = path, .text = text, .overrides = the_case.overrides});
   const auto bode = tasks::bode(machine);
   fmt::print("{}\n\n{}\n{}\n{}\n", styled(the_case.headline, Style::cyan, style.colour),
-             heading(machine, style.colour), mode_text(bode.table, nullptr, style),
+             heading(machine, style), mode_text(bode.table, nullptr, style),
              report::answer_text(bode.table));
   const std::vector<report::Entry> direct{{0, 0}, {1, 1}, {2, 2}, {3, 3}, {4, 4}, {5, 5}};
   for (const char* ending : {".svg", ".png"})
@@ -103,15 +99,14 @@ void run(const Arguments& arguments) {
 }  // namespace
 
 void add_demo(Command app) {
-  Command command = add_command(
-      app, "demo",
+  Command command = app.add_command(
+      "demo",
       "The published machine: its modes on the terminal, Bode diagrams and reports as files",
       {{"demo", "writes into the folder hydrapod-demo"},
        {"demo results", "writes into the folder results"}});
-  auto arguments = std::make_shared<Arguments>();
-  command.add_option("FOLDER", arguments->folder, "Folder for the files; made if it is not there")
-      .capture_default_str();
-  command.callback([arguments] { run(*arguments); });
+  auto& arguments = command.calls(&run);
+  command.add_options(
+      {{"FOLDER", arguments.folder, "Folder for the files; made if it is not there"}});
 }
 
 }  // namespace hydrapod::cli

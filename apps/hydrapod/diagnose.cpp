@@ -1,18 +1,9 @@
-#include <fmt/format.h>
+#include "hydrapod/command.hpp"
 
-#include <filesystem>
-#include <memory>
-
-#include "hydrapod/base/error.hpp"
-#include "hydrapod/base/file.hpp"
 #include "hydrapod/base/units.hpp"
-#include "hydrapod/commands.hpp"
-#include "hydrapod/diagnosis_arguments.hpp"
-#include "hydrapod/interrupt.hpp"
-#include "hydrapod/machine_arguments.hpp"
+#include "hydrapod/identification_arguments.hpp"
 #include "hydrapod/report/measured_results.hpp"
 #include "hydrapod/report/model_results.hpp"
-#include "hydrapod/terminal.hpp"
 
 namespace hydrapod::cli {
 
@@ -31,51 +22,28 @@ struct Arguments {
   std::string format{"table"}, output{"-"}, plot{};
 };
 
-std::string heading(const std::string& text, bool colour) {
-  return "\n" + styled(text, Style::bold, colour) + "\n";
+std::string heading(const std::string& text, const TableStyle& style) {
+  return "\n" + bold(text, style) + "\n";
 }
 
-std::string modes_text(const diagnosis::Diagnosis& d, bool colour, std::size_t width) {
-  Table table({{"pose", Align::left},
-               {"direction", Align::left},
-               {"measured Hz"},
-               {"rigid Hz"},
-               {"drop"},
-               {"nominal Hz"},
-               {"fitted Hz"},
-               {"MAC"},
-               {"elastic energy", Align::left}});
+std::string modes_text(const diagnosis::Diagnosis& d, const TableStyle& style) {
+  Table table({"<pose", "<direction", "measured Hz", "rigid Hz", "drop", "nominal Hz", "fitted Hz",
+               "MAC", "<elastic energy"});
   for (const auto& m : d.modes) {
-    std::string energy;
-    const auto add = [&](const char* part, double share) {
-      if (share >= 0.005)
-        energy += fmt::format("{}{} {:.0f} %", energy.empty() ? "" : ", ", part, 100.0 * share);
-    };
-    add("oil", m.oil);
-    add("sleeves", m.guide_sleeves);
-    add("rings", m.piston_rings);
-    add("base", m.base);
     const bool rigid = m.rigid_mac >= diagnosis::resonance_mac;
     table.add_row({m.pose, m.direction < 0 ? "" : diagnosis::direction_name(m.direction),
                    fmt::format("{:.3f} ± {:.3f}", m.omega / two_pi, m.deviation / two_pi),
-                   rigid ? fmt::format("{:.3f}", m.omega_rigid / two_pi) : "",
-                   rigid ? fmt::format("{:.1f} %", 100.0 * m.drop()) : "",
-                   fmt::format("{:.3f}", m.omega_stated / two_pi),
-                   fmt::format("{:.3f}", m.omega_best / two_pi),
-                   m.shape_mac > 0.0 ? fmt::format("{:.2f}", m.shape_mac) : "", energy});
+                   rigid ? hertz(m.omega_rigid) : "",
+                   rigid ? fmt::format("{:.1f} %", 100.0 * m.drop()) : "", hertz(m.omega_stated),
+                   hertz(m.omega_best), m.shape_mac > 0.0 ? fmt::format("{:.2f}", m.shape_mac) : "",
+                   report::energy_text(m.oil, m.guide_sleeves, m.piston_rings, m.base)});
   }
-  return heading("Measured modes", colour) + table.text(colour, width);
+  return heading("Measured modes", style) + table.text(style);
 }
 
-std::string ranking_text(const diagnosis::Diagnosis& d, std::size_t shown, bool colour,
-                         std::size_t width) {
-  Table table({{"rank"},
-               {"explanation", Align::left},
-               {"ΔBIC"},
-               {"numbers"},
-               {"misfit"},
-               {"values", Align::left},
-               {"contradiction", Align::left}});
+std::string ranking_text(const diagnosis::Diagnosis& d, std::size_t shown,
+                         const TableStyle& style) {
+  Table table({"rank", "<explanation", "ΔBIC", "numbers", "misfit", "<values", "<contradiction"});
   std::size_t rank = 0;
   const auto add = [&](const diagnosis::Explanation& e) {
     table.add_row({fmt::format("{}", rank), e.name,
@@ -94,20 +62,19 @@ std::string ranking_text(const diagnosis::Diagnosis& d, std::size_t shown, bool 
   return heading(fmt::format("Hypotheses ({} measured values{}; up to ΔBIC {:.0f} they explain the "
                              "data equally well)",
                              d.values, responses, diagnosis::same),
-                 colour) +
-         table.text(colour, width);
+                 style) +
+         table.text(style);
 }
 
-std::string attribution_text(const diagnosis::CaseFile& file, bool colour, std::size_t width) {
+std::string attribution_text(const diagnosis::CaseFile& file, const TableStyle& style) {
   if (file.drops.empty()) return {};
-  std::vector<Column> columns{{"direction", Align::left}, {"rigid Hz"}, {"Hz"}, {"drop"}};
+  std::vector<Column> columns{"<direction", "rigid Hz", "Hz", "drop"};
   for (const auto& part : file.drops.front().parts)
-    columns.push_back({diagnosis::part_name(part.part)});
+    columns.push_back(diagnosis::part_name(part.part));
   Table table(columns);
   for (const auto& drop : file.drops) {
     const auto& r = drop.resonance;
-    std::vector<std::string> row{r.direction, fmt::format("{:.3f}", r.omega_rigid / two_pi),
-                                 fmt::format("{:.3f}", r.omega / two_pi),
+    std::vector<std::string> row{r.direction, hertz(r.omega_rigid), hertz(r.omega),
                                  fmt::format("{:.2f} %", 100.0 * r.drop())};
     constexpr double least = 5e-4;  // of a smaller drop shares mean nothing
     for (const auto& part : drop.parts)
@@ -116,32 +83,26 @@ std::string attribution_text(const diagnosis::CaseFile& file, bool colour, std::
   }
   return heading(fmt::format("Share of the frequency drop at pose {}, with this part alone rigid",
                              file.pose),
-                 colour) +
-         table.text(colour, width);
+                 style) +
+         table.text(style);
 }
 
-std::string remedy_text(const diagnosis::CaseFile& file, bool colour, std::size_t width) {
+std::string remedy_text(const diagnosis::CaseFile& file, const TableStyle& style) {
   if (!file.remedy || file.remedy->changes.empty()) return {};
   constexpr std::size_t most = 24;
-  Table table({{"pose", Align::left},
-               {"direction", Align::left},
-               {"rigid Hz"},
-               {"nominal Hz"},
-               {"stiffer Hz"},
-               {"drop stiffer"}});
+  Table table({"<pose", "<direction", "rigid Hz", "nominal Hz", "stiffer Hz", "drop stiffer"});
   const auto& changes = file.remedy->changes;
   for (std::size_t k = 0; k < std::min(most, changes.size()); ++k) {
     const auto& c = changes[k];
-    table.add_row({c.pose, c.direction, fmt::format("{:.3f}", c.omega_rigid / two_pi),
-                   c.omega_today > 0.0 ? fmt::format("{:.3f}", c.omega_today / two_pi) : "folds",
-                   fmt::format("{:.3f}", c.omega_needed / two_pi),
+    table.add_row({c.pose, c.direction, hertz(c.omega_rigid),
+                   c.omega_today > 0.0 ? hertz(c.omega_today) : "folds", hertz(c.omega_needed),
                    fmt::format("{:.1f} %", 100.0 * (1.0 - c.omega_needed / c.omega_rigid))});
   }
   std::string text =
       heading(fmt::format("First resonances with guide sleeves {:.3g} times as stiff",
                           file.remedy->needed.factor),
-              colour) +
-      table.text(colour, width);
+              style) +
+      table.text(style);
   if (changes.size() > most)
     text += fmt::format("… and {} more; --format json has all\n", changes.size() - most);
   return text;
@@ -149,31 +110,31 @@ std::string remedy_text(const diagnosis::CaseFile& file, bool colour, std::size_
 
 std::string table_text(const Arguments& a, const model::MachineFile& file,
                        const diagnosis::CaseFile& found) {
-  const bool colour = a.output == "-" && has_colour(stdout);
-  const std::size_t width = a.output == "-" ? terminal_width() : Table::unlimited;
+  const auto style = table_style(a.output);
   std::string text = fmt::format("{}{}\n", file.machine.name,
                                  a.diagnosis.measured.empty()
                                      ? ""
                                      : fmt::format(": {}", fmt::join(a.diagnosis.measured, ", ")));
   for (const auto& sentence : diagnosis::summary(found)) text += "  " + sentence + "\n";
   if (found.diagnosis) {
-    text += modes_text(*found.diagnosis, colour, width);
+    text += modes_text(*found.diagnosis, style);
     if (found.diagnosis->explanations.size() > 1)
-      text += ranking_text(*found.diagnosis, a.shown, colour, width);
+      text += ranking_text(*found.diagnosis, a.shown, style);
   }
-  return text + attribution_text(found, colour, width) + remedy_text(found, colour, width);
+  return text + attribution_text(found, style) + remedy_text(found, style);
 }
 
-void run(Arguments& a) {
+void run(const Arguments& a) {
   const auto format = choose_word("--format", a.format, {"table", "json"});
   if (!a.plot.empty()) report::require_picture_ending(a.plot);
-  auto& rules = a.diagnosis.options;
+  auto asked = a.diagnosis;
+  auto& rules = asked.options;
   rules.frequency_error = a.frequency_error / 100.0;
   rules.shape_error = a.shape_error / 100.0;
   rules.response_error = a.response_error / 100.0;
   rules.responses = !a.modes_only;
   const auto machine = load(a.machine);
-  const auto options = diagnose_options(a.diagnosis, machine.file.machine);
+  const auto options = diagnose_options(asked, machine.file.machine);
   const auto found = with_progress("diagnosing", [&](const auto& progress) {
     return tasks::diagnose(machine, options, progress);
   });
@@ -185,14 +146,10 @@ void run(Arguments& a) {
     auto json = report::head_json("diagnosis", machine.file, machine.path);
     json["model"] = dynamics::name(machine.kind);
     json["measured"] = fmt::format("{}", fmt::join(a.diagnosis.measured, ", "));
-    json.update(report::diagnosis_json(found.file));
-    text = json.dump(1) + "\n";
+    text = json_text(json, report::diagnosis_json(found.file));
   }
   base::write_file_whole(a.output, text);
-  if (!a.plot.empty()) {
-    report::plot_diagnosis(found.file, a.plot);
-    fmt::print(stderr, "wrote {}\n", a.plot);
-  }
+  draw(a.plot, [&](const auto& path) { report::plot_diagnosis(found.file, path); });
   if (found.file.diagnosis && found.file.diagnosis->interrupted)
     throw base::ComputationError("interrupted: the result contains the hypotheses tried so far");
 }
@@ -200,8 +157,8 @@ void run(Arguments& a) {
 }  // namespace
 
 void add_diagnose(Command app) {
-  Command command = add_command(
-      app, "diagnose", "Cause of low frequencies, its uncertainty, and the required stiffness",
+  Command command = app.add_command(
+      "diagnose", "Cause of low frequencies, its uncertainty, and the required stiffness",
       {{"diagnose machine.toml --measured modes.csv",
         "hypotheses for the measured modes, ranked, and the required stiffness"},
        {"diagnose machine.toml --measured run.h5 --pose high", "the same from a record"},
@@ -212,52 +169,36 @@ void add_diagnose(Command app) {
         "whole workspace"},
        {"diagnose machine.toml --measured modes.csv --plot why.svg --format json -o why.json",
         "as a picture and as JSON"}});
-  auto a = std::make_shared<Arguments>();
-  add_machine_options(command, a->machine);
-  add_pose_option(command, a->machine);
-  add_model_option(command, a->machine);
-  command
-      .add_option("--measured", a->diagnosis.measured,
-                  "Modes (TOML, CSV, JSON of `hydrapod identify`), responses (JSON of `hydrapod "
-                  "frf`, Universal File) or a record; FILE@POSE names its pose; may be repeated; "
-                  "default: no measurement")
-      .type_name("RECORD|FRF|MODES")
-      .allow_extra_args(false);
-  command
-      .add_option("--against", a->diagnosis.against,
-                  "Measured system: mechanics (oil springs, closed valves), plant (inputs are the "
-                  "valve drives) or system (with its controller); auto: as the file states, else "
-                  "plant for drives and mechanics for other inputs")
-      .capture_default_str();
-  add_diagnosis_options(command, a->diagnosis);
-  command
-      .add_option("--model-error", a->frequency_error,
-                  "Model uncertainty of frequencies, %, added to that of the measurement")
-      .range(0.001, 20.0)
-      .capture_default_str();
-  command
-      .add_option("--shape-error", a->shape_error,
-                  "Model uncertainty of shapes, % of their magnitude")
-      .range(0.1, 50.0)
-      .capture_default_str();
-  command
-      .add_option("--response-error", a->response_error,
-                  "Model uncertainty of frequency responses, % of their magnitude at each line")
-      .range(0.1, 100.0)
-      .capture_default_str();
-  command.add_flag("--modes-only", a->modes_only,
-                   "Compare modes only, not the frequency responses");
-  command.add_flag("--damping", a->diagnosis.options.damping,
-                   "Compare damping ratios too (the dampers of the file are those of the machine)");
-  command.add_option("--threads", a->diagnosis.options.threads, "Threads; 0: one per core")
-      .range(0, 256);
-  command.add_option("--show", a->shown, "Number of hypotheses in the table")
-      .range(1, 1000)
-      .capture_default_str();
-  command.add_option("--plot", a->plot, "Picture to write, .svg, .png or .pdf (needs gnuplot)");
-  command.add_option("--format", a->format, "table or json").capture_default_str();
-  command.add_option("-o,--output", a->output, "File to write; - prints").capture_default_str();
-  command.callback([a] { run(*a); });
+  auto& a = command.calls(&run);
+  add_subject_options(command, a.machine);
+  command.add_options(
+      {{"--measured", a.diagnosis.measured,
+        "Modes (TOML, CSV, JSON of `hydrapod identify`), responses (JSON of `hydrapod "
+        "frf`, Universal File) or a record; FILE@POSE names its pose; may be repeated; "
+        "default: no measurement",
+        one_each_as("RECORD|FRF|MODES")},
+       {"--against", a.diagnosis.against,
+        "Measured system: mechanics (oil springs, closed valves), plant (inputs are the "
+        "valve drives) or system (with its controller); auto: as the file states, else "
+        "plant for drives and mechanics for other inputs"}});
+  add_diagnosis_options(command, a.diagnosis);
+  command.add_options(
+      {{"--model-error", a.frequency_error,
+        "Model uncertainty of frequencies, %, added to that of the measurement",
+        range(0.001, 20.0)},
+       {"--shape-error", a.shape_error, "Model uncertainty of shapes, % of their magnitude",
+        range(0.1, 50.0)},
+       {"--response-error", a.response_error,
+        "Model uncertainty of frequency responses, % of their magnitude at each line",
+        range(0.1, 100.0)},
+       {"--modes-only", a.modes_only, "Compare modes only, not the frequency responses"},
+       {"--damping", a.diagnosis.options.damping,
+        "Compare damping ratios too (the dampers of the file are those of the machine)"},
+       {"--threads", a.diagnosis.options.threads, "Threads; 0: one per core", range(0, 256)},
+       {"--show", a.shown, "Number of hypotheses in the table", range(1, 1000)},
+       {"--plot", a.plot, "Picture to write, .svg, .png or .pdf (needs gnuplot)"},
+       {"--format", a.format, "table or json"},
+       {"-o,--output", a.output, "File to write; - prints"}});
 }
 
 }  // namespace hydrapod::cli

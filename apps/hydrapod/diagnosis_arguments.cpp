@@ -1,13 +1,10 @@
-#include "hydrapod/diagnosis_arguments.hpp"
+#include "hydrapod/identification_arguments.hpp"
 
 #include <fmt/format.h>
-
-#include <algorithm>
 
 #include "hydrapod/base/error.hpp"
 #include "hydrapod/base/text.hpp"
 #include "hydrapod/base/units.hpp"
-#include "hydrapod/identification_arguments.hpp"
 #include "hydrapod/machine_arguments.hpp"
 #include "hydrapod/spatial/pose.hpp"
 
@@ -55,14 +52,13 @@ diagnosis::RemedyGoal remedy_goal(const std::string& text) {
 }  // namespace
 
 void add_diagnosis_options(Command command, DiagnosisArguments& arguments) {
-  command
-      .add_option("--want", arguments.want,
-                  "Goal for the guide sleeves: a largest drop \"2 %\" below the rigid-leg model, "
-                  "or a lowest frequency \"5 Hz\"; in one direction \"x=5 Hz\"")
-      .capture_default_str();
-  command.add_option("--poses", arguments.poses,
-                     "Poses for the goal and for further measurements: names or displacements "
-                     "separated by semicolons, all, or workspace [all of the file]");
+  command.add_options(
+      {{"--want", arguments.want,
+        "Goal for the guide sleeves: a largest drop \"2 %\" below the rigid-leg model, "
+        "or a lowest frequency \"5 Hz\"; in one direction \"x=5 Hz\""},
+       {"--poses", arguments.poses,
+        "Poses for the goal and for further measurements: names or displacements "
+        "separated by semicolons, all, or workspace [all of the file]"}});
 }
 
 tasks::DiagnoseOptions diagnose_options(const DiagnosisArguments& arguments,

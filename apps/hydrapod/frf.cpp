@@ -1,14 +1,7 @@
-#include <fmt/format.h>
+#include "hydrapod/command.hpp"
 
-#include <algorithm>
-#include <memory>
-
-#include "hydrapod/base/file.hpp"
-#include "hydrapod/commands.hpp"
 #include "hydrapod/identification_arguments.hpp"
-#include "hydrapod/interrupt.hpp"
 #include "hydrapod/report/measured_results.hpp"
-#include "hydrapod/terminal.hpp"
 
 namespace hydrapod::cli {
 
@@ -19,47 +12,18 @@ struct Arguments {
   std::string format{}, output{"-"}, plot{}, coherence_plot{};
 };
 
-double median(std::vector<double> values) {
-  if (values.empty()) return 0.0;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
-
-std::string channel_table(const identification::FrequencyResponses& r, const TableStyle& style) {
-  Table table({{"output", Align::left},
-               {"unit", Align::left},
-               {"coherence, median"},
-               {"lowest"},
-               {"largest response", Align::left},
-               {"Hz"},
-               {"error there"}});
-  for (std::size_t o = 0; o < r.outputs.size(); ++o) {
-    std::vector<double> coherence;
-    double largest = 0.0;
-    std::size_t line = 0, input = 0;
-    for (std::size_t k = 0; k < r.lines(); ++k) {
-      coherence.push_back(r.multiple_coherence[k][static_cast<Eigen::Index>(o)]);
-      for (std::size_t i = 0; i < r.inputs.size(); ++i) {
-        // per input level, so that inputs of different units can be compared
-        const double size =
-            std::abs(r.H[k](static_cast<Eigen::Index>(o), static_cast<Eigen::Index>(i))) *
-            std::sqrt(r.input_density[k][static_cast<Eigen::Index>(i)]);
-        if (size <= largest) continue;
-        largest = size;
-        line = k;
-        input = i;
-      }
-    }
-    const double value =
-        std::abs(r.H[line](static_cast<Eigen::Index>(o), static_cast<Eigen::Index>(input)));
-    const double deviation =
-        std::sqrt(r.variance(line, static_cast<int>(o), static_cast<int>(input)));
-    table.add_row({r.outputs[o].name, r.outputs[o].unit, fmt::format("{:.4f}", median(coherence)),
-                   fmt::format("{:.4f}", *std::ranges::min_element(coherence)),
-                   fmt::format("{:.3e} from {}", value, r.inputs[input].name),
-                   fmt::format("{:.3f}", r.frequency[line]),
-                   fmt::format("{:.1f} %", 100.0 * deviation / value)});
+std::string channel_table(const identification::FrequencyResponses& r,
+                          const tasks::ResponseSummary& summary, const TableStyle& style) {
+  Table table({"<output", "<unit", "coherence, median", "lowest", "<largest response", "Hz",
+               "error there"});
+  for (std::size_t o = 0; o < summary.outputs.size(); ++o) {
+    const auto& found = summary.outputs[o];
+    table.add_row({r.outputs[o].name, r.outputs[o].unit,
+                   fmt::format("{:.4f}", found.median_coherence),
+                   fmt::format("{:.4f}", found.lowest_coherence),
+                   fmt::format("{:.3e} from {}", found.magnitude, r.inputs[found.input].name),
+                   fmt::format("{:.3f}", r.frequency[found.line]),
+                   fmt::format("{:.1f} %", 100.0 * found.deviation / found.magnitude)});
   }
   return table.text(style);
 }
@@ -80,15 +44,16 @@ std::string table_text(const Arguments& arguments, const tasks::Measured& measur
   if (m.from_legs) text += "leg lengths were transformed to platform directions\n";
   if (measured.from_accelerometers)
     text += "accelerometers were transformed to platform directions\n";
+  const auto summary = tasks::summary_of(r);
   if (!r.condition.empty())
     text += fmt::format("condition of the input matrix: median {:.3g}, largest {:.3g}\n",
-                        median(r.condition), *std::ranges::max_element(r.condition));
+                        summary.median_condition, summary.largest_condition);
   if (m.h1_against_instrument)
     text += fmt::format(
         "Difference of H1 from the instrumental estimate: {:.2g} % (median), outside its 95 % band "
         "at {:.0f} % of the lines\n",
         100.0 * m.h1_against_instrument->median, 100.0 * m.h1_against_instrument->share);
-  return measured.records ? text + "\n" + channel_table(r, style) : text;
+  return measured.records ? text + "\n" + channel_table(r, summary, style) : text;
 }
 
 void run(const Arguments& arguments) {
@@ -104,14 +69,8 @@ void run(const Arguments& arguments) {
   const auto& r = measured.responses();
   const std::string title = options.files.front();
   const report::PlotText text{title, report::measurement_text(r)};
-  if (!arguments.plot.empty()) {
-    report::plot_responses(r, nullptr, text, arguments.plot);
-    fmt::print(stderr, "wrote {}\n", arguments.plot);
-  }
-  if (!arguments.coherence_plot.empty()) {
-    report::plot_coherence(r, text, arguments.coherence_plot);
-    fmt::print(stderr, "wrote {}\n", arguments.coherence_plot);
-  }
+  draw(arguments.plot, [&](const auto& path) { report::plot_responses(r, nullptr, text, path); });
+  draw(arguments.coherence_plot, [&](const auto& path) { report::plot_coherence(r, text, path); });
   if (format == mat) return report::write_responses_mat(arguments.output, r);
   if (format == uff) {
     auto titled = r;
@@ -123,33 +82,30 @@ void run(const Arguments& arguments) {
     return base::write_file_whole(arguments.output, table_text(arguments, measured));
   report::Json document{{"kind", "frf"}, {"records", options.files}};
   if (measured.header) document["record"] = report::record_origin_json(*measured.header);
-  document.update(report::responses_json(r));
-  base::write_file_whole(arguments.output, document.dump() + "\n");
+  base::write_file_whole(arguments.output, json_text(document, report::responses_json(r), -1));
 }
 
 }  // namespace
 
 void add_frf(Command app) {
-  Command command = add_command(
-      app, "frf", "Frequency responses from records, with coherence and errors",
+  Command command = app.add_command(
+      "frf", "Frequency responses from records, with coherence and errors",
       {{"frf run.h5", "from the excitations to the outputs, a summary"},
        {"frf run.h5 --plot bode.svg --coherence coherence.svg", "as pictures"},
        {"frf run.h5 --from-excitation", "from the commands: the machine with its controller"},
        {"frf run1.h5 run2.h5 --format json -o frf.json", "several records, for `identify`"},
        {"frf test.csv --inputs force --outputs a1,a2 --block 4096", "channels by name"}});
-  auto arguments = std::make_shared<Arguments>();
-  command.add_option("RECORD", arguments->measurement.files, "Records, averaged together")
-      .required();
-  add_measurement_options(command, arguments->measurement);
-  command.add_option("--plot", arguments->plot, "Bode diagram to write, .svg, .png or .pdf");
-  command.add_option("--coherence", arguments->coherence_plot,
-                     "Picture of coherence and condition to write");
-  command.add_option("--format", arguments->format,
-                     "table (a summary), json, csv, uff or mat (the whole response); default: by "
-                     "the ending of -o, else table");
-  command.add_option("-o,--output", arguments->output, "File to write; - prints")
-      .capture_default_str();
-  command.callback([arguments] { run(*arguments); });
+  auto& arguments = command.calls(&run);
+  command.add_options(
+      {{"RECORD", arguments.measurement.files, "Records, averaged together", required}});
+  add_measurement_options(command, arguments.measurement);
+  command.add_options(
+      {{"--plot", arguments.plot, "Bode diagram to write, .svg, .png or .pdf"},
+       {"--coherence", arguments.coherence_plot, "Picture of coherence and condition to write"},
+       {"--format", arguments.format,
+        "table (a summary), json, csv, uff or mat (the whole response); default: by "
+        "the ending of -o, else table"},
+       {"-o,--output", arguments.output, "File to write; - prints"}});
 }
 
 }  // namespace hydrapod::cli

@@ -55,65 +55,53 @@ identification::MeasureOptions estimate_options(const MeasurementArguments& a) {
 }  // namespace
 
 void add_measurement_options(Command command, MeasurementArguments& a) {
-  command.add_option("--inputs", a.inputs,
-                     "Input channels, names separated by commas; default by role: drive in a "
-                     "closed loop, else excitation");
-  command.add_option("--outputs", a.outputs, "Output channels; default: role response");
-  command.add_flag("--from-drive", a.from_drive,
-                   "Inputs are the drives, instruments the excitations: the machine without its "
-                   "controller (default where the excitations are commands)");
-  command.add_flag("--from-excitation", a.from_excitation,
-                   "Inputs are the excitations: the machine with its controller");
-  command.add_flag(
-      "--accelerometers", a.accelerometers,
-      "Outputs: the accelerometers, as accelerations of the platform in six directions");
-  command
-      .add_option("--sensor", a.sensors,
-                  "\"NAME, at=X Y Z, along=x\": position of an accelerometer in the platform frame "
-                  "[m], for records that do not state it; may be repeated")
-      .allow_extra_args(false);
-  command.add_option("--instruments", a.instruments,
-                     "External excitations of a closed loop; default: role excitation");
-  command
-      .add_option("--estimator", a.estimator,
-                  "auto, h1, h2, hv or iv (instrumental, for inputs in a closed loop)")
-      .capture_default_str();
-  command.add_option("--block", a.block, "Samples per block; default: from the record's length");
-  command.add_option("--overlap", a.overlap, "Overlap of blocks in per cent; default: 50");
-  command
-      .add_option("--window", a.window, "hann, rectangular, hamming, blackman-harris or flat-top")
-      .capture_default_str();
-  command.add_option("--period", a.period,
-                     "Period of the excitation, s or with a unit; 0: none; default: detected");
-  command.add_option("--settling", a.settling, "Time at the beginning that is left out");
-  command.add_option("--sample-rate,--rate", a.sample_rate, "For files that do not state it");
-  command.add_option("--machine", a.machine,
-                     "Machine file for the transformation of leg lengths and the comparison of "
-                     "modes; default: the one in the record");
-  command.add_option("--pose", a.pose,
-                     "Pose of the record; default: that of the record, else neutral");
-  command.add_option("--model", a.model, "rigid, guide or full; default: that of the record");
-  command.add_option("--point", a.point,
-                     "Point of the platform, \"x,y,z\" in its frame; default: the mass centre");
+  command.add_options(
+      {{"--inputs", a.inputs,
+        "Input channels, names separated by commas; default by role: drive in a "
+        "closed loop, else excitation"},
+       {"--outputs", a.outputs, "Output channels; default: role response"},
+       {"--from-drive", a.from_drive,
+        "Inputs are the drives, instruments the excitations: the machine without its "
+        "controller (default where the excitations are commands)"},
+       {"--from-excitation", a.from_excitation,
+        "Inputs are the excitations: the machine with its controller"},
+       {"--accelerometers", a.accelerometers,
+        "Outputs: the accelerometers, as accelerations of the platform in six directions"},
+       {"--sensor", a.sensors,
+        "\"NAME, at=X Y Z, along=x\": position of an accelerometer in the platform frame "
+        "[m], for records that do not state it; may be repeated",
+        one_each},
+       {"--instruments", a.instruments,
+        "External excitations of a closed loop; default: role excitation"},
+       {"--estimator", a.estimator,
+        "auto, h1, h2, hv or iv (instrumental, for inputs in a closed loop)"},
+       {"--block", a.block, "Samples per block; default: from the record's length"},
+       {"--overlap", a.overlap, "Overlap of blocks in per cent; default: 50"},
+       {"--window", a.window, "hann, rectangular, hamming, blackman-harris or flat-top"},
+       {"--period", a.period,
+        "Period of the excitation, s or with a unit; 0: none; default: detected"},
+       {"--settling", a.settling, "Time at the beginning that is left out"},
+       {"--sample-rate,--rate", a.sample_rate, "For files that do not state it"},
+       {"--machine", a.machine,
+        "Machine file for the transformation of leg lengths and the comparison of "
+        "modes; default: the one in the record"},
+       {"--pose", a.pose, "Pose of the record; default: that of the record, else neutral"},
+       {"--model", a.model, "rigid, guide or full; default: that of the record"},
+       {"--point", a.point,
+        "Point of the platform, \"x,y,z\" in its frame; default: the mass centre"}});
 }
 
 void add_identification_options(Command command, IdentificationArguments& a) {
   add_measurement_options(command, a.measurement);
-  command.add_option("--from", a.from,
-                     "Lowest frequency, Hz or with a unit; default: from the record");
-  command.add_option("--to", a.to,
-                     "Highest frequency, Hz or with a unit; default: from the record");
-  command.add_option("--order", a.order, "Highest model order").range(4, 100).capture_default_str();
-  command
-      .add_option("--highest-damping", a.highest_damping,
-                  "Damping ratio in % above which a pole is not counted as a mode")
-      .range(0.1, 90.0)
-      .capture_default_str();
-  command
-      .add_option("--against", a.against,
-                  "Model to compare with: auto, mechanics (on oil springs), plant (with "
-                  "hydraulics), system (with controller too) or none")
-      .capture_default_str();
+  command.add_options(
+      {{"--from", a.from, "Lowest frequency, Hz or with a unit; default: from the record"},
+       {"--to", a.to, "Highest frequency, Hz or with a unit; default: from the record"},
+       {"--order", a.order, "Highest model order", range(4, 100)},
+       {"--highest-damping", a.highest_damping,
+        "Damping ratio in % above which a pole is not counted as a mode", range(0.1, 90.0)},
+       {"--against", a.against,
+        "Model to compare with: auto, mechanics (on oil springs), plant (with "
+        "hydraulics), system (with controller too) or none"}});
 }
 
 tasks::MeasureOptions measure_options(const MeasurementArguments& a) {

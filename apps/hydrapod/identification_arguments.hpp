@@ -1,12 +1,12 @@
 #pragma once
-/// Records and responses on the command line: what frf, identify and report have in common.
+/// Measurements on the command line: what frf, identify, diagnose and report have in common.
 
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "hydrapod/options.hpp"
-#include "hydrapod/tasks/measurement.hpp"
+#include "hydrapod/tasks/fit.hpp"
 
 namespace hydrapod::cli {
 
@@ -33,13 +33,26 @@ struct IdentificationArguments {
   std::string against{"auto"};
 };
 
+struct DiagnosisArguments {
+  std::vector<std::string> measured{};
+  std::string against{"auto"};  ///< the system that was measured
+  std::string want{"2 %"};
+  std::string poses{};
+  diagnosis::DiagnoseOptions options{};
+};
+
 void add_measurement_options(Command command, MeasurementArguments& arguments);
 /// All but the files.
 void add_identification_options(Command command, IdentificationArguments& arguments);
 
+/// "--want", "--poses" and the errors of the model.
+void add_diagnosis_options(Command command, DiagnosisArguments& arguments);
+
 /// Throw base::InputError.
 tasks::MeasureOptions measure_options(const MeasurementArguments& arguments);
 tasks::IdentifyOptions identify_options(const IdentificationArguments& arguments);
+tasks::DiagnoseOptions diagnose_options(const DiagnosisArguments& arguments,
+                                        const model::Machine& machine);
 
 /// The system of --against; none for "auto" (and for `also`, another word that is accepted).
 std::optional<observation::Observed> observed_system(const std::string& word,

@@ -1,11 +1,7 @@
-#include <fmt/format.h>
+#include "hydrapod/command.hpp"
 
 #include <filesystem>
-#include <memory>
 
-#include "hydrapod/base/error.hpp"
-#include "hydrapod/base/file.hpp"
-#include "hydrapod/commands.hpp"
 #include "hydrapod/model/machine_file.hpp"
 
 namespace hydrapod::cli {
@@ -34,17 +30,16 @@ void run(const Arguments& arguments) {
 }  // namespace
 
 void add_init(Command app) {
-  Command command = add_command(app, "init", "Write a commented machine file to start from",
-                                {{"init", "writes machine.toml"},
-                                 {"init simulator.toml --force", "replaces simulator.toml"},
-                                 {"init -", "prints it"},
-                                 {"init --reference", "prints tables of all keys"}});
-  auto arguments = std::make_shared<Arguments>();
-  command.add_option("FILE", arguments->file, "File to write; - prints").capture_default_str();
-  command.add_flag("--force", arguments->force, "Replace the file if it exists");
-  command.add_flag("--reference", arguments->reference,
-                   "Print the tables of all keys in Markdown, and write no file");
-  command.callback([arguments] { run(*arguments); });
+  Command command = app.add_command("init", "Write a commented machine file to start from",
+                                    {{"init", "writes machine.toml"},
+                                     {"init simulator.toml --force", "replaces simulator.toml"},
+                                     {"init -", "prints it"},
+                                     {"init --reference", "prints tables of all keys"}});
+  auto& arguments = command.calls(&run);
+  command.add_options({{"FILE", arguments.file, "File to write; - prints"},
+                       {"--force", arguments.force, "Replace the file if it exists"},
+                       {"--reference", arguments.reference,
+                        "Print the tables of all keys in Markdown, and write no file"}});
 }
 
 }  // namespace hydrapod::cli

@@ -4,7 +4,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 
 #include "hydrapod/base/text.hpp"
 #include "hydrapod/base/units.hpp"
@@ -18,6 +17,14 @@ double plain_or_quantity(const std::string& argument, const std::string& text, c
   return read.value;
 }
 
+double positive_quantity(const std::string& option, const std::string& text, const char* unit,
+                         const char* expected) {
+  const std::string argument = option + " " + text;
+  const double value = plain_or_quantity(argument, text, unit);
+  if (!(value > 0.0)) base::refuse(argument, expected);
+  return value;
+}
+
 spatial::Vector3 point(const std::string& text) {
   const auto parts = base::split(text, ",");
   const std::string argument = "--point " + text;
@@ -28,28 +35,31 @@ spatial::Vector3 point(const std::string& text) {
 }
 
 void add_machine_options(Command command, MachineArguments& arguments) {
-  command.add_option("FILE", arguments.file, "Machine file (TOML); - reads the standard input")
-      .required();
-  command
-      .add_option("--set", arguments.overrides,
-                  "PATH=VALUE overrides a value of the file, units allowed; may be repeated")
-      .allow_extra_args(false)
-      .type_name("PATH=VALUE");
+  command.add_options(
+      {{"FILE", arguments.file, "Machine file (TOML); - reads the standard input", required},
+       {"--set", arguments.overrides,
+        "PATH=VALUE overrides a value of the file, units allowed; may be repeated",
+        one_each_as("PATH=VALUE")}});
 }
 
 void add_pose_option(Command command, MachineArguments& arguments) {
-  command
-      .add_option("--pose", arguments.pose,
-                  "Pose of the file, or displacements from the neutral pose: \"z=50 mm, ry=5 deg\"")
-      .capture_default_str();
+  command.add_options(
+      {{"--pose", arguments.pose,
+        "Pose of the file, or displacements from the neutral pose: \"z=50 mm, ry=5 deg\""}});
 }
 
 void add_model_option(Command command, MachineArguments& arguments) {
-  command
-      .add_option("--model", arguments.model,
-                  "rigid (6 modes), guide (18: compliant guide sleeves) or full (30: piston rings "
-                  "too); default: full where the file has piston rings, else guide")
-      .type_name("MODEL");
+  command.add_options(
+      {{"--model", arguments.model,
+        "rigid (6 modes), guide (18: compliant guide sleeves) or full (30: piston rings "
+        "too); default: full where the file has piston rings, else guide",
+        shown_as("MODEL")}});
+}
+
+void add_subject_options(Command command, MachineArguments& arguments) {
+  add_machine_options(command, arguments);
+  add_pose_option(command, arguments);
+  add_model_option(command, arguments);
 }
 
 tasks::Machine load(const MachineArguments& arguments) {
@@ -75,6 +85,17 @@ size_t choose_word(const std::string& option, const std::string& word,
       option + " " + word,
       fmt::format("unknown value; {}accepted are {}",
                   near ? fmt::format("did you mean '{}'? ", *near) : "", fmt::join(words, ", ")));
+}
+
+report::Json head_of_model(const char* kind, const tasks::Machine& machine) {
+  auto json = report::head_json(kind, machine);
+  json["model"] = dynamics::name(machine.kind);
+  return json;
+}
+
+std::string json_text(report::Json head, const report::Json& result, int indent) {
+  head.update(result);
+  return head.dump(indent) + "\n";
 }
 
 }  // namespace hydrapod::cli

@@ -23,6 +23,8 @@ void add_machine_options(Command command, MachineArguments& arguments);
 void add_pose_option(Command command, MachineArguments& arguments);
 /// Adds --model.
 void add_model_option(Command command, MachineArguments& arguments);
+/// Adds all of these.
+void add_subject_options(Command command, MachineArguments& arguments);
 
 /// Reads the machine; warnings go to stderr. Throws base::InputError.
 tasks::Machine load(const MachineArguments& arguments);
@@ -37,8 +39,18 @@ spatial::Vector3 point(const std::string& text);
 /// message calls it. Throws base::InputError.
 double plain_or_quantity(const std::string& argument, const std::string& text, const char* unit);
 
+/// The same of the option `option`, above 0; `expected` is what the message says otherwise.
+double positive_quantity(const std::string& option, const std::string& text, const char* unit,
+                         const char* expected);
+
 /// One of several words for an option, or base::InputError with the nearest of them.
 size_t choose_word(const std::string& option, const std::string& word,
                    const std::vector<std::string_view>& words);
+
+/// How a result's JSON begins that depends on the model.
+report::Json head_of_model(const char* kind, const tasks::Machine& machine);
+
+/// `result` behind its head, as a file or a printed text.
+std::string json_text(report::Json head, const report::Json& result, int indent = 1);
 
 }  // namespace hydrapod::cli

@@ -10,9 +10,9 @@
 #include <iostream>
 
 #include "hydrapod/base/error.hpp"
+#include "hydrapod/base/text.hpp"
 #include "hydrapod/base/version.hpp"
 #include "hydrapod/commands.hpp"
-#include "hydrapod/suggestion.hpp"
 #include "hydrapod/terminal.hpp"
 
 namespace {
@@ -42,21 +42,32 @@ std::string call_of(const CLI::App& command) {
   return is_root ? "hydrapod" : call_of(*command.get_parent()) + ' ' + command.get_name();
 }
 
-cli::Choices choices_of(const CLI::App& command) {
-  cli::Choices choices{.call = call_of(command)};
-  for (const CLI::App* one : command.get_subcommands([](const CLI::App*) { return true; }))
-    choices.commands.push_back(one->get_name());
-  for (const CLI::Option* option : command.get_options())
-    for (const auto& name : option->get_lnames()) choices.options.push_back("--" + name);
-  return choices;
+/// What to say about an argument that a command does not take: an unknown option, an unknown
+/// subcommand or one argument too many, with the nearest name there is.
+std::string unknown_argument(const CLI::App& command, const std::string& argument) {
+  const bool is_option = argument.size() > 1 && argument.front() == '-';
+  const std::string word = is_option ? argument.substr(0, argument.find('=')) : argument;
+  std::vector<std::string> known;
+  if (is_option)
+    for (const CLI::Option* option : command.get_options())
+      for (const auto& name : option->get_lnames()) known.push_back("--" + name);
+  else
+    for (const CLI::App* one : command.get_subcommands([](const CLI::App*) { return true; }))
+      known.push_back(one->get_name());
+  std::string message = is_option        ? fmt::format("unknown option '{}'", word)
+                        : !known.empty() ? fmt::format("unknown command '{}'", word)
+                                         : fmt::format("one argument too many: '{}'", word);
+  const std::vector<std::string_view> names(known.begin(), known.end());
+  if (const auto near = base::nearest(word, names))
+    message += fmt::format("; did you mean '{}'?", *near);
+  return message + fmt::format(" ('{} --help' lists the options)", call_of(command));
 }
 
 int report_parse_error(const CLI::App& app, const CLI::ParseError& error) {
   const CLI::App& command = last_command(app);
   const auto extras = app.remaining(true);
   const bool is_extra = dynamic_cast<const CLI::ExtrasError*>(&error) != nullptr && !extras.empty();
-  cli::print_error(is_extra ? cli::unknown_argument(choices_of(command), extras.front())
-                            : error.what());
+  cli::print_error(is_extra ? unknown_argument(command, extras.front()) : error.what());
   return bad_input;
 }
 

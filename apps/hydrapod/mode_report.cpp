@@ -1,4 +1,4 @@
-#include "hydrapod/mode_report.hpp"
+#include "hydrapod/reports.hpp"
 
 #include <fmt/format.h>
 
@@ -18,32 +18,14 @@ using base::two_pi;
 using spatial::direction_names;
 constexpr double worth_showing = 0.01;  // MAC; a mode with less of it is no counterpart to a reader
 
-std::string percent(double share) {
-  const double value = 100.0 * share;
-  return value > 0.0 && value < 0.5 ? "<1" : fmt::format("{:.0f}", value);
-}
-
-/// "oil 82 %, sleeves 18 %": springs that hold at least half a per cent of the elastic energy.
-std::string energy_text(const modal::EnergyShares& energy) {
-  std::string text;
-  const auto add = [&](const char* part, double share) {
-    if (share >= 0.005)
-      text += fmt::format("{}{} {} %", text.empty() ? "" : ", ", part, percent(share));
-  };
-  add("oil", energy.oil.sum());
-  add("sleeves", energy.guide_sleeve.sum());
-  add("rings", energy.piston_ring.sum());
-  add("base", energy.base_mount);
-  return text;
-}
-
 /// "x 18 %, legs 82 %": platform directions that hold at least one per cent of the kinetic energy.
 std::string motion_text(const modal::EnergyShares& energy) {
   std::string text;
   for (int d = 0; d < 6; ++d)
     if (energy.platform[d] >= 0.01)
-      text += fmt::format("{} {} %, ", direction_names[d], percent(energy.platform[d]));
-  return text + fmt::format("legs {} %", percent(energy.legs.sum()));
+      text +=
+          fmt::format("{} {} %, ", direction_names[d], report::percent_text(energy.platform[d]));
+  return text + fmt::format("legs {} %", report::percent_text(energy.legs.sum()));
 }
 
 std::string signed_percent(double change) {
@@ -73,14 +55,15 @@ std::vector<std::string> row(const modal::ModeTable& table, size_t k,
                              const std::optional<std::string>& change) {
   const auto& entry = table.real.modes[k];
   const auto& mode = entry.mode;
-  std::vector<std::string> cells{
-      number_text(table.real.modes, k), fmt::format("{:.3f}", mode.omega / two_pi),
-      fmt::format("{:.3f}", mode.omega), fmt::format("{:.2f} %", 100.0 * mode.damping_ratio)};
+  std::vector<std::string> cells{number_text(table.real.modes, k), hertz(mode.omega),
+                                 fmt::format("{:.3f}", mode.omega),
+                                 fmt::format("{:.2f} %", 100.0 * mode.damping_ratio)};
   if (change) cells.push_back(*change);
-  cells.insert(cells.end(), {entry.label, motion_text(entry.energy), energy_text(entry.energy)});
+  cells.insert(cells.end(),
+               {entry.label, motion_text(entry.energy), report::energy_text(entry.energy)});
   if (entry.rigid && entry.rigid->mac >= worth_showing) {
     const double rigid = table.rigid.modes[entry.rigid->mode].mode.omega;
-    cells.push_back(fmt::format("{:.3f}", rigid / two_pi));
+    cells.push_back(hertz(rigid));
     cells.push_back(signed_percent(entry.rigid->shift));
     cells.push_back(fmt::format("{:.2f}", entry.rigid->mac));
   }
@@ -88,23 +71,19 @@ std::vector<std::string> row(const modal::ModeTable& table, size_t k,
 }
 
 std::vector<Column> columns(const modal::ModeTable& table, bool with_change) {
-  std::vector<Column> list{{"mode"}, {"Hz"}, {"rad/s"}, {"damping"}};
-  if (with_change) list.push_back({"by --set"});
-  list.push_back({"motion, compliance", Align::left});
-  list.push_back({"kinetic energy", Align::left});
-  list.push_back({"elastic energy", Align::left});
+  std::vector<Column> list{"mode", "Hz", "rad/s", "damping"};
+  if (with_change) list.push_back("by --set");
+  list.push_back("<motion, compliance");
+  list.push_back("<kinetic energy");
+  list.push_back("<elastic energy");
   if (table.kind == dynamics::ModelKind::rigid) return list;
-  list.insert(list.end(), {{"rigid Hz"}, {"shift"}, {"MAC"}});
+  list.insert(list.end(), {"rigid Hz", "shift", "MAC"});
   return list;
 }
 
 /// The six rigid modes and where each of them went.
 std::string rigid_text(const modal::ModeTable& table, const TableStyle& style) {
-  Table text({{"rigid"},
-              {"Hz"},
-              {"rad/s"},
-              {"motion", Align::left},
-              {"found in modes (MAC)", Align::left}});
+  Table text({"rigid", "Hz", "rad/s", "<motion", "<found in modes (MAC)"});
   for (size_t r = 0; r < table.rigid.modes.size(); ++r) {
     const auto& rigid = table.rigid.modes[r];
     std::string found;
@@ -116,9 +95,9 @@ std::string rigid_text(const modal::ModeTable& table, const TableStyle& style) {
       found += fmt::format("{}{} at {:.3f} Hz ({:.2f})", found.empty() ? "" : ", ", k + 1,
                            entry.mode.omega / two_pi, entry.rigid->mac);
     }
-    text.add_row(
-        {number_text(table.rigid.modes, r), fmt::format("{:.3f}", rigid.mode.omega / two_pi),
-         fmt::format("{:.3f}", rigid.mode.omega), modal::platform_directions(rigid.energy), found});
+    text.add_row({number_text(table.rigid.modes, r), hertz(rigid.mode.omega),
+                  fmt::format("{:.3f}", rigid.mode.omega), modal::platform_directions(rigid.energy),
+                  found});
   }
   return text.text(style);
 }
@@ -130,14 +109,14 @@ bool any_preload(const modal::ModeTable& table) {
 
 }  // namespace
 
-std::string heading(const tasks::Machine& subject, bool colour) {
+std::string heading(const tasks::Machine& subject, const TableStyle& style) {
   constexpr std::array<const char*, 3> what{"rigid-leg model, 6 modes",
                                             "guide-sleeve model, 18 modes",
                                             "guide-sleeve and piston-ring model, 30 modes"};
   const auto& machine = subject.file.machine;
-  return fmt::format("{}, pose {}: {}\n{}; {} axes; damping: {}\n",
-                     styled(machine.name, Style::bold, colour), subject.pose.name,
-                     what[static_cast<size_t>(subject.kind)], report::gravity_text(machine),
+  return fmt::format("{}, pose {}: {}\n{}; {} axes; damping: {}\n", bold(machine.name, style),
+                     subject.pose.name, what[static_cast<size_t>(subject.kind)],
+                     report::gravity_text(machine),
                      machine.flexible_axes == model::FlexibleAxes::gimbal ? "gimbal" : "transverse",
                      report::damping_text(machine));
 }

@@ -1,21 +1,209 @@
-#include <fmt/format.h>
+#include "hydrapod/command.hpp"
 
-#include <memory>
+#include <algorithm>
+#include <array>
 #include <optional>
 
-#include "hydrapod/base/error.hpp"
-#include "hydrapod/base/file.hpp"
-#include "hydrapod/commands.hpp"
-#include "hydrapod/machine_arguments.hpp"
-#include "hydrapod/mode_report.hpp"
+#include "hydrapod/base/text.hpp"
+#include "hydrapod/base/units.hpp"
 #include "hydrapod/report/json.hpp"
-#include "hydrapod/system_modes.hpp"
+#include "hydrapod/report/model_results.hpp"
+#include "hydrapod/reports.hpp"
 #include "hydrapod/tasks/linear.hpp"
-#include "hydrapod/terminal.hpp"
 
 namespace hydrapod::cli {
 
 namespace {
+
+using simulation::SystemPoles;
+
+constexpr int most_values = tasks::RootLocusOptions::most_values;
+
+tasks::RootLocusOptions locus_options(const std::string& text) {
+  const std::string argument = "--root-locus " + text;
+  const auto reject = [&](const std::string& found) {
+    base::refuse(argument, found +
+                               ", expected KEY=from:to:count with numbers in SI, for instance "
+                               "controller.gain=5:80:16");
+  };
+  const auto equals = text.find('=');
+  if (equals == std::string::npos || equals == 0) reject("no key");
+  std::array<double, 3> numbers{0.0, 0.0, 11.0};
+  std::size_t count = 0;
+  for (const auto& part : base::split(std::string_view(text).substr(equals + 1), ":")) {
+    const auto number = base::read_quantity(part, "1");
+    if (count == numbers.size()) reject("more than three numbers");
+    if (!number.ok()) reject(fmt::format("'{}' is not a plain number", part));
+    numbers[count++] = number.value;
+  }
+  if (count < 2) reject("only one number");
+  const int steps = static_cast<int>(std::clamp(numbers[2], -1.0, 1e6));
+  if (steps != numbers[2] || steps < 2 || steps > most_values)
+    reject(fmt::format("the count is {:g}; it must be a whole number from 2 to {}", numbers[2],
+                       most_values));
+  if (numbers[0] == numbers[1]) reject("both ends are equal");
+  return {.key = text.substr(0, equals), .from = numbers[0], .to = numbers[1], .count = steps};
+}
+
+/// Slower than this a pole is a drift [rad/s].
+constexpr double drift = 1e-2;
+
+/// Without a controller drifting is what a platform on valves does, and no fault.
+std::string open_verdict(const SystemPoles& poles) {
+  const double rate = poles.largest_real;
+  if (rate < -drift || rate > drift) return report::verdict_text(poles);
+  constexpr double none = 1e-9;
+  return rate > none
+             ? fmt::format(
+                   "without a controller the pose is not held: the platform drifts with {:.2g} 1/s",
+                   rate)
+             : std::string("without a controller the pose is not held");
+}
+
+/// Table of poles, ascending in frequency.
+std::string pole_table(const SystemPoles& poles, bool closed, const TableStyle& style) {
+  std::vector<const simulation::SystemPole*> order;
+  for (const auto& pole : poles.poles) order.push_back(&pole);
+  std::stable_sort(order.begin(), order.end(),
+                   [](const auto* a, const auto* b) { return a->omega < b->omega; });
+  Table table({"pole", "Hz", "rad/s", "damping", "Re 1/s", "<", "<participation"});
+  for (std::size_t k = 0; k < order.size(); ++k) {
+    const auto& pole = *order[k];
+    const bool stable = pole.pole.real() < 0.0;
+    const bool drifts = !closed && pole.omega < drift;
+    table.add_row(
+        {std::to_string(k + 1), pole.oscillates() && !drifts ? hertz(pole.omega) : "–",
+         fmt::format("{:.4g}", pole.omega),
+         pole.oscillates() && !drifts ? fmt::format("{:.2f} %", 100.0 * pole.damping_ratio) : "–",
+         fmt::format("{:.4g}", pole.pole.real()),
+         drifts   ? "drift"
+         : stable ? ""
+                  : "UNSTABLE",
+         report::participation_text(pole)});
+  }
+  return table.text(style);
+}
+
+std::string system_heading(const tasks::Machine& machine, const report::System& system,
+                           const TableStyle& style) {
+  const auto& linear = system.linear;
+  const std::string title =
+      fmt::format("{}, pose {}: {} model", bold(machine.file.machine.name, style),
+                  machine.pose.name, dynamics::name(machine.kind));
+  if (!system.closed)
+    return fmt::format(
+        "{} with hydraulics, without controller, {} states\nthe valves are held at their rest "
+        "positions; inputs are the drives\n",
+        title, linear.A.rows());
+  return fmt::format(
+      "{} with hydraulics and controller, {} states\nsampled every {:.4g} ms; delay and hold of "
+      "{:.4g} ms as Padé {}/{} (stability is that of the sampled loop)\n",
+      title, linear.A.rows(), 1e3 * linear.sample_time, 1e3 * linear.delay, linear.pade_order,
+      linear.pade_order);
+}
+
+/// Of the oscillations that the platform takes part in.
+const simulation::SystemPole* least_damped(const SystemPoles& poles) {
+  constexpr double felt = 0.05;  // participation of the platform
+  const simulation::SystemPole* least = nullptr;
+  for (const auto& pole : poles.poles) {
+    double platform = 0.0;
+    for (int i = 0; i < 6; ++i) platform += pole.parts[static_cast<std::size_t>(i)];
+    if (!pole.oscillates() || platform < felt) continue;
+    if (least == nullptr || pole.damping_ratio < least->damping_ratio) least = &pole;
+  }
+  return least;
+}
+
+std::string locus_table(const report::RootLocus& locus, const TableStyle& style) {
+  Table table({{locus.key},
+               "<stable",
+               "largest |z|",
+               "largest Re 1/s",
+               "Hz",
+               "lowest damping",
+               "Hz",
+               "<participation"});
+  for (std::size_t k = 0; k < locus.values.size(); ++k) {
+    const auto& poles = locus.poles[k];
+    const auto* least = least_damped(poles);
+    const auto& first = poles.poles.front();
+    table.add_row({fmt::format("{:.6g}", locus.values[k]), poles.sampled_stable ? "yes" : "NO",
+                   fmt::format("{:.6f}", poles.largest_modulus),
+                   fmt::format("{:.4g}", first.pole.real()), hertz(first.pole.imag()),
+                   least != nullptr ? fmt::format("{:.3f} %", 100.0 * least->damping_ratio) : "–",
+                   least != nullptr ? hertz(least->omega) : "–",
+                   least != nullptr ? report::participation_text(*least) : ""});
+  }
+  std::string text = table.text(style);
+  for (const double limit : locus.limits)
+    text += fmt::format("\nlimit of stability: {} = {:.6g}\n", locus.key, limit);
+  return text;
+}
+
+std::string locus_output(const tasks::Machine& machine, const tasks::RootLocusOptions& options,
+                         const std::string& plot, std::size_t format, const TableStyle& style) {
+  const auto locus = with_progress("root locus", [&](const numerics::Progress& progress) {
+    return tasks::root_locus(machine, options, progress);
+  });
+  const auto& name = machine.file.machine.name;
+  draw(plot, [&](const auto& path) {
+    report::plot_root_locus(locus, name,
+                            fmt::format("root locus over {}; pose {}, {} model", locus.key,
+                                        machine.pose.name, dynamics::name(machine.kind)),
+                            path);
+  });
+  if (format == 2) return report::root_locus_csv(locus);
+  if (format == 0)
+    return fmt::format("{}, pose {}: poles over {}\n\n", bold(name, style), machine.pose.name,
+                       locus.key) +
+           locus_table(locus, style);
+  return json_text(head_of_model("root_locus", machine), report::root_locus_json(locus), -1);
+}
+
+/// `hydrapod modes --system`: poles of mechanics, hydraulics and controller together.
+struct SystemArguments {
+  bool system{};
+  bool open_loop{};          ///< without the controller
+  std::string root_locus{};  ///< `KEY=from:to:count`
+  int pade{simulation::default_pade_order};
+  std::string plot{};  ///< of the root locus
+};
+
+void add_system_options(Command command, SystemArguments& arguments) {
+  command.add_options(
+      {{"--system", arguments.system, "Poles of mechanics, hydraulics, controller and delay"},
+       {"--open-loop", arguments.open_loop,
+        "The same without the controller; inputs are the drives"},
+       {"--root-locus", arguments.root_locus,
+        "KEY=from:to:count: these poles as functions of one parameter of the file (SI)",
+        shown_as("KEY=from:to:count")},
+       {"--pade", arguments.pade, "Order of the approximation of the delay, 0 (no delay) to 8",
+        range(0, 8)},
+       {"--plot", arguments.plot,
+        "Picture of the root locus, .svg, .png or .pdf (needs gnuplot)"}});
+}
+
+/// What `hydrapod modes` prints with --system, --open-loop or --root-locus; `format` is that of
+/// modes: 0 table, 1 JSON, 2 CSV.
+std::string system_modes_text(const MachineArguments& arguments, const SystemArguments& asked,
+                              std::size_t format, const TableStyle& style) {
+  const tasks::SystemOptions options{.closed = !asked.open_loop, .pade_order = asked.pade};
+  if (!asked.root_locus.empty()) {
+    auto locus = locus_options(asked.root_locus);
+    locus.system = options;
+    if (!asked.plot.empty()) report::require_picture_ending(asked.plot);
+    return locus_output(load(arguments), locus, asked.plot, format, style);
+  }
+  const auto machine = load(arguments);
+  const auto system = tasks::system(machine, options);
+  if (format == 2) return report::system_poles_csv(system.poles);
+  if (format == 0)
+    return system_heading(machine, system, style) + "\n" +
+           pole_table(system.poles, system.closed, style) + "\n" +
+           (system.closed ? report::verdict_text(system.poles) : open_verdict(system.poles)) + "\n";
+  return json_text(head_of_model("system", machine), report::system_json(system));
+}
 
 struct Arguments {
   MachineArguments machine{};
@@ -25,11 +213,10 @@ struct Arguments {
   SystemArguments system{};
 };
 
-std::string json_text(const tasks::Machine& machine, const modal::ModeTable& table, bool matrices) {
-  auto json = report::head_json("modes", machine);
-  json.update(report::modes_json(table));
+std::string mode_json(const tasks::Machine& machine, const modal::ModeTable& table, bool matrices) {
+  auto json = report::modes_json(table);
   if (matrices) json["matrices"] = report::matrices_json(table);
-  return json.dump(1) + "\n";
+  return json_text(report::head_json("modes", machine), json);
 }
 
 std::string table_text(const tasks::Machine& machine, const modal::ModeTable& table,
@@ -41,9 +228,8 @@ std::string table_text(const tasks::Machine& machine, const modal::ModeTable& ta
   } catch (const std::exception&) {  // it may be unsound or buckled, and --set mends it
     note = "\nthe change by --set is not shown: without it the file has no modes at this pose\n";
   }
-  return heading(machine, style.colour) + "\n" +
-         mode_text(table, before ? &*before : nullptr, style) + note + "\n" +
-         report::answer_text(table);
+  return heading(machine, style) + "\n" + mode_text(table, before ? &*before : nullptr, style) +
+         note + "\n" + report::answer_text(table);
 }
 
 void run(const Arguments& arguments) {
@@ -65,15 +251,15 @@ void run(const Arguments& arguments) {
   const auto table = tasks::modes(machine);
   base::write_file_whole(arguments.output, format == 0 ? table_text(machine, table, style)
                                            : format == 1
-                                               ? json_text(machine, table, arguments.matrices)
+                                               ? mode_json(machine, table, arguments.matrices)
                                                : mode_csv(table));
 }
 
 }  // namespace
 
 void add_modes(Command app) {
-  Command command = add_command(
-      app, "modes",
+  Command command = app.add_command(
+      "modes",
       "Modes of the machine with rigid and with flexible legs; poles with hydraulics and "
       "controller",
       {{"modes machine.toml", "frequencies, motion, energy shares"},
@@ -86,17 +272,13 @@ void add_modes(Command app) {
        {"modes machine.toml --root-locus controller.gain=5:80:16 --plot locus.svg",
         "these poles as functions of the gain"},
        {"modes machine.toml --format json --matrices -o modes.json", "all results as JSON"}});
-  auto arguments = std::make_shared<Arguments>();
-  add_machine_options(command, arguments->machine);
-  add_pose_option(command, arguments->machine);
-  add_model_option(command, arguments->machine);
-  command.add_option("--format", arguments->format, "table, json or csv").capture_default_str();
-  command.add_flag("--matrices", arguments->matrices,
-                   "Put M, K and C into the JSON (with --format json)");
-  add_system_options(command, arguments->system);
-  command.add_option("-o,--output", arguments->output, "File to write; - prints")
-      .capture_default_str();
-  command.callback([arguments] { run(*arguments); });
+  auto& arguments = command.calls(&run);
+  add_subject_options(command, arguments.machine);
+  command.add_options(
+      {{"--format", arguments.format, "table, json or csv"},
+       {"--matrices", arguments.matrices, "Put M, K and C into the JSON (with --format json)"}});
+  add_system_options(command, arguments.system);
+  command.add_options({{"-o,--output", arguments.output, "File to write; - prints"}});
 }
 
 }  // namespace hydrapod::cli

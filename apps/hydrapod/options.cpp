@@ -1,61 +1,61 @@
 #include "hydrapod/options.hpp"
 
+#include <fmt/format.h>
+
 #include <CLI/CLI.hpp>
-#include <utility>
+#include <algorithm>
+#include <type_traits>
 
 namespace hydrapod::cli {
 
-Option Option::required() { return Option(option_->required()); }
-Option Option::capture_default_str() { return Option(option_->capture_default_str()); }
-Option Option::type_name(const std::string& name) { return Option(option_->type_name(name)); }
-Option Option::allow_extra_args(bool allow) { return Option(option_->allow_extra_args(allow)); }
-Option Option::range(int least, int most) {
-  return Option(option_->check(CLI::Range(least, most)));
-}
-Option Option::range(double least, double most) {
-  return Option(option_->check(CLI::Range(least, most)));
-}
-Option Option::range(std::uint64_t least, std::uint64_t most) {
-  return Option(option_->check(CLI::Range(least, most)));
+namespace {
+
+template <class Value>
+bool is_shown(const Value& value, const OptionRule& rule) {
+  if constexpr (std::is_arithmetic_v<Value>) return rule.shows_zero || value != Value{};
+  if constexpr (std::is_same_v<Value, std::string>) return !value.empty();
+  return false;
 }
 
-Option Command::add_option(const std::string& names, std::string& value,
-                           const std::string& description) {
-  return Option(app_->add_option(names, value, description));
-}
-Option Command::add_option(const std::string& names, std::vector<std::string>& value,
-                           const std::string& description) {
-  return Option(app_->add_option(names, value, description));
-}
-Option Command::add_option(const std::string& names, int& value, const std::string& description) {
-  return Option(app_->add_option(names, value, description));
-}
-Option Command::add_option(const std::string& names, std::uint64_t& value,
-                           const std::string& description) {
-  return Option(app_->add_option(names, value, description));
-}
-Option Command::add_option(const std::string& names, double& value,
-                           const std::string& description) {
-  return Option(app_->add_option(names, value, description));
-}
-Option Command::add_option(const std::string& names, std::optional<int>& value,
-                           const std::string& description) {
-  return Option(app_->add_option(names, value, description));
-}
-Option Command::add_option(const std::string& names, std::optional<double>& value,
-                           const std::string& description) {
-  return Option(app_->add_option(names, value, description));
-}
-void Command::add_flag(const std::string& names, bool& value, const std::string& description) {
-  app_->add_flag(names, value, description);
+template <class Value>
+void add(CLI::App& app, const OptionRow& row, Value& value) {
+  const auto& rule = row.rule;
+  CLI::Option* option = app.add_option(row.names, value, row.description);
+  if (is_shown(value, rule)) option->capture_default_str();
+  if (rule.required) option->required();
+  if (rule.one_each) option->allow_extra_args(false);
+  if (rule.type_name != nullptr) option->type_name(rule.type_name);
+  std::visit(
+      [&](const auto& range) {
+        if constexpr (!std::is_same_v<std::decay_t<decltype(range)>, std::monostate>)
+          option->check(CLI::Range(range.first, range.second));
+      },
+      rule.range);
 }
 
-Command Command::add_subcommand(const std::string& name, const std::string& description) {
-  return Command(app_->add_subcommand(name, description));
+void add(CLI::App& app, const OptionRow& row, bool& value) {
+  app.add_flag(row.names, value, row.description);
 }
+
+}  // namespace
+
+void Command::add_options(std::initializer_list<OptionRow> rows) {
+  for (const auto& row : rows) std::visit([&](auto* value) { add(*app_, row, *value); }, row.value);
+}
+
+Command Command::add_command(const std::string& name, const std::string& description,
+                             const std::vector<Example>& examples, const std::string& after) {
+  std::size_t width = 0;
+  for (const Example& example : examples) width = std::max(width, example.arguments.size());
+  std::string footer = "Examples:";
+  for (const Example& example : examples)
+    footer += fmt::format("\n  hydrapod {:<{}}  {}", example.arguments, width, example.purpose);
+  CLI::App* command = app_->add_subcommand(name, description);
+  command->footer(footer + after);
+  return Command(command);
+}
+
 void Command::require_subcommand(int count) { app_->require_subcommand(count); }
-void Command::footer(const std::string& text) { app_->footer(text); }
-std::string Command::get_footer() const { return app_->get_footer(); }
 void Command::callback(std::function<void()> run) { app_->callback(std::move(run)); }
 
 }  // namespace hydrapod::cli

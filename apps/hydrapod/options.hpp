@@ -1,39 +1,74 @@
 #pragma once
-/// Commands and their options, in the words of CLI11. Its header costs more to compile than a
+/// Commands and their options, declared as tables. The header of CLI11 costs more to compile than a
 /// command does, so only options.cpp and main.cpp include it.
 ///
-///   command.add_option("--points", arguments.points, "Frequencies").range(2, 100000);
+///     command.add_options({
+///         {"--points", arguments.points, "Frequencies", range(2, 100000)},
+///         {"--linear", arguments.linear, "Spaced linearly"}});
 ///
 /// An option of another type, or another word of CLI11, is one more line here and in options.cpp.
 
 #include <cstdint>
 #include <functional>
+#include <initializer_list>
+#include <memory>
 #include <optional>
 #include <string>
+#include <utility>
+#include <variant>
 #include <vector>
 
 namespace CLI {
 class App;
-class Option;
 }  // namespace CLI
 
 namespace hydrapod::cli {
 
-/// A handle to an option; what is called on it says more about the option.
-class Option {
- public:
-  explicit Option(CLI::Option* option) : option_(option) {}
+/// What an option puts its text into; of a flag it is a bool. The variable must live as long as the
+/// command. The help shows the value that it has now, unless that is empty or 0.
+using OptionValue =
+    std::variant<bool*, std::string*, std::vector<std::string>*, int*, std::uint64_t*, double*,
+                 std::optional<int>*, std::optional<double>*>;
 
-  Option required();
-  Option capture_default_str();  ///< the help shows the value that the variable has now
-  Option type_name(const std::string& name);  ///< in the help, instead of TEXT, INT, …
-  Option allow_extra_args(bool allow);        ///< of a list; false: one value each time it is given
-  Option range(int least, int most);          ///< both are allowed
-  Option range(double least, double most);
-  Option range(std::uint64_t least, std::uint64_t most);
+/// What else holds for an option.
+struct OptionRule {
+  bool required{};
+  bool one_each{};          ///< of a list: one value each time it is given
+  bool shows_zero{};        ///< as default in the help
+  const char* type_name{};  ///< in the help, instead of TEXT, INT, …
+  /// Both ends are allowed.
+  std::variant<std::monostate, std::pair<int, int>, std::pair<double, double>,
+               std::pair<std::uint64_t, std::uint64_t>>
+      range{};
+};
 
- private:
-  CLI::Option* option_;
+inline constexpr OptionRule required{.required = true};
+inline constexpr OptionRule one_each{.one_each = true};
+
+constexpr OptionRule shown_as(const char* type_name) { return {.type_name = type_name}; }
+constexpr OptionRule one_each_as(const char* type_name) {
+  return {.one_each = true, .type_name = type_name};
+}
+template <class Number>
+constexpr OptionRule range(Number least, Number most) {
+  return {.range = std::pair(least, most)};
+}
+
+struct OptionRow {
+  template <class Value>
+  OptionRow(std::string option_names, Value& option_value, const char* text, OptionRule more = {})
+      : names(std::move(option_names)), value(&option_value), description(text), rule(more) {}
+
+  std::string names;  ///< "--points", "-o,--output", or "FILE" for an argument without a name
+  OptionValue value;
+  const char* description;
+  OptionRule rule;
+};
+
+/// One line of the examples below the help of a command.
+struct Example {
+  std::string arguments{};  ///< without the program's name: `modes machine.toml --pose up`
+  std::string purpose{};    ///< what it does, in a few words
 };
 
 /// A handle to a command, or to the program, of which the commands are a part.
@@ -41,27 +76,24 @@ class Command {
  public:
   explicit Command(CLI::App* app) : app_(app) {}
 
-  /// `names`: "--points", "-o,--output", or "FILE" for an argument without a name. What is given
-  /// on the command line is put into `value`, which must live until then.
-  Option add_option(const std::string& names, std::string& value, const std::string& description);
-  Option add_option(const std::string& names, std::vector<std::string>& value,
-                    const std::string& description);
-  Option add_option(const std::string& names, int& value, const std::string& description);
-  Option add_option(const std::string& names, std::uint64_t& value, const std::string& description);
-  Option add_option(const std::string& names, double& value, const std::string& description);
-  Option add_option(const std::string& names, std::optional<int>& value,
-                    const std::string& description);
-  Option add_option(const std::string& names, std::optional<double>& value,
-                    const std::string& description);
-  void add_flag(const std::string& names, bool& value, const std::string& description);
+  void add_options(std::initializer_list<OptionRow> rows);
 
-  Command add_subcommand(const std::string& name, const std::string& description);
+  /// A subcommand whose help ends with `examples`, and `after` behind them.
+  Command add_command(const std::string& name, const std::string& description,
+                      const std::vector<Example>& examples, const std::string& after = {});
   void require_subcommand(int count);
-  void footer(const std::string& text);  ///< what stands below the help
-  std::string get_footer() const;
-  void callback(std::function<void()> run);  ///< when the command was called and understood
+
+  /// When the command was called and understood, `run` gets what this returns, filled in.
+  template <class Arguments>
+  Arguments& calls(void (*run)(const Arguments&)) {
+    auto arguments = std::make_shared<Arguments>();
+    callback([arguments, run] { run(*arguments); });
+    return *arguments;
+  }
 
  private:
+  void callback(std::function<void()> run);
+
   CLI::App* app_;
 };
 

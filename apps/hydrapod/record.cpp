@@ -1,28 +1,22 @@
-#include <fmt/format.h>
-
-#include "hydrapod/base/error.hpp"
-#include "hydrapod/commands.hpp"
-#include "hydrapod/interrupt.hpp"
-#include "hydrapod/machine_arguments.hpp"
+#include "hydrapod/base/text.hpp"
+#include "hydrapod/command.hpp"
 #include "hydrapod/record_arguments.hpp"
-#include "hydrapod/terminal.hpp"
 
 namespace hydrapod::cli {
 
 void add_record_options(Command command, RecordArguments& arguments,
                         const std::string& rate_option) {
-  command
-      .add_option("FILE", arguments.file,
-                  "Record: HDF5, MAT (5 or 7.3), CSV or Universal File, detected by its content")
-      .required();
-  command.add_option(rate_option, arguments.rate,
-                     "Sample rate in Hz, for files that do not state it");
+  command.add_options(
+      {{"FILE", arguments.file,
+        "Record: HDF5, MAT (5 or 7.3), CSV or Universal File, detected by its content", required},
+       {rate_option, arguments.rate, "Sample rate in Hz, for files that do not state it"}});
 }
 
 void add_output_options(Command command, OutputArguments& arguments) {
-  command.add_option("-o", arguments.file, "File to write: .h5, .mat, .csv or .uff").required();
-  command.add_option("--format", arguments.format,
-                     "hdf5, mat5, mat73, csv, uff (binary) or uff-ascii; default: by the ending");
+  command.add_options(
+      {{"-o", arguments.file, "File to write: .h5, .mat, .csv or .uff", required},
+       {"--format", arguments.format,
+        "hdf5, mat5, mat73, csv, uff (binary) or uff-ascii; default: by the ending"}});
 }
 
 data::RecordFormat choose_format(const OutputArguments& arguments) {
@@ -35,6 +29,15 @@ data::RecordSet open_record(const RecordArguments& arguments) {
   if (arguments.rate && !(*arguments.rate > 0.0 && *arguments.rate < 1e12))
     base::refuse("--rate", "a sample rate must be positive");
   return data::RecordSet({arguments.file}, {.sample_rate = arguments.rate});
+}
+
+void refuse_channel(const std::string& name, const data::RecordHeader& header) {
+  std::vector<std::string_view> known;
+  for (const auto& channel : header.channels) known.push_back(channel.name);
+  const auto near = base::nearest(name, known);
+  base::refuse("--channel " + name, "the record has no such channel; " +
+                                        (near ? fmt::format("did you mean '{}'?", *near)
+                                              : fmt::format("it has {}", fmt::join(known, ", "))));
 }
 
 bool read_all(data::RecordSet& record, const std::string& title,
@@ -65,8 +68,8 @@ void report_written(const std::string& file, std::int64_t samples, bool complete
 }
 
 void add_record(Command app) {
-  Command command = add_command(
-      app, "record", "Show, convert, cut, resample and plot records of a test rig",
+  Command command = app.add_command(
+      "record", "Show, convert, cut, resample and plot records of a test rig",
       {{"record show run.h5", "channels, levels, clipping, drop-outs"},
        {"record convert run.h5 -o run.uff", "to another format"},
        {"record cut run.h5 --from 0.2 --to 0.7 --role response -o part.mat", "a part of it"},

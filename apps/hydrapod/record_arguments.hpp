@@ -2,10 +2,8 @@
 /// What the subcommands of `record` share.
 
 #include <functional>
-#include <memory>
 #include <optional>
 #include <string>
-#include <vector>
 
 #include "hydrapod/data/record_io.hpp"
 #include "hydrapod/options.hpp"
@@ -34,6 +32,9 @@ data::RecordFormat choose_format(const OutputArguments& arguments);
 
 /// Throws base::InputError; for a wrong --rate too.
 data::RecordSet open_record(const RecordArguments& arguments);
+
+/// For a --channel `name` that the record does not have. Throws base::InputError.
+[[noreturn]] void refuse_channel(const std::string& name, const data::RecordHeader& header);
 
 /// Reads to the end in blocks, with a progress line titled `title` where the length is known. Notes
 /// go to stderr at the end. False when Ctrl-C ended it before.

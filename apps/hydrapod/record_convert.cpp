@@ -1,19 +1,12 @@
 /// record convert, cut and resample: a record in, a record out.
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <memory>
+#include "hydrapod/command.hpp"
 
-#include "hydrapod/base/error.hpp"
-#include "hydrapod/base/text.hpp"
-#include "hydrapod/commands.hpp"
 #include "hydrapod/data/processing.hpp"
-#include "hydrapod/machine_arguments.hpp"
 #include "hydrapod/record_arguments.hpp"
-#include "hydrapod/terminal.hpp"
 
 namespace hydrapod::cli {
 
@@ -64,24 +57,17 @@ std::vector<Eigen::Index> chosen_channels(const data::RecordHeader& header,
     base::refuse("--direction " + arguments.direction,
                  "unknown direction; accepted are x, y, z, rx, ry, rz, these with a -, and "
                  "\"leg 1\" to \"leg 6\"");
-  std::vector<std::string_view> names;
-  for (const auto& channel : header.channels) names.push_back(channel.name);
-  for (const std::string& pattern : arguments.channels) {
-    if (std::any_of(names.begin(), names.end(),
-                    [&](std::string_view name) { return matches(pattern, name); }))
-      continue;
-    const auto near = base::nearest(pattern, names);
-    base::refuse(
-        "--channel " + pattern,
-        near ? fmt::format("the record has no such channel; did you mean '{}'?", *near)
-             : fmt::format("the record has no such channel; it has {}", fmt::join(names, ", ")));
-  }
+  for (const std::string& pattern : arguments.channels)
+    if (std::ranges::none_of(header.channels,
+                             [&](const auto& channel) { return matches(pattern, channel.name); }))
+      refuse_channel(pattern, header);
   std::vector<Eigen::Index> kept;
   for (std::size_t c = 0; c < header.channels.size(); ++c) {
     const auto& channel = header.channels[c];
     const bool named = arguments.channels.empty() ||
-                       std::any_of(arguments.channels.begin(), arguments.channels.end(),
-                                   [&](const auto& p) { return matches(p, channel.name); });
+                       std::ranges::any_of(arguments.channels, [&](const auto& pattern) {
+                         return matches(pattern, channel.name);
+                       });
     if (named && (!role || channel.role == *role) &&
         (arguments.direction.empty() || channel.direction == *direction))
       kept.push_back(static_cast<Eigen::Index>(c));
@@ -163,47 +149,43 @@ void resample(const Arguments& arguments) {
 }  // namespace
 
 void add_record_convert(Command record) {
-  Command command = add_command(
-      record, "convert", "Write a record in another format",
+  Command command = record.add_command(
+      "convert", "Write a record in another format",
       {{"record convert run.h5 -o run.mat", "for MATLAB and Octave"},
        {"record convert run.h5 -o run.unv --format uff-ascii", "a Universal File in plain text"},
        {"record convert run.csv -o again.h5", "from a table of another program"}});
-  auto arguments = std::make_shared<Arguments>();
-  add_record_options(command, arguments->record);
-  add_output_options(command, arguments->output);
-  command.callback([arguments] { convert(*arguments); });
+  auto& arguments = command.calls(&convert);
+  add_record_options(command, arguments.record);
+  add_output_options(command, arguments.output);
 }
 
 void add_record_cut(Command record) {
-  Command command =
-      add_command(record, "cut", "Write a part of a record: a time range, some channels",
-                  {{"record cut run.h5 --from 0.2 --to \"700 ms\" -o part.h5", "half a second"},
-                   {"record cut run.h5 --channel \"demand*\" -o demand.csv", "channels by name"},
-                   {"record cut run.h5 --role response -o response.mat", "measured channels"}});
-  auto arguments = std::make_shared<Arguments>();
-  add_record_options(command, arguments->record);
-  add_output_options(command, arguments->output);
-  command.add_option("--from", arguments->from, "First time, s or with a unit; default: the start");
-  command.add_option("--to", arguments->to, "Time before which it ends; default: the end");
-  command
-      .add_option("--channel", arguments->channels,
-                  "Name of a channel, * for any text; may be repeated")
-      .allow_extra_args(false);
-  command.add_option("--role", arguments->role, "Only excitation, drive, response or other");
-  command.add_option("--direction", arguments->direction, "Only x … rz or \"leg 1\" … \"leg 6\"");
-  command.callback([arguments] { cut(*arguments); });
+  Command command = record.add_command(
+      "cut", "Write a part of a record: a time range, some channels",
+      {{"record cut run.h5 --from 0.2 --to \"700 ms\" -o part.h5", "half a second"},
+       {"record cut run.h5 --channel \"demand*\" -o demand.csv", "channels by name"},
+       {"record cut run.h5 --role response -o response.mat", "measured channels"}});
+  auto& arguments = command.calls(&cut);
+  add_record_options(command, arguments.record);
+  add_output_options(command, arguments.output);
+  command.add_options(
+      {{"--from", arguments.from, "First time, s or with a unit; default: the start"},
+       {"--to", arguments.to, "Time before which it ends; default: the end"},
+       {"--channel", arguments.channels, "Name of a channel, * for any text; may be repeated",
+        one_each},
+       {"--role", arguments.role, "Only excitation, drive, response or other"},
+       {"--direction", arguments.direction, "Only x … rz or \"leg 1\" … \"leg 6\""}});
 }
 
 void add_record_resample(Command record) {
-  Command command = add_command(
-      record, "resample", "Change the sample rate, with a linear-phase anti-alias filter",
+  Command command = record.add_command(
+      "resample", "Change the sample rate, with a linear-phase anti-alias filter",
       {{"record resample run.h5 --rate 200 -o slow.h5", "five times fewer samples"},
        {"record resample run.h5 --rate 44100 -o fast.h5", "any ratio"}});
-  auto arguments = std::make_shared<Arguments>();
-  add_record_options(command, arguments->record, "--file-rate");
-  add_output_options(command, arguments->output);
-  command.add_option("--rate", arguments->rate, "New sample rate [Hz]").required();
-  command.callback([arguments] { resample(*arguments); });
+  auto& arguments = command.calls(&resample);
+  add_record_options(command, arguments.record, "--file-rate");
+  add_output_options(command, arguments.output);
+  command.add_options({{"--rate", arguments.rate, "New sample rate [Hz]", required}});
 }
 
 }  // namespace hydrapod::cli

@@ -1,12 +1,7 @@
-#include <fmt/format.h>
+#include "hydrapod/command.hpp"
 
 #include <algorithm>
-#include <memory>
 
-#include "hydrapod/base/error.hpp"
-#include "hydrapod/base/text.hpp"
-#include "hydrapod/commands.hpp"
-#include "hydrapod/machine_arguments.hpp"
 #include "hydrapod/record_arguments.hpp"
 #include "hydrapod/report/measured_results.hpp"
 #include "hydrapod/report/model_results.hpp"
@@ -24,24 +19,18 @@ struct Arguments {
 std::vector<std::size_t> shown_channels(const data::RecordHeader& header,
                                         const std::vector<std::string>& names) {
   std::vector<std::size_t> shown;
-  std::vector<std::string_view> known;
-  for (const auto& channel : header.channels) known.push_back(channel.name);
+  const std::size_t count = header.channels.size();
   for (const std::string& name : names) {
     const auto found = data::find_channel(header, name);
-    const auto near = base::nearest(name, known);
-    if (!found)
-      base::refuse(
-          "--channel " + name,
-          near ? fmt::format("the record has no such channel; did you mean '{}'?", *near)
-               : fmt::format("the record has no such channel; it has {}", fmt::join(known, ", ")));
+    if (!found) refuse_channel(name, header);
     shown.push_back(*found);
   }
   if (names.empty()) {
-    for (std::size_t c = 0; c < std::min(known.size(), report::most_plotted_channels); ++c)
+    for (std::size_t c = 0; c < std::min(count, report::most_plotted_channels); ++c)
       shown.push_back(c);
-    if (shown.size() < known.size())
+    if (shown.size() < count)
       fmt::print(stderr, "the first {} of {} channels are shown; --channel chooses others\n",
-                 shown.size(), known.size());
+                 shown.size(), count);
   }
   if (shown.size() > report::most_plotted_channels)
     base::refuse("--channel",
@@ -64,22 +53,21 @@ void run(const Arguments& arguments) {
   if (!complete) throw base::ComputationError("interrupted");
   if (traces.stretches().empty()) throw base::ComputationError("the record has no samples to plot");
   report::plot_record(record.header(), traces, overview.result(), shown, arguments.picture);
-  fmt::print(stderr, "wrote {}\n", arguments.picture);
+  print_written(arguments.picture);
 }
 
 }  // namespace
 
 void add_record_plot(Command record) {
-  Command command = add_command(
-      record, "plot", "Time histories and spectra of a record as a picture (needs gnuplot)",
+  Command command = record.add_command(
+      "plot", "Time histories and spectra of a record as a picture (needs gnuplot)",
       {{"record plot run.h5 -o run.svg", "all channels, at most 24"},
        {"record plot run.h5 --channel \"demand x\" --channel \"demand ry\" -o two.png", "some"}});
-  auto arguments = std::make_shared<Arguments>();
-  add_record_options(command, arguments->record);
-  command.add_option("-o", arguments->picture, "Picture to write, .svg, .png or .pdf").required();
-  command.add_option("--channel", arguments->channels, "Name of a channel; may be repeated")
-      .allow_extra_args(false);
-  command.callback([arguments] { run(*arguments); });
+  auto& arguments = command.calls(&run);
+  add_record_options(command, arguments.record);
+  command.add_options(
+      {{"-o", arguments.picture, "Picture to write, .svg, .png or .pdf", required},
+       {"--channel", arguments.channels, "Name of a channel; may be repeated", one_each}});
 }
 
 }  // namespace hydrapod::cli

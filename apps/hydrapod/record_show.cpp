@@ -1,15 +1,8 @@
-#include <fmt/format.h>
+#include "hydrapod/command.hpp"
 
-#include <cmath>
-#include <memory>
-
-#include "hydrapod/base/file.hpp"
-#include "hydrapod/commands.hpp"
 #include "hydrapod/data/processing.hpp"
-#include "hydrapod/machine_arguments.hpp"
 #include "hydrapod/record_arguments.hpp"
 #include "hydrapod/report/measured_results.hpp"
-#include "hydrapod/terminal.hpp"
 
 namespace hydrapod::cli {
 
@@ -46,9 +39,9 @@ std::string experiment_text(const data::Experiment& e) {
 }
 
 std::string heading(const data::RecordHeader& header, const data::RecordOverview& overview,
-                    data::RecordFormat format, bool colour) {
+                    data::RecordFormat format, const TableStyle& style) {
   std::string out;
-  if (!header.title.empty()) out += styled(header.title, Style::bold, colour) + '\n';
+  if (!header.title.empty()) out += bold(header.title, style) + '\n';
   out +=
       fmt::format("{} channel{}, {} samples at {:.9g} Hz: {:.6g} s from {:.6g} s ({})\n",
                   header.channels.size(), header.channels.size() == 1 ? "" : "s", overview.samples,
@@ -71,18 +64,9 @@ std::string hold_text(const data::ChannelOverview& c) {
 }
 
 std::string table(const data::RecordHeader& header, const data::RecordOverview& overview,
-                  bool colour, std::size_t width) {
-  Table table({{"channel", Align::left},
-               {"unit", Align::left},
-               {"direction", Align::left},
-               {"role", Align::left},
-               {"mean"},
-               {"RMS"},
-               {"peak"},
-               {"strongest Hz"},
-               {"at limit"},
-               {"held"},
-               {"missing"}});
+                  const TableStyle& style) {
+  Table table({"<channel", "<unit", "<direction", "<role", "mean", "RMS", "peak", "strongest Hz",
+               "at limit", "held", "missing"});
   for (std::size_t i = 0; i < header.channels.size(); ++i) {
     const data::Channel& channel = header.channels[i];
     const data::ChannelOverview& c = overview.channels[i];
@@ -93,7 +77,7 @@ std::string table(const data::RecordHeader& header, const data::RecordOverview& 
                    strongest ? fmt::format("{:.4g}", c.strongest_frequency) : "",
                    count_text(c.at_limit), hold_text(c), count_text(c.missing + c.infinite)});
   }
-  return table.text(colour, width);
+  return table.text(style);
 }
 
 constexpr const char* legend =
@@ -109,33 +93,27 @@ void run(const Arguments& arguments) {
   const bool complete = read_all(record, "reading", [&](const auto& block) { builder.add(block); });
   if (!complete) throw base::ComputationError("interrupted");
   const data::RecordOverview overview = builder.result();
-  if (format == 1) {
-    const auto json = report::record_json(record, overview, arguments.spectra);
-    base::write_file_whole(arguments.file, json.dump() + "\n");
-    return;
-  }
-  const bool printed = arguments.file == "-";
-  const bool colour = printed && has_colour(stdout);
-  base::write_file_whole(
-      arguments.file,
-      heading(header, overview, record.format(), colour) +
-          table(header, overview, colour, printed ? terminal_width() : Table::unlimited) + legend);
+  if (format == 1)
+    return base::write_file_whole(
+        arguments.file, report::record_json(record, overview, arguments.spectra).dump() + "\n");
+  const auto style = table_style(arguments.file);
+  base::write_file_whole(arguments.file, heading(header, overview, record.format(), style) +
+                                             table(header, overview, style) + legend);
 }
 
 }  // namespace
 
 void add_record_show(Command record) {
-  Command command =
-      add_command(record, "show", "Channels of a record with levels, clipping and drop-outs",
-                  {{"record show run.h5", "a table"},
-                   {"record show run.csv --format json", "the same for programs"},
-                   {"record show run.h5 --format json --spectra -o run.json", "with spectra"}});
-  auto arguments = std::make_shared<Arguments>();
-  add_record_options(command, arguments->record);
-  command.add_option("--format", arguments->format, "table or json").capture_default_str();
-  command.add_flag("--spectra", arguments->spectra, "Power spectral densities in the JSON");
-  command.add_option("-o", arguments->file, "File to write; - prints").capture_default_str();
-  command.callback([arguments] { run(*arguments); });
+  Command command = record.add_command(
+      "show", "Channels of a record with levels, clipping and drop-outs",
+      {{"record show run.h5", "a table"},
+       {"record show run.csv --format json", "the same for programs"},
+       {"record show run.h5 --format json --spectra -o run.json", "with spectra"}});
+  auto& arguments = command.calls(&run);
+  add_record_options(command, arguments.record);
+  command.add_options({{"--format", arguments.format, "table or json"},
+                       {"--spectra", arguments.spectra, "Power spectral densities in the JSON"},
+                       {"-o", arguments.file, "File to write; - prints"}});
 }
 
 }  // namespace hydrapod::cli

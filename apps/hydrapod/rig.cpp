@@ -1,17 +1,7 @@
-#include <fmt/format.h>
+#include "hydrapod/command.hpp"
 
-#include <algorithm>
-#include <cmath>
-#include <memory>
-
-#include "hydrapod/base/error.hpp"
-#include "hydrapod/base/file.hpp"
-#include "hydrapod/commands.hpp"
-#include "hydrapod/interrupt.hpp"
-#include "hydrapod/machine_arguments.hpp"
 #include "hydrapod/signal_help.hpp"
 #include "hydrapod/tasks/simulation.hpp"
-#include "hydrapod/terminal.hpp"
 
 namespace hydrapod::cli {
 
@@ -31,9 +21,7 @@ struct Arguments {
 };
 
 double positive(const std::string& option, const std::string& text, const char* unit) {
-  const double value = plain_or_quantity(option + " " + text, text, unit);
-  if (!(value > 0.0)) base::refuse(option + " " + text, "must be positive");
-  return value;
+  return positive_quantity(option, text, unit, "must be positive");
 }
 
 rig::RigOptions options_of(const Arguments& arguments, const model::Machine& machine) {
@@ -83,9 +71,7 @@ void run(const Arguments& arguments) {
   const auto done = with_progress(
       "measuring", [&](const auto& progress) { return tasks::rig(machine, options, progress); });
   for (const auto& finding : done.findings)
-    print_diagnostics({{.severity = base::Severity::warning,
-                        .file = finding.of_controller ? "controller" : "--excite",
-                        .message = finding.message}});
+    print_warning(finding.message, finding.of_controller ? "controller" : "--excite");
   if (arguments.check) return;
   fmt::print(stderr, "wrote {}: {} samples\n", arguments.file, done.result.samples);
   const auto& summary = done.result.summary;
@@ -96,66 +82,47 @@ void run(const Arguments& arguments) {
       arguments.file));
 }
 
-void add_instrument_options(Command command, Arguments& arguments) {
-  command
-      .add_option("--accelerometer", arguments.accelerometers,
-                  "\"name, at=X Y Z, along=x, noise=0.001, bandwidth=5 kHz, range=50\": position "
-                  "in the platform frame [m], density [m/s²/√Hz]; may be repeated; none: no "
-                  "accelerometer; default: three axes at the joints of legs 1, 3, 5")
-      .allow_extra_args(false);
-  command.add_option("--length-sensor", arguments.length,
-                     "\"resolution=5 um, noise=2 um, low=0.8 m, high=1.2 m\"");
-  command.add_option("--pressure-sensor", arguments.pressure,
-                     "\"resolution=2 kPa, noise=5 kPa, low=0, high=250 bar\"");
-  command.add_option("--current-sensor", arguments.current,
-                     "Of the valves, shares of the rated current: \"resolution=1e-4, noise=1e-4\"");
-  command.add_option("--drop-outs", arguments.drop_outs,
-                     "Drop-outs of 20 ms per second and channel, for instance 0.01");
-  command.add_flag("--no-anti-alias", arguments.no_anti_alias, "Leave the anti-alias filter out");
-}
-
 void add_options(Command command, Arguments& arguments) {
-  add_machine_options(command, arguments.machine);
-  add_pose_option(command, arguments.machine);
-  add_model_option(command, arguments.machine);
-  command
-      .add_option("--excite", arguments.signals,
-                  "Signal (see below); may be repeated, signals add up [white]")
-      .allow_extra_args(false)
-      .type_name("SIGNAL");
-  command
-      .add_option("--entry", arguments.entry,
-                  "command (demanded pose; m, rad), drive (valves; shares) or wrench (N, N m)")
-      .capture_default_str();
-  command.add_option("--duration", arguments.duration, "Of the record").capture_default_str();
-  command
-      .add_option("--averages", arguments.averages,
-                  "Periods of a periodic excitation, instead of --duration")
-      .range(1, 100000);
-  command.add_option("--settling", arguments.settling, "Time before the record begins")
-      .capture_default_str();
-  command.add_option("--rate", arguments.rate, "Sample rate of the record").capture_default_str();
-  command
-      .add_option("--oversampling", arguments.oversampling,
-                  "Simulated samples per sample of the record, for the anti-alias filter")
-      .range(1, 64)
-      .capture_default_str();
-  command.add_option("--seed", arguments.seed, "Seed; the same seed gives the same file")
-      .capture_default_str();
-  command.add_option("--repeat", arguments.repeat, "Number of this repetition, for the record")
-      .range(1, 1000000)
-      .capture_default_str();
-  add_instrument_options(command, arguments);
-  command.add_flag("--check", arguments.check, "Only check the levels against stroke and valves");
-  command.add_flag("--force", arguments.force, "Run although the levels are too high");
-  command.add_option("-o", arguments.file, "Record to write: .h5, .mat, .csv or .uff");
+  add_subject_options(command, arguments.machine);
+  command.add_options(
+      {{"--excite", arguments.signals,
+        "Signal (see below); may be repeated, signals add up [white]", one_each_as("SIGNAL")},
+       {"--entry", arguments.entry,
+        "command (demanded pose; m, rad), drive (valves; shares) or wrench (N, N m)"},
+       {"--duration", arguments.duration, "Of the record"},
+       {"--averages", arguments.averages, "Periods of a periodic excitation, instead of --duration",
+        range(1, 100000)},
+       {"--settling", arguments.settling, "Time before the record begins"},
+       {"--rate", arguments.rate, "Sample rate of the record"},
+       {"--oversampling", arguments.oversampling,
+        "Simulated samples per sample of the record, for the anti-alias filter", range(1, 64)},
+       {"--seed", arguments.seed, "Seed; the same seed gives the same file"},
+       {"--repeat", arguments.repeat, "Number of this repetition, for the record",
+        range(1, 1000000)},
+       {"--accelerometer", arguments.accelerometers,
+        "\"name, at=X Y Z, along=x, noise=0.001, bandwidth=5 kHz, range=50\": position "
+        "in the platform frame [m], density [m/s²/√Hz]; may be repeated; none: no "
+        "accelerometer; default: three axes at the joints of legs 1, 3, 5",
+        one_each},
+       {"--length-sensor", arguments.length,
+        "\"resolution=5 um, noise=2 um, low=0.8 m, high=1.2 m\""},
+       {"--pressure-sensor", arguments.pressure,
+        "\"resolution=2 kPa, noise=5 kPa, low=0, high=250 bar\""},
+       {"--current-sensor", arguments.current,
+        "Of the valves, shares of the rated current: \"resolution=1e-4, noise=1e-4\""},
+       {"--drop-outs", arguments.drop_outs,
+        "Drop-outs of 20 ms per second and channel, for instance 0.01"},
+       {"--no-anti-alias", arguments.no_anti_alias, "Leave the anti-alias filter out"},
+       {"--check", arguments.check, "Only check the levels against stroke and valves"},
+       {"--force", arguments.force, "Run although the levels are too high"},
+       {"-o", arguments.file, "Record to write: .h5, .mat, .csv or .uff"}});
 }
 
 }  // namespace
 
 void add_rig(Command app) {
-  Command command = add_command(
-      app, "rig", "Simulated test rig: excite the machine in six directions and write a record",
+  Command command = app.add_command(
+      "rig", "Simulated test rig: excite the machine in six directions and write a record",
       {{"rig machine.toml --duration 5 -o run.h5", "white noise in all six directions"},
        {"rig machine.toml --excite \"multisine all=0.1 mm, to=40, period=2, crest=low\" --averages "
         "2 "
@@ -166,12 +133,10 @@ void add_rig(Command app) {
        {"rig machine.toml --excite \"binary z=2 %\" --entry drive --duration 3 -o run.uff",
         "a binary sequence on the valves"},
        {"rig machine.toml --excite \"sweep z=2 mm, to=30, duration=10\" --check",
-        "check of the levels only"}});
-  command.footer(command.get_footer() + signal_help +
-                 "\nHere: level=rms; turns=1 of a sweep, turns=10 of a chirp.");
-  auto arguments = std::make_shared<Arguments>();
-  add_options(command, *arguments);
-  command.callback([arguments] { run(*arguments); });
+        "check of the levels only"}},
+      std::string(signal_help) + "\nHere: level=rms; turns=1 of a sweep, turns=10 of a chirp.");
+  auto& arguments = command.calls(&run);
+  add_options(command, arguments);
 }
 
 }  // namespace hydrapod::cli

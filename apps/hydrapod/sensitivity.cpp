@@ -1,14 +1,7 @@
-#include <fmt/format.h>
-
-#include <memory>
-
-#include "hydrapod/base/file.hpp"
-#include "hydrapod/calibration_report.hpp"
-#include "hydrapod/commands.hpp"
-#include "hydrapod/machine_arguments.hpp"
+#include "hydrapod/command.hpp"
 #include "hydrapod/report/measured_results.hpp"
+#include "hydrapod/reports.hpp"
 #include "hydrapod/tasks/linear.hpp"
-#include "hydrapod/terminal.hpp"
 
 namespace hydrapod::cli {
 
@@ -32,13 +25,10 @@ void run(const Arguments& arguments) {
   std::string text;
   if (format == 0) {
     const auto style = table_style(arguments.output);
-    text = styled(title, Style::bold, style.colour) + "\n\n" + sensitivity_text(result, style) +
+    text = bold(title, style) + "\n\n" + sensitivity_text(result, style) +
            "\nRepeated modes are shown in the basis of the parameter that separates them most.\n";
   } else if (format == 1) {
-    auto json = report::head_json("sensitivity", machine);
-    json["model"] = dynamics::name(machine.kind);
-    json.update(report::sensitivity_json(result));
-    text = json.dump(1) + "\n";
+    text = json_text(head_of_model("sensitivity", machine), report::sensitivity_json(result));
   } else {
     text = sensitivity_csv(result);
   }
@@ -48,25 +38,21 @@ void run(const Arguments& arguments) {
 }  // namespace
 
 void add_sensitivity(Command app) {
-  Command command = add_command(
-      app, "sensitivity", "Effect of each parameter of the machine file on each frequency",
+  Command command = app.add_command(
+      "sensitivity", "Effect of each parameter of the machine file on each frequency",
       {{"sensitivity machine.toml", "all modes and all parameters, % per %"},
        {"sensitivity machine.toml --parameter legs.guide_sleeve.stiffness --parameter "
         "legs.oil_spring.cylinder.bulk_modulus",
         "seals and oil"},
        {"sensitivity machine.toml --pose \"z=100 mm\" --plot map.svg",
         "at another pose, as a heat map"}});
-  auto arguments = std::make_shared<Arguments>();
-  add_machine_options(command, arguments->machine);
-  add_pose_option(command, arguments->machine);
-  add_model_option(command, arguments->machine);
-  command.add_option("--parameter", arguments->parameters,
-                     "Only this parameter (PATH); may be repeated");
-  command.add_option("--format", arguments->format, "table, json or csv").capture_default_str();
-  command.add_option("-o,--output", arguments->output, "File to write; - prints")
-      .capture_default_str();
-  command.add_option("--plot", arguments->plot, "Heat map to write: .svg, .png or .pdf");
-  command.callback([arguments] { run(*arguments); });
+  auto& arguments = command.calls(&run);
+  add_subject_options(command, arguments.machine);
+  command.add_options(
+      {{"--parameter", arguments.parameters, "Only this parameter (PATH); may be repeated"},
+       {"--format", arguments.format, "table, json or csv"},
+       {"-o,--output", arguments.output, "File to write; - prints"},
+       {"--plot", arguments.plot, "Heat map to write: .svg, .png or .pdf"}});
 }
 
 }  // namespace hydrapod::cli

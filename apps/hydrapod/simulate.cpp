@@ -1,20 +1,174 @@
-#include <fmt/format.h>
+#include "hydrapod/command.hpp"
 
-#include <memory>
+#include <algorithm>
+#include <cmath>
+#include <numbers>
 
-#include "hydrapod/base/error.hpp"
-#include "hydrapod/base/file.hpp"
-#include "hydrapod/commands.hpp"
-#include "hydrapod/interrupt.hpp"
-#include "hydrapod/machine_arguments.hpp"
 #include "hydrapod/signal_help.hpp"
-#include "hydrapod/simulation_report.hpp"
+#include "hydrapod/spatial/pose.hpp"
 #include "hydrapod/tasks/simulation.hpp"
-#include "hydrapod/terminal.hpp"
 
 namespace hydrapod::cli {
 
 namespace {
+
+constexpr double degrees = 180.0 / std::numbers::pi;
+using spatial::direction_names;
+
+std::string joined(const std::vector<std::string>& parts, const char* between) {
+  return fmt::format("{}", fmt::join(parts, between));
+}
+
+std::string command_text(const report::Simulation& s) {
+  return s.commands.empty() ? "rest" : joined(s.commands, " + ");
+}
+
+const char* kind_text(dynamics::ModelKind kind) {
+  switch (kind) {
+    case dynamics::ModelKind::rigid:
+      return "rigid legs";
+    case dynamics::ModelKind::guide:
+      return "legs with compliant guide sleeves";
+    case dynamics::ModelKind::full:
+      break;
+  }
+  return "legs with compliant guide sleeves and piston rings";
+}
+
+/// Lengths in mm and angles in degrees.
+std::string in_direction(double value, int direction, const char* format = "{:.4g}") {
+  return fmt::format(fmt::runtime(format), value * (direction < 3 ? 1e3 : degrees));
+}
+
+std::string settled_text(const report::Simulation& s, int i) {
+  const auto at = s.step_time[static_cast<std::size_t>(i)];
+  if (!at) return "–";
+  if (std::abs(s.summary.final_error[i]) > s.settling_band[i]) return "not settled";
+  return fmt::format("{:.3f} s", std::max(s.summary.settled[i] - *at, 0.0));
+}
+
+std::string direction_table(const report::Simulation& s, const TableStyle& style) {
+  const bool steps = std::any_of(s.step_time.begin(), s.step_time.end(),
+                                 [](const auto& time) { return time.has_value(); });
+  std::vector<Column> columns{"<",         "<unit",      "commanded", "moved",
+                              "RMS error", "peak error", "at the end"};
+  if (steps) columns.push_back("within 2 % after");
+  Table table(columns);
+  for (int i = 0; i < 6; ++i) {
+    const auto& r = s.summary;
+    std::vector<std::string> row{
+        direction_names[static_cast<std::size_t>(i)], i < 3 ? "mm" : "deg",
+        in_direction(r.peak_command[i], i),           in_direction(r.peak_motion[i], i),
+        in_direction(r.rms_error[i], i, "{:.3g}"),    in_direction(r.peak_error[i], i, "{:.3g}"),
+        in_direction(r.final_error[i], i, "{:.3g}")};
+    if (steps) row.push_back(settled_text(s, i));
+    table.add_row(row);
+  }
+  return table.text(style);
+}
+
+std::string leg_table(const report::Simulation& s, const TableStyle& style) {
+  Table table({"<leg", "piston from mm", "to mm", "stroke used", "left in mm", "left out mm",
+               "peak speed mm/s", "peak drive", "at its limit"});
+  for (std::size_t i = 0; i < model::leg_count; ++i) {
+    const auto& r = s.summary;
+    const auto& stops = s.stops[i];
+    const double used = (r.piston_high[i] - r.piston_low[i]) / (stops.high - stops.low);
+    const double limited = static_cast<double>(r.limited[i]) / static_cast<double>(r.samples);
+    table.add_row({std::to_string(i + 1), fmt::format("{:.2f}", 1e3 * r.piston_low[i]),
+                   fmt::format("{:.2f}", 1e3 * r.piston_high[i]),
+                   fmt::format("{:.2g} %", 100.0 * used),
+                   fmt::format("{:.1f}", 1e3 * (r.piston_low[i] - stops.low)),
+                   fmt::format("{:.1f}", 1e3 * (stops.high - r.piston_high[i])),
+                   fmt::format("{:.3g}", 1e3 * r.peak_speed[i]),
+                   fmt::format("{:.3g} %", 100.0 * r.peak_drive[i]),
+                   fmt::format("{:.2g} %", 100.0 * limited)});
+  }
+  return table.text(style);
+}
+
+/// The first few events, one line each.
+std::string event_text(const report::Simulation& s) {
+  constexpr std::size_t most = 5;
+  std::string text;
+  const auto& events = s.summary.events;
+  for (std::size_t k = 0; k < std::min(most, events.size()); ++k)
+    text +=
+        fmt::format("leg {} at {:.4f} s: {} {}\n", events[k].leg + 1, events[k].time,
+                    simulation::Plant::name(events[k].event), events[k].begins ? "begins" : "ends");
+  if (events.size() > most) text += fmt::format("… and {} more events\n", events.size() - most);
+  return text;
+}
+
+/// One number where all six agree, else all six.
+std::string six(const spatial::Vector6& values, const char* unit) {
+  constexpr double same = 1e-6;
+  if ((values.array() - values[0]).abs().maxCoeff() <= same * std::abs(values[0]))
+    return fmt::format("{:.4g} {}", values[0], unit);
+  std::string text;
+  for (int i = 0; i < 6; ++i) text += fmt::format("{}{:.4g}", i == 0 ? "" : ", ", values[i]);
+  return text + " " + unit;
+}
+
+/// What a plot says about the run in one line.
+std::string simulation_subtitle(const model::NamedPose& pose, const report::Simulation& s) {
+  return fmt::format("pose {}; {}; {}; gain {}, {} feedback", pose.name, command_text(s),
+                     kind_text(s.loop.kind), six(s.controller.gain, "1/s"),
+                     s.controller.feedback == model::DampingFeedback::none       ? "no"
+                     : s.controller.feedback == model::DampingFeedback::pressure ? "pressure"
+                                                                                 : "acceleration");
+}
+
+/// The controller's numbers, with where they come from.
+std::string controller_text(const model::Machine& machine, const control::ControllerParameters& p,
+                            double lowest_oil_mode) {
+  const auto& given = machine.controller;
+  Table table({"<", "<", "<"});
+  const auto row = [&](const char* key, std::string value, std::string from) {
+    table.add_row({key, std::move(value), std::move(from)});
+  };
+  const std::string mode = fmt::format("{:.4g} rad/s, the lowest oil mode", lowest_oil_mode);
+  row("space", p.space == model::ControlSpace::pose ? "pose" : "leg", "");
+  const bool by_pressure = p.feedback == model::DampingFeedback::pressure;
+  row("gain", six(p.gain, "1/s"),
+      given.gain || given.bandwidth ? "" : (by_pressure ? "0.3 of " : "0.1 of ") + mode);
+  row("integral_time", p.integral_time > 0.0 ? fmt::format("{:.4g} s", p.integral_time) : "none",
+      given.integral_time ? "" : "8 / smallest gain");
+  row("velocity_feedforward", fmt::format("{:.4g}", p.velocity_feedforward), "");
+  if (p.feedback == model::DampingFeedback::none) {
+    row("feedback", "none", "");
+  } else {
+    row("feedback", by_pressure ? "pressure" : "acceleration", "");
+    row("feedback_gain", six(p.feedback_gain, by_pressure ? "m/(N s)" : "s"),
+        given.feedback_gain ? ""
+                            : fmt::format("damping ratio {:.3g} at {}", given.feedback_damping,
+                                          by_pressure ? mode : "the highest oil mode"));
+    row("feedback_corner", fmt::format("{:.4g} rad/s", p.feedback_corner),
+        given.feedback_corner ? "" : "0.1 of " + mode);
+  }
+  row("sample_time", fmt::format("{:.4g} ms", 1e3 * p.sample_time), "");
+  row("delay", fmt::format("{:.4g} samples", p.delay), "");
+  const auto speeds = control::full_drive_speeds(p.axes[0], p.axes[0].load);
+  row("speed of leg 1",
+      fmt::format("{:.3g} m/s out, {:.3g} m/s in", speeds.extending, speeds.retracting),
+      "at full drive, under its load at rest");
+  return table.text();
+}
+
+/// Machine, commands, controller and how the run ended; then per direction and per leg what
+/// happened.
+std::string simulation_text(const model::Machine& machine, const model::NamedPose& pose,
+                            const report::Simulation& s, const TableStyle& style) {
+  const auto& r = s.summary;
+  std::string text = fmt::format("{}, {}\n{:.6g} s simulated with {}: {} steps, {} evaluations\n\n",
+                                 bold(machine.name, style), simulation_subtitle(pose, s), r.time,
+                                 simulation::name(s.loop.integrator.method), r.integrator.steps,
+                                 r.integrator.evaluations);
+  if (r.samples > 0) text += direction_table(s, style) + "\n" + leg_table(s, style);
+  const std::string events = event_text(s);
+  if (!events.empty()) text += "\n" + events;
+  return text;
+}
 
 struct Arguments {
   MachineArguments machine{};
@@ -30,10 +184,8 @@ struct Arguments {
   std::string format{"table"};
 };
 
-double positive(const std::string& option, const std::string& text) {
-  const double value = plain_or_quantity(option + " " + text, text, "s");
-  if (!(value > 0.0)) base::refuse(option + " " + text, "expected a time of more than 0 s");
-  return value;
+double positive_time(const std::string& option, const std::string& text) {
+  return positive_quantity(option, text, "s", "expected a time of more than 0 s");
 }
 
 tasks::SimulateOptions options_of(const Arguments& arguments) {
@@ -47,24 +199,21 @@ tasks::SimulateOptions options_of(const Arguments& arguments) {
   if (!(arguments.tolerance >= 1e-13 && arguments.tolerance <= 1e-2))
     base::refuse(fmt::format("--tolerance {}", arguments.tolerance), "expected 1e-13 to 0.01");
   loop.integrator.relative_tolerance = loop.integrator.absolute_tolerance = arguments.tolerance;
-  loop.integrator.fixed_step = positive("--step", arguments.step);
+  loop.integrator.fixed_step = positive_time("--step", arguments.step);
   loop.seed = arguments.seed;
   loop.ideal_sensors = arguments.ideal_sensors;
-  if (!arguments.until.empty()) options.until = positive("--until", arguments.until);
+  if (!arguments.until.empty()) options.until = positive_time("--until", arguments.until);
   if (!arguments.dt_output.empty())
-    loop.output_interval = positive("--dt-output", arguments.dt_output);
+    loop.output_interval = positive_time("--dt-output", arguments.dt_output);
   return options;
 }
 
 std::string result_text(const Arguments& arguments, const tasks::Machine& machine,
                         const report::Simulation& simulation) {
-  if (arguments.format == "json") {
-    auto json = report::head_json("simulation", machine);
-    json.update(report::simulation_json(simulation));
-    return json.dump() + "\n";
-  }
-  return simulation_text(machine.file.machine, machine.pose, simulation, has_colour(stdout),
-                         terminal_width());
+  if (arguments.format == "json")
+    return json_text(report::head_json("simulation", machine), report::simulation_json(simulation),
+                     -1);
+  return simulation_text(machine.file.machine, machine.pose, simulation, table_style("-"));
 }
 
 /// A run that ended early fails the command, but only after everything it has was written.
@@ -96,66 +245,21 @@ void run(const Arguments& arguments) {
   const auto result = with_progress("simulating", [&](const auto& progress) {
     return tasks::simulate(machine, options, progress);
   });
-  for (const auto& warning : result.warnings)
-    print_diagnostics({{.severity = base::Severity::warning, .message = warning}});
-  const auto wrote = [](const std::string& path) { fmt::print(stderr, "wrote {}\n", path); };
-  if (!arguments.record.empty()) wrote(arguments.record);
-  if (!arguments.plot.empty() && !result.trace.time.empty()) {
-    report::plot_simulation(result, of.name, simulation_subtitle(machine.pose, result),
-                            arguments.plot);
-    wrote(arguments.plot);
-  }
+  for (const auto& warning : result.warnings) print_warning(warning);
+  if (!arguments.record.empty()) print_written(arguments.record);
+  if (!result.trace.time.empty())
+    draw(arguments.plot, [&](const auto& path) {
+      report::plot_simulation(result, of.name, simulation_subtitle(machine.pose, result), path);
+    });
   base::write_file_whole("-", result_text(arguments, machine, result));
   fail_if_early(arguments, result);
-}
-
-void add_options(Command command, Arguments& arguments) {
-  add_machine_options(command, arguments.machine);
-  add_pose_option(command, arguments.machine);
-  command
-      .add_option("--model", arguments.machine.model,
-                  "rigid, guide (compliant guide sleeves) or full (piston rings too); default: "
-                  "full where the file has piston rings, else guide")
-      .type_name("MODEL");
-  command
-      .add_option("--command", arguments.commands,
-                  "Commanded motion (see below); may be repeated, commands add up [rest]")
-      .allow_extra_args(false)
-      .type_name("COMMAND");
-  command.add_option("--until", arguments.until,
-                     "Simulated time, s or with a unit; default: until shortly after the commands");
-  command.add_option("--dt-output", arguments.dt_output,
-                     "Time between samples of the record; default: the controller's sample time");
-  command.add_option("-o,--output", arguments.record,
-                     "Record to write: .h5, .mat, .csv or .uff; a PATH.part while it grows");
-  command.add_option("--plot", arguments.plot,
-                     "Picture to write, .svg, .png or .pdf (needs gnuplot)");
-  command
-      .add_option("--integrator", arguments.integrator,
-                  "adaptive (Dormand-Prince 5(4)), adams or bdf (CVODE, locate stops), fixed "
-                  "(Runge-Kutta 4)")
-      .capture_default_str();
-  command.add_option("--tolerance", arguments.tolerance, "Of the integrator, relative")
-      .capture_default_str();
-  command.add_option("--step", arguments.step, "Step of the fixed integrator")
-      .capture_default_str();
-  command
-      .add_option("--seed", arguments.seed,
-                  "Seed of noise in sensors and commands; the same seed gives the same run")
-      .capture_default_str();
-  command.add_flag("--ideal-sensors", arguments.ideal_sensors,
-                   "Sensors without noise, resolution and range");
-  command.add_flag("--show-controller", arguments.show_controller,
-                   "Print the values of the controller and their origin, and end");
-  command.add_option("--format", arguments.format, "table or json (with time histories)")
-      .capture_default_str();
 }
 
 }  // namespace
 
 void add_simulate(Command app) {
-  Command command = add_command(
-      app, "simulate", "Time simulation: mechanics, hydraulics, controller",
+  Command command = app.add_command(
+      "simulate", "Time simulation: mechanics, hydraulics, controller",
       {{"simulate machine.toml --command \"step z=5 mm\" --plot step.svg",
         "response of the platform to a step"},
        {"simulate machine.toml --command \"sine ry=2 deg, frequency=1 Hz\" -o run.h5",
@@ -169,11 +273,37 @@ void add_simulate(Command app) {
         "columns time [s], x [mm], …, rz [deg]"},
        {"simulate machine.toml --command \"step z=1 mm\" --set controller.gain=40",
         "a faster controller"},
-       {"simulate machine.toml --show-controller", "values of the controller"}});
-  command.footer(command.get_footer() + signal_help + "\nHere: level=amplitude, turns=0.");
-  auto arguments = std::make_shared<Arguments>();
-  add_options(command, *arguments);
-  command.callback([arguments] { run(*arguments); });
+       {"simulate machine.toml --show-controller", "values of the controller"}},
+      std::string(signal_help) + "\nHere: level=amplitude, turns=0.");
+  auto& arguments = command.calls(&run);
+  add_machine_options(command, arguments.machine);
+  add_pose_option(command, arguments.machine);
+  command.add_options(
+      {{"--model", arguments.machine.model,
+        "rigid, guide (compliant guide sleeves) or full (piston rings too); default: "
+        "full where the file has piston rings, else guide",
+        shown_as("MODEL")},
+       {"--command", arguments.commands,
+        "Commanded motion (see below); may be repeated, commands add up [rest]",
+        one_each_as("COMMAND")},
+       {"--until", arguments.until,
+        "Simulated time, s or with a unit; default: until shortly after the commands"},
+       {"--dt-output", arguments.dt_output,
+        "Time between samples of the record; default: the controller's sample time"},
+       {"-o,--output", arguments.record,
+        "Record to write: .h5, .mat, .csv or .uff; a PATH.part while it grows"},
+       {"--plot", arguments.plot, "Picture to write, .svg, .png or .pdf (needs gnuplot)"},
+       {"--integrator", arguments.integrator,
+        "adaptive (Dormand-Prince 5(4)), adams or bdf (CVODE, locate stops), fixed "
+        "(Runge-Kutta 4)"},
+       {"--tolerance", arguments.tolerance, "Of the integrator, relative"},
+       {"--step", arguments.step, "Step of the fixed integrator"},
+       {"--seed", arguments.seed,
+        "Seed of noise in sensors and commands; the same seed gives the same run"},
+       {"--ideal-sensors", arguments.ideal_sensors, "Sensors without noise, resolution and range"},
+       {"--show-controller", arguments.show_controller,
+        "Print the values of the controller and their origin, and end"},
+       {"--format", arguments.format, "table or json (with time histories)"}});
 }
 
 }  // namespace hydrapod::cli

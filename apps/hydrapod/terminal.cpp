@@ -5,8 +5,11 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <csignal>
 #include <cstdlib>
 #include <stdexcept>
+
+#include "hydrapod/base/units.hpp"
 
 namespace hydrapod::cli {
 
@@ -89,19 +92,19 @@ std::string padded(const std::string& cell, std::size_t width, Align align) {
 }
 
 void trim_right(std::string& line) { line.erase(line.find_last_not_of(' ') + 1); }
+
+volatile std::sig_atomic_t interrupted = 0;
+
+extern "C" void note_interrupt(int signal) {
+  interrupted = 1;
+  std::signal(signal, SIG_DFL);
+}
 }  // namespace
 
 bool has_colour(std::FILE* stream) {
   const char* terminal = std::getenv("TERM");
   const bool dumb = terminal != nullptr && std::string_view(terminal) == "dumb";
   return is_terminal(stream) && !is_set("NO_COLOR") && !dumb;
-}
-
-std::size_t terminal_width() {
-  winsize size{};
-  if (!is_terminal(stdout) || ::ioctl(::fileno(stdout), TIOCGWINSZ, &size) != 0 || size.ws_col == 0)
-    return Table::unlimited;
-  return size.ws_col;
 }
 
 std::string styled(std::string_view text, Style style, bool colour) {
@@ -138,6 +141,18 @@ void print_diagnostics(const std::vector<base::Diagnostic>& diagnostics) {
 
 void print_error(std::string_view message) {
   print_diagnostics({{.message = std::string(message)}});
+}
+
+void print_warning(const std::string& message, const std::string& file) {
+  print_diagnostics({{.severity = base::Severity::warning, .file = file, .message = message}});
+}
+
+void print_written(const std::string& path) { fmt::print(stderr, "wrote {}\n", path); }
+
+Column::Column(std::string text) : title(std::move(text)) {
+  if (!title.starts_with('<')) return;
+  title.erase(0, 1);
+  align = Align::left;
 }
 
 void Table::add_row(std::vector<std::string> cells) {
@@ -177,7 +192,7 @@ std::string Table::part(const std::vector<std::size_t>& shown, bool colour) cons
   return all;
 }
 
-std::string Table::text(bool colour, std::size_t width) const {
+std::string Table::text(const TableStyle& style) const {
   const auto wide = widths();
   std::string all;
   std::size_t next = 1;
@@ -185,21 +200,35 @@ std::string Table::text(bool colour, std::size_t width) const {
     std::vector<std::size_t> shown{0};
     std::size_t used = wide[0];
     while (next < columns_.size() &&
-           (shown.size() == 1 || used + gap.size() + wide[next] <= width)) {
+           (shown.size() == 1 || used + gap.size() + wide[next] <= style.width)) {
       used += gap.size() + wide[next];
       shown.push_back(next++);
     }
     if (!all.empty()) all += '\n';
-    all += part(shown, colour);
+    all += part(shown, style.colour);
   } while (next < columns_.size());
   return all;
 }
 
-std::string Table::text(const TableStyle& style) const { return text(style.colour, style.width); }
+std::string bold(std::string_view text, const TableStyle& style) {
+  return styled(text, Style::bold, style.colour);
+}
+
+/// Columns of the terminal that stdout is; where it is none, more than any table needs.
+static std::size_t terminal_width() {
+  winsize size{};
+  if (!is_terminal(stdout) || ::ioctl(::fileno(stdout), TIOCGWINSZ, &size) != 0 || size.ws_col == 0)
+    return TableStyle{}.width;
+  return size.ws_col;
+}
 
 TableStyle table_style(const std::string& output) {
   const bool printed = output == "-";
-  return {printed && has_colour(stdout), printed ? terminal_width() : Table::unlimited};
+  return {printed && has_colour(stdout), printed ? terminal_width() : TableStyle{}.width};
+}
+
+std::string hertz(double omega, int decimals) {
+  return fmt::format("{:.{}f}", omega / base::two_pi, decimals);
 }
 
 ProgressLine::ProgressLine(std::string title)
@@ -223,5 +252,18 @@ void ProgressLine::update(double fraction) {
   std::fputs(line.c_str(), stderr);
   std::fflush(stderr);
 }
+
+InterruptNote::InterruptNote() {
+  interrupted = 0;
+  before_interrupt_ = std::signal(SIGINT, note_interrupt);
+  before_terminate_ = std::signal(SIGTERM, note_interrupt);
+}
+
+InterruptNote::~InterruptNote() {
+  std::signal(SIGINT, before_interrupt_);
+  std::signal(SIGTERM, before_terminate_);
+}
+
+bool InterruptNote::noted() { return interrupted != 0; }
 
 }  // namespace hydrapod::cli

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "hydrapod/base/error.hpp"
+#include "hydrapod/numerics/parallel.hpp"
 
 namespace hydrapod::cli {
 
@@ -29,16 +30,41 @@ void print_diagnostics(const std::vector<base::Diagnostic>& diagnostics);
 
 /// The same for a message that belongs to no file.
 void print_error(std::string_view message);
+void print_warning(const std::string& message, const std::string& file = {});
+
+/// "wrote PATH" on stderr.
+void print_written(const std::string& path);
+
+/// Where a picture was asked for: draws it, and says so.
+template <class Draw>
+void draw(const std::string& path, const Draw& plot) {
+  if (path.empty()) return;
+  plot(path);
+  print_written(path);
+}
 
 enum class Align { left, right };
 
+/// A title; one that begins with '<' stands above a column that is aligned left.
 struct Column {
-  std::string title{};
+  Column(const char* text) : Column(std::string(text)) {}  // NOLINT: a title is a column
+  Column(std::string text);                                // NOLINT
+
+  std::string title;
   Align align{Align::right};
 };
 
-/// Columns of the terminal that stdout is; where it is none, more than any table needs.
-std::size_t terminal_width();
+/// How tables are written. A table wider than `width` comes in parts, one below the other, each
+/// beginning with the first column.
+struct TableStyle {
+  bool colour{};
+  std::size_t width{static_cast<std::size_t>(-1)};
+};
+
+/// As the file `output` asks for; "-" is the terminal.
+TableStyle table_style(const std::string& output);
+
+std::string bold(std::string_view text, const TableStyle& style);
 
 /// A table with a title row; columns are as wide as their widest cell and two spaces apart.
 class Table {
@@ -48,14 +74,8 @@ class Table {
   /// A row may be shorter than the columns; a longer one throws std::invalid_argument.
   void add_row(std::vector<std::string> cells);
 
-  /// Lines without trailing blanks, each with its line end; the title row is bold if `colour`. A
-  /// table wider than `width` comes in parts, one below the other, each beginning with the first
-  /// column.
-  [[nodiscard]] std::string text(bool colour = false, std::size_t width = unlimited) const;
-
-  [[nodiscard]] std::string text(const struct TableStyle& style) const;
-
-  static constexpr std::size_t unlimited = static_cast<std::size_t>(-1);
+  /// Lines without trailing blanks, each with its line end; the title row is bold if in colour.
+  [[nodiscard]] std::string text(const TableStyle& style = {}) const;
 
  private:
   [[nodiscard]] std::vector<std::size_t> widths() const;
@@ -65,14 +85,8 @@ class Table {
   std::vector<std::vector<std::string>> rows_;
 };
 
-/// How tables are written.
-struct TableStyle {
-  bool colour{};
-  std::size_t width{Table::unlimited};
-};
-
-/// As the file `output` asks for; "-" is the terminal.
-TableStyle table_style(const std::string& output);
+/// A frequency `omega` [rad/s] in Hz, without the unit.
+std::string hertz(double omega, int decimals = 3);
 
 /// A line on stderr that is rewritten in place, at most ten times a second, and gone at the end;
 /// after two seconds it says how many are left at this speed. Silent when stderr is not a terminal.
@@ -93,5 +107,34 @@ class ProgressLine {
   std::chrono::steady_clock::time_point begun_{std::chrono::steady_clock::now()};
   std::chrono::steady_clock::time_point last_{};
 };
+
+/// Ctrl-C as a wish to stop, not as an end: long work looks, and leaves what it has.
+///
+/// While one exists, the first SIGINT or SIGTERM is only noted; a second one ends the program as
+/// usual. One at a time.
+class InterruptNote {
+ public:
+  InterruptNote();
+  ~InterruptNote();
+  InterruptNote(const InterruptNote&) = delete;
+  InterruptNote& operator=(const InterruptNote&) = delete;
+
+  [[nodiscard]] static bool noted();
+
+ private:
+  void (*before_interrupt_)(int);
+  void (*before_terminate_)(int);
+};
+
+/// What `task` makes, with a progress line titled `title`. Ctrl-C asks the task to stop.
+template <class Task>
+auto with_progress(const char* title, const Task& task) {
+  const InterruptNote interrupt;
+  ProgressLine line(title);
+  return task(numerics::Progress([&](double share) {
+    line.update(share);
+    return InterruptNote::noted();
+  }));
+}
 
 }  // namespace hydrapod::cli

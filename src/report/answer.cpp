@@ -12,25 +12,6 @@ namespace {
 
 using base::two_pi;
 
-std::string percent(double share) {
-  const double value = 100.0 * share;
-  return value > 0.0 && value < 0.5 ? "<1" : fmt::format("{:.0f}", value);
-}
-
-/// "oil 82 %, sleeves 18 %": springs that hold at least half a per cent of the elastic energy.
-std::string energy_text(const modal::EnergyShares& energy) {
-  std::string text;
-  const auto add = [&](const char* part, double share) {
-    if (share >= 0.005)
-      text += fmt::format("{}{} {} %", text.empty() ? "" : ", ", part, percent(share));
-  };
-  add("oil", energy.oil.sum());
-  add("sleeves", energy.guide_sleeve.sum());
-  add("rings", energy.piston_ring.sum());
-  add("base", energy.base_mount);
-  return text;
-}
-
 std::string drop_text(const modal::ModeTable& table, double drop) {
   const bool rings = table.kind == dynamics::ModelKind::full;
   const std::string parts = rings ? "The seals and piston rings" : "The seals";
@@ -45,6 +26,30 @@ bool is_stable(const modal::ModeTable& table) {
 }
 
 }  // namespace
+
+std::string percent_text(double share) {
+  const double value = 100.0 * share;
+  return value > 0.0 && value < 0.5 ? "<1" : fmt::format("{:.0f}", value);
+}
+
+std::string energy_text(double oil, double guide_sleeve, double piston_ring, double base) {
+  constexpr double worth_naming = 0.005;
+  std::string text;
+  const auto add = [&](const char* part, double share) {
+    if (share >= worth_naming)
+      text += fmt::format("{}{} {} %", text.empty() ? "" : ", ", part, percent_text(share));
+  };
+  add("oil", oil);
+  add("sleeves", guide_sleeve);
+  add("rings", piston_ring);
+  add("base", base);
+  return text;
+}
+
+std::string energy_text(const modal::EnergyShares& energy) {
+  return energy_text(energy.oil.sum(), energy.guide_sleeve.sum(), energy.piston_ring.sum(),
+                     energy.base_mount);
+}
 
 std::string answer_text(const modal::ModeTable& table) {
   if (!is_stable(table))

@@ -70,10 +70,7 @@ void warn_below(PoseCheck& result, Kind kind, Value value, Limit limit) {
   if (!warning.legs.empty()) result.warnings.push_back(warning);
 }
 
-void warn_of_legs(const model::Machine& machine, PoseCheck& result) {
-  constexpr double little_stroke = 0.05;  // of the stroke
-  constexpr double short_guide = 0.05;    // l_mh, of the rod's length
-  constexpr double large_tilt = 0.02;     // rad
+void warn_of_legs(const model::Machine& machine, const CheckOptions& options, PoseCheck& result) {
   const auto& legs = result.legs;
   warn_below(
       result, Kind::little_stroke,
@@ -81,21 +78,22 @@ void warn_of_legs(const model::Machine& machine, PoseCheck& result) {
         return machine.legs[i].stroke ? std::min(*legs[i].retract_left, *legs[i].extend_left) : 0.0;
       },
       [&](int i) {
-        return machine.legs[i].stroke ? little_stroke * machine.legs[i].stroke->length : -1.0;
+        return machine.legs[i].stroke ? options.little_stroke * machine.legs[i].stroke->length
+                                      : -1.0;
       });
   warn_below(
       result, Kind::short_guide, [&](int i) { return legs[i].guided_length; },
-      [&](int i) { return short_guide * machine.legs[i].rod.length; });
+      [&](int i) { return options.short_guide * machine.legs[i].rod.length; });
   if (!result.equilibrium) return;
   warn_below(
       result, Kind::tilted_rod, [&](int i) { return -legs[i].tilt; },
-      [](int) { return -large_tilt; });
+      [&](int) { return -options.large_tilt; });
   if (!result.warnings.empty() && result.warnings.back().kind == Kind::tilted_rod)
     result.warnings.back().value *= -1.0;
 }
 
 PoseCheck check_pose(const model::Machine& machine, const model::NamedPose& pose,
-                     dynamics::ModelKind kind) {
+                     dynamics::ModelKind kind, const CheckOptions& options) {
   PoseCheck result{.pose = pose, .quality = kinematics::pose_quality(machine, pose.X_BP)};
   const auto lengths = kinematics::leg_lengths(machine, pose.X_BP);
   const auto angles = kinematics::joint_angles(machine, pose.X_BP);
@@ -104,19 +102,19 @@ PoseCheck check_pose(const model::Machine& machine, const model::NamedPose& pose
   add_statics(machine, kind, result);
   add_buckling(machine, kind, result);
   warn_of_load(machine, result);
-  warn_of_legs(machine, result);
-  constexpr double poor_condition = 100.0;
-  if (result.quality.condition > poor_condition)
+  warn_of_legs(machine, options, result);
+  if (result.quality.condition > options.poor_condition)
     result.warnings.push_back({.kind = Kind::near_singular, .value = result.quality.condition});
   return result;
 }
 
 }  // namespace
 
-std::vector<PoseCheck> check(const Machine& machine, const std::vector<model::NamedPose>& poses) {
+std::vector<PoseCheck> check(const Machine& machine, const std::vector<model::NamedPose>& poses,
+                             const CheckOptions& options) {
   std::vector<PoseCheck> results;
   for (const auto& pose : poses.empty() ? std::vector{machine.pose} : poses)
-    results.push_back(check_pose(machine.file.machine, pose, machine.kind));
+    results.push_back(check_pose(machine.file.machine, pose, machine.kind, options));
   return results;
 }
 

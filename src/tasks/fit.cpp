@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <filesystem>
 
-#include "hydrapod/calibration/calibrate.hpp"
+#include "hydrapod/base/error.hpp"
 
 namespace hydrapod::tasks {
 
@@ -18,8 +18,7 @@ std::vector<int> profiled(const std::vector<std::string>& paths, const calibrati
     const auto found = std::ranges::find_if(
         plan.free, [&](const auto& free) { return std::ranges::count(free.paths, path) > 0; });
     if (found == plan.free.end())
-      throw base::InputError(
-          {{.file = "--profile " + path, .message = "is not one of the free parameters"}});
+      base::refuse("--profile " + path, "is not one of the free parameters");
     positions.push_back(static_cast<int>(found - plan.free.begin()));
   }
   return positions;
@@ -29,9 +28,8 @@ void add_prior(const KnownParameter& known, calibration::Plan& plan) {
   const auto free = std::ranges::find_if(
       plan.free, [&](const auto& one) { return one.paths.front() == known.path; });
   if (free == plan.free.end())
-    throw base::InputError(
-        {{.file = "--prior " + known.path,
-          .message = fmt::format("`{0}` is not free; add --free {0}", known.path)}});
+    base::refuse("--prior " + known.path,
+                 fmt::format("`{0}` is not free; add --free {0}", known.path));
   free->prior = known.prior;
 }
 

@@ -10,9 +10,6 @@ namespace hydrapod::tasks {
 
 namespace {
 
-constexpr int most_values = 1000;   // of a root locus
-constexpr double bisection = 1e-4;  // of the distance of two values of a root locus
-
 simulation::LinearSystemOptions linear_options(const Machine& machine,
                                                const SystemOptions& options) {
   return {.kind = machine.kind, .pade_order = options.pade_order, .closed = options.closed};
@@ -93,6 +90,7 @@ report::System system(const Machine& machine, const SystemOptions& options) {
 
 report::RootLocus root_locus(const Machine& machine, const RootLocusOptions& options,
                              const Progress& progress) {
+  constexpr int most_values = RootLocusOptions::most_values;
   if (options.count < 2 || options.count > most_values || options.from == options.to)
     throw std::invalid_argument(fmt::format(
         "root_locus: {} values from {} to {}; expected 2 to {} values and two different "
@@ -116,7 +114,7 @@ report::RootLocus root_locus(const Machine& machine, const RootLocusOptions& opt
     const bool stable = locus.poles[k].sampled_stable;
     if (stable == locus.poles[k + 1].sampled_stable) continue;
     double low = locus.values[k], high = locus.values[k + 1];
-    const double enough = bisection * std::abs(high - low);
+    const double enough = options.limit_accuracy * std::abs(high - low);
     while (std::abs(high - low) > enough) {
       const double middle = 0.5 * (low + high);
       (poles_at(middle).sampled_stable == stable ? low : high) = middle;

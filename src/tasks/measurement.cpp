@@ -385,12 +385,10 @@ bool is_mode_list(const std::string& path) {
 Measured frf(const MeasureOptions& options, const Progress& progress) {
   const auto& first = options.files.at(0);
   const auto kind = data::file_kind(first);
-  const bool responses =
-      kind == data::FileKind::json || kind == data::FileKind::frequency_responses;
-  if (responses && options.files.size() > 1)
-    base::refuse(options.files[1],
-                 "only records are averaged: give one file of frequency responses");
-  if (responses) {
+  if (kind == data::FileKind::json || kind == data::FileKind::frequency_responses) {
+    if (options.files.size() > 1)
+      base::refuse(options.files[1],
+                   "only records are averaged: give one file of frequency responses");
     auto measured = kind == data::FileKind::json
                         ? responses_from(parsed_json(first, {"\"frf\""}), first)
                         : responses_of_universal_file(first);

@@ -24,7 +24,7 @@ TEST(DisplayWidth, SurvivesBytesThatAreNotUtf8) {
 }
 
 TEST(Table, AlignsItsColumns) {
-  Table table({{"mode", Align::left}, {"ω [rad/s]"}});
+  Table table({"<mode", "ω [rad/s]"});
   table.add_row({"x", "58.31"});
   table.add_row({styled("knee", Style::red, true), "160.2"});
   EXPECT_EQ(table.text(),
@@ -34,17 +34,17 @@ TEST(Table, AlignsItsColumns) {
 }
 
 TEST(Table, LeavesNoTrailingBlanks) {
-  Table table({{"a", Align::left}, {"b", Align::left}});
+  Table table({"<a", "<b"});
   table.add_row({"1", "long"});
   table.add_row({"2"});
   EXPECT_EQ(table.text(), "a  b\n1  long\n2\n");
 }
 
 TEST(Table, TooWideComesInPartsThatBeginWithTheFirstColumn) {
-  Table table({{"mode"}, {"Hz"}, {"label", Align::left}, {"MAC"}});
+  Table table({"mode", "Hz", "<label", "MAC"});
   table.add_row({"1", "7.4", "x, oil springs", "0.99"});
   table.add_row({"2", "8.5", "seals"});
-  EXPECT_EQ(table.text(false, 26),
+  EXPECT_EQ(table.text({false, 26}),
             "mode   Hz  label\n"
             "   1  7.4  x, oil springs\n"
             "   2  8.5  seals\n"
@@ -52,18 +52,18 @@ TEST(Table, TooWideComesInPartsThatBeginWithTheFirstColumn) {
             "mode   MAC\n"
             "   1  0.99\n"
             "   2\n");
-  EXPECT_EQ(table.text(false, 31), table.text()) << "it just fits";
-  EXPECT_EQ(table.text(false, 3), table.text(false, 1)) << "never less than two columns";
+  EXPECT_EQ(table.text({false, 31}), table.text()) << "it just fits";
+  EXPECT_EQ(table.text({false, 3}), table.text({false, 1})) << "never less than two columns";
 }
 
 TEST(Table, OfOneColumnIsOnePart) {
-  Table table({{"name", Align::left}});
+  Table table({"<name"});
   table.add_row({"longer than the terminal"});
-  EXPECT_EQ(table.text(false, 10), "name\nlonger than the terminal\n");
+  EXPECT_EQ(table.text({false, 10}), "name\nlonger than the terminal\n");
 }
 
 TEST(Table, RefusesARowWithTooManyCells) {
-  Table table({{"a"}});
+  Table table({"a"});
   EXPECT_THROW(table.add_row({"1", "2"}), std::invalid_argument);
 }
 

@@ -64,6 +64,13 @@ std::string damping_text(const model::Machine& machine);
 /// "gravity 9.81 m/s² downwards", "no gravity".
 std::string gravity_text(const model::Machine& machine);
 
+/// A share without its % sign: "82"; "<1" for less than half a per cent.
+std::string percent_text(double share);
+
+/// "oil 82 %, sleeves 18 %": springs that hold at least half a per cent of the elastic energy.
+std::string energy_text(double oil, double guide_sleeve, double piston_ring, double base);
+std::string energy_text(const modal::EnergyShares& energy);
+
 /// "Lowest mode the platform feels: 7.45 Hz in x; …", one line with its end; empty when there is no
 /// such mode.
 std::string answer_text(const modal::ModeTable& table);

@@ -29,7 +29,11 @@ report::System system(const Machine& machine, const SystemOptions& options = {})
 struct RootLocusOptions {
   std::string key{};  ///< of the machine file: "controller.gain"
   double from{}, to{};
-  int count{11};  ///< values, both ends included; 2 … 1000
+  int count{11};  ///< values, both ends included; 2 … most_values
+  static constexpr int most_values = 1000;
+  /// A limit of stability between two values is found to this share of their distance: finer than
+  /// a plot shows, after 14 bisections.
+  double limit_accuracy{1e-4};
   SystemOptions system{};
 };
 
@@ -55,9 +59,23 @@ struct SystemResponse {
 
 SystemResponse command_response(const Machine& machine, const CommandResponseOptions& options = {});
 
+/// When check() warns. A warning is advice: the machine can be computed on either side of it.
+struct CheckOptions {
+  /// min(stroke left in, out) < little_stroke · stroke: motions of a test soon reach a stop.
+  double little_stroke{0.05};
+  /// l_mh < short_guide · rod length: the stiffness against tilt falls with the guided length.
+  double short_guide{0.05};
+  /// Static tilt of a rod > large_tilt [rad]: about 1°, where a small tilt is no longer small.
+  double large_tilt{0.02};
+  /// Condition of the Jacobian > poor_condition: two digits of every force are lost, far before
+  /// kinematics::singular_condition.
+  double poor_condition{100.0};
+};
+
 /// Legs, static forces and buckling at `poses`; none given: at the machine's own pose.
 std::vector<report::PoseCheck> check(const Machine& machine,
-                                     const std::vector<model::NamedPose>& poses = {});
+                                     const std::vector<model::NamedPose>& poses = {},
+                                     const CheckOptions& options = {});
 
 struct SensitivityOptions {
   std::vector<std::string> parameters{};  ///< paths in the machine file; empty: all that matter

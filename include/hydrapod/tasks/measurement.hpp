@@ -63,6 +63,20 @@ Measured measure_outputs(const MeasureOptions& options, const Progress& progress
 /// machine under its controller. None: not known.
 std::optional<observation::Observed> observed_in(const Measured& measured);
 
+/// Frequency responses in a few numbers.
+struct ResponseSummary {
+  struct Output {
+    double median_coherence{}, lowest_coherence{};  ///< multiple coherence over the lines
+    /// The largest response, per level of its input, so that inputs of different units compare.
+    std::size_t line{}, input{};
+    double magnitude{}, deviation{};  ///< of that response [output / input]
+  };
+  std::vector<Output> outputs{};  ///< none where coherence or levels of the inputs are not known
+  double median_condition{}, largest_condition{};  ///< of the input matrix; 0: not known
+};
+
+ResponseSummary summary_of(const identification::FrequencyResponses& responses);
+
 struct IdentifyOptions {
   MeasureOptions measure{};
   identification::IdentifyOptions modes{};

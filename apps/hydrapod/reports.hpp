@@ -1,0 +1,40 @@
+#pragma once
+/// Results as people read them.
+
+#include <string>
+#include <vector>
+
+#include "hydrapod/calibration/calibrate.hpp"
+#include "hydrapod/tasks/linear.hpp"
+#include "hydrapod/terminal.hpp"
+
+namespace hydrapod::cli {
+
+/// Machine, pose, model and assumptions in two lines.
+std::string heading(const tasks::Machine& machine, const TableStyle& style);
+
+/// The table of `table`; with `before`, also the change of every mode against it.
+std::string mode_text(const modal::ModeTable& table, const modal::ModeTable* before,
+                      const TableStyle& style);
+
+/// One line per mode, all fields; a header line names them with units.
+std::string mode_csv(const modal::ModeTable& table);
+
+/// What was swept, and the peaks of the six direct responses, flexible and rigid.
+std::string peak_text(const report::Bode& bode, const TableStyle& style);
+
+/// Title and assumptions for a plot.
+report::PlotText plot_text(const tasks::Machine& machine, const report::Bode& bode);
+
+/// Combinations, targets against model, parameters, what is determined and what is not, remarks.
+std::string calibration_text(const calibration::Calibration& result,
+                             const observation::Targets& targets,
+                             const std::vector<calibration::Profile>& profiles,
+                             const TableStyle& style);
+
+/// Modes across, parameters downwards, in per cent per per cent, the most important first.
+std::string sensitivity_text(const calibration::Sensitivities& sensitivities,
+                             const TableStyle& style);
+std::string sensitivity_csv(const calibration::Sensitivities& sensitivities);
+
+}  // namespace hydrapod::cli

@@ -1,0 +1,56 @@
+#include <algorithm>
+#include <cmath>
+
+#include "hydrapod/tasks/measurement.hpp"
+
+namespace hydrapod::tasks {
+
+namespace {
+
+double median_of(std::vector<double> values) {
+  if (values.empty()) return 0.0;
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+ResponseSummary::Output output_summary(const identification::FrequencyResponses& r,
+                                       Eigen::Index output) {
+  ResponseSummary::Output result;
+  std::vector<double> coherence;
+  double largest = 0.0;
+  for (std::size_t k = 0; k < r.lines(); ++k) {
+    coherence.push_back(r.multiple_coherence[k][output]);
+    for (std::size_t i = 0; i < r.inputs.size(); ++i) {
+      const auto input = static_cast<Eigen::Index>(i);
+      const double size = std::abs(r.H[k](output, input)) * std::sqrt(r.input_density[k][input]);
+      if (size <= largest) continue;
+      largest = size;
+      result.line = k;
+      result.input = i;
+    }
+  }
+  result.median_coherence = median_of(coherence);
+  result.lowest_coherence = *std::ranges::min_element(coherence);
+  result.magnitude = std::abs(r.H[result.line](output, static_cast<Eigen::Index>(result.input)));
+  result.deviation =
+      std::sqrt(r.variance(result.line, static_cast<int>(output), static_cast<int>(result.input)));
+  return result;
+}
+
+}  // namespace
+
+ResponseSummary summary_of(const identification::FrequencyResponses& responses) {
+  ResponseSummary summary;
+  const bool known = responses.lines() > 0 &&
+                     responses.multiple_coherence.size() == responses.lines() &&
+                     responses.input_density.size() == responses.lines();
+  for (std::size_t o = 0; known && o < responses.outputs.size(); ++o)
+    summary.outputs.push_back(output_summary(responses, static_cast<Eigen::Index>(o)));
+  if (responses.condition.empty()) return summary;
+  summary.median_condition = median_of(responses.condition);
+  summary.largest_condition = *std::ranges::max_element(responses.condition);
+  return summary;
+}
+
+}  // namespace hydrapod::tasks
