@@ -80,20 +80,15 @@ void check_joints_apart(const JointPoints& joints, const char* side, ValueChecks
   }
 }
 
-void check_joints(const Machine& machine, ValueChecks& checks) {
-  JointPoints base;
-  JointPoints platform;
-  bool base_finite = true;
-  bool platform_finite = true;
+void check_joints(const Machine& machine, Vector3 Leg::*joint, const char* side,
+                  ValueChecks& checks) {
+  JointPoints joints;
+  bool finite = true;
   for (std::size_t i = 0; i < leg_count; ++i) {
-    const auto& leg = machine.legs[i];
-    base[i] = leg.base_joint;
-    platform[i] = leg.platform_joint;
-    base_finite &= checks.finite(fmt::format("leg.{}.base_joint", i + 1), base[i], "m");
-    platform_finite &= checks.finite(fmt::format("leg.{}.platform_joint", i + 1), platform[i], "m");
+    joints[i] = machine.legs[i].*joint;
+    finite &= checks.finite(fmt::format("leg.{}.{}_joint", i + 1, side), joints[i], "m");
   }
-  if (base_finite) check_joints_apart(base, "base", checks);
-  if (platform_finite) check_joints_apart(platform, "platform", checks);
+  if (finite) check_joints_apart(joints, side, checks);
 }
 
 /// One finding under `legs.` for what all legs have in common, under `leg.N.` for the rest.
@@ -159,7 +154,8 @@ std::vector<Finding> validate_values(const Machine& machine, NonFinite non_finit
   checks.finite("environment.gravity", machine.gravity, "m/s^2");
   checks.rows(machine, std::nullopt);
   check_inertia_tensor(machine.platform.inertia, checks);
-  check_joints(machine, checks);
+  check_joints(machine, &Leg::base_joint, "base", checks);
+  check_joints(machine, &Leg::platform_joint, "platform", checks);
   check_supply(machine.hydraulics, checks);
   check_sensors(machine.sensors, checks);
   check_poses(machine.poses, checks);
