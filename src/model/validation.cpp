@@ -9,7 +9,6 @@
 #include <string>
 #include <tuple>
 
-#include "validate_values.hpp"
 #include "value_checks.hpp"
 
 namespace hydrapod::model {
@@ -98,8 +97,8 @@ void check_legs(const Machine& machine, NonFinite non_finite, std::vector<Findin
     found[i] = leg_findings(machine, static_cast<int>(i), non_finite);
   }
   const auto shared = [&](const Finding& finding) {
-    return std::all_of(found.begin(), found.end(), [&](const auto& of_leg) {
-      return std::any_of(of_leg.begin(), of_leg.end(), [&](const Finding& other) {
+    return std::all_of(found.begin(), found.end(), [&](const auto& others) {
+      return std::any_of(others.begin(), others.end(), [&](const Finding& other) {
         return std::tie(other.key, other.message) == std::tie(finding.key, finding.message);
       });
     });
