@@ -65,15 +65,15 @@ Combination make_combination(const model::MachineFile& file, const Targets& targ
   made.candidate.choice = choice;
   made.candidate.name = name_of(plan.alternatives, choice);
   made.candidate.overrides = overrides_of(plan.alternatives, choice);
-  made.machine = std::make_unique<model::VariableMachine>(chosen(file, made.candidate));
+  const auto with_choices = chosen(file, made.candidate);
   std::vector<base::Diagnostic> errors;
-  made.variables = make_variables(plan.free, *made.machine, errors);
+  auto variables = make_variables(plan.free, with_choices, errors);
   if (!plan.alternatives.empty())
     for (auto& error : errors)
       error.message += fmt::format("; tried with \"{}\"", made.candidate.name);
   if (!errors.empty()) throw base::InputError(errors);
-  made.problem =
-      std::make_unique<Problem>(*made.machine, targets, made.variables, kind, ProblemOptions{});
+  made.problem = std::make_unique<Problem>(with_choices.machine, targets, std::move(variables),
+                                           kind, ProblemOptions{});
   made.solutions.resize(static_cast<std::size_t>(plan.options.starts));
   return made;
 }
@@ -199,7 +199,7 @@ Calibration calibrate(const model::MachineFile& file, const Targets& targets, co
         const double limit = far_worse * std::max(all.front().candidate.misfit,
                                                   static_cast<double>(targets.modes.size()));
         if (combination.candidate.fitted && combination.candidate.misfit > limit)
-          conclude_unbound(combination, targets, kind, plan.options, stop);
+          conclude_unbound(combination, plan.options, stop);
       },
       numerics::part_of(show, 0.8, 1.0));
 
@@ -220,55 +220,6 @@ Candidate compare(const model::MachineFile& file, const Targets& targets,
 }
 
 namespace {
-
-/// The plan with the candidate's values as starts, and one parameter held.
-struct HeldFit {
-  model::MachineFile file{};
-  Plan plan{};
-};
-
-HeldFit hold(const model::MachineFile& file, const Plan& plan, const Candidate& candidate,
-             int index, double value) {
-  HeldFit held{file, {.options = plan.options}};
-  for (const auto& path : candidate.parameters[static_cast<std::size_t>(index)].paths)
-    model::assign(held.file.machine,
-                  std::array{model::Assignment{*find_parameter(held.file, path), value}});
-  for (int j = 0; j < static_cast<int>(plan.free.size()); ++j) {
-    if (j == index) continue;
-    held.plan.free.push_back(plan.free[j]);
-    const auto& p = candidate.parameters[static_cast<std::size_t>(j)];
-    // at a bound, rounding may have put it outside
-    held.plan.free.back().start = std::clamp(p.value, p.lower, p.upper);
-    held.plan.free.back().lower = p.lower;
-    held.plan.free.back().upper = p.upper;
-  }
-  return held;
-}
-
-/// Σ (difference)² with the parameter at `value` and all others fitted, without its own prior.
-double misfit_held(const model::MachineFile& file, const Targets& targets, const Plan& plan,
-                   dynamics::ModelKind kind, const Candidate& candidate, int index, double value,
-                   const std::function<bool()>& stop) {
-  const auto held = hold(file, plan, candidate, index, value);
-  model::VariableMachine machine(held.file);
-  std::vector<base::Diagnostic> errors;
-  auto variables = make_variables(held.plan.free, machine, errors);
-  if (!errors.empty()) throw base::InputError(errors);
-  const Problem problem(machine, targets, variables, kind, {});
-  const auto solution = solve(
-      problem, problem.start(),
-      {.max_iterations = plan.options.max_iterations, .cauchy = candidate.robust, .stop = stop});
-  return solution.usable ? 2.0 * solution.cost : infinite;
-}
-
-/// What is known of the parameter besides the data, in SI.
-std::optional<Prior> prior_of(const model::MachineFile& file, const Plan& plan, int index) {
-  model::VariableMachine machine(file);
-  std::vector<base::Diagnostic> errors;
-  return make_variables({plan.free.at(static_cast<std::size_t>(index))}, machine, errors)
-      .front()
-      .prior;
-}
 
 /// Where a profile is looked at: twice the parameter's interval, or all there is.
 struct Range {
@@ -323,7 +274,18 @@ Profile profile(const model::MachineFile& file, const Targets& targets, const Pl
   const auto& parameter = candidate.parameters.at(static_cast<std::size_t>(index));
   const auto range = profile_range(parameter);
   const auto with_choices = chosen(file, candidate);
-  const auto prior = prior_of(with_choices, plan, index);
+  std::vector<base::Diagnostic> errors;
+  auto variables = make_variables(plan.free, with_choices, errors);
+  if (!errors.empty()) throw base::InputError(errors);
+  for (std::size_t j = 0; j < variables.size(); ++j) {
+    const auto& p = candidate.parameters[j];
+    // at a bound, rounding may have put the value outside
+    set_range(variables[j], std::clamp(p.value, p.lower, p.upper), p.lower, p.upper);
+  }
+  const auto held = variables.begin() + index;
+  const auto ids = held->ids;
+  const auto prior = held->prior;
+  variables.erase(held);
   std::vector<std::optional<ProfilePoint>> found(points);
   numerics::Watch watch(progress);
   const Progress show = [&](double share) { return watch.at(share); };
@@ -332,8 +294,15 @@ Profile profile(const model::MachineFile& file, const Targets& targets, const Pl
       points, plan.options.threads,
       [&](std::size_t k) {
         ProfilePoint point{.value = range.at(static_cast<double>(k) / (points - 1))};
-        point.misfit =
-            misfit_held(with_choices, targets, plan, kind, candidate, index, point.value, stop);
+        auto machine = with_choices.machine;
+        for (const auto& id : ids) assign(machine, std::array{model::Assignment{id, point.value}});
+        const Problem problem(machine, targets, variables, kind, {});
+        const auto solution = solve(problem, problem.start(),
+                                    {.max_iterations = plan.options.max_iterations,
+                                     .cauchy = candidate.robust,
+                                     .stop = stop});
+        // all others fitted, without the parameter's own prior
+        point.misfit = solution.usable ? 2.0 * solution.cost : infinite;
         if (prior) point.misfit += std::pow((point.value - prior->value) / prior->spread, 2);
         if (!watch.stopped()) found[k] = point;
       },

@@ -13,11 +13,6 @@ namespace {
 constexpr int digits = 9;
 constexpr const char* label = "calibrated";  ///< of the remarks
 
-std::string last_key(const std::string& path) {
-  const auto dot = path.rfind('.');
-  return dot == std::string::npos ? path : path.substr(dot + 1);
-}
-
 /// "7.21 ± 0.05 kg", "7.21 kg, not determined by the data"
 std::string value_text(const FittedParameter& p, const model::WrittenUnit& unit) {
   const std::string name = !unit.name.empty() ? unit.name : p.unit == "1" ? "" : p.unit;
@@ -43,9 +38,9 @@ std::string value_text(const FittedParameter& p, const model::WrittenUnit& unit)
 model::FileEdit edit_of(const std::string& text, const std::string& path, const FittedParameter& p,
                         double before) {
   const auto unit = model::written_unit(text, path, p.unit);
-  return {
-      path, model::written(p.value, unit, digits),
-      fmt::format("{} {} (was {:.5g})", last_key(path), value_text(p, unit), before / unit.size)};
+  return {path, model::written(p.value, unit, digits),
+          fmt::format("{} {} (was {:.5g})", model::last_key(path), value_text(p, unit),
+                      before / unit.size)};
 }
 
 /// Where the number stands in the file, or where it would; an element of a tensor that is given in
@@ -79,7 +74,7 @@ std::string calibrated_text(const model::MachineFile& file, const Candidate& can
   auto overrides = file.overrides;
   overrides.insert(overrides.end(), candidate.overrides.begin(), candidate.overrides.end());
   auto edits = model::edits_of_overrides(file.text, overrides);
-  for (auto& edit : edits) edit.remark = last_key(edit.path) + " chosen";
+  for (auto& edit : edits) edit.remark = fmt::format("{} chosen", model::last_key(edit.path));
   const std::string with_choices = model::edited_file(file.text, edits, label);
   const auto before = model::parse_machine(file.text, "machine file", overrides, {});
   for (const auto& p : candidate.parameters)

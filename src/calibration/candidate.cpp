@@ -237,6 +237,7 @@ void describe(const Problem& problem, const Solution& solution, Candidate& candi
 /// Parameters that look determined, but have another value in a solution that is as good.
 void find_other_values(Combination& combination, const Solution& best) {
   auto& candidate = combination.candidate;
+  const auto& variables = combination.problem->variables();
   const double as_good = 0.5 * numerics::chi_squared_quantile(0.95, 1);  // of ½ χ²
   constexpr double apart = 3.0;                                          // half intervals
   constexpr double tolerance = 1e-6;  // of the search, where the fit is perfect
@@ -245,7 +246,7 @@ void find_other_values(Combination& combination, const Solution& best) {
     if (!other.usable || other.cost > limit) continue;
     for (std::size_t j = 0; j < candidate.parameters.size(); ++j) {
       auto& p = candidate.parameters[j];
-      const double value = combination.variables[j].value(other.x[static_cast<Eigen::Index>(j)]);
+      const double value = variables[j].value(other.x[static_cast<Eigen::Index>(j)]);
       const double reach = apart * std::max(p.interval_high - p.value,
                                             value < p.value ? p.value - p.interval_low : 0);
       constexpr double rounding = 1e-4;
@@ -329,10 +330,12 @@ bool conclude_robust(Combination& combination, const FitOptions& options, bool f
   return shows;
 }
 
-void conclude_unbound(Combination& combination, const Targets& targets, dynamics::ModelKind kind,
-                      const FitOptions& options, const std::function<bool()>& stop) {
-  const auto variables = unbound(combination.variables);
-  const Problem problem(*combination.machine, targets, variables, kind, {.hold_to_physics = false});
+void conclude_unbound(Combination& combination, const FitOptions& options,
+                      const std::function<bool()>& stop) {
+  const auto& held = *combination.problem;
+  const auto variables = unbound(held.variables());
+  const Problem problem(held.machine(), held.targets(), variables, held.kind(),
+                        {.hold_to_physics = false});
   const auto* bounded = best_of(combination.solutions);
   if (bounded == nullptr) return;
   Solution best;
@@ -341,7 +344,7 @@ void conclude_unbound(Combination& combination, const Targets& targets, dynamics
     Eigen::VectorXd x(from.x.size());
     for (Eigen::Index j = 0; j < x.size(); ++j)
       x[j] = variables[static_cast<std::size_t>(j)].x(
-          combination.variables[static_cast<std::size_t>(j)].value(from.x[j]));
+          held.variables()[static_cast<std::size_t>(j)].value(from.x[j]));
     const auto solution =
         solve(problem, x, {.max_iterations = options.max_iterations, .stop = stop});
     if (solution.usable && (!best.usable || solution.cost < best.cost)) best = solution;

@@ -10,8 +10,6 @@ namespace hydrapod::calibration {
 /// A combination with everything that its fits need; stays where it is, for fits refer to it.
 struct Combination {
   Candidate candidate{};
-  std::unique_ptr<model::VariableMachine> machine{};
-  std::vector<Variable> variables{};
   std::unique_ptr<Problem> problem{};
   std::vector<Solution> solutions{};  ///< per start
 };
@@ -33,7 +31,7 @@ bool conclude_robust(Combination& combination, const FitOptions& options, bool f
                      const std::function<bool()>& stop);
 
 /// The candidate's best fit if nothing had to be admissible.
-void conclude_unbound(Combination& combination, const Targets& targets, dynamics::ModelKind kind,
-                      const FitOptions& options, const std::function<bool()>& stop);
+void conclude_unbound(Combination& combination, const FitOptions& options,
+                      const std::function<bool()>& stop);
 
 }  // namespace hydrapod::calibration

@@ -12,7 +12,8 @@ using spatial::Matrix6;
 
 class DifferencedResidual : public ResidualKind {
  public:
-  explicit DifferencedResidual(int target) : target_(target) {}
+  DifferencedResidual(int target, int size, int values)
+      : ResidualKind(size, values), target_(target) {}
 
   void evaluate(const Problem& problem, const State& state, Eigen::Ref<Eigen::VectorXd> r,
                 Eigen::MatrixXd* J) const override {
@@ -58,8 +59,7 @@ class PlantNumber : public DifferencedResidual {
  public:
   using Difference = double (*)(const ObservedMode&, const ModeTarget&);
   PlantNumber(int target, Difference difference)
-      : DifferencedResidual(target), difference_(difference) {}
-  [[nodiscard]] int size() const override { return 1; }
+      : DifferencedResidual(target, 1, 1), difference_(difference) {}
 
  private:
   [[nodiscard]] Eigen::VectorXd value(const Problem& problem,
@@ -74,9 +74,7 @@ class PlantNumber : public DifferencedResidual {
 /// (1 − A Wᴴ) u / deviation, as of mechanics (residuals.cpp): real parts, then imaginary ones.
 class PlantShape : public DifferencedResidual {
  public:
-  using DifferencedResidual::DifferencedResidual;
-  [[nodiscard]] int size() const override { return 12; }
-  [[nodiscard]] int values() const override { return 6; }
+  explicit PlantShape(int target) : DifferencedResidual(target, 12, 6) {}
 
  private:
   [[nodiscard]] Eigen::VectorXd value(const Problem& problem,
@@ -98,12 +96,10 @@ class PlantShape : public DifferencedResidual {
 class Responses : public DifferencedResidual {
  public:
   Responses(int target, const ResponseTarget& measured)
-      : DifferencedResidual(target),
-        lines_(static_cast<int>(measured.s.size())),
-        inputs_(static_cast<int>(measured.inputs.cols())),
-        values_(measured.values) {}
-  [[nodiscard]] int size() const override { return 12 * lines_ * inputs_; }
-  [[nodiscard]] int values() const override { return values_; }
+      : DifferencedResidual(
+            target,
+            12 * static_cast<int>(measured.s.size()) * static_cast<int>(measured.inputs.cols()),
+            measured.values) {}
 
  private:
   [[nodiscard]] int point(const Problem& problem) const override {
@@ -117,7 +113,7 @@ class Responses : public DifferencedResidual {
     int row = 0;
     for (std::size_t line = 0; line < measured.s.size(); ++line) {
       const Eigen::MatrixXcd rest = response_rest(seen.seen, measured, line, root);
-      for (int input = 0; input < inputs_; ++input, row += 12) {
+      for (int input = 0; input < rest.cols(); ++input, row += 12) {
         const Vector6c r = rest.col(input) / measured.deviation[line][input];
         all.segment<6>(row) = r.real();
         all.segment<6>(row + 6) = r.imag();
@@ -125,8 +121,6 @@ class Responses : public DifferencedResidual {
     }
     return all;
   }
-
-  int lines_, inputs_, values_;
 };
 
 }  // namespace

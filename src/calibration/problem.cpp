@@ -19,21 +19,22 @@ double Variable::x(double value) const {
 }
 double Variable::slope(double x) const { return sign != 0 ? sign * std::exp(x) : scale; }
 
-Problem::Problem(const model::VariableMachine& machine, const Targets& targets,
+Problem::Problem(const model::Machine& machine, const Targets& targets,
                  std::vector<Variable> variables, dynamics::ModelKind kind,
                  const ProblemOptions& options)
-    : machine_(machine),
+    : machine_{machine, {}},
       targets_(targets),
       variables_(std::move(variables)),
       kind_(kind),
       options_(options) {
-  find_poses();
-  const auto constraints = admissibility_margins(machine_.machine(machine_.values())).size();
+  for (const auto& variable : variables_) machine_.parameters.push_back(variable.ids);
+  const auto tied = machine_.at(machine_.values());
+  find_poses(tied);
+  const auto constraints = admissibility_margins(tied).size();
   residuals_ = make_residuals(targets_, variables_, options_.hold_to_physics, constraints);
 }
 
-void Problem::find_poses() {
-  const auto machine = machine_.machine(machine_.values());
+void Problem::find_poses(const model::Machine& machine) {
   std::vector<base::Diagnostic> errors;
   const auto point_at = [&](const std::string& what, const std::string& name) {
     const auto named = std::find_if(machine.poses.begin(), machine.poses.end(),
@@ -96,10 +97,10 @@ void Problem::add_margins(const std::vector<double>& scales, State& state) const
   for (std::size_t j = 0; j < scales.size(); ++j) {
     const double h = relative_step * scales[j];
     values[j] = state.values[j] + h;
-    machine_.machine(values, moved);
+    machine_.at(values, moved);
     const Eigen::VectorXd above = margins_of(moved);
     values[j] = state.values[j] - h;
-    machine_.machine(values, moved);
+    machine_.at(values, moved);
     state.dmargins.col(static_cast<Eigen::Index>(j)) = (above - margins_of(moved)) / (2.0 * h);
     values[j] = state.values[j];
   }
@@ -117,7 +118,7 @@ bool Problem::see_modes(const std::vector<double>& scales, State& state) const {
     state.modes_at.clear();
     state.points.clear();
     for (const std::size_t pose : poses_)
-      state.points.push_back(mode_point(machine_, state.values, pose, kind_, {}));
+      state.points.push_back(mode_point(state.machine, pose, kind_));
     state.seen.resize(poses_.size());
     for (std::size_t p = 0; p < poses_.size(); ++p)
       if (!pair_modes_at(p, state)) return false;
@@ -185,7 +186,7 @@ bool Problem::see_beside(std::size_t parameter, double step, State& state) const
   const auto moved_by = [&](double change) {
     std::vector<double> values = state.values;
     values[parameter] += change;
-    return machine_.machine(values);
+    return machine_.at(values);
   };
   const model::Machine below = moved_by(-step), above = moved_by(step);
   auto& seen_below = state.seen_below[parameter];
@@ -218,11 +219,7 @@ bool Problem::evaluate(const Eigen::VectorXd& x, bool derivatives, State& state)
     if (derivatives) scales.push_back(std::abs(variables_[j].slope(at)));
   }
   try {
-    if (state.machine.poses.empty()) {
-      state.machine = machine_.machine(state.values);
-    } else {
-      machine_.machine(state.values, state.machine);
-    }
+    machine_.at(state.values, state.machine);
     if ((observes_plant() || !targets_.responses.empty()) && !see_all(scales, state)) return false;
     if (!observes_plant() && !see_modes(scales, state)) return false;
   } catch (const base::ComputationError&) {

@@ -71,13 +71,21 @@ class Problem;
 class ResidualKind {
  public:
   virtual ~ResidualKind() = default;
-  [[nodiscard]] virtual int size() const = 0;
+  [[nodiscard]] int size() const { return size_; }
   /// How many values it says something about.
-  [[nodiscard]] virtual int values() const { return size(); }
+  [[nodiscard]] int values() const { return values_; }
   /// May it be an outlier?
-  [[nodiscard]] virtual bool is_data() const { return true; }
+  [[nodiscard]] bool is_data() const { return is_data_; }
   virtual void evaluate(const Problem& problem, const State& state, Eigen::Ref<Eigen::VectorXd> r,
                         Eigen::MatrixXd* J) const = 0;
+
+ protected:
+  ResidualKind(int size, int values, bool is_data = true)
+      : size_(size), values_(values), is_data_(is_data) {}
+
+ private:
+  int size_, values_;
+  bool is_data_;
 };
 
 struct ProblemOptions {
@@ -86,12 +94,14 @@ struct ProblemOptions {
 
 class Problem {
  public:
-  /// `machine` has varied the variables' paths. Throws base::InputError when a target's pose is
-  /// unknown or has more targets than modes.
-  Problem(const model::VariableMachine& machine, const Targets& targets,
-          std::vector<Variable> variables, dynamics::ModelKind kind, const ProblemOptions& options);
+  /// Throws base::InputError when a target's pose is unknown or has more targets than modes.
+  Problem(const model::Machine& machine, const Targets& targets, std::vector<Variable> variables,
+          dynamics::ModelKind kind, const ProblemOptions& options);
 
+  /// As it was given, before the variables have other values.
+  [[nodiscard]] const model::Machine& machine() const { return machine_.machine; }
   [[nodiscard]] const Targets& targets() const { return targets_; }
+  [[nodiscard]] dynamics::ModelKind kind() const { return kind_; }
   [[nodiscard]] const std::vector<Variable>& variables() const { return variables_; }
   [[nodiscard]] const std::vector<std::unique_ptr<ResidualKind>>& residuals() const {
     return residuals_;
@@ -117,7 +127,7 @@ class Problem {
   [[nodiscard]] Eigen::VectorXd start() const;
 
  private:
-  void find_poses();
+  void find_poses(const model::Machine& machine);
   [[nodiscard]] std::vector<std::size_t> targets_at(std::size_t point) const;
   bool see_modes(const std::vector<double>& scales, State& state) const;
   bool pair_modes_at(std::size_t point, State& state) const;
@@ -128,7 +138,7 @@ class Problem {
   bool see_beside(std::size_t parameter, double step, State& state) const;
   void add_margins(const std::vector<double>& scales, State& state) const;
 
-  const model::VariableMachine& machine_;
+  VariedMachine machine_;
   const Targets& targets_;
   std::vector<Variable> variables_;
   dynamics::ModelKind kind_;

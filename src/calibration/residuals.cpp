@@ -38,8 +38,7 @@ double signed_omega(double omega2) {
 /// (ω − ω_t) / deviation
 class FrequencyResidual : public ResidualKind {
  public:
-  explicit FrequencyResidual(int target) : target_(target) {}
-  [[nodiscard]] int size() const override { return 1; }
+  explicit FrequencyResidual(int target) : ResidualKind(1, 1), target_(target) {}
   void evaluate(const Problem& problem, const State& state, Eigen::Ref<Eigen::VectorXd> r,
                 Eigen::MatrixXd* J) const override {
     const auto& [point, mode, group] = found(problem, state, target_);
@@ -59,8 +58,7 @@ class FrequencyResidual : public ResidualKind {
 /// dampers make between modes.
 class DampingResidual : public ResidualKind {
  public:
-  explicit DampingResidual(int target) : target_(target) {}
-  [[nodiscard]] int size() const override { return 1; }
+  explicit DampingResidual(int target) : ResidualKind(1, 1), target_(target) {}
   void evaluate(const Problem& problem, const State& state, Eigen::Ref<Eigen::VectorXd> r,
                 Eigen::MatrixXd* J) const override {
     const auto [point, mode, group] = found(problem, state, target_);
@@ -98,8 +96,7 @@ class DampingResidual : public ResidualKind {
 /// (observation/pairing.hpp), so that for one mode |r|² = (1 − MAC) / deviation².
 class ShapeResidual : public ResidualKind {
  public:
-  explicit ShapeResidual(int target) : target_(target) {}
-  [[nodiscard]] int size() const override { return 6; }
+  explicit ShapeResidual(int target) : ResidualKind(6, 6), target_(target) {}
   void evaluate(const Problem& problem, const State& state, Eigen::Ref<Eigen::VectorXd> r,
                 Eigen::MatrixXd* J) const override {
     const auto [point, mode, members] = found(problem, state, target_);
@@ -171,9 +168,7 @@ class ShapeResidual : public ResidualKind {
 /// (p − value) / spread
 class PriorResidual : public ResidualKind {
  public:
-  explicit PriorResidual(int variable) : variable_(variable) {}
-  [[nodiscard]] int size() const override { return 1; }
-  [[nodiscard]] bool is_data() const override { return false; }
+  explicit PriorResidual(int variable) : ResidualKind(1, 1, false), variable_(variable) {}
   void evaluate(const Problem& problem, const State& state, Eigen::Ref<Eigen::VectorXd> r,
                 Eigen::MatrixXd* J) const override {
     const auto& prior = *problem.variables()[variable_].prior;
@@ -191,23 +186,18 @@ class PriorResidual : public ResidualKind {
 /// a little before the limit, so that a fit that leans on one ends within it.
 class AdmissibilityResidual : public ResidualKind {
  public:
-  explicit AdmissibilityResidual(int constraints) : constraints_(constraints) {}
-  [[nodiscard]] int size() const override { return constraints_; }
-  [[nodiscard]] bool is_data() const override { return false; }
+  explicit AdmissibilityResidual(int constraints) : ResidualKind(constraints, constraints, false) {}
   void evaluate(const Problem& problem, const State& state, Eigen::Ref<Eigen::VectorXd> r,
                 Eigen::MatrixXd* J) const override {
     constexpr double weight = 1000.0, room = 1e-3;
-    if (J != nullptr) J->setZero(constraints_, problem.size());
-    for (int k = 0; k < constraints_; ++k) {
+    if (J != nullptr) J->setZero(size(), problem.size());
+    for (int k = 0; k < size(); ++k) {
       // margins of exactly zero belong to numbers that only need a sign
       const bool broken = state.margins[k] < room && state.margins[k] != 0.0;
       r[k] = broken ? weight * (state.margins[k] - room) : 0.0;
       if (broken && J != nullptr) J->row(k) = weight * state.dmargins.row(k);
     }
   }
-
- private:
-  int constraints_;
 };
 
 /// Frequency, damping and shape of one target each, of mechanics.

@@ -2,8 +2,10 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
+#include <stdexcept>
 
 #include "hydrapod/base/error.hpp"
 #include "hydrapod/dynamics/linear_model.hpp"
@@ -15,21 +17,14 @@ namespace {
 
 using model::Machine;
 
-/// A parameter far from its bounds may take a machine where numbers are no longer finite.
-void require_finite(const Machine& machine) {
+/// The pose of that number. A parameter far from its bounds may take a machine where numbers are no
+/// longer finite: throws base::ComputationError.
+const spatial::Pose& pose_of(const Machine& machine, std::size_t pose) {
   for (const auto& leg : machine.legs)
     if (!leg.base_joint.allFinite() || !leg.platform_joint.allFinite() ||
         !leg.gimbal_axis.allFinite())
       throw base::ComputationError("the joints' places are not finite with these values");
-}
-
-/// The machine with these values, into `workspace`, and its pose.
-const spatial::Pose& pose_at(const model::VariableMachine& machine,
-                             const std::vector<double>& values, std::size_t pose,
-                             Machine& workspace) {
-  machine.machine(values, workspace);
-  require_finite(workspace);
-  return workspace.poses.at(pose).X_BP;
+  return machine.poses.at(pose).X_BP;
 }
 
 /// Dampers, for instance.
@@ -50,28 +45,43 @@ void leave_out_what_does_nothing(Sensitivities& all) {
 
 }  // namespace
 
-ModePoint mode_point(const model::VariableMachine& machine, const std::vector<double>& values,
-                     std::size_t pose, dynamics::ModelKind kind, std::span<const double> scales,
-                     const dynamics::StaticEquilibrium* start) {
-  Machine workspace = machine.machine(values);
-  const auto& X_BP = pose_at(machine, values, pose, workspace);
-  ModePoint point{.model = dynamics::linear_model(workspace, X_BP, kind, start)};
+std::vector<double> VariedMachine::values() const {
+  std::vector<double> values;
+  for (const auto& ids : parameters) values.push_back(value(machine, ids.front()).value());
+  return values;
+}
+
+Machine VariedMachine::at(const std::vector<double>& values) const {
+  Machine result;
+  at(values, result);
+  return result;
+}
+
+void VariedMachine::at(const std::vector<double>& values, Machine& result) const {
+  result = machine;
+  std::vector<model::Assignment> assignments;
+  for (std::size_t j = 0; j < parameters.size(); ++j)
+    for (const auto& id : parameters[j]) assignments.push_back({id, values[j]});
+  assign(result, assignments);
+}
+
+ModePoint mode_point(const Machine& machine, std::size_t pose, dynamics::ModelKind kind) {
+  ModePoint point{.model = dynamics::linear_model(machine, pose_of(machine, pose), kind)};
   point.modes = modal::normal_modes(point.model);
   if (!point.modes.omega2.allFinite())
     throw base::ComputationError("the modes are not finite with these values");
-  if (!scales.empty()) add_derivatives(machine, values, pose, scales, point);
   return point;
 }
 
-void add_derivatives(const model::VariableMachine& machine, const std::vector<double>& values,
+void add_derivatives(const VariedMachine& machine, const std::vector<double>& values,
                      std::size_t pose, std::span<const double> scales, ModePoint& point) {
   point.derivatives.clear();
   point.center_derivatives.clear();
   point.against_base_derivatives.clear();
-  Machine workspace = machine.machine(values);
+  Machine workspace;
   const auto model_of = [&](const std::vector<double>& at) {
-    const auto& X_BP = pose_at(machine, at, pose, workspace);
-    return dynamics::neighbour_model(workspace, X_BP, point.model);
+    machine.at(at, workspace);
+    return dynamics::neighbour_model(workspace, pose_of(workspace, pose), point.model);
   };
   std::vector<double> moved = values;
   Eigen::VectorXd sizes(scales.size());
@@ -94,31 +104,38 @@ void add_derivatives(const model::VariableMachine& machine, const std::vector<do
 
 Sensitivities sensitivities(const model::MachineFile& file, std::size_t pose,
                             dynamics::ModelKind kind, const std::vector<std::string>& paths) {
-  model::VariableMachine machine(file);
-  std::vector<model::TiedPaths> chosen;
-  for (const auto& number : machine.numbers())
-    if (paths.empty() && number.given && number.value != 0.0) chosen.push_back({number.path});
-  for (const auto& path : paths) chosen.push_back({path});
-  machine.vary(chosen);
   Sensitivities result;
-  std::vector<model::TiedPaths> that_matter;
-  for (std::size_t j = 0; j < chosen.size(); ++j)
-    if (!paths.empty() || machine.matters(j)) {
-      that_matter.push_back(chosen[j]);
-      result.parameters.push_back(*machine.find(chosen[j].front()));
-    }
-  machine.vary(that_matter);
+  auto& parameters = result.parameters;
+  for (const auto& path : paths) {
+    const auto number = find_number(file, path);
+    if (!number)
+      throw std::invalid_argument(fmt::format("the machine file has no number `{}`", path));
+    parameters.push_back(*number);
+  }
+  // an element of a tensor in rows is given twice
+  const auto known = [&](const model::ParameterId& id) {
+    return std::ranges::count(parameters, id, &model::FileNumber::id) > 0;
+  };
+  for (const auto& given : file.given)
+    if (paths.empty() && of_mechanics(given.id) && !known(given.id))
+      if (const auto number = number_of(file, given.id); number && number->value != 0.0)
+        parameters.push_back(*number);
+  VariedMachine machine{.machine = file.machine};
   std::vector<double> scales;
-  for (const double value : machine.values())
-    scales.push_back(value != 0.0 ? std::abs(value) : 1.0);
-  result.point = mode_point(machine, machine.values(), pose, kind, scales);
+  for (const auto& number : parameters) {
+    machine.parameters.push_back({number.id});
+    scales.push_back(number.value != 0.0 ? std::abs(number.value) : 1.0);
+  }
+  const auto values = machine.values();
+  result.point = mode_point(machine.at(values), pose, kind);
+  add_derivatives(machine, values, pose, scales, result.point);
   const auto& modes = result.point.modes;
   result.omega = modes.omega2.cwiseMax(0.0).cwiseSqrt();
   result.percent_per_percent = result.point.domega2;
   for (int k = 0; k < modes.size(); ++k)
-    for (std::size_t j = 0; j < that_matter.size(); ++j)
+    for (std::size_t j = 0; j < values.size(); ++j)
       result.percent_per_percent(k, static_cast<Eigen::Index>(j)) *=
-          modes.omega2[k] > 0.0 ? machine.values()[j] / (2.0 * modes.omega2[k])
+          modes.omega2[k] > 0.0 ? values[j] / (2.0 * modes.omega2[k])
                                 : std::numeric_limits<double>::quiet_NaN();
   if (paths.empty()) leave_out_what_does_nothing(result);
   return result;

@@ -1,5 +1,5 @@
 #pragma once
-/// Reading the tables of a targets file. Private to the module.
+/// Reading a targets file: tables of TOML, rows of CSV. Private to the module.
 
 #include "hydrapod/calibration/calibrate.hpp"
 #include "hydrapod/model/section.hpp"
@@ -16,6 +16,9 @@ using spatial::Vector6;
 /// Everything of a TOML targets file; mistakes go to `faults`.
 TargetsFile read_target_tables(const model::Node& root, const std::string& file,
                                model::Faults& faults);
+
+/// Targets from the text of a CSV file. Throws base::InputError with every mistake.
+Targets parse_target_csv(const std::string& text, const std::string& file);
 
 /// The frequency [rad/s] that `text` is ("11.3 Hz", "71 rad/s"), or a plain number in
 /// `plain_unit` ("Hz", "rad/s", or empty: plain numbers are refused). Empty `problem` when read.

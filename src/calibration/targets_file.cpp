@@ -2,11 +2,8 @@
 
 #include <fmt/format.h>
 
-#include <cctype>
-#include <filesystem>
-
 #include "hydrapod/base/file.hpp"
-#include "target_csv.hpp"
+#include "hydrapod/base/text.hpp"
 #include "target_tables.hpp"
 
 namespace hydrapod::calibration {
@@ -29,9 +26,7 @@ TargetsFile parse_toml(const std::string& text, const std::string& file) {
 }  // namespace
 
 TargetsFile parse_targets(const std::string& text, const std::string& file_name) {
-  std::string ending = std::filesystem::path(file_name).extension().string();
-  for (char& c : ending) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-  if (ending == ".csv") return {.targets = parse_target_csv(text, file_name)};
+  if (base::has_ending(file_name, {".csv"})) return {.targets = parse_target_csv(text, file_name)};
   return parse_toml(text, file_name);
 }
 

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
-#include <set>
 
 #include "hydrapod/base/units.hpp"
 
@@ -15,23 +14,27 @@ namespace {
 
 constexpr double decade = 10.0;
 
+base::Diagnostic fault_at(const FreeParameter& free, std::string path, std::string message) {
+  const auto& [file, line, column] = free.origin;
+  return {base::Severity::error, file, line, column, std::move(path), std::move(message)};
+}
+
 class VariableMaker {
  public:
-  VariableMaker(const FreeParameter& free, const model::VariableMachine& machine,
+  VariableMaker(const FreeParameter& free, const model::MachineFile& file,
                 std::vector<base::Diagnostic>& errors)
-      : free_(free), machine_(machine), errors_(errors) {}
+      : free_(free), file_(file), errors_(errors) {}
 
   Variable make() {
     Variable variable{.paths = free_.paths};
-    const auto* number = find_paths();
-    if (number == nullptr) return variable;
-    for (const auto& path : free_.paths) variable.ids.push_back(machine_.id(path));
-    variable.unit = number->unit;
-    variable.start = free_.start ? amount(*free_.start, "start") : number->value;
+    const auto first = find_paths(variable.ids);
+    if (!first) return variable;
+    variable.unit = first->unit;
+    variable.start = free_.start ? amount(*free_.start, variable.unit, "start") : first->value;
     set_bounds(variable);
     if (free_.prior) {
-      variable.prior =
-          Prior{amount(free_.prior->value, "prior"), amount(free_.prior->spread, "prior")};
+      variable.prior = Prior{amount(free_.prior->value, variable.unit, "prior"),
+                             amount(free_.prior->spread, variable.unit, "prior")};
       if (!(variable.prior->spread > 0.0)) error("prior: expected a spread above 0");
     }
     return variable;
@@ -39,34 +42,34 @@ class VariableMaker {
 
  private:
   void error(const std::string& message) {
-    errors_.push_back({base::Severity::error, free_.origin.file, free_.origin.line,
-                       free_.origin.column, free_.paths.empty() ? "" : free_.paths.front(),
-                       message});
+    errors_.push_back(fault_at(free_, free_.paths.empty() ? "" : free_.paths.front(), message));
   }
 
-  const model::FileNumber* find_paths() {
-    const model::FileNumber* first = nullptr;
+  /// The number at the first path; nothing where one of the paths is none that can be tied to it.
+  std::optional<model::FileNumber> find_paths(std::vector<model::ParameterId>& ids) {
+    std::optional<model::FileNumber> first;
     for (const auto& path : free_.paths) {
-      const auto* number = machine_.find(path);
-      if (number == nullptr) {
-        const auto near = machine_.nearest_path(path);
+      const auto number = find_number(file_, path);
+      if (!number) {
+        const auto near = nearest_parameter(file_, path);
         error(fmt::format("the machine file has no number `{}`{}", path,
                           near.empty() ? "; `hydrapod sensitivity FILE` lists those that matter"
                                        : fmt::format("; did you mean `{}`?", near)));
-        return nullptr;
+        return std::nullopt;
       }
-      if (first == nullptr) first = number;
+      if (!first) first = number;
       if (number->unit != first->unit) {
         error(fmt::format("`{}` is in {} and `{}` in {}; they cannot be tied to one value", path,
                           number->unit, first->path, first->unit));
-        return nullptr;
+        return std::nullopt;
       }
+      ids.push_back(number->id);
     }
-    if (first == nullptr) error("no path is given");
+    if (!first) error("no path is given");
     return first;
   }
 
-  double amount(const Amount& amount, const char* what) {
+  double amount(const Amount& amount, const std::string& unit, const char* what) {
     if (const auto* value = std::get_if<double>(&amount)) {
       if (!std::isfinite(*value))
         error(fmt::format("{}: is {}, expected a finite number", what, *value));
@@ -80,14 +83,14 @@ class VariableMaker {
         error(fmt::format("{}: is {}, expected a finite number", what, text));
       return number;
     }
-    const auto read = base::read_quantity(text, machine_.find(free_.paths.front())->unit);
+    const auto read = base::read_quantity(text, unit);
     if (!read.ok()) error(fmt::format("{}: {}", what, read.problem));
     return read.value;
   }
 
   void set_bounds(Variable& v) {
     const auto bound = [&](const std::optional<Amount>& given, double fallback) {
-      return given ? amount(*given, "bounds") : fallback;
+      return given ? amount(*given, v.unit, "bounds") : fallback;
     };
     const bool both = free_.lower && free_.upper;
     if (v.start == 0.0 && !both)
@@ -104,45 +107,51 @@ class VariableMaker {
           fmt::format("starts at {:g} {}, which is not within its bounds [{:g}, {:g}]; "
                       "give `start`",
                       v.start, v.unit, v.lower, v.upper));
-    v.sign = v.lower > 0.0 ? 1 : v.upper < 0.0 ? -1 : 0;
-    constexpr double share = 0.1;
-    v.scale = std::max(std::abs(v.start), share * (v.upper - v.lower));
+    set_range(v, v.start, v.lower, v.upper);
   }
 
   const FreeParameter& free_;
-  const model::VariableMachine& machine_;
+  const model::MachineFile& file_;
   std::vector<base::Diagnostic>& errors_;
 };
 
-void check_repeats(const std::vector<FreeParameter>& free, std::vector<base::Diagnostic>& errors) {
-  std::set<std::string> seen;
-  for (const auto& parameter : free)
-    for (const auto& path : parameter.paths)
-      if (!seen.insert(path).second)
-        errors.push_back({base::Severity::error, parameter.origin.file, parameter.origin.line,
-                          parameter.origin.column, path, "is free twice"});
+/// A number has one value, whichever way its paths are written.
+void check_repeats(const std::vector<FreeParameter>& free, const std::vector<Variable>& variables,
+                   std::vector<base::Diagnostic>& errors) {
+  std::vector<model::ParameterId> seen;
+  for (std::size_t j = 0; j < free.size(); ++j)
+    for (std::size_t k = 0; k < variables[j].ids.size(); ++k) {
+      const auto& id = variables[j].ids[k];
+      if (std::ranges::count(seen, id) > 0)
+        errors.push_back(fault_at(free[j], free[j].paths[k], "is free twice"));
+      seen.push_back(id);
+    }
 }
 
 }  // namespace
 
 std::vector<Variable> make_variables(const std::vector<FreeParameter>& free,
-                                     model::VariableMachine& machine,
+                                     const model::MachineFile& file,
                                      std::vector<base::Diagnostic>& errors) {
-  check_repeats(free, errors);
   std::vector<Variable> variables;
-  std::vector<model::TiedPaths> paths;
-  for (const auto& parameter : free) {
-    variables.push_back(VariableMaker(parameter, machine, errors).make());
-    paths.push_back(parameter.paths);
-  }
+  for (const auto& parameter : free)
+    variables.push_back(VariableMaker(parameter, file, errors).make());
+  check_repeats(free, variables, errors);
   if (!errors.empty()) return variables;
-  machine.vary(paths);
   for (std::size_t j = 0; j < free.size(); ++j)
-    if (!machine.matters(j))
-      errors.push_back({base::Severity::error, free[j].origin.file, free[j].origin.line,
-                        free[j].origin.column, free[j].paths.front(),
-                        "has no effect on the modes; it cannot be fitted"});
+    if (std::ranges::none_of(variables[j].ids, model::of_mechanics))
+      errors.push_back(fault_at(free[j], free[j].paths.front(),
+                                "has no effect on the modes; it cannot be fitted"));
   return variables;
+}
+
+void set_range(Variable& variable, double start, double lower, double upper) {
+  constexpr double share = 0.1;
+  variable.start = start;
+  variable.lower = lower;
+  variable.upper = upper;
+  variable.sign = lower > 0.0 ? 1 : upper < 0.0 ? -1 : 0;
+  variable.scale = std::max(std::abs(start), share * (upper - lower));
 }
 
 std::vector<Variable> unbound(std::vector<Variable> variables) {

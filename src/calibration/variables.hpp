@@ -9,11 +9,14 @@ namespace hydrapod::calibration {
 
 inline constexpr double infinite = std::numeric_limits<double>::infinity();
 
-/// Resolves `free` against the numbers of `machine`, which then varies them. Mistakes of all of
-/// them go to `errors`; the result is then of no use.
+/// Resolves `free` against the numbers of `file`. Mistakes of all of them go to `errors`; the
+/// result is then of no use.
 std::vector<Variable> make_variables(const std::vector<FreeParameter>& free,
-                                     model::VariableMachine& machine,
+                                     const model::MachineFile& file,
                                      std::vector<base::Diagnostic>& errors);
+
+/// Start and bounds of the variable, and how it is scaled between them.
+void set_range(Variable& variable, double start, double lower, double upper);
 
 /// The same variables with neither signs nor bounds to hold to, but for some decades of room.
 std::vector<Variable> unbound(std::vector<Variable> variables);

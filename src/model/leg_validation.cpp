@@ -3,7 +3,6 @@
 #include <cmath>
 #include <string>
 
-#include "validate_values.hpp"
 #include "value_checks.hpp"
 
 namespace hydrapod::model {
@@ -66,9 +65,8 @@ void check_cylinder(const Cylinder& cylinder, bool has_stroke, ValueChecks& chec
   const std::string key = "oil_spring.cylinder";
   if (checks.sound(key + ".bore") && checks.sound(key + ".rod_diameter") &&
       cylinder.rod_diameter >= cylinder.bore) {
-    checks.add(key + ".rod_diameter", fmt::format("is {:.6g} m, expected less than the bore, "
-                                                  "{:.6g} m",
-                                                  cylinder.rod_diameter, cylinder.bore));
+    checks.add_unexpected(key + ".rod_diameter", cylinder.rod_diameter, "m", "less than the bore",
+                          cylinder.bore);
   }
   check_volumes(cylinder, has_stroke, checks);
 }
@@ -92,16 +90,14 @@ void check_stroke(const Leg& leg, ValueChecks& checks) {
   for (const auto* key : {"stroke.retracted", "stroke.length", "guide_sleeve.position"})
     if (!checks.sound(key)) return;
   if (L_g <= retracted + length) {
-    checks.add("guide_sleeve.position",
-               fmt::format("is {:.6g} m, expected more than the piston's position at the end of "
-                           "its stroke, {:.6g} m",
-                           L_g, retracted + length));
+    checks.add_unexpected("guide_sleeve.position", L_g, "m",
+                          "more than the piston's position at the end of its stroke",
+                          retracted + length);
   }
   if (leg.rod.length > 0.0 && L_g >= retracted + leg.rod.length) {
-    checks.add("guide_sleeve.position",
-               fmt::format("is {:.6g} m, expected less than the rod's end with the piston "
-                           "retracted, {:.6g} m",
-                           L_g, retracted + leg.rod.length));
+    checks.add_unexpected("guide_sleeve.position", L_g, "m",
+                          "less than the rod's end with the piston retracted",
+                          retracted + leg.rod.length);
   }
 }
 

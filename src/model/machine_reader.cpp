@@ -19,17 +19,20 @@ constexpr std::size_t most_poses = 1000;
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 constexpr std::string_view of_legs = "legs.";
 
-std::string_view last_key(std::string_view path) { return path.substr(path.rfind('.') + 1); }
-std::string_view table_of(std::string_view path) {
-  const auto dot = path.rfind('.');
-  return dot == std::string_view::npos ? std::string_view{} : path.substr(0, dot);
-}
-
 JointPoints unread_points() {
   JointPoints points;
   points.fill(Vector3::Constant(nan));
   return points;
 }
+
+/// The joints at one end of the legs.
+struct LegEnd {
+  std::string_view owner{};  ///< "base", "platform"
+  Vector3 Leg::*joint{};
+  JointPoints shared{};        ///< from the table of all legs; NaN where it has none
+  unsigned own{};              ///< legs that give their own
+  std::vector<int> without{};  ///< legs that have neither
+};
 
 /// Reads one machine, row by row of the table, and remembers which numbers the file gives.
 class Reader {
@@ -83,9 +86,8 @@ class Reader {
       const auto key = path.substr(0, path.find('.'));
       path.remove_prefix(std::min(path.size(), key.size() + 1));
       at += key;
-      const auto row = std::find_if(rows_.begin(), rows_.end(),
-                                    [&](const ParameterRow& r) { return r.path == at; });
-      const bool required = row != rows_.end() && row->required;
+      const auto r = row(at);
+      const bool required = r < rows_.size() && rows_[r].required;
       if (!is_chosen(table, at)) return std::nullopt;
       table = required ? table.required_table(key) : table.optional_table(key);
       if (!required && !table.exists()) return std::nullopt;
@@ -108,8 +110,7 @@ class Reader {
   void read_numbers(std::size_t r, const Section& table, int index) {
     const auto& row = rows_[r];
     const auto key = last_key(row.path);
-    const auto unit =
-        row.other_unit != nullptr ? row.other_unit(read_.machine, row.unit) : row.unit;
+    const auto unit = unit_of(read_.machine, row);
     const auto value = table.find(key);
     std::vector<double> numbers(static_cast<std::size_t>(row.numbers), nan);
     if (value) {
@@ -275,19 +276,18 @@ class Reader {
   }
 
   /// Reports the legs that have a joint neither from the shared table nor from their own.
-  void require_joints(std::string_view owner, std::string_view own_key,
-                      const std::vector<int>& legs_without) {
-    if (legs_without.empty()) return;
+  void require_joints(const LegEnd& end) {
+    const auto owner = end.owner;
+    if (end.without.empty()) return;
     const Section table = root_.optional_table(owner);
     const Section joints = table.optional_table("joints");
     if (!joints.choice("circle", "points").empty()) return;  // there, but not readable
     std::string legs = "every leg";
-    if (legs_without.size() < leg_count) {
-      legs = fmt::format("leg {}", fmt::join(legs_without, ", "));
-    }
+    if (end.without.size() < leg_count) legs = fmt::format("leg {}", fmt::join(end.without, ", "));
     const std::string what = fmt::format(
-        "`circle = {{ radius, spacing }}` or `points = [[x, y, z] of six legs]` (or `{}` of {})",
-        own_key, legs);
+        "`circle = {{ radius, spacing }}` or `points = [[x, y, z] of six legs]` (or `{}_joint` of "
+        "{})",
+        owner, legs);
     if (joints.exists()) return joints.report_missing("circle", what);
     if (table.exists()) return table.report_missing("joints", "required table with " + what);
     root_.report_missing(owner, fmt::format("required table [{}]", owner));
@@ -307,38 +307,35 @@ class Reader {
 
   void read_legs() {
     auto& machine = read_.machine;
-    const JointPoints base = read_joints("base", machine.base_circle, base_joint_points);
-    const JointPoints platform =
-        read_joints("platform", machine.platform_circle, platform_joint_points);
+    std::array ends{
+        LegEnd{"base", &Leg::base_joint,
+               read_joints("base", machine.base_circle, base_joint_points)},
+        LegEnd{"platform", &Leg::platform_joint,
+               read_joints("platform", machine.platform_circle, platform_joint_points)}};
     const Section all_legs = root_.optional_table("legs");
     const Section single_legs = root_.optional_table("leg");
-    std::vector<int> without_base;
-    std::vector<int> without_platform;
-    unsigned own_base = 0, own_platform = 0;
     for (int i = 0; i < leg_count; ++i) {
       const Section own = single_legs.optional_table(std::to_string(i + 1));
       const bool given = own.exists() || all_legs.exists();
       const Section both = given ? Section::overlaid(own, all_legs) : root_.required_table("legs");
       read_leg(both, i);
-      auto& leg = machine.legs[static_cast<std::size_t>(i)];
-      const auto& shared_base = base[static_cast<std::size_t>(i)];
-      const auto& shared_platform = platform[static_cast<std::size_t>(i)];
-      if (!own.has("base_joint") && !shared_base.allFinite()) without_base.push_back(i + 1);
-      if (!own.has("platform_joint") && !shared_platform.allFinite())
-        without_platform.push_back(i + 1);
-      own_base |= unsigned{own.has("base_joint")} << i;
-      own_platform |= unsigned{own.has("platform_joint")} << i;
-      leg.base_joint = read_joint(own, "base_joint", shared_base, i);
-      leg.platform_joint = read_joint(own, "platform_joint", shared_platform, i);
+      for (auto& end : ends) {
+        const std::string key = fmt::format("{}_joint", end.owner);
+        const auto& shared = end.shared[static_cast<std::size_t>(i)];
+        if (own.has(key))
+          end.own |= 1U << i;
+        else if (!shared.allFinite())
+          end.without.push_back(i + 1);
+        machine.legs[static_cast<std::size_t>(i)].*end.joint = read_joint(own, key, shared, i);
+      }
     }
-    for (auto& given : read_.given) {
-      if (rows_[given.id.row].path.starts_with("base.joints"))
-        given.id.legs = static_cast<std::uint16_t>(given.id.legs & ~own_base);
-      if (rows_[given.id.row].path.starts_with("platform.joints"))
-        given.id.legs = static_cast<std::uint16_t>(given.id.legs & ~own_platform);
+    for (const auto& end : ends) {
+      const std::string joints = fmt::format("{}.joints", end.owner);
+      for (auto& given : read_.given)
+        if (rows_[given.id.row].path.starts_with(joints))
+          given.id.legs = static_cast<std::uint16_t>(given.id.legs & ~end.own);
+      require_joints(end);
     }
-    require_joints("base", "base_joint", without_base);
-    require_joints("platform", "platform_joint", without_platform);
   }
 
   void read_leg(const Section& section, int leg) {

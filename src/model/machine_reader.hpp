@@ -16,4 +16,7 @@ struct ReadMachine {
 /// Reads all of the machine. What is wrong goes to `faults`; a value that could not be read is NaN.
 ReadMachine read_machine(const Node& root, Faults& faults);
 
+/// Reports keys that mean nothing, with the nearest known one, and values where a table must stand.
+void check_keys(const Node& root, Faults& faults);
+
 }  // namespace hydrapod::model

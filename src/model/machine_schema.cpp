@@ -1,4 +1,4 @@
-#include "machine_schema.hpp"
+#include "machine_reader.hpp"
 
 #include <fmt/format.h>
 

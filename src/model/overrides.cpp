@@ -17,7 +17,7 @@ namespace hydrapod::model {
 namespace {
 
 constexpr std::size_t longest_override = 4096;
-constexpr const char* example = "legs.guide_sleeve.stiffness=2e6 N/m";
+constexpr const char* example_override = "legs.guide_sleeve.stiffness=2e6 N/m";
 
 /// A number that TOML would spell differently (".5", "007").
 std::optional<double> as_number(std::string_view text) {
@@ -57,14 +57,14 @@ class Overlay {
   void apply(std::string_view text) {
     const auto equals = text.find('=');
     if (equals == std::string_view::npos) {
-      return reject("", fmt::format("no \"=\", expected PATH=VALUE such as {}", example));
+      return reject("", fmt::format("no \"=\", expected PATH=VALUE such as {}", example_override));
     }
     const auto path = parse_path(base::trimmed(text.substr(0, equals)));
     const std::string_view value = base::trimmed(text.substr(equals + 1));
     if (!path) {
       return reject("", fmt::format("the part before \"=\" is not a path, expected "
                                     "PATH=VALUE such as {}",
-                                    example));
+                                    example_override));
     }
     if (text.size() > longest_override) {
       return reject(to_string(*path), "longer than 4096 characters");

@@ -187,6 +187,15 @@ constexpr auto on_base_circle = lay_out<&Machine::base_circle, &Leg::base_joint,
 constexpr auto on_platform_circle =
     lay_out<&Machine::platform_circle, &Leg::platform_joint, platform_joint_points>;
 
+/// Radius or spacing of a circle, on which `lay` puts the joints.
+template <auto circle, auto length>
+constexpr ParameterRow of_circle(void (*lay)(Machine&, unsigned), std::string_view path,
+                                 std::string_view meaning, Example example) {
+  auto made = in_code(number<circle, length>(path, "m", required, positive, meaning, example));
+  made.finish = lay;
+  return made;
+}
+
 constexpr ParameterRow points(std::string_view path, std::string_view meaning) {
   auto made = row(Kind::points, path, "m", optional, {}, meaning, {});
   made.in_code = true;
@@ -204,9 +213,8 @@ void make_units(Machine& machine, unsigned legs) {
   }
 }
 
-/// A number of which others follow by `finish`.
-constexpr ParameterRow finished(void (*finish)(Machine&, unsigned), ParameterRow made) {
-  made.finish = finish;
+constexpr ParameterRow of_gimbal_axis(ParameterRow made) {
+  made.finish = make_units;
   return made;
 }
 
@@ -238,11 +246,33 @@ constexpr ParameterRow of_feedback(ParameterRow made) {
   return made;
 }
 
+/// A spring of the mount, which is rigid where there is none.
+template <int direction>
+constexpr ParameterRow spring(std::string_view path, std::string_view meaning,
+                              std::string_view example) {
+  return number<&Machine::base_mount, &BaseMount::stiffness, direction>(
+      path, direction < 3 ? "N/m" : "N m/rad", otherwise("rigid"), positive, meaning,
+      shown(example));
+}
+
 /// The ends of what a sensor can show.
 template <bool make, Sensor Sensors::*sensor>
 double* range_end(Machine& machine, int, int element) {
   Sensor& of = machine.sensors.*sensor;
   return held<make>(element == 0 ? of.low : of.high);
+}
+
+template <Sensor Sensors::*sensor>
+constexpr ParameterRow resolution(std::string_view path, std::string_view unit,
+                                  Example example = {}) {
+  return number<&Machine::sensors, sensor, &Sensor::resolution>(path, unit, standard, not_negative,
+                                                                "step; 0: none", example);
+}
+
+template <Sensor Sensors::*sensor>
+constexpr ParameterRow noise(std::string_view path, std::string_view unit, Example example = {}) {
+  return number<&Machine::sensors, sensor, &Sensor::noise>(
+      path, unit, standard, not_negative, "RMS of white noise from sample to sample", example);
 }
 
 template <Sensor Sensors::*sensor>
@@ -279,9 +309,7 @@ constexpr auto joint_friction = &LegHydraulics::joint_friction;
 constexpr auto supply = &Hydraulics::supply;
 constexpr auto controller = &Machine::controller;
 constexpr auto output = &ControlSettings::output;
-constexpr auto sensors = &Machine::sensors;
 constexpr auto mount = &Machine::base_mount;
-constexpr auto springs = &BaseMount::stiffness;
 
 // ---- The table ------------------------------------------------------------------------------
 
@@ -309,13 +337,12 @@ constexpr ParameterRow rows[]{
            "`[[x, y, z], …]`, the joints of legs 1 to 6 in the base frame; instead of "
            "`circle`"),
     table("base.joints.circle", optional, ""),
-    finished(on_base_circle, in_code(number<&Machine::base_circle, &JointCircle::radius>(
-                                 "base.joints.circle.radius", "m", required, positive,
-                                 "of the circle on which the joints stand", given("1.1 m")))),
-    finished(on_base_circle,
-             in_code(number<&Machine::base_circle, &JointCircle::spacing>(
-                 "base.joints.circle.spacing", "m", required, positive,
-                 "between the two joints of a pair, less than the diameter", given("250 mm")))),
+    of_circle<&Machine::base_circle, &JointCircle::radius>(
+        on_base_circle, "base.joints.circle.radius", "of the circle on which the joints stand",
+        given("1.1 m")),
+    of_circle<&Machine::base_circle, &JointCircle::spacing>(
+        on_base_circle, "base.joints.circle.spacing",
+        "between the two joints of a pair, less than the diameter", given("250 mm")),
     table("base.mount", optional,
           "springs between base and ground; without the table the base is fixed"),
     number<mount, &BaseMount::mass>("base.mount.mass", "kg", standard, not_negative,
@@ -324,18 +351,12 @@ constexpr ParameterRow rows[]{
         "base.mount.inertia", "kg m^2", standard, not_negative,
         "moments of inertia of the base about the axes of its frame"),
     table("base.mount.stiffness", required, "at the origin of the base frame"),
-    number<mount, springs, 0>("base.mount.stiffness.x", "N/m", otherwise("rigid"), positive,
-                              "along x", shown("800 kN/mm")),
-    number<mount, springs, 1>("base.mount.stiffness.y", "N/m", otherwise("rigid"), positive,
-                              "along y", shown("800 kN/mm")),
-    number<mount, springs, 2>("base.mount.stiffness.z", "N/m", otherwise("rigid"), positive,
-                              "along z", shown("1500 kN/mm")),
-    number<mount, springs, 3>("base.mount.stiffness.rx", "N m/rad", otherwise("rigid"), positive,
-                              "about x", shown("1500 MN m/rad")),
-    number<mount, springs, 4>("base.mount.stiffness.ry", "N m/rad", otherwise("rigid"), positive,
-                              "about y", shown("1500 MN m/rad")),
-    number<mount, springs, 5>("base.mount.stiffness.rz", "N m/rad", otherwise("rigid"), positive,
-                              "about z", shown("1500 MN m/rad")),
+    spring<0>("base.mount.stiffness.x", "along x", "800 kN/mm"),
+    spring<1>("base.mount.stiffness.y", "along y", "800 kN/mm"),
+    spring<2>("base.mount.stiffness.z", "along z", "1500 kN/mm"),
+    spring<3>("base.mount.stiffness.rx", "about x", "1500 MN m/rad"),
+    spring<4>("base.mount.stiffness.ry", "about y", "1500 MN m/rad"),
+    spring<5>("base.mount.stiffness.rz", "about z", "1500 MN m/rad"),
     table(
         "platform", required, "with everything that is fixed to it, payload included",
         R"(# ---- Platform with its payload ---------------------------------------------------------------
@@ -355,23 +376,21 @@ constexpr ParameterRow rows[]{
            "`[[x, y, z], …]`, the joints of legs 1 to 6 in the platform frame; instead "
            "of `circle`"),
     table("platform.joints.circle", optional, ""),
-    finished(on_platform_circle, in_code(number<&Machine::platform_circle, &JointCircle::radius>(
-                                     "platform.joints.circle.radius", "m", required, positive,
-                                     "of the circle on which the joints stand", given("0.8 m")))),
-    finished(on_platform_circle,
-             in_code(number<&Machine::platform_circle, &JointCircle::spacing>(
-                 "platform.joints.circle.spacing", "m", required, positive,
-                 "between the two joints of a pair, less than the diameter", given("250 mm")))),
+    of_circle<&Machine::platform_circle, &JointCircle::radius>(
+        on_platform_circle, "platform.joints.circle.radius",
+        "of the circle on which the joints stand", given("0.8 m")),
+    of_circle<&Machine::platform_circle, &JointCircle::spacing>(
+        on_platform_circle, "platform.joints.circle.spacing",
+        "between the two joints of a pair, less than the diameter", given("250 mm")),
     table(
         "legs", required, "",
         R"(# ---- Legs: what all six have in common -------------------------------------------------------
 # Lengths are counted along the leg's axis from the base joint, unless it says otherwise.
 )"),
-    finished(make_units,
-             number<&Leg::gimbal_axis>(
-                 "legs.gimbal_axis", "1", standard, any,
-                 "base-fixed axis of the lower gimbal in the base frame, of any length; "
-                 "used with `flexible_axes = \"gimbal\"`")),
+    of_gimbal_axis(number<&Leg::gimbal_axis>(
+        "legs.gimbal_axis", "1", standard, any,
+        "base-fixed axis of the lower gimbal in the base frame, of any length; "
+        "used with `flexible_axes = \"gimbal\"`")),
     number<&Leg::gimbal_cross_inertia>(
         "legs.gimbal_cross_inertia", "kg m^2", standard, not_negative,
         "I_c, of the cross of the lower gimbal about its first axis; used with `flexible_axes = "
@@ -458,8 +477,7 @@ constexpr ParameterRow rows[]{
                                                    required, positive, "β_e of the oil without air",
                                                    given("1.4 GPa")),
     word<oil, cylinder, &Cylinder::volumes>(
-        "legs.oil_spring.cylinder.volumes",
-        volume_words,
+        "legs.oil_spring.cylinder.volumes", volume_words,
         "`\"chambers\"`: the true volumes at the pose, which needs `[legs.stroke]`; "
         "`\"equal\"`: both chambers hold `control_volume` at every pose (Eq. 16 of the "
         "paper)"),
@@ -706,26 +724,16 @@ constexpr ParameterRow rows[]{
          .expected = "a share of full drive: more than -1, less than 1"},
         "six offsets, one per leg, added last: the valves' nulls"),
     simulation("sensors.length", "leg lengths"),
-    number<sensors, &Sensors::length, &Sensor::resolution>(
-        "sensors.length.resolution", "m", standard, not_negative, "step; 0: none", shown("5 um")),
-    number<sensors, &Sensors::length, &Sensor::noise>(
-        "sensors.length.noise", "m", standard, not_negative,
-        "RMS of white noise from sample to sample", shown("2 um")),
+    resolution<&Sensors::length>("sensors.length.resolution", "m", shown("5 um")),
+    noise<&Sensors::length>("sensors.length.noise", "m", shown("2 um")),
     range<&Sensors::length>("sensors.length.range", "m", shown("[\"1.2 m\", \"2 m\"]")),
     simulation("sensors.pressure", "chamber pressures"),
-    number<sensors, &Sensors::pressure, &Sensor::resolution>("sensors.pressure.resolution", "Pa",
-                                                             standard, not_negative,
-                                                             "step; 0: none", shown("2 kPa")),
-    number<sensors, &Sensors::pressure, &Sensor::noise>(
-        "sensors.pressure.noise", "Pa", standard, not_negative,
-        "RMS of white noise from sample to sample", shown("5 kPa")),
+    resolution<&Sensors::pressure>("sensors.pressure.resolution", "Pa", shown("2 kPa")),
+    noise<&Sensors::pressure>("sensors.pressure.noise", "Pa", shown("5 kPa")),
     range<&Sensors::pressure>("sensors.pressure.range", "Pa", shown("[\"0 bar\", \"250 bar\"]")),
     simulation("sensors.acceleration", "of the pistons along the cylinders"),
-    number<sensors, &Sensors::acceleration, &Sensor::resolution>(
-        "sensors.acceleration.resolution", "m/s^2", standard, not_negative, "step; 0: none"),
-    number<sensors, &Sensors::acceleration, &Sensor::noise>(
-        "sensors.acceleration.noise", "m/s^2", standard, not_negative,
-        "RMS of white noise from sample to sample"),
+    resolution<&Sensors::acceleration>("sensors.acceleration.resolution", "m/s^2"),
+    noise<&Sensors::acceleration>("sensors.acceleration.noise", "m/s^2"),
     range<&Sensors::acceleration>("sensors.acceleration.range", "m/s^2",
                                   shown("[\"-50 m/s^2\", \"50 m/s^2\"]")),
     table(

@@ -82,9 +82,7 @@ std::optional<ParameterId> in_table(std::string_view front, std::string_view res
 /// The row of the table that row `r` stands in, or above it; itself where there is none.
 std::size_t table_above(std::size_t r) {
   const auto rows = parameter_table();
-  const auto dot = rows[r].path.rfind('.');
-  if (dot == std::string_view::npos) return r;
-  const auto path = rows[r].path.substr(0, dot);
+  const auto path = table_of(rows[r].path);
   const auto found =
       std::find_if(rows.begin(), rows.end(), [&](const auto& row) { return row.path == path; });
   return found == rows.end() ? r : static_cast<std::size_t>(found - rows.begin());
@@ -149,9 +147,7 @@ std::optional<ParameterId> find_parameter(const Machine& machine, std::string_vi
   if (!steps) return std::nullopt;
   const std::string text = to_string(*steps);
   const auto below = [&](std::size_t first) {
-    const std::string rest =
-        to_string(KeyPath(steps->begin() + static_cast<long>(first), steps->end()));
-    return rest;
+    return to_string(KeyPath(steps->begin() + static_cast<long>(first), steps->end()));
   };
   if (steps->size() > 2 && (*steps)[0].key == "leg") {
     for (int leg = 1; leg <= leg_count; ++leg) {
@@ -184,6 +180,20 @@ std::optional<ParameterId> find_parameter(const MachineFile& file, std::string_v
   return id ? in_file(file, *id) : std::nullopt;
 }
 
+std::optional<FileNumber> number_of(const MachineFile& file, const ParameterId& id) {
+  const auto number = value(file.machine, id);
+  if (!number) return std::nullopt;
+  return FileNumber{path(file.machine, id), std::string{unit(file.machine, id)}, *number, id};
+}
+
+std::optional<FileNumber> find_number(const MachineFile& file, std::string_view text) {
+  const auto id = find_parameter(file, text);
+  // one number stands for all of a row only where the file gives it so
+  if (!id || (id->element == whole && std::ranges::count(file.given, *id, &GivenNumber::id) == 0))
+    return std::nullopt;
+  return number_of(file, *id);
+}
+
 std::string nearest_parameter(const MachineFile& file, std::string_view text) {
   std::vector<std::string> paths;
   for (const auto& id : parameters(file.machine)) paths.push_back(path(file.machine, id));
@@ -206,8 +216,18 @@ std::string path(const Machine& machine, const ParameterId& id) {
 }
 
 std::string_view unit(const Machine& machine, const ParameterId& id) {
-  const auto& row = row_of(id);
+  return unit_of(machine, row_of(id));
+}
+
+std::string_view unit_of(const Machine& machine, const ParameterRow& row) {
   return row.other_unit != nullptr ? row.other_unit(machine, row.unit) : row.unit;
+}
+
+std::string_view last_key(std::string_view path) { return path.substr(path.rfind('.') + 1); }
+
+std::string_view table_of(std::string_view path) {
+  const auto dot = path.rfind('.');
+  return path.substr(0, dot == std::string_view::npos ? 0 : dot);
 }
 
 bool of_mechanics(const ParameterId& id) {

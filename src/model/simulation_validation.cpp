@@ -1,7 +1,6 @@
 // Conditions between numbers that only simulation needs; single numbers are checked by their rows.
 #include <fmt/format.h>
 
-#include "validate_values.hpp"
 #include "value_checks.hpp"
 
 namespace hydrapod::model {
@@ -12,10 +11,8 @@ void check_valve(const ServoValve& valve, ValueChecks& checks) {
   constexpr double most_leakage = 0.5;  // of the rated flow
   if (!valve.leakage || !valve.rated_flow || !checks.sound("valve.leakage")) return;
   if (*valve.leakage > most_leakage * *valve.rated_flow)
-    checks.add(
-        "valve.leakage",
-        fmt::format("is {:.6g} m^3/s, expected no more than half the rated flow, {:.6g} m^3/s",
-                    *valve.leakage, most_leakage * *valve.rated_flow));
+    checks.add_unexpected("valve.leakage", *valve.leakage, "m^3/s",
+                          "no more than half the rated flow", most_leakage * *valve.rated_flow);
 }
 
 void check_friction(const SealFriction& friction, ValueChecks& checks) {
@@ -23,9 +20,8 @@ void check_friction(const SealFriction& friction, ValueChecks& checks) {
     if (!friction.coulomb)
       checks.add("friction.breakaway", "is given alone, expected `coulomb` too");
     else if (checks.sound("friction.coulomb") && *friction.breakaway < *friction.coulomb)
-      checks.add("friction.breakaway",
-                 fmt::format("is {:.6g} N, expected no less than `coulomb`, {:.6g} N",
-                             *friction.breakaway, *friction.coulomb));
+      checks.add_unexpected("friction.breakaway", *friction.breakaway, "N",
+                            "no less than `coulomb`", *friction.coulomb);
   }
   if (friction.bristles && friction.coulomb && *friction.coulomb == 0.0)
     checks.add("friction.bristles", "have no effect with `coulomb` = 0 N, expected more");
@@ -57,14 +53,12 @@ void check_supply(const Hydraulics& hydraulics, ValueChecks& checks) {
   const auto& supply = hydraulics.supply;
   const bool back = checks.sound("supply.return_pressure");
   if (back && checks.sound("supply.pressure") && supply.return_pressure >= supply.pressure)
-    checks.add("supply.return_pressure",
-               fmt::format("is {:.6g} Pa, expected less than the supply pressure, {:.6g} Pa",
-                           supply.return_pressure, supply.pressure));
+    checks.add_unexpected("supply.return_pressure", supply.return_pressure, "Pa",
+                          "less than the supply pressure", supply.pressure);
   const double p_c = hydraulics.cavitation_pressure;
   if (back && checks.sound("supply.cavitation_pressure") && p_c >= supply.return_pressure)
-    checks.add("supply.cavitation_pressure",
-               fmt::format("is {:.6g} Pa, expected less than the return pressure, {:.6g} Pa", p_c,
-                           supply.return_pressure));
+    checks.add_unexpected("supply.cavitation_pressure", p_c, "Pa", "less than the return pressure",
+                          supply.return_pressure);
   if (supply.accumulator && !supply.pump_flow)
     checks.add("supply.accumulator",
                "has no effect: without a `pump_flow` the supply pressure is constant, expected "

@@ -30,13 +30,6 @@ constexpr std::string_view introduction =
 
 )";
 
-std::string_view last_key(std::string_view path) { return path.substr(path.rfind('.') + 1); }
-
-std::string_view table_of(std::string_view path) {
-  const auto dot = path.rfind('.');
-  return dot == std::string_view::npos ? std::string_view{} : path.substr(0, dot);
-}
-
 std::vector<const ParameterRow*> keys_of(std::string_view table) {
   std::vector<const ParameterRow*> keys;
   for (const auto& row : parameter_table())

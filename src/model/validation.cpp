@@ -9,7 +9,6 @@
 #include <string>
 #include <tuple>
 
-#include "validate_values.hpp"
 #include "value_checks.hpp"
 
 namespace hydrapod::model {
@@ -80,20 +79,15 @@ void check_joints_apart(const JointPoints& joints, const char* side, ValueChecks
   }
 }
 
-void check_joints(const Machine& machine, ValueChecks& checks) {
-  JointPoints base;
-  JointPoints platform;
-  bool base_finite = true;
-  bool platform_finite = true;
+void check_joints(const Machine& machine, Vector3 Leg::*joint, const char* side,
+                  ValueChecks& checks) {
+  JointPoints joints;
+  bool finite = true;
   for (std::size_t i = 0; i < leg_count; ++i) {
-    const auto& leg = machine.legs[i];
-    base[i] = leg.base_joint;
-    platform[i] = leg.platform_joint;
-    base_finite &= checks.finite(fmt::format("leg.{}.base_joint", i + 1), base[i], "m");
-    platform_finite &= checks.finite(fmt::format("leg.{}.platform_joint", i + 1), platform[i], "m");
+    joints[i] = machine.legs[i].*joint;
+    finite &= checks.finite(fmt::format("leg.{}.{}_joint", i + 1, side), joints[i], "m");
   }
-  if (base_finite) check_joints_apart(base, "base", checks);
-  if (platform_finite) check_joints_apart(platform, "platform", checks);
+  if (finite) check_joints_apart(joints, side, checks);
 }
 
 /// One finding under `legs.` for what all legs have in common, under `leg.N.` for the rest.
@@ -103,8 +97,8 @@ void check_legs(const Machine& machine, NonFinite non_finite, std::vector<Findin
     found[i] = leg_findings(machine, static_cast<int>(i), non_finite);
   }
   const auto shared = [&](const Finding& finding) {
-    return std::all_of(found.begin(), found.end(), [&](const auto& of_leg) {
-      return std::any_of(of_leg.begin(), of_leg.end(), [&](const Finding& other) {
+    return std::all_of(found.begin(), found.end(), [&](const auto& others) {
+      return std::any_of(others.begin(), others.end(), [&](const Finding& other) {
         return std::tie(other.key, other.message) == std::tie(finding.key, finding.message);
       });
     });
@@ -159,7 +153,8 @@ std::vector<Finding> validate_values(const Machine& machine, NonFinite non_finit
   checks.finite("environment.gravity", machine.gravity, "m/s^2");
   checks.rows(machine, std::nullopt);
   check_inertia_tensor(machine.platform.inertia, checks);
-  check_joints(machine, checks);
+  check_joints(machine, &Leg::base_joint, "base", checks);
+  check_joints(machine, &Leg::platform_joint, "platform", checks);
   check_supply(machine.hydraulics, checks);
   check_sensors(machine.sensors, checks);
   check_poses(machine.poses, checks);

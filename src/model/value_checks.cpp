@@ -71,7 +71,7 @@ void ValueChecks::rows(const Machine& machine, std::optional<int> leg) {
     const bool of_leg = row.path.starts_with(of_legs);
     if (row.in_code || row.find == nullptr || of_leg != leg.has_value()) continue;
     const auto key = of_leg ? row.path.substr(of_legs.size()) : row.path;
-    const auto unit = row.other_unit != nullptr ? row.other_unit(machine, row.unit) : row.unit;
+    const auto unit = unit_of(machine, row);
     for (int k = 0; k < row.numbers; ++k) {
       const double* number = row.find(from, leg.value_or(0), k);
       if (number != nullptr && !within(key, *number, unit, row.bound)) break;

@@ -1,6 +1,9 @@
 #pragma once
 /// Checks of single numbers against the bounds of their rows. Private to the module.
 
+#include <fmt/format.h>
+
+#include <optional>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -8,13 +11,17 @@
 
 #include "hydrapod/model/parameters.hpp"
 #include "hydrapod/model/validation.hpp"
-#include "validate_values.hpp"
 
 namespace hydrapod::model {
 
 /// Numbers beyond this overflow when they are squared and multiplied; numbers closer to zero than
 /// its reciprocal do when they are divided by.
 inline constexpr double largest_number = 1e30;
+
+enum class NonFinite {
+  report,
+  ignore  ///< NaN stands for a value whose absence has been reported
+};
 
 /// Collects findings. A check that meets a number that is not finite reports that and nothing else.
 class ValueChecks {
@@ -30,6 +37,13 @@ class ValueChecks {
   bool finite(std::string_view key, const Vector3& value, std::string_view unit);
   bool within(std::string_view key, double value, std::string_view unit, const Bound& bound);
 
+  /// "is 0.3 m, expected less than the bore, 0.2 m".
+  void add_unexpected(std::string_view key, double value, std::string_view unit,
+                      std::string_view expected, double limit) {
+    add(key,
+        fmt::format("is {0:.6g} {1}, expected {2}, {3:.6g} {1}", value, unit, expected, limit));
+  }
+
   /// Has nothing been found about `key`?
   [[nodiscard]] bool sound(std::string_view key) const;
 
@@ -42,5 +56,16 @@ class ValueChecks {
   NonFinite non_finite_;
   std::vector<Finding> findings_{};
 };
+
+/// validate() with a choice for machines of which parts could not be read.
+std::vector<Finding> validate_values(const Machine& machine, NonFinite non_finite);
+
+/// What the table cannot say: conditions between numbers. Keys of a leg are relative to it.
+void check_sensors(const Sensors& sensors, ValueChecks& checks);
+void check_leg_hydraulics(const Leg& leg, ValueChecks& checks);
+void check_supply(const Hydraulics& hydraulics, ValueChecks& checks);
+
+/// The findings about one leg (0…5), with keys relative to it (`rod.length`).
+std::vector<Finding> leg_findings(const Machine& machine, int leg, NonFinite non_finite);
 
 }  // namespace hydrapod::model

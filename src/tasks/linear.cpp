@@ -46,12 +46,11 @@ Swept sweep(const modal::AnalysedModel& model, const report::Bode& bode) {
 
 /// Throws base::InputError for numbers without a relative sensitivity.
 void check_parameters(const std::vector<std::string>& paths, const model::MachineFile& file) {
-  const model::VariableMachine machine(file);
   std::vector<base::Diagnostic> errors;
   for (const auto& path : paths) {
-    const auto* number = machine.find(path);
-    const std::string near = machine.nearest_path(path);
-    if (number == nullptr)
+    const auto number = find_number(file, path);
+    const std::string near = nearest_parameter(file, path);
+    if (!number)
       errors.push_back(
           {.file = "--parameter " + path,
            .message = "the machine file has no such number" +

@@ -88,20 +88,18 @@ TEST_P(BaseShapes, HaveExactDerivatives) {
   std::optional<spatial::Vector3> point;
   if (of_point) point = {0.17, -0.23, 0.11};
   const auto targets = targets_of(file, kind, against, point, 0.07);
-  model::VariableMachine machine(file);
-  std::vector<model::TiedPaths> paths;
   std::vector<Variable> variables;
-  for (const auto& path : parameters) paths.push_back({path});
-  machine.vary(paths);
-  for (std::size_t j = 0; j < parameters.size(); ++j) {
-    const double value = machine.values()[j];
-    variables.push_back({.paths = {parameters[j]},
+  for (const auto& path : parameters) {
+    const auto number = find_number(file, path).value();
+    const double value = number.value;
+    variables.push_back({.paths = {path},
+                         .ids = {number.id},
                          .start = value,
                          .lower = 0.1 * value,
                          .upper = 10.0 * value,
                          .scale = std::abs(value)});
   }
-  const Problem problem(machine, targets, variables, kind, {.hold_to_physics = false});
+  const Problem problem(file.machine, targets, variables, kind, {.hold_to_physics = false});
   const Eigen::VectorXd x = problem.start();
   const auto at = [&](const Eigen::VectorXd& where, Eigen::MatrixXd* J) {
     State state;
@@ -149,20 +147,19 @@ INSTANTIATE_TEST_SUITE_P(, BaseShapes, testing::ValuesIn(cases()), case_name);
 /// Shapes alone tell the mount's stiffness, if it is known what they are against.
 TEST(BaseShapesAlone, TellTheStiffnessOfTheMount) {
   const auto truth = on_soft_mount(37, false);
-  const model::VariableMachine numbers(truth);
   for (const auto against : {MotionAgainst::ground, MotionAgainst::base}) {
     auto targets = targets_of(truth, ModelKind::rigid, against, spatial::Vector3::Zero(), 0.0);
     for (auto& mode : targets.modes) mode.deviation = 0.05 * mode.omega;
     Plan plan;
     for (const char* path : {"base.mount.stiffness.x", "base.mount.stiffness.rx"}) {
-      const double value = numbers.find(path)->value;
+      const double value = find_number(truth, path)->value;
       plan.free.push_back(
           {.paths = {path}, .start = 1.4 * value, .lower = 0.2 * value, .upper = 5.0 * value});
     }
     plan.options.starts = 1;
     const auto right = calibrate(truth, targets, plan, ModelKind::rigid).best();
     for (const auto& p : right.parameters) {
-      const double value = numbers.find(p.paths.front())->value;
+      const double value = find_number(truth, p.paths.front())->value;
       EXPECT_NEAR(p.value, value, 1e-4 * value) << p.paths.front() << " " << name(against);
     }
     for (auto& mode : targets.modes)

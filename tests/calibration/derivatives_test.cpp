@@ -50,20 +50,18 @@ TEST_P(Derivatives, OfEigenvaluesAgreeWithHighOrderDifferences) {
   test::Random random(gravity ? 71 : 17);
   for (int trial = 0; trial < 12; ++trial) {
     const auto file = test::machine_file(test::random_machine_text(random, gravity));
-    model::VariableMachine machine(file);
-    std::vector<model::TiedPaths> parameters;
-    for (const auto& path : every_sort) parameters.push_back({path});
-    machine.vary(parameters);
+    const auto machine = test::varied(file, every_sort);
+    const auto at = machine.values();
     std::vector<double> scales;
-    for (const double value : machine.values()) scales.push_back(std::max(std::abs(value), 0.01));
-    const auto point =
-        calibration::mode_point(machine, machine.values(), 1, ModelKind::guide, scales);
+    for (const double value : at) scales.push_back(std::max(std::abs(value), 0.01));
+    auto point = calibration::mode_point(machine.at(at), 1, ModelKind::guide);
+    calibration::add_derivatives(machine, at, 1, scales, point);
     const double largest = point.modes.omega2.maxCoeff();
-    for (std::size_t j = 0; j < parameters.size(); ++j) {
+    for (std::size_t j = 0; j < at.size(); ++j) {
       const auto omega2_at = [&](double h) -> Eigen::VectorXd {
-        auto values = machine.values();
+        auto values = at;
         values[j] += h;
-        return calibration::mode_point(machine, values, 1, ModelKind::guide, {}).modes.omega2;
+        return calibration::mode_point(machine.at(values), 1, ModelKind::guide).modes.omega2;
       };
       const Eigen::VectorXd expected = high_order_difference(omega2_at, 1e-5 * scales[j]);
       const Eigen::VectorXd error =
@@ -83,10 +81,11 @@ TEST(Derivatives, OfShapesAgreeWithHighOrderDifferences) {
   test::Random random(23);
   for (int trial = 0; trial < 6; ++trial) {
     const auto file = test::machine_file(test::random_machine_text(random, false));
-    model::VariableMachine machine(file);
-    machine.vary({{"legs.guide_sleeve.stiffness"}, {"leg.3.oil_spring.stiffness"}});
+    const auto machine =
+        test::varied(file, {"legs.guide_sleeve.stiffness", "leg.3.oil_spring.stiffness"});
     const auto values = machine.values();
-    const auto point = calibration::mode_point(machine, values, 1, ModelKind::rigid, values);
+    auto point = calibration::mode_point(machine.at(values), 1, ModelKind::rigid);
+    calibration::add_derivatives(machine, values, 1, values, point);
     for (int k = 0; k < 6; ++k) {
       const Eigen::MatrixXd d = modal::shape_derivatives(point.modes, k, point.derivatives);
       for (int j = 0; j < 2; ++j) {
@@ -94,7 +93,7 @@ TEST(Derivatives, OfShapesAgreeWithHighOrderDifferences) {
           auto moved = values;
           moved[j] += h;
           Eigen::VectorXd shape =
-              calibration::mode_point(machine, moved, 1, ModelKind::rigid, {}).modes.shapes.col(k);
+              calibration::mode_point(machine.at(moved), 1, ModelKind::rigid).modes.shapes.col(k);
           const double same = shape.dot(point.model.M * point.modes.shapes.col(k));
           return same < 0.0 ? Eigen::VectorXd(-shape) : shape;
         };
@@ -112,14 +111,14 @@ TEST(Derivatives, OfShapesAgreeWithHighOrderDifferences) {
 TEST(Derivatives, OfARepeatedPairArePartedByTheParameterThatSplitsIt) {
   const auto file =
       model::read_machine_file(test::source_file("models/zhang-jiang-2021-transverse.toml"));
-  model::VariableMachine machine(file);
-  machine.vary({{"leg.2.oil_spring.stiffness"}});
+  const auto machine = test::varied(file, {"leg.2.oil_spring.stiffness"});
   const auto values = machine.values();
-  const auto point = calibration::mode_point(machine, values, 0, ModelKind::guide, values);
+  auto point = calibration::mode_point(machine.at(values), 0, ModelKind::guide);
+  calibration::add_derivatives(machine, values, 0, values, point);
   ASSERT_EQ(point.modes.group[0], point.modes.group[1]);
   const double h = 1e-4 * values[0];
-  const auto after = calibration::mode_point(machine, {values[0] + h}, 0, ModelKind::guide, {});
-  const auto before = calibration::mode_point(machine, {values[0] - h}, 0, ModelKind::guide, {});
+  const auto after = calibration::mode_point(machine.at({values[0] + h}), 0, ModelKind::guide);
+  const auto before = calibration::mode_point(machine.at({values[0] - h}), 0, ModelKind::guide);
   for (int k = 0; k < 2; ++k) {
     const double change = point.domega2(k, 0) * h;
     // the lower derivative belongs to the lower mode above, to the higher one below; only the

@@ -44,12 +44,11 @@ inline void recover(std::uint64_t machine_seed, std::uint64_t noise_seed, bool g
       mode.omega *= 1.0 + noise * normal(random);
       targets.modes.push_back(mode);
     }
-  const model::VariableMachine numbers(truth);
   calibration::Plan plan{.free = free_paths(recovered_paths)};
   plan.options.starts = 6;
   plan.options.threads = 1;
   for (auto& free : plan.free) {
-    const double value = numbers.find(free.paths.front())->value;
+    const double value = find_number(truth, free.paths.front())->value;
     free.start = value * random.uniform(0.7, 1.5);
     free.lower = value > 0.0 ? value / 8.0 : value * 8.0;
     free.upper = value > 0.0 ? value * 8.0 : value / 8.0;
@@ -66,7 +65,7 @@ inline void recover(std::uint64_t machine_seed, std::uint64_t noise_seed, bool g
       coverage.wrongly.push_back(fmt::format("{} of machine {}", path, machine_seed));
       continue;
     }
-    const double value = numbers.find(path)->value;
+    const double value = find_number(truth, path)->value;
     ++coverage.determined;
     coverage.held += p.interval_low <= value && value <= p.interval_high;
   }

@@ -4,6 +4,8 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
+
 #include "hydrapod/model/machine_file.hpp"
 #include "hydrapod/simulation/linear_system.hpp"
 #include "support/calibration_machine.hpp"
@@ -26,31 +28,32 @@ class Tangents : public testing::TestWithParam<Varied> {
   Tangents()
       : file_(test::machine_file(test::read_text(test::source_file("models/heavy-platform.toml")),
                                  GetParam().overrides)),
-        variable_(file_) {
-    variable_.vary({{GetParam().path}});
+        number_(find_number(file_, GetParam().path).value()) {
     if (GetParam().observed == Observed::system)
       controller_ = simulation::tune_controller(file_.machine, X_BP()).parameters;
   }
   [[nodiscard]] spatial::Pose X_BP() const { return file_.machine.poses.back().X_BP; }
-  [[nodiscard]] double value() const { return variable_.values()[0]; }
+  [[nodiscard]] double value() const { return number_.value; }
   [[nodiscard]] const control::ControllerParameters* controller() const {
     return controller_ ? &*controller_ : nullptr;
   }
+  [[nodiscard]] model::Machine machine(double value) const {
+    return model::with(file_.machine, std::array{model::Assignment{number_.id, value}});
+  }
   [[nodiscard]] Observation observed_at(double value) const {
-    return observe(variable_.machine({value}), X_BP(), ModelKind::guide, GetParam().observed,
-                   controller());
+    return observe(machine(value), X_BP(), ModelKind::guide, GetParam().observed, controller());
   }
   [[nodiscard]] Tangent tangent(double step) const {
     const auto system = [&](double value) {
-      return observed_system(variable_.machine({value}), X_BP(), ModelKind::guide,
-                             GetParam().observed, controller());
+      return observed_system(machine(value), X_BP(), ModelKind::guide, GetParam().observed,
+                             controller());
     };
     return {observed_at(value()), system(value() - step), system(value() + step), 2.0 * step};
   }
 
  private:
   model::MachineFile file_;
-  model::VariableMachine variable_;
+  model::FileNumber number_;
   std::optional<control::ControllerParameters> controller_{};
 };
 

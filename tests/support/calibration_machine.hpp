@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "hydrapod/calibration/calibrate.hpp"
+#include "hydrapod/calibration/sensitivity.hpp"
 #include "hydrapod/kinematics/check_machine.hpp"
 #include "hydrapod/modal/mode_table.hpp"
 #include "hydrapod/model/machine_file.hpp"
@@ -104,6 +105,14 @@ inline std::vector<observation::ModeTarget> modes_of(const model::MachineFile& f
 }
 
 /// Free parameters at these paths, starting from the values in the file.
+/// The machine of a file with the numbers at these paths to vary, one by one.
+inline calibration::VariedMachine varied(const model::MachineFile& file,
+                                         const std::vector<std::string>& paths) {
+  calibration::VariedMachine machine{.machine = file.machine};
+  for (const auto& path : paths) machine.parameters.push_back({find_number(file, path).value().id});
+  return machine;
+}
+
 inline std::vector<calibration::FreeParameter> free_paths(const std::vector<std::string>& paths) {
   std::vector<calibration::FreeParameter> free;
   for (const auto& path : paths) free.push_back({.paths = {path}});

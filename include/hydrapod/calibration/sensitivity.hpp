@@ -27,16 +27,27 @@ struct ModePoint {
   Eigen::MatrixXd domega2{};                                 ///< modes × parameters
 };
 
-/// Modes of `machine` with its parameters at `values`, at its pose number `pose`. `scales`: size of
-/// each parameter, for the steps; empty: without derivatives. `start`: a neighbouring equilibrium.
-/// Throws base::ComputationError where the machine has no modes there.
-ModePoint mode_point(const model::VariableMachine& machine, const std::vector<double>& values,
-                     std::size_t pose, dynamics::ModelKind kind, std::span<const double> scales,
-                     const dynamics::StaticEquilibrium* start = nullptr);
+/// A machine with the numbers of it that vary: a parameter sets all of its ids to one value.
+struct VariedMachine {
+  model::Machine machine{};
+  std::vector<std::vector<model::ParameterId>> parameters{};
 
-/// Adds the derivatives by the parameters to a point that was made without, at the same values.
-/// Turns the basis of modes that repeat to the parameter that parts them most.
-void add_derivatives(const model::VariableMachine& machine, const std::vector<double>& values,
+  /// Of the parameters in `machine`, each in its first id [SI].
+  [[nodiscard]] std::vector<double> values() const;
+  /// The machine with the parameters at `values`, not validated.
+  [[nodiscard]] model::Machine at(const std::vector<double>& values) const;
+  /// The same into `result`, whose memory is used again.
+  void at(const std::vector<double>& values, model::Machine& result) const;
+};
+
+/// Modes of `machine` at its pose number `pose`, without derivatives. Throws base::ComputationError
+/// where the machine has no modes there.
+ModePoint mode_point(const model::Machine& machine, std::size_t pose, dynamics::ModelKind kind);
+
+/// Adds the derivatives by the parameters to the point of the machine at `values`. `scales`: size
+/// of each parameter, for the steps. Turns the basis of modes that repeat to the parameter that
+/// parts them most.
+void add_derivatives(const VariedMachine& machine, const std::vector<double>& values,
                      std::size_t pose, std::span<const double> scales, ModePoint& point);
 
 /// One mode's frequency against all numbers of the file.

@@ -4,21 +4,13 @@
 /// The keys are listed with units and defaults in docs/howto/machine-file.md. Quantities are
 /// numbers in SI or strings with a unit ("700 MPa"); see base/units.hpp.
 ///
-/// A machine file whose numbers can be varied: what calibration and sensitivities work on.
-///
-/// A number is addressed by its path in the file (`legs.rod.mass`, `leg.3.oil_spring.stiffness`,
-/// `platform.mass_center[2]`), so that whatever a file can say can be varied, with the file's own
-/// rules for what legs share. Optional numbers that the file leaves out have their default and can
-/// be varied too, and what all legs share can be varied for one of them.
-///
-/// No text is read: the machine takes the values by assignments (parameters.hpp).
-///
 /// A machine file's text with some values changed and everything else, comments included, as it
 /// was.
 
 #include <functional>
-#include <memory>
+#include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "hydrapod/base/error.hpp"
@@ -55,54 +47,21 @@ MachineFile parse_machine(const std::string& text, const std::string& file_name,
 /// A commented machine file to start from; it is sound and describes a plausible motion platform.
 std::string starter_machine_file();
 
-/// A number of a machine file.
+/// A number of a machine file: one that it gives, one that has its default, or one of a single leg
+/// that shares it with all.
 struct FileNumber {
   std::string path{};
   std::string unit{};  ///< SI: "kg", "N/m"; "1" for pure numbers
   double value{};      ///< [unit]
-  bool given{};        ///< false: not in the file, `value` is the default
-  unsigned line{};     ///< where it stands; 0 when it comes from an override
+  ParameterId id{};
 };
 
-/// Several paths that hold one and the same value: a parameter, with its ties.
-using TiedPaths = std::vector<std::string>;
+/// The number of `id` in `file.machine`, which need not be what the text of the file says; nothing
+/// where the machine does not hold it.
+std::optional<FileNumber> number_of(const MachineFile& file, const ParameterId& id);
 
-class VariableMachine {
- public:
-  /// Of `file.machine`, which need not be what the text of the file says.
-  explicit VariableMachine(const MachineFile& file);
-  ~VariableMachine();
-  VariableMachine(VariableMachine&&) noexcept;
-  VariableMachine& operator=(VariableMachine&&) noexcept;
-
-  /// Every number that was read, in the order of the file, then defaults, then what single legs
-  /// share with all.
-  [[nodiscard]] const std::vector<FileNumber>& numbers() const;
-  /// The number at `path`; null when there is none.
-  [[nodiscard]] const FileNumber* find(const std::string& path) const;
-  /// Its id. Throws std::bad_optional_access where find() knows none.
-  [[nodiscard]] ParameterId id(const std::string& path) const;
-  /// The path most like `path`; empty when none is near.
-  [[nodiscard]] std::string nearest_path(const std::string& path) const;
-
-  /// Says which numbers machine(…) varies; the tied ones get the same value. Throws
-  /// std::invalid_argument for a path that find() does not know, or one that stands in two
-  /// parameters.
-  void vary(const std::vector<TiedPaths>& parameters);
-  /// Values of the parameters in the file, of the first path of each [SI].
-  [[nodiscard]] const std::vector<double>& values() const;
-  /// Does the parameter change anything that moves, bends or weighs?
-  [[nodiscard]] bool matters(std::size_t parameter) const;
-
-  /// The machine with the parameters at `values`, not validated.
-  [[nodiscard]] Machine machine(const std::vector<double>& values) const;
-  /// The same into `machine`, which an earlier call with these parameters has made.
-  void machine(const std::vector<double>& values, Machine& machine) const;
-
- private:
-  struct State;
-  std::unique_ptr<State> state_;
-};
+/// The number at `path`, likewise.
+std::optional<FileNumber> find_number(const MachineFile& file, std::string_view path);
 
 /// A value to put at `path`, as TOML ("7.2", "\"7.2 kg\"", "[0, 0, 1]").
 struct FileEdit {

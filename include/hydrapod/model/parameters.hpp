@@ -82,6 +82,13 @@ struct ParameterRow {
   void (*set_word)(Machine&, int index, int word){};
 };
 
+/// Its unit in `machine`.
+std::string_view unit_of(const Machine& machine, const ParameterRow& row);
+
+/// "mass" of "legs.rod.mass", and "legs.rod".
+std::string_view last_key(std::string_view path);
+std::string_view table_of(std::string_view path);
+
 /// All rows, each table followed by its keys.
 std::span<const ParameterRow> parameter_table();
 
