@@ -5,6 +5,8 @@
 #include <cmath>
 #include <complex>
 
+#include "names.hpp"
+
 namespace hydrapod::identification {
 
 namespace {
@@ -15,7 +17,7 @@ constexpr double shape_weight = 0.03;  // a wrong shape counts like so much in f
 /// Mean pole of a cluster and its shape.
 struct Realised {
   std::complex<double> pole{};
-  Eigen::VectorXcd shape{};
+  VectorXcd shape{};
 };
 
 std::vector<Realised> realised(const FrequencyResponses& responses) {
@@ -32,16 +34,16 @@ std::vector<Realised> realised(const FrequencyResponses& responses) {
 
 /// Share of `shape` in what the realised modes within `neighbourhood` of `pole` span: of repeated
 /// modes any mix is right.
-double likeness(const Eigen::VectorXcd& shape, std::complex<double> pole,
+double likeness(const VectorXcd& shape, std::complex<double> pole,
                 const std::vector<Realised>& others, double neighbourhood) {
-  Eigen::MatrixXcd span;
+  MatrixXcd span;
   for (const auto& other : others) {
     if (std::abs(std::abs(other.pole) / std::abs(pole) - 1.0) > neighbourhood) continue;
     span.conservativeResize(shape.size(), span.cols() + 1);
     span.rightCols<1>() = other.shape.normalized();
   }
-  const Eigen::ColPivHouseholderQR<Eigen::MatrixXcd> qr(span);
-  const Eigen::VectorXcd part = qr.householderQ().adjoint() * shape;
+  const Eigen::ColPivHouseholderQR<MatrixXcd> qr(span);
+  const VectorXcd part = qr.householderQ().adjoint() * shape;
   return part.head(std::min(qr.rank(), part.size())).squaredNorm() / shape.squaredNorm();
 }
 

@@ -10,20 +10,14 @@
 #include <span>
 
 #include "hydrapod/base/error.hpp"
-#include "hydrapod/base/units.hpp"
 #include "hydrapod/numerics/fft.hpp"
+#include "names.hpp"
 #include "response_checks.hpp"
 
 namespace hydrapod::identification {
 
-using Complex = std::complex<double>;
-using Eigen::Index;
-using Eigen::MatrixXcd;
-using Eigen::VectorXd;
-
 namespace {
 
-using base::two_pi;
 constexpr double decay = 4.0;            // a times half a block: e⁻⁴ of h is cut off
 constexpr Index kernel_reach = 12;       // lines of the spectra on either side that are mixed
 constexpr Index edge = 16;               // lines over which an excited band ends

@@ -10,12 +10,9 @@
 
 #include "hydrapod/base/error.hpp"
 #include "hydrapod/spatial/pose.hpp"
+#include "names.hpp"
 
 namespace hydrapod::identification {
-
-using Eigen::Index;
-using Eigen::MatrixXcd;
-using Eigen::MatrixXd;
 
 namespace {
 

@@ -9,7 +9,6 @@
 
 #include "fit_covariance.hpp"
 #include "hydrapod/base/error.hpp"
-#include "hydrapod/base/units.hpp"
 #include "hydrapod/identification/responses.hpp"
 #include "repeated_modes.hpp"
 #include "search.hpp"
@@ -18,9 +17,6 @@
 namespace hydrapod::identification {
 
 namespace {
-
-using base::two_pi;
-using Eigen::Index;
 
 /// Why a fitted mode is none.
 enum class Objection { none, left_band, in_noise, open_frequency, open_damping, doubles };
@@ -233,9 +229,9 @@ void add_second_of_pairs(const IdentifyOptions& given, std::size_t strong, Ident
   }
 }
 
-Eigen::VectorXcd displacement_shape(const FittedMode& mode,
+VectorXcd displacement_shape(const FittedMode& mode,
                                     const std::vector<data::Channel>& outputs) {
-  Eigen::VectorXcd shape = mode.shape;
+  VectorXcd shape = mode.shape;
   for (Index o = 0; o < shape.size(); ++o)
     shape[o] /=
         std::pow(mode.pole, data::time_derivatives(outputs[static_cast<std::size_t>(o)].unit));
@@ -426,21 +422,21 @@ data::ModalResults modal_results(const Identification& identified) {
   return results;
 }
 
-Eigen::MatrixXd mode_indicator(const FrequencyResponses& r) {
+MatrixXd mode_indicator(const FrequencyResponses& r) {
   const Index count = std::min(r.H[0].rows(), r.H[0].cols());
-  const Eigen::VectorXd size = row_sizes(r);
-  Eigen::MatrixXd values(static_cast<Index>(r.lines()), count);
+  const VectorXd size = row_sizes(r);
+  MatrixXd values(static_cast<Index>(r.lines()), count);
   for (std::size_t k = 0; k < r.lines(); ++k) {
-    const Eigen::MatrixXcd scaled = size.cwiseInverse().asDiagonal() * r.H[k];
+    const MatrixXcd scaled = size.cwiseInverse().asDiagonal() * r.H[k];
     values.row(static_cast<Index>(k)) =
-        Eigen::JacobiSVD<Eigen::MatrixXcd>(scaled).singularValues().transpose();
+        Eigen::JacobiSVD<MatrixXcd>(scaled).singularValues().transpose();
   }
   return values;
 }
 
-Eigen::MatrixXd mac_matrix(const std::vector<Eigen::VectorXcd>& a,
-                           const std::vector<Eigen::VectorXcd>& b) {
-  Eigen::MatrixXd M(static_cast<Index>(a.size()), static_cast<Index>(b.size()));
+MatrixXd mac_matrix(const std::vector<VectorXcd>& a,
+                           const std::vector<VectorXcd>& b) {
+  MatrixXd M(static_cast<Index>(a.size()), static_cast<Index>(b.size()));
   for (Index i = 0; i < M.rows(); ++i)
     for (Index j = 0; j < M.cols(); ++j)
       M(i, j) = mac(a[static_cast<std::size_t>(i)], b[static_cast<std::size_t>(j)]);

@@ -2,15 +2,15 @@
 
 #include <algorithm>
 
-namespace hydrapod::identification {
+#include "names.hpp"
 
-using Eigen::Index;
+namespace hydrapod::identification {
 
 namespace {
 
 /// Running mean over ±`reach` lines.
-Eigen::VectorXd smoothed(const Eigen::VectorXd& values, Index reach) {
-  Eigen::VectorXd result(values.size());
+VectorXd smoothed(const VectorXd& values, Index reach) {
+  VectorXd result(values.size());
   for (Index k = 0; k < values.size(); ++k) {
     const Index from = std::max<Index>(0, k - reach), to = std::min(values.size() - 1, k + reach);
     result[k] = values.segment(from, to - from + 1).mean();
@@ -20,14 +20,14 @@ Eigen::VectorXd smoothed(const Eigen::VectorXd& values, Index reach) {
 
 }  // namespace
 
-Eigen::MatrixXd row_weights(const FrequencyResponses& r, bool transposed) {
+MatrixXd row_weights(const FrequencyResponses& r, bool transposed) {
   constexpr Index reach = 2;
   const auto lines = static_cast<Index>(r.lines());
   const Index rows = transposed ? r.H[0].cols() : r.H[0].rows();
   const Index columns = transposed ? r.H[0].rows() : r.H[0].cols();
-  Eigen::MatrixXd weight(lines, rows);
+  MatrixXd weight(lines, rows);
   for (Index o = 0; o < rows; ++o) {
-    Eigen::VectorXd square(lines), variance = Eigen::VectorXd::Zero(lines);
+    VectorXd square(lines), variance = VectorXd::Zero(lines);
     for (Index k = 0; k < lines; ++k) {
       const auto& H = r.H[static_cast<size_t>(k)];
       square[k] = (transposed ? H.col(o).squaredNorm() : H.row(o).squaredNorm()) /
@@ -39,7 +39,7 @@ Eigen::MatrixXd row_weights(const FrequencyResponses& r, bool transposed) {
                        static_cast<double>(columns);
     }
     // without known errors: in proportion to the response, but no better than in its quieter half
-    Eigen::VectorXd sorted = square;
+    VectorXd sorted = square;
     std::nth_element(sorted.begin(), sorted.begin() + lines / 2, sorted.end());
     const double median = std::max(sorted[lines / 2], 1e-300);
     // a response measured without any noise still has errors of rounding and of the model

@@ -12,6 +12,7 @@
 #include "damped.hpp"
 #include "hydrapod/base/error.hpp"
 #include "hydrapod/base/text.hpp"
+#include "names.hpp"
 #include "response_checks.hpp"
 
 namespace hydrapod::identification {
@@ -141,12 +142,12 @@ std::int64_t find_period(data::RecordSet& records, int channel, std::int64_t ski
   std::int64_t seen = 0;
   records.stream([&](std::size_t file, const Eigen::Ref<const data::Samples>& block) {
     if (file > 0) return false;
-    for (Eigen::Index k = 0; k < block.rows() && samples.size() < most; ++k)
+    for (Index k = 0; k < block.rows() && samples.size() < most; ++k)
       if (seen + k >= skip) samples.push_back(block(k, channel));
     seen += block.rows();
     return samples.size() < most;
   });
-  const auto x = Eigen::VectorXd::Map(samples.data(), static_cast<Eigen::Index>(samples.size()));
+  const auto x = VectorXd::Map(samples.data(), static_cast<Index>(samples.size()));
   if (samples.size() < 32 || !x.allFinite()) return 0;
   return period_of(x.tail(x.size() - x.size() / 8));  // past a fade-in
 }
@@ -240,7 +241,7 @@ std::vector<std::size_t> used_channels(ChannelChoice& choice) {
 
 /// Puts the six directions that `map` makes of the channels in the place of these, which are all in
 /// `list`, one of the choice's.
-void replace_channels(const std::vector<int>& channels, const Eigen::MatrixXd& map,
+void replace_channels(const std::vector<int>& channels, const MatrixXd& map,
                       const std::string& prefix, std::vector<int>& list, ChannelChoice& choice,
                       Measurement& m) {
   warn_of_limits(m.spectra, channels, m.responses.warnings);
@@ -262,7 +263,7 @@ void replace_channels(const std::vector<int>& channels, const Eigen::MatrixXd& m
 }
 
 /// All outputs, sensors at places that are known, become directions of the platform.
-void bring_sensors_to_platform(const Eigen::MatrixXd& map, ChannelChoice& choice, Measurement& m) {
+void bring_sensors_to_platform(const MatrixXd& map, ChannelChoice& choice, Measurement& m) {
   for (const int c : choice.outputs)
     if (m.spectra.health[static_cast<std::size_t>(c)].constant())
       throw base::ComputationError(
@@ -338,11 +339,10 @@ void compare_with_instrument(const Plan& plan, Measurement& m) {
       by_instrument);
   constexpr double chance = 0.1;
   if (!instrumental && m.h1_against_instrument->share > chance)
-    m.responses.warnings.push_back(fmt::format(
-        "{} is biased by the loop: it differs from the instrumental estimate by {:.2g} % (median), "
-        "outside its 95 % band at {:.0f} % of the lines; take --estimator iv",
-        data::estimator_text(plan.estimator), 100.0 * m.h1_against_instrument->median,
-        100.0 * m.h1_against_instrument->share));
+    m.responses.warnings.push_back({.kind = data::ResponseWarning::Kind::biased,
+                                    .value = m.h1_against_instrument->median,
+                                    .share = m.h1_against_instrument->share,
+                                    .estimator = plan.estimator});
 }
 
 }  // namespace
@@ -418,7 +418,7 @@ GroupedSpectra measure_groups(data::RecordSet& records, const MeasureOptions& op
   records.stream([&](std::size_t file, const Eigen::Ref<const data::Samples>& block) {
     if (begun != file) estimator.begin_record(skip);
     begun = file;
-    for (Eigen::Index at = 0; at < block.rows();) {
+    for (Index at = 0; at < block.rows();) {
       const std::int64_t count = std::min(block.rows() - at, piece - in_piece);
       estimator.add(block.middleRows(at, count));
       at += count;

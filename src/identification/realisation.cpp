@@ -8,13 +8,9 @@
 #include "hydrapod/identification/identify.hpp"
 #include "hydrapod/numerics/dense.hpp"
 #include "hydrapod/numerics/fft.hpp"
+#include "names.hpp"
 
 namespace hydrapod::identification {
-
-using Complex = std::complex<double>;
-using Eigen::Index;
-using Eigen::MatrixXcd;
-using Eigen::MatrixXd;
 
 namespace {
 
@@ -22,7 +18,7 @@ constexpr double reliable_taper = 0.3;  // of ρ: lags with less are not used
 
 /// Lags 1, 2, … of matrices given at the lines 0 … K, divided by ρ.
 MarkovSequence lags_of(const std::vector<MatrixXcd>& lines, double spacing,
-                       const Eigen::VectorXd& taper, double taper_rate) {
+                       const VectorXd& taper, double taper_rate) {
   const auto K = static_cast<int>(lines.size()) - 1;
   numerics::RealFft fft(2 * K);
   MarkovSequence sequence;
@@ -58,7 +54,7 @@ MarkovSequence lags_of(const std::vector<MatrixXcd>& lines, double spacing,
 
 struct Hankel {
   MatrixXd U, V;
-  Eigen::VectorXd s;
+  VectorXd s;
   Index rows, columns;  // of one Y
 };
 
@@ -79,7 +75,7 @@ Hankel decompose(const MarkovSequence& sequence, int highest) {
 
 OrderPoles poles_of(const Hankel& h, int order, double interval) {
   const Index up = h.U.rows() - h.rows;
-  const Eigen::VectorXd root = h.s.head(order).cwiseSqrt();
+  const VectorXd root = h.s.head(order).cwiseSqrt();
   const MatrixXd O = h.U.leftCols(order) * root.asDiagonal();
   const MatrixXd A = numerics::least_squares(O.topRows(up), O.bottomRows(up));
   const MatrixXd B = root.asDiagonal() * h.V.topLeftCorner(h.columns, order).transpose();

@@ -7,11 +7,11 @@ namespace hydrapod::identification {
 
 /// `wanted` without dead outputs and inputs that repeat another. Throws base::ComputationError.
 ChannelChoice checked_choice(const CrossSpectra& spectra, const ChannelChoice& wanted,
-                             Estimator estimator, std::vector<std::string>& warnings);
+                             Estimator estimator, std::vector<data::ResponseWarning>& warnings);
 
 /// A warning for each channel that stands at its limits too often.
 void warn_of_limits(const CrossSpectra& spectra, const std::vector<int>& channels,
-                    std::vector<std::string>& warnings);
+                    std::vector<data::ResponseWarning>& warnings);
 
 /// Per channel the density below which a line is not excited.
 std::vector<double> quiet_levels(const CrossSpectra& spectra);

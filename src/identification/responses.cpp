@@ -11,12 +11,10 @@
 
 #include "hydrapod/base/error.hpp"
 #include "hydrapod/numerics/statistics.hpp"
+#include "names.hpp"
 #include "response_checks.hpp"
 
 namespace hydrapod::identification {
-
-using Eigen::Index;
-using Eigen::MatrixXcd;
 
 namespace {
 
@@ -29,11 +27,11 @@ Eigen::RowVectorXcd hv_row(const MatrixXcd& S, const std::vector<int>& inputs, i
   auto all = inputs;
   all.push_back(output);
   MatrixXcd A = part(S, all, all);
-  const Eigen::VectorXd level = A.diagonal().real().cwiseSqrt();
+  const VectorXd level = A.diagonal().real().cwiseSqrt();
   A = level.cwiseInverse().asDiagonal() * A * level.cwiseInverse().asDiagonal();
   const Eigen::SelfAdjointEigenSolver<MatrixXcd> solver(A);
   // vᴴ (u; y) is least: y = −(v_u/v_y)ᴴ u, in scaled channels
-  const Eigen::VectorXcd v = solver.eigenvectors().col(0);
+  const VectorXcd v = solver.eigenvectors().col(0);
   const Index p = static_cast<Index>(inputs.size());
   Eigen::RowVectorXcd row = -(v.head(p) / v[p]).adjoint();
   return level[p] * row * level.head(p).cwiseInverse().asDiagonal();

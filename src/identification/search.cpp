@@ -5,14 +5,11 @@
 #include <algorithm>
 
 #include "hydrapod/base/error.hpp"
-#include "hydrapod/base/units.hpp"
+#include "names.hpp"
 
 namespace hydrapod::identification {
 
 namespace {
-
-using base::two_pi;
-using Eigen::Index;
 
 template <class T>
 std::vector<T> picked(const std::vector<T>& all, const std::vector<std::size_t>& lines) {

@@ -6,6 +6,8 @@
 #include <limits>
 #include <optional>
 
+#include "names.hpp"
+
 namespace hydrapod::identification {
 
 namespace {
@@ -13,19 +15,19 @@ namespace {
 using Chart = std::vector<OrderPoles>;
 
 /// Share of `vector` in the span of the columns of `span`.
-double share_in(const Eigen::VectorXcd& vector, const Eigen::MatrixXcd& span) {
+double share_in(const VectorXcd& vector, const MatrixXcd& span) {
   const double whole = vector.squaredNorm();
   if (!(whole > 0.0) || span.cols() == 0) return 0.0;
-  const Eigen::ColPivHouseholderQR<Eigen::MatrixXcd> qr(span);
-  const Eigen::VectorXcd coordinates = qr.householderQ().adjoint() * vector;
+  const Eigen::ColPivHouseholderQR<MatrixXcd> qr(span);
+  const VectorXcd coordinates = qr.householderQ().adjoint() * vector;
   return coordinates.head(std::min(qr.rank(), coordinates.size())).squaredNorm() / whole;
 }
 
 /// Columns of unit length from the poles of `order` near `omega`.
 template <class Vector>
-Eigen::MatrixXcd span_near(const OrderPoles& order, double omega, double neighbourhood,
+MatrixXcd span_near(const OrderPoles& order, double omega, double neighbourhood,
                            Vector PoleEstimate::*vector) {
-  Eigen::MatrixXcd span;
+  MatrixXcd span;
   for (const auto& e : order.poles) {
     if (e.pole.real() >= 0.0 || std::abs(e.omega() - omega) > neighbourhood * omega) continue;
     span.conservativeResize((e.*vector).size(), span.cols() + 1);

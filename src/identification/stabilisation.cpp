@@ -5,13 +5,15 @@
 #include <array>
 #include <cmath>
 
+#include "names.hpp"
+
 namespace hydrapod::identification {
 
 namespace {
 
-double share_in(const Eigen::VectorXcd& vector, const Eigen::MatrixXcd& span) {
-  const Eigen::ColPivHouseholderQR<Eigen::MatrixXcd> qr(span);
-  const Eigen::VectorXcd coordinates = qr.householderQ().adjoint() * vector;
+double share_in(const VectorXcd& vector, const MatrixXcd& span) {
+  const Eigen::ColPivHouseholderQR<MatrixXcd> qr(span);
+  const VectorXcd coordinates = qr.householderQ().adjoint() * vector;
   const double whole = vector.squaredNorm();
   return whole > 0.0
              ? coordinates.head(std::min(qr.rank(), coordinates.size())).squaredNorm() / whole
@@ -21,7 +23,7 @@ double share_in(const Eigen::VectorXcd& vector, const Eigen::MatrixXcd& span) {
 PoleStability stability_of(const PoleEstimate& e, const OrderPoles& before,
                            const SelectionOptions& options) {
   auto found = PoleStability::fresh;
-  Eigen::MatrixXcd shapes, participations;
+  MatrixXcd shapes, participations;
   for (const auto& other : before.poles) {
     const double apart = std::abs(other.omega() / e.omega() - 1.0);
     if (apart <= options.neighbourhood) {

@@ -5,13 +5,9 @@
 #include <cmath>
 
 #include "fit_covariance.hpp"
-#include "hydrapod/base/units.hpp"
 #include "hydrapod/identification/identify.hpp"
 
 namespace hydrapod::identification {
-
-using Eigen::Index;
-using Eigen::VectorXd;
 
 namespace {
 
@@ -101,7 +97,7 @@ std::vector<PoleCluster> weak_poles(const FrequencyResponses& responses, const M
     const auto band = around(rest, place);
     if (band.lines() < 2 * least_half_band) continue;
     for (auto& cluster : select_poles(poly_reference_poles(band, {1, 6, 1}), selection)) {
-      const double f = cluster.representative.omega() / (base::two_pi);
+      const double f = cluster.representative.omega() / two_pi;
       if (f > band.frequency.front() && f < band.frequency.back())
         found.push_back(std::move(cluster));
     }
@@ -124,7 +120,7 @@ std::vector<PoleEstimate> modes_in_residual(const FrequencyResponses& responses,
                                             std::size_t count, bool taper) {
   const auto rest = residual_of(responses, model, taper);
   const auto g = PoleBasis(responses, taper).at(pole).g;
-  Eigen::MatrixXcd residue = Eigen::MatrixXcd::Zero(rest.H[0].rows(), rest.H[0].cols());
+  MatrixXcd residue = MatrixXcd::Zero(rest.H[0].rows(), rest.H[0].cols());
   VectorXd outputs = VectorXd::Zero(residue.rows()), inputs = VectorXd::Zero(residue.cols());
   for (std::size_t k = 0; k < rest.lines(); ++k) {
     const double near = std::norm(g[static_cast<Index>(k)]);
@@ -134,7 +130,7 @@ std::vector<PoleEstimate> modes_in_residual(const FrequencyResponses& responses,
   }
   const VectorXd row = outputs.cwiseMax(1e-300).cwiseSqrt(),
                  column = inputs.cwiseMax(1e-300).cwiseSqrt();
-  const Eigen::JacobiSVD<Eigen::MatrixXcd> svd(
+  const Eigen::JacobiSVD<MatrixXcd> svd(
       row.cwiseInverse().asDiagonal() * residue * column.cwiseInverse().asDiagonal(),
       Eigen::ComputeThinU | Eigen::ComputeThinV);
   std::vector<PoleEstimate> modes;

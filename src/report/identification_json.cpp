@@ -78,6 +78,13 @@ Json entry_json(const FrequencyResponses& r, Index o, Index i) {
   return entry;
 }
 
+template <class Warning>
+std::vector<std::string> texts(const std::vector<Warning>& warnings) {
+  std::vector<std::string> all;
+  for (const auto& warning : warnings) all.push_back(warning_text(warning));
+  return all;
+}
+
 /// Which mode (from 1) a cluster became; null for heavily damped poles.
 Json mode_of_cluster(const identification::Identification& result, std::size_t cluster) {
   if (cluster >= result.model.modes.size()) return nullptr;
@@ -115,7 +122,7 @@ Json stabilisation_json(const identification::Identification& result) {
       poles.push_back({{"frequency_hz", e.omega() / two_pi},
                        {"damping_ratio", e.damping_ratio()},
                        {"stable", e.pole.real() < 0.0},
-                       {"agrees", identification::stability_text(stability[n][i])},
+                       {"agrees", words(stability[n][i])},
                        {"cluster", cluster[n][i]}});
     }
     chart.push_back({{"order", result.chart[n].order}, {"poles", poles}});
@@ -186,10 +193,9 @@ void describe(Fields& f, identification::IdentifiedMode& mode) {
   f.derived("quality", mode.quality());
 }
 
-template <class Fields>
-void describe(Fields& f, identification::LeftOut& left) {
+void describe(Writer& f, identification::LeftOut& left) {
   f("pole", left.pole);
-  f("reason", left.reason);
+  f("reason", words(left.reason));
 }
 
 template <class Fields>
@@ -212,10 +218,10 @@ void describe(Fields& f, identification::Identification& result) {
   f.maybe("band_hz", band);
   f("modes", result.modes);
   f.maybe("heavily_damped", result.heavily_damped);
-  f.maybe("rejected", result.left_out);
+  f.derived("rejected", result.left_out);
   f.maybe("fit_error", result.model.error);
   f.maybe("misfit", result.model.misfit);
-  f.maybe("warnings", result.warnings);
+  f.derived("warnings", texts(result.warnings));
   if constexpr (Fields::reads) {
     result.from = band[0];
     result.to = band[1];
@@ -258,7 +264,7 @@ Json responses_json(const FrequencyResponses& r) {
     json["sample_rate_hz"] = r.sample_rate;
     json["taper"] = written(r.taper);
   }
-  json["warnings"] = r.warnings;
+  json["warnings"] = texts(r.warnings);
   return json;
 }
 

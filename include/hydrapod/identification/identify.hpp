@@ -220,9 +220,31 @@ struct IdentifiedMode {
   [[nodiscard]] double quality() const { return persistence * vector_consistency; }
 };
 
+/// Why a fitted mode is none; report::words has the words.
+enum class Objection {
+  none,
+  left_band,       ///< its frequency is outside of `from` … `to`
+  in_noise,        ///< significance < least_significance
+  open_frequency,  ///< deviation of ω > largest_frequency_deviation · ω
+  open_damping,    ///< deviation of ζ > largest_damping_deviation · ζ
+  doubles          ///< another fitted pole is the same, see PruneOptions
+};
+
 struct LeftOut {
   std::complex<double> pole{};
-  std::string reason{};
+  Objection reason{};
+};
+
+/// What a user should know of identified modes; report::warning_text has the words.
+struct ModeWarning {
+  enum class Kind {
+    no_mode,      ///< between `from` and `to` [Hz]
+    few_samples,  ///< value: samples per period of the highest mode
+    misfit        ///< value: ModalModel::misfit
+  };
+  Kind kind{};
+  double value{};
+  double from{}, to{};
 };
 
 struct Identification {
@@ -234,7 +256,7 @@ struct Identification {
   std::vector<FittedMode> heavily_damped{};
   std::vector<LeftOut> left_out{};
   double from{}, to{};  ///< [Hz]
-  std::vector<std::string> warnings{};
+  std::vector<ModeWarning> warnings{};
 };
 
 /// Without a mode in the band the result has none, and a warning that says so. Throws
@@ -276,7 +298,7 @@ struct BootstrapScatter {
 };
 
 /// `groups`: spectra of at least four groups with the same channels and options. `progress` is told
-/// the share that is done; where it says false the resamples so far count. Throws
+/// the share that is done; where it asks to stop the resamples so far count. Throws
 /// std::invalid_argument for fewer groups and for a result without modes.
 BootstrapScatter bootstrap_modes(const std::vector<CrossSpectra>& groups,
                                  const ChannelChoice& choice, Estimator estimator,
@@ -290,8 +312,6 @@ enum class PoleStability {
   damping,    ///< and its damping ratio agrees
   vector      ///< and shape and participation lie in what poles near it span
 };
-/// "new", "frequency", "damping", "vector".
-std::string_view stability_text(PoleStability stability);
 
 /// Per order and pole of `chart`. Poles of the lowest order are fresh.
 std::vector<std::vector<PoleStability>> pole_stability(const std::vector<OrderPoles>& chart,
