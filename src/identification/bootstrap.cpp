@@ -22,8 +22,8 @@ struct Refit {
 Refit refit(const FrequencyResponses& responses, const Identification& found,
             const IdentifyOptions& options) {
   std::vector<PoleEstimate> start;
-  for (const auto& m : found.modes) start.push_back({m.fit.pole, m.fit.shape, m.fit.participation});
-  for (const auto& m : found.heavily_damped) start.push_back({m.pole, m.shape, m.participation});
+  for (const auto& m : found.modes) start.push_back(m.fit);
+  start.insert(start.end(), found.heavily_damped.begin(), found.heavily_damped.end());
   auto fit = options.fit;
   fit.deviations = Deviations::none;
   const auto model = fit_modes(within(responses, found.from, found.to), start, fit);

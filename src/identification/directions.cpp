@@ -33,26 +33,20 @@ std::string angular(const std::string& unit) {
   return unit.starts_with('m') ? "rad" + unit.substr(1) : unit + "/m";
 }
 
-/// S' = M S Mᵀ for all lines of packed spectra.
-void mix(const MatrixXd& M, Index channels, MatrixXd& re, MatrixXd& im) {
-  const Index to = M.rows();
-  MatrixXd new_re(re.rows(), to * (to + 1) / 2), new_im(new_re.rows(), new_re.cols());
-  MatrixXcd S(channels, channels);
-  for (Index line = 0; line < re.rows(); ++line) {
-    for (Index i = 0, pair = 0; i < channels; ++i)
-      for (Index j = 0; j <= i; ++j, ++pair) {
-        S(i, j) = {re(line, pair), im(line, pair)};
-        S(j, i) = std::conj(S(i, j));
-      }
-    const MatrixXcd T = M * S * M.transpose();
+/// M S Mᵀ for all lines, packed; `spectrum`: S at a line.
+template <class Spectrum>
+void mix(const MatrixXd& M, const Spectrum& spectrum, MatrixXd& re, MatrixXd& im) {
+  const Index lines = re.rows(), to = M.rows();
+  re.resize(lines, to * (to + 1) / 2);
+  im.resize(lines, re.cols());
+  for (Index line = 0; line < lines; ++line) {
+    const MatrixXcd T = M * spectrum(line) * M.transpose();
     for (Index i = 0, pair = 0; i < to; ++i)
       for (Index j = 0; j <= i; ++j, ++pair) {
-        new_re(line, pair) = T(i, j).real();
-        new_im(line, pair) = i == j ? 0.0 : T(i, j).imag();
+        re(line, pair) = T(i, j).real();
+        im(line, pair) = i == j ? 0.0 : T(i, j).imag();
       }
   }
-  re.swap(new_re);
-  im.swap(new_im);
 }
 
 }  // namespace
@@ -102,8 +96,11 @@ CrossSpectra to_platform(const CrossSpectra& spectra, const std::vector<int>& ch
                                .role = first.role});
     result.health.push_back(worst);
   }
-  mix(M, count, result.re, result.im);
-  if (result.noise_re.size() > 0) mix(M, count, result.noise_re, result.noise_im);
+  mix(
+      M, [&](Index line) { return spectra.at(line); }, result.re, result.im);
+  if (result.noise_re.size() > 0)
+    mix(
+        M, [&](Index line) { return spectra.noise_at(line); }, result.noise_re, result.noise_im);
   return result;
 }
 

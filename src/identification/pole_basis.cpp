@@ -8,8 +8,8 @@
 namespace hydrapod::identification {
 
 PoleBasis::PoleBasis(const FrequencyResponses& responses, bool taper)
-    : omega_(two_pi * VectorXd::Map(responses.frequency.data(),
-                                                 static_cast<Index>(responses.lines()))),
+    : omega_(two_pi *
+             VectorXd::Map(responses.frequency.data(), static_cast<Index>(responses.lines()))),
       shift_(responses.shift),
       sample_rate_(responses.sample_rate) {
   if (!taper || responses.taper.size() == 0) return;

@@ -58,8 +58,7 @@ bool is_dead(const CrossSpectra& spectra, int channel) {
   return health.missing == health.samples || health.constant();
 }
 
-void drop_dead_outputs(const CrossSpectra& spectra, ChannelChoice& choice,
-                       Warnings& warnings) {
+void drop_dead_outputs(const CrossSpectra& spectra, ChannelChoice& choice, Warnings& warnings) {
   std::erase_if(choice.outputs, [&](int o) {
     if (!is_dead(spectra, o)) return false;
     warnings.push_back({.kind = Kind::dead_output,
@@ -86,8 +85,7 @@ void drop_dead_inputs(const CrossSpectra& spectra, ChannelChoice& choice, Estima
   if (choice.inputs.empty()) throw base::ComputationError("all input channels are constant");
 }
 
-void drop_repeated_inputs(const CrossSpectra& spectra, ChannelChoice& choice,
-                          Warnings& warnings) {
+void drop_repeated_inputs(const CrossSpectra& spectra, ChannelChoice& choice, Warnings& warnings) {
   for (std::size_t b = 1; b < choice.inputs.size(); ++b)
     for (std::size_t a = 0; a < b; ++a)
       if (overall_coherence(spectra, choice.inputs[b], choice.inputs[a]) > same_signal) {
@@ -141,9 +139,11 @@ void warn_of_limits(const CrossSpectra& spectra, const std::vector<int>& channel
   }
 }
 
-ChannelChoice checked_choice(const CrossSpectra& spectra, const ChannelChoice& wanted,
-                             Estimator estimator, Warnings& warnings) {
-  ChannelChoice choice = wanted;
+namespace {
+
+/// Without dead outputs and inputs that repeat another.
+void check_choice(const CrossSpectra& spectra, Estimator estimator, ChannelChoice& choice,
+                  Warnings& warnings) {
   if (choice.inputs.empty()) throw base::ComputationError("no input channel is named");
   if (choice.outputs.empty()) throw base::ComputationError("no response channel is named");
   if (spectra.blocks > 0) {
@@ -161,7 +161,26 @@ ChannelChoice checked_choice(const CrossSpectra& spectra, const ChannelChoice& w
     warnings.push_back({.kind = Kind::blocks_left_out,
                         .count = spectra.blocks_left_out,
                         .total = spectra.blocks + spectra.blocks_left_out});
-  return choice;
+}
+
+}  // namespace
+
+FrequencyResponses without_lines(const CrossSpectra& spectra, Estimator estimator,
+                                 ChannelChoice& choice) {
+  FrequencyResponses r{.estimator = estimator};
+  check_choice(spectra, estimator, choice, r.warnings);
+  for (const int i : choice.inputs) r.inputs.push_back(spectra.channels[static_cast<size_t>(i)]);
+  for (const int o : choice.outputs) r.outputs.push_back(spectra.channels[static_cast<size_t>(o)]);
+  r.averages = spectra.statistics.effective_averages;
+  r.sample_rate = spectra.sample_rate;
+  return r;
+}
+
+void keep_positive(const MatrixXcd& S, const std::vector<int>& outputs, MatrixXcd& V) {
+  for (Index o = 0; o < V.rows(); ++o) {
+    const int channel = outputs[static_cast<std::size_t>(o)];
+    V(o, o) = std::max(V(o, o).real(), 1e-15 * std::abs(S(channel, channel)));
+  }
 }
 
 std::vector<double> quiet_levels(const CrossSpectra& spectra) {

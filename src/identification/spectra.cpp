@@ -16,7 +16,7 @@ namespace hydrapod::identification {
 
 namespace {
 
-constexpr Index tile = 32;    // lines whose sums stay in the first-level cache
+constexpr Index tile = 32;           // lines whose sums stay in the first-level cache
 constexpr std::size_t gathered = 8;  // blocks that are added up together
 
 void check(const SpectrumOptions& options) {
@@ -29,8 +29,8 @@ void check(const SpectrumOptions& options) {
 }
 
 /// Σ over `blocks` of z_i z_j* for lines from `first`.
-void add_pair(const std::vector<numerics::Lines>& blocks, std::size_t count, Index i,
-              Index j, Index first, Index lines, double* re, double* im) {
+void add_pair(const std::vector<numerics::Lines>& blocks, std::size_t count, Index i, Index j,
+              Index first, Index lines, double* re, double* im) {
   for (std::size_t b = 0; b < count; ++b) {
     const double* ar = blocks[b].re.col(i).data() + first;
     const double* ai = blocks[b].im.col(i).data() + first;
@@ -43,8 +43,8 @@ void add_pair(const std::vector<numerics::Lines>& blocks, std::size_t count, Ind
   }
 }
 
-void add_products(const std::vector<numerics::Lines>& blocks, std::size_t count,
-                  MatrixXd& re, MatrixXd& im) {
+void add_products(const std::vector<numerics::Lines>& blocks, std::size_t count, MatrixXd& re,
+                  MatrixXd& im) {
   if (count == 0) return;
   const Index channels = blocks[0].re.cols(), lines = re.rows();
   for (Index first = 0; first < lines; first += tile)
@@ -54,8 +54,7 @@ void add_products(const std::vector<numerics::Lines>& blocks, std::size_t count,
                  re.col(pair).data() + first, im.col(pair).data() + first);
 }
 
-MatrixXcd unpacked(const MatrixXd& re, const MatrixXd& im, Index line,
-                          Index channels) {
+MatrixXcd unpacked(const MatrixXd& re, const MatrixXd& im, Index line, Index channels) {
   MatrixXcd S(channels, channels);
   for (Index i = 0, pair = 0; i < channels; ++i)
     for (Index j = 0; j <= i; ++j, ++pair) {
@@ -128,8 +127,7 @@ SpectrumEstimator::SpectrumEstimator(const data::RecordHeader& header,
   const Index pairs = count * (count + 1) / 2;
   for (auto* sum : {&sums.re, &sums.im}) *sum = MatrixXd::Zero(me.fft.lines(), pairs);
   if (options.periodic)
-    for (auto* sum : {&sums.noise_re, &sums.noise_im})
-      *sum = MatrixXd::Zero(me.fft.lines(), pairs);
+    for (auto* sum : {&sums.noise_re, &sums.noise_im}) *sum = MatrixXd::Zero(me.fft.lines(), pairs);
 }
 
 SpectrumEstimator::~SpectrumEstimator() = default;
@@ -202,8 +200,7 @@ void SpectrumEstimator::add(const Eigen::Ref<const data::Samples>& samples) {
   Index row = std::min<Index>(samples.rows(), me.to_skip);
   me.to_skip -= row;
   while (row < samples.rows()) {
-    const Index count =
-        std::min<Index>(samples.rows() - row, me.options.block_length - me.filled);
+    const Index count = std::min<Index>(samples.rows() - row, me.options.block_length - me.filled);
     for (std::size_t c = 0; c < me.chosen.size(); ++c) {
       const auto column = samples.col(static_cast<Index>(me.chosen[c])).segment(row, count);
       me.buffer.col(static_cast<Index>(c)).segment(me.filled, count) = column;
@@ -223,8 +220,8 @@ CrossSpectra SpectrumEstimator::result() {
   for (const auto& watch : me.watches) result.health.push_back(watch.health());
   if (result.blocks == 0) return result;
   const auto count = static_cast<double>(me.options.periodic ? result.records : result.blocks);
-  VectorXd scale = VectorXd::Constant(
-      result.lines(), 2.0 / (result.sample_rate * result.window.squaredNorm()));
+  VectorXd scale =
+      VectorXd::Constant(result.lines(), 2.0 / (result.sample_rate * result.window.squaredNorm()));
   scale[0] /= 2.0;
   scale[result.lines() - 1] /= 2.0;
   for (auto* sum : {&result.re, &result.im}) *sum = (scale / count).asDiagonal() * *sum;

@@ -43,8 +43,7 @@ std::vector<data::MatVariable> response_variables(const FrequencyResponses& r) {
       deviation.emplace_back(r.H[k].rows(), r.H[k].cols());
       for (Index o = 0; o < r.H[k].rows(); ++o)
         for (Index i = 0; i < r.H[k].cols(); ++i)
-          deviation.back()(o, i) =
-              std::sqrt(r.variance(k, static_cast<int>(o), static_cast<int>(i)));
+          deviation.back()(o, i) = std::sqrt(r.variance(k, o, i));
     }
     all.push_back(data::mat_pages("deviation", deviation));
   }

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "fields.hpp"
@@ -70,9 +71,8 @@ Json entry_json(const FrequencyResponses& r, Index o, Index i) {
   Json entry{{"re", over_lines(r.lines(), [&](auto k) { return r.H[k](o, i).real(); })},
              {"im", over_lines(r.lines(), [&](auto k) { return r.H[k](o, i).imag(); })}};
   if (r.has_errors())
-    entry["deviation"] = over_lines(r.lines(), [&](auto k) {
-      return std::sqrt(r.variance(k, static_cast<int>(o), static_cast<int>(i)));
-    });
+    entry["deviation"] =
+        over_lines(r.lines(), [&](auto k) { return std::sqrt(r.variance(k, o, i)); });
   if (!r.coherence.empty())
     entry["coherence"] = over_lines(r.lines(), [&](auto k) { return r.coherence[k](o, i); });
   return entry;
@@ -85,12 +85,13 @@ std::vector<std::string> texts(const std::vector<Warning>& warnings) {
   return all;
 }
 
-/// Which mode (from 1) a cluster became; null for heavily damped poles.
-Json mode_of_cluster(const identification::Identification& result, std::size_t cluster) {
-  if (cluster >= result.model.modes.size()) return nullptr;
-  for (std::size_t r = 0; r < result.modes.size(); ++r)
-    if (result.modes[r].fit.pole == result.model.modes[cluster].pole) return r + 1;
-  return nullptr;
+/// Which of `poles` (from 1) a cluster became; null for none of them.
+template <class Poles, class PoleOf>
+Json number_of_cluster(const identification::ModalModel& model, std::size_t cluster,
+                       const Poles& poles, const PoleOf& pole_of) {
+  if (cluster >= model.modes.size()) return nullptr;
+  const auto found = std::ranges::find(poles, model.modes[cluster].pole, pole_of);
+  return found == poles.end() ? Json() : Json(found - poles.begin() + 1);
 }
 
 /// Lower and upper residuals C_k, k = −2 … 1, of (iω/scale)^k.
@@ -98,14 +99,6 @@ Json residuals_json(const identification::ModalModel& model) {
   Json terms = Json::array();
   for (const auto& C : model.residuals) terms.push_back(written(C));
   return {{"omega_scale_rad_s", model.omega_scale}, {"terms", terms}};
-}
-
-/// The same among the heavily damped poles.
-Json heavy_of_cluster(const identification::Identification& result, std::size_t cluster) {
-  if (cluster >= result.model.modes.size()) return nullptr;
-  for (std::size_t r = 0; r < result.heavily_damped.size(); ++r)
-    if (result.heavily_damped[r].pole == result.model.modes[cluster].pole) return r + 1;
-  return nullptr;
 }
 
 Json stabilisation_json(const identification::Identification& result) {
@@ -134,8 +127,10 @@ Json clusters_json(const identification::Identification& result) {
   Json list = Json::array();
   for (std::size_t c = 0; c < result.clusters.size(); ++c) {
     const auto& cluster = result.clusters[c];
-    list.push_back({{"mode", mode_of_cluster(result, c)},
-                    {"heavily_damped", heavy_of_cluster(result, c)},
+    const auto fitted = [](const auto& mode) { return mode.fit.pole; };
+    list.push_back({{"mode", number_of_cluster(result.model, c, result.modes, fitted)},
+                    {"heavily_damped", number_of_cluster(result.model, c, result.heavily_damped,
+                                                         &identification::FittedMode::pole)},
                     {"orders", cluster.members.size()},
                     {"persistence", cluster.persistence},
                     {"frequency_scatter", cluster.frequency_scatter},
