@@ -46,6 +46,15 @@ VectorXd lag_scatter(const std::vector<double>& line_covariance, Index lags, Ind
   return v.cwiseMax(0.0);
 }
 
+/// Σ_t x_t e^(2πi d t/n).
+Complex line_of(const VectorXd& x, Index d, Index n) {
+  Complex sum = 0.0;
+  for (Index t = 0; t < x.size(); ++t)
+    sum += x[t] * std::polar(1.0, two_pi * static_cast<double>(d) * static_cast<double>(t) /
+                                      static_cast<double>(n));
+  return sum;
+}
+
 LagWindow lag_window(const CrossSpectra& spectra) {
   const Index n = spectra.options.block_length, m = n / 2;
   const double dt = 1.0 / spectra.sample_rate;
@@ -58,22 +67,14 @@ LagWindow lag_window(const CrossSpectra& spectra) {
   const auto& before = spectra.statistics.line_covariance;
   const VectorXd scatter = w.q.cwiseAbs2().cwiseProduct(lag_scatter(before, m, n));
   w.noise = scatter.sum();
-  for (int d = 0; d < static_cast<int>(std::min<Index>(m / 2, 200)); ++d) {
-    Complex sum = 0.0;
-    for (Index t = 0; t < m; ++t)
-      sum += scatter[t] *
-             std::polar(1.0, two_pi * d * static_cast<double>(t) / static_cast<double>(m));
+  for (Index d = 0; d < std::min<Index>(m / 2, 200); ++d) {
+    const Complex sum = line_of(scatter, d, m);
     if (std::abs(sum) < negligible_covariance * w.noise) break;
     w.line_covariance.push_back(sum / w.noise);
   }
   w.kernel = VectorXd(2 * kernel_reach + 1);
-  for (Index d = -kernel_reach; d <= kernel_reach; ++d) {
-    Complex sum = 0.0;
-    for (Index t = 0; t < m; ++t)
-      sum += w.q[t] * std::polar(1.0, -two_pi * static_cast<double>(d) * static_cast<double>(t) /
-                                          static_cast<double>(n));
-    w.kernel[d + kernel_reach] = std::norm(sum);
-  }
+  for (Index d = -kernel_reach; d <= kernel_reach; ++d)
+    w.kernel[d + kernel_reach] = std::norm(line_of(w.q, -d, n));
   w.kernel /= w.kernel.sum();
   double together = 0.0;
   for (Index d = 0; d < w.kernel.size(); ++d)

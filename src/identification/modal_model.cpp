@@ -1,7 +1,6 @@
 #include "hydrapod/identification/identify.hpp"
 
 #include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
 #include <cmath>
 #include <stdexcept>
 

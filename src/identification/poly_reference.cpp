@@ -137,13 +137,8 @@ MatrixXd denominator(const Normal& normal, Index inputs, int order) {
   const Index rest = size - inputs;
   MatrixXd alpha(size, inputs);
   alpha.topRows(inputs).setIdentity();
-  MatrixXd free = M.bottomRightCorner(rest, rest);
-  const VectorXd scale = free.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
-  free = scale.asDiagonal() * free * scale.asDiagonal();
-  free.diagonal().array() += 1e-14;
-  alpha.bottomRows(rest) =
-      -(scale.asDiagonal() *
-        free.ldlt().solve(scale.asDiagonal() * M.bottomLeftCorner(rest, inputs)));
+  const MatrixXd B = M.bottomLeftCorner(rest, inputs);
+  alpha.bottomRows(rest) = -numerics::solve_positive(M.bottomRightCorner(rest, rest), B);
   return alpha;
 }
 

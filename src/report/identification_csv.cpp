@@ -12,14 +12,9 @@
 
 namespace hydrapod::report {
 
+using base::two_pi;
 using Eigen::Index;
 using identification::FrequencyResponses;
-
-namespace {
-
-using base::two_pi;
-
-}  // namespace
 
 std::string responses_csv(const FrequencyResponses& r) {
   std::string text = "frequency_hz";

@@ -2,7 +2,7 @@
 
 #include "hydrapod/identification/identify.hpp"
 
-#include <gmock/gmock.h>
+#include <gtest/gtest.h>
 
 #include <cmath>
 #include <numbers>

@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "exact/closed_loop.hpp"
@@ -15,8 +16,8 @@ namespace hydrapod::identification {
 namespace {
 
 using Eigen::Index;
-using testing::Contains;
 using testing::HasSubstr;
+using Kind = data::ResponseWarning::Kind;
 
 constexpr double sample_rate = 50.0;
 
@@ -41,6 +42,12 @@ data::Record closed_loop_record(const test::ModalSystem& system, double gain, do
 
 const ChannelChoice from_excitation{.inputs = {0, 1, 2}, .outputs = {3, 4, 5}, .instruments = {}};
 const ChannelChoice from_drive{.inputs = {6, 7, 8}, .outputs = {3, 4, 5}, .instruments = {0, 1, 2}};
+
+/// The first warning of this kind, if there is one.
+const data::ResponseWarning* warning_of(const FrequencyResponses& responses, Kind kind) {
+  const auto found = std::ranges::find(responses.warnings, kind, &data::ResponseWarning::kind);
+  return found == responses.warnings.end() ? nullptr : &*found;
+}
 
 /// Share of entries × lines of an estimate within their 95 % radius of the truth.
 double coverage(const FrequencyResponses& r, const test::ModalSystem& system) {

@@ -203,7 +203,7 @@ struct BandOptions {
   /// Upper end: room · highest pole, where that is at most worth · the present end. Model orders
   /// are spent on modes, not on an empty band; a narrowing by less changes hardly anything.
   double room{1.6}, worth{0.75};
-  int rounds{6};  ///< of narrowing: each at least by `worth`, so down to a fifth
+  int rounds{6};  ///< of narrowing; six reach a fifth of the band at least
   /// Of the final fit: fit_room · highest fitted mode. Its flank is still there; what is above is
   /// left to the residual terms.
   double fit_room{1.25};
@@ -223,8 +223,8 @@ struct PruneOptions {
 /// Modes that are as weak as the noise of strong ones: poles fitted to the residual.
 struct WeakModeOptions {
   /// A place: the mean of |residual|²/variance over the lines within `reach` is above
-  /// median · (1 + stands_out/√n), n numbers in the mean: it scatters by 1/√n, and one of some
-  /// thousand lines is 4 of that above by chance.
+  /// median · (1 + stands_out/√n), n numbers in the mean: it scatters by 1/√n, and hardly one line
+  /// in ten thousand is 4 of that above by chance.
   int reach{2};
   double stands_out{4.0};
   int most_places{8};  ///< of one search, the most conspicuous first
