@@ -104,20 +104,20 @@ CrossSpectra to_platform(const CrossSpectra& spectra, const std::vector<int>& ch
   return result;
 }
 
-std::optional<std::vector<int>> leg_channels(const CrossSpectra& spectra, data::Role role) {
-  std::vector<int> legs(6, -1);
-  for (std::size_t c = 0; c < spectra.channels.size(); ++c) {
-    const auto& channel = spectra.channels[c];
-    const int leg = static_cast<int>(channel.direction) - static_cast<int>(data::Direction::leg1);
-    if (channel.role != role || leg < 0 || leg > 5) continue;
-    if (role == data::Role::response && channel.unit != "m" && channel.unit != "m/s" &&
-        channel.unit != "m/s^2")
-      continue;
-    if (legs[static_cast<size_t>(leg)] >= 0) return {};
-    legs[static_cast<size_t>(leg)] = static_cast<int>(c);
+std::optional<std::vector<int>> six_channels(const std::vector<data::Channel>& channels,
+                                             data::Role role, data::Direction first,
+                                             const std::vector<std::string_view>& units) {
+  std::vector<int> six(6, -1);
+  for (std::size_t c = 0; c < channels.size(); ++c) {
+    const auto& channel = channels[c];
+    const int at = static_cast<int>(channel.direction) - static_cast<int>(first);
+    if (channel.role != role || at < 0 || at > 5) continue;
+    if (!units.empty() && std::ranges::find(units, channel.unit) == units.end()) continue;
+    if (six[static_cast<size_t>(at)] >= 0) return {};
+    six[static_cast<size_t>(at)] = static_cast<int>(c);
   }
-  if (std::ranges::find(legs, -1) != legs.end()) return {};
-  return legs;
+  if (std::ranges::find(six, -1) != six.end()) return {};
+  return six;
 }
 
 }  // namespace hydrapod::identification

@@ -114,15 +114,15 @@ FitSystem::FitSystem(const FrequencyResponses& r, const FitOptions& options)
       Q.diagonal().array() += 1e-12;
       W = numerics::inverse_factor(Q);
     }
-    const MatrixXcd M = W.adjoint().lazyProduct(W);
     for (Index i = 0, pair = 0; i < inputs_; ++i)
       for (Index j = 0; j < inputs_; ++j) {
-        M_(k, i * inputs_ + j) = M(i, j);
+        const Complex M_ij = W.col(i).dot(W.col(j));
+        M_(k, i * inputs_ + j) = M_ij;
         if (j < i) continue;
         for (Index o = 0; o < outputs_; ++o) {
           const Index at = o * inputs_ * (inputs_ + 1) / 2 + pair;
-          weights_re_(k, at) = weight(k, o) * M(i, j).real();
-          weights_im_(k, at) = weight(k, o) * M(i, j).imag();
+          weights_re_(k, at) = weight(k, o) * M_ij.real();
+          weights_im_(k, at) = weight(k, o) * M_ij.imag();
         }
         ++pair;
       }
@@ -247,10 +247,11 @@ Parts FitSystem::times_weight(const Parts& slopes) const {
   for (Index i = 0; i < inputs_; ++i)
     for (Index j = 0; j < inputs_; ++j) {
       const VectorXd re = M_.col(i * inputs_ + j).real(), im = M_.col(i * inputs_ + j).imag();
-      const auto d_re = slopes.re.middleCols(j * count, count),
-                 d_im = slopes.im.middleCols(j * count, count);
-      turned.re.middleCols(i * count, count) += re.asDiagonal() * d_re - im.asDiagonal() * d_im;
-      turned.im.middleCols(i * count, count) += re.asDiagonal() * d_im + im.asDiagonal() * d_re;
+      for (Index c = 0; c < count; ++c) {
+        const auto d_re = slopes.re.col(j * count + c), d_im = slopes.im.col(j * count + c);
+        turned.re.col(i * count + c) += re.cwiseProduct(d_re) - im.cwiseProduct(d_im);
+        turned.im.col(i * count + c) += re.cwiseProduct(d_im) + im.cwiseProduct(d_re);
+      }
     }
   return turned;
 }

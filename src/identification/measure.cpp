@@ -28,33 +28,14 @@ std::vector<int> with_role(const data::RecordHeader& header, Role role) {
   return list;
 }
 
-/// Responses with these directions, each exactly once; empty where one is missing.
-std::vector<int> with_directions(const data::RecordHeader& header, data::Direction first,
-                                 const std::vector<std::string_view>& units) {
-  std::vector<int> list;
-  for (int d = 0; d < 6; ++d) {
-    const auto direction = static_cast<data::Direction>(static_cast<int>(first) + d);
-    int found = 0;
-    for (std::size_t c = 0; c < header.channels.size(); ++c) {
-      const auto& channel = header.channels[c];
-      if (channel.role != Role::response || channel.direction != direction ||
-          std::ranges::find(units, channel.unit) == units.end())
-        continue;
-      list.push_back(static_cast<int>(c));
-      ++found;
-    }
-    if (found != 1) return {};
-  }
-  return list;
-}
-
 /// All responses; but where the platform's motion or the six leg lengths are among sensors of
 /// other kinds, these.
 std::vector<int> default_outputs(const data::RecordHeader& header) {
-  auto platform = with_directions(header, data::Direction::x, {"m", "rad"});
-  if (!platform.empty()) return platform;
-  auto legs = with_directions(header, data::Direction::leg1, {"m"});
-  return legs.empty() ? with_role(header, Role::response) : legs;
+  const auto six = [&](data::Direction first, const std::vector<std::string_view>& units) {
+    return six_channels(header.channels, Role::response, first, units);
+  };
+  if (const auto platform = six(data::Direction::x, {"m", "rad"})) return *platform;
+  return six(data::Direction::leg1, {"m"}).value_or(with_role(header, Role::response));
 }
 
 std::string names_of(const data::RecordHeader& header) {
@@ -296,7 +277,9 @@ void bring_sensors_to_platform(const MatrixXd& map, ChannelChoice& choice, Measu
 /// The channels of legs 1 … 6 with this role, if all are in `list` and alive.
 std::optional<std::vector<int>> living_legs(const CrossSpectra& spectra, Role role,
                                             const std::vector<int>& list) {
-  auto legs = leg_channels(spectra, role);
+  using Units = std::vector<std::string_view>;
+  const auto legs = six_channels(spectra.channels, role, data::Direction::leg1,
+                                 role == Role::response ? Units{"m", "m/s", "m/s^2"} : Units{});
   if (!legs) return {};
   for (const int leg : *legs) {
     if (std::ranges::find(list, leg) == list.end()) return {};
