@@ -40,7 +40,7 @@ std::optional<Estimator> estimator_from_text(std::string_view text) {
   return {};
 }
 
-double FrequencyResponses::variance(std::size_t line, int output, int input) const {
+double FrequencyResponses::variance(std::size_t line, Eigen::Index output, Eigen::Index input) const {
   return noise[line](output, output).real() * input_factor[line](input, input).real();
 }
 

@@ -8,28 +8,27 @@
 
 #include "damped.hpp"
 #include "hydrapod/base/error.hpp"
+#include "names.hpp"
 
 namespace hydrapod::identification {
 
 namespace {
 
-using Eigen::Index;
-
 /// The modes of `found` in the order of its list, from a fit that began at its model.
 struct Refit {
-  Eigen::VectorXd omega{}, damping{};
+  VectorXd omega{}, damping{};
 };
 
 Refit refit(const FrequencyResponses& responses, const Identification& found,
             const IdentifyOptions& options) {
   std::vector<PoleEstimate> start;
-  for (const auto& m : found.modes) start.push_back({m.fit.pole, m.fit.shape, m.fit.participation});
-  for (const auto& m : found.heavily_damped) start.push_back({m.pole, m.shape, m.participation});
+  for (const auto& m : found.modes) start.push_back(m.fit);
+  start.insert(start.end(), found.heavily_damped.begin(), found.heavily_damped.end());
   auto fit = options.fit;
   fit.deviations = Deviations::none;
   const auto model = fit_modes(within(responses, found.from, found.to), start, fit);
   const auto count = static_cast<Index>(found.modes.size());
-  Refit result{Eigen::VectorXd(count), Eigen::VectorXd(count)};
+  Refit result{VectorXd(count), VectorXd(count)};
   for (Index r = 0; r < count; ++r) {
     const auto& mode = model.modes[static_cast<std::size_t>(r)];
     result.omega[r] = mode.omega();
@@ -39,8 +38,8 @@ Refit refit(const FrequencyResponses& responses, const Identification& found,
 }
 
 /// Standard deviation of each row.
-Eigen::VectorXd row_deviation(const Eigen::MatrixXd& values) {
-  const Eigen::VectorXd mean = values.rowwise().mean();
+VectorXd row_deviation(const MatrixXd& values) {
+  const VectorXd mean = values.rowwise().mean();
   return ((values.colwise() - mean).rowwise().squaredNorm() /
           static_cast<double>(values.cols() - 1))
       .cwiseSqrt();
@@ -84,7 +83,7 @@ BootstrapScatter bootstrap_modes(const std::vector<CrossSpectra>& groups,
   if (found.modes.empty()) throw std::invalid_argument("there is no mode to bootstrap");
   std::mt19937_64 random(options.seed);
   const auto modes = static_cast<Index>(found.modes.size());
-  Eigen::MatrixXd omega(modes, options.resamples), damping(modes, options.resamples);
+  MatrixXd omega(modes, options.resamples), damping(modes, options.resamples);
   BootstrapScatter scatter{.groups = static_cast<int>(groups.size())};
   for (int b = 0; b < options.resamples; ++b) {
     std::vector<std::size_t> picks(groups.size());
@@ -98,7 +97,7 @@ BootstrapScatter bootstrap_modes(const std::vector<CrossSpectra>& groups,
       ++scatter.resamples;
     } catch (const base::ComputationError&) {  // this draw has too little in it
     }
-    if (progress && !progress(static_cast<double>(b + 1) / options.resamples)) break;
+    if (progress && progress(static_cast<double>(b + 1) / options.resamples)) break;
   }
   if (scatter.resamples < 2)
     throw base::ComputationError("most resamples of the blocks could not be fitted");

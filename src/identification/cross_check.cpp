@@ -1,9 +1,10 @@
 #include "hydrapod/identification/cross_check.hpp"
 
-#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 #include <complex>
+
+#include "selection.hpp"
 
 namespace hydrapod::identification {
 
@@ -14,35 +15,27 @@ constexpr double shape_weight = 0.03;  // a wrong shape counts like so much in f
 
 /// Mean pole of a cluster and its shape.
 struct Realised {
-  std::complex<double> pole{};
-  Eigen::VectorXcd shape{};
+  Complex pole{};
+  VectorXcd shape{};
 };
 
 std::vector<Realised> realised(const FrequencyResponses& responses) {
   const auto chart = realised_poles(impulse_response(responses));
   std::vector<Realised> all;
-  for (const auto& cluster : select_poles(chart)) {
-    Realised mode{.shape = cluster.representative.shape};
-    for (const auto& [n, i] : cluster.members)
-      mode.pole += chart[n].poles[i].pole / static_cast<double>(cluster.members.size());
-    all.push_back(std::move(mode));
-  }
+  for (const auto& cluster : select_poles(chart))
+    all.push_back({mean_pole(cluster, chart), cluster.representative.shape});
   return all;
 }
 
 /// Share of `shape` in what the realised modes within `neighbourhood` of `pole` span: of repeated
 /// modes any mix is right.
-double likeness(const Eigen::VectorXcd& shape, std::complex<double> pole,
-                const std::vector<Realised>& others, double neighbourhood) {
-  Eigen::MatrixXcd span;
-  for (const auto& other : others) {
-    if (std::abs(std::abs(other.pole) / std::abs(pole) - 1.0) > neighbourhood) continue;
-    span.conservativeResize(shape.size(), span.cols() + 1);
-    span.rightCols<1>() = other.shape.normalized();
-  }
-  const Eigen::ColPivHouseholderQR<Eigen::MatrixXcd> qr(span);
-  const Eigen::VectorXcd part = qr.householderQ().adjoint() * shape;
-  return part.head(std::min(qr.rank(), part.size())).squaredNorm() / shape.squaredNorm();
+double likeness(const VectorXcd& shape, Complex pole, const std::vector<Realised>& others,
+                double neighbourhood) {
+  MatrixXcd span;
+  for (const auto& other : others)
+    if (std::abs(std::abs(other.pole) / std::abs(pole) - 1.0) <= neighbourhood)
+      add_direction(other.shape, span);
+  return share_in(shape, span);
 }
 
 struct Candidate {
@@ -78,8 +71,7 @@ std::vector<std::optional<CrossCheck>> cross_check(const Identification& found,
         .mac = likeness(fit.shape, others[q].pole, others, limits.neighbourhood)};
     cross_check.agrees = cross_check.mac >= limits.vector &&
                          std::abs(cross_check.omega / fit.omega() - 1.0) <= limits.frequency &&
-                         std::abs(cross_check.damping_ratio - fit.damping_ratio()) <=
-                             limits.damping * fit.damping_ratio() + limits.damping_floor;
+                         same_damping(cross_check.damping_ratio, fit.damping_ratio(), limits);
     cross_checks[r] = cross_check;
   }
   return cross_checks;

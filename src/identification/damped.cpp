@@ -10,25 +10,19 @@
 #include <span>
 
 #include "hydrapod/base/error.hpp"
-#include "hydrapod/base/units.hpp"
 #include "hydrapod/numerics/fft.hpp"
+#include "names.hpp"
 #include "response_checks.hpp"
 
 namespace hydrapod::identification {
 
-using Complex = std::complex<double>;
-using Eigen::Index;
-using Eigen::MatrixXcd;
-using Eigen::VectorXd;
-
 namespace {
 
-using base::two_pi;
 constexpr double decay = 4.0;            // a times half a block: e⁻⁴ of h is cut off
 constexpr Index kernel_reach = 12;       // lines of the spectra on either side that are mixed
 constexpr Index edge = 16;               // lines over which an excited band ends
 constexpr double weakly_excited = 1e-5;  // of the strongest line of an instrument
-constexpr std::size_t fewest_lines = 16;
+constexpr std::size_t least_lines = 16;
 constexpr double negligible_covariance = 0.03;
 
 /// The factor q(τ) on impulse responses, and what it does to their errors.
@@ -52,6 +46,15 @@ VectorXd lag_scatter(const std::vector<double>& line_covariance, Index lags, Ind
   return v.cwiseMax(0.0);
 }
 
+/// Σ_t x_t e^(2πi d t/n).
+Complex line_of(const VectorXd& x, Index d, Index n) {
+  Complex sum = 0.0;
+  for (Index t = 0; t < x.size(); ++t)
+    sum += x[t] * std::polar(1.0, two_pi * static_cast<double>(d) * static_cast<double>(t) /
+                                      static_cast<double>(n));
+  return sum;
+}
+
 LagWindow lag_window(const CrossSpectra& spectra) {
   const Index n = spectra.options.block_length, m = n / 2;
   const double dt = 1.0 / spectra.sample_rate;
@@ -64,22 +67,14 @@ LagWindow lag_window(const CrossSpectra& spectra) {
   const auto& before = spectra.statistics.line_covariance;
   const VectorXd scatter = w.q.cwiseAbs2().cwiseProduct(lag_scatter(before, m, n));
   w.noise = scatter.sum();
-  for (int d = 0; d < static_cast<int>(std::min<Index>(m / 2, 200)); ++d) {
-    Complex sum = 0.0;
-    for (Index t = 0; t < m; ++t)
-      sum += scatter[t] *
-             std::polar(1.0, two_pi * d * static_cast<double>(t) / static_cast<double>(m));
+  for (Index d = 0; d < std::min<Index>(m / 2, 200); ++d) {
+    const Complex sum = line_of(scatter, d, m);
     if (std::abs(sum) < negligible_covariance * w.noise) break;
     w.line_covariance.push_back(sum / w.noise);
   }
   w.kernel = VectorXd(2 * kernel_reach + 1);
-  for (Index d = -kernel_reach; d <= kernel_reach; ++d) {
-    Complex sum = 0.0;
-    for (Index t = 0; t < m; ++t)
-      sum += w.q[t] * std::polar(1.0, -two_pi * static_cast<double>(d) * static_cast<double>(t) /
-                                          static_cast<double>(n));
-    w.kernel[d + kernel_reach] = std::norm(sum);
-  }
+  for (Index d = -kernel_reach; d <= kernel_reach; ++d)
+    w.kernel[d + kernel_reach] = std::norm(line_of(w.q, -d, n));
   w.kernel /= w.kernel.sum();
   double together = 0.0;
   for (Index d = 0; d < w.kernel.size(); ++d)
@@ -199,10 +194,7 @@ void add_line(const CrossSpectra& spectra, const ChannelChoice& c, const MatrixX
   difference.rightCols(p) = -H;
   MatrixXcd V = difference * noise * difference.adjoint();
   const MatrixXcd S = spectra.at(line);
-  for (Index o = 0; o < outputs; ++o) {  // rounding must not leave a negative variance
-    const int channel = c.outputs[static_cast<std::size_t>(o)];
-    V(o, o) = std::max(V(o, o).real(), 1e-15 * S(channel, channel).real());
-  }
+  keep_positive(S, c.outputs, V);
   r.frequency.push_back(spectra.frequency(line));
   r.H.push_back(H);
   r.input_factor.push_back(G.adjoint() * P * G);
@@ -213,21 +205,16 @@ void add_line(const CrossSpectra& spectra, const ChannelChoice& c, const MatrixX
 }  // namespace
 
 FrequencyResponses damped_instrumental(const CrossSpectra& spectra, const ChannelChoice& wanted) {
-  FrequencyResponses r;
-  r.estimator = Estimator::instrumental;
-  const ChannelChoice c = checked_choice(spectra, wanted, r.estimator, r.warnings);
-  for (const int i : c.inputs) r.inputs.push_back(spectra.channels[static_cast<size_t>(i)]);
-  for (const int o : c.outputs) r.outputs.push_back(spectra.channels[static_cast<size_t>(o)]);
-  const double K = spectra.statistics.effective_averages, p = static_cast<double>(c.inputs.size());
+  ChannelChoice c = wanted;
+  auto r = without_lines(spectra, Estimator::instrumental, c);
+  const double K = r.averages, p = static_cast<double>(c.inputs.size());
   const LagWindow window = lag_window(spectra);
   const auto first = static_cast<Index>(spectra.statistics.line_covariance.size());
   const VectorXd share = excited_share(spectra, c.instruments);
   const auto f = from_instruments(spectra, c, share, first);
   const auto H = brought_to_shift(f.H, window.q);
-  r.averages = K;
   r.degrees = (K - p) * window.more_lines;
   r.shift = window.a;
-  r.sample_rate = spectra.sample_rate;
   r.line_covariance = window.line_covariance;
   const auto quiet = quiet_levels(spectra);
   constexpr Index apart = 4;  // lines from where the excitation is less, or the mean was
@@ -240,7 +227,7 @@ FrequencyResponses damped_instrumental(const CrossSpectra& spectra, const Channe
              window.noise / (K - p), 2 * k, r);
     r.condition.push_back(condition);
   }
-  if (r.lines() < fewest_lines) return estimate_responses(spectra, wanted, r.estimator);
+  if (r.lines() < least_lines) return estimate_responses(spectra, wanted, r.estimator);
   finish_checks(spectra, c, r);
   return r;
 }

@@ -10,12 +10,9 @@
 
 #include "hydrapod/base/error.hpp"
 #include "hydrapod/spatial/pose.hpp"
+#include "names.hpp"
 
 namespace hydrapod::identification {
-
-using Eigen::Index;
-using Eigen::MatrixXcd;
-using Eigen::MatrixXd;
 
 namespace {
 
@@ -36,26 +33,20 @@ std::string angular(const std::string& unit) {
   return unit.starts_with('m') ? "rad" + unit.substr(1) : unit + "/m";
 }
 
-/// S' = M S Mᵀ for all lines of packed spectra.
-void mix(const MatrixXd& M, Index channels, MatrixXd& re, MatrixXd& im) {
-  const Index to = M.rows();
-  MatrixXd new_re(re.rows(), to * (to + 1) / 2), new_im(new_re.rows(), new_re.cols());
-  MatrixXcd S(channels, channels);
-  for (Index line = 0; line < re.rows(); ++line) {
-    for (Index i = 0, pair = 0; i < channels; ++i)
-      for (Index j = 0; j <= i; ++j, ++pair) {
-        S(i, j) = {re(line, pair), im(line, pair)};
-        S(j, i) = std::conj(S(i, j));
-      }
-    const MatrixXcd T = M * S * M.transpose();
+/// M S Mᵀ for all lines, packed; `spectrum`: S at a line.
+template <class Spectrum>
+void mix(const MatrixXd& M, const Spectrum& spectrum, MatrixXd& re, MatrixXd& im) {
+  const Index lines = re.rows(), to = M.rows();
+  re.resize(lines, to * (to + 1) / 2);
+  im.resize(lines, re.cols());
+  for (Index line = 0; line < lines; ++line) {
+    const MatrixXcd T = M * spectrum(line) * M.transpose();
     for (Index i = 0, pair = 0; i < to; ++i)
       for (Index j = 0; j <= i; ++j, ++pair) {
-        new_re(line, pair) = T(i, j).real();
-        new_im(line, pair) = i == j ? 0.0 : T(i, j).imag();
+        re(line, pair) = T(i, j).real();
+        im(line, pair) = i == j ? 0.0 : T(i, j).imag();
       }
   }
-  re.swap(new_re);
-  im.swap(new_im);
 }
 
 }  // namespace
@@ -105,25 +96,28 @@ CrossSpectra to_platform(const CrossSpectra& spectra, const std::vector<int>& ch
                                .role = first.role});
     result.health.push_back(worst);
   }
-  mix(M, count, result.re, result.im);
-  if (result.noise_re.size() > 0) mix(M, count, result.noise_re, result.noise_im);
+  mix(
+      M, [&](Index line) { return spectra.at(line); }, result.re, result.im);
+  if (result.noise_re.size() > 0)
+    mix(
+        M, [&](Index line) { return spectra.noise_at(line); }, result.noise_re, result.noise_im);
   return result;
 }
 
-std::optional<std::vector<int>> leg_channels(const CrossSpectra& spectra, data::Role role) {
-  std::vector<int> legs(6, -1);
-  for (std::size_t c = 0; c < spectra.channels.size(); ++c) {
-    const auto& channel = spectra.channels[c];
-    const int leg = static_cast<int>(channel.direction) - static_cast<int>(data::Direction::leg1);
-    if (channel.role != role || leg < 0 || leg > 5) continue;
-    if (role == data::Role::response && channel.unit != "m" && channel.unit != "m/s" &&
-        channel.unit != "m/s^2")
-      continue;
-    if (legs[static_cast<size_t>(leg)] >= 0) return {};
-    legs[static_cast<size_t>(leg)] = static_cast<int>(c);
+std::optional<std::vector<int>> six_channels(const std::vector<data::Channel>& channels,
+                                             data::Role role, data::Direction first,
+                                             const std::vector<std::string_view>& units) {
+  std::vector<int> six(6, -1);
+  for (std::size_t c = 0; c < channels.size(); ++c) {
+    const auto& channel = channels[c];
+    const int at = static_cast<int>(channel.direction) - static_cast<int>(first);
+    if (channel.role != role || at < 0 || at > 5) continue;
+    if (!units.empty() && std::ranges::find(units, channel.unit) == units.end()) continue;
+    if (six[static_cast<size_t>(at)] >= 0) return {};
+    six[static_cast<size_t>(at)] = static_cast<int>(c);
   }
-  if (std::ranges::find(legs, -1) != legs.end()) return {};
-  return legs;
+  if (std::ranges::find(six, -1) != six.end()) return {};
+  return six;
 }
 
 }  // namespace hydrapod::identification

@@ -1,34 +1,13 @@
 #include "fit_covariance.hpp"
 
-#include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
 #include <cmath>
 #include <utility>
 
-#include "hydrapod/base/units.hpp"
+#include "hydrapod/numerics/dense.hpp"
 
 namespace hydrapod::identification {
 
-using Complex = std::complex<double>;
-using Eigen::Index;
-using Eigen::MatrixXcd;
-using Eigen::MatrixXd;
-using Eigen::VectorXcd;
-using Eigen::VectorXd;
-
 namespace {
-
-/// Inverse of a symmetric positive matrix; directions that the data do not tell at all (two equal
-/// poles may share their shapes in any way) count as known, not as infinitely uncertain.
-MatrixXd inverse(const MatrixXd& N) {
-  const VectorXd scale = N.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
-  const Eigen::SelfAdjointEigenSolver<MatrixXd> solver(scale.asDiagonal() * N * scale.asDiagonal());
-  const double least = 1e-13 * solver.eigenvalues().maxCoeff();
-  VectorXd inverted = solver.eigenvalues();
-  for (double& value : inverted) value = value > least ? 1.0 / value : 0.0;
-  const MatrixXd V = scale.asDiagonal() * solver.eigenvectors();
-  return V * inverted.asDiagonal() * V.transpose();
-}
 
 /// Variances of what the errors of all lines make of functions of the shared parameters: own ones
 /// are eliminated, output o's by `X`.
@@ -44,8 +23,8 @@ class Propagation {
     const Index p = system.inputs(), shared = system.shared_count(state.shared.poles.size());
     for (Index o = 0; o < system.outputs(); ++o) {
       const MatrixXd T = system.derivatives(state, o);
-      derivatives_.push_back(T.leftCols(shared) -
-                             T.rightCols(T.cols() - shared) * X[static_cast<size_t>(o)]);
+      derivatives_.push_back(T.leftCols(shared) - numerics::times(T.rightCols(T.cols() - shared),
+                                                                  X[static_cast<size_t>(o)]));
     }
     for (Index k = 0; k < system.lines(); ++k)
       whitening_.row(k) =
@@ -87,17 +66,16 @@ class Propagation {
   /// J v, whitened: entry o p + i, a row per line.
   [[nodiscard]] MatrixXcd changes(const VectorXd& v) const {
     const Index p = system_.inputs(), outputs = system_.outputs();
-    const Index n = state_.functions.cols(), count = slopes_.cols() / p;
+    const Index n = state_.functions.re.cols(), count = slopes_.re.cols() / p;
     MatrixXd by_functions(n, p * outputs), by_slopes(count, outputs);
     for (Index o = 0; o < outputs; ++o) {
       const VectorXd c = derivatives_[static_cast<size_t>(o)] * v;
       by_functions.middleCols(o * p, p) = c.head(n * p).reshaped(p, n).transpose();
       by_slopes.col(o) = c.tail(count);
     }
-    MatrixXcd plain = state_.functions * by_functions;
+    MatrixXcd plain = product(state_.functions, 0, by_functions);
     for (Index i = 0; i < p; ++i)
-      plain(Eigen::all, Eigen::seqN(i, outputs, p)) +=
-          slopes_.middleCols(i * count, count) * by_slopes;
+      plain(Eigen::all, Eigen::seqN(i, outputs, p)) += product(slopes_, i * count, by_slopes);
     MatrixXcd white = MatrixXcd::Zero(plain.rows(), plain.cols());
     for (Index o = 0; o < outputs; ++o)
       for (Index i = 0; i < p; ++i) {
@@ -125,7 +103,7 @@ class Propagation {
   const FitSystem& system_;
   const FrequencyResponses& responses_;
   const FitState& state_;
-  MatrixXcd slopes_;
+  Parts slopes_;
   MatrixXcd whitening_;                // lines × inputs², column i p + j
   MatrixXcd coherence_;                // lines × outputs²
   std::vector<MatrixXd> derivatives_;  // of the columns (c_a e_i, d), by the shared parameters
@@ -143,12 +121,8 @@ std::pair<Eigen::Vector2d, Eigen::Vector2d> frequency_and_damping(Complex l) {
 
 MatrixXd own_by_shared(const MatrixXd& normal, Index shared) {
   const Index own = normal.rows() - shared;
-  MatrixXd N = normal.bottomRightCorner(own, own);
-  const VectorXd scale = N.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
-  N = scale.asDiagonal() * N * scale.asDiagonal();
-  N.diagonal().array() += 1e-14;
-  return scale.asDiagonal() *
-         N.ldlt().solve(scale.asDiagonal() * normal.bottomLeftCorner(own, shared));
+  const MatrixXd N = normal.bottomRightCorner(own, own), B = normal.bottomLeftCorner(own, shared);
+  return numerics::solve_positive(N, B);
 }
 
 double lines_in_step(const FrequencyResponses& responses) {
@@ -166,7 +140,7 @@ VectorXd row_sizes(const FrequencyResponses& responses) {
 
 MatrixXcd modelled(const ModalModel& model, const std::vector<PoleLines>& lines, Index line,
                    const FrequencyResponses& responses) {
-  const double omega = base::two_pi * responses.frequency[static_cast<size_t>(line)];
+  const double omega = two_pi * responses.frequency[static_cast<size_t>(line)];
   const Complex s = Complex(responses.shift, omega) / model.omega_scale;
   MatrixXcd H = MatrixXcd::Zero(responses.H[0].rows(), responses.H[0].cols());
   for (std::size_t r = 0; r < model.modes.size(); ++r) {
@@ -187,12 +161,12 @@ void add_deviations(const FitSystem& system, const FrequencyResponses& responses
     const Index own = normal.matrix.rows() - shared;
     X.push_back(own_by_shared(normal.matrix, shared));
     if (asked == Deviations::all)
-      own_inverse.push_back(inverse(normal.matrix.bottomRightCorner(own, own)));
+      own_inverse.push_back(numerics::inverse_positive(normal.matrix.bottomRightCorner(own, own)));
     N += normal.matrix.topLeftCorner(shared, shared) -
-         normal.matrix.topRightCorner(shared, own) * X.back();
+         numerics::times(normal.matrix.topRightCorner(shared, own), X.back());
   }
   const double scale = responses.has_errors() ? std::max(1.0, misfit) : misfit;
-  const MatrixXd N_inverse = inverse(N);
+  const MatrixXd N_inverse = numerics::inverse_positive(N);
   const Propagation propagation(system, responses, state, X);
   const auto variance = [&](const VectorXd& v) {
     return scale * std::max(0.0, propagation.variance(v));
@@ -208,7 +182,7 @@ void add_deviations(const FitSystem& system, const FrequencyResponses& responses
     mode.shape_deviation.resize(system.outputs());
     for (Index o = 0; o < system.outputs(); ++o) {
       const auto at = static_cast<size_t>(o);
-      const MatrixXd by_poles = N_inverse * X[at].middleRows<2>(2 * r).transpose();
+      const MatrixXd by_poles = numerics::times(N_inverse, X[at].middleRows<2>(2 * r).transpose());
       mode.shape_deviation[o] =
           std::sqrt(variance(by_poles.col(0)) + variance(by_poles.col(1)) +
                     0.5 * scale * neighbours * own_inverse[at].block<2, 2>(2 * r, 2 * r).trace());

@@ -1,35 +1,43 @@
 #include "fit_system.hpp"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 
-#include "hydrapod/base/units.hpp"
+#include "hydrapod/numerics/dense.hpp"
 #include "line_weights.hpp"
 
 namespace hydrapod::identification {
 
-using Complex = std::complex<double>;
-using Eigen::Index;
-using Eigen::MatrixXcd;
-using Eigen::MatrixXd;
-using Eigen::VectorXcd;
-using Eigen::VectorXd;
-
 namespace {
 
-constexpr Complex i_unit{0.0, 1.0};
+using Columns = Eigen::Ref<const MatrixXd>;
 constexpr Index chunk = 128;  // lines whose products are held at once
 
+/// Re(aᴴ b).
+MatrixXd real_inner(const Columns& a_re, const Columns& a_im, const Columns& b_re,
+                    const Columns& b_im) {
+  MatrixXd result = MatrixXd::Zero(a_re.cols(), b_re.cols());
+  numerics::add_transposed_times(a_re, b_re, result);
+  numerics::add_transposed_times(a_im, b_im, result);
+  return result;
+}
+
+/// a + b and i (a − b) into columns `at` and the next.
+void set_pair(const VectorXcd& a, const VectorXcd& b, Index at, Parts& columns) {
+  columns.re.col(at) = a.real() + b.real();
+  columns.im.col(at) = a.imag() + b.imag();
+  columns.re.col(at + 1) = b.imag() - a.imag();
+  columns.im.col(at + 1) = a.real() - b.real();
+}
+
 /// B with columns (c_a e_i …) to columns by the own parameters.
-MatrixXd by_own(const Eigen::Ref<const MatrixXd>& B, const MatrixXcd& L) {
+MatrixXd by_own(const Columns& B, const MatrixXcd& L) {
   const Index p = L.rows(), modes = L.cols(), residuals = B.cols() - 2 * modes * p;
   MatrixXd result(B.rows(), 2 * modes + residuals);
   for (Index r = 0; r < modes; ++r) {
-    const auto sum = B.middleCols(2 * r * p, p), difference = B.middleCols((2 * r + 1) * p, p);
-    const VectorXd x = L.col(r).real(), y = L.col(r).imag();
-    result.col(2 * r) = sum * x + difference * y;
-    result.col(2 * r + 1) = difference * x - sum * y;
+    MatrixXd turn(2 * p, 2);  // of the columns (g + ḡ) e_i and i (g − ḡ) e_i
+    turn << L.col(r).real(), -L.col(r).imag(), L.col(r).imag(), L.col(r).real();
+    result.middleCols(2 * r, 2) = numerics::times(B.middleCols(2 * r * p, 2 * p), turn);
   }
   result.rightCols(residuals) = B.rightCols(residuals);
   return result;
@@ -61,6 +69,15 @@ MatrixXd by_function(const VectorXd& coefficients, Index inputs) {
 
 }  // namespace
 
+MatrixXcd product(const Parts& left, Index first, const MatrixXd& right) {
+  const MatrixXd re = numerics::times(left.re.middleCols(first, right.rows()), right);
+  const MatrixXd im = numerics::times(left.im.middleCols(first, right.rows()), right);
+  MatrixXcd both(re.rows(), re.cols());
+  both.real() = re;
+  both.imag() = im;
+  return both;
+}
+
 void SharedParameters::step(const VectorXd& change) {
   Index at = 0;
   for (Index r = 0; r < poles.size(); ++r) {
@@ -81,7 +98,7 @@ FitSystem::FitSystem(const FrequencyResponses& r, const FitOptions& options)
       inputs_(r.H[0].cols()),
       outputs_(r.H[0].rows()),
       lines_(static_cast<Index>(r.lines())),
-      omega_scale_(base::two_pi * r.frequency.back()),
+      omega_scale_(two_pi * r.frequency.back()),
       M_(lines_, inputs_ * inputs_),
       weights_re_(lines_, outputs_ * inputs_ * (inputs_ + 1) / 2),
       weights_im_(lines_, weights_re_.cols()),
@@ -95,26 +112,24 @@ FitSystem::FitSystem(const FrequencyResponses& r, const FitOptions& options)
       MatrixXcd Q = r.input_factor[static_cast<size_t>(k)].transpose();
       Q /= Q.diagonal().real().mean();
       Q.diagonal().array() += 1e-12;
-      W = Q.llt().matrixL().solve(W);
+      W = numerics::inverse_factor(Q);
     }
-    const MatrixXcd M = W.adjoint() * W;
     for (Index i = 0, pair = 0; i < inputs_; ++i)
       for (Index j = 0; j < inputs_; ++j) {
-        M_(k, i * inputs_ + j) = M(i, j);
+        const Complex M_ij = W.col(i).dot(W.col(j));
+        M_(k, i * inputs_ + j) = M_ij;
         if (j < i) continue;
         for (Index o = 0; o < outputs_; ++o) {
           const Index at = o * inputs_ * (inputs_ + 1) / 2 + pair;
-          weights_re_(k, at) = weight(k, o) * M(i, j).real();
-          weights_im_(k, at) = weight(k, o) * M(i, j).imag();
+          weights_re_(k, at) = weight(k, o) * M_ij.real();
+          weights_im_(k, at) = weight(k, o) * M_ij.imag();
         }
         ++pair;
       }
     data_.row(k) = r.H[static_cast<size_t>(k)].reshaped<Eigen::RowMajor>().transpose();
     white_.push_back(std::move(W));
   }
-  const MatrixXcd gradient = weighted(data_);
-  data_gradient_re_ = gradient.real();
-  data_gradient_im_ = gradient.imag();
+  data_gradient_ = Parts(weighted(data_));
 }
 
 /// w_o M e_o for rows e_o, laid out as the residual.
@@ -133,20 +148,21 @@ MatrixXcd FitSystem::weighted(const MatrixXcd& rows) const {
 /// Σ w_o Re(c_a* c_b M_ij) for all outputs.
 void FitSystem::add_gram(FitState& state) const {
   const auto& c = state.functions;
-  const Index n = c.cols(), p = inputs_, pairs = p * (p + 1) / 2;
+  const Index n = c.re.cols(), p = inputs_, pairs = p * (p + 1) / 2;
   MatrixXd re(chunk, n * (n + 1) / 2), im(chunk, re.cols());
   MatrixXd even = MatrixXd::Zero(re.cols(), weights_re_.cols()), odd = even;
   for (Index first = 0; first < lines_; first += chunk) {
     const Index count = std::min(chunk, lines_ - first);
     for (Index b = 0, at = 0; b < n; ++b)
       for (Index a = 0; a <= b; ++a, ++at) {
-        const VectorXcd product =
-            c.col(a).segment(first, count).conjugate().cwiseProduct(c.col(b).segment(first, count));
-        re.col(at).head(count) = product.real();
-        im.col(at).head(count) = product.imag();
+        const auto some = [&](const MatrixXd& m, Index column) {
+          return m.col(column).segment(first, count).array();
+        };
+        re.col(at).head(count) = some(c.re, a) * some(c.re, b) + some(c.im, a) * some(c.im, b);
+        im.col(at).head(count) = some(c.re, a) * some(c.im, b) - some(c.im, a) * some(c.re, b);
       }
-    even.noalias() += re.topRows(count).transpose() * weights_re_.middleRows(first, count);
-    odd.noalias() += im.topRows(count).transpose() * weights_im_.middleRows(first, count);
+    numerics::add_transposed_times(re.topRows(count), weights_re_.middleRows(first, count), even);
+    numerics::add_transposed_times(im.topRows(count), weights_im_.middleRows(first, count), odd);
   }
   state.gram.assign(static_cast<size_t>(outputs_), MatrixXd(n * p, n * p));
   for (Index o = 0; o < outputs_; ++o) {
@@ -166,25 +182,23 @@ void FitSystem::add_gram(FitState& state) const {
 void FitSystem::solve_own(FitState& state) const {
   const auto& L = state.shared.participations;
   const Index modes = L.cols(), p = inputs_;
-  const MatrixXd gradient = state.functions.real().transpose() * data_gradient_re_ +
-                            state.functions.imag().transpose() * data_gradient_im_;
-  MatrixXd coefficients(state.functions.cols(), data_.cols());
+  const auto& c = state.functions;
+  const MatrixXd gradient = real_inner(c.re, c.im, data_gradient_.re, data_gradient_.im);
+  MatrixXd coefficients(c.re.cols(), data_.cols());
   const MatrixXd T = by_own(MatrixXd::Identity(state.gram[0].rows(), state.gram[0].cols()), L);
   state.mode_power = VectorXd::Zero(modes);
   for (Index o = 0; o < outputs_; ++o) {
     const MatrixXd N = by_own(by_own(state.gram[static_cast<size_t>(o)], L).transpose(), L);
-    const VectorXd b = T.transpose() * gradient.middleCols(o * p, p).reshaped<Eigen::RowMajor>();
-    const VectorXd scale = N.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
-    MatrixXd scaled = scale.asDiagonal() * N * scale.asDiagonal();
-    scaled.diagonal().array() += 1e-14;
-    const VectorXd x = scale.asDiagonal() * scaled.ldlt().solve(scale.asDiagonal() * b);
+    const VectorXd by_column = gradient.middleCols(o * p, p).reshaped<Eigen::RowMajor>();
+    const VectorXd b = T.transpose() * by_column;
+    const VectorXd x = numerics::solve_positive(N, b);
     coefficients.middleCols(o * p, p) = by_function(T * x, p);
     for (Index r = 0; r < modes; ++r)
       state.mode_power[r] +=
           x.segment<2>(2 * r).dot(N.block<2, 2>(2 * r, 2 * r) * x.segment<2>(2 * r));
     state.own.push_back(x);
   }
-  state.residual = data_ - state.functions * coefficients;
+  state.residual = data_ - product(c, 0, coefficients);
   state.cost = state.residual.conjugate().cwiseProduct(weighted(state.residual)).real().sum();
 }
 
@@ -192,70 +206,83 @@ FitState FitSystem::solved(SharedParameters shared) const {
   FitState state;
   state.shared = std::move(shared);
   const Index modes = state.shared.poles.size();
-  state.functions.resize(lines_, 2 * modes + residual_terms_);
+  state.functions = Parts(lines_, 2 * modes + residual_terms_);
   for (Index r = 0; r < modes; ++r) {
     state.lines.push_back(pole_basis_.at(state.shared.poles[r]));
     const auto& lines = state.lines.back();
-    state.functions.col(2 * r) = lines.g + lines.g_conjugate;
-    state.functions.col(2 * r + 1) = i_unit * (lines.g - lines.g_conjugate);
+    set_pair(lines.g, lines.g_conjugate, 2 * r, state.functions);
   }
   for (Index k = 0; k < lines_; ++k) {
-    const double omega = base::two_pi * responses_.frequency[static_cast<size_t>(k)];
+    const double omega = two_pi * responses_.frequency[static_cast<size_t>(k)];
     const Complex s = Complex(responses_.shift, omega) / omega_scale_;
-    for (int t = 0; t < residual_terms_; ++t)
-      state.functions(k, 2 * modes + t) = std::pow(s, t + lowest_residual_power);
+    for (int t = 0; t < residual_terms_; ++t) {
+      const Complex power = std::pow(s, t + lowest_residual_power);
+      state.functions.re(k, 2 * modes + t) = power.real();
+      state.functions.im(k, 2 * modes + t) = power.imag();
+    }
   }
   add_gram(state);
   solve_own(state);
   return state;
 }
 
-MatrixXcd FitSystem::slopes(const FitState& state) const {
+Parts FitSystem::slopes(const FitState& state) const {
   const auto& L = state.shared.participations;
   const Index modes = L.cols();
-  MatrixXcd d(lines_, inputs_ * 2 * modes);
+  Parts d(lines_, inputs_ * 2 * modes);
   for (Index i = 0; i < inputs_; ++i)
     for (Index r = 0; r < modes; ++r) {
       const auto& lines = state.lines[static_cast<size_t>(r)];
-      const VectorXcd a = L(i, r) * lines.slope, b = std::conj(L(i, r)) * lines.slope_conjugate;
-      d.col(i * 2 * modes + 2 * r) = a + b;
-      d.col(i * 2 * modes + 2 * r + 1) = i_unit * (a - b);
+      set_pair(L(i, r) * lines.slope, std::conj(L(i, r)) * lines.slope_conjugate,
+               i * 2 * modes + 2 * r, d);
     }
   return d;
 }
 
+/// M d.
+Parts FitSystem::times_weight(const Parts& slopes) const {
+  const Index count = slopes.re.cols() / inputs_;
+  Parts turned;
+  turned.re = turned.im = MatrixXd::Zero(lines_, slopes.re.cols());
+  for (Index i = 0; i < inputs_; ++i)
+    for (Index j = 0; j < inputs_; ++j) {
+      const VectorXd re = M_.col(i * inputs_ + j).real(), im = M_.col(i * inputs_ + j).imag();
+      for (Index c = 0; c < count; ++c) {
+        const auto d_re = slopes.re.col(j * count + c), d_im = slopes.im.col(j * count + c);
+        turned.re.col(i * count + c) += re.cwiseProduct(d_re) - im.cwiseProduct(d_im);
+        turned.im.col(i * count + c) += re.cwiseProduct(d_im) + im.cwiseProduct(d_re);
+      }
+    }
+  return turned;
+}
+
 /// The Gram matrix of all columns of an output. `turned`: M d.
-MatrixXd FitSystem::with_slopes(const FitState& state, const MatrixXcd& slopes,
-                                const MatrixXcd& turned, Index output) const {
-  const Index n = state.functions.cols(), count = slopes.cols() / inputs_, p = inputs_;
+MatrixXd FitSystem::with_slopes(const FitState& state, const Parts& slopes, const Parts& turned,
+                                Index output) const {
+  const auto& c = state.functions;
+  const Index n = c.re.cols(), count = slopes.re.cols() / inputs_, p = inputs_;
   const VectorXd weight = deviation_.col(output).cwiseAbs2().cwiseInverse();
-  const MatrixXd re = weight.asDiagonal() * turned.real(), im = weight.asDiagonal() * turned.imag();
-  const MatrixXd mixed = re.transpose() * state.functions.real() +
-                         im.transpose() * state.functions.imag();  // i · count + number, a
+  const MatrixXd re = weight.asDiagonal() * turned.re, im = weight.asDiagonal() * turned.im;
+  const MatrixXd mixed = real_inner(re, im, c.re, c.im);  // i · count + number, a
   MatrixXd G(n * p + count, n * p + count);
   G.topLeftCorner(n * p, n * p) = state.gram[static_cast<size_t>(output)];
   G.bottomRightCorner(count, count).setZero();
   for (Index i = 0; i < p; ++i) {
-    for (Index a = 0; a < n; ++a)
-      G.col(a * p + i).tail(count) = mixed.col(a).segment(i * count, count);
-    const auto d = slopes.middleCols(i * count, count);
-    G.bottomRightCorner(count, count).noalias() +=
-        re.middleCols(i * count, count).transpose() * d.real() +
-        im.middleCols(i * count, count).transpose() * d.imag();
+    const Index at = i * count;
+    for (Index a = 0; a < n; ++a) G.col(a * p + i).tail(count) = mixed.col(a).segment(at, count);
+    G.bottomRightCorner(count, count) +=
+        real_inner(re.middleCols(at, count), im.middleCols(at, count),
+                   slopes.re.middleCols(at, count), slopes.im.middleCols(at, count));
   }
   G.topRightCorner(n * p, count) = G.bottomLeftCorner(count, n * p).transpose();
   return G;
 }
 
 std::vector<FitSystem::Normal> FitSystem::normals(const FitState& state) const {
-  const MatrixXcd d = slopes(state), e = weighted(state.residual);
-  const Index n = state.functions.cols(), p = inputs_, count = d.cols() / p;
-  MatrixXcd turned = MatrixXcd::Zero(lines_, d.cols());
-  for (Index i = 0; i < p; ++i)
-    for (Index j = 0; j < p; ++j)
-      turned.middleCols(i * count, count) +=
-          M_.col(i * p + j).asDiagonal() * d.middleCols(j * count, count);
-  const MatrixXd by_functions = (state.functions.adjoint() * e).real();
+  const auto& c = state.functions;
+  const Parts d = slopes(state), turned = times_weight(d), e(weighted(state.residual));
+  const Index n = c.re.cols(), p = inputs_, count = d.re.cols() / p;
+  const MatrixXd by_functions = real_inner(c.re, c.im, e.re, e.im);
   std::vector<Normal> all;
   for (Index o = 0; o < outputs_; ++o) {
     const VectorXcd phi = shape_row(state.own[static_cast<size_t>(o)], count / 2);
@@ -265,7 +292,8 @@ std::vector<FitSystem::Normal> FitSystem::normals(const FitState& state) const {
     gradient.rightCols(count).setZero();
     for (Index i = 0; i < p; ++i)
       gradient.rightCols(count) +=
-          (d.middleCols(i * count, count).adjoint() * e.col(o * p + i)).real().transpose();
+          real_inner(e.re.col(o * p + i), e.im.col(o * p + i), d.re.middleCols(i * count, count),
+                     d.im.middleCols(i * count, count));
     const MatrixXd half =
         by_parameters(with_slopes(state, d, turned, o), state.shared, phi).transpose();
     all.push_back({by_parameters(half, state.shared, phi).transpose(),
@@ -276,7 +304,7 @@ std::vector<FitSystem::Normal> FitSystem::normals(const FitState& state) const {
 
 MatrixXd FitSystem::derivatives(const FitState& state, Index output) const {
   const Index modes = state.shared.poles.size();
-  const Index size = state.functions.cols() * inputs_ + 2 * modes;
+  const Index size = state.functions.re.cols() * inputs_ + 2 * modes;
   return by_parameters(MatrixXd::Identity(size, size), state.shared,
                        shape_row(state.own[static_cast<size_t>(output)], modes));
 }

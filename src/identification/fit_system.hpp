@@ -17,27 +17,40 @@
 /// c_a* c_b at each line, summed with the weights w_o M_ij.
 
 #include "hydrapod/identification/identify.hpp"
+#include "names.hpp"
 #include "pole_basis.hpp"
 
 namespace hydrapod::identification {
 
+/// A complex matrix whose products with others are formed by real ones: half of Eigen's kernels are
+/// enough, and where only the real part is wanted half of the work.
+struct Parts {
+  MatrixXd re, im;
+  Parts() = default;
+  Parts(Index rows, Index columns) : re(rows, columns), im(rows, columns) {}
+  explicit Parts(const MatrixXcd& both) : re(both.real()), im(both.imag()) {}
+};
+
+/// The columns from `first` on, times a real matrix.
+MatrixXcd product(const Parts& left, Index first, const MatrixXd& right);
+
 /// λ and L of all modes, and which element of L is 1.
 struct SharedParameters {
-  Eigen::VectorXcd poles;
-  Eigen::MatrixXcd participations;  // inputs × modes
-  std::vector<Eigen::Index> fixed;
-  void step(const Eigen::VectorXd& change);
+  VectorXcd poles;
+  MatrixXcd participations;  // inputs × modes
+  std::vector<Index> fixed;
+  void step(const VectorXd& change);
 };
 
 /// One set of shared parameters with the own ones that are best for it.
 struct FitState {
   SharedParameters shared;
-  std::vector<PoleLines> lines;       ///< per mode
-  Eigen::MatrixXcd functions;         ///< c_a, lines × (2 modes + residual terms)
-  std::vector<Eigen::MatrixXd> gram;  ///< per output, of the columns c_a e_i, number a p + i
-  std::vector<Eigen::VectorXd> own;   ///< per output
-  Eigen::VectorXd mode_power;         ///< Σ over lines and outputs of what each mode adds, squared
-  Eigen::MatrixXcd residual;          ///< Ĥ_oi − H_oi in column o p + i, a row per line
+  std::vector<PoleLines> lines;  ///< per mode
+  Parts functions;               ///< c_a, lines × (2 modes + residual terms)
+  std::vector<MatrixXd> gram;    ///< per output, of the columns c_a e_i, number a p + i
+  std::vector<VectorXd> own;     ///< per output
+  VectorXd mode_power;           ///< Σ over lines and outputs of what each mode adds, squared
+  MatrixXcd residual;            ///< Ĥ_oi − H_oi in column o p + i, a row per line
   double cost{};
 };
 
@@ -45,56 +58,54 @@ class FitSystem {
  public:
   FitSystem(const FrequencyResponses& responses, const FitOptions& options);
 
-  [[nodiscard]] Eigen::Index inputs() const { return inputs_; }
-  [[nodiscard]] Eigen::Index outputs() const { return outputs_; }
-  [[nodiscard]] Eigen::Index lines() const { return lines_; }
-  [[nodiscard]] Eigen::Index shared_count(Eigen::Index modes) const { return modes * 2 * inputs_; }
-  [[nodiscard]] Eigen::Index own_count(Eigen::Index modes) const {
-    return 2 * modes + residual_terms_ * inputs_;
-  }
+  [[nodiscard]] Index inputs() const { return inputs_; }
+  [[nodiscard]] Index outputs() const { return outputs_; }
+  [[nodiscard]] Index lines() const { return lines_; }
+  [[nodiscard]] Index shared_count(Index modes) const { return modes * 2 * inputs_; }
+  [[nodiscard]] Index own_count(Index modes) const { return 2 * modes + residual_terms_ * inputs_; }
   [[nodiscard]] int residual_terms() const { return residual_terms_; }
   [[nodiscard]] double omega_scale() const { return omega_scale_; }
-  [[nodiscard]] const Eigen::MatrixXd& deviation() const { return deviation_; }  ///< σ_o
+  [[nodiscard]] const MatrixXd& deviation() const { return deviation_; }  ///< σ_o
   /// W per line, Wᴴ W = M.
-  [[nodiscard]] const std::vector<Eigen::MatrixXcd>& whitening() const { return white_; }
+  [[nodiscard]] const std::vector<MatrixXcd>& whitening() const { return white_; }
 
   [[nodiscard]] FitState solved(SharedParameters shared) const;
 
   /// Normal equations of an output: N = JᵀJ over (shared, own) parameters, and Jᵀ e.
   struct Normal {
-    Eigen::MatrixXd matrix;
-    Eigen::VectorXd gradient;
+    MatrixXd matrix;
+    VectorXd gradient;
   };
   [[nodiscard]] std::vector<Normal> normals(const FitState& state) const;
 
   /// d_r without noise weights: lines × (inputs · 2 modes), column i · 2 modes + number.
-  [[nodiscard]] Eigen::MatrixXcd slopes(const FitState& state) const;
+  [[nodiscard]] Parts slopes(const FitState& state) const;
   /// Derivatives of an output by its (shared, own) parameters, as combinations of the columns
   /// (c_a e_i, d): 2 modes more rows than a Gram matrix.
-  [[nodiscard]] Eigen::MatrixXd derivatives(const FitState& state, Eigen::Index output) const;
+  [[nodiscard]] MatrixXd derivatives(const FitState& state, Index output) const;
 
  private:
   void add_gram(FitState& state) const;
   void solve_own(FitState& state) const;
-  [[nodiscard]] Eigen::MatrixXcd weighted(const Eigen::MatrixXcd& rows) const;
-  [[nodiscard]] Eigen::MatrixXd with_slopes(const FitState& state, const Eigen::MatrixXcd& slopes,
-                                            const Eigen::MatrixXcd& turned,
-                                            Eigen::Index output) const;
+  [[nodiscard]] MatrixXcd weighted(const MatrixXcd& rows) const;
+  [[nodiscard]] Parts times_weight(const Parts& slopes) const;
+  [[nodiscard]] MatrixXd with_slopes(const FitState& state, const Parts& slopes,
+                                     const Parts& turned, Index output) const;
 
   const FrequencyResponses& responses_;
   PoleBasis pole_basis_;
   int residual_terms_;  // s⁻² … s^K
-  Eigen::Index inputs_, outputs_, lines_;
+  Index inputs_, outputs_, lines_;
   double omega_scale_;
-  Eigen::MatrixXd deviation_;                // lines × outputs
-  std::vector<Eigen::MatrixXcd> white_;      // per line
-  Eigen::MatrixXcd M_;                       // lines × inputs², column i p + j
-  Eigen::MatrixXd weights_re_, weights_im_;  // w_o M_ij, i ≤ j: lines × (outputs · pairs)
-  Eigen::MatrixXcd data_;                    // Ĥ_oi in column o p + i
-  Eigen::MatrixXd data_gradient_re_, data_gradient_im_;  // w_o M Ĥ_o
+  MatrixXd deviation_;                // lines × outputs
+  std::vector<MatrixXcd> white_;      // per line
+  MatrixXcd M_;                       // lines × inputs², column i p + j
+  MatrixXd weights_re_, weights_im_;  // w_o M_ij, i ≤ j: lines × (outputs · pairs)
+  MatrixXcd data_;                    // Ĥ_oi in column o p + i
+  Parts data_gradient_;               // w_o M Ĥ_o
 };
 
 /// φ out of own parameters.
-Eigen::VectorXcd shape_row(const Eigen::VectorXd& own, Eigen::Index modes);
+VectorXcd shape_row(const VectorXd& own, Index modes);
 
 }  // namespace hydrapod::identification

@@ -4,12 +4,11 @@
 
 #include <Eigen/SVD>
 #include <algorithm>
-#include <array>
 #include <cmath>
+#include <ranges>
 
 #include "fit_covariance.hpp"
 #include "hydrapod/base/error.hpp"
-#include "hydrapod/base/units.hpp"
 #include "hydrapod/identification/responses.hpp"
 #include "repeated_modes.hpp"
 #include "search.hpp"
@@ -19,36 +18,20 @@ namespace hydrapod::identification {
 
 namespace {
 
-using base::two_pi;
-using Eigen::Index;
-
-/// Why a fitted mode is none.
-enum class Objection { none, left_band, in_noise, open_frequency, open_damping, doubles };
-
-const char* text(Objection objection) {
-  constexpr std::array words{"",
-                             "left the band in the fit",
-                             "is not above the noise",
-                             "its frequency is not determined",
-                             "its damping is not determined",
-                             "repeats another pole"};
-  return words[static_cast<std::size_t>(objection)];
-}
-
 Objection objection_to(const FittedMode& m, const Band& band, const IdentifyOptions& options) {
   const double f = m.omega() / two_pi;
   if (f < band.from || f > band.to) return Objection::left_band;
   if (m.significance < options.least_significance) return Objection::in_noise;
   if (m.omega_deviation > options.largest_frequency_deviation * m.omega())
     return Objection::open_frequency;
-  if (m.damping_deviation > options.largest_damping_deviation * std::max(m.damping_ratio(), 0.002))
+  if (m.damping_deviation >
+      options.largest_damping_deviation * std::max(m.damping_ratio(), options.prune.damping_floor))
     return Objection::open_damping;
   return Objection::none;
 }
 
 /// Two poles closer than their own uncertainty, with the same shape and participation, are one.
-bool doubles(const FittedMode& a, const FittedMode& b) {
-  constexpr double same = 0.98;
+bool doubles(const FittedMode& a, const FittedMode& b, double same) {
   const double apart = std::abs(a.pole - b.pole);
   const double width = 0.5 * (std::abs(a.pole.real()) + std::abs(b.pole.real()));
   return apart < width && mac(a.shape, b.shape) > same &&
@@ -73,7 +56,7 @@ bool another_first(const ModalModel& model, std::size_t r, const Band& band,
 void fit_and_prune(const IdentifyOptions& options, std::vector<PoleCluster> clusters,
                    Identification& result) {
   const Band band{result.from, result.to};
-  for (int round = 0; round < 8 && !clusters.empty(); ++round) {
+  for (int round = 0; round < options.prune.rounds && !clusters.empty(); ++round) {
     std::vector<PoleEstimate> start;
     for (const auto& c : clusters) start.push_back(c.representative);
     auto fit = options.fit;  // what is taken out is judged by its pole
@@ -88,7 +71,7 @@ void fit_and_prune(const IdentifyOptions& options, std::vector<PoleCluster> clus
                        : mode.significance < options.least_significance ? Objection::in_noise
                                                                         : Objection::none;
       for (std::size_t q = 0; q < clusters.size() && objection == Objection::none; ++q)
-        if (q != r && doubles(mode, result.model.modes[q]) &&
+        if (q != r && doubles(mode, result.model.modes[q], options.prune.same_vector) &&
             (clusters[q].members.size() > clusters[r].members.size() ||
              (clusters[q].members.size() == clusters[r].members.size() && q < r)))
           objection = Objection::doubles;
@@ -96,9 +79,9 @@ void fit_and_prune(const IdentifyOptions& options, std::vector<PoleCluster> clus
           objection == Objection::open_frequency || objection == Objection::open_damping;
       if (objection == Objection::none || (open && another_first(result.model, r, band, options))) {
         kept.push_back(clusters[r]);
-        kept.back().representative = {mode.pole, mode.shape, mode.participation};
+        kept.back().representative = mode;
       } else {
-        result.left_out.push_back({mode.pole, text(objection)});
+        result.left_out.push_back({mode.pole, objection});
       }
     }
     if (kept.size() == clusters.size()) break;
@@ -109,29 +92,25 @@ void fit_and_prune(const IdentifyOptions& options, std::vector<PoleCluster> clus
 }
 
 std::vector<PoleEstimate> estimates(const ModalModel& model) {
-  std::vector<PoleEstimate> poles;
-  for (const auto& m : model.modes) poles.push_back({m.pole, m.shape, m.participation});
-  return poles;
+  return {model.modes.begin(), model.modes.end()};
 }
 
 /// The clusters of the modes that `result` has, at where the fit put them.
 std::vector<PoleCluster> fitted_clusters(const Identification& result) {
   auto clusters = result.clusters;
-  const auto poles = estimates(result.model);
-  for (std::size_t r = 0; r < clusters.size(); ++r) clusters[r].representative = poles[r];
+  for (std::size_t r = 0; r < clusters.size(); ++r)
+    clusters[r].representative = result.model.modes[r];
   return clusters;
 }
 
-bool is_near(std::complex<double> a, std::complex<double> b) {
-  constexpr double near = 0.005;
+bool is_near(Complex a, Complex b, double near) {
   return std::abs(std::abs(a) / std::abs(b) - 1.0) < near;
 }
 
 /// Resonances that the fit has left over, while there are any.
 void add_weak_modes(const IdentifyOptions& options, Identification& result) {
-  for (int round = 0; round < 3 && !result.model.modes.empty(); ++round) {
-    auto weak =
-        weak_poles(result.responses, result.model, options.fit.taper, options.highest_damping);
+  for (int round = 0; round < options.weak.rounds && !result.model.modes.empty(); ++round) {
+    auto weak = weak_poles(result.responses, result.model, options);
     const std::size_t before = result.clusters.size();
     auto clusters = fitted_clusters(result);
     std::ranges::move(weak, std::back_inserter(clusters));
@@ -140,14 +119,6 @@ void add_weak_modes(const IdentifyOptions& options, Identification& result) {
     if (result.clusters.size() <= before) break;
   }
 }
-
-/// How well a mode must be known that no pole search came upon; relative.
-struct Certainty {
-  double near{};           ///< of its frequency to where it was tried
-  double frequency{0.02};  ///< standard deviation of ω
-  double damping{0.5};     ///< and of ζ
-  double significance{};   ///< what the fit gains, see gain()
-};
 
 /// Fall of the sum of squares from `before` to `after`, over the number of a mode's parameters as
 /// in FittedMode::significance.
@@ -160,7 +131,7 @@ double gain(const Identification& before, const Identification& after) {
 
 /// Tries `count` modes more, with this pole at the beginning. They stay if they come out near
 /// there, as certain as is asked, and everything else stays.
-bool try_more(const IdentifyOptions& options, const PoleCluster& like, std::complex<double> pole,
+bool try_more(const IdentifyOptions& options, const PoleCluster& like, Complex pole,
               std::size_t count, const Certainty& asked, Identification& result) {
   auto clusters = fitted_clusters(result);
   const std::size_t before = clusters.size();
@@ -171,7 +142,8 @@ bool try_more(const IdentifyOptions& options, const PoleCluster& like, std::comp
   }
   Identification trial = result;
   fit_and_prune(options, std::move(clusters), trial);
-  if (trial.clusters.size() != before + count || gain(result, trial) < asked.significance)
+  if (trial.clusters.size() != before + count ||
+      gain(result, trial) < asked.gain * options.least_significance)
     return false;
   for (std::size_t r = before; r < before + count; ++r) {
     const auto& added = trial.model.modes[r];
@@ -182,37 +154,32 @@ bool try_more(const IdentifyOptions& options, const PoleCluster& like, std::comp
       return false;
   }
   for (std::size_t r = 0; r < before; ++r)
-    if (!is_near(trial.model.modes[r].pole, result.model.modes[r].pole)) return false;
+    if (!is_near(trial.model.modes[r].pole, result.model.modes[r].pole, options.trial.unmoved))
+      return false;
   result = std::move(trial);
   return true;
 }
 
-/// How two nearly equal poles share their damping is hardly determined: that they are two is seen
-/// by what the fit gains.
-IdentifyOptions for_pairs(IdentifyOptions options) {
-  options.largest_damping_deviation = std::max(1.0, options.largest_damping_deviation);
+/// Damping is judged as `pair` has it, where that is milder.
+IdentifyOptions for_pairs(IdentifyOptions options, const Certainty& pair) {
+  options.largest_damping_deviation = std::max(pair.damping, options.largest_damping_deviation);
   return options;
 }
 
 /// Modes that hide in the flank of a strong one: one, or a pair at once, of which one alone is no
 /// resonance.
 void add_hidden_modes(const IdentifyOptions& options, Identification& result) {
-  constexpr double sharp = 0.003;
-  constexpr Certainty asked{.near = 0.02, .frequency = 0.002, .damping = 0.3};
-  const Certainty of_pair{.near = 0.005,
-                          .frequency = 0.004,
-                          .damping = 1.0,
-                          .significance = 2.0 * options.least_significance};
-  constexpr std::size_t most_places = 3;
+  const auto& trial = options.trial;
+  const auto mild = for_pairs(options, trial.hidden_pair);
+  const double sharp = trial.damping;
   bool found = !result.model.modes.empty();
-  for (int round = 0; round < 4 && found; ++round) {
+  for (int round = 0; round < trial.rounds && found; ++round) {
     found = false;
-    auto places = conspicuous_frequencies(result.responses, result.model, options.fit.taper);
-    if (places.size() > most_places) places.resize(most_places);
-    for (const double f : places) {
-      const auto pole = two_pi * f * std::complex<double>(-sharp, std::sqrt(1 - sharp * sharp));
-      found = found || try_more(options, {}, pole, 1, asked, result) ||
-              try_more(for_pairs(options), {}, pole, 2, of_pair, result);
+    const auto places = conspicuous_frequencies(result.responses, result.model, options);
+    for (const double f : places | std::views::take(trial.most_places)) {
+      const auto pole = two_pi * f * Complex(-sharp, std::sqrt(1 - sharp * sharp));
+      found = found || try_more(options, {}, pole, 1, trial.hidden, result) ||
+              try_more(mild, {}, pole, 2, trial.hidden_pair, result);
     }
   }
 }
@@ -220,22 +187,21 @@ void add_hidden_modes(const IdentifyOptions& options, Identification& result) {
 /// Where a mode stands alone among the weak ones, from number `strong` on, a second one like it is
 /// tried.
 void add_second_of_pairs(const IdentifyOptions& given, std::size_t strong, Identification& result) {
-  const auto options = for_pairs(given);
-  const Certainty asked{.near = 0.005,
-                        .damping = options.largest_damping_deviation,
-                        .significance = 0.5 * options.least_significance};
+  auto asked = given.trial.second;
+  const auto options = for_pairs(given, asked);
+  asked.damping = options.largest_damping_deviation;
   const std::size_t end = result.model.modes.size();
   for (std::size_t r = strong; r < end; ++r) {
     const auto pole = result.model.modes[r].pole;
-    const auto close = std::ranges::count_if(
-        result.model.modes, [&](const FittedMode& m) { return is_near(m.pole, pole); });
+    const auto close = std::ranges::count_if(result.model.modes, [&](const FittedMode& m) {
+      return is_near(m.pole, pole, options.trial.unmoved);
+    });
     if (close == 1) try_more(options, result.clusters[r], pole, 1, asked, result);
   }
 }
 
-Eigen::VectorXcd displacement_shape(const FittedMode& mode,
-                                    const std::vector<data::Channel>& outputs) {
-  Eigen::VectorXcd shape = mode.shape;
+VectorXcd displacement_shape(const FittedMode& mode, const std::vector<data::Channel>& outputs) {
+  VectorXcd shape = mode.shape;
   for (Index o = 0; o < shape.size(); ++o)
     shape[o] /=
         std::pow(mode.pole, data::time_derivatives(outputs[static_cast<std::size_t>(o)].unit));
@@ -244,11 +210,10 @@ Eigen::VectorXcd displacement_shape(const FittedMode& mode,
 
 /// A little above the highest fitted mode [Hz]; 0: there is none.
 double above_modes(const IdentifyOptions& options, const Identification& result) {
-  constexpr double room = 1.25;
   double highest = 0.0;
   for (const auto& m : result.model.modes)
     if (m.damping_ratio() <= options.highest_damping) highest = std::max(highest, m.omega());
-  return room * highest / two_pi;
+  return options.band.fit_room * highest / two_pi;
 }
 
 /// What lies far above the highest mode cannot tell of any mode, but of delays, valves and higher
@@ -267,11 +232,10 @@ void leave_out_above(const IdentifyOptions& options, Identification& result) {
 /// or the band is hardly wider.
 std::optional<Band> band_of_few_lines(const IdentifyOptions& options,
                                       const Identification& result) {
-  constexpr double worth = 0.75;
   const auto& frequency = result.responses.frequency;
   const double to = above_modes(options, result);
   if (options.to || to == 0.0 || frequency.size() <= few_lines || frequency[few_lines] < to ||
-      frequency[few_lines] > worth * result.to)
+      frequency[few_lines] > options.band.worth * result.to)
     return std::nullopt;
   return Band{result.from, frequency[few_lines]};
 }
@@ -287,12 +251,12 @@ double residual_criterion(const FrequencyResponses& r, const ModalModel& model) 
 
 /// As many residual terms as the responses ask for.
 void settle_residuals(const IdentifyOptions& options, Identification& result) {
-  constexpr int highest = 4;
   auto better = options;
   better.fit.deviations = Deviations::none;
   auto best = fit_modes(result.responses, estimates(result.model), better.fit);
   double least = residual_criterion(result.responses, best);
-  for (int power = options.fit.highest_residual_power + 1; power <= highest; ++power) {
+  for (int power = options.fit.highest_residual_power + 1; power <= options.highest_residual_power;
+       ++power) {
     auto fit = better.fit;
     fit.highest_residual_power = power;
     auto model = fit_modes(result.responses, estimates(best), fit);
@@ -358,6 +322,19 @@ void list_modes(const IdentifyOptions& options, Identification& result) {
   }
 }
 
+void add_warnings(const IdentifyOptions& options, Identification& result) {
+  using Kind = ModeWarning::Kind;
+  if (result.modes.empty()) {
+    result.warnings.push_back({.kind = Kind::no_mode, .from = result.from, .to = result.to});
+  } else if (const double rate = result.responses.sample_rate,
+             highest = result.modes.back().fit.omega();
+             rate > 0.0 && rate * two_pi < options.fewest_samples * highest) {
+    result.warnings.push_back({.kind = Kind::few_samples, .value = rate * two_pi / highest});
+  }
+  if (result.model.misfit > options.largest_misfit)
+    result.warnings.push_back({.kind = Kind::misfit, .value = result.model.misfit});
+}
+
 }  // namespace
 
 Identification identify_modes(const FrequencyResponses& responses, const IdentifyOptions& options,
@@ -378,23 +355,7 @@ Identification identify_modes(const FrequencyResponses& responses, const Identif
   }
   add_shape_deviations(options, result);
   list_modes(options, result);
-  if (result.modes.empty())
-    result.warnings.push_back(fmt::format(
-        "no mode from {:.4g} Hz to {:.4g} Hz: there is no stable pole", result.from, result.to));
-  constexpr double few_samples = 8.0;  // per period
-  if (const double rate = result.responses.sample_rate;
-      rate > 0.0 && !result.modes.empty() &&
-      rate * two_pi < few_samples * result.modes.back().fit.omega())
-    result.warnings.push_back(fmt::format(
-        "the highest mode has {:.1f} samples per period: the modal model does not include "
-        "aliasing, and with little noise the intervals are too narrow; use a higher sample rate",
-        rate * two_pi / result.modes.back().fit.omega()));
-  constexpr double poor = 2.0;
-  if (result.model.misfit > poor)
-    result.warnings.push_back(fmt::format(
-        "the modal model misses the responses by {:.1f} times their noise (mean square): a mode "
-        "may be missing, or the machine is not linear; the intervals are widened accordingly",
-        result.model.misfit));
+  add_warnings(options, result);
   return result;
 }
 
@@ -426,21 +387,20 @@ data::ModalResults modal_results(const Identification& identified) {
   return results;
 }
 
-Eigen::MatrixXd mode_indicator(const FrequencyResponses& r) {
+MatrixXd mode_indicator(const FrequencyResponses& r) {
   const Index count = std::min(r.H[0].rows(), r.H[0].cols());
-  const Eigen::VectorXd size = row_sizes(r);
-  Eigen::MatrixXd values(static_cast<Index>(r.lines()), count);
+  const VectorXd size = row_sizes(r);
+  MatrixXd values(static_cast<Index>(r.lines()), count);
   for (std::size_t k = 0; k < r.lines(); ++k) {
-    const Eigen::MatrixXcd scaled = size.cwiseInverse().asDiagonal() * r.H[k];
+    const MatrixXcd scaled = size.cwiseInverse().asDiagonal() * r.H[k];
     values.row(static_cast<Index>(k)) =
-        Eigen::JacobiSVD<Eigen::MatrixXcd>(scaled).singularValues().transpose();
+        Eigen::JacobiSVD<MatrixXcd>(scaled).singularValues().transpose();
   }
   return values;
 }
 
-Eigen::MatrixXd mac_matrix(const std::vector<Eigen::VectorXcd>& a,
-                           const std::vector<Eigen::VectorXcd>& b) {
-  Eigen::MatrixXd M(static_cast<Index>(a.size()), static_cast<Index>(b.size()));
+MatrixXd mac_matrix(const std::vector<VectorXcd>& a, const std::vector<VectorXcd>& b) {
+  MatrixXd M(static_cast<Index>(a.size()), static_cast<Index>(b.size()));
   for (Index i = 0; i < M.rows(); ++i)
     for (Index j = 0; j < M.cols(); ++j)
       M(i, j) = mac(a[static_cast<std::size_t>(i)], b[static_cast<std::size_t>(j)]);

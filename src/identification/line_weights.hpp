@@ -5,6 +5,12 @@
 
 namespace hydrapod::identification {
 
+/// Mean over the lines up to `reach` away, per line.
+Eigen::VectorXd running_mean(const Eigen::VectorXd& values, Eigen::Index reach);
+
+/// Mean of |H|²/variance over entries and over the lines up to `reach` away, per line.
+Eigen::VectorXd signal_to_noise(const FrequencyResponses& responses, Eigen::Index reach);
+
 /// w² per line and output (input, if `transposed`): one over the variance, averaged over the row
 /// and over a few lines; without known errors one over the mean square of the row plus
 /// its median over the lines.

@@ -12,6 +12,7 @@
 #include "damped.hpp"
 #include "hydrapod/base/error.hpp"
 #include "hydrapod/base/text.hpp"
+#include "names.hpp"
 #include "response_checks.hpp"
 
 namespace hydrapod::identification {
@@ -27,33 +28,14 @@ std::vector<int> with_role(const data::RecordHeader& header, Role role) {
   return list;
 }
 
-/// Responses with these directions, each exactly once; empty where one is missing.
-std::vector<int> with_directions(const data::RecordHeader& header, data::Direction first,
-                                 const std::vector<std::string_view>& units) {
-  std::vector<int> list;
-  for (int d = 0; d < 6; ++d) {
-    const auto direction = static_cast<data::Direction>(static_cast<int>(first) + d);
-    int found = 0;
-    for (std::size_t c = 0; c < header.channels.size(); ++c) {
-      const auto& channel = header.channels[c];
-      if (channel.role != Role::response || channel.direction != direction ||
-          std::ranges::find(units, channel.unit) == units.end())
-        continue;
-      list.push_back(static_cast<int>(c));
-      ++found;
-    }
-    if (found != 1) return {};
-  }
-  return list;
-}
-
 /// All responses; but where the platform's motion or the six leg lengths are among sensors of
 /// other kinds, these.
 std::vector<int> default_outputs(const data::RecordHeader& header) {
-  auto platform = with_directions(header, data::Direction::x, {"m", "rad"});
-  if (!platform.empty()) return platform;
-  auto legs = with_directions(header, data::Direction::leg1, {"m"});
-  return legs.empty() ? with_role(header, Role::response) : legs;
+  const auto six = [&](data::Direction first, const std::vector<std::string_view>& units) {
+    return six_channels(header.channels, Role::response, first, units);
+  };
+  if (const auto platform = six(data::Direction::x, {"m", "rad"})) return *platform;
+  return six(data::Direction::leg1, {"m"}).value_or(with_role(header, Role::response));
 }
 
 std::string names_of(const data::RecordHeader& header) {
@@ -141,33 +123,14 @@ std::int64_t find_period(data::RecordSet& records, int channel, std::int64_t ski
   std::int64_t seen = 0;
   records.stream([&](std::size_t file, const Eigen::Ref<const data::Samples>& block) {
     if (file > 0) return false;
-    for (Eigen::Index k = 0; k < block.rows() && samples.size() < most; ++k)
+    for (Index k = 0; k < block.rows() && samples.size() < most; ++k)
       if (seen + k >= skip) samples.push_back(block(k, channel));
     seen += block.rows();
     return samples.size() < most;
   });
-  const auto x = Eigen::VectorXd::Map(samples.data(), static_cast<Eigen::Index>(samples.size()));
+  const auto x = VectorXd::Map(samples.data(), static_cast<Index>(samples.size()));
   if (samples.size() < 32 || !x.allFinite()) return 0;
   return period_of(x.tail(x.size() - x.size() / 8));  // past a fade-in
-}
-
-double share_of(std::int64_t samples, std::int64_t total) {
-  return static_cast<double>(samples) / static_cast<double>(std::max<std::int64_t>(total, 1));
-}
-
-/// Samples of the shortest file and of all.
-struct Lengths {
-  std::int64_t shortest{std::numeric_limits<std::int64_t>::max()}, total{};
-};
-
-Lengths lengths_of(data::RecordSet& records) {
-  Lengths lengths;
-  for (std::size_t k = 0; k < records.files().size(); ++k) {
-    const std::int64_t count = records.count_samples(k);
-    lengths.shortest = std::min(lengths.shortest, count);
-    lengths.total += count;
-  }
-  return lengths;
 }
 
 std::int64_t settling_samples(const data::RecordSet& records, const MeasureOptions& options) {
@@ -175,9 +138,8 @@ std::int64_t settling_samples(const data::RecordSet& records, const MeasureOptio
 }
 
 SpectrumOptions spectrum_options(data::RecordSet& records, const Plan& plan,
-                                 const MeasureOptions& options, const Lengths& lengths) {
+                                 const MeasureOptions& options, std::int64_t shortest) {
   const std::string& first = records.files()[0];
-  const std::int64_t shortest = lengths.shortest;
   SpectrumOptions o{.window = options.window};
   if (options.overlap)
     o.overlap = *options.overlap;
@@ -238,9 +200,50 @@ std::vector<std::size_t> used_channels(ChannelChoice& choice) {
   return {used.begin(), used.end()};
 }
 
+/// How the records are read.
+struct Reading {
+  SpectrumOptions spectrum{};
+  std::vector<std::size_t> used{};   ///< channels
+  std::int64_t settling{}, total{};  ///< samples
+};
+
+/// `plan`: its choice becomes one of the channels that are used.
+Reading plan_reading(data::RecordSet& records, Plan& plan, const MeasureOptions& options) {
+  Reading reading{.settling = settling_samples(records, options)};
+  auto shortest = std::numeric_limits<std::int64_t>::max();
+  for (std::size_t k = 0; k < records.files().size(); ++k) {
+    const std::int64_t count = records.count_samples(k);
+    shortest = std::min(shortest, count);
+    reading.total += count;
+  }
+  reading.spectrum = spectrum_options(records, plan, options, shortest);
+  reading.used = used_channels(plan.choice);
+  return reading;
+}
+
+/// add(samples) for all samples, `estimator` being told where a record begins; how many there were,
+/// and whether that is all.
+template <class Add>
+std::pair<std::int64_t, bool> stream(data::RecordSet& records, const Reading& reading,
+                                     const numerics::Progress& progress,
+                                     SpectrumEstimator& estimator, const Add& add) {
+  std::int64_t samples = 0;
+  std::optional<std::size_t> begun;
+  const bool whole =
+      records.stream([&](std::size_t file, const Eigen::Ref<const data::Samples>& block) {
+        if (begun != file) estimator.begin_record(reading.settling);
+        begun = file;
+        add(block);
+        samples += block.rows();
+        const auto total = static_cast<double>(std::max<std::int64_t>(reading.total, 1));
+        return !(progress && progress(static_cast<double>(samples) / total));
+      });
+  return {samples, whole};
+}
+
 /// Puts the six directions that `map` makes of the channels in the place of these, which are all in
 /// `list`, one of the choice's.
-void replace_channels(const std::vector<int>& channels, const Eigen::MatrixXd& map,
+void replace_channels(const std::vector<int>& channels, const MatrixXd& map,
                       const std::string& prefix, std::vector<int>& list, ChannelChoice& choice,
                       Measurement& m) {
   warn_of_limits(m.spectra, channels, m.responses.warnings);
@@ -262,7 +265,7 @@ void replace_channels(const std::vector<int>& channels, const Eigen::MatrixXd& m
 }
 
 /// All outputs, sensors at places that are known, become directions of the platform.
-void bring_sensors_to_platform(const Eigen::MatrixXd& map, ChannelChoice& choice, Measurement& m) {
+void bring_sensors_to_platform(const MatrixXd& map, ChannelChoice& choice, Measurement& m) {
   for (const int c : choice.outputs)
     if (m.spectra.health[static_cast<std::size_t>(c)].constant())
       throw base::ComputationError(
@@ -274,7 +277,9 @@ void bring_sensors_to_platform(const Eigen::MatrixXd& map, ChannelChoice& choice
 /// The channels of legs 1 … 6 with this role, if all are in `list` and alive.
 std::optional<std::vector<int>> living_legs(const CrossSpectra& spectra, Role role,
                                             const std::vector<int>& list) {
-  auto legs = leg_channels(spectra, role);
+  using Units = std::vector<std::string_view>;
+  const auto legs = six_channels(spectra.channels, role, data::Direction::leg1,
+                                 role == Role::response ? Units{"m", "m/s", "m/s^2"} : Units{});
   if (!legs) return {};
   for (const int leg : *legs) {
     if (std::ranges::find(list, leg) == list.end()) return {};
@@ -310,19 +315,14 @@ void bring_outputs_to_platform(const MeasureOptions& options, ChannelChoice& cho
 }
 
 /// Reads all files into m.spectra.
-void read_spectra(data::RecordSet& records, const MeasureOptions& options,
-                  const SpectrumOptions& spectrum, const std::vector<std::size_t>& used,
-                  std::int64_t total, const numerics::Progress& progress, Measurement& m) {
-  SpectrumEstimator estimator(m.header, spectrum, used);
-  const std::int64_t skip = settling_samples(records, options);
-  std::optional<std::size_t> begun;
-  m.interrupted = !records.stream([&](std::size_t file, const auto& block) {
-    if (begun != file) estimator.begin_record(skip);
-    begun = file;
-    estimator.add(block);
-    m.samples += block.rows();
-    return !(progress && progress(share_of(m.samples, total)));
-  });
+void read_spectra(data::RecordSet& records, const Reading& reading,
+                  const numerics::Progress& progress, Measurement& m) {
+  SpectrumEstimator estimator(m.header, reading.spectrum, reading.used);
+  const auto [samples, whole] =
+      stream(records, reading, progress, estimator,
+             [&](const Eigen::Ref<const data::Samples>& block) { estimator.add(block); });
+  m.samples = samples;
+  m.interrupted = !whole;
   m.notes = records.notes();
   m.spectra = estimator.result();
 }
@@ -338,11 +338,10 @@ void compare_with_instrument(const Plan& plan, Measurement& m) {
       by_instrument);
   constexpr double chance = 0.1;
   if (!instrumental && m.h1_against_instrument->share > chance)
-    m.responses.warnings.push_back(fmt::format(
-        "{} is biased by the loop: it differs from the instrumental estimate by {:.2g} % (median), "
-        "outside its 95 % band at {:.0f} % of the lines; take --estimator iv",
-        data::estimator_text(plan.estimator), 100.0 * m.h1_against_instrument->median,
-        100.0 * m.h1_against_instrument->share));
+    m.responses.warnings.push_back({.kind = data::ResponseWarning::Kind::biased,
+                                    .value = m.h1_against_instrument->median,
+                                    .share = m.h1_against_instrument->share,
+                                    .estimator = plan.estimator});
 }
 
 }  // namespace
@@ -351,10 +350,7 @@ Measurement measure_responses(data::RecordSet& records, const MeasureOptions& op
                               const numerics::Progress& progress) {
   Measurement m{.header = records.header()};
   Plan plan = plan_channels(records.files()[0], m.header, options);
-  const Lengths lengths = lengths_of(records);
-  const auto spectrum = spectrum_options(records, plan, options, lengths);
-  const auto used = used_channels(plan.choice);
-  read_spectra(records, options, spectrum, used, lengths.total, progress, m);
+  read_spectra(records, plan_reading(records, plan, options), progress, m);
   bring_outputs_to_platform(options, plan.choice, m);
   const auto earlier = std::move(m.responses.warnings);
   m.responses = responses_for_modes(m.spectra, plan.choice, plan.estimator);
@@ -378,11 +374,9 @@ Measurement measure_outputs(data::RecordSet& records, const MeasureOptions& opti
   plan.choice.inputs = {plan.choice.outputs[0]};
   MeasureOptions own = options;
   if (!own.period) own.period = 0.0;
-  const Lengths lengths = lengths_of(records);
-  const auto spectrum = spectrum_options(records, plan, own, lengths);
+  const Reading reading = plan_reading(records, plan, own);
   plan.choice.inputs.clear();
-  const auto used = used_channels(plan.choice);
-  read_spectra(records, own, spectrum, used, lengths.total, progress, m);
+  read_spectra(records, reading, progress, m);
   bring_outputs_to_platform(options, plan.choice, m);
   if (m.spectra.blocks == 0)
     throw base::ComputationError("every block of the record has missing samples");
@@ -396,14 +390,12 @@ GroupedSpectra measure_groups(data::RecordSet& records, const MeasureOptions& op
                               const numerics::Progress& progress) {
   const auto& header = records.header();
   Plan plan = plan_channels(records.files()[0], header, options);
-  const Lengths lengths = lengths_of(records);
-  const auto spectrum = spectrum_options(records, plan, options, lengths);
+  const Reading reading = plan_reading(records, plan, options);
+  const auto& spectrum = reading.spectrum;
   if (spectrum.periodic)
     throw base::ComputationError("the excitation is periodic: there are no blocks to resample");
-  const auto used = used_channels(plan.choice);
-  const std::int64_t skip = settling_samples(records, options);
   const std::int64_t piece =
-      std::max(lengths.total / groups, std::int64_t{2} * spectrum.block_length);
+      std::max(reading.total / groups, std::int64_t{2} * spectrum.block_length);
   GroupedSpectra result{.estimator = plan.estimator};
   const auto close = [&](SpectrumEstimator& estimator) {
     Measurement m{.spectra = estimator.result()};
@@ -412,25 +404,21 @@ GroupedSpectra measure_groups(data::RecordSet& records, const MeasureOptions& op
     bring_outputs_to_platform(options, result.choice, m);
     result.groups.push_back(std::move(m.spectra));
   };
-  SpectrumEstimator estimator(header, spectrum, used);
-  std::int64_t samples = 0, in_piece = 0;
-  std::optional<std::size_t> begun;
-  records.stream([&](std::size_t file, const Eigen::Ref<const data::Samples>& block) {
-    if (begun != file) estimator.begin_record(skip);
-    begun = file;
-    for (Eigen::Index at = 0; at < block.rows();) {
+  SpectrumEstimator estimator(header, spectrum, reading.used);
+  std::int64_t in_piece = 0;
+  const auto add = [&](const Eigen::Ref<const data::Samples>& block) {
+    for (Index at = 0; at < block.rows();) {
       const std::int64_t count = std::min(block.rows() - at, piece - in_piece);
       estimator.add(block.middleRows(at, count));
       at += count;
       in_piece += count;
       if (in_piece < piece) continue;
       close(estimator);
-      estimator = SpectrumEstimator(header, spectrum, used);
+      estimator = SpectrumEstimator(header, spectrum, reading.used);
       in_piece = 0;
     }
-    samples += block.rows();
-    return !(progress && progress(share_of(samples, lengths.total)));
-  });
+  };
+  stream(records, reading, progress, estimator, add);
   if (in_piece >= piece / 2) close(estimator);
   return result;
 }

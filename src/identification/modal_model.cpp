@@ -1,21 +1,13 @@
 #include "hydrapod/identification/identify.hpp"
 
 #include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
 #include <cmath>
 #include <stdexcept>
 
 #include "fit_covariance.hpp"
 #include "fit_system.hpp"
-#include "hydrapod/base/units.hpp"
 
 namespace hydrapod::identification {
-
-using Complex = std::complex<double>;
-using Eigen::Index;
-using Eigen::MatrixXd;
-using Eigen::VectorXcd;
-using Eigen::VectorXd;
 
 namespace {
 
@@ -148,11 +140,11 @@ ModalModel fit_modes(const FrequencyResponses& responses, const std::vector<Pole
   return model;
 }
 
-Eigen::MatrixXcd synthesised(const ModalModel& model, double frequency, double shift) {
-  const Complex s(shift, base::two_pi * frequency);
-  Eigen::MatrixXcd H = Eigen::MatrixXcd::Zero(model.residuals[0].rows(), model.residuals[0].cols());
+MatrixXcd synthesised(const ModalModel& model, double frequency, double shift) {
+  const Complex s(shift, two_pi * frequency);
+  MatrixXcd H = MatrixXcd::Zero(model.residuals[0].rows(), model.residuals[0].cols());
   for (const auto& mode : model.modes) {
-    const Eigen::MatrixXcd A = mode.shape * mode.participation.transpose();
+    const MatrixXcd A = mode.shape * mode.participation.transpose();
     H += A / (s - mode.pole) + A.conjugate() / (s - std::conj(mode.pole));
   }
   int power = lowest_residual_power;

@@ -2,17 +2,14 @@
 
 #include <cmath>
 
-#include "hydrapod/base/units.hpp"
 #include "hydrapod/numerics/fft.hpp"
+#include "names.hpp"
 
 namespace hydrapod::identification {
 
-using Complex = std::complex<double>;
-using Eigen::Index;
-
 PoleBasis::PoleBasis(const FrequencyResponses& responses, bool taper)
-    : omega_(base::two_pi * Eigen::VectorXd::Map(responses.frequency.data(),
-                                                 static_cast<Index>(responses.lines()))),
+    : omega_(two_pi *
+             VectorXd::Map(responses.frequency.data(), static_cast<Index>(responses.lines()))),
       shift_(responses.shift),
       sample_rate_(responses.sample_rate) {
   if (!taper || responses.taper.size() == 0) return;

@@ -8,16 +8,11 @@
 #include <numbers>
 #include <stdexcept>
 
-#include "hydrapod/base/units.hpp"
 #include "hydrapod/numerics/dense.hpp"
 #include "line_weights.hpp"
+#include "names.hpp"
 
 namespace hydrapod::identification {
-
-using Eigen::Index;
-using Eigen::MatrixXcd;
-using Eigen::MatrixXd;
-using Complex = std::complex<double>;
 
 namespace {
 
@@ -43,7 +38,7 @@ Problem make_problem(const FrequencyResponses& r) {
   const double to = r.frequency.back();
   if (p.from < 0.1 * to) p.from = 0.0;
   p.period = 0.5 / (to - p.from);
-  for (const double f : r.frequency) p.angle.push_back(base::two_pi * (f - p.from) * p.period);
+  for (const double f : r.frequency) p.angle.push_back(two_pi * (f - p.from) * p.period);
   return p;
 }
 
@@ -142,13 +137,8 @@ MatrixXd denominator(const Normal& normal, Index inputs, int order) {
   const Index rest = size - inputs;
   MatrixXd alpha(size, inputs);
   alpha.topRows(inputs).setIdentity();
-  MatrixXd free = M.bottomRightCorner(rest, rest);
-  const Eigen::VectorXd scale = free.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
-  free = scale.asDiagonal() * free * scale.asDiagonal();
-  free.diagonal().array() += 1e-14;
-  alpha.bottomRows(rest) =
-      -(scale.asDiagonal() *
-        free.ldlt().solve(scale.asDiagonal() * M.bottomLeftCorner(rest, inputs)));
+  const MatrixXd B = M.bottomLeftCorner(rest, inputs);
+  alpha.bottomRows(rest) = -numerics::solve_positive(M.bottomRightCorner(rest, rest), B);
   return alpha;
 }
 
@@ -196,7 +186,7 @@ OrderPoles poles_of(const Problem& p, const Normal& normal, const MatrixXd& alph
     if (std::abs(w) < 1e-12) continue;
     const Complex z = 1.0 / w, s = std::log(z) / p.period;
     PoleEstimate e;
-    e.pole = s + Complex(0.0, base::two_pi * p.from);
+    e.pole = s + Complex(0.0, two_pi * p.from);
     if (s.imag() <= 0.0 || std::arg(z) >= std::numbers::pi * (1.0 - 1e-9)) continue;
     if (std::abs(e.pole) > highest) continue;
     // A⁻¹ = z⁻ⁿ Σ v ℓᵀ/(w_z − w), w_z = 1/z; dw/ds = −T w
@@ -227,7 +217,7 @@ std::vector<OrderPoles> poly_reference_poles(const FrequencyResponses& responses
   const int bearable = std::max(1, static_cast<int>(problem.lines()) / 2 - 1);
   const int highest = std::min(orders.highest, bearable);
   const Normal normal = make_normal(problem, make_sums(problem, highest), highest);
-  const double largest = base::two_pi * responses.frequency.back() * 1.0;
+  const double largest = two_pi * responses.frequency.back() * 1.0;
   std::vector<OrderPoles> all;
   for (int order = std::min(orders.lowest, highest); order <= highest; order += orders.step) {
     all.push_back(

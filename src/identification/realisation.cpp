@@ -8,21 +8,17 @@
 #include "hydrapod/identification/identify.hpp"
 #include "hydrapod/numerics/dense.hpp"
 #include "hydrapod/numerics/fft.hpp"
+#include "selection.hpp"
 
 namespace hydrapod::identification {
-
-using Complex = std::complex<double>;
-using Eigen::Index;
-using Eigen::MatrixXcd;
-using Eigen::MatrixXd;
 
 namespace {
 
 constexpr double reliable_taper = 0.3;  // of ρ: lags with less are not used
 
 /// Lags 1, 2, … of matrices given at the lines 0 … K, divided by ρ.
-MarkovSequence lags_of(const std::vector<MatrixXcd>& lines, double spacing,
-                       const Eigen::VectorXd& taper, double taper_rate) {
+MarkovSequence lags_of(const std::vector<MatrixXcd>& lines, double spacing, const VectorXd& taper,
+                       double taper_rate) {
   const auto K = static_cast<int>(lines.size()) - 1;
   numerics::RealFft fft(2 * K);
   MarkovSequence sequence;
@@ -58,7 +54,7 @@ MarkovSequence lags_of(const std::vector<MatrixXcd>& lines, double spacing,
 
 struct Hankel {
   MatrixXd U, V;
-  Eigen::VectorXd s;
+  VectorXd s;
   Index rows, columns;  // of one Y
 };
 
@@ -79,7 +75,7 @@ Hankel decompose(const MarkovSequence& sequence, int highest) {
 
 OrderPoles poles_of(const Hankel& h, int order, double interval) {
   const Index up = h.U.rows() - h.rows;
-  const Eigen::VectorXd root = h.s.head(order).cwiseSqrt();
+  const VectorXd root = h.s.head(order).cwiseSqrt();
   const MatrixXd O = h.U.leftCols(order) * root.asDiagonal();
   const MatrixXd A = numerics::least_squares(O.topRows(up), O.bottomRows(up));
   const MatrixXd B = root.asDiagonal() * h.V.topLeftCorner(h.columns, order).transpose();
@@ -162,15 +158,13 @@ std::vector<OutputOnlyMode> identify_outputs(const CrossSpectra& spectra,
   options.persistence = 0.75;  // covariances of finite records have more poles that come back
   std::vector<OutputOnlyMode> modes;
   for (const auto& cluster : select_poles(chart, options)) {
-    OutputOnlyMode mode;
-    for (const auto& [n, i] : cluster.members)
-      mode.pole += chart[n].poles[i].pole / static_cast<double>(cluster.members.size());
-    mode.shape = cluster.representative.shape;
-    mode.frequency_scatter = cluster.frequency_scatter;
-    mode.damping_scatter = cluster.damping_scatter;
-    mode.persistence = cluster.persistence;
-    mode.mpc = data::modal_phase_collinearity(mode.shape);
-    modes.push_back(std::move(mode));
+    const auto& shape = cluster.representative.shape;
+    modes.push_back({.pole = mean_pole(cluster, chart),
+                     .shape = shape,
+                     .frequency_scatter = cluster.frequency_scatter,
+                     .damping_scatter = cluster.damping_scatter,
+                     .persistence = cluster.persistence,
+                     .mpc = data::modal_phase_collinearity(shape)});
   }
   return modes;
 }

@@ -11,10 +11,6 @@
 
 namespace hydrapod::identification {
 
-using Eigen::Index;
-using Eigen::MatrixXcd;
-using Eigen::MatrixXd;
-
 namespace {
 
 constexpr double apart = 3.0;  // standard deviations
@@ -47,7 +43,7 @@ std::vector<Index> pivots(const MatrixXd& basis) {
   std::vector<Index> rows;
   for (Index r = 0; r < basis.cols(); ++r) {
     constexpr double nearly = 0.5;
-    const Eigen::VectorXd left = rest.rowwise().squaredNorm();
+    const VectorXd left = rest.rowwise().squaredNorm();
     Index at = 0;
     while (left[at] < nearly * left.maxCoeff()) ++at;
     rows.push_back(at);
@@ -95,7 +91,7 @@ std::size_t end_of_group(const std::vector<IdentifiedMode>& modes, std::size_t f
 }  // namespace
 
 void untangle_repeated(const FrequencyResponses& responses, std::vector<IdentifiedMode>& modes) {
-  const Eigen::VectorXd size = row_sizes(responses);
+  const VectorXd size = row_sizes(responses);
   for (std::size_t first = 0, end = 0; first < modes.size(); first = end) {
     end = end_of_group(modes, first);
     const auto count = static_cast<Index>(end - first);

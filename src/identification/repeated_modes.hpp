@@ -5,7 +5,8 @@
 /// fit returns some complex one. The space that they span is known. If it has a real basis, as
 /// that of normal modes has, the shapes are given along outputs: each is 1 at an output of its own,
 /// where the others are 0; outputs are chosen by size, in proportion to their responses. They go
-/// to the modes in the order of the outputs, unless the shapes that were fitted clearly say another.
+/// to the modes in the order of the outputs, unless the shapes that were fitted clearly say
+/// another.
 
 #include "hydrapod/identification/identify.hpp"
 

@@ -9,12 +9,15 @@
 #include <limits>
 
 #include "hydrapod/base/error.hpp"
+#include "hydrapod/numerics/statistics.hpp"
+#include "names.hpp"
 
 namespace hydrapod::identification {
 
-using Eigen::Index;
-
 namespace {
+
+using Kind = data::ResponseWarning::Kind;
+using Warnings = std::vector<data::ResponseWarning>;
 
 constexpr double same_signal = 0.99999;    // coherence of two inputs that are one
 constexpr double correlated = 3.0;         // condition by what chance gives that is worth a warning
@@ -24,6 +27,10 @@ constexpr double two_levels = 0.5;  // a signal that is always at one of two lim
 
 const std::string& name(const CrossSpectra& spectra, int channel) {
   return spectra.channels[static_cast<std::size_t>(channel)].name;
+}
+
+const ChannelHealth& health_of(const CrossSpectra& spectra, int channel) {
+  return spectra.health[static_cast<std::size_t>(channel)];
 }
 
 /// Column of the pair in the packed spectra.
@@ -47,23 +54,23 @@ double overall_coherence(const CrossSpectra& spectra, int a, int b) {
 }
 
 bool is_dead(const CrossSpectra& spectra, int channel) {
-  const auto& health = spectra.health[static_cast<std::size_t>(channel)];
+  const auto& health = health_of(spectra, channel);
   return health.missing == health.samples || health.constant();
 }
 
-void drop_dead_outputs(const CrossSpectra& spectra, ChannelChoice& choice,
-                       std::vector<std::string>& warnings) {
+void drop_dead_outputs(const CrossSpectra& spectra, ChannelChoice& choice, Warnings& warnings) {
   std::erase_if(choice.outputs, [&](int o) {
     if (!is_dead(spectra, o)) return false;
-    warnings.push_back(fmt::format("{}: dead (always {:.4g}); left out", name(spectra, o),
-                                   spectra.health[static_cast<std::size_t>(o)].lowest));
+    warnings.push_back({.kind = Kind::dead_output,
+                        .channel = name(spectra, o),
+                        .value = health_of(spectra, o).lowest});
     return true;
   });
   if (choice.outputs.empty()) throw base::ComputationError("all response channels are constant");
 }
 
 void drop_dead_inputs(const CrossSpectra& spectra, ChannelChoice& choice, Estimator estimator,
-                      std::vector<std::string>& warnings) {
+                      Warnings& warnings) {
   const bool square = estimator == Estimator::h2 || estimator == Estimator::instrumental;
   std::erase_if(choice.inputs, [&](int i) {
     if (!is_dead(spectra, i)) return false;
@@ -72,22 +79,19 @@ void drop_dead_inputs(const CrossSpectra& spectra, ChannelChoice& choice, Estima
           fmt::format("input {} is dead, and {} needs all of them; leave it out, with its "
                       "counterpart, or take h1",
                       name(spectra, i), data::estimator_text(estimator)));
-    warnings.push_back(
-        fmt::format("input {}: dead (constant); no responses to it", name(spectra, i)));
+    warnings.push_back({.kind = Kind::dead_input, .channel = name(spectra, i)});
     return true;
   });
   if (choice.inputs.empty()) throw base::ComputationError("all input channels are constant");
 }
 
-void drop_repeated_inputs(const CrossSpectra& spectra, ChannelChoice& choice,
-                          std::vector<std::string>& warnings) {
+void drop_repeated_inputs(const CrossSpectra& spectra, ChannelChoice& choice, Warnings& warnings) {
   for (std::size_t b = 1; b < choice.inputs.size(); ++b)
     for (std::size_t a = 0; a < b; ++a)
       if (overall_coherence(spectra, choice.inputs[b], choice.inputs[a]) > same_signal) {
-        warnings.push_back(fmt::format(
-            "input {} repeats input {}: left out; the responses to {} are those to both together",
-            name(spectra, choice.inputs[b]), name(spectra, choice.inputs[a]),
-            name(spectra, choice.inputs[a])));
+        warnings.push_back({.kind = Kind::repeated_input,
+                            .channel = name(spectra, choice.inputs[b]),
+                            .other = name(spectra, choice.inputs[a])});
         choice.inputs.erase(choice.inputs.begin() + static_cast<std::ptrdiff_t>(b--));
         break;
       }
@@ -121,22 +125,25 @@ void check_counts(const CrossSpectra& spectra, const ChannelChoice& choice, Esti
 }  // namespace
 
 void warn_of_limits(const CrossSpectra& spectra, const std::vector<int>& channels,
-                    std::vector<std::string>& warnings) {
+                    Warnings& warnings) {
   for (const int c : channels) {
-    const auto& health = spectra.health[static_cast<std::size_t>(c)];
+    const auto& health = health_of(spectra, c);
     const double share = static_cast<double>(health.at_limit) /
                          static_cast<double>(std::max<std::int64_t>(1, health.samples));
     if (health.at_limit >= few_at_limit && share > rare_at_limit && share < two_levels)
-      warnings.push_back(
-          fmt::format("{}: {:.2g} % of the samples are {:.4g} or {:.4g}: the channel looks "
-                      "clipped, and its results are distorted",
-                      name(spectra, c), 100.0 * share, health.lowest, health.highest));
+      warnings.push_back({.kind = Kind::clipped,
+                          .channel = name(spectra, c),
+                          .share = share,
+                          .lowest = health.lowest,
+                          .highest = health.highest});
   }
 }
 
-ChannelChoice checked_choice(const CrossSpectra& spectra, const ChannelChoice& wanted,
-                             Estimator estimator, std::vector<std::string>& warnings) {
-  ChannelChoice choice = wanted;
+namespace {
+
+/// Without dead outputs and inputs that repeat another.
+void check_choice(const CrossSpectra& spectra, Estimator estimator, ChannelChoice& choice,
+                  Warnings& warnings) {
   if (choice.inputs.empty()) throw base::ComputationError("no input channel is named");
   if (choice.outputs.empty()) throw base::ComputationError("no response channel is named");
   if (spectra.blocks > 0) {
@@ -151,10 +158,29 @@ ChannelChoice checked_choice(const CrossSpectra& spectra, const ChannelChoice& w
   warn_of_limits(spectra, choice.inputs, warnings);
   warn_of_limits(spectra, choice.outputs, warnings);
   if (spectra.blocks_left_out > 0)
-    warnings.push_back(fmt::format("{} of {} blocks have missing samples and were left out",
-                                   spectra.blocks_left_out,
-                                   spectra.blocks + spectra.blocks_left_out));
-  return choice;
+    warnings.push_back({.kind = Kind::blocks_left_out,
+                        .count = spectra.blocks_left_out,
+                        .total = spectra.blocks + spectra.blocks_left_out});
+}
+
+}  // namespace
+
+FrequencyResponses without_lines(const CrossSpectra& spectra, Estimator estimator,
+                                 ChannelChoice& choice) {
+  FrequencyResponses r{.estimator = estimator};
+  check_choice(spectra, estimator, choice, r.warnings);
+  for (const int i : choice.inputs) r.inputs.push_back(spectra.channels[static_cast<size_t>(i)]);
+  for (const int o : choice.outputs) r.outputs.push_back(spectra.channels[static_cast<size_t>(o)]);
+  r.averages = spectra.statistics.effective_averages;
+  r.sample_rate = spectra.sample_rate;
+  return r;
+}
+
+void keep_positive(const MatrixXcd& S, const std::vector<int>& outputs, MatrixXcd& V) {
+  for (Index o = 0; o < V.rows(); ++o) {
+    const int channel = outputs[static_cast<std::size_t>(o)];
+    V(o, o) = std::max(V(o, o).real(), 1e-15 * std::abs(S(channel, channel)));
+  }
 }
 
 std::vector<double> quiet_levels(const CrossSpectra& spectra) {
@@ -168,32 +194,32 @@ std::vector<double> quiet_levels(const CrossSpectra& spectra) {
   return levels;
 }
 
-double input_condition(const Eigen::MatrixXcd& S, const std::vector<int>& inputs,
+double input_condition(const MatrixXcd& S, const std::vector<int>& inputs,
                        const std::vector<int>& others, const std::vector<double>& quiet) {
   constexpr double none = std::numeric_limits<double>::infinity();
   const auto level = [&](int c) { return S(c, c).real(); };
   for (const auto* list : {&inputs, &others})
     for (const int c : *list)
       if (level(c) <= quiet[static_cast<std::size_t>(c)]) return none;
-  Eigen::MatrixXcd A = S(inputs, others);
+  MatrixXcd A = S(inputs, others);
   for (std::size_t i = 0; i < inputs.size(); ++i)
     for (std::size_t j = 0; j < others.size(); ++j)
       A(static_cast<Index>(i), static_cast<Index>(j)) /=
           std::sqrt(level(inputs[i]) * level(others[j]));
   if (inputs == others) {  // Hermitian: a tenth of the work of a singular value decomposition
-    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXcd> solver(A, Eigen::EigenvaluesOnly);
+    const Eigen::SelfAdjointEigenSolver<MatrixXcd> solver(A, Eigen::EigenvaluesOnly);
     const double least = solver.eigenvalues()[0];
     return least > 0.0 ? solver.eigenvalues()[A.rows() - 1] / least : none;
   }
-  const Eigen::VectorXd s = Eigen::JacobiSVD<Eigen::MatrixXcd>(A).singularValues();
+  const VectorXd s = Eigen::JacobiSVD<MatrixXcd>(A).singularValues();
   return s[s.size() - 1] > 0.0 ? s[0] / s[s.size() - 1] : none;
 }
 
-void add_quality(const Eigen::MatrixXcd& S, const ChannelChoice& c, const Eigen::MatrixXcd& V,
+void add_quality(const MatrixXcd& S, const ChannelChoice& c, const MatrixXcd& V,
                  FrequencyResponses& r) {
   const auto level = [&](int channel) { return S(channel, channel).real(); };
-  Eigen::MatrixXd coherence(c.outputs.size(), c.inputs.size());
-  Eigen::VectorXd multiple(c.outputs.size()), density(c.inputs.size());
+  MatrixXd coherence(c.outputs.size(), c.inputs.size());
+  VectorXd multiple(c.outputs.size()), density(c.inputs.size());
   for (std::size_t o = 0; o < c.outputs.size(); ++o) {
     const double power = level(c.outputs[o]);
     for (std::size_t i = 0; i < c.inputs.size(); ++i) {
@@ -218,18 +244,12 @@ void finish_checks(const CrossSpectra& spectra, const ChannelChoice& choice,
                   "others): leave inputs out, or excite them independently"
                 : fmt::format("input {} has no excitation", name(spectra, choice.inputs[0])));
   }
-  auto sorted = responses.condition;
-  std::nth_element(sorted.begin(), sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2),
-                   sorted.end());
-  const double median = sorted[sorted.size() / 2];
+  const double median = numerics::upper_median(responses.condition);
   // independent inputs: the spread of the eigenvalues of a sample covariance (Marchenko, Pastur)
   const double spread = std::sqrt(static_cast<double>(choice.inputs.size()) / responses.averages);
   const double chance = spread < 1.0 ? std::pow((1.0 + spread) / (1.0 - spread), 2) : INFINITY;
   if (choice.inputs.size() > 1 && median > correlated * chance)
-    responses.warnings.push_back(fmt::format(
-        "the inputs are correlated: the condition of their matrix is {:.0f} (median over lines; 1 "
-        "is best), and the uncertainty of the responses to them is larger by this factor",
-        median));
+    responses.warnings.push_back({.kind = Kind::correlated_inputs, .value = median});
 }
 
 }  // namespace hydrapod::identification

@@ -5,13 +5,17 @@
 
 namespace hydrapod::identification {
 
-/// `wanted` without dead outputs and inputs that repeat another. Throws base::ComputationError.
-ChannelChoice checked_choice(const CrossSpectra& spectra, const ChannelChoice& wanted,
-                             Estimator estimator, std::vector<std::string>& warnings);
+/// Responses without lines: channels, averages and warnings of the choice, which loses its dead
+/// outputs and inputs that repeat another. Throws base::ComputationError.
+FrequencyResponses without_lines(const CrossSpectra& spectra, Estimator estimator,
+                                 ChannelChoice& choice);
+
+/// Rounding must not leave a negative variance in V, the spectrum of what H does not explain.
+void keep_positive(const Eigen::MatrixXcd& S, const std::vector<int>& outputs, Eigen::MatrixXcd& V);
 
 /// A warning for each channel that stands at its limits too often.
 void warn_of_limits(const CrossSpectra& spectra, const std::vector<int>& channels,
-                    std::vector<std::string>& warnings);
+                    std::vector<data::ResponseWarning>& warnings);
 
 /// Per channel the density below which a line is not excited.
 std::vector<double> quiet_levels(const CrossSpectra& spectra);

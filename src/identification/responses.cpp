@@ -11,12 +11,10 @@
 
 #include "hydrapod/base/error.hpp"
 #include "hydrapod/numerics/statistics.hpp"
+#include "names.hpp"
 #include "response_checks.hpp"
 
 namespace hydrapod::identification {
-
-using Eigen::Index;
-using Eigen::MatrixXcd;
 
 namespace {
 
@@ -29,11 +27,11 @@ Eigen::RowVectorXcd hv_row(const MatrixXcd& S, const std::vector<int>& inputs, i
   auto all = inputs;
   all.push_back(output);
   MatrixXcd A = part(S, all, all);
-  const Eigen::VectorXd level = A.diagonal().real().cwiseSqrt();
+  const VectorXd level = A.diagonal().real().cwiseSqrt();
   A = level.cwiseInverse().asDiagonal() * A * level.cwiseInverse().asDiagonal();
   const Eigen::SelfAdjointEigenSolver<MatrixXcd> solver(A);
   // vᴴ (u; y) is least: y = −(v_u/v_y)ᴴ u, in scaled channels
-  const Eigen::VectorXcd v = solver.eigenvectors().col(0);
+  const VectorXcd v = solver.eigenvectors().col(0);
   const Index p = static_cast<Index>(inputs.size());
   Eigen::RowVectorXcd row = -(v.head(p) / v[p]).adjoint();
   return level[p] * row * level.head(p).cwiseInverse().asDiagonal();
@@ -68,12 +66,7 @@ MatrixXcd residual_spectrum(const MatrixXcd& S, const ChannelChoice& c, const Ma
   const MatrixXcd cross = S_yu * H.adjoint();
   MatrixXcd V = part(S, c.outputs, c.outputs) - cross - cross.adjoint() +
                 H * part(S, c.inputs, c.inputs) * H.adjoint();
-  // rounding must not leave a negative variance
-  for (Index o = 0; o < V.rows(); ++o) {
-    const double least = 1e-15 * std::abs(S(c.outputs[static_cast<std::size_t>(o)],
-                                            c.outputs[static_cast<std::size_t>(o)]));
-    V(o, o) = std::max(V(o, o).real(), least);
-  }
+  keep_positive(S, c.outputs, V);
   return V;
 }
 
@@ -86,18 +79,13 @@ double confidence_radius(double probability, double degrees) {
 
 FrequencyResponses estimate_responses(const CrossSpectra& spectra, const ChannelChoice& wanted,
                                       Estimator estimator) {
-  FrequencyResponses r;
-  r.estimator = estimator;
-  const ChannelChoice c = checked_choice(spectra, wanted, estimator, r.warnings);
-  for (const int i : c.inputs) r.inputs.push_back(spectra.channels[static_cast<size_t>(i)]);
-  for (const int o : c.outputs) r.outputs.push_back(spectra.channels[static_cast<size_t>(o)]);
+  ChannelChoice c = wanted;
+  auto r = without_lines(spectra, estimator, c);
   const bool periodic = spectra.options.periodic;
-  const double K = spectra.statistics.effective_averages, p = static_cast<double>(c.inputs.size());
-  r.averages = K;
+  const double K = r.averages, p = static_cast<double>(c.inputs.size());
   r.degrees = periodic ? static_cast<double>(spectra.blocks - spectra.records) : K - p;
   const auto& covariance = spectra.statistics.line_covariance;
   r.line_covariance.assign(covariance.begin(), covariance.end());
-  r.sample_rate = spectra.sample_rate;
   const bool widened = !periodic && estimator != Estimator::instrumental;
   if (widened) r.taper = lag_taper(spectra.window);
   // the mean and the slow rest of it are in the first lines, in as many as the window is wide
@@ -135,8 +123,7 @@ BiasFinding compare_responses(const FrequencyResponses& plain,
     for (Index o = 0; o < plain.H[a].rows(); ++o)
       for (Index i = 0; i < plain.H[a].cols(); ++i) {
         const double off = std::abs(plain.H[a](o, i) - instrumental.H[b](o, i));
-        const double deviation =
-            std::sqrt(instrumental.variance(b, static_cast<int>(o), static_cast<int>(i)));
+        const double deviation = std::sqrt(instrumental.variance(b, o, i));
         if (off > radius * deviation) ++beyond;
         relative.push_back(off / std::abs(instrumental.H[b](o, i)));
       }
@@ -144,9 +131,7 @@ BiasFinding compare_responses(const FrequencyResponses& plain,
     ++b;
   }
   if (relative.empty()) return finding;
-  const auto middle = relative.begin() + static_cast<std::ptrdiff_t>(relative.size() / 2);
-  std::nth_element(relative.begin(), middle, relative.end());
-  finding.median = *middle;
+  finding.median = numerics::upper_median(relative);
   finding.share = static_cast<double>(beyond) / static_cast<double>(relative.size());
   return finding;
 }

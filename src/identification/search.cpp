@@ -5,14 +5,12 @@
 #include <algorithm>
 
 #include "hydrapod/base/error.hpp"
-#include "hydrapod/base/units.hpp"
+#include "line_weights.hpp"
+#include "names.hpp"
 
 namespace hydrapod::identification {
 
 namespace {
-
-using base::two_pi;
-using Eigen::Index;
 
 template <class T>
 std::vector<T> picked(const std::vector<T>& all, const std::vector<std::size_t>& lines) {
@@ -23,40 +21,18 @@ std::vector<T> picked(const std::vector<T>& all, const std::vector<std::size_t>&
   return some;
 }
 
-/// Mean of |H|² over variance per line, over a few lines.
-std::vector<double> signal_to_noise(const FrequencyResponses& r) {
-  std::vector<double> raw;
-  for (std::size_t k = 0; k < r.lines(); ++k) {
-    double sum = 0.0;
-    for (Index o = 0; o < r.H[k].rows(); ++o)
-      for (Index i = 0; i < r.H[k].cols(); ++i)
-        sum += std::norm(r.H[k](o, i)) /
-               std::max(r.variance(k, static_cast<int>(o), static_cast<int>(i)), 1e-300);
-    raw.push_back(sum / static_cast<double>(r.H[k].size()));
-  }
-  constexpr std::size_t reach = 4;
-  std::vector<double> smooth;
-  for (std::size_t k = 0; k < raw.size(); ++k) {
-    const std::size_t from = k < reach ? 0 : k - reach, to = std::min(raw.size() - 1, k + reach);
-    double sum = 0.0;
-    for (std::size_t j = from; j <= to; ++j) sum += raw[j];
-    smooth.push_back(sum / static_cast<double>(to - from + 1));
-  }
-  return smooth;
-}
-
 /// Where the responses stand above their noise.
-Band audible_band(const FrequencyResponses& r) {
+Band audible_band(const FrequencyResponses& r, const BandOptions& options) {
   Band band{r.frequency.front(), r.frequency.back()};
   if (!r.has_errors()) return band;
-  constexpr double audible = 3.0;
-  const auto ratio = signal_to_noise(r);
-  const auto heard = [&](double x) { return x > audible; };
-  const auto first = std::ranges::find_if(ratio, heard);
+  const VectorXd ratio = signal_to_noise(r, options.reach);
+  const auto heard = [&](double x) { return x > options.audible; };
+  const auto first = std::find_if(ratio.begin(), ratio.end(), heard);
   if (first == ratio.end()) return band;
-  const auto last = std::find_if(ratio.rbegin(), ratio.rend(), heard);
+  auto last = ratio.end() - 1;
+  while (!heard(*last)) --last;
   band.from = r.frequency[static_cast<std::size_t>(first - ratio.begin())];
-  band.to = r.frequency[static_cast<std::size_t>(ratio.rend() - last - 1)];
+  band.to = r.frequency[static_cast<std::size_t>(last - ratio.begin())];
   return band;
 }
 
@@ -77,18 +53,18 @@ Search search(const FrequencyResponses& r, const Band& band, const IdentifyOptio
 
 Search search_in_best_band(const FrequencyResponses& r, const IdentifyOptions& options,
                            const std::function<void(double)>& progress) {
-  Band band = audible_band(r);
+  Band band = audible_band(r, options.band);
   if (options.from) band.from = *options.from;
   if (options.to) band.to = *options.to;
   Search s = search(r, band, options, progress);
-  constexpr double room = 1.6, worth = 0.75;
-  for (int round = 0; !options.to && round < 6; ++round) {
+  const auto& limits = options.band;
+  for (int round = 0; !options.to && round < limits.rounds; ++round) {
     double highest = 0.0;
     for (const auto& c : s.clusters)
       if (c.representative.damping_ratio() <= options.highest_damping)
         highest = std::max(highest, c.representative.omega() / two_pi);
-    const double to = highest > 0.0 ? room * highest : 0.5 * band.to;
-    if (to > worth * band.to) break;
+    const double to = highest > 0.0 ? limits.room * highest : 0.5 * band.to;
+    if (to > limits.worth * band.to) break;
     const auto narrower = within(r, band.from, to);
     if (narrower.lines() < few_lines) break;
     Search next = search(r, {band.from, to}, options, progress);

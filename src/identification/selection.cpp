@@ -1,4 +1,4 @@
-#include "hydrapod/identification/identify.hpp"
+#include "selection.hpp"
 
 #include <Eigen/QR>
 #include <algorithm>
@@ -12,24 +12,14 @@ namespace {
 
 using Chart = std::vector<OrderPoles>;
 
-/// Share of `vector` in the span of the columns of `span`.
-double share_in(const Eigen::VectorXcd& vector, const Eigen::MatrixXcd& span) {
-  const double whole = vector.squaredNorm();
-  if (!(whole > 0.0) || span.cols() == 0) return 0.0;
-  const Eigen::ColPivHouseholderQR<Eigen::MatrixXcd> qr(span);
-  const Eigen::VectorXcd coordinates = qr.householderQ().adjoint() * vector;
-  return coordinates.head(std::min(qr.rank(), coordinates.size())).squaredNorm() / whole;
-}
-
 /// Columns of unit length from the poles of `order` near `omega`.
 template <class Vector>
-Eigen::MatrixXcd span_near(const OrderPoles& order, double omega, double neighbourhood,
-                           Vector PoleEstimate::*vector) {
-  Eigen::MatrixXcd span;
+MatrixXcd span_near(const OrderPoles& order, double omega, double neighbourhood,
+                    Vector PoleEstimate::*vector) {
+  MatrixXcd span;
   for (const auto& e : order.poles) {
     if (e.pole.real() >= 0.0 || std::abs(e.omega() - omega) > neighbourhood * omega) continue;
-    span.conservativeResize((e.*vector).size(), span.cols() + 1);
-    span.col(span.cols() - 1) = (e.*vector).normalized();
+    add_direction(e.*vector, span);
   }
   return span;
 }
@@ -54,9 +44,8 @@ class Matcher {
     for (std::size_t j = 0; j < poles.size(); ++j) {
       if (taken_[order][j]) continue;
       const double frequency = std::abs(poles[j].omega() / e.omega() - 1.0);
-      const double damping = std::abs(poles[j].damping_ratio() - e.damping_ratio());
       if (frequency > options_.frequency ||
-          damping > options_.damping * e.damping_ratio() + options_.damping_floor)
+          !same_damping(poles[j].damping_ratio(), e.damping_ratio(), options_))
         continue;
       // poles apart, and shapes apart: of two close modes the one with the same shape
       const double cost = std::abs(poles[j].pole - e.pole) / e.omega() / options_.frequency + 1.0 -
@@ -107,7 +96,7 @@ double persistence_of(const std::vector<PoleIndex>& members, std::size_t orders)
   return static_cast<double>(members.size()) / static_cast<double>(orders - first);
 }
 
-void describe(const Chart& chart, PoleCluster& cluster) {
+void describe(const Chart& chart, double neighbourhood, PoleCluster& cluster) {
   const auto count = static_cast<double>(cluster.members.size());
   double omega = 0.0, damping = 0.0;
   for (const auto& [n, i] : cluster.members) {
@@ -119,7 +108,7 @@ void describe(const Chart& chart, PoleCluster& cluster) {
     const auto& e = chart[n].poles[i];
     omega2 += std::pow(e.omega() / omega - 1.0, 2) / count;
     damping2 += std::pow(e.damping_ratio() - damping, 2) / count;
-    const auto span = span_near(chart[n], e.omega(), 0.02, &PoleEstimate::shape);
+    const auto span = span_near(chart[n], e.omega(), neighbourhood, &PoleEstimate::shape);
     vector += share_in(cluster.representative.shape, span) / count;
   }
   cluster.frequency_scatter = std::sqrt(omega2);
@@ -129,11 +118,11 @@ void describe(const Chart& chart, PoleCluster& cluster) {
 
 /// The order in which most of the clusters around `cluster` have a pole, the highest of such.
 std::size_t common_order(const std::vector<PoleCluster>& clusters, const Chart& chart,
-                         const PoleCluster& cluster, double neighbourhood) {
+                         const PoleCluster& cluster, double reach) {
   std::vector<int> votes(chart.size(), 0);
   const double omega = cluster.representative.omega();
   for (const auto& other : clusters)
-    if (std::abs(other.representative.omega() - omega) <= 2.0 * neighbourhood * omega)
+    if (std::abs(other.representative.omega() - omega) <= reach * omega)
       for (const auto& member : other.members) ++votes[member.order];
   std::size_t best = cluster.members.back().order;
   for (const auto& member : cluster.members)
@@ -141,7 +130,52 @@ std::size_t common_order(const std::vector<PoleCluster>& clusters, const Chart& 
   return best;
 }
 
+PoleStability stability_of(const PoleEstimate& e, const OrderPoles& before,
+                           const SelectionOptions& options) {
+  auto found = PoleStability::fresh;
+  MatrixXcd shapes, participations;
+  for (const auto& other : before.poles) {
+    const double apart = std::abs(other.omega() / e.omega() - 1.0);
+    if (apart <= options.neighbourhood) {
+      add_direction(other.shape, shapes);
+      add_direction(other.participation, participations);
+    }
+    if (apart > options.frequency) continue;
+    found = std::max(found, PoleStability::frequency);
+    if (same_damping(other.damping_ratio(), e.damping_ratio(), options))
+      found = PoleStability::damping;
+  }
+  if (found == PoleStability::damping && share_in(e.shape, shapes) >= options.vector &&
+      share_in(e.participation, participations) >= options.vector)
+    found = PoleStability::vector;
+  return found;
+}
+
 }  // namespace
+
+double share_in(const VectorXcd& vector, const MatrixXcd& span) {
+  const double whole = vector.squaredNorm();
+  if (!(whole > 0.0) || span.cols() == 0) return 0.0;
+  const Eigen::ColPivHouseholderQR<MatrixXcd> qr(span);
+  const VectorXcd coordinates = qr.householderQ().adjoint() * vector;
+  return coordinates.head(std::min(qr.rank(), coordinates.size())).squaredNorm() / whole;
+}
+
+void add_direction(const VectorXcd& vector, MatrixXcd& span) {
+  span.conservativeResize(vector.size(), span.cols() + 1);
+  span.rightCols<1>() = vector.normalized();
+}
+
+bool same_damping(double other, double ratio, const SelectionOptions& options) {
+  return std::abs(other - ratio) <= options.damping * ratio + options.damping_floor;
+}
+
+Complex mean_pole(const PoleCluster& cluster, const std::vector<OrderPoles>& chart) {
+  Complex mean = 0.0;
+  for (const auto& [n, i] : cluster.members)
+    mean += chart[n].poles[i].pole / static_cast<double>(cluster.members.size());
+  return mean;
+}
 
 std::vector<PoleCluster> select_poles(const std::vector<OrderPoles>& chart,
                                       const SelectionOptions& options) {
@@ -173,13 +207,25 @@ std::vector<PoleCluster> select_poles(const std::vector<OrderPoles>& chart,
   }
   auto chosen = clusters;
   for (auto& cluster : chosen) {
-    const auto order = common_order(clusters, chart, cluster, options.neighbourhood);
+    const auto order =
+        common_order(clusters, chart, cluster, options.voters * options.neighbourhood);
     for (const auto& [n, i] : cluster.members)
       if (n == order) cluster.representative = chart[n].poles[i];
-    describe(chart, cluster);
+    describe(chart, options.neighbourhood, cluster);
   }
   std::ranges::sort(chosen, {}, [](const PoleCluster& c) { return c.representative.omega(); });
   return chosen;
+}
+
+std::vector<std::vector<PoleStability>> pole_stability(const std::vector<OrderPoles>& chart,
+                                                       const SelectionOptions& options) {
+  std::vector<std::vector<PoleStability>> all;
+  for (std::size_t n = 0; n < chart.size(); ++n) {
+    all.emplace_back();
+    for (const auto& e : chart[n].poles)
+      all.back().push_back(n == 0 ? PoleStability::fresh : stability_of(e, chart[n - 1], options));
+  }
+  return all;
 }
 
 }  // namespace hydrapod::identification

@@ -8,14 +8,14 @@
 #include <numeric>
 #include <stdexcept>
 
-#include "channel_watch.hpp"
 #include "hydrapod/numerics/fft.hpp"
+#include "names.hpp"
 
 namespace hydrapod::identification {
 
 namespace {
 
-constexpr Eigen::Index tile = 32;    // lines whose sums stay in the first-level cache
+constexpr Index tile = 32;           // lines whose sums stay in the first-level cache
 constexpr std::size_t gathered = 8;  // blocks that are added up together
 
 void check(const SpectrumOptions& options) {
@@ -28,36 +28,35 @@ void check(const SpectrumOptions& options) {
 }
 
 /// Σ over `blocks` of z_i z_j* for lines from `first`.
-void add_pair(const std::vector<numerics::Lines>& blocks, std::size_t count, Eigen::Index i,
-              Eigen::Index j, Eigen::Index first, Eigen::Index lines, double* re, double* im) {
+void add_pair(const std::vector<numerics::Lines>& blocks, std::size_t count, Index i, Index j,
+              Index first, Index lines, double* re, double* im) {
   for (std::size_t b = 0; b < count; ++b) {
     const double* ar = blocks[b].re.col(i).data() + first;
     const double* ai = blocks[b].im.col(i).data() + first;
     const double* br = blocks[b].re.col(j).data() + first;
     const double* bi = blocks[b].im.col(j).data() + first;
-    for (Eigen::Index k = 0; k < lines; ++k) {
+    for (Index k = 0; k < lines; ++k) {
       re[k] += ar[k] * br[k] + ai[k] * bi[k];
       im[k] += ai[k] * br[k] - ar[k] * bi[k];
     }
   }
 }
 
-void add_products(const std::vector<numerics::Lines>& blocks, std::size_t count,
-                  Eigen::MatrixXd& re, Eigen::MatrixXd& im) {
+void add_products(const std::vector<numerics::Lines>& blocks, std::size_t count, MatrixXd& re,
+                  MatrixXd& im) {
   if (count == 0) return;
-  const Eigen::Index channels = blocks[0].re.cols(), lines = re.rows();
-  for (Eigen::Index first = 0; first < lines; first += tile)
-    for (Eigen::Index i = 0, pair = 0; i < channels; ++i)
-      for (Eigen::Index j = 0; j <= i; ++j, ++pair)
+  const Index channels = blocks[0].re.cols(), lines = re.rows();
+  for (Index first = 0; first < lines; first += tile)
+    for (Index i = 0, pair = 0; i < channels; ++i)
+      for (Index j = 0; j <= i; ++j, ++pair)
         add_pair(blocks, count, i, j, first, std::min(tile, lines - first),
                  re.col(pair).data() + first, im.col(pair).data() + first);
 }
 
-Eigen::MatrixXcd unpacked(const Eigen::MatrixXd& re, const Eigen::MatrixXd& im, Eigen::Index line,
-                          Eigen::Index channels) {
-  Eigen::MatrixXcd S(channels, channels);
-  for (Eigen::Index i = 0, pair = 0; i < channels; ++i)
-    for (Eigen::Index j = 0; j <= i; ++j, ++pair) {
+MatrixXcd unpacked(const MatrixXd& re, const MatrixXd& im, Index line, Index channels) {
+  MatrixXcd S(channels, channels);
+  for (Index i = 0, pair = 0; i < channels; ++i)
+    for (Index j = 0; j <= i; ++j, ++pair) {
       S(i, j) = {re(line, pair), im(line, pair)};
       S(j, i) = std::conj(S(i, j));
     }
@@ -66,12 +65,93 @@ Eigen::MatrixXcd unpacked(const Eigen::MatrixXd& re, const Eigen::MatrixXd& im, 
 
 }  // namespace
 
-Eigen::MatrixXcd CrossSpectra::at(Eigen::Index line) const {
-  return unpacked(re, im, line, static_cast<Eigen::Index>(channels.size()));
+/// Watches a channel for samples that are missing or stand at a limit.
+class ChannelWatch {
+ public:
+  using Column = Eigen::Ref<const Eigen::VectorXd, 0, Eigen::InnerStride<>>;
+  void add(const Column& samples);
+  [[nodiscard]] ChannelHealth health() const;
+
+ private:
+  /// Samples at one end of the range, and at the value next to it: a clipped channel has more of
+  /// the former, a coarsely resolved one fewer.
+  struct Limit {
+    double value{}, next{};
+    std::int64_t counted{}, counted_next{};
+    /// `extreme`: of these and all samples before; `side`: 1 for the upper end, −1 for the lower.
+    void add(const Column& samples, double extreme, double side);
+    [[nodiscard]] std::int64_t clipped() const { return counted > counted_next ? counted : 0; }
+  };
+
+  bool begun_{};
+  std::int64_t samples_{}, missing_{};
+  Limit low_{}, high_{};
+};
+
+void ChannelWatch::Limit::add(const Column& samples, double extreme, double side) {
+  const auto count = [&](double at) { return (samples.array() == at).count(); };
+  if (extreme != value) {  // beyond all before
+    next = value;
+    counted_next = counted;
+    value = extreme;
+    counted = 0;
+  }
+  counted += count(value);
+  // the value next to it may be among these samples
+  double inner = next;
+  for (const double x : samples)
+    if (std::isfinite(x) && x != value && side * (x - inner) > 0.0) inner = x;
+  if (inner != next) counted_next = 0;
+  next = inner;
+  counted_next += count(next);
 }
 
-Eigen::MatrixXcd CrossSpectra::noise_at(Eigen::Index line) const {
-  return unpacked(noise_re, noise_im, line, static_cast<Eigen::Index>(channels.size()));
+void ChannelWatch::add(const Column& samples) {
+  samples_ += samples.size();
+  double low = 0.0, high = 0.0;
+  bool any = false;
+  if (samples.allFinite()) {
+    low = samples.minCoeff();
+    high = samples.maxCoeff();
+    any = samples.size() > 0;
+  } else {
+    for (const double x : samples) {
+      if (!std::isfinite(x)) {
+        ++missing_;
+        continue;
+      }
+      low = any ? std::min(low, x) : x;
+      high = any ? std::max(high, x) : x;
+      any = true;
+    }
+  }
+  if (!any) return;
+  if (!begun_) {
+    low_ = {.value = low, .next = high};
+    high_ = {.value = high, .next = low};
+  }
+  begun_ = true;
+  // else no sample of this piece is at the limit or next to it
+  if (low <= low_.next) low_.add(samples, std::min(low, low_.value), -1.0);
+  if (high >= high_.next) high_.add(samples, std::max(high, high_.value), 1.0);
+}
+
+ChannelHealth ChannelWatch::health() const {
+  ChannelHealth health;
+  health.samples = samples_;
+  health.missing = missing_;
+  health.lowest = low_.value;
+  health.highest = high_.value;
+  if (high_.value > low_.value) health.at_limit = low_.clipped() + high_.clipped();
+  return health;
+}
+
+MatrixXcd CrossSpectra::at(Index line) const {
+  return unpacked(re, im, line, static_cast<Index>(channels.size()));
+}
+
+MatrixXcd CrossSpectra::noise_at(Index line) const {
+  return unpacked(noise_re, noise_im, line, static_cast<Index>(channels.size()));
 }
 
 struct SpectrumEstimator::Implementation {
@@ -82,7 +162,7 @@ struct SpectrumEstimator::Implementation {
   numerics::RealFft fft;
   int hop{};
   data::Samples buffer{};  // block_length rows, the first `filled` are in use
-  Eigen::Index filled{};
+  Index filled{};
   std::int64_t to_skip{};
   numerics::RealFft::Block windowed{};
   std::vector<numerics::Lines> waiting{std::vector<numerics::Lines>(gathered)};
@@ -112,7 +192,7 @@ SpectrumEstimator::SpectrumEstimator(const data::RecordHeader& header,
                      .watches = std::vector<ChannelWatch>(chosen.size()),
                      .fft = numerics::RealFft(options.block_length)});
   auto& me = *implementation_;
-  const auto count = static_cast<Eigen::Index>(chosen.size());
+  const auto count = static_cast<Index>(chosen.size());
   auto& sums = me.sums;
   for (const std::size_t c : chosen) sums.channels.push_back(header.channels.at(c));
   sums.sample_rate = header.sample_rate;
@@ -124,11 +204,10 @@ SpectrumEstimator::SpectrumEstimator(const data::RecordHeader& header,
                                                                        (1.0 - options.overlap))));
   me.buffer.resize(options.block_length, count);
   me.windowed.resize(options.block_length, count);
-  const Eigen::Index pairs = count * (count + 1) / 2;
-  for (auto* sum : {&sums.re, &sums.im}) *sum = Eigen::MatrixXd::Zero(me.fft.lines(), pairs);
+  const Index pairs = count * (count + 1) / 2;
+  for (auto* sum : {&sums.re, &sums.im}) *sum = MatrixXd::Zero(me.fft.lines(), pairs);
   if (options.periodic)
-    for (auto* sum : {&sums.noise_re, &sums.noise_im})
-      *sum = Eigen::MatrixXd::Zero(me.fft.lines(), pairs);
+    for (auto* sum : {&sums.noise_re, &sums.noise_im}) *sum = MatrixXd::Zero(me.fft.lines(), pairs);
 }
 
 SpectrumEstimator::~SpectrumEstimator() = default;
@@ -163,7 +242,7 @@ void SpectrumEstimator::Implementation::take_block() {
   } else {
     ++sums.blocks_left_out;
   }
-  const Eigen::Index kept = options.block_length - hop;
+  const Index kept = options.block_length - hop;
   if (kept > 0) buffer.topRows(kept) = buffer.bottomRows(kept).eval();
   filled = kept;
 }
@@ -179,7 +258,7 @@ void SpectrumEstimator::Implementation::end_record() {
       std::vector<numerics::Lines> mean(1);
       const double scale = 1.0 / std::sqrt(static_cast<double>(periods));
       mean[0] = {scale * period_sum.re, scale * period_sum.im};
-      Eigen::MatrixXd re = Eigen::MatrixXd::Zero(sums.re.rows(), sums.re.cols()), im = re;
+      MatrixXd re = MatrixXd::Zero(sums.re.rows(), sums.re.cols()), im = re;
       add_products(mean, 1, re, im);
       sums.noise_re -= re;
       sums.noise_im -= im;
@@ -198,17 +277,16 @@ void SpectrumEstimator::begin_record(std::int64_t settling) {
 
 void SpectrumEstimator::add(const Eigen::Ref<const data::Samples>& samples) {
   auto& me = *implementation_;
-  Eigen::Index row = std::min<Eigen::Index>(samples.rows(), me.to_skip);
+  Index row = std::min<Index>(samples.rows(), me.to_skip);
   me.to_skip -= row;
   while (row < samples.rows()) {
-    const Eigen::Index count =
-        std::min<Eigen::Index>(samples.rows() - row, me.options.block_length - me.filled);
+    const Index count = std::min<Index>(samples.rows() - row, me.options.block_length - me.filled);
     for (std::size_t c = 0; c < me.chosen.size(); ++c) {
-      const auto column = samples.col(static_cast<Eigen::Index>(me.chosen[c])).segment(row, count);
-      me.buffer.col(static_cast<Eigen::Index>(c)).segment(me.filled, count) = column;
+      const auto column = samples.col(static_cast<Index>(me.chosen[c])).segment(row, count);
+      me.buffer.col(static_cast<Index>(c)).segment(me.filled, count) = column;
     }
     for (std::size_t c = 0; c < me.chosen.size(); ++c)
-      me.watches[c].add(me.buffer.col(static_cast<Eigen::Index>(c)).segment(me.filled, count));
+      me.watches[c].add(me.buffer.col(static_cast<Index>(c)).segment(me.filled, count));
     me.filled += count;
     row += count;
     if (me.filled == me.options.block_length) me.take_block();
@@ -222,8 +300,8 @@ CrossSpectra SpectrumEstimator::result() {
   for (const auto& watch : me.watches) result.health.push_back(watch.health());
   if (result.blocks == 0) return result;
   const auto count = static_cast<double>(me.options.periodic ? result.records : result.blocks);
-  Eigen::VectorXd scale = Eigen::VectorXd::Constant(
-      result.lines(), 2.0 / (result.sample_rate * result.window.squaredNorm()));
+  VectorXd scale =
+      VectorXd::Constant(result.lines(), 2.0 / (result.sample_rate * result.window.squaredNorm()));
   scale[0] /= 2.0;
   scale[result.lines() - 1] /= 2.0;
   for (auto* sum : {&result.re, &result.im}) *sum = (scale / count).asDiagonal() * *sum;
@@ -234,13 +312,13 @@ CrossSpectra SpectrumEstimator::result() {
   return result;
 }
 
-std::int64_t period_of(const Eigen::VectorXd& samples, double tolerance) {
-  const Eigen::Index n = samples.size() / 2 * 2;
+std::int64_t period_of(const VectorXd& samples, double tolerance) {
+  const Index n = samples.size() / 2 * 2;
   if (n < 16) return 0;
-  const Eigen::VectorXd x = samples.head(n).array() - samples.head(n).mean();
+  const VectorXd x = samples.head(n).array() - samples.head(n).mean();
   numerics::RealFft fft(static_cast<int>(2 * n));
   std::vector<double> padded(static_cast<std::size_t>(2 * n), 0.0);
-  Eigen::VectorXd::Map(padded.data(), n) = x;
+  VectorXd::Map(padded.data(), n) = x;
   std::vector<std::complex<double>> lines(static_cast<std::size_t>(fft.lines()));
   fft.forward(padded, lines);
   for (auto& line : lines) line = std::norm(line);
@@ -248,8 +326,8 @@ std::int64_t period_of(const Eigen::VectorXd& samples, double tolerance) {
   const double power = padded[0] / static_cast<double>(n);
   if (!(power > 0.0)) return 0;
   bool fell = false;  // away from the peak at lag 0
-  for (Eigen::Index lag = 2; lag <= n / 3; ++lag) {
-    const auto at = [&](Eigen::Index l) {
+  for (Index lag = 2; lag <= n / 3; ++lag) {
+    const auto at = [&](Index l) {
       return padded[static_cast<std::size_t>(l)] / (power * static_cast<double>(n - l));
     };
     fell = fell || at(lag) < 0.5;

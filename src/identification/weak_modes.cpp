@@ -5,20 +5,12 @@
 #include <cmath>
 
 #include "fit_covariance.hpp"
-#include "hydrapod/base/units.hpp"
-#include "hydrapod/identification/identify.hpp"
+#include "hydrapod/numerics/statistics.hpp"
+#include "line_weights.hpp"
 
 namespace hydrapod::identification {
 
-using Eigen::Index;
-using Eigen::VectorXd;
-
 namespace {
-
-constexpr Index reach = 2;             // lines on either side that a place is judged with
-constexpr Index least_half_band = 12;  // lines around a place that poles are fitted to
-constexpr double half_band = 0.02;     // of its frequency, if that is more
-constexpr std::size_t most_places = 8;
 
 FrequencyResponses residual_of(const FrequencyResponses& responses, const ModalModel& model,
                                bool taper) {
@@ -31,77 +23,51 @@ FrequencyResponses residual_of(const FrequencyResponses& responses, const ModalM
   return rest;
 }
 
-/// Mean of |residual|²/variance around each line.
-VectorXd conspicuousness(const FrequencyResponses& rest) {
-  const auto count = static_cast<Index>(rest.lines());
-  VectorXd own = VectorXd::Zero(count), smooth(count);
-  for (Index k = 0; k < count; ++k) {
-    const auto& H = rest.H[static_cast<std::size_t>(k)];
-    for (Index o = 0; o < H.rows(); ++o)
-      for (Index i = 0; i < H.cols(); ++i)
-        own[k] +=
-            std::norm(H(o, i)) / std::max(rest.variance(static_cast<std::size_t>(k),
-                                                        static_cast<int>(o), static_cast<int>(i)),
-                                          1e-300);
-    own[k] /= static_cast<double>(H.size());
-  }
-  for (Index k = 0; k < count; ++k) {
-    const Index from = std::max<Index>(0, k - reach), to = std::min(count - 1, k + reach);
-    smooth[k] = own.segment(from, to - from + 1).mean();
-  }
-  return smooth;
-}
-
 /// Lines where the residual is most conspicuous, apart from each other, while it stands out.
-std::vector<Index> places(const FrequencyResponses& rest) {
-  VectorXd value = conspicuousness(rest);
-  const auto& frequency = rest.frequency;
-  const double entries = static_cast<double>(rest.H[0].size() * (2 * reach + 1));
-  VectorXd sorted = value;
-  std::nth_element(sorted.begin(), sorted.begin() + sorted.size() / 2, sorted.end());
-  // a mean of `entries` squared numbers of two parts each scatters by 1/√entries
-  const double least = sorted[sorted.size() / 2] * (1.0 + 4.0 / std::sqrt(entries)) + 1e-300;
+std::vector<Index> places(const FrequencyResponses& rest, const WeakModeOptions& options) {
+  VectorXd value = signal_to_noise(rest, options.reach);
+  const auto frequency = VectorXd::Map(rest.frequency.data(), value.size());
+  const double numbers = static_cast<double>(rest.H[0].size() * (2 * options.reach + 1));
+  const double median = numerics::upper_median({value.begin(), value.end()});
+  const double least = median * (1.0 + options.stands_out / std::sqrt(numbers)) + 1e-300;
   std::vector<Index> found;
-  while (found.size() < most_places) {
+  while (static_cast<int>(found.size()) < options.most_places) {
     Index at = 0;
     if (!(value.maxCoeff(&at) > least)) break;
     found.push_back(at);
-    const double f = frequency[static_cast<std::size_t>(at)];
     for (Index k = 0; k < value.size(); ++k)
-      if (std::abs(k - at) <= least_half_band ||
-          std::abs(frequency[static_cast<std::size_t>(k)] - f) <= half_band * f)
+      if (std::abs(k - at) <= options.least_half_band ||
+          std::abs(frequency[k] - frequency[at]) <= options.half_band * frequency[at])
         value[k] = 0.0;
   }
   return found;
 }
 
-FrequencyResponses around(const FrequencyResponses& rest, Index place) {
+FrequencyResponses around(const FrequencyResponses& rest, Index place,
+                          const WeakModeOptions& options) {
   const auto last = static_cast<Index>(rest.lines()) - 1;
   const double f = rest.frequency[static_cast<std::size_t>(place)];
   const auto at = [&](Index k) {
     return rest.frequency[static_cast<std::size_t>(std::clamp<Index>(k, 0, last))];
   };
-  return within(rest, std::min(at(place - least_half_band), f * (1.0 - half_band)),
-                std::max(at(place + least_half_band), f * (1.0 + half_band)));
+  return within(rest, std::min(at(place - options.least_half_band), f * (1.0 - options.half_band)),
+                std::max(at(place + options.least_half_band), f * (1.0 + options.half_band)));
 }
 
 }  // namespace
 
 std::vector<PoleCluster> weak_poles(const FrequencyResponses& responses, const ModalModel& model,
-                                    bool taper, double highest_damping) {
+                                    const IdentifyOptions& options) {
   std::vector<PoleCluster> found;
   if (!responses.has_errors()) return found;
-  const auto rest = residual_of(responses, model, taper);
-  SelectionOptions selection;
-  selection.damping = 0.5;  // of a weak mode it is known that badly
-  selection.damping_floor = 0.004;
-  selection.fewest = 3;
-  selection.highest_damping = highest_damping;
-  for (const Index place : places(rest)) {
-    const auto band = around(rest, place);
-    if (band.lines() < 2 * least_half_band) continue;
-    for (auto& cluster : select_poles(poly_reference_poles(band, {1, 6, 1}), selection)) {
-      const double f = cluster.representative.omega() / (base::two_pi);
+  const auto rest = residual_of(responses, model, options.fit.taper);
+  auto selection = options.weak.selection;
+  selection.highest_damping = options.highest_damping;
+  for (const Index place : places(rest, options.weak)) {
+    const auto band = around(rest, place, options.weak);
+    if (static_cast<int>(band.lines()) < 2 * options.weak.least_half_band) continue;
+    for (auto& cluster : select_poles(poly_reference_poles(band, options.weak.orders), selection)) {
+      const double f = cluster.representative.omega() / two_pi;
       if (f > band.frequency.front() && f < band.frequency.back())
         found.push_back(std::move(cluster));
     }
@@ -110,11 +76,12 @@ std::vector<PoleCluster> weak_poles(const FrequencyResponses& responses, const M
 }
 
 std::vector<double> conspicuous_frequencies(const FrequencyResponses& responses,
-                                            const ModalModel& model, bool taper) {
+                                            const ModalModel& model,
+                                            const IdentifyOptions& options) {
   std::vector<double> found;
   if (!responses.has_errors()) return found;
-  const auto rest = residual_of(responses, model, taper);
-  for (const Index place : places(rest))
+  const auto rest = residual_of(responses, model, options.fit.taper);
+  for (const Index place : places(rest, options.weak))
     found.push_back(rest.frequency[static_cast<std::size_t>(place)]);
   return found;
 }
@@ -124,7 +91,7 @@ std::vector<PoleEstimate> modes_in_residual(const FrequencyResponses& responses,
                                             std::size_t count, bool taper) {
   const auto rest = residual_of(responses, model, taper);
   const auto g = PoleBasis(responses, taper).at(pole).g;
-  Eigen::MatrixXcd residue = Eigen::MatrixXcd::Zero(rest.H[0].rows(), rest.H[0].cols());
+  MatrixXcd residue = MatrixXcd::Zero(rest.H[0].rows(), rest.H[0].cols());
   VectorXd outputs = VectorXd::Zero(residue.rows()), inputs = VectorXd::Zero(residue.cols());
   for (std::size_t k = 0; k < rest.lines(); ++k) {
     const double near = std::norm(g[static_cast<Index>(k)]);
@@ -134,7 +101,7 @@ std::vector<PoleEstimate> modes_in_residual(const FrequencyResponses& responses,
   }
   const VectorXd row = outputs.cwiseMax(1e-300).cwiseSqrt(),
                  column = inputs.cwiseMax(1e-300).cwiseSqrt();
-  const Eigen::JacobiSVD<Eigen::MatrixXcd> svd(
+  const Eigen::JacobiSVD<MatrixXcd> svd(
       row.cwiseInverse().asDiagonal() * residue * column.cwiseInverse().asDiagonal(),
       Eigen::ComputeThinU | Eigen::ComputeThinV);
   std::vector<PoleEstimate> modes;

@@ -13,13 +13,14 @@ namespace hydrapod::identification {
 /// Clusters of poles in the residual of `model`, the most conspicuous places first; none where the
 /// residual is noise. Needs responses with known errors, else none.
 std::vector<PoleCluster> weak_poles(const FrequencyResponses& responses, const ModalModel& model,
-                                    bool taper, double highest_damping);
+                                    const IdentifyOptions& options);
 
 /// Frequencies [Hz] at which the residual stands above its noise, most conspicuous first: where a
 /// mode hides in the flank of a strong one, its residual is no resonance that poles could be
 /// fitted to.
 std::vector<double> conspicuous_frequencies(const FrequencyResponses& responses,
-                                            const ModalModel& model, bool taper);
+                                            const ModalModel& model,
+                                            const IdentifyOptions& options);
 
 /// `count` modes with this pole: the strongest parts of the residue that the residual of `model`
 /// has there.

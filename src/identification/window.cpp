@@ -5,8 +5,8 @@
 #include <cmath>
 #include <complex>
 
-#include "hydrapod/base/units.hpp"
 #include "hydrapod/numerics/fft.hpp"
+#include "names.hpp"
 
 namespace hydrapod::identification {
 
@@ -36,18 +36,18 @@ std::optional<Window> window_from_text(std::string_view text) {
   return {};
 }
 
-Eigen::VectorXd window_samples(Window window, int length) {
+VectorXd window_samples(Window window, int length) {
   const auto& a = shapes[static_cast<size_t>(window)].a;
-  Eigen::VectorXd w(length);
+  VectorXd w(length);
   for (int t = 0; t < length; ++t) {
     w[t] = a[0];
     for (int j = 1; j < 5; ++j)
-      w[t] += (j % 2 == 0 ? a[j] : -a[j]) * std::cos(base::two_pi * j * t / length);
+      w[t] += (j % 2 == 0 ? a[j] : -a[j]) * std::cos(two_pi * j * t / length);
   }
   return w;
 }
 
-AverageStatistics average_statistics(const Eigen::VectorXd& window, int hop, long blocks) {
+AverageStatistics average_statistics(const VectorXd& window, int hop, long blocks) {
   constexpr int most_lines = 12;
   constexpr double negligible = 1e-4;
   const auto n = static_cast<int>(window.size());
@@ -60,7 +60,7 @@ AverageStatistics average_statistics(const Eigen::VectorXd& window, int hop, lon
       const auto shift = static_cast<int>(m * hop);
       std::complex<double> c = 0.0;
       for (int t = 0; t + shift < n; ++t)
-        c += window[t] * window[t + shift] * std::polar(1.0, -base::two_pi * d * t / n);
+        c += window[t] * window[t + shift] * std::polar(1.0, -two_pi * d * t / n);
       const double both = m == 0 ? 1.0 : 2.0;  // m and −m
       sum += both * (1.0 - static_cast<double>(m) / count) * std::norm(c / power);
     }
@@ -72,17 +72,17 @@ AverageStatistics average_statistics(const Eigen::VectorXd& window, int hop, lon
   return result;
 }
 
-Eigen::VectorXd lag_taper(const Eigen::VectorXd& window) {
+VectorXd lag_taper(const VectorXd& window) {
   const auto n = static_cast<int>(window.size());
   const int length = static_cast<int>(std::bit_ceil(static_cast<unsigned>(2 * n)));
   numerics::RealFft fft(length);
   std::vector<double> samples(static_cast<size_t>(length), 0.0);
-  Eigen::VectorXd::Map(samples.data(), n) = window;
+  VectorXd::Map(samples.data(), n) = window;
   std::vector<std::complex<double>> lines(static_cast<size_t>(fft.lines()));
   fft.forward(samples, lines);
   for (auto& line : lines) line = std::norm(line);
   fft.inverse(lines, samples);
-  return Eigen::VectorXd::Map(samples.data(), n) / samples[0];
+  return VectorXd::Map(samples.data(), n) / samples[0];
 }
 
 }  // namespace hydrapod::identification

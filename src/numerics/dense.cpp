@@ -1,5 +1,6 @@
 #include "hydrapod/numerics/dense.hpp"
 
+#include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 #include <Eigen/QR>
@@ -11,6 +12,7 @@ namespace hydrapod::numerics {
 
 using Eigen::MatrixXcd;
 using Eigen::MatrixXd;
+using Eigen::VectorXd;
 
 EigenPairs eigen_pairs(const MatrixXd& A) {
   if (!A.allFinite()) return {};  // Eigen may call it converged
@@ -82,11 +84,57 @@ Eigen::VectorXcd eigenvalues(const MatrixXd& A) {
   return solver.eigenvalues();
 }
 
+MatrixXd times(const Eigen::Ref<const MatrixXd>& A, const Eigen::Ref<const MatrixXd>& B) {
+  return A * B;
+}
+
+void add_transposed_times(const Eigen::Ref<const MatrixXd>& A, const Eigen::Ref<const MatrixXd>& B,
+                          MatrixXd& C) {
+  C.noalias() += A.transpose() * B;
+}
+
 MatrixXcd solve(const MatrixXcd& A, const MatrixXcd& B) {
   return Eigen::PartialPivLU<MatrixXcd>(A).solve(B);
 }
 
 MatrixXcd inverse(const MatrixXcd& A) { return Eigen::PartialPivLU<MatrixXcd>(A).inverse(); }
+
+namespace {
+
+/// One over the roots of the diagonal.
+VectorXd to_unit_diagonal(const MatrixXd& N) {
+  return N.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
+}
+
+template <class Right>
+Right solved_positive(const MatrixXd& N, const Right& B) {
+  const VectorXd scale = to_unit_diagonal(N);
+  MatrixXd scaled = scale.asDiagonal() * N * scale.asDiagonal();
+  scaled.diagonal().array() += 1e-14;
+  const Right right = scale.asDiagonal() * B;
+  return scale.asDiagonal() * scaled.ldlt().solve(right);
+}
+
+}  // namespace
+
+MatrixXd solve_positive(const MatrixXd& N, const MatrixXd& B) { return solved_positive(N, B); }
+VectorXd solve_positive(const MatrixXd& N, const VectorXd& b) { return solved_positive(N, b); }
+
+MatrixXd inverse_positive(const MatrixXd& N) {
+  const VectorXd scale = to_unit_diagonal(N);
+  const MatrixXd scaled = scale.asDiagonal() * N * scale.asDiagonal();
+  const Eigen::SelfAdjointEigenSolver<MatrixXd> solver(scaled);
+  const double least = 1e-13 * solver.eigenvalues().maxCoeff();
+  VectorXd inverted = solver.eigenvalues();
+  for (double& value : inverted) value = value > least ? 1.0 / value : 0.0;
+  const MatrixXd V = scale.asDiagonal() * solver.eigenvectors();
+  return V * inverted.asDiagonal() * V.transpose();
+}
+
+MatrixXcd inverse_factor(const MatrixXcd& A) {
+  const Eigen::LLT<MatrixXcd> factors(A);
+  return factors.matrixL().solve(MatrixXcd::Identity(A.rows(), A.cols()));
+}
 
 MatrixXd least_squares(const MatrixXd& A, const MatrixXd& B) {
   return Eigen::ColPivHouseholderQR<MatrixXd>(A).solve(B);

@@ -12,14 +12,9 @@
 
 namespace hydrapod::report {
 
+using base::two_pi;
 using Eigen::Index;
 using identification::FrequencyResponses;
-
-namespace {
-
-using base::two_pi;
-
-}  // namespace
 
 std::string responses_csv(const FrequencyResponses& r) {
   std::string text = "frequency_hz";
@@ -38,9 +33,7 @@ std::string responses_csv(const FrequencyResponses& r) {
     for (Index o = 0; o < r.H[k].rows(); ++o)
       for (Index i = 0; i < r.H[k].cols(); ++i) {
         text += fmt::format(",{:.17g},{:.17g}", r.H[k](o, i).real(), r.H[k](o, i).imag());
-        if (r.has_errors())
-          text += fmt::format(",{:.6g}",
-                              std::sqrt(r.variance(k, static_cast<int>(o), static_cast<int>(i))));
+        if (r.has_errors()) text += fmt::format(",{:.6g}", std::sqrt(r.variance(k, o, i)));
       }
     for (Index o = 0; o < r.H[k].rows(); ++o)
       text +=

@@ -1,5 +1,7 @@
 #include "hydrapod/report/measured_results.hpp"
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "hydrapod/base/units.hpp"
@@ -43,8 +45,7 @@ std::vector<data::MatVariable> response_variables(const FrequencyResponses& r) {
       deviation.emplace_back(r.H[k].rows(), r.H[k].cols());
       for (Index o = 0; o < r.H[k].rows(); ++o)
         for (Index i = 0; i < r.H[k].cols(); ++i)
-          deviation.back()(o, i) =
-              std::sqrt(r.variance(k, static_cast<int>(o), static_cast<int>(i)));
+          deviation.back()(o, i) = std::sqrt(r.variance(k, o, i));
     }
     all.push_back(data::mat_pages("deviation", deviation));
   }
@@ -58,14 +59,6 @@ std::vector<data::MatVariable> response_variables(const FrequencyResponses& r) {
   add_channels("output", r.outputs, all);
   add_channels("input", r.inputs, all);
   return all;
-}
-
-template <class Number>
-data::MatVariable mode_column(const char* name, const std::vector<IdentifiedMode>& modes,
-                              const Number& number) {
-  VectorXd values(static_cast<Index>(modes.size()));
-  for (Index r = 0; r < values.size(); ++r) values[r] = number(modes[static_cast<std::size_t>(r)]);
-  return data::mat_array(name, values);
 }
 
 template <class Vector>
@@ -101,17 +94,21 @@ void write_modes_mat(const std::string& path, const Identification& result) {
     shapes.push_back(modes[r].displacement);
   }
   all.push_back(data::mat_complex("pole", poles));
-  all.push_back(mode_column("mode_frequency_hz", modes,
-                            [](const auto& m) { return m.fit.omega() / two_pi; }));
-  all.push_back(mode_column("mode_frequency_95_hz", modes,
-                            [](const auto& m) { return band * m.fit.omega_deviation / two_pi; }));
-  all.push_back(
-      mode_column("damping_ratio", modes, [](const auto& m) { return m.fit.damping_ratio(); }));
-  all.push_back(mode_column("damping_95", modes,
-                            [](const auto& m) { return band * m.fit.damping_deviation; }));
-  all.push_back(mode_column("mpc", modes, [](const auto& m) { return m.mpc; }));
-  all.push_back(mode_column("mpd_rad", modes, [](const auto& m) { return m.mpd; }));
-  all.push_back(mode_column("quality", modes, [](const auto& m) { return m.quality(); }));
+  using Mode = IdentifiedMode;
+  constexpr std::array<std::pair<const char*, double (*)(const Mode&)>, 7> columns{
+      {{"mode_frequency_hz", [](const Mode& m) { return m.fit.omega() / two_pi; }},
+       {"mode_frequency_95_hz",
+        [](const Mode& m) { return band * m.fit.omega_deviation / two_pi; }},
+       {"damping_ratio", [](const Mode& m) { return m.fit.damping_ratio(); }},
+       {"damping_95", [](const Mode& m) { return band * m.fit.damping_deviation; }},
+       {"mpc", [](const Mode& m) { return m.mpc; }},
+       {"mpd_rad", [](const Mode& m) { return m.mpd; }},
+       {"quality", [](const Mode& m) { return m.quality(); }}}};
+  for (const auto& [name, number] : columns) {
+    VectorXd values(poles.size());
+    std::ranges::transform(modes, values.begin(), number);
+    all.push_back(data::mat_array(name, values));
+  }
   const std::size_t outputs = result.responses.outputs.size();
   all.push_back(mode_vectors("shape", modes, outputs, [](const auto& m) { return m.fit.shape; }));
   all.push_back(mode_vectors("displacement_shape", modes, outputs,

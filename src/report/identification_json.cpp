@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "fields.hpp"
@@ -70,20 +71,27 @@ Json entry_json(const FrequencyResponses& r, Index o, Index i) {
   Json entry{{"re", over_lines(r.lines(), [&](auto k) { return r.H[k](o, i).real(); })},
              {"im", over_lines(r.lines(), [&](auto k) { return r.H[k](o, i).imag(); })}};
   if (r.has_errors())
-    entry["deviation"] = over_lines(r.lines(), [&](auto k) {
-      return std::sqrt(r.variance(k, static_cast<int>(o), static_cast<int>(i)));
-    });
+    entry["deviation"] =
+        over_lines(r.lines(), [&](auto k) { return std::sqrt(r.variance(k, o, i)); });
   if (!r.coherence.empty())
     entry["coherence"] = over_lines(r.lines(), [&](auto k) { return r.coherence[k](o, i); });
   return entry;
 }
 
-/// Which mode (from 1) a cluster became; null for heavily damped poles.
-Json mode_of_cluster(const identification::Identification& result, std::size_t cluster) {
-  if (cluster >= result.model.modes.size()) return nullptr;
-  for (std::size_t r = 0; r < result.modes.size(); ++r)
-    if (result.modes[r].fit.pole == result.model.modes[cluster].pole) return r + 1;
-  return nullptr;
+template <class Warning>
+std::vector<std::string> texts(const std::vector<Warning>& warnings) {
+  std::vector<std::string> all;
+  for (const auto& warning : warnings) all.push_back(warning_text(warning));
+  return all;
+}
+
+/// Which of `poles` (from 1) a cluster became; null for none of them.
+template <class Poles, class PoleOf>
+Json number_of_cluster(const identification::ModalModel& model, std::size_t cluster,
+                       const Poles& poles, const PoleOf& pole_of) {
+  if (cluster >= model.modes.size()) return nullptr;
+  const auto found = std::ranges::find(poles, model.modes[cluster].pole, pole_of);
+  return found == poles.end() ? Json() : Json(found - poles.begin() + 1);
 }
 
 /// Lower and upper residuals C_k, k = −2 … 1, of (iω/scale)^k.
@@ -91,14 +99,6 @@ Json residuals_json(const identification::ModalModel& model) {
   Json terms = Json::array();
   for (const auto& C : model.residuals) terms.push_back(written(C));
   return {{"omega_scale_rad_s", model.omega_scale}, {"terms", terms}};
-}
-
-/// The same among the heavily damped poles.
-Json heavy_of_cluster(const identification::Identification& result, std::size_t cluster) {
-  if (cluster >= result.model.modes.size()) return nullptr;
-  for (std::size_t r = 0; r < result.heavily_damped.size(); ++r)
-    if (result.heavily_damped[r].pole == result.model.modes[cluster].pole) return r + 1;
-  return nullptr;
 }
 
 Json stabilisation_json(const identification::Identification& result) {
@@ -115,7 +115,7 @@ Json stabilisation_json(const identification::Identification& result) {
       poles.push_back({{"frequency_hz", e.omega() / two_pi},
                        {"damping_ratio", e.damping_ratio()},
                        {"stable", e.pole.real() < 0.0},
-                       {"agrees", identification::stability_text(stability[n][i])},
+                       {"agrees", words(stability[n][i])},
                        {"cluster", cluster[n][i]}});
     }
     chart.push_back({{"order", result.chart[n].order}, {"poles", poles}});
@@ -127,8 +127,10 @@ Json clusters_json(const identification::Identification& result) {
   Json list = Json::array();
   for (std::size_t c = 0; c < result.clusters.size(); ++c) {
     const auto& cluster = result.clusters[c];
-    list.push_back({{"mode", mode_of_cluster(result, c)},
-                    {"heavily_damped", heavy_of_cluster(result, c)},
+    const auto fitted = [](const auto& mode) { return mode.fit.pole; };
+    list.push_back({{"mode", number_of_cluster(result.model, c, result.modes, fitted)},
+                    {"heavily_damped", number_of_cluster(result.model, c, result.heavily_damped,
+                                                         &identification::FittedMode::pole)},
                     {"orders", cluster.members.size()},
                     {"persistence", cluster.persistence},
                     {"frequency_scatter", cluster.frequency_scatter},
@@ -186,10 +188,9 @@ void describe(Fields& f, identification::IdentifiedMode& mode) {
   f.derived("quality", mode.quality());
 }
 
-template <class Fields>
-void describe(Fields& f, identification::LeftOut& left) {
+void describe(Writer& f, identification::LeftOut& left) {
   f("pole", left.pole);
-  f("reason", left.reason);
+  f("reason", words(left.reason));
 }
 
 template <class Fields>
@@ -212,10 +213,10 @@ void describe(Fields& f, identification::Identification& result) {
   f.maybe("band_hz", band);
   f("modes", result.modes);
   f.maybe("heavily_damped", result.heavily_damped);
-  f.maybe("rejected", result.left_out);
+  f.derived("rejected", result.left_out);
   f.maybe("fit_error", result.model.error);
   f.maybe("misfit", result.model.misfit);
-  f.maybe("warnings", result.warnings);
+  f.derived("warnings", texts(result.warnings));
   if constexpr (Fields::reads) {
     result.from = band[0];
     result.to = band[1];
@@ -258,7 +259,7 @@ Json responses_json(const FrequencyResponses& r) {
     json["sample_rate_hz"] = r.sample_rate;
     json["taper"] = written(r.taper);
   }
-  json["warnings"] = r.warnings;
+  json["warnings"] = texts(r.warnings);
   return json;
 }
 

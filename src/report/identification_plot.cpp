@@ -54,10 +54,7 @@ std::string data_block(const FrequencyResponses& r, const identification::ModalM
                                      : Eigen::MatrixXcd();
     for (const auto& [o, i] : pairs) {
       const auto h = r.H[k](o, i);
-      const double band =
-          r.has_errors()
-              ? radius * std::sqrt(r.variance(k, static_cast<int>(o), static_cast<int>(i)))
-              : 0.0;
+      const double band = r.has_errors() ? radius * std::sqrt(r.variance(k, o, i)) : 0.0;
       text += fmt::format(" {:.4f} {:.4f} {:.4f} {:.3f}", decibels(std::abs(h)),
                           decibels(std::max(std::abs(h) - band, 0.1 * std::abs(h))),
                           decibels(std::abs(h) + band), std::arg(h) * degree);

@@ -43,9 +43,7 @@ Json entry_json(const FrequencyResponses& r, const std::vector<std::size_t>& lin
   Json entry{{"re", list_of(lines, [&](auto k) { return r.H[k](o, i).real(); })},
              {"im", list_of(lines, [&](auto k) { return r.H[k](o, i).imag(); })}};
   if (r.has_errors())
-    entry["deviation"] = list_of(lines, [&](auto k) {
-      return std::sqrt(r.variance(k, static_cast<int>(o), static_cast<int>(i)));
-    });
+    entry["deviation"] = list_of(lines, [&](auto k) { return std::sqrt(r.variance(k, o, i)); });
   return entry;
 }
 

@@ -19,10 +19,15 @@ namespace {
 
 using Diagnostics = std::vector<base::Diagnostic>;
 
-void add_warnings(const std::string& file, const std::vector<std::string>& texts,
+void add_warning(const std::string& file, const std::string& text, Diagnostics& warnings) {
+  warnings.push_back({.severity = base::Severity::warning, .file = file, .message = text});
+}
+
+/// Those of responses or of identified modes, in words.
+template <class Warning>
+void add_warnings(const std::string& file, const std::vector<Warning>& found,
                   Diagnostics& warnings) {
-  for (const auto& text : texts)
-    warnings.push_back({.severity = base::Severity::warning, .file = file, .message = text});
+  for (const auto& warning : found) add_warning(file, report::warning_text(warning), warnings);
 }
 
 void append(const Diagnostics& more, Diagnostics& all) {
@@ -144,7 +149,7 @@ void note_reading(const MeasureOptions& options, Measured& measured) {
   append(m.notes, measured.warnings);
   if (m.interrupted)
     m.responses.warnings.push_back(
-        fmt::format("interrupted: the result uses the first {} samples", m.samples));
+        {.kind = data::ResponseWarning::Kind::interrupted, .count = m.samples});
   add_warnings(options.files.front(), m.responses.warnings, measured.warnings);
 }
 
@@ -199,8 +204,7 @@ void add_bootstrap(const IdentifyOptions& options, const Progress& progress, Ide
       *measured.records, estimate_options(options.measure, measured), groups);
   found.bootstrap = identification::bootstrap_modes(
       grouped.groups, grouped.choice, grouped.estimator, found.modes,
-      {.resamples = options.bootstrap, .identify = options.modes},
-      [&](double share) { return !progress || !progress(share); });  // it asks whether to go on
+      {.resamples = options.bootstrap, .identify = options.modes}, progress);
 }
 
 void add_comparison(const IdentifyOptions& options, Identified& found) {
@@ -230,9 +234,9 @@ void or_warn(const std::string& file, const char* what, Diagnostics& warnings, c
   try {
     extra();
   } catch (const base::ComputationError& error) {
-    add_warnings(file, {fmt::format("{}: {}", what, error.what())}, warnings);
+    add_warning(file, fmt::format("{}: {}", what, error.what()), warnings);
   } catch (const std::invalid_argument& error) {
-    add_warnings(file, {fmt::format("{}: {}", what, error.what())}, warnings);
+    add_warning(file, fmt::format("{}: {}", what, error.what()), warnings);
   }
 }
 

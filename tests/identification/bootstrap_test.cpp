@@ -88,6 +88,20 @@ TEST(Bootstrap, TheSameSeedGivesTheSameScatter) {
   EXPECT_NE(run(3), run(4));
 }
 
+TEST(Bootstrap, ResamplesUntilAskedToStop) {
+  const auto record = noisy_record();
+  const auto found = identify_modes(estimate_responses(spectra_of(record, 0, record.samples.rows()),
+                                                       three_by_three, Estimator::h1));
+  std::vector<double> shares;
+  const auto scatter = bootstrap_modes(groups_of(record, 8), three_by_three, Estimator::h1, found,
+                                       {.resamples = 10}, [&](double share) {
+                                         shares.push_back(share);
+                                         return share >= 0.3;
+                                       });
+  EXPECT_EQ(shares, (std::vector{0.1, 0.2, 0.3}));
+  EXPECT_EQ(scatter.resamples, 3);
+}
+
 TEST(Bootstrap, TooFewGroupsAreRefused) {
   const auto record = noisy_record();
   Identification found;

@@ -6,6 +6,7 @@
 
 #include <Eigen/Core>
 #include <complex>
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -21,6 +22,26 @@ enum class Estimator { h1, h2, hv, instrumental };
 /// "h1", "h2", "hv", "iv".
 std::string_view estimator_text(Estimator estimator);
 std::optional<Estimator> estimator_from_text(std::string_view text);
+
+/// What a user should know of responses; report::warning_text has the words.
+struct ResponseWarning {
+  enum class Kind {
+    dead_output,        ///< channel, left out; value: all its samples
+    dead_input,         ///< channel; there are no responses to it
+    repeated_input,     ///< channel, left out for `other`
+    clipped,            ///< channel; share of its samples that are `lowest` or `highest`
+    blocks_left_out,    ///< count, of total, for missing samples
+    correlated_inputs,  ///< value: median of the condition
+    biased,             ///< value: median of the relative deviation from the instrumental estimate;
+                        ///< share of lines outside its 95 % band; estimator
+    interrupted         ///< count: samples that were read
+  };
+  Kind kind{};
+  std::string channel{}, other{};
+  double value{}, share{}, lowest{}, highest{};
+  std::int64_t count{}, total{};
+  Estimator estimator{Estimator::h1};
+};
 
 /// Frequency responses with what is known of their errors. All vectors over lines have one length.
 struct FrequencyResponses {
@@ -51,12 +72,12 @@ struct FrequencyResponses {
   /// instrumental estimate): 1 is best.
   std::vector<double> condition{};
   std::vector<Eigen::VectorXd> input_density{};  ///< S_uu [unit²/Hz]
-  std::vector<std::string> warnings{};
+  std::vector<ResponseWarning> warnings{};
 
   [[nodiscard]] std::size_t lines() const { return frequency.size(); }
   [[nodiscard]] bool has_errors() const { return !noise.empty(); }
   /// E|Ĥ_oi − H_oi|² at a line; sum of the variances of real and imaginary part.
-  [[nodiscard]] double variance(std::size_t line, int output, int input) const;
+  [[nodiscard]] double variance(std::size_t line, Eigen::Index output, Eigen::Index input) const;
 };
 
 /// Throws std::invalid_argument naming what does not fit: sizes, frequencies that do not ascend or

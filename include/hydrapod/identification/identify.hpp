@@ -119,13 +119,16 @@ std::vector<OrderPoles> poly_reference_poles(const FrequencyResponses& responses
 using data::mac;
 
 struct SelectionOptions {
-  double frequency{0.01};
-  double damping{0.2};
-  double damping_floor{0.002};
-  double vector{0.8};
-  double neighbourhood{0.02};
-  double persistence{0.5};
-  int fewest{4};
+  double frequency{0.01};       ///< several times what frequencies scatter by over orders
+  double damping{0.2};          ///< damping ratios scatter that much more
+  double damping_floor{0.002};  ///< and those near zero by this
+  double vector{0.8};           ///< another mode's is rarely above 0.5
+  double neighbourhood{0.02};   ///< twice `frequency`: both poles may be off
+  double persistence{0.5};      ///< poles of noise come back less often
+  int fewest{4};                ///< fewer orders may agree by chance
+  /// Clusters vote on the order of their representatives within voters · neighbourhood: so far
+  /// reaches what a cluster's poles and their neighbours may be apart.
+  double voters{2.0};
   double highest_damping{0.9};  ///< poles with more than this are not looked at
 };
 
@@ -147,18 +150,14 @@ struct PoleCluster {
 std::vector<PoleCluster> select_poles(const std::vector<OrderPoles>& chart,
                                       const SelectionOptions& options = {});
 
-struct FittedMode {
-  std::complex<double> pole{};
-  Eigen::VectorXcd shape{};          ///< φ
-  Eigen::VectorXcd participation{};  ///< L, its largest element is 1
+/// The largest element of its participation is 1.
+struct FittedMode : PoleEstimate {
   /// Standard deviations, from the responses' errors.
   double omega_deviation{}, damping_deviation{};  ///< of ω [rad/s] and ζ
   Eigen::VectorXd shape_deviation{};              ///< of φ_o: √E|φ̂ − φ|²
   /// Σ over lines and entries of |contribution|²/variance, over the number of its parameters: what
   /// the mode is above the noise. Around 1 it is nothing.
   double significance{};
-  [[nodiscard]] double omega() const { return std::abs(pole); }
-  [[nodiscard]] double damping_ratio() const { return -pole.real() / std::abs(pole); }
 };
 
 inline constexpr int lowest_residual_power = -2;
@@ -195,6 +194,75 @@ ModalModel fit_modes(const FrequencyResponses& responses, const std::vector<Pole
 /// H of the model at s = shift + iω: without the window's effect.
 Eigen::MatrixXcd synthesised(const ModalModel& model, double frequency, double shift = 0.0);
 
+/// The band that poles are looked for in.
+struct BandOptions {
+  /// From the first to the last line with |H|²/variance > audible, as a mean over entries and over
+  /// `reach` lines on either side: a mean of noise alone is 1 and hardly ever 3.
+  double audible{3.0};
+  int reach{4};
+  /// Upper end: room · highest pole, where that is at most worth · the present end. Model orders
+  /// are spent on modes, not on an empty band; a narrowing by less changes hardly anything.
+  double room{1.6}, worth{0.75};
+  int rounds{6};  ///< of narrowing; six reach a fifth of the band at least
+  /// Of the final fit: fit_room · highest fitted mode. Its flank is still there; what is above is
+  /// left to the residual terms.
+  double fit_room{1.25};
+};
+
+/// Which poles of a fit are kept, beside the limits of IdentifyOptions.
+struct PruneOptions {
+  /// Open damping: deviation of ζ > largest_damping_deviation · max(ζ, damping_floor). Of a mode
+  /// with less damping it is enough to know that it is small.
+  double damping_floor{0.002};
+  /// Two poles are one: |Δλ| < mean |Re λ|, and MAC > same_vector of shapes and of participations.
+  /// Repeated modes differ in one of them.
+  double same_vector{0.98};
+  int rounds{8};  ///< fits; each takes something out, the last ones rarely anything
+};
+
+/// Modes that are as weak as the noise of strong ones: poles fitted to the residual.
+struct WeakModeOptions {
+  /// A place: the mean of |residual|²/variance over the lines within `reach` is above
+  /// median · (1 + stands_out/√n), n numbers in the mean: it scatters by 1/√n, and hardly one line
+  /// in ten thousand is 4 of that above by chance.
+  int reach{2};
+  double stands_out{4.0};
+  int most_places{8};  ///< of one search, the most conspicuous first
+  /// Lines around a place that poles are fitted to: |k − place| ≤ least_half_band or
+  /// |f − f_place| ≤ half_band · f_place. A sharp resonance and little else is in there.
+  int least_half_band{12};
+  double half_band{0.02};
+  OrderRange orders{1, 6, 1};  ///< one mode, and what the others have left over
+  /// Of a weak mode the damping is known that badly, and there are few orders.
+  SelectionOptions selection{.damping = 0.5, .damping_floor = 0.004, .fewest = 3};
+  int rounds{3};  ///< of search and fit, while they find something
+};
+
+/// How well a mode must be known that no pole search came upon.
+struct Certainty {
+  double near{};           ///< |ω − ω_tried| ≤ near · ω_tried
+  double frequency{0.02};  ///< deviation of ω ≤ frequency · ω
+  double damping{0.5};     ///< deviation of ζ ≤ damping · ζ
+  /// Fall of the sum of squares over the number of a mode's parameters, as in
+  /// FittedMode::significance, ≥ gain · least_significance.
+  double gain{};
+};
+
+/// Modes that are tried beside those that were found, and stay if the fit is certain of them and
+/// leaves all others where they were.
+struct TrialOptions {
+  double unmoved{0.005};  ///< |Δω| < unmoved · ω: the same mode; also one of a close pair
+  int rounds{4};          ///< in the flanks of strong modes, while one finds something
+  int most_places{3};     ///< of a round, the most conspicuous first: each costs up to two fits
+  double damping{0.003};  ///< ζ that a trial begins with: what hides in a flank is sharp
+  Certainty hidden{.near = 0.02, .frequency = 0.002, .damping = 0.3};
+  /// Of two at once, of which one alone is no resonance. How nearly equal poles share their damping
+  /// is hardly determined: that they are two is seen by what the fit gains.
+  Certainty hidden_pair{.near = 0.005, .frequency = 0.004, .damping = 1.0, .gain = 2.0};
+  /// Of a second one like a weak mode that stands alone.
+  Certainty second{.near = 0.005, .damping = 1.0, .gain = 0.5};
+};
+
 struct IdentifyOptions {
   std::optional<double> from{}, to{};  ///< band [Hz]; default: found as said above
   OrderRange orders{};
@@ -204,6 +272,15 @@ struct IdentifyOptions {
   double least_significance{20.0};           ///< FittedMode::significance
   double largest_frequency_deviation{0.02};  ///< of ω, relative
   double largest_damping_deviation{0.5};     ///< of ζ, relative
+  BandOptions band{};
+  PruneOptions prune{};
+  WeakModeOptions weak{};
+  TrialOptions trial{};
+  /// K of the final fit ≤ this, one more as long as Akaike's criterion falls: more terms than the
+  /// band has room for begin to stand for modes.
+  int highest_residual_power{4};
+  double fewest_samples{8.0};  ///< per period of a mode; with fewer aliasing is seen: a warning
+  double largest_misfit{2.0};  ///< ModalModel::misfit > this is a warning; 1 is noise alone
 };
 
 struct IdentifiedMode {
@@ -220,9 +297,31 @@ struct IdentifiedMode {
   [[nodiscard]] double quality() const { return persistence * vector_consistency; }
 };
 
+/// Why a fitted mode is none; report::words has the words.
+enum class Objection {
+  none,
+  left_band,       ///< its frequency is outside of `from` … `to`
+  in_noise,        ///< significance < least_significance
+  open_frequency,  ///< deviation of ω > largest_frequency_deviation · ω
+  open_damping,    ///< deviation of ζ > largest_damping_deviation · ζ
+  doubles          ///< another fitted pole is the same, see PruneOptions
+};
+
 struct LeftOut {
   std::complex<double> pole{};
-  std::string reason{};
+  Objection reason{};
+};
+
+/// What a user should know of identified modes; report::warning_text has the words.
+struct ModeWarning {
+  enum class Kind {
+    no_mode,      ///< between `from` and `to` [Hz]
+    few_samples,  ///< value: samples per period of the highest mode
+    misfit        ///< value: ModalModel::misfit
+  };
+  Kind kind{};
+  double value{};
+  double from{}, to{};
 };
 
 struct Identification {
@@ -234,7 +333,7 @@ struct Identification {
   std::vector<FittedMode> heavily_damped{};
   std::vector<LeftOut> left_out{};
   double from{}, to{};  ///< [Hz]
-  std::vector<std::string> warnings{};
+  std::vector<ModeWarning> warnings{};
 };
 
 /// Without a mode in the band the result has none, and a warning that says so. Throws
@@ -276,7 +375,7 @@ struct BootstrapScatter {
 };
 
 /// `groups`: spectra of at least four groups with the same channels and options. `progress` is told
-/// the share that is done; where it says false the resamples so far count. Throws
+/// the share that is done; where it asks to stop the resamples so far count. Throws
 /// std::invalid_argument for fewer groups and for a result without modes.
 BootstrapScatter bootstrap_modes(const std::vector<CrossSpectra>& groups,
                                  const ChannelChoice& choice, Estimator estimator,
@@ -290,8 +389,6 @@ enum class PoleStability {
   damping,    ///< and its damping ratio agrees
   vector      ///< and shape and participation lie in what poles near it span
 };
-/// "new", "frequency", "damping", "vector".
-std::string_view stability_text(PoleStability stability);
 
 /// Per order and pole of `chart`. Poles of the lowest order are fresh.
 std::vector<std::vector<PoleStability>> pole_stability(const std::vector<OrderPoles>& chart,

@@ -193,10 +193,11 @@ Eigen::MatrixXd platform_from_accelerometers(const std::vector<LinearSensor>& se
 CrossSpectra to_platform(const CrossSpectra& spectra, const std::vector<int>& channels,
                          const Eigen::MatrixXd& map, const std::string& prefix = {});
 
-/// The channels of a role with the directions leg 1 … 6 in this order, if all are there once;
-/// responses if they are lengths, speeds or accelerations.
-std::optional<std::vector<int>> leg_channels(const CrossSpectra& spectra,
-                                             data::Role role = data::Role::response);
+/// The channels of a role with the directions from `first` (x or leg 1) on in their order, if all
+/// six are there once; those with one of `units`, or with any where there are none.
+std::optional<std::vector<int>> six_channels(const std::vector<data::Channel>& channels,
+                                             data::Role role, data::Direction first,
+                                             const std::vector<std::string_view>& units = {});
 
 using data::Estimator;
 using data::FrequencyResponses;

@@ -36,6 +36,24 @@ Eigen::VectorXcd eigenvalues(const Eigen::MatrixXd& A);
 Eigen::MatrixXcd solve(const Eigen::MatrixXcd& A, const Eigen::MatrixXcd& B);
 Eigen::MatrixXcd inverse(const Eigen::MatrixXcd& A);
 
+/// A B, and C += Aᵀ B: every shape of a product that a file writes is compiled there.
+Eigen::MatrixXd times(const Eigen::Ref<const Eigen::MatrixXd>& A,
+                      const Eigen::Ref<const Eigen::MatrixXd>& B);
+void add_transposed_times(const Eigen::Ref<const Eigen::MatrixXd>& A,
+                          const Eigen::Ref<const Eigen::MatrixXd>& B, Eigen::MatrixXd& C);
+
+/// N⁻¹ B of a symmetric positive N by LDLᵀ. N is scaled to a diagonal of 1, to which 1e-14 is
+/// added: rows may be of very different size, and directions that N hardly determines stay finite.
+Eigen::MatrixXd solve_positive(const Eigen::MatrixXd& N, const Eigen::MatrixXd& B);
+Eigen::VectorXd solve_positive(const Eigen::MatrixXd& N, const Eigen::VectorXd& b);
+
+/// N⁻¹ of such a matrix. Where an eigenvalue of the scaled matrix is below 1e-13 of the largest,
+/// its direction is left out: the inverse has nothing there instead of nearly infinity.
+Eigen::MatrixXd inverse_positive(const Eigen::MatrixXd& N);
+
+/// L⁻¹ of A = L Lᴴ, A Hermitian and positive, L lower triangular.
+Eigen::MatrixXcd inverse_factor(const Eigen::MatrixXcd& A);
+
 /// X with the least ‖A X − B‖, by QR with column pivoting.
 Eigen::MatrixXd least_squares(const Eigen::MatrixXd& A, const Eigen::MatrixXd& B);
 

@@ -1,6 +1,8 @@
 #pragma once
 /// Quantiles of the distributions that intervals are made of (Boost.Math).
 ///
+/// The median of a list.
+///
 /// Normally distributed random numbers, the same on every machine with the same libm.
 ///
 /// The standard fixes std::mt19937_64 to the bit but leaves its distributions open, so Marsaglia's
@@ -8,6 +10,7 @@
 
 #include <cstdint>
 #include <random>
+#include <vector>
 
 namespace hydrapod::numerics {
 
@@ -22,6 +25,9 @@ double chi_squared_quantile(double probability, int degrees);
 
 /// x with P(F ≤ x) = `probability`, F with `numerator` and `denominator` > 0 degrees of freedom.
 double fisher_quantile(double probability, double numerator, double denominator);
+
+/// The middle one of the sorted values, of two the larger. There must be one.
+double upper_median(std::vector<double> values);
 
 class Gaussian {
  public:

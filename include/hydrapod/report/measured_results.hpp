@@ -94,6 +94,15 @@ ComparedModes compared_with(const identification::Identification& measured,
 /// "not found", "the platform does not feel it", "the outputs do not see it".
 std::string_view words(observation::Unpaired reason);
 
+/// "left the band in the fit", "is not above the noise", …
+const char* words(identification::Objection reason);
+
+/// "new", "frequency", "damping", "vector".
+const char* words(identification::PoleStability stability);
+
+std::string warning_text(const data::ResponseWarning& warning);
+std::string warning_text(const identification::ModeWarning& warning);
+
 /// "Heavy motion platform, pose neutral, guide model: mechanics, hydraulics, …".
 std::string comparison_heading(const ComparedModes& compared);
 

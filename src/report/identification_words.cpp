@@ -1,0 +1,79 @@
+#include "hydrapod/report/measured_results.hpp"
+
+#include <fmt/format.h>
+
+#include <array>
+
+namespace hydrapod::report {
+
+const char* words(identification::Objection reason) {
+  constexpr std::array all{"",
+                           "left the band in the fit",
+                           "is not above the noise",
+                           "its frequency is not determined",
+                           "its damping is not determined",
+                           "repeats another pole"};
+  return all[static_cast<std::size_t>(reason)];
+}
+
+const char* words(identification::PoleStability stability) {
+  constexpr std::array all{"new", "frequency", "damping", "vector"};
+  return all[static_cast<std::size_t>(stability)];
+}
+
+std::string warning_text(const data::ResponseWarning& w) {
+  using Kind = data::ResponseWarning::Kind;
+  switch (w.kind) {
+    case Kind::dead_output:
+      return fmt::format("{}: dead (always {:.4g}); left out", w.channel, w.value);
+    case Kind::dead_input:
+      return fmt::format("input {}: dead (constant); no responses to it", w.channel);
+    case Kind::repeated_input:
+      return fmt::format(
+          "input {} repeats input {}: left out; the responses to {} are those to both together",
+          w.channel, w.other, w.other);
+    case Kind::clipped:
+      return fmt::format(
+          "{}: {:.2g} % of the samples are {:.4g} or {:.4g}: the channel looks clipped, and its "
+          "results are distorted",
+          w.channel, 100.0 * w.share, w.lowest, w.highest);
+    case Kind::blocks_left_out:
+      return fmt::format("{} of {} blocks have missing samples and were left out", w.count,
+                         w.total);
+    case Kind::correlated_inputs:
+      return fmt::format(
+          "the inputs are correlated: the condition of their matrix is {:.0f} (median over lines; "
+          "1 is best), and the uncertainty of the responses to them is larger by this factor",
+          w.value);
+    case Kind::biased:
+      return fmt::format(
+          "{} is biased by the loop: it differs from the instrumental estimate by {:.2g} % "
+          "(median), outside its 95 % band at {:.0f} % of the lines; take --estimator iv",
+          data::estimator_text(w.estimator), 100.0 * w.value, 100.0 * w.share);
+    case Kind::interrupted:
+      return fmt::format("interrupted: the result uses the first {} samples", w.count);
+  }
+  return {};
+}
+
+std::string warning_text(const identification::ModeWarning& w) {
+  using Kind = identification::ModeWarning::Kind;
+  switch (w.kind) {
+    case Kind::no_mode:
+      return fmt::format("no mode from {:.4g} Hz to {:.4g} Hz: there is no stable pole", w.from,
+                         w.to);
+    case Kind::few_samples:
+      return fmt::format(
+          "the highest mode has {:.1f} samples per period: the modal model does not include "
+          "aliasing, and with little noise the intervals are too narrow; use a higher sample rate",
+          w.value);
+    case Kind::misfit:
+      return fmt::format(
+          "the modal model misses the responses by {:.1f} times their noise (mean square): a mode "
+          "may be missing, or the machine is not linear; the intervals are widened accordingly",
+          w.value);
+  }
+  return {};
+}
+
+}  // namespace hydrapod::report

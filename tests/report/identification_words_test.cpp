@@ -1,0 +1,54 @@
+/// Findings of identification, which are codes, in words.
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "hydrapod/report/measured_results.hpp"
+
+namespace hydrapod::report {
+namespace {
+
+using testing::HasSubstr;
+
+TEST(IdentificationWords, OfResponsesNameTheChannelAndItsNumbers) {
+  using Kind = data::ResponseWarning::Kind;
+  EXPECT_EQ(
+      warning_text(data::ResponseWarning{.kind = Kind::dead_output, .channel = "y2", .value = 0.7}),
+      "y2: dead (always 0.7); left out");
+  EXPECT_EQ(warning_text(data::ResponseWarning{.kind = Kind::dead_input, .channel = "u2"}),
+            "input u2: dead (constant); no responses to it");
+  EXPECT_THAT(warning_text(data::ResponseWarning{
+                  .kind = Kind::repeated_input, .channel = "u2", .other = "u1"}),
+              HasSubstr("input u2 repeats input u1: left out; the responses to u1"));
+  EXPECT_THAT(
+      warning_text(data::ResponseWarning{
+          .kind = Kind::clipped, .channel = "y3", .share = 0.02, .lowest = -1, .highest = 2}),
+      HasSubstr("y3: 2 % of the samples are -1 or 2: the channel looks clipped"));
+  EXPECT_EQ(
+      warning_text(data::ResponseWarning{.kind = Kind::blocks_left_out, .count = 3, .total = 40}),
+      "3 of 40 blocks have missing samples and were left out");
+  EXPECT_THAT(warning_text(data::ResponseWarning{.kind = Kind::correlated_inputs, .value = 51.0}),
+              HasSubstr("inputs are correlated: the condition of their matrix is 51"));
+  EXPECT_THAT(
+      warning_text(data::ResponseWarning{.kind = Kind::biased, .value = 0.13, .share = 0.4}),
+      HasSubstr("h1 is biased by the loop: it differs from the instrumental estimate by 13 % "
+                "(median), outside its 95 % band at 40 % of the lines"));
+  EXPECT_EQ(warning_text(data::ResponseWarning{.kind = Kind::interrupted, .count = 4096}),
+            "interrupted: the result uses the first 4096 samples");
+}
+
+TEST(IdentificationWords, OfModes) {
+  using identification::ModeWarning;
+  using Kind = ModeWarning::Kind;
+  EXPECT_EQ(warning_text(ModeWarning{.kind = Kind::no_mode, .from = 1.0, .to = 20.0}),
+            "no mode from 1 Hz to 20 Hz: there is no stable pole");
+  EXPECT_THAT(warning_text(ModeWarning{.kind = Kind::few_samples, .value = 5.04}),
+              HasSubstr("5.0 samples per period"));
+  EXPECT_THAT(warning_text(ModeWarning{.kind = Kind::misfit, .value = 3.21}),
+              HasSubstr("misses the responses by 3.2 times their noise"));
+  EXPECT_STREQ(words(identification::Objection::doubles), "repeats another pole");
+  EXPECT_STREQ(words(identification::PoleStability::fresh), "new");
+}
+
+}  // namespace
+}  // namespace hydrapod::report
