@@ -78,11 +78,12 @@ std::string ranking_text(const diagnosis::Diagnosis& d, std::size_t shown, bool 
                {"contradiction", Align::left}});
   std::size_t rank = 0;
   const auto add = [&](const diagnosis::Explanation& e) {
-    table.add_row({fmt::format("{}", rank), e.name,
+    const auto wrong = report::contradiction_words(d, e);
+    table.add_row({fmt::format("{}", rank), report::hypothesis_name(d, e),
                    fmt::format("{:.1f}", e.criterion - d.best().criterion),
                    fmt::format("{}", e.parameters), fmt::format("{:.4g}", e.misfit),
-                   fmt::format("{}", fmt::join(diagnosis::parameter_words(e), "; ")),
-                   e.wrong.empty() ? "" : e.wrong.front()});
+                   fmt::format("{}", fmt::join(report::parameter_words(e), "; ")),
+                   wrong.empty() ? "" : wrong.front()});
   };
   for (const auto& e : d.explanations) {
     ++rank;
@@ -102,7 +103,7 @@ std::string attribution_text(const diagnosis::CaseFile& file, bool colour, std::
   if (file.drops.empty()) return {};
   std::vector<Column> columns{{"direction", Align::left}, {"rigid Hz"}, {"Hz"}, {"drop"}};
   for (const auto& part : file.drops.front().parts)
-    columns.push_back({diagnosis::part_name(part.part)});
+    columns.push_back({report::part_name(part.part)});
   Table table(columns);
   for (const auto& drop : file.drops) {
     const auto& r = drop.resonance;
@@ -132,7 +133,8 @@ std::string remedy_text(const diagnosis::CaseFile& file, bool colour, std::size_
   const auto& changes = file.remedy->changes;
   for (std::size_t k = 0; k < std::min(most, changes.size()); ++k) {
     const auto& c = changes[k];
-    table.add_row({c.pose, c.direction, fmt::format("{:.3f}", c.omega_rigid / two_pi),
+    table.add_row({c.pose, report::direction_words(c.direction),
+                   fmt::format("{:.3f}", c.omega_rigid / two_pi),
                    c.omega_today > 0.0 ? fmt::format("{:.3f}", c.omega_today / two_pi) : "folds",
                    fmt::format("{:.3f}", c.omega_needed / two_pi),
                    fmt::format("{:.1f} %", 100.0 * (1.0 - c.omega_needed / c.omega_rigid))});
@@ -155,7 +157,7 @@ std::string table_text(const Arguments& a, const model::MachineFile& file,
                                  a.diagnosis.measured.empty()
                                      ? ""
                                      : fmt::format(": {}", fmt::join(a.diagnosis.measured, ", ")));
-  for (const auto& sentence : diagnosis::summary(found)) text += "  " + sentence + "\n";
+  for (const auto& sentence : report::summary(found)) text += "  " + sentence + "\n";
   if (found.diagnosis) {
     text += modes_text(*found.diagnosis, colour, width);
     if (found.diagnosis->explanations.size() > 1)
