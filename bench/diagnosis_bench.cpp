@@ -15,6 +15,7 @@
 #include "hydrapod/identification/responses.hpp"
 #include "hydrapod/kinematics/check_machine.hpp"
 #include "hydrapod/observation/targets.hpp"
+#include "hydrapod/report/measured_results.hpp"
 #include "hydrapod/rig/rig.hpp"
 #include "support/noisy_modes.hpp"
 
@@ -106,7 +107,7 @@ observation::Targets targets_of_modes() {
 /// What was found, so that no speed is gained by another answer.
 std::string summary(const diagnosis::Diagnosis& d) {
   const auto& best = d.best();
-  auto text = best.name + ", " + std::to_string(best.misfit);
+  auto text = report::hypothesis_name(d, best) + ", " + std::to_string(best.misfit);
   for (const auto& p : best.fit.parameters) text += ", " + std::to_string(p.value);
   return text + "; " + std::to_string(d.alike.size()) + " alike of " +
          std::to_string(d.explanations.size());

@@ -46,11 +46,12 @@ std::string ranking_text(const diagnosis::Diagnosis& d, std::size_t shown,
   Table table({"rank", "<explanation", "ΔBIC", "numbers", "misfit", "<values", "<contradiction"});
   std::size_t rank = 0;
   const auto add = [&](const diagnosis::Explanation& e) {
-    table.add_row({fmt::format("{}", rank), e.name,
+    const auto wrong = report::contradiction_words(d, e);
+    table.add_row({fmt::format("{}", rank), report::hypothesis_name(d, e),
                    fmt::format("{:.1f}", e.criterion - d.best().criterion),
                    fmt::format("{}", e.parameters), fmt::format("{:.4g}", e.misfit),
-                   fmt::format("{}", fmt::join(diagnosis::parameter_words(e), "; ")),
-                   e.wrong.empty() ? "" : e.wrong.front()});
+                   fmt::format("{}", fmt::join(report::parameter_words(e), "; ")),
+                   wrong.empty() ? "" : wrong.front()});
   };
   for (const auto& e : d.explanations) {
     ++rank;
@@ -70,7 +71,7 @@ std::string attribution_text(const diagnosis::CaseFile& file, const TableStyle& 
   if (file.drops.empty()) return {};
   std::vector<Column> columns{"<direction", "rigid Hz", "Hz", "drop"};
   for (const auto& part : file.drops.front().parts)
-    columns.push_back(diagnosis::part_name(part.part));
+    columns.push_back(report::part_name(part.part));
   Table table(columns);
   for (const auto& drop : file.drops) {
     const auto& r = drop.resonance;
@@ -94,7 +95,7 @@ std::string remedy_text(const diagnosis::CaseFile& file, const TableStyle& style
   const auto& changes = file.remedy->changes;
   for (std::size_t k = 0; k < std::min(most, changes.size()); ++k) {
     const auto& c = changes[k];
-    table.add_row({c.pose, c.direction, hertz(c.omega_rigid),
+    table.add_row({c.pose, report::direction_words(c.direction), hertz(c.omega_rigid),
                    c.omega_today > 0.0 ? hertz(c.omega_today) : "folds", hertz(c.omega_needed),
                    fmt::format("{:.1f} %", 100.0 * (1.0 - c.omega_needed / c.omega_rigid))});
   }
@@ -115,7 +116,7 @@ std::string table_text(const Arguments& a, const model::MachineFile& file,
                                  a.diagnosis.measured.empty()
                                      ? ""
                                      : fmt::format(": {}", fmt::join(a.diagnosis.measured, ", ")));
-  for (const auto& sentence : diagnosis::summary(found)) text += "  " + sentence + "\n";
+  for (const auto& sentence : report::summary(found)) text += "  " + sentence + "\n";
   if (found.diagnosis) {
     text += modes_text(*found.diagnosis, style);
     if (found.diagnosis->explanations.size() > 1)

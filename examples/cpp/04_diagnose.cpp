@@ -7,6 +7,7 @@ int main(int count, char** arguments) {
   if (count < 3) return 2;
   const auto machine = tasks::read_machine({.file = arguments[1]});
   const auto found = tasks::diagnose(machine, {.measured = {.files = {arguments[2]}}});
-  for (const auto& one : found.file.diagnosis->explanations)
-    std::printf("%9.1f  %s\n", one.criterion, one.name.c_str());
+  const auto& diagnosis = *found.file.diagnosis;
+  for (const auto& one : diagnosis.explanations)
+    std::printf("%9.1f  %s\n", one.criterion, report::hypothesis_name(diagnosis, one).c_str());
 }

@@ -1,9 +1,6 @@
 #include "hydrapod/diagnosis/diagnose.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
-#include <array>
 
 namespace hydrapod::diagnosis {
 
@@ -48,19 +45,6 @@ model::Machine stiffened(model::Machine machine, const Part& part) {
 }
 
 }  // namespace
-
-std::string part_name(const Part& part) {
-  struct Names {
-    const char* one;
-    const char* all;
-  };
-  constexpr std::array names{Names{"guide sleeve of leg", "guide sleeves of all legs"},
-                             Names{"piston ring of leg", "piston rings of all legs"},
-                             Names{"gimbals of leg", "gimbals of all legs"},
-                             Names{"", "base mount"}};
-  const auto& of = names.at(static_cast<std::size_t>(part.what));
-  return part.leg ? fmt::format("{} {}", of.one, *part.leg + 1) : of.all;
-}
 
 std::vector<AttributedDrop> attribute_drops(const model::Machine& machine,
                                             const spatial::Pose& X_BP, dynamics::ModelKind kind) {

@@ -1,19 +1,14 @@
 #include "hydrapod/diagnosis/diagnose.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
 #include <set>
-#include <tuple>
 
 #include "evidence.hpp"
-#include "hydrapod/base/error.hpp"
 #include "hydrapod/numerics/parallel.hpp"
 #include "hydrapod/simulation/linear_system.hpp"
 #include "ranking.hpp"
 #include "responses.hpp"
-#include "words.hpp"
 
 namespace hydrapod::diagnosis {
 
@@ -41,11 +36,7 @@ std::vector<Explanation> try_charges(const Evidence& evidence, const Charges& ch
   parallel_for(
       charges.size(), threads,
       [&](std::size_t k) {
-        try {
-          found[k] = evidence.explain(charges[k], known_of(charges[k]), {});
-        } catch (const base::ComputationError&) {  // no such machine has modes
-        } catch (const base::InputError&) {        // nor can it be one: a number out of its bounds
-        }
+        if_possible([&] { found[k] = evidence.explain(charges[k], known_of(charges[k]), {}); });
       },
       [&](double share) { return watch.at(from + (to - from) * share); });
   std::vector<Explanation> explanations;
@@ -59,7 +50,7 @@ std::vector<Explanation> try_charges(const Evidence& evidence, const Charges& ch
 std::vector<std::size_t> strongest(const Diagnosis& d, std::size_t count) {
   std::vector<std::size_t> found;
   for (const auto& e : d.explanations)
-    if (e.suspects.size() == 1 && d.suspects[e.suspects.front()].in_pairs && found.size() < count)
+    if (e.suspects.size() == 1 && d.suspects[e.suspects.front()].in_pairs() && found.size() < count)
       found.push_back(e.suspects.front());
   return found;
 }
@@ -76,13 +67,12 @@ Charges pairs_of(const std::vector<std::size_t>& some, const Diagnosis& d,
   for (const auto a : some)
     for (std::size_t b = 0; b < d.suspects.size(); ++b)
       if (can_be_together(d.suspects[a], d.suspects[b])) add(a, b);
-  for (std::size_t a = 0; a < d.suspects.size(); ++a)
-    for (std::size_t b = a + 1; b < d.suspects.size(); ++b) {
-      const auto& [sleeves, rings] = std::tie(d.suspects[a], d.suspects[b]);
-      if (sleeves.family == "guide sleeves" && rings.family == "piston rings" && !sleeves.leg &&
-          !rings.leg)
-        add(a, b);
-    }
+  const auto of_all = [&](Suspect::Kind kind) {
+    const auto at = std::ranges::find_if(
+        d.suspects, [&](const Suspect& s) { return s.kind == kind && !s.leg; });
+    return static_cast<std::size_t>(at - d.suspects.begin());
+  };
+  add(of_all(Suspect::Kind::guide_sleeves), of_all(Suspect::Kind::piston_rings));
   std::ranges::sort(found);
   return found;
 }
@@ -212,19 +202,18 @@ void describe(const Evidence& evidence, Diagnosis& d, int threads, Watch& watch)
         auto& e = d.explanations[described[k]];
         e.wrong = what_is_wrong(evidence, e);
         if (e.wrong.empty() || e.suspects.size() != 1) return;
-        try {
-          const auto against = contrary(evidence, stated, e, {});
-          if (!against.empty()) e.wrong.insert(e.wrong.begin(), against);
-        } catch (const base::ComputationError&) {
-        } catch (const base::InputError&) {
-        }
+        if_possible([&] {
+          if (const auto against = contrary(evidence, stated, e, {}))
+            e.wrong.insert(e.wrong.begin(), *against);
+        });
       },
       [&](double share) { return watch.at(0.9 + 0.08 * share); });
 }
 
 /// A controller stays as it was tuned for the machine as stated, whatever is wrong with that. Why
-/// it cannot be had; empty: it can.
-std::string hold_controllers(const model::MachineFile& file, observation::Targets& targets) {
+/// it cannot be had; none: it can.
+std::optional<std::string> hold_controllers(const model::MachineFile& file,
+                                            observation::Targets& targets) {
   if (targets.observed != observation::Observed::system) return {};
   try {
     for (const auto& pose : file.machine.poses)
@@ -242,12 +231,7 @@ void widen(const Evidence& evidence, Diagnosis& d, double frequency_error, Watch
   for (const auto k : d.alike) {
     if (watch.stopped()) return;
     auto& e = d.explanations[k];
-    if (e.suspects.empty()) continue;
-    try {
-      evidence.widen(e, frequency_error);
-    } catch (const base::ComputationError&) {  // no machine near this one has modes
-    } catch (const base::InputError&) {
-    }
+    if (!e.suspects.empty()) if_possible([&] { evidence.widen(e, frequency_error); });
   }
 }
 
@@ -257,15 +241,10 @@ void take_targets(const model::MachineFile& file, const observation::Targets& me
                   dynamics::ModelKind kind, const DiagnoseOptions& options, Diagnosis& d) {
   d.targets.responses.clear();
   if (d.targets.observed != observation::Observed::mechanics) {
-    auto why = hold_controllers(file, d.targets);
-    if (why.empty()) why = plant_refused(file, d.targets, kind);
-    if (!why.empty()) {
-      d.notes.push_back(fmt::format(
-          "compared with mechanics on oil springs, though the {} was measured: the machine as "
-          "stated with its hydraulics: {}",
-          d.targets.observed == observation::Observed::plant ? "plant from the drives of the valves"
-                                                             : "machine under its controller",
-          why));
+    auto error = hold_controllers(file, d.targets);
+    if (!error) error = plant_refused(file, d.targets, kind);
+    if (error) {
+      d.substitution = {d.targets.observed, *error};
       d.targets.observed = observation::Observed::mechanics;
     }
   }
@@ -278,27 +257,10 @@ void take_targets(const model::MachineFile& file, const observation::Targets& me
 
 }  // namespace
 
-const char* name(Finding finding) {
-  switch (finding) {
-    case Finding::nothing_to_blame:
-      return "no cause";
-    case Finding::as_stated:
-      return "nominal machine";
-    case Finding::guilty:
-      return "cause identified";
-    case Finding::undecided:
-      return "undecided";
-    case Finding::unexplained:
-      return "unexplained";
-    case Finding::do_not_belong:
-      break;
-  }
-  return "mismatch";
-}
-
-const Explanation* Diagnosis::find(const std::string& wanted) const {
-  const auto at = std::ranges::find(explanations, wanted, &Explanation::name);
-  return at == explanations.end() ? nullptr : &*at;
+double Explanation::response_misfit() const {
+  double sum = 0.0;
+  for (const auto& response : fit.responses) sum += response.difference * response.difference;
+  return sum;
 }
 
 const Explanation& Diagnosis::as_stated() const {
@@ -315,8 +277,8 @@ Diagnosis diagnose(const model::MachineFile& file, const observation::Targets& m
   const Evidence evidence(file, d.targets, kind, d.suspects);
   Watch watch(progress);
   d.explanations.push_back(evidence.as_stated());
-  d.reasons = objections(evidence, d.as_stated());
-  if (!d.reasons.empty()) {
+  d.objections = objections(evidence, d.as_stated());
+  if (!d.objections.empty()) {
     d.finding = Finding::do_not_belong;
     rank(d);
     trace_modes(file, d);
@@ -334,7 +296,6 @@ Diagnosis diagnose(const model::MachineFile& file, const observation::Targets& m
   if (!d.alike.empty()) widen(evidence, d, options.frequency_error, watch);
   trace_modes(file, d);
   if (!watch.stopped()) describe(evidence, d, options.threads, watch);
-  if (d.alike.empty()) d.reasons = unexplained(d);
   for (std::size_t k = 1; k < d.alike.size() && !watch.stopped(); ++k)
     if (auto found = discriminate(file, d, d.alike[k], poses, options.frequency_error))
       d.discriminators.push_back(*found);

@@ -61,22 +61,22 @@ bool beyond_mechanics(const Targets& targets) {
 }
 
 dynamics::ModelKind Evidence::kind_with(const std::vector<std::size_t>& blamed) const {
-  const bool rings = std::any_of(blamed.begin(), blamed.end(),
-                                 [&](std::size_t k) { return suspects_[k].needs_rings; });
+  const bool rings =
+      std::ranges::any_of(blamed, [&](std::size_t k) { return suspects_[k].needs_rings(); });
   return rings ? dynamics::ModelKind::full : kind_;
 }
 
-std::string plant_refused(const model::MachineFile& file, const Targets& targets,
-                          dynamics::ModelKind kind) {
+std::optional<std::string> plant_refused(const model::MachineFile& file, const Targets& targets,
+                                         dynamics::ModelKind kind) {
   try {
     const auto fit = calibration::compare(file, targets, kind);
-    if (fit.fitted) return "";
+    if (fit.fitted) return std::nullopt;
     for (const auto& pose : file.machine.poses)
       if (std::ranges::count(targets.modes, pose.name, &ModeTarget::pose) > 0)
         static_cast<void>(observation::observe(file.machine, pose.X_BP, kind, targets.observed));
-    return "there are fewer computed than measured modes";
+    return "";
   } catch (const base::InputError& error) {
-    return error.diagnostics().empty() ? "it is refused" : error.diagnostics().front().message;
+    return error.diagnostics().front().message;
   } catch (const base::ComputationError& error) {
     return error.what();
   }
@@ -85,7 +85,7 @@ std::string plant_refused(const model::MachineFile& file, const Targets& targets
 Evidence::Evidence(const model::MachineFile& file, const Targets& targets, dynamics::ModelKind kind,
                    const std::vector<Suspect>& suspects)
     : file_(file), targets_(targets), kind_(kind), suspects_(suspects) {
-  stated_ = {.name = "nominal machine", .kind = kind_};
+  stated_.kind = kind_;
   stated_.fit = calibration::compare(file_, targets_, kind_);
   if (!stated_.fit.fitted) throw base::ComputationError("the nominal machine has no modes");
   stated_.misfit = stated_.fit.misfit;
@@ -115,7 +115,7 @@ Targets Evidence::for_mechanics() const {
 
 Explanation Evidence::rigid() const {
   constexpr double like_rigid = 1e15;  // [N/m], [N m/rad]
-  Explanation e{.rigid = true, .name = "rigid-leg model", .kind = kind_};
+  Explanation e{.rigid = true, .kind = kind_};
   const auto set = [&](const std::string& path, double value) {
     e.changes.push_back({*find_parameter(file_, path), value});
   };
@@ -132,7 +132,7 @@ Explanation Evidence::rigid() const {
       if (file_.machine.base_mount->stiffness[static_cast<std::size_t>(k)])
         set(fmt::format("base.mount.stiffness.{}", direction_name(k)), like_rigid);
   const auto file = file_with(e);
-  e.by_mechanics = beyond_mechanics(targets_) && !plant_refused(file, targets_, kind_).empty();
+  e.by_mechanics = beyond_mechanics(targets_) && plant_refused(file, targets_, kind_).has_value();
   e.fit = calibration::compare(file, e.by_mechanics ? by_mechanics_ : targets_, kind_);
   if (!e.fit.fitted) throw base::ComputationError("the rigid-leg model has no modes");
   e.misfit = e.fit.misfit;
@@ -146,7 +146,8 @@ int Evidence::starts_for(const std::vector<std::size_t>& blamed, bool known) con
   const bool single_numbers = std::ranges::all_of(
       blamed, [&](std::size_t k) { return suspects_[k].free.size() == 1 && !suspects_[k].leg; });
   const auto seals = std::ranges::count_if(blamed, [&](std::size_t k) {
-    return suspects_[k].family == "guide sleeves" || suspects_[k].family == "piston rings";
+    const auto family = suspects_[k].family();
+    return family == Family::guide_sleeves || family == Family::piston_rings;
   });
   if (single_numbers && seals == 2) return very_wide;
   if (single_numbers && (blamed.size() == 1 || seals == 1)) return wide;
@@ -159,15 +160,19 @@ model::MachineFile Evidence::file_with(const Explanation& e) const {
   return file;
 }
 
-model::MachineFile Evidence::file_at(const Explanation& e) const { return file_of(file_, e); }
-
 namespace {
+
+/// Of what two fits let free, a number of `from` becomes that of `fit`.
+void take_numbers(double calibration::FittedParameter::*number, const calibration::Candidate& from,
+                  calibration::Candidate& fit) {
+  for (auto& p : fit.parameters)
+    for (const auto& known : from.parameters)
+      if (known.paths == p.paths) p.*number = known.*number;
+}
 
 /// A fit that began elsewhere still differs from what the file states.
 void keep_stated(const calibration::Candidate& from, calibration::Candidate& fit) {
-  for (auto& p : fit.parameters)
-    for (const auto& known : from.parameters)
-      if (known.paths == p.paths) p.start = known.start;
+  take_numbers(&calibration::FittedParameter::start, from, fit);
 }
 
 /// A fit to everything that was measured becomes that of the explanation.
@@ -193,7 +198,6 @@ Explanation Evidence::search(const std::vector<std::size_t>& blamed, const Targe
   plan.options.loss = calibration::Loss::squares;
   for (const auto k : blamed) {
     const auto& suspect = suspects_[k];
-    e.name = plan.free.empty() ? suspect.name : e.name + " and " + suspect.name;
     e.changes.insert(e.changes.end(), suspect.changes.begin(), suspect.changes.end());
     for (auto free : suspect.free) {
       if (known != nullptr)
@@ -202,6 +206,7 @@ Explanation Evidence::search(const std::vector<std::size_t>& blamed, const Targe
       plan.free.push_back(free);
     }
   }
+  e.from_nominal = e.changes.empty();
   e.fit = calibration::calibrate(file_with(e), targets, plan, e.kind, stop).best();
   if (known != nullptr) keep_stated(known->fit, e.fit);
   e.misfit = e.fit.misfit;
@@ -237,14 +242,12 @@ std::optional<calibration::Candidate> Evidence::sound_refit(const Explanation& e
                                                             const Targets& targets,
                                                             bool from_stated,
                                                             const numerics::Progress& stop) const {
-  try {
-    auto fit = refit(e, targets, from_stated, stop);
-    static_cast<void>(file_of(file_, {.changes = e.changes, .fit = fit}));
-    return fit;
-  } catch (const base::ComputationError&) {  // it cannot stand, or
-  } catch (const base::InputError&) {        // no machine, or no plant, has such numbers
-  }
-  return std::nullopt;
+  std::optional<calibration::Candidate> fit;
+  const bool sound = if_possible([&] {
+    fit = refit(e, targets, from_stated, stop);
+    static_cast<void>(file_of(file_, {.changes = e.changes, .fit = *fit}));
+  });
+  return sound ? std::move(fit) : std::nullopt;
 }
 
 void Evidence::polish(Explanation& e, const Targets& targets, bool and_stated,
@@ -263,13 +266,9 @@ void Evidence::polish(Explanation& e, bool and_stated, const numerics::Progress&
 }
 
 std::optional<calibration::Candidate> Evidence::seen(const Explanation& e) const {
-  try {
-    auto fit = calibration::compare(file_at(e), targets_, e.kind);
-    if (fit.fitted) return fit;
-  } catch (const base::ComputationError&) {
-  } catch (const base::InputError&) {
-  }
-  return std::nullopt;
+  calibration::Candidate fit;
+  if_possible([&] { fit = calibration::compare(file_of(file_, e), targets_, e.kind); });
+  return fit.fitted ? std::optional(std::move(fit)) : std::nullopt;
 }
 
 void Evidence::see(Explanation& e) const {
@@ -281,17 +280,6 @@ void Evidence::see(Explanation& e) const {
   e.misfit = e.fit.misfit = fit->misfit;
   e.by_mechanics = false;
 }
-
-namespace {
-
-/// Values of what two fits let free: those of `from`.
-void take_values(const calibration::Candidate& from, calibration::Candidate& fit) {
-  for (auto& p : fit.parameters)
-    for (const auto& known : from.parameters)
-      if (known.paths == p.paths) p.value = known.value;
-}
-
-}  // namespace
 
 bool same_numbers(const Explanation& a, const Explanation& b) {
   constexpr double another = 0.02;
@@ -308,7 +296,8 @@ void Evidence::learn(Explanation& e, const std::vector<std::vector<const Explana
   const auto consider = [&](const std::vector<const Explanation*>& from) {
     if (std::ranges::all_of(from, [&](const auto* one) { return same_numbers(*one, e); })) return;
     auto other = e;
-    for (const auto* one : from) take_values(one->fit, other.fit);
+    for (const auto* one : from)
+      take_numbers(&calibration::FittedParameter::value, one->fit, other.fit);
     const auto fit = seen(other);
     if (!fit || !(fit->misfit < (best ? best->misfit : e.misfit))) return;
     other.misfit = fit->misfit;
@@ -356,7 +345,8 @@ std::optional<Evidence::Part> Evidence::explain_direction(std::size_t blamed, in
   part.explanation = search({blamed}, some_mechanics, nullptr, stop);
   polish(part.explanation, some, true, stop);
   if (part.explanation.by_mechanics) part.rest = rest_mechanics;
-  part.at_rest = calibration::compare(file_at(part.explanation), part.rest, part.explanation.kind);
+  part.at_rest =
+      calibration::compare(file_of(file_, part.explanation), part.rest, part.explanation.kind);
   return part;
 }
 

@@ -1,12 +1,24 @@
 #pragma once
 /// Explanations fitted to what was measured. Private to the module.
 
-#include <functional>
 #include <optional>
 
+#include "hydrapod/base/error.hpp"
 #include "hydrapod/diagnosis/diagnose.hpp"
 
 namespace hydrapod::diagnosis {
+
+/// False where no machine with modes, or no plant, has the numbers that `task` meets.
+template <class Task>
+bool if_possible(const Task& task) {
+  try {
+    task();
+    return true;
+  } catch (const base::ComputationError&) {
+  } catch (const base::InputError&) {
+  }
+  return false;
+}
 
 /// The measured modes with the deviations that count, and directions where shapes tell them.
 observation::Targets weighted_targets(const model::MachineFile& file,
@@ -69,8 +81,6 @@ class Evidence {
   [[nodiscard]] dynamics::ModelKind kind_with(const std::vector<std::size_t>& blamed) const;
   [[nodiscard]] int starts_for(const std::vector<std::size_t>& blamed, bool known) const;
   [[nodiscard]] model::MachineFile file_with(const Explanation& explanation) const;
-  /// With its values.
-  [[nodiscard]] model::MachineFile file_at(const Explanation& explanation) const;
   [[nodiscard]] Explanation search(const std::vector<std::size_t>& blamed,
                                    const observation::Targets& targets, const Explanation* known,
                                    const numerics::Progress& stop) const;
@@ -99,8 +109,21 @@ class Evidence {
 /// Have two explanations the same numbers, nearly, for what both let free?
 bool same_numbers(const Explanation& a, const Explanation& b);
 
-/// Why the machine as stated cannot be compared with the targets; empty: it can.
-std::string plant_refused(const model::MachineFile& file, const observation::Targets& targets,
-                          dynamics::ModelKind kind);
+/// Why the machine as stated cannot be compared with the targets, as in Substitution; none: it can.
+std::optional<std::string> plant_refused(const model::MachineFile& file,
+                                         const observation::Targets& targets,
+                                         dynamics::ModelKind kind);
+
+/// Resonances that are missing, and measured values that it misses, worst first; at most three.
+std::vector<Contradiction> what_is_wrong(const Evidence& evidence, const Explanation& explanation);
+
+/// Fitted to the direction that the machine as stated misses most, what does a suspect with one
+/// number do to the others? None when it does no harm.
+std::optional<Contradiction> contrary(const Evidence& evidence, const Explanation& as_stated,
+                                      const Explanation& explanation,
+                                      const numerics::Progress& stop);
+
+/// Why the data cannot be this machine's, or cannot say anything about it; empty: they may be.
+std::vector<Objection> objections(const Evidence& evidence, const Explanation& as_stated);
 
 }  // namespace hydrapod::diagnosis

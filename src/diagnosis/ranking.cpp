@@ -1,7 +1,5 @@
 #include "ranking.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -21,12 +19,6 @@ bool holds(const Explanation& pair, const Explanation& single) {
                        single.suspects.end());
 }
 
-double of_responses(const Explanation& e) {
-  double sum = 0.0;
-  for (const auto& response : e.fit.responses) sum += response.difference * response.difference;
-  return sum;
-}
-
 /// Root of the reduced misfit of the explanation that fits best for its number of parameters: of
 /// its modes or its responses, what is worse, so that many values of one kind, well met, do not
 /// hide that deviations of the other are too small.
@@ -35,7 +27,7 @@ double least_scatter(const Diagnosis& d) {
   for (const auto& response : d.targets.responses) lines += response.values;
   double least = std::numeric_limits<double>::infinity();
   for (const auto& e : d.explanations) {
-    const double responses = of_responses(e);
+    const double responses = e.response_misfit();
     const double degrees = std::max(1, d.values - lines - e.parameters);
     least = std::min(least, std::max((e.misfit - responses) / degrees,
                                      responses / static_cast<double>(std::max(1, lines))));
@@ -49,7 +41,7 @@ void add_unseen_responses(Diagnosis& d) {
   if (d.targets.responses.empty()) return;
   double least = std::numeric_limits<double>::infinity();
   for (const auto& e : d.explanations)
-    if (!e.fit.responses.empty()) least = std::min(least, of_responses(e));
+    if (!e.fit.responses.empty()) least = std::min(least, e.response_misfit());
   for (auto& e : d.explanations)
     if (e.fit.responses.empty() && std::isfinite(least)) e.misfit = e.fit.misfit + least;
 }
@@ -95,17 +87,6 @@ void judge(Diagnosis& d) {
   d.finding = d.alike.size() == 1 ? Finding::guilty : Finding::undecided;
 }
 
-std::vector<std::string> unexplained(const Diagnosis& d) {
-  std::vector<std::string> reasons{
-      fmt::format("even the best hypothesis ({}) differs from the measured values by {:.{}f} σ",
-                  d.best().name, d.scatter, d.scatter < 10.0 ? 1 : 0)};
-  for (const auto& wrong : d.best().wrong) reasons.push_back("it " + wrong);
-  reasons.push_back(
-      "possible reasons: a cause that is not a candidate, more than two causes, another pose, "
-      "payload or machine, a model uncertainty above the allowed one");
-  return reasons;
-}
-
 namespace {
 
 /// Mode of the rigid calculation, of the machine as stated, of which a mode holds most: its
@@ -116,11 +97,8 @@ void find_rigid(const model::Machine& stated, const model::NamedPose& pose,
   const auto rigid = dynamics::linear_model(without_mount_and_gimbals(stated), pose.X_BP,
                                             dynamics::ModelKind::rigid);
   const auto modes = modal::normal_modes(rigid);
-  const spatial::Vector6 momentum = flexible.M.topRows<6>() * phi;
-  const spatial::Matrix6 M = flexible.M.topLeftCorner<6, 6>();
   for (int r = 0; r < 6; ++r) {
-    const spatial::Vector6 psi = modes.shapes.col(r);
-    const double mac = std::pow(psi.dot(momentum), 2) / psi.dot(M * psi);
+    const double mac = rigid_share(flexible, modes.shapes.col(r), phi);
     if (mac <= mode.rigid_mac) continue;
     mode.rigid_mac = mac;
     mode.omega_rigid = modes.omega(r);

@@ -16,8 +16,9 @@ void rank(Diagnosis& d);
 /// Finding and those that are alike. Called on ranked explanations.
 void judge(Diagnosis& d);
 
-/// Reasons why even the best explanation is none.
-std::vector<std::string> unexplained(const Diagnosis& d);
+/// Share of a rigid shape ψ that is in a shape φ: (ψᵀ M_r φ)²/(ψᵀ M_rr ψ).
+double rigid_share(const dynamics::LinearModel& flexible, const spatial::Vector6& psi,
+                   const dynamics::ModelVector& phi);
 
 /// Fills in where the measured modes come from.
 void trace_modes(const model::MachineFile& file, Diagnosis& d);

@@ -39,7 +39,7 @@ class Question {
       try {
         all = first_resonances(machine, pose.X_BP, kind_);
       } catch (const base::ComputationError&) {  // folded: no resonance at all
-        return {0.0, 1.0, pose.name, "every direction"};
+        return {0.0, 1.0, pose.name, ""};
       }
       for (const auto& found : all) {
         if (goal_.direction && found.main_direction != *goal_.direction) continue;
@@ -112,7 +112,7 @@ std::vector<Change> changes(const model::Machine& machine,
         all.push_back(
             {pose.name, after[r].direction, after[r].omega_rigid, before[r].omega, after[r].omega});
     } catch (const base::ComputationError&) {
-      all.push_back({pose.name, "every direction"});
+      all.push_back({pose.name, ""});
     }
   }
   return all;

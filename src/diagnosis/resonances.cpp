@@ -1,24 +1,17 @@
 #include "hydrapod/diagnosis/diagnose.hpp"
 
-#include <Eigen/Eigenvalues>
 #include <cmath>
+
+#include "ranking.hpp"
 
 namespace hydrapod::diagnosis {
 
-namespace {
-
-using spatial::Matrix6;
-using spatial::Vector6;
-
-/// Share of a rigid shape ψ that is in a shape φ: (ψᵀ M_r φ)²/(ψᵀ M_rr ψ).
-double share(const dynamics::LinearModel& flexible, const Vector6& psi,
-             const dynamics::ModelVector& phi) {
-  const Vector6 momentum = flexible.M.topRows<6>() * phi;
-  const Matrix6 M_rr = flexible.M.topLeftCorner<6, 6>();
+double rigid_share(const dynamics::LinearModel& flexible, const spatial::Vector6& psi,
+                   const dynamics::ModelVector& phi) {
+  const spatial::Vector6 momentum = flexible.M.topRows<6>() * phi;
+  const spatial::Matrix6 M_rr = flexible.M.topLeftCorner<6, 6>();
   return std::pow(psi.dot(momentum), 2) / psi.dot(M_rr * psi);
 }
-
-}  // namespace
 
 model::Machine without_mount_and_gimbals(model::Machine machine) {
   machine.base_mount.reset();
@@ -45,12 +38,13 @@ std::array<FirstResonance, 6> first_resonances(const model::Machine& machine,
              .main_direction = static_cast<int>(main),
              .rigid_mode = r,
              .omega_rigid = rigid_modes.omega(r)};
-    const Vector6 psi = rigid_modes.shapes.col(r);
+    const spatial::Vector6 psi = rigid_modes.shapes.col(r);
     for (int k = 0; k < modes.size() && found.mac < resonance_mac; ++k) {
       // modes that repeat share the rigid mode between them
       double mac = 0.0;
       for (int i = 0; i < modes.size(); ++i)
-        if (modes.group[i] == modes.group[k]) mac += share(flexible, psi, modes.shapes.col(i));
+        if (modes.group[i] == modes.group[k])
+          mac += rigid_share(flexible, psi, modes.shapes.col(i));
       if (mac >= resonance_mac) {
         found.mode = k;
         found.omega = modes.omega(k);

@@ -1,9 +1,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
+#include <tuple>
 
+#include "fields.hpp"
 #include "hydrapod/base/units.hpp"
-#include "hydrapod/numerics/statistics.hpp"
 #include "hydrapod/report/measured_results.hpp"
 
 namespace hydrapod::report {
@@ -14,157 +16,356 @@ using namespace diagnosis;
 
 using base::two_pi;
 
-Json finite(double value) { return std::isfinite(value) ? Json(value) : Json(); }
-
-Json direction(int number) { return number < 0 ? Json() : Json(direction_name(number)); }
-
-Json explanation_json(const Diagnosis& d, std::size_t index) {
-  const auto& e = d.explanations[index];
-  Json suspects = Json::array(), parameters = Json::array(), targets = Json::array();
-  for (const auto s : e.suspects)
-    suspects.push_back({{"name", d.suspects[s].name},
-                        {"statement", d.suspects[s].statement},
-                        {"family", d.suspects[s].family}});
-  for (const auto& p : e.fit.parameters)
-    parameters.push_back({{"paths", p.paths},
-                          {"unit", p.unit},
-                          {"start", p.start},
-                          {"value", p.value},
-                          {"deviation", finite(p.deviation)},
-                          {"interval_95", {finite(p.interval_low), finite(p.interval_high)}},
-                          {"at_bound", p.verdict == calibration::Verdict::at_bound}});
-  for (const auto& t : e.fit.targets)
-    targets.push_back({{"frequency_hz", t.omega / two_pi},
-                       {"difference", t.difference},
-                       {"shape_mac", t.shape_mac}});
-  double responses = 0.0;
-  for (const auto& r : e.fit.responses) responses += r.difference * r.difference;
-  return {{"name", e.name},
-          {"causes", suspects},
-          {"rigid_legs", e.rigid},
-          {"model", dynamics::name(e.kind)},
-          {"fitted_parameters", e.parameters},
-          {"by_mechanics", e.by_mechanics},
-          {"misfit", e.misfit},
-          {"response_misfit", e.fit.responses.empty() ? Json() : Json(responses)},
-          {"bic", e.criterion},
-          {"bic_above_best", e.criterion - d.best().criterion},
-          {"equally_good", std::ranges::count(d.alike, index) > 0},
-          {"parameters", parameters},
-          {"targets", targets},
-          {"contradictions", e.wrong}};
+/// A direction 0…5, −1 being null.
+template <class Fields>
+void describe_axis(Fields& f, const char* key, int& direction) {
+  std::optional<std::string> name;
+  if (direction >= 0) name = direction_name(direction);
+  f(key, name);
+  if constexpr (Fields::reads) {
+    direction = -1;
+    if (!name) return;
+    const auto found = spatial::direction_from_name(*name);
+    if (!found) f.bad(key, fmt::format("is \"{}\", expected one of x, y, z, rx, ry, rz", *name));
+    direction = *found;
+  }
 }
 
-Json mode_json(const MeasuredMode& m) {
-  return {{"pose", m.pose},
-          {"direction", direction(m.direction)},
-          {"frequency_hz", m.omega / two_pi},
-          {"deviation_hz", m.deviation / two_pi},
-          {"nominal_hz", m.omega_stated / two_pi},
-          {"fitted_hz", m.omega_best / two_pi},
-          {"shape_mac", m.shape_mac},
-          {"rigid_hz", m.omega_rigid > 0.0 ? Json(m.omega_rigid / two_pi) : Json()},
-          {"rigid_mac", m.rigid_mac},
-          {"drop", m.drop()},
-          {"strain_energy",
-           {{"oil", m.oil},
-            {"guide_sleeve", m.guide_sleeves},
-            {"piston_ring", m.piston_rings},
-            {"base_mount", m.base}}}};
+/// A leg 0…5, counted from 1 in JSON; none being null.
+template <class Fields>
+void describe_leg_number(Fields& f, std::optional<int>& leg) {
+  auto number = leg;
+  if (number) ++*number;
+  f("leg", number);
+  if constexpr (Fields::reads) {
+    if (number && (*number < 1 || *number > model::leg_count))
+      f.bad("leg", fmt::format("expected a number from 1 to {}", model::leg_count));
+    leg = number;
+    if (leg) --*leg;
+  }
 }
 
-Json point_json(const RemedyPoint& p) {
-  return {{"factor", p.factor},
-          {"stiffness_N_m", p.stiffness},
-          {"frequency_hz", p.omega / two_pi},
-          {"drop", p.drop}};
+template <class Fields>
+void describe_resonance_direction(Fields& f, std::string& direction) {
+  auto words = direction_words(direction);
+  f("direction", words);
+  if constexpr (Fields::reads) direction = words == direction_words("") ? "" : words;
 }
 
-Json remedy_json(const CaseFile& file) {
-  constexpr std::array status{"found", "met_already", "out_of_reach"};
-  const auto& r = *file.remedy;
-  Json curve = Json::array(), changes = Json::array();
-  for (const auto& point : r.curve) curve.push_back(point_json(point));
-  for (const auto& c : r.changes)
-    changes.push_back({{"pose", c.pose},
-                       {"direction", c.direction},
-                       {"rigid_hz", c.omega_rigid / two_pi},
-                       {"nominal_hz", c.omega_today / two_pi},
-                       {"required_hz", c.omega_needed / two_pi}});
-  Json goal{{"words", goal_words(file.goal)}};
-  if (file.goal.drop) goal["drop"] = *file.goal.drop;
-  if (file.goal.omega) goal["frequency_hz"] = *file.goal.omega / two_pi;
-  if (file.goal.direction) goal["direction"] = direction_name(*file.goal.direction);
-  return {{"goal", goal},
-          {"status", status.at(static_cast<std::size_t>(r.status))},
-          {"nominal", point_json(r.today)},
-          {"required", point_json(r.needed)},
-          {"rigid_sleeves", point_json(r.limit)},
-          {"pose", r.pose},
-          {"direction", r.direction},
-          {"curve", curve},
-          {"changes", changes}};
+/// A list of objects: describe_one(fields, item).
+template <class Fields, class Item, class Describe>
+void describe_each(Fields& f, const char* key, std::vector<Item>& items,
+                   const Describe& describe_one) {
+  if constexpr (Fields::reads) items.resize(f.size(key));
+  f.list(key, items.size(), [&](auto& item, std::size_t k) { describe_one(item, items[k]); });
 }
 
-Json drop_json(const AttributedDrop& drop) {
-  Json parts = Json::array();
-  for (const auto& p : drop.parts)
-    parts.push_back({{"part", part_name(p.part)},
-                     {"leg", p.part.leg ? Json(*p.part.leg + 1) : Json()},
-                     {"frequency_hz", p.omega / two_pi},
-                     {"share", p.share}});
-  const auto& r = drop.resonance;
-  return {{"direction", r.direction},
-          {"rigid_hz", r.omega_rigid / two_pi},
-          {"frequency_hz", r.omega / two_pi},
-          {"drop", r.drop()},
-          {"mac", r.mac},
-          {"parts", parts}};
+}  // namespace
+
+template <class Fields>
+void describe(Fields& f, Place& place) {
+  f("pose", place.pose);
+  describe_axis(f, "direction", place.direction);
+  f("mode", place.mode);
+}
+
+template <class Fields>
+void describe(Fields& f, Contradiction& c) {
+  using Kind = Contradiction::Kind;
+  static constexpr std::array kinds{"resonances", "frequency", "shape",
+                                    "drives",     "forces",    "value"};
+  f.word("code", c.kind, kinds);
+  f("places", c.places);
+  if (c.kind == Kind::resonances) {
+    f("predicted", c.predicted);
+    return f("measured", c.measured);
+  }
+  f.scaled("frequency_hz", c.omega, two_pi);
+  if (c.kind == Kind::frequency || c.kind == Kind::value)
+    f.scaled("difference_hz", c.difference, two_pi);
+  if (c.kind == Kind::shape || c.kind == Kind::drives) f("mac", c.mac);
+  if (c.kind == Kind::forces) f("missed", c.missed);
+  if (c.kind != Kind::value) return;
+  describe_axis(f, "direction", c.direction);
+  f("value", c.value);
+  f("deviation", c.deviation);
+  f("unit", c.unit);
+}
+
+template <class Fields>
+void describe(Fields& f, Objection& objection) {
+  static constexpr std::array kinds{"few_modes", "no_directions", "few_directions", "frequencies"};
+  static constexpr std::array slips{"none", "thousand", "radians", "per_minute",
+                                    "mass_or_stiffness"};
+  f.word("code", objection.kind, kinds);
+  f("count", objection.count);
+  f("ratio", objection.ratio);
+  f.word("slip", objection.slip, slips);
+}
+
+template <class Fields>
+void describe(Fields& f, Substitution& substitution) {
+  f.word("measured", substitution.measured, words_of<observation::Observed, 3>(observation::name));
+  f("error", substitution.error);
+}
+
+template <class Fields>
+void describe(Fields& f, MeasuredMode& m) {
+  std::optional<double> rigid_hz;
+  if (m.omega_rigid > 0.0) rigid_hz = m.omega_rigid / two_pi;
+  f("pose", m.pose);
+  describe_axis(f, "direction", m.direction);
+  f.scaled("frequency_hz", m.omega, two_pi);
+  f.scaled("deviation_hz", m.deviation, two_pi);
+  f.scaled("nominal_hz", m.omega_stated, two_pi);
+  f.scaled("fitted_hz", m.omega_best, two_pi);
+  f("shape_mac", m.shape_mac);
+  f("rigid_hz", rigid_hz);
+  f("rigid_mac", m.rigid_mac);
+  f.derived("drop", m.drop());
+  f.object("strain_energy", [&](auto& energy) {
+    energy("oil", m.oil);
+    energy("guide_sleeve", m.guide_sleeves);
+    energy("piston_ring", m.piston_rings);
+    energy("base_mount", m.base);
+  });
+  if constexpr (Fields::reads) m.omega_rigid = two_pi * rigid_hz.value_or(0.0);
+}
+
+template <class Fields>
+void describe(Fields& f, PartShare& share) {
+  if constexpr (!Fields::reads) f.derived("part", part_name(share.part));
+  describe_leg_number(f, share.part.leg);
+  f.scaled("frequency_hz", share.omega, two_pi);
+  f("share", share.share);
+  static constexpr std::array compliances{"guide_sleeve", "piston_ring", "gimbals", "base_mount"};
+  f.word("code", share.part.what, compliances);
+}
+
+template <class Fields>
+void describe(Fields& f, AttributedDrop& drop) {
+  auto& r = drop.resonance;
+  f("direction", r.direction);
+  f.scaled("rigid_hz", r.omega_rigid, two_pi);
+  f.scaled("frequency_hz", r.omega, two_pi);
+  f.derived("drop", r.drop());
+  f("mac", r.mac);
+  f("parts", drop.parts);
+}
+
+template <class Fields>
+void describe(Fields& f, RemedyPoint& p) {
+  f("factor", p.factor);
+  f("stiffness_N_m", p.stiffness);
+  f.scaled("frequency_hz", p.omega, two_pi);
+  f("drop", p.drop);
+}
+
+template <class Fields>
+void describe(Fields& f, Change& change) {
+  f("pose", change.pose);
+  describe_resonance_direction(f, change.direction);
+  f.scaled("rigid_hz", change.omega_rigid, two_pi);
+  f.scaled("nominal_hz", change.omega_today, two_pi);
+  f.scaled("required_hz", change.omega_needed, two_pi);
+}
+
+template <class Fields>
+void describe(Fields& f, RemedyGoal& goal) {
+  std::optional<double> hertz;
+  std::optional<std::string> direction;
+  if (goal.omega) hertz = *goal.omega / two_pi;
+  if (goal.direction) direction = direction_name(*goal.direction);
+  if constexpr (!Fields::reads) f.derived("words", goal_words(goal));
+  f.optional("drop", goal.drop);
+  f.optional("frequency_hz", hertz);
+  f.optional("direction", direction);
+  if constexpr (Fields::reads) {
+    if (hertz) goal.omega = two_pi * *hertz;
+    if (direction) goal.direction = spatial::direction_from_name(*direction);
+  }
+}
+
+namespace {
+
+template <class Fields>
+void describe_parameter(Fields& f, calibration::FittedParameter& p) {
+  std::array interval{p.interval_low, p.interval_high};
+  f("paths", p.paths);
+  f("unit", p.unit);
+  f("start", p.start);
+  f("value", p.value);
+  f("deviation", p.deviation);
+  f("interval_95", interval);
+  f.derived("at_bound", p.verdict == calibration::Verdict::at_bound);
+  f.word("verdict", p.verdict, words_of<calibration::Verdict, 5>(verdict_word));
+  if constexpr (Fields::reads)
+    std::tie(p.interval_low, p.interval_high) = std::tie(interval[0], interval[1]);
+}
+
+template <class Fields>
+void describe_cause(Fields& f, Suspect& suspect) {
+  static constexpr std::array kinds{
+      "guide_sleeves", "piston_rings",     "bulk_modulus", "oil_springs",  "air",
+      "cap_volume",    "rod_volume",       "gimbals",      "payload",      "payload_height",
+      "inertia",       "mass_and_inertia", "mass_center",  "base_lateral", "base_vertical",
+      "base_rocking",  "oil_lines"};
+  static constexpr std::array families{"guide sleeves", "piston rings", "leg axes", "platform",
+                                       "mass centre",   "base",         "oil lines"};
+  if constexpr (!Fields::reads) {
+    f.derived("name", cause_name(suspect));
+    f.derived("statement", cause_statement(suspect));
+    f.derived("family", families.at(static_cast<std::size_t>(suspect.family())));
+  }
+  f.word("code", suspect.kind, kinds);
+  describe_leg_number(f, suspect.leg);
+}
+
+/// Index of a suspect that was read, which is added where it is new.
+std::size_t index_of(const Suspect& suspect, std::vector<Suspect>& all) {
+  const auto found = std::ranges::find_if(all, [&](const Suspect& other) {
+    return other.kind == suspect.kind && other.leg == suspect.leg;
+  });
+  const auto index = static_cast<std::size_t>(found - all.begin());
+  if (found == all.end()) all.push_back(suspect);
+  return index;
+}
+
+template <class Fields>
+void describe_hypothesis(Fields& f, Explanation& e, std::size_t index, Diagnosis& d) {
+  std::vector<Suspect> suspects;
+  for (const auto k : e.suspects) suspects.push_back(d.suspects[k]);
+  bool equally_good = std::ranges::count(d.alike, index) > 0;
+  std::optional<double> responses;
+  if (!e.fit.responses.empty()) responses = e.response_misfit();
+  if constexpr (!Fields::reads) f.derived("name", hypothesis_name(d, e));
+  describe_each(f, "causes", suspects,
+                [](auto& item, Suspect& suspect) { describe_cause(item, suspect); });
+  f("rigid_legs", e.rigid);
+  f.word("model", e.kind, model_words);
+  f("fitted_parameters", e.parameters);
+  f("by_mechanics", e.by_mechanics);
+  f("misfit", e.misfit);
+  f("response_misfit", responses);
+  f("bic", e.criterion);
+  f.derived("bic_above_best", e.criterion - d.best().criterion);
+  f("equally_good", equally_good);
+  describe_each(f, "parameters", e.fit.parameters,
+                [](auto& item, auto& p) { describe_parameter(item, p); });
+  describe_each(f, "targets", e.fit.targets, [](auto& item, auto& target) {
+    item.scaled("frequency_hz", target.omega, two_pi);
+    item("difference", target.difference);
+    item("shape_mac", target.shape_mac);
+  });
+  if constexpr (!Fields::reads) f.derived("contradictions", contradiction_words(d, e));
+  f("contradiction_codes", e.wrong);
+  f("from_nominal", e.from_nominal);
+  if constexpr (Fields::reads) {
+    for (const auto& suspect : suspects) e.suspects.push_back(index_of(suspect, d.suspects));
+    if (equally_good) d.alike.push_back(index);
+    if (responses) e.fit.responses = {{.difference = std::sqrt(*responses)}};
+  }
+}
+
+template <class Fields>
+void describe_lines(Fields& f, observation::ResponseTarget& response) {
+  std::vector<double> hertz;
+  for (const auto& s : response.s) hertz.push_back(s.imag() / two_pi);
+  f("pose", response.pose);
+  f.word("entry", response.entry, words_of<observation::Entry, 3>(observation::name));
+  f("frequency_hz", hertz);
+  if constexpr (Fields::reads)
+    for (const double frequency : hertz) response.s.emplace_back(0.0, two_pi * frequency);
+}
+
+template <class Fields>
+void describe_discriminator(Fields& f, Discriminator& x, const Diagnosis& d) {
+  std::vector<std::string> names;
+  for (const auto& e : d.explanations) names.push_back(hypothesis_name(d, e));
+  std::string other = names.at(x.other);
+  f.derived("best", names.at(d.alike.empty() ? 0 : d.alike.front()));
+  f("other", other);
+  f("pose", x.pose);
+  describe_axis(f, "direction", x.direction);
+  f.scaled("best_hz", x.omega_best, two_pi);
+  f.scaled("other_hz", x.omega_other, two_pi);
+  f("deviations", x.deviations);
+  if constexpr (Fields::reads) {
+    const auto found = std::ranges::find(names, other);
+    if (found == names.end()) f.bad("other", "is none of the hypotheses");
+    x.other = static_cast<std::size_t>(found - names.begin());
+  }
+}
+
+template <class Fields>
+void describe_diagnosis(Fields& f, Diagnosis& d) {
+  f.word("finding", d.finding, words_of<Finding, 6>(finding_word));
+  if constexpr (!Fields::reads) {
+    f.derived("reasons", reason_words(d));
+    f.derived("notes", note_words(d));
+  }
+  f.word("observed", d.targets.observed, words_of<observation::Observed, 3>(observation::name));
+  describe_each(f, "response_lines", d.targets.responses,
+                [](auto& item, auto& response) { describe_lines(item, response); });
+  f("measured_values", d.values);
+  f("scatter", d.scatter);
+  f("interrupted", d.interrupted);
+  f("measured_modes", d.modes);
+  if constexpr (Fields::reads) {
+    d.explanations.resize(f.size("hypotheses"));
+    if (d.explanations.empty()) f.bad("hypotheses", "is empty");
+    for (const auto& mode : d.modes) d.targets.modes.push_back({.pose = mode.pose});
+  }
+  f.list("hypotheses", d.explanations.size(),
+         [&](auto& item, std::size_t k) { describe_hypothesis(item, d.explanations[k], k, d); });
+  describe_each(f, "discriminators", d.discriminators,
+                [&](auto& item, auto& x) { describe_discriminator(item, x, d); });
+  f("objections", d.objections);
+  f.optional("substitution", d.substitution);
+}
+
+template <class Fields>
+void describe_remedy(Fields& f, Remedy& r, RemedyGoal& goal) {
+  static constexpr std::array status{"found", "met_already", "out_of_reach"};
+  f("goal", goal);
+  f.word("status", r.status, status);
+  f("nominal", r.today);
+  f("required", r.needed);
+  f("rigid_sleeves", r.limit);
+  f("pose", r.pose);
+  describe_resonance_direction(f, r.direction);
+  f("curve", r.curve);
+  f("changes", r.changes);
+}
+
+template <class Fields>
+void describe_case(Fields& f, CaseFile& file) {
+  if constexpr (Fields::reads) {
+    if (f.has("finding")) file.diagnosis.emplace();
+    if (f.has("remedy")) file.remedy.emplace();
+  } else {
+    f.derived("summary", summary(file));
+  }
+  if (file.diagnosis) describe_diagnosis(f, *file.diagnosis);
+  f("pose", file.pose);
+  f("attribution", file.drops);
+  if (file.remedy)
+    f.object("remedy", [&](auto& inner) { describe_remedy(inner, *file.remedy, file.goal); });
 }
 
 }  // namespace
 
 Json diagnosis_json(const CaseFile& file) {
-  Json json{{"summary", summary(file)}};
-  if (file.diagnosis) {
-    const auto& d = *file.diagnosis;
-    Json explanations = Json::array(), modes = Json::array(), tell = Json::array();
-    for (std::size_t k = 0; k < d.explanations.size(); ++k)
-      explanations.push_back(explanation_json(d, k));
-    for (const auto& mode : d.modes) modes.push_back(mode_json(mode));
-    for (const auto& x : d.discriminators)
-      tell.push_back({{"best", d.explanations[d.alike.front()].name},
-                      {"other", d.explanations[x.other].name},
-                      {"pose", x.pose},
-                      {"direction", direction(x.direction)},
-                      {"best_hz", x.omega_best / two_pi},
-                      {"other_hz", x.omega_other / two_pi},
-                      {"deviations", x.deviations}});
-    json["finding"] = name(d.finding);
-    json["reasons"] = d.reasons;
-    json["notes"] = d.notes;
-    json["observed"] = observation::name(d.targets.observed);
-    Json lines = Json::array();
-    for (const auto& response : d.targets.responses) {
-      Json hertz = Json::array();
-      for (const auto& s : response.s) hertz.push_back(s.imag() / two_pi);
-      lines.push_back({{"pose", response.pose},
-                       {"entry", observation::name(response.entry)},
-                       {"frequency_hz", hertz}});
-    }
-    json["response_lines"] = lines;
-    json["measured_values"] = d.values;
-    json["scatter"] = d.scatter;
-    json["interrupted"] = d.interrupted;
-    json["measured_modes"] = modes;
-    json["hypotheses"] = explanations;
-    json["discriminators"] = tell;
-  }
-  json["pose"] = file.pose;
-  json["attribution"] = Json::array();
-  for (const auto& drop : file.drops) json["attribution"].push_back(drop_json(drop));
-  if (file.remedy) json["remedy"] = remedy_json(file);
-  return json;
+  Writer fields;  // changes nothing
+  describe_case(fields, const_cast<CaseFile&>(file));
+  return std::move(fields.json);
+}
+
+CaseFile diagnosis_from_json(const Json& json, const std::string& file) {
+  CaseFile read;
+  Reader fields(json, file);
+  describe_case(fields, read);
+  return read;
 }
 
 }  // namespace hydrapod::report

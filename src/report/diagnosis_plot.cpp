@@ -91,7 +91,8 @@ std::string ranking_panel(const Diagnosis& d, const Layout& layout) {
   s += "END\n";
   row = 0;
   for (const auto k : shown)
-    s += fmt::format("set ytics add ({} {})\n", quoted(d.explanations[k].name), ++row);
+    s += fmt::format("set ytics add ({} {})\n", quoted(hypothesis_name(d, d.explanations[k])),
+                     ++row);
   return s +
          "plot $c using 2:1:(0.5):2:($1-0.35):($1+0.35):3 with boxxyerror lc rgb variable\n"
          "unset logscale x\nset xtics format '%g'\n";

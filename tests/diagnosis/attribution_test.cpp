@@ -5,7 +5,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "hydrapod/report/measured_results.hpp"
 #include "support/calibration_machine.hpp"
+#include "support/round_trip.hpp"
 #include "support/run_program.hpp"
 
 namespace hydrapod::diagnosis {
@@ -41,8 +43,8 @@ TEST(Attribution, GivesTheWholeDropToTheOnlyComplianceThereIs) {
   const auto machine = heavy();
   for (const auto& drop : attribute_drops(machine, machine.neutral(), ModelKind::guide)) {
     ASSERT_EQ(drop.parts.size(), 7U);
-    EXPECT_EQ(part_name(drop.parts[0].part), "guide sleeves of all legs");
-    EXPECT_EQ(part_name(drop.parts[3].part), "guide sleeve of leg 3");
+    EXPECT_EQ(report::part_name(drop.parts[0].part), "guide sleeves of all legs");
+    EXPECT_EQ(report::part_name(drop.parts[3].part), "guide sleeve of leg 3");
     // with all sleeves rigid the machine is the rigid one, preload and all
     EXPECT_NEAR(drop.parts[0].omega, drop.resonance.omega_rigid, 1e-4 * drop.resonance.omega_rigid);
   }
@@ -63,7 +65,7 @@ TEST(Attribution, FindsTheOneLegThatIsSoft) {
     if (*share.part.leg == 3)
       EXPECT_GT(share.share, 0.95);
     else
-      EXPECT_LT(std::abs(share.share), 0.05) << part_name(share.part);
+      EXPECT_LT(std::abs(share.share), 0.05) << report::part_name(share.part);
   }
 }
 
@@ -75,7 +77,7 @@ TEST(Attribution, TellsSleevesFromRings) {
     ASSERT_EQ(drop.parts.size(), 14U);
     EXPECT_GT(drop.parts[0].share, 0.8);            // sleeves
     EXPECT_LT(std::abs(drop.parts[1].share), 0.2);  // rings
-    EXPECT_EQ(part_name(drop.parts[1].part), "piston rings of all legs");
+    EXPECT_EQ(report::part_name(drop.parts[1].part), "piston rings of all legs");
   }
 }
 
@@ -133,7 +135,12 @@ TEST(Remedy, IsNotNeededWhereTheNominalSleevesMeetTheGoal) {
   EXPECT_EQ(found.status, RemedyStatus::met_already);
   EXPECT_LT(found.needed.factor, 1.0);
   EXPECT_LT(found.needed.drop, 0.02);
-  const auto words = summary({.goal = {.drop = 0.02}, .remedy = found});
+  const CaseFile file{.drops = attribute_drops(machine, machine.neutral(), ModelKind::guide),
+                      .goal = {.drop = 0.02},
+                      .remedy = found};
+  const auto words = report::summary(file);
+  test::expect_round_trip(report::diagnosis_json(file), report::diagnosis_from_json,
+                          report::diagnosis_json);
   const bool worse = std::ranges::any_of(
       found.curve, [](const auto& point) { return point.factor > 1.0 && point.drop > 0.02; });
   ASSERT_TRUE(worse);

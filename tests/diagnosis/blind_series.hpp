@@ -8,8 +8,10 @@
 
 #include "hydrapod/diagnosis/diagnose.hpp"
 #include "hydrapod/hydraulics/oil_spring.hpp"
+#include "hydrapod/report/measured_results.hpp"
 #include "support/calibration_machine.hpp"
 #include "support/noisy_modes.hpp"
+#include "support/round_trip.hpp"
 #include "support/run_program.hpp"
 #include "vibration_table.hpp"
 
@@ -76,7 +78,7 @@ inline BlindResult run_blind(const BlindCase& test, const Measure& measure = by_
   const auto is_planted = [&](const diagnosis::Explanation& e) {
     if (e.suspects.size() != test.planted.size()) return false;
     return std::ranges::all_of(e.suspects, [&](std::size_t k) {
-      return std::ranges::count(test.planted, d.suspects[k].name) == 1;
+      return std::ranges::count(test.planted, report::cause_name(d.suspects[k])) == 1;
     });
   };
   for (const auto k : d.alike)
@@ -87,12 +89,26 @@ inline BlindResult run_blind(const BlindCase& test, const Measure& measure = by_
   return result;
 }
 
+/// The explanation of that name; null where it was not tried.
+inline const diagnosis::Explanation* find(const diagnosis::Diagnosis& d, const std::string& name) {
+  const auto found = std::ranges::find(
+      d.explanations, name, [&](const auto& e) { return report::hypothesis_name(d, e); });
+  return found == d.explanations.end() ? nullptr : &*found;
+}
+
+/// What is written of a diagnosis is read.
+inline void expect_round_trip_of(const diagnosis::CaseFile& file) {
+  expect_round_trip(report::diagnosis_json(file), report::diagnosis_from_json,
+                    report::diagnosis_json);
+}
+
 /// What the table shows of a result.
 inline std::string verdict(const diagnosis::Diagnosis& d) {
-  std::string text = diagnosis::name(d.finding);
+  std::string text = report::finding_word(d.finding);
   if (d.finding == diagnosis::Finding::guilty || d.finding == diagnosis::Finding::undecided) {
     text.clear();
-    for (const auto k : d.alike) text += (text.empty() ? "" : "; or ") + d.explanations[k].name;
+    for (const auto k : d.alike)
+      text += (text.empty() ? "" : "; or ") + report::hypothesis_name(d, d.explanations[k]);
   }
   return text;
 }

@@ -16,7 +16,7 @@ class Learning : public testing::Test {
   Learning() : suspects_(suspects_of(file_)), evidence_(file_, targets_, kind, suspects_) {}
 
   [[nodiscard]] std::size_t index_of(const std::string& name) const {
-    return static_cast<std::size_t>(std::ranges::find(suspects_, name, &Suspect::name) -
+    return static_cast<std::size_t>(std::ranges::find(suspects_, name, report::cause_name) -
                                     suspects_.begin());
   }
   /// With its first number at `value`.

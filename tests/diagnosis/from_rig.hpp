@@ -5,6 +5,7 @@
 
 #include "hydrapod/diagnosis/diagnose.hpp"
 #include "hydrapod/observation/targets.hpp"
+#include "hydrapod/report/measured_results.hpp"
 #include "support/calibration_machine.hpp"
 #include "support/rig_record.hpp"
 #include "support/run_program.hpp"
@@ -39,8 +40,8 @@ inline diagnosis::Diagnosis diagnosed_on_rig(const std::string& name,
 /// within the interval.
 inline void expect_sleeves(const diagnosis::Diagnosis& d, double stiffness) {
   EXPECT_TRUE(d.finding == diagnosis::Finding::guilty || d.finding == diagnosis::Finding::undecided)
-      << diagnosis::name(d.finding);
-  ASSERT_EQ(d.best().name, "guide sleeves of all legs");
+      << report::finding_word(d.finding);
+  ASSERT_EQ(report::hypothesis_name(d, d.best()), "guide sleeves of all legs");
   const auto& p = d.best().fit.parameters.at(0);
   EXPECT_NEAR(p.value / stiffness, 1.0, 0.05);
   EXPECT_NEAR(p.value, stiffness, 1.96 * p.deviation);

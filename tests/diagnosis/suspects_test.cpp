@@ -9,6 +9,7 @@
 #include <set>
 
 #include "hydrapod/model/machine_file.hpp"
+#include "hydrapod/report/measured_results.hpp"
 #include "support/calibration_machine.hpp"
 #include "support/run_program.hpp"
 
@@ -32,16 +33,19 @@ Eigen::VectorXd omega2(const model::Machine& machine, ModelKind kind) {
 
 TEST(Suspects, OfEveryMachineCoverWhatCanBeWrong) {
   for (const auto& text : texts()) {
-    std::set<std::string> families, names;
+    std::set<Family> families;
+    std::set<std::string> names;
     for (const auto& suspect : suspects_of(test::machine_file(text))) {
-      families.insert(suspect.family);
-      EXPECT_TRUE(names.insert(suspect.name).second) << suspect.name << " is there twice";
-      EXPECT_FALSE(suspect.statement.empty());
+      families.insert(suspect.family());
+      const auto name = report::cause_name(suspect);
+      EXPECT_TRUE(names.insert(name).second) << name << " is there twice";
+      EXPECT_FALSE(report::cause_statement(suspect).empty());
       EXPECT_FALSE(suspect.free.empty());
     }
-    EXPECT_THAT(families,
-                testing::UnorderedElementsAre("guide sleeves", "piston rings", "leg axes",
-                                              "platform", "mass centre", "base", "oil lines"));
+    EXPECT_THAT(families, testing::UnorderedElementsAre(Family::guide_sleeves, Family::piston_rings,
+                                                        Family::leg_axes, Family::platform,
+                                                        Family::mass_center, Family::base,
+                                                        Family::oil_lines));
   }
 }
 
@@ -53,13 +57,13 @@ TEST(Suspects, HaveNumbersThatMoveModes) {
     for (const auto& suspect : suspects_of(file)) {
       auto with = file;
       model::assign(with.machine, suspect.changes);
-      const auto kind = suspect.needs_rings ? ModelKind::full : ModelKind::guide;
+      const auto kind = suspect.needs_rings() ? ModelKind::full : ModelKind::guide;
       const auto before = omega2(with.machine, kind);
       for (const auto& free : suspect.free) {
         const double start = std::get<double>(*free.start), low = std::get<double>(*free.lower),
                      high = std::get<double>(*free.upper);
-        EXPECT_LE(low, start) << suspect.name;
-        EXPECT_GE(high, start) << suspect.name;
+        EXPECT_LE(low, start) << report::cause_name(suspect);
+        EXPECT_GE(high, start) << report::cause_name(suspect);
         const double moved = start == 0.0 ? 0.1 * high : 1.07 * start;
         std::vector<model::Assignment> assignments;
         for (const auto& path : free.paths) {
@@ -70,7 +74,7 @@ TEST(Suspects, HaveNumbersThatMoveModes) {
         }
         const auto after = omega2(model::with(with.machine, assignments), kind);
         EXPECT_GT((after - before).cwiseQuotient(before).cwiseAbs().maxCoeff(), 1e-9)
-            << suspect.name << ' ' << free.paths.front();
+            << report::cause_name(suspect) << ' ' << free.paths.front();
       }
     }
   }
@@ -82,25 +86,28 @@ TEST(Suspects, BeginNearTheMachineAsStated) {
     const auto file = test::machine_file(text);
     const auto stated = omega2(file.machine, ModelKind::guide);
     for (const auto& suspect : suspects_of(file)) {
-      if (suspect.changes.empty() || suspect.needs_rings) continue;
+      if (suspect.changes.empty() || suspect.needs_rings()) continue;
       const auto begun = omega2(model::with(file.machine, suspect.changes), ModelKind::guide);
-      EXPECT_LT((begun - stated).cwiseQuotient(stated).cwiseAbs().maxCoeff(), 0.1) << suspect.name;
+      EXPECT_LT((begun - stated).cwiseQuotient(stated).cwiseAbs().maxCoeff(), 0.1)
+          << report::cause_name(suspect);
     }
   }
 }
 
 TEST(Suspects, AreTriedTogetherAcrossFamiliesAndForTwoLegs) {
-  const Suspect all{.name = "a", .family = "leg axes"};
-  const Suspect leg2{.name = "b", .family = "leg axes", .leg = 1};
-  const Suspect leg5{.name = "c", .family = "leg axes", .leg = 4};
-  const Suspect mass{.name = "d", .family = "platform"};
-  const Suspect air{.name = "e", .family = "leg axes", .in_pairs = false};
+  const Suspect all{Suspect::Kind::bulk_modulus};
+  const Suspect leg2{Suspect::Kind::oil_springs, 1};
+  const Suspect leg5{Suspect::Kind::oil_springs, 4};
+  const Suspect mass{Suspect::Kind::payload};
+  const Suspect air{Suspect::Kind::air};
   EXPECT_FALSE(can_be_together(all, leg2));
   EXPECT_TRUE(can_be_together(leg2, leg5));
   EXPECT_FALSE(can_be_together(leg2, leg2));
   EXPECT_TRUE(can_be_together(all, mass));
   EXPECT_FALSE(can_be_together(mass, air));
 }
+
+using report::amount_text;
 
 TEST(Amounts, HaveTheDigitsThatTheirDeviationLeaves) {
   EXPECT_EQ(amount_text(839951.0, 256.0, "N/m"), "839.95 ± 0.26 kN/m");

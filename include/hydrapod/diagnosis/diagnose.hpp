@@ -14,14 +14,12 @@
 /// the data, and nothing is blamed unless it beats the machine as stated by more than that. Theory:
 /// docs/theory/diagnosis.md.
 ///
-/// Numbers with what they are known to, as people write them.
-///
 /// First resonances of a machine beside those of the rigid-leg model.
 ///
 /// What may be wrong with a machine: named changes of its model, each with numbers of its own.
 ///
-/// A suspect is one small file in src/diagnosis/suspects; to add one, write its function there,
-/// declare it here and put it into all_suspects.
+/// To add a suspect, add its Kind and its maker in src/diagnosis/suspects.cpp, and its words in
+/// src/report/diagnosis_words.cpp.
 ///
 /// How much of each drop below the rigid calculation belongs to which compliance.
 ///
@@ -38,7 +36,7 @@
 /// in steps of a tenth of a decade to the first that is too soft, then by bisection, to 1e-6 of
 /// itself.
 ///
-/// A diagnosis in plain words with numbers behind each.
+/// Results hold codes with data. Their words are made in `report`.
 
 #include <array>
 #include <optional>
@@ -53,10 +51,6 @@
 #include "hydrapod/spatial/pose.hpp"
 
 namespace hydrapod::diagnosis {
-
-/// "0.841 ± 0.012 MN/m", "1.23 GPa" (deviation 0 or not finite), "14.2 ± 0.3 t"; as many digits as
-/// the deviation leaves, else four.
-std::string amount_text(double value, double deviation, const std::string& unit);
 
 /// The machine whose base stands still and whose gimbals do not give way: with its rigid model it
 /// is the rigid calculation.
@@ -86,34 +80,41 @@ std::array<FirstResonance, 6> first_resonances(const model::Machine& machine,
 
 using spatial::direction_name;
 
+/// What gives way or is wrong. Two suspects of one family are tried together only for two legs.
+enum class Family { guide_sleeves, piston_rings, leg_axes, platform, mass_center, base, oil_lines };
+
 struct Suspect {
-  std::string name{};       ///< "guide sleeves of all legs"
-  std::string statement{};  ///< "the guide sleeves of all legs are not as stiff as stated"
-  /// What gives way or is wrong: "guide sleeves", "piston rings", "leg axes", "platform",
-  /// "mass centre", "base", "oil lines". Two of one family are tried together only for two legs.
-  std::string family{};
+  enum class Kind {
+    guide_sleeves,
+    piston_rings,
+    bulk_modulus,  ///< of all legs; of one leg it is oil_springs
+    oil_springs,
+    air,         ///< entrained, in all legs
+    cap_volume,  ///< of chamber or line
+    rod_volume,
+    gimbals,
+    payload,         ///< the platform's mass
+    payload_height,  ///< with its mass
+    inertia,
+    mass_and_inertia,
+    mass_center,
+    base_lateral,
+    base_vertical,
+    base_rocking,
+    oil_lines
+  };
+  Kind kind{};
   std::optional<int> leg{};  ///< 0…5; none: all legs, or no leg at all
   std::vector<calibration::FreeParameter> free{};
   std::vector<model::Assignment> changes{};  ///< what the model needs before it can have this fault
-  bool needs_rings{};                        ///< the model with piston rings
+
+  [[nodiscard]] Family family() const;
+  /// The model with piston rings.
+  [[nodiscard]] bool needs_rings() const { return kind == Kind::piston_rings; }
   /// Tried in pairs. Off for those that another one stands for (air and gimbals change the same
   /// springs as the bulk modulus, only otherwise from pose to pose).
-  bool in_pairs{true};
+  [[nodiscard]] bool in_pairs() const;
 };
-
-using SuspectMaker = std::vector<Suspect> (*)(const model::MachineFile&);
-
-std::vector<Suspect> guide_sleeves(const model::MachineFile& file);
-std::vector<Suspect> piston_rings(const model::MachineFile& file);
-std::vector<Suspect> oil(const model::MachineFile& file);
-std::vector<Suspect> gimbals(const model::MachineFile& file);
-std::vector<Suspect> platform(const model::MachineFile& file);
-std::vector<Suspect> mass_center(const model::MachineFile& file);
-std::vector<Suspect> base(const model::MachineFile& file);
-std::vector<Suspect> oil_lines(const model::MachineFile& file);
-
-inline constexpr std::array all_suspects{&guide_sleeves, &piston_rings, &oil,  &gimbals,
-                                         &platform,      &mass_center,  &base, &oil_lines};
 
 /// All suspects of a machine.
 std::vector<Suspect> suspects_of(const model::MachineFile& file);
@@ -144,11 +145,37 @@ struct DiagnoseOptions {
   int threads{0};              ///< 0: as many as there are processors; results do not depend on it
 };
 
+/// A measured mode, or a direction of the platform at a pose.
+struct Place {
+  std::string pose{};
+  int direction{-1};   ///< 0…5; −1: not known
+  std::string mode{};  ///< name of the mode whose direction is not known
+};
+
+/// What an explanation gets wrong.
+struct Contradiction {
+  enum class Kind {
+    resonances,  ///< `predicted` resonances at places where `measured` were found
+    frequency,   ///< predicted at `omega`, off by `difference`
+    shape,       ///< measured at `omega`; `mac` with the predicted one
+    drives,      ///< the response to drives at `omega`; `mac` of the motion
+    forces,      ///< the response to forces at `omega`, of which the share `missed` is not met
+    value        ///< `value` would explain `direction`, and puts the place off by `difference`
+  };
+  Kind kind{};
+  std::vector<Place> places{};
+  int predicted{}, measured{};
+  double omega{}, difference{};  ///< [rad/s]; predicted − measured
+  double mac{}, missed{};
+  int direction{};
+  double value{}, deviation{};
+  std::string unit{};
+};
+
 /// None, one or two suspects, fitted.
 struct Explanation {
   std::vector<std::size_t> suspects{};  ///< indices into Diagnosis::suspects
   bool rigid{};                         ///< the rigid calculation
-  std::string name{};                   ///< "the machine as stated", "guide sleeves of all legs"
   dynamics::ModelKind kind{};
   std::vector<model::Assignment> changes{};  ///< what it needs before its parameters
   int parameters{};
@@ -159,7 +186,12 @@ struct Explanation {
   /// far from the best. Frequencies of the plant or the system are then times the ratio of
   /// mechanics to it of the machine as stated.
   bool by_mechanics{};
-  std::vector<std::string> wrong{};  ///< what it gets wrong, in words, worst first
+  std::vector<Contradiction> wrong{};  ///< worst first
+
+  /// Its parameters started at the values of the file.
+  bool from_nominal{true};
+  /// Part of the misfit that comes from responses.
+  [[nodiscard]] double response_misfit() const;
 };
 
 enum class Finding {
@@ -167,12 +199,34 @@ enum class Finding {
   as_stated,         ///< the machine is as its file says, with the compliances stated there
   guilty,            ///< one explanation stands out
   undecided,         ///< several explain it equally well
-  unexplained,       ///< nothing in the list explains it; `reasons` says what the best one misses
-  do_not_belong      ///< machine and data do not belong together; `reasons` says why
+  unexplained,       ///< nothing in the list explains it; the best one says what it misses
+  do_not_belong      ///< machine and data do not belong together; so do `objections`, if any
 };
 
-/// "no cause", ….
-const char* name(Finding finding);
+/// Fewer measured modes or directions say nothing.
+inline constexpr int fewest_modes = 4, fewest_directions = 3;
+
+/// Why the data cannot be this machine's, or cannot say anything about it.
+struct Objection {
+  enum class Kind {
+    few_modes,       ///< `count`
+    no_directions,   ///< neither directions nor shapes
+    few_directions,  ///< `count`
+    frequencies      ///< `ratio` times those of this machine (median)
+  };
+  /// A slip of units that would explain the ratio.
+  enum class Slip { none, thousand, radians, per_minute, mass_or_stiffness };
+  Kind kind{};
+  int count{};
+  double ratio{};
+  Slip slip{};
+};
+
+/// Mechanics was compared instead of the system that was measured.
+struct Substitution {
+  observation::Observed measured{};
+  std::string error{};  ///< of the machine as stated with its hydraulics; empty: too few modes
+};
 
 /// A measured mode, and where the best explanation says that it comes from.
 struct MeasuredMode {
@@ -199,8 +253,8 @@ struct Discriminator {
 
 struct Diagnosis {
   Finding finding{};
-  std::vector<std::string> reasons{};  ///< for unexplained and do_not_belong
-  std::vector<std::string> notes{};    ///< what was measured and could not be used as it is
+  std::vector<Objection> objections{};  ///< where there are any, nothing else was tried
+  std::optional<Substitution> substitution{};
   std::vector<Suspect> suspects{};
   std::vector<Explanation> explanations{};  ///< best first
   std::vector<std::size_t> alike{};  ///< those that the data cannot tell from the best, it first
@@ -212,7 +266,6 @@ struct Diagnosis {
   bool interrupted{};
 
   [[nodiscard]] const Explanation& best() const { return explanations.front(); }
-  [[nodiscard]] const Explanation* find(const std::string& name) const;
   [[nodiscard]] const Explanation& as_stated() const;
 };
 
@@ -234,9 +287,6 @@ struct Part {
   Compliance what{};
   std::optional<int> leg{};  ///< 0…5; none: that of all legs, or the base's
 };
-
-/// "guide sleeves of all legs", "guide sleeve of leg 3".
-std::string part_name(const Part& part);
 
 struct PartShare {
   Part part{};
@@ -275,7 +325,7 @@ enum class RemedyStatus {
 
 /// A first resonance before and after.
 struct Change {
-  std::string pose{}, direction{};
+  std::string pose{}, direction{};                      ///< no direction: every one
   double omega_rigid{}, omega_today{}, omega_needed{};  ///< [rad/s]; 0 where the legs fold
 };
 
@@ -283,7 +333,7 @@ struct Remedy {
   RemedyStatus status{};
   RemedyPoint today{}, needed{}, limit{};
   std::string pose{};                ///< that asks for the most
-  std::string direction{};           ///< and its direction
+  std::string direction{};           ///< and its direction; empty: every one
   std::vector<RemedyPoint> curve{};  ///< from a tenth of today's stiffness to what is nearly rigid
   std::vector<Change> changes{};     ///< everywhere, with the stiffness that is needed
 };
@@ -309,19 +359,5 @@ struct CaseFile {
   RemedyGoal goal{};
   std::optional<Remedy> remedy{};
 };
-
-/// The finding in one sentence: "guide sleeves of all legs: stiffness 0.841 ± 0.012 MN/m instead of
-/// 30 MN/m".
-std::string finding_sentence(const Diagnosis& diagnosis);
-
-/// Sentences, most important first.
-std::vector<std::string> summary(const CaseFile& file);
-
-/// What an explanation's numbers are, and were in the file: "legs.guide_sleeve.stiffness 0.841 ±
-/// 0.012 MN/m (stated 30 MN/m)".
-std::vector<std::string> parameter_words(const Explanation& explanation);
-
-/// "a drop of at most 2 %", "at least 5.2 Hz in x".
-std::string goal_words(const RemedyGoal& goal);
 
 }  // namespace hydrapod::diagnosis

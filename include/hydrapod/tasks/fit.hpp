@@ -2,8 +2,8 @@
 /// Tasks that explain measurements: parameters fitted to modes, and the part that is guilty.
 ///
 ///     const auto found = tasks::diagnose(machine, {.measured = {.files = {"run.h5"}}});
-///     for (const auto& e : found.file.diagnosis->explanations) std::printf("%s\n",
-///     e.name.c_str());
+///     for (const auto& sentence : report::summary(found.file)) std::printf("%s\n",
+///     sentence.c_str());
 
 #include "hydrapod/calibration/calibrate.hpp"
 #include "hydrapod/diagnosis/diagnose.hpp"

@@ -1,4 +1,4 @@
-#include "hydrapod/diagnosis/diagnose.hpp"
+#include "hydrapod/report/measured_results.hpp"
 
 #include <fmt/format.h>
 
@@ -9,19 +9,21 @@
 
 #include "hydrapod/base/units.hpp"
 
-namespace hydrapod::diagnosis {
+namespace hydrapod::report {
 
 namespace {
+
+using namespace diagnosis;
 
 using base::two_pi;
 constexpr double notable_drop = 0.01;
 constexpr const char* interrupted = "Interrupted: not all hypotheses were tried.";
 
-std::string hertz(double omega) {
+std::string frequency_text(double omega) {
   return fmt::format("{:.{}f} Hz", omega / two_pi, omega < 10.0 * two_pi ? 2 : 1);
 }
 
-std::string percent(double share) {
+std::string share_text(double share) {
   return fmt::format("{:.{}f} %", 100.0 * share, std::abs(share) < 0.1 ? 1 : 0);
 }
 
@@ -60,8 +62,8 @@ void add_drops(const Diagnosis& d, std::vector<std::string>& words) {
     words.push_back(fmt::format(
         "At pose {} the {} {} measured at {} {} {} below the rigid-leg model ({}).", mode->pose,
         fmt::join(names, " and "), names.size() > 1 ? "resonances" : "resonance",
-        hertz(mode->omega), names.size() > 1 ? "lie" : "lies", percent(mode->drop()),
-        hertz(mode->omega_rigid)));
+        frequency_text(mode->omega), names.size() > 1 ? "lie" : "lies", share_text(mode->drop()),
+        frequency_text(mode->omega_rigid)));
   }
   if (groups.empty() && !d.modes.empty())
     words.push_back("No measured resonance lies 1 % or more below the rigid-leg model.");
@@ -83,7 +85,8 @@ void add_origins(const Diagnosis& d, std::vector<std::string>& words) {
       const double share = mode.*origin.share;
       const double most = std::max({mode.guide_sleeves, mode.piston_rings, mode.base});
       if (share < main_part || share < most || mode.direction < 0) continue;
-      const auto text = fmt::format("{} at {}", direction_name(mode.direction), hertz(mode.omega));
+      const auto text =
+          fmt::format("{} at {}", direction_name(mode.direction), frequency_text(mode.omega));
       if (std::ranges::count(modes, text) == 0) modes.push_back(text);
     }
     constexpr std::size_t shown = 6;
@@ -100,16 +103,17 @@ void add_origins(const Diagnosis& d, std::vector<std::string>& words) {
 /// Suspects that are not it, one of each family, with why.
 void add_innocents(const Diagnosis& d, std::vector<std::string>& words) {
   if (d.finding == Finding::nothing_to_blame || d.finding == Finding::as_stated) return;
-  std::set<std::string> told;
+  std::set<Family> told;
   for (const auto k : d.alike)
-    for (const auto s : d.explanations[k].suspects) told.insert(d.suspects[s].family);
+    for (const auto s : d.explanations[k].suspects) told.insert(d.suspects[s].family());
   constexpr std::size_t most = 3;
   std::size_t count = 0;
   for (const auto& e : d.explanations) {
     if (e.suspects.size() != 1 || e.wrong.empty() || count == most) continue;
     const auto& suspect = d.suspects[e.suspects.front()];
-    if (suspect.leg || !told.insert(suspect.family).second) continue;
-    words.push_back(fmt::format("Excluded: {}: {}.", e.name, e.wrong.front()));
+    if (suspect.leg || !told.insert(suspect.family()).second) continue;
+    words.push_back(
+        fmt::format("Excluded: {}: {}.", hypothesis_name(d, e), contradiction_words(d, e).front()));
     ++count;
   }
 }
@@ -120,7 +124,7 @@ std::string alike_words(const Diagnosis& d) {
   std::string names;
   for (std::size_t k = 0; k < std::min(shown, count); ++k) {
     const bool last = k > 0 && k + 1 == count;
-    names += (k == 0 ? "" : last ? " and " : ", ") + d.explanations[d.alike[k]].name;
+    names += (k == 0 ? "" : last ? " and " : ", ") + hypothesis_name(d, d.explanations[d.alike[k]]);
   }
   if (count > shown) names += fmt::format(" and {} more", count - shown);
   return names;
@@ -131,19 +135,19 @@ void add_discriminators(const Diagnosis& d, std::vector<std::string>& words) {
   constexpr double enough = 3.0;
   for (std::size_t k = 0; k < std::min(most, d.discriminators.size()); ++k) {
     const auto& x = d.discriminators[k];
-    const auto& best = d.explanations[d.alike.front()];
-    const auto& other = d.explanations[x.other];
+    const auto best = hypothesis_name(d, d.explanations[d.alike.front()]);
+    const auto other = hypothesis_name(d, d.explanations[x.other]);
     if (x.deviations < enough)
       words.push_back(
           fmt::format("No offered pose distinguishes {} from {}: their resonances differ by at "
                       "most {:.1f} σ of a measurement.",
-                      best.name, other.name, x.deviations));
+                      best, other, x.deviations));
     else
       words.push_back(
           fmt::format("A measurement at pose {} in direction {} distinguishes {} ({}) from {} "
                       "({}): the difference is {:.0f} σ.",
-                      x.pose, direction_name(x.direction), best.name, hertz(x.omega_best),
-                      other.name, hertz(x.omega_other), x.deviations));
+                      x.pose, direction_name(x.direction), best, frequency_text(x.omega_best),
+                      other, frequency_text(x.omega_other), x.deviations));
   }
 }
 
@@ -161,12 +165,12 @@ void add_attribution(const CaseFile& file, std::vector<std::string>& words) {
     constexpr double told = 0.05;
     for (const auto& part : drop.parts)
       if (!part.part.leg && std::abs(part.share) >= told)
-        parts.push_back(fmt::format("{} {}", part_name(part.part), percent(part.share)));
+        parts.push_back(fmt::format("{} {}", part_name(part.part), share_text(part.share)));
     words.push_back(
         fmt::format("Calculated at pose {}: the {} resonance is at {}, {} below the rigid-leg "
                     "model. Share of the frequency drop: {}.",
-                    file.pose, drop.resonance.direction, hertz(drop.resonance.omega),
-                    percent(drop.resonance.drop()),
+                    file.pose, drop.resonance.direction, frequency_text(drop.resonance.omega),
+                    share_text(drop.resonance.drop()),
                     parts.empty() ? "no part alone" : fmt::format("{}", fmt::join(parts, ", "))));
   }
   if (drops.empty() && !file.drops.empty())
@@ -200,7 +204,8 @@ std::string remedy_words(const CaseFile& file) {
     return fmt::format(
         "No stiffness of the guide sleeves reaches {}: rigid guide sleeves give {} and a drop of "
         "{} (pose {}, {}).",
-        goal, hertz(r.limit.omega), percent(r.limit.drop), r.pose, r.direction);
+        goal, frequency_text(r.limit.omega), share_text(r.limit.drop), r.pose,
+        direction_words(r.direction));
   constexpr double far = 0.01;
   if (r.status == RemedyStatus::met_already) {
     const bool softer = r.needed.factor < far;
@@ -213,35 +218,7 @@ std::string remedy_words(const CaseFile& file) {
   return fmt::format(
       "Required stiffness of the guide sleeves for {}: at least {}, {:.3g} times the nominal {} "
       "(highest demand at pose {} in {}).",
-      goal, stiffness, r.needed.factor, today, r.pose, r.direction);
-}
-
-}  // namespace
-
-std::string goal_words(const RemedyGoal& goal) {
-  const std::string where =
-      goal.direction ? fmt::format(" in {}", direction_name(*goal.direction)) : "";
-  if (goal.drop) return fmt::format("a drop of at most {}{}", percent(*goal.drop), where);
-  return fmt::format("at least {}{}", hertz(goal.omega.value_or(0.0)), where);
-}
-
-std::vector<std::string> parameter_words(const Explanation& e) {
-  using calibration::Verdict;
-  std::vector<std::string> words;
-  for (const auto& p : e.fit.parameters) {
-    const bool bound = p.verdict == Verdict::at_bound, open = p.verdict == Verdict::undetermined;
-    const std::string value =
-        fmt::format("{} {}{}", fmt::join(p.paths, ", "),
-                    amount_text(p.value, bound || open ? 0.0 : p.deviation, p.unit),
-                    bound  ? ", at its bound"
-                    : open ? ", not determined"
-                           : "");
-    // with overrides the search began elsewhere than at the file's value
-    words.push_back(e.changes.empty()
-                        ? fmt::format("{} (nominal {})", value, amount_text(p.start, 0.0, p.unit))
-                        : value);
-  }
-  return words;
+      goal, stiffness, r.needed.factor, today, r.pose, direction_words(r.direction));
 }
 
 std::string finding_sentence(const Diagnosis& d) {
@@ -254,7 +231,7 @@ std::string finding_sentence(const Diagnosis& d) {
     case Finding::guilty: {
       const auto& best = d.explanations[d.alike.front()];
       std::vector<std::string> statements;
-      for (const auto s : best.suspects) statements.push_back(d.suspects[s].statement);
+      for (const auto s : best.suspects) statements.push_back(cause_statement(d.suspects[s]));
       return fmt::format("Identified cause: {}; {}.", fmt::join(statements, ", and "),
                          fmt::join(parameter_words(best), "; "));
     }
@@ -268,13 +245,22 @@ std::string finding_sentence(const Diagnosis& d) {
   return "Measurement and machine file do not match; no cause is identified.";
 }
 
+}  // namespace
+
+std::string goal_words(const RemedyGoal& goal) {
+  const std::string where =
+      goal.direction ? fmt::format(" in {}", direction_name(*goal.direction)) : "";
+  if (goal.drop) return fmt::format("a drop of at most {}{}", share_text(*goal.drop), where);
+  return fmt::format("at least {}{}", frequency_text(goal.omega.value_or(0.0)), where);
+}
+
 std::vector<std::string> summary(const CaseFile& file) {
   std::vector<std::string> words;
   if (file.diagnosis) {
     const auto& d = *file.diagnosis;
     words.push_back(finding_sentence(d));
     if (d.alike.empty()) {
-      for (const auto& reason : d.reasons) words.push_back(capital(reason) + ".");
+      for (const auto& reason : reason_words(d)) words.push_back(capital(reason) + ".");
       if (d.finding == Finding::unexplained) add_drops(d, words);
       if (d.interrupted) words.push_back(interrupted);
       return words;
@@ -282,14 +268,14 @@ std::vector<std::string> summary(const CaseFile& file) {
     if (d.finding == Finding::undecided)
       for (std::size_t k = 0; k < std::min<std::size_t>(4, d.alike.size()); ++k) {
         const auto& e = d.explanations[d.alike[k]];
-        words.push_back(
-            fmt::format("{}: {}.", capital(e.name), fmt::join(parameter_words(e), "; ")));
+        words.push_back(fmt::format("{}: {}.", capital(hypothesis_name(d, e)),
+                                    fmt::join(parameter_words(e), "; ")));
       }
     add_discriminators(d, words);
     add_drops(d, words);
     add_origins(d, words);
     add_innocents(d, words);
-    for (const auto& note : d.notes) words.push_back(capital(note) + ".");
+    for (const auto& note : note_words(d)) words.push_back(capital(note) + ".");
     if (d.targets.observed != observation::Observed::mechanics && !d.alike.empty() &&
         d.explanations[d.alike.front()].by_mechanics)
       words.push_back(
@@ -303,4 +289,4 @@ std::vector<std::string> summary(const CaseFile& file) {
   return words;
 }
 
-}  // namespace hydrapod::diagnosis
+}  // namespace hydrapod::report

@@ -1,0 +1,255 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "hydrapod/diagnosis/diagnose.hpp"
+#include "hydrapod/dynamics/linear_model.hpp"
+#include "hydrapod/hydraulics/oil_spring.hpp"
+#include "hydrapod/kinematics/legs.hpp"
+
+namespace hydrapod::diagnosis {
+
+namespace {
+
+using Kind = Suspect::Kind;
+using Leg = std::optional<int>;  ///< none: all legs
+
+constexpr std::array<Leg, 7> all_and_each{std::nullopt, 0, 1, 2, 3, 4, 5};
+
+/// A number that keeps its sign, within `factor` of `value`.
+calibration::FreeParameter within(const std::string& path, double value, double factor) {
+  const double a = value / factor, b = value * factor;
+  return {.paths = {path}, .start = value, .lower = std::min(a, b), .upper = std::max(a, b)};
+}
+
+/// A number within `reach` of `value`.
+calibration::FreeParameter near(const std::string& path, double value, double reach) {
+  return {.paths = {path}, .start = value, .lower = value - reach, .upper = value + reach};
+}
+
+/// `value` for the number at `path`.
+model::Assignment change(const model::MachineFile& file, const std::string& path, double value) {
+  const auto own = find_parameter(file, path);
+  return {own ? *own : find_parameter(file.machine, path).value(), value};
+}
+
+std::string leg_path(Leg leg, const std::string& rest) {
+  return leg ? fmt::format("leg.{}.{}", *leg + 1, rest) : "legs." + rest;
+}
+
+/// The first stands for all.
+const model::Leg& leg_of(const model::MachineFile& file, Leg leg) {
+  return file.machine.legs[static_cast<std::size_t>(leg.value_or(0))];
+}
+
+/// The O-rings under the step seals: softer or stiffer than stated.
+void add_guide_sleeves(const model::MachineFile& file, std::vector<Suspect>& all) {
+  constexpr double factor = 1e4;  // who calculates with rigid legs may state anything
+  for (const auto leg : all_and_each)
+    all.push_back({Kind::guide_sleeves,
+                   leg,
+                   {within(leg_path(leg, "guide_sleeve.stiffness"),
+                           leg_of(file, leg).guide_sleeve.stiffness, factor)}});
+}
+
+/// The O-rings under the glyd rings at the pistons: a third resonance in x and y.
+void add_piston_rings(const model::MachineFile& file, std::vector<Suspect>& all) {
+  // where the file has none they begin stiffer than the sleeves, as they are in cylinders
+  constexpr double factor = 1000.0, stiffer = 10.0;
+  const bool stated = leg_of(file, {}).piston_ring.has_value();
+  for (const auto leg : all_and_each) {
+    const auto& of = leg_of(file, leg);
+    if (leg && !(stated && of.piston_ring)) continue;
+    const auto path = leg_path(leg, "piston_ring.stiffness");
+    const double start =
+        of.piston_ring ? of.piston_ring->stiffness : stiffer * of.guide_sleeve.stiffness;
+    Suspect rings{Kind::piston_rings, leg, {within(path, start, factor)}};
+    if (!of.piston_ring) {
+      rings.changes = {change(file, path, start)};
+      // sleeves that are stated as good as rigid say nothing about the rings
+      rings.free[0].lower = 1000.0;
+    }
+    all.push_back(rings);
+  }
+}
+
+/// Path below a leg and value of the number that scales the oil spring.
+std::pair<const char*, double> spring_number(const model::Leg& leg) {
+  if (leg.oil_spring.cylinder)
+    return {"oil_spring.cylinder.bulk_modulus", leg.oil_spring.cylinder->bulk_modulus};
+  return {"oil_spring.stiffness", leg.oil_spring.stiffness.value_or(0.0)};
+}
+
+/// Air in all legs; where the file has none, from next to nothing, at a usual chamber pressure.
+Suspect entrained_air(const model::MachineFile& file) {
+  const auto& cylinder = *leg_of(file, {}).oil_spring.cylinder;
+  constexpr double least = 1e-4, most = 0.25, usual_pressure = 4e6;
+  const std::string path = "legs.oil_spring.cylinder.air.fraction";
+  Suspect air{Kind::air};
+  double fraction = 1e-3;
+  if (cylinder.air && cylinder.air->fraction > least) fraction = cylinder.air->fraction;
+  if (!cylinder.air)
+    air.changes = {change(file, "legs.oil_spring.cylinder.air.pressure", usual_pressure),
+                   change(file, path, fraction)};
+  air.free = {{.paths = {path}, .start = fraction, .lower = least, .upper = most}};
+  return air;
+}
+
+/// More oil behind the piston than stated, on one side: dead volume or line, which the linear
+/// models do not tell apart.
+Suspect volume(const model::MachineFile& file, Kind side, Leg leg) {
+  const auto& of = leg_of(file, leg);
+  const auto& cylinder = *of.oil_spring.cylinder;
+  const bool cap = side == Kind::cap_volume;
+  const double stated = cap ? cylinder.cap_line_volume : cylinder.rod_line_volume;
+  const double area = 0.25 * std::numbers::pi * cylinder.bore * cylinder.bore;
+  const double swept = area * of.stroke->length;
+  const double start = std::max(stated, 0.01 * swept);
+  const auto path =
+      leg_path(leg, fmt::format("oil_spring.cylinder.{}_line_volume", cap ? "cap" : "rod"));
+  Suspect suspect{side, leg};
+  if (start != stated) suspect.changes = {change(file, path, start)};
+  suspect.free = {
+      {.paths = {path}, .start = start, .lower = 1e-4 * swept, .upper = 5.0 * swept + stated}};
+  return suspect;
+}
+
+/// The oil as a spring: bulk modulus, entrained air, volumes of chambers and lines.
+void add_oil(const model::MachineFile& file, std::vector<Suspect>& all) {
+  constexpr double factor = 5.0;
+  const auto& cylinder = leg_of(file, {}).oil_spring.cylinder;
+  for (const auto leg : all_and_each) {
+    const auto [path, stated] = spring_number(leg_of(file, leg));
+    all.push_back({!leg && cylinder ? Kind::bulk_modulus : Kind::oil_springs,
+                   leg,
+                   {within(leg_path(leg, path), stated, factor)}});
+  }
+  if (!cylinder) return;
+  all.push_back(entrained_air(file));
+  if (cylinder->volumes == model::VolumeRule::equal) return;
+  for (const auto side : {Kind::cap_volume, Kind::rod_volume})
+    for (const auto leg : all_and_each) all.push_back(volume(file, side, leg));
+}
+
+/// Gimbals and their fastening, which give way along the legs or have play; play shows as a softer
+/// spring, the softer the smaller the motion.
+void add_gimbals(const model::MachineFile& file, std::vector<Suspect>& all) {
+  constexpr double stiff = 30.0, factor = 1000.0;
+  const auto lengths = kinematics::leg_lengths(file.machine, file.machine.neutral());
+  for (const auto leg : all_and_each) {
+    const auto& of = leg_of(file, leg);
+    const double l_m = lengths[leg.value_or(0)] - of.rod.length;
+    const double k = of.gimbal_stiffness.value_or(stiff * hydraulics::oil_stiffness(of, l_m));
+    const auto path = leg_path(leg, "gimbal_stiffness");
+    Suspect suspect{Kind::gimbals, leg, {within(path, k, factor)}};
+    if (!of.gimbal_stiffness) suspect.changes = {change(file, path, k)};
+    all.push_back(suspect);
+  }
+}
+
+/// The platform and what stands on it.
+void add_platform(const model::MachineFile& file, std::vector<Suspect>& all) {
+  constexpr double most = 3.0;
+  const auto& platform = file.machine.platform;
+  const auto& I = platform.inertia;
+  const auto mass = within("platform.mass", platform.mass, most);
+  const std::vector moments{within("platform.inertia.xx", I(0, 0), most),
+                            within("platform.inertia.yy", I(1, 1), most),
+                            within("platform.inertia.zz", I(2, 2), most)};
+  auto both = moments;
+  both.insert(both.begin(), mass);
+  // a radius of gyration to every side
+  const double reach = std::sqrt(I.trace() / (3.0 * platform.mass));
+  std::vector<calibration::FreeParameter> center;
+  for (int k = 0; k < 3; ++k)
+    center.push_back(
+        near(fmt::format("platform.mass_center[{}]", k), platform.mass_center[k], reach));
+  all.push_back({Kind::payload, {}, {mass}});
+  // a payload raises the centre with the mass, and where there is gravity presses on the knees
+  all.push_back({Kind::payload_height, {}, {mass, center[2]}});
+  all.push_back({Kind::inertia, {}, moments});
+  all.push_back({Kind::mass_and_inertia, {}, both});
+  all.push_back({Kind::mass_center, {}, center});
+}
+
+/// The base on its foundation: pushed sideways, pressed down, rocking.
+void add_base(const model::MachineFile& file, std::vector<Suspect>& all) {
+  struct Way {
+    Kind kind{};
+    std::vector<int> directions{};
+  };
+  constexpr double stiff = 50.0, factor = 500.0;
+  const auto& machine = file.machine;
+  const auto model = dynamics::linear_model(machine, machine.neutral(), dynamics::ModelKind::rigid);
+  // what the legs hold the platform with, seen at the base
+  spatial::Matrix6 T = spatial::Matrix6::Identity();
+  T.topRightCorner<3, 3>() = -spatial::skew(model.p_BC);
+  const spatial::Matrix6 K = model.K;
+  const spatial::Vector6 of_legs = (T.transpose() * K * T).diagonal();
+  for (const auto& [kind, directions] :
+       {Way{Kind::base_lateral, {0, 1}}, Way{Kind::base_vertical, {2}},
+        Way{Kind::base_rocking, {3, 4}}}) {
+    Suspect suspect{kind};
+    for (const int direction : directions) {
+      std::optional<double> stated;
+      if (machine.base_mount)
+        stated = machine.base_mount->stiffness[static_cast<std::size_t>(direction)];
+      const double value = stated.value_or(stiff * std::abs(of_legs[directions.front()]));
+      const auto path = std::string("base.mount.stiffness.") + direction_name(direction);
+      if (!stated) suspect.changes.push_back(change(file, path, value));
+      if (suspect.free.empty())
+        suspect.free.push_back(within(path, value, factor));
+      else
+        suspect.free.front().paths.push_back(path);
+    }
+    all.push_back(suspect);
+  }
+}
+
+/// Oil that swings in the lines with the pistons: inertia along the legs.
+void add_oil_lines(const model::MachineFile& file, std::vector<Suspect>& all) {
+  constexpr double least = 1e-4, most = 0.5;  // of the platform's mass, per leg
+  const std::string path = "legs.added_axial_inertia";
+  const double mass = file.machine.platform.mass;
+  const double stated = leg_of(file, {}).added_axial_inertia;
+  const double start = std::max(stated, 10.0 * least * mass);
+  Suspect suspect{Kind::oil_lines};
+  if (start != stated) suspect.changes = {change(file, path, start)};
+  suspect.free = {{.paths = {path}, .start = start, .lower = least * mass, .upper = most * mass}};
+  all.push_back(suspect);
+}
+
+}  // namespace
+
+Family Suspect::family() const {
+  if (kind == Kind::guide_sleeves) return Family::guide_sleeves;
+  if (kind == Kind::piston_rings) return Family::piston_rings;
+  if (kind <= Kind::gimbals) return Family::leg_axes;
+  if (kind <= Kind::mass_and_inertia) return Family::platform;
+  if (kind == Kind::mass_center) return Family::mass_center;
+  return kind == Kind::oil_lines ? Family::oil_lines : Family::base;
+}
+
+bool Suspect::in_pairs() const {
+  constexpr std::array stood_for{Kind::air, Kind::cap_volume, Kind::rod_volume, Kind::gimbals,
+                                 Kind::payload_height};
+  return std::ranges::count(stood_for, kind) == 0;
+}
+
+std::vector<Suspect> suspects_of(const model::MachineFile& file) {
+  std::vector<Suspect> all;
+  for (const auto add : {add_guide_sleeves, add_piston_rings, add_oil, add_gimbals, add_platform,
+                         add_base, add_oil_lines})
+    add(file, all);
+  return all;
+}
+
+bool can_be_together(const Suspect& a, const Suspect& b) {
+  if (!a.in_pairs() || !b.in_pairs()) return false;
+  if (a.family() != b.family()) return true;
+  return a.leg && b.leg && *a.leg != *b.leg;
+}
+
+}  // namespace hydrapod::diagnosis

@@ -1,0 +1,264 @@
+#include "hydrapod/report/measured_results.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "hydrapod/base/units.hpp"
+
+namespace hydrapod::report {
+
+namespace {
+
+using namespace diagnosis;
+
+using base::two_pi;
+
+/// Of all legs or of none; of one leg, whose number is {}.
+struct CauseWords {
+  const char* name;
+  const char* statement;
+  const char* name_of_leg;
+  const char* statement_of_leg;
+};
+
+/// In the order of Suspect::Kind.
+constexpr std::array cause_words{
+    CauseWords{"guide sleeves of all legs",
+               "the stiffness of the guide sleeves of all legs differs from the nominal value",
+               "guide sleeve of leg {}",
+               "the stiffness of the guide sleeve of leg {} differs from the nominal value"},
+    CauseWords{"piston rings of all legs", "the piston rings of all legs are compliant",
+               "piston ring of leg {}",
+               "the stiffness of the piston ring of leg {} differs from the nominal value"},
+    CauseWords{"bulk modulus of the oil",
+               "the oil stiffness of all legs differs from the nominal value", "", ""},
+    CauseWords{
+        "oil springs of all legs", "the oil stiffness of all legs differs from the nominal value",
+        "oil spring of leg {}", "the oil stiffness of leg {} differs from the nominal value"},
+    CauseWords{"entrained air in all legs",
+               "the air content of the oil of all legs differs from the nominal value", "", ""},
+    CauseWords{"cap-side chamber or line volume of all legs",
+               "the oil volume on the cap side of all legs differs from the nominal value",
+               "cap-side chamber or line volume of leg {}",
+               "the oil volume on the cap side of leg {} differs from the nominal value"},
+    CauseWords{"rod-side chamber or line volume of all legs",
+               "the oil volume on the rod side of all legs differs from the nominal value",
+               "rod-side chamber or line volume of leg {}",
+               "the oil volume on the rod side of leg {} differs from the nominal value"},
+    CauseWords{"gimbals of all legs", "the gimbals of all legs are compliant or have free play",
+               "gimbals of leg {}", "a gimbal of leg {} is compliant or has free play"},
+    CauseWords{"payload (platform mass)",
+               "the mass of platform and payload differs from the nominal mass", "", ""},
+    CauseWords{"payload at another height",
+               "mass and height of the payload differ from the nominal values", "", ""},
+    CauseWords{"platform inertia",
+               "the moments of inertia of the platform differ from the nominal values", "", ""},
+    CauseWords{"platform mass and inertia",
+               "mass and moments of inertia of the platform differ from the nominal values", "",
+               ""},
+    CauseWords{"mass centre", "the mass centre differs from the nominal position", "", ""},
+    CauseWords{"lateral compliance of the base", "the base is compliant in lateral directions", "",
+               ""},
+    CauseWords{"vertical compliance of the base", "the base is compliant in the vertical direction",
+               "", ""},
+    CauseWords{"rocking compliance of the base", "the base is compliant in rocking", "", ""},
+    CauseWords{"oil in the lines", "the oil in the lines adds inertia to the pistons", "", ""}};
+
+std::string of_cause(const Suspect& suspect, const char* CauseWords::*all,
+                     const char* CauseWords::*of_leg) {
+  const auto& words = cause_words.at(static_cast<std::size_t>(suspect.kind));
+  return suspect.leg ? fmt::format(fmt::runtime(words.*of_leg), *suspect.leg + 1) : words.*all;
+}
+
+struct Scale {
+  double size;
+  const char* prefix;
+};
+
+/// The prefix that leaves one to four digits before the point.
+Scale scale_of(double value, const std::string& unit) {
+  const bool prefixed = unit == "N/m" || unit == "Pa" || unit == "N m/rad" || unit == "N s/m";
+  const double size = std::abs(value);
+  if (unit == "m" && size < 1.0) return {1e-3, "m"};
+  if (unit == "m^3" && size < 1.0) return {1e-3, ""};
+  if (!prefixed) return {1.0, ""};
+  for (const Scale& scale : {Scale{1e9, "G"}, Scale{1e6, "M"}, Scale{1e3, "k"}})
+    if (size >= scale.size) return scale;
+  return {1.0, ""};
+}
+
+const char* number_word(int count) {
+  constexpr std::array words{"no", "one", "two", "three", "four", "five", "six"};
+  return words.at(static_cast<std::size_t>(std::clamp(count, 0, 6)));
+}
+
+std::string at_pose(const Diagnosis& d, const std::string& pose) {
+  const bool several =
+      std::ranges::any_of(d.targets.modes, [&](const auto& m) { return m.pose != pose; });
+  return several ? fmt::format(" at pose {}", pose) : "";
+}
+
+/// "predicts z at 8.52 Hz, 0.31 Hz higher than measured".
+std::string contradiction_text(const Diagnosis& d, const Contradiction& c) {
+  using Kind = Contradiction::Kind;
+  std::vector<std::string> places;
+  for (const auto& place : c.places)
+    places.push_back((place.direction < 0 ? place.mode : direction_name(place.direction)) +
+                     at_pose(d, place.pose));
+  const double frequency = c.omega / two_pi, off = std::abs(c.difference) / two_pi;
+  switch (c.kind) {
+    case Kind::resonances:
+      return fmt::format("predicts {} resonance{} in {}, {} {} measured", number_word(c.predicted),
+                         c.predicted == 1 ? "" : "s", fmt::join(places, ", "),
+                         number_word(c.measured), c.measured == 1 ? "was" : "were");
+    case Kind::frequency:
+      return fmt::format("predicts {} at {:.2f} Hz, {:.2f} Hz {} than measured", places.front(),
+                         frequency, off, c.difference > 0.0 ? "higher" : "lower");
+    case Kind::shape:
+      return fmt::format("mode shape differs from the measured one in {} at {:.2f} Hz (MAC {:.2f})",
+                         places.front(), frequency, c.mac);
+    case Kind::drives:
+      return fmt::format(
+          "shape of the response to drives differs from the measured one at {:.2f} Hz{} (MAC "
+          "{:.2f})",
+          frequency, places.front(), c.mac);
+    case Kind::forces:
+      return fmt::format("differs from the response to forces at {:.2f} Hz{} by {:.0f} %",
+                         frequency, places.front(), 100.0 * c.missed);
+    case Kind::value:
+      break;
+  }
+  return fmt::format("the value that explains {} ({}) contradicts {} by {:.2g} Hz",
+                     direction_name(c.direction), amount_text(c.value, c.deviation, c.unit),
+                     places.front(), off);
+}
+
+std::string objection_text(const Objection& objection) {
+  using Kind = Objection::Kind;
+  constexpr std::array slips{"", "; possible reason: a unit wrong by 1000 in the frequencies",
+                             "; possible reason: rad/s taken for Hz",
+                             "; possible reason: cycles per minute taken for Hz",
+                             "; possible reason: a mass or a stiffness wrong by 1000 in the "
+                             "machine file"};
+  switch (objection.kind) {
+    case Kind::few_modes:
+      return fmt::format("{} measured; with fewer than {} every candidate cause explains them",
+                         objection.count == 1 ? "only one mode was"
+                                              : fmt::format("only {} modes were", objection.count),
+                         fewest_modes);
+    case Kind::no_directions:
+      return "the measured modes have neither directions nor shapes; frequencies alone fit many "
+             "machines (give x … rz, or a shape, with every mode)";
+    case Kind::few_directions:
+      return fmt::format(
+          "the measured modes move the platform in {} of its six directions only; at least {} are "
+          "needed",
+          objection.count, fewest_directions);
+    case Kind::frequencies:
+      break;
+  }
+  return fmt::format(
+      "the measured frequencies are {:.3g} times those of this machine, direction by direction "
+      "(median){}",
+      objection.ratio, slips.at(static_cast<std::size_t>(objection.slip)));
+}
+
+}  // namespace
+
+std::string direction_words(const std::string& direction) {
+  return direction.empty() ? "every direction" : direction;
+}
+
+const char* finding_word(Finding finding) {
+  constexpr std::array words{"no cause",  "nominal machine", "cause identified",
+                             "undecided", "unexplained",     "mismatch"};
+  return words.at(static_cast<std::size_t>(finding));
+}
+
+std::string cause_name(const Suspect& suspect) {
+  return of_cause(suspect, &CauseWords::name, &CauseWords::name_of_leg);
+}
+
+std::string cause_statement(const Suspect& suspect) {
+  return of_cause(suspect, &CauseWords::statement, &CauseWords::statement_of_leg);
+}
+
+std::string hypothesis_name(const Diagnosis& d, const Explanation& e) {
+  if (e.rigid) return "rigid-leg model";
+  if (e.suspects.empty()) return "nominal machine";
+  std::vector<std::string> names;
+  for (const auto k : e.suspects) names.push_back(cause_name(d.suspects[k]));
+  return fmt::format("{}", fmt::join(names, " and "));
+}
+
+std::string part_name(const Part& part) {
+  constexpr std::array one{"guide sleeve", "piston ring", "gimbals", ""};
+  constexpr std::array all{"guide sleeves of all legs", "piston rings of all legs",
+                           "gimbals of all legs", "base mount"};
+  const auto what = static_cast<std::size_t>(part.what);
+  return part.leg ? fmt::format("{} of leg {}", one.at(what), *part.leg + 1) : all.at(what);
+}
+
+std::string amount_text(double value, double deviation, const std::string& unit) {
+  const auto scale = scale_of(value, unit);
+  std::string name = unit == "1" ? "" : fmt::format(" {}{}", scale.prefix, unit);
+  if (unit == "m^3" && scale.size != 1.0) name = " l";
+  const double shown = value / scale.size, spread = std::abs(deviation) / scale.size;
+  if (!(spread > 0.0) || !std::isfinite(spread)) return fmt::format("{:.4g}{}", shown, name);
+  const int decimals = std::clamp(1 - static_cast<int>(std::floor(std::log10(spread))), 0, 9);
+  return fmt::format("{:.{}f} ± {:.{}f}{}", shown, decimals, spread, decimals, name);
+}
+
+std::vector<std::string> parameter_words(const Explanation& e) {
+  using calibration::Verdict;
+  std::vector<std::string> words;
+  for (const auto& p : e.fit.parameters) {
+    const bool bound = p.verdict == Verdict::at_bound, open = p.verdict == Verdict::undetermined;
+    const std::string value =
+        fmt::format("{} {}{}", fmt::join(p.paths, ", "),
+                    amount_text(p.value, bound || open ? 0.0 : p.deviation, p.unit),
+                    bound  ? ", at its bound"
+                    : open ? ", not determined"
+                           : "");
+    // with overrides the search began elsewhere than at the file's value
+    words.push_back(e.from_nominal
+                        ? fmt::format("{} (nominal {})", value, amount_text(p.start, 0.0, p.unit))
+                        : value);
+  }
+  return words;
+}
+
+std::vector<std::string> contradiction_words(const Diagnosis& d, const Explanation& e) {
+  std::vector<std::string> words;
+  for (const auto& contradiction : e.wrong) words.push_back(contradiction_text(d, contradiction));
+  return words;
+}
+
+std::vector<std::string> reason_words(const Diagnosis& d) {
+  std::vector<std::string> words;
+  for (const auto& objection : d.objections) words.push_back(objection_text(objection));
+  if (!words.empty() || !d.alike.empty()) return words;
+  words.push_back(
+      fmt::format("even the best hypothesis ({}) differs from the measured values by {:.{}f} σ",
+                  hypothesis_name(d, d.best()), d.scatter, d.scatter < 10.0 ? 1 : 0));
+  for (const auto& wrong : contradiction_words(d, d.best())) words.push_back("it " + wrong);
+  words.push_back(
+      "possible reasons: a cause that is not a candidate, more than two causes, another pose, "
+      "payload or machine, a model uncertainty above the allowed one");
+  return words;
+}
+
+std::vector<std::string> note_words(const Diagnosis& d) {
+  if (!d.substitution) return {};
+  const auto& [measured, error] = *d.substitution;
+  return {fmt::format(
+      "compared with mechanics on oil springs, though the {} was measured: the machine as stated "
+      "with its hydraulics: {}",
+      measured == observation::Observed::plant ? "plant from the drives of the valves"
+                                               : "machine under its controller",
+      error.empty() ? "there are fewer computed than measured modes" : error)};
+}
+
+}  // namespace hydrapod::report
