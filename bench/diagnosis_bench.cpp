@@ -1,4 +1,4 @@
-/// A whole diagnosis, from a record or a list of modes to the ranked explanations, stage by stage.
+/// A whole diagnosis, from a record or a list of modes to the ranked hypotheses, stage by stage.
 ///
 /// The machine is models/heavy-platform.toml as its owner believes it to be, with guide sleeves of
 /// 20 kN/mm. On the rig the sleeve of leg 3 is softer, under a minute of noise in six directions;
@@ -109,8 +109,8 @@ std::string summary(const diagnosis::Diagnosis& d) {
   const auto& best = d.best();
   auto text = report::hypothesis_name(d, best) + ", " + std::to_string(best.misfit);
   for (const auto& p : best.fit.parameters) text += ", " + std::to_string(p.value);
-  return text + "; " + std::to_string(d.alike.size()) + " alike of " +
-         std::to_string(d.explanations.size());
+  return text + "; " + std::to_string(d.equivalent.size()) + " alike of " +
+         std::to_string(d.hypotheses.size());
 }
 
 void diagnose(benchmark::State& state, observation::Targets (*measured)(), int threads) {

@@ -45,17 +45,17 @@ std::string ranking_text(const diagnosis::Diagnosis& d, std::size_t shown,
                          const TableStyle& style) {
   Table table({"rank", "<explanation", "ΔBIC", "numbers", "misfit", "<values", "<contradiction"});
   std::size_t rank = 0;
-  const auto add = [&](const diagnosis::Explanation& e) {
+  const auto add = [&](const diagnosis::Hypothesis& e) {
     const auto wrong = report::contradiction_words(d, e);
     table.add_row({fmt::format("{}", rank), report::hypothesis_name(d, e),
-                   fmt::format("{:.1f}", e.criterion - d.best().criterion),
-                   fmt::format("{}", e.parameters), fmt::format("{:.4g}", e.misfit),
+                   fmt::format("{:.1f}", e.bic - d.best().bic), fmt::format("{}", e.parameters),
+                   fmt::format("{:.4g}", e.misfit),
                    fmt::format("{}", fmt::join(report::parameter_words(e), "; ")),
                    wrong.empty() ? "" : wrong.front()});
   };
-  for (const auto& e : d.explanations) {
+  for (const auto& e : d.hypotheses) {
     ++rank;
-    if (rank <= shown || (e.suspects.empty())) add(e);
+    if (rank <= shown || (e.causes.empty())) add(e);
   }
   std::size_t lines = 0;
   for (const auto& response : d.targets.responses) lines += response.s.size();
@@ -70,8 +70,7 @@ std::string ranking_text(const diagnosis::Diagnosis& d, std::size_t shown,
 std::string attribution_text(const diagnosis::CaseFile& file, const TableStyle& style) {
   if (file.drops.empty()) return {};
   std::vector<Column> columns{"<direction", "rigid Hz", "Hz", "drop"};
-  for (const auto& part : file.drops.front().parts)
-    columns.push_back(report::part_name(part.part));
+  for (const auto& part : file.drops.front().parts) columns.push_back(report::part_name(part.part));
   Table table(columns);
   for (const auto& drop : file.drops) {
     const auto& r = drop.resonance;
@@ -119,7 +118,7 @@ std::string table_text(const Arguments& a, const model::MachineFile& file,
   for (const auto& sentence : report::summary(found)) text += "  " + sentence + "\n";
   if (found.diagnosis) {
     text += modes_text(*found.diagnosis, style);
-    if (found.diagnosis->explanations.size() > 1)
+    if (found.diagnosis->hypotheses.size() > 1)
       text += ranking_text(*found.diagnosis, a.shown, style);
   }
   return text + attribution_text(found, style) + remedy_text(found, style);

@@ -41,7 +41,7 @@ int count_measured(const Targets& targets, const std::string& pose, int directio
 
 /// Of the lines of responses, where these are missed by more than `notable` deviations in all, that
 /// which is missed most.
-std::optional<Contradiction> missed_response(const Targets& targets, const Explanation& e) {
+std::optional<Contradiction> missed_response(const Targets& targets, const Hypothesis& e) {
   std::map<std::pair<std::size_t, std::size_t>, std::pair<double, double>> lines;  // misfit, share
   for (const auto& response : e.fit.responses) {
     const std::pair<std::size_t, std::size_t> line{response.target, response.line};
@@ -66,7 +66,7 @@ std::optional<Contradiction> missed_response(const Targets& targets, const Expla
 }
 
 /// Where fewer resonances are predicted than were measured, by these numbers.
-std::vector<Contradiction> missing_resonances(const Targets& targets, const Explanation& e,
+std::vector<Contradiction> missing_resonances(const Targets& targets, const Hypothesis& e,
                                               const model::Machine& machine) {
   std::map<std::pair<int, int>, std::vector<Place>> found;  // predicted, measured
   for (const auto& named : machine.poses) {
@@ -89,7 +89,7 @@ std::vector<Contradiction> missing_resonances(const Targets& targets, const Expl
 
 }  // namespace
 
-std::vector<Contradiction> what_is_wrong(const Evidence& evidence, const Explanation& e) {
+std::vector<Contradiction> what_is_wrong(const Evidence& evidence, const Hypothesis& e) {
   constexpr std::size_t most = 3;
   constexpr double other_motion = 0.8;
   const auto& targets = evidence.targets();
@@ -122,23 +122,23 @@ std::vector<Contradiction> what_is_wrong(const Evidence& evidence, const Explana
   return wrong;
 }
 
-std::optional<Contradiction> contrary(const Evidence& evidence, const Explanation& as_stated,
-                                      const Explanation& explanation,
+std::optional<Contradiction> contrary(const Evidence& evidence, const Hypothesis& nominal,
+                                      const Hypothesis& hypothesis,
                                       const numerics::Progress& stop) {
-  if (explanation.suspects.size() != 1 || explanation.parameters != 1) return {};
+  if (hypothesis.causes.size() != 1 || hypothesis.parameters != 1) return {};
   // the direction that is missed most
   const auto& targets = evidence.targets();
   int direction = -1;
   double largest = notable;
   for (std::size_t i = 0; i < targets.modes.size(); ++i)
-    if (targets.modes[i].direction && std::abs(as_stated.fit.targets[i].difference) > largest) {
-      largest = std::abs(as_stated.fit.targets[i].difference);
+    if (targets.modes[i].direction && std::abs(nominal.fit.targets[i].difference) > largest) {
+      largest = std::abs(nominal.fit.targets[i].difference);
       direction = *targets.modes[i].direction;
     }
   if (direction < 0) return {};
-  const auto part = evidence.explain_direction(explanation.suspects.front(), direction, stop);
+  const auto part = evidence.explain_direction(hypothesis.causes.front(), direction, stop);
   if (!part) return {};
-  const auto& fitted = part->explanation;
+  const auto& fitted = part->hypothesis;
   const auto some = static_cast<double>(targets.modes.size() - part->rest.modes.size());
   if (fitted.misfit / some > notable * notable * 4.0) return {};  // it does not explain even that
   const auto& at = part->at_rest;
@@ -166,7 +166,7 @@ struct Beside {
   std::vector<double> measured{};  ///< ascending [rad/s]
 };
 
-std::vector<Beside> beside_predicted(const Evidence& evidence, const Explanation& as_stated) {
+std::vector<Beside> beside_predicted(const Evidence& evidence, const Hypothesis& nominal) {
   std::vector<Beside> all;
   const auto& machine = evidence.file().machine;
   for (const auto& named : machine.poses) {
@@ -175,7 +175,7 @@ std::vector<Beside> beside_predicted(const Evidence& evidence, const Explanation
       if (mode.pose == named.name && mode.direction)
         measured[static_cast<std::size_t>(*mode.direction)].push_back(mode.omega);
     if (std::ranges::all_of(measured, [](const auto& some) { return some.empty(); })) continue;
-    for (const auto& r : first_resonances(machine, named.X_BP, as_stated.kind)) {
+    for (const auto& r : first_resonances(machine, named.X_BP, nominal.kind)) {
       auto& here = measured[static_cast<std::size_t>(r.main_direction)];
       if (here.empty() || !(r.omega > 0.0)) continue;
       std::ranges::sort(here);
@@ -217,7 +217,7 @@ Objection::Slip slip_of(const std::vector<Beside>& all) {
 
 }  // namespace
 
-std::vector<Objection> objections(const Evidence& evidence, const Explanation& as_stated) {
+std::vector<Objection> objections(const Evidence& evidence, const Hypothesis& nominal) {
   using Kind = Objection::Kind;
   constexpr double far = 2.5;
   const auto& modes = evidence.targets().modes;
@@ -232,7 +232,7 @@ std::vector<Objection> objections(const Evidence& evidence, const Explanation& a
   else if (std::ssize(directions) < fewest_directions)
     found.push_back({Kind::few_directions, static_cast<int>(directions.size())});
   if (!found.empty()) return found;
-  const auto all = beside_predicted(evidence, as_stated);
+  const auto all = beside_predicted(evidence, nominal);
   if (all.empty()) return found;
   std::vector<double> ratios;
   for (const auto& [predicted, measured] : all) ratios.push_back(measured.front() / predicted);

@@ -19,16 +19,16 @@ using numerics::Progress;
 using numerics::Watch;
 using Charges = std::vector<std::vector<std::size_t>>;
 
-/// Explanations by `charges`, in their order; those that no machine with modes fits are left out.
-std::vector<Explanation> try_charges(const Evidence& evidence, const Charges& charges,
-                                     const std::vector<Explanation>& known, int threads,
-                                     Watch& watch, double from, double to) {
-  std::vector<std::optional<Explanation>> found(charges.size());
-  const auto known_of = [&](const std::vector<std::size_t>& blamed) -> const Explanation* {
-    if (blamed.size() < 2) return nullptr;
-    const Explanation* best = nullptr;
+/// Hypotheses by `charges`, in their order; those that no machine with modes fits are left out.
+std::vector<Hypothesis> try_charges(const Evidence& evidence, const Charges& charges,
+                                    const std::vector<Hypothesis>& known, int threads, Watch& watch,
+                                    double from, double to) {
+  std::vector<std::optional<Hypothesis>> found(charges.size());
+  const auto known_of = [&](const std::vector<std::size_t>& chosen) -> const Hypothesis* {
+    if (chosen.size() < 2) return nullptr;
+    const Hypothesis* best = nullptr;
     for (const auto& e : known)
-      if (e.suspects.size() == 1 && std::ranges::count(blamed, e.suspects[0]) > 0 &&
+      if (e.causes.size() == 1 && std::ranges::count(chosen, e.causes[0]) > 0 &&
           (best == nullptr || e.misfit < best->misfit))
         best = &e;
     return best;
@@ -39,19 +39,19 @@ std::vector<Explanation> try_charges(const Evidence& evidence, const Charges& ch
         if_possible([&] { found[k] = evidence.explain(charges[k], known_of(charges[k]), {}); });
       },
       [&](double share) { return watch.at(from + (to - from) * share); });
-  std::vector<Explanation> explanations;
+  std::vector<Hypothesis> hypotheses;
   for (auto& e : found)
-    if (e) explanations.push_back(std::move(*e));
-  return explanations;
+    if (e) hypotheses.push_back(std::move(*e));
+  return hypotheses;
 }
 
-/// The suspects that explain most alone: what explains the data together with another mostly
+/// The causes that explain most alone: what explains the data together with another mostly
 /// explains much of them alone.
 std::vector<std::size_t> strongest(const Diagnosis& d, std::size_t count) {
   std::vector<std::size_t> found;
-  for (const auto& e : d.explanations)
-    if (e.suspects.size() == 1 && d.suspects[e.suspects.front()].in_pairs() && found.size() < count)
-      found.push_back(e.suspects.front());
+  for (const auto& e : d.hypotheses)
+    if (e.causes.size() == 1 && d.causes[e.causes.front()].in_pairs() && found.size() < count)
+      found.push_back(e.causes.front());
   return found;
 }
 
@@ -65,34 +65,34 @@ Charges pairs_of(const std::vector<std::size_t>& some, const Diagnosis& d,
     if (tried.insert(pair).second) found.push_back(std::move(pair));
   };
   for (const auto a : some)
-    for (std::size_t b = 0; b < d.suspects.size(); ++b)
-      if (can_be_together(d.suspects[a], d.suspects[b])) add(a, b);
-  const auto of_all = [&](Suspect::Kind kind) {
-    const auto at = std::ranges::find_if(
-        d.suspects, [&](const Suspect& s) { return s.kind == kind && !s.leg; });
-    return static_cast<std::size_t>(at - d.suspects.begin());
+    for (std::size_t b = 0; b < d.causes.size(); ++b)
+      if (can_be_together(d.causes[a], d.causes[b])) add(a, b);
+  const auto of_all = [&](Cause::Kind kind) {
+    const auto at =
+        std::ranges::find_if(d.causes, [&](const Cause& s) { return s.kind == kind && !s.leg; });
+    return static_cast<std::size_t>(at - d.causes.begin());
   };
-  add(of_all(Suspect::Kind::guide_sleeves), of_all(Suspect::Kind::piston_rings));
+  add(of_all(Cause::Kind::guide_sleeves), of_all(Cause::Kind::piston_rings));
   std::ranges::sort(found);
   return found;
 }
 
-/// Those that come first by `criterion`, and all within reach of the first.
-void choose(const std::vector<double>& criterion, std::vector<char>& chosen) {
+/// Those that come first by `bic`, and all within reach of the first.
+void choose(const std::vector<double>& bic, std::vector<char>& chosen) {
   constexpr std::size_t best = 12;
   constexpr double reach = 40.0;
-  std::vector<double> ordered = criterion;
+  std::vector<double> ordered = bic;
   std::ranges::sort(ordered);
   if (ordered.empty()) return;
   const double limit =
       std::max(ordered[std::min(best, ordered.size()) - 1], ordered.front() + reach);
-  for (std::size_t k = 0; k < criterion.size(); ++k) chosen[k] |= criterion[k] <= limit;
+  for (std::size_t k = 0; k < bic.size(); ++k) chosen[k] |= bic[k] <= limit;
 }
 
-/// Fits explanations that modes of mechanics found to everything: those that are near the best by
+/// Fits hypotheses that modes of mechanics found to everything: those that are near the best by
 /// those modes or by everything with the same numbers. The others keep these numbers, and what
 /// everything makes of them is their misfit.
-void fit_to_all(const Evidence& evidence, std::vector<Explanation>& found, double values,
+void fit_to_all(const Evidence& evidence, std::vector<Hypothesis>& found, double values,
                 int threads, Watch& watch, double from, double to) {
   if (!evidence.in_two_steps()) return;
   const auto criteria = [&] {
@@ -113,22 +113,22 @@ void fit_to_all(const Evidence& evidence, std::vector<Explanation>& found, doubl
         if (chosen[k] == 0) return;
         evidence.polish(found[k], false, {});
         // it may have been led astray by mechanics
-        if (found[k].suspects.size() == 1 && found[k].misfit > values)
+        if (found[k].causes.size() == 1 && found[k].misfit > values)
           evidence.polish(found[k], true, {});
       },
       [&](double share) { return show(0.3 + 0.7 * share); });
 }
 
-/// Explanations that hold a suspect, best first, each with numbers of its own for it: at most
-/// `most` of them for each suspect.
-std::vector<std::vector<const Explanation*>> by_suspect(const std::vector<Explanation>& all,
-                                                        std::size_t suspects, std::size_t most) {
-  std::vector<const Explanation*> ordered;
+/// Hypotheses that hold a cause, best first, each with numbers of its own for it: at most
+/// `most` of them for each cause.
+std::vector<std::vector<const Hypothesis*>> by_cause(const std::vector<Hypothesis>& all,
+                                                     std::size_t causes, std::size_t most) {
+  std::vector<const Hypothesis*> ordered;
   for (const auto& e : all) ordered.push_back(&e);
-  std::ranges::stable_sort(ordered, {}, &Explanation::misfit);
-  std::vector<std::vector<const Explanation*>> found(suspects);
+  std::ranges::stable_sort(ordered, {}, &Hypothesis::misfit);
+  std::vector<std::vector<const Hypothesis*>> found(causes);
   for (const auto* e : ordered)
-    for (const auto k : e->suspects)
+    for (const auto k : e->causes)
       if (found[k].size() < most && std::ranges::none_of(found[k], [&](const auto* other) {
             return same_numbers(*e, *other);
           }))
@@ -137,20 +137,20 @@ std::vector<std::vector<const Explanation*>> by_suspect(const std::vector<Explan
 }
 
 /// A fit may end beside the best numbers: singles, and pairs near the best, go on from what others
-/// found for the same suspects, where that is better than their own.
+/// found for the same causes, where that is better than their own.
 void learn_from_each_other(const Evidence& evidence, Diagnosis& d, int threads, Watch& watch,
                            double from, double to) {
   constexpr double near = 60.0;
   constexpr std::size_t most = 4;
-  const double limit = d.best().criterion + near;
-  const auto before = d.explanations;
-  const auto found = by_suspect(before, d.suspects.size(), most);
+  const double limit = d.best().bic + near;
+  const auto before = d.hypotheses;
+  const auto found = by_cause(before, d.causes.size(), most);
   parallel_for(
       before.size(), threads,
       [&](std::size_t k) {
-        auto& e = d.explanations[k];
-        const bool single = e.suspects.size() == 1, pair = e.suspects.size() == 2;
-        if (single || (pair && e.criterion < limit)) evidence.learn(e, found, {});
+        auto& e = d.hypotheses[k];
+        const bool single = e.causes.size() == 1, pair = e.causes.size() == 2;
+        if (single || (pair && e.bic < limit)) evidence.learn(e, found, {});
       },
       [&](double share) { return watch.at(from + (to - from) * share); });
 }
@@ -158,8 +158,8 @@ void learn_from_each_other(const Evidence& evidence, Diagnosis& d, int threads, 
 /// Could a pair that fits perfectly still be the best?
 bool pairs_can_win(const Diagnosis& d) {
   const auto n = static_cast<double>(d.values);
-  const double least = 2.0 * std::log(n) + hypothesis_penalty(d.suspects.size(), 2);
-  return least < d.best().criterion;
+  const double least = 2.0 * std::log(n) + hypothesis_penalty(d.causes.size(), 2);
+  return least < d.best().bic;
 }
 
 /// Pairs of the strongest with all others; where a pair explains the data best, also of its two
@@ -175,11 +175,11 @@ void try_pairs(const Evidence& evidence, const DiagnoseOptions& options, Diagnos
     const double from = round == 0 ? begin : most, to = round == 0 ? most : end;
     const double found_at = evidence.in_two_steps() ? from + 0.8 * (to - from) : to;
     auto found =
-        try_charges(evidence, charges, d.explanations, options.threads, watch, from, found_at);
+        try_charges(evidence, charges, d.hypotheses, options.threads, watch, from, found_at);
     fit_to_all(evidence, found, d.values, options.threads, watch, found_at, to);
-    for (auto& e : found) d.explanations.push_back(std::move(e));
+    for (auto& e : found) d.hypotheses.push_back(std::move(e));
     rank(d);
-    some = d.best().suspects;
+    some = d.best().causes;
     if (some.size() < 2) break;
   }
   learn_from_each_other(evidence, d, options.threads, watch, end, 0.9);
@@ -189,19 +189,19 @@ void try_pairs(const Evidence& evidence, const DiagnoseOptions& options, Diagnos
 void describe(const Evidence& evidence, Diagnosis& d, int threads, Watch& watch) {
   constexpr std::size_t first = 16;
   std::vector<std::size_t> described;  // the best, and what is no single leg
-  for (std::size_t k = 0; k < d.explanations.size(); ++k) {
-    const auto& e = d.explanations[k];
+  for (std::size_t k = 0; k < d.hypotheses.size(); ++k) {
+    const auto& e = d.hypotheses[k];
     const bool of_all =
-        e.suspects.empty() || (e.suspects.size() == 1 && !d.suspects[e.suspects.front()].leg);
+        e.causes.empty() || (e.causes.size() == 1 && !d.causes[e.causes.front()].leg);
     if (k < first || of_all) described.push_back(k);
   }
-  const auto stated = d.as_stated();
+  const auto stated = d.nominal();
   parallel_for(
       described.size(), threads,
       [&](std::size_t k) {
-        auto& e = d.explanations[described[k]];
+        auto& e = d.hypotheses[described[k]];
         e.wrong = what_is_wrong(evidence, e);
-        if (e.wrong.empty() || e.suspects.size() != 1) return;
+        if (e.wrong.empty() || e.causes.size() != 1) return;
         if_possible([&] {
           if (const auto against = contrary(evidence, stated, e, {}))
             e.wrong.insert(e.wrong.begin(), *against);
@@ -228,10 +228,10 @@ std::optional<std::string> hold_controllers(const model::MachineFile& file,
 
 /// Deviations of what is blamed, with the model's error.
 void widen(const Evidence& evidence, Diagnosis& d, double frequency_error, Watch& watch) {
-  for (const auto k : d.alike) {
+  for (const auto k : d.equivalent) {
     if (watch.stopped()) return;
-    auto& e = d.explanations[k];
-    if (!e.suspects.empty()) if_possible([&] { evidence.widen(e, frequency_error); });
+    auto& e = d.hypotheses[k];
+    if (!e.causes.empty()) if_possible([&] { evidence.widen(e, frequency_error); });
   }
 }
 
@@ -257,47 +257,47 @@ void take_targets(const model::MachineFile& file, const observation::Targets& me
 
 }  // namespace
 
-double Explanation::response_misfit() const {
+double Hypothesis::response_misfit() const {
   double sum = 0.0;
   for (const auto& response : fit.responses) sum += response.difference * response.difference;
   return sum;
 }
 
-const Explanation& Diagnosis::as_stated() const {
-  return *std::ranges::find_if(explanations,
-                               [](const auto& e) { return e.suspects.empty() && !e.rigid; });
+const Hypothesis& Diagnosis::nominal() const {
+  return *std::ranges::find_if(hypotheses,
+                               [](const auto& e) { return e.causes.empty() && !e.rigid; });
 }
 
 Diagnosis diagnose(const model::MachineFile& file, const observation::Targets& measured,
                    dynamics::ModelKind kind, const std::vector<model::NamedPose>& poses,
                    const DiagnoseOptions& options, const Progress& progress) {
-  Diagnosis d{.suspects = suspects_of(file), .targets = weighted_targets(file, measured, options)};
+  Diagnosis d{.causes = causes_of(file), .targets = weighted_targets(file, measured, options)};
   take_targets(file, measured, kind, options, d);
   d.values = values_in(d.targets);
-  const Evidence evidence(file, d.targets, kind, d.suspects);
+  const Evidence evidence(file, d.targets, kind, d.causes);
   Watch watch(progress);
-  d.explanations.push_back(evidence.as_stated());
-  d.objections = objections(evidence, d.as_stated());
+  d.hypotheses.push_back(evidence.nominal());
+  d.objections = objections(evidence, d.nominal());
   if (!d.objections.empty()) {
     d.finding = Finding::do_not_belong;
     rank(d);
     trace_modes(file, d);
     return d;
   }
-  d.explanations.push_back(evidence.rigid());
+  d.hypotheses.push_back(evidence.rigid());
   Charges alone;
-  for (std::size_t a = 0; a < d.suspects.size(); ++a) alone.push_back({a});
+  for (std::size_t a = 0; a < d.causes.size(); ++a) alone.push_back({a});
   auto singles = try_charges(evidence, alone, {}, options.threads, watch, 0.0, 0.3);
   fit_to_all(evidence, singles, d.values, options.threads, watch, 0.3, 0.4);
-  for (auto& e : singles) d.explanations.push_back(std::move(e));
+  for (auto& e : singles) d.hypotheses.push_back(std::move(e));
   rank(d);
   if (!watch.stopped() && pairs_can_win(d)) try_pairs(evidence, options, d, watch);
   judge(d);
-  if (!d.alike.empty()) widen(evidence, d, options.frequency_error, watch);
+  if (!d.equivalent.empty()) widen(evidence, d, options.frequency_error, watch);
   trace_modes(file, d);
   if (!watch.stopped()) describe(evidence, d, options.threads, watch);
-  for (std::size_t k = 1; k < d.alike.size() && !watch.stopped(); ++k)
-    if (auto found = discriminate(file, d, d.alike[k], poses, options.frequency_error))
+  for (std::size_t k = 1; k < d.equivalent.size() && !watch.stopped(); ++k)
+    if (auto found = discriminate(file, d, d.equivalent[k], poses, options.frequency_error))
       d.discriminators.push_back(*found);
   d.interrupted = watch.stopped();
   return d;

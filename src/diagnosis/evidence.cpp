@@ -60,9 +60,9 @@ bool beyond_mechanics(const Targets& targets) {
   return targets.observed != observation::Observed::mechanics || !targets.responses.empty();
 }
 
-dynamics::ModelKind Evidence::kind_with(const std::vector<std::size_t>& blamed) const {
+dynamics::ModelKind Evidence::kind_with(const std::vector<std::size_t>& chosen) const {
   const bool rings =
-      std::ranges::any_of(blamed, [&](std::size_t k) { return suspects_[k].needs_rings(); });
+      std::ranges::any_of(chosen, [&](std::size_t k) { return causes_[k].needs_rings(); });
   return rings ? dynamics::ModelKind::full : kind_;
 }
 
@@ -83,8 +83,8 @@ std::optional<std::string> plant_refused(const model::MachineFile& file, const T
 }
 
 Evidence::Evidence(const model::MachineFile& file, const Targets& targets, dynamics::ModelKind kind,
-                   const std::vector<Suspect>& suspects)
-    : file_(file), targets_(targets), kind_(kind), suspects_(suspects) {
+                   const std::vector<Cause>& causes)
+    : file_(file), targets_(targets), kind_(kind), causes_(causes) {
   stated_.kind = kind_;
   stated_.fit = calibration::compare(file_, targets_, kind_);
   if (!stated_.fit.fitted) throw base::ComputationError("the nominal machine has no modes");
@@ -113,9 +113,9 @@ Targets Evidence::for_mechanics() const {
   return targets;
 }
 
-Explanation Evidence::rigid() const {
+Hypothesis Evidence::rigid() const {
   constexpr double like_rigid = 1e15;  // [N/m], [N m/rad]
-  Explanation e{.rigid = true, .kind = kind_};
+  Hypothesis e{.rigid = true, .kind = kind_};
   const auto set = [&](const std::string& path, double value) {
     e.changes.push_back({*find_parameter(file_, path), value});
   };
@@ -140,21 +140,21 @@ Explanation Evidence::rigid() const {
 }
 
 /// Numbers of all legs may have to be found over decades, and the pairing of modes changes on the
-/// way; what is known of one suspect is a good start for most others.
-int Evidence::starts_for(const std::vector<std::size_t>& blamed, bool known) const {
+/// way; what is known of one cause is a good start for most others.
+int Evidence::starts_for(const std::vector<std::size_t>& chosen, bool known) const {
   constexpr int very_wide = 128, wide = 16, ordinary = 6, few = 3;
   const bool single_numbers = std::ranges::all_of(
-      blamed, [&](std::size_t k) { return suspects_[k].free.size() == 1 && !suspects_[k].leg; });
-  const auto seals = std::ranges::count_if(blamed, [&](std::size_t k) {
-    const auto family = suspects_[k].family();
+      chosen, [&](std::size_t k) { return causes_[k].free.size() == 1 && !causes_[k].leg; });
+  const auto seals = std::ranges::count_if(chosen, [&](std::size_t k) {
+    const auto family = causes_[k].family();
     return family == Family::guide_sleeves || family == Family::piston_rings;
   });
   if (single_numbers && seals == 2) return very_wide;
-  if (single_numbers && (blamed.size() == 1 || seals == 1)) return wide;
+  if (single_numbers && (chosen.size() == 1 || seals == 1)) return wide;
   return known ? few : ordinary;
 }
 
-model::MachineFile Evidence::file_with(const Explanation& e) const {
+model::MachineFile Evidence::file_with(const Hypothesis& e) const {
   auto file = file_;
   model::assign(file.machine, e.changes);
   return file;
@@ -175,8 +175,8 @@ void keep_stated(const calibration::Candidate& from, calibration::Candidate& fit
   take_numbers(&calibration::FittedParameter::start, from, fit);
 }
 
-/// A fit to everything that was measured becomes that of the explanation.
-void take(calibration::Candidate fit, Explanation& e) {
+/// A fit to everything that was measured becomes that of the hypothesis.
+void take(calibration::Candidate fit, Hypothesis& e) {
   keep_stated(e.fit, fit);
   e.fit = std::move(fit);
   e.misfit = e.fit.misfit;
@@ -185,21 +185,21 @@ void take(calibration::Candidate fit, Explanation& e) {
 
 }  // namespace
 
-Explanation Evidence::search(const std::vector<std::size_t>& blamed, const Targets& targets,
-                             const Explanation* known, const numerics::Progress& stop) const {
-  Explanation e{.suspects = blamed, .kind = kind_with(blamed)};
+Hypothesis Evidence::search(const std::vector<std::size_t>& chosen, const Targets& targets,
+                            const Hypothesis* known, const numerics::Progress& stop) const {
+  Hypothesis e{.causes = chosen, .kind = kind_with(chosen)};
   calibration::Plan plan;
   constexpr int kept = 3;
   constexpr double enough = 1e-6;  // of a misfit, whose differences count from 1 on
-  plan.options.starts = starts_for(blamed, known != nullptr);
+  plan.options.starts = starts_for(chosen, known != nullptr);
   plan.options.kept = plan.options.starts > 16 ? 2 * kept : kept;
   plan.options.tolerance = enough;
   plan.options.threads = 1;
   plan.options.loss = calibration::Loss::squares;
-  for (const auto k : blamed) {
-    const auto& suspect = suspects_[k];
-    e.changes.insert(e.changes.end(), suspect.changes.begin(), suspect.changes.end());
-    for (auto free : suspect.free) {
+  for (const auto k : chosen) {
+    const auto& cause = causes_[k];
+    e.changes.insert(e.changes.end(), cause.changes.begin(), cause.changes.end());
+    for (auto free : cause.free) {
       if (known != nullptr)
         for (const auto& p : known->fit.parameters)
           if (p.paths == free.paths) free.start = std::clamp(p.value, p.lower, p.upper);
@@ -215,7 +215,7 @@ Explanation Evidence::search(const std::vector<std::size_t>& blamed, const Targe
   return e;
 }
 
-calibration::Candidate Evidence::refit(const Explanation& e, const Targets& targets,
+calibration::Candidate Evidence::refit(const Hypothesis& e, const Targets& targets,
                                        bool from_stated, const numerics::Progress& stop) const {
   constexpr int enough = 15;
   constexpr double near_enough = 1e-4;  // of a misfit, whose differences count from 1 on
@@ -226,8 +226,8 @@ calibration::Candidate Evidence::refit(const Explanation& e, const Targets& targ
                   .tolerance = near_enough,
                   .threads = 1};
   std::size_t at = 0;
-  for (const auto k : e.suspects)
-    for (auto free : suspects_[k].free) {
+  for (const auto k : e.causes)
+    for (auto free : causes_[k].free) {
       const auto& p = e.fit.parameters[at++];
       if (!from_stated) free.start = std::clamp(p.value, p.lower, p.upper);
       // bounds that follow from the start stay those of the search
@@ -238,7 +238,7 @@ calibration::Candidate Evidence::refit(const Explanation& e, const Targets& targ
   return calibration::calibrate(file_with(e), targets, plan, e.kind, stop).best();
 }
 
-std::optional<calibration::Candidate> Evidence::sound_refit(const Explanation& e,
+std::optional<calibration::Candidate> Evidence::sound_refit(const Hypothesis& e,
                                                             const Targets& targets,
                                                             bool from_stated,
                                                             const numerics::Progress& stop) const {
@@ -250,7 +250,7 @@ std::optional<calibration::Candidate> Evidence::sound_refit(const Explanation& e
   return sound ? std::move(fit) : std::nullopt;
 }
 
-void Evidence::polish(Explanation& e, const Targets& targets, bool and_stated,
+void Evidence::polish(Hypothesis& e, const Targets& targets, bool and_stated,
                       const numerics::Progress& stop) const {
   if (!beyond_mechanics(targets)) return;
   auto best = sound_refit(e, targets, false, stop);
@@ -261,17 +261,17 @@ void Evidence::polish(Explanation& e, const Targets& targets, bool and_stated,
   if (best) take(std::move(*best), e);
 }
 
-void Evidence::polish(Explanation& e, bool and_stated, const numerics::Progress& stop) const {
+void Evidence::polish(Hypothesis& e, bool and_stated, const numerics::Progress& stop) const {
   polish(e, targets_, and_stated, stop);
 }
 
-std::optional<calibration::Candidate> Evidence::seen(const Explanation& e) const {
+std::optional<calibration::Candidate> Evidence::seen(const Hypothesis& e) const {
   calibration::Candidate fit;
   if_possible([&] { fit = calibration::compare(file_of(file_, e), targets_, e.kind); });
   return fit.fitted ? std::optional(std::move(fit)) : std::nullopt;
 }
 
-void Evidence::see(Explanation& e) const {
+void Evidence::see(Hypothesis& e) const {
   if (!in_two_steps()) return;
   auto fit = seen(e);
   if (!fit) return;
@@ -281,7 +281,7 @@ void Evidence::see(Explanation& e) const {
   e.by_mechanics = false;
 }
 
-bool same_numbers(const Explanation& a, const Explanation& b) {
+bool same_numbers(const Hypothesis& a, const Hypothesis& b) {
   constexpr double another = 0.02;
   for (const auto& p : a.fit.parameters)
     for (const auto& q : b.fit.parameters)
@@ -290,10 +290,10 @@ bool same_numbers(const Explanation& a, const Explanation& b) {
   return true;
 }
 
-void Evidence::learn(Explanation& e, const std::vector<std::vector<const Explanation*>>& found,
+void Evidence::learn(Hypothesis& e, const std::vector<std::vector<const Hypothesis*>>& found,
                      const numerics::Progress& stop) const {
-  std::optional<Explanation> best;
-  const auto consider = [&](const std::vector<const Explanation*>& from) {
+  std::optional<Hypothesis> best;
+  const auto consider = [&](const std::vector<const Hypothesis*>& from) {
     if (std::ranges::all_of(from, [&](const auto* one) { return same_numbers(*one, e); })) return;
     auto other = e;
     for (const auto* one : from)
@@ -303,8 +303,8 @@ void Evidence::learn(Explanation& e, const std::vector<std::vector<const Explana
     other.misfit = fit->misfit;
     best = std::move(other);
   };
-  std::vector<const Explanation*> together;
-  for (const auto k : e.suspects) {
+  std::vector<const Hypothesis*> together;
+  for (const auto k : e.causes) {
     for (const auto* one : found[k]) consider({one});
     if (!found[k].empty()) together.push_back(found[k].front());
   }
@@ -314,14 +314,14 @@ void Evidence::learn(Explanation& e, const std::vector<std::vector<const Explana
   if (fit && fit->misfit < e.misfit) take(std::move(*fit), e);
 }
 
-Explanation Evidence::explain(const std::vector<std::size_t>& blamed, const Explanation* known,
-                              const numerics::Progress& stop) const {
-  auto e = search(blamed, by_mechanics_, known, stop);
+Hypothesis Evidence::explain(const std::vector<std::size_t>& chosen, const Hypothesis* known,
+                             const numerics::Progress& stop) const {
+  auto e = search(chosen, by_mechanics_, known, stop);
   static_cast<void>(file_of(file_, e));  // numbers that no machine has explain nothing
   return e;
 }
 
-void Evidence::widen(Explanation& e, double frequency_error) const {
+void Evidence::widen(Hypothesis& e, double frequency_error) const {
   Targets shifted = e.by_mechanics ? by_mechanics_ : targets_;
   for (auto& mode : shifted.modes) mode.omega *= 1.0 + frequency_error;
   const auto other = refit(e, shifted, false, {});
@@ -331,7 +331,7 @@ void Evidence::widen(Explanation& e, double frequency_error) const {
   }
 }
 
-std::optional<Evidence::Part> Evidence::explain_direction(std::size_t blamed, int direction,
+std::optional<Evidence::Part> Evidence::explain_direction(std::size_t chosen, int direction,
                                                           const numerics::Progress& stop) const {
   const auto of_direction = [&](const ModeTarget& mode) { return mode.direction == direction; };
   Part part{.rest = targets_};
@@ -342,17 +342,17 @@ std::optional<Evidence::Part> Evidence::explain_direction(std::size_t blamed, in
   some.responses.clear();  // of all directions together
   part.rest.responses.clear();
   if (part.rest.modes.empty()) return std::nullopt;
-  part.explanation = search({blamed}, some_mechanics, nullptr, stop);
-  polish(part.explanation, some, true, stop);
-  if (part.explanation.by_mechanics) part.rest = rest_mechanics;
+  part.hypothesis = search({chosen}, some_mechanics, nullptr, stop);
+  polish(part.hypothesis, some, true, stop);
+  if (part.hypothesis.by_mechanics) part.rest = rest_mechanics;
   part.at_rest =
-      calibration::compare(file_of(file_, part.explanation), part.rest, part.explanation.kind);
+      calibration::compare(file_of(file_, part.hypothesis), part.rest, part.hypothesis.kind);
   return part;
 }
 
-model::MachineFile file_of(const model::MachineFile& file, const Explanation& explanation) {
-  auto changes = explanation.changes;
-  for (const auto& p : explanation.fit.parameters)
+model::MachineFile file_of(const model::MachineFile& file, const Hypothesis& hypothesis) {
+  auto changes = hypothesis.changes;
+  for (const auto& p : hypothesis.fit.parameters)
     for (const auto& path : p.paths) changes.push_back({*find_parameter(file, path), p.value});
   auto changed = file;
   model::assign(changed.machine, changes);
@@ -364,8 +364,8 @@ model::MachineFile file_of(const model::MachineFile& file, const Explanation& ex
   return changed;
 }
 
-model::Machine machine_of(const model::MachineFile& file, const Explanation& explanation) {
-  return file_of(file, explanation).machine;
+model::Machine machine_of(const model::MachineFile& file, const Hypothesis& hypothesis) {
+  return file_of(file, hypothesis).machine;
 }
 
 }  // namespace hydrapod::diagnosis

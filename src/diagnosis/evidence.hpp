@@ -1,5 +1,5 @@
 #pragma once
-/// Explanations fitted to what was measured. Private to the module.
+/// Hypotheses fitted to what was measured. Private to the module.
 
 #include <optional>
 
@@ -32,7 +32,7 @@ int values_in(const observation::Targets& targets);
 /// or responses?
 bool beyond_mechanics(const observation::Targets& targets);
 
-/// Fits explanations. Where the targets ask for more than modes of mechanics, each is sought with
+/// Fits hypotheses. Where the targets ask for more than modes of mechanics, each is sought with
 /// these (fast, from many starts), to which frequencies measured of the plant or the system are
 /// brought by the ratio of mechanics to it of the machine as stated, and then fitted to everything
 /// from there.
@@ -41,73 +41,73 @@ class Evidence {
   /// All of these must outlive it. Throws base::ComputationError where the machine as stated has no
   /// modes.
   Evidence(const model::MachineFile& file, const observation::Targets& targets,
-           dynamics::ModelKind kind, const std::vector<Suspect>& suspects);
+           dynamics::ModelKind kind, const std::vector<Cause>& causes);
 
   /// The machine as stated.
-  [[nodiscard]] const Explanation& as_stated() const { return stated_; }
+  [[nodiscard]] const Hypothesis& nominal() const { return stated_; }
   /// With legs, gimbals and base that do not give way.
-  [[nodiscard]] Explanation rigid() const;
-  /// `blamed` let free, by mechanics. `known`: an explanation by one of them, whose values it
+  [[nodiscard]] Hypothesis rigid() const;
+  /// `chosen` let free, by mechanics. `known`: a hypothesis by one of them, whose values it
   /// begins with. Throws base::ComputationError where no such machine has modes.
-  [[nodiscard]] Explanation explain(const std::vector<std::size_t>& blamed,
-                                    const Explanation* known, const numerics::Progress& stop) const;
+  [[nodiscard]] Hypothesis explain(const std::vector<std::size_t>& chosen, const Hypothesis* known,
+                                   const numerics::Progress& stop) const;
   /// Compares it as it is with everything that was measured.
-  void see(Explanation& explanation) const;
+  void see(Hypothesis& hypothesis) const;
   /// Fits it to everything that was measured. `and_stated`: from the stated values too.
-  void polish(Explanation& explanation, bool and_stated, const numerics::Progress& stop) const;
-  /// Goes on from what others found for its suspects, where these numbers meet everything that was
-  /// measured better than its own: `found[k]`, explanations that hold suspect k, best first.
-  void learn(Explanation& explanation, const std::vector<std::vector<const Explanation*>>& found,
+  void polish(Hypothesis& hypothesis, bool and_stated, const numerics::Progress& stop) const;
+  /// Goes on from what others found for its causes, where these numbers meet everything that was
+  /// measured better than its own: `found[k]`, hypotheses that hold cause k, best first.
+  void learn(Hypothesis& hypothesis, const std::vector<std::vector<const Hypothesis*>>& found,
              const numerics::Progress& stop) const;
   /// Adds to the deviations of its parameters what a model error that all frequencies share makes
   /// of them: the fit counts the errors of modes as independent.
-  void widen(Explanation& explanation, double frequency_error) const;
-  /// One suspect fitted to the modes that mainly move in `direction`, and how it then meets the
+  void widen(Hypothesis& hypothesis, double frequency_error) const;
+  /// One cause fitted to the modes that mainly move in `direction`, and how it then meets the
   /// others.
   struct Part {
-    Explanation explanation{};
+    Hypothesis hypothesis{};
     observation::Targets rest{};
     calibration::Candidate at_rest{};
   };
-  [[nodiscard]] std::optional<Part> explain_direction(std::size_t blamed, int direction,
+  [[nodiscard]] std::optional<Part> explain_direction(std::size_t chosen, int direction,
                                                       const numerics::Progress& stop) const;
 
   [[nodiscard]] bool in_two_steps() const { return beyond_mechanics(targets_); }
   [[nodiscard]] const model::MachineFile& file() const { return file_; }
   [[nodiscard]] const observation::Targets& targets() const { return targets_; }
-  [[nodiscard]] const std::vector<Suspect>& suspects() const { return suspects_; }
+  [[nodiscard]] const std::vector<Cause>& causes() const { return causes_; }
 
  private:
-  [[nodiscard]] dynamics::ModelKind kind_with(const std::vector<std::size_t>& blamed) const;
-  [[nodiscard]] int starts_for(const std::vector<std::size_t>& blamed, bool known) const;
-  [[nodiscard]] model::MachineFile file_with(const Explanation& explanation) const;
-  [[nodiscard]] Explanation search(const std::vector<std::size_t>& blamed,
-                                   const observation::Targets& targets, const Explanation* known,
-                                   const numerics::Progress& stop) const;
+  [[nodiscard]] dynamics::ModelKind kind_with(const std::vector<std::size_t>& chosen) const;
+  [[nodiscard]] int starts_for(const std::vector<std::size_t>& chosen, bool known) const;
+  [[nodiscard]] model::MachineFile file_with(const Hypothesis& hypothesis) const;
+  [[nodiscard]] Hypothesis search(const std::vector<std::size_t>& chosen,
+                                  const observation::Targets& targets, const Hypothesis* known,
+                                  const numerics::Progress& stop) const;
   /// As it is, compared with everything that was measured; none where that cannot be had.
-  [[nodiscard]] std::optional<calibration::Candidate> seen(const Explanation& explanation) const;
+  [[nodiscard]] std::optional<calibration::Candidate> seen(const Hypothesis& hypothesis) const;
   /// Fitted again from its own values, or those of the file.
-  [[nodiscard]] calibration::Candidate refit(const Explanation& explanation,
+  [[nodiscard]] calibration::Candidate refit(const Hypothesis& hypothesis,
                                              const observation::Targets& targets, bool from_stated,
                                              const numerics::Progress& stop) const;
   /// None where no machine, or no plant, has the numbers that it finds.
   [[nodiscard]] std::optional<calibration::Candidate> sound_refit(
-      const Explanation& explanation, const observation::Targets& targets, bool from_stated,
+      const Hypothesis& hypothesis, const observation::Targets& targets, bool from_stated,
       const numerics::Progress& stop) const;
-  void polish(Explanation& explanation, const observation::Targets& targets, bool and_stated,
+  void polish(Hypothesis& hypothesis, const observation::Targets& targets, bool and_stated,
               const numerics::Progress& stop) const;
   [[nodiscard]] observation::Targets for_mechanics() const;
 
   const model::MachineFile& file_;
   const observation::Targets& targets_;
   dynamics::ModelKind kind_;
-  const std::vector<Suspect>& suspects_;
-  Explanation stated_{};
+  const std::vector<Cause>& causes_;
+  Hypothesis stated_{};
   observation::Targets by_mechanics_{};  ///< the modes brought to mechanics
 };
 
-/// Have two explanations the same numbers, nearly, for what both let free?
-bool same_numbers(const Explanation& a, const Explanation& b);
+/// Have two hypotheses the same numbers, nearly, for what both let free?
+bool same_numbers(const Hypothesis& a, const Hypothesis& b);
 
 /// Why the machine as stated cannot be compared with the targets, as in Substitution; none: it can.
 std::optional<std::string> plant_refused(const model::MachineFile& file,
@@ -115,15 +115,14 @@ std::optional<std::string> plant_refused(const model::MachineFile& file,
                                          dynamics::ModelKind kind);
 
 /// Resonances that are missing, and measured values that it misses, worst first; at most three.
-std::vector<Contradiction> what_is_wrong(const Evidence& evidence, const Explanation& explanation);
+std::vector<Contradiction> what_is_wrong(const Evidence& evidence, const Hypothesis& hypothesis);
 
-/// Fitted to the direction that the machine as stated misses most, what does a suspect with one
+/// Fitted to the direction that the machine as stated misses most, what does a cause with one
 /// number do to the others? None when it does no harm.
-std::optional<Contradiction> contrary(const Evidence& evidence, const Explanation& as_stated,
-                                      const Explanation& explanation,
-                                      const numerics::Progress& stop);
+std::optional<Contradiction> contrary(const Evidence& evidence, const Hypothesis& nominal,
+                                      const Hypothesis& hypothesis, const numerics::Progress& stop);
 
 /// Why the data cannot be this machine's, or cannot say anything about it; empty: they may be.
-std::vector<Objection> objections(const Evidence& evidence, const Explanation& as_stated);
+std::vector<Objection> objections(const Evidence& evidence, const Hypothesis& nominal);
 
 }  // namespace hydrapod::diagnosis

@@ -13,20 +13,20 @@ namespace hydrapod::diagnosis {
 namespace {
 
 /// Does a pair only repeat what one of its two says alone?
-bool holds(const Explanation& pair, const Explanation& single) {
-  return single.suspects.size() < pair.suspects.size() &&
-         std::includes(pair.suspects.begin(), pair.suspects.end(), single.suspects.begin(),
-                       single.suspects.end());
+bool holds(const Hypothesis& pair, const Hypothesis& single) {
+  return single.causes.size() < pair.causes.size() &&
+         std::includes(pair.causes.begin(), pair.causes.end(), single.causes.begin(),
+                       single.causes.end());
 }
 
-/// Root of the reduced misfit of the explanation that fits best for its number of parameters: of
+/// Root of the reduced misfit of the hypothesis that fits best for its number of parameters: of
 /// its modes or its responses, what is worse, so that many values of one kind, well met, do not
 /// hide that deviations of the other are too small.
 double least_scatter(const Diagnosis& d) {
   int lines = 0;
   for (const auto& response : d.targets.responses) lines += response.values;
   double least = std::numeric_limits<double>::infinity();
-  for (const auto& e : d.explanations) {
+  for (const auto& e : d.hypotheses) {
     const double responses = e.response_misfit();
     const double degrees = std::max(1, d.values - lines - e.parameters);
     least = std::min(least, std::max((e.misfit - responses) / degrees,
@@ -40,27 +40,27 @@ double least_scatter(const Diagnosis& d) {
 void add_unseen_responses(Diagnosis& d) {
   if (d.targets.responses.empty()) return;
   double least = std::numeric_limits<double>::infinity();
-  for (const auto& e : d.explanations)
+  for (const auto& e : d.hypotheses)
     if (!e.fit.responses.empty()) least = std::min(least, e.response_misfit());
-  for (auto& e : d.explanations)
+  for (auto& e : d.hypotheses)
     if (e.fit.responses.empty() && std::isfinite(least)) e.misfit = e.fit.misfit + least;
 }
 
 }  // namespace
 
-double hypothesis_penalty(std::size_t suspects, std::size_t blamed) {
-  const auto n = static_cast<double>(suspects);
-  if (blamed == 0 || n < 2.0) return 0.0;
-  return 2.0 * std::log(blamed == 1 ? n : n * (n - 1.0) / 2.0);
+double hypothesis_penalty(std::size_t causes, std::size_t chosen) {
+  const auto n = static_cast<double>(causes);
+  if (chosen == 0 || n < 2.0) return 0.0;
+  return 2.0 * std::log(chosen == 1 ? n : n * (n - 1.0) / 2.0);
 }
 
 void rank(Diagnosis& d) {
   add_unseen_responses(d);
   d.scatter = std::max(1.0, least_scatter(d));
-  for (auto& e : d.explanations)
-    e.criterion = e.misfit / (d.scatter * d.scatter) + e.parameters * std::log(d.values) +
-                  hypothesis_penalty(d.suspects.size(), e.suspects.size());
-  std::ranges::stable_sort(d.explanations, {}, &Explanation::criterion);
+  for (auto& e : d.hypotheses)
+    e.bic = e.misfit / (d.scatter * d.scatter) + e.parameters * std::log(d.values) +
+            hypothesis_penalty(d.causes.size(), e.causes.size());
+  std::ranges::stable_sort(d.hypotheses, {}, &Hypothesis::bic);
 }
 
 void judge(Diagnosis& d) {
@@ -68,29 +68,29 @@ void judge(Diagnosis& d) {
     d.finding = d.scatter > another_machine ? Finding::do_not_belong : Finding::unexplained;
     return;
   }
-  const double limit = d.best().criterion + same;
+  const double limit = d.best().bic + same;
   for (const bool rigid : {true, false})
-    for (std::size_t k = 0; k < d.explanations.size(); ++k) {
-      const auto& e = d.explanations[k];
-      if (!e.suspects.empty() || e.rigid != rigid || e.criterion > limit) continue;
-      d.finding = rigid ? Finding::nothing_to_blame : Finding::as_stated;
-      d.alike = {k};
+    for (std::size_t k = 0; k < d.hypotheses.size(); ++k) {
+      const auto& e = d.hypotheses[k];
+      if (!e.causes.empty() || e.rigid != rigid || e.bic > limit) continue;
+      d.finding = rigid ? Finding::nothing_to_blame : Finding::nominal;
+      d.equivalent = {k};
       return;
     }
-  for (std::size_t k = 0; k < d.explanations.size(); ++k)
-    if (d.explanations[k].criterion <= limit) d.alike.push_back(k);
-  std::erase_if(d.alike, [&](std::size_t k) {
-    return std::ranges::any_of(d.alike, [&](std::size_t other) {
-      return holds(d.explanations[k], d.explanations[other]);
+  for (std::size_t k = 0; k < d.hypotheses.size(); ++k)
+    if (d.hypotheses[k].bic <= limit) d.equivalent.push_back(k);
+  std::erase_if(d.equivalent, [&](std::size_t k) {
+    return std::ranges::any_of(d.equivalent, [&](std::size_t other) {
+      return holds(d.hypotheses[k], d.hypotheses[other]);
     });
   });
-  d.finding = d.alike.size() == 1 ? Finding::guilty : Finding::undecided;
+  d.finding = d.equivalent.size() == 1 ? Finding::identified : Finding::undecided;
 }
 
 namespace {
 
 /// Mode of the rigid calculation, of the machine as stated, of which a mode holds most: its
-/// frequency and share. An explanation may weigh the platform differently.
+/// frequency and share. A hypothesis may weigh the platform differently.
 void find_rigid(const model::Machine& stated, const model::NamedPose& pose,
                 const dynamics::LinearModel& flexible, const dynamics::ModelVector& phi,
                 MeasuredMode& mode) {
@@ -108,8 +108,8 @@ void find_rigid(const model::Machine& stated, const model::NamedPose& pose,
 }  // namespace
 
 void trace_modes(const model::MachineFile& file, Diagnosis& d) {
-  const auto& best = d.alike.empty() ? d.best() : d.explanations[d.alike.front()];
-  const auto& stated = d.as_stated();
+  const auto& best = d.equivalent.empty() ? d.best() : d.hypotheses[d.equivalent.front()];
+  const auto& stated = d.nominal();
   const auto machine = machine_of(file, best);
   d.modes.clear();
   for (std::size_t i = 0; i < d.targets.modes.size(); ++i) {
@@ -139,8 +139,8 @@ std::optional<Discriminator> discriminate(const model::MachineFile& file, const 
                                           std::size_t other,
                                           const std::vector<model::NamedPose>& poses,
                                           double frequency_error) {
-  const auto& best = d.explanations[d.alike.front()];
-  const auto& rival = d.explanations[other];
+  const auto& best = d.hypotheses[d.equivalent.front()];
+  const auto& rival = d.hypotheses[other];
   const auto a = machine_of(file, best), b = machine_of(file, rival);
   Discriminator found{.other = other};
   for (const auto& pose : poses) {

@@ -1,5 +1,5 @@
 #pragma once
-/// Ranks explanations, passes judgement, and looks closer at the best one. Private to the module.
+/// Ranks hypotheses, passes judgement, and looks closer at the best one. Private to the module.
 
 #include <optional>
 
@@ -8,12 +8,12 @@
 namespace hydrapod::diagnosis {
 
 /// 2 ln C(N, m).
-double hypothesis_penalty(std::size_t suspects, std::size_t blamed);
+double hypothesis_penalty(std::size_t causes, std::size_t chosen);
 
 /// Scatter, criteria, order.
 void rank(Diagnosis& d);
 
-/// Finding and those that are alike. Called on ranked explanations.
+/// Finding and those that are alike. Called on ranked hypotheses.
 void judge(Diagnosis& d);
 
 /// Share of a rigid shape ψ that is in a shape φ: (ψᵀ M_r φ)²/(ψᵀ M_rr ψ).
@@ -23,7 +23,7 @@ double rigid_share(const dynamics::LinearModel& flexible, const spatial::Vector6
 /// Fills in where the measured modes come from.
 void trace_modes(const model::MachineFile& file, Diagnosis& d);
 
-/// Where the resonances that the best and another explanation predict differ most.
+/// Where the resonances that the best and another hypothesis predict differ most.
 std::optional<Discriminator> discriminate(const model::MachineFile& file, const Diagnosis& d,
                                           std::size_t other,
                                           const std::vector<model::NamedPose>& poses,

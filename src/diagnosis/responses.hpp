@@ -5,7 +5,7 @@
 /// a tenth, and differs from line to line; how the platform then moves is not the valve's.
 /// Responses to six of them are brought to the six legs, and a column of H, a line and a leg, is
 /// compared up to one complex factor (the operating shape at this line, as in the frequency domain
-/// assurance criterion).
+/// assurance BIC).
 ///
 ///     deviation² = inputs (noise² + error² lines/modes)
 ///

@@ -204,7 +204,7 @@ void describe_parameter(Fields& f, calibration::FittedParameter& p) {
 }
 
 template <class Fields>
-void describe_cause(Fields& f, Suspect& suspect) {
+void describe_cause(Fields& f, Cause& cause) {
   static constexpr std::array kinds{
       "guide_sleeves", "piston_rings",     "bulk_modulus", "oil_springs",  "air",
       "cap_volume",    "rod_volume",       "gimbals",      "payload",      "payload_height",
@@ -213,42 +213,40 @@ void describe_cause(Fields& f, Suspect& suspect) {
   static constexpr std::array families{"guide sleeves", "piston rings", "leg axes", "platform",
                                        "mass centre",   "base",         "oil lines"};
   if constexpr (!Fields::reads) {
-    f.derived("name", cause_name(suspect));
-    f.derived("statement", cause_statement(suspect));
-    f.derived("family", families.at(static_cast<std::size_t>(suspect.family())));
+    f.derived("name", cause_name(cause));
+    f.derived("statement", cause_statement(cause));
+    f.derived("family", families.at(static_cast<std::size_t>(cause.family())));
   }
-  f.word("code", suspect.kind, kinds);
-  describe_leg_number(f, suspect.leg);
+  f.word("code", cause.kind, kinds);
+  describe_leg_number(f, cause.leg);
 }
 
-/// Index of a suspect that was read, which is added where it is new.
-std::size_t index_of(const Suspect& suspect, std::vector<Suspect>& all) {
-  const auto found = std::ranges::find_if(all, [&](const Suspect& other) {
-    return other.kind == suspect.kind && other.leg == suspect.leg;
-  });
+/// Index of a cause that was read, which is added where it is new.
+std::size_t index_of(const Cause& cause, std::vector<Cause>& all) {
+  const auto found = std::ranges::find_if(
+      all, [&](const Cause& other) { return other.kind == cause.kind && other.leg == cause.leg; });
   const auto index = static_cast<std::size_t>(found - all.begin());
-  if (found == all.end()) all.push_back(suspect);
+  if (found == all.end()) all.push_back(cause);
   return index;
 }
 
 template <class Fields>
-void describe_hypothesis(Fields& f, Explanation& e, std::size_t index, Diagnosis& d) {
-  std::vector<Suspect> suspects;
-  for (const auto k : e.suspects) suspects.push_back(d.suspects[k]);
-  bool equally_good = std::ranges::count(d.alike, index) > 0;
+void describe_hypothesis(Fields& f, Hypothesis& e, std::size_t index, Diagnosis& d) {
+  std::vector<Cause> causes;
+  for (const auto k : e.causes) causes.push_back(d.causes[k]);
+  bool equally_good = std::ranges::count(d.equivalent, index) > 0;
   std::optional<double> responses;
   if (!e.fit.responses.empty()) responses = e.response_misfit();
   if constexpr (!Fields::reads) f.derived("name", hypothesis_name(d, e));
-  describe_each(f, "causes", suspects,
-                [](auto& item, Suspect& suspect) { describe_cause(item, suspect); });
+  describe_each(f, "causes", causes, [](auto& item, Cause& cause) { describe_cause(item, cause); });
   f("rigid_legs", e.rigid);
   f.word("model", e.kind, model_words);
   f("fitted_parameters", e.parameters);
   f("by_mechanics", e.by_mechanics);
   f("misfit", e.misfit);
   f("response_misfit", responses);
-  f("bic", e.criterion);
-  f.derived("bic_above_best", e.criterion - d.best().criterion);
+  f("bic", e.bic);
+  f.derived("bic_above_best", e.bic - d.best().bic);
   f("equally_good", equally_good);
   describe_each(f, "parameters", e.fit.parameters,
                 [](auto& item, auto& p) { describe_parameter(item, p); });
@@ -261,8 +259,8 @@ void describe_hypothesis(Fields& f, Explanation& e, std::size_t index, Diagnosis
   f("contradiction_codes", e.wrong);
   f("from_nominal", e.from_nominal);
   if constexpr (Fields::reads) {
-    for (const auto& suspect : suspects) e.suspects.push_back(index_of(suspect, d.suspects));
-    if (equally_good) d.alike.push_back(index);
+    for (const auto& cause : causes) e.causes.push_back(index_of(cause, d.causes));
+    if (equally_good) d.equivalent.push_back(index);
     if (responses) e.fit.responses = {{.difference = std::sqrt(*responses)}};
   }
 }
@@ -281,9 +279,9 @@ void describe_lines(Fields& f, observation::ResponseTarget& response) {
 template <class Fields>
 void describe_discriminator(Fields& f, Discriminator& x, const Diagnosis& d) {
   std::vector<std::string> names;
-  for (const auto& e : d.explanations) names.push_back(hypothesis_name(d, e));
+  for (const auto& e : d.hypotheses) names.push_back(hypothesis_name(d, e));
   std::string other = names.at(x.other);
-  f.derived("best", names.at(d.alike.empty() ? 0 : d.alike.front()));
+  f.derived("best", names.at(d.equivalent.empty() ? 0 : d.equivalent.front()));
   f("other", other);
   f("pose", x.pose);
   describe_axis(f, "direction", x.direction);
@@ -312,12 +310,12 @@ void describe_diagnosis(Fields& f, Diagnosis& d) {
   f("interrupted", d.interrupted);
   f("measured_modes", d.modes);
   if constexpr (Fields::reads) {
-    d.explanations.resize(f.size("hypotheses"));
-    if (d.explanations.empty()) f.bad("hypotheses", "is empty");
+    d.hypotheses.resize(f.size("hypotheses"));
+    if (d.hypotheses.empty()) f.bad("hypotheses", "is empty");
     for (const auto& mode : d.modes) d.targets.modes.push_back({.pose = mode.pose});
   }
-  f.list("hypotheses", d.explanations.size(),
-         [&](auto& item, std::size_t k) { describe_hypothesis(item, d.explanations[k], k, d); });
+  f.list("hypotheses", d.hypotheses.size(),
+         [&](auto& item, std::size_t k) { describe_hypothesis(item, d.hypotheses[k], k, d); });
   describe_each(f, "discriminators", d.discriminators,
                 [&](auto& item, auto& x) { describe_discriminator(item, x, d); });
   f("objections", d.objections);

@@ -67,11 +67,11 @@ std::string measured_panel(const Diagnosis& d, const Layout& layout) {
          "logscale y\n";
 }
 
-/// A bar per explanation: how far its criterion is above the best.
+/// A bar per hypothesis: how far its BIC is above the best.
 std::string ranking_panel(const Diagnosis& d, const Layout& layout) {
   std::vector<std::size_t> shown;
-  for (std::size_t k = 0; k < d.explanations.size(); ++k)
-    if (shown.size() < most_rows - 2 || d.explanations[k].suspects.empty()) shown.push_back(k);
+  for (std::size_t k = 0; k < d.hypotheses.size(); ++k)
+    if (shown.size() < most_rows - 2 || d.hypotheses[k].causes.empty()) shown.push_back(k);
   std::string s = "unset ylabel\nunset key\nunset grid\n";
   s += place(layout, layout.measured + 34.0, layout.measured + layout.ranking - 48.0, 0.5);
   s += fmt::format(
@@ -81,18 +81,17 @@ std::string ranking_panel(const Diagnosis& d, const Layout& layout) {
       shown.size());
   int row = 0;
   for (const auto k : shown) {
-    const auto& e = d.explanations[k];
-    const bool alike = std::ranges::count(d.alike, k) > 0;
-    s += fmt::format("{} {:.6g} {}\n", ++row, std::max(1.0, e.criterion - d.best().criterion),
-                     alike                ? "0x009e73"
-                     : e.suspects.empty() ? "0x999999"
-                                          : "0x0072b2");
+    const auto& e = d.hypotheses[k];
+    const bool equivalent = std::ranges::count(d.equivalent, k) > 0;
+    s += fmt::format("{} {:.6g} {}\n", ++row, std::max(1.0, e.bic - d.best().bic),
+                     equivalent         ? "0x009e73"
+                     : e.causes.empty() ? "0x999999"
+                                        : "0x0072b2");
   }
   s += "END\n";
   row = 0;
   for (const auto k : shown)
-    s += fmt::format("set ytics add ({} {})\n", quoted(hypothesis_name(d, d.explanations[k])),
-                     ++row);
+    s += fmt::format("set ytics add ({} {})\n", quoted(hypothesis_name(d, d.hypotheses[k])), ++row);
   return s +
          "plot $c using 2:1:(0.5):2:($1-0.35):($1+0.35):3 with boxxyerror lc rgb variable\n"
          "unset logscale x\nset xtics format '%g'\n";
@@ -139,7 +138,7 @@ void plot_diagnosis(const CaseFile& file, const std::string& path) {
   Layout layout;
   if (file.diagnosis) {
     layout.measured = panel;
-    const auto rows = std::min(most_rows, file.diagnosis->explanations.size());
+    const auto rows = std::min(most_rows, file.diagnosis->hypotheses.size());
     if (rows > 1) layout.ranking = 90.0 + row_height * static_cast<double>(rows);
   }
   if (file.remedy) layout.curve = panel;

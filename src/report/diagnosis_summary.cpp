@@ -100,31 +100,34 @@ void add_origins(const Diagnosis& d, std::vector<std::string>& words) {
   }
 }
 
-/// Suspects that are not it, one of each family, with why.
+/// Causes that are not it, one of each family, with why.
 void add_innocents(const Diagnosis& d, std::vector<std::string>& words) {
-  if (d.finding == Finding::nothing_to_blame || d.finding == Finding::as_stated) return;
+  if (d.finding == Finding::nothing_to_blame || d.finding == Finding::nominal) return;
   std::set<Family> told;
-  for (const auto k : d.alike)
-    for (const auto s : d.explanations[k].suspects) told.insert(d.suspects[s].family());
+  for (const auto k : d.equivalent)
+    for (const auto s : d.hypotheses[k].causes) told.insert(d.causes[s].family());
   constexpr std::size_t most = 3;
   std::size_t count = 0;
-  for (const auto& e : d.explanations) {
-    if (e.suspects.size() != 1 || e.wrong.empty() || count == most) continue;
-    const auto& suspect = d.suspects[e.suspects.front()];
-    if (suspect.leg || !told.insert(suspect.family()).second) continue;
+  for (const auto& e : d.hypotheses) {
+    if (e.causes.size() != 1 || e.wrong.empty() || count == most) continue;
+    const auto& cause = d.causes[e.causes.front()];
+    if (cause.leg || !told.insert(cause.family()).second) continue;
     words.push_back(
         fmt::format("Excluded: {}: {}.", hypothesis_name(d, e), contradiction_words(d, e).front()));
     ++count;
   }
 }
 
-std::string alike_words(const Diagnosis& d) {
+std::string equivalent_words(const Diagnosis& d) {
   constexpr std::size_t shown = 4;
-  const std::size_t count = d.alike.size();
+  const std::size_t count = d.equivalent.size();
   std::string names;
   for (std::size_t k = 0; k < std::min(shown, count); ++k) {
     const bool last = k > 0 && k + 1 == count;
-    names += (k == 0 ? "" : last ? " and " : ", ") + hypothesis_name(d, d.explanations[d.alike[k]]);
+    names += (k == 0 ? ""
+              : last ? " and "
+                     : ", ") +
+             hypothesis_name(d, d.hypotheses[d.equivalent[k]]);
   }
   if (count > shown) names += fmt::format(" and {} more", count - shown);
   return names;
@@ -135,8 +138,8 @@ void add_discriminators(const Diagnosis& d, std::vector<std::string>& words) {
   constexpr double enough = 3.0;
   for (std::size_t k = 0; k < std::min(most, d.discriminators.size()); ++k) {
     const auto& x = d.discriminators[k];
-    const auto best = hypothesis_name(d, d.explanations[d.alike.front()]);
-    const auto other = hypothesis_name(d, d.explanations[x.other]);
+    const auto best = hypothesis_name(d, d.hypotheses[d.equivalent.front()]);
+    const auto other = hypothesis_name(d, d.hypotheses[x.other]);
     if (x.deviations < enough)
       words.push_back(
           fmt::format("No offered pose distinguishes {} from {}: their resonances differ by at "
@@ -225,18 +228,18 @@ std::string finding_sentence(const Diagnosis& d) {
   switch (d.finding) {
     case Finding::nothing_to_blame:
       return "No cause: the rigid-leg model explains the measurement.";
-    case Finding::as_stated:
+    case Finding::nominal:
       return "The nominal machine explains the measurement: the frequency drop comes from the "
              "compliances in the file.";
-    case Finding::guilty: {
-      const auto& best = d.explanations[d.alike.front()];
+    case Finding::identified: {
+      const auto& best = d.hypotheses[d.equivalent.front()];
       std::vector<std::string> statements;
-      for (const auto s : best.suspects) statements.push_back(cause_statement(d.suspects[s]));
+      for (const auto s : best.causes) statements.push_back(cause_statement(d.causes[s]));
       return fmt::format("Identified cause: {}; {}.", fmt::join(statements, ", and "),
                          fmt::join(parameter_words(best), "; "));
     }
     case Finding::undecided:
-      return fmt::format("{} explain the data equally well.", capital(alike_words(d)));
+      return fmt::format("{} explain the data equally well.", capital(equivalent_words(d)));
     case Finding::unexplained:
       return "No candidate cause explains the measurement; no cause is identified.";
     case Finding::do_not_belong:
@@ -259,15 +262,15 @@ std::vector<std::string> summary(const CaseFile& file) {
   if (file.diagnosis) {
     const auto& d = *file.diagnosis;
     words.push_back(finding_sentence(d));
-    if (d.alike.empty()) {
+    if (d.equivalent.empty()) {
       for (const auto& reason : reason_words(d)) words.push_back(capital(reason) + ".");
       if (d.finding == Finding::unexplained) add_drops(d, words);
       if (d.interrupted) words.push_back(interrupted);
       return words;
     }
     if (d.finding == Finding::undecided)
-      for (std::size_t k = 0; k < std::min<std::size_t>(4, d.alike.size()); ++k) {
-        const auto& e = d.explanations[d.alike[k]];
+      for (std::size_t k = 0; k < std::min<std::size_t>(4, d.equivalent.size()); ++k) {
+        const auto& e = d.hypotheses[d.equivalent[k]];
         words.push_back(fmt::format("{}: {}.", capital(hypothesis_name(d, e)),
                                     fmt::join(parameter_words(e), "; ")));
       }
@@ -276,8 +279,8 @@ std::vector<std::string> summary(const CaseFile& file) {
     add_origins(d, words);
     add_innocents(d, words);
     for (const auto& note : note_words(d)) words.push_back(capital(note) + ".");
-    if (d.targets.observed != observation::Observed::mechanics && !d.alike.empty() &&
-        d.explanations[d.alike.front()].by_mechanics)
+    if (d.targets.observed != observation::Observed::mechanics && !d.equivalent.empty() &&
+        d.hypotheses[d.equivalent.front()].by_mechanics)
       words.push_back(
           "This machine cannot be computed with its hydraulics. It was fitted as mechanics on oil "
           "springs. The measured frequencies were multiplied by the ratio of mechanics to measured "

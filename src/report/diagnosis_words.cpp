@@ -23,7 +23,7 @@ struct CauseWords {
   const char* statement_of_leg;
 };
 
-/// In the order of Suspect::Kind.
+/// In the order of Cause::Kind.
 constexpr std::array cause_words{
     CauseWords{"guide sleeves of all legs",
                "the stiffness of the guide sleeves of all legs differs from the nominal value",
@@ -66,10 +66,10 @@ constexpr std::array cause_words{
     CauseWords{"rocking compliance of the base", "the base is compliant in rocking", "", ""},
     CauseWords{"oil in the lines", "the oil in the lines adds inertia to the pistons", "", ""}};
 
-std::string of_cause(const Suspect& suspect, const char* CauseWords::*all,
+std::string of_cause(const Cause& cause, const char* CauseWords::*all,
                      const char* CauseWords::*of_leg) {
-  const auto& words = cause_words.at(static_cast<std::size_t>(suspect.kind));
-  return suspect.leg ? fmt::format(fmt::runtime(words.*of_leg), *suspect.leg + 1) : words.*all;
+  const auto& words = cause_words.at(static_cast<std::size_t>(cause.kind));
+  return cause.leg ? fmt::format(fmt::runtime(words.*of_leg), *cause.leg + 1) : words.*all;
 }
 
 struct Scale {
@@ -177,19 +177,19 @@ const char* finding_word(Finding finding) {
   return words.at(static_cast<std::size_t>(finding));
 }
 
-std::string cause_name(const Suspect& suspect) {
-  return of_cause(suspect, &CauseWords::name, &CauseWords::name_of_leg);
+std::string cause_name(const Cause& cause) {
+  return of_cause(cause, &CauseWords::name, &CauseWords::name_of_leg);
 }
 
-std::string cause_statement(const Suspect& suspect) {
-  return of_cause(suspect, &CauseWords::statement, &CauseWords::statement_of_leg);
+std::string cause_statement(const Cause& cause) {
+  return of_cause(cause, &CauseWords::statement, &CauseWords::statement_of_leg);
 }
 
-std::string hypothesis_name(const Diagnosis& d, const Explanation& e) {
+std::string hypothesis_name(const Diagnosis& d, const Hypothesis& e) {
   if (e.rigid) return "rigid-leg model";
-  if (e.suspects.empty()) return "nominal machine";
+  if (e.causes.empty()) return "nominal machine";
   std::vector<std::string> names;
-  for (const auto k : e.suspects) names.push_back(cause_name(d.suspects[k]));
+  for (const auto k : e.causes) names.push_back(cause_name(d.causes[k]));
   return fmt::format("{}", fmt::join(names, " and "));
 }
 
@@ -211,7 +211,7 @@ std::string amount_text(double value, double deviation, const std::string& unit)
   return fmt::format("{:.{}f} ± {:.{}f}{}", shown, decimals, spread, decimals, name);
 }
 
-std::vector<std::string> parameter_words(const Explanation& e) {
+std::vector<std::string> parameter_words(const Hypothesis& e) {
   using calibration::Verdict;
   std::vector<std::string> words;
   for (const auto& p : e.fit.parameters) {
@@ -230,7 +230,7 @@ std::vector<std::string> parameter_words(const Explanation& e) {
   return words;
 }
 
-std::vector<std::string> contradiction_words(const Diagnosis& d, const Explanation& e) {
+std::vector<std::string> contradiction_words(const Diagnosis& d, const Hypothesis& e) {
   std::vector<std::string> words;
   for (const auto& contradiction : e.wrong) words.push_back(contradiction_text(d, contradiction));
   return words;
@@ -239,7 +239,7 @@ std::vector<std::string> contradiction_words(const Diagnosis& d, const Explanati
 std::vector<std::string> reason_words(const Diagnosis& d) {
   std::vector<std::string> words;
   for (const auto& objection : d.objections) words.push_back(objection_text(objection));
-  if (!words.empty() || !d.alike.empty()) return words;
+  if (!words.empty() || !d.equivalent.empty()) return words;
   words.push_back(
       fmt::format("even the best hypothesis ({}) differs from the measured values by {:.{}f} σ",
                   hypothesis_name(d, d.best()), d.scatter, d.scatter < 10.0 ? 1 : 0));

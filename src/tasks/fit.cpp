@@ -94,8 +94,8 @@ Diagnosed diagnose(const Machine& given, const DiagnoseOptions& options, const P
     found.diagnosis = diagnosis::diagnose(file, measured.targets, kind, poses, options.rules,
                                           numerics::part_of(progress, 0.2, 0.9));
     const auto& d = *found.diagnosis;
-    if (d.alike.empty() || d.interrupted) return result;
-    const auto& best = d.explanations[d.alike.front()];
+    if (d.equivalent.empty() || d.interrupted) return result;
+    const auto& best = d.hypotheses[d.equivalent.front()];
     found.machine = diagnosis::machine_of(file, best);
     found.kind = best.kind;
   }
@@ -108,9 +108,9 @@ Diagnosed diagnose(const Machine& given, const DiagnoseOptions& options, const P
   return result;
 }
 
-int guilty_mode(const diagnosis::Diagnosis& found, const std::string& pose) {
-  if (found.alike.empty()) return 0;
-  const auto& fit = found.explanations[found.alike.front()].fit;
+int identified_mode(const diagnosis::Diagnosis& found, const std::string& pose) {
+  if (found.equivalent.empty()) return 0;
+  const auto& fit = found.hypotheses[found.equivalent.front()].fit;
   int number = 0;
   double most = 0.0;
   for (std::size_t i = 0; i < found.modes.size(); ++i) {

@@ -33,11 +33,11 @@ Report report_document(const Machine& given, const ReportOptions& options,
     const auto found = diagnose(machine, *options.diagnosis, progress);
     warn(found.warnings);
     diagnosis = report::diagnosis_json(found.file);
-    if (const auto& d = *found.file.diagnosis; !d.alike.empty()) {
-      machine.file = diagnosis::file_of(machine.file, d.explanations[d.alike.front()]);
-      machine.kind = d.explanations[d.alike.front()].kind;
-      const int guilty = guilty_mode(d, found.file.pose);
-      if (page.modes.empty() && guilty > 0) page.modes = {guilty};
+    if (const auto& d = *found.file.diagnosis; !d.equivalent.empty()) {
+      machine.file = diagnosis::file_of(machine.file, d.hypotheses[d.equivalent.front()]);
+      machine.kind = d.hypotheses[d.equivalent.front()].kind;
+      const int identified = identified_mode(d, found.file.pose);
+      if (page.modes.empty() && identified > 0) page.modes = {identified};
       place(machine.file.machine, poses);
     }
   }

@@ -21,7 +21,7 @@ struct BlindCase {
   std::string machine{};               ///< file in models/, "vibration table", or "random N"
   std::vector<std::string> design{};   ///< overrides of the machine as its owner believes it to be
   std::vector<std::string> fault{};    ///< overrides on top: what is wrong with it
-  std::vector<std::string> planted{};  ///< names of the suspects; none: nothing is wrong
+  std::vector<std::string> planted{};  ///< names of the causes; none: nothing is wrong
   std::vector<std::string> poses{"neutral"};
   double noise{1e-3};  ///< of frequencies; that of shapes is 30 times as large, at most 5 %
   dynamics::ModelKind kind{dynamics::ModelKind::guide};  ///< of the machine with the fault
@@ -44,7 +44,7 @@ struct BlindResult {
   diagnosis::Diagnosis diagnosis{};
   bool found{};              ///< first or alike; where nothing is wrong: nothing blamed
   bool first{};              ///< has the lowest BIC, alone or with others
-  double parameter_error{};  ///< (recovered − true)/deviation of a single suspect's first number
+  double parameter_error{};  ///< (recovered − true)/deviation of a single cause's first number
 };
 
 /// Hypotheses that change the same stiffness (oil and gimbals are springs in series) have one BIC
@@ -71,29 +71,29 @@ inline BlindResult run_blind(const BlindCase& test, const Measure& measure = by_
   const auto& d = result.diagnosis;
   if (test.planted.empty()) {
     result.found = d.finding == diagnosis::Finding::nothing_to_blame ||
-                   d.finding == diagnosis::Finding::as_stated;
+                   d.finding == diagnosis::Finding::nominal;
     result.first = result.found;
     return result;
   }
-  const auto is_planted = [&](const diagnosis::Explanation& e) {
-    if (e.suspects.size() != test.planted.size()) return false;
-    return std::ranges::all_of(e.suspects, [&](std::size_t k) {
-      return std::ranges::count(test.planted, report::cause_name(d.suspects[k])) == 1;
+  const auto is_planted = [&](const diagnosis::Hypothesis& e) {
+    if (e.causes.size() != test.planted.size()) return false;
+    return std::ranges::all_of(e.causes, [&](std::size_t k) {
+      return std::ranges::count(test.planted, report::cause_name(d.causes[k])) == 1;
     });
   };
-  for (const auto k : d.alike)
-    if (is_planted(d.explanations[k])) {
+  for (const auto k : d.equivalent)
+    if (is_planted(d.hypotheses[k])) {
       result.found = true;
-      result.first = result.first || d.explanations[k].criterion < d.best().criterion + rounding;
+      result.first = result.first || d.hypotheses[k].bic < d.best().bic + rounding;
     }
   return result;
 }
 
-/// The explanation of that name; null where it was not tried.
-inline const diagnosis::Explanation* find(const diagnosis::Diagnosis& d, const std::string& name) {
+/// The hypothesis of that name; null where it was not tried.
+inline const diagnosis::Hypothesis* find(const diagnosis::Diagnosis& d, const std::string& name) {
   const auto found = std::ranges::find(
-      d.explanations, name, [&](const auto& e) { return report::hypothesis_name(d, e); });
-  return found == d.explanations.end() ? nullptr : &*found;
+      d.hypotheses, name, [&](const auto& e) { return report::hypothesis_name(d, e); });
+  return found == d.hypotheses.end() ? nullptr : &*found;
 }
 
 /// What is written of a diagnosis is read.
@@ -105,10 +105,10 @@ inline void expect_round_trip_of(const diagnosis::CaseFile& file) {
 /// What the table shows of a result.
 inline std::string verdict(const diagnosis::Diagnosis& d) {
   std::string text = report::finding_word(d.finding);
-  if (d.finding == diagnosis::Finding::guilty || d.finding == diagnosis::Finding::undecided) {
+  if (d.finding == diagnosis::Finding::identified || d.finding == diagnosis::Finding::undecided) {
     text.clear();
-    for (const auto k : d.alike)
-      text += (text.empty() ? "" : "; or ") + report::hypothesis_name(d, d.explanations[k]);
+    for (const auto k : d.equivalent)
+      text += (text.empty() ? "" : "; or ") + report::hypothesis_name(d, d.hypotheses[k]);
   }
   return text;
 }

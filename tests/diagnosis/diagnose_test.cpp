@@ -29,10 +29,10 @@ Diagnosis of(const std::vector<std::string>& fault, double noise = 1e-3,
       .diagnosis;
 }
 
-/// Is the explanation called so among those that the data cannot tell from the best?
+/// Is the hypothesis called so among those that the data cannot tell from the best?
 bool named(const Diagnosis& d, const std::string& name) {
   return std::ranges::any_of(
-      d.alike, [&](auto k) { return report::hypothesis_name(d, d.explanations[k]) == name; });
+      d.equivalent, [&](auto k) { return report::hypothesis_name(d, d.hypotheses[k]) == name; });
 }
 
 model::MachineFile stiff_file() {
@@ -70,12 +70,12 @@ TEST(Diagnose, SaysThatAMachineIsAsStated) {
   const auto d =
       test::run_blind({.machine = "heavy-platform.toml", .design = {}, .poses = {"neutral"}})
           .diagnosis;
-  EXPECT_EQ(d.finding, Finding::as_stated);
+  EXPECT_EQ(d.finding, Finding::nominal);
 }
 
 TEST(Diagnose, FindsSoftGuideSleevesAndHowSoftTheyAre) {
   const auto d = of({"legs.guide_sleeve.stiffness=0.84 kN/mm"});
-  ASSERT_EQ(d.finding, Finding::guilty);
+  ASSERT_EQ(d.finding, Finding::identified);
   EXPECT_EQ(report::hypothesis_name(d, d.best()), "guide sleeves of all legs");
   const auto& k_s = d.best().fit.parameters[0];
   EXPECT_NEAR(k_s.value, 0.84e6, 0.01e6);
@@ -97,7 +97,7 @@ TEST(Diagnose, TellsWhichResonanceComesFromSleevesAndWhichFromRings) {
                                   .fault = {"legs.piston_ring.stiffness=3 kN/mm"},
                                   .kind = ModelKind::full})
                      .diagnosis;
-  ASSERT_EQ(d.finding, Finding::guilty);
+  ASSERT_EQ(d.finding, Finding::identified);
   EXPECT_EQ(report::hypothesis_name(d, d.best()), "piston rings of all legs");
   EXPECT_NEAR(d.best().fit.parameters[0].value, 3e6, 0.05e6);
   int of_sleeves = 0, of_rings = 0;
@@ -130,7 +130,7 @@ TEST(Diagnose, FindsTheOilAndSaysHowToTellItFromTheGimbals) {
   const auto d = of({"legs.oil_spring.cylinder.bulk_modulus=0.9 GPa"}, 5e-4);
   EXPECT_TRUE(named(d, "bulk modulus of the oil"));
   EXPECT_FALSE(named(d, "guide sleeves of all legs"));
-  EXPECT_EQ(d.discriminators.size() + 1, d.alike.size());
+  EXPECT_EQ(d.discriminators.size() + 1, d.equivalent.size());
   test::expect_round_trip_of({.diagnosis = d});
   // the rigid calculation is that of the owner, who does not know of his oil
   const auto machine = stiff_file().machine;
@@ -159,11 +159,11 @@ TEST(Diagnose, FindsAPairOfWhichNeitherExplainsMostAlone) {
   const auto file = test::machine_file(planted.text(), {});
   const auto targets = test::by_noise(planted, test::machine_file(planted.text(), planted.fault));
   const auto d = diagnose(file, targets, ModelKind::guide, file.machine.poses, {.strongest = 1});
-  const auto single = std::ranges::find_if(d.explanations, [&](const auto& e) {
-    return e.suspects.size() == 1 && d.suspects[e.suspects.front()].in_pairs();
+  const auto single = std::ranges::find_if(d.hypotheses, [&](const auto& e) {
+    return e.causes.size() == 1 && d.causes[e.causes.front()].in_pairs();
   });
   EXPECT_EQ(report::hypothesis_name(d, *single), "platform mass and inertia");
-  EXPECT_EQ(report::hypothesis_name(d, d.explanations[d.alike.at(0)]),
+  EXPECT_EQ(report::hypothesis_name(d, d.hypotheses[d.equivalent.at(0)]),
             "oil spring of leg 2 and oil spring of leg 6");
 }
 
@@ -176,10 +176,10 @@ TEST(Diagnose, DoesNotDependOnTheNumberOfThreads) {
   one.strongest = three.strongest = 1;
   const auto a = diagnose(file, targets, ModelKind::guide, file.machine.poses, one);
   const auto b = diagnose(file, targets, ModelKind::guide, file.machine.poses, three);
-  ASSERT_EQ(a.explanations.size(), b.explanations.size());
-  for (std::size_t k = 0; k < a.explanations.size(); ++k) {
-    EXPECT_EQ(a.explanations[k].suspects, b.explanations[k].suspects);
-    EXPECT_EQ(a.explanations[k].criterion, b.explanations[k].criterion);
+  ASSERT_EQ(a.hypotheses.size(), b.hypotheses.size());
+  for (std::size_t k = 0; k < a.hypotheses.size(); ++k) {
+    EXPECT_EQ(a.hypotheses[k].causes, b.hypotheses[k].causes);
+    EXPECT_EQ(a.hypotheses[k].bic, b.hypotheses[k].bic);
   }
 }
 
@@ -188,14 +188,14 @@ TEST(Diagnose, StopsWhenAskedToWithWhatThereIs) {
   const auto d = diagnose(file, measured({}), ModelKind::guide, file.machine.poses, {},
                           [](double share) { return share > 0.05; });
   EXPECT_TRUE(d.interrupted);
-  EXPECT_GT(d.explanations.size(), 1U);
+  EXPECT_GT(d.hypotheses.size(), 1U);
 }
 
 // Wrong use: no part may be blamed.
 
 void expect_no_blame(const Diagnosis& d, const std::string& why) {
   EXPECT_EQ(d.finding, Finding::do_not_belong);
-  EXPECT_TRUE(d.alike.empty());
+  EXPECT_TRUE(d.equivalent.empty());
   const auto reasons = report::reason_words(d);
   ASSERT_FALSE(reasons.empty());
   EXPECT_THAT(reasons.front(), HasSubstr(why));
@@ -228,13 +228,13 @@ TEST(WrongUse, AnotherMachinesModesAreNotThisOnes) {
   EXPECT_FALSE(report::reason_words(d).empty());
 }
 
-/// No pair of suspects is these three.
+/// No pair of causes is these three.
 TEST(WrongUse, ThreeFaultsAtOnceAreNotBlamedOnTwo) {
   const auto d = diagnosis_of(
       measured({"leg.2.oil_spring.cylinder.bulk_modulus=0.71 GPa",
                 "leg.5.gimbal_stiffness=110 kN/mm", "legs.guide_sleeve.stiffness=1.9 kN/mm"}));
   EXPECT_EQ(d.finding, Finding::unexplained) << d.scatter << " " << test::verdict(d);
-  EXPECT_TRUE(d.alike.empty());
+  EXPECT_TRUE(d.equivalent.empty());
   const auto reasons = report::reason_words(d);
   ASSERT_FALSE(reasons.empty());
   EXPECT_THAT(reasons.front(),

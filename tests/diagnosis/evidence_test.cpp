@@ -1,4 +1,4 @@
-/// Explanations that go on from what others found.
+/// Hypotheses that go on from what others found.
 
 #include <gtest/gtest.h>
 
@@ -10,25 +10,25 @@ namespace {
 
 constexpr double soft = 0.12586e6;  // [N/m]
 
-/// The published machine with soft sleeves, its plant measured, and explanations of that.
+/// The published machine with soft sleeves, its plant measured, and hypotheses of that.
 class Learning : public testing::Test {
  protected:
-  Learning() : suspects_(suspects_of(file_)), evidence_(file_, targets_, kind, suspects_) {}
+  Learning() : causes_(causes_of(file_)), evidence_(file_, targets_, kind, causes_) {}
 
   [[nodiscard]] std::size_t index_of(const std::string& name) const {
-    return static_cast<std::size_t>(std::ranges::find(suspects_, name, report::cause_name) -
-                                    suspects_.begin());
+    return static_cast<std::size_t>(std::ranges::find(causes_, name, report::cause_name) -
+                                    causes_.begin());
   }
   /// With its first number at `value`.
-  [[nodiscard]] Explanation at(std::vector<std::size_t> blamed, double value) const {
-    auto e = evidence_.explain(blamed, nullptr, {});
+  [[nodiscard]] Hypothesis at(std::vector<std::size_t> chosen, double value) const {
+    auto e = evidence_.explain(chosen, nullptr, {});
     e.fit.parameters[0].value = value;
     evidence_.see(e);
     return e;
   }
-  [[nodiscard]] std::vector<std::vector<const Explanation*>> known(const Explanation& of) const {
-    std::vector<std::vector<const Explanation*>> found(suspects_.size());
-    for (const auto k : of.suspects) found[k].push_back(&of);
+  [[nodiscard]] std::vector<std::vector<const Hypothesis*>> known(const Hypothesis& of) const {
+    std::vector<std::vector<const Hypothesis*>> found(causes_.size());
+    for (const auto k : of.causes) found[k].push_back(&of);
     return found;
   }
 
@@ -36,7 +36,7 @@ class Learning : public testing::Test {
   const test::BlindCase case_{.machine = "zhang-jiang-2021.toml", .repetition = 3};
   const model::MachineFile file_ = test::machine_file(case_.text(), {});
   const observation::Targets targets_ = weighted_targets(file_, measured(), {});
-  const std::vector<Suspect> suspects_;
+  const std::vector<Cause> causes_;
   const Evidence evidence_;
 
  private:

@@ -39,7 +39,8 @@ inline diagnosis::Diagnosis diagnosed_on_rig(const std::string& name,
 /// The guide sleeves of all legs are blamed, and their stiffness is the true one, within 5 % and
 /// within the interval.
 inline void expect_sleeves(const diagnosis::Diagnosis& d, double stiffness) {
-  EXPECT_TRUE(d.finding == diagnosis::Finding::guilty || d.finding == diagnosis::Finding::undecided)
+  EXPECT_TRUE(d.finding == diagnosis::Finding::identified ||
+              d.finding == diagnosis::Finding::undecided)
       << report::finding_word(d.finding);
   ASSERT_EQ(report::hypothesis_name(d, d.best()), "guide sleeves of all legs");
   const auto& p = d.best().fit.parameters.at(0);

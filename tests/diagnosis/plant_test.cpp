@@ -107,8 +107,8 @@ TEST(DiagnosePlant, TellsAPayloadOnOilWithAir) {
 /// A sound machine is not blamed for what the plant adds to mechanics.
 TEST(DiagnosePlant, BlamesNothingInASoundMachine) {
   const auto result = test::run_blind({.machine = "zhang-jiang-2021.toml"}, by_plant);
-  EXPECT_EQ(result.diagnosis.finding, Finding::as_stated) << test::verdict(result.diagnosis);
-  EXPECT_LT(result.diagnosis.as_stated().misfit,
+  EXPECT_EQ(result.diagnosis.finding, Finding::nominal) << test::verdict(result.diagnosis);
+  EXPECT_LT(result.diagnosis.nominal().misfit,
             2.0 * static_cast<double>(result.diagnosis.targets.modes.size()));
 }
 
@@ -129,7 +129,7 @@ observation::Targets few_modes_with_responses(const BlindCase& test,
   return targets;
 }
 
-/// Every suspect alone.
+/// Every cause alone.
 Diagnosis without_pairs(const BlindCase& test, const test::Measure& measure,
                         DiagnoseOptions options = {}) {
   const auto design = test::machine_file(test.text(), test.design);
@@ -140,9 +140,9 @@ Diagnosis without_pairs(const BlindCase& test, const test::Measure& measure,
   return diagnose(design, measured, dynamics::ModelKind::guide, design.machine.poses, options);
 }
 
-bool blamed(const Diagnosis& d, const std::string& name) {
-  return std::ranges::any_of(d.alike, [&](std::size_t k) {
-    return report::hypothesis_name(d, d.explanations[k]) == name;
+bool chosen(const Diagnosis& d, const std::string& name) {
+  return std::ranges::any_of(d.equivalent, [&](std::size_t k) {
+    return report::hypothesis_name(d, d.hypotheses[k]) == name;
   });
 }
 
@@ -155,29 +155,29 @@ TEST(DiagnosePlant, ResponsesTellTheLegThatFewModesDoNot) {
                           .planted = {"oil spring of leg 2"}};
   const auto modes = without_pairs(one_leg, few_modes, {.shape_error = 0.2});
   const auto all = without_pairs(one_leg, few_modes_with_responses, {.shape_error = 0.2});
-  EXPECT_TRUE(blamed(modes, "oil spring of leg 5")) << test::verdict(modes);
-  EXPECT_FALSE(blamed(all, "oil spring of leg 5")) << test::verdict(all);
-  EXPECT_FALSE(blamed(all, "gimbals of leg 5")) << test::verdict(all);
-  EXPECT_TRUE(blamed(all, "oil spring of leg 2")) << test::verdict(all);
+  EXPECT_TRUE(chosen(modes, "oil spring of leg 5")) << test::verdict(modes);
+  EXPECT_FALSE(chosen(all, "oil spring of leg 5")) << test::verdict(all);
+  EXPECT_FALSE(chosen(all, "gimbals of leg 5")) << test::verdict(all);
+  EXPECT_TRUE(chosen(all, "oil spring of leg 2")) << test::verdict(all);
   EXPECT_EQ(all.values, modes.values + 5 * static_cast<int>(few));
 }
 
-/// Sound with responses too; what they contradict is said of other explanations.
+/// Sound with responses too; what they contradict is said of other hypotheses.
 TEST(DiagnosePlant, SaysWhichResponseAnExplanationMisses) {
   const auto result = test::run_blind({.machine = "zhang-jiang-2021.toml"}, with_responses);
   const auto& d = result.diagnosis;
-  EXPECT_EQ(d.finding, Finding::as_stated) << test::verdict(d);
+  EXPECT_EQ(d.finding, Finding::nominal) << test::verdict(d);
   ASSERT_EQ(d.targets.responses.size(), 1U);
-  EXPECT_THAT(d.as_stated().wrong, testing::IsEmpty());
-  EXPECT_LT(d.as_stated().misfit, 2.0 * static_cast<double>(d.targets.modes.size()));
+  EXPECT_THAT(d.nominal().wrong, testing::IsEmpty());
+  EXPECT_LT(d.nominal().misfit, 2.0 * static_cast<double>(d.targets.modes.size()));
   const auto soft = without_pairs({.machine = "heavy-platform.toml",
                                    .design = {"legs.guide_sleeve.stiffness=20 kN/mm"},
                                    .fault = {"leg.2.oil_spring.cylinder.bulk_modulus=0.31 GPa"}},
                                   with_responses);
-  EXPECT_TRUE(blamed(soft, "oil spring of leg 2")) << test::verdict(soft);
+  EXPECT_TRUE(chosen(soft, "oil spring of leg 2")) << test::verdict(soft);
   EXPECT_THAT(report::contradiction_words(soft, soft.best()),
               testing::Not(testing::Contains(HasSubstr("driven"))));
-  EXPECT_THAT(report::contradiction_words(soft, soft.as_stated()),
+  EXPECT_THAT(report::contradiction_words(soft, soft.nominal()),
               testing::Contains(HasSubstr("Hz (MAC 0.")));
   test::expect_round_trip_of({.diagnosis = soft});
 }
@@ -219,10 +219,10 @@ TEST(DiagnoseForces, TellALighterPlatformFromStifferOil) {
     return targets;
   };
   const auto modes = without_pairs(lighter, modes_alone);
-  EXPECT_TRUE(blamed(modes, "oil springs of all legs")) << test::verdict(modes);
+  EXPECT_TRUE(chosen(modes, "oil springs of all legs")) << test::verdict(modes);
   const auto all = without_pairs(lighter, hammered);
-  EXPECT_TRUE(blamed(all, "platform mass and inertia")) << test::verdict(all);
-  EXPECT_FALSE(blamed(all, "oil springs of all legs")) << test::verdict(all);
+  EXPECT_TRUE(chosen(all, "platform mass and inertia")) << test::verdict(all);
+  EXPECT_FALSE(chosen(all, "oil springs of all legs")) << test::verdict(all);
   const auto* oil = test::find(all, "oil springs of all legs");
   ASSERT_NE(oil, nullptr);
   EXPECT_FALSE(oil->by_mechanics);
@@ -247,7 +247,7 @@ TEST(DiagnosePlant, SaysWhyWhereThePlantCannotBeHad) {
   EXPECT_THAT(notes[0], HasSubstr("compared with mechanics"));
   EXPECT_THAT(notes[0], HasSubstr("supply"));
   test::expect_round_trip_of({.diagnosis = d});
-  EXPECT_EQ(d.finding, Finding::as_stated);
+  EXPECT_EQ(d.finding, Finding::nominal);
 }
 
 }  // namespace

@@ -1,5 +1,5 @@
 #pragma once
-/// Faults of every suspect, and the machines that they are planted in.
+/// Faults of every cause, and the machines that they are planted in.
 
 #include "blind_series.hpp"
 

@@ -1,15 +1,15 @@
 #pragma once
-/// Which part is guilty: every suspect, alone and in pairs, fitted to the modes that were measured.
+/// Which part is guilty: every cause, alone and in pairs, fitted to the modes that were measured.
 ///
-/// An explanation is the machine as stated with none, one or two suspects let free; beside them
-/// stands the rigid calculation, with legs that do not bend. Explanations are ranked by
+/// A hypothesis is the machine as stated with none, one or two causes let free; beside them
+/// stands the rigid calculation, with legs that do not bend. Hypotheses are ranked by
 ///
-///     criterion = misfit/s² + k ln n + 2 ln C(N, m)
+///     BIC = misfit/s² + k ln n + 2 ln C(N, m)
 ///
 /// misfit: Σ (difference/deviation)² over the n measured values, of modes and responses; k: numbers
-/// fitted; m of N suspects are blamed (Bayesian information criterion with known deviations, and a
-/// prior that gives every number of suspects the same odds: with many suspects one of them fits
-/// noise by chance); s ≥ 1: by what the deviations are too small, from the explanation that fits
+/// fitted; m of N causes are blamed (Bayesian information BIC with known deviations, and a
+/// prior that gives every number of causes the same odds: with many causes one of them fits
+/// noise by chance); s ≥ 1: by what the deviations are too small, from the hypothesis that fits
 /// best for its number of parameters. Two that differ by less than `same` cannot be told apart by
 /// the data, and nothing is blamed unless it beats the machine as stated by more than that. Theory:
 /// docs/theory/diagnosis.md.
@@ -18,7 +18,7 @@
 ///
 /// What may be wrong with a machine: named changes of its model, each with numbers of its own.
 ///
-/// To add a suspect, add its Kind and its maker in src/diagnosis/suspects.cpp, and its words in
+/// To add a cause, add its Kind and its maker in src/diagnosis/causes.cpp, and its words in
 /// src/report/diagnosis_words.cpp.
 ///
 /// How much of each drop below the rigid calculation belongs to which compliance.
@@ -80,10 +80,10 @@ std::array<FirstResonance, 6> first_resonances(const model::Machine& machine,
 
 using spatial::direction_name;
 
-/// What gives way or is wrong. Two suspects of one family are tried together only for two legs.
+/// What gives way or is wrong. Two causes of one family are tried together only for two legs.
 enum class Family { guide_sleeves, piston_rings, leg_axes, platform, mass_center, base, oil_lines };
 
-struct Suspect {
+struct Cause {
   enum class Kind {
     guide_sleeves,
     piston_rings,
@@ -116,17 +116,17 @@ struct Suspect {
   [[nodiscard]] bool in_pairs() const;
 };
 
-/// All suspects of a machine.
-std::vector<Suspect> suspects_of(const model::MachineFile& file);
+/// All causes of a machine.
+std::vector<Cause> causes_of(const model::MachineFile& file);
 
 /// Can both be guilty at once, and are they worth being tried together?
-bool can_be_together(const Suspect& a, const Suspect& b);
+bool can_be_together(const Cause& a, const Cause& b);
 
-/// Difference of the criterion up to which explanations count as equally good (odds of 20 : 1).
+/// Difference of the BIC up to which hypotheses count as equally good (odds of 20 : 1).
 inline constexpr double same = 6.0;
 
-/// s above which even the best explanation is none, and above which machine and data may not even
-/// belong together. The right explanation has s = 1, where deviations are right.
+/// s above which even the best hypothesis is none, and above which machine and data may not even
+/// belong together. The right hypothesis has s = 1, where deviations are right.
 inline constexpr double no_explanation = 2.0, another_machine = 5.0;
 
 /// How near a model with the right numbers comes to a real machine: added (root of the sum of
@@ -141,7 +141,7 @@ struct DiagnoseOptions {
   /// Use measured responses too; see responses.hpp.
   bool responses{true};
   double response_error{0.1};  ///< of a column of responses, relative
-  std::size_t strongest{6};    ///< suspects whose pairs with all others are tried
+  std::size_t strongest{6};    ///< causes whose pairs with all others are tried
   int threads{0};              ///< 0: as many as there are processors; results do not depend on it
 };
 
@@ -152,7 +152,7 @@ struct Place {
   std::string mode{};  ///< name of the mode whose direction is not known
 };
 
-/// What an explanation gets wrong.
+/// What a hypothesis gets wrong.
 struct Contradiction {
   enum class Kind {
     resonances,  ///< `predicted` resonances at places where `measured` were found
@@ -172,15 +172,15 @@ struct Contradiction {
   std::string unit{};
 };
 
-/// None, one or two suspects, fitted.
-struct Explanation {
-  std::vector<std::size_t> suspects{};  ///< indices into Diagnosis::suspects
-  bool rigid{};                         ///< the rigid calculation
+/// None, one or two causes, fitted.
+struct Hypothesis {
+  std::vector<std::size_t> causes{};  ///< indices into Diagnosis::causes
+  bool rigid{};                       ///< the rigid calculation
   dynamics::ModelKind kind{};
   std::vector<model::Assignment> changes{};  ///< what it needs before its parameters
   int parameters{};
   double misfit{};
-  double criterion{};
+  double bic{};
   calibration::Candidate fit{};
   /// Fitted to modes as mechanics alone: what was measured cannot be had of this machine, or it is
   /// far from the best. Frequencies of the plant or the system are then times the ratio of
@@ -196,8 +196,8 @@ struct Explanation {
 
 enum class Finding {
   nothing_to_blame,  ///< the rigid calculation explains what was measured
-  as_stated,         ///< the machine is as its file says, with the compliances stated there
-  guilty,            ///< one explanation stands out
+  nominal,           ///< the machine is as its file says, with the compliances stated there
+  identified,        ///< one hypothesis stands out
   undecided,         ///< several explain it equally well
   unexplained,       ///< nothing in the list explains it; the best one says what it misses
   do_not_belong      ///< machine and data do not belong together; so do `objections`, if any
@@ -228,13 +228,13 @@ struct Substitution {
   std::string error{};  ///< of the machine as stated with its hydraulics; empty: too few modes
 };
 
-/// A measured mode, and where the best explanation says that it comes from.
+/// A measured mode, and where the best hypothesis says that it comes from.
 struct MeasuredMode {
   std::string pose{};
   int direction{-1};                    ///< 0…5; −1: not said
   double omega{}, deviation{};          ///< as used [rad/s]
-  double omega_stated{}, omega_best{};  ///< of the machine as stated, of the best explanation
-  double shape_mac{};                   ///< with the best explanation; 0 without a shape
+  double omega_stated{}, omega_best{};  ///< of the machine as stated, of the best hypothesis
+  double shape_mac{};                   ///< with the best hypothesis; 0 without a shape
   double omega_rigid{};  ///< mode of the rigid calculation of which it holds most; 0: none
   double rigid_mac{};
   double oil{}, guide_sleeves{}, piston_rings{}, base{};  ///< shares of the elastic energy
@@ -242,9 +242,9 @@ struct MeasuredMode {
   [[nodiscard]] double drop() const { return omega_rigid > 0.0 ? 1.0 - omega / omega_rigid : 0.0; }
 };
 
-/// A measurement that would tell two explanations apart.
+/// A measurement that would tell two hypotheses apart.
 struct Discriminator {
-  std::size_t other{};  ///< index of the explanation to be told from the best
+  std::size_t other{};  ///< index of the hypothesis to be told from the best
   std::string pose{};
   int direction{};
   double omega_best{}, omega_other{};  ///< what they predict there [rad/s]; 0: no resonance
@@ -255,9 +255,10 @@ struct Diagnosis {
   Finding finding{};
   std::vector<Objection> objections{};  ///< where there are any, nothing else was tried
   std::optional<Substitution> substitution{};
-  std::vector<Suspect> suspects{};
-  std::vector<Explanation> explanations{};  ///< best first
-  std::vector<std::size_t> alike{};  ///< those that the data cannot tell from the best, it first
+  std::vector<Cause> causes{};
+  std::vector<Hypothesis> hypotheses{};  ///< best first
+  std::vector<std::size_t>
+      equivalent{};  ///< those that the data cannot tell from the best, it first
   std::vector<Discriminator> discriminators{};
   observation::Targets targets{};     ///< with the deviations that were used
   std::vector<MeasuredMode> modes{};  ///< one per target
@@ -265,14 +266,14 @@ struct Diagnosis {
   double scatter{1.0};                ///< s
   bool interrupted{};
 
-  [[nodiscard]] const Explanation& best() const { return explanations.front(); }
-  [[nodiscard]] const Explanation& as_stated() const;
+  [[nodiscard]] const Hypothesis& best() const { return hypotheses.front(); }
+  [[nodiscard]] const Hypothesis& nominal() const;
 };
 
-/// The machine as an explanation has it, beside the text of the file. Throws base::InputError where
+/// The machine as a hypothesis has it, beside the text of the file. Throws base::InputError where
 /// no machine has such numbers.
-model::MachineFile file_of(const model::MachineFile& file, const Explanation& explanation);
-model::Machine machine_of(const model::MachineFile& file, const Explanation& explanation);
+model::MachineFile file_of(const model::MachineFile& file, const Hypothesis& hypothesis);
+model::Machine machine_of(const model::MachineFile& file, const Hypothesis& hypothesis);
 
 /// `poses`: where measurements could be made, for discriminators. `progress`: share of the work
 /// done; true asks to stop with what there is. Throws base::InputError for poses that the machine

@@ -258,11 +258,11 @@ void plot_sensitivities(const calibration::Sensitivities& sensitivities, const s
 std::string amount_text(double value, double deviation, const std::string& unit);
 
 /// "guide sleeve of leg 3", and "the stiffness of the guide sleeve of leg 3 differs from …".
-std::string cause_name(const diagnosis::Suspect& suspect);
-std::string cause_statement(const diagnosis::Suspect& suspect);
+std::string cause_name(const diagnosis::Cause& cause);
+std::string cause_statement(const diagnosis::Cause& cause);
 /// "nominal machine", "rigid-leg model", "guide sleeves of all legs and mass centre".
 std::string hypothesis_name(const diagnosis::Diagnosis& diagnosis,
-                            const diagnosis::Explanation& explanation);
+                            const diagnosis::Hypothesis& hypothesis);
 /// "guide sleeves of all legs", "guide sleeve of leg 3".
 std::string part_name(const diagnosis::Part& part);
 /// "x", "ry + x", and for none "every direction".
@@ -270,12 +270,12 @@ std::string direction_words(const std::string& direction);
 /// "no cause", "nominal machine", "cause identified", ….
 const char* finding_word(diagnosis::Finding finding);
 
-/// What an explanation's numbers are, and were in the file: "legs.guide_sleeve.stiffness 0.841 ±
+/// What a hypothesis's numbers are, and were in the file: "legs.guide_sleeve.stiffness 0.841 ±
 /// 0.012 MN/m (nominal 30 MN/m)".
-std::vector<std::string> parameter_words(const diagnosis::Explanation& explanation);
+std::vector<std::string> parameter_words(const diagnosis::Hypothesis& hypothesis);
 /// "predicts one resonance in x, two were measured", worst first.
 std::vector<std::string> contradiction_words(const diagnosis::Diagnosis& diagnosis,
-                                             const diagnosis::Explanation& explanation);
+                                             const diagnosis::Hypothesis& hypothesis);
 /// Why nothing explains the measurement; empty where something does.
 std::vector<std::string> reason_words(const diagnosis::Diagnosis& diagnosis);
 /// What was measured and could not be used as it is.
@@ -291,7 +291,7 @@ Json diagnosis_json(const diagnosis::CaseFile& file);
 /// Reads it. The machine stays empty; of targets and fits there is what the JSON holds.
 diagnosis::CaseFile diagnosis_from_json(const Json& json, const std::string& file);
 
-/// Measured beside rigid and best explanation, ranking, frequency against stiffness; what there is
+/// Measured beside rigid and best hypothesis, ranking, frequency against stiffness; what there is
 /// of these. Throws as report's other pictures do.
 void plot_diagnosis(const diagnosis::CaseFile& file, const std::string& path);
 

@@ -63,6 +63,6 @@ Diagnosed diagnose(const Machine& machine, const DiagnoseOptions& options = {},
 
 /// The measured mode that comes most from what gives way beside the oil, as number of the
 /// explaining machine's mode, from 1; 0 where there is none at that pose.
-int guilty_mode(const diagnosis::Diagnosis& found, const std::string& pose);
+int identified_mode(const diagnosis::Diagnosis& found, const std::string& pose);
 
 }  // namespace hydrapod::tasks

@@ -13,7 +13,7 @@ namespace hydrapod::diagnosis {
 
 namespace {
 
-using Kind = Suspect::Kind;
+using Kind = Cause::Kind;
 using Leg = std::optional<int>;  ///< none: all legs
 
 constexpr std::array<Leg, 7> all_and_each{std::nullopt, 0, 1, 2, 3, 4, 5};
@@ -45,7 +45,7 @@ const model::Leg& leg_of(const model::MachineFile& file, Leg leg) {
 }
 
 /// The O-rings under the step seals: softer or stiffer than stated.
-void add_guide_sleeves(const model::MachineFile& file, std::vector<Suspect>& all) {
+void add_guide_sleeves(const model::MachineFile& file, std::vector<Cause>& all) {
   constexpr double factor = 1e4;  // who calculates with rigid legs may state anything
   for (const auto leg : all_and_each)
     all.push_back({Kind::guide_sleeves,
@@ -55,7 +55,7 @@ void add_guide_sleeves(const model::MachineFile& file, std::vector<Suspect>& all
 }
 
 /// The O-rings under the glyd rings at the pistons: a third resonance in x and y.
-void add_piston_rings(const model::MachineFile& file, std::vector<Suspect>& all) {
+void add_piston_rings(const model::MachineFile& file, std::vector<Cause>& all) {
   // where the file has none they begin stiffer than the sleeves, as they are in cylinders
   constexpr double factor = 1000.0, stiffer = 10.0;
   const bool stated = leg_of(file, {}).piston_ring.has_value();
@@ -65,7 +65,7 @@ void add_piston_rings(const model::MachineFile& file, std::vector<Suspect>& all)
     const auto path = leg_path(leg, "piston_ring.stiffness");
     const double start =
         of.piston_ring ? of.piston_ring->stiffness : stiffer * of.guide_sleeve.stiffness;
-    Suspect rings{Kind::piston_rings, leg, {within(path, start, factor)}};
+    Cause rings{Kind::piston_rings, leg, {within(path, start, factor)}};
     if (!of.piston_ring) {
       rings.changes = {change(file, path, start)};
       // sleeves that are stated as good as rigid say nothing about the rings
@@ -83,11 +83,11 @@ std::pair<const char*, double> spring_number(const model::Leg& leg) {
 }
 
 /// Air in all legs; where the file has none, from next to nothing, at a usual chamber pressure.
-Suspect entrained_air(const model::MachineFile& file) {
+Cause entrained_air(const model::MachineFile& file) {
   const auto& cylinder = *leg_of(file, {}).oil_spring.cylinder;
   constexpr double least = 1e-4, most = 0.25, usual_pressure = 4e6;
   const std::string path = "legs.oil_spring.cylinder.air.fraction";
-  Suspect air{Kind::air};
+  Cause air{Kind::air};
   double fraction = 1e-3;
   if (cylinder.air && cylinder.air->fraction > least) fraction = cylinder.air->fraction;
   if (!cylinder.air)
@@ -99,7 +99,7 @@ Suspect entrained_air(const model::MachineFile& file) {
 
 /// More oil behind the piston than stated, on one side: dead volume or line, which the linear
 /// models do not tell apart.
-Suspect volume(const model::MachineFile& file, Kind side, Leg leg) {
+Cause volume(const model::MachineFile& file, Kind side, Leg leg) {
   const auto& of = leg_of(file, leg);
   const auto& cylinder = *of.oil_spring.cylinder;
   const bool cap = side == Kind::cap_volume;
@@ -109,15 +109,15 @@ Suspect volume(const model::MachineFile& file, Kind side, Leg leg) {
   const double start = std::max(stated, 0.01 * swept);
   const auto path =
       leg_path(leg, fmt::format("oil_spring.cylinder.{}_line_volume", cap ? "cap" : "rod"));
-  Suspect suspect{side, leg};
-  if (start != stated) suspect.changes = {change(file, path, start)};
-  suspect.free = {
+  Cause cause{side, leg};
+  if (start != stated) cause.changes = {change(file, path, start)};
+  cause.free = {
       {.paths = {path}, .start = start, .lower = 1e-4 * swept, .upper = 5.0 * swept + stated}};
-  return suspect;
+  return cause;
 }
 
 /// The oil as a spring: bulk modulus, entrained air, volumes of chambers and lines.
-void add_oil(const model::MachineFile& file, std::vector<Suspect>& all) {
+void add_oil(const model::MachineFile& file, std::vector<Cause>& all) {
   constexpr double factor = 5.0;
   const auto& cylinder = leg_of(file, {}).oil_spring.cylinder;
   for (const auto leg : all_and_each) {
@@ -135,7 +135,7 @@ void add_oil(const model::MachineFile& file, std::vector<Suspect>& all) {
 
 /// Gimbals and their fastening, which give way along the legs or have play; play shows as a softer
 /// spring, the softer the smaller the motion.
-void add_gimbals(const model::MachineFile& file, std::vector<Suspect>& all) {
+void add_gimbals(const model::MachineFile& file, std::vector<Cause>& all) {
   constexpr double stiff = 30.0, factor = 1000.0;
   const auto lengths = kinematics::leg_lengths(file.machine, file.machine.neutral());
   for (const auto leg : all_and_each) {
@@ -143,14 +143,14 @@ void add_gimbals(const model::MachineFile& file, std::vector<Suspect>& all) {
     const double l_m = lengths[leg.value_or(0)] - of.rod.length;
     const double k = of.gimbal_stiffness.value_or(stiff * hydraulics::oil_stiffness(of, l_m));
     const auto path = leg_path(leg, "gimbal_stiffness");
-    Suspect suspect{Kind::gimbals, leg, {within(path, k, factor)}};
-    if (!of.gimbal_stiffness) suspect.changes = {change(file, path, k)};
-    all.push_back(suspect);
+    Cause cause{Kind::gimbals, leg, {within(path, k, factor)}};
+    if (!of.gimbal_stiffness) cause.changes = {change(file, path, k)};
+    all.push_back(cause);
   }
 }
 
 /// The platform and what stands on it.
-void add_platform(const model::MachineFile& file, std::vector<Suspect>& all) {
+void add_platform(const model::MachineFile& file, std::vector<Cause>& all) {
   constexpr double most = 3.0;
   const auto& platform = file.machine.platform;
   const auto& I = platform.inertia;
@@ -175,7 +175,7 @@ void add_platform(const model::MachineFile& file, std::vector<Suspect>& all) {
 }
 
 /// The base on its foundation: pushed sideways, pressed down, rocking.
-void add_base(const model::MachineFile& file, std::vector<Suspect>& all) {
+void add_base(const model::MachineFile& file, std::vector<Cause>& all) {
   struct Way {
     Kind kind{};
     std::vector<int> directions{};
@@ -191,39 +191,39 @@ void add_base(const model::MachineFile& file, std::vector<Suspect>& all) {
   for (const auto& [kind, directions] :
        {Way{Kind::base_lateral, {0, 1}}, Way{Kind::base_vertical, {2}},
         Way{Kind::base_rocking, {3, 4}}}) {
-    Suspect suspect{kind};
+    Cause cause{kind};
     for (const int direction : directions) {
       std::optional<double> stated;
       if (machine.base_mount)
         stated = machine.base_mount->stiffness[static_cast<std::size_t>(direction)];
       const double value = stated.value_or(stiff * std::abs(of_legs[directions.front()]));
       const auto path = std::string("base.mount.stiffness.") + direction_name(direction);
-      if (!stated) suspect.changes.push_back(change(file, path, value));
-      if (suspect.free.empty())
-        suspect.free.push_back(within(path, value, factor));
+      if (!stated) cause.changes.push_back(change(file, path, value));
+      if (cause.free.empty())
+        cause.free.push_back(within(path, value, factor));
       else
-        suspect.free.front().paths.push_back(path);
+        cause.free.front().paths.push_back(path);
     }
-    all.push_back(suspect);
+    all.push_back(cause);
   }
 }
 
 /// Oil that swings in the lines with the pistons: inertia along the legs.
-void add_oil_lines(const model::MachineFile& file, std::vector<Suspect>& all) {
+void add_oil_lines(const model::MachineFile& file, std::vector<Cause>& all) {
   constexpr double least = 1e-4, most = 0.5;  // of the platform's mass, per leg
   const std::string path = "legs.added_axial_inertia";
   const double mass = file.machine.platform.mass;
   const double stated = leg_of(file, {}).added_axial_inertia;
   const double start = std::max(stated, 10.0 * least * mass);
-  Suspect suspect{Kind::oil_lines};
-  if (start != stated) suspect.changes = {change(file, path, start)};
-  suspect.free = {{.paths = {path}, .start = start, .lower = least * mass, .upper = most * mass}};
-  all.push_back(suspect);
+  Cause cause{Kind::oil_lines};
+  if (start != stated) cause.changes = {change(file, path, start)};
+  cause.free = {{.paths = {path}, .start = start, .lower = least * mass, .upper = most * mass}};
+  all.push_back(cause);
 }
 
 }  // namespace
 
-Family Suspect::family() const {
+Family Cause::family() const {
   if (kind == Kind::guide_sleeves) return Family::guide_sleeves;
   if (kind == Kind::piston_rings) return Family::piston_rings;
   if (kind <= Kind::gimbals) return Family::leg_axes;
@@ -232,21 +232,21 @@ Family Suspect::family() const {
   return kind == Kind::oil_lines ? Family::oil_lines : Family::base;
 }
 
-bool Suspect::in_pairs() const {
+bool Cause::in_pairs() const {
   constexpr std::array stood_for{Kind::air, Kind::cap_volume, Kind::rod_volume, Kind::gimbals,
                                  Kind::payload_height};
   return std::ranges::count(stood_for, kind) == 0;
 }
 
-std::vector<Suspect> suspects_of(const model::MachineFile& file) {
-  std::vector<Suspect> all;
+std::vector<Cause> causes_of(const model::MachineFile& file) {
+  std::vector<Cause> all;
   for (const auto add : {add_guide_sleeves, add_piston_rings, add_oil, add_gimbals, add_platform,
                          add_base, add_oil_lines})
     add(file, all);
   return all;
 }
 
-bool can_be_together(const Suspect& a, const Suspect& b) {
+bool can_be_together(const Cause& a, const Cause& b) {
   if (!a.in_pairs() || !b.in_pairs()) return false;
   if (a.family() != b.family()) return true;
   return a.leg && b.leg && *a.leg != *b.leg;

@@ -1,4 +1,4 @@
-/// Suspects: every machine has all of them, each changes the model, and each is a hypothesis that
+/// Causes: every machine has all of them, each changes the model, and each is a hypothesis that
 /// holds the machine as stated.
 
 #include "hydrapod/diagnosis/diagnose.hpp"
@@ -35,12 +35,12 @@ TEST(Suspects, OfEveryMachineCoverWhatCanBeWrong) {
   for (const auto& text : texts()) {
     std::set<Family> families;
     std::set<std::string> names;
-    for (const auto& suspect : suspects_of(test::machine_file(text))) {
-      families.insert(suspect.family());
-      const auto name = report::cause_name(suspect);
+    for (const auto& cause : causes_of(test::machine_file(text))) {
+      families.insert(cause.family());
+      const auto name = report::cause_name(cause);
       EXPECT_TRUE(names.insert(name).second) << name << " is there twice";
-      EXPECT_FALSE(report::cause_statement(suspect).empty());
-      EXPECT_FALSE(suspect.free.empty());
+      EXPECT_FALSE(report::cause_statement(cause).empty());
+      EXPECT_FALSE(cause.free.empty());
     }
     EXPECT_THAT(families, testing::UnorderedElementsAre(Family::guide_sleeves, Family::piston_rings,
                                                         Family::leg_axes, Family::platform,
@@ -49,21 +49,21 @@ TEST(Suspects, OfEveryMachineCoverWhatCanBeWrong) {
   }
 }
 
-/// Every free number is one of the file's with the suspect's changes, starts within its bounds,
+/// Every free number is one of the file's with the cause's changes, starts within its bounds,
 /// and moving it moves a mode.
 TEST(Suspects, HaveNumbersThatMoveModes) {
   for (const auto& text : texts()) {
     const auto file = test::machine_file(text);
-    for (const auto& suspect : suspects_of(file)) {
+    for (const auto& cause : causes_of(file)) {
       auto with = file;
-      model::assign(with.machine, suspect.changes);
-      const auto kind = suspect.needs_rings() ? ModelKind::full : ModelKind::guide;
+      model::assign(with.machine, cause.changes);
+      const auto kind = cause.needs_rings() ? ModelKind::full : ModelKind::guide;
       const auto before = omega2(with.machine, kind);
-      for (const auto& free : suspect.free) {
+      for (const auto& free : cause.free) {
         const double start = std::get<double>(*free.start), low = std::get<double>(*free.lower),
                      high = std::get<double>(*free.upper);
-        EXPECT_LE(low, start) << report::cause_name(suspect);
-        EXPECT_GE(high, start) << report::cause_name(suspect);
+        EXPECT_LE(low, start) << report::cause_name(cause);
+        EXPECT_GE(high, start) << report::cause_name(cause);
         const double moved = start == 0.0 ? 0.1 * high : 1.07 * start;
         std::vector<model::Assignment> assignments;
         for (const auto& path : free.paths) {
@@ -74,32 +74,32 @@ TEST(Suspects, HaveNumbersThatMoveModes) {
         }
         const auto after = omega2(model::with(with.machine, assignments), kind);
         EXPECT_GT((after - before).cwiseQuotient(before).cwiseAbs().maxCoeff(), 1e-9)
-            << report::cause_name(suspect) << ' ' << free.paths.front();
+            << report::cause_name(cause) << ' ' << free.paths.front();
       }
     }
   }
 }
 
-/// What a suspect needs before it can be guilty changes the machine little: it begins innocent.
+/// What a cause needs before it can be guilty changes the machine little: it begins innocent.
 TEST(Suspects, BeginNearTheMachineAsStated) {
   for (const auto& text : texts()) {
     const auto file = test::machine_file(text);
     const auto stated = omega2(file.machine, ModelKind::guide);
-    for (const auto& suspect : suspects_of(file)) {
-      if (suspect.changes.empty() || suspect.needs_rings()) continue;
-      const auto begun = omega2(model::with(file.machine, suspect.changes), ModelKind::guide);
+    for (const auto& cause : causes_of(file)) {
+      if (cause.changes.empty() || cause.needs_rings()) continue;
+      const auto begun = omega2(model::with(file.machine, cause.changes), ModelKind::guide);
       EXPECT_LT((begun - stated).cwiseQuotient(stated).cwiseAbs().maxCoeff(), 0.1)
-          << report::cause_name(suspect);
+          << report::cause_name(cause);
     }
   }
 }
 
 TEST(Suspects, AreTriedTogetherAcrossFamiliesAndForTwoLegs) {
-  const Suspect all{Suspect::Kind::bulk_modulus};
-  const Suspect leg2{Suspect::Kind::oil_springs, 1};
-  const Suspect leg5{Suspect::Kind::oil_springs, 4};
-  const Suspect mass{Suspect::Kind::payload};
-  const Suspect air{Suspect::Kind::air};
+  const Cause all{Cause::Kind::bulk_modulus};
+  const Cause leg2{Cause::Kind::oil_springs, 1};
+  const Cause leg5{Cause::Kind::oil_springs, 4};
+  const Cause mass{Cause::Kind::payload};
+  const Cause air{Cause::Kind::air};
   EXPECT_FALSE(can_be_together(all, leg2));
   EXPECT_TRUE(can_be_together(leg2, leg5));
   EXPECT_FALSE(can_be_together(leg2, leg2));
