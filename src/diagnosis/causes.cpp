@@ -13,7 +13,6 @@ namespace hydrapod::diagnosis {
 
 namespace {
 
-using Kind = Cause::Kind;
 using Leg = std::optional<int>;  ///< none: all legs
 
 constexpr std::array<Leg, 7> all_and_each{std::nullopt, 0, 1, 2, 3, 4, 5};
@@ -48,7 +47,7 @@ const model::Leg& leg_of(const model::MachineFile& file, Leg leg) {
 void add_guide_sleeves(const model::MachineFile& file, std::vector<Cause>& all) {
   constexpr double factor = 1e4;  // who calculates with rigid legs may state anything
   for (const auto leg : all_and_each)
-    all.push_back({Kind::guide_sleeves,
+    all.push_back({Cause::Kind::guide_sleeves,
                    leg,
                    {within(leg_path(leg, "guide_sleeve.stiffness"),
                            leg_of(file, leg).guide_sleeve.stiffness, factor)}});
@@ -65,7 +64,7 @@ void add_piston_rings(const model::MachineFile& file, std::vector<Cause>& all) {
     const auto path = leg_path(leg, "piston_ring.stiffness");
     const double start =
         of.piston_ring ? of.piston_ring->stiffness : stiffer * of.guide_sleeve.stiffness;
-    Cause rings{Kind::piston_rings, leg, {within(path, start, factor)}};
+    Cause rings{Cause::Kind::piston_rings, leg, {within(path, start, factor)}};
     if (!of.piston_ring) {
       rings.changes = {change(file, path, start)};
       // sleeves that are stated as good as rigid say nothing about the rings
@@ -87,7 +86,7 @@ Cause entrained_air(const model::MachineFile& file) {
   const auto& cylinder = *leg_of(file, {}).oil_spring.cylinder;
   constexpr double least = 1e-4, most = 0.25, usual_pressure = 4e6;
   const std::string path = "legs.oil_spring.cylinder.air.fraction";
-  Cause air{Kind::air};
+  Cause air{Cause::Kind::air};
   double fraction = 1e-3;
   if (cylinder.air && cylinder.air->fraction > least) fraction = cylinder.air->fraction;
   if (!cylinder.air)
@@ -99,10 +98,10 @@ Cause entrained_air(const model::MachineFile& file) {
 
 /// More oil behind the piston than stated, on one side: dead volume or line, which the linear
 /// models do not tell apart.
-Cause volume(const model::MachineFile& file, Kind side, Leg leg) {
+Cause volume(const model::MachineFile& file, Cause::Kind side, Leg leg) {
   const auto& of = leg_of(file, leg);
   const auto& cylinder = *of.oil_spring.cylinder;
-  const bool cap = side == Kind::cap_volume;
+  const bool cap = side == Cause::Kind::cap_volume;
   const double stated = cap ? cylinder.cap_line_volume : cylinder.rod_line_volume;
   const double area = 0.25 * std::numbers::pi * cylinder.bore * cylinder.bore;
   const double swept = area * of.stroke->length;
@@ -122,14 +121,14 @@ void add_oil(const model::MachineFile& file, std::vector<Cause>& all) {
   const auto& cylinder = leg_of(file, {}).oil_spring.cylinder;
   for (const auto leg : all_and_each) {
     const auto [path, stated] = spring_number(leg_of(file, leg));
-    all.push_back({!leg && cylinder ? Kind::bulk_modulus : Kind::oil_springs,
+    all.push_back({!leg && cylinder ? Cause::Kind::bulk_modulus : Cause::Kind::oil_springs,
                    leg,
                    {within(leg_path(leg, path), stated, factor)}});
   }
   if (!cylinder) return;
   all.push_back(entrained_air(file));
   if (cylinder->volumes == model::VolumeRule::equal) return;
-  for (const auto side : {Kind::cap_volume, Kind::rod_volume})
+  for (const auto side : {Cause::Kind::cap_volume, Cause::Kind::rod_volume})
     for (const auto leg : all_and_each) all.push_back(volume(file, side, leg));
 }
 
@@ -143,7 +142,7 @@ void add_gimbals(const model::MachineFile& file, std::vector<Cause>& all) {
     const double l_m = lengths[leg.value_or(0)] - of.rod.length;
     const double k = of.gimbal_stiffness.value_or(stiff * hydraulics::oil_stiffness(of, l_m));
     const auto path = leg_path(leg, "gimbal_stiffness");
-    Cause cause{Kind::gimbals, leg, {within(path, k, factor)}};
+    Cause cause{Cause::Kind::gimbals, leg, {within(path, k, factor)}};
     if (!of.gimbal_stiffness) cause.changes = {change(file, path, k)};
     all.push_back(cause);
   }
@@ -166,18 +165,18 @@ void add_platform(const model::MachineFile& file, std::vector<Cause>& all) {
   for (int k = 0; k < 3; ++k)
     center.push_back(
         near(fmt::format("platform.mass_center[{}]", k), platform.mass_center[k], reach));
-  all.push_back({Kind::payload, {}, {mass}});
+  all.push_back({Cause::Kind::payload, {}, {mass}});
   // a payload raises the centre with the mass, and where there is gravity presses on the knees
-  all.push_back({Kind::payload_height, {}, {mass, center[2]}});
-  all.push_back({Kind::inertia, {}, moments});
-  all.push_back({Kind::mass_and_inertia, {}, both});
-  all.push_back({Kind::mass_center, {}, center});
+  all.push_back({Cause::Kind::payload_height, {}, {mass, center[2]}});
+  all.push_back({Cause::Kind::inertia, {}, moments});
+  all.push_back({Cause::Kind::mass_and_inertia, {}, both});
+  all.push_back({Cause::Kind::mass_center, {}, center});
 }
 
 /// The base on its foundation: pushed sideways, pressed down, rocking.
 void add_base(const model::MachineFile& file, std::vector<Cause>& all) {
   struct Way {
-    Kind kind{};
+    Cause::Kind kind{};
     std::vector<int> directions{};
   };
   constexpr double stiff = 50.0, factor = 500.0;
@@ -189,8 +188,8 @@ void add_base(const model::MachineFile& file, std::vector<Cause>& all) {
   const spatial::Matrix6 K = model.K;
   const spatial::Vector6 of_legs = (T.transpose() * K * T).diagonal();
   for (const auto& [kind, directions] :
-       {Way{Kind::base_lateral, {0, 1}}, Way{Kind::base_vertical, {2}},
-        Way{Kind::base_rocking, {3, 4}}}) {
+       {Way{Cause::Kind::base_lateral, {0, 1}}, Way{Cause::Kind::base_vertical, {2}},
+        Way{Cause::Kind::base_rocking, {3, 4}}}) {
     Cause cause{kind};
     for (const int direction : directions) {
       std::optional<double> stated;
@@ -215,7 +214,7 @@ void add_oil_lines(const model::MachineFile& file, std::vector<Cause>& all) {
   const double mass = file.machine.platform.mass;
   const double stated = leg_of(file, {}).added_axial_inertia;
   const double start = std::max(stated, 10.0 * least * mass);
-  Cause cause{Kind::oil_lines};
+  Cause cause{Cause::Kind::oil_lines};
   if (start != stated) cause.changes = {change(file, path, start)};
   cause.free = {{.paths = {path}, .start = start, .lower = least * mass, .upper = most * mass}};
   all.push_back(cause);
@@ -224,17 +223,17 @@ void add_oil_lines(const model::MachineFile& file, std::vector<Cause>& all) {
 }  // namespace
 
 Family Cause::family() const {
-  if (kind == Kind::guide_sleeves) return Family::guide_sleeves;
-  if (kind == Kind::piston_rings) return Family::piston_rings;
-  if (kind <= Kind::gimbals) return Family::leg_axes;
-  if (kind <= Kind::mass_and_inertia) return Family::platform;
-  if (kind == Kind::mass_center) return Family::mass_center;
-  return kind == Kind::oil_lines ? Family::oil_lines : Family::base;
+  if (kind == Cause::Kind::guide_sleeves) return Family::guide_sleeves;
+  if (kind == Cause::Kind::piston_rings) return Family::piston_rings;
+  if (kind <= Cause::Kind::gimbals) return Family::leg_axes;
+  if (kind <= Cause::Kind::mass_and_inertia) return Family::platform;
+  if (kind == Cause::Kind::mass_center) return Family::mass_center;
+  return kind == Cause::Kind::oil_lines ? Family::oil_lines : Family::base;
 }
 
 bool Cause::in_pairs() const {
-  constexpr std::array stood_for{Kind::air, Kind::cap_volume, Kind::rod_volume, Kind::gimbals,
-                                 Kind::payload_height};
+  constexpr std::array stood_for{Cause::Kind::air, Cause::Kind::cap_volume, Cause::Kind::rod_volume,
+                                 Cause::Kind::gimbals, Cause::Kind::payload_height};
   return std::ranges::count(stood_for, kind) == 0;
 }
 

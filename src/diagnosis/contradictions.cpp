@@ -17,7 +17,6 @@ namespace {
 using observation::ModeTarget;
 using observation::Targets;
 
-using Kind = Contradiction::Kind;
 constexpr double notable = 3.0;  // deviations
 
 Place place_of(const ModeTarget& mode) {
@@ -25,7 +24,7 @@ Place place_of(const ModeTarget& mode) {
   return {mode.pose, -1, mode.name};
 }
 
-Contradiction contradiction(Kind kind, std::vector<Place> places) {
+Contradiction contradiction(Contradiction::Kind kind, std::vector<Place> places) {
   Contradiction made{kind};
   made.places = std::move(places);
   return made;
@@ -58,7 +57,8 @@ std::optional<Contradiction> missed_response(const Targets& targets, const Hypot
   const auto& target = targets.responses[worst->first.first];
   const double missed = worst->second.second;
   const bool forces = target.entry == observation::Entry::forces;
-  auto found = contradiction(forces ? Kind::forces : Kind::drives, {{.pose = target.pose}});
+  auto found = contradiction(forces ? Contradiction::Kind::forces : Contradiction::Kind::drives,
+                             {{.pose = target.pose}});
   found.omega = target.s[worst->first.second].imag();
   found.mac = 1.0 - missed * missed;
   found.missed = missed;
@@ -81,7 +81,7 @@ std::vector<Contradiction> missing_resonances(const Targets& targets, const Hypo
   }
   std::vector<Contradiction> all;
   for (const auto& [counts, places] : found) {
-    all.push_back(contradiction(Kind::resonances, places));
+    all.push_back(contradiction(Contradiction::Kind::resonances, places));
     std::tie(all.back().predicted, all.back().measured) = counts;
   }
   return all;
@@ -109,11 +109,11 @@ std::vector<Contradiction> what_is_wrong(const Evidence& evidence, const Hypothe
     const auto& target = targets.modes[i];
     const auto& fit = e.fit.targets[i];
     if (difference(i) >= notable) {
-      wrong.push_back(contradiction(Kind::frequency, {place_of(target)}));
+      wrong.push_back(contradiction(Contradiction::Kind::frequency, {place_of(target)}));
       wrong.back().omega = fit.omega;
       wrong.back().difference = fit.omega - target.omega;
     } else if (target.shape && fit.shape_mac < other_motion) {
-      wrong.push_back(contradiction(Kind::shape, {place_of(target)}));
+      wrong.push_back(contradiction(Contradiction::Kind::shape, {place_of(target)}));
       wrong.back().omega = target.omega;
       wrong.back().mac = fit.shape_mac;
     }
@@ -148,7 +148,7 @@ std::optional<Contradiction> contrary(const Evidence& evidence, const Hypothesis
   if (std::abs(worst->difference) < notable) return {};
   const auto& p = fitted.fit.parameters.front();
   const auto& target = part->rest.modes[static_cast<std::size_t>(worst - at.targets.begin())];
-  auto found = contradiction(Kind::value, {place_of(target)});
+  auto found = contradiction(Contradiction::Kind::value, {place_of(target)});
   found.omega = worst->omega;
   found.difference = worst->omega - target.omega;
   found.direction = direction;
