@@ -16,8 +16,11 @@ if(HYDRAPOD_SANITIZE)
   add_link_options(-fsanitize=${HYDRAPOD_SANITIZE})
 endif()
 
-# Compiles the sources of a target a few at a time, those of one folder together: most of the time goes
-# to headers, which they share. So names in anonymous namespaces are unique within a folder.
+# Compiles the sources of a target a few at a time, those of one of these folders together: most of the
+# time goes to headers, which they share (report: 23 s for five files instead of 50 s). Names in anonymous
+# namespaces are unique within such a folder. Folders full of Eigen take longer together: gcc inlines more.
+set(hydrapod_unity_folders base calibration control data diagnosis identification model report rig
+  signals simulation tasks)
 function(hydrapod_unity target root)
   set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_MODE GROUP)
   get_target_property(sources ${target} SOURCES)
@@ -25,7 +28,11 @@ function(hydrapod_unity target root)
     if(NOT source MATCHES "^${root}/(.*)/[^/]*[.]cpp$")
       continue()
     endif()
-    string(MAKE_C_IDENTIFIER "${CMAKE_MATCH_1}" folder)
+    set(folder ${CMAKE_MATCH_1})
+    if(NOT folder IN_LIST hydrapod_unity_folders)
+      set_source_files_properties(${source} PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
+      continue()
+    endif()
     math(EXPR number_${folder} "0${number_${folder}} + 1")
     math(EXPR group "(${number_${folder}} - 1) / 5")
     set_source_files_properties(${source} PROPERTIES UNITY_GROUP ${folder}_${group})
