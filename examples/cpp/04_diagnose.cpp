@@ -8,6 +8,6 @@ int main(int count, char** arguments) {
   const auto machine = tasks::read_machine({.file = arguments[1]});
   const auto found = tasks::diagnose(machine, {.measured = {.files = {arguments[2]}}});
   const auto& diagnosis = *found.file.diagnosis;
-  for (const auto& one : diagnosis.explanations)
-    std::printf("%9.1f  %s\n", one.criterion, report::hypothesis_name(diagnosis, one).c_str());
+  for (const auto& one : diagnosis.hypotheses)
+    std::printf("%9.1f  %s\n", one.bic, report::hypothesis_name(diagnosis, one).c_str());
 }

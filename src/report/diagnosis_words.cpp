@@ -254,7 +254,7 @@ std::vector<std::string> note_words(const Diagnosis& d) {
   if (!d.substitution) return {};
   const auto& [measured, error] = *d.substitution;
   return {fmt::format(
-      "compared with mechanics on oil springs, though the {} was measured: the machine as stated "
+      "compared with mechanics on oil springs, though the {} was measured: the nominal machine "
       "with its hydraulics: {}",
       measured == observation::Observed::plant ? "plant from the drives of the valves"
                                                : "machine under its controller",
