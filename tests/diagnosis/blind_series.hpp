@@ -84,7 +84,8 @@ inline BlindResult run_blind(const BlindCase& test, const Measure& measure = by_
   for (const auto k : d.equivalent)
     if (is_planted(d.hypotheses[k])) {
       result.found = true;
-      result.first = result.first || d.hypotheses[k].bic < d.best().bic + rounding;
+      result.first =
+          result.first || d.hypotheses[k].bic < d.hypotheses[d.equivalent.front()].bic + rounding;
     }
   return result;
 }
