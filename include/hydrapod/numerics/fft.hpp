@@ -7,9 +7,9 @@
 ///
 /// KISS FFT (in Eigen) does the work, of any length. Only several channels at once with a length
 /// that is a power of two go another way: radix 4 after Stockham, four channels side by side in the
-/// processor's vector registers, which is what most of the time of spectral estimates goes into: half
-/// the time of KISS FFT (`identification_bench --benchmark_filter=transforms`).
-/// Source: P. N. Swarztrauber, Parallel Computing 1 (1984) 45.
+/// processor's vector registers, which is what most of the time of spectral estimates goes into:
+/// half the time of KISS FFT (`identification_bench --benchmark_filter=transforms`). Source: P. N.
+/// Swarztrauber, Parallel Computing 1 (1984) 45.
 
 #include <Eigen/Core>
 #include <complex>
