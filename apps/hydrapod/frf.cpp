@@ -28,10 +28,10 @@ std::string channel_table(const identification::FrequencyResponses& r,
   return table.text(style);
 }
 
-std::string table_text(const Arguments& arguments, const tasks::Measured& measured) {
+std::string table_text(const Arguments& arguments, const tasks::Measured& measured,
+                       const identification::FrequencyResponses& r) {
   const auto style = table_style(arguments.output);
   const auto& m = measured.measurement;
-  const auto& r = m.responses;
   std::string text = report::measurement_text(r) + "\n";
   if (measured.records)
     text += fmt::format(
@@ -66,7 +66,7 @@ void run(const Arguments& arguments) {
   const auto measured =
       with_progress("reading", [&](const auto& progress) { return tasks::frf(options, progress); });
   print_diagnostics(measured.warnings);
-  const auto& r = measured.responses();
+  const auto r = tasks::shared_responses(measured);
   const std::string title = options.files.front();
   const report::PlotText text{title, report::measurement_text(r)};
   draw(arguments.plot, [&](const auto& path) { report::plot_responses(r, nullptr, text, path); });
@@ -79,7 +79,7 @@ void run(const Arguments& arguments) {
   }
   if (format == csv) return base::write_file_whole(arguments.output, report::responses_csv(r));
   if (format == table)
-    return base::write_file_whole(arguments.output, table_text(arguments, measured));
+    return base::write_file_whole(arguments.output, table_text(arguments, measured, r));
   report::Json document{{"kind", "frf"}, {"records", options.files}};
   if (measured.header) document["record"] = report::record_origin_json(*measured.header);
   base::write_file_whole(arguments.output, json_text(document, report::responses_json(r), -1));

@@ -6,11 +6,11 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <span>
 
 #include "hydrapod/base/error.hpp"
 #include "hydrapod/numerics/fft.hpp"
+#include "line_weights.hpp"
 #include "names.hpp"
 #include "response_checks.hpp"
 
@@ -18,11 +18,7 @@ namespace hydrapod::identification {
 
 namespace {
 
-constexpr double decay = 4.0;            // a times half a block: e⁻⁴ of h is cut off
-constexpr Index kernel_reach = 12;       // lines of the spectra on either side that are mixed
-constexpr Index edge = 16;               // lines over which an excited band ends
-constexpr double weakly_excited = 1e-5;  // of the strongest line of an instrument
-constexpr std::size_t least_lines = 16;
+constexpr Index kernel_reach = 12;  // lines of the spectra on either side that are mixed
 constexpr double negligible_covariance = 0.03;
 
 /// The factor q(τ) on impulse responses, and what it does to their errors.
@@ -55,7 +51,7 @@ Complex line_of(const VectorXd& x, Index d, Index n) {
   return sum;
 }
 
-LagWindow lag_window(const CrossSpectra& spectra) {
+LagWindow lag_window(const CrossSpectra& spectra, double decay) {
   const Index n = spectra.options.block_length, m = n / 2;
   const double dt = 1.0 / spectra.sample_rate;
   const VectorXd rho = lag_taper(spectra.window);
@@ -85,64 +81,113 @@ LagWindow lag_window(const CrossSpectra& spectra) {
   return w;
 }
 
-/// Share of each line that is used: 1 inside excited bands, falling to 0 at their ends.
-VectorXd excited_share(const CrossSpectra& spectra, const std::vector<int>& instruments) {
-  const Index lines = spectra.lines();
-  std::vector<bool> excited(static_cast<std::size_t>(lines), true);
-  for (const int r : instruments) {
-    const auto density = spectra.re.col(static_cast<Index>(r) * (r + 3) / 2);
-    const double least = weakly_excited * density.bottomRows(lines - 1).maxCoeff();
-    for (Index k = 0; k < lines; ++k)
-      if (k > 0 && !(density[k] > least)) excited[static_cast<std::size_t>(k)] = false;
-  }
-  VectorXd share = VectorXd::Zero(lines);
-  Index since = edge;  // lines since the last one that is not excited; below 0 Hz mirrors
-  for (Index k = 0; k < lines; ++k) {
-    since = excited[static_cast<std::size_t>(k)] ? std::min(edge, since + 1) : 0;
-    share[k] = static_cast<double>(since) / edge;
-  }
-  since = edge;
-  for (Index k = lines; k-- > 0;) {
-    since = excited[static_cast<std::size_t>(k)] ? std::min(edge, since + 1) : 0;
-    share[k] = std::min(share[k], static_cast<double>(since) / edge);
-  }
-  for (double& s : share) s = 0.5 - 0.5 * std::cos(std::numbers::pi * s);
-  return share;
-}
-
 /// H1 from the instruments r to w = (outputs, inputs), at all lines of the spectra.
 struct FromInstruments {
-  std::vector<MatrixXcd> H;      // w × r, times the share that is used
+  std::vector<MatrixXcd> H;      // w × r
   std::vector<MatrixXcd> noise;  // spectrum of w − H r
-  std::vector<MatrixXcd> P;      // S_rr⁻¹
+  std::vector<MatrixXcd> P;      // S_rr⁻¹; 0 where it cannot be formed
+  /// What r explains of the inputs' power, by what it would explain of noise alone; the least of
+  /// the inputs.
+  MatrixXd explained, by_chance;  // lines × inputs
 };
 
-FromInstruments from_instruments(const CrossSpectra& spectra, const ChannelChoice& c,
-                                 const VectorXd& share, Index first) {
+FromInstruments from_instruments(const CrossSpectra& spectra, const ChannelChoice& c, Index first,
+                                 double averages) {
   auto all = c.outputs;
   all.insert(all.end(), c.inputs.begin(), c.inputs.end());
   const auto rows = static_cast<Index>(all.size()), p = static_cast<Index>(c.instruments.size());
   FromInstruments f;
+  f.explained = f.by_chance = MatrixXd::Zero(spectra.lines(), p);
   for (Index k = 0; k < spectra.lines(); ++k) {
     f.H.emplace_back(MatrixXcd::Zero(rows, p));
     f.noise.emplace_back(MatrixXcd::Zero(rows, rows));
     f.P.emplace_back(MatrixXcd::Zero(p, p));
-    if (k < first || !(share[k] > 0.0)) continue;
+    if (k < first) continue;
     const MatrixXcd S = spectra.at(k);
     const MatrixXcd S_wr = S(all, c.instruments);
     const MatrixXcd P = S(c.instruments, c.instruments).llt().solve(MatrixXcd::Identity(p, p));
     if (!P.allFinite()) continue;
-    f.H.back() = share[k] * S_wr * P;
-    f.noise.back() = S(all, all) - S_wr * P * S_wr.adjoint();
+    f.H.back() = S_wr * P;
+    const MatrixXcd explained = f.H.back() * S_wr.adjoint();
+    f.noise.back() = S(all, all) - explained;
     f.P.back() = P;
+    f.explained.row(k) = explained.diagonal().tail(p).real();
+    f.by_chance.row(k) = f.noise.back().diagonal().tail(p).real() * static_cast<double>(p) /
+                         (averages - static_cast<double>(p));
   }
   for (Index k = 0; k < first; ++k) {  // the mean was taken out: as at the first line, and real
     const auto from = static_cast<std::size_t>(first), to = static_cast<std::size_t>(k);
     f.H[to] = f.H[from].real().cast<Complex>();
     f.noise[to] = f.noise[from];
     f.P[to] = f.P[from];
+    f.explained.row(k) = f.explained.row(first);
+    f.by_chance.row(k) = f.by_chance.row(first);
   }
   return f;
+}
+
+/// Lines at which all instruments are seen in all inputs.
+std::vector<bool> excited_lines(const CrossSpectra& spectra, const std::vector<int>& instruments,
+                                const FromInstruments& f, const DampedOptions& options) {
+  const Index lines = spectra.lines();
+  std::vector<bool> excited(static_cast<std::size_t>(lines), true);
+  for (const int r : instruments) {
+    const auto density = spectra.re.col(static_cast<Index>(r) * (r + 3) / 2);
+    const double least = options.weakly_excited * density.bottomRows(lines - 1).maxCoeff();
+    for (Index k = 1; k < lines; ++k)
+      if (!(density[k] > least)) excited[static_cast<std::size_t>(k)] = false;
+  }
+  for (Index i = 0; i < f.explained.cols(); ++i) {
+    const VectorXd signal = running_mean(f.explained.col(i), options.seen_reach),
+                   chance = running_mean(f.by_chance.col(i), options.seen_reach);
+    for (Index k = 0; k < lines; ++k)
+      if (!(signal[k] > options.seen * chance[k])) excited[static_cast<std::size_t>(k)] = false;
+  }
+  return excited;
+}
+
+/// Samples t ≥ 0 doubled, so that the phase of the spectrum belongs to a causal sequence.
+std::vector<Complex> minimum_phase(const VectorXd& log_magnitude) {
+  const auto lines = static_cast<std::size_t>(log_magnitude.size()), n = 2 * (lines - 1);
+  numerics::RealFft fft(static_cast<int>(n));
+  std::vector<Complex> spectrum(log_magnitude.begin(), log_magnitude.end());
+  std::vector<double> cepstrum(n);
+  fft.inverse(spectrum, cepstrum);
+  for (std::size_t t = 1; t < n / 2; ++t) cepstrum[t] *= 2.0;
+  std::fill(cepstrum.begin() + static_cast<std::ptrdiff_t>(n / 2) + 1, cepstrum.end(), 0.0);
+  fft.forward(cepstrum, spectrum);
+  for (Complex& line : spectrum) line = std::exp(line);
+  return spectrum;
+}
+
+/// D at each line: 1 where all is excited, 0 where it is not.
+std::vector<Complex> band_filter(const std::vector<bool>& excited, const DampedOptions& options) {
+  const auto lines = static_cast<Index>(excited.size()), n = 2 * (lines - 1);
+  if (std::ranges::count(excited, false) == 0)
+    return std::vector<Complex>(excited.size(), Complex(1.0));
+  const auto mirrored = [&](Index k) {
+    const Index at = ((k % n) + n) % n;
+    return std::min(at, n - at);
+  };
+  VectorXd outside = VectorXd::Zero(lines), log_magnitude(lines);
+  const auto edge = static_cast<Index>(std::lround(options.edge));
+  for (Index k = 0; k < lines; ++k)
+    for (Index d = -edge; d <= edge; ++d)
+      if (!excited[static_cast<std::size_t>(mirrored(k + d))]) outside[k] = 1.0;
+  const Index reach = 5 * edge;
+  VectorXd bell(2 * reach + 1);
+  for (Index d = -reach; d <= reach; ++d)
+    bell[d + reach] = std::exp(-0.5 * std::pow(static_cast<double>(d) / options.edge, 2));
+  bell /= bell.sum();
+  for (Index k = 0; k < lines; ++k) {
+    double mean = 0.0;
+    for (Index d = -reach; d <= reach; ++d) mean += bell[d + reach] * outside[mirrored(k + d)];
+    log_magnitude[k] = mean * std::log(options.attenuation);
+  }
+  auto D = minimum_phase(log_magnitude);
+  for (std::size_t k = 0; k < D.size(); ++k)
+    if (!excited[k]) D[k] = 0.0;
+  return D;
 }
 
 /// H'(ω) at every second line, n/4 + 1 of them.
@@ -166,25 +211,37 @@ std::vector<MatrixXcd> brought_to_shift(const std::vector<MatrixXcd>& H, const V
   return result;
 }
 
-/// Mean over the lines that the lag window mixes, of those that were used.
-MatrixXcd mixed(const std::vector<MatrixXcd>& values, const VectorXd& share, Index line,
-                const VectorXd& kernel) {
-  MatrixXcd sum = MatrixXcd::Zero(values[0].rows(), values[0].cols());
-  double weight = 0.0;
+/// Means over the lines that the lag window mixes, of errors D e whose covariance is W by |D|² P.
+struct Errors {
+  MatrixXcd W, P;
+};
+
+Errors mixed(const FromInstruments& f, const std::vector<Complex>& D, Index line,
+             const VectorXd& kernel) {
+  Errors e{MatrixXcd::Zero(f.noise[0].rows(), f.noise[0].rows()),
+           MatrixXcd::Zero(f.P[0].rows(), f.P[0].rows())};
+  double kernels = 0.0, sizes = 0.0, both = 0.0;
   for (Index d = -kernel_reach; d <= kernel_reach; ++d) {
-    const Index k = std::abs(line + d);
-    if (k >= share.size() || !(share[k] > 0.0)) continue;
-    const double w = kernel[d + kernel_reach];
-    const auto& value = values[static_cast<std::size_t>(k)];
-    sum += w * (line + d < 0 ? MatrixXcd(value.conjugate()) : value);
-    weight += w;
+    const auto k = static_cast<std::size_t>(std::abs(line + d));
+    if (k >= D.size()) continue;
+    const double weight = kernel[d + kernel_reach], size = f.P[k].trace().real();
+    kernels += weight;
+    if (!(size > 0.0)) continue;
+    const double own = weight * std::norm(D[k]) * size;
+    const double part = own * f.noise[k].trace().real() / size;
+    const bool negative = line + d < 0;
+    e.W += own * (negative ? MatrixXcd(f.noise[k].conjugate()) : f.noise[k]);
+    e.P += part * (negative ? MatrixXcd(f.P[k].conjugate()) : f.P[k]);
+    sizes += own;
+    both += part * size;
   }
-  return sum / weight;
+  e.W /= sizes;
+  e.P *= sizes / (kernels * both);
+  return e;
 }
 
 void add_line(const CrossSpectra& spectra, const ChannelChoice& c, const MatrixXcd& H_wr,
-              const MatrixXcd& noise, const MatrixXcd& P, double scale, Index line,
-              FrequencyResponses& r) {
+              const Errors& errors, double scale, Index line, FrequencyResponses& r) {
   const auto outputs = static_cast<Index>(c.outputs.size()),
              p = static_cast<Index>(c.inputs.size());
   const MatrixXcd G = H_wr.bottomRows(p).partialPivLu().inverse();
@@ -192,42 +249,43 @@ void add_line(const CrossSpectra& spectra, const ChannelChoice& c, const MatrixX
   difference.leftCols(outputs).setIdentity();
   const MatrixXcd H = H_wr.topRows(outputs) * G;
   difference.rightCols(p) = -H;
-  MatrixXcd V = difference * noise * difference.adjoint();
+  MatrixXcd V = difference * errors.W * difference.adjoint();
   const MatrixXcd S = spectra.at(line);
   keep_positive(S, c.outputs, V);
   r.frequency.push_back(spectra.frequency(line));
   r.H.push_back(H);
-  r.input_factor.push_back(G.adjoint() * P * G);
+  r.input_factor.push_back(G.adjoint() * errors.P * G);
   r.noise.push_back(scale * V);
   add_quality(S, c, V, r);
 }
 
 }  // namespace
 
-FrequencyResponses damped_instrumental(const CrossSpectra& spectra, const ChannelChoice& wanted) {
+FrequencyResponses damped_instrumental(const CrossSpectra& spectra, const ChannelChoice& wanted,
+                                       const DampedOptions& options) {
   ChannelChoice c = wanted;
   auto r = without_lines(spectra, Estimator::instrumental, c);
   const double K = r.averages, p = static_cast<double>(c.inputs.size());
-  const LagWindow window = lag_window(spectra);
+  const LagWindow window = lag_window(spectra, options.decay);
   const auto first = static_cast<Index>(spectra.statistics.line_covariance.size());
-  const VectorXd share = excited_share(spectra, c.instruments);
-  const auto f = from_instruments(spectra, c, share, first);
+  auto f = from_instruments(spectra, c, first, K);
+  const auto D = band_filter(excited_lines(spectra, c.instruments, f, options), options);
+  for (std::size_t k = 0; k < D.size(); ++k) f.H[k] *= D[k];
   const auto H = brought_to_shift(f.H, window.q);
   r.degrees = (K - p) * window.more_lines;
   r.shift = window.a;
   r.line_covariance = window.line_covariance;
   const auto quiet = quiet_levels(spectra);
-  constexpr Index apart = 4;  // lines from where the excitation is less, or the mean was
+  constexpr Index apart = 4;  // lines from where the mean was, and from the last one
   for (Index k = (first + apart) / 2; 2 * k + apart < spectra.lines(); ++k) {
-    if (share.segment(std::max<Index>(0, 2 * k - apart), 2 * apart + 1).minCoeff() < 1.0) continue;
+    if (!(std::abs(D[static_cast<std::size_t>(2 * k)]) > options.least_share)) continue;
     const double condition = input_condition(spectra.at(2 * k), c.inputs, c.instruments, quiet);
     if (!(condition < singular_condition)) continue;
-    add_line(spectra, c, H[static_cast<std::size_t>(k)],
-             mixed(f.noise, share, 2 * k, window.kernel), mixed(f.P, share, 2 * k, window.kernel),
+    add_line(spectra, c, H[static_cast<std::size_t>(k)], mixed(f, D, 2 * k, window.kernel),
              window.noise / (K - p), 2 * k, r);
     r.condition.push_back(condition);
   }
-  if (r.lines() < least_lines) return estimate_responses(spectra, wanted, r.estimator);
+  if (r.lines() < options.least_lines) return estimate_responses(spectra, wanted, r.estimator);
   finish_checks(spectra, c, r);
   return r;
 }

@@ -11,11 +11,17 @@
 ///
 /// is exact: a pole at λ shows at λ − a, no matter how sharp it is. h(τ) is had from the H1
 /// estimate over all lines, divided by ρ(τ), for τ up to half a block; a makes what is cut off
-/// there small. Excitation must be flat over a few lines; lines that are hardly excited are left
-/// out, and so are those near them.
+/// there small. Excitation must be flat over a few lines.
 ///
-/// Errors. With w = (y, u) − H_wr r, its spectrum W̄ and P̄ = S_rr⁻¹ averaged over the lines that
-/// the lag window mixes, K blocks and p inputs,
+/// Excitation in a band. Where r says nothing, H_wr is noise, which the cut at τ = 0 would spread
+/// over all lines. All of H_wr is therefore multiplied by a filter D(ω), one for outputs and
+/// inputs, which the quotient cancels: it is 1 where r is seen in the inputs and falls to 0 within
+/// a few lines where it is not. D has minimum phase: D H_wr remains causal, so that nothing is cut
+/// off at τ = 0, and its delay, over which the lag window gives more weight to noise than to the
+/// response, is the least possible.
+///
+/// Errors. With w = (y, u) − H_wr r, its spectrum W̄ and P̄ = |D|² S_rr⁻¹ averaged over the lines
+/// that the lag window mixes, K blocks and p inputs,
 ///
 ///     cov(H_oi, H_pj*) = [(I, −H) W̄ (I, −H)ᴴ]_op Q_ji c/(K − p),   Q = H'_ur⁻ᴴ P̄ H'_ur⁻¹,
 ///
@@ -26,10 +32,31 @@
 
 namespace hydrapod::identification {
 
+struct DampedOptions {
+  /// e^(−decay) of an impulse response may be left after half a block, where it is cut off.
+  double decay{4.0};
+  /// A line is excited where each instrument's density > weakly_excited · that of its strongest
+  /// line: below, the window's leakage is all there is.
+  double weakly_excited{1e-5};
+  /// … and where r explains of each input's power more than seen · what it would explain of noise
+  /// by chance, in the mean over ± seen_reach lines: chance alone stays below in all but 1 of 1e4.
+  double seen{3.0};
+  Eigen::Index seen_reach{3};
+  /// Lines: standard deviation of the bell that rounds the edges of ln |D|, and distance of the
+  /// edges from lines that are not excited. Narrower edges make D ring past the end of a block.
+  double edge{6.0};
+  /// |D| far outside: what is left there is cut off, and so small that this does not show.
+  double attenuation{1e-5};
+  /// Lines with |D| > least_share are used: below, what leaks from their neighbours prevails.
+  double least_share{0.1};
+  std::size_t least_lines{16};
+};
+
 /// For spectra that are not periodic. Lines are twice as far apart as those of the spectra. Where
 /// hardly any line is left (blocks too short for the band) it is estimate_responses(), without a
 /// shift; throws base::ComputationError as that does.
-FrequencyResponses damped_instrumental(const CrossSpectra& spectra, const ChannelChoice& choice);
+FrequencyResponses damped_instrumental(const CrossSpectra& spectra, const ChannelChoice& choice,
+                                       const DampedOptions& options = {});
 
 /// What modes are looked for in: damped_instrumental() for the instrumental estimate of spectra
 /// that are not periodic, else estimate_responses().

@@ -356,6 +356,7 @@ Measurement measure_responses(data::RecordSet& records, const MeasureOptions& op
   m.responses = responses_for_modes(m.spectra, plan.choice, plan.estimator);
   m.responses.warnings.insert(m.responses.warnings.begin(), earlier.begin(), earlier.end());
   compare_with_instrument(plan, m);
+  m.choice = std::move(plan.choice);
   return m;
 }
 

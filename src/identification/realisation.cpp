@@ -100,6 +100,7 @@ OrderPoles poles_of(const Hankel& h, int order, double interval) {
 }  // namespace
 
 MarkovSequence impulse_response(const FrequencyResponses& r) {
+  if (r.lines() < 4) throw base::ComputationError("an impulse response needs at least four lines");
   const double spacing =
       (r.frequency.back() - r.frequency.front()) / static_cast<double>(r.lines() - 1);
   const double first = r.frequency.front() / spacing;

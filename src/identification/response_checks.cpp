@@ -23,7 +23,10 @@ constexpr double same_signal = 0.99999;    // coherence of two inputs that are o
 constexpr double correlated = 3.0;         // condition by what chance gives that is worth a warning
 constexpr std::int64_t few_at_limit = 10;  // samples at a limit that may be chance
 constexpr double rare_at_limit = 1e-4;     // share of samples at a limit that may be chance
-constexpr double two_levels = 0.5;  // a signal that is always at one of two limits is meant so
+constexpr double pass_band = 0.7;  // of half the sample rate: above, filters of the recorder end it
+constexpr double lines_missing = 4.5;  // of lines: distance that is a gap
+constexpr double lowest_lines = 40.0;  // of the spectra: the first ones are left out in any case
+constexpr double two_levels = 0.5;     // a signal that is always at one of two limits is meant so
 
 const std::string& name(const CrossSpectra& spectra, int channel) {
   return spectra.channels[static_cast<std::size_t>(channel)].name;
@@ -163,6 +166,19 @@ void check_choice(const CrossSpectra& spectra, Estimator estimator, ChannelChoic
                         .total = spectra.blocks + spectra.blocks_left_out});
 }
 
+/// Where the instruments leave part of the band unexcited.
+void warn_of_band(const CrossSpectra& spectra, FrequencyResponses& r) {
+  const auto& f = r.frequency;
+  double spacing = f.back();
+  for (std::size_t k = 1; k < f.size(); ++k) spacing = std::min(spacing, f[k] - f[k - 1]);
+  std::int64_t gaps = 0;
+  for (std::size_t k = 1; k < f.size(); ++k) gaps += f[k] - f[k - 1] > lines_missing * spacing;
+  if (gaps > 0 || f.front() > lowest_lines * spectra.frequency(1) ||
+      f.back() < pass_band * 0.5 * spectra.sample_rate)
+    r.warnings.push_back(
+        {.kind = Kind::excited_band, .lowest = f.front(), .highest = f.back(), .count = gaps});
+}
+
 }  // namespace
 
 FrequencyResponses without_lines(const CrossSpectra& spectra, Estimator estimator,
@@ -250,6 +266,7 @@ void finish_checks(const CrossSpectra& spectra, const ChannelChoice& choice,
   const double chance = spread < 1.0 ? std::pow((1.0 + spread) / (1.0 - spread), 2) : INFINITY;
   if (choice.inputs.size() > 1 && median > correlated * chance)
     responses.warnings.push_back({.kind = Kind::correlated_inputs, .value = median});
+  if (responses.estimator == Estimator::instrumental) warn_of_band(spectra, responses);
 }
 
 }  // namespace hydrapod::identification

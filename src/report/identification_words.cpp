@@ -50,6 +50,14 @@ std::string warning_text(const data::ResponseWarning& w) {
           "{} is biased by the loop: it differs from the instrumental estimate by {:.2g} % "
           "(median), outside its 95 % band at {:.0f} % of the lines; take --estimator iv",
           data::estimator_text(w.estimator), 100.0 * w.value, 100.0 * w.share);
+    case Kind::excited_band:
+      return fmt::format(
+          "the excitation reaches the inputs only from {:.4g} Hz to {:.4g} Hz{}: modes elsewhere "
+          "cannot be identified",
+          w.lowest, w.highest,
+          w.count == 0   ? ""
+          : w.count == 1 ? ", with a gap"
+                         : fmt::format(", with {} gaps", w.count));
     case Kind::interrupted:
       return fmt::format("interrupted: the result uses the first {} samples", w.count);
   }

@@ -3,6 +3,10 @@
 
 #include "hydrapod/tasks/measurement.hpp"
 
+#include <fmt/format.h>
+
+#include "hydrapod/base/error.hpp"
+
 namespace hydrapod::tasks {
 
 namespace {
@@ -51,6 +55,26 @@ ResponseSummary summary_of(const identification::FrequencyResponses& responses) 
   summary.median_condition = median_of(responses.condition);
   summary.largest_condition = *std::ranges::max_element(responses.condition);
   return summary;
+}
+
+identification::FrequencyResponses shared_responses(const Measured& measured,
+                                                    const Progress& progress) {
+  const auto& responses = measured.responses();
+  if (!(responses.shift > 0.0)) return responses;
+  try {
+    const auto found = identification::identify_modes(responses, {}, [&](double share) {
+      if (progress) progress(share);
+    });
+    if (!found.modes.empty()) return identification::on_imaginary_axis(responses, found);
+  } catch (const base::ComputationError&) {
+    // no modes, as above
+  }
+  const auto& m = measured.measurement;
+  if (!measured.records)
+    throw base::ComputationError(fmt::format(
+        "the responses are at a + iω, a = {:.4g} 1/s, and have no mode to bring them to iω by",
+        responses.shift));
+  return identification::estimate_responses(m.spectra, m.choice, responses.estimator);
 }
 
 }  // namespace hydrapod::tasks

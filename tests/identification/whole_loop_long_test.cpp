@@ -23,6 +23,18 @@ TEST(WholeLoopLong, HeavyPlatform) {
   expect_found(found, exact_poles(machine, experiment), {.least_share = 0.04});
 }
 
+/// As `--excite "noise all=0.01 mm, to=40"` does.
+TEST(WholeLoopLong, HeavyPlatformExcitedUpTo40Hz) {
+  const auto machine = simulation::machine_of("heavy-platform");
+  const test::RigExperiment experiment{
+      .X_BP = machine.neutral(), .duration = 300.0, .level = 1e-5, .to = 40.0, .seed = 1};
+  const auto found = test::identified_on_rig(machine, experiment);
+  expect_found(found, exact_poles(machine, experiment), {.least_share = 0.04});
+  ASSERT_EQ(found.responses.warnings.size(), 1U);
+  EXPECT_EQ(found.responses.warnings[0].kind, data::ResponseWarning::Kind::excited_band);
+  EXPECT_NEAR(found.responses.warnings[0].highest, 40.0, 2.0);
+}
+
 /// Longer guided rods with soft piston rings: x and y have a third resonance, at 40 Hz.
 TEST(WholeLoopLong, FullModelWithThreeResonancesInXAndY) {
   const auto machine = simulation::machine_of(

@@ -33,6 +33,14 @@ TEST(IdentificationWords, OfResponsesNameTheChannelAndItsNumbers) {
       warning_text(data::ResponseWarning{.kind = Kind::biased, .value = 0.13, .share = 0.4}),
       HasSubstr("h1 is biased by the loop: it differs from the instrumental estimate by 13 % "
                 "(median), outside its 95 % band at 40 % of the lines"));
+  EXPECT_EQ(
+      warning_text(
+          data::ResponseWarning{.kind = Kind::excited_band, .lowest = 0.5, .highest = 39.0}),
+      "the excitation reaches the inputs only from 0.5 Hz to 39 Hz: modes elsewhere cannot be "
+      "identified");
+  EXPECT_THAT(warning_text(data::ResponseWarning{
+                  .kind = Kind::excited_band, .lowest = 0.5, .highest = 39.0, .count = 2}),
+              HasSubstr("to 39 Hz, with 2 gaps: modes elsewhere"));
   EXPECT_EQ(warning_text(data::ResponseWarning{.kind = Kind::interrupted, .count = 4096}),
             "interrupted: the result uses the first 4096 samples");
 }

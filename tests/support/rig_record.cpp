@@ -11,6 +11,7 @@ identification::FrequencyResponses measured_on_rig(const model::Machine& machine
                                                    const RigExperiment& experiment) {
   rig::RigOptions options;
   signals::Signal white{.form = signals::White{}};
+  if (experiment.to > 0.0) white.form = signals::Noise{.to = experiment.to};
   white.size.setConstant(experiment.level);
   if (experiment.force > 0.0) {
     options.entry = rig::Entry::wrench;

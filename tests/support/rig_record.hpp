@@ -11,7 +11,8 @@ struct RigExperiment {
   dynamics::ModelKind kind{dynamics::ModelKind::guide};
   spatial::Pose X_BP{};  ///< where the platform stands
   double duration{};     ///< [s]
-  double level{1e-4};    ///< RMS of the white command [m, rad]
+  double level{1e-4};    ///< RMS of the command, white noise [m, rad]
+  double to{};           ///< [Hz] of noise in a band from 0; 0: white
   double force{};        ///< of white forces [N], and moments [N m], instead; 0: none
   std::uint64_t seed{1};
   double sensors{1.0};  ///< noise and steps of the length sensors, in those of the default

@@ -34,7 +34,9 @@ struct ResponseWarning {
     correlated_inputs,  ///< value: median of the condition
     biased,             ///< value: median of the relative deviation from the instrumental estimate;
                         ///< share of lines outside its 95 % band; estimator
-    interrupted         ///< count: samples that were read
+    excited_band,  ///< instruments are seen in the inputs from `lowest` to `highest` [Hz] only,
+                   ///< and not at `count` gaps in between
+    interrupted    ///< count: samples that were read
   };
   Kind kind{};
   std::string channel{}, other{};

@@ -252,6 +252,7 @@ struct MeasureOptions {
 struct Measurement {
   FrequencyResponses responses{};
   CrossSpectra spectra{};
+  ChannelChoice choice{};                 ///< of the spectra, by measure_responses
   data::RecordHeader header{};            ///< of the first record
   std::vector<base::Diagnostic> notes{};  ///< of the readers
   std::int64_t samples{};                 ///< of all records that were read

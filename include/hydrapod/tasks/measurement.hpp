@@ -56,6 +56,12 @@ struct Measured {
 /// base::ComputationError.
 Measured frf(const MeasureOptions& options, const Progress& progress = {});
 
+/// The responses at iω, for files: those of a closed loop are estimated at a + iω and brought there
+/// by their modal model (identification::on_imaginary_axis); where no mode is found, it is the
+/// plain instrumental estimate.
+identification::FrequencyResponses shared_responses(const Measured& measured,
+                                                    const Progress& progress = {});
+
 /// The spectra of the responses alone, of a machine whose excitation was not measured.
 Measured measure_outputs(const MeasureOptions& options, const Progress& progress = {});
 

@@ -1,0 +1,220 @@
+#pragma once
+/// Three masses between springs and dampers, moved by forces of a sampled controller with a delay:
+///
+///     M q̈ + D q̇ + K q = u + d,   y = q + sensor noise,
+///     u(k) = P e(k) + I Σ e T + V (e(k) − e(k − 1))/T,   e(k) = r(k) − y(k − 2)
+///
+/// or with excitation at the drive e = −y, u + r. d: forces that nobody measured. Forces are held
+/// between samples. The modes that are looked for are those of M, D, K; the loop has others.
+/// Shared by the short and the long test.
+
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+#include <Eigen/LU>
+#include <cmath>
+#include <numbers>
+
+#include "exact/modal_system.hpp"
+#include "hydrapod/identification/identify.hpp"
+#include "hydrapod/identification/responses.hpp"
+#include "support/identification_score.hpp"
+#include "support/run_program.hpp"
+
+namespace hydrapod::identification {
+
+/// Poles, shapes and participations of M q̈ + D q̇ + K q = u with outputs q.
+inline test::ModalSystem masses_and_springs(const Eigen::Matrix3d& M, const Eigen::Matrix3d& D,
+                                            const Eigen::Matrix3d& K) {
+  Eigen::Matrix<double, 6, 6> A = Eigen::Matrix<double, 6, 6>::Zero();
+  A.topRightCorner<3, 3>().setIdentity();
+  A.bottomLeftCorner<3, 3>() = -M.inverse() * K;
+  A.bottomRightCorner<3, 3>() = -M.inverse() * D;
+  const Eigen::EigenSolver<Eigen::Matrix<double, 6, 6>> solver(A);
+  const Eigen::Matrix<std::complex<double>, 6, 6> V = solver.eigenvectors(), W = V.inverse();
+  const Eigen::Matrix3d flexibility = M.inverse();
+  test::ModalSystem system;
+  for (Eigen::Index r = 0; r < 6; ++r)
+    if (solver.eigenvalues()[r].imag() > 0.0)
+      system.modes.push_back(
+          {.pole = solver.eigenvalues()[r],
+           .shape = V.col(r).head(3),
+           .participation =
+               (W.row(r).tail(3) * flexibility.cast<std::complex<double>>()).transpose()});
+  std::ranges::sort(system.modes, {}, [](const auto& m) { return std::abs(m.pole); });
+  return system;
+}
+
+/// 4.3, 7.4 and 12.7 Hz, damped by 2.7, 0.55 and 3.6 %.
+inline test::ModalSystem foreign_plant() {
+  const Eigen::Matrix3d M = Eigen::Vector3d(2.31, 1.67, 3.13).asDiagonal();
+  Eigen::Matrix3d K, D;
+  K << 5270.0, -2210.0, 0.0, -2210.0, 8130.0, -3950.0, 0.0, -3950.0, 7410.0;
+  D << 6.1, -2.3, 0.0, -2.3, 7.7, -3.1, 0.0, -3.1, 4.6;
+  return masses_and_springs(M, D, K);
+}
+
+enum class Excitation { white, noise, sweep, multisine, drive };
+
+struct ForeignLoop {
+  Excitation excitation{};
+  double from{0.9}, to{17.3};  ///< [Hz] of noise, sweep and multisine
+  double level{1e-3};          ///< RMS of r [m]
+  double sensors{2e-6};        ///< RMS of the noise on y [m]
+  double forces{0.02};         ///< RMS of d [N]
+  double duration{205.0};      ///< [s]
+  std::uint64_t seed{1};
+};
+
+constexpr double foreign_rate = 250.0;    // [Hz]
+constexpr double foreign_period = 8.192;  // [s] of a multisine
+
+/// White noise through a windowed sinc of 4 s, RMS 1.
+inline Eigen::VectorXd noise_in_band(Eigen::Index samples, double from, double to,
+                                     test::Random& random) {
+  constexpr double pi = std::numbers::pi;
+  const Eigen::Index half = 500, taps = 2 * half + 1;
+  Eigen::VectorXd filter(taps);
+  for (Eigen::Index t = -half; t <= half; ++t) {
+    const auto sinc = [&](double f) {
+      const double x = 2.0 * f / foreign_rate;
+      return t == 0 ? x : std::sin(pi * x * static_cast<double>(t)) / (pi * static_cast<double>(t));
+    };
+    const double at = pi * static_cast<double>(t) / static_cast<double>(half);
+    filter[t + half] =
+        (sinc(to) - sinc(from)) * (0.42 + 0.5 * std::cos(at) + 0.08 * std::cos(2.0 * at));
+  }
+  filter /= filter.norm();
+  Eigen::VectorXd white(samples + taps), x(samples);
+  for (double& w : white) w = test::normal(random);
+  for (Eigen::Index k = 0; k < samples; ++k) x[k] = filter.dot(white.segment(k, taps));
+  return x;
+}
+
+/// One axis after the other is swept, logarithmically, with rounded ends.
+inline Eigen::VectorXd sweep(Eigen::Index samples, Eigen::Index axis, double from, double to) {
+  Eigen::VectorXd x = Eigen::VectorXd::Zero(samples);
+  const double T = static_cast<double>(samples) / foreign_rate / 3.0,
+               rate = std::log(to / from) / T;
+  for (Eigen::Index k = axis * (samples / 3); k < (axis + 1) * (samples / 3); ++k) {
+    const double t = static_cast<double>(k - axis * (samples / 3)) / foreign_rate;
+    const double round = std::min({1.0, t / 1.5, (T - t) / 1.5});
+    x[k] = std::numbers::sqrt2 * std::sin(0.5 * std::numbers::pi * std::max(0.0, round)) *
+           std::sin(2.0 * std::numbers::pi * from * std::expm1(rate * t) / rate);
+  }
+  return x;
+}
+
+/// Random phases; in experiment e axis i is turned by 120° i e, so that three of them are
+/// orthogonal.
+inline Eigen::VectorXd multisine(Eigen::Index samples, Eigen::Index axis, int experiment,
+                                 const ForeignLoop& e) {
+  constexpr double two_pi = 2.0 * std::numbers::pi;
+  test::Random random(977 * e.seed + static_cast<std::uint64_t>(axis));
+  const auto period = static_cast<Eigen::Index>(std::llround(foreign_period * foreign_rate));
+  Eigen::VectorXd once = Eigen::VectorXd::Zero(period), x(samples);
+  for (int line = 1; line / foreign_period <= e.to; ++line) {
+    const double phase = random.uniform(0.0, two_pi) +
+                         two_pi / 3.0 * static_cast<double>(axis) * static_cast<double>(experiment);
+    if (line / foreign_period < e.from) continue;
+    for (Eigen::Index k = 0; k < period; ++k)
+      once[k] +=
+          std::cos(two_pi * line * static_cast<double>(k) / static_cast<double>(period) + phase);
+  }
+  once *= std::sqrt(static_cast<double>(period)) / once.norm();
+  for (Eigen::Index k = 0; k < samples; ++k) x[k] = once[k % period];
+  return x;
+}
+
+inline Eigen::MatrixXd excitation_of(const ForeignLoop& e, Eigen::Index samples, int experiment,
+                                     test::Random& random) {
+  Eigen::MatrixXd r(samples, 3);
+  for (Eigen::Index i = 0; i < 3; ++i) {
+    switch (e.excitation) {
+      case Excitation::white:
+        for (Eigen::Index k = 0; k < samples; ++k) r(k, i) = test::normal(random);
+        break;
+      case Excitation::noise:
+      case Excitation::drive:
+        r.col(i) = noise_in_band(samples, e.from, e.to, random);
+        break;
+      case Excitation::sweep:
+        r.col(i) = sweep(samples, i, e.from, e.to);
+        break;
+      case Excitation::multisine:
+        r.col(i) = multisine(samples, i, experiment, e);
+    }
+  }
+  return e.level * r;
+}
+
+/// Channels r1 … r3 (excitation), y1 … y3, u1 … u3 (drive).
+inline data::Record foreign_loop_record(const test::ModalSystem& plant, const ForeignLoop& e,
+                                        int experiment = 0) {
+  constexpr int delay = 2, settling = 2048;
+  data::Record record;
+  record.header.sample_rate = foreign_rate;
+  for (const auto& [letter, unit, role] : {std::tuple{'r', "m", data::Role::excitation},
+                                           {'y', "m", data::Role::response},
+                                           {'u', "N", data::Role::drive}})
+    for (int i = 1; i <= 3; ++i)
+      record.header.channels.push_back(
+          {.name = letter + std::to_string(i), .unit = unit, .role = role});
+  test::Random random(7919 * e.seed + static_cast<std::uint64_t>(experiment));
+  const auto samples = static_cast<Eigen::Index>(e.duration * foreign_rate);
+  // a sweep begins and ends at rest within the record; all other signals run before
+  const Eigen::Index before = e.excitation == Excitation::sweep ? 0 : settling;
+  const Eigen::MatrixXd r = excitation_of(e, samples + before, experiment, random);
+  record.samples.resize(samples, 9);
+  const bool at_drive = e.excitation == Excitation::drive;
+  const double T = 1.0 / foreign_rate;
+  const Eigen::Vector3d P(910.0, 640.0, 1130.0), I(2300.0, 3100.0, 1700.0), V(11.0, 17.0, 13.0);
+  test::ModalRun run(plant, T);
+  std::vector<Eigen::Vector3d> measured(delay + 1, Eigen::Vector3d::Zero());
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero(), last = sum;
+  for (Eigen::Index k = 0; k < samples + before; ++k) {
+    Eigen::Vector3d y = run.output(), forces;
+    for (double& x : y) x += e.sensors * test::normal(random);
+    for (double& x : forces) x = e.forces * test::normal(random);
+    std::rotate(measured.begin(), measured.end() - 1, measured.end());
+    measured[0] = y;
+    const Eigen::Vector3d wanted = r.row(k).transpose();
+    Eigen::Vector3d error = -measured[delay];
+    if (!at_drive) error += wanted;
+    sum += T * error;
+    Eigen::Vector3d u =
+        P.cwiseProduct(error) + I.cwiseProduct(sum) + V.cwiseProduct(error - last) / T;
+    if (at_drive) u += 900.0 * wanted;
+    last = error;
+    if (k >= before)
+      record.samples.row(k - before) << wanted.transpose(), y.transpose(), u.transpose();
+    run.advance(u + forces);
+  }
+  return record;
+}
+
+/// As a user measures and identifies it, without any option.
+inline Measurement foreign_measurement(const test::ModalSystem& plant, const ForeignLoop& e) {
+  const test::TemporaryFolder folder;
+  std::vector<std::string> files;
+  const int experiments = e.excitation == Excitation::multisine ? 3 : 1;
+  auto one = e;
+  one.duration /= experiments;
+  for (int k = 0; k < experiments; ++k) {
+    files.push_back(folder / ("run" + std::to_string(k) + ".h5"));
+    const auto record = foreign_loop_record(plant, one, k);
+    const auto writer = data::open_record_writer(files.back(), record.header);
+    writer->append(record.samples);
+    writer->close();
+  }
+  data::RecordSet records(files);
+  return measure_responses(records, {});
+}
+
+/// S_yr S_ur⁻¹ line by line from the same spectra, and the same search for poles.
+inline FrequencyResponses textbook(const Measurement& m) {
+  return estimate_responses(m.spectra,
+                            {.inputs = {6, 7, 8}, .outputs = {3, 4, 5}, .instruments = {0, 1, 2}},
+                            Estimator::instrumental);
+}
+
+}  // namespace hydrapod::identification

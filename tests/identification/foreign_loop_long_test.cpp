@@ -1,0 +1,38 @@
+/// Modes inside a loop that this project did not make: rows of docs/validation/identification.md.
+
+#include "foreign_loop.hpp"
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+namespace hydrapod::identification {
+namespace {
+
+void judge(const char* name, Excitation excitation) {
+  constexpr std::uint64_t seeds = 60;
+  const auto plant = foreign_plant();
+  test::ClassScore ours, plain;
+  for (std::uint64_t seed = 1; seed <= seeds; ++seed) {
+    const auto m = foreign_measurement(plant, {.excitation = excitation, .seed = seed});
+    const IdentifyOptions options{.to = 16.0};
+    ours.add(test::true_modes(plant), test::found_modes(identify_modes(m.responses, options)));
+    plain.add(test::true_modes(plant), test::found_modes(identify_modes(textbook(m), options)));
+  }
+  const auto row = fmt::format("closed loop, {}", name);
+  test::print_class(row, "hydrapod", ours);
+  test::print_class(row, "S_yr S_ur⁻¹, same pole fit", plain);
+  EXPECT_EQ(ours.found, ours.wanted);
+  EXPECT_LE(ours.false_per_seed(), 0.1);
+  EXPECT_LT(ours.median_frequency_error(), 1e-3);
+  EXPECT_LT(ours.largest_frequency_error(), 3e-3);
+  EXPECT_LT(ours.largest_damping_error(), 0.1);
+}
+
+TEST(Foreign, LoopWithWhiteNoise) { judge("white noise", Excitation::white); }
+TEST(Foreign, LoopWithNoiseInABand) { judge("noise in a band", Excitation::noise); }
+TEST(Foreign, LoopWithSweeps) { judge("sweeps", Excitation::sweep); }
+TEST(Foreign, LoopWithMultisines) { judge("multisines", Excitation::multisine); }
+TEST(Foreign, LoopWithNoiseAtTheDrive) { judge("noise at the drive", Excitation::drive); }
+
+}  // namespace
+}  // namespace hydrapod::identification
