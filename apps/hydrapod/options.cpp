@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <type_traits>
 
+#include "hydrapod/output_files.hpp"
+
 namespace hydrapod::cli {
 
 namespace {
@@ -39,8 +41,42 @@ void add(CLI::App& app, const OptionRow& row, bool& value) {
 
 }  // namespace
 
+/// The options of a command whose values are files.
+struct Command::Files {
+  struct Option {
+    std::string name;
+    OptionValue value;
+  };
+  std::vector<Option> inputs{}, outputs{};
+  bool force{};
+};
+
+Command::Command(CLI::App* app) : app_(app), files_(std::make_shared<Files>()) {}
+
 void Command::add_options(std::initializer_list<OptionRow> rows) {
-  for (const auto& row : rows) std::visit([&](auto* value) { add(*app_, row, *value); }, row.value);
+  for (const auto& row : rows) {
+    std::visit([&](auto* value) { add(*app_, row, *value); }, row.value);
+    if (row.rule.file == FileUse::none) continue;
+    const std::string name = row.names.substr(0, row.names.find(','));
+    (row.rule.file == FileUse::input ? files_->inputs : files_->outputs)
+        .push_back({name, row.value});
+    if (row.rule.file == FileUse::output && app_->get_option_no_throw("--force") == nullptr)
+      app_->add_flag("--force", files_->force,
+                     "Replace a record, machine file or study that exists");
+  }
+}
+
+void Command::check_files(const Files& files) {
+  const auto named = [](const std::vector<Files::Option>& options) {
+    std::vector<NamedFile> list;
+    for (const auto& [name, value] : options) {
+      if (const auto* one = std::get_if<std::string*>(&value)) list.push_back({name, **one});
+      if (const auto* many = std::get_if<std::vector<std::string>*>(&value))
+        for (const auto& text : **many) list.push_back({name, text});
+    }
+    return list;
+  };
+  check_outputs(named(files.inputs), named(files.outputs), files.force);
 }
 
 Command Command::add_command(const std::string& name, const std::string& description,
