@@ -20,9 +20,33 @@ bool is_shown(const Value& value, const OptionRule& rule) {
 }
 
 template <class Value>
+struct Plain {
+  using type = Value;
+};
+template <class Value>
+struct Plain<std::optional<Value>> {
+  using type = Value;
+};
+
+/// What CLI11 takes for numbers and is none: nan and inf; -1 as the largest number without a sign.
+template <class Number>
+std::string objection_to_number(const std::string& text) {
+  if constexpr (std::is_floating_point_v<Number>) {
+    const char* const letters = "aAiI";  // of nan, inf, infinity
+    if (text.find_first_of(letters) != text.npos) return "expected a finite number, not " + text;
+  }
+  if constexpr (std::is_unsigned_v<Number>)
+    if (text.find('-') != text.npos) return "expected 0 or more, not " + text;
+  return {};
+}
+
+template <class Value>
 void add(CLI::App& app, const OptionRow& row, Value& value) {
   const auto& rule = row.rule;
   CLI::Option* option = app.add_option(row.names, value, row.description);
+  using Number = typename Plain<Value>::type;
+  if constexpr (std::is_arithmetic_v<Number>)
+    option->check(CLI::Validator(&objection_to_number<Number>, "", ""));
   if (is_shown(value, rule)) option->capture_default_str();
   if (rule.required) option->required();
   if (rule.one_each) option->allow_extra_args(false);

@@ -106,8 +106,7 @@ TEST_F(OutputFiles, APlaceThatCannotBeWrittenIsSaidAtOnce) {
   for (const std::string command : {"modes", "bode", "report", "diagnose"}) {
     const auto result = run({command, "m.toml", "-o", "no/where.json"});
     EXPECT_EQ(result.exit_code, 2);
-    EXPECT_EQ(result.err,
-              "no/where.json: error: cannot write the file: there is no folder 'no'\n");
+    EXPECT_EQ(result.err, "no/where.json: error: cannot write the file: there is no folder 'no'\n");
   }
 }
 
