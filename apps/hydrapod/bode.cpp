@@ -207,9 +207,9 @@ std::string mechanics_output(const Arguments& arguments, const report::BodeOptio
 void run(const Arguments& arguments) {
   const size_t format = choose_word("--format", arguments.format, {"table", "json", "csv"});
   const auto options = options_of(arguments);
-  base::write_file_whole(arguments.file, arguments.input == "command"
-                                             ? command_output(arguments, options, format)
-                                             : mechanics_output(arguments, options, format));
+  write_output(arguments.file, arguments.input == "command"
+                                   ? command_output(arguments, options, format)
+                                   : mechanics_output(arguments, options, format));
 }
 
 }  // namespace
@@ -239,10 +239,10 @@ void add_bode(Command app) {
        {"--to", arguments.to, "Highest frequency, Hz or with a unit; default: from the modes"},
        {"--points", arguments.points, "Frequencies, evenly spaced on a logarithmic axis",
         range(2, 100000)},
-       {"--plot", arguments.plot, "Picture to write, .svg, .png or .pdf (needs gnuplot)"},
+       {"--plot", arguments.plot, "Picture to write, .svg, .png or .pdf (needs gnuplot)", writes},
        {"--entries", arguments.entries, "Entries to plot, as directions or output/input pairs"},
        {"--format", arguments.format, "table (the peaks), json or csv (the 6×6 response)"},
-       {"-o", arguments.file, "File to write; - prints"}});
+       {"-o", arguments.file, "File to write; - prints", writes}});
 }
 
 }  // namespace hydrapod::cli

@@ -1,7 +1,6 @@
 #include "hydrapod/command.hpp"
 
 #include <cstdio>
-#include <filesystem>
 
 #include "hydrapod/base/text.hpp"
 #include "hydrapod/report/measured_results.hpp"
@@ -76,15 +75,6 @@ tasks::CalibrateOptions options_of(const Arguments& arguments) {
   return options;
 }
 
-/// Says before the work, not after it, that a file cannot be written.
-void require_writable(const std::string& path) {
-  if (path.empty()) return;
-  std::error_code none;
-  const auto status = std::filesystem::status(path, none);
-  if (!std::filesystem::exists(status) || std::filesystem::is_regular_file(status))
-    const base::PartFile probe{path};
-}
-
 std::string calibration_json(const tasks::Machine& machine, const tasks::Calibrated& found) {
   auto head = report::head_json("calibration", machine.file, machine.path);
   head["model"] = dynamics::name(machine.kind);
@@ -99,8 +89,6 @@ void run(const Arguments& arguments) {
   const auto format = choose_word("--format", arguments.format, {"table", "json"});
   if (arguments.output == "-")
     base::refuse("-o -", "the report goes to the standard output; give a file");
-  require_writable(arguments.output);
-  require_writable(arguments.plot);
   if (!arguments.plot.empty()) report::require_picture_ending(arguments.plot);
   const auto machine = load(arguments.machine);
   const auto options = options_of(arguments);
@@ -112,10 +100,9 @@ void run(const Arguments& arguments) {
                                                              found.profiles, table_style("-"))
                                           : calibration_json(machine, found));
   if (!arguments.output.empty())
-    base::write_file_whole(arguments.output,
-                           calibration::calibrated_text(machine.file, found.result.best()));
-  if (!arguments.plot.empty())
-    report::plot_calibration(found.result, found.targets, arguments.plot);
+    write_output(arguments.output, calibration::calibrated_text(machine.file, found.result.best()));
+  draw(arguments.plot,
+       [&](const auto& path) { report::plot_calibration(found.result, found.targets, path); });
   if (found.interrupted)
     throw base::ComputationError(
         fmt::format("interrupted: the report{} the best so far",
@@ -140,7 +127,7 @@ void add_calibrate(Command app) {
   add_model_option(command, arguments.machine);
   command.add_options(
       {{"--targets", arguments.targets, "Target modes, TOML or CSV (docs/howto/calibrate.md)",
-        required},
+        reads_required},
        {"--free", arguments.free,
         "Free parameter: PATH or PATH=LOWEST..HIGHEST; PATH,PATH ties several to one "
         "value; may be repeated"},
@@ -157,9 +144,11 @@ void add_calibrate(Command app) {
        {"--seed", arguments.seed, "Seed of the random starts",
         range(std::uint64_t{1}, std::uint64_t{1000000000000})},
        {"--threads", arguments.threads, "Threads; 0: one per core", range(0, 256)},
-       {"-o,--output", arguments.output, "Calibrated machine file to write; comments are kept"},
+       {"-o,--output", arguments.output, "Calibrated machine file to write; comments are kept",
+        writes},
        {"--format", arguments.format, "Report as table or json"},
-       {"--plot", arguments.plot, "Picture of targets and model to write: .svg, .png or .pdf"}});
+       {"--plot", arguments.plot, "Picture of targets and model to write: .svg, .png or .pdf",
+        writes}});
 }
 
 }  // namespace hydrapod::cli

@@ -107,11 +107,10 @@ void run(const Arguments& arguments) {
   const auto& poses = machine.file.machine.poses;
   const auto checks =
       tasks::check(machine, arguments.machine.pose.empty() ? poses : std::vector{machine.pose});
-  base::write_file_whole(arguments.output,
-                         format == 0
-                             ? table_text(machine.file, checks, table_style(arguments.output))
-                             : json_text(report::head_json("check", machine.file, machine.path),
-                                         report::check_json(checks, machine.file.machine)));
+  write_output(arguments.output,
+               format == 0 ? table_text(machine.file, checks, table_style(arguments.output))
+                           : json_text(report::head_json("check", machine.file, machine.path),
+                                       report::check_json(checks, machine.file.machine)));
 }
 
 }  // namespace
@@ -131,7 +130,7 @@ void add_check(Command app) {
         "One pose instead of all of the file: a name, or displacements from the neutral pose"}});
   add_model_option(command, arguments.machine);
   command.add_options({{"--format", arguments.format, "table or json"},
-                       {"-o,--output", arguments.output, "File to write; - prints"}});
+                       {"-o,--output", arguments.output, "File to write; - prints", writes}});
 }
 
 }  // namespace hydrapod::cli

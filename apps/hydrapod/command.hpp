@@ -7,4 +7,5 @@
 #include "hydrapod/base/file.hpp"
 #include "hydrapod/commands.hpp"
 #include "hydrapod/machine_arguments.hpp"
+#include "hydrapod/output_files.hpp"
 #include "hydrapod/terminal.hpp"

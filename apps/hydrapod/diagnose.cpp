@@ -148,7 +148,7 @@ void run(const Arguments& a) {
     json["measured"] = fmt::format("{}", fmt::join(a.diagnosis.measured, ", "));
     text = json_text(json, report::diagnosis_json(found.file));
   }
-  base::write_file_whole(a.output, text);
+  write_output(a.output, text);
   draw(a.plot, [&](const auto& path) { report::plot_diagnosis(found.file, path); });
   if (found.file.diagnosis && found.file.diagnosis->interrupted)
     throw base::ComputationError("interrupted: the result contains the hypotheses tried so far");
@@ -176,7 +176,7 @@ void add_diagnose(Command app) {
         "Modes (TOML, CSV, JSON of `hydrapod identify`), responses (JSON of `hydrapod "
         "frf`, Universal File) or a record; FILE@POSE names its pose; may be repeated; "
         "default: no measurement",
-        one_each_as("RECORD|FRF|MODES")},
+        reads_each_as("RECORD|FRF|MODES")},
        {"--against", a.diagnosis.against,
         "Measured system: mechanics (oil springs, closed valves), plant (inputs are the "
         "valve drives) or system (with its controller); auto: as the file states, else "
@@ -196,9 +196,9 @@ void add_diagnose(Command app) {
         "Compare damping ratios too (the dampers of the file are those of the machine)"},
        {"--threads", a.diagnosis.options.threads, "Threads; 0: one per core", range(0, 256)},
        {"--show", a.shown, "Number of hypotheses in the table", range(1, 1000)},
-       {"--plot", a.plot, "Picture to write, .svg, .png or .pdf (needs gnuplot)"},
+       {"--plot", a.plot, "Picture to write, .svg, .png or .pdf (needs gnuplot)", writes},
        {"--format", a.format, "table or json"},
-       {"-o,--output", a.output, "File to write; - prints"}});
+       {"-o,--output", a.output, "File to write; - prints", writes}});
 }
 
 }  // namespace hydrapod::cli

@@ -71,18 +71,18 @@ void run(const Arguments& arguments) {
   const report::PlotText text{title, report::measurement_text(r)};
   draw(arguments.plot, [&](const auto& path) { report::plot_responses(r, nullptr, text, path); });
   draw(arguments.coherence_plot, [&](const auto& path) { report::plot_coherence(r, text, path); });
-  if (format == mat) return report::write_responses_mat(arguments.output, r);
-  if (format == uff) {
+  if (format == mat || format == uff) {
     auto titled = r;
     titled.title = title;
-    return data::write_frequency_responses(arguments.output, titled);
+    if (format == mat) report::write_responses_mat(arguments.output, r);
+    if (format == uff) data::write_frequency_responses(arguments.output, titled);
+    return print_written(arguments.output);
   }
-  if (format == csv) return base::write_file_whole(arguments.output, report::responses_csv(r));
-  if (format == table)
-    return base::write_file_whole(arguments.output, table_text(arguments, measured, r));
+  if (format == csv) return write_output(arguments.output, report::responses_csv(r));
+  if (format == table) return write_output(arguments.output, table_text(arguments, measured, r));
   report::Json document{{"kind", "frf"}, {"records", options.files}};
   if (measured.header) document["record"] = report::record_origin_json(*measured.header);
-  base::write_file_whole(arguments.output, json_text(document, report::responses_json(r), -1));
+  write_output(arguments.output, json_text(document, report::responses_json(r), -1));
 }
 
 }  // namespace
@@ -97,15 +97,16 @@ void add_frf(Command app) {
        {"frf test.csv --inputs force --outputs a1,a2 --block 4096", "channels by name"}});
   auto& arguments = command.calls(&run);
   command.add_options(
-      {{"RECORD", arguments.measurement.files, "Records, averaged together", required}});
+      {{"RECORD", arguments.measurement.files, "Records, averaged together", reads_required}});
   add_measurement_options(command, arguments.measurement);
   command.add_options(
-      {{"--plot", arguments.plot, "Bode diagram to write, .svg, .png or .pdf"},
-       {"--coherence", arguments.coherence_plot, "Picture of coherence and condition to write"},
+      {{"--plot", arguments.plot, "Bode diagram to write, .svg, .png or .pdf", writes},
+       {"--coherence", arguments.coherence_plot, "Picture of coherence and condition to write",
+        writes},
        {"--format", arguments.format,
         "table (a summary), json, csv, uff or mat (the whole response); default: by "
         "the ending of -o, else table"},
-       {"-o,--output", arguments.output, "File to write; - prints"}});
+       {"-o,--output", arguments.output, "File to write; - prints", writes}});
 }
 
 }  // namespace hydrapod::cli

@@ -84,7 +84,8 @@ void add_measurement_options(Command command, MeasurementArguments& a) {
        {"--sample-rate,--rate", a.sample_rate, "For files that do not state it"},
        {"--machine", a.machine,
         "Machine file for the transformation of leg lengths and the comparison of "
-        "modes; default: the one in the record"},
+        "modes; default: the one in the record",
+        reads},
        {"--pose", a.pose, "Pose of the record; default: that of the record, else neutral"},
        {"--model", a.model, "rigid, guide or full; default: that of the record"},
        {"--point", a.point,

@@ -217,23 +217,23 @@ void run_output_only(const Arguments& a, size_t format) {
   const auto& m = measured.measurement;
   const auto modes = tasks::identify_outputs(measured, options.modes.to);
   if (format == Format::table)
-    return base::write_file_whole(
-        a.output, output_only_text(modes, m.outputs.size(), m.spectra.options.block_length,
-                                   table_style(a.output)));
-  if (format == Format::csv)
-    return base::write_file_whole(a.output, report::output_only_csv(modes));
-  base::write_file_whole(
-      a.output, json_text({{"kind", "output_only_modes"}, {"records", a.measurement.files}},
-                          {{"modes", report::output_only_json(modes)}}));
+    return write_output(a.output,
+                        output_only_text(modes, m.outputs.size(), m.spectra.options.block_length,
+                                         table_style(a.output)));
+  if (format == Format::csv) return write_output(a.output, report::output_only_csv(modes));
+  write_output(a.output,
+               json_text({{"kind", "output_only_modes"}, {"records", a.measurement.files}},
+                         {{"modes", report::output_only_json(modes)}}));
 }
 
 void write_result(const Arguments& a, size_t format, const tasks::Identified& found) {
   const auto& result = found.modes;
   const std::string title = a.measurement.files[0];
   if (format == Format::uff)
-    return report::write_modes_uff(a.output, result, title,
-                                   found.measured.header ? found.measured.header->date : "");
-  if (format == Format::mat) return report::write_modes_mat(a.output, result);
+    report::write_modes_uff(a.output, result, title,
+                            found.measured.header ? found.measured.header->date : "");
+  if (format == Format::mat) report::write_modes_mat(a.output, result);
+  if (format == Format::uff || format == Format::mat) return print_written(a.output);
   std::string text;
   if (format == Format::json) {
     report::Json json{{"kind", "identified_modes"}, {"records", a.measurement.files}};
@@ -250,7 +250,7 @@ void write_result(const Arguments& a, size_t format, const tasks::Identified& fo
     text = modes_text(found, style);
     if (found.compared) text += comparison_text(*found.compared, result, style);
   }
-  base::write_file_whole(a.output, text);
+  write_output(a.output, text);
 }
 
 void run(const Arguments& a) {
@@ -285,7 +285,7 @@ void add_identify(Command app) {
        {"identify run.h5 -o modes.json", "for other programs; also .csv, .uff and .mat"}});
   auto& a = command.calls(&run);
   command.add_options({{"RECORD|FRF", a.measurement.files,
-                        "Records, averaged together, or JSON of `hydrapod frf`", required}});
+                        "Records, averaged together, or JSON of `hydrapod frf`", reads_required}});
   add_identification_options(command, a);
   command.add_options(
       {{"--output-only", a.output_only,
@@ -293,14 +293,17 @@ void add_identify(Command app) {
        {"--bootstrap", a.bootstrap,
         "Number of bootstrap resamples to check the intervals, for instance 50; 0: none",
         OptionRule{.shows_zero = true, .range = std::pair(0, 10000)}},
-       {"--plot", a.plot, "Bode diagram of measurement and fit to write, .svg, .png or .pdf"},
-       {"--stabilisation", a.stabilisation, "Stabilisation chart with mode indicator to write"},
-       {"--mac", a.mac, "Picture of the MAC matrix to write"},
-       {"--cross-mac", a.cross_mac, "Picture of the MAC of measured and model modes to write"},
+       {"--plot", a.plot, "Bode diagram of measurement and fit to write, .svg, .png or .pdf",
+        writes},
+       {"--stabilisation", a.stabilisation, "Stabilisation chart with mode indicator to write",
+        writes},
+       {"--mac", a.mac, "Picture of the MAC matrix to write", writes},
+       {"--cross-mac", a.cross_mac, "Picture of the MAC of measured and model modes to write",
+        writes},
        {"--format", a.format,
         "table, json, csv, uff (dataset 55) or mat; default: by the ending of -o, "
         "else table"},
-       {"-o,--output", a.output, "File to write; - prints"}});
+       {"-o,--output", a.output, "File to write; - prints", writes}});
 }
 
 }  // namespace hydrapod::cli

@@ -36,7 +36,7 @@ spatial::Vector3 point(const std::string& text) {
 
 void add_machine_options(Command command, MachineArguments& arguments) {
   command.add_options(
-      {{"FILE", arguments.file, "Machine file (TOML); - reads the standard input", required},
+      {{"FILE", arguments.file, "Machine file (TOML); - reads the standard input", reads_required},
        {"--set", arguments.overrides,
         "PATH=VALUE overrides a value of the file, units allowed; may be repeated",
         one_each_as("PATH=VALUE")}});

@@ -1,6 +1,8 @@
 /// The program `hydrapod`. Exit codes: 0 done, 1 a computation failed, 2 a bad file or argument.
 
+#include <fcntl.h>
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include <CLI/CLI.hpp>
 #include <cerrno>
@@ -107,9 +109,18 @@ int run(int argc, char** argv) {
     return failed;
   }
 }
+
+/// Where a standard stream is closed, the next file that is opened would take its number, and get
+/// what is meant for it.
+void occupy_standard_streams() {
+  for (const int number : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO})
+    if (::fcntl(number, F_GETFD) == -1)
+      ::open("/dev/null", number == STDERR_FILENO ? O_WRONLY : O_RDONLY);
+}
 }  // namespace
 
 int main(int argc, char** argv) {
+  occupy_standard_streams();
   std::signal(SIGPIPE, SIG_DFL);  // `hydrapod … | head` ends quietly
   try {
     return run(argc, argv);

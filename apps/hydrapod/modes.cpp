@@ -180,8 +180,8 @@ void add_system_options(Command command, SystemArguments& arguments) {
         shown_as("KEY=from:to:count")},
        {"--pade", arguments.pade, "Order of the approximation of the delay, 0 (no delay) to 8",
         range(0, 8)},
-       {"--plot", arguments.plot,
-        "Picture of the root locus, .svg, .png or .pdf (needs gnuplot)"}});
+       {"--plot", arguments.plot, "Picture of the root locus, .svg, .png or .pdf (needs gnuplot)",
+        writes}});
 }
 
 /// What `hydrapod modes` prints with --system, --open-loop or --root-locus; `format` is that of
@@ -242,16 +242,15 @@ void run(const Arguments& arguments) {
   if (system.system || system.open_loop || !system.root_locus.empty()) {
     if (arguments.matrices)
       base::refuse("--matrices", "M, K and C are those of the mechanics; leave --system out");
-    return base::write_file_whole(arguments.output,
-                                  system_modes_text(arguments.machine, system, format, style));
+    return write_output(arguments.output,
+                        system_modes_text(arguments.machine, system, format, style));
   }
   if (arguments.matrices && arguments.format != "json")
     base::refuse("--matrices", "matrices are part of the JSON; add --format json");
   const auto machine = load(arguments.machine);
   const auto table = tasks::modes(machine);
-  base::write_file_whole(arguments.output, format == 0 ? table_text(machine, table, style)
-                                           : format == 1
-                                               ? mode_json(machine, table, arguments.matrices)
+  write_output(arguments.output, format == 0   ? table_text(machine, table, style)
+                                 : format == 1 ? mode_json(machine, table, arguments.matrices)
                                                : mode_csv(table));
 }
 
@@ -278,7 +277,7 @@ void add_modes(Command app) {
       {{"--format", arguments.format, "table, json or csv"},
        {"--matrices", arguments.matrices, "Put M, K and C into the JSON (with --format json)"}});
   add_system_options(command, arguments.system);
-  command.add_options({{"-o,--output", arguments.output, "File to write; - prints"}});
+  command.add_options({{"-o,--output", arguments.output, "File to write; - prints", writes}});
 }
 
 }  // namespace hydrapod::cli

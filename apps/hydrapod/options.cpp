@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <type_traits>
 
+#include "hydrapod/output_files.hpp"
+
 namespace hydrapod::cli {
 
 namespace {
@@ -18,9 +20,33 @@ bool is_shown(const Value& value, const OptionRule& rule) {
 }
 
 template <class Value>
+struct Plain {
+  using type = Value;
+};
+template <class Value>
+struct Plain<std::optional<Value>> {
+  using type = Value;
+};
+
+/// What CLI11 takes for numbers and is none: nan and inf; -1 as the largest number without a sign.
+template <class Number>
+std::string objection_to_number(const std::string& text) {
+  if constexpr (std::is_floating_point_v<Number>) {
+    const char* const letters = "aAiI";  // of nan, inf, infinity
+    if (text.find_first_of(letters) != text.npos) return "expected a finite number, not " + text;
+  }
+  if constexpr (std::is_unsigned_v<Number>)
+    if (text.find('-') != text.npos) return "expected 0 or more, not " + text;
+  return {};
+}
+
+template <class Value>
 void add(CLI::App& app, const OptionRow& row, Value& value) {
   const auto& rule = row.rule;
   CLI::Option* option = app.add_option(row.names, value, row.description);
+  using Number = typename Plain<Value>::type;
+  if constexpr (std::is_arithmetic_v<Number>)
+    option->check(CLI::Validator(&objection_to_number<Number>, "", ""));
   if (is_shown(value, rule)) option->capture_default_str();
   if (rule.required) option->required();
   if (rule.one_each) option->allow_extra_args(false);
@@ -39,8 +65,42 @@ void add(CLI::App& app, const OptionRow& row, bool& value) {
 
 }  // namespace
 
+/// The options of a command whose values are files.
+struct Command::Files {
+  struct Option {
+    std::string name;
+    OptionValue value;
+  };
+  std::vector<Option> inputs{}, outputs{};
+  bool force{};
+};
+
+Command::Command(CLI::App* app) : app_(app), files_(std::make_shared<Files>()) {}
+
 void Command::add_options(std::initializer_list<OptionRow> rows) {
-  for (const auto& row : rows) std::visit([&](auto* value) { add(*app_, row, *value); }, row.value);
+  for (const auto& row : rows) {
+    std::visit([&](auto* value) { add(*app_, row, *value); }, row.value);
+    if (row.rule.file == FileUse::none) continue;
+    const std::string name = row.names.substr(0, row.names.find(','));
+    (row.rule.file == FileUse::input ? files_->inputs : files_->outputs)
+        .push_back({name, row.value});
+    if (row.rule.file == FileUse::output && app_->get_option_no_throw("--force") == nullptr)
+      app_->add_flag("--force", files_->force,
+                     "Replace a record, machine file or study that exists");
+  }
+}
+
+void Command::check_files(const Files& files) {
+  const auto named = [](const std::vector<Files::Option>& options) {
+    std::vector<NamedFile> list;
+    for (const auto& [name, value] : options) {
+      if (const auto* one = std::get_if<std::string*>(&value)) list.push_back({name, **one});
+      if (const auto* many = std::get_if<std::vector<std::string>*>(&value))
+        for (const auto& text : **many) list.push_back({name, text});
+    }
+    return list;
+  };
+  check_outputs(named(files.inputs), named(files.outputs), files.force);
 }
 
 Command Command::add_command(const std::string& name, const std::string& description,

@@ -30,12 +30,16 @@ using OptionValue =
     std::variant<bool*, std::string*, std::vector<std::string>*, int*, std::uint64_t*, double*,
                  std::optional<int>*, std::optional<double>*>;
 
+/// What the value of an option is to the command, see output_files.hpp.
+enum class FileUse { none, input, output };
+
 /// What else holds for an option.
 struct OptionRule {
   bool required{};
   bool one_each{};          ///< of a list: one value each time it is given
   bool shows_zero{};        ///< as default in the help
   const char* type_name{};  ///< in the help, instead of TEXT, INT, …
+  FileUse file{};
   /// Both ends are allowed.
   std::variant<std::monostate, std::pair<int, int>, std::pair<double, double>,
                std::pair<std::uint64_t, std::uint64_t>>
@@ -44,10 +48,18 @@ struct OptionRule {
 
 inline constexpr OptionRule required{.required = true};
 inline constexpr OptionRule one_each{.one_each = true};
+/// A file that is read, or a text that may name one.
+inline constexpr OptionRule reads{.file = FileUse::input};
+inline constexpr OptionRule reads_required{.required = true, .file = FileUse::input};
+/// A file that is written; the command gets --force.
+inline constexpr OptionRule writes{.file = FileUse::output};
 
 constexpr OptionRule shown_as(const char* type_name) { return {.type_name = type_name}; }
 constexpr OptionRule one_each_as(const char* type_name) {
   return {.one_each = true, .type_name = type_name};
+}
+constexpr OptionRule reads_each_as(const char* type_name) {
+  return {.one_each = true, .type_name = type_name, .file = FileUse::input};
 }
 template <class Number>
 constexpr OptionRule range(Number least, Number most) {
@@ -74,7 +86,7 @@ struct Example {
 /// A handle to a command, or to the program, of which the commands are a part.
 class Command {
  public:
-  explicit Command(CLI::App* app) : app_(app) {}
+  explicit Command(CLI::App* app);
 
   void add_options(std::initializer_list<OptionRow> rows);
 
@@ -87,14 +99,20 @@ class Command {
   template <class Arguments>
   Arguments& calls(void (*run)(const Arguments&)) {
     auto arguments = std::make_shared<Arguments>();
-    callback([arguments, run] { run(*arguments); });
+    callback([arguments, run, files = files_] {
+      check_files(*files);
+      run(*arguments);
+    });
     return *arguments;
   }
 
  private:
+  struct Files;
   void callback(std::function<void()> run);
+  static void check_files(const Files& files);
 
   CLI::App* app_;
+  std::shared_ptr<Files> files_;
 };
 
 }  // namespace hydrapod::cli

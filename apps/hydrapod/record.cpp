@@ -8,13 +8,15 @@ void add_record_options(Command command, RecordArguments& arguments,
                         const std::string& rate_option) {
   command.add_options(
       {{"FILE", arguments.file,
-        "Record: HDF5, MAT (5 or 7.3), CSV or Universal File, detected by its content", required},
+        "Record: HDF5, MAT (5 or 7.3), CSV or Universal File, detected by its content",
+        reads_required},
        {rate_option, arguments.rate, "Sample rate in Hz, for files that do not state it"}});
 }
 
 void add_output_options(Command command, OutputArguments& arguments) {
   command.add_options(
-      {{"-o", arguments.file, "File to write: .h5, .mat, .csv or .uff", required},
+      {{"-o", arguments.file, "File to write: .h5, .mat, .csv or .uff",
+        OptionRule{.required = true, .file = FileUse::output}},
        {"--format", arguments.format,
         "hdf5, mat5, mat73, csv, uff (binary) or uff-ascii; default: by the ending"}});
 }
@@ -64,7 +66,7 @@ void report_written(const std::string& file, std::int64_t samples, bool complete
   if (!complete)
     throw base::ComputationError(
         fmt::format("interrupted; {} contains the first {} samples", file, samples));
-  fmt::print(stderr, "wrote {}: {} samples\n", file, samples);
+  print_line(fmt::format("wrote {}: {} samples", file, samples));
 }
 
 void add_record(Command app) {

@@ -30,8 +30,7 @@ void convert(const Arguments& arguments) {
     writer->append(block);
     samples += block.rows();
   });
-  writer->close();
-  report_written(arguments.output.file, samples, complete);
+  report_written(writer->close(complete), samples, complete);
 }
 
 /// `*` stands for any text.
@@ -117,8 +116,7 @@ void cut(const Arguments& arguments) {
     writer->append(part);
     written += part.rows();
   });
-  writer->close();
-  report_written(arguments.output.file, written, complete);
+  report_written(writer->close(complete), written, complete);
 }
 
 void resample(const Arguments& arguments) {
@@ -142,8 +140,7 @@ void resample(const Arguments& arguments) {
   const bool complete =
       read_all(record, "resampling", [&](const auto& block) { resampler.add(block); });
   resampler.finish();
-  writer->close();
-  report_written(arguments.output.file, written, complete);
+  report_written(writer->close(complete), written, complete);
 }
 
 }  // namespace

@@ -29,8 +29,8 @@ std::vector<std::size_t> shown_channels(const data::RecordHeader& header,
     for (std::size_t c = 0; c < std::min(count, report::most_plotted_channels); ++c)
       shown.push_back(c);
     if (shown.size() < count)
-      fmt::print(stderr, "the first {} of {} channels are shown; --channel chooses others\n",
-                 shown.size(), count);
+      print_line(fmt::format("the first {} of {} channels are shown; --channel chooses others",
+                             shown.size(), count));
   }
   if (shown.size() > report::most_plotted_channels)
     base::refuse("--channel",
@@ -66,7 +66,8 @@ void add_record_plot(Command record) {
   auto& arguments = command.calls(&run);
   add_record_options(command, arguments.record);
   command.add_options(
-      {{"-o", arguments.picture, "Picture to write, .svg, .png or .pdf", required},
+      {{"-o", arguments.picture, "Picture to write, .svg, .png or .pdf",
+        OptionRule{.required = true, .file = FileUse::output}},
        {"--channel", arguments.channels, "Name of a channel; may be repeated", one_each}});
 }
 

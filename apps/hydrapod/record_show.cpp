@@ -94,11 +94,11 @@ void run(const Arguments& arguments) {
   if (!complete) throw base::ComputationError("interrupted");
   const data::RecordOverview overview = builder.result();
   if (format == 1)
-    return base::write_file_whole(
-        arguments.file, report::record_json(record, overview, arguments.spectra).dump() + "\n");
+    return write_output(arguments.file,
+                        report::record_json(record, overview, arguments.spectra).dump() + "\n");
   const auto style = table_style(arguments.file);
-  base::write_file_whole(arguments.file, heading(header, overview, record.format(), style) +
-                                             table(header, overview, style) + legend);
+  write_output(arguments.file, heading(header, overview, record.format(), style) +
+                                   table(header, overview, style) + legend);
 }
 
 }  // namespace
@@ -113,7 +113,7 @@ void add_record_show(Command record) {
   add_record_options(command, arguments.record);
   command.add_options({{"--format", arguments.format, "table or json"},
                        {"--spectra", arguments.spectra, "Power spectral densities in the JSON"},
-                       {"-o", arguments.file, "File to write; - prints"}});
+                       {"-o", arguments.file, "File to write; - prints", writes}});
 }
 
 }  // namespace hydrapod::cli

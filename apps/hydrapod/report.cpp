@@ -84,8 +84,7 @@ void run(const Arguments& a) {
     return tasks::report_document(machine, options, progress);
   });
   print_diagnostics(result.warnings);
-  base::write_file_whole(a.output, report::html_page(result.document, options.page.theme));
-  if (a.output != "-") print_written(a.output);
+  write_output(a.output, report::html_page(result.document, options.page.theme));
 }
 
 }  // namespace
@@ -123,13 +122,13 @@ void add_report(Command app) {
         range(2, 20000)},
        {"--command", arguments.commands,
         "Also simulate this at the first pose, as `hydrapod simulate` does; may be repeated",
-        one_each_as("COMMAND")},
+        reads_each_as("COMMAND")},
        {"--until", arguments.until,
         "Simulated time, s or with a unit; default: until shortly after the commands"},
        {"--measured", arguments.identification.measurement.files,
         "Also identify this record or these frequency responses, as `hydrapod identify` does, "
         "and compare with the machine at the first pose; may be repeated for records",
-        one_each_as("RECORD|FRF")},
+        reads_each_as("RECORD|FRF")},
        {"--from-drive", arguments.identification.measurement.from_drive,
         "Of the record: inputs are the drives (machine without controller)"},
        {"--from", arguments.identification.from, "Of the record: lowest frequency"},
@@ -139,9 +138,9 @@ void add_report(Command app) {
        {"--diagnose", arguments.diagnosis.measured,
         "Also diagnose from these modes, responses or records, as `hydrapod diagnose "
         "--measured` does; the page then shows the machine of the best hypothesis",
-        one_each_as("RECORD|FRF|MODES")}});
+        reads_each_as("RECORD|FRF|MODES")}});
   add_diagnosis_options(command, arguments.diagnosis);
-  command.add_options({{"-o,--output", arguments.output, "File to write; - prints"}});
+  command.add_options({{"-o,--output", arguments.output, "File to write; - prints", writes}});
 }
 
 }  // namespace hydrapod::cli

@@ -16,7 +16,7 @@ struct Arguments {
   std::uint64_t seed{1};
   std::vector<std::string> accelerometers{};
   std::string length{}, pressure{}, current{}, drop_outs{};
-  bool no_anti_alias{}, check{}, force{};
+  bool no_anti_alias{}, check{}, above_limits{};
   std::string file{};
 };
 
@@ -66,27 +66,26 @@ void run(const Arguments& arguments) {
   const tasks::RigOptions options{.test = options_of(arguments, machine.file.machine),
                                   .averages = arguments.averages,
                                   .record = arguments.check ? "" : arguments.file,
-                                  .force = arguments.force,
+                                  .force = arguments.above_limits,
                                   .command_line = command_line()};
   const auto done = with_progress(
       "measuring", [&](const auto& progress) { return tasks::rig(machine, options, progress); });
   for (const auto& finding : done.findings)
     print_warning(finding.message, finding.of_controller ? "controller" : "--excite");
   if (arguments.check) return;
-  fmt::print(stderr, "wrote {}: {} samples\n", arguments.file, done.result.samples);
+  print_line(fmt::format("wrote {}: {} samples", done.record, done.result.samples));
   const auto& summary = done.result.summary;
   if (summary.end == simulation::RunEnd::finished) return;
   throw base::ComputationError(fmt::format(
       "the run ended at {:.6g} s: {}; {} contains the run up to this time", summary.time,
-      summary.end == simulation::RunEnd::stopped ? "interrupted" : summary.message,
-      arguments.file));
+      summary.end == simulation::RunEnd::stopped ? "interrupted" : summary.message, done.record));
 }
 
 void add_options(Command command, Arguments& arguments) {
   add_subject_options(command, arguments.machine);
   command.add_options(
       {{"--excite", arguments.signals,
-        "Signal (see below); may be repeated, signals add up [white]", one_each_as("SIGNAL")},
+        "Signal (see below); may be repeated, signals add up [white]", reads_each_as("SIGNAL")},
        {"--entry", arguments.entry,
         "command (demanded pose; m, rad), drive (valves; shares) or wrench (N, N m)"},
        {"--duration", arguments.duration, "Of the record"},
@@ -114,8 +113,8 @@ void add_options(Command command, Arguments& arguments) {
         "Drop-outs of 20 ms per second and channel, for instance 0.01"},
        {"--no-anti-alias", arguments.no_anti_alias, "Leave the anti-alias filter out"},
        {"--check", arguments.check, "Only check the levels against stroke and valves"},
-       {"--force", arguments.force, "Run although the levels are too high"},
-       {"-o", arguments.file, "Record to write: .h5, .mat, .csv or .uff"}});
+       {"--above-limits", arguments.above_limits, "Run although the levels are too high"},
+       {"-o", arguments.file, "Record to write: .h5, .mat, .csv or .uff", writes}});
 }
 
 }  // namespace

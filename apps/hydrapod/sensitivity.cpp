@@ -21,7 +21,7 @@ void run(const Arguments& arguments) {
   const auto result = tasks::sensitivity(machine, {.parameters = arguments.parameters});
   const std::string title = fmt::format("{}, pose {}, {} model", machine.file.machine.name,
                                         machine.pose.name, dynamics::name(machine.kind));
-  if (!arguments.plot.empty()) report::plot_sensitivities(result, title, arguments.plot);
+  draw(arguments.plot, [&](const auto& path) { report::plot_sensitivities(result, title, path); });
   std::string text;
   if (format == 0) {
     const auto style = table_style(arguments.output);
@@ -32,7 +32,7 @@ void run(const Arguments& arguments) {
   } else {
     text = sensitivity_csv(result);
   }
-  base::write_file_whole(arguments.output, text);
+  write_output(arguments.output, text);
 }
 
 }  // namespace
@@ -51,8 +51,8 @@ void add_sensitivity(Command app) {
   command.add_options(
       {{"--parameter", arguments.parameters, "Only this parameter (PATH); may be repeated"},
        {"--format", arguments.format, "table, json or csv"},
-       {"-o,--output", arguments.output, "File to write; - prints"},
-       {"--plot", arguments.plot, "Heat map to write: .svg, .png or .pdf"}});
+       {"-o,--output", arguments.output, "File to write; - prints", writes},
+       {"--plot", arguments.plot, "Heat map to write: .svg, .png or .pdf", writes}});
 }
 
 }  // namespace hydrapod::cli

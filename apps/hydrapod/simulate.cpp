@@ -225,7 +225,7 @@ void fail_if_early(const Arguments& arguments, const report::Simulation& simulat
   const std::string kept =
       arguments.record.empty()
           ? ""
-          : fmt::format("; {} contains the run up to this time", arguments.record);
+          : fmt::format("; {} contains the run up to this time", simulation.record);
   throw base::ComputationError(fmt::format("the run ended at {:.6g} s of {:.6g} s: {}{}",
                                            summary.time, simulation.until, why, kept));
 }
@@ -246,7 +246,7 @@ void run(const Arguments& arguments) {
     return tasks::simulate(machine, options, progress);
   });
   for (const auto& warning : result.warnings) print_warning(warning);
-  if (!arguments.record.empty()) print_written(arguments.record);
+  if (!result.record.empty()) print_written(result.record);
   if (!result.trace.time.empty())
     draw(arguments.plot, [&](const auto& path) {
       report::plot_simulation(result, of.name, simulation_subtitle(machine.pose, result), path);
@@ -285,14 +285,14 @@ void add_simulate(Command app) {
         shown_as("MODEL")},
        {"--command", arguments.commands,
         "Commanded motion (see below); may be repeated, commands add up [rest]",
-        one_each_as("COMMAND")},
+        reads_each_as("COMMAND")},
        {"--until", arguments.until,
         "Simulated time, s or with a unit; default: until shortly after the commands"},
        {"--dt-output", arguments.dt_output,
         "Time between samples of the record; default: the controller's sample time"},
        {"-o,--output", arguments.record,
-        "Record to write: .h5, .mat, .csv or .uff; a PATH.part while it grows"},
-       {"--plot", arguments.plot, "Picture to write, .svg, .png or .pdf (needs gnuplot)"},
+        "Record to write: .h5, .mat, .csv or .uff; a PATH.part while it grows", writes},
+       {"--plot", arguments.plot, "Picture to write, .svg, .png or .pdf (needs gnuplot)", writes},
        {"--integrator", arguments.integrator,
         "adaptive (Dormand-Prince 5(4)), adams or bdf (CVODE, locate stops), fixed "
         "(Runge-Kutta 4)"},

@@ -126,6 +126,10 @@ std::size_t display_width(std::string_view text) {
   return width;
 }
 
+void print_line(const std::string& line) {
+  std::fputs((line + '\n').c_str(), stderr);  // that nobody can read it changes no result
+}
+
 void print_diagnostics(const std::vector<base::Diagnostic>& diagnostics) {
   const bool colour = has_colour(stderr);
   for (const base::Diagnostic& diagnostic : diagnostics) {
@@ -135,7 +139,7 @@ void print_diagnostics(const std::vector<base::Diagnostic>& diagnostics) {
     if (const std::size_t at = line.find(word); at != std::string::npos) {
       line.replace(at, word.size(), styled(word, is_error ? Style::red : Style::yellow, colour));
     }
-    fmt::print(stderr, "{}\n", line);
+    print_line(line);
   }
 }
 
@@ -147,7 +151,7 @@ void print_warning(const std::string& message, const std::string& file) {
   print_diagnostics({{.severity = base::Severity::warning, .file = file, .message = message}});
 }
 
-void print_written(const std::string& path) { fmt::print(stderr, "wrote {}\n", path); }
+void print_written(const std::string& path) { print_line("wrote " + path); }
 
 Column::Column(std::string text) : title(std::move(text)) {
   if (!title.starts_with('<')) return;

@@ -91,17 +91,54 @@ std::string target_of(const std::string& path) {
   return error ? path : target.string();
 }
 
+/// An empty file of a name that did not exist: `stem`, `stem`2, `stem`3, …
+struct NewFile {
+  std::string name;
+  int descriptor;
+};
+NewFile make_new_file(const std::string& stem, const std::string& target, const std::string& path) {
+  constexpr int most = 100;
+  for (int number = 1; number <= most; ++number) {
+    const std::string name = number == 1 ? stem : stem + std::to_string(number);
+    const int descriptor =
+        ::open(name.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, 0666);
+    if (descriptor < 0 && errno == EEXIST) continue;
+    if (descriptor < 0) refuse(path, errno);
+    struct stat old {};
+    if (::stat(target.c_str(), &old) == 0) ::fchmod(descriptor, old.st_mode & 07777);
+    return {name, descriptor};
+  }
+  base::refuse(path, fmt::format("cannot write the file: {} parts of interrupted runs stand beside "
+                                 "it, {} and so on; remove them",
+                                 most, stem));
+}
+
+/// A rename lasts when the folder is on the disk. Not all file systems can be told so.
+void sync_folder_of(const std::string& target) {
+  const fs::path folder = fs::path(target).parent_path();
+  const Descriptor open_folder(
+      ::open(folder.empty() ? "." : folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
+  if (open_folder.is_open()) ::fsync(open_folder.number());
+}
+
+/// False where a file stands at `to`.
+bool rename_to_free_name(const std::string& from, const std::string& to, const std::string& path) {
+  if (::renameat2(AT_FDCWD, from.c_str(), AT_FDCWD, to.c_str(), RENAME_NOREPLACE) == 0) return true;
+  if (errno == EEXIST) return false;
+  std::error_code ignored;  // a file system that cannot do it at once
+  if (fs::exists(fs::symlink_status(to, ignored))) return false;
+  if (::rename(from.c_str(), to.c_str()) != 0) fail(path, errno);
+  return true;
+}
+
 void write_beside_and_rename(const std::string& target, const std::string& path,
                              std::string_view text) {
-  const std::string temporary = fmt::format("{}.{}.tmp", target, ::getpid());
-  Descriptor file(::open(temporary.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666));
-  if (!file.is_open()) refuse(path, errno);
-  struct stat old {};
-  if (::stat(target.c_str(), &old) == 0) ::fchmod(file.number(), old.st_mode & 07777);
+  const auto [temporary, descriptor] =
+      make_new_file(fmt::format("{}.{}.tmp", target, ::getpid()), target, path);
+  Descriptor file(descriptor);
   if (write_all(file.number(), text) && ::fsync(file.number()) == 0 && file.close() &&
-      ::rename(temporary.c_str(), target.c_str()) == 0) {
-    return;
-  }
+      ::rename(temporary.c_str(), target.c_str()) == 0)
+    return sync_folder_of(target);
   const int cause = errno;
   ::unlink(temporary.c_str());
   fail(path, cause);
@@ -148,32 +185,40 @@ PartFile::PartFile(const std::string& path) : path_(path) {
   if (path.empty()) refuse(path, ENOENT);
   if (path == "-") refuse(path, "cannot write this to the standard output");
   target_ = target_of(path);
-  part_ = target_ + ".part";
   std::error_code ignored;
-  for (const std::string& place : {target_, part_}) {
-    const fs::file_status status = fs::status(place, ignored);
-    if (fs::is_directory(status)) refuse(path, EISDIR);
-    if (fs::exists(status) && !fs::is_regular_file(status))
-      refuse(path, "cannot write the file: it is a device or pipe");
-    if (fs::exists(status) && ::access(place.c_str(), W_OK) != 0) refuse(path, errno);
-  }
-  Descriptor file(::open(part_.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666));
-  if (!file.is_open()) refuse(path, errno);
-  struct stat old {};
-  if (::stat(target_.c_str(), &old) == 0) ::fchmod(file.number(), old.st_mode & 07777);
+  const fs::file_status status = fs::status(target_, ignored);
+  replaces_ = fs::exists(status);
+  if (fs::is_directory(status)) refuse(path, EISDIR);
+  if (replaces_ && !fs::is_regular_file(status))
+    refuse(path, "cannot write the file: it is a device or pipe");
+  if (replaces_ && ::access(target_.c_str(), W_OK) != 0) refuse(path, errno);
+  const auto [name, descriptor] = make_new_file(target_ + ".part", target_, path);
+  const Descriptor file(descriptor);
+  part_ = name;
 }
 
 PartFile::~PartFile() {
   if (!committed_ && !kept_) ::unlink(part_.c_str());
 }
 
-void PartFile::commit() {
+std::string PartFile::commit(bool complete) {
   Descriptor file(::open(part_.c_str(), O_RDONLY | O_CLOEXEC));
-  if (!file.is_open() || ::fsync(file.number()) != 0 || !file.close() ||
-      ::rename(part_.c_str(), target_.c_str()) != 0) {
-    fail(path_, errno);
+  if (!file.is_open() || ::fsync(file.number()) != 0 || !file.close()) fail(path_, errno);
+  if (replaces_ && !complete) {
+    keep();
+    return part_;
+  }
+  if (replaces_) {
+    if (::rename(part_.c_str(), target_.c_str()) != 0) fail(path_, errno);
+  } else if (!rename_to_free_name(part_, target_, path_)) {
+    keep();
+    throw ComputationError(fmt::format(
+        "'{}' was written by another program meanwhile and was left as it is; {} contains this one",
+        path_, part_));
   }
   committed_ = true;
+  sync_folder_of(target_);
+  return path_;
 }
 
 }  // namespace hydrapod::base

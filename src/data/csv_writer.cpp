@@ -42,9 +42,9 @@ class CsvWriter final : public RecordWriter {
     file_.flush();
   }
 
-  void close() override { file_.close(); }
-
  private:
+  std::string finish(bool complete) override { return file_.close(complete); }
+
   /// The shortest text that reads back as the same number; every NaN is "nan".
   void add_number(double value) {
     if (std::isnan(value)) value = std::numeric_limits<double>::quiet_NaN();

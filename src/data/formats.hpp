@@ -62,8 +62,8 @@ class PartStream {
   /// Over what stands at `offset`; then on at the end.
   void write_at(long offset, std::string_view text);
   void flush();
-  /// The part becomes the file.
-  void close();
+  /// The part becomes the file, see base::PartFile::commit.
+  std::string close(bool complete);
   /// What has been written can be read by itself: it stays when there is a failure.
   void keep_on_failure() { legible_ = true; }
 

@@ -180,15 +180,15 @@ class Hdf5Writer final : public RecordWriter {
     unflushed_ = 0;
   }
 
-  void close() override {
+ private:
+  std::string finish(bool complete) override {
     const Hdf5Silence silence;
     flush();
     if (!samples_.reset() || !file_.reset()) fail();
     if (for_matlab_ && !write_mat73_userblock(part_.part())) fail();
-    part_.commit();
+    return part_.commit(complete);
   }
 
- private:
   /// The file stays as the last good flush left it: HDF5, asked to close what it could not write,
   /// would put its table of contents over that and leave a file that cannot be opened.
   [[noreturn]] void fail() {

@@ -168,9 +168,9 @@ class Mat5Writer final : public RecordWriter {
     file_.flush();
   }
 
-  void close() override { file_.close(); }
-
  private:
+  std::string finish(bool complete) override { return file_.close(complete); }
+
   [[nodiscard]] std::uint64_t bytes_for(std::uint64_t samples) const {
     return samples * header_.channels.size() * sizeof(double);
   }

@@ -308,9 +308,9 @@ void PartStream::flush() {
   if (std::fflush(file_.get()) != 0) fail();
 }
 
-void PartStream::close() {
+std::string PartStream::close(bool complete) {
   if (!file_ || std::fclose(file_.release()) != 0) fail();
-  part_.commit();
+  return part_.commit(complete);
 }
 
 void PartStream::fail() { throw base::ComputationError(failed_write(part_, legible_)); }

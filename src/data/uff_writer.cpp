@@ -120,13 +120,13 @@ class UffWriter final : public RecordWriter {
     spool_.append(samples);
   }
 
-  void close() override {
+ private:
+  std::string finish(bool complete) override {
     file_.write(uff_beginning(header_.title, header_.date, comment_lines(header_)));
     for (std::size_t c = 0; c < header_.channels.size(); ++c) write_channel(c);
-    file_.close();
+    return file_.close(complete);
   }
 
- private:
   void write_channel(std::size_t index) {
     const UffFunction f = function_of(header_, index, spool_.samples(), binary_);
     std::string text = uff_function_head(f);

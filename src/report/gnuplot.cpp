@@ -78,8 +78,10 @@ void run_gnuplot(const std::filesystem::path& script, const std::filesystem::pat
 }  // namespace
 
 std::string quoted(const std::string& text) {
-  std::string out = "'";
-  for (const char c : text) {
+  // gnuplot does not read a text in single quotes that begins with a doubled one
+  const std::size_t leading = std::min(text.find_first_not_of('\''), text.size());
+  std::string out = leading == 0 ? "'" : '"' + text.substr(0, leading) + "\".'";
+  for (const char c : std::string_view(text).substr(leading)) {
     if (c == '\'') out += '\'';
     out += static_cast<unsigned char>(c) < 0x20 || c == 0x7F ? ' ' : c;
   }

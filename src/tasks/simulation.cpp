@@ -52,9 +52,9 @@ class RecordFile {
     if (++filled_ == block_.rows()) flush();
   }
 
-  void close() {
+  std::string close(bool complete) {
     flush();
-    writer_->close();
+    return writer_->close(complete);
   }
 
  private:
@@ -195,7 +195,7 @@ report::Simulation simulate(const Machine& machine, const SimulateOptions& optio
         if (record) record->append(sample);
       },
       keep_going(progress, result.until), result.settling_band);
-  if (record) record->close();
+  if (record) result.record = record->close(result.summary.end == simulation::RunEnd::finished);
   result.trace = recorder.trace();
   return result;
 }
@@ -222,7 +222,7 @@ Rig rig(const Machine& machine, const RigOptions& asked, const Progress& progres
         asked.record, rig_header(machine, options, asked.command_line, loop.parameters()));
     result.result = rig::run_rig(loop, options, *writer,
                                  keep_going(progress, options.settling + options.duration));
-    writer->close();
+    result.record = writer->close(result.result.summary.end == simulation::RunEnd::finished);
   } catch (const std::invalid_argument& error) {
     base::refuse("--excite", error.what());
   }

@@ -77,5 +77,58 @@ TEST(WriteFileWhole, ReportsAFullDisk) {
   }
 }
 
+TEST(PartFile, TwoWritersOfOneNameHaveTwoPartsAndOneGetsIt) {
+  const TemporaryFolder folder;
+  const std::string path = (folder / "a.dat").string();
+  PartFile first(path), second(path);
+  EXPECT_NE(first.part(), second.part());
+  test::write_text(first.part(), "first");
+  test::write_text(second.part(), "second");
+  EXPECT_EQ(second.commit(), path);
+  EXPECT_THROW(first.commit(), ComputationError);
+  EXPECT_EQ(test::read_text(path), "second");
+  EXPECT_EQ(test::read_text(path + ".part"), "first");
+}
+
+TEST(PartFile, LeavesThePartOfAKilledRun) {
+  const TemporaryFolder folder;
+  const std::string path = (folder / "a.dat").string();
+  test::write_text(path + ".part", "what was measured");
+  {
+    PartFile file(path);
+    test::write_text(file.part(), "new");
+    file.commit();
+  }
+  EXPECT_EQ(test::read_text(path), "new");
+  EXPECT_EQ(test::read_text(path + ".part"), "what was measured");
+  EXPECT_EQ(files_in(folder), 2);
+}
+
+TEST(PartFile, AnIncompleteOneReplacesNoFile) {
+  const TemporaryFolder folder;
+  const std::string path = (folder / "a.dat").string();
+  test::write_text(path, "complete");
+  {
+    PartFile file(path);
+    test::write_text(file.part(), "half");
+    EXPECT_EQ(file.commit(false), path + ".part");
+  }
+  EXPECT_EQ(test::read_text(path), "complete");
+  EXPECT_EQ(test::read_text(path + ".part"), "half");
+  PartFile alone((folder / "b.dat").string());  // where there is none, it is better than nothing
+  test::write_text(alone.part(), "half");
+  EXPECT_EQ(alone.commit(false), alone.path());
+}
+
+TEST(PartFile, FollowsNoLinkThatStandsWhereItsPartWouldBe) {
+  const TemporaryFolder folder;
+  test::write_text(folder / "precious", "mine");
+  fs::create_symlink(folder / "precious", folder / "a.dat.part");
+  PartFile file((folder / "a.dat").string());
+  test::write_text(file.part(), "new");
+  file.commit();
+  EXPECT_EQ(test::read_text(folder / "precious"), "mine");
+}
+
 }  // namespace
 }  // namespace hydrapod::base

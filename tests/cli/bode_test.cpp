@@ -247,13 +247,13 @@ TEST(Plot, TakesANameAsText) {
   const test::TemporaryFolder folder;
   const std::string text =
       std::regex_replace(test::read_text(published), std::regex("name = \"Zhang & Jiang 2021\""),
-                         "name = \"it's\\nset output 'stolen'\\nplot x\"");
+                         "name = \"''it's\\nset output 'stolen'\\nplot x\"");
   const auto result =
       run_hydrapod({"bode", "-", "--entries", "x", "--points", "50", "--plot", "bode.svg"},
                    {.input = text, .folder = folder.path()});
   EXPECT_EQ(result.exit_code, 0) << result.err;
   EXPECT_FALSE(fs::exists(folder / "stolen"));
-  EXPECT_THAT(test::read_text(folder / "bode.svg"), HasSubstr("it's set output 'stolen' plot x"));
+  EXPECT_THAT(test::read_text(folder / "bode.svg"), HasSubstr("''it's set output 'stolen' plot x"));
 }
 
 TEST(Plot, WithoutGnuplotNamesThePackage) {

@@ -90,5 +90,20 @@ TEST(Program, ColoursErrorsOnATerminalUnlessToldNotTo) {
   EXPECT_THAT(on_a_terminal("env NO_COLOR=1 " + call), Not(HasSubstr("\033")));
 }
 
+TEST(Program, RefusesWhatIsNoNumber) {
+  const std::string machine = test::source_file("models/zhang-jiang-2021.toml").string();
+  for (const std::vector<std::string>& option :
+       {std::vector<std::string>{"--model-error", "nan"}, {"--shape-error", "inf"}}) {
+    const auto result = run_hydrapod({"diagnose", machine, option[0], option[1]});
+    EXPECT_EQ(result.exit_code, 2) << option[0];
+    EXPECT_THAT(result.err, testing::HasSubstr("expected a finite number, not " + option[1]));
+  }
+  EXPECT_THAT(run_hydrapod({"identify", machine, "--highest-damping", "nan"}).err,
+              testing::HasSubstr("finite"));
+  const auto seed = run_hydrapod({"rig", machine, "--seed", "-1", "-o", "never.h5"});
+  EXPECT_EQ(seed.exit_code, 2);
+  EXPECT_THAT(seed.err, testing::HasSubstr("expected 0 or more, not -1"));
+}
+
 }  // namespace
 }  // namespace hydrapod

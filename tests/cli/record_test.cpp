@@ -95,11 +95,11 @@ TEST_F(Record, ShowPrintsATable) {
 TEST_F(Record, ConvertsToEveryFormatAndBack) {
   for (const char* name : {"a.mat", "a.csv", "a.uff", "a.hdf5"}) {
     EXPECT_EQ(run({"convert", "run.h5", "-o", name}).exit_code, 0) << name;
-    EXPECT_EQ(run({"convert", name, "-o", "back.h5"}).exit_code, 0) << name;
+    EXPECT_EQ(run({"convert", name, "-o", "back.h5", "--force"}).exit_code, 0) << name;
     EXPECT_EQ(read_text(file("back.h5")), read_text(file("run.h5"))) << name;
   }
   EXPECT_EQ(run({"convert", "run.h5", "--format", "mat73", "-o", "b.mat"}).exit_code, 0);
-  EXPECT_EQ(run({"convert", "b.mat", "-o", "back.h5"}).exit_code, 0);
+  EXPECT_EQ(run({"convert", "b.mat", "-o", "back.h5", "--force"}).exit_code, 0);
   EXPECT_EQ(read_text(file("back.h5")), read_text(file("run.h5")));
 }
 

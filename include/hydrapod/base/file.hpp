@@ -44,6 +44,8 @@ void write_file_whole(const std::string& path, std::string_view text);
 /// A file that grows over a long time and takes its place only when it is complete: written as
 /// `PATH.part`, which replaces PATH at commit(). Until then what was at PATH stays; after a crash
 /// or a kill the part is what is left. A PartFile that goes without commit() removes its part.
+/// Where a part stands already, of another program or of a run that was killed, it is left alone
+/// and the name is `PATH.part2`, and so on.
 class PartFile {
  public:
   /// Makes the empty part. A symbolic link is followed. Throws InputError when there cannot be a
@@ -56,9 +58,10 @@ class PartFile {
   [[nodiscard]] const std::string& path() const { return path_; }  ///< as it was given
   [[nodiscard]] const std::string& part() const { return part_; }  ///< what to write into
 
-  /// The part, which must be closed by now, becomes the file: to the disk, then renamed. Throws
-  /// ComputationError.
-  void commit();
+  /// The part, which must be closed by now, becomes the file: to the disk, then renamed; where it
+  /// then is. What is not `complete` does not replace a file that was there before, and nothing
+  /// replaces one that came to be there meanwhile: then the part stays. Throws ComputationError.
+  std::string commit(bool complete = true);
 
   /// The part stays as it is, for what can be read of it.
   void keep() { kept_ = true; }
@@ -67,6 +70,7 @@ class PartFile {
   std::string path_;
   std::string target_;
   std::string part_;
+  bool replaces_{};  ///< there was a file when the part was made
   bool committed_{};
   bool kept_{};
 };

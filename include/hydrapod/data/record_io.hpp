@@ -58,8 +58,13 @@ class RecordWriter {
   /// Appends samples, one row each. Throws std::invalid_argument for a wrong number of columns or
   /// after close(), base::ComputationError when the disk is full.
   virtual void append(const Eigen::Ref<const Samples>& samples) = 0;
-  /// Completes the file. Throws base::ComputationError.
-  virtual void close() = 0;
+  /// Completes the file; where it then is. A record that ended early (not `complete`) does not
+  /// replace a file that was there before, but stays beside it as a part. Throws
+  /// base::ComputationError.
+  std::string close(bool complete = true) { return finish(complete); }
+
+ private:
+  virtual std::string finish(bool complete) = 0;
 };
 
 /// Throws std::invalid_argument for a header that does not hold (validate), base::InputError where

@@ -207,6 +207,7 @@ struct Simulation {
   Eigen::Matrix<double, 6, 1> settling_band{};
   simulation::RunSummary summary{};
   simulation::Trace trace{};
+  std::string record{};  ///< file that holds it; empty: none was asked for
 };
 
 /// `model`, `commands[]`, `controller`, `run`, `directions[]`, `legs[]`, `trace`.

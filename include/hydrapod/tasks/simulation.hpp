@@ -37,6 +37,7 @@ struct Rig {
   rig::RigOptions options{};                  ///< as used
   std::vector<rig::LevelFinding> findings{};  ///< of the levels
   rig::RigResult result{};
+  std::string record{};  ///< file that holds it, see data::RecordWriter::close
 };
 
 /// Throws base::InputError for levels that do not fit, unless `force` is set. A run that ends early

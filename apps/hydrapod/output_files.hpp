@@ -1,0 +1,30 @@
+#pragma once
+/// What a command may write over. Checked before the command begins.
+///
+/// - No output is an input of the same command, whatever its name: the files are compared, not the
+///   names (links, "./", hard links).
+/// - No two outputs are the same file.
+/// - A record, a machine file or a study that exists is replaced only with --force. Whatever else
+///   exists (a table, JSON, a picture, a page) is replaced.
+/// - There must be a folder that can be written to.
+
+#include <string>
+#include <vector>
+
+namespace hydrapod::cli {
+
+/// A file name that an option was given.
+struct NamedFile {
+  std::string option{};  ///< "-o"
+  std::string path{};
+};
+
+/// Throws base::InputError with all that is wrong. `inputs` may be no files at all (a pose, a
+/// signal): then they are passed over.
+void check_outputs(const std::vector<NamedFile>& inputs, const std::vector<NamedFile>& outputs,
+                   bool force);
+
+/// Writes a result whole, see base::write_file_whole, and says so unless it was printed.
+void write_output(const std::string& path, const std::string& text);
+
+}  // namespace hydrapod::cli

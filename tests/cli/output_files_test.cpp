@@ -1,0 +1,156 @@
+/// What a command writes over, and what it never does.
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <thread>
+
+#include "hydrapod/data/record_io.hpp"
+#include "hydrapod/model/machine_file.hpp"
+#include "support/run_program.hpp"
+
+namespace hydrapod {
+namespace {
+using test::run_hydrapod;
+using testing::HasSubstr;
+namespace fs = std::filesystem;
+
+data::Record small_record() {
+  data::Record record;
+  record.header.sample_rate = 97.0;
+  record.header.channels = {{.name = "force", .unit = "N", .role = data::Role::excitation},
+                            {.name = "motion", .unit = "m", .role = data::Role::response}};
+  record.samples = data::Samples::Random(400, 2);
+  return record;
+}
+
+class OutputFiles : public testing::Test {
+ protected:
+  OutputFiles() {
+    test::write_text(folder / "m.toml", model::starter_machine_file());
+    data::write_record((folder / "run.h5").string(), small_record(), data::RecordFormat::hdf5);
+    data::write_record((folder / "run.csv").string(), small_record(), data::RecordFormat::csv);
+  }
+  test::RunResult run(const std::vector<std::string>& arguments) {
+    return run_hydrapod(arguments, {.folder = folder.path()});
+  }
+  /// Refused with exit code 2, this in the message, and nothing changed.
+  void expect_refused(const std::vector<std::string>& arguments, const std::string& file,
+                      const std::string& message) {
+    const auto before = test::read_text(folder / file);
+    const auto result = run(arguments);
+    EXPECT_EQ(result.exit_code, 2) << testing::PrintToString(arguments);
+    EXPECT_THAT(result.err, HasSubstr(message)) << testing::PrintToString(arguments);
+    EXPECT_EQ(test::read_text(folder / file), before);
+  }
+
+  test::TemporaryFolder folder;
+};
+
+TEST_F(OutputFiles, NoInputIsWrittenOver) {
+  const std::string message = "is the input";
+  for (const std::string record : {"run.h5", "run.csv"}) {
+    for (const std::string command : {"identify", "frf"})
+      expect_refused({command, record, "-o", record, "--force"}, record, message);
+    expect_refused({"record", "convert", record, "-o", record, "--force"}, record, message);
+    expect_refused({"identify", record, "--plot", record}, record, message);
+    expect_refused({"diagnose", "m.toml", "--measured", record + "@neutral", "-o", record}, record,
+                   message);
+    expect_refused({"report", "m.toml", "--measured", record, "-o", record}, record, message);
+  }
+  for (const std::string command : {"modes", "check", "bode", "report", "diagnose", "sensitivity"})
+    expect_refused({command, "m.toml", "-o", "m.toml", "--force"}, "m.toml", message);
+  expect_refused({"rig", "m.toml", "-o", "m.toml"}, "m.toml", message);
+  expect_refused({"rig", "m.toml", "--excite", "file run.csv", "-o", "run.csv", "--force"},
+                 "run.csv", message);
+}
+
+TEST_F(OutputFiles, AnotherNameOfAnInputIsTheInput) {
+  fs::create_symlink("run.h5", folder / "link.h5");
+  fs::create_hard_link(folder / "run.h5", folder / "hard.h5");
+  for (const std::string name : {"./run.h5", "link.h5", "hard.h5"})
+    expect_refused({"frf", "run.h5", "-o", name, "--force"}, "run.h5", "is the input");
+  expect_refused({"frf", "link.h5", "-o", "run.h5", "--force"}, "run.h5", "is the input");
+}
+
+TEST_F(OutputFiles, TwoOutputsAreTwoFiles) {
+  const auto result = run({"bode", "m.toml", "--plot", "a.svg", "-o", "./a.svg"});
+  EXPECT_EQ(result.exit_code, 2);
+  EXPECT_THAT(result.err, HasSubstr("--plot writes the same file"));
+  EXPECT_FALSE(fs::exists(folder / "a.svg"));
+}
+
+TEST_F(OutputFiles, RecordsAndMachinesAreReplacedByForceAlone) {
+  expect_refused({"modes", "m.toml", "-o", "run.csv"}, "run.csv", "a record exists there");
+  expect_refused({"modes", "m.toml", "-o", "run.h5"}, "run.h5", "a record exists there");
+  expect_refused({"record", "convert", "run.csv", "-o", "run.h5"}, "run.h5",
+                 "a record exists there");
+  test::write_text(folder / "other.toml", "mine");
+  expect_refused({"modes", "m.toml", "-o", "other.toml"}, "other.toml",
+                 "a machine file or study exists there");
+  const auto forced = run({"record", "convert", "run.csv", "-o", "run.h5", "--force"});
+  EXPECT_EQ(forced.exit_code, 0) << forced.err;
+  EXPECT_THAT(forced.err, HasSubstr("wrote run.h5"));
+}
+
+TEST_F(OutputFiles, AResultIsReplacedAndAnnounced) {
+  for (int time = 0; time < 2; ++time) {
+    const auto result = run({"modes", "m.toml", "-o", "modes.json"});
+    EXPECT_EQ(result.exit_code, 0) << result.err;
+    EXPECT_THAT(result.err, HasSubstr("wrote modes.json"));
+  }
+}
+
+TEST_F(OutputFiles, APlaceThatCannotBeWrittenIsSaidAtOnce) {
+  for (const std::string command : {"modes", "bode", "report", "diagnose"}) {
+    const auto result = run({command, "m.toml", "-o", "no/where.json"});
+    EXPECT_EQ(result.exit_code, 2);
+    EXPECT_EQ(result.err, "no/where.json: error: cannot write the file: there is no folder 'no'\n");
+  }
+}
+
+TEST_F(OutputFiles, TwoRunsAtOnceLeaveOneWholeRecord) {
+  const auto rig = [&](const std::string& seed) {
+    return run({"rig", "m.toml", "--duration", "2", "--seed", seed, "-o", "x.mat"});
+  };
+  test::RunResult first, second;
+  std::thread other([&] { first = rig("1"); });
+  second = rig("2");
+  other.join();
+  EXPECT_EQ((first.exit_code == 0) + (second.exit_code == 0), 1) << first.err << second.err;
+  const std::string seed = first.exit_code == 0 ? "1" : "2";
+  EXPECT_THAT((first.exit_code == 0 ? second : first).err,  // by which came first
+              testing::AnyOf(HasSubstr("x.mat.part"), HasSubstr("a record exists there")));
+  const auto alone = run({"rig", "m.toml", "--duration", "2", "--seed", seed, "-o", "y.mat"});
+  EXPECT_EQ(alone.exit_code, 0);
+  const auto x = data::read_record((folder / "x.mat").string()).record.samples,
+             y = data::read_record((folder / "y.mat").string()).record.samples;
+  EXPECT_TRUE(x == y);
+}
+
+TEST_F(OutputFiles, APartOfAnotherRunIsLeftAloneAndNoLinkIsFollowed) {
+  test::write_text(folder / "precious", "mine");
+  fs::create_symlink("precious", folder / "x.h5.part");
+  const auto result = run({"rig", "m.toml", "--duration", "1", "-o", "x.h5"});
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_EQ(test::read_text(folder / "precious"), "mine");
+  EXPECT_TRUE(fs::is_symlink(folder / "x.h5.part"));
+  EXPECT_FALSE(fs::exists(folder / "x.h5.part2"));
+}
+
+TEST_F(OutputFiles, MessagesThatNobodyReadsChangeNothing) {
+  for (const std::string where : {"2>&-", "2>/dev/full"}) {
+    const std::string program = test::hydrapod_program().string();
+    const auto good = test::run_program("sh", {"-c", program + " modes m.toml -o a.json " + where},
+                                        {.folder = folder.path()});
+    EXPECT_EQ(good.exit_code, 0) << where;
+    EXPECT_TRUE(fs::remove(folder / "a.json")) << where;
+    const auto bad = test::run_program("sh", {"-c", program + " modes none.toml " + where},
+                                       {.folder = folder.path()});
+    EXPECT_EQ(bad.exit_code, 2) << where;
+  }
+}
+
+}  // namespace
+}  // namespace hydrapod
