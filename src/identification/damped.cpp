@@ -10,7 +10,6 @@
 
 #include "hydrapod/base/error.hpp"
 #include "hydrapod/numerics/fft.hpp"
-#include "line_weights.hpp"
 #include "names.hpp"
 #include "response_checks.hpp"
 
@@ -86,9 +85,9 @@ struct FromInstruments {
   std::vector<MatrixXcd> H;      // w × r
   std::vector<MatrixXcd> noise;  // spectrum of w − H r
   std::vector<MatrixXcd> P;      // S_rr⁻¹; 0 where it cannot be formed
-  /// What r explains of the inputs' power, by what it would explain of noise alone; the least of
-  /// the inputs.
-  MatrixXd explained, by_chance;  // lines × inputs
+  /// What r explains of the channels w, and what it would explain of noise: means of the shares of
+  /// their power.
+  VectorXd explained, by_chance;
 };
 
 FromInstruments from_instruments(const CrossSpectra& spectra, const ChannelChoice& c, Index first,
@@ -97,7 +96,7 @@ FromInstruments from_instruments(const CrossSpectra& spectra, const ChannelChoic
   all.insert(all.end(), c.inputs.begin(), c.inputs.end());
   const auto rows = static_cast<Index>(all.size()), p = static_cast<Index>(c.instruments.size());
   FromInstruments f;
-  f.explained = f.by_chance = MatrixXd::Zero(spectra.lines(), p);
+  f.explained = f.by_chance = VectorXd::Zero(spectra.lines());
   for (Index k = 0; k < spectra.lines(); ++k) {
     f.H.emplace_back(MatrixXcd::Zero(rows, p));
     f.noise.emplace_back(MatrixXcd::Zero(rows, rows));
@@ -111,22 +110,23 @@ FromInstruments from_instruments(const CrossSpectra& spectra, const ChannelChoic
     const MatrixXcd explained = f.H.back() * S_wr.adjoint();
     f.noise.back() = S(all, all) - explained;
     f.P.back() = P;
-    f.explained.row(k) = explained.diagonal().tail(p).real();
-    f.by_chance.row(k) = f.noise.back().diagonal().tail(p).real() * static_cast<double>(p) /
-                         (averages - static_cast<double>(p));
+    const VectorXd power = S.diagonal().real()(all).cwiseMax(1e-300);
+    f.explained[k] = explained.diagonal().real().cwiseQuotient(power).mean();
+    f.by_chance[k] =
+        (1.0 - f.explained[k]) * static_cast<double>(p) / (averages - static_cast<double>(p));
   }
   for (Index k = 0; k < first; ++k) {  // the mean was taken out: as at the first line, and real
     const auto from = static_cast<std::size_t>(first), to = static_cast<std::size_t>(k);
     f.H[to] = f.H[from].real().cast<Complex>();
     f.noise[to] = f.noise[from];
     f.P[to] = f.P[from];
-    f.explained.row(k) = f.explained.row(first);
-    f.by_chance.row(k) = f.by_chance.row(first);
+    f.explained[k] = f.explained[first];
+    f.by_chance[k] = f.by_chance[first];
   }
   return f;
 }
 
-/// Lines at which all instruments are seen in all inputs.
+/// Lines at which the instruments are strong enough, and seen in outputs and inputs.
 std::vector<bool> excited_lines(const CrossSpectra& spectra, const std::vector<int>& instruments,
                                 const FromInstruments& f, const DampedOptions& options) {
   const Index lines = spectra.lines();
@@ -137,12 +137,14 @@ std::vector<bool> excited_lines(const CrossSpectra& spectra, const std::vector<i
     for (Index k = 1; k < lines; ++k)
       if (!(density[k] > least)) excited[static_cast<std::size_t>(k)] = false;
   }
-  for (Index i = 0; i < f.explained.cols(); ++i) {
-    const VectorXd signal = running_mean(f.explained.col(i), options.seen_reach),
-                   chance = running_mean(f.by_chance.col(i), options.seen_reach);
-    for (Index k = 0; k < lines; ++k)
-      if (!(signal[k] > options.seen * chance[k])) excited[static_cast<std::size_t>(k)] = false;
-  }
+  const auto seen = [&](Index from, Index to) {
+    return f.explained.segment(from, to - from + 1).sum() >
+           options.seen * f.by_chance.segment(from, to - from + 1).sum();
+  };
+  for (Index k = 0; k < lines; ++k)
+    if (!seen(std::max<Index>(0, k - options.seen_reach), k) ||
+        !seen(k, std::min(lines - 1, k + options.seen_reach)))
+      excited[static_cast<std::size_t>(k)] = false;
   return excited;
 }
 

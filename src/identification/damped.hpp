@@ -15,7 +15,7 @@
 ///
 /// Excitation in a band. Where r says nothing, H_wr is noise, which the cut at τ = 0 would spread
 /// over all lines. All of H_wr is therefore multiplied by a filter D(ω), one for outputs and
-/// inputs, which the quotient cancels: it is 1 where r is seen in the inputs and falls to 0 within
+/// inputs, which the quotient cancels: it is 1 where r is seen and falls to 0 within
 /// a few lines where it is not. D has minimum phase: D H_wr remains causal, so that nothing is cut
 /// off at τ = 0, and its delay, over which the lag window gives more weight to noise than to the
 /// response, is the least possible.
@@ -38,10 +38,12 @@ struct DampedOptions {
   /// A line is excited where each instrument's density > weakly_excited · that of its strongest
   /// line: below, the window's leakage is all there is.
   double weakly_excited{1e-5};
-  /// … and where r explains of each input's power more than seen · what it would explain of noise
-  /// by chance, in the mean over ± seen_reach lines: chance alone stays below in all but 1 of 1e4.
-  double seen{3.0};
-  Eigen::Index seen_reach{3};
+  /// … and where r explains more than seen · what it would explain of noise by chance, in the mean
+  /// over outputs and inputs and over the seen_reach lines below, and over those above. Chance
+  /// scatters by a third of itself for one input, by less for several. A single dip of the
+  /// inputs, as at a sharp resonance inside the loop, is no end of the excitation.
+  double seen{2.0};
+  Eigen::Index seen_reach{6};
   /// Lines: standard deviation of the bell that rounds the edges of ln |D|, and distance of the
   /// edges from lines that are not excited. Narrower edges make D ring past the end of a block.
   double edge{6.0};

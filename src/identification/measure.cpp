@@ -145,6 +145,8 @@ SpectrumOptions spectrum_options(data::RecordSet& records, const Plan& plan,
     o.overlap = *options.overlap;
   else if (options.window == Window::rectangular)
     o.overlap = 0.0;
+  else if (plan.estimator == Estimator::instrumental)
+    o.overlap = 0.75;  // at every lag all samples weigh the same: a sweep is not cut into pieces
   std::int64_t period =
       options.period ? std::llround(*options.period * records.header().sample_rate)
       : options.block_length
