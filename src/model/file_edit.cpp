@@ -126,6 +126,16 @@ std::string with_table(std::string text, const KeyPath& header, const std::strin
   return text + fmt::format("\n[{}]\n{}\n", to_string(header), line);
 }
 
+/// The steps number `from` to `to`, without `to`, of a path.
+KeyPath part_of(const KeyPath& path, std::size_t from, std::size_t to) {
+  return {path.begin() + static_cast<long>(from), path.begin() + static_cast<long>(to)};
+}
+
+KeyPath longer(KeyPath path, PathStep step) {
+  path.push_back(std::move(step));
+  return path;
+}
+
 /// Is `text` TOML that has something at `path`?
 bool reads(const std::string& text, const KeyPath& path) {
   const auto parsed = parse_tree(text, 0);
@@ -137,22 +147,18 @@ bool reads(const std::string& text, const KeyPath& path) {
 /// way. TOML lets it be continued in one of three ways, depending on what these are.
 void add_to_implicit_table(std::string& text, const Node& root, const KeyPath& path,
                            std::size_t known, const std::string& value) {
-  const auto part = [&](std::size_t from, std::size_t to) {
-    return KeyPath(path.begin() + static_cast<long>(from), path.begin() + static_cast<long>(to));
-  };
-  const std::size_t size = path.size();
   const auto line_from = [&](std::size_t from) {
-    return fmt::format("{} = {}", to_string(part(from, size)), value);
+    return fmt::format("{} = {}", to_string(part_of(path, from, path.size())), value);
   };
-  const std::size_t header = known + 1 < size ? known + 1 : known;
-  std::vector<std::string> ways{with_table(text, part(0, header), line_from(header)),
-                                with_table(text, part(0, known), line_from(known))};
+  const std::size_t header = known + 1 < path.size() ? known + 1 : known;
+  std::vector<std::string> ways{with_table(text, part_of(path, 0, header), line_from(header)),
+                                with_table(text, part_of(path, 0, known), line_from(known))};
   for (std::size_t above = known; above-- > 1;) {
-    const Node& table = *find_node(root, part(0, above));
-    const auto at = header_of(text, table, part(0, above));
+    const auto front = part_of(path, 0, above);
+    const auto at = header_of(text, *find_node(root, front), front);
     if (at == std::string::npos) continue;
     ways.push_back(text);
-    add_line(ways.back(), at, table, line_from(above));
+    add_line(ways.back(), at, *find_node(root, front), line_from(above));
   }
   ways.push_back(text);
   add_at_the_top(ways.back(), root, line_from(0));
@@ -165,11 +171,8 @@ void add_to_implicit_table(std::string& text, const Node& root, const KeyPath& p
 
 void add_value(std::string& text, const Node& root, const KeyPath& path, const std::string& value) {
   std::size_t known = 0;
-  while (known < path.size() &&
-         find_node(root, KeyPath(path.begin(), path.begin() + static_cast<long>(known) + 1)))
-    ++known;
-  const KeyPath above(path.begin(), path.begin() + static_cast<long>(known));
-  const KeyPath below(path.begin() + static_cast<long>(known), path.end());
+  while (known < path.size() && find_node(root, part_of(path, 0, known + 1))) ++known;
+  const KeyPath above = part_of(path, 0, known), below = part_of(path, known, path.size());
   const Node& table = *find_node(root, above);
   const std::string line = fmt::format("{} = {}", to_string(below), value);
   if (!table.is_table())
@@ -226,11 +229,7 @@ void take_out(std::string& text, const KeyPath& path) {
   if (node == nullptr) return;
   const std::size_t at = offset_of(text, node->place);
   if (!node->is_table() || text[at] == '{') return take_value_out(text, *node, path);
-  for (const auto& child : node->children) {
-    auto below = path;
-    below.push_back({child.key, std::nullopt});
-    take_out(text, below);
-  }
+  for (const auto& child : node->children) take_out(text, longer(path, {child.key, {}}));
   const Node left = tree_of(text);
   const Node* empty = find_node(left, path);
   if (empty == nullptr) return;
@@ -285,11 +284,7 @@ bool same(const Node& a, const Node& b) {
 /// Edits that make `before` into `after`, both at `path`.
 void compare(const Node& before, const Node& after, const KeyPath& path,
              std::vector<FileEdit>& edits) {
-  const auto below = [&](const std::string& key) {
-    auto longer = path;
-    longer.push_back({key, std::nullopt});
-    return longer;
-  };
+  const auto below = [&](const std::string& key) { return longer(path, {key, {}}); };
   if (before.is_table() && after.is_table()) {
     for (const auto& child : before.children)
       if (after.find(child.key) == nullptr)
@@ -306,11 +301,8 @@ void compare(const Node& before, const Node& after, const KeyPath& path,
     }
   } else if (before.kind == Node::Kind::array && after.kind == Node::Kind::array &&
              before.children.size() == after.children.size()) {
-    for (std::size_t k = 0; k < after.children.size(); ++k) {
-      auto element = path;
-      element.push_back({"", k});
-      compare(before.children[k], after.children[k], element, edits);
-    }
+    for (std::size_t k = 0; k < after.children.size(); ++k)
+      compare(before.children[k], after.children[k], longer(path, {"", k}), edits);
   } else if (after.place.source != 0 && !same(before, after)) {
     edits.push_back({.path = to_string(path), .value = toml_of(after)});
   }

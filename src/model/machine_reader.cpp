@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <array>
-#include <limits>
 #include <optional>
 #include <string>
 #include <utility>
@@ -16,12 +15,10 @@ namespace hydrapod::model {
 namespace {
 
 constexpr std::size_t most_poses = 1000;
-constexpr double nan = std::numeric_limits<double>::quiet_NaN();
-constexpr std::string_view of_legs = "legs.";
 
 JointPoints unread_points() {
   JointPoints points;
-  points.fill(Vector3::Constant(nan));
+  points.fill(Vector3::Constant(unread));
   return points;
 }
 
@@ -112,7 +109,7 @@ class Reader {
     const auto key = last_key(row.path);
     const auto unit = unit_of(read_.machine, row);
     const auto value = table.find(key);
-    std::vector<double> numbers(static_cast<std::size_t>(row.numbers), nan);
+    std::vector<double> numbers(static_cast<std::size_t>(row.numbers), unread);
     if (value) {
       const bool single =
           row.numbers == 1 || (row.kind == Kind::six && value.node->kind != Node::Kind::array);
@@ -195,7 +192,7 @@ class Reader {
   void read_inertia() {
     const Section platform = root_.required_table("platform");
     auto& inertia = read_.machine.platform.inertia;
-    inertia.setConstant(nan);
+    inertia.setConstant(unread);
     const auto value = platform.find("inertia");
     const auto r = row("platform.inertia");
     const auto unit = rows_[r].unit;
@@ -346,7 +343,7 @@ class Reader {
     const Section spring = section.required_table("oil_spring");
     if (!spring.choice("stiffness", "cylinder").empty()) return;
     spring.report_missing("stiffness", "either this value or the table `cylinder`");
-    read_.machine.legs[static_cast<std::size_t>(leg)].oil_spring.stiffness = nan;
+    read_.machine.legs[static_cast<std::size_t>(leg)].oil_spring.stiffness = unread;
   }
 
   // ---- Poses ---------------------------------------------------------------------------------

@@ -15,7 +15,7 @@ namespace hydrapod::model {
 namespace {
 
 constexpr unsigned all_legs = 0x3F;
-constexpr std::string_view of_legs = "legs.", of_leg = "leg.*.", of_poses = "poses.*.";
+constexpr std::string_view of_leg = "leg.*.", of_poses = "poses.*.";
 constexpr std::array tensor_elements{"xx", "yy", "zz", "xy", "xz", "yz"};
 
 bool is_of_legs(const ParameterRow& row) {
@@ -139,6 +139,11 @@ unsigned own_legs(const MachineFile& file, const ParameterId& id) {
 }
 
 }  // namespace
+
+const NamedPose* find_pose(const Machine& machine, std::string_view name) {
+  const auto found = std::ranges::find(machine.poses, name, &NamedPose::name);
+  return found == machine.poses.end() ? nullptr : &*found;
+}
 
 const ParameterRow& row_of(const ParameterId& id) { return parameter_table()[id.row]; }
 

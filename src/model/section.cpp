@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <cmath>
-#include <limits>
 #include <utility>
 
 #include "hydrapod/base/text.hpp"
@@ -13,8 +12,7 @@ namespace hydrapod::model {
 
 namespace {
 
-constexpr double nan = std::numeric_limits<double>::quiet_NaN();
-const Vector3 nan_vector{nan, nan, nan};
+const Vector3 unread_vector{unread, unread, unread};
 
 /// "a mass, as a number in kg or a string such as "0.5 kg"".
 std::string expected_number(std::string_view unit) {
@@ -142,14 +140,14 @@ double Section::read_number(const Value& value, std::string_view unit) const {
   } else {
     report(value, fmt::format("is {}, expected {}", described(node), expected_number(unit)));
   }
-  return nan;
+  return unread;
 }
 
 double Section::number(std::string_view key, std::string_view unit) const {
   const auto value = optional_number(key, unit);
   if (value) return *value;
   report_missing_numbers(key, unit, 1);
-  return nan;
+  return unread;
 }
 
 double Section::number(std::string_view key, std::string_view unit, double fallback) const {
@@ -180,7 +178,7 @@ Section::Value Section::element(const Value& array, std::size_t i) {
 
 std::vector<double> Section::read_array(const Value& value, std::size_t size,
                                         std::string_view unit) const {
-  std::vector<double> numbers(size, nan);
+  std::vector<double> numbers(size, unread);
   const auto found = elements(value, size, array_of(size, unit));
   for (std::size_t i = 0; i < found.size(); ++i) numbers[i] = read_number(found[i], unit);
   return numbers;
@@ -195,7 +193,7 @@ Vector3 Section::vector(std::string_view key, std::string_view unit) const {
   const Value value = find(key);
   if (value) return read_vector(value, unit);
   report_missing_numbers(key, unit, 3);
-  return nan_vector;
+  return unread_vector;
 }
 
 Vector3 Section::vector(std::string_view key, std::string_view unit,

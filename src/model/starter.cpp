@@ -30,7 +30,7 @@ constexpr std::string_view introduction =
 
 )";
 
-std::vector<const ParameterRow*> keys_of(std::string_view table) {
+std::vector<const ParameterRow*> rows_in(std::string_view table) {
   std::vector<const ParameterRow*> keys;
   for (const auto& row : parameter_table())
     if (row.kind != Kind::table && table_of(row.path) == table) keys.push_back(&row);
@@ -66,19 +66,19 @@ std::string default_of(const ParameterRow& row) {
 
 // ---- Starter file ----------------------------------------------------------------------------
 
-bool is_bare(std::string_view value) {
+bool is_plain_number(std::string_view value) {
   return value.find_first_not_of("0123456789.+-e") == std::string_view::npos;
 }
 
 std::string value_text(const ParameterRow& row) {
   if (row.example.empty()) return default_of(row);
-  const bool toml = is_bare(row.example) || row.example[0] == '[' || row.example[0] == '{';
+  const bool toml = is_plain_number(row.example) || row.example[0] == '[' || row.example[0] == '{';
   return toml ? std::string{row.example} : fmt::format("\"{}\"", row.example);
 }
 
 std::string comment_of(const ParameterRow& row, std::string_view value) {
   std::string comment;
-  const bool plain = is_bare(value) || value[0] == '[' || value[0] == '{';
+  const bool plain = is_plain_number(value) || value[0] == '[' || value[0] == '{';
   if (plain && value.find('"') == std::string_view::npos && row.unit != "1" && !row.unit.empty())
     comment = fmt::format("{}; ", row.unit);
   comment += row.meaning;
@@ -123,7 +123,7 @@ std::string starter_key(const ParameterRow& row) {
 std::string starter_table(const ParameterRow& table) {
   std::string keys;
   bool in_use = false;
-  for (const auto* row : keys_of(table.path)) {
+  for (const auto* row : rows_in(table.path)) {
     keys += starter_key(*row);
     in_use |= row->in_use;
   }
@@ -153,12 +153,12 @@ std::string default_cell(const ParameterRow& row) {
   if (!row.otherwise.empty()) return std::string{row.otherwise};
   const std::string value = default_of(row);
   if (value.empty()) return "–";
-  return is_bare(value) ? value : fmt::format("`{}`", value);
+  return is_plain_number(value) ? value : fmt::format("`{}`", value);
 }
 
 std::string reference_table(std::string_view table) {
   std::string rows;
-  for (const auto* row : keys_of(table))
+  for (const auto* row : rows_in(table))
     rows += fmt::format("| `{}` | {} | {} | {} |\n", last_key(row->path), unit_cell(*row),
                         default_cell(*row), row->meaning);
   if (rows.empty()) return "";

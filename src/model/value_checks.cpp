@@ -65,7 +65,6 @@ bool ValueChecks::within(std::string_view key, double value, std::string_view un
 }
 
 void ValueChecks::rows(const Machine& machine, std::optional<int> leg) {
-  constexpr std::string_view of_legs = "legs.";
   auto& from = const_cast<Machine&>(machine);
   for (const auto& row : parameter_table()) {
     const bool of_leg = row.path.starts_with(of_legs);

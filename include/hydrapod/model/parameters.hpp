@@ -4,7 +4,7 @@
 /// A row says what a key holds: path, unit, default, bound, meaning, and the member of the machine.
 /// Reading, advice on unknown keys, range checks, the starter file, the tables of
 /// docs/howto/machine-file.md, `--set` and free parameters all go by these rows. A new parameter is
-/// a member of the structs in machine.hpp and one row in src/model/parameter_table.cpp.
+/// a member of the structs in machine.hpp and one row in src/model/*_rows.cpp.
 ///
 /// A ParameterId is one number: a row, an element of it, and the legs that it sets. Text becomes an
 /// id once, where a file or a person is met; a machine takes values for ids without reading text.
@@ -89,6 +89,9 @@ std::string_view unit_of(const Machine& machine, const ParameterRow& row);
 std::string_view last_key(std::string_view path);
 std::string_view table_of(std::string_view path);
 
+/// Before the paths of what all legs have.
+inline constexpr std::string_view of_legs = "legs.";
+
 /// All rows, each table followed by its keys.
 std::span<const ParameterRow> parameter_table();
 
@@ -114,6 +117,9 @@ struct ParameterId {
     return a.row == b.row && a.element == b.element && a.of == b.of;
   }
 };
+
+/// The pose of that name; null where the machine has none.
+const NamedPose* find_pose(const Machine& machine, std::string_view name);
 
 /// A value [SI] for a parameter.
 struct Assignment {

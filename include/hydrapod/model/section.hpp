@@ -14,6 +14,7 @@
 /// Dotted paths such as `legs.rod.length`, `platform.mass_center[2]`, `poses."far left".position`.
 
 #include <cstddef>
+#include <limits>
 #include <optional>
 #include <set>
 #include <span>
@@ -26,6 +27,9 @@
 #include "hydrapod/model/machine.hpp"
 
 namespace hydrapod::model {
+
+/// Stands in the machine for a number that could not be read.
+inline constexpr double unread = std::numeric_limits<double>::quiet_NaN();
 
 /// Where a value stands. `source` is 0 for the file, i for the i-th override; lines and columns
 /// count from 1, and an override has line 0.

@@ -1,0 +1,176 @@
+// Rows of the machine file: the mechanics of the legs.
+#include "parameter_rows.hpp"
+
+namespace hydrapod::model::rows {
+
+namespace {
+
+constexpr Bound tilt{.lowest = 0.0,
+                     .highest = std::numbers::pi * (1.0 + 1e-9),
+                     .more_than_lowest = true,
+                     .expected = "no more than 180 deg",
+                     .shown_in = "deg",
+                     .shown_size = std::numbers::pi / 180.0};
+
+/// Axes get the length one; a zero axis stays zero for validate() to find.
+void make_units(Machine& machine, unsigned legs) {
+  for (std::size_t i = 0; i < leg_count; ++i) {
+    Vector3& axis = machine.legs[i].gimbal_axis;
+    const double largest = axis.cwiseAbs().maxCoeff();
+    if ((legs >> i & 1U) == 0 || largest == 0.0 || !axis.allFinite()) continue;
+    axis = (axis / largest).normalized();
+  }
+}
+
+constexpr ParameterRow of_gimbal_axis(ParameterRow made) {
+  made.finish = make_units;
+  return made;
+}
+
+void drop_cylinder(Machine& machine, int leg) {
+  machine.legs[static_cast<std::size_t>(leg)].oil_spring.cylinder.reset();
+}
+void drop_stiffness(Machine& machine, int leg) {
+  machine.legs[static_cast<std::size_t>(leg)].oil_spring.stiffness.reset();
+}
+
+constexpr std::string_view volume_words[]{"chambers", "equal"};
+
+constexpr auto oil = &Leg::oil_spring;
+constexpr auto cylinder = &OilSpring::cylinder;
+
+constexpr ParameterRow leg_rows[]{
+    table(
+        "legs", required, "",
+        R"(# ---- Legs: what all six have in common -------------------------------------------------------
+# Lengths are counted along the leg's axis from the base joint, unless it says otherwise.
+)"),
+    of_gimbal_axis(number<&Leg::gimbal_axis>(
+        "legs.gimbal_axis", "1", standard, any,
+        "base-fixed axis of the lower gimbal in the base frame, of any length; "
+        "used with `flexible_axes = \"gimbal\"`")),
+    number<&Leg::gimbal_cross_inertia>(
+        "legs.gimbal_cross_inertia", "kg m^2", standard, not_negative,
+        "I_c, of the cross of the lower gimbal about its first axis; used with `flexible_axes = "
+        "\"gimbal\"`"),
+    number<&Leg::added_axial_inertia>(
+        "legs.added_axial_inertia", "kg", standard, not_negative,
+        "m_a, inertia that moves with the piston only: the oil in the lines, seen at "
+        "the piston, ρ L A_p²/A for a line of length L and cross-section A"),
+    number<&Leg::gimbal_stiffness>("legs.gimbal_stiffness", "N/m", otherwise("rigid"), positive,
+                                   "k_j, of both gimbals and their fastening along the "
+                                   "leg, in series with the oil spring",
+                                   shown("300 kN/mm")),
+    table("legs.case", required, "cylinder case"),
+    number<&Leg::cylinder_case, &CylinderCase::mass>("legs.case.mass", "kg", required, not_negative,
+                                                     "m_t, 0 or more", given("35 kg")),
+    number<&Leg::cylinder_case, &CylinderCase::mass_center>(
+        "legs.case.mass_center", "m", required, any, "r_b, from the base joint", given("0.5 m")),
+    number<&Leg::cylinder_case, &CylinderCase::transverse_inertia>(
+        "legs.case.transverse_inertia", "kg m^2", required, not_negative,
+        "I_t, across the axis, about the mass centre", given("3 kg m^2")),
+    number<&Leg::cylinder_case, &CylinderCase::axial_inertia>(
+        "legs.case.axial_inertia", "kg m^2", standard, not_negative,
+        "I_ta, about the axis, no more than twice I_t; used with `flexible_axes = "
+        "\"gimbal\"`"),
+    table("legs.rod", required, "rod with piston"),
+    number<&Leg::rod, &Rod::length>("legs.rod.length", "m", required, positive,
+                                    "l_mn, from the piston to the platform joint", given("1.05 m")),
+    number<&Leg::rod, &Rod::mass>("legs.rod.mass", "kg", required, not_negative, "m_g, 0 or more",
+                                  given("22 kg")),
+    number<&Leg::rod, &Rod::mass_center>("legs.rod.mass_center", "m", required, any,
+                                         "c_g, from the piston towards the platform",
+                                         given("0.5 m")),
+    number<&Leg::rod, &Rod::transverse_inertia>(
+        "legs.rod.transverse_inertia", "kg m^2", required, not_negative,
+        "I_r, across the axis, about the mass centre", given("2 kg m^2")),
+    number<&Leg::rod, &Rod::axial_inertia>(
+        "legs.rod.axial_inertia", "kg m^2", standard, not_negative,
+        "I_ra, about the axis, no more than twice I_r; used with `flexible_axes = "
+        "\"gimbal\"`"),
+    table("legs.guide_sleeve", required, "the seals' O-rings where the rod leaves the cylinder"),
+    number<&Leg::guide_sleeve, &GuideSleeve::position>("legs.guide_sleeve.position", "m", required,
+                                                       positive, "L_g, from the base joint",
+                                                       given("1 m")),
+    number<&Leg::guide_sleeve, &GuideSleeve::stiffness>(
+        "legs.guide_sleeve.stiffness", "N/m", required, positive,
+        "k_s, lateral, between case and rod", given("5 kN/mm")),
+    number<&Leg::guide_sleeve, &GuideSleeve::damping>("legs.guide_sleeve.damping", "N s/m",
+                                                      standard, not_negative,
+                                                      "c_s, lateral, viscous", given("2 kN s/m")),
+    table("legs.piston_ring", optional,
+          "the O-ring under the piston's ring; without the table it is rigid"),
+    number<&Leg::piston_ring, &PistonRing::stiffness>(
+        "legs.piston_ring.stiffness", "N/m", required, positive,
+        "k_g, lateral, between case and piston", shown("20 kN/mm")),
+    number<&Leg::piston_ring, &PistonRing::damping>("legs.piston_ring.damping", "N s/m", standard,
+                                                    not_negative, "c_g, lateral, viscous"),
+    table("legs.oil_spring", required,
+          "the oil along the leg: either `stiffness`, or the table `cylinder`"),
+    instead_of(drop_cylinder,
+               number<oil, &OilSpring::stiffness>("legs.oil_spring.stiffness", "N/m", standard,
+                                                  positive, "k_h", shown("20 kN/mm"))),
+    number<oil, &OilSpring::damping>("legs.oil_spring.damping", "N s/m", standard, not_negative,
+                                     "c_h, viscous, parallel to the spring", given("10 kN s/m")),
+    instead_of(drop_stiffness,
+               table("legs.oil_spring.cylinder", required, "what the stiffness follows from")),
+    number<oil, cylinder, &Cylinder::bore>("legs.oil_spring.cylinder.bore", "m", required, positive,
+                                           "more than 0", given("80 mm")),
+    number<oil, cylinder, &Cylinder::rod_diameter>("legs.oil_spring.cylinder.rod_diameter", "m",
+                                                   required, not_negative,
+                                                   "0 or more, less than the bore", given("56 mm")),
+    number<oil, cylinder, &Cylinder::cap_dead_volume>(
+        "legs.oil_spring.cylinder.cap_dead_volume", "m^3", standard, not_negative,
+        "of the chamber on the base side, with the piston retracted", given("100 cm^3")),
+    number<oil, cylinder, &Cylinder::rod_dead_volume>(
+        "legs.oil_spring.cylinder.rod_dead_volume", "m^3", standard, not_negative,
+        "of the chamber around the rod, with the piston extended", given("100 cm^3")),
+    number<oil, cylinder, &Cylinder::cap_line_volume>(
+        "legs.oil_spring.cylinder.cap_line_volume", "m^3", standard, not_negative,
+        "between the chamber on the base side and the valve", given("150 cm^3")),
+    number<oil, cylinder, &Cylinder::rod_line_volume>(
+        "legs.oil_spring.cylinder.rod_line_volume", "m^3", standard, not_negative,
+        "between the chamber around the rod and the valve", given("150 cm^3")),
+    number<oil, cylinder, &Cylinder::bulk_modulus>("legs.oil_spring.cylinder.bulk_modulus", "Pa",
+                                                   required, positive, "β_e of the oil without air",
+                                                   given("1.4 GPa")),
+    word<oil, cylinder, &Cylinder::volumes>(
+        "legs.oil_spring.cylinder.volumes", volume_words,
+        "`\"chambers\"`: the true volumes at the pose, which needs `[legs.stroke]`; "
+        "`\"equal\"`: both chambers hold `control_volume` at every pose (Eq. 16 of the "
+        "paper)"),
+    number<oil, cylinder, &Cylinder::control_volume>(
+        "legs.oil_spring.cylinder.control_volume", "m^3",
+        otherwise("mean of both chambers at mid stroke"), positive, "V_0 for `\"equal\"`",
+        shown("2 l")),
+    table("legs.oil_spring.cylinder.air", optional,
+          "air carried in the oil as bubbles; without the table there is none"),
+    number<oil, cylinder, &Cylinder::air, &EntrainedAir::fraction>(
+        "legs.oil_spring.cylinder.air.fraction", "1", required, below_one,
+        "share of the volume at atmospheric pressure, 0 or more and less than 1", shown("1 %")),
+    number<oil, cylinder, &Cylinder::air, &EntrainedAir::pressure>(
+        "legs.oil_spring.cylinder.air.pressure", "Pa", required, positive,
+        "mean absolute pressure in the chambers", shown("70 bar")),
+    number<oil, cylinder, &Cylinder::air, &EntrainedAir::polytropic>(
+        "legs.oil_spring.cylinder.air.polytropic", "1", standard, polytropic,
+        "exponent n of p Vⁿ: 1 for slow changes, 1.4 for fast ones"),
+    table("legs.stroke", optional, "where the piston can be; optional with a given stiffness"),
+    number<&Leg::stroke, &Stroke::retracted>("legs.stroke.retracted", "m", required, not_negative,
+                                             "from the base joint to the piston when retracted",
+                                             given("0.25 m")),
+    number<&Leg::stroke, &Stroke::length>("legs.stroke.length", "m", required, positive,
+                                          "more than 0", given("0.6 m")),
+    simulation("legs.joint_limits", "largest tilt of the joints from the neutral pose"),
+    number<&Leg::joint_limits, &JointLimits::base>(
+        "legs.joint_limits.base", "rad", otherwise("any"), tilt, "more than 0, no more than 180°",
+        shown("35 deg")),
+    number<&Leg::joint_limits, &JointLimits::platform>(
+        "legs.joint_limits.platform", "rad", otherwise("any"), tilt,
+        "more than 0, no more than 180°", shown("40 deg")),
+};
+
+}  // namespace
+
+std::span<const ParameterRow> legs() { return leg_rows; }
+
+}  // namespace hydrapod::model::rows
