@@ -50,14 +50,6 @@ std::vector<std::string> overrides_of(const std::vector<Alternative>& alternativ
   return overrides;
 }
 
-/// The file with the choices of the candidate made; only these need its text.
-model::MachineFile chosen(const model::MachineFile& file, const Candidate& candidate) {
-  if (candidate.overrides.empty()) return file;
-  auto overrides = file.overrides;
-  overrides.insert(overrides.end(), candidate.overrides.begin(), candidate.overrides.end());
-  return model::parse_machine(file.text, "machine file", overrides, {});
-}
-
 Combination make_combination(const model::MachineFile& file, const Targets& targets,
                              const Plan& plan, dynamics::ModelKind kind,
                              const std::vector<std::size_t>& choice) {
@@ -65,7 +57,7 @@ Combination make_combination(const model::MachineFile& file, const Targets& targ
   made.candidate.choice = choice;
   made.candidate.name = name_of(plan.alternatives, choice);
   made.candidate.overrides = overrides_of(plan.alternatives, choice);
-  const auto with_choices = chosen(file, made.candidate);
+  const auto with_choices = file_with_choices(file, made.candidate);
   std::vector<base::Diagnostic> errors;
   auto variables = make_variables(plan.free, with_choices, errors);
   if (!plan.alternatives.empty())
@@ -273,7 +265,7 @@ Profile profile(const model::MachineFile& file, const Targets& targets, const Pl
   constexpr int points = 21;
   const auto& parameter = candidate.parameters.at(static_cast<std::size_t>(index));
   const auto range = profile_range(parameter);
-  const auto with_choices = chosen(file, candidate);
+  const auto with_choices = file_with_choices(file, candidate);
   std::vector<base::Diagnostic> errors;
   auto variables = make_variables(plan.free, with_choices, errors);
   if (!errors.empty()) throw base::InputError(errors);

@@ -2,8 +2,8 @@
 
 #include <cmath>
 
+#include "candidate.hpp"
 #include "hydrapod/base/error.hpp"
-#include "hydrapod/calibration/calibrate.hpp"
 #include "hydrapod/model/machine_file.hpp"
 
 namespace hydrapod::calibration {
@@ -71,12 +71,10 @@ void verify(const std::string& text, const Candidate& candidate) {
 }  // namespace
 
 std::string calibrated_text(const model::MachineFile& file, const Candidate& candidate) {
-  auto overrides = file.overrides;
-  overrides.insert(overrides.end(), candidate.overrides.begin(), candidate.overrides.end());
-  auto edits = model::edits_of_overrides(file.text, overrides);
+  const auto before = file_with_choices(file, candidate);
+  auto edits = model::edits_of_overrides(file.text, before.overrides);
   for (auto& edit : edits) edit.remark = fmt::format("{} chosen", model::last_key(edit.path));
   const std::string with_choices = model::edited_file(file.text, edits, label);
-  const auto before = model::parse_machine(file.text, "machine file", overrides, {});
   for (const auto& p : candidate.parameters)
     for (const auto& path : p.paths) {
       const auto id = find_parameter(before, path).value();

@@ -128,7 +128,7 @@ FittedTarget met(const Problem& problem, const State& state, std::size_t i) {
     fit.damping = phi.dot(undamped.model.C * phi) / (2.0 * std::max(fit.omega, 1e-9)) +
                   modal::modal_ratio(state.machine).value;
   }
-  if (target.shape) fit.shape_mac = shown_mac(point.seen, point.group_of[i], target);
+  if (target.shape) fit.shape_mac = shown_mac(point.seen, point.group_of(i), target);
   return fit;
 }
 
@@ -297,6 +297,13 @@ void conclude(Combination& combination) {
   describe(*combination.problem, *best, candidate);
   if (!candidate.fitted) return;
   find_other_values(combination, *best);
+}
+
+model::MachineFile file_with_choices(const model::MachineFile& file, const Candidate& candidate) {
+  if (candidate.overrides.empty()) return file;
+  auto overrides = file.overrides;
+  overrides.insert(overrides.end(), candidate.overrides.begin(), candidate.overrides.end());
+  return model::parse_machine(file.text, "machine file", overrides, {});
 }
 
 bool fits_poorly(const Candidate& candidate) {

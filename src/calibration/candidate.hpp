@@ -14,6 +14,9 @@ struct Combination {
   std::vector<Solution> solutions{};  ///< per start
 };
 
+/// The file with the choices of the candidate made; only these need its text.
+model::MachineFile file_with_choices(const model::MachineFile& file, const Candidate& candidate);
+
 /// Start number `number` of a problem: the given one, then random ones within the bounds and a
 /// factor of five.
 Eigen::VectorXd start_of(const Problem& problem, std::uint64_t seed, int number);

@@ -82,7 +82,7 @@ class PlantShape : public DifferencedResidual {
     const auto& wanted = problem.targets().modes[target()];
     const Matrix6& root = problem.metric(target());
     const Vector6c u = (root.cast<std::complex<double>>() * shape_of(wanted)).normalized();
-    const auto& group = point.group_of[static_cast<std::size_t>(target())];
+    const auto& group = point.group_of(static_cast<std::size_t>(target()));
     const double deviation =
         wanted.complex_shape ? wanted.complex_shape->deviation : wanted.shape_deviation;
     const Vector6c r = (u - shown_part(point.seen, group, wanted, root, u)) / deviation;

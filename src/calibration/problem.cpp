@@ -37,14 +37,13 @@ Problem::Problem(const model::Machine& machine, const Targets& targets,
 void Problem::find_poses(const model::Machine& machine) {
   std::vector<base::Diagnostic> errors;
   const auto point_at = [&](const std::string& what, const std::string& name) {
-    const auto named = std::find_if(machine.poses.begin(), machine.poses.end(),
-                                    [&](const auto& pose) { return pose.name == name; });
-    if (named == machine.poses.end()) {
+    const auto* named = find_pose(machine, name);
+    if (named == nullptr) {
       errors.push_back({.key = "pose",
                         .message = fmt::format("{}: the machine has no pose \"{}\"", what, name)});
       return -1;
     }
-    const auto index = static_cast<std::size_t>(named - machine.poses.begin());
+    const auto index = static_cast<std::size_t>(named - machine.poses.data());
     const auto known = std::find(poses_.begin(), poses_.end(), index);
     const auto point = static_cast<int>(known - poses_.begin());
     if (known != poses_.end()) return point;
@@ -200,8 +199,7 @@ bool Problem::see_beside(std::size_t parameter, double step, State& state) const
     const auto& center = state.seen[p];
     const observation::Tangent tangent(center.seen, system(below, p), system(above, p), 2.0 * step);
     for (const double side : {-tiny, tiny}) {
-      SeenPoint point{tangent.at(side * step), center.mode_of, center.group_of,
-                      center.group_of_mode};
+      SeenPoint point{tangent.at(side * step), center.mode_of, center.group_of_mode};
       if (tangent.turned() && !pair_again(targets_.modes, targets_at(p), point)) return false;
       (side < 0.0 ? seen_below : seen_above).push_back(std::move(point));
     }

@@ -27,7 +27,7 @@ struct Found {
 Found found(const Problem& problem, const State& state, int target) {
   const int point = problem.point_of(target);
   return {state.points[point], state.seen[point].mode_of[target],
-          state.seen[point].group_of[target]};
+          state.seen[point].group_of(target)};
 }
 
 /// ω, negative where ω² is: a mode that has buckled pulls back.

@@ -24,11 +24,11 @@ std::vector<Hypothesis> try_charges(const Evidence& evidence, const Charges& cha
                                     const std::vector<Hypothesis>& known, int threads, Watch& watch,
                                     double from, double to) {
   std::vector<std::optional<Hypothesis>> found(charges.size());
-  const auto known_of = [&](const std::vector<std::size_t>& chosen) -> const Hypothesis* {
-    if (chosen.size() < 2) return nullptr;
+  const auto known_of = [&](const std::vector<std::size_t>& causes) -> const Hypothesis* {
+    if (causes.size() < 2) return nullptr;
     const Hypothesis* best = nullptr;
     for (const auto& e : known)
-      if (e.causes.size() == 1 && std::ranges::count(chosen, e.causes[0]) > 0 &&
+      if (e.causes.size() == 1 && std::ranges::count(causes, e.causes[0]) > 0 &&
           (best == nullptr || e.misfit < best->misfit))
         best = &e;
     return best;
@@ -78,7 +78,7 @@ Charges pairs_of(const std::vector<std::size_t>& some, const Diagnosis& d,
 }
 
 /// Those that come first by `bic`, and all within reach of the first.
-void choose(const std::vector<double>& bic, std::vector<char>& chosen) {
+void choose(const std::vector<double>& bic, std::vector<char>& near_best) {
   constexpr std::size_t best = 12;
   constexpr double reach = 40.0;
   std::vector<double> ordered = bic;
@@ -86,7 +86,7 @@ void choose(const std::vector<double>& bic, std::vector<char>& chosen) {
   if (ordered.empty()) return;
   const double limit =
       std::max(ordered[std::min(best, ordered.size()) - 1], ordered.front() + reach);
-  for (std::size_t k = 0; k < bic.size(); ++k) chosen[k] |= bic[k] <= limit;
+  for (std::size_t k = 0; k < bic.size(); ++k) near_best[k] |= bic[k] <= limit;
 }
 
 /// Fits hypotheses that modes of mechanics found to everything: those that are near the best by
@@ -101,16 +101,16 @@ void fit_to_all(const Evidence& evidence, std::vector<Hypothesis>& found, double
     return all;
   };
   const auto show = [&](double share) { return watch.at(from + (to - from) * share); };
-  std::vector<char> chosen(found.size(), 0);
-  choose(criteria(), chosen);
+  std::vector<char> near_best(found.size(), 0);
+  choose(criteria(), near_best);
   parallel_for(
       found.size(), threads, [&](std::size_t k) { evidence.see(found[k]); },
       [&](double share) { return show(0.3 * share); });
-  choose(criteria(), chosen);
+  choose(criteria(), near_best);
   parallel_for(
       found.size(), threads,
       [&](std::size_t k) {
-        if (chosen[k] == 0) return;
+        if (near_best[k] == 0) return;
         evidence.polish(found[k], false, {});
         // it may have been led astray by mechanics
         if (found[k].causes.size() == 1 && found[k].misfit > values)

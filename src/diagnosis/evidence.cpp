@@ -19,8 +19,8 @@ using observation::Targets;
 
 /// What the platform mostly does in a shape, by kinetic energy.
 int main_direction(const model::Machine& machine, const ModeTarget& mode) {
-  const auto pose = std::ranges::find(machine.poses, mode.pose, &model::NamedPose::name);
-  if (pose == machine.poses.end()) return 0;  // said by the fit
+  const auto* pose = find_pose(machine, mode.pose);
+  if (pose == nullptr) return 0;  // said by the fit
   return observation::main_direction(
       machine, pose->X_BP, mode.shape_point.value_or(machine.platform.mass_center), *mode.shape);
 }
@@ -60,9 +60,9 @@ bool beyond_mechanics(const Targets& targets) {
   return targets.observed != observation::Observed::mechanics || !targets.responses.empty();
 }
 
-dynamics::ModelKind Evidence::kind_with(const std::vector<std::size_t>& chosen) const {
+dynamics::ModelKind Evidence::kind_with(const std::vector<std::size_t>& causes) const {
   const bool rings =
-      std::ranges::any_of(chosen, [&](std::size_t k) { return causes_[k].needs_rings(); });
+      std::ranges::any_of(causes, [&](std::size_t k) { return causes_[k].needs_rings(); });
   return rings ? dynamics::ModelKind::full : kind_;
 }
 
@@ -141,16 +141,16 @@ Hypothesis Evidence::rigid() const {
 
 /// Numbers of all legs may have to be found over decades, and the pairing of modes changes on the
 /// way; what is known of one cause is a good start for most others.
-int Evidence::starts_for(const std::vector<std::size_t>& chosen, bool known) const {
+int Evidence::starts_for(const std::vector<std::size_t>& causes, bool known) const {
   constexpr int very_wide = 128, wide = 16, ordinary = 6, few = 3;
   const bool single_numbers = std::ranges::all_of(
-      chosen, [&](std::size_t k) { return causes_[k].free.size() == 1 && !causes_[k].leg; });
-  const auto seals = std::ranges::count_if(chosen, [&](std::size_t k) {
+      causes, [&](std::size_t k) { return causes_[k].free.size() == 1 && !causes_[k].leg; });
+  const auto seals = std::ranges::count_if(causes, [&](std::size_t k) {
     const auto family = causes_[k].family();
     return family == Family::guide_sleeves || family == Family::piston_rings;
   });
   if (single_numbers && seals == 2) return very_wide;
-  if (single_numbers && (chosen.size() == 1 || seals == 1)) return wide;
+  if (single_numbers && (causes.size() == 1 || seals == 1)) return wide;
   return known ? few : ordinary;
 }
 
@@ -185,18 +185,18 @@ void take(calibration::Candidate fit, Hypothesis& e) {
 
 }  // namespace
 
-Hypothesis Evidence::search(const std::vector<std::size_t>& chosen, const Targets& targets,
+Hypothesis Evidence::search(const std::vector<std::size_t>& causes, const Targets& targets,
                             const Hypothesis* known, const numerics::Progress& stop) const {
-  Hypothesis e{.causes = chosen, .kind = kind_with(chosen)};
+  Hypothesis e{.causes = causes, .kind = kind_with(causes)};
   calibration::Plan plan;
   constexpr int kept = 3;
   constexpr double enough = 1e-6;  // of a misfit, whose differences count from 1 on
-  plan.options.starts = starts_for(chosen, known != nullptr);
+  plan.options.starts = starts_for(causes, known != nullptr);
   plan.options.kept = plan.options.starts > 16 ? 2 * kept : kept;
   plan.options.tolerance = enough;
   plan.options.threads = 1;
   plan.options.loss = calibration::Loss::squares;
-  for (const auto k : chosen) {
+  for (const auto k : causes) {
     const auto& cause = causes_[k];
     e.changes.insert(e.changes.end(), cause.changes.begin(), cause.changes.end());
     for (auto free : cause.free) {
@@ -314,9 +314,9 @@ void Evidence::learn(Hypothesis& e, const std::vector<std::vector<const Hypothes
   if (fit && fit->misfit < e.misfit) take(std::move(*fit), e);
 }
 
-Hypothesis Evidence::explain(const std::vector<std::size_t>& chosen, const Hypothesis* known,
+Hypothesis Evidence::explain(const std::vector<std::size_t>& causes, const Hypothesis* known,
                              const numerics::Progress& stop) const {
-  auto e = search(chosen, by_mechanics_, known, stop);
+  auto e = search(causes, by_mechanics_, known, stop);
   static_cast<void>(file_of(file_, e));  // numbers that no machine has explain nothing
   return e;
 }
@@ -331,7 +331,7 @@ void Evidence::widen(Hypothesis& e, double frequency_error) const {
   }
 }
 
-std::optional<Evidence::Part> Evidence::explain_direction(std::size_t chosen, int direction,
+std::optional<Evidence::Part> Evidence::explain_direction(std::size_t cause, int direction,
                                                           const numerics::Progress& stop) const {
   const auto of_direction = [&](const ModeTarget& mode) { return mode.direction == direction; };
   Part part{.rest = targets_};
@@ -342,7 +342,7 @@ std::optional<Evidence::Part> Evidence::explain_direction(std::size_t chosen, in
   some.responses.clear();  // of all directions together
   part.rest.responses.clear();
   if (part.rest.modes.empty()) return std::nullopt;
-  part.hypothesis = search({chosen}, some_mechanics, nullptr, stop);
+  part.hypothesis = search({cause}, some_mechanics, nullptr, stop);
   polish(part.hypothesis, some, true, stop);
   if (part.hypothesis.by_mechanics) part.rest = rest_mechanics;
   part.at_rest =

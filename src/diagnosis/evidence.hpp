@@ -47,9 +47,9 @@ class Evidence {
   [[nodiscard]] const Hypothesis& nominal() const { return stated_; }
   /// With legs, gimbals and base that do not give way.
   [[nodiscard]] Hypothesis rigid() const;
-  /// `chosen` let free, by mechanics. `known`: a hypothesis by one of them, whose values it
-  /// begins with. Throws base::ComputationError where no such machine has modes.
-  [[nodiscard]] Hypothesis explain(const std::vector<std::size_t>& chosen, const Hypothesis* known,
+  /// The numbers of these causes let free, by mechanics. `known`: a hypothesis by one of them,
+  /// whose values it begins with. Throws base::ComputationError where no such machine has modes.
+  [[nodiscard]] Hypothesis explain(const std::vector<std::size_t>& causes, const Hypothesis* known,
                                    const numerics::Progress& stop) const;
   /// Compares it as it is with everything that was measured.
   void see(Hypothesis& hypothesis) const;
@@ -69,7 +69,7 @@ class Evidence {
     observation::Targets rest{};
     calibration::Candidate at_rest{};
   };
-  [[nodiscard]] std::optional<Part> explain_direction(std::size_t chosen, int direction,
+  [[nodiscard]] std::optional<Part> explain_direction(std::size_t cause, int direction,
                                                       const numerics::Progress& stop) const;
 
   [[nodiscard]] bool in_two_steps() const { return beyond_mechanics(targets_); }
@@ -78,10 +78,10 @@ class Evidence {
   [[nodiscard]] const std::vector<Cause>& causes() const { return causes_; }
 
  private:
-  [[nodiscard]] dynamics::ModelKind kind_with(const std::vector<std::size_t>& chosen) const;
-  [[nodiscard]] int starts_for(const std::vector<std::size_t>& chosen, bool known) const;
+  [[nodiscard]] dynamics::ModelKind kind_with(const std::vector<std::size_t>& causes) const;
+  [[nodiscard]] int starts_for(const std::vector<std::size_t>& causes, bool known) const;
   [[nodiscard]] model::MachineFile file_with(const Hypothesis& hypothesis) const;
-  [[nodiscard]] Hypothesis search(const std::vector<std::size_t>& chosen,
+  [[nodiscard]] Hypothesis search(const std::vector<std::size_t>& causes,
                                   const observation::Targets& targets, const Hypothesis* known,
                                   const numerics::Progress& stop) const;
   /// As it is, compared with everything that was measured; none where that cannot be had.

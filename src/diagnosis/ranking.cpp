@@ -48,10 +48,10 @@ void add_unseen_responses(Diagnosis& d) {
 
 }  // namespace
 
-double hypothesis_penalty(std::size_t causes, std::size_t chosen) {
+double hypothesis_penalty(std::size_t causes, std::size_t held) {
   const auto n = static_cast<double>(causes);
-  if (chosen == 0 || n < 2.0) return 0.0;
-  return 2.0 * std::log(chosen == 1 ? n : n * (n - 1.0) / 2.0);
+  if (held == 0 || n < 2.0) return 0.0;
+  return 2.0 * std::log(held == 1 ? n : n * (n - 1.0) / 2.0);
 }
 
 void rank(Diagnosis& d) {
@@ -121,7 +121,7 @@ void trace_modes(const model::MachineFile& file, Diagnosis& d) {
                       .omega_stated = stated.fit.targets[i].omega,
                       .omega_best = best.fit.targets[i].omega,
                       .shape_mac = best.fit.targets[i].shape_mac};
-    const auto pose = std::ranges::find(machine.poses, target.pose, &model::NamedPose::name);
+    const auto* pose = find_pose(machine, target.pose);
     const auto model = dynamics::linear_model(machine, pose->X_BP, best.kind);
     const auto modes = modal::normal_modes(model);
     const dynamics::ModelVector phi = modes.shapes.col(best.fit.targets[i].mode);

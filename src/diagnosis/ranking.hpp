@@ -7,8 +7,8 @@
 
 namespace hydrapod::diagnosis {
 
-/// 2 ln C(N, m).
-double hypothesis_penalty(std::size_t causes, std::size_t chosen);
+/// 2 ln C(N, m) of a hypothesis that holds m of N causes.
+double hypothesis_penalty(std::size_t causes, std::size_t held);
 
 /// Scatter, criteria, order.
 void rank(Diagnosis& d);

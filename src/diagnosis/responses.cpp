@@ -13,11 +13,6 @@ using observation::ResponseTarget;
 using observation::Targets;
 using Complex = std::complex<double>;
 
-const model::NamedPose* pose_named(const model::Machine& machine, const std::string& name) {
-  const auto found = std::ranges::find(machine.poses, name, &model::NamedPose::name);
-  return found == machine.poses.end() ? nullptr : &*found;
-}
-
 /// A measured resonance: within `width` of it, as share of ω, its damping decides.
 struct Peak {
   double omega{}, damping{}, width{};
@@ -110,7 +105,7 @@ std::vector<ResponseTarget> chosen_lines(const model::MachineFile& file, const T
   constexpr int of_shape = 5;  // values
   std::vector<ResponseTarget> chosen;
   for (const auto& all : measured.responses) {
-    const auto* pose = pose_named(file.machine, all.pose);
+    const auto* pose = find_pose(file.machine, all.pose);
     const auto peaks = peaks_at(measured, all.pose);
     if (pose == nullptr || peaks.empty() || !can_enter(measured.observed, all.entry)) continue;
     const double from = below * std::ranges::min(peaks, {}, &Peak::omega).omega;

@@ -8,6 +8,7 @@
 
 #include "hydrapod/base/error.hpp"
 #include "hydrapod/base/units.hpp"
+#include "hydrapod/model/parameters.hpp"
 #include "hydrapod/observation/pairing.hpp"
 
 namespace hydrapod::observation {
@@ -24,8 +25,7 @@ struct MeasuredShape {
 };
 
 const model::NamedPose& pose_of(const model::Machine& machine, const std::string& name) {
-  for (const auto& pose : machine.poses)
-    if (pose.name == name) return pose;
+  if (const auto* pose = find_pose(machine, name)) return *pose;
   throw base::InputError(
       {{.key = "pose", .message = fmt::format("the machine has no pose \"{}\"", name)}});
 }

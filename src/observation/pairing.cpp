@@ -282,28 +282,21 @@ class PairCosts {
 bool pair_among(std::span<const ModeTarget> targets, const std::vector<std::size_t>& here,
                 const std::vector<int>& modes, SeenPoint& point,
                 const ObservationOptions& options) {
-  const auto group = [&](int k) -> const std::vector<int>& {
-    return point.group_of_mode[static_cast<std::size_t>(k)];
-  };
   if (here.size() > modes.size()) return false;
   if (modes.size() == 1 && here.size() == 1) {
     point.mode_of[here[0]] = modes[0];
-    point.group_of[here[0]] = group(modes[0]);
     return true;
   }
   PairCosts costs(point.seen, options);
   Eigen::MatrixXd cost(here.size(), modes.size());
   for (std::size_t i = 0; i < here.size(); ++i)
     for (std::size_t k = 0; k < modes.size(); ++k)
-      cost(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(k)) =
-          costs.of(modes[k], group(modes[k]), targets[here[i]]);
+      cost(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(k)) = costs.of(
+          modes[k], point.group_of_mode[static_cast<std::size_t>(modes[k])], targets[here[i]]);
   if (!cost.allFinite()) return false;
   const auto chosen = assign(cost);
-  for (std::size_t i = 0; i < here.size(); ++i) {
-    const int k = modes[static_cast<std::size_t>(chosen[i])];
-    point.mode_of[here[i]] = k;
-    point.group_of[here[i]] = group(k);
-  }
+  for (std::size_t i = 0; i < here.size(); ++i)
+    point.mode_of[here[i]] = modes[static_cast<std::size_t>(chosen[i])];
   return true;
 }
 
@@ -312,7 +305,6 @@ bool pair_among(std::span<const ModeTarget> targets, const std::vector<std::size
 bool pair_seen(std::span<const ModeTarget> targets, const std::vector<std::size_t>& here,
                SeenPoint& point, const ObservationOptions& options) {
   point.mode_of.assign(targets.size(), -1);
-  point.group_of.assign(targets.size(), {});
   std::vector<Complex> poles;
   for (const auto& mode : point.seen.modes) poles.push_back(mode.pole);
   point.group_of_mode = group_of_each(poles, options);
@@ -329,15 +321,17 @@ bool pair_again(std::span<const ModeTarget> targets, const std::vector<std::size
   while (!left.empty()) {
     // targets whose groups meet have their modes among them
     std::vector<std::size_t> together{left.front()};
-    std::vector<int> modes = point.group_of[left.front()];
+    std::vector<int> modes = point.group_of(left.front());
     left.erase(left.begin());
     const auto meets = [&](std::size_t i) {
-      return std::ranges::find_first_of(point.group_of[i], modes) != point.group_of[i].end();
+      const auto& group = point.group_of(i);
+      return std::ranges::find_first_of(group, modes) != group.end();
     };
     for (auto i = std::ranges::find_if(left, meets); i != left.end();
          i = std::ranges::find_if(left, meets)) {
       together.push_back(*i);
-      modes.insert(modes.end(), point.group_of[*i].begin(), point.group_of[*i].end());
+      const auto& group = point.group_of(*i);
+      modes.insert(modes.end(), group.begin(), group.end());
       left.erase(i);
     }
     std::ranges::sort(modes);

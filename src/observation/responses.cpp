@@ -6,6 +6,7 @@
 
 #include "hydrapod/base/units.hpp"
 #include "hydrapod/kinematics/legs.hpp"
+#include "hydrapod/model/parameters.hpp"
 #include "hydrapod/observation/pairing.hpp"
 #include "hydrapod/observation/targets.hpp"
 
@@ -175,8 +176,8 @@ std::optional<Entry> entry_of(const std::vector<data::Channel>& inputs) {
 std::optional<ResponseTarget> measured_responses(const data::FrequencyResponses& responses,
                                                  const model::Machine& machine,
                                                  const MeasuredAt& at) {
-  const auto pose = std::ranges::find(machine.poses, at.pose, &model::NamedPose::name);
-  if (pose == machine.poses.end()) return std::nullopt;  // said with the modes
+  const auto* pose = find_pose(machine, at.pose);
+  if (pose == nullptr) return std::nullopt;  // said with the modes
   const auto rows = direction_rows(responses.outputs);
   if (rows.empty()) return std::nullopt;
   const bool widened = responses.taper.size() > 0;

@@ -100,8 +100,7 @@ Diagnosed diagnose(const Machine& given, const DiagnoseOptions& options, const P
     found.kind = best.kind;
   }
   if (found.kind == dynamics::ModelKind::rigid) return result;  // nothing to give way
-  const auto X_BP =
-      std::ranges::find(found.machine.poses, pose.name, &model::NamedPose::name)->X_BP;
+  const auto X_BP = find_pose(found.machine, pose.name)->X_BP;
   found.drops = diagnosis::attribute_drops(found.machine, X_BP, found.kind);
   found.remedy = diagnosis::find_remedy(found.machine, poses, found.kind, found.goal,
                                         numerics::part_of(progress, 0.9, 1.0));

@@ -24,6 +24,15 @@ spatial::Pose displaced_pose(const spatial::Pose& neutral, const std::string& te
   return {spatial::rotation_from_rpy(d.tail<3>()) * neutral.R_BP, neutral.p_BP + d.head<3>()};
 }
 
+/// Throws base::InputError, which calls the pose `place`.
+void refuse_unreachable(const model::Machine& machine, const spatial::Pose& X_BP,
+                        const std::string& place) {
+  std::vector<base::Diagnostic> errors;
+  for (const auto& finding : kinematics::check_pose(machine, X_BP, ""))
+    errors.push_back({.file = place, .message = finding.message});
+  if (!errors.empty()) throw base::InputError(errors);
+}
+
 }  // namespace
 
 Machine read_machine(const MachineOptions& options) {
@@ -38,8 +47,7 @@ Machine read_machine(const MachineOptions& options) {
 }
 
 model::NamedPose pose_of(const model::Machine& machine, const std::string& text) {
-  for (const auto& pose : machine.poses)
-    if (pose.name == text) return pose;
+  if (const auto* pose = find_pose(machine, text)) return *pose;
   const std::string place = "--pose " + text;
   if (text.find('=') == std::string::npos) {
     std::vector<std::string_view> names;
@@ -49,11 +57,8 @@ model::NamedPose pose_of(const model::Machine& machine, const std::string& text)
                             ? fmt::format("unknown pose; did you mean '{}'?", *near)
                             : fmt::format("unknown pose; the file has {}", fmt::join(names, ", ")));
   }
-  model::NamedPose pose{text, displaced_pose(machine.neutral(), text, place)};
-  std::vector<base::Diagnostic> errors;
-  for (const auto& finding : kinematics::check_pose(machine, pose.X_BP, ""))
-    errors.push_back({.file = place, .message = finding.message});
-  if (!errors.empty()) throw base::InputError(errors);
+  const model::NamedPose pose{text, displaced_pose(machine.neutral(), text, place)};
+  refuse_unreachable(machine, pose.X_BP, place);
   return pose;
 }
 
@@ -72,19 +77,24 @@ dynamics::ModelKind model_of(const model::Machine& machine,
 }
 
 std::size_t add_pose(model::MachineFile& file, model::NamedPose& pose, const std::string& name) {
-  const auto& poses = file.machine.poses;
-  for (std::size_t k = 0; k < poses.size(); ++k)
-    if (poses[k].name == pose.name) return k;
+  auto& machine = file.machine;
+  if (const auto* known = find_pose(machine, pose.name))
+    return static_cast<std::size_t>(known - machine.poses.data());
+  refuse_unreachable(machine, pose.X_BP, "--pose " + pose.name);
   pose.name = name;
-  const auto rpy = spatial::rpy_from_rotation(pose.X_BP.R_BP);
-  const auto& p = pose.X_BP.p_BP;
+  while (find_pose(machine, pose.name) != nullptr) pose.name += '_';
+  const spatial::Vector3 p = pose.X_BP.p_BP, rpy = spatial::rpy_from_rotation(pose.X_BP.R_BP);
   file.overrides.push_back(fmt::format(
       "poses.{}={{ position = [{:.17g}, {:.17g}, {:.17g}], rotation = [{:.17g}, {:.17g}, "
       "{:.17g}] }}",
-      name, p.x(), p.y(), p.z(), rpy.x(), rpy.y(), rpy.z()));
-  file =
-      model::parse_machine(file.text, file.machine.name, file.overrides, kinematics::check_machine);
-  return file.machine.poses.size() - 1;
+      pose.name, p.x(), p.y(), p.z(), rpy.x(), rpy.y(), rpy.z()));
+  machine.poses.push_back({pose.name, {spatial::rotation_from_rpy(rpy), p}});
+  for (const auto& [key, numbers] : {std::pair{"rotation", rpy}, {"position", p}})
+    for (int k = 0; k < 3; ++k) {
+      const std::string path = fmt::format("poses.{}.{}[{}]", pose.name, key, k);
+      file.given.push_back({find_parameter(machine, path).value(), numbers[k], 0, path});
+    }
+  return machine.poses.size() - 1;
 }
 
 }  // namespace hydrapod::tasks

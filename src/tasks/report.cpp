@@ -11,8 +11,7 @@ namespace {
 /// The poses as `machine` has them: those of its file by name, others as displacements.
 void place(const model::Machine& machine, std::vector<model::NamedPose>& poses) {
   for (auto& pose : poses)
-    if (pose.name.find('=') != std::string::npos ||
-        std::ranges::count(machine.poses, pose.name, &model::NamedPose::name) > 0)
+    if (pose.name.find('=') != std::string::npos || find_pose(machine, pose.name) != nullptr)
       pose = pose_of(machine, pose.name);
 }
 

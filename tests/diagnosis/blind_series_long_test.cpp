@@ -20,7 +20,7 @@ TEST_P(BlindSeries, FindsWhatWasPlanted) {
     first += static_cast<int>(cases.size());
     cases = cases_of(settings()[k], first);
   }
-  int found = 0, innocent = 0, chosen = 0;
+  int found = 0, innocent = 0, wrong = 0;
   std::cout << "| machine | poses | noise | planted | verdict | ranked |\n"
                "| --- | --- | --- | --- | --- | --- |\n";
   for (const auto& test : cases) {
@@ -28,7 +28,7 @@ TEST_P(BlindSeries, FindsWhatWasPlanted) {
     found += result.found;
     if (test.planted.empty()) {
       ++innocent;
-      chosen += !result.found;
+      wrong += !result.found;
     }
     std::cout << fmt::format("| {} | {} | {:.2g} % | {} | {} | {} |\n", test.machine,
                              fmt::join(test.poses, ", "), 100.0 * test.noise, test.planted_name(),
@@ -40,9 +40,9 @@ TEST_P(BlindSeries, FindsWhatWasPlanted) {
   }
   std::cout << fmt::format(
       "\n{} of {} found; a cause identified in {} of {} machines without fault\n", found,
-      cases.size(), chosen, innocent);
+      cases.size(), wrong, innocent);
   EXPECT_GE(found, 0.95 * static_cast<double>(cases.size()));
-  EXPECT_EQ(chosen, 0);
+  EXPECT_EQ(wrong, 0);
 }
 
 INSTANTIATE_TEST_SUITE_P(Settings, BlindSeries, testing::Range<std::size_t>(0, 6));

@@ -20,8 +20,8 @@ class Learning : public testing::Test {
                                     causes_.begin());
   }
   /// With its first number at `value`.
-  [[nodiscard]] Hypothesis at(std::vector<std::size_t> chosen, double value) const {
-    auto e = evidence_.explain(chosen, nullptr, {});
+  [[nodiscard]] Hypothesis at(std::vector<std::size_t> causes, double value) const {
+    auto e = evidence_.explain(causes, nullptr, {});
     e.fit.parameters[0].value = value;
     evidence_.see(e);
     return e;

@@ -140,7 +140,7 @@ Diagnosis without_pairs(const BlindCase& test, const test::Measure& measure,
   return diagnose(design, measured, dynamics::ModelKind::guide, design.machine.poses, options);
 }
 
-bool chosen(const Diagnosis& d, const std::string& name) {
+bool among_best(const Diagnosis& d, const std::string& name) {
   return std::ranges::any_of(d.equivalent, [&](std::size_t k) {
     return report::hypothesis_name(d, d.hypotheses[k]) == name;
   });
@@ -155,10 +155,10 @@ TEST(DiagnosePlant, ResponsesTellTheLegThatFewModesDoNot) {
                           .planted = {"oil spring of leg 2"}};
   const auto modes = without_pairs(one_leg, few_modes, {.shape_error = 0.2});
   const auto all = without_pairs(one_leg, few_modes_with_responses, {.shape_error = 0.2});
-  EXPECT_TRUE(chosen(modes, "oil spring of leg 5")) << test::verdict(modes);
-  EXPECT_FALSE(chosen(all, "oil spring of leg 5")) << test::verdict(all);
-  EXPECT_FALSE(chosen(all, "gimbals of leg 5")) << test::verdict(all);
-  EXPECT_TRUE(chosen(all, "oil spring of leg 2")) << test::verdict(all);
+  EXPECT_TRUE(among_best(modes, "oil spring of leg 5")) << test::verdict(modes);
+  EXPECT_FALSE(among_best(all, "oil spring of leg 5")) << test::verdict(all);
+  EXPECT_FALSE(among_best(all, "gimbals of leg 5")) << test::verdict(all);
+  EXPECT_TRUE(among_best(all, "oil spring of leg 2")) << test::verdict(all);
   EXPECT_EQ(all.values, modes.values + 5 * static_cast<int>(few));
 }
 
@@ -174,7 +174,7 @@ TEST(DiagnosePlant, SaysWhichResponseAnExplanationMisses) {
                                    .design = {"legs.guide_sleeve.stiffness=20 kN/mm"},
                                    .fault = {"leg.2.oil_spring.cylinder.bulk_modulus=0.31 GPa"}},
                                   with_responses);
-  EXPECT_TRUE(chosen(soft, "oil spring of leg 2")) << test::verdict(soft);
+  EXPECT_TRUE(among_best(soft, "oil spring of leg 2")) << test::verdict(soft);
   EXPECT_THAT(report::contradiction_words(soft, soft.best()),
               testing::Not(testing::Contains(HasSubstr("driven"))));
   EXPECT_THAT(report::contradiction_words(soft, soft.nominal()),
@@ -219,10 +219,10 @@ TEST(DiagnoseForces, TellALighterPlatformFromStifferOil) {
     return targets;
   };
   const auto modes = without_pairs(lighter, modes_alone);
-  EXPECT_TRUE(chosen(modes, "oil springs of all legs")) << test::verdict(modes);
+  EXPECT_TRUE(among_best(modes, "oil springs of all legs")) << test::verdict(modes);
   const auto all = without_pairs(lighter, hammered);
-  EXPECT_TRUE(chosen(all, "platform mass and inertia")) << test::verdict(all);
-  EXPECT_FALSE(chosen(all, "oil springs of all legs")) << test::verdict(all);
+  EXPECT_TRUE(among_best(all, "platform mass and inertia")) << test::verdict(all);
+  EXPECT_FALSE(among_best(all, "oil springs of all legs")) << test::verdict(all);
   const auto* oil = test::find(all, "oil springs of all legs");
   ASSERT_NE(oil, nullptr);
   EXPECT_FALSE(oil->by_mechanics);

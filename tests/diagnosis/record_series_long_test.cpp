@@ -50,7 +50,7 @@ class RecordSeries : public testing::TestWithParam<std::size_t> {};
 TEST_P(RecordSeries, FindsWhatWasPlanted) {
   const auto [setting, record, missed] = recorded()[GetParam()];
   const auto measure = by_record(record);
-  int cases = 0, found = 0, innocent = 0, chosen = 0;
+  int cases = 0, found = 0, innocent = 0, wrong = 0;
   std::cout << "| machine | poses | record | planted | verdict | ranked | s |\n"
                "| --- | --- | --- | --- | --- | --- | --- |\n";
   for (const auto& test : cases_of(setting, 1000 * static_cast<int>(GetParam() + 1))) {
@@ -65,7 +65,7 @@ TEST_P(RecordSeries, FindsWhatWasPlanted) {
     found += result.found;
     if (test.planted.empty()) {
       ++innocent;
-      chosen += !result.found;
+      wrong += !result.found;
     }
     std::cout << fmt::format("| {} | {} | {:g} s, {}, sensors ×{:g} | {} | {} | {} | {:.2f} |\n",
                              test.machine, fmt::join(test.poses, ", "), record.duration,
@@ -80,9 +80,9 @@ TEST_P(RecordSeries, FindsWhatWasPlanted) {
   }
   std::cout << fmt::format(
       "\n{} of {} found; a cause identified in {} of {} machines without fault\n", found, cases,
-      chosen, innocent);
+      wrong, innocent);
   EXPECT_GE(found, cases - missed);
-  EXPECT_EQ(chosen, 0);
+  EXPECT_EQ(wrong, 0);
 }
 
 INSTANTIATE_TEST_SUITE_P(Settings, RecordSeries, testing::Range<std::size_t>(0, 6));

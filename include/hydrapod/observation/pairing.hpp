@@ -105,13 +105,16 @@ double shown_mac(const Observation& seen, const std::vector<int>& group, const M
 /// the platform cannot feel.
 double direction_share(const Observation& seen, int k, int direction);
 
-/// What is observed at one pose. Both lists are per target of the problem; targets at other poses
-/// have −1 and none.
+/// What is observed at one pose.
 struct SeenPoint {
   Observation seen{};
-  std::vector<int> mode_of{};
-  std::vector<std::vector<int>> group_of{};
+  std::vector<int> mode_of{};  ///< per target of the problem; −1: the target is at another pose
   std::vector<std::vector<int>> group_of_mode{};
+
+  /// Modes that the one of this target cannot be told from, with itself.
+  [[nodiscard]] const std::vector<int>& group_of(std::size_t target) const {
+    return group_of_mode[static_cast<std::size_t>(mode_of[target])];
+  }
 };
 
 /// Pairs the targets `here` (numbers in `targets`) with modes that are not overdamped. False where

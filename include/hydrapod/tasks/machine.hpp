@@ -44,7 +44,8 @@ dynamics::ModelKind model_of(const model::Machine& machine,
                              std::optional<dynamics::ModelKind> asked = {});
 
 /// The machine file with `pose` among its poses. Where it is none of them it is added under `name`.
-/// Returns its number; `pose` gets the name that it has there.
+/// Returns its number; `pose` gets the name that it has there. Throws base::InputError for a pose
+/// that the legs cannot reach.
 std::size_t add_pose(model::MachineFile& file, model::NamedPose& pose, const std::string& name);
 
 }  // namespace hydrapod::tasks
