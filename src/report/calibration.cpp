@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "fields.hpp"
+#include "fitted_parameter.hpp"
 #include "hydrapod/base/units.hpp"
 
 namespace hydrapod::report {
@@ -28,16 +28,7 @@ const char* verdict_word(Verdict verdict) {
 
 template <class Fields>
 void describe(Fields& f, FittedParameter& p) {
-  f("paths", p.paths);
-  f("unit", p.unit);
-  f("start", p.start);
-  f.pair("bounds", p.lower, p.upper);
-  f("value", p.value);
-  f("deviation", p.deviation);
-  f.pair("interval_95", p.interval_low, p.interval_high);
-  f("deviation_data_alone", p.data_deviation);
-  f("other_value", p.other_value);
-  f.word("verdict", p.verdict, words_of<calibration::Verdict, 5>(verdict_word));
+  describe_parameter(f, p, true);
 }
 
 template <class Fields>

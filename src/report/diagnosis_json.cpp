@@ -2,9 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <tuple>
 
-#include "fields.hpp"
+#include "fitted_parameter.hpp"
 #include "hydrapod/base/units.hpp"
 #include "hydrapod/report/measured_results.hpp"
 
@@ -189,21 +188,6 @@ void describe(Fields& f, RemedyGoal& goal) {
 namespace {
 
 template <class Fields>
-void describe_parameter(Fields& f, calibration::FittedParameter& p) {
-  std::array interval{p.interval_low, p.interval_high};
-  f("paths", p.paths);
-  f("unit", p.unit);
-  f("start", p.start);
-  f("value", p.value);
-  f("deviation", p.deviation);
-  f("interval_95", interval);
-  f.derived("at_bound", p.verdict == calibration::Verdict::at_bound);
-  f.word("verdict", p.verdict, words_of<calibration::Verdict, 5>(verdict_word));
-  if constexpr (Fields::reads)
-    std::tie(p.interval_low, p.interval_high) = std::tie(interval[0], interval[1]);
-}
-
-template <class Fields>
 void describe_cause(Fields& f, Cause& cause) {
   static constexpr std::array kinds{
       "guide_sleeves", "piston_rings",     "bulk_modulus", "oil_springs",  "air",
@@ -249,7 +233,7 @@ void describe_hypothesis(Fields& f, Hypothesis& e, std::size_t index, Diagnosis&
   f.derived("bic_above_best", e.bic - d.best().bic);
   f("equally_good", equally_good);
   describe_each(f, "parameters", e.fit.parameters,
-                [](auto& item, auto& p) { describe_parameter(item, p); });
+                [](auto& item, auto& p) { describe_parameter(item, p, false); });
   describe_each(f, "targets", e.fit.targets, [](auto& item, auto& target) {
     item.scaled("frequency_hz", target.omega, two_pi);
     item("difference", target.difference);

@@ -26,10 +26,7 @@ struct Layout {
 };
 
 std::string place(const Layout& layout, double top, double bottom, double left) {
-  return fmt::format(
-      "set tmargin at screen {:.4f}\nset bmargin at screen {:.4f}\n"
-      "set lmargin at screen {}\nset rmargin at screen 0.96\n",
-      1.0 - top / layout.all(), 1.0 - bottom / layout.all(), left);
+  return at_screen({left, 0.96, 1.0 - top / layout.all(), 1.0 - bottom / layout.all()});
 }
 
 std::string measured_panel(const Diagnosis& d, const Layout& layout) {
@@ -143,17 +140,11 @@ void plot_diagnosis(const CaseFile& file, const std::string& path) {
   }
   if (file.remedy) layout.curve = panel;
   if (layout.all() == 0.0) layout.curve = panel;
-  draw(path, 1000, static_cast<int>(layout.all()),
-       [&](const std::string& terminal, const std::string& output) {
-         std::string s = fmt::format(
-             "set terminal {}\nset output {}\nset encoding utf8\nset termoption noenhanced\n"
-             "set tics font ',9'\nset border lw 0.8 lc rgb '#444444'\nset multiplot\n",
-             terminal, quoted(output));
-         if (layout.measured > 0.0) s += measured_panel(*file.diagnosis, layout);
-         if (layout.ranking > 0.0) s += ranking_panel(*file.diagnosis, layout);
-         if (file.remedy) s += curve_panel(file, layout);
-         return s + "unset multiplot\nunset output\n";
-       });
+  std::string s = std::string(thin_axes) + "set multiplot\n";
+  if (layout.measured > 0.0) s += measured_panel(*file.diagnosis, layout);
+  if (layout.ranking > 0.0) s += ranking_panel(*file.diagnosis, layout);
+  if (file.remedy) s += curve_panel(file, layout);
+  draw(path, 1000, static_cast<int>(layout.all()), s + "unset multiplot\n");
 }
 
 }  // namespace hydrapod::report

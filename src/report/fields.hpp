@@ -18,6 +18,7 @@
 #include <complex>
 #include <optional>
 #include <span>
+#include <stdexcept>
 
 #include "hydrapod/base/error.hpp"
 #include "hydrapod/report/json.hpp"
@@ -94,7 +95,10 @@ class Writer {
   /// An enum by its words; value 0 is the first.
   template <class Enum>
   void word(const char* key, Enum value, std::span<const char* const> words) {
-    json[key] = words[static_cast<std::size_t>(value)];
+    const auto number = static_cast<std::size_t>(value);
+    if (number >= words.size())
+      throw std::logic_error(fmt::format("{}: value {} has no word", key, number));
+    json[key] = words[number];
   }
   /// Fields of the same value in an object of their own.
   template <class Describe>

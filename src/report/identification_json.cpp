@@ -188,9 +188,39 @@ void describe(Fields& f, identification::IdentifiedMode& mode) {
   f.derived("quality", mode.quality());
 }
 
-void describe(Writer& f, identification::LeftOut& left) {
+template <class Fields>
+void describe(Fields& f, identification::LeftOut& left) {
   f("pole", left.pole);
-  f("reason", words(left.reason));
+  f.word("reason", left.reason, words_of<identification::Objection, 6>(words));
+}
+
+template <class Fields>
+void describe(Fields& f, identification::ModeWarning& warning) {
+  static constexpr std::array kinds{"no_mode", "few_samples", "misfit"};
+  f.word("kind", warning.kind, kinds);
+  f("value", warning.value);
+  f("from_hz", warning.from);
+  f("to_hz", warning.to);
+}
+
+template <class Fields>
+void describe(Fields& f, data::ResponseWarning& warning) {
+  static constexpr std::array kinds{"dead_output", "dead_input",      "repeated_input",
+                                    "clipped",     "blocks_left_out", "correlated_inputs",
+                                    "biased",      "interrupted"};
+  std::string estimator{data::estimator_text(warning.estimator)};
+  f.word("kind", warning.kind, kinds);
+  f("channel", warning.channel);
+  f("other", warning.other);
+  f("value", warning.value);
+  f("share", warning.share);
+  f("lowest", warning.lowest);
+  f("highest", warning.highest);
+  f("count", warning.count);
+  f("total", warning.total);
+  f("estimator", estimator);
+  if constexpr (Fields::reads)
+    warning.estimator = data::estimator_from_text(estimator).value_or(data::Estimator::h1);
 }
 
 template <class Fields>
@@ -213,10 +243,11 @@ void describe(Fields& f, identification::Identification& result) {
   f.maybe("band_hz", band);
   f("modes", result.modes);
   f.maybe("heavily_damped", result.heavily_damped);
-  f.derived("rejected", result.left_out);
+  f.maybe("rejected", result.left_out);
   f.maybe("fit_error", result.model.error);
   f.maybe("misfit", result.model.misfit);
   f.derived("warnings", texts(result.warnings));
+  f.maybe("findings", result.warnings);
   if constexpr (Fields::reads) {
     result.from = band[0];
     result.to = band[1];
@@ -260,6 +291,7 @@ Json responses_json(const FrequencyResponses& r) {
     json["taper"] = written(r.taper);
   }
   json["warnings"] = texts(r.warnings);
+  json["findings"] = written(r.warnings);
   return json;
 }
 
@@ -325,6 +357,7 @@ FrequencyResponses responses_from_json(const Json& json, const std::string& file
   }
   fields.unless(0.0, "shift_per_s", r.shift);
   if (!(r.shift >= 0.0)) fields.bad("shift_per_s", "must not be negative");
+  fields.maybe("findings", r.warnings);
   std::string estimator;
   fields.unless(std::string("h1"), "estimator", estimator);
   r.estimator = data::estimator_from_text(estimator).value_or(identification::Estimator::h1);

@@ -41,12 +41,10 @@ std::vector<Pair> shown_pairs(const FrequencyResponses& r) {
   return pairs;
 }
 
-double decibels(double value) { return 20.0 * std::log10(std::max(value, 1e-300)); }
-
 std::string data_block(const FrequencyResponses& r, const identification::ModalModel* model,
                        const std::vector<Pair>& pairs) {
   const double radius = identification::confidence_radius(0.95, r.degrees);
-  std::string text = "$frf << END\n";
+  std::string text;
   for (std::size_t k = 0; k < r.lines(); ++k) {
     text += fmt::format("{:.9g}", r.frequency[k]);
     const Eigen::MatrixXcd fit = model != nullptr
@@ -55,41 +53,27 @@ std::string data_block(const FrequencyResponses& r, const identification::ModalM
     for (const auto& [o, i] : pairs) {
       const auto h = r.H[k](o, i);
       const double band = r.has_errors() ? radius * std::sqrt(r.variance(k, o, i)) : 0.0;
-      text += fmt::format(" {:.4f} {:.4f} {:.4f} {:.3f}", decibels(std::abs(h)),
-                          decibels(std::max(std::abs(h) - band, 0.1 * std::abs(h))),
-                          decibels(std::abs(h) + band), std::arg(h) * degree);
-      text += model != nullptr ? fmt::format(" {:.4f} {:.3f}", decibels(std::abs(fit(o, i))),
+      text += fmt::format(" {:.4f} {:.4f} {:.4f} {:.3f}", level_db(std::abs(h)),
+                          level_db(std::max(std::abs(h) - band, 0.1 * std::abs(h))),
+                          level_db(std::abs(h) + band), std::arg(h) * degree);
+      text += model != nullptr ? fmt::format(" {:.4f} {:.3f}", level_db(std::abs(fit(o, i))),
                                              std::arg(fit(o, i)) * degree)
                                : std::string(" NaN NaN");
     }
     text += '\n';
   }
-  return text + "END\n";
+  return block_of("frf", text);
 }
 
-std::string head(const PlotText& text, const std::string& terminal, const std::string& file,
-                 int height) {
-  return fmt::format(
-      "set terminal {}\nset output {}\nset encoding utf8\nset termoption noenhanced\n"
-      "set label 101 {} at screen 0.5,{:.4f} center font ',14'\n"
-      "set label 102 {} at screen 0.5,{:.4f} center font ',10' tc rgb '#444444'\n"
-      "set tics font ',9'\nset border lw 0.8 lc rgb '#444444'\n",
-      terminal, quoted(file), quoted(text.title), 1.0 - 22.0 / height, quoted(text.subtitle),
-      1.0 - 46.0 / height);
-}
-
-constexpr const char* grid = "set grid xtics ytics back lt 1 lc rgb '#d0d0d0' lw 0.5\n";
-
-std::string margins(double left, double right, double top, double bottom) {
-  return fmt::format(
-      "set lmargin at screen {:.4f}; set rmargin at screen {:.4f}\n"
-      "set tmargin at screen {:.4f}; set bmargin at screen {:.4f}\n",
-      left, right, top, bottom);
+/// Over all of the frequencies.
+std::string frequency_axis(const FrequencyResponses& r) {
+  return fmt::format("{}set xrange [{:.9g}:{:.9g}]\n", thin_grid, r.frequency.front(),
+                     r.frequency.back());
 }
 
 /// Magnitude above phase of one entry.
 std::string entry_plots(const FrequencyResponses& r, const Pair& pair, std::size_t index,
-                        bool with_fit, const std::array<double, 4>& cell) {
+                        bool with_fit, const Cell& cell) {
   const auto [left, right, top, bottom] = cell;
   const double split = bottom + 0.36 * (top - bottom);
   const std::size_t first = 2 + 6 * index;
@@ -99,7 +83,7 @@ std::string entry_plots(const FrequencyResponses& r, const Pair& pair, std::size
   const std::string unit = in.unit == "1" || in.unit.empty()
                                ? out.unit
                                : out.unit + (compound ? "/(" + in.unit + ")" : "/" + in.unit);
-  std::string text = margins(left, right, top, split + 0.006);
+  std::string text = at_screen({left, right, top, split + 0.006});
   text += fmt::format(
       "set title {} offset 0,-0.6\nset ylabel {} offset 1.2,0\nset format x ''\n"
       "set xlabel ''\nset ytics autofreq\nset autoscale y\n",
@@ -112,7 +96,8 @@ std::string entry_plots(const FrequencyResponses& r, const Pair& pair, std::size
   if (with_fit)
     text += fmt::format(", $frf using 1:{} with lines lw 1.2 dt 2 lc rgb '#d55e00' title 'modes'",
                         first + 4);
-  text += "\nunset label\nunset title\nunset key\n" + margins(left, right, split - 0.006, bottom);
+  text +=
+      "\nunset label\nunset title\nunset key\n" + at_screen({left, right, split - 0.006, bottom});
   text +=
       "set format x '%g'\nset xlabel 'Hz' offset 0,0.6\nset ylabel 'phase °' offset 1.2,0\n"
       "set ytics 90\nset yrange [-190:190]\n";
@@ -129,49 +114,35 @@ void require_picture(const std::string& path) { require_picture_ending(path); }
 void plot_responses(const FrequencyResponses& r, const identification::ModalModel* model,
                     const PlotText& text, const std::string& path) {
   const auto pairs = shown_pairs(r);
-  const int columns = static_cast<int>(std::min<std::size_t>(3, pairs.size()));
-  const int rows = (static_cast<int>(pairs.size()) + columns - 1) / columns;
-  const int width = 420 * columns + 40, height = 400 * rows + 70;
-  draw(path, width, height, [&](const std::string& terminal, const std::string& file) {
-    std::string script = head(text, terminal, file, height) + data_block(r, model, pairs);
-    script += std::string("set multiplot\n") + grid;
-    script += fmt::format("set xrange [{:.9g}:{:.9g}]\n", r.frequency.front(), r.frequency.back());
-    if (r.frequency.back() > 20.0 * r.frequency.front()) script += "set logscale x\n";
-    const double h = (1.0 - 70.0 / height) / rows, w = 1.0 / columns;
-    for (std::size_t e = 0; e < pairs.size(); ++e) {
-      const auto column = static_cast<int>(e) % columns, row = static_cast<int>(e) / columns;
-      const double top = 1.0 - 70.0 / height - row * h;
-      script += entry_plots(r, pairs[e], e, model != nullptr,
-                            {column * w + 80.0 / width, (column + 1) * w - 14.0 / width,
-                             top - 26.0 / height, top - h + 52.0 / height});
-    }
-    return script + "unset multiplot\nunset output\n";
-  });
+  const CellGrid cells(pairs.size());
+  std::string script = titles(text.title, text.subtitle, cells.height()) + thin_axes +
+                       data_block(r, model, pairs) + "set multiplot\n" + frequency_axis(r);
+  if (r.frequency.back() > 20.0 * r.frequency.front()) script += "set logscale x\n";
+  for (std::size_t e = 0; e < pairs.size(); ++e)
+    script += entry_plots(r, pairs[e], e, model != nullptr, cells[e]);
+  draw(path, cells.width(), cells.height(), script + "unset multiplot\n");
 }
 
 void plot_coherence(const FrequencyResponses& r, const PlotText& text, const std::string& path) {
   constexpr int width = 900, height = 620;
-  draw(path, width, height, [&](const std::string& terminal, const std::string& file) {
-    std::string script = head(text, terminal, file, height) + "$c << END\n";
-    for (std::size_t k = 0; k < r.lines(); ++k) {
-      script += fmt::format("{:.9g} {:.6g}", r.frequency[k], r.condition[k]);
-      for (const double c : r.multiple_coherence[k]) script += fmt::format(" {:.6g}", c);
-      script += '\n';
-    }
-    script += std::string("END\nset multiplot\n") + grid;
-    script += fmt::format("set xrange [{:.9g}:{:.9g}]\n", r.frequency.front(), r.frequency.back());
-    script += margins(0.09, 0.86, 0.89, 0.42) +
-              "set yrange [0:1.02]\nset ylabel 'multiple coherence'\nset format x ''\n"
-              "set key outside right top font ',9'\nplot ";
-    for (std::size_t o = 0; o < r.outputs.size(); ++o)
-      script += fmt::format("{}$c using 1:{} with lines lw 1 title {}", o == 0 ? "" : ", ", o + 3,
-                            quoted(r.outputs[o].name));
-    script += "\nunset label\nunset key\n" + margins(0.09, 0.86, 0.39, 0.09) +
-              "set format x '%g'\nset xlabel 'Hz'\nset ylabel 'condition of the inputs'\n"
-              "set logscale y\nset yrange [1:*]\nplot $c using 1:2 with lines lw 1 lc rgb "
-              "'#444444'\nunset multiplot\nunset output\n";
-    return script;
-  });
+  std::string rows, lines;
+  for (std::size_t k = 0; k < r.lines(); ++k) {
+    rows += fmt::format("{:.9g} {:.6g}", r.frequency[k], r.condition[k]);
+    for (const double c : r.multiple_coherence[k]) rows += fmt::format(" {:.6g}", c);
+    rows += '\n';
+  }
+  for (std::size_t o = 0; o < r.outputs.size(); ++o)
+    lines += fmt::format("{}$c using 1:{} with lines lw 1 title {}", o == 0 ? "" : ", ", o + 3,
+                         quoted(r.outputs[o].name));
+  draw(path, width, height,
+       titles(text.title, text.subtitle, height) + thin_axes + block_of("c", rows) +
+           "set multiplot\n" + frequency_axis(r) + at_screen({0.09, 0.86, 0.89, 0.42}) +
+           "set yrange [0:1.02]\nset ylabel 'multiple coherence'\nset format x ''\n"
+           "set key outside right top font ',9'\nplot " +
+           lines + "\nunset label\nunset key\n" + at_screen({0.09, 0.86, 0.39, 0.09}) +
+           "set format x '%g'\nset xlabel 'Hz'\nset ylabel 'condition of the inputs'\n"
+           "set logscale y\nset yrange [1:*]\nplot $c using 1:2 with lines lw 1 lc rgb "
+           "'#444444'\nunset multiplot\n");
 }
 
 namespace {
@@ -189,34 +160,34 @@ constexpr std::array<MarkStyle, 4> mark_styles{
 
 /// A block of poles per level of agreement, then those of modes.
 std::string chart_blocks(const identification::Identification& result) {
+  constexpr const char* nothing = "0 -9\n";  // a block must not be empty
   const auto stability = identification::pole_stability(result.chart);
-  std::string text;
+  std::string text, taken;
   for (std::size_t level = 0; level < mark_styles.size(); ++level) {
-    text += fmt::format("$level{} << END\n", level);
+    std::string poles;
     for (std::size_t n = 0; n < result.chart.size(); ++n)
       for (std::size_t i = 0; i < result.chart[n].poles.size(); ++i)
         if (const auto& e = result.chart[n].poles[i];
             e.pole.real() < 0.0 && static_cast<std::size_t>(stability[n][i]) == level)
-          text += fmt::format("{:.7g} {}\n", e.omega() / two_pi, result.chart[n].order);
-    text += "0 -9\nEND\n";  // a block must not be empty
+          poles += fmt::format("{:.7g} {}\n", e.omega() / two_pi, result.chart[n].order);
+    text += block_of(fmt::format("level{}", level), poles + nothing);
   }
-  text += "$taken << END\n";
   for (const auto& cluster : result.clusters)
     for (const auto& [n, i] : cluster.members)
-      text += fmt::format("{:.7g} {}\n", result.chart[n].poles[i].omega() / two_pi,
-                          result.chart[n].order);
-  return text + "0 -9\nEND\n";
+      taken += fmt::format("{:.7g} {}\n", result.chart[n].poles[i].omega() / two_pi,
+                           result.chart[n].order);
+  return text + block_of("taken", taken + nothing);
 }
 
 std::string indicator_block(const identification::Identification& result) {
   const auto indicator = identification::mode_indicator(result.responses);
-  std::string text = "$cmif << END\n";
+  std::string text;
   for (Index k = 0; k < indicator.rows(); ++k) {
     text += fmt::format("{:.7g}", result.responses.frequency[static_cast<std::size_t>(k)]);
-    for (const double s : indicator.row(k)) text += fmt::format(" {:.4f}", decibels(s));
+    for (const double s : indicator.row(k)) text += fmt::format(" {:.4f}", level_db(s));
     text += '\n';
   }
-  return text + "END\n";
+  return block_of("cmif", text);
 }
 
 }  // namespace
@@ -225,33 +196,30 @@ void plot_stabilisation(const identification::Identification& result, const Plot
                         const std::string& path) {
   constexpr int width = 1000, height = 640;
   const auto curves = std::min(result.responses.outputs.size(), result.responses.inputs.size());
-  draw(path, width, height, [&](const std::string& terminal, const std::string& file) {
-    std::string script =
-        head(text, terminal, file, height) + chart_blocks(result) + indicator_block(result);
-    const int top = result.chart.empty() ? 1 : result.chart.back().order;
+  std::string script = titles(text.title, text.subtitle, height) + thin_axes +
+                       chart_blocks(result) + indicator_block(result);
+  const int top = result.chart.empty() ? 1 : result.chart.back().order;
+  script += fmt::format(
+      "{}set xrange [{:.7g}:{:.7g}]\nset yrange [0:{}]\nset y2tics font ',9'\n"
+      "set ytics nomirror\nset xlabel 'Hz' offset 0,0.4\nset ylabel 'model order'\n"
+      "set y2label 'mode indicator: singular values of H, dB'\n"
+      "set tmargin at screen {:.4f}\nset rmargin at screen 0.92\n"
+      "set key outside bottom center horizontal samplen 1.5 font ',9'\n",
+      thin_grid, result.from, result.to, top + 2, 1.0 - 66.0 / height);
+  for (const auto& mode : result.modes)
     script += fmt::format(
-        "{}set xrange [{:.7g}:{:.7g}]\nset yrange [0:{}]\nset y2tics font ',9'\n"
-        "set ytics nomirror\nset xlabel 'Hz' offset 0,0.4\nset ylabel 'model order'\n"
-        "set y2label 'mode indicator: singular values of H, dB'\n"
-        "set tmargin at screen {:.4f}\nset rmargin at screen 0.92\n"
-        "set key outside bottom center horizontal samplen 1.5 font ',9'\n",
-        grid, result.from, result.to, top + 2, 1.0 - 66.0 / height);
-    for (const auto& mode : result.modes)
-      script += fmt::format(
-          "set arrow from {0:.7g},0 to {0:.7g},{1} nohead back lw 0.7 dt 3 lc rgb '#222222'\n",
-          mode.fit.omega() / two_pi, top + 2);
-    script += "plot ";
-    for (std::size_t s = 0; s < curves; ++s)
-      script +=
-          fmt::format("$cmif using 1:{} axes x1y2 with lines lw {} lc rgb '#a9b2bd' {}, ", s + 2,
-                      s == 0 ? 1.6 : 0.8, s == 0 ? "title 'mode indicator'" : "notitle");
-    for (std::size_t level = 0; level < mark_styles.size(); ++level)
-      script += fmt::format("$level{} using 1:2 with points {} title '{}', ", level,
-                            mark_styles[level].style, mark_styles[level].title);
-    return script +
-           "$taken using 1:2 with points pt 6 ps 0.95 lw 1.1 lc rgb '#222222' title 'of a mode'\n"
-           "unset output\n";
-  });
+        "set arrow from {0:.7g},0 to {0:.7g},{1} nohead back lw 0.7 dt 3 lc rgb '#222222'\n",
+        mode.fit.omega() / two_pi, top + 2);
+  script += "plot ";
+  for (std::size_t s = 0; s < curves; ++s)
+    script += fmt::format("$cmif using 1:{} axes x1y2 with lines lw {} lc rgb '#a9b2bd' {}, ",
+                          s + 2, s == 0 ? 1.6 : 0.8, s == 0 ? "title 'mode indicator'" : "notitle");
+  for (std::size_t level = 0; level < mark_styles.size(); ++level)
+    script += fmt::format("$level{} using 1:2 with points {} title '{}', ", level,
+                          mark_styles[level].style, mark_styles[level].title);
+  draw(path, width, height,
+       script +
+           "$taken using 1:2 with points pt 6 ps 0.95 lw 1.1 lc rgb '#222222' title 'of a mode'\n");
 }
 
 }  // namespace hydrapod::report

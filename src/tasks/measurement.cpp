@@ -37,9 +37,8 @@ void append(const Diagnostics& more, Diagnostics& all) {
 /// A pose of the machine by its name, else by its numbers, else by what its name says.
 model::NamedPose recorded_pose(const model::Machine& machine, const data::Experiment* e) {
   if (e == nullptr || e->pose_name.empty()) return pose_of(machine, "neutral");
-  const bool named = std::ranges::find(machine.poses, e->pose_name, &model::NamedPose::name) !=
-                     machine.poses.end();
-  if (named || !e->pose) return pose_of(machine, e->pose_name);
+  if (find_pose(machine, e->pose_name) != nullptr || !e->pose)
+    return pose_of(machine, e->pose_name);
   const auto& p = *e->pose;
   return {e->pose_name,
           {.R_BP = spatial::rotation_from_rpy({p[3], p[4], p[5]}), .p_BP = {p[0], p[1], p[2]}}};
@@ -183,6 +182,7 @@ Measured responses_from(const report::Json& json, const std::string& path) {
   Measured measured;
   measured.measurement.responses = report::responses_from_json(json, path);
   measured.header = report::record_origin_from_json(json, path);
+  add_warnings(path, measured.measurement.responses.warnings, measured.warnings);
   return measured;
 }
 
@@ -246,7 +246,7 @@ observation::Targets calculated_targets(const report::Json& json, const std::str
   constexpr double shape_deviation = 0.05;  // as in lists of modes that do not say it
   observation::Targets targets{.title = path, .deviations_given = false};
   const auto pose = report::pose_from_json(json, path);
-  if (std::ranges::count(machine.poses, pose.name, &model::NamedPose::name) == 0)
+  if (find_pose(machine, pose.name) == nullptr)
     base::refuse(
         path,
         fmt::format("holds modes at pose \"{}\", which the machine file does not have", pose.name));
@@ -367,13 +367,13 @@ observation::Targets read_one(const MeasuredFile& file, const Machine& machine,
     measured.header = report::record_origin_from_json(json, path);
     auto modes = report::identification_from_json(json, path);
     measured.measurement.responses.inputs = modes.responses.inputs;
+    add_warnings(path, modes.warnings, warnings);
     look_into(measured, at);
     return observation::measured_modes(identification::modal_results(modes), of, at);
   }
   refuse_modal_results(path);
   MeasureOptions options{.files = {path}, .known = machine};
-  const auto& poses = machine.file.machine.poses;
-  options.known->pose = *std::ranges::find(poses, file.pose, &model::NamedPose::name);
+  options.known->pose = *find_pose(machine.file.machine, file.pose);
   options.p_PQ = at.point;
   return identified_targets(frf(options, progress), path, machine, at, progress, warnings);
 }

@@ -172,14 +172,28 @@ void Exchange::round_trip_of_responses() {
   // what tells how good the measurement is follows from the record alone
   responses.coherence.clear();
   responses.multiple_coherence.clear();
-  responses.warnings.clear();
+  responses.warnings = {{.kind = data::ResponseWarning::Kind::clipped,
+                         .channel = "a 1",
+                         .share = 0.013,
+                         .lowest = -4.7,
+                         .highest = 5.1},
+                        {.kind = data::ResponseWarning::Kind::biased,
+                         .channel = "drive 2",
+                         .value = 0.21,
+                         .share = 0.37,
+                         .estimator = data::Estimator::h2}};
   expect_round_trip(report::responses_json(responses), report::responses_from_json,
                     report::responses_json);
 }
 
-/// Of what is read: modes, heavily damped poles, channels.
+/// Of what is read: modes, heavily damped and rejected poles, warnings, channels.
 void Exchange::round_trip_of_identified_modes() {
-  const auto expected = report::identification_json(found.modes);
+  using identification::ModeWarning;
+  auto written = found.modes;
+  written.left_out.push_back({{-0.31, 27.4}, identification::Objection::open_damping});
+  written.warnings = {{.kind = ModeWarning::Kind::few_samples, .value = 5.3},
+                      {.kind = ModeWarning::Kind::no_mode, .from = 1.7, .to = 23.0}};
+  const auto expected = report::identification_json(written);
   const auto read = report::identification_from_json(Json::parse(expected.dump()), "modes.json");
   ASSERT_EQ(read.modes.size(), found.modes.modes.size());
   for (std::size_t k = 0; k < read.modes.size(); ++k) {
@@ -193,6 +207,9 @@ void Exchange::round_trip_of_identified_modes() {
   }
   EXPECT_EQ(read.responses.outputs.size(), found.modes.responses.outputs.size());
   EXPECT_EQ(read.heavily_damped.size(), found.modes.heavily_damped.size());
+  const auto again = report::identification_json(read);
+  for (const char* key : {"rejected", "warnings", "findings"})
+    expect_same_json(again[key], expected[key], key);
 }
 
 void Exchange::round_trip_of_a_simulation() {

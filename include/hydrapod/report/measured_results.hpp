@@ -144,8 +144,8 @@ Json record_origin_json(const data::RecordHeader& header);
 std::optional<data::RecordHeader> record_origin_from_json(const Json& json,
                                                           const std::string& file);
 
-/// `modes[]`, `heavily_damped[]`, `left_out[]`, `mac`, `band_hz`, `stabilisation[]`, `clusters[]`,
-/// `indicator`, `fit_error`, `misfit`, `warnings[]`.
+/// `modes[]`, `heavily_damped[]`, `rejected[]`, `mac`, `band_hz`, `stabilisation[]`, `clusters[]`,
+/// `indicator`, `fit_error`, `misfit`, `warnings[]`, `findings[]`.
 Json identification_json(const identification::Identification& result);
 /// Reads it: modes, heavily damped poles, inputs, outputs and lines of the responses. The chart,
 /// the clusters and the model stay empty.
