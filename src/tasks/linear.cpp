@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <stdexcept>
 
 #include "hydrapod/kinematics/check_machine.hpp"
@@ -44,9 +45,10 @@ Swept sweep(const modal::AnalysedModel& model, const report::Bode& bode) {
           response::find_peaks(swept, {*options.from, *options.to, options.output})};
 }
 
-/// Throws base::InputError for numbers without a relative sensitivity.
+/// Throws base::InputError for numbers without a relative sensitivity, and for the same one twice.
 void check_parameters(const std::vector<std::string>& paths, const model::MachineFile& file) {
   std::vector<base::Diagnostic> errors;
+  std::vector<model::ParameterId> known;
   for (const auto& path : paths) {
     const auto number = find_number(file, path);
     const std::string near = nearest_parameter(file, path);
@@ -58,6 +60,10 @@ void check_parameters(const std::vector<std::string>& paths, const model::Machin
     else if (number->value == 0.0)
       errors.push_back(
           {.file = "--parameter " + path, .message = "is 0 and has no relative change"});
+    else if (std::ranges::count(known, number->id) > 0)
+      errors.push_back({.file = "--parameter " + path, .message = "is given twice"});
+    else
+      known.push_back(number->id);
   }
   if (!errors.empty()) throw base::InputError(errors);
 }

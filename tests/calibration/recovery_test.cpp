@@ -298,6 +298,7 @@ TEST(Refusals, SayWhatIsWrongWithAParameter) {
                  "starts at 1.62 kg, which is not within its bounds [5, 9]");
   expect_refused({.paths = {"legs.rod.mass"}, .start = "2 m"}, "start: ");
   expect_refused({.paths = {"legs.rod.mass", "legs.rod.length"}}, "cannot be tied to one value");
+  expect_refused({.paths = {"legs.rod.mass", "legs.rod.mass"}}, "is free twice");
   expect_refused({.paths = {"platform.mass_center[0]"}}, "starts at 0");
   expect_refused({.paths = {"legs.rod.mass"}, .lower = "nan", .upper = "9 kg"},
                  "bounds: is nan, expected a finite number");

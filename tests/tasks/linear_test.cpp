@@ -75,6 +75,13 @@ TEST(Bode, FindsABandThatHoldsWhatThePlatformFeels) {
 
 TEST(Sensitivity, RefusesNumbersThatAreNotThere) {
   EXPECT_THROW(tasks::sensitivity(heavy(), {.parameters = {"platform.mas"}}), base::InputError);
+  try {
+    tasks::sensitivity(heavy(),
+                       {.parameters = {"legs.rod.mass", "platform.mass", "legs.rod.mass"}});
+    FAIL() << "the same parameter twice";
+  } catch (const base::InputError& error) {
+    EXPECT_EQ(error.diagnostics().at(0).text(), "--parameter legs.rod.mass: error: is given twice");
+  }
 }
 
 TEST(RoundTrip, Modes) {
