@@ -92,12 +92,28 @@ void RealFft::forward(const Eigen::Ref<const Block>& samples, Lines& lines) {
   }
 }
 
+namespace {
+
+std::vector<std::complex<double>> transformed(const std::vector<std::complex<double>>& from,
+                                              bool inverse) {
+  if (from.empty()) throw std::invalid_argument("nothing to transform");
+  static thread_local Eigen::FFT<double> fft{Eigen::default_fft_impl<double>(),
+                                             Eigen::FFT<double>::Unscaled};
+  std::vector<std::complex<double>> to(from.size());
+  const auto length = static_cast<Eigen::Index>(from.size());
+  inverse ? fft.inv(to.data(), from.data(), length) : fft.fwd(to.data(), from.data(), length);
+  return to;
+}
+
+}  // namespace
+
 std::vector<std::complex<double>> complex_fft(const std::vector<std::complex<double>>& samples) {
-  if (samples.empty()) throw std::invalid_argument("nothing to transform");
-  static thread_local Eigen::FFT<double> fft;
-  std::vector<std::complex<double>> spectrum(samples.size());
-  fft.fwd(spectrum.data(), samples.data(), static_cast<Eigen::Index>(samples.size()));
-  return spectrum;
+  return transformed(samples, false);
+}
+
+std::vector<std::complex<double>> inverse_complex_fft(
+    const std::vector<std::complex<double>>& lines) {
+  return transformed(lines, true);
 }
 
 }  // namespace hydrapod::numerics

@@ -5,9 +5,9 @@
 #include <cmath>
 #include <complex>
 #include <numbers>
-#include <unsupported/Eigen/FFT>
 
 #include "hydrapod/base/units.hpp"
+#include "hydrapod/numerics/fft.hpp"
 #include "sources.hpp"
 
 namespace hydrapod::signals {
@@ -18,9 +18,9 @@ using base::two_pi;
 using Complex = std::complex<double>;
 
 /// Smooth sizes for the search; at least 8 samples per cycle of the highest line.
-Eigen::Index search_length(long highest) {
-  Eigen::Index length = 16;
-  while (length < 8 * highest) length *= 2;
+std::size_t search_length(long highest) {
+  std::size_t length = 16;
+  while (length < 8 * static_cast<std::size_t>(highest)) length *= 2;
   return length;
 }
 
@@ -28,18 +28,17 @@ Eigen::Index search_length(long highest) {
 /// of what remains are taken, over and over. A turn of all lines by one angle, which is what makes
 /// experiments orthogonal, leaves the envelope as it is.
 Eigen::VectorXcd low_crest(const std::vector<long>& cycles, Eigen::VectorXcd lines) {
-  const Eigen::Index length = search_length(cycles.back());
-  Eigen::FFT<double> fft;
-  Eigen::VectorXcd spectrum(length), signal;
+  std::vector<Complex> spectrum(search_length(cycles.back()));
   Eigen::VectorXcd best = lines;
   double lowest = std::numeric_limits<double>::infinity();
   constexpr int rounds = 300;
   for (int round = 0; round < rounds; ++round) {
-    spectrum.setZero();
+    std::ranges::fill(spectrum, 0.0);
     for (std::size_t k = 0; k < cycles.size(); ++k)
       spectrum[cycles[k]] = lines[static_cast<Eigen::Index>(k)];
-    fft.inv(signal, spectrum);
-    const double peak = signal.cwiseAbs().maxCoeff();
+    auto signal = numerics::inverse_complex_fft(spectrum);
+    double peak = 0.0;
+    for (const Complex& value : signal) peak = std::max(peak, std::abs(value));
     if (peak < lowest) {
       lowest = peak;
       best = lines;
@@ -47,7 +46,7 @@ Eigen::VectorXcd low_crest(const std::vector<long>& cycles, Eigen::VectorXcd lin
     const double limit = peak * (0.80 + 0.18 * round / rounds);
     for (Complex& value : signal)
       if (std::abs(value) > limit) value *= limit / std::abs(value);
-    fft.fwd(spectrum, signal);
+    spectrum = numerics::complex_fft(signal);
     for (std::size_t k = 0; k < cycles.size(); ++k) {
       Complex& line = lines[static_cast<Eigen::Index>(k)];
       const double size = std::abs(spectrum[cycles[k]]);
@@ -97,7 +96,7 @@ long largest_prime_factor(long number) {
 /// Σ U e^{2πi·cycles·k/n}, k = 0 … n − 1, the real part.
 class Synthesis {
  public:
-  explicit Synthesis(const Lines& lines) : lines_(lines), spectrum_(lines.samples) {
+  explicit Synthesis(const Lines& lines) : lines_(lines) {
     // A transform takes as long as the sum of the prime factors of its length; where that is longer
     // than the sum over the lines, the sum is taken, from a table of the circle.
     const long slow = std::max(1000L, static_cast<long>(lines.cycles.size()));
@@ -117,17 +116,16 @@ class Synthesis {
           sum[k] += (amplitude[line] * circle_[lines_.cycles[line] * k % lines_.samples]).real();
       return sum;
     }
-    spectrum_.setZero();
+    std::vector<Complex> spectrum(static_cast<std::size_t>(lines_.samples));
     for (Eigen::Index line = 0; line < count; ++line)
-      spectrum_[lines_.cycles[line]] = amplitude[line];
-    fft_.inv(signal_, spectrum_);
-    return static_cast<double>(lines_.samples) * signal_.real();
+      spectrum[lines_.cycles[line]] = amplitude[line];
+    const auto signal = numerics::inverse_complex_fft(spectrum);
+    return Eigen::VectorXcd::Map(signal.data(), lines_.samples).real();
   }
 
  private:
   const Lines& lines_;
-  Eigen::FFT<double> fft_{};
-  Eigen::VectorXcd spectrum_, signal_{}, circle_{};
+  Eigen::VectorXcd circle_{};
 };
 
 }  // namespace

@@ -4,9 +4,9 @@
 #include <array>
 #include <bit>
 #include <cmath>
-#include <unsupported/Eigen/FFT>
 
 #include "hydrapod/base/units.hpp"
+#include "hydrapod/numerics/fft.hpp"
 #include "sources.hpp"
 
 namespace hydrapod::signals {
@@ -15,6 +15,21 @@ namespace {
 
 using base::two_pi;
 using numerics::Gaussian;
+using numerics::RealFft;
+
+Eigen::VectorXcd lines_of(RealFft& fft, const Eigen::VectorXd& samples) {
+  Eigen::VectorXcd lines(fft.lines());
+  fft.forward({samples.data(), static_cast<std::size_t>(samples.size())},
+              {lines.data(), static_cast<std::size_t>(lines.size())});
+  return lines;
+}
+
+Eigen::VectorXd samples_of(RealFft& fft, const Eigen::VectorXcd& lines) {
+  Eigen::VectorXd samples(fft.length());
+  fft.inverse({lines.data(), static_cast<std::size_t>(lines.size())},
+              {samples.data(), static_cast<std::size_t>(samples.size())});
+  return samples;
+}
 
 std::vector<Gaussian> random_streams(const Context& context) {
   std::vector<Gaussian> streams;
@@ -36,21 +51,16 @@ Filter shaping_filter(const Noise& noise, double rate) {
   const auto taps =
       static_cast<Eigen::Index>(std::clamp(std::ceil(6.0 * rate / edge), 64.0, 65536.0));
   const auto grid = static_cast<Eigen::Index>(std::bit_ceil(static_cast<std::size_t>(4 * taps)));
-  Eigen::VectorXcd shape = Eigen::VectorXcd::Zero(grid), shape_rate = shape;
+  Eigen::VectorXcd shape = Eigen::VectorXcd::Zero(grid / 2 + 1), shape_rate = shape;
   for (Eigen::Index k = 0; k < grid / 2; ++k) {
     const double f = rate * static_cast<double>(k) / static_cast<double>(grid);
     if (f < noise.from || f > noise.to) continue;
     const double octaves = std::log2(std::max(f, 1e-3 * noise.to) / noise.to);
     shape[k] = std::pow(10.0, noise.slope * octaves / 20.0);
     shape_rate[k] = std::complex<double>(0.0, two_pi * f) * shape[k];
-    if (k == 0) continue;
-    shape[grid - k] = shape[k];
-    shape_rate[grid - k] = std::conj(shape_rate[k]);
   }
-  Eigen::FFT<double> fft;
-  Eigen::VectorXcd response, response_rate;
-  fft.inv(response, shape);
-  fft.inv(response_rate, shape_rate);
+  RealFft fft(static_cast<int>(grid));
+  const auto response = samples_of(fft, shape), response_rate = samples_of(fft, shape_rate);
   Filter filter{Eigen::VectorXd(taps), Eigen::VectorXd(taps)};
   for (Eigen::Index j = 0; j < taps; ++j) {
     const double u = two_pi * (static_cast<double>(j) + 0.5) / static_cast<double>(taps);
@@ -58,8 +68,8 @@ Filter shaping_filter(const Noise& noise, double rate) {
     const double window_rate =
         two_pi * rate / static_cast<double>(taps) * (0.5 * std::sin(u) - 0.16 * std::sin(2.0 * u));
     const Eigen::Index at = (j - taps / 2 + grid) % grid;
-    filter.value[j] = response[at].real() * window;
-    filter.rate[j] = response_rate[at].real() * window + response[at].real() * window_rate;
+    filter.value[j] = response[at] * window;
+    filter.rate[j] = response_rate[at] * window + response[at] * window_rate;
   }
   const double norm = filter.value.norm();
   filter.rate /= norm;
@@ -77,10 +87,11 @@ class NoiseSource {
     length_ = static_cast<Eigen::Index>(std::bit_ceil(static_cast<std::size_t>(4 * taps_)));
     block_ = length_ - taps_ + 1;
     Eigen::VectorXd padded = Eigen::VectorXd::Zero(length_);
+    RealFft fft(static_cast<int>(length_));
     padded.head(taps_) = filter.value;
-    fft_.fwd(response_, padded);
+    response_ = lines_of(fft, padded);
     padded.head(taps_) = filter.rate;
-    fft_.fwd(response_rate_, padded);
+    response_rate_ = lines_of(fft, padded);
   }
 
   Sample operator()(long k) {
@@ -103,8 +114,7 @@ class NoiseSource {
  private:
   void make_block() {
     if (blocks_ == 0) random_ = random_streams(context_);
-    Eigen::VectorXcd line, product;
-    Eigen::VectorXd filtered;
+    RealFft fft(static_cast<int>(length_));
     for (std::size_t i = 0; i < 6; ++i) {
       if (context_.size[static_cast<int>(i)] == 0.0) continue;
       Eigen::VectorXd& input = inputs_[i];
@@ -114,20 +124,15 @@ class NoiseSource {
       else
         input.head(taps_ - 1) = input.tail(taps_ - 1).eval();
       for (Eigen::Index j = taps_ - 1; j < length_; ++j) input[j] = random_[i]();
-      fft_.fwd(line, input);
-      product = line.cwiseProduct(response_);
-      fft_.inv(filtered, product);
-      outputs_[i].value = filtered.tail(block_);
-      product = line.cwiseProduct(response_rate_);
-      fft_.inv(filtered, product);
-      outputs_[i].rate = filtered.tail(block_);
+      const auto line = lines_of(fft, input);
+      outputs_[i].value = samples_of(fft, line.cwiseProduct(response_)).tail(block_);
+      outputs_[i].rate = samples_of(fft, line.cwiseProduct(response_rate_)).tail(block_);
     }
     at_ = 0;
     ++blocks_;
   }
 
   Context context_;
-  Eigen::FFT<double> fft_;
   Eigen::VectorXcd response_, response_rate_;
   Eigen::Index taps_{}, length_{}, block_{}, at_{};
   long blocks_{};

@@ -96,6 +96,9 @@ TEST(Fft, ComplexIsTheSum) {
       sum += x[static_cast<size_t>(t)] * std::polar(1.0, -2.0 * std::numbers::pi * k * t / n);
     EXPECT_LT(std::abs(lines[static_cast<size_t>(k)] - sum), 1e-13);
   }
+  const auto back = inverse_complex_fft(lines);
+  for (size_t t = 0; t < x.size(); ++t)
+    EXPECT_LT(std::abs(back[t] - static_cast<double>(n) * x[t]), 1e-13 * n);
 }
 
 TEST(Fft, OddAndEmptyLengthsAreRefused) {

@@ -52,5 +52,8 @@ class RealFft {
 
 /// Transform of complex samples, any length ≥ 1, forward and without a factor.
 std::vector<std::complex<double>> complex_fft(const std::vector<std::complex<double>>& samples);
+/// Σ_k X_k e^(2πi kt/n), without a factor too.
+std::vector<std::complex<double>> inverse_complex_fft(
+    const std::vector<std::complex<double>>& lines);
 
 }  // namespace hydrapod::numerics
