@@ -7,84 +7,80 @@
 
 namespace hydrapod::data {
 
-namespace {
-
-/// Samples in runs of three or more at the most extreme value so far.
-class Extreme {
- public:
-  explicit Extreme(double sign) : sign_(sign) {}
-
-  void add(double value) {
-    const double here = sign_ * value;
-    if (here > extreme_) {
-      extreme_ = here;
-      run_ = 1;
-      at_limit_ = 0;
-    } else if (here == extreme_) {
-      ++run_;
-      if (run_ == least_run) at_limit_ += least_run;
-      if (run_ > least_run) ++at_limit_;
-    } else {
-      run_ = 0;
-    }
-  }
-  [[nodiscard]] double value() const { return sign_ * extreme_; }
-  [[nodiscard]] std::int64_t at_limit() const { return at_limit_; }
-
- private:
-  static constexpr std::int64_t least_run = 3;
-  double sign_;
-  double extreme_{-std::numeric_limits<double>::infinity()};
-  std::int64_t run_{}, at_limit_{};
-};
-
-/// One channel; mean and variance after B. P. Welford, Technometrics 4 (1962) 419.
-struct Account {
-  std::int64_t samples{}, missing{}, infinite{};
-  double mean{}, squares{};
-  Extreme lowest{-1.0}, highest{1.0};
-  double last{std::numeric_limits<double>::quiet_NaN()};
-  std::int64_t run{}, longest{};
-
-  void add(double value) {
-    if (std::isnan(value)) {
-      ++missing;
-      return;
-    }
-    if (std::isinf(value)) {
-      ++infinite;
-      return;
-    }
-    ++samples;
-    const double step = value - mean;
-    mean += step / static_cast<double>(samples);
-    squares += step * (value - mean);
-    lowest.add(value);
-    highest.add(value);
-    run = value == last ? run + 1 : 1;
-    longest = std::max(longest, run);
-    last = value;
-  }
-
-  [[nodiscard]] ChannelOverview result() const {
-    ChannelOverview all{.samples = samples, .missing = missing, .infinite = infinite};
-    if (samples == 0) return all;
-    all.mean = mean;
-    all.rms = std::sqrt(squares / static_cast<double>(samples));
-    all.lowest = lowest.value();
-    all.highest = highest.value();
-    all.peak = std::max(all.highest - mean, mean - all.lowest);
-    all.constant = all.lowest == all.highest;
-    if (all.constant) return all;
-    all.at_limit = lowest.at_limit() + highest.at_limit();
-    all.longest_hold = longest;
-    return all;
-  }
-};
-
-}  // namespace
-
 struct OverviewBuilder::Implementation {
+  /// Samples in runs of three or more at the most extreme value so far.
+  class Extreme {
+   public:
+    explicit Extreme(double sign) : sign_(sign) {}
+
+    void add(double value) {
+      const double here = sign_ * value;
+      if (here > extreme_) {
+        extreme_ = here;
+        run_ = 1;
+        at_limit_ = 0;
+      } else if (here == extreme_) {
+        ++run_;
+        if (run_ == least_run) at_limit_ += least_run;
+        if (run_ > least_run) ++at_limit_;
+      } else {
+        run_ = 0;
+      }
+    }
+    [[nodiscard]] double value() const { return sign_ * extreme_; }
+    [[nodiscard]] std::int64_t at_limit() const { return at_limit_; }
+
+   private:
+    static constexpr std::int64_t least_run = 3;
+    double sign_;
+    double extreme_{-std::numeric_limits<double>::infinity()};
+    std::int64_t run_{}, at_limit_{};
+  };
+
+  /// One channel; mean and variance after B. P. Welford, Technometrics 4 (1962) 419.
+  struct Account {
+    std::int64_t samples{}, missing{}, infinite{};
+    double mean{}, squares{};
+    Extreme lowest{-1.0}, highest{1.0};
+    double last{std::numeric_limits<double>::quiet_NaN()};
+    std::int64_t run{}, longest{};
+
+    void add(double value) {
+      if (std::isnan(value)) {
+        ++missing;
+        return;
+      }
+      if (std::isinf(value)) {
+        ++infinite;
+        return;
+      }
+      ++samples;
+      const double step = value - mean;
+      mean += step / static_cast<double>(samples);
+      squares += step * (value - mean);
+      lowest.add(value);
+      highest.add(value);
+      run = value == last ? run + 1 : 1;
+      longest = std::max(longest, run);
+      last = value;
+    }
+
+    [[nodiscard]] ChannelOverview result() const {
+      ChannelOverview all{.samples = samples, .missing = missing, .infinite = infinite};
+      if (samples == 0) return all;
+      all.mean = mean;
+      all.rms = std::sqrt(squares / static_cast<double>(samples));
+      all.lowest = lowest.value();
+      all.highest = highest.value();
+      all.peak = std::max(all.highest - mean, mean - all.lowest);
+      all.constant = all.lowest == all.highest;
+      if (all.constant) return all;
+      all.at_limit = lowest.at_limit() + highest.at_limit();
+      all.longest_hold = longest;
+      return all;
+    }
+  };
+
   double sample_rate{};
   std::int64_t samples{};
   std::vector<Account> accounts{};
@@ -92,9 +88,9 @@ struct OverviewBuilder::Implementation {
 };
 
 OverviewBuilder::OverviewBuilder(const RecordHeader& header, std::size_t segment)
-    : implementation_(
-          new Implementation{header.sample_rate, 0, std::vector<Account>(header.channels.size()),
-                             WelchSpectrum(header.channels.size(), header.sample_rate, segment)}) {}
+    : implementation_(new Implementation{
+          header.sample_rate, 0, std::vector<Implementation::Account>(header.channels.size()),
+          WelchSpectrum(header.channels.size(), header.sample_rate, segment)}) {}
 
 OverviewBuilder::~OverviewBuilder() = default;
 
@@ -110,7 +106,7 @@ RecordOverview OverviewBuilder::result() const {
   RecordOverview all;
   all.samples = implementation_->samples;
   all.duration = static_cast<double>(all.samples) / implementation_->sample_rate;
-  for (const Account& account : implementation_->accounts) all.channels.push_back(account.result());
+  for (const auto& account : implementation_->accounts) all.channels.push_back(account.result());
   all.spectrum = implementation_->spectrum.result();
   if (all.spectrum.segments == 0) return all;
   for (std::size_t c = 0; c < all.channels.size(); ++c) {

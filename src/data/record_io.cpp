@@ -66,12 +66,13 @@ bool has_mat5_mark(std::string_view head) {
          head.substr(124, 4) == std::string_view("\1\0MI", 4);
 }
 
-/// The first line that is not empty is "    -1".
+/// The first line that is not blank is "    -1".
 bool begins_as_uff(std::string_view head) {
-  const std::size_t begin = head.find_first_not_of("\r\n");
-  if (begin == head.npos) return false;
-  const std::string_view line = head.substr(begin, head.find_first_of("\r\n", begin) - begin);
-  return line.starts_with("    -1") && line.find_first_not_of(" \t", 6) == line.npos;
+  const std::size_t text = std::min(head.find_first_not_of(" \t\r\n"), head.size());
+  const std::size_t end = std::min(head.find_first_of("\r\n", text), head.size());
+  head = head.substr(0, end);
+  const std::string_view line = head.substr(head.find_last_of("\r\n", text) + 1);
+  return line.starts_with("    -1") && base::trimmed(line) == "-1";
 }
 
 std::unique_ptr<RecordReader> open_by_content(const std::string& path, const ReadOptions& options) {

@@ -26,49 +26,49 @@ double bessel_i0(double x) {
   return sum;
 }
 
-/// h over t ≥ 0 in samples of the lower rate; the pass band ends at 0.45, the stop band begins at
-/// 0.5 of that rate. Cubic interpolation of the table is exact to about 1e-9.
-class Kernel {
- public:
-  Kernel() {
-    const double transition = std::numbers::pi * (1.0 - pass_band);  // [rad/sample]
-    half_width_ = std::ceil((attenuation - 7.95) / (2.285 * transition) / 2.0);
-    const double beta = 0.1102 * (attenuation - 8.7);
-    const double cut = 0.5 * (1.0 + pass_band);  // of the Nyquist frequency, mid transition
-    const int last = static_cast<int>(half_width_) * points_per_sample;
-    table_.resize(static_cast<std::size_t>(last) + 4, 0.0);
-    for (int i = 0; i <= last; ++i) {
-      const double t = static_cast<double>(i) / points_per_sample;
-      const double x = std::numbers::pi * cut * t;
-      const double sinc = i == 0 ? 1.0 : std::sin(x) / x;
-      const double edge = t / half_width_;
-      table_[static_cast<std::size_t>(i)] =
-          cut * sinc * bessel_i0(beta * std::sqrt(std::max(0.0, 1.0 - edge * edge))) /
-          bessel_i0(beta);
-    }
-  }
-  [[nodiscard]] double half_width() const { return half_width_; }
-
-  [[nodiscard]] double operator()(double t) const {
-    const double place = std::abs(t) * points_per_sample;
-    const auto i = static_cast<std::size_t>(place);
-    if (i + 3 >= table_.size()) return 0.0;
-    const double f = place - static_cast<double>(i);
-    const double before = i == 0 ? table_[1] : table_[i - 1];
-    const double a = table_[i], b = table_[i + 1], after = table_[i + 2];
-    // cubic through four neighbours
-    return a + f * (b - before / 3.0 - a / 2.0 - after / 6.0 +
-                    f * (0.5 * (before + b) - a + f * ((after - before) / 6.0 + 0.5 * (a - b))));
-  }
-
- private:
-  double half_width_{};
-  std::vector<double> table_{};
-};
-
 }  // namespace
 
 struct Resampler::Implementation {
+  /// h over t ≥ 0 in samples of the lower rate; the pass band ends at 0.45, the stop band begins at
+  /// 0.5 of that rate. Cubic interpolation of the table is exact to about 1e-9.
+  class Kernel {
+   public:
+    Kernel() {
+      const double transition = std::numbers::pi * (1.0 - pass_band);  // [rad/sample]
+      half_width_ = std::ceil((attenuation - 7.95) / (2.285 * transition) / 2.0);
+      const double beta = 0.1102 * (attenuation - 8.7);
+      const double cut = 0.5 * (1.0 + pass_band);  // of the Nyquist frequency, mid transition
+      const int last = static_cast<int>(half_width_) * points_per_sample;
+      table_.resize(static_cast<std::size_t>(last) + 4, 0.0);
+      for (int i = 0; i <= last; ++i) {
+        const double t = static_cast<double>(i) / points_per_sample;
+        const double x = std::numbers::pi * cut * t;
+        const double sinc = i == 0 ? 1.0 : std::sin(x) / x;
+        const double edge = t / half_width_;
+        table_[static_cast<std::size_t>(i)] =
+            cut * sinc * bessel_i0(beta * std::sqrt(std::max(0.0, 1.0 - edge * edge))) /
+            bessel_i0(beta);
+      }
+    }
+    [[nodiscard]] double half_width() const { return half_width_; }
+
+    [[nodiscard]] double operator()(double t) const {
+      const double place = std::abs(t) * points_per_sample;
+      const auto i = static_cast<std::size_t>(place);
+      if (i + 3 >= table_.size()) return 0.0;
+      const double f = place - static_cast<double>(i);
+      const double before = i == 0 ? table_[1] : table_[i - 1];
+      const double a = table_[i], b = table_[i + 1], after = table_[i + 2];
+      // cubic through four neighbours
+      return a + f * (b - before / 3.0 - a / 2.0 - after / 6.0 +
+                      f * (0.5 * (before + b) - a + f * ((after - before) / 6.0 + 0.5 * (a - b))));
+    }
+
+   private:
+    double half_width_{};
+    std::vector<double> table_{};
+  };
+
   Eigen::Index channels{};
   double step{};   ///< input samples per output sample
   double scale{};  ///< samples of the lower rate per input sample

@@ -283,6 +283,37 @@ TEST(Uff, TheKindIsFoundBehindValuesThatAreNotAsDeclared) {
         << values;
 }
 
+/// As other programs and editors leave files behind.
+TEST(Uff, TheKindIsFoundBehindBlankLinesWithCarriageReturnsAndLowerCaseExponents) {
+  const TemporaryFolder folder;
+  const std::string lines = " -3.81956e+00 -3.56616d+00 -2.98987e+00\n",
+                    record = function(std::string(general) + "m/s^2", lines),
+                    responses = record +
+                                function(std::string(general) + "m", lines,
+                                         "         5         1         1  0.00000e+00  1.00000e+00 "
+                                         " 0.00000e+00",
+                                         "    4         1    0         0 NONE               0   0 "
+                                         "NONE               0   0");
+  for (const std::string before : {"", "\n", "  \t\n\n", "     \n      \n"})
+    for (const bool dos : {false, true}) {
+      SCOPED_TRACE(before + (dos ? "CR" : ""));
+      const auto written = [&](std::string text) {
+        text = before + text;
+        for (std::size_t at = 0; dos && (at = text.find('\n', at)) != text.npos; at += 2)
+          text.insert(at, "\r");
+        write_text(folder / "r.uff", text);
+        return text;
+      };
+      written(responses);
+      EXPECT_EQ(data::file_kind(folder / "r.uff"), data::FileKind::frequency_responses);
+      const auto found = read(written(record));
+      EXPECT_EQ(data::file_kind(folder / "r.uff"), data::FileKind::record);
+      EXPECT_THAT(found.notes, testing::IsEmpty());
+      EXPECT_THAT(found.record.samples.reshaped(),
+                  testing::ElementsAre(-3.81956, -3.56616, -2.98987));
+    }
+}
+
 TEST(Uff, UnknownDatasetsAreSkippedWithANote) {
   const std::string nodes =
       "    -1\n    15\n         1         0         0        11  1.0 2.0 3.0\n    -1\n";
