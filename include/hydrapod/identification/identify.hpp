@@ -200,10 +200,10 @@ struct BandOptions {
   /// `reach` lines on either side: a mean of noise alone is 1 and hardly ever 3.
   double audible{3.0};
   int reach{4};
-  /// Upper end: room · highest pole, where that is at most worth · the present end. Model orders
-  /// are spent on modes, not on an empty band; a narrowing by less changes hardly anything.
+  /// Upper end: room · highest pole, half the present end without one, where that is at most
+  /// worth · the present end: model orders are spent on modes, not on an empty band.
   double room{1.6}, worth{0.75};
-  int rounds{6};  ///< of narrowing; six reach a fifth of the band at least
+  int rounds{6};  ///< of narrowing; six with this `worth` leave 0.18 of the band or less
   /// Of the final fit: fit_room · highest fitted mode. Its flank is still there; what is above is
   /// left to the residual terms.
   double fit_room{1.25};
@@ -223,8 +223,8 @@ struct PruneOptions {
 /// Modes that are as weak as the noise of strong ones: poles fitted to the residual.
 struct WeakModeOptions {
   /// A place: the mean of |residual|²/variance over the lines within `reach` is above
-  /// median · (1 + stands_out/√n), n numbers in the mean: it scatters by 1/√n, and hardly one line
-  /// in ten thousand is 4 of that above by chance.
+  /// median · (1 + stands_out/√n), n numbers in the mean: it scatters by 1/√n. With 36 responses
+  /// one line in ten thousand is 4 of that above by chance, with a single one two in a thousand.
   int reach{2};
   double stands_out{4.0};
   int most_places{8};  ///< of one search, the most conspicuous first
@@ -253,7 +253,7 @@ struct Certainty {
 struct TrialOptions {
   double unmoved{0.005};  ///< |Δω| < unmoved · ω: the same mode; also one of a close pair
   int rounds{4};          ///< in the flanks of strong modes, while one finds something
-  int most_places{3};     ///< of a round, the most conspicuous first: each costs up to two fits
+  int most_places{3};     ///< of a round, the most conspicuous first: one mode there, then two
   double damping{0.003};  ///< ζ that a trial begins with: what hides in a flank is sharp
   Certainty hidden{.near = 0.02, .frequency = 0.002, .damping = 0.3};
   /// Of two at once, of which one alone is no resonance. How nearly equal poles share their damping
@@ -303,7 +303,7 @@ enum class Objection {
   left_band,       ///< its frequency is outside of `from` … `to`
   in_noise,        ///< significance < least_significance
   open_frequency,  ///< deviation of ω > largest_frequency_deviation · ω
-  open_damping,    ///< deviation of ζ > largest_damping_deviation · ζ
+  open_damping,    ///< deviation of ζ > largest_damping_deviation · max(ζ, damping_floor)
   doubles          ///< another fitted pole is the same, see PruneOptions
 };
 

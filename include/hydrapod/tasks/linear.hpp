@@ -65,10 +65,10 @@ struct CheckOptions {
   double little_stroke{0.05};
   /// l_mh < short_guide · rod length: the stiffness against tilt falls with the guided length.
   double short_guide{0.05};
-  /// Static tilt of a rod > large_tilt [rad]: about 1°, where a small tilt is no longer small.
+  /// Static tilt of a rod > large_tilt [rad]: 20 mm aside per metre of rod, a rod that leans.
   double large_tilt{0.02};
-  /// Condition of the Jacobian > poor_condition: two digits of every force are lost, far before
-  /// kinematics::singular_condition.
+  /// Condition of the Jacobian > poor_condition: relative errors of forces grow by up to this
+  /// factor, two digits, far before kinematics::singular_condition.
   double poor_condition{100.0};
 };
 
