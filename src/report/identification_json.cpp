@@ -194,10 +194,60 @@ void describe(Fields& f, identification::LeftOut& left) {
   f.word("reason", left.reason, words_of<identification::Objection, 6>(words));
 }
 
+namespace {
+
+/// Null beyond the last kind.
+const char* code(identification::ModeWarning::Kind kind) {
+  using Kind = identification::ModeWarning::Kind;
+  switch (kind) {
+    case Kind::no_mode:
+      return "no_mode";
+    case Kind::few_samples:
+      return "few_samples";
+    case Kind::misfit:
+      return "misfit";
+  }
+  return nullptr;
+}
+
+const char* code(data::ResponseWarning::Kind kind) {
+  using Kind = data::ResponseWarning::Kind;
+  switch (kind) {
+    case Kind::dead_output:
+      return "dead_output";
+    case Kind::dead_input:
+      return "dead_input";
+    case Kind::repeated_input:
+      return "repeated_input";
+    case Kind::clipped:
+      return "clipped";
+    case Kind::blocks_left_out:
+      return "blocks_left_out";
+    case Kind::correlated_inputs:
+      return "correlated_inputs";
+    case Kind::biased:
+      return "biased";
+    case Kind::excited_band:
+      return "excited_band";
+    case Kind::interrupted:
+      return "interrupted";
+  }
+  return nullptr;
+}
+
+template <class Enum>
+std::vector<const char*> all_codes() {
+  std::vector<const char*> all;
+  for (int k = 0; code(static_cast<Enum>(k)) != nullptr; ++k)
+    all.push_back(code(static_cast<Enum>(k)));
+  return all;
+}
+
+}  // namespace
+
 template <class Fields>
 void describe(Fields& f, identification::ModeWarning& warning) {
-  static constexpr std::array kinds{"no_mode", "few_samples", "misfit"};
-  f.word("kind", warning.kind, kinds);
+  f.word("kind", warning.kind, all_codes<identification::ModeWarning::Kind>());
   f("value", warning.value);
   f("from_hz", warning.from);
   f("to_hz", warning.to);
@@ -205,11 +255,8 @@ void describe(Fields& f, identification::ModeWarning& warning) {
 
 template <class Fields>
 void describe(Fields& f, data::ResponseWarning& warning) {
-  static constexpr std::array kinds{"dead_output", "dead_input",      "repeated_input",
-                                    "clipped",     "blocks_left_out", "correlated_inputs",
-                                    "biased",      "interrupted"};
   std::string estimator{data::estimator_text(warning.estimator)};
-  f.word("kind", warning.kind, kinds);
+  f.word("kind", warning.kind, all_codes<data::ResponseWarning::Kind>());
   f("channel", warning.channel);
   f("other", warning.other);
   f("value", warning.value);
