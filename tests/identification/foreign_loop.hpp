@@ -11,6 +11,7 @@
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 #include <Eigen/LU>
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -153,12 +154,14 @@ inline data::Record foreign_loop_record(const test::ModalSystem& plant, const Fo
   constexpr int delay = 2, settling = 2048;
   data::Record record;
   record.header.sample_rate = foreign_rate;
-  for (const auto& [letter, unit, role] : {std::tuple{'r', "m", data::Role::excitation},
-                                           {'y', "m", data::Role::response},
-                                           {'u', "N", data::Role::drive}})
+  const auto add = [&](const char* name, const char* unit, data::Role role) {
     for (int i = 1; i <= 3; ++i)
       record.header.channels.push_back(
-          {.name = letter + std::to_string(i), .unit = unit, .role = role});
+          {.name = name + std::to_string(i), .unit = unit, .role = role});
+  };
+  add("r", "m", data::Role::excitation);
+  add("y", "m", data::Role::response);
+  add("u", "N", data::Role::drive);
   test::Random random(7919 * e.seed + static_cast<std::uint64_t>(experiment));
   const auto samples = static_cast<Eigen::Index>(e.duration * foreign_rate);
   // a sweep begins and ends at rest within the record; all other signals run before
