@@ -222,23 +222,20 @@ Errors mixed(const FromInstruments& f, const std::vector<Complex>& D, Index line
              const VectorXd& kernel) {
   Errors e{MatrixXcd::Zero(f.noise[0].rows(), f.noise[0].rows()),
            MatrixXcd::Zero(f.P[0].rows(), f.P[0].rows())};
-  double kernels = 0.0, sizes = 0.0, both = 0.0;
+  double kernels = 0.0, sizes = 0.0;
   for (Index d = -kernel_reach; d <= kernel_reach; ++d) {
     const auto k = static_cast<std::size_t>(std::abs(line + d));
     if (k >= D.size()) continue;
-    const double weight = kernel[d + kernel_reach], size = f.P[k].trace().real();
-    kernels += weight;
-    if (!(size > 0.0)) continue;
-    const double own = weight * std::norm(D[k]) * size;
-    const double part = own * f.noise[k].trace().real() / size;
+    const double weight = kernel[d + kernel_reach], share = weight * std::norm(D[k]);
+    const double size = share * f.P[k].trace().real();
     const bool negative = line + d < 0;
-    e.W += own * (negative ? MatrixXcd(f.noise[k].conjugate()) : f.noise[k]);
-    e.P += part * (negative ? MatrixXcd(f.P[k].conjugate()) : f.P[k]);
-    sizes += own;
-    both += part * size;
+    e.W += size * (negative ? MatrixXcd(f.noise[k].conjugate()) : f.noise[k]);
+    e.P += share * (negative ? MatrixXcd(f.P[k].conjugate()) : f.P[k]);
+    kernels += weight;
+    sizes += size;
   }
   e.W /= sizes;
-  e.P *= sizes / (kernels * both);
+  e.P /= kernels;
   return e;
 }
 
