@@ -74,6 +74,15 @@ std::string left_text(const report::ComparedModes& compared,
   return text;
 }
 
+std::string harmonic_text(const data::Harmonic& harmonic,
+                          const std::vector<data::Channel>& outputs) {
+  Eigen::Index largest = 0;
+  const double amplitude = harmonic.amplitude.maxCoeff(&largest);
+  const auto& channel = outputs[static_cast<std::size_t>(largest)];
+  return fmt::format("Harmonic, not counted as a mode: {:.3f} Hz, amplitude {:.2g} {} in {}.\n",
+                     harmonic.frequency, amplitude, channel.unit, channel.name);
+}
+
 std::string modes_text(const tasks::Identified& checks, const TableStyle& style) {
   const auto& result = checks.modes;
   const auto& measured = checks.measured;
@@ -125,6 +134,8 @@ std::string modes_text(const tasks::Identified& checks, const TableStyle& style)
         "Bootstrap: {} resamples of {} groups of blocks, relative uncertainty {:.0f} %.\n",
         checks.bootstrap->resamples, checks.bootstrap->groups,
         100.0 / std::sqrt(2.0 * (checks.bootstrap->groups - 1.0)));
+  for (const auto& h : result.responses.harmonics)
+    text += harmonic_text(h, result.responses.outputs);
   for (const auto& m : result.heavily_damped)
     text += fmt::format(
         "Heavily damped pole, not counted as a mode: {:.3f} Hz, damping ratio {:.0f} %.\n",
@@ -158,25 +169,6 @@ std::string comparison_text(const report::ComparedModes& compared,
   return text + "\n" + left_text(compared, result);
 }
 
-std::string output_only_text(const std::vector<identification::OutputOnlyMode>& modes,
-                             std::size_t outputs, int block, const TableStyle& style) {
-  std::string text = fmt::format(
-      "{} outputs, no input: covariance-driven subspace identification, blocks of {} samples\n",
-      outputs, block);
-  if (modes.empty()) return text + "\nno stable pole\n";
-  Table table({"mode", "Hz", "scatter", "damping", "scatter", "MPC", "quality"});
-  for (std::size_t r = 0; r < modes.size(); ++r) {
-    const auto& mode = modes[r];
-    const double omega = std::abs(mode.pole);
-    table.add_row({fmt::format("{}", r + 1), hertz(omega, 4),
-                   hertz(mode.frequency_scatter * omega, 4), percent(-mode.pole.real() / omega),
-                   percent(mode.damping_scatter), fmt::format("{:.3f}", mode.mpc),
-                   fmt::format("{:.2f}", mode.persistence)});
-  }
-  return text + "\n" + table.text(style) +
-         "\nscatter: over model orders; this is not a confidence interval\n";
-}
-
 struct Arguments : IdentificationArguments {
   bool output_only{};
   int bootstrap{};  ///< draws
@@ -202,28 +194,6 @@ void draw_all(const Arguments& a, const tasks::Identified& found) {
     report::plot_cross_mac(*found.compared, result,
                            {text.title, report::comparison_heading(*found.compared)}, path);
   });
-}
-
-void run_output_only(const Arguments& a, size_t format) {
-  for (const auto* path : {&a.plot, &a.stabilisation, &a.mac, &a.cross_mac})
-    if (!path->empty()) base::refuse("--output-only", "has no responses to plot");
-  if (format > Format::csv)
-    base::refuse("--output-only", "its modes are written as table, json or csv");
-  const auto options = identify_options(a);
-  const auto measured = with_progress("reading", [&](const auto& progress) {
-    return tasks::measure_outputs(options.measure, progress);
-  });
-  print_diagnostics(measured.warnings);
-  const auto& m = measured.measurement;
-  const auto modes = tasks::identify_outputs(measured, options.modes.to);
-  if (format == Format::table)
-    return write_output(a.output,
-                        output_only_text(modes, m.outputs.size(), m.spectra.options.block_length,
-                                         table_style(a.output)));
-  if (format == Format::csv) return write_output(a.output, report::output_only_csv(modes));
-  write_output(a.output,
-               json_text({{"kind", "output_only_modes"}, {"records", a.measurement.files}},
-                         {{"modes", report::output_only_json(modes)}}));
 }
 
 void write_result(const Arguments& a, size_t format, const tasks::Identified& found) {
@@ -256,9 +226,10 @@ void write_result(const Arguments& a, size_t format, const tasks::Identified& fo
 void run(const Arguments& a) {
   const size_t format = result_format(a.format, a.output, {"table", "json", "csv", "uff", "mat"});
   auto options = identify_options(a);
+  options.measure.output_only = a.output_only;
   if (a.output_only && a.bootstrap > 0)
-    base::refuse("--bootstrap", "output-only modes have no intervals to check");
-  if (a.output_only) return run_output_only(a, format);
+    base::refuse("--bootstrap",
+                 "resamples inputs and outputs; with --output-only there is no input");
   for (const auto* path : {&a.plot, &a.stabilisation, &a.mac, &a.cross_mac})
     if (!path->empty()) report::require_picture(*path);
   options.bootstrap = a.bootstrap;
@@ -289,7 +260,8 @@ void add_identify(Command app) {
   add_identification_options(command, a);
   command.add_options(
       {{"--output-only", a.output_only,
-        "Modes from the outputs alone, for records without measured excitation"},
+        "Modes from the outputs alone, for records without measured excitation; it must be "
+        "broad-band"},
        {"--bootstrap", a.bootstrap,
         "Number of bootstrap resamples to check the intervals, for instance 50; 0: none",
         OptionRule{.shows_zero = true, .range = std::pair(0, 10000)}},

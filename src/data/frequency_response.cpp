@@ -26,7 +26,7 @@ void require_channels(const std::vector<Channel>& channels, const char* what) {
   }
 }
 
-constexpr std::array<std::string_view, 4> estimator_names{"h1", "h2", "hv", "iv"};
+constexpr std::array<std::string_view, 5> estimator_names{"h1", "h2", "hv", "iv", "half-spectra"};
 
 }  // namespace
 
@@ -40,7 +40,8 @@ std::optional<Estimator> estimator_from_text(std::string_view text) {
   return {};
 }
 
-double FrequencyResponses::variance(std::size_t line, Eigen::Index output, Eigen::Index input) const {
+double FrequencyResponses::variance(std::size_t line, Eigen::Index output,
+                                    Eigen::Index input) const {
   return noise[line](output, output).real() * input_factor[line](input, input).real();
 }
 

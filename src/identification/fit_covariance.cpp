@@ -1,9 +1,11 @@
 #include "fit_covariance.hpp"
 
 #include <cmath>
+#include <optional>
 #include <utility>
 
 #include "hydrapod/numerics/dense.hpp"
+#include "output_errors.hpp"
 
 namespace hydrapod::identification {
 
@@ -13,6 +15,9 @@ namespace {
 /// are eliminated, output o's by `X`.
 class Propagation {
  public:
+  /// Per output what factor each column of its derivatives has.
+  using Factors = std::vector<VectorXd>;
+
   Propagation(const FitSystem& system, const FrequencyResponses& responses, const FitState& state,
               const std::vector<MatrixXd>& X)
       : system_(system),
@@ -29,12 +34,25 @@ class Propagation {
     for (Index k = 0; k < system.lines(); ++k)
       whitening_.row(k) =
           system.whitening()[static_cast<size_t>(k)].reshaped<Eigen::RowMajor>(1, p * p);
-    add_coherence();
+    if (responses.whole)
+      errors_.emplace(responses, state.shared.poles);
+    else
+      add_coherence();
   }
 
   /// vᵀ Jᵀ cov(e) J v.
-  [[nodiscard]] double variance(const VectorXd& v) const {
-    const MatrixXcd F = changes(v), S = smoothed(F);
+  [[nodiscard]] double variance(const VectorXd& v) const { return variance(factors(v)); }
+
+  [[nodiscard]] Factors factors(const VectorXd& v) const {
+    Factors all;
+    for (const auto& derivatives : derivatives_) all.emplace_back(derivatives * v);
+    return all;
+  }
+
+  [[nodiscard]] double variance(const Factors& factors) const {
+    const MatrixXcd F = changes(factors);
+    if (errors_) return errors_->variance(of_plain_errors(F));
+    const MatrixXcd S = smoothed(F);
     const Index p = system_.inputs(), outputs = system_.outputs();
     double sum = 0.0;
     for (Index o = 0; o < outputs; ++o)
@@ -63,13 +81,27 @@ class Propagation {
     }
   }
 
-  /// J v, whitened: entry o p + i, a row per line.
-  [[nodiscard]] MatrixXcd changes(const VectorXd& v) const {
+  /// Wᴴ F/σ: what stands beside errors that are not whitened.
+  [[nodiscard]] MatrixXcd of_plain_errors(const MatrixXcd& F) const {
+    const Index p = system_.inputs();
+    MatrixXcd c = MatrixXcd::Zero(F.rows(), F.cols());
+    for (Index o = 0; o < system_.outputs(); ++o)
+      for (Index j = 0; j < p; ++j) {
+        auto column = c.col(o * p + j);
+        for (Index i = j; i < p; ++i)
+          column += whitening_.col(i * p + j).conjugate().cwiseProduct(F.col(o * p + i));
+        column.array() /= system_.deviation().col(o).array();
+      }
+    return c;
+  }
+
+  /// The columns times their factors, whitened: entry o p + i, a row per line.
+  [[nodiscard]] MatrixXcd changes(const Factors& factors) const {
     const Index p = system_.inputs(), outputs = system_.outputs();
     const Index n = state_.functions.re.cols(), count = slopes_.re.cols() / p;
     MatrixXd by_functions(n, p * outputs), by_slopes(count, outputs);
     for (Index o = 0; o < outputs; ++o) {
-      const VectorXd c = derivatives_[static_cast<size_t>(o)] * v;
+      const VectorXd& c = factors[static_cast<size_t>(o)];
       by_functions.middleCols(o * p, p) = c.head(n * p).reshaped(p, n).transpose();
       by_slopes.col(o) = c.tail(count);
     }
@@ -107,6 +139,74 @@ class Propagation {
   MatrixXcd whitening_;                // lines × inputs², column i p + j
   MatrixXcd coherence_;                // lines × outputs²
   std::vector<MatrixXd> derivatives_;  // of the columns (c_a e_i, d), by the shared parameters
+  std::optional<OutputErrors> errors_;
+};
+
+/// Errors of the shape of one mode of half spectra. Only its ratios mean anything: deviations are
+/// √E|δφ_o − φ_o/φ_m δφ_m|², m the largest.
+class ShapeErrors {
+ public:
+  ShapeErrors(const FitSystem& system, const FitState& state, const Propagation& propagation,
+              const std::vector<MatrixXd>& X, const std::vector<MatrixXd>& own_inverse,
+              const MatrixXd& N_inverse)
+      : propagation_(propagation), X_(X), own_inverse_(own_inverse), N_inverse_(N_inverse) {
+    const Index shared = system.shared_count(state.shared.poles.size());
+    for (Index o = 0; o < system.outputs(); ++o) {
+      const MatrixXd T = system.derivatives(state, o);
+      own_.emplace_back(T.rightCols(T.cols() - shared));
+    }
+  }
+
+  /// |φ_o|²/E|δφ_o|², the best of the outputs that move most in proportion to their `sizes`.
+  /// Entries err together, so that their sum is no measure.
+  [[nodiscard]] double significance(const VectorXcd& shape, const VectorXd& sizes,
+                                    Index mode) const {
+    constexpr int tried = 3;
+    VectorXd share = shape.cwiseAbs().cwiseQuotient(sizes);
+    double best = 0.0;
+    for (Index k = 0; k < std::min<Index>(tried, share.size()); ++k) {
+      Index o = 0;
+      share.maxCoeff(&o);
+      share[o] = -1.0;
+      const double variance =
+          propagation_.variance(part(o, 2 * mode)) + propagation_.variance(part(o, 2 * mode + 1));
+      best = std::max(best, std::norm(shape[o]) / std::max(variance, 1e-300));
+    }
+    return best;
+  }
+
+  [[nodiscard]] VectorXd deviations(const VectorXcd& shape, Index mode) const {
+    Index largest = 0;
+    shape.cwiseAbs().maxCoeff(&largest);
+    const auto re_m = part(largest, 2 * mode), im_m = part(largest, 2 * mode + 1);
+    VectorXd deviation = VectorXd::Zero(shape.size());
+    for (Index o = 0; o < shape.size(); ++o) {
+      if (o == largest) continue;
+      const Complex s = shape[o] / shape[largest];
+      auto re = part(o, 2 * mode), im = part(o, 2 * mode + 1);
+      for (std::size_t k = 0; k < re.size(); ++k) {
+        re[k] += s.imag() * im_m[k] - s.real() * re_m[k];
+        im[k] -= s.real() * im_m[k] + s.imag() * re_m[k];
+      }
+      deviation[o] = std::sqrt(propagation_.variance(re) + propagation_.variance(im));
+    }
+    return deviation;
+  }
+
+ private:
+  /// Of own parameter `at` of output o.
+  [[nodiscard]] Propagation::Factors part(Index o, Index at) const {
+    const auto k = static_cast<std::size_t>(o);
+    const VectorXd by_shared = N_inverse_ * X_[k].row(at).transpose();
+    auto factors = propagation_.factors(-by_shared);
+    factors[k] += own_[k] * own_inverse_[k].col(at);
+    return factors;
+  }
+
+  const Propagation& propagation_;
+  const std::vector<MatrixXd>&X_, &own_inverse_;
+  const MatrixXd& N_inverse_;
+  std::vector<MatrixXd> own_;  // derivatives by own parameters
 };
 
 /// Derivatives of ω and of ζ by Re λ and Im λ.
@@ -160,7 +260,7 @@ void add_deviations(const FitSystem& system, const FrequencyResponses& responses
   for (const auto& normal : system.normals(state)) {
     const Index own = normal.matrix.rows() - shared;
     X.push_back(own_by_shared(normal.matrix, shared));
-    if (asked == Deviations::all)
+    if (asked == Deviations::all || responses.whole)
       own_inverse.push_back(numerics::inverse_positive(normal.matrix.bottomRightCorner(own, own)));
     N += normal.matrix.topLeftCorner(shared, shared) -
          numerics::times(normal.matrix.topRightCorner(shared, own), X.back());
@@ -171,6 +271,9 @@ void add_deviations(const FitSystem& system, const FrequencyResponses& responses
   const auto variance = [&](const VectorXd& v) {
     return scale * std::max(0.0, propagation.variance(v));
   };
+  std::optional<ShapeErrors> shape_errors;
+  if (responses.whole) shape_errors.emplace(system, state, propagation, X, own_inverse, N_inverse);
+  const VectorXd sizes = row_sizes(responses);
   const double neighbours = lines_in_step(responses);
   for (Index r = 0; r < modes; ++r) {
     auto& mode = model.modes[static_cast<size_t>(r)];
@@ -178,7 +281,12 @@ void add_deviations(const FitSystem& system, const FrequencyResponses& responses
     const auto pole = N_inverse.middleCols<2>(r * 2 * system.inputs());
     mode.omega_deviation = std::sqrt(variance(pole * omega));
     mode.damping_deviation = std::sqrt(variance(pole * zeta));
+    if (shape_errors) mode.significance = shape_errors->significance(mode.shape, sizes, r) / scale;
     if (asked != Deviations::all) continue;
+    if (shape_errors) {
+      mode.shape_deviation = std::sqrt(scale) * shape_errors->deviations(mode.shape, r);
+      continue;
+    }
     mode.shape_deviation.resize(system.outputs());
     for (Index o = 0; o < system.outputs(); ++o) {
       const auto at = static_cast<size_t>(o);

@@ -8,7 +8,9 @@
 #include <ranges>
 
 #include "fit_covariance.hpp"
+#include "harmonics.hpp"
 #include "hydrapod/base/error.hpp"
+#include "hydrapod/identification/cross_check.hpp"
 #include "hydrapod/identification/responses.hpp"
 #include "repeated_modes.hpp"
 #include "search.hpp"
@@ -75,8 +77,9 @@ void fit_and_prune(const IdentifyOptions& options, std::vector<PoleCluster> clus
             (clusters[q].members.size() > clusters[r].members.size() ||
              (clusters[q].members.size() == clusters[r].members.size() && q < r)))
           objection = Objection::doubles;
-      const bool open =
-          objection == Objection::open_frequency || objection == Objection::open_damping;
+      const bool open = objection == Objection::open_frequency ||
+                        objection == Objection::open_damping ||
+                        (objection == Objection::in_noise && result.responses.whole);
       if (objection == Objection::none || (open && another_first(result.model, r, band, options))) {
         kept.push_back(clusters[r]);
         kept.back().representative = mode;
@@ -271,14 +274,35 @@ void settle_residuals(const IdentifyOptions& options, Identification& result) {
   fit_and_prune(better, fitted_clusters(result), result);
 }
 
+/// Poles that covariance-driven subspace identification finds beside those of `s`.
+void add_realised(const IdentifyOptions& options, Search& s) {
+  const auto chart = realised_poles(impulse_response(s.responses));
+  for (auto& cluster : select_poles(chart, options.selection)) {
+    const auto& own = cluster.representative;
+    const bool in_band = own.omega() >= two_pi * s.responses.frequency.front() &&
+                         own.omega() <= two_pi * s.responses.frequency.back();
+    const bool known = std::ranges::any_of(s.clusters, [&](const PoleCluster& other) {
+      return is_near(own.pole, other.representative.pole, options.selection.frequency) &&
+             mac(own.shape, other.representative.shape) > options.selection.vector;
+    });
+    if (in_band && !known && own.damping_ratio() <= options.highest_damping)
+      s.clusters.push_back({.representative = own,
+                            .persistence = cluster.persistence,
+                            .vector_consistency = cluster.vector_consistency});
+  }
+}
+
 /// Modes from what was found, and such as show only beside them.
 Identification fitted(const IdentifyOptions& options, Search s) {
   Identification result;
+  if (s.responses.whole) add_realised(options, s);
   result.responses = std::move(s.responses);
   result.chart = std::move(s.chart);
   result.from = result.responses.frequency.front();
   result.to = result.responses.frequency.back();
   fit_and_prune(options, std::move(s.clusters), result);
+  // what follows takes errors of lines as independent, which those of half spectra are not
+  if (result.responses.whole) return result;
   const std::size_t strong = result.clusters.size();
   add_weak_modes(options, result);
   add_hidden_modes(options, result);
@@ -299,11 +323,30 @@ void add_shape_deviations(const IdentifyOptions& options, Identification& result
     result.model.modes[r].shape_deviation = model.modes[r].shape_deviation;
 }
 
+/// A tone too weak to be seen in the spectra, of which the fit has made a pole.
+void add_harmonic(const FittedMode& fit, FrequencyResponses& half) {
+  data::Harmonic harmonic{fit.omega() / two_pi, VectorXd(fit.shape.size())};
+  // covariances φ gᵀ e^(iωτ) + conj. are A_o A_i/2 cos ωτ, so Σ_i |4 φ_o g_i|² = A_o² Σ_i A_i²
+  double of_references = 0.0;
+  const auto& references = half.whole->references;
+  for (std::size_t i = 0; i < references.size(); ++i)
+    of_references +=
+        4.0 * std::abs(fit.shape[references[i]] * fit.participation[static_cast<Index>(i)]);
+  harmonic.amplitude = 4.0 * fit.shape.cwiseAbs() * fit.participation.norm() /
+                       std::sqrt(std::max(of_references, 1e-300));
+  half.harmonics.push_back(std::move(harmonic));
+  std::ranges::sort(half.harmonics, {}, &data::Harmonic::frequency);
+}
+
 void list_modes(const IdentifyOptions& options, Identification& result) {
   for (std::size_t r = 0; r < result.model.modes.size(); ++r) {
     const auto& fit = result.model.modes[r];
     if (fit.damping_ratio() > options.highest_damping) {
       result.heavily_damped.push_back(fit);
+      continue;
+    }
+    if (is_endless(result.responses, fit.pole)) {
+      add_harmonic(fit, result.responses);
       continue;
     }
     const auto shape = displacement_shape(fit, result.responses.outputs);
@@ -337,8 +380,10 @@ void add_warnings(const IdentifyOptions& options, Identification& result) {
 
 }  // namespace
 
-Identification identify_modes(const FrequencyResponses& responses, const IdentifyOptions& options,
+Identification identify_modes(const FrequencyResponses& responses, const IdentifyOptions& given,
                               const std::function<void(double)>& progress) {
+  auto options = given;
+  if (responses.whole) options.least_significance = given.least_significance_of_outputs;
   if (responses.lines() < fewest_lines)
     throw base::ComputationError(
         fmt::format("{} frequencies are too few to find modes in; at "

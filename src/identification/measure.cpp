@@ -170,8 +170,12 @@ SpectrumOptions spectrum_options(data::RecordSet& records, const Plan& plan,
   } else {
     // the instrumental estimate averages over neighbouring lines besides
     const double blocks_per_input = plan.estimator == Estimator::instrumental ? 2.0 : 4.0;
+    // covariances of outputs want long lags more than many averages
+    constexpr double of_outputs = 8.0;
     const double side_by_side =
-        blocks_per_input * static_cast<double>(plan.choice.inputs.size() + 2);
+        plan.estimator == Estimator::half_spectra
+            ? of_outputs
+            : blocks_per_input * static_cast<double>(plan.choice.inputs.size() + 2);
     const double total =
         static_cast<double>(shortest) * static_cast<double>(records.files().size());
     // the power of two that is nearest in ratio
@@ -366,26 +370,20 @@ Measurement measure_outputs(data::RecordSet& records, const MeasureOptions& opti
                             const numerics::Progress& progress) {
   Measurement m{.header = records.header()};
   const std::string& first = records.files()[0];
-  Plan plan;
+  Plan plan{.choice = {}, .estimator = Estimator::half_spectra};
   plan.choice.outputs = options.outputs.empty() ? default_outputs(m.header)
                                                 : with_names(first, m.header, options.outputs);
   if (plan.choice.outputs.empty())
     base::refuse(first,
                  "no channel has the role response: name channels with --outputs; the record has " +
                      names_of(m.header));
-  // covariances want long lags more than many averages
-  plan.choice.inputs = {plan.choice.outputs[0]};
   MeasureOptions own = options;
-  if (!own.period) own.period = 0.0;
-  const Reading reading = plan_reading(records, plan, own);
-  plan.choice.inputs.clear();
-  read_spectra(records, reading, progress, m);
+  own.period = 0.0;
+  read_spectra(records, plan_reading(records, plan, own), progress, m);
   bring_outputs_to_platform(options, plan.choice, m);
-  if (m.spectra.blocks == 0)
-    throw base::ComputationError("every block of the record has missing samples");
-  for (const int o : plan.choice.outputs)
-    if (!m.spectra.health[static_cast<std::size_t>(o)].constant()) m.outputs.push_back(o);
-  if (m.outputs.empty()) throw base::ComputationError("all response channels are constant");
+  const auto earlier = std::move(m.responses.warnings);
+  m.responses = half_spectra(m.spectra, plan.choice.outputs);
+  m.responses.warnings.insert(m.responses.warnings.begin(), earlier.begin(), earlier.end());
   return m;
 }
 

@@ -125,17 +125,6 @@ MarkovSequence impulse_response(const FrequencyResponses& r) {
   return lags_of(lines, spacing, (-r.shift * time).exp().matrix(), 1.0 / interval);
 }
 
-MarkovSequence output_covariances(const CrossSpectra& spectra, const std::vector<int>& outputs,
-                                  double highest) {
-  std::vector<MatrixXcd> lines;
-  for (Index k = 0; k < spectra.lines() && (k < 8 || spectra.frequency(k) <= highest); ++k)
-    lines.emplace_back(spectra.at(k)(outputs, outputs));
-  // what is left of the mean would be a mode of its own
-  const auto first = std::min(lines.size() - 1, spectra.statistics.line_covariance.size());
-  for (std::size_t k = 0; k < first; ++k) lines[k] = lines[first].real().cast<Complex>();
-  return lags_of(lines, spectra.frequency(1), lag_taper(spectra.window), spectra.sample_rate);
-}
-
 std::vector<OrderPoles> realised_poles(const MarkovSequence& sequence, const OrderRange& orders) {
   constexpr std::size_t fewest = 8;
   if (sequence.values.size() < fewest)
@@ -148,26 +137,6 @@ std::vector<OrderPoles> realised_poles(const MarkovSequence& sequence, const Ord
     all.push_back(poles_of(hankel, n, sequence.interval));
   }
   return all;
-}
-
-std::vector<OutputOnlyMode> identify_outputs(const CrossSpectra& spectra,
-                                             const std::vector<int>& outputs, double highest) {
-  const auto chart = realised_poles(output_covariances(spectra, outputs, highest));
-  SelectionOptions options;
-  options.highest_damping = 0.3;
-  options.fewest = 8;
-  options.persistence = 0.75;  // covariances of finite records have more poles that come back
-  std::vector<OutputOnlyMode> modes;
-  for (const auto& cluster : select_poles(chart, options)) {
-    const auto& shape = cluster.representative.shape;
-    modes.push_back({.pole = mean_pole(cluster, chart),
-                     .shape = shape,
-                     .frequency_scatter = cluster.frequency_scatter,
-                     .damping_scatter = cluster.damping_scatter,
-                     .persistence = cluster.persistence,
-                     .mpc = data::modal_phase_collinearity(shape)});
-  }
-  return modes;
 }
 
 }  // namespace hydrapod::identification

@@ -43,17 +43,6 @@ std::string responses_csv(const FrequencyResponses& r) {
   return text;
 }
 
-std::string output_only_csv(const std::vector<identification::OutputOnlyMode>& modes) {
-  std::string text =
-      "mode,frequency_hz,frequency_scatter,damping_ratio,damping_scatter,mpc,persistence\n";
-  int number = 0;
-  for (const auto& m : modes)
-    text += fmt::format("{},{:.17g},{:.6g},{:.17g},{:.6g},{:.6g},{:.6g}\n", ++number,
-                        std::abs(m.pole) / two_pi, m.frequency_scatter,
-                        -m.pole.real() / std::abs(m.pole), m.damping_scatter, m.mpc, m.persistence);
-  return text;
-}
-
 std::string identified_modes_csv(const identification::Identification& result,
                                  std::optional<observation::Observed> observed) {
   std::string text =

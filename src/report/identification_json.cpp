@@ -271,15 +271,9 @@ void describe(Fields& f, data::ResponseWarning& warning) {
 }
 
 template <class Fields>
-void describe(Fields& f, identification::OutputOnlyMode& mode) {
-  f.derived("frequency_hz", std::abs(mode.pole) / two_pi);
-  f("frequency_scatter", mode.frequency_scatter);
-  f.derived("damping_ratio", -mode.pole.real() / std::abs(mode.pole));
-  f("damping_scatter", mode.damping_scatter);
-  f("pole", mode.pole);
-  f("shape", mode.shape);
-  f("mpc", mode.mpc);
-  f("persistence", mode.persistence);
+void describe(Fields& f, data::Harmonic& harmonic) {
+  f("frequency_hz", harmonic.frequency);
+  f("amplitude", harmonic.amplitude);
 }
 
 template <class Fields>
@@ -290,6 +284,7 @@ void describe(Fields& f, identification::Identification& result) {
   f.maybe("band_hz", band);
   f("modes", result.modes);
   f.maybe("heavily_damped", result.heavily_damped);
+  f.maybe("harmonics", result.responses.harmonics);
   f.maybe("rejected", result.left_out);
   f.maybe("fit_error", result.model.error);
   f.maybe("misfit", result.model.misfit);
@@ -473,10 +468,6 @@ void add_bootstrap(const identification::BootstrapScatter& scatter, Json& json) 
     modes[r]["bootstrap"] = {{"frequency_95_hz", band * scatter.omega_deviation[k] / two_pi},
                              {"damping_95", band * scatter.damping_deviation[k]}};
   }
-}
-
-Json output_only_json(const std::vector<identification::OutputOnlyMode>& modes) {
-  return written(modes);
 }
 
 }  // namespace hydrapod::report

@@ -106,7 +106,9 @@ std::string measurement_text(const identification::FrequencyResponses& r) {
     return fmt::format("{} {}{}", n, what, n == 1 ? "" : "s");
   };
   std::string text = fmt::format(
-      "{}, {}, {} lines from {:.4g} Hz to {:.4g} Hz", counted(r.inputs.size(), "input"),
+      "{}, {}, {} lines from {:.4g} Hz to {:.4g} Hz",
+      counted(r.inputs.size(),
+              r.estimator == data::Estimator::half_spectra ? "reference" : "input"),
       counted(r.outputs.size(), "output"), r.lines(), r.frequency.front(), r.frequency.back());
   if (r.averages > 0.0)
     text += fmt::format(", {} with {:.1f} independent averages", data::estimator_text(r.estimator),

@@ -393,6 +393,8 @@ Measured frf(const MeasureOptions& options, const Progress& progress) {
     if (options.files.size() > 1)
       base::refuse(options.files[1],
                    "only records are averaged: give one file of frequency responses");
+    if (options.output_only)
+      base::refuse("--output-only", fmt::format("needs a record; {} holds responses", first));
     auto measured = kind == data::FileKind::json
                         ? responses_from(parsed_json(first, {"\"frf\""}), first)
                         : responses_of_universal_file(first);
@@ -406,16 +408,11 @@ Measured frf(const MeasureOptions& options, const Progress& progress) {
                                                         : "a table of frequencies"));
   refuse_modal_results(first);
   auto measured = opened(options);
-  measured.measurement = identification::measure_responses(
-      *measured.records, estimate_options(options, measured), progress);
-  note_reading(options, measured);
-  return measured;
-}
-
-Measured measure_outputs(const MeasureOptions& options, const Progress& progress) {
-  auto measured = opened(options);
-  measured.measurement = identification::measure_outputs(
-      *measured.records, estimate_options(options, measured), progress);
+  const auto estimate = estimate_options(options, measured);
+  measured.measurement =
+      options.output_only
+          ? identification::measure_outputs(*measured.records, estimate, progress)
+          : identification::measure_responses(*measured.records, estimate, progress);
   note_reading(options, measured);
   return measured;
 }
@@ -447,14 +444,6 @@ Identified identify(const IdentifyOptions& options, const Progress& progress) {
   if (options.bootstrap > 0)
     or_warn(file, "no bootstrap", found.warnings, [&] { add_bootstrap(options, progress, found); });
   return found;
-}
-
-std::vector<identification::OutputOnlyMode> identify_outputs(const Measured& measured,
-                                                             std::optional<double> to) {
-  constexpr double below_nyquist = 0.45;  // of the sample rate: the anti-alias filter's pass band
-  const auto& m = measured.measurement;
-  return identification::identify_outputs(m.spectra, m.outputs,
-                                          to.value_or(below_nyquist * m.spectra.sample_rate));
 }
 
 MeasuredTargets read_measured(const Machine& machine, const MeasuredOptions& options,

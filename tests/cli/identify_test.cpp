@@ -115,7 +115,16 @@ TEST_F(Identify, ResponsesThroughAFileGiveTheSameModes) {
 TEST_F(Identify, OutputsAloneGiveTheModes) {
   const auto run = test::run_hydrapod({"identify", write(), "--output-only", "--format", "json"});
   ASSERT_EQ(run.exit_code, 0) << run.err;
-  EXPECT_EQ(json::parse(run.out)["modes"].size(), 3u);
+  const auto found = json::parse(run.out);
+  EXPECT_EQ(found["kind"], "identified_modes");
+  ASSERT_EQ(found["modes"].size(), 3u);
+  for (const auto& mode : found["modes"]) {
+    EXPECT_GT(mode["frequency_95_hz"], 0.0);
+    EXPECT_GT(mode["damping_95"], 0.0);
+    EXPECT_GT(mode["quality"], 0.5);
+  }
+  for (const char* key : {"band_hz", "stabilisation", "harmonics"})
+    EXPECT_TRUE(found.contains(key)) << key;
 }
 
 TEST_F(Identify, ADeadChannelIsSaidAndTheRestIsRight) {

@@ -7,6 +7,7 @@
 #include <Eigen/Core>
 #include <complex>
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -18,8 +19,9 @@
 namespace hydrapod::data {
 
 /// How responses were estimated from spectra (identification/responses.hpp).
-enum class Estimator { h1, h2, hv, instrumental };
-/// "h1", "h2", "hv", "iv".
+/// Half spectra are those of outputs, references standing for inputs.
+enum class Estimator { h1, h2, hv, instrumental, half_spectra };
+/// "h1", "h2", "hv", "iv", "half-spectra".
 std::string_view estimator_text(Estimator estimator);
 std::optional<Estimator> estimator_from_text(std::string_view text);
 
@@ -45,6 +47,22 @@ struct ResponseWarning {
   Estimator estimator{Estimator::h1};
 };
 
+/// A vibration of constant frequency and amplitude, as machines that turn make it: no resonance.
+struct Harmonic {
+  double frequency{};           ///< [Hz]
+  Eigen::VectorXd amplitude{};  ///< per output, in its unit
+};
+
+/// What errors of half spectra follow from: spectra of all outputs, whose errors at different lines
+/// are independent.
+struct OutputSpectra {
+  /// Σ_k R_k e^(−iωkT) at even lines from 0 to half the sample rate, outputs × outputs.
+  std::vector<Eigen::MatrixXcd> S{};
+  double samples{};               ///< as many as R_k are means of
+  double averages{};              ///< of S
+  std::vector<int> references{};  ///< the outputs that stand for inputs
+};
+
 /// Frequency responses with what is known of their errors. All vectors over lines have one length.
 struct FrequencyResponses {
   std::string title{};
@@ -64,6 +82,10 @@ struct FrequencyResponses {
   /// resonances are not widened.
   Eigen::VectorXd taper{};
   double sample_rate{};  ///< [Hz] of the taper
+
+  /// Of half spectra; else null.
+  std::shared_ptr<const OutputSpectra> whole{};
+  std::vector<Harmonic> harmonics{};  ///< found in the outputs and taken out; ascending
 
   // What tells how good the measurement is; empty for responses from a file.
   Estimator estimator{Estimator::h1};

@@ -34,25 +34,9 @@ struct MarkovSequence {
 /// frequencies are not evenly spaced multiples of their distance.
 MarkovSequence impulse_response(const FrequencyResponses& responses);
 
-/// Covariances of `outputs` from the lines up to `highest` [Hz].
-MarkovSequence output_covariances(const CrossSpectra& spectra, const std::vector<int>& outputs,
-                                  double highest);
-
 /// Poles of all orders (numbers of states); orders beyond what the sequence can bear are left out.
 std::vector<OrderPoles> realised_poles(const MarkovSequence& sequence,
                                        const OrderRange& orders = {4, 60, 2});
-
-/// Modes of a machine that only its responses are known of: clusters of SSI-COV. Their scatter is
-/// that over model orders.
-struct OutputOnlyMode {
-  std::complex<double> pole{};  ///< mean of the cluster
-  Eigen::VectorXcd shape{};
-  double frequency_scatter{};  ///< standard deviation of ω, relative
-  double damping_scatter{};    ///< of ζ
-  double persistence{}, mpc{};
-};
-std::vector<OutputOnlyMode> identify_outputs(const CrossSpectra& spectra,
-                                             const std::vector<int>& outputs, double highest);
 
 struct CrossCheck {
   double omega{}, damping_ratio{};  ///< mean over the model orders that know it

@@ -156,7 +156,8 @@ struct FittedMode : PoleEstimate {
   double omega_deviation{}, damping_deviation{};  ///< of ω [rad/s] and ζ
   Eigen::VectorXd shape_deviation{};              ///< of φ_o: √E|φ̂ − φ|²
   /// Σ over lines and entries of |contribution|²/variance, over the number of its parameters: what
-  /// the mode is above the noise. Around 1 it is nothing.
+  /// the mode is above the noise. Around 1 it is nothing. Of half spectra: the largest of |φ_o|²
+  /// over its variance.
   double significance{};
 };
 
@@ -268,8 +269,11 @@ struct IdentifyOptions {
   OrderRange orders{};
   SelectionOptions selection{};
   FitOptions fit{};
-  double highest_damping{0.3};               ///< of a mode
-  double least_significance{20.0};           ///< FittedMode::significance
+  double highest_damping{0.3};      ///< of a mode
+  double least_significance{20.0};  ///< FittedMode::significance
+  /// The same for half spectra, where it is the square of amplitude over deviation: chance makes 8
+  /// once in 3000, and a mode has it after e^(-1)-decays eight times as long as its own.
+  double least_significance_of_outputs{8.0};
   double largest_frequency_deviation{0.02};  ///< of ω, relative
   double largest_damping_deviation{0.5};     ///< of ζ, relative
   BandOptions band{};

@@ -51,6 +51,31 @@
 /// measure a_k = e_kᵀ (q̈_lin + q̈_rot × (p_k − Q)); six or more that see all directions give q̈ by
 /// least squares.
 ///
+/// Half spectra of outputs whose excitation was not measured.
+///
+/// Under excitation that is white over the band, covariances at lags k ≥ 0 are a free decay,
+///
+///     R_k = E[y(t + kT) r(t)ᵀ] = Σ_r φ_r g_rᵀ e^(λ_r kT) + conj.,
+///
+/// r being some of the outputs, the references. Their half spectrum
+///
+///     S⁺(ω) = T Σ_(k ≥ 0) ε_k τ_k R_k e^(−iωkT),   ε_0 = ½, else 1,
+///
+/// has the modal form of frequency responses, with references for inputs and g for
+/// participations, and goes through the same identification. R_k is the inverse transform of the
+/// averaged spectra, for k < L = n/2; it holds the ρ_k of their window, and τ_k = ρ_k cos²(πk/2L)
+/// is the taper that the modal model knows of. Sensor noise is in R_0 alone: a constant.
+///
+/// Errors of S⁺ at all lines depend on each other: those of a strong resonance reach far, in the
+/// form of its own flank, which the fit takes for a part of the resonance. The variances that are
+/// given per line, T²/N mean over ν of |Q(ω − ν)|² S_oo(ν) S_ii(ν) as a product of a number for o
+/// and one for i, are those without what reaches so far; they weigh the lines. Intervals follow
+/// from output_errors.hpp.
+///
+/// Sources: B. Cauberghe, Applied frequency-domain system identification in the field of
+/// experimental and operational modal analysis, PhD, Vrije Universiteit Brussel (2004); J. S.
+/// Bendat, A. G. Piersol, Random Data, 4th ed. (2010), ch. 8.
+///
 /// From record files to frequency responses without a choice to make.
 ///
 /// Inputs are the channels with the role drive where there are as many excitations that are
@@ -214,6 +239,16 @@ struct ChannelChoice {
 FrequencyResponses estimate_responses(const CrossSpectra& spectra, const ChannelChoice& choice,
                                       Estimator estimator);
 
+struct HalfSpectraOptions {
+  int most_references{4};      ///< more hardly see another mode and cost time
+  double below_nyquist{0.45};  ///< f ≤ this · sample rate: the pass band of anti-alias filters
+};
+
+/// Half spectra of `outputs`, channels of the spectra. Harmonics are taken out and listed. Throws
+/// base::ComputationError where there are too few averages.
+FrequencyResponses half_spectra(const CrossSpectra& spectra, const std::vector<int>& outputs,
+                                const HalfSpectraOptions& options = {});
+
 /// |Ĥ − H| stays below this, in standard deviations √variance, with the given probability.
 double confidence_radius(double probability, double degrees);
 
@@ -257,8 +292,7 @@ struct Measurement {
   std::vector<base::Diagnostic> notes{};  ///< of the readers
   std::int64_t samples{};                 ///< of all records that were read
   bool interrupted{};
-  bool from_legs{};            ///< the responses were brought from leg lengths to the platform
-  std::vector<int> outputs{};  ///< of the spectra, by measure_outputs
+  bool from_legs{};  ///< the responses were brought from leg lengths to the platform
   std::optional<BiasFinding> h1_against_instrument{};  ///< where both could be formed
 };
 
@@ -267,8 +301,8 @@ struct Measurement {
 Measurement measure_responses(data::RecordSet& records, const MeasureOptions& options,
                               const numerics::Progress& progress = {});
 
-/// The spectra alone, for machines whose excitation was not measured; `outputs` are those that
-/// live.
+/// Half spectra for responses, for machines whose excitation was not measured; dead outputs are
+/// left out with a warning.
 Measurement measure_outputs(data::RecordSet& records, const MeasureOptions& options,
                             const numerics::Progress& progress = {});
 

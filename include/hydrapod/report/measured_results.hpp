@@ -144,8 +144,8 @@ Json record_origin_json(const data::RecordHeader& header);
 std::optional<data::RecordHeader> record_origin_from_json(const Json& json,
                                                           const std::string& file);
 
-/// `modes[]`, `heavily_damped[]`, `rejected[]`, `mac`, `band_hz`, `stabilisation[]`, `clusters[]`,
-/// `indicator`, `fit_error`, `misfit`, `warnings[]`, `findings[]`.
+/// `modes[]`, `heavily_damped[]`, `harmonics[]`, `rejected[]`, `mac`, `band_hz`, `stabilisation[]`,
+/// `clusters[]`, `indicator`, `fit_error`, `misfit`, `warnings[]`, `findings[]`.
 Json identification_json(const identification::Identification& result);
 /// Reads it: modes, heavily damped poles, inputs, outputs and lines of the responses. The chart,
 /// the clusters and the model stay empty.
@@ -160,10 +160,6 @@ void add_bootstrap(const identification::BootstrapScatter& scatter, Json& json);
 
 /// Frequency, then re, im and deviation of every entry, then multiple coherence and condition.
 std::string responses_csv(const identification::FrequencyResponses& responses);
-
-/// `modes` of an output-only record, and the same as lines.
-Json output_only_json(const std::vector<identification::OutputOnlyMode>& modes);
-std::string output_only_csv(const std::vector<identification::OutputOnlyMode>& modes);
 
 /// One line per mode. `observed`: the system that was measured, where it is known.
 std::string identified_modes_csv(const identification::Identification& result,

@@ -27,6 +27,8 @@ struct MeasureOptions {
   std::vector<data::PlacedSensor> sensors{};  ///< where they sit; empty: as the record says
   /// The machine that was measured: turns leg lengths into directions of the platform, and modes
   /// are compared with its modes. Path of a machine file; empty: the one in the record, if any.
+  /// The excitation was not measured: half spectra of the outputs stand for responses.
+  bool output_only{};
   std::string machine{};
   std::string pose{};                          ///< see pose_of; empty: as the record says
   std::optional<dynamics::ModelKind> model{};  ///< none: as the record says
@@ -51,9 +53,9 @@ struct Measured {
   }
 };
 
-/// Frequency responses. Reads records, JSON of frf and Universal Files. `progress` that asks to
-/// stop ends the reading of records; the result is of what was read. Throws base::InputError and
-/// base::ComputationError.
+/// Frequency responses, or half spectra. Reads records, JSON of frf and Universal Files. `progress`
+/// that asks to stop ends the reading of records; the result is of what was read. Throws
+/// base::InputError and base::ComputationError.
 Measured frf(const MeasureOptions& options, const Progress& progress = {});
 
 /// The responses at iω, for files: those of a closed loop are estimated at a + iω and brought there
@@ -61,9 +63,6 @@ Measured frf(const MeasureOptions& options, const Progress& progress = {});
 /// plain instrumental estimate.
 identification::FrequencyResponses shared_responses(const Measured& measured,
                                                     const Progress& progress = {});
-
-/// The spectra of the responses alone, of a machine whose excitation was not measured.
-Measured measure_outputs(const MeasureOptions& options, const Progress& progress = {});
 
 /// The system that the inputs see: in a record of a test rig the plant from the drives on, else the
 /// machine under its controller. None: not known.
@@ -103,10 +102,6 @@ struct Identified {
 
 /// Modes from records or responses. What cannot be had besides the modes is a warning.
 Identified identify(const IdentifyOptions& options, const Progress& progress = {});
-
-/// Modes of a machine whose excitation was not measured, up to `to` [Hz].
-std::vector<identification::OutputOnlyMode> identify_outputs(const Measured& measured,
-                                                             std::optional<double> to = {});
 
 struct MeasuredOptions {
   /// Each may say its pose, "run.h5@low", by its name in the machine file; else it was taken at the
