@@ -23,6 +23,8 @@ const std::vector<Concept> concepts{
     {"two pi", R"(2\.0\s*\*\s*std::numbers::pi\b|6\.28318)", {"include/hydrapod/base/units.hpp"}},
     {"names of directions", R"("x",\s*"y",\s*"z",\s*"rx")", {"include/hydrapod/spatial/pose.hpp"}},
     {"trimmed text", R"(string(_view)?\s+trimmed\([^;]*\)\s*\{)", {"src/base/text.cpp"}},
+    {"pose by its name", R"(&(model::)?NamedPose::name\b)", {"src/model/parameters.cpp"}},
+    {"Fourier transform", R"(unsupported/Eigen/FFT)", {"src/numerics/fft.cpp"}},
     {"loop over threads", R"(std::j?thread\b)", {"src/numerics/parallel.cpp"}},
     {"quantiles", R"(1\.96\b|1\.9599|3\.8414)", {"include/hydrapod/numerics/statistics.hpp"}},
 };
