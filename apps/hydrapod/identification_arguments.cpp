@@ -81,7 +81,8 @@ void add_measurement_options(Command command, MeasurementArguments& a) {
        {"--period", a.period,
         "Period of the excitation, s or with a unit; 0: none; default: detected"},
        {"--settling", a.settling, "Time at the beginning that is left out"},
-       {"--sample-rate,--rate", a.sample_rate, "For files that do not state it"},
+       {"--rate", a.rate, "Sample rate, for files that do not state it"},
+       {"--sample-rate,--file-rate", a.rate, "", hidden},
        {"--machine", a.machine,
         "Machine file for the transformation of leg lengths and the comparison of "
         "modes; default: the one in the record",
@@ -108,14 +109,14 @@ void add_identification_options(Command command, IdentificationArguments& a) {
 tasks::MeasureOptions measure_options(const MeasurementArguments& a) {
   tasks::MeasureOptions options{
       .files = a.files,
-      .sample_rate = optional_quantity("--sample-rate", a.sample_rate, "Hz", "a sample rate"),
+      .sample_rate = optional_quantity("--rate", a.rate, "Hz", "a sample rate"),
       .estimate = estimate_options(a),
       .accelerometers = a.accelerometers,
       .machine = a.machine,
       .pose = a.pose,
       .model = model_kind(a.model)};
   if (options.sample_rate && !(*options.sample_rate > 0.0))
-    base::refuse("--sample-rate " + a.sample_rate, "must be positive");
+    base::refuse("--rate " + a.rate, "must be positive");
   for (const auto& text : a.sensors) {
     const auto sensor = rig::parse_accelerometer(text);
     options.sensors.push_back({sensor.name, sensor.p_P, sensor.e_P});

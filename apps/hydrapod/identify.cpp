@@ -255,8 +255,11 @@ void add_identify(Command app) {
        {"identify run.h5 --machine machine.toml", "compared with the modes of a machine file"},
        {"identify run.h5 -o modes.json", "for other programs; also .csv, .uff and .mat"}});
   auto& a = command.calls(&run);
-  command.add_options({{"RECORD|FRF", a.measurement.files,
-                        "Records, averaged together, or JSON of `hydrapod frf`", reads_required}});
+  command.add_options(
+      {{"RECORD|FRF", a.measurement.files,
+        "Records, averaged together, or frequency responses: JSON of `hydrapod frf`, "
+        "Universal File or table of text",
+        reads_required}});
   add_identification_options(command, a);
   command.add_options(
       {{"--output-only", a.output_only,

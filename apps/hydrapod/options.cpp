@@ -50,6 +50,7 @@ void add(CLI::App& app, const OptionRow& row, Value& value) {
   if (is_shown(value, rule)) option->capture_default_str();
   if (rule.required) option->required();
   if (rule.one_each) option->allow_extra_args(false);
+  if (rule.hidden) option->group("");
   if (rule.type_name != nullptr) option->type_name(rule.type_name);
   std::visit(
       [&](const auto& range) {

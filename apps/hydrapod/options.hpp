@@ -38,6 +38,7 @@ struct OptionRule {
   bool required{};
   bool one_each{};          ///< of a list: one value each time it is given
   bool shows_zero{};        ///< as default in the help
+  bool hidden{};            ///< not in the help: an earlier name of another option
   const char* type_name{};  ///< in the help, instead of TEXT, INT, …
   FileUse file{};
   /// Both ends are allowed.
@@ -48,6 +49,7 @@ struct OptionRule {
 
 inline constexpr OptionRule required{.required = true};
 inline constexpr OptionRule one_each{.one_each = true};
+inline constexpr OptionRule hidden{.hidden = true};
 /// A file that is read, or a text that may name one.
 inline constexpr OptionRule reads{.file = FileUse::input};
 inline constexpr OptionRule reads_required{.required = true, .file = FileUse::input};

@@ -4,26 +4,28 @@
 
 namespace hydrapod::cli {
 
-void add_record_options(Command command, RecordArguments& arguments,
-                        const std::string& rate_option) {
+void add_record_options(Command command, RecordArguments& arguments) {
   command.add_options(
       {{"FILE", arguments.file,
-        "Record: HDF5, MAT (5 or 7.3), CSV or Universal File, detected by its content",
+        "Record: HDF5, MAT (5 or 7.3), CSV, Universal File or RPC III, detected by its content",
         reads_required},
-       {rate_option, arguments.rate, "Sample rate in Hz, for files that do not state it"}});
+       {"--rate", arguments.rate, "Sample rate in Hz, for files that do not state it"},
+       {"--sample-rate,--file-rate", arguments.rate, "", hidden}});
 }
 
 void add_output_options(Command command, OutputArguments& arguments) {
   command.add_options(
-      {{"-o", arguments.file, "File to write: .h5, .mat, .csv or .uff",
+      {{"-o", arguments.file, "File to write: .h5, .mat, .csv, .uff or .rpc",
         OptionRule{.required = true, .file = FileUse::output}},
        {"--format", arguments.format,
-        "hdf5, mat5, mat73, csv, uff (binary) or uff-ascii; default: by the ending"}});
+        "hdf5, mat5, mat73, csv, uff (binary), uff-ascii, rpc (floats) or rpc-short (16-bit "
+        "integers); default: by the ending"}});
 }
 
 data::RecordFormat choose_format(const OutputArguments& arguments) {
   if (arguments.format.empty()) return data::format_of_ending(arguments.file);
-  const std::vector<std::string_view> words{"hdf5", "mat5", "mat73", "csv", "uff", "uff-ascii"};
+  const std::vector<std::string_view> words{"hdf5", "mat5",      "mat73", "csv",
+                                            "uff",  "uff-ascii", "rpc",   "rpc-short"};
   return *data::format_from_text(words[choose_word("--format", arguments.format, words)]);
 }
 
@@ -75,7 +77,7 @@ void add_record(Command app) {
       {{"record show run.h5", "channels, levels, clipping, drop-outs"},
        {"record convert run.h5 -o run.uff", "to another format"},
        {"record cut run.h5 --from 0.2 --to 0.7 --role response -o part.mat", "a part of it"},
-       {"record resample run.h5 --rate 250 -o slow.h5", "another sample rate, without aliases"},
+       {"record resample run.h5 --new-rate 250 -o slow.h5", "another sample rate, without aliases"},
        {"record plot run.h5 -o run.svg", "time histories and spectra as a picture"}});
   command.require_subcommand(1);
   add_record_show(command);

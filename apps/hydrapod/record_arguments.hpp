@@ -15,9 +15,8 @@ struct RecordArguments {
   std::optional<double> rate{};  ///< [Hz] for files that do not tell it
 };
 
-/// Adds FILE and --rate (`--file-rate` where `rate_option` says so).
-void add_record_options(Command command, RecordArguments& arguments,
-                        const std::string& rate_option = "--rate");
+/// Adds FILE and --rate.
+void add_record_options(Command command, RecordArguments& arguments);
 
 struct OutputArguments {
   std::string file{};

@@ -18,7 +18,7 @@ struct Arguments {
   std::string from{}, to{};
   std::vector<std::string> channels{};
   std::string role{}, direction{};
-  double rate{};
+  std::optional<double> rate{};  ///< [Hz] the new one
 };
 
 void convert(const Arguments& arguments) {
@@ -30,7 +30,9 @@ void convert(const Arguments& arguments) {
     writer->append(block);
     samples += block.rows();
   });
-  report_written(writer->close(complete), samples, complete);
+  const std::string file = writer->close(complete);
+  print_diagnostics(writer->notes());
+  report_written(file, samples, complete);
 }
 
 /// `*` stands for any text.
@@ -116,31 +118,40 @@ void cut(const Arguments& arguments) {
     writer->append(part);
     written += part.rows();
   });
-  report_written(writer->close(complete), written, complete);
+  const std::string file = writer->close(complete);
+  print_diagnostics(writer->notes());
+  report_written(file, written, complete);
 }
 
 void resample(const Arguments& arguments) {
   const auto format = choose_format(arguments.output);
-  if (!(arguments.rate > 0.0 && arguments.rate < 1e12))
-    base::refuse("--rate", "the new sample rate must be positive");
+  if (!arguments.rate)
+    base::refuse("--new-rate",
+                 "the new sample rate in Hz is missing (--rate is that of a file that does not "
+                 "state it)");
+  const double rate = *arguments.rate;
+  if (!(rate > 0.0 && rate < 1e12))
+    base::refuse("--new-rate", "the new sample rate must be positive");
   auto record = open_record(arguments.record);
   data::RecordHeader header = record.header();
   const double before = header.sample_rate;
   constexpr double most = 1e4;
-  if (before / arguments.rate > most || arguments.rate / before > most)
-    base::refuse("--rate", fmt::format("{} Hz is more than 1:10000 from the record's {} Hz",
-                                       arguments.rate, before));
-  header.sample_rate = arguments.rate;
+  if (before / rate > most || rate / before > most)
+    base::refuse("--new-rate",
+                 fmt::format("{} Hz is more than 1:10000 from the record's {} Hz", rate, before));
+  header.sample_rate = rate;
   const auto writer = data::open_record_writer(arguments.output.file, header, format);
   std::int64_t written = 0;
-  data::Resampler resampler(header.channels.size(), before, arguments.rate, [&](const auto& block) {
+  data::Resampler resampler(header.channels.size(), before, rate, [&](const auto& block) {
     writer->append(block);
     written += block.rows();
   });
   const bool complete =
       read_all(record, "resampling", [&](const auto& block) { resampler.add(block); });
   resampler.finish();
-  report_written(writer->close(complete), written, complete);
+  const std::string file = writer->close(complete);
+  print_diagnostics(writer->notes());
+  report_written(file, written, complete);
 }
 
 }  // namespace
@@ -177,12 +188,12 @@ void add_record_cut(Command record) {
 void add_record_resample(Command record) {
   Command command = record.add_command(
       "resample", "Change the sample rate, with a linear-phase anti-alias filter",
-      {{"record resample run.h5 --rate 200 -o slow.h5", "five times fewer samples"},
-       {"record resample run.h5 --rate 44100 -o fast.h5", "any ratio"}});
+      {{"record resample run.h5 --new-rate 200 -o slow.h5", "five times fewer samples"},
+       {"record resample run.h5 --new-rate 44100 -o fast.h5", "any ratio"}});
   auto& arguments = command.calls(&resample);
-  add_record_options(command, arguments.record, "--file-rate");
+  add_record_options(command, arguments.record);
   add_output_options(command, arguments.output);
-  command.add_options({{"--rate", arguments.rate, "New sample rate [Hz]", required}});
+  command.add_options({{"--new-rate", arguments.rate, "New sample rate [Hz]; required"}});
 }
 
 }  // namespace hydrapod::cli

@@ -5,11 +5,15 @@
 #include <cmath>
 #include <limits>
 
+#include "channel_roles.hpp"
 #include "channel_units.hpp"
 #include "formats.hpp"
 #include "hydrapod/base/file.hpp"
 #include "hydrapod/base/text.hpp"
 #include "record_comments.hpp"
+#include "table_head.hpp"
+#include "time_grid.hpp"
+#include "time_stamp.hpp"
 
 namespace hydrapod::data {
 
@@ -18,30 +22,10 @@ namespace {
 using base::TableStyle;
 using base::TableTitle;
 
-constexpr unsigned most_header_lines = 1'000'000;  // machine files stand in them
-constexpr std::size_t most_columns = 100'000;
-constexpr std::size_t rows_for_rate = 1000;  ///< looked at to find the sample rate
-
-/// How the cells of a line of numbers are apart, if it is one.
-std::optional<TableStyle> row_style(std::string_view line) {
-  constexpr std::array candidates{TableStyle{';', false},  TableStyle{';', true},
-                                  TableStyle{'\t', false}, TableStyle{'\t', true},
-                                  TableStyle{',', false},  TableStyle{' ', false},
-                                  TableStyle{' ', true}};
-  const auto fits = [&](const TableStyle& style) {
-    if (style.separator != ' ' && line.find(style.separator) == line.npos) return false;
-    base::TableCells cells(line, style.separator);
-    bool any = false;
-    for (std::string_view cell; cells.next(cell); any = any || !cell.empty())
-      if (!base::table_number(cell, style.decimal_comma)) return false;
-    return any;
-  };
-  const auto found = std::ranges::find_if(candidates, fits);
-  return found == candidates.end() ? std::nullopt : std::optional(*found);
-}
-
 bool is_time_name(const std::string& name) {
-  constexpr std::array<std::string_view, 5> words{"time", "t", "zeit", "temps", "tiempo"};
+  constexpr std::array<std::string_view, 10> words{
+      "time",      "t",          "zeit",         "temps",       "tiempo",
+      "timestamp", "time stamp", "elapsed time", "zeitstempel", "rel. time"};
   return std::ranges::find(words, base::lower_case(name)) != words.end();
 }
 
@@ -52,6 +36,86 @@ std::optional<double> seconds(const std::string& unit) {
   return found.factor;
 }
 
+/// The cells that hold the times of the rows: numbers, or stamps of one cell or two (date, time).
+class TimeCells {
+ public:
+  TimeCells(std::size_t column, double factor) : column_(column), factor_(factor) {}
+  TimeCells(std::size_t column, bool date_apart)
+      : column_(column), stamps_(true), date_apart_(date_apart) {}
+
+  [[nodiscard]] bool has(std::size_t column) const {
+    return column == column_ || (date_apart_ && column == column_ + 1);
+  }
+  [[nodiscard]] bool stamps() const { return stamps_; }
+
+  /// Of a line, in seconds; since the first one where they are stamps. NaN: there is none.
+  double time(std::string_view line, const TableStyle& style) {
+    base::TableCells cells(line, style.separator);
+    std::string_view cell;
+    for (std::size_t c = 0; c <= column_; ++c)
+      if (!cells.next(cell)) return missing;
+    if (!stamps_) return number(cell, style.decimal_comma);
+    std::string text(cell);
+    if (date_apart_ && cells.next(cell)) text += 'T' + std::string(cell);
+    const auto stamp = time_stamp(text);
+    if (!stamp || !stamp->has_clock) return missing;
+    if (!origin_) {
+      origin_ = stamp->nanoseconds;
+      if (stamp->has_date) date_ = date_of_stamp(text);
+    }
+    finest_ = std::max(finest_, stamp->decimals);
+    constexpr double nanosecond = 1e-9;
+    return nanosecond * static_cast<double>(stamp->nanoseconds - *origin_);
+  }
+  /// ISO 8601 of the first one; empty for times without a date.
+  [[nodiscard]] const std::string& date() const { return date_; }
+
+  /// The resolution of a time [s], by the digits of those that were read: the decimals of the
+  /// finest, and the most digits that a time has.
+  [[nodiscard]] double resolution(double time) const {
+    if (finest_ == coarse) return 0.0;
+    if (stamps_) return finest_ < 0 ? minute : std::pow(10.0, -finest_);
+    const double written = std::abs(time) / factor_;
+    constexpr int least_digits = 5;  // fewer are a matter of the values
+    const double by_digits = written > 0.0 && digits_ >= least_digits
+                                 ? std::pow(10.0, std::floor(std::log10(written)) + 1.0 - digits_)
+                                 : 0.0;
+    return factor_ * std::max(std::pow(10.0, -finest_), by_digits);
+  }
+
+ private:
+  double number(std::string_view cell, bool decimal_comma) {
+    const auto value = base::table_number(cell, decimal_comma);
+    if (!value || !std::isfinite(*value)) return missing;
+    const std::size_t end = std::min(cell.find_first_of("eE"), cell.size());
+    int digits = 0, decimals = 0;
+    bool behind = false;
+    for (const char c : cell.substr(0, end)) {
+      behind = behind || c == '.' || c == ',';
+      if (c < '0' || c > '9') continue;
+      if (c != '0' || digits > 0) ++digits;
+      if (behind) ++decimals;
+    }
+    if (end < cell.size())
+      if (const auto power = base::table_number(cell.substr(end + 1), false))
+        decimals -= static_cast<int>(std::clamp(*power, -400.0, 400.0));
+    finest_ = std::max(finest_, decimals);
+    digits_ = std::max(digits_, digits);
+    return *value * factor_;
+  }
+
+  static constexpr double missing = std::numeric_limits<double>::quiet_NaN();
+  static constexpr double minute = 60.0;
+  static constexpr int coarse = std::numeric_limits<int>::min();
+
+  std::size_t column_;
+  double factor_{1.0};  ///< of numbers, to seconds
+  bool stamps_{}, date_apart_{};
+  std::optional<std::int64_t> origin_{};
+  std::string date_{};
+  int finest_{coarse}, digits_{};
+};
+
 class CsvReader final : public RecordReader {
  public:
   CsvReader(const std::string& path, const ReadOptions& options)
@@ -59,64 +123,50 @@ class CsvReader final : public RecordReader {
     format_ = RecordFormat::csv;
     read_header();
     settle_channels(by_hydrapod_);
-    if (header_.sample_rate == 0.0) find_rate(options);
+    if (!by_hydrapod_) guess_roles(header_.channels, notes_);
+    if (header_.sample_rate == 0.0) find_grid(options);
     if (header_.channels.empty()) notes_.fail("there is no column besides the times");
     to_first_sample();
   }
 
  private:
-  struct TextLine {
-    std::string text{};
-    unsigned number{};
-  };
-
   std::int64_t read_values(Eigen::Ref<Samples> block) override {
     std::int64_t rows = 0;
-    while (rows < block.rows() && next_row()) {
-      Eigen::Index out = 0;
-      for (std::size_t c = 0; c < columns_; ++c)
-        if (c != time_column_) block(rows, out++) = row_[c];
-      ++rows;
+    if (grid_) {
+      Eigen::RowVectorXd values(block.cols());
+      for (; rows < block.rows() && grid_->next(fetch_, values); ++rows) block.row(rows) = values;
+      return rows;
     }
+    for (; rows < block.rows() && next_row(); ++rows) put_values(block.row(rows));
     return rows;
   }
+
+  /// What next_row() has read, without the times.
+  template <class Row>
+  void put_values(Row&& row) const {
+    Eigen::Index out = 0;
+    for (std::size_t c = 0; c < columns_; ++c)
+      if (!is_time(c)) row[out++] = row_[c];
+  }
+
+  [[nodiscard]] bool is_time(std::size_t column) const { return times_ && times_->has(column); }
 
   void to_first_sample() override {
     if (first_row_) table_.go_to(*first_row_);
     parsed_ = 0;
+    if (grid_) grid_->rewind();
   }
 
   // what stands above the numbers
 
-  /// Takes lines up to the first one of numbers; returns those that are neither comments nor
-  /// numbers, the last few of them.
-  std::vector<TextLine> read_preamble(RecordComments& comments) {
-    std::vector<TextLine> texts;
-    constexpr std::size_t kept = 8;  // lines of text that may be titles
-    for (std::string_view line;
-         table_.line() < most_header_lines && table_.next_line(line, true);) {
-      if (base::is_table_comment(base::trimmed(line))) {
-        comments.take(line, table_.line());
-      } else if (const auto style = row_style(line)) {
-        table_.style = *style;
-        columns_ = base::table_cells(line, style->separator).size();
-        first_row_ = table_.line_place();
-        break;
-      } else {
-        if (texts.size() == kept) texts.erase(texts.begin());
-        texts.push_back({std::string(line.substr(0, 1U << 16U)), table_.line()});
-      }
-    }
-    if (columns_ > most_columns)
-      notes_.fail(
-          fmt::format("{} columns are more than the {} that are read", columns_, most_columns),
-          table_.line());
-    return texts;
-  }
-
   void read_header() {
     RecordComments comments;
-    const auto texts = read_preamble(comments);
+    const TableHead head = read_table_head(
+        table_, notes_,
+        [&](std::string_view line, unsigned number) { comments.take(line, number); });
+    columns_ = head.columns;
+    first_row_ = head.first_row;
+    if (first_row_) find_stamps(head.first_line);
     by_hydrapod_ = comments.by_hydrapod();
     if (by_hydrapod_) {
       header_ = comments.header(notes_);
@@ -126,44 +176,41 @@ class CsvReader final : public RecordReader {
             fmt::format("{} channels are described, but the lines of numbers have a time and {}",
                         described, columns_ - 1),
             table_.line());
-      time_column_ = 0;
+      times_.emplace(std::size_t{0}, 1.0);
       if (columns_ == 0) columns_ = described + 1;
       if (described > 0) return;
     }
     if (!first_row_)
       notes_.fail(
           "no line of numbers was found; expected is a table of samples, one line each, the "
-          "fields apart by comma, semicolon, tabulator or blanks");
-    const auto found = titles(texts);
-    if (!time_column_) find_time_column(found);
+          "fields apart by comma, semicolon, tabulator or blanks, times as numbers or as "
+          "2026-11-20T09:00:00.125Z");
+    const auto found = titles(head);
+    if (!times_) find_time_column(found);
     for (std::size_t c = 0; c < columns_; ++c)
-      if (c != time_column_)
-        header_.channels.push_back({.name = found[c].name, .unit = found[c].unit});
+      if (!is_time(c)) header_.channels.push_back({.name = found[c].name, .unit = found[c].unit});
   }
 
-  /// Titles (and a row of units below them, if there is one) from the texts above the numbers.
-  std::vector<TableTitle> titles(const std::vector<TextLine>& texts) {
-    std::vector<std::vector<base::TableCell>> rows;
-    for (const TextLine& line : texts) {
-      auto cells = base::table_cells(line.text, table_.style.separator);
-      if (cells.size() == columns_) {
-        rows.push_back(std::move(cells));
-      } else {
-        rows.clear();
-        notes_.add(fmt::format("skipped \"{}\"", base::printable(line.text)), line.number, 0,
-                   "text");
-      }
+  /// Stamps tell by themselves that they are the times.
+  void find_stamps(std::string_view line) {
+    const auto cells = base::table_cells(line, table_.style.separator);
+    for (std::size_t c = 0; c < cells.size(); ++c) {
+      const auto stamp = time_stamp(cells[c].text);
+      if (!stamp || base::table_number(cells[c].text, table_.style.decimal_comma)) continue;
+      const auto next =
+          stamp->has_clock || c + 1 == cells.size() ? std::nullopt : time_stamp(cells[c + 1].text);
+      if (!stamp->has_clock && !(next && next->has_clock && !next->has_date)) continue;
+      times_.emplace(c, !stamp->has_clock);
+      return;
     }
-    std::vector<TableTitle> found(columns_);
-    if (rows.empty()) return found;
-    const auto& names = rows.size() > 1 ? rows[rows.size() - 2] : rows.back();
+  }
+
+  std::vector<TableTitle> titles(const TableHead& head) {
+    const TableNames names = table_names(head, table_.style.separator, is_time(1), notes_);
+    std::vector<TableTitle> found;
     for (std::size_t c = 0; c < columns_; ++c) {
-      found[c] = base::table_title(names[c]);
-      if (rows.size() < 2) continue;
-      std::string& unit = found[c].unit;
-      unit = rows.back()[c].text;
-      if (unit.size() > 1 && (unit.front() == '[' || unit.front() == '('))
-        unit = unit.substr(1, unit.size() - 2);
+      found.push_back(base::table_title(names.titles[c]));
+      if (!names.units.empty()) found.back().unit = names.units[c];
     }
     return found;
   }
@@ -173,15 +220,14 @@ class CsvReader final : public RecordReader {
     for (std::size_t c = 0; c < columns_; ++c) {
       const auto factor = found[c].unit.empty() ? std::optional(1.0) : seconds(found[c].unit);
       if (!factor || (!is_time_name(found[c].name) && (c > 0 || found[c].unit.empty()))) continue;
-      time_column_ = c;
-      time_factor_ = *factor;
+      times_.emplace(c, *factor);
       return;
     }
   }
 
   // the numbers
 
-  /// The next line of numbers in row_.
+  /// The next line of numbers in row_, and its time in time_.
   bool next_row() {
     std::string_view line;
     if (!table_.next_line(line)) return false;
@@ -189,7 +235,7 @@ class CsvReader final : public RecordReader {
     std::size_t found = 0;
     base::TableCells cells(line, table_.style.separator);
     for (std::string_view cell; cells.next(cell); ++found) {
-      if (found >= columns_) continue;
+      if (found >= columns_ || (is_time(found) && times_->stamps())) continue;
       if (const auto value = base::table_number(cell, table_.style.decimal_comma))
         row_[found] = *value;
       else
@@ -206,64 +252,68 @@ class CsvReader final : public RecordReader {
                              found < columns_ ? "absent ones are taken as missing samples"
                                               : "those beyond are left out"),
                  table_.line(), 0, found < columns_ ? "short" : "long");
-    check_time();
+    if (times_) time_ = times_->time(line, table_.style);
+    if (!grid_)
+      check_time();
+    else if (std::isnan(time_))
+      notes_.add("the time is missing; the row is taken for the next sample", table_.line(), 0,
+                 "no time");
     return true;
   }
 
+  /// Of a file whose header states the rate.
   void check_time() {
     const std::uint64_t index = parsed_++;
     const double rate = header_.sample_rate;
-    if (!time_column_ || rate == 0.0) return;
-    const double time = row_[*time_column_] * time_factor_;
-    if (is_time_of_sample(time, header_.start, 1.0 / rate, index)) return;
+    if (!times_ || rate == 0.0) return;
+    if (is_time_of_sample(time_, header_.start, 1.0 / rate, index)) return;
     notes_.add(fmt::format("the time {} s does not fit the sample rate of {} Hz, which makes it "
                            "{} s; the rate is kept",
-                           time, rate, header_.start + static_cast<double>(index) / rate),
+                           time_, rate, header_.start + static_cast<double>(index) / rate),
                table_.line(), 0, "time");
   }
 
-  void find_rate(const ReadOptions& options) {
-    if (!time_column_ && !options.sample_rate)
+  void find_grid(const ReadOptions& options) {
+    if (options.sample_rate) header_.sample_rate = *options.sample_rate;
+    if (!times_ && !options.sample_rate)
       notes_.fail(
           "the file states no sample rate: no column of times was found; give the rate in Hz with "
           "--rate");
-    if (time_column_) {
-      const Notes before = notes_;  // the rows are read again
-      to_first_sample();
-      std::vector<double> times;
-      while (times.size() < rows_for_rate && next_row())
-        times.push_back(row_[*time_column_] * time_factor_);
-      if (!options.sample_rate) header_.sample_rate = rate_of(times);
-      if (!times.empty() && std::isfinite(times.front())) header_.start = times.front();
-      notes_ = before;
-    }
-    if (options.sample_rate) header_.sample_rate = *options.sample_rate;
-  }
-
-  double rate_of(const std::vector<double>& times) {
-    const double span = times.size() < 2 ? 0.0 : times.back() - times.front();
-    if (!(span > 0.0) || !std::isfinite(span))
-      notes_.fail(
-          "the sample rate cannot be determined from the column of times: it needs at least two "
-          "times, rising; give the rate in Hz with --rate");
-    const double rate = rounded_rate(static_cast<double>(times.size() - 1) / span, 1e-5);
-    for (std::size_t k = 0; k < times.size(); ++k)
-      if (!is_time_of_sample(times[k], times.front(), 1.0 / rate, k))
-        notes_.fail(
-            fmt::format("the times are not evenly spaced: sample {} is at {} s, and {} s would "
-                        "be even",
-                        k + 1, times[k], times.front() + static_cast<double>(k) / rate));
-    return rate;
+    if (!times_) return;
+    std::optional<StatedRate> stated;
+    if (options.sample_rate)
+      stated = {*options.sample_rate, fmt::format("--rate {}", *options.sample_rate)};
+    const TimeSource source{
+        [this](const TimeSource::Use& use) {
+          to_first_sample();
+          for (std::string_view line; table_.next_line(line);)
+            if (table_.line_was_ended() ||
+                base::table_cells(line, table_.style.separator).size() == columns_)
+              use(times_->time(line, table_.style), table_.line());
+        },
+        [this](double time) { return times_->resolution(time); }};
+    const TimeGrid grid = find_time_grid(source, stated, notes_);
+    header_.sample_rate = grid.rate;
+    header_.start = grid.start;
+    header_.date = times_->date();
+    grid_.emplace(grid, static_cast<Eigen::Index>(header_.channels.size()));
   }
 
   base::TableReader table_;
   bool by_hydrapod_{};
   std::size_t columns_{};  ///< the column of times, if any, included
-  std::optional<std::size_t> time_column_{};
-  double time_factor_{1.0};  ///< its unit in seconds
+  std::optional<TimeCells> times_{};
   std::optional<base::TableReader::Place> first_row_{};
   std::vector<double> row_{};
+  double time_{};  ///< of row_
   std::uint64_t parsed_{};
+  std::optional<GridRows> grid_{};  ///< where the rate is found from the times
+  GridRows::Fetch fetch_{[this](double& time, Eigen::RowVectorXd& row) {
+    if (!next_row()) return false;
+    time = time_;
+    put_values(row);
+    return true;
+  }};
 };
 
 }  // namespace

@@ -85,7 +85,10 @@ std::unique_ptr<RecordWriter> make_hdf5_writer(const std::string& path, const Re
 std::unique_ptr<RecordWriter> make_mat5_writer(const std::string& path, const RecordHeader& header);
 std::unique_ptr<RecordWriter> make_uff_writer(const std::string& path, const RecordHeader& header,
                                               bool binary);
+std::unique_ptr<RecordWriter> make_rpc_writer(const std::string& path, const RecordHeader& header,
+                                              bool as_shorts);
 
+std::unique_ptr<RecordReader> make_rpc_reader(const std::string& path);
 std::unique_ptr<RecordReader> make_mat5_reader(const std::string& path, const ReadOptions& options);
 std::unique_ptr<RecordReader> make_uff_reader(const std::string& path);
 std::unique_ptr<RecordReader> make_csv_reader(const std::string& path, const ReadOptions& options);

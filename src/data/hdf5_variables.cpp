@@ -35,20 +35,47 @@ class Hdf5Variables final : public VariableFile {
             std::uint64_t fast_first, std::uint64_t fast_count, double* out) override {
     const Hdf5Silence silence;
     if (slow_count == 0 || fast_count == 0) return true;
-    const hid_t set = sets_[variable].id();
-    const Hdf5Handle space(H5Dget_space(set), H5Sclose);
-    const int rank = H5Sget_simple_extent_ndims(space.id());
-    const hsize_t from[2] = {rank == 2 ? slow_first : fast_first, fast_first};
-    const hsize_t count[2] = {rank == 2 ? slow_count : fast_count, fast_count};
-    const hsize_t all = slow_count * fast_count;
-    const Hdf5Handle memory(H5Screate_simple(1, &all, nullptr), H5Sclose);
-    if (rank > 0 &&
+    const Set& set = sets_[variable];
+    const bool lines = set.rank == 2 || set.width > 1;  // slow_first counts the rows
+    const Hdf5Handle space(H5Dget_space(set.set.id()), H5Sclose);
+    const hsize_t from[2] = {lines ? slow_first : fast_first, fast_first};
+    const hsize_t count[2] = {lines ? slow_count : fast_count, fast_count};
+    if (set.rank > 0 &&
         H5Sselect_hyperslab(space.id(), H5S_SELECT_SET, from, nullptr, count, nullptr) < 0)
       return false;
-    return H5Dread(set, H5T_NATIVE_DOUBLE, memory.id(), space.id(), H5P_DEFAULT, out) >= 0;
+    const hsize_t rows = set.rank == 0 ? 1 : set.rank == 2 ? count[0] * count[1] : count[0];
+    const Hdf5Handle memory(H5Screate_simple(1, &rows, nullptr), H5Sclose);
+    const auto read_into = [&](void* to) {
+      return H5Dread(set.set.id(), set.memory(), memory.id(), space.id(), H5P_DEFAULT, to) >= 0;
+    };
+    if (set.bits) {
+      std::vector<std::uint8_t> bytes(rows);
+      if (!read_into(bytes.data())) return false;
+      std::ranges::copy(bytes, out);
+      return true;
+    }
+    if (set.width == 1 || fast_count == set.width) return read_into(out);
+    std::vector<double> whole(rows * set.width);
+    if (!read_into(whole.data())) return false;
+    for (std::uint64_t row = 0; row < rows; ++row)
+      std::copy_n(whole.data() + row * set.width + fast_first, fast_count, out + row * fast_count);
+    return true;
   }
 
  private:
+  /// Where the numbers of a variable are: a dataset, or a member of one that is a table.
+  struct Set {
+    Hdf5Handle set{};
+    Hdf5Handle member{};     ///< type in memory of the member; none: all of the dataset
+    int rank{};              ///< of the dataset
+    std::uint64_t width{1};  ///< numbers of the member in a row
+    bool bits{};             ///< bytes that are no integers (booleans of PyTables)
+
+    [[nodiscard]] hid_t memory() const {
+      return member.ok() ? member.id() : bits ? H5T_NATIVE_B8 : H5T_NATIVE_DOUBLE;
+    }
+  };
+
   static herr_t collect(hid_t /*group*/, const char* name, const H5L_info_t* /*info*/, void* list) {
     auto& children = *static_cast<std::vector<std::string>*>(list);
     children.emplace_back(name);
@@ -63,6 +90,16 @@ class Hdf5Variables final : public VariableFile {
     for (const char* name : {"format_version", "sample_rate_hz", "start_s", "repeat"})
       if (const auto number = read_number_attribute(root, name))
         add({.name = name, .number = *number}, {});
+    take_rates(root, "");
+  }
+
+  /// Rates that stand beside the samples as attributes.
+  void take_rates(hid_t object, const std::string& prefix) {
+    for (const char* name :
+         {"fs", "Fs", "dt", "sample_rate", "samplerate", "SampleRate", "sampling_rate",
+          "SamplingRate", "sampling_frequency", "sample_frequency", "SampleFrequency"})
+      if (const auto number = read_number_attribute(object, name))
+        add({.name = prefix + name, .number = *number}, {});
   }
 
   void take_group(hid_t group, const std::string& prefix, int depth) {
@@ -71,14 +108,17 @@ class Hdf5Variables final : public VariableFile {
       notes_->add(fmt::format("the group '{}' cannot be read: the file is damaged there",
                               base::printable(prefix.empty() ? "/" : prefix)));
     for (const std::string& child : children) {
-      if (child == "#refs#" || child == "#subsystem#") continue;
+      if (child == "#refs#" || child == "#subsystem#" || child.starts_with("_i_"))
+        continue;  // what MATLAB keeps for itself, and the indices of PyTables
       const std::string name = prefix + clean_text(child);
       H5O_info_t info{};
       if (H5Oget_info_by_name(group, child.c_str(), &info, H5P_DEFAULT) < 0) {
         left_out(name, "cannot be opened");
       } else if (info.type == H5O_TYPE_GROUP && depth < deepest_group) {
         const Hdf5Handle inner(H5Gopen2(group, child.c_str(), H5P_DEFAULT), H5Gclose);
-        if (inner.ok()) take_group(inner.id(), name + '/', depth + 1);
+        if (!inner.ok()) continue;
+        take_rates(inner.id(), name + '/');
+        take_group(inner.id(), name + '/', depth + 1);
       } else if (info.type == H5O_TYPE_DATASET && variables_.size() < most_variables) {
         take_set({H5Dopen2(group, child.c_str(), H5P_DEFAULT), H5Dclose}, name);
       }
@@ -89,7 +129,7 @@ class Hdf5Variables final : public VariableFile {
     notes_->add(fmt::format("'{}' {}: left out", base::printable(name), why), 0, 0, kind);
   }
 
-  void add(Variable variable, Hdf5Handle set) {
+  void add(Variable variable, Set set) {
     variables_.push_back(std::move(variable));
     sets_.push_back(std::move(set));
   }
@@ -108,11 +148,124 @@ class Hdf5Variables final : public VariableFile {
       take_cell(set.id(), name);
     } else if (kind == H5T_STRING) {
       take_strings(set.id(), name);
-    } else if (kind == H5T_FLOAT || kind == H5T_INTEGER) {
+    } else if (is_numeric(type.id())) {
+      take_rates(set.id(), name + '/');
       take_numbers(std::move(set), name);
+    } else if (kind == H5T_COMPOUND && !is_complex(type.id())) {
+      take_rates(set.id(), name + '/');
+      take_table(set, type, name);
     } else {
       left_out(name, "holds neither numbers nor texts", "kind");
     }
+  }
+
+  /// Numbers, booleans as h5py writes them (an enumeration) and as PyTables does (eight bits).
+  static bool is_numeric(hid_t type) {
+    const H5T_class_t kind = H5Tget_class(type);
+    return kind == H5T_FLOAT || kind == H5T_INTEGER || kind == H5T_ENUM ||
+           (kind == H5T_BITFIELD && H5Tget_size(type) == 1);
+  }
+
+  static std::string member_name(hid_t type, unsigned member) {
+    char* name = H5Tget_member_name(type, member);
+    const std::string text = name == nullptr ? "" : clean_text(name);
+    H5free_memory(name);
+    return text;
+  }
+
+  static bool is_complex(hid_t type) {
+    return H5Tget_nmembers(type) == 2 && member_name(type, 0) == "r" && member_name(type, 1) == "i";
+  }
+
+  /// A table: every member is a variable.
+  void take_table(const Hdf5Handle& set, const Hdf5Handle& type, const std::string& name) {
+    const Hdf5Handle space(H5Dget_space(set.id()), H5Sclose);
+    const int rank = H5Sget_simple_extent_ndims(space.id());
+    hsize_t rows = 1;
+    if (rank < 0 || rank > 1 || H5Sget_simple_extent_dims(space.id(), &rows, nullptr) < 0)
+      return left_out(name, fmt::format("is a table of {} dimensions", rank));
+    constexpr hsize_t most = hsize_t{1} << 40U;
+    if (rows > most) return left_out(name, "has dimensions beyond any file");
+    if (rank == 1) {
+      const std::uint64_t held = believable_rows(set.id(), rows, 1);
+      if (held < rows)
+        notes_->add(fmt::format("'{}' declares {} lines, but the file holds {} at most",
+                                base::printable(name), rows, held));
+      rows = std::min<hsize_t>(rows, held);
+    }
+    for (int k = 0; k < H5Tget_nmembers(type.id()); ++k)
+      take_member(set, type.id(), static_cast<unsigned>(k), rank, rows, name);
+  }
+
+  void take_member(const Hdf5Handle& set, hid_t table, unsigned number, int rank, hsize_t rows,
+                   const std::string& table_name) {
+    const std::string field = member_name(table, number);
+    const std::string name = table_name + '/' + field;
+    const Hdf5Handle type(H5Tget_member_type(table, number), H5Tclose);
+    Hdf5Handle item(H5Tcopy(type.id()), H5Tclose);
+    hsize_t width = 1;
+    if (H5Tget_class(type.id()) == H5T_ARRAY) {
+      if (H5Tget_array_ndims(type.id()) != 1 || H5Tget_array_dims2(type.id(), &width) < 0)
+        return left_out(name, "holds arrays of several dimensions");
+      item = Hdf5Handle(H5Tget_super(type.id()), H5Tclose);
+    }
+    constexpr hsize_t widest = 100'000;
+    if (!is_numeric(item.id()) || width == 0 || width > widest)
+      return left_out(name, "holds no numbers", "kind");
+    Set made{.rank = rank, .width = width};
+    made.bits = H5Tget_class(item.id()) == H5T_BITFIELD;
+    if (made.bits && H5Tget_class(type.id()) == H5T_ARRAY)
+      return left_out(name, "holds lists of booleans", "kind");
+    const hid_t number_type = made.bits ? H5T_NATIVE_B8 : H5T_NATIVE_DOUBLE;
+    const bool list = H5Tget_class(type.id()) == H5T_ARRAY;
+    const Hdf5Handle in_memory =
+        list ? Hdf5Handle(H5Tarray_create2(number_type, 1, &width), H5Tclose)
+             : Hdf5Handle(H5Tcopy(number_type), H5Tclose);
+    made.member = Hdf5Handle(H5Tcreate(H5T_COMPOUND, H5Tget_size(in_memory.id())), H5Tclose);
+    char* own_name = H5Tget_member_name(table, number);
+    const bool inserted = H5Tinsert(made.member.id(), own_name, 0, in_memory.id()) >= 0;
+    H5free_memory(own_name);
+    if (!inserted || H5Iinc_ref(set.id()) < 0) return left_out(name, "cannot be opened");
+    made.set = Hdf5Handle(set.id(), H5Dclose);
+    Variable v{.name = name, .fast = rows};
+    if (width > 1) {
+      v.fast = width;
+      v.slow = rows;
+    }
+    name_as_pandas(set.id(), field, v);
+    add(std::move(v), std::move(made));
+  }
+
+  /// Tables of pandas say which member is the index, and what the columns of a block are called.
+  void name_as_pandas(hid_t set, const std::string& field, Variable& v) {
+    const auto kind = read_text_attribute(set, (field + "_kind").c_str());
+    if (!kind) return;
+    if (field == "index") return name_index(*kind, v);
+    std::vector<std::string> names = pickled_texts(*kind);
+    const std::size_t columns = v.slow == 1 ? 1 : v.fast;
+    if (names.size() != columns) return;
+    Variable items{.name = v.name + "_items", .kind = VariableKind::texts};
+    items.texts = std::move(names);
+    add(std::move(items), {});
+    v.name += "_values";
+  }
+
+  /// An index counts seconds, nanoseconds or rows.
+  static void name_index(const std::string& kind, Variable& v) {
+    const std::size_t at = v.name.rfind('/');
+    const std::string group = at == v.name.npos ? "" : v.name.substr(0, at + 1);
+    v.name = group + (kind == "integer" ? "row" : "time");
+    if (kind == "datetime64") v.unit = "ns";
+  }
+
+  /// The texts of a list as Python pickles it (protocol 0).
+  static std::vector<std::string> pickled_texts(const std::string& pickle) {
+    std::vector<std::string> texts;
+    for (const std::string& line : base::split(pickle, "\n")) {
+      const std::size_t begin = line.starts_with("aV") ? 2 : line.starts_with('V') ? 1 : 0;
+      if (begin > 0) texts.push_back(clean_text(line.substr(begin)));
+    }
+    return texts;
   }
 
   void take_numbers(Hdf5Handle set, const std::string& name) {
@@ -131,7 +284,11 @@ class Hdf5Variables final : public VariableFile {
     limit(set.id(), rank, v);
     v.unit = read_text_attribute(set.id(), "unit")
                  .value_or(read_text_attribute(set.id(), "units").value_or(""));
-    add(std::move(v), std::move(set));
+    if (const auto kind = read_text_attribute(set.id(), "kind"); kind && name.ends_with("/axis1"))
+      name_index(*kind, v);
+    const Hdf5Handle type(H5Dget_type(set.id()), H5Tclose);
+    const bool bits = H5Tget_class(type.id()) == H5T_BITFIELD;
+    add(std::move(v), {.set = std::move(set), .rank = rank, .bits = bits});
     Variable& added = variables_.back();
     if (added.fast * added.slow == 1 && !read(variables_.size() - 1, 0, 1, 0, 1, &added.number))
       notes_->add(fmt::format("'{}' cannot be read", base::printable(name)));
@@ -201,7 +358,7 @@ class Hdf5Variables final : public VariableFile {
   std::uint64_t file_bytes_;
   Hdf5Handle file_;
   Notes* notes_{};
-  std::vector<Hdf5Handle> sets_;
+  std::vector<Set> sets_;
 };
 
 }  // namespace

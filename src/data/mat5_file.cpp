@@ -24,8 +24,8 @@ namespace {
 
 constexpr int deepest_structure = 4;  // structures in structures
 constexpr std::size_t most_fields = 10'000;
+constexpr std::uint64_t most_structures = 1000;  // in one list
 constexpr std::size_t most_cursors = 512;
-
 constexpr std::size_t window_bytes = 1U << 15U;
 constexpr std::uint64_t most_expansion = 1032;  // of deflate
 
@@ -466,17 +466,19 @@ class Mat5File final : public VariableFile {
     const std::string names = data(stream, tag(stream), most_fields * 64);
     if (length == 0 || length > 4096 || names.size() % length != 0)
       throw Damaged{"the names of its fields make no sense"};
-    if (array.fast * array.slow != 1 || depth == deepest_structure) {
-      notes_->add(fmt::format("variable '{}' is a list of structures or too deep: left out",
-                              base::printable(name)));
-      return;
-    }
-    for (std::size_t i = 0; i < names.size() / length; ++i) {
-      const Tag element = tag(stream);
-      if (element.type != mat5_type::matrix) throw Damaged{"a field holds no array"};
-      const std::string field(names.data() + i * length,
-                              strnlen(names.data() + i * length, length));
-      take_array(stream, element.bytes, place, name + '.' + clean_text(field), depth + 1);
+    const std::uint64_t count = array.fast * array.slow;
+    if (count == 0 || count > most_structures || depth == deepest_structure)
+      return notes_->add(fmt::format("variable '{}' is a list of structures or too deep: left out",
+                                     base::printable(name)));
+    for (std::uint64_t e = 0; e < count; ++e) {
+      const std::string one = count == 1 ? name : fmt::format("{}({})", name, e + 1);
+      for (std::size_t i = 0; i < names.size() / length; ++i) {
+        const Tag element = tag(stream);
+        if (element.type != mat5_type::matrix) throw Damaged{"a field holds no array"};
+        const std::string field(names.data() + i * length,
+                                strnlen(names.data() + i * length, length));
+        take_array(stream, element.bytes, place, one + '.' + clean_text(field), depth + 1);
+      }
     }
   }
 

@@ -17,14 +17,15 @@
 #include "formats.hpp"
 #include "hydrapod/base/file.hpp"
 #include "hydrapod/base/text.hpp"
+#include "response_files.hpp"
 #include "uff_dataset.hpp"
 
 namespace hydrapod::data {
 
 namespace {
 
-constexpr std::array<std::string_view, 6> format_names{"hdf5", "mat5", "mat73",
-                                                       "csv",  "uff",  "uff-ascii"};
+constexpr std::array<std::string_view, 8> format_names{"hdf5", "mat5",      "mat73", "csv",
+                                                       "uff",  "uff-ascii", "rpc",   "rpc-short"};
 struct Ending {
   std::string_view ending;
   RecordFormat format;
@@ -33,7 +34,9 @@ constexpr std::array endings{
     Ending{".h5", RecordFormat::hdf5},  Ending{".hdf5", RecordFormat::hdf5},
     Ending{".mat", RecordFormat::mat5}, Ending{".csv", RecordFormat::csv},
     Ending{".txt", RecordFormat::csv},  Ending{".uff", RecordFormat::uff},
-    Ending{".unv", RecordFormat::uff},  Ending{".uf", RecordFormat::uff}};
+    Ending{".unv", RecordFormat::uff},  Ending{".uf", RecordFormat::uff},
+    Ending{".rpc", RecordFormat::rpc},  Ending{".rsp", RecordFormat::rpc},
+    Ending{".drv", RecordFormat::rpc},  Ending{".tim", RecordFormat::rpc}};
 
 /// The first bytes of a file that must be a regular one.
 std::string head_of(const std::string& path) {
@@ -75,18 +78,47 @@ bool begins_as_uff(std::string_view head) {
   return line.starts_with("    -1") && base::trimmed(line) == "-1";
 }
 
+/// The first two keys of an RPC III file, each with a zero behind it.
+bool begins_as_rpc(std::string_view head) {
+  return head.starts_with("FORMAT") && head.substr(0, 160).find('\0') != head.npos &&
+         head.find("NUM_HEADER_BLOCKS") != head.npos;
+}
+
+/// What a file that is no record holds instead, and what reads it.
+[[noreturn]] void refuse_other_kind(const std::string& path, FileKind kind) {
+  if (kind == FileKind::frequency_responses)
+    base::refuse(path,
+                 "holds frequency responses, no samples over time; `hydrapod identify` finds their "
+                 "modes, `hydrapod frf` shows and converts them");
+  if (kind == FileKind::modal_results)
+    base::refuse(path, "holds modes (dataset 55), no samples over time");
+  base::refuse(path,
+               "is JSON, no record; `hydrapod identify` reads the frequency responses of `hydrapod "
+               "frf --format json`");
+}
+
 std::unique_ptr<RecordReader> open_by_content(const std::string& path, const ReadOptions& options) {
   const std::string head = head_of(path);
   if (has_hdf5_signature(head)) return make_hdf5_reader(path, options);
   if (head.starts_with("MATLAB 5.0") || has_mat5_mark(head)) return make_mat5_reader(path, options);
   if (begins_as_uff(head)) return make_uff_reader(path);
+  if (begins_as_rpc(head)) return make_rpc_reader(path);
   if (head.find('\0') != std::string::npos)
-    base::refuse(path, "this is not a record: it is neither HDF5, MAT, Universal File nor text");
+    base::refuse(path,
+                 "this is not a record: it is neither HDF5, MAT, Universal File, RPC III nor text");
   return make_csv_reader(path, options);
 }
 
 std::unique_ptr<RecordReader> open_reader(const std::string& path, const ReadOptions& options) {
-  auto reader = open_by_content(path, options);
+  std::unique_ptr<RecordReader> reader;
+  try {
+    reader = open_by_content(path, options);
+  } catch (const base::InputError&) {
+    const FileKind kind = file_kind(path);
+    if (kind != FileKind::record && kind != FileKind::mode_table && kind != FileKind::toml)
+      refuse_other_kind(path, kind);
+    throw;
+  }
   try {
     validate(reader->header());
   } catch (const std::invalid_argument& error) {
@@ -130,7 +162,7 @@ RecordFormat format_of_ending(const std::string& path) {
     if (found == known.ending) return known.format;
   base::refuse(
       path, fmt::format("the ending '{}' names no format of records; known are .h5, .hdf5, .mat, "
-                        ".csv, .txt, .uff, .unv and .uf",
+                        ".csv, .txt, .uff, .unv, .uf, .rpc, .rsp, .drv and .tim",
                         base::printable(found)));
 }
 
@@ -148,6 +180,9 @@ std::unique_ptr<RecordWriter> open_record_writer(const std::string& path,
       return make_uff_writer(path, header, format == RecordFormat::uff);
     case RecordFormat::mat5:
       return make_mat5_writer(path, header);
+    case RecordFormat::rpc:
+    case RecordFormat::rpc_short:
+      return make_rpc_writer(path, header, format == RecordFormat::rpc_short);
   }
   throw std::invalid_argument("open_record_writer: unknown format");
 }
@@ -164,7 +199,12 @@ FileKind file_kind(const std::string& path) {
   const bool binary = head.find('\0') != std::string::npos || has_hdf5_signature(head);
   if (binary || head.starts_with("MATLAB 5.0")) return FileKind::record;
   if (base::trimmed(head).starts_with('{')) return FileKind::json;
+  if (is_response_table(path)) return FileKind::frequency_responses;
   return is_mode_table(path) ? FileKind::mode_table : FileKind::record;
+}
+
+ReadFrequencyResponsesResult read_frequency_responses(const std::string& path) {
+  return begins_as_uff(head_of(path)) ? read_uff_responses(path) : read_response_table(path);
 }
 
 RecordSet::RecordSet(std::vector<std::string> files, const ReadOptions& options)

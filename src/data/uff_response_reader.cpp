@@ -5,7 +5,7 @@
 #include <map>
 
 #include "hydrapod/base/text.hpp"
-#include "hydrapod/data/frequency_response.hpp"
+#include "response_files.hpp"
 #include "uff_dataset.hpp"
 #include "uff_text.hpp"
 
@@ -207,7 +207,7 @@ class ResponseReader {
 
 }  // namespace
 
-ReadFrequencyResponsesResult read_frequency_responses(const std::string& path) {
+ReadFrequencyResponsesResult read_uff_responses(const std::string& path) {
   return ResponseReader(path).read();
 }
 

@@ -3,37 +3,26 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <optional>
 
+#include "channel_roles.hpp"
 #include "channel_units.hpp"
 #include "formats.hpp"
+#include "hydrapod/base/file.hpp"
 #include "hydrapod/base/text.hpp"
+#include "time_grid.hpp"
 #include "variable_file.hpp"
+#include "variables_beside.hpp"
 
 namespace hydrapod::data {
 
 namespace {
 
-/// The last part of "group/name" or "structure.name", in small letters.
-std::string short_name(const std::string& name) {
-  const std::size_t at = name.find_last_of("/.");
-  return base::lower_case(at == name.npos ? name : name.substr(at + 1));
-}
-
-template <std::size_t n>
-bool is_one_of(const std::string& name, const std::array<std::string_view, n>& words) {
-  return std::find(words.begin(), words.end(), short_name(name)) != words.end();
-}
-
-constexpr std::array<std::string_view, 6> time_words{"t",    "time", "times",
-                                                     "zeit", "tout", "x_time"};
-constexpr std::array<std::string_view, 9> rate_words{
-    "fs",    "sample_rate", "samplerate", "sample_rate_hz",   "sampling_rate",
-    "srate", "rate",        "f_s",        "samplingfrequency"};
-constexpr std::array<std::string_view, 5> step_words{"dt", "ts", "t_s", "step", "increment"};
 constexpr std::array<std::string_view, 6> name_words{"channel_name", "channel_names", "names",
                                                      "channels",     "labels",        "signals"};
+constexpr std::array<std::string_view, 1> title_words{"title"};
 constexpr std::array<std::string_view, 4> unit_words{"channel_unit", "channel_units", "units",
                                                      "unit"};
 
@@ -55,17 +44,55 @@ class VariablesReader final : public RecordReader {
     else
       read_foreign(options);
     format_ = file_->format();
-    count_ = static_cast<std::int64_t>(length_);
+    if (!grid_) count_ = static_cast<std::int64_t>(length_);
     settle_channels(own);
+    if (!own) guess_roles(header_.channels, notes_);
   }
 
  private:
   std::int64_t read_values(Eigen::Ref<Samples> block) override {
-    if (std::ranges::all_of(sources_, [&](const Source& s) { return read_source(s, block); }))
-      return block.rows();
+    if (!grid_) return read_rows(done_, block) ? block.rows() : 0;
+    std::int64_t rows = 0;
+    Eigen::RowVectorXd values(block.cols());
+    for (; rows < block.rows() && grid_->next(fetch_, values); ++rows) block.row(rows) = values;
+    return rows;
+  }
+
+  /// Samples as they stand in the file, from `first` on.
+  bool read_rows(std::int64_t first, Eigen::Ref<Samples> block) {
+    if (std::ranges::all_of(sources_,
+                            [&](const Source& s) { return read_source(s, first, block); }))
+      return true;
     notes_.add(
-        fmt::format("the samples from {} on cannot be read: the file is damaged there", done_ + 1));
-    return 0;
+        fmt::format("the samples from {} on cannot be read: the file is damaged there", first + 1));
+    return false;
+  }
+
+  void to_first_sample() override {
+    if (!grid_) return;
+    grid_->rewind();
+    raw_rows_ = raw_at_ = raw_done_ = 0;
+  }
+
+  /// The next sample as it stands in the file, with its time.
+  bool next_raw(double& time, Eigen::RowVectorXd& row) {
+    if (raw_at_ == raw_rows_) {
+      constexpr std::int64_t most = 1024;
+      const std::int64_t left = static_cast<std::int64_t>(length_) - raw_done_;
+      raw_rows_ = std::min(most, left);
+      raw_at_ = 0;
+      raw_.resize(std::max<std::int64_t>(raw_rows_, 0), row.cols());
+      raw_times_.resize(static_cast<std::size_t>(std::max<std::int64_t>(raw_rows_, 0)));
+      if (raw_rows_ <= 0 || !read_rows(raw_done_, raw_) ||
+          !read_times(static_cast<std::uint64_t>(raw_done_), raw_times_)) {
+        raw_rows_ = 0;
+        return false;
+      }
+      raw_done_ += raw_rows_;
+    }
+    time = raw_times_[static_cast<std::size_t>(raw_at_)];
+    row = raw_.row(raw_at_++);
+    return true;
   }
 
   [[nodiscard]] const std::vector<Variable>& all() const { return file_->variables(); }
@@ -88,8 +115,8 @@ class VariablesReader final : public RecordReader {
     return found->number;
   }
 
-  bool read_source(const Source& source, Eigen::Ref<Samples> block) {
-    const auto first = static_cast<std::uint64_t>(done_);
+  bool read_source(const Source& source, std::int64_t from, Eigen::Ref<Samples> block) {
+    const auto first = static_cast<std::uint64_t>(from);
     const auto rows = static_cast<std::uint64_t>(block.rows());
     auto columns = block.middleCols(static_cast<Eigen::Index>(source.first_channel),
                                     static_cast<Eigen::Index>(source.channels));
@@ -200,15 +227,17 @@ class VariablesReader final : public RecordReader {
   void read_foreign(const ReadOptions& options) {
     const Variable* times = nullptr;
     for (const Variable& v : all())
-      if (times == nullptr && v.kind == VariableKind::numbers && is_one_of(v.name, time_words) &&
+      if (times == nullptr && v.kind == VariableKind::numbers && is_time_variable(v.name) &&
           std::min(v.fast, v.slow) == 1 && std::max(v.fast, v.slow) > 1)
         times = &v;
     length_ = common_length(times);
     for (std::size_t i = 0; i < all().size(); ++i) take_variable(i, times);
     if (sources_.empty())
       notes_.fail("no array of numbers with two samples or more was found in the file");
+    require_time_axes(all(), notes_);
     find_rate(times, options);
     take_texts();
+    take_companions();
   }
 
   void take_variable(std::size_t index, const Variable* times) {
@@ -242,55 +271,133 @@ class VariablesReader final : public RecordReader {
       if (v.kind != VariableKind::texts || v.texts.size() != widest.channels) continue;
       for (std::size_t c = 0; c < widest.channels; ++c) {
         Channel& channel = header_.channels[widest.first_channel + c];
-        if (is_one_of(v.name, name_words)) channel.name = v.texts[c];
-        if (is_one_of(v.name, unit_words)) channel.unit = v.texts[c];
+        if (is_one_of(name_words, v.name)) channel.name = v.texts[c];
+        if (is_one_of(unit_words, v.name)) channel.unit = v.texts[c];
       }
     }
     for (const Variable& v : all())
-      if (v.kind == VariableKind::text && short_name(v.name) == "title")
+      if (v.kind == VariableKind::text && is_one_of(title_words, v.name))
         header_.title = clean_text(v.text);
   }
 
-  void find_rate(const Variable* times, const ReadOptions& options) {
-    for (const Variable& v : all()) {
-      if (v.kind != VariableKind::numbers || v.fast * v.slow != 1) continue;
-      const bool usable = std::isfinite(v.number) && v.number > 0.0;
-      if (usable && is_one_of(v.name, rate_words)) header_.sample_rate = v.number;
-      if (usable && is_one_of(v.name, step_words)) header_.sample_rate = 1.0 / v.number;
+  /// Names and units that stand beside the samples of a source.
+  void take_companions() {
+    for (const Source& source : sources_) {
+      const auto [names, units] = texts_beside(all(), all()[source.variable].name, source.channels);
+      const bool one_name = names.size() > 1 && std::ranges::count(names, names[0]) ==
+                                                    static_cast<std::ptrdiff_t>(names.size());
+      for (std::size_t c = 0; c < source.channels; ++c) {
+        Channel& channel = header_.channels[source.first_channel + c];
+        if (!names.empty())
+          channel.name = one_name ? fmt::format("{} {}", names[c], c + 1) : names[c];
+        if (!units.empty()) channel.unit = units[c];
+        if (!channel.unit.empty() || !channel.name.ends_with(']')) continue;
+        const base::TableTitle title = base::table_title({channel.name, 0});  // "force [N]"
+        channel.name = title.name;
+        channel.unit = title.unit;
+      }
     }
-    if (header_.sample_rate == 0.0 && options.sample_rate)
-      header_.sample_rate = *options.sample_rate;
-    if (times != nullptr) use_times(*times);
+  }
+
+  void find_rate(const Variable* times, const ReadOptions& options) {
+    std::vector<std::string> samples;
+    for (const Source& source : sources_) samples.push_back(all()[source.variable].name);
+    const auto found = rates_beside(all(), samples);
+    std::optional<StatedRate> stated;
+    if (!found.empty())
+      stated = {found[0].hertz, fmt::format("the variable '{}'", base::printable(found[0].name))};
+    constexpr double same = 1e-6;
+    for (const RateVariable& rate : found) {
+      if (std::abs(rate.hertz - stated->rate) <= same * stated->rate || options.sample_rate)
+        continue;
+      notes_.fail(fmt::format(
+          "the file states several sample rates: {:.9g} Hz by '{}' and {:.9g} "
+          "Hz by '{}'; give the one that holds with --rate",
+          found[0].hertz, base::printable(found[0].name), rate.hertz, base::printable(rate.name)));
+    }
+    const bool one = !found.empty() && std::ranges::all_of(found, [&](const RateVariable& rate) {
+      return std::abs(rate.hertz - found[0].hertz) <= same * found[0].hertz;
+    });
+    if (options.sample_rate && !one)
+      stated = {*options.sample_rate, fmt::format("--rate {}", *options.sample_rate)};
+    for (const Variable& v : all())
+      if (v.kind == VariableKind::numbers && v.fast * v.slow == 1 && std::isfinite(v.number) &&
+          is_start_name(v.name))
+        header_.start = v.number;
+    if (stated) header_.sample_rate = stated->rate;
+    if (times != nullptr) return use_times(*times, stated);
     if (header_.sample_rate > 0.0) return;
     notes_.fail(
         "the file states no sample rate: no variable such as fs, dt or time was found; give the "
         "rate in Hz with --rate");
   }
 
-  /// Start and, if it is not known yet, the rate.
-  void use_times(const Variable& times) {
-    const auto index = static_cast<std::size_t>(&times - all().data());
-    constexpr std::uint64_t looked_at = 1000;
-    const std::uint64_t n = std::min(length_, looked_at);
-    std::vector<double> t(n);
-    const bool lies = times.slow == 1;
-    if (!file_->read(index, 0, lies ? 1 : n, 0, lies ? n : 1, t.data()) || !std::isfinite(t[0]))
-      return notes_.add("the times cannot be read");
-    header_.start = t.front();
-    const double span = t.back() - t.front();
-    if (header_.sample_rate > 0.0 || !(span > 0.0) || !std::isfinite(span)) return;
-    const double step = span / static_cast<double>(n - 1);
-    for (std::uint64_t k = 0; k < n; ++k)
-      if (!(std::abs(t[k] - (t[0] + static_cast<double>(k) * step)) <= 0.1 * step))
-        notes_.fail(fmt::format("the times in '{}' are not evenly spaced: sample {} is at {} s",
-                                base::printable(times.name), k + 1, t[k]));
-    header_.sample_rate = rounded_rate(1.0 / step, 1e-7);
+  /// Start and rate, and the grid where samples are missing or times scatter.
+  void use_times(const Variable& times, const std::optional<StatedRate>& stated) {
+    times_ = static_cast<std::size_t>(&times - all().data());
+    const ChannelUnit unit = channel_unit(times.unit);
+    time_factor_ = unit.unit == "s" ? unit.factor : 1.0;
+    bool single = true;  // times of single precision have seven digits
+    std::vector<double> block;
+    const TimeSource source{
+        [&](const TimeSource::Use& use) {
+          constexpr std::uint64_t most = 4096;
+          for (std::uint64_t at = 0; at < length_; at += most) {
+            block.resize(std::min(most, length_ - at));
+            if (!read_times(at, block)) return;
+            for (const double time : block) {
+              single = single &&
+                       (std::isnan(time) || static_cast<double>(static_cast<float>(time)) == time);
+              use(time, 0);
+            }
+          }
+        },
+        [&single](double time) {
+          constexpr double digits = 1.2e-7;
+          return single ? digits * std::abs(time) : 0.0;
+        }};
+    TimeGrid grid = find_time_grid(source, stated, notes_);
+    header_.sample_rate = grid.rate;
+    header_.start = grid.start;
+    if (grid.complete) return;
+    if (grid.resolution)
+      grid.resolution = [digits = single ? 1.2e-7 : 0.0](double t) { return digits * std::abs(t); };
+    grid_.emplace(grid, static_cast<Eigen::Index>(header_.channels.size()));
+  }
+
+  /// Times from `first` on, in seconds; those of a calendar since the first one.
+  bool read_times(std::uint64_t first, std::vector<double>& out) {
+    const bool lies = all()[times_].slow == 1;
+    const std::uint64_t n = out.size();
+    if (!file_->read(times_, lies ? 0 : first, lies ? 1 : n, lies ? first : 0, lies ? n : 1,
+                     out.data())) {
+      notes_.add("the times cannot be read");
+      return false;
+    }
+    if (first == 0 && n > 0 && std::isfinite(out[0])) {
+      constexpr double years = 1e8;  // [s]
+      time_origin_ = std::abs(out[0]) * time_factor_ > years ? out[0] : 0.0;
+    }
+    for (double& time : out) {
+      time = (time - time_origin_) * time_factor_;
+      if (!std::isfinite(time)) time = std::numeric_limits<double>::quiet_NaN();
+    }
+    return true;
   }
 
   std::unique_ptr<VariableFile> file_;
   std::vector<Source> sources_;
   std::uint64_t length_{};  ///< samples
   Samples buffer_;
+  std::size_t times_{};  ///< variable of the times
+  double time_factor_{1.0}, time_origin_{};
+  std::optional<GridRows> grid_{};  ///< where the times have gaps or scatter
+  // what next_raw() has read ahead
+  Samples raw_;
+  std::vector<double> raw_times_;
+  std::int64_t raw_rows_{}, raw_at_{}, raw_done_{};
+  GridRows::Fetch fetch_{
+      [this](double& time, Eigen::RowVectorXd& row) { return next_raw(time, row); }};
 };
 
 }  // namespace

@@ -172,7 +172,7 @@ TEST_F(Identify, TheRateOfAFileWithoutOneCanBeGiven) {
   test::write_text(few, "u1 [N],y1 [m]\n1,0.1\n2,0.3\n");
   const std::vector<std::string> arguments{"frf", few, "--inputs", "u1", "--outputs", "y1"};
   EXPECT_THAT(test::run_hydrapod(arguments).err, HasSubstr("give the rate in Hz with --rate"));
-  for (const char* option : {"--rate", "--sample-rate"}) {
+  for (const char* option : {"--rate", "--sample-rate", "--file-rate"}) {
     auto with = arguments;
     with.insert(with.end(), {option, "9 Hz"});
     EXPECT_THAT(test::run_hydrapod(with).err, HasSubstr("the record has only 2 samples:"));

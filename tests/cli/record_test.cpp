@@ -103,6 +103,51 @@ TEST_F(Record, ConvertsToEveryFormatAndBack) {
   EXPECT_EQ(read_text(file("back.h5")), read_text(file("run.h5")));
 }
 
+TEST_F(Record, ConvertsToRpcAndSaysWhatIntegersCannotHold) {
+  EXPECT_EQ(run({"convert", "run.h5", "-o", "a.rsp"}).exit_code, 0);
+  const auto floats = data::read_record(file("a.rsp")).record;
+  ASSERT_EQ(floats.samples.rows(), 10000);
+  EXPECT_EQ(floats.header.start, 5.0);
+  const auto whole = example();
+  for (Eigen::Index k = 0; k < 10000; ++k)
+    EXPECT_EQ(floats.samples(k, 1), static_cast<double>(static_cast<float>(whole.samples(k, 1))));
+  const auto shorts = run({"convert", "run.h5", "--format", "rpc-short", "-o", "b.rsp"});
+  EXPECT_EQ(shorts.exit_code, 0);
+  EXPECT_THAT(shorts.err, HasSubstr("channel \"gappy\": 30 missing samples are written as the last "
+                                    "one before them"));
+  EXPECT_THAT(run({"show", "b.rsp"}).out, HasSubstr("(rpc-short)"));
+}
+
+/// One name for the sample rate of a file in every command; earlier names still work.
+TEST_F(Record, TheRateOfAFileHasOneName) {
+  write_text(file("no-rate.csv"), "1;2\n3;4\n5;6\n");
+  for (const char* option : {"--rate", "--sample-rate", "--file-rate"})
+    for (const auto& command :
+         {std::vector<std::string>{"show", "no-rate.csv"},
+          {"convert", "no-rate.csv", "-o", "x.h5", "--force"},
+          {"resample", "no-rate.csv", "--new-rate", "50", "-o", "x.h5", "--force"}}) {
+      auto arguments = command;
+      arguments.insert(arguments.end(), {option, "100"});
+      EXPECT_EQ(run(arguments).exit_code, 0) << command[0] << ' ' << option;
+    }
+  for (const char* command : {"show", "convert", "cut", "resample", "plot"}) {
+    const auto help = run({command, "--help"}).out;
+    EXPECT_THAT(help, HasSubstr("--rate")) << command;
+    EXPECT_THAT(help, testing::Not(HasSubstr("--file-rate"))) << command;
+    EXPECT_THAT(help, testing::Not(HasSubstr("--sample-rate"))) << command;
+  }
+  const auto old = run({"resample", "run.h5", "--rate", "170", "-o", "r.h5"});
+  EXPECT_EQ(old.exit_code, 2);
+  EXPECT_THAT(old.err, HasSubstr("--new-rate: error: the new sample rate in Hz is missing"));
+}
+
+TEST_F(Record, OfResponsesItPointsToIdentify) {
+  write_text(file("h.csv"), "Hz,re a/F [m/N],im a/F [m/N]\n1,2,3\n2,4,5\n");
+  const auto shown = run({"show", "h.csv"});
+  EXPECT_EQ(shown.exit_code, 2);
+  EXPECT_THAT(shown.err, HasSubstr("`hydrapod identify` finds their modes"));
+}
+
 TEST_F(Record, CutKeepsTheTimesAndChannelsAskedFor) {
   EXPECT_EQ(run({"cut", "run.h5", "--from", "6 s", "--to", "6500 ms", "--role", "response",
                  "--channel", "*p*", "-o", "c.h5"})
@@ -128,7 +173,7 @@ TEST_F(Record, CutSaysWhatIsWrong) {
 }
 
 TEST_F(Record, ResampleKeepsWhatIsBelowTheNewNyquistFrequency) {
-  EXPECT_EQ(run({"resample", "run.h5", "--rate", "170", "-o", "r.h5"}).exit_code, 0);
+  EXPECT_EQ(run({"resample", "run.h5", "--new-rate", "170", "-o", "r.h5"}).exit_code, 0);
   const auto slow = data::read_record(file("r.h5")).record;
   EXPECT_EQ(slow.header.sample_rate, 170.0);
   EXPECT_EQ(slow.samples.rows(), 1700);
@@ -148,7 +193,7 @@ TEST_F(Record, WrongInputIsExitCodeTwo) {
               HasSubstr("none.h5: error: cannot read the file: No such file or directory"));
   EXPECT_EQ(run({"convert", "run.h5", "-o", "x.docx"}).exit_code, 2);
   EXPECT_EQ(run({"convert", "run.h5", "-o", "no/such/folder.h5"}).exit_code, 2);
-  EXPECT_EQ(run({"resample", "run.h5", "--rate", "-3", "-o", "r.h5"}).exit_code, 2);
+  EXPECT_EQ(run({"resample", "run.h5", "--new-rate", "-3", "-o", "r.h5"}).exit_code, 2);
   EXPECT_EQ(run({"plot", "run.h5", "-o", "p.bmp"}).exit_code, 2);
   write_text(file("no-rate.csv"), "1;2\n3;4\n");
   EXPECT_THAT(run({"show", "no-rate.csv"}).err, HasSubstr("give the rate in Hz with --rate"));

@@ -19,9 +19,12 @@ TEST(Csv, SemicolonsDecimalCommasAndALineOfUnits) {
   const auto [record, notes] = read(
       "Prüfung 7\nZeit;Weg;Druck\n(s);(mm);(bar)\n"
       "0,00;1,5;20\n0,02;-2,5;21\n0,04;;22\n");
-  ASSERT_EQ(notes.size(), 3U);
+  ASSERT_EQ(notes.size(), 4U);
   EXPECT_EQ(notes[0].message, "skipped \"Prüfung 7\"");
   EXPECT_EQ(notes[1].message, "channel \"Weg\": \"mm\" converted to \"m\", times 0.001");
+  EXPECT_EQ(notes[3].message,
+            "roles by the names and units of the channels: response: Weg, Druck; --inputs and "
+            "--outputs name others");
   EXPECT_EQ(record.header.sample_rate, 50.0);
   ASSERT_EQ(record.samples.rows(), 3);
   EXPECT_EQ(record.samples(1, 0), -2.5 * 0.001);

@@ -9,9 +9,11 @@
 /// | csv       | .csv .txt          | everything, bit for bit                                |
 /// | uff       | .uff .unv .uf      | Universal File, 58b: samples bit for bit               |
 /// | uff_ascii | .uff .unv .uf      | Universal File, 58: samples to 13 digits               |
+/// | rpc       | .rpc .rsp .drv .tim| RPC III: header; samples as 32-bit floats              |
+/// | rpc_short | .rpc .rsp .drv .tim| RPC III: header; samples as 16-bit integers with scale |
 ///
-/// The layouts are described in docs/howto/record.md. Files of other programs are read as far as
-/// they make sense; what was left out or repaired is said in the reader's notes.
+/// The layouts are described in docs/howto/record.md and docs/rpc-iii.md. Files of other programs
+/// are read as far as they make sense; what was left out or repaired is said in the reader's notes.
 ///
 /// Named variables in a MAT file of version 5, for results that are no record.
 ///
@@ -35,13 +37,13 @@
 
 namespace hydrapod::data {
 
-enum class RecordFormat { hdf5, mat5, mat73, csv, uff, uff_ascii };
+enum class RecordFormat { hdf5, mat5, mat73, csv, uff, uff_ascii, rpc, rpc_short };
 
-/// "hdf5", "mat5", "mat73", "csv", "uff", "uff-ascii".
+/// "hdf5", "mat5", "mat73", "csv", "uff", "uff-ascii", "rpc", "rpc-short".
 std::string_view format_text(RecordFormat format);
 std::optional<RecordFormat> format_from_text(std::string_view text);
-/// What a file of that name is written as (.mat as mat5, .uff as uff). Throws base::InputError
-/// naming the endings that are known.
+/// What a file of that name is written as (.mat as mat5, .uff as uff, .rsp as rpc). Throws
+/// base::InputError naming the endings that are known.
 RecordFormat format_of_ending(const std::string& path);
 
 /// Writes a record sample by sample into `PATH.part`, which becomes PATH at close(): until then a
@@ -63,6 +65,9 @@ class RecordWriter {
   /// base::ComputationError.
   std::string close(bool complete = true) { return finish(complete); }
 
+  /// What the format could not hold of the record; complete after close().
+  [[nodiscard]] virtual std::vector<base::Diagnostic> notes() const { return {}; }
+
  private:
   virtual std::string finish(bool complete) = 0;
 };
@@ -83,7 +88,7 @@ struct ReadOptions {
 /// What a file of a measurement holds.
 enum class FileKind {
   record,
-  frequency_responses,  ///< Universal File with functions of type 4
+  frequency_responses,  ///< Universal File with functions of type 4, or a table of text
   modal_results,        ///< Universal File with modes (dataset 55) and no function
   mode_table,           ///< CSV with a column of frequencies and none of times
   json,

@@ -1,0 +1,453 @@
+/// Frequency responses as tables of text: a column of frequencies, and two columns per response,
+/// real and imaginary part or magnitude and phase.
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <optional>
+
+#include "channel_units.hpp"
+#include "formats.hpp"
+#include "hydrapod/base/text.hpp"
+#include "hydrapod/base/units.hpp"
+#include "hydrapod/data/frequency_response.hpp"
+#include "response_files.hpp"
+#include "table_head.hpp"
+
+namespace hydrapod::data {
+
+namespace {
+
+enum class TablePart {
+  none,
+  frequency,
+  real,
+  imaginary,
+  magnitude,
+  phase,
+  deviation,
+  coherence,
+  time
+};
+
+struct PartWord {
+  std::string_view word;
+  TablePart part;
+};
+constexpr std::array part_words{
+    PartWord{"real", TablePart::real},           PartWord{"re", TablePart::real},
+    PartWord{"imaginary", TablePart::imaginary}, PartWord{"imag", TablePart::imaginary},
+    PartWord{"im", TablePart::imaginary},        PartWord{"magnitude", TablePart::magnitude},
+    PartWord{"mag", TablePart::magnitude},       PartWord{"abs", TablePart::magnitude},
+    PartWord{"amplitude", TablePart::magnitude}, PartWord{"amp", TablePart::magnitude},
+    PartWord{"modulus", TablePart::magnitude},   PartWord{"betrag", TablePart::magnitude},
+    PartWord{"phase", TablePart::phase},         PartWord{"arg", TablePart::phase},
+    PartWord{"angle", TablePart::phase},         PartWord{"deviation", TablePart::deviation},
+    PartWord{"coherence", TablePart::coherence}, PartWord{"coh", TablePart::coherence},
+    PartWord{"frequency", TablePart::frequency}, PartWord{"freq", TablePart::frequency},
+    PartWord{"frequenz", TablePart::frequency},  PartWord{"omega", TablePart::frequency},
+    PartWord{"time", TablePart::time},           PartWord{"zeit", TablePart::time}};
+
+bool is_letter(char c) {
+  return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || static_cast<unsigned char>(c) >= 0x80;
+}
+
+/// What a column of a table holds: its part of a response, and the name that is left of its title.
+struct TableColumn {
+  TablePart part{};
+  std::string name{};
+  std::string unit{};
+  unsigned column{};  ///< of its title in the line
+};
+
+/// Takes the word that names a part off `text`.
+TablePart take_part(std::string& text) {
+  for (std::size_t begin = 0; begin < text.size();) {
+    std::size_t end = begin;
+    while (end < text.size() && is_letter(text[end])) ++end;
+    const std::string word = base::lower_case(text.substr(begin, end - begin));
+    const auto found = std::ranges::find(part_words, word, &PartWord::word);
+    if (found == part_words.end()) {
+      begin = end + 1;
+      continue;
+    }
+    std::string rest = text.substr(end);
+    if (base::lower_case(rest.substr(0, 5)) == " part") rest.erase(0, 5);
+    text = text.substr(0, begin) + rest;
+    return found->part;
+  }
+  return TablePart::none;
+}
+
+std::string bare_name(std::string_view text) {
+  constexpr std::string_view marks = " \t_-.:,|()[]{}<>";
+  const std::size_t begin = text.find_first_not_of(marks);
+  if (begin == text.npos) return {};
+  return std::string(text.substr(begin, text.find_last_not_of(marks) - begin + 1));
+}
+
+/// "H11 [m/N]", "H11 (m/N)"; "H11 (real)" and "Re(H11)" have no unit.
+void take_unit(TableColumn& column) {
+  const std::string& text = column.name;
+  const bool square = text.ends_with(']');
+  if (!square && !text.ends_with(')')) return;
+  const std::size_t open = text.rfind(square ? '[' : '(');
+  if (open == text.npos || open == 0) return;
+  std::string inside = text.substr(open + 1, text.size() - open - 2);
+  const std::string unit = inside;
+  if (take_part(inside) != TablePart::none) return;
+  if (!square && text[open - 1] != ' ' && text[open - 1] != '_') return;
+  column.unit = base::trimmed(unit);
+  column.name = text.substr(0, open);
+}
+
+TableColumn table_column(const base::TableCell& cell) {
+  TableColumn column{.name = clean_text(cell.text), .column = cell.column};
+  take_unit(column);
+  column.part = take_part(column.name);
+  column.name = bare_name(column.name);
+  const std::string lower = base::lower_case(column.name);
+  for (const std::string_view unit : {"degrees", "deg", "rad"})  // "phase_deg"
+    if (column.part == TablePart::phase && column.unit.empty() && lower.ends_with(unit)) {
+      column.unit = unit == "rad" ? "rad" : "deg";
+      column.name = bare_name(column.name.substr(0, column.name.size() - unit.size()));
+    }
+  const bool hertz = lower == "hz" || lower == "khz" || column.unit == "Hz" || column.unit == "kHz";
+  if (column.part == TablePart::none && (hertz || lower == "f")) column.part = TablePart::frequency;
+  if (column.part == TablePart::frequency && column.unit.empty())
+    column.unit = lower == "khz" ? "kHz" : lower == "rad_s" ? "rad/s" : "Hz";
+  return column;
+}
+
+struct PairColumns {
+  std::string name{};
+  std::size_t first{}, second{};  ///< real and imaginary part, or magnitude and phase
+  std::optional<std::size_t> deviation{};
+  bool polar{};
+};
+
+/// The columns that are one response each, in the order of their first ones.
+std::vector<PairColumns> pairs_of(const std::vector<TableColumn>& columns) {
+  std::vector<bool> used(columns.size(), false);
+  const auto partner = [&](std::size_t from, TablePart part) -> std::optional<std::size_t> {
+    for (std::size_t c = 0; c < columns.size(); ++c)
+      if (!used[c] && columns[c].part == part && columns[c].name == columns[from].name) {
+        used[c] = true;
+        return c;
+      }
+    return {};
+  };
+  std::vector<PairColumns> pairs;
+  for (std::size_t c = 0; c < columns.size(); ++c) {
+    const bool polar = columns[c].part == TablePart::magnitude;
+    if (used[c] || (!polar && columns[c].part != TablePart::real)) continue;
+    const auto second = partner(c, polar ? TablePart::phase : TablePart::imaginary);
+    if (!second) continue;
+    used[c] = true;
+    pairs.push_back({columns[c].name, c, *second, partner(c, TablePart::deviation), polar});
+  }
+  return pairs;
+}
+
+struct ResponseName {
+  std::string output{}, input{};
+  int output_point{}, input_point{};
+};
+
+/// "a1/F", "a1 from F", "H12" (output 1, input 2); another name is one of an output.
+ResponseName response_name(const std::string& name) {
+  for (const std::string_view between : {" / ", "/", " from ", " due to "}) {
+    const std::size_t at = name.find(between);
+    if (at == name.npos || at == 0 || name.find(between, at + 1) != name.npos) continue;
+    return {bare_name(name.substr(0, at)), bare_name(name.substr(at + between.size()))};
+  }
+  std::string digits;
+  for (const char c : name)
+    if (c >= '0' && c <= '9') digits += c;
+  const bool only_digits = digits.size() == 2 && (name.starts_with('H') || name.starts_with('h')) &&
+                           name.find_first_not_of("Hh_,(){} 0123456789") == name.npos;
+  if (only_digits) {
+    const int o = digits[0] - '0', i = digits[1] - '0';
+    return {fmt::format("output {}", o), fmt::format("input {}", i), o, i};
+  }
+  return {name.empty() ? "response" : name, "input"};
+}
+
+struct ResponseUnit {
+  ChannelUnit output{}, input{};
+};
+
+/// "m/s^2/N", "(m/s^2)/N", "g/N": the last slash parts them, unless a time stands behind it.
+ResponseUnit response_unit(std::string text) {
+  text = std::string(base::trimmed(text));
+  const auto enclosed = [](std::string_view part) {
+    part = base::trimmed(part);
+    if (part.size() > 1 && part.front() == '(' && part.back() == ')')
+      part = part.substr(1, part.size() - 2);
+    return std::string(part);
+  };
+  int depth = 0;
+  for (std::size_t k = text.size(); k-- > 1;) {
+    if (text[k] == ')') ++depth;
+    if (text[k] == '(') --depth;
+    if (text[k] != '/' || depth != 0) continue;
+    const ChannelUnit below = channel_unit(enclosed(text.substr(k + 1)));
+    if (!below.known || below.unit == "s" || below.unit == "s^2") break;
+    return {channel_unit(enclosed(text.substr(0, k))), below};
+  }
+  return {channel_unit(enclosed(text)), {}};
+}
+
+class ResponseTable {
+ public:
+  explicit ResponseTable(const std::string& path) : notes_(path), table_(path) {
+    head_ = read_table_head(table_, notes_, [](std::string_view, unsigned) {});
+    if (!head_.first_row) return;
+    const TableNames names = table_names(head_, table_.style.separator, false, notes_);
+    for (std::size_t c = 0; c < head_.columns; ++c) {
+      columns_.push_back(table_column(names.titles[c]));
+      if (!names.units.empty() && !names.units[c].empty()) columns_.back().unit = names.units[c];
+    }
+    pairs_ = pairs_of(columns_);
+  }
+
+  [[nodiscard]] bool holds_responses() const {
+    const auto has = [&](TablePart part) {
+      return std::ranges::find(columns_, part, &TableColumn::part) != columns_.end();
+    };
+    return !pairs_.empty() && has(TablePart::frequency) && !has(TablePart::time);
+  }
+
+  ReadFrequencyResponsesResult read() {
+    if (!holds_responses())
+      notes_.fail(
+          "this is no table of frequency responses: expected are titles that name a frequency, and "
+          "per response a real and an imaginary part or a magnitude and a phase (\"Hz, re a/F, im "
+          "a/F\")");
+    frequency_column_ = static_cast<std::size_t>(
+        std::ranges::find(columns_, TablePart::frequency, &TableColumn::part) - columns_.begin());
+    read_rows();
+    settle_phases();
+    return {assembled(), notes_.all()};
+  }
+
+ private:
+  void read_rows() {
+    const ChannelUnit unit = channel_unit(columns_[frequency_column_].unit);
+    const bool circular = unit.unit == "rad/s";
+    if (!circular && unit.unit != "Hz" && unit.unit != "s^-1" && unit.unit != "1/s")
+      notes_.fail(
+          fmt::format("the unit \"{}\" of the frequencies is unknown; accepted are Hz, kHz "
+                      "and rad/s",
+                      base::printable(columns_[frequency_column_].unit)));
+    const double factor = unit.factor / (circular ? base::two_pi : 1.0);
+    table_.go_to(*head_.first_row);
+    std::string_view line;
+    constexpr std::size_t most = std::size_t{1} << 27U;  // numbers, 1 GiB
+    while (table_.next_line(line)) {
+      if (!take_row(line)) continue;
+      rows_.back()[frequency_column_] *= factor;
+      require_ascending();
+      if (rows_.size() * head_.columns > most)
+        notes_.fail("the table is larger than fits into memory", table_.line());
+    }
+  }
+
+  bool take_row(std::string_view line) {
+    std::vector<double> row;
+    base::TableCells cells(line, table_.style.separator);
+    std::string_view cell;
+    for (std::size_t c = 0; c < head_.columns && cells.next(cell); ++c) {
+      const auto value = base::table_number(cell, table_.style.decimal_comma);
+      if (is_needed(c) && (!value || !std::isfinite(*value)))
+        notes_.fail(fmt::format("\"{}\" is not a finite number; a response needs a value at every "
+                                "frequency",
+                                base::printable(cell, 30)),
+                    table_.line(), cells.column());
+      row.push_back(value.value_or(std::numeric_limits<double>::quiet_NaN()));
+    }
+    if (row.size() < head_.columns && !table_.line_was_ended()) {
+      notes_.add("the file is cut off within this line, which is left out", table_.line());
+      return false;
+    }
+    if (row.size() < head_.columns)
+      notes_.fail(fmt::format("{} fields instead of {}", row.size(), head_.columns), table_.line());
+    rows_.push_back(std::move(row));
+    return true;
+  }
+
+  [[nodiscard]] bool is_needed(std::size_t column) const {
+    return column == frequency_column_ || std::ranges::any_of(pairs_, [&](const PairColumns& p) {
+             return column == p.first || column == p.second;
+           });
+  }
+
+  void require_ascending() const {
+    const double now = rows_.back()[frequency_column_];
+    const double before = rows_.size() > 1 ? rows_[rows_.size() - 2][frequency_column_] : -1.0;
+    if (now < 0.0 || now <= before)
+      notes_.fail(
+          fmt::format("the frequency {} Hz does not ascend; expected are frequencies from 0 "
+                      "Hz on, each above the one before",
+                      now),
+          table_.line());
+  }
+
+  /// Phases without a unit are degrees where they go up to some 180 or 360; else nobody knows.
+  void settle_phases() {
+    for (const PairColumns& pair : pairs_) {
+      TableColumn& phase = columns_[pair.second];
+      if (!pair.polar || !phase.unit.empty()) continue;
+      double largest = 0.0;
+      for (const auto& row : rows_) largest = std::max(largest, std::abs(row[pair.second]));
+      constexpr double least_degrees = 60.0, most_degrees = 360.001;  // 60 rad turn ten times
+      if (largest < least_degrees || largest > most_degrees)
+        notes_.fail(fmt::format("the phase \"{}\" has no unit, and its values may be degrees or "
+                                "radians; title it with its unit (\"phase [deg]\" or \"phase "
+                                "[rad]\")",
+                                base::printable(pair.name)),
+                    head_.texts.empty() ? 0 : head_.texts.back().number, phase.column);
+      phase.unit = "deg";
+      notes_.add("phases without a unit are taken for degrees", 0, 0, "phase");
+    }
+  }
+
+  [[nodiscard]] std::complex<double> value(const PairColumns& pair,
+                                           const std::vector<double>& row) const {
+    if (!pair.polar) return {row[pair.first], row[pair.second]};
+    const bool decibel = base::lower_case(columns_[pair.first].unit).starts_with("db");
+    const double magnitude = decibel ? std::pow(10.0, row[pair.first] / 20.0) : row[pair.first];
+    return std::polar(1.0, channel_unit(columns_[pair.second].unit).factor * row[pair.second]) *
+           magnitude;
+  }
+
+  static std::size_t number_of(const Channel& channel, std::vector<Channel>& channels) {
+    const auto at = std::ranges::find(channels, channel.name, &Channel::name);
+    if (at != channels.end()) return static_cast<std::size_t>(at - channels.begin());
+    channels.push_back(channel);
+    return channels.size() - 1;
+  }
+
+  struct Place {
+    Eigen::Index output{}, input{};
+    double factor{1.0};  ///< to SI
+  };
+
+  Place place_of(const PairColumns& pair, FrequencyResponses& all) {
+    const ResponseName name = response_name(pair.name);
+    std::string written = columns_[pair.first].unit;
+    if (const std::string lower = base::lower_case(written); lower.starts_with("db")) {
+      const std::size_t re = lower.find("re");
+      written = re == lower.npos ? "" : written.substr(re + 2);
+    }
+    const ResponseUnit unit = response_unit(written);
+    const double factor = unit.output.factor / unit.input.factor;
+    if (factor != 1.0)
+      notes_.add(fmt::format("\"{}\": \"{}\" converted to SI, times {}", base::printable(pair.name),
+                             base::printable(written), factor),
+                 0, 0, "unit");
+    const auto o = number_of({.name = name.output,
+                              .unit = unit.output.unit,
+                              .role = Role::response,
+                              .point = name.output_point},
+                             all.outputs);
+    const auto i = number_of({.name = name.input,
+                              .unit = unit.input.unit,
+                              .role = Role::excitation,
+                              .point = name.input_point},
+                             all.inputs);
+    return {static_cast<Eigen::Index>(o), static_cast<Eigen::Index>(i), factor};
+  }
+
+  FrequencyResponses assembled() {
+    FrequencyResponses all;
+    std::vector<Place> places;
+    for (const PairColumns& pair : pairs_) places.push_back(place_of(pair, all));
+    const auto rows = static_cast<Eigen::Index>(all.outputs.size());
+    const auto columns = static_cast<Eigen::Index>(all.inputs.size());
+    require_all_pairs(places, all);
+    const bool deviations =
+        std::ranges::all_of(pairs_, [](const PairColumns& p) { return p.deviation.has_value(); });
+    for (const auto& row : rows_) {
+      all.frequency.push_back(row[frequency_column_]);
+      Eigen::MatrixXcd H(rows, columns);
+      Eigen::MatrixXd V(rows, columns);
+      for (std::size_t k = 0; k < pairs_.size(); ++k) {
+        const auto& [o, i, factor] = places[k];
+        H(o, i) = factor * value(pairs_[k], row);
+        if (deviations) V(o, i) = std::pow(factor * row[*pairs_[k].deviation], 2);
+      }
+      all.H.push_back(H);
+      if (deviations && V.allFinite() && V.mean() > 0.0) add_variance(V, all);
+    }
+    if (all.noise.size() != all.H.size()) {
+      all.noise.clear();
+      all.input_factor.clear();
+    }
+    add_coherence(all);
+    return all;
+  }
+
+  /// V_oi ≈ n_o q_i, by the means of rows and columns.
+  static void add_variance(const Eigen::MatrixXd& V, FrequencyResponses& all) {
+    const Eigen::VectorXcd noise = V.rowwise().mean().cast<std::complex<double>>();
+    const Eigen::VectorXcd factor =
+        (V.colwise().mean().transpose() / V.mean()).cast<std::complex<double>>();
+    all.noise.emplace_back(noise.asDiagonal());
+    all.input_factor.emplace_back(factor.asDiagonal());
+  }
+
+  void require_all_pairs(const std::vector<Place>& places, const FrequencyResponses& all) const {
+    Eigen::MatrixXi found = Eigen::MatrixXi::Zero(static_cast<Eigen::Index>(all.outputs.size()),
+                                                  static_cast<Eigen::Index>(all.inputs.size()));
+    for (const Place& place : places) ++found(place.output, place.input);
+    for (Eigen::Index o = 0; o < found.rows(); ++o)
+      for (Eigen::Index i = 0; i < found.cols(); ++i)
+        if (found(o, i) != 1)
+          notes_.fail(
+              fmt::format("the response of {} to {} stands {} in the table; expected are "
+                          "all pairs of outputs and inputs, once each",
+                          base::printable(all.outputs[static_cast<std::size_t>(o)].name),
+                          base::printable(all.inputs[static_cast<std::size_t>(i)].name),
+                          found(o, i) == 0 ? "nowhere" : "more than once"));
+  }
+
+  /// Where every output has a column of coherences.
+  void add_coherence(FrequencyResponses& all) const {
+    std::vector<std::size_t> columns;
+    for (const Channel& output : all.outputs)
+      for (std::size_t c = 0; c < columns_.size(); ++c)
+        if (columns_[c].part == TablePart::coherence &&
+            (columns_[c].name == output.name || all.outputs.size() == 1))
+          columns.push_back(c);
+    if (columns.size() != all.outputs.size()) return;
+    for (const auto& row : rows_) {
+      Eigen::VectorXd coherence(static_cast<Eigen::Index>(columns.size()));
+      for (std::size_t k = 0; k < columns.size(); ++k)
+        coherence[static_cast<Eigen::Index>(k)] = row[columns[k]];
+      if (!coherence.allFinite()) return all.multiple_coherence.clear();
+      all.multiple_coherence.push_back(coherence);
+    }
+  }
+
+  Notes notes_;
+  base::TableReader table_;
+  TableHead head_{};
+  std::vector<TableColumn> columns_{};
+  std::vector<PairColumns> pairs_{};
+  std::size_t frequency_column_{};
+  std::vector<std::vector<double>> rows_{};
+};
+
+}  // namespace
+
+bool is_response_table(const std::string& path) { return ResponseTable(path).holds_responses(); }
+
+ReadFrequencyResponsesResult read_response_table(const std::string& path) {
+  return ResponseTable(path).read();
+}
+
+}  // namespace hydrapod::data

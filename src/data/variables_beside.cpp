@@ -1,0 +1,134 @@
+#include "variables_beside.hpp"
+
+#include <fmt/format.h>
+
+#include <array>
+#include <cmath>
+
+#include "channel_units.hpp"
+#include "formats.hpp"
+#include "hydrapod/base/text.hpp"
+
+namespace hydrapod::data {
+
+namespace {
+
+constexpr std::array<std::string_view, 10> time_words{
+    "t", "time", "times", "zeit", "tout", "x_time", "time_s", "timestamp", "tvec", "time_vector"};
+constexpr std::array<std::string_view, 14> rate_words{"fs",
+                                                      "sample_rate",
+                                                      "samplerate",
+                                                      "sample_rate_hz",
+                                                      "sampling_rate",
+                                                      "samplingrate",
+                                                      "srate",
+                                                      "rate",
+                                                      "f_s",
+                                                      "fsample",
+                                                      "sfreq",
+                                                      "samplingfrequency",
+                                                      "sampling_frequency",
+                                                      "samplefrequency"};
+constexpr std::array<std::string_view, 10> step_words{
+    "dt",      "ts",     "t_s",         "step",       "increment",
+    "delta_t", "deltat", "sample_time", "sampletime", "sampling_interval"};
+constexpr std::array<std::string_view, 4> start_words{"start_value", "x_start", "t0", "start_time"};
+/// What analysers put beside the samples of a channel, by the ending of the samples' name: "Signal"
+/// of Simcenter Testlab has its samples in Signal.y_values.values and their unit in
+/// Signal.y_values.quantity.label, "Channel_1" of PULSE in Channel_1_Data and
+/// Channel_1_Header.Unit.
+struct Companions {
+  std::string_view samples;
+  std::array<std::string_view, 3> names;
+  std::array<std::string_view, 3> units;
+};
+constexpr std::array companions{
+    Companions{".y_values.values",
+               {".function_record.name", ".name", ".label"},
+               {".y_values.quantity.label", ".y_values.unit", ".unit"}},
+    Companions{"_data",
+               {"_header.signalname", "_header.title", "_name"},
+               {"_header.unit", "_unit", "_units"}},
+    Companions{".data", {".name", ".label", ".title"}, {".unit", ".units", ".y_unit"}},
+    Companions{".values", {".name", ".label", ".title"}, {".unit", ".units", ".y_unit"}},
+    Companions{".y", {".name", ".label", ".title"}, {".unit", ".units", ".y_unit"}},
+    Companions{"_values", {"_items", "_names", "_name"}, {"_units", "_unit", "_unit"}}};
+
+/// Endings of what stands beside samples and states their sampling.
+constexpr std::array<std::string_view, 3> sampling_groups{".x_values", "_header", ".x"};
+
+/// Does a variable with this name state something of `samples`?
+bool is_beside(const std::string& name, const std::vector<std::string>& samples) {
+  const std::size_t at = name.find_last_of("/.");
+  if (at == name.npos) return true;
+  std::string group = base::lower_case(name.substr(0, at));
+  for (const std::string_view ending : sampling_groups)
+    if (group.ends_with(ending)) group.resize(group.size() - ending.size());
+  return std::ranges::any_of(samples, [&](const std::string& sample) {
+    return base::lower_case(sample).starts_with(group);
+  });
+}
+
+/// The texts called `stem` and one of `endings`: a list of `count`, or one text.
+std::vector<std::string> texts_called(const std::vector<Variable>& variables,
+                                      const std::string& stem,
+                                      std::span<const std::string_view> endings,
+                                      std::size_t count) {
+  for (const std::string_view ending : endings)
+    for (const Variable& v : variables) {
+      if (base::lower_case(v.name) != stem + std::string(ending)) continue;
+      if (v.kind == VariableKind::text) return std::vector<std::string>(count, v.text);
+      if (v.kind == VariableKind::texts && v.texts.size() == count) return v.texts;
+    }
+  return {};
+}
+
+}  // namespace
+
+bool is_one_of(std::span<const std::string_view> words, const std::string& name) {
+  const std::size_t at = name.find_last_of("/.");
+  const std::string last = base::lower_case(at == name.npos ? name : name.substr(at + 1));
+  return std::ranges::find(words, last) != words.end();
+}
+
+bool is_time_variable(const std::string& name) { return is_one_of(time_words, name); }
+bool is_start_name(const std::string& name) { return is_one_of(start_words, name); }
+
+std::vector<RateVariable> rates_beside(const std::vector<Variable>& variables,
+                                       const std::vector<std::string>& samples) {
+  std::vector<RateVariable> beside, others;
+  for (const Variable& v : variables) {
+    if (v.kind != VariableKind::numbers || v.fast * v.slow != 1) continue;
+    if (!std::isfinite(v.number) || v.number <= 0.0) continue;
+    auto& list = is_beside(v.name, samples) ? beside : others;
+    constexpr double near = 1e-9;  // 1/0.01 is 100
+    if (is_one_of(rate_words, v.name)) list.push_back({v.number, v.name});
+    if (is_one_of(step_words, v.name)) list.push_back({rounded_rate(1.0 / v.number, near), v.name});
+  }
+  return beside.empty() ? others : beside;
+}
+
+ChannelTexts texts_beside(const std::vector<Variable>& variables, const std::string& samples,
+                          std::size_t channels) {
+  const std::string name = base::lower_case(samples);
+  const auto known = std::ranges::find_if(
+      companions, [&](const Companions& c) { return name.ends_with(c.samples); });
+  if (known == companions.end()) return {};
+  const std::string stem = name.substr(0, name.size() - known->samples.size());
+  return {texts_called(variables, stem, known->names, channels),
+          texts_called(variables, stem, known->units, channels)};
+}
+
+void require_time_axes(const std::vector<Variable>& variables, const Notes& notes) {
+  for (const Variable& v : variables) {
+    const std::string name = base::lower_case(v.name);
+    if (v.kind != VariableKind::text || !name.ends_with(".x_values.quantity.label")) continue;
+    if (v.text.empty() || channel_unit(v.text).unit == "s") continue;
+    notes.fail(
+        fmt::format("{} is \"{}\": these are no samples over time. Frequency responses are "
+                    "read from Universal Files and tables of text",
+                    base::printable(v.name), base::printable(v.text)));
+  }
+}
+
+}  // namespace hydrapod::data

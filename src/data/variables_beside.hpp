@@ -1,0 +1,44 @@
+#pragma once
+/// What stands beside the samples in files of named arrays: times, rates, names, units.
+
+#include <algorithm>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "notes.hpp"
+#include "variable_file.hpp"
+
+namespace hydrapod::data {
+
+/// Is the last part of `name` ("group/name", "structure.name") one of `words`? All small letters.
+bool is_one_of(std::span<const std::string_view> words, const std::string& name);
+
+bool is_time_variable(const std::string& name);
+/// Of a number that is the time of the first sample.
+bool is_start_name(const std::string& name);
+
+/// A sample rate that a variable states.
+struct RateVariable {
+  double hertz{};
+  std::string name{};
+};
+
+/// All of them; where some stand beside the arrays `samples`, in their group or structure or on
+/// top, only these.
+std::vector<RateVariable> rates_beside(const std::vector<Variable>& variables,
+                                       const std::vector<std::string>& samples);
+
+struct ChannelTexts {
+  std::vector<std::string> names{}, units{};  ///< one per channel, or none at all
+};
+
+/// What analysers put beside the samples of some channels.
+ChannelTexts texts_beside(const std::vector<Variable>& variables, const std::string& samples,
+                          std::size_t channels);
+
+/// Fails where an axis is in another unit than one of time: it belongs to spectra.
+void require_time_axes(const std::vector<Variable>& variables, const Notes& notes);
+
+}  // namespace hydrapod::data
