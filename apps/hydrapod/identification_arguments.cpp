@@ -98,7 +98,8 @@ void add_identification_options(Command command, IdentificationArguments& a) {
   command.add_options(
       {{"--from", a.from, "Lowest frequency, Hz or with a unit; default: from the record"},
        {"--to", a.to, "Highest frequency, Hz or with a unit; default: from the record"},
-       {"--order", a.order, "Highest model order", range(4, 100)},
+       {"--order", a.order, "Highest model order; default: from the number of references",
+        range(4, 200)},
        {"--highest-damping", a.highest_damping,
         "Damping ratio in % above which a pole is not counted as a mode", range(0.1, 90.0)},
        {"--against", a.against,

@@ -28,7 +28,7 @@ struct MeasurementArguments {
 struct IdentificationArguments {
   MeasurementArguments measurement{};
   std::string from{}, to{};
-  int order{40};
+  int order{};                   ///< 0: follows from the references
   double highest_damping{30.0};  ///< [%]
   std::string against{"auto"};
 };

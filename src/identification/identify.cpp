@@ -7,12 +7,14 @@
 #include <cmath>
 #include <ranges>
 
+#include "assumed_errors.hpp"
 #include "fit_covariance.hpp"
 #include "harmonics.hpp"
 #include "hydrapod/base/error.hpp"
 #include "hydrapod/identification/cross_check.hpp"
 #include "hydrapod/identification/responses.hpp"
 #include "repeated_modes.hpp"
+#include "residual_tests.hpp"
 #include "search.hpp"
 #include "weak_modes.hpp"
 
@@ -292,9 +294,18 @@ void add_realised(const IdentifyOptions& options, Search& s) {
   }
 }
 
+/// Where responses came without errors: those that what is left of them shows.
+void settle_errors(const IdentifyOptions& options, Identification& result) {
+  if (!result.errors_assumed || result.model.modes.empty()) return;
+  const auto rest = residual_of(result.responses, result.model, options.fit.taper);
+  result.responses =
+      with_assumed_errors(std::move(result.responses), rest.H, true, options.assumed_errors);
+}
+
 /// Modes from what was found, and such as show only beside them.
-Identification fitted(const IdentifyOptions& options, Search s) {
+Identification fitted(const IdentifyOptions& options, Search s, bool errors_assumed) {
   Identification result;
+  result.errors_assumed = errors_assumed;
   if (s.responses.whole) add_realised(options, s);
   result.responses = std::move(s.responses);
   result.chart = std::move(s.chart);
@@ -303,8 +314,10 @@ Identification fitted(const IdentifyOptions& options, Search s) {
   fit_and_prune(options, std::move(s.clusters), result);
   // what follows takes errors of lines as independent, which those of half spectra are not
   if (result.responses.whole) return result;
+  settle_errors(options, result);
   const std::size_t strong = result.clusters.size();
   add_weak_modes(options, result);
+  settle_errors(options, result);
   add_hidden_modes(options, result);
   add_second_of_pairs(options, strong, result);
   return result;
@@ -376,22 +389,56 @@ void add_warnings(const IdentifyOptions& options, Identification& result) {
   }
   if (result.model.misfit > options.largest_misfit)
     result.warnings.push_back({.kind = Kind::misfit, .value = result.model.misfit});
+  if (result.unexplained.empty()) return;
+  const auto& worst = result.unexplained.front();
+  const auto& r = result.responses;
+  std::vector<std::pair<Index, Index>> entries;
+  for (const auto& part : result.unexplained) entries.emplace_back(part.output, part.input);
+  std::ranges::sort(entries);
+  const auto repeated = std::ranges::unique(entries);
+  const auto count = static_cast<std::int64_t>(repeated.begin() - entries.begin());
+  result.warnings.push_back({.kind = Kind::unexplained,
+                             .value = worst.level,
+                             .from = worst.from,
+                             .to = worst.to,
+                             .smooth = worst.smooth,
+                             .share = worst.share,
+                             .output = r.outputs[static_cast<std::size_t>(worst.output)].name,
+                             .input = r.inputs[static_cast<std::size_t>(worst.input)].name,
+                             .count = count,
+                             .total = r.H[0].size()});
+}
+
+/// Asks what noise explains, and tells the modes there.
+void test_residual(const IdentifyOptions& options, Identification& result) {
+  result.unexplained =
+      unexplained_parts(result.responses, result.model, options, result.errors_assumed);
+  for (auto& mode : result.modes)
+    for (const auto& part : result.unexplained) {
+      const double f = mode.fit.omega() / two_pi;
+      if (f < part.from || f > part.to) continue;
+      mode.explained = std::min({mode.explained, 1.0 / std::max(part.level, 1.0),
+                                 1.0 - std::clamp(part.smooth, 0.0, 1.0)});
+    }
 }
 
 }  // namespace
 
-Identification identify_modes(const FrequencyResponses& responses, const IdentifyOptions& given,
+Identification identify_modes(const FrequencyResponses& given, const IdentifyOptions& asked,
                               const std::function<void(double)>& progress) {
-  auto options = given;
-  if (responses.whole) options.least_significance = given.least_significance_of_outputs;
-  if (responses.lines() < fewest_lines)
+  auto options = asked;
+  if (given.whole) options.least_significance = asked.least_significance_of_outputs;
+  if (given.lines() < fewest_lines)
     throw base::ComputationError(
         fmt::format("{} frequencies are too few to find modes in; at "
                     "least {} are needed",
-                    responses.lines(), fewest_lines));
-  auto result = fitted(options, search_in_best_band(responses, options, progress));
+                    given.lines(), fewest_lines));
+  const bool assumed = !given.has_errors();
+  const auto responses =
+      assumed ? with_assumed_errors(given, given.H, false, options.assumed_errors) : given;
+  auto result = fitted(options, search_in_best_band(responses, options, progress), assumed);
   if (const auto narrower = band_of_few_lines(options, result)) {
-    auto other = fitted(options, search(responses, *narrower, options, progress));
+    auto other = fitted(options, search(responses, *narrower, options, progress), assumed);
     if (!other.model.modes.empty()) result = std::move(other);
   }
   if (!result.model.modes.empty()) {
@@ -400,7 +447,9 @@ Identification identify_modes(const FrequencyResponses& responses, const Identif
   }
   add_shape_deviations(options, result);
   list_modes(options, result);
+  if (!given.whole) test_residual(options, result);
   add_warnings(options, result);
+  if (assumed) remove_errors(result.responses);
   return result;
 }
 

@@ -249,7 +249,8 @@ OrderPoles poles_of(const Problem& p, const Normal& normal, const MatrixXd& alph
 std::vector<OrderPoles> poly_reference_poles(const FrequencyResponses& responses,
                                              const OrderRange& orders,
                                              const std::function<void(double)>& progress) {
-  if (orders.lowest < 1 || orders.highest < orders.lowest || orders.step < 1)
+  if (orders.lowest < 1 || (orders.highest != 0 && orders.highest < orders.lowest) ||
+      orders.step < 0)
     throw std::invalid_argument(fmt::format("orders from {} to {} in steps of {} are not valid",
                                             orders.lowest, orders.highest, orders.step));
   if (responses.lines() < 4)
@@ -258,12 +259,17 @@ std::vector<OrderPoles> poly_reference_poles(const FrequencyResponses& responses
   const Problem problem = make_problem(responses);
   // 2 real equations per line and input against (n + 1) (1 + 1/outputs…) unknowns: keep half spare
   const int bearable = std::max(1, static_cast<int>(problem.lines()) / 2 - 1);
-  const int highest = std::min(orders.highest, bearable);
+  const int inputs = static_cast<int>(problem.inputs());
+  const int asked = orders.highest != 0
+                        ? orders.highest
+                        : std::max(orders.fewest, (orders.poles + inputs - 1) / inputs);
+  const int highest = std::min(asked, bearable);
+  const int step = orders.step != 0 ? orders.step : std::max(1, 2 * highest / orders.fewest);
   const Normal normal = make_normal(problem, make_sums(problem, highest), highest);
   const double largest = two_pi * responses.frequency.back() * 1.0;
   Reduction reduction(normal);
   std::vector<OrderPoles> all;
-  for (int order = std::min(orders.lowest, highest); order <= highest; order += orders.step) {
+  for (int order = std::min(orders.lowest, highest); order <= highest; order += step) {
     all.push_back(
         poles_of(problem, normal, reduction.denominator(problem.inputs(), order), order, largest));
     for (auto& e : all.back().poles) e.pole += responses.shift;

@@ -12,17 +12,6 @@ namespace hydrapod::identification {
 
 namespace {
 
-FrequencyResponses residual_of(const FrequencyResponses& responses, const ModalModel& model,
-                               bool taper) {
-  const PoleBasis basis(responses, taper);
-  std::vector<PoleLines> lines;
-  for (const auto& mode : model.modes) lines.push_back(basis.at(mode.pole));
-  FrequencyResponses rest = responses;
-  for (std::size_t k = 0; k < rest.lines(); ++k)
-    rest.H[k] -= modelled(model, lines, static_cast<Index>(k), responses);
-  return rest;
-}
-
 /// Lines where the residual is most conspicuous, apart from each other, while it stands out.
 std::vector<Index> places(const FrequencyResponses& rest, const WeakModeOptions& options) {
   VectorXd value = signal_to_noise(rest, options.reach);
@@ -55,6 +44,17 @@ FrequencyResponses around(const FrequencyResponses& rest, Index place,
 }
 
 }  // namespace
+
+FrequencyResponses residual_of(const FrequencyResponses& responses, const ModalModel& model,
+                               bool taper) {
+  const PoleBasis basis(responses, taper);
+  std::vector<PoleLines> lines;
+  for (const auto& mode : model.modes) lines.push_back(basis.at(mode.pole));
+  FrequencyResponses rest = responses;
+  for (std::size_t k = 0; k < rest.lines(); ++k)
+    rest.H[k] -= modelled(model, lines, static_cast<Index>(k), responses);
+  return rest;
+}
 
 std::vector<PoleCluster> weak_poles(const FrequencyResponses& responses, const ModalModel& model,
                                     const IdentifyOptions& options) {

@@ -10,6 +10,10 @@
 
 namespace hydrapod::identification {
 
+/// What `model` leaves of the responses, with their errors.
+FrequencyResponses residual_of(const FrequencyResponses& responses, const ModalModel& model,
+                               bool taper);
+
 /// Clusters of poles in the residual of `model`, the most conspicuous places first; none where the
 /// residual is noise. Needs responses with known errors, else none.
 std::vector<PoleCluster> weak_poles(const FrequencyResponses& responses, const ModalModel& model,

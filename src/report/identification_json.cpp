@@ -185,6 +185,7 @@ void describe(Fields& f, identification::IdentifiedMode& mode) {
   f.maybe("mpd_rad", mode.mpd);
   f.maybe("persistence", mode.persistence);
   f.maybe("vector_consistency", mode.vector_consistency);
+  f.unless(1.0, "explained", mode.explained);
   f.derived("quality", mode.quality());
 }
 
@@ -277,6 +278,16 @@ void describe(Fields& f, data::Harmonic& harmonic) {
 }
 
 template <class Fields>
+void describe(Fields& f, identification::Unexplained& part) {
+  f.counted("output", part.output);
+  f.counted("input", part.input);
+  f.pair("band_hz", part.from, part.to);
+  f("level", part.level);
+  f("smooth", part.smooth);
+  f("share", part.share);
+}
+
+template <class Fields>
 void describe(Fields& f, identification::Identification& result) {
   std::array band{result.from, result.to};
   f.maybe("inputs", result.responses.inputs);
@@ -288,6 +299,8 @@ void describe(Fields& f, identification::Identification& result) {
   f.maybe("rejected", result.left_out);
   f.maybe("fit_error", result.model.error);
   f.maybe("misfit", result.model.misfit);
+  f.unless(false, "errors_assumed", result.errors_assumed);
+  f.maybe("unexplained", result.unexplained);
   f.derived("warnings", texts(result.warnings));
   f.maybe("findings", result.warnings);
   if constexpr (Fields::reads) {

@@ -2,7 +2,9 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
+#include <cmath>
 
 namespace hydrapod::report {
 
@@ -80,6 +82,14 @@ std::string warning_text(const identification::ModeWarning& w) {
           "the modal model misses the responses by {:.1f} times their noise (mean square): a mode "
           "may be missing, or the machine is not linear; the intervals are widened accordingly",
           w.value);
+    case Kind::unexplained:
+      return fmt::format(
+          "the modal model does not explain {} of {} responses; the worst is {} to {} from {:.4g} "
+          "Hz to {:.4g} Hz: the residual is {:.2g} times its noise (mean square), {:.0f} % of it "
+          "goes on from line to line, and it is {:.2g} % of the response; a mode may be missing "
+          "there, and the intervals of modes there cannot be trusted",
+          w.count, w.total, w.output, w.input, w.from, w.to, w.value,
+          100.0 * std::clamp(w.smooth, 0.0, 1.0), 100.0 * std::sqrt(w.share));
   }
   return {};
 }

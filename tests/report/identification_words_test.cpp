@@ -54,6 +54,19 @@ TEST(IdentificationWords, OfModes) {
               HasSubstr("5.0 samples per period"));
   EXPECT_THAT(warning_text(ModeWarning{.kind = Kind::misfit, .value = 3.21}),
               HasSubstr("misses the responses by 3.2 times their noise"));
+  EXPECT_THAT(warning_text(ModeWarning{.kind = Kind::unexplained,
+                                       .value = 41.3,
+                                       .from = 12.31,
+                                       .to = 19.7,
+                                       .smooth = 0.923,
+                                       .share = 0.0961,
+                                       .output = "y7",
+                                       .input = "u1",
+                                       .count = 3,
+                                       .total = 26}),
+              HasSubstr("3 of 26 responses; the worst is y7 to u1 from 12.31 Hz to 19.7 Hz: the "
+                        "residual is 41 times its noise (mean square), 92 % of it goes on from "
+                        "line to line, and it is 31 % of the response"));
   EXPECT_STREQ(words(identification::Objection::doubles), "repeats another pole");
   EXPECT_STREQ(words(identification::PoleStability::fresh), "new");
 }

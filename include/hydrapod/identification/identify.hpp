@@ -12,6 +12,11 @@
 ///    that double another (nearly the same pole and shape).
 /// 5. Modes with little damping are the machine's modes; heavily damped poles (a controller's, a
 ///    delay's) stay in the model and are listed apart.
+/// 6. Is the residual what noise explains, in every response and part of the band? Else the result
+///    says where it is not, and the quality of modes there falls.
+///
+/// Responses without errors get assumed ones, from what of them, and then of the residual, is rough
+/// along frequency: so 3 to 6 are the same for responses of records and of files.
 ///
 /// Poles from frequency responses: poly-reference least squares in the frequency domain (pLSCF).
 ///
@@ -105,8 +110,14 @@ struct OrderPoles {
   std::vector<PoleEstimate> poles{};  ///< oscillating, in the band; ascending in |λ|
 };
 
+/// highest = 0: as many as it takes for `poles` = n · p zeros of det A, p being the references (the
+/// smaller number of inputs and outputs), at least `fewest`; then step = 0: `fewest`/2 orders.
 struct OrderRange {
-  int lowest{2}, highest{40}, step{2};
+  int lowest{2}, highest{0}, step{0};
+  /// Half of the zeros are poles in the band, and noise takes two of three of these: 25 modes in a
+  /// band show up in the upper half of the orders.
+  int poles{160};
+  int fewest{40};  ///< order of the highest; many references need no fewer
 };
 
 /// Of the lines of `responses`; frequencies may be unevenly spaced. `progress` is told the share
@@ -264,6 +275,43 @@ struct TrialOptions {
   Certainty second{.near = 0.005, .damping = 1.0, .gain = 0.5};
 };
 
+/// Errors of responses that come without, as a file of a hammer test often does: see
+/// assumed_errors.hpp for how they are found.
+struct AssumedErrorOptions {
+  /// Lines on either side in the median: it scatters by 1.4/√(2 reach + 1), and sharp resonances
+  /// must fill less than half of them.
+  int reach{24};
+  /// Variance ≥ floor² |H|²: no sensor and no linear model is better than that.
+  double floor{1e-3};
+  /// Windows make neighbouring lines scatter together; lines so far apart do not.
+  int apart{3};
+  /// What is rough over lines that are `apart` is taken where it is this often that of adjacent
+  /// ones: with a Hann window it is three times, and else the same but for scatter.
+  double correlated{1.5};
+  int lags{2};  ///< of line_covariance that are estimated
+  /// Entries of the residual with |e|²/variance > outlier are no noise: its chance is e^−9.
+  double outlier{9.0};
+  double least_noise{0.1};  ///< mean |e|²/variance below this is rounding, not noise
+  double by_chance{3.0};    ///< correlations below by_chance/√(2 n) are taken as none
+};
+
+/// Is the residual what noise explains? Asked for each response in parts of the band that overlap
+/// by half. It is not where
+///
+///     level = mean |residual|²/variance   >   max(level, F quantile),   or
+///     smooth = Re Σ e_k* e_{k+d}/Σ |e_k|²  >   max(smooth, normal quantile),
+///
+/// d being the first distance at which the noise of lines is not correlated.
+struct ResidualTestOptions {
+  int lines{32};  ///< of a part; a resonance that matters is that wide with its flanks
+  /// Chance of one false alarm in all tests of responses that the model and its errors fit.
+  double false_alarm{0.01};
+  double level{2.0};   ///< so much is left over that it equals the noise
+  double smooth{0.4};  ///< so large a share of the residual is no noise
+  /// |residual|² ≤ negligible² |H|² is no matter, however small the noise.
+  double negligible{1e-3};
+};
+
 struct IdentifyOptions {
   std::optional<double> from{}, to{};  ///< band [Hz]; default: found as said above
   OrderRange orders{};
@@ -285,6 +333,17 @@ struct IdentifyOptions {
   int highest_residual_power{4};
   double fewest_samples{8.0};  ///< per period of a mode; with fewer aliasing is seen: a warning
   double largest_misfit{2.0};  ///< ModalModel::misfit > this is a warning; 1 is noise alone
+  AssumedErrorOptions assumed_errors{};
+  ResidualTestOptions residual_test{};
+};
+
+/// A response in a part of the band where the residual is more than noise.
+struct Unexplained {
+  Eigen::Index output{}, input{};
+  double from{}, to{};  ///< [Hz]
+  double level{};       ///< mean of |residual|²/variance
+  double smooth{};      ///< share of the residual that goes on from line to line
+  double share{};       ///< Σ|residual|²/Σ|H|²
 };
 
 struct IdentifiedMode {
@@ -297,8 +356,11 @@ struct IdentifiedMode {
   double vector_consistency{};
   double mpc{};  ///< of the displacement shape
   double mpd{};  ///< [rad]
-  /// Share of model orders that know it × MAC across them: 1 is best.
-  [[nodiscard]] double quality() const { return persistence * vector_consistency; }
+  /// Share of the residual around its frequency that noise explains: 1/Unexplained::level of the
+  /// worst response there, at most 1 − Unexplained::smooth; 1 where all is noise.
+  double explained{1.0};
+  /// Share of model orders that know it × MAC across them × `explained`: 1 is best.
+  [[nodiscard]] double quality() const { return persistence * vector_consistency * explained; }
 };
 
 /// Why a fitted mode is none; report::words has the words.
@@ -321,11 +383,16 @@ struct ModeWarning {
   enum class Kind {
     no_mode,      ///< between `from` and `to` [Hz]
     few_samples,  ///< value: samples per period of the highest mode
-    misfit        ///< value: ModalModel::misfit
+    misfit,       ///< value: ModalModel::misfit
+    unexplained   ///< value: Unexplained::level of the worst response, from `from` to `to`; of
+                  ///< `count` of `total` responses somewhere in the band
   };
   Kind kind{};
   double value{};
   double from{}, to{};
+  double smooth{}, share{};       ///< of Unexplained
+  std::string output{}, input{};  ///< names
+  std::int64_t count{}, total{};
 };
 
 struct Identification {
@@ -337,6 +404,11 @@ struct Identification {
   std::vector<FittedMode> heavily_damped{};
   std::vector<LeftOut> left_out{};
   double from{}, to{};  ///< [Hz]
+  /// Where the residual is more than noise, worst first: intervals of modes there are too narrow.
+  std::vector<Unexplained> unexplained{};
+  /// The responses came without errors; misfit, intervals and `unexplained` use what is rough
+  /// along frequency.
+  bool errors_assumed{};
   std::vector<ModeWarning> warnings{};
 };
 

@@ -1,0 +1,122 @@
+#include "assumed_errors.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+
+#include "hydrapod/numerics/statistics.hpp"
+#include "line_weights.hpp"
+
+namespace hydrapod::identification {
+
+namespace {
+
+/// |d_k|²/(1 + Σ l_j²) at the lines that have two neighbours on either side, `stride` apart.
+std::vector<double> rough_squares(const VectorXcd& values, const std::vector<double>& frequency,
+                                  Index stride) {
+  std::vector<double> squares;
+  for (Index k = 2 * stride; k + 2 * stride < values.size(); ++k) {
+    const std::array<Index, 4> at{k - 2 * stride, k - stride, k + stride, k + 2 * stride};
+    const auto f = [&](Index line) { return frequency[static_cast<std::size_t>(line)]; };
+    Complex rest = values[k];
+    double sum = 1.0;
+    for (const Index j : at) {
+      double weight = 1.0;
+      for (const Index m : at)
+        if (m != j) weight *= (f(k) - f(m)) / (f(j) - f(m));
+      rest -= weight * values[j];
+      sum += weight * weight;
+    }
+    squares.push_back(std::norm(rest) / sum);
+  }
+  return squares;
+}
+
+/// Running median of squares of complex normal numbers, as their variance, for every line.
+VectorXd rough_variance(const VectorXcd& values, const std::vector<double>& frequency, Index stride,
+                        Index reach) {
+  const auto squares = rough_squares(values, frequency, stride);
+  const auto count = static_cast<Index>(squares.size());
+  VectorXd variance = VectorXd::Zero(values.size());
+  if (count == 0) return variance;
+  for (Index k = 0; k < values.size(); ++k) {
+    const Index centre = std::clamp<Index>(k - 2 * stride, 0, count - 1);
+    const Index from = std::clamp<Index>(centre - reach, 0, std::max<Index>(0, count - 2 * reach)),
+                to = std::min(count, std::max(centre + reach, from + 2 * reach) + 1);
+    variance[k] =
+        numerics::upper_median({squares.begin() + from, squares.begin() + to}) / std::numbers::ln2;
+  }
+  return variance;
+}
+
+/// E[e_k e*_{k+d}]/E|e_k|² of all entries of a residual, lines apart where it is no noise.
+void add_line_covariance(FrequencyResponses& r, const std::vector<MatrixXcd>& rest,
+                         const AssumedErrorOptions& options) {
+  r.line_covariance = {1.0};
+  for (std::size_t d = 1; d <= static_cast<std::size_t>(options.lags); ++d) {
+    double together = 0.0, alone = 0.0, count = 0.0;
+    for (std::size_t k = 0; k + d < r.lines(); ++k)
+      for (Index o = 0; o < rest[k].rows(); ++o)
+        for (Index i = 0; i < rest[k].cols(); ++i) {
+          const Complex a = rest[k](o, i) / std::sqrt(r.variance(k, o, i)),
+                        b = rest[k + d](o, i) / std::sqrt(r.variance(k + d, o, i));
+          if (std::max(std::norm(a), std::norm(b)) > options.outlier) continue;
+          together += (std::conj(a) * b).real();
+          alone += 0.5 * (std::norm(a) + std::norm(b));
+          ++count;
+        }
+    if (!(alone > options.least_noise * count) ||
+        together < options.by_chance / std::sqrt(2.0 * count) * alone)
+      return;
+    r.line_covariance.emplace_back(together / alone);
+  }
+}
+
+}  // namespace
+
+FrequencyResponses with_assumed_errors(FrequencyResponses r, const std::vector<MatrixXcd>& rest,
+                                       bool fitted, const AssumedErrorOptions& options) {
+  const auto lines = static_cast<Index>(r.lines());
+  const Index outputs = r.H[0].rows(), inputs = r.H[0].cols();
+  std::vector<MatrixXd> variance(r.lines(), MatrixXd(outputs, inputs));
+  for (Index o = 0; o < outputs; ++o)
+    for (Index i = 0; i < inputs; ++i) {
+      VectorXcd values(lines);
+      VectorXd size(lines);
+      for (Index k = 0; k < lines; ++k) {
+        values[k] = rest[static_cast<std::size_t>(k)](o, i);
+        size[k] = std::norm(r.H[static_cast<std::size_t>(k)](o, i));
+      }
+      VectorXd rough = rough_variance(values, r.frequency, 1, options.reach);
+      if (fitted) {
+        const VectorXd apart = rough_variance(values, r.frequency, options.apart, options.reach);
+        if (apart.mean() > options.correlated * rough.mean()) rough = apart;
+      }
+      const double least = options.floor * options.floor;
+      size = least * (running_mean(size, 2).array() + options.floor * size.mean());
+      for (Index k = 0; k < lines; ++k)
+        variance[static_cast<std::size_t>(k)](o, i) = std::max(1e-300, rough[k] + size[k]);
+    }
+  VectorXd factor = VectorXd::Zero(inputs);
+  for (const auto& V : variance)
+    factor += (V.array().colwise() / V.rowwise().mean().array()).colwise().mean().matrix() /
+              static_cast<double>(lines);
+  r.noise.clear();
+  r.input_factor.assign(r.lines(), factor.cast<Complex>().asDiagonal());
+  for (const auto& V : variance) {
+    const VectorXd noise =
+        (V.array().rowwise() / factor.transpose().array()).rowwise().mean().matrix();
+    r.noise.emplace_back(noise.cast<Complex>().asDiagonal());
+  }
+  if (fitted) add_line_covariance(r, rest, options);
+  return r;
+}
+
+void remove_errors(FrequencyResponses& r) {
+  r.noise.clear();
+  r.input_factor.clear();
+  r.line_covariance = {1.0};
+}
+
+}  // namespace hydrapod::identification
