@@ -199,16 +199,9 @@ namespace {
 
 /// Null beyond the last kind.
 const char* code(identification::ModeWarning::Kind kind) {
-  using Kind = identification::ModeWarning::Kind;
-  switch (kind) {
-    case Kind::no_mode:
-      return "no_mode";
-    case Kind::few_samples:
-      return "few_samples";
-    case Kind::misfit:
-      return "misfit";
-  }
-  return nullptr;
+  constexpr std::array all{"no_mode", "few_samples", "misfit", "unexplained"};
+  const auto at = static_cast<std::size_t>(kind);
+  return at < all.size() ? all[at] : nullptr;
 }
 
 const char* code(data::ResponseWarning::Kind kind) {
@@ -252,6 +245,12 @@ void describe(Fields& f, identification::ModeWarning& warning) {
   f("value", warning.value);
   f("from_hz", warning.from);
   f("to_hz", warning.to);
+  f.unless(0.0, "smooth", warning.smooth);
+  f.unless(0.0, "share", warning.share);
+  f.unless(std::string(), "output", warning.output);
+  f.unless(std::string(), "input", warning.input);
+  f.unless(std::int64_t{0}, "count", warning.count);
+  f.unless(std::int64_t{0}, "total", warning.total);
 }
 
 template <class Fields>
