@@ -35,8 +35,9 @@ const data::Record& record() {
   return record;
 }
 
-identification::CrossSpectra spectra() {
-  identification::SpectrumEstimator estimator(record().header, {.block_length = block_length});
+identification::CrossSpectra spectra(int threads = 1) {
+  identification::SpectrumEstimator estimator(record().header,
+                                              {.block_length = block_length, .threads = threads});
   estimator.add(record().samples);
   return estimator.result();
 }
@@ -52,6 +53,14 @@ void responses_of_record(benchmark::State& state) {
 }
 BENCHMARK(responses_of_record)->Unit(benchmark::kMillisecond);
 
+void responses_on_all_cores(benchmark::State& state) {
+  record();
+  for (auto _ : state)
+    benchmark::DoNotOptimize(
+        identification::estimate_responses(spectra(0), six_by_six, identification::Estimator::h1));
+}
+BENCHMARK(responses_on_all_cores)->Unit(benchmark::kMillisecond)->UseRealTime();
+
 void spectra_of_record(benchmark::State& state) {
   record();
   for (auto _ : state) benchmark::DoNotOptimize(spectra());
@@ -62,11 +71,14 @@ BENCHMARK(spectra_of_record)->Unit(benchmark::kMillisecond);
 void transforms_of_record(benchmark::State& state) {
   numerics::RealFft fft(block_length);
   const numerics::RealFft::Block block = record().samples.topRows(block_length);
-  numerics::Lines lines;
+  const Eigen::RowVectorXd mean = block.colwise().mean();
+  const Eigen::VectorXd window =
+      identification::window_samples(identification::Window::hann, block_length);
+  std::vector<numerics::EightLines> lines(static_cast<std::size_t>(fft.line_groups() * channels));
   for (auto _ : state)
     for (int b = 0; b < 127; ++b) {
-      fft.forward(block, lines);
-      benchmark::DoNotOptimize(lines.re.data());
+      fft.forward(block, mean, window, lines.data(), channels);
+      benchmark::DoNotOptimize(lines.data());
     }
 }
 BENCHMARK(transforms_of_record)->Unit(benchmark::kMillisecond);

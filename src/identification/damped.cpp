@@ -249,13 +249,15 @@ void add_line(const CrossSpectra& spectra, const ChannelChoice& c, const MatrixX
   const MatrixXcd H = H_wr.topRows(outputs) * G;
   difference.rightCols(p) = -H;
   MatrixXcd V = difference * errors.W * difference.adjoint();
-  const MatrixXcd S = spectra.at(line);
-  keep_positive(S, c.outputs, V);
+  keep_positive(spectra, line, c.outputs, V);
   r.frequency.push_back(spectra.frequency(line));
   r.H.push_back(H);
   r.input_factor.push_back(G.adjoint() * errors.P * G);
   r.noise.push_back(scale * V);
-  add_quality(S, c, V, r);
+  auto quality = quality_of(spectra, line, c, V);
+  r.coherence.push_back(std::move(quality.coherence));
+  r.multiple_coherence.push_back(std::move(quality.multiple_coherence));
+  r.input_density.push_back(std::move(quality.input_density));
 }
 
 }  // namespace
@@ -274,15 +276,14 @@ FrequencyResponses damped_instrumental(const CrossSpectra& spectra, const Channe
   r.degrees = (K - p) * window.more_lines;
   r.shift = window.a;
   r.line_covariance = window.line_covariance;
-  const auto quiet = quiet_levels(spectra);
+  const VectorXd conditions = input_conditions(spectra, c.inputs, c.instruments);
   constexpr Index apart = 4;  // lines from where the mean was, and from the last one
   for (Index k = (first + apart) / 2; 2 * k + apart < spectra.lines(); ++k) {
     if (!(std::abs(D[static_cast<std::size_t>(2 * k)]) > options.least_share)) continue;
-    const double condition = input_condition(spectra.at(2 * k), c.inputs, c.instruments, quiet);
-    if (!(condition < singular_condition)) continue;
+    if (!(conditions[2 * k] < singular_condition)) continue;
     add_line(spectra, c, H[static_cast<std::size_t>(k)], mixed(f, D, 2 * k, window.kernel),
              window.noise / (K - p), 2 * k, r);
-    r.condition.push_back(condition);
+    r.condition.push_back(conditions[2 * k]);
   }
   if (r.lines() < options.least_lines) return estimate_responses(spectra, wanted, r.estimator);
   finish_checks(spectra, c, r);

@@ -10,6 +10,7 @@
 
 #include "hydrapod/numerics/dense.hpp"
 #include "line_weights.hpp"
+#include "matrix_roots.hpp"
 #include "names.hpp"
 
 namespace hydrapod::identification {
@@ -50,14 +51,26 @@ struct Sums {
   std::vector<MatrixXd> square;        // (n+1) × inputs², Σ w² Re(H_i* H_j e^(imθ))
 };
 
+/// cos and sin of mθ, m = 0 … order, in columns; of z^m = z^⌊m/2⌋ z^⌈m/2⌉.
+void make_powers(const Problem& p, int order, MatrixXd& cosine, MatrixXd& sine) {
+  cosine.setOnes(p.lines(), order + 1);
+  sine.setZero(p.lines(), order + 1);
+  for (Index k = 0; k < p.lines() && order > 0; ++k) {
+    cosine(k, 1) = std::cos(p.angle[static_cast<size_t>(k)]);
+    sine(k, 1) = std::sin(p.angle[static_cast<size_t>(k)]);
+  }
+  for (Index m = 2; m <= order; ++m) {
+    const auto c1 = cosine.col(m / 2).array(), c2 = cosine.col(m - m / 2).array();
+    const auto s1 = sine.col(m / 2).array(), s2 = sine.col(m - m / 2).array();
+    cosine.col(m) = c1 * c2 - s1 * s2;
+    sine.col(m) = s1 * c2 + c1 * s2;
+  }
+}
+
 Sums make_sums(const Problem& p, int order) {
   const Index lines = p.lines(), inputs = p.inputs();
-  MatrixXd cosine(lines, order + 1), sine(lines, order + 1);
-  for (Index k = 0; k < lines; ++k)
-    for (Index m = 0; m <= order; ++m) {
-      cosine(k, m) = std::cos(static_cast<double>(m) * p.angle[static_cast<size_t>(k)]);
-      sine(k, m) = std::sin(static_cast<double>(m) * p.angle[static_cast<size_t>(k)]);
-    }
+  MatrixXd cosine, sine;
+  make_powers(p, order, cosine, sine);
   Sums sums;
   sums.denominator = cosine.transpose() * p.weight;
   for (Index o = 0; o < p.outputs(); ++o) {
@@ -124,75 +137,105 @@ Normal make_normal(const Problem& p, const Sums& sums, int order) {
   return normal;
 }
 
-/// α (p (n+1) × p) with A_0 = I for one order. `reduced` is M of the highest order that was asked
-/// so far less the rows beyond.
-MatrixXd denominator(const Normal& normal, Index inputs, int order) {
-  const Index n = order + 1, size = inputs * n;
-  MatrixXd M = normal.square.topLeftCorner(size, size);
-  for (const auto& output : normal.outputs) {
-    const auto rows = output.reduced.topLeftCorner(n, size);
-    M.selfadjointView<Eigen::Lower>().rankUpdate(rows.transpose(), -1.0);
-  }
-  M.triangularView<Eigen::StrictlyUpper>() = M.transpose();
-  const Index rest = size - inputs;
-  MatrixXd alpha(size, inputs);
-  alpha.topRows(inputs).setIdentity();
-  const MatrixXd B = M.bottomLeftCorner(rest, inputs);
-  alpha.bottomRows(rest) = -numerics::solve_positive(M.bottomRightCorner(rest, rest), B);
-  return alpha;
-}
-
-/// Σ_k B_ok z^k for all outputs, given α: β_o = −R⁻¹ S_o α.
-class Numerator {
+/// M = Σ_o T_o − S_oᵀ R_o⁻¹ S_o, for orders that ascend: each takes away rows of L⁻¹ S.
+class Reduction {
  public:
-  Numerator(const Normal& normal, const MatrixXd& alpha, int order) {
-    const Index n = order + 1;
-    for (const auto& output : normal.outputs)
-      beta_.push_back(
-          -output.factor.topLeftCorner(n, n).transpose().triangularView<Eigen::Upper>().solve(
-              output.reduced.topLeftCorner(n, alpha.rows()) * alpha));
-  }
-  [[nodiscard]] MatrixXcd at(Complex z) const {
-    MatrixXcd B(static_cast<Index>(beta_.size()), beta_[0].cols());
-    for (Index o = 0; o < B.rows(); ++o) {
-      const auto& beta = beta_[static_cast<size_t>(o)];
-      Eigen::RowVectorXcd sum = Eigen::RowVectorXcd::Zero(B.cols());
-      for (Index k = beta.rows() - 1; k >= 0; --k) sum = sum * z + beta.row(k);
-      B.row(o) = sum;
+  explicit Reduction(const Normal& normal) : normal_(normal), M_(normal.square) {}
+
+  /// α (p (n+1) × p) with A_0 = I.
+  MatrixXd denominator(Index inputs, int order) {
+    const Index rows = order + 1 - rows_taken_, size = inputs * (order + 1);
+    MatrixXd taken(rows * static_cast<Index>(normal_.outputs.size()), M_.cols());
+    Index at = 0;
+    for (const auto& output : normal_.outputs) {
+      taken.middleRows(at, rows) = output.reduced.middleRows(rows_taken_, rows);
+      at += rows;
     }
-    return B;
+    M_.selfadjointView<Eigen::Lower>().rankUpdate(taken.transpose(), -1.0);
+    rows_taken_ = order + 1;
+    MatrixXd M = M_.topLeftCorner(size, size);
+    M.triangularView<Eigen::StrictlyUpper>() = M.transpose();
+    const Index rest = size - inputs;
+    MatrixXd alpha(size, inputs);
+    alpha.topRows(inputs).setIdentity();
+    const MatrixXd B = M.bottomLeftCorner(rest, inputs);
+    alpha.bottomRows(rest) = -numerics::solve_positive(M.bottomRightCorner(rest, rest), B);
+    return alpha;
   }
 
  private:
-  std::vector<MatrixXd> beta_;
+  const Normal& normal_;
+  MatrixXd M_;  // lower half
+  Index rows_taken_{};
 };
 
-/// Zeros of det A from the companion matrix of A(1/w) w^n, which is monic because of A_0 = I.
+/// B(z) = Σ_k B_k z^k for all outputs, given α: β_o = −R⁻¹ S_o α.
+class Numerator {
+ public:
+  Numerator(const Normal& normal, const MatrixXd& alpha, int order)
+      : inputs_(alpha.cols()),
+        beta_(order + 1, alpha.cols() * static_cast<Index>(normal.outputs.size())) {
+    const Index n = order + 1;
+    Index at = 0;
+    for (const auto& output : normal.outputs) {
+      beta_.middleCols(at, inputs_) =
+          -output.factor.topLeftCorner(n, n).transpose().triangularView<Eigen::Upper>().solve(
+              output.reduced.topLeftCorner(n, alpha.rows()) * alpha);
+      at += inputs_;
+    }
+  }
+  /// B(z) v of each z and v.
+  [[nodiscard]] std::vector<VectorXcd> times(const std::vector<Complex>& z,
+                                             const std::vector<MatrixRoot>& roots) const {
+    MatrixXd re(static_cast<Index>(z.size()), beta_.rows()), im = re;
+    for (Index r = 0; r < re.rows(); ++r) {
+      Complex power = 1.0;
+      for (Index k = 0; k < re.cols(); ++k, power *= z[static_cast<size_t>(r)]) {
+        re(r, k) = power.real();
+        im(r, k) = power.imag();
+      }
+    }
+    const MatrixXd B_re = numerics::times(re, beta_), B_im = numerics::times(im, beta_);
+    std::vector<VectorXcd> products;
+    for (Index r = 0; r < re.rows(); ++r) {
+      products.emplace_back(VectorXcd::Zero(beta_.cols() / inputs_));
+      for (Index k = 0; k < beta_.cols(); ++k)
+        products.back()[k / inputs_] +=
+            Complex(B_re(r, k), B_im(r, k)) * roots[static_cast<size_t>(r)].right[k % inputs_];
+    }
+    return products;
+  }
+
+ private:
+  Index inputs_;
+  MatrixXd beta_;  // powers × outputs · inputs
+};
+
+/// Zeros of det A: those of A(1/w) w^n, which is monic because of A_0 = I.
 OrderPoles poles_of(const Problem& p, const Normal& normal, const MatrixXd& alpha, int order,
                     double highest) {
-  const Index inputs = p.inputs(), size = inputs * order;
-  MatrixXd companion = MatrixXd::Zero(size, size);
-  if (order > 1) companion.topRightCorner(size - inputs, size - inputs).setIdentity();
-  for (Index k = 0; k < order; ++k)  // w^k has the coefficient A_{n−k}
-    companion.block(size - inputs, k * inputs, inputs, inputs) =
-        -alpha.middleRows((order - k) * inputs, inputs);
-  const auto [values, vectors, converged] = numerics::eigen_pairs(companion);
+  const Index inputs = p.inputs();
+  std::vector<MatrixXd> A;
+  for (Index k = 1; k <= order; ++k) A.emplace_back(alpha.middleRows(k * inputs, inputs));
+  const auto iterated = iterated_roots(A);
+  auto roots = iterated ? *iterated : companion_roots(A);
+  const auto pole_of = [&](Complex w) {
+    return -std::log(w) / p.period + Complex(0.0, two_pi * p.from);
+  };
+  std::erase_if(roots, [&](const MatrixRoot& root) {
+    const double turn = std::arg(1.0 / root.value);
+    return std::abs(root.value) < 1e-12 || turn <= 0.0 || turn >= std::numbers::pi * (1.0 - 1e-9) ||
+           std::abs(pole_of(root.value)) > highest;
+  });
+  std::vector<Complex> z;
+  for (const auto& root : roots) z.push_back(1.0 / root.value);
+  const auto shapes = Numerator(normal, alpha, order).times(z, roots);
   OrderPoles found{.order = order, .poles = {}};
-  if (!converged) return found;
-  const MatrixXcd left = numerics::inverse(vectors);
-  const Numerator numerator(normal, alpha, order);
-  for (Index r = 0; r < size; ++r) {
-    const Complex w = values[r];
-    if (std::abs(w) < 1e-12) continue;
-    const Complex z = 1.0 / w, s = std::log(z) / p.period;
-    PoleEstimate e;
-    e.pole = s + Complex(0.0, two_pi * p.from);
-    if (s.imag() <= 0.0 || std::arg(z) >= std::numbers::pi * (1.0 - 1e-9)) continue;
-    if (std::abs(e.pole) > highest) continue;
+  for (std::size_t r = 0; r < roots.size(); ++r) {
+    const Complex w = roots[r].value;
+    PoleEstimate e{.pole = pole_of(w), .shape = shapes[r], .participation = roots[r].left};
     // A⁻¹ = z⁻ⁿ Σ v ℓᵀ/(w_z − w), w_z = 1/z; dw/ds = −T w
-    const Complex scale = std::pow(w, order) / (-p.period * w);
-    e.shape = scale * (numerator.at(z) * vectors.col(r).head(inputs));
-    e.participation = left.row(r).tail(inputs).transpose();
+    e.shape *= std::pow(w, order) / (-p.period * w);
     if (!e.shape.allFinite() || !e.participation.allFinite()) continue;
     if (p.transposed) e.shape.swap(e.participation);
     found.poles.push_back(std::move(e));
@@ -218,10 +261,11 @@ std::vector<OrderPoles> poly_reference_poles(const FrequencyResponses& responses
   const int highest = std::min(orders.highest, bearable);
   const Normal normal = make_normal(problem, make_sums(problem, highest), highest);
   const double largest = two_pi * responses.frequency.back() * 1.0;
+  Reduction reduction(normal);
   std::vector<OrderPoles> all;
   for (int order = std::min(orders.lowest, highest); order <= highest; order += orders.step) {
     all.push_back(
-        poles_of(problem, normal, denominator(normal, problem.inputs(), order), order, largest));
+        poles_of(problem, normal, reduction.denominator(problem.inputs(), order), order, largest));
     for (auto& e : all.back().poles) e.pole += responses.shift;
     if (progress) progress(static_cast<double>(order * order) / (highest * highest));
   }

@@ -2,8 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <Eigen/Eigenvalues>
-#include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -192,63 +190,33 @@ FrequencyResponses without_lines(const CrossSpectra& spectra, Estimator estimato
   return r;
 }
 
-void keep_positive(const MatrixXcd& S, const std::vector<int>& outputs, MatrixXcd& V) {
+void keep_positive(const CrossSpectra& spectra, Index line, const std::vector<int>& outputs,
+                   MatrixXcd& V) {
   for (Index o = 0; o < V.rows(); ++o) {
     const int channel = outputs[static_cast<std::size_t>(o)];
-    V(o, o) = std::max(V(o, o).real(), 1e-15 * std::abs(S(channel, channel)));
+    V(o, o) = std::max(V(o, o).real(), 1e-15 * spectra.re(line, pair(channel, channel)));
   }
 }
 
-std::vector<double> quiet_levels(const CrossSpectra& spectra) {
-  constexpr double quiet = 1e-8;  // of the strongest line
-  std::vector<double> levels;
-  for (std::size_t c = 0; c < spectra.channels.size(); ++c) {
-    const auto channel = static_cast<int>(c);
-    const auto density = spectra.re.col(pair(channel, channel));
-    levels.push_back(quiet * density.bottomRows(spectra.lines() - 1).maxCoeff());
-  }
-  return levels;
-}
-
-double input_condition(const MatrixXcd& S, const std::vector<int>& inputs,
-                       const std::vector<int>& others, const std::vector<double>& quiet) {
-  constexpr double none = std::numeric_limits<double>::infinity();
-  const auto level = [&](int c) { return S(c, c).real(); };
-  for (const auto* list : {&inputs, &others})
-    for (const int c : *list)
-      if (level(c) <= quiet[static_cast<std::size_t>(c)]) return none;
-  MatrixXcd A = S(inputs, others);
-  for (std::size_t i = 0; i < inputs.size(); ++i)
-    for (std::size_t j = 0; j < others.size(); ++j)
-      A(static_cast<Index>(i), static_cast<Index>(j)) /=
-          std::sqrt(level(inputs[i]) * level(others[j]));
-  if (inputs == others) {  // Hermitian: a tenth of the work of a singular value decomposition
-    const Eigen::SelfAdjointEigenSolver<MatrixXcd> solver(A, Eigen::EigenvaluesOnly);
-    const double least = solver.eigenvalues()[0];
-    return least > 0.0 ? solver.eigenvalues()[A.rows() - 1] / least : none;
-  }
-  const VectorXd s = Eigen::JacobiSVD<MatrixXcd>(A).singularValues();
-  return s[s.size() - 1] > 0.0 ? s[0] / s[s.size() - 1] : none;
-}
-
-void add_quality(const MatrixXcd& S, const ChannelChoice& c, const MatrixXcd& V,
-                 FrequencyResponses& r) {
-  const auto level = [&](int channel) { return S(channel, channel).real(); };
-  MatrixXd coherence(c.outputs.size(), c.inputs.size());
-  VectorXd multiple(c.outputs.size()), density(c.inputs.size());
+LineQuality quality_of(const CrossSpectra& spectra, Index line, const ChannelChoice& c,
+                       const MatrixXcd& V) {
+  const auto level = [&](int channel) { return spectra.re(line, pair(channel, channel)); };
+  LineQuality quality{.coherence = MatrixXd(c.outputs.size(), c.inputs.size()),
+                      .multiple_coherence = VectorXd(c.outputs.size()),
+                      .input_density = VectorXd(c.inputs.size())};
   for (std::size_t o = 0; o < c.outputs.size(); ++o) {
     const double power = level(c.outputs[o]);
     for (std::size_t i = 0; i < c.inputs.size(); ++i) {
       const double product = power * level(c.inputs[i]);
-      coherence(o, i) = product > 0.0 ? std::norm(S(c.outputs[o], c.inputs[i])) / product : 0.0;
+      const Index both = pair(c.outputs[o], c.inputs[i]);
+      const double re = spectra.re(line, both), im = spectra.im(line, both);
+      quality.coherence(o, i) = product > 0.0 ? (re * re + im * im) / product : 0.0;
     }
     const double noise = V(static_cast<Index>(o), static_cast<Index>(o)).real();
-    multiple[o] = power > 0.0 ? std::clamp(1.0 - noise / power, 0.0, 1.0) : 0.0;
+    quality.multiple_coherence[o] = power > 0.0 ? std::clamp(1.0 - noise / power, 0.0, 1.0) : 0.0;
   }
-  for (std::size_t i = 0; i < c.inputs.size(); ++i) density[i] = level(c.inputs[i]);
-  r.coherence.push_back(std::move(coherence));
-  r.multiple_coherence.push_back(std::move(multiple));
-  r.input_density.push_back(std::move(density));
+  for (std::size_t i = 0; i < c.inputs.size(); ++i) quality.input_density[i] = level(c.inputs[i]);
+  return quality;
 }
 
 void finish_checks(const CrossSpectra& spectra, const ChannelChoice& choice,

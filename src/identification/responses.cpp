@@ -3,14 +3,14 @@
 #include <fmt/format.h>
 
 #include <Eigen/Eigenvalues>
-#include <Eigen/LU>
-#include <Eigen/SVD>
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 
-#include "hydrapod/base/error.hpp"
+#include "hydrapod/numerics/parallel.hpp"
 #include "hydrapod/numerics/statistics.hpp"
+#include "line_matrix.hpp"
 #include "names.hpp"
 #include "response_checks.hpp"
 
@@ -18,15 +18,11 @@ namespace hydrapod::identification {
 
 namespace {
 
-MatrixXcd part(const MatrixXcd& S, const std::vector<int>& rows, const std::vector<int>& columns) {
-  return S(rows, columns);
-}
-
 /// Total least squares for one output: the smallest eigenvector of the scaled (u, y) matrix.
 Eigen::RowVectorXcd hv_row(const MatrixXcd& S, const std::vector<int>& inputs, int output) {
   auto all = inputs;
   all.push_back(output);
-  MatrixXcd A = part(S, all, all);
+  MatrixXcd A = S(all, all);
   const VectorXd level = A.diagonal().real().cwiseSqrt();
   A = level.cwiseInverse().asDiagonal() * A * level.cwiseInverse().asDiagonal();
   const Eigen::SelfAdjointEigenSolver<MatrixXcd> solver(A);
@@ -37,40 +33,166 @@ Eigen::RowVectorXcd hv_row(const MatrixXcd& S, const std::vector<int>& inputs, i
   return level[p] * row * level.head(p).cwiseInverse().asDiagonal();
 }
 
-struct LineEstimate {
-  MatrixXcd H, Q;
+using Channels = std::vector<int>;
+using Lines = std::array<Index, together>;
+
+/// S or N of some lines, for rows and columns of channels.
+class SomeSpectra {
+ public:
+  SomeSpectra(const MatrixXd& re, const MatrixXd& im, const Lines& lines)
+      : re_(re), im_(im), lines_(lines) {}
+  [[nodiscard]] LineMatrix part(const Channels& rows, const Channels& columns) const {
+    LineMatrix S(static_cast<Index>(rows.size()), static_cast<Index>(columns.size()));
+    for (Index i = 0; i < S.rows(); ++i)
+      for (Index j = 0; j < S.cols(); ++j)
+        load(rows[static_cast<std::size_t>(i)], columns[static_cast<std::size_t>(j)], S(i, j));
+    return S;
+  }
+
+ private:
+  void load(Index row, Index column, ComplexLines& to) const {
+    const Index a = std::max(row, column), b = std::min(row, column), pair = a * (a + 1) / 2 + b;
+    const double sign = row < column ? -1.0 : 1.0;
+    for (int k = 0; k < together; ++k) {
+      to.re[k] = re_(lines_[static_cast<std::size_t>(k)], pair);
+      to.im[k] = sign * im_(lines_[static_cast<std::size_t>(k)], pair);
+    }
+  }
+
+  const MatrixXd &re_, &im_;
+  Lines lines_;
 };
 
-LineEstimate estimate_line(const MatrixXcd& S, const ChannelChoice& c, Estimator estimator) {
-  const bool instrumental = estimator == Estimator::instrumental;
-  const auto& R = instrumental ? c.instruments : c.inputs;
-  const MatrixXcd S_uR = part(S, c.inputs, R);
-  const MatrixXcd G = S_uR.partialPivLu().inverse();
-  LineEstimate e;
-  e.Q = G.adjoint() * part(S, R, R) * G;
-  if (estimator == Estimator::h2) {
-    e.H = part(S, c.outputs, c.outputs) * part(S, c.inputs, c.outputs).partialPivLu().inverse();
-  } else if (estimator == Estimator::hv) {
-    e.H.resize(static_cast<Index>(c.outputs.size()), static_cast<Index>(c.inputs.size()));
-    for (std::size_t o = 0; o < c.outputs.size(); ++o)
-      e.H.row(static_cast<Index>(o)) = hv_row(S, c.inputs, c.outputs[o]);
-  } else {
-    e.H = part(S, c.outputs, R) * G;
-  }
-  return e;
+/// Lines `first` … of `all`; beyond its end the last one again.
+Lines lines_from(const std::vector<Index>& all, std::size_t first) {
+  Lines lines{};
+  for (std::size_t k = 0; k < lines.size(); ++k)
+    lines[k] = all[std::min(first + k, all.size() - 1)];
+  return lines;
+}
+
+struct LineEstimates {
+  LineMatrix H, Q;
+};
+
+LineEstimates estimate_lines(const SomeSpectra& S, const ChannelChoice& c, Estimator estimator) {
+  const auto& R = estimator == Estimator::instrumental ? c.instruments : c.inputs;
+  const LineMatrix G = inverse(S.part(c.inputs, R));
+  LineMatrix Q = times(adjoint(G), times(S.part(R, R), G));
+  if (estimator == Estimator::h2)
+    return {times(S.part(c.outputs, c.outputs), inverse(S.part(c.inputs, c.outputs))),
+            std::move(Q)};
+  return {times(S.part(c.outputs, R), G), std::move(Q)};
 }
 
 /// (I, −H) S (I, −H)ᴴ: the spectrum of what H does not explain.
-MatrixXcd residual_spectrum(const MatrixXcd& S, const ChannelChoice& c, const MatrixXcd& H) {
-  const MatrixXcd S_yu = part(S, c.outputs, c.inputs);
-  const MatrixXcd cross = S_yu * H.adjoint();
-  MatrixXcd V = part(S, c.outputs, c.outputs) - cross - cross.adjoint() +
-                H * part(S, c.inputs, c.inputs) * H.adjoint();
-  keep_positive(S, c.outputs, V);
+LineMatrix residual_spectra(const SomeSpectra& S, const ChannelChoice& c, const LineMatrix& H) {
+  const LineMatrix cross = times_adjoint(S.part(c.outputs, c.inputs), H),
+                   explained = times_adjoint(times(H, S.part(c.inputs, c.inputs)), H);
+  LineMatrix V = S.part(c.outputs, c.outputs);
+  for (Index i = 0; i < V.rows(); ++i)
+    for (Index j = 0; j < V.cols(); ++j) {
+      V(i, j).re += explained(i, j).re - cross(i, j).re - cross(j, i).re;
+      V(i, j).im += explained(i, j).im - cross(i, j).im + cross(j, i).im;
+    }
   return V;
 }
 
+MatrixXcd hv_estimate(const MatrixXcd& S, const ChannelChoice& c) {
+  MatrixXcd H(c.outputs.size(), c.inputs.size());
+  for (std::size_t o = 0; o < c.outputs.size(); ++o)
+    H.row(static_cast<Index>(o)) = hv_row(S, c.inputs, c.outputs[o]);
+  return H;
+}
+
+/// What all lines have in common.
+struct Estimation {
+  const CrossSpectra& spectra;
+  const ChannelChoice& choice;
+  Estimator estimator;
+  double noise_divisor;
+};
+
+/// Lines `first` … first + together − 1 of `r`, which are `all[first]` … of the spectra.
+void estimate(const Estimation& e, const std::vector<Index>& all, std::size_t first,
+              FrequencyResponses& r) {
+  const auto lines = lines_from(all, first);
+  const SomeSpectra S(e.spectra.re, e.spectra.im, lines);
+  auto found = estimate_lines(S, e.choice, e.estimator);
+  if (e.estimator == Estimator::hv)
+    for (int k = 0; k < together; ++k)
+      found.H.set(k, hv_estimate(e.spectra.at(lines[static_cast<std::size_t>(k)]), e.choice));
+  const LineMatrix V = residual_spectra(
+      e.spectra.options.periodic ? SomeSpectra(e.spectra.noise_re, e.spectra.noise_im, lines) : S,
+      e.choice, found.H);
+  for (std::size_t k = first; k < std::min(first + together, all.size()); ++k) {
+    const auto own = static_cast<int>(k - first);
+    r.H[k] = found.H.at(own);
+    r.input_factor[k] = found.Q.at(own);
+    MatrixXcd unexplained = V.at(own);
+    keep_positive(e.spectra, all[k], e.choice.outputs, unexplained);
+    auto quality = quality_of(e.spectra, all[k], e.choice, unexplained);
+    r.noise[k] = unexplained / e.noise_divisor;
+    r.coherence[k] = std::move(quality.coherence);
+    r.multiple_coherence[k] = std::move(quality.multiple_coherence);
+    r.input_density[k] = std::move(quality.input_density);
+  }
+}
+
+/// Per channel the density below which a line is not excited.
+std::vector<double> quiet_levels(const CrossSpectra& spectra) {
+  constexpr double quiet = 1e-8;  // of the strongest line
+  std::vector<double> levels;
+  for (Index c = 0; c < static_cast<Index>(spectra.channels.size()); ++c) {
+    const auto density = spectra.re.col(c * (c + 3) / 2);
+    levels.push_back(quiet * density.bottomRows(spectra.lines() - 1).maxCoeff());
+  }
+  return levels;
+}
+
+/// The same on several threads, which begin sooner than so many lines are done.
+int threads_for(const CrossSpectra& spectra, std::size_t lines) {
+  constexpr std::size_t worth_threads = 500;
+  return lines < worth_threads ? 1 : spectra.options.threads;
+}
+
 }  // namespace
+
+VectorXd input_conditions(const CrossSpectra& spectra, const Channels& inputs,
+                          const Channels& others) {
+  const auto quiet = quiet_levels(spectra);
+  const auto excited = [&](Index line, const Channels& channels) {
+    return std::ranges::all_of(channels, [&](Index c) {
+      return spectra.re(line, c * (c + 3) / 2) > quiet[static_cast<std::size_t>(c)];
+    });
+  };
+  VectorXd conditions =
+      VectorXd::Constant(spectra.lines(), std::numeric_limits<double>::infinity());
+  std::vector<Index> lines;
+  for (Index line = 0; line < spectra.lines(); ++line)
+    if (excited(line, inputs) && excited(line, others)) lines.push_back(line);
+  const std::size_t groups = (lines.size() + together - 1) / together;
+  numerics::parallel_for(groups, threads_for(spectra, lines.size()), [&](std::size_t group) {
+    const auto own = lines_from(lines, group * together);
+    LineMatrix A = SomeSpectra(spectra.re, spectra.im, own).part(inputs, others);
+    const auto scale = [&](int channel, int k) {
+      const Index c = channel;
+      return 1.0 / std::sqrt(spectra.re(own[static_cast<std::size_t>(k)], c * (c + 3) / 2));
+    };
+    for (Index i = 0; i < A.rows(); ++i)
+      for (Index j = 0; j < A.cols(); ++j)
+        for (int k = 0; k < together; ++k) {
+          const double s = scale(inputs[static_cast<std::size_t>(i)], k) *
+                           scale(others[static_cast<std::size_t>(j)], k);
+          A(i, j).re[k] *= s;
+          A(i, j).im[k] *= s;
+        }
+    SomeLines found;
+    condition(std::move(A), found);
+    for (int k = 0; k < together; ++k) conditions[own[static_cast<std::size_t>(k)]] = found[k];
+  });
+  return conditions;
+}
 
 double confidence_radius(double probability, double degrees) {
   if (!(degrees > 0.0)) return std::sqrt(-std::log1p(-probability));  // F(2, ∞)
@@ -90,21 +212,22 @@ FrequencyResponses estimate_responses(const CrossSpectra& spectra, const Channel
   if (widened) r.taper = lag_taper(spectra.window);
   // the mean and the slow rest of it are in the first lines, in as many as the window is wide
   const Index first = periodic ? 1 : static_cast<Index>(r.line_covariance.size());
-  const auto quiet = quiet_levels(spectra);
-  const auto& others = estimator == Estimator::instrumental ? c.instruments : c.inputs;
+  const VectorXd conditions = input_conditions(
+      spectra, c.inputs, estimator == Estimator::instrumental ? c.instruments : c.inputs);
+  std::vector<Index> lines;
   for (Index line = first; line < spectra.lines() - 1; ++line) {
-    const MatrixXcd S = spectra.at(line);
-    const double condition = input_condition(S, c.inputs, others, quiet);
-    if (!(condition < singular_condition)) continue;
-    const LineEstimate e = estimate_line(S, c, estimator);
-    const MatrixXcd V = residual_spectrum(periodic ? spectra.noise_at(line) : S, c, e.H);
+    if (!(conditions[line] < singular_condition)) continue;
+    lines.push_back(line);
     r.frequency.push_back(spectra.frequency(line));
-    r.H.push_back(e.H);
-    r.input_factor.push_back(e.Q);
-    r.noise.push_back(periodic ? MatrixXcd(V / K) : MatrixXcd(V / (K - p)));
-    r.condition.push_back(condition);
-    add_quality(S, c, V, r);
+    r.condition.push_back(conditions[line]);
   }
+  for (auto* values : {&r.H, &r.input_factor, &r.noise}) values->resize(lines.size());
+  r.coherence.resize(lines.size());
+  for (auto* values : {&r.multiple_coherence, &r.input_density}) values->resize(lines.size());
+  const Estimation estimation{spectra, c, estimator, periodic ? K : K - p};
+  numerics::parallel_for(
+      (lines.size() + together - 1) / together, threads_for(spectra, lines.size()),
+      [&](std::size_t group) { estimate(estimation, lines, group * together, r); });
   finish_checks(spectra, c, r);
   return r;
 }

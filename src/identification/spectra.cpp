@@ -3,20 +3,28 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <numeric>
 #include <stdexcept>
 
+#include "cross_products.hpp"
 #include "hydrapod/numerics/fft.hpp"
+#include "hydrapod/numerics/parallel.hpp"
 #include "names.hpp"
 
 namespace hydrapod::identification {
 
 namespace {
 
-constexpr Index tile = 32;           // lines whose sums stay in the first-level cache
-constexpr std::size_t gathered = 8;  // blocks that are added up together
+// Blocks are taken many at a time: the sums of all pairs, which are larger than the processor's
+// caches, are then read and written that much less often.
+constexpr Index most_blocks = 16;
+constexpr Index most_numbers = Index{1} << 22;  // samples of all blocks taken at a time: 64 MB
+constexpr Index few_rows = 1024;  // that are copied and then looked at while they are in the cache
+// Threads begin in some 50 µs; less work than this is done sooner by one.
+constexpr Index worth_threads = Index{1} << 17;  // samples of all blocks
 
 void check(const SpectrumOptions& options) {
   if (options.block_length < 8 || options.block_length % 2 != 0)
@@ -27,30 +35,55 @@ void check(const SpectrumOptions& options) {
         fmt::format("blocks overlap by a share from 0 to below 1, not {}", options.overlap));
 }
 
-/// Σ over `blocks` of z_i z_j* for lines from `first`.
-void add_pair(const std::vector<numerics::Lines>& blocks, std::size_t count, Index i, Index j,
-              Index first, Index lines, double* re, double* im) {
-  for (std::size_t b = 0; b < count; ++b) {
-    const double* ar = blocks[b].re.col(i).data() + first;
-    const double* ai = blocks[b].im.col(i).data() + first;
-    const double* br = blocks[b].re.col(j).data() + first;
-    const double* bi = blocks[b].im.col(j).data() + first;
-    for (Index k = 0; k < lines; ++k) {
-      re[k] += ar[k] * br[k] + ai[k] * bi[k];
-      im[k] += ai[k] * br[k] - ar[k] * bi[k];
+constexpr int four = 4;  // channels stand side by side
+using FourChannels = Eigen::Matrix<double, Eigen::Dynamic, four, Eigen::RowMajor>;
+
+/// Mean per channel. Four sums take turns: additions need not wait for each other.
+Eigen::RowVectorXd row_mean(const FourChannels& samples, Index first, Index rows) {
+  std::array<std::array<double, four>, 4> sums{};
+  const double* x = samples.data() + four * first;
+  Index t = 0;
+  for (; t + 4 <= rows; t += 4)
+    for (auto& sum : sums) {
+      for (std::size_t c = 0; c < four; ++c) sum[c] += x[c];
+      x += four;
     }
-  }
+  for (; t < rows; ++t, x += four)
+    for (std::size_t c = 0; c < four; ++c) sums[0][c] += x[c];
+  Eigen::RowVectorXd mean(four);
+  for (std::size_t c = 0; c < four; ++c)
+    mean[static_cast<Index>(c)] =
+        ((sums[0][c] + sums[1][c]) + (sums[2][c] + sums[3][c])) / static_cast<double>(rows);
+  return mean;
 }
 
-void add_products(const std::vector<numerics::Lines>& blocks, std::size_t count, MatrixXd& re,
-                  MatrixXd& im) {
-  if (count == 0) return;
-  const Index channels = blocks[0].re.cols(), lines = re.rows();
-  for (Index first = 0; first < lines; first += tile)
-    for (Index i = 0, pair = 0; i < channels; ++i)
-      for (Index j = 0; j <= i; ++j, ++pair)
-        add_pair(blocks, count, i, j, first, std::min(tile, lines - first),
-                 re.col(pair).data() + first, im.col(pair).data() + first);
+/// Least and largest per channel; not finite where a sample is not.
+struct Extremes {
+  std::array<double, four> low, high;
+  Extremes(const FourChannels& samples, Index first, Index rows) {
+    const double* x = samples.data() + four * first;
+    std::array<double, four> nothing{};
+    std::copy_n(x, four, low.begin());
+    high = low;
+    for (Index t = 0; t < rows; ++t, x += four)
+      for (std::size_t c = 0; c < four; ++c) {
+        low[c] = x[c] < low[c] ? x[c] : low[c];
+        high[c] = x[c] > high[c] ? x[c] : high[c];
+        nothing[c] += 0.0 * x[c];
+      }
+    for (std::size_t c = 0; c < four; ++c) high[c] += nothing[c];
+  }
+};
+
+/// sum += Σ z over blocks, which stand `stride` apart.
+void add_up(const numerics::EightLines* z, Index blocks, Index stride, Index width,
+            numerics::EightLines* sum) {
+  for (Index b = 0; b < blocks; ++b, z += stride)
+    for (Index c = 0; c < width; ++c)
+      for (std::size_t k = 0; k < z->re.size(); ++k) {
+        sum[c].re[k] += z[c].re[k];
+        sum[c].im[k] += z[c].im[k];
+      }
 }
 
 MatrixXcd unpacked(const MatrixXd& re, const MatrixXd& im, Index line, Index channels) {
@@ -69,7 +102,8 @@ MatrixXcd unpacked(const MatrixXd& re, const MatrixXd& im, Index line, Index cha
 class ChannelWatch {
  public:
   using Column = Eigen::Ref<const Eigen::VectorXd, 0, Eigen::InnerStride<>>;
-  void add(const Column& samples);
+  /// `low` and `high`: least and largest of the samples, not finite where one of them is not.
+  void add(const Column& samples, double low, double high);
   [[nodiscard]] ChannelHealth health() const;
 
  private:
@@ -106,26 +140,21 @@ void ChannelWatch::Limit::add(const Column& samples, double extreme, double side
   counted_next += count(next);
 }
 
-void ChannelWatch::add(const Column& samples) {
+void ChannelWatch::add(const Column& samples, double low, double high) {
   samples_ += samples.size();
-  double low = 0.0, high = 0.0;
-  bool any = false;
-  if (samples.allFinite()) {
-    low = samples.minCoeff();
-    high = samples.maxCoeff();
-    any = samples.size() > 0;
-  } else {
+  if (!std::isfinite(low - high)) {
+    low = std::numeric_limits<double>::infinity();
+    high = -low;
     for (const double x : samples) {
       if (!std::isfinite(x)) {
         ++missing_;
         continue;
       }
-      low = any ? std::min(low, x) : x;
-      high = any ? std::max(high, x) : x;
-      any = true;
+      low = std::min(low, x);
+      high = std::max(high, x);
     }
+    if (low > high) return;
   }
-  if (!any) return;
   if (!begun_) {
     low_ = {.value = low, .next = high};
     high_ = {.value = high, .next = low};
@@ -157,22 +186,27 @@ MatrixXcd CrossSpectra::noise_at(Index line) const {
 struct SpectrumEstimator::Implementation {
   SpectrumOptions options;
   std::vector<std::size_t> chosen;
-  CrossSpectra sums;  // not yet divided
+  CrossSpectra header;  // of the result, without spectra
   std::vector<ChannelWatch> watches;
-  numerics::RealFft fft;
+  std::vector<numerics::RealFft> ffts;  // one per thread
+  CrossProducts products{};             // of blocks; of their means where they are periods
+  CrossProducts noise_products{};       // of periods, less those of their means
   int hop{};
-  data::Samples buffer{};  // block_length rows, the first `filled` are in use
-  Index filled{};
+  Index blocks_at_once{};
+  std::vector<FourChannels> buffer{};  // samples of so many blocks; channels beyond the last are 0
+  Index rows{}, filled{};              // of it
   std::int64_t to_skip{};
-  numerics::RealFft::Block windowed{};
-  std::vector<numerics::Lines> waiting{std::vector<numerics::Lines>(gathered)};
-  std::size_t waiting_count{};
-  numerics::Lines period_sum{};  // of the record that is running
+  std::vector<numerics::EightLines> lines{};       // blocks × groups × channels
+  std::vector<numerics::EightLines> period_sum{};  // of the record that is running
   std::int64_t periods{};
   std::int64_t degrees{};  // Σ (periods − 1) over records
 
-  void take_block();
-  void flush();
+  void copy(const Eigen::Ref<const data::Samples>& samples);
+  void watch(Index first_row, Index count);
+  bool transform(Index first_row, numerics::RealFft& fft, numerics::EightLines* to) const;
+  std::vector<char> transform_all(Index blocks, int threads);
+  void add_products(Index first_block, Index blocks, int threads);
+  void take_blocks();
   void end_record();
 };
 
@@ -188,82 +222,116 @@ SpectrumEstimator::SpectrumEstimator(const data::RecordHeader& header,
   implementation_ = std::make_unique<Implementation>(
       Implementation{.options = options,
                      .chosen = chosen,
-                     .sums = {},
+                     .header = {},
                      .watches = std::vector<ChannelWatch>(chosen.size()),
-                     .fft = numerics::RealFft(options.block_length)});
+                     .ffts = {}});
   auto& me = *implementation_;
-  const auto count = static_cast<Index>(chosen.size());
-  auto& sums = me.sums;
-  for (const std::size_t c : chosen) sums.channels.push_back(header.channels.at(c));
-  sums.sample_rate = header.sample_rate;
-  sums.options = options;
-  sums.window =
-      window_samples(options.periodic ? Window::rectangular : options.window, options.block_length);
-  me.hop = options.periodic ? options.block_length
-                            : std::max(1, static_cast<int>(std::lround(options.block_length *
-                                                                       (1.0 - options.overlap))));
-  me.buffer.resize(options.block_length, count);
-  me.windowed.resize(options.block_length, count);
-  const Index pairs = count * (count + 1) / 2;
-  for (auto* sum : {&sums.re, &sums.im}) *sum = MatrixXd::Zero(me.fft.lines(), pairs);
-  if (options.periodic)
-    for (auto* sum : {&sums.noise_re, &sums.noise_im}) *sum = MatrixXd::Zero(me.fft.lines(), pairs);
+  const int n = options.block_length;
+  me.ffts.emplace_back(n);
+  auto& result = me.header;
+  for (const std::size_t c : chosen) result.channels.push_back(header.channels.at(c));
+  result.sample_rate = header.sample_rate;
+  result.options = options;
+  result.window = window_samples(options.periodic ? Window::rectangular : options.window, n);
+  me.hop = options.periodic
+               ? n
+               : std::max(1, static_cast<int>(std::lround(n * (1.0 - options.overlap))));
+  me.products = CrossProducts(static_cast<Index>(chosen.size()), me.ffts[0].line_groups());
+  if (options.periodic) me.noise_products = me.products;
+  const Index width = me.products.width();
+  me.blocks_at_once = std::clamp<Index>(most_numbers / (n * width), 1, most_blocks);
+  me.rows = n + (me.blocks_at_once - 1) * me.hop;
+  me.buffer.assign(static_cast<std::size_t>((width + four - 1) / four),
+                   FourChannels::Zero(me.rows, four));
 }
 
 SpectrumEstimator::~SpectrumEstimator() = default;
 SpectrumEstimator::SpectrumEstimator(SpectrumEstimator&&) noexcept = default;
 SpectrumEstimator& SpectrumEstimator::operator=(SpectrumEstimator&&) noexcept = default;
 
-void SpectrumEstimator::Implementation::flush() {
-  const bool periodic = options.periodic;
-  add_products(waiting, waiting_count, periodic ? sums.noise_re : sums.re,
-               periodic ? sums.noise_im : sums.im);
-  waiting_count = 0;
+/// The lines of the block that begins at a row; false where a sample is missing.
+bool SpectrumEstimator::Implementation::transform(Index first_row, numerics::RealFft& fft,
+                                                  numerics::EightLines* to) const {
+  const int n = options.block_length;
+  for (std::size_t g = 0; g < buffer.size(); ++g) {
+    const Index first = four * static_cast<Index>(g),
+                count = std::min<Index>(four, products.width() - first);
+    const Eigen::RowVectorXd mean = row_mean(buffer[g], first_row, n);
+    if (!mean.allFinite()) return false;
+    fft.forward(buffer[g].block(first_row, 0, n, count), mean.head(count), header.window,
+                to + first, products.width());
+  }
+  return true;
 }
 
-/// The buffer is full: one more block.
-void SpectrumEstimator::Implementation::take_block() {
-  const Eigen::RowVectorXd mean = buffer.colwise().mean();
-  if (mean.allFinite()) {
-    windowed.noalias() = sums.window.asDiagonal() * (buffer.rowwise() - mean);
-    auto& lines = waiting[waiting_count++];
-    fft.forward(windowed, lines);
-    if (options.periodic) {
-      if (periods == 0) {
-        period_sum.re.setZero(lines.re.rows(), lines.re.cols());
-        period_sum.im = period_sum.re;
-      }
-      period_sum.re += lines.re;
-      period_sum.im += lines.im;
+/// Which of the blocks in the buffer are whole. Every block is transformed by one thread.
+std::vector<char> SpectrumEstimator::Implementation::transform_all(Index blocks, int threads) {
+  std::vector<char> whole(static_cast<std::size_t>(blocks));
+  const Index stride = ffts[0].line_groups() * products.width();
+  lines.resize(static_cast<std::size_t>(blocks * stride));
+  const std::size_t workers = std::min(
+      whole.size(), static_cast<std::size_t>(threads > 0 ? threads : numerics::processor_count()));
+  while (ffts.size() < workers) ffts.emplace_back(options.block_length);
+  numerics::parallel_for(workers, threads, [&](std::size_t worker) {
+    for (std::size_t b = worker; b < whole.size(); b += workers)
+      whole[b] = transform(static_cast<Index>(b) * hop, ffts[worker],
+                           lines.data() + static_cast<Index>(b) * stride);
+  });
+  return whole;
+}
+
+void SpectrumEstimator::Implementation::add_products(Index first_block, Index blocks, int threads) {
+  constexpr Index most_pieces = 64;
+  const Index groups = ffts[0].line_groups(), width = products.width(), stride = groups * width;
+  if (options.periodic) period_sum.resize(static_cast<std::size_t>(stride));
+  const Index pieces = std::min(groups, most_pieces);
+  numerics::parallel_for(static_cast<std::size_t>(pieces), threads, [&](std::size_t i) {
+    const auto piece = static_cast<Index>(i);
+    for (Index g = piece * groups / pieces; g < (piece + 1) * groups / pieces; ++g) {
+      const auto* z = lines.data() + first_block * stride + g * width;
+      (options.periodic ? noise_products : products).add(g, z, blocks, stride);
+      if (options.periodic) add_up(z, blocks, stride, width, period_sum.data() + g * width);
     }
-    ++periods;
-    ++sums.blocks;
-    if (waiting_count == gathered) flush();
-  } else {
-    ++sums.blocks_left_out;
+  });
+  periods += blocks;
+  header.blocks += blocks;
+}
+
+/// The blocks that are complete.
+void SpectrumEstimator::Implementation::take_blocks() {
+  const Index n = options.block_length;
+  if (filled < n) return;
+  const Index blocks = (filled - n) / hop + 1;
+  const int threads = blocks * n * products.width() < worth_threads ? 1 : options.threads;
+  const auto whole = transform_all(blocks, threads);
+  for (auto from = whole.begin(); from != whole.end();) {
+    const auto to = std::find_if(from, whole.end(), [&](char w) { return w != *from; });
+    if (*from)
+      add_products(from - whole.begin(), to - from, threads);
+    else
+      header.blocks_left_out += to - from;
+    from = to;
   }
-  const Index kept = options.block_length - hop;
-  if (kept > 0) buffer.topRows(kept) = buffer.bottomRows(kept).eval();
-  filled = kept;
+  const Index next = blocks * hop;
+  filled -= next;
+  for (auto& channels : buffer) channels.topRows(filled) = channels.middleRows(next, filled).eval();
 }
 
 /// Closes the averages of a record.
 void SpectrumEstimator::Implementation::end_record() {
-  flush();
+  take_blocks();
   if (periods > 0) {
-    ++sums.records;
+    ++header.records;
     degrees += periods - 1;
     if (options.periodic) {
       // Σ z zᴴ − m z̄ z̄ᴴ goes to the noise, z̄ z̄ᴴ to the spectra
-      std::vector<numerics::Lines> mean(1);
-      const double scale = 1.0 / std::sqrt(static_cast<double>(periods));
-      mean[0] = {scale * period_sum.re, scale * period_sum.im};
-      MatrixXd re = MatrixXd::Zero(sums.re.rows(), sums.re.cols()), im = re;
-      add_products(mean, 1, re, im);
-      sums.noise_re -= re;
-      sums.noise_im -= im;
-      sums.re += re / static_cast<double>(periods);
-      sums.im += im / static_cast<double>(periods);
+      const auto m = static_cast<double>(periods);
+      for (Index g = 0; g < ffts[0].line_groups(); ++g) {
+        const auto* sum = period_sum.data() + g * products.width();
+        noise_products.add(g, sum, 1, 0, -1.0 / m);
+        products.add(g, sum, 1, 0, 1.0 / (m * m));
+      }
+      period_sum.clear();
     }
   }
   periods = 0;
@@ -275,40 +343,58 @@ void SpectrumEstimator::begin_record(std::int64_t settling) {
   implementation_->to_skip = settling;
 }
 
+/// To the end of the buffer.
+void SpectrumEstimator::Implementation::copy(const Eigen::Ref<const data::Samples>& samples) {
+  for (std::size_t g = 0; g < buffer.size(); ++g) {
+    const std::size_t first = four * g, count = std::min<std::size_t>(four, chosen.size() - first);
+    std::array<std::size_t, four> columns{};
+    std::copy_n(chosen.begin() + static_cast<std::ptrdiff_t>(first), count, columns.begin());
+    const double* from = samples.data();
+    double* to = buffer[g].data() + four * filled;
+    for (Index t = 0; t < samples.rows(); ++t, to += four, from += samples.outerStride())
+      for (std::size_t c = 0; c < count; ++c) to[c] = from[columns[c]];
+  }
+}
+
+void SpectrumEstimator::Implementation::watch(Index first_row, Index count) {
+  for (std::size_t g = 0; g < buffer.size(); ++g) {
+    const Extremes extremes(buffer[g], first_row, count);
+    for (std::size_t c = 0; c < four && four * g + c < watches.size(); ++c)
+      watches[four * g + c].add(buffer[g].col(static_cast<Index>(c)).segment(first_row, count),
+                                extremes.low[c], extremes.high[c]);
+  }
+}
+
 void SpectrumEstimator::add(const Eigen::Ref<const data::Samples>& samples) {
   auto& me = *implementation_;
   Index row = std::min<Index>(samples.rows(), me.to_skip);
   me.to_skip -= row;
   while (row < samples.rows()) {
-    const Index count = std::min<Index>(samples.rows() - row, me.options.block_length - me.filled);
-    for (std::size_t c = 0; c < me.chosen.size(); ++c) {
-      const auto column = samples.col(static_cast<Index>(me.chosen[c])).segment(row, count);
-      me.buffer.col(static_cast<Index>(c)).segment(me.filled, count) = column;
-    }
-    for (std::size_t c = 0; c < me.chosen.size(); ++c)
-      me.watches[c].add(me.buffer.col(static_cast<Index>(c)).segment(me.filled, count));
+    const Index count = std::min({samples.rows() - row, me.rows - me.filled, few_rows});
+    me.copy(samples.middleRows(row, count));
+    me.watch(me.filled, count);
     me.filled += count;
     row += count;
-    if (me.filled == me.options.block_length) me.take_block();
+    if (me.filled == me.rows) me.take_blocks();
   }
 }
 
 CrossSpectra SpectrumEstimator::result() {
   auto& me = *implementation_;
   me.end_record();
-  CrossSpectra result = me.sums;
+  CrossSpectra result = me.header;
   for (const auto& watch : me.watches) result.health.push_back(watch.health());
-  if (result.blocks == 0) return result;
-  const auto count = static_cast<double>(me.options.periodic ? result.records : result.blocks);
-  VectorXd scale =
-      VectorXd::Constant(result.lines(), 2.0 / (result.sample_rate * result.window.squaredNorm()));
+  VectorXd scale = VectorXd::Constant(me.ffts[0].lines(),
+                                      2.0 / (result.sample_rate * result.window.squaredNorm()));
   scale[0] /= 2.0;
-  scale[result.lines() - 1] /= 2.0;
-  for (auto* sum : {&result.re, &result.im}) *sum = (scale / count).asDiagonal() * *sum;
-  if (me.options.periodic && me.degrees > 0)
-    for (auto* sum : {&result.noise_re, &result.noise_im})
-      *sum = (scale / static_cast<double>(me.degrees)).asDiagonal() * *sum;
-  result.statistics = average_statistics(result.window, me.hop, result.blocks);
+  scale.tail(1) /= 2.0;
+  const auto averaged = me.options.periodic ? result.records : result.blocks;
+  me.products.unpack(scale / std::max(1.0, static_cast<double>(averaged)), result.re, result.im);
+  if (me.options.periodic)
+    me.noise_products.unpack(scale / std::max(1.0, static_cast<double>(me.degrees)),
+                             result.noise_re, result.noise_im);
+  if (result.blocks > 0)
+    result.statistics = average_statistics(result.window, me.hop, result.blocks);
   return result;
 }
 

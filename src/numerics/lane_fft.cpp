@@ -75,4 +75,32 @@ void LaneFft::line(int k, ComplexLanes& result) const {
   result.im += 0.5 * (a.im - b.im);
 }
 
+namespace {
+
+#define HYDRAPOD_PICK(a, b, ...) __builtin_shufflevector(a, b, __VA_ARGS__)
+
+using Square = std::array<ComplexLanes, lane_count>;
+
+/// Rows and columns of 4 × 4 numbers exchanged.
+inline void transpose(const Square& x, Lanes ComplexLanes::*part, Square& to) {
+  const Lanes &a = x[0].*part, &b = x[1].*part, &c = x[2].*part, &d = x[3].*part;
+  const Lanes ab_even = HYDRAPOD_PICK(a, b, 0, 4, 2, 6), ab_odd = HYDRAPOD_PICK(a, b, 1, 5, 3, 7);
+  const Lanes cd_even = HYDRAPOD_PICK(c, d, 0, 4, 2, 6), cd_odd = HYDRAPOD_PICK(c, d, 1, 5, 3, 7);
+  to[0].*part = HYDRAPOD_PICK(ab_even, cd_even, 0, 1, 4, 5);
+  to[1].*part = HYDRAPOD_PICK(ab_odd, cd_odd, 0, 1, 4, 5);
+  to[2].*part = HYDRAPOD_PICK(ab_even, cd_even, 2, 3, 6, 7);
+  to[3].*part = HYDRAPOD_PICK(ab_odd, cd_odd, 2, 3, 6, 7);
+}
+
+#undef HYDRAPOD_PICK
+
+}  // namespace
+
+void LaneFft::four_lines(int k, std::array<ComplexLanes, lane_count>& lanes) const {
+  Square by_line;
+  for (int j = 0; j < lane_count; ++j) line(k + j, by_line[j]);
+  transpose(by_line, &ComplexLanes::re, lanes);
+  transpose(by_line, &ComplexLanes::im, lanes);
+}
+
 }  // namespace hydrapod::numerics

@@ -1,6 +1,7 @@
 #pragma once
 /// Real transforms of four channels side by side. Private to the module.
 
+#include <array>
 #include <vector>
 
 namespace hydrapod::numerics {
@@ -25,6 +26,8 @@ class LaneFft {
   /// Transforms pairs(); line() then has the lines.
   void run();
   void line(int k, ComplexLanes& result) const;
+  /// `lanes[c][j]` is line k + j of channel c; k + 3 < n/2.
+  void four_lines(int k, std::array<ComplexLanes, lane_count>& lanes) const;
 
  private:
   void pass(int n, int stride, const ComplexLanes* from, ComplexLanes* to) const;

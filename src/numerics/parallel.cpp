@@ -20,10 +20,13 @@ bool Watch::at(double share) {
   return stopped_;
 }
 
+int processor_count() {
+  return static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
+}
+
 bool parallel_for(std::size_t count, int threads, const std::function<void(std::size_t)>& task,
                   const Progress& progress) {
-  const auto wanted = threads > 0 ? static_cast<unsigned>(threads)
-                                  : std::max(1U, std::thread::hardware_concurrency());
+  const auto wanted = static_cast<unsigned>(threads > 0 ? threads : processor_count());
   std::atomic<std::size_t> next{0};
   std::atomic<bool> stopped{false};
   std::mutex mutex;

@@ -5,6 +5,8 @@
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 
+#include <Eigen/LU>
+#include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
 
@@ -61,6 +63,42 @@ double coverage(const FrequencyResponses& r, const test::ModalSystem& system) {
           inside += 1.0;
   }
   return inside / all;
+}
+
+TEST(Responses, AreWhatTheirDefinitionsSay) {
+  const auto record = closed_loop_record(plant(), 0.3, 0.3, 9000, 23);
+  const auto s = spectra_of(record, {.block_length = 512});
+  for (const auto estimator : {Estimator::h1, Estimator::h2, Estimator::instrumental}) {
+    const auto r = estimate_responses(s, from_drive, estimator);
+    ASSERT_GT(r.lines(), 80u);  // the excitation is smooth: the instruments have no more
+    for (std::size_t k = 0; k < r.lines(); ++k) {
+      const auto S = s.at(std::lround(r.frequency[k] * 512 / sample_rate));
+      const auto part = [&](const auto& rows, const auto& columns) {
+        return Eigen::MatrixXcd(S(rows, columns));
+      };
+      const auto &u = from_drive.inputs, &y = from_drive.outputs;
+      const auto& w = estimator == Estimator::instrumental ? from_drive.instruments : u;
+      const Eigen::MatrixXcd G = part(u, w).inverse();
+      const Eigen::MatrixXcd H = estimator == Estimator::h2
+                                     ? Eigen::MatrixXcd(part(y, y) * part(u, y).inverse())
+                                     : Eigen::MatrixXcd(part(y, w) * G);
+      EXPECT_LT((r.H[k] - H).norm(), 1e-11 * H.norm());
+      const Eigen::MatrixXcd Q = G.adjoint() * part(w, w) * G;
+      EXPECT_LT((r.input_factor[k] - Q).norm(), 1e-11 * Q.norm());
+      Eigen::MatrixXcd left(3, 6);
+      left << Eigen::MatrixXcd::Identity(3, 3), -H;
+      auto both = y;
+      both.insert(both.end(), u.begin(), u.end());
+      const Eigen::MatrixXcd V = left * part(both, both) * left.adjoint() / r.degrees;
+      EXPECT_LT((r.noise[k] - V).norm(), 1e-10 * V.norm());
+      const auto levels = [&](const auto& list) {
+        return Eigen::VectorXd(S.diagonal().real()(list).cwiseSqrt().cwiseInverse());
+      };
+      const Eigen::MatrixXcd A = levels(u).asDiagonal() * part(u, w) * levels(w).asDiagonal();
+      const Eigen::VectorXd singular = Eigen::JacobiSVD<Eigen::MatrixXcd>(A).singularValues();
+      EXPECT_NEAR(r.condition[k], singular[0] / singular[2], 1e-11 * r.condition[k]);
+    }
+  }
 }
 
 TEST(Responses, OpenLoopH1IsWithinItsBandAsOftenAsPromised) {

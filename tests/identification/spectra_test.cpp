@@ -91,6 +91,44 @@ TEST(Spectra, PiecesOfAnySizeGiveTheSame) {
   EXPECT_EQ(whole.im, pieces.im);
 }
 
+TEST(Spectra, NumberOfThreadsDoesNotMatter) {
+  const auto record = noise_record(60000, 7, 12);
+  const ChannelChoice choice{.inputs = {0, 1, 2}, .outputs = {3, 4, 5, 6}, .instruments = {}};
+  const auto of = [&](int threads) {
+    return spectra_of(record, {.block_length = 2048, .threads = threads});
+  };
+  const auto one = of(1), three = of(3);
+  EXPECT_EQ(one.re, three.re);
+  EXPECT_EQ(one.im, three.im);
+  const auto a = estimate_responses(one, choice, Estimator::h1),
+             b = estimate_responses(three, choice, Estimator::h1);
+  ASSERT_EQ(a.lines(), b.lines());
+  EXPECT_EQ(a.H, b.H);
+  EXPECT_EQ(a.noise, b.noise);
+  EXPECT_EQ(a.condition, b.condition);
+}
+
+TEST(Spectra, ManyBlocksAreTheSumOfEach) {
+  // more blocks than are taken at a time, some with a missing sample, and an odd number of channels
+  auto record = noise_record(64 * 40, 3, 13);
+  record.samples(64 * 7 + 5, 2) = record.samples(64 * 22, 0) =
+      std::numeric_limits<double>::quiet_NaN();
+  const SpectrumOptions options{.block_length = 64, .overlap = 0.0};
+  const auto all = spectra_of(record, options);
+  EXPECT_EQ(all.blocks, 38);
+  EXPECT_EQ(all.blocks_left_out, 2);
+  Eigen::MatrixXd re = Eigen::MatrixXd::Zero(33, 6), im = re;
+  for (Index b = 0; b < 40; ++b) {
+    if (b == 7 || b == 22) continue;
+    const auto own = spectra_of(
+        {.header = record.header, .samples = record.samples.middleRows(64 * b, 64)}, options);
+    re += own.re / 38.0;
+    im += own.im / 38.0;
+  }
+  EXPECT_LT((all.re - re).norm(), 1e-14 * re.norm());
+  EXPECT_LT((all.im - im).norm(), 1e-14 * re.norm());
+}
+
 TEST(Spectra, BlocksWithMissingSamplesAreLeftOut) {
   auto record = noise_record(1024, 2, 5);
   record.samples(300, 1) = std::numeric_limits<double>::quiet_NaN();

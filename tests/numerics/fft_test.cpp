@@ -67,22 +67,31 @@ TEST_P(Length, ManyChannelsAreEachTheirOwnTransform) {
     const auto x = noise(GetParam(), 10 + static_cast<std::uint64_t>(c));
     block.col(c) = Eigen::VectorXd::Map(x.data(), GetParam());
   }
-  Lines lines;
-  fft.forward(block, lines);
-  ASSERT_EQ(lines.re.rows(), fft.lines());
-  ASSERT_EQ(lines.re.cols(), 7);
+  Eigen::RowVectorXd mean(7);
+  Eigen::VectorXd window(GetParam());
+  for (int c = 0; c < 7; ++c) mean[c] = 0.1 * c - 0.2;
+  for (int t = 0; t < GetParam(); ++t) window[t] = 1.0 + 0.3 * std::cos(1.7 * t);
+  constexpr int apart = 9;  // room for two channels more
+  std::vector<EightLines> lines(static_cast<size_t>(apart * fft.line_groups()));
+  for (auto& eight : lines) eight.re.fill(7.0);
+  fft.forward(block, mean, window, lines.data(), apart);
   for (int c = 0; c < 7; ++c) {
-    const auto expected = defined(noise(GetParam(), 10 + static_cast<std::uint64_t>(c)));
-    for (int k = 0; k < fft.lines(); ++k)
-      EXPECT_LT(
-          std::abs(Complex(lines.re(k, c), lines.im(k, c)) - expected[static_cast<size_t>(k)]),
-          tolerance())
+    auto x = noise(GetParam(), 10 + static_cast<std::uint64_t>(c));
+    for (int t = 0; t < GetParam(); ++t)
+      x[static_cast<size_t>(t)] = (x[static_cast<size_t>(t)] - mean[c]) * window[t];
+    auto expected = defined(x);
+    expected.resize(8 * static_cast<size_t>(fft.line_groups()));  // nothing beyond n/2
+    for (size_t k = 0; k < expected.size(); ++k) {
+      const auto& eight = lines[k / 8 * apart + static_cast<size_t>(c)];
+      EXPECT_LT(std::abs(Complex(eight.re[k % 8], eight.im[k % 8]) - expected[k]), tolerance())
           << c << ' ' << k;
+    }
   }
+  for (size_t g = 0; g < lines.size(); g += apart) EXPECT_EQ(lines[g + 7].re[0], 7.0);
 }
 
 INSTANTIATE_TEST_SUITE_P(Any, Length,
-                         testing::Values(2, 4, 8, 16, 32, 64, 6, 10, 26, 90, 256, 512));
+                         testing::Values(2, 4, 8, 16, 32, 64, 6, 10, 14, 26, 90, 256, 512));
 
 TEST(Fft, ComplexIsTheSum) {
   const int n = 15;

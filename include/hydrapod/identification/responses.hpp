@@ -135,6 +135,7 @@ struct SpectrumOptions {
   double overlap{0.5};          ///< 0 … < 1, share of a block that the next one has too
   Window window{Window::hann};  ///< for periodic excitation there is none
   bool periodic{};              ///< blocks are periods
+  int threads{};                ///< 0: one per processor; the result is the same
 };
 
 /// What a look at a channel's samples tells.

@@ -12,6 +12,7 @@
 /// Swarztrauber, Parallel Computing 1 (1984) 45.
 
 #include <Eigen/Core>
+#include <array>
 #include <complex>
 #include <memory>
 #include <span>
@@ -19,10 +20,9 @@
 
 namespace hydrapod::numerics {
 
-/// Lines of one channel per column, real and imaginary part apart.
-struct Lines {
-  Eigen::MatrixXd re{};
-  Eigen::MatrixXd im{};
+/// Eight neighbouring lines of a channel: what follows a transform takes them side by side.
+struct alignas(64) EightLines {
+  std::array<double, 8> re{}, im{};
 };
 
 /// A transform of one length, with its tables and work space: one per thread.
@@ -42,8 +42,12 @@ class RealFft {
   void forward(std::span<const double> samples, std::span<std::complex<double>> spectrum);
   /// `samples` gets the n samples whose lines are `spectrum`.
   void inverse(std::span<const std::complex<double>> spectrum, std::span<double> samples);
-  /// All channels of a block, n samples × channels.
-  void forward(const Eigen::Ref<const Block>& samples, Lines& lines);
+  /// ⌈(n/2 + 1)/8⌉.
+  [[nodiscard]] int line_groups() const { return (lines() + 7) / 8; }
+  /// All channels of a block, n samples × channels, each less its `mean` and then times `window`.
+  /// The lines 8g … 8g + 7 of channel c go to lines[g · apart + c]; those beyond n/2 are zero.
+  void forward(const Eigen::Ref<const Block>& samples, const Eigen::RowVectorXd& mean,
+               const Eigen::VectorXd& window, EightLines* lines, Eigen::Index apart);
 
  private:
   struct Implementation;

@@ -31,6 +31,9 @@ class Watch {
   bool stopped_{};
 };
 
+/// At least 1.
+int processor_count();
+
 /// Calls task(i) once for each i in [0, count), on `threads` threads (0: one per processor, the
 /// caller's thread among them). Which thread takes which i is open. `progress` is called before and
 /// after each task, by one thread at a time. When it asks to stop no further task begins, and the
