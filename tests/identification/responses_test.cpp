@@ -66,11 +66,11 @@ double coverage(const FrequencyResponses& r, const test::ModalSystem& system) {
 }
 
 TEST(Responses, AreWhatTheirDefinitionsSay) {
-  const auto record = closed_loop_record(plant(), 4.0, 0.3, 9000, 23);
+  const auto record = closed_loop_record(plant(), 0.3, 0.3, 9000, 23);
   const auto s = spectra_of(record, {.block_length = 512});
   for (const auto estimator : {Estimator::h1, Estimator::h2, Estimator::instrumental}) {
     const auto r = estimate_responses(s, from_drive, estimator);
-    ASSERT_GT(r.lines(), 200u);
+    ASSERT_GT(r.lines(), 80u);  // the excitation is smooth: the instruments have no more
     for (std::size_t k = 0; k < r.lines(); ++k) {
       const auto S = s.at(std::lround(r.frequency[k] * 512 / sample_rate));
       const auto part = [&](const auto& rows, const auto& columns) {
