@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
+#include <vector>
 
 #include "hydrapod/base/units.hpp"
 #include "hydrapod/data/processing.hpp"
@@ -27,10 +28,17 @@ WelchSpectrum::WelchSpectrum(std::size_t channels, double sample_rate, std::size
 
 void WelchSpectrum::take_segment() {
   const Eigen::Index n = segment_.rows();
-  const Samples windowed = window_.asDiagonal() * (segment_.rowwise() - segment_.colwise().mean());
-  numerics::Lines lines;
-  fft_.forward(windowed, lines);
-  sum_ += lines.re.cwiseAbs2() + lines.im.cwiseAbs2();
+  const Eigen::RowVectorXd mean = segment_.colwise().mean();
+  const Eigen::Index channels = segment_.cols();
+  std::vector<numerics::EightLines> lines(static_cast<std::size_t>(fft_.line_groups() * channels));
+  fft_.forward(segment_, mean, window_, lines.data(), channels);
+  for (Eigen::Index k = 0; k < sum_.rows(); ++k)
+    for (Eigen::Index c = 0; c < channels; ++c) {
+      const auto& group = lines[static_cast<std::size_t>((k / 8) * channels + c)];
+      const double re = group.re[static_cast<std::size_t>(k % 8)],
+                   im = group.im[static_cast<std::size_t>(k % 8)];
+      sum_(k, c) += re * re + im * im;
+    }
   ++segments_;
   segment_.topRows(n - n / 2) = segment_.bottomRows(n - n / 2).eval();
   filled_ = n - n / 2;
