@@ -294,6 +294,17 @@ void add_realised(const IdentifyOptions& options, Search& s) {
   }
 }
 
+/// Half spectra hold what is left of a mode far above it; model orders spent there fail the modes.
+/// A little above the highest realised pole [Hz]; none: there is none.
+std::optional<double> end_of_realised(const IdentifyOptions& options, const FrequencyResponses& r) {
+  double highest = 0.0;
+  for (const auto& cluster : select_poles(realised_poles(impulse_response(r)), options.selection))
+    if (cluster.representative.damping_ratio() <= options.highest_damping)
+      highest = std::max(highest, cluster.representative.omega() / two_pi);
+  const double to = options.band.room * highest;
+  return to > 0.0 && to < r.frequency.back() ? std::optional(to) : std::nullopt;
+}
+
 /// Where responses came without errors: those that what is left of them shows.
 void settle_errors(const IdentifyOptions& options, Identification& result) {
   if (!result.errors_assumed || result.model.modes.empty()) return;
@@ -427,7 +438,10 @@ void test_residual(const IdentifyOptions& options, Identification& result) {
 Identification identify_modes(const FrequencyResponses& given, const IdentifyOptions& asked,
                               const std::function<void(double)>& progress) {
   auto options = asked;
-  if (given.whole) options.least_significance = asked.least_significance_of_outputs;
+  if (given.whole) {
+    options.least_significance = asked.least_significance_of_outputs;
+    if (!options.to) options.to = end_of_realised(options, given);
+  }
   if (given.lines() < fewest_lines)
     throw base::ComputationError(
         fmt::format("{} frequencies are too few to find modes in; at "
