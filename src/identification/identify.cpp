@@ -294,14 +294,15 @@ void add_realised(const IdentifyOptions& options, Search& s) {
   }
 }
 
-/// Half spectra hold what is left of a mode far above it; model orders spent there fail the modes.
+/// Half spectra of samples are not those of the machine far above its modes: what is folded back
+/// at half the sample rate is no residual term.
 /// A little above the highest realised pole [Hz]; none: there is none.
 std::optional<double> end_of_realised(const IdentifyOptions& options, const FrequencyResponses& r) {
   double highest = 0.0;
   for (const auto& cluster : select_poles(realised_poles(impulse_response(r)), options.selection))
     if (cluster.representative.damping_ratio() <= options.highest_damping)
       highest = std::max(highest, cluster.representative.omega() / two_pi);
-  const double to = options.band.room * highest;
+  const double to = options.band.fit_room * highest;
   return to > 0.0 && to < r.frequency.back() ? std::optional(to) : std::nullopt;
 }
 

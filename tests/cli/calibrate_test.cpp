@@ -44,10 +44,13 @@ TEST_F(Calibrate, WritesTheMachineWithItsCommentsAndSaysHowSureItIs) {
 
 TEST_F(Calibrate, GivesJsonWithProfileAndDrawsAPicture) {
   const std::string plot = (folder_ / "fit.svg").string();
-  const auto json =
-      json_of({"calibrate", machine_, "--targets", measured_, "--free", "legs.oil_spring.stiffness",
-               "--free", "platform.mass", "--profile", "platform.mass", "--try",
-               "environment.gravity=9.81", "--format", "json", "--plot", plot});
+  const auto run = run_hydrapod({"calibrate", machine_, "--targets", measured_, "--free",
+                                 "legs.oil_spring.stiffness", "--free", "platform.mass",
+                                 "--profile", "platform.mass", "--try", "environment.gravity=9.81",
+                                 "--format", "json", "--plot", plot});
+  EXPECT_EQ(run.exit_code, 0);
+  EXPECT_EQ(run.err, "wrote " + plot + "\n");
+  const auto json = test::Json::parse(run.out);
   EXPECT_EQ(json["kind"], "calibration");
   EXPECT_EQ(json["candidates"].size(), 2U);
   EXPECT_EQ(json["candidates"][0]["parameters"].size(), 2U);
@@ -103,11 +106,12 @@ TEST_F(Calibrate, WritesChoicesThatReplaceTables) {
   const auto text = test::read_text(output);
   EXPECT_THAT(text, HasSubstr("stiffness = \"3 kN/mm\"  # calibrated: stiffness chosen"));
   EXPECT_THAT(text, HasSubstr("# [legs.oil_spring.cylinder]\n# bore = \"100 mm\"\n"));
-  // over itself: remarks are replaced, not heaped up
+  // calibrated again: remarks are replaced, not heaped up
+  const std::string second = (folder_ / "second.toml").string();
   const auto again = run_hydrapod({"calibrate", output, "--targets", measured_, "--starts", "1",
-                                   "--free", "leg.3.rod.mass", "-o", output});
+                                   "--free", "leg.3.rod.mass", "-o", second});
   ASSERT_EQ(again.exit_code, 0) << again.err;
-  const auto twice = test::read_text(output);
+  const auto twice = test::read_text(second);
   const auto first = twice.find("calibrated: mass ");
   ASSERT_NE(first, std::string::npos);
   EXPECT_EQ(twice.find("calibrated: mass ", first + 1), std::string::npos);
