@@ -23,8 +23,10 @@ bool is_file_name(const std::string& path) { return !path.empty() && path != "-"
 
 bool same_file(const std::string& a, const std::string& b) {
   std::error_code ignored;
-  return fs::equivalent(a, b, ignored) ||
-         fs::weakly_canonical(a, ignored) == fs::weakly_canonical(b, ignored);
+  const auto place = [&](const std::string& path) {
+    return fs::weakly_canonical(fs::absolute(path), ignored);
+  };
+  return fs::equivalent(a, b, ignored) || place(a) == place(b);
 }
 
 /// The file that an input names: `run.h5`, `run.h5@low`, `file run.csv, hold=1`.

@@ -70,7 +70,7 @@ TEST_F(Rig, AveragesArePeriods) {
   const auto record = data::read_record(file("m.csv")).record;
   EXPECT_EQ(record.samples.rows(), 1200);
   EXPECT_EQ(record.header.channels.size(), 30U);
-  EXPECT_THAT(run({"--averages", "3", "-o", "m.csv"}).err,
+  EXPECT_THAT(run({"--averages", "3", "-o", "n.csv"}).err,
               HasSubstr("the excitation does not repeat"));
 }
 
