@@ -12,6 +12,7 @@
 #include "damped.hpp"
 #include "hydrapod/base/error.hpp"
 #include "hydrapod/base/text.hpp"
+#include "hydrapod/numerics/fft.hpp"
 #include "names.hpp"
 #include "response_checks.hpp"
 
@@ -116,8 +117,8 @@ Plan plan_channels(const std::string& file, const data::RecordHeader& header,
   return plan;
 }
 
-/// The first input, up to a million samples, to see whether it repeats.
-std::int64_t find_period(data::RecordSet& records, int channel, std::int64_t skip) {
+/// The first samples of a channel, up to a million.
+VectorXd first_samples(data::RecordSet& records, int channel, std::int64_t skip) {
   constexpr std::size_t most = 1 << 20;
   std::vector<double> samples;
   std::int64_t seen = 0;
@@ -128,9 +129,35 @@ std::int64_t find_period(data::RecordSet& records, int channel, std::int64_t ski
     seen += block.rows();
     return samples.size() < most;
   });
-  const auto x = VectorXd::Map(samples.data(), static_cast<Index>(samples.size()));
-  if (samples.size() < 32 || !x.allFinite()) return 0;
+  return VectorXd::Map(samples.data(), static_cast<Index>(samples.size()));
+}
+
+/// To see whether the first input repeats.
+std::int64_t find_period(data::RecordSet& records, int channel, std::int64_t skip) {
+  const VectorXd x = first_samples(records, channel, skip);
+  if (x.size() < 32 || !x.allFinite()) return 0;
   return period_of(x.tail(x.size() - x.size() / 8));  // past a fade-in
+}
+
+/// Has the signal power at nearly all lines below the filters of a recorder?
+bool fills_band(const VectorXd& x, int block) {
+  constexpr double pass_band = 0.7;  // of half the sample rate
+  constexpr double quiet = 1e-3;     // of the strongest line: white noise in one block is above
+  constexpr double most_lines = 0.95;
+  const VectorXd window = window_samples(Window::hann, block);
+  numerics::RealFft fft(block);
+  std::vector<Complex> lines(static_cast<std::size_t>(fft.lines()));
+  VectorXd power = VectorXd::Zero(fft.lines());
+  for (Index at = 0; at + block <= x.size(); at += block) {
+    const VectorXd part = x.segment(at, block);
+    const VectorXd windowed = window.cwiseProduct(part - VectorXd::Constant(block, part.mean()));
+    fft.forward({windowed.data(), static_cast<std::size_t>(block)}, lines);
+    for (Index k = 0; k < power.size(); ++k)
+      power[k] += std::norm(lines[static_cast<std::size_t>(k)]);
+  }
+  const auto below = static_cast<Index>(pass_band * static_cast<double>(power.size()));
+  return static_cast<double>((power.head(below).array() > quiet * power.maxCoeff()).count()) >=
+         most_lines * static_cast<double>(below);
 }
 
 std::int64_t settling_samples(const data::RecordSet& records, const MeasureOptions& options) {
@@ -145,8 +172,6 @@ SpectrumOptions spectrum_options(data::RecordSet& records, const Plan& plan,
     o.overlap = *options.overlap;
   else if (options.window == Window::rectangular)
     o.overlap = 0.0;
-  else if (plan.estimator == Estimator::instrumental)
-    o.overlap = 0.75;  // at every lag all samples weigh the same: a sweep is not cut into pieces
   std::int64_t period =
       options.period ? std::llround(*options.period * records.header().sample_rate)
       : options.block_length
@@ -190,6 +215,13 @@ SpectrumOptions spectrum_options(data::RecordSet& records, const Plan& plan,
     base::refuse(first, fmt::format("the record has {} samples, fewer than one block of {}: take "
                                     "shorter blocks or a longer record",
                                     shortest, o.block_length));
+  // then all samples weigh the same at every lag: a sweep is not cut into pieces
+  if (!options.overlap && o.window != Window::rectangular &&
+      plan.estimator == Estimator::instrumental &&
+      !fills_band(
+          first_samples(records, plan.choice.instruments[0], settling_samples(records, options)),
+          o.block_length))
+    o.overlap = 0.75;
   return o;
 }
 
