@@ -497,6 +497,7 @@ data::ModalResults modal_results(const Identification& identified) {
 }
 
 MatrixXd mode_indicator(const FrequencyResponses& r) {
+  if (r.H.empty()) return {};  // a result that was read back
   const Index count = std::min(r.H[0].rows(), r.H[0].cols());
   const VectorXd size = row_sizes(r);
   MatrixXd values(static_cast<Index>(r.lines()), count);

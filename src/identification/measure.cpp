@@ -141,7 +141,7 @@ std::int64_t find_period(data::RecordSet& records, int channel, std::int64_t ski
 
 /// Has the signal power at nearly all lines below the filters of a recorder?
 bool fills_band(const VectorXd& x, int block) {
-  constexpr double pass_band = 0.7;  // of half the sample rate
+  constexpr double pass_band = 0.9;  // of half the sample rate
   constexpr double quiet = 1e-3;     // of the strongest line: white noise in one block is above
   constexpr double most_lines = 0.95;
   const VectorXd window = window_samples(Window::hann, block);

@@ -28,7 +28,7 @@ TEST_P(ForeignLoops, GivesTheModesOfThePlant) {
 
 INSTANTIATE_TEST_SUITE_P(Excitations, ForeignLoops,
                          testing::Values(Excitation::white, Excitation::noise, Excitation::sweep,
-                                         Excitation::multisine, Excitation::drive));
+                                         Excitation::drive));
 
 }  // namespace
 }  // namespace hydrapod::identification

@@ -106,7 +106,7 @@ void Exchange::every_reader_takes_what_it_can_use() {
       {"run.h5", "read", "read", "run.h5"},
       {"frf.json", "read", "read", "frf.json"},
       {"frf.uff", "read", "read", "frf.uff"},
-      {"frf.csv", "holds a table of frequencies", "is larger than 1 MiB", "frf.csv"},
+      {"frf.csv", "read", "read", "frf.csv"},
       {"identified.json", "is \"identified_modes\"; accepted here are \"frf\"", "read",
        "identified.json"},
       {"identified.csv", "holds a table of frequencies", "read", "identified.csv"},
