@@ -60,12 +60,15 @@ bool another_first(const ModalModel& model, std::size_t r, const Band& band,
 void fit_and_prune(const IdentifyOptions& options, std::vector<PoleCluster> clusters,
                    Identification& result) {
   const Band band{result.from, result.to};
-  for (int round = 0; round < options.prune.rounds && !clusters.empty(); ++round) {
+  const auto fit = [&] {
     std::vector<PoleEstimate> start;
     for (const auto& c : clusters) start.push_back(c.representative);
-    auto fit = options.fit;  // what is taken out is judged by its pole
-    fit.deviations = Deviations::poles;
-    result.model = fit_modes(result.responses, start, fit);
+    auto poles_alone = options.fit;  // what is taken out is judged by its pole
+    poles_alone.deviations = Deviations::poles;
+    result.model = fit_modes(result.responses, start, poles_alone);
+  };
+  for (int round = 0; round < options.prune.rounds && !clusters.empty(); ++round) {
+    fit();
     std::vector<PoleCluster> kept;
     for (std::size_t r = 0; r < clusters.size(); ++r) {
       const auto& mode = result.model.modes[r];
@@ -93,6 +96,8 @@ void fit_and_prune(const IdentifyOptions& options, std::vector<PoleCluster> clus
     clusters = std::move(kept);
     if (clusters.empty()) result.model = {};
   }
+  // the last round took something out: model and clusters are indexed alike
+  if (result.model.modes.size() != clusters.size()) fit();
   result.clusters = std::move(clusters);
 }
 
