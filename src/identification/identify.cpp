@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
 #include <ranges>
@@ -13,93 +12,16 @@
 #include "hydrapod/base/error.hpp"
 #include "hydrapod/identification/cross_check.hpp"
 #include "hydrapod/identification/responses.hpp"
+#include "prune.hpp"
 #include "repeated_modes.hpp"
 #include "residual_tests.hpp"
 #include "search.hpp"
+#include "usable.hpp"
 #include "weak_modes.hpp"
 
 namespace hydrapod::identification {
 
 namespace {
-
-Objection objection_to(const FittedMode& m, const Band& band, const IdentifyOptions& options) {
-  const double f = m.omega() / two_pi;
-  if (f < band.from || f > band.to) return Objection::left_band;
-  if (m.significance < options.least_significance) return Objection::in_noise;
-  if (m.omega_deviation > options.largest_frequency_deviation * m.omega())
-    return Objection::open_frequency;
-  if (m.damping_deviation >
-      options.largest_damping_deviation * std::max(m.damping_ratio(), options.prune.damping_floor))
-    return Objection::open_damping;
-  return Objection::none;
-}
-
-/// Two poles closer than their own uncertainty, with the same shape and participation, are one.
-bool doubles(const FittedMode& a, const FittedMode& b, double same) {
-  const double apart = std::abs(a.pole - b.pole);
-  const double width = 0.5 * (std::abs(a.pole.real()) + std::abs(b.pole.real()));
-  return apart < width && mac(a.shape, b.shape) > same &&
-         mac(a.participation, b.participation) > same;
-}
-
-/// Of modes that overlap so much that none of them is determined, one less may determine the
-/// others: does another go first?
-bool another_first(const ModalModel& model, std::size_t r, const Band& band,
-                   const IdentifyOptions& options) {
-  const auto& mode = model.modes[r];
-  const auto badly = [](const FittedMode& m) { return m.omega_deviation / m.omega(); };
-  return std::ranges::any_of(model.modes, [&](const FittedMode& m) {
-    return badly(m) > badly(mode) &&
-           std::abs(m.pole - mode.pole) < std::abs(m.pole.real()) + std::abs(mode.pole.real()) &&
-           m.damping_ratio() <= options.highest_damping &&
-           objection_to(m, band, options) != Objection::none;
-  });
-}
-
-/// Fits, takes out what is nothing, and fits again.
-void fit_and_prune(const IdentifyOptions& options, std::vector<PoleCluster> clusters,
-                   Identification& result) {
-  const Band band{result.from, result.to};
-  const auto fit = [&] {
-    std::vector<PoleEstimate> start;
-    for (const auto& c : clusters) start.push_back(c.representative);
-    auto poles_alone = options.fit;  // what is taken out is judged by its pole
-    poles_alone.deviations = Deviations::poles;
-    result.model = fit_modes(result.responses, start, poles_alone);
-  };
-  for (int round = 0; round < options.prune.rounds && !clusters.empty(); ++round) {
-    fit();
-    std::vector<PoleCluster> kept;
-    for (std::size_t r = 0; r < clusters.size(); ++r) {
-      const auto& mode = result.model.modes[r];
-      // a heavily damped pole may be anywhere: it is no mode and only helps the fit
-      const bool heavy = mode.damping_ratio() > options.highest_damping;
-      auto objection = !heavy ? objection_to(mode, band, options)
-                       : mode.significance < options.least_significance ? Objection::in_noise
-                                                                        : Objection::none;
-      for (std::size_t q = 0; q < clusters.size() && objection == Objection::none; ++q)
-        if (q != r && doubles(mode, result.model.modes[q], options.prune.same_vector) &&
-            (clusters[q].members.size() > clusters[r].members.size() ||
-             (clusters[q].members.size() == clusters[r].members.size() && q < r)))
-          objection = Objection::doubles;
-      const bool open = objection == Objection::open_frequency ||
-                        objection == Objection::open_damping ||
-                        (objection == Objection::in_noise && result.responses.whole);
-      if (objection == Objection::none || (open && another_first(result.model, r, band, options))) {
-        kept.push_back(clusters[r]);
-        kept.back().representative = mode;
-      } else {
-        result.left_out.push_back({mode.pole, objection});
-      }
-    }
-    if (kept.size() == clusters.size()) break;
-    clusters = std::move(kept);
-    if (clusters.empty()) result.model = {};
-  }
-  // the last round took something out: model and clusters are indexed alike
-  if (result.model.modes.size() != clusters.size()) fit();
-  result.clusters = std::move(clusters);
-}
 
 std::vector<PoleEstimate> estimates(const ModalModel& model) {
   return {model.modes.begin(), model.modes.end()};
@@ -299,9 +221,9 @@ void add_realised(const IdentifyOptions& options, Search& s) {
   }
 }
 
-/// Half spectra of samples are not those of the machine far above its modes: what is folded back
-/// at half the sample rate is no residual term.
-/// A little above the highest realised pole [Hz]; none: there is none.
+/// A little above the highest realised pole [Hz]; none: there is none. Half spectra of samples are
+/// not those of the machine far above its modes: what is folded back at half the sample rate is no
+/// residual term.
 std::optional<double> end_of_realised(const IdentifyOptions& options, const FrequencyResponses& r) {
   double highest = 0.0;
   for (const auto& cluster : select_poles(realised_poles(impulse_response(r)), options.selection))
@@ -368,9 +290,19 @@ void add_harmonic(const FittedMode& fit, FrequencyResponses& half) {
   std::ranges::sort(half.harmonics, {}, &data::Harmonic::frequency);
 }
 
+bool is_finite(const FittedMode& m) {
+  return std::isfinite(std::abs(m.pole)) && m.shape.allFinite() && m.participation.allFinite() &&
+         std::isfinite(m.omega_deviation) && std::isfinite(m.damping_deviation) &&
+         m.shape_deviation.allFinite() && std::isfinite(m.significance);
+}
+
 void list_modes(const IdentifyOptions& options, Identification& result) {
   for (std::size_t r = 0; r < result.model.modes.size(); ++r) {
     const auto& fit = result.model.modes[r];
+    if (!is_finite(fit)) {
+      result.left_out.push_back({{}, Objection::not_finite});
+      continue;
+    }
     if (fit.damping_ratio() > options.highest_damping) {
       result.heavily_damped.push_back(fit);
       continue;
@@ -441,8 +373,9 @@ void test_residual(const IdentifyOptions& options, Identification& result) {
 
 }  // namespace
 
-Identification identify_modes(const FrequencyResponses& given, const IdentifyOptions& asked,
+Identification identify_modes(const FrequencyResponses& all, const IdentifyOptions& asked,
                               const std::function<void(double)>& progress) {
+  const auto given = usable_responses(all);
   auto options = asked;
   if (given.whole) {
     options.least_significance = asked.least_significance_of_outputs;
@@ -471,55 +404,6 @@ Identification identify_modes(const FrequencyResponses& given, const IdentifyOpt
   add_warnings(options, result);
   if (assumed) remove_errors(result.responses);
   return result;
-}
-
-data::ModalResults modal_results(const Identification& identified) {
-  const auto& responses = identified.responses;
-  data::ModalResults results{.title = responses.title,
-                             .date = responses.date,
-                             .outputs = responses.outputs,
-                             .inputs = responses.inputs,
-                             .from = identified.from,
-                             .to = identified.to};
-  if (responses.lines() > 1)
-    results.line_spacing = (responses.frequency.back() - responses.frequency.front()) /
-                           static_cast<double>(responses.lines() - 1);
-  for (const auto& mode : identified.modes) {
-    data::ModalResult result{.pole = mode.fit.pole,
-                             .shape = mode.displacement,
-                             .omega_deviation = mode.fit.omega_deviation,
-                             .damping_deviation = mode.fit.damping_deviation,
-                             .shape_deviation = mode.fit.shape_deviation,
-                             .significance = mode.fit.significance};
-    // those of φ; the displacement is φ/λ^d
-    for (Index o = 0; o < result.shape_deviation.size(); ++o) {
-      const double size = std::abs(mode.fit.shape[o]);
-      result.shape_deviation[o] *= size > 0.0 ? std::abs(mode.displacement[o]) / size : 0.0;
-    }
-    results.modes.push_back(std::move(result));
-  }
-  return results;
-}
-
-MatrixXd mode_indicator(const FrequencyResponses& r) {
-  if (r.H.empty()) return {};  // a result that was read back
-  const Index count = std::min(r.H[0].rows(), r.H[0].cols());
-  const VectorXd size = row_sizes(r);
-  MatrixXd values(static_cast<Index>(r.lines()), count);
-  for (std::size_t k = 0; k < r.lines(); ++k) {
-    const MatrixXcd scaled = size.cwiseInverse().asDiagonal() * r.H[k];
-    values.row(static_cast<Index>(k)) =
-        Eigen::JacobiSVD<MatrixXcd>(scaled).singularValues().transpose();
-  }
-  return values;
-}
-
-MatrixXd mac_matrix(const std::vector<VectorXcd>& a, const std::vector<VectorXcd>& b) {
-  MatrixXd M(static_cast<Index>(a.size()), static_cast<Index>(b.size()));
-  for (Index i = 0; i < M.rows(); ++i)
-    for (Index j = 0; j < M.cols(); ++j)
-      M(i, j) = mac(a[static_cast<std::size_t>(i)], b[static_cast<std::size_t>(j)]);
-  return M;
 }
 
 }  // namespace hydrapod::identification

@@ -95,6 +95,19 @@ void rotate(LineMatrix& A, Index i, Index j, SomeLines& cosine) {
   }
 }
 
+/// Σ_k of what `add`(i, j, k, sum) adds, for each element of a matrix with the rows of A.
+template <class Add>
+LineMatrix product(const LineMatrix& A, Index cols, const Add& add) {
+  LineMatrix C(A.rows(), cols);
+  for (Index j = 0; j < C.cols(); ++j)
+    for (Index i = 0; i < C.rows(); ++i) {
+      ComplexLines sum;
+      for (Index k = 0; k < A.cols(); ++k) add(i, j, k, sum);
+      C(i, j) = sum;
+    }
+  return C;
+}
+
 }  // namespace
 
 MatrixXcd LineMatrix::at(int line) const {
@@ -115,25 +128,15 @@ void LineMatrix::set(int line, const MatrixXcd& M) {
 }
 
 LineMatrix times(const LineMatrix& A, const LineMatrix& B) {
-  LineMatrix C(A.rows(), B.cols());
-  for (Index j = 0; j < C.cols(); ++j)
-    for (Index i = 0; i < C.rows(); ++i) {
-      ComplexLines sum;
-      for (Index k = 0; k < A.cols(); ++k) add_product(A(i, k), B(k, j), sum);
-      C(i, j) = sum;
-    }
-  return C;
+  return product(A, B.cols(), [&](Index i, Index j, Index k, ComplexLines& sum) {
+    add_product(A(i, k), B(k, j), sum);
+  });
 }
 
 LineMatrix times_adjoint(const LineMatrix& A, const LineMatrix& B) {
-  LineMatrix C(A.rows(), B.rows());
-  for (Index j = 0; j < C.cols(); ++j)
-    for (Index i = 0; i < C.rows(); ++i) {
-      ComplexLines sum;
-      for (Index k = 0; k < A.cols(); ++k) add_product_conjugate(A(i, k), B(j, k), sum);
-      C(i, j) = sum;
-    }
-  return C;
+  return product(A, B.rows(), [&](Index i, Index j, Index k, ComplexLines& sum) {
+    add_product_conjugate(A(i, k), B(j, k), sum);
+  });
 }
 
 LineMatrix adjoint(const LineMatrix& A) {

@@ -139,11 +139,7 @@ std::int64_t find_period(data::RecordSet& records, int channel, std::int64_t ski
   return period_of(x.tail(x.size() - x.size() / 8));  // past a fade-in
 }
 
-/// Has the signal power at nearly all lines below the filters of a recorder?
-bool fills_band(const VectorXd& x, int block) {
-  constexpr double pass_band = 0.9;  // of half the sample rate
-  constexpr double quiet = 1e-3;     // of the strongest line: white noise in one block is above
-  constexpr double most_lines = 0.95;
+bool fills_band(const VectorXd& x, int block, const FilledBand& options) {
   const VectorXd window = window_samples(Window::hann, block);
   numerics::RealFft fft(block);
   std::vector<Complex> lines(static_cast<std::size_t>(fft.lines()));
@@ -155,9 +151,10 @@ bool fills_band(const VectorXd& x, int block) {
     for (Index k = 0; k < power.size(); ++k)
       power[k] += std::norm(lines[static_cast<std::size_t>(k)]);
   }
-  const auto below = static_cast<Index>(pass_band * static_cast<double>(power.size()));
-  return static_cast<double>((power.head(below).array() > quiet * power.maxCoeff()).count()) >=
-         most_lines * static_cast<double>(below);
+  const auto below = static_cast<Index>(options.pass_band * static_cast<double>(power.size()));
+  return static_cast<double>(
+             (power.head(below).array() > options.quiet * power.maxCoeff()).count()) >=
+         options.most_lines * static_cast<double>(below);
 }
 
 std::int64_t settling_samples(const data::RecordSet& records, const MeasureOptions& options) {
@@ -220,7 +217,7 @@ SpectrumOptions spectrum_options(data::RecordSet& records, const Plan& plan,
       plan.estimator == Estimator::instrumental &&
       !fills_band(
           first_samples(records, plan.choice.instruments[0], settling_samples(records, options)),
-          o.block_length))
+          o.block_length, options.filled))
     o.overlap = 0.75;
   return o;
 }

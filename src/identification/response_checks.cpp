@@ -17,15 +17,6 @@ namespace {
 using Kind = data::ResponseWarning::Kind;
 using Warnings = std::vector<data::ResponseWarning>;
 
-constexpr double same_signal = 0.99999;    // coherence of two inputs that are one
-constexpr double correlated = 3.0;         // condition by what chance gives that is worth a warning
-constexpr std::int64_t few_at_limit = 10;  // samples at a limit that may be chance
-constexpr double rare_at_limit = 1e-4;     // share of samples at a limit that may be chance
-constexpr double pass_band = 0.7;  // of half the sample rate: above, filters of the recorder end it
-constexpr double lines_missing = 4.5;  // of lines: distance that is a gap
-constexpr double lowest_lines = 40.0;  // of the spectra: the first ones are left out in any case
-constexpr double two_levels = 0.5;     // a signal that is always at one of two limits is meant so
-
 const std::string& name(const CrossSpectra& spectra, int channel) {
   return spectra.channels[static_cast<std::size_t>(channel)].name;
 }
@@ -86,10 +77,11 @@ void drop_dead_inputs(const CrossSpectra& spectra, ChannelChoice& choice, Estima
   if (choice.inputs.empty()) throw base::ComputationError("all input channels are constant");
 }
 
-void drop_repeated_inputs(const CrossSpectra& spectra, ChannelChoice& choice, Warnings& warnings) {
+void drop_repeated_inputs(const CrossSpectra& spectra, const ResponseCheckOptions& options,
+                          ChannelChoice& choice, Warnings& warnings) {
   for (std::size_t b = 1; b < choice.inputs.size(); ++b)
     for (std::size_t a = 0; a < b; ++a)
-      if (overall_coherence(spectra, choice.inputs[b], choice.inputs[a]) > same_signal) {
+      if (overall_coherence(spectra, choice.inputs[b], choice.inputs[a]) > options.same_signal) {
         warnings.push_back({.kind = Kind::repeated_input,
                             .channel = name(spectra, choice.inputs[b]),
                             .other = name(spectra, choice.inputs[a])});
@@ -126,12 +118,13 @@ void check_counts(const CrossSpectra& spectra, const ChannelChoice& choice, Esti
 }  // namespace
 
 void warn_of_limits(const CrossSpectra& spectra, const std::vector<int>& channels,
-                    Warnings& warnings) {
+                    Warnings& warnings, const ResponseCheckOptions& options) {
   for (const int c : channels) {
     const auto& health = health_of(spectra, c);
     const double share = static_cast<double>(health.at_limit) /
                          static_cast<double>(std::max<std::int64_t>(1, health.samples));
-    if (health.at_limit >= few_at_limit && share > rare_at_limit && share < two_levels)
+    if (health.at_limit >= options.few_at_limit && share > options.rare_at_limit &&
+        share < options.two_levels)
       warnings.push_back({.kind = Kind::clipped,
                           .channel = name(spectra, c),
                           .share = share,
@@ -143,8 +136,8 @@ void warn_of_limits(const CrossSpectra& spectra, const std::vector<int>& channel
 namespace {
 
 /// Without dead outputs and inputs that repeat another.
-void check_choice(const CrossSpectra& spectra, Estimator estimator, ChannelChoice& choice,
-                  Warnings& warnings) {
+void check_choice(const CrossSpectra& spectra, Estimator estimator,
+                  const ResponseCheckOptions& options, ChannelChoice& choice, Warnings& warnings) {
   if (choice.inputs.empty()) throw base::ComputationError("no input channel is named");
   if (choice.outputs.empty()) throw base::ComputationError("no response channel is named");
   if (spectra.blocks > 0) {
@@ -153,11 +146,11 @@ void check_choice(const CrossSpectra& spectra, Estimator estimator, ChannelChoic
     // over fewer records than inputs periodic inputs are always coherent
     if (spectra.options.periodic) check_counts(spectra, choice, estimator);
     if (estimator == Estimator::h1 || estimator == Estimator::hv)
-      drop_repeated_inputs(spectra, choice, warnings);
+      drop_repeated_inputs(spectra, options, choice, warnings);
   }
   check_counts(spectra, choice, estimator);
-  warn_of_limits(spectra, choice.inputs, warnings);
-  warn_of_limits(spectra, choice.outputs, warnings);
+  warn_of_limits(spectra, choice.inputs, warnings, options);
+  warn_of_limits(spectra, choice.outputs, warnings, options);
   if (spectra.blocks_left_out > 0)
     warnings.push_back({.kind = Kind::blocks_left_out,
                         .count = spectra.blocks_left_out,
@@ -165,14 +158,16 @@ void check_choice(const CrossSpectra& spectra, Estimator estimator, ChannelChoic
 }
 
 /// Where the instruments leave part of the band unexcited.
-void warn_of_band(const CrossSpectra& spectra, FrequencyResponses& r) {
+void warn_of_band(const CrossSpectra& spectra, const ResponseCheckOptions& options,
+                  FrequencyResponses& r) {
   const auto& f = r.frequency;
   double spacing = f.back();
   for (std::size_t k = 1; k < f.size(); ++k) spacing = std::min(spacing, f[k] - f[k - 1]);
   std::int64_t gaps = 0;
-  for (std::size_t k = 1; k < f.size(); ++k) gaps += f[k] - f[k - 1] > lines_missing * spacing;
-  if (gaps > 0 || f.front() > lowest_lines * spectra.frequency(1) ||
-      f.back() < pass_band * 0.5 * spectra.sample_rate)
+  for (std::size_t k = 1; k < f.size(); ++k)
+    gaps += f[k] - f[k - 1] > options.lines_missing * spacing;
+  if (gaps > 0 || f.front() > options.lowest_lines * spectra.frequency(1) ||
+      f.back() < options.pass_band * 0.5 * spectra.sample_rate)
     r.warnings.push_back(
         {.kind = Kind::excited_band, .lowest = f.front(), .highest = f.back(), .count = gaps});
 }
@@ -180,9 +175,9 @@ void warn_of_band(const CrossSpectra& spectra, FrequencyResponses& r) {
 }  // namespace
 
 FrequencyResponses without_lines(const CrossSpectra& spectra, Estimator estimator,
-                                 ChannelChoice& choice) {
+                                 ChannelChoice& choice, const ResponseCheckOptions& options) {
   FrequencyResponses r{.estimator = estimator};
-  check_choice(spectra, estimator, choice, r.warnings);
+  check_choice(spectra, estimator, options, choice, r.warnings);
   for (const int i : choice.inputs) r.inputs.push_back(spectra.channels[static_cast<size_t>(i)]);
   for (const int o : choice.outputs) r.outputs.push_back(spectra.channels[static_cast<size_t>(o)]);
   r.averages = spectra.statistics.effective_averages;
@@ -220,7 +215,7 @@ LineQuality quality_of(const CrossSpectra& spectra, Index line, const ChannelCho
 }
 
 void finish_checks(const CrossSpectra& spectra, const ChannelChoice& choice,
-                   FrequencyResponses& responses) {
+                   FrequencyResponses& responses, const ResponseCheckOptions& options) {
   if (responses.lines() == 0) {
     const bool several = choice.inputs.size() > 1;
     throw base::ComputationError(
@@ -232,9 +227,9 @@ void finish_checks(const CrossSpectra& spectra, const ChannelChoice& choice,
   // independent inputs: the spread of the eigenvalues of a sample covariance (Marchenko, Pastur)
   const double spread = std::sqrt(static_cast<double>(choice.inputs.size()) / responses.averages);
   const double chance = spread < 1.0 ? std::pow((1.0 + spread) / (1.0 - spread), 2) : INFINITY;
-  if (choice.inputs.size() > 1 && median > correlated * chance)
+  if (choice.inputs.size() > 1 && median > options.correlated * chance)
     responses.warnings.push_back({.kind = Kind::correlated_inputs, .value = median});
-  if (responses.estimator == Estimator::instrumental) warn_of_band(spectra, responses);
+  if (responses.estimator == Estimator::instrumental) warn_of_band(spectra, options, responses);
 }
 
 }  // namespace hydrapod::identification

@@ -5,10 +5,33 @@
 
 namespace hydrapod::identification {
 
+/// When a channel or an estimate deserves a warning.
+struct ResponseCheckOptions {
+  /// Two inputs are one where their coherence over all lines > same_signal: different sensors of
+  /// one motion have more noise than that.
+  double same_signal{0.99999};
+  /// Inputs are correlated where the median condition > correlated · what chance gives independent
+  /// ones: then intervals are wider than independent inputs would make them.
+  double correlated{3.0};
+  /// A channel is clipped where few_at_limit or more samples, and a share > rare_at_limit, stand at
+  /// its limit: fewer may be chance. A signal with two_levels or more there is meant so.
+  std::int64_t few_at_limit{10};
+  double rare_at_limit{1e-4}, two_levels{0.5};
+  /// The excitation ends within the band where its highest line < pass_band · half the sample rate:
+  /// above, filters of the recorder end it.
+  double pass_band{0.7};
+  /// … or two lines are further apart than lines_missing · the spacing. A single line left out
+  /// beside a resonance makes it 2.
+  double lines_missing{4.5};
+  /// … or it begins above line lowest_lines of the spectra: the first ones are left out in any
+  /// case.
+  double lowest_lines{40.0};
+};
+
 /// Responses without lines: channels, averages and warnings of the choice, which loses its dead
 /// outputs and inputs that repeat another. Throws base::ComputationError.
 FrequencyResponses without_lines(const CrossSpectra& spectra, Estimator estimator,
-                                 ChannelChoice& choice);
+                                 ChannelChoice& choice, const ResponseCheckOptions& options = {});
 
 /// Rounding must not leave a negative variance in V, the spectrum of what H does not explain.
 void keep_positive(const CrossSpectra& spectra, Eigen::Index line, const std::vector<int>& outputs,
@@ -16,7 +39,8 @@ void keep_positive(const CrossSpectra& spectra, Eigen::Index line, const std::ve
 
 /// A warning for each channel that stands at its limits too often.
 void warn_of_limits(const CrossSpectra& spectra, const std::vector<int>& channels,
-                    std::vector<data::ResponseWarning>& warnings);
+                    std::vector<data::ResponseWarning>& warnings,
+                    const ResponseCheckOptions& options = {});
 
 /// Per line, the condition of the matrix of `inputs` against `others` (themselves, or the
 /// instruments), each scaled to its level; infinite where one of them is not excited.
@@ -37,6 +61,6 @@ LineQuality quality_of(const CrossSpectra& spectra, Eigen::Index line, const Cha
 
 /// Warnings about the whole; throws base::ComputationError when no line is left.
 void finish_checks(const CrossSpectra& spectra, const ChannelChoice& choice,
-                   FrequencyResponses& responses);
+                   FrequencyResponses& responses, const ResponseCheckOptions& options = {});
 
 }  // namespace hydrapod::identification

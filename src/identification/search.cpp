@@ -7,19 +7,11 @@
 #include "hydrapod/base/error.hpp"
 #include "line_weights.hpp"
 #include "names.hpp"
+#include "usable.hpp"
 
 namespace hydrapod::identification {
 
 namespace {
-
-template <class T>
-std::vector<T> picked(const std::vector<T>& all, const std::vector<std::size_t>& lines) {
-  std::vector<T> some;
-  if (all.empty()) return some;
-  some.reserve(lines.size());
-  for (const std::size_t k : lines) some.push_back(all[k]);
-  return some;
-}
 
 /// Where the responses stand above their noise.
 Band audible_band(const FrequencyResponses& r, const BandOptions& options) {
@@ -79,16 +71,7 @@ FrequencyResponses within(const FrequencyResponses& r, double from, double to) {
   std::vector<std::size_t> lines;
   for (std::size_t k = 0; k < r.lines(); ++k)
     if (r.frequency[k] >= from && r.frequency[k] <= to) lines.push_back(k);
-  FrequencyResponses some = r;
-  some.frequency = picked(r.frequency, lines);
-  some.H = picked(r.H, lines);
-  some.noise = picked(r.noise, lines);
-  some.input_factor = picked(r.input_factor, lines);
-  some.coherence = picked(r.coherence, lines);
-  some.multiple_coherence = picked(r.multiple_coherence, lines);
-  some.condition = picked(r.condition, lines);
-  some.input_density = picked(r.input_density, lines);
-  return some;
+  return lines_of(r, lines);
 }
 
 }  // namespace hydrapod::identification

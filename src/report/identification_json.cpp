@@ -192,7 +192,7 @@ void describe(Fields& f, identification::IdentifiedMode& mode) {
 template <class Fields>
 void describe(Fields& f, identification::LeftOut& left) {
   f("pole", left.pole);
-  f.word("reason", left.reason, words_of<identification::Objection, 6>(words));
+  f.word("reason", left.reason, words_of<identification::Objection, 7>(words));
 }
 
 namespace {
@@ -225,6 +225,8 @@ const char* code(data::ResponseWarning::Kind kind) {
       return "excited_band";
     case Kind::interrupted:
       return "interrupted";
+    case Kind::lines_not_finite:
+      return "lines_not_finite";
   }
   return nullptr;
 }

@@ -14,7 +14,8 @@ const char* words(identification::Objection reason) {
                            "is not above the noise",
                            "its frequency is not determined",
                            "its damping is not determined",
-                           "repeats another pole"};
+                           "repeats another pole",
+                           "a number of the fit overflowed"};
   return all[static_cast<std::size_t>(reason)];
 }
 
@@ -62,6 +63,10 @@ std::string warning_text(const data::ResponseWarning& w) {
                          : fmt::format(", with {} gaps", w.count));
     case Kind::interrupted:
       return fmt::format("interrupted: the result uses the first {} samples", w.count);
+    case Kind::lines_not_finite:
+      return fmt::format(
+          "{} of {} frequencies have a value that is no finite number and were left out", w.count,
+          w.total);
   }
   return {};
 }

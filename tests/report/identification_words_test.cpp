@@ -43,6 +43,9 @@ TEST(IdentificationWords, OfResponsesNameTheChannelAndItsNumbers) {
               HasSubstr("to 39 Hz, with 2 gaps: modes elsewhere"));
   EXPECT_EQ(warning_text(data::ResponseWarning{.kind = Kind::interrupted, .count = 4096}),
             "interrupted: the result uses the first 4096 samples");
+  EXPECT_EQ(warning_text(data::ResponseWarning{
+                .kind = Kind::lines_not_finite, .count = 3, .total = 800}),
+            "3 of 800 frequencies have a value that is no finite number and were left out");
 }
 
 TEST(IdentificationWords, OfModes) {

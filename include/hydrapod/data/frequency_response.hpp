@@ -36,9 +36,10 @@ struct ResponseWarning {
     correlated_inputs,  ///< value: median of the condition
     biased,             ///< value: median of the relative deviation from the instrumental estimate;
                         ///< share of lines outside its 95 % band; estimator
-    excited_band,  ///< instruments are seen in the inputs from `lowest` to `highest` [Hz] only,
-                   ///< and not at `count` gaps in between
-    interrupted    ///< count: samples that were read
+    excited_band,     ///< instruments are seen in the inputs from `lowest` to `highest` [Hz] only,
+                      ///< and not at `count` gaps in between
+    interrupted,      ///< count: samples that were read
+    lines_not_finite  ///< count, of total, were left out
   };
   Kind kind{};
   std::string channel{}, other{};

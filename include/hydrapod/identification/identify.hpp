@@ -370,7 +370,8 @@ enum class Objection {
   in_noise,        ///< significance < least_significance
   open_frequency,  ///< deviation of ω > largest_frequency_deviation · ω
   open_damping,    ///< deviation of ζ > largest_damping_deviation · max(ζ, damping_floor)
-  doubles          ///< another fitted pole is the same, see PruneOptions
+  doubles,         ///< another fitted pole is the same, see PruneOptions
+  not_finite       ///< a number of the fit overflowed
 };
 
 struct LeftOut {

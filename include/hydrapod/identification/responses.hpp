@@ -270,6 +270,14 @@ struct PlatformFrame {
   spatial::Vector3 p_BQ{};  ///< [m]
 };
 
+/// Excitation fills the band where density > quiet · that of its strongest line at a share ≥
+/// most_lines of the lines below pass_band · half the sample rate.
+struct FilledBand {
+  double pass_band{0.9};    ///< above, filters of the recorder end any signal
+  double quiet{1e-3};       ///< white noise in a single block is hardly ever below
+  double most_lines{0.95};  ///< not all: some lines of white noise are
+};
+
 struct MeasureOptions {
   std::vector<std::string> inputs{}, outputs{}, instruments{};  ///< channel names; empty: by role
   /// Role of the inputs, excitation or drive; default: as said above.
@@ -278,6 +286,7 @@ struct MeasureOptions {
   std::optional<int> block_length{};  ///< [samples]
   std::optional<double> overlap{};
   Window window{Window::hann};
+  FilledBand filled{};  ///< what fills it less is averaged with an overlap of 3/4 in a loop
   std::optional<double> period{};  ///< [s] of the excitation; 0: not periodic; default: found out
   double settling{};               ///< [s] at the beginning of each record that are passed over
   std::optional<PlatformFrame> platform{};  ///< for responses that are the six leg lengths

@@ -1,0 +1,94 @@
+#include "prune.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "names.hpp"
+#include "search.hpp"
+
+namespace hydrapod::identification {
+
+namespace {
+
+Objection objection_to(const FittedMode& m, const Band& band, const IdentifyOptions& options) {
+  const double f = m.omega() / two_pi;
+  if (f < band.from || f > band.to) return Objection::left_band;
+  if (m.significance < options.least_significance) return Objection::in_noise;
+  if (m.omega_deviation > options.largest_frequency_deviation * m.omega())
+    return Objection::open_frequency;
+  if (m.damping_deviation >
+      options.largest_damping_deviation * std::max(m.damping_ratio(), options.prune.damping_floor))
+    return Objection::open_damping;
+  return Objection::none;
+}
+
+/// Two poles closer than the mean of their decay rates, with the same shape and participation, are
+/// one.
+bool is_double(const FittedMode& a, const FittedMode& b, double same) {
+  const double apart = std::abs(a.pole - b.pole);
+  const double width = 0.5 * (std::abs(a.pole.real()) + std::abs(b.pole.real()));
+  return apart < width && mac(a.shape, b.shape) > same &&
+         mac(a.participation, b.participation) > same;
+}
+
+/// Of modes that overlap so much that none of them is determined, one less may determine the
+/// others: does another go first?
+bool another_first(const ModalModel& model, std::size_t r, const Band& band,
+                   const IdentifyOptions& options) {
+  const auto& mode = model.modes[r];
+  const auto badly = [](const FittedMode& m) { return m.omega_deviation / m.omega(); };
+  return std::ranges::any_of(model.modes, [&](const FittedMode& m) {
+    return badly(m) > badly(mode) &&
+           std::abs(m.pole - mode.pole) < std::abs(m.pole.real()) + std::abs(mode.pole.real()) &&
+           m.damping_ratio() <= options.highest_damping &&
+           objection_to(m, band, options) != Objection::none;
+  });
+}
+
+}  // namespace
+
+void fit_and_prune(const IdentifyOptions& options, std::vector<PoleCluster> clusters,
+                   Identification& result) {
+  const Band band{result.from, result.to};
+  const auto fit = [&] {
+    std::vector<PoleEstimate> start;
+    for (const auto& c : clusters) start.push_back(c.representative);
+    auto poles_alone = options.fit;  // what is taken out is judged by its pole
+    poles_alone.deviations = Deviations::poles;
+    result.model = fit_modes(result.responses, start, poles_alone);
+  };
+  for (int round = 0; round < options.prune.rounds && !clusters.empty(); ++round) {
+    fit();
+    std::vector<PoleCluster> kept;
+    for (std::size_t r = 0; r < clusters.size(); ++r) {
+      const auto& mode = result.model.modes[r];
+      // a heavily damped pole may be anywhere: it is no mode and only helps the fit
+      const bool heavy = mode.damping_ratio() > options.highest_damping;
+      auto objection = !heavy ? objection_to(mode, band, options)
+                       : mode.significance < options.least_significance ? Objection::in_noise
+                                                                        : Objection::none;
+      for (std::size_t q = 0; q < clusters.size() && objection == Objection::none; ++q)
+        if (q != r && is_double(mode, result.model.modes[q], options.prune.same_vector) &&
+            (clusters[q].members.size() > clusters[r].members.size() ||
+             (clusters[q].members.size() == clusters[r].members.size() && q < r)))
+          objection = Objection::doubles;
+      const bool open = objection == Objection::open_frequency ||
+                        objection == Objection::open_damping ||
+                        (objection == Objection::in_noise && result.responses.whole);
+      if (objection == Objection::none || (open && another_first(result.model, r, band, options))) {
+        kept.push_back(clusters[r]);
+        kept.back().representative = mode;
+      } else {
+        result.left_out.push_back({mode.pole, objection});
+      }
+    }
+    if (kept.size() == clusters.size()) break;
+    clusters = std::move(kept);
+    if (clusters.empty()) result.model = {};
+  }
+  // the last round took something out: model and clusters are indexed alike
+  if (result.model.modes.size() != clusters.size()) fit();
+  result.clusters = std::move(clusters);
+}
+
+}  // namespace hydrapod::identification

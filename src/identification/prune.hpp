@@ -1,0 +1,17 @@
+#pragma once
+/// Which fitted poles stay. Private to the module.
+
+#include <vector>
+
+#include "hydrapod/identification/identify.hpp"
+
+namespace hydrapod::identification {
+
+/// Fits the modal model to the representatives of `clusters`, takes out those that PruneOptions and
+/// the limits of IdentifyOptions object to, and fits again, until all stay. Afterwards the modes of
+/// result.model are those of result.clusters, in the same order; objections are appended to
+/// result.left_out.
+void fit_and_prune(const IdentifyOptions& options, std::vector<PoleCluster> clusters,
+                   Identification& result);
+
+}  // namespace hydrapod::identification

@@ -1,0 +1,114 @@
+#include "usable.hpp"
+
+#include <algorithm>
+
+#include "hydrapod/base/error.hpp"
+#include "names.hpp"
+
+namespace hydrapod::identification {
+
+namespace {
+
+using Kind = data::ResponseWarning::Kind;
+
+template <class T>
+std::vector<T> picked(const std::vector<T>& all, const std::vector<std::size_t>& places) {
+  std::vector<T> some;
+  if (all.empty()) return some;
+  some.reserve(places.size());
+  for (const std::size_t k : places) some.push_back(all[k]);
+  return some;
+}
+
+bool is_finite_at(const FrequencyResponses& r, std::size_t k) {
+  return r.H[k].allFinite() && (r.noise.empty() || r.noise[k].allFinite()) &&
+         (r.input_factor.empty() || r.input_factor[k].allFinite());
+}
+
+void leave_out_lines(FrequencyResponses& r, double lowest) {
+  std::vector<std::size_t> kept;
+  std::int64_t broken = 0;
+  for (std::size_t k = 0; k < r.lines(); ++k) {
+    if (!(r.frequency[k] > lowest * r.frequency.back())) continue;
+    if (is_finite_at(r, k))
+      kept.push_back(k);
+    else
+      ++broken;
+  }
+  if (broken > 0)
+    r.warnings.push_back({.kind = Kind::lines_not_finite,
+                          .count = broken,
+                          .total = static_cast<std::int64_t>(r.lines())});
+  if (kept.size() != r.lines()) r = lines_of(r, kept);
+}
+
+/// Numbers of the rows of which one is not 0 at some line; of columns where `columns`.
+std::vector<std::size_t> living(const FrequencyResponses& r, bool columns) {
+  const auto size = static_cast<Index>(columns ? r.inputs.size() : r.outputs.size());
+  std::vector<std::size_t> alive;
+  for (Index i = 0; i < size; ++i)
+    if (std::ranges::any_of(r.H, [&](const MatrixXcd& H) {
+          return columns ? !H.col(i).isZero(0.0) : !H.row(i).isZero(0.0);
+        }))
+      alive.push_back(static_cast<std::size_t>(i));
+  return alive;
+}
+
+void warn_of_dead(const std::vector<data::Channel>& channels, const std::vector<std::size_t>& alive,
+                  Kind kind, std::vector<data::ResponseWarning>& warnings) {
+  for (std::size_t c = 0; c < channels.size(); ++c)
+    if (std::ranges::find(alive, c) == alive.end())
+      warnings.push_back({.kind = kind, .channel = channels[c].name});
+}
+
+void leave_out_dead_outputs(FrequencyResponses& r) {
+  const auto alive = living(r, false);
+  if (alive.size() == r.outputs.size()) return;
+  warn_of_dead(r.outputs, alive, Kind::dead_output, r.warnings);
+  const std::vector<Index> rows(alive.begin(), alive.end());
+  r.outputs = picked(r.outputs, alive);
+  for (auto& H : r.H) H = H(rows, Eigen::all).eval();
+  for (auto& V : r.noise) V = V(rows, rows).eval();
+  for (auto& c : r.coherence) c = c(rows, Eigen::all).eval();
+  for (auto& c : r.multiple_coherence) c = c(rows).eval();
+}
+
+void leave_out_dead_inputs(FrequencyResponses& r) {
+  const auto alive = living(r, true);
+  if (alive.size() == r.inputs.size()) return;
+  warn_of_dead(r.inputs, alive, Kind::dead_input, r.warnings);
+  const std::vector<Index> columns(alive.begin(), alive.end());
+  r.inputs = picked(r.inputs, alive);
+  for (auto& H : r.H) H = H(Eigen::all, columns).eval();
+  for (auto& Q : r.input_factor) Q = Q(columns, columns).eval();
+  for (auto& c : r.coherence) c = c(Eigen::all, columns).eval();
+  for (auto& S : r.input_density) S = S(columns).eval();
+}
+
+}  // namespace
+
+FrequencyResponses lines_of(const FrequencyResponses& r, const std::vector<std::size_t>& lines) {
+  FrequencyResponses some = r;
+  some.frequency = picked(r.frequency, lines);
+  some.H = picked(r.H, lines);
+  some.noise = picked(r.noise, lines);
+  some.input_factor = picked(r.input_factor, lines);
+  some.coherence = picked(r.coherence, lines);
+  some.multiple_coherence = picked(r.multiple_coherence, lines);
+  some.condition = picked(r.condition, lines);
+  some.input_density = picked(r.input_density, lines);
+  return some;
+}
+
+FrequencyResponses usable_responses(FrequencyResponses r, double lowest) {
+  leave_out_lines(r, lowest);
+  if (r.whole == nullptr) {  // outputs that half spectra refer to are alive
+    leave_out_dead_outputs(r);
+    leave_out_dead_inputs(r);
+  }
+  if (r.outputs.empty() || r.inputs.empty())
+    throw base::ComputationError("the responses are 0 at all frequencies");
+  return r;
+}
+
+}  // namespace hydrapod::identification

@@ -1,0 +1,158 @@
+// Responses with lines and channels that hold nothing to identify modes from.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <limits>
+
+#include "exact/modal_system.hpp"
+#include "hydrapod/base/error.hpp"
+#include "hydrapod/identification/cross_check.hpp"
+#include "hydrapod/identification/identify.hpp"
+
+namespace hydrapod::identification {
+namespace {
+
+using Kind = data::ResponseWarning::Kind;
+constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+
+/// Three modes between 3 Hz and 12 Hz, two inputs, three outputs, lines from 0 Hz on.
+test::ModalSystem system_of_three() {
+  test::ModalSystem system;
+  system.modes.push_back(test::real_mode(3.37, 0.021, Eigen::Vector3d(0.71, -0.33, 0.52)));
+  system.modes.push_back(test::real_mode(5.91, 0.013, Eigen::Vector3d(0.28, 0.64, -0.47)));
+  system.modes.push_back(test::real_mode(11.83, 0.034, Eigen::Vector3d(-0.39, 0.57, 0.83)));
+  for (auto& mode : system.modes) mode.participation = mode.participation.head(2).eval();
+  return system;
+}
+
+FrequencyResponses from_zero(bool errors, std::uint64_t seed = 1) {
+  const auto system = system_of_three();
+  test::Random random(seed);
+  FrequencyResponses r;
+  const auto header = test::header_of(2, 3, 1.0);
+  r.inputs.assign(header.channels.begin(), header.channels.begin() + 2);
+  r.outputs.assign(header.channels.begin() + 2, header.channels.end());
+  constexpr double deviation = 3e-6, spacing = 0.0417;  // the largest response is about 0.01
+  for (int k = 0; k < 380; ++k) {
+    r.frequency.push_back(k * spacing);
+    r.H.push_back(system.response(k * spacing));
+    for (auto& h : r.H.back().reshaped())
+      h += deviation * std::sqrt(0.5) *
+           std::complex<double>(test::normal(random), test::normal(random));
+    if (k == 0) r.H.back() = r.H.back().real().cast<std::complex<double>>();
+    if (!errors) continue;
+    r.noise.emplace_back(deviation * deviation * Eigen::Matrix3cd::Identity());
+    r.input_factor.emplace_back(Eigen::Matrix2cd::Identity());
+  }
+  return r;
+}
+
+void expect_three_modes(const Identification& found, std::size_t outputs = 3) {
+  const auto system = system_of_three();
+  ASSERT_EQ(found.modes.size(), 3U);
+  for (std::size_t r = 0; r < 3; ++r) {
+    const auto& fit = found.modes[r].fit;
+    const auto truth = system.modes[r].pole;
+    const double omega = std::abs(truth), ratio = -truth.real() / omega;
+    EXPECT_TRUE(std::isfinite(fit.omega_deviation) && fit.omega_deviation > 0.0);
+    EXPECT_TRUE(std::isfinite(fit.damping_deviation) && fit.damping_deviation > 0.0);
+    EXPECT_NEAR(fit.omega(), omega, 4.0 * fit.omega_deviation);
+    EXPECT_NEAR(fit.damping_ratio(), ratio, 4.0 * fit.damping_deviation);
+    EXPECT_LT(fit.omega_deviation, 1e-3 * omega);
+    EXPECT_EQ(static_cast<std::size_t>(fit.shape.size()), outputs);
+    EXPECT_TRUE(fit.shape.allFinite() && found.modes[r].displacement.allFinite());
+    EXPECT_TRUE(fit.shape_deviation.allFinite());
+    EXPECT_TRUE(std::isfinite(found.modes[r].quality()));
+  }
+}
+
+std::vector<Kind> kinds(const Identification& found) {
+  std::vector<Kind> list;
+  for (const auto& warning : found.responses.warnings) list.push_back(warning.kind);
+  return list;
+}
+
+class UsableResponses : public testing::TestWithParam<bool> {};
+
+TEST_P(UsableResponses, ALineAtZeroIsLeftOut) {
+  const auto found = identify_modes(from_zero(GetParam()));
+  expect_three_modes(found);
+  EXPECT_GT(found.from, 0.0);
+  EXPECT_THAT(kinds(found), testing::IsEmpty());
+}
+
+TEST_P(UsableResponses, AnAskedBandMayBeginAtZero) {
+  expect_three_modes(identify_modes(from_zero(GetParam()), {.from = 0.0, .to = 15.0}));
+}
+
+TEST_P(UsableResponses, LinesThatAreNotFiniteAreLeftOutAndCounted) {
+  auto r = from_zero(GetParam());
+  r.H[17](1, 0) = nan;
+  r.H[141](2, 1) = {0.0, std::numeric_limits<double>::infinity()};
+  r.H[300](0, 1) = {0.0, nan};
+  const auto found = identify_modes(r);
+  expect_three_modes(found);
+  ASSERT_THAT(kinds(found), testing::ElementsAre(Kind::lines_not_finite));
+  EXPECT_EQ(found.responses.warnings[0].count, 3);
+  EXPECT_EQ(found.responses.warnings[0].total, 380);
+}
+
+TEST_P(UsableResponses, ADeadOutputIsLeftOutAndNamed) {
+  auto r = from_zero(GetParam());
+  for (auto& H : r.H) H.row(1).setZero();
+  const auto found = identify_modes(r);
+  expect_three_modes(found, 2);
+  ASSERT_THAT(kinds(found), testing::ElementsAre(Kind::dead_output));
+  EXPECT_EQ(found.responses.warnings[0].channel, "y2");
+  EXPECT_EQ(cross_check(found, r).size(), 3U);
+}
+
+TEST_P(UsableResponses, ADeadInputIsLeftOutAndNamed) {
+  auto r = from_zero(GetParam());
+  for (auto& H : r.H) H.col(0).setZero();
+  const auto found = identify_modes(r);
+  expect_three_modes(found);
+  ASSERT_THAT(kinds(found), testing::ElementsAre(Kind::dead_input));
+  EXPECT_EQ(found.responses.warnings[0].channel, "u1");
+}
+
+TEST_P(UsableResponses, NothingButZerosIsSaid) {
+  auto r = from_zero(GetParam());
+  for (auto& H : r.H) H.setZero();
+  EXPECT_THROW(identify_modes(r), base::ComputationError);
+  for (auto& H : r.H) H.setConstant(nan);
+  EXPECT_THROW(identify_modes(r), base::ComputationError);
+}
+
+/// Without errors and with responses that no noise makes rough, or that a few modes cannot explain.
+TEST_P(UsableResponses, WhateverIsThereNoNumberIsNotFinite) {
+  const auto system = system_of_three();
+  for (int trial = 0; trial < 6; ++trial) {
+    auto r = from_zero(GetParam());
+    for (std::size_t k = 0; k < r.lines(); ++k) {
+      auto& H = r.H[k];
+      if (trial == 0) H.setConstant(1.0);                                             // a gain
+      if (trial == 1) H.setConstant(std::polar(1.0, -0.3 * static_cast<double>(k)));  // a delay
+      if (trial == 2) H = system.response(r.frequency[k]);                            // no noise
+      if (trial == 3) H *= 1e150;
+      if (trial == 4) H *= 1e-150;
+      if (trial == 5 && k % 2 == 0) H.setZero();
+    }
+    SCOPED_TRACE(trial);
+    const auto found = identify_modes(r);
+    for (const auto& mode : found.modes) {
+      EXPECT_TRUE(std::isfinite(mode.fit.omega_deviation));
+      EXPECT_TRUE(std::isfinite(mode.fit.damping_deviation));
+      EXPECT_TRUE(mode.fit.shape.allFinite() && mode.fit.shape_deviation.allFinite());
+      EXPECT_TRUE(std::isfinite(mode.quality()));
+    }
+    EXPECT_TRUE(std::isfinite(found.model.error) && std::isfinite(found.model.misfit));
+    if (trial == 2) expect_three_modes(found);
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(WithAndWithoutErrors, UsableResponses, testing::Bool(),
+                         [](const auto& info) { return info.param ? "Given" : "Assumed"; });
+
+}  // namespace
+}  // namespace hydrapod::identification
