@@ -10,6 +10,16 @@ set(few_collections
 if(HYDRAPOD_NATIVE)
   target_compile_options(hydrapod_options INTERFACE -march=native)
 endif()
+# Hardened as Debian's packages are (dpkg-buildflags hardening=+all), and with the checks of libstdc++'s
+# containers; tests/cli/hardening_test.cpp reads the binary. Sanitizers see more than all of these.
+if(NOT HYDRAPOD_SANITIZE)
+  target_compile_options(hydrapod_options INTERFACE
+    -fPIE -fstack-protector-strong -fstack-clash-protection
+    $<$<STREQUAL:${CMAKE_SYSTEM_PROCESSOR},x86_64>:-fcf-protection>)
+  target_compile_definitions(hydrapod_options INTERFACE
+    _GLIBCXX_ASSERTIONS $<$<NOT:$<CONFIG:Debug>>:_FORTIFY_SOURCE=2>)
+  target_link_options(hydrapod_options INTERFACE -pie -Wl,-z,relro -Wl,-z,now)
+endif()
 if(HYDRAPOD_SANITIZE)
   add_compile_options(-fsanitize=${HYDRAPOD_SANITIZE} -fno-omit-frame-pointer
     -fno-sanitize-recover=all)
