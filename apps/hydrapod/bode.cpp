@@ -104,7 +104,7 @@ struct Arguments {
   std::string from{}, to{}, point{}, plot{};
   std::string entries{"x,y,z,rx,ry,rz"};
   int points{2000};
-  std::string format{"table"};
+  std::string format{};
   std::string file{"-"};
 };
 
@@ -205,7 +205,7 @@ std::string mechanics_output(const Arguments& arguments, const report::BodeOptio
 }
 
 void run(const Arguments& arguments) {
-  const size_t format = choose_word("--format", arguments.format, {"table", "json", "csv"});
+  const size_t format = result_format(arguments.format, arguments.file, {"table", "json", "csv"});
   const auto options = options_of(arguments);
   write_output(arguments.file, arguments.input == "command"
                                    ? command_output(arguments, options, format)
@@ -241,7 +241,9 @@ void add_bode(Command app) {
         range(2, 100000)},
        {"--plot", arguments.plot, "Picture to write, .svg, .png or .pdf (needs gnuplot)", writes},
        {"--entries", arguments.entries, "Entries to plot, as directions or output/input pairs"},
-       {"--format", arguments.format, "table (the peaks), json or csv (the 6×6 response)"},
+       {"--format", arguments.format,
+        "table (the peaks), json or csv (the 6×6 response); default: by the ending of -o, else "
+        "table"},
        {"-o", arguments.file, "File to write; - prints", writes}});
 }
 

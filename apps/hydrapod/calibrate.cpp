@@ -89,6 +89,7 @@ void run(const Arguments& arguments) {
   const auto format = choose_word("--format", arguments.format, {"table", "json"});
   if (arguments.output == "-")
     base::refuse("-o -", "the report goes to the standard output; give a file");
+  require_ending("-o of calibrate", arguments.output, ".toml");
   if (!arguments.plot.empty()) report::require_picture_ending(arguments.plot);
   const auto machine = load(arguments.machine);
   const auto options = options_of(arguments);

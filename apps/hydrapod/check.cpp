@@ -12,7 +12,7 @@ namespace {
 
 struct Arguments {
   MachineArguments machine{.pose = ""};
-  std::string format{"table"};
+  std::string format{};
   std::string output{"-"};
 };
 
@@ -100,7 +100,7 @@ std::string table_text(const model::MachineFile& file, const std::vector<report:
 }
 
 void run(const Arguments& arguments) {
-  const size_t format = choose_word("--format", arguments.format, {"table", "json"});
+  const size_t format = result_format(arguments.format, arguments.output, {"table", "json"});
   auto asked = arguments.machine;
   if (asked.pose.empty()) asked.pose = "neutral";
   const auto machine = load(asked);
@@ -129,8 +129,9 @@ void add_check(Command app) {
       {{"--pose", arguments.machine.pose,
         "One pose instead of all of the file: a name, or displacements from the neutral pose"}});
   add_model_option(command, arguments.machine);
-  command.add_options({{"--format", arguments.format, "table or json"},
-                       {"-o,--output", arguments.output, "File to write; - prints", writes}});
+  command.add_options(
+      {{"--format", arguments.format, "table or json; default: by the ending of -o, else table"},
+       {"-o,--output", arguments.output, "File to write; - prints", writes}});
 }
 
 }  // namespace hydrapod::cli

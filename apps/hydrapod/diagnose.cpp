@@ -19,7 +19,7 @@ struct Arguments {
   double response_error{10.0};  // [%]
   bool modes_only{};
   std::size_t shown{12};
-  std::string format{"table"}, output{"-"}, plot{};
+  std::string format{}, output{"-"}, plot{};
 };
 
 std::string heading(const std::string& text, const TableStyle& style) {
@@ -125,7 +125,7 @@ std::string table_text(const Arguments& a, const model::MachineFile& file,
 }
 
 void run(const Arguments& a) {
-  const auto format = choose_word("--format", a.format, {"table", "json"});
+  const auto format = result_format(a.format, a.output, {"table", "json"});
   if (!a.plot.empty()) report::require_picture_ending(a.plot);
   auto asked = a.diagnosis;
   auto& rules = asked.options;
@@ -197,7 +197,7 @@ void add_diagnose(Command app) {
        {"--threads", a.diagnosis.options.threads, "Threads; 0: one per core", range(0, 256)},
        {"--show", a.shown, "Number of hypotheses in the table", range(1, 1000)},
        {"--plot", a.plot, "Picture to write, .svg, .png or .pdf (needs gnuplot)", writes},
-       {"--format", a.format, "table or json"},
+       {"--format", a.format, "table or json; default: by the ending of -o, else table"},
        {"-o,--output", a.output, "File to write; - prints", writes}});
 }
 

@@ -149,19 +149,4 @@ std::optional<observation::Observed> observed_system(const std::string& word,
   return static_cast<observation::Observed>(chosen - 1);
 }
 
-std::size_t result_format(const std::string& format, const std::string& output,
-                          const std::vector<std::string_view>& words) {
-  std::string word = format;
-  if (word.empty()) {
-    const auto dot = output.rfind('.');
-    const std::string ending = dot == std::string::npos ? "" : output.substr(dot + 1);
-    word = ending == "unv" || ending == "uf" ? "uff" : ending;
-    if (std::ranges::find(words, word) == words.end()) word = words[0];
-  }
-  const auto chosen = choose_word("--format", word, words);
-  if (output == "-" && (word == "uff" || word == "mat"))
-    base::refuse("--format " + word, "this format needs a file name: add -o FILE." + word);
-  return chosen;
-}
-
 }  // namespace hydrapod::cli

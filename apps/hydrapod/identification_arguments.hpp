@@ -58,9 +58,4 @@ tasks::DiagnoseOptions diagnose_options(const DiagnosisArguments& arguments,
 std::optional<observation::Observed> observed_system(const std::string& word,
                                                      const std::string& also = {});
 
-/// --format, or where it is empty what the ending of `output` says, else the first of `words`, a
-/// table. Throws base::InputError for another word, and for uff and mat without a file name.
-std::size_t result_format(const std::string& format, const std::string& output,
-                          const std::vector<std::string_view>& words);
-
 }  // namespace hydrapod::cli

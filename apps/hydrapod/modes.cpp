@@ -207,7 +207,7 @@ std::string system_modes_text(const MachineArguments& arguments, const SystemArg
 
 struct Arguments {
   MachineArguments machine{};
-  std::string format{"table"};
+  std::string format{};
   std::string output{"-"};
   bool matrices{};
   SystemArguments system{};
@@ -233,7 +233,7 @@ std::string table_text(const tasks::Machine& machine, const modal::ModeTable& ta
 }
 
 void run(const Arguments& arguments) {
-  const size_t format = choose_word("--format", arguments.format, {"table", "json", "csv"});
+  const size_t format = result_format(arguments.format, arguments.output, {"table", "json", "csv"});
   const auto& system = arguments.system;
   const auto style = table_style(arguments.output);
   if (!system.plot.empty() && system.root_locus.empty())
@@ -245,7 +245,7 @@ void run(const Arguments& arguments) {
     return write_output(arguments.output,
                         system_modes_text(arguments.machine, system, format, style));
   }
-  if (arguments.matrices && arguments.format != "json")
+  if (arguments.matrices && format != 1)
     base::refuse("--matrices", "matrices are part of the JSON; add --format json");
   const auto machine = load(arguments.machine);
   const auto table = tasks::modes(machine);
@@ -274,7 +274,8 @@ void add_modes(Command app) {
   auto& arguments = command.calls(&run);
   add_subject_options(command, arguments.machine);
   command.add_options(
-      {{"--format", arguments.format, "table, json or csv"},
+      {{"--format", arguments.format,
+        "table, json or csv; default: by the ending of -o, else table"},
        {"--matrices", arguments.matrices, "Put M, K and C into the JSON (with --format json)"}});
   add_system_options(command, arguments.system);
   command.add_options({{"-o,--output", arguments.output, "File to write; - prints", writes}});

@@ -1,8 +1,11 @@
 #include "hydrapod/output_files.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <unistd.h>
 
+#include <algorithm>
+#include <array>
 #include <cerrno>
 #include <cstring>
 #include <filesystem>
@@ -11,7 +14,9 @@
 
 #include "hydrapod/base/error.hpp"
 #include "hydrapod/base/file.hpp"
+#include "hydrapod/base/text.hpp"
 #include "hydrapod/data/record_io.hpp"
+#include "hydrapod/machine_arguments.hpp"
 #include "hydrapod/terminal.hpp"
 
 namespace hydrapod::cli {
@@ -54,6 +59,24 @@ std::optional<const char*> kept_kind(const std::string& path) {
   } catch (const base::InputError&) {
     return {};
   }
+}
+
+/// What a known ending says of the contents: a word of --format, or the ending itself.
+std::string contents_of_ending(const std::string& output) {
+  struct Ending {
+    std::string_view ending, contents;
+  };
+  constexpr std::array known{
+      Ending{".json", "json"}, Ending{".csv", "csv"},    Ending{".txt", "table"},
+      Ending{".uff", "uff"},   Ending{".unv", "uff"},    Ending{".uf", "uff"},
+      Ending{".mat", "mat"},   Ending{".h5", "h5"},      Ending{".hdf5", "h5"},
+      Ending{".rpc", ".rpc"},  Ending{".rsp", ".rpc"},   Ending{".drv", ".rpc"},
+      Ending{".tim", ".rpc"},  Ending{".toml", ".toml"}, Ending{".html", ".html"},
+      Ending{".htm", ".html"}, Ending{".svg", ".svg"},   Ending{".png", ".png"},
+      Ending{".pdf", ".pdf"},  Ending{".xlsx", ".xlsx"}};
+  const std::string ending = base::lower_case(fs::path(output).extension().string());
+  const auto at = std::ranges::find(known, ending, &Ending::ending);
+  return at == known.end() ? std::string() : std::string(at->contents);
 }
 
 std::optional<std::string> why_not_writable(const std::string& path) {
@@ -105,6 +128,35 @@ void check_outputs(const std::vector<NamedFile>& inputs, const std::vector<Named
                                 *kind));
   }
   if (!faults.empty()) throw base::InputError(faults);
+}
+
+std::size_t result_format(const std::string& format, const std::string& output,
+                          const std::vector<std::string_view>& words) {
+  const std::string contents = contents_of_ending(output);
+  const bool fits = std::ranges::find(words, contents) != words.end();
+  const std::string word = !format.empty()             ? format
+                           : fits && !contents.empty() ? contents
+                                                       : std::string(words[0]);
+  const auto chosen = choose_word("--format", word, words);
+  if (output == "-" && (word == "uff" || word == "mat" || word == "h5"))
+    base::refuse("--format " + word, "this format needs a file name: add -o FILE." + word);
+  const std::string ending = fs::path(output).extension().string();
+  if (!contents.empty() && !fits)
+    base::refuse(output,
+                 fmt::format("the ending '{}' does not fit the content: this command writes "
+                             "{} ('table' as .txt or without ending)",
+                             ending, fmt::join(words, ", ")));
+  if (!contents.empty() && contents != word)
+    base::refuse(output, fmt::format("the ending '{}' does not fit --format {}", ending, word));
+  return chosen;
+}
+
+void require_ending(const std::string& option, const std::string& output,
+                    std::string_view accepted) {
+  const auto contents = contents_of_ending(output);
+  if (!contents.empty() && contents != accepted)
+    base::refuse(output, fmt::format("the ending '{}' does not fit the content: {} writes {}",
+                                     fs::path(output).extension().string(), option, accepted));
 }
 
 void write_output(const std::string& path, const std::string& text) {

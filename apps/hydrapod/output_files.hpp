@@ -9,6 +9,7 @@
 /// - There must be a folder that can be written to.
 
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace hydrapod::cli {
@@ -23,6 +24,18 @@ struct NamedFile {
 /// signal): then they are passed over.
 void check_outputs(const std::vector<NamedFile>& inputs, const std::vector<NamedFile>& outputs,
                    bool force);
+
+/// Which of `words` ("table" first, "json", "csv", "uff", "mat", …) is written to `output`: that of
+/// --format, or where `format` is empty that of the ending. Throws base::InputError for another
+/// word, for an ending of other contents (.h5 for a table), and for a binary format without a file
+/// name.
+std::size_t result_format(const std::string& format, const std::string& output,
+                          const std::vector<std::string_view>& words);
+
+/// Throws base::InputError where `output` ends as files with other contents than `accepted`
+/// (".html") do. Endings that nobody knows are accepted.
+void require_ending(const std::string& option, const std::string& output,
+                    std::string_view accepted);
 
 /// Writes a result whole, see base::write_file_whole, and says so unless it was printed.
 void write_output(const std::string& path, const std::string& text);

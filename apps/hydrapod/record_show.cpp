@@ -10,7 +10,7 @@ namespace {
 
 struct Arguments {
   RecordArguments record{};
-  std::string format{"table"};
+  std::string format{};
   bool spectra{};
   std::string file{"-"};
 };
@@ -86,7 +86,7 @@ constexpr const char* legend =
     "highest value. Held: longest run of one value, from 10 samples on. Missing: no number.\n";
 
 void run(const Arguments& arguments) {
-  const std::size_t format = choose_word("--format", arguments.format, {"table", "json"});
+  const std::size_t format = result_format(arguments.format, arguments.file, {"table", "json"});
   auto record = open_record(arguments.record);
   const data::RecordHeader& header = record.header();
   data::OverviewBuilder builder(header, data::default_segment(header, record.sample_count()));
@@ -111,9 +111,10 @@ void add_record_show(Command record) {
        {"record show run.h5 --format json --spectra -o run.json", "with spectra"}});
   auto& arguments = command.calls(&run);
   add_record_options(command, arguments.record);
-  command.add_options({{"--format", arguments.format, "table or json"},
-                       {"--spectra", arguments.spectra, "Power spectral densities in the JSON"},
-                       {"-o", arguments.file, "File to write; - prints", writes}});
+  command.add_options(
+      {{"--format", arguments.format, "table or json; default: by the ending of -o, else table"},
+       {"--spectra", arguments.spectra, "Power spectral densities in the JSON"},
+       {"-o", arguments.file, "File to write; - prints", writes}});
 }
 
 }  // namespace hydrapod::cli

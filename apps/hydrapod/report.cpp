@@ -76,6 +76,7 @@ tasks::ReportOptions options_of(const Arguments& a, const tasks::Machine& machin
 }
 
 void run(const Arguments& a) {
+  require_ending("report", a.output, ".html");
   auto asked = a.machine;
   if (!a.poses.empty()) asked.pose = a.poses.front();
   const auto machine = load(asked);

@@ -37,6 +37,9 @@ rig::RigOptions options_of(const Arguments& arguments, const model::Machine& mac
   if (!(options.settling >= 0.0)) base::refuse("--settling", "must be 0 or more");
   options.duration = positive("--duration", arguments.duration, "s");
   options.rate = positive("--rate", arguments.rate, "Hz");
+  if (!(options.duration * options.rate >= 1.0))
+    base::refuse("--rate " + arguments.rate,
+                 fmt::format("the record of {:g} s would have no sample", options.duration));
   options.oversampling = arguments.oversampling;
   options.repeat = arguments.repeat;
   options.seed = arguments.seed;

@@ -10,13 +10,13 @@ namespace {
 struct Arguments {
   MachineArguments machine{};
   std::vector<std::string> parameters{};
-  std::string format{"table"};
+  std::string format{};
   std::string output{"-"};
   std::string plot{};
 };
 
 void run(const Arguments& arguments) {
-  const auto format = choose_word("--format", arguments.format, {"table", "json", "csv"});
+  const auto format = result_format(arguments.format, arguments.output, {"table", "json", "csv"});
   const auto machine = load(arguments.machine);
   const auto result = tasks::sensitivity(machine, {.parameters = arguments.parameters});
   const std::string title = fmt::format("{}, pose {}, {} model", machine.file.machine.name,
@@ -50,7 +50,8 @@ void add_sensitivity(Command app) {
   add_subject_options(command, arguments.machine);
   command.add_options(
       {{"--parameter", arguments.parameters, "Only this parameter (PATH); may be repeated"},
-       {"--format", arguments.format, "table, json or csv"},
+       {"--format", arguments.format,
+        "table, json or csv; default: by the ending of -o, else table"},
        {"-o,--output", arguments.output, "File to write; - prints", writes},
        {"--plot", arguments.plot, "Heat map to write: .svg, .png or .pdf", writes}});
 }

@@ -167,7 +167,7 @@ class CsvReader final : public RecordReader {
     columns_ = head.columns;
     first_row_ = head.first_row;
     if (first_row_) find_stamps(head.first_line);
-    by_hydrapod_ = comments.by_hydrapod();
+    by_hydrapod_ = comments.by_hydrapod(notes_);
     if (by_hydrapod_) {
       header_ = comments.header(notes_);
       const std::size_t described = header_.channels.size();

@@ -290,7 +290,7 @@ ReadModalResultsResult read_modal_results(const std::string& path) {
     notes.add(fmt::format("{} datasets 55 that are no modes left out",
                           contents.modes.size() - modes.size()));
   const RecordComments& own = contents.own;
-  auto results = assembled(modes, own.by_hydrapod() ? own.header(notes) : RecordHeader{});
+  auto results = assembled(modes, own.by_hydrapod(notes) ? own.header(notes) : RecordHeader{});
   return {std::move(results), notes.all()};
 }
 

@@ -76,7 +76,15 @@ void RecordComments::take(std::string_view line, unsigned number) {
   lines_[std::string(line.substr(0, colon))].push_back({std::string(value), number});
 }
 
-bool RecordComments::by_hydrapod() const { return lines_.contains(mark()); }
+bool RecordComments::by_hydrapod(const Notes& notes) const {
+  const std::string any = std::string(record_mark) + " ";
+  for (const auto& [text, lines] : lines_)
+    if (text.starts_with(any) && text != mark())
+      notes.fail(fmt::format("the file is a {}; this program reads version {}",
+                             base::printable(text), record_version),
+                 lines.front().number);
+  return lines_.contains(mark());
+}
 
 double RecordComments::number_of(const std::string& key, double otherwise,
                                  const Notes& notes) const {

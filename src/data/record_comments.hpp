@@ -21,8 +21,8 @@ class RecordComments {
   /// `line` may be any comment, also one of another program.
   void take(std::string_view line, unsigned number);
 
-  /// Were there lines that comment_lines() made?
-  [[nodiscard]] bool by_hydrapod() const;
+  /// Were there lines that comment_lines() made? Throws base::InputError for another version.
+  [[nodiscard]] bool by_hydrapod(const Notes& notes) const;
 
   /// Throws base::InputError where a line does not hold what it should. Names and units are as they
   /// stand; the sample rate is 0 where none was given.

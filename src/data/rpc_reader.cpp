@@ -72,8 +72,7 @@ class RpcHeader {
     return *number;
   }
   /// Which of `words` stands behind `key`; the first where the key is missing.
-  std::size_t word(const std::string& key,
-                                 const std::vector<std::string_view>& words) const {
+  std::size_t word(const std::string& key, const std::vector<std::string_view>& words) const {
     const auto text = find(key);
     if (!text) return 0;
     const auto at = std::ranges::find(words, std::string_view(*text));
@@ -241,7 +240,7 @@ class RpcReader final : public RecordReader {
       comments.take(std::string_view(own).substr(begin, end - begin), 0);
       begin = end + 1;
     }
-    if (comments.by_hydrapod() && use_own_header(comments.header(notes_))) {
+    if (comments.by_hydrapod(notes_) && use_own_header(comments.header(notes_))) {
       scales_.assign(header_.channels.size(), 1.0);
       read_scales(header);
       return settle_channels(true);

@@ -176,14 +176,14 @@ std::vector<Complex> band_filter(const std::vector<bool>& excited, const DampedO
   for (Index k = 0; k < lines; ++k)
     for (Index d = -edge; d <= edge; ++d)
       if (!excited[static_cast<std::size_t>(mirrored(k + d))]) outside[k] = 1.0;
-  const Index reach = 5 * edge;
-  VectorXd bell(2 * reach + 1);
-  for (Index d = -reach; d <= reach; ++d)
-    bell[d + reach] = std::exp(-0.5 * std::pow(static_cast<double>(d) / options.edge, 2));
+  const Index whole = 5 * edge;
+  VectorXd bell(2 * whole + 1);
+  for (Index d = -whole; d <= whole; ++d)
+    bell[d + whole] = std::exp(-0.5 * std::pow(static_cast<double>(d) / options.edge, 2));
   bell /= bell.sum();
   for (Index k = 0; k < lines; ++k) {
     double mean = 0.0;
-    for (Index d = -reach; d <= reach; ++d) mean += bell[d + reach] * outside[mirrored(k + d)];
+    for (Index d = -whole; d <= whole; ++d) mean += bell[d + whole] * outside[mirrored(k + d)];
     log_magnitude[k] = mean * std::log(options.attenuation);
   }
   auto D = minimum_phase(log_magnitude);

@@ -169,6 +169,10 @@ SpectrumOptions spectrum_options(data::RecordSet& records, const Plan& plan,
     o.overlap = *options.overlap;
   else if (options.window == Window::rectangular)
     o.overlap = 0.0;
+  if (const double rate = records.header().sample_rate;
+      options.period && !(*options.period * rate <= static_cast<double>(shortest)))
+    base::refuse(first, fmt::format("the period of {:g} s is longer than the record of {:g} s",
+                                    *options.period, static_cast<double>(shortest) / rate));
   std::int64_t period =
       options.period ? std::llround(*options.period * records.header().sample_rate)
       : options.block_length

@@ -53,9 +53,13 @@ bool ValueChecks::finite(std::string_view key, const Vector3& value, std::string
 bool ValueChecks::within(std::string_view key, double value, std::string_view unit,
                          const Bound& bound) {
   if (!finite(key, value, unit)) return false;
+  // a limit that was given in another unit, as "10 us", may differ by rounding
+  constexpr double rounding = 1e-14;
+  const double least = bound.lowest - rounding * std::abs(bound.lowest),
+               most = bound.highest + rounding * std::abs(bound.highest);
   const bool above =
-      bound.more_than_lowest ? value - bound.lowest >= 1.0 / largest_number : value >= bound.lowest;
-  const bool below = bound.less_than_highest ? value < bound.highest : value <= bound.highest;
+      bound.more_than_lowest ? value - bound.lowest >= 1.0 / largest_number : value >= least;
+  const bool below = bound.less_than_highest ? value < bound.highest : value <= most;
   if (above && below) return true;
   const bool in_other = above && !bound.shown_in.empty();
   const std::string found =

@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <thread>
 
@@ -137,6 +138,37 @@ TEST_F(OutputFiles, APartOfAnotherRunIsLeftAloneAndNoLinkIsFollowed) {
   EXPECT_EQ(test::read_text(folder / "precious"), "mine");
   EXPECT_TRUE(fs::is_symlink(folder / "x.h5.part"));
   EXPECT_FALSE(fs::exists(folder / "x.h5.part2"));
+}
+
+TEST_F(OutputFiles, TheEndingSaysTheFormat) {
+  for (const std::string command : {"modes", "check"}) {
+    ASSERT_EQ(run({command, "m.toml", "-o", "a.json"}).exit_code, 0);
+    EXPECT_EQ(test::read_text(folder / "a.json"), run({command, "m.toml", "--format", "json"}).out);
+    ASSERT_EQ(run({command, "m.toml", "-o", "a.txt"}).exit_code, 0);
+    EXPECT_EQ(test::read_text(folder / "a.txt"), run({command, "m.toml"}).out);
+  }
+  ASSERT_EQ(run({"modes", "m.toml", "-o", "a.CSV"}).exit_code, 0);
+  EXPECT_EQ(test::read_text(folder / "a.CSV"), run({"modes", "m.toml", "--format", "csv"}).out);
+}
+
+TEST_F(OutputFiles, AnEndingOfOtherContentsIsRefusedBeforeTheWork) {
+  const auto refused = [&](const std::vector<std::string>& arguments, const std::string& message) {
+    const auto result = run(arguments);
+    EXPECT_EQ(result.exit_code, 2) << testing::PrintToString(arguments);
+    EXPECT_THAT(result.err, HasSubstr(message)) << testing::PrintToString(arguments);
+    EXPECT_EQ(std::count(result.err.begin(), result.err.end(), '\n'), 1) << result.err;
+    EXPECT_FALSE(fs::exists(folder / arguments.back()));
+  };
+  for (const std::string name : {"a.h5", "a.MAT", "a.png", "a.uff", "a.html", "a.toml"})
+    refused({"modes", "m.toml", "-o", name},
+            name + ": error: the ending '" + name.substr(1) +
+                "' does not fit the content: this command writes table, json, csv");
+  refused({"check", "m.toml", "-o", "a.csv"}, "this command writes table, json (");
+  refused({"identify", "run.h5", "-o", "a.svg"}, "this command writes table, json, csv, uff, mat");
+  refused({"bode", "m.toml", "--format", "csv", "-o", "a.json"},
+          "the ending '.json' does not fit --format csv");
+  refused({"report", "m.toml", "-o", "a.json"}, "report writes .html");
+  refused({"rig", "m.toml", "-o", "a.json"}, "names no format of records");
 }
 
 TEST_F(OutputFiles, MessagesThatNobodyReadsChangeNothing) {

@@ -103,6 +103,9 @@ TEST(Program, RefusesWhatIsNoNumber) {
   const auto seed = run_hydrapod({"rig", machine, "--seed", "-1", "-o", "never.h5"});
   EXPECT_EQ(seed.exit_code, 2);
   EXPECT_THAT(seed.err, testing::HasSubstr("expected 0 or more, not -1"));
+  const auto slow = run_hydrapod({"rig", machine, "--rate", "1e-05 Hz", "-o", "never.h5"});
+  EXPECT_EQ(slow.exit_code, 2);
+  EXPECT_THAT(slow.err, testing::HasSubstr("the record of 60 s would have no sample"));
 }
 
 }  // namespace

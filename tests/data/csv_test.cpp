@@ -56,6 +56,17 @@ TEST(Csv, LatinOneAndMarksOfByteOrderAreNoObstacle) {
   EXPECT_EQ(record.header.sample_rate, 1.0);
 }
 
+TEST(Csv, ARecordOfALaterVersionIsNotGuessedAt) {
+  try {
+    read("# hydrapod record 9\n# sample_rate_hz: 50\ntime,x\n0,1\n0.02,2\n");
+    ADD_FAILURE() << "it was read";
+  } catch (const base::InputError& error) {
+    EXPECT_EQ(error.diagnostics().back().message,
+              "the file is a hydrapod record 9; this program reads version 1");
+    EXPECT_EQ(error.diagnostics().back().line, 1U);
+  }
+}
+
 TEST(Csv, TimesOfSixDigitsGiveTheRateThatWasMeant) {
   std::string text = "time,x\n";
   for (int k = 0; k < 3000; ++k) text += std::to_string(k / 1024.0) + ",1\n";  // six decimals

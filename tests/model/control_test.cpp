@@ -1,5 +1,6 @@
 /// The tables [controller] and [sensors] of the machine file.
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -33,6 +34,12 @@ TEST(ControlFile, HasDefaultsWithoutAnyTable) {
   EXPECT_EQ(machine.controller.compensation, Compensation::load);
   EXPECT_EQ(machine.sensors.length.resolution, 5e-6);
   EXPECT_FALSE(machine.sensors.length.low.has_value());
+}
+
+TEST(ControlFile, ALimitInAnotherUnitIsNotLostToRounding) {
+  for (const char* shortest : {"10 us", "1e-05 s", "0.01 ms"})
+    EXPECT_DOUBLE_EQ(
+        with({fmt::format("controller.sample_time={}", shortest)}).controller.sample_time, 1e-5);
 }
 
 TEST(ControlFile, ReadsEveryKeyInItsUnit) {
