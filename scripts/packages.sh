@@ -18,6 +18,7 @@ packages_program=(
   "libceres-dev least squares, for calibration"
   "libhdf5-dev records in HDF5"
   "zlib1g-dev compressed variables in MAT files"
+  "libxxhash-dev checksums of records"
   "gnuplot-nox draws the plots"
   "nodejs bundles the page of the report"
   "ca-certificates lets npm trust its registry"

@@ -73,18 +73,20 @@ void report_written(const std::string& file, std::int64_t samples, bool complete
 
 void add_record(Command app) {
   Command command = app.add_command(
-      "record", "Show, convert, cut, resample and plot records of a test rig",
+      "record", "Show, convert, cut, resample, plot and verify records of a test rig",
       {{"record show run.h5", "channels, levels, clipping, drop-outs"},
        {"record convert run.h5 -o run.uff", "to another format"},
        {"record cut run.h5 --from 0.2 --to 0.7 --role response -o part.mat", "a part of it"},
        {"record resample run.h5 --new-rate 250 -o slow.h5", "another sample rate, without aliases"},
-       {"record plot run.h5 -o run.svg", "time histories and spectra as a picture"}});
+       {"record plot run.h5 -o run.svg", "time histories and spectra as a picture"},
+       {"record verify run.h5", "does it hold what was written?"}});
   command.require_subcommand(1);
   add_record_show(command);
   add_record_convert(command);
   add_record_cut(command);
   add_record_resample(command);
   add_record_plot(command);
+  add_record_verify(command);
 }
 
 }  // namespace hydrapod::cli

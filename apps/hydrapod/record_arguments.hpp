@@ -48,5 +48,6 @@ void add_record_convert(Command record);
 void add_record_cut(Command record);
 void add_record_resample(Command record);
 void add_record_plot(Command record);
+void add_record_verify(Command record);
 
 }  // namespace hydrapod::cli

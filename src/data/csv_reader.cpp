@@ -127,6 +127,7 @@ class CsvReader final : public RecordReader {
     if (header_.sample_rate == 0.0) find_grid(options);
     if (header_.channels.empty()) notes_.fail("there is no column besides the times");
     to_first_sample();
+    if (by_hydrapod_) begin_checksum();
   }
 
  private:
@@ -230,7 +231,13 @@ class CsvReader final : public RecordReader {
   /// The next line of numbers in row_, and its time in time_.
   bool next_row() {
     std::string_view line;
-    if (!table_.next_line(line)) return false;
+    while (true) {
+      if (!table_.next_line(line, by_hydrapod_)) return false;
+      if (!base::is_table_comment(base::trimmed(line))) break;
+      RecordComments comment;
+      comment.take(line, table_.line());
+      if (const auto text = comment.text_of(checksum_name); !text.empty()) stated_checksum_ = text;
+    }
     row_.assign(columns_, std::numeric_limits<double>::quiet_NaN());
     std::size_t found = 0;
     base::TableCells cells(line, table_.style.separator);

@@ -21,12 +21,12 @@ std::string header_text(const RecordHeader& header) {
 
 class CsvWriter final : public RecordWriter {
  public:
-  CsvWriter(const std::string& path, const RecordHeader& header) : file_(path), header_(header) {
+  CsvWriter(const std::string& path, const RecordHeader& header)
+      : RecordWriter(header), file_(path), header_(header) {
     file_.write(header_text(header_));
   }
 
-  void append(const Eigen::Ref<const Samples>& samples) override {
-    require_appendable(samples, header_, file_.is_open());
+  void write(const Eigen::Ref<const Samples>& samples) override {
     for (Eigen::Index row = 0; row < samples.rows(); ++row) {
       text_.clear();
       auto out = std::back_inserter(text_);
@@ -43,7 +43,10 @@ class CsvWriter final : public RecordWriter {
   }
 
  private:
-  std::string finish(bool complete) override { return file_.close(complete); }
+  std::string finish(bool complete) override {
+    file_.write(fmt::format("# {}: {}\n", checksum_name, checksum()));
+    return file_.close(complete);
+  }
 
   /// The shortest text that reads back as the same number; every NaN is "nan".
   void add_number(double value) {

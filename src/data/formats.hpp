@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "checksum.hpp"
 #include "hydrapod/base/file.hpp"
 #include "hydrapod/data/record_io.hpp"
 #include "notes.hpp"
@@ -25,6 +26,7 @@ class RecordReader {
   [[nodiscard]] const std::vector<base::Diagnostic>& notes() const { return notes_.all(); }
   /// Not known before the end of a text file.
   [[nodiscard]] std::optional<std::int64_t> sample_count() const { return count_; }
+  [[nodiscard]] ChecksumFinding checksum() const { return finding_; }
   /// Fills the first rows of `block` with the next samples and returns how many; 0 at the end.
   std::int64_t read(Eigen::Ref<Samples> block);
   /// Back to the first sample, with the notes of the opening.
@@ -38,7 +40,12 @@ class RecordReader {
   /// Names become unique, units SI, and samples are then multiplied by what that takes.
   void settle_channels(bool by_hydrapod);
 
+  /// From the first sample on, samples are summed up with header_, and at the end compared with
+  /// stated_checksum_, unless that is empty.
+  void begin_checksum();
+
   Notes notes_;
+  std::string stated_checksum_{};
   RecordFormat format_{};
   RecordHeader header_{};
   std::vector<double> factors_{};
@@ -46,6 +53,10 @@ class RecordReader {
   std::int64_t done_{};                  ///< samples that have been read
 
  private:
+  void check_sum(const Eigen::Ref<const Samples>& samples);
+
+  std::unique_ptr<Checksum> checksum_{};
+  ChecksumFinding finding_{};
   std::optional<Notes> opened_{};  ///< notes before the first read
 };
 
@@ -94,10 +105,6 @@ std::unique_ptr<RecordReader> make_uff_reader(const std::string& path);
 std::unique_ptr<RecordReader> make_csv_reader(const std::string& path, const ReadOptions& options);
 std::unique_ptr<RecordReader> make_hdf5_reader(const std::string& path, const ReadOptions& options);
 
-/// Throws std::invalid_argument unless `samples` has a column per channel and the record is open.
-void require_appendable(const Eigen::Ref<const Samples>& samples, const RecordHeader& header,
-                        bool is_open);
-
 /// Fills header.experiment, but for the machine file that is there already, from its JSON; where
 /// that is empty, from what older records of hydrapod say in header.notes.
 void settle_experiment(const std::string& json, Notes& notes, RecordHeader& header);
@@ -109,6 +116,7 @@ std::string failed_write(base::PartFile& part, bool holds_samples);
 /// Words of the files that hydrapod writes.
 inline constexpr const char* record_mark = "hydrapod record";
 inline constexpr int record_version = 1;
+inline constexpr const char* checksum_name = "checksum";
 
 /// What HDF5 and MAT files of hydrapod hold of a record besides its samples: tells `sink` every
 /// field, until it says false: attribute(name, text or number) short ones, text(name, text) those
@@ -126,6 +134,7 @@ bool put_header(const RecordHeader& header, Sink&& sink) {
   }
   return sink.attribute("format", std::string(record_mark)) &&
          sink.attribute("format_version", record_version) &&
+         sink.attribute(checksum_name, std::string(no_checksum_yet)) &&
          sink.attribute("title", header.title) &&
          sink.attribute("sample_rate_hz", header.sample_rate) &&
          sink.attribute("start_s", header.start) && sink.attribute("date", header.date) &&

@@ -97,6 +97,12 @@ bool write_attribute(hid_t object, const char* name, const std::string& text) {
   return write_scalar(object, name, type.id(), type.id(), text.c_str());
 }
 
+bool rewrite_attribute(hid_t object, const char* name, const std::string& text) {
+  const Hdf5Handle attribute = open_attribute(object, name);
+  return attribute.ok() &&
+         H5Awrite(attribute.id(), string_type(text.size()).id(), text.c_str()) >= 0;
+}
+
 bool write_attribute(hid_t object, const char* name, double value) {
   return write_scalar(object, name, H5T_IEEE_F64LE, H5T_NATIVE_DOUBLE, &value);
 }

@@ -73,6 +73,8 @@ Hdf5Handle group_without_times(hid_t where, const char* name);
 bool write_attribute(hid_t object, const char* name, const std::string& text);
 bool write_attribute(hid_t object, const char* name, double value);
 bool write_attribute(hid_t object, const char* name, int value);
+/// Over what stands there, which is as long.
+bool rewrite_attribute(hid_t object, const char* name, const std::string& text);
 /// A scalar string.
 bool write_text(hid_t group, const char* name, const std::string& text);
 /// A list of strings, of integers.

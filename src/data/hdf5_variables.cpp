@@ -6,6 +6,7 @@
 #include <filesystem>
 
 #include "channel_units.hpp"
+#include "formats.hpp"
 #include "hdf5_text.hpp"
 #include "hydrapod/base/text.hpp"
 #include "unicode.hpp"
@@ -84,7 +85,7 @@ class Hdf5Variables final : public VariableFile {
 
   /// What the header of a record has in attributes.
   void take_attributes(hid_t root) {
-    for (const char* name : {"format", "title", "date"})
+    for (const char* name : {"format", checksum_name, "title", "date"})
       if (const auto text = read_text_attribute(root, name))
         add({.name = name, .kind = VariableKind::text, .text = *text}, {});
     for (const char* name : {"format_version", "sample_rate_hz", "start_s", "repeat"})

@@ -145,7 +145,7 @@ bool write_header(hid_t root, const RecordHeader& header, bool for_matlab) {
 class Hdf5Writer final : public RecordWriter {
  public:
   Hdf5Writer(const std::string& path, const RecordHeader& header, bool for_matlab)
-      : part_(path), header_(header), for_matlab_(for_matlab) {
+      : RecordWriter(header), part_(path), header_(header), for_matlab_(for_matlab) {
     const Hdf5Handle list(H5Pcreate(H5P_FILE_CREATE), H5Pclose);
     H5Pset_obj_track_times(list.id(), false);
     if (for_matlab) H5Pset_userblock(list.id(), mat73_userblock_bytes);
@@ -157,8 +157,7 @@ class Hdf5Writer final : public RecordWriter {
     flush();
   }
 
-  void append(const Eigen::Ref<const Samples>& samples) override {
-    require_appendable(samples, header_, samples_.ok());
+  void write(const Eigen::Ref<const Samples>& samples) override {
     if (samples.rows() == 0) return;
     const Hdf5Silence silence;
     const Samples dense = samples;  // rows of a block may be apart
@@ -183,10 +182,23 @@ class Hdf5Writer final : public RecordWriter {
  private:
   std::string finish(bool complete) override {
     const Hdf5Silence silence;
+    if (!put_checksum()) fail();
     flush();
     if (!samples_.reset() || !file_.reset()) fail();
     if (for_matlab_ && !write_mat73_userblock(part_.part())) fail();
     return part_.commit(complete);
+  }
+
+  [[nodiscard]] bool put_checksum() const {
+    const std::string text = checksum();
+    if (!for_matlab_) {
+      const Hdf5Handle root(H5Gopen2(file_.id(), "/", H5P_DEFAULT), H5Gclose);
+      return rewrite_attribute(root.id(), checksum_name, text);
+    }
+    const std::u16string units = utf16_from(text);
+    const Hdf5Handle set(H5Dopen2(file_.id(), checksum_name, H5P_DEFAULT), H5Dclose);
+    return set.ok() &&
+           H5Dwrite(set.id(), H5T_NATIVE_UINT16, H5S_ALL, H5S_ALL, H5P_DEFAULT, units.data()) >= 0;
   }
 
   /// The file stays as the last good flush left it: HDF5, asked to close what it could not write,

@@ -144,16 +144,17 @@ struct Mat5Header {
 /// `samples` comes last and grows; its sizes are brought up to date with every block.
 class Mat5Writer final : public RecordWriter {
  public:
-  Mat5Writer(const std::string& path, const RecordHeader& header) : file_(path), header_(header) {
+  Mat5Writer(const std::string& path, const RecordHeader& header)
+      : RecordWriter(header), file_(path), header_(header) {
     Mat5Header fields{mat5_file_head()};
     put_header(header, fields);
+    checksum_at_ = static_cast<long>(fields.out.find(mat5_text(checksum_name, no_checksum_yet)));
     samples_at_ = static_cast<long>(fields.out.size());
     file_.write(fields.out + samples_head());
     file_.flush();
   }
 
-  void append(const Eigen::Ref<const Samples>& samples) override {
-    require_appendable(samples, header_, file_.is_open());
+  void write(const Eigen::Ref<const Samples>& samples) override {
     const std::uint64_t rows = static_cast<std::uint64_t>(samples.rows());
     if (rows == 0) return;
     if (bytes_for(written_ + rows) + samples_head().size() > mat5_most_bytes)
@@ -169,7 +170,10 @@ class Mat5Writer final : public RecordWriter {
   }
 
  private:
-  std::string finish(bool complete) override { return file_.close(complete); }
+  std::string finish(bool complete) override {
+    file_.write_at(checksum_at_, mat5_text(checksum_name, checksum()));
+    return file_.close(complete);
+  }
 
   [[nodiscard]] std::uint64_t bytes_for(std::uint64_t samples) const {
     return samples * header_.channels.size() * sizeof(double);
@@ -189,7 +193,7 @@ class Mat5Writer final : public RecordWriter {
 
   PartStream file_;
   RecordHeader header_;
-  long samples_at_{};
+  long checksum_at_{}, samples_at_{};
   std::uint64_t written_{};
 };
 

@@ -27,6 +27,8 @@ class RecordComments {
   /// Throws base::InputError where a line does not hold what it should. Names and units are as they
   /// stand; the sample rate is 0 where none was given.
   [[nodiscard]] RecordHeader header(Notes& notes) const;
+  /// All lines with that key; empty where there is none.
+  [[nodiscard]] std::string text_of(const std::string& key) const;
 
  private:
   struct Line {
@@ -35,7 +37,6 @@ class RecordComments {
   };
   [[nodiscard]] double number_of(const std::string& key, double otherwise,
                                  const Notes& notes) const;
-  [[nodiscard]] std::string text_of(const std::string& key) const;
   [[nodiscard]] static Channel channel_of(const Line& line, const Notes& notes);
 
   std::map<std::string, std::vector<Line>> lines_;  ///< "# key: value" by key

@@ -14,6 +14,7 @@
 #include <stdexcept>
 
 #include "channel_units.hpp"
+#include "checksum.hpp"
 #include "formats.hpp"
 #include "hydrapod/base/file.hpp"
 #include "hydrapod/base/text.hpp"
@@ -279,19 +280,40 @@ std::int64_t RecordReader::read(Eigen::Ref<Samples> block) {
     if (const double factor = factors_[static_cast<std::size_t>(c)]; factor != 1.0)
       block.col(c).head(rows) *= factor;
   done_ += rows;
+  if (checksum_ && finding_ == ChecksumFinding::none) check_sum(block.topRows(rows));
   return rows;
+}
+
+void RecordReader::check_sum(const Eigen::Ref<const Samples>& samples) {
+  checksum_->add(samples);
+  const bool at_end = count_ ? done_ == *count_ : samples.rows() == 0;
+  if (!at_end || stated_checksum_.empty() || stated_checksum_ == no_checksum_yet) return;
+  const bool holds = stated_checksum_ == checksum_->text();
+  finding_ = holds ? ChecksumFinding::holds : ChecksumFinding::differs;
+  if (!holds)
+    notes_.add(
+        "the checksum does not hold: channels or samples are not those that were written; the file "
+        "was damaged or changed");
 }
 
 void RecordReader::rewind() {
   if (!opened_) return;
   notes_ = *opened_;
   done_ = 0;
+  finding_ = ChecksumFinding::none;
+  if (checksum_) begin_checksum();
   to_first_sample();
 }
 
 void RecordReader::settle_channels(bool by_hydrapod) {
   make_names_unique(header_.channels);
   factors_ = to_si(header_.channels, notes_, by_hydrapod);
+}
+
+void RecordReader::begin_checksum() { checksum_ = std::make_unique<Checksum>(header_); }
+
+ChecksumFinding RecordSet::checksum(std::size_t file) const {
+  return readers_.at(file)->checksum();
 }
 
 Samples make_block(const RecordHeader& header) {
@@ -322,13 +344,26 @@ void write_record(const std::string& path, const Record& record, RecordFormat fo
   writer->close();
 }
 
-void require_appendable(const Eigen::Ref<const Samples>& samples, const RecordHeader& header,
-                        bool is_open) {
-  if (samples.cols() != static_cast<Eigen::Index>(header.channels.size()))
-    throw std::invalid_argument(fmt::format("RecordWriter::append: {} columns for {} channels",
-                                            samples.cols(), header.channels.size()));
-  if (!is_open) throw std::invalid_argument("RecordWriter::append: the record is closed");
+RecordWriter::RecordWriter(const RecordHeader& header)
+    : channels_(header.channels.size()), checksum_(std::make_unique<Checksum>(header)) {}
+
+RecordWriter::~RecordWriter() = default;
+
+void RecordWriter::append(const Eigen::Ref<const Samples>& samples) {
+  if (samples.cols() != static_cast<Eigen::Index>(channels_))
+    throw std::invalid_argument(
+        fmt::format("RecordWriter::append: {} columns for {} channels", samples.cols(), channels_));
+  if (closed_) throw std::invalid_argument("RecordWriter::append: the record is closed");
+  write(samples);
+  checksum_->add(samples);
 }
+
+std::string RecordWriter::close(bool complete) {
+  closed_ = true;
+  return finish(complete);
+}
+
+std::string RecordWriter::checksum() const { return checksum_->text(); }
 
 PartStream::PartStream(const std::string& path)
     : part_(path), file_(std::fopen(part_.part().c_str(), "wb")) {

@@ -52,7 +52,8 @@ struct RpcChannelState {
 class RpcWriter final : public RecordWriter {
  public:
   RpcWriter(const std::string& path, const RecordHeader& header, bool as_shorts)
-      : file_((require_channels(path, header), path)),
+      : RecordWriter(header),
+        file_((require_channels(path, header), path)),
         header_(header),
         as_shorts_(as_shorts),
         states_(header.channels.size()),
@@ -62,8 +63,7 @@ class RpcWriter final : public RecordWriter {
     if (!as_shorts_) file_.write(header_bytes());
   }
 
-  void append(const Eigen::Ref<const Samples>& samples) override {
-    require_appendable(samples, header_, file_.is_open());
+  void write(const Eigen::Ref<const Samples>& samples) override {
     for (Eigen::Index row = 0; row < samples.rows(); ++row) {
       for (Eigen::Index c = 0; c < samples.cols(); ++c)
         group_(filled_, c) = taken(samples(row, c), states_[static_cast<std::size_t>(c)]);

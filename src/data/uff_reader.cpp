@@ -132,7 +132,11 @@ class UffReader final : public RecordReader {
     header_.date = iso_date(given(first.id[2]));
     header_.repeat = static_cast<int>(std::clamp(first.version, 1LL, 99999LL));
     for (const UffFunction& f : chosen_) header_.channels.push_back(channel_of(f));
-    if (contents_.own.by_hydrapod(notes_) && use_own_header()) return settle_channels(true);
+    if (contents_.own.by_hydrapod(notes_) && use_own_header()) {
+      settle_channels(true);
+      stated_checksum_ = contents_.own.text_of(checksum_name);
+      return begin_checksum();
+    }
     make_names_unique(header_.channels);
     for (std::size_t c = 0; c < chosen_.size(); ++c) {
       const UffFunction& f = chosen_[c];

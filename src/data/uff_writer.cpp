@@ -107,13 +107,13 @@ UffFunction function_of(const RecordHeader& header, std::size_t index, std::uint
 class UffWriter final : public RecordWriter {
  public:
   UffWriter(const std::string& path, const RecordHeader& header, bool binary)
-      : file_(path),
+      : RecordWriter(header),
+        file_(path),
         header_(header),
         binary_(binary),
         spool_(file_.part(), header.channels.size()) {}
 
-  void append(const Eigen::Ref<const Samples>& samples) override {
-    require_appendable(samples, header_, file_.is_open());
+  void write(const Eigen::Ref<const Samples>& samples) override {
     constexpr std::uint64_t most = 2'147'483'647;  // I10 as other programs read it
     if (spool_.samples() + static_cast<std::uint64_t>(samples.rows()) > most)
       throw base::ComputationError("a Universal File holds at most 2147483647 samples per channel");
@@ -122,7 +122,9 @@ class UffWriter final : public RecordWriter {
 
  private:
   std::string finish(bool complete) override {
-    file_.write(uff_beginning(header_.title, header_.date, comment_lines(header_)));
+    std::string comments = comment_lines(header_);
+    if (binary_) comments += fmt::format("# {}: {}\n", checksum_name, checksum());  // else rounded
+    file_.write(uff_beginning(header_.title, header_.date, comments));
     for (std::size_t c = 0; c < header_.channels.size(); ++c) write_channel(c);
     return file_.close(complete);
   }

@@ -46,6 +46,10 @@ class VariablesReader final : public RecordReader {
     format_ = file_->format();
     if (!grid_) count_ = static_cast<std::int64_t>(length_);
     settle_channels(own);
+    if (own) {
+      stated_checksum_ = text(checksum_name);
+      begin_checksum();
+    }
     if (!own) guess_roles(header_.channels, notes_);
   }
 

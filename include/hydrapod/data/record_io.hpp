@@ -46,30 +46,41 @@ std::optional<RecordFormat> format_from_text(std::string_view text);
 /// base::InputError naming the endings that are known.
 RecordFormat format_of_ending(const std::string& path);
 
+class Checksum;  // private to the module
+
 /// Writes a record sample by sample into `PATH.part`, which becomes PATH at close(): until then a
 /// file that was there before stays, and after a crash or a kill the part that was written so far
 /// can be read from `PATH.part` (HDF5, MAT 7.3, CSV), as it can after a failure to write, whose
 /// message names it. Otherwise a writer that goes without close() takes its part with it.
 class RecordWriter {
  public:
-  RecordWriter() = default;
   RecordWriter(const RecordWriter&) = delete;
   RecordWriter& operator=(const RecordWriter&) = delete;
-  virtual ~RecordWriter() = default;
+  virtual ~RecordWriter();
 
   /// Appends samples, one row each. Throws std::invalid_argument for a wrong number of columns or
   /// after close(), base::ComputationError when the disk is full.
-  virtual void append(const Eigen::Ref<const Samples>& samples) = 0;
+  void append(const Eigen::Ref<const Samples>& samples);
   /// Completes the file; where it then is. A record that ended early (not `complete`) does not
   /// replace a file that was there before, but stays beside it as a part. Throws
   /// base::ComputationError.
-  std::string close(bool complete = true) { return finish(complete); }
+  std::string close(bool complete = true);
 
   /// What the format could not hold of the record; complete after close().
   [[nodiscard]] virtual std::vector<base::Diagnostic> notes() const { return {}; }
 
+ protected:
+  explicit RecordWriter(const RecordHeader& header);
+  /// Of what was written so far, see Checksum.
+  [[nodiscard]] std::string checksum() const;
+
  private:
+  virtual void write(const Eigen::Ref<const Samples>& samples) = 0;
   virtual std::string finish(bool complete) = 0;
+
+  std::size_t channels_;
+  std::unique_ptr<Checksum> checksum_;
+  bool closed_{};
 };
 
 /// Throws std::invalid_argument for a header that does not hold (validate), base::InputError where
@@ -101,6 +112,13 @@ FileKind file_kind(const std::string& path);
 
 class RecordReader;  // private to the module: one file
 
+/// Of a file that was read to its end.
+enum class ChecksumFinding {
+  none,    ///< the file has none: another program wrote it, or it was not completed
+  holds,   ///< channels and samples are those that were written
+  differs  ///< they are not: the file was damaged or changed
+};
+
 /// The records of one experiment, one or several files with the same channels and sample rate. Each
 /// file is opened once, its format found by what it holds; samples stream from the open file as
 /// often as they are wanted.
@@ -130,6 +148,9 @@ class RecordSet {
   /// `use` ended it. Throws base::InputError where a file is damaged so that nothing sensible
   /// follows.
   bool stream(const Use& use);
+
+  /// After the file was read to its end.
+  [[nodiscard]] ChecksumFinding checksum(std::size_t file = 0) const;
 
   /// What was skipped, converted or missing, of all files: at opening and in the last stream().
   [[nodiscard]] std::vector<base::Diagnostic> notes() const;
