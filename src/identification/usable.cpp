@@ -1,5 +1,7 @@
 #include "usable.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 
 #include "hydrapod/base/error.hpp"
@@ -10,6 +12,8 @@ namespace hydrapod::identification {
 namespace {
 
 using Kind = data::ResponseWarning::Kind;
+
+constexpr double smallest_size = 1e-100, largest_size = 1e100;  // squares are still numbers
 
 template <class T>
 std::vector<T> picked(const std::vector<T>& all, const std::vector<std::size_t>& places) {
@@ -108,6 +112,12 @@ FrequencyResponses usable_responses(FrequencyResponses r, double lowest) {
   }
   if (r.outputs.empty() || r.inputs.empty())
     throw base::ComputationError("the responses are 0 at all frequencies");
+  double largest = 0.0;
+  for (const auto& H : r.H) largest = std::max(largest, H.cwiseAbs().maxCoeff());
+  if (r.lines() > 0 && !(largest > smallest_size && largest < largest_size))
+    throw base::ComputationError(fmt::format(
+        "the largest response is {:.3g}: between {:g} and {:g} is expected; check the units",
+        largest, smallest_size, largest_size));
   return r;
 }
 

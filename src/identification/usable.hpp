@@ -15,7 +15,8 @@ FrequencyResponses lines_of(const FrequencyResponses& r, const std::vector<std::
 /// - lines with a number that is not finite, with a warning;
 /// - outputs and inputs whose responses are 0 at all lines, with a warning each.
 ///
-/// Throws base::ComputationError where no response is left.
+/// Throws base::ComputationError where no response is left, and where the largest is no size that
+/// units could give it.
 FrequencyResponses usable_responses(FrequencyResponses r, double lowest = 1e-6);
 
 }  // namespace hydrapod::identification
