@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "channel_roles.hpp"
 #include "channel_units.hpp"
@@ -155,6 +156,7 @@ class CsvReader final : public RecordReader {
   void to_first_sample() override {
     if (first_row_) table_.go_to(*first_row_);
     parsed_ = 0;
+    end_noted_ = false;
     if (grid_) grid_->rewind();
   }
 
@@ -171,6 +173,7 @@ class CsvReader final : public RecordReader {
     by_hydrapod_ = comments.by_hydrapod(notes_);
     if (by_hydrapod_) {
       header_ = comments.header(notes_);
+      stated_checksum_ = comments.text_of(checksum_name);  // here where there are no samples
       const std::size_t described = header_.channels.size();
       if (first_row_ && described > 0 && described + 1 != columns_)
         notes_.fail(
@@ -232,7 +235,13 @@ class CsvReader final : public RecordReader {
   bool next_row() {
     std::string_view line;
     while (true) {
-      if (!table_.next_line(line, by_hydrapod_)) return false;
+      if (!table_.next_line(line, by_hydrapod_)) {
+        if (by_hydrapod_ && stated_checksum_.empty() && !std::exchange(end_noted_, true))
+          notes_.add(
+              "the checksum at the end is missing: the file was cut off or not completed, or an "
+              "early version of hydrapod wrote it");
+        return false;
+      }
       if (!base::is_table_comment(base::trimmed(line))) break;
       RecordComments comment;
       comment.take(line, table_.line());
@@ -250,7 +259,8 @@ class CsvReader final : public RecordReader {
                                base::printable(cell, 30)),
                    table_.line(), cells.column(), "text");
     }
-    if (found != columns_ && !table_.line_was_ended()) {
+    // a number may be cut off too; where every line was ended, that is known
+    if ((found != columns_ || by_hydrapod_) && !table_.line_was_ended()) {
       notes_.add("the file is cut off within this line, which is left out", table_.line());
       return false;
     }
@@ -308,6 +318,7 @@ class CsvReader final : public RecordReader {
 
   base::TableReader table_;
   bool by_hydrapod_{};
+  bool end_noted_{};       ///< that there is no checksum
   std::size_t columns_{};  ///< the column of times, if any, included
   std::optional<TimeCells> times_{};
   std::optional<base::TableReader::Place> first_row_{};

@@ -286,7 +286,7 @@ std::int64_t RecordReader::read(Eigen::Ref<Samples> block) {
 
 void RecordReader::check_sum(const Eigen::Ref<const Samples>& samples) {
   checksum_->add(samples);
-  const bool at_end = count_ ? done_ == *count_ : samples.rows() == 0;
+  const bool at_end = samples.rows() == 0 || (count_ && done_ == *count_);
   if (!at_end || stated_checksum_.empty() || stated_checksum_ == no_checksum_yet) return;
   const bool holds = stated_checksum_ == checksum_->text();
   finding_ = holds ? ChecksumFinding::holds : ChecksumFinding::differs;

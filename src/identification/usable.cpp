@@ -13,7 +13,7 @@ namespace {
 
 using Kind = data::ResponseWarning::Kind;
 
-constexpr double smallest_size = 1e-100, largest_size = 1e100;  // squares are still numbers
+constexpr double smallest_size = 1e-50, largest_size = 1e50;  // fourth powers are numbers
 
 template <class T>
 std::vector<T> picked(const std::vector<T>& all, const std::vector<std::size_t>& places) {

@@ -61,6 +61,16 @@ std::string with_word(std::string text, std::size_t at, std::uint32_t value) {
   return text;
 }
 
+/// With another bit in the number that is the last sample.
+std::string with_changed_sample(std::string text) {
+  const double sample = record().samples(19, 2);
+  const std::size_t at =
+      text.rfind(std::string(reinterpret_cast<const char*>(&sample), sizeof sample));
+  if (at == std::string::npos) throw std::logic_error("the sample stands nowhere");
+  text[at] = static_cast<char>(text[at] ^ 1);
+  return text;
+}
+
 void add_csv(std::vector<Damage>& all) {
   const std::string csv = written(RecordFormat::csv);
   const std::string third = until(csv, "\n", 13);
@@ -68,7 +78,9 @@ void add_csv(std::vector<Damage>& all) {
              {{"CSV", "empty file", ""},
               {"CSV", "cut within the header", until(csv, "\n", 4)},
               {"CSV", "cut between two lines of samples", until(csv, "\n", 20)},
-              {"CSV", "cut within a line of samples", cut(csv, csv.size() - 30)},
+              {"CSV", "cut within a line of samples", cut(csv, csv.rfind("# checksum") - 15)},
+              {"CSV", "another digit in a sample", replaced(csv, "0.7648", "0.7649")},
+              {"CSV", "another unit", replaced(csv, "x,m,x", "x,N,x")},
               {"CSV", "a sample rate of zero", replaced(csv, "rate_hz: 100", "rate_hz: 0")},
               {"CSV", "a sample rate in words", replaced(csv, "rate_hz: 100", "rate_hz: fast")},
               {"CSV", "a negative sample rate", replaced(csv, "rate_hz: 100", "rate_hz: -100")},
@@ -130,7 +142,8 @@ void add_uff_binary(std::vector<Damage>& all) {
   const std::string bytes = "          11         160";
   all.insert(
       all.end(),
-      {{"UFF 58b", "cut within the last function's values", cut(uff, uff.size() - 50)},
+      {{"UFF 58b", "one bit of a sample", with_changed_sample(whole)},
+       {"UFF 58b", "cut within the last function's values", cut(uff, uff.size() - 50)},
        {"UFF 58b", "more bytes declared than the file has",
         replaced(uff, bytes, "          11999999999999")},
        {"UFF 58b", "bytes and values do not fit", replaced(uff, bytes, "          11          80")},
@@ -151,6 +164,7 @@ void add_mat(std::vector<Damage>& all) {
               {"MAT 5", "cut before the samples", cut(mat, samples)},
               {"MAT 5", "cut within the tag of the samples", cut(mat, samples + 5)},
               {"MAT 5", "cut within the samples", cut(mat, mat.size() - 100)},
+              {"MAT 5", "one bit of a sample", with_changed_sample(mat)},
               {"MAT 5", "no mark of the byte order", with_word(mat, 124, 0x20200100)},
               {"MAT 5", "the mark of the other byte order", with_word(mat, 124, 0x494D0100)},
               {"MAT 5", "4 GiB declared for a variable", with_word(mat, samples + 4, 0xFFFFFFFF)},
@@ -181,6 +195,8 @@ void add_hdf5(std::vector<Damage>& all) {
         replaced(hdf5, std::string("samples\0", 8), std::string("sambles\0", 8))},
        {"HDF5", "'channels' has another name",
         replaced(hdf5, std::string("channels\0", 9), std::string("chambers\0", 9))},
+       {"HDF5", "one bit of a sample", with_changed_sample(hdf5)},
+       {"MAT 7.3", "one bit of a sample", with_changed_sample(mat)},
        {"MAT 7.3", "cut in the middle", cut(mat, mat.size() / 2)}});
 }
 
