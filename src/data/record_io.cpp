@@ -344,8 +344,9 @@ void write_record(const std::string& path, const Record& record, RecordFormat fo
   writer->close();
 }
 
-RecordWriter::RecordWriter(const RecordHeader& header)
-    : channels_(header.channels.size()), checksum_(std::make_unique<Checksum>(header)) {}
+RecordWriter::RecordWriter(const RecordHeader& header, bool summed)
+    : channels_(header.channels.size()),
+      checksum_(summed ? std::make_unique<Checksum>(header) : nullptr) {}
 
 RecordWriter::~RecordWriter() = default;
 
@@ -355,7 +356,7 @@ void RecordWriter::append(const Eigen::Ref<const Samples>& samples) {
         fmt::format("RecordWriter::append: {} columns for {} channels", samples.cols(), channels_));
   if (closed_) throw std::invalid_argument("RecordWriter::append: the record is closed");
   write(samples);
-  checksum_->add(samples);
+  if (checksum_) checksum_->add(samples);
 }
 
 std::string RecordWriter::close(bool complete) {

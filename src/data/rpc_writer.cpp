@@ -52,7 +52,7 @@ struct RpcChannelState {
 class RpcWriter final : public RecordWriter {
  public:
   RpcWriter(const std::string& path, const RecordHeader& header, bool as_shorts)
-      : RecordWriter(header),
+      : RecordWriter(header, false),
         file_((require_channels(path, header), path)),
         header_(header),
         as_shorts_(as_shorts),

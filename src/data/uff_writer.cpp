@@ -107,7 +107,7 @@ UffFunction function_of(const RecordHeader& header, std::size_t index, std::uint
 class UffWriter final : public RecordWriter {
  public:
   UffWriter(const std::string& path, const RecordHeader& header, bool binary)
-      : RecordWriter(header),
+      : RecordWriter(header, binary),
         file_(path),
         header_(header),
         binary_(binary),

@@ -70,7 +70,8 @@ class RecordWriter {
   [[nodiscard]] virtual std::vector<base::Diagnostic> notes() const { return {}; }
 
  protected:
-  explicit RecordWriter(const RecordHeader& header);
+  /// `summed`: the format keeps samples bit for bit, and the file gets their checksum.
+  explicit RecordWriter(const RecordHeader& header, bool summed = true);
   /// Of what was written so far, see Checksum.
   [[nodiscard]] std::string checksum() const;
 
