@@ -26,18 +26,21 @@ model::Machine starter() {
 /// Keeps what is written.
 class KeepingWriter final : public data::RecordWriter {
  public:
-  void append(const Eigen::Ref<const data::Samples>& samples) override {
+  explicit KeepingWriter(const data::RecordHeader& header) : RecordWriter(header, false) {}
+  data::Samples all{};
+
+ private:
+  void write(const Eigen::Ref<const data::Samples>& samples) override {
     const Eigen::Index before = all.rows();
     all.conservativeResize(before + samples.rows(), samples.cols());
     all.bottomRows(samples.rows()) = samples;
   }
   std::string finish(bool /*complete*/) override { return {}; }
-  data::Samples all{};
 };
 
 data::Samples measured(const RigOptions& options, const model::Machine& machine = starter()) {
   simulation::ClosedLoop loop(machine, machine.neutral(), loop_options(options));
-  KeepingWriter writer;
+  KeepingWriter writer({.channels = rig_channels(options), .sample_rate = options.rate});
   const auto result = run_rig(loop, options, writer);
   EXPECT_EQ(result.summary.end, simulation::RunEnd::finished) << result.summary.message;
   EXPECT_EQ(result.samples, writer.all.rows());
