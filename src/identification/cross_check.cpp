@@ -48,7 +48,7 @@ struct Candidate {
 
 std::vector<std::optional<CrossCheck>> cross_check(const Identification& found,
                                                    const FrequencyResponses& responses) {
-  const auto others = realised(within(usable_responses(responses), 0.0, found.to));
+  const auto others = realised(within(UsableResponses(responses).get(), 0.0, found.to));
   std::vector<Candidate> candidates;
   for (std::size_t r = 0; r < found.modes.size(); ++r)
     for (std::size_t q = 0; q < others.size(); ++q) {

@@ -375,7 +375,8 @@ void test_residual(const IdentifyOptions& options, Identification& result) {
 
 Identification identify_modes(const FrequencyResponses& all, const IdentifyOptions& asked,
                               const std::function<void(double)>& progress) {
-  const auto given = usable_responses(all);
+  const UsableResponses usable(all);
+  const auto& given = usable.get();
   auto options = asked;
   if (given.whole) {
     options.least_significance = asked.least_significance_of_outputs;
@@ -387,8 +388,9 @@ Identification identify_modes(const FrequencyResponses& all, const IdentifyOptio
                     "least {} are needed",
                     given.lines(), fewest_lines));
   const bool assumed = !given.has_errors();
-  const auto responses =
-      assumed ? with_assumed_errors(given, given.H, false, options.assumed_errors) : given;
+  std::optional<FrequencyResponses> with_errors;  // responses of many lines are large
+  if (assumed) with_errors = with_assumed_errors(given, given.H, false, options.assumed_errors);
+  const auto& responses = with_errors ? *with_errors : given;
   auto result = fitted(options, search_in_best_band(responses, options, progress), assumed);
   if (const auto narrower = band_of_few_lines(options, result)) {
     auto other = fitted(options, search(responses, *narrower, options, progress), assumed);

@@ -161,6 +161,15 @@ std::int64_t settling_samples(const data::RecordSet& records, const MeasureOptio
   return std::llround(options.settling * records.header().sample_rate);
 }
 
+/// Blocks whose spectra fit into MeasureOptions::most_spectra.
+unsigned longest_block(const ChannelChoice& choice, const MeasureOptions& options) {
+  constexpr unsigned longest = 1U << 17U, least = 1U << 10U;
+  const std::size_t channels =
+      choice.inputs.size() + choice.outputs.size() + choice.instruments.size();
+  const std::size_t lines = options.most_spectra / (channels * (channels + 1) / 2);
+  return std::clamp(static_cast<unsigned>(2 * lines), least, longest);
+}
+
 SpectrumOptions spectrum_options(data::RecordSet& records, const Plan& plan,
                                  const MeasureOptions& options, std::int64_t shortest) {
   const std::string& first = records.files()[0];
@@ -205,9 +214,9 @@ SpectrumOptions spectrum_options(data::RecordSet& records, const Plan& plan,
     const double total =
         static_cast<double>(shortest) * static_cast<double>(records.files().size());
     // the power of two that is nearest in ratio
-    const auto wanted = static_cast<unsigned>(std::clamp(std::numbers::sqrt2 * total / side_by_side,
-                                                         static_cast<double>(shortest_block),
-                                                         static_cast<double>(1 << 17)));
+    const auto wanted = static_cast<unsigned>(
+        std::clamp(std::numbers::sqrt2 * total / side_by_side, static_cast<double>(shortest_block),
+                   static_cast<double>(longest_block(plan.choice, options))));
     o.block_length = static_cast<int>(std::bit_floor(wanted));
     if (o.block_length > shortest)
       o.block_length = static_cast<int>(std::bit_floor(static_cast<unsigned>(shortest)));

@@ -155,7 +155,7 @@ MatrixXcd synthesised(const ModalModel& model, double frequency, double shift) {
 
 FrequencyResponses on_imaginary_axis(const FrequencyResponses& responses,
                                      const Identification& found) {
-  auto moved = usable_responses(responses);
+  auto moved = UsableResponses(responses).get();
   moved.shift = 0.0;
   auto poles = found.model;  // residual terms hold in the band of the fit alone
   for (auto& C : poles.residuals) C.setZero();

@@ -29,11 +29,17 @@ bool is_finite_at(const FrequencyResponses& r, std::size_t k) {
          (r.input_factor.empty() || r.input_factor[k].allFinite());
 }
 
-void leave_out_lines(FrequencyResponses& r, double lowest) {
+/// Residual terms s⁻² of a modal model have a value.
+bool is_above_zero(const FrequencyResponses& r, std::size_t k) {
+  constexpr double lowest = 1e-6;  // of the highest frequency
+  return r.frequency[k] > lowest * r.frequency.back();
+}
+
+void leave_out_lines(FrequencyResponses& r) {
   std::vector<std::size_t> kept;
   std::int64_t broken = 0;
   for (std::size_t k = 0; k < r.lines(); ++k) {
-    if (!(r.frequency[k] > lowest * r.frequency.back())) continue;
+    if (!is_above_zero(r, k)) continue;
     if (is_finite_at(r, k))
       kept.push_back(k);
     else
@@ -89,6 +95,17 @@ void leave_out_dead_inputs(FrequencyResponses& r) {
   for (auto& S : r.input_density) S = S(columns).eval();
 }
 
+void require_size(const FrequencyResponses& r) {
+  if (r.outputs.empty() || r.inputs.empty())
+    throw base::ComputationError("the responses are 0 at all frequencies");
+  double largest = 0.0;
+  for (const auto& H : r.H) largest = std::max(largest, H.cwiseAbs().maxCoeff());
+  if (r.lines() > 0 && !(largest > smallest_size && largest < largest_size))
+    throw base::ComputationError(fmt::format(
+        "the largest response is {:.3g}: between {:g} and {:g} is expected; check the units",
+        largest, smallest_size, largest_size));
+}
+
 }  // namespace
 
 FrequencyResponses lines_of(const FrequencyResponses& r, const std::vector<std::size_t>& lines) {
@@ -104,21 +121,24 @@ FrequencyResponses lines_of(const FrequencyResponses& r, const std::vector<std::
   return some;
 }
 
-FrequencyResponses usable_responses(FrequencyResponses r, double lowest) {
-  leave_out_lines(r, lowest);
-  if (r.whole == nullptr) {  // outputs that half spectra refer to are alive
-    leave_out_dead_outputs(r);
-    leave_out_dead_inputs(r);
+UsableResponses::UsableResponses(const FrequencyResponses& all) : given_(all) {
+  const bool lines_hold = [&] {
+    for (std::size_t k = 0; k < all.lines(); ++k)
+      if (!is_above_zero(all, k) || !is_finite_at(all, k)) return false;
+    return true;
+  }();
+  // outputs that half spectra refer to are alive
+  const bool all_alive = all.whole != nullptr || (living(all, false).size() == all.outputs.size() &&
+                                                  living(all, true).size() == all.inputs.size());
+  if (!lines_hold || !all_alive) {
+    changed_ = all;
+    if (!lines_hold) leave_out_lines(*changed_);
+    if (all.whole == nullptr) {
+      leave_out_dead_outputs(*changed_);
+      leave_out_dead_inputs(*changed_);
+    }
   }
-  if (r.outputs.empty() || r.inputs.empty())
-    throw base::ComputationError("the responses are 0 at all frequencies");
-  double largest = 0.0;
-  for (const auto& H : r.H) largest = std::max(largest, H.cwiseAbs().maxCoeff());
-  if (r.lines() > 0 && !(largest > smallest_size && largest < largest_size))
-    throw base::ComputationError(fmt::format(
-        "the largest response is {:.3g}: between {:g} and {:g} is expected; check the units",
-        largest, smallest_size, largest_size));
-  return r;
+  require_size(get());
 }
 
 }  // namespace hydrapod::identification

@@ -285,6 +285,9 @@ struct MeasureOptions {
   std::optional<Estimator> estimator{};
   std::optional<int> block_length{};  ///< [samples]
   std::optional<double> overlap{};
+  /// Lines × pairs of channels ≤ most_spectra where the block length is not given: 64 MiB. Longer
+  /// records have more averages then, not finer lines.
+  std::size_t most_spectra{std::size_t{1} << 22U};
   Window window{Window::hann};
   FilledBand filled{};  ///< what fills it less is averaged with an overlap of 3/4 in a loop
   std::optional<double> period{};  ///< [s] of the excitation; 0: not periodic; default: found out
