@@ -24,6 +24,9 @@ class RecordComments {
   /// Were there lines that comment_lines() made?
   [[nodiscard]] bool by_hydrapod() const;
 
+  /// The text of a key, all its lines; empty where there is none.
+  [[nodiscard]] std::string text_of(const std::string& key) const;
+
   /// Throws base::InputError where a line does not hold what it should. Names and units are as they
   /// stand; the sample rate is 0 where none was given.
   [[nodiscard]] RecordHeader header(Notes& notes) const;
@@ -35,7 +38,6 @@ class RecordComments {
   };
   [[nodiscard]] double number_of(const std::string& key, double otherwise,
                                  const Notes& notes) const;
-  [[nodiscard]] std::string text_of(const std::string& key) const;
   [[nodiscard]] static Channel channel_of(const Line& line, const Notes& notes);
 
   std::map<std::string, std::vector<Line>> lines_;  ///< "# key: value" by key
