@@ -66,23 +66,24 @@ void run(const Arguments& arguments) {
   const auto measured =
       with_progress("reading", [&](const auto& progress) { return tasks::frf(options, progress); });
   print_diagnostics(measured.warnings);
-  const auto r = tasks::shared_responses(measured);
+  const auto shared = tasks::shared_responses(measured);
+  const auto r = data::brought_to_axis(shared);
   const std::string title = options.files.front();
   const report::PlotText text{title, report::measurement_text(r)};
   draw(arguments.plot, [&](const auto& path) { report::plot_responses(r, nullptr, text, path); });
   draw(arguments.coherence_plot, [&](const auto& path) { report::plot_coherence(r, text, path); });
   if (format == mat || format == uff) {
-    auto titled = r;
+    auto titled = shared;
     titled.title = title;
     if (format == mat) report::write_responses_mat(arguments.output, r);
     if (format == uff) data::write_frequency_responses(arguments.output, titled);
     return print_written(arguments.output);
   }
-  if (format == csv) return write_output(arguments.output, report::responses_csv(r));
+  if (format == csv) return write_output(arguments.output, data::response_table(shared));
   if (format == table) return write_output(arguments.output, table_text(arguments, measured, r));
   report::Json document{{"kind", "frf"}, {"records", options.files}};
   if (measured.header) document["record"] = report::record_origin_json(*measured.header);
-  write_output(arguments.output, json_text(document, report::responses_json(r), -1));
+  write_output(arguments.output, json_text(document, report::responses_json(shared), -1));
 }
 
 }  // namespace

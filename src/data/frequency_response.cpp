@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 #include <stdexcept>
+#include <utility>
 
 namespace hydrapod::data {
 
@@ -70,6 +71,12 @@ void validate(const FrequencyResponses& responses) {
     if (H.rows() != outputs || H.cols() != inputs)
       refuse_responses(fmt::format("a matrix is {} × {} for {} outputs and {} inputs", H.rows(),
                                    H.cols(), outputs, inputs));
+  if (!fits(responses.on_axis, outputs, inputs))
+    refuse_responses("the responses on the axis are not outputs × inputs");
+  if (!responses.on_axis.empty() && !(responses.shift > 0.0))
+    refuse_responses("there are responses on the axis beside those that are there already");
+  if (responses.taper.size() > 0 && !(responses.sample_rate > 0.0))
+    refuse_responses("the taper has no sample rate");
   if (!fits(responses.multiple_coherence, outputs, 1))
     refuse_responses("the coherence is not frequency × output");
   if (!fits(responses.noise, outputs, outputs))
@@ -77,6 +84,13 @@ void validate(const FrequencyResponses& responses) {
   if (!fits(responses.input_factor, inputs, inputs) ||
       responses.input_factor.size() != responses.noise.size())
     refuse_responses("the input factor is not inputs × inputs, or without noise");
+}
+
+FrequencyResponses brought_to_axis(FrequencyResponses responses) {
+  if (responses.on_axis.empty()) return responses;
+  responses.H = std::exchange(responses.on_axis, {});
+  responses.shift = 0.0;
+  return responses;
 }
 
 }  // namespace hydrapod::data

@@ -63,26 +63,60 @@ struct ModalPlace {
   double sign{1.0};  ///< −1: the sensor is mounted the other way round
 };
 
-/// A place of its own for every output, see modal_results.hpp.
-std::vector<ModalPlace> modal_places(const std::vector<Channel>& outputs) {
-  std::vector<ModalPlace> places(outputs.size());
+bool has_direction(const Channel& channel) {
+  const int direction = static_cast<int>(channel.direction);
+  return direction != 0 && std::abs(direction) <= 6;
+}
+
+/// Node and component of a channel that has a direction, apart from others in the same place.
+ModalPlace own_place(const Channel& channel) {
+  const int direction = static_cast<int>(channel.direction);
+  return {std::max(1, channel.point), std::abs(direction) - 1, direction < 0 ? -1.0 : 1.0};
+}
+
+/// Where outputs stand, and inputs as far as there are any.
+struct ModalPlaces {
+  std::vector<ModalPlace> outputs{}, inputs{};
+  std::vector<std::size_t> at_output{};  ///< per input: the output in its place; empty: apart
+};
+
+/// A place of its own for every output, see modal_results.hpp; inputs apart from them.
+ModalPlaces modal_places(const std::vector<Channel>& outputs, const std::vector<Channel>& inputs) {
+  ModalPlaces places;
   std::set<std::pair<int, int>> taken;
   int last = 1;
-  const auto has_direction = [](const Channel& channel) {
-    const int direction = static_cast<int>(channel.direction);
-    return direction != 0 && std::abs(direction) <= 6;
-  };
   for (const auto& channel : outputs)
     if (has_direction(channel)) last = std::max(last, channel.point);
-  for (std::size_t o = 0; o < outputs.size(); ++o) {
-    const int direction = static_cast<int>(outputs[o].direction);
-    const int node = std::max(1, outputs[o].point), component = std::abs(direction) - 1;
-    if (has_direction(outputs[o]) && taken.emplace(node, component).second)
-      places[o] = {node, component, direction < 0 ? -1.0 : 1.0};
+  for (const auto& channel : outputs) {
+    const auto place = own_place(channel);
+    if (has_direction(channel) && taken.emplace(place.node, place.component).second)
+      places.outputs.push_back(place);
     else
-      places[o] = {++last, 0, 1.0};
+      places.outputs.push_back({++last, 0, 1.0});
   }
+  for (std::size_t i = 0; i < inputs.size(); ++i) places.inputs.push_back({++last, 0, 1.0});
   return places;
+}
+
+/// Inputs in the places of outputs, if all are forces there.
+bool put_at_outputs(const std::vector<Channel>& outputs, const std::vector<Channel>& inputs,
+                    ModalPlaces& places) {
+  std::vector<std::size_t> at;
+  for (const Channel& input : inputs) {
+    const auto place = own_place(input);
+    const char* unit = place.component < 3 ? "N" : "N m";
+    const auto same = [&](const ModalPlace& p) {
+      return p.node == place.node && p.component == place.component;
+    };
+    const auto found = std::ranges::find_if(places.outputs, same);
+    if (!has_direction(input) || input.unit != unit || found == places.outputs.end()) return false;
+    const auto o = static_cast<std::size_t>(found - places.outputs.begin());
+    if (!has_direction(outputs[o])) return false;
+    at.push_back(o);
+  }
+  for (std::size_t i = 0; i < inputs.size(); ++i) places.inputs[i] = own_place(inputs[i]);
+  places.at_output = std::move(at);
+  return !inputs.empty();
 }
 
 namespace code {  // record 6 of dataset 55
@@ -100,32 +134,100 @@ std::string real_line(const std::vector<double>& values) {
   return text;
 }
 
-/// Values of all nodes that have any.
-std::map<int, std::vector<std::complex<double>>> node_values(const Eigen::VectorXcd& shape,
-                                                             const std::vector<ModalPlace>& places,
-                                                             std::size_t per_node) {
-  std::map<int, std::vector<std::complex<double>>> nodes;
-  for (std::size_t o = 0; o < places.size(); ++o) {
-    auto& values = nodes.try_emplace(places[o].node, per_node).first->second;
-    values[static_cast<std::size_t>(places[o].component)] =
-        places[o].sign * shape[static_cast<Eigen::Index>(o)];
-  }
-  return nodes;
+/// Numbers of a mode with modal A = 1.
+struct ScaledMode {
+  Eigen::VectorXcd outputs{}, inputs{};
+};
+
+/// The number at the output in the place of input i, in the direction of the node.
+std::complex<double> at_output(const Eigen::VectorXcd& shape, const ModalPlaces& places,
+                               std::size_t i) {
+  const std::size_t o = places.at_output[i];
+  return places.outputs[o].sign * shape[static_cast<Eigen::Index>(o)];
 }
 
-std::string mode_text(const ModalResults& all, std::size_t number,
-                      const std::vector<ModalPlace>& places) {
+std::complex<double> at_input(const Eigen::VectorXcd& participation, const ModalPlaces& places,
+                              std::size_t i) {
+  return places.inputs[i].sign * participation[static_cast<Eigen::Index>(i)];
+}
+
+/// c φ and L/c; of inputs at outputs c² is the best of c² φ_i/L_i = 1, which forces and moments
+/// share.
+ScaledMode scaled(const ModalResult& mode, const ModalPlaces& places) {
+  if (mode.participation.size() == 0) return {mode.shape, {}};
+  if (places.at_output.empty()) return {mode.shape, mode.participation};
+  std::complex<double> sum = 0.0;
+  double square = 0.0;
+  for (std::size_t i = 0; i < places.at_output.size(); ++i) {
+    const auto ratio = at_output(mode.shape, places, i) / at_input(mode.participation, places, i);
+    sum += std::conj(ratio);
+    square += std::norm(ratio);
+  }
+  const auto c = std::sqrt(sum / square);
+  return {c * mode.shape, mode.participation / c};
+}
+
+/// Is ψ_o ψ_i that of the fit, with the numbers at outputs for those at inputs?
+bool is_reciprocal(const ModalResult& mode, const ModalPlaces& places) {
+  constexpr double tolerance = 0.02;  // noise of a good measurement makes that much
+  const auto numbers = scaled(mode, places);
+  if (!numbers.outputs.allFinite() || !numbers.inputs.allFinite()) return false;
+  for (std::size_t i = 0; i < places.at_output.size(); ++i) {
+    const auto input = at_input(numbers.inputs, places, i);
+    if (!(std::abs(at_output(numbers.outputs, places, i) - input) <= tolerance * std::abs(input)))
+      return false;
+  }
+  return true;
+}
+
+/// Places for these modes, with inputs where all participations are known.
+ModalPlaces places_for(const ModalResults& all) {
+  const bool with_inputs = !all.inputs.empty() && std::ranges::all_of(all.modes, [&](auto& mode) {
+    return mode.participation.size() == static_cast<Eigen::Index>(all.inputs.size());
+  });
+  if (!with_inputs) return modal_places(all.outputs, {});
+  auto places = modal_places(all.outputs, all.inputs);
+  const auto apart = places;
+  const auto fits = [&](const auto& mode) { return is_reciprocal(mode, places); };
+  if (!put_at_outputs(all.outputs, all.inputs, places) || !std::ranges::all_of(all.modes, fits))
+    return apart;
+  return places;
+}
+
+using NodeNumbers = std::map<int, std::vector<std::complex<double>>>;
+
+/// Puts numbers at their nodes.
+void add_numbers(const Eigen::VectorXcd& numbers, const std::vector<ModalPlace>& places,
+                 std::size_t per_node, NodeNumbers& nodes) {
+  for (std::size_t k = 0; k < places.size(); ++k) {
+    auto& values = nodes.try_emplace(places[k].node, per_node).first->second;
+    values[static_cast<std::size_t>(places[k].component)] =
+        places[k].sign * numbers[static_cast<Eigen::Index>(k)];
+  }
+}
+
+/// "inputs at nodes 8x 9x", as many as fit into a line.
+std::string input_text(const ModalPlaces& places) {
+  std::string text = "shape as displacement, SI";
+  if (places.inputs.empty()) return text;
+  text += places.at_output.empty() ? "; inputs at nodes" : "; forces at nodes";
+  for (const auto& place : places.inputs)
+    text += fmt::format(" {}{}", place.node,
+                        direction_text(static_cast<Direction>(place.component + 1)));
+  return text;
+}
+
+std::string mode_text(const ModalResults& all, std::size_t number, const ModalPlaces& places) {
   const auto& mode = all.modes[number];
-  const bool turns = std::ranges::any_of(places, [](auto& p) { return p.component > 2; });
+  const bool turns = std::ranges::any_of(places.outputs, [](auto& p) { return p.component > 2; });
   const std::size_t per_node = turns ? 6 : 3;
   const double omega = std::abs(mode.pole);
   std::string text = fmt::format("{}    55\n", uff_delimiter);
   const std::string frequency =
       fmt::format("mode {}: {:.6g} Hz, damping {:.4g} %", number + 1, omega / base::two_pi,
                   -100.0 * mode.pole.real() / omega);
-  for (const std::string& id :
-       {all.title, frequency, uff_date(all.date), std::string("identified by hydrapod"),
-        std::string("shape as displacement, SI")})
+  for (const std::string& id : {all.title, frequency, uff_date(all.date),
+                                std::string("identified by hydrapod"), input_text(places)})
     text += uff_text_line(id);
   text +=
       fmt::format("{:10}{:10}{:10}{:10}{:10}{:10}\n", code::structural, code::complex_eigenvalue,
@@ -134,16 +236,23 @@ std::string mode_text(const ModalResults& all, std::size_t number,
   text += fmt::format("{:10}{:10}{:10}{:10}\n", 2, 6, 1, number + 1);
   text += real_line(
       {mode.pole.real(), mode.pole.imag(), 1.0, 0.0, -mode.pole.real(), -mode.pole.imag()});
-  for (const auto& [node, values] : node_values(mode.shape, places, per_node)) {
-    std::vector<double> numbers;
+  const auto numbers = scaled(mode, places);
+  NodeNumbers nodes;
+  if (places.at_output.empty()) add_numbers(numbers.inputs, places.inputs, per_node, nodes);
+  add_numbers(numbers.outputs, places.outputs, per_node, nodes);
+  for (const auto& [node, values] : nodes) {
+    std::vector<double> reals;
     for (const auto value : values) {
-      numbers.push_back(value.real());
-      numbers.push_back(value.imag());
+      reals.push_back(value.real());
+      reals.push_back(value.imag());
     }
-    text += fmt::format("{:10}\n", node) + real_line(numbers);
+    text += fmt::format("{:10}\n", node) + real_line(reals);
   }
   return text + uff_delimiter;
 }
+
+constexpr const char* inputs_key = "modal_inputs";
+constexpr const char* at_outputs = "at outputs";
 
 using Complex = std::complex<double>;
 using NodeValues = std::map<std::pair<int, int>, Complex>;  // (node, component)
@@ -244,18 +353,46 @@ std::vector<Channel> outputs_of(const std::vector<Mode>& modes) {
   return outputs;
 }
 
-ModalResults assembled(const std::vector<Mode>& modes, const RecordHeader& header) {
+/// φ and L of ψ, the largest of L being 1.
+void take_participation(const Mode& mode, const ModalPlaces& places, ModalResult& result) {
+  const auto count = static_cast<Eigen::Index>(places.inputs.size());
+  result.participation = Eigen::VectorXcd::Zero(count);
+  for (Eigen::Index i = 0; i < count; ++i) {
+    const auto& place = places.inputs[static_cast<std::size_t>(i)];
+    const auto at = mode.values.find({place.node, place.component});
+    if (at != mode.values.end()) result.participation[i] = place.sign * at->second;
+  }
+  Eigen::Index largest = 0;
+  if (!(result.participation.cwiseAbs().maxCoeff(&largest) > 0.0)) {
+    result.participation.resize(0);
+    return;
+  }
+  const Complex scale = result.participation[largest];
+  result.participation /= scale;
+  result.shape *= scale;
+}
+
+ModalResults assembled(const std::vector<Mode>& modes, const RecordHeader& header,
+                       std::size_t inputs, bool inputs_at_outputs) {
   ModalResults all{.title = header.title, .date = header.date, .outputs = header.channels};
+  if (inputs < all.outputs.size()) {
+    const auto border = all.outputs.end() - static_cast<std::ptrdiff_t>(inputs);
+    all.inputs.assign(border, all.outputs.end());
+    all.outputs.erase(border, all.outputs.end());
+  }
   if (all.outputs.empty()) all.outputs = outputs_of(modes);
-  const auto places = modal_places(all.outputs);
+  auto places = modal_places(all.outputs, all.inputs);
+  if (inputs_at_outputs) put_at_outputs(all.outputs, all.inputs, places);
   for (const auto& mode : modes) {
     ModalResult result{.pole = mode.pole};
-    result.shape = Eigen::VectorXcd::Zero(static_cast<Eigen::Index>(places.size()));
-    for (std::size_t o = 0; o < places.size(); ++o) {
-      const auto at = mode.values.find({places[o].node, places[o].component});
+    result.shape = Eigen::VectorXcd::Zero(static_cast<Eigen::Index>(places.outputs.size()));
+    for (std::size_t o = 0; o < places.outputs.size(); ++o) {
+      const auto& place = places.outputs[o];
+      const auto at = mode.values.find({place.node, place.component});
       if (at != mode.values.end())
-        result.shape[static_cast<Eigen::Index>(o)] = places[o].sign * at->second;
+        result.shape[static_cast<Eigen::Index>(o)] = place.sign * at->second;
     }
+    if (!all.inputs.empty()) take_participation(mode, places, result);
     all.modes.push_back(std::move(result));
   }
   return all;
@@ -268,13 +405,19 @@ void write_modal_results(const std::string& path, const ModalResults& all) {
     if (mode.shape.size() != static_cast<Eigen::Index>(all.outputs.size()))
       throw std::invalid_argument(fmt::format("modal results: a shape of {} numbers for {} outputs",
                                               mode.shape.size(), all.outputs.size()));
+  const auto places = places_for(all);
   RecordHeader header;
   header.title = all.title;
   header.date = all.date;
   header.channels = all.outputs;
   header.sample_rate = 1.0;
-  std::string text = uff_beginning(all.title, all.date, comment_lines(header));
-  const auto places = modal_places(all.outputs);
+  std::string inputs;
+  if (!places.inputs.empty()) {
+    header.channels.insert(header.channels.end(), all.inputs.begin(), all.inputs.end());
+    inputs = fmt::format("# {}: {} {}\n", inputs_key, all.inputs.size(),
+                         places.at_output.empty() ? "apart" : at_outputs);
+  }
+  std::string text = uff_beginning(all.title, all.date, comment_lines(header) + inputs);
   for (std::size_t r = 0; r < all.modes.size(); ++r) text += mode_text(all, r, places);
   base::write_file_whole(path, text);
 }
@@ -290,7 +433,11 @@ ReadModalResultsResult read_modal_results(const std::string& path) {
     notes.add(fmt::format("{} datasets 55 that are no modes left out",
                           contents.modes.size() - modes.size()));
   const RecordComments& own = contents.own;
-  auto results = assembled(modes, own.by_hydrapod(notes) ? own.header(notes) : RecordHeader{});
+  const std::string inputs = own.text_of(inputs_key);
+  const auto count = fortran_integer(inputs.substr(0, inputs.find(' '))).value_or(0);
+  auto results =
+      assembled(modes, own.by_hydrapod(notes) ? own.header(notes) : RecordHeader{},
+                static_cast<std::size_t>(std::max(0LL, count)), inputs.ends_with(at_outputs));
   return {std::move(results), notes.all()};
 }
 

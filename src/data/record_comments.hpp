@@ -24,11 +24,12 @@ class RecordComments {
   /// Were there lines that comment_lines() made? Throws base::InputError for another version.
   [[nodiscard]] bool by_hydrapod(const Notes& notes) const;
 
+  /// The text of a key, all its lines; empty where there is none.
+  [[nodiscard]] std::string text_of(const std::string& key) const;
+
   /// Throws base::InputError where a line does not hold what it should. Names and units are as they
   /// stand; the sample rate is 0 where none was given.
   [[nodiscard]] RecordHeader header(Notes& notes) const;
-  /// All lines with that key; empty where there is none.
-  [[nodiscard]] std::string text_of(const std::string& key) const;
 
  private:
   struct Line {

@@ -4,153 +4,24 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
 #include <optional>
+#include <utility>
 
 #include "channel_units.hpp"
 #include "formats.hpp"
 #include "hydrapod/base/text.hpp"
 #include "hydrapod/base/units.hpp"
 #include "hydrapod/data/frequency_response.hpp"
+#include "response_comments.hpp"
 #include "response_files.hpp"
+#include "response_titles.hpp"
 #include "table_head.hpp"
 
 namespace hydrapod::data {
 
 namespace {
-
-enum class TablePart {
-  none,
-  frequency,
-  real,
-  imaginary,
-  magnitude,
-  phase,
-  deviation,
-  coherence,
-  time
-};
-
-struct PartWord {
-  std::string_view word;
-  TablePart part;
-};
-constexpr std::array part_words{
-    PartWord{"real", TablePart::real},           PartWord{"re", TablePart::real},
-    PartWord{"imaginary", TablePart::imaginary}, PartWord{"imag", TablePart::imaginary},
-    PartWord{"im", TablePart::imaginary},        PartWord{"magnitude", TablePart::magnitude},
-    PartWord{"mag", TablePart::magnitude},       PartWord{"abs", TablePart::magnitude},
-    PartWord{"amplitude", TablePart::magnitude}, PartWord{"amp", TablePart::magnitude},
-    PartWord{"modulus", TablePart::magnitude},   PartWord{"betrag", TablePart::magnitude},
-    PartWord{"phase", TablePart::phase},         PartWord{"arg", TablePart::phase},
-    PartWord{"angle", TablePart::phase},         PartWord{"deviation", TablePart::deviation},
-    PartWord{"coherence", TablePart::coherence}, PartWord{"coh", TablePart::coherence},
-    PartWord{"frequency", TablePart::frequency}, PartWord{"freq", TablePart::frequency},
-    PartWord{"frequenz", TablePart::frequency},  PartWord{"omega", TablePart::frequency},
-    PartWord{"time", TablePart::time},           PartWord{"zeit", TablePart::time}};
-
-bool is_letter(char c) {
-  return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || static_cast<unsigned char>(c) >= 0x80;
-}
-
-/// What a column of a table holds: its part of a response, and the name that is left of its title.
-struct TableColumn {
-  TablePart part{};
-  std::string name{};
-  std::string unit{};
-  unsigned column{};  ///< of its title in the line
-};
-
-/// Takes the word that names a part off `text`.
-TablePart take_part(std::string& text) {
-  for (std::size_t begin = 0; begin < text.size();) {
-    std::size_t end = begin;
-    while (end < text.size() && is_letter(text[end])) ++end;
-    const std::string word = base::lower_case(text.substr(begin, end - begin));
-    const auto found = std::ranges::find(part_words, word, &PartWord::word);
-    if (found == part_words.end()) {
-      begin = end + 1;
-      continue;
-    }
-    std::string rest = text.substr(end);
-    if (base::lower_case(rest.substr(0, 5)) == " part") rest.erase(0, 5);
-    text = text.substr(0, begin) + rest;
-    return found->part;
-  }
-  return TablePart::none;
-}
-
-std::string bare_name(std::string_view text) {
-  constexpr std::string_view marks = " \t_-.:,|()[]{}<>";
-  const std::size_t begin = text.find_first_not_of(marks);
-  if (begin == text.npos) return {};
-  return std::string(text.substr(begin, text.find_last_not_of(marks) - begin + 1));
-}
-
-/// "H11 [m/N]", "H11 (m/N)"; "H11 (real)" and "Re(H11)" have no unit.
-void take_unit(TableColumn& column) {
-  const std::string& text = column.name;
-  const bool square = text.ends_with(']');
-  if (!square && !text.ends_with(')')) return;
-  const std::size_t open = text.rfind(square ? '[' : '(');
-  if (open == text.npos || open == 0) return;
-  std::string inside = text.substr(open + 1, text.size() - open - 2);
-  const std::string unit = inside;
-  if (take_part(inside) != TablePart::none) return;
-  if (!square && text[open - 1] != ' ' && text[open - 1] != '_') return;
-  column.unit = base::trimmed(unit);
-  column.name = text.substr(0, open);
-}
-
-TableColumn table_column(const base::TableCell& cell) {
-  TableColumn column{.name = clean_text(cell.text), .column = cell.column};
-  take_unit(column);
-  column.part = take_part(column.name);
-  column.name = bare_name(column.name);
-  const std::string lower = base::lower_case(column.name);
-  for (const std::string_view unit : {"degrees", "deg", "rad"})  // "phase_deg"
-    if (column.part == TablePart::phase && column.unit.empty() && lower.ends_with(unit)) {
-      column.unit = unit == "rad" ? "rad" : "deg";
-      column.name = bare_name(column.name.substr(0, column.name.size() - unit.size()));
-    }
-  const bool hertz = lower == "hz" || lower == "khz" || column.unit == "Hz" || column.unit == "kHz";
-  if (column.part == TablePart::none && (hertz || lower == "f")) column.part = TablePart::frequency;
-  if (column.part == TablePart::frequency && column.unit.empty())
-    column.unit = lower == "khz" ? "kHz" : lower == "rad_s" ? "rad/s" : "Hz";
-  return column;
-}
-
-struct PairColumns {
-  std::string name{};
-  std::size_t first{}, second{};  ///< real and imaginary part, or magnitude and phase
-  std::optional<std::size_t> deviation{};
-  bool polar{};
-};
-
-/// The columns that are one response each, in the order of their first ones.
-std::vector<PairColumns> pairs_of(const std::vector<TableColumn>& columns) {
-  std::vector<bool> used(columns.size(), false);
-  const auto partner = [&](std::size_t from, TablePart part) -> std::optional<std::size_t> {
-    for (std::size_t c = 0; c < columns.size(); ++c)
-      if (!used[c] && columns[c].part == part && columns[c].name == columns[from].name) {
-        used[c] = true;
-        return c;
-      }
-    return {};
-  };
-  std::vector<PairColumns> pairs;
-  for (std::size_t c = 0; c < columns.size(); ++c) {
-    const bool polar = columns[c].part == TablePart::magnitude;
-    if (used[c] || (!polar && columns[c].part != TablePart::real)) continue;
-    const auto second = partner(c, polar ? TablePart::phase : TablePart::imaginary);
-    if (!second) continue;
-    used[c] = true;
-    pairs.push_back({columns[c].name, c, *second, partner(c, TablePart::deviation), polar});
-  }
-  return pairs;
-}
 
 struct ResponseName {
   std::string output{}, input{};
@@ -204,14 +75,20 @@ ResponseUnit response_unit(std::string text) {
 class ResponseTable {
  public:
   explicit ResponseTable(const std::string& path) : notes_(path), table_(path) {
-    head_ = read_table_head(table_, notes_, [](std::string_view, unsigned) {});
+    RecordComments comments;
+    head_ = read_table_head(table_, notes_, [&](std::string_view line, unsigned number) {
+      comments.take(line, number);
+    });
     if (!head_.first_row) return;
+    described_ = described_responses(comments, notes_);
     const TableNames names = table_names(head_, table_.style.separator, false, notes_);
     for (std::size_t c = 0; c < head_.columns; ++c) {
-      columns_.push_back(table_column(names.titles[c]));
+      columns_.push_back(described_ ? own_column(names.titles[c]) : table_column(names.titles[c]));
       if (!names.units.empty() && !names.units[c].empty()) columns_.back().unit = names.units[c];
     }
     pairs_ = pairs_of(columns_);
+    if (!described_)  // what belongs to responses means nothing without its description
+      std::erase_if(pairs_, [](auto& pair) { return pair.group != TableGroup::response; });
   }
 
   [[nodiscard]] bool holds_responses() const {
@@ -332,10 +209,11 @@ class ResponseTable {
   }
 
   struct Place {
-    Eigen::Index output{}, input{};
+    Eigen::Index row{}, column{};
     double factor{1.0};  ///< to SI
   };
 
+  /// Of a response by any program; its channels are added where they are new.
   Place place_of(const PairColumns& pair, FrequencyResponses& all) {
     const ResponseName name = response_name(pair.name);
     std::string written = columns_[pair.first].unit;
@@ -362,48 +240,97 @@ class ResponseTable {
     return {static_cast<Eigen::Index>(o), static_cast<Eigen::Index>(i), factor};
   }
 
+  /// The channels of "a1/F" among those that are described.
+  static std::optional<std::pair<const Channel*, const Channel*>> described_pair(
+      const std::string& name, const std::vector<Channel>& rows,
+      const std::vector<Channel>& columns) {
+    for (const Channel& row : rows)
+      if (name.starts_with(row.name + "/"))
+        for (const Channel& column : columns)
+          if (name.size() == row.name.size() + 1 + column.name.size() &&
+              name.ends_with(column.name))
+            return std::pair(&row, &column);
+    return {};
+  }
+
+  void take_channels(FrequencyResponses& all) {
+    for (const PairColumns& pair : pairs_) {
+      if (pair.group != TableGroup::response) continue;
+      if (!described_) {
+        places_.emplace_back(pair, place_of(pair, all));
+        continue;
+      }
+      const auto channels = described_pair(pair.name, described_->outputs, described_->inputs);
+      if (!channels) {
+        notes_.add(fmt::format("\"{}\" is not among the responses that are described: left out",
+                               base::printable(pair.name)),
+                   0, 0, "not described");
+        continue;
+      }
+      places_.emplace_back(
+          pair, Place{static_cast<Eigen::Index>(number_of(*channels->first, all.outputs)),
+                      static_cast<Eigen::Index>(number_of(*channels->second, all.inputs))});
+    }
+    if (places_.empty()) notes_.fail("none of the responses that are described is in the table");
+  }
+
+  /// A matrix per line of a group of columns, NaN where there is none; nothing without any column.
+  [[nodiscard]] std::vector<Eigen::MatrixXcd> collected(TableGroup group,
+                                                        const std::vector<Channel>& of,
+                                                        const std::vector<Channel>& to) const {
+    std::vector<Eigen::MatrixXcd> matrices;
+    constexpr double missing = std::numeric_limits<double>::quiet_NaN();
+    for (const PairColumns& pair : pairs_) {
+      const auto channels = pair.group == group ? described_pair(pair.name, of, to) : std::nullopt;
+      if (!channels) continue;
+      if (matrices.empty())
+        matrices.assign(rows_.size(),
+                        Eigen::MatrixXcd::Constant(static_cast<Eigen::Index>(of.size()),
+                                                   static_cast<Eigen::Index>(to.size()), missing));
+      const auto i = channels->first - of.data(), j = channels->second - to.data();
+      for (std::size_t k = 0; k < rows_.size(); ++k) matrices[k](i, j) = value(pair, rows_[k]);
+    }
+    return matrices;
+  }
+
   FrequencyResponses assembled() {
     FrequencyResponses all;
-    std::vector<Place> places;
-    for (const PairColumns& pair : pairs_) places.push_back(place_of(pair, all));
+    take_channels(all);
+    require_all_pairs(all);
     const auto rows = static_cast<Eigen::Index>(all.outputs.size());
     const auto columns = static_cast<Eigen::Index>(all.inputs.size());
-    require_all_pairs(places, all);
-    const bool deviations =
-        std::ranges::all_of(pairs_, [](const PairColumns& p) { return p.deviation.has_value(); });
+    const bool deviations = std::ranges::all_of(
+        places_, [](const auto& entry) { return entry.first.deviation.has_value(); });
+    WrittenErrors errors;
     for (const auto& row : rows_) {
       all.frequency.push_back(row[frequency_column_]);
       Eigen::MatrixXcd H(rows, columns);
       Eigen::MatrixXd V(rows, columns);
-      for (std::size_t k = 0; k < pairs_.size(); ++k) {
-        const auto& [o, i, factor] = places[k];
-        H(o, i) = factor * value(pairs_[k], row);
-        if (deviations) V(o, i) = std::pow(factor * row[*pairs_[k].deviation], 2);
+      for (const auto& [pair, place] : places_) {
+        H(place.row, place.column) = place.factor * value(pair, row);
+        if (deviations)
+          V(place.row, place.column) = std::pow(place.factor * row[*pair.deviation], 2);
       }
       all.H.push_back(H);
-      if (deviations && V.allFinite() && V.mean() > 0.0) add_variance(V, all);
+      if (deviations) errors.variance.push_back(V);
     }
-    if (all.noise.size() != all.H.size()) {
-      all.noise.clear();
-      all.input_factor.clear();
+    if (described_) {
+      all.title = described_->title;
+      all.date = described_->date;
+      take_description(*described_, notes_, all);
+      errors.noise = collected(TableGroup::noise, all.outputs, all.outputs);
+      errors.input_factor = collected(TableGroup::input_factor, all.inputs, all.inputs);
+      take_beside_axis(collected(TableGroup::beside_axis, all.outputs, all.inputs), notes_, all);
     }
+    take_errors(std::move(errors), notes_, all);
     add_coherence(all);
     return all;
   }
 
-  /// V_oi ≈ n_o q_i, by the means of rows and columns.
-  static void add_variance(const Eigen::MatrixXd& V, FrequencyResponses& all) {
-    const Eigen::VectorXcd noise = V.rowwise().mean().cast<std::complex<double>>();
-    const Eigen::VectorXcd factor =
-        (V.colwise().mean().transpose() / V.mean()).cast<std::complex<double>>();
-    all.noise.emplace_back(noise.asDiagonal());
-    all.input_factor.emplace_back(factor.asDiagonal());
-  }
-
-  void require_all_pairs(const std::vector<Place>& places, const FrequencyResponses& all) const {
+  void require_all_pairs(const FrequencyResponses& all) const {
     Eigen::MatrixXi found = Eigen::MatrixXi::Zero(static_cast<Eigen::Index>(all.outputs.size()),
                                                   static_cast<Eigen::Index>(all.inputs.size()));
-    for (const Place& place : places) ++found(place.output, place.input);
+    for (const auto& [pair, place] : places_) ++found(place.row, place.column);
     for (Eigen::Index o = 0; o < found.rows(); ++o)
       for (Eigen::Index i = 0; i < found.cols(); ++i)
         if (found(o, i) != 1)
@@ -438,6 +365,8 @@ class ResponseTable {
   TableHead head_{};
   std::vector<TableColumn> columns_{};
   std::vector<PairColumns> pairs_{};
+  std::optional<FrequencyResponses> described_{};        ///< by hydrapod, without lines
+  std::vector<std::pair<PairColumns, Place>> places_{};  ///< of the responses
   std::size_t frequency_column_{};
   std::vector<std::vector<double>> rows_{};
 };

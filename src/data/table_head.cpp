@@ -45,7 +45,7 @@ TableHead read_table_head(base::TableReader& table, const Notes& notes,
                           const std::function<void(std::string_view, unsigned)>& comment) {
   TableHead head;
   constexpr std::size_t kept = 8;             // lines of text that may be titles
-  constexpr std::size_t longest = 1U << 16U;  // bytes of one
+  constexpr std::size_t longest = 1U << 20U;  // bytes of one
   for (std::string_view line; table.line() < most_header_lines && table.next_line(line, true);) {
     const std::string_view text = line.substr(0, longest);
     if (base::is_table_comment(base::trimmed(line))) {

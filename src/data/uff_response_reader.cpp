@@ -5,6 +5,7 @@
 #include <map>
 
 #include "hydrapod/base/text.hpp"
+#include "response_comments.hpp"
 #include "response_files.hpp"
 #include "uff_dataset.hpp"
 #include "uff_text.hpp"
@@ -61,9 +62,9 @@ class ResponseReader {
     std::size_t others = 0;
     for (const UffFunction& f : contents_.functions) {
       if (f.type == uff_function::multiple_coherence)
-        take_companion(f, "coherence", false, coherences_);
-      else if (f.type == uff_function::general && f.id[0] == "variance")
-        take_companion(f, "variance", true, variances_);
+        take_companion(f, "coherence", coherences_, outputs_, nullptr);
+      else if (f.type == uff_function::general && take_part(f))
+        continue;
       else if (f.type != uff_function::frequency_response)
         ++others;
     }
@@ -128,18 +129,34 @@ class ResponseReader {
     responses_.push_back(std::move(curve));
   }
 
-  /// What is said of a response: `with_input` or of all inputs together.
-  void take_companion(const UffFunction& f, const char* what, bool with_input,
-                      std::vector<Curve>& curves) {
+  /// What identification needs, see response_comments.hpp; false for another function.
+  bool take_part(const UffFunction& f) {
+    if (f.id[0] == response_part::variance)
+      take_companion(f, "variance", variances_, outputs_, &inputs_);
+    else if (f.id[0] == response_part::beside_axis)
+      take_companion(f, "response beside the axis", beside_, outputs_, &inputs_);
+    else if (f.id[0] == response_part::noise)
+      take_companion(f, "noise", noise_, outputs_, &outputs_);
+    else if (f.id[0] == response_part::input_factor)
+      take_companion(f, "input factor", input_factor_, inputs_, &inputs_);
+    else
+      return false;
+    return true;
+  }
+
+  /// What is said of a channel, or of two.
+  void take_companion(const UffFunction& f, const char* what, std::vector<Curve>& curves,
+                      const Places& rows, const Places* columns) {
     Curve curve;
-    const auto output = outputs_.known(channel_at(f.response, given(f.id[3])));
-    const auto input = with_input ? inputs_.known(channel_at(f.reference, given(f.id[4])))
-                                  : std::optional<std::size_t>(0);
-    if (!output || !input || f.is_complex || !values_of(f, curve.values))
+    const auto row = rows.known(channel_at(f.response, given(f.id[3])));
+    const auto column = columns != nullptr ? columns->known(channel_at(f.reference, given(f.id[4])))
+                                           : std::optional<std::size_t>(0);
+    if (!row || !column || !values_of(f, curve.values))
       return notes_.add(
-          fmt::format("dataset {}: a {} without its response: left out", f.dataset, what), f.line);
-    curve.output = *output;
-    curve.input = *input;
+          fmt::format("dataset {}: a {} without its response: left out", f.dataset, what), f.line,
+          0, what);
+    curve.output = *row;
+    curve.input = *column;
     curves.push_back(std::move(curve));
   }
 
@@ -160,28 +177,48 @@ class ResponseReader {
       notes_.fail(
           fmt::format("{} outputs × {} inputs × {} frequencies are more than fit into memory", rows,
                       columns, lines));
-    const auto collected = [&](const std::vector<Curve>& curves, Eigen::Index width) {
+    const auto collected = [&](const std::vector<Curve>& curves, Eigen::Index height,
+                               Eigen::Index width) {
       std::vector<Eigen::MatrixXcd> matrices;
       if (!curves.empty())
-        matrices.assign(frequency_.size(), Eigen::MatrixXcd::Constant(rows, width, uff_missing));
+        matrices.assign(frequency_.size(), Eigen::MatrixXcd::Constant(height, width, uff_missing));
       for (const Curve& curve : curves)
         for (std::size_t k = 0; k < frequency_.size(); ++k)
           matrices[k](static_cast<Eigen::Index>(curve.output),
                       static_cast<Eigen::Index>(curve.input)) = curve.values[k];
       return matrices;
     };
-    all.H = collected(responses_, columns);
+    all.H = collected(responses_, rows, columns);
     require_all_pairs(all);
-    for (const auto& coherence : collected(coherences_, 1))
+    for (const auto& coherence : collected(coherences_, rows, 1))
       all.multiple_coherence.emplace_back(coherence.real());
-    for (const auto& variance : collected(variances_, columns)) {
-      const Eigen::MatrixXd V = variance.real();
-      const Eigen::VectorXd noise = V.rowwise().mean();
-      const Eigen::VectorXd factor = V.colwise().mean().transpose() / V.mean();
-      all.noise.emplace_back(noise.cast<std::complex<double>>().asDiagonal());
-      all.input_factor.emplace_back(factor.cast<std::complex<double>>().asDiagonal());
+    WrittenErrors errors;
+    if (rows * rows <= most / lines) {
+      errors.noise = collected(noise_, rows, rows);
+      errors.input_factor = collected(input_factor_, columns, columns);
     }
+    for (const auto& variance : collected(variances_, rows, columns))
+      errors.variance.emplace_back(variance.real());
+    take_errors(std::move(errors), notes_, all);
+    if (const auto described = described_responses(contents_.own, notes_)) {
+      take_description(*described, notes_, all);
+      take_names(described->outputs, all.outputs);
+      take_names(described->inputs, all.inputs);
+    }
+    take_beside_axis(collected(beside_, rows, columns), notes_, all);
     return all;
+  }
+
+  /// Names that are longer than lines of 80 characters, and roles.
+  static void take_names(const std::vector<Channel>& described, std::vector<Channel>& channels) {
+    for (Channel& channel : channels)
+      for (const Channel& whole : described)
+        if (whole.point == channel.point && whole.direction == channel.direction &&
+            whole.unit == channel.unit &&
+            base::trimmed(fortran_a(whole.name, 80)) == channel.name) {
+          channel = whole;
+          break;
+        }
   }
 
   void require_all_pairs(const FrequencyResponses& all) const {
@@ -202,7 +239,8 @@ class ResponseReader {
   std::vector<double> frequency_{};
   std::string date_{};
   Places outputs_{}, inputs_{};
-  std::vector<Curve> responses_{}, coherences_{}, variances_{};
+  std::vector<Curve> responses_{}, coherences_{}, variances_{}, beside_{}, noise_{},
+      input_factor_{};
 };
 
 }  // namespace

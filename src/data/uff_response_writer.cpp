@@ -4,6 +4,7 @@
 
 #include "hydrapod/base/file.hpp"
 #include "hydrapod/data/frequency_response.hpp"
+#include "response_comments.hpp"
 #include "uff_text.hpp"
 
 namespace hydrapod::data {
@@ -60,45 +61,95 @@ std::string function_text(const UffFunction& f, const std::vector<double>& frequ
   return out;
 }
 
+/// The functions of all responses, one behind the other.
+class ResponseText {
+ public:
+  ResponseText(const FrequencyResponses& all, bool binary) : all_(all), binary_(binary) {}
+
+  std::string text() {
+    text_ = uff_beginning(all_.title, all_.date, response_comments(all_));
+    const auto& shown = required_on_axis(all_);
+    for (std::size_t o = 0; o < all_.outputs.size(); ++o) {
+      for (std::size_t i = 0; i < all_.inputs.size(); ++i) add_response(shown, o, i);
+      if (!all_.multiple_coherence.empty()) add_coherence(o);
+    }
+    if (all_.shift > 0.0)
+      for (std::size_t o = 0; o < all_.outputs.size(); ++o)
+        for (std::size_t i = 0; i < all_.inputs.size(); ++i)
+          add_part(response_part::beside_axis, all_.H, all_.outputs[o], o, all_.inputs[i], i);
+    if (all_.has_errors()) {
+      add_covariance(response_part::noise, all_.noise, all_.outputs);
+      add_covariance(response_part::input_factor, all_.input_factor, all_.inputs);
+    }
+    return std::move(text_);
+  }
+
+ private:
+  void add_response(const std::vector<Eigen::MatrixXcd>& H, std::size_t o, std::size_t i) {
+    const Channel &output = all_.outputs[o], &input = all_.inputs[i];
+    UffFunction f = head_of(all_, output, binary_);
+    f.type = uff_function::frequency_response;
+    f.number = ++number_;
+    f.is_complex = true;
+    f.id[0] = fmt::format("{} from {}", output.name, input.name);
+    f.id[4] = input.name;
+    f.reference = uff_place(input);
+    f.ordinate = uff_axis_of(output.name, output.unit);
+    f.denominator = uff_axis_of(input.name, input.unit);
+    const auto row = static_cast<Eigen::Index>(o), column = static_cast<Eigen::Index>(i);
+    text_ += function_text(f, all_.frequency, [&](std::size_t k) { return H[k](row, column); });
+    if (!all_.has_errors()) return;
+    f.type = uff_function::general;
+    f.is_complex = false;
+    f.id[0] = response_part::variance;
+    f.ordinate.unit = f.denominator.unit = "NONE";
+    f.ordinate.quantity = f.denominator.quantity = uff_quantity::unknown;
+    text_ += function_text(f, all_.frequency,
+                           [&](std::size_t k) { return all_.variance(k, row, column); });
+  }
+
+  void add_coherence(std::size_t o) {
+    UffFunction f = head_of(all_, all_.outputs[o], binary_);
+    f.type = uff_function::multiple_coherence;
+    f.ordinate = {.quantity = uff_quantity::unknown, .label = "multiple coherence", .unit = "1"};
+    text_ += function_text(f, all_.frequency, [&](std::size_t k) {
+      return all_.multiple_coherence[k][static_cast<Eigen::Index>(o)];
+    });
+  }
+
+  /// An entry of matrices that other programs do not know.
+  void add_part(const char* name, const std::vector<Eigen::MatrixXcd>& matrices, const Channel& of,
+                std::size_t row, const Channel& to, std::size_t column) {
+    UffFunction f = head_of(all_, of, binary_);
+    f.is_complex = true;
+    f.id[0] = name;
+    f.id[4] = to.name;
+    f.reference = uff_place(to);
+    f.ordinate = {.label = name};
+    text_ += function_text(f, all_.frequency, [&](std::size_t k) {
+      return matrices[k](static_cast<Eigen::Index>(row), static_cast<Eigen::Index>(column));
+    });
+  }
+
+  /// The lower triangles.
+  void add_covariance(const char* name, const std::vector<Eigen::MatrixXcd>& matrices,
+                      const std::vector<Channel>& channels) {
+    for (std::size_t i = 0; i < channels.size(); ++i)
+      for (std::size_t j = 0; j <= i; ++j) add_part(name, matrices, channels[i], i, channels[j], j);
+  }
+
+  const FrequencyResponses& all_;
+  bool binary_;
+  std::string text_{};
+  long long number_{};
+};
+
 }  // namespace
 
 void write_frequency_responses(const std::string& path, const FrequencyResponses& all,
                                bool binary) {
   validate(all);
-  std::string out = uff_beginning(all.title, all.date);
-  long long number = 0;
-  for (std::size_t o = 0; o < all.outputs.size(); ++o) {
-    const auto row = static_cast<Eigen::Index>(o);
-    for (std::size_t i = 0; i < all.inputs.size(); ++i) {
-      const auto column = static_cast<Eigen::Index>(i);
-      UffFunction f = head_of(all, all.outputs[o], binary);
-      f.type = uff_function::frequency_response;
-      f.number = ++number;
-      f.is_complex = true;
-      f.id[0] = fmt::format("{} from {}", all.outputs[o].name, all.inputs[i].name);
-      f.id[4] = all.inputs[i].name;
-      f.reference = uff_place(all.inputs[i]);
-      f.ordinate = uff_axis_of(all.outputs[o].name, all.outputs[o].unit);
-      f.denominator = uff_axis_of(all.inputs[i].name, all.inputs[i].unit);
-      out += function_text(f, all.frequency, [&](std::size_t k) { return all.H[k](row, column); });
-      if (!all.has_errors()) continue;
-      f.type = uff_function::general;
-      f.is_complex = false;
-      f.id[0] = "variance";
-      f.ordinate.unit = f.denominator.unit = "NONE";
-      f.ordinate.quantity = f.denominator.quantity = uff_quantity::unknown;
-      out += function_text(f, all.frequency, [&](std::size_t k) {
-        return all.variance(k, static_cast<int>(o), static_cast<int>(i));
-      });
-    }
-    if (all.multiple_coherence.empty()) continue;
-    UffFunction f = head_of(all, all.outputs[o], binary);
-    f.type = uff_function::multiple_coherence;
-    f.ordinate = {.quantity = uff_quantity::unknown, .label = "multiple coherence", .unit = "1"};
-    out += function_text(f, all.frequency,
-                         [&](std::size_t k) { return all.multiple_coherence[k][row]; });
-  }
-  base::write_file_whole(path, out);
+  base::write_file_whole(path, ResponseText(all, binary).text());
 }
 
 }  // namespace hydrapod::data

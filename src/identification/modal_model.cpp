@@ -6,7 +6,6 @@
 
 #include "fit_covariance.hpp"
 #include "fit_system.hpp"
-#include "usable.hpp"
 
 namespace hydrapod::identification {
 
@@ -153,18 +152,17 @@ MatrixXcd synthesised(const ModalModel& model, double frequency, double shift) {
   return H;
 }
 
-FrequencyResponses on_imaginary_axis(const FrequencyResponses& responses,
-                                     const Identification& found) {
-  auto moved = UsableResponses(responses).get();
-  moved.shift = 0.0;
+std::vector<MatrixXcd> on_imaginary_axis(const FrequencyResponses& responses,
+                                         const Identification& found) {
+  auto H = responses.H;
   auto poles = found.model;  // residual terms hold in the band of the fit alone
   for (auto& C : poles.residuals) C.setZero();
-  for (std::size_t k = 0; k < moved.lines(); ++k) {
-    const double f = moved.frequency[k];
+  for (std::size_t k = 0; k < responses.lines(); ++k) {
+    const double f = responses.frequency[k];
     const auto& model = f >= found.from && f <= found.to ? found.model : poles;
-    moved.H[k] += synthesised(model, f) - synthesised(model, f, responses.shift);
+    H[k] += synthesised(model, f) - synthesised(model, f, responses.shift);
   }
-  return moved;
+  return H;
 }
 
 }  // namespace hydrapod::identification

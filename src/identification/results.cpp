@@ -22,10 +22,13 @@ data::ModalResults modal_results(const Identification& identified) {
   for (const auto& mode : identified.modes) {
     data::ModalResult result{.pole = mode.fit.pole,
                              .shape = mode.displacement,
+                             .participation = {},
                              .omega_deviation = mode.fit.omega_deviation,
                              .damping_deviation = mode.fit.damping_deviation,
                              .shape_deviation = mode.fit.shape_deviation,
                              .significance = mode.fit.significance};
+    // of repeated modes other mixtures are shown; of half spectra references stand for inputs
+    if (mode.repeated == 1 && !responses.whole) result.participation = mode.fit.participation;
     // those of φ; the displacement is φ/λ^d
     for (Index o = 0; o < result.shape_deviation.size(); ++o) {
       const double size = std::abs(mode.fit.shape[o]);

@@ -78,6 +78,7 @@ void leave_out_dead_outputs(FrequencyResponses& r) {
   const std::vector<Index> rows(alive.begin(), alive.end());
   r.outputs = picked(r.outputs, alive);
   for (auto& H : r.H) H = H(rows, Eigen::all).eval();
+  for (auto& H : r.on_axis) H = H(rows, Eigen::all).eval();
   for (auto& V : r.noise) V = V(rows, rows).eval();
   for (auto& c : r.coherence) c = c(rows, Eigen::all).eval();
   for (auto& c : r.multiple_coherence) c = c(rows).eval();
@@ -90,6 +91,7 @@ void leave_out_dead_inputs(FrequencyResponses& r) {
   const std::vector<Index> columns(alive.begin(), alive.end());
   r.inputs = picked(r.inputs, alive);
   for (auto& H : r.H) H = H(Eigen::all, columns).eval();
+  for (auto& H : r.on_axis) H = H(Eigen::all, columns).eval();
   for (auto& Q : r.input_factor) Q = Q(columns, columns).eval();
   for (auto& c : r.coherence) c = c(Eigen::all, columns).eval();
   for (auto& S : r.input_density) S = S(columns).eval();
@@ -112,6 +114,7 @@ FrequencyResponses lines_of(const FrequencyResponses& r, const std::vector<std::
   FrequencyResponses some = r;
   some.frequency = picked(r.frequency, lines);
   some.H = picked(r.H, lines);
+  some.on_axis = picked(r.on_axis, lines);
   some.noise = picked(r.noise, lines);
   some.input_factor = picked(r.input_factor, lines);
   some.coherence = picked(r.coherence, lines);

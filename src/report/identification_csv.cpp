@@ -14,34 +14,6 @@ namespace hydrapod::report {
 
 using base::two_pi;
 using Eigen::Index;
-using identification::FrequencyResponses;
-
-std::string responses_csv(const FrequencyResponses& r) {
-  std::string text = "frequency_hz";
-  for (const auto& o : r.outputs)
-    for (const auto& i : r.inputs) {
-      const std::string pair = o.name + "/" + i.name;
-      text +=
-          fmt::format(",{},{}", base::quoted_cell("re " + pair), base::quoted_cell("im " + pair));
-      if (r.has_errors()) text += fmt::format(",{}", base::quoted_cell("deviation " + pair));
-    }
-  for (const auto& o : r.outputs)
-    text += fmt::format(",{}", base::quoted_cell("coherence " + o.name));
-  text += ",condition\n";
-  for (std::size_t k = 0; k < r.lines(); ++k) {
-    text += fmt::format("{:.17g}", r.frequency[k]);
-    for (Index o = 0; o < r.H[k].rows(); ++o)
-      for (Index i = 0; i < r.H[k].cols(); ++i) {
-        text += fmt::format(",{:.17g},{:.17g}", r.H[k](o, i).real(), r.H[k](o, i).imag());
-        if (r.has_errors()) text += fmt::format(",{:.6g}", std::sqrt(r.variance(k, o, i)));
-      }
-    for (Index o = 0; o < r.H[k].rows(); ++o)
-      text +=
-          r.multiple_coherence.empty() ? "," : fmt::format(",{:.6g}", r.multiple_coherence[k][o]);
-    text += r.condition.empty() ? ",\n" : fmt::format(",{:.6g}\n", r.condition[k]);
-  }
-  return text;
-}
 
 std::string identified_modes_csv(const identification::Identification& result,
                                  std::optional<observation::Observed> observed) {

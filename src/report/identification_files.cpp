@@ -77,6 +77,16 @@ void write_modes_uff(const std::string& path, const Identification& result,
   auto all = identification::modal_results(result);
   all.title = title;
   all.date = date;
+  // repeated modes as they were fitted: only these have residues
+  for (std::size_t r = 0; r < result.modes.size() && !result.responses.whole; ++r) {
+    const auto& fit = result.modes[r].fit;
+    all.modes[r].participation = fit.participation;
+    if (result.modes[r].repeated == 1) continue;
+    for (Index o = 0; o < fit.shape.size(); ++o)
+      all.modes[r].shape[o] =
+          fit.shape[o] /
+          std::pow(fit.pole, data::time_derivatives(all.outputs[static_cast<std::size_t>(o)].unit));
+  }
   data::write_modal_results(path, all);
 }
 

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "fields.hpp"
 #include "hydrapod/base/error.hpp"
@@ -67,9 +68,9 @@ Json over_lines(std::size_t lines, const Number& number) {
   return list;
 }
 
-Json entry_json(const FrequencyResponses& r, Index o, Index i) {
-  Json entry{{"re", over_lines(r.lines(), [&](auto k) { return r.H[k](o, i).real(); })},
-             {"im", over_lines(r.lines(), [&](auto k) { return r.H[k](o, i).imag(); })}};
+Json entry_json(const FrequencyResponses& r, const std::vector<MatrixXcd>& H, Index o, Index i) {
+  Json entry{{"re", over_lines(r.lines(), [&](auto k) { return H[k](o, i).real(); })},
+             {"im", over_lines(r.lines(), [&](auto k) { return H[k](o, i).imag(); })}};
   if (r.has_errors())
     entry["deviation"] =
         over_lines(r.lines(), [&](auto k) { return std::sqrt(r.variance(k, o, i)); });
@@ -311,11 +312,13 @@ void describe(Fields& f, identification::Identification& result) {
 }
 
 Json responses_json(const FrequencyResponses& r) {
+  const bool with_axis = !r.on_axis.empty();
   Json response = Json::array();
   for (std::size_t o = 0; o < r.outputs.size(); ++o) {
     Json row = Json::array();
     for (std::size_t i = 0; i < r.inputs.size(); ++i)
-      row.push_back(entry_json(r, static_cast<Index>(o), static_cast<Index>(i)));
+      row.push_back(
+          entry_json(r, with_axis ? r.on_axis : r.H, static_cast<Index>(o), static_cast<Index>(i)));
     response.push_back(row);
   }
   Json json{{"inputs", written(r.inputs)},
@@ -341,7 +344,10 @@ Json responses_json(const FrequencyResponses& r) {
                                       static_cast<Index>(r.line_covariance.size()))
                     .eval());
   }
-  if (r.shift > 0.0) json["shift_per_s"] = r.shift;
+  if (with_axis)
+    json["beside_axis"] = {{"shift_per_s", r.shift}, {"response", lines_json(r.H)}};
+  else if (r.shift > 0.0)
+    json["shift_per_s"] = r.shift;
   if (r.taper.size() > 0) {
     json["sample_rate_hz"] = r.sample_rate;
     json["taper"] = written(r.taper);
@@ -413,6 +419,12 @@ FrequencyResponses responses_from_json(const Json& json, const std::string& file
   }
   fields.unless(0.0, "shift_per_s", r.shift);
   if (!(r.shift >= 0.0)) fields.bad("shift_per_s", "must not be negative");
+  if (fields.has("beside_axis"))
+    fields.object("beside_axis", [&](const Reader& f) {
+      f("shift_per_s", r.shift);
+      if (!(r.shift > 0.0)) f.bad("shift_per_s", "must be positive");
+      r.on_axis = std::exchange(r.H, read_lines(f, "response", outputs, inputs, r.lines()));
+    });
   fields.maybe("findings", r.warnings);
   std::string estimator;
   fields.unless(std::string("h1"), "estimator", estimator);

@@ -60,12 +60,16 @@ ResponseSummary summary_of(const identification::FrequencyResponses& responses) 
 identification::FrequencyResponses shared_responses(const Measured& measured,
                                                     const Progress& progress) {
   const auto& responses = measured.responses();
-  if (!(responses.shift > 0.0)) return responses;
+  if (!(responses.shift > 0.0) || !responses.on_axis.empty()) return responses;
   try {
     const auto found = identification::identify_modes(responses, {}, [&](double share) {
       if (progress) progress(share);
     });
-    if (!found.modes.empty()) return identification::on_imaginary_axis(responses, found);
+    if (!found.modes.empty()) {
+      auto shared = responses;
+      shared.on_axis = identification::on_imaginary_axis(responses, found);
+      return shared;
+    }
   } catch (const base::ComputationError&) {
     // no modes, as above
   }

@@ -110,6 +110,111 @@ TEST_P(ResponseFile, IsReadByTheReaderThatTakesColumnsLiterally) {
   EXPECT_EQ(responses, 6U);
 }
 
+/// With everything that identification needs: errors that go together, window, and a shift.
+data::FrequencyResponses described_example() {
+  auto all = example(false);
+  Random random(29);
+  const auto covariance = [&](Eigen::Index size) {
+    const Eigen::MatrixXcd A = Eigen::MatrixXcd::NullaryExpr(size, size, [&] {
+      return std::complex<double>(random.uniform(-1.0, 1.0), random.uniform(-1.0, 1.0));
+    });
+    return Eigen::MatrixXcd(A * A.adjoint());
+  };
+  for (std::size_t k = 0; k < all.lines(); ++k) {
+    all.noise[k] = covariance(3);
+    all.input_factor[k] = covariance(2);
+    all.on_axis.push_back(all.H[k] + Eigen::MatrixXcd::Constant(3, 2, {0.25, 0.125}));
+  }
+  all.estimator = data::Estimator::instrumental;
+  all.averages = 17.25;
+  all.degrees = 13.5;
+  all.shift = 1.0 / 3.0;
+  all.line_covariance = {1.0, {0.6, -0.3}, {0.1, 0.05}};
+  all.taper = Eigen::VectorXd::LinSpaced(80, 1.0, 1.0 / 7.0);
+  all.sample_rate = 62.5;
+  for (std::size_t k = 0; k < all.lines(); ++k)  // lines of the window, with a gap
+    all.frequency[k] = 62.5 / 80.0 * static_cast<double>(k > 10 ? k + 3 : k + 1);
+  all.outputs[0].name += std::string(90, 'x');  // longer than a line of a Universal File
+  all.inputs[1].role = Role::drive;
+  return all;
+}
+
+class DescribedResponses : public testing::TestWithParam<const char*> {
+ protected:
+  [[nodiscard]] std::string written(const data::FrequencyResponses& all) const {
+    const std::string path = folder_ / (std::string("h.") + GetParam());
+    if (path.ends_with(".csv"))
+      write_text(path, data::response_table(all));
+    else
+      data::write_frequency_responses(path, all);
+    return path;
+  }
+
+ private:
+  TemporaryFolder folder_;
+};
+
+TEST_P(DescribedResponses, AreReadAsTheyWere) {
+  const auto sent = described_example();
+  const auto [got, notes] = data::read_frequency_responses(written(sent));
+  EXPECT_THAT(notes, testing::IsEmpty());
+  data::validate(got);
+  EXPECT_EQ(got.title, sent.title);
+  expect_same_channels(got.outputs, sent.outputs);
+  expect_same_channels(got.inputs, sent.inputs);
+  EXPECT_EQ(got.frequency, sent.frequency);
+  EXPECT_EQ(got.H, sent.H);
+  EXPECT_EQ(got.on_axis, sent.on_axis);
+  EXPECT_EQ(got.noise, sent.noise);
+  EXPECT_EQ(got.input_factor, sent.input_factor);
+  EXPECT_EQ(got.line_covariance, sent.line_covariance);
+  EXPECT_EQ(got.taper, sent.taper);
+  EXPECT_EQ(got.sample_rate, sent.sample_rate);
+  EXPECT_EQ(got.shift, sent.shift);
+  EXPECT_EQ(got.estimator, sent.estimator);
+  EXPECT_EQ(got.averages, sent.averages);
+  EXPECT_EQ(got.degrees, sent.degrees);
+}
+
+/// What cannot be a correlation is not believed: the rest is read with a note.
+TEST_P(DescribedResponses, ThatAreDamagedAreLeftAsideWithANote) {
+  const auto sent = described_example();
+  const std::string path = written(sent);
+  const std::string good = read_text(path);
+  for (const auto& [from, to] : {std::pair<std::string, std::string>{"\"re\":[1.0", "\"re\":[7.0"},
+                                 {"\"taper\":[1.0", "\"taper\":[1e9"},
+                                 {"\"sample_rate_hz\":62.5", "\"sample_rate_hz\":-2.5"},
+                                 {"\"estimator\":\"iv\"", "\"estimator\":\"hx\""},
+                                 {"\"outputs\":3", "\"outputs\":5"},
+                                 {"\"line_covariance\":{", "\"line_covariance\" {"}}) {
+    SCOPED_TRACE(to);
+    std::string bad = good;
+    ASSERT_NE(bad.find(from), bad.npos);
+    bad.replace(bad.find(from), from.size(), to);
+    write_text(path, bad);
+    const auto [got, notes] = data::read_frequency_responses(path);
+    ASSERT_FALSE(notes.empty());
+    EXPECT_THAT(notes[0].message, testing::HasSubstr("damaged and left aside"));
+    EXPECT_EQ(got.H, sent.on_axis);
+    EXPECT_EQ(got.shift, 0.0);
+    EXPECT_EQ(got.line_covariance.size(), 1U);
+    EXPECT_EQ(got.taper.size(), 0);
+  }
+}
+
+TEST_P(DescribedResponses, AtOtherFrequenciesThanTheWindowsHaveNoTaper) {
+  auto sent = described_example();
+  sent.frequency.back() += 0.3;
+  const auto [got, notes] = data::read_frequency_responses(written(sent));
+  ASSERT_EQ(notes.size(), 1U);
+  EXPECT_THAT(notes[0].message, testing::HasSubstr("not lines of the window"));
+  EXPECT_EQ(got.taper.size(), 0);
+  EXPECT_EQ(got.frequency, sent.frequency);
+}
+
+INSTANTIATE_TEST_SUITE_P(Formats, DescribedResponses, testing::Values("uff", "csv"),
+                         [](const auto& format) { return std::string(format.param); });
+
 INSTANTIATE_TEST_SUITE_P(Ways, ResponseFile,
                          testing::Values(Way{true, true}, Way{true, false}, Way{false, true},
                                          Way{false, false}),

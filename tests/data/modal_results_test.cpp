@@ -5,6 +5,7 @@
 #include <gmock/gmock.h>
 #include <matio.h>
 
+#include <map>
 #include <memory>
 #include <sstream>
 
@@ -91,6 +92,134 @@ TEST(ModalResults, ComeBackToSixDigits) {
     const auto& b = read.results.modes[r];
     EXPECT_LT(std::abs(a.pole - b.pole), 5e-6 * std::abs(a.pole));
     EXPECT_LT((a.shape - b.shape).norm(), 5e-6 * a.shape.norm());
+  }
+}
+
+/// What another program makes of the text: eigenvalue, modal A and numbers at nodes.
+struct ForeignMode {
+  Complex pole, modal_a;
+  std::map<std::pair<int, int>, Complex> psi;  // (node, component)
+};
+
+std::vector<ForeignMode> foreign_modes(const std::string& text) {
+  std::vector<ForeignMode> modes;
+  const auto lines = lines_of(text);
+  const auto number = [](const std::string& line, std::size_t k) {
+    return std::stod(line.substr(13 * k, 13));
+  };
+  const auto two = [&](const std::string& line, std::size_t k) {
+    return Complex(number(line, 2 * k), number(line, 2 * k + 1));
+  };
+  for (std::size_t k = 0; k < lines.size(); ++k) {
+    if (lines[k] != "    55") continue;
+    const int per_node = std::stoi(lines[k + 6].substr(50));
+    ForeignMode mode{two(lines[k + 8], 0), two(lines[k + 8], 1), {}};
+    for (std::size_t at = k + 9; lines[at] != "    -1";
+         at += 1 + static_cast<std::size_t>(per_node) / 3)
+      for (int c = 0; c < per_node; ++c)
+        mode.psi[{std::stoi(lines[at]), c}] =
+            two(lines[at + 1 + static_cast<std::size_t>(c) / 3], static_cast<std::size_t>(c) % 3);
+    modes.push_back(mode);
+  }
+  return modes;
+}
+
+using Place = std::pair<int, int>;
+
+/// H from the text alone.
+Complex synthesised(const std::vector<ForeignMode>& modes, Place output, Place input, Complex s) {
+  Complex H = 0.0;
+  for (const auto& mode : modes) {
+    const Complex product = mode.psi.at(output) * mode.psi.at(input);
+    H += product / (mode.modal_a * (s - mode.pole)) +
+         std::conj(product) / (std::conj(mode.modal_a) * (s - std::conj(mode.pole)));
+  }
+  return H;
+}
+
+Complex exact(const ModalResults& all, Eigen::Index output, Eigen::Index input, Complex s) {
+  Complex H = 0.0;
+  for (const auto& mode : all.modes) {
+    const Complex residue = mode.shape[output] * mode.participation[input];
+    H += residue / (s - mode.pole) + std::conj(residue) / (s - std::conj(mode.pole));
+  }
+  return H;
+}
+
+/// Displacements of a reciprocal system by forces where outputs 0 (x at 3) and 1 (−ry at 3) are.
+ModalResults driven_sample(bool reciprocal) {
+  auto all = sample();
+  all.inputs = {{.name = "moment", .unit = "N m", .direction = Direction::ry, .point = 3},
+                {.name = "force", .unit = "N", .direction = Direction::x, .point = 3}};
+  for (auto& mode : all.modes) {
+    const Complex scale(0.013, -0.021);
+    mode.participation.resize(2);
+    mode.participation << -scale * mode.shape[1], scale * mode.shape[0];
+    if (!reciprocal) mode.participation[0] *= Complex(1.7, -0.9);
+  }
+  return all;
+}
+
+void expect_synthesis(const ModalResults& all, const std::string& text,
+                      const std::vector<Place>& outputs, const std::vector<double>& signs,
+                      const std::vector<Place>& inputs) {
+  const auto modes = foreign_modes(text);
+  ASSERT_EQ(modes.size(), all.modes.size());
+  for (const auto& mode : modes) EXPECT_EQ(mode.modal_a, 1.0);
+  for (std::size_t i = 0; i < inputs.size(); ++i)
+    for (std::size_t o = 0; o < outputs.size(); ++o)
+      for (const double omega : {3.0, 29.9, 31.0, 38.0, 70.0}) {
+        const Complex s(0.0, omega),
+            H = exact(all, static_cast<Eigen::Index>(o), static_cast<Eigen::Index>(i), s),
+            other = signs[o] * synthesised(modes, outputs[o], inputs[i], s);
+        // three numbers of six digits, near a pole
+        EXPECT_LT(std::abs(other - H), 1e-4 * std::abs(H)) << o << " from " << i << " at " << omega;
+      }
+}
+
+TEST(ModalResults, ResponsesToForcesFollowFromTheShapesAlone) {
+  const test::TemporaryFolder folder;
+  const auto all = driven_sample(true);
+  write_modal_results(folder / "modes.uff", all);
+  const auto text = test::read_text(folder.path() / "modes.uff");
+  EXPECT_THAT(text, HasSubstr("shape as displacement, SI; forces at nodes 3ry 3x"));
+  expect_synthesis(all, text, {{3, 0}, {3, 4}, {4, 0}, {5, 0}}, {1.0, -1.0, 1.0, 1.0},
+                   {{3, 4}, {3, 0}});
+}
+
+/// Of a controlled machine, say: no shape holds both sides, so inputs get nodes of their own.
+TEST(ModalResults, ResponsesThatAreNotReciprocalFollowFromNodesOfTheInputs) {
+  const test::TemporaryFolder folder;
+  auto all = driven_sample(false);
+  for (const bool forces : {true, false}) {
+    if (!forces) {
+      all = driven_sample(true);
+      all.inputs[1].unit = "V";
+    }
+    write_modal_results(folder / "modes.uff", all);
+    const auto text = test::read_text(folder.path() / "modes.uff");
+    EXPECT_THAT(text, HasSubstr("shape as displacement, SI; inputs at nodes 6x 7x"));
+    expect_synthesis(all, text, {{3, 0}, {3, 4}, {4, 0}, {5, 0}}, {1.0, -1.0, 1.0, 1.0},
+                     {{6, 0}, {7, 0}});
+  }
+}
+
+TEST(ModalResults, ParticipationsComeBack) {
+  const test::TemporaryFolder folder;
+  for (const bool reciprocal : {true, false}) {
+    const auto written = driven_sample(reciprocal);
+    write_modal_results(folder / "modes.uff", written);
+    const auto read = read_modal_results(folder / "modes.uff").results;
+    ASSERT_EQ(read.outputs.size(), 4U);
+    ASSERT_EQ(read.inputs.size(), 2U);
+    EXPECT_EQ(read.inputs[0].name, "moment");
+    for (std::size_t r = 0; r < 2; ++r) {
+      const auto &a = written.modes[r], &b = read.modes[r];
+      const Eigen::MatrixXcd sent = a.shape * a.participation.transpose(),
+                             got = b.shape * b.participation.transpose();
+      EXPECT_LT((got - sent).norm(), 2e-5 * sent.norm());
+      EXPECT_NEAR(b.participation.cwiseAbs().maxCoeff(), 1.0, 1e-15);
+    }
   }
 }
 

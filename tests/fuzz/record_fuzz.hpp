@@ -10,6 +10,7 @@
 
 #include "hydrapod/base/text.hpp"
 #include "hydrapod/data/frequency_response.hpp"
+#include "hydrapod/data/modal_results.hpp"
 #include "hydrapod/data/record_io.hpp"
 
 namespace hydrapod::fuzz {
@@ -49,7 +50,16 @@ inline void read_as_record(const std::string& bytes) {
     for (const auto& diagnostic : error.diagnostics()) require_presentable(diagnostic);
   }
   try {
-    data::validate(data::read_frequency_responses(path).responses);
+    const auto responses = data::read_frequency_responses(path).responses;
+    data::validate(responses);
+    data::response_table(responses);
+  } catch (const base::InputError& error) {
+    if (error.diagnostics().empty()) std::abort();
+  }
+  try {
+    const auto modes = data::read_modal_results(path).results;
+    for (const auto& mode : modes.modes)
+      if (mode.shape.size() != static_cast<Eigen::Index>(modes.outputs.size())) std::abort();
   } catch (const base::InputError& error) {
     if (error.diagnostics().empty()) std::abort();
   }

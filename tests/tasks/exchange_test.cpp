@@ -43,12 +43,12 @@ struct Exchange {
   }
 
   static void write_measurement() {
-    const auto& responses = found.measured.responses();
+    const auto responses = tasks::shared_responses(found.measured);
     Json frf{{"kind", "frf"}, {"record", report::record_origin_json(*found.measured.header)}};
     frf.update(report::responses_json(responses));
     base::write_file_whole(path("frf.json"), frf.dump());
     data::write_frequency_responses(path("frf.uff"), responses);
-    base::write_file_whole(path("frf.csv"), report::responses_csv(responses));
+    base::write_file_whole(path("frf.csv"), data::response_table(responses));
     Json modes{{"kind", "identified_modes"},
                {"record", report::record_origin_json(*found.measured.header)}};
     modes.update(report::identification_json(found.modes));
@@ -168,7 +168,7 @@ void Exchange::round_trip_of_a_calibration() {
 }
 
 void Exchange::round_trip_of_responses() {
-  auto responses = found.measured.responses();
+  auto responses = tasks::shared_responses(found.measured);
   // what tells how good the measurement is follows from the record alone
   responses.coherence.clear();
   responses.multiple_coherence.clear();

@@ -1,6 +1,6 @@
 #pragma once
 /// Frequency responses of several inputs and outputs, what is known of their errors, and their
-/// Universal Files.
+/// Universal Files and tables of text.
 ///
 /// H(f): output o per input i, in the units of the channels.
 
@@ -79,6 +79,8 @@ struct FrequencyResponses {
   std::vector<std::complex<double>> line_covariance{1.0};
   /// a: H is at s = a + iω; 0: on the imaginary axis [1/s]
   double shift{};
+  /// H(iω) by a modal model, for other programs and for pictures; only where shift > 0.
+  std::vector<Eigen::MatrixXcd> on_axis{};
   /// ρ_τ at lag τ / sample_rate, the autocorrelation of the window of the estimate; empty where
   /// resonances are not widened.
   Eigen::VectorXd taper{};
@@ -109,22 +111,42 @@ struct FrequencyResponses {
 /// are not finite, channels as validate(RecordHeader) has them.
 void validate(const FrequencyResponses& responses);
 
-/// Datasets 151, 164 and per output and input one dataset 58 (type 4, complex double; multiple
-/// coherence type 26, variance type 0 with "variance" as its fifth line). Frequencies even within
-/// 1e-6 of their spacing are written as such, others one by one (to six digits). `binary`: 58b.
-/// Written whole or not at all. Throws as base::write_file_whole.
+/// The responses that other programs and pictures show: on_axis in place of H. Errors and
+/// covariance of lines remain those of H, without the error of the model that brought it there.
+FrequencyResponses brought_to_axis(FrequencyResponses responses);
+
+// Files of responses. H(iω) is written as other programs expect it, and beside it what
+// identification needs, in a form that they pass over: the whole noise and input factor per line,
+// H(a + iω) where there is a shift, and in comment lines the channels, the estimator, the
+// covariance of lines and the taper of the window. So what is read gives the same modes and
+// intervals as what was written. Both writers throw std::invalid_argument for responses at a + iω
+// without `on_axis`.
+
+/// Datasets 151, 164, 99001 (comment lines) and per output and input one dataset 58 (type 4,
+/// complex double; multiple coherence type 26). What other programs do not know is of type 0 and
+/// has its name in its first line: "variance", "noise", "input factor", "beside the axis".
+/// Frequencies even within 1e-6 of their spacing are written as such, others one by one (to six
+/// digits; binary: all digits). `binary`: 58b. Written whole or not at all. Throws as
+/// base::write_file_whole.
 void write_frequency_responses(const std::string& path, const FrequencyResponses& responses,
                                bool binary = true);
+
+/// Comment lines, a row of titles and a row per line: `frequency_hz`, and per output o and input i
+/// `re o/i`, `im o/i`, `deviation o/i`; then `coherence o` and `condition`. The last columns are
+/// those that identification needs: `beside the axis re o/i …`, `noise re o/p …` and `input factor
+/// re i/j …`, lower triangles.
+std::string response_table(const FrequencyResponses& responses);
 
 struct ReadFrequencyResponsesResult {
   FrequencyResponses responses{};
   std::vector<base::Diagnostic> notes{};
 };
 
-/// All functions of type 4 that share the first one's frequencies, with their coherences and
-/// variances. Units become SI: labels that are known, else dataset 164. Variances V_oi become noise
-/// and input factor V_oi ≈ n_o q_i, by their means over rows and columns. Throws base::InputError,
-/// also where a pair of output and input is missing.
+/// A Universal File or a table of text. Of a Universal File all functions of type 4 that share the
+/// first one's frequencies, with their coherences and variances. Units become SI: labels that are
+/// known, else dataset 164. Variances V_oi without the noise become noise and input factor V_oi ≈
+/// n_o q_i, by their means over rows and columns. Throws base::InputError, also where a pair of
+/// output and input is missing.
 ReadFrequencyResponsesResult read_frequency_responses(const std::string& path);
 
 }  // namespace hydrapod::data

@@ -10,6 +10,16 @@
 /// dataset of hydrapod's own keeps names, units and directions; without it outputs are called
 /// "node 3 ry".
 ///
+/// Scale. Where participations L are known the numbers ψ of a mode give the displacement of output
+/// o by input i as other programs synthesise it,
+///
+///     H_oi(s) = Σ_r ψ_o ψ_i/(A_r (s − λ_r)) + conj.,   A_r = 1,   ψ_o ψ_i = φ_o L_i.
+///
+/// Forces (N, N m) that act where outputs measure, and in their directions, are at the places of
+/// these: φ is scaled by √(L_i/φ_i). All other inputs, and these too where ψ_o ψ_i differs from
+/// φ_o L_i by more than 2 % (no reciprocal system), stand at nodes of their own behind the outputs,
+/// where ψ_i = L_i; the last line of text of each mode names the nodes.
+///
 /// Layout: Structural Dynamics Research Laboratory, University of Cincinnati, "Universal File
 /// Formats for Modal Analysis Testing", dataset 55. Numbers are E13.5: six digits.
 
@@ -25,6 +35,8 @@ namespace hydrapod::data {
 struct ModalResult {
   std::complex<double> pole{};  ///< λ [1/s], Im > 0
   Eigen::VectorXcd shape{};     ///< displacement, a number per output
+  /// L, a number per input: residues are φ Lᵀ. Empty: not known, or not those of this shape.
+  Eigen::VectorXcd participation{};
   /// Standard deviations of ω [rad/s] and ζ; 0: not known.
   double omega_deviation{}, damping_deviation{};
   Eigen::VectorXd shape_deviation{};  ///< of each number of the shape; empty: not known

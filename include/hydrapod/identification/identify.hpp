@@ -419,12 +419,11 @@ Identification identify_modes(const FrequencyResponses& responses,
                               const IdentifyOptions& options = {},
                               const std::function<void(double)>& progress = {});
 
-/// Responses at a + iω brought to iω, which is what other programs expect: the difference is that
-/// of the modal model, so that resonances are brought there exactly; what the model leaves over,
-/// noise for the most part, remains what it is, with its errors. `found`: of these responses, at
-/// least one mode.
-FrequencyResponses on_imaginary_axis(const FrequencyResponses& responses,
-                                     const Identification& found);
+/// H(iω) of responses at a + iω, which is what other programs expect: the difference is that of the
+/// modal model, so that resonances are brought there exactly; what the model leaves over, noise for
+/// the most part, remains what it is. `found`: of these responses, at least one mode.
+std::vector<Eigen::MatrixXcd> on_imaginary_axis(const FrequencyResponses& responses,
+                                                const Identification& found);
 
 /// The modes with their errors, as others take them.
 data::ModalResults modal_results(const Identification& identified);

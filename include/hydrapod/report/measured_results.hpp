@@ -158,8 +158,6 @@ void add_cross_checks(const std::vector<std::optional<identification::CrossCheck
 /// Adds `bootstrap` to each of `modes[]`, and `bootstrap_resamples`.
 void add_bootstrap(const identification::BootstrapScatter& scatter, Json& json);
 
-/// Frequency, then re, im and deviation of every entry, then multiple coherence and condition.
-std::string responses_csv(const identification::FrequencyResponses& responses);
 
 /// One line per mode. `observed`: the system that was measured, where it is known.
 std::string identified_modes_csv(const identification::Identification& result,
