@@ -43,9 +43,21 @@ TEST(IdentificationWords, OfResponsesNameTheChannelAndItsNumbers) {
               HasSubstr("to 39 Hz, with 2 gaps: modes elsewhere"));
   EXPECT_EQ(warning_text(data::ResponseWarning{.kind = Kind::interrupted, .count = 4096}),
             "interrupted: the result uses the first 4096 samples");
-  EXPECT_EQ(warning_text(data::ResponseWarning{
-                .kind = Kind::lines_not_finite, .count = 3, .total = 800}),
-            "3 of 800 frequencies have a value that is no finite number and were left out");
+  data::ResponseWarning missing{.kind = Kind::missing_samples,
+                                .channel = "u2",
+                                .value = 0.071,
+                                .share = 0.083,
+                                .count = 640,
+                                .total = 8000};
+  EXPECT_EQ(warning_text(missing),
+            "8 % of the samples are missing, most in u2 (8.3 %): they were filled by prediction "
+            "from the samples beside them; 7.1 % of the power of the inputs stays unknown: its "
+            "response acts as noise, which the intervals include");
+  missing.value = 0.0;
+  EXPECT_THAT(warning_text(missing), testing::EndsWith("from the samples beside them"));
+  EXPECT_EQ(
+      warning_text(data::ResponseWarning{.kind = Kind::lines_not_finite, .count = 3, .total = 800}),
+      "3 of 800 frequencies have a value that is no finite number and were left out");
 }
 
 TEST(IdentificationWords, OfModes) {
