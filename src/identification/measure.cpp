@@ -10,6 +10,7 @@
 #include <stdexcept>
 
 #include "damped.hpp"
+#include "gaps.hpp"
 #include "hydrapod/base/error.hpp"
 #include "hydrapod/base/text.hpp"
 #include "hydrapod/numerics/fft.hpp"
@@ -228,9 +229,9 @@ SpectrumOptions spectrum_options(data::RecordSet& records, const Plan& plan,
   // then all samples weigh the same at every lag: a sweep is not cut into pieces
   if (!options.overlap && o.window != Window::rectangular &&
       plan.estimator == Estimator::instrumental &&
-      !fills_band(
-          first_samples(records, plan.choice.instruments[0], settling_samples(records, options)),
-          o.block_length, options.filled))
+      !fills_band(bridged(first_samples(records, plan.choice.instruments[0],
+                                        settling_samples(records, options))),
+                  o.block_length, options.filled))
     o.overlap = 0.75;
   return o;
 }
@@ -253,6 +254,8 @@ struct Reading {
   SpectrumOptions spectrum{};
   std::vector<std::size_t> used{};   ///< channels
   std::int64_t settling{}, total{};  ///< samples
+  GapPlan gap_plan{};
+  std::shared_ptr<const GapModel> gaps{};  ///< none: samples are taken as they are
 };
 
 /// `plan`: its choice becomes one of the channels that are used.
@@ -266,27 +269,46 @@ Reading plan_reading(data::RecordSet& records, Plan& plan, const MeasureOptions&
   }
   reading.spectrum = spectrum_options(records, plan, options, shortest);
   reading.used = used_channels(plan.choice);
+  reading.gap_plan = {.channels = reading.used,
+                      .groups = groups_to_fill(plan.choice, plan.estimator),
+                      .draw = plan.estimator == Estimator::half_spectra,
+                      .settling = reading.settling,
+                      .block_length = reading.spectrum.block_length};
   return reading;
 }
 
-/// add(samples) for all samples, `estimator` being told where a record begins; how many there were,
-/// and whether that is all.
+struct Streamed {
+  std::int64_t samples{};
+  bool whole{};            ///< that is all
+  double unknown_share{};  ///< see GapFiller
+};
+
+/// add(samples) for all samples, filled where the reading says so, `estimator` being told where a
+/// record begins.
 template <class Add>
-std::pair<std::int64_t, bool> stream(data::RecordSet& records, const Reading& reading,
-                                     const numerics::Progress& progress,
-                                     SpectrumEstimator& estimator, const Add& add) {
+Streamed stream(data::RecordSet& records, const Reading& reading,
+                const numerics::Progress& progress, SpectrumEstimator& estimator, const Add& add) {
   std::int64_t samples = 0;
   std::optional<std::size_t> begun;
+  std::optional<GapFiller> filler;
+  if (reading.gaps) filler.emplace(*reading.gaps, add);
   const bool whole =
       records.stream([&](std::size_t file, const Eigen::Ref<const data::Samples>& block) {
-        if (begun != file) estimator.begin_record(reading.settling);
+        if (begun != file) {
+          if (filler) filler->end_record();
+          estimator.begin_record(reading.settling);
+        }
         begun = file;
-        add(block);
+        if (filler)
+          filler->add(block);
+        else
+          add(block);
         samples += block.rows();
         const auto total = static_cast<double>(std::max<std::int64_t>(reading.total, 1));
         return !(progress && progress(static_cast<double>(samples) / total));
       });
-  return {samples, whole};
+  if (filler) filler->end_record();
+  return {samples, whole, filler ? filler->unknown_share() : 0.0};
 }
 
 /// Puts the six directions that `map` makes of the channels in the place of these, which are all in
@@ -363,16 +385,29 @@ void bring_outputs_to_platform(const MeasureOptions& options, ChannelChoice& cho
 }
 
 /// Reads all files into m.spectra.
-void read_spectra(data::RecordSet& records, const Reading& reading,
-                  const numerics::Progress& progress, Measurement& m) {
+Streamed read_once(data::RecordSet& records, const Reading& reading,
+                   const numerics::Progress& progress, Measurement& m) {
   SpectrumEstimator estimator(m.header, reading.spectrum, reading.used);
-  const auto [samples, whole] =
+  const auto streamed =
       stream(records, reading, progress, estimator,
              [&](const Eigen::Ref<const data::Samples>& block) { estimator.add(block); });
-  m.samples = samples;
-  m.interrupted = !whole;
+  m.samples = streamed.samples;
+  m.interrupted = !streamed.whole;
   m.notes = records.notes();
   m.spectra = estimator.result();
+  return streamed;
+}
+
+/// The same; where samples are missing they are filled, and it is said.
+void read_spectra(data::RecordSet& records, Reading reading, const numerics::Progress& progress,
+                  Measurement& m) {
+  read_once(records, reading, progress, m);
+  if (!misses_samples(m.spectra) || reading.spectrum.periodic || m.interrupted) return;
+  const auto as_read = m.spectra;
+  reading.gaps = std::make_shared<GapModel>(records, reading.gap_plan);
+  const auto streamed = read_once(records, reading, {}, m);
+  m.spectra.health = as_read.health;
+  m.responses.warnings.push_back(warning_of_missing(as_read, streamed.unknown_share));
 }
 
 /// Both estimates where both can be formed, and a warning where H1 is biased.
@@ -429,19 +464,21 @@ Measurement measure_outputs(data::RecordSet& records, const MeasureOptions& opti
   return m;
 }
 
-GroupedSpectra measure_groups(data::RecordSet& records, const MeasureOptions& options, int groups,
-                              const numerics::Progress& progress) {
+namespace {
+
+/// The groups, and whether samples are missing.
+std::pair<GroupedSpectra, bool> read_groups(data::RecordSet& records, const Reading& reading,
+                                            const Plan& plan, const MeasureOptions& options,
+                                            int groups, const numerics::Progress& progress) {
   const auto& header = records.header();
-  Plan plan = plan_channels(records.files()[0], header, options);
-  const Reading reading = plan_reading(records, plan, options);
   const auto& spectrum = reading.spectrum;
-  if (spectrum.periodic)
-    throw base::ComputationError("the excitation is periodic: there are no blocks to resample");
   const std::int64_t piece =
       std::max(reading.total / groups, std::int64_t{2} * spectrum.block_length);
   GroupedSpectra result{.estimator = plan.estimator};
+  bool missing = false;
   const auto close = [&](SpectrumEstimator& estimator) {
     Measurement m{.spectra = estimator.result()};
+    missing = missing || misses_samples(m.spectra);
     if (m.spectra.blocks == 0) return;
     result.choice = plan.choice;
     bring_outputs_to_platform(options, result.choice, m);
@@ -463,7 +500,21 @@ GroupedSpectra measure_groups(data::RecordSet& records, const MeasureOptions& op
   };
   stream(records, reading, progress, estimator, add);
   if (in_piece >= piece / 2) close(estimator);
-  return result;
+  return {std::move(result), missing};
+}
+
+}  // namespace
+
+GroupedSpectra measure_groups(data::RecordSet& records, const MeasureOptions& options, int groups,
+                              const numerics::Progress& progress) {
+  Plan plan = plan_channels(records.files()[0], records.header(), options);
+  Reading reading = plan_reading(records, plan, options);
+  if (reading.spectrum.periodic)
+    throw base::ComputationError("the excitation is periodic: there are no blocks to resample");
+  auto [result, missing] = read_groups(records, reading, plan, options, groups, progress);
+  if (!missing) return std::move(result);
+  reading.gaps = std::make_shared<GapModel>(records, reading.gap_plan);
+  return read_groups(records, reading, plan, options, groups, {}).first;
 }
 
 }  // namespace hydrapod::identification

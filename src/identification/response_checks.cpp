@@ -104,10 +104,14 @@ void check_counts(const CrossSpectra& spectra, const ChannelChoice& choice, Esti
   const double needed = static_cast<double>(p) + (periodic ? 0.0 : 1.0);
   if (spectra.blocks == 0 || available < needed)
     throw base::ComputationError(fmt::format(
-        "{} input{} need {} {}, this is {:.3g}: {}", p, p == 1 ? "" : "s",
+        "{} input{} need {} {}, this is {:.3g}{}: {}", p, p == 1 ? "" : "s",
         periodic ? "at least as many records with different phases as inputs, that is" : "at least",
         periodic ? fmt::format("{}", p) : fmt::format("{:.3g} independent averages", needed),
         spectra.blocks == 0 ? 0.0 : available,
+        spectra.blocks_left_out > 0
+            ? fmt::format(" ({} of {} blocks have samples missing that cannot be filled)",
+                          spectra.blocks_left_out, spectra.blocks + spectra.blocks_left_out)
+            : "",
         periodic ? "measure again with other phases, or excite one direction at a time"
                  : "the record is too short for this resolution; take shorter blocks"));
   if (periodic && spectra.blocks <= spectra.records)

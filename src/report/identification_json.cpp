@@ -228,6 +228,8 @@ const char* code(data::ResponseWarning::Kind kind) {
       return "interrupted";
     case Kind::lines_not_finite:
       return "lines_not_finite";
+    case Kind::missing_samples:
+      return "missing_samples";
   }
   return nullptr;
 }

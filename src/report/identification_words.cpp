@@ -67,6 +67,19 @@ std::string warning_text(const data::ResponseWarning& w) {
       return fmt::format(
           "{} of {} frequencies have a value that is no finite number and were left out", w.count,
           w.total);
+    case Kind::missing_samples:
+      return fmt::format(
+          "{:.2g} % of the samples are missing, most in {} ({:.2g} %): they were filled by "
+          "prediction from the samples beside them{}",
+          100.0 * static_cast<double>(w.count) /
+              static_cast<double>(std::max<std::int64_t>(1, w.total)),
+          w.channel, 100.0 * w.share,
+          w.value > 0.0
+              ? fmt::format(
+                    "; {:.2g} % of the power of the inputs stays unknown: its response acts "
+                    "as noise, which the intervals include",
+                    100.0 * w.value)
+              : "");
   }
   return {};
 }

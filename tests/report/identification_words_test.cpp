@@ -23,7 +23,13 @@ std::vector<data::ResponseWarning> response_warnings() {
           {.kind = Kind::biased, .value = 0.13, .share = 0.4},
           {.kind = Kind::excited_band, .lowest = 0.5, .highest = 39.0, .count = 2},
           {.kind = Kind::interrupted, .count = 4096},
-          {.kind = Kind::lines_not_finite, .count = 3, .total = 800}};
+          {.kind = Kind::lines_not_finite, .count = 3, .total = 800},
+          {.kind = Kind::missing_samples,
+           .channel = "u2",
+           .value = 0.071,
+           .share = 0.083,
+           .count = 640,
+           .total = 8000}};
 }
 
 std::vector<identification::ModeWarning> mode_warnings() {

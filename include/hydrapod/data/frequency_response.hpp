@@ -36,10 +36,12 @@ struct ResponseWarning {
     correlated_inputs,  ///< value: median of the condition
     biased,             ///< value: median of the relative deviation from the instrumental estimate;
                         ///< share of lines outside its 95 % band; estimator
-    excited_band,     ///< instruments are seen in the inputs from `lowest` to `highest` [Hz] only,
-                      ///< and not at `count` gaps in between
-    interrupted,      ///< count: samples that were read
-    lines_not_finite  ///< count, of total, were left out
+    excited_band,      ///< instruments are seen in the inputs from `lowest` to `highest` [Hz] only,
+                       ///< and not at `count` gaps in between
+    interrupted,       ///< count: samples that were read
+    lines_not_finite,  ///< count, of total, were left out
+    missing_samples  ///< count, of total, over all channels, most in channel: share; filled. value:
+                     ///< share of the inputs' power that stays unknown and acts as noise
   };
   Kind kind{};
   std::string channel{}, other{};
