@@ -9,8 +9,10 @@
 #include <numbers>
 #include <stdexcept>
 
+#include "channel_plan.hpp"
 #include "damped.hpp"
 #include "gaps.hpp"
+#include "hits.hpp"
 #include "hydrapod/base/error.hpp"
 #include "hydrapod/base/text.hpp"
 #include "hydrapod/numerics/fft.hpp"
@@ -22,101 +24,6 @@ namespace hydrapod::identification {
 namespace {
 
 using data::Role;
-
-std::vector<int> with_role(const data::RecordHeader& header, Role role) {
-  std::vector<int> list;
-  for (std::size_t c = 0; c < header.channels.size(); ++c)
-    if (header.channels[c].role == role) list.push_back(static_cast<int>(c));
-  return list;
-}
-
-/// All responses; but where the platform's motion or the six leg lengths are among sensors of
-/// other kinds, these.
-std::vector<int> default_outputs(const data::RecordHeader& header) {
-  const auto six = [&](data::Direction first, const std::vector<std::string_view>& units) {
-    return six_channels(header.channels, Role::response, first, units);
-  };
-  if (const auto platform = six(data::Direction::x, {"m", "rad"})) return *platform;
-  return six(data::Direction::leg1, {"m"}).value_or(with_role(header, Role::response));
-}
-
-std::string names_of(const data::RecordHeader& header) {
-  std::string text;
-  for (const auto& c : header.channels) text += (text.empty() ? "" : ", ") + c.name;
-  return text;
-}
-
-std::vector<int> with_names(const std::string& file, const data::RecordHeader& header,
-                            const std::vector<std::string>& names) {
-  std::vector<int> list;
-  for (const auto& name : names) {
-    const auto at = data::find_channel(header, name);
-    if (!at) {
-      std::vector<std::string_view> known;
-      for (const auto& c : header.channels) known.push_back(c.name);
-      const auto near = base::nearest(name, known);
-      base::refuse(file, fmt::format("there is no channel '{}'; {}", name,
-                                     near ? fmt::format("did you mean '{}'?", *near)
-                                          : "the record has " + names_of(header)));
-    }
-    list.push_back(static_cast<int>(*at));
-  }
-  return list;
-}
-
-/// Do the drives stand between the excitations and the machine? They do where a controller makes
-/// them from commanded motions or adds commands to them, and do not where the excitation is force.
-bool inside_a_loop(const data::RecordHeader& header, const std::vector<int>& excitations,
-                   const std::vector<int>& drives) {
-  if (excitations.empty() || drives.size() != excitations.size()) return excitations.empty();
-  return std::ranges::none_of(excitations, [&](int c) {
-    return header.channels[static_cast<std::size_t>(c)].unit.starts_with("N");
-  });
-}
-
-struct Plan {
-  ChannelChoice choice{};
-  Estimator estimator{Estimator::h1};
-};
-
-Plan plan_channels(const std::string& file, const data::RecordHeader& header,
-                   const MeasureOptions& options) {
-  Plan plan;
-  auto& c = plan.choice;
-  const auto excitations = with_role(header, Role::excitation);
-  const auto drives = with_role(header, Role::drive);
-  const bool from_drive = options.input_role ? *options.input_role == Role::drive
-                                             : inside_a_loop(header, excitations, drives);
-  c.inputs = !options.inputs.empty() ? with_names(file, header, options.inputs)
-             : from_drive            ? drives
-                                     : excitations;
-  c.outputs =
-      options.outputs.empty() ? default_outputs(header) : with_names(file, header, options.outputs);
-  c.instruments =
-      options.instruments.empty() ? excitations : with_names(file, header, options.instruments);
-  const std::string advice =
-      ": name channels with --inputs and --outputs; the record has " + names_of(header);
-  if (c.inputs.empty())
-    base::refuse(file, (!options.input_role ? "no channel has the role excitation or drive"
-                        : from_drive        ? "no channel has the role drive"
-                                            : "no channel has the role excitation") +
-                           advice);
-  if (c.outputs.empty()) base::refuse(file, "no channel has the role response" + advice);
-  for (const int i : c.inputs)
-    if (std::ranges::find(c.outputs, i) != c.outputs.end())
-      base::refuse(file, fmt::format("channel '{}' is named as input and as output",
-                                     header.channels[static_cast<std::size_t>(i)].name));
-  const bool from_instrument = c.instruments.size() == c.inputs.size() && c.instruments != c.inputs;
-  plan.estimator = options.estimator.value_or(
-      from_instrument && c.inputs != excitations ? Estimator::instrumental : Estimator::h1);
-  if (plan.estimator == Estimator::instrumental && c.instruments == c.inputs)
-    base::refuse(
-        file,
-        "the instrumental estimate needs inputs other than the excitations: take the drives "
-        "(--from-drive), or name them with --inputs");
-  if (!from_instrument && plan.estimator != Estimator::instrumental) c.instruments.clear();
-  return plan;
-}
 
 /// The first samples of a channel, up to a million.
 VectorXd first_samples(data::RecordSet& records, int channel, std::int64_t skip) {
@@ -234,19 +141,6 @@ SpectrumOptions spectrum_options(data::RecordSet& records, const Plan& plan,
                   o.block_length, options.filled))
     o.overlap = 0.75;
   return o;
-}
-
-/// Channels that are used, in the order of the record, and the choice in terms of them.
-std::vector<std::size_t> used_channels(ChannelChoice& choice) {
-  std::vector<int> used;
-  for (const auto* list : {&choice.inputs, &choice.outputs, &choice.instruments})
-    used.insert(used.end(), list->begin(), list->end());
-  std::ranges::sort(used);
-  const auto [first, last] = std::ranges::unique(used);
-  used.erase(first, last);
-  for (auto* list : {&choice.inputs, &choice.outputs, &choice.instruments})
-    for (int& c : *list) c = static_cast<int>(std::ranges::find(used, c) - used.begin());
-  return {used.begin(), used.end()};
 }
 
 /// How the records are read.
@@ -427,12 +321,63 @@ void compare_with_instrument(const Plan& plan, Measurement& m) {
                                     .estimator = plan.estimator});
 }
 
+/// All samples of the channels; none where there are more than fit.
+std::optional<std::vector<data::Samples>> whole_records(data::RecordSet& records,
+                                                        const std::vector<std::size_t>& used,
+                                                        std::int64_t most, Measurement& m) {
+  std::vector<data::Samples> all(records.files().size());
+  const bool whole =
+      records.stream([&](std::size_t file, const Eigen::Ref<const data::Samples>& block) {
+        auto& record = all[file];
+        const Index before = record.rows();
+        record.conservativeResize(before + block.rows(), static_cast<Index>(used.size()));
+        for (std::size_t c = 0; c < used.size(); ++c)
+          record.col(static_cast<Index>(c)).tail(block.rows()) =
+              block.col(static_cast<Index>(used[c]));
+        m.samples += block.rows();
+        return m.samples <= most;
+      });
+  m.notes = records.notes();
+  return whole ? std::optional(std::move(all)) : std::nullopt;
+}
+
+/// Records of a hammer test, unless the options ask for blocks; none: these are no hits.
+std::optional<Measurement> measure_hits(data::RecordSet& records, Plan plan,
+                                        const MeasureOptions& options) {
+  if (plan.choice.inputs.size() != 1 || plan.estimator != Estimator::h1 || options.block_length ||
+      options.overlap || options.period || options.settling > 0.0 || options.platform ||
+      options.outputs_to_platform || options.window != Window::hann ||
+      !hit_in(first_samples(records, plan.choice.inputs[0], 0)))
+    return {};
+  Measurement m{.header = records.header()};
+  const auto used = used_channels(plan.choice);
+  const auto all = whole_records(records, used, HitOptions{}.most, m);
+  if (!all) return {};
+  const double rate = m.header.sample_rate;
+  auto found = responses_of_hits(*all, plan.choice, rate);
+  if (!found) return {};
+  const auto channel = [&](int c) { return m.header.channels[used[static_cast<std::size_t>(c)]]; };
+  for (const std::size_t c : used) m.spectra.channels.push_back(m.header.channels[c]);
+  for (const int i : plan.choice.inputs) found->inputs.push_back(channel(i));
+  for (const int o : plan.choice.outputs) found->outputs.push_back(channel(o));
+  found->warnings.push_back({.kind = data::ResponseWarning::Kind::single_block,
+                             .count = static_cast<std::int64_t>(all->size())});
+  m.spectra.sample_rate = rate;
+  m.spectra.options = {.block_length = static_cast<int>(std::lround(rate / found->frequency[0])),
+                       .overlap = 0.0,
+                       .window = Window::rectangular};
+  m.responses = std::move(*found);
+  m.choice = std::move(plan.choice);
+  return m;
+}
+
 }  // namespace
 
 Measurement measure_responses(data::RecordSet& records, const MeasureOptions& options,
                               const numerics::Progress& progress) {
   Measurement m{.header = records.header()};
   Plan plan = plan_channels(records.files()[0], m.header, options);
+  if (auto hits = measure_hits(records, plan, options)) return std::move(*hits);
   read_spectra(records, plan_reading(records, plan, options), progress, m);
   bring_outputs_to_platform(options, plan.choice, m);
   const auto earlier = std::move(m.responses.warnings);
@@ -446,14 +391,7 @@ Measurement measure_responses(data::RecordSet& records, const MeasureOptions& op
 Measurement measure_outputs(data::RecordSet& records, const MeasureOptions& options,
                             const numerics::Progress& progress) {
   Measurement m{.header = records.header()};
-  const std::string& first = records.files()[0];
-  Plan plan{.choice = {}, .estimator = Estimator::half_spectra};
-  plan.choice.outputs = options.outputs.empty() ? default_outputs(m.header)
-                                                : with_names(first, m.header, options.outputs);
-  if (plan.choice.outputs.empty())
-    base::refuse(first,
-                 "no channel has the role response: name channels with --outputs; the record has " +
-                     names_of(m.header));
+  Plan plan = plan_outputs(records.files()[0], m.header, options);
   MeasureOptions own = options;
   own.period = 0.0;
   read_spectra(records, plan_reading(records, plan, own), progress, m);

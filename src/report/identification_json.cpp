@@ -230,6 +230,8 @@ const char* code(data::ResponseWarning::Kind kind) {
       return "lines_not_finite";
     case Kind::missing_samples:
       return "missing_samples";
+    case Kind::single_block:
+      return "single_block";
   }
   return nullptr;
 }

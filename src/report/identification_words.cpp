@@ -80,6 +80,13 @@ std::string warning_text(const data::ResponseWarning& w) {
                     "as noise, which the intervals include",
                     100.0 * w.value)
               : "");
+    case Kind::single_block:
+      return fmt::format(
+          "{}: taken as one block; the errors of the responses are not measured, but estimated "
+          "from "
+          "their roughness along the frequency axis",
+          w.count == 1 ? "the record is a single hit"
+                       : fmt::format("each of the {} records is a single hit", w.count));
   }
   return {};
 }

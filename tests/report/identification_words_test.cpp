@@ -29,7 +29,8 @@ std::vector<data::ResponseWarning> response_warnings() {
            .value = 0.071,
            .share = 0.083,
            .count = 640,
-           .total = 8000}};
+           .total = 8000},
+          {.kind = Kind::single_block, .count = 3}};
 }
 
 std::vector<identification::ModeWarning> mode_warnings() {

@@ -40,8 +40,9 @@ struct ResponseWarning {
                        ///< and not at `count` gaps in between
     interrupted,       ///< count: samples that were read
     lines_not_finite,  ///< count, of total, were left out
-    missing_samples  ///< count, of total, over all channels, most in channel: share; filled. value:
-                     ///< share of the inputs' power that stays unknown and acts as noise
+    missing_samples,   ///< count, of total, over all channels, most in channel: share; filled.
+                       ///< value: share of the inputs' power that stays unknown and acts as noise
+    single_block       ///< count: records, each of them one hit and one block
   };
   Kind kind{};
   std::string channel{}, other{};

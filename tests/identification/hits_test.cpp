@@ -1,0 +1,121 @@
+// A hammer test: a structure of unequal masses that is hit once, and rings down.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "exact/modal_system.hpp"
+#include "hydrapod/data/record_io.hpp"
+#include "hydrapod/identification/identify.hpp"
+#include "hydrapod/identification/responses.hpp"
+#include "support/identification_score.hpp"
+#include "support/run_program.hpp"
+
+namespace hydrapod::identification {
+namespace {
+
+using Kind = data::ResponseWarning::Kind;
+
+test::ModalSystem beam() {
+  test::ModalSystem system;
+  system.modes.push_back(test::real_mode(23.71, 0.0113, Eigen::Vector3d(0.61, -0.83, 0.29)));
+  system.modes.push_back(test::real_mode(61.37, 0.0171, Eigen::Vector3d(0.44, 0.52, -0.97)));
+  system.modes.push_back(test::real_mode(118.3, 0.0062, Eigen::Vector3d(-0.73, 0.38, 0.66)));
+  for (auto& mode : system.modes) mode.participation = mode.participation.head(1).eval();
+  return system;
+}
+
+struct Hit {
+  double seconds{4.0}, at{0.113};  ///< of the record, of the hit [s]
+  double width{1.3e-3};            ///< of a half sine [s]
+  double noise{3e-4};              ///< of the largest output
+  double offset{};                 ///< of all channels, of the largest output
+};
+
+constexpr double rate = 2048.0;
+
+data::Record hit_record(const Hit& hit, std::uint64_t seed) {
+  const auto system = beam();
+  test::Random random(seed);
+  data::Record record{.header = test::header_of(1, 3, rate), .samples = {}};
+  const auto samples = static_cast<Eigen::Index>(hit.seconds * rate);
+  record.samples.resize(samples, 4);
+  test::ModalRun run(system, 1.0 / rate);
+  for (Eigen::Index k = 0; k < samples; ++k) {
+    const double t = static_cast<double>(k) / rate - hit.at;
+    const Eigen::VectorXd force = Eigen::VectorXd::Constant(
+        1, t >= 0.0 && t < hit.width ? 870.0 * std::sin(std::numbers::pi * t / hit.width) : 0.0);
+    record.samples(k, 0) = force[0];
+    record.samples.row(k).tail(3) = run.output();
+    run.advance(force);
+  }
+  const double largest = record.samples.rightCols(3).cwiseAbs().maxCoeff();
+  for (double& y : record.samples.rightCols(3).reshaped())
+    y += largest * (hit.noise * test::normal(random) + hit.offset);
+  for (double& u : record.samples.col(0).reshaped()) u += 0.4 * test::normal(random) + 3.1;
+  return record;
+}
+
+Measurement measured(const std::vector<data::Record>& records, const MeasureOptions& options = {}) {
+  const test::TemporaryFolder folder;
+  std::vector<std::string> files;
+  for (const auto& record : records) {
+    files.push_back(folder / ("hit" + std::to_string(files.size()) + ".h5"));
+    data::write_record(files.back(), record, data::RecordFormat::hdf5);
+  }
+  data::RecordSet set(files);
+  return measure_responses(set, options);
+}
+
+/// Responses of held samples are late by half a sample: less than a hundredth in damping here.
+void expect_beam(const Identification& found) {
+  const auto truth = beam();
+  ASSERT_EQ(found.modes.size(), 3U);
+  for (std::size_t r = 0; r < 3; ++r) {
+    const auto& fit = found.modes[r].fit;
+    const double omega = std::abs(truth.modes[r].pole), ratio = -truth.modes[r].pole.real() / omega;
+    EXPECT_NEAR(fit.omega() / omega, 1.0, 5e-4) << r;
+    EXPECT_NEAR(fit.damping_ratio() / ratio, 1.0, 0.03) << r;
+    EXPECT_NEAR(fit.omega(), omega, 4.0 * fit.omega_deviation + 1e-5 * omega) << r;
+    EXPECT_NEAR(fit.damping_ratio(), ratio, 4.0 * fit.damping_deviation + 1e-3 * ratio) << r;
+    EXPECT_GT(mac(fit.shape, truth.modes[r].shape), 0.999) << r;
+  }
+}
+
+TEST(Hits, OneRecordOfOneHitGivesAllModes) {
+  for (std::uint64_t seed = 1; seed <= 5; ++seed) {
+    SCOPED_TRACE(seed);
+    const auto m = measured({hit_record({}, seed)});
+    ASSERT_THAT(m.responses.warnings, testing::SizeIs(1));
+    EXPECT_EQ(m.responses.warnings[0].kind, Kind::single_block);
+    EXPECT_GT(m.responses.shift, 0.0);
+    expect_beam(identify_modes(m.responses));
+  }
+}
+
+TEST(Hits, WhatHasNotRungDownAndOffsetsDoNotChangeDamping) {
+  // e^(−ζωT) is 0.2 for the first mode
+  expect_beam(identify_modes(measured({hit_record({.seconds = 1.0, .offset = 0.3}, 7)}).responses));
+}
+
+TEST(Hits, SeveralRecordsAreAveraged) {
+  std::vector<data::Record> records;
+  for (std::uint64_t seed = 11; seed <= 14; ++seed)
+    records.push_back(
+        hit_record({.at = 0.07 + 0.01 * static_cast<double>(seed), .noise = 2e-3}, seed));
+  const auto m = measured(records);
+  EXPECT_EQ(m.responses.warnings.at(0).count, 4);
+  EXPECT_EQ(m.responses.averages, 4.0);
+  expect_beam(identify_modes(m.responses));
+}
+
+TEST(Hits, BlocksThatAreAskedForAndNoiseAreNoHits) {
+  const auto record = hit_record({}, 3);
+  EXPECT_THAT(measured({record}, {.block_length = 512}).responses.warnings,
+              testing::Not(testing::Contains(
+                  testing::Field(&data::ResponseWarning::kind, Kind::single_block))));
+  const auto noise = test::record_of(beam(), {.sample_rate = rate, .samples = 1 << 14});
+  for (const auto& warning : measured({noise}).responses.warnings)
+    EXPECT_NE(warning.kind, Kind::single_block);
+}
+
+}  // namespace
+}  // namespace hydrapod::identification
