@@ -139,6 +139,16 @@ std::int64_t find_period(data::RecordSet& records, int channel, std::int64_t ski
   return period_of(x.tail(x.size() - x.size() / 8));  // past a fade-in
 }
 
+/// That of the instruments, where there are records enough for responses from them: in a loop noise
+/// makes the inputs differ from period to period. Else that of the inputs.
+std::int64_t excitation_period(data::RecordSet& records, const ChannelChoice& choice,
+                               std::int64_t skip) {
+  if (!choice.instruments.empty() && records.files().size() >= choice.inputs.size())
+    if (const auto period = find_period(records, choice.instruments[0], skip); period > 0)
+      return period;
+  return find_period(records, choice.inputs[0], skip);
+}
+
 bool fills_band(const VectorXd& x, int block, const FilledBand& options) {
   const VectorXd window = window_samples(Window::hann, block);
   numerics::RealFft fft(block);
@@ -173,7 +183,7 @@ SpectrumOptions spectrum_options(data::RecordSet& records, const Plan& plan,
       options.period ? std::llround(*options.period * records.header().sample_rate)
       : options.block_length
           ? 0
-          : find_period(records, plan.choice.inputs[0], settling_samples(records, options));
+          : excitation_period(records, plan.choice, settling_samples(records, options));
   if (period % 2 != 0) period *= 2;  // blocks have an even length
   if (period >= 8) {
     o.periodic = true;
