@@ -15,6 +15,7 @@
 #include "hydrapod/numerics/fft.hpp"
 #include "names.hpp"
 #include "response_checks.hpp"
+#include "tones.hpp"
 
 namespace hydrapod::identification {
 
@@ -250,6 +251,7 @@ struct Reading {
   SpectrumOptions spectrum{};
   std::vector<std::size_t> used{};   ///< channels
   std::int64_t settling{}, total{};  ///< samples
+  std::vector<Tone> tones{};         ///< that are subtracted
 };
 
 /// `plan`: its choice becomes one of the channels that are used.
@@ -272,13 +274,23 @@ template <class Add>
 std::pair<std::int64_t, bool> stream(data::RecordSet& records, const Reading& reading,
                                      const numerics::Progress& progress,
                                      SpectrumEstimator& estimator, const Add& add) {
-  std::int64_t samples = 0;
+  std::int64_t samples = 0, of_record = 0;
   std::optional<std::size_t> begun;
   const bool whole =
       records.stream([&](std::size_t file, const Eigen::Ref<const data::Samples>& block) {
-        if (begun != file) estimator.begin_record(reading.settling);
+        if (begun != file) {
+          estimator.begin_record(reading.settling);
+          of_record = 0;
+        }
         begun = file;
-        add(block);
+        if (reading.tones.empty()) {
+          add(block);
+        } else {
+          data::Samples rest = block;
+          subtract_tones(reading.tones, reading.used, file, of_record, rest);
+          add(rest);
+        }
+        of_record += block.rows();
         samples += block.rows();
         const auto total = static_cast<double>(std::max<std::int64_t>(reading.total, 1));
         return !(progress && progress(static_cast<double>(samples) / total));
@@ -372,6 +384,34 @@ void read_spectra(data::RecordSet& records, const Reading& reading,
   m.spectra = estimator.result();
 }
 
+/// Finds tones in records whose spectra are known.
+std::vector<Tone> tones_in(data::RecordSet& records, const Reading& reading, const Plan& plan,
+                           const CrossSpectra& spectra) {
+  const auto& c = plan.choice;
+  return find_tones(records,
+                    {.channels = reading.used,
+                     .settling = reading.settling,
+                     .block = reading.spectrum.block_length,
+                     .periodic = reading.spectrum.periodic},
+                    spectra, plan.estimator == Estimator::instrumental ? c.instruments : c.inputs);
+}
+
+/// What tones are called in the results: amplitudes of outputs and inputs, those of the platform
+/// where the spectra are brought there.
+std::vector<data::Harmonic> harmonics_of(const std::vector<Tone>& tones, ChannelChoice choice,
+                                         const MeasureOptions& options, Measurement m) {
+  if (tones.empty()) return {};
+  m.spectra = tone_spectra(tones, m.spectra);
+  bring_outputs_to_platform(options, choice, m);
+  std::vector<data::Harmonic> list;
+  for (std::size_t k = 0; k < tones.size(); ++k) {
+    const VectorXd A =
+        (2.0 * m.spectra.at(static_cast<Index>(k)).diagonal().real()).cwiseMax(0.0).cwiseSqrt();
+    list.push_back({.frequency = tones[k].frequency, .amplitude = A(choice.outputs)});
+  }
+  return list;
+}
+
 /// Both estimates where both can be formed, and a warning where H1 is biased.
 void compare_with_instrument(const Plan& plan, Measurement& m) {
   if (plan.choice.instruments.empty()) return;
@@ -395,10 +435,15 @@ Measurement measure_responses(data::RecordSet& records, const MeasureOptions& op
                               const numerics::Progress& progress) {
   Measurement m{.header = records.header()};
   Plan plan = plan_channels(records.files()[0], m.header, options);
-  read_spectra(records, plan_reading(records, plan, options), progress, m);
+  Reading reading = plan_reading(records, plan, options);
+  read_spectra(records, reading, progress, m);
+  if (!m.interrupted) reading.tones = tones_in(records, reading, plan, m.spectra);
+  if (!reading.tones.empty()) read_spectra(records, reading, {}, m);
+  auto harmonics = harmonics_of(reading.tones, plan.choice, options, m);
   bring_outputs_to_platform(options, plan.choice, m);
   const auto earlier = std::move(m.responses.warnings);
   m.responses = responses_for_modes(m.spectra, plan.choice, plan.estimator);
+  m.responses.harmonics = std::move(harmonics);
   m.responses.warnings.insert(m.responses.warnings.begin(), earlier.begin(), earlier.end());
   compare_with_instrument(plan, m);
   m.choice = std::move(plan.choice);
@@ -430,10 +475,13 @@ GroupedSpectra measure_groups(data::RecordSet& records, const MeasureOptions& op
                               const numerics::Progress& progress) {
   const auto& header = records.header();
   Plan plan = plan_channels(records.files()[0], header, options);
-  const Reading reading = plan_reading(records, plan, options);
+  Reading reading = plan_reading(records, plan, options);
   const auto& spectrum = reading.spectrum;
   if (spectrum.periodic)
     throw base::ComputationError("the excitation is periodic: there are no blocks to resample");
+  Measurement whole{.header = header};
+  read_spectra(records, reading, {}, whole);
+  reading.tones = tones_in(records, reading, plan, whole.spectra);
   const std::int64_t piece =
       std::max(reading.total / groups, std::int64_t{2} * spectrum.block_length);
   GroupedSpectra result{.estimator = plan.estimator};
