@@ -9,6 +9,7 @@
 #include <numbers>
 #include <stdexcept>
 
+#include "bring_to_platform.hpp"
 #include "channel_plan.hpp"
 #include "damped.hpp"
 #include "gaps.hpp"
@@ -18,12 +19,11 @@
 #include "hydrapod/numerics/fft.hpp"
 #include "names.hpp"
 #include "response_checks.hpp"
+#include "tones.hpp"
 
 namespace hydrapod::identification {
 
 namespace {
-
-using data::Role;
 
 /// The first samples of a channel, up to a million.
 VectorXd first_samples(data::RecordSet& records, int channel, std::int64_t skip) {
@@ -45,6 +45,16 @@ std::int64_t find_period(data::RecordSet& records, int channel, std::int64_t ski
   const VectorXd x = first_samples(records, channel, skip);
   if (x.size() < 32 || !x.allFinite()) return 0;
   return period_of(x.tail(x.size() - x.size() / 8));  // past a fade-in
+}
+
+/// That of the instruments, where there are records enough for responses from them: in a loop noise
+/// makes the inputs differ from period to period. Else that of the inputs.
+std::int64_t excitation_period(data::RecordSet& records, const ChannelChoice& choice,
+                               std::int64_t skip) {
+  if (!choice.instruments.empty() && records.files().size() >= choice.inputs.size())
+    if (const auto period = find_period(records, choice.instruments[0], skip); period > 0)
+      return period;
+  return find_period(records, choice.inputs[0], skip);
 }
 
 bool fills_band(const VectorXd& x, int block, const FilledBand& options) {
@@ -94,7 +104,7 @@ SpectrumOptions spectrum_options(data::RecordSet& records, const Plan& plan,
       options.period ? std::llround(*options.period * records.header().sample_rate)
       : options.block_length
           ? 0
-          : find_period(records, plan.choice.inputs[0], settling_samples(records, options));
+          : excitation_period(records, plan.choice, settling_samples(records, options));
   if (period % 2 != 0) period *= 2;  // blocks have an even length
   if (period >= 8) {
     o.periodic = true;
@@ -150,6 +160,7 @@ struct Reading {
   std::int64_t settling{}, total{};  ///< samples
   GapPlan gap_plan{};
   std::shared_ptr<const GapModel> gaps{};  ///< none: samples are taken as they are
+  std::vector<Tone> tones{};               ///< that are subtracted
 };
 
 /// `plan`: its choice becomes one of the channels that are used.
@@ -182,100 +193,38 @@ struct Streamed {
 template <class Add>
 Streamed stream(data::RecordSet& records, const Reading& reading,
                 const numerics::Progress& progress, SpectrumEstimator& estimator, const Add& add) {
-  std::int64_t samples = 0;
+  std::int64_t samples = 0, of_record = 0;
   std::optional<std::size_t> begun;
   std::optional<GapFiller> filler;
-  if (reading.gaps) filler.emplace(*reading.gaps, add);
+  const auto deliver = [&](const Eigen::Ref<const data::Samples>& block) {
+    if (reading.tones.empty()) {
+      add(block);
+    } else {
+      data::Samples rest = block;
+      subtract_tones(reading.tones, reading.used, *begun, of_record, rest);
+      add(rest);
+    }
+    of_record += block.rows();
+  };
+  if (reading.gaps) filler.emplace(*reading.gaps, deliver);
   const bool whole =
       records.stream([&](std::size_t file, const Eigen::Ref<const data::Samples>& block) {
         if (begun != file) {
           if (filler) filler->end_record();
           estimator.begin_record(reading.settling);
+          of_record = 0;
         }
         begun = file;
         if (filler)
           filler->add(block);
         else
-          add(block);
+          deliver(block);
         samples += block.rows();
         const auto total = static_cast<double>(std::max<std::int64_t>(reading.total, 1));
         return !(progress && progress(static_cast<double>(samples) / total));
       });
   if (filler) filler->end_record();
   return {samples, whole, filler ? filler->unknown_share() : 0.0};
-}
-
-/// Puts the six directions that `map` makes of the channels in the place of these, which are all in
-/// `list`, one of the choice's.
-void replace_channels(const std::vector<int>& channels, const MatrixXd& map,
-                      const std::string& prefix, std::vector<int>& list, ChannelChoice& choice,
-                      Measurement& m) {
-  warn_of_limits(m.spectra, channels, m.responses.warnings);
-  m.spectra = to_platform(m.spectra, channels, map, prefix);
-  const auto renumber = [&](std::vector<int>& numbers) {
-    std::vector<int> now;
-    for (const int c : numbers) {
-      if (std::ranges::find(channels, c) != channels.end()) continue;
-      const auto before = std::ranges::count_if(channels, [&](int gone) { return gone < c; });
-      now.push_back(c - static_cast<int>(before));
-    }
-    numbers = now;
-  };
-  renumber(choice.inputs);
-  renumber(choice.outputs);
-  renumber(choice.instruments);
-  const int count = static_cast<int>(m.spectra.channels.size());
-  for (int d = 6; d > 0; --d) list.push_back(count - d);
-}
-
-/// All outputs, sensors at places that are known, become directions of the platform.
-void bring_sensors_to_platform(const MatrixXd& map, ChannelChoice& choice, Measurement& m) {
-  for (const int c : choice.outputs)
-    if (m.spectra.health[static_cast<std::size_t>(c)].constant())
-      throw base::ComputationError(
-          fmt::format("{} is dead: leave it out by naming the other sensors with --outputs",
-                      m.spectra.channels[static_cast<std::size_t>(c)].name));
-  replace_channels(std::vector<int>(choice.outputs), map, {}, choice.outputs, choice, m);
-}
-
-/// The channels of legs 1 … 6 with this role, if all are in `list` and alive.
-std::optional<std::vector<int>> living_legs(const CrossSpectra& spectra, Role role,
-                                            const std::vector<int>& list) {
-  using Units = std::vector<std::string_view>;
-  const auto legs = six_channels(spectra.channels, role, data::Direction::leg1,
-                                 role == Role::response ? Units{"m", "m/s", "m/s^2"} : Units{});
-  if (!legs) return {};
-  for (const int leg : *legs) {
-    if (std::ranges::find(list, leg) == list.end()) return {};
-    if (!spectra.health[static_cast<std::size_t>(leg)].constant()) continue;
-    if (role == Role::drive) return {};  // named where inputs are checked
-    throw base::ComputationError(fmt::format(
-        "{} is dead: the platform's directions need all six legs; without the machine file the "
-        "other legs are identified as they are",
-        spectra.channels[static_cast<std::size_t>(leg)].name));
-  }
-  return legs;
-}
-
-/// Leg lengths among the outputs become directions of the platform, and so do the legs' drives.
-void bring_to_platform(const PlatformFrame& frame, ChannelChoice& choice, Measurement& m) {
-  const auto legs = living_legs(m.spectra, Role::response, choice.outputs);
-  if (!legs) return;
-  const auto map = platform_from_legs(frame.machine, frame.X_BP, frame.p_BQ);
-  replace_channels(*legs, map, {}, choice.outputs, choice, m);
-  m.from_legs = true;
-  if (choice.inputs.size() != 6) return;
-  if (const auto drives = living_legs(m.spectra, Role::drive, choice.inputs))
-    replace_channels(*drives, map, "drive ", choice.inputs, choice, m);
-}
-
-/// Where the options say how: the outputs become directions of the platform.
-void bring_outputs_to_platform(const MeasureOptions& options, ChannelChoice& choice,
-                               Measurement& m) {
-  if (options.outputs_to_platform)
-    bring_sensors_to_platform(*options.outputs_to_platform, choice, m);
-  else if (options.platform)
-    bring_to_platform(*options.platform, choice, m);
 }
 
 /// Reads all files into m.spectra.
@@ -293,7 +242,7 @@ Streamed read_once(data::RecordSet& records, const Reading& reading,
 }
 
 /// The same; where samples are missing they are filled, and it is said.
-void read_spectra(data::RecordSet& records, Reading reading, const numerics::Progress& progress,
+void read_spectra(data::RecordSet& records, Reading& reading, const numerics::Progress& progress,
                   Measurement& m) {
   read_once(records, reading, progress, m);
   if (!misses_samples(m.spectra) || reading.spectrum.periodic || m.interrupted) return;
@@ -302,6 +251,45 @@ void read_spectra(data::RecordSet& records, Reading reading, const numerics::Pro
   const auto streamed = read_once(records, reading, {}, m);
   m.spectra.health = as_read.health;
   m.responses.warnings.push_back(warning_of_missing(as_read, streamed.unknown_share));
+}
+
+/// Finds tones in records whose spectra are known.
+std::vector<Tone> tones_in(data::RecordSet& records, const Reading& reading, const Plan& plan,
+                           const CrossSpectra& spectra) {
+  const auto& c = plan.choice;
+  return find_tones(records,
+                    {.channels = reading.used,
+                     .settling = reading.settling,
+                     .block = reading.spectrum.block_length,
+                     .periodic = reading.spectrum.periodic},
+                    spectra, plan.estimator == Estimator::instrumental ? c.instruments : c.inputs);
+}
+
+/// Reads once more, without the tones, where there are some.
+void subtract_found_tones(data::RecordSet& records, const Plan& plan, Reading& reading,
+                          Measurement& m) {
+  if (m.interrupted) return;
+  reading.tones = tones_in(records, reading, plan, m.spectra);
+  if (reading.tones.empty()) return;
+  const auto health = m.spectra.health;
+  read_once(records, reading, {}, m);
+  m.spectra.health = health;
+}
+
+/// What tones are called in the results: amplitudes of outputs and inputs, those of the platform
+/// where the spectra are brought there.
+std::vector<data::Harmonic> harmonics_of(const std::vector<Tone>& tones, ChannelChoice choice,
+                                         const MeasureOptions& options, Measurement m) {
+  if (tones.empty()) return {};
+  m.spectra = tone_spectra(tones, m.spectra);
+  bring_outputs_to_platform(options, choice, m);
+  std::vector<data::Harmonic> list;
+  for (std::size_t k = 0; k < tones.size(); ++k) {
+    const VectorXd A =
+        (2.0 * m.spectra.at(static_cast<Index>(k)).diagonal().real()).cwiseMax(0.0).cwiseSqrt();
+    list.push_back({.frequency = tones[k].frequency, .amplitude = A(choice.outputs)});
+  }
+  return list;
 }
 
 /// Both estimates where both can be formed, and a warning where H1 is biased.
@@ -378,10 +366,14 @@ Measurement measure_responses(data::RecordSet& records, const MeasureOptions& op
   Measurement m{.header = records.header()};
   Plan plan = plan_channels(records.files()[0], m.header, options);
   if (auto hits = measure_hits(records, plan, options)) return std::move(*hits);
-  read_spectra(records, plan_reading(records, plan, options), progress, m);
+  Reading reading = plan_reading(records, plan, options);
+  read_spectra(records, reading, progress, m);
+  subtract_found_tones(records, plan, reading, m);
+  auto harmonics = harmonics_of(reading.tones, plan.choice, options, m);
   bring_outputs_to_platform(options, plan.choice, m);
   const auto earlier = std::move(m.responses.warnings);
   m.responses = responses_for_modes(m.spectra, plan.choice, plan.estimator);
+  m.responses.harmonics = std::move(harmonics);
   m.responses.warnings.insert(m.responses.warnings.begin(), earlier.begin(), earlier.end());
   compare_with_instrument(plan, m);
   m.choice = std::move(plan.choice);
@@ -394,7 +386,8 @@ Measurement measure_outputs(data::RecordSet& records, const MeasureOptions& opti
   Plan plan = plan_outputs(records.files()[0], m.header, options);
   MeasureOptions own = options;
   own.period = 0.0;
-  read_spectra(records, plan_reading(records, plan, own), progress, m);
+  Reading reading = plan_reading(records, plan, own);
+  read_spectra(records, reading, progress, m);
   bring_outputs_to_platform(options, plan.choice, m);
   const auto earlier = std::move(m.responses.warnings);
   m.responses = half_spectra(m.spectra, plan.choice.outputs);
@@ -404,19 +397,16 @@ Measurement measure_outputs(data::RecordSet& records, const MeasureOptions& opti
 
 namespace {
 
-/// The groups, and whether samples are missing.
-std::pair<GroupedSpectra, bool> read_groups(data::RecordSet& records, const Reading& reading,
-                                            const Plan& plan, const MeasureOptions& options,
-                                            int groups, const numerics::Progress& progress) {
+GroupedSpectra read_groups(data::RecordSet& records, const Reading& reading, const Plan& plan,
+                           const MeasureOptions& options, int groups,
+                           const numerics::Progress& progress) {
   const auto& header = records.header();
   const auto& spectrum = reading.spectrum;
   const std::int64_t piece =
       std::max(reading.total / groups, std::int64_t{2} * spectrum.block_length);
   GroupedSpectra result{.estimator = plan.estimator};
-  bool missing = false;
   const auto close = [&](SpectrumEstimator& estimator) {
     Measurement m{.spectra = estimator.result()};
-    missing = missing || misses_samples(m.spectra);
     if (m.spectra.blocks == 0) return;
     result.choice = plan.choice;
     bring_outputs_to_platform(options, result.choice, m);
@@ -438,7 +428,7 @@ std::pair<GroupedSpectra, bool> read_groups(data::RecordSet& records, const Read
   };
   stream(records, reading, progress, estimator, add);
   if (in_piece >= piece / 2) close(estimator);
-  return {std::move(result), missing};
+  return result;
 }
 
 }  // namespace
@@ -449,10 +439,10 @@ GroupedSpectra measure_groups(data::RecordSet& records, const MeasureOptions& op
   Reading reading = plan_reading(records, plan, options);
   if (reading.spectrum.periodic)
     throw base::ComputationError("the excitation is periodic: there are no blocks to resample");
-  auto [result, missing] = read_groups(records, reading, plan, options, groups, progress);
-  if (!missing) return std::move(result);
-  reading.gaps = std::make_shared<GapModel>(records, reading.gap_plan);
-  return read_groups(records, reading, plan, options, groups, {}).first;
+  Measurement whole{.header = records.header()};
+  read_spectra(records, reading, {}, whole);
+  reading.tones = tones_in(records, reading, plan, whole.spectra);
+  return read_groups(records, reading, plan, options, groups, progress);
 }
 
 }  // namespace hydrapod::identification

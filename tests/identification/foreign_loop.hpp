@@ -20,6 +20,7 @@
 #include "hydrapod/identification/responses.hpp"
 #include "support/identification_score.hpp"
 #include "support/run_program.hpp"
+#include "tones.hpp"
 
 namespace hydrapod::identification {
 
@@ -63,11 +64,27 @@ struct ForeignLoop {
   double sensors{2e-6};        ///< RMS of the noise on y [m]
   double forces{0.02};         ///< RMS of d [N]
   double duration{205.0};      ///< [s]
+  std::vector<LoopTone> tones{};
   std::uint64_t seed{1};
 };
 
 constexpr double foreign_rate = 250.0;    // [Hz]
 constexpr double foreign_period = 8.192;  // [s] of a multisine
+
+/// Mains hum in what is fed back and in what is recorded of the drives, and the ripple of nine
+/// pistons in the forces, at 7.70 Hz beside the mode at 7.65 Hz. `level`: power by that of the
+/// channel's noise in one line of 16 s.
+inline ForeignLoop loop_with_tones(double level, double wander, ForeignLoop e) {
+  const double y = tone_amplitude(level, e.sensors, foreign_rate, 16.0),
+               d = tone_amplitude(level, e.forces, foreign_rate, 16.0);
+  e.tones = {{.frequency = 50.0,
+              .wander = wander,
+              .sensor = {y, 0.7 * y, -0.4 * y},
+              .drive_sensor = {d, 0.3 * d, 0.6 * d}},
+             {.frequency = 100.0, .wander = wander, .sensor = {0.3 * y, -0.7 * y, 0.5 * y}},
+             {.frequency = 9.0 * 0.8556, .force = {d, -0.6 * d, 0.8 * d}}};
+  return e;
+}
 
 /// White noise through a windowed sinc of 4 s, RMS 1.
 inline Eigen::VectorXd noise_in_band(Eigen::Index samples, double from, double to,
@@ -172,12 +189,21 @@ inline data::Record foreign_loop_record(const test::ModalSystem& plant, const Fo
   const double T = 1.0 / foreign_rate;
   const Eigen::Vector3d P(910.0, 640.0, 1130.0), I(2300.0, 3100.0, 1700.0), V(11.0, 17.0, 13.0);
   test::ModalRun run(plant, T);
+  std::vector<WanderingPhase> phases;
+  for (const auto& tone : e.tones) phases.emplace_back(tone.frequency, tone.wander, random);
   std::vector<Eigen::Vector3d> measured(delay + 1, Eigen::Vector3d::Zero());
   Eigen::Vector3d sum = Eigen::Vector3d::Zero(), last = sum;
   for (Eigen::Index k = 0; k < samples + before; ++k) {
     Eigen::Vector3d y = run.output(), forces;
     for (double& x : y) x += e.sensors * test::normal(random);
     for (double& x : forces) x = e.forces * test::normal(random);
+    Eigen::Vector3d hum = Eigen::Vector3d::Zero();
+    for (std::size_t n = 0; n < e.tones.size(); ++n) {
+      const double wave = std::sin(phases[n](T * static_cast<double>(k)));
+      y += wave * e.tones[n].sensor;
+      forces += wave * e.tones[n].force;
+      hum += wave * e.tones[n].drive_sensor;
+    }
     std::rotate(measured.begin(), measured.end() - 1, measured.end());
     measured[0] = y;
     const Eigen::Vector3d wanted = r.row(k).transpose();
@@ -189,7 +215,7 @@ inline data::Record foreign_loop_record(const test::ModalSystem& plant, const Fo
     if (at_drive) u += 900.0 * wanted;
     last = error;
     if (k >= before)
-      record.samples.row(k - before) << wanted.transpose(), y.transpose(), u.transpose();
+      record.samples.row(k - before) << wanted.transpose(), y.transpose(), (u + hum).transpose();
     run.advance(u + forces);
   }
   return record;
