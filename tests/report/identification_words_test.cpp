@@ -84,6 +84,15 @@ TEST(IdentificationWords, OfModes) {
                         "line to line, and it is 31 % of the response"));
   EXPECT_STREQ(words(identification::Objection::doubles), "repeats another pole");
   EXPECT_STREQ(words(identification::PoleStability::fresh), "new");
+  EXPECT_EQ(warning_text(ModeWarning{.kind = Kind::wanders,
+                                     .value = 12.312,
+                                     .from = 12.214,
+                                     .to = 12.401,
+                                     .share = 0.234,
+                                     .count = 4}),
+            "the mode at 12.31 Hz wanders: it is from 12.21 Hz to 12.4 Hz in the 4 parts of the "
+            "record; that widens its resonance, its damping ratio is 23 % higher than the mean of "
+            "the parts, and its intervals cannot be trusted");
 }
 
 }  // namespace
