@@ -187,6 +187,7 @@ void describe(Fields& f, identification::IdentifiedMode& mode) {
   f.maybe("persistence", mode.persistence);
   f.maybe("vector_consistency", mode.vector_consistency);
   f.unless(1.0, "explained", mode.explained);
+  f.unless(1.0, "steadiness", mode.steadiness);
   f.derived("quality", mode.quality());
 }
 
@@ -200,7 +201,7 @@ namespace {
 
 /// Null beyond the last kind.
 const char* code(identification::ModeWarning::Kind kind) {
-  constexpr std::array all{"no_mode", "few_samples", "misfit", "unexplained"};
+  constexpr std::array all{"no_mode", "few_samples", "misfit", "unexplained", "wanders"};
   const auto at = static_cast<std::size_t>(kind);
   return at < all.size() ? all[at] : nullptr;
 }

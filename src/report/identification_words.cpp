@@ -115,6 +115,12 @@ std::string warning_text(const identification::ModeWarning& w) {
           "there, and the intervals of modes there cannot be trusted",
           w.count, w.total, w.output, w.input, w.from, w.to, w.value,
           100.0 * std::clamp(w.smooth, 0.0, 1.0), 100.0 * std::sqrt(w.share));
+    case Kind::wanders:
+      return fmt::format(
+          "the mode at {:.4g} Hz wanders: it is from {:.4g} Hz to {:.4g} Hz in the {} parts of the "
+          "record; that widens its resonance, its damping ratio is {:.0f} % higher than the mean "
+          "of the parts, and its intervals cannot be trusted",
+          w.value, w.from, w.to, w.count, 100.0 * w.share);
   }
   return {};
 }

@@ -207,6 +207,25 @@ void add_bootstrap(const IdentifyOptions& options, const Progress& progress, Ide
       {.resamples = options.bootstrap, .identify = options.modes}, progress);
 }
 
+/// Do the modes stay where they are during the record? Periods, outputs alone, and records too
+/// short for two parts are not asked.
+void test_steadiness(const IdentifyOptions& options, Identified& found) {
+  constexpr int parts = 4;
+  auto& measured = found.measured;
+  if (!measured.records || options.measure.output_only || measured.measurement.interrupted ||
+      measured.measurement.spectra.options.periodic || found.modes.modes.empty())
+    return;
+  try {
+    const auto grouped = identification::measure_groups(
+        *measured.records, estimate_options(options.measure, measured), parts);
+    identification::add_wandering(
+        identification::wandering_modes(grouped.groups, grouped.choice, grouped.estimator,
+                                        found.modes, options.modes),
+        found.modes);
+  } catch (const base::ComputationError&) {  // the parts are too short
+  }
+}
+
 void add_comparison(const IdentifyOptions& options, Identified& found) {
   const auto& measured = found.measured;
   if (!measured.machine) {
@@ -431,6 +450,7 @@ Identified identify(const IdentifyOptions& options, const Progress& progress) {
       identification::identify_modes(found.measured.responses(), options.modes, [&](double share) {
         if (progress) progress(0.4 + 0.6 * share);
       });
+  test_steadiness(options, found);
   found.warnings = found.measured.warnings;
   add_warnings(file, found.modes.warnings, found.warnings);
   if (found.modes.modes.empty()) return found;

@@ -47,7 +47,13 @@ std::vector<identification::ModeWarning> mode_warnings() {
            .output = "y7",
            .input = "u1",
            .count = 3,
-           .total = 26}};
+           .total = 26},
+          {.kind = Kind::wanders,
+           .value = 12.312,
+           .from = 12.214,
+           .to = 12.401,
+           .share = 0.234,
+           .count = 4}};
 }
 
 /// Every kind has its example, and each stands word for word in docs/howto/identify.md.

@@ -83,6 +83,17 @@
 ///
 /// Source: B. Efron, R. J. Tibshirani, An Introduction to the Bootstrap (1993), ch. 6 and 8.
 ///
+/// Do frequencies stay where they are during a record? The modes that were found are fitted to
+/// groups of neighbouring blocks, halves or quarters of the record. Of a mode whose frequency stays
+///
+///     χ² = Σ_g (ω_g − ω̄)²/σ_g²
+///
+/// over G − 1 is distributed as F(G − 1, ν), σ_g being the deviations that the fits of the groups
+/// state and ν = Σ_g (K_g − p) the degrees of freedom of the noise estimates that they follow from;
+/// those of several lines count as one, so that the test is careful. A mode that wanders has a
+/// resonance that is widened in the mean over the record: its damping is too high, and its
+/// intervals hold neither frequency nor damping.
+///
 /// What a pole of the stabilisation chart has in common with the model order before its own.
 
 #include <cstdint>
@@ -359,8 +370,13 @@ struct IdentifiedMode {
   /// Share of the residual around its frequency that noise explains: 1/Unexplained::level of the
   /// worst response there, at most 1 − Unexplained::smooth; 1 where all is noise.
   double explained{1.0};
-  /// Share of model orders that know it × MAC across them × `explained`: 1 is best.
-  [[nodiscard]] double quality() const { return persistence * vector_consistency * explained; }
+  /// ζ ω over ζ ω and the deviation of ω between parts of the record; 1: it does not wander, or
+  /// that was not asked.
+  double steadiness{1.0};
+  /// Share of model orders that know it × MAC across them × `explained` × `steadiness`: 1 is best.
+  [[nodiscard]] double quality() const {
+    return persistence * vector_consistency * explained * steadiness;
+  }
 };
 
 /// Why a fitted mode is none; report::words has the words.
@@ -385,8 +401,10 @@ struct ModeWarning {
     no_mode,      ///< between `from` and `to` [Hz]
     few_samples,  ///< value: samples per period of the highest mode
     misfit,       ///< value: ModalModel::misfit
-    unexplained   ///< value: Unexplained::level of the worst response, from `from` to `to`; of
+    unexplained,  ///< value: Unexplained::level of the worst response, from `from` to `to`; of
                   ///< `count` of `total` responses somewhere in the band
+    wanders       ///< the mode at value [Hz], `from` … `to` in the `count` parts of the record;
+                  ///< its damping is higher by `share` than the mean of that of the parts
   };
   Kind kind{};
   double value{};
@@ -464,6 +482,38 @@ BootstrapScatter bootstrap_modes(const std::vector<CrossSpectra>& groups,
                                  const ChannelChoice& choice, Estimator estimator,
                                  const Identification& found, const BootstrapOptions& options = {},
                                  const numerics::Progress& progress = {});
+
+struct WanderOptions {
+  /// A mode wanders where P(F) > 1 − level/modes: of a record whose modes all stay, one is called
+  /// wandering with this probability.
+  double level{0.005};
+  /// … and the deviation of ω between the parts, less what estimates scatter, > least_spread · ζ ω:
+  /// less than that changes the damping by a percent at most.
+  double least_spread{0.1};
+  /// Neighbouring groups are put together until K − p ≥ least_degrees in each: with fewer the
+  /// errors of responses are hardly known.
+  double least_degrees{6.0};
+};
+
+struct Wandering {
+  std::size_t mode{};  ///< of Identification::modes
+  double chi_squared{};
+  int groups{};
+  double lowest{}, highest{};  ///< ω of the groups [rad/s]
+  double deviation{};          ///< of ω between the groups, less what estimates scatter [rad/s]
+  double damping_in_groups{};  ///< mean of ζ over the groups
+};
+
+/// The modes that wander; none where the record is too short to tell. `groups`: in the order of
+/// time, as measure_groups() forms them; `identify`: the options that found the modes.
+std::vector<Wandering> wandering_modes(const std::vector<CrossSpectra>& groups,
+                                       const ChannelChoice& choice, Estimator estimator,
+                                       const Identification& found,
+                                       const IdentifyOptions& identify = {},
+                                       const WanderOptions& options = {});
+
+/// Their steadiness, and a warning for each.
+void add_wandering(const std::vector<Wandering>& wandering, Identification& found);
 
 /// Each level holds what the ones before it do.
 enum class PoleStability {
