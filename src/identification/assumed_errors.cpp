@@ -12,31 +12,47 @@ namespace hydrapod::identification {
 
 namespace {
 
-/// |d_k|²/(1 + Σ l_j²) at the lines that have two neighbours on either side, `stride` apart.
+/// E|Σ c_a e_a|² of errors of variance 1 at lines `stride` apart.
+double variance_of(const std::array<double, 5>& weights, Index stride,
+                   const std::vector<Complex>& line_covariance) {
+  double sum = 0.0;
+  for (std::size_t a = 0; a < weights.size(); ++a)
+    for (std::size_t b = 0; b < weights.size(); ++b) {
+      const std::size_t apart = (a > b ? a - b : b - a) * static_cast<std::size_t>(stride);
+      if (apart == 0)
+        sum += weights[a] * weights[b];
+      else if (apart < line_covariance.size())
+        sum += weights[a] * weights[b] * line_covariance[apart].real();
+    }
+  return sum;
+}
+
+/// |d_k|² by its variance for errors of variance 1, at the lines that have two neighbours on either
+/// side, `stride` apart.
 std::vector<double> rough_squares(const VectorXcd& values, const std::vector<double>& frequency,
-                                  Index stride) {
+                                  Index stride, const std::vector<Complex>& line_covariance) {
   std::vector<double> squares;
   for (Index k = 2 * stride; k + 2 * stride < values.size(); ++k) {
     const std::array<Index, 4> at{k - 2 * stride, k - stride, k + stride, k + 2 * stride};
     const auto f = [&](Index line) { return frequency[static_cast<std::size_t>(line)]; };
     Complex rest = values[k];
-    double sum = 1.0;
+    std::array<double, 5> weights{0.0, 0.0, 1.0, 0.0, 0.0};  // of k − 2 … k + 2 strides
     for (const Index j : at) {
       double weight = 1.0;
       for (const Index m : at)
         if (m != j) weight *= (f(k) - f(m)) / (f(j) - f(m));
       rest -= weight * values[j];
-      sum += weight * weight;
+      weights[static_cast<std::size_t>((j - k) / stride + 2)] = -weight;
     }
-    squares.push_back(std::norm(rest) / sum);
+    squares.push_back(std::norm(rest) / variance_of(weights, stride, line_covariance));
   }
   return squares;
 }
 
 /// Running median of squares of complex normal numbers, as their variance, for every line.
 VectorXd rough_variance(const VectorXcd& values, const std::vector<double>& frequency, Index stride,
-                        Index reach) {
-  const auto squares = rough_squares(values, frequency, stride);
+                        Index reach, const std::vector<Complex>& line_covariance) {
+  const auto squares = rough_squares(values, frequency, stride, line_covariance);
   const auto count = static_cast<Index>(squares.size());
   VectorXd variance = VectorXd::Zero(values.size());
   if (count == 0) return variance;
@@ -88,9 +104,11 @@ FrequencyResponses with_assumed_errors(FrequencyResponses r, const std::vector<M
         values[k] = rest[static_cast<std::size_t>(k)](o, i);
         size[k] = std::norm(r.H[static_cast<std::size_t>(k)](o, i));
       }
-      VectorXd rough = rough_variance(values, r.frequency, 1, options.reach);
+      VectorXd rough =
+          rough_variance(values, r.frequency, 1, options.reach, options.line_covariance);
       if (fitted) {
-        const VectorXd apart = rough_variance(values, r.frequency, options.apart, options.reach);
+        const VectorXd apart = rough_variance(values, r.frequency, options.apart, options.reach,
+                                              options.line_covariance);
         if (apart.mean() > options.correlated * rough.mean()) rough = apart;
       }
       const double least = options.floor * options.floor;
@@ -109,7 +127,10 @@ FrequencyResponses with_assumed_errors(FrequencyResponses r, const std::vector<M
         (V.array().rowwise() / factor.transpose().array()).rowwise().mean().matrix();
     r.noise.emplace_back(noise.cast<Complex>().asDiagonal());
   }
-  if (fitted) add_line_covariance(r, rest, options);
+  if (!options.line_covariance.empty())
+    r.line_covariance = options.line_covariance;
+  else if (fitted)
+    add_line_covariance(r, rest, options);
   return r;
 }
 

@@ -11,16 +11,25 @@ namespace hydrapod::identification {
 
 namespace {
 
+constexpr Index every = 2;  // lines in between hold little that these do not
+
 Index reach_of(Index samples, const HitOptions& options) {
   return std::max<Index>(4, std::lround(options.reach * static_cast<double>(samples)));
 }
 
 double median_of(const VectorXd& x) { return numerics::upper_median({x.begin(), x.end()}); }
 
-/// The force alone: nothing beside the hit.
+/// The force alone: nothing beside the hit. Noise of the input in there is a factor of all
+/// responses that changes within 1/length of frequency: the shorter, the less it looks like a mode.
 VectorXd force(const VectorXd& input, Index hit, const HitOptions& options) {
   const Index reach = reach_of(input.size(), options);
-  const Index from = std::max<Index>(0, hit - reach), to = std::min(input.size() - 1, hit + reach);
+  Index from = std::max<Index>(0, hit - reach), to = std::min(input.size() - 1, hit + reach);
+  const Eigen::ArrayXd size = (input.array() - median_of(input)).abs();
+  const double least =
+      std::max(options.of_noise * median_of(size.matrix()), options.of_peak * size[hit]);
+  constexpr Index margin = 2;
+  while (from + margin < hit && size[from + margin] < least) ++from;
+  while (to - margin > hit && size[to - margin] < least) --to;
   VectorXd x = VectorXd::Zero(input.size());
   x.segment(from, to - from + 1) = input.segment(from, to - from + 1).array() - median_of(input);
   return x;
@@ -112,7 +121,12 @@ std::optional<FrequencyResponses> responses_of_hits(const std::vector<data::Samp
                        .estimator = Estimator::h1,
                        .averages = static_cast<double>(records.size())};
   const Index to = excited_lines(power, options.weakest);
-  for (Index k = 1; k <= to; ++k) {
+  // white noise under the window: E[e_k e*_{k+d}] is the transform of e^(−2at)
+  const Complex turn(0.0, two_pi * sample_rate / static_cast<double>(samples));
+  r.line_covariance.clear();
+  for (Index d = 0; d < options.most_covariances; ++d)
+    r.line_covariance.push_back(2.0 * a / (2.0 * a + static_cast<double>(every * d) * turn));
+  for (Index k = every; k <= to; k += every) {
     r.frequency.push_back(static_cast<double>(k) * sample_rate / static_cast<double>(samples));
     r.H.emplace_back(cross.row(k).transpose() / power[k]);
   }

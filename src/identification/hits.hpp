@@ -25,7 +25,11 @@ struct HitOptions {
   /// sample ≥ energy · all. White noise has 4 % of it there.
   double energy{0.7};
   double reach{0.02};
-  double decay{5.0};     ///< a = decay/T: what has not rung down is 0.7 % at the end
+  /// The force is from the first to the last sample there of which |x| > of_noise · the median of
+  /// all, and > of_peak · the largest, and two samples more.
+  double of_noise{8.0}, of_peak{0.01};
+  double decay{5.0};                  ///< a = decay/T: what has not rung down is 0.7 % at the end
+  Eigen::Index most_covariances{32};  ///< of neighbouring lines: there they are below 5 %
   double weakest{1e-3};  ///< lines up to the first with |U|² < weakest · the largest: 30 dB
   Eigen::Index fewest{64}, most{Eigen::Index{1} << 21};  ///< samples of a record
 };

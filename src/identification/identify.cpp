@@ -388,6 +388,8 @@ Identification identify_modes(const FrequencyResponses& all, const IdentifyOptio
                     "least {} are needed",
                     given.lines(), fewest_lines));
   const bool assumed = !given.has_errors();
+  if (assumed && given.line_covariance.size() > 1)
+    options.assumed_errors.line_covariance = given.line_covariance;
   std::optional<FrequencyResponses> with_errors;  // responses of many lines are large
   if (assumed) with_errors = with_assumed_errors(given, given.H, false, options.assumed_errors);
   const auto& responses = with_errors ? *with_errors : given;

@@ -303,7 +303,9 @@ struct AssumedErrorOptions {
   /// Entries of the residual with |e|²/variance > outlier are no noise: its chance is e^−9.
   double outlier{9.0};
   double least_noise{0.1};  ///< mean |e|²/variance below this is rounding, not noise
-  double by_chance{3.0};    ///< correlations below by_chance/√(2 n) are taken as none
+  /// That of errors, where it is known; empty: estimated from the residual.
+  std::vector<std::complex<double>> line_covariance{};
+  double by_chance{3.0};  ///< correlations below by_chance/√(2 n) are taken as none
 };
 
 /// Is the residual what noise explains? Asked for each response in parts of the band that overlap
