@@ -351,9 +351,10 @@ std::optional<Measurement> measure_hits(data::RecordSet& records, Plan plan,
   found->warnings.push_back({.kind = data::ResponseWarning::Kind::single_block,
                              .count = static_cast<std::int64_t>(all->size())});
   m.spectra.sample_rate = rate;
-  m.spectra.options = {.block_length = static_cast<int>(std::lround(2.0 * rate / found->frequency[0])),
-                       .overlap = 0.0,
-                       .window = Window::rectangular};
+  m.spectra.options = {
+      .block_length = static_cast<int>(std::lround(2.0 * rate / found->frequency[0])),
+      .overlap = 0.0,
+      .window = Window::rectangular};
   m.responses = std::move(*found);
   m.choice = std::move(plan.choice);
   return m;

@@ -207,17 +207,16 @@ void add_bootstrap(const IdentifyOptions& options, const Progress& progress, Ide
       {.resamples = options.bootstrap, .identify = options.modes}, progress);
 }
 
-/// Do the modes stay where they are during the record? Periods, outputs alone, and records too
-/// short for two parts are not asked, and neither are closed loops: there the errors of parts of a
-/// record are not known well enough (6 of 30 loops whose modes stay would be named).
+/// Do the modes stay where they are? Not asked of periods, outputs alone, and closed loops, of
+/// which errors of parts are not known well enough (docs/validation/identification.md).
 void test_steadiness(const IdentifyOptions& options, Identified& found) {
   constexpr int parts = 4;
   auto& measured = found.measured;
   if (!measured.records || options.measure.output_only || measured.measurement.interrupted ||
-      measured.measurement.spectra.options.periodic || found.modes.modes.empty())
+      measured.measurement.spectra.options.periodic || found.modes.modes.empty() ||
+      measured.responses().estimator == data::Estimator::instrumental)
     return;
   try {
-    if (measured.responses().estimator == data::Estimator::instrumental) return;
     const auto grouped = identification::measure_groups(
         *measured.records, estimate_options(options.measure, measured), parts);
     identification::add_wandering(
