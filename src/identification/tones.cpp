@@ -167,6 +167,15 @@ Index zoom_window(const CrossSpectra& spectra, int block, const ToneOptions& opt
   return std::max<Index>(4, std::min<Index>(block / 4, longest) / 4 * 4);
 }
 
+/// Candidates that fit into ToneOptions::most_numbers, at least one.
+std::size_t room_for(data::RecordSet& records, const ToneReading& reading, Index window,
+                     const ToneOptions& options) {
+  std::int64_t samples = 0;
+  for (std::size_t k = 0; k < records.files().size(); ++k) samples += records.count_samples(k);
+  const auto times = static_cast<std::size_t>(samples / (window / 4)) + 1;
+  return std::max<std::size_t>(1, options.most_numbers / (times * reading.channels.size()));
+}
+
 }  // namespace
 
 std::vector<Index> conspicuous_lines(const CrossSpectra& spectra,
@@ -205,15 +214,17 @@ std::vector<Tone> find_tones(data::RecordSet& records, const ToneReading& readin
   std::optional<CrossSpectra> differences;
   if (reading.periodic) differences = difference_spectra(records, reading, own);
   const auto& spectra = differences ? *differences : own;
+  const Index window = zoom_window(spectra, reading.block, options);
+  auto limited = options;
+  limited.most = std::min(options.most, room_for(records, reading, window, options));
   const auto lines =
-      conspicuous_lines(spectra, reading.periodic ? std::vector<int>{} : references, options);
+      conspicuous_lines(spectra, reading.periodic ? std::vector<int>{} : references, limited);
   if (lines.empty()) return {};
   std::vector<std::vector<double>> omegas;
   const double line = two_pi / static_cast<double>(reading.block);
   const double wander = two_pi * options.wander / spectra.sample_rate;
   for (const Index k : lines)
     omegas.emplace_back(records.files().size(), line * static_cast<double>(k));
-  const Index window = zoom_window(spectra, reading.block, options);
   const auto fits = [&] {
     std::vector<std::vector<ToneTrack>> kept;
     for (const auto& zooms : zoom_in(records, reading, omegas, window))

@@ -42,6 +42,9 @@ struct ToneOptions {
   double audible{1e-10};
   double wander{0.04};   ///< [Hz] that a tone's frequency may be from its mean: twice that of mains
   std::size_t most{32};  ///< candidates, the most conspicuous first
+  /// … and no more than this holds, demodulated, times × channels (64 MiB): hours of many channels
+  /// have room for a few.
+  std::size_t most_numbers{std::size_t{1} << 22U};
   double of_excitation{0.5};  ///< share of a reference's power in lines that makes them excitation
   /// Chance that the power of noise stands so far out of what is around it.
   double resolved_chance{1e-5};
