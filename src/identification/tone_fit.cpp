@@ -320,7 +320,10 @@ EnvelopeFit best_envelopes(const std::vector<Series>& list) {
     longest = std::max(longest, hop * static_cast<double>(s.y.size()));
     shortest = hop * static_cast<double>(smoothed_rows);
   }
-  constexpr double denser = 1.4, first = 3.0;
+  // knots in a record of hours: a frequency that wanders there within less than a minute is not
+  // followed
+  constexpr double denser = 1.4, first = 3.0, most = 128.0;
+  shortest = std::max(shortest, longest / most);
   for (double spacing = longest / first; spacing > shortest; spacing /= denser)
     if (auto fit = fit_envelopes(list, spacing); fit.criterion < best.criterion)
       best = std::move(fit);
