@@ -122,8 +122,7 @@ std::vector<std::size_t> used_channels(ChannelChoice& choice) {
   for (const auto* list : {&choice.inputs, &choice.outputs, &choice.instruments})
     used.insert(used.end(), list->begin(), list->end());
   std::ranges::sort(used);
-  const auto [first, last] = std::ranges::unique(used);
-  used.erase(first, last);
+  used.erase(std::unique(used.begin(), used.end()), used.end());
   for (auto* list : {&choice.inputs, &choice.outputs, &choice.instruments})
     for (int& c : *list) c = static_cast<int>(std::ranges::find(used, c) - used.begin());
   return {used.begin(), used.end()};

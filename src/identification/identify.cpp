@@ -108,7 +108,9 @@ void add_hidden_modes(const IdentifyOptions& options, Identification& result) {
   for (int round = 0; round < trial.rounds && found; ++round) {
     found = false;
     const auto places = conspicuous_frequencies(result.responses, result.model, options);
-    for (const double f : places | std::views::take(trial.most_places)) {
+    const auto most = std::min(places.size(), static_cast<std::size_t>(trial.most_places));
+    for (std::size_t k = 0; k < most; ++k) {
+      const double f = places[k];
       const auto pole = two_pi * f * Complex(-sharp, std::sqrt(1 - sharp * sharp));
       found = found || try_more(options, {}, pole, 1, trial.hidden, result) ||
               try_more(mild, {}, pole, 2, trial.hidden_pair, result);
@@ -344,8 +346,8 @@ void add_warnings(const IdentifyOptions& options, Identification& result) {
   std::vector<std::pair<Index, Index>> entries;
   for (const auto& part : result.unexplained) entries.emplace_back(part.output, part.input);
   std::ranges::sort(entries);
-  const auto repeated = std::ranges::unique(entries);
-  const auto count = static_cast<std::int64_t>(repeated.begin() - entries.begin());
+  const auto count =
+      static_cast<std::int64_t>(std::unique(entries.begin(), entries.end()) - entries.begin());
   result.warnings.push_back({.kind = Kind::unexplained,
                              .value = worst.level,
                              .from = worst.from,
