@@ -20,10 +20,11 @@ namespace {
 constexpr Index kernel_reach = 12;  // lines of the spectra on either side that are mixed
 constexpr double negligible_covariance = 0.03;
 
-/// The factor q(τ) on impulse responses, and what it does to their errors.
+/// The factor q(τ) = e^(−aτ)/ρ(τ) on impulse responses, and what it does to their errors.
 struct LagWindow {
   double a{};           // [1/s]
-  VectorXd q;           // n/2 lags
+  VectorXd rho;         // n/2 + 1 lags
+  VectorXd decay;       // e^(−aτ), n/2 lags
   VectorXd kernel;      // weight of lines −reach … reach, sum 1
   double noise{};       // c: variance after by variance before
   double more_lines{};  // lines that the kernel averages, in independent ones
@@ -53,14 +54,14 @@ Complex line_of(const VectorXd& x, Index d, Index n) {
 LagWindow lag_window(const CrossSpectra& spectra, double decay) {
   const Index n = spectra.options.block_length, m = n / 2;
   const double dt = 1.0 / spectra.sample_rate;
-  const VectorXd rho = lag_taper(spectra.window);
   LagWindow w;
+  w.rho = lag_taper(spectra.window).head(m + 1).cwiseMax(1e-3);
   w.a = decay / (static_cast<double>(m) * dt);
-  w.q = VectorXd(m);
-  for (Index t = 0; t < m; ++t)
-    w.q[t] = std::exp(-w.a * static_cast<double>(t) * dt) / std::max(rho[t], 1e-3);
+  w.decay = VectorXd(m);
+  for (Index t = 0; t < m; ++t) w.decay[t] = std::exp(-w.a * static_cast<double>(t) * dt);
+  const VectorXd q = w.decay.cwiseQuotient(w.rho.head(m));
   const auto& before = spectra.statistics.line_covariance;
-  const VectorXd scatter = w.q.cwiseAbs2().cwiseProduct(lag_scatter(before, m, n));
+  const VectorXd scatter = q.cwiseAbs2().cwiseProduct(lag_scatter(before, m, n));
   w.noise = scatter.sum();
   for (Index d = 0; d < std::min<Index>(m / 2, 200); ++d) {
     const Complex sum = line_of(scatter, d, m);
@@ -69,7 +70,7 @@ LagWindow lag_window(const CrossSpectra& spectra, double decay) {
   }
   w.kernel = VectorXd(2 * kernel_reach + 1);
   for (Index d = -kernel_reach; d <= kernel_reach; ++d)
-    w.kernel[d + kernel_reach] = std::norm(line_of(w.q, -d, n));
+    w.kernel[d + kernel_reach] = std::norm(line_of(q, -d, n));
   w.kernel /= w.kernel.sum();
   double together = 0.0;
   for (Index d = 0; d < w.kernel.size(); ++d)
@@ -90,7 +91,7 @@ struct FromInstruments {
   VectorXd explained, by_chance;
 };
 
-FromInstruments from_instruments(const CrossSpectra& spectra, const ChannelChoice& c, Index first,
+FromInstruments from_instruments(const CrossSpectra& spectra, const ChannelChoice& c,
                                  double averages) {
   auto all = c.outputs;
   all.insert(all.end(), c.inputs.begin(), c.inputs.end());
@@ -101,7 +102,6 @@ FromInstruments from_instruments(const CrossSpectra& spectra, const ChannelChoic
     f.H.emplace_back(MatrixXcd::Zero(rows, p));
     f.noise.emplace_back(MatrixXcd::Zero(rows, rows));
     f.P.emplace_back(MatrixXcd::Zero(p, p));
-    if (k < first) continue;
     const MatrixXcd S = spectra.at(k);
     const MatrixXcd S_wr = S(all, c.instruments);
     const MatrixXcd P = S(c.instruments, c.instruments).llt().solve(MatrixXcd::Identity(p, p));
@@ -115,26 +115,36 @@ FromInstruments from_instruments(const CrossSpectra& spectra, const ChannelChoic
     f.by_chance[k] =
         (1.0 - f.explained[k]) * static_cast<double>(p) / (averages - static_cast<double>(p));
   }
-  for (Index k = 0; k < first; ++k) {  // the mean was taken out: as at the first line, and real
-    const auto from = static_cast<std::size_t>(first), to = static_cast<std::size_t>(k);
-    f.H[to] = f.H[from].real().cast<Complex>();
-    f.noise[to] = f.noise[from];
-    f.P[to] = f.P[from];
-    f.explained[k] = f.explained[first];
-    f.by_chance[k] = f.by_chance[first];
-  }
   return f;
+}
+
+/// Whether errors of the first lines are so large that those of lines far away come from them.
+bool drifts(const FromInstruments& f, Index first, const DampedOptions& options) {
+  const auto lines = static_cast<Index>(f.H.size());
+  MatrixXd variance(f.noise[0].rows(), lines);
+  for (Index k = 0; k < lines; ++k) {
+    const auto line = static_cast<std::size_t>(k);
+    variance.col(k) = f.P[line].trace().real() * f.noise[line].diagonal().real();
+  }
+  for (Index i = 0; i < variance.rows(); ++i) {
+    const double largest = variance.row(i).head(first).maxCoeff();
+    auto row = variance.row(i).eval();
+    std::ranges::nth_element(row, row.begin() + lines / 2);
+    if (!(largest < options.drift * row[lines / 2])) return true;
+  }
+  return false;
 }
 
 /// Lines at which the instruments are strong enough, and seen in outputs and inputs.
 std::vector<bool> excited_lines(const CrossSpectra& spectra, const std::vector<int>& instruments,
-                                const FromInstruments& f, const DampedOptions& options) {
+                                const FromInstruments& f, Index first,
+                                const DampedOptions& options) {
   const Index lines = spectra.lines();
   std::vector<bool> excited(static_cast<std::size_t>(lines), true);
   for (const int r : instruments) {
     const auto density = spectra.re.col(static_cast<Index>(r) * (r + 3) / 2);
     const double least = options.weakly_excited * density.bottomRows(lines - 1).maxCoeff();
-    for (Index k = 1; k < lines; ++k)
+    for (Index k = 0; k < lines; ++k)
       if (!(density[k] > least)) excited[static_cast<std::size_t>(k)] = false;
   }
   const auto seen = [&](Index from, Index to) {
@@ -145,6 +155,7 @@ std::vector<bool> excited_lines(const CrossSpectra& spectra, const std::vector<i
     if (!seen(std::max<Index>(0, k - options.seen_reach), k) ||
         !seen(k, std::min(lines - 1, k + options.seen_reach)))
       excited[static_cast<std::size_t>(k)] = false;
+  if (drifts(f, first, options)) std::fill_n(excited.begin(), first, false);
   return excited;
 }
 
@@ -162,52 +173,83 @@ std::vector<Complex> minimum_phase(const VectorXd& log_magnitude) {
   return spectrum;
 }
 
-/// D at each line: 1 where all is excited, 0 where it is not.
-std::vector<Complex> band_filter(const std::vector<bool>& excited, const DampedOptions& options) {
-  const auto lines = static_cast<Index>(excited.size()), n = 2 * (lines - 1);
-  if (std::ranges::count(excited, false) == 0)
-    return std::vector<Complex>(excited.size(), Complex(1.0));
-  const auto mirrored = [&](Index k) {
-    const Index at = ((k % n) + n) % n;
-    return std::min(at, n - at);
-  };
-  VectorXd outside = VectorXd::Zero(lines), log_magnitude(lines);
+/// The line k of a spectrum of n/2 + 1 lines, which is even and has the period n.
+Index mirrored(Index k, Index lines) {
+  const Index n = 2 * (lines - 1), at = ((k % n) + n) % n;
+  return std::min(at, n - at);
+}
+
+/// A bell of some lines, standard deviation `width`, over a spectrum.
+VectorXd smoothed(const VectorXd& x, double width) {
+  const auto reach = static_cast<Index>(std::lround(5.0 * width));
+  VectorXd bell(2 * reach + 1), result = VectorXd::Zero(x.size());
+  for (Index d = -reach; d <= reach; ++d)
+    bell[d + reach] = std::exp(-0.5 * std::pow(static_cast<double>(d) / width, 2));
+  bell /= bell.sum();
+  for (Index k = 0; k < x.size(); ++k)
+    for (Index d = -reach; d <= reach; ++d)
+      result[k] += bell[d + reach] * x[mirrored(k + d, x.size())];
+  return result;
+}
+
+/// ln |D| for the edges of the excitation: 0 where all is excited.
+VectorXd band_edges(const std::vector<bool>& excited, const DampedOptions& options) {
+  const auto lines = static_cast<Index>(excited.size());
+  VectorXd outside = VectorXd::Zero(lines);
+  if (std::ranges::count(excited, false) == 0) return outside;
   const auto edge = static_cast<Index>(std::lround(options.edge));
   for (Index k = 0; k < lines; ++k)
     for (Index d = -edge; d <= edge; ++d)
-      if (!excited[static_cast<std::size_t>(mirrored(k + d))]) outside[k] = 1.0;
-  const Index whole = 5 * edge;
-  VectorXd bell(2 * whole + 1);
-  for (Index d = -whole; d <= whole; ++d)
-    bell[d + whole] = std::exp(-0.5 * std::pow(static_cast<double>(d) / options.edge, 2));
-  bell /= bell.sum();
-  for (Index k = 0; k < lines; ++k) {
-    double mean = 0.0;
-    for (Index d = -whole; d <= whole; ++d) mean += bell[d + whole] * outside[mirrored(k + d)];
-    log_magnitude[k] = mean * std::log(options.attenuation);
-  }
-  auto D = minimum_phase(log_magnitude);
-  for (std::size_t k = 0; k < D.size(); ++k)
-    if (!excited[k]) D[k] = 0.0;
-  return D;
+      if (!excited[static_cast<std::size_t>(mirrored(k + d, lines))]) outside[k] = 1.0;
+  return std::log(options.attenuation) * smoothed(outside, options.edge);
 }
 
-/// H'(ω) at every second line, n/4 + 1 of them.
-std::vector<MatrixXcd> brought_to_shift(const std::vector<MatrixXcd>& H, const VectorXd& q) {
-  const auto m = static_cast<int>(q.size());
-  numerics::RealFft whole(2 * m), half(m);
+/// ln |D| that makes D H_wr flat, as a mean over its channels: beside a band that is not excited,
+/// as at its edge.
+VectorXd whitening(const std::vector<MatrixXcd>& H, const std::vector<bool>& excited,
+                   const DampedOptions& options) {
+  const auto lines = static_cast<Index>(H.size()), rows = H[0].rows();
+  MatrixXd power(rows, lines);
+  for (Index k = 0; k < lines; ++k)
+    power.col(k) = excited[static_cast<std::size_t>(k)]
+                       ? VectorXd(H[static_cast<std::size_t>(k)].rowwise().squaredNorm())
+                       : VectorXd::Zero(rows);
+  const VectorXd total = power.rowwise().sum().cwiseMax(1e-300);
+  VectorXd flat = (power.array().colwise() / total.array()).colwise().sum().transpose();
+  flat = -0.5 * flat.cwiseMax(options.deepest * flat.maxCoeff()).array().log().matrix();
+  Index before = -1;
+  for (Index k = 0; k < lines; ++k) {
+    if (!excited[static_cast<std::size_t>(k)]) continue;
+    for (Index gap = before + 1; gap < k; ++gap)
+      flat[gap] = before < 0 || k - gap < gap - before ? flat[k] : flat[before];
+    before = k;
+  }
+  if (before >= 0) flat.tail(lines - 1 - before).setConstant(flat[before]);
+  return smoothed(flat, options.whitening);
+}
+
+/// H'(ω) at every second line, n/4 + 1 of them, from H at excited lines and 0 at others.
+std::vector<MatrixXcd> brought_to_shift(const std::vector<MatrixXcd>& H,
+                                        const std::vector<Complex>& D, const LagWindow& window) {
+  const auto m = static_cast<std::size_t>(window.decay.size());
+  numerics::RealFft whole(static_cast<int>(2 * m)), half(static_cast<int>(m));
   std::vector<MatrixXcd> result(static_cast<std::size_t>(half.lines()),
                                 MatrixXcd(H[0].rows(), H[0].cols()));
   std::vector<Complex> lines(static_cast<std::size_t>(whole.lines())),
       shifted(static_cast<std::size_t>(half.lines()));
-  std::vector<double> h(static_cast<std::size_t>(2 * m));
+  std::vector<double> h(2 * m);
   for (Index i = 0; i < H[0].rows(); ++i)
     for (Index j = 0; j < H[0].cols(); ++j) {
       for (std::size_t k = 0; k < lines.size(); ++k) lines[k] = H[k](i, j);
       lines.back() = lines.back().real();
       whole.inverse(lines, h);
-      for (int t = 0; t < m; ++t) h[static_cast<std::size_t>(t)] *= q[t];
-      half.forward(std::span(h).first(static_cast<std::size_t>(m)), shifted);
+      for (std::size_t t = 0; t < h.size(); ++t)
+        h[t] /= window.rho[static_cast<Index>(std::min(t, h.size() - t))];
+      whole.forward(h, lines);
+      for (std::size_t k = 0; k < lines.size(); ++k) lines[k] *= D[k];
+      whole.inverse(lines, h);
+      for (std::size_t t = 0; t < m; ++t) h[t] *= window.decay[static_cast<Index>(t)];
+      half.forward(std::span(h).first(m), shifted);
       for (std::size_t k = 0; k < shifted.size(); ++k) result[k](i, j) = shifted[k];
     }
   return result;
@@ -269,17 +311,22 @@ FrequencyResponses damped_instrumental(const CrossSpectra& spectra, const Channe
   const double K = r.averages, p = static_cast<double>(c.inputs.size());
   const LagWindow window = lag_window(spectra, options.decay);
   const auto first = static_cast<Index>(spectra.statistics.line_covariance.size());
-  auto f = from_instruments(spectra, c, first, K);
-  const auto D = band_filter(excited_lines(spectra, c.instruments, f, options), options);
-  for (std::size_t k = 0; k < D.size(); ++k) f.H[k] *= D[k];
-  const auto H = brought_to_shift(f.H, window.q);
+  auto f = from_instruments(spectra, c, K);
+  const auto excited = excited_lines(spectra, c.instruments, f, first, options);
+  for (std::size_t k = 0; k < excited.size(); ++k)
+    if (!excited[k]) f.H[k].setZero();
+  const VectorXd edges = band_edges(excited, options);
+  auto D = minimum_phase(edges + whitening(f.H, excited, options));
+  for (std::size_t k = 0; k < excited.size(); ++k)
+    if (!excited[k]) D[k] = 0.0;
+  const auto H = brought_to_shift(f.H, D, window);
   r.degrees = (K - p) * window.more_lines;
   r.shift = window.a;
   r.line_covariance = window.line_covariance;
   const VectorXd conditions = input_conditions(spectra, c.inputs, c.instruments);
   constexpr Index apart = 4;  // lines from where the mean was, and from the last one
   for (Index k = (first + apart) / 2; 2 * k + apart < spectra.lines(); ++k) {
-    if (!(std::abs(D[static_cast<std::size_t>(2 * k)]) > options.least_share)) continue;
+    if (!(edges[2 * k] > std::log(options.least_share))) continue;
     if (!(conditions[2 * k] < singular_condition)) continue;
     add_line(spectra, c, H[static_cast<std::size_t>(k)], mixed(f, D, 2 * k, window.kernel),
              window.noise / (K - p), 2 * k, r);

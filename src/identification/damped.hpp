@@ -13,12 +13,13 @@
 /// estimate over all lines, divided by ρ(τ), for τ up to half a block; a makes what is cut off
 /// there small. Excitation must be flat over a few lines.
 ///
-/// Excitation in a band. Where r says nothing, H_wr is noise, which the cut at τ = 0 would spread
-/// over all lines. All of H_wr is therefore multiplied by a filter D(ω), one for outputs and
-/// inputs, which the quotient cancels: it is 1 where r is seen and falls to 0 within
-/// a few lines where it is not. D has minimum phase: D H_wr remains causal, so that nothing is cut
-/// off at τ = 0, and its delay, over which the lag window gives more weight to noise than to the
-/// response, is the least possible.
+/// The cut at τ = 0 spreads errors of the strongest lines over all others. All of H_wr, divided by
+/// ρ(τ), is therefore multiplied by a filter D(ω), one for outputs and inputs, which the quotient
+/// cancels. |D| is the inverse of |H_wr| as a mean over outputs and inputs: sharp poles of the loop
+/// make no strong lines. Where r says nothing, H_wr is noise; there |D| falls to 0 within a few
+/// lines. D has minimum phase: D H_wr remains causal, so that nothing is cut off at τ = 0, and its
+/// delay, over which the lag window gives more weight to noise than to the response, is the least
+/// possible.
 ///
 /// Errors. With w = (y, u) − H_wr r, its spectrum W̄ and P̄ = |D|² S_rr⁻¹ averaged over the lines
 /// that the lag window mixes, K blocks and p inputs,
@@ -44,6 +45,10 @@ struct DampedOptions {
   /// inputs, as at a sharp resonance inside the loop, is no end of the excitation.
   double seen{2.0};
   Eigen::Index seen_reach{6};
+  /// The first lines, in which the mean shows, are not excited where the variance of H_wr there is
+  /// above drift · its median. The cut at τ = 0 brings 1/(2πd)² of it to the d-th line from there:
+  /// beyond the lines that are in the intervals, d > 12, at most a tenth of the variance of those.
+  double drift{500.0};
   /// Lines: standard deviation of the bell that rounds the edges of ln |D|, and distance of the
   /// edges from lines that are not excited. Narrower edges make D ring past the end of a block.
   double edge{6.0};
@@ -52,6 +57,11 @@ struct DampedOptions {
   /// Lines with |D| > least_share are used: below, what leaks from their neighbours prevails.
   double least_share{0.1};
   std::size_t least_lines{16};
+  /// Lines: standard deviation of the bell that smooths ln |D| between the edges. Without it D
+  /// would follow the scatter of H_wr and ring past the end of a block.
+  double whitening{1.0};
+  /// Power of H_wr, by that of the strongest line, below which D rises no more.
+  double deepest{1e-6};
 };
 
 /// For spectra that are not periodic. Lines are twice as far apart as those of the spectra. Where

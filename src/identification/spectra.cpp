@@ -13,6 +13,7 @@
 #include "hydrapod/numerics/fft.hpp"
 #include "hydrapod/numerics/parallel.hpp"
 #include "names.hpp"
+#include "record_mean.hpp"
 
 namespace hydrapod::identification {
 
@@ -94,6 +95,14 @@ MatrixXcd unpacked(const MatrixXd& re, const MatrixXd& im, Index line, Index cha
       S(j, i) = std::conj(S(i, j));
     }
   return S;
+}
+
+void add_pairs(const MatrixXcd& S, Index line, MatrixXd& re, MatrixXd& im) {
+  for (Index i = 0, pair = 0; i < S.rows(); ++i)
+    for (Index j = 0; j <= i; ++j, ++pair) {
+      re(line, pair) += S(i, j).real();
+      im(line, pair) += S(i, j).imag();
+    }
 }
 
 }  // namespace
@@ -191,19 +200,22 @@ struct SpectrumEstimator::Implementation {
   std::vector<numerics::RealFft> ffts;  // one per thread
   CrossProducts products{};             // of blocks; of their means where they are periods
   CrossProducts noise_products{};       // of periods, less those of their means
+  RecordMean record_mean{};             // not of periods
   int hop{};
   Index blocks_at_once{};
   std::vector<FourChannels> buffer{};  // samples of so many blocks; channels beyond the last are 0
   Index rows{}, filled{};              // of it
   std::int64_t to_skip{};
   std::vector<numerics::EightLines> lines{};       // blocks × groups × channels
+  MatrixXd means{};                                // blocks × channels
   std::vector<numerics::EightLines> period_sum{};  // of the record that is running
   std::int64_t periods{};
   std::int64_t degrees{};  // Σ (periods − 1) over records
 
   void copy(const Eigen::Ref<const data::Samples>& samples);
   void watch(Index first_row, Index count);
-  bool transform(Index first_row, numerics::RealFft& fft, numerics::EightLines* to) const;
+  bool transform(Index first_row, numerics::RealFft& fft, numerics::EightLines* to,
+                 Eigen::Ref<Eigen::RowVectorXd, 0, Eigen::InnerStride<>> mean_of) const;
   std::vector<char> transform_all(Index blocks, int threads);
   void add_products(Index first_block, Index blocks, int threads);
   void take_blocks();
@@ -237,7 +249,10 @@ SpectrumEstimator::SpectrumEstimator(const data::RecordHeader& header,
                ? n
                : std::max(1, static_cast<int>(std::lround(n * (1.0 - options.overlap))));
   me.products = CrossProducts(static_cast<Index>(chosen.size()), me.ffts[0].line_groups());
-  if (options.periodic) me.noise_products = me.products;
+  if (options.periodic)
+    me.noise_products = me.products;
+  else
+    me.record_mean = RecordMean(result.window, static_cast<Index>(chosen.size()), me.ffts[0]);
   const Index width = me.products.width();
   me.blocks_at_once = std::clamp<Index>(most_numbers / (n * width), 1, most_blocks);
   me.rows = n + (me.blocks_at_once - 1) * me.hop;
@@ -249,9 +264,10 @@ SpectrumEstimator::~SpectrumEstimator() = default;
 SpectrumEstimator::SpectrumEstimator(SpectrumEstimator&&) noexcept = default;
 SpectrumEstimator& SpectrumEstimator::operator=(SpectrumEstimator&&) noexcept = default;
 
-/// The lines of the block that begins at a row; false where a sample is missing.
-bool SpectrumEstimator::Implementation::transform(Index first_row, numerics::RealFft& fft,
-                                                  numerics::EightLines* to) const {
+/// The lines of the block that begins at a row, and its means; false where a sample is missing.
+bool SpectrumEstimator::Implementation::transform(
+    Index first_row, numerics::RealFft& fft, numerics::EightLines* to,
+    Eigen::Ref<Eigen::RowVectorXd, 0, Eigen::InnerStride<>> mean_of) const {
   const int n = options.block_length;
   for (std::size_t g = 0; g < buffer.size(); ++g) {
     const Index first = four * static_cast<Index>(g),
@@ -260,6 +276,7 @@ bool SpectrumEstimator::Implementation::transform(Index first_row, numerics::Rea
     if (!mean.allFinite()) return false;
     fft.forward(buffer[g].block(first_row, 0, n, count), mean.head(count), header.window,
                 to + first, products.width());
+    mean_of.segment(first, count) = mean.head(count);
   }
   return true;
 }
@@ -269,13 +286,15 @@ std::vector<char> SpectrumEstimator::Implementation::transform_all(Index blocks,
   std::vector<char> whole(static_cast<std::size_t>(blocks));
   const Index stride = ffts[0].line_groups() * products.width();
   lines.resize(static_cast<std::size_t>(blocks * stride));
+  means.resize(blocks, products.width());
   const std::size_t workers = std::min(
       whole.size(), static_cast<std::size_t>(threads > 0 ? threads : numerics::processor_count()));
   while (ffts.size() < workers) ffts.emplace_back(options.block_length);
   numerics::parallel_for(workers, threads, [&](std::size_t worker) {
     for (std::size_t b = worker; b < whole.size(); b += workers)
       whole[b] = transform(static_cast<Index>(b) * hop, ffts[worker],
-                           lines.data() + static_cast<Index>(b) * stride);
+                           lines.data() + static_cast<Index>(b) * stride,
+                           means.row(static_cast<Index>(b)));
   });
   return whole;
 }
@@ -293,6 +312,9 @@ void SpectrumEstimator::Implementation::add_products(Index first_block, Index bl
       if (options.periodic) add_up(z, blocks, stride, width, period_sum.data() + g * width);
     }
   });
+  if (!options.periodic)
+    for (Index b = first_block; b < first_block + blocks; ++b)
+      record_mean.add(means.row(b), lines.data() + b * stride);
   periods += blocks;
   header.blocks += blocks;
 }
@@ -323,6 +345,7 @@ void SpectrumEstimator::Implementation::end_record() {
   if (periods > 0) {
     ++header.records;
     degrees += periods - 1;
+    record_mean.end_record();
     if (options.periodic) {
       // Σ z zᴴ − m z̄ z̄ᴴ goes to the noise, z̄ z̄ᴴ to the spectra
       const auto m = static_cast<double>(periods);
@@ -389,7 +412,10 @@ CrossSpectra SpectrumEstimator::result() {
   scale[0] /= 2.0;
   scale.tail(1) /= 2.0;
   const auto averaged = me.options.periodic ? result.records : result.blocks;
-  me.products.unpack(scale / std::max(1.0, static_cast<double>(averaged)), result.re, result.im);
+  const VectorXd share = scale / std::max(1.0, static_cast<double>(averaged));
+  me.products.unpack(share, result.re, result.im);
+  for (Index k = 0; k < me.record_mean.lines(); ++k)
+    add_pairs(share[k] * me.record_mean.products(k), k, result.re, result.im);
   if (me.options.periodic)
     me.noise_products.unpack(scale / std::max(1.0, static_cast<double>(me.degrees)),
                              result.noise_re, result.noise_im);

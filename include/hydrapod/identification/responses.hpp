@@ -31,8 +31,9 @@
 ///
 /// Cross spectra of all channels of a record, from samples that stream past.
 ///
-/// Blocks of n samples, D apart (Welch), lose their mean, get a window and are transformed once per
-/// channel, z_k = (Z_1 … Z_c)ᵀ at line f_k = k f_s/n. Averaged over the blocks,
+/// Blocks of n samples, D apart (Welch), lose the mean of their record (over its blocks), get a
+/// window and are transformed once per channel, z_k = (Z_1 … Z_c)ᵀ at line f_k = k f_s/n. Averaged
+/// over the blocks,
 ///
 ///     S(f_k) = c_k/(f_s Σ w²) · mean of z_k z_kᴴ,   c = 1 at k = 0 and n/2, else 2,
 ///
