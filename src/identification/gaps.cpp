@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "bridge.hpp"
 #include "hydrapod/base/error.hpp"
 
 namespace hydrapod::identification {
@@ -253,17 +254,7 @@ bool misses_samples(const CrossSpectra& spectra) {
 }
 
 VectorXd bridged(VectorXd samples) {
-  Index last = -1;
-  for (Index t = 0; t < samples.size(); ++t) {
-    if (!std::isfinite(samples[t])) continue;
-    const double from = last < 0 ? samples[t] : samples[last];
-    for (Index s = last + 1; s < t; ++s)
-      samples[s] = from + (samples[t] - from) * static_cast<double>(s - last) /
-                              static_cast<double>(t - last);
-    last = t;
-  }
-  const double rest = last < 0 ? 0.0 : samples[last];
-  samples.tail(samples.size() - last - 1).setConstant(rest);
+  bridge(samples, [&](Index t) { return !std::isfinite(samples[t]); });
   return samples;
 }
 

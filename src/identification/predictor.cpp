@@ -4,31 +4,11 @@
 #include <algorithm>
 #include <cmath>
 
+#include "bridge.hpp"
+
 namespace hydrapod::identification {
 
 namespace {
-
-/// Straight lines over missing samples; before the first and after the last their value.
-void interpolate(Rows& z, const Mask& missing, Index column) {
-  Index last = -1;
-  for (Index t = 0; t <= z.rows(); ++t) {
-    if (t < z.rows() && missing(t, column)) continue;
-    const bool open = t == z.rows();
-    for (Index s = last + 1; s < t; ++s) {
-      if (open && last < 0)
-        z(s, column) = 0.0;
-      else if (last < 0)
-        z(s, column) = z(t, column);
-      else if (open)
-        z(s, column) = z(last, column);
-      else
-        z(s, column) = z(last, column) + (z(t, column) - z(last, column)) *
-                                             static_cast<double>(s - last) /
-                                             static_cast<double>(t - last);
-    }
-    last = t;
-  }
-}
 
 /// Last rows of pieces of p + 1 rows, of those that miss the fewest samples, and whether any does.
 struct FitRows {
@@ -69,7 +49,8 @@ Predictor::Predictor(Rows& z, const Mask& missing, Index given, const PredictorO
   order_ = std::clamp<Index>(options.most_coefficients / z.cols(), 1,
                              std::min(options.highest_order, longest));
   const auto rows = choose_rows(missing, order_, options.most_rows);
-  for (Index c = given; c < z.cols(); ++c) interpolate(z, missing, c);
+  for (Index c = given; c < z.cols(); ++c)
+    bridge(z.col(c), [&](Index t) { return missing(t, c) != 0; });
   for (int round = 0; round < (rows.whole ? 1 : options.rounds); ++round) {
     fit(z, rows.last, options.ridge);
     fill(z, missing);
@@ -127,70 +108,71 @@ MatrixXd Predictor::errors(const Rows& z, Index first, Index last) const {
   return e;
 }
 
-void Predictor::fill(Rows& z, const Mask& missing, Index first, numerics::Gaussian* random) const {
-  struct Unknown {
-    Index row, column;
-  };
-  struct Window {
-    std::vector<Unknown> unknowns{};
-    MatrixXd L{}, C{};  // factors: of itself, with the window before
-    VectorXd v{};
-  };
-  const Index D = z.cols(), count = (z.rows() + order_ - 1) / order_;
-  std::vector<Window> windows(static_cast<std::size_t>(count));
+std::vector<Predictor::Piece> Predictor::pieces_of(Rows& z, const Mask& missing,
+                                                   Index first) const {
+  std::vector<Piece> pieces(static_cast<std::size_t>((z.rows() + order_ - 1) / order_));
   for (Index t = first; t < z.rows(); ++t)
-    for (Index c = given_; c < D; ++c) {
+    for (Index c = given_; c < z.cols(); ++c) {
       if (!missing(t, c)) continue;
       z(t, c) = 0.0;
-      windows[static_cast<std::size_t>(t / order_)].unknowns.push_back({t, c - given_});
+      pieces[static_cast<std::size_t>(t / order_)].unknowns.push_back({t, c - given_});
     }
-  const auto products = [&](const std::vector<Unknown>& a, const std::vector<Unknown>& b) {
-    MatrixXd M(a.size(), b.size());
-    for (std::size_t i = 0; i < a.size(); ++i)
-      for (std::size_t j = 0; j < b.size(); ++j) {
-        const Index apart = b[j].row - a[i].row, d = std::abs(apart);
-        const auto& P = coupling_[static_cast<std::size_t>(std::min(d, order_))];
-        M(static_cast<Index>(i), static_cast<Index>(j)) = d > order_ ? 0.0
-                                                          : apart >= 0
-                                                              ? P(a[i].column, b[j].column)
-                                                              : P(b[j].column, a[i].column);
-      }
-    return M;
-  };
-  const auto before = [&](std::size_t w) -> const Window* {
-    return w > 0 && !windows[w - 1].unknowns.empty() ? &windows[w - 1] : nullptr;
-  };
-  for (std::size_t w = 0; w < windows.size(); ++w) {
-    auto& own = windows[w];
-    if (own.unknowns.empty()) continue;
-    const Index from = own.unknowns.front().row, to = own.unknowns.back().row;
-    const MatrixXd e = errors(z, from, to + order_);
-    own.v.resize(static_cast<Index>(own.unknowns.size()));
-    for (std::size_t i = 0; i < own.unknowns.size(); ++i) {
-      const auto& x = own.unknowns[i];
-      double sum = 0.0;
-      for (Index k = 0; k <= order_; ++k)
-        sum -= G_.col((order_ - k) * D + given_ + x.column).dot(e.col(x.row + k - from));
-      own.v[static_cast<Index>(i)] = sum;
+  return pieces;
+}
+
+MatrixXd Predictor::products(const std::vector<Unknown>& a, const std::vector<Unknown>& b) const {
+  MatrixXd M(a.size(), b.size());
+  for (std::size_t i = 0; i < a.size(); ++i)
+    for (std::size_t j = 0; j < b.size(); ++j) {
+      const Index apart = b[j].row - a[i].row, d = std::abs(apart);
+      const auto& P = coupling_[static_cast<std::size_t>(std::min(d, order_))];
+      M(static_cast<Index>(i), static_cast<Index>(j)) = d > order_   ? 0.0
+                                                        : apart >= 0 ? P(a[i].column, b[j].column)
+                                                                     : P(b[j].column, a[i].column);
     }
-    MatrixXd S = products(own.unknowns, own.unknowns);
-    if (const auto* other = before(w)) {
-      own.C = other->L.triangularView<Eigen::Lower>()
-                  .solve(products(other->unknowns, own.unknowns))
-                  .transpose();
-      S.noalias() -= own.C * own.C.transpose();
-      own.v -= own.C * other->v;
-    }
-    own.L = Eigen::LLT<MatrixXd>(S).matrixL();
-    own.L.triangularView<Eigen::Lower>().solveInPlace(own.v);
+  return M;
+}
+
+VectorXd Predictor::right_side(const Rows& z, const std::vector<Unknown>& unknowns) const {
+  const Index from = unknowns.front().row, to = unknowns.back().row;
+  const MatrixXd e = errors(z, from, to + order_);
+  VectorXd v(unknowns.size());
+  for (std::size_t i = 0; i < unknowns.size(); ++i) {
+    const auto& x = unknowns[i];
+    double sum = 0.0;
+    for (Index k = 0; k <= order_; ++k)
+      sum -= G_.col((order_ - k) * z.cols() + given_ + x.column).dot(e.col(x.row + k - from));
+    v[static_cast<Index>(i)] = sum;
   }
-  for (std::size_t w = windows.size(); w-- > 0;) {
-    auto& own = windows[w];
+  return v;
+}
+
+void Predictor::eliminate(const Rows& z, const Piece& before, Piece& own) const {
+  own.v = right_side(z, own.unknowns);
+  MatrixXd S = products(own.unknowns, own.unknowns);
+  if (!before.unknowns.empty()) {
+    own.C = before.L.triangularView<Eigen::Lower>()
+                .solve(products(before.unknowns, own.unknowns))
+                .transpose();
+    S.noalias() -= own.C * own.C.transpose();
+    own.v -= own.C * before.v;
+  }
+  own.L = Eigen::LLT<MatrixXd>(S).matrixL();
+  own.L.triangularView<Eigen::Lower>().solveInPlace(own.v);
+}
+
+void Predictor::fill(Rows& z, const Mask& missing, Index first, numerics::Gaussian* random) const {
+  auto pieces = pieces_of(z, missing, first);
+  const Piece none;
+  for (std::size_t w = 0; w < pieces.size(); ++w)
+    if (!pieces[w].unknowns.empty()) eliminate(z, w > 0 ? pieces[w - 1] : none, pieces[w]);
+  for (std::size_t w = pieces.size(); w-- > 0;) {
+    auto& own = pieces[w];
     if (own.unknowns.empty()) continue;
     if (random != nullptr)
       for (double& x : own.v) x += (*random)();
-    if (w + 1 < windows.size() && !windows[w + 1].unknowns.empty())
-      own.v -= windows[w + 1].C.transpose() * windows[w + 1].v;
+    if (w + 1 < pieces.size() && !pieces[w + 1].unknowns.empty())
+      own.v -= pieces[w + 1].C.transpose() * pieces[w + 1].v;
     own.L.transpose().triangularView<Eigen::Upper>().solveInPlace(own.v);
     for (std::size_t i = 0; i < own.unknowns.size(); ++i)
       z(own.unknowns[i].row, given_ + own.unknowns[i].column) = own.v[static_cast<Index>(i)];

@@ -10,7 +10,7 @@
 /// condition of all that was measured, before and after. The errors of that mean are uncorrelated
 /// with u and with all that was measured.
 ///
-/// Unknowns within p samples of each other are coupled: taken in windows of p samples, the normal
+/// Unknowns within p samples of each other are coupled: taken in pieces of p samples, the normal
 /// equations are block tridiagonal, and their Cholesky factors cost time in proportion to the
 /// length of the record.
 ///
@@ -57,8 +57,24 @@ class Predictor {
             numerics::Gaussian* random = nullptr) const;
 
  private:
+  /// A missing sample; columns count from the first that is predicted.
+  struct Unknown {
+    Index row{}, column{};
+  };
+  /// The unknowns of p rows.
+  struct Piece {
+    std::vector<Unknown> unknowns{};
+    MatrixXd L{}, C{};  // Cholesky factors of the normal equations: of itself, with the one before
+    VectorXd v{};       // right side, then solution
+  };
   void fit(const Rows& z, const std::vector<Index>& rows, double ridge);
   [[nodiscard]] MatrixXd errors(const Rows& z, Index first, Index last) const;
+  /// Unknowns become 0 in z.
+  [[nodiscard]] std::vector<Piece> pieces_of(Rows& z, const Mask& missing, Index first) const;
+  [[nodiscard]] MatrixXd products(const std::vector<Unknown>& a,
+                                  const std::vector<Unknown>& b) const;
+  [[nodiscard]] VectorXd right_side(const Rows& z, const std::vector<Unknown>& unknowns) const;
+  void eliminate(const Rows& z, const Piece& before, Piece& own) const;
 
   Index given_{}, targets_{}, order_{};
   MatrixXd G_{};                      // W e_t = G_ (z_(t−p), …, z_t)
