@@ -88,61 +88,79 @@ unsigned longest_block(const ChannelChoice& choice, const MeasureOptions& option
   return std::clamp(static_cast<unsigned>(2 * lines), least, longest);
 }
 
-SpectrumOptions spectrum_options(data::RecordSet& records, const Plan& plan,
-                                 const MeasureOptions& options, std::int64_t shortest) {
-  const std::string& first = records.files()[0];
-  SpectrumOptions o{.window = options.window};
-  if (options.overlap)
-    o.overlap = *options.overlap;
-  else if (options.window == Window::rectangular)
-    o.overlap = 0.0;
-  if (const double rate = records.header().sample_rate;
-      options.period && !(*options.period * rate <= static_cast<double>(shortest)))
-    base::refuse(first, fmt::format("the period of {:g} s is longer than the record of {:g} s",
-                                    *options.period, static_cast<double>(shortest) / rate));
-  std::int64_t period =
-      options.period ? std::llround(*options.period * records.header().sample_rate)
+/// [samples]; 0: the excitation does not repeat, or that does not count. `shortest`: samples of the
+/// shortest record, here and below.
+std::int64_t period_to_use(data::RecordSet& records, const Plan& plan,
+                           const MeasureOptions& options, std::int64_t shortest) {
+  const double rate = records.header().sample_rate;
+  if (options.period && !(*options.period * rate <= static_cast<double>(shortest)))
+    base::refuse(records.files()[0],
+                 fmt::format("the period of {:g} s is longer than the record of {:g} s",
+                             *options.period, static_cast<double>(shortest) / rate));
+  const std::int64_t period =
+      options.period ? std::llround(*options.period * rate)
       : options.block_length
           ? 0
           : excitation_period(records, plan.choice, settling_samples(records, options));
-  if (period % 2 != 0) period *= 2;  // blocks have an even length
-  if (period >= 8) {
-    o.periodic = true;
-    o.block_length = static_cast<int>(period);
-    return o;
-  }
-  constexpr int shortest_block = 16;
+  return period % 2 == 0 ? period : 2 * period;  // blocks have an even length
+}
+
+constexpr int shortest_block = 16;
+
+/// Where the options name none.
+int usual_block(const data::RecordSet& records, const Plan& plan, const MeasureOptions& options,
+                std::int64_t shortest) {
+  // the instrumental estimate averages over neighbouring lines besides
+  const double blocks_per_input = plan.estimator == Estimator::instrumental ? 2.0 : 4.0;
+  // covariances of outputs want long lags more than many averages
+  constexpr double of_outputs = 8.0;
+  const double side_by_side =
+      plan.estimator == Estimator::half_spectra
+          ? of_outputs
+          : blocks_per_input * static_cast<double>(plan.choice.inputs.size() + 2);
+  const double total = static_cast<double>(shortest) * static_cast<double>(records.files().size());
+  // the power of two that is nearest in ratio
+  const auto wanted = static_cast<unsigned>(
+      std::clamp(std::numbers::sqrt2 * total / side_by_side, static_cast<double>(shortest_block),
+                 static_cast<double>(longest_block(plan.choice, options))));
+  const auto block = static_cast<int>(std::bit_floor(wanted));
+  return block > shortest ? static_cast<int>(std::bit_floor(static_cast<unsigned>(shortest)))
+                          : block;
+}
+
+int block_to_use(const data::RecordSet& records, const Plan& plan, const MeasureOptions& options,
+                 std::int64_t shortest) {
+  const std::string& first = records.files()[0];
   if (shortest < shortest_block)
     base::refuse(
         first,
         fmt::format("the record has {}: responses need blocks of at least {}, and several of them",
                     shortest == 0 ? "no samples" : fmt::format("only {} samples", shortest),
                     shortest_block));
-  if (options.block_length) {
-    o.block_length = *options.block_length;
-  } else {
-    // the instrumental estimate averages over neighbouring lines besides
-    const double blocks_per_input = plan.estimator == Estimator::instrumental ? 2.0 : 4.0;
-    // covariances of outputs want long lags more than many averages
-    constexpr double of_outputs = 8.0;
-    const double side_by_side =
-        plan.estimator == Estimator::half_spectra
-            ? of_outputs
-            : blocks_per_input * static_cast<double>(plan.choice.inputs.size() + 2);
-    const double total =
-        static_cast<double>(shortest) * static_cast<double>(records.files().size());
-    // the power of two that is nearest in ratio
-    const auto wanted = static_cast<unsigned>(
-        std::clamp(std::numbers::sqrt2 * total / side_by_side, static_cast<double>(shortest_block),
-                   static_cast<double>(longest_block(plan.choice, options))));
-    o.block_length = static_cast<int>(std::bit_floor(wanted));
-    if (o.block_length > shortest)
-      o.block_length = static_cast<int>(std::bit_floor(static_cast<unsigned>(shortest)));
-  }
-  if (o.block_length > shortest)
+  const int block =
+      options.block_length ? *options.block_length : usual_block(records, plan, options, shortest);
+  if (block > shortest)
     base::refuse(first, fmt::format("the record has {} samples, fewer than one block of {}: take "
                                     "shorter blocks or a longer record",
-                                    shortest, o.block_length));
+                                    shortest, block));
+  return block;
+}
+
+SpectrumOptions spectrum_options(data::RecordSet& records, const Plan& plan,
+                                 const MeasureOptions& options, std::int64_t shortest) {
+  SpectrumOptions o{.window = options.window};
+  if (options.overlap)
+    o.overlap = *options.overlap;
+  else if (options.window == Window::rectangular)
+    o.overlap = 0.0;
+  constexpr std::int64_t shortest_period = 8;
+  const auto period = period_to_use(records, plan, options, shortest);
+  o.periodic = period >= shortest_period;
+  if (o.periodic) {
+    o.block_length = static_cast<int>(period);
+    return o;
+  }
+  o.block_length = block_to_use(records, plan, options, shortest);
   // then all samples weigh the same at every lag: a sweep is not cut into pieces
   if (!options.overlap && o.window != Window::rectangular &&
       plan.estimator == Estimator::instrumental &&
@@ -279,9 +297,10 @@ void subtract_found_tones(data::RecordSet& records, const Plan& plan, Reading& r
 /// What tones are called in the results: amplitudes of outputs and inputs, those of the platform
 /// where the spectra are brought there.
 std::vector<data::Harmonic> harmonics_of(const std::vector<Tone>& tones, ChannelChoice choice,
-                                         const MeasureOptions& options, Measurement m) {
+                                         const MeasureOptions& options,
+                                         const CrossSpectra& spectra) {
   if (tones.empty()) return {};
-  m.spectra = tone_spectra(tones, m.spectra);
+  Measurement m{.spectra = tone_spectra(tones, spectra)};
   bring_outputs_to_platform(options, choice, m);
   std::vector<data::Harmonic> list;
   for (std::size_t k = 0; k < tones.size(); ++k) {
@@ -313,20 +332,29 @@ void compare_with_instrument(const Plan& plan, Measurement& m) {
 std::optional<std::vector<data::Samples>> whole_records(data::RecordSet& records,
                                                         const std::vector<std::size_t>& used,
                                                         std::int64_t most, Measurement& m) {
-  std::vector<data::Samples> all(records.files().size());
-  const bool whole =
-      records.stream([&](std::size_t file, const Eigen::Ref<const data::Samples>& block) {
-        auto& record = all[file];
-        const Index before = record.rows();
-        record.conservativeResize(before + block.rows(), static_cast<Index>(used.size()));
-        for (std::size_t c = 0; c < used.size(); ++c)
-          record.col(static_cast<Index>(c)).tail(block.rows()) =
-              block.col(static_cast<Index>(used[c]));
-        m.samples += block.rows();
-        return m.samples <= most;
-      });
+  const std::vector<Index> columns(used.begin(), used.end());
+  std::int64_t total = 0;
+  std::vector<data::Samples> all;
+  for (std::size_t k = 0; k < records.files().size(); ++k) {
+    const std::int64_t count = records.count_samples(k);
+    total += count;
+    if (total > most) return {};
+    all.emplace_back(count, static_cast<Index>(columns.size()));
+  }
+  std::vector<Index> filled(all.size());
+  records.stream([&](std::size_t file, const Eigen::Ref<const data::Samples>& block) {
+    // a file may grow while it is read
+    const Index count = std::min(block.rows(), all[file].rows() - filled[file]);
+    all[file].middleRows(filled[file], count) = block(Eigen::seqN(0, count), columns);
+    filled[file] += count;
+    return true;
+  });
+  for (std::size_t k = 0; k < all.size(); ++k) {
+    all[k].conservativeResize(filled[k], Eigen::NoChange);
+    m.samples += filled[k];
+  }
   m.notes = records.notes();
-  return whole ? std::optional(std::move(all)) : std::nullopt;
+  return all;
 }
 
 /// Records of a hammer test, unless the options ask for blocks; none: these are no hits.
@@ -370,7 +398,7 @@ Measurement measure_responses(data::RecordSet& records, const MeasureOptions& op
   Reading reading = plan_reading(records, plan, options);
   read_spectra(records, reading, progress, m);
   subtract_found_tones(records, plan, reading, m);
-  auto harmonics = harmonics_of(reading.tones, plan.choice, options, m);
+  auto harmonics = harmonics_of(reading.tones, plan.choice, options, m.spectra);
   bring_outputs_to_platform(options, plan.choice, m);
   const auto earlier = std::move(m.responses.warnings);
   m.responses = responses_for_modes(m.spectra, plan.choice, plan.estimator);
