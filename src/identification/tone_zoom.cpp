@@ -6,23 +6,6 @@ namespace hydrapod::identification {
 
 namespace {
 
-/// use(record, first row's number, rows of the channels of the reading) for all samples behind the
-/// settling time; numbers count from the beginning of the record.
-template <class Use>
-void stream_used(data::RecordSet& records, const ToneReading& reading, const Use& use) {
-  std::vector<std::int64_t> seen(records.files().size());
-  const std::vector<Index> columns(reading.channels.begin(), reading.channels.end());
-  records.stream([&](std::size_t record, const Eigen::Ref<const data::Samples>& block) {
-    const std::int64_t number = seen[record];
-    seen[record] += block.rows();
-    const Index skip = std::clamp<std::int64_t>(reading.settling - number, 0, block.rows());
-    if (skip < block.rows())
-      use(record, number + skip,
-          data::Samples(block(Eigen::seqN(skip, block.rows() - skip), columns)));
-    return true;
-  });
-}
-
 /// Mean period of a record, by samples from the settling time on.
 struct MeanPeriod {
   MatrixXd sum{};  // period × channels
@@ -105,6 +88,20 @@ class Demodulator {
 };
 
 }  // namespace
+
+void stream_used(data::RecordSet& records, const ToneReading& reading, const UseRows& use) {
+  std::vector<std::int64_t> seen(records.files().size());
+  const std::vector<Index> columns(reading.channels.begin(), reading.channels.end());
+  records.stream([&](std::size_t record, const Eigen::Ref<const data::Samples>& block) {
+    const std::int64_t number = seen[record];
+    seen[record] += block.rows();
+    const Index skip = std::clamp<std::int64_t>(reading.settling - number, 0, block.rows());
+    if (skip < block.rows())
+      use(record, number + skip,
+          data::Samples(block(Eigen::seqN(skip, block.rows() - skip), columns)));
+    return true;
+  });
+}
 
 std::vector<std::vector<Zoom>> zoom_in(data::RecordSet& records, const ToneReading& reading,
                                        const std::vector<std::vector<double>>& omegas,

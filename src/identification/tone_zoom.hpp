@@ -24,6 +24,12 @@ struct Zoom {
   }
 };
 
+/// The record's number, that of the first row, counted from the beginning of the record, and rows
+/// of the channels of a reading.
+using UseRows = std::function<void(std::size_t, std::int64_t, const data::Samples&)>;
+/// All samples behind the settling time.
+void stream_used(data::RecordSet& records, const ToneReading& reading, const UseRows& use);
+
 /// [tone][record]. `omegas`: [tone][record], in rad/sample.
 std::vector<std::vector<Zoom>> zoom_in(data::RecordSet& records, const ToneReading& reading,
                                        const std::vector<std::vector<double>>& omegas,

@@ -105,27 +105,22 @@ CrossSpectra difference_spectra(data::RecordSet& records, const ToneReading& rea
   data::RecordHeader header = records.header();
   header.channels = like.channels;
   SpectrumEstimator estimator(header, {.block_length = reading.block});
-  const std::vector<Index> columns(reading.channels.begin(), reading.channels.end());
   const auto P = static_cast<Index>(reading.block);
   std::optional<std::size_t> begun;
-  std::int64_t skip = 0;
   data::Samples waiting;
-  records.stream([&](std::size_t record, const Eigen::Ref<const data::Samples>& block) {
+  const auto add = [&](std::size_t record, std::int64_t, const data::Samples& samples) {
     if (begun != record) {
       estimator.begin_record();
       begun = record;
-      skip = reading.settling;
-      waiting.resize(0, static_cast<Index>(columns.size()));
+      waiting.resize(0, samples.cols());
     }
-    const Index first = std::min<std::int64_t>(skip, block.rows());
-    skip -= first;
-    data::Samples both(waiting.rows() + block.rows() - first, waiting.cols());
-    both << waiting, block(Eigen::seqN(first, block.rows() - first), columns);
+    data::Samples both(waiting.rows() + samples.rows(), samples.cols());
+    both << waiting, samples;
     const Index count = std::max<Index>(0, both.rows() - P);
     estimator.add(both.bottomRows(count) - both.topRows(count));
     waiting = both.bottomRows(both.rows() - count);
-    return true;
-  });
+  };
+  stream_used(records, reading, add);
   return estimator.result();
 }
 
@@ -266,11 +261,18 @@ void subtract_tones(const std::vector<Tone>& tones, const std::vector<std::size_
 }
 
 CrossSpectra tone_spectra(const std::vector<Tone>& tones, const CrossSpectra& like) {
-  CrossSpectra spectra = like;
   const auto q = static_cast<Index>(like.channels.size());
-  spectra.re = MatrixXd::Zero(static_cast<Index>(tones.size()), q * (q + 1) / 2);
+  CrossSpectra spectra{.channels = like.channels,
+                       .sample_rate = like.sample_rate,
+                       .options = like.options,
+                       .window = like.window,
+                       .blocks = like.blocks,
+                       .blocks_left_out = like.blocks_left_out,
+                       .records = like.records,
+                       .statistics = like.statistics,
+                       .health = like.health,
+                       .re = MatrixXd::Zero(static_cast<Index>(tones.size()), q * (q + 1) / 2)};
   spectra.im = spectra.re;
-  spectra.noise_re = spectra.noise_im = {};
   for (std::size_t k = 0; k < tones.size(); ++k) {
     const auto& tone = tones[k];
     // the relation between channels is that of one record, their size that of all
