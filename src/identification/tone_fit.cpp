@@ -4,6 +4,7 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <array>
+#include <boost/math/tools/minima.hpp>
 #include <cmath>
 #include <limits>
 
@@ -112,15 +113,10 @@ double best_turn(const VectorXcd& y, double reach) {
       best = turn;
     }
   }
-  double low = best - 0.25 * bin, high = best + 0.25 * bin;
-  constexpr double golden = 0.6180339887498949;
-  constexpr int cuts = 40;  // to 1e-8 of the first width
-  for (int k = 0; k < cuts; ++k) {
-    const double left = high - golden * (high - low), right = low + golden * (high - low);
-    const bool further = power_at(y, window, right) > power_at(y, window, left);
-    (further ? low : high) = further ? left : right;
-  }
-  return 0.5 * (low + high);
+  // in bins: a tolerance is absolute around 0
+  const auto loss = [&](double off) { return -power_at(y, window, best + off * bin); };
+  constexpr int bits = std::numeric_limits<double>::digits / 2;
+  return best + bin * boost::math::tools::brent_find_minima(loss, -0.25, 0.25, bits).first;
 }
 
 std::vector<Series> series_of(const std::vector<Zoom>& zooms, const VectorXcd& u, double reach) {

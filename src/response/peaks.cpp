@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <boost/math/tools/minima.hpp>
 #include <cmath>
 #include <limits>
 #include <stdexcept>
@@ -52,28 +53,15 @@ double magnitude_at(const ResponseModel& model, double omega, int direction, Out
   return std::abs(frequency_response(model, {&omega, 1}, output)[0](direction, direction));
 }
 
-/// Golden-section search for the maximum inside [low, high].
+/// Where the magnitude is largest inside [low, high].
 double refine(const ResponseModel& model, double low, double high, int direction, Output output) {
-  const double golden = 0.5 * (std::sqrt(5.0) - 1.0);
-  double a = high - golden * (high - low), b = low + golden * (high - low);
-  double f_a = magnitude_at(model, a, direction, output);
-  double f_b = magnitude_at(model, b, direction, output);
-  while (high - low > 1e-9 * high) {
-    if (f_a > f_b) {
-      high = b;
-      b = a;
-      f_b = f_a;
-      a = high - golden * (high - low);
-      f_a = magnitude_at(model, a, direction, output);
-    } else {
-      low = a;
-      a = b;
-      f_a = f_b;
-      b = low + golden * (high - low);
-      f_b = magnitude_at(model, b, direction, output);
-    }
-  }
-  return 0.5 * (low + high);
+  const double middle = 0.5 * (low + high), half = 0.5 * (high - low);
+  // a tolerance is one of the place in the bracket, which is narrow
+  const auto loss = [&](double place) {
+    return -magnitude_at(model, middle + half * place, direction, output);
+  };
+  constexpr int bits = std::numeric_limits<double>::digits / 2;
+  return middle + half * boost::math::tools::brent_find_minima(loss, -1.0, 1.0, bits).first;
 }
 
 /// Height above the higher of the lowest points towards higher ground on either side; a side that
