@@ -9,33 +9,11 @@
 #include "damped.hpp"
 #include "hydrapod/base/error.hpp"
 #include "names.hpp"
+#include "refit.hpp"
 
 namespace hydrapod::identification {
 
 namespace {
-
-/// The modes of `found` in the order of its list, from a fit that began at its model.
-struct Refit {
-  VectorXd omega{}, damping{};
-};
-
-Refit refit(const FrequencyResponses& responses, const Identification& found,
-            const IdentifyOptions& options) {
-  std::vector<PoleEstimate> start;
-  for (const auto& m : found.modes) start.push_back(m.fit);
-  start.insert(start.end(), found.heavily_damped.begin(), found.heavily_damped.end());
-  auto fit = options.fit;
-  fit.deviations = Deviations::none;
-  const auto model = fit_modes(within(responses, found.from, found.to), start, fit);
-  const auto count = static_cast<Index>(found.modes.size());
-  Refit result{VectorXd(count), VectorXd(count)};
-  for (Index r = 0; r < count; ++r) {
-    const auto& mode = model.modes[static_cast<std::size_t>(r)];
-    result.omega[r] = mode.omega();
-    result.damping[r] = mode.damping_ratio();
-  }
-  return result;
-}
 
 /// Standard deviation of each row.
 VectorXd row_deviation(const MatrixXd& values) {
@@ -90,10 +68,12 @@ BootstrapScatter bootstrap_modes(const std::vector<CrossSpectra>& groups,
     for (auto& pick : picks) pick = random() % groups.size();
     try {
       const auto one =
-          refit(responses_for_modes(averaged_spectra(groups, picks), choice, estimator), found,
-                options.identify);
-      omega.col(scatter.resamples) = one.omega;
-      damping.col(scatter.resamples) = one.damping;
+          refitted_modes(responses_for_modes(averaged_spectra(groups, picks), choice, estimator),
+                         found, options.identify.fit, Deviations::none);
+      for (Index r = 0; r < modes; ++r) {
+        omega(r, scatter.resamples) = one[static_cast<std::size_t>(r)].omega();
+        damping(r, scatter.resamples) = one[static_cast<std::size_t>(r)].damping_ratio();
+      }
       ++scatter.resamples;
     } catch (const base::ComputationError&) {  // this draw has too little in it
     }

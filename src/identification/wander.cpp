@@ -8,6 +8,7 @@
 #include "hydrapod/base/error.hpp"
 #include "hydrapod/numerics/statistics.hpp"
 #include "names.hpp"
+#include "refit.hpp"
 
 namespace hydrapod::identification {
 
@@ -24,14 +25,9 @@ bool add_fit(const FrequencyResponses& responses, const Identification& found,
   if (responses.outputs.size() != found.responses.outputs.size() ||
       responses.inputs.size() != found.responses.inputs.size())
     return false;
-  std::vector<PoleEstimate> start;
-  for (const auto& m : found.modes) start.push_back(m.fit);
-  start.insert(start.end(), found.heavily_damped.begin(), found.heavily_damped.end());
-  auto fit = options.fit;
-  fit.deviations = Deviations::poles;
-  const auto model = fit_modes(within(responses, found.from, found.to), start, fit);
+  const auto modes = refitted_modes(responses, found, options.fit, Deviations::poles);
   for (Index r = 0; r < fits.omega.rows(); ++r) {
-    const auto& mode = model.modes[static_cast<std::size_t>(r)];
+    const auto& mode = modes[static_cast<std::size_t>(r)];
     fits.omega(r, group) = mode.omega();
     fits.omega_deviation(r, group) = mode.omega_deviation;
     fits.damping(r, group) = mode.damping_ratio();
