@@ -71,30 +71,28 @@ void warn_of_dead(const std::vector<data::Channel>& channels, const std::vector<
       warnings.push_back({.kind = kind, .channel = channels[c].name});
 }
 
-void leave_out_dead_outputs(FrequencyResponses& r) {
-  const auto alive = living(r, false);
-  if (alive.size() == r.outputs.size()) return;
-  warn_of_dead(r.outputs, alive, Kind::dead_output, r.warnings);
-  const std::vector<Index> rows(alive.begin(), alive.end());
-  r.outputs = picked(r.outputs, alive);
-  for (auto& H : r.H) H = H(rows, Eigen::all).eval();
-  for (auto& H : r.on_axis) H = H(rows, Eigen::all).eval();
+/// These outputs and inputs.
+void pick_channels(const std::vector<std::size_t>& outputs, const std::vector<std::size_t>& inputs,
+                   FrequencyResponses& r) {
+  const std::vector<Index> rows(outputs.begin(), outputs.end()),
+      columns(inputs.begin(), inputs.end());
+  r.outputs = picked(r.outputs, outputs);
+  r.inputs = picked(r.inputs, inputs);
+  for (auto& H : r.H) H = H(rows, columns).eval();
+  for (auto& H : r.on_axis) H = H(rows, columns).eval();
   for (auto& V : r.noise) V = V(rows, rows).eval();
-  for (auto& c : r.coherence) c = c(rows, Eigen::all).eval();
+  for (auto& Q : r.input_factor) Q = Q(columns, columns).eval();
+  for (auto& c : r.coherence) c = c(rows, columns).eval();
   for (auto& c : r.multiple_coherence) c = c(rows).eval();
+  for (auto& S : r.input_density) S = S(columns).eval();
 }
 
-void leave_out_dead_inputs(FrequencyResponses& r) {
-  const auto alive = living(r, true);
-  if (alive.size() == r.inputs.size()) return;
-  warn_of_dead(r.inputs, alive, Kind::dead_input, r.warnings);
-  const std::vector<Index> columns(alive.begin(), alive.end());
-  r.inputs = picked(r.inputs, alive);
-  for (auto& H : r.H) H = H(Eigen::all, columns).eval();
-  for (auto& H : r.on_axis) H = H(Eigen::all, columns).eval();
-  for (auto& Q : r.input_factor) Q = Q(columns, columns).eval();
-  for (auto& c : r.coherence) c = c(Eigen::all, columns).eval();
-  for (auto& S : r.input_density) S = S(columns).eval();
+void leave_out_dead_channels(FrequencyResponses& r) {
+  const auto outputs = living(r, false), inputs = living(r, true);
+  if (outputs.size() == r.outputs.size() && inputs.size() == r.inputs.size()) return;
+  warn_of_dead(r.outputs, outputs, Kind::dead_output, r.warnings);
+  warn_of_dead(r.inputs, inputs, Kind::dead_input, r.warnings);
+  pick_channels(outputs, inputs, r);
 }
 
 void require_size(const FrequencyResponses& r) {
@@ -136,10 +134,7 @@ UsableResponses::UsableResponses(const FrequencyResponses& all) : given_(all) {
   if (!lines_hold || !all_alive) {
     changed_ = all;
     if (!lines_hold) leave_out_lines(*changed_);
-    if (all.whole == nullptr) {
-      leave_out_dead_outputs(*changed_);
-      leave_out_dead_inputs(*changed_);
-    }
+    if (all.whole == nullptr) leave_out_dead_channels(*changed_);
   }
   require_size(get());
 }

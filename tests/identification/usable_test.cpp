@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "exact/modal_system.hpp"
+#include "found_pole.hpp"
 #include "hydrapod/base/error.hpp"
 #include "hydrapod/identification/cross_check.hpp"
 #include "hydrapod/identification/identify.hpp"
@@ -17,12 +18,10 @@ constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 
 /// Three modes between 3 Hz and 12 Hz, two inputs, three outputs, lines from 0 Hz on.
 test::ModalSystem system_of_three() {
-  test::ModalSystem system;
-  system.modes.push_back(test::real_mode(3.37, 0.021, Eigen::Vector3d(0.71, -0.33, 0.52)));
-  system.modes.push_back(test::real_mode(5.91, 0.013, Eigen::Vector3d(0.28, 0.64, -0.47)));
-  system.modes.push_back(test::real_mode(11.83, 0.034, Eigen::Vector3d(-0.39, 0.57, 0.83)));
-  for (auto& mode : system.modes) mode.participation = mode.participation.head(2).eval();
-  return system;
+  return pushed_at_first({test::real_mode(3.37, 0.021, Eigen::Vector3d(0.71, -0.33, 0.52)),
+                          test::real_mode(5.91, 0.013, Eigen::Vector3d(0.28, 0.64, -0.47)),
+                          test::real_mode(11.83, 0.034, Eigen::Vector3d(-0.39, 0.57, 0.83))},
+                         2);
 }
 
 FrequencyResponses from_zero(bool errors, std::uint64_t seed = 1) {
@@ -52,13 +51,11 @@ void expect_three_modes(const Identification& found, std::size_t outputs = 3) {
   ASSERT_EQ(found.modes.size(), 3U);
   for (std::size_t r = 0; r < 3; ++r) {
     const auto& fit = found.modes[r].fit;
-    const auto truth = system.modes[r].pole;
-    const double omega = std::abs(truth), ratio = -truth.real() / omega;
+    const TruePole pole(system.modes[r].pole);
     EXPECT_TRUE(std::isfinite(fit.omega_deviation) && fit.omega_deviation > 0.0);
     EXPECT_TRUE(std::isfinite(fit.damping_deviation) && fit.damping_deviation > 0.0);
-    EXPECT_NEAR(fit.omega(), omega, 4.0 * fit.omega_deviation);
-    EXPECT_NEAR(fit.damping_ratio(), ratio, 4.0 * fit.damping_deviation);
-    EXPECT_LT(fit.omega_deviation, 1e-3 * omega);
+    expect_within_deviations(fit, pole);
+    EXPECT_LT(fit.omega_deviation, 1e-3 * pole.omega);
     EXPECT_EQ(static_cast<std::size_t>(fit.shape.size()), outputs);
     EXPECT_TRUE(fit.shape.allFinite() && found.modes[r].displacement.allFinite());
     EXPECT_TRUE(fit.shape_deviation.allFinite());
@@ -116,6 +113,19 @@ TEST_P(UsableResponses, ADeadInputIsLeftOutAndNamed) {
   EXPECT_EQ(found.responses.warnings[0].channel, "u1");
 }
 
+TEST_P(UsableResponses, ADeadOutputAndADeadInputAreLeftOutTogether) {
+  auto r = from_zero(GetParam());
+  for (auto& H : r.H) {
+    H.row(2).setZero();
+    H.col(1).setZero();
+  }
+  const auto found = identify_modes(r);
+  expect_three_modes(found, 2);
+  ASSERT_THAT(kinds(found), testing::ElementsAre(Kind::dead_output, Kind::dead_input));
+  EXPECT_EQ(found.responses.warnings[0].channel, "y3");
+  EXPECT_EQ(found.responses.warnings[1].channel, "u2");
+}
+
 TEST_P(UsableResponses, NothingButZerosIsSaid) {
   auto r = from_zero(GetParam());
   for (auto& H : r.H) H.setZero();
@@ -161,7 +171,7 @@ TEST_P(UsableResponses, WhateverIsThereNoNumberIsNotFinite) {
 }
 
 INSTANTIATE_TEST_SUITE_P(WithAndWithoutErrors, UsableResponses, testing::Bool(),
-                         [](const auto& info) { return info.param ? "Given" : "Assumed"; });
+                         [](const auto& errors) { return errors.param ? "Given" : "Assumed"; });
 
 }  // namespace
 }  // namespace hydrapod::identification

@@ -1,0 +1,31 @@
+#pragma once
+/// A pole that was found against the true one. Shared by tests of systems of a few real modes.
+
+#include <gtest/gtest.h>
+
+#include "exact/modal_system.hpp"
+#include "hydrapod/identification/identify.hpp"
+
+namespace hydrapod::identification {
+
+/// The first `inputs` places of the shapes are pushed.
+inline test::ModalSystem pushed_at_first(std::vector<test::ExactMode> modes, Eigen::Index inputs) {
+  for (auto& mode : modes) mode.participation = mode.participation.head(inputs).eval();
+  return {std::move(modes)};
+}
+
+struct TruePole {
+  double omega{}, ratio{};
+  explicit TruePole(std::complex<double> pole)
+      : omega(std::abs(pole)), ratio(-pole.real() / omega) {}
+};
+
+/// Within four of the deviations that are stated, and these shares of the true numbers besides.
+inline void expect_within_deviations(const FittedMode& fit, const TruePole& truth,
+                                     double of_omega = 0.0, double of_ratio = 0.0) {
+  EXPECT_NEAR(fit.omega(), truth.omega, 4.0 * fit.omega_deviation + of_omega * truth.omega);
+  EXPECT_NEAR(fit.damping_ratio(), truth.ratio,
+              4.0 * fit.damping_deviation + of_ratio * truth.ratio);
+}
+
+}  // namespace hydrapod::identification
