@@ -160,9 +160,15 @@ ModalResults driven_sample(bool reciprocal) {
   return all;
 }
 
-void expect_synthesis(const ModalResults& all, const std::string& text,
-                      const std::vector<Place>& outputs, const std::vector<double>& signs,
+/// Of driven_sample() in a file that says `said`, in which the inputs are at these places.
+void expect_synthesis(const ModalResults& all, const std::string& said,
                       const std::vector<Place>& inputs) {
+  const test::TemporaryFolder folder;
+  write_modal_results(folder / "modes.uff", all);
+  const auto text = test::read_text(folder.path() / "modes.uff");
+  EXPECT_THAT(text, HasSubstr(said));
+  const std::vector<Place> outputs{{3, 0}, {3, 4}, {4, 0}, {5, 0}};
+  const std::vector<double> signs{1.0, -1.0, 1.0, 1.0};
   const auto modes = foreign_modes(text);
   ASSERT_EQ(modes.size(), all.modes.size());
   for (const auto& mode : modes) EXPECT_EQ(mode.modal_a, 1.0);
@@ -178,30 +184,16 @@ void expect_synthesis(const ModalResults& all, const std::string& text,
 }
 
 TEST(ModalResults, ResponsesToForcesFollowFromTheShapesAlone) {
-  const test::TemporaryFolder folder;
-  const auto all = driven_sample(true);
-  write_modal_results(folder / "modes.uff", all);
-  const auto text = test::read_text(folder.path() / "modes.uff");
-  EXPECT_THAT(text, HasSubstr("shape as displacement, SI; forces at nodes 3ry 3x"));
-  expect_synthesis(all, text, {{3, 0}, {3, 4}, {4, 0}, {5, 0}}, {1.0, -1.0, 1.0, 1.0},
+  expect_synthesis(driven_sample(true), "shape as displacement, SI; forces at nodes 3ry 3x",
                    {{3, 4}, {3, 0}});
 }
 
 /// Of a controlled machine, say: no shape holds both sides, so inputs get nodes of their own.
 TEST(ModalResults, ResponsesThatAreNotReciprocalFollowFromNodesOfTheInputs) {
-  const test::TemporaryFolder folder;
-  auto all = driven_sample(false);
-  for (const bool forces : {true, false}) {
-    if (!forces) {
-      all = driven_sample(true);
-      all.inputs[1].unit = "V";
-    }
-    write_modal_results(folder / "modes.uff", all);
-    const auto text = test::read_text(folder.path() / "modes.uff");
-    EXPECT_THAT(text, HasSubstr("shape as displacement, SI; inputs at nodes 6x 7x"));
-    expect_synthesis(all, text, {{3, 0}, {3, 4}, {4, 0}, {5, 0}}, {1.0, -1.0, 1.0, 1.0},
-                     {{6, 0}, {7, 0}});
-  }
+  auto not_forces = driven_sample(true);
+  not_forces.inputs[1].unit = "V";
+  for (const auto& all : {driven_sample(false), not_forces})
+    expect_synthesis(all, "shape as displacement, SI; inputs at nodes 6x 7x", {{6, 0}, {7, 0}});
 }
 
 TEST(ModalResults, ParticipationsComeBack) {

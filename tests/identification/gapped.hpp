@@ -82,6 +82,16 @@ inline void drop(const DropOuts& d, test::Random& random, data::Record& record) 
   }
 }
 
+/// `noise`: of each output's RMS.
+inline void add_output_noise(double noise, Eigen::Index inputs, test::Random& random,
+                             data::Record& record) {
+  auto& x = record.samples;
+  for (Eigen::Index c = inputs; c < x.cols(); ++c) {
+    const double rms = std::sqrt(x.col(c).squaredNorm() / static_cast<double>(x.rows()));
+    for (Eigen::Index t = 0; t < x.rows(); ++t) x(t, c) += noise * rms * test::normal(random);
+  }
+}
+
 inline data::Record gapped_record(const test::ModalSystem& system, const DropOuts& d,
                                   std::uint64_t seed) {
   const int samples = static_cast<int>(d.duration * d.sample_rate);
@@ -89,13 +99,7 @@ inline data::Record gapped_record(const test::ModalSystem& system, const DropOut
       .sample_rate = d.sample_rate, .samples = samples, .seed = 3331 * seed, .settling = 6000};
   auto record = test::record_of(system, experiment);
   test::Random random(7129 * seed);
-  const Eigen::Index inputs = system.inputs();
-  for (Eigen::Index c = inputs; c < record.samples.cols(); ++c) {
-    const double rms =
-        std::sqrt(record.samples.col(c).squaredNorm() / static_cast<double>(samples));
-    for (Eigen::Index t = 0; t < samples; ++t)
-      record.samples(t, c) += d.noise * rms * test::normal(random);
-  }
+  add_output_noise(d.noise, system.inputs(), random, record);
   drop(d, random, record);
   return record;
 }

@@ -41,12 +41,7 @@ inline data::Record drifting_record(const test::ModalSystem& system, const Drift
     }
     if (k >= 0) record.samples.row(k) << u.transpose(), y.transpose();
   }
-  for (Eigen::Index c = system.inputs(); c < record.samples.cols(); ++c) {
-    const double rms =
-        std::sqrt(record.samples.col(c).squaredNorm() / static_cast<double>(samples));
-    for (Eigen::Index k = 0; k < samples; ++k)
-      record.samples(k, c) += d.noise * rms * test::normal(random);
-  }
+  add_output_noise(d.noise, system.inputs(), random, record);
   return record;
 }
 
