@@ -64,6 +64,26 @@ class Transform {
   numerics::RealFft fft_;
 };
 
+/// Σ |U|² and Σ Y U* over hits, with a decay of their samples.
+struct Sums {
+  Transform transform;
+  VectorXd power;
+  MatrixXcd cross;
+  Sums(Index samples, Index outputs, double decay_per_sample)
+      : transform(samples, decay_per_sample),
+        power(VectorXd::Zero(samples / 2 + 1)),
+        cross(MatrixXcd::Zero(samples / 2 + 1, outputs)) {}
+  void add(const VectorXd& input, const MatrixXd& outputs) {
+    const VectorXcd U = transform.of(input);
+    power += U.cwiseAbs2();
+    for (Index o = 0; o < outputs.cols(); ++o)
+      cross.col(o) += transform.of(outputs.col(o)).cwiseProduct(U.conjugate());
+  }
+  [[nodiscard]] MatrixXcd response(Index line) const {
+    return cross.row(line).transpose() / power[line];
+  }
+};
+
 /// Lines from 1 on that the hits excite.
 Index excited_lines(const VectorXd& power, double weakest) {
   Index largest = 0;
@@ -102,25 +122,23 @@ std::optional<FrequencyResponses> responses_of_hits(const std::vector<data::Samp
   if (samples - latest < options.fewest / 2) return {};
   const double after = static_cast<double>(samples - latest) / sample_rate;
   const double a = options.decay / after;
-  Transform transform(samples, a / sample_rate);
   const auto outputs = static_cast<Index>(choice.outputs.size());
-  VectorXd power = VectorXd::Zero(samples / 2 + 1);
-  MatrixXcd cross = MatrixXcd::Zero(samples / 2 + 1, outputs);
+  Sums damped(samples, outputs, a / sample_rate), plain(samples, outputs, 0.0);
   for (std::size_t k = 0; k < records.size(); ++k) {
     const data::Samples part = records[k].topRows(samples);
-    const VectorXcd U = transform.of(force(part.col(choice.inputs[0]), hits[k], options));
-    power += U.cwiseAbs2();
-    for (Index o = 0; o < outputs; ++o) {
-      const VectorXd y =
-          ringing(part.col(choice.outputs[static_cast<std::size_t>(o)]), hits[k], options);
-      cross.col(o) += transform.of(y).cwiseProduct(U.conjugate());
-    }
+    const VectorXd u = force(part.col(choice.inputs[0]), hits[k], options);
+    MatrixXd y(samples, outputs);
+    for (Index o = 0; o < outputs; ++o)
+      y.col(o) = ringing(part.col(choice.outputs[static_cast<std::size_t>(o)]), hits[k], options);
+    damped.add(u, y);
+    plain.add(u, y);
   }
   FrequencyResponses r{.shift = a,
                        .sample_rate = sample_rate,
                        .estimator = Estimator::h1,
                        .averages = static_cast<double>(records.size())};
-  const Index to = excited_lines(power, options.weakest);
+  const Index to = std::min(excited_lines(damped.power, options.weakest),
+                            excited_lines(plain.power, options.weakest));
   // white noise under the window: E[e_k e*_{k+d}] is the transform of e^(−2at)
   const Complex turn(0.0, two_pi * sample_rate / static_cast<double>(samples));
   r.line_covariance.clear();
@@ -128,7 +146,8 @@ std::optional<FrequencyResponses> responses_of_hits(const std::vector<data::Samp
     r.line_covariance.push_back(2.0 * a / (2.0 * a + static_cast<double>(every * d) * turn));
   for (Index k = every; k <= to; k += every) {
     r.frequency.push_back(static_cast<double>(k) * sample_rate / static_cast<double>(samples));
-    r.H.emplace_back(cross.row(k).transpose() / power[k]);
+    r.H.push_back(damped.response(k));
+    r.on_axis.push_back(plain.response(k));
   }
   return r;
 }

@@ -11,6 +11,8 @@
 /// input is set to zero (force window). There are lines as far as the hit excites; without blocks
 /// to average, errors are not known.
 ///
+/// With a = 0 it is H(iω), as other programs have it, but for what has not rung down: `on_axis`.
+///
 /// Source: D. L. Brown, R. J. Allemang, W. G. Halvorsen, Impact testing considerations, in:
 /// Structural Testing, Univ. of Cincinnati (1999).
 

@@ -60,7 +60,9 @@ ResponseSummary summary_of(const identification::FrequencyResponses& responses) 
 identification::FrequencyResponses shared_responses(const Measured& measured,
                                                     const Progress& progress) {
   const auto& responses = measured.responses();
-  if (!(responses.shift > 0.0) || !responses.on_axis.empty()) return responses;
+  if (!(responses.shift > 0.0)) return responses;
+  // those of files were brought there by modes already; those of hits are cut off at the end
+  if (!responses.on_axis.empty() && !measured.records) return responses;
   try {
     const auto found = identification::identify_modes(responses, {}, [&](double share) {
       if (progress) progress(share);
@@ -73,6 +75,7 @@ identification::FrequencyResponses shared_responses(const Measured& measured,
   } catch (const base::ComputationError&) {
     // no modes, as above
   }
+  if (!responses.on_axis.empty()) return responses;
   const auto& m = measured.measurement;
   if (!measured.records)
     throw base::ComputationError(fmt::format(

@@ -106,6 +106,28 @@ TEST(Hits, SeveralRecordsAreAveraged) {
   expect_beam(identify_modes(m.responses));
 }
 
+TEST(Hits, ResponsesAreThoseOfTheSystemBesideTheAxisAndOnIt) {
+  const auto system = beam();
+  const auto r =
+      measured({hit_record({.seconds = 7.0}, 23), hit_record({.seconds = 7.0, .at = 0.171}, 24)})
+          .responses;
+  ASSERT_EQ(r.on_axis.size(), r.lines());
+  ASSERT_GT(r.lines(), 1000U);
+  double largest = 0.0, beside = 0.0, on_axis = 0.0;
+  for (std::size_t k = 0; k < r.lines(); ++k) {
+    const Eigen::MatrixXcd H = system.sampled_response(r.frequency[k], 1.0 / rate);
+    const double size = H.cwiseAbs().maxCoeff();
+    largest = std::max(largest, size);
+    on_axis = std::max(on_axis, (r.on_axis[k] - H).cwiseAbs().maxCoeff());
+    beside =
+        std::max(beside, (r.H[k] - system.sampled_response(r.frequency[k], 1.0 / rate, r.shift))
+                             .cwiseAbs()
+                             .maxCoeff());
+  }
+  EXPECT_LT(on_axis, 0.02 * largest);
+  EXPECT_LT(beside, 0.02 * largest);
+}
+
 TEST(Hits, BlocksThatAreAskedForAndNoiseAreNoHits) {
   const auto record = hit_record({}, 3);
   EXPECT_THAT(measured({record}, {.block_length = 512}).responses.warnings,

@@ -58,9 +58,9 @@ struct Measured {
 /// base::InputError and base::ComputationError.
 Measured frf(const MeasureOptions& options, const Progress& progress = {});
 
-/// The responses with those at iω, for files: those of a closed loop are estimated at a + iω, and
-/// brought there by their modal model (`on_axis`, identification::on_imaginary_axis); where no mode
-/// is found, it is the plain instrumental estimate.
+/// The responses with those at iω, for files: those of a closed loop and of hits are estimated at
+/// a + iω, and brought there by their modal model (`on_axis`, identification::on_imaginary_axis).
+/// Where no mode is found, they are the plain instrumental estimate, and of hits the plain ratio.
 identification::FrequencyResponses shared_responses(const Measured& measured,
                                                     const Progress& progress = {});
 
