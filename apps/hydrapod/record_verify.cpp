@@ -22,20 +22,44 @@ const char* words(data::ChecksumFinding finding) {
          "complete";
 }
 
-void run(const Arguments& arguments) {
-  std::size_t held = 0;
-  for (const auto& file : arguments.files) {
+enum class Outcome { held, not_held, unreadable };
+
+/// A file that cannot be read is said, and is no reason to leave out those after it.
+Outcome verify(const std::string& file) {
+  bool complete = false;
+  try {
     data::RecordSet record({file});
     std::int64_t samples = 0;
-    if (!read_all(record, "verifying " + file, [&](const auto& block) { samples += block.rows(); }))
-      throw base::ComputationError("interrupted");
-    fmt::print("{}: {} samples of {} channels: {}\n", file, samples,
-               record.header().channels.size(), words(record.checksum()));
-    held += record.checksum() == data::ChecksumFinding::holds ? 1 : 0;
+    complete =
+        read_all(record, "verifying " + file, [&](const auto& block) { samples += block.rows(); });
+    if (complete) {
+      fmt::print("{}: {} samples of {} channels: {}\n", file, samples,
+                 record.header().channels.size(), words(record.checksum()));
+      return record.checksum() == data::ChecksumFinding::holds ? Outcome::held : Outcome::not_held;
+    }
+  } catch (const base::InputError& error) {
+    print_diagnostics(error.diagnostics());
+    return Outcome::unreadable;
+  } catch (const base::ComputationError& error) {
+    print_error(fmt::format("{}: {}", file, error.what()));
+    return Outcome::unreadable;
   }
-  if (held < arguments.files.size())
-    throw base::ComputationError(
-        fmt::format("the checksum holds in {} of {} files", held, arguments.files.size()));
+  throw base::ComputationError("interrupted");
+}
+
+void run(const Arguments& arguments) {
+  std::size_t held = 0, unreadable = 0;
+  for (const auto& file : arguments.files) {
+    const auto outcome = verify(file);
+    held += outcome == Outcome::held ? 1 : 0;
+    unreadable += outcome == Outcome::unreadable ? 1 : 0;
+  }
+  const auto files = arguments.files.size();
+  auto summary = fmt::format("the checksum holds in {} of {} files", held, files);
+  if (unreadable > 0)
+    throw base::InputError(
+        {{.message = fmt::format("{}; {} cannot be read", summary, unreadable)}});
+  if (held < files) throw base::ComputationError(summary);
 }
 
 }  // namespace

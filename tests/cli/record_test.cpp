@@ -200,5 +200,24 @@ TEST_F(Record, WrongInputIsExitCodeTwo) {
   EXPECT_EQ(run({"show", "no-rate.csv", "--rate", "100"}).exit_code, 0);
 }
 
+TEST_F(Record, VerifyGoesOnAfterFilesThatCannotBeRead) {
+  write_text(file("cells.csv"), "time_s,a\n0.0,left\n0.1,right\n");
+  const auto whole = read_text(file("run.h5"));
+  write_text(file("short.h5"), whole.substr(0, 700));
+  const auto all = run({"verify", "cells.csv", "run.h5", "missing.h5", "short.h5", "run.h5"});
+  EXPECT_EQ(all.exit_code, 2);
+  EXPECT_THAT(all.out,
+              HasSubstr("run.h5: 10000 samples of 3 channels: the checksum holds\nrun.h5"));
+  for (const char* name : {"cells.csv", "missing.h5", "short.h5"})
+    EXPECT_THAT(all.err, HasSubstr(name));
+  EXPECT_THAT(all.err, testing::EndsWith("the checksum holds in 2 of 5 files; 3 cannot be read\n"));
+  auto damaged = whole;
+  damaged[damaged.size() / 2] ^= 0x10;
+  write_text(file("damaged.h5"), damaged);
+  const auto readable = run({"verify", "damaged.h5", "run.h5"});
+  EXPECT_EQ(readable.exit_code, 1);
+  EXPECT_THAT(readable.err, testing::EndsWith("the checksum holds in 1 of 2 files\n"));
+}
+
 }  // namespace
 }  // namespace hydrapod::test
