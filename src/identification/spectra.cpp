@@ -116,37 +116,66 @@ class ChannelWatch {
   [[nodiscard]] ChannelHealth health() const;
 
  private:
-  /// Samples at one end of the range, and at the value next to it: a clipped channel has more of
-  /// the former, a coarsely resolved one fewer.
-  struct Limit {
-    double value{}, next{};
-    std::int64_t counted{}, counted_next{};
-    /// `extreme`: of these and all samples before; `side`: 1 for the upper end, −1 for the lower.
-    void add(const Column& samples, double extreme, double side);
-    [[nodiscard]] std::int64_t clipped() const { return counted > counted_next ? counted : 0; }
+  /// Samples at one end of the range, and at the three values next to it.
+  class Limit {
+   public:
+    /// 1 for the upper end, −1 for the lower.
+    explicit Limit(double side) : side_(side) {}
+    /// `extreme`: of these.
+    void add(const Column& samples, double extreme);
+    [[nodiscard]] double value() const { return values_[0]; }
+    /// Samples that were cut off here, of `all`.
+    [[nodiscard]] std::int64_t clipped(std::int64_t all) const;
+
+   private:
+    void count(double sample);
+
+    double side_;
+    double least_{-std::numeric_limits<double>::infinity()};  // what counts, times the side
+    std::size_t known_{};
+    std::array<double, 4> values_{};
+    std::array<std::int64_t, 4> counts_{};
   };
 
-  bool begun_{};
   std::int64_t samples_{}, missing_{};
-  Limit low_{}, high_{};
+  Limit low_{-1.0}, high_{1.0};
 };
 
-void ChannelWatch::Limit::add(const Column& samples, double extreme, double side) {
-  const auto count = [&](double at) { return (samples.array() == at).count(); };
-  if (extreme != value) {  // beyond all before
-    next = value;
-    counted_next = counted;
-    value = extreme;
-    counted = 0;
+void ChannelWatch::Limit::count(double sample) {
+  std::size_t at = 0;
+  while (at < known_ && side_ * values_[at] > side_ * sample) ++at;
+  if (at < known_ && values_[at] == sample) {
+    ++counts_[at];
+    return;
   }
-  counted += count(value);
-  // the value next to it may be among these samples
-  double inner = next;
+  known_ = std::min(known_ + 1, values_.size());
+  const auto from = static_cast<std::ptrdiff_t>(at), to = static_cast<std::ptrdiff_t>(known_);
+  std::move_backward(values_.begin() + from, values_.begin() + to - 1, values_.begin() + to);
+  std::move_backward(counts_.begin() + from, counts_.begin() + to - 1, counts_.begin() + to);
+  values_[at] = sample;
+  counts_[at] = 1;
+  if (known_ == values_.size()) least_ = side_ * values_.back();
+}
+
+void ChannelWatch::Limit::add(const Column& samples, double extreme) {
+  if (side_ * extreme < least_) return;
   for (const double x : samples)
-    if (std::isfinite(x) && x != value && side * (x - inner) > 0.0) inner = x;
-  if (inner != next) counted_next = 0;
-  next = inner;
-  counted_next += count(next);
+    if (side_ * x >= least_ && std::isfinite(x)) count(x);
+}
+
+std::int64_t ChannelWatch::Limit::clipped(std::int64_t all) const {
+  // A rounded top in steps of the resolution has at most as many samples in its last step as in the
+  // three before it, √1 against √4 − √1, and a tail of noise has fewer: 0.3 is for scatter.
+  constexpr double jump = 1.3;
+  // Coarser steps leave no room for that: what falls towards the limit and rises there is clipped,
+  // and so is what stands there as often as only a sine of five steps does.
+  constexpr double rise = 1.5, rising_share = 0.01, large_share = 0.2;
+  const auto n = [&](std::size_t k) { return static_cast<double>(counts_[k]); };
+  const double share = n(0) / static_cast<double>(all);
+  const bool jumps = known_ == counts_.size() && n(0) > jump * (n(1) + n(2) + n(3));
+  const bool rises = share >= rising_share && n(1) <= n(2) && n(0) > rise * n(1);
+  const bool is_usual = share >= large_share && n(0) > n(1);
+  return jumps || rises || is_usual ? counts_[0] : 0;
 }
 
 void ChannelWatch::add(const Column& samples, double low, double high) {
@@ -164,23 +193,18 @@ void ChannelWatch::add(const Column& samples, double low, double high) {
     }
     if (low > high) return;
   }
-  if (!begun_) {
-    low_ = {.value = low, .next = high};
-    high_ = {.value = high, .next = low};
-  }
-  begun_ = true;
-  // else no sample of this piece is at the limit or next to it
-  if (low <= low_.next) low_.add(samples, std::min(low, low_.value), -1.0);
-  if (high >= high_.next) high_.add(samples, std::max(high, high_.value), 1.0);
+  low_.add(samples, low);
+  high_.add(samples, high);
 }
 
 ChannelHealth ChannelWatch::health() const {
   ChannelHealth health;
   health.samples = samples_;
   health.missing = missing_;
-  health.lowest = low_.value;
-  health.highest = high_.value;
-  if (high_.value > low_.value) health.at_limit = low_.clipped() + high_.clipped();
+  health.lowest = low_.value();
+  health.highest = high_.value();
+  if (health.highest > health.lowest)
+    health.at_limit = low_.clipped(samples_) + high_.clipped(samples_);
   return health;
 }
 

@@ -203,6 +203,84 @@ TEST(Spectra, CoarseStepsAreNoLimit) {
   EXPECT_GT(s.health[1].at_limit, 5000);
 }
 
+/// Noise of variance 1 through three low-pass filters with their corner at this share of the sample
+/// rate; 0: white.
+Eigen::VectorXd slow_noise(double corner, std::uint64_t seed) {
+  Eigen::VectorXd x = noise_record(1 << 16, 1, seed).samples.col(0);
+  const double step = corner > 0.0 ? 1.0 - std::exp(-two_pi * corner) : 1.0;
+  for (int pass = 0; pass < 3; ++pass) {
+    double y = 0.0;
+    for (double& sample : x) sample = y += step * (sample - y);
+  }
+  return x * (std::sqrt(static_cast<double>(x.size())) / x.norm());
+}
+
+/// 0: no steps.
+Eigen::VectorXd in_steps(const Eigen::VectorXd& x, double step) {
+  return step > 0.0 ? Eigen::VectorXd((x.array() / step).round() * step) : x;
+}
+
+ChannelHealth health_of(const Eigen::VectorXd& x) {
+  data::Record record{.header = test::header_of(1, 0, 37.0), .samples = x};
+  return spectra_of(record, {.block_length = 512}).health[0];
+}
+
+TEST(Spectra, StepsOfTheResolutionAreNoLimit) {
+  for (const double corner : {0.0, 0.05, 0.005, 0.0015})
+    for (const double levels : {1.0, 2.0, 5.0, 20.0, 100.0})
+      for (std::uint64_t seed = 1; seed <= 3; ++seed)
+        EXPECT_LT(health_of(in_steps(slow_noise(corner, seed), 1.0 / levels)).at_limit, 10)
+            << corner << " " << levels << " " << seed;
+}
+
+TEST(Spectra, RoundedTopsAreNoLimit) {
+  Eigen::VectorXd sine(1 << 16), sweep(1 << 16);
+  for (const double amplitude : {5.7, 10.3, 20.45, 300.3}) {
+    for (Index k = 0; k < sine.size(); ++k) {
+      const auto t = static_cast<double>(k);
+      sine[k] = amplitude * std::sin(two_pi * 0.01337 * t + 0.3);
+      sweep[k] = amplitude * std::sin(two_pi * (1e-4 + 7.1e-7 * t) * t + 0.3);
+    }
+    EXPECT_LT(health_of(in_steps(sine, 1.0)).at_limit, 10) << amplitude;
+    EXPECT_LT(health_of(in_steps(sweep, 1.0)).at_limit, 10) << amplitude;
+  }
+}
+
+TEST(Spectra, WhatWasCutOffIsCounted) {
+  const auto expect_all = [](const Eigen::VectorXd& x, const std::string& what) {
+    const auto at_end = (x.array() == x.maxCoeff()).count() + (x.array() == x.minCoeff()).count();
+    EXPECT_EQ(health_of(x).at_limit, at_end) << what;
+  };
+  Eigen::VectorXd sine(30011);
+  for (Index k = 0; k < sine.size(); ++k)
+    sine[k] = std::sin(two_pi * 0.01337 * static_cast<double>(k) + 0.3);
+  for (const double step : {0.0, 1e-4, 0.01, 0.05})
+    for (const double limit : {0.75, 0.85, 0.9})
+      expect_all(in_steps(sine, step).cwiseMin(limit).cwiseMax(-limit),
+                 "sine, steps of " + std::to_string(step) + " up to " + std::to_string(limit));
+  for (const double corner : {0.0, 0.05, 0.005})
+    for (const double step : {0.0, 0.01, 0.05, 0.2})
+      for (const double limit : {1.0, 2.0})
+        expect_all(in_steps(slow_noise(corner, 4), step).cwiseMin(limit).cwiseMax(-limit),
+                   "noise of " + std::to_string(corner) + ", steps of " + std::to_string(step) +
+                       " up to " + std::to_string(limit));
+  // converters of 12 bits, one that stands off its middle
+  const double bit = 10.0 / 2048.0;
+  const Eigen::VectorXd input = 3.7 * slow_noise(0.05, 6);
+  const auto converted = [&](double offset) {
+    return in_steps(input.array() + offset, bit).cwiseMin(10.0 - bit).cwiseMax(-10.0).eval();
+  };
+  expect_all(converted(0.0), "saturated at both ends");
+  const Eigen::VectorXd one = converted(4.4);
+  EXPECT_EQ(health_of(one).at_limit, (one.array() == one.maxCoeff()).count());
+}
+
+TEST(Spectra, AChannelThatStandsStillIsAtNoLimit) {
+  const auto health = health_of(Eigen::VectorXd::Constant(4099, -0.37));
+  EXPECT_TRUE(health.constant());
+  EXPECT_EQ(health.at_limit, 0);
+}
+
 TEST(Spectra, PeriodsTellSignalFromNoise) {
   // a periodic signal of 200 samples, and the same with noise of variance 0.09
   data::Record record{.header = test::header_of(2, 0, 100.0), .samples = data::Samples(4000, 2)};

@@ -143,8 +143,9 @@ struct SpectrumOptions {
 struct ChannelHealth {
   std::int64_t samples{};
   std::int64_t missing{};  ///< NaN or infinite
-  std::int64_t
-      at_limit{};  ///< at the highest or lowest value: more than a few say that it was clipped
+  /// Cut off at the highest or lowest value, or 0 where these look like the end of a signal in
+  /// steps of its resolution: more than a few say that it was clipped.
+  std::int64_t at_limit{};
   double lowest{}, highest{};
   [[nodiscard]] bool constant() const { return samples > missing && !(highest > lowest); }
 };
