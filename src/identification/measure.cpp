@@ -43,7 +43,7 @@ VectorXd first_samples(data::RecordSet& records, int channel, std::int64_t skip)
 /// To see whether the first input repeats.
 std::int64_t find_period(data::RecordSet& records, int channel, std::int64_t skip) {
   const VectorXd x = first_samples(records, channel, skip);
-  if (x.size() < 32 || !x.allFinite()) return 0;
+  if (x.size() < 32) return 0;
   return period_of(x.tail(x.size() - x.size() / 8));  // past a fade-in
 }
 
@@ -271,6 +271,12 @@ void read_spectra(data::RecordSet& records, Reading& reading, const numerics::Pr
   m.responses.warnings.push_back(warning_of_missing(as_read, streamed.unknown_share));
 }
 
+/// Periods with a missing sample are left out: where these are most, blocks that can be filled
+/// serve better than the periods, unless those were asked for.
+bool loses_periods(const CrossSpectra& spectra, const MeasureOptions& options) {
+  return spectra.options.periodic && !options.period && spectra.blocks_left_out > spectra.blocks;
+}
+
 /// Finds tones in records whose spectra are known.
 std::vector<Tone> tones_in(data::RecordSet& records, const Reading& reading, const Plan& plan,
                            const CrossSpectra& spectra) {
@@ -395,8 +401,16 @@ Measurement measure_responses(data::RecordSet& records, const MeasureOptions& op
   Measurement m{.header = records.header()};
   Plan plan = plan_channels(records.files()[0], m.header, options);
   if (auto hits = measure_hits(records, plan, options)) return std::move(*hits);
+  const Plan planned = plan;
   Reading reading = plan_reading(records, plan, options);
   read_spectra(records, reading, progress, m);
+  if (!m.interrupted && loses_periods(m.spectra, options)) {
+    plan = planned;
+    MeasureOptions own = options;
+    own.period = 0.0;
+    reading = plan_reading(records, plan, own);
+    read_spectra(records, reading, {}, m);
+  }
   subtract_found_tones(records, plan, reading, m);
   auto harmonics = harmonics_of(reading.tones, plan.choice, options, m.spectra);
   bring_outputs_to_platform(options, plan.choice, m);

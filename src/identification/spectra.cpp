@@ -10,6 +10,7 @@
 #include <stdexcept>
 
 #include "cross_products.hpp"
+#include "gaps.hpp"
 #include "hydrapod/numerics/fft.hpp"
 #include "hydrapod/numerics/parallel.hpp"
 #include "names.hpp"
@@ -451,7 +452,8 @@ CrossSpectra SpectrumEstimator::result() {
 std::int64_t period_of(const VectorXd& samples, double tolerance) {
   const Index n = samples.size() / 2 * 2;
   if (n < 16) return 0;
-  const VectorXd x = samples.head(n).array() - samples.head(n).mean();
+  VectorXd x = bridged(samples.head(n));
+  x.array() -= x.mean();
   numerics::RealFft fft(static_cast<int>(2 * n));
   std::vector<double> padded(static_cast<std::size_t>(2 * n), 0.0);
   VectorXd::Map(padded.data(), n) = x;
@@ -461,6 +463,19 @@ std::int64_t period_of(const VectorXd& samples, double tolerance) {
   fft.inverse(lines, padded);
   const double power = padded[0] / static_cast<double>(n);
   if (!(power > 0.0)) return 0;
+  // where both samples were measured, which most must be
+  const auto repeats_after = [&](Index lag) {
+    double error = 0.0;
+    std::int64_t pairs = 0;
+    for (Index t = lag; t < n; ++t) {
+      const double difference = samples[t] - samples[t - lag];
+      if (!std::isfinite(difference)) continue;
+      error += difference * difference;
+      ++pairs;
+    }
+    return 2 * pairs > n - lag &&
+           error <= tolerance * tolerance * power * static_cast<double>(pairs);
+  };
   bool fell = false;  // away from the peak at lag 0
   for (Index lag = 2; lag <= n / 3; ++lag) {
     const auto at = [&](Index l) {
@@ -468,8 +483,7 @@ std::int64_t period_of(const VectorXd& samples, double tolerance) {
     };
     fell = fell || at(lag) < 0.5;
     if (!fell || at(lag) < 0.9 || at(lag) < at(lag - 1) || at(lag) < at(lag + 1)) continue;
-    const double error = (x.tail(n - lag) - x.head(n - lag)).squaredNorm();
-    if (error <= tolerance * tolerance * power * static_cast<double>(n - lag)) return lag;
+    if (repeats_after(lag)) return lag;
   }
   return 0;
 }

@@ -27,6 +27,54 @@ TEST(DropOuts, EachChannelLosesItsOwn) {
   expect_all_modes({.share = 0.02, .gaps = 60, .channels_separately = true});
 }
 
+constexpr Eigen::Index period = 2000;
+
+/// White noise that repeats 24 times moves the first mass.
+data::Record periodic_record() {
+  const auto system = five_masses(1);
+  constexpr double rate = 200.0;
+  data::Record record{.header = test::header_of(1, 5, rate), .samples = {}};
+  record.samples.resize(24 * period, 6);
+  test::Random random(17);
+  Eigen::VectorXd force(period);
+  for (double& u : force) u = test::normal(random);
+  test::ModalRun run(system, 1.0 / rate);
+  for (Eigen::Index t = -6 * period; t < record.samples.rows(); ++t) {
+    const Eigen::VectorXd now = force.segment((t + 6 * period) % period, 1);
+    if (t >= 0) record.samples.row(t) << now.transpose(), run.output().transpose();
+    run.advance(now);
+  }
+  const double size = record.samples.rightCols(5).cwiseAbs().maxCoeff();
+  for (double& y : record.samples.rightCols(5).reshaped()) y += 1e-3 * size * test::normal(random);
+  return record;
+}
+
+TEST(DropOuts, OneLostSampleOfTheInputHidesNoPeriod) {
+  auto record = periodic_record();
+  record.samples(31013, 0) = std::numeric_limits<double>::quiet_NaN();
+  const auto m = gapped_measurement(record);
+  EXPECT_TRUE(m.spectra.options.periodic);
+  EXPECT_EQ(m.spectra.options.block_length, period);
+  EXPECT_EQ(m.spectra.blocks, 23);
+  EXPECT_EQ(m.spectra.blocks_left_out, 1);
+}
+
+TEST(DropOuts, InEveryPeriodTheyAreFilled) {
+  for (const Eigen::Index channel : {0, 4}) {
+    auto record = periodic_record();
+    for (Eigen::Index t = 7; t < record.samples.rows(); t += 997)
+      record.samples(t, channel) = std::numeric_limits<double>::quiet_NaN();
+    const auto m = gapped_measurement(record);
+    EXPECT_FALSE(m.spectra.options.periodic);
+    EXPECT_EQ(m.spectra.blocks_left_out, 0);
+    const auto found = identify_modes(m.responses);
+    const auto truth = five_masses(1).modes;
+    ASSERT_EQ(found.modes.size(), truth.size());
+    for (std::size_t r = 0; r < truth.size(); ++r)
+      EXPECT_NEAR(found.modes[r].fit.omega() / std::abs(truth[r].pole), 1.0, 0.01);
+  }
+}
+
 /// A signal that obeys a recursion exactly is restored exactly.
 TEST(Predictor, RestoresWhatIsPredictable) {
   constexpr Eigen::Index rows = 4000;

@@ -300,6 +300,18 @@ TEST(Spectra, PeriodsTellSignalFromNoise) {
   EXPECT_NEAR(noise * 100.0 / 2.0, 0.09, 0.09 * 3.0 / std::sqrt(99.0 * 19.0));
 }
 
+TEST(Spectra, MissingSamplesHideNoPeriod) {
+  Eigen::VectorXd x = noise_record(211, 1, 8).samples.col(0).replicate(19, 1);
+  Eigen::VectorXd noise = noise_record(4000, 1, 3).samples.col(0);
+  for (const Index k : {0, 1, 2, 1300, 3001}) {
+    x[k] = std::numeric_limits<double>::quiet_NaN();
+    noise[k] = std::numeric_limits<double>::infinity();
+  }
+  EXPECT_EQ(period_of(x), 211);
+  EXPECT_EQ(period_of(noise), 0);
+  EXPECT_EQ(period_of(Eigen::VectorXd::Constant(500, std::nan(""))), 0);
+}
+
 TEST(Spectra, OptionsThatMakeNoSenseAreRefused) {
   const auto header = test::header_of(1, 0, 1.0);
   EXPECT_THROW(SpectrumEstimator(header, {.block_length = 7}), std::invalid_argument);

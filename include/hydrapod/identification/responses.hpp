@@ -197,7 +197,7 @@ class SpectrumEstimator {
 };
 
 /// Samples after which excitation repeats, to within `tolerance` of its RMS; 0: it does not.
-/// `samples`: one signal, at least three periods of it.
+/// `samples`: one signal, at least three periods of it; those that are missing tell nothing.
 std::int64_t period_of(const Eigen::VectorXd& samples, double tolerance = 1e-3);
 
 struct LinearSensor {
