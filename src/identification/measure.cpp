@@ -9,6 +9,7 @@
 #include <numbers>
 #include <stdexcept>
 
+#include "beginning.hpp"
 #include "bring_to_platform.hpp"
 #include "channel_plan.hpp"
 #include "damped.hpp"
@@ -16,7 +17,6 @@
 #include "hits.hpp"
 #include "hydrapod/base/error.hpp"
 #include "hydrapod/base/text.hpp"
-#include "hydrapod/numerics/fft.hpp"
 #include "names.hpp"
 #include "response_checks.hpp"
 #include "tones.hpp"
@@ -24,56 +24,6 @@
 namespace hydrapod::identification {
 
 namespace {
-
-/// The first samples of a channel, up to a million.
-VectorXd first_samples(data::RecordSet& records, int channel, std::int64_t skip) {
-  constexpr std::size_t most = 1 << 20;
-  std::vector<double> samples;
-  std::int64_t seen = 0;
-  records.stream([&](std::size_t file, const Eigen::Ref<const data::Samples>& block) {
-    if (file > 0) return false;
-    for (Index k = 0; k < block.rows() && samples.size() < most; ++k)
-      if (seen + k >= skip) samples.push_back(block(k, channel));
-    seen += block.rows();
-    return samples.size() < most;
-  });
-  return VectorXd::Map(samples.data(), static_cast<Index>(samples.size()));
-}
-
-/// To see whether the first input repeats.
-std::int64_t find_period(data::RecordSet& records, int channel, std::int64_t skip) {
-  const VectorXd x = first_samples(records, channel, skip);
-  if (x.size() < 32) return 0;
-  return period_of(x.tail(x.size() - x.size() / 8));  // past a fade-in
-}
-
-/// That of the instruments, where there are records enough for responses from them: in a loop noise
-/// makes the inputs differ from period to period. Else that of the inputs.
-std::int64_t excitation_period(data::RecordSet& records, const ChannelChoice& choice,
-                               std::int64_t skip) {
-  if (!choice.instruments.empty() && records.files().size() >= choice.inputs.size())
-    if (const auto period = find_period(records, choice.instruments[0], skip); period > 0)
-      return period;
-  return find_period(records, choice.inputs[0], skip);
-}
-
-bool fills_band(const VectorXd& x, int block, const FilledBand& options) {
-  const VectorXd window = window_samples(Window::hann, block);
-  numerics::RealFft fft(block);
-  std::vector<Complex> lines(static_cast<std::size_t>(fft.lines()));
-  VectorXd power = VectorXd::Zero(fft.lines());
-  for (Index at = 0; at + block <= x.size(); at += block) {
-    const VectorXd part = x.segment(at, block);
-    const VectorXd windowed = window.cwiseProduct(part - VectorXd::Constant(block, part.mean()));
-    fft.forward({windowed.data(), static_cast<std::size_t>(block)}, lines);
-    for (Index k = 0; k < power.size(); ++k)
-      power[k] += std::norm(lines[static_cast<std::size_t>(k)]);
-  }
-  const auto below = static_cast<Index>(options.pass_band * static_cast<double>(power.size()));
-  return static_cast<double>(
-             (power.head(below).array() > options.quiet * power.maxCoeff()).count()) >=
-         options.most_lines * static_cast<double>(below);
-}
 
 std::int64_t settling_samples(const data::RecordSet& records, const MeasureOptions& options) {
   return std::llround(options.settling * records.header().sample_rate);
@@ -91,17 +41,17 @@ unsigned longest_block(const ChannelChoice& choice, const MeasureOptions& option
 /// [samples]; 0: the excitation does not repeat, or that does not count. `shortest`: samples of the
 /// shortest record, here and below.
 std::int64_t period_to_use(data::RecordSet& records, const Plan& plan,
-                           const MeasureOptions& options, std::int64_t shortest) {
+                           const MeasureOptions& options, std::int64_t shortest,
+                           Beginning& beginning) {
   const double rate = records.header().sample_rate;
   if (options.period && !(*options.period * rate <= static_cast<double>(shortest)))
     base::refuse(records.files()[0],
                  fmt::format("the period of {:g} s is longer than the record of {:g} s",
                              *options.period, static_cast<double>(shortest) / rate));
-  const std::int64_t period =
-      options.period ? std::llround(*options.period * rate)
-      : options.block_length
-          ? 0
-          : excitation_period(records, plan.choice, settling_samples(records, options));
+  const std::int64_t period = options.period ? std::llround(*options.period * rate)
+                              : options.block_length
+                                  ? 0
+                                  : excitation_period(records, plan.choice, beginning);
   return period % 2 == 0 ? period : 2 * period;  // blocks have an even length
 }
 
@@ -147,14 +97,15 @@ int block_to_use(const data::RecordSet& records, const Plan& plan, const Measure
 }
 
 SpectrumOptions spectrum_options(data::RecordSet& records, const Plan& plan,
-                                 const MeasureOptions& options, std::int64_t shortest) {
+                                 const MeasureOptions& options, std::int64_t shortest,
+                                 Beginning& beginning) {
   SpectrumOptions o{.window = options.window};
   if (options.overlap)
     o.overlap = *options.overlap;
   else if (options.window == Window::rectangular)
     o.overlap = 0.0;
   constexpr std::int64_t shortest_period = 8;
-  const auto period = period_to_use(records, plan, options, shortest);
+  const auto period = period_to_use(records, plan, options, shortest, beginning);
   o.periodic = period >= shortest_period;
   if (o.periodic) {
     o.block_length = static_cast<int>(period);
@@ -164,15 +115,16 @@ SpectrumOptions spectrum_options(data::RecordSet& records, const Plan& plan,
   // then all samples weigh the same at every lag: a sweep is not cut into pieces
   if (!options.overlap && o.window != Window::rectangular &&
       plan.estimator == Estimator::instrumental &&
-      !fills_band(bridged(first_samples(records, plan.choice.instruments[0],
-                                        settling_samples(records, options))),
-                  o.block_length, options.filled))
+      !fills_band(beginning.of(plan.choice.instruments[0]), o.block_length, options.filled))
     o.overlap = 0.75;
   return o;
 }
 
+}  // namespace
+
 /// How the records are read.
 struct Reading {
+  Plan plan{};  ///< of the channels that are used
   SpectrumOptions spectrum{};
   std::vector<std::size_t> used{};   ///< channels
   std::int64_t settling{}, total{};  ///< samples
@@ -181,8 +133,11 @@ struct Reading {
   std::vector<Tone> tones{};               ///< that are subtracted
 };
 
+namespace {
+
 /// `plan`: its choice becomes one of the channels that are used.
-Reading plan_reading(data::RecordSet& records, Plan& plan, const MeasureOptions& options) {
+Reading plan_reading(data::RecordSet& records, Plan& plan, const MeasureOptions& options,
+                     Beginning& beginning) {
   Reading reading{.settling = settling_samples(records, options)};
   auto shortest = std::numeric_limits<std::int64_t>::max();
   for (std::size_t k = 0; k < records.files().size(); ++k) {
@@ -190,8 +145,9 @@ Reading plan_reading(data::RecordSet& records, Plan& plan, const MeasureOptions&
     shortest = std::min(shortest, count);
     reading.total += count;
   }
-  reading.spectrum = spectrum_options(records, plan, options, shortest);
+  reading.spectrum = spectrum_options(records, plan, options, shortest, beginning);
   reading.used = used_channels(plan.choice);
+  reading.plan = plan;
   reading.gap_plan = {.channels = reading.used,
                       .groups = groups_to_fill(plan.choice, plan.estimator),
                       .draw = plan.estimator == Estimator::half_spectra,
@@ -365,11 +321,11 @@ std::optional<std::vector<data::Samples>> whole_records(data::RecordSet& records
 
 /// Records of a hammer test, unless the options ask for blocks; none: these are no hits.
 std::optional<Measurement> measure_hits(data::RecordSet& records, Plan plan,
-                                        const MeasureOptions& options) {
+                                        const MeasureOptions& options, Beginning& beginning) {
   if (plan.choice.inputs.size() != 1 || plan.estimator != Estimator::h1 || options.block_length ||
       options.overlap || options.period || options.settling > 0.0 || options.platform ||
       options.outputs_to_platform || options.window != Window::hann ||
-      !hit_in(first_samples(records, plan.choice.inputs[0], 0)))
+      !hit_in(beginning.of(plan.choice.inputs[0])))
     return {};
   Measurement m{.header = records.header()};
   const auto used = used_channels(plan.choice);
@@ -400,15 +356,16 @@ Measurement measure_responses(data::RecordSet& records, const MeasureOptions& op
                               const numerics::Progress& progress) {
   Measurement m{.header = records.header()};
   Plan plan = plan_channels(records.files()[0], m.header, options);
-  if (auto hits = measure_hits(records, plan, options)) return std::move(*hits);
+  Beginning beginning(records, plan.choice, settling_samples(records, options));
+  if (auto hits = measure_hits(records, plan, options, beginning)) return std::move(*hits);
   const Plan planned = plan;
-  Reading reading = plan_reading(records, plan, options);
+  Reading reading = plan_reading(records, plan, options, beginning);
   read_spectra(records, reading, progress, m);
   if (!m.interrupted && loses_periods(m.spectra, options)) {
     plan = planned;
     MeasureOptions own = options;
     own.period = 0.0;
-    reading = plan_reading(records, plan, own);
+    reading = plan_reading(records, plan, own, beginning);
     read_spectra(records, reading, {}, m);
   }
   subtract_found_tones(records, plan, reading, m);
@@ -420,6 +377,7 @@ Measurement measure_responses(data::RecordSet& records, const MeasureOptions& op
   m.responses.warnings.insert(m.responses.warnings.begin(), earlier.begin(), earlier.end());
   compare_with_instrument(plan, m);
   m.choice = std::move(plan.choice);
+  m.reading = std::make_shared<const Reading>(std::move(reading));
   return m;
 }
 
@@ -429,7 +387,8 @@ Measurement measure_outputs(data::RecordSet& records, const MeasureOptions& opti
   Plan plan = plan_outputs(records.files()[0], m.header, options);
   MeasureOptions own = options;
   own.period = 0.0;
-  Reading reading = plan_reading(records, plan, own);
+  Beginning beginning(records, plan.choice, settling_samples(records, options));
+  Reading reading = plan_reading(records, plan, own, beginning);
   read_spectra(records, reading, progress, m);
   bring_outputs_to_platform(options, plan.choice, m);
   const auto earlier = std::move(m.responses.warnings);
@@ -440,18 +399,23 @@ Measurement measure_outputs(data::RecordSet& records, const MeasureOptions& opti
 
 namespace {
 
-GroupedSpectra read_groups(data::RecordSet& records, const Reading& reading, const Plan& plan,
+void refuse_periods(const Reading& reading) {
+  if (reading.spectrum.periodic)
+    throw base::ComputationError("the excitation is periodic: there are no blocks to resample");
+}
+
+GroupedSpectra read_groups(data::RecordSet& records, const Reading& reading,
                            const MeasureOptions& options, int groups,
                            const numerics::Progress& progress) {
   const auto& header = records.header();
   const auto& spectrum = reading.spectrum;
   const std::int64_t piece =
       std::max(reading.total / groups, std::int64_t{2} * spectrum.block_length);
-  GroupedSpectra result{.estimator = plan.estimator};
+  GroupedSpectra result{.estimator = reading.plan.estimator};
   const auto close = [&](SpectrumEstimator& estimator) {
     Measurement m{.spectra = estimator.result()};
     if (m.spectra.blocks == 0) return;
-    result.choice = plan.choice;
+    result.choice = reading.plan.choice;
     bring_outputs_to_platform(options, result.choice, m);
     result.groups.push_back(std::move(m.spectra));
   };
@@ -479,13 +443,22 @@ GroupedSpectra read_groups(data::RecordSet& records, const Reading& reading, con
 GroupedSpectra measure_groups(data::RecordSet& records, const MeasureOptions& options, int groups,
                               const numerics::Progress& progress) {
   Plan plan = plan_channels(records.files()[0], records.header(), options);
-  Reading reading = plan_reading(records, plan, options);
-  if (reading.spectrum.periodic)
-    throw base::ComputationError("the excitation is periodic: there are no blocks to resample");
+  Beginning beginning(records, plan.choice, settling_samples(records, options));
+  Reading reading = plan_reading(records, plan, options, beginning);
+  refuse_periods(reading);
   Measurement whole{.header = records.header()};
   read_spectra(records, reading, {}, whole);
   reading.tones = tones_in(records, reading, plan, whole.spectra);
-  return read_groups(records, reading, plan, options, groups, progress);
+  return read_groups(records, reading, options, groups, progress);
+}
+
+GroupedSpectra measure_groups(data::RecordSet& records, const Measurement& measured,
+                              const MeasureOptions& options, int groups,
+                              const numerics::Progress& progress) {
+  if (measured.reading == nullptr)
+    throw base::ComputationError("there are no blocks to resample: each record is a single hit");
+  refuse_periods(*measured.reading);
+  return read_groups(records, *measured.reading, options, groups, progress);
 }
 
 }  // namespace hydrapod::identification

@@ -146,7 +146,7 @@ void add_bootstrap(const IdentifyOptions& options, const Progress& progress, Ide
                                             options.measure.files.front()));
   constexpr int groups = 24;
   const auto grouped = identification::measure_groups(
-      *measured.records, estimate_options(options.measure, measured), groups);
+      *measured.records, measured.measurement, estimate_options(options.measure, measured), groups);
   found.bootstrap = identification::bootstrap_modes(
       grouped.groups, grouped.choice, grouped.estimator, found.modes,
       {.resamples = options.bootstrap, .identify = options.modes}, progress);
@@ -162,8 +162,9 @@ void test_steadiness(const IdentifyOptions& options, Identified& found) {
       measured.responses().estimator == data::Estimator::instrumental)
     return;
   try {
-    const auto grouped = identification::measure_groups(
-        *measured.records, estimate_options(options.measure, measured), parts);
+    const auto grouped =
+        identification::measure_groups(*measured.records, measured.measurement,
+                                       estimate_options(options.measure, measured), parts);
     identification::add_wandering(
         identification::wandering_modes(grouped.groups, grouped.choice, grouped.estimator,
                                         found.modes, options.modes),

@@ -63,9 +63,10 @@ inline Identification tested_for_wandering(const data::Record& record, TimeTaken
   writer->close();
   data::RecordSet records({file});
   const auto begin = Clock::now();
-  auto found = identify_modes(measure_responses(records, {}).responses);
+  const auto measured = measure_responses(records, {});
+  auto found = identify_modes(measured.responses);
   const auto middle = Clock::now();
-  const auto grouped = measure_groups(records, {}, 4);
+  const auto grouped = measure_groups(records, measured, {}, 4);
   add_wandering(wandering_modes(grouped.groups, grouped.choice, grouped.estimator, found), found);
   if (time != nullptr) {
     time->all_else += seconds(begin, middle);

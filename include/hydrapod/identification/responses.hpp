@@ -299,6 +299,9 @@ struct MeasureOptions {
   std::optional<Eigen::MatrixXd> outputs_to_platform{};
 };
 
+/// What was found out about records to read them: period, gaps, tones. Private to the module.
+struct Reading;
+
 struct Measurement {
   FrequencyResponses responses{};
   CrossSpectra spectra{};
@@ -309,6 +312,7 @@ struct Measurement {
   bool interrupted{};
   bool from_legs{};  ///< the responses were brought from leg lengths to the platform
   std::optional<BiasFinding> h1_against_instrument{};  ///< where both could be formed
+  std::shared_ptr<const Reading> reading{};  ///< by measure_responses; none: records of hits
 };
 
 /// The records are averaged together. Where `progress` asks to stop the rest is left
@@ -332,6 +336,12 @@ struct GroupedSpectra {
 /// In at most `groups` pieces, each at least two blocks long. Throws as measure_responses, and
 /// base::ComputationError for periodic excitation, whose periods are no blocks to draw from.
 GroupedSpectra measure_groups(data::RecordSet& records, const MeasureOptions& options, int groups,
+                              const numerics::Progress& progress = {});
+
+/// The same with what measure_responses found out, given these records and options: they are read
+/// once.
+GroupedSpectra measure_groups(data::RecordSet& records, const Measurement& measured,
+                              const MeasureOptions& options, int groups,
                               const numerics::Progress& progress = {});
 
 }  // namespace hydrapod::identification
