@@ -170,13 +170,14 @@ std::int64_t ChannelWatch::Limit::clipped(std::int64_t all) const {
   constexpr double jump = 1.3;
   // Coarser steps leave no room for that: what falls towards the limit and rises there is clipped,
   // and so is what stands there as often as only a sine of five steps does.
-  constexpr double rise = 1.5, rising_share = 0.01, large_share = 0.2;
+  // Of few samples a slow signal has few tops, any of which may look so.
+  constexpr double rise = 1.5, rising_share = 0.01, large_share = 0.2, least = 100.0;
   const auto n = [&](std::size_t k) { return static_cast<double>(counts_[k]); };
   const double share = n(0) / static_cast<double>(all);
   const bool jumps = known_ == counts_.size() && n(0) > jump * (n(1) + n(2) + n(3));
   const bool rises = share >= rising_share && n(1) <= n(2) && n(0) > rise * n(1);
   const bool is_usual = share >= large_share && n(0) > n(1);
-  return jumps || rises || is_usual ? counts_[0] : 0;
+  return jumps || (n(0) >= least && (rises || is_usual)) ? counts_[0] : 0;
 }
 
 void ChannelWatch::add(const Column& samples, double low, double high) {

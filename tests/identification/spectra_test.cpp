@@ -233,6 +233,12 @@ TEST(Spectra, StepsOfTheResolutionAreNoLimit) {
             << corner << " " << levels << " " << seed;
 }
 
+TEST(Spectra, StepsOfAShortRecordAreNoLimit) {
+  const Eigen::VectorXd x = in_steps(slow_noise(0.05, 7), 0.5);
+  for (Index at = 0; at + 256 <= x.size(); at += 256)
+    EXPECT_LT(health_of(x.segment(at, 256)).at_limit, 10) << at;
+}
+
 TEST(Spectra, RoundedTopsAreNoLimit) {
   Eigen::VectorXd sine(1 << 16), sweep(1 << 16);
   for (const double amplitude : {5.7, 10.3, 20.45, 300.3}) {
