@@ -37,6 +37,14 @@ std::optional<double> seconds(const std::string& unit) {
   return found.factor;
 }
 
+/// To many programs "time_s" is what "time [s]" is to others.
+TableTitle with_unit_of_time(const TableTitle& title) {
+  const auto at = title.name.rfind('_');
+  if (!title.unit.empty() || at == std::string::npos) return title;
+  TableTitle apart{.name = title.name.substr(0, at), .unit = title.name.substr(at + 1)};
+  return is_time_name(apart.name) && seconds(apart.unit) ? apart : title;
+}
+
 /// The cells that hold the times of the rows: numbers, or stamps of one cell or two (date, time).
 class TimeCells {
  public:
@@ -222,8 +230,9 @@ class CsvReader final : public RecordReader {
   void find_time_column(const std::vector<TableTitle>& found) {
     if (columns_ < 2 && !by_hydrapod_) return;
     for (std::size_t c = 0; c < columns_; ++c) {
-      const auto factor = found[c].unit.empty() ? std::optional(1.0) : seconds(found[c].unit);
-      if (!factor || (!is_time_name(found[c].name) && (c > 0 || found[c].unit.empty()))) continue;
+      const auto title = with_unit_of_time(found[c]);
+      const auto factor = title.unit.empty() ? std::optional(1.0) : seconds(title.unit);
+      if (!factor || (!is_time_name(title.name) && (c > 0 || title.unit.empty()))) continue;
       times_.emplace(c, *factor);
       return;
     }

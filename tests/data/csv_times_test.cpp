@@ -86,6 +86,19 @@ TEST(CsvTimes, ARateFromOutsideDoesNotHideAGap) {
                         "50 Hz"));
 }
 
+TEST(CsvTimes, AUnitBehindAnUnderscore) {
+  const auto no_gap = [](int) { return false; };
+  for (const auto& [title, rate] : {std::pair{"time_s", 1.0}, {"t_ms", 1e3}, {"Zeit_s", 1.0}}) {
+    std::string text = std::string(title) + ",force\n";
+    for (int k = 0; k < 300; ++k) text += fmt::format("{},{}\n", 4 * k, k + 1);
+    const auto record = table(text).record;
+    EXPECT_EQ(record.header.sample_rate, 0.25 * rate) << title;
+    EXPECT_EQ(record.header.channels.size(), 1U) << title;
+    expect_counted(record, 300, no_gap);
+  }
+  EXPECT_THAT(problem("first_s,force\n0,1\n4,2\n").message, HasSubstr("no column of times"));
+}
+
 TEST(CsvTimes, RoundedTimesOfARateThatDoesNotSuitThem) {
   // 700 Hz in whole milliseconds: steps of 1 and 2 ms are no gaps
   const auto record = table(counted(20000, 700.0, 3, [](int) { return false; })).record;
