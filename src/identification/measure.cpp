@@ -145,6 +145,11 @@ Reading plan_reading(data::RecordSet& records, Plan& plan, const MeasureOptions&
     shortest = std::min(shortest, count);
     reading.total += count;
   }
+  if (reading.settling > 0 && reading.settling >= shortest)
+    base::refuse(
+        records.files()[0],
+        fmt::format("{:g} s are left out as settling, and the record has {:g} s", options.settling,
+                    static_cast<double>(shortest) / records.header().sample_rate));
   reading.spectrum = spectrum_options(records, plan, options, shortest, beginning);
   reading.used = used_channels(plan.choice);
   reading.plan = plan;

@@ -166,6 +166,19 @@ TEST_F(Identify, ARecordTooShortForTheResolutionIsRefused) {
   EXPECT_THAT(short_one.err, HasSubstr("few.csv: error: the record has only 2 samples:"));
 }
 
+TEST_F(Identify, SettlingLongerThanTheRecordIsRefused) {
+  const auto run = test::run_hydrapod({"frf", write(), "--settling", "400 s"});
+  EXPECT_EQ(run.exit_code, 2);
+  EXPECT_THAT(run.err, HasSubstr("400 s are left out as settling, and the record has 327.68 s"));
+}
+
+TEST_F(Identify, ARecordThatIsGivenTwiceDoesNotCountTwice) {
+  const auto path = write();
+  const auto run = test::run_hydrapod({"frf", path, folder / "./run.h5"});
+  EXPECT_EQ(run.exit_code, 2);
+  EXPECT_THAT(run.err, HasSubstr("is given twice"));
+}
+
 /// The reader of the file says `--rate`, whatever command reads it.
 TEST_F(Identify, TheRateOfAFileWithoutOneCanBeGiven) {
   const std::string few = folder / "few.csv";
