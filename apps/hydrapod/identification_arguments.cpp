@@ -57,6 +57,10 @@ identification::MeasureOptions estimate_options(const MeasurementArguments& a) {
   o.block_length = a.block;
   if (a.overlap && !(*a.overlap >= 0.0 && *a.overlap < 100.0))
     base::refuse(fmt::format("--overlap {}", *a.overlap), "must be from 0 to below 100 per cent");
+  if (a.overlap && *a.overlap > 0.0 && *a.overlap < 1.0)
+    base::refuse(fmt::format("--overlap {}", *a.overlap),
+                 fmt::format("is in per cent: write {:g} for {:g} of a block", 100.0 * *a.overlap,
+                             *a.overlap));
   if (a.overlap) o.overlap = *a.overlap / 100.0;
   o.period = optional_quantity("--period", a.period, "s", "a time");
   o.settling = optional_quantity("--settling", a.settling, "s", "a time").value_or(0.0);

@@ -198,6 +198,7 @@ TEST_F(Identify, BadOptionsAreRefused) {
                                       {"--estimator", "h3"},
                                       {"--block", "17"},
                                       {"--overlap", "100"},
+                                      {"--overlap", "0.75"},
                                       {"--from", "-1"},
                                       {"--plot", "x.bmp"},
                                       {"--order", "1"}})
