@@ -324,8 +324,8 @@ FrequencyResponses damped_instrumental(const CrossSpectra& spectra, const Channe
   r.shift = window.a;
   r.line_covariance = window.line_covariance;
   const VectorXd conditions = input_conditions(spectra, c.inputs, c.instruments);
-  constexpr Index apart = 4;  // lines from where the mean was, and from the last one
-  for (Index k = (first + apart) / 2; 2 * k + apart < spectra.lines(); ++k) {
+  constexpr Index apart = 4;  // lines from the last one
+  for (Index k = (first + 1) / 2; 2 * k + apart < spectra.lines(); ++k) {
     if (!(edges[2 * k] > std::log(options.least_share))) continue;
     if (!(conditions[2 * k] < singular_condition)) continue;
     add_line(spectra, c, H[static_cast<std::size_t>(k)], mixed(f, D, 2 * k, window.kernel),

@@ -57,6 +57,9 @@ std::int64_t period_to_use(data::RecordSet& records, const Plan& plan,
 
 constexpr int shortest_block = 16;
 
+/// Side by side, for so many inputs: the noise of the outputs is then still known.
+double fewest_blocks(std::size_t inputs) { return std::max(4.0, static_cast<double>(inputs + 2)); }
+
 /// Where the options name none.
 int usual_block(const data::RecordSet& records, const Plan& plan, const MeasureOptions& options,
                 std::int64_t shortest) {
@@ -69,11 +72,15 @@ int usual_block(const data::RecordSet& records, const Plan& plan, const MeasureO
           ? of_outputs
           : blocks_per_input * static_cast<double>(plan.choice.inputs.size() + 2);
   const double total = static_cast<double>(shortest) * static_cast<double>(records.files().size());
+  double wanted = total / side_by_side;
+  if (plan.estimator != Estimator::half_spectra)  // few lines cost more than few averages
+    wanted = std::max(wanted, std::min(static_cast<double>(options.few_lines),
+                                       total / fewest_blocks(plan.choice.inputs.size())));
   // the power of two that is nearest in ratio
-  const auto wanted = static_cast<unsigned>(
-      std::clamp(std::numbers::sqrt2 * total / side_by_side, static_cast<double>(shortest_block),
+  const auto most = static_cast<unsigned>(
+      std::clamp(std::numbers::sqrt2 * wanted, static_cast<double>(shortest_block),
                  static_cast<double>(longest_block(plan.choice, options))));
-  const auto block = static_cast<int>(std::bit_floor(wanted));
+  const auto block = static_cast<int>(std::bit_floor(most));
   return block > shortest ? static_cast<int>(std::bit_floor(static_cast<unsigned>(shortest)))
                           : block;
 }

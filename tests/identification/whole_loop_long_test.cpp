@@ -23,11 +23,12 @@ TEST(WholeLoopLong, HeavyPlatform) {
   expect_found(found, exact_poles(machine, experiment), {.least_share = 0.04});
 }
 
-/// As `--excite "noise all=0.01 mm, to=40"` does.
+/// As `--excite "noise all=0.01 mm, to=40"` does. In 300 s the lowest frequencies scatter by 0.25
+/// %.
 TEST(WholeLoopLong, HeavyPlatformExcitedUpTo40Hz) {
   const auto machine = simulation::machine_of("heavy-platform");
   const test::RigExperiment experiment{
-      .X_BP = machine.neutral(), .duration = 300.0, .level = 1e-5, .to = 40.0, .seed = 1};
+      .X_BP = machine.neutral(), .duration = 600.0, .level = 1e-5, .to = 40.0, .seed = 1};
   const auto found = test::identified_on_rig(machine, experiment);
   expect_found(found, exact_poles(machine, experiment), {.least_share = 0.04});
   ASSERT_EQ(found.responses.warnings.size(), 1U);

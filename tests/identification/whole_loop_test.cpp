@@ -16,6 +16,17 @@ TEST(WholeLoop, PublishedMachine) {
   EXPECT_EQ(found.modes[0].repeated, 2);
 }
 
+/// 20 s: some 17 blocks of 2 s that reach over each other.
+TEST(WholeLoop, ShortRecord) {
+  const auto machine = simulation::machine_of("zhang-jiang-2021");
+  test::RigExperiment experiment{.X_BP = machine.neutral(), .duration = 20.0, .level = 1.7e-4};
+  for (const std::uint64_t seed : {31u, 32u, 33u}) {
+    experiment.seed = seed;
+    expect_found(test::identified_on_rig(machine, experiment), exact_poles(machine, experiment),
+                 {.least_share = 0.1, .frequency = 1e-2, .damping = 0.25});
+  }
+}
+
 TEST(WholeLoop, HeavyPlatform) {
   const auto machine = simulation::machine_of("heavy-platform");
   const test::RigExperiment experiment{
@@ -33,7 +44,7 @@ TEST(WholeLoop, WeakModesBesideTheValves) {
   const auto machine = model::parse_machine(model::starter_machine_file(), "starter").machine;
   test::RigExperiment experiment{.X_BP = machine.neutral(), .duration = 60.0, .level = 1e-4};
   const auto exact = exact_poles(machine, experiment);
-  for (const std::uint64_t seed : {1u, 5u}) {
+  for (const std::uint64_t seed : {1u, 3u}) {
     experiment.seed = seed;
     const auto found = test::identified_on_rig(machine, experiment);
     int weak = 0;

@@ -85,8 +85,8 @@
 /// with the role response; among sensors of several kinds the platform's motion in six directions,
 /// else the six leg lengths. Estimator: H1 from excitations; from drives, the instrumental estimate
 /// where there are as many excitations, else H1. Block length: a power of two, so that there are
-/// some 4 p + 8 blocks side by side for p inputs. Excitation that repeats exactly is averaged over
-/// whole periods.
+/// some 4 p + 8 blocks side by side for p inputs, half as many for the instrumental estimate, and
+/// p + 2 in short records. Excitation that repeats exactly is averaged over whole periods.
 
 #include <Eigen/Core>
 #include <cstdint>
@@ -290,6 +290,10 @@ struct MeasureOptions {
   /// Lines × pairs of channels ≤ most_spectra where the block length is not given: 64 MiB. Longer
   /// records have more averages then, not finer lines.
   std::size_t most_spectra{std::size_t{1} << 22U};
+  /// Block length < few_lines, where it is not given, only where p + 2 blocks side by side, for p
+  /// inputs, would be longer than the record. Of 20 records of 40 s of a loop with 4.9 blocks side
+  /// by side instead of 9.8, the median errors were half as large.
+  int few_lines{1 << 12};
   Window window{Window::hann};
   FilledBand filled{};  ///< what fills it less is averaged with an overlap of 3/4 in a loop
   std::optional<double> period{};  ///< [s] of the excitation; 0: not periodic; default: found out
