@@ -152,14 +152,12 @@ void add_bootstrap(const IdentifyOptions& options, const Progress& progress, Ide
       {.resamples = options.bootstrap, .identify = options.modes}, progress);
 }
 
-/// Do the modes stay where they are? Not asked of periods, outputs alone, and closed loops, of
-/// which errors of parts are not known well enough (docs/validation/identification.md).
+/// Do the modes stay where they are? Not asked of periods and of outputs alone.
 void test_steadiness(const IdentifyOptions& options, Identified& found) {
   constexpr int parts = 4;
   auto& measured = found.measured;
   if (!measured.records || options.measure.output_only || measured.measurement.interrupted ||
-      measured.measurement.spectra.options.periodic || found.modes.modes.empty() ||
-      measured.responses().estimator == data::Estimator::instrumental)
+      measured.measurement.spectra.options.periodic || found.modes.modes.empty())
     return;
   try {
     const auto grouped =

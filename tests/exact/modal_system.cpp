@@ -59,15 +59,18 @@ ModalSystem chain(int masses, double mass, double stiffness, double damping_rati
   return system;
 }
 
-ModalRun::ModalRun(const ModalSystem& system, double sample_time) : system_(system) {
-  const auto count = static_cast<Index>(system.modes.size());
+ModalRun::ModalRun(const ModalSystem& system, double sample_time)
+    : system_(system), sample_time_(sample_time) {
+  const auto count = static_cast<int>(system.modes.size());
   state_ = Eigen::VectorXcd::Zero(count);
   decay_ = gain_ = state_;
-  for (Index r = 0; r < count; ++r) {
-    const Complex pole = system.modes[static_cast<size_t>(r)].pole;
-    decay_[r] = std::exp(pole * sample_time);
-    gain_[r] = (decay_[r] - 1.0) / pole;
-  }
+  for (int r = 0; r < count; ++r) tune(r, 1.0);
+}
+
+void ModalRun::tune(int mode, double factor) {
+  const Complex pole = factor * system_.modes[static_cast<size_t>(mode)].pole;
+  decay_[mode] = std::exp(pole * sample_time_);
+  gain_[mode] = (decay_[mode] - 1.0) / pole;
 }
 
 Eigen::VectorXd ModalRun::output() const {

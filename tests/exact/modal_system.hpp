@@ -47,9 +47,12 @@ class ModalRun {
   ModalRun(const ModalSystem& system, double sample_time);
   [[nodiscard]] Eigen::VectorXd output() const;
   void advance(const Eigen::VectorXd& input);
+  /// From now on the mode's pole is `factor` times that of the system.
+  void tune(int mode, double factor);
 
  private:
   const ModalSystem& system_;
+  double sample_time_;
   Eigen::VectorXcd state_, decay_, gain_;
 };
 

@@ -65,6 +65,8 @@ struct ForeignLoop {
   double forces{0.02};         ///< RMS of d [N]
   double duration{205.0};      ///< [s]
   std::vector<LoopTone> tones{};
+  int drifting{-1};    ///< mode whose pole drifts during the record; −1: none
+  double drift{0.02};  ///< from the beginning to the end, by its mean, linear in time
   std::uint64_t seed{1};
 };
 
@@ -216,6 +218,10 @@ inline data::Record foreign_loop_record(const test::ModalSystem& plant, const Fo
     last = error;
     if (k >= before)
       record.samples.row(k - before) << wanted.transpose(), y.transpose(), (u + hum).transpose();
+    if (e.drifting >= 0) {
+      const auto past = static_cast<double>(std::max<Eigen::Index>(0, k - before));
+      run.tune(e.drifting, 1.0 + e.drift * (past / static_cast<double>(samples) - 0.5));
+    }
     run.advance(u + forces);
   }
   return record;

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "foreign_loop.hpp"
 #include "wandering.hpp"
 
 namespace hydrapod::identification {
@@ -40,6 +41,31 @@ TEST(WanderingLong, DriftsOfTwoPercentAreNamed) {
   }
   EXPECT_GE(all, 95);
 }
+
+int loops_with_wandering(ForeignLoop loop, std::uint64_t seeds) {
+  const auto plant = foreign_plant();
+  int named = 0;
+  for (loop.seed = 501; loop.seed <= 500 + seeds; ++loop.seed)
+    named += wandering_in(tested_for_wandering(foreign_loop_record(plant, loop))).empty() ? 0 : 1;
+  return named;
+}
+
+class WanderingLoops : public testing::TestWithParam<Excitation> {};
+
+TEST_P(WanderingLoops, NameWhatDriftsAndNothingElse) {
+  const int stationary = loops_with_wandering({.excitation = GetParam()}, 60);
+  std::printf("loop %d, none drifts: %d of 60 records\n", static_cast<int>(GetParam()), stationary);
+  EXPECT_LE(stationary, 1);
+  int named = 0;
+  for (int mode = 0; mode < 3; ++mode)
+    named += loops_with_wandering({.excitation = GetParam(), .drifting = mode}, 20);
+  std::printf("loop %d, one drifts by 2 %%: %d of 60 records\n", static_cast<int>(GetParam()),
+              named);
+  EXPECT_GE(named, 58);
+}
+
+INSTANTIATE_TEST_SUITE_P(Long, WanderingLoops,
+                         testing::Values(Excitation::white, Excitation::noise, Excitation::drive));
 
 }  // namespace
 }  // namespace hydrapod::identification

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include "foreign_loop.hpp"
 #include "wandering.hpp"
 
 namespace hydrapod::identification {
@@ -41,6 +42,21 @@ TEST(Wandering, ModesThatStayAreNotNamed) {
   for (std::uint64_t seed = 1; seed <= 4; ++seed)
     EXPECT_TRUE(wandering_in(tested_for_wandering(drifting_record(system, {}, seed))).empty())
         << seed;
+}
+
+TEST(Wandering, InALoopTheModeThatDriftsIsNamed) {
+  const auto plant = foreign_plant();
+  for (int drifting = -1; drifting < 3; ++drifting) {
+    const ForeignLoop loop{.excitation = Excitation::noise, .drifting = drifting, .seed = 71};
+    const auto found = tested_for_wandering(foreign_loop_record(plant, loop));
+    const auto warnings = wandering_in(found);
+    ASSERT_EQ(warnings.size(), drifting < 0 ? 0U : 1U) << drifting;
+    if (drifting < 0) continue;
+    const double frequency =
+        std::abs(plant.modes[static_cast<std::size_t>(drifting)].pole) / (2.0 * std::numbers::pi);
+    EXPECT_NEAR(warnings[0].value, frequency, 0.005 * frequency);
+    EXPECT_NEAR((warnings[0].to - warnings[0].from) / frequency, 0.01, 0.003);
+  }
 }
 
 }  // namespace
