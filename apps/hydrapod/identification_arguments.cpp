@@ -4,7 +4,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <filesystem>
 
 #include "hydrapod/base/text.hpp"
 #include "hydrapod/machine_arguments.hpp"
@@ -18,16 +17,6 @@ std::vector<std::string> names(const std::string& text) {
   auto list = base::split(text, ",");
   std::erase(list, "");
   return list;
-}
-
-void refuse_repeated(const std::vector<std::string>& files) {
-  for (std::size_t k = 1; k < files.size(); ++k)
-    for (std::size_t before = 0; before < k; ++before) {
-      std::error_code absent;
-      if (std::filesystem::equivalent(files[k], files[before], absent))
-        base::refuse(files[k], fmt::format("is given twice, as {} before; it would count twice",
-                                           files[before]));
-    }
 }
 
 /// A quantity that must not be negative; none for an empty text.
@@ -123,7 +112,6 @@ void add_identification_options(Command command, IdentificationArguments& a) {
 }
 
 tasks::MeasureOptions measure_options(const MeasurementArguments& a) {
-  refuse_repeated(a.files);
   tasks::MeasureOptions options{
       .files = a.files,
       .sample_rate = optional_quantity("--rate", a.rate, "Hz", "a sample rate"),

@@ -208,9 +208,25 @@ ReadFrequencyResponsesResult read_frequency_responses(const std::string& path) {
   return begins_as_uff(head_of(path)) ? read_uff_responses(path) : read_response_table(path);
 }
 
+namespace {
+
+/// It would count twice in every average.
+void refuse_repeated(const std::vector<std::string>& files) {
+  for (std::size_t k = 1; k < files.size(); ++k)
+    for (std::size_t before = 0; before < k; ++before) {
+      std::error_code absent;
+      if (std::filesystem::equivalent(files[k], files[before], absent))
+        base::refuse(files[k], fmt::format("is given twice, as {} before; it would count twice",
+                                           files[before]));
+    }
+}
+
+}  // namespace
+
 RecordSet::RecordSet(std::vector<std::string> files, const ReadOptions& options)
     : files_(std::move(files)), counts_(files_.size()) {
   if (files_.empty()) throw std::invalid_argument("RecordSet: no file is named");
+  refuse_repeated(files_);
   for (std::size_t k = 0; k < files_.size(); ++k) {
     readers_.push_back(open_reader(files_[k], options));
     if (!same_channels(header(), header(k)))

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "gaps.hpp"
+#include "bridge.hpp"
 #include "hydrapod/numerics/fft.hpp"
 
 namespace hydrapod::identification {

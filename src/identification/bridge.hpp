@@ -1,6 +1,8 @@
 #pragma once
 /// Straight lines over missing samples. Private to the module.
 
+#include <cmath>
+
 #include "names.hpp"
 
 namespace hydrapod::identification {
@@ -19,6 +21,12 @@ void bridge(Samples&& x, const Missing& missing) {
   }
   const double rest = last < 0 ? 0.0 : x[last];
   x.tail(x.size() - last - 1).setConstant(rest);
+}
+
+/// Over samples that are not finite.
+inline VectorXd bridged(VectorXd samples) {
+  bridge(samples, [&](Index t) { return !std::isfinite(samples[t]); });
+  return samples;
 }
 
 }  // namespace hydrapod::identification

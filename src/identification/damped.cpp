@@ -8,8 +8,10 @@
 #include <cmath>
 #include <span>
 
+#include "bridge.hpp"
 #include "hydrapod/base/error.hpp"
 #include "hydrapod/numerics/fft.hpp"
+#include "hydrapod/numerics/statistics.hpp"
 #include "names.hpp"
 #include "response_checks.hpp"
 
@@ -128,9 +130,9 @@ bool drifts(const FromInstruments& f, Index first, const DampedOptions& options)
   }
   for (Index i = 0; i < variance.rows(); ++i) {
     const double largest = variance.row(i).head(first).maxCoeff();
-    auto row = variance.row(i).eval();
-    std::ranges::nth_element(row, row.begin() + lines / 2);
-    if (!(largest < options.drift * row[lines / 2])) return true;
+    const VectorXd row = variance.row(i);
+    const double usual = numerics::upper_median({row.begin(), row.end()});
+    if (!(largest < options.drift * usual)) return true;
   }
   return false;
 }
@@ -204,27 +206,18 @@ VectorXd band_edges(const std::vector<bool>& excited, const DampedOptions& optio
   return std::log(options.attenuation) * smoothed(outside, options.edge);
 }
 
-/// ln |D| that makes D H_wr flat, as a mean over its channels: beside a band that is not excited,
-/// as at its edge.
+/// ln |D| that makes D H_wr flat, as a mean over its channels: from H at excited lines and 0 at
+/// others, over which it is bridged.
 VectorXd whitening(const std::vector<MatrixXcd>& H, const std::vector<bool>& excited,
                    const DampedOptions& options) {
   const auto lines = static_cast<Index>(H.size()), rows = H[0].rows();
   MatrixXd power(rows, lines);
   for (Index k = 0; k < lines; ++k)
-    power.col(k) = excited[static_cast<std::size_t>(k)]
-                       ? VectorXd(H[static_cast<std::size_t>(k)].rowwise().squaredNorm())
-                       : VectorXd::Zero(rows);
+    power.col(k) = H[static_cast<std::size_t>(k)].rowwise().squaredNorm();
   const VectorXd total = power.rowwise().sum().cwiseMax(1e-300);
   VectorXd flat = (power.array().colwise() / total.array()).colwise().sum().transpose();
   flat = -0.5 * flat.cwiseMax(options.deepest * flat.maxCoeff()).array().log().matrix();
-  Index before = -1;
-  for (Index k = 0; k < lines; ++k) {
-    if (!excited[static_cast<std::size_t>(k)]) continue;
-    for (Index gap = before + 1; gap < k; ++gap)
-      flat[gap] = before < 0 || k - gap < gap - before ? flat[k] : flat[before];
-    before = k;
-  }
-  if (before >= 0) flat.tail(lines - 1 - before).setConstant(flat[before]);
+  bridge(flat, [&](Index k) { return !excited[static_cast<std::size_t>(k)]; });
   return smoothed(flat, options.whitening);
 }
 
@@ -324,8 +317,8 @@ FrequencyResponses damped_instrumental(const CrossSpectra& spectra, const Channe
   r.shift = window.a;
   r.line_covariance = window.line_covariance;
   const VectorXd conditions = input_conditions(spectra, c.inputs, c.instruments);
-  constexpr Index apart = 4;  // lines from the last one
-  for (Index k = (first + 1) / 2; 2 * k + apart < spectra.lines(); ++k) {
+  constexpr Index apart = 4;  // lines from the first ones and the last
+  for (Index k = (first + apart) / 2; 2 * k + apart < spectra.lines(); ++k) {
     if (!(edges[2 * k] > std::log(options.least_share))) continue;
     if (!(conditions[2 * k] < singular_condition)) continue;
     add_line(spectra, c, H[static_cast<std::size_t>(k)], mixed(f, D, 2 * k, window.kernel),

@@ -253,11 +253,6 @@ bool misses_samples(const CrossSpectra& spectra) {
   return std::ranges::any_of(spectra.health, [](const auto& h) { return h.missing > 0; });
 }
 
-VectorXd bridged(VectorXd samples) {
-  bridge(samples, [&](Index t) { return !std::isfinite(samples[t]); });
-  return samples;
-}
-
 data::ResponseWarning warning_of_missing(const CrossSpectra& spectra, double unknown_share) {
   data::ResponseWarning warning{.kind = data::ResponseWarning::Kind::missing_samples,
                                 .value = unknown_share};

@@ -106,9 +106,6 @@ class GapFiller {
 /// Does a channel that lives miss samples?
 bool misses_samples(const CrossSpectra& spectra);
 
-/// Straight lines over missing samples.
-VectorXd bridged(VectorXd samples);
-
 /// `spectra`: as they were read, with the missing samples.
 data::ResponseWarning warning_of_missing(const CrossSpectra& spectra, double unknown_share);
 

@@ -74,7 +74,7 @@ int usual_block(const data::RecordSet& records, const Plan& plan, const MeasureO
   const double total = static_cast<double>(shortest) * static_cast<double>(records.files().size());
   double wanted = total / side_by_side;
   if (plan.estimator != Estimator::half_spectra)  // few lines cost more than few averages
-    wanted = std::max(wanted, std::min(static_cast<double>(options.few_lines),
+    wanted = std::max(wanted, std::min(static_cast<double>(options.short_block),
                                        total / fewest_blocks(plan.choice.inputs.size())));
   // the power of two that is nearest in ratio
   const auto most = static_cast<unsigned>(

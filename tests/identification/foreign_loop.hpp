@@ -245,6 +245,13 @@ inline Measurement foreign_measurement(const test::ModalSystem& plant, const For
   return measure_responses(records, {});
 }
 
+inline const IdentifyOptions foreign_band{.to = 16.0};
+
+inline void add_modes(const test::ModalSystem& plant, const FrequencyResponses& responses,
+                      test::ClassScore& score) {
+  score.add(test::true_modes(plant), test::found_modes(identify_modes(responses, foreign_band)));
+}
+
 /// S_yr S_ur⁻¹ line by line from the same spectra, and the same search for poles.
 inline FrequencyResponses textbook(const Measurement& m) {
   return estimate_responses(m.spectra,

@@ -16,10 +16,9 @@ void judge(const char* name, Excitation excitation, double duration = 205.0) {
   for (std::uint64_t seed = 1; seed <= seeds; ++seed) {
     const auto m =
         foreign_measurement(plant, {.excitation = excitation, .duration = duration, .seed = seed});
-    const IdentifyOptions options{.to = 16.0};
     with_tones += m.responses.harmonics.empty() ? 0 : 1;
-    ours.add(test::true_modes(plant), test::found_modes(identify_modes(m.responses, options)));
-    plain.add(test::true_modes(plant), test::found_modes(identify_modes(textbook(m), options)));
+    add_modes(plant, m.responses, ours);
+    add_modes(plant, textbook(m), plain);
   }
   const auto row = fmt::format("closed loop, {}", name);
   test::print_class(row, "hydrapod", ours);

@@ -66,9 +66,8 @@ void judge_loop(const char* name, double level, double wander, Excitation excita
   for (std::uint64_t seed = 1; seed <= seeds; ++seed) {
     const auto m = foreign_measurement(
         plant, loop_with_tones(level, wander, {.excitation = excitation, .seed = seed}));
-    const IdentifyOptions options{.to = 16.0};
-    ours.add(test::true_modes(plant), test::found_modes(identify_modes(m.responses, options)));
-    plain.add(test::true_modes(plant), test::found_modes(identify_modes(textbook(m), options)));
+    add_modes(plant, m.responses, ours);
+    add_modes(plant, textbook(m), plain);
   }
   test::print_class(name, "hydrapod", ours);
   test::print_class(name, "S_yr S_ur⁻¹, same pole fit, tones taken out", plain);

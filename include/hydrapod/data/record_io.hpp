@@ -125,8 +125,8 @@ enum class ChecksumFinding {
 /// often as they are wanted.
 class RecordSet {
  public:
-  /// Throws base::InputError for a file that is no record, and for one whose channels or sample
-  /// rate are not those of the first; std::invalid_argument for no file.
+  /// Throws base::InputError for a file that is no record, for one that is named twice, and for one
+  /// whose channels or sample rate are not those of the first; std::invalid_argument for no file.
   explicit RecordSet(std::vector<std::string> files, const ReadOptions& options = {});
   RecordSet(RecordSet&&) noexcept;
   RecordSet& operator=(RecordSet&&) noexcept;

@@ -290,10 +290,10 @@ struct MeasureOptions {
   /// Lines × pairs of channels ≤ most_spectra where the block length is not given: 64 MiB. Longer
   /// records have more averages then, not finer lines.
   std::size_t most_spectra{std::size_t{1} << 22U};
-  /// Block length < few_lines, where it is not given, only where p + 2 blocks side by side, for p
-  /// inputs, would be longer than the record. Of 20 records of 40 s of a loop with 4.9 blocks side
-  /// by side instead of 9.8, the median errors were half as large.
-  int few_lines{1 << 12};
+  /// [samples] Block length < short_block, where it is not given, only where p + 2 blocks side by
+  /// side, for p inputs, would be longer than the record: of short records, longer blocks are worth
+  /// more than many averages.
+  int short_block{1 << 12};
   Window window{Window::hann};
   FilledBand filled{};  ///< what fills it less is averaged with an overlap of 3/4 in a loop
   std::optional<double> period{};  ///< [s] of the excitation; 0: not periodic; default: found out
