@@ -329,6 +329,31 @@ void list_modes(const IdentifyOptions& options, Identification& result) {
   }
 }
 
+/// [s] of the blocks that gave the responses; none: not known, or periods, which have no window.
+std::optional<double> block_duration(const FrequencyResponses& r) {
+  if (r.whole || r.lines() < 2) return {};
+  // on the shifted axis every second line is kept
+  if (r.shift > 0.0) return 2.0 / (r.frequency[1] - r.frequency[0]);
+  if (r.taper.size() == 0) return {};
+  return static_cast<double>(r.taper.size()) / r.sample_rate;
+}
+
+void warn_of_short_blocks(const IdentifyOptions& options, Identification& result) {
+  const auto duration = block_duration(result.responses);
+  if (!duration) return;
+  ModeWarning warning{.kind = ModeWarning::Kind::short_blocks,
+                      .value = *duration,
+                      .total = static_cast<std::int64_t>(result.modes.size())};
+  for (const auto& mode : result.modes) {
+    const double width = 2.0 * mode.fit.damping_ratio() * mode.fit.omega() / two_pi;
+    if (!(width * *duration < options.fewest_lines_wide)) continue;
+    if (warning.count++ > 0 && width > warning.to) continue;
+    warning.from = mode.fit.omega() / two_pi;
+    warning.to = width;
+  }
+  if (warning.count > 0) result.warnings.push_back(std::move(warning));
+}
+
 void add_warnings(const IdentifyOptions& options, Identification& result) {
   using Kind = ModeWarning::Kind;
   if (result.modes.empty()) {
@@ -340,6 +365,7 @@ void add_warnings(const IdentifyOptions& options, Identification& result) {
   }
   if (result.model.misfit > options.largest_misfit)
     result.warnings.push_back({.kind = Kind::misfit, .value = result.model.misfit});
+  warn_of_short_blocks(options, result);
   if (result.unexplained.empty()) return;
   const auto& worst = result.unexplained.front();
   const auto& r = result.responses;
@@ -371,6 +397,9 @@ void test_residual(const IdentifyOptions& options, Identification& result) {
       mode.explained = std::min({mode.explained, 1.0 / std::max(part.level, 1.0),
                                  1.0 - std::clamp(part.smooth, 0.0, 1.0)});
     }
+  if (const double misfit = result.model.misfit; misfit > options.largest_misfit)
+    for (auto& mode : result.modes)
+      mode.explained = std::min(mode.explained, options.largest_misfit / misfit);
 }
 
 }  // namespace

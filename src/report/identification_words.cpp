@@ -121,6 +121,12 @@ std::string warning_text(const identification::ModeWarning& w) {
           "record; that widens its resonance, its damping ratio is {:.0f} % higher than the mean "
           "of the parts, and its intervals cannot be trusted",
           w.value, w.from, w.to, w.count, 100.0 * w.share);
+    case Kind::short_blocks:
+      return fmt::format(
+          "{} of {} modes are narrower than two lines of blocks of {:.3g} s, most of all that at "
+          "{:.4g} Hz, which is {:.2g} Hz wide: modes that are nearer to each other come out as one "
+          "with a damping ratio that is too high; take longer blocks",
+          w.count, w.total, w.value, w.from, w.to);
   }
   return {};
 }

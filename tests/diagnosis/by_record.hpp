@@ -39,21 +39,23 @@ inline Variation variation_of(const RecordSetting& setting, int repetition) {
     return forces[static_cast<std::size_t>(repetition / 3) % forces.size()];
   }
   const double pass = setting.duration / 6.0;
-  // a density as that of white noise up to 500 Hz
-  const double dense = std::sqrt(setting.to / 500.0);
+  // commands in a band are followed, and what is followed must be less than what white noise
+  // commands
+  const double followed = 0.25 * std::sqrt(setting.to / 500.0);
   const std::array all{
       Variation{
-          .name = "noise in a band", .form = signals::Noise{.to = setting.to}, .level = dense},
+          .name = "noise in a band", .form = signals::Noise{.to = setting.to}, .level = followed},
       Variation{.name = "white, 2 % lost", .drop_outs = 0.02},
       Variation{.name = "sweeps",
                 .form =
                     signals::Sweep{
-                        .from = 0.5, .to = setting.to, .duration = pass, .turns = 1, .rms = true},
-                .level = dense},
+                        .from = 1.0, .to = setting.to, .duration = pass, .turns = 1, .rms = true},
+                .level = followed},
       Variation{.name = "white, ripple", .ripple = 0.3},
-      Variation{.name = "multisines",
-                .form = signals::Multisine{.to = setting.to, .period = 5.0},
-                .level = dense},
+      Variation{
+          .name = "multisines",
+          .form = signals::Multisine{.from = 1.0, .to = setting.to, .period = 5.0, .slope = -6.0},
+          .level = followed},
       Variation{.name = "white", .duration = 20.0}};
   return all[static_cast<std::size_t>(repetition / 3) % all.size()];
 }

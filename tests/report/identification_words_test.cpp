@@ -53,7 +53,13 @@ std::vector<identification::ModeWarning> mode_warnings() {
            .from = 12.214,
            .to = 12.401,
            .share = 0.234,
-           .count = 4}};
+           .count = 4},
+          {.kind = Kind::short_blocks,
+           .value = 16.384,
+           .from = 8.5062,
+           .to = 0.0575,
+           .count = 2,
+           .total = 9}};
 }
 
 /// Every kind has its example, and each stands word for word in docs/howto/identify.md.

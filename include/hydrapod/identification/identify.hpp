@@ -346,6 +346,9 @@ struct IdentifyOptions {
   int highest_residual_power{4};
   double fewest_samples{8.0};  ///< per period of a mode; with fewer aliasing is seen: a warning
   double largest_misfit{2.0};  ///< ModalModel::misfit > this is a warning; 1 is noise alone
+  /// A block shorter than this over the half-power bandwidth ζ ω/π of a mode is a warning: modes
+  /// that are nearer to each other than its two lines come out as one that is too wide.
+  double fewest_lines_wide{2.0};
   AssumedErrorOptions assumed_errors{};
   ResidualTestOptions residual_test{};
 };
@@ -370,7 +373,8 @@ struct IdentifiedMode {
   double mpc{};  ///< of the displacement shape
   double mpd{};  ///< [rad]
   /// Share of the residual around its frequency that noise explains: 1/Unexplained::level of the
-  /// worst response there, at most 1 − Unexplained::smooth; 1 where all is noise.
+  /// worst response there, at most 1 − Unexplained::smooth, and where the misfit of the whole is a
+  /// warning, at most largest_misfit/misfit; 1 where all is noise.
   double explained{1.0};
   /// ζ ω over ζ ω and the deviation of ω between parts of the record; 1: it does not wander, or
   /// that was not asked.
@@ -405,8 +409,10 @@ struct ModeWarning {
     misfit,       ///< value: ModalModel::misfit
     unexplained,  ///< value: Unexplained::level of the worst response, from `from` to `to`; of
                   ///< `count` of `total` responses somewhere in the band
-    wanders       ///< the mode at value [Hz], `from` … `to` in the `count` parts of the record;
+    wanders,      ///< the mode at value [Hz], `from` … `to` in the `count` parts of the record;
                   ///< its damping is higher by `share` than the mean of that of the parts
+    short_blocks  ///< `count` of `total` modes; value: [s] of a block; the sharpest one: `from` its
+                  ///< frequency, `to` its half-power bandwidth [Hz]
   };
   Kind kind{};
   double value{};
