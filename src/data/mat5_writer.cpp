@@ -103,7 +103,7 @@ std::string mat5_array(const MatVariable& v) {
 }
 
 template <class Matrix>
-MatVariable pages_of(const std::string& name, const std::vector<Matrix>& pages) {
+MatVariable pages_of(const std::string& name, std::span<const Matrix> pages) {
   MatVariable v{.name = name};
   const int rows = pages.empty() ? 0 : static_cast<int>(pages[0].rows()),
             columns = pages.empty() ? 0 : static_cast<int>(pages[0].cols());
@@ -204,22 +204,24 @@ MatVariable mat_number(const std::string& name, double value) {
 }
 
 MatVariable mat_array(const std::string& name, const Eigen::Ref<const Eigen::MatrixXd>& values) {
-  auto v = pages_of<Eigen::MatrixXd>(name, {values});
+  const Eigen::MatrixXd page = values;
+  auto v = pages_of<Eigen::MatrixXd>(name, {&page, 1});
   v.size.pop_back();  // one page
   return v;
 }
 
 MatVariable mat_complex(const std::string& name, const Eigen::Ref<const Eigen::MatrixXcd>& values) {
-  auto v = pages_of<Eigen::MatrixXcd>(name, {values});
+  const Eigen::MatrixXcd page = values;
+  auto v = pages_of<Eigen::MatrixXcd>(name, {&page, 1});
   v.size.pop_back();  // one page
   return v;
 }
 
-MatVariable mat_pages(const std::string& name, const std::vector<Eigen::MatrixXcd>& pages) {
+MatVariable mat_pages(const std::string& name, std::span<const Eigen::MatrixXcd> pages) {
   return pages_of(name, pages);
 }
 
-MatVariable mat_pages(const std::string& name, const std::vector<Eigen::MatrixXd>& pages) {
+MatVariable mat_pages(const std::string& name, std::span<const Eigen::MatrixXd> pages) {
   return pages_of(name, pages);
 }
 

@@ -127,7 +127,7 @@ void put_on_lines_of_window(Notes& notes, FrequencyResponses& all) {
 
 }  // namespace
 
-const std::vector<MatrixXcd>& required_on_axis(const FrequencyResponses& all) {
+const PerLine<MatrixXcd>& required_on_axis(const FrequencyResponses& all) {
   if (!(all.shift > 0.0)) return all.H;
   if (all.on_axis.empty())
     refuse("frequency response: H is beside the imaginary axis, and files need H(iω) too");

@@ -21,7 +21,7 @@ inline constexpr const char* beside_axis = "beside the axis";
 }  // namespace response_part
 
 /// H(iω) of the responses. Throws std::invalid_argument where it is not known.
-const std::vector<Eigen::MatrixXcd>& required_on_axis(const FrequencyResponses& responses);
+const PerLine<Eigen::MatrixXcd>& required_on_axis(const FrequencyResponses& responses);
 
 /// Comment lines: the header of a record whose channels are the outputs and then the inputs, and
 /// "responses", one JSON object with what is not said per line.

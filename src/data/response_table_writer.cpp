@@ -11,7 +11,7 @@ namespace hydrapod::data {
 namespace {
 
 using Eigen::Index;
-using Matrices = std::vector<Eigen::MatrixXcd>;
+using Matrices = PerLine<Eigen::MatrixXcd>;
 
 /// Columns of complex entries: their titles, then their numbers line by line.
 struct Entries {

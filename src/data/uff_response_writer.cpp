@@ -85,7 +85,7 @@ class ResponseText {
   }
 
  private:
-  void add_response(const std::vector<Eigen::MatrixXcd>& H, std::size_t o, std::size_t i) {
+  void add_response(const PerLine<Eigen::MatrixXcd>& H, std::size_t o, std::size_t i) {
     const Channel &output = all_.outputs[o], &input = all_.inputs[i];
     UffFunction f = head_of(all_, output, binary_);
     f.type = uff_function::frequency_response;
@@ -118,7 +118,7 @@ class ResponseText {
   }
 
   /// An entry of matrices that other programs do not know.
-  void add_part(const char* name, const std::vector<Eigen::MatrixXcd>& matrices, const Channel& of,
+  void add_part(const char* name, const PerLine<Eigen::MatrixXcd>& matrices, const Channel& of,
                 std::size_t row, const Channel& to, std::size_t column) {
     UffFunction f = head_of(all_, of, binary_);
     f.is_complex = true;
@@ -132,7 +132,7 @@ class ResponseText {
   }
 
   /// The lower triangles.
-  void add_covariance(const char* name, const std::vector<Eigen::MatrixXcd>& matrices,
+  void add_covariance(const char* name, const PerLine<Eigen::MatrixXcd>& matrices,
                       const std::vector<Channel>& channels) {
     for (std::size_t i = 0; i < channels.size(); ++i)
       for (std::size_t j = 0; j <= i; ++j) add_part(name, matrices, channels[i], i, channels[j], j);

@@ -67,7 +67,7 @@ VectorXd rough_variance(const VectorXcd& values, const std::vector<double>& freq
 }
 
 /// E[e_k e*_{k+d}]/E|e_k|² of all entries of a residual, lines apart where it is no noise.
-void add_line_covariance(FrequencyResponses& r, const std::vector<MatrixXcd>& rest,
+void add_line_covariance(FrequencyResponses& r, const data::PerLine<MatrixXcd>& rest,
                          const AssumedErrorOptions& options) {
   r.line_covariance = {1.0};
   for (std::size_t d = 1; d <= static_cast<std::size_t>(options.lags); ++d) {
@@ -91,7 +91,7 @@ void add_line_covariance(FrequencyResponses& r, const std::vector<MatrixXcd>& re
 
 }  // namespace
 
-FrequencyResponses with_assumed_errors(FrequencyResponses r, const std::vector<MatrixXcd>& rest,
+FrequencyResponses with_assumed_errors(FrequencyResponses r, const data::PerLine<MatrixXcd>& rest,
                                        bool fitted, const AssumedErrorOptions& options) {
   const auto lines = static_cast<Index>(r.lines());
   const Index outputs = r.H[0].rows(), inputs = r.H[0].cols();

@@ -15,7 +15,7 @@ namespace hydrapod::identification {
 /// `responses` with noise, input factor and covariance of lines from `rest`, which is the responses
 /// themselves (`fitted` false) or their residual. The variances are n_o(f) q_i.
 FrequencyResponses with_assumed_errors(FrequencyResponses responses,
-                                       const std::vector<MatrixXcd>& rest, bool fitted,
+                                       const data::PerLine<MatrixXcd>& rest, bool fitted,
                                        const AssumedErrorOptions& options);
 
 /// And without them.

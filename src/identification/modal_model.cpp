@@ -154,7 +154,7 @@ MatrixXcd synthesised(const ModalModel& model, double frequency, double shift) {
 
 std::vector<MatrixXcd> on_imaginary_axis(const FrequencyResponses& responses,
                                          const Identification& found) {
-  auto H = responses.H;
+  std::vector<MatrixXcd> H(responses.H.begin(), responses.H.end());
   auto poles = found.model;  // residual terms hold in the band of the fit alone
   for (auto& C : poles.residuals) C.setZero();
   for (std::size_t k = 0; k < responses.lines(); ++k) {

@@ -57,8 +57,7 @@ Search search_in_best_band(const FrequencyResponses& r, const IdentifyOptions& o
         highest = std::max(highest, c.representative.omega() / two_pi);
     const double to = highest > 0.0 ? limits.room * highest : 0.5 * band.to;
     if (to > limits.worth * band.to) break;
-    const auto narrower = within(r, band.from, to);
-    if (narrower.lines() < few_lines) break;
+    if (within(r, band.from, to).lines() < few_lines) break;
     Search next = search(r, {band.from, to}, options, progress);
     if (highest > 0.0 && next.clusters.empty()) break;
     band.to = to;

@@ -15,10 +15,14 @@ using Kind = data::ResponseWarning::Kind;
 
 constexpr double smallest_size = 1e-50, largest_size = 1e50;  // fourth powers are numbers
 
-template <class T>
-std::vector<T> picked(const std::vector<T>& all, const std::vector<std::size_t>& places) {
-  std::vector<T> some;
-  if (all.empty()) return some;
+/// Elements of a vector or of values per line; adjacent ones of these are shared.
+template <class List>
+List picked(const List& all, const std::vector<std::size_t>& places) {
+  List some;
+  if (all.empty() || places.empty()) return some;
+  if constexpr (requires { all.part(0, 0); })
+    if (places.back() - places.front() + 1 == places.size())
+      return all.part(places.front(), places.size());
   some.reserve(places.size());
   for (const std::size_t k : places) some.push_back(all[k]);
   return some;

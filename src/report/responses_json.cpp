@@ -16,7 +16,7 @@ using Eigen::MatrixXcd;
 using identification::FrequencyResponses;
 
 /// `[row][column]` with re[] and im[] over the lines.
-Json lines_json(const std::vector<MatrixXcd>& lines) {
+Json lines_json(const data::PerLine<MatrixXcd>& lines) {
   Json rows = Json::array();
   if (lines.empty()) return rows;
   for (Index i = 0; i < lines[0].rows(); ++i) {
@@ -62,7 +62,7 @@ Json over_lines(std::size_t lines, const Number& number) {
   return list;
 }
 
-Json entry_json(const FrequencyResponses& r, const std::vector<MatrixXcd>& H, Index o, Index i) {
+Json entry_json(const FrequencyResponses& r, const data::PerLine<MatrixXcd>& H, Index o, Index i) {
   Json entry{{"re", over_lines(r.lines(), [&](auto k) { return H[k](o, i).real(); })},
              {"im", over_lines(r.lines(), [&](auto k) { return H[k](o, i).imag(); })}};
   if (r.has_errors())

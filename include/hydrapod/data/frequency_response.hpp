@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "hydrapod/base/error.hpp"
+#include "hydrapod/data/per_line.hpp"
 #include "hydrapod/data/record.hpp"
 
 namespace hydrapod::data {
@@ -68,22 +69,23 @@ struct OutputSpectra {
 };
 
 /// Frequency responses with what is known of their errors. All vectors over lines have one length.
+/// Copies share the matrices of their lines.
 struct FrequencyResponses {
   std::string title{};
   std::string date{};  ///< ISO 8601
   std::vector<data::Channel> inputs{}, outputs{};
-  std::vector<double> frequency{};    ///< [Hz], ascending
-  std::vector<Eigen::MatrixXcd> H{};  ///< outputs × inputs
+  std::vector<double> frequency{};  ///< [Hz], ascending
+  PerLine<Eigen::MatrixXcd> H{};    ///< outputs × inputs
   /// cov(H_oi, H_pj*) = noise(o, p) · input_factor(j, i). Empty: errors are not known.
-  std::vector<Eigen::MatrixXcd> noise{};         ///< S_vv/K, outputs × outputs
-  std::vector<Eigen::MatrixXcd> input_factor{};  ///< Q, inputs × inputs
+  PerLine<Eigen::MatrixXcd> noise{};         ///< S_vv/K, outputs × outputs
+  PerLine<Eigen::MatrixXcd> input_factor{};  ///< Q, inputs × inputs
   double degrees{};  ///< K − p: of freedom of the noise estimate; 0: not known
   /// E[e_k e*_{k+d}]/E|e_k|² of neighbouring lines, d = 0, 1, …
   std::vector<std::complex<double>> line_covariance{1.0};
   /// a: H is at s = a + iω; 0: on the imaginary axis [1/s]
   double shift{};
   /// H(iω) by a modal model, for other programs and for pictures; only where shift > 0.
-  std::vector<Eigen::MatrixXcd> on_axis{};
+  PerLine<Eigen::MatrixXcd> on_axis{};
   /// ρ_τ at lag τ / sample_rate, the autocorrelation of the window of the estimate; empty where
   /// resonances are not widened.
   Eigen::VectorXd taper{};
@@ -95,13 +97,13 @@ struct FrequencyResponses {
 
   // What tells how good the measurement is; empty for responses from a file.
   Estimator estimator{Estimator::h1};
-  double averages{};                                  ///< K
-  std::vector<Eigen::MatrixXd> coherence{};           ///< |S_oi|²/(S_oo S_ii), outputs × inputs
-  std::vector<Eigen::VectorXd> multiple_coherence{};  ///< share of S_oo that H explains
+  double averages{};                              ///< K
+  PerLine<Eigen::MatrixXd> coherence{};           ///< |S_oi|²/(S_oo S_ii), outputs × inputs
+  PerLine<Eigen::VectorXd> multiple_coherence{};  ///< share of S_oo that H explains
   /// Largest by smallest eigenvalue of the inputs' coherence matrix (singular values for the
   /// instrumental estimate): 1 is best.
   std::vector<double> condition{};
-  std::vector<Eigen::VectorXd> input_density{};  ///< S_uu [unit²/Hz]
+  PerLine<Eigen::VectorXd> input_density{};  ///< S_uu [unit²/Hz]
   std::vector<ResponseWarning> warnings{};
 
   [[nodiscard]] std::size_t lines() const { return frequency.size(); }

@@ -28,6 +28,7 @@
 #include <functional>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -190,8 +191,8 @@ MatVariable mat_number(const std::string& name, double value);
 MatVariable mat_array(const std::string& name, const Eigen::Ref<const Eigen::MatrixXd>& values);
 MatVariable mat_complex(const std::string& name, const Eigen::Ref<const Eigen::MatrixXcd>& values);
 /// One matrix behind the other: rows × columns × pages. All of one size.
-MatVariable mat_pages(const std::string& name, const std::vector<Eigen::MatrixXcd>& pages);
-MatVariable mat_pages(const std::string& name, const std::vector<Eigen::MatrixXd>& pages);
+MatVariable mat_pages(const std::string& name, std::span<const Eigen::MatrixXcd> pages);
+MatVariable mat_pages(const std::string& name, std::span<const Eigen::MatrixXd> pages);
 MatVariable mat_text(const std::string& name, const std::string& text);
 MatVariable mat_list(const std::string& name, const std::vector<std::string>& texts);
 
