@@ -73,8 +73,8 @@ bool try_more(const IdentifyOptions& options, const PoleCluster& like, Complex p
     clusters.back().representative = std::move(mode);
   }
   Identification trial = result;
-  fit_and_prune(options, std::move(clusters), trial);
-  if (trial.clusters.size() != before + count ||
+  if (!fit_if_all_stay(options, std::move(clusters), trial) ||
+      trial.clusters.size() != before + count ||
       gain(result, trial) < asked.gain * options.least_significance)
     return false;
   for (std::size_t r = before; r < before + count; ++r) {

@@ -47,8 +47,13 @@ bool another_first(const ModalModel& model, std::size_t r, const Band& band,
 
 }  // namespace
 
-void fit_and_prune(const IdentifyOptions& options, std::vector<PoleCluster> clusters,
-                   Identification& result) {
+namespace {
+
+enum class Objected { taken_out, end };
+
+/// False where something was objected to and that is the end.
+bool fit_and_judge(const IdentifyOptions& options, std::vector<PoleCluster> clusters,
+                   Objected objected, Identification& result) {
   const Band band{result.from, result.to};
   const auto fit = [&] {
     std::vector<PoleEstimate> start;
@@ -83,12 +88,26 @@ void fit_and_prune(const IdentifyOptions& options, std::vector<PoleCluster> clus
       }
     }
     if (kept.size() == clusters.size()) break;
+    if (objected == Objected::end) return false;
     clusters = std::move(kept);
     if (clusters.empty()) result.model = {};
   }
   // the last round took something out: model and clusters are indexed alike
   if (result.model.modes.size() != clusters.size()) fit();
   result.clusters = std::move(clusters);
+  return true;
+}
+
+}  // namespace
+
+void fit_and_prune(const IdentifyOptions& options, std::vector<PoleCluster> clusters,
+                   Identification& result) {
+  fit_and_judge(options, std::move(clusters), Objected::taken_out, result);
+}
+
+bool fit_if_all_stay(const IdentifyOptions& options, std::vector<PoleCluster> clusters,
+                     Identification& result) {
+  return fit_and_judge(options, std::move(clusters), Objected::end, result);
 }
 
 }  // namespace hydrapod::identification

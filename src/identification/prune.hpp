@@ -14,4 +14,8 @@ namespace hydrapod::identification {
 void fit_and_prune(const IdentifyOptions& options, std::vector<PoleCluster> clusters,
                    Identification& result);
 
+/// The same for a trial: false, with an unfinished result, as soon as there is an objection.
+bool fit_if_all_stay(const IdentifyOptions& options, std::vector<PoleCluster> clusters,
+                     Identification& result);
+
 }  // namespace hydrapod::identification
