@@ -418,9 +418,14 @@ void refuse_periods(const Reading& reading) {
 
 GroupedSpectra read_groups(data::RecordSet& records, const Reading& reading,
                            const MeasureOptions& options, int groups,
-                           const numerics::Progress& progress) {
+                           const numerics::Progress& progress, std::optional<double> highest) {
   const auto& header = records.header();
-  const auto& spectrum = reading.spectrum;
+  auto spectrum = reading.spectrum;
+  if (highest && reading.plan.estimator != Estimator::instrumental) {
+    // the last line that is formed is never used
+    const double lines = *highest * spectrum.block_length / header.sample_rate + 3.0;
+    spectrum.lines = static_cast<int>(std::min(lines, 1.0 + spectrum.block_length / 2));
+  }
   const std::int64_t piece =
       std::max(reading.total / groups, std::int64_t{2} * spectrum.block_length);
   GroupedSpectra result{.estimator = reading.plan.estimator};
@@ -461,16 +466,16 @@ GroupedSpectra measure_groups(data::RecordSet& records, const MeasureOptions& op
   Measurement whole{.header = records.header()};
   read_spectra(records, reading, {}, whole);
   reading.tones = tones_in(records, reading, plan, whole.spectra);
-  return read_groups(records, reading, options, groups, progress);
+  return read_groups(records, reading, options, groups, progress, {});
 }
 
 GroupedSpectra measure_groups(data::RecordSet& records, const Measurement& measured,
                               const MeasureOptions& options, int groups,
-                              const numerics::Progress& progress) {
+                              const numerics::Progress& progress, std::optional<double> highest) {
   if (measured.reading == nullptr)
     throw base::ComputationError("there are no blocks to resample: each record is a single hit");
   refuse_periods(*measured.reading);
-  return read_groups(records, *measured.reading, options, groups, progress);
+  return read_groups(records, *measured.reading, options, groups, progress, highest);
 }
 
 }  // namespace hydrapod::identification

@@ -122,9 +122,10 @@ struct SpectrumEstimator::Implementation {
   CrossSpectra header;  // of the result, without spectra
   std::vector<ChannelWatch> watches;
   std::vector<numerics::RealFft> ffts;  // one per thread
-  CrossProducts products{};             // of blocks; of their means where they are periods
-  CrossProducts noise_products{};       // of periods, less those of their means
-  RecordMean record_mean{};             // not of periods
+  Index kept_lines{};
+  CrossProducts products{};        // of blocks; of their means where they are periods
+  CrossProducts noise_products{};  // of periods, less those of their means
+  RecordMean record_mean{};        // not of periods
   int hop{};
   Index blocks_at_once{};
   std::vector<FourChannels> buffer{};  // samples of so many blocks; channels beyond the last are 0
@@ -136,6 +137,7 @@ struct SpectrumEstimator::Implementation {
   std::int64_t periods{};
   std::int64_t degrees{};  // Σ (periods − 1) over records
 
+  [[nodiscard]] Index kept_groups() const { return (kept_lines + 7) / 8; }
   void copy(const Eigen::Ref<const data::Samples>& samples);
   void watch(Index first_row, Index count);
   bool transform(Index first_row, numerics::RealFft& fft, numerics::EightLines* to,
@@ -172,7 +174,9 @@ SpectrumEstimator::SpectrumEstimator(const data::RecordHeader& header,
   me.hop = options.periodic
                ? n
                : std::max(1, static_cast<int>(std::lround(n * (1.0 - options.overlap))));
-  me.products = CrossProducts(static_cast<Index>(chosen.size()), me.ffts[0].line_groups());
+  me.kept_lines = me.ffts[0].lines();
+  if (options.lines > 0) me.kept_lines = std::min<Index>(options.lines, me.kept_lines);
+  me.products = CrossProducts(static_cast<Index>(chosen.size()), me.kept_groups());
   if (options.periodic)
     me.noise_products = me.products;
   else
@@ -225,7 +229,8 @@ std::vector<char> SpectrumEstimator::Implementation::transform_all(Index blocks,
 
 void SpectrumEstimator::Implementation::add_products(Index first_block, Index blocks, int threads) {
   constexpr Index most_pieces = 64;
-  const Index groups = ffts[0].line_groups(), width = products.width(), stride = groups * width;
+  const Index groups = kept_groups(), width = products.width(),
+              stride = ffts[0].line_groups() * width;
   if (options.periodic) period_sum.resize(static_cast<std::size_t>(stride));
   const Index pieces = std::min(groups, most_pieces);
   numerics::parallel_for(static_cast<std::size_t>(pieces), threads, [&](std::size_t i) {
@@ -273,7 +278,7 @@ void SpectrumEstimator::Implementation::end_record() {
     if (options.periodic) {
       // Σ z zᴴ − m z̄ z̄ᴴ goes to the noise, z̄ z̄ᴴ to the spectra
       const auto m = static_cast<double>(periods);
-      for (Index g = 0; g < ffts[0].line_groups(); ++g) {
+      for (Index g = 0; g < kept_groups(); ++g) {
         const auto* sum = period_sum.data() + g * products.width();
         noise_products.add(g, sum, 1, 0, -1.0 / m);
         products.add(g, sum, 1, 0, 1.0 / (m * m));
@@ -331,14 +336,15 @@ CrossSpectra SpectrumEstimator::result() {
   me.end_record();
   CrossSpectra result = me.header;
   for (const auto& watch : me.watches) result.health.push_back(watch.health());
-  VectorXd scale = VectorXd::Constant(me.ffts[0].lines(),
-                                      2.0 / (result.sample_rate * result.window.squaredNorm()));
+  me.lines = {};  // no longer needed, and large
+  VectorXd scale =
+      VectorXd::Constant(me.kept_lines, 2.0 / (result.sample_rate * result.window.squaredNorm()));
   scale[0] /= 2.0;
-  scale.tail(1) /= 2.0;
+  if (me.kept_lines == me.ffts[0].lines()) scale.tail(1) /= 2.0;
   const auto averaged = me.options.periodic ? result.records : result.blocks;
   const VectorXd share = scale / std::max(1.0, static_cast<double>(averaged));
   me.products.unpack(share, result.re, result.im);
-  for (Index k = 0; k < me.record_mean.lines(); ++k)
+  for (Index k = 0; k < std::min(me.record_mean.lines(), me.kept_lines); ++k)
     add_pairs(share[k] * me.record_mean.products(k), k, result.re, result.im);
   if (me.options.periodic)
     me.noise_products.unpack(scale / std::max(1.0, static_cast<double>(me.degrees)),

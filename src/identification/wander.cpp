@@ -37,17 +37,20 @@ bool add_fit(const FrequencyResponses& responses, const Identification& found,
 }
 
 /// Neighbours put together until each has averages enough; empty where there are not two such.
-std::vector<CrossSpectra> large_enough(const std::vector<CrossSpectra>& groups, double averages) {
-  for (std::size_t together = 1; 2 * together <= groups.size(); together *= 2) {
+std::vector<CrossSpectra> large_enough(std::vector<CrossSpectra> groups, double averages) {
+  const auto have_enough = [&](const std::vector<CrossSpectra>& list) {
+    return std::ranges::all_of(
+        list, [&](const auto& s) { return s.statistics.effective_averages >= averages; });
+  };
+  if (groups.size() >= 2 && have_enough(groups)) return groups;
+  for (std::size_t together = 2; 2 * together <= groups.size(); together *= 2) {
     std::vector<CrossSpectra> joined;
     for (std::size_t g = 0; g + together <= groups.size(); g += together) {
       std::vector<std::size_t> picks(together);
       std::iota(picks.begin(), picks.end(), g);
       joined.push_back(averaged_spectra(groups, picks));
     }
-    if (std::ranges::all_of(
-            joined, [&](const auto& s) { return s.statistics.effective_averages >= averages; }))
-      return joined;
+    if (have_enough(joined)) return joined;
   }
   return {};
 }
@@ -72,24 +75,25 @@ Spread spread_of(const VectorXd& values, const VectorXd& deviations) {
 
 }  // namespace
 
-std::vector<Wandering> wandering_modes(const std::vector<CrossSpectra>& groups,
+std::vector<Wandering> wandering_modes(std::vector<CrossSpectra> groups,
                                        const ChannelChoice& choice, Estimator estimator,
                                        const Identification& found, const IdentifyOptions& identify,
                                        const WanderOptions& options) {
   const auto modes = static_cast<Index>(found.modes.size());
   if (modes == 0) return {};
   const auto inputs = static_cast<double>(choice.inputs.size());
-  const auto parts = large_enough(groups, inputs + options.least_degrees);
+  auto parts = large_enough(std::move(groups), inputs + options.least_degrees);
   GroupFits fits;
   for (auto* m : {&fits.omega, &fits.omega_deviation, &fits.damping, &fits.damping_deviation})
     m->resize(modes, static_cast<Index>(parts.size()));
   Index fitted = 0;
-  for (const auto& part : parts) {
+  for (auto& part : parts) {
     try {
       fitted +=
           add_fit(responses_for_modes(part, choice, estimator), found, identify, fitted, fits);
     } catch (const base::ComputationError&) {  // this part has too little in it
     }
+    part.re = part.im = {};  // no longer needed, and large
   }
   std::vector<Wandering> list;
   if (fitted < 2) return list;

@@ -62,7 +62,7 @@ observation::Targets identified_targets(const Measured& measured, const std::str
   look_into(measured, at);
   append(measured.warnings, warnings);
   const auto found = identification::identify_modes(measured.responses(), {}, [&](double share) {
-    if (progress) progress(share);
+    if (progress && progress(share)) throw base::ComputationError("interrupted");
   });
   add_warnings(path, found.warnings, warnings);
   if (found.modes.empty())

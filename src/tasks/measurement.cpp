@@ -146,29 +146,33 @@ void add_bootstrap(const IdentifyOptions& options, const Progress& progress, Ide
                                             options.measure.files.front()));
   constexpr int groups = 24;
   const auto grouped = identification::measure_groups(
-      *measured.records, measured.measurement, estimate_options(options.measure, measured), groups);
+      *measured.records, measured.measurement, estimate_options(options.measure, measured), groups,
+      [&](double) { return progress && progress(0.0); }, found.modes.to);
   found.bootstrap = identification::bootstrap_modes(
       grouped.groups, grouped.choice, grouped.estimator, found.modes,
       {.resamples = options.bootstrap, .identify = options.modes}, progress);
 }
 
 /// Do the modes stay where they are? Not asked of periods and of outputs alone.
-void test_steadiness(const IdentifyOptions& options, Identified& found) {
+void test_steadiness(const IdentifyOptions& options, const Progress& progress, Identified& found) {
   constexpr int parts = 4;
   auto& measured = found.measured;
   if (!measured.records || options.measure.output_only || measured.measurement.interrupted ||
       measured.measurement.spectra.options.periodic || found.modes.modes.empty())
     return;
+  bool stopped = false;
   try {
-    const auto grouped =
-        identification::measure_groups(*measured.records, measured.measurement,
-                                       estimate_options(options.measure, measured), parts);
-    identification::add_wandering(
-        identification::wandering_modes(grouped.groups, grouped.choice, grouped.estimator,
-                                        found.modes, options.modes),
-        found.modes);
+    auto grouped = identification::measure_groups(
+        *measured.records, measured.measurement, estimate_options(options.measure, measured), parts,
+        [&](double) { return stopped = progress && progress(1.0); }, found.modes.to);
+    if (!stopped)
+      identification::add_wandering(
+          identification::wandering_modes(std::move(grouped.groups), grouped.choice,
+                                          grouped.estimator, found.modes, options.modes),
+          found.modes);
   } catch (const base::ComputationError&) {  // the parts are too short
   }
+  if (stopped) throw base::ComputationError("interrupted");
 }
 
 void add_comparison(const IdentifyOptions& options, Identified& found) {
@@ -247,11 +251,18 @@ Identified identify(const IdentifyOptions& options, const Progress& progress) {
   Identified found;
   found.measured = frf(options.measure, numerics::part_of(progress, 0.0, 0.4));
   const auto& file = options.measure.files.front();
+  auto& measurement = found.measured.measurement;
+  if (!(measurement.responses.shift > 0.0)) {  // they are large, and nothing needs them any more
+    auto& spectra = measurement.spectra;
+    spectra.re = spectra.im = spectra.noise_re = spectra.noise_im = {};
+  }
   found.modes =
       identification::identify_modes(found.measured.responses(), options.modes, [&](double share) {
-        if (progress) progress(0.4 + 0.6 * share);
+        // who has stopped the reading wants the modes of what was read
+        if (progress && progress(0.4 + 0.6 * share) && !measurement.interrupted)
+          throw base::ComputationError("interrupted");
       });
-  test_steadiness(options, found);
+  test_steadiness(options, progress, found);
   found.warnings = found.measured.warnings;
   add_warnings(file, found.modes.warnings, found.warnings);
   if (found.modes.modes.empty()) return found;

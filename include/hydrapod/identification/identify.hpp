@@ -513,8 +513,9 @@ struct Wandering {
 };
 
 /// The modes that wander; none where the record is too short to tell. `groups`: in the order of
-/// time, as measure_groups() forms them; `identify`: the options that found the modes.
-std::vector<Wandering> wandering_modes(const std::vector<CrossSpectra>& groups,
+/// time, as measure_groups() forms them, with all lines of `found`; `identify`: the options that
+/// found the modes.
+std::vector<Wandering> wandering_modes(std::vector<CrossSpectra> groups,
                                        const ChannelChoice& choice, Estimator estimator,
                                        const Identification& found,
                                        const IdentifyOptions& identify = {},

@@ -137,6 +137,7 @@ struct SpectrumOptions {
   Window window{Window::hann};  ///< for periodic excitation there is none
   bool periodic{};              ///< blocks are periods
   int threads{};                ///< 0: one per processor; the result is the same
+  int lines{};                  ///< only the first so many; 0: all
 };
 
 /// What a look at a channel's samples tells.
@@ -343,9 +344,10 @@ GroupedSpectra measure_groups(data::RecordSet& records, const MeasureOptions& op
                               const numerics::Progress& progress = {});
 
 /// The same with what measure_responses found out, given these records and options: they are read
-/// once.
+/// once. `highest` [Hz]: lines above may be left out, which the instrumental estimate needs.
 GroupedSpectra measure_groups(data::RecordSet& records, const Measurement& measured,
                               const MeasureOptions& options, int groups,
-                              const numerics::Progress& progress = {});
+                              const numerics::Progress& progress = {},
+                              std::optional<double> highest = {});
 
 }  // namespace hydrapod::identification
