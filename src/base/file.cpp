@@ -5,6 +5,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
@@ -159,10 +160,14 @@ std::string read_file(const std::string& path, std::size_t largest, std::string_
       refuse(path, fmt::format("cannot be opened: {}", std::generic_category().message(errno)));
   }
   std::istream& stream = standard_input ? std::cin : file;
-  std::string text(largest + 1, '\0');
-  stream.read(text.data(), static_cast<std::streamsize>(text.size()));
+  std::string text;
+  for (std::size_t room = 1U << 16U; stream && text.size() <= largest; room = text.size()) {
+    const std::size_t before = text.size();
+    text.resize(std::min(before + room, largest + 1));
+    stream.read(text.data() + before, static_cast<std::streamsize>(text.size() - before));
+    text.resize(before + static_cast<std::size_t>(stream.gcount()));
+  }
   if (stream.bad()) refuse(name, "cannot be read");
-  text.resize(static_cast<std::size_t>(stream.gcount()));
   if (text.size() > largest)
     refuse(name, fmt::format("is larger than {} MiB, expected {} of some kilobytes", largest >> 20,
                              expected));

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <complex>
+#include <memory>
 #include <numbers>
 
 #include "hydrapod/base/units.hpp"
@@ -87,12 +88,6 @@ Lines multisine_lines(const Multisine& spec, const Context& context) {
   return lines;
 }
 
-long largest_prime_factor(long number) {
-  for (long factor = 2; factor * factor <= number; ++factor)
-    while (number % factor == 0 && number > factor) number /= factor;
-  return number;
-}
-
 /// Σ U e^{2πi·cycles·k/n}, k = 0 … n − 1, the real part.
 class Synthesis {
  public:
@@ -130,6 +125,12 @@ class Synthesis {
 
 }  // namespace
 
+long largest_prime_factor(long number) {
+  for (long factor = 2; factor * factor <= number; ++factor)
+    while (number % factor == 0 && number > factor) number /= factor;
+  return number;
+}
+
 Source make_source(const Multisine& multisine, const Context& context) {
   const Lines lines = multisine_lines(multisine, context);
   Eigen::VectorXcd rates(lines.amplitude.rows());  // iω
@@ -137,7 +138,9 @@ Source make_source(const Multisine& multisine, const Context& context) {
     rates[k] = Complex(0.0, two_pi * static_cast<double>(lines.cycles[k]) * context.rate /
                                 static_cast<double>(lines.samples));
   Synthesis synthesis(lines);
-  std::vector<Sample> period(static_cast<std::size_t>(lines.samples));
+  // shared: sources are copied, and a period may be large
+  const auto samples = std::make_shared<std::vector<Sample>>(lines.samples);
+  auto& period = *samples;
   for (int i = 0; i < 6; ++i) {
     if (context.size[i] == 0.0) continue;
     const Eigen::VectorXd value = synthesis(lines.amplitude.col(i));
@@ -147,8 +150,8 @@ Source make_source(const Multisine& multisine, const Context& context) {
       period[k].rate[i] = rate[k];
     }
   }
-  return [period = std::move(period)](long k) {
-    return period[static_cast<std::size_t>(k) % period.size()];
+  return [period = std::shared_ptr<const std::vector<Sample>>(samples)](long k) {
+    return (*period)[static_cast<std::size_t>(k) % period->size()];
   };
 }
 

@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <stdexcept>
 #include <utility>
@@ -50,6 +51,12 @@ struct Check {
     require(value > 0.0 && value < rate / 2.0, of(key), value,
             fmt::format("more than 0 and less than {:.6g} Hz, half the sample rate", rate / 2.0));
   }
+  /// [s] not much shorter.
+  [[nodiscard]] double smooth_period(long samples) const {
+    constexpr long small = 100;
+    while (largest_prime_factor(samples) > small) --samples;
+    return static_cast<double>(samples) / rate;
+  }
   void band(double from, double to) const {
     if (!(from >= 0.0 && from <= to && to < rate / 2.0))
       throw std::invalid_argument(
@@ -66,9 +73,27 @@ struct Check {
   template <typename T>
   void more(const T& /*no more*/) const {}
   void more(const Multisine& s) const {
+    constexpr long longest = 2'000'000;  // 192 MB for a period in six directions
+    const long samples = whole_samples(s.period, rate);
+    require(samples <= longest, of("period"), s.period, "at most two million samples, in seconds");
     const auto [first, last] = line_range(s, rate);
     require(last >= first, of("period"), s.period,
             "one so long that a multiple of 1/period lies in the band");
+    const long lines = last - first + 1;
+    // the search for phases transforms eight samples per cycle of the last line, 3600 times
+    constexpr long most_cycles = 10'000;
+    if (s.low_crest && last > most_cycles)
+      throw std::invalid_argument(
+          fmt::format("{}: crest=low of {} lines up to the {}th, expected none above the {}th: "
+                      "take a shorter period, a lower band or crest=random",
+                      name, lines, last, most_cycles));
+    // such a period is not transformed but summed up, see Synthesis
+    constexpr long most_products = 4'000'000'000;
+    if (largest_prime_factor(samples) >= std::max(1000L, lines) && lines > most_products / samples)
+      throw std::invalid_argument(fmt::format(
+          "{}: the period has {} samples, a multiple of the prime number {}, and {} lines, which "
+          "takes too long: expected a multiple of small prime numbers, for instance {:.9g} s",
+          name, samples, largest_prime_factor(samples), lines, smooth_period(samples)));
     const int experiment = s.experiment.value_or(1);
     require(experiment >= 1 && experiment <= 6, of("experiment"), experiment, "1 … 6");
   }

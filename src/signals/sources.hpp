@@ -58,6 +58,8 @@ inline constexpr long longest_period = 10'000'000;  ///< [samples]
 
 int active_directions(const Vector6& size);
 
+long largest_prime_factor(long number);
+
 /// Cycles per period of the first and the last line in a multisine's band.
 std::pair<long, long> line_range(const Multisine& multisine, double rate);
 

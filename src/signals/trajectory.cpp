@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 #include <filesystem>
+#include <memory>
 #include <string_view>
 #include <utility>
 
@@ -27,6 +28,7 @@ constexpr std::array<std::string_view, 7> column_names = [] {
   return names;
 }();
 constexpr std::size_t most_faults = 20;
+constexpr std::size_t most_points = 1'000'000;  // 56 MB
 
 /// What a column holds: its place in column_names and the factor of its unit to SI.
 struct Column {
@@ -114,6 +116,9 @@ class TrajectoryReader {
       return fault(time_column,
                    fmt::format("time is {:.9g} s after {:.9g} s, expected times that ascend",
                                row[0], times.back()));
+    if (times.size() == most_points)
+      throw base::InputError({table_.fault(
+          1, "", fmt::format("holds more than {} points, expected at most so many", most_points))});
     times.push_back(row[0]);
     trajectory_.points.emplace_back(Vector6::Map(row.data() + 1));
   }
@@ -141,9 +146,11 @@ Trajectory read_trajectory(const std::string& path, const Units& units) {
   return trajectory;
 }
 
-Source make_source(const Trajectory& trajectory, const Context& context) {
+Source make_source(const Trajectory& given, const Context& context) {
+  // shared: sources are copied, and a trajectory may be long
+  const auto trajectory = std::make_shared<const Trajectory>(given);
   const auto slope = [trajectory](std::size_t k) -> Vector6 {
-    const auto& [times, points, source] = trajectory;
+    const auto& [times, points, source] = *trajectory;
     if (k == 0 || k + 1 == times.size()) return Vector6::Zero();  // at rest before and after
     const double before = times[k] - times[k - 1], after = times[k + 1] - times[k];
     return (after / before * (points[k] - points[k - 1]) +
@@ -151,7 +158,7 @@ Source make_source(const Trajectory& trajectory, const Context& context) {
            (before + after);
   };
   return [trajectory, slope, rate = context.rate](long sample) -> Sample {
-    const auto& [times, points, source] = trajectory;
+    const auto& [times, points, source] = *trajectory;
     const double time = static_cast<double>(sample) / rate;
     if (time <= times.front()) return {points.front(), Vector6::Zero()};
     if (time >= times.back()) return {points.back(), Vector6::Zero()};

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <deque>
 #include <limits>
@@ -18,11 +19,22 @@ namespace {
 
 constexpr double watch_interval = 0.01;  // [s] between looks at workspace and keep_going
 constexpr double coincidence = 1e-6;     // of a sample time: instants closer than this are one
+constexpr double most_samples = 1e9;     // of a run; at 1 kHz eleven days
+// Where simulated time passes slowly keep_going is asked by the clock.
+constexpr std::chrono::milliseconds patience{50};
 
 void require_positive(const char* name, double value) {
   if (!(std::isfinite(value) && value > 0.0))
     throw std::invalid_argument(
         fmt::format("LoopOptions::{} is {:.6g}, expected more than 0", name, value));
+}
+
+void require_bounded(double until, double interval, const char* what) {
+  const double samples = until / interval;
+  if (!(samples <= most_samples))
+    throw std::length_error(fmt::format(
+        "{:.6g} s are {:.3g} samples of {} {:.6g} s, expected at most {:g}, which are {:.6g} s",
+        until, samples, what, interval, most_samples, most_samples * interval));
 }
 
 /// Accelerations [m/s²] as accelerometers along the legs at the platform's joints see them: l̈, and
@@ -107,6 +119,7 @@ class Run {
         ++outputs_;
       }
       if (now >= watched_ + watch_interval - slack_ && !watch(now, keep_going)) break;
+      if (std::chrono::steady_clock::now() - asked_ > patience && !goes_on(now, keep_going)) break;
     }
     accounts_.summary.integrator = integrator_.statistics();
     accounts_.summary.events = integrator_.events();
@@ -204,11 +217,14 @@ class Run {
       fail(reason);
       return false;
     }
-    if (keep_going && !keep_going(now)) {
-      accounts_.summary.end = RunEnd::stopped;
-      return false;
-    }
-    return true;
+    return goes_on(now, keep_going);
+  }
+
+  bool goes_on(double now, const KeepGoing& keep_going) {
+    asked_ = std::chrono::steady_clock::now();
+    if (!keep_going || keep_going(now)) return true;
+    accounts_.summary.end = RunEnd::stopped;
+    return false;
   }
 
   const LoopOptions& options_;
@@ -224,6 +240,7 @@ class Run {
 
   long ticks_{}, outputs_{};
   double watched_{};
+  std::chrono::steady_clock::time_point asked_{std::chrono::steady_clock::now()};
   std::deque<PendingDrive> pending_{};
   PlantInput input_{};
   Excitation excitation_{};
@@ -240,6 +257,9 @@ ClosedLoop::ClosedLoop(const model::Machine& machine, const Pose& operating,
   if (!options.plant.hydraulics)
     throw std::invalid_argument(
         "LoopOptions::plant.hydraulics is false: there are no valves to control");
+  require_bounded(options.until, machine.controller.sample_time, "the controller's");
+  if (options.output_interval)
+    require_bounded(options.until, *options.output_interval, "the record's");
   implementation_ = std::make_unique<Implementation>(machine, operating, options);
 }
 ClosedLoop::~ClosedLoop() = default;

@@ -49,8 +49,16 @@ class ErkMethod : public SundialsMethod {
     require(ERKStepSetStopTime(memory_, to), "stop time");
     double reached = time;
     bool event = false;
+    long steps = 0;
     while (reached < to && !event) {
       const double before = reached;
+      if (++steps > most_steps) {
+        note_counts();
+        return {
+            .end = Step::End::failed,
+            .time = reached,
+            .message = too_many_steps((reached - time) / static_cast<double>(steps), to - time)};
+      }
       const int code = ERKStepEvolve(memory_, to, x_, &reached, ARK_ONE_STEP);
       if (code < 0) {
         note_counts();

@@ -25,6 +25,17 @@ std::unique_ptr<MethodBase> make_method(const Problem& problem, const Integrator
   throw std::invalid_argument("integrator: unknown method");
 }
 
+}  // namespace
+
+std::string too_many_steps(double step, double interval) {
+  return fmt::format(
+      "steps of {:.2g} s are too short for {:.2g} s between two samples: they would be {:.2g}, "
+      "expected at most {}",
+      step, interval, interval / step, most_steps);
+}
+
+namespace {
+
 void require(bool good, const char* what, double value, const char* expected) {
   if (!good)
     throw std::invalid_argument(

@@ -7,6 +7,11 @@
 
 namespace hydrapod::simulation {
 
+/// In one call, from one sample of the controller or of the record to the next. Oil and valves of
+/// 600 rad/s take a few.
+inline constexpr long most_steps = 100'000;
+std::string too_many_steps(double step, double interval);
+
 /// The equation that a method solves; the input is constant during one call.
 struct Problem {
   const Plant& plant;

@@ -9,8 +9,6 @@
 
 namespace hydrapod::simulation {
 
-inline constexpr long most_steps = 1'000'000;  ///< in one call
-
 class SundialsMethod : public MethodBase {
  public:
   SundialsMethod(const Problem& problem, const IntegratorOptions& options);

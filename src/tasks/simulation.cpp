@@ -5,6 +5,7 @@
 
 #include <cmath>
 #include <memory>
+#include <stdexcept>
 
 #include "hydrapod/base/version.hpp"
 #include "hydrapod/signals/signal_text.hpp"
@@ -121,6 +122,15 @@ void judge(const std::vector<rig::LevelFinding>& findings) {
   if (bad) throw base::InputError(list);
 }
 
+ClosedLoop bounded_loop(const model::Machine& machine, const spatial::Pose& pose,
+                        const simulation::LoopOptions& options, const char* argument) {
+  try {
+    return {machine, pose, options};
+  } catch (const std::length_error& error) {
+    base::refuse(argument, error.what());
+  }
+}
+
 /// Throws for a motion that cannot be; returns what else there is to say: valves too small for it.
 std::vector<std::string> require_possible(const Machine& machine, const ClosedLoop& loop,
                                           signals::Generator& signal, double until) {
@@ -174,7 +184,7 @@ report::Simulation simulate(const Machine& machine, const SimulateOptions& optio
   result.loop.kind = machine.kind;
   result.loop.until = result.until;
   signals::Generator signal(commands, rate, options.loop.seed);
-  ClosedLoop loop(of, machine.pose.X_BP, result.loop);
+  auto loop = bounded_loop(of, machine.pose.X_BP, result.loop, "--until");
   result.warnings = require_possible(machine, loop, signal, result.until);
   for (const auto& command : commands) result.commands.push_back(signals::signal_text(command));
   expect_steps(commands, result);
@@ -214,7 +224,7 @@ Rig rig(const Machine& machine, const RigOptions& asked, const Progress& progres
     options.duration = asked.averages * static_cast<double>(*period) / rate;
   }
   try {
-    ClosedLoop loop(of, machine.pose.X_BP, rig::loop_options(options));
+    auto loop = bounded_loop(of, machine.pose.X_BP, rig::loop_options(options), "--duration");
     result.findings = rig::check_levels(loop, options);
     if (!asked.force) judge(result.findings);
     if (asked.record.empty()) return result;

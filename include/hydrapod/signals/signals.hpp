@@ -75,7 +75,7 @@ struct Chirp {
 /// is a multiple of a unitary one: its condition number is 1 at every line.
 struct Multisine {
   double from{0.5}, to{20.0};       ///< [Hz], 0 ≤ from ≤ to < half the sample rate
-  double period{10.0};              ///< [s]
+  double period{10.0};              ///< [s], at most two million samples
   double slope{};                   ///< [dB/octave] of the amplitudes, −24 … 24
   bool low_crest{};                 ///< phases of a small crest factor, in all six experiments
   std::optional<int> experiment{};  ///< 1 … 6: orthogonal; none: one experiment

@@ -186,7 +186,7 @@ class ClosedLoop {
  public:
   /// Tunes the controller and brings the machine to rest at `operating`. Throws
   /// base::ComputationError where it cannot stand there, std::invalid_argument for options that
-  /// make no sense.
+  /// make no sense, std::length_error for more than 10⁹ samples of the controller or the record.
   ClosedLoop(const model::Machine& machine, const Pose& operating, const LoopOptions& options = {});
   ~ClosedLoop();
   ClosedLoop(ClosedLoop&&) noexcept;
