@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 #include <sys/ioctl.h>
+#include <sys/time.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -93,11 +94,31 @@ std::string padded(const std::string& cell, std::size_t width, Align align) {
 
 void trim_right(std::string& line) { line.erase(line.find_last_not_of(' ') + 1); }
 
-volatile std::sig_atomic_t interrupted = 0;
+volatile std::sig_atomic_t interrupted = 0;  // the signal that came
+volatile std::sig_atomic_t seen = 0;         // by the work that is to stop
+
+void alarm_after(long milliseconds) {
+  const itimerval timer{{}, {0, 1000 * milliseconds}};
+  ::setitimer(ITIMER_REAL, &timer, nullptr);
+}
 
 extern "C" void note_interrupt(int signal) {
-  interrupted = 1;
+  interrupted = signal;
   std::signal(signal, SIG_DFL);
+  alarm_after(250);
+}
+
+/// From a signal handler.
+void say(std::string_view line) {
+  [[maybe_unused]] const auto written = ::write(STDERR_FILENO, line.data(), line.size());
+}
+
+/// Whoever has pressed Ctrl-C must not wonder whether it was heard.
+extern "C" void answer_interrupt(int) {
+  if (seen != 0) return say("interrupted: what there is will be kept; Ctrl-C again ends at once\n");
+  say("error: interrupted\n");
+  std::signal(interrupted, SIG_DFL);
+  std::raise(interrupted);
 }
 }  // namespace
 
@@ -258,7 +279,8 @@ void ProgressLine::update(double fraction) {
 }
 
 InterruptNote::InterruptNote() {
-  interrupted = 0;
+  interrupted = seen = 0;
+  before_alarm_ = std::signal(SIGALRM, answer_interrupt);
   before_interrupt_ = std::signal(SIGINT, note_interrupt);
   before_terminate_ = std::signal(SIGTERM, note_interrupt);
 }
@@ -266,8 +288,13 @@ InterruptNote::InterruptNote() {
 InterruptNote::~InterruptNote() {
   std::signal(SIGINT, before_interrupt_);
   std::signal(SIGTERM, before_terminate_);
+  alarm_after(0);
+  std::signal(SIGALRM, before_alarm_);
 }
 
-bool InterruptNote::noted() { return interrupted != 0; }
+bool InterruptNote::noted() {
+  if (interrupted != 0) seen = 1;
+  return interrupted != 0;
+}
 
 }  // namespace hydrapod::cli

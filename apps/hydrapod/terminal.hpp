@@ -114,7 +114,8 @@ class ProgressLine {
 /// Ctrl-C as a wish to stop, not as an end: long work looks, and leaves what it has.
 ///
 /// While one exists, the first SIGINT or SIGTERM is only noted; a second one ends the program as
-/// usual. One at a time.
+/// usual. Where nothing has looked 0.25 s later, the program ends then, as without a note; else it
+/// says that it is about to end. One at a time.
 class InterruptNote {
  public:
   InterruptNote();
@@ -125,6 +126,7 @@ class InterruptNote {
   [[nodiscard]] static bool noted();
 
  private:
+  void (*before_alarm_)(int);
   void (*before_interrupt_)(int);
   void (*before_terminate_)(int);
 };
