@@ -211,17 +211,14 @@ test('the report can be reproduced from its end', async () => {
 
 /** From the start of loading to the first picture of the machine and a table that answers [ms]. */
 async function openingTime(file, options = {}) {
-  const times = [];
-  for (let i = 0; i < 3; ++i)
-    await withPage(file, options, async (page) => {
-      times.push(
-        await page.evaluate(async () => {
-          const [navigation] = performance.getEntriesByType('navigation');
-          return Math.max(navigation.domContentLoadedEventEnd, window.hydrapod.firstFrame);
-        }),
-      );
+  let time;
+  await withPage(file, options, async (page) => {
+    time = await page.evaluate(async () => {
+      const [navigation] = performance.getEntriesByType('navigation');
+      return Math.max(navigation.domContentLoadedEventEnd, window.hydrapod.firstFrame);
     });
-  return Math.min(...times);
+  });
+  return time;
 }
 
 // Seconds are told, not asserted: they are the machine's too (wanted: 1 s here and 2 s below).

@@ -62,11 +62,16 @@ export function hydrapod(...words) {
 export const json = (...words) => JSON.parse(hydrapod(...words, '--format', 'json'));
 
 let reports = 0;
-/** Makes a report and returns where it is. */
+const made = new Map();
+/** Makes a report, once for the same words, and returns where it is. */
 export function report(...words) {
-  const file = temporary(`report-${++reports}.html`);
-  hydrapod('report', ...words, '-o', file);
-  return file;
+  const key = JSON.stringify(words);
+  if (!made.has(key)) {
+    const file = temporary(`report-${++reports}.html`);
+    hydrapod('report', ...words, '-o', file);
+    made.set(key, file);
+  }
+  return made.get(key);
 }
 
 /** A copy of a machine file with other text in it. */
