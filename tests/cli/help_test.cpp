@@ -103,13 +103,28 @@ void furnish(const std::filesystem::path& folder, const std::string& command) {
     data::write_record(folder / name, small_record(), data::format_of_ending(name));
 }
 
+/// Folders furnished once per command, of which each example gets a copy.
+class Furnished {
+ public:
+  explicit Furnished(const std::string& command) { furnish(folder_.path(), command); }
+  void copy_to(const std::filesystem::path& folder) const {
+    std::filesystem::copy(
+        folder_.path(), folder,
+        std::filesystem::copy_options::recursive | std::filesystem::copy_options::copy_symlinks);
+  }
+
+ private:
+  test::TemporaryFolder folder_;
+};
+
 TEST(Help, ExamplesWork) {
   const std::string programs = test::hydrapod_program().parent_path().string();
   const std::string path = programs + ':' + std::getenv("PATH");
   for (const std::string& command : commands()) {
+    const Furnished furnished(command);
     for (const auto& example : entries_below("Examples:", run_hydrapod({command, "--help"}).out)) {
       const test::TemporaryFolder folder;
-      furnish(folder.path(), command);
+      furnished.copy_to(folder.path());
       const auto result = test::run_program(
           "sh", {"-c", example}, {.folder = folder.path(), .variables = {{"PATH", path}}});
       EXPECT_EQ(result.exit_code, 0) << example << '\n' << result.err;
