@@ -1,26 +1,12 @@
 #pragma once
-/// Reads bytes as a record through a file in memory and checks what the reader promises.
+/// Reads bytes as a record through a file and checks what the reader promises.
 
-#include <sys/mman.h>
-#include <unistd.h>
-
-#include <cstdint>
-#include <cstdlib>
-#include <string>
-
-#include "hydrapod/base/text.hpp"
+#include "fuzz.hpp"
 #include "hydrapod/data/frequency_response.hpp"
 #include "hydrapod/data/modal_results.hpp"
 #include "hydrapod/data/record_io.hpp"
 
 namespace hydrapod::fuzz {
-
-inline void require_presentable(const base::Diagnostic& diagnostic) {
-  const std::string text = diagnostic.text();
-  const bool one_line = text.find('\n') == std::string::npos;
-  const bool utf8 = base::first_invalid_utf8(text) == std::string::npos;
-  if (!one_line || !utf8 || diagnostic.message.empty()) std::abort();
-}
 
 inline void read_to_the_end(const std::string& path) {
   data::file_kind(path);
@@ -38,31 +24,18 @@ inline void read_to_the_end(const std::string& path) {
 }
 
 inline void read_as_record(const std::string& bytes) {
-  static const int file = memfd_create("record", 0);
-  static const std::string path = "/proc/self/fd/" + std::to_string(file);
-  if (ftruncate(file, 0) != 0 ||
-      pwrite(file, bytes.data(), bytes.size(), 0) != static_cast<ssize_t>(bytes.size()))
-    std::abort();
-  try {
-    read_to_the_end(path);
-  } catch (const base::InputError& error) {
-    if (error.diagnostics().empty()) std::abort();
-    for (const auto& diagnostic : error.diagnostics()) require_presentable(diagnostic);
-  }
-  try {
+  const std::string& path = file_of(bytes);
+  accepted([&] { read_to_the_end(path); });
+  accepted([&] {
     const auto responses = data::read_frequency_responses(path).responses;
     data::validate(responses);
     data::response_table(responses);
-  } catch (const base::InputError& error) {
-    if (error.diagnostics().empty()) std::abort();
-  }
-  try {
+  });
+  accepted([&] {
     const auto modes = data::read_modal_results(path).results;
     for (const auto& mode : modes.modes)
       if (mode.shape.size() != static_cast<Eigen::Index>(modes.outputs.size())) std::abort();
-  } catch (const base::InputError& error) {
-    if (error.diagnostics().empty()) std::abort();
-  }
+  });
 }
 
 }  // namespace hydrapod::fuzz

@@ -1,0 +1,32 @@
+/// Any bytes as modes of a Universal File, bare or behind the beginning of a dataset 55, as the
+/// first byte says. Modes that were read are written and read again.
+
+#include "fuzz.hpp"
+#include "hydrapod/data/modal_results.hpp"
+
+namespace {
+
+using namespace hydrapod;
+
+void read_modes(const std::string& bytes) {
+  static const fuzz::Folder folder;
+  static const std::string again = folder.file("modes.uff");
+  const auto read = data::read_modal_results(fuzz::file_of(bytes));
+  for (const auto& note : read.notes) fuzz::require_presentable(note);
+  const auto outputs = static_cast<Eigen::Index>(read.results.outputs.size());
+  for (const auto& mode : read.results.modes)
+    if (mode.shape.size() != outputs) std::abort();
+  data::write_modal_results(again, read.results);
+  if (read.results.modes.empty()) return;
+  const auto second = data::read_modal_results(again).results;
+  if (second.modes.size() != read.results.modes.size()) std::abort();
+}
+
+}  // namespace
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  if (size == 0) return 0;
+  const std::string text = fuzz::text_of(data + 1, size - 1);
+  fuzz::accepted([&] { read_modes(data[0] % 2 == 0 ? "    -1\n    55\n" + text : text); });
+  return 0;
+}
