@@ -19,6 +19,7 @@
 #include <optional>
 #include <span>
 #include <stdexcept>
+#include <utility>
 
 #include "hydrapod/base/error.hpp"
 #include "hydrapod/report/json.hpp"
@@ -229,8 +230,12 @@ class Reader {
   void get(const Json& json, const std::string& path, Integer& value) const {
     if constexpr (std::is_same_v<Integer, bool>) {
       if (!json.is_boolean()) refuse(path, "expected true or false");
-    } else if (!json.is_number_integer()) {
-      refuse(path, "expected a whole number");
+    } else {
+      if (!json.is_number_integer()) refuse(path, "expected a whole number");
+      const bool fits = json.is_number_unsigned()
+                            ? std::in_range<Integer>(json.get<std::uint64_t>())
+                            : std::in_range<Integer>(json.get<std::int64_t>());
+      if (!fits) refuse(path, fmt::format("is {}, which is too large", json.dump()));
     }
     value = json.get<Integer>();
   }
@@ -268,15 +273,14 @@ class Reader {
       if (json.is_array()) {  // real numbers alone
         Eigen::VectorXd real;
         get(json, path, real);
+        make_room(path, real.size(), 1, values);
         values = real.cast<S>();
         return;
       }
     }
     if constexpr (Columns == 1 && std::is_same_v<S, double>) {
       const auto size = static_cast<Eigen::Index>(list(json, path).size());
-      if (Rows != Eigen::Dynamic && size != Rows)
-        refuse(path, fmt::format("expected {} numbers", Rows));
-      values.resize(size);
+      make_room(path, size, 1, values);
       for (Eigen::Index k = 0; k < size; ++k)
         get(json[static_cast<std::size_t>(k)], fmt::format("{}[{}]", path, k), values[k]);
     } else if constexpr (Columns == 1) {  // complex
@@ -285,18 +289,35 @@ class Reader {
       parts("re", re);
       parts("im", im);
       if (re.size() != im.size()) refuse(path, "needs as many numbers in re as in im");
-      values.resize(re.size());
+      make_room(path, re.size(), 1, values);
       for (Eigen::Index k = 0; k < re.size(); ++k) values[k] = {re[k], im[k]};
     } else {
       const auto rows = static_cast<Eigen::Index>(list(json, path).size());
       for (Eigen::Index i = 0; i < rows; ++i) {
         Eigen::Matrix<S, Eigen::Dynamic, 1> row;
         get(json[static_cast<std::size_t>(i)], fmt::format("{}[{}]", path, i), row);
-        if (i == 0) values.resize(rows, row.size());
+        if (i == 0) make_room(path, rows, row.size(), values);
         if (row.size() != values.cols()) refuse(path, "has rows of different lengths");
         values.row(i) = row.transpose();
       }
     }
+  }
+  /// Resizes `values`, whose type may set its size or a limit to it.
+  template <class Matrix>
+  void make_room(const std::string& path, Eigen::Index rows, Eigen::Index columns,
+                 Matrix& values) const {
+    const auto fits = [](Eigen::Index size, int fixed, int most) {
+      return fixed != Eigen::Dynamic ? size == fixed : most == Eigen::Dynamic || size <= most;
+    };
+    if (!fits(rows, Matrix::RowsAtCompileTime, Matrix::MaxRowsAtCompileTime))
+      refuse(path, fmt::format("expected {}{} numbers",
+                               Matrix::RowsAtCompileTime == Eigen::Dynamic ? "at most " : "",
+                               int{Matrix::MaxRowsAtCompileTime}));
+    if (!fits(columns, Matrix::ColsAtCompileTime, Matrix::MaxColsAtCompileTime))
+      refuse(path, fmt::format("expected rows of {}{} numbers",
+                               Matrix::ColsAtCompileTime == Eigen::Dynamic ? "at most " : "",
+                               int{Matrix::MaxColsAtCompileTime}));
+    values.resize(rows, columns);
   }
   template <Described T>
   void get(const Json& json, const std::string& path, T& value) const {

@@ -154,8 +154,36 @@ Json modes_json(const modal::ModeTable& table) {
   return json;
 }
 
+namespace {
+
+/// Shapes must be those of the model, and counterparts must be there.
+void require_whole(const Reader& fields, const char* key, std::size_t coordinates,
+                   std::size_t rigid_modes, const std::vector<modal::TabledMode>& modes) {
+  for (std::size_t k = 0; k < modes.size(); ++k) {
+    const auto& [mode, energy, moves, label, rigid] = modes[k];
+    const auto at = [&](const char* field) { return fmt::format("{}[{}].{}", key, k, field); };
+    const auto size = static_cast<Eigen::Index>(coordinates);
+    if (mode.real.size() != size)
+      fields.bad(at("shape"), fmt::format("expected {} numbers", coordinates));
+    if (mode.imaginary.size() != size)
+      fields.bad(at("shape_imaginary"), fmt::format("expected {} numbers", coordinates));
+    if (rigid && static_cast<std::size_t>(rigid->mode) >= rigid_modes)
+      fields.bad(at("rigid.mode"), fmt::format("there are {} rigid modes", rigid_modes));
+  }
+}
+
+}  // namespace
+
 modal::ModeTable modes_from_json(const Json& json, const std::string& file) {
-  return read<modal::ModeTable>(json, file);
+  const auto table = read<modal::ModeTable>(json, file);
+  const Reader fields(json, file);
+  const std::size_t rigid_modes = table.rigid.modes.size();
+  require_whole(fields, "modes", dynamics::coordinate_names(table.kind).size(), rigid_modes,
+                table.real.modes);
+  require_whole(fields, "rigid_modes",
+                dynamics::coordinate_names(dynamics::ModelKind::rigid).size(), rigid_modes,
+                table.rigid.modes);
+  return table;
 }
 
 template <class Fields>

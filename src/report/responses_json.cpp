@@ -37,21 +37,21 @@ std::vector<MatrixXcd> read_lines(const Reader& fields, const char* key, std::si
   std::vector<std::vector<Eigen::VectorXcd>> all;
   fields(key, all);
   if (all.size() != rows) fields.bad(key, fmt::format("must have {} rows, one per output", rows));
-  std::vector<MatrixXcd> result(lines,
-                                MatrixXcd(static_cast<Index>(rows), static_cast<Index>(columns)));
   for (std::size_t i = 0; i < rows; ++i) {
     if (all[i].size() != columns)
       fields.bad(key, fmt::format("row {} must have {} entries", i + 1, columns));
-    for (std::size_t j = 0; j < columns; ++j) {
-      const auto& values = all[i][j];
-      if (static_cast<std::size_t>(values.size()) != lines)
-        fields.bad(
-            fmt::format("{}[{}][{}]", key, i, j),
-            fmt::format("has {} numbers, but there are {} frequencies", values.size(), lines));
-      for (std::size_t k = 0; k < lines; ++k)
-        result[k](static_cast<Index>(i), static_cast<Index>(j)) = values[static_cast<Index>(k)];
-    }
+    for (std::size_t j = 0; j < columns; ++j)
+      if (const auto count = static_cast<std::size_t>(all[i][j].size()); count != lines)
+        fields.bad(fmt::format("{}[{}][{}]", key, i, j),
+                   fmt::format("has {} numbers, but there are {} frequencies", count, lines));
   }
+  // only now is it known that the file has as many numbers as that
+  std::vector<MatrixXcd> result(lines,
+                                MatrixXcd(static_cast<Index>(rows), static_cast<Index>(columns)));
+  for (std::size_t k = 0; k < lines; ++k)
+    for (std::size_t i = 0; i < rows; ++i)
+      for (std::size_t j = 0; j < columns; ++j)
+        result[k](static_cast<Index>(i), static_cast<Index>(j)) = all[i][j][static_cast<Index>(k)];
   return result;
 }
 

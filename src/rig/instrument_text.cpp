@@ -49,7 +49,7 @@ Accelerometer parse_accelerometer(const std::string& text) {
     one.sensor.low = -std::abs(*range);
     one.sensor.high = std::abs(*range);
   }
-  one.point = static_cast<int>(words.number("point", "1").value_or(0.0));
+  one.point = words.whole("point", 0, 1'000'000).value_or(0);
   words.finish();
   if (one.noise_density < 0.0 || one.bandwidth < 0.0 || one.sensor.resolution < 0.0)
     words.fail("noise, bandwidth and resolution must be 0 or more");

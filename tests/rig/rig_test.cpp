@@ -8,6 +8,7 @@
 
 #include <complex>
 
+#include "hydrapod/base/error.hpp"
 #include "hydrapod/kinematics/legs.hpp"
 #include "hydrapod/model/machine_file.hpp"
 #include "hydrapod/rig/rig.hpp"
@@ -243,6 +244,13 @@ TEST(Rig, SaysThatAMachineOscillatesByItself) {
   }
   EXPECT_GT(swing(with("13.1")), 10.0);
   EXPECT_LT(swing(with("0.47")), 4.0);
+}
+
+TEST(Accelerometer, HasAWholeNumberForItsPlace) {
+  EXPECT_EQ(parse_accelerometer("a, at=0.3 0 0.1, along=-y, point=17").point, 17);
+  EXPECT_EQ(parse_accelerometer("a").point, 0);
+  for (const char* wrong : {"a, point=1e30", "a, point=-1", "a, point=2.5", "a, point=nan"})
+    EXPECT_THROW(parse_accelerometer(wrong), base::InputError) << wrong;
 }
 
 TEST(LowPass, OfEighthOrderIsThreeDecibelsDownAtItsCorner) {

@@ -141,5 +141,64 @@ TEST(Readers, NameFileAndKey) {
   }
 }
 
+/// What a reader says of the modes of a machine after `change`; empty: nothing.
+template <class Change>
+std::string refusal_of_modes(const Change& change) {
+  static const auto sound = report::modes_json(tasks::modes(heavy()));
+  auto json = sound;
+  change(json);
+  try {
+    report::modes_from_json(json, "modes.json");
+  } catch (const base::InputError& error) {
+    return error.diagnostics().at(0).text();
+  }
+  return {};
+}
+
+TEST(Readers, TakeNoShapeThatIsNotOfTheModel) {
+  EXPECT_EQ(refusal_of_modes([](Json&) {}), "");
+  EXPECT_EQ(refusal_of_modes([](Json& json) { json["modes"][2]["shape"] = Json::array({0.3}); }),
+            "modes.json: error: modes[2].shape: expected 18 numbers");
+  EXPECT_EQ(refusal_of_modes([](Json& json) {
+              auto& shape = json["rigid_modes"][5]["shape"];
+              while (shape.size() < 31) shape.push_back(0.7);
+            }),
+            "modes.json: error: rigid_modes[5].shape: expected at most 30 numbers");
+  EXPECT_EQ(refusal_of_modes([](Json& json) {
+              json["modes"][1]["shape_imaginary"] = {1.0, 2.0};
+            }),
+            "modes.json: error: modes[1].shape_imaginary: expected 18 numbers");
+  EXPECT_EQ(refusal_of_modes([](Json& json) { json["modes"][0]["leg_energy"].erase(5); }),
+            "modes.json: error: modes[0].leg_energy: expected 6 numbers");
+}
+
+TEST(Readers, TakeNoNumberOfAModeThatIsNotThere) {
+  EXPECT_EQ(refusal_of_modes([](Json& json) { json["modes"][0]["rigid"]["mode"] = 7; }),
+            "modes.json: error: modes[0].rigid.mode: there are 6 rigid modes");
+  EXPECT_EQ(refusal_of_modes([](Json& json) { json["modes"][0]["rigid"]["mode"] = 4294967298; }),
+            "modes.json: error: modes[0].rigid.mode: is 4294967298, which is too large");
+  EXPECT_EQ(refusal_of_modes(
+                [](Json& json) { json["modes"][0]["rigid"]["mode"] = -9223372036854775807 - 1; }),
+            "modes.json: error: modes[0].rigid.mode: is -9223372036854775808, which is too large");
+}
+
+/// A thousand inputs by a thousand outputs at a thousand lines, of which the file has none, would
+/// be 16 GB.
+TEST(Readers, BelieveNoSizeOfResponsesThatAreNotThere) {
+  const auto many = [](const report::Json& item) { return report::Json(std::vector(1000, item)); };
+  report::Json json{{"inputs", many(report::Json::object())},
+                    {"outputs", many(report::Json::object())},
+                    {"frequency_hz", report::Json::array()},
+                    {"response", many(report::Json::array())}};
+  for (int k = 0; k < 1000; ++k) json["frequency_hz"].push_back(0.25 * k);
+  try {
+    report::responses_from_json(json, "frf.json");
+    FAIL();
+  } catch (const base::InputError& error) {
+    EXPECT_EQ(error.diagnostics().at(0).text(),
+              "frf.json: error: response: row 1 must have 1000 entries");
+  }
+}
+
 }  // namespace
 }  // namespace hydrapod::test
