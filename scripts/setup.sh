@@ -13,7 +13,11 @@ say() { printf '%s: %s\n' "$me" "$*" >&2; }
 # lock name : waits until no other start does the same, and keeps others waiting until unlock or the
 # end of this process. Children get no descriptor 9, or they would keep the lock.
 lock() {
-  mkdir -p "$root/build" || exit "$setup_failed"
+  if ! { mkdir -p "$root/build" && : >>"$root/build/.lock-$1"; } 2>/dev/null; then
+    say "the sources are newer than the program in $root/build, or it was not built yet, and this folder"
+    say "cannot be written: build it as a user who may, or copy the repository to a place of your own"
+    exit "$setup_failed"
+  fi
   exec 9>"$root/build/.lock-$1"
   flock --nonblock 9 && return
   say "waiting for another start that is building in $root/build"
