@@ -38,6 +38,7 @@ packages_test=(
   "liblapacke-dev LAPACK from C, the yardstick of the benchmarks"
   "libopenblas-dev an optimised LAPACK"
   "chromium opens the pages in their tests"
+  "python3 puts mistakes into the sources, to see whether the tests notice"
 )
 
 # For ./test --sanitize-files, --sanitize and --long.
