@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 #include "hydrapod/data/processing.hpp"
@@ -44,6 +45,44 @@ TEST(Welch, WhiteNoiseIsFlatAtItsVariance) {
   // 120 lines in the middle; five standard errors are passed by one in two million
   for (Eigen::Index k = 4; k < 124; ++k)
     EXPECT_NEAR(spectrum.density(k, 0), expected, 5.0 * error * expected);
+}
+
+/// The line at half the sample rate has no other half on the negative axis.
+TEST(Welch, NothingIsCountedTwiceAtHalfTheSampleRate) {
+  constexpr double amplitude = 0.43;
+  data::WelchSpectrum welch(1, 64.0, 128);
+  data::Samples samples(1024, 1);
+  for (Eigen::Index k = 0; k < samples.rows(); ++k)
+    samples(k, 0) = k % 2 == 0 ? amplitude : -amplitude;
+  welch.add(samples);
+  EXPECT_NEAR(welch.result().density.col(0).sum() * 0.5, amplitude * amplitude, 1e-12);
+}
+
+TEST(Overview, NumbersAreThoseOfTheirDefinitions) {
+  data::RecordHeader header;
+  header.channels = {{"a"}};
+  header.sample_rate = 4.0;
+  data::OverviewBuilder builder(header, 8);
+  data::Samples samples(8, 1);
+  const double infinite = std::numeric_limits<double>::infinity(), nan = std::nan("");
+  samples.col(0) << 11.5, 9.5, infinite, 12.5, nan, 4.5, 10.5, nan;
+  builder.add(samples);
+  const auto all = builder.result();
+  EXPECT_EQ(all.samples, 8);
+  EXPECT_EQ(all.duration, 2.0);
+  const auto& a = all.channels[0];
+  EXPECT_EQ(a.samples, 5);
+  EXPECT_EQ(a.missing, 2);
+  EXPECT_EQ(a.infinite, 1);
+  EXPECT_NEAR(a.mean, 9.7, 1e-14);
+  EXPECT_NEAR(a.rms, std::sqrt((1.8 * 1.8 + 0.2 * 0.2 + 2.8 * 2.8 + 5.2 * 5.2 + 0.8 * 0.8) / 5.0),
+              1e-14);
+  EXPECT_EQ(a.lowest, 4.5);
+  EXPECT_EQ(a.highest, 12.5);
+  EXPECT_NEAR(a.peak, 5.2, 1e-14);  // below the mean it goes farther than above
+  EXPECT_EQ(a.at_limit, 0);
+  EXPECT_EQ(a.longest_hold, 1);
+  EXPECT_FALSE(a.constant);
 }
 
 TEST(Overview, CountsWhatStandsStillAndWhatIsMissing) {

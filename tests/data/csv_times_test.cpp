@@ -223,6 +223,18 @@ TEST(CsvTimes, StampsWithoutAFractionOverMidnightWithAGap) {
   expect_counted(record, 22, [](int k) { return k == 12; });
 }
 
+/// The night in which clocks are put back: 2:59 is followed by 2:00, an hour nearer to Greenwich.
+TEST(CsvTimes, StampsWhoseZoneChanges) {
+  std::string text = "timestamp,x\n";
+  for (int k = 0; k < 20; ++k)
+    text += fmt::format("2026-10-25T02:59:{:04.1f}+02:00,{}\n", 58.0 + 0.1 * k, k + 1);
+  for (int k = 0; k < 20; ++k)
+    text += fmt::format("2026-10-25T02:00:{:04.1f}+01:00,{}\n", 0.1 * k, k + 21);
+  const auto record = table(text).record;
+  EXPECT_EQ(record.header.sample_rate, 10.0);
+  expect_counted(record, 40, [](int) { return false; });
+}
+
 TEST(CsvTimes, DateAndTimeInTwoColumns) {
   const auto record = table(
                           "date time a b\n2024-03-01 10:00:00.0 1 2\n2024-03-01 10:00:00.1 3 4\n"

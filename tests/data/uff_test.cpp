@@ -224,6 +224,17 @@ TEST(Uff, AnAngleIsNoLength) {
   EXPECT_EQ(record.header.channels[0].direction, data::Direction::ry);
   EXPECT_EQ(record.header.channels[0].point, 7);
   EXPECT_EQ(record.samples(0, 0), -3.81956);
+  const std::string about_minus_y =
+      "    1         0    0         0 NONE               7  -5 NONE"
+      "               0   0";
+  const auto other_way =
+      read(feet + function(displacement, three,
+                           "         2         3         1 0.00000E+000 5.00000E-005 0.00000E+000",
+                           about_minus_y))
+          .record;
+  EXPECT_EQ(other_way.header.channels[0].unit, "rad");
+  EXPECT_EQ(other_way.header.channels[0].direction, data::Direction::minus_ry);
+  EXPECT_EQ(other_way.samples(0, 0), -3.81956);
 }
 
 TEST(Uff, UnevenTimesThatAreEvenAreARecord) {
