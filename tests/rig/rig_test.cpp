@@ -4,9 +4,11 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <numbers>
-
 #include <complex>
+#include <numbers>
+#include <regex>
+#include <string>
+#include <vector>
 
 #include "hydrapod/base/error.hpp"
 #include "hydrapod/kinematics/legs.hpp"
@@ -86,6 +88,7 @@ TEST(Rig, RangeSaturatesAndDropOutsAreMissing) {
   RigOptions options = at_rest();
   options.duration = 20.0;
   options.rate = 200.0;
+  options.oversampling = 2;  // drop-outs are per second, however often the simulation is asked
   options.instruments.pressure = {.noise = 1e4, .low = 0.0, .high = 4e6};
   options.instruments.drop_outs = 0.5;
   options.instruments.accelerometers.clear();
@@ -251,6 +254,124 @@ TEST(Accelerometer, HasAWholeNumberForItsPlace) {
   EXPECT_EQ(parse_accelerometer("a").point, 0);
   for (const char* wrong : {"a, point=1e30", "a, point=-1", "a, point=2.5", "a, point=nan"})
     EXPECT_THROW(parse_accelerometer(wrong), base::InputError) << wrong;
+}
+
+/// The numbers in a message.
+std::vector<double> numbers_in(const std::string& message) {
+  static const std::regex number("[0-9][0-9.e+]*");
+  std::vector<double> all;
+  for (std::sregex_iterator at(message.begin(), message.end(), number), end; at != end; ++at)
+    all.push_back(std::stod(at->str()));
+  return all;
+}
+
+/// Leg 1's length per z: the same for all legs of a symmetric machine.
+double slope_along_z(const model::Machine& machine, const spatial::Pose& at) {
+  const auto up = [&](double z) {
+    spatial::Pose pose = at;
+    pose.p_BP.z() += z;
+    return kinematics::leg_lengths(machine, pose)[0];
+  };
+  return (up(1e-5) - up(-1e-5)) / 2e-5;
+}
+
+TEST(Rig, LevelsSayWhatIsNeededAndWhatIsThere) {
+  const model::Machine machine = starter();
+  RigOptions options = at_rest();
+  spatial::Pose low = machine.neutral();
+  low.p_BP.z() -= 0.05;
+  const simulation::ClosedLoop below(machine, low, loop_options(options));
+  spatial::Vector6 size = spatial::Vector6::Zero();
+  size[2] = 0.7;
+  options.signals = {{size, signals::Step{.at = 0.1, .rise = 0.3}}};
+  const auto strokes = check_levels(below, options);
+  ASSERT_FALSE(strokes.empty());
+  const auto said = numbers_in(strokes[0].message);  // needed, leg, left
+  ASSERT_EQ(said.size(), 3U) << strokes[0].message;
+  const auto leg = static_cast<std::size_t>(said[1]) - 1;
+  const auto& stops = below.plant().axis(static_cast<int>(leg)).stops;
+  const double piston = kinematics::leg_lengths(machine, low)[leg] - machine.legs[leg].rod.length;
+  EXPECT_LT(piston - stops.low, 0.9 * (stops.high - piston));  // below the middle
+  EXPECT_NEAR(said[0], 700.0 * slope_along_z(machine, low), 0.01 * said[0]);
+  EXPECT_NEAR(said[2], 1e3 * (piston - stops.low), 0.01 * said[2]);
+
+  const simulation::ClosedLoop loop(machine, machine.neutral(), loop_options(options));
+  size[2] = 0.02;
+  options.signals = {{size, signals::Sine{30.0}}};
+  const auto fast = check_levels(loop, options);
+  ASSERT_FALSE(fast.empty());
+  const auto forces = numbers_in(fast.back().message);  // needed, leg, available
+  ASSERT_EQ(forces.size(), 3U) << fast.back().message;
+  const double acceleration = 0.02 * std::pow(two_pi * 30.0, 2);
+  EXPECT_NEAR(
+      1e3 * forces[0],
+      machine.platform.mass * acceleration / (6.0 * slope_along_z(machine, machine.neutral())),
+      0.01 * 1e3 * forces[0]);
+  const auto& axis = loop.parameters().axes[static_cast<std::size_t>(forces[1]) - 1];
+  const double pull =
+      axis.supply_pressure * axis.annulus_area - axis.return_pressure * axis.piston_area;
+  EXPECT_GT(axis.load, 0.02 * pull);  // the weight helps to pull the platform down
+  EXPECT_NEAR(1e3 * forces[2], pull + axis.load, 0.01 * 1e3 * forces[2]);
+
+  options.entry = Entry::drive;
+  for (int i = 0; i < 6; ++i) {  // a level of 1 is full drive of the leg that moves most
+    size.setZero();
+    size[i] = 2.0;
+    options.signals = {{size, signals::Step{.at = 0.1}}};
+    const auto drives = check_levels(loop, options);
+    ASSERT_EQ(drives.size(), 1U);
+    EXPECT_THAT(drives[0].message, testing::HasSubstr(" to 200 % of full drive"));
+  }
+}
+
+TEST(Rig, PressuresAreThoseOfTheirChambers) {
+  RigOptions options = at_rest();
+  options.duration = 0.05;
+  options.instruments.pressure = {};
+  options.instruments.accelerometers.clear();
+  const model::Machine machine = starter();
+  const simulation::ClosedLoop loop(machine, machine.neutral(), loop_options(options));
+  const auto record = measured(options);
+  const auto& layout = loop.plant().layout();
+  for (int leg = 0; leg < 6; ++leg) {
+    const double cap = loop.rest().x[layout.cap(leg)], rod = loop.rest().x[layout.rod(leg)];
+    EXPECT_GT(std::abs(cap - rod), 0.05 * cap);
+    EXPECT_NEAR(record(0, 18 + 2 * leg), cap, 1e-3 * cap);
+    EXPECT_NEAR(record(0, 19 + 2 * leg), rod, 1e-3 * rod);
+  }
+}
+
+/// Settling, bandwidth and the record's rate, each with a simulation of another rate under it.
+TEST(Rig, TimesAreThoseOfTheRecordHoweverFineTheSimulation) {
+  RigOptions options = at_rest();
+  options.oversampling = 4;
+  options.settling = 0.6;
+  options.duration = 0.5;
+  options.entry = Entry::wrench;
+  spatial::Vector6 size = spatial::Vector6::Zero();
+  size[2] = 300.0;
+  options.signals = {{size, signals::Sine{100.0}}};
+  Accelerometer wide{.name = "wide", .e_P = {0, 0, 1}, .noise_density = 0.0, .bandwidth = 0.0};
+  wide.sensor = {};
+  Accelerometer narrow = wide;
+  narrow.bandwidth = 100.0;
+  options.instruments.accelerometers = {wide, narrow};
+  const auto record = measured(options);
+  std::complex<double> whole = 0.0, filtered = 0.0;
+  for (Eigen::Index k = 0; k < record.rows(); ++k) {
+    const auto turn = std::polar(1.0, -two_pi * 100.0 * static_cast<double>(k) / options.rate);
+    whole += record(k, 30) * turn;
+    filtered += record(k, 31) * turn;
+  }
+  const std::complex<double> at_corner(0.0, -1.0 / 1.4);  // 1/(2 ζ i), ζ = 0.7
+  EXPECT_NEAR(std::abs(filtered / whole - at_corner), 0.0, 0.02);
+
+  options.signals = {{size, signals::Step{.at = 0.7}}};
+  options.duration = 0.2;
+  const auto step = measured(options);
+  const Eigen::VectorXd force = step.col(2);
+  EXPECT_EQ(force.head(98).cwiseAbs().maxCoeff(), 0.0);
+  EXPECT_EQ(force.tail(98).minCoeff(), 300.0);
 }
 
 TEST(LowPass, OfEighthOrderIsThreeDecibelsDownAtItsCorner) {
