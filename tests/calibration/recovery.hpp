@@ -1,6 +1,7 @@
 #pragma once
 /// Synthetic calibrations: machines with known numbers, their modes with noise, what comes back.
 
+#include <cmath>
 #include <string>
 #include <vector>
 
@@ -14,6 +15,7 @@ namespace hydrapod::test {
 struct Coverage {
   int determined{}, held{};
   int undetermined{};
+  double squares{};  ///< of errors over their deviations, of what is determined
   /// Parameters that the data cannot know, called determined all the same.
   std::vector<std::string> wrongly{};
 };
@@ -68,6 +70,7 @@ inline void recover(std::uint64_t machine_seed, std::uint64_t noise_seed, bool g
     const double value = find_number(truth, path)->value;
     ++coverage.determined;
     coverage.held += p.interval_low <= value && value <= p.interval_high;
+    coverage.squares += std::pow((p.value - value) / p.deviation, 2);
   }
 }
 

@@ -29,6 +29,9 @@ TEST(Recovery, IntervalsHoldTheTruthAsOftenAsTheyPromise) {
   // less three standard deviations is 0.83
   EXPECT_GE(coverage.held, 0.87 * coverage.determined)
       << coverage.held << " of " << coverage.determined;
+  // squares of 30 independent trials at least: a mean of 1 with a deviation of no more than 0.26;
+  // intervals that are half as wide again as they should be have 0.44
+  EXPECT_NEAR(coverage.squares / coverage.determined, 1.0, 2.0 * 0.26);
 }
 
 /// The published machine with transverse axes, and labels where a mode has a direction.

@@ -11,7 +11,7 @@
 #include "support/json_numbers.hpp"
 #include "support/symmetric_machine.hpp"
 
-#include "geometry_json.hpp"
+#include "report/geometry_json.hpp"
 
 namespace hydrapod::test {
 namespace {
