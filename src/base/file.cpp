@@ -122,14 +122,13 @@ void sync_folder_of(const std::string& target) {
   if (open_folder.is_open()) ::fsync(open_folder.number());
 }
 
-/// False where a file stands at `to`.
-bool rename_to_free_name(const std::string& from, const std::string& to, const std::string& path) {
-  if (::renameat2(AT_FDCWD, from.c_str(), AT_FDCWD, to.c_str(), RENAME_NOREPLACE) == 0) return true;
-  if (errno == EEXIST) return false;
+/// 0 or the cause; EEXIST where a file stands at `to`.
+int rename_to_free_name(const std::string& from, const std::string& to) {
+  if (::renameat2(AT_FDCWD, from.c_str(), AT_FDCWD, to.c_str(), RENAME_NOREPLACE) == 0) return 0;
+  if (errno == EEXIST) return EEXIST;
   std::error_code ignored;  // a file system that cannot do it at once
-  if (fs::exists(fs::symlink_status(to, ignored))) return false;
-  if (::rename(from.c_str(), to.c_str()) != 0) fail(path, errno);
-  return true;
+  if (fs::exists(fs::symlink_status(to, ignored))) return EEXIST;
+  return ::rename(from.c_str(), to.c_str()) == 0 ? 0 : errno;
 }
 
 void write_beside_and_rename(const std::string& target, const std::string& path,
@@ -207,20 +206,27 @@ PartFile::~PartFile() {
 }
 
 std::string PartFile::commit(bool complete) {
+  const auto fail_and_keep = [&](int cause) {
+    keep();
+    throw ComputationError(fmt::format("writing '{}' failed: {}; {} holds what was written before",
+                                       path_, std::strerror(cause), part_));
+  };
   Descriptor file(::open(part_.c_str(), O_RDONLY | O_CLOEXEC));
-  if (!file.is_open() || ::fsync(file.number()) != 0 || !file.close()) fail(path_, errno);
+  if (!file.is_open() || ::fsync(file.number()) != 0 || !file.close()) fail_and_keep(errno);
   if (replaces_ && !complete) {
     keep();
     return part_;
   }
-  if (replaces_) {
-    if (::rename(part_.c_str(), target_.c_str()) != 0) fail(path_, errno);
-  } else if (!rename_to_free_name(part_, target_, path_)) {
+  const int cause = !replaces_ ? rename_to_free_name(part_, target_)
+                    : ::rename(part_.c_str(), target_.c_str()) == 0 ? 0
+                                                                    : errno;
+  if (!replaces_ && cause == EEXIST) {
     keep();
     throw ComputationError(fmt::format(
         "'{}' was written by another program meanwhile and was left as it is; {} contains this one",
         path_, part_));
   }
+  if (cause != 0) fail_and_keep(cause);
   committed_ = true;
   sync_folder_of(target_);
   return path_;

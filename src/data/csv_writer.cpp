@@ -5,6 +5,7 @@
 
 #include "formats.hpp"
 #include "hydrapod/base/file.hpp"
+#include "out_stream.hpp"
 #include "record_comments.hpp"
 
 namespace hydrapod::data {
@@ -36,10 +37,10 @@ class CsvWriter final : public RecordWriter {
         add_number(samples(row, column));
       text_ += '\n';
       file_.write(text_);
-      file_.keep_on_failure();
       ++written_;
     }
     file_.flush();
+    if (written_ > 0) file_.keep_on_failure();
   }
 
  private:

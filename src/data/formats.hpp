@@ -60,35 +60,6 @@ class RecordReader {
   std::optional<Notes> opened_{};  ///< notes before the first read
 };
 
-/// The part of a file that a writer fills from front to back. All functions throw
-/// base::ComputationError.
-class PartStream {
- public:
-  explicit PartStream(const std::string& path);
-
-  [[nodiscard]] const std::string& path() const { return part_.path(); }
-  [[nodiscard]] const std::string& part() const { return part_.part(); }
-  [[nodiscard]] bool is_open() const { return file_ != nullptr; }
-  void write(std::string_view text);
-  /// Over what stands at `offset`; then on at the end.
-  void write_at(long offset, std::string_view text);
-  void flush();
-  /// The part becomes the file, see base::PartFile::commit.
-  std::string close(bool complete);
-  /// What has been written can be read by itself: it stays when there is a failure.
-  void keep_on_failure() { legible_ = true; }
-
- private:
-  struct CloseFile {
-    void operator()(std::FILE* file) const { std::fclose(file); }
-  };
-  [[noreturn]] void fail();
-
-  base::PartFile part_;
-  std::unique_ptr<std::FILE, CloseFile> file_;
-  bool legible_{};
-};
-
 std::unique_ptr<RecordWriter> make_csv_writer(const std::string& path, const RecordHeader& header);
 /// `for_matlab`: MATLAB 7.3.
 std::unique_ptr<RecordWriter> make_hdf5_writer(const std::string& path, const RecordHeader& header,
@@ -108,10 +79,6 @@ std::unique_ptr<RecordReader> make_hdf5_reader(const std::string& path, const Re
 /// Fills header.experiment, but for the machine file that is there already, from its JSON; where
 /// that is empty, from what older records of hydrapod say in header.notes.
 void settle_experiment(const std::string& json, Notes& notes, RecordHeader& header);
-
-/// What to say when `part` cannot be written to. With samples in it the part is kept, and the
-/// message names it.
-std::string failed_write(base::PartFile& part, bool holds_samples);
 
 /// Words of the files that hydrapod writes.
 inline constexpr const char* record_mark = "hydrapod record";

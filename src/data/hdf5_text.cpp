@@ -149,10 +149,11 @@ std::optional<std::string> read_text_attribute(hid_t object, const char* name) {
   if (!attribute.ok()) return {};
   const Hdf5Handle type(H5Aget_type(attribute.id()), H5Tclose);
   const Hdf5Handle space(H5Aget_space(attribute.id()), H5Sclose);
+  if (H5Sget_simple_extent_npoints(space.id()) != 1) return {};
   auto texts = read_strings(type, space, most_attribute_bytes, [&](hid_t memory, void* buffer) {
     return H5Aread(attribute.id(), memory, buffer);
   });
-  if (!texts || texts->size() != 1) return {};
+  if (!texts) return {};
   return texts->front();
 }
 
@@ -190,6 +191,45 @@ std::uint64_t chunk_bytes(hid_t dataset) {
     bytes *= size;
   }
   return bytes;
+}
+
+std::string why_not_read(hid_t dataset) {
+  const Hdf5Handle list(H5Dget_create_plist(dataset), H5Pclose);
+  if (!list.ok()) return "cannot be opened";
+  if (H5Pget_external_count(list.id()) != 0) return "keeps its numbers in another file";
+  if (H5Pget_layout(list.id()) == H5D_VIRTUAL) return "is put together from other datasets";
+  for (int k = 0; k < H5Pget_nfilters(list.id()); ++k) {
+    unsigned flags = 0, settings = 0;
+    std::size_t values = 0;
+    std::array<char, 64> name{};
+    const H5Z_filter_t filter = H5Pget_filter2(list.id(), static_cast<unsigned>(k), &flags, &values,
+                                               nullptr, name.size() - 1, name.data(), &settings);
+    const bool known = filter > H5Z_FILTER_NONE && filter <= H5Z_FILTER_SCALEOFFSET;
+    if (!known || H5Zfilter_avail(filter) <= 0)
+      return "has the filter " + std::to_string(filter) +
+             ", which HDF5 itself does not have "
+             "(h5repack -f GZIP=4 IN OUT writes the file without it)";
+  }
+  return "";
+}
+
+std::uint64_t working_set(hid_t dataset) {
+  const Hdf5Handle list(H5Dget_create_plist(dataset), H5Pclose);
+  const Hdf5Handle space(H5Dget_space(dataset), H5Sclose);
+  std::array<hsize_t, 2> chunk{1, 1}, size{1, 1};
+  if (H5Pget_layout(list.id()) != H5D_CHUNKED || H5Pget_nfilters(list.id()) < 1) return 0;
+  if (H5Sget_simple_extent_ndims(space.id()) > 2 || H5Pget_chunk(list.id(), 2, chunk.data()) < 1 ||
+      H5Sget_simple_extent_dims(space.id(), size.data(), nullptr) < 0 || chunk[0] == 0 ||
+      chunk[1] == 0)
+    return chunk_bytes(dataset);
+  const bool lists = H5Sget_simple_extent_ndims(space.id()) < 2;
+  const bool channels_are_rows = size[0] < size[1];
+  const hsize_t beside = lists               ? 1
+                         : channels_are_rows ? (size[0] - 1) / chunk[0] + 1
+                                             : (size[1] - 1) / chunk[1] + 1;
+  constexpr std::uint64_t beyond = std::uint64_t{1} << 60U;
+  const std::uint64_t one = chunk_bytes(dataset);
+  return one == 0 || beside > beyond / one ? beyond : beside * one;
 }
 
 std::uint64_t believable_rows(hid_t dataset, std::uint64_t rows, std::uint64_t columns) {

@@ -6,6 +6,7 @@
 #include <hdf5.h>
 
 #include <cstdint>
+#include <mutex>
 #include <optional>
 #include <string>
 #include <utility>
@@ -65,6 +66,20 @@ class Hdf5Silence {
   void* data_{};
 };
 
+/// Held by whoever calls HDF5 in this process, which Debian's HDF5 does not lock by itself, and
+/// while a process is forked that is to use it.
+class Hdf5Lock {
+ public:
+  Hdf5Lock() : lock_(all()) {}
+
+ private:
+  static std::mutex& all() {
+    static std::mutex one;
+    return one;
+  }
+  std::lock_guard<std::mutex> lock_;
+};
+
 /// Objects without time stamps, so that equal records are equal files.
 Hdf5Handle dataset_without_times();
 Hdf5Handle group_without_times(hid_t where, const char* name);
@@ -89,6 +104,12 @@ Hdf5Handle write_set(hid_t group, const char* name, hid_t file_type, hid_t memor
 std::optional<std::string> read_text_attribute(hid_t object, const char* name);
 std::optional<double> read_number_attribute(hid_t object, const char* name);
 std::optional<std::vector<std::string>> read_texts(hid_t dataset, std::size_t most_bytes);
+/// Why a dataset is not read, for a message ("keeps its numbers in another file"): its numbers are
+/// not in this file, or it has a filter that HDF5 itself does not have. Empty: it is read.
+std::string why_not_read(hid_t dataset);
+/// Bytes of the chunks that must be in memory so that a filtered dataset is read from front to back
+/// with each chunk unpacked once; 0 where it has no filters.
+std::uint64_t working_set(hid_t dataset);
 /// Bytes of a chunk in memory; 0 for a dataset that has none.
 std::uint64_t chunk_bytes(hid_t dataset);
 /// Chunks larger than this are not taken into memory, whatever the file says.

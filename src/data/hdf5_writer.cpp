@@ -1,12 +1,15 @@
+#include <fcntl.h>
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cerrno>
 #include <cstdio>
 #include <cstring>
 
 #include "formats.hpp"
 #include "hdf5_text.hpp"
 #include "hydrapod/base/version.hpp"
+#include "out_stream.hpp"
 #include "unicode.hpp"
 
 namespace hydrapod::data {
@@ -157,8 +160,15 @@ class Hdf5Writer final : public RecordWriter {
     flush();
   }
 
+  ~Hdf5Writer() override {
+    const Hdf5Lock lock;
+    samples_.reset();
+    file_.reset();
+  }
+
   void write(const Eigen::Ref<const Samples>& samples) override {
     if (samples.rows() == 0) return;
+    const Hdf5Lock lock;
     const Hdf5Silence silence;
     const Samples dense = samples;  // rows of a block may be apart
     const hsize_t rows = static_cast<hsize_t>(dense.rows()), columns = header_.channels.size();
@@ -181,6 +191,7 @@ class Hdf5Writer final : public RecordWriter {
 
  private:
   std::string finish(bool complete) override {
+    const Hdf5Lock lock;
     const Hdf5Silence silence;
     if (!put_checksum()) fail();
     flush();
@@ -206,11 +217,28 @@ class Hdf5Writer final : public RecordWriter {
   [[noreturn]] void fail() {
     samples_.abandon();
     file_.abandon();
-    throw base::ComputationError(failed_write(part_, written_ > 0));
+    throw base::ComputationError(failed_write(part_, flushed_ > 0));
+  }
+
+  /// Room on the disk for all that HDF5 has yet to write: what would be half an index otherwise
+  /// leaves the last good flush untouched.
+  [[nodiscard]] bool reserve() const {
+    hsize_t bytes = 0;
+    void* descriptor = nullptr;
+    if (H5Fget_filesize(file_.id(), &bytes) < 0 ||
+        H5Fget_vfd_handle(file_.id(), H5P_DEFAULT, &descriptor) < 0)
+      return false;
+    const int number = *static_cast<int*>(descriptor);
+    while (::fallocate(number, 0, 0, static_cast<off_t>(bytes)) != 0) {
+      if (errno == EOPNOTSUPP) return true;  // not every file system can
+      if (errno != EINTR) return false;
+    }
+    return true;
   }
 
   void flush() {
-    if (H5Fflush(file_.id(), H5F_SCOPE_GLOBAL) < 0) fail();
+    if (!reserve() || H5Fflush(file_.id(), H5F_SCOPE_GLOBAL) < 0) fail();
+    flushed_ = written_;
   }
 
   void make_samples() {
@@ -231,13 +259,15 @@ class Hdf5Writer final : public RecordWriter {
   bool for_matlab_;
   Hdf5Handle file_;
   Hdf5Handle samples_;
-  hsize_t written_{}, unflushed_{};
+  hsize_t written_{}, flushed_{};  ///< samples
+  hsize_t unflushed_{};            ///< bytes
 };
 
 }  // namespace
 
 std::unique_ptr<RecordWriter> make_hdf5_writer(const std::string& path, const RecordHeader& header,
                                                bool for_matlab) {
+  const Hdf5Lock lock;
   const Hdf5Silence silence;
   return std::make_unique<Hdf5Writer>(path, header, for_matlab);
 }

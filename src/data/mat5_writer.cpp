@@ -9,6 +9,7 @@
 #include "formats.hpp"
 #include "hydrapod/base/version.hpp"
 #include "mat5_layout.hpp"
+#include "out_stream.hpp"
 #include "unicode.hpp"
 
 namespace hydrapod::data {
@@ -148,8 +149,9 @@ class Mat5Writer final : public RecordWriter {
       : RecordWriter(header), file_(path), header_(header) {
     Mat5Header fields{mat5_file_head()};
     put_header(header, fields);
-    checksum_at_ = static_cast<long>(fields.out.find(mat5_text(checksum_name, no_checksum_yet)));
-    samples_at_ = static_cast<long>(fields.out.size());
+    checksum_at_ =
+        static_cast<std::uint64_t>(fields.out.find(mat5_text(checksum_name, no_checksum_yet)));
+    samples_at_ = static_cast<std::uint64_t>(fields.out.size());
     file_.write(fields.out + samples_head());
     file_.flush();
   }
@@ -165,8 +167,9 @@ class Mat5Writer final : public RecordWriter {
     const Samples dense = samples;
     file_.write({reinterpret_cast<const char*>(dense.data()), bytes_for(rows)});
     written_ += rows;
+    file_.flush();  // the sizes come behind what they count
     file_.write_at(samples_at_, samples_head());
-    file_.flush();
+    file_.keep_on_failure();
   }
 
  private:
@@ -193,7 +196,7 @@ class Mat5Writer final : public RecordWriter {
 
   PartStream file_;
   RecordHeader header_;
-  long checksum_at_{}, samples_at_{};
+  std::uint64_t checksum_at_{}, samples_at_{};
   std::uint64_t written_{};
 };
 

@@ -19,6 +19,7 @@
 #include "hydrapod/base/file.hpp"
 #include "hydrapod/base/text.hpp"
 #include "response_files.hpp"
+#include "spool.hpp"
 #include "uff_dataset.hpp"
 
 namespace hydrapod::data {
@@ -104,6 +105,7 @@ std::unique_ptr<RecordReader> open_by_content(const std::string& path, const Rea
   if (head.starts_with("MATLAB 5.0") || has_mat5_mark(head)) return make_mat5_reader(path, options);
   if (begins_as_uff(head)) return make_uff_reader(path);
   if (begins_as_rpc(head)) return make_rpc_reader(path);
+  if (head.starts_with(spool_mark)) return make_spool_reader(path);
   if (head.find('\0') != std::string::npos)
     base::refuse(path,
                  "this is not a record: it is neither HDF5, MAT, Universal File, RPC III nor text");
@@ -197,7 +199,8 @@ FileKind file_kind(const std::string& path) {
   if (base::has_ending(path, {".toml"})) return FileKind::toml;
   const std::string head = head_of(path);
   if (begins_as_uff(head)) return uff_kind(path);
-  const bool binary = head.find('\0') != std::string::npos || has_hdf5_signature(head);
+  const bool binary = head.find('\0') != std::string::npos || has_hdf5_signature(head) ||
+                      head.starts_with(spool_mark);
   if (binary || head.starts_with("MATLAB 5.0")) return FileKind::record;
   if (base::trimmed(head).starts_with('{')) return FileKind::json;
   if (is_response_table(path)) return FileKind::frequency_responses;
@@ -382,32 +385,6 @@ std::string RecordWriter::close(bool complete) {
 
 std::string RecordWriter::checksum() const { return checksum_->text(); }
 
-PartStream::PartStream(const std::string& path)
-    : part_(path), file_(std::fopen(part_.part().c_str(), "wb")) {
-  if (!file_) fail();
-}
-
-void PartStream::write(std::string_view text) {
-  if (!file_ || std::fwrite(text.data(), 1, text.size(), file_.get()) != text.size()) fail();
-}
-
-void PartStream::write_at(long offset, std::string_view text) {
-  if (std::fseek(file_.get(), offset, SEEK_SET) != 0) fail();
-  write(text);
-  if (std::fseek(file_.get(), 0, SEEK_END) != 0) fail();
-}
-
-void PartStream::flush() {
-  if (std::fflush(file_.get()) != 0) fail();
-}
-
-std::string PartStream::close(bool complete) {
-  if (!file_ || std::fclose(file_.release()) != 0) fail();
-  return part_.commit(complete);
-}
-
-void PartStream::fail() { throw base::ComputationError(failed_write(part_, legible_)); }
-
 bool is_time_of_sample(double time, double start, double step, std::uint64_t sample) {
   const double planned = start + static_cast<double>(sample) * step;
   return std::abs(time - planned) <= 0.1 * step + 1e-5 * std::abs(planned);
@@ -416,13 +393,6 @@ bool is_time_of_sample(double time, double start, double step, std::uint64_t sam
 double rounded_rate(double rate, double tolerance) {
   const double whole = std::round(rate);
   return whole > 0.0 && std::abs(rate - whole) <= tolerance * whole ? whole : rate;
-}
-
-std::string failed_write(base::PartFile& part, bool holds_samples) {
-  std::string text = fmt::format("writing '{}' failed; is the disk full?", part.path());
-  if (!holds_samples) return text;
-  part.keep();
-  return text + fmt::format(" {} holds what was written before", part.part());
 }
 
 }  // namespace hydrapod::data

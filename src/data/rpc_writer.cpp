@@ -8,11 +8,12 @@
 #include <cstring>
 #include <limits>
 
-#include "file_window.hpp"
 #include "formats.hpp"
 #include "hydrapod/base/text.hpp"
+#include "out_stream.hpp"
 #include "record_comments.hpp"
 #include "rpc_layout.hpp"
+#include "spool.hpp"
 #include "uff_text.hpp"
 
 namespace hydrapod::data {
@@ -53,14 +54,18 @@ class RpcWriter final : public RecordWriter {
  public:
   RpcWriter(const std::string& path, const RecordHeader& header, bool as_shorts)
       : RecordWriter(header, false),
-        file_((require_channels(path, header), path)),
         header_(header),
         as_shorts_(as_shorts),
         states_(header.channels.size()),
-        group_(points_per_group, static_cast<Eigen::Index>(header.channels.size())) {
-    if (as_shorts_) raw_ = std::make_unique<PartStream>(path + ".samples");
+        group_(points_per_group, static_cast<Eigen::Index>(header.channels.size())),
+        notes_(path) {
+    require_channels(path, header);
+    if (as_shorts_)
+      waiting_ = std::make_unique<Waiting>(path, header);
+    else
+      file_ = std::make_unique<PartStream>(path);
     plan_own_records();
-    if (!as_shorts_) file_.write(header_bytes());
+    if (file_) file_->write(header_bytes());
   }
 
   void write(const Eigen::Ref<const Samples>& samples) override {
@@ -77,15 +82,14 @@ class RpcWriter final : public RecordWriter {
  private:
   std::string finish(bool complete) override {
     if (filled_ > 0) put_group();
-    if (as_shorts_) {
-      file_.write(header_bytes());
-      write_shorts();
-    } else {
-      file_.write_at(0, header_bytes());
-    }
     for (std::size_t c = 0; c < states_.size(); ++c) note_channel(header_.channels[c].name, c);
-    raw_.reset();
-    return file_.close(complete);
+    if (file_) {
+      file_->write_at(0, header_bytes());
+      return file_->close(complete);
+    }
+    replace_part(waiting_->part, samples_ > 0,
+                 [&](OutStream& file) { return file.write(header_bytes()) && write_shorts(file); });
+    return waiting_->part.commit(complete);
   }
 
   static void require_channels(const std::string& path, const RecordHeader& header) {
@@ -118,17 +122,27 @@ class RpcWriter final : public RecordWriter {
 
   /// Demultiplexed: all points of a channel, then those of the next.
   void put_group() {
-    group_.bottomRows(points_per_group - filled_).setZero();
-    if (as_shorts_) {
-      raw_->write({reinterpret_cast<const char*>(group_.data()),
-                   sizeof(double) * static_cast<std::size_t>(group_.size())});
+    if (waiting_) {
+      waiting_->spool.append(group_.topRows(filled_));
     } else {
+      group_.bottomRows(points_per_group - filled_).setZero();
       const Eigen::MatrixXf floats = group_.cast<float>();  // column by column
-      file_.write({reinterpret_cast<const char*>(floats.data()),
-                   sizeof(float) * static_cast<std::size_t>(floats.size())});
+      file_->write({reinterpret_cast<const char*>(floats.data()),
+                    sizeof(float) * static_cast<std::size_t>(floats.size())});
+      tell_size();
     }
-    ++groups_;
     filled_ = 0;
+  }
+
+  /// The header says how many samples there are: now and then, for what a killed run leaves.
+  void tell_size() {
+    constexpr std::int64_t often = 1 << 20;  // bytes
+    const auto row_bytes = static_cast<std::int64_t>(sizeof(float)) * group_.cols();
+    if ((samples_ - told_) * row_bytes < often) return;
+    told_ = samples_;
+    file_->flush();
+    file_->write_at(0, header_bytes());
+    file_->keep_on_failure();
   }
 
   [[nodiscard]] double scale(std::size_t channel) const {
@@ -139,28 +153,24 @@ class RpcWriter final : public RecordWriter {
     return std::isfinite(wanted) && wanted >= std::numeric_limits<double>::min() ? wanted : 1.0;
   }
 
-  void write_shorts() {
-    raw_->flush();
-    FileWindow window(raw_->part());
-    const std::size_t row_bytes = sizeof(double) * states_.size();
+  bool write_shorts(OutStream& file) {
     using Shorts = Eigen::Matrix<std::int16_t, Eigen::Dynamic, Eigen::Dynamic>;
     Shorts shorts(group_.rows(), group_.cols());
-    for (std::int64_t group = 0, row = 0; group < groups_; ++group) {
-      for (Eigen::Index k = 0; k < points_per_group; ++k, ++row) {
-        const std::string_view bytes =
-            window.at(static_cast<std::uint64_t>(row) * row_bytes, row_bytes);
-        if (bytes.size() < row_bytes) throw base::ComputationError("a part of the record is gone");
-        std::memcpy(group_.row(k).data(), bytes.data(), row_bytes);
-      }
+    bool good = true;
+    for (std::int64_t first = 0; first < samples_ && good; first += points_per_group) {
+      group_.setZero();
+      const auto rows = std::min<std::int64_t>(points_per_group, samples_ - first);
+      waiting_->spool.read(static_cast<std::uint64_t>(first), group_.topRows(rows));
       for (Eigen::Index c = 0; c < group_.cols(); ++c) {
         const double step = scale(static_cast<std::size_t>(c));
         for (Eigen::Index k = 0; k < points_per_group; ++k)
           shorts(k, c) = static_cast<std::int16_t>(std::lround(
               std::clamp(group_(k, c) / step, -double{rpc_full_scale}, double{rpc_full_scale})));
       }
-      file_.write({reinterpret_cast<const char*>(shorts.data()),
-                   sizeof(std::int16_t) * static_cast<std::size_t>(shorts.size())});
+      good = file.write({reinterpret_cast<const char*>(shorts.data()),
+                         sizeof(std::int16_t) * static_cast<std::size_t>(shorts.size())});
     }
+    return good;
   }
 
   // the header
@@ -259,16 +269,24 @@ class RpcWriter final : public RecordWriter {
                       base::printable(name), state.beyond));
   }
 
-  PartStream file_;
-  std::unique_ptr<PartStream> raw_{};  ///< samples as doubles until their scale is known
+  /// Samples as doubles until their scale is known.
+  struct Waiting {
+    Waiting(const std::string& path, const RecordHeader& header)
+        : part(path), spool(part, header) {}
+    base::PartFile part;
+    Spool spool;
+  };
+
+  std::unique_ptr<PartStream> file_{};  ///< of floats
+  std::unique_ptr<Waiting> waiting_{};  ///< of 16-bit integers
   RecordHeader header_;
   bool as_shorts_;
   std::vector<RpcChannelState> states_;
   Samples group_;
   Eigen::Index filled_{};  ///< rows of group_
-  std::int64_t samples_{}, groups_{};
+  std::int64_t samples_{}, told_{};
   std::vector<std::string> own_{};  ///< values behind keys of hydrapod's own
-  Notes notes_{file_.path()};
+  Notes notes_;
 };
 
 }  // namespace

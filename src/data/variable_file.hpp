@@ -50,6 +50,9 @@ class VariableFile {
 /// Opens such a file. Throws base::InputError. What cannot be used is noted.
 using OpenVariableFile = std::unique_ptr<VariableFile> (*)(const std::string& path, Notes& notes);
 std::unique_ptr<VariableFile> open_mat5_file(const std::string& path, Notes& notes);
+/// In a process of its own, see apart.hpp; sanitized builds and fuzz targets read here.
+bool hdf5_is_read_apart();
 std::unique_ptr<VariableFile> open_hdf5_variables(const std::string& path, Notes& notes);
+std::unique_ptr<VariableFile> open_hdf5_here(const std::string& path, Notes& notes);
 
 }  // namespace hydrapod::data
