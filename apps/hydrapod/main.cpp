@@ -7,9 +7,12 @@
 #include <CLI/CLI.hpp>
 #include <cerrno>
 #include <csignal>
+#include <cstdlib>
 #include <cstring>
 #include <exception>
 #include <iostream>
+#include <new>
+#include <string_view>
 
 #include "hydrapod/base/error.hpp"
 #include "hydrapod/base/text.hpp"
@@ -82,6 +85,27 @@ int close_output() {
   return failed;
 }
 
+/// Nothing here allocates.
+int say_out_of_memory() {
+  constexpr std::string_view text = "error: not enough memory\n";
+  [[maybe_unused]] const ssize_t told = ::write(STDERR_FILENO, text.data(), text.size());
+  return failed;
+}
+
+std::terminate_handler end_as_before = nullptr;
+
+/// Where memory ends while an error is handled, or in a function that does not throw.
+void end_for_good() {
+  try {
+    if (const auto error = std::current_exception()) std::rethrow_exception(error);
+  } catch (const std::bad_alloc&) {
+    ::_exit(say_out_of_memory());
+  } catch (...) {
+    end_as_before();
+  }
+  std::abort();
+}
+
 int run(int argc, char** argv) {
   CLI::App app{
       "Dynamics of hydraulic hexapods: modes, Bode diagrams, effect of the seals, identification, "
@@ -104,6 +128,8 @@ int run(int argc, char** argv) {
   } catch (const base::InputError& error) {
     cli::print_diagnostics(error.diagnostics());
     return bad_input;
+  } catch (const std::bad_alloc&) {
+    return say_out_of_memory();
   } catch (const std::exception& error) {
     cli::print_error(error.what());
     return failed;
@@ -121,9 +147,12 @@ void occupy_standard_streams() {
 
 int main(int argc, char** argv) {
   occupy_standard_streams();
+  end_as_before = std::set_terminate(end_for_good);
   std::signal(SIGPIPE, SIG_DFL);  // `hydrapod … | head` ends quietly
   try {
     return run(argc, argv);
+  } catch (const std::bad_alloc&) {
+    return say_out_of_memory();
   } catch (const std::exception& error) {
     cli::print_error(error.what());
     return failed;

@@ -1,0 +1,42 @@
+/// A sample of tests/cli/faults_long_test.cpp, which has every call.
+
+#include "faults.hpp"
+
+namespace hydrapod::test {
+namespace {
+
+class Faults : public testing::TestWithParam<WritingCommand> {};
+
+TEST_P(Faults, WhereACallFailsNothingIsLost) {
+#ifndef FAILING_CALLS
+  GTEST_SKIP() << "a sanitizer's own calls would fail";
+#endif
+  FaultyRuns runs(GetParam());
+  for (const char* calls : {"write", "fsync", "rename", "open"}) {
+    const long all = runs.count(calls);
+    EXPECT_GE(all, 1) << calls;
+    for (const long number : {1L, all / 2, all - 1, all})
+      if (number > 0) runs.fail(calls, number, false);
+  }
+  const long all = runs.count("memory");
+  EXPECT_GE(all, 1000);
+  for (const double share : {0.05, 0.5, 0.8, 0.97})
+    runs.fail("memory", static_cast<long>(share * static_cast<double>(all)), share < 0.6);
+}
+
+TEST_P(Faults, KilledNothingIsLost) {
+  FaultyRuns runs(GetParam());
+  const double seconds = runs.seconds();
+  for (const double share : {0.3, 0.85, 0.97}) runs.kill_after(share * seconds);
+}
+
+INSTANTIATE_TEST_SUITE_P(Commands, Faults, testing::ValuesIn(writing_commands()),
+                         [](const auto& info) {
+                           std::string name = info.param.name;
+                           std::erase(name, '-');
+                           std::erase(name, '_');
+                           return name;
+                         });
+
+}  // namespace
+}  // namespace hydrapod::test
