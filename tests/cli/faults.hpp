@@ -57,7 +57,7 @@ class FaultyRuns {
       return std::cos(0.37 * static_cast<double>(k * k % 911) + static_cast<double>(c));
     });
     data::write_record(folder_ / "run.csv", record, data::RecordFormat::csv);
-    older_ = is_record() ? read_text(folder_ / "run.csv") : "{\"older\": 1}\n";
+    older_ = "what was there before\n";
     prepare();
     const auto good = run({});
     EXPECT_EQ(good.exit_code, 0) << good.err;
@@ -91,7 +91,9 @@ class FaultyRuns {
     // UDUNITS-2 and HDF5 themselves crash where they get no memory
     if (calls == "memory") return;
     EXPECT_LE(result.exit_code, 2);
-    if (result.exit_code != 0) EXPECT_THAT(result.err, testing::HasSubstr("error: "));
+    if (result.exit_code != 0) {
+      EXPECT_THAT(result.err, testing::HasSubstr("error: "));
+    }
     expect_parts_are_named(result.err);
   }
 
@@ -135,7 +137,7 @@ class FaultyRuns {
   void expect_nothing_lost(bool done) {
     ASSERT_TRUE(std::filesystem::exists(out()));
     const bool is_older = read_text(out()) == older_;
-    if (done) EXPECT_FALSE(is_older);
+    EXPECT_FALSE(done && is_older);
     if (!is_older) expect_new();
     EXPECT_TRUE(data::read_record((folder_ / "run.csv").string()).notes.empty());
   }
@@ -158,8 +160,8 @@ class FaultyRuns {
       EXPECT_THAT(err, testing::HasSubstr(name + " holds what was written before"));
       const auto part = data::read_record(entry.path().string()).record.samples;
       ASSERT_LE(part.rows(), whole_.rows());
-      if (!command_.name.ends_with("rpc-short"))
-        EXPECT_TRUE(part.isApprox(whole_.topRows(part.rows()), 1e-11));
+      const double tolerance = command_.name.ends_with("rpc-short") ? 1e-4 : 1e-11;
+      EXPECT_TRUE(part.isApprox(whole_.topRows(part.rows()), tolerance));
     }
   }
 

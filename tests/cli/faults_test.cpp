@@ -15,19 +15,19 @@ TEST_P(Faults, WhereACallFailsNothingIsLost) {
   for (const char* calls : {"write", "fsync", "rename", "open"}) {
     const long all = runs.count(calls);
     EXPECT_GE(all, 1) << calls;
-    for (const long number : {1L, all / 2, all - 1, all})
-      if (number > 0) runs.fail(calls, number, false);
+    runs.fail(calls, 1, false);
+    if (all > 1) runs.fail(calls, all, false);
   }
   const long all = runs.count("memory");
   EXPECT_GE(all, 1000);
-  for (const double share : {0.05, 0.5, 0.8, 0.97})
+  for (const double share : {0.5, 0.97})
     runs.fail("memory", static_cast<long>(share * static_cast<double>(all)), share < 0.6);
 }
 
 TEST_P(Faults, KilledNothingIsLost) {
   FaultyRuns runs(GetParam());
   const double seconds = runs.seconds();
-  for (const double share : {0.3, 0.85, 0.97}) runs.kill_after(share * seconds);
+  for (const double share : {0.5, 0.95}) runs.kill_after(share * seconds);
 }
 
 INSTANTIATE_TEST_SUITE_P(Commands, Faults, testing::ValuesIn(writing_commands()),

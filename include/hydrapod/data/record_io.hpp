@@ -51,7 +51,7 @@ class Checksum;  // private to the module
 
 /// Writes a record sample by sample into `PATH.part`, which becomes PATH at close(): until then a
 /// file that was there before stays, and after a crash or a kill the part that was written so far
-/// can be read from `PATH.part` (HDF5, MAT 7.3, CSV), as it can after a failure to write, whose
+/// can be read from `PATH.part` (all formats), as it can after a failure to write, whose
 /// message names it. Otherwise a writer that goes without close() takes its part with it.
 class RecordWriter {
  public:
