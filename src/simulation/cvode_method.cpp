@@ -22,7 +22,6 @@ class CvodeMethod : public SundialsMethod {
     require(CVodeSetUserData(memory_, this), "user data");
     require(CVodeInit(memory_, rate, 0.0, x_), "start");
     require(CVodeSVtolerances(memory_, options.relative_tolerance, absolute_), "tolerances");
-    require(CVodeSetMaxNumSteps(memory_, most_steps), "number of steps");
     if (options.largest_step > 0.0)
       require(CVodeSetMaxStep(memory_, options.largest_step), "largest step");
     if (stiff_) {
@@ -60,6 +59,7 @@ class CvodeMethod : public SundialsMethod {
       changed_ = false;
     }
     require(CVodeSetStopTime(memory_, to), "stop time");
+    require(CVodeSetMaxNumSteps(memory_, most_steps(to - time)), "number of steps");
     double reached = time;
     const int code = CVode(memory_, to, x_, &reached, CV_NORMAL);
     count();

@@ -20,7 +20,6 @@ class ErkMethod : public SundialsMethod {
     require(ERKStepSetUserData(memory_, this), "user data");
     require(ERKStepSetTableNum(memory_, ARKODE_DORMAND_PRINCE_7_4_5), "table");
     require(ERKStepSVtolerances(memory_, options.relative_tolerance, absolute_), "tolerances");
-    require(ERKStepSetMaxNumSteps(memory_, most_steps), "number of steps");
     if (options.largest_step > 0.0)
       require(ERKStepSetMaxStep(memory_, options.largest_step), "largest step");
   }
@@ -52,7 +51,7 @@ class ErkMethod : public SundialsMethod {
     long steps = 0;
     while (reached < to && !event) {
       const double before = reached;
-      if (++steps > most_steps) {
+      if (++steps > most_steps(to - time)) {
         note_counts();
         return {
             .end = Step::End::failed,

@@ -25,7 +25,7 @@ class FixedStep : public MethodBase {
 
   Step advance(double time, double to, Eigen::VectorXd& x) override {
     const double steps = std::max(1.0, std::ceil((to - time) / step_ * (1.0 - 1e-9)));
-    if (steps > static_cast<double>(most_steps))
+    if (steps > static_cast<double>(most_steps(to - time)))
       return {.end = Step::End::failed, .time = time, .message = too_many_steps(step_, to - time)};
     const double h = (to - time) / steps;
     for (double k = 0.0; k < steps; ++k) {

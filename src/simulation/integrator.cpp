@@ -31,7 +31,7 @@ std::string too_many_steps(double step, double interval) {
   return fmt::format(
       "steps of {:.2g} s are too short for {:.2g} s between two samples: they would be {:.2g}, "
       "expected at most {}",
-      step, interval, interval / step, most_steps);
+      step, interval, interval / step, most_steps(interval));
 }
 
 namespace {

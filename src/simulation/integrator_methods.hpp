@@ -1,6 +1,7 @@
 #pragma once
 /// What the integrators have in common. Private to Integrator.
 
+#include <algorithm>
 #include <string>
 
 #include "hydrapod/simulation/closed_loop.hpp"
@@ -9,7 +10,11 @@ namespace hydrapod::simulation {
 
 /// In one call, from one sample of the controller or of the record to the next. Oil and valves of
 /// 600 rad/s take a few.
-inline constexpr long most_steps = 100'000;
+/// Steps of less than 50 ns in the mean make a run of seconds last for hours.
+inline long most_steps(double interval) {
+  constexpr double shortest = 5e-8;  // [s]
+  return static_cast<long>(std::clamp(interval / shortest, 2e4, 1e6));
+}
 std::string too_many_steps(double step, double interval);
 
 /// The equation that a method solves; the input is constant during one call.

@@ -81,11 +81,10 @@ TEST(Budgets, WhatWouldTakeForEverIsRefusedBeforehand) {
 /// Machines so stiff that no integrator gets through them.
 TEST(Budgets, StepsThatAreTooShortAreGivenUp) {
   const std::vector<Case> cases{
-      {simulate({"--integrator", "fixed", "--step", "1e-12"}), "expected at most 100000"},
+      {simulate({"--integrator", "fixed", "--step", "1e-12"}), "expected at most 20000"},
       {simulate({"--set", "legs.valve.natural_frequency=1e9 rad/s"}), "fastest: "},
       {simulate({"--set", "legs.valve.natural_frequency=1e9 rad/s", "--integrator", "adams"}),
        "fastest: "},
-      {simulate({"--set", "legs.oil_spring.cylinder.bore=1e4 m"}), "error: "},
   };
   for (const auto& one : cases) expect_refused(one, 1, 30.0);
   EXPECT_LT(largest_memory(), 300.0);
