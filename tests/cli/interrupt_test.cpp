@@ -139,23 +139,33 @@ TEST(Interrupt, IsAnsweredAtOnce) {
       {{"bode", machine, "--points", "100000", "--format", "json"}, 0.2},
       {{"sensitivity", machine}, 0.05},
   };
+  int met = 0;  // at work
   for (const auto& one : cases) {
     double best = 1e9;
     for (int attempt = 0; attempt < 3 && best > promised; ++attempt)
       best = std::min(best, answers_after(one.arguments, one.after, folder.path()));
     EXPECT_LT(best, busy * promised) << testing::PrintToString(one.arguments);
+    met += best >= 0.0 ? 1 : 0;
   }
+  EXPECT_GE(met, 10) << "most of these programs ended before they were interrupted";
 }
 
 /// What a command keeps when it is stopped is whole, and it does not end as if nothing had been.
 TEST(Interrupt, IsNoSuccess) {
   const std::string machine = test::source_file("models/heavy-platform.toml").string();
   const test::TemporaryFolder folder;
-  Running program({"rig", machine, "--duration", "1e5", "-o", "rig.h5"}, folder.path());
+  Running program({"rig", machine, "--settling", "0", "--duration", "1e5", "-o", "rig.h5"},
+                  folder.path());
   const auto begin = Clock::now();
-  while (!std::filesystem::exists(folder / "rig.h5.part") && since(begin) < 20.0 && !program.over())
+  const auto part = folder / "rig.h5.part";
+  std::error_code absent;
+  const auto has_grown = [&] {
+    constexpr std::uintmax_t some = 300'000;  // bytes
+    const auto size = std::filesystem::file_size(part, absent);
+    return !absent && size > some;
+  };
+  while (!has_grown() && since(begin) < 20.0 && !program.over())
     std::this_thread::sleep_for(std::chrono::milliseconds(5));
-  std::this_thread::sleep_for(std::chrono::milliseconds(500));
   program.interrupt();
   while (!program.over() && since(begin) < 40.0)
     std::this_thread::sleep_for(std::chrono::milliseconds(5));
