@@ -199,6 +199,7 @@ class RpcReader final : public RecordReader {
     std::int64_t declared = header.whole("FRAMES", 0, most_points / frame) * frame;
     const bool half_frames = declared > 0 && header.whole("HALF_FRAMES", 0, 1, 0) == 1;
     begin_ = header.bytes();
+    settle_number(header, declared);
     if (half_frames && points_in_file(declared + frame) == declared + frame) declared += frame;
     const std::int64_t held = points_in_file(declared);
     if (held < declared)
@@ -214,6 +215,20 @@ class RpcReader final : public RecordReader {
         fmt::format("HALF_FRAMES = 1: half a frame of {} samples without data at each end "
                     "is left out",
                     skipped_));
+  }
+
+  /// Without DATA_TYPE integers are meant, unless the file is as long as floats are.
+  void settle_number(const RpcHeader& header, std::int64_t declared) {
+    if (header.find("DATA_TYPE")) return;
+    const std::int64_t points = (declared + group_ - 1) / group_ * group_ * channels_;
+    const auto bytes = static_cast<std::int64_t>(file_.size() - begin_);
+    constexpr std::int64_t float_bytes = 4;
+    if (points == 0 || bytes != points * float_bytes) return;
+    number_ = RpcNumber::floating_point;
+    size_ = float_bytes;
+    format_ = RecordFormat::rpc;
+    notes_.add(
+        "DATA_TYPE is missing; the file is as long as floats of 32 bits are: read as these");
   }
 
   /// Of `declared` points per channel, those that are there for all channels. A last group that

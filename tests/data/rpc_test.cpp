@@ -110,6 +110,23 @@ TEST(Rpc, FloatsByHandAreNotScaled) {
               testing::Contains(HasSubstr("SCALE.CHAN_1 = 0.5 is not applied")));
 }
 
+/// Without DATA_TYPE the length of the file tells floats from integers.
+TEST(Rpc, FloatsWithoutADataTypeAreKnownByTheLengthOfTheFile) {
+  RpcKeys keys = rpc_shorts_keys();
+  for (auto& [key, value] : keys)
+    if (key == "FRAMES") value = "3";
+  std::string data;
+  for (const float value : {0.1F, -3.5F, 7.25F, 1.75F, 1.0F, 2.0F, 3.0F, 4.0F, -0.5F, 0.25F, 0.0F,
+                            0.0F, 9.0F, 8.0F, 0.0F, 0.0F})
+    data += rpc_number(value);
+  const auto [record, notes] = read_bytes(rpc_header("BINARY_IEEE_LITTLE_END", keys) + data);
+  EXPECT_THAT(messages_of(notes), testing::Contains(HasSubstr("DATA_TYPE is missing")));
+  ASSERT_EQ(record.samples.rows(), 6);
+  EXPECT_EQ(record.samples(1, 0), -3.5 * 0.001);  // mm, and no scale
+  EXPECT_EQ(record.samples(4, 0), -0.5 * 0.001);
+  EXPECT_EQ(record.samples(5, 1), 8.0 * 1000.0);
+}
+
 TEST(Rpc, HalfFramesHoldNoData) {
   auto keys = rpc_shorts_keys();
   keys.emplace_back("HALF_FRAMES", "1");
