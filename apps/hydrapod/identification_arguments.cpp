@@ -13,9 +13,18 @@ namespace hydrapod::cli {
 
 namespace {
 
-std::vector<std::string> names(const std::string& text) {
+/// Names separated by commas; none for an empty text.
+std::vector<std::string> names(const char* option, const std::string& text) {
+  if (text.empty()) return {};
   auto list = base::split(text, ",");
-  std::erase(list, "");
+  for (auto at = list.begin(); at != list.end(); ++at) {
+    if (at->empty())
+      base::refuse(fmt::format("{} {}", option, text),
+                   "a name is empty; names of channels are separated by commas");
+    if (std::find(list.begin(), at, *at) != at)
+      base::refuse(fmt::format("{} {}", option, text),
+                   fmt::format("the channel '{}' is named twice", *at));
+  }
   return list;
 }
 
@@ -30,8 +39,9 @@ std::optional<double> optional_quantity(const char* option, const std::string& t
 }
 
 identification::MeasureOptions estimate_options(const MeasurementArguments& a) {
-  identification::MeasureOptions o{
-      .inputs = names(a.inputs), .outputs = names(a.outputs), .instruments = names(a.instruments)};
+  identification::MeasureOptions o{.inputs = names("--inputs", a.inputs),
+                                   .outputs = names("--outputs", a.outputs),
+                                   .instruments = names("--instruments", a.instruments)};
   if (a.from_drive && a.from_excitation)
     base::refuse("--from-drive", "and --from-excitation exclude each other");
   if (a.from_drive) o.input_role = data::Role::drive;

@@ -70,6 +70,19 @@ std::optional<Role> unit_role(const std::string& unit) {
   return {};
 }
 
+/// "a1", "v 3", "d12x", "y2": letters for motions with a number, as sensors are counted.
+bool counts_a_sensor(const std::string& name) {
+  constexpr std::string_view letters = "avdy", axes = "xyz";
+  if (name.empty() || letters.find(name[0]) == letters.npos) return false;
+  std::string_view rest = std::string_view(name).substr(1);
+  rest.remove_prefix(std::min(rest.find_first_not_of(" _-:"), rest.size()));
+  const std::size_t digits = std::min(rest.find_first_not_of("0123456789"), rest.size());
+  if (digits == 0) return false;
+  rest.remove_prefix(digits);
+  rest.remove_prefix(std::min(rest.find_first_not_of(" _-+:"), rest.size()));
+  return rest.empty() || (rest.size() == 1 && axes.find(rest[0]) != axes.npos);
+}
+
 std::optional<Role> told_role(const Channel& channel) {
   const std::string name = base::lower_case(channel.name);
   const auto word =
@@ -78,7 +91,8 @@ std::optional<Role> told_role(const Channel& channel) {
   // what is measured at a valve or a drive in Pa or m does not drive it
   const bool measured =
       by_unit == Role::response && word != role_words.end() && word->role == Role::drive;
-  return word != role_words.end() && !measured ? std::optional(word->role) : by_unit;
+  if (word != role_words.end() && !measured) return word->role;
+  return !by_unit && counts_a_sensor(name) ? Role::response : by_unit;
 }
 
 /// "force, a1, a2 and 9 more".

@@ -24,6 +24,18 @@ const char* words(identification::PoleStability stability) {
   return all[static_cast<std::size_t>(stability)];
 }
 
+namespace {
+
+/// A limit to a thousandth of what the two are apart, with four digits or more.
+std::string limit_text(double limit, const data::ResponseWarning& w) {
+  const double ratio =
+      std::max(std::abs(w.lowest), std::abs(w.highest)) / std::abs(w.highest - w.lowest);
+  const double more = std::isfinite(ratio) ? std::ceil(std::log10(std::max(ratio, 1.0))) : 0.0;
+  return fmt::format("{:.{}g}", limit, std::min(4 + static_cast<int>(more), 17));
+}
+
+}  // namespace
+
 std::string warning_text(const data::ResponseWarning& w) {
   using Kind = data::ResponseWarning::Kind;
   switch (w.kind) {
@@ -37,9 +49,10 @@ std::string warning_text(const data::ResponseWarning& w) {
           w.channel, w.other, w.other);
     case Kind::clipped:
       return fmt::format(
-          "{}: {:.2g} % of the samples are {:.4g} or {:.4g}: the channel looks clipped, and its "
-          "results are distorted",
-          w.channel, 100.0 * w.share, w.lowest, w.highest);
+          "{}: {:.2g} % of the samples are {} or {}: the channel looks clipped, and its results "
+          "are "
+          "distorted",
+          w.channel, 100.0 * w.share, limit_text(w.lowest, w), limit_text(w.highest, w));
     case Kind::blocks_left_out:
       return fmt::format("{} of {} blocks have missing samples and were left out", w.count,
                          w.total);

@@ -24,12 +24,15 @@ model::Sensor parse_sensor(const std::string& argument, const std::string& text,
 
 Accelerometer parse_accelerometer(const std::string& text) {
   const std::string_view whole = base::trimmed(text);
-  const std::size_t end = std::min(whole.find_first_of(" ,"), whole.size());
+  // a name may have blanks: it ends before a comma, or before the word of the first key
+  std::size_t end = std::min(whole.find(','), whole.size());
+  if (const std::size_t key = whole.substr(0, end).find('='); key != whole.npos)
+    end = std::min(whole.find_last_of(" \t", key), end);
   std::string_view rest = base::trimmed(whole.substr(end));
   if (rest.starts_with(',')) rest.remove_prefix(1);
   base::KeyValues words("--accelerometer " + base::printable(text), rest);
   Accelerometer one;
-  one.name = whole.substr(0, end);
+  one.name = base::trimmed(whole.substr(0, end));
   if (one.name.empty()) words.fail("an accelerometer has a name");
   std::istringstream place(words.text("at").value_or("0 0 0"));
   std::string left;

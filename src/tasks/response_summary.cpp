@@ -24,21 +24,25 @@ ResponseSummary::Output output_summary(const identification::FrequencyResponses&
   std::vector<double> coherence;
   double largest = 0.0;
   for (std::size_t k = 0; k < r.lines(); ++k) {
-    coherence.push_back(r.multiple_coherence[k][output]);
+    if (!r.multiple_coherence.empty()) coherence.push_back(r.multiple_coherence[k][output]);
     for (std::size_t i = 0; i < r.inputs.size(); ++i) {
       const auto input = static_cast<Eigen::Index>(i);
-      const double size = std::abs(r.H[k](output, input)) * std::sqrt(r.input_density[k][input]);
+      const double density = r.input_density.empty() ? 1.0 : r.input_density[k][input];
+      const double size = std::abs(r.H[k](output, input)) * std::sqrt(density);
       if (size <= largest) continue;
       largest = size;
       result.line = k;
       result.input = i;
     }
   }
-  result.median_coherence = median_of(coherence);
-  result.lowest_coherence = *std::ranges::min_element(coherence);
+  if (!coherence.empty()) {
+    result.median_coherence = median_of(coherence);
+    result.lowest_coherence = *std::ranges::min_element(coherence);
+  }
   result.magnitude = std::abs(r.H[result.line](output, static_cast<Eigen::Index>(result.input)));
-  result.deviation =
-      std::sqrt(r.variance(result.line, static_cast<int>(output), static_cast<int>(result.input)));
+  if (r.has_errors())
+    result.deviation = std::sqrt(
+        r.variance(result.line, static_cast<int>(output), static_cast<int>(result.input)));
   return result;
 }
 
@@ -46,10 +50,7 @@ ResponseSummary::Output output_summary(const identification::FrequencyResponses&
 
 ResponseSummary summary_of(const identification::FrequencyResponses& responses) {
   ResponseSummary summary;
-  const bool known = responses.lines() > 0 &&
-                     responses.multiple_coherence.size() == responses.lines() &&
-                     responses.input_density.size() == responses.lines();
-  for (std::size_t o = 0; known && o < responses.outputs.size(); ++o)
+  for (std::size_t o = 0; responses.lines() > 0 && o < responses.outputs.size(); ++o)
     summary.outputs.push_back(output_summary(responses, static_cast<Eigen::Index>(o)));
   if (responses.condition.empty()) return summary;
   summary.median_condition = median_of(responses.condition);

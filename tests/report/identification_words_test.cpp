@@ -79,6 +79,17 @@ TEST(IdentificationWords, EveryWarningHasAnExampleInTheHowTo) {
   expect_documented(mode_warnings());
 }
 
+/// Limits that differ in the fifth digit are told apart, and so are they from what lies between.
+TEST(IdentificationWords, LimitsOfAClippedChannelHaveTheDigitsThatTellThemApart) {
+  const data::ResponseWarning warning{.kind = data::ResponseWarning::Kind::clipped,
+                                      .channel = "leg 1 length",
+                                      .share = 0.0003,
+                                      .lowest = 2.2351234,
+                                      .highest = 2.2355};
+  EXPECT_THAT(warning_text(warning),
+              HasSubstr("0.03 % of the samples are 2.2351234 or 2.2355: the channel"));
+}
+
 TEST(IdentificationWords, OneGapIsNotCounted) {
   data::ResponseWarning warning{
       .kind = data::ResponseWarning::Kind::excited_band, .lowest = 0.5, .highest = 39.0};

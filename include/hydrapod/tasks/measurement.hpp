@@ -71,12 +71,13 @@ std::optional<observation::Observed> observed_in(const Measured& measured);
 /// Frequency responses in a few numbers.
 struct ResponseSummary {
   struct Output {
-    double median_coherence{}, lowest_coherence{};  ///< multiple coherence over the lines
-    /// The largest response, per level of its input, so that inputs of different units compare.
+    double median_coherence{}, lowest_coherence{};  ///< multiple, over the lines; 0: not known
+    /// The largest response, per level of its input where that is known, so that inputs of
+    /// different units compare.
     std::size_t line{}, input{};
     double magnitude{}, deviation{};  ///< of that response [output / input]
   };
-  std::vector<Output> outputs{};  ///< none where coherence or levels of the inputs are not known
+  std::vector<Output> outputs{};
   double median_condition{}, largest_condition{};  ///< of the input matrix; 0: not known
 };
 
