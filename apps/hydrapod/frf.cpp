@@ -18,12 +18,15 @@ std::string channel_table(const identification::FrequencyResponses& r,
                "error there"});
   for (std::size_t o = 0; o < summary.outputs.size(); ++o) {
     const auto& found = summary.outputs[o];
+    const bool coherent = !r.multiple_coherence.empty();
     table.add_row({r.outputs[o].name, r.outputs[o].unit,
-                   fmt::format("{:.4f}", found.median_coherence),
-                   fmt::format("{:.4f}", found.lowest_coherence),
+                   coherent ? fmt::format("{:.4f}", found.median_coherence) : "",
+                   coherent ? fmt::format("{:.4f}", found.lowest_coherence) : "",
                    fmt::format("{:.3e} from {}", found.magnitude, r.inputs[found.input].name),
                    fmt::format("{:.3f}", r.frequency[found.line]),
-                   fmt::format("{:.1f} %", 100.0 * found.deviation / found.magnitude)});
+                   r.has_errors() && found.magnitude > 0.0
+                       ? fmt::format("{:.1f} %", 100.0 * found.deviation / found.magnitude)
+                       : ""});
   }
   return table.text(style);
 }
@@ -53,13 +56,13 @@ std::string table_text(const Arguments& arguments, const tasks::Measured& measur
         "Difference of H1 from the instrumental estimate: {:.2g} % (median), outside its 95 % band "
         "at {:.0f} % of the lines\n",
         100.0 * m.h1_against_instrument->median, 100.0 * m.h1_against_instrument->share);
-  return measured.records ? text + "\n" + channel_table(r, summary, style) : text;
+  return text + "\n" + channel_table(r, summary, style);
 }
 
 void run(const Arguments& arguments) {
-  enum Format : std::size_t { table, json, csv, uff, mat };
-  const auto format =
-      result_format(arguments.format, arguments.output, {"table", "json", "csv", "uff", "mat"});
+  enum Format : std::size_t { table, json, csv, uff, mat, h5 };
+  const auto format = result_format(arguments.format, arguments.output,
+                                    {"table", "json", "csv", "uff", "mat", "h5"});
   for (const auto* path : {&arguments.plot, &arguments.coherence_plot})
     if (!path->empty()) report::require_picture(*path);
   const auto options = measure_options(arguments.measurement);
@@ -72,10 +75,11 @@ void run(const Arguments& arguments) {
   const report::PlotText text{title, report::measurement_text(r)};
   draw(arguments.plot, [&](const auto& path) { report::plot_responses(r, nullptr, text, path); });
   draw(arguments.coherence_plot, [&](const auto& path) { report::plot_coherence(r, text, path); });
-  if (format == mat || format == uff) {
+  if (format == mat || format == uff || format == h5) {
     auto titled = shared;
     titled.title = title;
-    if (format == mat) report::write_responses_mat(arguments.output, r);
+    if (format == mat) data::write_mat_variables(arguments.output, data::response_arrays(titled));
+    if (format == h5) data::write_hdf5_variables(arguments.output, data::response_arrays(titled));
     if (format == uff) data::write_frequency_responses(arguments.output, titled);
     return print_written(arguments.output);
   }
@@ -105,7 +109,7 @@ void add_frf(Command app) {
        {"--coherence", arguments.coherence_plot, "Picture of coherence and condition to write",
         writes},
        {"--format", arguments.format,
-        "table (a summary), json, csv, uff or mat (the whole response); default: by "
+        "table (a summary), json, csv, uff, mat or h5 (the whole response); default: by "
         "the ending of -o, else table"},
        {"-o,--output", arguments.output, "File to write; - prints", writes}});
 }

@@ -258,7 +258,7 @@ void add_identify(Command app) {
   command.add_options(
       {{"RECORD|FRF", a.measurement.files,
         "Records, averaged together, or frequency responses: JSON of `hydrapod frf`, "
-        "Universal File or table of text",
+        "Universal File, table of text, MAT or HDF5",
         reads_required}});
   add_identification_options(command, a);
   command.add_options(

@@ -1,5 +1,7 @@
 #include "hydrapod/command.hpp"
 
+#include <algorithm>
+
 #include "hydrapod/data/processing.hpp"
 #include "hydrapod/record_arguments.hpp"
 #include "hydrapod/report/measured_results.hpp"
@@ -52,6 +54,10 @@ std::string heading(const data::RecordHeader& header, const data::RecordOverview
   out += experiment_text(header.experiment);
   if (!header.notes.empty()) out += header.notes + (header.notes.ends_with('\n') ? "" : "\n");
   if (!header.experiment.machine.empty()) out += "The machine file is in the record.\n";
+  if (const auto& g = header.geometry; !g.empty())
+    out +=
+        fmt::format("geometry: {} node{}, {} line{}\n", g.nodes.size(),
+                    g.nodes.size() == 1 ? "" : "s", g.lines.size(), g.lines.size() == 1 ? "" : "s");
   return out + '\n';
 }
 
@@ -63,19 +69,49 @@ std::string hold_text(const data::ChannelOverview& c) {
   return c.longest_hold < worth_showing ? "" : fmt::format("{}", c.longest_hold);
 }
 
+/// "WING 12": part and node.
+std::string place_text(const data::Channel& channel) {
+  const std::string node = channel.point == 0 ? "" : fmt::format("{}", channel.point);
+  const char* between = channel.entity.empty() || node.empty() ? "" : " ";
+  return channel.entity + between + node;
+}
+
+/// What Universal Files of other programs say of the channels.
+std::string id_text(const std::vector<data::Channel>& channels) {
+  std::string text;
+  for (const data::Channel& channel : channels)
+    if (!channel.id_lines.empty())
+      text += fmt::format("{}: {}\n", channel.name, fmt::join(channel.id_lines, " | "));
+  return text.empty() ? "" : "\nLines of text:\n" + text;
+}
+
 std::string table(const data::RecordHeader& header, const data::RecordOverview& overview,
                   const TableStyle& style) {
-  Table table({"<channel", "<unit", "<direction", "<role", "mean", "RMS", "peak", "strongest Hz",
-               "at limit", "held", "missing"});
+  const bool placed =
+      !header.geometry.empty() || std::ranges::any_of(header.channels, [](const data::Channel& c) {
+        return !c.entity.empty() || !c.id_lines.empty();
+      });
+  std::vector<Column> columns{"<channel", "<unit",        "<direction", "<role", "mean",   "RMS",
+                              "peak",     "strongest Hz", "at limit",   "held",  "missing"};
+  if (placed) columns.emplace_back("<node");
+  Table table(columns);
   for (std::size_t i = 0; i < header.channels.size(); ++i) {
     const data::Channel& channel = header.channels[i];
     const data::ChannelOverview& c = overview.channels[i];
     const bool strongest = c.strongest_frequency > 0.0;
-    table.add_row({channel.name, channel.unit, std::string(data::direction_text(channel.direction)),
-                   std::string(data::role_text(channel.role)), fmt::format("{:.5g}", c.mean),
-                   fmt::format("{:.5g}", c.rms), fmt::format("{:.5g}", c.peak),
-                   strongest ? fmt::format("{:.4g}", c.strongest_frequency) : "",
-                   count_text(c.at_limit), hold_text(c), count_text(c.missing + c.infinite)});
+    std::vector<std::string> row{channel.name,
+                                 channel.unit,
+                                 std::string(data::direction_text(channel.direction)),
+                                 std::string(data::role_text(channel.role)),
+                                 fmt::format("{:.5g}", c.mean),
+                                 fmt::format("{:.5g}", c.rms),
+                                 fmt::format("{:.5g}", c.peak),
+                                 strongest ? fmt::format("{:.4g}", c.strongest_frequency) : "",
+                                 count_text(c.at_limit),
+                                 hold_text(c),
+                                 count_text(c.missing + c.infinite)};
+    if (placed) row.push_back(place_text(channel));
+    table.add_row(row);
   }
   return table.text(style);
 }
@@ -98,7 +134,8 @@ void run(const Arguments& arguments) {
                         report::record_json(record, overview, arguments.spectra).dump() + "\n");
   const auto style = table_style(arguments.file);
   write_output(arguments.file, heading(header, overview, record.format(), style) +
-                                   table(header, overview, style) + legend);
+                                   table(header, overview, style) + legend +
+                                   id_text(header.channels));
 }
 
 }  // namespace

@@ -36,9 +36,10 @@ constexpr std::uint64_t window_numbers = 1U << 17U;          // 1 MiB, a block o
 constexpr std::uint64_t longest_answer = 1ULL << 29U;        // bytes
 constexpr int socket_place = 3, file_place = 4, places = 6;  // descriptors; the library has 5
 
-/// A piece of a variable as VariableFile::read takes it.
+/// A piece of a variable as VariableFile::read takes it, or with `all` real numbers fast_first …
+/// of what read_all gives, real and imaginary parts in turn; the first one has it read.
 struct Request {
-  std::uint64_t variable{}, slow_first{}, slow_count{}, fast_first{}, fast_count{};
+  std::uint64_t variable{}, slow_first{}, slow_count{}, fast_first{}, fast_count{}, all{};
 };
 
 /// Memory that two processes share.
@@ -148,8 +149,8 @@ json told(const std::vector<base::Diagnostic>& diagnostics) {
 json told(const VariableFile& file) {
   json all = json::array();
   for (const Variable& v : file.variables())
-    all.push_back(
-        {v.name, static_cast<int>(v.kind), v.fast, v.slow, v.unit, v.number, v.text, v.texts});
+    all.push_back({v.name, static_cast<int>(v.kind), v.fast, v.slow, v.unit, v.number, v.text,
+                   v.texts, v.sizes, v.is_complex});
   return {{"format", static_cast<int>(file.format())}, {"variables", std::move(all)}};
 }
 
@@ -179,6 +180,18 @@ std::unique_ptr<VariableFile> open_and_tell(const std::string& place, const std:
   return file;
 }
 
+/// False where the file is damaged there.
+bool read_request(VariableFile& file, const Request& r, std::vector<std::complex<double>>& kept,
+                  double* numbers) {
+  if (r.all == 0)
+    return file.read(r.variable, r.slow_first, r.slow_count, r.fast_first, r.fast_count, numbers);
+  if (r.fast_first == 0 && !file.read_all(r.variable, kept)) return false;
+  if (r.fast_first + r.fast_count > 2 * kept.size()) return false;
+  std::memcpy(numbers, reinterpret_cast<const double*>(kept.data()) + r.fast_first,
+              r.fast_count * sizeof(double));
+  return true;
+}
+
 [[noreturn]] void serve(int socket, const std::string& path, OpenVariableFile open, double* numbers,
                         const ApartLimits& limits) noexcept {
   settle_signals();
@@ -187,11 +200,10 @@ std::unique_ptr<VariableFile> open_and_tell(const std::string& place, const std:
   limit_time(limits.seconds);
   const auto file = open_and_tell(place, path, open);
   Request r;
+  std::vector<std::complex<double>> kept;
   while (file && receive_request(r)) {
     limit_time(limits.seconds);
-    const bool good =
-        file->read(r.variable, r.slow_first, r.slow_count, r.fast_first, r.fast_count, numbers);
-    const char mark = good ? 1 : 0;
+    const char mark = read_request(*file, r, kept, numbers) ? 1 : 0;
     if (!send_all(socket_place, &mark, 1)) break;
   }
   ::_exit(0);
@@ -223,11 +235,34 @@ class ApartFile final : public VariableFile {
                         numbers = std::min(window_numbers, fast_count);
     for (std::uint64_t line = 0; line < slow_count; line += lines)
       for (std::uint64_t at = 0; at < fast_count; at += numbers) {
-        const Request piece{variable, slow_first + line, std::min(lines, slow_count - line),
-                            fast_first + at, std::min(numbers, fast_count - at)};
+        const Request piece{variable,
+                            slow_first + line,
+                            std::min(lines, slow_count - line),
+                            fast_first + at,
+                            std::min(numbers, fast_count - at),
+                            0};
         if (!read_piece(piece, out)) return false;
         out += piece.slow_count * piece.fast_count;
       }
+    return true;
+  }
+
+  bool read_all(std::size_t variable, std::vector<std::complex<double>>& out) override {
+    std::uint64_t count = 1;
+    for (const std::uint64_t size : variables_.at(variable).sizes) {
+      if (size > most_in_memory / std::max<std::uint64_t>(count, 1)) return false;
+      count *= size;
+    }
+    out.resize(count);
+    auto* numbers = reinterpret_cast<double*>(out.data());
+    for (std::uint64_t at = 0; at < 2 * count; at += window_numbers) {
+      const Request piece{.variable = variable,
+                          .slow_count = 1,
+                          .fast_first = at,
+                          .fast_count = std::min(window_numbers, 2 * count - at),
+                          .all = 1};
+      if (!read_piece(piece, numbers + at)) return false;
+    }
     return true;
   }
 
@@ -325,6 +360,8 @@ class ApartFile final : public VariableFile {
                             .kind = static_cast<VariableKind>(v[1].get<int>()),
                             .fast = v[2],
                             .slow = v[3],
+                            .sizes = v[8],
+                            .is_complex = v[9],
                             .unit = v[4],
                             .number = v[5],
                             .text = v[6],
@@ -346,7 +383,7 @@ class ApartFile final : public VariableFile {
     if (first < kept.first || first + count > kept.first + kept.numbers.size()) {
       kept.first = first;
       kept.numbers.resize(std::min(length, v.fast - first));
-      if (!read_piece({variable, line, 1, first, kept.numbers.size()}, kept.numbers.data())) {
+      if (!read_piece({variable, line, 1, first, kept.numbers.size(), 0}, kept.numbers.data())) {
         kept.numbers.clear();
         return false;
       }

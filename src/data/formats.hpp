@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "checksum.hpp"
+#include "geometry.hpp"
 #include "hydrapod/base/file.hpp"
 #include "hydrapod/data/record_io.hpp"
 #include "notes.hpp"
@@ -92,6 +93,9 @@ template <class Sink>
 bool put_header(const RecordHeader& header, Sink&& sink) {
   std::vector<std::string> name, unit, direction, role;
   std::vector<int> point;
+  const auto text_if_any = [&](const char* key, const std::string& text) {
+    return text.empty() || sink.text(key, text);
+  };
   for (const Channel& channel : header.channels) {
     name.push_back(channel.name);
     unit.push_back(channel.unit);
@@ -107,9 +111,12 @@ bool put_header(const RecordHeader& header, Sink&& sink) {
          sink.attribute("start_s", header.start) && sink.attribute("date", header.date) &&
          sink.attribute("repeat", header.repeat) && sink.text("notes", header.notes) &&
          sink.text("experiment", experiment_json(header.experiment)) &&
-         sink.text("machine", header.experiment.machine) && sink.channels("name", name) &&
-         sink.channels("unit", unit) && sink.channels("direction", direction) &&
-         sink.channels("role", role) && sink.channels("point", point);
+         sink.text("machine", header.experiment.machine) &&
+         text_if_any(geometry_name, geometry_json(header.geometry)) &&
+         text_if_any(channel_texts_name, channel_texts_json(header.channels)) &&
+         sink.channels("name", name) && sink.channels("unit", unit) &&
+         sink.channels("direction", direction) && sink.channels("role", role) &&
+         sink.channels("point", point);
 }
 
 /// Where the times of samples are read rather than told, they are this near to even: a tenth of a

@@ -71,6 +71,9 @@ void validate(const FrequencyResponses& responses) {
     if (H.rows() != outputs || H.cols() != inputs)
       refuse_responses(fmt::format("a matrix is {} × {} for {} outputs and {} inputs", H.rows(),
                                    H.cols(), outputs, inputs));
+  if (!responses.id_lines.empty() &&
+      responses.id_lines.size() != static_cast<std::size_t>(outputs * inputs))
+    refuse_responses("the lines of text are not one list per response");
   if (!fits(responses.on_axis, outputs, inputs))
     refuse_responses("the responses on the axis are not outputs × inputs");
   if (!responses.on_axis.empty() && !(responses.shift > 0.0))

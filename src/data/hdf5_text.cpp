@@ -252,6 +252,17 @@ std::uint64_t believable_rows(hid_t dataset, std::uint64_t rows, std::uint64_t c
   return std::min<std::uint64_t>(rows, stacked * chunk[0]);
 }
 
+std::uint64_t believable_numbers(hid_t dataset) {
+  const Hdf5Handle list(H5Dget_create_plist(dataset), H5Pclose);
+  const Hdf5Handle type(H5Dget_type(dataset), H5Tclose);
+  const std::uint64_t bytes = std::max<std::size_t>(H5Tget_size(type.id()), 1);
+  if (H5Pget_layout(list.id()) != H5D_CHUNKED) return H5Dget_storage_size(dataset) / bytes;
+  hsize_t chunks = 0;
+  const Hdf5Handle space(H5Dget_space(dataset), H5Sclose);
+  if (H5Dget_num_chunks(dataset, space.id(), &chunks) < 0) return 0;
+  return chunks * (chunk_bytes(dataset) / bytes);
+}
+
 bool has_object(hid_t group, const char* name) {
   return H5Lexists(group, name, H5P_DEFAULT) > 0 && H5Oexists_by_name(group, name, H5P_DEFAULT) > 0;
 }

@@ -117,6 +117,8 @@ inline constexpr std::uint64_t most_chunk_bytes = 256U << 20U;
 /// Of the `rows` rows that a dataset of rows × columns declares, those for which there is anything
 /// in the file.
 std::uint64_t believable_rows(hid_t dataset, std::uint64_t rows, std::uint64_t columns);
+/// Of a dataset of any rank, as many numbers as there can be in the file.
+std::uint64_t believable_numbers(hid_t dataset);
 bool has_object(hid_t group, const char* name);
 
 }  // namespace hydrapod::data

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <filesystem>
 #include <set>
 
@@ -67,11 +68,32 @@ class Hdf5Variables final : public VariableFile {
     return true;
   }
 
+  bool read_all(std::size_t variable, std::vector<std::complex<double>>& out) override {
+    const Hdf5Silence silence;
+    const Variable& v = variables_[variable];
+    const Set& set = sets_[variable];
+    const std::uint64_t count = count_of(v);
+    if (!set.set.ok() || set.member.ok() != v.is_complex || count > most_in_memory ||
+        count > believable_numbers(set.set.id()))
+      return false;
+    const Hdf5Handle space(H5Dget_space(set.set.id()), H5Sclose);
+    if (H5Sget_simple_extent_npoints(space.id()) != static_cast<hssize_t>(count)) return false;
+    out.resize(count);
+    if (v.is_complex)  // pairs of doubles, as std::complex has them
+      return H5Dread(set.set.id(), set.memory(), H5S_ALL, H5S_ALL, H5P_DEFAULT, out.data()) >= 0;
+    std::vector<double> real(count);
+    if (set.bits ||
+        H5Dread(set.set.id(), set.memory(), H5S_ALL, H5S_ALL, H5P_DEFAULT, real.data()) < 0)
+      return false;
+    std::ranges::copy(real, out.begin());
+    return true;
+  }
+
  private:
   /// Where the numbers of a variable are: a dataset, or a member of one that is a table.
   struct Set {
     Hdf5Handle set{};
-    Hdf5Handle member{};     ///< type in memory of the member; none: all of the dataset
+    Hdf5Handle member{};     ///< type in memory of the member or of pairs; none: one number each
     int rank{};              ///< of the dataset
     std::uint64_t width{1};  ///< numbers of the member in a row
     bool bits{};             ///< bytes that are no integers (booleans of PyTables)
@@ -190,7 +212,9 @@ class Hdf5Variables final : public VariableFile {
     } else if (is_numeric(type.id())) {
       take_rates(set.id(), name + '/');
       take_numbers(std::move(set), name);
-    } else if (kind == H5T_COMPOUND && !is_complex(type.id())) {
+    } else if (kind == H5T_COMPOUND && is_complex(type.id())) {
+      take_complex(std::move(set), type.id(), name);
+    } else if (kind == H5T_COMPOUND) {
       take_rates(set.id(), name + '/');
       take_table(set, type, name);
     } else {
@@ -212,8 +236,52 @@ class Hdf5Variables final : public VariableFile {
     return text;
   }
 
+  /// As h5py and MATLAB write complex numbers.
   static bool is_complex(hid_t type) {
-    return H5Tget_nmembers(type) == 2 && member_name(type, 0) == "r" && member_name(type, 1) == "i";
+    if (H5Tget_nmembers(type) != 2 || H5Tget_member_class(type, 0) != H5T_FLOAT ||
+        H5Tget_member_class(type, 1) != H5T_FLOAT)
+      return false;
+    const std::pair names{member_name(type, 0), member_name(type, 1)};
+    return names == std::pair<std::string, std::string>("r", "i") ||
+           names == std::pair<std::string, std::string>("re", "im") ||
+           names == std::pair<std::string, std::string>("real", "imag");
+  }
+
+  static std::uint64_t count_of(const Variable& v) {
+    std::uint64_t count = 1;
+    for (const std::uint64_t size : v.sizes)
+      count = size == 0 || count <= most_in_memory / size ? count * size : most_in_memory + 1;
+    return count;
+  }
+
+  /// All sizes, the fastest index first.
+  static std::vector<std::uint64_t> sizes_of(hid_t set) {
+    const Hdf5Handle space(H5Dget_space(set), H5Sclose);
+    std::array<hsize_t, H5S_MAX_RANK> size{};
+    const int rank = H5Sget_simple_extent_dims(space.id(), size.data(), nullptr);
+    return {size.rend() - std::max(rank, 0), size.rend()};
+  }
+
+  void take_complex(Hdf5Handle set, hid_t type, const std::string& name) {
+    Variable v{.name = name, .kind = VariableKind::array};
+    v.sizes = sizes_of(set.id());
+    v.is_complex = true;
+    v.unit = unit_of(set.id());
+    Hdf5Handle pair(H5Tcreate(H5T_COMPOUND, 2 * sizeof(double)), H5Tclose);
+    for (unsigned k = 0; k < 2; ++k) {
+      char* member = H5Tget_member_name(type, k);
+      const bool inserted =
+          H5Tinsert(pair.id(), member, k * sizeof(double), H5T_NATIVE_DOUBLE) >= 0;
+      H5free_memory(member);
+      if (!inserted) return left_out(name, "cannot be opened");
+    }
+    const int rank = static_cast<int>(v.sizes.size());
+    add(std::move(v), {.set = std::move(set), .member = std::move(pair), .rank = rank});
+  }
+
+  static std::string unit_of(hid_t set) {
+    return read_text_attribute(set, "unit")
+        .value_or(read_text_attribute(set, "units").value_or(""));
   }
 
   /// A table: every member is a variable.
@@ -311,7 +379,12 @@ class Hdf5Variables final : public VariableFile {
     const Hdf5Handle space(H5Dget_space(set.id()), H5Sclose);
     const int rank = H5Sget_simple_extent_ndims(space.id());
     hsize_t size[2] = {1, 1};
-    if (rank < 0 || rank > 2 || H5Sget_simple_extent_dims(space.id(), size, nullptr) < 0)
+    if (rank > 2) {
+      Variable v{.name = name, .kind = VariableKind::array};
+      v.sizes = sizes_of(set.id());
+      return add(std::move(v), {.set = std::move(set), .rank = rank});
+    }
+    if (rank < 0 || H5Sget_simple_extent_dims(space.id(), size, nullptr) < 0)
       return left_out(name, fmt::format("has {} dimensions", rank));
     if (read_number_attribute(set.id(), "MATLAB_empty").value_or(0.0) != 0.0) size[0] = 0;
     Variable v{.name = name};
@@ -321,8 +394,8 @@ class Hdf5Variables final : public VariableFile {
     if (v.slow > most || v.fast > most || (v.fast > 0 && v.slow > most / v.fast))
       return left_out(name, "has dimensions beyond any file");
     limit(set.id(), rank, v);
-    v.unit = read_text_attribute(set.id(), "unit")
-                 .value_or(read_text_attribute(set.id(), "units").value_or(""));
+    v.sizes = {v.fast, v.slow};
+    v.unit = unit_of(set.id());
     if (const auto kind = read_text_attribute(set.id(), "kind"); kind && name.ends_with("/axis1"))
       name_index(*kind, v);
     const Hdf5Handle type(H5Dget_type(set.id()), H5Tclose);

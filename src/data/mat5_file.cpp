@@ -1,20 +1,15 @@
 /// MAT files of version 5, read without believing any size that they declare.
 
 #include <fmt/format.h>
-#include <zlib.h>
 
 #include <algorithm>
 #include <array>
-#include <bit>
 #include <cstring>
-#include <limits>
 #include <map>
-#include <stdexcept>
 
 #include "channel_units.hpp"
-#include "file_window.hpp"
 #include "hydrapod/base/text.hpp"
-#include "mat5_layout.hpp"
+#include "mat5_stream.hpp"
 #include "unicode.hpp"
 #include "variable_file.hpp"
 
@@ -26,99 +21,6 @@ constexpr int deepest_structure = 4;  // structures in structures
 constexpr std::size_t most_fields = 10'000;
 constexpr std::uint64_t most_structures = 1000;  // in one list
 constexpr std::size_t most_cursors = 512;
-constexpr std::size_t window_bytes = 1U << 15U;
-constexpr std::uint64_t most_expansion = 1032;  // of deflate
-
-/// Bytes of one data element of a MAT file, inflated on the way where it is compressed.
-class Mat5Stream {
- public:
-  /// The bytes `begin` … `end` of the file.
-  Mat5Stream(const FileWindow& file, std::uint64_t begin, std::uint64_t end, bool compressed)
-      : file_(file, window_bytes),
-        at_(begin),
-        end_(std::min(end, file.size())),
-        compressed_(compressed) {
-    if (compressed_ && inflateInit(&stream_) != Z_OK)
-      throw std::runtime_error("zlib could not be set up");
-  }
-  Mat5Stream(const Mat5Stream&) = delete;
-  Mat5Stream& operator=(const Mat5Stream&) = delete;
-  ~Mat5Stream() {
-    if (compressed_) inflateEnd(&stream_);
-  }
-
-  /// Bytes taken so far, after inflation.
-  [[nodiscard]] std::uint64_t position() const { return position_; }
-  /// False when fewer bytes are left or the compressed data are damaged.
-  bool read(void* out, std::size_t bytes) {
-    auto* to = static_cast<char*>(out);
-    if (compressed_) {
-      if (!inflate_into(to, bytes)) return false;
-      position_ += bytes;
-      return true;
-    }
-    if (bytes > end_ - std::min(at_, end_)) return false;
-    for (std::size_t done = 0; done < bytes;) {
-      const std::string_view got = file_.at(at_, std::min(bytes - done, window_bytes));
-      const std::size_t taken = std::min(got.size(), bytes - done);
-      if (taken == 0) return false;
-      std::memcpy(to + done, got.data(), taken);
-      done += taken;
-      at_ += taken;
-    }
-    position_ += bytes;
-    return true;
-  }
-  bool skip(std::uint64_t bytes) {
-    if (!compressed_) {
-      if (bytes > end_ - std::min(at_, end_)) return false;
-      at_ += bytes;
-      position_ += bytes;
-      return true;
-    }
-    std::array<char, 16384> nowhere{};
-    while (bytes > 0) {
-      const std::size_t step = std::min<std::uint64_t>(bytes, nowhere.size());
-      if (!read(nowhere.data(), step)) return false;
-      bytes -= step;
-    }
-    return true;
-  }
-  /// Most bytes that can still come; of compressed data what deflate can make of what is left.
-  [[nodiscard]] std::uint64_t most_left() const {
-    const std::uint64_t left = end_ - std::min(at_, end_);
-    return compressed_ ? (left + stream_.avail_in + 1) * most_expansion + window_bytes : left;
-  }
-
- private:
-  bool inflate_into(char* out, std::size_t bytes) {
-    stream_.next_out = reinterpret_cast<Bytef*>(out);
-    stream_.avail_out = static_cast<uInt>(bytes);
-    while (stream_.avail_out > 0) {
-      if (stream_.avail_in == 0) {
-        if (at_ >= end_) return false;
-        const std::string_view got = file_.at(at_, 1);
-        const std::size_t taken = std::min<std::uint64_t>(got.size(), end_ - at_);
-        if (taken == 0) return false;
-        input_.assign(got.begin(), got.begin() + static_cast<std::ptrdiff_t>(taken));
-        stream_.next_in = input_.data();
-        stream_.avail_in = static_cast<uInt>(taken);
-        at_ += taken;
-      }
-      const int status = inflate(&stream_, Z_NO_FLUSH);
-      if (status == Z_STREAM_END) return stream_.avail_out == 0;
-      if (status != Z_OK) return false;
-    }
-    return true;
-  }
-
-  FileWindow file_;
-  std::uint64_t at_, end_;  ///< in the file
-  bool compressed_;
-  std::uint64_t position_{};
-  z_stream stream_{};
-  std::vector<unsigned char> input_;
-};
 
 /// A place where the file does not make sense.
 struct Damaged {
@@ -137,43 +39,9 @@ struct Place {
   std::uint64_t begin{}, end{};  ///< of its element in the file
   bool compressed{};
   std::uint64_t data{};  ///< offset of the numbers within the element
+  bool small{};          ///< they stand within their tag
   std::uint32_t type{};
 };
-
-template <typename Number>
-double number_from(const char* bytes, bool swapped) {
-  std::array<char, sizeof(Number)> order{};
-  std::memcpy(order.data(), bytes, order.size());
-  if (swapped) std::reverse(order.begin(), order.end());
-  return static_cast<double>(std::bit_cast<Number>(order));
-}
-
-double item(const char* bytes, std::uint32_t type, bool swapped) {
-  switch (type) {
-    case mat5_type::int8:
-      return number_from<std::int8_t>(bytes, false);
-    case mat5_type::int16:
-      return number_from<std::int16_t>(bytes, swapped);
-    case mat5_type::uint16:
-    case mat5_type::utf16:
-      return number_from<std::uint16_t>(bytes, swapped);
-    case mat5_type::int32:
-      return number_from<std::int32_t>(bytes, swapped);
-    case mat5_type::uint32:
-    case mat5_type::utf32:
-      return number_from<std::uint32_t>(bytes, swapped);
-    case mat5_type::single_float:
-      return number_from<float>(bytes, swapped);
-    case mat5_type::double_float:
-      return number_from<double>(bytes, swapped);
-    case mat5_type::int64:
-      return number_from<std::int64_t>(bytes, swapped);
-    case mat5_type::uint64:
-      return number_from<std::uint64_t>(bytes, swapped);
-    default:
-      return number_from<std::uint8_t>(bytes, false);
-  }
-}
 
 class Mat5File final : public VariableFile {
  public:
@@ -207,13 +75,59 @@ class Mat5File final : public VariableFile {
       const std::size_t items = std::min<std::uint64_t>(count - done, buffer.size() / size);
       if (!cursor.stream->read(buffer.data(), items * size)) return false;
       for (std::size_t i = 0; i < items; ++i)
-        out[done + i] = item(buffer.data() + i * size, place.type, swapped_);
+        out[done + i] = mat5_item(buffer.data() + i * size, place.type, swapped_);
       done += items;
     }
     return true;
   }
 
+  bool read_all(std::size_t variable, std::vector<std::complex<double>>& out) override {
+    const Variable& v = variables_[variable];
+    const Place& place = places_[variable];
+    const std::uint64_t count = v.fast * v.slow;
+    if (count > most_in_memory) return false;
+    Mat5Stream stream(file_, place.begin, place.end, place.compressed);
+    if (!stream.skip(place.data)) return false;
+    std::vector<double> real, imaginary;
+    if (!take_items(stream, place.type, count, real)) return false;
+    if (v.is_complex) {
+      const std::uint64_t bytes = count * mat5_item_bytes(place.type);
+      if (!stream.skip(place.small ? 4 - bytes : (8 - bytes % 8) % 8)) return false;
+      try {
+        const Tag second = tag(stream);
+        const std::string within(second.within.data(), second.within.size());
+        const std::size_t size = mat5_item_bytes(second.type);
+        if (size == 0 || second.bytes < count * size) return false;
+        if (second.small)
+          for (std::uint64_t k = 0; k < count; ++k)
+            imaginary.push_back(mat5_item(within.data() + k * size, second.type, swapped_));
+        else if (!take_items(stream, second.type, count, imaginary))
+          return false;
+      } catch (const Damaged&) {
+        return false;
+      }
+    }
+    out.resize(count);
+    for (std::uint64_t k = 0; k < count; ++k)
+      out[k] = {real[k], imaginary.empty() ? 0.0 : imaginary[k]};
+    return true;
+  }
+
  private:
+  /// The next `count` numbers; memory grows with what is there.
+  bool take_items(Mat5Stream& stream, std::uint32_t type, std::uint64_t count,
+                  std::vector<double>& out) const {
+    const std::size_t size = mat5_item_bytes(type);
+    std::array<char, 8192> buffer{};
+    while (size > 0 && out.size() < count) {
+      const std::size_t items = std::min<std::uint64_t>(count - out.size(), buffer.size() / size);
+      if (!stream.read(buffer.data(), items * size)) return false;
+      for (std::size_t i = 0; i < items; ++i)
+        out.push_back(mat5_item(buffer.data() + i * size, type, swapped_));
+    }
+    return out.size() == count;
+  }
+
   struct Cursor {
     std::unique_ptr<Mat5Stream> stream{};
     std::uint64_t next{};  ///< item that comes next
@@ -235,7 +149,7 @@ class Mat5File final : public VariableFile {
   }
 
   [[nodiscard]] std::uint32_t word(const char* bytes) const {
-    return static_cast<std::uint32_t>(number_from<std::uint32_t>(bytes, swapped_));
+    return static_cast<std::uint32_t>(mat5_item(bytes, mat5_type::uint32, swapped_));
   }
 
   Tag tag(Mat5Stream& stream) const {
@@ -289,7 +203,7 @@ class Mat5File final : public VariableFile {
                               file_.size() - begin));
     offset_ = begin + size;
     Place place{begin, std::min<std::uint64_t>(offset_, file_.size()),
-                type == mat5_type::compressed, 0, 0};
+                type == mat5_type::compressed};
     try {
       Mat5Stream stream(file_, place.begin, place.end, place.compressed);
       std::uint64_t inner = size;
@@ -309,6 +223,7 @@ class Mat5File final : public VariableFile {
     std::uint32_t kind{};
     bool is_complex{};
     std::uint64_t fast{1}, slow{1};
+    std::vector<std::uint64_t> sizes{};
     std::string name{};
     std::uint64_t end{};  ///< position in the stream
   };
@@ -326,6 +241,7 @@ class Mat5File final : public VariableFile {
       throw Damaged{"it has fewer than two dimensions"};
     for (std::size_t i = 0; i < sizes.size() / 4; ++i) {
       const std::uint64_t size = word(sizes.data() + 4 * i);
+      array.sizes.push_back(size);
       if (i == 0)
         array.fast = size;
       else if (size == 0 || array.slow <= (std::uint64_t{1} << 48U) / size)
@@ -362,10 +278,13 @@ class Mat5File final : public VariableFile {
 
   void take_numbers(Mat5Stream& stream, const Array& array, Place place, const std::string& name) {
     Variable v{.name = name, .fast = array.fast, .slow = array.slow};
+    v.sizes = array.sizes;
+    v.is_complex = array.is_complex;
     const Tag numbers =
         v.fast * v.slow == 0 && stream.position() >= array.end ? Tag{} : tag(stream);
     place.type = numbers.type;
     place.data = stream.position() - (numbers.small ? 4 : 0);
+    place.small = numbers.small;
     const std::size_t size = mat5_item_bytes(numbers.type);
     if (size == 0 && v.fast * v.slow > 0)
       throw Damaged{fmt::format("its numbers are of the unknown type {}", numbers.type)};
@@ -379,17 +298,15 @@ class Mat5File final : public VariableFile {
         v.slow = held / v.fast;
       else
         v.fast = held;
+      v.sizes = {v.fast, v.slow};
     }
-    if (array.is_complex)
-      notes_->add(fmt::format("variable '{}' is complex; its imaginary part is left out",
-                              base::printable(name)));
     std::array<char, 8> first{};
     if (v.fast * v.slow == 1) {
       if (numbers.small)
         std::copy_n(numbers.within.begin(), 4, first.begin());
       else if (!stream.read(first.data(), size))
         throw Damaged{"it is cut off"};
-      v.number = item(first.data(), numbers.type, swapped_);
+      v.number = mat5_item(first.data(), numbers.type, swapped_);
     }
     places_.push_back(place);
     variables_.push_back(std::move(v));
@@ -410,11 +327,11 @@ class Mat5File final : public VariableFile {
     for (std::size_t row = 0; row < rows; ++row) {
       std::vector<std::uint32_t> units;
       for (std::size_t i = row; i < count; i += rows)
-        units.push_back(static_cast<std::uint32_t>(item(bytes.data() + i * size,
-                                                        size == 1   ? mat5_type::uint8
-                                                        : size == 2 ? mat5_type::uint16
-                                                                    : mat5_type::uint32,
-                                                        swapped_)));
+        units.push_back(static_cast<std::uint32_t>(mat5_item(bytes.data() + i * size,
+                                                             size == 1   ? mat5_type::uint8
+                                                             : size == 2 ? mat5_type::uint16
+                                                                         : mat5_type::uint32,
+                                                             swapped_)));
       texts.push_back(utf8_from(units));
     }
     return texts.empty() ? std::vector<std::string>{""} : texts;

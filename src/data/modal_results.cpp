@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <map>
 #include <optional>
@@ -12,6 +13,7 @@
 #include "hydrapod/base/file.hpp"
 #include "hydrapod/base/units.hpp"
 #include "uff_dataset.hpp"
+#include "uff_geometry.hpp"
 #include "uff_text.hpp"
 
 namespace hydrapod::data {
@@ -120,7 +122,8 @@ bool put_at_outputs(const std::vector<Channel>& outputs, const std::vector<Chann
 }
 
 namespace code {  // record 6 of dataset 55
-constexpr int structural = 1, complex_eigenvalue = 3, displacement = 8, complex_data = 5;
+constexpr int structural = 1, complex_eigenvalue = 3, complex_data = 5;
+constexpr int displacement = 8, speed = 11, acceleration = 12;
 constexpr int translations = 2, translations_and_rotations = 3;
 }  // namespace code
 
@@ -226,9 +229,10 @@ std::string mode_text(const ModalResults& all, std::size_t number, const ModalPl
   const std::string frequency =
       fmt::format("mode {}: {:.6g} Hz, damping {:.4g} %", number + 1, omega / base::two_pi,
                   -100.0 * mode.pole.real() / omega);
-  for (const std::string& id : {all.title, frequency, uff_date(all.date),
-                                std::string("identified by hydrapod"), input_text(places)})
-    text += uff_text_line(id);
+  std::array<std::string, 5> id{all.title, frequency, uff_date(all.date), "identified by hydrapod",
+                                input_text(places)};
+  put_id_lines(mode.id_lines, id);
+  for (const std::string& line : id) text += uff_text_line(line);
   text +=
       fmt::format("{:10}{:10}{:10}{:10}{:10}{:10}\n", code::structural, code::complex_eigenvalue,
                   turns ? code::translations_and_rotations : code::translations, code::displacement,
@@ -260,11 +264,12 @@ using NodeValues = std::map<std::pair<int, int>, Complex>;  // (node, component)
 struct Mode {
   Complex pole{};
   NodeValues values{};
+  std::vector<std::string> id_lines{};
 };
 
 class ModeReader {
  public:
-  ModeReader(const UffMode& dataset, const Notes& notes) : dataset_(dataset), notes_(notes) {}
+  ModeReader(const UffMode& dataset, Notes& notes) : dataset_(dataset), notes_(notes) {}
 
   /// None for analyses that are no modes.
   std::optional<Mode> read() {
@@ -285,10 +290,39 @@ class ModeReader {
       mode.pole = {numbers[0], numbers[1]};
     }
     read_nodes(static_cast<std::size_t>(per_node), type == complex, mode.values);
+    become_displacements(head[3], mode);
+    become_metres(mode);
+    std::array<std::string, 5> id;
+    for (std::size_t k = 0; k < id.size(); ++k) id[k] = clean_text(columns(line(k), 0, 80));
+    mode.id_lines = uff_id_lines(id);
     return mode;
   }
 
  private:
+  /// Speeds are λ times displacements, accelerations λ² times.
+  void become_displacements(long long quantity, Mode& mode) {
+    const int derivatives = quantity == code::acceleration ? 2 : quantity == code::speed ? 1 : 0;
+    if (derivatives == 0 || mode.pole == 0.0) return;
+    notes_.add(
+        fmt::format("the shapes are {}: divided by λ{} they are displacements",
+                    derivatives == 2 ? "accelerations" : "speeds", derivatives == 2 ? "²" : ""),
+        0, 0, "derivatives");
+    for (auto& [place, value] : mode.values) value /= std::pow(mode.pole, derivatives);
+  }
+
+  /// Beside angles lengths must be in metres.
+  void become_metres(Mode& mode) const {
+    if (!dataset_.units) return;
+    const bool turns = std::ranges::any_of(
+        mode.values, [](const auto& at) { return at.first.second > 2 && at.second != 0.0; });
+    if (!dataset_.units->usable) {
+      if (turns) fail(0, "has lengths and angles, and the unit of the lengths is unknown");
+      return;
+    }
+    for (auto& [place, value] : mode.values)
+      if (place.second < 3) value /= dataset_.units->length;
+  }
+
   [[noreturn]] void fail(std::size_t line, const std::string& what) const {
     const auto below = static_cast<unsigned>(std::min(line, dataset_.lines.size()));
     notes_.fail("dataset 55: " + what, dataset_.line > 0 ? dataset_.line + below : 0);
@@ -332,7 +366,7 @@ class ModeReader {
   }
 
   const UffMode& dataset_;
-  const Notes& notes_;
+  Notes& notes_;
 };
 
 /// Outputs for files without names: every node and direction in which a mode moves.
@@ -375,6 +409,7 @@ void take_participation(const Mode& mode, const ModalPlaces& places, ModalResult
 ModalResults assembled(const std::vector<Mode>& modes, const RecordHeader& header,
                        std::size_t inputs, bool inputs_at_outputs) {
   ModalResults all{.title = header.title, .date = header.date, .outputs = header.channels};
+  all.geometry = header.geometry;
   if (inputs < all.outputs.size()) {
     const auto border = all.outputs.end() - static_cast<std::ptrdiff_t>(inputs);
     all.inputs.assign(border, all.outputs.end());
@@ -393,6 +428,7 @@ ModalResults assembled(const std::vector<Mode>& modes, const RecordHeader& heade
         result.shape[static_cast<Eigen::Index>(o)] = place.sign * at->second;
     }
     if (!all.inputs.empty()) take_participation(mode, places, result);
+    if (header.channels.empty()) result.id_lines = mode.id_lines;
     all.modes.push_back(std::move(result));
   }
   return all;
@@ -410,6 +446,7 @@ void write_modal_results(const std::string& path, const ModalResults& all) {
   header.title = all.title;
   header.date = all.date;
   header.channels = all.outputs;
+  header.geometry = all.geometry;
   header.sample_rate = 1.0;
   std::string inputs;
   if (!places.inputs.empty()) {
@@ -417,7 +454,8 @@ void write_modal_results(const std::string& path, const ModalResults& all) {
     inputs = fmt::format("# {}: {} {}\n", inputs_key, all.inputs.size(),
                          places.at_output.empty() ? "apart" : at_outputs);
   }
-  std::string text = uff_beginning(all.title, all.date, comment_lines(header) + inputs);
+  std::string text = uff_beginning(all.title, all.date, comment_lines(header) + inputs) +
+                     uff_geometry_text(all.geometry);
   for (std::size_t r = 0; r < all.modes.size(); ++r) text += mode_text(all, r, places);
   base::write_file_whole(path, text);
 }
@@ -438,6 +476,10 @@ ReadModalResultsResult read_modal_results(const std::string& path) {
   auto results =
       assembled(modes, own.by_hydrapod(notes) ? own.header(notes) : RecordHeader{},
                 static_cast<std::size_t>(std::max(0LL, count)), inputs.ends_with(at_outputs));
+  if (!own.by_hydrapod(notes)) {
+    results.title = given(contents.model_name);
+    results.geometry = contents.geometry;
+  }
   return {std::move(results), notes.all()};
 }
 

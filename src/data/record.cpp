@@ -103,6 +103,12 @@ void validate(const RecordHeader& header) {
   require_text("the notes", header.notes);
   require_text("the machine file's lines", header.experiment.machine);
   experiment_json(header.experiment);
+  geometry_json(header.geometry);
+  for (const Channel& channel : header.channels) {
+    require_line("the part a channel belongs to", channel.entity);
+    for (const std::string& line : channel.id_lines)
+      require_line("what is said of a channel", line);
+  }
   std::set<std::string_view> names;
   for (const Channel& channel : header.channels) {
     if (channel.name.empty()) refuse("a channel has no name");

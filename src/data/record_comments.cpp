@@ -54,6 +54,10 @@ std::string comment_lines(const RecordHeader& header) {
   const auto experiment = experiment_json(header.experiment);
   if (!experiment.empty()) add_lines(out, "experiment", experiment);
   if (!header.experiment.machine.empty()) add_lines(out, "machine", header.experiment.machine);
+  for (const auto& [key, text] :
+       {std::pair{geometry_name, geometry_json(header.geometry)},
+        std::pair{channel_texts_name, channel_texts_json(header.channels)}})
+    if (!text.empty()) add_lines(out, key, text);
   out += "# channel: name,unit,direction,role,point\n";
   for (const Channel& c : header.channels)
     out += fmt::format("# channel: {},{},{},{},{}\n", base::quoted_cell(c.name),
@@ -155,9 +159,10 @@ RecordHeader RecordComments::header(Notes& notes) const {
   record.experiment.machine = text_of("machine");
   settle_experiment(text_of("experiment"), notes, record);
   const auto at = lines_.find("channel");
-  if (at == lines_.end()) return record;
-  for (std::size_t i = 1; i < at->second.size(); ++i)  // the first names the fields
+  const std::size_t count = at == lines_.end() ? 0 : at->second.size();
+  for (std::size_t i = 1; i < count; ++i)  // the first names the fields
     record.channels.push_back(channel_of(at->second[i], notes));
+  settle_geometry(text_of(geometry_name), text_of(channel_texts_name), notes, record);
   return record;
 }
 

@@ -71,6 +71,12 @@ bool has_mat5_mark(std::string_view head) {
          head.substr(124, 4) == std::string_view("\1\0MI", 4);
 }
 
+/// What opens a file of named arrays; null for another file.
+OpenVariableFile opens_variables(std::string_view head) {
+  if (has_hdf5_signature(head)) return open_hdf5_variables;
+  return head.starts_with("MATLAB 5.0") || has_mat5_mark(head) ? open_mat5_file : nullptr;
+}
+
 /// The first line that is not blank is "    -1".
 bool begins_as_uff(std::string_view head) {
   const std::size_t text = std::min(head.find_first_not_of(" \t\r\n"), head.size());
@@ -102,7 +108,7 @@ bool begins_as_rpc(std::string_view head) {
 std::unique_ptr<RecordReader> open_by_content(const std::string& path, const ReadOptions& options) {
   const std::string head = head_of(path);
   if (has_hdf5_signature(head)) return make_hdf5_reader(path, options);
-  if (head.starts_with("MATLAB 5.0") || has_mat5_mark(head)) return make_mat5_reader(path, options);
+  if (opens_variables(head) != nullptr) return make_mat5_reader(path, options);
   if (begins_as_uff(head)) return make_uff_reader(path);
   if (begins_as_rpc(head)) return make_rpc_reader(path);
   if (head.starts_with(spool_mark)) return make_spool_reader(path);
@@ -199,16 +205,20 @@ FileKind file_kind(const std::string& path) {
   if (base::has_ending(path, {".toml"})) return FileKind::toml;
   const std::string head = head_of(path);
   if (begins_as_uff(head)) return uff_kind(path);
-  const bool binary = head.find('\0') != std::string::npos || has_hdf5_signature(head) ||
-                      head.starts_with(spool_mark);
-  if (binary || head.starts_with("MATLAB 5.0")) return FileKind::record;
+  if (const auto open = opens_variables(head)) {
+    Notes notes(path);
+    return holds_responses(*open(path, notes)) ? FileKind::frequency_responses : FileKind::record;
+  }
+  if (head.find('\0') != std::string::npos || head.starts_with(spool_mark)) return FileKind::record;
   if (base::trimmed(head).starts_with('{')) return FileKind::json;
   if (is_response_table(path)) return FileKind::frequency_responses;
   return is_mode_table(path) ? FileKind::mode_table : FileKind::record;
 }
 
 ReadFrequencyResponsesResult read_frequency_responses(const std::string& path) {
-  return begins_as_uff(head_of(path)) ? read_uff_responses(path) : read_response_table(path);
+  const std::string head = head_of(path);
+  if (const auto open = opens_variables(head)) return read_response_arrays(path, open);
+  return begins_as_uff(head) ? read_uff_responses(path) : read_response_table(path);
 }
 
 namespace {

@@ -30,6 +30,7 @@ std::string description(const FrequencyResponses& all) {
             {"averages", all.averages},
             {"degrees_of_freedom", all.degrees},
             {"line_covariance", {{"re", re}, {"im", im}}}};
+  if (!all.id_lines.empty()) json["id_lines"] = all.id_lines;
   if (all.shift > 0.0) json["shift_per_s"] = all.shift;
   if (all.taper.size() > 0) {
     json["sample_rate_hz"] = all.sample_rate;
@@ -90,6 +91,10 @@ FrequencyResponses from_json(const std::string& text, const RecordHeader& header
   all.shift = number(json, "shift_per_s");
   take_line_covariance(json.at("line_covariance"), all);
   if (json.contains("taper")) take_taper(json, all);
+  all.geometry = header.geometry;
+  all.id_lines = json.value("id_lines", std::vector<std::vector<std::string>>{});
+  if (!all.id_lines.empty() && all.id_lines.size() != all.outputs.size() * all.inputs.size())
+    refuse("id_lines");
   return all;
 }
 
@@ -139,6 +144,7 @@ std::string response_comments(const FrequencyResponses& all) {
   header.title = all.title;
   header.date = all.date;
   header.sample_rate = all.sample_rate > 0.0 ? all.sample_rate : 1.0;
+  header.geometry = all.geometry;
   header.channels = all.outputs;
   header.channels.insert(header.channels.end(), all.inputs.begin(), all.inputs.end());
   return comment_lines(header) + "# " + key + ": " + description(all) + "\n";
@@ -169,6 +175,8 @@ void take_description(const FrequencyResponses& described, Notes& notes, Frequen
   all.shift = described.shift;
   all.taper = described.taper;
   all.sample_rate = described.sample_rate;
+  all.geometry = described.geometry;
+  all.id_lines = described.id_lines;
   put_on_lines_of_window(notes, all);
 }
 

@@ -4,6 +4,7 @@
 #include <string>
 
 #include "hydrapod/data/frequency_response.hpp"
+#include "variable_file.hpp"
 
 namespace hydrapod::data {
 
@@ -12,5 +13,13 @@ ReadFrequencyResponsesResult read_uff_responses(const std::string& path);
 /// A table of text; its titles tell.
 bool is_response_table(const std::string& path);
 ReadFrequencyResponsesResult read_response_table(const std::string& path);
+
+/// A MAT or HDF5 file: one that hydrapod wrote, or one of another program with complex arrays as
+/// long as a list of frequencies beside them and no times.
+bool holds_responses(VariableFile& file);
+ReadFrequencyResponsesResult read_response_arrays(const std::string& path, OpenVariableFile open);
+
+inline constexpr const char* responses_mark = "hydrapod responses";
+inline constexpr int responses_version = 1;
 
 }  // namespace hydrapod::data

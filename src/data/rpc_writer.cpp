@@ -228,19 +228,33 @@ class RpcWriter final : public RecordWriter {
   void plan_own_records() {
     const std::size_t room = rpc_most_records - records().size();
     RecordHeader told = header_;
-    own_ = rpc_pieces(comment_lines(told));
-    if (own_.size() <= room) return;
-    notes_.add(
-        fmt::format("the machine file ({} bytes) does not fit into a header of RPC III, "
-                    "which holds {} keys: left out",
-                    told.experiment.machine.size(), rpc_most_records));
-    told.experiment.machine.clear();
-    own_ = rpc_pieces(comment_lines(told));
-    if (own_.size() <= room) return;
+    const auto fits = [&] {
+      own_ = rpc_pieces(comment_lines(told));
+      return own_.size() <= room;
+    };
+    if (fits()) return;
+    if (const std::size_t bytes = told.experiment.machine.size(); bytes > 0) {
+      notes_.add(
+          fmt::format("the machine file ({} bytes) does not fit into a header of RPC III, "
+                      "which holds {} keys: left out",
+                      bytes, rpc_most_records));
+      told.experiment.machine.clear();
+      if (fits()) return;
+    }
+    if (!told.geometry.empty()) {
+      notes_.add(
+          fmt::format("the {} nodes of the geometry do not fit into a header of RPC III: "
+                      "left out",
+                      told.geometry.nodes.size()));
+      told.geometry = {};
+      if (fits()) return;
+    }
     notes_.add("notes and experiment do not fit into a header of RPC III either: left out");
     told.notes.clear();
     told.experiment = {};
-    own_ = rpc_pieces(comment_lines(told));
+    if (fits()) return;
+    for (Channel& channel : told.channels) channel.id_lines.clear();
+    fits();
     if (own_.size() > room) own_.clear();  // names of several kilobytes
   }
 

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <map>
 
 #include "hydrapod/base/text.hpp"
 #include "uff_text.hpp"
@@ -72,13 +73,43 @@ int uff_point(const UffPlace& place) {
   return std::abs(place.node) <= 999'999'999 ? static_cast<int>(place.node) : 0;
 }
 
+std::string uff_entity(const UffPlace& place) {
+  return uff_direction(place) >= leg_direction(1) ? "" : given(place.entity);
+}
+
+std::vector<std::string> uff_id_lines(const std::array<std::string, 5>& id) {
+  std::vector<std::string> lines(id.begin(), id.end());
+  while (!lines.empty() && given(lines.back()).empty()) lines.pop_back();
+  return lines;
+}
+
+void put_id_lines(const std::vector<std::string>& lines, std::array<std::string, 5>& id) {
+  if (lines.empty()) return;
+  id.fill("NONE");
+  std::copy_n(lines.begin(), std::min(lines.size(), id.size()), id.begin());
+}
+
+void name_by_place(std::vector<Channel>& channels) {
+  std::map<std::string, int> count;
+  for (const Channel& channel : channels) ++count[channel.name];
+  for (Channel& channel : channels) {
+    const bool placed = channel.point != 0 || channel.direction != Direction::none;
+    if (!placed || (!channel.name.empty() && count[channel.name] == 1)) continue;
+    if (!channel.name.empty()) channel.name += ", ";
+    if (!channel.entity.empty()) channel.name += channel.entity + ' ';
+    channel.name += fmt::format("node {} {}", channel.point, direction_text(channel.direction));
+  }
+}
+
 UffPlace uff_place(const Channel& channel) {
   const int code = static_cast<int>(channel.direction);
-  if (code < first_leg) return {"NONE", channel.point, code};
+  if (code < first_leg)
+    return {channel.entity.empty() ? "NONE" : channel.entity, channel.point, code};
   return {fmt::format("LEG {}", code - first_leg + 1), channel.point, 0};
 }
 
-ChannelUnit uff_unit(const UffAxis& axis, int direction, const std::optional<UffUnits>& units) {
+ChannelUnit uff_unit(const UffAxis& axis, int direction, const std::optional<UffUnits>& units,
+                     Notes& notes) {
   const bool labelled = !given(axis.unit).empty();
   if (labelled) {
     const ChannelUnit by_label = channel_unit(axis.unit);
@@ -92,7 +123,13 @@ ChannelUnit uff_unit(const UffAxis& axis, int direction, const std::optional<Uff
     force = known.force;
     unit = known.unit;
   }
-  if (unit.empty()) return {1.0, labelled ? axis.unit : "", !labelled};
+  const bool scaled = length != 0 || force != 0;
+  if (unit.empty() || axis.temperature_exponent != 0 || (scaled && units && !units->usable))
+    return {1.0, labelled ? axis.unit : "", !labelled};
+  if (!units && scaled)
+    notes.add(
+        "a function has no unit label, and the file states no units (dataset 164): taken as SI", 0,
+        0, "no units");
   if (!units) return {1.0, unit};
   return {1.0 / (std::pow(units->length, length) * std::pow(units->force, force)), unit};
 }

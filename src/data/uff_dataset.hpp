@@ -1,5 +1,6 @@
 #pragma once
-/// What a Universal File holds: datasets 58 and 58b (functions), 151 (header), 164 (units).
+/// What a Universal File holds: datasets 58 and 58b (functions), 55 (modes), 151 (header), 164
+/// (units), 15, 2411 and 82 (geometry).
 ///
 /// Layouts: Structural Dynamics Research Laboratory, University of Cincinnati, "Universal File
 /// Formats for Modal Analysis Testing", datasets 58, 151 and 164 and "The Binary 58 Universal File
@@ -50,6 +51,15 @@ struct UffPlace {
   int direction{};  ///< −6 … 6, as Direction
 };
 
+/// Dataset 164: value in SI = value in the file / factor, by powers; an absolute temperature is
+/// value / factor + offset / factor.
+struct UffUnits {
+  int code{1};
+  std::string description{"SI: Meter (newton)"};
+  double length{1.0}, force{1.0}, temperature{1.0}, temperature_offset{273.15};
+  bool usable{true};  ///< false: it does not say which units hold
+};
+
 /// Dataset 58 without its values.
 struct UffFunction {
   std::size_t dataset{};  ///< its number in the file, from 1
@@ -63,6 +73,7 @@ struct UffFunction {
   double first{}, step{};    ///< of an even abscissa
   double z{};
   UffAxis abscissa{}, ordinate{}, denominator{}, z_axis{};
+  std::optional<UffUnits> units{};  ///< that hold for it, if the file states some
 
   // where the values are
   bool binary{};
@@ -74,24 +85,18 @@ struct UffFunction {
   std::uint64_t count{};  ///< values that are really there
 };
 
-/// Dataset 164: value in SI = value in the file / factor, by powers.
-struct UffUnits {
-  int code{1};
-  std::string description{"SI: Meter (newton)"};
-  double length{1.0}, force{1.0}, temperature{1.0}, temperature_offset{273.15};
-};
-
 /// Dataset 55, line by line, without its number.
 struct UffMode {
   std::vector<std::string> lines{};
   unsigned line{};  ///< of the first one in the file; 0 where binary data stand before it
+  std::optional<UffUnits> units{};
 };
 
 struct UffContents {
   std::vector<UffFunction> functions{};
-  std::optional<UffUnits> units{};
   std::vector<UffMode> modes{};
-  std::string model_name{}, description{}, program{};  ///< dataset 151
+  std::string model_name{}, description{}, program{}, date{};  ///< dataset 151
+  Geometry geometry{};                                         ///< [m]
   RecordComments own{};
 };
 
@@ -110,12 +115,24 @@ inline std::string given(const std::string& text) { return text == "NONE" ? "" :
 Direction uff_direction(const UffPlace& place);
 /// The node, unless it has more digits than a channel's point.
 int uff_point(const UffPlace& place);
+/// The part that it belongs to; empty where there is none.
+std::string uff_entity(const UffPlace& place);
 /// Node and direction of a channel.
 UffPlace uff_place(const Channel& channel);
 
+/// The lines of text of a function of another program, without those at the end that say nothing.
+std::vector<std::string> uff_id_lines(const std::array<std::string, 5>& id);
+/// And back: these lines in place of those that are there, unless there are none.
+void put_id_lines(const std::vector<std::string>& lines, std::array<std::string, 5>& id);
+
+/// Channels of another program that share a name, or have none, get their node and direction into
+/// it.
+void name_by_place(std::vector<Channel>& channels);
+
 /// SI unit of an axis and the factor to it: its unit label if that is known, else dataset 164 with
-/// the exponents of its quantity.
-ChannelUnit uff_unit(const UffAxis& axis, int direction, const std::optional<UffUnits>& units);
+/// the exponents of its quantity. Without dataset 164 SI is assumed, and noted.
+ChannelUnit uff_unit(const UffAxis& axis, int direction, const std::optional<UffUnits>& units,
+                     Notes& notes);
 /// Quantity, exponents and label of an axis that shows `unit`, a coherent SI unit.
 UffAxis uff_axis_of(const std::string& label, const std::string& unit);
 

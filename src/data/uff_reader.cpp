@@ -129,7 +129,8 @@ class UffReader final : public RecordReader {
     header_.sample_rate = rounded_rate(1.0 / first.step, rate_tolerance);
     header_.start = first.first;
     header_.title = given(contents_.model_name);
-    header_.date = iso_date(given(first.id[2]));
+    header_.date = date_of(first);
+    header_.geometry = contents_.geometry;
     header_.repeat = static_cast<int>(std::clamp(first.version, 1LL, 99999LL));
     for (const UffFunction& f : chosen_) header_.channels.push_back(channel_of(f));
     if (contents_.own.by_hydrapod(notes_) && use_own_header()) {
@@ -137,10 +138,12 @@ class UffReader final : public RecordReader {
       stated_checksum_ = contents_.own.text_of(checksum_name);
       return begin_checksum();
     }
+    header_.notes = origin_notes();
+    name_by_place(header_.channels);
     make_names_unique(header_.channels);
     for (std::size_t c = 0; c < chosen_.size(); ++c) {
       const UffFunction& f = chosen_[c];
-      const auto unit = uff_unit(f.ordinate, f.response.direction, contents_.units);
+      const auto unit = uff_unit(f.ordinate, f.response.direction, f.units, notes_);
       factors_.push_back(use_unit(header_.channels[c], unit, "", notes_));
     }
   }
@@ -162,6 +165,24 @@ class UffReader final : public RecordReader {
     return same;
   }
 
+  /// That of the function, if its line is one, else that of the file.
+  [[nodiscard]] std::string date_of(const UffFunction& f) const {
+    const std::string own = given(f.id[2]), date = iso_date(own);
+    return date != own || contents_.date.empty() || contents_.own.by_hydrapod(notes_)
+               ? date
+               : iso_date(given(contents_.date));
+  }
+
+  /// What dataset 151 says besides the title.
+  [[nodiscard]] std::string origin_notes() const {
+    std::string text;
+    if (const std::string description = given(contents_.description); !description.empty())
+      text += description + '\n';
+    if (const std::string program = given(contents_.program); !program.empty())
+      text += "program: " + program + '\n';
+    return text;
+  }
+
   static Channel channel_of(const UffFunction& f) {
     Channel channel;
     channel.name = given(f.ordinate.label).empty() ? f.id[0] : f.ordinate.label;
@@ -169,6 +190,8 @@ class UffReader final : public RecordReader {
       channel.name = f.id[0];  // the label has 20 characters only
     channel.direction = uff_direction(f.response);
     channel.point = uff_point(f.response);
+    channel.entity = uff_entity(f.response);
+    channel.id_lines = uff_id_lines(f.id);
     channel.role = Role::response;
     if (f.ordinate.quantity == uff_quantity::excitation_force) channel.role = Role::excitation;
     const std::string word = f.id[3].substr(0, f.id[3].find(" of repeat"));

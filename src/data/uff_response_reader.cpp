@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <optional>
+#include <set>
 
 #include "hydrapod/base/text.hpp"
 #include "response_comments.hpp"
@@ -16,12 +18,16 @@ namespace {
 
 Channel channel_at(const UffPlace& place, const std::string& name, const ChannelUnit& unit = {},
                    Role role = Role::other) {
-  return {name, unit.unit, uff_direction(place), role, uff_point(place)};
+  return {name, unit.unit, uff_direction(place), role, uff_point(place), uff_entity(place)};
 }
 
-/// Outputs or inputs in the order in which they come; point, direction and name tell them apart.
+/// Outputs or inputs in the order in which they come. Those of hydrapod are told apart by point,
+/// direction and name; those of other programs, whose names are of any kind, by part and unit in
+/// place of the name, unless they have no place.
 class Places {
  public:
+  explicit Places(bool by_hydrapod) : by_hydrapod_(by_hydrapod) {}
+
   /// The number of a place; the channel is kept when it is new.
   std::size_t number(const Channel& channel) {
     const auto [at, is_new] = numbers_.emplace(key_of(channel), channels.size());
@@ -37,22 +43,30 @@ class Places {
 
  private:
   using Key = std::tuple<int, Direction, std::string>;
-  static Key key_of(const Channel& channel) {
-    return {channel.point, channel.direction, channel.name};
+  [[nodiscard]] Key key_of(const Channel& channel) const {
+    const bool placed = channel.point != 0 || channel.direction != Direction::none;
+    return {channel.point, channel.direction,
+            by_hydrapod_ || !placed ? channel.name : channel.entity + '\n' + channel.unit};
   }
 
+  bool by_hydrapod_;
   std::map<Key, std::size_t> numbers_{};
 };
 
 struct Curve {
   std::size_t output{}, input{};
   std::vector<std::complex<double>> values{};
+  std::vector<std::string> id_lines{};
 };
 
 class ResponseReader {
  public:
   explicit ResponseReader(const std::string& path)
-      : notes_(path), file_(path), contents_(scan_uff(path, notes_)) {}
+      : notes_(path),
+        file_(path),
+        contents_(scan_uff(path, notes_)),
+        by_hydrapod_(contents_.own.by_hydrapod(notes_)),
+        described_(described_responses(contents_.own, notes_)) {}
 
   ReadFrequencyResponsesResult read() {
     for (const UffFunction& f : contents_.functions)
@@ -73,9 +87,27 @@ class ResponseReader {
   }
 
  private:
-  static std::string name_of(const UffAxis& axis, const std::string& line) {
+  [[nodiscard]] std::string name_of(const UffAxis& axis, const std::string& line) const {
     const std::string label = given(axis.label), whole = given(line);
-    return !whole.empty() && whole.starts_with(label) ? whole : label;
+    return by_hydrapod_ && !whole.empty() && whole.starts_with(label) ? whole : label;
+  }
+
+  /// Output and input by the number that hydrapod gave the function, if they are in its place.
+  [[nodiscard]] std::optional<std::pair<Channel, Channel>> described_pair(
+      const UffFunction& f) const {
+    if (!described_) return {};
+    const auto n = static_cast<long long>(described_->inputs.size());
+    const auto row = (f.number - 1) / n, column = (f.number - 1) % n;
+    if (f.number < 1 || row >= static_cast<long long>(described_->outputs.size())) return {};
+    auto pair = std::pair(described_->outputs[static_cast<std::size_t>(row)],
+                          described_->inputs[static_cast<std::size_t>(column)]);
+    const auto is_at = [](const Channel& channel, const UffPlace& place) {
+      return channel.point == uff_point(place) && channel.direction == uff_direction(place);
+    };
+    if (!is_at(pair.first, f.response) || !is_at(pair.second, f.reference)) return {};
+    for (Channel* channel : {&pair.first, &pair.second})  // as other functions name it
+      channel->name = base::trimmed(fortran_a(channel->name, 80));
+    return pair;
   }
 
   /// Frequencies and values; false where the frequencies are not those of the first function.
@@ -113,18 +145,26 @@ class ResponseReader {
   void take_response(const UffFunction& f) {
     Curve curve;
     if (!values_of(f, curve.values)) return;
-    const ChannelUnit up = uff_unit(f.ordinate, f.response.direction, contents_.units);
-    const ChannelUnit down = uff_unit(f.denominator, f.reference.direction, contents_.units);
+    const ChannelUnit up = uff_unit(f.ordinate, f.response.direction, f.units, notes_);
+    const ChannelUnit down = uff_unit(f.denominator, f.reference.direction, f.units, notes_);
     const double factor = up.factor / down.factor;
     if (factor != 1.0) {
       for (auto& value : curve.values) value *= factor;
       notes_.add(fmt::format("dataset {}: converted to SI, times {}", f.dataset, factor), f.line, 0,
                  "unit");
     }
-    curve.output =
-        outputs_.number(channel_at(f.response, name_of(f.ordinate, f.id[3]), up, Role::response));
-    curve.input = inputs_.number(
-        channel_at(f.reference, name_of(f.denominator, f.id[4]), down, Role::excitation));
+    const auto pair = described_pair(f).value_or(std::pair(
+        channel_at(f.response, name_of(f.ordinate, f.id[3]), up, Role::response),
+        channel_at(f.reference, name_of(f.denominator, f.id[4]), down, Role::excitation)));
+    curve.output = outputs_.number(pair.first);
+    curve.input = inputs_.number(pair.second);
+    if (!taken_.emplace(curve.output, curve.input).second)
+      return notes_.add(
+          fmt::format("dataset {} is a second response of the same output to the same "
+                      "input: left out",
+                      f.dataset),
+          f.line, 0, "second");
+    if (!by_hydrapod_) curve.id_lines = uff_id_lines(f.id);
     if (responses_.empty()) date_ = iso_date(given(f.id[2]));
     responses_.push_back(std::move(curve));
   }
@@ -166,8 +206,12 @@ class ResponseReader {
     all.date = date_;
     all.outputs = outputs_.channels;
     all.inputs = inputs_.channels;
-    make_names_unique(all.outputs);
-    make_names_unique(all.inputs);
+    all.geometry = contents_.geometry;
+    for (auto* channels : {&all.outputs, &all.inputs}) {
+      if (!by_hydrapod_) name_by_place(*channels);
+      make_names_unique(*channels);
+    }
+    take_id_lines(all);
     all.frequency = frequency_;
     const auto lines = static_cast<Eigen::Index>(frequency_.size());
     const auto rows = static_cast<Eigen::Index>(all.outputs.size());
@@ -200,13 +244,21 @@ class ResponseReader {
     for (const auto& variance : collected(variances_, rows, columns))
       errors.variance.emplace_back(variance.real());
     take_errors(std::move(errors), notes_, all);
-    if (const auto described = described_responses(contents_.own, notes_)) {
-      take_description(*described, notes_, all);
-      take_names(described->outputs, all.outputs);
-      take_names(described->inputs, all.inputs);
+    if (described_) {
+      take_description(*described_, notes_, all);
+      take_names(described_->outputs, all.outputs);
+      take_names(described_->inputs, all.inputs);
     }
     take_beside_axis(collected(beside_, rows, columns), notes_, all);
     return all;
+  }
+
+  void take_id_lines(FrequencyResponses& all) const {
+    const auto has_lines = [](const Curve& curve) { return !curve.id_lines.empty(); };
+    if (std::ranges::none_of(responses_, has_lines)) return;
+    all.id_lines.resize(all.outputs.size() * all.inputs.size());
+    for (const Curve& curve : responses_)
+      all.id_lines[curve.output * all.inputs.size() + curve.input] = curve.id_lines;
   }
 
   /// Names that are longer than lines of 80 characters, and roles.
@@ -236,9 +288,12 @@ class ResponseReader {
   Notes notes_;
   FileWindow file_;
   UffContents contents_;
+  bool by_hydrapod_;
+  std::optional<FrequencyResponses> described_;
   std::vector<double> frequency_{};
   std::string date_{};
-  Places outputs_{}, inputs_{};
+  Places outputs_{by_hydrapod_}, inputs_{by_hydrapod_};
+  std::set<std::pair<std::size_t, std::size_t>> taken_{};  ///< outputs and inputs
   std::vector<Curve> responses_{}, coherences_{}, variances_{}, beside_{}, noise_{},
       input_factor_{};
 };

@@ -5,6 +5,7 @@
 #include "hydrapod/base/file.hpp"
 #include "hydrapod/data/frequency_response.hpp"
 #include "response_comments.hpp"
+#include "uff_geometry.hpp"
 #include "uff_text.hpp"
 
 namespace hydrapod::data {
@@ -67,7 +68,8 @@ class ResponseText {
   ResponseText(const FrequencyResponses& all, bool binary) : all_(all), binary_(binary) {}
 
   std::string text() {
-    text_ = uff_beginning(all_.title, all_.date, response_comments(all_));
+    text_ = uff_beginning(all_.title, all_.date, response_comments(all_)) +
+            uff_geometry_text(all_.geometry);
     const auto& shown = required_on_axis(all_);
     for (std::size_t o = 0; o < all_.outputs.size(); ++o) {
       for (std::size_t i = 0; i < all_.inputs.size(); ++i) add_response(shown, o, i);
@@ -93,6 +95,8 @@ class ResponseText {
     f.is_complex = true;
     f.id[0] = fmt::format("{} from {}", output.name, input.name);
     f.id[4] = input.name;
+    const auto own_lines = f.id;
+    if (!all_.id_lines.empty()) put_id_lines(all_.id_lines[o * all_.inputs.size() + i], f.id);
     f.reference = uff_place(input);
     f.ordinate = uff_axis_of(output.name, output.unit);
     f.denominator = uff_axis_of(input.name, input.unit);
@@ -101,6 +105,7 @@ class ResponseText {
     if (!all_.has_errors()) return;
     f.type = uff_function::general;
     f.is_complex = false;
+    f.id = own_lines;
     f.id[0] = response_part::variance;
     f.ordinate.unit = f.denominator.unit = "NONE";
     f.ordinate.quantity = f.denominator.quantity = uff_quantity::unknown;

@@ -7,6 +7,7 @@
 #include "hydrapod/base/file.hpp"
 #include "hydrapod/base/text.hpp"
 #include "uff_dataset.hpp"
+#include "uff_geometry.hpp"
 #include "uff_text.hpp"
 
 namespace hydrapod::data {
@@ -14,11 +15,6 @@ namespace hydrapod::data {
 namespace {
 
 constexpr std::size_t most_functions = 100'000;
-
-/// A dataset that cannot be used; the scan goes on behind it.
-struct Unusable {
-  std::string why;
-};
 
 bool is_delimiter(std::string_view line) {
   return base::trimmed(line) == "-1" && base::trimmed(line.substr(0, 6)) == "-1";
@@ -42,6 +38,7 @@ class Scan {
     }
     if (datasets_ == 0)
       notes_.fail("this is no Universal File: it has no dataset between lines of \"    -1\"");
+    settle_units();
     return std::move(contents_);
   }
 
@@ -85,7 +82,11 @@ class Scan {
       else if (*number == 151)
         file_header();
       else if (*number == 164)
-        units();
+        units_ = read_uff_units(next_line(), notes_);
+      else if (*number == uff_nodes || *number == uff_nodes_double)
+        nodes(*number == uff_nodes_double);
+      else if (*number == uff_trace_line)
+        contents_.geometry.lines.push_back(read_uff_trace_line(next_line()));
       else if (*number == uff_own_dataset)
         own_header();
       else
@@ -94,7 +95,10 @@ class Scan {
                    first_line_, 0, fmt::format("number {}", *number));
     } catch (const Unusable& unusable) {
       notes_.add(fmt::format("dataset {}: {}; skipped", datasets_, unusable.why), first_line_);
+      if (number == 164) units_.emplace().usable = false;
     }
+    if (!first_units_) first_units_ = units_;
+    node_units_.resize(contents_.geometry.nodes.size(), units_);
     skip_to_end();
   }
 
@@ -137,61 +141,6 @@ class Scan {
     throw Unusable{fmt::format("the file is cut off before its {}", what)};
   }
 
-  static long long integer(std::string_view line, std::size_t begin, std::size_t width,
-                           const char* what) {
-    const std::string_view field = columns(line, begin, width);
-    if (field.empty()) return 0;
-    const auto value = fortran_integer(field);
-    if (!value)
-      throw Unusable{
-          fmt::format("{} is \"{}\", not a whole number", what, base::printable(field, 20))};
-    return *value;
-  }
-
-  static int small(std::string_view line, std::size_t begin, std::size_t width, const char* what,
-                   long long least, long long most) {
-    const long long value = integer(line, begin, width, what);
-    if (value < least || value > most)
-      throw Unusable{fmt::format("{} is {}; known are {} to {}", what, value, least, most)};
-    return static_cast<int>(value);
-  }
-
-  static double real(std::string_view line, std::size_t begin, std::size_t width,
-                     const char* what) {
-    const std::string_view field = columns(line, begin, width);
-    if (field.empty()) return 0.0;
-    const auto value = fortran_number(field);
-    if (!value || !std::isfinite(*value))
-      throw Unusable{
-          fmt::format("{} is \"{}\", not a finite number", what, base::printable(field, 20))};
-    return *value;
-  }
-
-  static std::string text(std::string_view line, std::size_t begin, std::size_t width) {
-    return clean_text(columns(line, begin, width));
-  }
-
-  static UffPlace place(std::string_view line, std::size_t begin, const char* what) {
-    UffPlace place;
-    place.entity = text(line, begin + 1, 10);
-    place.node = integer(line, begin + 11, 10, what);
-    place.direction = small(line, begin + 21, 4, what, -6, 6);
-    return place;
-  }
-
-  static UffAxis axis(const std::string& line) {
-    UffAxis axis;
-    axis.quantity =
-        static_cast<int>(std::clamp(integer(line, 0, 10, "the specific data type"), -1LL, 1000LL));
-    constexpr long long most = 20;
-    axis.length_exponent = small(line, 10, 5, "the length units exponent", -most, most);
-    axis.force_exponent = small(line, 15, 5, "the force units exponent", -most, most);
-    axis.temperature_exponent = small(line, 20, 5, "the temperature units exponent", -most, most);
-    axis.label = text(line, 26, 20);
-    axis.unit = text(line, 47, 20);
-    return axis;
-  }
-
   void function(const std::string& head, bool binary) {
     if (contents_.functions.size() == most_functions)
       throw Unusable{fmt::format("more than {} functions", most_functions)};
@@ -199,6 +148,7 @@ class Scan {
     f.dataset = datasets_;
     f.line = first_line_;
     f.binary = binary;
+    f.units = units_;
     const char* names[uff_header_lines] = {"record 1",
                                            "record 2",
                                            "record 3",
@@ -213,13 +163,13 @@ class Scan {
     std::array<std::string, uff_header_lines> lines;
     for (int i = 0; i < uff_header_lines; ++i)
       lines[static_cast<std::size_t>(i)] = header_line(names[i]);
-    for (std::size_t i = 0; i < f.id.size(); ++i) f.id[i] = text(lines[i], 0, 80);
+    for (std::size_t i = 0; i < f.id.size(); ++i) f.id[i] = uff_field(lines[i], 0, 80);
     places(lines[5], f);
     data_form(lines[6], f);
-    f.abscissa = axis(lines[7]);
-    f.ordinate = axis(lines[8]);
-    f.denominator = axis(lines[9]);
-    f.z_axis = axis(lines[10]);
+    f.abscissa = uff_axis(lines[7]);
+    f.ordinate = uff_axis(lines[8]);
+    f.denominator = uff_axis(lines[9]);
+    f.z_axis = uff_axis(lines[10]);
     f.begin = offset_;
     f.data_line = count_lines_ ? line_ + 1 : 0;
     if (binary)
@@ -234,27 +184,27 @@ class Scan {
   }
 
   static void places(const std::string& line, UffFunction& f) {
-    f.type = small(line, 0, 5, "the function type", 0, 99999);
-    f.number = integer(line, 5, 10, "the function identification number");
-    f.version = integer(line, 15, 5, "the version number");
-    f.load_case = integer(line, 20, 10, "the load case");
-    f.response = place(line, 30, "the response node or direction");
-    f.reference = place(line, 55, "the reference node or direction");
+    f.type = uff_small(line, 0, 5, "the function type", 0, 99999);
+    f.number = uff_integer(line, 5, 10, "the function identification number");
+    f.version = uff_integer(line, 15, 5, "the version number");
+    f.load_case = uff_integer(line, 20, 10, "the load case");
+    f.response = uff_place_at(line, 30, "the response node or direction");
+    f.reference = uff_place_at(line, 55, "the reference node or direction");
   }
 
   static void data_form(const std::string& line, UffFunction& f) {
-    const long long type = integer(line, 0, 10, "the ordinate data type");
+    const long long type = uff_integer(line, 0, 10, "the ordinate data type");
     if (type != 2 && type != 4 && type != 5 && type != 6)
       throw Unusable{fmt::format("the ordinate data type is {}; known are 2, 4, 5 and 6", type)};
     f.is_complex = type >= 5;
     f.is_double = type == 4 || type == 6;
-    const long long count = integer(line, 10, 10, "the number of values");
+    const long long count = uff_integer(line, 10, 10, "the number of values");
     if (count < 0) throw Unusable{fmt::format("the number of values is {}", count)};
     f.declared = static_cast<std::uint64_t>(count);
-    f.is_even = integer(line, 20, 10, "the abscissa spacing") == 1;
-    f.first = real(line, 30, 13, "the abscissa minimum");
-    f.step = real(line, 43, 13, "the abscissa increment");
-    f.z = real(line, 56, 13, "the z-axis value");
+    f.is_even = uff_integer(line, 20, 10, "the abscissa spacing") == 1;
+    f.first = uff_real(line, 30, 13, "the abscissa minimum");
+    f.step = uff_real(line, 43, 13, "the abscissa increment");
+    f.z = uff_real(line, 56, 13, "the z-axis value");
     if (f.is_even && !(f.step > 0.0) && f.declared > 1)
       throw Unusable{fmt::format("the abscissa increment is {} and must be positive", f.step)};
   }
@@ -266,10 +216,10 @@ class Scan {
   }
 
   void binary_values(const std::string& head, UffFunction& f) {
-    const long long order = integer(head, 7, 6, "the byte order");
-    const long long floats = integer(head, 13, 6, "the floating point format");
+    const long long order = uff_integer(head, 7, 6, "the byte order");
+    const long long floats = uff_integer(head, 13, 6, "the floating point format");
     const auto bytes =
-        static_cast<std::uint64_t>(std::max(integer(head, 31, 12, "the number of bytes"), 0LL));
+        static_cast<std::uint64_t>(std::max(uff_integer(head, 31, 12, "the number of bytes"), 0LL));
     count_lines_ = false;  // what looks like lines in binary data is none
     line_ = 0;
     f.big_endian = order == 2;
@@ -345,6 +295,7 @@ class Scan {
     constexpr std::size_t most_lines = 2'000'000;
     UffMode& mode = contents_.modes.emplace_back();
     mode.line = count_lines_ ? line_ + 1 : 0;
+    mode.units = units_;
     for (std::string_view line; next_inside(line);) {
       if (++mode_lines_ > most_lines)
         throw Unusable{fmt::format("more than {} lines of modes", most_lines)};
@@ -353,22 +304,42 @@ class Scan {
   }
 
   void file_header() {
-    contents_.model_name = text(header_line("model name"), 0, 80);
-    contents_.description = text(header_line("description"), 0, 80);
-    contents_.program = text(header_line("program"), 0, 80);
+    contents_.model_name = uff_field(header_line("model name"), 0, 80);
+    contents_.description = uff_field(header_line("description"), 0, 80);
+    contents_.program = uff_field(header_line("program"), 0, 80);
+    std::string_view date;
+    if (next_inside(date)) contents_.date = uff_field(date, 0, 20);
   }
 
-  void units() {
-    const std::string first = header_line("units code"), second = header_line("unit factors");
-    UffUnits units;
-    units.code = small(first, 0, 10, "the units code", 0, 99999);
-    units.description = text(first, 10, 20);
-    units.length = real(second, 0, 25, "the length factor");
-    units.force = real(second, 25, 25, "the force factor");
-    units.temperature = real(second, 50, 25, "the temperature factor");
-    if (!(units.length > 0.0) || !(units.force > 0.0))
-      throw Unusable{"its length and force factors must be positive"};
-    contents_.units = units;
+  [[nodiscard]] UffNextLine next_line() {
+    return [this](std::string_view& line) { return next_inside(line); };
+  }
+
+  /// What is there of nodes before something is wrong is kept.
+  void nodes(bool in_double) { read_uff_nodes(next_line(), in_double, contents_.geometry.nodes); }
+
+  /// Lengths of nodes in metres, and the units of functions and modes that stood before the first
+  /// dataset 164.
+  void settle_units() {
+    const auto settle = [&](std::optional<UffUnits>& units) {
+      if (!units) units = first_units_;
+    };
+    for (UffFunction& f : contents_.functions) settle(f.units);
+    for (UffMode& mode : contents_.modes) settle(mode.units);
+    auto& nodes = contents_.geometry.nodes;
+    node_units_.resize(nodes.size());
+    bool usable = true;
+    for (std::size_t k = 0; k < nodes.size(); ++k) {
+      settle(node_units_[k]);
+      usable = usable && (!node_units_[k] || node_units_[k]->usable);
+      if (node_units_[k]) nodes[k].position /= node_units_[k]->length;
+    }
+    if (!usable) {
+      notes_.add("the unit of the coordinates of the nodes is unknown: the nodes are left out");
+      nodes.clear();
+    } else if (!nodes.empty() && !first_units_) {
+      notes_.add("the file states no units (dataset 164): coordinates are taken as metres");
+    }
   }
 
   void own_header() {
@@ -392,6 +363,8 @@ class Scan {
   bool ended_{};  ///< the delimiter of this dataset has been taken
   std::size_t datasets_{};
   std::size_t mode_lines_{};
+  std::optional<UffUnits> units_{}, first_units_{};    ///< the last and the first one
+  std::vector<std::optional<UffUnits>> node_units_{};  ///< of the nodes so far
 };
 
 }  // namespace

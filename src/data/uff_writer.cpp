@@ -4,6 +4,7 @@
 
 #include "formats.hpp"
 #include "spool.hpp"
+#include "uff_geometry.hpp"
 #include "uff_text.hpp"
 
 namespace hydrapod::data {
@@ -16,6 +17,7 @@ UffFunction function_of(const RecordHeader& header, std::size_t index, std::uint
   UffFunction f;
   f.id = {channel.name, header.title, uff_date(header.date),
           fmt::format("{} of repeat {}", role_text(channel.role), header.repeat), "NONE"};
+  put_id_lines(channel.id_lines, f.id);
   f.type = uff_function::time_response;
   f.number = static_cast<long long>(index + 1);
   f.version = std::min(header.repeat, 99999);
@@ -49,7 +51,8 @@ class UffWriter final : public RecordWriter {
   std::string finish(bool complete) override {
     std::string comments = comment_lines(header_);
     if (binary_) comments += fmt::format("# {}: {}\n", checksum_name, checksum());  // else rounded
-    const std::string beginning = uff_beginning(header_.title, header_.date, comments);
+    const std::string beginning =
+        uff_beginning(header_.title, header_.date, comments) + uff_geometry_text(header_.geometry);
     replace_part(part_, spool_.samples() > 0, [&](OutStream& file) {
       bool good = file.write(beginning);
       for (std::size_t c = 0; c < header_.channels.size() && good; ++c)

@@ -1,6 +1,7 @@
 #pragma once
 /// Files that hold named arrays, as MAT files and HDF5 files do, seen alike.
 
+#include <complex>
 #include <cstdint>
 #include <memory>
 #include <string>
@@ -13,14 +14,18 @@ namespace hydrapod::data {
 
 inline constexpr std::size_t longest_text = 64U << 20U;  ///< bytes
 
-enum class VariableKind { numbers, text, texts };
+/// `array`: numbers that are no samples, for more than two dimensions or because they are complex.
+enum class VariableKind { numbers, text, texts, array };
 
-/// An array of one or two dimensions. Of two, `fast` is the one whose neighbours stand side by side
-/// in the file: rows of a MATLAB matrix, the last index in HDF5. A list has slow = 1.
+/// An array of one or two dimensions, but for kind `array`. Of two, `fast` is the one whose
+/// neighbours stand side by side in the file: rows of a MATLAB matrix, the last index in HDF5. A
+/// list has slow = 1.
 struct Variable {
   std::string name{};
   VariableKind kind{VariableKind::numbers};
   std::uint64_t fast{1}, slow{1};
+  std::vector<std::uint64_t> sizes{};  ///< of numbers and arrays, the fastest index first
+  bool is_complex{};
   std::string unit{};                ///< from an attribute; empty: unknown
   double number{};                   ///< of a scalar
   std::string text{};                ///< of kind text
@@ -41,8 +46,13 @@ class VariableFile {
   /// file is damaged there.
   virtual bool read(std::size_t variable, std::uint64_t slow_first, std::uint64_t slow_count,
                     std::uint64_t fast_first, std::uint64_t fast_count, double* out) = 0;
+  /// All numbers of numbers or an array, in the order of the file; real ones with imaginary part 0.
+  /// False when the file is damaged there or they are more than fit into memory.
+  virtual bool read_all(std::size_t variable, std::vector<std::complex<double>>& out) = 0;
 
  protected:
+  static constexpr std::uint64_t most_in_memory = std::uint64_t{1} << 26U;  ///< complex numbers
+
   RecordFormat format_{};
   std::vector<Variable> variables_;
 };

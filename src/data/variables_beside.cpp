@@ -126,7 +126,8 @@ void require_time_axes(const std::vector<Variable>& variables, const Notes& note
     if (v.text.empty() || channel_unit(v.text).unit == "s") continue;
     notes.fail(
         fmt::format("{} is \"{}\": these are no samples over time. Frequency responses are "
-                    "read from Universal Files and tables of text",
+                    "read from Universal Files, tables of text, and arrays beside a list of "
+                    "frequencies",
                     base::printable(v.name), base::printable(v.text)));
   }
 }

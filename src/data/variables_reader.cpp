@@ -12,6 +12,7 @@
 #include "formats.hpp"
 #include "hydrapod/base/file.hpp"
 #include "hydrapod/base/text.hpp"
+#include "response_files.hpp"
 #include "time_grid.hpp"
 #include "variable_file.hpp"
 #include "variables_beside.hpp"
@@ -39,6 +40,8 @@ class VariablesReader final : public RecordReader {
   VariablesReader(const std::string& path, OpenVariableFile open, const ReadOptions& options)
       : RecordReader(path), file_(open(path, notes_)) {
     const bool own = text("format") == record_mark;
+    if (!own && holds_responses(*file_))
+      notes_.fail("the file holds frequency responses, no samples over time");
     if (own)
       read_own();
     else
@@ -172,6 +175,7 @@ class VariablesReader final : public RecordReader {
     if (samples == nullptr || samples->kind != VariableKind::numbers)
       notes_.fail("the variable 'samples' is missing or does not hold numbers");
     own_channels(samples->fast);
+    settle_geometry(text(geometry_name), text(channel_texts_name), notes_, header_);
     length_ = samples->slow;
     sources_ = {{static_cast<std::size_t>(samples - all().data()), true, 0,
                  static_cast<std::size_t>(samples->fast)}};
@@ -247,6 +251,10 @@ class VariablesReader final : public RecordReader {
   void take_variable(std::size_t index, const Variable* times) {
     constexpr std::uint64_t most_channels = 10'000;
     const Variable& v = all()[index];
+    if (v.kind == VariableKind::array)
+      notes_.add(fmt::format("'{}' {}: left out", base::printable(v.name),
+                             v.is_complex ? std::string("is complex")
+                                          : fmt::format("has {} dimensions", v.sizes.size())));
     if (v.kind != VariableKind::numbers || v.fast * v.slow < 2 || &v == times) return;
     const bool slow = v.slow == length_;
     const std::uint64_t channels = slow ? v.fast : v.slow;
@@ -257,6 +265,9 @@ class VariablesReader final : public RecordReader {
           0, 0, "length");
       return;
     }
+    if (v.is_complex)
+      notes_.add(fmt::format("variable '{}' is complex; its imaginary part is left out",
+                             base::printable(v.name)));
     sources_.push_back({index, slow, header_.channels.size(), static_cast<std::size_t>(channels)});
     for (std::uint64_t c = 0; c < channels; ++c)
       header_.channels.push_back(

@@ -16,6 +16,7 @@ data::ModalResults modal_results(const Identification& identified) {
                              .inputs = responses.inputs,
                              .from = identified.from,
                              .to = identified.to};
+  results.geometry = responses.geometry;
   if (responses.lines() > 1)
     results.line_spacing = (responses.frequency.back() - responses.frequency.front()) /
                            static_cast<double>(responses.lines() - 1);

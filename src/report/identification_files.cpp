@@ -23,44 +23,6 @@ using identification::Identification;
 using identification::IdentifiedMode;
 constexpr double band = numerics::normal_half_width;
 
-void add_channels(const std::string& prefix, const std::vector<data::Channel>& channels,
-                  std::vector<data::MatVariable>& all) {
-  std::vector<std::string> names, units;
-  for (const auto& c : channels) {
-    names.push_back(c.name);
-    units.push_back(c.unit);
-  }
-  all.push_back(data::mat_list(prefix + "s", names));
-  all.push_back(data::mat_list(prefix + "_units", units));
-}
-
-std::vector<data::MatVariable> response_variables(const FrequencyResponses& r) {
-  std::vector<data::MatVariable> all;
-  const auto lines = static_cast<Index>(r.lines());
-  all.push_back(data::mat_array("frequency_hz", VectorXd::Map(r.frequency.data(), lines)));
-  all.push_back(data::mat_pages("response", r.H));
-  if (r.has_errors()) {
-    std::vector<MatrixXd> deviation;
-    for (std::size_t k = 0; k < r.lines(); ++k) {
-      deviation.emplace_back(r.H[k].rows(), r.H[k].cols());
-      for (Index o = 0; o < r.H[k].rows(); ++o)
-        for (Index i = 0; i < r.H[k].cols(); ++i)
-          deviation.back()(o, i) = std::sqrt(r.variance(k, o, i));
-    }
-    all.push_back(data::mat_pages("deviation", deviation));
-  }
-  if (!r.multiple_coherence.empty()) {
-    MatrixXd coherence(static_cast<Index>(r.outputs.size()), lines);
-    for (Index k = 0; k < lines; ++k)
-      coherence.col(k) = r.multiple_coherence[static_cast<std::size_t>(k)];
-    all.push_back(data::mat_array("coherence", coherence));
-    all.push_back(data::mat_array("condition", VectorXd::Map(r.condition.data(), lines)));
-  }
-  add_channels("output", r.outputs, all);
-  add_channels("input", r.inputs, all);
-  return all;
-}
-
 template <class Vector>
 data::MatVariable mode_vectors(const char* name, const std::vector<IdentifiedMode>& modes,
                                std::size_t size, const Vector& vector) {
@@ -90,13 +52,14 @@ void write_modes_uff(const std::string& path, const Identification& result,
   data::write_modal_results(path, all);
 }
 
-void write_responses_mat(const std::string& path, const FrequencyResponses& responses) {
-  data::write_mat_variables(path, response_variables(responses));
-}
-
 void write_modes_mat(const std::string& path, const Identification& result) {
   const auto& modes = result.modes;
-  auto all = response_variables(result.responses);
+  auto responses = result.responses;
+  if (responses.shift > 0.0 && responses.on_axis.empty() && !modes.empty())
+    responses.on_axis = identification::on_imaginary_axis(responses, result);
+  // without a mode nothing brings responses to iω
+  const bool shared = !(responses.shift > 0.0) || !responses.on_axis.empty();
+  auto all = shared ? data::response_arrays(responses) : std::vector<data::MatVariable>{};
   Eigen::VectorXcd poles(static_cast<Index>(modes.size()));
   std::vector<Eigen::VectorXcd> shapes;
   for (std::size_t r = 0; r < modes.size(); ++r) {

@@ -31,6 +31,8 @@ void describe(Fields& f, data::Channel& channel) {
   f.maybe("direction", direction);
   f.maybe("role", role);
   f.maybe("point", channel.point);
+  f.unless(std::string(), "entity", channel.entity);
+  f.unless(std::vector<std::string>(), "id_lines", channel.id_lines);
   if constexpr (Fields::reads) {
     channel.direction = data::direction_from_text(direction).value_or(data::Direction::none);
     channel.role = data::role_from_text(role).value_or(data::Role::other);

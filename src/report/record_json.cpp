@@ -8,24 +8,27 @@ namespace hydrapod::report {
 namespace {
 
 Json channel_json(const data::Channel& channel, const data::ChannelOverview& overview) {
-  return {{"name", channel.name},
-          {"unit", channel.unit},
-          {"direction", data::direction_text(channel.direction)},
-          {"role", data::role_text(channel.role)},
-          {"point", channel.point},
-          {"samples", overview.samples},
-          {"missing", overview.missing},
-          {"infinite", overview.infinite},
-          {"mean", overview.mean},
-          {"rms", overview.rms},
-          {"lowest", overview.lowest},
-          {"highest", overview.highest},
-          {"peak", overview.peak},
-          {"at_limit", overview.at_limit},
-          {"longest_hold", overview.longest_hold},
-          {"constant", overview.constant},
-          {"strongest_frequency_hz",
-           overview.strongest_frequency > 0.0 ? Json(overview.strongest_frequency) : Json()}};
+  Json json{{"name", channel.name},
+            {"unit", channel.unit},
+            {"direction", data::direction_text(channel.direction)},
+            {"role", data::role_text(channel.role)},
+            {"point", channel.point},
+            {"samples", overview.samples},
+            {"missing", overview.missing},
+            {"infinite", overview.infinite},
+            {"mean", overview.mean},
+            {"rms", overview.rms},
+            {"lowest", overview.lowest},
+            {"highest", overview.highest},
+            {"peak", overview.peak},
+            {"at_limit", overview.at_limit},
+            {"longest_hold", overview.longest_hold},
+            {"constant", overview.constant},
+            {"strongest_frequency_hz",
+             overview.strongest_frequency > 0.0 ? Json(overview.strongest_frequency) : Json()}};
+  if (!channel.entity.empty()) json["entity"] = channel.entity;
+  if (!channel.id_lines.empty()) json["id_lines"] = channel.id_lines;
+  return json;
 }
 
 }  // namespace
@@ -54,6 +57,8 @@ Json record_json(const data::RecordSet& record, const data::RecordOverview& over
             {"experiment", experiment_object(header.experiment)},
             {"channels", Json::array()},
             {"warnings", Json::array()}};
+  if (!header.geometry.empty())
+    json["geometry"] = Json::parse(data::geometry_json(header.geometry));
   for (std::size_t c = 0; c < header.channels.size(); ++c)
     json["channels"].push_back(channel_json(header.channels[c], overview.channels[c]));
   for (const auto& note : record.notes()) json["warnings"].push_back(note.text());

@@ -165,6 +165,8 @@ Json responses_json(const FrequencyResponses& r) {
     json["sample_rate_hz"] = r.sample_rate;
     json["taper"] = written(r.taper);
   }
+  if (!r.geometry.empty()) json["geometry"] = Json::parse(data::geometry_json(r.geometry));
+  if (!r.id_lines.empty()) json["id_lines"] = r.id_lines;
   json["warnings"] = texts(r.warnings);
   json["findings"] = written(r.warnings);
   return json;
@@ -200,6 +202,23 @@ std::optional<data::RecordHeader> record_origin_from_json(const Json& json,
   header.experiment.machine = text("machine_file");
   return header;
 }
+
+namespace {
+
+/// What Universal Files said of points and responses.
+void take_origin(const Json& json, const Reader& fields, FrequencyResponses& r) {
+  fields.maybe("id_lines", r.id_lines);
+  if (!r.id_lines.empty() && r.id_lines.size() != r.outputs.size() * r.inputs.size())
+    fields.bad("id_lines", "must have a list per response");
+  if (!fields.has("geometry")) return;
+  try {
+    r.geometry = data::read_geometry(json["geometry"].dump());
+  } catch (const std::invalid_argument& error) {
+    fields.bad("geometry", error.what());
+  }
+}
+
+}  // namespace
 
 FrequencyResponses responses_from_json(const Json& json, const std::string& file) {
   const Reader fields(json, file);
@@ -239,6 +258,7 @@ FrequencyResponses responses_from_json(const Json& json, const std::string& file
       r.on_axis = std::exchange(r.H, read_lines(f, "response", outputs, inputs, r.lines()));
     });
   fields.maybe("findings", r.warnings);
+  take_origin(json, fields, r);
   std::string estimator;
   fields.unless(std::string("h1"), "estimator", estimator);
   r.estimator = data::estimator_from_text(estimator).value_or(identification::Estimator::h1);

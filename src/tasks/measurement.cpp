@@ -122,8 +122,18 @@ Measured opened(const MeasureOptions& options) {
   return measured;
 }
 
+/// The geometry of the record, if an output is at one of its nodes: not after a change of outputs.
+void keep_geometry(const data::Geometry& geometry, data::FrequencyResponses& responses) {
+  const auto is_placed = [&](const data::Channel& channel) {
+    return std::ranges::find(geometry.nodes, channel.point, &data::Node::number) !=
+           geometry.nodes.end();
+  };
+  if (std::ranges::any_of(responses.outputs, is_placed)) responses.geometry = geometry;
+}
+
 void note_reading(const MeasureOptions& options, Measured& measured) {
   auto& m = measured.measurement;
+  keep_geometry(measured.header->geometry, m.responses);
   append(m.notes, measured.warnings);
   if (m.interrupted)
     m.responses.warnings.push_back(
@@ -131,7 +141,7 @@ void note_reading(const MeasureOptions& options, Measured& measured) {
   add_warnings(options.files.front(), m.responses.warnings, measured.warnings);
 }
 
-Measured responses_of_universal_file(const std::string& path) {
+Measured responses_of_file(const std::string& path) {
   auto read = data::read_frequency_responses(path);
   Measured measured{.warnings = read.notes};
   measured.measurement.responses = std::move(read.responses);
@@ -221,15 +231,14 @@ Measured frf(const MeasureOptions& options, const Progress& progress) {
       base::refuse("--output-only", fmt::format("needs a record; {} holds responses", first));
     auto measured = kind == data::FileKind::json
                         ? responses_from(parsed_json(first, {"\"frf\""}), first)
-                        : responses_of_universal_file(first);
+                        : responses_of_file(first);
     measured.machine = measured_machine(options, measured.experiment());
     return measured;
   }
   if (kind == data::FileKind::mode_table || kind == data::FileKind::toml)
-    base::refuse(
-        first, fmt::format("holds {}; expected records, JSON of `hydrapod frf` or a Universal File",
-                           kind == data::FileKind::toml ? "no measurement, as TOML"
-                                                        : "a table of frequencies"));
+    base::refuse(first, fmt::format("holds {}; expected records, or responses of `hydrapod frf`",
+                                    kind == data::FileKind::toml ? "no measurement, as TOML"
+                                                                 : "a table of frequencies"));
   refuse_modal_results(first);
   auto measured = opened(options);
   const auto estimate = estimate_options(options, measured);

@@ -145,9 +145,21 @@ class DescribedResponses : public testing::TestWithParam<const char*> {
     const std::string path = folder_ / (std::string("h.") + GetParam());
     if (path.ends_with(".csv"))
       write_text(path, data::response_table(all));
+    else if (path.ends_with(".mat"))
+      data::write_mat_variables(path, data::response_arrays(all));
+    else if (path.ends_with(".h5"))
+      data::write_hdf5_variables(path, data::response_arrays(all));
     else
       data::write_frequency_responses(path, all);
     return path;
+  }
+
+  /// MAT files have two bytes per character.
+  static std::string as_in_file(const std::string& text) {
+    if (GetParam() != std::string("mat")) return text;
+    std::string wide;
+    for (const char c : text) wide.append({c, '\0'});
+    return wide;
   }
 
  private:
@@ -189,8 +201,9 @@ TEST_P(DescribedResponses, ThatAreDamagedAreLeftAsideWithANote) {
                                  {"\"line_covariance\":{", "\"line_covariance\" {"}}) {
     SCOPED_TRACE(to);
     std::string bad = good;
-    ASSERT_NE(bad.find(from), bad.npos);
-    bad.replace(bad.find(from), from.size(), to);
+    const std::string found = as_in_file(from);
+    ASSERT_NE(bad.find(found), bad.npos);
+    bad.replace(bad.find(found), found.size(), as_in_file(to));
     write_text(path, bad);
     const auto [got, notes] = data::read_frequency_responses(path);
     ASSERT_FALSE(notes.empty());
@@ -212,7 +225,7 @@ TEST_P(DescribedResponses, AtOtherFrequenciesThanTheWindowsHaveNoTaper) {
   EXPECT_EQ(got.frequency, sent.frequency);
 }
 
-INSTANTIATE_TEST_SUITE_P(Formats, DescribedResponses, testing::Values("uff", "csv"),
+INSTANTIATE_TEST_SUITE_P(Formats, DescribedResponses, testing::Values("uff", "csv", "mat", "h5"),
                          [](const auto& format) { return std::string(format.param); });
 
 INSTANTIATE_TEST_SUITE_P(Ways, ResponseFile,

@@ -87,8 +87,8 @@ class Structures : public testing::TestWithParam<const char*> {};
 TEST_P(Structures, AreOpenedAndTheRestIsNamed) {
   const auto [record, notes] = octave(GetParam());
   EXPECT_THAT(messages(notes),
-              testing::ElementsAre("variable 'z' is complex; its imaginary part is left out",
-                                   "variable 's' is of class 5, which is not read: left out"));
+              testing::ElementsAre("variable 's' is of class 5, which is not read: left out",
+                                   "variable 'z' is complex; its imaginary part is left out"));
   EXPECT_EQ(record.header.sample_rate, fs);  // from rig.dt
   EXPECT_THAT(names(record),
               testing::ElementsAre("rig.channels 1", "rig.channels 2", "rig.channels 3", "z"));

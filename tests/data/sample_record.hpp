@@ -68,6 +68,23 @@ inline data::Record sample_record(Eigen::Index samples) {
   return record;
 }
 
+inline void expect_same_geometry(const data::Geometry& a, const data::Geometry& b) {
+  ASSERT_EQ(a.nodes.size(), b.nodes.size());
+  for (std::size_t k = 0; k < a.nodes.size(); ++k) {
+    EXPECT_EQ(a.nodes[k].number, b.nodes[k].number);
+    EXPECT_EQ(a.nodes[k].position, b.nodes[k].position);
+    EXPECT_EQ(a.nodes[k].position_system, b.nodes[k].position_system);
+    EXPECT_EQ(a.nodes[k].motion_system, b.nodes[k].motion_system);
+    EXPECT_EQ(a.nodes[k].color, b.nodes[k].color);
+  }
+  ASSERT_EQ(a.lines.size(), b.lines.size());
+  for (std::size_t k = 0; k < a.lines.size(); ++k) {
+    EXPECT_EQ(a.lines[k].name, b.lines[k].name);
+    EXPECT_EQ(a.lines[k].nodes, b.lines[k].nodes);
+    EXPECT_EQ(a.lines[k].color, b.lines[k].color);
+  }
+}
+
 inline void expect_same_header(const data::RecordHeader& a, const data::RecordHeader& b) {
   EXPECT_EQ(a.title, b.title);
   EXPECT_EQ(a.sample_rate, b.sample_rate);
@@ -77,6 +94,7 @@ inline void expect_same_header(const data::RecordHeader& a, const data::RecordHe
   EXPECT_EQ(a.notes, b.notes);
   EXPECT_EQ(a.experiment.machine, b.experiment.machine);
   EXPECT_EQ(data::experiment_json(a.experiment), data::experiment_json(b.experiment));
+  expect_same_geometry(a.geometry, b.geometry);
   ASSERT_EQ(a.channels.size(), b.channels.size());
   for (std::size_t c = 0; c < a.channels.size(); ++c) {
     EXPECT_EQ(a.channels[c].name, b.channels[c].name);
@@ -84,6 +102,8 @@ inline void expect_same_header(const data::RecordHeader& a, const data::RecordHe
     EXPECT_EQ(a.channels[c].direction, b.channels[c].direction);
     EXPECT_EQ(a.channels[c].role, b.channels[c].role);
     EXPECT_EQ(a.channels[c].point, b.channels[c].point);
+    EXPECT_EQ(a.channels[c].entity, b.channels[c].entity);
+    EXPECT_EQ(a.channels[c].id_lines, b.channels[c].id_lines);
   }
 }
 

@@ -52,8 +52,20 @@ struct Function {
   std::vector<double> values{};
 };
 
+struct Node {
+  long number{}, systems[2]{}, color{};
+  double x[3]{};
+};
+struct TraceLine {
+  std::string name{};
+  long number{}, color{};
+  std::vector<long> nodes{};
+};
+
 struct File {
   std::vector<long> datasets{};
+  std::vector<Node> nodes{};
+  std::vector<TraceLine> lines{};
   std::vector<Function> functions{};
   std::string model_name{}, program{};
   long units_code{};
@@ -76,6 +88,10 @@ class Reader {
         header();
       else if (number == 164)
         units();
+      else if (number == 15 || number == 2411)
+        while (peek() != "    -1") node(number == 2411);
+      else if (number == 82)
+        trace_line();
       else
         while (peek() != "    -1") line();
       delimiter();
@@ -192,6 +208,37 @@ class Reader {
       file_.unit_factors[i] = real(factors, static_cast<std::size_t>(25 * i + 1),
                                    static_cast<std::size_t>(25 * i + 25));
     file_.unit_factors[3] = real(offset, 1, 25);
+  }
+
+  /// Dataset 15: Format(4I10,3E13.5). Dataset 2411: Format(4I10), Format(3D25.17).
+  void node(bool in_double) {
+    std::string all = line();
+    Node& n = file_.nodes.emplace_back();
+    n.number = integer(all, 1, 10);
+    n.systems[0] = integer(all, 11, 20);
+    n.systems[1] = integer(all, 21, 30);
+    n.color = integer(all, 31, 40);
+    if (in_double && all.size() != 40) throw std::runtime_error("columns beyond: " + all);
+    if (in_double) all = line();
+    const std::size_t before = in_double ? 0 : 40, width = in_double ? 25 : 13;
+    for (std::size_t k = 0; k < 3; ++k)
+      n.x[k] = real(all, before + width * k + 1, before + width * (k + 1));
+    if (all.size() != before + 3 * width) throw std::runtime_error("columns beyond: " + all);
+  }
+
+  /// Dataset 82: Format(3I10), Format(80A1), Format(8I10).
+  void trace_line() {
+    const std::string head = line();
+    TraceLine& l = file_.lines.emplace_back();
+    l.number = integer(head, 1, 10);
+    const auto count = static_cast<std::size_t>(integer(head, 11, 20));
+    l.color = integer(head, 21, 30);
+    l.name = text(line(), 1, 80);
+    while (l.nodes.size() < count) {
+      const std::string all = line();
+      for (std::size_t k = 0; k < 8 && l.nodes.size() < count; ++k)
+        l.nodes.push_back(integer(all, 10 * k + 1, 10 * k + 10));
+    }
   }
 
   std::string bytes_;

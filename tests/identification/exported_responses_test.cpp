@@ -60,6 +60,10 @@ FrequencyResponses through_a_file(const FrequencyResponses& responses, const std
   const std::string path = folder / ("frf." + ending);
   if (ending == "csv")
     test::write_text(path, data::response_table(responses));
+  else if (ending == "mat")
+    data::write_mat_variables(path, data::response_arrays(responses));
+  else if (ending == "h5")
+    data::write_hdf5_variables(path, data::response_arrays(responses));
   else
     data::write_frequency_responses(path, responses, ending == "uff");
   auto read = data::read_frequency_responses(path);
@@ -116,6 +120,7 @@ TEST_P(Exported, ResponsesOfAClosedLoopGiveTheSameModes) {
 // distance of the lines
 INSTANTIATE_TEST_SUITE_P(Formats, Exported,
                          testing::Values(Export{"uff", 1e-6, 1e-6}, Export{"csv", 1e-6, 1e-6},
+                                         Export{"mat", 1e-6, 1e-6}, Export{"h5", 1e-6, 1e-6},
                                          Export{"unv", 1e-5, 1e-3}),
                          [](const auto& format) { return std::string(format.param.ending); });
 

@@ -1,6 +1,6 @@
 #pragma once
 /// Frequency responses of several inputs and outputs, what is known of their errors, and their
-/// Universal Files and tables of text.
+/// Universal Files, tables of text, and files of arrays (MAT, HDF5).
 ///
 /// H(f): output o per input i, in the units of the channels.
 
@@ -15,7 +15,7 @@
 
 #include "hydrapod/base/error.hpp"
 #include "hydrapod/data/per_line.hpp"
-#include "hydrapod/data/record.hpp"
+#include "hydrapod/data/record_io.hpp"
 
 namespace hydrapod::data {
 
@@ -76,6 +76,10 @@ struct FrequencyResponses {
   std::vector<data::Channel> inputs{}, outputs{};
   std::vector<double> frequency{};  ///< [Hz], ascending
   PerLine<Eigen::MatrixXcd> H{};    ///< outputs × inputs
+  Geometry geometry{};              ///< of the points of the channels
+  /// What a Universal File of another program says of each response, up to five lines; response
+  /// (o, i) at o · inputs + i. Empty: nothing.
+  std::vector<std::vector<std::string>> id_lines{};
   /// cov(H_oi, H_pj*) = noise(o, p) · input_factor(j, i). Empty: errors are not known.
   PerLine<Eigen::MatrixXcd> noise{};         ///< S_vv/K, outputs × outputs
   PerLine<Eigen::MatrixXcd> input_factor{};  ///< Q, inputs × inputs
@@ -142,16 +146,24 @@ void write_frequency_responses(const std::string& path, const FrequencyResponses
 /// re i/j …`, lower triangles.
 std::string response_table(const FrequencyResponses& responses);
 
+/// `frequency_hz` (lines), `response` (outputs × inputs × lines, complex), and where they are known
+/// `deviation`, `coherence`, `condition`; the names and units of outputs and inputs; and what
+/// identification needs: `noise`, `input_factor`, `beside_axis` and the text `description`.
+/// Throws as response_table().
+std::vector<MatVariable> response_arrays(const FrequencyResponses& responses);
+
 struct ReadFrequencyResponsesResult {
   FrequencyResponses responses{};
   std::vector<base::Diagnostic> notes{};
 };
 
-/// A Universal File or a table of text. Of a Universal File all functions of type 4 that share the
-/// first one's frequencies, with their coherences and variances. Units become SI: labels that are
-/// known, else dataset 164. Variances V_oi without the noise become noise and input factor V_oi ≈
-/// n_o q_i, by their means over rows and columns. Throws base::InputError, also where a pair of
-/// output and input is missing.
+/// A Universal File, a table of text, or a MAT or HDF5 file. Of a Universal File all functions of
+/// type 4 that share the first one's frequencies, with their coherences and variances. Units become
+/// SI: labels that are known, else dataset 164. Variances V_oi without the noise become noise and
+/// input factor V_oi ≈ n_o q_i, by their means over rows and columns. Of arrays of other programs
+/// those that are complex and as long as the list of frequencies; of the other indices the first
+/// counts outputs, the second inputs. Throws base::InputError, also where a pair of output and
+/// input is missing, and where arrays can be understood in several ways.
 ReadFrequencyResponsesResult read_frequency_responses(const std::string& path);
 
 }  // namespace hydrapod::data

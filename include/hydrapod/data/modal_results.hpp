@@ -42,6 +42,7 @@ struct ModalResult {
   Eigen::VectorXd shape_deviation{};  ///< of each number of the shape; empty: not known
   /// What the mode is above the noise, around 1: nothing; 0: not known.
   double significance{};
+  std::vector<std::string> id_lines{};  ///< of a Universal File of another program, up to five
   [[nodiscard]] double omega() const { return std::abs(pole); }
   [[nodiscard]] double damping_ratio() const { return -pole.real() / std::abs(pole); }
 };
@@ -54,6 +55,7 @@ struct ModalResults {
   double from{}, to{};            ///< band that was looked at [Hz]
   double line_spacing{};          ///< of the responses they were found in [Hz]; 0: not known
   std::vector<ModalResult> modes{};
+  Geometry geometry{};  ///< of the points of the outputs
 };
 
 /// 0 for displacements, 1 for speeds, 2 for accelerations, by the unit.
@@ -80,7 +82,8 @@ struct ReadModalResultsResult {
 };
 
 /// Datasets 55 of normal modes (analysis type 2, with their viscous damping) and complex
-/// eigenvalues (3, 7), real or complex, three or six values per node. Throws base::InputError.
+/// eigenvalues (3, 7), real or complex, three or six values per node. Lengths become metres by
+/// dataset 164, and shapes of speeds or accelerations displacements. Throws base::InputError.
 ReadModalResultsResult read_modal_results(const std::string& path);
 
 }  // namespace hydrapod::data

@@ -67,9 +67,10 @@ class PerLine {
   void reserve(std::size_t size) { own().reserve(size); }
   void push_back(T value) { emplace_back(std::move(value)); }
   template <class... Arguments>
-  void emplace_back(Arguments&&... arguments) {
+  T& emplace_back(Arguments&&... arguments) {
     own().emplace_back(std::forward<Arguments>(arguments)...);
     ++size_;
+    return all_->back();
   }
   void clear() { *this = PerLine(); }
   void assign(std::size_t size, const T& value) { *this = PerLine(std::vector<T>(size, value)); }

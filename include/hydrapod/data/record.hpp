@@ -67,7 +67,33 @@ struct Channel {
   std::string unit{"1"};  ///< coherent SI, see above; empty: unknown
   Direction direction{Direction::none};
   Role role{Role::other};
-  int point{};  ///< number of the measuring point (node); 0: none
+  int point{};           ///< number of the measuring point (node); 0: none
+  std::string entity{};  ///< the part that the point belongs to; empty: none or not known
+  /// What a Universal File of another program says of the channel, up to five lines.
+  std::vector<std::string> id_lines{};
+};
+
+/// A measuring point whose place is known.
+struct Node {
+  int number{};
+  Eigen::Vector3d position{};  ///< [m]
+  /// Numbers of coordinate systems, of position and of motion, and a colour, as a Universal File
+  /// has them.
+  int position_system{}, motion_system{}, color{};
+};
+
+/// A picture of the structure: straight lines from node to node. 0 lifts the pen.
+struct TraceLine {
+  std::string name{};
+  std::vector<int> nodes{};
+  int color{};
+};
+
+/// The measuring points of a structure and how to draw it.
+struct Geometry {
+  std::vector<Node> nodes{};
+  std::vector<TraceLine> lines{};
+  [[nodiscard]] bool empty() const { return nodes.empty() && lines.empty(); }
 };
 
 /// An accelerometer or another sensor along one axis, where its place is known.
@@ -113,6 +139,7 @@ struct RecordHeader {
   int repeat{1};         ///< number of this repetition of the experiment, from 1
   std::string notes{};   ///< any text, may have several lines
   Experiment experiment{};
+  Geometry geometry{};
 };
 
 /// Samples of a record or a piece of one: one row per sample, one column per channel, stored row by
@@ -135,6 +162,11 @@ std::string experiment_json(const Experiment& experiment);
 /// Reads that back; where `json` is empty, what records of hydrapod without it say in their notes.
 /// Members that it does not know go to `others`. Throws std::invalid_argument naming what is wrong.
 Experiment read_experiment(const std::string& json, const std::string& notes);
+
+/// Nodes and lines as a JSON object in one line; empty where there are none.
+std::string geometry_json(const Geometry& geometry);
+/// Reads that back. Throws std::invalid_argument naming what is wrong.
+Geometry read_geometry(const std::string& json);
 
 /// The channel of that name, if there is one.
 std::optional<std::size_t> find_channel(const RecordHeader& header, std::string_view name);

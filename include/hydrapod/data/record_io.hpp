@@ -15,7 +15,7 @@
 /// The layouts are described in docs/howto/record.md and docs/rpc-iii.md. Files of other programs
 /// are read as far as they make sense; what was left out or repaired is said in the reader's notes.
 ///
-/// Named variables in a MAT file of version 5, for results that are no record.
+/// Named variables in a MAT file of version 5 or in HDF5, for results that are no record.
 ///
 /// The writers of MAT files are hydrapod's own. libmatio 1.5.23 cannot append to a variable of
 /// version 5. On a full disk its functions for version 5 return 0 and leave a truncated file, those
@@ -101,7 +101,7 @@ struct ReadOptions {
 /// What a file of a measurement holds.
 enum class FileKind {
   record,
-  frequency_responses,  ///< Universal File with functions of type 4, or a table of text
+  frequency_responses,  ///< Universal File with functions of type 4, a table of text, or arrays
   modal_results,        ///< Universal File with modes (dataset 55) and no function
   mode_table,           ///< CSV with a column of frequencies and none of times
   json,
@@ -200,5 +200,10 @@ MatVariable mat_list(const std::string& name, const std::vector<std::string>& te
 /// and sizes that do not fit, base::ComputationError for more than 2 GiB, else as
 /// base::write_file_whole.
 void write_mat_variables(const std::string& path, const std::vector<MatVariable>& variables);
+
+/// The same as datasets of an HDF5 file, laid out as numpy has them: an array of rows × columns ×
+/// pages is pages × rows × columns there, complex numbers are pairs (r, i), a single row or column
+/// is a list. Texts `format`, `title` and `date` and single numbers are attributes of the file.
+void write_hdf5_variables(const std::string& path, const std::vector<MatVariable>& variables);
 
 }  // namespace hydrapod::data

@@ -119,14 +119,10 @@ void plot_cross_mac(const ComparedModes& compared, const identification::Identif
 void write_modes_uff(const std::string& path, const identification::Identification& result,
                      const std::string& title, const std::string& date);
 
-/// MAT file of version 5. `frequency_hz`, `response` (outputs × inputs × lines), `deviation`,
-/// `coherence` (outputs × lines), `condition`, `outputs`, `inputs` with units.
-void write_responses_mat(const std::string& path,
-                         const identification::FrequencyResponses& responses);
-
-/// The same, and modes: a row each in `pole`, `mode_frequency_hz`, `damping_ratio`, their
-/// `…_95`, `mpc`, `mpd_rad`, `quality`, a column each in `shape`, `displacement_shape` and
-/// `participation`; `mac`, and the model's response at the lines, `fitted`.
+/// MAT file of version 5 with the responses (data::response_arrays) and modes: a row each in
+/// `pole`, `mode_frequency_hz`, `damping_ratio`, their `…_95`, `mpc`, `mpd_rad`, `quality`, a
+/// column each in `shape`, `displacement_shape` and `participation`; `mac`, and the model's
+/// response at the lines, `fitted`.
 void write_modes_mat(const std::string& path, const identification::Identification& result);
 
 /// `inputs[]`, `outputs[]`, `frequency_hz[]`, `response[output][input]` with `re[]`, `im[]` and
@@ -157,7 +153,6 @@ void add_cross_checks(const std::vector<std::optional<identification::CrossCheck
 
 /// Adds `bootstrap` to each of `modes[]`, and `bootstrap_resamples`.
 void add_bootstrap(const identification::BootstrapScatter& scatter, Json& json);
-
 
 /// One line per mode. `observed`: the system that was measured, where it is known.
 std::string identified_modes_csv(const identification::Identification& result,
