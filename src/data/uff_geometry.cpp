@@ -111,6 +111,10 @@ UffUnits read_uff_units(const UffNextLine& next, Notes& notes) {
   } else if (known != known_units.end()) {
     units.length = known->length;
     units.force = known->force;
+    notes.add(
+        fmt::format("dataset 164: its factors of length and force are not two positive "
+                    "numbers; those of units code {} hold",
+                    units.code));
   } else {
     units.usable = false;
     notes.add(

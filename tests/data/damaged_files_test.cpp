@@ -131,7 +131,7 @@ void add_uff(std::vector<Damage>& all) {
        {"UFF", "a dataset number in words", replaced(plain, "   164\n", "  text\n")},
        {"UFF", "unit factors of zero",
         replaced(plain, "1.00000000000000000D+00", "0.00000000000000000D+00")},
-       {"UFF", "an unknown dataset", plain + "    -1\n  2411\n         1\n    -1\n"},
+       {"UFF", "an unknown dataset", plain + "    -1\n  2420\n         1\n    -1\n"},
        {"UFF", "text behind the last dataset", plain + "the end\n"}});
 }
 
