@@ -327,11 +327,11 @@ TEST(Uff, TheKindIsFoundBehindBlankLinesWithCarriageReturnsAndLowerCaseExponents
 
 TEST(Uff, UnknownDatasetsAreSkippedWithANote) {
   const std::string nodes =
-      "    -1\n    15\n         1         0         0        11  1.0 2.0 3.0\n    -1\n";
+      "    -1\n  2420\n         1         0         0        11  1.0 2.0 3.0\n    -1\n";
   const auto [record, notes] = read(nodes + function(std::string(general) + "m", three) + nodes);
   ASSERT_EQ(notes.size(), 1U);
   EXPECT_EQ(notes[0].message,
-            "dataset 1 has the number 15, which is not read: skipped, and 1 more like it");
+            "dataset 1 has the number 2420, which is not read: skipped, and 1 more like it");
   EXPECT_EQ(record.samples.rows(), 3);
 }
 
