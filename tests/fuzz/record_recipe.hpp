@@ -5,6 +5,7 @@
 /// An undamaged record must come back as it was. A damaged one is refused, or read; where its
 /// checksum holds, channels and samples must be those that were written.
 
+#include <fmt/format.h>
 #include <fuzzer/FuzzedDataProvider.h>
 
 #include <array>
@@ -101,6 +102,16 @@ inline bool same_channels(const data::RecordHeader& a, const data::RecordHeader&
   return a.sample_rate == b.sample_rate && a.start == b.start && a.repeat == b.repeat;
 }
 
+/// What same_channels() compares, in one line.
+inline std::string said_of(const data::RecordHeader& header) {
+  std::string text =
+      fmt::format("{} Hz from {} s, repeat {}:", header.sample_rate, header.start, header.repeat);
+  for (const auto& c : header.channels)
+    text += fmt::format(" [{}] [{}] {} {} {};", c.name, c.unit, static_cast<int>(c.direction),
+                        static_cast<int>(c.role), c.point);
+  return text;
+}
+
 /// Do the file's channels and samples differ from those of `written`?
 inline bool differs(data::RecordSet& read, const data::Record& written) {
   bool same = same_channels(read.header(), written.header);
@@ -136,9 +147,10 @@ void write_damage_and_read(const std::uint8_t* data, std::size_t size,
     if (!is_bit_for_bit(format) || !changed) return;
     const bool holds = read.checksum() == data::ChecksumFinding::holds;
     if (damaged && !holds) return;
-    std::fprintf(stderr, "%s, %s: read otherwise than it was written\n",
+    std::fprintf(stderr, "%s, %s: read otherwise than it was written\n%s\n%s\n",
                  std::string(data::format_text(format)).c_str(),
-                 damaged ? "damaged, but the checksum holds" : "undamaged");
+                 damaged ? "damaged, but the checksum holds" : "undamaged",
+                 said_of(record.header).c_str(), said_of(read.header()).c_str());
     std::abort();
   });
   if (!taken && !damaged) {

@@ -38,8 +38,11 @@ void read_responses(const Json& json) {
   const auto responses = report::responses_from_json(json, "frf.json");
   for (const auto& warning : responses.warnings) report::warning_text(warning);
   const Json written = report::responses_json(responses);
-  if (report::responses_json(report::responses_from_json(written, "again.json")) != written)
+  const Json again = report::responses_json(report::responses_from_json(written, "again.json"));
+  if (again.dump() != written.dump()) {  // what is not a number is null there
+    std::fprintf(stderr, "%s\n", Json::diff(written, again).dump().c_str());
     std::abort();
+  }
   observation::measured_responses(responses, machine(), {});
 }
 
