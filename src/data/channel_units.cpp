@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 
 #include <array>
-#include <set>
+#include <map>
 
 #include "hydrapod/base/text.hpp"
 #include "hydrapod/base/units.hpp"
@@ -71,12 +71,12 @@ std::vector<double> to_si(std::vector<Channel>& channels, Notes& notes, bool by_
 }
 
 void make_names_unique(std::vector<Channel>& channels) {
-  std::set<std::string> names;
+  std::map<std::string, int> names;  // with the number that the next one of that name gets
   for (std::size_t c = 0; c < channels.size(); ++c) {
     std::string name(base::trimmed(clean_text(channels[c].name)));
     if (name.empty()) name = fmt::format("channel {}", c + 1);
     std::string unique = name;
-    for (int n = 2; !names.insert(unique).second; ++n) unique = fmt::format("{} ({})", name, n);
+    while (!names.emplace(unique, 2).second) unique = fmt::format("{} ({})", name, names[name]++);
     channels[c].name = unique;
   }
 }

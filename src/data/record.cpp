@@ -113,6 +113,8 @@ void validate(const RecordHeader& header) {
   for (const Channel& channel : header.channels) {
     if (channel.name.empty()) refuse("a channel has no name");
     require_line("the name of a channel", channel.name);
+    if (base::trimmed(channel.name) != channel.name)  // readers take blanks off
+      refuse(fmt::format("the name of channel \"{}\" begins or ends with a blank", channel.name));
     if (!names.insert(channel.name).second)
       refuse(fmt::format("two channels are called \"{}\"", channel.name));
     require_unit(channel);

@@ -1,7 +1,10 @@
 /// Tables of other programs.
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+
+#include <ctime>
 
 #include "hydrapod/data/record_io.hpp"
 #include "support/run_program.hpp"
@@ -13,6 +16,28 @@ data::ReadRecordResult read(const std::string& text, const data::ReadOptions& op
   const TemporaryFolder folder;
   write_text(folder / "r.csv", text);
   return data::read_record(folder / "r.csv", options);
+}
+
+/// 25'000 columns of one name took a minute: each was compared with all numbers before it.
+TEST(Csv, ManyColumnsOfOneNameGetTheirNumbersAtOnce) {
+  const TemporaryFolder folder;
+  constexpr int columns = 25'000;
+  std::string titles = "time [s]", row;
+  for (int k = 0; k < columns; ++k) {
+    titles += k == 4 ? ",a (3) [m]" : ",a [m]";
+    row += ",1";
+  }
+  write_text(folder / "r.csv", titles + "\n0" + row + "\n0.5" + row + "\n");
+  const auto began = std::clock();  // of this process: others may keep it waiting
+  const data::RecordSet record({folder / "r.csv"});
+  EXPECT_LT(std::clock() - began, 8 * CLOCKS_PER_SEC);
+  const auto& channels = record.header().channels;
+  ASSERT_EQ(channels.size(), columns);
+  EXPECT_EQ(channels[0].name, "a");
+  EXPECT_EQ(channels[1].name, "a (2)");
+  EXPECT_EQ(channels[2].name, "a (3)");
+  EXPECT_EQ(channels[4].name, "a (3) (2)");
+  EXPECT_EQ(channels[columns - 1].name, fmt::format("a ({})", columns - 1));
 }
 
 TEST(Csv, SemicolonsDecimalCommasAndALineOfUnits) {

@@ -25,7 +25,7 @@ inline data::Channel channel_from(FuzzedDataProvider& bytes, std::size_t number)
       .direction = static_cast<data::Direction>(bytes.ConsumeIntegralInRange(-6, 6)),
       .role = static_cast<data::Role>(bytes.ConsumeIntegralInRange(0, 3)),
       .point = bytes.ConsumeIntegralInRange(0, 1000)};
-  channel.name += std::to_string(number);  // unique
+  channel.name = base::trimmed(channel.name + std::to_string(number));  // unique
   return channel;
 }
 
