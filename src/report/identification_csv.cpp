@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "hydrapod/base/file.hpp"
+#include "hydrapod/base/text.hpp"
 #include "hydrapod/base/units.hpp"
 #include "hydrapod/numerics/statistics.hpp"
 #include "hydrapod/spatial/pose.hpp"
@@ -63,8 +64,9 @@ class ModeRow {
     const auto value = cell != nullptr ? base::table_number(cell->text, table_.style.decimal_comma)
                                        : std::optional<double>();
     if (!value)
-      throw base::InputError({table_.fault(cell != nullptr ? cell->column : 1, title,
-                                           "expected a number, as `hydrapod identify` writes it")});
+      throw base::InputError(
+          {table_.fault(cell != nullptr ? cell->column : 1, base::printable(title),
+                        "expected a number, as `hydrapod identify` writes it")});
     return *value;
   }
   /// One of two words and more; none for an empty cell.

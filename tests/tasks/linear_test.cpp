@@ -200,5 +200,18 @@ TEST(Readers, BelieveNoSizeOfResponsesThatAreNotThere) {
   }
 }
 
+TEST(Readers, NameAColumnThatIsNotUtf8) {
+  const TemporaryFolder folder;
+  write_text(folder / "m.csv",
+             "frequency_hz,frequency_95_hz,damping_ratio,damping_95,significance,re y\x96\n"
+             "4.1,0.02,0.03,0.002,40,1\n");
+  try {
+    report::identified_modes_from_csv(folder / "m.csv");
+    FAIL();
+  } catch (const base::InputError& error) {
+    EXPECT_EQ(error.diagnostics().at(0).key, "im y?");
+  }
+}
+
 }  // namespace
 }  // namespace hydrapod::test
