@@ -7,7 +7,6 @@
 #include <filesystem>
 #include <set>
 
-#include "apart.hpp"
 #include "channel_units.hpp"
 #include "formats.hpp"
 #include "hdf5_text.hpp"
@@ -476,27 +475,11 @@ class Hdf5Variables final : public VariableFile {
   std::uint64_t caches_left_{most_cache_bytes};
 };
 
-// A sanitizer or fuzzer must see into the reader; Debian's HDF5 is then trusted not to crash.
-#if defined(__SANITIZE_ADDRESS__)
-constexpr bool apart = false;
-#elif defined(__has_feature)
-constexpr bool apart = !__has_feature(address_sanitizer);
-#else
-constexpr bool apart = true;
-#endif
-
 }  // namespace
-
-bool hdf5_is_read_apart() { return apart; }
 
 std::unique_ptr<VariableFile> open_hdf5_here(const std::string& path, Notes& notes) {
   const Hdf5Silence silence;
   return std::make_unique<Hdf5Variables>(path, notes);
-}
-
-std::unique_ptr<VariableFile> open_hdf5_variables(const std::string& path, Notes& notes) {
-  return apart ? open_apart(path, notes, open_hdf5_here, "the HDF5 library")
-               : open_hdf5_here(path, notes);
 }
 
 }  // namespace hydrapod::data

@@ -73,7 +73,8 @@ Read read(const std::filesystem::path& path) {
   return result;
 }
 
-/// Such a byte crashed libhdf5 1.10.8 in H5Aexists.
+/// Such a byte was reported to crash libhdf5 1.10.8 in H5Aexists; whether it does depends on what
+/// stands around it in memory.
 TEST(HostileHdf5, TheByteBeforeAnAttributeNameMayHaveAnyValue) {
   if (!data::hdf5_is_read_apart()) GTEST_SKIP() << "the library is called in this process here";
   DamagedHdf5 file(RecordFormat::hdf5);
