@@ -10,6 +10,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <complex>
 #include <csignal>
 #include <cstdlib>
 #include <filesystem>
@@ -236,11 +237,21 @@ using data::VariableFile;
 /// One list of 10⁶ numbers, which does something else from some place on.
 class Numbers : public VariableFile {
  public:
-  Numbers() { variables_.push_back({.name = "x", .fast = 1'000'000}); }
+  Numbers() {
+    variables_.push_back({.name = "x", .fast = 1'000'000, .sizes = {1000, 250, 4}, .unit = "mm"});
+    variables_.push_back({.name = "odd", .sizes = {1ULL << 40U, 1ULL << 40U}});
+  }
   bool read(std::size_t, std::uint64_t, std::uint64_t, std::uint64_t first, std::uint64_t count,
             double* out) override {
     if (first >= 900'000) misbehave();
     std::iota(out, out + count, static_cast<double>(first));
+    return true;
+  }
+  bool read_all(std::size_t, std::vector<std::complex<double>>& out) override {
+    misbehave();
+    out.resize(1'000'000);
+    for (std::size_t k = 0; k < out.size(); ++k)
+      out[k] = {static_cast<double>(k), -0.5 * static_cast<double>(k)};
     return true;
   }
   virtual void misbehave() {}
@@ -294,6 +305,22 @@ TEST(ReadApart, WhatEndsTheProcessIsAnErrorAboutTheFile) {
               "the file is damaged");
   for (const auto open : {misbehave_at_once<wait_for_ever>, misbehave_later<wait_for_ever>})
     EXPECT_EQ(said(open, {.patience = 0.1}), "FILE: error: cannot be read: no answer within 0.1 s");
+}
+
+/// In pieces of the window that the processes share.
+TEST(ReadApart, WholeArraysOfComplexNumbersComeOver) {
+  Notes notes("FILE");
+  const auto file = data::open_apart("FILE", notes, misbehave_later<nothing>, "the library");
+  EXPECT_EQ(file->variables()[0].sizes, (std::vector<std::uint64_t>{1000, 250, 4}));
+  EXPECT_EQ(file->variables()[0].unit, "mm");
+  std::vector<std::complex<double>> all;
+  ASSERT_TRUE(file->read_all(0, all));
+  ASSERT_EQ(all.size(), 1'000'000U);
+  for (const std::size_t k : {0U, 65'535U, 65'536U, 777'777U, 999'999U})
+    EXPECT_EQ(all[k], std::complex<double>(static_cast<double>(k), -0.5 * static_cast<double>(k)));
+  EXPECT_FALSE(file->read_all(1, all)) << "more than fits into memory";
+  const auto other = data::open_apart("FILE", notes, misbehave_later<crash>, "the library");
+  EXPECT_THROW(other->read_all(0, all), base::InputError);
 }
 
 std::unique_ptr<VariableFile> take_memory(const std::string&, Notes&) {

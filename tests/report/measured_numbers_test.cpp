@@ -72,7 +72,7 @@ Json lines(const Numbers& numbers) {
   return Json::array({numbers(0), numbers(1)});
 }
 
-Json matrices(const std::vector<Eigen::MatrixXcd>& all) {
+Json matrices(const data::PerLine<Eigen::MatrixXcd>& all) {
   Json rows = Json::array();
   for (Eigen::Index i = 0; i < all[0].rows(); ++i) {
     Json row = Json::array();
