@@ -27,7 +27,8 @@ std::optional<double> bytes_read() {
 class ReadingRecords : public testing::Test {
  protected:
   void write(const data::Record& record) {
-    data::write_record(file_, record, data::RecordFormat::hdf5);
+    // a process of their own reads HDF5 files
+    data::write_record(file_, record, data::RecordFormat::mat5);
     records_.emplace(std::vector<std::string>{file_});
   }
   /// How often `work` reads the record.
@@ -40,7 +41,7 @@ class ReadingRecords : public testing::Test {
 
  private:
   test::TemporaryFolder folder_;
-  std::string file_ = folder_ / "run.h5";
+  std::string file_ = folder_ / "run.mat";
   std::optional<data::RecordSet> records_;
 };
 
