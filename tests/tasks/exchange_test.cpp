@@ -111,7 +111,7 @@ void Exchange::every_reader_takes_what_it_can_use() {
        "identified.json"},
       {"identified.csv", "holds a table of frequencies", "read", "identified.csv"},
       {"identified.uff", "holds modes (dataset 55)", "holds modes (dataset 55)", "identified.uff"},
-      {"identified.mat", "identified.mat", "identified.mat", "identified.mat"},
+      {"identified.mat", "read", "read", "identified.mat"},
       {"modes.json", "is \"modes\"; accepted here are \"frf\"", "read", "modes.json"},
       {"bode.json", "is \"bode\"; accepted here are \"frf\"",
        "is \"bode\"; accepted here are \"identified_modes\", \"modes\", \"frf\"", "bode.json"},
