@@ -130,5 +130,21 @@ TEST(PartFile, FollowsNoLinkThatStandsWhereItsPartWouldBe) {
   EXPECT_EQ(test::read_text(folder / "precious"), "mine");
 }
 
+TEST(File, ThatIsTooLargeIsRefusedAndNotCutOff) {
+  const TemporaryFolder folder;
+  const std::string path = folder / "large.txt";
+  constexpr std::size_t largest = std::size_t{3} << 20U;
+  test::write_text(path, std::string(largest, 'a'));
+  EXPECT_EQ(read_file(path, largest, "a list").size(), largest);
+  test::write_text(path, std::string(largest + 1, 'a'));
+  try {
+    read_file(path, largest, "a list");
+    FAIL();
+  } catch (const InputError& error) {
+    EXPECT_EQ(std::string(error.what()),
+              path + ": error: is larger than 3 MiB, expected a list of some kilobytes");
+  }
+}
+
 }  // namespace
 }  // namespace hydrapod::base

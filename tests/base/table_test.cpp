@@ -37,6 +37,8 @@ TEST(Table, NumbersMayHaveADecimalComma) {
   EXPECT_EQ(table_number("2.5", true), 2.5);
   EXPECT_EQ(table_number("+2.5", false), 2.5);
   EXPECT_EQ(table_number("1e999", false), INFINITY);
+  EXPECT_EQ(table_number("-1e999", false), -INFINITY);
+  for (const char* tiny : {"1e-999", "-3.7E-412"}) EXPECT_EQ(table_number(tiny, false), 0.0);
   for (const char* missing : {"", "NaN", "N/A", "na"}) {
     EXPECT_TRUE(std::isnan(table_number(missing, false).value())) << missing;
     EXPECT_TRUE(std::isnan(table_number(missing, true).value())) << missing;

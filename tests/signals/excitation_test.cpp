@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/SVD>
+#include <array>
 #include <cmath>
 #include <complex>
 #include <numbers>
@@ -133,6 +134,18 @@ TEST(MultisineSignal, HasItsLevelsAndNothingBesideItsLines) {
     for (long k = 0; k < 1000; ++k)
       EXPECT_NEAR(std::abs(lines[k]), k >= 4 && k <= 120 ? size : 0.0, 1e-12 * size * 100.0) << k;
   }
+}
+
+/// Decibels of the amplitude, per octave.
+TEST(MultisineSignal, FallsByItsSlope) {
+  const auto period =
+      samples_of({at_once(Multisine{.from = 1.0, .to = 30.0, .period = 4.0, .slope = -4.5})}, 2000);
+  expect_levels(period, ugly_levels(), 1e-12);
+  const auto lines = lines_of(period.col(3), {6, 12, 24, 96});
+  for (const auto [low, high, octaves] :
+       {std::array{0, 1, 1}, std::array{1, 2, 1}, std::array{0, 3, 4}})
+    EXPECT_NEAR(20.0 * std::log10(std::abs(lines[high]) / std::abs(lines[low])), -4.5 * octaves,
+                1e-9);
 }
 
 /// A transform of a prime length takes too long, so the lines are summed: to the same signal.
@@ -269,6 +282,16 @@ TEST(ExcitationOfSeveral, IsTheirSumAndTheSameAgain) {
   for (int k = 0; k < 3000; ++k) ASSERT_EQ(all.next().value, first[static_cast<std::size_t>(k)]);
   EXPECT_FALSE(period_samples({white, sines}, rate));
   EXPECT_EQ(period_samples({sines, at_once(Multisine{1.0, 20.0, 3.0})}, rate), 3000);
+}
+
+/// After the last direction the first one has its turn again.
+TEST(ExcitationInTurns, RepeatsAfterAllDirections) {
+  Signal sweep = at_once(Sweep{.from = 3.0, .to = 17.0, .duration = 1.3, .turns = 2});
+  EXPECT_EQ(period_samples({sweep}, rate), 2 * 6 * 650);
+  sweep.size[1] = sweep.size[4] = 0.0;
+  EXPECT_EQ(period_samples({sweep}, rate), 2 * 4 * 650);
+  sweep.form = Chirp{.from = 3.0, .to = 17.0, .period = 0.9, .turns = 3};
+  EXPECT_EQ(period_samples({sweep}, rate), 3 * 4 * 450);
 }
 
 TEST(Excitation, SaysWhatIsWrong) {
