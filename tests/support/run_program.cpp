@@ -63,6 +63,8 @@ RunResult run_program(const std::string& program, const std::vector<std::string>
                       const RunOptions& options) {
   const TemporaryFolder streams;
   write_text(streams / "in", options.input);
+  for (const char* stream : {"out", "err"})  // one that is killed at once has made none
+    write_text(streams / stream, "");
   std::vector<std::string> words{program};
   words.insert(words.end(), arguments.begin(), arguments.end());
   std::vector<char*> argv;
