@@ -3,9 +3,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <limits>
 #include <nlohmann/json.hpp>
 #include <sstream>
 #include <stdexcept>
+#include <type_traits>
+#include <utility>
 
 #include "formats.hpp"
 #include "hydrapod/base/text.hpp"
@@ -21,6 +24,16 @@ template <class Value>
 void take(Json& json, const char* member, Value& to) {
   const auto at = json.find(member);
   if (at == json.end()) return;
+  if constexpr (std::is_integral_v<Value>) {
+    const bool fits =
+        at->is_number_unsigned()
+            ? std::in_range<Value>(at->template get<std::uint64_t>())
+            : at->is_number_integer() && std::in_range<Value>(at->template get<std::int64_t>());
+    if (!fits)
+      throw std::invalid_argument(fmt::format("{}: must be a whole number from {} to {}", member,
+                                              std::numeric_limits<Value>::min(),
+                                              std::numeric_limits<Value>::max()));
+  }
   try {
     at->get_to(to);
   } catch (const Json::exception& error) {
