@@ -117,8 +117,10 @@ Hdf5Handle write_set(hid_t group, const char* name, hid_t file_type, hid_t memor
   Hdf5Handle set(
       H5Dcreate2(group, name, file_type, space.id(), H5P_DEFAULT, list.id(), H5P_DEFAULT),
       H5Dclose);
-  const bool good =
-      set.ok() && H5Dwrite(set.id(), memory_type, H5S_ALL, H5S_ALL, H5P_DEFAULT, values) >= 0;
+  // what is small goes to a buffer, which is written where the handle is closed and nobody asks
+  const bool good = set.ok() &&
+                    H5Dwrite(set.id(), memory_type, H5S_ALL, H5S_ALL, H5P_DEFAULT, values) >= 0 &&
+                    H5Dflush(set.id()) >= 0;
   return good ? std::move(set) : Hdf5Handle();
 }
 
@@ -261,6 +263,13 @@ std::uint64_t believable_numbers(hid_t dataset) {
   const Hdf5Handle space(H5Dget_space(dataset), H5Sclose);
   if (H5Dget_num_chunks(dataset, space.id(), &chunks) < 0) return 0;
   return chunks * (chunk_bytes(dataset) / bytes);
+}
+
+std::uint64_t most_packed(hid_t dataset, std::uint64_t file_bytes) {
+  const Hdf5Handle list(H5Dget_create_plist(dataset), H5Pclose);
+  const Hdf5Handle type(H5Dget_type(dataset), H5Tclose);
+  const bool packed = H5Pget_nfilters(list.id()) > 0;
+  return (packed ? 1100 : 1) * file_bytes / std::max<std::size_t>(H5Tget_size(type.id()), 1);
 }
 
 bool has_object(hid_t group, const char* name) {

@@ -119,6 +119,9 @@ inline constexpr std::uint64_t most_chunk_bytes = 256U << 20U;
 std::uint64_t believable_rows(hid_t dataset, std::uint64_t rows, std::uint64_t columns);
 /// Of a dataset of any rank, as many numbers as there can be in the file.
 std::uint64_t believable_numbers(hid_t dataset);
+/// Of the dataset's numbers, how many a file of so many bytes holds at most: 1100 times as many
+/// where they are packed, as deflate cannot do better than 1032 to 1.
+std::uint64_t most_packed(hid_t dataset, std::uint64_t file_bytes);
 bool has_object(hid_t group, const char* name);
 
 }  // namespace hydrapod::data

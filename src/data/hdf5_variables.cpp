@@ -299,6 +299,9 @@ class Hdf5Variables final : public VariableFile {
                                 base::printable(name), rows, held));
       rows = std::min<hsize_t>(rows, held);
     }
+    if (rows > most_packed(set.id(), file_bytes_))
+      return left_out(name, fmt::format("declares {} rows, which {} bytes of a file cannot hold",
+                                        rows, file_bytes_));
     for (int k = 0; k < H5Tget_nmembers(type.id()); ++k)
       take_member(set, type.id(), static_cast<unsigned>(k), rank, rows, name);
   }
@@ -392,7 +395,7 @@ class Hdf5Variables final : public VariableFile {
     constexpr hsize_t most = hsize_t{1} << 48U;
     if (v.slow > most || v.fast > most || (v.fast > 0 && v.slow > most / v.fast))
       return left_out(name, "has dimensions beyond any file");
-    limit(set.id(), rank, v);
+    if (!limit(set.id(), rank, v)) return;
     v.sizes = {v.fast, v.slow};
     v.unit = unit_of(set.id());
     if (const auto kind = read_text_attribute(set.id(), "kind"); kind && name.ends_with("/axis1"))
@@ -405,15 +408,21 @@ class Hdf5Variables final : public VariableFile {
       notes_->add(fmt::format("'{}' cannot be read", base::printable(name)));
   }
 
-  /// No more than there is in the file.
-  void limit(hid_t set, int rank, Variable& v) {
-    if (rank == 0 || v.fast * v.slow <= 1) return;
-    const std::uint64_t declared = rank == 2 ? v.slow : v.fast;
-    const std::uint64_t held = believable_rows(set, declared, rank == 2 ? v.fast : 1);
-    if (held >= declared) return;
-    notes_->add(fmt::format("'{}' declares {} lines, but the file holds {} at most",
-                            base::printable(v.name), declared, held));
-    (rank == 2 ? v.slow : v.fast) = held;
+  /// No more than there is in the file; false where nobody could tell what is.
+  bool limit(hid_t set, int rank, Variable& v) {
+    if (rank == 0 || v.fast * v.slow <= 1) return true;
+    std::uint64_t& lines = rank == 2 ? v.slow : v.fast;
+    const std::uint64_t declared = lines;
+    lines = std::min(lines, believable_rows(set, lines, rank == 2 ? v.fast : 1));
+    if (v.fast * v.slow > most_packed(set, file_bytes_)) {
+      left_out(v.name, fmt::format("declares {} numbers, which {} bytes of a file cannot hold",
+                                   v.fast * v.slow, file_bytes_));
+      return false;
+    }
+    if (lines < declared)
+      notes_->add(fmt::format("'{}' declares {} lines, but the file holds {} at most",
+                              base::printable(v.name), declared, lines));
+    return true;
   }
 
   /// Characters as 16-bit numbers.
@@ -424,7 +433,7 @@ class Hdf5Variables final : public VariableFile {
     const bool empty = read_number_attribute(set, "MATLAB_empty").value_or(0.0) != 0.0;
     if (empty || count < 1 || H5Tget_class(type.id()) != H5T_INTEGER) return "";
     const auto n = static_cast<std::uint64_t>(count);
-    if (n > longest_text || n * H5Tget_size(type.id()) > 1100 * file_bytes_) return "";
+    if (n > longest_text || n > most_packed(set, file_bytes_)) return "";
     std::vector<std::uint32_t> units(n);
     if (H5Dread(set, H5T_NATIVE_UINT32, H5S_ALL, H5S_ALL, H5P_DEFAULT, units.data()) < 0) return "";
     return utf8_from(units);

@@ -209,7 +209,9 @@ class Hdf5Writer final : public RecordWriter {
     const std::u16string units = utf16_from(text);
     const Hdf5Handle set(H5Dopen2(file_.id(), checksum_name, H5P_DEFAULT), H5Dclose);
     return set.ok() &&
-           H5Dwrite(set.id(), H5T_NATIVE_UINT16, H5S_ALL, H5S_ALL, H5P_DEFAULT, units.data()) >= 0;
+           H5Dwrite(set.id(), H5T_NATIVE_UINT16, H5S_ALL, H5S_ALL, H5P_DEFAULT, units.data()) >=
+               0 &&
+           H5Dflush(set.id()) >= 0;
   }
 
   /// The file stays as the last good flush left it: HDF5, asked to close what it could not write,

@@ -159,6 +159,34 @@ TEST(HostileHdf5, LinksThatGoInACircleEnd) {
   EXPECT_THAT(read(folder / "f.h5").channels, ElementsAre("good"));
 }
 
+/// 64 chunks of ten bytes that say they hold four million numbers each take minutes to be read.
+TEST(HostileHdf5, NumbersBeyondTheFileAreNotRead) {
+  const TemporaryFolder folder;
+  {
+    const NewFile file(folder / "f.h5");
+    file.list("good", 100);
+    const hsize_t size[2] = {5, hsize_t{1} << 28U}, chunk[2] = {1, hsize_t{1} << 22U};
+    const hid_t list = H5Pcreate(H5P_DATASET_CREATE), space = H5Screate_simple(2, size, nullptr);
+    H5Pset_chunk(list, 2, chunk);
+    H5Pset_scaleoffset(list, H5Z_SO_FLOAT_DSCALE, 3);
+    const hid_t set =
+        H5Dcreate2(file.id(), "bomb", H5T_IEEE_F32LE, space, H5P_DEFAULT, list, H5P_DEFAULT);
+    for (hsize_t k = 0; k < 64; ++k) {
+      const hsize_t place[2] = {0, k * chunk[1]};
+      ASSERT_GE(H5Dwrite_chunk(set, H5P_DEFAULT, 0, place, 10, "0123456789"), 0);
+    }
+    H5Dclose(set);
+    H5Sclose(space);
+    H5Pclose(list);
+  }
+  const auto [channels, said] = read(folder / "f.h5");
+  EXPECT_THAT(channels, ElementsAre("good"));
+  EXPECT_THAT(
+      said, testing::Contains(HasSubstr("'bomb' declares 268435456 numbers, which " +
+                                        fmt::format("{} bytes of a file cannot hold",
+                                                    std::filesystem::file_size(folder / "f.h5")))));
+}
+
 double processor_seconds(int who) {
   rusage used{};
   ::getrusage(who, &used);
