@@ -279,7 +279,8 @@ void ProgressLine::update(double fraction) {
 }
 
 InterruptNote::InterruptNote() {
-  interrupted = seen = 0;
+  interrupted = 0;
+  seen = 0;
   before_alarm_ = std::signal(SIGALRM, answer_interrupt);
   before_interrupt_ = std::signal(SIGINT, note_interrupt);
   before_terminate_ = std::signal(SIGTERM, note_interrupt);

@@ -2,6 +2,7 @@
 
 #include <fcntl.h>
 #include <signal.h>
+#include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -41,20 +42,27 @@ namespace {
   ::_exit(127);
 }
 
+double seconds(const timeval& t) {
+  return static_cast<double>(t.tv_sec) + 1e-6 * static_cast<double>(t.tv_usec);
+}
+
 /// Waits for `child` until the timeout, then kills it; its wait status.
-int wait_for(pid_t child, double timeout, bool& timed_out) {
+int wait_for(pid_t child, double timeout, RunResult& result) {
   using Clock = std::chrono::steady_clock;
   const auto deadline = Clock::now() + std::chrono::duration<double>(timeout);
   int status = 0;
-  while (::waitpid(child, &status, WNOHANG) == 0) {
+  rusage usage{};
+  while (::wait4(child, &status, WNOHANG, &usage) == 0) {
     if (Clock::now() > deadline) {
-      timed_out = true;
+      result.timed_out = true;
       ::kill(child, SIGKILL);
-      ::waitpid(child, &status, 0);
+      ::wait4(child, &status, 0, &usage);
       break;
     }
     std::this_thread::sleep_for(std::chrono::milliseconds(1));
   }
+  result.processor_seconds = seconds(usage.ru_utime) + seconds(usage.ru_stime);
+  result.peak_mib = static_cast<double>(usage.ru_maxrss) / 1024.0;
   return status;
 }
 }  // namespace
@@ -76,7 +84,7 @@ RunResult run_program(const std::string& program, const std::vector<std::string>
   if (child == 0) become(program, argv, options, streams.path());
 
   RunResult result;
-  const int status = wait_for(child, options.timeout, result.timed_out);
+  const int status = wait_for(child, options.timeout, result);
   result.exit_code = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
   result.out = read_text(streams / "out");
   result.err = read_text(streams / "err");

@@ -20,6 +20,8 @@ struct RunResult {
   std::string out{};  ///< stdout
   std::string err{};  ///< stderr
   bool timed_out{};
+  double processor_seconds{};  ///< of it and of the processes that it waited for
+  double peak_mib{};           ///< the most memory of any of them
 };
 
 /// Runs `program` (looked up in PATH if it has no slash) with `arguments`. Throws std::system_error
