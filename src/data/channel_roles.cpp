@@ -70,17 +70,24 @@ std::optional<Role> unit_role(const std::string& unit) {
   return {};
 }
 
-/// "a1", "v 3", "d12x", "y2": letters for motions with a number, as sensors are counted.
-bool counts_a_sensor(const std::string& name) {
-  constexpr std::string_view letters = "avdy", axes = "xyz";
-  if (name.empty() || letters.find(name[0]) == letters.npos) return false;
-  std::string_view rest = std::string_view(name).substr(1);
+/// "a1", "v 3", "d12x", "y2": letters for motions with a number, as sensors are counted. "f", "u",
+/// "f1" and "data.u": letters for forces and inputs, where a number need not be.
+std::optional<Role> letter_role(std::string_view name) {
+  constexpr std::string_view motions = "avdy", inputs = "fu", axes = "xyz";
+  name.remove_prefix(name.find_last_of("./") + 1);
+  if (name.empty()) return {};
+  const bool input = inputs.find(name[0]) != inputs.npos;
+  if (!input && motions.find(name[0]) == motions.npos) return {};
+  const Role role = input ? Role::excitation : Role::response;
+  std::string_view rest = name.substr(1);
+  if (input && rest.empty()) return role;
   rest.remove_prefix(std::min(rest.find_first_not_of(" _-:"), rest.size()));
   const std::size_t digits = std::min(rest.find_first_not_of("0123456789"), rest.size());
-  if (digits == 0) return false;
+  if (digits == 0) return {};
   rest.remove_prefix(digits);
   rest.remove_prefix(std::min(rest.find_first_not_of(" _-+:"), rest.size()));
-  return rest.empty() || (rest.size() == 1 && axes.find(rest[0]) != axes.npos);
+  if (rest.empty() || (rest.size() == 1 && axes.find(rest[0]) != axes.npos)) return role;
+  return {};
 }
 
 std::optional<Role> told_role(const Channel& channel) {
@@ -92,7 +99,7 @@ std::optional<Role> told_role(const Channel& channel) {
   const bool measured =
       by_unit == Role::response && word != role_words.end() && word->role == Role::drive;
   if (word != role_words.end() && !measured) return word->role;
-  return !by_unit && counts_a_sensor(name) ? Role::response : by_unit;
+  return by_unit ? by_unit : letter_role(name);
 }
 
 /// "force, a1, a2 and 9 more".

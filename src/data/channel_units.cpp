@@ -16,19 +16,24 @@ struct Alias {
   std::string_view written;
   std::string_view meant;
 };
-constexpr std::array aliases{Alias{"-", "1"},
-                             Alias{"Nm", "N m"},
-                             Alias{"kNm", "kN m"},
-                             Alias{"sec", "s"},
-                             Alias{"msec", "ms"},
-                             Alias{"grad", "deg"},
-                             Alias{"Grad", "deg"},
-                             Alias{"°", "deg"},
-                             Alias{"deg/sec", "deg/s"},
-                             Alias{"m/sec", "m/s"},
-                             Alias{"l/min", "litre/minute"},
-                             Alias{"m/sec^2", "m/s^2"},
-                             Alias{"mm/sec", "mm/s"}};
+constexpr std::array aliases{
+    Alias{"-", "1"}, Alias{"Nm", "N m"}, Alias{"kNm", "kN m"}, Alias{"sec", "s"},
+    Alias{"msec", "ms"}, Alias{"grad", "deg"}, Alias{"Grad", "deg"}, Alias{"°", "deg"},
+    Alias{"deg/sec", "deg/s"}, Alias{"m/sec", "m/s"}, Alias{"l/min", "litre/minute"},
+    Alias{"m/sec^2", "m/s^2"}, Alias{"mm/sec", "mm/s"}, Alias{"kp", "kgf"},
+    // nobody measures in powers of milliseconds
+    Alias{"ms-1", "m/s"}, Alias{"ms^-1", "m/s"}, Alias{"ms⁻¹", "m/s"}, Alias{"ms-2", "m/s^2"},
+    Alias{"ms^-2", "m/s^2"}, Alias{"ms⁻²", "m/s^2"}, Alias{"mms-1", "mm/s"},
+    Alias{"mms-2", "mm/s^2"}};
+
+/// Of the acceleration of gravity, not grammes: what is recorded in mg is an acceleration.
+struct Gravities {
+  std::string_view written;
+  double count;
+};
+constexpr std::array gravities{Gravities{"g", 1.0},   Gravities{"gn", 1.0},  Gravities{"g_n", 1.0},
+                               Gravities{"G", 1.0},   Gravities{"mg", 1e-3}, Gravities{"mG", 1e-3},
+                               Gravities{"µg", 1e-6}, Gravities{"μg", 1e-6}, Gravities{"ug", 1e-6}};
 constexpr double standard_gravity = 9.80665;  // [m/s²]
 
 }  // namespace
@@ -36,7 +41,9 @@ constexpr double standard_gravity = 9.80665;  // [m/s²]
 ChannelUnit channel_unit(std::string_view written) {
   std::string unit(base::trimmed(clean_text(written)));
   if (unit.empty()) return {};
-  if (unit == "g" || unit == "gn" || unit == "g_n") return {standard_gravity, "m/s^2"};
+  for (const auto& [name, count] : gravities)
+    if (unit == name) return {count * standard_gravity, "m/s^2"};
+  for (std::size_t at; (at = unit.find("**")) != std::string::npos;) unit.replace(at, 2, "^");
   for (const Alias& alias : aliases)
     if (unit == alias.written) unit = alias.meant;
   if (const auto si = base::si_unit(unit)) return {si->factor, si->unit};

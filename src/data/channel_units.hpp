@@ -16,7 +16,8 @@ struct ChannelUnit {
   bool known{true};    ///< false: neither SI nor convertible, kept as it is
 };
 
-/// "g" is the acceleration of gravity here, "Nm" a newton metre, "sec" a second; "-" is "1".
+/// "g" is the acceleration of gravity here and "mg" a thousandth of it, "Nm" a newton metre, "ms-2"
+/// m/s², "m/s**2" too, "sec" a second; "-" is "1".
 ChannelUnit channel_unit(std::string_view written);
 
 /// Gives `channel` its unit and returns the factor of its samples. A conversion is noted, and a

@@ -234,6 +234,7 @@ class CsvReader final : public RecordReader {
       const auto factor = title.unit.empty() ? std::optional(1.0) : seconds(title.unit);
       if (!factor || (!is_time_name(title.name) && (c > 0 || title.unit.empty()))) continue;
       times_.emplace(c, *factor);
+      assumed_seconds_ = title.unit.empty();
       return;
     }
   }
@@ -322,13 +323,20 @@ class CsvReader final : public RecordReader {
     header_.sample_rate = grid.rate;
     header_.start = grid.start;
     header_.date = times_->date();
+    constexpr double slow = 2.0;  // [Hz]; nobody records vibrations so slowly
+    if (assumed_seconds_ && !times_->stamps() && grid.rate < slow)
+      notes_.add(
+          fmt::format("the times have no unit and are taken for seconds, which makes {:.4g} "
+                      "Hz; a title such as \"time [ms]\" states another",
+                      grid.rate));
     grid_.emplace(grid, static_cast<Eigen::Index>(header_.channels.size()));
   }
 
   base::TableReader table_;
   bool by_hydrapod_{};
-  bool end_noted_{};       ///< that there is no checksum
-  std::size_t columns_{};  ///< the column of times, if any, included
+  bool assumed_seconds_{};  ///< the times have no unit
+  bool end_noted_{};        ///< that there is no checksum
+  std::size_t columns_{};   ///< the column of times, if any, included
   std::optional<TimeCells> times_{};
   std::optional<base::TableReader::Place> first_row_{};
   std::vector<double> row_{};

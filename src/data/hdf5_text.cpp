@@ -146,17 +146,30 @@ bool write_list(hid_t group, const char* name, const std::vector<int>& values) {
       .ok();
 }
 
-std::optional<std::string> read_text_attribute(hid_t object, const char* name) {
+std::vector<std::string> read_texts_attribute(hid_t object, const char* name) {
   const Hdf5Handle attribute = open_attribute(object, name);
   if (!attribute.ok()) return {};
   const Hdf5Handle type(H5Aget_type(attribute.id()), H5Tclose);
   const Hdf5Handle space(H5Aget_space(attribute.id()), H5Sclose);
-  if (H5Sget_simple_extent_npoints(space.id()) != 1) return {};
-  auto texts = read_strings(type, space, most_attribute_bytes, [&](hid_t memory, void* buffer) {
-    return H5Aread(attribute.id(), memory, buffer);
-  });
-  if (!texts) return {};
-  return texts->front();
+  if (H5Sget_simple_extent_npoints(space.id()) < 1) return {};
+  return read_strings(
+             type, space, most_attribute_bytes,
+             [&](hid_t memory, void* buffer) { return H5Aread(attribute.id(), memory, buffer); })
+      .value_or(std::vector<std::string>{});
+}
+
+std::optional<std::string> read_text_attribute(hid_t object, const char* name) {
+  const auto texts = read_texts_attribute(object, name);
+  if (texts.size() != 1) return {};
+  return texts.front();
+}
+
+std::string scale_attribute(hid_t dataset) {
+  const Hdf5Handle type(H5Dget_type(dataset), H5Tclose);
+  if (H5Tget_class(type.id()) != H5T_INTEGER) return "";
+  for (const char* name : {"scale_factor", "scale", "gain", "slope", "add_offset"})
+    if (open_attribute(dataset, name).ok()) return name;
+  return "";
 }
 
 std::optional<double> read_number_attribute(hid_t object, const char* name) {
@@ -224,6 +237,7 @@ std::uint64_t working_set(hid_t dataset) {
       H5Sget_simple_extent_dims(space.id(), size.data(), nullptr) < 0 || chunk[0] == 0 ||
       chunk[1] == 0)
     return chunk_bytes(dataset);
+  if (size[0] == 0 || size[1] == 0) return 0;
   const bool lists = H5Sget_simple_extent_ndims(space.id()) < 2;
   const bool channels_are_rows = size[0] < size[1];
   const hsize_t beside = lists               ? 1

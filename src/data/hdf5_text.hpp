@@ -102,7 +102,11 @@ Hdf5Handle write_set(hid_t group, const char* name, hid_t file_type, hid_t memor
 /// None where there is none, or where it is of another type or size than it can be: a declared size
 /// beyond `most_bytes` is not believed.
 std::optional<std::string> read_text_attribute(hid_t object, const char* name);
+std::vector<std::string> read_texts_attribute(hid_t object, const char* name);
 std::optional<double> read_number_attribute(hid_t object, const char* name);
+/// The attribute of a dataset of integers that says what they count, such as scale_factor; empty if
+/// there is none.
+std::string scale_attribute(hid_t dataset);
 std::optional<std::vector<std::string>> read_texts(hid_t dataset, std::size_t most_bytes);
 /// Why a dataset is not read, for a message ("keeps its numbers in another file"): its numbers are
 /// not in this file, or it has a filter that HDF5 itself does not have. Empty: it is read.

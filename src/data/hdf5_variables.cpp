@@ -398,6 +398,12 @@ class Hdf5Variables final : public VariableFile {
     if (!limit(set.id(), rank, v)) return;
     v.sizes = {v.fast, v.slow};
     v.unit = unit_of(set.id());
+    v.texts = read_texts_attribute(set.id(), "units");
+    if (const std::string scale = scale_attribute(set.id()); !scale.empty())
+      notes_->add(
+          fmt::format("'{}' has the attribute {}, which is not used: its numbers are read "
+                      "as they stand",
+                      base::printable(name), scale));
     if (const auto kind = read_text_attribute(set.id(), "kind"); kind && name.ends_with("/axis1"))
       name_index(*kind, v);
     const Hdf5Handle type(H5Dget_type(set.id()), H5Tclose);

@@ -227,8 +227,7 @@ class RpcReader final : public RecordReader {
     number_ = RpcNumber::floating_point;
     size_ = float_bytes;
     format_ = RecordFormat::rpc;
-    notes_.add(
-        "DATA_TYPE is missing; the file is as long as floats of 32 bits are: read as these");
+    notes_.add("DATA_TYPE is missing; the file is as long as floats of 32 bits are: read as these");
   }
 
   /// Of `declared` points per channel, those that are there for all channels. A last group that

@@ -269,10 +269,15 @@ class VariablesReader final : public RecordReader {
       notes_.add(fmt::format("variable '{}' is complex; its imaginary part is left out",
                              base::printable(v.name)));
     sources_.push_back({index, slow, header_.channels.size(), static_cast<std::size_t>(channels)});
+    const bool units = v.texts.size() == channels;
+    if (!units && v.texts.size() > 1)
+      notes_.add(fmt::format("variable '{}' has {} units for {} channel{}: not used",
+                             base::printable(v.name), v.texts.size(), channels,
+                             channels == 1 ? "" : "s"));
     for (std::uint64_t c = 0; c < channels; ++c)
       header_.channels.push_back(
           {.name = channels == 1 ? v.name : fmt::format("{} {}", v.name, c + 1),
-           .unit = v.unit,
+           .unit = units ? v.texts[c] : v.unit,
            .role = Role::response});
   }
 
@@ -283,7 +288,15 @@ class VariablesReader final : public RecordReader {
         *std::max_element(sources_.begin(), sources_.end(),
                           [](const Source& a, const Source& b) { return a.channels < b.channels; });
     for (const Variable& v : all()) {
-      if (v.kind != VariableKind::texts || v.texts.size() != widest.channels) continue;
+      if (v.kind != VariableKind::texts) continue;
+      if (v.texts.size() != widest.channels) {
+        if (is_one_of(name_words, v.name) || is_one_of(unit_words, v.name))
+          notes_.add(
+              fmt::format("the variable '{}' has {} texts, and '{}' has {} channels: not used",
+                          base::printable(v.name), v.texts.size(),
+                          base::printable(all()[widest.variable].name), widest.channels));
+        continue;
+      }
       for (std::size_t c = 0; c < widest.channels; ++c) {
         Channel& channel = header_.channels[widest.first_channel + c];
         if (is_one_of(name_words, v.name)) channel.name = v.texts[c];
