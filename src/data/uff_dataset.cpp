@@ -127,9 +127,13 @@ ChannelUnit uff_unit(const UffAxis& axis, int direction, const std::optional<Uff
   if (unit.empty() || axis.temperature_exponent != 0 || (scaled && units && !units->usable))
     return {1.0, labelled ? axis.unit : "", !labelled};
   if (!units && scaled)
-    notes.add(
-        "a function has no unit label, and the file states no units (dataset 164): taken as SI", 0,
-        0, "no units");
+    notes.add(labelled
+                  ? fmt::format("the unit label \"{}\" is unknown, and the file states no units "
+                                "(dataset 164): taken as SI",
+                                base::printable(given(axis.unit), 30))
+                  : "a function has no unit label, and the file states no units (dataset 164): "
+                    "taken as SI",
+              0, 0, labelled ? "unknown label" : "no units");
   if (!units) return {1.0, unit};
   return {1.0 / (std::pow(units->length, length) * std::pow(units->force, force)), unit};
 }

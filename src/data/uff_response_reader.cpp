@@ -34,9 +34,22 @@ class Places {
     if (is_new) channels.push_back(channel);
     return at->second;
   }
+  /// A companion of a response need not state its unit: the only channel of that part and place, or
+  /// of those the only one of that name.
   [[nodiscard]] std::optional<std::size_t> known(const Channel& channel) const {
-    const auto at = numbers_.find(key_of(channel));
-    return at == numbers_.end() ? std::nullopt : std::optional(at->second);
+    if (const auto at = numbers_.find(key_of(channel)); at != numbers_.end()) return at->second;
+    if (by_hydrapod_) return std::nullopt;
+    std::vector<std::size_t> there, named;
+    for (std::size_t k = 0; k < channels.size(); ++k) {
+      const Channel& c = channels[k];
+      if (c.point != channel.point || c.direction != channel.direction ||
+          c.entity != channel.entity)
+        continue;
+      there.push_back(k);
+      if (c.name == channel.name) named.push_back(k);
+    }
+    if (there.size() == 1) return there[0];
+    return named.size() == 1 ? std::optional(named[0]) : std::nullopt;
   }
 
   std::vector<Channel> channels{};

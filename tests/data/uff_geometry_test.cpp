@@ -331,6 +331,26 @@ TEST_F(UffGeometry, AndLinesOfTextOfResponsesAreKept) {
   }
 }
 
+/// A coherence names its channel by part and place; it has no unit.
+TEST_F(UffGeometry, CoherenceBelongsToTheResponseOfThePlace) {
+  Curve coherence = at(12, 3);
+  coherence.id = {"COH", "NONE", "NONE", "NONE", "NONE"};
+  coherence.type = 26;
+  coherence.reference = "NONE";
+  coherence.is_complex = true;
+  coherence.ordinate = "         0    0    0    0 Coherence            NONE";
+  coherence.values =
+      "  8.75000E-01  0.00000E+00  1.00000E+00  0.00000E+00  5.00000E-01  0.00000E+00\n";
+  const auto [got, notes] = data::read_frequency_responses(
+      file(header_151 + millimetres() + nodes_15() +
+           response(12, 3, {"H", "NONE", "NONE", "NONE", "NONE"}, six) +
+           response(7, -1, {"H", "NONE", "NONE", "NONE", "NONE"}, six) + curve(coherence)));
+  EXPECT_THAT(messages(notes), testing::Not(testing::Contains(HasSubstr("without its response"))));
+  ASSERT_EQ(got.multiple_coherence.size(), 3U);
+  EXPECT_EQ(got.multiple_coherence[0][0], 0.875);
+  EXPECT_EQ(got.multiple_coherence[2][0], 0.5);
+}
+
 // modes
 
 /// A normal mode at 7.25 Hz with 2 %, six numbers per node, in inches, as accelerations.
