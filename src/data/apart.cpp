@@ -180,6 +180,8 @@ std::unique_ptr<VariableFile> open_and_tell(const std::string& place, const std:
   return file;
 }
 
+constexpr char read_mark = 1, memory_mark = 2;  // 0: the file is damaged there
+
 /// False where the file is damaged there.
 bool read_request(VariableFile& file, const Request& r, std::vector<std::complex<double>>& kept,
                   double* numbers) {
@@ -203,7 +205,12 @@ bool read_request(VariableFile& file, const Request& r, std::vector<std::complex
   std::vector<std::complex<double>> kept;
   while (file && receive_request(r)) {
     limit_time(limits.seconds);
-    const char mark = read_request(*file, r, kept, numbers) ? 1 : 0;
+    char mark = 0;
+    try {
+      mark = read_request(*file, r, kept, numbers) ? read_mark : 0;
+    } catch (const std::bad_alloc&) {
+      mark = memory_mark;
+    }
     if (!send_all(socket_place, &mark, 1)) break;
   }
   ::_exit(0);
@@ -253,15 +260,18 @@ class ApartFile final : public VariableFile {
       if (size > most_in_memory / std::max<std::uint64_t>(count, 1)) return false;
       count *= size;
     }
-    out.resize(count);
-    auto* numbers = reinterpret_cast<double*>(out.data());
-    for (std::uint64_t at = 0; at < 2 * count; at += window_numbers) {
+    out.clear();  // memory grows with what has come, whatever sizes the file states
+    std::vector<double> numbers(std::min(window_numbers, 2 * count));
+    for (std::uint64_t at = 0; at < 2 * count; at += numbers.size()) {
       const Request piece{.variable = variable,
                           .slow_count = 1,
                           .fast_first = at,
                           .fast_count = std::min(window_numbers, 2 * count - at),
                           .all = 1};
-      if (!read_piece(piece, numbers + at)) return false;
+      if (!read_piece(piece, numbers.data())) return false;
+      if (at == 0) out.reserve(count);
+      for (std::uint64_t k = 0; k < piece.fast_count; k += 2)
+        out.emplace_back(numbers[k], numbers[k + 1]);
     }
     return true;
   }
@@ -277,9 +287,11 @@ class ApartFile final : public VariableFile {
     const int cause = errno;
     ::close(pair[1]);
     socket_ = pair[0];
-    if (process_ < 0)
+    if (process_ < 0) {
+      ::close(socket_);
       base::refuse(path_, fmt::format("cannot be read: no process can be made for it: {}",
                                       std::strerror(cause)));
+    }
   }
 
   /// Gone when it returns; its wait status.
@@ -297,6 +309,13 @@ class ApartFile final : public VariableFile {
 
   [[noreturn]] void fail(const std::string& why) const {
     base::refuse(path_, "cannot be read: " + why);
+  }
+
+  [[noreturn]] void fail_for_memory() const {
+    fail(
+        fmt::format("more than {} MiB of memory are needed for it: it is damaged, or its arrays "
+                    "are larger than that",
+                    limits_.bytes >> 20U));
   }
 
   /// It has ended by itself.
@@ -339,9 +358,7 @@ class ApartFile final : public VariableFile {
   }
 
   void take(const json& message, Notes& notes) {
-    if (message.contains("memory"))
-      fail(fmt::format("more than {} MiB of memory are needed for it; the file is damaged",
-                       limits_.bytes >> 20U));
+    if (message.contains("memory")) fail_for_memory();
     if (message.contains("failure")) {
       std::vector<base::Diagnostic> all = notes.all();
       for (const json& d : message["failure"])
@@ -396,7 +413,8 @@ class ApartFile final : public VariableFile {
     if (process_ > 0 && !send_all(socket_, &piece, sizeof piece)) say_how_it_ended();
     char good = 0;
     receive(&good, 1);
-    if (good != 1) return false;
+    if (good == memory_mark) fail_for_memory();
+    if (good != read_mark) return false;
     std::copy_n(window_.numbers(), piece.slow_count * piece.fast_count, out);
     return true;
   }

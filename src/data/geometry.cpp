@@ -4,8 +4,10 @@
 
 #include <algorithm>
 #include <array>
+#include <limits>
 #include <nlohmann/json.hpp>
 #include <stdexcept>
+#include <utility>
 
 #include "channel_units.hpp"
 
@@ -52,6 +54,27 @@ std::string geometry_json(const Geometry& geometry) {
   return dumped({{"nodes", nodes}, {"lines", lines}});
 }
 
+namespace {
+
+/// json.get<int>() would wrap.
+int whole_number(const Json& json) {
+  const bool fits = json.is_number_unsigned()
+                        ? std::in_range<int>(json.get<std::uint64_t>())
+                        : json.is_number_integer() && std::in_range<int>(json.get<std::int64_t>());
+  if (!fits)
+    throw std::invalid_argument(
+        fmt::format("expected a whole number up to {}", std::numeric_limits<int>::max()));
+  return json.get<int>();
+}
+
+std::vector<int> whole_numbers(const Json& json) {
+  std::vector<int> all;
+  for (const Json& number : json) all.push_back(whole_number(number));
+  return all;
+}
+
+}  // namespace
+
 Geometry read_geometry(const std::string& text) {
   Geometry geometry;
   if (text.empty()) return geometry;
@@ -60,16 +83,17 @@ Geometry read_geometry(const std::string& text) {
     for (const Json& node : json.value("nodes", Json::array())) {
       const auto p = node.at("position_m").get<std::array<double, 3>>();
       Node& to =
-          geometry.nodes.emplace_back(Node{node.at("number").get<int>(), {p[0], p[1], p[2]}});
+          geometry.nodes.emplace_back(Node{whole_number(node.at("number")), {p[0], p[1], p[2]}});
       if (!node.contains("systems_and_color")) continue;
-      const auto numbers = node["systems_and_color"].get<std::array<int, 3>>();
+      const auto numbers = whole_numbers(node["systems_and_color"]);
+      if (numbers.size() != 3) throw std::invalid_argument("systems_and_color: expected 3 numbers");
       to.position_system = numbers[0];
       to.motion_system = numbers[1];
       to.color = numbers[2];
     }
     for (const Json& line : json.value("lines", Json::array()))
-      geometry.lines.push_back({line.value("name", std::string()),
-                                line.at("nodes").get<std::vector<int>>(), line.value("color", 0)});
+      geometry.lines.push_back({line.value("name", std::string()), whole_numbers(line.at("nodes")),
+                                whole_number(line.value("color", Json(0)))});
     return geometry;
   });
 }

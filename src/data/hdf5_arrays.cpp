@@ -55,8 +55,7 @@ void require_size(const MatVariable& v) {
 bool put_numbers(hid_t root, const MatVariable& v) {
   require_size(v);
   const auto sizes = numpy_sizes(v);
-  if (v.imaginary.empty() && v.real.size() == 1)
-    return write_attribute(root, v.name.c_str(), v.real[0]);
+  if (v.is_number) return write_attribute(root, v.name.c_str(), v.real[0]);
   const Hdf5Handle space(H5Screate_simple(static_cast<int>(sizes.size()), sizes.data(), nullptr),
                          H5Sclose);
   if (v.imaginary.empty()) {
@@ -84,6 +83,7 @@ bool put(hid_t root, const MatVariable& v) {
 }  // namespace
 
 void write_hdf5_variables(const std::string& path, const std::vector<MatVariable>& variables) {
+  const Hdf5Lock lock;
   const Hdf5Silence silence;
   base::PartFile part(path);
   const auto fail = [&] { throw base::ComputationError(failed_write(part, false)); };

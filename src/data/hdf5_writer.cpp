@@ -232,7 +232,7 @@ class Hdf5Writer final : public RecordWriter {
       return false;
     const int number = *static_cast<int*>(descriptor);
     while (::fallocate(number, 0, 0, static_cast<off_t>(bytes)) != 0) {
-      if (errno == EOPNOTSUPP) return true;  // not every file system can
+      if (errno == EOPNOTSUPP || errno == ENOSYS) return true;  // not every file system can
       if (errno != EINTR) return false;
     }
     return true;

@@ -203,7 +203,7 @@ class Mat5Writer final : public RecordWriter {
 }  // namespace
 
 MatVariable mat_number(const std::string& name, double value) {
-  return {.name = name, .size = {1, 1}, .real = {value}};
+  return {.name = name, .size = {1, 1}, .real = {value}, .is_number = true};
 }
 
 MatVariable mat_array(const std::string& name, const Eigen::Ref<const Eigen::MatrixXd>& values) {

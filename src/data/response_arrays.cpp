@@ -117,6 +117,7 @@ class ArrayReader {
     if (!frequency) notes_.fail("the variable 'frequency_hz' is missing");
     FrequencyResponses all{.title = clean_text(text("title")), .date = clean_text(text("date"))};
     for (const Complex f : numbers(*frequency)) all.frequency.push_back(f.real());
+    require_ascending("frequency_hz", all.frequency, 1.0);
     const auto lines = static_cast<Index>(all.lines());
     RecordComments comments;
     unsigned line = 0;
@@ -239,11 +240,17 @@ class ArrayReader {
                       base::printable(v.unit), base::printable(v.name)));
     const double factor = (v.unit.empty() ? 1.0 : unit.factor) / (circular ? base::two_pi : 1.0);
     for (const Complex f : numbers(variable)) all.frequency.push_back(factor * f.real());
-    for (std::size_t k = 0; k < all.lines(); ++k)
-      if (!std::isfinite(all.frequency[k]) || all.frequency[k] < 0.0 ||
-          (k > 0 && all.frequency[k] <= all.frequency[k - 1]))
+    require_ascending(v.name, all.frequency, factor);
+  }
+
+  /// `factor`: [Hz] of the file's unit.
+  void require_ascending(const std::string& name, const std::vector<double>& frequency,
+                         double factor) {
+    for (std::size_t k = 0; k < frequency.size(); ++k)
+      if (!std::isfinite(frequency[k]) || frequency[k] < 0.0 ||
+          (k > 0 && frequency[k] <= frequency[k - 1]))
         notes_.fail(fmt::format("the frequencies '{}' do not ascend from 0 Hz on: number {} is {}",
-                                base::printable(v.name), k + 1, all.frequency[k] / factor));
+                                base::printable(name), k + 1, frequency[k] / factor));
   }
 
   /// Sizes of the indices besides that of the frequencies, without those of 1.

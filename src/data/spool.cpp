@@ -123,7 +123,8 @@ class SpoolReader final : public RecordReader {
     std::memcpy(&counts_, head.data() + counts_at, sizeof counts_);
     read_header();
     constexpr std::uint64_t most = std::uint64_t{1} << 30U;
-    if (counts_.channels != header_.channels.size() || counts_.rows < 1 || counts_.rows > most)
+    if (counts_.channels < 1 || counts_.channels != header_.channels.size() || counts_.rows < 1 ||
+        counts_.rows > most)
       notes_.fail("the part is damaged: its header contradicts itself");
     const std::uint64_t piece = counts_.channels * counts_.rows * sizeof(double),
                         held = (file_.size() - counts_.begin) / piece * counts_.rows;

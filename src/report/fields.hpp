@@ -235,7 +235,7 @@ class Reader {
       const bool fits = json.is_number_unsigned()
                             ? std::in_range<Integer>(json.get<std::uint64_t>())
                             : std::in_range<Integer>(json.get<std::int64_t>());
-      if (!fits) refuse(path, fmt::format("is {}, which is too large", json.dump()));
+      if (!fits) refuse(path, fmt::format("is {}, which does not fit", json.dump()));
     }
     value = json.get<Integer>();
   }

@@ -87,7 +87,6 @@ struct Ending {
 };
 Ending write_with_limit(const fs::path& path, const data::Record& whole, RecordFormat format,
                         std::size_t bytes) {
-  const fs::path told = path.string() + ".told";
   const pid_t child = ::fork();
   if (child == 0) {
     std::signal(SIGXFSZ, SIG_IGN);
@@ -103,6 +102,8 @@ Ending write_with_limit(const fs::path& path, const data::Record& whole, RecordF
                      std::string_view::npos
                  ? 1
                  : 2;
+    } catch (...) {
+      code = 9;
     }
     ::_exit(code);
   }
@@ -111,7 +112,8 @@ Ending write_with_limit(const fs::path& path, const data::Record& whole, RecordF
   if (!WIFEXITED(status)) return {"killed"};
   return {WEXITSTATUS(status) == 1   ? "nothing kept"
           : WEXITSTATUS(status) == 2 ? "kept"
-                                     : "",
+          : WEXITSTATUS(status) == 0 ? ""
+                                     : "another error",
           WEXITSTATUS(status) == 0};
 }
 
@@ -139,6 +141,26 @@ TEST_P(InterruptedWriter, OnADiskThatIsFullAfterAnyNumberOfBytesThePartIsLegible
   if (GetParam() != RecordFormat::hdf5 && GetParam() != RecordFormat::mat73 &&
       GetParam() != RecordFormat::rpc)
     EXPECT_GE(kept, 5);
+}
+
+/// What a killed run of a Universal File has left, with sizes that nothing can have.
+TEST(SpooledPart, ThatIsDamagedIsRefused) {
+  const TemporaryFolder folder;
+  const auto part = [](std::uint64_t samples, std::uint64_t channels, std::uint64_t rows) {
+    const std::string text = "# hydrapod record 1\n";
+    const std::uint64_t counts[] = {samples, channels, rows, 4096};
+    std::string bytes = "hydrapod spool 1\n";
+    bytes.resize(24, '\0');
+    bytes.append(reinterpret_cast<const char*>(counts), sizeof counts);
+    bytes += text;
+    bytes.resize(8192, '\0');
+    return bytes;
+  };
+  for (const auto& bytes :
+       {part(0, 0, 8192), part(1U << 20U, 0, 1), part(9, 1, 0), part(9, 3, 7)}) {
+    write_text(folder / "r.uff.part", bytes);
+    EXPECT_THROW(data::read_record((folder / "r.uff.part").string()), base::InputError);
+  }
 }
 
 /// The place of the next file is taken by what another run has left.

@@ -239,6 +239,35 @@ TEST_F(ResponseArrays, OfHydrapodAreNoRecordAndAreReadBack) {
   }
 }
 
+TEST_F(ResponseArrays, OfOneLineAreReadBack) {
+  auto one = example();
+  one.frequency = {3.75};
+  one.H = {example().H[2]};
+  one.multiple_coherence = {example().multiple_coherence[2]};
+  one.noise = {example().noise[2]};
+  one.input_factor = {example().input_factor[2]};
+  one.condition = {2.5};
+  data::write_mat_variables(path("h.mat"), data::response_arrays(one));
+  data::write_hdf5_variables(path("h.h5"), data::response_arrays(one));
+  for (const char* name : {"h.mat", "h.h5"}) {
+    const auto got = data::read_frequency_responses(path(name)).responses;
+    EXPECT_EQ(got.frequency, one.frequency) << name;
+    EXPECT_EQ(got.H[0], one.H[0]) << name;
+  }
+}
+
+TEST_F(ResponseArrays, AtFrequenciesThatDoNotAscendAreRefused) {
+  for (const double third : {std::nan(""), -2.5, frequencies()[0]}) {
+    auto all = data::response_arrays(example());
+    for (auto& v : all)
+      if (v.name == "frequency_hz") v.real[2] = third;
+    data::write_mat_variables(path("h.mat"), all);
+    data::write_hdf5_variables(path("h.h5"), all);
+    for (const char* name : {"h.mat", "h.h5"})
+      EXPECT_THAT(refusal(path(name)), HasSubstr("do not ascend from 0 Hz on: number 3 is"));
+  }
+}
+
 TEST_F(ResponseArrays, EqualResponsesAreEqualFiles) {
   for (const char* name : {"a.h5", "b.h5"})
     data::write_hdf5_variables(path(name), data::response_arrays(example()));

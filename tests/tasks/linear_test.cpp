@@ -176,10 +176,10 @@ TEST(Readers, TakeNoNumberOfAModeThatIsNotThere) {
   EXPECT_EQ(refusal_of_modes([](Json& json) { json["modes"][0]["rigid"]["mode"] = 7; }),
             "modes.json: error: modes[0].rigid.mode: there are 6 rigid modes");
   EXPECT_EQ(refusal_of_modes([](Json& json) { json["modes"][0]["rigid"]["mode"] = 4294967298; }),
-            "modes.json: error: modes[0].rigid.mode: is 4294967298, which is too large");
+            "modes.json: error: modes[0].rigid.mode: is 4294967298, which does not fit");
   EXPECT_EQ(refusal_of_modes(
                 [](Json& json) { json["modes"][0]["rigid"]["mode"] = -9223372036854775807 - 1; }),
-            "modes.json: error: modes[0].rigid.mode: is -9223372036854775808, which is too large");
+            "modes.json: error: modes[0].rigid.mode: is -9223372036854775808, which does not fit");
 }
 
 /// A thousand inputs by a thousand outputs at a thousand lines, of which the file has none, would

@@ -5,6 +5,7 @@
 /// noise, and are copied for every band and every trial. Here a copy, or a part of adjacent lines,
 /// refers to the same values until one of them is changed, which copies first (its own part alone).
 
+#include <atomic>
 #include <cstddef>
 #include <initializer_list>
 #include <iterator>
@@ -94,6 +95,8 @@ class PerLine {
       all_ = std::make_shared<std::vector<T>>();
     else if (all_.use_count() > 1 || size_ != all_->size())
       *this = PerLine(std::vector<T>(data(), data() + size_));
+    else  // what the last other owner, perhaps another thread, has read was read before
+      std::atomic_thread_fence(std::memory_order_acquire);
     return *all_;
   }
 

@@ -184,7 +184,7 @@ struct MatVariable {
   std::vector<double> real{};
   std::vector<double> imaginary{};  ///< empty: real
   std::vector<std::string> texts{};
-  bool is_text{}, is_list{};
+  bool is_number{}, is_text{}, is_list{};  ///< none: an array
 };
 
 MatVariable mat_number(const std::string& name, double value);
