@@ -27,7 +27,7 @@ Accelerometer parse_accelerometer(const std::string& text) {
   // a name may have blanks: it ends before a comma, or before the word of the first key
   std::size_t end = std::min(whole.find(','), whole.size());
   if (const std::size_t key = whole.substr(0, end).find('='); key != whole.npos)
-    end = std::min(whole.find_last_of(" \t", key), end);
+    end = std::min(whole.find_last_of(" \t", key) + 1, end);  // npos + 1: no name
   std::string_view rest = base::trimmed(whole.substr(end));
   if (rest.starts_with(',')) rest.remove_prefix(1);
   base::KeyValues words("--accelerometer " + base::printable(text), rest);

@@ -252,7 +252,8 @@ TEST(Rig, SaysThatAMachineOscillatesByItself) {
 TEST(Accelerometer, HasAWholeNumberForItsPlace) {
   EXPECT_EQ(parse_accelerometer("a, at=0.3 0 0.1, along=-y, point=17").point, 17);
   EXPECT_EQ(parse_accelerometer("a").point, 0);
-  for (const char* wrong : {"a, point=1e30", "a, point=-1", "a, point=2.5", "a, point=nan"})
+  for (const char* wrong : {"at=0 0 1, along=z", "at=0.3 0 0.1", "along=z", "a, point=1e30",
+                            "a, point=-1", "a, point=2.5", "a, point=nan"})
     EXPECT_THROW(parse_accelerometer(wrong), base::InputError) << wrong;
 }
 
