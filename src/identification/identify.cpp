@@ -331,9 +331,16 @@ void list_modes(const IdentifyOptions& options, Identification& result) {
 
 /// [s] of the blocks that gave the responses; none: not known, or periods, which have no window.
 std::optional<double> block_duration(const FrequencyResponses& r) {
-  if (r.whole || r.lines() < 2) return {};
-  // on the shifted axis every second line is kept
-  if (r.shift > 0.0) return 2.0 / (r.frequency[1] - r.frequency[0]);
+  if (r.lines() < 2) return {};
+  const bool of_outputs = r.estimator == data::Estimator::half_spectra;
+  if (r.whole && !of_outputs) return {};
+  // on the shifted axis, and of half spectra, every second line is kept
+  if (r.shift > 0.0 || of_outputs) {
+    double spacing = r.frequency[1] - r.frequency[0];
+    for (std::size_t k = 2; k < r.lines(); ++k)
+      spacing = std::min(spacing, r.frequency[k] - r.frequency[k - 1]);
+    return 2.0 / spacing;
+  }
   if (r.taper.size() == 0) return {};
   return static_cast<double>(r.taper.size()) / r.sample_rate;
 }
