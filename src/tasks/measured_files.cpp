@@ -3,9 +3,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <string_view>
 
 #include "hydrapod/base/error.hpp"
 #include "hydrapod/base/file.hpp"
+#include "hydrapod/base/text.hpp"
 
 namespace hydrapod::tasks {
 
@@ -23,7 +25,8 @@ report::Json parsed_json(const std::string& path, const std::vector<std::string>
   try {
     json = report::Json::parse(base::read_file(path, largest, "JSON of hydrapod"));
   } catch (const nlohmann::json::parse_error& error) {
-    base::refuse(path, fmt::format("is not JSON: {}", error.what()));
+    const std::string_view what = error.what();  // "[json.exception.…] parse error at line …"
+    base::refuse(path, "is not JSON: " + base::printable(what.substr(what.find(']') + 2), 300));
   }
   const auto kind = json.is_object() ? json.find("kind") : json.end();
   if (kind == json.end() || std::ranges::count(kinds, kind->dump()) > 0) return json;

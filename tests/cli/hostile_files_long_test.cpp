@@ -290,10 +290,7 @@ TEST(HostileFilesLong, HostileTextsEndWithAMessage) {
   test::write_text(folder / "targets.csv",
                    "frequency,direction,deviation\n7.31 Hz,x,1 %\n7.44 Hz,y,1 %\n11.2 Hz,z,2 %\n");
   const std::vector<TextKind> kinds{
-      {"machine file",
-       "h.toml",
-       {"init", "-o", "h.toml"},
-       {{"check", "h.toml"}, {"modes", "h.toml"}}},
+      {"machine file", "h.toml", {"init", "h.toml"}, {{"check", "h.toml"}, {"modes", "h.toml"}}},
       {"modes of a machine, JSON",
        "h.json",
        {"modes", machine, "-o", "h.json"},
@@ -307,12 +304,16 @@ TEST(HostileFilesLong, HostileTextsEndWithAMessage) {
        {},
        {{"simulate", machine, "--command", "file motion.csv", "--until", "0.01", "--model", "rigid",
          "-o", "s.csv", "--force"}}},
-      {"record, CSV",
-       "r.csv",
-       {"simulate", machine, "--command", "step x=1 mm", "--until", "0.3", "--model", "rigid", "-o",
-        "r.csv"},
-       {{"record", "show", "r.csv"}, {"identify", "r.csv"}}},
+      {"record, CSV", "r.csv", {}, {{"record", "show", "r.csv"}, {"identify", "r.csv"}}},
   };
+  data::Record record;
+  record.header.sample_rate = 97.0;
+  record.header.channels = {{.name = "force", .unit = "N", .role = data::Role::excitation},
+                            {.name = "motion", .unit = "m", .role = data::Role::response}};
+  record.samples = data::Samples::NullaryExpr(900, 2, [](Eigen::Index k, Eigen::Index c) {
+    return std::cos(0.37 * static_cast<double>(k * k % 911) + static_cast<double>(c));
+  });
+  data::write_record(folder / "r.csv", record, RecordFormat::csv);
   test::write_text(folder / "h.csv", test::read_text(folder / "targets.csv"));
   std::printf(
       "| text | files | refused | read | killed | slowest [s] | memory [MiB] |\n"
