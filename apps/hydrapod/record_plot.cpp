@@ -52,7 +52,9 @@ void run(const Arguments& arguments) {
   });
   if (!complete) throw base::ComputationError("interrupted");
   if (traces.stretches().empty()) throw base::ComputationError("the record has no samples to plot");
-  report::plot_record(record.header(), traces, overview.result(), shown, arguments.picture);
+  data::RecordHeader header = record.header();
+  if (header.title.empty()) header.title = record.files().front();
+  report::plot_record(header, traces, overview.result(), shown, arguments.picture);
   print_written(arguments.picture);
 }
 

@@ -100,20 +100,19 @@ bool vanishes(const Bode& bode, const Entry& entry) {
   return largest < 1e-9 * of_output;
 }
 
-std::string entry_plots(const Bode& bode, const Entry& entry, size_t index, const Cell& cell,
-                        bool key) {
-  const double split = cell.bottom + 0.36 * (cell.top - cell.bottom);
+std::string entry_plots(const Bode& bode, const Entry& entry, size_t index, const CellPair& cells,
+                        const std::string& key) {
   const size_t first = 2 + 4 * index;
   const std::string unit = response_unit(bode.options.output, entry.output, entry.input);
   const std::string name =
       entry.output == entry.input
           ? std::string(direction_names[entry.output])
           : fmt::format("{} from {}", direction_names[entry.output], direction_names[entry.input]);
-  std::string text = at_screen({cell.left, cell.right, cell.top, split + 0.006});
+  std::string text = at_screen(cells.magnitude);
   text += fmt::format(
       "set title {} offset 0,-0.6\nset ylabel {} offset 1.2,0\nset format x ''\nset xlabel ''\n",
       quoted(name + (vanishes(bode, entry) ? " (vanishes)" : "")), quoted("dB re 1 " + unit));
-  text += key ? "set key top right samplen 2.5 font ',9'\n" : "unset key\n";
+  text += key;
   const auto [low, high] = magnitude_range(bode, entry);
   text += fmt::format("set ytics autofreq\nset yrange [{:.3f}:{:.3f}]\n", low, high) +
           peak_labels(bode, entry, high);
@@ -122,7 +121,7 @@ std::string entry_plots(const Bode& bode, const Entry& entry, size_t index, cons
       "$bode using 1:{} with lines {} title 'with seals'\n",
       first + 2, rigid_style, first, real_style);
   text += "unset label\nunset title\nunset key\nset autoscale y\n";
-  text += at_screen({cell.left, cell.right, split - 0.006, cell.bottom});
+  text += at_screen(cells.phase);
   text +=
       "set format x '%g'\nset xlabel 'Hz' offset 0,0.6\nset ylabel 'phase °' offset 1.2,0\nset "
       "ytics 90\n";
@@ -143,7 +142,8 @@ std::string bode_script(const Bode& bode, const std::vector<Entry>& entries, con
   script += fmt::format("set xrange [{:.9g}:{:.9g}]\n", from, to) + frequency_ticks(from, to);
   script += titles(text.title, text.subtitle, cells.height());
   for (size_t e = 0; e < entries.size(); ++e)
-    script += entry_plots(bode, entries[e], e, cells[e], e == 0);
+    script += entry_plots(bode, entries[e], e, split(cells[e], cells.height()),
+                          e == 0 ? key_below_titles(cells.height()) : "unset key\n");
   return script + "unset multiplot\nunset output\n";
 }
 

@@ -119,6 +119,18 @@ std::string titles(const std::string& title, const std::string& subtitle, int he
       quoted(title), 1.0 - 22.0 / height, quoted(subtitle), 1.0 - 46.0 / height);
 }
 
+std::string key_below_titles(int height) {
+  return fmt::format(
+      "set key at screen 0.5,{:.4f} center center horizontal samplen 2.5 font ',9'\n",
+      1.0 - 68.0 / height);
+}
+
+CellPair split(const Cell& cell, int height) {
+  const double middle = cell.bottom + 0.36 * (cell.top - cell.bottom), apart = 8.0 / height;
+  return {{cell.left, cell.right, cell.top, middle + apart},
+          {cell.left, cell.right, middle - apart, cell.bottom}};
+}
+
 std::string at_screen(const Cell& cell) {
   return fmt::format(
       "set lmargin at screen {:.4f}; set rmargin at screen {:.4f}\n"
@@ -133,9 +145,9 @@ CellGrid::CellGrid(std::size_t cells)
 Cell CellGrid::operator[](std::size_t index) const {
   const int row = static_cast<int>(index) / columns, column = static_cast<int>(index) % columns;
   const double w = 1.0 / columns;
-  const double top_band = 70.0 / height();
-  const double h = (1.0 - top_band) / rows;
-  const double top = 1.0 - top_band - row * h;
+  const double band = static_cast<double>(top_band) / height();
+  const double h = (1.0 - band) / rows;
+  const double top = 1.0 - band - row * h;
   return {column * w + 80.0 / width(), (column + 1) * w - 14.0 / width(), top - 26.0 / height(),
           top - h + 52.0 / height()};
 }

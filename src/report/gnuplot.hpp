@@ -30,6 +30,8 @@ inline constexpr const char* thin_grid = "set grid xtics ytics back lt 1 lc rgb 
 
 /// Title and subtitle at the top of a picture of `height` pixels, as labels 101 and 102.
 std::string titles(const std::string& title, const std::string& subtitle, int height);
+/// The legend of all plots of a grid, in a line below the titles.
+std::string key_below_titles(int height);
 
 /// Edges of a plot in the picture, 0 … 1 from the lower left.
 struct Cell {
@@ -37,12 +39,20 @@ struct Cell {
 };
 std::string at_screen(const Cell& cell);
 
+/// Magnitude above phase, with room for the lowest and the highest label between them.
+struct CellPair {
+  Cell magnitude, phase;
+};
+CellPair split(const Cell& cell, int height);
+
 /// Plots side by side, at most three in a row, below the titles.
 struct CellGrid {
   int columns, rows;
   explicit CellGrid(std::size_t cells);
-  [[nodiscard]] int width() const { return 420 * columns + 40; }  ///< [pixels]
-  [[nodiscard]] int height() const { return 400 * rows + 70; }
+  /// [pixels]; the subtitle has room.
+  [[nodiscard]] int width() const { return columns == 1 ? 760 : 420 * columns + 40; }
+  [[nodiscard]] int height() const { return 400 * rows + top_band; }
+  static constexpr int top_band = 88;  ///< of titles and legend
   [[nodiscard]] Cell operator[](std::size_t index) const;
 };
 

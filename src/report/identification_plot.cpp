@@ -10,6 +10,7 @@
 #include "gnuplot.hpp"
 #include "hydrapod/base/units.hpp"
 #include "hydrapod/identification/identify.hpp"
+#include "hydrapod/numerics/statistics.hpp"
 #include "hydrapod/report/model_results.hpp"
 
 namespace hydrapod::report {
@@ -39,6 +40,12 @@ std::vector<Pair> shown_pairs(const FrequencyResponses& r) {
   }
   if (pairs.size() > most) pairs.resize(most);
   return pairs;
+}
+
+/// What of the whole a picture shows, where it is not all.
+std::string shown_of(const FrequencyResponses& r, std::size_t shown) {
+  const std::size_t all = r.outputs.size() * r.inputs.size();
+  return shown == all ? "" : fmt::format("; shown: {} of {} responses", shown, all);
 }
 
 std::string data_block(const FrequencyResponses& r, const identification::ModalModel* model,
@@ -73,9 +80,7 @@ std::string frequency_axis(const FrequencyResponses& r) {
 
 /// Magnitude above phase of one entry.
 std::string entry_plots(const FrequencyResponses& r, const Pair& pair, std::size_t index,
-                        bool with_fit, const Cell& cell) {
-  const auto [left, right, top, bottom] = cell;
-  const double split = bottom + 0.36 * (top - bottom);
+                        bool with_fit, const CellPair& cells, const std::string& key) {
   const std::size_t first = 2 + 6 * index;
   const auto& out = r.outputs[static_cast<std::size_t>(pair.output)];
   const auto& in = r.inputs[static_cast<std::size_t>(pair.input)];
@@ -83,12 +88,12 @@ std::string entry_plots(const FrequencyResponses& r, const Pair& pair, std::size
   const std::string unit = in.unit == "1" || in.unit.empty()
                                ? out.unit
                                : out.unit + (compound ? "/(" + in.unit + ")" : "/" + in.unit);
-  std::string text = at_screen({left, right, top, split + 0.006});
+  std::string text = at_screen(cells.magnitude);
   text += fmt::format(
       "set title {} offset 0,-0.6\nset ylabel {} offset 1.2,0\nset format x ''\n"
       "set xlabel ''\nset ytics autofreq\nset autoscale y\n",
       quoted(out.name + " from " + in.name), quoted("dB re 1 " + unit));
-  text += index == 0 ? "set key top right samplen 2.5 font ',9'\n" : "unset key\n";
+  text += key;
   text += fmt::format(
       "plot $frf using 1:{}:{} with filledcurves fc rgb '#c8dcec' title '95 %', "
       "$frf using 1:{} with lines lw 1.2 lc rgb '#0072b2' title 'measured'",
@@ -96,8 +101,7 @@ std::string entry_plots(const FrequencyResponses& r, const Pair& pair, std::size
   if (with_fit)
     text += fmt::format(", $frf using 1:{} with lines lw 1.2 dt 2 lc rgb '#d55e00' title 'modes'",
                         first + 4);
-  text +=
-      "\nunset label\nunset title\nunset key\n" + at_screen({left, right, split - 0.006, bottom});
+  text += "\nunset label\nunset title\nunset key\n" + at_screen(cells.phase);
   text +=
       "set format x '%g'\nset xlabel 'Hz' offset 0,0.6\nset ylabel 'phase °' offset 1.2,0\n"
       "set ytics 90\nset yrange [-190:190]\n";
@@ -115,33 +119,46 @@ void plot_responses(const FrequencyResponses& r, const identification::ModalMode
                     const PlotText& text, const std::string& path) {
   const auto pairs = shown_pairs(r);
   const CellGrid cells(pairs.size());
-  std::string script = titles(text.title, text.subtitle, cells.height()) + thin_axes +
-                       data_block(r, model, pairs) + "set multiplot\n" + frequency_axis(r);
+  std::string script =
+      titles(text.title, text.subtitle + shown_of(r, pairs.size()), cells.height()) + thin_axes +
+      data_block(r, model, pairs) + "set multiplot\n" + frequency_axis(r);
   if (r.frequency.back() > 20.0 * r.frequency.front()) script += "set logscale x\n";
   for (std::size_t e = 0; e < pairs.size(); ++e)
-    script += entry_plots(r, pairs[e], e, model != nullptr, cells[e]);
+    script += entry_plots(r, pairs[e], e, model != nullptr, split(cells[e], cells.height()),
+                          e == 0 ? key_below_titles(cells.height()) : "unset key\n");
   draw(path, cells.width(), cells.height(), script + "unset multiplot\n");
 }
 
 void plot_coherence(const FrequencyResponses& r, const PlotText& text, const std::string& path) {
-  constexpr int width = 900, height = 620;
+  constexpr int width = 1000, height = 620;
+  constexpr std::size_t most_named = 16;
+  const std::size_t count = r.outputs.size();
   std::string rows, lines;
   for (std::size_t k = 0; k < r.lines(); ++k) {
-    rows += fmt::format("{:.9g} {:.6g}", r.frequency[k], r.condition[k]);
+    std::vector<double> all(r.multiple_coherence[k].begin(), r.multiple_coherence[k].end());
+    rows += fmt::format("{:.9g} {:.6g} {:.6g}", r.frequency[k], r.condition[k],
+                        numerics::upper_median(all));
     for (const double c : r.multiple_coherence[k]) rows += fmt::format(" {:.6g}", c);
     rows += '\n';
   }
-  for (std::size_t o = 0; o < r.outputs.size(); ++o)
-    lines += fmt::format("{}$c using 1:{} with lines lw 1 title {}", o == 0 ? "" : ", ", o + 3,
-                         quoted(r.outputs[o].name));
+  for (std::size_t o = 0; o < count; ++o) {
+    lines += fmt::format("{}$c using 1:{} with lines ", o == 0 ? "" : ", ", o + 4);
+    if (count <= most_named)
+      lines += fmt::format("lw 1 title {}", quoted(r.outputs[o].name));
+    else
+      lines += "lw 0.6 lc rgb '#b9c4cf' " +
+               (o == 0 ? quoted(fmt::format("{} outputs", count)).insert(0, "title ") : "notitle");
+  }
+  if (count > most_named)
+    lines += ", $c using 1:3 with lines lw 1.4 lc rgb '#0072b2' title 'median'";
   draw(path, width, height,
        titles(text.title, text.subtitle, height) + thin_axes + block_of("c", rows) +
-           "set multiplot\n" + frequency_axis(r) + at_screen({0.09, 0.86, 0.89, 0.42}) +
+           "set multiplot\n" + frequency_axis(r) + at_screen({0.08, 0.78, 0.89, 0.42}) +
            "set yrange [0:1.02]\nset ylabel 'multiple coherence'\nset format x ''\n"
-           "set key outside right top font ',9'\nplot " +
-           lines + "\nunset label\nunset key\n" + at_screen({0.09, 0.86, 0.39, 0.09}) +
+           "set key at screen 0.79,0.89 left top Left reverse samplen 2 font ',9'\nplot " +
+           lines + "\nunset label\nunset key\n" + at_screen({0.08, 0.78, 0.39, 0.09}) +
            "set format x '%g'\nset xlabel 'Hz'\nset ylabel 'condition of the inputs'\n"
-           "set logscale y\nset yrange [1:*]\nplot $c using 1:2 with lines lw 1 lc rgb "
+           "set logscale y\nset yrange [0.8:*]\nplot $c using 1:2 with lines lw 1 lc rgb "
            "'#444444'\nunset multiplot\n");
 }
 
