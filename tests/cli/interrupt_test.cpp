@@ -78,7 +78,10 @@ double answers_after(const std::vector<std::string>& arguments, double after,
   Running program(arguments, folder);
   const auto begin = Clock::now();
   while (since(begin) < after) {
-    if (program.over()) return -1.0;
+    if (program.over()) {
+      EXPECT_TRUE(program.succeeded()) << program.messages();
+      return -1.0;
+    }
     std::this_thread::sleep_for(std::chrono::milliseconds(2));
   }
   const std::string before = program.messages();
@@ -120,18 +123,20 @@ TEST(Interrupt, IsAnsweredAtOnce) {
       "[[mode]]\nfrequency = \"4.1 Hz\"\ndirection = \"x\"\n[[mode]]\nfrequency = "
       "\"8.2 Hz\"\ndirection = \"z\"\n[[free]]\npath = \"legs.guide_sleeve.stiffness\"\n");
   const std::vector<Case> cases{
-      {{"rig", machine, "--duration", "1e5", "-o", "rig.h5"}, 0.8},
-      {{"rig", machine, "--duration", "1e5", "-o", "rig.csv"}, 0.8},
+      {{"rig", machine, "--duration", "1e5", "-o", "rig.h5", "--force"}, 0.8},
+      {{"rig", machine, "--duration", "1e5", "-o", "rig.csv", "--force"}, 0.8},
       {{"simulate", machine, "--command", "noise x=1 mm", "--until", "1e4"}, 0.5},
-      {{"simulate", machine, "--command", "noise x=1 mm", "--until", "1e5", "-o", "run.mat"}, 0.8},
+      {{"simulate", machine, "--command", "noise x=1 mm", "--until", "1e5", "-o", "run.mat",
+        "--force"},
+       0.8},
       // while the samples of one step of the controller are computed
       {{"simulate", machine, "--set", "legs.valve.natural_frequency=1e8", "--until", "100"}, 0.5},
       {{"frf", "long.csv"}, 0.3},
       {{"identify", "long.csv"}, 0.3},
       {{"identify", "long.csv", "--bootstrap", "10000"}, 4.0},
       {{"record", "show", "long.csv"}, 0.2},
-      {{"record", "convert", "long.csv", "-o", "long.h5"}, 0.3},
-      {{"record", "resample", "long.csv", "--new-rate", "20", "-o", "slow.h5"}, 0.3},
+      {{"record", "convert", "long.csv", "-o", "long.h5", "--force"}, 0.3},
+      {{"record", "resample", "long.csv", "--new-rate", "20", "-o", "slow.h5", "--force"}, 0.3},
       {{"record", "verify", "long.csv"}, 0.2},
       {{"diagnose", machine, "--measured", "modes.csv", "--poses", "workspace"}, 0.3},
       {{"calibrate", machine, "--targets", "modes.toml", "--starts", "10000"}, 0.4},

@@ -18,10 +18,11 @@ data::ReadRecordResult read(const std::string& text, const data::ReadOptions& op
   return data::read_record(folder / "r.csv", options);
 }
 
-/// 25'000 columns of one name took a minute: each was compared with all numbers before it.
+/// 25'000 columns of one name took a minute, 10'000 ten seconds: each was compared with all numbers
+/// before it.
 TEST(Csv, ManyColumnsOfOneNameGetTheirNumbersAtOnce) {
   const TemporaryFolder folder;
-  constexpr int columns = 25'000;
+  constexpr int columns = 10'000;
   std::string titles = "time [s]", row;
   for (int k = 0; k < columns; ++k) {
     titles += k == 4 ? ",a (3) [m]" : ",a [m]";
@@ -30,7 +31,7 @@ TEST(Csv, ManyColumnsOfOneNameGetTheirNumbersAtOnce) {
   write_text(folder / "r.csv", titles + "\n0" + row + "\n0.5" + row + "\n");
   const auto began = std::clock();  // of this process: others may keep it waiting
   const data::RecordSet record({folder / "r.csv"});
-  EXPECT_LT(std::clock() - began, 8 * CLOCKS_PER_SEC);
+  EXPECT_LT(std::clock() - began, 4 * CLOCKS_PER_SEC);
   const auto& channels = record.header().channels;
   ASSERT_EQ(channels.size(), columns);
   EXPECT_EQ(channels[0].name, "a");
