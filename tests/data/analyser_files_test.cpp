@@ -12,6 +12,7 @@
 #include <numbers>
 
 #include "hydrapod/data/record_io.hpp"
+#include "refusal.hpp"
 #include "support/run_program.hpp"
 
 namespace hydrapod::test {
@@ -40,12 +41,7 @@ std::vector<std::string> channel_units(const data::Record& record) {
 }
 
 std::string said(const std::string& path, const data::ReadOptions& options = {}) {
-  try {
-    data::read_record(path, options);
-    return "";
-  } catch (const base::InputError& error) {
-    return error.diagnostics().back().message;
-  }
+  return refusal_of([&] { data::read_record(path, options); }).message;
 }
 
 // MAT

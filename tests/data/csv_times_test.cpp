@@ -8,6 +8,7 @@
 #include <numbers>
 
 #include "hydrapod/data/record_io.hpp"
+#include "refusal.hpp"
 #include "support/random.hpp"
 #include "support/run_program.hpp"
 
@@ -24,12 +25,7 @@ data::ReadRecordResult table(const std::string& text, const data::ReadOptions& o
 }
 
 base::Diagnostic problem(const std::string& text, const data::ReadOptions& options = {}) {
-  try {
-    table(text, options);
-    return {};
-  } catch (const base::InputError& error) {
-    return error.diagnostics().back();
-  }
+  return refusal_of([&] { table(text, options); });
 }
 
 /// 1, 2, 3 … at k / rate, without the samples of which `lost` is true.

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "hydrapod/data/frequency_response.hpp"
+#include "refusal.hpp"
 #include "support/random.hpp"
 #include "support/run_program.hpp"
 #include "uff_reference.hpp"
@@ -239,13 +240,8 @@ INSTANTIATE_TEST_SUITE_P(Ways, ResponseFile,
 TEST(ResponseFiles, OfARecordIsRefusedWithAReason) {
   const TemporaryFolder folder;
   write_text(folder / "h.uff", "    -1\n   151\nNONE\nNONE\nNONE\n    -1\n");
-  try {
-    data::read_frequency_responses(folder / "h.uff");
-    FAIL();
-  } catch (const base::InputError& error) {
-    EXPECT_EQ(error.diagnostics().back().message,
-              "the Universal File holds no frequency response that can be read");
-  }
+  EXPECT_EQ(refusal_of([&] { data::read_frequency_responses(folder / "h.uff"); }).message,
+            "the Universal File holds no frequency response that can be read");
 }
 
 }  // namespace

@@ -12,6 +12,7 @@
 #include <numbers>
 
 #include "hydrapod/data/frequency_response.hpp"
+#include "refusal.hpp"
 #include "support/random.hpp"
 #include "support/run_program.hpp"
 
@@ -79,12 +80,7 @@ data::FrequencyResponses example() {
 }
 
 std::string refusal(const std::string& path) {
-  try {
-    data::read_frequency_responses(path);
-    return "";
-  } catch (const base::InputError& error) {
-    return error.diagnostics().back().message;
-  }
+  return refusal_of([&] { data::read_frequency_responses(path); }).message;
 }
 
 std::vector<std::string> messages(const std::vector<base::Diagnostic>& notes) {
@@ -230,12 +226,8 @@ TEST_F(ResponseArrays, OfHydrapodAreNoRecordAndAreReadBack) {
     EXPECT_EQ(got.multiple_coherence[7], example().multiple_coherence[7]);
     EXPECT_EQ(got.noise[3], example().noise[3]);
     EXPECT_EQ(got.input_factor[3], example().input_factor[3]);
-    try {
-      data::read_record(path(name));
-      FAIL();
-    } catch (const base::InputError& error) {
-      EXPECT_THAT(error.diagnostics().back().message, HasSubstr("`hydrapod identify` finds their"));
-    }
+    EXPECT_THAT(refusal_of([&] { data::read_record(path(name)); }).message,
+                HasSubstr("`hydrapod identify` finds their"));
   }
 }
 

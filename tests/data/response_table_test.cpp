@@ -10,6 +10,7 @@
 
 #include "hydrapod/data/frequency_response.hpp"
 #include "hydrapod/data/record_io.hpp"
+#include "refusal.hpp"
 #include "support/run_program.hpp"
 
 namespace hydrapod::test {
@@ -32,12 +33,7 @@ class ResponseTable : public testing::Test {
     return all;
   }
   [[nodiscard]] base::Diagnostic refusal(const std::string& text) const {
-    try {
-      data::read_frequency_responses(written(text));
-      return {};
-    } catch (const base::InputError& error) {
-      return error.diagnostics().back();
-    }
+    return refusal_of([&] { data::read_frequency_responses(written(text)); });
   }
 
  private:
@@ -126,13 +122,8 @@ TEST_F(ResponseTable, TablesOfModesAndRecordsAreNone) {
 
 TEST_F(ResponseTable, AsARecordItPointsToIdentify) {
   const std::string path = written("Hz,re H,im H\n1,2,3\n2,4,5\n");
-  try {
-    data::read_record(path);
-    FAIL();
-  } catch (const base::InputError& error) {
-    EXPECT_THAT(error.diagnostics().back().message,
-                HasSubstr("holds frequency responses, no samples over time; `hydrapod identify`"));
-  }
+  EXPECT_THAT(refusal_of([&] { data::read_record(path); }).message,
+              HasSubstr("holds frequency responses, no samples over time; `hydrapod identify`"));
 }
 
 }  // namespace

@@ -9,6 +9,7 @@
 #include <limits>
 
 #include "hydrapod/data/record_io.hpp"
+#include "refusal.hpp"
 #include "rpc_file.hpp"
 #include "sample_record.hpp"
 #include "support/run_program.hpp"
@@ -26,12 +27,7 @@ data::ReadRecordResult read_bytes(const std::string& bytes) {
 }
 
 std::string refusal(const std::string& bytes) {
-  try {
-    read_bytes(bytes);
-    return "";
-  } catch (const base::InputError& error) {
-    return error.diagnostics().back().message;
-  }
+  return refusal_of([&] { read_bytes(bytes); }).message;
 }
 
 std::vector<std::string> messages_of(const std::vector<base::Diagnostic>& notes) {

@@ -68,21 +68,25 @@ inline data::Record sample_record(Eigen::Index samples) {
   return record;
 }
 
+/// Lists of equal length whose items have the same in each of these members.
+template <class Item, class... Members>
+void expect_same_items(const std::vector<Item>& a, const std::vector<Item>& b, Members... members) {
+  ASSERT_EQ(a.size(), b.size());
+  for (std::size_t k = 0; k < a.size(); ++k) {
+    int number = 0;
+    const auto compare = [&](auto member) {
+      EXPECT_EQ(a[k].*member, b[k].*member) << "item " << k << ", member " << number++;
+    };
+    (compare(members), ...);
+  }
+}
+
 inline void expect_same_geometry(const data::Geometry& a, const data::Geometry& b) {
-  ASSERT_EQ(a.nodes.size(), b.nodes.size());
-  for (std::size_t k = 0; k < a.nodes.size(); ++k) {
-    EXPECT_EQ(a.nodes[k].number, b.nodes[k].number);
-    EXPECT_EQ(a.nodes[k].position, b.nodes[k].position);
-    EXPECT_EQ(a.nodes[k].position_system, b.nodes[k].position_system);
-    EXPECT_EQ(a.nodes[k].motion_system, b.nodes[k].motion_system);
-    EXPECT_EQ(a.nodes[k].color, b.nodes[k].color);
-  }
-  ASSERT_EQ(a.lines.size(), b.lines.size());
-  for (std::size_t k = 0; k < a.lines.size(); ++k) {
-    EXPECT_EQ(a.lines[k].name, b.lines[k].name);
-    EXPECT_EQ(a.lines[k].nodes, b.lines[k].nodes);
-    EXPECT_EQ(a.lines[k].color, b.lines[k].color);
-  }
+  using data::Node;
+  using data::TraceLine;
+  expect_same_items(a.nodes, b.nodes, &Node::number, &Node::position, &Node::position_system,
+                    &Node::motion_system, &Node::color);
+  expect_same_items(a.lines, b.lines, &TraceLine::name, &TraceLine::nodes, &TraceLine::color);
 }
 
 inline void expect_same_header(const data::RecordHeader& a, const data::RecordHeader& b) {
@@ -95,16 +99,9 @@ inline void expect_same_header(const data::RecordHeader& a, const data::RecordHe
   EXPECT_EQ(a.experiment.machine, b.experiment.machine);
   EXPECT_EQ(data::experiment_json(a.experiment), data::experiment_json(b.experiment));
   expect_same_geometry(a.geometry, b.geometry);
-  ASSERT_EQ(a.channels.size(), b.channels.size());
-  for (std::size_t c = 0; c < a.channels.size(); ++c) {
-    EXPECT_EQ(a.channels[c].name, b.channels[c].name);
-    EXPECT_EQ(a.channels[c].unit, b.channels[c].unit);
-    EXPECT_EQ(a.channels[c].direction, b.channels[c].direction);
-    EXPECT_EQ(a.channels[c].role, b.channels[c].role);
-    EXPECT_EQ(a.channels[c].point, b.channels[c].point);
-    EXPECT_EQ(a.channels[c].entity, b.channels[c].entity);
-    EXPECT_EQ(a.channels[c].id_lines, b.channels[c].id_lines);
-  }
+  using data::Channel;
+  expect_same_items(a.channels, b.channels, &Channel::name, &Channel::unit, &Channel::direction,
+                    &Channel::role, &Channel::point, &Channel::entity, &Channel::id_lines);
 }
 
 }  // namespace hydrapod::test

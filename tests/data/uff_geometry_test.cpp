@@ -7,6 +7,7 @@
 
 #include "hydrapod/data/frequency_response.hpp"
 #include "hydrapod/data/modal_results.hpp"
+#include "refusal.hpp"
 #include "sample_record.hpp"
 #include "support/run_program.hpp"
 #include "uff_reference.hpp"
@@ -390,13 +391,9 @@ TEST_F(UffGeometry, ShapesWithAnglesInUnknownLengthsAreRefused) {
       "NONE\nNONE\nNONE\nNONE\nNONE\n         1         2         3         8         2         6\n"
       "         2         4         1         1\n  7.25000E+00  1.00000E+00  2.00000E-02  0.0E+00\n"
       "        12\n  1.00000E+02  0.00000E+00  0.00000E+00  0.00000E+00  2.00000E+00  0.0E+00\n");
-  try {
-    data::read_modal_results(file(units(1, "SI", "1.0D+03", "1.0D+03") + mode));
-    FAIL();
-  } catch (const base::InputError& error) {
-    EXPECT_THAT(error.diagnostics().back().message,
-                HasSubstr("lengths and angles, and the unit of the lengths is unknown"));
-  }
+  const std::string path = file(units(1, "SI", "1.0D+03", "1.0D+03") + mode);
+  EXPECT_THAT(refusal_of([&] { data::read_modal_results(path); }).message,
+              HasSubstr("lengths and angles, and the unit of the lengths is unknown"));
 }
 
 }  // namespace

@@ -1,5 +1,6 @@
 /// Universal Files: laid out as the public description says, and those of other programs read.
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -212,29 +213,21 @@ TEST(Uff, Dataset164AppliesWhereThereIsNoUnitLabel) {
 
 TEST(Uff, AnAngleIsNoLength) {
   const std::string displacement = "         8    1    0    0 NONE                 NONE";
-  const std::string about_y =
-      "    1         0    0         0 NONE               7   5 NONE"
-      "               0   0";
-  const auto record =
-      read(feet + function(displacement, three,
-                           "         2         3         1 0.00000E+000 5.00000E-005 0.00000E+000",
-                           about_y))
-          .record;
-  EXPECT_EQ(record.header.channels[0].unit, "rad");
-  EXPECT_EQ(record.header.channels[0].direction, data::Direction::ry);
-  EXPECT_EQ(record.header.channels[0].point, 7);
-  EXPECT_EQ(record.samples(0, 0), -3.81956);
-  const std::string about_minus_y =
-      "    1         0    0         0 NONE               7  -5 NONE"
-      "               0   0";
-  const auto other_way =
-      read(feet + function(displacement, three,
-                           "         2         3         1 0.00000E+000 5.00000E-005 0.00000E+000",
-                           about_minus_y))
-          .record;
-  EXPECT_EQ(other_way.header.channels[0].unit, "rad");
-  EXPECT_EQ(other_way.header.channels[0].direction, data::Direction::minus_ry);
-  EXPECT_EQ(other_way.samples(0, 0), -3.81956);
+  for (const auto direction : {data::Direction::ry, data::Direction::minus_ry}) {
+    const std::string place = fmt::format(
+        "    1         0    0         0 NONE               7{:4} NONE               0   0",
+        static_cast<int>(direction));
+    const auto record =
+        read(feet +
+             function(displacement, three,
+                      "         2         3         1 0.00000E+000 5.00000E-005 0.00000E+000",
+                      place))
+            .record;
+    EXPECT_EQ(record.header.channels[0].unit, "rad");
+    EXPECT_EQ(record.header.channels[0].direction, direction);
+    EXPECT_EQ(record.header.channels[0].point, 7);
+    EXPECT_EQ(record.samples(0, 0), -3.81956);
+  }
 }
 
 TEST(Uff, UnevenTimesThatAreEvenAreARecord) {
