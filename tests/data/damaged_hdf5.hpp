@@ -1,7 +1,8 @@
 #pragma once
-/// A small HDF5 record with one byte changed, and what reading it may do: refuse it with an error,
-/// or read it; where its checksum holds, it is the record that was written.
+/// A small HDF5 record with one byte changed, and what reading it may do: refuse it with an error
+/// that names the file, or read it; where its checksum holds, it is the record that was written.
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <chrono>
@@ -25,6 +26,13 @@ inline data::Record small_hdf5_record() {
   return record;
 }
 
+struct DamagedRead {
+  std::string refusal{};  ///< empty: it was read
+  bool same_header{};     ///< as far as a checksum covers it
+  bool same_samples{};
+  data::ChecksumFinding checksum{};
+};
+
 struct DamageCounts {
   int crashed{}, refused{}, read{};
 };
@@ -39,11 +47,12 @@ class DamagedHdf5 {
   [[nodiscard]] const DamageCounts& counts() const { return counts_; }
 
   /// Reads it with `value` at `place`; nothing else may happen than this class says.
-  void read_with(std::size_t place, char value) {
+  DamagedRead read_with(std::size_t place, char value) {
     std::string damaged = bytes_;
     damaged[place] = value;
     write_text(path_, damaged);
     const auto begin = std::chrono::steady_clock::now();
+    DamagedRead result;
     try {
       data::RecordSet set({path_});
       std::int64_t differs = 0, rows = 0;
@@ -54,18 +63,36 @@ class DamagedHdf5 {
         return rows < 1'000'000;
       });
       ++counts_.read;
-      if (set.checksum() == data::ChecksumFinding::holds)
-        EXPECT_TRUE(differs == 0 && rows == 23) << place << ' ' << int(value);
+      result.same_samples = differs == 0 && rows == 23;
+      result.same_header = is_that_of_whole(set.header());
+      result.checksum = set.checksum();
+      if (result.checksum == data::ChecksumFinding::holds)
+        EXPECT_TRUE(result.same_header && result.same_samples) << place << ' ' << int(value);
     } catch (const base::InputError& error) {
-      const std::string said = error.diagnostics().back().message;
-      ++(said.find("crashed") == said.npos ? counts_.refused : counts_.crashed);
-      EXPECT_FALSE(said.empty());
+      result.refusal = error.diagnostics().back().message;
+      const bool crashed = result.refusal.find("crashed") != result.refusal.npos;
+      ++(crashed ? counts_.crashed : counts_.refused);
+      EXPECT_FALSE(result.refusal.empty());
+      EXPECT_EQ(result.refusal.find('\n'), result.refusal.npos) << result.refusal;
+      for (const auto& said : error.diagnostics()) EXPECT_EQ(said.file, path_) << said.message;
     }
     const std::chrono::duration<double> taken = std::chrono::steady_clock::now() - begin;
     EXPECT_LT(taken.count(), 15.0) << place << ' ' << int(value);
+    return result;
   }
 
  private:
+  [[nodiscard]] bool is_that_of_whole(const data::RecordHeader& header) const {
+    const auto covered = [](const data::RecordHeader& h) {
+      auto all = fmt::format("{} {} {}", h.sample_rate, h.start, h.repeat);
+      for (const auto& c : h.channels)
+        all += fmt::format("\n{}\n{}\n{} {} {}", c.name, c.unit, static_cast<int>(c.direction),
+                           static_cast<int>(c.role), c.point);
+      return all;
+    };
+    return covered(header) == covered(whole_.header);
+  }
+
   data::Record whole_{small_hdf5_record()};
   TemporaryFolder folder_;
   std::string path_{(folder_.path() / "r.h5").string()};
