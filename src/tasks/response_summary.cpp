@@ -6,17 +6,11 @@
 #include <fmt/format.h>
 
 #include "hydrapod/base/error.hpp"
+#include "hydrapod/numerics/statistics.hpp"
 
 namespace hydrapod::tasks {
 
 namespace {
-
-double median_of(std::vector<double> values) {
-  if (values.empty()) return 0.0;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
 
 ResponseSummary::Output output_summary(const identification::FrequencyResponses& r,
                                        Eigen::Index output) {
@@ -36,7 +30,7 @@ ResponseSummary::Output output_summary(const identification::FrequencyResponses&
     }
   }
   if (!coherence.empty()) {
-    result.median_coherence = median_of(coherence);
+    result.median_coherence = numerics::upper_median(coherence);
     result.lowest_coherence = *std::ranges::min_element(coherence);
   }
   result.magnitude = std::abs(r.H[result.line](output, static_cast<Eigen::Index>(result.input)));
@@ -53,7 +47,7 @@ ResponseSummary summary_of(const identification::FrequencyResponses& responses) 
   for (std::size_t o = 0; responses.lines() > 0 && o < responses.outputs.size(); ++o)
     summary.outputs.push_back(output_summary(responses, static_cast<Eigen::Index>(o)));
   if (responses.condition.empty()) return summary;
-  summary.median_condition = median_of(responses.condition);
+  summary.median_condition = numerics::upper_median(responses.condition);
   summary.largest_condition = *std::ranges::max_element(responses.condition);
   return summary;
 }

@@ -44,6 +44,14 @@ inline std::vector<WritingCommand> writing_commands() {
   return all;
 }
 
+/// The name of a test with it.
+inline std::string command_name(const testing::TestParamInfo<WritingCommand>& info) {
+  std::string name = info.param.name;
+  std::erase(name, '-');
+  std::erase(name, '_');
+  return name;
+}
+
 /// One folder in which a command is run again and again.
 class FaultyRuns {
  public:

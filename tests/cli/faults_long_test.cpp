@@ -34,13 +34,7 @@ TEST_P(FaultsLong, KilledAtAnyMomentNothingIsLost) {
   std::printf("%d kills, %d came too late\n", kills, done);
 }
 
-INSTANTIATE_TEST_SUITE_P(Commands, FaultsLong, testing::ValuesIn(writing_commands()),
-                         [](const auto& info) {
-                           std::string name = info.param.name;
-                           std::erase(name, '-');
-                           std::erase(name, '_');
-                           return name;
-                         });
+INSTANTIATE_TEST_SUITE_P(Commands, FaultsLong, testing::ValuesIn(writing_commands()), command_name);
 
 /// One of them wins, and its record is whole.
 TEST(CrossingWritersLong, LeaveOneWholeRecord) {

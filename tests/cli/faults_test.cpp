@@ -30,13 +30,7 @@ TEST_P(Faults, KilledNothingIsLost) {
   for (const double share : {0.5, 0.95}) runs.kill_after(share * seconds);
 }
 
-INSTANTIATE_TEST_SUITE_P(Commands, Faults, testing::ValuesIn(writing_commands()),
-                         [](const auto& info) {
-                           std::string name = info.param.name;
-                           std::erase(name, '-');
-                           std::erase(name, '_');
-                           return name;
-                         });
+INSTANTIATE_TEST_SUITE_P(Commands, Faults, testing::ValuesIn(writing_commands()), command_name);
 
 }  // namespace
 }  // namespace hydrapod::test

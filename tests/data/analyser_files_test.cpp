@@ -4,15 +4,14 @@
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <hdf5.h>
-#include <matio.h>
 
 #include <cmath>
 #include <memory>
 #include <numbers>
 
 #include "hydrapod/data/record_io.hpp"
-#include "refusal.hpp"
+#include "library_files.hpp"
+#include "said.hpp"
 #include "support/run_program.hpp"
 
 namespace hydrapod::test {
@@ -46,10 +45,6 @@ std::string said(const std::string& path, const data::ReadOptions& options = {})
 
 // MAT
 
-struct MatClose {
-  void operator()(mat_t* file) const { Mat_Close(file); }
-};
-
 matvar_t* numbers(const char* name, std::vector<double> values, bool row = false) {
   std::size_t size[2] = {values.size(), 1};
   if (row) std::swap(size[0], size[1]);
@@ -71,14 +66,6 @@ matvar_t* structure(const char* name,
       Mat_VarCreateStruct(name, 2, size, names.data(), static_cast<unsigned>(names.size()));
   for (const auto& [field, value] : fields) Mat_VarSetStructFieldByName(made, field, 0, value);
   return made;
-}
-
-void write_mat(const std::string& path, const std::vector<matvar_t*>& variables) {
-  const std::unique_ptr<mat_t, MatClose> file(Mat_CreateVer(path.c_str(), nullptr, MAT_FT_MAT5));
-  for (matvar_t* variable : variables) {
-    ASSERT_EQ(Mat_VarWrite(file.get(), variable, MAT_COMPRESSION_NONE), 0);
-    Mat_VarFree(variable);
-  }
 }
 
 matvar_t* simcenter_signal(const char* name, const std::string& label, const std::string& unit,
@@ -185,47 +172,6 @@ TEST(AnalyserFiles, ARateThatTheTimesContradictIsRefused) {
 
 // HDF5
 
-/// An HDF5 file with one dataset of rows of bytes.
-class Hdf5Table {
- public:
-  explicit Hdf5Table(const std::string& path)
-      : file_(H5Fcreate(path.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT)) {}
-  ~Hdf5Table() { H5Fclose(file_); }
-  Hdf5Table(const Hdf5Table&) = delete;
-  Hdf5Table& operator=(const Hdf5Table&) = delete;
-
-  void write(const char* name, hid_t type, hsize_t rows, const void* bytes) {
-    const hid_t space = rows == 0 ? H5Screate(H5S_SCALAR) : H5Screate_simple(1, &rows, nullptr);
-    const hid_t set = H5Dcreate2(file_, name, type, space, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT);
-    ASSERT_GE(H5Dwrite(set, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, bytes), 0);
-    H5Dclose(set);
-    H5Sclose(space);
-  }
-  void attribute(const char* set_name, const char* name, const std::string& value) {
-    const hid_t set = H5Dopen2(file_, set_name, H5P_DEFAULT);
-    const hid_t type = H5Tcopy(H5T_C_S1), space = H5Screate(H5S_SCALAR);
-    H5Tset_size(type, value.size());
-    const hid_t made = H5Acreate2(set, name, type, space, H5P_DEFAULT, H5P_DEFAULT);
-    H5Awrite(made, type, value.data());
-    H5Aclose(made);
-    H5Sclose(space);
-    H5Tclose(type);
-    H5Dclose(set);
-  }
-  void attribute(const char* set_name, const char* name, double value) {
-    const hid_t set = H5Dopen2(file_, set_name, H5P_DEFAULT), space = H5Screate(H5S_SCALAR);
-    const hid_t made = H5Acreate2(set, name, H5T_NATIVE_DOUBLE, space, H5P_DEFAULT, H5P_DEFAULT);
-    H5Awrite(made, H5T_NATIVE_DOUBLE, &value);
-    H5Aclose(made);
-    H5Sclose(space);
-    H5Dclose(set);
-  }
-  [[nodiscard]] hid_t id() const { return file_; }
-
- private:
-  hid_t file_;
-};
-
 /// A boolean as h5py has it.
 hid_t boolean() {
   const hid_t type = H5Tenum_create(H5T_NATIVE_INT8);
@@ -268,10 +214,10 @@ hid_t row_type() {
 TEST(AnalyserFiles, ACompoundTableIsAChannelPerMember) {
   const TemporaryFolder folder;
   {
-    Hdf5Table file(folder / "c.h5");
-    file.write("run", row_type(), samples, rows().data());
+    Hdf5File file(folder / "c.h5");
+    file.write("run", row_type(), {samples}, rows().data());
     const std::int8_t yes = 1;
-    file.write("enabled", boolean(), 0, &yes);
+    file.write("enabled", boolean(), {}, &yes);
   }
   const auto [record, notes] = data::read_record(folder / "c.h5");
   EXPECT_EQ(record.header.sample_rate, 200.0);
@@ -291,12 +237,12 @@ TEST(AnalyserFiles, ACompoundTableIsAChannelPerMember) {
 TEST(AnalyserFiles, BooleansAndARateAsAttribute) {
   const TemporaryFolder folder;
   {
-    Hdf5Table file(folder / "b.h5");
+    Hdf5File file(folder / "b.h5");
     std::vector<std::int8_t> flags;
     for (int k = 0; k < samples; ++k) flags.push_back(k % 3 == 0 ? 1 : 0);
-    file.write("flag", boolean(), samples, flags.data());
-    file.write("x", H5T_NATIVE_DOUBLE, samples, wave(1.0, 0.1).data());
-    file.write("bits", H5T_NATIVE_B8, samples, flags.data());
+    file.write("flag", boolean(), {samples}, flags.data());
+    file.write("x", H5T_NATIVE_DOUBLE, {samples}, wave(1.0, 0.1).data());
+    file.write("bits", H5T_NATIVE_B8, {samples}, flags.data());
     file.attribute("x", "fs", 128.0);
   }
   const auto record = data::read_record(folder / "b.h5").record;
@@ -316,7 +262,7 @@ TEST(AnalyserFiles, ATableOfPandasHasItsColumnsAndItsIndex) {
   };
   const TemporaryFolder folder;
   {
-    Hdf5Table file(folder / "p.h5");
+    Hdf5File file(folder / "p.h5");
     std::vector<Frame> frames;
     for (int k = 0; k < samples; ++k)  // 2024-03-01, every 10 ms, in ns
       frames.push_back({1709251200000000000 + 10'000'000LL * k, {1.0 * k, -2.0 * k}});
@@ -325,7 +271,7 @@ TEST(AnalyserFiles, ATableOfPandasHasItsColumnsAndItsIndex) {
     H5Tinsert(type, "index", HOFFSET(Frame, index), H5T_NATIVE_INT64);
     H5Tinsert(type, "values_block_0", HOFFSET(Frame, block),
               H5Tarray_create2(H5T_NATIVE_DOUBLE, 1, &two));
-    file.write("table", type, samples, frames.data());
+    file.write("table", type, {samples}, frames.data());
     file.attribute("table", "index_kind", std::string("datetime64"));
     file.attribute("table", "values_block_0_kind",
                    std::string("(lp0\nVforce [N]\np1\naVa1\np2\na."));

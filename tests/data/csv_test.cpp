@@ -7,7 +7,7 @@
 #include <ctime>
 
 #include "hydrapod/data/record_io.hpp"
-#include "refusal.hpp"
+#include "said.hpp"
 #include "support/run_program.hpp"
 
 namespace hydrapod::test {

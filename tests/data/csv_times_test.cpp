@@ -8,7 +8,7 @@
 #include <numbers>
 
 #include "hydrapod/data/record_io.hpp"
-#include "refusal.hpp"
+#include "said.hpp"
 #include "support/random.hpp"
 #include "support/run_program.hpp"
 

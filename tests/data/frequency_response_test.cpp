@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "hydrapod/data/frequency_response.hpp"
-#include "refusal.hpp"
+#include "said.hpp"
 #include "support/random.hpp"
 #include "support/run_program.hpp"
 #include "uff_reference.hpp"

@@ -8,6 +8,7 @@
 #include <numbers>
 
 #include "hydrapod/data/record_io.hpp"
+#include "said.hpp"
 #include "support/run_program.hpp"
 
 namespace hydrapod::test {
@@ -24,12 +25,6 @@ data::ReadRecordResult octave(const std::string& name, const data::ReadOptions& 
 std::vector<std::string> names(const data::Record& record) {
   std::vector<std::string> list;
   for (const auto& channel : record.header.channels) list.push_back(channel.name);
-  return list;
-}
-
-std::vector<std::string> messages(const std::vector<base::Diagnostic>& notes) {
-  std::vector<std::string> list;
-  for (const auto& note : notes) list.push_back(note.message);
   return list;
 }
 

@@ -4,15 +4,14 @@
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <hdf5.h>
-#include <matio.h>
 
 #include <complex>
 #include <memory>
 #include <numbers>
 
 #include "hydrapod/data/frequency_response.hpp"
-#include "refusal.hpp"
+#include "library_files.hpp"
+#include "said.hpp"
 #include "support/random.hpp"
 #include "support/run_program.hpp"
 
@@ -83,20 +82,7 @@ std::string refusal(const std::string& path) {
   return refusal_of([&] { data::read_frequency_responses(path); }).message;
 }
 
-std::vector<std::string> messages(const std::vector<base::Diagnostic>& notes) {
-  std::vector<std::string> list;
-  for (const auto& note : notes) list.push_back(note.message);
-  return list;
-}
-
 // MAT, through matio
-
-struct MatClose {
-  void operator()(mat_t* file) const { Mat_Close(file); }
-};
-struct MatFree {
-  void operator()(matvar_t* variable) const { Mat_VarFree(variable); }
-};
 
 matvar_t* mat_complex(const char* name, std::vector<std::size_t> sizes,
                       const std::vector<Complex>& values) {
@@ -123,14 +109,6 @@ matvar_t* mat_texts(const char* name, const std::vector<std::string>& texts) {
                    Mat_VarCreate(nullptr, MAT_C_CHAR, MAT_T_UTF8, 2, length, text.data(), 0));
   }
   return cell;
-}
-void write_mat(const std::string& path, const std::vector<matvar_t*>& variables,
-               matio_compression compression = MAT_COMPRESSION_NONE) {
-  const std::unique_ptr<mat_t, MatClose> file(Mat_CreateVer(path.c_str(), nullptr, MAT_FT_MAT5));
-  for (matvar_t* variable : variables) {
-    ASSERT_EQ(Mat_VarWrite(file.get(), variable, compression), 0);
-    Mat_VarFree(variable);
-  }
 }
 
 /// outputs × inputs × lines as MATLAB has them, the first index fastest.
@@ -327,34 +305,6 @@ TEST_F(ResponseArrays, ColumnsAreInputsWhereTheirNamesSaySo) {
   expect_entries(data::read_frequency_responses(path("m.mat")).responses, 1, 3);
 }
 
-class H5File {
- public:
-  explicit H5File(const std::string& path)
-      : file_(H5Fcreate(path.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT)) {}
-  ~H5File() { H5Fclose(file_); }
-  H5File(const H5File&) = delete;
-  H5File& operator=(const H5File&) = delete;
-
-  void write(const char* name, hid_t type, const std::vector<hsize_t>& sizes, const void* bytes,
-             const std::string& units = "") {
-    const hid_t space = H5Screate_simple(static_cast<int>(sizes.size()), sizes.data(), nullptr);
-    const hid_t set = H5Dcreate2(file_, name, type, space, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT);
-    ASSERT_GE(H5Dwrite(set, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, bytes), 0);
-    if (!units.empty()) {
-      const hid_t text = H5Tcopy(H5T_C_S1), scalar = H5Screate(H5S_SCALAR);
-      H5Tset_size(text, units.size());
-      const hid_t made = H5Acreate2(set, "units", text, scalar, H5P_DEFAULT, H5P_DEFAULT);
-      H5Awrite(made, text, units.data());
-      H5Aclose(made);
-    }
-    H5Dclose(set);
-    H5Sclose(space);
-  }
-
- private:
-  hid_t file_;
-};
-
 /// lines × outputs × inputs as numpy has them, the last index fastest.
 std::vector<Pair> by_rows(std::size_t outputs, std::size_t inputs) {
   std::vector<Pair> all;
@@ -369,7 +319,7 @@ TEST_F(ResponseArrays, OfH5pyAreReadWithFrequenciesInRadiansPerSecond) {
   std::vector<double> omega = frequencies();
   for (double& w : omega) w *= 2.0 * std::numbers::pi;
   {
-    H5File file(path("h.h5"));
+    Hdf5File file(path("h.h5"));
     file.write("omega", H5T_NATIVE_DOUBLE, {lines}, omega.data());
     file.write("H", pair_type(), {lines, 2, 3}, by_rows(2, 3).data());
     file.write("coh", H5T_NATIVE_DOUBLE, {lines}, omega.data());
@@ -390,8 +340,9 @@ TEST_F(ResponseArrays, OfFloatsAndOfKilohertzAreRead) {
   H5Tinsert(type, "real", HOFFSET(Floats, r), H5T_NATIVE_FLOAT);
   H5Tinsert(type, "imag", HOFFSET(Floats, i), H5T_NATIVE_FLOAT);
   {
-    H5File file(path("h.h5"));
-    file.write("frequency", H5T_NATIVE_DOUBLE, {lines}, kilohertz.data(), "kHz");
+    Hdf5File file(path("h.h5"));
+    file.write("frequency", H5T_NATIVE_DOUBLE, {lines}, kilohertz.data());
+    file.attribute("frequency", "units", "kHz");
     file.write("frf", type, {lines}, halves.data());
   }
   const auto got = data::read_frequency_responses(path("h.h5")).responses;
@@ -408,7 +359,7 @@ TEST_F(ResponseArrays, OfTwoRealArraysAreRead) {
     imaginary.push_back(p.i);
   }
   {
-    H5File file(path("h.h5"));
+    Hdf5File file(path("h.h5"));
     file.write("f", H5T_NATIVE_DOUBLE, {lines}, frequencies().data());
     file.write("H_real", H5T_NATIVE_DOUBLE, {lines, 2}, real.data());
     file.write("H_imag", H5T_NATIVE_DOUBLE, {lines, 2}, imaginary.data());
@@ -418,7 +369,7 @@ TEST_F(ResponseArrays, OfTwoRealArraysAreRead) {
 
 TEST_F(ResponseArrays, ThatAreListsAreOutputs) {
   {
-    H5File file(path("h.h5"));
+    Hdf5File file(path("h.h5"));
     file.write("f", H5T_NATIVE_DOUBLE, {lines}, frequencies().data());
     file.write("a1", pair_type(), {lines}, by_rows(1, 1).data());
     auto second = by_rows(1, 1);
@@ -435,7 +386,7 @@ TEST_F(ResponseArrays, ThatAreListsAreOutputs) {
 
 TEST_F(ResponseArrays, ThatCanBeUnderstoodInTwoWaysAreRefused) {
   {
-    H5File file(path("two.h5"));
+    Hdf5File file(path("two.h5"));
     file.write("f", H5T_NATIVE_DOUBLE, {lines}, frequencies().data());
     file.write("A", pair_type(), {lines, 2, 3}, by_rows(2, 3).data());
     file.write("B", pair_type(), {lines, 3, 2}, by_rows(2, 3).data());
@@ -444,7 +395,7 @@ TEST_F(ResponseArrays, ThatCanBeUnderstoodInTwoWaysAreRefused) {
             "several arrays may be the responses: 'A' (41 × 2 × 3), 'B' (41 × 3 × 2); keep one in "
             "the file, or call it H or frf");
   {
-    H5File file(path("estimators.h5"));
+    Hdf5File file(path("estimators.h5"));
     file.write("f", H5T_NATIVE_DOUBLE, {lines}, frequencies().data());
     file.write("H1", pair_type(), {lines}, by_rows(1, 1).data());
     file.write("H2", pair_type(), {lines}, by_rows(1, 1).data());
@@ -452,13 +403,13 @@ TEST_F(ResponseArrays, ThatCanBeUnderstoodInTwoWaysAreRefused) {
   EXPECT_THAT(refusal(path("estimators.h5")), HasSubstr("several arrays may be the responses"));
   const double three[] = {1.0, 2.0, 4.0};
   {
-    H5File file(path("square.h5"));
+    Hdf5File file(path("square.h5"));
     file.write("f", H5T_NATIVE_DOUBLE, {3}, three);
     file.write("H", pair_type(), {3, 3}, by_rows(2, 3).data());
   }
   EXPECT_THAT(refusal(path("square.h5")), HasSubstr("which index counts them cannot be told"));
   {
-    H5File file(path("lists.h5"));
+    Hdf5File file(path("lists.h5"));
     file.write("f", H5T_NATIVE_DOUBLE, {lines}, frequencies().data());
     file.write("omega", H5T_NATIVE_DOUBLE, {lines}, frequencies().data());
     file.write("H", pair_type(), {lines}, by_rows(1, 1).data());

@@ -10,7 +10,7 @@
 
 #include "hydrapod/data/frequency_response.hpp"
 #include "hydrapod/data/record_io.hpp"
-#include "refusal.hpp"
+#include "said.hpp"
 #include "support/run_program.hpp"
 
 namespace hydrapod::test {

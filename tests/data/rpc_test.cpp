@@ -9,8 +9,8 @@
 #include <limits>
 
 #include "hydrapod/data/record_io.hpp"
-#include "refusal.hpp"
 #include "rpc_file.hpp"
+#include "said.hpp"
 #include "sample_record.hpp"
 #include "support/run_program.hpp"
 
@@ -28,12 +28,6 @@ data::ReadRecordResult read_bytes(const std::string& bytes) {
 
 std::string refusal(const std::string& bytes) {
   return refusal_of([&] { read_bytes(bytes); }).message;
-}
-
-std::vector<std::string> messages_of(const std::vector<base::Diagnostic>& notes) {
-  std::vector<std::string> list;
-  for (const auto& note : notes) list.push_back(note.message);
-  return list;
 }
 
 void expect_counts(const data::Record& record) {
@@ -56,7 +50,7 @@ TEST(Rpc, IntegersByHandAreIntegerTimesScale) {
   EXPECT_EQ(record.header.channels[1].role, data::Role::response);
   EXPECT_EQ(record.header.date, "1995-10-05T14:19:14");
   EXPECT_THAT(record.header.notes, HasSubstr("OPERATION = by hand"));
-  EXPECT_THAT(messages_of(notes),
+  EXPECT_THAT(messages(notes),
               testing::Contains("the last 2 samples of every channel are 0, as RPC III fills its "
                                 "last group: left out"));
 }
@@ -102,8 +96,7 @@ TEST(Rpc, FloatsByHandAreNotScaled) {
   EXPECT_EQ(record.samples(1, 0), static_cast<double>(-3e30F));
   EXPECT_EQ(record.samples(0, 1), 7.25);
   EXPECT_EQ(record.samples(1, 1), static_cast<double>(1e-40F));
-  EXPECT_THAT(messages_of(notes),
-              testing::Contains(HasSubstr("SCALE.CHAN_1 = 0.5 is not applied")));
+  EXPECT_THAT(messages(notes), testing::Contains(HasSubstr("SCALE.CHAN_1 = 0.5 is not applied")));
 }
 
 /// Without DATA_TYPE the length of the file tells floats from integers.
@@ -116,7 +109,7 @@ TEST(Rpc, FloatsWithoutADataTypeAreKnownByTheLengthOfTheFile) {
                             0.0F, 9.0F, 8.0F, 0.0F, 0.0F})
     data += rpc_number(value);
   const auto [record, notes] = read_bytes(rpc_header("BINARY_IEEE_LITTLE_END", keys) + data);
-  EXPECT_THAT(messages_of(notes), testing::Contains(HasSubstr("DATA_TYPE is missing")));
+  EXPECT_THAT(messages(notes), testing::Contains(HasSubstr("DATA_TYPE is missing")));
   ASSERT_EQ(record.samples.rows(), 6);
   EXPECT_EQ(record.samples(1, 0), -3.5 * 0.001);  // mm, and no scale
   EXPECT_EQ(record.samples(4, 0), -0.5 * 0.001);
@@ -140,7 +133,7 @@ TEST(Rpc, RunsAtFullScaleAreReported) {
     data.replace(2 * at, 2, rpc_number(std::int16_t{32752}));
   const auto notes = read_bytes(rpc_header("BINARY", rpc_shorts_keys()) + data).notes;
   EXPECT_THAT(
-      messages_of(notes),
+      messages(notes),
       testing::Contains("channel \"left front\": 3 samples are at the full scale of ±32752, "
                         "in runs of three or more: clipped"));
 }
@@ -175,7 +168,7 @@ TEST(Rpc, OfACutFileTheWholeGroupsAreRead) {
   const auto [record, notes] = read_bytes(whole.substr(0, whole.size() - 9));
   EXPECT_EQ(record.samples.rows(), 4);
   EXPECT_THAT(
-      messages_of(notes),
+      messages(notes),
       testing::Contains("the file is cut off: 4 samples of the 8 that it declares are there "
                         "for all channels"));
 }
@@ -249,7 +242,7 @@ std::vector<std::string> written_notes(const data::Record& record, RecordFormat 
   const auto writer = data::open_record_writer(path, record.header, format);
   writer->append(record.samples);
   writer->close();
-  return messages_of(writer->notes());
+  return messages(writer->notes());
 }
 
 TEST(RpcWriter, WhatIntegersCannotHoldIsReported) {

@@ -7,7 +7,7 @@
 
 #include "hydrapod/data/frequency_response.hpp"
 #include "hydrapod/data/modal_results.hpp"
-#include "refusal.hpp"
+#include "said.hpp"
 #include "sample_record.hpp"
 #include "support/run_program.hpp"
 #include "uff_reference.hpp"
@@ -106,12 +106,6 @@ class UffGeometry : public testing::Test {
 constexpr std::array formats{data::RecordFormat::hdf5,  data::RecordFormat::mat5,
                              data::RecordFormat::mat73, data::RecordFormat::csv,
                              data::RecordFormat::uff,   data::RecordFormat::rpc};
-
-std::vector<std::string> messages(const std::vector<base::Diagnostic>& notes) {
-  std::vector<std::string> list;
-  for (const auto& note : notes) list.push_back(note.message);
-  return list;
-}
 
 TEST_F(UffGeometry, OfAFileInMillimetresIsInMetres) {
   const auto [record, notes] = this->record(foreign_record());

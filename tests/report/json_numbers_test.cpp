@@ -220,27 +220,18 @@ TEST(NumbersInJson, OfAPoseCheck) {
   check.lowest_at_buckling = 0.0123;
   Json legs = Json::array();
   for (std::size_t i = 0; i < 6; ++i) {
-    const double first = 1.0 + static_cast<double>(i);
-    check.legs[i] = {.length = first + 0.01,
-                     .piston = first + 0.02,
-                     .guided_length = first + 0.03,
-                     .retract_left = first + 0.04,
-                     .extend_left = first + 0.05,
-                     .oil_stiffness = first + 0.06,
-                     .axial_force = first + 0.07,
-                     .tilt = first + 0.08,
-                     .base_tilt = first + 0.09,
-                     .platform_tilt = first + 0.11};
-    legs.push_back({{"length_m", first + 0.01},
-                    {"piston_m", first + 0.02},
-                    {"guided_length_m", first + 0.03},
-                    {"oil_stiffness_N_m", first + 0.06},
-                    {"axial_force_N", first + 0.07},
-                    {"static_tilt_rad", first + 0.08},
-                    {"base_joint_tilt_rad", first + 0.09},
-                    {"platform_joint_tilt_rad", first + 0.11},
-                    {"retract_left_m", first + 0.04},
-                    {"extend_left_m", first + 0.05}});
+    legs.push_back(number_fields<report::LegCheck>(
+        check.legs[i], 1.0 + static_cast<double>(i),
+        {{"length_m", &report::LegCheck::length},
+         {"piston_m", &report::LegCheck::piston},
+         {"guided_length_m", &report::LegCheck::guided_length},
+         {"oil_stiffness_N_m", &report::LegCheck::oil_stiffness},
+         {"axial_force_N", &report::LegCheck::axial_force},
+         {"static_tilt_rad", &report::LegCheck::tilt},
+         {"base_joint_tilt_rad", &report::LegCheck::base_tilt},
+         {"platform_joint_tilt_rad", &report::LegCheck::platform_tilt},
+         {"retract_left_m", &report::LegCheck::retract_left},
+         {"extend_left_m", &report::LegCheck::extend_left}}));
   }
   check.warnings = {{.kind = report::PoseWarning::Kind::short_guide,
                      .value = 0.017,
@@ -402,32 +393,6 @@ TEST(NumbersInJson, OfARootLocus) {
   };
   expect_numbers(report::root_locus_json(locus),
                  {{"limits", Json::array({3.7})}, {"points", {point(3.1, 1.0), point(4.2, 2.0)}}});
-}
-
-TEST(CommandBandwidth, IsWhereTheCurveFallsBelowMinusThreeDecibels) {
-  // 1/(1 + iω/ω_1): down by √½ and behind by 45° at ω_1; its square by 90°
-  report::CommandResponse response;
-  constexpr double corner = two_pi * 1.37;
-  for (int k = 0; k < 2000; ++k) {
-    const double omega = corner * std::pow(10.0, (k - 1000) / 900.0);
-    const std::complex<double> one = 1.0 / std::complex<double>(1.0, omega / corner);
-    response.omega.push_back(omega);
-    response.H.emplace_back(response::Matrix6c::Identity() * one);
-    response.H.back()(4, 4) = 1.3 * one * one;
-  }
-  const auto first = report::command_bandwidth(response, 0),
-             second = report::command_bandwidth(response, 4);
-  EXPECT_NEAR(*first.magnitude, corner, 1e-5 * corner);
-  EXPECT_FALSE(first.phase);
-  EXPECT_NEAR(*second.phase, corner, 1e-5 * corner);
-  EXPECT_NEAR(*second.magnitude, corner * std::sqrt(1.3 * std::sqrt(2.0) - 1.0), 1e-5 * corner);
-  EXPECT_NEAR(second.peak, 1.3, 1e-2);
-  const Json json = report::command_response_json(response)["bandwidths"];
-  EXPECT_NEAR(json[0]["minus_3_db_hz"].get<double>(), 1.37, 1e-4);
-  EXPECT_TRUE(json[0]["minus_90_deg_hz"].is_null());
-  EXPECT_NEAR(json[4]["minus_90_deg_hz"].get<double>(), 1.37, 1e-4);
-  EXPECT_NEAR(json[4]["peak_hz"].get<double>(), second.peak_omega / two_pi, 1e-12);
-  EXPECT_EQ(json[4]["peak"], second.peak);
 }
 
 report::Simulation simulated() {

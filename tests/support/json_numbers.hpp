@@ -5,7 +5,10 @@
 
 #include <cmath>
 #include <map>
+#include <optional>
 #include <string>
+#include <variant>
+#include <vector>
 
 #include "hydrapod/report/json.hpp"
 
@@ -48,6 +51,26 @@ inline Eigen::Matrix<double, 6, 1> six(double first) {
 inline report::Json six_json(double first) {
   const auto values = six(first);
   return report::Json(std::vector<double>(values.begin(), values.end()));
+}
+
+/// A field that is a number, and what it is called in the JSON.
+template <class T>
+struct NumberField {
+  const char* name;
+  std::variant<double T::*, std::optional<double> T::*> field;
+};
+
+/// Gives the fields of `object` different numbers, the first a bit more than `first`; the JSON that
+/// has them.
+template <class T>
+report::Json number_fields(T& object, double first, const std::vector<NumberField<T>>& fields) {
+  report::Json json;
+  for (const auto& [name, field] : fields) {
+    first += 0.01;
+    std::visit([&, number = first](auto member) { object.*member = number; }, field);
+    json[name] = first;
+  }
+  return json;
 }
 
 }  // namespace hydrapod::test
