@@ -101,7 +101,7 @@ FitSystem::FitSystem(const FrequencyResponses& r, const FitOptions& options)
       omega_scale_(two_pi * r.frequency.back()),
       M_(lines_, inputs_ * inputs_),
       weights_re_(lines_, outputs_ * inputs_ * (inputs_ + 1) / 2),
-      weights_im_(lines_, weights_re_.cols()),
+      weights_im_(lines_, outputs_ * inputs_ * (inputs_ - 1) / 2),
       data_(lines_, outputs_ * inputs_) {
   // row_weights hold one over the variance averaged over inputs; W takes the inputs' part of it
   const MatrixXd weight = row_weights(r, false);
@@ -120,9 +120,10 @@ FitSystem::FitSystem(const FrequencyResponses& r, const FitOptions& options)
         M_(k, i * inputs_ + j) = M_ij;
         if (j < i) continue;
         for (Index o = 0; o < outputs_; ++o) {
-          const Index at = o * inputs_ * (inputs_ + 1) / 2 + pair;
-          weights_re_(k, at) = weight(k, o) * M_ij.real();
-          weights_im_(k, at) = weight(k, o) * M_ij.imag();
+          weights_re_(k, o * inputs_ * (inputs_ + 1) / 2 + pair) = weight(k, o) * M_ij.real();
+          if (j > i)  // and i pairs (i, i) are left out before this one
+            weights_im_(k, o * inputs_ * (inputs_ - 1) / 2 + pair - i - 1) =
+                weight(k, o) * M_ij.imag();
         }
         ++pair;
       }
@@ -150,7 +151,8 @@ void FitSystem::add_gram(FitState& state) const {
   const auto& c = state.functions;
   const Index n = c.re.cols(), p = inputs_, pairs = p * (p + 1) / 2;
   MatrixXd re(chunk, n * (n + 1) / 2), im(chunk, re.cols());
-  MatrixXd even = MatrixXd::Zero(re.cols(), weights_re_.cols()), odd = even;
+  MatrixXd even = MatrixXd::Zero(re.cols(), weights_re_.cols()),
+           odd = MatrixXd::Zero(im.cols(), weights_im_.cols());
   for (Index first = 0; first < lines_; first += chunk) {
     const Index count = std::min(chunk, lines_ - first);
     for (Index b = 0, at = 0; b < n; ++b)
@@ -169,9 +171,9 @@ void FitSystem::add_gram(FitState& state) const {
     auto& G = state.gram[static_cast<size_t>(o)];
     for (Index b = 0, at = 0; b < n; ++b)
       for (Index a = 0; a <= b; ++a, ++at)
-        for (Index i = 0, pair = o * pairs; i < p; ++i)
+        for (Index i = 0, pair = o * pairs, off = o * (pairs - p); i < p; ++i)
           for (Index j = i; j < p; ++j, ++pair) {
-            const double same = even(at, pair), turned = odd(at, pair);
+            const double same = even(at, pair), turned = i == j ? 0.0 : odd(at, off++);
             G(a * p + i, b * p + j) = G(b * p + j, a * p + i) = same - turned;
             G(a * p + j, b * p + i) = G(b * p + i, a * p + j) = same + turned;
           }

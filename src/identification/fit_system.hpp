@@ -97,12 +97,13 @@ class FitSystem {
   int residual_terms_;  // s⁻² … s^K
   Index inputs_, outputs_, lines_;
   double omega_scale_;
-  MatrixXd deviation_;                // lines × outputs
-  std::vector<MatrixXcd> white_;      // per line
-  MatrixXcd M_;                       // lines × inputs², column i p + j
-  MatrixXd weights_re_, weights_im_;  // w_o M_ij, i ≤ j: lines × (outputs · pairs)
-  MatrixXcd data_;                    // Ĥ_oi in column o p + i
-  Parts data_gradient_;               // w_o M Ĥ_o
+  MatrixXd deviation_;            // lines × outputs
+  std::vector<MatrixXcd> white_;  // per line
+  MatrixXcd M_;                   // lines × inputs², column i p + j
+  MatrixXd weights_re_;           // w_o M_ij, i ≤ j: lines × (outputs · pairs)
+  MatrixXd weights_im_;           // i < j
+  MatrixXcd data_;                // Ĥ_oi in column o p + i
+  Parts data_gradient_;           // w_o M Ĥ_o
 };
 
 /// φ out of own parameters.

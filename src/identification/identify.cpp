@@ -73,7 +73,7 @@ bool try_more(const IdentifyOptions& options, const PoleCluster& like, Complex p
     clusters.back().representative = std::move(mode);
   }
   Identification trial = result;
-  if (!fit_if_all_stay(options, std::move(clusters), trial) ||
+  if (!fit_if_all_stay(options, std::move(clusters), before, trial) ||
       trial.clusters.size() != before + count ||
       gain(result, trial) < asked.gain * options.least_significance)
     return false;

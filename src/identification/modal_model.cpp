@@ -1,11 +1,14 @@
 #include "hydrapod/identification/identify.hpp"
 
 #include <Eigen/Cholesky>
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <stdexcept>
 
 #include "fit_covariance.hpp"
 #include "fit_system.hpp"
+#include "trial_fit.hpp"
 
 namespace hydrapod::identification {
 
@@ -92,13 +95,61 @@ void fill(const FitSystem& system, const FitState& state, ModalModel& model) {
   model.omega_scale = system.omega_scale();
 }
 
+/// Mean of |residual|²/variance, less the parameters.
+double misfit_of(const FitSystem& system, const FitState& state) {
+  const Index modes = state.shared.poles.size();
+  const double numbers = static_cast<double>(system.lines() * system.outputs() * system.inputs());
+  const double parameters = 0.5 * static_cast<double>(system.shared_count(modes) +
+                                                      system.outputs() * system.own_count(modes));
+  return state.cost / std::max(1.0, numbers - parameters);
+}
+
+/// FittedMode::significance of all modes.
+VectorXd significances(const FitSystem& system, const FitState& state,
+                       const FrequencyResponses& responses) {
+  const double count = 2.0 * static_cast<double>(system.outputs() + system.inputs());
+  const double misfit = misfit_of(system, state);
+  const double unit = responses.has_errors() ? std::max(1.0, misfit) : std::max(misfit, 1e-300);
+  return state.mode_power / count / unit;
+}
+
+/// Sees that modes which are tried are not worth going on.
+class Prospect {
+ public:
+  Prospect(const Worth& worth, VectorXd significance)
+      : worth_(worth), last_(std::move(significance)), growth_{} {}
+
+  /// Now, without another iteration.
+  [[nodiscard]] bool failed() const { return falls_short(VectorXd::Zero(last_.size())); }
+
+  /// Also with all the iterations that are left.
+  [[nodiscard]] bool fails(VectorXd significance, int iterations_left) {
+    growth_[static_cast<size_t>(seen_++) % growth_.size()] = significance - last_;
+    last_ = std::move(significance);
+    if (seen_ < static_cast<int>(growth_.size())) return false;
+    VectorXd fastest = VectorXd::Zero(last_.size());
+    for (const auto& growth : growth_) fastest = fastest.cwiseMax(growth);
+    return falls_short(worth_.patience * iterations_left * fastest);
+  }
+
+ private:
+  [[nodiscard]] bool falls_short(const VectorXd& to_come) const {
+    const auto tried = last_.size() - static_cast<Index>(worth_.first);
+    return ((last_ + to_come).tail(tried).array() < worth_.least_significance).any();
+  }
+
+  const Worth& worth_;
+  VectorXd last_;
+  std::array<VectorXd, 3> growth_;
+  int seen_{};
+};
+
 /// Error of the synthesis and what each mode adds.
 void judge(const FitSystem& system, const FitState& state, const FrequencyResponses& responses,
-           double misfit, ModalModel& model) {
-  const double count = 2.0 * static_cast<double>(system.outputs() + system.inputs());
-  const double unit = responses.has_errors() ? std::max(1.0, misfit) : std::max(misfit, 1e-300);
-  for (Index r = 0; r < state.mode_power.size(); ++r)
-    model.modes[static_cast<size_t>(r)].significance = state.mode_power[r] / count / unit;
+           ModalModel& model) {
+  const VectorXd significance = significances(system, state, responses);
+  for (Index r = 0; r < significance.size(); ++r)
+    model.modes[static_cast<size_t>(r)].significance = significance[r];
   // the error is seen in the responses themselves, each output in proportion to its own size
   const VectorXd size = row_sizes(responses);
   double off = 0.0, whole = 0.0;
@@ -110,34 +161,48 @@ void judge(const FitSystem& system, const FitState& state, const FrequencyRespon
   model.error = whole > 0.0 ? std::sqrt(off / whole) : 0.0;
 }
 
-}  // namespace
-
-ModalModel fit_modes(const FrequencyResponses& responses, const std::vector<PoleEstimate>& start,
-                     const FitOptions& options) {
+/// `worth`: may be none.
+std::optional<ModalModel> fitted(const FrequencyResponses& responses,
+                                 const std::vector<PoleEstimate>& start, const FitOptions& options,
+                                 const Worth* worth) {
   if (start.empty()) throw std::invalid_argument("a modal model needs at least one pole");
   const FitSystem system(responses, options);
   FitState state = system.solved(start_of(start, system.inputs()));
   ModalModel model;
+  std::optional<Prospect> prospect;
+  if (worth != nullptr) prospect.emplace(*worth, significances(system, state, responses));
   double damping = 1e-4;
   for (; model.iterations < options.max_iterations; ++model.iterations) {
     const double before = state.cost;
     model.converged =
         !improve(system, state, damping) || before - state.cost <= options.tolerance * before;
+    if (prospect && prospect->fails(significances(system, state, responses),
+                                    options.max_iterations - model.iterations - 1))
+      return {};
     if (model.converged) break;
   }
+  if (prospect && prospect->failed()) return {};
   fill(system, state, model);
   model.cost = state.cost;
-  const auto modes = static_cast<Index>(start.size());
-  const double numbers = static_cast<double>(system.lines() * system.outputs() * system.inputs());
-  const double parameters = 0.5 * static_cast<double>(system.shared_count(modes) +
-                                                      system.outputs() * system.own_count(modes));
-  const double spare = std::max(1.0, numbers - parameters);
-  const double misfit = state.cost / spare;
+  const double misfit = misfit_of(system, state);
   if (responses.has_errors()) model.misfit = misfit;
-  judge(system, state, responses, misfit, model);
+  judge(system, state, responses, model);
   if (options.deviations != Deviations::none)
     add_deviations(system, responses, state, options.deviations, misfit, model);
   return model;
+}
+
+}  // namespace
+
+ModalModel fit_modes(const FrequencyResponses& responses, const std::vector<PoleEstimate>& start,
+                     const FitOptions& options) {
+  return *fitted(responses, start, options, nullptr);
+}
+
+std::optional<ModalModel> fit_if_worth(const FrequencyResponses& responses,
+                                       const std::vector<PoleEstimate>& start,
+                                       const FitOptions& options, const Worth& worth) {
+  return fitted(responses, start, options, &worth);
 }
 
 MatrixXcd synthesised(const ModalModel& model, double frequency, double shift) {

@@ -1,4 +1,4 @@
-#include "hydrapod/identification/identify.hpp"
+#include "hydrapod/identification/poles.hpp"
 
 #include <fmt/format.h>
 

@@ -5,6 +5,7 @@
 
 #include "names.hpp"
 #include "search.hpp"
+#include "trial_fit.hpp"
 
 namespace hydrapod::identification {
 
@@ -49,21 +50,30 @@ bool another_first(const ModalModel& model, std::size_t r, const Band& band,
 
 namespace {
 
-enum class Objected { taken_out, end };
-
-/// False where something was objected to and that is the end.
-bool fit_and_judge(const IdentifyOptions& options, std::vector<PoleCluster> clusters,
-                   Objected objected, Identification& result) {
-  const Band band{result.from, result.to};
-  const auto fit = [&] {
-    std::vector<PoleEstimate> start;
-    for (const auto& c : clusters) start.push_back(c.representative);
-    auto poles_alone = options.fit;  // what is taken out is judged by its pole
-    poles_alone.deviations = Deviations::poles;
+/// What is taken out is judged by its pole. False where `tried` is given and a mode from there on
+/// does not stand above the noise.
+bool fit_clusters(const IdentifyOptions& options, const std::vector<PoleCluster>& clusters,
+                  std::optional<std::size_t> tried, Identification& result) {
+  std::vector<PoleEstimate> start;
+  for (const auto& c : clusters) start.push_back(c.representative);
+  auto poles_alone = options.fit;
+  poles_alone.deviations = Deviations::poles;
+  if (!tried) {
     result.model = fit_modes(result.responses, start, poles_alone);
-  };
+    return true;
+  }
+  auto model = fit_if_worth(result.responses, start, poles_alone,
+                            {*tried, options.least_significance, options.trial.patience});
+  if (model) result.model = std::move(*model);
+  return model.has_value();
+}
+
+/// `tried`: false where something was objected to, which then is the end.
+bool fit_and_judge(const IdentifyOptions& options, std::vector<PoleCluster> clusters,
+                   std::optional<std::size_t> tried, Identification& result) {
+  const Band band{result.from, result.to};
   for (int round = 0; round < options.prune.rounds && !clusters.empty(); ++round) {
-    fit();
+    if (!fit_clusters(options, clusters, tried, result)) return false;
     std::vector<PoleCluster> kept;
     for (std::size_t r = 0; r < clusters.size(); ++r) {
       const auto& mode = result.model.modes[r];
@@ -88,12 +98,12 @@ bool fit_and_judge(const IdentifyOptions& options, std::vector<PoleCluster> clus
       }
     }
     if (kept.size() == clusters.size()) break;
-    if (objected == Objected::end) return false;
+    if (tried) return false;
     clusters = std::move(kept);
     if (clusters.empty()) result.model = {};
   }
   // the last round took something out: model and clusters are indexed alike
-  if (result.model.modes.size() != clusters.size()) fit();
+  if (result.model.modes.size() != clusters.size()) fit_clusters(options, clusters, {}, result);
   result.clusters = std::move(clusters);
   return true;
 }
@@ -102,12 +112,12 @@ bool fit_and_judge(const IdentifyOptions& options, std::vector<PoleCluster> clus
 
 void fit_and_prune(const IdentifyOptions& options, std::vector<PoleCluster> clusters,
                    Identification& result) {
-  fit_and_judge(options, std::move(clusters), Objected::taken_out, result);
+  fit_and_judge(options, std::move(clusters), {}, result);
 }
 
 bool fit_if_all_stay(const IdentifyOptions& options, std::vector<PoleCluster> clusters,
-                     Identification& result) {
-  return fit_and_judge(options, std::move(clusters), Objected::end, result);
+                     std::size_t tried, Identification& result) {
+  return fit_and_judge(options, std::move(clusters), tried, result);
 }
 
 }  // namespace hydrapod::identification

@@ -14,8 +14,9 @@ namespace hydrapod::identification {
 void fit_and_prune(const IdentifyOptions& options, std::vector<PoleCluster> clusters,
                    Identification& result);
 
-/// The same for a trial: false, with an unfinished result, as soon as there is an objection.
+/// The same for a trial of the clusters from number `tried` on: false, with an unfinished result,
+/// as soon as there is an objection, or will be.
 bool fit_if_all_stay(const IdentifyOptions& options, std::vector<PoleCluster> clusters,
-                     Identification& result);
+                     std::size_t tried, Identification& result);
 
 }  // namespace hydrapod::identification

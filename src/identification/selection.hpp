@@ -1,7 +1,7 @@
 #pragma once
 /// What it takes to call two poles the same. Private to the module.
 
-#include "hydrapod/identification/identify.hpp"
+#include "hydrapod/identification/poles.hpp"
 #include "names.hpp"
 
 namespace hydrapod::identification {

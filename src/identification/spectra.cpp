@@ -23,7 +23,7 @@ namespace {
 // Blocks are taken many at a time: the sums of all pairs, which are larger than the processor's
 // caches, are then read and written that much less often.
 constexpr Index most_blocks = 16;
-constexpr Index most_numbers = Index{1} << 22;  // samples of all blocks taken at a time: 64 MB
+constexpr Index most_numbers = Index{1} << 21;  // samples of all blocks taken at a time: 32 MB
 constexpr Index few_rows = 1024;  // that are copied and then looked at while they are in the cache
 // Threads begin in some 50 µs; less work than this is done sooner by one.
 constexpr Index worth_threads = Index{1} << 17;  // samples of all blocks
