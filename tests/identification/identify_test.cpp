@@ -121,6 +121,17 @@ TEST(Identify, NoModeIsCertainWhereNoiseExplainsLittle) {
   for (const auto& mode : found.modes) EXPECT_LE(mode.quality(), 2.0 / found.model.misfit);
 }
 
+/// A sweep of a loop gave a fourth mode with ζ = 4.23 ± 3.69 % and quality 1.00.
+TEST(Identify, AModeWhoseDampingIsOpenIsNotCertain) {
+  IdentifiedMode mode{.persistence = 1.0, .vector_consistency = 1.0};
+  mode.fit.pole = 82.7 * std::complex<double>(-0.0423, std::sqrt(1.0 - 0.0423 * 0.0423));
+  EXPECT_EQ(mode.quality(), 1.0);  // no deviation is known
+  mode.fit.damping_deviation = 0.25 * 0.0423;
+  EXPECT_NEAR(mode.quality(), 1.0, 1e-9);
+  mode.fit.damping_deviation = 0.0188;
+  EXPECT_NEAR(mode.quality(), 0.0423 / (4.0 * 0.0188), 1e-9);
+}
+
 TEST(Identify, BlocksThatAreShortForAResonanceAreNamed) {
   const auto system = test::chain(5, 1.37, 2113.0, 0.013);
   const auto record = noisy_record(system, {.sample_rate = 60.0, .samples = 1 << 15}, 0.01);
