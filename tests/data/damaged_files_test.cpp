@@ -245,9 +245,11 @@ TEST(DamagedFiles, AreToldApartToTheLetter) {
   for (const Damage& damage : damages())
     table += fmt::format("| {} | {} | {} |\n", damage.format, damage.what, said(damage.bytes));
   const auto place = source_file("docs/validation/damaged-records.md");
-  if (std::getenv("HYDRAPOD_WRITE_TABLES") != nullptr) write_text(place, table);
+  const std::string page = read_text(place);
+  const std::size_t end = std::min(page.find("\n## At random"), page.size());  // of another test
+  if (std::getenv("HYDRAPOD_WRITE_TABLES") != nullptr) write_text(place, table + page.substr(end));
   EXPECT_GE(damages().size(), 30U);
-  EXPECT_EQ(table, read_text(place));
+  EXPECT_EQ(table, page.substr(0, end));
 }
 
 /// Cut at every thirteenth byte: an answer, never a crash, and no more samples than there
