@@ -128,6 +128,38 @@ void keep_best(std::vector<Solution>& solutions, std::size_t count) {
   }
 }
 
+/// Solutions from all starts; with fewer `kept` than starts the best ones of a trial go on.
+void solve_from_starts(const FitOptions& options, const std::function<bool()>& stop,
+                       const Progress& show, std::vector<Combination>& all) {
+  const SolverOptions to_the_end{
+      .max_iterations = options.max_iterations, .tolerance = options.tolerance, .stop = stop};
+  const auto starts = static_cast<std::size_t>(options.starts);
+  const bool trial = options.kept > 0 && options.kept < options.starts;
+  auto first = to_the_end;
+  if (trial) first.max_iterations = options.trial_iterations;
+  numerics::parallel_for(
+      all.size() * starts, options.threads,
+      [&](std::size_t i) {
+        auto& combination = all[i / starts];
+        const auto number = static_cast<int>(i % starts);
+        combination.solutions[i % starts] = solve(
+            *combination.problem, start_of(*combination.problem, options.seed, number), first);
+      },
+      numerics::part_of(show, 0.0, trial ? 0.4 : 0.7));
+  if (!trial) return;
+  const auto kept = static_cast<std::size_t>(options.kept);
+  for (auto& combination : all) keep_best(combination.solutions, kept);
+  numerics::parallel_for(
+      all.size() * kept, options.threads,
+      [&](std::size_t i) {
+        auto& combination = all[i / kept];
+        auto& solution = combination.solutions[i % kept];
+        if (solution.usable && !solution.converged)
+          solution = solve(*combination.problem, solution.x, to_the_end);
+      },
+      numerics::part_of(show, 0.4, 0.7));
+}
+
 }  // namespace
 
 Calibration calibrate(const model::MachineFile& file, const Targets& targets, const Plan& plan,
@@ -140,35 +172,7 @@ Calibration calibrate(const model::MachineFile& file, const Targets& targets, co
   numerics::Watch watch(progress);
   const Progress show = [&](double share) { return watch.at(share); };
   const std::function<bool()> stop = [&] { return watch.stopped(); };
-  const SolverOptions to_the_end{.max_iterations = plan.options.max_iterations,
-                                 .tolerance = plan.options.tolerance,
-                                 .stop = stop};
-  const auto starts = static_cast<std::size_t>(plan.options.starts);
-  const bool trial = plan.options.kept > 0 && plan.options.kept < plan.options.starts;
-  auto first = to_the_end;
-  if (trial) first.max_iterations = plan.options.trial_iterations;
-  numerics::parallel_for(
-      all.size() * starts, plan.options.threads,
-      [&](std::size_t i) {
-        auto& combination = all[i / starts];
-        const auto number = static_cast<int>(i % starts);
-        combination.solutions[i % starts] = solve(
-            *combination.problem, start_of(*combination.problem, plan.options.seed, number), first);
-      },
-      numerics::part_of(show, 0.0, trial ? 0.4 : 0.7));
-  if (trial) {
-    const auto kept = static_cast<std::size_t>(plan.options.kept);
-    for (auto& combination : all) keep_best(combination.solutions, kept);
-    numerics::parallel_for(
-        all.size() * kept, plan.options.threads,
-        [&](std::size_t i) {
-          auto& combination = all[i / kept];
-          auto& solution = combination.solutions[i % kept];
-          if (solution.usable && !solution.converged)
-            solution = solve(*combination.problem, solution.x, to_the_end);
-        },
-        numerics::part_of(show, 0.4, 0.7));
-  }
+  solve_from_starts(plan.options, stop, show, all);
   for (auto& combination : all) conclude(combination);
   rank(all);
   const bool try_robust = plan.options.loss == Loss::cauchy ||

@@ -34,6 +34,19 @@ std::string limit_text(double limit, const data::ResponseWarning& w) {
   return fmt::format("{:.{}g}", limit, std::min(4 + static_cast<int>(more), 17));
 }
 
+std::string missing_samples_text(const data::ResponseWarning& w) {
+  return fmt::format(
+      "{:.2g} % of the samples are missing, most in {} ({:.2g} %): they were filled by prediction "
+      "from the samples beside them{}",
+      100.0 * static_cast<double>(w.count) /
+          static_cast<double>(std::max<std::int64_t>(1, w.total)),
+      w.channel, 100.0 * w.share,
+      w.value > 0.0 ? fmt::format("; {:.2g} % of the power of the inputs stays unknown: its "
+                                  "response acts as noise, which the intervals include",
+                                  100.0 * w.value)
+                    : "");
+}
+
 }  // namespace
 
 std::string warning_text(const data::ResponseWarning& w) {
@@ -81,18 +94,7 @@ std::string warning_text(const data::ResponseWarning& w) {
           "{} of {} frequencies have a value that is no finite number and were left out", w.count,
           w.total);
     case Kind::missing_samples:
-      return fmt::format(
-          "{:.2g} % of the samples are missing, most in {} ({:.2g} %): they were filled by "
-          "prediction from the samples beside them{}",
-          100.0 * static_cast<double>(w.count) /
-              static_cast<double>(std::max<std::int64_t>(1, w.total)),
-          w.channel, 100.0 * w.share,
-          w.value > 0.0
-              ? fmt::format(
-                    "; {:.2g} % of the power of the inputs stays unknown: its response acts "
-                    "as noise, which the intervals include",
-                    100.0 * w.value)
-              : "");
+      return missing_samples_text(w);
     case Kind::single_block:
       return fmt::format(
           "{}: taken as one block; the errors of the responses are not measured, but estimated "
