@@ -12,6 +12,7 @@
 #include "hydrapod/base/error.hpp"
 #include "hydrapod/simulation/linear_system.hpp"
 #include "run_accounts.hpp"
+#include "stiffness.hpp"
 
 namespace hydrapod::simulation {
 
@@ -261,6 +262,7 @@ ClosedLoop::ClosedLoop(const model::Machine& machine, const Pose& operating,
   if (options.output_interval)
     require_bounded(options.until, *options.output_interval, "the record's");
   implementation_ = std::make_unique<Implementation>(machine, operating, options);
+  require_passable(plant(), rest(), options.integrator, options.until);
 }
 ClosedLoop::~ClosedLoop() = default;
 ClosedLoop::ClosedLoop(ClosedLoop&&) noexcept = default;

@@ -82,12 +82,25 @@ TEST(Budgets, WhatWouldTakeForEverIsRefusedBeforehand) {
 TEST(Budgets, StepsThatAreTooShortAreGivenUp) {
   const std::vector<Case> cases{
       {simulate({"--integrator", "fixed", "--step", "1e-12"}), "expected at most 20000"},
-      {simulate({"--set", "legs.valve.natural_frequency=1e9 rad/s"}), "fastest: "},
+      {simulate({"--set", "legs.valve.natural_frequency=1e9 rad/s"}), "spool"},
       {simulate({"--set", "legs.valve.natural_frequency=1e9 rad/s", "--integrator", "adams"}),
-       "fastest: "},
+       "expected are at most 500000 1/s, or at most 300000 steps"},
+      {simulate({"--set", "legs.oil_spring.cylinder.bore=1e4 m"}), "fastest: "},
+      {simulate({"--set", "legs.oil_spring.cylinder.bore=1000 m"}), "fastest: "},
+      {rig({"--set", "legs.oil_spring.cylinder.bore=1000 m"}), "fastest: "},
   };
   for (const auto& one : cases) expect_refused(one, 1, 30.0);
   EXPECT_LT(largest_memory(), 300.0);
+}
+
+/// A table on cylinders with a bore of a metre is a machine.
+TEST(Budgets, LargeBoresPass) {
+  const test::TemporaryFolder folder;
+  const auto result =
+      run_hydrapod({"simulate", machine, "--set", "legs.oil_spring.cylinder.bore=1 m", "--command",
+                    "step z=0.1 mm", "--until", "0.05"},
+                   {.folder = folder.path()});
+  EXPECT_EQ(result.exit_code, 0) << result.err;
 }
 
 /// A small file must not take the memory of the largest one that would be read.

@@ -1,0 +1,65 @@
+#include "stiffness.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "hydrapod/base/error.hpp"
+#include "hydrapod/numerics/dense.hpp"
+
+namespace hydrapod::simulation {
+
+namespace {
+
+// A step takes some 15 µs, so that 500,000 take ten seconds, of one simulated second: that is what
+// passes. Oil of machines is at 100 to 10,000 rad/s, valves are below 10,000 rad/s.
+constexpr double shortest_step = 2e-6;     // [s]
+constexpr double most_steps_of_run = 3e5;  // of the whole run, however short they are
+
+struct Fastest {
+  double rate{};  ///< 1/step [1/s]
+  std::string state{};
+};
+
+/// By the poles of the plant with this change of the state.
+Fastest fastest_of(const Plant& plant, const Eigen::MatrixXd& A) {
+  Eigen::VectorXd scales(A.rows());  // those of the rotation's four numbers are alike
+  scales << plant.scales().head(3), plant.scales().tail(A.rows() - 3);
+  const auto poles =
+      numerics::eigen_pairs(scales.cwiseInverse().asDiagonal() * A * scales.asDiagonal());
+  // The method's region of stability reaches to −3.3 along the real axis, and to ±1 i.
+  constexpr double real_reach = 3.3;
+  Fastest fastest;
+  for (Eigen::Index k = 0; k < poles.values.size(); ++k) {
+    const auto pole = poles.values[k];
+    const double rate = std::max(std::abs(pole.imag()), -pole.real() / real_reach);
+    if (!(rate > fastest.rate)) continue;
+    Eigen::Index most = 0;
+    poles.vectors.col(k).cwiseAbs().maxCoeff(&most);
+    fastest = {rate, plant.tangent_names()[static_cast<std::size_t>(most)]};
+  }
+  return fastest;
+}
+
+}  // namespace
+
+void require_passable(const Plant& plant, const Plant::Rest& rest, const IntegratorOptions& options,
+                      double until) {
+  if (options.method != Method::adaptive && options.method != Method::cvode_adams) return;
+  Fastest fastest;
+  try {
+    fastest = fastest_of(plant, plant.linearise(rest.x, rest.input).A);
+  } catch (const base::ComputationError&) {
+    return;  // at the end of what legs can do there are no changes of the state; the run will tell
+  }
+  const double step = 1.0 / std::max(fastest.rate, 1e-300), steps = until / step;
+  if (step >= shortest_step || steps <= most_steps_of_run) return;
+  throw base::ComputationError(fmt::format(
+      "the machine is too stiff to be simulated: a state that changes at {:.2g} 1/s takes steps of "
+      "{:.2g} s, {:.2g} for {:.6g} s; expected are at most {:g} 1/s, or at most {:g} steps: a "
+      "slower valve, a smaller bore, larger chambers or heavier parts (fastest: {})",
+      fastest.rate, step, steps, until, 1.0 / shortest_step, most_steps_of_run, fastest.state));
+}
+
+}  // namespace hydrapod::simulation

@@ -1,0 +1,14 @@
+#pragma once
+/// What the fastest state of a plant costs an explicit integrator. Private to the module.
+
+#include "hydrapod/simulation/closed_loop.hpp"
+
+namespace hydrapod::simulation {
+
+/// Throws base::ComputationError where a run of `until` seconds would take hours: explicit methods
+/// are stable up to steps of about 1/|λ|, λ being the fastest pole of the plant at rest. Oil and
+/// platform alone have |λ| = √(k_h/m), which is proportional to the bore where strokes are equal.
+void require_passable(const Plant& plant, const Plant::Rest& rest, const IntegratorOptions& options,
+                      double until);
+
+}  // namespace hydrapod::simulation
