@@ -3,17 +3,17 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 #include <limits>
-#include <numbers>
 #include <stdexcept>
 
 #include "beginning.hpp"
+#include "block_length.hpp"
 #include "bring_to_platform.hpp"
 #include "channel_plan.hpp"
 #include "damped.hpp"
 #include "gaps.hpp"
+#include "groups.hpp"
 #include "hits.hpp"
 #include "hydrapod/base/error.hpp"
 #include "hydrapod/base/text.hpp"
@@ -27,15 +27,6 @@ namespace {
 
 std::int64_t settling_samples(const data::RecordSet& records, const MeasureOptions& options) {
   return std::llround(options.settling * records.header().sample_rate);
-}
-
-/// Blocks whose spectra fit into MeasureOptions::most_spectra.
-unsigned longest_block(const ChannelChoice& choice, const MeasureOptions& options) {
-  constexpr unsigned longest = 1U << 17U, least = 1U << 10U;
-  const std::size_t channels =
-      choice.inputs.size() + choice.outputs.size() + choice.instruments.size();
-  const std::size_t lines = options.most_spectra / (channels * (channels + 1) / 2);
-  return std::clamp(static_cast<unsigned>(2 * lines), least, longest);
 }
 
 /// [samples]; 0: the excitation does not repeat, or that does not count. `shortest`: samples of the
@@ -53,54 +44,6 @@ std::int64_t period_to_use(data::RecordSet& records, const Plan& plan,
                                   ? 0
                                   : excitation_period(records, plan.choice, beginning);
   return period % 2 == 0 ? period : 2 * period;  // blocks have an even length
-}
-
-constexpr int shortest_block = 16;
-
-/// Side by side, for so many inputs: the noise of the outputs is then still known.
-double fewest_blocks(std::size_t inputs) { return std::max(4.0, static_cast<double>(inputs + 2)); }
-
-/// Where the options name none.
-int usual_block(const data::RecordSet& records, const Plan& plan, const MeasureOptions& options,
-                std::int64_t shortest) {
-  // the instrumental estimate averages over neighbouring lines besides
-  const double blocks_per_input = plan.estimator == Estimator::instrumental ? 2.0 : 4.0;
-  // covariances of outputs want long lags more than many averages
-  constexpr double of_outputs = 8.0;
-  const double side_by_side =
-      plan.estimator == Estimator::half_spectra
-          ? of_outputs
-          : blocks_per_input * static_cast<double>(plan.choice.inputs.size() + 2);
-  const double total = static_cast<double>(shortest) * static_cast<double>(records.files().size());
-  double wanted = total / side_by_side;
-  if (plan.estimator != Estimator::half_spectra)  // few lines cost more than few averages
-    wanted = std::max(wanted, std::min(static_cast<double>(options.short_block),
-                                       total / fewest_blocks(plan.choice.inputs.size())));
-  // the power of two that is nearest in ratio
-  const auto most = static_cast<unsigned>(
-      std::clamp(std::numbers::sqrt2 * wanted, static_cast<double>(shortest_block),
-                 static_cast<double>(longest_block(plan.choice, options))));
-  const auto block = static_cast<int>(std::bit_floor(most));
-  return block > shortest ? static_cast<int>(std::bit_floor(static_cast<unsigned>(shortest)))
-                          : block;
-}
-
-int block_to_use(const data::RecordSet& records, const Plan& plan, const MeasureOptions& options,
-                 std::int64_t shortest) {
-  const std::string& first = records.files()[0];
-  if (shortest < shortest_block)
-    base::refuse(
-        first,
-        fmt::format("the record has {}: responses need blocks of at least {}, and several of them",
-                    shortest == 0 ? "no samples" : fmt::format("only {} samples", shortest),
-                    shortest_block));
-  const int block =
-      options.block_length ? *options.block_length : usual_block(records, plan, options, shortest);
-  if (block > shortest)
-    base::refuse(first, fmt::format("the record has {} samples, fewer than one block of {}: take "
-                                    "shorter blocks or a longer record",
-                                    shortest, block));
-  return block;
 }
 
 SpectrumOptions spectrum_options(data::RecordSet& records, const Plan& plan,
@@ -416,9 +359,9 @@ void refuse_periods(const Reading& reading) {
     throw base::ComputationError("the excitation is periodic: there are no blocks to resample");
 }
 
-GroupedSpectra read_groups(data::RecordSet& records, const Reading& reading,
-                           const MeasureOptions& options, int groups,
-                           const numerics::Progress& progress, std::optional<double> highest) {
+void read_groups(data::RecordSet& records, const Reading& reading, const MeasureOptions& options,
+                 int groups, const numerics::Progress& progress, std::optional<double> highest,
+                 const TakeGroup& take) {
   const auto& header = records.header();
   auto spectrum = reading.spectrum;
   if (highest && reading.plan.estimator != Estimator::instrumental) {
@@ -428,15 +371,14 @@ GroupedSpectra read_groups(data::RecordSet& records, const Reading& reading,
   }
   const std::int64_t piece =
       std::max(reading.total / groups, std::int64_t{2} * spectrum.block_length);
-  GroupedSpectra result{.estimator = reading.plan.estimator};
-  const auto close = [&](SpectrumEstimator& estimator) {
-    Measurement m{.spectra = estimator.result()};
-    if (m.spectra.blocks == 0) return;
-    result.choice = reading.plan.choice;
-    bring_outputs_to_platform(options, result.choice, m);
-    result.groups.push_back(std::move(m.spectra));
-  };
   SpectrumEstimator estimator(header, spectrum, reading.used);
+  const auto close = [&] {
+    Measurement m{.spectra = SpectrumEstimator(std::move(estimator)).result()};  // it is large
+    if (m.spectra.blocks == 0) return;
+    auto choice = reading.plan.choice;
+    bring_outputs_to_platform(options, choice, m);
+    take(std::move(m.spectra), choice, reading.plan.estimator);
+  };
   std::int64_t in_piece = 0;
   const auto add = [&](const Eigen::Ref<const data::Samples>& block) {
     for (Index at = 0; at < block.rows();) {
@@ -445,14 +387,33 @@ GroupedSpectra read_groups(data::RecordSet& records, const Reading& reading,
       at += count;
       in_piece += count;
       if (in_piece < piece) continue;
-      close(estimator);
+      close();
       estimator = SpectrumEstimator(header, spectrum, reading.used);
       in_piece = 0;
     }
   };
   stream(records, reading, progress, estimator, add);
-  if (in_piece >= piece / 2) close(estimator);
+  if (in_piece >= piece / 2) close();
+}
+
+GroupedSpectra read_groups(data::RecordSet& records, const Reading& reading,
+                           const MeasureOptions& options, int groups,
+                           const numerics::Progress& progress, std::optional<double> highest) {
+  GroupedSpectra result{.estimator = reading.plan.estimator};
+  read_groups(records, reading, options, groups, progress, highest,
+              [&](CrossSpectra&& spectra, const ChannelChoice& choice, Estimator) {
+                result.choice = choice;
+                result.groups.push_back(std::move(spectra));
+              });
   return result;
+}
+
+/// Throws where there are no blocks in groups.
+const Reading& reading_of_blocks(const Measurement& measured) {
+  if (measured.reading == nullptr)
+    throw base::ComputationError("there are no blocks to resample: each record is a single hit");
+  refuse_periods(*measured.reading);
+  return *measured.reading;
 }
 
 }  // namespace
@@ -472,10 +433,13 @@ GroupedSpectra measure_groups(data::RecordSet& records, const MeasureOptions& op
 GroupedSpectra measure_groups(data::RecordSet& records, const Measurement& measured,
                               const MeasureOptions& options, int groups,
                               const numerics::Progress& progress, std::optional<double> highest) {
-  if (measured.reading == nullptr)
-    throw base::ComputationError("there are no blocks to resample: each record is a single hit");
-  refuse_periods(*measured.reading);
-  return read_groups(records, *measured.reading, options, groups, progress, highest);
+  return read_groups(records, reading_of_blocks(measured), options, groups, progress, highest);
+}
+
+void each_group(data::RecordSet& records, const Measurement& measured,
+                const MeasureOptions& options, int groups, const numerics::Progress& progress,
+                std::optional<double> highest, const TakeGroup& take) {
+  read_groups(records, reading_of_blocks(measured), options, groups, progress, highest, take);
 }
 
 }  // namespace hydrapod::identification

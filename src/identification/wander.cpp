@@ -5,6 +5,7 @@
 #include <numeric>
 
 #include "damped.hpp"
+#include "groups.hpp"
 #include "hydrapod/base/error.hpp"
 #include "hydrapod/numerics/statistics.hpp"
 #include "names.hpp"
@@ -34,6 +35,11 @@ bool add_fit(const FrequencyResponses& responses, const Identification& found,
     fits.damping_deviation(r, group) = mode.damping_deviation;
   }
   return true;
+}
+
+/// So many averages tell the errors of responses well enough.
+double averages_needed(const ChannelChoice& choice, const WanderOptions& options) {
+  return static_cast<double>(choice.inputs.size()) + options.least_degrees;
 }
 
 /// Neighbours put together until each has averages enough; empty where there are not two such.
@@ -75,53 +81,99 @@ Spread spread_of(const VectorXd& values, const VectorXd& deviations) {
 
 }  // namespace
 
+namespace {
+
+/// The fits of groups one by one, and what they say.
+class PartFits {
+ public:
+  PartFits(const Identification& found, const IdentifyOptions& options)
+      : found_(found), options_(options) {}
+
+  void add(CrossSpectra&& part, const ChannelChoice& choice, Estimator estimator) {
+    for (auto* m : {&fits_.omega, &fits_.omega_deviation, &fits_.damping, &fits_.damping_deviation})
+      m->conservativeResize(static_cast<Index>(found_.modes.size()), fitted_ + 1);
+    degrees_ += part.statistics.effective_averages - static_cast<double>(choice.inputs.size());
+    try {
+      const auto responses = responses_for_modes(part, choice, estimator);
+      part = {};  // no longer needed, and large
+      fitted_ += add_fit(responses, found_, options_, fitted_, fits_);
+    } catch (const base::ComputationError&) {  // this part has too little in it
+    }
+  }
+
+  [[nodiscard]] std::vector<Wandering> wandering(const WanderOptions& options) const {
+    std::vector<Wandering> list;
+    if (fitted_ < 2) return list;
+    const auto modes = static_cast<Index>(found_.modes.size());
+    const double probability = 1.0 - options.level / static_cast<double>(modes);
+    for (Index r = 0; r < modes; ++r) {
+      const auto& mode = found_.modes[static_cast<std::size_t>(r)].fit;
+      const VectorXd omega = fits_.omega.row(r).head(fitted_),
+                     deviation = fits_.omega_deviation.row(r).head(fitted_);
+      if (!(deviation.minCoeff() > 0.0) || !deviation.allFinite() || !omega.allFinite()) continue;
+      const auto spread = spread_of(omega, deviation);
+      const double between = spread.degrees;
+      if (!(spread.chi_squared / between >
+            numerics::fisher_quantile(probability, between, degrees_)) ||
+          !(spread.deviation > options.least_spread * mode.damping_ratio() * mode.omega()))
+        continue;
+      const auto damping = spread_of(fits_.damping.row(r).head(fitted_),
+                                     fits_.damping_deviation.row(r).head(fitted_));
+      list.push_back({.mode = static_cast<std::size_t>(r),
+                      .chi_squared = spread.chi_squared,
+                      .groups = static_cast<int>(fitted_),
+                      .lowest = omega.minCoeff(),
+                      .highest = omega.maxCoeff(),
+                      .deviation = spread.deviation,
+                      .damping_in_groups = damping.mean});
+    }
+    return list;
+  }
+
+ private:
+  const Identification& found_;
+  const IdentifyOptions& options_;
+  GroupFits fits_{};
+  Index fitted_{};
+  double degrees_{};  // of the noise estimates
+};
+
+}  // namespace
+
 std::vector<Wandering> wandering_modes(std::vector<CrossSpectra> groups,
                                        const ChannelChoice& choice, Estimator estimator,
                                        const Identification& found, const IdentifyOptions& identify,
                                        const WanderOptions& options) {
-  const auto modes = static_cast<Index>(found.modes.size());
-  if (modes == 0) return {};
-  const auto inputs = static_cast<double>(choice.inputs.size());
-  auto parts = large_enough(std::move(groups), inputs + options.least_degrees);
-  GroupFits fits;
-  for (auto* m : {&fits.omega, &fits.omega_deviation, &fits.damping, &fits.damping_deviation})
-    m->resize(modes, static_cast<Index>(parts.size()));
-  Index fitted = 0;
-  for (auto& part : parts) {
-    try {
-      fitted +=
-          add_fit(responses_for_modes(part, choice, estimator), found, identify, fitted, fits);
-    } catch (const base::ComputationError&) {  // this part has too little in it
-    }
-    part.re = part.im = {};  // no longer needed, and large
-  }
-  std::vector<Wandering> list;
-  if (fitted < 2) return list;
-  const double probability = 1.0 - options.level / static_cast<double>(modes);
-  double degrees = 0.0;  // of the noise estimates
-  for (const auto& part : parts) degrees += part.statistics.effective_averages - inputs;
-  for (Index r = 0; r < modes; ++r) {
-    const auto& mode = found.modes[static_cast<std::size_t>(r)].fit;
-    const VectorXd omega = fits.omega.row(r).head(fitted),
-                   deviation = fits.omega_deviation.row(r).head(fitted);
-    if (!(deviation.minCoeff() > 0.0) || !deviation.allFinite() || !omega.allFinite()) continue;
-    const auto spread = spread_of(omega, deviation);
-    const double between = spread.degrees;
-    if (!(spread.chi_squared / between >
-          numerics::fisher_quantile(probability, between, degrees)) ||
-        !(spread.deviation > options.least_spread * mode.damping_ratio() * mode.omega()))
-      continue;
-    const auto damping =
-        spread_of(fits.damping.row(r).head(fitted), fits.damping_deviation.row(r).head(fitted));
-    list.push_back({.mode = static_cast<std::size_t>(r),
-                    .chi_squared = spread.chi_squared,
-                    .groups = static_cast<int>(fitted),
-                    .lowest = omega.minCoeff(),
-                    .highest = omega.maxCoeff(),
-                    .deviation = spread.deviation,
-                    .damping_in_groups = damping.mean});
-  }
-  return list;
+  if (found.modes.empty()) return {};
+  PartFits parts(found, identify);
+  for (auto& part : large_enough(std::move(groups), averages_needed(choice, options)))
+    parts.add(std::move(part), choice, estimator);
+  return parts.wandering(options);
+}
+
+std::vector<Wandering> wandering_modes(data::RecordSet& records, const Measurement& measured,
+                                       const MeasureOptions& measure, const Identification& found,
+                                       const IdentifyOptions& identify,
+                                       const WanderOptions& options,
+                                       const numerics::Progress& progress) {
+  if (found.modes.empty()) return {};
+  constexpr int most_parts = 4;
+  bool stopped = false, large = true;
+  const auto watched = [&](double share) { return stopped = progress && progress(share); };
+  PartFits parts(found, identify);
+  each_group(records, measured, measure, most_parts, watched, found.to,
+             [&](CrossSpectra&& part, const ChannelChoice& choice, Estimator estimator) {
+               large =
+                   large && part.statistics.effective_averages >= averages_needed(choice, options);
+               if (large && !stopped) parts.add(std::move(part), choice, estimator);
+             });
+  if (stopped) return {};
+  if (large) return parts.wandering(options);
+  // neighbours are put together, for which all are needed
+  auto all = measure_groups(records, measured, measure, most_parts, watched, found.to);
+  if (stopped) return {};
+  return wandering_modes(std::move(all.groups), all.choice, all.estimator, found, identify,
+                         options);
 }
 
 void add_wandering(const std::vector<Wandering>& wandering, Identification& found) {

@@ -165,21 +165,18 @@ void add_bootstrap(const IdentifyOptions& options, const Progress& progress, Ide
 
 /// Do the modes stay where they are? Not asked of periods and of outputs alone.
 void test_steadiness(const IdentifyOptions& options, const Progress& progress, Identified& found) {
-  constexpr int parts = 4;
   auto& measured = found.measured;
   if (!measured.records || options.measure.output_only || measured.measurement.interrupted ||
       measured.measurement.spectra.options.periodic || found.modes.modes.empty())
     return;
   bool stopped = false;
   try {
-    auto grouped = identification::measure_groups(
-        *measured.records, measured.measurement, estimate_options(options.measure, measured), parts,
-        [&](double) { return stopped = progress && progress(1.0); }, found.modes.to);
-    if (!stopped)
-      identification::add_wandering(
-          identification::wandering_modes(std::move(grouped.groups), grouped.choice,
-                                          grouped.estimator, found.modes, options.modes),
-          found.modes);
+    identification::add_wandering(
+        identification::wandering_modes(
+            *measured.records, measured.measurement, estimate_options(options.measure, measured),
+            found.modes, options.modes, {},
+            [&](double) { return stopped = progress && progress(1.0); }),
+        found.modes);
   } catch (const base::ComputationError&) {  // the parts are too short
   }
   if (stopped) throw base::ComputationError("interrupted");

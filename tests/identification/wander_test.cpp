@@ -44,6 +44,33 @@ TEST(Wandering, ModesThatStayAreNotNamed) {
         << seed;
 }
 
+/// Quarters are fitted as they are read where they are long enough, and put together where they are
+/// not: what comes out is that of all spectra at once.
+TEST(Wandering, OfARecordIsThatOfItsGroups) {
+  const auto system = five_masses();
+  for (const double duration : {120.0, 1200.0}) {
+    const test::TemporaryFolder folder;
+    const std::string file = folder / "run.h5";
+    data::write_record(file, drifting_record(system, {.mode = 2, .duration = duration}, 3),
+                       data::RecordFormat::hdf5);
+    data::RecordSet records({file});
+    const auto measured = measure_responses(records, {});
+    const auto found = identify_modes(measured.responses);
+    const auto grouped = measure_groups(records, measured, {}, 4, {}, found.to);
+    const auto expected = wandering_modes(grouped.groups, grouped.choice, grouped.estimator, found);
+    const auto got = wandering_modes(records, measured, {}, found);
+    ASSERT_EQ(expected.size(), 1U) << duration;
+    ASSERT_EQ(got.size(), 1U) << duration;
+    EXPECT_EQ(got[0].mode, expected[0].mode);
+    EXPECT_EQ(got[0].groups, duration > 1000.0 ? 4 : 2);
+    EXPECT_EQ(got[0].chi_squared, expected[0].chi_squared);
+    EXPECT_EQ(got[0].lowest, expected[0].lowest);
+    EXPECT_EQ(got[0].damping_in_groups, expected[0].damping_in_groups);
+    const auto stop = [](double) { return true; };
+    EXPECT_TRUE(wandering_modes(records, measured, {}, found, {}, {}, stop).empty());
+  }
+}
+
 TEST(Wandering, InALoopTheModeThatDriftsIsNamed) {
   const auto plant = foreign_plant();
   for (int drifting = -1; drifting < 3; ++drifting) {

@@ -66,8 +66,7 @@ inline Identification tested_for_wandering(const data::Record& record, TimeTaken
   const auto measured = measure_responses(records, {});
   auto found = identify_modes(measured.responses);
   const auto middle = Clock::now();
-  const auto grouped = measure_groups(records, measured, {}, 4);
-  add_wandering(wandering_modes(grouped.groups, grouped.choice, grouped.estimator, found), found);
+  add_wandering(wandering_modes(records, measured, {}, found), found);
   if (time != nullptr) {
     time->all_else += seconds(begin, middle);
     time->test += seconds(middle, Clock::now());

@@ -434,6 +434,15 @@ std::vector<Wandering> wandering_modes(std::vector<CrossSpectra> groups,
                                        const IdentifyOptions& identify = {},
                                        const WanderOptions& options = {});
 
+/// The same with quarters of the records, which are read once more: each is fitted as soon as it is
+/// read, as the spectra of all of them are large. `measured`, `measure`: of these records. None
+/// where `progress` asks to stop. Throws as measure_groups().
+std::vector<Wandering> wandering_modes(data::RecordSet& records, const Measurement& measured,
+                                       const MeasureOptions& measure, const Identification& found,
+                                       const IdentifyOptions& identify = {},
+                                       const WanderOptions& options = {},
+                                       const numerics::Progress& progress = {});
+
 /// Their steadiness, and a warning for each.
 void add_wandering(const std::vector<Wandering>& wandering, Identification& found);
 

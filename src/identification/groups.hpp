@@ -1,0 +1,21 @@
+#pragma once
+/// Groups of neighbouring blocks one after the other. Private to the module.
+
+#include <functional>
+#include <optional>
+
+#include "hydrapod/identification/responses.hpp"
+
+namespace hydrapod::identification {
+
+/// Spectra of a group, and the rest as in GroupedSpectra.
+using TakeGroup =
+    std::function<void(CrossSpectra&& spectra, const ChannelChoice& choice, Estimator estimator)>;
+
+/// The groups of measure_groups(), which holds all of them at once: `take` gets each as soon as it
+/// is read.
+void each_group(data::RecordSet& records, const Measurement& measured,
+                const MeasureOptions& options, int groups, const numerics::Progress& progress,
+                std::optional<double> highest, const TakeGroup& take);
+
+}  // namespace hydrapod::identification
