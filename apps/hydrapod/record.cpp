@@ -29,10 +29,14 @@ data::RecordFormat choose_format(const OutputArguments& arguments) {
   return *data::format_from_text(words[choose_word("--format", arguments.format, words)]);
 }
 
-data::RecordSet open_record(const RecordArguments& arguments) {
+data::ReadOptions read_options(const RecordArguments& arguments) {
   if (arguments.rate && !(*arguments.rate > 0.0 && *arguments.rate < 1e12))
     base::refuse("--rate", "a sample rate must be positive");
-  return data::RecordSet({arguments.file}, {.sample_rate = arguments.rate});
+  return {.sample_rate = arguments.rate};
+}
+
+data::RecordSet open_record(const RecordArguments& arguments) {
+  return data::RecordSet({arguments.file}, read_options(arguments));
 }
 
 void refuse_channel(const std::string& name, const data::RecordHeader& header) {
@@ -73,13 +77,14 @@ void report_written(const std::string& file, std::int64_t samples, bool complete
 
 void add_record(Command app) {
   Command command = app.add_command(
-      "record", "Show, convert, cut, resample, plot and verify records of a test rig",
+      "record", "Show, convert, cut, resample, plot, verify and recover records of a test rig",
       {{"record show run.h5", "channels, levels, clipping, drop-outs"},
        {"record convert run.h5 -o run.uff", "to another format"},
        {"record cut run.h5 --from 0.2 --to 0.7 --role response -o part.mat", "a part of it"},
        {"record resample run.h5 --new-rate 250 -o slow.h5", "another sample rate, without aliases"},
        {"record plot run.h5 -o run.svg", "time histories and spectra as a picture"},
-       {"record verify run.h5", "does it hold what was written?"}});
+       {"record verify run.h5", "does it hold what was written?"},
+       {"record recover run.h5 -o rest.h5", "what is left of a damaged one"}});
   command.require_subcommand(1);
   add_record_show(command);
   add_record_convert(command);
@@ -87,6 +92,7 @@ void add_record(Command app) {
   add_record_resample(command);
   add_record_plot(command);
   add_record_verify(command);
+  add_record_recover(command);
 }
 
 }  // namespace hydrapod::cli

@@ -29,6 +29,9 @@ void add_output_options(Command command, OutputArguments& arguments);
 /// The format asked for. Throws base::InputError.
 data::RecordFormat choose_format(const OutputArguments& arguments);
 
+/// Throws base::InputError for a wrong --rate.
+data::ReadOptions read_options(const RecordArguments& arguments);
+
 /// Throws base::InputError; for a wrong --rate too.
 data::RecordSet open_record(const RecordArguments& arguments);
 
@@ -49,5 +52,6 @@ void add_record_cut(Command record);
 void add_record_resample(Command record);
 void add_record_plot(Command record);
 void add_record_verify(Command record);
+void add_record_recover(Command record);
 
 }  // namespace hydrapod::cli

@@ -150,7 +150,7 @@ json told(const VariableFile& file) {
   json all = json::array();
   for (const Variable& v : file.variables())
     all.push_back({v.name, static_cast<int>(v.kind), v.fast, v.slow, v.unit, v.number, v.text,
-                   v.texts, v.sizes, v.is_complex});
+                   v.texts, v.sizes, v.is_complex, v.declared});
   return {{"format", static_cast<int>(file.format())}, {"variables", std::move(all)}};
 }
 
@@ -377,6 +377,7 @@ class ApartFile final : public VariableFile {
                             .kind = static_cast<VariableKind>(v[1].get<int>()),
                             .fast = v[2],
                             .slow = v[3],
+                            .declared = v[10],
                             .sizes = v[8],
                             .is_complex = v[9],
                             .unit = v[4],
@@ -455,6 +456,11 @@ bool hdf5_is_read_apart() { return apart; }
 std::unique_ptr<VariableFile> open_hdf5_variables(const std::string& path, Notes& notes) {
   return apart ? open_apart(path, notes, open_hdf5_here, "the HDF5 library")
                : open_hdf5_here(path, notes);
+}
+
+std::unique_ptr<VariableFile> open_hdf5_remains(const std::string& path, Notes& notes) {
+  return apart ? open_apart(path, notes, open_hdf5_remains_here, "the HDF5 library")
+               : open_hdf5_remains_here(path, notes);
 }
 
 }  // namespace hydrapod::data

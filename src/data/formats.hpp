@@ -27,6 +27,10 @@ class RecordReader {
   [[nodiscard]] const std::vector<base::Diagnostic>& notes() const { return notes_.all(); }
   /// Not known before the end of a text file.
   [[nodiscard]] std::optional<std::int64_t> sample_count() const { return count_; }
+  /// Samples that the file says it was written with; none where it does not say.
+  [[nodiscard]] std::optional<std::int64_t> declared() const { return declared_; }
+  /// Channels are absent or end before others.
+  [[nodiscard]] bool uneven() const { return uneven_; }
   [[nodiscard]] ChecksumFinding checksum() const { return finding_; }
   /// Fills the first rows of `block` with the next samples and returns how many; 0 at the end.
   std::int64_t read(Eigen::Ref<Samples> block);
@@ -51,7 +55,9 @@ class RecordReader {
   RecordHeader header_{};
   std::vector<double> factors_{};
   std::optional<std::int64_t> count_{};  ///< of samples
-  std::int64_t done_{};                  ///< samples that have been read
+  std::optional<std::int64_t> declared_{};
+  bool uneven_{};
+  std::int64_t done_{};  ///< samples that have been read
 
  private:
   void check_sum(const Eigen::Ref<const Samples>& samples);
@@ -76,6 +82,13 @@ std::unique_ptr<RecordReader> make_mat5_reader(const std::string& path, const Re
 std::unique_ptr<RecordReader> make_uff_reader(const std::string& path);
 std::unique_ptr<RecordReader> make_csv_reader(const std::string& path, const ReadOptions& options);
 std::unique_ptr<RecordReader> make_hdf5_reader(const std::string& path, const ReadOptions& options);
+/// What is left of a record of hydrapod, see hdf5_remains.cpp.
+std::unique_ptr<RecordReader> make_hdf5_remains_reader(const std::string& path);
+
+/// The reader for what the file holds, with a header that is valid. Throws base::InputError.
+std::unique_ptr<RecordReader> open_reader(const std::string& path, const ReadOptions& options);
+/// An HDF5 file, or one that was.
+bool begins_as_hdf5(const std::string& path);
 
 /// Fills header.experiment, but for the machine file that is there already, from its JSON; where
 /// that is empty, from what older records of hydrapod say in header.notes.

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cstring>
+#include <filesystem>
 
 namespace hydrapod::data {
 
@@ -73,6 +74,19 @@ std::optional<std::vector<std::string>> read_strings(const Hdf5Handle& type,
   return texts;
 }
 
+bool is_open_here(const std::string& path) {
+  std::vector<hid_t> files(
+      static_cast<std::size_t>(std::max<ssize_t>(H5Fget_obj_count(H5F_OBJ_ALL, H5F_OBJ_FILE), 0)));
+  const ssize_t count = H5Fget_obj_ids(H5F_OBJ_ALL, H5F_OBJ_FILE, files.size(), files.data());
+  files.resize(static_cast<std::size_t>(std::max<ssize_t>(count, 0)));
+  return std::ranges::any_of(files, [&](hid_t file) {
+    std::array<char, 4096> name{};
+    std::error_code none;
+    return H5Fget_name(file, name.data(), name.size()) > 0 &&
+           std::filesystem::equivalent(name.data(), path, none);
+  });
+}
+
 Hdf5Handle open_attribute(hid_t object, const char* name) {
   if (H5Aexists(object, name) <= 0) return {};
   return {H5Aopen(object, name, H5P_DEFAULT), H5Aclose};
@@ -90,6 +104,25 @@ Hdf5Handle group_without_times(hid_t where, const char* name) {
   const Hdf5Handle list(H5Pcreate(H5P_GROUP_CREATE), H5Pclose);
   H5Pset_obj_track_times(list.id(), false);
   return {H5Gcreate2(where, name, H5P_DEFAULT, list.id(), H5P_DEFAULT), H5Gclose};
+}
+
+Hdf5Handle open_to_read(const std::string& path) {
+  const Hdf5Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
+  if (is_open_here(path)) {
+    H5Pset_fapl_stdio(access.id());  // files of another driver are other files
+    H5Pset_file_locking(access.id(), false, true);
+  }
+  return {H5Fopen(path.c_str(), H5F_ACC_RDONLY, access.id()), H5Fclose};
+}
+
+Hdf5Handle within_this_file(hid_t kind) {
+  constexpr H5L_elink_traverse_t refuse = [](const char* /*file*/, const char* /*group*/,
+                                             const char* /*other_file*/, const char* /*object*/,
+                                             unsigned* /*flags*/, hid_t /*access*/,
+                                             void* /*data*/) -> herr_t { return -1; };
+  Hdf5Handle list(H5Pcreate(kind), H5Pclose);
+  if (H5Pset_elink_cb(list.id(), refuse, nullptr) < 0) return {};
+  return list;
 }
 
 bool write_attribute(hid_t object, const char* name, const std::string& text) {

@@ -84,6 +84,14 @@ class Hdf5Lock {
 Hdf5Handle dataset_without_times();
 Hdf5Handle group_without_times(hid_t where, const char* name);
 
+/// A file to read from. One that a writer of this program has open is opened beside it: HDF5 would
+/// else go on with the writer's descriptor, which a process that was forked does not have.
+Hdf5Handle open_to_read(const std::string& path);
+
+/// Properties for access by name that follows no link into another file, also where the way of a
+/// soft link leads through one. `kind` is H5P_LINK_ACCESS, H5P_GROUP_ACCESS or H5P_DATASET_ACCESS.
+Hdf5Handle within_this_file(hid_t kind);
+
 /// All return false when HDF5 could not write.
 bool write_attribute(hid_t object, const char* name, const std::string& text);
 bool write_attribute(hid_t object, const char* name, double value);

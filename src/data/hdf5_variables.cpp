@@ -10,6 +10,7 @@
 #include "channel_units.hpp"
 #include "formats.hpp"
 #include "hdf5_text.hpp"
+#include "hdf5_types.hpp"
 #include "hydrapod/base/text.hpp"
 #include "unicode.hpp"
 #include "variable_file.hpp"
@@ -24,13 +25,13 @@ constexpr std::uint64_t most_cache_bytes = 256U << 20U;  // of chunks that are l
 
 class Hdf5Variables final : public VariableFile {
  public:
-  Hdf5Variables(const std::string& path, Notes& notes)
-      : file_bytes_(std::filesystem::file_size(path)),
-        file_(H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), H5Fclose) {
-    if (!file_.ok()) notes.fail("the HDF5 file is damaged or cut off: it cannot be opened");
+  Hdf5Variables(Hdf5Handle file, std::uint64_t file_bytes, Notes& notes)
+      : file_bytes_(file_bytes), file_(std::move(file)) {
+    if (!file_.ok()) notes.fail(hdf5_not_opened);
     const Hdf5Handle root(H5Gopen2(file_.id(), "/", H5P_DEFAULT), H5Gclose);
     notes_ = &notes;
-    if (H5O_info_t info{}; H5Oget_info(root.id(), &info) >= 0) groups_.insert(info.addr);
+    if (H5O_info_t info{}; H5Oget_info2(root.id(), &info, H5O_INFO_BASIC) >= 0)
+      groups_.insert(info.addr);
     take_attributes(root.id());
     take_group(root.id(), "", 0);
     notes_ = nullptr;
@@ -139,15 +140,17 @@ class Hdf5Variables final : public VariableFile {
       const std::string name = prefix + clean_text(child);
       H5O_info_t info{};
       H5L_info_t link{};
-      if (H5Lget_info(group, child.c_str(), &link, H5P_DEFAULT) < 0) {
+      if (H5Lget_info(group, child.c_str(), &link, links_.id()) < 0) {
         left_out(name, "cannot be opened");
       } else if (link.type != H5L_TYPE_HARD && link.type != H5L_TYPE_SOFT) {
         left_out(name, "is a link to another file");
-      } else if (H5Oget_info_by_name(group, child.c_str(), &info, H5P_DEFAULT) < 0) {
+      } else if (H5Oget_info_by_name2(group, child.c_str(), &info, H5O_INFO_BASIC, links_.id()) <
+                 0) {
         left_out(name, "cannot be opened");
       } else if (info.type == H5O_TYPE_GROUP && depth < deepest_group) {
         if (!groups_.insert(info.addr).second) continue;  // links can make a circle
-        const Hdf5Handle inner(H5Gopen2(group, child.c_str(), H5P_DEFAULT), H5Gclose);
+        const Hdf5Handle inner(
+            H5Gopen2(group, child.c_str(), within_this_file(H5P_GROUP_ACCESS).id()), H5Gclose);
         if (!inner.ok()) continue;
         take_rates(inner.id(), name + '/');
         take_group(inner.id(), name + '/', depth + 1);
@@ -160,7 +163,8 @@ class Hdf5Variables final : public VariableFile {
   /// With room in memory for the chunks that it is read from, or each block of samples would unpack
   /// them anew. None where it is not read, which is noted.
   Hdf5Handle open_set(hid_t group, const std::string& child, const std::string& name) {
-    Hdf5Handle set(H5Dopen2(group, child.c_str(), H5P_DEFAULT), H5Dclose);
+    const Hdf5Handle access = within_this_file(H5P_DATASET_ACCESS);
+    Hdf5Handle set(H5Dopen2(group, child.c_str(), access.id()), H5Dclose);
     std::string why = set.ok() ? why_not_read(set.id()) : "cannot be opened";
     const std::uint64_t one = why.empty() ? chunk_bytes(set.id()) : 0,
                         needed = why.empty() ? working_set(set.id()) : 0;
@@ -178,7 +182,6 @@ class Hdf5Variables final : public VariableFile {
     }
     if (needed <= default_cache) return set;
     caches_left_ -= needed;
-    const Hdf5Handle access(H5Pcreate(H5P_DATASET_ACCESS), H5Pclose);
     const std::size_t slots = 10 * (needed / std::max<std::uint64_t>(one, 1)) + 521;
     H5Pset_chunk_cache(access.id(), slots, needed, H5D_CHUNK_CACHE_W0_DEFAULT);
     set.reset();  // what is open already keeps its cache
@@ -221,44 +224,11 @@ class Hdf5Variables final : public VariableFile {
     }
   }
 
-  /// Numbers, booleans as h5py writes them (an enumeration) and as PyTables does (eight bits).
-  static bool is_numeric(hid_t type) {
-    const H5T_class_t kind = H5Tget_class(type);
-    return kind == H5T_FLOAT || kind == H5T_INTEGER || kind == H5T_ENUM ||
-           (kind == H5T_BITFIELD && H5Tget_size(type) == 1);
-  }
-
-  static std::string member_name(hid_t type, unsigned member) {
-    char* name = H5Tget_member_name(type, member);
-    const std::string text = name == nullptr ? "" : clean_text(name);
-    H5free_memory(name);
-    return text;
-  }
-
-  /// As h5py and MATLAB write complex numbers.
-  static bool is_complex(hid_t type) {
-    if (H5Tget_nmembers(type) != 2 || H5Tget_member_class(type, 0) != H5T_FLOAT ||
-        H5Tget_member_class(type, 1) != H5T_FLOAT)
-      return false;
-    const std::pair names{member_name(type, 0), member_name(type, 1)};
-    return names == std::pair<std::string, std::string>("r", "i") ||
-           names == std::pair<std::string, std::string>("re", "im") ||
-           names == std::pair<std::string, std::string>("real", "imag");
-  }
-
   static std::uint64_t count_of(const Variable& v) {
     std::uint64_t count = 1;
     for (const std::uint64_t size : v.sizes)
       count = size == 0 || count <= most_in_memory / size ? count * size : most_in_memory + 1;
     return count;
-  }
-
-  /// All sizes, the fastest index first.
-  static std::vector<std::uint64_t> sizes_of(hid_t set) {
-    const Hdf5Handle space(H5Dget_space(set), H5Sclose);
-    std::array<hsize_t, H5S_MAX_RANK> size{};
-    const int rank = H5Sget_simple_extent_dims(space.id(), size.data(), nullptr);
-    return {size.rend() - std::max(rank, 0), size.rend()};
   }
 
   void take_complex(Hdf5Handle set, hid_t type, const std::string& name) {
@@ -276,11 +246,6 @@ class Hdf5Variables final : public VariableFile {
     }
     const int rank = static_cast<int>(v.sizes.size());
     add(std::move(v), {.set = std::move(set), .member = std::move(pair), .rank = rank});
-  }
-
-  static std::string unit_of(hid_t set) {
-    return read_text_attribute(set, "unit")
-        .value_or(read_text_attribute(set, "units").value_or(""));
   }
 
   /// A table: every member is a variable.
@@ -425,9 +390,10 @@ class Hdf5Variables final : public VariableFile {
                                    v.fast * v.slow, file_bytes_));
       return false;
     }
-    if (lines < declared)
-      notes_->add(fmt::format("'{}' declares {} lines, but the file holds {} at most",
-                              base::printable(v.name), declared, lines));
+    if (lines == declared) return true;
+    notes_->add(fmt::format("'{}' declares {} lines, but the file holds {} at most",
+                            base::printable(v.name), declared, lines));
+    v.declared = declared;
     return true;
   }
 
@@ -484,6 +450,7 @@ class Hdf5Variables final : public VariableFile {
 
   std::uint64_t file_bytes_;
   Hdf5Handle file_;
+  Hdf5Handle links_{within_this_file(H5P_LINK_ACCESS)};
   Notes* notes_{};
   std::vector<Set> sets_;
   std::set<haddr_t> groups_;  ///< that were entered
@@ -494,7 +461,13 @@ class Hdf5Variables final : public VariableFile {
 
 std::unique_ptr<VariableFile> open_hdf5_here(const std::string& path, Notes& notes) {
   const Hdf5Silence silence;
-  return std::make_unique<Hdf5Variables>(path, notes);
+  return std::make_unique<Hdf5Variables>(open_to_read(path), std::filesystem::file_size(path),
+                                         notes);
+}
+
+std::unique_ptr<VariableFile> hdf5_variables(hid_t file, std::uint64_t bytes, Notes& notes) {
+  H5Iinc_ref(file);
+  return std::make_unique<Hdf5Variables>(Hdf5Handle(file, H5Fclose), bytes, notes);
 }
 
 }  // namespace hydrapod::data

@@ -154,8 +154,11 @@ class Hdf5Writer final : public RecordWriter {
     if (for_matlab) H5Pset_userblock(list.id(), mat73_userblock_bytes);
     file_ = {H5Fcreate(part_.part().c_str(), H5F_ACC_TRUNC, list.id(), H5P_DEFAULT), H5Fclose};
     if (!file_.ok()) fail();
-    const Hdf5Handle root(H5Gopen2(file_.id(), "/", H5P_DEFAULT), H5Gclose);
-    if (!write_header(root.id(), header, for_matlab)) fail();
+    {
+      const Hdf5Handle root(H5Gopen2(file_.id(), "/", H5P_DEFAULT), H5Gclose);
+      if (!write_header(root.id(), header, for_matlab)) fail();
+    }
+    give_index_room();
     make_samples();
     flush();
   }
@@ -241,6 +244,19 @@ class Hdf5Writer final : public RecordWriter {
   void flush() {
     if (!reserve() || H5Fflush(file_.id(), H5F_SCOPE_GLOBAL) < 0) fail();
     flushed_ = written_;
+  }
+
+  /// What is not samples gets room of 16 KiB at a time from here on: HDF5 moves the first leaf of
+  /// the index of the chunks to a new place when the second one comes, after 4 MB, and so it stands
+  /// before the samples. hdf5_remains.cpp finds the samples of a file that was cut off by it.
+  void give_index_room() {
+    flush();
+    if (!file_.reset()) fail();
+    const Hdf5Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
+    constexpr hsize_t room = 16384;  // six leaves
+    H5Pset_meta_block_size(access.id(), room);
+    file_ = {H5Fopen(part_.part().c_str(), H5F_ACC_RDWR, access.id()), H5Fclose};
+    if (!file_.ok()) fail();
   }
 
   void make_samples() {

@@ -294,6 +294,7 @@ class Mat5File final : public VariableFile {
     if (held < v.fast * v.slow) {
       notes_->add(fmt::format("variable '{}' is declared as {} × {}, but {} numbers are there",
                               base::printable(name), v.fast, v.slow, held));
+      v.declared = v.slow > 1 ? v.slow : v.fast;
       if (v.slow > 1)
         v.slow = held / v.fast;
       else

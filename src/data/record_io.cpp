@@ -118,6 +118,10 @@ std::unique_ptr<RecordReader> open_by_content(const std::string& path, const Rea
   return make_csv_reader(path, options);
 }
 
+}  // namespace
+
+bool begins_as_hdf5(const std::string& path) { return has_hdf5_signature(head_of(path)); }
+
 std::unique_ptr<RecordReader> open_reader(const std::string& path, const ReadOptions& options) {
   std::unique_ptr<RecordReader> reader;
   try {
@@ -135,6 +139,8 @@ std::unique_ptr<RecordReader> open_reader(const std::string& path, const ReadOpt
   }
   return reader;
 }
+
+namespace {
 
 bool same_channels(const RecordHeader& a, const RecordHeader& b) {
   return a.sample_rate == b.sample_rate &&

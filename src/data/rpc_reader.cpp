@@ -199,6 +199,7 @@ class RpcReader final : public RecordReader {
     std::int64_t declared = header.whole("FRAMES", 0, most_points / frame) * frame;
     const bool half_frames = declared > 0 && header.whole("HALF_FRAMES", 0, 1, 0) == 1;
     begin_ = header.bytes();
+    by_hydrapod_ = header.text("OPERATION") == "hydrapod";
     settle_number(header, declared);
     if (half_frames && points_in_file(declared + frame) == declared + frame) declared += frame;
     const std::int64_t held = points_in_file(declared);
@@ -208,6 +209,7 @@ class RpcReader final : public RecordReader {
                       "for all channels",
                       held, declared));
     count_ = held;
+    if (!half_frames) declared_ = declared;
     if (!half_frames) return;
     skipped_ = frame / 2;
     count_ = std::max<std::int64_t>(0, held - (held == declared ? frame : skipped_));
@@ -230,8 +232,9 @@ class RpcReader final : public RecordReader {
     notes_.add("DATA_TYPE is missing; the file is as long as floats of 32 bits are: read as these");
   }
 
-  /// Of `declared` points per channel, those that are there for all channels. A last group that
-  /// is not full may be stored short.
+  /// Of `declared` points per channel, those that are there for all channels. Other programs may
+  /// store a last group short that is not full: the file then ends with it. A file that is cut off
+  /// within a full group has these points for the first channels only.
   std::int64_t points_in_file(std::int64_t declared) {
     const auto row = static_cast<std::uint64_t>(channels_) * size_;  // bytes
     const std::uint64_t points = (file_.size() - begin_) / row;
@@ -239,9 +242,10 @@ class RpcReader final : public RecordReader {
     const auto wanted = static_cast<std::uint64_t>(declared);
     const std::uint64_t full = points / group, rest = wanted - std::min(wanted, full * group);
     short_group_ = static_cast<std::int64_t>(full);
-    short_points_ = rest > 0 && rest < group && points - full * group >= rest
-                        ? static_cast<std::int64_t>(rest)
-                        : 0;
+    const std::uint64_t last = file_.size() - begin_ - full * group * row;  // bytes
+    const bool fits = last >= rest * row && last < rest * row + rpc_block_bytes;
+    short_points_ =
+        !by_hydrapod_ && rest > 0 && rest < group && fits ? static_cast<std::int64_t>(rest) : 0;
     return std::min<std::int64_t>(declared,
                                   static_cast<std::int64_t>(full * group) + short_points_);
   }
@@ -309,6 +313,7 @@ class RpcReader final : public RecordReader {
     if (header.find("SAMPLES")) {
       const std::int64_t declared = header.whole("SAMPLES", 0, most_points);
       count_ = std::min(*count_, declared);
+      declared_ = declared;
       return;
     }
     std::int64_t zeros = std::min(*count_, group_);
@@ -404,7 +409,7 @@ class RpcReader final : public RecordReader {
   }
 
   FileWindow file_;
-  bool big_endian_{}, drive_{};
+  bool big_endian_{}, drive_{}, by_hydrapod_{};
   RpcNumber number_{};
   std::size_t size_{};                 ///< bytes of a number
   double full_scale_{};                ///< of integers

@@ -22,13 +22,17 @@ class UffReader final : public RecordReader {
     choose();
     make_header();
     const std::uint64_t most = std::ranges::max(chosen_, {}, &UffFunction::count).count;
-    for (std::size_t c = 0; c < chosen_.size(); ++c)
+    for (std::size_t c = 0; c < chosen_.size(); ++c) {
+      uneven_ = uneven_ || chosen_[c].count < most;
       if (chosen_[c].count < most)
         notes_.add(
             fmt::format("channel \"{}\" has {} of {} samples; absent ones are taken as missing",
                         base::printable(header_.channels[c].name), chosen_[c].count, most),
             chosen_[c].line);
+    }
     count_ = static_cast<std::int64_t>(most);
+    declared_ =
+        static_cast<std::int64_t>(std::ranges::max(chosen_, {}, &UffFunction::declared).declared);
     format_ = chosen_.front().binary ? RecordFormat::uff : RecordFormat::uff_ascii;
     to_first_sample();
   }
@@ -151,11 +155,19 @@ class UffReader final : public RecordReader {
   /// What hydrapod wrote about the record, if the functions are still those it wrote.
   bool use_own_header() {
     RecordHeader own = contents_.own.header(notes_);
+    const std::size_t described = own.channels.size();
     bool same =
-        own.channels.size() == chosen_.size() && own.sample_rate > 0.0 &&
+        described >= chosen_.size() && own.sample_rate > 0.0 &&
         std::abs(own.sample_rate - header_.sample_rate) <= rate_tolerance * header_.sample_rate;
     for (std::size_t c = 0; same && c < chosen_.size(); ++c)
-      same = chosen_[c].response.node == own.channels[c].point;
+      same = chosen_[c].response.node == own.channels[c].point &&
+             (described == chosen_.size() || chosen_[c].number == static_cast<long long>(c + 1));
+    if (same && described > chosen_.size()) {  // the file is cut off
+      uneven_ = true;
+      notes_.add(
+          fmt::format("only the first {} of its {} channels are there", chosen_.size(), described));
+      own.channels.resize(chosen_.size());
+    }
     if (same)
       header_ = std::move(own);
     else

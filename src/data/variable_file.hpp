@@ -24,6 +24,7 @@ struct Variable {
   std::string name{};
   VariableKind kind{VariableKind::numbers};
   std::uint64_t fast{1}, slow{1};
+  std::uint64_t declared{};  ///< lines of numbers, where the file is cut off and has fewer
   std::vector<std::uint64_t> sizes{};  ///< of numbers and arrays, the fastest index first
   bool is_complex{};
   std::string unit{};                ///< from an attribute; empty: unknown
@@ -64,5 +65,13 @@ std::unique_ptr<VariableFile> open_mat5_file(const std::string& path, Notes& not
 bool hdf5_is_read_apart();
 std::unique_ptr<VariableFile> open_hdf5_variables(const std::string& path, Notes& notes);
 std::unique_ptr<VariableFile> open_hdf5_here(const std::string& path, Notes& notes);
+/// What is said of a file that HDF5 does not open.
+inline constexpr const char* hdf5_not_opened =
+    "the HDF5 file is damaged or cut off: it cannot be opened; `hydrapod record recover` reads "
+    "what is left of a record of hydrapod";
+/// What is left of a record of hydrapod in an HDF5 file that HDF5 does not open, see
+/// hdf5_remains.cpp; in a process of its own, or here.
+std::unique_ptr<VariableFile> open_hdf5_remains(const std::string& path, Notes& notes);
+std::unique_ptr<VariableFile> open_hdf5_remains_here(const std::string& path, Notes& notes);
 
 }  // namespace hydrapod::data

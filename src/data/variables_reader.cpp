@@ -177,6 +177,7 @@ class VariablesReader final : public RecordReader {
     own_channels(samples->fast);
     settle_geometry(text(geometry_name), text(channel_texts_name), notes_, header_);
     length_ = samples->slow;
+    declared_ = static_cast<std::int64_t>(std::max(samples->declared, samples->slow));
     sources_ = {{static_cast<std::size_t>(samples - all().data()), true, 0,
                  static_cast<std::size_t>(samples->fast)}};
   }
@@ -438,6 +439,10 @@ std::unique_ptr<RecordReader> make_mat5_reader(const std::string& path,
 std::unique_ptr<RecordReader> make_hdf5_reader(const std::string& path,
                                                const ReadOptions& options) {
   return std::make_unique<VariablesReader>(path, open_hdf5_variables, options);
+}
+
+std::unique_ptr<RecordReader> make_hdf5_remains_reader(const std::string& path) {
+  return std::make_unique<VariablesReader>(path, open_hdf5_remains, ReadOptions{});
 }
 
 }  // namespace hydrapod::data

@@ -1,9 +1,11 @@
 /// `hydrapod record`: from the outside, as people call it.
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <filesystem>
 #include <numbers>
 #include <set>
 
@@ -101,6 +103,58 @@ TEST_F(Record, ConvertsToEveryFormatAndBack) {
   EXPECT_EQ(run({"convert", "run.h5", "--format", "mat73", "-o", "b.mat"}).exit_code, 0);
   EXPECT_EQ(run({"convert", "b.mat", "-o", "back.h5", "--force"}).exit_code, 0);
   EXPECT_EQ(read_text(file("back.h5")), read_text(file("run.h5")));
+}
+
+TEST_F(Record, RecoversWhatIsLeft) {
+  for (const char* format : {"hdf5", "mat73"}) {
+    EXPECT_EQ(run({"convert", "run.h5", "--format", format, "-o", "whole", "--force"}).exit_code,
+              0);
+    const std::string whole = read_text(file("whole"));
+    for (const double share : {0.3, 0.6, 0.9}) {
+      const auto bytes = static_cast<std::size_t>(share * static_cast<double>(whole.size()));
+      write_text(file("cut"), whole.substr(0, bytes));
+      for (const char* rest : {"rest.h5", "rest.mat", "rest.csv"}) {
+        const auto result = run({"recover", "cut", "-o", rest, "--force"});
+        EXPECT_EQ(result.exit_code, 0) << result.err;
+        const auto [read, notes] = data::read_record(file(rest));
+        const auto rows = read.samples.rows();
+        EXPECT_GT(static_cast<double>(rows), share * 10'000.0 - 2'000.0);
+        EXPECT_LT(rows, 10'000);
+        EXPECT_THAT(
+            result.err,
+            HasSubstr(fmt::format("cut: {} of 10000 samples were read; the checksum is one of the "
+                                  "whole record and cannot vouch for a part\nwrote {}: {} samples",
+                                  rows, rest, rows)));
+        EXPECT_EQ(read.samples.col(0), example().samples.col(0).head(rows));
+        EXPECT_THAT(read.header.notes, testing::MatchesRegex("recovered by hydrapod [0-9.]+ from "
+                                                             "cut, which was written with 10000 "
+                                                             "samples\n"));
+      }
+    }
+  }
+}
+
+TEST_F(Record, RecoverSaysWhatTheChecksumSays) {
+  const auto sound = run({"recover", "run.h5", "-o", "same.h5"});
+  EXPECT_EQ(sound.exit_code, 0);
+  EXPECT_THAT(sound.err, HasSubstr("run.h5: all 10000 samples were read; the checksum holds\n"));
+  EXPECT_EQ(run({"convert", "run.h5", "-o", "run.csv"}).exit_code, 0);
+  const std::string text = read_text(file("run.csv"));
+  write_text(file("cut.csv"), text.substr(0, text.size() / 2));
+  EXPECT_THAT(run({"recover", "cut.csv", "-o", "rest.h5"}).err,
+              HasSubstr(" samples were read; the file does not say how many there were; the "
+                        "checksum is one of the whole record"));
+  const auto own = run({"recover", "run.h5", "-o", "./run.h5", "--force"});
+  EXPECT_EQ(own.exit_code, 2);
+  EXPECT_THAT(own.err, HasSubstr("is the input"));
+  write_text(file("short.h5"), read_text(file("run.h5")).substr(0, 300));
+  const auto nothing = run({"recover", "short.h5", "-o", "none.h5"});
+  EXPECT_EQ(nothing.exit_code, 2);
+  EXPECT_EQ(
+      nothing.err,
+      "short.h5: error: nothing can be recovered: the file is cut off before the index of its "
+      "samples\n");
+  EXPECT_FALSE(std::filesystem::exists(file("none.h5")));
 }
 
 TEST_F(Record, ConvertsToRpcAndSaysWhatIntegersCannotHold) {

@@ -1,15 +1,17 @@
 #pragma once
-/// Spectra, overviews and resampling of records, from samples that stream past: memory does not
-/// grow with the length.
+/// Spectra, overviews, resampling and recovery of records, from samples that stream past: memory
+/// does not grow with the length.
 
 #include <Eigen/Core>
 #include <cstdint>
 #include <functional>
 #include <memory>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "hydrapod/data/record.hpp"
+#include "hydrapod/data/record_io.hpp"
 #include "hydrapod/numerics/fft.hpp"
 
 namespace hydrapod::data {
@@ -125,5 +127,35 @@ class Resampler {
   struct Implementation;
   std::unique_ptr<Implementation> implementation_;
 };
+
+/// How what is left of a damaged record becomes a record.
+///
+/// | format          | what is read of a file that was cut off                                |
+/// | --------------- | ---------------------------------------------------------------------- |
+/// | HDF5, MAT 7.3   | of hydrapod: the samples that the file names and holds, see            |
+/// |                 | src/data/hdf5_remains.cpp; of other programs: nothing                  |
+/// | MAT 5, CSV, RPC | all samples that are there for all channels                            |
+/// | Universal File  | the channels that are there, the last one up to the damage             |
+struct RecoverOptions {
+  RecordFormat format{};                   ///< of the new record
+  ReadOptions read{};                      ///< of the damaged one
+  std::function<bool(double)> progress{};  ///< 0 … 1 where the length is known; false ends it early
+};
+
+struct RecoverResult {
+  std::string file{};                      ///< where the new record is
+  std::int64_t samples{};                  ///< in it
+  std::optional<std::int64_t> declared{};  ///< that the damaged record says it had
+  ChecksumFinding checksum{};              ///< of the whole record; none: not known, or a part only
+  bool uneven{};                           ///< channels are absent or end before others
+  bool complete{true};                     ///< not ended early
+  std::vector<base::Diagnostic> notes{};
+};
+
+/// Writes what can be read of `damaged`, which stays as it is, to `to`. A line in the notes of the
+/// new record says where it is from. Throws base::InputError where not one sample can be read, and
+/// what open_record_writer and RecordWriter::close throw.
+RecoverResult recover_record(const std::string& damaged, const std::string& to,
+                             const RecoverOptions& options);
 
 }  // namespace hydrapod::data

@@ -1,0 +1,66 @@
+#include "hydrapod/data/processing.hpp"
+
+#include "hydrapod/command.hpp"
+#include "hydrapod/record_arguments.hpp"
+
+namespace hydrapod::cli {
+
+namespace {
+
+struct Arguments {
+  RecordArguments record{};
+  OutputArguments output{};
+};
+
+/// How much there was, and whether it is what was written.
+std::string words(const std::string& file, const data::RecoverResult& result) {
+  const bool all = result.declared && result.samples >= *result.declared;
+  std::string text =
+      all ? fmt::format("{}: all {} samples were read", file, result.samples)
+      : result.declared
+          ? fmt::format("{}: {} of {} samples were read", file, result.samples, *result.declared)
+          : fmt::format("{}: {} samples were read; the file does not say how many there were", file,
+                        result.samples);
+  if (result.uneven) text += ", not of all channels";
+  if (result.checksum == data::ChecksumFinding::holds) return text + "; the checksum holds";
+  if (result.checksum == data::ChecksumFinding::differs)
+    return text + "; the checksum does not hold: some are not what was written";
+  return text + (all ? "; no checksum vouches for them"
+                     : "; the checksum is one of the whole record and cannot vouch for a part");
+}
+
+void run(const Arguments& arguments) {
+  data::RecoverOptions options{.format = choose_format(arguments.output),
+                               .read = read_options(arguments.record)};
+  const InterruptNote interrupt;
+  data::RecoverResult result;
+  {
+    ProgressLine progress("recovering");
+    options.progress = [&](double share) {
+      if (share > 0.0) progress.update(share);
+      return !InterruptNote::noted();
+    };
+    result = data::recover_record(arguments.record.file, arguments.output.file, options);
+  }
+  print_diagnostics(result.notes);
+  print_line(words(arguments.record.file, result));
+  report_written(result.file, result.samples, result.complete);
+}
+
+}  // namespace
+
+void add_record_recover(Command record) {
+  Command command = record.add_command(
+      "recover", "Write what is left of a damaged record as a new one",
+      {{"record recover run.h5 -o rest.h5", "of a file that was cut off"},
+       {"record recover run.h5 -o rest.csv", "in any format"}},
+      "\n\nSamples are taken from the first one on, up to the damage. The damaged file stays as it "
+      "is. The notes\nof the new record say which file it is from. HDF5 and MAT 7.3 files that "
+      "cannot be opened are searched\nfor the samples of hydrapod; of other programs' nothing is "
+      "recovered.");
+  auto& arguments = command.calls(&run);
+  add_record_options(command, arguments.record);
+  add_output_options(command, arguments.output);
+}
+
+}  // namespace hydrapod::cli
