@@ -1,15 +1,26 @@
 #pragma once
-/// Records of a hammer test: one hit each. Private to the module.
+/// Records of a hammer test: a few hits each. Private to the module.
 ///
-/// The input is short, and the outputs ring down: a record is one block, and a window that begins
-/// and ends at zero would cut off what matters. With e^(−at) on input and outputs alike, t from the
-/// beginning of the record,
+/// The input is short, and the outputs ring down: what is transformed is one block, and a window
+/// that begins and ends at zero would cut off what matters. With e^(−at) on input and outputs
+/// alike, t from the beginning of the block,
 ///
-///     H(a + iω) = Σ_k Y_k U_k* / Σ_k |U_k|²   over the records k
+///     H(a + iω) = Σ_k Y_k U_k* / Σ_k |U_k|²   over the blocks k
 ///
-/// is exact for whatever has rung down by e^(−aT) at the end, T after the hit. Beside the hit the
-/// input is set to zero (force window). There are lines as far as the hit excites; without blocks
-/// to average, errors are not known.
+/// A block begins just before a hit. What came before it is noise alone, and would count most of
+/// all. What has not rung down at the end, e^(−aT), changes Y by e^(−sT) Σ φ x(T)/(s − λ), and
+/// e^(−iωT) is 1 at the lines: as U hardly turns from line to line, poles and shapes stay as they
+/// are, and only the scale is off by that.
+///
+/// Where a record has several hits, there are two ways.
+///
+/// - Each hit is a block, where the response to it has rung down when the next one comes.
+/// - Else the block goes from the first hit to the end of the record. The system is at rest before
+///   the first hit, so this is exact for any number of hits. |U| must not be near zero in between:
+///   `a` is such that one hit outweighs all others.
+///
+/// Beside hits the input is set to zero (force window). There are lines as far as the hits excite;
+/// errors are not known.
 ///
 /// With a = 0 it is H(iω), as other programs have it, but for what has not rung down: `on_axis`.
 ///
@@ -17,31 +28,48 @@
 /// Structural Testing, Univ. of Cincinnati (1999).
 
 #include <optional>
+#include <vector>
 
 #include "hydrapod/identification/responses.hpp"
 
 namespace hydrapod::identification {
 
 struct HitOptions {
-  /// A record is one hit where energy of the input within ± reach · its length around its largest
-  /// sample ≥ energy · all. White noise has 4 % of it there.
-  double energy{0.7};
-  double reach{0.02};
-  /// The force is from the first to the last sample there of which |x| > of_noise · the median of
-  /// all, and > of_peak · the largest, and two samples more.
+  /// The force is where |x| > of_noise · the median of all, and > of_peak · the largest, with what
+  /// is within `apart` · its length of the next such sample, and two samples more on either side.
   double of_noise{8.0}, of_peak{0.01};
-  double decay{5.0};                  ///< a = decay/T: what has not rung down is 0.7 % at the end
+  double apart{0.002};
+  /// A record is hits where energy of the input there ≥ energy · all, and it is no longer than
+  /// longest · the record. White noise has 4 % of its energy in 4 % of its length.
+  double energy{0.7}, longest{0.04};
+  double least{0.05};                 ///< of the largest: smaller ones are force, but no hits
+  std::size_t most_hits{64};          ///< in a record: else it is a broad-band excitation
+  double decay{5.0};                  ///< a ≥ decay/T: what has not rung down is 0.7 % at the end
+  double rung_down{0.01};             ///< RMS before the next hit, of that after one
+  double others{0.35};                ///< most that all other hits have of the one that outweighs
   Eigen::Index most_covariances{32};  ///< of neighbouring lines: there they are below 5 %
   double weakest{1e-3};  ///< lines up to the first with |U|² < weakest · the largest: 30 dB
+  /// Hits disagree where they have not in common more than that of the power of an output, and
+  /// that is as much at its resonances as `alike` times the response.
+  double in_common{0.9}, alike{0.3};
   Eigen::Index fewest{64}, most{Eigen::Index{1} << 21};  ///< samples of a record
 };
 
-/// The largest sample of a hit; none: the signal is no hit.
-std::optional<Eigen::Index> hit_in(const Eigen::VectorXd& input, const HitOptions& options = {});
+/// Samples from … to of the force; the largest, less what it is at rest.
+struct Hit {
+  Eigen::Index from{}, to{};
+  double peak{};
+};
 
-/// `records`: each all samples of the channels of `choice`, with one input. None where one of them
-/// is no hit, or has a missing sample.
-std::optional<FrequencyResponses> responses_of_hits(const std::vector<data::Samples>& records,
+/// Empty: the signal is no hits.
+std::vector<Hit> hits_in(const Eigen::VectorXd& input, const HitOptions& options = {});
+
+/// `samples`: each all of a record, of the channels of `choice`, with one input. None where one of
+/// them is no hits, or has a missing sample. With a warning: count of records, total of hits in
+/// them, share 1 where each hit is a block, value: share of the power of channel on which they do
+/// not agree.
+std::optional<FrequencyResponses> responses_of_hits(const std::vector<data::Samples>& samples,
+                                                    const std::vector<data::Channel>& outputs,
                                                     const ChannelChoice& choice, double sample_rate,
                                                     const HitOptions& options = {});
 

@@ -279,22 +279,23 @@ std::optional<Measurement> measure_hits(data::RecordSet& records, Plan plan,
                                         const MeasureOptions& options, Beginning& beginning) {
   if (plan.choice.inputs.size() != 1 || plan.estimator != Estimator::h1 || options.block_length ||
       options.overlap || options.period || options.settling > 0.0 || options.platform ||
-      options.outputs_to_platform || options.window != Window::hann ||
-      !hit_in(beginning.of(plan.choice.inputs[0])))
+      options.outputs_to_platform || options.window != Window::hann)
+    return {};
+  const auto hits = hits_in(beginning.of(plan.choice.inputs[0]));
+  if (hits.empty() || (hits.size() > 1 && excitation_period(records, plan.choice, beginning) > 0))
     return {};
   Measurement m{.header = records.header()};
   const auto used = used_channels(plan.choice);
   const auto all = whole_records(records, used, HitOptions{}.most, m);
   if (!all) return {};
   const double rate = m.header.sample_rate;
-  auto found = responses_of_hits(*all, plan.choice, rate);
-  if (!found) return {};
   const auto channel = [&](int c) { return m.header.channels[used[static_cast<std::size_t>(c)]]; };
+  std::vector<data::Channel> outputs;
+  for (const int o : plan.choice.outputs) outputs.push_back(channel(o));
+  auto found = responses_of_hits(*all, outputs, plan.choice, rate);
+  if (!found) return {};
   for (const std::size_t c : used) m.spectra.channels.push_back(m.header.channels[c]);
   for (const int i : plan.choice.inputs) found->inputs.push_back(channel(i));
-  for (const int o : plan.choice.outputs) found->outputs.push_back(channel(o));
-  found->warnings.push_back({.kind = data::ResponseWarning::Kind::single_block,
-                             .count = static_cast<std::int64_t>(all->size())});
   m.spectra.sample_rate = rate;
   m.spectra.options = {
       .block_length = static_cast<int>(std::lround(2.0 * rate / found->frequency[0])),

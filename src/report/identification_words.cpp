@@ -47,6 +47,32 @@ std::string missing_samples_text(const data::ResponseWarning& w) {
                     : "");
 }
 
+std::string hits_text(const data::ResponseWarning& w) {
+  std::string text;
+  if (w.total <= w.count)
+    text = w.count == 1
+               ? "the record is a single hit: taken as one block"
+               : fmt::format("each of the {} records is a single hit: taken as one block", w.count);
+  else
+    text = fmt::format(
+        "{} {} hits: {}",
+        w.count == 1 ? "the record has" : fmt::format("the {} records have", w.count), w.total,
+        w.share > 0.0
+            ? "each is taken as one block, from just before it to just before the next"
+            : "the next comes before one has rung down, so each record is taken as one "
+              "block from just before its first hit on, in which later hits count little");
+  text +=
+      "; the errors of the responses are not measured, but estimated from their roughness along "
+      "the frequency axis";
+  if (w.value > 0.0)
+    text += fmt::format(
+        "; the hits do not agree: {:.0f} % of the power of {} is no response to them that they "
+        "have in common, and the result cannot be trusted; were different points hit? a test with "
+        "a hammer that roves needs an input channel of its own for each point",
+        100.0 * w.value, w.channel);
+  return text;
+}
+
 }  // namespace
 
 std::string warning_text(const data::ResponseWarning& w) {
@@ -96,12 +122,7 @@ std::string warning_text(const data::ResponseWarning& w) {
     case Kind::missing_samples:
       return missing_samples_text(w);
     case Kind::single_block:
-      return fmt::format(
-          "{}: taken as one block; the errors of the responses are not measured, but estimated "
-          "from "
-          "their roughness along the frequency axis",
-          w.count == 1 ? "the record is a single hit"
-                       : fmt::format("each of the {} records is a single hit", w.count));
+      return hits_text(w);
   }
   return {};
 }

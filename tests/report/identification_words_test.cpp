@@ -98,6 +98,19 @@ TEST(IdentificationWords, OneGapIsNotCounted) {
   EXPECT_THAT(warning_text(warning), HasSubstr("to 39 Hz, with a gap: modes elsewhere"));
 }
 
+TEST(IdentificationWords, HitsThatDoNotAgreeAndSeveralInARecordAreSaid) {
+  data::ResponseWarning warning{
+      .kind = data::ResponseWarning::Kind::single_block, .count = 1, .total = 5};
+  EXPECT_THAT(warning_text(warning), HasSubstr("the record has 5 hits: the next comes before"));
+  warning.share = 1.0;
+  EXPECT_THAT(warning_text(warning),
+              HasSubstr("the record has 5 hits: each is taken as one block"));
+  EXPECT_THAT(warning_text(warning), testing::Not(HasSubstr("agree")));
+  warning = {.kind = warning.kind, .channel = "acc7", .value = 0.6234, .count = 3, .total = 3};
+  EXPECT_THAT(warning_text(warning), HasSubstr("each of the 3 records is a single hit: "));
+  EXPECT_THAT(warning_text(warning), HasSubstr("the hits do not agree: 62 % of the power of acc7"));
+}
+
 TEST(IdentificationWords, OfPoles) {
   EXPECT_STREQ(words(identification::Objection::doubles), "repeats another pole");
   EXPECT_STREQ(words(identification::PoleStability::fresh), "new");
