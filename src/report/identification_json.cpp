@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
+#include <variant>
 
 #include "hydrapod/base/units.hpp"
 #include "hydrapod/identification/identify.hpp"
@@ -137,6 +139,23 @@ void describe(Fields& f, identification::ModeWarning& warning) {
   f.unless(std::int64_t{0}, "total", warning.total);
 }
 
+/// Of the responses or of the modes: `kind` tells which.
+struct AnyWarning {
+  std::variant<data::ResponseWarning, identification::ModeWarning> own{
+      identification::ModeWarning{}};
+};
+
+template <class Fields>
+void describe(Fields& f, AnyWarning& warning) {
+  if constexpr (Fields::reads) {
+    std::string kind;
+    f("kind", kind);
+    const auto codes = all_codes<data::ResponseWarning::Kind>(code);
+    if (std::ranges::find(codes, kind) != codes.end()) warning.own = data::ResponseWarning{};
+  }
+  std::visit([&](auto& own) { describe(f, own); }, warning.own);
+}
+
 template <class Fields>
 void describe(Fields& f, data::Harmonic& harmonic) {
   f("frequency_hz", harmonic.frequency);
@@ -167,9 +186,19 @@ void describe(Fields& f, identification::Identification& result) {
   f.maybe("misfit", result.model.misfit);
   f.unless(false, "errors_assumed", result.errors_assumed);
   f.maybe("unexplained", result.unexplained);
-  f.derived("warnings", texts(result.warnings));
-  f.maybe("findings", result.warnings);
+  std::vector<AnyWarning> findings;
+  for (const auto& warning : result.responses.warnings) findings.push_back({warning});
+  for (const auto& warning : result.warnings) findings.push_back({warning});
+  auto texts_of_all = texts(result.responses.warnings);
+  std::ranges::move(texts(result.warnings), std::back_inserter(texts_of_all));
+  f.derived("warnings", texts_of_all);
+  f.maybe("findings", findings);
   if constexpr (Fields::reads) {
+    for (const auto& warning : findings)
+      if (const auto* of_responses = std::get_if<data::ResponseWarning>(&warning.own))
+        result.responses.warnings.push_back(*of_responses);
+      else
+        result.warnings.push_back(std::get<identification::ModeWarning>(warning.own));
     result.from = band[0];
     result.to = band[1];
   }

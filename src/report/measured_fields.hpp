@@ -22,6 +22,55 @@ std::vector<const char*> all_codes(const char* (*code)(Enum)) {
   return all;
 }
 
+/// Null beyond the last kind.
+inline const char* code(data::ResponseWarning::Kind kind) {
+  using Kind = data::ResponseWarning::Kind;
+  switch (kind) {
+    case Kind::dead_output:
+      return "dead_output";
+    case Kind::dead_input:
+      return "dead_input";
+    case Kind::repeated_input:
+      return "repeated_input";
+    case Kind::clipped:
+      return "clipped";
+    case Kind::blocks_left_out:
+      return "blocks_left_out";
+    case Kind::correlated_inputs:
+      return "correlated_inputs";
+    case Kind::biased:
+      return "biased";
+    case Kind::excited_band:
+      return "excited_band";
+    case Kind::interrupted:
+      return "interrupted";
+    case Kind::lines_not_finite:
+      return "lines_not_finite";
+    case Kind::missing_samples:
+      return "missing_samples";
+    case Kind::single_block:
+      return "single_block";
+  }
+  return nullptr;
+}
+
+template <class Fields>
+void describe(Fields& f, data::ResponseWarning& warning) {
+  std::string estimator{data::estimator_text(warning.estimator)};
+  f.word("kind", warning.kind, all_codes<data::ResponseWarning::Kind>(code));
+  f("channel", warning.channel);
+  f("other", warning.other);
+  f("value", warning.value);
+  f("share", warning.share);
+  f("lowest", warning.lowest);
+  f("highest", warning.highest);
+  f("count", warning.count);
+  f("total", warning.total);
+  f("estimator", estimator);
+  if constexpr (Fields::reads)
+    warning.estimator = data::estimator_from_text(estimator).value_or(data::Estimator::h1);
+}
+
 template <class Fields>
 void describe(Fields& f, data::Channel& channel) {
   std::string direction(data::direction_text(channel.direction)),

@@ -193,7 +193,13 @@ void Exchange::round_trip_of_identified_modes() {
   written.left_out.push_back({{-0.31, 27.4}, identification::Objection::open_damping});
   written.warnings = {{.kind = ModeWarning::Kind::few_samples, .value = 5.3},
                       {.kind = ModeWarning::Kind::no_mode, .from = 1.7, .to = 23.0}};
+  written.responses.warnings = {
+      {.kind = data::ResponseWarning::Kind::single_block, .share = 0.17, .count = 2, .total = 7}};
   const auto expected = report::identification_json(written);
+  ASSERT_EQ(expected["findings"].size(), 3U);
+  EXPECT_EQ(expected["findings"][0]["kind"], "single_block");
+  EXPECT_EQ(expected["findings"][1]["kind"], "few_samples");
+  EXPECT_EQ(expected["warnings"][0], report::warning_text(written.responses.warnings[0]));
   const auto read = report::identification_from_json(Json::parse(expected.dump()), "modes.json");
   ASSERT_EQ(read.modes.size(), found.modes.modes.size());
   for (std::size_t k = 0; k < read.modes.size(); ++k) {
@@ -207,6 +213,8 @@ void Exchange::round_trip_of_identified_modes() {
   }
   EXPECT_EQ(read.responses.outputs.size(), found.modes.responses.outputs.size());
   EXPECT_EQ(read.heavily_damped.size(), found.modes.heavily_damped.size());
+  ASSERT_EQ(read.responses.warnings.size(), 1U);
+  EXPECT_EQ(read.warnings.size(), 2U);
   const auto again = report::identification_json(read);
   for (const char* key : {"rejected", "warnings", "findings"})
     expect_same_json(again[key], expected[key], key);
