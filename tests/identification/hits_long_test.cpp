@@ -16,21 +16,6 @@ void expect_honest(const char* name, const HammerTest& hammer) {
 }
 
 TEST(HitsLong, One) { expect_honest("one hit, 0.03 % noise", {}); }
-TEST(HitsLong, OneWithNoise) { expect_honest("one hit, 0.5 % noise", {.noise = 5e-3}); }
-TEST(HitsLong, OneLate) {
-  expect_honest("one hit at 4.2 s of 7.3 s", {.seconds = 7.31, .at = {4.217}, .noise = 2e-3});
-}
-TEST(HitsLong, Five) {
-  expect_honest("five hits, none rung down", {.seconds = 8.13,
-                                              .at = {0.713, 1.648, 2.931, 4.442, 5.617},
-                                              .size = {0.93, 1.21, 0.77, 1.04, 0.89},
-                                              .noise = 2e-3});
-}
-TEST(HitsLong, ThreeRungDown) {
-  expect_honest(
-      "three hits, rung down",
-      {.seconds = 13.1, .at = {0.713, 4.931, 9.217}, .size = {0.93, 1.21, 0.77}, .noise = 2e-3});
-}
 
 }  // namespace
 }  // namespace hydrapod::identification
