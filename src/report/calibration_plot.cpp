@@ -103,7 +103,13 @@ void plot_sensitivities(const Sensitivities& s, const std::string& title, const 
   text += fmt::format("set title {}\nset key off\nset tics font ',9' scale 0\n", quoted(title));
   text +=
       fmt::format("set xrange [-0.5:{}.5]\nset yrange [{}.5:-0.5]\n", parameters - 1, modes - 1);
-  text += "set palette defined (-1 '#0072b2', 0 'white', 1 '#d55e00')\nset cbrange [-1:1]\n";
+  // to the largest value, so that no colour stands for two
+  double most = 0.0;
+  for (const double value : s.percent_per_percent.reshaped())
+    if (std::isfinite(value)) most = std::max(most, std::abs(value));
+  if (!(most > 0.0)) most = 1.0;
+  text += "set palette defined (-1 '#0072b2', 0 'white', 1 '#d55e00')\n";
+  text += fmt::format("set cbrange [{:.6g}:{:.6g}]\n", -most, most);
   text += "set cblabel '% of the frequency per % of the parameter'\n";
   text += named_tics('x', columns, 0) + "set xtics rotate by 50 right\n";
   text += named_tics('y', rows, 0);
