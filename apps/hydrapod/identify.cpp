@@ -17,27 +17,6 @@ namespace {
 using base::two_pi;
 constexpr double band = numerics::normal_half_width;
 
-/// The outputs that move most, each in proportion to the size of its own responses.
-std::string shape_text(const identification::IdentifiedMode& mode, const Eigen::VectorXd& size,
-                       const std::vector<data::Channel>& outputs) {
-  // of repeated modes the fit has some mixture
-  const auto& shape = mode.repeated > 1 ? mode.displacement : mode.fit.shape;
-  Eigen::VectorXd share = shape.cwiseAbs().cwiseQuotient(size);
-  share /= share.maxCoeff();
-  std::vector<int> order(outputs.size());
-  std::iota(order.begin(), order.end(), 0);
-  std::ranges::sort(order, [&](int a, int b) { return share[a] > share[b]; });
-  std::string text;
-  constexpr double shown = 0.2;
-  constexpr std::size_t most = 4;
-  for (std::size_t k = 0; k < std::min(most, order.size()) && share[order[k]] >= shown; ++k) {
-    const bool opposite = (shape[order[k]] * std::conj(shape[order[0]])).real() < 0.0;
-    text += fmt::format("{}{}{} {:.2f}", k == 0 ? "" : ", ", opposite ? "−" : "",
-                        outputs[static_cast<std::size_t>(order[k])].name, share[order[k]]);
-  }
-  return text;
-}
-
 std::string signed_percent(double share) {
   return fmt::format("{}{:.2f} %", share < 0.0 ? "−" : "+", std::abs(100.0 * share));
 }
@@ -100,10 +79,7 @@ std::string modes_text(const tasks::Identified& checks, const TableStyle& style)
   }
   if (!checks.cross_checks.empty()) columns.push_back("<ERA");
   Table table(columns);
-  Eigen::VectorXd size =
-      Eigen::VectorXd::Zero(static_cast<Eigen::Index>(result.responses.outputs.size()));
-  for (const auto& H : result.responses.H) size += H.rowwise().squaredNorm();
-  size = size.cwiseSqrt().cwiseMax(1e-300);
+  const auto motions = report::motion_words(result);
   for (std::size_t r = 0; r < result.modes.size(); ++r) {
     const auto& m = result.modes[r];
     std::vector<std::string> row{fmt::format("{}", r + 1),
@@ -111,7 +87,7 @@ std::string modes_text(const tasks::Identified& checks, const TableStyle& style)
                                  fmt::format("{:.2g}", band * m.fit.omega_deviation / two_pi),
                                  percent(m.fit.damping_ratio()),
                                  fmt::format("{:.2g} %", 100.0 * band * m.fit.damping_deviation),
-                                 shape_text(m, size, result.responses.outputs),
+                                 motions[r],
                                  fmt::format("{:.3f}", m.mpc),
                                  fmt::format("{:.1f}°", m.mpd * 180.0 / std::numbers::pi),
                                  fmt::format("{:.2f}", m.quality())};

@@ -130,6 +130,8 @@ Json identification_section(const identification::Identification& result,
   json["measured"] = text.measured;
   json["frame"] = text.frame;
   json["comparison"] = compared ? comparison_json(*compared, result) : Json(nullptr);
+  const auto motions = motion_words(result);
+  for (std::size_t r = 0; r < motions.size(); ++r) json["modes"][r]["motion"] = motions[r];
   json["responses"] = shown_responses(result.responses);
   json["taper"] = taper_json(result.responses);
   for (std::size_t n = 0; n < result.chart.size(); ++n)

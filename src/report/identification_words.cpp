@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numeric>
 
 namespace hydrapod::report {
 
@@ -25,6 +26,26 @@ const char* words(identification::PoleStability stability) {
 }
 
 namespace {
+
+std::string motion_text(const identification::IdentifiedMode& mode, const Eigen::VectorXd& size,
+                        const std::vector<data::Channel>& outputs) {
+  // of repeated modes the fit has some mixture
+  const auto& shape = mode.repeated > 1 ? mode.displacement : mode.fit.shape;
+  Eigen::VectorXd share = shape.cwiseAbs().cwiseQuotient(size);
+  share /= share.maxCoeff();
+  std::vector<int> order(outputs.size());
+  std::iota(order.begin(), order.end(), 0);
+  std::ranges::sort(order, [&](int a, int b) { return share[a] > share[b]; });
+  std::string text;
+  constexpr double shown = 0.2;
+  constexpr std::size_t most = 4;
+  for (std::size_t k = 0; k < std::min(most, order.size()) && share[order[k]] >= shown; ++k) {
+    const bool opposite = (shape[order[k]] * std::conj(shape[order[0]])).real() < 0.0;
+    text += fmt::format("{}{}{} {:.2f}", k == 0 ? "" : ", ", opposite ? "−" : "",
+                        outputs[static_cast<std::size_t>(order[k])].name, share[order[k]]);
+  }
+  return text;
+}
 
 /// A limit to a thousandth of what the two are apart, with four digits or more.
 std::string limit_text(double limit, const data::ResponseWarning& w) {
@@ -74,6 +95,16 @@ std::string hits_text(const data::ResponseWarning& w) {
 }
 
 }  // namespace
+
+std::vector<std::string> motion_words(const identification::Identification& result) {
+  const auto& outputs = result.responses.outputs;
+  Eigen::VectorXd size = Eigen::VectorXd::Zero(std::ssize(outputs));
+  for (const auto& H : result.responses.H) size += H.rowwise().squaredNorm();
+  size = size.cwiseSqrt().cwiseMax(1e-300);
+  std::vector<std::string> words;
+  for (const auto& mode : result.modes) words.push_back(motion_text(mode, size, outputs));
+  return words;
+}
 
 std::string warning_text(const data::ResponseWarning& w) {
   using Kind = data::ResponseWarning::Kind;

@@ -284,7 +284,12 @@ test('tables: modes with their intervals, MAC, comparison', async () => {
     const rows = await page.$$eval('#identification .identified tbody tr', (all) =>
       all.map((row) => [...row.querySelectorAll('td')].map((td) => td.textContent)),
     );
+    const motions = await page.evaluate(() =>
+      window.hydrapod.report.identification.modes.map((mode) => mode.motion),
+    );
+    assert.ok(motions.some((words) => words.includes('−')), 'signs');
     found.modes.forEach((mode, r) => {
+      assert.equal(rows[r][4], motions[r]);
       near(Number(rows[r][0]), mode.frequency_hz, 6e-4, 'Hz');
       near(Number(rows[r][1]), mode.frequency_95_hz, 0.051 * mode.frequency_95_hz, '± Hz');
       near(Number.parseFloat(rows[r][2]), 100 * mode.damping_ratio, 6e-3, 'damping');

@@ -100,6 +100,10 @@ const char* words(identification::Objection reason);
 /// "new", "frequency", "damping", "vector".
 const char* words(identification::PoleStability stability);
 
+/// Per mode "x 1.00, −ry 0.26": the outputs that move most, each in proportion to the size of its
+/// own responses, signs against the first.
+std::vector<std::string> motion_words(const identification::Identification& result);
+
 std::string warning_text(const data::ResponseWarning& warning);
 std::string warning_text(const identification::ModeWarning& warning);
 
@@ -260,14 +264,15 @@ std::string direction_words(const std::string& direction);
 const char* finding_word(diagnosis::Finding finding);
 
 /// What a hypothesis's numbers are, and were in the file: "legs.guide_sleeve.stiffness 0.841 ±
-/// 0.012 MN/m (nominal 30 MN/m)".
+/// 0.012 MN/m (nominal 30 MN/m)", "….air.fraction 0.0815 ± 0.0010 at 68.3 bar chamber pressure".
 std::vector<std::string> parameter_words(const diagnosis::Hypothesis& hypothesis);
 /// "predicts one resonance in x, two were measured", worst first.
 std::vector<std::string> contradiction_words(const diagnosis::Diagnosis& diagnosis,
                                              const diagnosis::Hypothesis& hypothesis);
 /// Why nothing explains the measurement; empty where something does.
 std::vector<std::string> reason_words(const diagnosis::Diagnosis& diagnosis);
-/// What was measured and could not be used as it is.
+/// What was measured and could not be used as it is, or contradicts the mode that it was paired
+/// with.
 std::vector<std::string> note_words(const diagnosis::Diagnosis& diagnosis);
 /// "a drop of at most 2 %", "at least 5.2 Hz in x".
 std::string goal_words(const diagnosis::RemedyGoal& goal);

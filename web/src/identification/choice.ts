@@ -35,6 +35,11 @@ export class Choice {
     return this.poles.filter((pole) => pole.on);
   }
 
+  /** Every pole of the identification is on, and no other. */
+  get untouched(): boolean {
+    return this.poles.every((pole) => pole.on && pole.kind !== 'hand');
+  }
+
   /** The pole of a mark of the chart, if it is one of `poles`. */
   of(mark: ChartPole): ChosenPole | undefined {
     const cluster = mark.cluster === null ? undefined : this.data.clusters[mark.cluster - 1];

@@ -1,11 +1,12 @@
 // Tables of measured modes: the poles in use, their MAC, and the comparison with a model.
 
+import type { Complex } from '../complex';
 import { html, unseen } from '../dom';
 import { fixed, hertz, signedPercent } from '../numbers';
 import { palette } from '../palette';
 import type { Choice, ChosenPole } from './choice';
 import type { Fit } from './fit';
-import type { Comparison, Identification } from './types';
+import type { Comparison, Identification, IdentifiedMode } from './types';
 
 const percent = (ratio: number, digits = 2) => `${fixed(100 * ratio, digits)} %`;
 /** Half an interval, to two digits. */
@@ -31,7 +32,8 @@ function headed(columns: [string, boolean][]): HTMLElement {
 
 const numeric = (text: string) => html('td', { class: 'numeric' }, text);
 
-/** The outputs that move most, each in proportion to the size of its own responses. */
+/** The outputs that move most, each in proportion to the size of its own responses; of poles that the
+ * reader has chosen. */
 function moving(data: Identification, fit: Fit, index: number): string {
   const shares = data.outputs.map((channel, o) => {
     const size = Math.sqrt(
@@ -40,15 +42,18 @@ function moving(data: Identification, fit: Fit, index: number): string {
         0,
       ),
     );
-    const { re, im } = fit.shapes[index][o];
-    return { name: channel.name, share: size > 0 ? Math.hypot(re, im) / size : 0 };
+    const motion = fit.shapes[index][o];
+    return { name: channel.name, motion, share: size > 0 ? Math.hypot(motion.re, motion.im) / size : 0 };
   });
-  const largest = Math.max(...shares.map((s) => s.share)) || 1;
-  return shares
-    .sort((a, b) => b.share - a.share)
+  const ordered = shares.sort((a, b) => b.share - a.share);
+  const largest = ordered[0].share || 1;
+  const opposite = (a: Complex, b: Complex) => a.re * b.re + a.im * b.im < 0;
+  return ordered
     .slice(0, 4)
     .filter((s) => s.share >= 0.2 * largest)
-    .map((s) => `${s.name} ${fixed(s.share / largest, 2)}`)
+    .map(
+      (s) => `${opposite(s.motion, ordered[0].motion) ? '−' : ''}${s.name} ${fixed(s.share / largest, 2)}`,
+    )
     .join(', ');
 }
 
@@ -93,6 +98,11 @@ export class PoleTable {
       this.body.querySelector<HTMLInputElement>(`[data-pole="${focused}"]`)?.focus();
   }
 
+  /** As identified, until the reader changes the poles. */
+  private motion(mode: IdentifiedMode | null, fit: Fit, active: number): string {
+    return mode && this.choice.untouched ? mode.motion : moving(this.data, fit, active);
+  }
+
   private row(pole: ChosenPole, index: number, fit: Fit): HTMLElement {
     const box = html('input', { type: 'checkbox', checked: pole.on, 'data-pole': index });
     box.addEventListener('change', () => this.choice.set(pole, box.checked));
@@ -113,7 +123,7 @@ export class PoleTable {
       numeric(fitted ? interval(fitted.frequency_95_hz) : '–'),
       numeric(percent(pole.damping_ratio)),
       numeric(fitted ? `${interval(100 * fitted.damping_95)} %` : '–'),
-      html('td', {}, active >= 0 ? moving(this.data, fit, active) : 'switched off'),
+      html('td', {}, active < 0 ? 'switched off' : this.motion(mode, fit, active)),
       numeric(mode ? fixed(mode.mpc, 3) : '–'),
       numeric(mode ? `${fixed((180 / Math.PI) * mode.mpd_rad, 1)}°` : '–'),
       numeric(mode ? fixed(mode.quality, 2) : '–'),

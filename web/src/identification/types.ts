@@ -40,6 +40,8 @@ export interface IdentifiedMode extends FittedPole {
   mpc: number;
   mpd_rad: number;
   quality: number;
+  /** The outputs that move most, as `hydrapod identify` says it. */
+  motion: string;
 }
 
 export type Agreement = 'new' | 'frequency' | 'damping' | 'vector';
