@@ -42,6 +42,7 @@ class CsvReader {
 
  private:
   static constexpr std::size_t most_faults = 50;
+  inline static const std::string rad_per_s = "rad/s";  ///< ω has no other unit
 
   /// At `column` of the line that was read last; 0: about the file as a whole.
   void fault(unsigned column, const std::string& key, std::string message) {
@@ -49,10 +50,18 @@ class CsvReader {
   }
 
   void read_titles() {
-    static constexpr std::array<std::string_view, 8> words{
-        "frequency", "direction", "deviation",         "damping",
-        "pose",      "name",      "damping_deviation", "shape_against"};
+    static constexpr std::array<std::string_view, 9> words{
+        "frequency", "omega", "direction",         "deviation",    "damping",
+        "pose",      "name",  "damping_deviation", "shape_against"};
     titles_ = table_.titles();
+    const auto there = [&](std::string_view name) {
+      return std::ranges::count(titles_, name, &TableTitle::name) > 0;
+    };
+    if (there("omega_rad_s") && there("frequency_hz"))
+      throw base::InputError({table_.fault(
+          1, "",
+          "is a table of `hydrapod modes`, which has neither shapes nor a pose; give the JSON of "
+          "the same command (-o modes.json)")});
     std::vector<std::string_view> seen;
     for (const auto& [name, unit, column, unit_column] : titles_) {
       if (std::ranges::count(seen, name) > 0) fault(column, name, "this column is there twice");
@@ -64,8 +73,11 @@ class CsvReader {
                   : fmt::format("unknown column; known are {} and a shape's {}",
                                 fmt::join(words, ", "), fmt::join(direction_names, ", ")));
     }
-    if (!titles_.empty() && faults_.empty() && std::ranges::count(seen, "frequency") == 0)
+    if (titles_.empty() || !faults_.empty()) return;
+    if (!there("frequency") && !there("omega"))
       fault(1, "frequency", "the title row has no column `frequency [Hz]`");
+    if (there("frequency") && there("omega"))
+      fault(1, "omega", "there is a column `frequency` too; give one of the two");
   }
 
   /// The text of a number or quantity with a decimal point.
@@ -91,10 +103,11 @@ class CsvReader {
     const std::string text = with_point(cell);
     const bool plain =
         std::isdigit(static_cast<unsigned char>(text.back())) != 0 || text.back() == '.';
-    const auto read = read_frequency(plain ? text + " " + title.unit : text, false, 0.0, "");
+    const auto& unit = title.unit.empty() && title.name == "omega" ? rad_per_s : title.unit;
+    const auto read = read_frequency(plain ? text + " " + unit : text, false, 0.0, "");
     if (read.problem.empty() && read.omega > 0.0) return read.omega;
     fault(cell.column, title.name,
-          title.unit.empty() && plain
+          unit.empty() && plain
               ? fmt::format("is {} without a unit; title the column `{} [Hz]`", text, title.name)
           : read.problem.empty() ? "expected a frequency above 0"
                                  : read.problem);
@@ -114,7 +127,7 @@ class CsvReader {
       const auto& name = title.name;
       const auto& cell = cells[i];
       if (cell.text.empty()) continue;
-      if (name == "frequency") mode.omega = frequency(cell, title);
+      if (name == "frequency" || name == "omega") mode.omega = frequency(cell, title);
       if (name == "direction") mode.direction = direction(cell);
       if (name == "deviation") deviation = deviation_of(cell, title);
       if (name == "damping") mode.damping = number(cell, title, "1");

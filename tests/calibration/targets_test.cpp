@@ -95,6 +95,27 @@ TEST(Targets, AreReadFromCsv) {
   EXPECT_DOUBLE_EQ(semicolons.modes[0].deviation, 0.002 * 71.5);
 }
 
+/// ω has one unit only, which its column need not say.
+TEST(Targets, AreReadFromCsvWithAngularFrequencies) {
+  const auto omega = parse_targets("omega,direction\n34.6,x\n5.51 Hz,y\n", "a.csv").targets;
+  ASSERT_EQ(omega.modes.size(), 2U);
+  EXPECT_DOUBLE_EQ(omega.modes[0].omega, 34.6);
+  EXPECT_DOUBLE_EQ(omega.modes[1].omega, 5.51 * two_pi);
+  EXPECT_DOUBLE_EQ(parse_targets("omega [Hz]\n5.51\n", "a.csv").targets.modes[0].omega,
+                   5.51 * two_pi);
+}
+
+TEST(Targets, ATableOfModesIsRefusedOnceAndNamesItsJson) {
+  try {
+    parse_targets("mode,omega_rad_s,frequency_hz,label\n1,42.4,6.7,x\n2,42.7,6.8,y\n", "m.csv");
+    FAIL() << "accepted";
+  } catch (const base::InputError& error) {
+    ASSERT_EQ(error.diagnostics().size(), 1U);
+    EXPECT_NE(error.diagnostics()[0].message.find("give the JSON of the same command"),
+              std::string::npos);
+  }
+}
+
 /// Byte order mark, decimal commas, quoted separators, rows of nothing, an ending in capitals.
 TEST(Targets, AreReadAsSpreadsheetsWriteThem) {
   const auto [targets, plan] = parse_targets(
@@ -198,6 +219,13 @@ INSTANTIATE_TEST_SUITE_P(
               "[Hz]`"},
         Wrong{"Column", "t.csv", "frequency [Hz],dirction\n11.3,x\n",
               "t.csv:1:16: error: dirction: unknown column; did you mean `direction`?"},
+        Wrong{"BothFrequencies", "t.csv", "frequency [Hz],omega\n1.7,10.7\n",
+              "t.csv:1:1: error: omega: there is a column `frequency` too; give one of the two"},
+        Wrong{"NoFrequency", "t.csv", "omega,frequency [Hz],x,omega\n1.7,10.7\n",
+              "t.csv:1:24: error: omega: this column is there twice"},
+        Wrong{"TableOfModes", "t.csv", "mode,omega_rad_s,frequency_hz,damping_ratio,stable\n",
+              "t.csv:1:1: error: is a table of `hydrapod modes`, which has neither shapes nor a "
+              "pose; give the JSON of the same command (-o modes.json)"},
         Wrong{"Cells", "t.csv", "frequency [Hz],direction\n11.3\n",
               "t.csv:2:1: error: has 1 cells, expected 2 as in the title row"},
         Wrong{
