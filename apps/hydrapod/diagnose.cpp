@@ -26,12 +26,25 @@ std::string heading(const std::string& text, const TableStyle& style) {
   return "\n" + bold(text, style) + "\n";
 }
 
+/// "z (mode: x)" where what was stated contradicts the mode.
+std::string direction_text(const diagnosis::MeasuredMode& mode) {
+  using diagnosis::direction_name;
+  if (mode.direction < 0) return "";
+  if (mode.mode_direction < 0) return direction_name(mode.direction);
+  return fmt::format("{} (mode: {})", direction_name(mode.direction),
+                     direction_name(mode.mode_direction));
+}
+
+const char* machine_word(const diagnosis::CaseFile& file) {
+  return file.fitted ? "fitted" : "nominal";
+}
+
 std::string modes_text(const diagnosis::Diagnosis& d, const TableStyle& style) {
   Table table({"<pose", "<direction", "measured Hz", "rigid Hz", "drop", "nominal Hz", "fitted Hz",
                "MAC", "<elastic energy"});
   for (const auto& m : d.modes) {
     const bool rigid = m.rigid_mac >= diagnosis::resonance_mac;
-    table.add_row({m.pose, m.direction < 0 ? "" : diagnosis::direction_name(m.direction),
+    table.add_row({m.pose, direction_text(m),
                    fmt::format("{:.3f} ± {:.3f}", m.omega / two_pi, m.deviation / two_pi),
                    rigid ? hertz(m.omega_rigid) : "",
                    rigid ? fmt::format("{:.1f} %", 100.0 * m.drop()) : "", hertz(m.omega_stated),
@@ -69,7 +82,8 @@ std::string ranking_text(const diagnosis::Diagnosis& d, std::size_t shown,
 
 std::string attribution_text(const diagnosis::CaseFile& file, const TableStyle& style) {
   if (file.drops.empty()) return {};
-  std::vector<Column> columns{"<direction", "rigid Hz", "Hz", "drop"};
+  const auto machine = machine_word(file);
+  std::vector<Column> columns{"<direction", "rigid Hz", fmt::format("{} Hz", machine), "drop"};
   for (const auto& part : file.drops.front().parts) columns.push_back(report::part_name(part.part));
   Table table(columns);
   for (const auto& drop : file.drops) {
@@ -81,8 +95,9 @@ std::string attribution_text(const diagnosis::CaseFile& file, const TableStyle& 
       row.push_back(std::abs(r.drop()) < least ? "" : fmt::format("{:.0f} %", 100.0 * part.share));
     table.add_row(row);
   }
-  return heading(fmt::format("Share of the frequency drop at pose {}, with this part alone rigid",
-                             file.pose),
+  return heading(fmt::format("Share of the frequency drop of the {} machine at pose {}, with this "
+                             "part alone rigid",
+                             machine, file.pose),
                  style) +
          table.text(style);
 }
@@ -90,7 +105,9 @@ std::string attribution_text(const diagnosis::CaseFile& file, const TableStyle& 
 std::string remedy_text(const diagnosis::CaseFile& file, const TableStyle& style) {
   if (!file.remedy || file.remedy->changes.empty()) return {};
   constexpr std::size_t most = 24;
-  Table table({"<pose", "<direction", "rigid Hz", "nominal Hz", "stiffer Hz", "drop stiffer"});
+  const auto machine = machine_word(file);
+  Table table({"<pose", "<direction", "rigid Hz", fmt::format("{} Hz", machine), "required Hz",
+               "required drop"});
   const auto& changes = file.remedy->changes;
   for (std::size_t k = 0; k < std::min(most, changes.size()); ++k) {
     const auto& c = changes[k];
@@ -99,9 +116,11 @@ std::string remedy_text(const diagnosis::CaseFile& file, const TableStyle& style
                    fmt::format("{:.1f} %", 100.0 * (1.0 - c.omega_needed / c.omega_rigid))});
   }
   std::string text =
-      heading(fmt::format("First resonances with guide sleeves {:.3g} times as stiff",
-                          file.remedy->needed.factor),
-              style) +
+      heading(
+          fmt::format("First resonances of the {} machine, and with the required stiffness of the "
+                      "guide sleeves ({:.3g} times the {} one)",
+                      machine, file.remedy->needed.factor, machine),
+          style) +
       table.text(style);
   if (changes.size() > most)
     text += fmt::format("… and {} more; --format json has all\n", changes.size() - most);

@@ -128,7 +128,12 @@ FittedTarget met(const Problem& problem, const State& state, std::size_t i) {
     fit.damping = phi.dot(undamped.model.C * phi) / (2.0 * std::max(fit.omega, 1e-9)) +
                   modal::modal_ratio(state.machine).value;
   }
-  if (target.shape) fit.shape_mac = shown_mac(point.seen, point.group_of(i), target);
+  if (target.shape) {
+    fit.shape_mac = shown_mac(point.seen, point.group_of(i), target);
+  } else if (target.direction) {
+    fit.mode_direction =
+        observation::contradicted_direction(point.seen, k, point.group_of(i), *target.direction);
+  }
   return fit;
 }
 

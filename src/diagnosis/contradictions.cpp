@@ -9,6 +9,7 @@
 #include "evidence.hpp"
 #include "hydrapod/base/units.hpp"
 #include "hydrapod/observation/pairing.hpp"
+#include "predictions.hpp"
 
 namespace hydrapod::diagnosis {
 
@@ -66,12 +67,13 @@ std::optional<Contradiction> missed_response(const Targets& targets, const Hypot
 }
 
 /// Where fewer resonances are predicted than were measured, by these numbers.
-std::vector<Contradiction> missing_resonances(const Targets& targets, const Hypothesis& e,
-                                              const model::Machine& machine) {
+std::vector<Contradiction> missing_resonances(const Evidence& evidence, const Hypothesis& e) {
+  const auto& targets = evidence.targets();
+  Predictions predictions(evidence.file(), targets, evidence.nominal().kind);
   std::map<std::pair<int, int>, std::vector<Place>> found;  // predicted, measured
-  for (const auto& named : machine.poses) {
+  for (const auto& named : evidence.file().machine.poses) {
     if (std::ranges::count(targets.modes, named.name, &ModeTarget::pose) == 0) continue;
-    const auto seen = observation::visible_resonances(machine, named.X_BP, e.kind);
+    const auto seen = predictions.at(e, named);
     for (int direction = 0; direction < 6; ++direction) {
       const auto predicted =
           static_cast<int>(std::ranges::count(seen, direction, &observation::Resonance::direction));
@@ -94,10 +96,7 @@ std::vector<Contradiction> what_is_wrong(const Evidence& evidence, const Hypothe
   constexpr double other_motion = 0.8;
   const auto& targets = evidence.targets();
   std::vector<Contradiction> wrong;
-  try {
-    wrong = missing_resonances(targets, e, machine_of(evidence.file(), e));
-  } catch (const base::ComputationError&) {  // no equilibrium at one of the poses
-  }
+  if_possible([&] { wrong = missing_resonances(evidence, e); });  // or it folds at a pose
   const auto response = missed_response(targets, e);
   const std::size_t of_modes = most - (response ? 1 : 0);
   std::vector<std::size_t> order;

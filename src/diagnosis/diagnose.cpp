@@ -273,6 +273,7 @@ Diagnosis diagnose(const model::MachineFile& file, const observation::Targets& m
                    const DiagnoseOptions& options, const Progress& progress) {
   Diagnosis d{.causes = causes_of(file), .targets = weighted_targets(file, measured, options)};
   take_targets(file, measured, kind, options, d);
+  settle_air(file, d.targets, kind, d.causes);
   d.values = values_in(d.targets);
   const Evidence evidence(file, d.targets, kind, d.causes);
   Watch watch(progress);
@@ -296,8 +297,9 @@ Diagnosis diagnose(const model::MachineFile& file, const observation::Targets& m
   if (!d.equivalent.empty()) widen(evidence, d, options.frequency_error, watch);
   trace_modes(file, d);
   if (!watch.stopped()) describe(evidence, d, options.threads, watch);
+  Predictions predictions(file, d.targets, kind);
   for (std::size_t k = 1; k < d.equivalent.size() && !watch.stopped(); ++k)
-    if (auto found = discriminate(file, d, d.equivalent[k], poses, options.frequency_error))
+    if (auto found = discriminate(predictions, d, d.equivalent[k], poses, options.frequency_error))
       d.discriminators.push_back(*found);
   d.interrupted = watch.stopped();
   return d;

@@ -206,7 +206,14 @@ Hypothesis Evidence::search(const std::vector<std::size_t>& causes, const Target
       plan.free.push_back(free);
     }
   }
-  e.from_nominal = e.changes.empty();
+  // a change of what is let free: the search began elsewhere than at the file's value
+  e.from_nominal = std::ranges::none_of(plan.free, [&](const auto& free) {
+    const auto id = find_parameter(file_, free.paths.front());
+    return std::ranges::any_of(e.changes, [&](const auto& change) { return change.id == id; });
+  });
+  if (std::ranges::any_of(causes,
+                          [&](std::size_t k) { return causes_[k].kind == Cause::Kind::air; }))
+    e.air_pressure = file_with(e).machine.legs[0].oil_spring.cylinder->air->pressure;
   e.fit = calibration::calibrate(file_with(e), targets, plan, e.kind, stop).best();
   if (known != nullptr) keep_stated(known->fit, e.fit);
   e.misfit = e.fit.misfit;

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include "hydrapod/base/error.hpp"
+#include "evidence.hpp"
 #include "hydrapod/diagnosis/diagnose.hpp"
 #include "hydrapod/observation/pairing.hpp"
 
@@ -19,6 +19,11 @@ bool holds(const Hypothesis& pair, const Hypothesis& single) {
                        single.causes.end());
 }
 
+/// As many numbers as values: it explains any values.
+bool explains_anything(const Diagnosis& d, const Hypothesis& e) {
+  return e.parameters >= std::max(1, d.values);
+}
+
 /// Root of the reduced misfit of the hypothesis that fits best for its number of parameters: of
 /// its modes or its responses, what is worse, so that many values of one kind, well met, do not
 /// hide that deviations of the other are too small.
@@ -27,6 +32,7 @@ double least_scatter(const Diagnosis& d) {
   for (const auto& response : d.targets.responses) lines += response.values;
   double least = std::numeric_limits<double>::infinity();
   for (const auto& e : d.hypotheses) {
+    if (explains_anything(d, e)) continue;
     const double responses = e.response_misfit();
     const double degrees = std::max(1, d.values - lines - e.parameters);
     least = std::min(least, std::max((e.misfit - responses) / degrees,
@@ -65,6 +71,13 @@ void rank(Diagnosis& d) {
 
 void judge(Diagnosis& d) {
   if (d.scatter > no_explanation) {
+    const bool anything = std::ranges::any_of(d.hypotheses, [&](const auto& e) {
+      return explains_anything(d, e) && e.misfit <= no_explanation * no_explanation * d.values;
+    });
+    if (anything) {
+      d.finding = Finding::cannot_tell;
+      return;
+    }
     d.finding = d.scatter > another_machine ? Finding::do_not_belong : Finding::unexplained;
     return;
   }
@@ -79,6 +92,11 @@ void judge(Diagnosis& d) {
     }
   for (std::size_t k = 0; k < d.hypotheses.size(); ++k)
     if (d.hypotheses[k].bic <= limit) d.equivalent.push_back(k);
+  std::erase_if(d.equivalent, [&](std::size_t k) { return explains_anything(d, d.hypotheses[k]); });
+  if (d.equivalent.empty()) {
+    d.finding = Finding::cannot_tell;
+    return;
+  }
   std::erase_if(d.equivalent, [&](std::size_t k) {
     return std::ranges::any_of(d.equivalent, [&](std::size_t other) {
       return holds(d.hypotheses[k], d.hypotheses[other]);
@@ -120,7 +138,8 @@ void trace_modes(const model::MachineFile& file, Diagnosis& d) {
                       .deviation = target.deviation,
                       .omega_stated = stated.fit.targets[i].omega,
                       .omega_best = best.fit.targets[i].omega,
-                      .shape_mac = best.fit.targets[i].shape_mac};
+                      .shape_mac = best.fit.targets[i].shape_mac,
+                      .mode_direction = best.fit.targets[i].mode_direction.value_or(-1)};
     const auto* pose = find_pose(machine, target.pose);
     const auto model = dynamics::linear_model(machine, pose->X_BP, best.kind);
     const auto modes = modal::normal_modes(model);
@@ -135,22 +154,20 @@ void trace_modes(const model::MachineFile& file, Diagnosis& d) {
   }
 }
 
-std::optional<Discriminator> discriminate(const model::MachineFile& file, const Diagnosis& d,
+std::optional<Discriminator> discriminate(Predictions& predictions, const Diagnosis& d,
                                           std::size_t other,
                                           const std::vector<model::NamedPose>& poses,
                                           double frequency_error) {
   const auto& best = d.hypotheses[d.equivalent.front()];
   const auto& rival = d.hypotheses[other];
-  const auto a = machine_of(file, best), b = machine_of(file, rival);
   Discriminator found{.other = other};
   for (const auto& pose : poses) {
     std::vector<observation::Resonance> in_a, in_b;
-    try {
-      in_a = observation::visible_resonances(a, pose.X_BP, best.kind);
-      in_b = observation::visible_resonances(b, pose.X_BP, rival.kind);
-    } catch (const base::ComputationError&) {  // one of them folds there
-      continue;
-    }
+    const bool both = if_possible([&] {  // or one of them folds there
+      in_a = predictions.at(best, pose);
+      in_b = predictions.at(rival, pose);
+    });
+    if (!both) continue;
     for (const auto& x : in_a) {
       // the resonance of the other that is nearest in the same direction
       const observation::Resonance* nearest = nullptr;

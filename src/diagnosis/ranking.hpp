@@ -4,6 +4,7 @@
 #include <optional>
 
 #include "hydrapod/diagnosis/diagnose.hpp"
+#include "predictions.hpp"
 
 namespace hydrapod::diagnosis {
 
@@ -24,7 +25,7 @@ double rigid_share(const dynamics::LinearModel& flexible, const spatial::Vector6
 void trace_modes(const model::MachineFile& file, Diagnosis& d);
 
 /// Where the resonances that the best and another hypothesis predict differ most.
-std::optional<Discriminator> discriminate(const model::MachineFile& file, const Diagnosis& d,
+std::optional<Discriminator> discriminate(Predictions& predictions, const Diagnosis& d,
                                           std::size_t other,
                                           const std::vector<model::NamedPose>& poses,
                                           double frequency_error);

@@ -17,6 +17,9 @@ double share_shown(const Eigen::MatrixXcd& A, const Eigen::VectorXcd& u, double 
 /// The platform's share of the kinetic energy of a mode; `mass`: LinearModel::platform_mass.
 double felt_energy(const ObservedMode& mode, const spatial::Matrix6& mass);
 
+/// Turned so that the sum of the squares of the real parts is largest, and real.
+Vector6c turned_to_real(const Vector6c& motion);
+
 /// U with UᵀU = M, symmetric.
 spatial::Matrix6 metric_root(const spatial::Matrix6& mass);
 

@@ -21,13 +21,12 @@ using Complex = std::complex<double>;
 using Eigen::MatrixXcd;
 using spatial::Matrix6;
 
-/// Turned so that the sum of the squares of the real parts is largest, and real.
+}  // namespace
+
 Vector6c turned_to_real(const Vector6c& motion) {
   const Complex sum = motion.cwiseProduct(motion).sum();
   return (motion * std::polar(1.0, -0.5 * std::arg(sum))).real().cast<Complex>();
 }
-
-}  // namespace
 
 std::vector<int> assign(const Eigen::MatrixXd& cost) {
   const auto rows = static_cast<int>(cost.rows()), columns = static_cast<int>(cost.cols());
@@ -175,6 +174,28 @@ double direction_share(const Observation& seen, int k, int direction) {
   return all < modal::local_mode_energy
              ? 0.0
              : (std::conj(motion[direction]) * momentum[direction]).real() / all;
+}
+
+std::optional<int> contradicted_direction(const Observation& seen, int k,
+                                          const std::vector<int>& group, int direction,
+                                          const ObservationOptions& options) {
+  const auto& mass = seen.mechanics.platform_mass;
+  const auto energies = [&](int number) -> Vector6 {
+    const Vector6c motion = seen.modes[static_cast<std::size_t>(number)].motion();
+    const Vector6c momentum = mass.cast<Complex>() * motion;
+    return motion.conjugate().cwiseProduct(momentum).real();
+  };
+  const Vector6 own = energies(k);
+  if (own.sum() < options.visible) return std::nullopt;
+  for (const int number : group) {
+    const Vector6 energy = energies(number);
+    const double all = energy.sum();
+    if (all >= options.visible && energy[direction] >= options.contradicting * all)
+      return std::nullopt;
+  }
+  int main = 0;
+  own.maxCoeff(&main);
+  return main == direction ? std::nullopt : std::optional(main);
 }
 
 namespace {

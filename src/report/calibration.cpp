@@ -59,6 +59,20 @@ void describe(Fields& f, Candidate::Unbound& unbound) {
 
 namespace {
 
+/// Absent where there is none.
+template <class Fields>
+void describe_direction(Fields& f, const char* key, std::optional<int>& direction) {
+  std::optional<std::string> name;
+  if (direction) name = spatial::direction_name(*direction);
+  f.optional(key, name);
+  if constexpr (Fields::reads) {
+    if (!name) return;
+    direction = spatial::direction_from_name(*name);
+    if (!direction)
+      f.bad(key, fmt::format("is \"{}\", expected one of x, y, z, rx, ry, rz", *name));
+  }
+}
+
 template <class Fields>
 void describe_target(Fields& f, ModeTarget& target, FittedTarget& fit) {
   f("name", target.name);
@@ -69,6 +83,8 @@ void describe_target(Fields& f, ModeTarget& target, FittedTarget& fit) {
   f("deviation_rad_s", target.deviation);
   f("difference_in_deviations", fit.difference);
   f("outlier", fit.outlier);
+  describe_direction(f, "direction", target.direction);
+  describe_direction(f, "mode_direction", fit.mode_direction);
   f.optional("target_damping_ratio", target.damping);
   if (target.damping) f("model_damping_ratio", fit.damping);
   if (target.shape || f.has("shape_mac")) f("shape_mac", fit.shape_mac);
@@ -169,6 +185,18 @@ Sensitivities sensitivity_from_json(const Json& json, const std::string& file) {
   return read<Sensitivities>(json, file);
 }
 
+namespace {
+
+/// Targets at several poses may have one name.
+std::string at_pose(const Targets& targets, std::size_t i) {
+  const auto& pose = targets.modes[i].pose;
+  const bool several =
+      std::ranges::any_of(targets.modes, [&](const auto& mode) { return mode.pose != pose; });
+  return several ? fmt::format(" at pose {}", pose) : "";
+}
+
+}  // namespace
+
 std::vector<std::string> calibration_remarks(const Calibration& result, const Targets& targets) {
   std::vector<std::string> remarks;
   const auto& best = result.best();
@@ -178,6 +206,14 @@ std::vector<std::string> calibration_remarks(const Calibration& result, const Ta
       remarks.push_back(fmt::format(
           "target {} does not fit the others: it differs by {:.1f} σ and was left out; check it",
           targets.modes[i].name, std::abs(best.targets[i].difference)));
+  for (std::size_t i = 0; i < best.targets.size(); ++i)
+    if (best.targets[i].mode_direction)
+      remarks.push_back(fmt::format(
+          "target {}{}: its direction {} contradicts the mode paired with it, which mainly moves "
+          "the platform in {}; check the directions of the targets",
+          targets.modes[i].name, at_pose(targets, i),
+          spatial::direction_name(targets.modes[i].direction.value_or(0)),
+          spatial::direction_name(*best.targets[i].mode_direction)));
   const double count = static_cast<double>(best.targets.size());
   if (best.misfit > 9.0 * count)
     remarks.push_back(

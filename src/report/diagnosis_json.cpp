@@ -118,6 +118,8 @@ void describe(Fields& f, MeasuredMode& m) {
   f.scaled("deviation_hz", m.deviation, two_pi);
   f.scaled("nominal_hz", m.omega_stated, two_pi);
   f.scaled("fitted_hz", m.omega_best, two_pi);
+  if (m.mode_direction >= 0 || f.has("mode_direction"))
+    describe_axis(f, "mode_direction", m.mode_direction);
   f("shape_mac", m.shape_mac);
   f("rigid_hz", rigid_hz);
   f("rigid_mac", m.rigid_mac);
@@ -165,7 +167,7 @@ void describe(Fields& f, Change& change) {
   f("pose", change.pose);
   describe_resonance_direction(f, change.direction);
   f.scaled("rigid_hz", change.omega_rigid, two_pi);
-  f.scaled("nominal_hz", change.omega_today, two_pi);
+  f.scaled("present_hz", change.omega_today, two_pi);
   f.scaled("required_hz", change.omega_needed, two_pi);
 }
 
@@ -242,6 +244,7 @@ void describe_hypothesis(Fields& f, Hypothesis& e, std::size_t index, Diagnosis&
   if constexpr (!Fields::reads) f.derived("contradictions", contradiction_words(d, e));
   f("contradiction_codes", e.wrong);
   f("from_nominal", e.from_nominal);
+  f.optional("air_pressure_Pa", e.air_pressure);
   if constexpr (Fields::reads) {
     for (const auto& cause : causes) e.causes.push_back(index_of(cause, d.causes));
     if (equally_good) d.equivalent.push_back(index);
@@ -281,7 +284,7 @@ void describe_discriminator(Fields& f, Discriminator& x, const Diagnosis& d) {
 
 template <class Fields>
 void describe_diagnosis(Fields& f, Diagnosis& d) {
-  f.word("finding", d.finding, words_of<Finding, 6>(finding_word));
+  f.word("finding", d.finding, words_of<Finding, 7>(finding_word));
   if constexpr (!Fields::reads) {
     f.derived("reasons", reason_words(d));
     f.derived("notes", note_words(d));
@@ -311,7 +314,7 @@ void describe_remedy(Fields& f, Remedy& r, RemedyGoal& goal) {
   static constexpr std::array status{"found", "met_already", "out_of_reach"};
   f("goal", goal);
   f.word("status", r.status, status);
-  f("nominal", r.today);
+  f("present", r.today);
   f("required", r.needed);
   f("rigid_sleeves", r.limit);
   f("pose", r.pose);
@@ -329,7 +332,10 @@ void describe_case(Fields& f, CaseFile& file) {
     f.derived("summary", summary(file));
   }
   if (file.diagnosis) describe_diagnosis(f, *file.diagnosis);
+  static constexpr std::array machines{"nominal", "fitted"};
   f("pose", file.pose);
+  f.word("computed_machine", file.fitted, machines);
+  f("nominal_sleeve_N_m", file.nominal_sleeve);
   f("attribution", file.drops);
   if (file.remedy)
     f.object("remedy", [&](auto& inner) { describe_remedy(inner, *file.remedy, file.goal); });

@@ -64,6 +64,24 @@ std::string measured_panel(const Diagnosis& d, const Layout& layout) {
          "logscale y\n";
 }
 
+/// Length of a bar: a logarithm above 1, and from zero on: the best has none.
+double above_best(double bic) { return std::log10(1.0 + std::max(0.0, bic)); }
+
+/// Tics of such bars at 0 and powers of ten.
+std::string above_tics(double most) {
+  std::string s = "set xtics ('0' 0";
+  int power = 0;
+  for (; std::pow(10.0, power) <= std::max(10.0, most); ++power) {
+  }
+  const int step = (power + 5) / 6;
+  for (int k = 0; k < power; k += step)
+    s += fmt::format(
+        ", '{}' {:.9g}",
+        k < 4 ? fmt::format("{}", std::lround(std::pow(10.0, k))) : fmt::format("1e{}", k),
+        above_best(std::pow(10.0, k)));
+  return s + ")\n";
+}
+
 /// A bar per hypothesis: how far its BIC is above the best.
 std::string ranking_panel(const Diagnosis& d, const Layout& layout) {
   std::vector<std::size_t> shown;
@@ -72,15 +90,15 @@ std::string ranking_panel(const Diagnosis& d, const Layout& layout) {
   std::string s = "unset ylabel\nunset key\nunset grid\n";
   s += place(layout, layout.measured + 34.0, layout.measured + layout.ranking - 48.0, 0.5);
   s += fmt::format(
-      "set title 'Hypotheses: BIC above the best'\nset yrange [{}.5:0.5]\nset logscale x\nset "
-      "xrange [0.5:*]\nset xtics auto\nset xtics format '%.0s%c'\nset xlabel 'BIC above the best "
+      "set title 'Hypotheses: BIC above the best'\nset yrange [{}.5:0.5]\nset xrange "
+      "[0:*]\n{}set xlabel 'BIC above the best "
       "(green: equally good)'\nset style fill solid\nset ytics () font ',9'\n$c << END\n",
-      shown.size());
+      shown.size(), above_tics(d.hypotheses[shown.back()].bic - d.best().bic));
   int row = 0;
   for (const auto k : shown) {
     const auto& e = d.hypotheses[k];
     const bool equivalent = std::ranges::count(d.equivalent, k) > 0;
-    s += fmt::format("{} {:.6g} {}\n", ++row, std::max(1.0, e.bic - d.best().bic),
+    s += fmt::format("{} {:.6g} {}\n", ++row, above_best(e.bic - d.best().bic),
                      equivalent         ? "0x009e73"
                      : e.causes.empty() ? "0x999999"
                                         : "0x0072b2");
@@ -90,8 +108,8 @@ std::string ranking_panel(const Diagnosis& d, const Layout& layout) {
   for (const auto k : shown)
     s += fmt::format("set ytics add ({} {})\n", quoted(hypothesis_name(d, d.hypotheses[k])), ++row);
   return s +
-         "plot $c using 2:1:(0.5):2:($1-0.35):($1+0.35):3 with boxxyerror lc rgb variable\n"
-         "unset logscale x\nset xtics format '%g'\n";
+         "plot $c using 2:1:(0):2:($1-0.35):($1+0.35):3 with boxxyerror lc rgb variable\n"
+         "set xtics auto\nset xtics format '%g'\n";
 }
 
 std::string curve_panel(const CaseFile& file, const Layout& layout) {
@@ -122,7 +140,9 @@ std::string curve_panel(const CaseFile& file, const Layout& layout) {
   s += fmt::format(
       "plot $k using 1:{} with lines lw 2 lc rgb '#0072b2' notitle, {:.9g} with lines dt 2 lc rgb "
       "'#d55e00' title 'goal', $t using 1:2 with points pt 6 ps 1.8 lw 2 lc rgb '#444444' title {}",
-      column, goal, quoted("nominal, " + amount_text(r.today.stiffness, 0.0, "N/m")));
+      column, goal,
+      quoted((file.fitted ? "fitted, " : "nominal, ") +
+             amount_text(r.today.stiffness, 0.0, "N/m")));
   if (r.status == RemedyStatus::found)
     s += fmt::format(", $n using 1:2 with points pt 7 ps 1.4 lc rgb '#009e73' title {}",
                      quoted("required, " + amount_text(r.needed.stiffness, 0.0, "N/m")));

@@ -36,7 +36,7 @@ std::string capital(std::string text) {
 void add_drops(const Diagnosis& d, std::vector<std::string>& words) {
   std::map<std::pair<std::string, int>, const MeasuredMode*> first;
   for (const auto& mode : d.modes) {
-    if (mode.direction < 0 || mode.rigid_mac < resonance_mac) continue;
+    if (mode.direction < 0 || mode.mode_direction >= 0 || mode.rigid_mac < resonance_mac) continue;
     auto& lowest = first[{mode.pose, mode.direction}];
     if (lowest == nullptr || mode.omega < lowest->omega) lowest = &mode;
   }
@@ -154,6 +154,16 @@ void add_discriminators(const Diagnosis& d, std::vector<std::string>& words) {
   }
 }
 
+/// Which machine attribution and remedy are of.
+const char* machine_word(const CaseFile& file) { return file.fitted ? "fitted" : "nominal"; }
+
+/// "300 kN/m", and of a fitted machine what the file states beside it.
+std::string sleeve_words(const CaseFile& file) {
+  const auto present = amount_text(file.remedy->today.stiffness, 0.0, "N/m");
+  if (!file.fitted || !(file.nominal_sleeve > 0.0)) return present;
+  return fmt::format("{} (nominal {})", present, amount_text(file.nominal_sleeve, 0.0, "N/m"));
+}
+
 void add_attribution(const CaseFile& file, std::vector<std::string>& words) {
   constexpr std::size_t most = 3;
   std::vector<const AttributedDrop*> drops;
@@ -170,16 +180,17 @@ void add_attribution(const CaseFile& file, std::vector<std::string>& words) {
       if (!part.part.leg && std::abs(part.share) >= told)
         parts.push_back(fmt::format("{} {}", part_name(part.part), share_text(part.share)));
     words.push_back(
-        fmt::format("Calculated at pose {}: the {} resonance is at {}, {} below the rigid-leg "
-                    "model. Share of the frequency drop: {}.",
-                    file.pose, drop.resonance.direction, frequency_text(drop.resonance.omega),
-                    share_text(drop.resonance.drop()),
+        fmt::format("Calculated at pose {} for the {} machine: the {} resonance is at {}, {} below "
+                    "its rigid-leg model. Share of the frequency drop: {}.",
+                    file.pose, machine_word(file), drop.resonance.direction,
+                    frequency_text(drop.resonance.omega), share_text(drop.resonance.drop()),
                     parts.empty() ? "no part alone" : fmt::format("{}", fmt::join(parts, ", "))));
   }
   if (drops.empty() && !file.drops.empty())
     words.push_back(fmt::format(
-        "Calculated at pose {}: rigid seals, gimbals and base would raise no resonance by 1 %.",
-        file.pose));
+        "Calculated at pose {} for the {} machine: rigid seals, gimbals and base would raise no "
+        "resonance by 1 %.",
+        file.pose, machine_word(file)));
 }
 
 /// Of sleeves that will do today: stiffer ones may put their own resonances where they do harm.
@@ -202,7 +213,7 @@ std::string remedy_words(const CaseFile& file) {
   const auto& r = *file.remedy;
   const std::string goal = goal_words(file.goal);
   const auto stiffness = amount_text(r.needed.stiffness, 0.0, "N/m");
-  const auto today = amount_text(r.today.stiffness, 0.0, "N/m");
+  const auto present = sleeve_words(file);
   if (r.status == RemedyStatus::out_of_reach)
     return fmt::format(
         "No stiffness of the guide sleeves reaches {}: rigid guide sleeves give {} and a drop of "
@@ -214,14 +225,14 @@ std::string remedy_words(const CaseFile& file) {
     const bool softer = r.needed.factor < far;
     const auto enough =
         softer ? "much less is sufficient" : "at least " + stiffness + " is required";
-    return fmt::format(
-        "The nominal stiffness of the guide sleeves, {}, is sufficient for {}; {}.{}", today, goal,
-        enough, stiffer_words(file));
+    return fmt::format("The {} stiffness of the guide sleeves, {}, is sufficient for {}; {}.{}",
+                       machine_word(file), present, goal, enough, stiffer_words(file));
   }
   return fmt::format(
-      "Required stiffness of the guide sleeves for {}: at least {}, {:.3g} times the nominal {} "
-      "(highest demand at pose {} in {}).",
-      goal, stiffness, r.needed.factor, today, r.pose, direction_words(r.direction));
+      "Required stiffness of the guide sleeves for {}: at least {}, {:.3g} times the {} {}; "
+      "highest demand at pose {} in {}.",
+      goal, stiffness, r.needed.factor, machine_word(file), present, r.pose,
+      direction_words(r.direction));
 }
 
 std::string finding_sentence(const Diagnosis& d) {
@@ -242,6 +253,11 @@ std::string finding_sentence(const Diagnosis& d) {
       return fmt::format("{} explain the data equally well.", capital(equivalent_words(d)));
     case Finding::unexplained:
       return "No candidate cause explains the measurement; no cause is identified.";
+    case Finding::cannot_tell:
+      return fmt::format(
+          "The data cannot tell the cause: {} measured values are too few for the candidate causes "
+          "that explain them.",
+          d.values);
     case Finding::do_not_belong:
       break;
   }
@@ -264,7 +280,9 @@ std::vector<std::string> summary(const CaseFile& file) {
     words.push_back(finding_sentence(d));
     if (d.equivalent.empty()) {
       for (const auto& reason : reason_words(d)) words.push_back(capital(reason) + ".");
-      if (d.finding == Finding::unexplained) add_drops(d, words);
+      if (d.finding == Finding::unexplained || d.finding == Finding::cannot_tell)
+        add_drops(d, words);
+      for (const auto& note : note_words(d)) words.push_back(capital(note) + ".");
       if (d.interrupted) words.push_back(interrupted);
       return words;
     }
@@ -274,11 +292,11 @@ std::vector<std::string> summary(const CaseFile& file) {
         words.push_back(fmt::format("{}: {}.", capital(hypothesis_name(d, e)),
                                     fmt::join(parameter_words(e), "; ")));
       }
+    for (const auto& note : note_words(d)) words.push_back(capital(note) + ".");
     add_discriminators(d, words);
     add_drops(d, words);
     add_origins(d, words);
     add_innocents(d, words);
-    for (const auto& note : note_words(d)) words.push_back(capital(note) + ".");
     if (d.targets.observed != observation::Observed::mechanics && !d.equivalent.empty() &&
         d.hypotheses[d.equivalent.front()].by_mechanics)
       words.push_back(

@@ -14,6 +14,7 @@ namespace {
 using namespace diagnosis;
 
 using base::two_pi;
+constexpr double bar = 1e5;  // [Pa]
 
 /// Of all legs or of none; of one leg, whose number is {}.
 struct CauseWords {
@@ -172,8 +173,8 @@ std::string direction_words(const std::string& direction) {
 }
 
 const char* finding_word(Finding finding) {
-  constexpr std::array words{"no cause",  "nominal machine", "cause identified",
-                             "undecided", "unexplained",     "mismatch"};
+  constexpr std::array words{"no cause",    "nominal machine", "cause identified", "undecided",
+                             "unexplained", "mismatch",        "too few values"};
   return words.at(static_cast<std::size_t>(finding));
 }
 
@@ -223,9 +224,13 @@ std::vector<std::string> parameter_words(const Hypothesis& e) {
                     : open ? ", not determined"
                            : "");
     // with overrides the search began elsewhere than at the file's value
-    words.push_back(e.from_nominal
-                        ? fmt::format("{} (nominal {})", value, amount_text(p.start, 0.0, p.unit))
-                        : value);
+    const std::string nominal =
+        e.from_nominal ? fmt::format(" (nominal {})", amount_text(p.start, 0.0, p.unit)) : "";
+    // what a share of air does to the oil depends on how much it is compressed
+    const bool air = e.air_pressure && p.paths.front().ends_with("air.fraction");
+    words.push_back(
+        value + nominal +
+        (air ? fmt::format(" at {:.3g} bar chamber pressure", *e.air_pressure / bar) : ""));
   }
   return words;
 }
@@ -240,6 +245,16 @@ std::vector<std::string> reason_words(const Diagnosis& d) {
   std::vector<std::string> words;
   for (const auto& objection : d.objections) words.push_back(objection_text(objection));
   if (!words.empty() || !d.equivalent.empty()) return words;
+  if (d.finding == Finding::cannot_tell) {
+    for (const auto& e : d.hypotheses)
+      if (e.parameters >= d.values && words.empty())
+        words.push_back(fmt::format(
+            "{} fits {} numbers to {} measured values, and so many numbers fit any values",
+            hypothesis_name(d, e), e.parameters, d.values));
+    words.push_back(
+        "no candidate cause with fewer numbers explains them; measure more modes, shapes or poses");
+    return words;
+  }
   words.push_back(
       fmt::format("even the best hypothesis ({}) differs from the measured values by {:.{}f} σ",
                   hypothesis_name(d, d.best()), d.scatter, d.scatter < 10.0 ? 1 : 0));
@@ -250,15 +265,36 @@ std::vector<std::string> reason_words(const Diagnosis& d) {
   return words;
 }
 
+namespace {
+
+/// Of the modes of the best hypothesis.
+std::vector<std::string> direction_warnings(const Diagnosis& d) {
+  std::vector<std::string> words;
+  for (std::size_t i = 0; i < d.modes.size(); ++i) {
+    const auto& mode = d.modes[i];
+    if (mode.mode_direction < 0) continue;
+    words.push_back(fmt::format(
+        "the direction {} stated for {:.2f} Hz{} contradicts the mode paired with it, which mainly "
+        "moves the platform in {}; check the directions of the measurement",
+        direction_name(mode.direction), mode.omega / two_pi, at_pose(d, mode.pose),
+        direction_name(mode.mode_direction)));
+  }
+  return words;
+}
+
+}  // namespace
+
 std::vector<std::string> note_words(const Diagnosis& d) {
-  if (!d.substitution) return {};
+  auto words = direction_warnings(d);
+  if (!d.substitution) return words;
   const auto& [measured, error] = *d.substitution;
-  return {fmt::format(
+  words.push_back(fmt::format(
       "compared with mechanics on oil springs, though the {} was measured: the nominal machine "
       "with its hydraulics: {}",
       measured == observation::Observed::plant ? "plant from the drives of the valves"
                                                : "machine under its controller",
-      error.empty() ? "there are fewer computed than measured modes" : error)};
+      error.empty() ? "there are fewer computed than measured modes" : error));
+  return words;
 }
 
 }  // namespace hydrapod::report

@@ -86,6 +86,8 @@ Diagnosed diagnose(const Machine& given, const DiagnoseOptions& options, const P
   add_pose(file, pose, "as_measured");
   auto& found = result.file;
   found = {.machine = file.machine, .kind = kind, .pose = pose.name, .goal = options.goal};
+  for (const auto& leg : file.machine.legs)
+    found.nominal_sleeve = std::max(found.nominal_sleeve, leg.guide_sleeve.stiffness);
   const auto poses = options.poses.empty() ? file.machine.poses : options.poses;
   if (!options.measured.files.empty()) {
     auto measured =
@@ -96,8 +98,12 @@ Diagnosed diagnose(const Machine& given, const DiagnoseOptions& options, const P
     const auto& d = *found.diagnosis;
     if (d.equivalent.empty() || d.interrupted) return result;
     const auto& best = d.hypotheses[d.equivalent.front()];
-    found.machine = diagnosis::machine_of(file, best);
-    found.kind = best.kind;
+    // legs that do not bend have no sleeves to speak of
+    found.fitted = !best.causes.empty();
+    if (found.fitted) {
+      found.machine = diagnosis::machine_of(file, best);
+      found.kind = best.kind;
+    }
   }
   if (found.kind == dynamics::ModelKind::rigid) return result;  // nothing to give way
   const auto X_BP = find_pose(found.machine, pose.name)->X_BP;

@@ -5,6 +5,8 @@
 
 #include <fmt/format.h>
 
+#include <array>
+#include <map>
 #include <set>
 
 #include "support/json_fields.hpp"
@@ -65,9 +67,82 @@ TEST_F(DiagnoseCommand, NamesTheSleevesInWordsAndNumbers) {
   EXPECT_LE(best["parameters"][0]["interval_95"][0].get<double>(), 0.8401e6);
   EXPECT_THAT(json["summary"][0].get<std::string>(), HasSubstr("guide sleeves of all legs"));
   // the required stiffness is that of the diagnosed machine, not of the nominal one
-  EXPECT_NEAR(json["remedy"]["nominal"]["stiffness_N_m"].get<double>(), 0.84e6, 2e3);
+  EXPECT_NEAR(json["remedy"]["present"]["stiffness_N_m"].get<double>(), 0.84e6, 2e3);
+  EXPECT_EQ(json["computed_machine"], "fitted");
+  EXPECT_NEAR(json["nominal_sleeve_N_m"].get<double>(), 20e6, 1.0);
+  EXPECT_THAT(json["summary"].back().get<std::string>(),
+              testing::AllOf(HasSubstr("times the fitted 8"), HasSubstr("(nominal 20 MN/m)")));
   EXPECT_GT(json["remedy"]["required"]["factor"].get<double>(), 1.2);
   EXPECT_THAT(test::read_text(picture), HasSubstr("guide sleeves of all legs"));
+}
+
+/// Each word says which machine it is of.
+TEST_F(DiagnoseCommand, CallsNominalWhatTheFileStates) {
+  const auto found = run_hydrapod(command({"--measured", modes()}));
+  ASSERT_EQ(found.exit_code, 0) << found.err;
+  EXPECT_THAT(found.out, HasSubstr("First resonances of the fitted machine"));
+  EXPECT_THAT(found.out, HasSubstr("rigid Hz  fitted Hz  required Hz"));
+  EXPECT_THAT(found.out, HasSubstr("for the fitted machine: the "));
+  EXPECT_THAT(found.out, testing::Not(HasSubstr("The nominal stiffness")));
+  // rigid legs explain the modes of sleeves like steel: nothing is fitted, and the file's stay
+  const auto rigid = json_of({"modes", machine_, "--model", "rigid", "--format", "json"});
+  std::string list = "frequency [Hz],deviation [%],x,y,z,rx,ry,rz\n";
+  for (const auto& mode : rigid["modes"]) {
+    list += fmt::format("{},0.1", mode["frequency_hz"].get<double>());
+    const auto& shape = mode["shape"].contains("re") ? mode["shape"]["re"] : mode["shape"];
+    for (std::size_t d = 0; d < 6; ++d) list += fmt::format(",{}", shape[d].get<double>());
+    list += "\n";
+  }
+  const auto nothing =
+      json_of(command({"--measured", write("rigid.csv", list), "--format", "json"}));
+  EXPECT_EQ(nothing["finding"], "no cause");
+  EXPECT_EQ(nothing["computed_machine"], "nominal");
+  EXPECT_NEAR(nothing["remedy"]["present"]["stiffness_N_m"].get<double>(), 20e6, 1.0);
+}
+
+/// Modes whose directions x and z are exchanged, and only these.
+TEST_F(DiagnoseCommand, WarnsOfDirectionsThatContradictTheirModes) {
+  const std::string machine = (folder_ / "machine.toml").string();  // x at 18 Hz, z at 46 Hz
+  ASSERT_EQ(run_hydrapod({"init", machine}).exit_code, 0);
+  const auto own = json_of({"modes", machine, "--model", "rigid", "--format", "json"});
+  std::string list = "frequency [Hz],direction,deviation [%]\n";
+  std::map<std::string, double> at;
+  constexpr std::array names{"x", "y", "z", "rx", "ry", "rz"};
+  for (const auto& mode : own["modes"]) {
+    std::size_t main = 0;
+    const auto& energy = mode["platform_energy"];
+    for (std::size_t d = 0; d < 6; ++d)
+      if (energy[d] > energy[main]) main = d;
+    const std::string name = names.at(main);
+    const std::string stated = name == "x" ? "z" : name == "z" ? "x" : name;
+    at[stated] = mode["frequency_hz"].get<double>();
+    list += fmt::format("{},{},0.1\n", at[stated], stated);
+  }
+  const auto file = write("exchanged.csv", list);
+  const auto json = json_of({"diagnose", machine, "--measured", file, "--format", "json"});
+  for (const auto& mode : json["measured_modes"]) {
+    const auto name = mode["direction"].get<std::string>();
+    const auto other = name == "x" ? "z" : name == "z" ? "x" : "";
+    EXPECT_EQ(mode.value("mode_direction", ""), other);
+    if (*other == '\0') continue;
+    // of the mode itself, not of the direction that was stated
+    EXPECT_NEAR(mode["rigid_hz"].get<double>(), at[name], 1e-3 * at[name]);
+    EXPECT_THAT(json["notes"].dump(),
+                HasSubstr(fmt::format("the direction {} stated for {:.2f} Hz", name, at[name])));
+  }
+  EXPECT_EQ(json["notes"].size(), 2U);
+  const auto shown = run_hydrapod({"diagnose", machine, "--measured", file});
+  EXPECT_THAT(shown.out, HasSubstr("contradicts the mode paired with it"));
+  EXPECT_THAT(shown.out, HasSubstr("z (mode: x)"));
+  const auto fitted = run_hydrapod({"calibrate", machine, "--targets", file, "--free",
+                                    "legs.oil_spring.cylinder.bulk_modulus", "--format", "json"});
+  ASSERT_EQ(fitted.exit_code, 0) << fitted.err;
+  const auto calibrated = nlohmann::json::parse(fitted.out);
+  EXPECT_THAT(calibrated["remarks"].dump(), HasSubstr("its direction z contradicts the mode"));
+  for (const auto& target : calibrated["candidates"][0]["targets"]) {
+    if (target["direction"] == "z") EXPECT_EQ(target.value("mode_direction", ""), "x");
+    if (target["direction"] == "y") EXPECT_FALSE(target.contains("mode_direction"));
+  }
 }
 
 /// The promised stiffness, put into the file, gives the promised frequency in `hydrapod modes`.

@@ -257,6 +257,38 @@ TEST(WrongUse, TooFewModesProveNothing) {
   expect_no_blame(diagnosis_of(targets), "only 3 modes");
 }
 
+/// Four numbers of the platform fit four frequencies, whatever they are.
+TEST(Diagnose, BlamesNothingThatFitsAsManyNumbersAsThereAreValues) {
+  observation::Targets few{.modes = {}};
+  const auto file = stiff_file();
+  const auto first = first_resonances(file.machine, file.machine.neutral(), ModelKind::guide);
+  // a heavier platform with other inertia: neither oil nor mass alone does that
+  const std::array drops{0.9301, 0.9305, 0.9331, 0.8817};
+  for (const int direction : {0, 1, 2, 5})
+    for (const auto& r : first)
+      if (r.main_direction == direction) {
+        const double omega = drops.at(few.modes.size()) * r.omega;
+        few.modes.push_back({.name = direction_name(direction),
+                             .omega = omega,
+                             .deviation = 1.7e-3 * omega,
+                             .direction = direction});
+        break;
+      }
+  ASSERT_EQ(few.modes.size(), 4U);
+  const auto d = diagnose(file, few, ModelKind::guide, file.machine.poses, {.strongest = 0});
+  ASSERT_EQ(d.values, 4);
+  const auto saturated = std::ranges::find(d.hypotheses, 4, &Hypothesis::parameters);
+  ASSERT_NE(saturated, d.hypotheses.end());
+  EXPECT_EQ(d.finding, Finding::cannot_tell) << test::verdict(d);
+  EXPECT_TRUE(d.equivalent.empty());
+  EXPECT_GT(d.scatter, 1.0) << "what fits everything says nothing about deviations";
+  const auto words = report::summary({.diagnosis = d});
+  EXPECT_THAT(words.front(), HasSubstr("The data cannot tell the cause: 4 measured values"));
+  EXPECT_THAT(words, testing::Contains(HasSubstr(
+                         "Platform mass and inertia fits 4 numbers to 4 measured values")));
+  test::expect_round_trip_of({.diagnosis = d});
+}
+
 TEST(WrongUse, APoseThatTheMachineDoesNotHaveIsAnError) {
   auto targets = measured({});
   targets.modes[0].pose = "nowhere";

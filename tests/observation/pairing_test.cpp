@@ -57,6 +57,33 @@ TEST(Groups, AreWhatNoMeasurementSeparates) {
   EXPECT_EQ(groups_of(damped, {.same_decay = 0.05}).size(), 4U);
 }
 
+/// A direction contradicts a mode where it has less than a quarter of the platform's energy, and no
+/// mode of its group has more.
+TEST(Directions, ContradictModesThatMoveOtherwise) {
+  Observation seen;
+  seen.mechanics.platform_mass = Vector6(2.0, 2.0, 2.0, 0.7, 0.7, 0.7).asDiagonal();
+  const auto mode = [&](const Vector6& energy) {
+    ObservedMode made;
+    made.shape = energy.cwiseQuotient(seen.mechanics.platform_mass.diagonal())
+                     .cwiseSqrt()
+                     .cast<std::complex<double>>() *
+                 std::polar(1.0, 0.77);
+    seen.modes.push_back(made);
+  };
+  mode({0.61, 0.0, 0.13, 0.0, 0.26, 0.0});
+  mode({0.0, 0.97, 0.0, 0.01, 0.0, 0.0});
+  mode({0.0, 0.0, 0.0011, 0.0, 0.0, 0.0003});
+  const auto contradicted = [&](int k, const std::vector<int>& group, int direction) {
+    return contradicted_direction(seen, k, group, direction);
+  };
+  EXPECT_FALSE(contradicted(0, {0}, 0));
+  EXPECT_FALSE(contradicted(0, {0}, 4)) << "26 % of the energy";
+  EXPECT_EQ(contradicted(0, {0}, 2), 0) << "13 % of the energy";
+  EXPECT_EQ(contradicted(0, {0}, 1), 0);
+  EXPECT_FALSE(contradicted(0, {0, 1}, 1)) << "a measurement shows any mixture of the two";
+  EXPECT_FALSE(contradicted(2, {2}, 0)) << "it can hardly be seen to move the platform";
+}
+
 /// Two frequencies that have crossed: names tell them apart, order does not.
 TEST(Pairing, FollowsNamesThroughACrossing) {
   test::Random random(3);

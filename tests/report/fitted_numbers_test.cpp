@@ -251,7 +251,8 @@ TEST(NumbersInJson, OfADiagnosis) {
       hertz({{"mac", 0.53}}),
       hertz({{"missed", 0.54}}),
       hertz({{"difference_hz", 0.52}, {"value", 5.5}, {"deviation", 0.56}})};
-  expect_numbers(json, {{"response_lines", Json::array({{{"frequency_hz", {7.1, 7.2}}}})},
+  expect_numbers(json, {{"nominal_sleeve_N_m", 0.0},
+                        {"response_lines", Json::array({{{"frequency_hz", {7.1, 7.2}}}})},
                         {"measured_values", 29},
                         {"scatter", 1.23},
                         {"interrupted", true},
@@ -279,7 +280,7 @@ TEST(NumbersInJson, OfADiagnosis) {
 
 TEST(NumbersInJson, OfAttributionAndRemedy) {
   using namespace diagnosis;
-  CaseFile file{.pose = "neutral"};
+  CaseFile file{.fitted = true, .nominal_sleeve = 7.3, .pose = "neutral"};
   AttributedDrop drop;
   drop.resonance = {
       .direction = "ry", .omega_rigid = two_pi * 2.2, .omega = two_pi * 1.9, .mac = 0.87};
@@ -312,7 +313,8 @@ TEST(NumbersInJson, OfAttributionAndRemedy) {
   file.remedy = remedy;
   expect_numbers(
       report::diagnosis_json(file),
-      {{"attribution",
+      {{"nominal_sleeve_N_m", 7.3},
+       {"attribution",
         Json::array(
             {{{"rigid_hz", 2.2},
               {"frequency_hz", 1.9},
@@ -321,12 +323,12 @@ TEST(NumbersInJson, OfAttributionAndRemedy) {
               {"parts", Json::array({{{"leg", 4}, {"frequency_hz", 2.1}, {"share", 0.67}}})}}})},
        {"remedy",
         {{"goal", {{"frequency_hz", 3.3}}},
-         {"nominal", point_json(1.0)},
+         {"present", point_json(1.0)},
          {"required", point_json(2.0)},
          {"rigid_sleeves", point_json(3.0)},
          {"curve", {point_json(4.0), point_json(5.0)}},
          {"changes",
-          Json::array({{{"rigid_hz", 6.1}, {"nominal_hz", 6.2}, {"required_hz", 6.3}}})}}}});
+          Json::array({{{"rigid_hz", 6.1}, {"present_hz", 6.2}, {"required_hz", 6.3}}})}}}});
 }
 
 }  // namespace

@@ -74,14 +74,14 @@ test('the page opens in the mode of the identified cause, and a measured mode ca
   });
 });
 
-test("the nominal and the required stiffness stand on the curve", async () => {
+test("the present and the required stiffness stand on the curve", async () => {
   await withPage(page_, {}, async (page) => {
     const { remedy } = await page.evaluate(() => window.hydrapod.report.diagnosis);
     const at = async (mark) => {
       const circle = page.locator(`#diagnosis [data-mark="${mark}"]`);
       return [Number(await circle.getAttribute('cx')), Number(await circle.getAttribute('cy'))];
     };
-    const [nominal, required] = [await at('nominal'), await at('required')];
+    const [present, required] = [await at('present'), await at('required')];
     // one decade is as wide everywhere: from the labels of the axis
     const ticks = await page.locator('#diagnosis .stiffness text[text-anchor="middle"]').evaluateAll((all) =>
       all
@@ -89,8 +89,8 @@ test("the nominal and the required stiffness stand on the curve", async () => {
         .map((t) => [Number(t.textContent.slice(2)), Number(t.getAttribute('x'))]),
     );
     const decade = (ticks.at(-1)[1] - ticks[0][1]) / (ticks.at(-1)[0] - ticks[0][0]);
-    near(required[0] - nominal[0], decade * Math.log10(remedy.required.factor), 0.05, 'distance');
-    assert.ok(required[1] > nominal[1], 'a smaller drop lies lower');
+    near(required[0] - present[0], decade * Math.log10(remedy.required.factor), 0.05, 'distance');
+    assert.ok(required[1] > present[1], 'a smaller drop lies lower');
   });
 });
 

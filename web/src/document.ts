@@ -185,6 +185,8 @@ export function firstMode(report: Report, pose: PoseReport): number {
 export interface DiagnosedMode {
   pose: string;
   direction: string | null;
+  /** What the mode paired with it mainly does, where that contradicts `direction`. */
+  mode_direction?: string;
   frequency_hz: number;
   deviation_hz: number;
   nominal_hz: number;
@@ -220,7 +222,7 @@ interface RemedyPoint {
 export interface Remedy {
   goal: { words: string; drop?: number; frequency_hz?: number; direction?: string };
   status: 'found' | 'met_already' | 'out_of_reach';
-  nominal: RemedyPoint;
+  present: RemedyPoint;
   required: RemedyPoint;
   curve: RemedyPoint[];
 }
@@ -231,5 +233,7 @@ export interface Diagnosis {
   finding?: string;
   measured_modes?: DiagnosedMode[];
   hypotheses?: Hypothesis[];
+  /** Of attribution and remedy. */
+  computed_machine: 'nominal' | 'fitted';
   remedy?: Remedy;
 }

@@ -172,6 +172,8 @@ struct FittedTarget {
   double damping{};     ///< ζ of the model; 0 where the target has none
   double shape_mac{};   ///< with the target's shape; 0 where it has none
   bool outlier{};
+  /// What the mode mostly does, where that contradicts the direction of a target without a shape.
+  std::optional<int> mode_direction{};
 };
 
 /// How a column of measured responses is met.

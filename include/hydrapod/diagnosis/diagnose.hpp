@@ -11,8 +11,9 @@
 /// prior that gives every number of causes the same odds: with many causes one of them fits
 /// noise by chance); s ≥ 1: by what the deviations are too small, from the hypothesis that fits
 /// best for its number of parameters. Two that differ by less than `same` cannot be told apart by
-/// the data, and nothing is blamed unless it beats the machine as stated by more than that. Theory:
-/// docs/theory/diagnosis.md.
+/// the data, and nothing is blamed unless it beats the machine as stated by more than that. As many
+/// numbers as there are values explain any values: a hypothesis with so many neither is blamed nor
+/// says how exact the data are. Theory: docs/theory/diagnosis.md.
 ///
 /// First resonances of a machine beside those of the rigid-leg model.
 ///
@@ -190,6 +191,8 @@ struct Hypothesis {
 
   /// Its parameters started at the values of the file.
   bool from_nominal{true};
+  /// At which entrained air is compressed [Pa]; none: air is not blamed.
+  std::optional<double> air_pressure{};
   /// Part of the misfit that comes from responses.
   [[nodiscard]] double response_misfit() const;
 };
@@ -200,7 +203,8 @@ enum class Finding {
   identified,        ///< one hypothesis stands out
   undecided,         ///< several explain it equally well
   unexplained,       ///< nothing in the list explains it; the best one says what it misses
-  do_not_belong      ///< machine and data do not belong together; so do `objections`, if any
+  do_not_belong,     ///< machine and data do not belong together; so do `objections`, if any
+  cannot_tell        ///< only hypotheses with as many numbers as values explain it
 };
 
 /// Fewer measured modes or directions say nothing.
@@ -237,6 +241,8 @@ struct MeasuredMode {
   double shape_mac{};                   ///< with the best hypothesis; 0 without a shape
   double omega_rigid{};  ///< mode of the rigid calculation of which it holds most; 0: none
   double rigid_mac{};
+  /// What the mode of the best hypothesis mostly does, where that contradicts `direction`; else −1.
+  int mode_direction{-1};
   double oil{}, guide_sleeves{}, piston_rings{}, base{};  ///< shares of the elastic energy
   /// 1 − ω/ω_rigid, of what was measured.
   [[nodiscard]] double drop() const { return omega_rigid > 0.0 ? 1.0 - omega / omega_rigid : 0.0; }
@@ -350,10 +356,13 @@ Remedy find_remedy(const model::Machine& machine, const std::vector<model::Named
 std::vector<model::NamedPose> workspace_poses(const model::Machine& machine);
 
 /// All that `hydrapod diagnose` finds out. Attribution and remedy are of the machine that explains
-/// the measurement best, of the machine as stated where nothing was measured.
+/// the measurement best, of the machine as stated where nothing was measured or rigid legs explain
+/// it.
 struct CaseFile {
   std::optional<Diagnosis> diagnosis{};
   model::Machine machine{};  ///< the one that attribution and remedy are of
+  bool fitted{};             ///< it is the best hypothesis, not the machine as stated
+  double nominal_sleeve{};   ///< of the stiffest leg of the machine as stated [N/m]
   dynamics::ModelKind kind{};
   std::string pose{};  ///< of the attribution
   std::vector<AttributedDrop> drops{};

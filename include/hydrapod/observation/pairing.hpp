@@ -59,6 +59,11 @@ struct ObservationOptions {
   double no_partner{16.0};
   /// Modes damped more than this are no resonances that a target could be.
   double overdamped{0.5};
+  /// A target's direction contradicts its mode where the platform has less than this share of its
+  /// kinetic energy in it. Who sees a mode takes for its direction what moves most: with a quarter
+  /// of the energy a direction has half the amplitude of all others together and may be taken for
+  /// the main one, with less it is another mode's.
+  double contradicting{0.25};
 };
 
 /// For every row of `cost` a column of its own, so that the sum is smallest (Hungarian method,
@@ -105,6 +110,13 @@ double shown_mac(const Observation& seen, const std::vector<int>& group, const M
 /// the platform cannot feel.
 double direction_share(const Observation& seen, int k, int direction);
 
+/// The direction in which the platform mostly moves in mode k, where `direction` contradicts it and
+/// every other mode of its group; none where it does not, or where the platform cannot be seen to
+/// move.
+std::optional<int> contradicted_direction(const Observation& seen, int k,
+                                          const std::vector<int>& group, int direction,
+                                          const ObservationOptions& options = {});
+
 /// What is observed at one pose.
 struct SeenPoint {
   Observation seen{};
@@ -140,6 +152,11 @@ struct Resonance {
 /// machine has no equilibrium.
 std::vector<Resonance> visible_resonances(const model::Machine& machine, const spatial::Pose& X_BP,
                                           dynamics::ModelKind kind,
+                                          const ObservationOptions& options = {});
+
+/// The same of what is observed of a plant or of a machine under control: ω is |λ|, shapes are
+/// turned to real, and modes that are overdamped are no resonances.
+std::vector<Resonance> visible_resonances(const Observation& seen,
                                           const ObservationOptions& options = {});
 
 struct ModePair {

@@ -52,7 +52,7 @@ function measuredTable(state: State, found: Diagnosis): HTMLElement {
     return html(
       'tr',
       {},
-      html('th', { scope: 'row' }, `${mode.direction ?? '?'}, ${mode.pose}`),
+      html('th', { scope: 'row' }, `${mode.direction ?? '?'}${mode.mode_direction === undefined ? '' : ` (mode: ${mode.mode_direction})`}, ${mode.pose}`),
       cell(`${hertz(mode.frequency_hz)} ± ${fixed(mode.deviation_hz, 3)}`),
       cell(mode.rigid_hz !== null && mode.rigid_mac >= 0.1 ? hertz(mode.rigid_hz) : ''),
       cell(mode.rigid_hz !== null && mode.rigid_mac >= 0.1 ? signedPercent(-100 * mode.drop) : ''),
@@ -121,8 +121,8 @@ function ranking(found: Diagnosis): HTMLElement {
   );
 }
 
-/** Frequency or drop as a function of stiffness, with the nominal and the required value. */
-function curve(remedy: Remedy): SVGSVGElement {
+/** Frequency or drop as a function of stiffness, with the value of the computed machine and the required one. */
+function curve(remedy: Remedy, machine: string): SVGSVGElement {
   const width = 720;
   const height = 300;
   const [left, right, top, bottom] = [64, 16, 16, 46];
@@ -144,7 +144,7 @@ function curve(remedy: Remedy): SVGSVGElement {
   const path = points
     .map((p, k) => `${k === 0 ? 'M' : 'L'}${px(p.stiffness_N_m).toFixed(2)} ${py(y(p)).toFixed(2)}`)
     .join('');
-  const label = `${remedy.goal.words}: nominal ${plain(remedy.nominal.stiffness_N_m)} N/m, required ${plain(remedy.required.stiffness_N_m)} N/m`;
+  const label = `${remedy.goal.words}: ${machine} ${plain(remedy.present.stiffness_N_m)} N/m, required ${plain(remedy.required.stiffness_N_m)} N/m`;
   const picture = svg('svg', {
     viewBox: `0 0 ${width} ${height}`,
     role: 'img',
@@ -167,11 +167,11 @@ function curve(remedy: Remedy): SVGSVGElement {
     svg('line', { x1: left, x2: width - right, y1: py(goal), y2: py(goal), class: 'wanted' }),
     svg('path', { d: path, class: 'line' }),
     svg('circle', {
-      cx: px(remedy.nominal.stiffness_N_m),
-      cy: py(y(remedy.nominal)),
+      cx: px(remedy.present.stiffness_N_m),
+      cy: py(y(remedy.present)),
       r: 6,
       class: 'nominal',
-      'data-mark': 'nominal',
+      'data-mark': 'present',
     }),
     svg('text', { x: (left + width - right) / 2, y: height - 8, 'text-anchor': 'middle' }, 'stiffness of the guide sleeves, N/m'),
     svg(
@@ -203,11 +203,11 @@ function render(state: State, host: HTMLElement): void {
   if (found.remedy)
     host.append(
       html('h3', {}, `Required stiffness of the guide sleeves for ${found.remedy.goal.words}`),
-      html('figure', {}, curve(found.remedy)),
+      html('figure', {}, curve(found.remedy, found.computed_machine)),
       html(
         'p',
         { class: 'note' },
-        'Open circle: nominal. Filled: required. Dashed: goal. The legs buckle below the first stiffness of the curve.',
+        `Open circle: ${found.computed_machine} machine. Filled: required. Dashed: goal. The legs buckle below the first stiffness of the curve.`,
       ),
     );
 }
