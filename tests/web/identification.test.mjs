@@ -287,7 +287,6 @@ test('tables: modes with their intervals, MAC, comparison', async () => {
     const motions = await page.evaluate(() =>
       window.hydrapod.report.identification.modes.map((mode) => mode.motion),
     );
-    assert.ok(motions.some((words) => words.includes('−')), 'signs');
     found.modes.forEach((mode, r) => {
       assert.equal(rows[r][4], motions[r]);
       near(Number(rows[r][0]), mode.frequency_hz, 6e-4, 'Hz');
