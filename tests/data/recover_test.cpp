@@ -9,7 +9,7 @@
 #include <filesystem>
 
 #include "hydrapod/data/processing.hpp"
-#include "refusal.hpp"
+#include "said.hpp"
 #include "support/run_program.hpp"
 
 namespace hydrapod::test {
