@@ -4,7 +4,7 @@
 
 #include "hydrapod/base/text.hpp"
 #include "hydrapod/identification_arguments.hpp"
-#include "hydrapod/tasks/report.hpp"
+#include "hydrapod/tasks/fit.hpp"
 
 namespace hydrapod::cli {
 

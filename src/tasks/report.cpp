@@ -1,4 +1,4 @@
-#include "hydrapod/tasks/report.hpp"
+#include "hydrapod/tasks/fit.hpp"
 
 #include <algorithm>
 

@@ -130,7 +130,7 @@ TEST(Interrupt, IsAnsweredAtOnce) {
         "--force"},
        0.8},
       // while the samples of one step of the controller are computed
-      {{"simulate", machine, "--set", "legs.valve.natural_frequency=1e8", "--until", "100"}, 0.5},
+      {{"simulate", machine, "--set", "legs.valve.natural_frequency=7e5", "--until", "100"}, 0.5},
       {{"frf", "long.csv"}, 0.3},
       {{"identify", "long.csv"}, 0.3},
       {{"identify", "long.csv", "--bootstrap", "10000"}, 4.0},

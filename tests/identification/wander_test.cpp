@@ -48,11 +48,10 @@ TEST(Wandering, ModesThatStayAreNotNamed) {
 /// not: what comes out is that of all spectra at once.
 TEST(Wandering, OfARecordIsThatOfItsGroups) {
   const auto system = five_masses();
-  for (const auto& [duration, size] : {std::pair(120.0, 0.08), std::pair(1200.0, 0.02)}) {
+  for (const double duration : {300.0, 1200.0}) {
     const test::TemporaryFolder folder;
     const std::string file = folder / "run.h5";
-    data::write_record(file,
-                       drifting_record(system, {.mode = 2, .size = size, .duration = duration}, 3),
+    data::write_record(file, drifting_record(system, {.mode = 2, .duration = duration}, 3),
                        data::RecordFormat::hdf5);
     data::RecordSet records({file});
     const auto measured = measure_responses(records, {});

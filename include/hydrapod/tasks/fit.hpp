@@ -1,5 +1,7 @@
 #pragma once
-/// Tasks that explain measurements: parameters fitted to modes, and the part that is guilty.
+/// Tasks that explain measurements: parameters fitted to modes, and the part that is guilty. And
+/// the page with all of it: one HTML file with modes, Bode diagrams and what was simulated,
+/// measured, diagnosed.
 ///
 ///     const auto found = tasks::diagnose(machine, {.measured = {.files = {"run.h5"}}});
 ///     for (const auto& sentence : report::summary(found.file)) std::printf("%s\n",
@@ -7,7 +9,9 @@
 
 #include "hydrapod/calibration/calibrate.hpp"
 #include "hydrapod/diagnosis/diagnose.hpp"
+#include "hydrapod/report/json.hpp"
 #include "hydrapod/tasks/measurement.hpp"
+#include "hydrapod/tasks/simulation.hpp"
 
 namespace hydrapod::tasks {
 
@@ -64,5 +68,23 @@ Diagnosed diagnose(const Machine& machine, const DiagnoseOptions& options = {},
 /// The measured mode that comes most from what gives way beside the oil, as number of the
 /// explaining machine's mode, from 1; 0 where there is none at that pose.
 int identified_mode(const diagnosis::Diagnosis& found, const std::string& pose);
+
+struct ReportOptions {
+  std::vector<model::NamedPose> poses{};            ///< empty: the machine's pose
+  report::HtmlOptions page{};                       ///< `kind` is not used
+  std::optional<SimulateOptions> simulation{};      ///< at the first pose
+  std::optional<IdentifyOptions> identification{};  ///< beside the modes at the first pose
+  /// The page then shows the machine that explains the measurement best, its guilty mode first.
+  std::optional<DiagnoseOptions> diagnosis{};
+};
+
+struct Report {
+  report::Json document{};
+  std::vector<base::Diagnostic> warnings{};
+};
+
+/// What report::html_page() draws.
+Report report_document(const Machine& machine, const ReportOptions& options = {},
+                       const Progress& progress = {});
 
 }  // namespace hydrapod::tasks
