@@ -52,19 +52,24 @@ inline std::string command_name(const testing::TestParamInfo<WritingCommand>& in
   return name;
 }
 
+/// A record that `identify` takes.
+inline data::Record force_and_motion(Eigen::Index samples) {
+  data::Record record;
+  record.header.sample_rate = 97.0;
+  record.header.channels = {{.name = "force", .unit = "N", .role = data::Role::excitation},
+                            {.name = "motion", .unit = "m", .role = data::Role::response}};
+  record.samples = data::Samples::NullaryExpr(samples, 2, [](Eigen::Index k, Eigen::Index c) {
+    return std::cos(0.37 * static_cast<double>(k * k % 911) + static_cast<double>(c));
+  });
+  return record;
+}
+
 /// One folder in which a command is run again and again.
 class FaultyRuns {
  public:
   explicit FaultyRuns(WritingCommand command) : command_(std::move(command)) {
     write_text(folder_ / "m.toml", model::starter_machine_file());
-    data::Record record;
-    record.header.sample_rate = 97.0;
-    record.header.channels = {{.name = "force", .unit = "N", .role = data::Role::excitation},
-                              {.name = "motion", .unit = "m", .role = data::Role::response}};
-    record.samples = data::Samples::NullaryExpr(2000, 2, [](Eigen::Index k, Eigen::Index c) {
-      return std::cos(0.37 * static_cast<double>(k * k % 911) + static_cast<double>(c));
-    });
-    data::write_record(folder_ / "run.csv", record, data::RecordFormat::csv);
+    data::write_record(folder_ / "run.csv", force_and_motion(2000), data::RecordFormat::csv);
     older_ = "what was there before\n";
     prepare();
     const auto good = run({});

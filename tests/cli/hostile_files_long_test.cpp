@@ -9,6 +9,7 @@
 #include <filesystem>
 #include <functional>
 
+#include "faults.hpp"
 #include "hydrapod/base/text.hpp"
 #include "hydrapod/data/record_io.hpp"
 #include "support/random.hpp"
@@ -279,17 +280,17 @@ struct TextKind {
   std::vector<std::vector<std::string>> reads;  ///< commands that read it
 };
 
-TEST(HostileFilesLong, HostileTextsEndWithAMessage) {
-  const test::TemporaryFolder folder;
-  const test::RunOptions here{.folder = folder.path()};
+/// Files that are sound, and what reads them.
+std::vector<TextKind> text_kinds(const test::TemporaryFolder& folder) {
   const std::string machine = "m.toml";
   test::write_text(folder / machine,
                    test::read_text(test::source_file("models/heavy-platform.toml")));
   test::write_text(folder / "motion.csv",
                    "time [s], x [mm], rz [deg]\n0,0,0\n0.1,1.5,0.2\n0.25,3.25,-0.1\n0.4,-1,0\n");
-  test::write_text(folder / "targets.csv",
+  test::write_text(folder / "h.csv",
                    "frequency,direction,deviation\n7.31 Hz,x,1 %\n7.44 Hz,y,1 %\n11.2 Hz,z,2 %\n");
-  const std::vector<TextKind> kinds{
+  data::write_record(folder / "r.csv", test::force_and_motion(900), RecordFormat::csv);
+  return {
       {"machine file", "h.toml", {"init", "h.toml"}, {{"check", "h.toml"}, {"modes", "h.toml"}}},
       {"modes of a machine, JSON",
        "h.json",
@@ -306,41 +307,43 @@ TEST(HostileFilesLong, HostileTextsEndWithAMessage) {
          "-o", "s.csv", "--force"}}},
       {"record, CSV", "r.csv", {}, {{"record", "show", "r.csv"}, {"identify", "r.csv"}}},
   };
-  data::Record record;
-  record.header.sample_rate = 97.0;
-  record.header.channels = {{.name = "force", .unit = "N", .role = data::Role::excitation},
-                            {.name = "motion", .unit = "m", .role = data::Role::response}};
-  record.samples = data::Samples::NullaryExpr(900, 2, [](Eigen::Index k, Eigen::Index c) {
-    return std::cos(0.37 * static_cast<double>(k * k % 911) + static_cast<double>(c));
-  });
-  data::write_record(folder / "r.csv", record, RecordFormat::csv);
-  test::write_text(folder / "h.csv", test::read_text(folder / "targets.csv"));
+}
+
+/// 400 hostile variants of one kind, read by all that reads it.
+Row read_hostile(const TextKind& kind, const test::TemporaryFolder& folder, std::size_t number) {
+  const test::RunOptions here{.folder = folder.path()};
+  if (!kind.make.empty()) {
+    const auto made = test::run_hydrapod(kind.make, here);
+    EXPECT_EQ(made.exit_code, 0) << made.err;
+  }
+  const std::string path = (folder / kind.file).string(), whole = test::read_text(path);
+  Row row;
+  for (int seed = 1; seed <= 400; ++seed) {
+    Random random(static_cast<std::uint64_t>(seed) * 2003 + number);
+    test::write_text(path, hostile(whole, random));
+    ++row.files;
+    bool read = true;
+    for (const auto& command : kind.reads) {
+      const auto run = test::run_hydrapod(command, here);
+      row.judge(run, path, fmt::format("{}, seed {}, {}", kind.name, seed, command.front()));
+      EXPECT_EQ(run.out.find("nan"), std::string::npos) << kind.name << ", seed " << seed;
+      read = read && run.exit_code == 0;
+    }
+    ++(read ? row.unchanged : row.refused);
+  }
+  return row;
+}
+
+TEST(HostileFilesLong, HostileTextsEndWithAMessage) {
+  const test::TemporaryFolder folder;
+  const auto kinds = text_kinds(folder);
   std::printf(
       "| text | files | refused | read | killed | slowest [s] | memory [MiB] |\n"
       "| --- | --- | --- | --- | --- | --- | --- |\n");
   int total = 0;
   for (std::size_t k = 0; k < kinds.size(); ++k) {
-    const TextKind& kind = kinds[k];
-    if (!kind.make.empty()) {
-      const auto made = test::run_hydrapod(kind.make, here);
-      ASSERT_EQ(made.exit_code, 0) << made.err;
-    }
-    const std::string path = (folder / kind.file).string(), whole = test::read_text(path);
-    Row row;
-    for (int seed = 1; seed <= 400; ++seed) {
-      Random random(static_cast<std::uint64_t>(seed) * 2003 + k);
-      test::write_text(path, hostile(whole, random));
-      ++row.files;
-      bool read = true;
-      for (const auto& command : kind.reads) {
-        const auto run = test::run_hydrapod(command, here);
-        row.judge(run, path, fmt::format("{}, seed {}, {}", kind.name, seed, command.front()));
-        EXPECT_EQ(run.out.find("nan"), std::string::npos) << kind.name << ", seed " << seed;
-        read = read && run.exit_code == 0;
-      }
-      ++(read ? row.unchanged : row.refused);
-    }
-    std::printf("| %s | %d | %d | %d | %d | %.2f | %.0f |\n", kind.name.c_str(), row.files,
+    const Row row = read_hostile(kinds[k], folder, k);
+    std::printf("| %s | %d | %d | %d | %d | %.2f | %.0f |\n", kinds[k].name.c_str(), row.files,
                 row.refused, row.unchanged, row.killed, row.slowest, row.most_memory);
     std::fflush(stdout);
     total += row.files;

@@ -17,9 +17,8 @@
 
 #include "exact/modal_system.hpp"
 #include "hydrapod/identification/identify.hpp"
-#include "hydrapod/identification/responses.hpp"
+#include "measured_records.hpp"
 #include "support/identification_score.hpp"
-#include "support/run_program.hpp"
 #include "tones.hpp"
 
 namespace hydrapod::identification {
@@ -229,20 +228,12 @@ inline data::Record foreign_loop_record(const test::ModalSystem& plant, const Fo
 
 /// As a user measures and identifies it, without any option.
 inline Measurement foreign_measurement(const test::ModalSystem& plant, const ForeignLoop& e) {
-  const test::TemporaryFolder folder;
-  std::vector<std::string> files;
+  std::vector<data::Record> records;
   const int experiments = e.excitation == Excitation::multisine ? 3 : 1;
   auto one = e;
   one.duration /= experiments;
-  for (int k = 0; k < experiments; ++k) {
-    files.push_back(folder / ("run" + std::to_string(k) + ".h5"));
-    const auto record = foreign_loop_record(plant, one, k);
-    const auto writer = data::open_record_writer(files.back(), record.header);
-    writer->append(record.samples);
-    writer->close();
-  }
-  data::RecordSet records(files);
-  return measure_responses(records, {});
+  for (int k = 0; k < experiments; ++k) records.push_back(foreign_loop_record(plant, one, k));
+  return measured(records);
 }
 
 inline const IdentifyOptions foreign_band{.to = 16.0};

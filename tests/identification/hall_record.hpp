@@ -7,8 +7,7 @@
 
 #include "exact/modal_system.hpp"
 #include "hydrapod/identification/identify.hpp"
-#include "hydrapod/identification/responses.hpp"
-#include "support/run_program.hpp"
+#include "measured_records.hpp"
 #include "tones.hpp"
 
 namespace hydrapod::identification {
@@ -77,21 +76,6 @@ inline Hall hall_record(const test::ModalSystem& plant, const HallRecord& e) {
   }
   hall.record = std::move(record);
   return hall;
-}
-
-/// As a user measures it, without any option.
-inline Measurement measured(const std::vector<data::Record>& list,
-                            const MeasureOptions& options = {}) {
-  const test::TemporaryFolder folder;
-  std::vector<std::string> files;
-  for (const auto& record : list) {
-    files.push_back(folder / ("run" + std::to_string(files.size()) + ".h5"));
-    const auto writer = data::open_record_writer(files.back(), record.header);
-    writer->append(record.samples);
-    writer->close();
-  }
-  data::RecordSet records(files);
-  return measure_responses(records, options);
 }
 
 }  // namespace hydrapod::identification

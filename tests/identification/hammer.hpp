@@ -11,11 +11,9 @@
 
 #include "exact/modal_system.hpp"
 #include "found_pole.hpp"
-#include "hydrapod/data/record_io.hpp"
 #include "hydrapod/identification/identify.hpp"
-#include "hydrapod/identification/responses.hpp"
+#include "measured_records.hpp"
 #include "support/identification_score.hpp"
-#include "support/run_program.hpp"
 
 namespace hydrapod::identification {
 
@@ -77,26 +75,13 @@ inline data::Record hammer_record(const HammerTest& hammer, std::uint64_t seed) 
   return record;
 }
 
-inline Measurement hammer_measurement(const std::vector<data::Record>& records,
-                                      const MeasureOptions& options = {}) {
-  const test::TemporaryFolder folder;
-  std::vector<std::string> files;
-  for (const auto& record : records) {
-    files.push_back(folder / ("hit" + std::to_string(files.size()) + ".h5"));
-    data::write_record(files.back(), record, data::RecordFormat::hdf5);
-  }
-  data::RecordSet set(files);
-  return measure_responses(set, options);
-}
-
 /// Of records of one kind.
 inline test::ClassScore hammer_score(const HammerTest& hammer, int seeds) {
   test::ClassScore score;
   for (int seed = 1; seed <= seeds; ++seed)
     score.add(test::true_modes(beam(hammer.point)),
               test::found_modes(identify_modes(
-                  hammer_measurement({hammer_record(hammer, static_cast<std::uint64_t>(seed))})
-                      .responses)));
+                  measured({hammer_record(hammer, static_cast<std::uint64_t>(seed))}).responses)));
   return score;
 }
 

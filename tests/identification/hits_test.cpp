@@ -36,7 +36,7 @@ double scale_of(const Identification& found, std::size_t mode) {
 TEST(Hits, OneRecordOfOneHitGivesAllModes) {
   for (std::uint64_t seed = 1; seed <= 5; ++seed) {
     SCOPED_TRACE(seed);
-    const auto m = hammer_measurement({hammer_record({}, seed)});
+    const auto m = measured({hammer_record({}, seed)});
     ASSERT_THAT(m.responses.warnings, SizeIs(1));
     EXPECT_EQ(m.responses.warnings[0].kind, Kind::single_block);
     EXPECT_GT(m.responses.shift, 0.0);
@@ -46,8 +46,8 @@ TEST(Hits, OneRecordOfOneHitGivesAllModes) {
 
 TEST(Hits, WhatHasNotRungDownAndOffsetsDoNotChangeDamping) {
   // e^(−ζωT) is 0.2 for the first mode
-  expect_beam(identify_modes(
-      hammer_measurement({hammer_record({.seconds = 1.0, .offset = 0.3}, 7)}).responses));
+  expect_beam(
+      identify_modes(measured({hammer_record({.seconds = 1.0, .offset = 0.3}, 7)}).responses));
 }
 
 TEST(Hits, SeveralRecordsAreAveraged) {
@@ -55,7 +55,7 @@ TEST(Hits, SeveralRecordsAreAveraged) {
   for (std::uint64_t seed = 11; seed <= 14; ++seed)
     records.push_back(
         hammer_record({.at = {0.07 + 0.01 * static_cast<double>(seed)}, .noise = 2e-3}, seed));
-  const auto m = hammer_measurement(records);
+  const auto m = measured(records);
   EXPECT_EQ(m.responses.warnings.at(0).count, 4);
   EXPECT_EQ(m.responses.averages, 4.0);
   expect_beam(identify_modes(m.responses));
@@ -63,8 +63,8 @@ TEST(Hits, SeveralRecordsAreAveraged) {
 
 TEST(Hits, ResponsesAreThoseOfTheSystemBesideTheAxisAndOnIt) {
   const auto system = beam();
-  const auto r = hammer_measurement({hammer_record({.seconds = 7.0}, 23),
-                                     hammer_record({.seconds = 7.0, .at = {0.171}}, 24)})
+  const auto r = measured({hammer_record({.seconds = 7.0}, 23),
+                           hammer_record({.seconds = 7.0, .at = {0.171}}, 24)})
                      .responses;
   ASSERT_EQ(r.on_axis.size(), r.lines());
   ASSERT_GT(r.lines(), 1000U);
@@ -87,18 +87,18 @@ TEST(Hits, ResponsesAreThoseOfTheSystemBesideTheAxisAndOnIt) {
 
 TEST(Hits, BlocksThatAreAskedForAndNoiseAreNoHits) {
   const auto record = hammer_record({}, 3);
-  EXPECT_THAT(hammer_measurement({record}, {.block_length = 512}).responses.warnings,
+  EXPECT_THAT(measured({record}, {.block_length = 512}).responses.warnings,
               testing::Not(testing::Contains(
                   testing::Field(&data::ResponseWarning::kind, Kind::single_block))));
   const auto noise = test::record_of(beam(), {.sample_rate = hammer_rate, .samples = 1 << 14});
-  for (const auto& warning : hammer_measurement({noise}).responses.warnings)
+  for (const auto& warning : measured({noise}).responses.warnings)
     EXPECT_NE(warning.kind, Kind::single_block);
 }
 
 TEST(Hits, WhatIsBeforeALateHitDoesNotCount) {
   for (std::uint64_t seed = 31; seed <= 33; ++seed) {
     SCOPED_TRACE(seed);
-    const auto late = hammer_measurement(
+    const auto late = measured(
         {hammer_record({.seconds = 7.31, .at = {4.217}, .noise = 2e-3, .offset = -0.21}, seed)});
     expect_beam(identify_modes(late.responses));
     // 3.09 s are left
@@ -110,10 +110,10 @@ TEST(Hits, WhatIsBeforeALateHitDoesNotCount) {
 TEST(Hits, SeveralThatHaveNotRungDownAreOneBlockThatBeginsAtRest) {
   for (std::uint64_t seed = 41; seed <= 43; ++seed) {
     SCOPED_TRACE(seed);
-    const auto m = hammer_measurement({hammer_record({.seconds = 8.13,
-                                                      .at = {0.713, 1.648, 2.931, 4.442, 5.617},
-                                                      .size = {0.93, 1.21, 0.77, 1.04, 0.89}},
-                                                     seed)});
+    const auto m = measured({hammer_record({.seconds = 8.13,
+                                            .at = {0.713, 1.648, 2.931, 4.442, 5.617},
+                                            .size = {0.93, 1.21, 0.77, 1.04, 0.89}},
+                                           seed)});
     ASSERT_THAT(m.responses.warnings, SizeIs(1));
     EXPECT_EQ(m.responses.warnings[0].kind, Kind::single_block);
     EXPECT_EQ(m.responses.warnings[0].count, 1);
@@ -131,7 +131,7 @@ TEST(Hits, ManyOfThemAreNoExcitationThatGoesOn) {
   for (int k = 0; k < 15; ++k) hammer.at.push_back(0.37 + 0.713 * k + 0.031 * (k * k % 5));
   for (std::uint64_t seed = 51; seed <= 53; ++seed) {
     SCOPED_TRACE(seed);
-    const auto m = hammer_measurement({hammer_record(hammer, seed)});
+    const auto m = measured({hammer_record(hammer, seed)});
     EXPECT_EQ(m.responses.warnings.at(0).total, 15);
     EXPECT_TRUE(m.responses.harmonics.empty());
     expect_beam(identify_modes(m.responses));
@@ -141,7 +141,7 @@ TEST(Hits, ManyOfThemAreNoExcitationThatGoesOn) {
 TEST(Hits, ThoseThatHaveRungDownAreAveraged) {
   for (std::uint64_t seed = 61; seed <= 63; ++seed) {
     SCOPED_TRACE(seed);
-    const auto m = hammer_measurement({hammer_record(
+    const auto m = measured({hammer_record(
         {.seconds = 13.1, .at = {0.713, 4.931, 9.217}, .size = {0.93, 1.21, 0.77}, .noise = 1e-3},
         seed)});
     ASSERT_THAT(m.responses.warnings, SizeIs(1));
@@ -183,9 +183,9 @@ TEST(Hits, ErrorsOfNeighbouringLinesGoTogetherAsIsSaid) {
     if (several) hammer.at = {0.713, 1.648, 2.931, 4.442, 5.617};
     for (std::uint64_t seed = 81; seed <= 83; ++seed) {
       hammer.noise = 1e-9;
-      const auto clean = hammer_measurement({hammer_record(hammer, seed)}).responses;
+      const auto clean = measured({hammer_record(hammer, seed)}).responses;
       hammer.noise = 1e-2;
-      const auto noisy = hammer_measurement({hammer_record(hammer, seed)}).responses;
+      const auto noisy = measured({hammer_record(hammer, seed)}).responses;
       ASSERT_EQ(noisy.lines(), clean.lines());
       for (std::size_t d = 1; d <= 3; ++d)
         EXPECT_LT(std::abs(covariance_of_errors(noisy, clean, d) - noisy.line_covariance[d]), 0.15)
@@ -204,12 +204,12 @@ TEST(Hits, AtDifferentPointsDoNotAgree) {
       same.push_back(hammer_record(
           {.at = {0.113 + 0.0713 * static_cast<double>(point)}, .noise = 2e-2, .point = 1}, own));
     }
-    const auto apart = hammer_measurement(roving).responses;
+    const auto apart = measured(roving).responses;
     ASSERT_THAT(apart.warnings, SizeIs(1));
     EXPECT_GT(apart.warnings[0].value, 0.3);
     EXPECT_LT(apart.warnings[0].value, 1.0);
     EXPECT_FALSE(apart.warnings[0].channel.empty());
-    const auto agreed = hammer_measurement(same).responses;
+    const auto agreed = measured(same).responses;
     ASSERT_THAT(agreed.warnings, SizeIs(1));
     EXPECT_EQ(agreed.warnings[0].value, 0.0);
   }
