@@ -1,7 +1,9 @@
 #include "hydrapod/command.hpp"
 
+#include <algorithm>
 #include <numbers>
 
+#include "hydrapod/base/error.hpp"
 #include "hydrapod/base/units.hpp"
 #include "hydrapod/hydraulics/servo_axis.hpp"
 #include "hydrapod/tasks/linear.hpp"
@@ -23,7 +25,7 @@ std::string optional_text(const std::optional<double>& value) {
 std::string leg_table(const report::PoseCheck& check, const TableStyle& style) {
   constexpr double degrees = 180.0 / std::numbers::pi;
   Table table({"leg", "length mm", "piston mm", "guided mm", "stroke left in/out mm",
-               "oil spring N/µm", "axial force N", "static tilt mrad",
+               "oil spring N/µm", "axial force N", "pressures bar", "static tilt mrad",
                "joint tilt base/platform °"});
   for (int i = 0; i < model::leg_count; ++i) {
     const auto& leg = check.legs[i];
@@ -33,6 +35,9 @@ std::string leg_table(const report::PoseCheck& check, const TableStyle& style) {
          optional_text(leg.retract_left) + " / " + optional_text(leg.extend_left),
          fmt::format("{:.3f}", 1e-6 * leg.oil_stiffness),
          check.equilibrium ? fmt::format("{:.0f}", leg.axial_force) : "–",
+         leg.cap_pressure
+             ? fmt::format("{:.1f} / {:.1f}", 1e-5 * *leg.cap_pressure, 1e-5 * *leg.rod_pressure)
+             : "–",
          check.equilibrium ? fmt::format("{:.2f}", 1e3 * leg.tilt) : "–",
          fmt::format("{:.1f} / {:.1f}", leg.base_tilt * degrees, leg.platform_tilt * degrees)});
   }
@@ -90,13 +95,17 @@ std::string table_text(const model::MachineFile& file, const std::vector<report:
   const auto& machine = file.machine;
   double legs = 0.0;
   for (const auto& leg : machine.legs) legs += leg.cylinder_case.mass + leg.rod.mass;
-  std::string text = fmt::format("{}: no errors\n", bold(machine.name, style));
+  std::string text = bold(machine.name, style) + "\n";
   if (!machine.description.empty()) text += machine.description + "\n";
   text += fmt::format("mass of the platform {}, of all legs {}; {}\n",
                       report::mass_text(machine.platform.mass), report::mass_text(legs),
                       report::gravity_text(machine));
   for (const auto& check : checks) text += "\n" + pose_text(machine, check, style);
-  return text + assumptions_text(machine, style);
+  text += assumptions_text(machine, style);
+  const auto verdict = report::verdict_text(checks);
+  const bool sound = std::ranges::all_of(checks, report::is_sound);
+  return text +
+         fmt::format("\n{}\n", styled(verdict, sound ? Style::green : Style::red, style.colour));
 }
 
 void run(const Arguments& arguments) {
@@ -111,6 +120,8 @@ void run(const Arguments& arguments) {
                format == 0 ? table_text(machine.file, checks, table_style(arguments.output))
                            : json_text(report::head_json("check", machine.file, machine.path),
                                        report::check_json(checks, machine.file.machine)));
+  if (!std::ranges::all_of(checks, report::is_sound))
+    throw base::ComputationError("the machine is not sound");
 }
 
 }  // namespace

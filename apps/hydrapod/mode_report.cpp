@@ -50,6 +50,12 @@ std::string change_text(const modal::TabledMode& mode, const modal::ModeTable& b
   return omega > 0.0 ? signed_percent(mode.mode.omega / omega - 1.0) : "";
 }
 
+/// Without damping what rounding leaves has either sign.
+std::string damping_text(double ratio) {
+  constexpr double shown = 0.5e-4;  // below this two decimals of a per cent say 0.00
+  return fmt::format("{:.2f} %", std::abs(ratio) < shown ? 0.0 : 100.0 * ratio);
+}
+
 /// `change`: the cell of the change by --set, where there is such a column.
 std::vector<std::string> row(const modal::ModeTable& table, size_t k,
                              const std::optional<std::string>& change) {
@@ -57,7 +63,7 @@ std::vector<std::string> row(const modal::ModeTable& table, size_t k,
   const auto& mode = entry.mode;
   std::vector<std::string> cells{number_text(table.real.modes, k), hertz(mode.omega),
                                  fmt::format("{:.3f}", mode.omega),
-                                 fmt::format("{:.2f} %", 100.0 * mode.damping_ratio)};
+                                 damping_text(mode.damping_ratio)};
   if (change) cells.push_back(*change);
   cells.insert(cells.end(),
                {entry.label, motion_text(entry.energy), report::energy_text(entry.energy)});

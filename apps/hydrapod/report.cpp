@@ -1,4 +1,5 @@
 #include "hydrapod/command.hpp"
+#include "hydrapod/commands.hpp"
 
 #include <charconv>
 
@@ -81,10 +82,11 @@ void run(const Arguments& a) {
   if (!a.poses.empty()) asked.pose = a.poses.front();
   const auto machine = load(asked);
   const auto options = options_of(a, machine);
-  const auto result = with_progress("reporting", [&](const auto& progress) {
+  auto result = with_progress("reporting", [&](const auto& progress) {
     return tasks::report_document(machine, options, progress);
   });
   print_diagnostics(result.warnings);
+  result.document["command"] = whole_command_line();
   write_output(a.output, report::html_page(result.document, options.page.theme));
 }
 

@@ -26,7 +26,7 @@ KeyValues::KeyValues(std::string place, std::string_view text) : place_(std::mov
 }
 
 std::optional<std::string> KeyValues::text(std::string_view key) {
-  known_.emplace_back(key);
+  if (std::ranges::find(known_, key) == known_.end()) known_.emplace_back(key);
   const auto at = values_.find(key);
   return at == values_.end() ? std::nullopt : std::optional(at->second);
 }

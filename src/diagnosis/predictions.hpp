@@ -25,6 +25,16 @@ class Predictions {
   [[nodiscard]] std::vector<observation::Resonance> at(const Hypothesis& hypothesis,
                                                        const model::NamedPose& pose);
 
+  /// Of another machine, under the same controller. Throws as at() does.
+  [[nodiscard]] std::vector<observation::Resonance> of(const model::Machine& machine,
+                                                       dynamics::ModelKind kind,
+                                                       const model::NamedPose& pose) {
+    return observation::visible_resonances(seen(machine, kind, pose));
+  }
+
+  /// The machine as stated.
+  [[nodiscard]] const model::Machine& machine() const { return file_.machine; }
+
  private:
   /// The controller at work: tuned for the machine as stated, whatever is wrong with it.
   [[nodiscard]] const control::ControllerParameters* controller(const model::NamedPose& pose);

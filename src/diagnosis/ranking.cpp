@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
+#include <string>
 
 #include "evidence.hpp"
 #include "hydrapod/diagnosis/diagnose.hpp"
@@ -102,6 +104,19 @@ void judge(Diagnosis& d) {
       return holds(d.hypotheses[k], d.hypotheses[other]);
     });
   });
+  // a second cause whose number the data leave open is an excuse, not a finding
+  const auto open = [&](std::size_t k) {
+    const auto& e = d.hypotheses[k];
+    return e.causes.size() > 1 &&
+           std::ranges::any_of(e.fit.parameters, [](const calibration::FittedParameter& p) {
+             return p.verdict == calibration::Verdict::undetermined;
+           });
+  };
+  if (std::ranges::all_of(d.equivalent, open)) {
+    d.equivalent.clear();
+    d.finding = Finding::cannot_tell;
+    return;
+  }
   d.finding = d.equivalent.size() == 1 ? Finding::identified : Finding::undecided;
 }
 
@@ -109,18 +124,41 @@ namespace {
 
 /// Mode of the rigid calculation, of the machine as stated, of which a mode holds most: its
 /// frequency and share. A hypothesis may weigh the platform differently.
+double motion_mac(const spatial::Matrix6& metric, const spatial::Vector6& a,
+                  const spatial::Vector6& b) {
+  const spatial::Vector6 u = metric * a, v = metric * b;
+  const double product = u.dot(v);
+  return product * product / (u.squaredNorm() * v.squaredNorm());
+}
+
+constexpr double same_motion = 0.5;  ///< least MAC
+
+/// `seen`: the resonances of the rigid legs in the plant or the system that was measured; none:
+/// mechanics was.
 void find_rigid(const model::Machine& stated, const model::NamedPose& pose,
+                const std::vector<observation::Resonance>* seen,
                 const dynamics::LinearModel& flexible, const dynamics::ModelVector& phi,
                 MeasuredMode& mode) {
   const auto rigid = dynamics::linear_model(without_mount_and_gimbals(stated), pose.X_BP,
                                             dynamics::ModelKind::rigid);
   const auto modes = modal::normal_modes(rigid);
+  int most = 0;
   for (int r = 0; r < 6; ++r) {
     const double mac = rigid_share(flexible, modes.shapes.col(r), phi);
     if (mac <= mode.rigid_mac) continue;
     mode.rigid_mac = mac;
-    mode.omega_rigid = modes.omega(r);
+    mode.omega_rigid = modes.omega(most = r);
   }
+  if (seen == nullptr) return;
+  const auto metric = observation::platform_metric(stated, pose.X_BP, stated.platform.mass_center);
+  double alike = 0.0;
+  for (const auto& resonance : *seen) {
+    const double mac = motion_mac(metric, resonance.motion, modes.shapes.col(most).head<6>());
+    if (mac <= alike) continue;
+    alike = mac;
+    mode.omega_rigid = resonance.omega;
+  }
+  if (alike < same_motion) mode.rigid_mac = 0.0;  // no resonance to compare with
 }
 
 }  // namespace
@@ -129,6 +167,16 @@ void trace_modes(const model::MachineFile& file, Diagnosis& d) {
   const auto& best = d.equivalent.empty() ? d.best() : d.hypotheses[d.equivalent.front()];
   const auto& stated = d.nominal();
   const auto machine = machine_of(file, best);
+  const auto rigid = without_mount_and_gimbals(file.machine);
+  Predictions predictions(file, d.targets, stated.kind);
+  std::map<std::string, std::vector<observation::Resonance>> seen;
+  if (d.targets.observed != observation::Observed::mechanics)
+    for (const auto& target : d.targets.modes)
+      if (!seen.contains(target.pose))
+        if_possible([&] {
+          seen[target.pose] = predictions.of(rigid, dynamics::ModelKind::rigid,
+                                             *find_pose(file.machine, target.pose));
+        });
   d.modes.clear();
   for (std::size_t i = 0; i < d.targets.modes.size(); ++i) {
     const auto& target = d.targets.modes[i];
@@ -144,7 +192,8 @@ void trace_modes(const model::MachineFile& file, Diagnosis& d) {
     const auto model = dynamics::linear_model(machine, pose->X_BP, best.kind);
     const auto modes = modal::normal_modes(model);
     const dynamics::ModelVector phi = modes.shapes.col(best.fit.targets[i].mode);
-    find_rigid(file.machine, *pose, model, phi, mode);
+    const auto at = seen.find(target.pose);
+    find_rigid(file.machine, *pose, at == seen.end() ? nullptr : &at->second, model, phi, mode);
     const auto energy = modal::energy_shares(model, phi).front();
     mode.oil = energy.oil.sum();
     mode.guide_sleeves = energy.guide_sleeve.sum();
@@ -154,33 +203,62 @@ void trace_modes(const model::MachineFile& file, Diagnosis& d) {
   }
 }
 
+namespace {
+
+using observation::Resonance;
+
+/// Those of two machines that are the same resonance: together the nearest in frequency and in the
+/// motion of the platform. A resonance that has no counterpart moves the platform otherwise than
+/// what is left for it.
+std::vector<std::pair<const Resonance*, const Resonance*>> same_resonances(
+    const std::vector<Resonance>& a, const std::vector<Resonance>& b,
+    const spatial::Matrix6& metric) {
+  if (a.empty() || b.empty()) return {};
+  const bool turned = a.size() > b.size();
+  const auto& rows = turned ? b : a;
+  const auto& columns = turned ? a : b;
+  const auto mac = [&](const Resonance& x, const Resonance& y) {
+    return motion_mac(metric, x.motion, y.motion);
+  };
+  Eigen::MatrixXd cost(rows.size(), columns.size());
+  for (Eigen::Index i = 0; i < cost.rows(); ++i)
+    for (Eigen::Index j = 0; j < cost.cols(); ++j) {
+      const auto &x = rows[static_cast<std::size_t>(i)], &y = columns[static_cast<std::size_t>(j)];
+      cost(i, j) = std::abs(std::log(x.omega / y.omega)) + 1.0 - mac(x, y);
+    }
+  std::vector<std::pair<const Resonance*, const Resonance*>> pairs;
+  const auto column_of = observation::assign(cost);
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    const auto &x = rows[i], &y = columns[static_cast<std::size_t>(column_of[i])];
+    if (mac(x, y) >= same_motion) pairs.emplace_back(turned ? &y : &x, turned ? &x : &y);
+  }
+  return pairs;
+}
+
+}  // namespace
+
 std::optional<Discriminator> discriminate(Predictions& predictions, const Diagnosis& d,
                                           std::size_t other,
                                           const std::vector<model::NamedPose>& poses,
                                           double frequency_error) {
   const auto& best = d.hypotheses[d.equivalent.front()];
   const auto& rival = d.hypotheses[other];
+  const auto& machine = predictions.machine();
   Discriminator found{.other = other};
   for (const auto& pose : poses) {
-    std::vector<observation::Resonance> in_a, in_b;
+    std::vector<Resonance> in_a, in_b;
     const bool both = if_possible([&] {  // or one of them folds there
       in_a = predictions.at(best, pose);
       in_b = predictions.at(rival, pose);
     });
     if (!both) continue;
-    for (const auto& x : in_a) {
-      // the resonance of the other that is nearest in the same direction
-      const observation::Resonance* nearest = nullptr;
-      for (const auto& y : in_b)
-        if (y.direction == x.direction &&
-            (nearest == nullptr ||
-             std::abs(y.omega - x.omega) < std::abs(nearest->omega - x.omega)))
-          nearest = &y;
-      if (nearest == nullptr) continue;
+    const auto metric =
+        observation::platform_metric(machine, pose.X_BP, machine.platform.mass_center);
+    for (const auto& [x, y] : same_resonances(in_a, in_b, metric)) {
       const double deviations =
-          std::abs(std::log(x.omega / nearest->omega)) / (std::sqrt(2.0) * frequency_error);
+          std::abs(std::log(x->omega / y->omega)) / (std::sqrt(2.0) * frequency_error);
       if (deviations <= found.deviations) continue;
-      found = {other, pose.name, x.direction, x.omega, nearest->omega, deviations};
+      found = {other, pose.name, x->direction, x->omega, y->omega, deviations};
     }
   }
   if (found.pose.empty()) return std::nullopt;

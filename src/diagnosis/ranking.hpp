@@ -24,7 +24,8 @@ double rigid_share(const dynamics::LinearModel& flexible, const spatial::Vector6
 /// Fills in where the measured modes come from.
 void trace_modes(const model::MachineFile& file, Diagnosis& d);
 
-/// Where the resonances that the best and another hypothesis predict differ most.
+/// Where a resonance that the best and another hypothesis predict differs most: one and the same
+/// by its frequency and its motion.
 std::optional<Discriminator> discriminate(Predictions& predictions, const Diagnosis& d,
                                           std::size_t other,
                                           const std::vector<model::NamedPose>& poses,

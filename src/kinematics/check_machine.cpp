@@ -2,6 +2,9 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <iterator>
+#include <limits>
 #include <numbers>
 
 namespace hydrapod::kinematics {
@@ -20,57 +23,123 @@ struct Findings {
   }
 };
 
-/// False when the leg has no piston position at all, so that the other checks make no sense.
-bool check_length(const model::Leg& leg, int number, double length, Findings& findings) {
-  if (length > leg.rod.length) return true;
-  findings.error(fmt::format(
-      "leg {} is {:.4g} m long, shorter than its rod of {:.4g} m; move the platform away from the "
-      "base or shorten the rod",
-      number, length, leg.rod.length));
-  return false;
+/// The legs of which one thing is wrong, and how far the worst of them is off.
+struct Failing {
+  std::vector<int> numbers{};
+  std::size_t worst{};  ///< place in `numbers`
+  double most{};
+
+  void add(int leg, double excess) {
+    constexpr double rounding = 1e-9;  // legs that are off alike: the first one
+    if (numbers.empty() || excess > (1.0 + rounding) * most) {
+      worst = numbers.size();
+      most = excess;
+    }
+    numbers.push_back(leg + 1);
+  }
+  [[nodiscard]] int index() const { return numbers[worst] - 1; }
+  /// "; also leg 5", "; also legs 2 and 5", "; also all other legs".
+  [[nodiscard]] std::string others() const {
+    std::vector<int> rest = numbers;
+    rest.erase(rest.begin() + static_cast<std::ptrdiff_t>(worst));
+    if (rest.empty()) return {};
+    if (rest.size() + 1 == model::leg_count) return "; also all other legs";
+    const int last = rest.back();
+    rest.pop_back();
+    if (rest.empty()) return fmt::format("; also leg {}", last);
+    return fmt::format("; also legs {} and {}", fmt::join(rest, ", "), last);
+  }
+};
+
+/// Everything about lengths and joints at a pose.
+struct LegsAtPose {
+  const model::Machine& machine;
+  Vector6 length{};
+  std::array<JointAngles, model::leg_count> angles{};
+
+  [[nodiscard]] double piston(int i) const { return length[i] - machine.legs[i].rod.length; }
+};
+
+/// What a leg is off by; nothing where it is sound.
+template <class Excess>
+Failing failing(Excess excess) {
+  Failing found;
+  for (int i = 0; i < model::leg_count; ++i)
+    if (const double much = excess(i); much > 0.0) found.add(i, much);
+  return found;
 }
 
-void check_stroke(const model::Leg& leg, int number, double l_m, Findings& findings) {
-  if (!leg.stroke) return;
-  const double low = leg.stroke->retracted;
-  const double high = low + leg.stroke->length;
-  if (l_m >= low && l_m <= high) return;
-  findings.error(fmt::format(
+/// A leg that is just as long as its rod is too short as well.
+double missing_length(const LegsAtPose& at, int i) {
+  const double missing = -at.piston(i);
+  return missing == 0.0 ? std::numeric_limits<double>::min() : missing;
+}
+
+std::string short_leg(const LegsAtPose& at, int i) {
+  return fmt::format("leg {} is {:.4g} m long, shorter than its rod of {:.4g} m", i + 1,
+                     at.length[i], at.machine.legs[i].rod.length);
+}
+
+double beyond_stroke(const LegsAtPose& at, int i) {
+  const auto& stroke = at.machine.legs[i].stroke;
+  if (!stroke) return 0.0;
+  return std::max(stroke->retracted - at.piston(i),
+                  at.piston(i) - stroke->retracted - stroke->length);
+}
+
+std::string stroke_text(const LegsAtPose& at, int i) {
+  const auto& stroke = *at.machine.legs[i].stroke;
+  return fmt::format(
       "the piston of leg {} is {:.4g} m from its base joint, {:.3g} m {} its stroke from {:.4g} m "
       "to {:.4g} m",
-      number, l_m, l_m < low ? low - l_m : l_m - high, l_m < low ? "below" : "beyond", low, high));
+      i + 1, at.piston(i), beyond_stroke(at, i),
+      at.piston(i) < stroke.retracted ? "below" : "beyond", stroke.retracted,
+      stroke.retracted + stroke.length);
 }
 
-void check_guide_sleeve(const model::Leg& leg, int number, double l_m, Findings& findings) {
-  const double l_mh = leg.guide_sleeve.position - l_m;
-  if (l_mh > 0.0 && l_mh < leg.rod.length) return;
-  findings.error(fmt::format(
+/// The smallest number where the sleeve stands at an end of the rod: that is off as well.
+double off_rod(const LegsAtPose& at, int i) {
+  const auto& leg = at.machine.legs[i];
+  const double l_mh = leg.guide_sleeve.position - at.piston(i);
+  const double off = std::max(-l_mh, l_mh - leg.rod.length);
+  return off == 0.0 ? std::numeric_limits<double>::min() : off;
+}
+
+std::string sleeve_text(const LegsAtPose& at, int i) {
+  const auto& leg = at.machine.legs[i];
+  return fmt::format(
       "the guide sleeve of leg {} stands {:.4g} m from its base joint; it must lie on the rod, "
       "between the piston at {:.4g} m and the platform joint at {:.4g} m",
-      number, leg.guide_sleeve.position, l_m, l_m + leg.rod.length));
+      i + 1, leg.guide_sleeve.position, at.piston(i), at.length[i]);
 }
 
-void check_tilt(int number, const char* joint, double tilt, std::optional<double> limit,
-                Findings& findings) {
-  if (!limit || tilt <= *limit) return;
-  findings.error(
-      fmt::format("the {} joint of leg {} is tilted {:.3g}° from the neutral pose, "
-                  "limit {:.3g}°",
-                  joint, number, tilt * degrees, *limit * degrees));
-}
-
+/// One finding for all legs with the same cause. Where a leg is too short or too long, its sleeve
+/// and its joints are off for the same cause.
 void check_legs(const model::Machine& machine, const Pose& X_BP, Findings& findings) {
-  const auto lengths = leg_lengths(machine, X_BP);
-  const auto angles = joint_angles(machine, X_BP);
-  for (int i = 0; i < model::leg_count; ++i) {
-    const auto& leg = machine.legs[i];
-    const double l_m = lengths[i] - leg.rod.length;
-    if (!check_length(leg, i + 1, lengths[i], findings)) continue;
-    check_stroke(leg, i + 1, l_m, findings);
-    check_guide_sleeve(leg, i + 1, l_m, findings);
-    check_tilt(i + 1, "base", angles[i].base_tilt, leg.joint_limits.base, findings);
-    check_tilt(i + 1, "platform", angles[i].platform_tilt, leg.joint_limits.platform, findings);
-  }
+  const LegsAtPose at{machine, leg_lengths(machine, X_BP), joint_angles(machine, X_BP)};
+  const auto add = [&](const Failing& legs, auto text, const char* advice = "") {
+    if (legs.numbers.empty()) return false;
+    findings.error(text(at, legs.index()) + legs.others() + advice);
+    return true;
+  };
+  const bool too_short = add(failing([&](int i) { return missing_length(at, i); }), short_leg,
+                             "; move the platform away from the base or shorten the rod");
+  if (too_short || add(failing([&](int i) { return beyond_stroke(at, i); }), stroke_text)) return;
+  add(failing([&](int i) { return off_rod(at, i); }), sleeve_text);
+  const auto tilt = [&](const char* joint, auto limit, auto angle) {
+    add(failing([&](int i) {
+          const auto most = machine.legs[i].joint_limits.*limit;
+          return most ? at.angles[i].*angle - *most : 0.0;
+        }),
+        [&](const LegsAtPose&, int i) {
+          return fmt::format(
+              "the {} joint of leg {} is tilted {:.3g}° from the neutral pose, limit {:.3g}°",
+              joint, i + 1, at.angles[i].*angle * degrees,
+              *(machine.legs[i].joint_limits.*limit) * degrees);
+        });
+  };
+  tilt("base", &model::JointLimits::base, &JointAngles::base_tilt);
+  tilt("platform", &model::JointLimits::platform, &JointAngles::platform_tilt);
 }
 
 void check_singular(const model::Machine& machine, const Pose& X_BP, Findings& findings) {
@@ -96,15 +165,30 @@ std::vector<Finding> check_pose(const model::Machine& machine, const Pose& X_BP,
   return findings.list;
 }
 
-std::vector<Finding> check_machine(const model::Machine& machine) {
+namespace {
+
+/// What validate() finds, or else what is wrong at the poses.
+std::vector<Finding> validate_with_poses(const model::Machine& machine) {
   auto findings = model::validate(machine);
-  for (const auto& finding : findings)
-    if (finding.severity == base::Severity::error) return findings;
-  for (const auto& pose : machine.poses) {
-    const auto more = check_pose(machine, pose.X_BP, "poses." + pose.name);
-    findings.insert(findings.end(), more.begin(), more.end());
-  }
+  if (!findings.empty()) return findings;
+  for (const auto& pose : machine.poses)
+    std::ranges::move(check_pose(machine, pose.X_BP, "poses." + pose.name),
+                      std::back_inserter(findings));
   return findings;
+}
+
+}  // namespace
+
+std::vector<Finding> check_machine(const model::Machine& machine) {
+  auto findings = validate_with_poses(machine);
+  auto unusual = model::unusual_numbers(machine);
+  if (unusual.findings.empty()) return findings;
+  if (!findings.empty()) {  // the likely cause, and what would remain without it
+    for (auto& finding : unusual.findings) finding.severity = base::Severity::error;
+    findings = validate_with_poses(unusual.guessed);
+  }
+  std::ranges::move(findings, std::back_inserter(unusual.findings));
+  return unusual.findings;
 }
 
 }  // namespace hydrapod::kinematics

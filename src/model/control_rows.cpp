@@ -64,10 +64,12 @@ constexpr ParameterRow control_rows[]{
         R"(# ---- Supply, controller and sensors, for `hydrapod simulate` and `hydrapod modes --system` --------
 # All of it is optional; what is not given follows from the machine.
 )"),
-    number<&Machine::hydraulics, supply, &Supply::pressure>(
-        "supply.pressure", "Pa", standard, positive, "p_s, absolute", shown("140 bar")),
+    number<&Machine::hydraulics, supply, &Supply::pressure>("supply.pressure", "Pa", standard,
+                                                            usual(1e5, 1e8, positive),
+                                                            "p_s, absolute", shown("140 bar")),
     number<&Machine::hydraulics, supply, &Supply::return_pressure>(
-        "supply.return_pressure", "Pa", standard, positive, "p_r, absolute", shown("5 bar")),
+        "supply.return_pressure", "Pa", standard, usual(1e3, 1e7, positive), "p_r, absolute",
+        shown("5 bar")),
     number<&Machine::hydraulics, supply, &Supply::pump_flow>(
         "supply.pump_flow", "m^3/s", otherwise("any"), positive,
         "largest flow of a pressure-controlled pump; without it the supply pressure is "
@@ -84,7 +86,8 @@ constexpr ParameterRow control_rows[]{
         "supply.accumulator.gas_volume", "m^3", required, positive, "at the precharge",
         shown("10 l")),
     number<&Machine::hydraulics, supply, &Supply::accumulator, &Accumulator::precharge>(
-        "supply.accumulator.precharge", "Pa", required, positive, "absolute", shown("90 bar")),
+        "supply.accumulator.precharge", "Pa", required, usual(1e5, 1e8, positive), "absolute",
+        shown("90 bar")),
     number<&Machine::hydraulics, supply, &Supply::accumulator, &Accumulator::polytropic>(
         "supply.accumulator.polytropic", "1", standard, polytropic,
         "exponent n of p Vⁿ: 1 for slow changes, 1.4 for fast ones"),

@@ -18,11 +18,12 @@ constexpr ParameterRow leg_hydraulics_rows[]{
 # Pressures are absolute.
 )"),
     number<hydraulics, valve, &ServoValve::rated_flow>(
-        "legs.valve.rated_flow", "m^3/s", otherwise("0.5 m/s times A_p"), positive,
-        "at full opening and the rated pressure drop", shown("150 l/min")),
+        "legs.valve.rated_flow", "m^3/s", otherwise("0.5 m/s times A_p"),
+        usual(1e-7, 0.5, positive), "at full opening and the rated pressure drop",
+        shown("150 l/min")),
     number<hydraulics, valve, &ServoValve::rated_pressure_drop>(
-        "legs.valve.rated_pressure_drop", "Pa", standard, positive, "over both edges together",
-        shown("70 bar")),
+        "legs.valve.rated_pressure_drop", "Pa", standard, usual(1e4, 1e8, positive),
+        "over both edges together", shown("70 bar")),
     number<hydraulics, valve, &ServoValve::overlap>(
         "legs.valve.overlap", "1", standard,
         {.lowest = -0.5,
@@ -33,9 +34,9 @@ constexpr ParameterRow leg_hydraulics_rows[]{
     number<hydraulics, valve, &ServoValve::laminar_pressure>(
         "legs.valve.laminar_pressure", "Pa", standard, positive,
         "pressure drop below which the flow of an edge is laminar", shown("1 bar")),
-    number<hydraulics, valve, &ServoValve::natural_frequency>("legs.valve.natural_frequency",
-                                                              "rad/s", standard, positive,
-                                                              "of the spool", shown("600 rad/s")),
+    number<hydraulics, valve, &ServoValve::natural_frequency>(
+        "legs.valve.natural_frequency", "rad/s", standard, usual(1.0, 1e5, positive),
+        "of the spool", shown("600 rad/s")),
     number<hydraulics, valve, &ServoValve::damping_ratio>("legs.valve.damping_ratio", "1", standard,
                                                           positive, "of the spool"),
     number<hydraulics, valve, &ServoValve::rate_limit>("legs.valve.rate_limit", "1/s", standard,
@@ -92,12 +93,14 @@ constexpr ParameterRow leg_hydraulics_rows[]{
         "e, rod side to cap side, no more than 1"),
     number<hydraulics, &LegHydraulics::equivalent_cylinder, &EquivalentCylinder::area>(
         "legs.equivalent_cylinder.area", "m^2",
-        otherwise("a sixth of the supply pressure bears the leg's share of the platform"), positive,
+        otherwise("a sixth of the supply pressure bears the leg's share of the platform"),
+        usual(1e-5, 2.0, positive),
         "A_p; the default is larger where chambers would else be shorter than the "
         "stroke",
         shown("50 cm^2")),
     number<hydraulics, &LegHydraulics::equivalent_cylinder, &EquivalentCylinder::bulk_modulus>(
-        "legs.equivalent_cylinder.bulk_modulus", "Pa", standard, positive, "β_e", shown("1 GPa")),
+        "legs.equivalent_cylinder.bulk_modulus", "Pa", standard, usual(1e7, 1e10, positive), "β_e",
+        shown("1 GPa")),
 };
 
 }  // namespace

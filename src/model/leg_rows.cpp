@@ -62,10 +62,12 @@ constexpr ParameterRow leg_rows[]{
                                    "leg, in series with the oil spring",
                                    shown("300 kN/mm")),
     table("legs.case", required, "cylinder case"),
-    number<&Leg::cylinder_case, &CylinderCase::mass>("legs.case.mass", "kg", required, not_negative,
+    number<&Leg::cylinder_case, &CylinderCase::mass>("legs.case.mass", "kg", required,
+                                                     usual(0.1, 2e4, not_negative),
                                                      "m_t, 0 or more", given("35 kg")),
     number<&Leg::cylinder_case, &CylinderCase::mass_center>(
-        "legs.case.mass_center", "m", required, any, "r_b, from the base joint", given("0.5 m")),
+        "legs.case.mass_center", "m", required, usual(1e-3, 20.0, any), "r_b, from the base joint",
+        given("0.5 m")),
     number<&Leg::cylinder_case, &CylinderCase::transverse_inertia>(
         "legs.case.transverse_inertia", "kg m^2", required, not_negative,
         "I_t, across the axis, about the mass centre", given("3 kg m^2")),
@@ -74,13 +76,13 @@ constexpr ParameterRow leg_rows[]{
         "I_ta, about the axis, no more than twice I_t; used with `flexible_axes = "
         "\"gimbal\"`"),
     table("legs.rod", required, "rod with piston"),
-    number<&Leg::rod, &Rod::length>("legs.rod.length", "m", required, positive,
+    number<&Leg::rod, &Rod::length>("legs.rod.length", "m", required, usual(0.02, 20.0, positive),
                                     "l_mn, from the piston to the platform joint", given("1.05 m")),
-    number<&Leg::rod, &Rod::mass>("legs.rod.mass", "kg", required, not_negative, "m_g, 0 or more",
-                                  given("22 kg")),
-    number<&Leg::rod, &Rod::mass_center>("legs.rod.mass_center", "m", required, any,
-                                         "c_g, from the piston towards the platform",
-                                         given("0.5 m")),
+    number<&Leg::rod, &Rod::mass>("legs.rod.mass", "kg", required, usual(0.05, 2e4, not_negative),
+                                  "m_g, 0 or more", given("22 kg")),
+    number<&Leg::rod, &Rod::mass_center>(
+        "legs.rod.mass_center", "m", required, usual(1e-3, 20.0, any),
+        "c_g, from the piston towards the platform", given("0.5 m")),
     number<&Leg::rod, &Rod::transverse_inertia>(
         "legs.rod.transverse_inertia", "kg m^2", required, not_negative,
         "I_r, across the axis, about the mass centre", given("2 kg m^2")),
@@ -90,8 +92,8 @@ constexpr ParameterRow leg_rows[]{
         "\"gimbal\"`"),
     table("legs.guide_sleeve", required, "the seals' O-rings where the rod leaves the cylinder"),
     number<&Leg::guide_sleeve, &GuideSleeve::position>("legs.guide_sleeve.position", "m", required,
-                                                       positive, "L_g, from the base joint",
-                                                       given("1 m")),
+                                                       usual(0.02, 20.0, positive),
+                                                       "L_g, from the base joint", given("1 m")),
     number<&Leg::guide_sleeve, &GuideSleeve::stiffness>(
         "legs.guide_sleeve.stiffness", "N/m", required, positive,
         "k_s, lateral, between case and rod", given("5 kN/mm")),
@@ -114,10 +116,11 @@ constexpr ParameterRow leg_rows[]{
                                      "c_h, viscous, parallel to the spring", given("10 kN s/m")),
     instead_of(drop_stiffness,
                table("legs.oil_spring.cylinder", required, "what the stiffness follows from")),
-    number<oil, cylinder, &Cylinder::bore>("legs.oil_spring.cylinder.bore", "m", required, positive,
-                                           "more than 0", given("80 mm")),
+    number<oil, cylinder, &Cylinder::bore>("legs.oil_spring.cylinder.bore", "m", required,
+                                           usual(4e-3, 1.5, positive), "more than 0",
+                                           given("80 mm")),
     number<oil, cylinder, &Cylinder::rod_diameter>("legs.oil_spring.cylinder.rod_diameter", "m",
-                                                   required, not_negative,
+                                                   required, usual(2e-3, 1.2, not_negative),
                                                    "0 or more, less than the bore", given("56 mm")),
     number<oil, cylinder, &Cylinder::cap_dead_volume>(
         "legs.oil_spring.cylinder.cap_dead_volume", "m^3", standard, not_negative,
@@ -132,8 +135,8 @@ constexpr ParameterRow leg_rows[]{
         "legs.oil_spring.cylinder.rod_line_volume", "m^3", standard, not_negative,
         "between the chamber around the rod and the valve", given("150 cm^3")),
     number<oil, cylinder, &Cylinder::bulk_modulus>("legs.oil_spring.cylinder.bulk_modulus", "Pa",
-                                                   required, positive, "β_e of the oil without air",
-                                                   given("1.4 GPa")),
+                                                   required, usual(1e7, 1e10, positive),
+                                                   "β_e of the oil without air", given("1.4 GPa")),
     word<oil, cylinder, &Cylinder::volumes>(
         "legs.oil_spring.cylinder.volumes", volume_words,
         "`\"chambers\"`: the true volumes at the pose, which needs `[legs.stroke]`; "
@@ -149,17 +152,18 @@ constexpr ParameterRow leg_rows[]{
         "legs.oil_spring.cylinder.air.fraction", "1", required, below_one,
         "share of the volume at atmospheric pressure, 0 or more and less than 1", shown("1 %")),
     number<oil, cylinder, &Cylinder::air, &EntrainedAir::pressure>(
-        "legs.oil_spring.cylinder.air.pressure", "Pa", required, positive,
+        "legs.oil_spring.cylinder.air.pressure", "Pa", required, usual(1e4, 1e8, positive),
         "mean absolute pressure in the chambers", shown("70 bar")),
     number<oil, cylinder, &Cylinder::air, &EntrainedAir::polytropic>(
         "legs.oil_spring.cylinder.air.polytropic", "1", standard, polytropic,
         "exponent n of p Vⁿ: 1 for slow changes, 1.4 for fast ones"),
     table("legs.stroke", optional, "where the piston can be; optional with a given stiffness"),
-    number<&Leg::stroke, &Stroke::retracted>("legs.stroke.retracted", "m", required, not_negative,
-                                             "from the base joint to the piston when retracted",
-                                             given("0.25 m")),
-    number<&Leg::stroke, &Stroke::length>("legs.stroke.length", "m", required, positive,
-                                          "more than 0", given("0.6 m")),
+    number<&Leg::stroke, &Stroke::retracted>(
+        "legs.stroke.retracted", "m", required, usual(0.01, 20.0, not_negative),
+        "from the base joint to the piston when retracted", given("0.25 m")),
+    number<&Leg::stroke, &Stroke::length>("legs.stroke.length", "m", required,
+                                          usual(2e-3, 20.0, positive), "more than 0",
+                                          given("0.6 m")),
     simulation("legs.joint_limits", "largest tilt of the joints from the neutral pose"),
     number<&Leg::joint_limits, &JointLimits::base>(
         "legs.joint_limits.base", "rad", otherwise("any"), tilt, "more than 0, no more than 180°",

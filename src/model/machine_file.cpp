@@ -155,7 +155,9 @@ std::vector<Finding> findings_of(const Machine& machine, const Check& check, boo
   if (incomplete) return validate_values(machine, NonFinite::ignore);
   std::vector<Finding> findings = validate(machine);
   if (!check) return findings;
-  for (auto& finding : check(machine)) {
+  auto more = check(machine);
+  if (std::ranges::any_of(more, &Finding::unusual)) return more;  // it names causes
+  for (auto& finding : more) {
     const auto same = [&](const Finding& known) {
       return std::tie(known.key, known.message) == std::tie(finding.key, finding.message);
     };

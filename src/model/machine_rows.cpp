@@ -64,7 +64,8 @@ constexpr auto on_platform_circle =
 template <auto circle, auto length>
 constexpr ParameterRow of_circle(void (*lay)(Machine&, unsigned), std::string_view path,
                                  std::string_view meaning, Example example) {
-  auto made = in_code(number<circle, length>(path, "m", required, positive, meaning, example));
+  auto made = in_code(
+      number<circle, length>(path, "m", required, usual(1e-3, 50.0, positive), meaning, example));
   made.finish = lay;
   return made;
 }
@@ -116,7 +117,7 @@ constexpr ParameterRow body_rows[]{
          shown("Drawings, data sheets, measurements")),
     table("environment", optional, ""),
     of_gravity(number<&Machine::gravity>(
-        "environment.gravity", "m/s^2", otherwise("9.80665"), any,
+        "environment.gravity", "m/s^2", otherwise("9.80665"), usual(1e-3, 100.0, any),
         "magnitude along -z of the base; or a vector `[gx, gy, gz]` in the base "
         "frame; 0 switches gravity off",
         shown("9.80665 m/s^2"))),
@@ -157,11 +158,12 @@ constexpr ParameterRow body_rows[]{
         R"(# ---- Platform with its payload ---------------------------------------------------------------
 # xy, xz, yz are the elements of the inertia tensor as they stand (default 0).
 )"),
-    number<&Machine::platform, &Platform::mass>("platform.mass", "kg", required, positive,
-                                                "more than 0", given("1500 kg")),
-    number<&Machine::platform, &Platform::mass_center>("platform.mass_center", "m", required, any,
-                                                       "`[x, y, z]` in the platform frame",
-                                                       given("[0, 0, \"0.2 m\"]")),
+    number<&Machine::platform, &Platform::mass>("platform.mass", "kg", required,
+                                                usual(0.5, 2e6, positive), "more than 0",
+                                                given("1500 kg")),
+    number<&Machine::platform, &Platform::mass_center>(
+        "platform.mass_center", "m", required, usual(1e-4, 20.0, any),
+        "`[x, y, z]` in the platform frame", given("[0, 0, \"0.2 m\"]")),
     tensor("platform.inertia", "kg m^2",
            "tensor about the mass centre in the axes of the platform frame: `{ xx, yy, zz, "
            "xy, xz, yz }`, or three rows of three numbers",

@@ -30,6 +30,13 @@ inline constexpr Bound up_to_one{.lowest = 0.0, .highest = 1.0, .more_than_lowes
 inline constexpr Bound polytropic{
     .lowest = 1.0, .highest = 2.0, .expected = "1 (slow) to about 1.4 (fast)"};
 
+/// What machines have: numbers outside are asked about, not refused.
+constexpr Bound usual(double least, double most, Bound bound) {
+  bound.usual_least = least;
+  bound.usual_most = most;
+  return bound;
+}
+
 // ---- Kinds of rows --------------------------------------------------------------------------
 
 /// Must a key be there, and what holds where it is left out?

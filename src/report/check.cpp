@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -38,14 +39,54 @@ std::string warning_text(const PoseWarning& warning) {
       "is "
       "low there",
       "{legs}: the static load tilts the rod in its seals by {degrees:.2g}°",
-      "the pose is close to a singular pose: condition {value:.3g}"};
+      "the pose is close to a singular pose: condition {value:.3g}",
+      "{legs}: the oil can give {limit} at the supply pressure, and {force} are to be held; "
+      "expected a higher supply.pressure, a larger bore or less mass",
+      "{legs}: the chambers rest at {bar:.3g} bar, and the air in the oil is stated at "
+      "{stated_bar:.3g} bar (cylinder.air.pressure): oil springs are those of the stated pressure, "
+      "simulations and open or closed loops have those at rest"};
   const double value = warning.value;
   const std::string mass = mass_text(value), legs = legs_text(warning.legs);
   return fmt::format(fmt::runtime(texts.at(static_cast<std::size_t>(warning.kind))),
                      fmt::arg("value", value), fmt::arg("ratio", warning.ratio),
                      fmt::arg("mass", mass), fmt::arg("legs", legs),
-                     fmt::arg("millimetres", 1e3 * value),
+                     fmt::arg("millimetres", 1e3 * value), fmt::arg("bar", 1e-5 * value),
+                     fmt::arg("stated_bar", 1e-5 * warning.ratio),
+                     fmt::arg("force", fmt::format("{:.4g} kN", 1e-3 * value)),
+                     fmt::arg("limit", fmt::format("{:.4g} kN", 1e-3 * warning.ratio)),
                      fmt::arg("degrees", value * (180.0 / std::numbers::pi)));
+}
+
+bool is_fatal(PoseWarning::Kind kind) {
+  using Kind = PoseWarning::Kind;
+  return kind == Kind::buckled || kind == Kind::no_equilibrium || kind == Kind::weak_supply;
+}
+
+bool is_sound(const PoseCheck& check) {
+  return std::ranges::none_of(check.warnings,
+                              [](const PoseWarning& warning) { return is_fatal(warning.kind); });
+}
+
+std::string verdict_text(const std::vector<PoseCheck>& poses) {
+  using Kind = PoseWarning::Kind;
+  std::vector<std::string> reasons;
+  const auto add = [&](Kind kind, std::string_view what) {
+    std::vector<std::string> names;
+    for (const auto& check : poses)
+      if (std::ranges::find(check.warnings, kind, &PoseWarning::kind) != check.warnings.end())
+        names.push_back(check.pose.name);
+    if (names.empty()) return;
+    const bool all = names.size() == poses.size() && names.size() > 1;
+    reasons.push_back(all ? fmt::format("{} at all {} poses", what, names.size())
+                          : fmt::format("{} at pose{} {}", what, names.size() > 1 ? "s" : "",
+                                        fmt::join(names, ", ")));
+  };
+  add(Kind::buckled, "the legs buckle");
+  add(Kind::no_equilibrium, "no equilibrium was found");
+  add(Kind::weak_supply, "the supply cannot hold the load");
+  if (!reasons.empty()) return fmt::format("Not sound: {}.", fmt::join(reasons, "; "));
+  return poses.size() == 1 ? fmt::format("Sound at pose {}.", poses.front().pose.name)
+                           : fmt::format("Sound at all {} poses.", poses.size());
 }
 
 template <class Fields>
@@ -60,13 +101,17 @@ void describe(Fields& f, LegCheck& leg) {
   f("platform_joint_tilt_rad", leg.platform_tilt);
   f.optional("retract_left_m", leg.retract_left);
   f.optional("extend_left_m", leg.extend_left);
+  f.optional("cap_pressure_Pa", leg.cap_pressure);
+  f.optional("rod_pressure_Pa", leg.rod_pressure);
+  f("largest_push_N", leg.largest_push);
+  f("largest_pull_N", leg.largest_pull);
 }
 
 template <class Fields>
 void describe(Fields& f, PoseWarning& warning) {
   static constexpr std::array words{"buckled",       "near_buckling", "no_equilibrium",
                                     "little_stroke", "short_guide",   "tilted_rod",
-                                    "near_singular"};
+                                    "near_singular", "weak_supply",   "air_pressure"};
   f.word("kind", warning.kind, words);
   f("value", warning.value);
   f("ratio", warning.ratio);
@@ -96,12 +141,15 @@ void describe(Fields& f, PoseCheck& check) {
   });
   std::vector<std::string> words;
   for (const auto& warning : check.warnings) words.push_back(warning_text(warning));
+  f.derived("sound", is_sound(check));
   f.derived("warnings", words);
   f("findings", check.warnings);
 }
 
 Json check_json(const std::vector<PoseCheck>& poses, const model::Machine& machine) {
-  Json json{{"simulation_assumptions", Json::array()}, {"poses", written(poses)}};
+  Json json{{"sound", std::ranges::all_of(poses, is_sound)},
+            {"simulation_assumptions", Json::array()},
+            {"poses", written(poses)}};
   for (const auto& one : hydraulics::hydraulic_assumptions(machine))
     json["simulation_assumptions"].push_back({{"key", one.key}, {"text", one.text}});
   return json;

@@ -42,7 +42,8 @@ void add_drops(const Diagnosis& d, std::vector<std::string>& words) {
   }
   // directions with equal drops are reported together
   std::vector<std::pair<const MeasuredMode*, std::vector<std::string>>> groups;
-  for (const auto& [key, mode] : first) {
+  for (const auto& entry : first) {
+    const MeasuredMode* mode = entry.second;
     if (mode->drop() < notable_drop) continue;
     const auto same_as = std::ranges::find_if(groups, [&](const auto& group) {
       return group.first->pose == mode->pose &&
@@ -160,8 +161,18 @@ const char* machine_word(const CaseFile& file) { return file.fitted ? "fitted" :
 /// "300 kN/m", and of a fitted machine what the file states beside it.
 std::string sleeve_words(const CaseFile& file) {
   const auto present = amount_text(file.remedy->today.stiffness, 0.0, "N/m");
-  if (!file.fitted || !(file.nominal_sleeve > 0.0)) return present;
+  constexpr double same = 1e-6;
+  const double nominal = file.nominal_sleeve, today = file.remedy->today.stiffness;
+  if (!file.fitted || !(nominal > 0.0) || std::abs(today - nominal) <= same * nominal)
+    return present;
   return fmt::format("{} (nominal {})", present, amount_text(file.nominal_sleeve, 0.0, "N/m"));
+}
+
+/// Where the measurement was not of mechanics, frequencies of mechanics are others.
+std::string_view alone_words(const CaseFile& file) {
+  const bool other =
+      file.diagnosis && file.diagnosis->targets.observed != observation::Observed::mechanics;
+  return other ? " (mechanics alone, at the pressures in the file)" : "";
 }
 
 void add_attribution(const CaseFile& file, std::vector<std::string>& words) {
@@ -179,18 +190,18 @@ void add_attribution(const CaseFile& file, std::vector<std::string>& words) {
     for (const auto& part : drop.parts)
       if (!part.part.leg && std::abs(part.share) >= told)
         parts.push_back(fmt::format("{} {}", part_name(part.part), share_text(part.share)));
-    words.push_back(
-        fmt::format("Calculated at pose {} for the {} machine: the {} resonance is at {}, {} below "
-                    "its rigid-leg model. Share of the frequency drop: {}.",
-                    file.pose, machine_word(file), drop.resonance.direction,
-                    frequency_text(drop.resonance.omega), share_text(drop.resonance.drop()),
-                    parts.empty() ? "no part alone" : fmt::format("{}", fmt::join(parts, ", "))));
+    words.push_back(fmt::format(
+        "Calculated at pose {} for the {} machine{}: the {} resonance is at {}, {} below "
+        "its rigid-leg model. Share of the frequency drop: {}.",
+        file.pose, machine_word(file), alone_words(file), drop.resonance.direction,
+        frequency_text(drop.resonance.omega), share_text(drop.resonance.drop()),
+        parts.empty() ? "no part alone" : fmt::format("{}", fmt::join(parts, ", "))));
   }
   if (drops.empty() && !file.drops.empty())
     words.push_back(fmt::format(
-        "Calculated at pose {} for the {} machine: rigid seals, gimbals and base would raise no "
+        "Calculated at pose {} for the {} machine{}: rigid seals, gimbals and base would raise no "
         "resonance by 1 %.",
-        file.pose, machine_word(file)));
+        file.pose, machine_word(file), alone_words(file)));
 }
 
 /// Of sleeves that will do today: stiffer ones may put their own resonances where they do harm.
@@ -225,12 +236,13 @@ std::string remedy_words(const CaseFile& file) {
     const bool softer = r.needed.factor < far;
     const auto enough =
         softer ? "much less is sufficient" : "at least " + stiffness + " is required";
-    return fmt::format("The {} stiffness of the guide sleeves, {}, is sufficient for {}; {}.{}",
-                       machine_word(file), present, goal, enough, stiffer_words(file));
+    return fmt::format(
+        "The stiffness of the guide sleeves of the {} machine, {}, is sufficient for {}; {}.{}",
+        machine_word(file), present, goal, enough, stiffer_words(file));
   }
   return fmt::format(
-      "Required stiffness of the guide sleeves for {}: at least {}, {:.3g} times the {} {}; "
-      "highest demand at pose {} in {}.",
+      "Required stiffness of the guide sleeves for {}: at least {}, {:.3g} times that of the {} "
+      "machine, {}; highest demand at pose {} in {}.",
       goal, stiffness, r.needed.factor, machine_word(file), present, r.pose,
       direction_words(r.direction));
 }
@@ -254,6 +266,9 @@ std::string finding_sentence(const Diagnosis& d) {
     case Finding::unexplained:
       return "No candidate cause explains the measurement; no cause is identified.";
     case Finding::cannot_tell:
+      if (fits_anything(d) == nullptr)
+        return "The data cannot tell the cause: the hypothesis that fits best contains a number "
+               "that they leave open.";
       return fmt::format(
           "The data cannot tell the cause: {} measured values are too few for the candidate causes "
           "that explain them.",

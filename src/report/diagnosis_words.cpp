@@ -241,24 +241,40 @@ std::vector<std::string> contradiction_words(const Diagnosis& d, const Hypothesi
   return words;
 }
 
+const Hypothesis* fits_anything(const Diagnosis& d) {
+  const auto found = std::ranges::find_if(
+      d.hypotheses, [&](const Hypothesis& e) { return e.parameters >= d.values; });
+  return found == d.hypotheses.end() ? nullptr : &*found;
+}
+
 std::vector<std::string> reason_words(const Diagnosis& d) {
   std::vector<std::string> words;
   for (const auto& objection : d.objections) words.push_back(objection_text(objection));
   if (!words.empty() || !d.equivalent.empty()) return words;
   if (d.finding == Finding::cannot_tell) {
-    for (const auto& e : d.hypotheses)
-      if (e.parameters >= d.values && words.empty())
-        words.push_back(fmt::format(
-            "{} fits {} numbers to {} measured values, and so many numbers fit any values",
-            hypothesis_name(d, e), e.parameters, d.values));
-    words.push_back(
-        "no candidate cause with fewer numbers explains them; measure more modes, shapes or poses");
+    if (const auto* e = fits_anything(d)) {
+      words.push_back(fmt::format(
+          "{} fits {} numbers to {} measured values, and so many numbers fit any values",
+          hypothesis_name(d, *e), e->parameters, d.values));
+      words.push_back(
+          "no candidate cause with fewer numbers explains them; measure more modes, "
+          "shapes or poses");
+      return words;
+    }
+    words.push_back(fmt::format("{} fits best: {}", hypothesis_name(d, d.best()),
+                                fmt::join(parameter_words(d.best()), "; ")));
+    words.push_back("one cause alone fits clearly worse; measure more modes, shapes or poses");
     return words;
   }
   words.push_back(
       fmt::format("even the best hypothesis ({}) differs from the measured values by {:.{}f} σ",
                   hypothesis_name(d, d.best()), d.scatter, d.scatter < 10.0 ? 1 : 0));
-  for (const auto& wrong : contradiction_words(d, d.best())) words.push_back("it " + wrong);
+  for (const auto& wrong : d.best().wrong) {
+    using Kind = Contradiction::Kind;
+    const bool of_shape = wrong.kind == Kind::shape || wrong.kind == Kind::drives;
+    const std::string_view subject = wrong.kind == Kind::value ? "" : of_shape ? "its " : "it ";
+    words.push_back(fmt::format("{}{}", subject, contradiction_text(d, wrong)));
+  }
   words.push_back(
       "possible reasons: a cause that is not a candidate, more than two causes, another pose, "
       "payload or machine, a model uncertainty above the allowed one");

@@ -5,7 +5,8 @@
 
 namespace hydrapod::simulation {
 
-/// Throws base::ComputationError where a run of `until` seconds would take hours: explicit methods
+/// Throws base::ComputationError where steps are shorter than those of any machine and a run of
+/// `until` seconds takes more of them than one waits for. Explicit methods
 /// are stable up to steps of about 1/|λ|, λ being the fastest pole of the plant at rest. Oil and
 /// platform alone have |λ| = √(k_h/m), which is proportional to the bore where strokes are equal.
 void require_passable(const Plant& plant, const Plant::Rest& rest, const IntegratorOptions& options,

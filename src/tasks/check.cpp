@@ -1,6 +1,8 @@
 #include <algorithm>
+#include <cmath>
 
 #include "hydrapod/hydraulics/oil_spring.hpp"
+#include "hydrapod/hydraulics/servo_axis.hpp"
 #include "hydrapod/modal/normal_modes.hpp"
 #include "hydrapod/tasks/linear.hpp"
 
@@ -70,6 +72,53 @@ void warn_below(PoseCheck& result, Kind kind, Value value, Limit limit) {
   if (!warning.legs.empty()) result.warnings.push_back(warning);
 }
 
+/// Chamber pressures at rest, and what the oil can push and pull.
+void add_pressures(const model::Machine& machine, PoseCheck& result) {
+  const auto& supply = machine.hydraulics.supply;
+  report::PoseWarning weak{.kind = Kind::weak_supply};
+  for (int i = 0; i < model::leg_count; ++i) {
+    auto& leg = result.legs[i];
+    const auto axis = hydraulics::servo_axis(machine, i);
+    leg.largest_push = axis.force(supply.pressure, supply.return_pressure);
+    leg.largest_pull = -axis.force(supply.return_pressure, supply.pressure);
+    if (!result.equilibrium) continue;
+    const auto rest = hydraulics::hydraulic_rest(axis, supply, leg.axial_force);
+    if (rest.found) {
+      leg.cap_pressure = rest.p_cap;
+      leg.rod_pressure = rest.p_rod;
+      continue;
+    }
+    const double force = std::abs(leg.axial_force);
+    if (weak.legs.empty() || force > weak.value) {  // the worst leg
+      weak.value = force;
+      weak.ratio = leg.axial_force > 0.0 ? leg.largest_push : leg.largest_pull;
+    }
+    weak.legs.push_back(i);
+  }
+  if (!weak.legs.empty()) result.warnings.push_back(weak);
+}
+
+/// Air that is stated at a pressure at which the chambers are not is another spring.
+void warn_of_air(const model::Machine& machine, const CheckOptions& options, PoseCheck& result) {
+  report::PoseWarning other{.kind = Kind::air_pressure};
+  double most = std::log(options.other_pressure);
+  for (int i = 0; i < model::leg_count; ++i) {
+    const auto& leg = result.legs[i];
+    const auto& cylinder = machine.legs[i].oil_spring.cylinder;
+    if (!leg.cap_pressure || !cylinder || !cylinder->air || cylinder->air->fraction == 0.0)
+      continue;
+    const double mean = 0.5 * (*leg.cap_pressure + *leg.rod_pressure),
+                 stated = cylinder->air->pressure, apart = std::abs(std::log(mean / stated));
+    if (apart < std::log(options.other_pressure)) continue;
+    other.legs.push_back(i);
+    if (apart < most) continue;
+    most = apart;
+    other.value = mean;
+    other.ratio = stated;
+  }
+  if (!other.legs.empty()) result.warnings.push_back(other);
+}
+
 void warn_of_legs(const model::Machine& machine, const CheckOptions& options, PoseCheck& result) {
   const auto& legs = result.legs;
   warn_below(
@@ -102,6 +151,8 @@ PoseCheck check_pose(const model::Machine& machine, const model::NamedPose& pose
   add_statics(machine, kind, result);
   add_buckling(machine, kind, result);
   warn_of_load(machine, result);
+  add_pressures(machine, result);
+  warn_of_air(machine, options, result);
   warn_of_legs(machine, options, result);
   if (result.quality.condition > options.poor_condition)
     result.warnings.push_back({.kind = Kind::near_singular, .value = result.quality.condition});

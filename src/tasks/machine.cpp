@@ -4,33 +4,109 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
 
 #include "hydrapod/base/text.hpp"
+#include "hydrapod/base/units.hpp"
+#include "hydrapod/dynamics/linear_model.hpp"
 #include "hydrapod/kinematics/check_machine.hpp"
+#include "hydrapod/modal/normal_modes.hpp"
 #include "hydrapod/spatial/pose.hpp"
 
 namespace hydrapod::tasks {
 
 namespace {
 
-/// `z=50 mm, ry=5 deg` from the neutral pose.
-spatial::Pose displaced_pose(const spatial::Pose& neutral, const std::string& text,
-                             const std::string& argument) {
+/// `z=50 mm, ry=5 deg` as it was written: lengths and angles, with what a number without a unit
+/// would be in millimetres and degrees.
+struct Displacement {
+  spatial::Vector6 d{};      ///< as it is read
+  spatial::Vector6 in_mm{};  ///< plain numbers in millimetres and degrees
+  std::string in_mm_text{};  ///< that, as one would write it
+  bool plain{};              ///< is there any?
+};
+
+Displacement displacement(const std::string& text, const std::string& argument) {
   base::KeyValues values(argument, text);
-  spatial::Vector6 d;
-  for (int i = 0; i < 6; ++i)
-    d[i] = values.number(spatial::direction_name(i), i < 3 ? "m" : "rad").value_or(0.0);
+  Displacement result;
+  std::vector<std::string> parts;
+  for (int i = 0; i < 6; ++i) {
+    const auto key = spatial::direction_name(i);
+    const char* unit = i < 3 ? "m" : "rad";
+    const auto written = values.text(key);
+    result.d[i] = result.in_mm[i] = values.number(key, unit).value_or(0.0);
+    if (!written) continue;
+    const bool plain = !base::read_quantity(*written, unit).ok() && result.d[i] != 0.0;
+    const char* meant = i < 3 ? " mm" : " deg";
+    if (plain) result.in_mm[i] = base::quantity(*written + meant, unit);
+    parts.push_back(fmt::format("{}={}{}", key, *written, plain ? meant : ""));
+    result.plain |= plain;
+  }
   values.finish();
+  result.in_mm_text = fmt::format("{}", fmt::join(parts, ", "));
+  return result;
+}
+
+spatial::Pose from_neutral(const spatial::Pose& neutral, const spatial::Vector6& d) {
   return {spatial::rotation_from_rpy(d.tail<3>()) * neutral.R_BP, neutral.p_BP + d.head<3>()};
 }
 
-/// Throws base::InputError, which calls the pose `place`.
+/// Throws base::InputError, which calls the pose `place`; `guess` ends its messages.
 void refuse_unreachable(const model::Machine& machine, const spatial::Pose& X_BP,
-                        const std::string& place) {
+                        const std::string& place, const std::string& guess = {}) {
   std::vector<base::Diagnostic> errors;
   for (const auto& finding : kinematics::check_pose(machine, X_BP, ""))
-    errors.push_back({.file = place, .message = finding.message});
+    errors.push_back({.file = place, .message = finding.message + guess});
   if (!errors.empty()) throw base::InputError(errors);
+}
+
+/// A pose that the legs reach; where they would with millimetres and degrees, that is the advice.
+spatial::Pose displaced_pose(const model::Machine& machine, const std::string& text,
+                             const std::string& place) {
+  const auto read = displacement(text, place);
+  const auto X_BP = from_neutral(machine.neutral(), read.d);
+  std::string guess;
+  if (read.plain &&
+      kinematics::check_pose(machine, from_neutral(machine.neutral(), read.in_mm), "").empty())
+    guess = fmt::format("; did you mean \"{}\"?", read.in_mm_text);
+  for (const double angle : read.d.tail<3>())
+    if (std::abs(angle) > std::numbers::pi)
+      base::refuse(place, fmt::format("turns the platform by more than half a turn, {:g} rad{}",
+                                      angle, guess));
+  refuse_unreachable(machine, X_BP, place, guess);
+  return X_BP;
+}
+
+/// Linear models let the base follow the platform's springs (src/dynamics/base_mount.hpp): its own
+/// resonance is not among the modes, and those that are not far below it come out too high.
+void warn_of_heavy_base(model::MachineFile& file) {
+  constexpr double far_below = 1.0 / 3.0;  // (1/3)² of ω² is the order of the error
+  const auto& machine = file.machine;
+  if (!machine.base_mount) return;
+  const auto& mount = *machine.base_mount;
+  double resonance = std::numeric_limits<double>::infinity();
+  int direction = 0;
+  for (int i = 0; i < 6; ++i) {
+    const double inertia = i < 3 ? mount.mass : mount.inertia[i - 3];
+    if (!mount.stiffness[i] || inertia == 0.0) continue;
+    const double omega = std::sqrt(*mount.stiffness[i] / inertia);
+    if (omega < resonance) direction = i;
+    resonance = std::min(resonance, omega);
+  }
+  const auto modes = modal::normal_modes(
+      dynamics::linear_model(machine, machine.neutral(), dynamics::ModelKind::rigid));
+  if (modes.omega(static_cast<int>(modes.shapes.cols()) - 1) < far_below * resonance) return;
+  file.warnings.push_back(
+      {.severity = base::Severity::warning,
+       .file = "base.mount",
+       .message = fmt::format(
+           "the base alone resonates at {:.2f} Hz on its mount ({}), which modes and Bode diagrams "
+           "leave out; their frequencies above {:.2g} Hz are too high. `simulate`, and `modes "
+           "--system --open-loop`, have the base's own motion",
+           resonance / base::two_pi, spatial::direction_name(direction),
+           far_below * resonance / base::two_pi)});
 }
 
 }  // namespace
@@ -41,6 +117,7 @@ Machine read_machine(const MachineOptions& options) {
                                                      kinematics::check_machine)
                               : model::read_machine_file(options.file, options.overrides,
                                                          kinematics::check_machine);
+  warn_of_heavy_base(machine.file);
   machine.pose = pose_of(machine.file.machine, options.pose);
   machine.kind = model_of(machine.file.machine, options.model);
   return machine;
@@ -57,9 +134,7 @@ model::NamedPose pose_of(const model::Machine& machine, const std::string& text)
                             ? fmt::format("unknown pose; did you mean '{}'?", *near)
                             : fmt::format("unknown pose; the file has {}", fmt::join(names, ", ")));
   }
-  const model::NamedPose pose{text, displaced_pose(machine.neutral(), text, place)};
-  refuse_unreachable(machine, pose.X_BP, place);
-  return pose;
+  return {text, displaced_pose(machine, text, place)};
 }
 
 dynamics::ModelKind model_of(const model::Machine& machine,

@@ -88,6 +88,10 @@ TEST(Budgets, StepsThatAreTooShortAreGivenUp) {
       {simulate({"--set", "legs.oil_spring.cylinder.bore=1e4 m"}), "fastest: "},
       {simulate({"--set", "legs.oil_spring.cylinder.bore=1000 m"}), "fastest: "},
       {rig({"--set", "legs.oil_spring.cylinder.bore=1000 m"}), "fastest: "},
+      // at rest nothing touches the stops
+      {simulate({"--set", "legs.end_stops.stiffness=1e17 N/m", "--set", "controller.gain=60",
+                 "--command", "step z=117 mm", "--until", "0.6"}),
+       "simulation stopped at 0.3"},
   };
   for (const auto& one : cases) expect_refused(one, 1, 30.0);
   EXPECT_LT(largest_memory(), 300.0);

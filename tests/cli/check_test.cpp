@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "support/json_fields.hpp"
@@ -26,7 +27,8 @@ TEST(Check, TableSaysWhatFollows) {
   EXPECT_EQ(result.exit_code, 0);
   EXPECT_EQ(result.err, "");
   EXPECT_THAT(result.out,
-              AllOf(testing::StartsWith("Zhang & Jiang 2021: no errors\n"),
+              AllOf(testing::StartsWith("Zhang & Jiang 2021\n"),
+                    testing::EndsWith("\nSound at pose neutral.\n"),
                     HasSubstr("mass of the platform 894 kg, of all legs 52.96 kg; no gravity\n"),
                     HasSubstr("873.4"), HasSubstr("Jacobian: condition 2.91"),
                     HasSubstr("Buckling: not computed without gravity.\n"), Not(HasSubstr("-0 ")),
@@ -35,19 +37,22 @@ TEST(Check, TableSaysWhatFollows) {
 
 TEST(Check, JsonHasItsStableFields) {
   const auto json = json_of({"check", heavy, "--format", "json"});
-  EXPECT_THAT(fields(json),
-              ElementsAre("kind", "machine", "assumptions", "simulation_assumptions", "poses"));
+  EXPECT_THAT(fields(json), ElementsAre("kind", "machine", "assumptions", "sound",
+                                        "simulation_assumptions", "poses"));
   EXPECT_EQ(json["kind"], "check");
   EXPECT_EQ(json["poses"].size(), 4U);
   const Json& pose = json["poses"][0];
-  EXPECT_THAT(fields(pose), ElementsAre("pose", "condition", "characteristic_length_m",
-                                        "equilibrium", "legs", "buckling", "warnings", "findings"));
+  EXPECT_THAT(fields(pose),
+              ElementsAre("pose", "condition", "characteristic_length_m", "equilibrium", "legs",
+                          "buckling", "sound", "warnings", "findings"));
   EXPECT_EQ(pose["pose"]["name"], "neutral");
   EXPECT_EQ(pose["legs"].size(), 6U);
-  EXPECT_THAT(fields(pose["legs"][0]),
-              ElementsAre("length_m", "piston_m", "guided_length_m", "oil_stiffness_N_m",
-                          "axial_force_N", "static_tilt_rad", "base_joint_tilt_rad",
-                          "platform_joint_tilt_rad", "retract_left_m", "extend_left_m"));
+  EXPECT_THAT(
+      fields(pose["legs"][0]),
+      ElementsAre("length_m", "piston_m", "guided_length_m", "oil_stiffness_N_m", "axial_force_N",
+                  "static_tilt_rad", "base_joint_tilt_rad", "platform_joint_tilt_rad",
+                  "retract_left_m", "extend_left_m", "cap_pressure_Pa", "rod_pressure_Pa",
+                  "largest_push_N", "largest_pull_N"));
   EXPECT_THAT(fields(pose["buckling"]),
               ElementsAre("status", "payload_kg", "limit_point", "lowest_omega_rad_s"));
   EXPECT_EQ(pose["buckling"]["status"], "found");
@@ -110,9 +115,11 @@ TEST(Check, NamesThePayloadAtWhichTheLegsFold) {
   const auto loaded = run_hydrapod({"check", published, "--set", "environment.gravity=9.81",
                                     "--set", "model.flexible_axes=transverse", "--set",
                                     "platform.mass=" + std::to_string(894.0 + 1.01 * payload)});
-  EXPECT_EQ(loaded.exit_code, 0);
+  EXPECT_EQ(loaded.exit_code, 1);
+  EXPECT_EQ(loaded.err, "error: the machine is not sound\n");
   EXPECT_THAT(loaded.out,
-              AllOf(HasSubstr("Buckling: the legs buckle under the present load; they carry "),
+              AllOf(testing::EndsWith("\nNot sound: the legs buckle at pose neutral.\n"),
+                    HasSubstr("Buckling: the legs buckle under the present load; they carry "),
                     HasSubstr("warning: the legs buckle under the present load: remove ")));
 }
 
@@ -140,6 +147,97 @@ TEST(Check, DoesNotSpeakOfBucklingWhereItWasNotSought) {
   EXPECT_EQ(json["poses"][0]["buckling"]["status"], "not_sought");
   EXPECT_EQ(json_of({"check", published, "--format", "json"})["poses"][0]["buckling"]["status"],
             "not_sought");
+}
+
+/// Against the areas of a 100/70 cylinder, 81 bar and 5 bar, with the atmosphere on the rod.
+TEST(Check, IsNotSoundWhereTheSupplyCannotHoldTheLoad) {
+  constexpr double pi = 3.14159265358979323846;
+  constexpr double piston = pi / 4.0 * 0.1 * 0.1, rod = pi / 4.0 * 0.07 * 0.07;
+  constexpr double push = 81e5 * piston - 5e5 * (piston - rod) - 101325.0 * rod;
+  const std::vector<std::string> stiff{
+      "check", heavy, "--set", "legs.guide_sleeve.stiffness=80 kN/mm", "--pose", "low", "--set"};
+  const auto of_mass = [&](const char* mass, std::vector<std::string> more = {}) {
+    auto arguments = stiff;
+    arguments.push_back(std::string("platform.mass=") + mass);
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return run_hydrapod(arguments);
+  };
+  const auto sound = of_mass("20 t", {"--format", "json"});
+  EXPECT_EQ(sound.exit_code, 0) << sound.err;
+  const auto light = Json::parse(sound.out);
+  EXPECT_TRUE(light["sound"].get<bool>());
+  for (const Json& leg : light["poses"][0]["legs"]) {
+    EXPECT_NEAR(leg["largest_push_N"].get<double>(), push, 1e-9 * push);
+    const double cap = leg["cap_pressure_Pa"], annulus = leg["rod_pressure_Pa"];
+    EXPECT_NEAR(cap * piston - annulus * (piston - rod) - 101325.0 * rod,
+                leg["axial_force_N"].get<double>(), 1e-6 * push);
+    EXPECT_GT(annulus, 5e5);
+    EXPECT_LT(cap, 81e5);
+  }
+  const auto heavier = of_mass("80 t");
+  EXPECT_EQ(heavier.exit_code, 1);
+  EXPECT_EQ(heavier.err, "error: the machine is not sound\n");
+  EXPECT_THAT(
+      heavier.out,
+      AllOf(HasSubstr("warning: all legs: the oil can give "),
+            HasSubstr(" at the supply pressure, and "),
+            testing::EndsWith("\nNot sound: the supply cannot hold the load at pose low.\n")));
+  const auto json = Json::parse(of_mass("80 t", {"--format", "json"}).out);
+  EXPECT_FALSE(json["sound"].get<bool>());
+  EXPECT_FALSE(json["poses"][0]["sound"].get<bool>());
+  const Json& finding = json["poses"][0]["findings"].back();
+  EXPECT_EQ(finding["kind"], "weak_supply");
+  EXPECT_NEAR(finding["ratio"].get<double>(), push, 1e-9 * push);
+  EXPECT_FALSE(json["poses"][0]["legs"][0].contains("cap_pressure_Pa"));
+}
+
+struct Slip {
+  std::vector<std::string> arguments;
+  std::string says;
+};
+
+/// A slip of the unit is one line on the standard error, whatever follows from it at four poses of
+/// six legs.
+TEST(Check, OneSlipIsOneMessage) {
+  const std::vector<Slip> slips{
+      {{"--set", "base.joints.circle={radius='2100 m', spacing='0.36 m'}"},
+       "base.joints.circle.radius: is 2100 m, usual are 0.001 m to 50 m; did you mean 2100 mm?"},
+      {{"--set", "legs.rod.length=1150"},
+       "legs.rod.length: is 1150 m, usual are 0.02 m to 20 m; did you mean 1150 mm?"},
+      {{"--set", "legs.guide_sleeve.position=1250"},
+       "legs.guide_sleeve.position: is 1250 m, usual are 0.02 m to 20 m; did you mean 1250 mm?"},
+      {{"--set", "supply.pressure=81"},
+       "supply.pressure: is 81 Pa, usual are 100000 Pa to 1e+08 Pa; did you mean 81 bar?"},
+      {{"--set", "legs.stroke.length=860"},
+       "legs.stroke.length: is 860 m, usual are 0.002 m to 20 m; did you mean 860 mm?"},
+      {{"--set", "poses.low.position=[0, 0, 1300]"},
+       "poses.low.position[2]: is 1300 m, usual are up to 50 m; did you mean 1300 mm?"},
+      {{"--set", "poses.low.position=[0, 0, 2.9]"},
+       "poses.low: the piston of leg 1 is 2.143 m from its base joint, 0.923 m beyond its stroke "
+       "from 0.36 m to 1.22 m; also all other legs"},
+      {{"--pose", "z=50"}, "; also all other legs; did you mean \"z=50 mm\"?"},
+      {{"--pose", "z=-120, rx=3"}, "; did you mean \"z=-120 mm, rx=3 deg\"?"},
+      {{"--pose", "rx=5, z=20 mm"}, "; did you mean \"z=20 mm, rx=5 deg\"?"},
+      {{"--pose", "rz=6.3"},
+       "turns the platform by more than half a turn, 6.3 rad; did you mean \"rz=6.3 deg\"?"},
+      {{"--pose", "ry=-40"}, "turns the platform by more than half a turn, -40 rad"}};
+  for (const auto& slip : slips) {
+    std::vector<std::string> arguments{"check", heavy};
+    arguments.insert(arguments.end(), slip.arguments.begin(), slip.arguments.end());
+    const auto result = run_hydrapod(arguments);
+    EXPECT_EQ(result.exit_code, 2) << slip.says;
+    EXPECT_THAT(result.err, testing::EndsWith(slip.says + "\n"));
+    EXPECT_EQ(std::ranges::count(result.err, '\n'), 1) << result.err;
+  }
+}
+
+TEST(Check, AnUnusualNumberIsAWarningWhereTheMachineCanHaveIt) {
+  const auto result =
+      run_hydrapod({"check", heavy, "--pose", "low", "--set", "platform.mass=10 kg"});
+  EXPECT_EQ(result.exit_code, 0);
+  EXPECT_EQ(result.err,
+            "--set platform.mass=10 kg: warning: platform.mass: is 10 kg, less than a twentieth of "
+            "the legs' 348 kg; did you mean 10 t?\n");
 }
 
 TEST(Check, ReportsEveryMistakeInOneGo) {

@@ -93,8 +93,10 @@ TEST_P(MachineCommand, RefusesAPoseOutOfReach) {
   const auto result = run({"--pose", "z=0.9"});
   EXPECT_EQ(result.exit_code, 2);
   EXPECT_EQ(result.out, "");
-  EXPECT_THAT(result.err, AllOf(testing::StartsWith("--pose z=0.9: error: the piston of leg 1 is "),
-                                HasSubstr(" m beyond its stroke from 0.36 m to 1.22 m\n")));
+  EXPECT_THAT(result.err,
+              AllOf(testing::StartsWith("--pose z=0.9: error: the piston of leg 1 is "),
+                    HasSubstr(" m beyond its stroke from 0.36 m to 1.22 m; also all other "
+                              "legs; did you mean \"z=0.9 mm\"?\n")));
 }
 
 TEST_P(MachineCommand, NamesAFileThatIsNotThere) {

@@ -231,7 +231,11 @@ TEST(NumbersInJson, OfAPoseCheck) {
          {"base_joint_tilt_rad", &report::LegCheck::base_tilt},
          {"platform_joint_tilt_rad", &report::LegCheck::platform_tilt},
          {"retract_left_m", &report::LegCheck::retract_left},
-         {"extend_left_m", &report::LegCheck::extend_left}}));
+         {"extend_left_m", &report::LegCheck::extend_left},
+         {"cap_pressure_Pa", &report::LegCheck::cap_pressure},
+         {"rod_pressure_Pa", &report::LegCheck::rod_pressure},
+         {"largest_push_N", &report::LegCheck::largest_push},
+         {"largest_pull_N", &report::LegCheck::largest_pull}}));
   }
   check.warnings = {{.kind = report::PoseWarning::Kind::short_guide,
                      .value = 0.017,
@@ -245,6 +249,7 @@ TEST(NumbersInJson, OfAPoseCheck) {
             {"condition", 7.7},
             {"characteristic_length_m", 0.77},
             {"equilibrium", true},
+            {"sound", true},
             {"legs", legs},
             {"buckling",
              {{"payload_kg", 812.0}, {"limit_point", true}, {"lowest_omega_rad_s", 0.0123}}},

@@ -1,6 +1,7 @@
 // The page as a whole: safe, accessible, of the right size, quick.
 import assert from 'node:assert/strict';
-import { readFileSync, statSync, writeFileSync } from 'node:fs';
+import { execFileSync } from 'node:child_process';
+import { readFileSync, rmSync, statSync, writeFileSync } from 'node:fs';
 import { test } from 'node:test';
 import {
   changed,
@@ -207,6 +208,20 @@ test('the report can be reproduced from its end', async () => {
     assert.match(about, /--pose 'z=20 mm'/);
     assert.match(await page.locator('pre.file').textContent(), /\[legs\.guide_sleeve\]/);
   });
+});
+
+test('the command it shows makes the same page again', async () => {
+  const machine = changed(published, ['name = "Zhang & Jiang 2021"', `name = "Rig's $HOME"`]);
+  const words = ['--command', 'step z=2 mm, at=0.05 s', '--until', '0.1', '--points', '50'];
+  const file = report(machine, '--theme', 'dark', '--pose', 'z=5 mm, ry=1 deg', ...words);
+  const before = readFileSync(file, 'utf8');
+  await withPage(file, {}, async (page) => {
+    const said = await page.locator('pre.command').textContent();
+    assert.ok(said.startsWith('hydrapod report '));
+    rmSync(file);
+    execFileSync('/bin/sh', ['-c', `"$HYDRAPOD_PROGRAM" ${said.slice('hydrapod '.length)}`]);
+  });
+  assert.equal(readFileSync(file, 'utf8'), before);
 });
 
 /** From the start of loading to the first picture of the machine and a table that answers [ms]. */

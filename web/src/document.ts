@@ -144,6 +144,8 @@ export interface Report {
     modal_ratio_is_default: boolean;
   };
   pictured_modes: number[];
+  /** The arguments that made this page; absent where a program called the library. */
+  command?: string[];
   poses: PoseReport[];
   simulation?: Simulation;
   diagnosis?: Diagnosis;

@@ -43,6 +43,8 @@ struct Bound {
   std::string_view expected{};  ///< instead of "more than 0", "no more than 2"
   std::string_view shown_in{};  ///< instead of the unit: "deg"
   double shown_size{1.0};       ///< of that in SI
+  double usual_least{};         ///< magnitude, with usual_most; zero is always usual
+  double usual_most{};          ///< 0: what is usual for the unit
 };
 
 struct ParameterRow {

@@ -15,6 +15,7 @@ struct Finding {
   base::Severity severity{base::Severity::error};
   std::string key{};
   std::string message{};
+  bool unusual{};  ///< of unusual_numbers()
 };
 
 /// Everything that is wrong with the numbers of `machine` themselves: signs, ranges, values that
@@ -23,5 +24,16 @@ struct Finding {
 /// be. What depends on a pose (leg lengths, strokes, singularity) is kinematics::check_machine. All
 /// findings at once; empty when the machine is sound. Never throws.
 std::vector<Finding> validate(const Machine& machine);
+
+/// Numbers that a machine may have and that none is known to have, as warnings: beyond what is
+/// usual by their rows (Bound::usual_most) or for their unit; a platform that weighs less than a
+/// twentieth of its legs; one whose inertia and mass do not go together. With a guess where another
+/// unit makes the number usual: "is 1050 m, …; did you mean 1050 mm?". Never throws for a machine
+/// of finite numbers.
+struct UnusualNumbers {
+  std::vector<Finding> findings{};
+  Machine guessed{};  ///< with the numbers that were probably meant
+};
+UnusualNumbers unusual_numbers(const Machine& machine);
 
 }  // namespace hydrapod::model

@@ -271,6 +271,9 @@ std::vector<std::string> contradiction_words(const diagnosis::Diagnosis& diagnos
                                              const diagnosis::Hypothesis& hypothesis);
 /// Why nothing explains the measurement; empty where something does.
 std::vector<std::string> reason_words(const diagnosis::Diagnosis& diagnosis);
+
+/// The best hypothesis with as many numbers as there are values; null: there is none.
+const diagnosis::Hypothesis* fits_anything(const diagnosis::Diagnosis& diagnosis);
 /// What was measured and could not be used as it is, or contradicts the mode that it was paired
 /// with.
 std::vector<std::string> note_words(const diagnosis::Diagnosis& diagnosis);

@@ -33,6 +33,9 @@ struct LegCheck {
   double axial_force{};  ///< static, of the oil on the piston [N], positive in compression
   double tilt{};         ///< static tilt of the rod in the guide sleeve [rad]
   double base_tilt{}, platform_tilt{};  ///< joint angles from the neutral pose [rad]
+  /// Chamber pressures at rest [Pa], absolute; none where the supply cannot hold the load.
+  std::optional<double> cap_pressure{}, rod_pressure{};
+  double largest_push{}, largest_pull{};  ///< of the oil at the supply pressure [N]
 };
 
 /// What a user should know of a pose.
@@ -44,11 +47,13 @@ struct PoseWarning {
     little_stroke,  ///< value: stroke left [m]
     short_guide,    ///< value: length of the piston inside the guide sleeve [m]
     tilted_rod,     ///< value: static tilt [rad]
-    near_singular   ///< value: condition
+    near_singular,  ///< value: condition
+    weak_supply,    ///< value: static force [N]; ratio: what the oil can give against it [N]
+    air_pressure    ///< value: mean chamber pressure at rest [Pa]; ratio: stated with the air [Pa]
   };
   Kind kind{};
-  double value{};  ///< of the worst leg
-  double ratio{};
+  double value{};           ///< of the worst leg
+  double ratio{};           ///< what it is depends on the kind
   std::vector<int> legs{};  ///< 0…5
 };
 
@@ -63,6 +68,14 @@ struct PoseCheck {
       lowest_at_buckling{};  ///< ω of the lowest mode just below that payload [rad/s]
   std::vector<PoseWarning> warnings{};
 };
+
+/// Can the machine not stand at the pose: are its legs folded, is there no equilibrium, is the
+/// supply too weak?
+bool is_fatal(PoseWarning::Kind kind);
+bool is_sound(const PoseCheck& check);
+
+/// One sentence over all poses: sound, or not and why.
+std::string verdict_text(const std::vector<PoseCheck>& poses);
 
 /// `hydrapod check`: legs, strokes, static forces and buckling at poses.
 Json check_json(const std::vector<PoseCheck>& poses, const model::Machine& machine);

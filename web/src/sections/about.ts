@@ -23,20 +23,8 @@ const degrees = (radians: number[]): string =>
 const shellWord = (word: string): string =>
   /^[\w./=+-]+$/.test(word) ? word : `'${word.replaceAll("'", `'\\''`)}'`;
 
-export function command(report: Report): string {
-  const words = ['hydrapod', 'report', report.machine.file];
-  for (const override of report.machine.overrides) words.push('--set', override);
-  for (const pose of report.poses) words.push('--pose', pose.pose.name);
-  const model = report.poses[0]?.model;
-  if (model) words.push('--model', model);
-  if (report.pictured_modes.length > 0) words.push('--modes', report.pictured_modes.join(','));
-  if (report.title !== (report.machine.name || report.machine.file))
-    words.push('--title', report.title);
-  const points = report.poses[0]?.bode?.points;
-  if (points !== undefined && points !== 600) words.push('--points', String(points));
-  words.push('-o', 'report.html');
-  return words.map(shellWord).join(' ');
-}
+export const command = (words: string[]): string =>
+  ['hydrapod', ...words].map(shellWord).join(' ');
 
 function facts(report: Report): [string, string][] {
   const { assumptions: a, machine } = report;
@@ -95,8 +83,16 @@ function render(state: State, host: HTMLElement): void {
       html('caption', { class: 'unseen' }, 'Assumptions of the calculation'),
       html('tbody', {}, ...rows),
     ),
-    html('h3', {}, 'Command'),
-    html('pre', { class: 'command', tabindex: 0, 'aria-label': 'Command' }, command(report)),
+    ...(report.command
+      ? [
+          html('h3', {}, 'Command'),
+          html(
+            'pre',
+            { class: 'command', tabindex: 0, 'aria-label': 'Command' },
+            command(report.command),
+          ),
+        ]
+      : []),
     button(
       'Download the data (JSON)',
       () =>
