@@ -7,6 +7,11 @@
 
 namespace hydrapod::identification {
 
+/// Of half spectra, modes whose going makes the misfit needed_by_others times as large stay: the
+/// fit of the rest runs after what they explained, and loses its own. Modes that are nothing raise
+/// it by less than one half, and one that the fit cannot do without by a thousand and more.
+inline constexpr double needed_by_others = 10.0;
+
 /// Fits the modal model to the representatives of `clusters`, takes out those that PruneOptions and
 /// the limits of IdentifyOptions object to, and fits again, until all stay. Afterwards the modes of
 /// result.model are those of result.clusters, in the same order; objections are appended to

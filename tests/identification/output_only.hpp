@@ -179,6 +179,25 @@ inline OutputClass unequal_chain() {
   return {.name = "output only: 5 unequal masses", .system = modes_of(chain)};
 }
 
+/// Accelerations of three masses, 90 s; 4.11, 16.2 and 22.6 Hz, the first one damped by 0.38 %: it
+/// decays by e^(−0.4) within half a block.
+inline OutputClass sharp_chain() {
+  Chain chain;
+  chain.masses.resize(3);
+  chain.masses << 10.3, 19.7, 14.6;
+  chain.springs.resize(4);
+  chain.springs << 40.3e3, 88.9e3, 121e3, 0.0;
+  chain.dampers.resize(4);
+  chain.dampers << 12.1, 24.3, 18.7, 0.0;
+  OutputClass result{
+      .name = "output only: a sharp mode, 90 s", .system = modes_of(chain), .block = 2048};
+  for (auto& mode : result.system.modes) mode.shape *= mode.pole * mode.pole;
+  result.experiment.sample_rate = 256.0;
+  result.experiment.samples = 23040;
+  result.experiment.noise = 0.005;
+  return result;
+}
+
 /// Eight outputs; two pairs that are 1.4 % and 2.3 % apart, with complex shapes.
 inline OutputClass close_pairs() {
   ModalSystem system;
