@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
@@ -274,8 +275,47 @@ Errors mixed(const FromInstruments& f, const std::vector<Complex>& D, Index line
   return e;
 }
 
-void add_line(const CrossSpectra& spectra, const ChannelChoice& c, const MatrixXcd& H_wr,
-              const Errors& errors, double scale, Index line, FrequencyResponses& r) {
+/// F of the weakest mixture of the inputs, of whose errors `noise` (all but scale) and `factor` are
+/// the covariance. What is certainly more than `strong` is not told exactly.
+double first_stage(const MatrixXcd& noise, const MatrixXcd& factor, double scale, double strong) {
+  const double each = scale * static_cast<double>(noise.rows());
+  const double all = (noise * factor).trace().real();
+  if (!(each * all * strong > 1.0)) return 1.0 / std::max(each * all, 1e-300);
+  const MatrixXcd root = Eigen::SelfAdjointEigenSolver<MatrixXcd>(noise).operatorSqrt();
+  const Eigen::SelfAdjointEigenSolver<MatrixXcd> product(root * factor * root,
+                                                         Eigen::EigenvaluesOnly);
+  return 1.0 / std::max(each * product.eigenvalues().maxCoeff(), 1e-300);
+}
+
+/// A warning for each run of lines with F < strong; runs with less between them than the wider one
+/// has, or than `near` Hz, are one.
+void warn_of_weak_excitation(const std::vector<double>& F, double strong, double near,
+                             FrequencyResponses& r) {
+  std::vector<data::ResponseWarning> runs;
+  for (std::size_t k = 0; k < F.size(); ++k) {
+    if (!(F[k] < strong)) continue;
+    const double f = r.frequency[k];
+    if (!runs.empty() &&
+        f - runs.back().highest <= std::max(near, runs.back().highest - runs.back().lowest)) {
+      runs.back().highest = f;
+      runs.back().value = std::min(runs.back().value, F[k]);
+      continue;
+    }
+    runs.push_back({.kind = data::ResponseWarning::Kind::weak_excitation,
+                    .value = F[k],
+                    .lowest = f,
+                    .highest = f});
+  }
+  for (auto& run : runs) {
+    run.share = run.value / strong;
+    r.warnings.push_back(std::move(run));
+  }
+}
+
+/// Returns F.
+double add_line(const CrossSpectra& spectra, const ChannelChoice& c, const MatrixXcd& H_wr,
+                const Errors& errors, double scale, double strong, Index line,
+                FrequencyResponses& r) {
   const auto outputs = static_cast<Index>(c.outputs.size()),
              p = static_cast<Index>(c.inputs.size());
   const MatrixXcd G = H_wr.bottomRows(p).partialPivLu().inverse();
@@ -293,6 +333,7 @@ void add_line(const CrossSpectra& spectra, const ChannelChoice& c, const MatrixX
   r.coherence.push_back(std::move(quality.coherence));
   r.multiple_coherence.push_back(std::move(quality.multiple_coherence));
   r.input_density.push_back(std::move(quality.input_density));
+  return first_stage(errors.W.bottomRightCorner(p, p), r.input_factor.back(), scale, strong);
 }
 
 }  // namespace
@@ -318,15 +359,18 @@ FrequencyResponses damped_instrumental(const CrossSpectra& spectra, const Channe
   r.line_covariance = window.line_covariance;
   const VectorXd conditions = input_conditions(spectra, c.inputs, c.instruments);
   constexpr Index apart = 4;  // lines from the first ones and the last
+  std::vector<double> F;
   for (Index k = (first + apart) / 2; 2 * k + apart < spectra.lines(); ++k) {
     if (!(edges[2 * k] > std::log(options.least_share))) continue;
     if (!(conditions[2 * k] < singular_condition)) continue;
-    add_line(spectra, c, H[static_cast<std::size_t>(k)], mixed(f, D, 2 * k, window.kernel),
-             window.noise / (K - p), 2 * k, r);
+    F.push_back(add_line(spectra, c, H[static_cast<std::size_t>(k)],
+                         mixed(f, D, 2 * k, window.kernel), window.noise / (K - p), options.strong,
+                         2 * k, r));
     r.condition.push_back(conditions[2 * k]);
   }
   if (r.lines() < options.least_lines) return estimate_responses(spectra, wanted, r.estimator);
   finish_checks(spectra, c, r);
+  warn_of_weak_excitation(F, options.strong, options.edge * spectra.frequency(1), r);
   return r;
 }
 

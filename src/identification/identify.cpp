@@ -409,6 +409,18 @@ void test_residual(const IdentifyOptions& options, Identification& result) {
       mode.explained = std::min(mode.explained, options.largest_misfit / misfit);
 }
 
+/// Modes whose half-power band reaches into lines at which the excitation is weak.
+void lower_where_weak(const FrequencyResponses& responses, Identification& result) {
+  for (const auto& warning : responses.warnings) {
+    if (warning.kind != data::ResponseWarning::Kind::weak_excitation) continue;
+    for (auto& mode : result.modes) {
+      const double f = mode.fit.omega() / two_pi, wide = mode.fit.damping_ratio() * f;
+      if (f + wide >= warning.lowest && f - wide <= warning.highest)
+        mode.explained = std::min(mode.explained, std::clamp(warning.share, 0.0, 1.0));
+    }
+  }
+}
+
 }  // namespace
 
 Identification identify_modes(const FrequencyResponses& all, const IdentifyOptions& asked,
@@ -443,6 +455,7 @@ Identification identify_modes(const FrequencyResponses& all, const IdentifyOptio
   add_shape_deviations(options, result);
   list_modes(options, result);
   if (!given.whole) test_residual(options, result);
+  lower_where_weak(given, result);
   add_warnings(options, result);
   if (assumed) remove_errors(result.responses);
   return result;

@@ -154,6 +154,12 @@ std::string warning_text(const data::ResponseWarning& w) {
       return missing_samples_text(w);
     case Kind::single_block:
       return hits_text(w);
+    case Kind::weak_excitation:
+      return fmt::format(
+          "from {:.4g} Hz to {:.4g} Hz the excitation is too weak beside what else moves the "
+          "inputs: its F statistic for them falls to {:.2g}, and {:.2g} is needed; modes there "
+          "may be wrong by more than their intervals; excite more, or measure longer",
+          w.lowest, w.highest, w.value, w.value / std::max(w.share, 1e-300));
   }
   return {};
 }

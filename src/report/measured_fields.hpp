@@ -50,6 +50,8 @@ inline const char* code(data::ResponseWarning::Kind kind) {
       return "missing_samples";
     case Kind::single_block:
       return "single_block";
+    case Kind::weak_excitation:
+      return "weak_excitation";
   }
   return nullptr;
 }

@@ -30,7 +30,12 @@ std::vector<data::ResponseWarning> response_warnings() {
            .share = 0.083,
            .count = 640,
            .total = 8000},
-          {.kind = Kind::single_block, .count = 3}};
+          {.kind = Kind::single_block, .count = 3},
+          {.kind = Kind::weak_excitation,
+           .value = 3.21,
+           .share = 0.642,
+           .lowest = 4.712,
+           .highest = 6.318}};
 }
 
 std::vector<identification::ModeWarning> mode_warnings() {

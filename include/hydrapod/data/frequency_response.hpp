@@ -43,7 +43,9 @@ struct ResponseWarning {
     lines_not_finite,  ///< count, of total, were left out
     missing_samples,   ///< count, of total, over all channels, most in channel: share; filled.
                        ///< value: share of the inputs' power that stays unknown and acts as noise
-    single_block       ///< count: records, each of them one hit and one block
+    single_block,      ///< count: records, each of them one hit and one block
+    weak_excitation    ///< value: the smallest F of the instruments for the inputs from `lowest` to
+                       ///< `highest` [Hz]; share: of what is needed
   };
   Kind kind{};
   std::string channel{}, other{};

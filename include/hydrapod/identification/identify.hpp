@@ -280,7 +280,8 @@ struct IdentifiedMode {
   double mpd{};  ///< [rad]
   /// Share of the residual around its frequency that noise explains: 1/Unexplained::level of the
   /// worst response there, at most 1 − Unexplained::smooth, and where the misfit of the whole is a
-  /// warning, at most largest_misfit/misfit; 1 where all is noise.
+  /// warning, at most largest_misfit/misfit; 1 where all is noise. Where the excitation is weak, at
+  /// most F by what is needed.
   double explained{1.0};
   /// ζ ω over ζ ω and the deviation of ω between parts of the record; 1: it does not wander, or
   /// that was not asked.
