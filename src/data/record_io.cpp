@@ -11,6 +11,7 @@
 #include <cstring>
 #include <filesystem>
 #include <fstream>
+#include <limits>
 #include <stdexcept>
 
 #include "channel_units.hpp"
@@ -286,7 +287,13 @@ bool RecordSet::stream_file(std::size_t file, const Use& use) {
   reader.rewind();
   Samples block = make_block(reader.header());
   std::int64_t samples = 0;
+  auto left_out = std::ranges::lower_bound(left_out_, Place{.file = file});
   while (const std::int64_t rows = reader.read(block)) {
+    for (;
+         left_out != left_out_.end() && left_out->file == file && left_out->sample < samples + rows;
+         ++left_out)
+      block(left_out->sample - samples, static_cast<Eigen::Index>(left_out->channel)) =
+          std::numeric_limits<double>::quiet_NaN();
     samples += rows;
     if (!use(file, block.topRows(rows))) return false;
   }
@@ -298,6 +305,11 @@ bool RecordSet::stream(const Use& use) {
   for (std::size_t k = 0; k < readers_.size(); ++k)
     if (!stream_file(k, use)) return false;
   return true;
+}
+
+void RecordSet::leave_out(std::vector<Place> places) {
+  std::ranges::sort(places);
+  left_out_ = std::move(places);
 }
 
 std::vector<base::Diagnostic> RecordSet::notes() const {

@@ -9,6 +9,7 @@
 
 #include "beginning.hpp"
 #include "block_length.hpp"
+#include "bridge.hpp"
 #include "bring_to_platform.hpp"
 #include "channel_plan.hpp"
 #include "damped.hpp"
@@ -19,6 +20,7 @@
 #include "hydrapod/base/text.hpp"
 #include "names.hpp"
 #include "response_checks.hpp"
+#include "spikes.hpp"
 #include "tones.hpp"
 
 namespace hydrapod::identification {
@@ -245,9 +247,11 @@ void compare_with_instrument(const Plan& plan, Measurement& m) {
                                     .estimator = plan.estimator});
 }
 
-/// All samples of the channels; none where there are more than fit.
+/// All samples of the channels, with straight lines over spikes; none where there are more than
+/// fit.
 std::optional<std::vector<data::Samples>> whole_records(data::RecordSet& records,
                                                         const std::vector<std::size_t>& used,
+                                                        const std::vector<Spike>& spikes,
                                                         std::int64_t most, Measurement& m) {
   const std::vector<Index> columns(used.begin(), used.end());
   std::int64_t total = 0;
@@ -270,23 +274,30 @@ std::optional<std::vector<data::Samples>> whole_records(data::RecordSet& records
     all[k].conservativeResize(filled[k], Eigen::NoChange);
     m.samples += filled[k];
   }
+  for (const auto& spike : spikes) {
+    auto column =
+        all[spike.place.file].col(std::ranges::find(used, spike.place.channel) - used.begin());
+    column = bridged(column);
+  }
   m.notes = records.notes();
   return all;
 }
 
 /// Records of a hammer test, unless the options ask for blocks; none: these are no hits.
 std::optional<Measurement> measure_hits(data::RecordSet& records, Plan plan,
-                                        const MeasureOptions& options, Beginning& beginning) {
+                                        const MeasureOptions& options,
+                                        const std::vector<Spike>& spikes, Beginning& beginning) {
   if (plan.choice.inputs.size() != 1 || plan.estimator != Estimator::h1 || options.block_length ||
       options.overlap || options.period || options.settling > 0.0 || options.platform ||
       options.outputs_to_platform || options.window != Window::hann)
     return {};
-  const auto hits = hits_in(beginning.of(plan.choice.inputs[0]));
+  const VectorXd input = beginning.of(plan.choice.inputs[0]);
+  const auto hits = hits_in(spikes.empty() ? input : bridged(input));
   if (hits.empty() || (hits.size() > 1 && excitation_period(records, plan.choice, beginning) > 0))
     return {};
   Measurement m{.header = records.header()};
   const auto used = used_channels(plan.choice);
-  const auto all = whole_records(records, used, HitOptions{}.most, m);
+  const auto all = whole_records(records, used, spikes, HitOptions{}.most, m);
   if (!all) return {};
   const double rate = m.header.sample_rate;
   const auto channel = [&](int c) { return m.header.channels[used[static_cast<std::size_t>(c)]]; };
@@ -306,14 +317,20 @@ std::optional<Measurement> measure_hits(data::RecordSet& records, Plan plan,
   return m;
 }
 
-}  // namespace
+/// What a reading gave, and whether it calls for a look at spikes.
+struct Attempt {
+  Measurement measured{};
+  bool is_suspicious{};
+};
 
-Measurement measure_responses(data::RecordSet& records, const MeasureOptions& options,
-                              const numerics::Progress& progress) {
+/// `spikes`: which the records are read without.
+Attempt responses_without(const std::vector<Spike>& spikes, data::RecordSet& records,
+                          const MeasureOptions& options, const numerics::Progress& progress) {
   Measurement m{.header = records.header()};
   Plan plan = plan_channels(records.files()[0], m.header, options);
   Beginning beginning(records, plan.choice, settling_samples(records, options));
-  if (auto hits = measure_hits(records, plan, options, beginning)) return std::move(*hits);
+  if (auto hits = measure_hits(records, plan, options, spikes, beginning))
+    return {std::move(*hits), true};
   const Plan planned = plan;
   Reading reading = plan_reading(records, plan, options, beginning);
   read_spectra(records, reading, progress, m);
@@ -324,6 +341,7 @@ Measurement measure_responses(data::RecordSet& records, const MeasureOptions& op
     reading = plan_reading(records, plan, own, beginning);
     read_spectra(records, reading, {}, m);
   }
+  const bool is_suspicious = may_have_spikes(m.spectra);
   subtract_found_tones(records, plan, reading, m);
   auto harmonics = harmonics_of(reading.tones, plan.choice, options, m.spectra);
   bring_outputs_to_platform(options, plan.choice, m);
@@ -334,11 +352,11 @@ Measurement measure_responses(data::RecordSet& records, const MeasureOptions& op
   compare_with_instrument(plan, m);
   m.choice = std::move(plan.choice);
   m.reading = std::make_shared<const Reading>(std::move(reading));
-  return m;
+  return {std::move(m), is_suspicious};
 }
 
-Measurement measure_outputs(data::RecordSet& records, const MeasureOptions& options,
-                            const numerics::Progress& progress) {
+Attempt outputs_without(data::RecordSet& records, const MeasureOptions& options,
+                        const numerics::Progress& progress) {
   Measurement m{.header = records.header()};
   Plan plan = plan_outputs(records.files()[0], m.header, options);
   MeasureOptions own = options;
@@ -346,11 +364,46 @@ Measurement measure_outputs(data::RecordSet& records, const MeasureOptions& opti
   Beginning beginning(records, plan.choice, settling_samples(records, options));
   Reading reading = plan_reading(records, plan, own, beginning);
   read_spectra(records, reading, progress, m);
+  const bool is_suspicious = may_have_spikes(m.spectra);
   bring_outputs_to_platform(options, plan.choice, m);
   const auto earlier = std::move(m.responses.warnings);
   m.responses = half_spectra(m.spectra, plan.choice.outputs);
   m.responses.warnings.insert(m.responses.warnings.begin(), earlier.begin(), earlier.end());
+  return {std::move(m), is_suspicious};
+}
+
+/// measure(spikes), and once more where there are some.
+template <class Measure>
+Measurement without_spikes(data::RecordSet& records, Plan plan, const Measure& measure) {
+  records.leave_out({});
+  Attempt attempt = measure(std::vector<Spike>());
+  if (!attempt.is_suspicious || attempt.measured.interrupted) return std::move(attempt.measured);
+  const auto spikes = find_spikes(records, used_channels(plan.choice));
+  if (spikes.empty()) return std::move(attempt.measured);
+  std::vector<data::RecordSet::Place> places;
+  for (const auto& spike : spikes) places.push_back(spike.place);
+  records.leave_out(std::move(places));
+  Measurement m = measure(spikes).measured;
+  const auto warnings = warnings_of_spikes(spikes, records.header());
+  m.responses.warnings.insert(m.responses.warnings.begin(), warnings.begin(), warnings.end());
   return m;
+}
+
+}  // namespace
+
+Measurement measure_responses(data::RecordSet& records, const MeasureOptions& options,
+                              const numerics::Progress& progress) {
+  return without_spikes(records, plan_channels(records.files()[0], records.header(), options),
+                        [&](const std::vector<Spike>& spikes) {
+                          return responses_without(spikes, records, options, progress);
+                        });
+}
+
+Measurement measure_outputs(data::RecordSet& records, const MeasureOptions& options,
+                            const numerics::Progress& progress) {
+  return without_spikes(
+      records, plan_outputs(records.files()[0], records.header(), options),
+      [&](const std::vector<Spike>&) { return outputs_without(records, options, progress); });
 }
 
 namespace {

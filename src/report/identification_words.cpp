@@ -68,6 +68,15 @@ std::string missing_samples_text(const data::ResponseWarning& w) {
                     : "");
 }
 
+std::string spikes_text(const data::ResponseWarning& w) {
+  return fmt::format(
+      "{}: {} no signal: {}, {:.4g} s from the beginning, by {:.2g} times what the samples beside "
+      "it leave open; {} as missing",
+      w.channel, w.count == 1 ? "1 sample is" : fmt::format("{} samples are", w.count),
+      w.count == 1 ? "it stands out" : "the first stands out", w.value, w.highest,
+      w.count == 1 ? "it is taken" : "they are taken");
+}
+
 std::string hits_text(const data::ResponseWarning& w) {
   std::string text;
   if (w.total <= w.count)
@@ -160,6 +169,8 @@ std::string warning_text(const data::ResponseWarning& w) {
           "inputs: its F statistic for them falls to {:.2g}, and {:.2g} is needed; modes there "
           "may be wrong by more than their intervals; excite more, or measure longer",
           w.lowest, w.highest, w.value, w.value / std::max(w.share, 1e-300));
+    case Kind::spikes:
+      return spikes_text(w);
   }
   return {};
 }

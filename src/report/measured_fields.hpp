@@ -52,6 +52,8 @@ inline const char* code(data::ResponseWarning::Kind kind) {
       return "single_block";
     case Kind::weak_excitation:
       return "weak_excitation";
+    case Kind::spikes:
+      return "spikes";
   }
   return nullptr;
 }

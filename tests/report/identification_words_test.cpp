@@ -35,7 +35,8 @@ std::vector<data::ResponseWarning> response_warnings() {
            .value = 3.21,
            .share = 0.642,
            .lowest = 4.712,
-           .highest = 6.318}};
+           .highest = 6.318},
+          {.kind = Kind::spikes, .channel = "y2", .value = 12.352, .highest = 8431.7, .count = 3}};
 }
 
 std::vector<identification::ModeWarning> mode_warnings() {

@@ -44,8 +44,10 @@ struct ResponseWarning {
     missing_samples,   ///< count, of total, over all channels, most in channel: share; filled.
                        ///< value: share of the inputs' power that stays unknown and acts as noise
     single_block,      ///< count: records, each of them one hit and one block
-    weak_excitation    ///< value: the smallest F of the instruments for the inputs from `lowest` to
+    weak_excitation,   ///< value: the smallest F of the instruments for the inputs from `lowest` to
                        ///< `highest` [Hz]; share: of what is needed
+    spikes  ///< count, in channel, first at `value` [s] of a file; `highest`: the largest
+            ///< by what the samples beside it leave open; taken as missing
   };
   Kind kind{};
   std::string channel{}, other{};

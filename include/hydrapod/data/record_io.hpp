@@ -24,6 +24,7 @@
 /// here, and the reverse.
 
 #include <Eigen/Core>
+#include <compare>
 #include <cstdint>
 #include <functional>
 #include <memory>
@@ -151,6 +152,15 @@ class RecordSet {
   /// follows.
   bool stream(const Use& use);
 
+  struct Place {
+    std::size_t file{};
+    std::int64_t sample{};
+    std::size_t channel{};
+    friend auto operator<=>(const Place&, const Place&) = default;
+  };
+  /// From now on these are missing (NaN) in stream(), in place of those of the last call.
+  void leave_out(std::vector<Place> places);
+
   /// After the file was read to its end.
   [[nodiscard]] ChecksumFinding checksum(std::size_t file = 0) const;
 
@@ -163,6 +173,7 @@ class RecordSet {
   std::vector<std::string> files_;
   std::vector<std::unique_ptr<RecordReader>> readers_;
   std::vector<std::optional<std::int64_t>> counts_;
+  std::vector<Place> left_out_;  // ascending
 };
 
 /// A block of about a megabyte for samples of `header`.

@@ -1,0 +1,56 @@
+#pragma once
+/// Samples that are no signal: hits on a cable, glitches of a converter. Private to the module.
+///
+/// A spike of four samples or fewer leaves the median of the nine samples around it where it is.
+/// So the deviation from it,
+///
+///     d_t = |x_t − median(x_(t−4) … x_(t+4))|,
+///
+/// is all of a spike, none of a step, and little of whatever goes on for longer. A spike is no
+/// matter of scale or colour of the signal: its d is compared with those beside it, before and
+/// after, and with the RMS of all other samples. What a hammer does looks alike in its force, and
+/// in outputs near it; but then the outputs ring: where any channel moves more after than before,
+/// nothing is a spike.
+
+#include <vector>
+
+#include "hydrapod/identification/responses.hpp"
+
+namespace hydrapod::identification {
+
+struct SpikeOptions {
+  /// d of a spike > of_usual · d of all but `rare` of the samples within `reach` on either side,
+  /// the larger one. Student's t with five degrees of freedom comes to half of it once in 10^8.
+  double of_usual{30.0}, rare{0.02};
+  std::int64_t reach{256}, least_reach{32};
+  /// … and > of_rms · the RMS of all other samples, and > of_step · the least step between samples:
+  /// the last digit of a channel that hardly moves is no spike.
+  double of_rms{20.0}, of_step{20.0};
+  /// What is within the nine samples around a spike and > beside · what is usual is part of it.
+  double beside{3.0};
+  /// The spread of a channel after > rises · that before: it was hit.
+  double rises{3.0};
+  /// More in one channel of a file are its signal.
+  std::size_t most{40};
+  /// Looked for where half the range of a channel > conspicuous · its RMS: below, spikes have less
+  /// than a share of the power that matters.
+  double conspicuous{8.0};
+};
+
+struct Spike {
+  data::RecordSet::Place place{};
+  double height{};  ///< d by what is usual; 0: of a spike beside it
+};
+
+/// May one of the channels have spikes? `spectra`: those of all samples.
+bool may_have_spikes(const CrossSpectra& spectra, const SpikeOptions& options = {});
+
+/// Of all files, in channels of the record.
+std::vector<Spike> find_spikes(data::RecordSet& records, const std::vector<std::size_t>& channels,
+                               const SpikeOptions& options = {});
+
+/// One per channel.
+std::vector<data::ResponseWarning> warnings_of_spikes(const std::vector<Spike>& spikes,
+                                                      const data::RecordHeader& header);
+
+}  // namespace hydrapod::identification
