@@ -378,11 +378,8 @@ Measurement without_spikes(data::RecordSet& records, Plan plan, const Measure& m
   records.leave_out({});
   Attempt attempt = measure(std::vector<Spike>());
   if (!attempt.is_suspicious || attempt.measured.interrupted) return std::move(attempt.measured);
-  const auto spikes = find_spikes(records, used_channels(plan.choice));
+  const auto spikes = leave_out_spikes(records, used_channels(plan.choice));
   if (spikes.empty()) return std::move(attempt.measured);
-  std::vector<data::RecordSet::Place> places;
-  for (const auto& spike : spikes) places.push_back(spike.place);
-  records.leave_out(std::move(places));
   Measurement m = measure(spikes).measured;
   const auto warnings = warnings_of_spikes(spikes, records.header());
   m.responses.warnings.insert(m.responses.warnings.begin(), warnings.begin(), warnings.end());

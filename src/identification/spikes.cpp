@@ -259,6 +259,24 @@ std::vector<Spike> find_spikes(data::RecordSet& records, const std::vector<std::
   return spikes;
 }
 
+std::vector<Spike> leave_out_spikes(data::RecordSet& records,
+                                    const std::vector<std::size_t>& channels,
+                                    const SpikeOptions& options) {
+  std::vector<Spike> all;
+  std::vector<data::RecordSet::Place> places;
+  for (int round = 0; round < options.rounds; ++round) {
+    const auto more = find_spikes(records, channels, options);
+    if (more.empty()) break;
+    for (const auto& spike : more) {
+      all.push_back(spike);
+      places.push_back(spike.place);
+    }
+    records.leave_out(places);
+  }
+  std::ranges::sort(all, {}, &Spike::place);
+  return all;
+}
+
 std::vector<data::ResponseWarning> warnings_of_spikes(const std::vector<Spike>& spikes,
                                                       const data::RecordHeader& header) {
   std::map<std::size_t, data::ResponseWarning> of_channel;

@@ -20,14 +20,14 @@ namespace hydrapod::identification {
 
 struct SpikeOptions {
   /// d of a spike > of_usual · d of all but `rare` of the samples within `reach` on either side,
-  /// the larger one. Student's t with five degrees of freedom comes to half of it once in 10^8.
-  double of_usual{30.0}, rare{0.02};
+  /// the larger one. At 30, one of 60 records with Student's t of five degrees of freedom had one.
+  double of_usual{60.0}, rare{0.02};
   std::int64_t reach{256}, least_reach{32};
   /// … and > of_rms · the RMS of all other samples, and > of_step · the least step between samples:
   /// the last digit of a channel that hardly moves is no spike.
-  double of_rms{20.0}, of_step{20.0};
+  double of_rms{30.0}, of_step{20.0};
   /// What is within the nine samples around a spike and > beside · what is usual is part of it.
-  double beside{3.0};
+  double beside{6.0};
   /// The spread of a channel after > rises · that before: it was hit.
   double rises{3.0};
   /// More in one channel of a file are its signal.
@@ -35,6 +35,7 @@ struct SpikeOptions {
   /// Looked for where half the range of a channel > conspicuous · its RMS: below, spikes have less
   /// than a share of the power that matters.
   double conspicuous{8.0};
+  int rounds{8};  ///< each finds what is less than 1/√n as large, of n samples
 };
 
 struct Spike {
@@ -48,6 +49,12 @@ bool may_have_spikes(const CrossSpectra& spectra, const SpikeOptions& options = 
 /// Of all files, in channels of the record.
 std::vector<Spike> find_spikes(data::RecordSet& records, const std::vector<std::size_t>& channels,
                                const SpikeOptions& options = {});
+
+/// The same again and again, from then on without those that were found, which the records are told
+/// to leave out: a large one hides smaller ones. Ascending.
+std::vector<Spike> leave_out_spikes(data::RecordSet& records,
+                                    const std::vector<std::size_t>& channels,
+                                    const SpikeOptions& options = {});
 
 /// One per channel.
 std::vector<data::ResponseWarning> warnings_of_spikes(const std::vector<Spike>& spikes,

@@ -95,7 +95,7 @@ TEST(Spikes, OfOutputsAlone) {
 
 TEST(Spikes, OfAnOutputThatRingsAfterAHit) {
   auto record = hammer_record({}, 13);
-  record.samples(4711, 2) += 40.0 * record.samples.col(2).cwiseAbs().maxCoeff();
+  record.samples(4711, 2) += 190.0 * record.samples.col(2).cwiseAbs().maxCoeff();
   const auto m = measured({record});
   ASSERT_EQ(spike_warnings(m.responses).size(), 1U);
   EXPECT_EQ(spike_warnings(m.responses)[0].count, 1);
