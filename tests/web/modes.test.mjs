@@ -1,14 +1,14 @@
 // The mode table: numbers, sorting, folding, repeated modes.
 import assert from 'node:assert/strict';
 import { test } from 'node:test';
-import { damped, json, model, near, published, report, withPage } from './support.mjs';
+import { damped, json, model, near, published, report, still, withKeptPage, withPage } from './support.mjs';
 
 const numbersShown = (page) =>
   page.$$eval('#modes [data-row]', (rows) => rows.map((row) => Number(row.dataset.row)));
 
 test('shows what the command line prints', async () => {
   const { modes } = json('modes', published);
-  await withPage(report(published), {}, async (page) => {
+  await withKeptPage(report(published), still, async (page) => {
     assert.deepEqual(
       await page.evaluate(() => window.hydrapod.report.poses[0].modes),
       modes,
@@ -30,8 +30,44 @@ test('shows what the command line prints', async () => {
   });
 });
 
+test('the answer stands at the top: words and four numbers', async () => {
+  const text = json('modes', published);
+  await withKeptPage(report(published), still, async (page) => {
+    const answer = await page.locator('#answer').innerText();
+    const lowest = text.modes.find((mode) => mode.moves_platform);
+    for (const part of [
+      lowest.frequency_hz.toFixed(3),
+      (lowest.rigid.omega_rad_s / (2 * Math.PI)).toFixed(3),
+      Math.abs(lowest.rigid.shift_percent).toFixed(2),
+      `${Math.round(100 * lowest.strain_energy.oil)} %`,
+    ])
+      assert.ok(answer.includes(part), `${answer} has ${part}`);
+    assert.match(answer, /Lowest mode with platform motion: 7\.445 Hz in x/);
+  });
+});
+
+test('local seal modes are collapsed into one row', async () => {
+  await withKeptPage(report(published), still, async (page) => {
+    const modes = await page.evaluate(() => window.hydrapod.report.poses[0].modes);
+    const felt = modes.filter((mode) => mode.moves_platform).map((mode) => mode.number);
+    assert.ok(felt.length < modes.length);
+    assert.deepEqual(await numbersShown(page), felt);
+    const fold = page.locator('[data-control="fold"]');
+    assert.match(
+      await fold.innerText(),
+      new RegExp(`${modes.length - felt.length} local seal modes`),
+    );
+    assert.equal(await fold.getAttribute('aria-expanded'), 'false');
+    await fold.click();
+    assert.equal((await numbersShown(page)).length, modes.length);
+    assert.equal(await fold.getAttribute('aria-expanded'), 'true');
+    await fold.click();
+    assert.deepEqual(await numbersShown(page), felt);
+  });
+});
+
 test('sorts by every column, both ways, and tells it', async () => {
-  await withPage(report(published), {}, async (page) => {
+  await withKeptPage(report(published), still, async (page) => {
     const initial = await numbersShown(page);
     assert.deepEqual(
       initial,
@@ -76,28 +112,8 @@ test('sorts by every column, both ways, and tells it', async () => {
   });
 });
 
-test('local seal modes are collapsed into one row', async () => {
-  await withPage(report(published), {}, async (page) => {
-    const modes = await page.evaluate(() => window.hydrapod.report.poses[0].modes);
-    const felt = modes.filter((mode) => mode.moves_platform).map((mode) => mode.number);
-    assert.ok(felt.length < modes.length);
-    assert.deepEqual(await numbersShown(page), felt);
-    const fold = page.locator('[data-control="fold"]');
-    assert.match(
-      await fold.innerText(),
-      new RegExp(`${modes.length - felt.length} local seal modes`),
-    );
-    assert.equal(await fold.getAttribute('aria-expanded'), 'false');
-    await fold.click();
-    assert.equal((await numbersShown(page)).length, modes.length);
-    assert.equal(await fold.getAttribute('aria-expanded'), 'true');
-    await fold.click();
-    assert.deepEqual(await numbersShown(page), felt);
-  });
-});
-
 test('repeated pairs are shown as such', async () => {
-  await withPage(report(model('zhang-jiang-2021-transverse.toml')), {}, async (page) => {
+  await withPage(report(model('zhang-jiang-2021-transverse.toml')), still, async (page) => {
     const modes = await page.evaluate(() => window.hydrapod.report.poses[0].modes);
     const [first, second] = modes;
     assert.equal(first.group, second.group, 'x and y repeat');
@@ -108,7 +124,7 @@ test('repeated pairs are shown as such', async () => {
 });
 
 test('bars are as long as the shares', async () => {
-  await withPage(report(...damped), {}, async (page) => {
+  await withPage(report(...damped), still, async (page) => {
     const modes = await page.evaluate(() => window.hydrapod.report.poses[0].modes);
     for (const mode of modes.filter((m) => m.moves_platform)) {
       const widths = await page.$$eval(`[data-row="${mode.number}"] .col-energy rect`, (bars) =>
@@ -123,24 +139,8 @@ test('bars are as long as the shares', async () => {
   });
 });
 
-test('the answer stands at the top: words and four numbers', async () => {
-  const text = json('modes', published);
-  await withPage(report(published), {}, async (page) => {
-    const answer = await page.locator('#answer').innerText();
-    const lowest = text.modes.find((mode) => mode.moves_platform);
-    for (const part of [
-      lowest.frequency_hz.toFixed(3),
-      (lowest.rigid.omega_rad_s / (2 * Math.PI)).toFixed(3),
-      Math.abs(lowest.rigid.shift_percent).toFixed(2),
-      `${Math.round(100 * lowest.strain_energy.oil)} %`,
-    ])
-      assert.ok(answer.includes(part), `${answer} has ${part}`);
-    assert.match(answer, /Lowest mode with platform motion: 7\.445 Hz in x/);
-  });
-});
-
 test('poses can be switched', async () => {
-  await withPage(report(published, '--pose', 'neutral', '--pose', 'z=-40 mm'), {}, async (page) => {
+  await withPage(report(published, '--pose', 'neutral', '--pose', 'z=-40 mm'), still, async (page) => {
     const [neutral, lower] = await page.evaluate(() => window.hydrapod.report.poses);
     const shown = async () =>
       Number(await page.locator('[data-row="1"] .col-frequency').innerText());

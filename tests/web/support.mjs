@@ -101,10 +101,14 @@ export const damped = [
   'damping.modal_ratio=0.003',
 ];
 
+/** How long anything may take on a machine with other work to do [ms]. */
+const patience = 120000;
+
 /** Opens a report from disk. What it logs as an error and every request that leaves it are collected. */
 export async function open(file, options = {}) {
   const { launch, ...context } = options;
   const page = await browser.newPage({ viewport: { width: 1400, height: 1000 }, ...context });
+  page.setDefaultTimeout(patience);
   page.problems = [];
   page.on('console', (message) => {
     if (message.type() === 'error') page.problems.push(message.text());
@@ -128,8 +132,17 @@ export async function close(page) {
   await page.close();
 }
 
+/** The page that withKeptPage left open: { key, page }. */
+let kept;
+const letGo = async () => {
+  const { page } = kept ?? {};
+  kept = undefined;
+  await page?.close();
+};
+
 /** Opens, tests, closes; nothing may have gone wrong on the page. */
 export async function withPage(file, options, body) {
+  await letGo();
   const page = await open(file, options);
   try {
     await body(page);
@@ -139,6 +152,45 @@ export async function withPage(file, options, body) {
     throw error;
   }
   await close(page);
+}
+
+/**
+ * As withPage, on a page that stays open until a test asks for another one: to open a page takes longer
+ * than most tests. Who changes a page puts it back, or stands last of those on it.
+ */
+export async function withKeptPage(file, options, body) {
+  const key = JSON.stringify([file, options]);
+  if (kept?.key !== key) {
+    await letGo();
+    kept = { key, page: await open(file, options) };
+  }
+  const { page } = kept;
+  try {
+    await body(page);
+    assert.deepEqual(page.problems, [], 'no error on the console, no request');
+  } catch (error) {
+    if (page.problems.length > 0) error.message += `\non the page: ${page.problems.join('\n')}`;
+    await letGo();
+    throw error;
+  }
+}
+
+/** For tests that are not about the moving machine: it stands still, as somebody may ask of all pages. */
+export const still = { reducedMotion: 'reduce' };
+
+/** axe's findings on the page as it stands. */
+export async function findings(page) {
+  await page.evaluate(moduleText('axe-core'));
+  const { violations } = await page.evaluate(() =>
+    window.axe.run(document, { resultTypes: ['violations'] }),
+  );
+  return violations.map(
+    (v) =>
+      `${v.id}: ${v.help}: ${v.nodes
+        .map((n) => `${n.target.join(' ')} ${n.html}`)
+        .slice(0, 5)
+        .join('; ')}`,
+  );
 }
 
 export const near = (actual, expected, tolerance, what) =>
