@@ -1,5 +1,7 @@
-#include "hydrapod/command.hpp"
+#include <algorithm>
+#include <optional>
 
+#include "hydrapod/command.hpp"
 #include "hydrapod/identification_arguments.hpp"
 #include "hydrapod/report/measured_results.hpp"
 
@@ -31,6 +33,15 @@ std::string channel_table(const identification::FrequencyResponses& r,
   return table.text(style);
 }
 
+/// [Hz]; lines may have been left out in between.
+std::optional<double> line_spacing(const identification::FrequencyResponses& r) {
+  if (r.lines() < 2) return {};
+  double spacing = r.frequency[1] - r.frequency[0];
+  for (std::size_t k = 2; k < r.lines(); ++k)
+    spacing = std::min(spacing, r.frequency[k] - r.frequency[k - 1]);
+  return spacing;
+}
+
 std::string table_text(const Arguments& arguments, const tasks::Measured& measured,
                        const identification::FrequencyResponses& r) {
   const auto style = table_style(arguments.output);
@@ -39,11 +50,12 @@ std::string table_text(const Arguments& arguments, const tasks::Measured& measur
   if (measured.records)
     text += fmt::format(
         "blocks of {} samples ({}), lines {:.4g} Hz apart\n", m.spectra.options.block_length,
-        m.spectra.options.periodic
-            ? "one period each"
+        m.spectra.options.periodic ? "one period each"
+        : r.shift > 0.0 && m.reading == nullptr
+            ? "exponential window"
             : fmt::format("{} window, {:.0f} % overlap", window_text(m.spectra.options.window),
                           100.0 * m.spectra.options.overlap),
-        m.spectra.frequency(1));
+        line_spacing(r).value_or(m.spectra.frequency(1)));
   if (m.from_legs) text += "leg lengths were transformed to platform directions\n";
   if (measured.from_accelerometers)
     text += "accelerometers were transformed to platform directions\n";

@@ -6,6 +6,9 @@
 /// through these neighbours, holds noise and hardly anything of a smooth function: E|d_k|² =
 /// (1 + Σ l_j²) σ². The median over neighbouring lines, over ln 2, is σ² also where some of the
 /// lines are at a sharp resonance. r is the response at first, and then what a fit has left of it.
+///
+/// Where several hits meet in a block, σ is in proportion to 1/|U|, which changes from line to
+/// line: each d_k is then compared with what σ of its five lines makes of it.
 
 #include "hydrapod/identification/identify.hpp"
 #include "names.hpp"

@@ -1,8 +1,8 @@
 #include "hits.hpp"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
-#include <numeric>
 
 #include "hydrapod/numerics/fft.hpp"
 #include "hydrapod/numerics/statistics.hpp"
@@ -12,37 +12,11 @@ namespace hydrapod::identification {
 
 namespace {
 
-constexpr Index margin = 2;  // samples
-
-double median_of(const VectorXd& x) { return numerics::upper_median({x.begin(), x.end()}); }
-
-/// Where the input is more than noise, taps and all.
-std::vector<Hit> forces_in(const VectorXd& input, const HitOptions& options) {
-  const Index n = input.size();
-  const Eigen::ArrayXd size = (input.array() - median_of(input)).abs();
-  const double level =
-      std::max(options.of_noise * median_of(size.matrix()), options.of_peak * size.maxCoeff());
-  const Index apart =
-      std::max<Index>(2 * margin, std::lround(options.apart * static_cast<double>(n)));
-  std::vector<Hit> all;
-  for (Index k = 0; k < n; ++k) {
-    if (!(size[k] > level)) continue;
-    if (all.empty() || k - all.back().to > apart) all.push_back({k, k, 0.0});
-    all.back().to = k;
-    all.back().peak = std::max(all.back().peak, size[k]);
-  }
-  for (auto& hit : all) {
-    hit.from = std::max<Index>(0, hit.from - margin);
-    hit.to = std::min(n - 1, hit.to + margin);
-  }
-  return all;
-}
-
 /// The force alone. Noise of the input in there is a factor of all responses that changes within
 /// 1/length of frequency: the shorter, the less it looks like a mode.
 VectorXd force(const VectorXd& input, const std::vector<Hit>& forces) {
   VectorXd x = VectorXd::Zero(input.size());
-  const double rest = median_of(input);
+  const double rest = rest_of(input);
   for (const auto& hit : forces)
     x.segment(hit.from, hit.to - hit.from + 1) =
         input.segment(hit.from, hit.to - hit.from + 1).array() - rest;
@@ -56,18 +30,9 @@ VectorXd ringing(const VectorXd& output, Index first) {
   return output.array() - rest;
 }
 
-std::vector<Hit> only_hits(const std::vector<Hit>& forces, const HitOptions& options) {
-  double largest = 0.0;
-  for (const auto& hit : forces) largest = std::max(largest, hit.peak);
-  std::vector<Hit> hits;
-  for (const auto& hit : forces)
-    if (hit.peak >= options.least * largest) hits.push_back(hit);
-  return hits;
-}
-
 /// A record with what is no response taken away.
 struct Record {
-  std::vector<Hit> hits{};
+  std::vector<Hit> forces{}, hits{};
   VectorXd u{};
   MatrixXd y{};
 };
@@ -77,83 +42,85 @@ std::optional<Record> record_of(const data::Samples& samples, const ChannelChoic
   if (!samples.allFinite()) return {};
   const VectorXd input = samples.col(choice.inputs[0]);
   Record record{.hits = hits_in(input, options)};
-  if (record.hits.empty()) return {};
-  const auto forces = forces_in(input, options);
-  record.u = force(input, forces);
+  if (record.hits.empty() || !outputs_rise(samples, choice.outputs, record.hits, options))
+    return {};
+  record.forces = forces_in(input, options);
+  record.u = force(input, record.forces);
   record.y.resize(samples.rows(), static_cast<Index>(choice.outputs.size()));
   for (Index o = 0; o < record.y.cols(); ++o)
-    record.y.col(o) =
-        ringing(samples.col(choice.outputs[static_cast<std::size_t>(o)]), forces.front().from);
+    record.y.col(o) = ringing(samples.col(choice.outputs[static_cast<std::size_t>(o)]),
+                              record.forces.front().from);
   return record;
 }
 
-/// Has the response to each hit rung down when the next one comes?
-bool rings_down(const Record& record, const HitOptions& options) {
-  for (std::size_t k = 0; k + 1 < record.hits.size(); ++k) {
-    const Index from = record.hits[k].from, gap = record.hits[k + 1].from - from, part = gap / 8;
-    if (part < margin) return false;
-    for (Index o = 0; o < record.y.cols(); ++o)
-      if (record.y.col(o).segment(from + gap - part, part).norm() >
-          options.rung_down * record.y.col(o).segment(from, part).norm())
-        return false;
-  }
+/// Has the response to a hit rung down when the next one comes?
+bool rings_down(const Record& record, std::size_t hit, const HitOptions& options) {
+  const Index from = record.hits[hit].from, gap = record.hits[hit + 1].from - from, part = gap / 8;
+  if (part < hit_margin) return false;
+  for (Index o = 0; o < record.y.cols(); ++o)
+    if (record.y.col(o).segment(from + gap - part, part).norm() >
+        options.rung_down * record.y.col(o).segment(from, part).norm())
+      return false;
   return true;
 }
 
 /// Samples `from` … of a record.
 struct Block {
   const Record* record{};
-  Index from{};
+  Index from{}, length{};
+  std::int64_t hits{};
 };
 
 /// What is transformed: all blocks have one length.
 struct Blocks {
   std::vector<Block> list{};
   Index samples{};
-  double after{};  ///< samples from the hit to the end
-  bool each{};     ///< each hit is one
+  std::int64_t records{}, hits{}, all{};  ///< `all`: with those left out
+  std::int64_t left_out{};                ///< hits
+  [[nodiscard]] double after() const {    ///< samples from the hit to the end
+    return static_cast<double>(samples - hit_margin);
+  }
+  void leave_out_below(Index length) {
+    std::erase_if(list, [&](const Block& block) {
+      if (block.length < length) left_out += block.hits;
+      return block.length < length;
+    });
+  }
+  void settle_length(const HitOptions& options) {
+    const Index most = std::min(options.most, std::ranges::min(list, {}, &Block::length).length);
+    samples = most - most % 2;
+  }
 };
 
 Blocks blocks_of(const std::vector<Record>& records, const HitOptions& options) {
-  Blocks blocks{.each = std::ranges::all_of(
-                    records, [&](const Record& r) { return rings_down(r, options); })};
-  Index most = options.most;
-  for (const auto& record : records)
-    for (std::size_t k = 0; k < (blocks.each ? record.hits.size() : 1U); ++k) {
-      const Index from = record.hits[k].from, to = blocks.each && k + 1 < record.hits.size()
-                                                       ? record.hits[k + 1].from
-                                                       : record.u.size();
-      blocks.list.push_back({&record, from});
-      most = std::min(most, to - from);
+  Blocks blocks{.records = std::ssize(records)};
+  for (const auto& record : records) {
+    blocks.hits += std::ssize(record.hits);
+    std::size_t first = 0;
+    for (std::size_t k = 0; k < record.hits.size(); ++k) {
+      const bool last = k + 1 == record.hits.size();
+      if (!last && !rings_down(record, k, options)) continue;
+      const Index from = record.hits[first].from,
+                  to = last ? record.u.size() : record.hits[k + 1].from;
+      blocks.list.push_back({&record, from, to - from, static_cast<std::int64_t>(k + 1 - first)});
+      first = k + 1;
     }
-  blocks.samples = most - most % 2;
-  blocks.after = static_cast<double>(blocks.samples - margin);
+  }
+  blocks.all = std::ssize(blocks.list);
+  std::vector<double> lengths;
+  for (const auto& block : blocks.list) lengths.push_back(static_cast<double>(block.length));
+  blocks.leave_out_below(std::lround(options.short_of * numerics::upper_median(lengths)));
+  blocks.settle_length(options);
   return blocks;
 }
 
-/// Does one hit outweigh all others of the block, after e^(−at)?
-bool one_outweighs(const Block& block, double decay_per_sample, double others) {
-  double largest = 0.0, all = 0.0;
-  for (const auto& hit : block.record->hits) {
-    const double weight =
-        hit.peak * std::exp(-decay_per_sample * static_cast<double>(hit.from - block.from));
-    largest = std::max(largest, weight);
-    all += weight;
-  }
-  return all - largest <= others * largest;
-}
-
-/// a, per sample.
-double decay_of(const Blocks& blocks, const HitOptions& options) {
-  double decay = options.decay / blocks.after;
-  constexpr double step = 1.05;
-  const double highest = 200.0 * decay;
-  while (!blocks.each && decay < highest &&
-         !std::ranges::all_of(blocks.list, [&](const Block& block) {
-           return one_outweighs(block, decay, options.others);
-         }))
-    decay *= step;
-  return decay;
+/// The same without the shortest; false: all are as long.
+bool leave_out_shortest(Blocks& blocks, const HitOptions& options) {
+  const Index shortest = std::ranges::min(blocks.list, {}, &Block::length).length;
+  if (shortest == std::ranges::max(blocks.list, {}, &Block::length).length) return false;
+  blocks.leave_out_below(shortest + 1);
+  blocks.settle_length(options);
+  return true;
 }
 
 /// Transforms of blocks of one length.
@@ -177,16 +144,57 @@ class Transform {
   numerics::RealFft fft_;
 };
 
+constexpr Index line_step = 2;  // lines in between hold little that these do not
+
 /// Lines of all blocks.
 struct Spectra {
   std::vector<VectorXcd> U{};
   std::vector<MatrixXcd> Y{};
   VectorXd power{};   ///< Σ |U|²
+  VectorXd single{};  ///< the same of the forces one by one, as if they never met
   MatrixXcd cross{};  ///< Σ Y U*
   [[nodiscard]] MatrixXcd response(Index line) const {
     return cross.row(line).transpose() / power[line];
   }
 };
+
+/// Σ |X|² of the forces of all blocks at lines of blocks, from transforms that are as short as
+/// forces are.
+VectorXd power_of_forces(const Blocks& blocks, double decay_per_sample) {
+  constexpr Index finer = 64;  // than the reciprocal of a force
+  Index longest = 1;
+  std::vector<VectorXd> pieces;
+  for (const auto& block : blocks.list)
+    for (const auto& force : block.record->forces) {
+      const Index from = std::max(force.from, block.from),
+                  to = std::min(force.to + 1, block.from + blocks.samples);
+      if (from >= to) continue;
+      pieces.emplace_back(block.record->u.segment(from, to - from));
+      for (Index k = 0; k < to - from; ++k)
+        pieces.back()[k] *=
+            std::exp(-decay_per_sample * static_cast<double>(from + k - block.from));
+      longest = std::max(longest, to - from);
+    }
+  const auto size = static_cast<Index>(std::bit_ceil(static_cast<std::size_t>(finer * longest)));
+  numerics::RealFft fft(static_cast<int>(size));
+  VectorXd x(size), power = VectorXd::Zero(fft.lines());
+  VectorXcd X(fft.lines());
+  for (const auto& piece : pieces) {
+    x.setZero();
+    x.head(piece.size()) = piece;
+    fft.forward({x.data(), static_cast<std::size_t>(size)},
+                {X.data(), static_cast<std::size_t>(X.size())});
+    power += X.cwiseAbs2();
+  }
+  VectorXd lines(blocks.samples / 2 + 1);
+  for (Index k = 0; k < lines.size(); ++k) {
+    const double at =
+        static_cast<double>(k) * static_cast<double>(size) / static_cast<double>(blocks.samples);
+    const Index below = std::min(static_cast<Index>(at), power.size() - 2);
+    lines[k] = power[below] + (at - static_cast<double>(below)) * (power[below + 1] - power[below]);
+  }
+  return lines;
+}
 
 Spectra spectra_of_blocks(const Blocks& blocks, double decay_per_sample) {
   Transform transform(blocks.samples, decay_per_sample);
@@ -206,6 +214,7 @@ Spectra spectra_of_blocks(const Blocks& blocks, double decay_per_sample) {
     s.cross += s.U.back().conjugate().asDiagonal() * Y;
     s.Y.push_back(std::move(Y));
   }
+  s.single = power_of_forces(blocks, decay_per_sample);
   return s;
 }
 
@@ -218,31 +227,75 @@ Index excited_lines(const VectorXd& power, double weakest) {
   return to;
 }
 
+/// Lines at which the hits do not cancel each other.
+struct KeptLines {
+  std::vector<Index> kept{};
+  std::int64_t gaps{};  ///< wide ones
+};
+
+KeptLines lines_of_hits(const Spectra& damped, const Spectra& plain, const HitOptions& options) {
+  // what several hits make of it at once is no end of what they excite
+  const Index to = std::min(excited_lines(damped.single, options.weakest),
+                            excited_lines(plain.single, options.weakest));
+  const auto excited = [&](Index k, double share) {
+    return damped.power[k] >= share * damped.single[k] &&
+           plain.power[k] >= options.weakest * plain.single[k];
+  };
+  KeptLines lines;
+  for (Index k = line_step; k <= to;) {
+    if (excited(k, options.cancelled)) {
+      lines.kept.push_back(k);
+      k += line_step;
+      continue;
+    }
+    Index end = k;
+    while (end <= to && !excited(end, options.cancelled)) end += line_step;
+    const bool wide = end - k > options.wide * line_step;
+    Index missed = 0;
+    for (; k < end; k += line_step) {
+      if (wide && excited(k, options.nearly_cancelled)) {
+        lines.kept.push_back(k);
+        missed = 0;
+      } else if (++missed == options.gap) {
+        ++lines.gaps;
+      }
+    }
+  }
+  return lines;
+}
+
 /// E[e_k e*_{k+d}] of white noise under the window is the transform of e^(−2at), and that of
-/// e U*/Σ |U|² turns with U.
-std::vector<Complex> covariance_of_lines(const Spectra& s, Index every, Index to, double decay,
+/// e U*/Σ |U|² turns with U. Lines count as their errors do beside what a single hit would
+/// leave.
+std::vector<Complex> covariance_of_lines(const Spectra& s, const KeptLines& lines, double decay,
                                          const HitOptions& options) {
   std::vector<Complex> covariance;
   const double turn = two_pi / static_cast<double>(2 * (s.power.size() - 1));
+  std::vector<char> kept(static_cast<std::size_t>(s.power.size()));
+  for (const Index k : lines.kept) kept[static_cast<std::size_t>(k)] = 1;
   for (Index d = 0; d < options.most_covariances; ++d) {
-    const Index apart = every * d;
-    if (every + apart > to) break;
+    const Index apart = line_step * d;
     Complex together = 0.0;
-    for (Index k = every; k + apart <= to; k += every) {
+    double alone = 0.0;
+    for (const Index k : lines.kept) {
+      if (k + apart >= s.power.size() || kept[static_cast<std::size_t>(k + apart)] == 0) continue;
       Complex product = 0.0;
       for (const auto& U : s.U) product += std::conj(U[k]) * U[k + apart];
-      together += product / std::sqrt(s.power[k] * s.power[k + apart]);
+      const double size = std::sqrt(s.single[k] * s.single[k + apart]),
+                   power = std::sqrt(s.power[k] * s.power[k + apart]);
+      together += product * size / (power * power);
+      alone += 0.5 * (s.single[k] / s.power[k] + s.single[k + apart] / s.power[k + apart]);
     }
-    together /= static_cast<double>((to - every - apart) / every + 1);
-    covariance.push_back(together * 2.0 * decay /
+    if (alone == 0.0) break;
+    covariance.push_back(together / alone * 2.0 * decay /
                          Complex(2.0 * decay, -static_cast<double>(apart) * turn));
   }
   return covariance;
 }
 
 /// Where several hits were averaged; there is one input.
-void add_coherence(const Spectra& s, Index every, Index to, FrequencyResponses& r) {
-  for (Index k = every; k <= to; k += every) {
+void add_coherence(const Spectra& s, const KeptLines& lines, FrequencyResponses& r) {
+  for (const Index k : lines.kept) {
     VectorXd coherence(s.cross.cols());
     for (Index o = 0; o < coherence.size(); ++o) {
       double power = 0.0;
@@ -263,12 +316,12 @@ struct Disagreement {
 };
 
 /// Noise is no disagreement: its power is not where the response has its own.
-std::optional<Disagreement> disagreement(const Spectra& s, Index every, Index to,
+std::optional<Disagreement> disagreement(const Spectra& s, const KeptLines& lines,
                                          const HitOptions& options) {
   std::optional<Disagreement> worst;
   for (Index o = 0; o < s.cross.cols(); ++o) {
     double rest = 0.0, all = 0.0, rest_there = 0.0, all_there = 0.0;
-    for (Index k = every; k <= to; k += every) {
+    for (const Index k : lines.kept) {
       double power = 0.0;
       for (const auto& Y : s.Y) power += std::norm(Y(k, o));
       const double left = std::max(0.0, power - std::norm(s.cross(k, o)) / s.power[k]);
@@ -285,51 +338,80 @@ std::optional<Disagreement> disagreement(const Spectra& s, Index every, Index to
   return worst;
 }
 
-void add_warnings(const std::vector<Record>& records, const Blocks& blocks, const Spectra& damped,
-                  Index every, Index to, const HitOptions& options, FrequencyResponses& r) {
+/// What was left out.
+void add_warnings_of_rest(const Blocks& blocks, const KeptLines& lines, FrequencyResponses& r) {
   using Kind = data::ResponseWarning::Kind;
-  const auto hits =
-      std::accumulate(records.begin(), records.end(), std::int64_t{0},
-                      [](auto sum, const Record& record) { return sum + std::ssize(record.hits); });
-  r.warnings.push_back({.kind = Kind::single_block,
-                        .share = blocks.each ? 1.0 : 0.0,
-                        .count = std::ssize(records),
-                        .total = hits});
-  if (blocks.list.size() < 2) return;
-  add_coherence(damped, every, to, r);
-  const auto worst = disagreement(damped, every, to, options);
-  if (!worst) return;
-  r.warnings.back().value = worst->share;
-  r.warnings.back().channel = r.outputs[static_cast<std::size_t>(worst->output)].name;
+  if (blocks.left_out > 0)
+    r.warnings.push_back({.kind = Kind::hits_left_out,
+                          .value = static_cast<double>(blocks.samples) / r.sample_rate,
+                          .count = blocks.left_out,
+                          .total = blocks.hits});
+  if (lines.gaps > 0)
+    r.warnings.push_back({.kind = Kind::excited_band,
+                          .lowest = r.frequency.front(),
+                          .highest = r.frequency.back(),
+                          .count = lines.gaps});
+}
+
+data::ResponseWarning warning_of_hits(const Blocks& blocks) {
+  const double share = blocks.all == blocks.hits ? 1.0
+                       : blocks.all == blocks.records
+                           ? 0.0
+                           : static_cast<double>(blocks.all) / static_cast<double>(blocks.hits);
+  return {.kind = data::ResponseWarning::Kind::single_block,
+          .share = share,
+          .count = blocks.records,
+          .total = blocks.hits};
+}
+
+void add_warnings(const Blocks& blocks, const Spectra& damped, const KeptLines& lines,
+                  const HitOptions& options, FrequencyResponses& r) {
+  auto warning = warning_of_hits(blocks);
+  if (blocks.list.size() > 1) {
+    add_coherence(damped, lines, r);
+    if (const auto worst = disagreement(damped, lines, options)) {
+      warning.value = worst->share;
+      warning.channel = r.outputs[static_cast<std::size_t>(worst->output)].name;
+    }
+  }
+  r.warnings.push_back(std::move(warning));
+  add_warnings_of_rest(blocks, lines, r);
+}
+
+/// Of blocks that are long enough for the lines that are needed.
+struct Transformed {
+  Spectra damped{}, plain{};
+  KeptLines lines{};
+  double decay{};  ///< a, per sample
+};
+
+std::optional<Transformed> transformed(Blocks& blocks, const HitOptions& options) {
+  do {
+    if (blocks.samples < options.fewest / 2) continue;
+    const double decay = options.decay / blocks.after();
+    Transformed t{.damped = spectra_of_blocks(blocks, decay),
+                  .plain = spectra_of_blocks(blocks, 0.0),
+                  .decay = decay};
+    t.lines = lines_of_hits(t.damped, t.plain, options);
+    if (t.lines.kept.size() >= options.fewest_lines) return t;
+  } while (leave_out_shortest(blocks, options));
+  return {};
+}
+
+/// Where hits meet in a block, |U| changes from line to line, and errors with it.
+void add_input_density(const Blocks& blocks, const Transformed& t, FrequencyResponses& r) {
+  if (std::ranges::all_of(blocks.list, [](const Block& block) { return block.hits == 1; })) return;
+  const double unit = 2.0 / (r.sample_rate * static_cast<double>(blocks.samples) * r.averages);
+  for (const Index k : t.lines.kept)
+    r.input_density.push_back(VectorXd::Constant(1, unit * t.damped.power[k]));
 }
 
 }  // namespace
 
-std::vector<Hit> hits_in(const VectorXd& input, const HitOptions& options) {
-  if (input.size() < options.fewest || !input.allFinite()) return {};
-  const double rest = median_of(input), all = (input.array() - rest).square().sum();
-  if (!(all > 0.0)) return {};
-  const auto forces = forces_in(input, options);
-  double energy = 0.0;
-  Index length = 0;
-  for (const auto& hit : forces) {
-    const Index own = hit.to - hit.from + 1;
-    energy += (input.segment(hit.from, own).array() - rest).square().sum();
-    length += own;
-  }
-  constexpr Index always = 9;  // samples of a hit in the shortest of records
-  const auto longest =
-      std::max<Index>(always, std::lround(options.longest * static_cast<double>(input.size())));
-  if (energy < options.energy * all || length > longest) return {};
-  auto hits = only_hits(forces, options);
-  if (hits.size() > options.most_hits) hits.clear();
-  return hits;
-}
-
-std::optional<FrequencyResponses> responses_of_hits(const std::vector<data::Samples>& samples,
-                                                    const std::vector<data::Channel>& outputs,
-                                                    const ChannelChoice& choice, double sample_rate,
-                                                    const HitOptions& options) {
+std::optional<HitResponses> responses_of_hits(const std::vector<data::Samples>& samples,
+                                              const std::vector<data::Channel>& outputs,
+                                              const ChannelChoice& choice, double sample_rate,
+                                              const HitOptions& options) {
   if (samples.empty() || choice.inputs.size() != 1) return {};
   std::vector<Record> records;
   for (const auto& own : samples) {
@@ -337,31 +419,24 @@ std::optional<FrequencyResponses> responses_of_hits(const std::vector<data::Samp
     if (!record) return {};
     records.push_back(std::move(*record));
   }
-  const Blocks blocks = blocks_of(records, options);
-  if (blocks.samples < options.fewest / 2) return {};
-  const double decay = decay_of(blocks, options);
-  const Spectra damped = spectra_of_blocks(blocks, decay), plain = spectra_of_blocks(blocks, 0.0);
+  Blocks blocks = blocks_of(records, options);
+  const auto t = transformed(blocks, options);
+  if (!t) return {};
   FrequencyResponses r{.outputs = outputs,
-                       .shift = decay * sample_rate,
+                       .shift = t->decay * sample_rate,
                        .sample_rate = sample_rate,
                        .estimator = Estimator::h1,
                        .averages = static_cast<double>(blocks.list.size())};
-  // lines in between hold little that these do not
-  const auto every =
-      std::max<Index>(2, static_cast<Index>(2.0 * decay * blocks.after / options.decay));
-  // what several hits make of it at once is no end of what they excite
-  const Index to = blocks.each ? std::min(excited_lines(damped.power, options.weakest),
-                                          excited_lines(plain.power, options.weakest))
-                               : excited_lines(damped.power, options.weakest);
-  r.line_covariance = covariance_of_lines(damped, every, to, decay, options);
-  for (Index k = every; k <= to; k += every) {
+  r.line_covariance = covariance_of_lines(t->damped, t->lines, t->decay, options);
+  for (const Index k : t->lines.kept) {
     r.frequency.push_back(static_cast<double>(k) * sample_rate /
                           static_cast<double>(blocks.samples));
-    r.H.push_back(damped.response(k));
-    r.on_axis.push_back(plain.response(k));
+    r.H.push_back(t->damped.response(k));
+    r.on_axis.push_back(t->plain.response(k));
   }
-  add_warnings(records, blocks, damped, every, to, options, r);
-  return r;
+  add_input_density(blocks, *t, r);
+  add_warnings(blocks, t->damped, t->lines, options, r);
+  return HitResponses{std::move(r), blocks.samples};
 }
 
 }  // namespace hydrapod::identification

@@ -306,13 +306,12 @@ std::optional<Measurement> measure_hits(data::RecordSet& records, Plan plan,
   auto found = responses_of_hits(*all, outputs, plan.choice, rate);
   if (!found) return {};
   for (const std::size_t c : used) m.spectra.channels.push_back(m.header.channels[c]);
-  for (const int i : plan.choice.inputs) found->inputs.push_back(channel(i));
+  m.responses = std::move(found->responses);
+  for (const int i : plan.choice.inputs) m.responses.inputs.push_back(channel(i));
   m.spectra.sample_rate = rate;
-  m.spectra.options = {
-      .block_length = static_cast<int>(std::lround(2.0 * rate / found->frequency[0])),
-      .overlap = 0.0,
-      .window = Window::rectangular};
-  m.responses = std::move(*found);
+  m.spectra.options = {.block_length = static_cast<int>(found->samples),
+                       .overlap = 0.0,
+                       .window = Window::rectangular};
   m.choice = std::move(plan.choice);
   return m;
 }

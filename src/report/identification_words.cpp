@@ -87,10 +87,11 @@ std::string hits_text(const data::ResponseWarning& w) {
     text = fmt::format(
         "{} {} hits: {}",
         w.count == 1 ? "the record has" : fmt::format("the {} records have", w.count), w.total,
-        w.share > 0.0
-            ? "each is taken as one block, from just before it to just before the next"
-            : "the next comes before one has rung down, so each record is taken as one "
-              "block from just before its first hit on, in which later hits count little");
+        w.share >= 1.0  ? "each is taken as one block, from just before it to just before the next"
+        : w.share > 0.0 ? "some come before the last has rung down; a block is from just before a "
+                          "hit to just before the next one at rest"
+                        : "the next comes before one has rung down, so each record is taken as one "
+                          "block from just before its first hit on");
   text +=
       "; the errors of the responses are not measured, but estimated from their roughness along "
       "the frequency axis";
@@ -171,6 +172,11 @@ std::string warning_text(const data::ResponseWarning& w) {
           w.lowest, w.highest, w.value, w.value / std::max(w.share, 1e-300));
     case Kind::spikes:
       return spikes_text(w);
+    case Kind::hits_left_out:
+      return fmt::format(
+          "{} of {} hits {} left out: what was recorded after {} is too short beside the blocks of "
+          "{:.3g} s",
+          w.count, w.total, w.count == 1 ? "was" : "were", w.count == 1 ? "it" : "them", w.value);
   }
   return {};
 }

@@ -54,6 +54,8 @@ inline const char* code(data::ResponseWarning::Kind kind) {
       return "weak_excitation";
     case Kind::spikes:
       return "spikes";
+    case Kind::hits_left_out:
+      return "hits_left_out";
   }
   return nullptr;
 }

@@ -75,13 +75,17 @@ inline data::Record hammer_record(const HammerTest& hammer, std::uint64_t seed) 
   return record;
 }
 
-/// Of records of one kind.
-inline test::ClassScore hammer_score(const HammerTest& hammer, int seeds) {
+/// Of measurements of one kind, each with these records.
+inline test::ClassScore hammer_score(const std::vector<HammerTest>& hammers, int seeds) {
   test::ClassScore score;
-  for (int seed = 1; seed <= seeds; ++seed)
-    score.add(test::true_modes(beam(hammer.point)),
-              test::found_modes(identify_modes(
-                  measured({hammer_record(hammer, static_cast<std::uint64_t>(seed))}).responses)));
+  for (int seed = 1; seed <= seeds; ++seed) {
+    std::vector<data::Record> records;
+    for (const auto& hammer : hammers)
+      records.push_back(
+          hammer_record(hammer, static_cast<std::uint64_t>(seed) + 1000 * records.size()));
+    score.add(test::true_modes(beam(hammers[0].point)),
+              test::found_modes(identify_modes(measured(records).responses)));
+  }
   return score;
 }
 

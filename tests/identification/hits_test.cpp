@@ -2,6 +2,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "hammer.hpp"
 
 namespace hydrapod::identification {
@@ -213,6 +215,145 @@ TEST(Hits, AtDifferentPointsDoNotAgree) {
     ASSERT_THAT(agreed.warnings, SizeIs(1));
     EXPECT_EQ(agreed.warnings[0].value, 0.0);
   }
+}
+
+MATCHER_P(HasWarning, kind, "") {
+  return std::ranges::find(arg.warnings, kind, &data::ResponseWarning::kind) != arg.warnings.end();
+}
+
+const data::ResponseWarning& warning_of(const FrequencyResponses& r, Kind kind) {
+  return *std::ranges::find(r.warnings, kind, &data::ResponseWarning::kind);
+}
+
+/// 0.19 s and 37 ms are recorded of the last of four hits.
+TEST(Hits, OneLateHitDoesNotShortenTheBlocksOfTheOthers) {
+  for (const double end : {12.681, 12.528}) {
+    SCOPED_TRACE(end);
+    const auto m = measured({hammer_record(
+        {.seconds = end, .at = {0.713, 4.731, 8.617, 12.491}, .size = {0.93, 1.21, 0.77, 1.07}},
+        91)});
+    ASSERT_THAT(m.responses, HasWarning(Kind::hits_left_out));
+    const auto& left_out = warning_of(m.responses, Kind::hits_left_out);
+    EXPECT_EQ(left_out.count, 1);
+    EXPECT_EQ(left_out.total, 4);
+    EXPECT_NEAR(left_out.value, 12.491 - 8.617, 0.003);
+    EXPECT_EQ(m.responses.averages, 3.0);
+    EXPECT_NEAR(m.responses.shift, 5.0 / (12.491 - 8.617), 0.01);
+    expect_beam(identify_modes(m.responses));
+  }
+}
+
+TEST(Hits, OneRecordWithALateHitDoesNotShortenTheBlocksOfTheOthers) {
+  std::vector<data::Record> records;
+  for (const double at : {0.113, 0.417, 3.937, 0.283})
+    records.push_back(hammer_record({.at = {at}, .noise = 1e-3}, 93 + records.size()));
+  const auto r = measured(records).responses;
+  ASSERT_THAT(r, HasWarning(Kind::hits_left_out));
+  EXPECT_EQ(warning_of(r, Kind::hits_left_out).count, 1);
+  EXPECT_EQ(warning_of(r, Kind::single_block).count, 4);
+  EXPECT_EQ(r.averages, 3.0);
+  EXPECT_NEAR(r.shift, 5.0 / (4.0 - 0.417), 0.01);
+  expect_beam(identify_modes(r));
+}
+
+TEST(Hits, BlocksThatDifferLittleAreAllAveraged) {
+  const auto r =
+      measured({hammer_record({.seconds = 11.3, .at = {0.713, 4.931, 8.617}}, 95)}).responses;
+  EXPECT_THAT(r, testing::Not(HasWarning(Kind::hits_left_out)));
+  EXPECT_EQ(r.averages, 3.0);
+  EXPECT_NEAR(r.shift, 5.0 / (11.3 - 8.617), 0.01);
+}
+
+/// What is too short for lines is read as other records are.
+TEST(Hits, TooLittleAfterTheOnlyHitIsNoBlock) {
+  EXPECT_THAT(measured({hammer_record({.at = {3.963}}, 97)}).responses,
+              testing::Not(HasWarning(Kind::single_block)));
+}
+
+/// Outputs of an excitation that was not measured, and a tap near the end.
+TEST(Hits, ATapInARecordOfOtherExcitationIsNoHammerTest) {
+  auto moved = test::record_of(beam(), {.sample_rate = hammer_rate, .samples = 1 << 14, .seed = 5});
+  const auto tap = hammer_record({.seconds = 8.0, .at = {7.313}}, 5);
+  moved.samples.rightCols(3) *=
+      tap.samples.rightCols(3).cwiseAbs().maxCoeff() / moved.samples.rightCols(3).maxCoeff();
+  moved.samples.rightCols(3) += tap.samples.rightCols(3);
+  moved.samples.col(0) = tap.samples.col(0);
+  EXPECT_THAT(measured({moved}).responses, testing::Not(HasWarning(Kind::single_block)));
+}
+
+TEST(Hits, SpikesInABroadBandInputAreNone) {
+  for (const double size : {171.0, 1130.0}) {
+    SCOPED_TRACE(size);
+    auto record =
+        test::record_of(beam(), {.sample_rate = hammer_rate, .samples = 20000, .seed = 17});
+    record.samples(3111, 0) += size;
+    record.samples(9007, 0) -= 0.9 * size;
+    record.samples(15551, 0) += 0.8 * size;
+    EXPECT_THAT(measured({record}).responses, testing::Not(HasWarning(Kind::single_block)));
+  }
+}
+
+/// Later by this. Samples of a force without a filter are off by 0.4 %, in another way for another
+/// place between samples.
+double whole_samples(double seconds) { return std::round(seconds * hammer_rate) / hammer_rate; }
+
+/// Rebounds 137 ms after the hit: |U| is smallest where they cancel it.
+TEST(Hits, AReboundCostsNoResolution) {
+  for (const double rebound : {0.61, 0.983}) {
+    SCOPED_TRACE(rebound);
+    const auto m = measured({hammer_record({.seconds = 20.3,
+                                            .at = {0.713, 0.713 + whole_samples(0.137)},
+                                            .size = {1.0, rebound},
+                                            .noise = 1e-3},
+                                           101)});
+    EXPECT_NEAR(m.responses.shift, 5.0 / (20.3 - 0.713), 0.01);
+    EXPECT_NEAR(m.responses.frequency[1] - m.responses.frequency[0], 2.0 / (20.3 - 0.713), 1e-4);
+    EXPECT_EQ(warning_of(m.responses, Kind::single_block).total, 2);
+    expect_beam(identify_modes(m.responses));
+  }
+}
+
+/// One of three hits rebounds: it is one block with its rebound.
+TEST(Hits, AReboundIsInTheBlockOfItsHit) {
+  const auto m = measured({hammer_record({.seconds = 13.1,
+                                          .at = {0.713, 4.931, 4.998, 9.217},
+                                          .size = {0.93, 1.21, 0.37, 0.77},
+                                          .noise = 1e-3},
+                                         103)});
+  const auto& warning = warning_of(m.responses, Kind::single_block);
+  EXPECT_EQ(warning.total, 4);
+  EXPECT_EQ(warning.share, 0.75);
+  EXPECT_EQ(m.responses.averages, 3.0);
+  expect_beam(identify_modes(m.responses));
+}
+
+/// 11.7 ms apart they cancel each other at 42.7 Hz and 128.2 Hz.
+TEST(Hits, TwoEqualOnesExciteWhatIsBeyondWhereTheyCancelEachOther) {
+  const double apart = whole_samples(0.0117);
+  for (const double seconds : {4.0, 30.3}) {
+    SCOPED_TRACE(seconds);
+    const auto m = measured({hammer_record(
+        {.seconds = seconds, .at = {0.113, 0.113 + apart}, .size = {1.0, 0.98}}, 107)});
+    EXPECT_EQ(warning_of(m.responses, Kind::single_block).total, 2);
+    ASSERT_THAT(m.responses, HasWarning(Kind::excited_band));
+    EXPECT_GE(warning_of(m.responses, Kind::excited_band).count, 2);
+    EXPECT_GT(m.responses.frequency.back(), 300.0);
+    for (const double cancelled : {0.5 / apart, 1.5 / apart})
+      for (const double f : m.responses.frequency) EXPECT_GT(std::abs(f - cancelled), 0.5);
+    expect_beam(identify_modes(m.responses));
+  }
+}
+
+/// Blocks of 0.887 s: modes narrower than two lines are warned of with that length.
+TEST(Hits, LengthOfBlocksIsThatOfTheRecordAfterTheHit) {
+  const auto m = measured({hammer_record({.seconds = 1.0}, 109)});
+  const auto block = static_cast<double>(m.spectra.options.block_length);
+  EXPECT_NEAR(block / hammer_rate, 0.887, 0.003);
+  EXPECT_NEAR(m.responses.frequency[1] - m.responses.frequency[0], 2.0 * hammer_rate / block, 1e-9);
+  const auto found = identify_modes(m.responses);
+  ASSERT_FALSE(found.warnings.empty());
+  EXPECT_EQ(found.warnings.back().kind, ModeWarning::Kind::short_blocks);
+  EXPECT_NEAR(found.warnings.back().value, block / hammer_rate, 1e-9);
 }
 
 }  // namespace

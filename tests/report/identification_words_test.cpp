@@ -36,7 +36,8 @@ std::vector<data::ResponseWarning> response_warnings() {
            .share = 0.642,
            .lowest = 4.712,
            .highest = 6.318},
-          {.kind = Kind::spikes, .channel = "y2", .value = 12.352, .highest = 8431.7, .count = 3}};
+          {.kind = Kind::spikes, .channel = "y2", .value = 12.352, .highest = 8431.7, .count = 3},
+          {.kind = Kind::hits_left_out, .value = 4.137, .count = 2, .total = 9}};
 }
 
 std::vector<identification::ModeWarning> mode_warnings() {
@@ -112,6 +113,8 @@ TEST(IdentificationWords, HitsThatDoNotAgreeAndSeveralInARecordAreSaid) {
   EXPECT_THAT(warning_text(warning),
               HasSubstr("the record has 5 hits: each is taken as one block"));
   EXPECT_THAT(warning_text(warning), testing::Not(HasSubstr("agree")));
+  warning.share = 0.6;
+  EXPECT_THAT(warning_text(warning), HasSubstr("5 hits: some come before the last has rung down"));
   warning = {.kind = warning.kind, .channel = "acc7", .value = 0.6234, .count = 3, .total = 3};
   EXPECT_THAT(warning_text(warning), HasSubstr("each of the 3 records is a single hit: "));
   EXPECT_THAT(warning_text(warning), HasSubstr("the hits do not agree: 62 % of the power of acc7"));

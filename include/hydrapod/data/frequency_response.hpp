@@ -46,8 +46,9 @@ struct ResponseWarning {
     single_block,      ///< count: records, each of them one hit and one block
     weak_excitation,   ///< value: the smallest F of the instruments for the inputs from `lowest` to
                        ///< `highest` [Hz]; share: of what is needed
-    spikes  ///< count, in channel, first at `value` [s] of a file; `highest`: the largest
-            ///< by what the samples beside it leave open; taken as missing
+    spikes,        ///< count, in channel, first at `value` [s] of a file; `highest`: the largest
+                   ///< by what the samples beside it leave open; taken as missing
+    hits_left_out  ///< count, of total; value: less of them was recorded than this [s]
   };
   Kind kind{};
   std::string channel{}, other{};
