@@ -51,7 +51,7 @@ std::string table_text(const Arguments& arguments, const tasks::Measured& measur
     text += fmt::format(
         "blocks of {} samples ({}), lines {:.4g} Hz apart\n", m.spectra.options.block_length,
         m.spectra.options.periodic ? "one period each"
-        : r.shift > 0.0 && m.reading == nullptr
+        : m.responses.shift > 0.0 && m.reading == nullptr
             ? "exponential window"
             : fmt::format("{} window, {:.0f} % overlap", window_text(m.spectra.options.window),
                           100.0 * m.spectra.options.overlap),
