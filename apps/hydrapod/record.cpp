@@ -51,6 +51,11 @@ void refuse_channel(const std::string& name, const data::RecordHeader& header) {
 bool read_all(data::RecordSet& record, const std::string& title,
               const std::function<void(const Eigen::Ref<const data::Samples>&)>& use) {
   const InterruptNote interrupt;
+  return read_all(interrupt, record, title, use);
+}
+
+bool read_all(const InterruptNote& /*interrupt*/, data::RecordSet& record, const std::string& title,
+              const std::function<void(const Eigen::Ref<const data::Samples>&)>& use) {
   const auto count = record.sample_count();
   std::int64_t done = 0;
   bool complete = false;
@@ -68,11 +73,15 @@ bool read_all(data::RecordSet& record, const std::string& title,
   return complete;
 }
 
+std::string samples_text(std::int64_t count) {
+  return fmt::format("{} sample{}", count, count == 1 ? "" : "s");
+}
+
 void report_written(const std::string& file, std::int64_t samples, bool complete) {
   if (!complete)
     throw base::ComputationError(
-        fmt::format("interrupted; {} contains the first {} samples", file, samples));
-  print_line(fmt::format("wrote {}: {} samples", file, samples));
+        fmt::format("interrupted; {} contains the first {}", file, samples_text(samples)));
+  print_line(fmt::format("wrote {}: {}", file, samples_text(samples)));
 }
 
 void add_record(Command app) {

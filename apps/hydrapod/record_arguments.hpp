@@ -7,6 +7,7 @@
 
 #include "hydrapod/data/record_io.hpp"
 #include "hydrapod/options.hpp"
+#include "hydrapod/terminal.hpp"
 
 namespace hydrapod::cli {
 
@@ -42,6 +43,13 @@ data::RecordSet open_record(const RecordArguments& arguments);
 /// go to stderr at the end. False when Ctrl-C ended it before.
 bool read_all(data::RecordSet& record, const std::string& title,
               const std::function<void(const Eigen::Ref<const data::Samples>&)>& use);
+/// The same under a note of the caller, who has more to do than to read: completing a file may take
+/// longer than reading, and Ctrl-C is answered as long as the note is there.
+bool read_all(const InterruptNote& interrupt, data::RecordSet& record, const std::string& title,
+              const std::function<void(const Eigen::Ref<const data::Samples>&)>& use);
+
+/// "1 sample", "20 samples".
+std::string samples_text(std::int64_t count);
 
 /// Says what was written, or throws base::ComputationError where Ctrl-C came before the end.
 void report_written(const std::string& file, std::int64_t samples, bool complete);

@@ -26,7 +26,8 @@ void convert(const Arguments& arguments) {
   auto record = open_record(arguments.record);
   const auto writer = data::open_record_writer(arguments.output.file, record.header(), format);
   std::int64_t samples = 0;
-  const bool complete = read_all(record, "converting", [&](const auto& block) {
+  const InterruptNote interrupt;
+  const bool complete = read_all(interrupt, record, "converting", [&](const auto& block) {
     writer->append(block);
     samples += block.rows();
   });
@@ -109,7 +110,8 @@ void cut(const Arguments& arguments) {
   header.channels = channels;
   const auto writer = data::open_record_writer(arguments.output.file, header, format);
   std::int64_t at = 0, written = 0;
-  const bool complete = read_all(record, "cutting", [&](const auto& block) {
+  const InterruptNote interrupt;
+  const bool complete = read_all(interrupt, record, "cutting", [&](const auto& block) {
     const std::int64_t first = std::clamp<std::int64_t>(from - at, 0, block.rows());
     const std::int64_t last = std::clamp<std::int64_t>(to - at, first, block.rows());
     at += block.rows();
@@ -146,8 +148,9 @@ void resample(const Arguments& arguments) {
     writer->append(block);
     written += block.rows();
   });
+  const InterruptNote interrupt;
   const bool complete =
-      read_all(record, "resampling", [&](const auto& block) { resampler.add(block); });
+      read_all(interrupt, record, "resampling", [&](const auto& block) { resampler.add(block); });
   resampler.finish();
   const std::string file = writer->close(complete);
   print_diagnostics(writer->notes());

@@ -2,6 +2,7 @@
 /// that it is about to and keeps what there is.
 
 #include <fcntl.h>
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <signal.h>
@@ -178,6 +179,50 @@ TEST(Interrupt, IsNoSuccess) {
   EXPECT_FALSE(program.succeeded());
   EXPECT_THAT(program.messages(), testing::HasSubstr("interrupted"));
   EXPECT_GT(data::read_record((folder / "rig.h5").string()).record.samples.rows(), 10);
+}
+
+/// A Universal File gets its numbers after the last sample was read, which takes longer than to
+/// read them.
+TEST(Interrupt, IsAnsweredWhileTheFileIsCompleted) {
+  constexpr double busy = 0.9;
+  const test::TemporaryFolder folder;
+  data::Record record;
+  for (int c = 0; c < 6; ++c) record.header.channels.push_back({fmt::format("sensor {}", c), "m"});
+  record.header.sample_rate = 2000.0;
+  record.samples = data::Samples::Random(1'500'000, 6);  // 72 MB
+  data::write_record((folder / "long.h5").string(), record, data::RecordFormat::hdf5);
+  double best = 1e9;
+  for (int attempt = 0; attempt < 3 && best > busy; ++attempt) {
+    Running program({"record", "convert", "long.h5", "-o", "long.uff", "--format", "uff-ascii"},
+                    folder.path());
+    const auto begin = Clock::now();
+    std::error_code absent;
+    const auto waits = [&] {
+      constexpr std::uintmax_t most_of_it = 40'000'000;  // bytes
+      const auto size = std::filesystem::file_size(folder / "long.uff.part", absent);
+      return (absent || size < most_of_it) && since(begin) < 60.0 && !program.over();
+    };
+    while (waits()) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    if (program.over()) {
+      EXPECT_TRUE(program.succeeded()) << program.messages();
+      std::filesystem::remove(folder / "long.uff");
+      continue;
+    }
+    const auto sent = Clock::now();
+    program.interrupt();
+    while (!program.over() && program.messages().find("interrupted") == std::string::npos)
+      std::this_thread::sleep_for(std::chrono::milliseconds(2));
+    best = std::min(best, since(sent));
+    EXPECT_THAT(program.messages(), testing::HasSubstr("interrupted"));
+    program.interrupt();  // ends it at once
+    while (!program.over() && since(sent) < 60.0)
+      std::this_thread::sleep_for(std::chrono::milliseconds(2));
+    EXPECT_TRUE(program.over());
+    EXPECT_FALSE(program.succeeded());
+    for (const auto& file : std::filesystem::directory_iterator(folder.path()))
+      if (file.path().filename() != "long.h5") std::filesystem::remove(file.path());
+  }
+  if (best < 1e9) EXPECT_LT(best, busy);
 }
 
 }  // namespace
