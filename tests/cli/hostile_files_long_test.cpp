@@ -5,6 +5,9 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <array>
+#include <cctype>
 #include <cmath>
 #include <filesystem>
 #include <functional>
@@ -110,8 +113,16 @@ data::Record ugly_record() {
 struct Found {
   data::Record record{};
   bool notes{};
+  bool damage{};  ///< one of the notes is about damage
   data::ChecksumFinding checksum{};
 };
+
+/// Not just any: a unit that is not known says nothing of a sample that was changed.
+bool tells_of_damage(const base::Diagnostic& note) {
+  return std::ranges::any_of(
+      std::array{"checksum", "cut off", "damaged", "not completed"},
+      [&](const char* word) { return note.message.find(word) != std::string::npos; });
+}
 
 Found found(const std::string& path) {
   data::RecordSet set({path}, {.sample_rate = 317.25});
@@ -125,7 +136,9 @@ Found found(const std::string& path) {
   const auto columns = static_cast<Eigen::Index>(all.record.header.channels.size());
   all.record.samples = Eigen::Map<const data::Samples>(
       numbers.data(), static_cast<Eigen::Index>(numbers.size()) / columns, columns);
-  all.notes = !set.notes().empty();
+  const auto notes = set.notes();
+  all.notes = !notes.empty();
+  all.damage = std::ranges::any_of(notes, tells_of_damage);
   all.checksum = set.checksum();
   return all;
 }
@@ -171,8 +184,8 @@ TEST(HostileFilesLong, DamagedRecordsAreSaid) {
       try {
         const Found now = found(path);
         const bool changed = !same(now.record, truth.record);
-        const bool said =
-            now.notes || (carries_checksum && now.checksum != data::ChecksumFinding::holds);
+        const bool differs = now.checksum == data::ChecksumFinding::differs,
+                   said = carries_checksum ? differs || now.damage : now.notes;
         ++(said ? row.said : changed ? row.unsaid : row.unchanged);
         EXPECT_FALSE(carries_checksum && changed && !said) << which;
       } catch (const base::InputError&) {
@@ -309,6 +322,23 @@ std::vector<TextKind> text_kinds(const test::TemporaryFolder& folder) {
   };
 }
 
+/// "nan" is none in "resonance".
+bool has_word(const std::string& text, const std::string& word) {
+  const auto letter = [&](std::size_t at) {
+    return at < text.size() && std::isalpha(static_cast<unsigned char>(text[at])) != 0;
+  };
+  for (std::size_t at = text.find(word); at != text.npos; at = text.find(word, at + 1))
+    if (!letter(at - 1) && !letter(at + word.size())) return true;
+  return false;
+}
+
+TEST(HostileFiles, ANumberThatIsNoneIsAWordOfItsOwn) {
+  for (const char* text : {"nan", "f = nan Hz", "[-nan]", "1,nan\n"})
+    EXPECT_TRUE(has_word(text, "nan")) << text;
+  for (const char* text : {"resonance", "nano", "Hannan", ""})
+    EXPECT_FALSE(has_word(text, "nan")) << text;
+}
+
 /// 400 hostile variants of one kind, read by all that reads it.
 Row read_hostile(const TextKind& kind, const test::TemporaryFolder& folder, std::size_t number) {
   const test::RunOptions here{.folder = folder.path()};
@@ -326,7 +356,7 @@ Row read_hostile(const TextKind& kind, const test::TemporaryFolder& folder, std:
     for (const auto& command : kind.reads) {
       const auto run = test::run_hydrapod(command, here);
       row.judge(run, path, fmt::format("{}, seed {}, {}", kind.name, seed, command.front()));
-      EXPECT_EQ(run.out.find("nan"), std::string::npos) << kind.name << ", seed " << seed;
+      EXPECT_FALSE(has_word(run.out, "nan")) << kind.name << ", seed " << seed;
       read = read && run.exit_code == 0;
     }
     ++(read ? row.unchanged : row.refused);
