@@ -14,19 +14,32 @@ struct Arguments {
 
 /// How much there was, and whether it is what was written.
 std::string words(const std::string& file, const data::RecoverResult& result) {
-  const bool all = result.declared && result.samples >= *result.declared;
+  const bool all = result.declared && result.samples >= *result.declared && !result.uneven;
+  const std::string read =
+      result.declared && result.samples < *result.declared
+          ? fmt::format("{} of {}", result.samples, samples_text(*result.declared))
+      : all && result.samples > 1 ? "all " + samples_text(result.samples)
+      : all                       ? "the only sample"
+                                  : samples_text(result.samples);
   std::string text =
-      all ? fmt::format("{}: all {} samples were read", file, result.samples)
-      : result.declared
-          ? fmt::format("{}: {} of {} samples were read", file, result.samples, *result.declared)
-          : fmt::format("{}: {} samples were read; the file does not say how many there were", file,
-                        result.samples);
+      fmt::format("{}: {} {} read", file, read, result.samples == 1 ? "was" : "were");
   if (result.uneven) text += ", not of all channels";
-  if (result.checksum == data::ChecksumFinding::holds) return text + "; the checksum holds";
-  if (result.checksum == data::ChecksumFinding::differs)
-    return text + "; the checksum does not hold: some are not what was written";
-  return text + (all ? "; no checksum vouches for them"
-                     : "; the checksum is one of the whole record and cannot vouch for a part");
+  if (result.unfinished)
+    text += "; the record was not completed";
+  else if (!result.declared)
+    text += "; the file does not say how many there were";
+  switch (result.checksum) {
+    case data::ChecksumFinding::holds:
+      return text + "; the checksum holds";
+    case data::ChecksumFinding::differs:
+      return text + "; the checksum does not hold: " +
+             (all ? "not all is what was written" : "not all is there or what was written");
+    case data::ChecksumFinding::none:
+      break;
+  }
+  return text + (result.has_checksum
+                     ? "; the checksum is one of the whole record and cannot vouch for a part"
+                     : "; no checksum vouches for what was read");
 }
 
 void run(const Arguments& arguments) {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstring>
 #include <limits>
 #include <utility>
 
@@ -127,8 +128,8 @@ class TimeCells {
 
 class CsvReader final : public RecordReader {
  public:
-  CsvReader(const std::string& path, const ReadOptions& options)
-      : RecordReader(path), table_(path) {
+  CsvReader(const std::string& path, const ReadOptions& options, bool damaged)
+      : RecordReader(path), table_(path), damaged_(damaged) {
     format_ = RecordFormat::csv;
     read_header();
     settle_channels(by_hydrapod_);
@@ -164,7 +165,7 @@ class CsvReader final : public RecordReader {
   void to_first_sample() override {
     if (first_row_) table_.go_to(*first_row_);
     parsed_ = 0;
-    end_noted_ = false;
+    end_noted_ = unreadable_ = false;
     if (grid_) grid_->rewind();
   }
 
@@ -197,6 +198,7 @@ class CsvReader final : public RecordReader {
           "no line of numbers was found; expected is a table of samples, one line each, the "
           "fields apart by comma, semicolon, tabulator or blanks, times as numbers or as "
           "2026-11-20T09:00:00.125Z");
+    if (!by_hydrapod_ && !comments.text_of("sample_rate_hz").empty()) notes_.add(damaged_mark);
     const auto found = titles(head);
     if (!times_) find_time_column(found);
     for (std::size_t c = 0; c < columns_; ++c)
@@ -241,11 +243,40 @@ class CsvReader final : public RecordReader {
 
   // the numbers
 
+  /// In a damaged file, what stands before a line that cannot be read is all there is.
+  bool next_line(std::string_view& line, bool with_comments) {
+    try {
+      return !unreadable_ && table_.next_line(line, with_comments);
+    } catch (const base::InputError& error) {
+      if (!damaged_) throw;
+      const base::Diagnostic& why = error.diagnostics().back();
+      if (!std::exchange(unreadable_noted_, true))
+        notes_.add(why.message + "; this line and what follows are left out", why.line);
+      unreadable_ = true;
+      return false;
+    }
+  }
+
+  /// A number at the end of a file may be cut off too. It is known to be whole where hydrapod wrote
+  /// the table, as it ends each line; in others the last line often has no end.
+  [[nodiscard]] bool may_be_cut(bool all_cells) const {
+    return !table_.line_was_ended() && (!all_cells || by_hydrapod_ || damaged_);
+  }
+
+  /// Of the line that was read last, which is a comment.
+  void take_checksum(std::string_view line) {
+    RecordComments comment;
+    comment.take(line, table_.line());
+    const std::string text = comment.text_of(checksum_name);
+    const bool whole = table_.line_was_ended() || text.size() == std::strlen(no_checksum_yet);
+    if (!text.empty() && whole) stated_checksum_ = text;
+  }
+
   /// The next line of numbers in row_, and its time in time_.
   bool next_row() {
     std::string_view line;
     while (true) {
-      if (!table_.next_line(line, by_hydrapod_)) {
+      if (!next_line(line, by_hydrapod_)) {
         if (by_hydrapod_ && stated_checksum_.empty() && !std::exchange(end_noted_, true))
           notes_.add(
               "the checksum at the end is missing: the file was cut off or not completed, or an "
@@ -253,9 +284,7 @@ class CsvReader final : public RecordReader {
         return false;
       }
       if (!base::is_table_comment(base::trimmed(line))) break;
-      RecordComments comment;
-      comment.take(line, table_.line());
-      if (const auto text = comment.text_of(checksum_name); !text.empty()) stated_checksum_ = text;
+      take_checksum(line);
     }
     row_.assign(columns_, std::numeric_limits<double>::quiet_NaN());
     std::size_t found = 0;
@@ -269,9 +298,12 @@ class CsvReader final : public RecordReader {
                                base::printable(cell, 30)),
                    table_.line(), cells.column(), "text");
     }
-    // a number may be cut off too; where every line was ended, that is known
-    if ((found != columns_ || by_hydrapod_) && !table_.line_was_ended()) {
-      notes_.add("the file is cut off within this line, which is left out", table_.line());
+    if (may_be_cut(found == columns_)) {
+      notes_.add(found == columns_ && !by_hydrapod_
+                     ? "the last line has no end, and its last number may be cut off: the line is "
+                       "left out"
+                     : "the file is cut off within this line, which is left out",
+                 table_.line());
       return false;
     }
     if (found != columns_)
@@ -313,9 +345,8 @@ class CsvReader final : public RecordReader {
     const TimeSource source{
         [this](const TimeSource::Use& use) {
           to_first_sample();
-          for (std::string_view line; table_.next_line(line);)
-            if (table_.line_was_ended() ||
-                base::table_cells(line, table_.style.separator).size() == columns_)
+          for (std::string_view line; next_line(line, false);)
+            if (!may_be_cut(base::table_cells(line, table_.style.separator).size() == columns_))
               use(times_->time(line, table_.style), table_.line());
         },
         [this](double time) { return times_->resolution(time); }};
@@ -333,6 +364,8 @@ class CsvReader final : public RecordReader {
   }
 
   base::TableReader table_;
+  bool damaged_;                            ///< as far as is known
+  bool unreadable_{}, unreadable_noted_{};  ///< a line of it is
   bool by_hydrapod_{};
   bool assumed_seconds_{};  ///< the times have no unit
   bool end_noted_{};        ///< that there is no checksum
@@ -353,8 +386,9 @@ class CsvReader final : public RecordReader {
 
 }  // namespace
 
-std::unique_ptr<RecordReader> make_csv_reader(const std::string& path, const ReadOptions& options) {
-  return std::make_unique<CsvReader>(path, options);
+std::unique_ptr<RecordReader> make_csv_reader(const std::string& path, const ReadOptions& options,
+                                              bool damaged) {
+  return std::make_unique<CsvReader>(path, options, damaged);
 }
 
 }  // namespace hydrapod::data

@@ -49,7 +49,10 @@ std::string_view FileWindow::at(std::uint64_t offset, std::size_t wanted) {
 FileWindow::Line FileWindow::line_at(std::uint64_t offset) {
   const std::string_view bytes = at(offset, longest_line).substr(0, longest_line);
   const std::size_t end = bytes.find_first_of("\n\r");
-  if (end == bytes.npos) return {bytes, offset + bytes.size(), bytes.size() == longest_line};
+  if (end == bytes.npos) {
+    const std::uint64_t next = offset + bytes.size();
+    return {bytes, next, next < size_};
+  }
   const bool pair = bytes[end] == '\r' && end + 1 < bytes.size() && bytes[end + 1] == '\n';
   return {bytes.substr(0, end), offset + end + (pair ? 2 : 1), true};
 }

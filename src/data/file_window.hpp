@@ -30,6 +30,10 @@ class FileWindow {
     std::string_view text{};
     std::uint64_t next{};
     bool ended{};  ///< false where the file ends within it
+    /// Without its last word where the file ends within it: more of that word may be missing.
+    [[nodiscard]] std::string_view whole() const {
+      return ended ? text : text.substr(0, text.find_last_of(" \t") + 1);
+    }
   };
   Line line_at(std::uint64_t offset);
 

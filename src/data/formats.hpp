@@ -32,6 +32,12 @@ class RecordReader {
   /// Channels are absent or end before others.
   [[nodiscard]] bool uneven() const { return uneven_; }
   [[nodiscard]] ChecksumFinding checksum() const { return finding_; }
+  /// The file states a checksum, as far as it has been read.
+  [[nodiscard]] bool has_checksum() const {
+    return !stated_checksum_.empty() && stated_checksum_ != no_checksum_yet;
+  }
+  /// Its writer was killed: more may have been written than the file tells.
+  [[nodiscard]] bool unfinished() const { return unfinished_; }
   /// Fills the first rows of `block` with the next samples and returns how many; 0 at the end.
   std::int64_t read(Eigen::Ref<Samples> block);
   /// Back to the first sample, with the notes of the opening.
@@ -49,6 +55,9 @@ class RecordReader {
   /// stated_checksum_, unless that is empty.
   void begin_checksum();
 
+  /// Of a file that says that it was not completed.
+  void note_unfinished();
+
   Notes notes_;
   std::string stated_checksum_{};
   RecordFormat format_{};
@@ -56,7 +65,7 @@ class RecordReader {
   std::vector<double> factors_{};
   std::optional<std::int64_t> count_{};  ///< of samples
   std::optional<std::int64_t> declared_{};
-  bool uneven_{};
+  bool uneven_{}, unfinished_{};
   std::int64_t done_{};  ///< samples that have been read
 
  private:
@@ -80,13 +89,19 @@ std::unique_ptr<RecordWriter> make_rpc_writer(const std::string& path, const Rec
 std::unique_ptr<RecordReader> make_rpc_reader(const std::string& path);
 std::unique_ptr<RecordReader> make_mat5_reader(const std::string& path, const ReadOptions& options);
 std::unique_ptr<RecordReader> make_uff_reader(const std::string& path);
-std::unique_ptr<RecordReader> make_csv_reader(const std::string& path, const ReadOptions& options);
+/// `damaged`: see open_damaged_reader.
+std::unique_ptr<RecordReader> make_csv_reader(const std::string& path, const ReadOptions& options,
+                                              bool damaged = false);
 std::unique_ptr<RecordReader> make_hdf5_reader(const std::string& path, const ReadOptions& options);
 /// What is left of a record of hydrapod, see hdf5_remains.cpp.
 std::unique_ptr<RecordReader> make_hdf5_remains_reader(const std::string& path);
 
 /// The reader for what the file holds, with a header that is valid. Throws base::InputError.
 std::unique_ptr<RecordReader> open_reader(const std::string& path, const ReadOptions& options);
+/// The same for a file that may be damaged anywhere: of a table, a last line without an end is left
+/// out, and so is what follows a line that cannot be read.
+std::unique_ptr<RecordReader> open_damaged_reader(const std::string& path,
+                                                  const ReadOptions& options);
 /// An HDF5 file, or one that was.
 bool begins_as_hdf5(const std::string& path);
 
@@ -98,6 +113,17 @@ void settle_experiment(const std::string& json, Notes& notes, RecordHeader& head
 inline constexpr const char* record_mark = "hydrapod record";
 inline constexpr int record_version = 1;
 inline constexpr const char* checksum_name = "checksum";
+/// What a reader says where it does not hold.
+inline constexpr const char* checksum_differs =
+    "the checksum does not hold: channels or samples are not those that were written; the file was "
+    "damaged or changed";
+/// Where the format has one, but the file has not.
+inline constexpr const char* absent_checksum =
+    "the checksum is missing: the file was damaged, or an early version of hydrapod wrote it";
+/// Of a header that hydrapod wrote, but for the line that says so.
+inline constexpr const char* damaged_mark =
+    "the file looks like a record of hydrapod whose mark is damaged: it is read as one of another "
+    "program, and no checksum is compared";
 
 /// What HDF5 and MAT files of hydrapod hold of a record besides its samples: tells `sink` every
 /// field, until it says false: attribute(name, text or number) short ones, text(name, text) those

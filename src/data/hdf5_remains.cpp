@@ -197,8 +197,24 @@ class Hdf5Remains final : public VariableFile {
         found.push_back(address);
       at += hit + 1;
     }
-    if (found.empty()) fail("the file is cut off before the index of its samples");
+    if (found.empty())
+      fail(holds_mark() ? "the file is cut off before the index of its samples"
+                        : "no index of samples is found: the file is cut off before it, or another "
+                          "program wrote it");
     return found;
+  }
+
+  /// In the header of a record of hydrapod, which stands before its samples.
+  bool holds_mark() {
+    const std::string_view mark = record_mark;
+    constexpr std::size_t piece = 1U << 16U;
+    for (std::uint64_t at = base_; at < std::min(file_.size(), base_ + searched_bytes);) {
+      const std::string_view bytes = file_.at(at, piece);
+      if (bytes.find(mark) != bytes.npos) return true;
+      if (bytes.size() < mark.size()) break;
+      at += bytes.size() - mark.size() + 1;
+    }
+    return false;
   }
 
   /// What stands before the samples, as a file that ends there.
@@ -286,7 +302,6 @@ class Hdf5Remains final : public VariableFile {
     samples->declared = layout_.rows;
     notes_->add(fmt::format("the file is cut off: {} of the {} samples that it declares are there",
                             rows, layout_.rows));
-    if (Variable* checksum = find(checksum_name)) checksum->text.clear();  // that of the whole
   }
 
   FileWindow file_;

@@ -65,20 +65,14 @@ class Mat5File final : public VariableFile {
     const bool part = fast_count < v.fast;
     const std::uint64_t first = slow_first * v.fast + fast_first;
     const std::uint64_t count = slow_count * fast_count;
+    if (const auto at = broken_.find(variable); at != broken_.end() && first + count > at->second)
+      return false;
     Cursor& cursor = cursor_at(variable, part ? slow_first : ~std::uint64_t{0}, first);
-    const Place& place = places_[variable];
-    const std::size_t size = mat5_item_bytes(place.type);
-    if (!cursor.stream || !cursor.stream->skip((first - cursor.next) * size)) return false;
-    cursor.next = first + count;
-    std::array<char, 8192> buffer{};
-    for (std::uint64_t done = 0; done < count;) {
-      const std::size_t items = std::min<std::uint64_t>(count - done, buffer.size() / size);
-      if (!cursor.stream->read(buffer.data(), items * size)) return false;
-      for (std::size_t i = 0; i < items; ++i)
-        out[done + i] = mat5_item(buffer.data() + i * size, place.type, swapped_);
-      done += items;
-    }
-    return true;
+    if (!cursor.stream) return false;
+    if (read_items(cursor, places_[variable].type, first, count, out)) return true;
+    if (cursor.stream->broken()) broken_.try_emplace(variable, first);
+    cursor.stream.reset();
+    return false;
   }
 
   bool read_all(std::size_t variable, std::vector<std::complex<double>>& out) override {
@@ -114,6 +108,27 @@ class Mat5File final : public VariableFile {
   }
 
  private:
+  struct Cursor {
+    std::unique_ptr<Mat5Stream> stream{};
+    std::uint64_t next{};  ///< item that comes next
+  };
+
+  bool read_items(Cursor& cursor, std::uint32_t type, std::uint64_t first, std::uint64_t count,
+                  double* out) const {
+    const std::size_t size = mat5_item_bytes(type);
+    if (!cursor.stream->skip((first - cursor.next) * size)) return false;
+    cursor.next = first + count;
+    std::array<char, 8192> buffer{};
+    for (std::uint64_t done = 0; done < count;) {
+      const std::size_t items = std::min<std::uint64_t>(count - done, buffer.size() / size);
+      if (!cursor.stream->read(buffer.data(), items * size)) return false;
+      for (std::size_t i = 0; i < items; ++i)
+        out[done + i] = mat5_item(buffer.data() + i * size, type, swapped_);
+      done += items;
+    }
+    return true;
+  }
+
   /// The next `count` numbers; memory grows with what is there.
   bool take_items(Mat5Stream& stream, std::uint32_t type, std::uint64_t count,
                   std::vector<double>& out) const {
@@ -127,11 +142,6 @@ class Mat5File final : public VariableFile {
     }
     return out.size() == count;
   }
-
-  struct Cursor {
-    std::unique_ptr<Mat5Stream> stream{};
-    std::uint64_t next{};  ///< item that comes next
-  };
 
   /// A stream that stands at or before item `first`.
   Cursor& cursor_at(std::size_t variable, std::uint64_t line, std::uint64_t first) {
@@ -407,6 +417,7 @@ class Mat5File final : public VariableFile {
   std::size_t elements_{};
   std::vector<Place> places_;
   std::map<std::pair<std::size_t, std::uint64_t>, Cursor> cursors_;
+  std::map<std::size_t, std::uint64_t> broken_;  ///< first item that cannot be trusted, by variable
 };
 
 }  // namespace

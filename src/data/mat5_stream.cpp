@@ -120,7 +120,8 @@ bool Mat5Stream::inflate_into(char* out, std::size_t bytes) {
     }
     const int status = inflate(&stream_, Z_NO_FLUSH);
     if (status == Z_STREAM_END) return stream_.avail_out == 0;
-    if (status != Z_OK) return false;
+    broken_ = status != Z_OK;
+    if (broken_) return false;
   }
   return true;
 }

@@ -28,13 +28,15 @@ class Mat5Stream {
   bool skip(std::uint64_t bytes);
   /// Most bytes that can still come; of compressed data what deflate can make of what is left.
   [[nodiscard]] std::uint64_t most_left() const;
+  /// The compressed data made no sense, and what was inflated just before need not either.
+  [[nodiscard]] bool broken() const { return broken_; }
 
  private:
   bool inflate_into(char* out, std::size_t bytes);
 
   FileWindow file_;
   std::uint64_t at_, end_;  ///< in the file
-  bool compressed_;
+  bool compressed_, broken_{};
   std::uint64_t position_{};
   z_stream stream_{};
   std::vector<unsigned char> input_;

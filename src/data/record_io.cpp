@@ -106,7 +106,8 @@ bool begins_as_rpc(std::string_view head) {
                "frf --format json`");
 }
 
-std::unique_ptr<RecordReader> open_by_content(const std::string& path, const ReadOptions& options) {
+std::unique_ptr<RecordReader> open_by_content(const std::string& path, const ReadOptions& options,
+                                              bool damaged) {
   const std::string head = head_of(path);
   if (has_hdf5_signature(head)) return make_hdf5_reader(path, options);
   if (opens_variables(head) != nullptr) return make_mat5_reader(path, options);
@@ -116,17 +117,14 @@ std::unique_ptr<RecordReader> open_by_content(const std::string& path, const Rea
   if (head.find('\0') != std::string::npos)
     base::refuse(path,
                  "this is not a record: it is neither HDF5, MAT, Universal File, RPC III nor text");
-  return make_csv_reader(path, options);
+  return make_csv_reader(path, options, damaged);
 }
 
-}  // namespace
-
-bool begins_as_hdf5(const std::string& path) { return has_hdf5_signature(head_of(path)); }
-
-std::unique_ptr<RecordReader> open_reader(const std::string& path, const ReadOptions& options) {
+std::unique_ptr<RecordReader> open_valid(const std::string& path, const ReadOptions& options,
+                                         bool damaged) {
   std::unique_ptr<RecordReader> reader;
   try {
-    reader = open_by_content(path, options);
+    reader = open_by_content(path, options, damaged);
   } catch (const base::InputError&) {
     const FileKind kind = file_kind(path);
     if (kind != FileKind::record && kind != FileKind::mode_table && kind != FileKind::toml)
@@ -139,6 +137,19 @@ std::unique_ptr<RecordReader> open_reader(const std::string& path, const ReadOpt
     base::refuse(path, error.what());
   }
   return reader;
+}
+
+}  // namespace
+
+bool begins_as_hdf5(const std::string& path) { return has_hdf5_signature(head_of(path)); }
+
+std::unique_ptr<RecordReader> open_reader(const std::string& path, const ReadOptions& options) {
+  return open_valid(path, options, false);
+}
+
+std::unique_ptr<RecordReader> open_damaged_reader(const std::string& path,
+                                                  const ReadOptions& options) {
+  return open_valid(path, options, true);
 }
 
 namespace {
@@ -334,13 +345,10 @@ std::int64_t RecordReader::read(Eigen::Ref<Samples> block) {
 void RecordReader::check_sum(const Eigen::Ref<const Samples>& samples) {
   checksum_->add(samples);
   const bool at_end = samples.rows() == 0 || (count_ && done_ == *count_);
-  if (!at_end || stated_checksum_.empty() || stated_checksum_ == no_checksum_yet) return;
+  if (!at_end || !has_checksum()) return;
   const bool holds = stated_checksum_ == checksum_->text();
   finding_ = holds ? ChecksumFinding::holds : ChecksumFinding::differs;
-  if (!holds)
-    notes_.add(
-        "the checksum does not hold: channels or samples are not those that were written; the file "
-        "was damaged or changed");
+  if (!holds) notes_.add(checksum_differs);
 }
 
 void RecordReader::rewind() {
@@ -355,6 +363,11 @@ void RecordReader::rewind() {
 void RecordReader::settle_channels(bool by_hydrapod) {
   make_names_unique(header_.channels);
   factors_ = to_si(header_.channels, notes_, by_hydrapod);
+}
+
+void RecordReader::note_unfinished() {
+  unfinished_ = true;
+  notes_.add("the record was not completed: what was written last may be missing");
 }
 
 void RecordReader::begin_checksum() { checksum_ = std::make_unique<Checksum>(header_); }

@@ -13,13 +13,18 @@ namespace {
 
 using Diagnostics = std::vector<base::Diagnostic>;
 
+/// None where the writer was killed, as it wrote more than the header tells.
+std::optional<std::int64_t> declared_by(const RecordReader& reader) {
+  return reader.unfinished() ? std::nullopt : reader.declared();
+}
+
 bool lacks_samples(const RecordReader& reader) {
   return reader.declared() && reader.sample_count().value_or(0) < *reader.declared();
 }
 
 /// The usual reader where it reads all; else what finds more.
 std::unique_ptr<RecordReader> open_damaged(const std::string& path, const ReadOptions& options) {
-  if (!begins_as_hdf5(path)) return open_reader(path, options);
+  if (!begins_as_hdf5(path)) return open_damaged_reader(path, options);
   std::unique_ptr<RecordReader> usual;
   Diagnostics why;
   try {
@@ -45,8 +50,8 @@ RecordHeader header_of(const RecordReader& reader, const std::string& path) {
   if (!header.notes.empty() && !header.notes.ends_with('\n')) header.notes += '\n';
   header.notes += fmt::format(
       "recovered by hydrapod {} from {}{}\n", base::version, base::printable(path),
-      reader.declared() ? fmt::format(", which was written with {} samples", *reader.declared())
-                        : "");
+      declared_by(reader) ? fmt::format(", which was written with {} samples", *declared_by(reader))
+                          : "");
   return header;
 }
 
@@ -57,13 +62,28 @@ void add_as_warnings(const Diagnostics& diagnostics, Diagnostics& all) {
   }
 }
 
+/// A checksum of the whole record says nothing of a part: the finding, and what the reader says of
+/// it. Where it holds, all is there, whatever the file says.
+void settle_checksum(const RecordReader& reader, bool ended_early, RecoverResult& result) {
+  result.has_checksum = reader.has_checksum();
+  result.checksum = reader.checksum();
+  if (result.checksum == ChecksumFinding::holds) result.declared = result.samples;
+  const bool part = ended_early || result.uneven || !result.complete ||
+                    (result.declared && result.samples < *result.declared);
+  if (!part || result.checksum != ChecksumFinding::differs) return;
+  result.checksum = ChecksumFinding::none;
+  std::erase_if(result.notes, [](const auto& note) { return note.message == checksum_differs; });
+}
+
 }  // namespace
 
 RecoverResult recover_record(const std::string& damaged, const std::string& to,
                              const RecoverOptions& options) {
   const auto reader = open_damaged(damaged, options.read);
   const RecordHeader header = header_of(*reader, damaged);
-  RecoverResult result{.declared = reader->declared(), .uneven = reader->uneven()};
+  RecoverResult result{.declared = declared_by(*reader),
+                       .unfinished = reader->unfinished(),
+                       .uneven = reader->uneven()};
   const auto writer = open_record_writer(to, header, options.format);
   Diagnostics ended;
   try {
@@ -86,7 +106,7 @@ RecoverResult recover_record(const std::string& damaged, const std::string& to,
     result.notes.push_back({.file = damaged, .message = "not one sample can be read"});
     throw base::InputError(std::move(result.notes));
   }
-  result.checksum = lacks_samples(*reader) ? ChecksumFinding::none : reader->checksum();
+  settle_checksum(*reader, !ended.empty(), result);
   result.file = writer->close(result.complete);
   const auto notes = writer->notes();
   result.notes.insert(result.notes.end(), notes.begin(), notes.end());

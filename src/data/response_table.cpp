@@ -133,7 +133,14 @@ class ResponseTable {
     }
   }
 
+  bool note_cut_line() {
+    notes_.add("the file is cut off within this line, which is left out", table_.line());
+    return false;
+  }
+
   bool take_row(std::string_view line) {
+    // hydrapod ends each line, so the last number may be cut off too
+    if (described_ && !table_.line_was_ended()) return note_cut_line();
     std::vector<double> row;
     base::TableCells cells(line, table_.style.separator);
     std::string_view cell;
@@ -146,10 +153,7 @@ class ResponseTable {
                     table_.line(), cells.column());
       row.push_back(value.value_or(std::numeric_limits<double>::quiet_NaN()));
     }
-    if (row.size() < head_.columns && !table_.line_was_ended()) {
-      notes_.add("the file is cut off within this line, which is left out", table_.line());
-      return false;
-    }
+    if (row.size() < head_.columns && !table_.line_was_ended()) return note_cut_line();
     if (row.size() < head_.columns)
       notes_.fail(fmt::format("{} fields instead of {}", row.size(), head_.columns), table_.line());
     rows_.push_back(std::move(row));

@@ -16,6 +16,9 @@ inline constexpr std::size_t rpc_most_records = 1024;  ///< that the format allo
 inline constexpr std::size_t rpc_most_channels = 128;
 inline constexpr int rpc_full_scale = 32752;  ///< where INT_FULL_SCALE says nothing
 
+/// 0 as long as more samples may come: a part of a killed run has it.
+inline constexpr const char* rpc_completed_key = "COMPLETED";
+
 /// Keys of hydrapod's own: HYDRAPOD_1, HYDRAPOD_2 … hold the header of the record as text.
 inline constexpr const char* rpc_own_key = "HYDRAPOD_";
 

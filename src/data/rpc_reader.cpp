@@ -314,8 +314,10 @@ class RpcReader final : public RecordReader {
       const std::int64_t declared = header.whole("SAMPLES", 0, most_points);
       count_ = std::min(*count_, declared);
       declared_ = declared;
+      if (header.text(rpc_completed_key) == "0") note_unfinished();
       return;
     }
+    if (declared_ && *count_ < *declared_) return;  // what fills the last group is cut off
     std::int64_t zeros = std::min(*count_, group_);
     column_.resize(static_cast<std::size_t>(zeros));
     for (std::int64_t c = 0; c < channels_ && zeros > 0; ++c) {
@@ -326,6 +328,7 @@ class RpcReader final : public RecordReader {
     }
     if (zeros == 0 || zeros == *count_ || zeros >= group_) return;
     *count_ -= zeros;
+    if (declared_) *declared_ -= zeros;
     notes_.add(
         fmt::format("the last {} samples of every channel are 0, as RPC III fills its last "
                     "group: left out",

@@ -83,6 +83,7 @@ class RpcWriter final : public RecordWriter {
   std::string finish(bool complete) override {
     if (filled_ > 0) put_group();
     for (std::size_t c = 0; c < states_.size(); ++c) note_channel(header_.channels[c].name, c);
+    ended_ = true;
     if (file_) {
       file_->write_at(0, header_bytes());
       return file_->close(complete);
@@ -192,6 +193,7 @@ class RpcWriter final : public RecordWriter {
                             {"PTS_PER_GROUP", fmt::format("{}", points_per_group)},
                             {"FRAMES", fmt::format("{}", frames)},
                             {"SAMPLES", fmt::format("{}", samples_)},
+                            {rpc_completed_key, ended_ ? "1" : "0"},
                             {"CHANNELS", fmt::format("{}", header_.channels.size())},
                             {"INT_FULL_SCALE", fmt::format("{}", rpc_full_scale)},
                             {"REPEATS", "1"},
@@ -299,6 +301,7 @@ class RpcWriter final : public RecordWriter {
   Samples group_;
   Eigen::Index filled_{};  ///< rows of group_
   std::int64_t samples_{}, told_{};
+  bool ended_{};                    ///< no more samples come
   std::vector<std::string> own_{};  ///< values behind keys of hydrapod's own
   Notes notes_;
 };

@@ -130,6 +130,7 @@ class SpoolReader final : public RecordReader {
                         held = (file_.size() - counts_.begin) / piece * counts_.rows;
     if (counts_.samples > held + counts_.rows) counts_.samples = held;
     count_ = static_cast<std::int64_t>(counts_.samples);
+    unfinished_ = true;
     notes_.add("the part of a record that was not completed: its end is missing");
     format_ = RecordFormat::uff;
     settle_channels(true);

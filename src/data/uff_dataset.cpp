@@ -220,7 +220,7 @@ bool UffValues::fill_from_line(Notes& notes) {
   if (offset_ >= function_.end) return false;
   const FileWindow::Line line = file_.line_at(offset_);
   unsigned bad = 0;
-  numbers_ = uff_line_numbers(line.text, uff_widths(function_), function_.free_form, bad);
+  numbers_ = uff_line_numbers(line.whole(), uff_widths(function_), function_.free_form, bad);
   taken_ = 0;
   if (bad > 0)
     notes.add(fmt::format("dataset {}: text where a number should be; the sample is taken as "

@@ -140,8 +140,11 @@ class UffReader final : public RecordReader {
     if (contents_.own.by_hydrapod(notes_) && use_own_header()) {
       settle_channels(true);
       stated_checksum_ = contents_.own.text_of(checksum_name);
+      if (chosen_.front().binary && stated_checksum_.empty()) notes_.add(absent_checksum);
       return begin_checksum();
     }
+    if (!contents_.own.text_of("sample_rate_hz").empty() && !contents_.own.by_hydrapod(notes_))
+      notes_.add(damaged_mark);
     header_.notes = origin_notes();
     name_by_place(header_.channels);
     make_names_unique(header_.channels);

@@ -43,11 +43,12 @@ class Scan {
   }
 
  private:
-  /// The next line; it holds until the next call.
+  /// The next line; it holds until the next call. Where the file ends within it, a number at its
+  /// end may be another one than was written, and is left out.
   bool next(std::string_view& line) {
     if (offset_ >= file_.size()) return false;
     const FileWindow::Line got = file_.line_at(offset_);
-    line = got.text;
+    line = is_delimiter(got.text) ? got.text : got.whole();
     offset_ = got.next;
     if (count_lines_) ++line_;
     return true;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 #include <limits>
 #include <map>
@@ -51,28 +52,42 @@ class VariablesReader final : public RecordReader {
     settle_channels(own);
     if (own) {
       stated_checksum_ = text(checksum_name);
+      if (stated_checksum_.empty()) notes_.add(absent_checksum);
+      if (stated_checksum_ == no_checksum_yet) note_unfinished();
       begin_checksum();
     }
     if (!own) guess_roles(header_.channels, notes_);
+    if (!own && find("sample_rate_hz") != nullptr && find("format_version") != nullptr)
+      notes_.add(damaged_mark);
   }
 
  private:
   std::int64_t read_values(Eigen::Ref<Samples> block) override {
-    if (!grid_) return read_rows(done_, block) ? block.rows() : 0;
+    if (!grid_) return read_rows(done_, block);
     std::int64_t rows = 0;
     Eigen::RowVectorXd values(block.cols());
     for (; rows < block.rows() && grid_->next(fetch_, values); ++rows) block.row(rows) = values;
     return rows;
   }
 
-  /// Samples as they stand in the file, from `first` on.
-  bool read_rows(std::int64_t first, Eigen::Ref<Samples> block) {
-    if (std::ranges::all_of(sources_,
-                            [&](const Source& s) { return read_source(s, first, block); }))
-      return true;
-    notes_.add(
-        fmt::format("the samples from {} on cannot be read: the file is damaged there", first + 1));
-    return false;
+  /// Samples as they stand in the file, from `first` on: how many, which are all up to the first
+  /// one that cannot be read.
+  std::int64_t read_rows(std::int64_t first, Eigen::Ref<Samples> block) {
+    const auto reads = [&](std::int64_t at, std::int64_t rows) {
+      return std::ranges::all_of(sources_, [&](const Source& s) {
+        return read_source(s, first + at, block.middleRows(at, rows));
+      });
+    };
+    const std::int64_t rows = block.rows();
+    if (reads(0, rows)) return rows;
+    std::int64_t good = 0;
+    for (auto n = std::bit_floor(static_cast<std::uint64_t>(rows)); n > 0; n /= 2)
+      if (const auto more = static_cast<std::int64_t>(n); good + more <= rows && reads(good, more))
+        good += more;
+    if (good == 0)
+      notes_.add(fmt::format("the samples from {} on cannot be read: the file is damaged there",
+                             first + 1));
+    return good;
   }
 
   void to_first_sample() override {
@@ -86,12 +101,11 @@ class VariablesReader final : public RecordReader {
     if (raw_at_ == raw_rows_) {
       constexpr std::int64_t most = 1024;
       const std::int64_t left = static_cast<std::int64_t>(length_) - raw_done_;
-      raw_rows_ = std::min(most, left);
+      raw_.resize(std::clamp<std::int64_t>(left, 0, most), row.cols());
+      raw_rows_ = raw_.rows() > 0 ? read_rows(raw_done_, raw_) : 0;
       raw_at_ = 0;
-      raw_.resize(std::max<std::int64_t>(raw_rows_, 0), row.cols());
-      raw_times_.resize(static_cast<std::size_t>(std::max<std::int64_t>(raw_rows_, 0)));
-      if (raw_rows_ <= 0 || !read_rows(raw_done_, raw_) ||
-          !read_times(static_cast<std::uint64_t>(raw_done_), raw_times_)) {
+      raw_times_.resize(static_cast<std::size_t>(raw_rows_));
+      if (raw_rows_ == 0 || !read_times(static_cast<std::uint64_t>(raw_done_), raw_times_)) {
         raw_rows_ = 0;
         return false;
       }
@@ -247,6 +261,18 @@ class VariablesReader final : public RecordReader {
     find_rate(times, options);
     take_texts();
     take_companions();
+    if (!grid_) find_declared();
+  }
+
+  /// Of a file that was cut off, by what its arrays say.
+  void find_declared() {
+    std::uint64_t most = length_;
+    for (const Source& source : sources_) {
+      const std::uint64_t lines = all()[source.variable].declared;
+      most = std::max(most, lines);
+      uneven_ = uneven_ || (lines > 0 && lines < length_);  // of channels, one behind the other
+    }
+    declared_ = static_cast<std::int64_t>(most);
   }
 
   void take_variable(std::size_t index, const Variable* times) {
@@ -264,14 +290,23 @@ class VariablesReader final : public RecordReader {
           fmt::format("variable '{}' is {} × {} and not of the record's length of {}: left out",
                       base::printable(v.name), v.fast, v.slow, length_),
           0, 0, "length");
+      uneven_ = uneven_ || v.declared > 0;
       return;
     }
     if (v.is_complex)
       notes_.add(fmt::format("variable '{}' is complex; its imaginary part is left out",
                              base::printable(v.name)));
     sources_.push_back({index, slow, header_.channels.size(), static_cast<std::size_t>(channels)});
-    const bool units = v.texts.size() == channels;
-    if (!units && v.texts.size() > 1)
+    const bool fit = v.texts.size() == channels, units = fit && (v.unit.empty() || channels > 1);
+    if (fit && !v.unit.empty())
+      if (const auto other = std::ranges::find_if(v.texts, [&](auto& t) { return t != v.unit; });
+          other != v.texts.end())
+        notes_.add(
+            fmt::format("variable '{}' has the unit \"{}\" by its attribute 'unit' and \"{}\" by "
+                        "'units': {} used",
+                        base::printable(v.name), base::printable(v.unit, 30),
+                        base::printable(*other, 30), units ? "'units' is" : "'unit' is"));
+    if (!fit && v.texts.size() > 1)
       notes_.add(fmt::format("variable '{}' has {} units for {} channel{}: not used",
                              base::printable(v.name), v.texts.size(), channels,
                              channels == 1 ? "" : "s"));

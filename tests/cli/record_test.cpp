@@ -142,19 +142,70 @@ TEST_F(Record, RecoverSaysWhatTheChecksumSays) {
   const std::string text = read_text(file("run.csv"));
   write_text(file("cut.csv"), text.substr(0, text.size() / 2));
   EXPECT_THAT(run({"recover", "cut.csv", "-o", "rest.h5"}).err,
-              HasSubstr(" samples were read; the file does not say how many there were; the "
-                        "checksum is one of the whole record"));
+              HasSubstr(" samples were read; the file does not say how many there were; no "
+                        "checksum vouches for what was read\n"));
   const auto own = run({"recover", "run.h5", "-o", "./run.h5", "--force"});
   EXPECT_EQ(own.exit_code, 2);
   EXPECT_THAT(own.err, HasSubstr("is the input"));
   write_text(file("short.h5"), read_text(file("run.h5")).substr(0, 300));
   const auto nothing = run({"recover", "short.h5", "-o", "none.h5"});
   EXPECT_EQ(nothing.exit_code, 2);
-  EXPECT_EQ(
-      nothing.err,
-      "short.h5: error: nothing can be recovered: the file is cut off before the index of its "
-      "samples\n");
+  EXPECT_EQ(nothing.err,
+            "short.h5: error: nothing can be recovered: no index of samples is found: the file is "
+            "cut off "
+            "before it, or another program wrote it\n");
   EXPECT_FALSE(std::filesystem::exists(file("none.h5")));
+}
+
+/// Of a file that was cut off within its samples. A checksum of the whole record vouches for no
+/// part and condemns none.
+TEST_F(Record, RecoverSaysOfAPartWhatIsKnown) {
+  const std::string whole = "the checksum is one of the whole record and cannot vouch for a part\n",
+                    none = "no checksum vouches for what was read\n",
+                    fewer = "cut: [0-9]+ of 10000 samples were read; ",
+                    uneven = "cut: 10000 samples were read, not of all channels; ";
+  const std::vector<std::pair<const char*, std::string>> said{
+      {"hdf5", fewer + whole},
+      {"mat73", fewer + whole},
+      {"mat5", fewer + whole},
+      {"csv", "cut: [0-9]+ samples were read; the file does not say how many there were; " + none},
+      {"uff", uneven + whole},
+      {"uff-ascii", uneven + none},
+      {"rpc", fewer + none},
+      {"rpc-short", fewer + none}};
+  for (const auto& [format, words] : said) {
+    EXPECT_EQ(run({"convert", "run.h5", "--format", format, "-o", "whole", "--force"}).exit_code,
+              0);
+    const std::string text = read_text(file("whole"));
+    write_text(file("cut"), text.substr(0, text.size() * 3 / 4));
+    const auto result = run({"recover", "cut", "-o", "rest.h5", "--force"});
+    EXPECT_EQ(result.exit_code, 0) << result.err;
+    EXPECT_THAT(result.err, testing::ContainsRegex(words)) << format;
+    EXPECT_THAT(result.err, testing::Not(HasSubstr("checksum does not hold"))) << format;
+    const auto complete = run({"recover", "whole", "-o", "rest.h5", "--force"});
+    const bool summed = words.ends_with(whole) || format == std::string("csv");
+    EXPECT_THAT(complete.err, HasSubstr("whole: all 10000 samples were read; " +
+                                        (summed ? std::string("the checksum holds\n") : none)))
+        << format;
+  }
+}
+
+TEST_F(Record, RecoverCountsASingleSampleAsOne) {
+  EXPECT_EQ(run({"cut", "run.h5", "--to", "5.001", "-o", "one.csv"}).exit_code, 0);
+  EXPECT_EQ(data::read_record(file("one.csv")).record.samples.rows(), 1);
+  EXPECT_THAT(run({"recover", "one.csv", "-o", "same.h5"}).err,
+              testing::EndsWith("one.csv: the only sample was read; the checksum holds\n"
+                                "wrote same.h5: 1 sample\n"));
+}
+
+TEST_F(Record, RecoverSaysWhereTheChecksumDoesNotHold) {
+  EXPECT_EQ(run({"convert", "run.h5", "-o", "run.mat"}).exit_code, 0);
+  std::string text = read_text(file("run.mat"));
+  text[text.size() - 1001] = static_cast<char>(text[text.size() - 1001] ^ 4);
+  write_text(file("run.mat"), text);
+  EXPECT_THAT(run({"recover", "run.mat", "-o", "rest.h5"}).err,
+              HasSubstr("run.mat: all 10000 samples were read; the checksum does not hold: not all "
+                        "is what was written\n"));
 }
 
 TEST_F(Record, ConvertsToRpcAndSaysWhatIntegersCannotHold) {

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "hydrapod/data/record_io.hpp"
+#include "library_files.hpp"
 #include "support/run_program.hpp"
 
 namespace hydrapod::test {
@@ -125,6 +126,46 @@ TEST(ForeignChannels, AnHdf5TableHasAUnitForEachColumn) {
   EXPECT_NEAR(got.record.samples(1, 2), 9.80665 * 84.0, 1e-9);
   EXPECT_THAT(table_in_hdf5(H5T_IEEE_F64LE, {"g", "g"}, nullptr).said,
               Contains(HasSubstr("variable 'acc' has 2 units for 3 channels: not used")));
+}
+
+/// A list of one channel has a unit of its own; a table has one for each column.
+TEST(ForeignChannels, TwoUnitsThatContradictEachOtherAreSaid) {
+  const TemporaryFolder folder;
+  const double rate = 100.0;
+  const std::vector<double> values{1.0, 3.5, 2.0, 0.25};
+  {
+    Hdf5File file(folder / "p.h5");
+    file.write("fs", H5T_NATIVE_DOUBLE, {}, &rate);
+    file.write("p", H5T_NATIVE_DOUBLE, {4}, values.data());
+    file.attribute("p", "unit", "bar");
+    file.attribute("p", "units", "Pa");
+  }
+  const auto list = read(folder / "p.h5");
+  EXPECT_EQ(list.record.header.channels[0].unit, "Pa");
+  EXPECT_EQ(list.record.samples(1, 0), 3.5e5);
+  EXPECT_THAT(list.said, Contains(HasSubstr("variable 'p' has the unit \"bar\" by its attribute "
+                                            "'unit' and \"Pa\" by 'units': 'unit' is used")));
+  {
+    Hdf5File file(folder / "t.h5");
+    file.write("fs", H5T_NATIVE_DOUBLE, {}, &rate);
+    file.write("p", H5T_NATIVE_DOUBLE, {2, 2}, values.data());
+    file.attribute("p", "unit", "bar");
+    const hid_t set = H5Dopen2(file.id(), "p", H5P_DEFAULT);
+    put_texts(set, "units", {"bar", "N"});
+    H5Dclose(set);
+  }
+  const auto table = read(folder / "t.h5");
+  EXPECT_EQ(table.record.samples(1, 0), 2e5);
+  EXPECT_EQ(table.record.samples(1, 1), 0.25);
+  EXPECT_THAT(table.said, Contains(HasSubstr("\"N\" by 'units': 'units' is used")));
+  {
+    Hdf5File file(folder / "s.h5");
+    file.write("fs", H5T_NATIVE_DOUBLE, {}, &rate);
+    file.write("p", H5T_NATIVE_DOUBLE, {4}, values.data());
+    file.attribute("p", "unit", "bar");
+    file.attribute("p", "units", "bar");
+  }
+  EXPECT_THAT(read(folder / "s.h5").said, Not(Contains(HasSubstr("by 'units'"))));
 }
 
 TEST(ForeignChannels, CountsWithAScaleAreSaidToBeCounts) {

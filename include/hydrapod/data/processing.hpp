@@ -134,7 +134,9 @@ class Resampler {
 /// | --------------- | ---------------------------------------------------------------------- |
 /// | HDF5, MAT 7.3   | of hydrapod: the samples that the file names and holds, see            |
 /// |                 | src/data/hdf5_remains.cpp; of other programs: nothing                  |
-/// | MAT 5, CSV, RPC | all samples that are there for all channels                            |
+/// | CSV             | all rows that end with a line end                                      |
+/// | MAT 5, RPC      | all samples that are there for all channels; of MAT files with one     |
+/// |                 | channel behind the other the channels that are there                   |
 /// | Universal File  | the channels that are there, the last one up to the damage             |
 struct RecoverOptions {
   RecordFormat format{};                   ///< of the new record
@@ -146,9 +148,12 @@ struct RecoverResult {
   std::string file{};                      ///< where the new record is
   std::int64_t samples{};                  ///< in it
   std::optional<std::int64_t> declared{};  ///< that the damaged record says it had
-  ChecksumFinding checksum{};              ///< of the whole record; none: not known, or a part only
-  bool uneven{};                           ///< channels are absent or end before others
-  bool complete{true};                     ///< not ended early
+  bool unfinished{};    ///< the damaged record was never completed: its writer was killed
+  bool has_checksum{};  ///< the damaged record states one
+  /// Of the whole record. None with has_checksum: there is only a part of what it is the sum of.
+  ChecksumFinding checksum{};
+  bool uneven{};        ///< channels are absent or end before others
+  bool complete{true};  ///< not ended early
   std::vector<base::Diagnostic> notes{};
 };
 
