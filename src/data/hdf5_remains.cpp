@@ -206,13 +206,15 @@ class Hdf5Remains final : public VariableFile {
 
   /// In the header of a record of hydrapod, which stands before its samples.
   bool holds_mark() {
-    const std::string_view mark = record_mark;
+    const std::string mark = record_mark;
+    std::string wide;  // as MATLAB has it, in UTF-16
+    for (const char letter : mark) wide += {letter, '\0'};
     constexpr std::size_t piece = 1U << 16U;
     for (std::uint64_t at = base_; at < std::min(file_.size(), base_ + searched_bytes);) {
       const std::string_view bytes = file_.at(at, piece);
-      if (bytes.find(mark) != bytes.npos) return true;
-      if (bytes.size() < mark.size()) break;
-      at += bytes.size() - mark.size() + 1;
+      if (bytes.find(mark) != bytes.npos || bytes.find(wide) != bytes.npos) return true;
+      if (bytes.size() < wide.size()) break;
+      at += bytes.size() - wide.size() + 1;
     }
     return false;
   }
