@@ -55,26 +55,6 @@ std::array<double, 2> magnitude_range(const Bode& bode, const Entry& entry) {
   return {low - 0.05 * span, high + 0.16 * span};
 }
 
-/// Ticks at 1, 2, 5 times powers of ten; in a band too narrow for them, evenly spaced round
-/// numbers.
-std::string frequency_ticks(double from, double to) {
-  std::vector<double> ticks;
-  const int lowest = static_cast<int>(std::floor(std::log10(from)));
-  const int highest = static_cast<int>(std::ceil(std::log10(to)));
-  for (int decade = lowest; decade <= highest; ++decade)
-    for (const int digit : {1, 2, 5}) ticks.push_back(digit * std::pow(10.0, decade));
-  std::erase_if(ticks, [&](double at) { return at < from || at > to; });
-  constexpr size_t enough = 3;
-  if (ticks.size() < enough) {
-    const double power = std::pow(10.0, std::floor(std::log10((to - from) / 2.0)));
-    const double steps = (to - from) / power;  // 2 … 20
-    const double step = power * (steps < 5.0 ? 0.5 : steps < 10.0 ? 1.0 : 2.0);
-    ticks.clear();
-    for (double k = std::ceil(from / step); k * step <= to; ++k) ticks.push_back(k * step);
-  }
-  return fmt::format("set xtics ({:.6g})\n", fmt::join(ticks, ", "));
-}
-
 /// Marks the peaks of a direct entry with their frequencies; unbounded ones stand at `top` [dB].
 std::string peak_labels(const Bode& bode, const Entry& entry, double top) {
   std::string text;
@@ -137,9 +117,9 @@ std::string bode_script(const Bode& bode, const std::vector<Entry>& entries, con
   const CellGrid cells(entries.size());
   const double from = bode.omega.front() / two_pi, to = bode.omega.back() / two_pi;
   std::string script = opened(terminal, file) + data_block(bode, entries);
-  script += "set multiplot\nset logscale x\n";
+  script += "set multiplot\n";
   script += std::string(thin_grid) + thin_axes;
-  script += fmt::format("set xrange [{:.9g}:{:.9g}]\n", from, to) + frequency_ticks(from, to);
+  script += logarithmic_frequencies(from, to);
   script += titles(text.title, text.subtitle, cells.height());
   for (size_t e = 0; e < entries.size(); ++e)
     script += entry_plots(bode, entries[e], e, split(cells[e], cells.height()),

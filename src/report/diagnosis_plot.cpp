@@ -15,7 +15,8 @@ namespace {
 using namespace diagnosis;
 
 using base::two_pi;
-constexpr double panel = 340.0;  // height of the first and the last [pixels]
+constexpr double panel = 340.0;     // height of the first and the last [pixels]
+constexpr double panel_top = 48.0;  // its title and legend [pixels]
 constexpr double row_height = 24.0;
 constexpr std::size_t most_rows = 14;
 
@@ -29,8 +30,34 @@ std::string place(const Layout& layout, double top, double bottom, double left) 
   return at_screen({left, 0.96, 1.0 - top / layout.all(), 1.0 - bottom / layout.all()});
 }
 
+/// A legend in a line between the title of a panel and its `top` [pixels].
+std::string key_above(const Layout& layout, double top) {
+  return fmt::format(
+      "set key at screen 0.525,{:.4f} center center horizontal samplen 2.5 font ',9'\n",
+      1.0 - (top - 11.0) / layout.all());
+}
+
+/// Where the modes of a pose begin: its name below them, and a line between it and the one before.
+std::string pose_marks(const Diagnosis& d, std::size_t first) {
+  const auto& pose = d.modes[first].pose;
+  if (first > 0 && d.modes[first - 1].pose == pose) return "";
+  std::size_t end = first + 1;
+  while (end < d.modes.size() && d.modes[end].pose == pose) ++end;
+  const double middle = 0.5 * static_cast<double>(first + 1 + end);
+  std::string s = fmt::format("set label {} at first {:.1f}, graph 0 offset 0,-2.3 center\n",
+                              quoted(pose.empty() ? "?" : pose), middle);
+  if (first > 0)
+    s += fmt::format(
+        "set arrow from first {0}.5, graph 0 to first {0}.5, graph 1 nohead lw 0.8 lc rgb "
+        "'#888888'\n",
+        first);
+  return s;
+}
+
 std::string measured_panel(const Diagnosis& d, const Layout& layout) {
   std::string s = "$m << END\n";
+  const bool several =
+      std::ranges::any_of(d.modes, [&](const auto& m) { return m.pose != d.modes.front().pose; });
   std::string labels = "set xtics ()\n";
   int k = 0;
   for (const auto& mode : d.modes) {
@@ -42,18 +69,19 @@ std::string measured_panel(const Diagnosis& d, const Layout& layout) {
     labels += fmt::format(
         "set xtics add ({} {})\n",
         quoted(mode.direction < 0 ? fmt::format("{}", k) : direction_name(mode.direction)), k);
+    if (several) labels += pose_marks(d, static_cast<std::size_t>(k - 1));
   }
   s += "END\n" + labels;
   s += fmt::format("set xrange [0.4:{}.6]\nset grid ytics back lt 1 lc rgb '#d0d0d0' lw 0.5\n", k);
-  s += place(layout, 0.1 * panel, 0.88 * panel, 0.09);
-  s += "set title 'Measured, rigid-leg model, best hypothesis'\nset ylabel 'Hz'\n";
+  s += place(layout, panel_top, (several ? 0.84 : 0.88) * panel, 0.09);
+  s += "set title 'Measured, rigid-leg model, best hypothesis' offset 0,1\nset ylabel 'Hz'\n";
   double low = d.modes.front().omega, high = low;
   for (const auto& mode : d.modes) {
     low = std::min({low, mode.omega, mode.omega_best});
     high = std::max({high, mode.omega, mode.omega_best, mode.omega_rigid});
   }
   constexpr double wide = 8.0;
-  s += "set key inside bottom right vertical\n";
+  s += key_above(layout, panel_top);
   s += high > wide * low ? fmt::format("set logscale y\nset yrange [{:.6g}:{:.6g}]\n",
                                        0.5 * low / two_pi, 1.3 * high / two_pi)
                          : "set yrange [0:*]\n";
@@ -61,7 +89,7 @@ std::string measured_panel(const Diagnosis& d, const Layout& layout) {
          "plot $m using 1:5 with points pt 8 ps 1.3 lw 1.5 lc rgb '#999999' title 'rigid', $m "
          "using 1:2:3 with yerrorbars pt 6 ps 1.6 lw 1.6 lc rgb '#d55e00' title 'measured (95 %)', "
          "$m using 1:4 with points pt 7 ps 0.7 lc rgb '#0072b2' title 'best hypothesis'\nunset "
-         "logscale y\n";
+         "logscale y\nunset label\nunset arrow\nset title offset 0,0\n";
 }
 
 /// Length of a bar: a logarithm above 1, and from zero on: the best has none.
@@ -112,6 +140,14 @@ std::string ranking_panel(const Diagnosis& d, const Layout& layout) {
          "set xtics auto\nset xtics format '%g'\n";
 }
 
+/// Of the curve [%].
+double highest_drop(const Remedy& r) {
+  double highest = 100.0 * r.today.drop;
+  for (const auto& point : r.curve)
+    if (point.omega > 0.0) highest = std::max(highest, 100.0 * point.drop);
+  return highest;
+}
+
 std::string curve_panel(const CaseFile& file, const Layout& layout) {
   const auto& r = *file.remedy;
   // down to where the legs fold: what is softer has no use
@@ -123,17 +159,19 @@ std::string curve_panel(const CaseFile& file, const Layout& layout) {
                      100.0 * first->drop);
   s += "END\nset yrange [*:*]\nset xrange [*:*]\nset ytics auto font ',9'\n";
   const double top = layout.measured + layout.ranking;
-  s += place(layout, top + 0.12 * panel, top + 0.84 * panel, 0.09);
+  s += place(layout, top + panel_top, top + 0.84 * panel, 0.09);
   s += "set grid back lt 1 lc rgb '#d0d0d0' lw 0.5\nset logscale x\nset xtics format '%.0s %c'\n";
   s += "set xlabel 'stiffness of the guide sleeves, N/m'\n";
-  s += fmt::format("set title {}\n",
+  s += fmt::format("set title {} offset 0,1\n",
                    quoted("Required stiffness of the guide sleeves: " + goal_words(file.goal)));
   const bool drop = file.goal.drop.has_value();
-  s += fmt::format("set key inside {} right vertical\n", drop ? "top" : "bottom");
+  s += key_above(layout, top + panel_top);
   s += drop ? "set ylabel 'largest drop below rigid legs, %'\n"
             : "set ylabel 'lowest resonance, Hz'\n";
   const int column = drop ? 3 : 2;
   const double goal = drop ? 100.0 * *file.goal.drop : file.goal.omega.value_or(0.0) / two_pi;
+  if (drop)  // the goal below the upper edge
+    s += fmt::format("set yrange [0:{:.6g}]\n", 1.15 * std::max(goal, highest_drop(r)));
   const auto value = [&](const RemedyPoint& p) { return drop ? 100.0 * p.drop : p.omega / two_pi; };
   s += fmt::format("$t << END\n{:.9g} {:.9g}\nEND\n$n << END\n{:.9g} {:.9g}\nEND\n",
                    r.today.stiffness, value(r.today), r.needed.stiffness, value(r.needed));

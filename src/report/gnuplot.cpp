@@ -152,6 +152,43 @@ Cell CellGrid::operator[](std::size_t index) const {
           top - h + 52.0 / height()};
 }
 
+namespace {
+
+/// `digits` times powers of ten, in the band.
+std::vector<double> decade_ticks(double from, double to, const std::vector<double>& digits) {
+  constexpr double rounding = 1e-9;
+  std::vector<double> ticks;
+  const int lowest = static_cast<int>(std::floor(std::log10(from))) - 1;
+  const int highest = static_cast<int>(std::ceil(std::log10(to)));
+  for (int decade = lowest; decade <= highest; ++decade)
+    for (const double digit : digits) ticks.push_back(digit * std::pow(10.0, decade));
+  std::erase_if(
+      ticks, [&](double at) { return at < from * (1.0 - rounding) || at > to * (1.0 + rounding); });
+  return ticks;
+}
+
+/// Four to eight round numbers, evenly spaced.
+std::vector<double> even_ticks(double from, double to) {
+  const double power = std::pow(10.0, std::floor(std::log10((to - from) / 2.0)));
+  const double steps = (to - from) / power;  // 2 … 20
+  const double step = power * (steps < 4.0 ? 0.5 : steps < 8.0 ? 1.0 : steps < 16.0 ? 2.0 : 4.0);
+  std::vector<double> ticks;
+  for (double k = std::ceil(from / step); k * step <= to; ++k) ticks.push_back(k * step);
+  return ticks;
+}
+
+}  // namespace
+
+std::string logarithmic_frequencies(double from, double to) {
+  constexpr std::size_t enough = 4, most = 11;  // twelve contain four powers of ten
+  auto ticks = decade_ticks(from, to, {1.0, 2.0, 5.0});
+  if (ticks.size() > most) ticks = decade_ticks(from, to, {1.0});
+  if (ticks.size() < enough) ticks = decade_ticks(from, to, {1.0, 1.5, 2.0, 3.0, 5.0, 7.0});
+  if (ticks.size() < enough && to > from) ticks = even_ticks(from, to);
+  return fmt::format("set logscale x\nset xrange [{:.9g}:{:.9g}]\nset xtics ({:.6g})\n", from, to,
+                     fmt::join(ticks, ", "));
+}
+
 std::string block_of(const std::string& name, const std::string& rows) {
   return fmt::format("${} << END\n{}END\n", name, rows);
 }

@@ -56,6 +56,10 @@ struct CellGrid {
   [[nodiscard]] Cell operator[](std::size_t index) const;
 };
 
+/// A logarithmic axis x over frequencies `from` … `to` [Hz] with four labels or more: 1, 2, 5 times
+/// powers of ten, the powers alone in a wide band, numbers closer together in a narrow one.
+std::string logarithmic_frequencies(double from, double to);
+
 /// The data `$name`; every line of `rows` has its end.
 std::string block_of(const std::string& name, const std::string& rows);
 /// Lines of column, row and value, both numbered from `first`.

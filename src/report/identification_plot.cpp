@@ -72,10 +72,13 @@ std::string data_block(const FrequencyResponses& r, const identification::ModalM
   return block_of("frf", text);
 }
 
-/// Over all of the frequencies.
+/// Over all of the frequencies, logarithmic where they are far apart.
 std::string frequency_axis(const FrequencyResponses& r) {
-  return fmt::format("{}set xrange [{:.9g}:{:.9g}]\n", thin_grid, r.frequency.front(),
-                     r.frequency.back());
+  constexpr double wide = 20.0;
+  const double from = r.frequency.front(), to = r.frequency.back();
+  return thin_grid + (to > wide * from && from > 0.0
+                          ? logarithmic_frequencies(from, to)
+                          : fmt::format("set xrange [{:.9g}:{:.9g}]\n", from, to));
 }
 
 /// Magnitude above phase of one entry.
@@ -122,15 +125,27 @@ void plot_responses(const FrequencyResponses& r, const identification::ModalMode
   std::string script =
       titles(text.title, text.subtitle + shown_of(r, pairs.size()), cells.height()) + thin_axes +
       data_block(r, model, pairs) + "set multiplot\n" + frequency_axis(r);
-  if (r.frequency.back() > 20.0 * r.frequency.front()) script += "set logscale x\n";
   for (std::size_t e = 0; e < pairs.size(); ++e)
     script += entry_plots(r, pairs[e], e, model != nullptr, split(cells[e], cells.height()),
                           e == 0 ? key_below_titles(cells.height()) : "unset key\n");
   draw(path, cells.width(), cells.height(), script + "unset multiplot\n");
 }
 
+namespace {
+
+std::string condition_panel() {
+  return "unset label\nunset key\n" + at_screen({0.08, 0.78, 0.39, 0.09}) +
+         "set format x '%g'\nset xlabel 'Hz'\nset ylabel 'condition of the inputs'\n"
+         "set logscale y\nset yrange [0.8:*]\nplot $c using 1:2 with lines lw 1 lc rgb "
+         "'#444444'\n";
+}
+
+}  // namespace
+
 void plot_coherence(const FrequencyResponses& r, const PlotText& text, const std::string& path) {
-  constexpr int width = 1000, height = 620;
+  const bool several = r.inputs.size() > 1;  // one has no condition
+  constexpr int width = 1000;
+  const int height = several ? 620 : 400;
   constexpr std::size_t most_named = 16;
   const std::size_t count = r.outputs.size();
   std::string rows, lines;
@@ -153,13 +168,13 @@ void plot_coherence(const FrequencyResponses& r, const PlotText& text, const std
     lines += ", $c using 1:3 with lines lw 1.4 lc rgb '#0072b2' title 'median'";
   draw(path, width, height,
        titles(text.title, text.subtitle, height) + thin_axes + block_of("c", rows) +
-           "set multiplot\n" + frequency_axis(r) + at_screen({0.08, 0.78, 0.89, 0.42}) +
-           "set yrange [0:1.02]\nset ylabel 'multiple coherence'\nset format x ''\n"
-           "set key at screen 0.79,0.89 left top Left reverse samplen 2 font ',9'\nplot " +
-           lines + "\nunset label\nunset key\n" + at_screen({0.08, 0.78, 0.39, 0.09}) +
-           "set format x '%g'\nset xlabel 'Hz'\nset ylabel 'condition of the inputs'\n"
-           "set logscale y\nset yrange [0.8:*]\nplot $c using 1:2 with lines lw 1 lc rgb "
-           "'#444444'\nunset multiplot\n");
+           "set multiplot\n" + frequency_axis(r) +
+           at_screen({0.08, 0.78, several ? 0.89 : 0.84, several ? 0.42 : 0.14}) +
+           "set yrange [0:1.02]\nset ylabel 'multiple coherence'\n" +
+           (several ? "set format x ''\n" : "set xlabel 'Hz'\n") +
+           fmt::format("set key at screen 0.79,{} left top Left reverse samplen 2 font ',9'\n",
+                       several ? 0.89 : 0.84) +
+           "plot " + lines + "\n" + (several ? condition_panel() : "") + "unset multiplot\n");
 }
 
 namespace {

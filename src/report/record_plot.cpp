@@ -13,7 +13,8 @@ namespace hydrapod::report {
 namespace {
 
 constexpr std::size_t most_stretches = 4000;
-constexpr int row_height = 130, picture_width = 1200, top_band = 40, bottom_band = 50;  // [px]
+constexpr int name_band = 18;  // above a row [px]
+constexpr int row_height = 146, picture_width = 1200, top_band = 40, bottom_band = 50;  // [px]
 
 double lower(double a, double b) { return std::isnan(a) || b < a ? b : a; }
 double higher(double a, double b) { return std::isnan(a) || b > a ? b : a; }
@@ -48,25 +49,26 @@ std::string spectrum_block(const data::Spectrum& spectrum, const std::vector<std
 }
 
 std::string row_script(const data::Channel& channel, double top, double bottom, std::size_t row,
-                       bool last, bool whole, bool with_spectrum) {
+                       bool last, bool whole, const data::Spectrum& spectrum) {
   const std::string unit = channel.unit.empty() ? "?" : channel.unit;
-  std::string text =
-      at_screen({0.11, 0.60, top, bottom}) + "set key at graph 0.995,1.0 right top\n";
-  text += fmt::format("unset logscale\nset format x '{}'\nset xlabel '{}'\nset ylabel {}\n",
-                      last ? "%g" : "", last ? "s" : "", quoted(unit));
+  std::string text = at_screen({0.11, 0.60, top, bottom}) +
+                     fmt::format("set label 2 {} at graph 0,1 offset 0,0.6 left font ',9'\n",
+                                 quoted(channel.name));
+  text += fmt::format(
+      "unset logscale\nset xrange [*:*]\nset xtics autofreq\nset format x '{}'\nset xlabel "
+      "'{}'\nset ylabel {}\n",
+      last ? "%g" : "", last ? "s" : "", quoted(unit));
   const std::size_t low = 2 + 2 * row, high = low + 1;
-  text += whole ? fmt::format("plot $traces using 1:{} with lines lw 1 lc rgb '#0072b2' title {}\n",
-                              low, quoted(channel.name))
-                : fmt::format(
-                      "plot $traces using 1:{}:{} with filledcurves lc rgb '#0072b2' title "
-                      "{}\n",
-                      low, high, quoted(channel.name));
-  if (!with_spectrum) return text;
-  text += at_screen({0.69, 0.985, top, bottom}) + "unset key\nset logscale x\n";
+  text += whole ? fmt::format("plot $traces using 1:{} with lines lw 1 lc rgb '#0072b2'\n", low)
+                : fmt::format("plot $traces using 1:{}:{} with filledcurves lc rgb '#0072b2'\n",
+                              low, high);
+  text += "unset label 2\n";
+  if (spectrum.segments == 0 || spectrum.frequency.size() < 3) return text;
+  const auto& f = spectrum.frequency;
+  text += at_screen({0.69, 0.985, top, bottom}) + logarithmic_frequencies(f[1], f[f.size() - 1]);
   text += fmt::format("set format x '{}'\nset xlabel '{}'\nset ylabel {}\n", last ? "%g" : "",
                       last ? "Hz" : "", quoted("dB re 1 (" + unit + ")²/Hz"));
-  return text + fmt::format("plot $spectra using 1:{} with lines lw 1 lc rgb '#d55e00' notitle\n",
-                            2 + row);
+  return text + fmt::format("plot $spectra using 1:{} with lines lw 1 lc rgb '#d55e00'\n", 2 + row);
 }
 
 }  // namespace
@@ -109,20 +111,20 @@ void plot_record(const data::RecordHeader& header, const TraceBuilder& traces,
                  const std::string& path) {
   const int rows = static_cast<int>(shown.size());
   const int height = rows * row_height + top_band + bottom_band;
-  const bool with_spectrum = overview.spectrum.segments > 0;
   std::string script = trace_block(header, traces, shown);
-  if (with_spectrum) script += spectrum_block(overview.spectrum, shown);
-  script += std::string("set multiplot\nset datafile missing 'nan'\n") + thin_grid + thin_axes +
+  if (overview.spectrum.segments > 0) script += spectrum_block(overview.spectrum, shown);
+  script += std::string("set multiplot\nunset key\nset datafile missing 'nan'\n") + thin_grid +
+            thin_axes +
             "set tics font ',8'\nset ylabel font ',8' offset 1,0\n"
             "set xlabel offset 0,0.6\nset ytics autofreq\nset style fill solid 1.0\n";
   script += fmt::format("set label 1 {} at screen 0.5,{:.4f} center font ',13'\n",
                         quoted(header.title.empty() ? path : header.title), 1.0 - 20.0 / height);
   for (int row = 0; row < rows; ++row) {
-    const double top = 1.0 - static_cast<double>(top_band + row * row_height) / height;
+    const double top = 1.0 - static_cast<double>(top_band + name_band + row * row_height) / height;
     const auto k = static_cast<std::size_t>(row);
     script += row_script(header.channels[shown[k]], top,
-                         top - static_cast<double>(row_height - 12) / height, k, row + 1 == rows,
-                         traces.samples_per_stretch() == 1, with_spectrum);
+                         top - static_cast<double>(row_height - name_band - 12) / height, k,
+                         row + 1 == rows, traces.samples_per_stretch() == 1, overview.spectrum);
     script += "unset label 1\n";
   }
   draw(path, picture_width, height, script + "unset multiplot\n");

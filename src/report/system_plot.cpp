@@ -89,11 +89,11 @@ void plot_root_locus(const RootLocus& locus, const std::string& title, const std
 void plot_command_response(const CommandResponse& response, const std::string& title,
                            const std::string& subtitle, const std::string& path) {
   std::string text = beginning(title, subtitle) + response_block(response);
-  text += fmt::format("set multiplot\nset logscale x\nset xrange [{:.9g}:{:.9g}]\n",
-                      response.omega.front() / two_pi, response.omega.back() / two_pi);
-  text += at_screen({0.09, 0.97, 1.0 - 66.0 / plane_height, 0.42}) +
-          "set format x ''\nset ylabel 'dB, platform / command'\nset yrange [-40:*]\n"
-          "set key bottom left font ',10'\n";
+  text += "set multiplot\n" +
+          logarithmic_frequencies(response.omega.front() / two_pi, response.omega.back() / two_pi);
+  text += at_screen({0.09, 0.97, 1.0 - 88.0 / plane_height, 0.42}) +
+          "set format x ''\nset ylabel 'dB, platform / command'\nset yrange [-40:*]\n" +
+          key_below_titles(plane_height);
   text += six_curves(2) + "unset label 101\nunset label 102\nunset key\n";
   text += at_screen({0.09, 0.97, 0.40, 0.08}) +
           "set format x '%g'\nset xlabel 'Hz'\nset ylabel 'phase °'\nset yrange [-360:30]\n"
