@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <memory>
 #include <stdexcept>
@@ -131,13 +132,33 @@ ClosedLoop bounded_loop(const model::Machine& machine, const spatial::Pose& pose
   }
 }
 
+bool is_trajectory(const signals::Signal& signal) {
+  return std::holds_alternative<signals::Trajectory>(signal.form);
+}
+
+/// The same at any sample rate, and as smooth between samples as it is at them.
+bool is_function_of_time(const signals::Signal& signal) {
+  return is_trajectory(signal) || std::holds_alternative<signals::Step>(signal.form) ||
+         std::holds_alternative<signals::Sine>(signal.form) ||
+         std::holds_alternative<signals::Sweep>(signal.form);
+}
+
 /// Throws for a motion that cannot be; returns what else there is to say: valves too small for it.
 std::vector<std::string> require_possible(const Machine& machine, const ClosedLoop& loop,
+                                          const std::vector<signals::Signal>& commands,
                                           signals::Generator& signal, double until) {
+  auto parameters = loop.parameters();
+  std::optional<signals::Generator> finer;
+  // a trajectory with a point per sample may be at rest at all of them and fast between them
+  if (std::ranges::any_of(commands, is_trajectory) &&
+      std::ranges::all_of(commands, is_function_of_time)) {
+    parameters.sample_time /= 4.0;
+    finer.emplace(commands, 1.0 / parameters.sample_time);
+  }
   std::vector<base::Diagnostic> errors;
   std::vector<std::string> warnings;
-  for (const auto& finding : simulation::check_motion(loop.plant(), loop.parameters(),
-                                                      machine.pose.X_BP, signal, until)) {
+  for (const auto& finding : simulation::check_motion(loop.plant(), parameters, machine.pose.X_BP,
+                                                      finer ? *finer : signal, until)) {
     if (finding.severity == base::Severity::error)
       errors.push_back({.file = "the commanded motion", .message = finding.message});
     else
@@ -145,6 +166,19 @@ std::vector<std::string> require_possible(const Machine& machine, const ClosedLo
   }
   if (!errors.empty()) throw base::InputError(errors);
   return warnings;
+}
+
+/// The drives change at each sample, and no step goes on beyond a change.
+void note_shorter_steps(const ClosedLoop& loop, const simulation::IntegratorOptions& integrator,
+                        std::vector<std::string>& warnings) {
+  const double longest = std::min(loop.parameters().sample_time, loop.output_interval());
+  constexpr double rounding = 1e-9;
+  if (integrator.method == simulation::Method::fixed &&
+      integrator.fixed_step > longest * (1.0 + rounding))
+    warnings.push_back(
+        fmt::format("the fixed integrator takes steps of at most {:.6g} ms, not {:.6g} ms: no step "
+                    "goes on beyond a sample of the controller or an output",
+                    1e3 * longest, 1e3 * integrator.fixed_step));
 }
 
 /// When the last step of each direction comes, and how near to its end a settled platform stays.
@@ -185,7 +219,8 @@ report::Simulation simulate(const Machine& machine, const SimulateOptions& optio
   result.loop.until = result.until;
   signals::Generator signal(commands, rate, options.loop.seed);
   auto loop = bounded_loop(of, machine.pose.X_BP, result.loop, "--until");
-  result.warnings = require_possible(machine, loop, signal, result.until);
+  result.warnings = require_possible(machine, loop, commands, signal, result.until);
+  note_shorter_steps(loop, result.loop.integrator, result.warnings);
   for (const auto& command : commands) result.commands.push_back(signals::signal_text(command));
   expect_steps(commands, result);
   fill_in(loop, result);

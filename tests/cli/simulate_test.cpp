@@ -56,6 +56,34 @@ TEST(Simulate, JsonHoldsTheRunAndItsHistories) {
   EXPECT_NEAR(trace.at("motion").at(2).back().get<double>(), 2e-3, 2e-5);
 }
 
+/// At rest at each of its points, a sample apart, and too fast between them.
+TEST(Simulate, WarnsOfATrajectoryThatIsFastBetweenSamples) {
+  const TemporaryFolder folder;
+  test::write_text(folder / "fast.csv", "time [s], z [mm]\n0, 0\n0.001, 7.3\n0.002, 0\n");
+  test::write_text(folder / "slow.csv", "time [s], z [mm]\n0, 0\n0.4, 7.3\n0.8, 0\n");
+  const auto command = [&](const char* name) {
+    return run_hydrapod({"simulate", published, "--command", std::string("file ") + name, "--until",
+                         "0.02", "--model", "rigid"},
+                        {.folder = folder.path()});
+  };
+  EXPECT_THAT(command("fast.csv").err, AllOf(HasSubstr("warning: leg 1 must extend at "),
+                                             HasSubstr("m/s at 0.0005 s, its valve gives ")));
+  const auto slow = command("slow.csv");
+  EXPECT_EQ(slow.exit_code, 0);
+  EXPECT_THAT(slow.err, testing::Not(HasSubstr("warning")));
+}
+
+TEST(Simulate, SaysThatStepsEndAtSamples) {
+  const auto err = [](const char* step) {
+    return run_hydrapod({"simulate", published, "--command", "step z=1 mm", "--until", "0.02",
+                         "--model", "rigid", "--integrator", "fixed", "--step", step})
+        .err;
+  };
+  EXPECT_THAT(err("50 ms"), HasSubstr("warning: the fixed integrator takes steps of at most 1 ms, "
+                                      "not 50 ms: no step goes on beyond a sample"));
+  EXPECT_THAT(err("1 ms"), testing::Not(HasSubstr("warning")));
+}
+
 /// The same samples in every format, with names, units and the machine file.
 TEST(Simulate, WritesRecordsThatSayWhatTheyAre) {
   const TemporaryFolder folder;
