@@ -125,10 +125,12 @@ TEST(IdentificationWords, OfPoles) {
   EXPECT_STREQ(words(identification::PoleStability::fresh), "new");
 }
 
-/// Outputs by what they move, in proportion to their own responses; signs against the first.
+/// Outputs by what they move, in proportion to their own responses where they have several units;
+/// signs against the first.
 TEST(IdentificationWords, OfMotions) {
   identification::Identification found;
-  found.responses.outputs = {{.name = "x"}, {.name = "y"}, {.name = "ry"}, {.name = "z"}};
+  found.responses.outputs = {
+      {.name = "x", .unit = "m"}, {.name = "y"}, {.name = "ry", .unit = "rad"}, {.name = "z"}};
   Eigen::MatrixXcd H(4, 2);
   H << 3.0, 4.0, 0.6, 0.8, 0.0, 2.0, 5.0, 12.0;  // sizes 5, 1, 2 and 13
   found.responses.H = {H};
@@ -137,6 +139,10 @@ TEST(IdentificationWords, OfMotions) {
   mode.fit.shape = Eigen::VectorXcd(4);
   mode.fit.shape << 5.0 * turn, -0.43 * turn, 2.0 * 0.261 * turn, 13.0 * 0.19 * turn;
   found.modes = {mode};
+  EXPECT_THAT(motion_words(found), testing::ElementsAre("x 1.00, −y 0.43, ry 0.26"));
+  for (auto& output : found.responses.outputs) output.unit = "m/s²";  // now it is the shape
+  EXPECT_THAT(motion_words(found), testing::ElementsAre("x 1.00, z 0.49"));
+  for (auto& output : found.responses.outputs) output.unit = "";  // not known to be the same
   EXPECT_THAT(motion_words(found), testing::ElementsAre("x 1.00, −y 0.43, ry 0.26"));
   found.modes[0].repeated = 2;  // its fitted shape is some mixture
   found.modes[0].displacement = Eigen::VectorXcd(4);

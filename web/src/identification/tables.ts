@@ -32,16 +32,20 @@ function headed(columns: [string, boolean][]): HTMLElement {
 
 const numeric = (text: string) => html('td', { class: 'numeric' }, text);
 
-/** The outputs that move most, each in proportion to the size of its own responses; of poles that the
- * reader has chosen. */
+/** The outputs that move most, in one unit as they are, else each in proportion to the size of its own
+ * responses; of poles that the reader has chosen. */
 function moving(data: Identification, fit: Fit, index: number): string {
+  const { unit } = data.outputs[0];
+  const inOneUnit = unit !== '' && data.outputs.every((channel) => channel.unit === unit);
   const shares = data.outputs.map((channel, o) => {
-    const size = Math.sqrt(
-      data.responses.response[o].reduce(
-        (all, h) => h.re.reduce((sum, re, k) => sum + re * re + h.im[k] * h.im[k], all),
-        0,
-      ),
-    );
+    const size = inOneUnit
+      ? 1
+      : Math.sqrt(
+          data.responses.response[o].reduce(
+            (all, h) => h.re.reduce((sum, re, k) => sum + re * re + h.im[k] * h.im[k], all),
+            0,
+          ),
+        );
     const motion = fit.shapes[index][o];
     return { name: channel.name, motion, share: size > 0 ? Math.hypot(motion.re, motion.im) / size : 0 };
   });
