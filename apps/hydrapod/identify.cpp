@@ -62,6 +62,21 @@ std::string harmonic_text(const data::Harmonic& harmonic,
                      harmonic.frequency, amplitude, channel.unit, channel.name);
 }
 
+/// Then the shapes are shown as they are.
+bool has_one_unit(const std::vector<data::Channel>& outputs) {
+  return !outputs.front().unit.empty() && std::ranges::all_of(outputs, [&](const auto& o) {
+    return o.unit == outputs.front().unit;
+  });
+}
+
+/// Does a pole lie further outside the band than the band is wide? It then stands for what goes on
+/// there, as residual terms do.
+bool stands_for_what_is_outside(const identification::Identification& result,
+                                const identification::FittedMode& pole) {
+  const double frequency = pole.omega() / two_pi, width = result.to - result.from;
+  return frequency > result.to + width || frequency < result.from - width;
+}
+
 std::string modes_text(const tasks::Identified& checks, const TableStyle& style) {
   const auto& result = checks.modes;
   const auto& measured = checks.measured;
@@ -105,6 +120,10 @@ std::string modes_text(const tasks::Identified& checks, const TableStyle& style)
   if (result.model.misfit > 0.0)
     text += fmt::format(", {:.2f} times their noise (mean square)", result.model.misfit);
   text += ".\n";
+  if (!result.modes.empty() && !has_one_unit(result.responses.outputs))
+    text +=
+        "Motion: each output in proportion to the size of its own responses, because the outputs "
+        "have no unit in common. The shapes themselves are in the files of -o.\n";
   if (checks.bootstrap)
     text += fmt::format(
         "Bootstrap: {} resamples of {} groups of blocks, relative uncertainty {:.0f} %.\n",
@@ -113,9 +132,10 @@ std::string modes_text(const tasks::Identified& checks, const TableStyle& style)
   for (const auto& h : result.responses.harmonics)
     text += harmonic_text(h, result.responses.outputs);
   for (const auto& m : result.heavily_damped)
-    text += fmt::format(
-        "Heavily damped pole, not counted as a mode: {:.3f} Hz, damping ratio {:.0f} %.\n",
-        m.omega() / two_pi, 100.0 * m.damping_ratio());
+    if (!stands_for_what_is_outside(result, m))
+      text += fmt::format(
+          "Heavily damped pole, not counted as a mode: {:.3f} Hz, damping ratio {:.0f} %.\n",
+          m.omega() / two_pi, 100.0 * m.damping_ratio());
   return text;
 }
 
