@@ -167,11 +167,15 @@ std::vector<double> decade_ticks(double from, double to, const std::vector<doubl
   return ticks;
 }
 
-/// Four to eight round numbers, evenly spaced.
+/// Four to ten round numbers, evenly spaced; fewer of them where their distances differ much.
 std::vector<double> even_ticks(double from, double to) {
   const double power = std::pow(10.0, std::floor(std::log10((to - from) / 2.0)));
   const double steps = (to - from) / power;  // 2 … 20
-  const double step = power * (steps < 4.0 ? 0.5 : steps < 8.0 ? 1.0 : steps < 16.0 ? 2.0 : 4.0);
+  const bool even = to < 2.0 * from;
+  const double step = power * (steps < 4.0            ? 0.5
+                               : steps < 8.0          ? 1.0
+                               : steps < 16.0 || even ? 2.0
+                                                      : 4.0);
   std::vector<double> ticks;
   for (double k = std::ceil(from / step); k * step <= to; ++k) ticks.push_back(k * step);
   return ticks;
