@@ -11,13 +11,16 @@
 namespace hydrapod::data {
 
 struct ChannelUnit {
-  double factor{1.0};  ///< sample in SI = factor × sample in the file
-  std::string unit{};  ///< what Channel::unit becomes
-  bool known{true};    ///< false: neither SI nor convertible, kept as it is
+  double factor{1.0};        ///< sample in SI = factor × sample in the file
+  std::string unit{};        ///< what Channel::unit becomes
+  bool known{true};          ///< false: neither SI nor convertible, kept as it is
+  std::string left_aside{};  ///< of what was written: no part of a unit
 };
 
 /// "g" is the acceleration of gravity here and "mg" a thousandth of it, "Nm" a newton metre, "ms-2"
-/// m/s², "m/s**2" too, "sec" a second; "-" is "1".
+/// m/s², "m/s**2" too, "sec" a second; "-" is "1". "ft-lb" and the like are moments. What says how
+/// a pressure is counted ("bar(g)", "psia") or which value of a vibration it is ("m/s2 pk") is left
+/// aside.
 ChannelUnit channel_unit(std::string_view written);
 
 /// Gives `channel` its unit and returns the factor of its samples. A conversion is noted, and a
@@ -27,7 +30,7 @@ double use_unit(Channel& channel, const ChannelUnit& unit, const std::string& wr
 
 /// Turns the units of `channels`, as the file has them, into SI and returns the factors of their
 /// samples. What was converted is noted, and what is not understood too, unless hydrapod wrote the
-/// file.
+/// file. "lb" of a channel that is a force by its name is lbf.
 std::vector<double> to_si(std::vector<Channel>& channels, Notes& notes, bool by_hydrapod);
 
 /// Names as a record wants them: none empty, one line, unique ("pressure", "pressure (2)").

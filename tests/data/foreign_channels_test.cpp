@@ -56,6 +56,48 @@ TEST(ForeignChannels, UnitsAreThoseOfVibrations) {
   }
 }
 
+TEST(ForeignChannels, WhatStandsBehindAUnitIsNoFactor) {
+  struct Case {
+    const char* written;
+    double factor;
+    const char* unit;
+  };
+  for (const Case& c : {Case{"bar(g)", 1e5, "Pa"}, Case{"bar (a)", 1e5, "Pa"},
+                        Case{"bar g", 1e5, "Pa"}, Case{"psig", 6894.757293168361, "Pa"},
+                        Case{"kPa abs", 1e3, "Pa"}, Case{"m/s2 pk", 1.0, "m/s2"},
+                        Case{"mm/s rms", 1e-3, "m/s"}, Case{"g pk-pk", 9.80665, "m/s^2"}}) {
+    SCOPED_TRACE(c.written);
+    const auto got =
+        table("time [s],q [" + std::string(c.written) + "]\n0,2.5\n0.01,-3.25\n0.02,1\n");
+    EXPECT_EQ(got.record.header.channels[0].unit, c.unit);
+    EXPECT_NEAR(got.record.samples(1, 0), -3.25 * c.factor, 1e-9 * c.factor);
+    EXPECT_THAT(got.said, Contains(HasSubstr("behind its unit is left aside")));
+  }
+  for (const std::string unit : {"m/s2 pk2", "N min", "pk", "N a"}) {
+    SCOPED_TRACE(unit);
+    const auto got = table("time [s],q [" + unit + "]\n0,2.5\n0.01,-3.25\n0.02,1\n");
+    EXPECT_EQ(got.record.samples(1, 0), -3.25);
+    EXPECT_EQ(got.record.header.channels[0].unit, unit);
+    EXPECT_THAT(got.said, Contains(HasSubstr("is not known")));
+  }
+}
+
+TEST(ForeignChannels, PoundsAreForcesWhereTheNameOrALengthSaysSo) {
+  constexpr double lbf = 4.4482216152605, foot = 0.3048;
+  const auto got = table(
+      "time [s],force [lb],F2 [lbs],crate [lb],torque [ft-lb],M [lb-in]\n"
+      "0,1,2,3,4,5\n0.01,2,1,4,3,9\n0.02,5,3,1,1,2\n");
+  std::vector<std::string> units;
+  for (const auto& channel : got.record.header.channels) units.push_back(channel.unit);
+  EXPECT_THAT(units, testing::ElementsAre("N", "N", "kg", "N m", "N m"));
+  EXPECT_NEAR(got.record.samples(2, 0), 5.0 * lbf, 1e-12);
+  EXPECT_NEAR(got.record.samples(1, 1), lbf, 1e-12);
+  EXPECT_NEAR(got.record.samples(1, 2), 4.0 * 0.45359237, 1e-12);
+  EXPECT_NEAR(got.record.samples(1, 3), 3.0 * foot * lbf, 1e-12);
+  EXPECT_NEAR(got.record.samples(1, 4), 9.0 * foot / 12.0 * lbf, 1e-12);
+  EXPECT_THAT(got.said, Contains(HasSubstr("\"force\": \"lb\" is taken for lbf")));
+}
+
 TEST(ForeignChannels, TimesWithoutAUnitThatMakeASlowRateAreNamed) {
   const std::string rows = "0,1\n3.90625,2\n7.8125,4\n11.71875,3\n";
   EXPECT_THAT(table("time,a\n" + rows).said,
