@@ -354,12 +354,8 @@ class CsvReader final : public RecordReader {
     header_.sample_rate = grid.rate;
     header_.start = grid.start;
     header_.date = times_->date();
-    constexpr double slow = 2.0;  // [Hz]; nobody records vibrations so slowly
-    if (assumed_seconds_ && !times_->stamps() && grid.rate < slow)
-      notes_.add(
-          fmt::format("the times have no unit and are taken for seconds, which makes {:.4g} "
-                      "Hz; a title such as \"time [ms]\" states another",
-                      grid.rate));
+    if (assumed_seconds_ && !times_->stamps())
+      note_assumed_seconds(grid.rate, "a title such as \"time [ms]\" states another", notes_);
     grid_.emplace(grid, static_cast<Eigen::Index>(header_.channels.size()));
   }
 

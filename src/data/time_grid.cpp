@@ -386,4 +386,12 @@ void GridRows::interpolate(std::size_t right, double time,
     if (!std::isnan(cubic[c])) out[c] = cubic[c];
 }
 
+void note_assumed_seconds(double rate, std::string_view remedy, Notes& notes) {
+  constexpr double slow = 2.0;  // [Hz]
+  if (rate < slow)
+    notes.add(
+        fmt::format("the times have no unit and are taken for seconds, which makes {:.4g} Hz; {}",
+                    rate, remedy));
+}
+
 }  // namespace hydrapod::data

@@ -108,4 +108,8 @@ class GridRows {
   bool timed_{}, ended_{};
 };
 
+/// A note where times without a unit, taken for seconds, make a rate at which nobody records
+/// vibrations. `remedy`: what states another unit.
+void note_assumed_seconds(double rate, std::string_view remedy, Notes& notes);
+
 }  // namespace hydrapod::data

@@ -98,6 +98,30 @@ TEST(ForeignChannels, PoundsAreForcesWhereTheNameOrALengthSaysSo) {
   EXPECT_THAT(got.said, Contains(HasSubstr("\"force\": \"lb\" is taken for lbf")));
 }
 
+TEST(ForeignChannels, TimesInHdf5WithoutAUnitThatMakeASlowRateAreNamed) {
+  const TemporaryFolder folder;
+  for (const std::string unit : {"", "ms"}) {
+    const std::string path = folder / ("t" + unit + ".h5");
+    {
+      Hdf5File file(path);
+      std::vector<double> times(40), values(40);
+      for (std::size_t k = 0; k < times.size(); ++k) {
+        times[k] = 3.90625 * static_cast<double>(k);
+        values[k] = 0.37 * static_cast<double>(k % 7);
+      }
+      file.write("time", H5T_NATIVE_DOUBLE, {times.size()}, times.data());
+      file.write("a1", H5T_NATIVE_DOUBLE, {values.size()}, values.data());
+      if (!unit.empty()) file.attribute("time", "units", unit);
+    }
+    const auto got = read(path);
+    const auto slow = Contains(HasSubstr("taken for seconds, which makes 0.256 Hz"));
+    if (unit.empty())
+      EXPECT_THAT(got.said, slow);
+    else
+      EXPECT_THAT(got.said, Not(slow));
+  }
+}
+
 TEST(ForeignChannels, TimesWithoutAUnitThatMakeASlowRateAreNamed) {
   const std::string rows = "0,1\n3.90625,2\n7.8125,4\n11.71875,3\n";
   EXPECT_THAT(table("time,a\n" + rows).said,
