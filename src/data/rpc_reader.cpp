@@ -390,25 +390,48 @@ class RpcReader final : public RecordReader {
 
   // integers at their full scale
 
+  /// Runs of three or more that are no rounded top: there the sample next to a run of n is at most
+  /// (1 + 2/n)² integers below. Where every sample is held for a while, runs are everywhere.
   struct Clipping {
     std::int64_t run{}, samples{};
+    std::int64_t pending{};  ///< samples of a run, the one after which is the last
+    double last{std::numeric_limits<double>::quiet_NaN()}, before_last{last}, before_run{last};
+    bool was_held{};  ///< what came before the run
   };
+
+  [[nodiscard]] bool is_steep(double beside, std::int64_t run) const {
+    const double rounded = std::pow(1.0 + 2.0 / static_cast<double>(run), 2) + 1.0;
+    return !(full_scale_ - std::abs(beside) <= rounded);  // or not known
+  }
 
   void watch_limits(Eigen::Index channel, double integer) {
     Clipping& c = clipping_[static_cast<std::size_t>(channel)];
     constexpr std::int64_t least_run = 3;  // one sample at full scale is what a scale is made from
-    c.run = std::abs(integer) >= full_scale_ ? c.run + 1 : 0;
-    if (c.run == least_run) c.samples += least_run;
-    if (c.run > least_run) ++c.samples;
+    if (integer != c.last) c.samples += c.pending;
+    c.pending = 0;
+    if (std::abs(integer) >= full_scale_) {
+      if (c.run++ == 0) {
+        c.before_run = c.last;
+        c.was_held = c.last == c.before_last;
+      }
+    } else {
+      if (c.run >= least_run && !c.was_held && is_steep(c.before_run, c.run) &&
+          is_steep(integer, c.run))
+        c.pending = c.run;
+      c.run = 0;
+    }
+    c.before_last = c.last;
+    c.last = integer;
   }
 
   void note_clipping() {
     for (std::size_t c = 0; c < clipping_.size(); ++c)
-      if (clipping_[c].samples > 0)
-        notes_.add(fmt::format(
-            "channel \"{}\": {} samples are at the full scale of ±{}, in runs "
-            "of three or more: clipped",
-            base::printable(header_.channels[c].name), clipping_[c].samples, full_scale_));
+      if (clipping_[c].samples + clipping_[c].pending > 0)
+        notes_.add(
+            fmt::format("channel \"{}\": {} samples are at the full scale of ±{}, in runs "
+                        "of three or more: clipped",
+                        base::printable(header_.channels[c].name),
+                        clipping_[c].samples + clipping_[c].pending, full_scale_));
   }
 
   FileWindow file_;

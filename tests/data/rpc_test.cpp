@@ -138,6 +138,22 @@ TEST(Rpc, RunsAtFullScaleAreReported) {
                         "in runs of three or more: clipped"));
 }
 
+/// A top that is rounded to integers, and samples that are each there twice or more.
+TEST(Rpc, RunsAtFullScaleOfASlowTopAndOfHeldSamplesAreNone) {
+  const std::string plain = rpc_shorts_data();
+  for (const std::array<int, 6> values : {std::array{32750, 32752, 32752, 32752, 32751, 32740},
+                                          std::array{171, 171, 32752, 32752, 32752, 9}}) {
+    std::string data = plain;
+    for (const std::size_t at : {0U, 1U, 2U, 3U})
+      data.replace(2 * at, 2, rpc_number(static_cast<std::int16_t>(values[at])));
+    const std::size_t later = 2 * 4 * 2;  // behind the group of the other channel
+    for (const std::size_t at : {0U, 1U})
+      data.replace(later + 2 * at, 2, rpc_number(static_cast<std::int16_t>(values[4 + at])));
+    EXPECT_THAT(messages(read_bytes(rpc_header("BINARY", rpc_shorts_keys()) + data).notes),
+                testing::Not(testing::Contains(HasSubstr("full scale"))));
+  }
+}
+
 TEST(Rpc, DamagedHeadersNameKeyPlaceAndWhatIsAccepted) {
   const RpcKeys keys = rpc_shorts_keys();
   const auto with = [&](const std::string& key, const std::string& value) {
