@@ -298,14 +298,9 @@ bool RecordSet::stream_file(std::size_t file, const Use& use) {
   reader.rewind();
   Samples block = make_block(reader.header());
   std::int64_t samples = 0;
-  auto left_out = std::ranges::lower_bound(left_out_, Place{.file = file});
   while (const std::int64_t rows = reader.read(block)) {
-    for (;
-         left_out != left_out_.end() && left_out->file == file && left_out->sample < samples + rows;
-         ++left_out)
-      block(left_out->sample - samples, static_cast<Eigen::Index>(left_out->channel)) =
-          std::numeric_limits<double>::quiet_NaN();
     samples += rows;
+    blank(file, samples - rows, block.topRows(rows));
     if (!use(file, block.topRows(rows))) return false;
   }
   counts_[file] = samples;
@@ -318,9 +313,18 @@ bool RecordSet::stream(const Use& use) {
   return true;
 }
 
-void RecordSet::leave_out(std::vector<Place> places) {
-  std::ranges::sort(places);
-  left_out_ = std::move(places);
+void RecordSet::take_as_missing(std::vector<Stretch> stretches) { missing_ = std::move(stretches); }
+
+/// `block`: samples of the file from `first` on.
+void RecordSet::blank(std::size_t file, std::int64_t first, Eigen::Ref<Samples> block) const {
+  for (const Stretch& stretch : missing_) {
+    const std::int64_t begin = std::max(stretch.begin, first),
+                       end = std::min<std::int64_t>(stretch.end, first + block.rows());
+    if (stretch.file == file && begin < end)
+      block.col(static_cast<Eigen::Index>(stretch.channel))
+          .segment(begin - first, end - begin)
+          .setConstant(std::numeric_limits<double>::quiet_NaN());
+  }
 }
 
 std::vector<base::Diagnostic> RecordSet::notes() const {

@@ -60,6 +60,8 @@ void ChannelWatch::add(const Column& samples, double low, double high) {
   }
   low_.add(samples, low);
   high_.add(samples, high);
+  tops_.add(samples, low, high);
+  hold_.add(samples);
 }
 
 ChannelHealth ChannelWatch::health() const {
@@ -68,8 +70,10 @@ ChannelHealth ChannelWatch::health() const {
   health.missing = missing_;
   health.lowest = low_.value();
   health.highest = high_.value();
-  if (health.highest > health.lowest)
-    health.at_limit = low_.clipped(samples_) + high_.clipped(samples_);
+  if (!(health.highest > health.lowest)) return health;
+  health.at_limit = low_.clipped(samples_) + high_.clipped(samples_);
+  health.in_flat_tops = tops_.samples(health.highest - health.lowest);
+  health.longest_hold = hold_.samples();
   return health;
 }
 

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <limits>
 
+#include "flat_tops.hpp"
 #include "hydrapod/identification/responses.hpp"
 #include "names.hpp"
 
@@ -42,6 +43,8 @@ class ChannelWatch {
 
   std::int64_t samples_{}, missing_{};
   Limit low_{-1.0}, high_{1.0};
+  FlatTops tops_{};
+  LongestHold hold_{};
 };
 
 }  // namespace hydrapod::identification

@@ -9,15 +9,15 @@
 
 #include "beginning.hpp"
 #include "block_length.hpp"
-#include "bridge.hpp"
 #include "bring_to_platform.hpp"
 #include "channel_plan.hpp"
 #include "damped.hpp"
 #include "gaps.hpp"
 #include "groups.hpp"
-#include "hits.hpp"
+#include "held.hpp"
 #include "hydrapod/base/error.hpp"
 #include "hydrapod/base/text.hpp"
+#include "measure_hits.hpp"
 #include "names.hpp"
 #include "response_checks.hpp"
 #include "spikes.hpp"
@@ -172,10 +172,24 @@ Streamed read_once(data::RecordSet& records, const Reading& reading,
   return streamed;
 }
 
+/// Once more, without samples that stand still where they cannot.
+void read_without_held(data::RecordSet& records, const Reading& reading, Measurement& m) {
+  if (m.interrupted || !may_be_held(m.spectra)) return;
+  auto held = find_held(records, reading.used, reading.plan.choice);
+  if (held.stretches.empty()) return;
+  auto missing = records.taken_as_missing();  // spikes
+  missing.insert(missing.end(), held.stretches.begin(), held.stretches.end());
+  records.take_as_missing(std::move(missing));
+  read_once(records, reading, {}, m);
+  auto& warnings = m.responses.warnings;
+  warnings.insert(warnings.end(), held.warnings.begin(), held.warnings.end());
+}
+
 /// The same; where samples are missing they are filled, and it is said.
 void read_spectra(data::RecordSet& records, Reading& reading, const numerics::Progress& progress,
                   Measurement& m) {
   read_once(records, reading, progress, m);
+  read_without_held(records, reading, m);
   if (!misses_samples(m.spectra) || reading.spectrum.periodic || m.interrupted) return;
   const auto as_read = m.spectra;
   reading.gaps = std::make_shared<GapModel>(records, reading.gap_plan);
@@ -247,75 +261,6 @@ void compare_with_instrument(const Plan& plan, Measurement& m) {
                                     .estimator = plan.estimator});
 }
 
-/// All samples of the channels, with straight lines over spikes; none where there are more than
-/// fit.
-std::optional<std::vector<data::Samples>> whole_records(data::RecordSet& records,
-                                                        const std::vector<std::size_t>& used,
-                                                        const std::vector<Spike>& spikes,
-                                                        std::int64_t most, Measurement& m) {
-  const std::vector<Index> columns(used.begin(), used.end());
-  std::int64_t total = 0;
-  std::vector<data::Samples> all;
-  for (std::size_t k = 0; k < records.files().size(); ++k) {
-    const std::int64_t count = records.count_samples(k);
-    total += count;
-    if (total > most) return {};
-    all.emplace_back(count, static_cast<Index>(columns.size()));
-  }
-  std::vector<Index> filled(all.size());
-  records.stream([&](std::size_t file, const Eigen::Ref<const data::Samples>& block) {
-    // a file may grow while it is read
-    const Index count = std::min(block.rows(), all[file].rows() - filled[file]);
-    all[file].middleRows(filled[file], count) = block(Eigen::seqN(0, count), columns);
-    filled[file] += count;
-    return true;
-  });
-  for (std::size_t k = 0; k < all.size(); ++k) {
-    all[k].conservativeResize(filled[k], Eigen::NoChange);
-    m.samples += filled[k];
-  }
-  for (const auto& spike : spikes) {
-    auto column =
-        all[spike.place.file].col(std::ranges::find(used, spike.place.channel) - used.begin());
-    column = bridged(column);
-  }
-  m.notes = records.notes();
-  return all;
-}
-
-/// Records of a hammer test, unless the options ask for blocks; none: these are no hits.
-std::optional<Measurement> measure_hits(data::RecordSet& records, Plan plan,
-                                        const MeasureOptions& options,
-                                        const std::vector<Spike>& spikes, Beginning& beginning) {
-  if (plan.choice.inputs.size() != 1 || plan.estimator != Estimator::h1 || options.block_length ||
-      options.overlap || options.period || options.settling > 0.0 || options.platform ||
-      options.outputs_to_platform || options.window != Window::hann)
-    return {};
-  const VectorXd input = beginning.of(plan.choice.inputs[0]);
-  const auto hits = hits_in(spikes.empty() ? input : bridged(input));
-  if (hits.empty() || (hits.size() > 1 && excitation_period(records, plan.choice, beginning) > 0))
-    return {};
-  Measurement m{.header = records.header()};
-  const auto used = used_channels(plan.choice);
-  const auto all = whole_records(records, used, spikes, HitOptions{}.most, m);
-  if (!all) return {};
-  const double rate = m.header.sample_rate;
-  const auto channel = [&](int c) { return m.header.channels[used[static_cast<std::size_t>(c)]]; };
-  std::vector<data::Channel> outputs;
-  for (const int o : plan.choice.outputs) outputs.push_back(channel(o));
-  auto found = responses_of_hits(*all, outputs, plan.choice, rate);
-  if (!found) return {};
-  for (const std::size_t c : used) m.spectra.channels.push_back(m.header.channels[c]);
-  m.responses = std::move(found->responses);
-  for (const int i : plan.choice.inputs) m.responses.inputs.push_back(channel(i));
-  m.spectra.sample_rate = rate;
-  m.spectra.options = {.block_length = static_cast<int>(found->samples),
-                       .overlap = 0.0,
-                       .window = Window::rectangular};
-  m.choice = std::move(plan.choice);
-  return m;
-}
-
 /// What a reading gave, and whether it calls for a look at spikes.
 struct Attempt {
   Measurement measured{};
@@ -326,6 +271,7 @@ struct Attempt {
 Attempt responses_without(const std::vector<Spike>& spikes, data::RecordSet& records,
                           const MeasureOptions& options, const numerics::Progress& progress) {
   Measurement m{.header = records.header()};
+  records.take_as_missing(stretches_of(spikes));
   Plan plan = plan_channels(records.files()[0], m.header, options);
   Beginning beginning(records, plan.choice, settling_samples(records, options));
   if (auto hits = measure_hits(records, plan, options, spikes, beginning))
@@ -354,9 +300,10 @@ Attempt responses_without(const std::vector<Spike>& spikes, data::RecordSet& rec
   return {std::move(m), is_suspicious};
 }
 
-Attempt outputs_without(data::RecordSet& records, const MeasureOptions& options,
-                        const numerics::Progress& progress) {
+Attempt outputs_without(const std::vector<Spike>& spikes, data::RecordSet& records,
+                        const MeasureOptions& options, const numerics::Progress& progress) {
   Measurement m{.header = records.header()};
+  records.take_as_missing(stretches_of(spikes));
   Plan plan = plan_outputs(records.files()[0], m.header, options);
   MeasureOptions own = options;
   own.period = 0.0;
@@ -374,9 +321,9 @@ Attempt outputs_without(data::RecordSet& records, const MeasureOptions& options,
 /// measure(spikes), and once more where there are some.
 template <class Measure>
 Measurement without_spikes(data::RecordSet& records, Plan plan, const Measure& measure) {
-  records.leave_out({});
   Attempt attempt = measure(std::vector<Spike>());
   if (!attempt.is_suspicious || attempt.measured.interrupted) return std::move(attempt.measured);
+  records.take_as_missing({});
   const auto spikes = leave_out_spikes(records, used_channels(plan.choice));
   if (spikes.empty()) return std::move(attempt.measured);
   Measurement m = measure(spikes).measured;
@@ -397,9 +344,10 @@ Measurement measure_responses(data::RecordSet& records, const MeasureOptions& op
 
 Measurement measure_outputs(data::RecordSet& records, const MeasureOptions& options,
                             const numerics::Progress& progress) {
-  return without_spikes(
-      records, plan_outputs(records.files()[0], records.header(), options),
-      [&](const std::vector<Spike>&) { return outputs_without(records, options, progress); });
+  return without_spikes(records, plan_outputs(records.files()[0], records.header(), options),
+                        [&](const std::vector<Spike>& spikes) {
+                          return outputs_without(spikes, records, options, progress);
+                        });
 }
 
 namespace {

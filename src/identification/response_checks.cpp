@@ -125,16 +125,35 @@ void warn_of_limits(const CrossSpectra& spectra, const std::vector<int>& channel
                     Warnings& warnings, const ResponseCheckOptions& options) {
   for (const int c : channels) {
     const auto& health = health_of(spectra, c);
-    const double share = static_cast<double>(health.at_limit) /
-                         static_cast<double>(std::max<std::int64_t>(1, health.samples));
-    if (health.at_limit >= options.few_at_limit && share > options.rare_at_limit &&
-        share < options.two_levels)
+    const std::int64_t count = std::max(health.at_limit, health.in_flat_tops);
+    const double share =
+        static_cast<double>(count) / static_cast<double>(std::max<std::int64_t>(1, health.samples));
+    const bool many = health.at_limit >= options.few_at_limit && share > options.rare_at_limit;
+    if ((many || health.in_flat_tops > 0) && share < options.two_levels)
       warnings.push_back({.kind = Kind::clipped,
                           .channel = name(spectra, c),
                           .share = share,
                           .lowest = health.lowest,
                           .highest = health.highest});
   }
+}
+
+void warn_of_repeated(const CrossSpectra& spectra, const std::vector<int>& outputs,
+                      Warnings& warnings) {
+  constexpr double rounding = 1e-9;
+  const auto repeats = [&](int a, int b) {
+    const auto &one = health_of(spectra, a), &other = health_of(spectra, b);
+    return one.lowest == other.lowest && one.highest == other.highest &&
+           one.missing == other.missing && overall_coherence(spectra, a, b) > 1.0 - rounding;
+  };
+  for (std::size_t b = 1; b < outputs.size(); ++b)
+    for (std::size_t a = 0; a < b; ++a)
+      if (repeats(outputs[b], outputs[a])) {
+        warnings.push_back({.kind = Kind::repeated_output,
+                            .channel = name(spectra, outputs[b]),
+                            .other = name(spectra, outputs[a])});
+        break;
+      }
 }
 
 namespace {
@@ -155,6 +174,7 @@ void check_choice(const CrossSpectra& spectra, Estimator estimator,
   check_counts(spectra, choice, estimator);
   warn_of_limits(spectra, choice.inputs, warnings, options);
   warn_of_limits(spectra, choice.outputs, warnings, options);
+  warn_of_repeated(spectra, choice.outputs, warnings);
   if (spectra.blocks_left_out > 0)
     warnings.push_back({.kind = Kind::blocks_left_out,
                         .count = spectra.blocks_left_out,

@@ -14,7 +14,8 @@ struct ResponseCheckOptions {
   /// ones: then intervals are wider than independent inputs would make them.
   double correlated{3.0};
   /// A channel is clipped where few_at_limit or more samples, and a share > rare_at_limit, stand at
-  /// its limit: fewer may be chance. A signal with two_levels or more there is meant so.
+  /// its limit: fewer may be chance, but in flat tops. A signal with two_levels or more there is
+  /// meant so.
   std::int64_t few_at_limit{10};
   double rare_at_limit{1e-4}, two_levels{0.5};
   /// The excitation ends within the band where its highest line < pass_band · half the sample rate:
@@ -41,6 +42,10 @@ void keep_positive(const CrossSpectra& spectra, Eigen::Index line, const std::ve
 void warn_of_limits(const CrossSpectra& spectra, const std::vector<int>& channels,
                     std::vector<data::ResponseWarning>& warnings,
                     const ResponseCheckOptions& options = {});
+
+/// A warning for each channel that has the samples of one before it.
+void warn_of_repeated(const CrossSpectra& spectra, const std::vector<int>& outputs,
+                      std::vector<data::ResponseWarning>& warnings);
 
 /// Per line, the condition of the matrix of `inputs` against `others` (themselves, or the
 /// instruments), each scaled to its level; infinite where one of them is not excited.

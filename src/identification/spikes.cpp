@@ -259,19 +259,22 @@ std::vector<Spike> find_spikes(data::RecordSet& records, const std::vector<std::
   return spikes;
 }
 
+std::vector<data::RecordSet::Stretch> stretches_of(const std::vector<Spike>& spikes) {
+  std::vector<data::RecordSet::Stretch> stretches;
+  for (const auto& [place, ratio] : spikes)
+    stretches.push_back({place.file, place.channel, place.sample, place.sample + 1});
+  return stretches;
+}
+
 std::vector<Spike> leave_out_spikes(data::RecordSet& records,
                                     const std::vector<std::size_t>& channels,
                                     const SpikeOptions& options) {
   std::vector<Spike> all;
-  std::vector<data::RecordSet::Place> places;
   for (int round = 0; round < options.rounds; ++round) {
     const auto more = find_spikes(records, channels, options);
     if (more.empty()) break;
-    for (const auto& spike : more) {
-      all.push_back(spike);
-      places.push_back(spike.place);
-    }
-    records.leave_out(places);
+    all.insert(all.end(), more.begin(), more.end());
+    records.take_as_missing(stretches_of(all));
   }
   std::ranges::sort(all, {}, &Spike::place);
   return all;

@@ -12,6 +12,7 @@
 /// in outputs near it; but then the outputs ring: where any channel moves more after than before,
 /// nothing is a spike.
 
+#include <compare>
 #include <vector>
 
 #include "hydrapod/identification/responses.hpp"
@@ -38,8 +39,15 @@ struct SpikeOptions {
   int rounds{8};  ///< each finds what is less than 1/√n as large, of n samples
 };
 
+struct SpikePlace {
+  std::size_t file{};
+  std::int64_t sample{};
+  std::size_t channel{};
+  friend auto operator<=>(const SpikePlace&, const SpikePlace&) = default;
+};
+
 struct Spike {
-  data::RecordSet::Place place{};
+  SpikePlace place{};
   double height{};  ///< d by what is usual; 0: of a spike beside it
 };
 
@@ -49,6 +57,8 @@ bool may_have_spikes(const CrossSpectra& spectra, const SpikeOptions& options = 
 /// Of all files, in channels of the record.
 std::vector<Spike> find_spikes(data::RecordSet& records, const std::vector<std::size_t>& channels,
                                const SpikeOptions& options = {});
+
+std::vector<data::RecordSet::Stretch> stretches_of(const std::vector<Spike>& spikes);
 
 /// The same again and again, from then on without those that were found, which the records are told
 /// to leave out: a large one hides smaller ones. Ascending.

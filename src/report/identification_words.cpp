@@ -181,6 +181,19 @@ std::string warning_text(const data::ResponseWarning& w) {
           "{} of {} hits {} left out: what was recorded after {} is too short beside the blocks of "
           "{:.3g} s",
           w.count, w.total, w.count == 1 ? "was" : "were", w.count == 1 ? "it" : "them", w.value);
+    case Kind::repeated_output:
+      return fmt::format(
+          "output {} has the samples of output {}: one of them is not measured, and the shapes "
+          "hold "
+          "one motion twice",
+          w.channel, w.other);
+    case Kind::held:
+      return fmt::format(
+          "{}: {:.2g} % of the samples stand still, {} of up to {:.4g} s, while the excitation "
+          "goes "
+          "on: taken as missing",
+          w.channel, 100.0 * w.share,
+          w.total == 1 ? "in a run" : fmt::format("in {} runs", w.total), w.value);
   }
   return {};
 }

@@ -56,6 +56,10 @@ inline const char* code(data::ResponseWarning::Kind kind) {
       return "spikes";
     case Kind::hits_left_out:
       return "hits_left_out";
+    case Kind::repeated_output:
+      return "repeated_output";
+    case Kind::held:
+      return "held";
   }
   return nullptr;
 }

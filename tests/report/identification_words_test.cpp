@@ -37,7 +37,14 @@ std::vector<data::ResponseWarning> response_warnings() {
            .lowest = 4.712,
            .highest = 6.318},
           {.kind = Kind::spikes, .channel = "y2", .value = 12.352, .highest = 8431.7, .count = 3},
-          {.kind = Kind::hits_left_out, .value = 4.137, .count = 2, .total = 9}};
+          {.kind = Kind::hits_left_out, .value = 4.137, .count = 2, .total = 9},
+          {.kind = Kind::repeated_output, .channel = "a3", .other = "a2"},
+          {.kind = Kind::held,
+           .channel = "a2",
+           .value = 60.0,
+           .share = 0.5,
+           .count = 30000,
+           .total = 1}};
 }
 
 std::vector<identification::ModeWarning> mode_warnings() {

@@ -46,9 +46,12 @@ struct ResponseWarning {
     single_block,      ///< count: records, each of them one hit and one block
     weak_excitation,   ///< value: the smallest F of the instruments for the inputs from `lowest` to
                        ///< `highest` [Hz]; share: of what is needed
-    spikes,        ///< count, in channel, first at `value` [s] of a file; `highest`: the largest
-                   ///< by what the samples beside it leave open; taken as missing
-    hits_left_out  ///< count, of total; value: less of them was recorded than this [s]
+    spikes,           ///< count, in channel, first at `value` [s] of a file; `highest`: the largest
+                      ///< by what the samples beside it leave open; taken as missing
+    hits_left_out,    ///< count, of total; value: less of them was recorded than this [s]
+    repeated_output,  ///< channel has the samples of `other`
+    held              ///< channel; count: of its samples, in `total` runs at one value each, while
+                      ///< inputs and other outputs move; share; value: the longest [s]; missing
   };
   Kind kind{};
   std::string channel{}, other{};

@@ -152,28 +152,29 @@ class RecordSet {
   /// follows.
   bool stream(const Use& use);
 
-  struct Place {
-    std::size_t file{};
-    std::int64_t sample{};
-    std::size_t channel{};
-    friend auto operator<=>(const Place&, const Place&) = default;
-  };
-  /// From now on these are missing (NaN) in stream(), in place of those of the last call.
-  void leave_out(std::vector<Place> places);
-
   /// After the file was read to its end.
   [[nodiscard]] ChecksumFinding checksum(std::size_t file = 0) const;
 
   /// What was skipped, converted or missing, of all files: at opening and in the last stream().
   [[nodiscard]] std::vector<base::Diagnostic> notes() const;
 
+  /// Samples begin … end of a channel of a file.
+  struct Stretch {
+    std::size_t file{}, channel{};
+    std::int64_t begin{}, end{};
+  };
+  /// From now on these are missing (NaN) in stream(), in place of those of the last call.
+  void take_as_missing(std::vector<Stretch> stretches);
+  [[nodiscard]] const std::vector<Stretch>& taken_as_missing() const { return missing_; }
+
  private:
   bool stream_file(std::size_t file, const Use& use);
+  void blank(std::size_t file, std::int64_t first, Eigen::Ref<Samples> block) const;
 
   std::vector<std::string> files_;
   std::vector<std::unique_ptr<RecordReader>> readers_;
   std::vector<std::optional<std::int64_t>> counts_;
-  std::vector<Place> left_out_;  // ascending
+  std::vector<Stretch> missing_;
 };
 
 /// A block of about a megabyte for samples of `header`.

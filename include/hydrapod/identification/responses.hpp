@@ -147,6 +147,10 @@ struct ChannelHealth {
   /// Cut off at the highest or lowest value, or 0 where these look like the end of a signal in
   /// steps of its resolution: more than a few say that it was clipped.
   std::int64_t at_limit{};
+  /// At the highest or lowest value in flat tops, whose flanks are too steep for a rounded one:
+  /// they say that it was clipped, however few they are.
+  std::int64_t in_flat_tops{};
+  std::int64_t longest_hold{};  ///< samples at one value in succession, where that is long; else 0
   double lowest{}, highest{};
   [[nodiscard]] bool constant() const { return samples > missing && !(highest > lowest); }
 };

@@ -1,0 +1,108 @@
+#include "flat_tops.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "names.hpp"
+
+namespace hydrapod::identification {
+
+namespace {
+
+constexpr Index least_run = 3, longest_flank = 64;
+constexpr Index kept_before = 3 * longest_flank;  // samples: a top, and what it falls by
+constexpr std::size_t most_tops = 1000;
+
+}  // namespace
+
+/// The resolution: of a signal of few levels the first steps have it.
+void FlatTops::measure_steps(const Column& samples) {
+  constexpr int enough = 4096;
+  for (Index k = 0; k < samples.size() && steps_ < enough; ++k) {
+    const double step = std::abs(samples[k] - last_);
+    last_ = samples[k];
+    if (!(step > 0.0)) continue;
+    step_ = std::min(step_, step);
+    ++steps_;
+  }
+}
+
+/// At runs whose flanks are known since `known` samples were seen, and not before.
+void FlatTops::look(End& end, Index known) const {
+  const auto x = VectorXd::Map(seen_.data(), static_cast<Index>(seen_.size()));
+  for (Index from = 0; from < x.size(); ++from) {
+    if (x[from] != end.extreme) continue;
+    Index to = from;
+    while (to < x.size() && x[to] == end.extreme) ++to;
+    const Index run = to - from, flank = std::min(run, longest_flank);
+    const bool is_new = to + flank > known && to + flank <= x.size();
+    if (run >= least_run && is_new && from >= std::max<Index>(flank, 2) && to + 1 < x.size() &&
+        x[from - 1] != x[from - 2] && x[to] != x[to + 1]) {
+      const auto falls = [&](Index t) { return end.side * (end.extreme - x[t]); };
+      const double range = high_.extreme - low_.extreme;
+      constexpr double nearly_all = 0.9;
+      const bool is_pulse = std::min(falls(from - 1), falls(to)) > nearly_all * range;
+      if (!is_pulse && end.tops.size() < most_tops)
+        end.tops.push_back({run, std::min(falls(from - flank), falls(to + flank - 1))});
+    }
+    from = to;
+  }
+}
+
+void FlatTops::add(const Column& samples, double low, double high) {
+  measure_steps(samples);
+  const bool begins = !(low_.extreme <= high_.extreme);
+  // what stands at the end of the last piece may have had no flank yet
+  const bool was_near = is_near_;
+  is_near_ = begins || low <= low_.extreme || high >= high_.extreme;
+  const Index used = is_near_ || was_near ? samples.size() : std::min(samples.size(), kept_before);
+  const auto known = static_cast<Index>(seen_.size());
+  seen_.insert(seen_.end(), samples.end() - used, samples.end());
+  const auto look_again = [&](End& end, double extreme) {
+    if (begins || end.side * extreme > end.side * end.extreme) {
+      end.extreme = extreme;
+      end.tops.clear();
+    }
+    look(end, known);
+  };
+  if (is_near_ || was_near) {
+    look_again(low_, low);
+    look_again(high_, high);
+  }
+  const auto kept = std::min<std::ptrdiff_t>(kept_before, std::ssize(seen_));
+  seen_.erase(seen_.begin(), seen_.end() - kept);
+}
+
+std::int64_t FlatTops::samples(double range) const {
+  constexpr double of_step = 12.0, of_range = 0.09;
+  const double least = std::max(of_step * step_, of_range * range);
+  std::int64_t count = 0;
+  for (const End* end : {&low_, &high_})
+    for (const Top& top : end->tops)
+      if (top.flank > least) count += top.samples;
+  return count;
+}
+
+void LongestHold::add(const FlatTops::Column& samples) {
+  const Index n = samples.size();
+  Index head = 0;
+  while (head < n && samples[head] == last_) ++head;
+  run_ += head;
+  longest_ = std::max(longest_, run_);
+  if (head == n) return;
+  // a run of `least` samples holds one of every `least`
+  for (Index at = head + least - 1; at < n;) {
+    Index from = at, to = at + 1;
+    while (from > head && samples[from - 1] == samples[at]) --from;
+    while (to < n && samples[to] == samples[at]) ++to;
+    longest_ = std::max<std::int64_t>(longest_, to - from);
+    at = to - 1 + least;
+  }
+  Index from = n - 1;
+  while (from > head && samples[from - 1] == samples[n - 1]) --from;
+  run_ = n - from;
+  last_ = samples[n - 1];
+  longest_ = std::max(longest_, run_);
+}
+
+}  // namespace hydrapod::identification

@@ -1,0 +1,61 @@
+#pragma once
+/// Tops of a signal that are cut off. Private to the module.
+///
+/// n ≥ 3 samples in succession stand exactly at the extreme. A rounded top, c t², has them there
+/// where its resolution is δ ≥ c (n/2)². Then n samples further it has fallen by c (3n/2)² ≤ 9 δ. A
+/// top that was cut off has steeper flanks, on both sides. A hold of every sample, as of a slow
+/// sensor that is read quickly, has runs everywhere: no top of it counts. Nor does a pulse from one
+/// end of the range to the other and back, which is meant so.
+
+#include <cstdint>
+#include <limits>
+#include <vector>
+
+#include "hydrapod/identification/responses.hpp"
+
+namespace hydrapod::identification {
+
+/// Sees all samples of a channel, piece by piece.
+class FlatTops {
+ public:
+  using Column = Eigen::Ref<const Eigen::VectorXd, 0, Eigen::InnerStride<>>;
+  /// `low` and `high`: least and largest of the finite samples.
+  void add(const Column& samples, double low, double high);
+  /// Samples in them, of a channel of that range.
+  [[nodiscard]] std::int64_t samples(double range) const;
+
+ private:
+  struct Top {
+    std::int64_t samples{};
+    double flank{};  ///< what it falls by, on the flatter side
+  };
+  /// Tops at one end of the range.
+  struct End {
+    double side{}, extreme{std::numeric_limits<double>::quiet_NaN()};
+    std::vector<Top> tops{};
+  };
+  void look(End& end, Eigen::Index known) const;
+  void measure_steps(const Column& samples);
+
+  End low_{.side = -1.0}, high_{.side = 1.0};
+  std::vector<double> seen_{};  ///< the last samples before this piece, and it
+  double last_{std::numeric_limits<double>::quiet_NaN()};
+  double step_{std::numeric_limits<double>::infinity()};  ///< the least between two samples
+  int steps_{};                                           ///< that were measured
+  bool is_near_{};                                        ///< an extreme in the last piece
+};
+
+/// Samples at one value in succession.
+class LongestHold {
+ public:
+  /// Shorter ones are not looked for.
+  static constexpr Eigen::Index least = 64;
+  void add(const FlatTops::Column& samples);
+  [[nodiscard]] std::int64_t samples() const { return longest_ >= least ? longest_ : 0; }
+
+ private:
+  double last_{std::numeric_limits<double>::quiet_NaN()};
+  std::int64_t run_{}, longest_{};
+};
+
+}  // namespace hydrapod::identification

@@ -1,0 +1,111 @@
+#include "measure_hits.hpp"
+
+#include <algorithm>
+
+#include "bridge.hpp"
+#include "channel_watch.hpp"
+#include "hits.hpp"
+#include "response_checks.hpp"
+
+namespace hydrapod::identification {
+
+namespace {
+
+/// All samples of the channels, with straight lines over spikes; none where there are more than
+/// fit.
+std::optional<std::vector<data::Samples>> whole_records(data::RecordSet& records,
+                                                        const std::vector<std::size_t>& used,
+                                                        const std::vector<Spike>& spikes,
+                                                        std::int64_t most, Measurement& m) {
+  const std::vector<Index> columns(used.begin(), used.end());
+  std::int64_t total = 0;
+  std::vector<data::Samples> all;
+  for (std::size_t k = 0; k < records.files().size(); ++k) {
+    const std::int64_t count = records.count_samples(k);
+    total += count;
+    if (total > most) return {};
+    all.emplace_back(count, static_cast<Index>(columns.size()));
+  }
+  std::vector<Index> filled(all.size());
+  records.stream([&](std::size_t file, const Eigen::Ref<const data::Samples>& block) {
+    // a file may grow while it is read
+    const Index count = std::min(block.rows(), all[file].rows() - filled[file]);
+    all[file].middleRows(filled[file], count) = block(Eigen::seqN(0, count), columns);
+    filled[file] += count;
+    return true;
+  });
+  for (std::size_t k = 0; k < all.size(); ++k) {
+    all[k].conservativeResize(filled[k], Eigen::NoChange);
+    m.samples += filled[k];
+  }
+  for (const auto& spike : spikes) {
+    auto column =
+        all[spike.place.file].col(std::ranges::find(used, spike.place.channel) - used.begin());
+    column = bridged(column);
+  }
+  m.notes = records.notes();
+  return all;
+}
+
+/// Health of all channels, and warnings of it.
+void look_at_channels(const std::vector<data::Samples>& records, const ChannelChoice& choice,
+                      Measurement& m) {
+  for (Index c = 0; c < std::ssize(m.spectra.channels); ++c) {
+    ChannelWatch watch;
+    for (const auto& samples : records)
+      watch.add(samples.col(c), samples.col(c).minCoeff(), samples.col(c).maxCoeff());
+    m.spectra.health.push_back(watch.health());
+  }
+  warn_of_limits(m.spectra, choice.inputs, m.responses.warnings);
+  warn_of_limits(m.spectra, choice.outputs, m.responses.warnings);
+  for (std::size_t b = 1; b < choice.outputs.size(); ++b)
+    for (std::size_t a = 0; a < b; ++a) {
+      const int one = choice.outputs[b], other = choice.outputs[a];
+      if (!std::ranges::all_of(records, [&](const data::Samples& samples) {
+            return samples.col(one) == samples.col(other);
+          }))
+        continue;
+      const auto& channels = m.spectra.channels;
+      m.responses.warnings.push_back({.kind = data::ResponseWarning::Kind::repeated_output,
+                                      .channel = channels[static_cast<std::size_t>(one)].name,
+                                      .other = channels[static_cast<std::size_t>(other)].name});
+      break;
+    }
+}
+
+}  // namespace
+
+std::optional<Measurement> measure_hits(data::RecordSet& records, Plan plan,
+                                        const MeasureOptions& options,
+                                        const std::vector<Spike>& spikes, Beginning& beginning) {
+  if (plan.choice.inputs.size() != 1 || plan.estimator != Estimator::h1 || options.block_length ||
+      options.overlap || options.period || options.settling > 0.0 || options.platform ||
+      options.outputs_to_platform || options.window != Window::hann)
+    return {};
+  const VectorXd input = beginning.of(plan.choice.inputs[0]);
+  const auto hits = hits_in(spikes.empty() ? input : bridged(input));
+  if (hits.empty() || (hits.size() > 1 && excitation_period(records, plan.choice, beginning) > 0))
+    return {};
+  Measurement m{.header = records.header()};
+  const auto used = used_channels(plan.choice);
+  const auto all = whole_records(records, used, spikes, HitOptions{}.most, m);
+  if (!all) return {};
+  const double rate = m.header.sample_rate;
+  const auto channel = [&](int c) { return m.header.channels[used[static_cast<std::size_t>(c)]]; };
+  std::vector<data::Channel> outputs;
+  for (const int o : plan.choice.outputs) outputs.push_back(channel(o));
+  auto found = responses_of_hits(*all, outputs, plan.choice, rate);
+  if (!found) return {};
+  for (const std::size_t c : used) m.spectra.channels.push_back(m.header.channels[c]);
+  m.responses = std::move(found->responses);
+  for (const int i : plan.choice.inputs) m.responses.inputs.push_back(channel(i));
+  m.spectra.sample_rate = rate;
+  m.spectra.options = {.block_length = static_cast<int>(found->samples),
+                       .overlap = 0.0,
+                       .window = Window::rectangular};
+  look_at_channels(*all, plan.choice, m);
+  m.choice = std::move(plan.choice);
+  return m;
+}
+
+}  // namespace hydrapod::identification
