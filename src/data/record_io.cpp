@@ -159,6 +159,17 @@ bool same_channels(const RecordHeader& a, const RecordHeader& b) {
          std::ranges::equal(a.channels, b.channels, {}, &Channel::name, &Channel::name);
 }
 
+/// Channels that differ in the names of those that drive alone.
+bool differ_in_inputs(const RecordHeader& a, const RecordHeader& b) {
+  if (a.sample_rate != b.sample_rate || same_channels(a, b)) return false;
+  const auto drives = [](const Channel& channel) {
+    return channel.role == Role::excitation || channel.role == Role::drive;
+  };
+  return std::ranges::equal(a.channels, b.channels, [&](const Channel& one, const Channel& other) {
+    return one.name == other.name || (drives(one) && drives(other));
+  });
+}
+
 /// A column of frequencies and none of times in the title row.
 bool is_mode_table(const std::string& path) {
   base::TableReader table(path);
@@ -260,6 +271,11 @@ RecordSet::RecordSet(std::vector<std::string> files, const ReadOptions& options)
   refuse_repeated(files_);
   for (std::size_t k = 0; k < files_.size(); ++k) {
     readers_.push_back(open_reader(files_[k], options));
+    if (differ_in_inputs(header(), header(k)))
+      base::refuse(files_[k], "other inputs than " + files_[0] +
+                                  ": records of several inputs, as those of a hammer that roves "
+                                  "from point to point, are not combined; identify each record by "
+                                  "itself, or give the responses to all inputs as one file");
     if (!same_channels(header(), header(k)))
       base::refuse(files_[k],
                    fmt::format("other channels or another sample rate than {}: records that "

@@ -20,6 +20,7 @@
 #include "measure_hits.hpp"
 #include "names.hpp"
 #include "response_checks.hpp"
+#include "roving.hpp"
 #include "spikes.hpp"
 #include "tones.hpp"
 
@@ -279,6 +280,8 @@ Attempt responses_without(const std::vector<Spike>& spikes, data::RecordSet& rec
   const Plan planned = plan;
   Reading reading = plan_reading(records, plan, options, beginning);
   read_spectra(records, reading, progress, m);
+  if (plan.estimator == Estimator::h1 && !m.interrupted)
+    refuse_roving(records, m.spectra, reading.used, plan.choice);
   if (!m.interrupted && loses_periods(m.spectra, options)) {
     plan = planned;
     MeasureOptions own = options;

@@ -98,8 +98,8 @@ std::string hits_text(const data::ResponseWarning& w) {
   if (w.value > 0.0)
     text += fmt::format(
         "; the hits do not agree: {:.0f} % of the power of {} is no response to them that they "
-        "have in common, and the result cannot be trusted; were different points hit? a test with "
-        "a hammer that roves needs an input channel of its own for each point",
+        "have in common, and the result cannot be trusted; were different points hit? identify the "
+        "records of each point by themselves",
         100.0 * w.value, w.channel);
   return text;
 }

@@ -1,0 +1,99 @@
+#include "roving.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <optional>
+
+#include "hits.hpp"
+#include "hydrapod/base/error.hpp"
+#include "hydrapod/base/text.hpp"
+#include "names.hpp"
+
+namespace hydrapod::identification {
+
+namespace {
+
+/// Peaks of an input that stand out as hits do.
+bool may_be_hit(const CrossSpectra& spectra, int input) {
+  constexpr double conspicuous = 8.0;
+  const auto& health = spectra.health[static_cast<std::size_t>(input)];
+  const Index k = input;
+  const double width = spectra.sample_rate / spectra.options.block_length;
+  const double rms = std::sqrt(width * std::max(0.0, spectra.re.col(k * (k + 3) / 2).sum()));
+  return health.missing == 0 && health.highest - health.lowest > conspicuous * rms;
+}
+
+/// The inputs of each file.
+std::vector<MatrixXd> inputs_of(data::RecordSet& records, const std::vector<std::size_t>& used,
+                                const std::vector<int>& inputs) {
+  std::vector<MatrixXd> all;
+  for (std::size_t k = 0; k < records.files().size(); ++k)
+    all.emplace_back(records.count_samples(k), std::ssize(inputs));
+  std::vector<Index> filled(all.size());
+  records.stream([&](std::size_t file, const Eigen::Ref<const data::Samples>& block) {
+    const Index count = std::min(block.rows(), all[file].rows() - filled[file]);
+    for (std::size_t i = 0; i < inputs.size(); ++i)
+      all[file].col(static_cast<Index>(i)).segment(filled[file], count) =
+          block.col(static_cast<Index>(used[static_cast<std::size_t>(inputs[i])])).head(count);
+    filled[file] += count;
+    return true;
+  });
+  for (std::size_t k = 0; k < all.size(); ++k)
+    all[k].conservativeResize(filled[k], Eigen::NoChange);
+  return all;
+}
+
+/// The one input that is hit; none: several are, or it is no such record.
+std::optional<std::size_t> only_hit(const MatrixXd& inputs) {
+  if (inputs.rows() == 0 || !inputs.allFinite()) return {};
+  const Eigen::RowVectorXd size =
+      (inputs.rowwise() - inputs.colwise().mean()).cwiseAbs().colwise().maxCoeff();
+  Index largest = 0;
+  size.maxCoeff(&largest);
+  const double least = HitOptions{}.least * size[largest];
+  for (Index i = 0; i < size.size(); ++i)
+    if (i != largest && size[i] >= least) return {};
+  if (hits_in(inputs.col(largest)).empty()) return {};
+  return static_cast<std::size_t>(largest);
+}
+
+}  // namespace
+
+void refuse_roving(data::RecordSet& records, const CrossSpectra& spectra,
+                   const std::vector<std::size_t>& used, const ChannelChoice& choice) {
+  if (choice.inputs.size() < 2 || !choice.instruments.empty() ||
+      std::ranges::none_of(choice.inputs, [&](int i) { return may_be_hit(spectra, i); }))
+    return;
+  std::int64_t samples = 0;
+  for (std::size_t k = 0; k < records.files().size(); ++k) samples += records.count_samples(k);
+  if (samples * std::ssize(choice.inputs) > HitOptions{}.most) return;
+  std::vector<std::size_t> hit;
+  for (const auto& inputs : inputs_of(records, used, choice.inputs)) {
+    const auto own = only_hit(inputs);
+    if (!own) return;
+    hit.push_back(*own);
+  }
+  const auto name = [&](std::size_t k) {
+    const auto channel = static_cast<std::size_t>(choice.inputs[hit[k]]);
+    return base::printable(spectra.channels[channel].name);
+  };
+  const std::string own = fmt::format("--inputs \"{}\"", name(0));
+  const auto other = std::ranges::find_if(hit, [&](std::size_t i) { return i != hit[0]; });
+  if (other == hit.end())
+    throw base::ComputationError(fmt::format(
+        "of the inputs {} alone is hit, and the others hold noise: take {}", name(0), own));
+  const auto k = static_cast<std::size_t>(other - hit.begin());
+  const auto file = [&](std::size_t at) {
+    return base::printable(std::filesystem::path(records.files()[at]).filename().string());
+  };
+  throw base::ComputationError(fmt::format(
+      "a hammer test that roves: {} is hit in {}, {} in {}, and the other inputs hold noise; "
+      "records of several points are not combined; identify the records of each point by "
+      "themselves ({} for {}), or give the responses to all points as one file",
+      name(0), file(0), name(k), file(k), own, file(0)));
+}
+
+}  // namespace hydrapod::identification
