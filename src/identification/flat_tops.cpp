@@ -39,10 +39,7 @@ void FlatTops::look(End& end, Index known) const {
     if (run >= least_run && is_new && from >= std::max<Index>(flank, 2) && to + 1 < x.size() &&
         x[from - 1] != x[from - 2] && x[to] != x[to + 1]) {
       const auto falls = [&](Index t) { return end.side * (end.extreme - x[t]); };
-      const double range = high_.extreme - low_.extreme;
-      constexpr double nearly_all = 0.9;
-      const bool is_pulse = std::min(falls(from - 1), falls(to)) > nearly_all * range;
-      if (!is_pulse && end.tops.size() < most_tops)
+      if (end.tops.size() < most_tops)
         end.tops.push_back({run, std::min(falls(from - flank), falls(to + flank - 1))});
     }
     from = to;

@@ -4,8 +4,7 @@
 /// n ≥ 3 samples in succession stand exactly at the extreme. A rounded top, c t², has them there
 /// where its resolution is δ ≥ c (n/2)². Then n samples further it has fallen by c (3n/2)² ≤ 9 δ. A
 /// top that was cut off has steeper flanks, on both sides. A hold of every sample, as of a slow
-/// sensor that is read quickly, has runs everywhere: no top of it counts. Nor does a pulse from one
-/// end of the range to the other and back, which is meant so.
+/// sensor that is read quickly, has runs everywhere: no top of it counts.
 
 #include <cstdint>
 #include <limits>

@@ -22,8 +22,8 @@ struct HeldOptions {
   /// Samples of a run ≥ least, and ≥ of_usual · the mean length of all runs, the held ones aside.
   std::int64_t least{64};
   double of_usual{200.0};
-  double of_step{4.0};        ///< RMS of the channel ≥ of_step · its least step
-  double beside{0.3};         ///< RMS beside the run ≥ that of the channel, times this
+  double of_step{20.0};       ///< RMS of the channel ≥ of_step · its least step
+  double beside{0.1};         ///< RMS beside the run ≥ that of the channel, times this
   double beside_share{0.25};  ///< … in so much of its length on either side
   std::int64_t least_beside{32}, most_beside{4096};
   double goes_on{0.25};  ///< power during the run ≥ that at all times, times this
