@@ -150,7 +150,7 @@ ChannelUnit channel_unit(std::string_view written) {
   for (const Alias& alias : aliases)
     if (unit == alias.written) unit = alias.meant;
   unit = with_moments(unit);
-  if (has_odd_symbol(unit)) return {1.0, unit, false};
+  if (has_odd_symbol(unit)) return {1.0, "", false};  // a record refuses what is not SI
   if (const auto si = base::si_unit(unit)) return {si->factor, si->unit};
   return {1.0, unit, false};
 }
