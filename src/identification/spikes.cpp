@@ -256,7 +256,18 @@ std::vector<Spike> find_spikes(data::RecordSet& records, const std::vector<std::
          judged_spikes(std::move(list), moments[where.first][static_cast<std::size_t>(c)], options))
       spikes.push_back(spike);
   }
-  return spikes;
+  // what several channels show at once came in through the excitation
+  const auto at_once = [&](const SpikePlace& a) {
+    return std::ranges::any_of(spikes, [&](const Spike& spike) {
+      const SpikePlace& b = spike.place;
+      return b.file == a.file && b.channel != a.channel &&
+             std::abs(b.sample - a.sample) <= options.at_once;
+    });
+  };
+  std::vector<Spike> single;
+  for (const Spike& spike : spikes)
+    if (!at_once(spike.place)) single.push_back(spike);
+  return single;
 }
 
 std::vector<data::RecordSet::Stretch> stretches_of(const std::vector<Spike>& spikes) {

@@ -10,7 +10,7 @@
 /// matter of scale or colour of the signal: its d is compared with those beside it, before and
 /// after, and with the RMS of all other samples. What a hammer does looks alike in its force, and
 /// in outputs near it; but then the outputs ring: where any channel moves more after than before,
-/// nothing is a spike.
+/// nothing is a spike. Nor is what two channels show at once.
 
 #include <compare>
 #include <vector>
@@ -36,6 +36,8 @@ struct SpikeOptions {
   /// Looked for where half the range of a channel > conspicuous · its RMS: below, spikes have less
   /// than a share of the power that matters.
   double conspicuous{8.0};
+  /// Samples between those of two channels ≤ at_once: a blow that the outputs follow at once.
+  std::int64_t at_once{4};
   int rounds{8};  ///< each finds what is less than 1/√n as large, of n samples
 };
 

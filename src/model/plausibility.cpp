@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <numbers>
 #include <optional>
 
 #include "hydrapod/base/units.hpp"
@@ -31,7 +30,7 @@ constexpr UsualForUnit usual_for_units[]{
     {"m^2", 0.0, 100.0, {"cm^2", "mm^2"}},
     {"m^3", 0.0, 10.0, {"l", "cm^3", "mm^3"}},
     {"m^3/s", 0.0, 1.0, {"l/min", "l/s"}},
-    {"rad", 0.0, 2.0 * std::numbers::pi*(1.0 + 1e-9), {"deg"}},
+    {"rad", 0.0, base::two_pi*(1.0 + 1e-9), {"deg"}},
     {"rad/s", 0.0, 1e6, {}},
 };
 

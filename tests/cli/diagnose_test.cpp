@@ -71,7 +71,8 @@ TEST_F(DiagnoseCommand, NamesTheSleevesInWordsAndNumbers) {
   EXPECT_EQ(json["computed_machine"], "fitted");
   EXPECT_NEAR(json["nominal_sleeve_N_m"].get<double>(), 20e6, 1.0);
   EXPECT_THAT(json["summary"].back().get<std::string>(),
-              testing::AllOf(HasSubstr("times the fitted 8"), HasSubstr("(nominal 20 MN/m)")));
+              testing::AllOf(HasSubstr("times that of the fitted machine, 8"),
+                             HasSubstr("(nominal 20 MN/m)")));
   EXPECT_GT(json["remedy"]["required"]["factor"].get<double>(), 1.2);
   EXPECT_THAT(test::read_text(picture), HasSubstr("guide sleeves of all legs"));
 }
