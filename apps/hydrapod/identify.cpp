@@ -62,13 +62,6 @@ std::string harmonic_text(const data::Harmonic& harmonic,
                      harmonic.frequency, amplitude, channel.unit, channel.name);
 }
 
-/// Then the shapes are shown as they are.
-bool has_one_unit(const std::vector<data::Channel>& outputs) {
-  return !outputs.front().unit.empty() && std::ranges::all_of(outputs, [&](const auto& o) {
-    return o.unit == outputs.front().unit;
-  });
-}
-
 /// Does a pole lie further outside the band than the band is wide? It then stands for what goes on
 /// there, as residual terms do.
 bool stands_for_what_is_outside(const identification::Identification& result,
@@ -120,7 +113,7 @@ std::string modes_text(const tasks::Identified& checks, const TableStyle& style)
   if (result.model.misfit > 0.0)
     text += fmt::format(", {:.2f} times their noise (mean square)", result.model.misfit);
   text += ".\n";
-  if (!result.modes.empty() && !has_one_unit(result.responses.outputs))
+  if (!result.modes.empty() && !report::have_one_unit(result.responses.outputs))
     text +=
         "Motion: each output in proportion to the size of its own responses, because the outputs "
         "have no unit in common. The shapes themselves are in the files of -o.\n";

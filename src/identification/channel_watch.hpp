@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "flat_tops.hpp"
+#include "held.hpp"
 #include "hydrapod/identification/responses.hpp"
 #include "names.hpp"
 

@@ -70,36 +70,13 @@ void FlatTops::add(const Column& samples, double low, double high) {
   seen_.erase(seen_.begin(), seen_.end() - kept);
 }
 
-std::int64_t FlatTops::samples(double range) const {
-  constexpr double of_step = 12.0, of_range = 0.09;
-  const double least = std::max(of_step * step_, of_range * range);
+std::int64_t FlatTops::samples(double range, const FlatTopOptions& options) const {
+  const double least = std::max(options.of_step * step_, options.of_range * range);
   std::int64_t count = 0;
   for (const End* end : {&low_, &high_})
     for (const Top& top : end->tops)
       if (top.flank > least) count += top.samples;
   return count;
-}
-
-void LongestHold::add(const FlatTops::Column& samples) {
-  const Index n = samples.size();
-  Index head = 0;
-  while (head < n && samples[head] == last_) ++head;
-  run_ += head;
-  longest_ = std::max(longest_, run_);
-  if (head == n) return;
-  // a run of `least` samples holds one of every `least`
-  for (Index at = head + least - 1; at < n;) {
-    Index from = at, to = at + 1;
-    while (from > head && samples[from - 1] == samples[at]) --from;
-    while (to < n && samples[to] == samples[at]) ++to;
-    longest_ = std::max<std::int64_t>(longest_, to - from);
-    at = to - 1 + least;
-  }
-  Index from = n - 1;
-  while (from > head && samples[from - 1] == samples[n - 1]) --from;
-  run_ = n - from;
-  last_ = samples[n - 1];
-  longest_ = std::max(longest_, run_);
 }
 
 }  // namespace hydrapod::identification

@@ -14,6 +14,12 @@
 
 namespace hydrapod::identification {
 
+struct FlatTopOptions {
+  /// The flatter side falls by > of_step · the least step of the channel, see above, and by more
+  /// than of_range · its range: a slow signal of fine resolution has tops that are round.
+  double of_step{12.0}, of_range{0.09};
+};
+
 /// Sees all samples of a channel, piece by piece.
 class FlatTops {
  public:
@@ -21,7 +27,7 @@ class FlatTops {
   /// `low` and `high`: least and largest of the finite samples.
   void add(const Column& samples, double low, double high);
   /// Samples in them, of a channel of that range.
-  [[nodiscard]] std::int64_t samples(double range) const;
+  [[nodiscard]] std::int64_t samples(double range, const FlatTopOptions& options = {}) const;
 
  private:
   struct Top {
@@ -42,19 +48,6 @@ class FlatTops {
   double step_{std::numeric_limits<double>::infinity()};  ///< the least between two samples
   int steps_{};                                           ///< that were measured
   bool is_near_{};                                        ///< an extreme in the last piece
-};
-
-/// Samples at one value in succession.
-class LongestHold {
- public:
-  /// Shorter ones are not looked for.
-  static constexpr Eigen::Index least = 64;
-  void add(const FlatTops::Column& samples);
-  [[nodiscard]] std::int64_t samples() const { return longest_ >= least ? longest_ : 0; }
-
- private:
-  double last_{std::numeric_limits<double>::quiet_NaN()};
-  std::int64_t run_{}, longest_{};
 };
 
 }  // namespace hydrapod::identification

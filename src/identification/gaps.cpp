@@ -7,6 +7,7 @@
 
 #include "bridge.hpp"
 #include "hydrapod/base/error.hpp"
+#include "sample_sums.hpp"
 
 namespace hydrapod::identification {
 
@@ -47,26 +48,24 @@ std::vector<std::vector<int>> groups_to_fill(const ChannelChoice& choice, Estima
 /// Moments of each column, and rows to fit predictions to.
 struct GapModel::Scan {
   struct Channel {
-    double origin{std::numeric_limits<double>::quiet_NaN()}, sum{}, squares{};
-    std::int64_t present{}, missing{}, in_long_gaps{}, run{};
+    SampleSums present{};
+    std::int64_t missing{}, in_long_gaps{}, run{};
 
     void add(double x, Index longest) {
-      if (!std::isfinite(x)) {
+      if (std::isfinite(x)) {
+        end_run(longest);
+        present.add(x);
+      } else {
         ++missing;
         ++run;
-        return;
       }
-      end_run(longest);
-      if (present++ == 0) origin = x;
-      sum += x - origin;
-      squares += (x - origin) * (x - origin);
     }
     void end_run(Index longest) {
       if (run > longest) in_long_gaps += run;
       run = 0;
     }
     [[nodiscard]] double share() const {
-      const std::int64_t total = present + missing - in_long_gaps;
+      const std::int64_t total = present.count + missing - in_long_gaps;
       return total > 0 ? static_cast<double>(missing - in_long_gaps) / static_cast<double>(total)
                        : 0.0;
     }
@@ -149,12 +148,10 @@ GapModel::GapModel(data::RecordSet& records, const GapPlan& plan, const GapOptio
   for (std::size_t c = 0; c < columns_.size(); ++c) {
     const auto& channel = scan.channels[c];
     auto& column = columns_[c];
-    column.dead = channel.present == 0;
+    column.dead = channel.present.count == 0;
     if (column.dead) continue;
-    const auto n = static_cast<double>(channel.present);
-    column.mean = channel.origin + channel.sum / n;
-    const double variance = channel.squares / n - std::pow(channel.sum / n, 2);
-    if (variance > 0.0) column.scale = std::sqrt(variance);
+    column.mean = channel.present.mean();
+    if (const double rms = channel.present.rms(); rms > 0.0) column.scale = rms;
     if (channel.share() > options.largest_share)
       throw base::ComputationError(fmt::format(
           "{} misses {:.0f} % of its samples, beside gaps longer than {} samples: up to {:.0f} % "

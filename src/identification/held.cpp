@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "names.hpp"
+#include "sample_sums.hpp"
 
 namespace hydrapod::identification {
 
@@ -13,32 +14,16 @@ namespace {
 
 constexpr double no_number = std::numeric_limits<double>::quiet_NaN();
 
-struct HeldSums {
-  double sum{}, squares{};
-  std::int64_t count{};
-
-  void add(double x) {
-    if (!std::isfinite(x)) return;
-    sum += x;
-    squares += x * x;
-    ++count;
-  }
-  [[nodiscard]] double mean() const { return sum / static_cast<double>(count); }
-  [[nodiscard]] double variance() const {
-    return count > 0 ? std::max(0.0, squares / static_cast<double>(count) - mean() * mean()) : 0.0;
-  }
-};
-
 struct HeldRun {
   std::size_t file{};
   std::int64_t begin{}, length{};
   double value{};
 };
 
-/// All of a channel; values from the first one on, so that an offset costs no digits.
+/// All of a channel.
 struct HeldAccount {
-  double origin{no_number}, last{no_number}, step{std::numeric_limits<double>::infinity()};
-  HeldSums all{};
+  double last{no_number}, step{std::numeric_limits<double>::infinity()};
+  SampleSums all{};
   std::int64_t changes{};
   HeldRun run{};
   std::vector<HeldRun> runs{};  // long ones
@@ -49,8 +34,7 @@ struct HeldAccount {
     run = {.file = file};
   }
   void add(double x, std::int64_t at, std::int64_t least) {
-    if (std::isnan(origin) && std::isfinite(x)) origin = x;
-    all.add(x - origin);
+    all.add(x);
     if (x == last) {
       ++run.length;
       return;
@@ -66,14 +50,9 @@ struct HeldAccount {
     run.length = 0;
   }
   /// Without `runs`.
-  [[nodiscard]] HeldSums others() const {
-    HeldSums sums = all;
-    for (const HeldRun& own : runs) {
-      const auto n = static_cast<double>(own.length);
-      sums.count -= own.length;
-      sums.sum -= n * (own.value - origin);
-      sums.squares -= n * std::pow(own.value - origin, 2);
-    }
+  [[nodiscard]] SampleSums others() const {
+    SampleSums sums = all;
+    for (const HeldRun& own : runs) sums.add(own.value, -own.length);
     return sums;
   }
   void keep_unusual(double of_usual, const HeldOptions& options);
@@ -98,8 +77,8 @@ void HeldAccount::keep_unusual(double of_usual, const HeldOptions& options) {
     }
   }
   runs.resize(kept);
-  const HeldSums sums = others();
-  if (sums.count == 0 || std::sqrt(sums.variance()) < options.of_step * step) runs.clear();
+  const SampleSums sums = others();
+  if (sums.count == 0 || sums.rms() < options.of_step * step) runs.clear();
 }
 
 /// use(file, first, samples) for all pieces of all files.
@@ -140,9 +119,9 @@ std::vector<HeldAccount> accounts_of(data::RecordSet& records, const std::vector
 struct HeldCandidate {
   int channel{};
   HeldRun run{};
-  HeldSums before{}, after{};
+  SampleSums before{}, after{};
   std::vector<int> movers{};
-  std::vector<HeldSums> during{}, later{};  // of the movers; `later`: in the last half of the run
+  std::vector<SampleSums> during{}, later{};  // of the movers; `later`: in the last half of the run
 
   [[nodiscard]] std::int64_t beside(const HeldOptions& options) const {
     const double share = options.beside_share * static_cast<double>(run.length);
@@ -190,28 +169,27 @@ std::vector<HeldCandidate> candidates_of(std::vector<HeldAccount>& accounts,
       candidates.push_back({.channel = c,
                             .run = run,
                             .movers = movers,
-                            .during = std::vector<HeldSums>(movers.size()),
-                            .later = std::vector<HeldSums>(movers.size())});
+                            .during = std::vector<SampleSums>(movers.size()),
+                            .later = std::vector<SampleSums>(movers.size())});
   }
   return candidates;
 }
 
 /// Samples `from` … `to` of a file, those of them that a block from `first` on has.
 template <class Column>
-void add_part(const Column& column, double origin, std::int64_t first, std::int64_t from,
-              std::int64_t to, HeldSums& sums) {
+void add_part(const Column& column, std::int64_t first, std::int64_t from, std::int64_t to,
+              SampleSums& sums) {
   const std::int64_t begin = std::max(from, first),
                      end = std::min<std::int64_t>(to, first + column.size());
-  for (std::int64_t t = begin; t < end; ++t) sums.add(column[t - first] - origin);
+  for (std::int64_t t = begin; t < end; ++t) sums.add(column[t - first]);
 }
 
 void measure_candidates(data::RecordSet& records, const std::vector<std::size_t>& used,
-                        const std::vector<HeldAccount>& accounts, const HeldOptions& options,
-                        std::vector<HeldCandidate>& candidates) {
+                        const HeldOptions& options, std::vector<HeldCandidate>& candidates) {
   const auto part = [&](const Eigen::Ref<const data::Samples>& block, std::int64_t first, int c,
-                        std::int64_t from, std::int64_t to, HeldSums& sums) {
+                        std::int64_t from, std::int64_t to, SampleSums& sums) {
     const auto k = static_cast<std::size_t>(c);
-    add_part(block.col(static_cast<Index>(used[k])), accounts[k].origin, first, from, to, sums);
+    add_part(block.col(static_cast<Index>(used[k])), first, from, to, sums);
   };
   for_pieces(
       records, [](std::size_t) {},
@@ -233,7 +211,7 @@ void measure_candidates(data::RecordSet& records, const std::vector<std::size_t>
 
 bool is_held(const HeldCandidate& candidate, const std::vector<HeldAccount>& accounts,
              bool is_output, const HeldOptions& options) {
-  const HeldSums others = accounts[static_cast<std::size_t>(candidate.channel)].others();
+  const SampleSums others = accounts[static_cast<std::size_t>(candidate.channel)].others();
   const double least = options.beside * options.beside * others.variance();
   // at an end of the record there is nothing beside it
   const bool begins = candidate.before.count >= options.least_beside,
@@ -242,8 +220,8 @@ bool is_held(const HeldCandidate& candidate, const std::vector<HeldAccount>& acc
       (ends && candidate.after.variance() < least) || (!begins && !ends))
     return false;
   for (std::size_t m = 0; m < candidate.movers.size(); ++m) {
-    const HeldSums& all = accounts[static_cast<std::size_t>(candidate.movers[m])].all;
-    const auto power = [&](const HeldSums& sums) {
+    const SampleSums& all = accounts[static_cast<std::size_t>(candidate.movers[m])].all;
+    const auto power = [&](const SampleSums& sums) {
       return sums.count > 0 ? sums.variance() + std::pow(sums.mean() - all.mean(), 2) : 0.0;
     };
     const double needed = (is_output ? options.goes_on : options.outputs_go_on) * all.variance();
@@ -253,6 +231,28 @@ bool is_held(const HeldCandidate& candidate, const std::vector<HeldAccount>& acc
 }
 
 }  // namespace
+
+void LongestHold::add(const Column& samples) {
+  const Index n = samples.size();
+  Index head = 0;
+  while (head < n && samples[head] == last_) ++head;
+  run_ += head;
+  longest_ = std::max(longest_, run_);
+  if (head == n) return;
+  // a run of `least` samples holds one of every `least`
+  for (Index at = head + least - 1; at < n;) {
+    Index from = at, to = at + 1;
+    while (from > head && samples[from - 1] == samples[at]) --from;
+    while (to < n && samples[to] == samples[at]) ++to;
+    longest_ = std::max<std::int64_t>(longest_, to - from);
+    at = to - 1 + least;
+  }
+  Index from = n - 1;
+  while (from > head && samples[from - 1] == samples[n - 1]) --from;
+  run_ = n - from;
+  last_ = samples[n - 1];
+  longest_ = std::max(longest_, run_);
+}
 
 bool may_be_held(const CrossSpectra& spectra) {
   return std::ranges::any_of(spectra.health,
@@ -264,7 +264,7 @@ Held find_held(data::RecordSet& records, const std::vector<std::size_t>& used,
   auto accounts = accounts_of(records, used, options);
   auto candidates = candidates_of(accounts, choice, options);
   if (candidates.empty()) return {};
-  measure_candidates(records, used, accounts, options, candidates);
+  measure_candidates(records, used, options, candidates);
   Held held;
   for (std::size_t c = 0; c < used.size(); ++c) {
     const bool is_output =

@@ -11,6 +11,8 @@
 /// - what moves the channel goes on during the run: all inputs for an output, the outputs for a
 ///   single input, all other outputs where there are no inputs.
 
+#include <cstdint>
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -18,9 +20,23 @@
 
 namespace hydrapod::identification {
 
+/// Samples at one value in succession.
+class LongestHold {
+ public:
+  using Column = Eigen::Ref<const Eigen::VectorXd, 0, Eigen::InnerStride<>>;
+  /// Shorter ones are not looked for.
+  static constexpr Eigen::Index least = 64;
+  void add(const Column& samples);
+  [[nodiscard]] std::int64_t samples() const { return longest_ >= least ? longest_ : 0; }
+
+ private:
+  double last_{std::numeric_limits<double>::quiet_NaN()};
+  std::int64_t run_{}, longest_{};
+};
+
 struct HeldOptions {
   /// Samples of a run ≥ least, and ≥ of_usual · the mean length of all runs, the held ones aside.
-  std::int64_t least{64};
+  std::int64_t least{LongestHold::least};
   double of_usual{200.0};
   double of_step{20.0};       ///< RMS of the channel ≥ of_step · its least step
   double beside{0.1};         ///< RMS beside the run ≥ that of the channel, times this

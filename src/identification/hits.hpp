@@ -44,7 +44,8 @@ struct HitOptions {
   /// long, and two samples more on either side.
   double of_noise{8.0}, of_peak{0.01};
   double apart{0.002};
-  double quiet{0.005};  ///< RMS of the noise of a hammer at rest, at most this of the largest
+  /// RMS of the noise of a hammer at rest, at most this of the largest: hum has some per cent
+  double quiet{0.02};
   /// RMS of an output just after the first hit, of that before: spikes of the recorder move nothing
   double rise{2.0};
   /// A record is hits where energy of the input there ≥ energy · all, and it is no longer than

@@ -9,15 +9,10 @@
 
 namespace hydrapod::identification {
 
-namespace {
-
-/// All samples of the channels, with straight lines over spikes; none where there are more than
-/// fit.
 std::optional<std::vector<data::Samples>> whole_records(data::RecordSet& records,
-                                                        const std::vector<std::size_t>& used,
-                                                        const std::vector<Spike>& spikes,
-                                                        std::int64_t most, Measurement& m) {
-  const std::vector<Index> columns(used.begin(), used.end());
+                                                        const std::vector<std::size_t>& channels,
+                                                        std::int64_t most) {
+  const std::vector<Index> columns(channels.begin(), channels.end());
   std::int64_t total = 0;
   std::vector<data::Samples> all;
   for (std::size_t k = 0; k < records.files().size(); ++k) {
@@ -34,17 +29,21 @@ std::optional<std::vector<data::Samples>> whole_records(data::RecordSet& records
     filled[file] += count;
     return true;
   });
-  for (std::size_t k = 0; k < all.size(); ++k) {
+  for (std::size_t k = 0; k < all.size(); ++k)
     all[k].conservativeResize(filled[k], Eigen::NoChange);
-    m.samples += filled[k];
-  }
+  return all;
+}
+
+namespace {
+
+/// With straight lines over spikes.
+void bridge_spikes(const std::vector<Spike>& spikes, const std::vector<std::size_t>& used,
+                   std::vector<data::Samples>& records) {
   for (const auto& spike : spikes) {
     auto column =
-        all[spike.place.file].col(std::ranges::find(used, spike.place.channel) - used.begin());
+        records[spike.place.file].col(std::ranges::find(used, spike.place.channel) - used.begin());
     column = bridged(column);
   }
-  m.notes = records.notes();
-  return all;
 }
 
 /// Health of all channels, and warnings of it.
@@ -88,8 +87,11 @@ std::optional<Measurement> measure_hits(data::RecordSet& records, Plan plan,
     return {};
   Measurement m{.header = records.header()};
   const auto used = used_channels(plan.choice);
-  const auto all = whole_records(records, used, spikes, HitOptions{}.most, m);
+  auto all = whole_records(records, used, HitOptions{}.most);
   if (!all) return {};
+  bridge_spikes(spikes, used, *all);
+  for (const auto& samples : *all) m.samples += samples.rows();
+  m.notes = records.notes();
   const double rate = m.header.sample_rate;
   const auto channel = [&](int c) { return m.header.channels[used[static_cast<std::size_t>(c)]]; };
   std::vector<data::Channel> outputs;

@@ -46,10 +46,6 @@ bool another_first(const ModalModel& model, std::size_t r, const Band& band,
   });
 }
 
-}  // namespace
-
-namespace {
-
 /// What is taken out is judged by its pole. False where `tried` is given and a mode from there on
 /// does not stand above the noise.
 bool fit_clusters(const IdentifyOptions& options, const std::vector<PoleCluster>& clusters,

@@ -138,6 +138,12 @@ void warn_of_limits(const CrossSpectra& spectra, const std::vector<int>& channel
   }
 }
 
+double rms_in(const CrossSpectra& spectra, int channel) {
+  const double width = spectra.sample_rate / static_cast<double>(spectra.options.block_length);
+  const Index c = channel, diagonal = c * (c + 3) / 2;
+  return std::sqrt(width * std::max(0.0, spectra.re.col(diagonal).sum()));
+}
+
 void warn_of_repeated(const CrossSpectra& spectra, const std::vector<int>& outputs,
                       Warnings& warnings) {
   constexpr double rounding = 1e-9;

@@ -43,6 +43,9 @@ void warn_of_limits(const CrossSpectra& spectra, const std::vector<int>& channel
                     std::vector<data::ResponseWarning>& warnings,
                     const ResponseCheckOptions& options = {});
 
+/// RMS of a channel about its mean, by its spectrum.
+double rms_in(const CrossSpectra& spectra, int channel);
+
 /// A warning for each channel that has the samples of one before it.
 void warn_of_repeated(const CrossSpectra& spectra, const std::vector<int>& outputs,
                       std::vector<data::ResponseWarning>& warnings);

@@ -10,7 +10,9 @@
 #include "hits.hpp"
 #include "hydrapod/base/error.hpp"
 #include "hydrapod/base/text.hpp"
+#include "measure_hits.hpp"
 #include "names.hpp"
+#include "response_checks.hpp"
 
 namespace hydrapod::identification {
 
@@ -20,34 +22,12 @@ namespace {
 bool may_be_hit(const CrossSpectra& spectra, int input) {
   constexpr double conspicuous = 8.0;
   const auto& health = spectra.health[static_cast<std::size_t>(input)];
-  const Index k = input;
-  const double width = spectra.sample_rate / spectra.options.block_length;
-  const double rms = std::sqrt(width * std::max(0.0, spectra.re.col(k * (k + 3) / 2).sum()));
-  return health.missing == 0 && health.highest - health.lowest > conspicuous * rms;
-}
-
-/// The inputs of each file.
-std::vector<MatrixXd> inputs_of(data::RecordSet& records, const std::vector<std::size_t>& used,
-                                const std::vector<int>& inputs) {
-  std::vector<MatrixXd> all;
-  for (std::size_t k = 0; k < records.files().size(); ++k)
-    all.emplace_back(records.count_samples(k), std::ssize(inputs));
-  std::vector<Index> filled(all.size());
-  records.stream([&](std::size_t file, const Eigen::Ref<const data::Samples>& block) {
-    const Index count = std::min(block.rows(), all[file].rows() - filled[file]);
-    for (std::size_t i = 0; i < inputs.size(); ++i)
-      all[file].col(static_cast<Index>(i)).segment(filled[file], count) =
-          block.col(static_cast<Index>(used[static_cast<std::size_t>(inputs[i])])).head(count);
-    filled[file] += count;
-    return true;
-  });
-  for (std::size_t k = 0; k < all.size(); ++k)
-    all[k].conservativeResize(filled[k], Eigen::NoChange);
-  return all;
+  return health.missing == 0 &&
+         health.highest - health.lowest > conspicuous * rms_in(spectra, input);
 }
 
 /// The one input that is hit; none: several are, or it is no such record.
-std::optional<std::size_t> only_hit(const MatrixXd& inputs) {
+std::optional<std::size_t> only_hit(const data::Samples& inputs) {
   if (inputs.rows() == 0 || !inputs.allFinite()) return {};
   const Eigen::RowVectorXd size =
       (inputs.rowwise() - inputs.colwise().mean()).cwiseAbs().colwise().maxCoeff();
@@ -67,11 +47,12 @@ void refuse_roving(data::RecordSet& records, const CrossSpectra& spectra,
   if (choice.inputs.size() < 2 || !choice.instruments.empty() ||
       std::ranges::none_of(choice.inputs, [&](int i) { return may_be_hit(spectra, i); }))
     return;
-  std::int64_t samples = 0;
-  for (std::size_t k = 0; k < records.files().size(); ++k) samples += records.count_samples(k);
-  if (samples * std::ssize(choice.inputs) > HitOptions{}.most) return;
+  std::vector<std::size_t> columns;
+  for (const int i : choice.inputs) columns.push_back(used[static_cast<std::size_t>(i)]);
+  const auto all = whole_records(records, columns, HitOptions{}.most);
+  if (!all) return;
   std::vector<std::size_t> hit;
-  for (const auto& inputs : inputs_of(records, used, choice.inputs)) {
+  for (const auto& inputs : *all) {
     const auto own = only_hit(inputs);
     if (!own) return;
     hit.push_back(*own);

@@ -7,6 +7,8 @@
 #include <map>
 
 #include "names.hpp"
+#include "response_checks.hpp"
+#include "sample_sums.hpp"
 
 namespace hydrapod::identification {
 
@@ -38,29 +40,15 @@ double deviation_from_median(const SpikeColumn& x, Index t) {
   return std::abs(x[t] - *middle);
 }
 
-/// Of all samples of a channel in a file.
-struct ChannelMoments {
-  double origin{std::numeric_limits<double>::quiet_NaN()}, sum{}, squares{};
+/// Of all samples of a channel in a file; `step`: the least between two of them.
+struct ChannelMoments : SampleSums {
   double last{std::numeric_limits<double>::quiet_NaN()};
   double step{std::numeric_limits<double>::infinity()};
-  std::int64_t count{};
 
-  void add(double x, int weight = 1) {
-    if (!std::isfinite(x)) return;
-    if (count == 0) origin = x;
-    count += weight;
-    sum += weight * (x - origin);
-    squares += weight * (x - origin) * (x - origin);
-  }
   void add_next(double x) {
     add(x);
     if (const double by = std::abs(x - last); by > 0.0) step = std::min(step, by);
     last = x;
-  }
-  [[nodiscard]] double mean() const { return origin + sum / static_cast<double>(count); }
-  [[nodiscard]] double rms() const {
-    const auto n = static_cast<double>(std::max<std::int64_t>(1, count));
-    return std::sqrt(std::max(0.0, squares / n - std::pow(sum / n, 2)));
   }
 };
 
@@ -120,13 +108,11 @@ class SpikeWatch {
 
   /// Samples up to `to`.
   void look(Index to) {
-    // a spike in n samples has most of their power: it is √n times their RMS
-    constexpr double of_rms = 5.0;
     for (; looked_ < to; ++looked_)
       for (std::size_t c = 0; c < channels_.size(); ++c) {
         const auto& moments = (*moments_)[c];
         if (std::abs(buffer_(looked_, static_cast<Index>(c)) - moments.mean()) >
-            of_rms * moments.rms())
+            options_.looked_at * moments.rms())
           judge(static_cast<Index>(c), looked_);
       }
   }
@@ -215,12 +201,10 @@ std::vector<Spike> judged_spikes(std::vector<SpikeCandidate> list, ChannelMoment
 
 bool may_have_spikes(const CrossSpectra& spectra, const SpikeOptions& options) {
   if (spectra.blocks == 0) return true;
-  const double width = spectra.sample_rate / static_cast<double>(spectra.options.block_length);
   for (std::size_t c = 0; c < spectra.health.size(); ++c) {
     const auto& health = spectra.health[c];
-    const auto k = static_cast<Index>(c);
-    const double rms = std::sqrt(width * std::max(0.0, spectra.re.col(k * (k + 3) / 2).sum()));
-    if (0.5 * (health.highest - health.lowest) > options.conspicuous * rms) return true;
+    const double half = 0.5 * (health.highest - health.lowest);
+    if (half > options.conspicuous * rms_in(spectra, static_cast<int>(c))) return true;
   }
   return false;
 }

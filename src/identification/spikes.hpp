@@ -27,6 +27,9 @@ struct SpikeOptions {
   /// … and > of_rms · the RMS of all other samples, and > of_step · the least step between samples:
   /// the last digit of a channel that hardly moves is no spike.
   double of_rms{30.0}, of_step{20.0};
+  /// Looked at is what is > looked_at · the RMS of all samples from their mean. A spike that has
+  /// most of the power of n samples is √n times their RMS.
+  double looked_at{5.0};
   /// What is within the nine samples around a spike and > beside · what is usual is part of it.
   double beside{6.0};
   /// The spread of a channel after > rises · that before: it was hit.

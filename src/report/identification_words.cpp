@@ -106,15 +106,18 @@ std::string hits_text(const data::ResponseWarning& w) {
 
 }  // namespace
 
+bool have_one_unit(const std::vector<data::Channel>& outputs) {
+  return !outputs.empty() && !outputs.front().unit.empty() &&
+         std::ranges::all_of(
+             outputs, [&](const auto& output) { return output.unit == outputs.front().unit; });
+}
+
 std::vector<std::string> motion_words(const identification::Identification& result) {
   const auto& outputs = result.responses.outputs;
   Eigen::VectorXd size = Eigen::VectorXd::Zero(std::ssize(outputs));
   for (const auto& H : result.responses.H) size += H.rowwise().squaredNorm();
   size = size.cwiseSqrt().cwiseMax(1e-300);
-  const auto in_first_unit = [&](const auto& o) { return o.unit == outputs.front().unit; };
-  if (!outputs.empty() && !outputs.front().unit.empty() &&
-      std::ranges::all_of(outputs, in_first_unit))
-    size.setOnes();  // the shape itself
+  if (have_one_unit(outputs)) size.setOnes();  // the shape itself
   std::vector<std::string> words;
   for (const auto& mode : result.modes) words.push_back(motion_text(mode, size, outputs));
   return words;

@@ -169,26 +169,18 @@ struct OutputClass {
 
 /// Five unequal masses, light proportional and one extra damper; 2.1 … 10 Hz.
 inline OutputClass unequal_chain() {
-  Chain chain;
-  chain.masses.resize(5);
-  chain.masses << 1.31, 0.87, 1.64, 1.12, 0.73;
-  chain.springs.resize(6);
-  chain.springs << 1270.0, 941.0, 1530.0, 1105.0, 688.0, 412.0;
-  chain.dampers.resize(6);
-  chain.dampers << 0.61, 0.23, 0.52, 0.31, 0.17, 0.44;
+  const Chain chain{.masses = Eigen::VectorXd{{1.31, 0.87, 1.64, 1.12, 0.73}},
+                    .springs = Eigen::VectorXd{{1270.0, 941.0, 1530.0, 1105.0, 688.0, 412.0}},
+                    .dampers = Eigen::VectorXd{{0.61, 0.23, 0.52, 0.31, 0.17, 0.44}}};
   return {.name = "output only: 5 unequal masses", .system = modes_of(chain)};
 }
 
 /// Accelerations of three masses, 90 s; 4.11, 16.2 and 22.6 Hz, the first one damped by 0.38 %: it
 /// decays by e^(−0.4) within half a block.
 inline OutputClass sharp_chain() {
-  Chain chain;
-  chain.masses.resize(3);
-  chain.masses << 10.3, 19.7, 14.6;
-  chain.springs.resize(4);
-  chain.springs << 40.3e3, 88.9e3, 121e3, 0.0;
-  chain.dampers.resize(4);
-  chain.dampers << 12.1, 24.3, 18.7, 0.0;
+  const Chain chain{.masses = Eigen::VectorXd{{10.3, 19.7, 14.6}},
+                    .springs = Eigen::VectorXd{{40.3e3, 88.9e3, 121e3, 0.0}},
+                    .dampers = Eigen::VectorXd{{12.1, 24.3, 18.7, 0.0}}};
   OutputClass result{
       .name = "output only: a sharp mode, 90 s", .system = modes_of(chain), .block = 2048};
   for (auto& mode : result.system.modes) mode.shape *= mode.pole * mode.pole;
@@ -217,13 +209,9 @@ inline OutputClass close_pairs() {
 
 /// Three masses under coloured forces, and a machine that turns: 23.7 Hz and its double.
 inline OutputClass chain_with_tones() {
-  Chain chain;
-  chain.masses.resize(3);
-  chain.masses << 0.94, 1.27, 0.66;
-  chain.springs.resize(4);
-  chain.springs << 7300.0, 5150.0, 8420.0, 3310.0;
-  chain.dampers.resize(4);
-  chain.dampers << 1.1, 0.7, 1.6, 0.4;
+  const Chain chain{.masses = Eigen::VectorXd{{0.94, 1.27, 0.66}},
+                    .springs = Eigen::VectorXd{{7300.0, 5150.0, 8420.0, 3310.0}},
+                    .dampers = Eigen::VectorXd{{1.1, 0.7, 1.6, 0.4}}};
   OutputClass result{.name = "output only: tones, coloured forces", .system = modes_of(chain)};
   result.experiment.colour = 9.0;
   const Eigen::Vector3d first{0.31, 0.12, 0.22}, second{0.05, 0.09, 0.03};

@@ -100,8 +100,11 @@ const char* words(identification::Objection reason);
 /// "new", "frequency", "damping", "vector".
 const char* words(identification::PoleStability stability);
 
-/// Per mode "x 1.00, −ry 0.26": the outputs that move most, each in proportion to the size of its
-/// own responses, signs against the first.
+/// Shapes of modes are then shown as they are.
+bool have_one_unit(const std::vector<data::Channel>& outputs);
+
+/// Per mode "x 1.00, −ry 0.26": the outputs that move most, signs against the first. Outputs that
+/// have no unit in common are each in proportion to the size of their own responses.
 std::vector<std::string> motion_words(const identification::Identification& result);
 
 std::string warning_text(const data::ResponseWarning& warning);
