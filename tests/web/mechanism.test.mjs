@@ -2,7 +2,7 @@
 import assert from 'node:assert/strict';
 import { test } from 'node:test';
 import { firstOrderPoints, straight } from './exact_leg.mjs';
-import { damped, model, near, published, report, withPage } from './support.mjs';
+import { damped, model, near, published, report, still, withKeptPage, withPage } from './support.mjs';
 
 const tolerance = 1e-6; // [m]
 
@@ -71,7 +71,7 @@ for (const [name, words] of [
   ['lower and tilted, gimbal axes', [...damped, '--pose', 'z=-25 mm, rx=3 deg, y=20 mm']],
 ]) {
   test(`${name}: every point of every leg is where the shape puts it`, async () => {
-    await withPage(report(...words), {}, async (page) => {
+    await withKeptPage(report(...words), still, async (page) => {
       const pose = await page.evaluate(() => window.hydrapod.report.poses[0]);
       for (const mode of pose.modes) {
         await choose(page, mode.number);
@@ -82,7 +82,7 @@ for (const [name, words] of [
 }
 
 test('complex modes move with their phases', async () => {
-  await withPage(report(...damped), {}, async (page) => {
+  await withKeptPage(report(...damped), still, async (page) => {
     const mode = await page.evaluate(() =>
       window.hydrapod.report.poses[0].modes.find((m) =>
         m.shape_imaginary?.some((x) => Math.abs(x) > 1e-3),
@@ -124,6 +124,28 @@ test('choosing a mode in the table changes what is drawn, and frames differ', as
   });
 });
 
+test('what stands still is drawn once: not when it is scrolled to, again when it has another size', async () => {
+  await withPage(report(published), still, async (page) => {
+    const framesAfter = (change) =>
+      page.evaluate(async (id) => {
+        document.getElementById(id)?.scrollIntoView();
+        for (let i = 0; i < 5; ++i) await new Promise((done) => requestAnimationFrame(done));
+        return window.hydrapod.scene.frames();
+      }, change);
+    assert.equal(await framesAfter(''), 1);
+    assert.equal(await framesAfter('about'), 1);
+    assert.equal(await framesAfter('mechanism'), 1);
+    await page.setViewportSize({ width: 1100, height: 1000 });
+    await page.waitForFunction(() => window.hydrapod.scene.frames() > 1);
+    const resized = await framesAfter('mechanism');
+    await page.evaluate(() => window.hydrapod.state.chooseMode(2));
+    assert.equal(await framesAfter('mechanism'), resized + 1);
+    await page.evaluate(() => window.hydrapod.state.chooseMode(1));
+    await page.evaluate(() => window.hydrapod.scene.setPhase(1));
+    assert.ok((await framesAfter('mechanism')) <= resized + 3, 'one frame for each change');
+  });
+});
+
 test('sliders, reset, view buttons and leg numbers', async () => {
   await withPage(report(published), {}, async (page) => {
     const slide = (name, value) => page.locator(`[data-control="${name}"]`).fill(String(value));
@@ -157,7 +179,7 @@ test('sliders, reset, view buttons and leg numbers', async () => {
 });
 
 test('the picture turns when it is dragged', async () => {
-  await withPage(report(published), {}, async (page) => {
+  await withKeptPage(report(published), still, async (page) => {
     await page.evaluate(() => window.hydrapod.scene.setPhase(0));
     const canvas = page.locator('canvas.machine');
     const before = await canvas.screenshot();
@@ -172,7 +194,7 @@ test('the picture turns when it is dragged', async () => {
 });
 
 test('a rigid model stands alone', async () => {
-  await withPage(report(published, '--model', 'rigid'), {}, async (page) => {
+  await withPage(report(published, '--model', 'rigid'), still, async (page) => {
     assert.equal(await page.locator('.viewport-head').count(), 1);
     assert.equal(await page.locator('.col-mac').count(), 0);
   });
@@ -185,7 +207,7 @@ test('without WebGL the machine is drawn flat, and says so', async () => {
       return kind.startsWith('webgl') ? null : original.call(this, kind, ...rest);
     };
   };
-  await withPage(report(published), { launch }, async (page) => {
+  await withPage(report(published), { ...still, launch }, async (page) => {
     assert.equal(await page.evaluate(() => window.hydrapod.scene.kind), 'svg');
     assert.match(await page.locator('#mechanism').innerText(), /no WebGL/);
     assert.equal(await page.locator('.machine.flat svg').count(), 2);

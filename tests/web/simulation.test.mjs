@@ -1,7 +1,16 @@
 // The simulated run: histories and the moving machine against the command line's JSON.
 import assert from 'node:assert/strict';
 import { test } from 'node:test';
-import { json, moduleText, near, published, report, withPage } from './support.mjs';
+import {
+  findings,
+  json,
+  near,
+  published,
+  report,
+  still,
+  withKeptPage,
+  withPage,
+} from './support.mjs';
 
 const command = ['--command', 'sine z=4 mm, ry=1 deg, frequency=2 Hz, fade=0.2 s', '--until', '0.6'];
 
@@ -18,7 +27,7 @@ function jointAt(leg, platform, d) {
 }
 
 test('the machine stands where the run has it, piston and all', async () => {
-  await withPage(report(published, ...command), {}, async (page) => {
+  await withKeptPage(report(published, ...command), still, async (page) => {
     const run = await page.evaluate(() => window.hydrapod.report.simulation);
     const { trace, geometry } = run;
     for (const time of [0, 0.137, 0.31, 0.55]) {
@@ -45,7 +54,7 @@ test('the machine stands where the run has it, piston and all', async () => {
 
 test('the run is that of hydrapod simulate', async () => {
   const expected = json('simulate', published, ...command);
-  await withPage(report(published, ...command), {}, async (page) => {
+  await withKeptPage(report(published, ...command), still, async (page) => {
     const run = await page.evaluate(() => window.hydrapod.report.simulation);
     assert.deepEqual(run.commands, expected.commands);
     const last = (trace) => trace.motion.map((values) => values.at(-1));
@@ -55,7 +64,7 @@ test('the run is that of hydrapod simulate', async () => {
 });
 
 test('it plays to its end, and the slider shows a moment', async () => {
-  await withPage(report(published, ...command), {}, async (page) => {
+  await withKeptPage(report(published, ...command), still, async (page) => {
     const play = page.locator('[data-control="run"]');
     await play.click();
     await page.waitForFunction(() => window.hydrapod.simulation.time() > 0.59, null, {
@@ -72,13 +81,38 @@ test('it plays to its end, and the slider shows a moment', async () => {
   });
 });
 
-test('no finding of axe, and no section without a run', async () => {
-  await withPage(report(published, ...command), {}, async (page) => {
-    await page.evaluate(moduleText('axe-core'));
-    const { violations } = await page.evaluate(() => window.axe.run(document));
-    assert.deepEqual(violations.map((v) => `${v.id}: ${v.nodes[0].html}`), []);
+/** Plays the run from its beginning to its end; the frames that it drew. */
+const playThrough = (page) =>
+  page.evaluate(async () => {
+    const { simulation } = window.hydrapod;
+    const frame = () => new Promise((done) => requestAnimationFrame(done));
+    const play = document.querySelector('[data-control="run"]');
+    const last = window.hydrapod.report.simulation.trace.time_s.at(-1);
+    simulation.setTime(0);
+    for (let i = 0; i < 3; ++i) await frame(); // it is seen where the page stands now
+    const before = simulation.frames();
+    play.click();
+    while (play.textContent !== 'Play' || simulation.time() < last) await frame();
+    for (let i = 0; i < 3; ++i) await frame();
+    return simulation.frames() - before;
   });
-  await withPage(report(published), {}, async (page) => {
+
+test('out of sight it goes on without pictures but the last one', async () => {
+  await withKeptPage(report(published, ...command), still, async (page) => {
+    await page.evaluate(() => document.getElementById('simulation').scrollIntoView());
+    const seen = await playThrough(page);
+    assert.ok(seen >= 6, `${seen} frames, 0.1 s of the run each at most`);
+    await page.evaluate(() => document.getElementById('mechanism').scrollIntoView());
+    const unseen = await playThrough(page);
+    assert.ok(unseen >= 1 && unseen <= 2, `${unseen} frames`);
+  });
+});
+
+test('no finding of axe, and no section without a run', async () => {
+  await withKeptPage(report(published, ...command), still, async (page) => {
+    assert.deepEqual(await findings(page), []);
+  });
+  await withPage(report(published), still, async (page) => {
     assert.equal(await page.locator('#simulation').count(), 0);
   });
 });

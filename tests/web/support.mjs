@@ -32,6 +32,9 @@ before(async () => {
       '--no-sandbox',
       '--use-angle=swiftshader',
       '--enable-unsafe-swiftshader',
+      // SwiftShader for WebGL only: with all of the page drawn by it, a page costs twice as much
+      '--disable-gpu-compositing',
+      '--disable-gpu-rasterization',
       '--disable-quic',
       '--no-first-run',
       '--disable-background-networking',
@@ -132,17 +135,8 @@ export async function close(page) {
   await page.close();
 }
 
-/** The page that withKeptPage left open: { key, page }. */
-let kept;
-const letGo = async () => {
-  const { page } = kept ?? {};
-  kept = undefined;
-  await page?.close();
-};
-
 /** Opens, tests, closes; nothing may have gone wrong on the page. */
 export async function withPage(file, options, body) {
-  await letGo();
   const page = await open(file, options);
   try {
     await body(page);
@@ -154,23 +148,24 @@ export async function withPage(file, options, body) {
   await close(page);
 }
 
+/** The pages that withKeptPage left open. */
+const kept = new Map();
+
 /**
- * As withPage, on a page that stays open until a test asks for another one: to open a page takes longer
- * than most tests. Who changes a page puts it back, or stands last of those on it.
+ * As withPage, on a page that stays open for later tests: to open a page takes longer than most tests. Who
+ * changes a page puts it back, or stands last of those on it.
  */
 export async function withKeptPage(file, options, body) {
   const key = JSON.stringify([file, options]);
-  if (kept?.key !== key) {
-    await letGo();
-    kept = { key, page: await open(file, options) };
-  }
-  const { page } = kept;
+  if (!kept.has(key)) kept.set(key, await open(file, options));
+  const page = kept.get(key);
   try {
     await body(page);
     assert.deepEqual(page.problems, [], 'no error on the console, no request');
   } catch (error) {
     if (page.problems.length > 0) error.message += `\non the page: ${page.problems.join('\n')}`;
-    await letGo();
+    kept.delete(key);
+    await page.close();
     throw error;
   }
 }

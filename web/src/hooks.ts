@@ -46,6 +46,8 @@ export interface SimulationHook {
   /** Time of the sample that is shown [s]. */
   time(): number;
   jointPositions(leg: number): LegPoints;
+  /** Frames drawn so far. */
+  frames(): number;
 }
 
 export interface IdentificationHook {

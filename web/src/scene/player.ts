@@ -33,6 +33,8 @@ export class Player {
   private pose: PoseReport | null = null;
   private last = 0;
   private scheduled = false;
+  /** Something changed since it was drawn last. */
+  private stale = false;
   visible = true;
 
   /** Told when it begins or stops to play. */
@@ -106,12 +108,13 @@ export class Player {
 
   /** Draws at the next frame, and goes on while it plays and can be seen. */
   refresh(): void {
+    this.stale = true;
     if (this.scheduled) return;
     this.scheduled = true;
     requestAnimationFrame((time) => {
       this.scheduled = false;
       this.advance(time);
-      this.draw();
+      if (this.stale) this.draw();
       if (this.playing && this.visible) this.refresh();
     });
   }
@@ -125,6 +128,7 @@ export class Player {
   }
 
   private draw(): void {
+    this.stale = false;
     for (const side of this.sides) {
       const amplitude = side === 'flexible' ? this.amplitude : this.rigidAmplitude;
       this.view.setPoints(side, pointsAt(this.shapeAt(side), amplitude, this.phase));

@@ -46,6 +46,8 @@ export class WebglView implements View {
   private geometry: Geometry | null = null;
   private sides: Side[] = [];
   private labels = true;
+  /** Of the canvas when it was drawn last [px]. */
+  private drawn = { width: 0, height: 0 };
 
   /** Throws where there is no WebGL. */
   constructor(onChange: () => void) {
@@ -63,7 +65,7 @@ export class WebglView implements View {
     this.canvas.addEventListener('focus', () => (this.controls.enableZoom = true));
     this.canvas.addEventListener('blur', () => (this.controls.enableZoom = false));
     this.controls.addEventListener('change', onChange);
-    new ResizeObserver(onChange).observe(this.canvas);
+    new ResizeObserver(() => this.resized() && onChange()).observe(this.canvas);
   }
 
   setMachine(geometry: Geometry, sides: Side[]): void {
@@ -151,11 +153,18 @@ export class WebglView implements View {
     this.controls.update();
   }
 
+  private resized(): boolean {
+    const { clientWidth, clientHeight } = this.canvas;
+    return clientWidth !== this.drawn.width || clientHeight !== this.drawn.height;
+  }
+
   draw(): void {
-    const width = this.canvas.clientWidth;
-    const height = this.canvas.clientHeight;
-    if (width === 0 || height === 0) return;
-    this.renderer.setSize(width, height, false);
+    const { clientWidth: width, clientHeight: height } = this.canvas;
+    const seen = width > 0 && height > 0;
+    // to set a size, even the same one, makes the picture's memory anew
+    if (seen && this.resized()) this.renderer.setSize(width, height, false);
+    this.drawn = { width, height };
+    if (!seen) return;
     this.renderer.setScissorTest(true);
     const stacked = this.sides.length > 1 && width < height * 1.1;
     const count = this.sides.length;

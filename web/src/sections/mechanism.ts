@@ -68,7 +68,8 @@ function render(state: State, host: HTMLElement): void {
 function watchVisibility(view: View, player: Player): void {
   new IntersectionObserver((entries) => {
     player.visible = entries.some((entry) => entry.isIntersecting);
-    if (player.visible) player.refresh();
+    // what stands still was drawn when it changed
+    if (player.visible && player.playing) player.refresh();
   }).observe(view.element);
 }
 

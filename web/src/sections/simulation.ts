@@ -59,6 +59,9 @@ class Run {
   playing = false;
   index = 0;
   exaggeration = 1;
+  visible = true;
+  /** Frames drawn so far. */
+  frames = 0;
   private last = 0;
   private scheduled = false;
   onIndex: (index: number) => void = () => {};
@@ -103,7 +106,8 @@ class Run {
     requestAnimationFrame((now) => {
       this.scheduled = false;
       this.advance(now);
-      this.draw();
+      // out of sight the run goes on, without pictures
+      if (this.visible || !this.playing) this.draw();
       if (this.playing) this.refresh();
     });
   }
@@ -125,6 +129,7 @@ class Run {
     const angles: Vector = [at(3), at(4), at(5)];
     this.view.setPoints('flexible', movedMachine(this.run.geometry, shift, angles));
     this.view.draw();
+    ++this.frames;
   }
 }
 
@@ -292,6 +297,9 @@ function render(state: State, host: HTMLElement): void {
         'click to show the machine at this time. Legs are drawn straight.',
     ),
   );
+  new IntersectionObserver((entries) => {
+    now.visible = entries.some((entry) => entry.isIntersecting);
+  }).observe(view.element);
   state.listen((change) => {
     if (change !== 'theme') return;
     view.recolour();
@@ -305,6 +313,7 @@ function render(state: State, host: HTMLElement): void {
       now.draw();
     },
     time: () => run.trace.time_s[now.index],
+    frames: () => now.frames,
     jointPositions: (leg) => view.readPoints('flexible', leg - 1),
   };
   now.refresh();
