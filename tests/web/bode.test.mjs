@@ -2,7 +2,18 @@
 import assert from 'node:assert/strict';
 import { readFileSync } from 'node:fs';
 import { test } from 'node:test';
-import { damped, json, model, near, nearComplex, published, report, withPage } from './support.mjs';
+import {
+  damped,
+  json,
+  model,
+  near,
+  nearComplex,
+  published,
+  report,
+  still,
+  withKeptPage,
+  withPage,
+} from './support.mjs';
 
 const directions = ['x', 'y', 'z', 'rx', 'ry', 'rz'];
 /** The two ways to a value differ by rounding, times what a lightly damped resonance makes of it. */
@@ -30,7 +41,7 @@ for (const [name, machine] of [
 ])
   test(`cursor values equal those of the command line: ${name}`, async () => {
     const points = 40;
-    await withPage(report(...machine, '--points', String(points)), {}, async (page) => {
+    await withPage(report(...machine, '--points', String(points)), still, async (page) => {
       const pose = await page.evaluate(() => window.hydrapod.report.poses[0]);
       const expected = reference(machine, pose.bode, points);
       for (const [output, input] of [
@@ -43,17 +54,20 @@ for (const [name, machine] of [
       ]) {
         const { re, im } = expected.response[directions[output]][directions[input]];
         const diagonal = expected.response[directions[output]][directions[output]];
-        for (let i = 0; i < points; i += 3) {
-          const f = expected.frequency_hz[i];
-          const cursor = await page.evaluate(
-            ([o, n, at]) => {
-              const { bode } = window.hydrapod;
-              bode.choose(o, n);
+        const cursors = await page.evaluate(
+          ([o, n, frequencies]) => {
+            const { bode } = window.hydrapod;
+            bode.choose(o, n);
+            return frequencies.map((at) => {
               bode.setCursor(at);
               return bode.cursor();
-            },
-            [output, input, f],
-          );
+            });
+          },
+          [output, input, expected.frequency_hz],
+        );
+        for (let i = 0; i < points; i += 3) {
+          const f = expected.frequency_hz[i];
+          const cursor = cursors[i];
           near(cursor.frequency_hz, f, 1e-12 * f, 'frequency');
           // couplings are small differences of large terms
           const scale =
@@ -71,25 +85,8 @@ for (const [name, machine] of [
     });
   });
 
-test('the cursor’s row shows magnitude and phase', async () => {
-  await withPage(report(published), {}, async (page) => {
-    const cursor = await page.evaluate(() => {
-      window.hydrapod.bode.choose(0, 0);
-      window.hydrapod.bode.setCursor(7.4);
-      return window.hydrapod.bode.cursor();
-    });
-    const text = await page.locator('.readout').innerText();
-    const size = Math.hypot(cursor.flexible.re, cursor.flexible.im);
-    const [mantissa] = size.toExponential(5).split('e');
-    const degrees = (Math.atan2(cursor.flexible.im, cursor.flexible.re) * 180) / Math.PI;
-    assert.ok(text.includes(mantissa), `${text} has ${mantissa}`);
-    assert.ok(text.includes(`${degrees.toFixed(2).replace('-', '−')}°`), `${text} has ${degrees}`);
-    assert.match(text, /m\/N/);
-  });
-});
-
 test('pointing at the diagram and moving the slider move the cursor', async () => {
-  await withPage(report(published), {}, async (page) => {
+  await withKeptPage(report(published), still, async (page) => {
     const over = page.locator('.u-over').first();
     await over.scrollIntoViewIfNeeded();
     const box = await over.boundingBox();
@@ -105,11 +102,29 @@ test('pointing at the diagram and moving the slider move the cursor', async () =
       1e-6 * to,
       'end of the band',
     );
+    await page.mouse.move(0, 0); // off the diagram
+  });
+});
+
+test('the cursor’s row shows magnitude and phase', async () => {
+  await withKeptPage(report(published), still, async (page) => {
+    const cursor = await page.evaluate(() => {
+      window.hydrapod.bode.choose(0, 0);
+      window.hydrapod.bode.setCursor(7.4);
+      return window.hydrapod.bode.cursor();
+    });
+    const text = await page.locator('.readout').innerText();
+    const size = Math.hypot(cursor.flexible.re, cursor.flexible.im);
+    const [mantissa] = size.toExponential(5).split('e');
+    const degrees = (Math.atan2(cursor.flexible.im, cursor.flexible.re) * 180) / Math.PI;
+    assert.ok(text.includes(mantissa), `${text} has ${mantissa}`);
+    assert.ok(text.includes(`${degrees.toFixed(2).replace('-', '−')}°`), `${text} has ${degrees}`);
+    assert.match(text, /m\/N/);
   });
 });
 
 test('dragging zooms, with the curve computed anew; reset shows the whole band', async () => {
-  await withPage(report(published), {}, async (page) => {
+  await withKeptPage(report(published), still, async (page) => {
     const band = () => page.evaluate(() => window.hydrapod.bode.band());
     const whole = await band();
     const over = page.locator('.u-over').first();
@@ -131,11 +146,13 @@ test('dragging zooms, with the curve computed anew; reset shows the whole band',
     await page.click('[data-control="zoom-out"]');
     const farther = await band();
     assert.ok(farther[1] / farther[0] > nearer[1] / nearer[0]);
+    await page.click('[data-control="zoom-reset"]');
+    assert.deepEqual(await band(), whole);
   });
 });
 
 test('the 6×6 chooser: all pairs, by mouse and by arrow keys', async () => {
-  await withPage(report(published), {}, async (page) => {
+  await withKeptPage(report(published), still, async (page) => {
     assert.equal(await page.locator('.chooser button').count(), 36);
     await page.click('[data-pair="2,2"]');
     assert.match(await page.locator('#bode-pair').innerText(), /z per force z/);
@@ -150,7 +167,7 @@ test('the 6×6 chooser: all pairs, by mouse and by arrow keys', async () => {
 
 test('peaks carry their mode: those that the command line lists', async () => {
   const { peaks } = json('bode', published);
-  await withPage(report(published), {}, async (page) => {
+  await withKeptPage(report(published), still, async (page) => {
     await page.click('[data-pair="0,0"]');
     const text = await page.locator('.bode-choice .note').innerText();
     for (const peak of peaks.filter((p) => p.direction === 'x' && p.own))
@@ -167,7 +184,7 @@ async function saved(page, control) {
 }
 
 test('downloads: SVG, PNG, CSV and JSON', async () => {
-  await withPage(report(model('zhang-jiang-2021-transverse.toml')), {}, async (page) => {
+  await withPage(report(model('zhang-jiang-2021-transverse.toml')), still, async (page) => {
     await page.click('[data-pair="0,0"]');
     const svg = await saved(page, 'svg');
     assert.equal(svg.name, 'bode-x-x.svg');

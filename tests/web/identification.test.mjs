@@ -4,17 +4,19 @@ import assert from 'node:assert/strict';
 import { writeFileSync } from 'node:fs';
 import { test } from 'node:test';
 import {
+  findings,
   json,
-  moduleText,
   near,
   nearComplex,
   published,
   report,
+  still,
   temporary,
+  withKeptPage,
   withPage,
 } from './support.mjs';
 
-const phone = { viewport: { width: 360, height: 740 }, hasTouch: true, isMobile: true };
+const phone = { ...still, viewport: { width: 360, height: 740 }, hasTouch: true, isMobile: true };
 const hostile = '<img src=x onerror=alert(1)>"\'`${}';
 const damping = 0.013;
 const deviation = [2e-9, 2e-9, 1e-9, 3e-9, 3e-9, 2e-9];
@@ -96,7 +98,7 @@ test('six modes are found and paired with the machine', () => {
 });
 
 test('the marks of the chart stand where the JSON has the poles', async () => {
-  await withPage(page_of(), {}, async (page) => {
+  await withKeptPage(page_of(), still, async (page) => {
     const marks = await page.evaluate(() => window.hydrapod.identification.marks());
     const [from, to] = found.band_hz;
     const poles = found.stabilisation.flatMap(({ order, poles: all }) =>
@@ -153,7 +155,7 @@ function synthesised(o, i, f) {
 }
 
 test('the fit on the page is that of the program', async () => {
-  await withPage(page_of(), {}, async (page) => {
+  await withKeptPage(page_of(), still, async (page) => {
     for (const [o, i] of [[0, 0], [2, 2], [0, 4], [5, 5]])
       for (const mode of found.modes) {
         const peak = synthesised(o, i, mode.frequency_hz);
@@ -196,7 +198,7 @@ test('so it is through the window of the measurement', async () => {
   const windowed = measurement('windowed.json', {}, { sample_rate_hz: 128, taper: hannTaper(2048) });
   const expected = json('identify', windowed);
   assert.ok(expected.fit_error > 2 * found.fit_error);
-  await withPage(report(published, '--measured', windowed), {}, async (page) => {
+  await withPage(report(published, '--measured', windowed), still, async (page) => {
     const error = await page.evaluate(() => window.hydrapod.identification.error());
     near(error, expected.fit_error, 0.02 * expected.fit_error, 'error');
     const shapes = await page.evaluate(() => window.hydrapod.identification.shapes());
@@ -217,14 +219,14 @@ test('and beside the imaginary axis', async () => {
   expected.modes.forEach((mode, r) =>
     near(mode.damping_ratio, found.modes[r].damping_ratio, 0.05 * damping, `damping ${r + 1}`),
   );
-  await withPage(report(published, '--measured', shifted), {}, async (page) => {
+  await withPage(report(published, '--measured', shifted), still, async (page) => {
     const error = await page.evaluate(() => window.hydrapod.identification.error());
     near(error, expected.fit_error, 0.01 * expected.fit_error, 'error');
   });
 });
 
 test('switching a mode off takes it out of fit and table, and on again brings it back', async () => {
-  await withPage(page_of(), {}, async (page) => {
+  await withKeptPage(page_of(), still, async (page) => {
     const error = () => page.evaluate(() => window.hydrapod.identification.error());
     const before = await error();
     const box = page.locator('#identification [data-pole="2"]');
@@ -242,7 +244,7 @@ test('switching a mode off takes it out of fit and table, and on again brings it
 });
 
 test('a click on a mark switches its mode; a pole can be added by hand, by keyboard too', async () => {
-  await withPage(page_of(), {}, async (page) => {
+  await withKeptPage(page_of(), still, async (page) => {
     const chosen = () => page.evaluate(() => window.hydrapod.identification.chosen().length);
     const all = await chosen();
     const chart = page.locator('#identification [data-control="chart"]');
@@ -280,7 +282,7 @@ test('a click on a mark switches its mode; a pole can be added by hand, by keybo
 });
 
 test('tables: modes with their intervals, MAC, comparison', async () => {
-  await withPage(page_of(), {}, async (page) => {
+  await withKeptPage(page_of(), still, async (page) => {
     const rows = await page.$$eval('#identification .identified tbody tr', (all) =>
       all.map((row) => [...row.querySelectorAll('td')].map((td) => td.textContent)),
     );
@@ -312,7 +314,7 @@ test('tables: modes with their intervals, MAC, comparison', async () => {
 
 test('names of channels are text, whatever they hold', async () => {
   const bad = measurement('hostile.json', { outputs: [hostile], inputs: [hostile] });
-  await withPage(report(published, '--model', 'rigid', '--measured', bad), {}, async (page) => {
+  await withPage(report(published, '--model', 'rigid', '--measured', bad), still, async (page) => {
     assert.equal(await page.locator('#identification img').count(), 0);
     assert.ok((await page.locator('#identification').textContent()).includes(hostile));
     const option = page.locator('[data-control="measured-output"] option').first();
@@ -323,11 +325,9 @@ test('names of channels are text, whatever they hold', async () => {
 for (const theme of ['light', 'dark'])
   test(`no finding of axe, ${theme}; nothing overflows on a phone`, async () => {
     const made = report(published, '--model', 'rigid', '--measured', file, '--theme', theme);
-    for (const options of [{}, phone])
+    for (const options of [still, phone])
       await withPage(made, options, async (page) => {
-        await page.evaluate(moduleText('axe-core'));
-        const { violations } = await page.evaluate(() => window.axe.run(document));
-        assert.deepEqual(violations.map((v) => `${v.id}: ${v.nodes[0].html}`), []);
+        assert.deepEqual(await findings(page), []);
         const { scroll, client } = await page.evaluate(() => ({
           scroll: document.documentElement.scrollWidth,
           client: document.documentElement.clientWidth,
@@ -337,7 +337,7 @@ for (const theme of ['light', 'dark'])
   });
 
 test('no section without a measurement', async () => {
-  await withPage(report(published), {}, async (page) => {
+  await withPage(report(published), still, async (page) => {
     assert.equal(await page.locator('#identification').count(), 0);
   });
 });

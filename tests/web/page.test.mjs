@@ -6,33 +6,22 @@ import { test } from 'node:test';
 import {
   changed,
   damped,
+  findings,
   hydrapod,
   model,
-  moduleText,
   published,
   report,
+  still,
   temporary,
+  withKeptPage,
   withPage,
 } from './support.mjs';
 
-const phone = { viewport: { width: 360, height: 740 }, hasTouch: true, isMobile: true };
+const phone = { ...still, viewport: { width: 360, height: 740 }, hasTouch: true, isMobile: true };
 const fourPoses = ['neutral', 'z=-40 mm', 'ry=5 deg', 'x=40 mm, rz=8 deg'].flatMap((pose) => [
   '--pose',
   pose,
 ]);
-
-/** axe's findings on the page as it stands. */
-async function findings(page) {
-  await page.evaluate(moduleText('axe-core'));
-  const { violations } = await page.evaluate(() => window.axe.run(document));
-  return violations.map(
-    (v) =>
-      `${v.id}: ${v.help}: ${v.nodes
-        .map((n) => n.target.join(' '))
-        .slice(0, 5)
-        .join('; ')}`,
-  );
-}
 
 for (const theme of ['light', 'dark'])
   test(`no finding of axe: headings, labels, roles and contrast, ${theme}`, async () => {
@@ -44,13 +33,13 @@ for (const theme of ['light', 'dark'])
   });
 
 test('no finding of axe on a phone', async () => {
-  await withPage(report(published), phone, async (page) => {
+  await withKeptPage(report(published), phone, async (page) => {
     assert.deepEqual(await findings(page), []);
   });
 });
 
 test('one h1, headings without gaps, tables with heads, canvases with text', async () => {
-  await withPage(report(published), {}, async (page) => {
+  await withKeptPage(report(published), still, async (page) => {
     const levels = await page.$$eval('h1, h2, h3, h4', (all) =>
       all.filter((h) => h.checkVisibility()).map((h) => Number(h.tagName[1])),
     );
@@ -69,7 +58,7 @@ test('one h1, headings without gaps, tables with heads, canvases with text', asy
 });
 
 test('works with the keyboard alone', async () => {
-  await withPage(report(published), {}, async (page) => {
+  await withPage(report(published), still, async (page) => {
     const focused = () => page.evaluate(() => document.activeElement?.dataset);
     await page.keyboard.press('Tab');
     assert.equal(await page.evaluate(() => document.activeElement.className), 'skip');
@@ -104,7 +93,7 @@ async function assertNoOverflow(page) {
 
 test('at phone width nothing overflows', async () => {
   for (const words of [[published], [model('heavy-platform.toml')], [...damped, ...fourPoses]])
-    await withPage(report(...words), phone, async (page) => {
+    await withKeptPage(report(...words), phone, async (page) => {
       await assertNoOverflow(page);
       const fold = page.locator('[data-control="fold"]');
       if ((await fold.count()) > 0) await fold.click();
@@ -118,7 +107,7 @@ test('themes: light and dark, as asked for or as the system is', async () => {
     page.evaluate(() => getComputedStyle(document.documentElement).backgroundColor);
   const shade = async (words, colorScheme) => {
     let result;
-    await withPage(report(published, ...words), { colorScheme }, async (page) => {
+    await withPage(report(published, ...words), { ...still, colorScheme }, async (page) => {
       result = await background(page);
     });
     return result;
@@ -131,7 +120,7 @@ test('themes: light and dark, as asked for or as the system is', async () => {
 });
 
 test('print: static pictures of the chosen modes in place of what moves', async () => {
-  await withPage(report(published, '--modes', '2,16-18'), {}, async (page) => {
+  await withPage(report(published, '--modes', '2,16-18'), still, async (page) => {
     await page.emulateMedia({ media: 'print' });
     assert.equal(await page.locator('#pictures figure').count(), 4);
     assert.match(await page.locator('#pictures figcaption').first().innerText(), /Mode 2/);
@@ -163,7 +152,7 @@ test('names with quotes, angle brackets and ends of scripts are text', async () 
     ['[poses.neutral]', `# ${nasty.replace('\u2028', ' ')}\n[poses.neutral]`],
   );
   for (const words of [[], ['--title', nasty]])
-    await withPage(report(machine, ...words), {}, async (page) => {
+    await withPage(report(machine, ...words), still, async (page) => {
       assert.equal(await page.evaluate(() => window.harmed), undefined);
       assert.equal(await page.locator('h1').textContent(), nasty);
       assert.equal(await page.title(), nasty);
@@ -174,7 +163,7 @@ test('names with quotes, angle brackets and ends of scripts are text', async () 
 });
 
 test('a script that got in anyway would not run', async () => {
-  await withPage(report(published), {}, async (page) => {
+  await withKeptPage(report(published), still, async (page) => {
     await page.evaluate(() => {
       const script = document.createElement('script');
       script.textContent = 'window.harmed = true';
@@ -194,7 +183,7 @@ test('the report can be reproduced from its end', async () => {
     '--set',
     'legs.guide_sleeve.stiffness=3e5 N/m',
   ];
-  await withPage(report(...words, '--pose', 'z=20 mm', '--model', 'guide'), {}, async (page) => {
+  await withPage(report(...words, '--pose', 'z=20 mm', '--model', 'guide'), still, async (page) => {
     const about = await page.locator('#about').innerText();
     for (const part of [
       /hydrapod \d+\.\d+\.\d+/,
@@ -215,7 +204,7 @@ test('the command it shows makes the same page again', async () => {
   const words = ['--command', 'step z=2 mm, at=0.05 s', '--until', '0.1', '--points', '50'];
   const file = report(machine, '--theme', 'dark', '--pose', 'z=5 mm, ry=1 deg', ...words);
   const before = readFileSync(file, 'utf8');
-  await withPage(file, {}, async (page) => {
+  await withPage(file, still, async (page) => {
     const said = await page.locator('pre.command').textContent();
     assert.ok(said.startsWith('hydrapod report '));
     rmSync(file);
@@ -260,7 +249,7 @@ test('data that later work adds do not disturb, and sections without data are no
     '"kind":"report","time_histories":[{}]',
   );
   writeFileSync(other, text);
-  await withPage(other, {}, async (page) => {
+  await withPage(other, still, async (page) => {
     assert.equal(await page.locator('main > section').count(), 5);
   });
   const bare = temporary('bare.html');
@@ -271,7 +260,7 @@ test('data that later work adds do not disturb, and sections without data are no
       return tag + JSON.stringify({ ...document, poses: [] });
     }),
   );
-  await withPage(bare, {}, async (page) => {
+  await withPage(bare, still, async (page) => {
     assert.deepEqual(await page.$$eval('main > section', (all) => all.map((s) => s.id)), ['about']);
   });
 });
@@ -293,7 +282,7 @@ test('options that make no sense are refused with what would be accepted', () =>
 
 test('no section lies over another, wherever the page is scrolled to', async () => {
   const run = ['--command', 'step z=2 mm', '--until', '0.3'];
-  await withPage(report(published, ...run), {}, async (page) => {
+  await withPage(report(published, ...run), still, async (page) => {
     for (const id of ['mechanism', 'bode', 'simulation', 'about']) {
       const covered = await page.evaluate((section) => {
         document.getElementById(section).scrollIntoView();
