@@ -324,9 +324,9 @@ test('names of channels are text, whatever they hold', async () => {
 
 for (const theme of ['light', 'dark'])
   test(`no finding of axe, ${theme}; nothing overflows on a phone`, async () => {
-    const made = report(published, '--model', 'rigid', '--measured', file, '--theme', theme);
     for (const options of [still, phone])
-      await withPage(made, options, async (page) => {
+      await withKeptPage(page_of(), options, async (page) => {
+        await page.emulateMedia({ colorScheme: theme });
         assert.deepEqual(await findings(page), []);
         const { scroll, client } = await page.evaluate(() => ({
           scroll: document.documentElement.scrollWidth,

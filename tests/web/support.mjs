@@ -107,10 +107,22 @@ export const damped = [
 /** How long anything may take on a machine with other work to do [ms]. */
 const patience = 120000;
 
+/** One for all pages with the same options: they share nothing but the disk, and a context takes time. */
+const contexts = new Map();
+async function contextOf(options) {
+  const key = JSON.stringify(options);
+  if (!contexts.has(key))
+    contexts.set(
+      key,
+      await browser.newContext({ viewport: { width: 1400, height: 1000 }, ...options }),
+    );
+  return contexts.get(key);
+}
+
 /** Opens a report from disk. What it logs as an error and every request that leaves it are collected. */
 export async function open(file, options = {}) {
   const { launch, ...context } = options;
-  const page = await browser.newPage({ viewport: { width: 1400, height: 1000 }, ...context });
+  const page = await (await contextOf(context)).newPage();
   page.setDefaultTimeout(patience);
   page.problems = [];
   page.on('console', (message) => {
