@@ -4,6 +4,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <ctime>
 
 #include "hydrapod/data/record_io.hpp"
@@ -40,6 +41,15 @@ TEST(Csv, ManyColumnsOfOneNameGetTheirNumbersAtOnce) {
   EXPECT_EQ(channels[2].name, "a (3)");
   EXPECT_EQ(channels[4].name, "a (3) (2)");
   EXPECT_EQ(channels[columns - 1].name, fmt::format("a ({})", columns - 1));
+}
+
+TEST(Csv, FieldsThatAShortLineDoesNotHaveAreMissing) {
+  const auto record =
+      read("time [s],a,b\n0.0,1.5,2.5\n0.25,3.5\n0.5,4.5,5.5\n0.75,6.5,7.5\n").record;
+  ASSERT_EQ(record.samples.rows(), 4);
+  EXPECT_EQ(record.samples(1, 0), 3.5);
+  EXPECT_TRUE(std::isnan(record.samples(1, 1)));
+  EXPECT_EQ(record.samples(2, 1), 5.5);
 }
 
 TEST(Csv, SemicolonsDecimalCommasAndALineOfUnits) {

@@ -82,6 +82,16 @@ TEST(CsvTimes, ARateFromOutsideDoesNotHideAGap) {
                         "50 Hz"));
 }
 
+/// Rows whose time is missing are samples all the same: they count in the step, and in the grid.
+TEST(CsvTimes, RowsWithoutATimeAreSamples) {
+  std::string text = "time [s],x\n";
+  for (int k = 0; k < 1200; ++k)
+    text += k % 3 == 1 ? fmt::format(",{}\n", k + 1) : fmt::format("{:.4f},{}\n", k / 320.0, k + 1);
+  const auto record = table(text).record;
+  EXPECT_NEAR(record.header.sample_rate, 320.0, 1e-6 * 320.0);
+  expect_counted(record, 1200, [](int) { return false; });
+}
+
 TEST(CsvTimes, AUnitBehindAnUnderscore) {
   const auto no_gap = [](int) { return false; };
   for (const auto& [title, rate] : {std::pair{"time_s", 1.0}, {"t_ms", 1e3}, {"Zeit_s", 1.0}}) {
@@ -144,6 +154,11 @@ TEST(CsvTimes, JitterIsInterpolatedWithANotice) {
   // interpolation over knots up to 1.5 steps apart leaves (ω·1.5 h)⁴·3/128 at most
   const double knots = 1.5 * two_pi * 9.3 / 200.0;
   EXPECT_LT(worst, std::pow(knots, 4) * 3.0 / 128.0 * 1.5);
+  // at the ends along a straight line, which leaves (ω·1.5 h)²/8
+  for (const Eigen::Index k : {Eigen::Index{1}, record.samples.rows() - 2}) {
+    const double t = header.start + static_cast<double>(k) / header.sample_rate;
+    EXPECT_NEAR(record.samples(k, 0), std::sin(two_pi * 9.3 * t), knots * knots / 8.0) << k;
+  }
   EXPECT_GE(record.samples.rows(), 3998);
 }
 

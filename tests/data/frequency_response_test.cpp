@@ -237,6 +237,18 @@ INSTANTIATE_TEST_SUITE_P(Ways, ResponseFile,
                                   (way.param.binary ? "_binary" : "_ascii");
                          });
 
+/// var H_oi = N_oo F_ii, where cov(vec H) = F ⊗ N.
+TEST(FrequencyResponse, VarianceIsTheProductOfBothDiagonals) {
+  data::FrequencyResponses responses;
+  Eigen::Matrix2cd noise, factor;
+  noise << 0.3, std::complex(0.1, 0.2), std::complex(0.1, -0.2), 1.7;
+  factor << 0.09, std::complex(0.01, -0.02), std::complex(0.01, 0.02), 2.56;
+  responses.noise = {noise};
+  responses.input_factor = {factor};
+  EXPECT_DOUBLE_EQ(responses.variance(0, 1, 0), 1.7 * 0.09);
+  EXPECT_DOUBLE_EQ(responses.variance(0, 0, 1), 0.3 * 2.56);
+}
+
 TEST(ResponseFiles, OfARecordIsRefusedWithAReason) {
   const TemporaryFolder folder;
   write_text(folder / "h.uff", "    -1\n   151\nNONE\nNONE\nNONE\n    -1\n");

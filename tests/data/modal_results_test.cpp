@@ -25,6 +25,31 @@ std::vector<std::string> lines_of(const std::string& text) {
   return lines;
 }
 
+/// |aᴴ b|² over the squared norms, written out.
+TEST(Shapes, CorrelateByTheSquareOfTheirProduct) {
+  const Eigen::Vector2cd a(1.0, Complex(0.0, 2.0)), b(2.0, 1.0);
+  EXPECT_NEAR(mac(a, b), std::norm(Complex(2.0, -2.0)) / 25.0, 1e-15);
+  EXPECT_NEAR(mac(a, Complex(-0.3, 1.7) * a), 1.0, 1e-15);
+}
+
+/// ((λ1 − λ2)/(λ1 + λ2))² of the scatter of the real and imaginary parts.
+TEST(Shapes, PhaseCollinearityIsThatOfTheScatterOfTheParts) {
+  const Eigen::Vector3cd shape(Complex(3.0, 1.0), Complex(-2.0, 2.0), 0.5);
+  const double rr = 9.0 + 4.0 + 0.25, ii = 1.0 + 4.0, ri = 3.0 - 4.0;
+  const double apart = std::sqrt((rr - ii) * (rr - ii) + 4.0 * ri * ri);  // λ1 − λ2
+  EXPECT_NEAR(modal_phase_collinearity(shape), std::pow(apart / (rr + ii), 2), 1e-15);
+  EXPECT_NEAR(modal_phase_collinearity(Eigen::Vector2cd(1.0, Complex(0.0, 1.0))), 0.0, 1e-15);
+}
+
+/// Two equal elements 0.23 rad on either side of a line, and one on it, weighed by their sizes.
+TEST(Shapes, MeanPhaseDeviationIsThatFromTheLineThatFitsBest) {
+  for (const double line : {0.7, -1.3, 2.9}) {
+    const Eigen::Vector3cd shape(std::polar(1.7, line + 0.23), std::polar(1.7, line - 0.23),
+                                 -std::polar(0.9, line));
+    EXPECT_NEAR(mean_phase_deviation(shape), 0.23 * 3.4 / 4.3, 1e-12) << line;
+  }
+}
+
 ModalResults sample() {
   ModalResults all{.title = "Bench 7", .date = "2026-11-20T09:00:00"};
   all.outputs = {{.name = "surge, x", .unit = "m", .direction = Direction::x, .point = 3},

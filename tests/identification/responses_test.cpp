@@ -123,6 +123,23 @@ TEST(Responses, InClosedLoopH1IsBiasedAndTheInstrumentalEstimateIsNot) {
   EXPECT_GT(finding.median, 0.02);
 }
 
+/// Responses that are moved by just less, or just more, than the radius of 95 %.
+TEST(Responses, BiasIsCountedWhereItIsBeyondTheInterval) {
+  const auto s =
+      spectra_of(closed_loop_record(plant(), 0.3, 0.8, 1 << 15, 9), {.block_length = 512});
+  const auto exact = estimate_responses(s, from_drive, Estimator::instrumental);
+  for (const double factor : {0.98, 1.02}) {
+    auto moved = exact;
+    for (std::size_t k = 0; k < exact.lines(); ++k)
+      for (Index o = 0; o < exact.H[k].rows(); ++o)
+        for (Index i = 0; i < exact.H[k].cols(); ++i)
+          moved.H[k](o, i) += std::polar(
+              factor * confidence_radius(0.95, exact.degrees) * std::sqrt(exact.variance(k, o, i)),
+              0.4 * static_cast<double>(k));
+    EXPECT_EQ(compare_responses(moved, exact).share, factor > 1.0 ? 1.0 : 0.0);
+  }
+}
+
 TEST(Responses, WithoutNoiseInTheLoopNoBiasIsClaimed) {
   auto record = closed_loop_record(plant(), 0.3, 1e-4, 1 << 15, 6);
   const auto s = spectra_of(record, {.block_length = 1024});

@@ -47,6 +47,20 @@ TEST(Spectra, ASineHasItsPowerAndPhaseAtItsLine) {
   }
 }
 
+TEST(Spectra, WindowsRiseToOneFromWhatIsPublishedOfTheirEnds) {
+  // Harris 1978; SciPy's flattop prints −0.000421051
+  for (const auto& [window, end] : {std::pair{Window::hann, 0.0},
+                                    {Window::rectangular, 1.0},
+                                    {Window::hamming, 0.08},
+                                    {Window::blackman_harris, 6e-5},
+                                    {Window::flat_top, -0.000421051}}) {
+    const auto w = window_samples(window, 254);
+    EXPECT_NEAR(w[0], end, 1e-8) << window_text(window);
+    EXPECT_NEAR(w[127], 1.0, 2e-8) << window_text(window);
+    EXPECT_NEAR(w[83], w[254 - 83], 1e-12) << window_text(window);
+  }
+}
+
 TEST(Spectra, DensityOfWhiteNoiseIsTwiceItsVarianceOverTheSampleRate) {
   const auto record = noise_record(1 << 15, 3, 7);
   const auto s = spectra_of(record, {.block_length = 64});
