@@ -21,6 +21,19 @@ MatrixXd random_matrix(test::Random& random, Index rows, Index columns) {
   return MatrixXd::NullaryExpr(rows, columns, [&] { return random.uniform(-1.3, 1.7); });
 }
 
+/// Units of a billion to one in the rows.
+TEST(Dense, PositiveSystemsMayBeScaledBadly) {
+  test::Random random(19);
+  const MatrixXd half = random_matrix(random, 9, 5);
+  Eigen::VectorXd scale(5), x(5);
+  scale << 3e-5, 7e4, 1.0, 2e2, 5e-3;
+  x << 1.7, -0.6, 2.3, 0.9, -1.1;
+  const MatrixXd N = scale.asDiagonal() * (half.transpose() * half) * scale.asDiagonal();
+  const Eigen::VectorXd wanted = x.cwiseQuotient(scale), b = N * wanted;
+  const Eigen::VectorXd found = solve_positive(N, b);
+  EXPECT_LT((found - wanted).cwiseQuotient(wanted).cwiseAbs().maxCoeff(), 1e-10);
+}
+
 TEST(Dense, EigenPairsAreThoseOfTheMatrix) {
   test::Random random(71);
   const MatrixXd A = random_matrix(random, 17, 17);

@@ -12,6 +12,11 @@ namespace {
 
 constexpr double rounding = 1e-13;
 
+TEST(Quantiles, UpperMedianIsTheHigherOfTheTwoInTheMiddle) {
+  EXPECT_EQ(upper_median({7.0, -1.5, 3.0, 2.0}), 3.0);
+  EXPECT_EQ(upper_median({7.0, -1.5, 3.0}), 3.0);
+}
+
 TEST(Quantiles, StudentAgreesWithClosedForms) {
   EXPECT_NEAR(student_half_width(1), std::tan(0.475 * std::numbers::pi), 20.0 * rounding);
   EXPECT_NEAR(student_half_width(2), 0.95 * std::sqrt(2.0 / (4.0 * 0.975 * 0.025)), 10 * rounding);

@@ -5,6 +5,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <Eigen/Eigenvalues>
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <complex>
@@ -118,6 +120,41 @@ TEST(Peaks, OfCoupledDirectionsBelongToTheModeOfTheOther) {
   EXPECT_TRUE(std::isinf(x[0].prominence_db));
   constexpr double sampled_valley = 0.05;  // [dB]: peaks are refined, valleys are not
   EXPECT_NEAR(x[1].prominence_db, 20.0 * std::log10(top / valley), sampled_valley);
+}
+
+/// Between two higher peaks: above the higher one of the valleys on either side, wherever that is.
+TEST(Peaks, AreJudgedByTheHigherOfTheValleysBesideThem) {
+  constexpr double zeta = 0.01;
+  LinearModel model{.kind = ModelKind::rigid, .p_BC = spatial::Vector3::Zero()};
+  model.platform_mass.setIdentity();
+  model.M.setIdentity(6, 6);
+  model.K = 1e6 * Eigen::MatrixXd::Identity(6, 6);
+  model.C.setZero(6, 6);
+  model.K.topLeftCorner(3, 3) << 1093.0, -13.0, 550.0, -13.0, 1168.0, -557.0, 550.0, -557.0, 1945.0;
+  const auto machine =
+      response::response_model(model, modal::normal_modes(model), zeta, spatial::Vector3::Zero());
+  const auto z = in_direction(response::find_peaks(machine, {5.0, 70.0}), 2);
+  ASSERT_EQ(z.size(), 3U);
+
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> modes(model.K.topLeftCorner<3, 3>());
+  const auto H_zz = [&](double omega) {
+    std::complex<double> sum = 0.0;
+    for (int k = 0; k < 3; ++k) {
+      const double lambda = modes.eigenvalues()[k];
+      sum += std::pow(modes.eigenvectors()(2, k), 2) /
+             std::complex(lambda - omega * omega, 2.0 * zeta * std::sqrt(lambda) * omega);
+    }
+    return std::abs(sum);
+  };
+  const auto lowest = [&](double from, double to) {
+    double valley = 1e300;
+    for (double omega = from; omega < to; omega += 1e-4) valley = std::min(valley, H_zz(omega));
+    return valley;
+  };
+  const double left = lowest(z[0].omega, z[1].omega), right = lowest(z[1].omega, z[2].omega);
+  ASSERT_GT(left, 1.5 * right);
+  constexpr double sampled_valley = 0.05;  // [dB]: peaks are refined, valleys are not
+  EXPECT_NEAR(z[1].prominence_db, 20.0 * std::log10(z[1].magnitude / left), sampled_valley);
 }
 
 TEST(Peaks, LowerThanAskedAreLeftOut) {

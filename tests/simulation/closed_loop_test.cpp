@@ -82,6 +82,47 @@ TEST(CommandAt, HasTheTwistOfItsPose) {
   EXPECT_LT((command_at(operating, {}).X_BP.R_BP - operating.R_BP).norm(), 1e-15);
 }
 
+/// A step down: its errors are negative while it settles.
+TEST(ClosedLoop, SummarisesWhatItsSamplesHold) {
+  const auto machine = machine_of("zhang-jiang-2021");
+  ClosedLoop loop(machine, machine.neutral(), {.until = 1.7, .ideal_sensors = true});
+  signals::Generator generator(step_in(2, -4e-3), 1.0 / loop.parameters().sample_time);
+  const Vector6 band = Vector6::Constant(3e-4);
+  Vector6 squares = Vector6::Zero(), peak = Vector6::Zero(), settled = Vector6::Zero();
+  Vector6 last = Vector6::Constant(std::nan("")), speed = Vector6::Zero();
+  Vector6 low = Vector6::Constant(1e9), high = Vector6::Constant(-1e9);
+  long samples = 0;
+  const auto summary = loop.run(
+      command_source(generator),
+      [&](const LoopSample& sample) {
+        const Vector6 error = sample.excitation.command.value -
+                              displacement_between(loop.operating(), sample.plant.X_BP);
+        squares += error.cwiseProduct(error);
+        peak = peak.cwiseMax(error.cwiseAbs());
+        for (int i = 0; i < 6; ++i)
+          if (error[i] < -band[i] || error[i] > band[i]) settled[i] = sample.time;
+        const Vector6& lengths = sample.measured.length;
+        if (samples++ > 0)
+          speed = speed.cwiseMax((lengths - last).cwiseAbs() / loop.parameters().sample_time);
+        last = lengths;
+        low = low.cwiseMin(lengths);
+        high = high.cwiseMax(lengths);
+      },
+      {}, band);
+  ASSERT_EQ(summary.samples, samples);
+  EXPECT_GT(settled[2], 0.1);
+  for (int i = 0; i < 6; ++i) {
+    const auto leg = static_cast<std::size_t>(i);
+    const double rms = std::sqrt(squares[i] / static_cast<double>(samples));
+    EXPECT_NEAR(summary.rms_error[i], rms, 1e-12 * rms + 1e-18) << i;
+    EXPECT_NEAR(summary.peak_error[i], peak[i], 1e-12 * peak[i] + 1e-18) << i;
+    EXPECT_EQ(summary.settled[i], settled[i]) << i;
+    EXPECT_NEAR(summary.peak_speed[leg], speed[i], 1e-9 * speed[i]) << i;
+    EXPECT_NEAR(summary.piston_low[leg], low[i] - machine.legs[leg].rod.length, 1e-12) << i;
+    EXPECT_NEAR(summary.piston_high[leg], high[i] - machine.legs[leg].rod.length, 1e-12) << i;
+  }
+}
+
 TEST(ClosedLoop, AStepInZSettlesWithoutErrorBeyondTheSensors) {
   for (const std::string name : {"zhang-jiang-2021", "heavy-platform"}) {
     const auto machine = machine_of(name);
