@@ -241,6 +241,25 @@ void expect_no_blame(const Diagnosis& d, const std::string& why) {
   test::expect_round_trip_of({.diagnosis = d});
 }
 
+/// What a hypothesis predicts less what it is off by was measured.
+TEST(Diagnose, ContradictionsArePredictedLessMeasured) {
+  const auto targets = measured({"legs.guide_sleeve.stiffness=0.84 kN/mm"});
+  const auto d = diagnosis_of(targets);
+  int frequencies = 0;
+  for (const auto& hypothesis : d.hypotheses)
+    for (const auto& wrong : hypothesis.wrong) {
+      if (wrong.kind != Contradiction::Kind::frequency) continue;
+      ++frequencies;
+      EXPECT_TRUE(std::ranges::any_of(targets.modes,
+                                      [&](const auto& mode) {
+                                        return std::abs(wrong.omega - wrong.difference -
+                                                        mode.omega) < 1e-9 * mode.omega;
+                                      }))
+          << wrong.omega << " " << wrong.difference;
+    }
+  EXPECT_GT(frequencies, 0);
+}
+
 TEST(WrongUse, UnitsWrongByAThousandAreNamed) {
   for (const double factor : {1e3, 1e-3}) {
     auto targets = measured({});

@@ -1,9 +1,11 @@
-/// Hypotheses that go on from what others found.
+/// What counts as measured, shares of shapes, and hypotheses that go on from what others found.
 
 #include <gtest/gtest.h>
 
 #include "blind_series.hpp"
 #include "diagnosis/evidence.hpp"
+#include "diagnosis/ranking.hpp"
+#include "hydrapod/modal/normal_modes.hpp"
 
 namespace hydrapod::diagnosis {
 namespace {
@@ -70,6 +72,51 @@ TEST_F(Learning, KeepsItsOwnWhereThoseAreWorse) {
   evidence_.learn(single, known(pair), {});
   EXPECT_EQ(single.misfit, before);
   EXPECT_EQ(single.fit.parameters[0].value, value);
+}
+
+/// Of frequencies, damping ratios and shapes: what the measurement states and what the model
+/// leaves.
+TEST(WeightedTargets, HaveBothErrors) {
+  const auto file =
+      test::machine_file(test::read_text(test::source_file("models/zhang-jiang-2021.toml")), {});
+  observation::Targets measured{.deviations_given = true};
+  measured.modes.resize(2);
+  for (auto& mode : measured.modes) mode.pose = "neutral";
+  measured.modes[0].direction = measured.modes[1].direction = 2;
+  measured.modes[0].omega = 41.0;
+  measured.modes[0].deviation = 0.07;
+  measured.modes[0].shape = spatial::Vector6::Unit(2);
+  measured.modes[0].shape_deviation = 0.011;
+  measured.modes[1].omega = 57.0;
+  measured.modes[1].damping = 0.03;
+  measured.modes[1].damping_deviation = 0.002;
+  const DiagnoseOptions options{
+      .frequency_error = 1.3e-3, .shape_error = 0.04, .damping = true, .damping_error = 0.21};
+  const auto weighted = weighted_targets(file, measured, options);
+  EXPECT_NEAR(weighted.modes[0].deviation, std::sqrt(0.07 * 0.07 + std::pow(1.3e-3 * 41.0, 2)),
+              1e-14);
+  EXPECT_NEAR(weighted.modes[0].shape_deviation, std::sqrt(0.011 * 0.011 + 0.04 * 0.04), 1e-14);
+  EXPECT_NEAR(weighted.modes[1].damping_deviation,
+              std::sqrt(0.002 * 0.002 + std::pow(0.21 * 0.03, 2)), 1e-14);
+  // a shape of six numbers has a scale that says nothing
+  EXPECT_EQ(values_in(weighted), 1 + 5 + 1 + 1);
+  measured.deviations_given = false;
+  EXPECT_NEAR(weighted_targets(file, measured, options).modes[0].deviation, 1.3e-3 * 41.0, 1e-14);
+}
+
+/// With the whole basis of the flexible machine's shapes a rigid shape is had to the full.
+TEST(RigidShare, OfAllShapesSumsToOne) {
+  const auto machine =
+      test::machine_file(test::read_text(test::source_file("models/heavy-platform.toml")), {})
+          .machine;
+  const auto flexible =
+      dynamics::linear_model(machine, machine.neutral(), dynamics::ModelKind::guide);
+  const auto modes = modal::normal_modes(flexible);
+  spatial::Vector6 psi;
+  psi << 0.7, -1.2, 0.4, 2.1, -0.3, 0.9;
+  double sum = 0.0;
+  for (int k = 0; k < modes.size(); ++k) sum += rigid_share(flexible, psi, modes.shapes.col(k));
+  EXPECT_NEAR(sum, 1.0, 1e-9);
 }
 
 }  // namespace
