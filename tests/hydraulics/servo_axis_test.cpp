@@ -82,6 +82,26 @@ TEST(ServoAxis, TakesTheChambersOfAGivenCylinder) {
   }
 }
 
+/// The assumptions of docs/howto/machine-file.md in numbers.
+TEST(ServoAxis, WhatTheMachineDoesNotSayIsAssumed) {
+  auto machine = published_machine();
+  machine.hydraulics.supply.pressure = 9.7e6;
+  machine.hydraulics.supply.return_pressure = 6e5;
+  auto& leg = machine.legs[2];
+  leg.oil_spring.stiffness = 9.3e7;  // short chambers
+  leg.hydraulics.friction.coulomb = 37.0;
+  leg.hydraulics.valve.rated_flow = 4.1e-4;
+  const auto axis = hydraulics::servo_axis(machine, 2);
+  EXPECT_NEAR(axis.friction.breakaway, 1.5 * 37.0, 1e-12);
+  EXPECT_NEAR(axis.friction.viscous, 10.0 * 37.0, 1e-12);
+  EXPECT_NEAR(axis.internal_leakage, 0.01 * 4.1e-4 / 9.7e6, 1e-22);
+  const double in = axis.volume.cap / axis.area.piston, out = axis.volume.rod / axis.area.annulus;
+  ASSERT_LT(out, leg.guide_sleeve.position - axis.s_mid);
+  ASSERT_LT(in, out);
+  EXPECT_NEAR(axis.stops.low, axis.s_mid - 0.9 * in, 1e-14);
+  EXPECT_NEAR(axis.stops.high, axis.s_mid + 0.9 * out, 1e-14);
+}
+
 TEST(ServoAxis, TheForceIsThatOfThePressures) {
   const auto axis = hydraulics::servo_axis(published_machine(), 0);
   EXPECT_NEAR(axis.force(7.1e6, 9.3e6),
