@@ -123,6 +123,62 @@ TEST(ClosedLoop, SummarisesWhatItsSamplesHold) {
   }
 }
 
+TEST(CommandAt, IsUndoneByTheDisplacement) {
+  const Pose operating{spatial::rotation_from_rpy({0.3, -0.2, 0.5}), {0.1, 0.2, 0.9}};
+  const Vector6 d = (Vector6() << 0.1, 0.2, -0.1, 0.4, -0.7, 0.6).finished();
+  EXPECT_LT((displacement_between(operating, command_at(operating, {d, {}}).X_BP) - d).norm(),
+            1e-14);
+}
+
+/// What a record holds of a platform that turns quickly about a centre of mass far from its origin;
+/// its acceleration against differences of where it is.
+TEST(RecordRow, HoldsTheMotionOfTheOriginAndThePressuresOfEachLeg) {
+  const auto machine = machine_of("zhang-jiang-2021");
+  const ClosedLoop loop(machine, machine.neutral(), {});
+  const Vector6 twist = (Vector6() << 0.3, -0.2, 0.4, 2.1, -1.7, 0.9).finished();
+  const Vector6 acceleration = (Vector6() << 1.1, 0.6, -2.3, 3.7, -1.9, 4.2).finished();
+  const spatial::Vector3 arm(0.41, -0.23, 0.67);  // from the mass centre to the origin
+  const auto origin = [&](double t) -> spatial::Vector3 {
+    const spatial::Vector3 turn =
+        t * twist.tail<3>() + 0.5 * t * t * acceleration.tail<3>();  // to second order
+    return t * twist.head<3>() + 0.5 * t * t * acceleration.head<3>() +
+           Eigen::AngleAxisd(turn.norm(), turn.norm() > 0.0 ? spatial::Vector3(turn.normalized())
+                                                            : spatial::Vector3::UnitX()) *
+               arm;
+  };
+  PlantOutput plant{.X_BP = machine.neutral(), .twist = twist, .acceleration = acceleration};
+  plant.p_BC = plant.X_BP.p_BP - arm;
+  for (int i = 0; i < model::leg_count; ++i) {
+    plant.legs[static_cast<std::size_t>(i)].cap_pressure = 4.1e6 + 1e5 * i;
+    plant.legs[static_cast<std::size_t>(i)].rod_pressure = 7.3e6 - 2e5 * i;
+  }
+  const Excitation excitation;
+  const control::Measurement measured;
+  const control::ControllerState controller;
+  const Vector6 none = Vector6::Zero();
+  const LoopSample sample{0.0, excitation, measured, controller, none, none, plant};
+  const auto channels = record_channels(loop);
+  std::vector<double> row(channels.size());
+  record_row(loop, sample, row.data());
+  const auto at = [&](const std::string& name) {
+    const auto found = std::ranges::find(channels, name, &data::Channel::name);
+    return row.at(static_cast<std::size_t>(found - channels.begin()));
+  };
+  constexpr double h = 1e-4;
+  const spatial::Vector3 expected = (origin(h) - 2.0 * origin(0.0) + origin(-h)) / (h * h);
+  EXPECT_NEAR(at("platform.ax"), expected.x(), 1e-6);
+  EXPECT_NEAR(at("platform.ay"), expected.y(), 1e-6);
+  EXPECT_NEAR(at("platform.az"), expected.z(), 1e-6);
+  EXPECT_EQ(at("platform.arx"), 3.7);
+  EXPECT_EQ(at("leg3.p_cap"), 4.3e6);
+  EXPECT_EQ(at("leg4.p_rod"), 6.7e6);
+
+  TraceRecorder recorder(loop, 1.0);
+  recorder(sample);
+  EXPECT_EQ(recorder.trace().cap_pressure.front()[4], 4.5e6);
+  EXPECT_EQ(recorder.trace().rod_pressure.front()[1], 7.1e6);
+}
+
 TEST(ClosedLoop, AStepInZSettlesWithoutErrorBeyondTheSensors) {
   for (const std::string name : {"zhang-jiang-2021", "heavy-platform"}) {
     const auto machine = machine_of(name);
