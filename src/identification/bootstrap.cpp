@@ -30,6 +30,7 @@ CrossSpectra averaged_spectra(const std::vector<CrossSpectra>& groups,
   CrossSpectra sum = groups.at(picks.at(0));
   sum.re.setZero();
   sum.im.setZero();
+  sum.input_power.setZero();
   if (sum.noise_re.size() > 0)
     throw std::invalid_argument("periods are averaged as signals, not as spectra");
   sum.blocks = 0;
@@ -39,11 +40,13 @@ CrossSpectra averaged_spectra(const std::vector<CrossSpectra>& groups,
     const auto weight = static_cast<double>(group.blocks);
     sum.re += weight * group.re;
     sum.im += weight * group.im;
+    sum.input_power += weight * group.input_power;
     sum.blocks += group.blocks;
     sum.records += group.records;
   }
   sum.re /= static_cast<double>(sum.blocks);
   sum.im /= static_cast<double>(sum.blocks);
+  sum.input_power /= static_cast<double>(sum.blocks);
   const int hop = sum.options.block_length -
                   static_cast<int>(std::lround(sum.options.overlap * sum.options.block_length));
   sum.statistics = average_statistics(sum.window, hop, static_cast<long>(sum.blocks));

@@ -58,7 +58,7 @@ LagWindow lag_window(const CrossSpectra& spectra, double decay) {
   const Index n = spectra.options.block_length, m = n / 2;
   const double dt = 1.0 / spectra.sample_rate;
   LagWindow w;
-  w.rho = lag_taper(spectra.window).head(m + 1).cwiseMax(1e-3);
+  w.rho = lag_taper(spectra).head(m + 1).cwiseMax(1e-3);
   w.a = decay / (static_cast<double>(m) * dt);
   w.decay = VectorXd(m);
   for (Index t = 0; t < m; ++t) w.decay[t] = std::exp(-w.a * static_cast<double>(t) * dt);

@@ -12,6 +12,7 @@
 #include "hydrapod/base/error.hpp"
 #include "hydrapod/identification/cross_check.hpp"
 #include "hydrapod/identification/responses.hpp"
+#include "peaks_above.hpp"
 #include "prune.hpp"
 #include "repeated_modes.hpp"
 #include "residual_tests.hpp"
@@ -409,6 +410,20 @@ void test_residual(const IdentifyOptions& options, Identification& result) {
       mode.explained = std::min(mode.explained, options.largest_misfit / misfit);
 }
 
+/// `all`: with errors. Covariances of outputs are no responses: their peaks may be the
+/// excitation's.
+void warn_of_peaks_above(const FrequencyResponses& all, const IdentifyOptions& asked,
+                         Identification& result) {
+  if (asked.to || all.whole || result.modes.empty()) return;
+  const auto peaks = peaks_above(all, result.to, asked);
+  if (peaks.empty()) return;
+  result.warnings.push_back({.kind = ModeWarning::Kind::peaks_above,
+                             .value = peaks.front(),
+                             .from = result.from,
+                             .to = result.to,
+                             .count = static_cast<std::int64_t>(peaks.size())});
+}
+
 /// Modes whose half-power band reaches into lines at which the excitation is weak.
 void lower_where_weak(const FrequencyResponses& responses, Identification& result) {
   for (const auto& warning : responses.warnings) {
@@ -457,6 +472,7 @@ Identification identify_modes(const FrequencyResponses& all, const IdentifyOptio
   if (!given.whole) test_residual(options, result);
   lower_where_weak(given, result);
   add_warnings(options, result);
+  warn_of_peaks_above(responses, asked, result);
   if (assumed) remove_errors(result.responses);
   return result;
 }

@@ -106,6 +106,8 @@ Reading plan_reading(data::RecordSet& records, Plan& plan, const MeasureOptions&
   reading.spectrum = spectrum_options(records, plan, options, shortest, beginning);
   reading.used = used_channels(plan.choice);
   reading.plan = plan;
+  reading.spectrum.inputs =
+      plan.estimator == Estimator::instrumental ? plan.choice.instruments : plan.choice.inputs;
   reading.gap_plan = {.channels = reading.used,
                       .groups = groups_to_fill(plan.choice, plan.estimator),
                       .draw = plan.estimator == Estimator::half_spectra,

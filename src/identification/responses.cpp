@@ -209,7 +209,7 @@ FrequencyResponses estimate_responses(const CrossSpectra& spectra, const Channel
   const auto& covariance = spectra.statistics.line_covariance;
   r.line_covariance.assign(covariance.begin(), covariance.end());
   const bool widened = !periodic && estimator != Estimator::instrumental;
-  if (widened) r.taper = lag_taper(spectra.window);
+  if (widened) r.taper = lag_taper(spectra);
   // the mean and the slow rest of it are in the first lines, in as many as the window is wide
   const Index first = periodic ? 1 : static_cast<Index>(r.line_covariance.size());
   const VectorXd conditions = input_conditions(

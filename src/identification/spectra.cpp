@@ -116,6 +116,13 @@ MatrixXcd CrossSpectra::noise_at(Index line) const {
   return unpacked(noise_re, noise_im, line, static_cast<Index>(channels.size()));
 }
 
+VectorXd lag_taper(const CrossSpectra& spectra) {
+  VectorXd even = lag_taper(spectra.window);
+  if (spectra.input_power.size() == 0) return even;
+  VectorXd rho = lag_taper(spectra.window, spectra.input_power);
+  return (rho - even).cwiseAbs().maxCoeff() > spectra.options.uneven ? rho : even;
+}
+
 struct SpectrumEstimator::Implementation {
   SpectrumOptions options;
   std::vector<std::size_t> chosen;
@@ -133,6 +140,7 @@ struct SpectrumEstimator::Implementation {
   std::int64_t to_skip{};
   std::vector<numerics::EightLines> lines{};       // blocks × groups × channels
   MatrixXd means{};                                // blocks × channels
+  MatrixXd squares{};                              // sums over blocks, samples × inputs
   std::vector<numerics::EightLines> period_sum{};  // of the record that is running
   std::int64_t periods{};
   std::int64_t degrees{};  // Σ (periods − 1) over records
@@ -144,6 +152,7 @@ struct SpectrumEstimator::Implementation {
                  Eigen::Ref<Eigen::RowVectorXd, 0, Eigen::InnerStride<>> mean_of) const;
   std::vector<char> transform_all(Index blocks, int threads);
   void add_products(Index first_block, Index blocks, int threads);
+  void add_squares(Index block);
   void take_blocks();
   void end_record();
 };
@@ -181,6 +190,7 @@ SpectrumEstimator::SpectrumEstimator(const data::RecordHeader& header,
     me.noise_products = me.products;
   else
     me.record_mean = RecordMean(result.window, static_cast<Index>(chosen.size()), me.ffts[0]);
+  if (!options.periodic) me.squares = MatrixXd::Zero(n, static_cast<Index>(options.inputs.size()));
   const Index width = me.products.width();
   me.blocks_at_once = std::clamp<Index>(most_numbers / (n * width), 1, most_blocks);
   me.rows = n + (me.blocks_at_once - 1) * me.hop;
@@ -242,10 +252,21 @@ void SpectrumEstimator::Implementation::add_products(Index first_block, Index bl
     }
   });
   if (!options.periodic)
-    for (Index b = first_block; b < first_block + blocks; ++b)
+    for (Index b = first_block; b < first_block + blocks; ++b) {
       record_mean.add(means.row(b), lines.data() + b * stride);
+      add_squares(b);
+    }
   periods += blocks;
   header.blocks += blocks;
+}
+
+void SpectrumEstimator::Implementation::add_squares(Index block) {
+  for (Index i = 0; i < squares.cols(); ++i) {
+    const int c = options.inputs[static_cast<std::size_t>(i)];
+    const auto samples = buffer[static_cast<std::size_t>(c / four)].col(c % four).array();
+    squares.col(i).array() +=
+        (samples.segment(block * hop, squares.rows()) - means(block, c)).square();
+  }
 }
 
 /// The blocks that are complete.
@@ -331,6 +352,18 @@ void SpectrumEstimator::add(const Eigen::Ref<const data::Samples>& samples) {
   }
 }
 
+namespace {
+
+/// Mean of the columns, each divided by its own mean.
+VectorXd mean_power(const MatrixXd& squares) {
+  VectorXd sum = VectorXd::Zero(squares.cols() > 0 ? squares.rows() : 0);
+  for (const auto& column : squares.colwise())
+    if (const double mean = column.mean(); mean > 0.0) sum += column / mean;
+  return sum.size() > 0 && sum.maxCoeff() > 0.0 ? VectorXd(sum / sum.mean()) : VectorXd();
+}
+
+}  // namespace
+
 CrossSpectra SpectrumEstimator::result() {
   auto& me = *implementation_;
   me.end_record();
@@ -349,6 +382,7 @@ CrossSpectra SpectrumEstimator::result() {
   if (me.options.periodic)
     me.noise_products.unpack(scale / std::max(1.0, static_cast<double>(me.degrees)),
                              result.noise_re, result.noise_im);
+  result.input_power = mean_power(me.squares);
   if (result.blocks > 0)
     result.statistics = average_statistics(result.window, me.hop, result.blocks);
   return result;

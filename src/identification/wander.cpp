@@ -18,7 +18,21 @@ namespace {
 /// Modes × groups.
 struct GroupFits {
   MatrixXd omega{}, omega_deviation{}, damping{}, damping_deviation{};
+  MatrixXd excitation{};  // see WanderOptions::least_excitation
 };
+
+/// Per input, mean over the half-power band of a mode and the lines nearest to it.
+VectorXd density_at(const FrequencyResponses& r, const FittedMode& mode) {
+  const double f = mode.omega() / two_pi, wide = mode.damping_ratio() * f;
+  const auto at = [&](double x) {
+    const auto line = std::ranges::lower_bound(r.frequency, x) - r.frequency.begin();
+    return std::clamp<Index>(line, 0, static_cast<Index>(r.lines()) - 1);
+  };
+  const Index from = std::max<Index>(at(f - wide) - 1, 0), to = at(f + wide);
+  VectorXd sum = VectorXd::Zero(static_cast<Index>(r.inputs.size()));
+  for (Index k = from; k <= to; ++k) sum += r.input_density[static_cast<std::size_t>(k)];
+  return sum / static_cast<double>(to - from + 1);
+}
 
 /// False where a channel is dead in this group.
 bool add_fit(const FrequencyResponses& responses, const Identification& found,
@@ -33,6 +47,9 @@ bool add_fit(const FrequencyResponses& responses, const Identification& found,
     fits.omega_deviation(r, group) = mode.omega_deviation;
     fits.damping(r, group) = mode.damping_ratio();
     fits.damping_deviation(r, group) = mode.damping_deviation;
+    const auto& whole = found.modes[static_cast<std::size_t>(r)].fit;
+    fits.excitation(r, group) =
+        density_at(responses, whole).cwiseQuotient(density_at(found.responses, whole)).minCoeff();
   }
   return true;
 }
@@ -90,7 +107,8 @@ class PartFits {
       : found_(found), options_(options) {}
 
   void add(CrossSpectra&& part, const ChannelChoice& choice, Estimator estimator) {
-    for (auto* m : {&fits_.omega, &fits_.omega_deviation, &fits_.damping, &fits_.damping_deviation})
+    for (auto* m : {&fits_.omega, &fits_.omega_deviation, &fits_.damping, &fits_.damping_deviation,
+                    &fits_.excitation})
       m->conservativeResize(static_cast<Index>(found_.modes.size()), fitted_ + 1);
     degrees_ += part.statistics.effective_averages - static_cast<double>(choice.inputs.size());
     try {
@@ -108,8 +126,11 @@ class PartFits {
     const double probability = 1.0 - options.level / static_cast<double>(modes);
     for (Index r = 0; r < modes; ++r) {
       const auto& mode = found_.modes[static_cast<std::size_t>(r)].fit;
-      const VectorXd omega = fits_.omega.row(r).head(fitted_),
-                     deviation = fits_.omega_deviation.row(r).head(fitted_);
+      std::vector<Index> parts;
+      for (Index g = 0; g < fitted_; ++g)
+        if (fits_.excitation(r, g) > options.least_excitation) parts.push_back(g);
+      if (parts.size() < 2) continue;
+      const VectorXd omega = fits_.omega(r, parts), deviation = fits_.omega_deviation(r, parts);
       if (!(deviation.minCoeff() > 0.0) || !deviation.allFinite() || !omega.allFinite()) continue;
       const auto spread = spread_of(omega, deviation);
       const double between = spread.degrees;
@@ -117,11 +138,10 @@ class PartFits {
             numerics::fisher_quantile(probability, between, degrees_)) ||
           !(spread.deviation > options.least_spread * mode.damping_ratio() * mode.omega()))
         continue;
-      const auto damping = spread_of(fits_.damping.row(r).head(fitted_),
-                                     fits_.damping_deviation.row(r).head(fitted_));
+      const auto damping = spread_of(fits_.damping(r, parts), fits_.damping_deviation(r, parts));
       list.push_back({.mode = static_cast<std::size_t>(r),
                       .chi_squared = spread.chi_squared,
-                      .groups = static_cast<int>(fitted_),
+                      .groups = static_cast<int>(parts.size()),
                       .lowest = omega.minCoeff(),
                       .highest = omega.maxCoeff(),
                       .deviation = spread.deviation,

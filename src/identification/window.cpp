@@ -4,6 +4,7 @@
 #include <bit>
 #include <cmath>
 #include <complex>
+#include <vector>
 
 #include "hydrapod/numerics/fft.hpp"
 #include "names.hpp"
@@ -72,15 +73,20 @@ AverageStatistics average_statistics(const VectorXd& window, int hop, long block
   return result;
 }
 
-VectorXd lag_taper(const VectorXd& window) {
+VectorXd lag_taper(const VectorXd& window, const VectorXd& power) {
   const auto n = static_cast<int>(window.size());
   const int length = static_cast<int>(std::bit_ceil(static_cast<unsigned>(2 * n)));
   numerics::RealFft fft(length);
   std::vector<double> samples(static_cast<size_t>(length), 0.0);
-  VectorXd::Map(samples.data(), n) = window;
-  std::vector<std::complex<double>> lines(static_cast<size_t>(fft.lines()));
-  fft.forward(samples, lines);
-  for (auto& line : lines) line = std::norm(line);
+  const auto transform = [&](const VectorXd& x) {
+    VectorXd::Map(samples.data(), n) = x;
+    std::vector<std::complex<double>> lines(static_cast<size_t>(fft.lines()));
+    fft.forward(samples, lines);
+    return lines;
+  };
+  auto lines = transform(window);
+  const auto excited = power.size() > 0 ? transform(window.cwiseProduct(power)) : lines;
+  for (size_t k = 0; k < lines.size(); ++k) lines[k] *= std::conj(excited[k]);
   fft.inverse(lines, samples);
   return VectorXd::Map(samples.data(), n) / samples[0];
 }

@@ -117,8 +117,8 @@ namespace {
 
 /// Null beyond the last kind.
 const char* code(identification::ModeWarning::Kind kind) {
-  constexpr std::array all{"no_mode",     "few_samples", "misfit",
-                           "unexplained", "wanders",     "short_blocks"};
+  constexpr std::array all{"no_mode", "few_samples",  "misfit",     "unexplained",
+                           "wanders", "short_blocks", "peaks_above"};
   const auto at = static_cast<std::size_t>(kind);
   return at < all.size() ? all[at] : nullptr;
 }

@@ -237,6 +237,11 @@ std::string warning_text(const identification::ModeWarning& w) {
           "{:.4g} Hz, which is {:.2g} Hz wide: modes that are nearer to each other come out as one "
           "with a damping ratio that is too high; take longer blocks",
           w.count, w.total, w.value, w.from, w.to);
+    case Kind::peaks_above:
+      return fmt::format(
+          "modes were looked for from {:.4g} Hz to {:.4g} Hz, and the responses have {} above, the "
+          "largest at {:.4g} Hz: modes there may be missing; --to sets the band",
+          w.from, w.to, w.count == 1 ? "a peak" : fmt::format("{} peaks", w.count), w.value);
   }
   return {};
 }

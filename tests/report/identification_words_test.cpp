@@ -73,7 +73,8 @@ std::vector<identification::ModeWarning> mode_warnings() {
            .from = 8.5062,
            .to = 0.0575,
            .count = 2,
-           .total = 9}};
+           .total = 9},
+          {.kind = Kind::peaks_above, .value = 131.23, .from = 4.0, .to = 110.25, .count = 1}};
 }
 
 /// Every kind has its example, and each stands word for word in docs/howto/identify.md.

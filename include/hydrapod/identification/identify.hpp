@@ -133,6 +133,15 @@ struct BandOptions {
   double fit_room{1.25};
 };
 
+/// Peaks of responses above the band that poles were found in: modes that were not identified. A
+/// peak is the largest mean square of all responses (each by its own median, over `reach` of
+/// BandOptions) from f/side to f · side, more than `drop` times the smallest on either side:
+/// damping ratios up to some 15 % rise so high, edges of filters do not.
+struct PeakOptions {
+  double side{1.25};
+  double drop{4.0};
+};
+
 /// Which poles of a fit are kept, beside the limits of IdentifyOptions.
 struct PruneOptions {
   /// Open damping: deviation of ζ > largest_damping_deviation · max(ζ, damping_floor). Of a mode
@@ -244,6 +253,7 @@ struct IdentifyOptions {
   double largest_frequency_deviation{0.02};  ///< of ω, relative
   double largest_damping_deviation{0.5};     ///< of ζ, relative
   BandOptions band{};
+  PeakOptions peaks{};
   PruneOptions prune{};
   WeakModeOptions weak{};
   TrialOptions trial{};
@@ -325,8 +335,10 @@ struct ModeWarning {
                   ///< `count` of `total` responses somewhere in the band
     wanders,      ///< the mode at value [Hz], `from` … `to` in the `count` parts of the record;
                   ///< its damping is higher by `share` than the mean of that of the parts
-    short_blocks  ///< `count` of `total` modes; value: [s] of a block; the sharpest one: `from` its
-                  ///< frequency, `to` its half-power bandwidth [Hz]
+    short_blocks,  ///< `count` of `total` modes; value: [s] of a block; the sharpest one: `from`
+                   ///< its frequency, `to` its half-power bandwidth [Hz]
+    peaks_above    ///< `count` peaks of the responses, the largest at value [Hz], above the band
+                   ///< `from` … `to` that modes were found in
   };
   Kind kind{};
   double value{};
@@ -415,6 +427,10 @@ struct WanderOptions {
   /// Neighbouring groups are put together until K − p ≥ least_degrees in each: with fewer the
   /// errors of responses are hardly known.
   double least_degrees{6.0};
+  /// A part tells of a mode where each input has more than least_excitation of its density in the
+  /// whole record there: a sweep passes a mode in one part of the record, and in the others its
+  /// response is noise and what rings down. At half of it, noise is twice what it should be.
+  double least_excitation{0.5};
 };
 
 struct Wandering {

@@ -126,10 +126,12 @@ struct AverageStatistics {
 };
 AverageStatistics average_statistics(const Eigen::VectorXd& window, int hop, long blocks);
 
-/// ρ_τ = Σ_t w_t w_{t+τ} / Σ_t w_t², τ = 0 … n − 1. Under white excitation an averaged cross
-/// spectrum is, in the mean, the transform of the impulse response times ρ: a window makes
-/// resonances wider, by an amount that is known.
-Eigen::VectorXd lag_taper(const Eigen::VectorXd& window);
+/// ρ_τ = Σ_t p_t w_t w_{t+τ} / Σ_t p_t w_t², τ = 0 … n − 1. Under white excitation, whose mean square
+/// at a sample of the block is p_t, an averaged cross spectrum is, in the mean, the transform of the
+/// impulse response times ρ: a window makes resonances wider, by an amount that is known. p is 1
+/// where it is not given; bursts that begin where blocks begin have another one, and also what does
+/// not fit into a block any more is then known.
+Eigen::VectorXd lag_taper(const Eigen::VectorXd& window, const Eigen::VectorXd& power = {});
 
 struct SpectrumOptions {
   int block_length{};           ///< n [samples], even, at least 8
@@ -138,6 +140,10 @@ struct SpectrumOptions {
   bool periodic{};              ///< blocks are periods
   int threads{};                ///< 0: one per processor; the result is the same
   int lines{};                  ///< only the first so many; 0: all
+  std::vector<int> inputs{};    ///< channels whose power over the block is wanted
+  /// Their power over the block counts where it changes lag_taper by more than `uneven`. Of a
+  /// stationary input it is even but for chance, which changes ρ by some (2/(blocks · n))^½.
+  double uneven{0.05};
 };
 
 /// What a look at a channel's samples tells.
@@ -165,6 +171,9 @@ struct CrossSpectra {
   int records{};                   ///< that held at least one block
   AverageStatistics statistics{};
   std::vector<ChannelHealth> health{};
+  /// Mean square of the inputs that the options name at each sample of a block, each input in
+  /// proportion to its own power; mean 1. Empty: they name none, or blocks are periods.
+  Eigen::VectorXd input_power{};
   /// Pair (i, j), i ≥ j, is column i (i + 1)/2 + j; a row per line.
   Eigen::MatrixXd re{}, im{};
   Eigen::MatrixXd noise_re{}, noise_im{};  ///< N, for periodic excitation; else empty
@@ -177,6 +186,9 @@ struct CrossSpectra {
   [[nodiscard]] Eigen::MatrixXcd at(Eigen::Index line) const;
   [[nodiscard]] Eigen::MatrixXcd noise_at(Eigen::Index line) const;
 };
+
+/// What averaging made of impulse responses under the inputs as they were.
+Eigen::VectorXd lag_taper(const CrossSpectra& spectra);
 
 class SpectrumEstimator {
  public:
