@@ -32,12 +32,12 @@ std::vector<Peak> peaks_at(const Targets& measured, const std::string& pose) {
 
 /// What a response to forces is off by, as share of it, where poles are off by `frequency_error`
 /// and half widths by all of themselves.
-double misplaced(const std::vector<Peak>& peaks, double omega, double frequency_error) {
+double misplaced(const std::vector<Peak>& peaks, Complex s, double frequency_error) {
   double most = 0.0;
   for (const auto& peak : peaks) {
     const Complex pole = peak.omega * Complex(-peak.damping, 1.0);
-    most = std::max(most, std::hypot(frequency_error, peak.damping) * peak.omega /
-                              std::abs(Complex(0.0, omega) - pole));
+    most =
+        std::max(most, std::hypot(frequency_error, peak.damping) * peak.omega / std::abs(s - pole));
   }
   return most;
 }
@@ -126,7 +126,7 @@ std::vector<ResponseTarget> chosen_lines(const model::MachineFile& file, const T
       some.s.push_back(all.s[line]);
       some.H.push_back(all.H[line]);
       const double of_poles = all.entry == observation::Entry::forces
-                                  ? misplaced(peaks, all.s[line].imag(), options.frequency_error)
+                                  ? misplaced(peaks, all.s[line], options.frequency_error)
                                   : 0.0;
       const double error = (std::pow(options.response_error, 2) + std::pow(of_poles, 2)) *
                            static_cast<double>(lines.size()) / shapes;
