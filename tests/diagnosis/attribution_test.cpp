@@ -100,6 +100,19 @@ TEST(Remedy, StiffnessPutIntoTheMachineGivesThePromisedDrop) {
   EXPECT_EQ(where, found.pose);
 }
 
+TEST(Remedy, SaysTheLowestResonanceAndTheLargestDropOfToday) {
+  const auto machine = heavy();
+  const auto found = find_remedy(machine, machine.poses, ModelKind::guide, {.drop = 0.02});
+  std::vector<double> omega, drop;
+  for (const auto& pose : machine.poses)
+    for (const auto& r : first_resonances(machine, pose.X_BP, ModelKind::guide)) {
+      omega.push_back(r.omega);
+      drop.push_back(1.0 - r.omega / r.omega_rigid);
+    }
+  EXPECT_DOUBLE_EQ(found.today.omega, std::ranges::min(omega));
+  EXPECT_NEAR(found.today.drop, std::ranges::max(drop), 1e-12);
+}
+
 TEST(Remedy, ReachesAFrequencyOrSaysWhatRigidSleevesWouldGive) {
   const auto machine = heavy();
   const double rigid =

@@ -94,6 +94,29 @@ TEST(Suspects, BeginNearTheMachineAsStated) {
   }
 }
 
+/// A block of 2.3 m × 1.7 m × 0.9 m: its radii of gyration about its axes have the mean square
+/// (a² + b² + c²)/18.
+TEST(Suspects, LookForTheMassCentreWithinARadiusOfGyration) {
+  auto file = test::machine_file(test::read_text(test::source_file("models/heavy-platform.toml")));
+  auto& platform = file.machine.platform;
+  platform.mass = 7130.0;
+  platform.inertia =
+      platform.mass / 12.0 *
+      spatial::Vector3(1.7 * 1.7 + 0.9 * 0.9, 2.3 * 2.3 + 0.9 * 0.9, 2.3 * 2.3 + 1.7 * 1.7)
+          .asDiagonal()
+          .toDenseMatrix();
+  const double radius = std::sqrt((2.3 * 2.3 + 1.7 * 1.7 + 0.9 * 0.9) / 18.0);
+  const auto causes = causes_of(file);
+  const auto center = std::ranges::find(causes, Cause::Kind::mass_center, &Cause::kind);
+  ASSERT_NE(center, causes.end());
+  ASSERT_EQ(center->free.size(), 3U);
+  for (int k = 0; k < 3; ++k) {
+    const auto& free = center->free[static_cast<std::size_t>(k)];
+    EXPECT_NEAR(std::get<double>(*free.lower), platform.mass_center[k] - radius, 1e-12);
+    EXPECT_NEAR(std::get<double>(*free.upper), platform.mass_center[k] + radius, 1e-12);
+  }
+}
+
 TEST(Suspects, AreTriedTogetherAcrossFamiliesAndForTwoLegs) {
   const Cause all{Cause::Kind::bulk_modulus};
   const Cause leg2{Cause::Kind::oil_springs, 1};

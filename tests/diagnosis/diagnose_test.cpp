@@ -183,6 +183,13 @@ TEST(Diagnose, WhatToMeasureNextIsOneResonanceOfBothHypotheses) {
                            find_pose(file.machine, x.pose)->X_BP),
               0.5)
         << x.omega_best << " and " << x.omega_other << " at " << x.pose;
+  // each of the two frequencies is off by the error of the model
+  const double error = DiagnoseOptions{}.frequency_error;
+  for (const auto& x : d.discriminators)
+    EXPECT_NEAR(
+        x.deviations,
+        std::abs(std::log(x.omega_best) - std::log(x.omega_other)) / std::hypot(error, error),
+        1e-9 * x.deviations);
 }
 
 TEST(Diagnose, FindsOneLeg) {

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <bit>
+
 #include "blind_series.hpp"
 #include "diagnosis/evidence.hpp"
 #include "diagnosis/ranking.hpp"
@@ -72,6 +74,42 @@ TEST_F(Learning, KeepsItsOwnWhereThoseAreWorse) {
   evidence_.learn(single, known(pair), {});
   EXPECT_EQ(single.misfit, before);
   EXPECT_EQ(single.fit.parameters[0].value, value);
+}
+
+/// The machine that made the modes of the plant is found again by mechanics, without a misfit.
+TEST(ByMechanics, ThePlantOfTheMachineItselfIsExplained) {
+  constexpr auto kind = dynamics::ModelKind::guide;
+  const auto file =
+      test::machine_file(test::read_text(test::source_file("models/heavy-platform.toml")), {});
+  test::Random random(5);
+  const auto targets = weighted_targets(
+      file,
+      test::noisy_plant_modes(file.machine, {"neutral"}, kind,
+                              {.frequency = 0.0, .damping = 0.0, .shape = 0.0}, random),
+      {.frequency_error = 1e-4});
+  const auto causes = causes_of(file);
+  const Evidence evidence(file, targets, kind, causes);
+  const auto leg3 = std::ranges::find(causes, "guide sleeve of leg 3", report::cause_name);
+  ASSERT_NE(leg3, causes.end());
+  const auto found =
+      evidence.explain({static_cast<std::size_t>(leg3 - causes.begin())}, nullptr, {});
+  const double stated = file.machine.legs[2].guide_sleeve.stiffness;
+  EXPECT_TRUE(found.by_mechanics);
+  EXPECT_NEAR(found.fit.parameters[0].value, stated, 1e-3 * stated);
+  EXPECT_LT(found.misfit, 1e-3);
+}
+
+/// As many hypotheses of m causes as there are ways to choose them, counted one by one.
+TEST(Penalty, IsTwiceTheLogarithmOfTheNumberOfHypotheses) {
+  for (const std::size_t causes : {2U, 3U, 7U, 13U})
+    for (const std::size_t held : {1U, 2U}) {
+      int ways = 0;
+      for (unsigned chosen = 0; chosen < 1U << causes; ++chosen)
+        ways += std::popcount(chosen) == static_cast<int>(held) ? 1 : 0;
+      EXPECT_NEAR(hypothesis_penalty(causes, held), 2.0 * std::log(ways), 1e-12)
+          << held << " of " << causes;
+    }
+  EXPECT_EQ(hypothesis_penalty(9, 0), 0.0);
 }
 
 /// Of frequencies, damping ratios and shapes: what the measurement states and what the model
