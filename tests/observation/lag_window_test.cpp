@@ -21,7 +21,9 @@ TEST_P(OfWindow, IsThatOfItsAutocorrelation) {
   const auto window = lag_window(rho, rate);
   ASSERT_TRUE(window);
   EXPECT_DOUBLE_EQ(window->duration, n / rate);
-  for (const Complex pole : {Complex(-0.37, 41.0), Complex(-17.0, 53.0), Complex(-1.9, 0.0)})
+  // the last is hardly any distance from a line
+  for (const Complex pole :
+       {Complex(-0.37, 41.0), Complex(-17.0, 53.0), Complex(-1.9, 0.0), Complex(-0.003, 40.31)})
     for (const Complex s : {Complex(0.0, 40.3), Complex(0.0, 77.0), Complex(0.61, 3.0)}) {
       // Simpson's rule; ρ is 0 at its end
       Complex sum = 0.0;

@@ -68,6 +68,30 @@ TEST(MeasuredModes, OfAnyPointAndPhaseAreTheModelsOwn) {
       }
 }
 
+/// Sensors the other way round, any phase: the motion is real, as large as measured, and in its
+/// directions.
+TEST(MeasuredModes, AreTurnedToTheirRealMotion) {
+  const auto machine = heavy().machine;
+  const spatial::Vector3 point(0.31, -0.17, 0.44);
+  for (const int k : {0, 1, 4}) {
+    auto mode = identified(machine, "pitched", k, point);
+    const Vector6 motion = (mode.shape * std::polar(1.0, -1.234)).real();
+    auto outputs = directions();
+    for (const std::size_t turned : {1U, 2U, 5U}) {
+      outputs[turned].direction =
+          static_cast<data::Direction>(-static_cast<int>(outputs[turned].direction));
+      mode.shape[static_cast<Eigen::Index>(turned)] *= -1.0;
+    }
+    const auto target =
+        measured_modes({.outputs = outputs, .modes = {mode}}, machine, {"pitched", point})
+            .modes.front();
+    ASSERT_TRUE(target.shape);
+    const double sign = target.shape->dot(motion) < 0.0 ? -1.0 : 1.0;
+    EXPECT_LT((sign * *target.shape - motion).norm(), 1e-12 * motion.norm()) << k;
+    EXPECT_LT(target.complex_shape->motion.imag().norm(), 1e-12 * motion.norm()) << k;
+  }
+}
+
 TEST(MeasuredModes, WhatIsImaginaryIsNotTrusted) {
   const auto machine = heavy().machine;
   auto measured = identified(machine, "neutral", 0, spatial::Vector3::Zero());

@@ -10,7 +10,9 @@
 #include "hydrapod/response/frequency_response.hpp"
 #include "hydrapod/simulation/linear_system.hpp"
 #include "support/calibration_machine.hpp"
+#include "support/eigenvalues.hpp"
 #include "support/run_program.hpp"
+#include "support/symmetric_machine.hpp"
 
 namespace hydrapod::observation {
 namespace {
@@ -118,6 +120,26 @@ TEST(Observation, OfMechanicsRespondsAsTheLinearModel) {
           1e-9 * H[k].norm());
     }
   }
+}
+
+/// Legs that have folded under their load do not swing: they part from rest at the rate √−ω², and
+/// come to it as fast.
+TEST(Observation, OfABuckledMachineHasRealPoles) {
+  auto machine = test::symmetric_machine(9.81);
+  for (auto& leg : machine.legs) leg.cylinder_case.mass = leg.rod.mass = 0.0;
+  machine.platform.mass = 3000.0;
+  machine.damping.modal_ratio = 0.0;
+  const auto seen = observe(machine, machine.neutral(), ModelKind::guide, Observed::mechanics);
+  const auto omega2 = test::omega_squared(seen.mechanics.M, seen.mechanics.K);
+  int folded = 0;
+  for (const double value : omega2) {
+    if (value > 0.0) continue;
+    ++folded;
+    for (const double rate : {std::sqrt(-value), -std::sqrt(-value)})
+      EXPECT_LT((seen.poles.array() - rate).abs().minCoeff(), 1e-6 * std::abs(rate));
+  }
+  EXPECT_GE(folded, 2);
+  EXPECT_EQ(std::ssize(seen.modes), omega2.size() - folded);
 }
 
 /// Commands through the controller, and forces on the controlled machine.
