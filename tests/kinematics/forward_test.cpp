@@ -124,5 +124,19 @@ TEST(ForwardKinematics, TakesStepsNoLongerThanItsLimits) {
   EXPECT_EQ(found.status, ForwardStatus::not_converged);
 }
 
+/// A turn far away and hardly a shift: one step turns by the limit, whatever it shifts.
+TEST(ForwardKinematics, TurnsByItsLimitWhereTheShiftIsSmall) {
+  const auto machine = published_machine();
+  const Pose far = spatial::displaced(
+      machine.neutral(), (Vector6() << 1e-4, -2e-4, 3e-4, 0.11, -0.13, 0.21).finished());
+  const kinematics::ForwardOptions options{
+      .max_iterations = 1, .max_translation = 10.0, .max_rotation = 0.037};
+  const auto found =
+      forward_kinematics(machine, leg_lengths(machine, far), machine.neutral(), options);
+  const double cosine = 0.5 * (found.X_BP.R_BP.trace() - 1.0);
+  EXPECT_NEAR(std::acos(cosine), 0.037, 1e-12);
+  EXPECT_EQ(found.status, ForwardStatus::not_converged);
+}
+
 }  // namespace
 }  // namespace hydrapod::test

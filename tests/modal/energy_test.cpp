@@ -157,6 +157,28 @@ TEST(Energy, SharesAreTheSensitivitiesOfTheFrequencies) {
   }
 }
 
+/// With the mount's energy in it the elastic energy is φᵀ K φ = ω² φᵀ M φ: leg 1's oil spring, in
+/// joules, tells what a share of one is.
+TEST(Energy, OfTheMountBelongsToTheElasticOne) {
+  Random random(9);
+  auto machine = random_machine(random);
+  machine.base_mount =
+      model::BaseMount{.stiffness = {4.1e7, 3.7e7, 9.3e7, 5.9e7, 7.1e7, 2.3e7}, .mass = 713.0};
+  const auto model = linear(machine, ModelKind::rigid);
+  const auto modes = modal::normal_modes(model);
+  const auto shares = modal::energy_shares(model, modes.shapes);
+  double most = 0.0;
+  for (int k = 0; k < modes.size(); ++k) {
+    const auto& s = shares[static_cast<std::size_t>(k)];
+    EXPECT_NEAR(s.oil.sum() + s.base_mount, 1.0, rounding);
+    const spatial::Vector3 joint = model.J[0] * modes.shapes.col(k).head<6>();
+    const double oil = model.legs[0].k_h * std::pow(model.legs[0].s_x.head<3>().dot(joint), 2);
+    EXPECT_NEAR(oil / s.oil[0] / modes.omega2[k], 1.0, 1e-9) << k;
+    most = std::max(most, s.base_mount);
+  }
+  EXPECT_GT(most, 0.05);
+}
+
 /// What the weight takes from the knees: the stiffness of the x mode falls to (31.4 / 46.8)².
 TEST(Energy, PreloadIsWhatSoftensThePublishedMachine) {
   const auto model = linear(symmetric_machine(9.81), ModelKind::guide);

@@ -116,6 +116,28 @@ TEST(RigidCounterpart, OfStiffSealsIsTheModeItself) {
   }
 }
 
+/// One strong damper makes the rigid modes complex. On stiff seals the flexible mode is the rigid
+/// one, a + ib, and of it the share of a is (aᵀMa)²/(aᵀMa) + (aᵀMb)²/(aᵀMa), however long a is.
+TEST(RigidCounterpart, OfAComplexModeIsTheShareOfItsRealPart) {
+  auto machine = symmetric_machine();
+  for (auto& leg : machine.legs) leg.guide_sleeve.stiffness = 1e11;
+  machine.legs[1].oil_spring.damping = 3.1e4;
+  machine.legs[2].oil_spring.damping = 1.7e4;
+  const auto table = table_of(machine, ModelKind::guide);
+  const auto& M = table.rigid.linear.M;
+  double shortest = 1.0;
+  for (int k = 0; k < 6; ++k) {
+    const auto& rigid = table.real.modes[static_cast<std::size_t>(k)].rigid;
+    ASSERT_TRUE(rigid);
+    EXPECT_EQ(rigid->mode, k);
+    const auto& mode = table.rigid.modes[static_cast<std::size_t>(k)].mode;
+    const double own = mode.real.dot(M * mode.real), other = mode.real.dot(M * mode.imaginary);
+    EXPECT_NEAR(rigid->mac, own + other * other / own, 1e-3) << k;
+    shortest = std::min(shortest, own);
+  }
+  EXPECT_LT(shortest, 0.9);
+}
+
 TEST(RigidCounterpart, HasOnlyWhatThePlatformFeels) {
   const auto table = table_of(symmetric_machine(), ModelKind::guide);
   int unfelt = 0;
@@ -135,6 +157,24 @@ TEST(MatchModes, FindsEveryModeInItself) {
     const auto match = modal::match_modes(table.real, table.real);
     for (int k = 0; k < static_cast<int>(match.size()); ++k) EXPECT_EQ(match[k], k);
   }
+}
+
+/// A shape times −1, or turned in phase, is the same mode.
+TEST(MatchModes, SignsAndPhasesOfShapesDoNotCount) {
+  Random random(35);
+  const auto table = table_of(random_machine(random), ModelKind::guide);
+  auto turned = table.real;
+  for (std::size_t k = 0; k < turned.modes.size(); ++k) {
+    auto& mode = turned.modes[k].mode;
+    if (k % 3 == 0) mode.real *= -1.0;
+    if (k % 3 == 1) {
+      mode.imaginary = 0.8 * mode.real;
+      mode.real *= -0.6;
+    }
+  }
+  const auto match = modal::match_modes(turned, table.real);
+  for (int k = 0; k < static_cast<int>(match.size()); ++k)
+    EXPECT_EQ(match[static_cast<std::size_t>(k)], k);
 }
 
 TEST(MatchModes, PairsOneToOneAcrossKinds) {

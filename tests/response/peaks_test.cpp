@@ -157,6 +157,30 @@ TEST(Peaks, AreJudgedByTheHigherOfTheValleysBesideThem) {
   EXPECT_NEAR(z[1].prominence_db, 20.0 * std::log10(z[1].magnitude / left), sampled_valley);
 }
 
+/// A well damped peak lies below its mode, here nearer to one that moves y alone; and a shape times
+/// −1 is the same mode.
+TEST(Peaks, BelongToTheModeThatMakesThemNotToTheNearest) {
+  constexpr double zeta = 0.2;
+  LinearModel linear{.kind = ModelKind::rigid, .p_BC = spatial::Vector3::Zero()};
+  linear.platform_mass.setIdentity();
+  linear.M.setIdentity(6, 6);
+  linear.K = 1e6 * Eigen::MatrixXd::Identity(6, 6);
+  linear.C.setZero(6, 6);
+  const double below = std::sqrt(1.0 - 2.0 * zeta * zeta);
+  linear.K(0, 0) = 31.0 * 31.0;
+  linear.K(1, 1) = std::pow(31.0 * below, 2);
+  for (const double sign : {1.0, -1.0}) {
+    auto model = response::response_model(linear, modal::normal_modes(linear), zeta,
+                                          spatial::Vector3::Zero());
+    model.modes.shapes *= sign;
+    const auto x = in_direction(response::find_peaks(model, {5.0, 100.0}), 0);
+    ASSERT_EQ(x.size(), 1U);
+    EXPECT_NEAR(x[0].omega, 31.0 * below, 1e-6);
+    EXPECT_NEAR(model.modes.omega(x[0].mode), 31.0, 1e-9);
+    EXPECT_TRUE(x[0].own);
+  }
+}
+
 TEST(Peaks, LowerThanAskedAreLeftOut) {
   const auto model = six_masses(300.0, 0.005);
   const auto all = in_direction(response::find_peaks(model, {1.0, 1000.0}), 0);
