@@ -2,6 +2,7 @@
 
 #include "hydrapod/tasks/linear.hpp"
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -55,6 +56,21 @@ TEST(RootLocus, StopsWhenAskedTo) {
   EXPECT_EQ(locus.values.size(), 2U);
   EXPECT_THROW(tasks::root_locus(heavy(), {.key = "controller.gain", .from = 1.0, .to = 1.0}),
                std::invalid_argument);
+}
+
+TEST(RootLocus, HasBothEndsAndTheLimitOfStability) {
+  const auto published = [](double gain) {
+    return tasks::read_machine({.file = source_file("models/zhang-jiang-2021.toml").string(),
+                                .overrides = {fmt::format("controller.gain={:.17g}", gain)},
+                                .model = dynamics::ModelKind::rigid});
+  };
+  const auto locus = tasks::root_locus(
+      published(20.0), {.key = "controller.gain", .from = 20.0, .to = 61.0, .count = 3});
+  EXPECT_EQ(locus.values, (std::vector<double>{20.0, 40.5, 61.0}));
+  ASSERT_EQ(locus.limits.size(), 1U);
+  const double limit = locus.limits.front(), found_to = 2e-4 * 20.5;
+  EXPECT_TRUE(tasks::system(published(limit - found_to)).poles.sampled_stable);
+  EXPECT_FALSE(tasks::system(published(limit + found_to)).poles.sampled_stable);
 }
 
 TEST(Bode, FindsABandThatHoldsWhatThePlatformFeels) {
