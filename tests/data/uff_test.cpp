@@ -253,6 +253,26 @@ TEST(Uff, BigEndianBinaryIsRead) {
   EXPECT_THAT(record.samples.reshaped(), testing::ElementsAre(1.0, -2.5, 123.0));
 }
 
+/// Times in single precision beside values in double: the number of bytes says so.
+TEST(Uff, BinaryTimesMayBeNarrowerThanTheirValues) {
+  const std::string form = "         4         3         0  0.00000E+00  0.00000E+00  0.00000E+00";
+  std::string text = function(std::string(general) + "m", "", form);
+  text.replace(text.find("    58\n"), 7,
+               "    58b     1     2          11          36     0     0           0           0\n");
+  std::string bytes;
+  for (const auto& [time, value] :
+       {std::pair{1.25F, 7.1}, std::pair{1.5F, -8.3e-7}, std::pair{1.75F, 9.7e5}}) {
+    bytes.append(reinterpret_cast<const char*>(&time), 4);
+    bytes.append(reinterpret_cast<const char*>(&value), 8);
+  }
+  text.insert(text.rfind("    -1\n"), bytes);
+  const auto [record, notes] = read(text);
+  EXPECT_THAT(notes, testing::IsEmpty());
+  EXPECT_EQ(record.header.sample_rate, 4.0);
+  EXPECT_EQ(record.header.start, 1.25);
+  EXPECT_THAT(record.samples.reshaped(), testing::ElementsAre(7.1, -8.3e-7, 9.7e5));
+}
+
 /// Bytes that this process has read so far.
 std::uint64_t bytes_read() {
   std::ifstream stream("/proc/self/io");

@@ -181,6 +181,21 @@ TEST(MachineFile, TheTensorMayBeGivenEitherWay) {
   EXPECT_EQ(by_name.platform.inertia(1, 2), -30.0);
 }
 
+/// Each of the nine numbers is known as the moment or product that it is.
+TEST(MachineFile, NumbersOfATensorInRowsHaveTheirNames) {
+  const auto file = parse_machine(edited({{"{ xx = 500, yy = 550, zz = 800 }",
+                                           "[[500, 10, 20], [10, 550, -30], [20, -30, 800]]"}}),
+                                  "m.toml");
+  std::vector<std::pair<std::string, double>> given;
+  for (const auto& number : file.given)
+    if (const auto name = path(file.machine, number.id); name.starts_with("platform.inertia"))
+      given.emplace_back(name.substr(name.size() - 2), number.value);
+  const std::vector<std::pair<std::string, double>> expected{
+      {"xx", 500.0}, {"xy", 10.0}, {"xz", 20.0},  {"xy", 10.0}, {"yy", 550.0},
+      {"yz", -30.0}, {"xz", 20.0}, {"yz", -30.0}, {"zz", 800.0}};
+  EXPECT_EQ(given, expected);
+}
+
 TEST(MachineFile, GravityMayBeAVector) {
   const Machine machine = machine_of(edited({{"9.81", "[1, \"20 cm/s^2\", -9]"}}));
   EXPECT_EQ(machine.gravity, Vector3(1, 0.2, -9));

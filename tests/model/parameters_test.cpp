@@ -162,6 +162,19 @@ TEST(Parameters, OfPartsThatAreLeftOutMakeThem) {
   EXPECT_TRUE(spring.legs[0].oil_spring.cylinder);
 }
 
+/// One number for a row of six goes to all six.
+TEST(Parameters, OfAWholeRowGoToAllItsNumbers) {
+  const auto file = parse_machine(sound_machine_file, "m.toml");
+  const auto id = find_parameter(file, "controller.gain");
+  ASSERT_TRUE(id);
+  const Machine machine = with(file.machine, std::array{Assignment{*id, 7.3}});
+  for (int k = 0; k < 6; ++k) {
+    const auto one = find_parameter(file, fmt::format("controller.gain[{}]", k));
+    ASSERT_TRUE(one);
+    EXPECT_EQ(value(machine, *one), 7.3) << k;
+  }
+}
+
 TEST(Parameters, OfACircleMoveTheJointsThatStandOnIt) {
   const auto file = parse_machine(
       edited({{"[leg.3.guide", "[leg.3]\nbase_joint = [1, 2, 3]\n[leg.3.guide"}}), "m.toml");

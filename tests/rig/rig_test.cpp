@@ -249,6 +249,53 @@ TEST(Rig, SaysThatAMachineOscillatesByItself) {
   EXPECT_LT(swing(with("0.47")), 4.0);
 }
 
+TEST(Accelerometers, StandAtTheJointsThatTheirNamesSay) {
+  const auto machine = starter();
+  const auto all = default_accelerometers(machine);
+  ASSERT_EQ(all.size(), 9U);
+  const std::array<std::string, 9> names{"1x", "1y", "1z", "3x", "3y", "3z", "5x", "5y", "5z"};
+  for (std::size_t k = 0; k < all.size(); ++k) {
+    EXPECT_EQ(all[k].name, "acceleration " + names[k]);
+    EXPECT_EQ(all[k].point, names[k][0] - '0');
+    EXPECT_EQ(all[k].p_P, machine.legs[2 * (k / 3)].platform_joint) << names[k];
+    EXPECT_EQ(all[k].e_P, spatial::Vector3::Unit(names[k][1] - 'x')) << names[k];
+  }
+}
+
+/// A tone at 0.45 of the record's rate, through the bilinear Butterworth filter of order 8 at 0.4:
+/// |H|² = 1/(1 + (tan(π f T)/tan(π f_c T))^16), T of the simulation.
+TEST(Rig, TonesBeyondTheCornerOfTheAntiAliasFilterAreWeakened) {
+  RigOptions options = at_rest();
+  options.rate = 125.0;
+  options.oversampling = 4;
+  options.entry = Entry::wrench;
+  spatial::Vector6 force = spatial::Vector6::Zero();
+  force[2] = 900.0;
+  const double tone = 0.45 * options.rate;
+  options.signals = {{force, signals::Sine{.frequency = tone}}};
+  options.instruments.pressure = {};
+  Accelerometer sensor{.name = "z", .e_P = {0, 0, 1}, .noise_density = 0.0, .bandwidth = 0.0};
+  sensor.sensor = {};
+  options.instruments.accelerometers = {sensor};
+  const auto amplitude = [&](bool filtered) {
+    options.instruments.anti_alias = filtered;
+    const auto record = measured(options);
+    std::complex<double> sum = 0.0;
+    const Eigen::Index whole = 20 * (record.rows() / 20);  // 9 periods each
+    for (Eigen::Index k = record.rows() - whole; k < record.rows(); ++k)
+      sum += (record(k, 30) - record.col(30).mean()) *
+             std::polar(2.0 / static_cast<double>(whole),
+                        -two_pi * tone * static_cast<double>(k) / options.rate);
+    return std::abs(sum);
+  };
+  const double fast = options.rate * options.oversampling;
+  const double warped = std::tan(std::numbers::pi * tone / fast) /
+                        std::tan(std::numbers::pi * 0.4 * options.rate / fast);
+  const double plain = amplitude(false);
+  EXPECT_GT(plain, 1e-3);
+  EXPECT_NEAR(amplitude(true) / plain, 1.0 / std::sqrt(1.0 + std::pow(warped, 16)), 0.01);
+}
+
 TEST(Accelerometer, HasAWholeNumberForItsPlace) {
   EXPECT_EQ(parse_accelerometer("a, at=0.3 0 0.1, along=-y, point=17").point, 17);
   EXPECT_EQ(parse_accelerometer("a").point, 0);
