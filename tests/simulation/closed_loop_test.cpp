@@ -206,6 +206,33 @@ TEST(ClosedLoop, SettlesInLegSpaceAndWithAccelerationFeedbackToo) {
 }
 
 /// Beyond the limit of the pole analysis the machine shakes, and before it does not.
+/// Accelerometers along the legs show how the lengths bend, also while the legs swing round at
+/// speed.
+TEST(ClosedLoop, AccelerationsAlongTheLegsAreThoseOfTheirLengths) {
+  const auto machine = machine_of("zhang-jiang-2021", {"controller.feedback=acceleration"});
+  ClosedLoop loop(machine, machine.neutral(), {.until = 1.2, .ideal_sensors = true});
+  const double T = loop.parameters().sample_time;
+  signals::Generator generator(
+      {{.size = (Vector6() << 0.05, -0.04, 0.03, 0.1, 0.07, -0.2).finished(),
+        .form = signals::Sine{.frequency = 2.3}}},
+      1.0 / T);
+  std::vector<Vector6> length, acceleration;
+  loop.run(command_source(generator), [&](const LoopSample& sample) {
+    length.push_back(kinematics::leg_lengths(machine, sample.plant.X_BP));
+    acceleration.push_back(sample.measured.acceleration);
+  });
+  double bias = 0.0, square = 0.0;
+  const std::size_t last = length.size() - 1;
+  ASSERT_GT(last, 100U);
+  for (std::size_t k = 1; k < last; ++k) {
+    const Vector6 bent = (length[k + 1] - 2.0 * length[k] + length[k - 1]) / (T * T);
+    const Vector6 speed = (length[k + 1] - length[k - 1]) / (2.0 * T);
+    bias += (acceleration[k] - bent).sum();
+    square += speed.cwiseAbs2().cwiseQuotient(length[k]).sum();
+  }
+  EXPECT_LT(std::abs(bias), 0.1 * square) << bias << " and " << square;
+}
+
 TEST(ClosedLoop, AGainThatThePolesCallUnstableIsSeenToBe) {
   for (const auto& [gain, stable] : {std::pair{"28", true}, {"60", false}}) {
     const auto machine = machine_of("zhang-jiang-2021", {std::string("controller.gain=") + gain});

@@ -75,6 +75,33 @@ INSTANTIATE_TEST_SUITE_P(, AtRandomPoses,
                                                           ModelKind::full)),
                          [](const auto& test) { return name(test); });
 
+/// Rayleigh's β adds to the dampers β times every spring, and where nothing is loaded K is of
+/// springs alone.
+TEST(RayleighDamping, IsProportionalToTheStiffness) {
+  Random random(412);
+  auto machine = random_machine(random, {.gravity = Gravity::none});
+  machine.damping.modal_ratio = 0.0;
+  for (auto& leg : machine.legs) {
+    leg.stroke.reset();
+    leg.oil_spring = {.stiffness = random.uniform(2e6, 9e6)};
+  }
+  const auto& X_BP = machine.poses[1].X_BP;
+  constexpr double beta = 3.7e-4;
+  for (const auto kind : {ModelKind::rigid, ModelKind::guide, ModelKind::full}) {
+    const auto linear_with = [&](double rayleigh) {
+      machine.damping.rayleigh_stiffness = rayleigh;
+      const Plant plant(machine, kind, {.hydraulics = false}, X_BP);
+      const auto rest = plant.equilibrium(X_BP);
+      return plant.linearise(rest.x, rest.input).A;
+    };
+    const MatrixXd without = linear_with(0.0), with = linear_with(beta);
+    const auto n = without.rows() / 2;
+    const MatrixXd added = with.bottomRightCorner(n, n) - without.bottomRightCorner(n, n);
+    const MatrixXd expected = beta * without.bottomLeftCorner(n, n);
+    EXPECT_LE((added - expected).norm(), 1e-5 * expected.norm()) << static_cast<int>(kind);
+  }
+}
+
 /// Valves shut, seals tight: each leg is the spring β (A²/V_1 + e²A²/V_2), which for the equivalent
 /// cylinder at mid stroke is the published k_h (Eq. 16), in series with its gimbals.
 void expect_modes_of_oil_springs(const model::Machine& machine) {

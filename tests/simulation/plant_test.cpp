@@ -133,6 +133,34 @@ TEST(Cavitation, OfATornCylinderIsNoticedAndPressuresStayPositive) {
   EXPECT_EQ(run.events().front().event, Plant::Event::cavitation_cap);
 }
 
+TEST(Cavitation, OfAPressedCylinderIsNoticedOnTheRodSide) {
+  auto machine = heavy();
+  for (auto& leg : machine.legs) {
+    leg.hydraulics.valve.overlap = 0.3;
+    leg.hydraulics.valve.leakage = 0.0;
+    leg.hydraulics.leakage.internal = 0.0;
+  }
+  const Plant plant(machine, ModelKind::rigid);
+  const auto rest = plant.equilibrium(machine.neutral());
+  Integrator run(plant);
+  run.start(0.0, rest.x);
+  PlantInput input = rest.input;
+  input.wrench[2] = -9e4;  // presses the platform down on its closed valves
+  double lowest_cap = 1e9, lowest_rod = 1e9;
+  for (int k = 1; k <= 60; ++k) {
+    run.advance(1e-3 * k, input);
+    for (int i = 0; i < 6; ++i) {
+      lowest_cap = std::min(lowest_cap, run.state()[plant.layout().cap(i)]);
+      lowest_rod = std::min(lowest_rod, run.state()[plant.layout().rod(i)]);
+    }
+    if (!run.events().empty()) break;
+  }
+  ASSERT_FALSE(run.events().empty());
+  EXPECT_EQ(run.events().front().event, Plant::Event::cavitation_rod);
+  EXPECT_LT(lowest_rod, machine.hydraulics.cavitation_pressure);
+  EXPECT_GT(lowest_cap, machine.hydraulics.cavitation_pressure);
+}
+
 TEST(PumpLimit, LetsTheSupplyPressureFallAndTheAccumulatorHoldsItLonger) {
   const auto pressure_after = [](std::optional<model::Accumulator> accumulator) {
     auto machine = heavy();
