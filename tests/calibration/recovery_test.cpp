@@ -225,6 +225,25 @@ TEST(Recovery, AProfileRisesAsTheLikelihoodSays) {
   EXPECT_NEAR(curve.interval_high, p.interval_high, 0.01 * p.deviation);
 }
 
+/// Where the data tell their own scatter, the profile counts in it.
+TEST(Recovery, AProfileCountsInTheScatterOfTheData) {
+  auto targets = targets_of(published(), ModelKind::guide, true);
+  targets.deviations_given = false;
+  test::Random random(59);
+  for (auto& mode : targets.modes) {
+    mode.deviation = observation::default_deviation * mode.omega;
+    mode.omega *= 1.0 + 0.3 * observation::default_deviation * test::normal(random);
+  }
+  Plan plan{.free = test::free_paths({"legs.oil_spring.stiffness", "legs.guide_sleeve.stiffness"})};
+  plan.options.loss = Loss::squares;
+  const auto best = calibrate(published(), targets, plan, ModelKind::guide).best();
+  EXPECT_NEAR(best.scatter, 0.3, 0.15);
+  const auto curve = profile(published(), targets, plan, ModelKind::guide, best, 0);
+  const auto& p = best.parameters[0];
+  EXPECT_NEAR(curve.interval_low, p.value - 1.96 * p.deviation, 0.05 * p.deviation);
+  EXPECT_NEAR(curve.interval_high, p.value + 1.96 * p.deviation, 0.05 * p.deviation);
+}
+
 /// With nothing else to fit, the profile is the misfit itself; a bound may be where it ends.
 TEST(Recovery, TheOnlyParameterHasAProfileToo) {
   const auto targets = targets_of(published(), ModelKind::rigid, true);
