@@ -74,9 +74,9 @@ std::string peak_text(const report::Bode& bode, const TableStyle& style) {
 report::PlotText plot_text(const tasks::Machine& subject, const report::Bode& bode) {
   const auto& machine = subject.file.machine;
   return {fmt::format("{}: {}", machine.name, output_from_input(bode.options)),
-          fmt::format("pose {}; {}; {}; damping: {}", subject.pose.name,
+          fmt::format("pose {}; {}; {}; damping: {}; machine: {}", subject.pose.name,
                       point_of_platform(bode.options), report::gravity_text(machine),
-                      report::damping_text(machine))};
+                      report::damping_text(machine), report::state_text(subject.file))};
 }
 
 namespace {
@@ -175,13 +175,15 @@ std::string command_output(const Arguments& arguments, const report::BodeOptions
   draw(arguments.plot, [&](const auto& path) {
     report::plot_command_response(
         response, machine.file.machine.name,
-        fmt::format("from command to pose; pose {}, {} model", machine.pose.name, model), path);
+        fmt::format("from command to pose; pose {}, {} model; machine: {}", machine.pose.name,
+                    model, report::state_text(machine.file)),
+        path);
   });
   if (format == 2) return report::command_response_csv(response);
   if (format == 0)
-    return fmt::format("{}, pose {}: from command to pose, {} model\n{}\n\n",
+    return fmt::format("{}, pose {}: from command to pose, {} model\n{}{}\n\n",
                        machine.file.machine.name, machine.pose.name, model,
-                       report::verdict_text(result.system.poles)) +
+                       state_line(machine.file), report::verdict_text(result.system.poles)) +
            command_text(response, table_style(arguments.file));
   auto json = head_of_model("bode", machine);
   json.update({{"input", "command"}, {"output", "displacement"}});

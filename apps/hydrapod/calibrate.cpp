@@ -97,9 +97,11 @@ void run(const Arguments& arguments) {
     return tasks::calibrate(machine, options, progress);
   });
   print_diagnostics(found.warnings);
-  base::write_file_whole("-", format == 0 ? calibration_text(found.result, found.targets,
-                                                             found.profiles, table_style("-"))
-                                          : calibration_json(machine, found));
+  base::write_file_whole(
+      "-", format == 0
+               ? machine.file.machine.name + "\n" + state_line(machine.file) + "\n" +
+                     calibration_text(found.result, found.targets, found.profiles, table_style("-"))
+               : calibration_json(machine, found));
   if (!arguments.output.empty())
     write_output(arguments.output, calibration::calibrated_text(machine.file, found.result.best()));
   draw(arguments.plot,

@@ -97,6 +97,7 @@ std::string table_text(const model::MachineFile& file, const std::vector<report:
   for (const auto& leg : machine.legs) legs += leg.cylinder_case.mass + leg.rod.mass;
   std::string text = bold(machine.name, style) + "\n";
   if (!machine.description.empty()) text += machine.description + "\n";
+  text += state_line(file);
   text += fmt::format("mass of the platform {}, of all legs {}; {}\n",
                       report::mass_text(machine.platform.mass), report::mass_text(legs),
                       report::gravity_text(machine));

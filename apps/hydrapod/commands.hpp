@@ -7,18 +7,10 @@
 /// base::ComputationError or any other exception for a computation that failed (exit code 1).
 
 #include <array>
-#include <string>
-#include <vector>
 
 #include "hydrapod/options.hpp"
 
 namespace hydrapod::cli {
-
-/// The arguments of this run but for the files it writes (-o): what records say of their origin.
-const std::vector<std::string>& command_line();
-/// With it: what a page says of how it was made.
-const std::vector<std::string>& whole_command_line();
-void set_command_line(int argc, const char* const* argv);
 
 void add_init(Command app);
 void add_check(Command app);

@@ -134,6 +134,7 @@ std::string table_text(const Arguments& a, const model::MachineFile& file,
                                  a.diagnosis.measured.empty()
                                      ? ""
                                      : fmt::format(": {}", fmt::join(a.diagnosis.measured, ", ")));
+  text += state_line(file);
   for (const auto& sentence : report::summary(found)) text += "  " + sentence + "\n";
   if (found.diagnosis) {
     text += modes_text(*found.diagnosis, style);

@@ -195,13 +195,12 @@ void write_result(const Arguments& a, size_t format, const tasks::Identified& fo
   if (format == Format::uff || format == Format::mat) return print_written(a.output);
   std::string text;
   if (format == Format::json) {
-    report::Json json{{"kind", "identified_modes"}, {"records", a.measurement.files}};
+    report::Json json = report::identification_json(result);
     if (found.measured.header) json["record"] = report::record_origin_json(*found.measured.header);
-    json.update(report::identification_json(result));
     report::add_cross_checks(found.cross_checks, json);
     if (found.bootstrap) report::add_bootstrap(*found.bootstrap, json);
     if (found.compared) json["comparison"] = report::comparison_json(*found.compared, result);
-    text = json.dump(1) + "\n";
+    text = json_text({{"kind", "identified_modes"}, {"records", a.measurement.files}}, json);
   } else if (format == Format::csv) {
     text = report::identified_modes_csv(result, tasks::observed_in(found.measured));
   } else {

@@ -7,6 +7,7 @@
 
 #include "hydrapod/base/text.hpp"
 #include "hydrapod/base/units.hpp"
+#include "hydrapod/reproduction.hpp"
 #include "hydrapod/terminal.hpp"
 
 namespace hydrapod::cli {
@@ -87,6 +88,10 @@ size_t choose_word(const std::string& option, const std::string& word,
                   near ? fmt::format("did you mean '{}'? ", *near) : "", fmt::join(words, ", ")));
 }
 
+std::string state_line(const model::MachineFile& file) {
+  return fmt::format("machine: {}\n", report::state_text(file));
+}
+
 report::Json head_of_model(const char* kind, const tasks::Machine& machine) {
   auto json = report::head_json(kind, machine);
   json["model"] = dynamics::name(machine.kind);
@@ -95,6 +100,7 @@ report::Json head_of_model(const char* kind, const tasks::Machine& machine) {
 
 std::string json_text(report::Json head, const report::Json& result, int indent) {
   head.update(result);
+  head["reproduction"] = reproduction();
   return head.dump(indent) + "\n";
 }
 

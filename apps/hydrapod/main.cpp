@@ -18,6 +18,7 @@
 #include "hydrapod/base/text.hpp"
 #include "hydrapod/base/version.hpp"
 #include "hydrapod/commands.hpp"
+#include "hydrapod/reproduction.hpp"
 #include "hydrapod/terminal.hpp"
 
 namespace {

@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "hydrapod/base/units.hpp"
+#include "hydrapod/machine_arguments.hpp"
 #include "hydrapod/spatial/pose.hpp"
 #include "hydrapod/terminal.hpp"
 
@@ -25,6 +26,8 @@ std::string motion_text(const modal::EnergyShares& energy) {
     if (energy.platform[d] >= 0.01)
       text +=
           fmt::format("{} {} %, ", direction_names[d], report::percent_text(energy.platform[d]));
+  if (energy.base.sum() >= 0.01)
+    text += fmt::format("base {} %, ", report::percent_text(energy.base.sum()));
   return text + fmt::format("legs {} %", report::percent_text(energy.legs.sum()));
 }
 
@@ -116,12 +119,18 @@ bool any_preload(const modal::ModeTable& table) {
 }  // namespace
 
 std::string heading(const tasks::Machine& subject, const TableStyle& style) {
-  constexpr std::array<const char*, 3> what{"rigid-leg model, 6 modes",
-                                            "guide-sleeve model, 18 modes",
-                                            "guide-sleeve and piston-ring model, 30 modes"};
+  constexpr std::array<const char*, 3> what{"rigid-leg model", "guide-sleeve model",
+                                            "guide-sleeve and piston-ring model"};
   const auto& machine = subject.file.machine;
-  return fmt::format("{}, pose {}: {}\n{}; {} axes; damping: {}\n", bold(machine.name, style),
-                     subject.pose.name, what[static_cast<size_t>(subject.kind)],
+  const int modes = dynamics::degrees_of_freedom(machine, subject.kind);
+  const int of_base = modes - dynamics::degrees_of_freedom(subject.kind);
+  const std::string base = of_base > 0 ? fmt::format(" ({} coordinates of the base)", of_base)
+                           : machine.base_mount
+                               ? " (the base has no inertia: its mount is in series with the legs)"
+                               : "";
+  return fmt::format("{}, pose {}: {}, {} modes{}\n{}{}; {} axes; damping: {}\n",
+                     bold(machine.name, style), subject.pose.name,
+                     what[static_cast<size_t>(subject.kind)], modes, base, state_line(subject.file),
                      report::gravity_text(machine),
                      machine.flexible_axes == model::FlexibleAxes::gimbal ? "gimbal" : "transverse",
                      report::damping_text(machine));
@@ -156,7 +165,8 @@ std::string mode_csv(const modal::ModeTable& table) {
       "mode,omega_rad_s,frequency_hz,damping_ratio,stable,moves_platform,group,label,"
       "kinetic_x,kinetic_y,kinetic_z,kinetic_rx,kinetic_ry,kinetic_rz,kinetic_legs,"
       "elastic_oil,elastic_guide_sleeve,elastic_piston_ring,preload,"
-      "rigid_mode,rigid_omega_rad_s,rigid_mac,rigid_shift_percent\n";
+      "rigid_mode,rigid_omega_rad_s,rigid_mac,rigid_shift_percent,kinetic_base,elastic_base_"
+      "mount\n";
   for (size_t k = 0; k < table.real.modes.size(); ++k) {
     const auto& entry = table.real.modes[k];
     const auto& energy = entry.energy;
@@ -168,11 +178,12 @@ std::string mode_csv(const modal::ModeTable& table) {
         fmt::format(",{:.17g},{:.17g},{:.17g},{:.17g},{:.17g}", energy.legs.sum(), energy.oil.sum(),
                     energy.guide_sleeve.sum(), energy.piston_ring.sum(), energy.preload);
     if (entry.rigid)
-      text += fmt::format(",{},{:.17g},{:.17g},{:.17g}\n", entry.rigid->mode + 1,
+      text += fmt::format(",{},{:.17g},{:.17g},{:.17g}", entry.rigid->mode + 1,
                           table.rigid.modes[entry.rigid->mode].mode.omega, entry.rigid->mac,
                           100.0 * entry.rigid->shift);
     else
-      text += ",,,,\n";
+      text += ",,,,";
+    text += fmt::format(",{:.17g},{:.17g}\n", energy.base.sum(), energy.base_mount);
   }
   return text;
 }

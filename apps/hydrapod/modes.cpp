@@ -92,14 +92,14 @@ std::string system_heading(const tasks::Machine& machine, const report::System& 
                   machine.pose.name, dynamics::name(machine.kind));
   if (!system.closed)
     return fmt::format(
-        "{} with hydraulics, without controller, {} states\nthe valves are held at their rest "
+        "{} with hydraulics, without controller, {} states\n{}the valves are held at their rest "
         "positions; inputs are the drives\n",
-        title, linear.A.rows());
+        title, linear.A.rows(), state_line(machine.file));
   return fmt::format(
-      "{} with hydraulics and controller, {} states\nsampled every {:.4g} ms; delay and hold of "
+      "{} with hydraulics and controller, {} states\n{}sampled every {:.4g} ms; delay and hold of "
       "{:.4g} ms as Padé {}/{} (stability is that of the sampled loop)\n",
-      title, linear.A.rows(), 1e3 * linear.sample_time, 1e3 * linear.delay, linear.pade_order,
-      linear.pade_order);
+      title, linear.A.rows(), state_line(machine.file), 1e3 * linear.sample_time,
+      1e3 * linear.delay, linear.pade_order, linear.pade_order);
 }
 
 /// Of the oscillations that the platform takes part in.
@@ -149,14 +149,15 @@ std::string locus_output(const tasks::Machine& machine, const tasks::RootLocusOp
   const auto& name = machine.file.machine.name;
   draw(plot, [&](const auto& path) {
     report::plot_root_locus(locus, name,
-                            fmt::format("root locus over {}; pose {}, {} model", locus.key,
-                                        machine.pose.name, dynamics::name(machine.kind)),
+                            fmt::format("root locus over {}; pose {}, {} model; machine: {}",
+                                        locus.key, machine.pose.name, dynamics::name(machine.kind),
+                                        report::state_text(machine.file)),
                             path);
   });
   if (format == 2) return report::root_locus_csv(locus);
   if (format == 0)
-    return fmt::format("{}, pose {}: poles over {}\n\n", bold(name, style), machine.pose.name,
-                       locus.key) +
+    return fmt::format("{}, pose {}: poles over {}\n{}\n", bold(name, style), machine.pose.name,
+                       locus.key, state_line(machine.file)) +
            locus_table(locus, style);
   return json_text(head_of_model("root_locus", machine), report::root_locus_json(locus), -1);
 }

@@ -7,6 +7,7 @@
 #include <type_traits>
 
 #include "hydrapod/output_files.hpp"
+#include "hydrapod/reproduction.hpp"
 
 namespace hydrapod::cli {
 
@@ -101,7 +102,10 @@ void Command::check_files(const Files& files) {
     }
     return list;
   };
-  check_outputs(named(files.inputs), named(files.outputs), files.force);
+  const auto inputs = named(files.inputs);
+  check_outputs(inputs, named(files.outputs), files.force);
+  for (const auto& [option, value] : inputs)
+    if (const auto path = input_file(value)) note_input(option, *path);
 }
 
 Command Command::add_command(const std::string& name, const std::string& description,

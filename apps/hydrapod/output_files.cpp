@@ -34,19 +34,6 @@ bool same_file(const std::string& a, const std::string& b) {
   return fs::equivalent(a, b, ignored) || place(a) == place(b);
 }
 
-/// The file that an input names: `run.h5`, `run.h5@low`, `file run.csv, hold=1`.
-std::optional<std::string> input_file(const std::string& text) {
-  std::error_code ignored;
-  const auto is_there = [&](const std::string& path) { return fs::is_regular_file(path, ignored); };
-  constexpr std::string_view signal = "file ";
-  if (is_there(text)) return text;
-  if (const auto at = text.rfind('@'); at != text.npos && is_there(text.substr(0, at)))
-    return text.substr(0, at);
-  if (!text.starts_with(signal)) return {};
-  const std::string path = text.substr(signal.size(), text.find(',') - signal.size());
-  return is_there(path) ? std::optional(path) : std::nullopt;
-}
-
 /// What must not be lost: "record" or "machine file or study". None: anything else.
 std::optional<const char*> kept_kind(const std::string& path) {
   std::error_code ignored;
@@ -94,6 +81,18 @@ std::optional<std::string> why_not_writable(const std::string& path) {
 }
 
 }  // namespace
+
+std::optional<std::string> input_file(const std::string& text) {
+  std::error_code ignored;
+  const auto is_there = [&](const std::string& path) { return fs::is_regular_file(path, ignored); };
+  constexpr std::string_view signal = "file ";
+  if (is_there(text)) return text;
+  if (const auto at = text.rfind('@'); at != text.npos && is_there(text.substr(0, at)))
+    return text.substr(0, at);
+  if (!text.starts_with(signal)) return {};
+  const std::string path = text.substr(signal.size(), text.find(',') - signal.size());
+  return is_there(path) ? std::optional(path) : std::nullopt;
+}
 
 void check_outputs(const std::vector<NamedFile>& inputs, const std::vector<NamedFile>& outputs,
                    bool force) {

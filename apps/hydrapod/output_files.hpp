@@ -8,6 +8,7 @@
 ///   exists (a table, JSON, a picture, a page) is replaced.
 /// - There must be a folder that can be written to.
 
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -19,6 +20,10 @@ struct NamedFile {
   std::string option{};  ///< "-o"
   std::string path{};
 };
+
+/// The file that the text of an input names: `run.h5`, `run.h5@low`, `file run.csv, hold=1`. None
+/// where there is no such file.
+std::optional<std::string> input_file(const std::string& text);
 
 /// Throws base::InputError with all that is wrong. `inputs` may be no files at all (a pose, a
 /// signal): then they are passed over.

@@ -130,8 +130,9 @@ void run(const Arguments& arguments) {
   if (!complete) throw base::ComputationError("interrupted");
   const data::RecordOverview overview = builder.result();
   if (format == 1)
-    return write_output(arguments.file,
-                        report::record_json(record, overview, arguments.spectra).dump() + "\n");
+    return write_output(
+        arguments.file,
+        json_text({}, report::record_json(record, overview, arguments.spectra), -1));
   const auto style = table_style(arguments.file);
   write_output(arguments.file, heading(header, overview, record.format(), style) +
                                    table(header, overview, style) + legend +

@@ -5,6 +5,7 @@
 
 #include "hydrapod/base/text.hpp"
 #include "hydrapod/identification_arguments.hpp"
+#include "hydrapod/reproduction.hpp"
 #include "hydrapod/tasks/fit.hpp"
 
 namespace hydrapod::cli {
@@ -54,7 +55,7 @@ tasks::ReportOptions options_of(const Arguments& a, const tasks::Machine& machin
   constexpr std::array themes{report::Theme::automatic, report::Theme::light, report::Theme::dark};
   tasks::ReportOptions options{.page = a.page};
   options.page.theme = themes[choose_word("--theme", a.theme, {"auto", "light", "dark"})];
-  options.page.modes = mode_list(a.modes, dynamics::degrees_of_freedom(machine.kind));
+  options.page.modes = mode_list(a.modes, dynamics::degrees_of_freedom(machine.file.machine, machine.kind));
   for (const auto& pose : a.poses)
     options.poses.push_back(tasks::pose_of(machine.file.machine, pose));
   if (a.commands.empty() && !a.until.empty()) base::refuse("--until", "needs --command");
@@ -86,7 +87,7 @@ void run(const Arguments& a) {
     return tasks::report_document(machine, options, progress);
   });
   print_diagnostics(result.warnings);
-  result.document["command"] = whole_command_line();
+  result.document["reproduction"] = reproduction();
   write_output(a.output, report::html_page(result.document, options.page.theme));
 }
 

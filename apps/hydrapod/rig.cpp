@@ -1,4 +1,5 @@
 #include "hydrapod/command.hpp"
+#include "hydrapod/reproduction.hpp"
 
 #include "hydrapod/signal_help.hpp"
 #include "hydrapod/tasks/simulation.hpp"
@@ -70,7 +71,7 @@ void run(const Arguments& arguments) {
                                   .averages = arguments.averages,
                                   .record = arguments.check ? "" : arguments.file,
                                   .force = arguments.above_limits,
-                                  .command_line = command_line()};
+                                  .origin = {program_text(), command_line()}};
   const auto done = with_progress(
       "measuring", [&](const auto& progress) { return tasks::rig(machine, options, progress); });
   for (const auto& finding : done.findings)

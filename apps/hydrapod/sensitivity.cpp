@@ -21,11 +21,15 @@ void run(const Arguments& arguments) {
   const auto result = tasks::sensitivity(machine, {.parameters = arguments.parameters});
   const std::string title = fmt::format("{}, pose {}, {} model", machine.file.machine.name,
                                         machine.pose.name, dynamics::name(machine.kind));
-  draw(arguments.plot, [&](const auto& path) { report::plot_sensitivities(result, title, path); });
+  draw(arguments.plot, [&](const auto& path) {
+    report::plot_sensitivities(result, title + "; machine: " + report::state_text(machine.file),
+                               path);
+  });
   std::string text;
   if (format == 0) {
     const auto style = table_style(arguments.output);
-    text = bold(title, style) + "\n\n" + sensitivity_text(result, style) +
+    text = bold(title, style) + "\n" + state_line(machine.file) + "\n" +
+           sensitivity_text(result, style) +
            "\nRepeated modes are shown in the basis of the parameter that separates them most.\n";
   } else if (format == 1) {
     text = json_text(head_of_model("sensitivity", machine), report::sensitivity_json(result));

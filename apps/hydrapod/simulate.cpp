@@ -1,4 +1,5 @@
 #include "hydrapod/command.hpp"
+#include "hydrapod/reproduction.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -157,13 +158,14 @@ std::string controller_text(const model::Machine& machine, const control::Contro
 
 /// Machine, commands, controller and how the run ended; then per direction and per leg what
 /// happened.
-std::string simulation_text(const model::Machine& machine, const model::NamedPose& pose,
-                            const report::Simulation& s, const TableStyle& style) {
+std::string simulation_text(const tasks::Machine& machine, const report::Simulation& s,
+                            const TableStyle& style) {
   const auto& r = s.summary;
-  std::string text = fmt::format("{}, {}\n{:.6g} s simulated with {}: {} steps, {} evaluations\n\n",
-                                 bold(machine.name, style), simulation_subtitle(pose, s), r.time,
-                                 simulation::name(s.loop.integrator.method), r.integrator.steps,
-                                 r.integrator.evaluations);
+  std::string text =
+      fmt::format("{}, {}\n{}{:.6g} s simulated with {}: {} steps, {} evaluations\n\n",
+                  bold(machine.file.machine.name, style), simulation_subtitle(machine.pose, s),
+                  state_line(machine.file), r.time, simulation::name(s.loop.integrator.method),
+                  r.integrator.steps, r.integrator.evaluations);
   if (r.samples > 0) text += direction_table(s, style) + "\n" + leg_table(s, style);
   const std::string events = event_text(s);
   if (!events.empty()) text += "\n" + events;
@@ -191,8 +193,9 @@ double positive_time(const std::string& option, const std::string& text) {
 tasks::SimulateOptions options_of(const Arguments& arguments) {
   constexpr std::array methods{simulation::Method::adaptive, simulation::Method::cvode_adams,
                                simulation::Method::cvode_bdf, simulation::Method::fixed};
-  tasks::SimulateOptions options{
-      .commands = arguments.commands, .record = arguments.record, .command_line = command_line()};
+  tasks::SimulateOptions options{.commands = arguments.commands,
+                                 .record = arguments.record,
+                                 .origin = {program_text(), command_line()}};
   auto& loop = options.loop;
   loop.integrator.method = methods[choose_word("--integrator", arguments.integrator,
                                                {"adaptive", "adams", "bdf", "fixed"})];
@@ -213,7 +216,7 @@ std::string result_text(const Arguments& arguments, const tasks::Machine& machin
   if (arguments.format == "json")
     return json_text(report::head_json("simulation", machine), report::simulation_json(simulation),
                      -1);
-  return simulation_text(machine.file.machine, machine.pose, simulation, table_style("-"));
+  return simulation_text(machine, simulation, table_style("-"));
 }
 
 /// A run that ended early fails the command, but only after everything it has was written.
@@ -249,7 +252,10 @@ void run(const Arguments& arguments) {
   if (!result.record.empty()) print_written(result.record);
   if (!result.trace.time.empty())
     draw(arguments.plot, [&](const auto& path) {
-      report::plot_simulation(result, of.name, simulation_subtitle(machine.pose, result), path);
+      report::plot_simulation(result, of.name,
+                              simulation_subtitle(machine.pose, result) +
+                                  "; machine: " + report::state_text(machine.file),
+                              path);
     });
   base::write_file_whole("-", result_text(arguments, machine, result));
   fail_if_early(arguments, result);

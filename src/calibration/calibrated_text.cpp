@@ -83,6 +83,7 @@ std::string calibrated_text(const model::MachineFile& file, const Candidate& can
         edits.push_back(edit_of(with_choices, at, p, value(before.machine, id).value()));
       }
     }
+  edits.push_back({.path = "state", .value = fmt::format("\"{}\"", label)});
   const std::string text = model::edited_file(file.text, edits, label);
   verify(text, candidate);
   return text;

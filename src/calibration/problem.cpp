@@ -69,12 +69,13 @@ void Problem::find_poses(const model::Machine& machine) {
     metric_of_response_.push_back(metric(point_of_response_[i], targets_.responses[i].point));
   for (std::size_t p = 0; p < poses_.size(); ++p) {
     const auto wanted = std::count(point_of_.begin(), point_of_.end(), static_cast<int>(p));
-    if (wanted > dynamics::degrees_of_freedom(kind_))
+    const int modes = dynamics::degrees_of_freedom(machine, kind_);
+    if (wanted > modes)
       errors.push_back(
           {.key = "mode",
            .message = fmt::format("{} targets at pose \"{}\", but the {} model has {} modes",
                                   wanted, machine.poses[poses_[p]].name, dynamics::name(kind_),
-                                  dynamics::degrees_of_freedom(kind_))});
+                                  modes)});
   }
   if (!errors.empty()) throw base::InputError(errors);
 }

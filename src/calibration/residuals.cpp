@@ -12,6 +12,7 @@ namespace hydrapod::calibration {
 namespace {
 
 using observation::regularised;
+using dynamics::PlatformRows;
 using spatial::Matrix6;
 
 constexpr observation::ObservationOptions options{};
@@ -105,12 +106,13 @@ class ShapeResidual : public ResidualKind {
     const Matrix6& root = problem.metric(target_);
     const Vector6 u = (root * *target.shape).normalized();
     const Matrix6 at_point = to_target_point(point.model, target);
-    const Matrix6 seen = target.shape_against == MotionAgainst::base ? point.model.against_base
-                                                                     : Matrix6::Identity();
+    const bool by_base = target.shape_against == MotionAgainst::base;
+    const PlatformRows seen = by_base ? point.model.against_base
+                                      : PlatformRows::Identity(6, point.model.dof());
     Eigen::MatrixXd A(6, members.size());
     for (std::size_t k = 0; k < members.size(); ++k)
       A.col(static_cast<Eigen::Index>(k)) =
-          root * at_point * seen * point.modes.shapes.col(members[k]).head<6>();
+          root * at_point * (seen * point.modes.shapes.col(members[k]));
     const Eigen::MatrixXd W = regularised(A);
     r = (u - A * (W.transpose() * u)) / target.shape_deviation;
     if (J == nullptr) return;
@@ -121,9 +123,10 @@ class ShapeResidual : public ResidualKind {
     for (int j = 0; j < problem.size(); ++j) {
       Eigen::MatrixXd dA(6, members.size());
       for (std::size_t k = 0; k < members.size(); ++k) {
-        const Vector6 motion = point.modes.shapes.col(members[k]).head<6>();
-        const Vector6 change =
-            seen * dphi[k].col(j).head<6>() + moving_base(point, target, j) * motion;
+        const dynamics::ModelVector motion = point.modes.shapes.col(members[k]);
+        Vector6 change = seen * dphi[k].col(j);
+        if (by_base)
+          change += point.against_base_derivatives[static_cast<std::size_t>(j)] * motion;
         dA.col(static_cast<Eigen::Index>(k)) =
             root * (at_point * change + moving_center(point, target, j, seen * motion));
       }
@@ -153,13 +156,6 @@ class ShapeResidual : public ResidualKind {
       change.head<3>() =
           -motion.tail<3>().cross(point.center_derivatives[static_cast<std::size_t>(j)]);
     return change;
-  }
-
-  /// What is seen of the motion changes by this per motion when parameter j changes the mount or
-  /// what stands on it.
-  static Matrix6 moving_base(const ModePoint& point, const ModeTarget& target, int j) {
-    if (target.shape_against == MotionAgainst::ground) return Matrix6::Zero();
-    return point.against_base_derivatives[static_cast<std::size_t>(j)];
   }
 
   int target_;

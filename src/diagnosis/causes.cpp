@@ -185,7 +185,7 @@ void add_base(const model::MachineFile& file, std::vector<Cause>& all) {
   // what the legs hold the platform with, seen at the base
   spatial::Matrix6 T = spatial::Matrix6::Identity();
   T.topRightCorner<3, 3>() = -spatial::skew(model.p_BC);
-  const spatial::Matrix6 K = model.K;
+  const spatial::Matrix6 K = model.K.topLeftCorner<6, 6>();
   const spatial::Vector6 of_legs = (T.transpose() * K * T).diagonal();
   for (const auto& [kind, directions] :
        {Way{Cause::Kind::base_lateral, {0, 1}}, Way{Cause::Kind::base_vertical, {2}},

@@ -95,24 +95,60 @@ const char* name(ModelKind kind) {
   return kind == ModelKind::rigid ? "rigid" : kind == ModelKind::guide ? "guide" : "full";
 }
 
-std::vector<std::string> coordinate_names(ModelKind kind) {
+std::vector<int> base_directions(const model::Machine& machine) {
+  if (!machine.base_mount) return {};
+  const auto& mount = *machine.base_mount;
+  if (mount.mass == 0.0 && mount.inertia.isZero(0.0)) return {};
+  std::vector<int> directions;
+  for (int k = 0; k < 6; ++k)
+    if (mount.stiffness[static_cast<std::size_t>(k)]) directions.push_back(k);
+  return directions;
+}
+
+int degrees_of_freedom(const model::Machine& machine, ModelKind kind) {
+  return degrees_of_freedom(kind) + static_cast<int>(base_directions(machine).size());
+}
+
+std::vector<std::string> coordinate_names(ModelKind kind, const std::vector<int>& base_directions) {
   std::vector<std::string> names(spatial::direction_names.begin(), spatial::direction_names.end());
   constexpr std::array<const char*, 4> flexible{"phi1", "phi2", "u1", "u2"};
   for (int leg = 1; leg <= model::leg_count; ++leg)
     for (int k = 0; k < flexible_per_leg(kind); ++k)
       names.push_back(fmt::format("leg{}.{}", leg, flexible[k]));
+  for (const int k : base_directions)
+    names.push_back(fmt::format("base.{}", spatial::direction_name(k)));
   return names;
 }
 
 namespace {
 
+/// The legs' part of M, K or C.
+void add_legs(Matrix7 LegElement::*part, const LinearModel& model, ModelMatrix& sum) {
+  for (int i = 0; i < model::leg_count; ++i)
+    add_leg(model.legs[i].*part, model.J[i], model.first_of_leg(i), flexible_per_leg(model.kind),
+            sum);
+}
+
+LegsOnBase legs_on_base(const model::Machine& machine, const kinematics::LegGeometries& geometry,
+                        const StaticEquilibrium& statics) {
+  LegsOnBase legs;
+  for (int i = 0; i < model::leg_count; ++i)
+    legs[i] = leg_on_base(machine.legs[i], geometry[i].a, machine.flexible_axes, statics.legs[i]);
+  return legs;
+}
+
+/// `base`: its directions that are coordinates.
 LinearModel assembled(const model::Machine& machine, const spatial::Pose& X_BP, ModelKind kind,
-                      const StaticsSearch& search) {
+                      const std::vector<int>& base, const StaticsSearch& search) {
   check_piston_rings(machine, kind);
-  LinearModel model{.kind = kind, .X_BP = X_BP, .p_BC = kinematics::mass_center(machine, X_BP)};
+  LinearModel model{.kind = kind,
+                    .X_BP = X_BP,
+                    .p_BC = kinematics::mass_center(machine, X_BP),
+                    .base_directions = base};
   const auto geometry = kinematics::inverse_kinematics(machine, X_BP);
-  const int dof = model.dof();
+  const int dof = degrees_of_freedom(kind);
   model.platform_mass = platform_mass(machine.platform, X_BP.R_BP);
+  model.against_base = PlatformRows::Identity(6, model.dof());
   model.M.setZero(dof, dof);
   model.K.setZero(dof, dof);
   model.C.setZero(dof, dof);
@@ -129,13 +165,16 @@ LinearModel assembled(const model::Machine& machine, const spatial::Pose& X_BP, 
   }
   for (int i = 0; i < model::leg_count; ++i)
     model.J[i] = joint_jacobian(model.legs[i].frame.R_BL, geometry[i].a - model.p_BC);
-  if (machine.base_mount) add_base_mount(machine, model);
-  for (int i = 0; i < model::leg_count; ++i) {
-    const auto& leg = model.legs[i];
-    const int at = model.first_of_leg(i);
-    add_leg(leg.M, model.J[i], at, flexible_per_leg(kind), model.M);
-    add_leg(leg.K, model.J[i], at, flexible_per_leg(kind), model.K);
-    add_leg(leg.C, model.J[i], at, flexible_per_leg(kind), model.C);
+  LegsOnBase on_base;
+  if (machine.base_mount) on_base = legs_on_base(machine, geometry, model.statics);
+  if (machine.base_mount && base.empty()) condense_base(machine, on_base, model);
+  add_legs(&LegElement::M, model, model.M);
+  add_legs(&LegElement::K, model, model.K);
+  add_legs(&LegElement::C, model, model.C);
+  if (!base.empty()) {
+    ModelMatrix M_legs = ModelMatrix::Zero(dof, dof);
+    add_legs(&LegElement::M, model, M_legs);
+    add_base_coordinates(machine, on_base, M_legs, model);
   }
   const auto& damping = machine.damping;
   if (damping.rayleigh_mass != 0.0 || damping.rayleigh_stiffness != 0.0)
@@ -147,13 +186,13 @@ LinearModel assembled(const model::Machine& machine, const spatial::Pose& X_BP, 
 
 LinearModel linear_model(const model::Machine& machine, const spatial::Pose& X_BP, ModelKind kind,
                          const StaticEquilibrium* start) {
-  return assembled(machine, X_BP, kind, {.start = start});
+  return assembled(machine, X_BP, kind, base_directions(machine), {.start = start});
 }
 
 LinearModel neighbour_model(const model::Machine& machine, const spatial::Pose& X_BP,
                             const LinearModel& center) {
   constexpr double first_order = 1e-6;
-  return assembled(machine, X_BP, center.kind,
+  return assembled(machine, X_BP, center.kind, center.base_directions,
                    {.tolerance_after_step = first_order, .start = &center.statics});
 }
 

@@ -19,7 +19,7 @@ using data::Role;
 void replace_channels(const std::vector<int>& channels, const MatrixXd& map,
                       const std::string& prefix, std::vector<int>& list, ChannelChoice& choice,
                       Measurement& m) {
-  warn_of_limits(m.spectra, channels, m.responses.warnings);
+  warn_of_limits(m.spectra, rms_of_all(m.spectra), channels, m.responses.warnings);
   m.spectra = to_platform(m.spectra, channels, map, prefix);
   const auto renumber = [&](std::vector<int>& numbers) {
     std::vector<int> now;

@@ -79,6 +79,10 @@ Plan plan_channels(const std::string& file, const data::RecordHeader& header,
                                      : excitations;
   c.outputs =
       options.outputs.empty() ? default_outputs(header) : with_names(file, header, options.outputs);
+  // of a channel that is named as input its role says nothing
+  if (options.outputs.empty() && !options.inputs.empty())
+    std::erase_if(c.outputs,
+                  [&](int o) { return std::ranges::find(c.inputs, o) != c.inputs.end(); });
   c.instruments =
       options.instruments.empty() ? excitations : with_names(file, header, options.instruments);
   const std::string advice =

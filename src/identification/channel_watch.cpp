@@ -61,7 +61,9 @@ void ChannelWatch::add(const Column& samples, double low, double high) {
   low_.add(samples, low);
   high_.add(samples, high);
   tops_.add(samples, low, high);
+  cut_tops_.add(samples, low, high);
   hold_.add(samples);
+  values_.add(samples);
 }
 
 ChannelHealth ChannelWatch::health() const {
@@ -71,9 +73,17 @@ ChannelHealth ChannelWatch::health() const {
   health.lowest = low_.value();
   health.highest = high_.value();
   if (!(health.highest > health.lowest)) return health;
-  health.at_limit = low_.clipped(samples_) + high_.clipped(samples_);
-  health.in_flat_tops = tops_.samples(health.highest - health.lowest);
+  const std::int64_t at_low = low_.clipped(samples_), at_high = high_.clipped(samples_);
+  health.at_limit = at_low + at_high;
+  auto cut = tops_.cut_off(health.highest - health.lowest);
+  if (cut.samples == 0) cut = cut_tops_.cut_off(tops_.step());
+  health.in_flat_tops = cut.samples;
+  if (cut.samples == 0 && at_low > 0) cut.below = health.lowest;
+  if (cut.samples == 0 && at_high > 0) cut.above = health.highest;
+  health.cut_below = cut.below;
+  health.cut_above = cut.above;
   health.longest_hold = hold_.samples();
+  health.held_samples = values_.samples();
   return health;
 }
 

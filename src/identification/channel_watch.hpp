@@ -7,6 +7,7 @@
 
 #include "flat_tops.hpp"
 #include "held.hpp"
+#include "held_values.hpp"
 #include "hydrapod/identification/responses.hpp"
 #include "names.hpp"
 
@@ -45,6 +46,8 @@ class ChannelWatch {
   std::int64_t samples_{}, missing_{};
   Limit low_{-1.0}, high_{1.0};
   FlatTops tops_{};
+  CutTops cut_tops_{};
+  ValueHold values_{};
   LongestHold hold_{};
 };
 

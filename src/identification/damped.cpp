@@ -9,7 +9,9 @@
 #include <cmath>
 #include <span>
 
+#include "alignment.hpp"
 #include "bridge.hpp"
+#include "held_values.hpp"
 #include "hydrapod/base/error.hpp"
 #include "hydrapod/numerics/fft.hpp"
 #include "hydrapod/numerics/statistics.hpp"
@@ -376,9 +378,16 @@ FrequencyResponses damped_instrumental(const CrossSpectra& spectra, const Channe
 
 FrequencyResponses responses_for_modes(const CrossSpectra& spectra, const ChannelChoice& choice,
                                        Estimator estimator) {
-  return estimator == Estimator::instrumental && !spectra.options.periodic
-             ? damped_instrumental(spectra, choice)
-             : estimate_responses(spectra, choice, estimator);
+  auto own = choice;
+  std::vector<data::ResponseWarning> warnings;
+  leave_out_slow(spectra, own, warnings);
+  auto responses = estimator == Estimator::instrumental && !spectra.options.periodic
+                       ? damped_instrumental(spectra, own)
+                       : estimate_responses(spectra, own, estimator);
+  without_hold(spectra, responses);
+  align_outputs(responses);
+  responses.warnings.insert(responses.warnings.end(), warnings.begin(), warnings.end());
+  return responses;
 }
 
 }  // namespace hydrapod::identification

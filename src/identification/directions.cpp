@@ -88,7 +88,9 @@ CrossSpectra to_platform(const CrossSpectra& spectra, const std::vector<int>& ch
   ChannelHealth worst = spectra.health[static_cast<size_t>(channels[0])];
   for (const int c : channels)
     worst.missing = std::max(worst.missing, spectra.health[static_cast<size_t>(c)].missing);
-  worst.at_limit = 0;  // of the legs, not of what is made of them
+  // of the legs, not of what is made of them
+  worst.at_limit = worst.in_flat_tops = 0;
+  worst.cut_below = worst.cut_above = std::numeric_limits<double>::quiet_NaN();
   for (int d = 0; d < 6; ++d) {
     result.channels.push_back({.name = prefix + spatial::direction_name(d),
                                .unit = d < 3 ? first.unit : angular(first.unit),

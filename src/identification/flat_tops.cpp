@@ -70,13 +70,16 @@ void FlatTops::add(const Column& samples, double low, double high) {
   seen_.erase(seen_.begin(), seen_.end() - kept);
 }
 
-std::int64_t FlatTops::samples(double range, const FlatTopOptions& options) const {
+CutOff FlatTops::cut_off(double range, const FlatTopOptions& options) const {
   const double least = std::max(options.of_step * step_, options.of_range * range);
-  std::int64_t count = 0;
+  CutOff cut;
   for (const End* end : {&low_, &high_})
-    for (const Top& top : end->tops)
-      if (top.flank > least) count += top.samples;
-  return count;
+    for (const Top& top : end->tops) {
+      if (!(top.flank > least)) continue;
+      cut.samples += top.samples;
+      (end == &low_ ? cut.below : cut.above) = end->extreme;
+    }
+  return cut;
 }
 
 }  // namespace hydrapod::identification

@@ -10,6 +10,7 @@
 #include <limits>
 #include <vector>
 
+#include "cut_tops.hpp"
 #include "hydrapod/identification/responses.hpp"
 
 namespace hydrapod::identification {
@@ -26,8 +27,10 @@ class FlatTops {
   using Column = Eigen::Ref<const Eigen::VectorXd, 0, Eigen::InnerStride<>>;
   /// `low` and `high`: least and largest of the finite samples.
   void add(const Column& samples, double low, double high);
-  /// Samples in them, of a channel of that range.
-  [[nodiscard]] std::int64_t samples(double range, const FlatTopOptions& options = {}) const;
+  /// Of a channel of that range.
+  [[nodiscard]] CutOff cut_off(double range, const FlatTopOptions& options = {}) const;
+  /// The least step between two samples.
+  [[nodiscard]] double step() const { return step_; }
 
  private:
   struct Top {

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "harmonics.hpp"
+#include "held_values.hpp"
 #include "hydrapod/identification/identify.hpp"
 #include "hydrapod/numerics/fft.hpp"
 #include "names.hpp"
@@ -176,7 +177,11 @@ std::pair<FrequencyResponses, std::vector<int>> channels_of(const CrossSpectra& 
 
 FrequencyResponses half_spectra(const CrossSpectra& spectra, const std::vector<int>& outputs,
                                 const HalfSpectraOptions& options) {
-  auto [all, living] = channels_of(spectra, outputs);
+  ChannelChoice choice{.outputs = outputs};
+  std::vector<data::ResponseWarning> slow;
+  leave_out_slow(spectra, choice, slow);
+  auto [all, living] = channels_of(spectra, choice.outputs);
+  all.warnings.insert(all.warnings.end(), slow.begin(), slow.end());
   const Index L = spectra.options.block_length / 2;
   const double interval = 1.0 / spectra.sample_rate;
   auto S = discrete_spectra(spectra, living);

@@ -18,6 +18,8 @@ struct HeldRun {
   std::size_t file{};
   std::int64_t begin{}, length{};
   double value{};
+  double before{no_number}, after{no_number};  ///< the samples beside it
+  [[nodiscard]] std::int64_t end() const { return begin + length; }
 };
 
 /// All of a channel.
@@ -41,13 +43,18 @@ struct HeldAccount {
     }
     if (const double by = std::abs(x - last); by > 0.0) step = std::min(step, by);
     ++changes;
+    run.after = x;
     end_run(least);
-    run = {run.file, at, 1, x};
+    run = {run.file, at, 1, x, last};
     last = x;
   }
   void end_run(std::int64_t least) {
     if (run.length >= least) runs.push_back(run);
     run.length = 0;
+  }
+  /// Samples that a value lasts, in the mean.
+  [[nodiscard]] double usual() const {
+    return static_cast<double>(all.count) / static_cast<double>(std::max<std::int64_t>(1, changes));
   }
   /// Without `runs`.
   [[nodiscard]] SampleSums others() const {
@@ -129,6 +136,77 @@ struct HeldCandidate {
                       static_cast<long long>(options.most_beside));
   }
 };
+
+/// Runs of all living channels at once, the longest of each channel being known.
+std::vector<HeldRun> runs_of_all(const std::vector<HeldAccount>& accounts,
+                                 const HeldOptions& options) {
+  std::vector<HeldRun> common;
+  bool begun = false;
+  for (const auto& account : accounts) {
+    if (!(account.all.variance() > 0.0)) continue;
+    std::vector<HeldRun> both;
+    for (const HeldRun& own : account.runs) {
+      if (static_cast<double>(own.length) < options.of_usual_of_all * account.usual()) continue;
+      if (!begun) both.push_back(own);
+      for (const HeldRun& other : common) {
+        const std::int64_t begin = std::max(own.begin, other.begin),
+                           end = std::min(own.end(), other.end());
+        if (own.file == other.file && end - begin >= options.least)
+          both.push_back({own.file, begin, end - begin});
+      }
+    }
+    common = std::move(both);
+    begun = true;
+  }
+  std::ranges::sort(common, {}, [](const HeldRun& run) { return std::pair(run.file, run.begin); });
+  return common;
+}
+
+/// Did the recorder stop, and not the machine? Mean squares over the outputs, by their variance.
+bool is_drop_out(const HeldRun& run, const std::vector<HeldAccount>& accounts,
+                 const ChannelChoice& choice, const HeldOptions& options) {
+  double into = 0.0, out = 0.0, away = 0.0, living = 0.0;
+  for (const int o : choice.outputs) {
+    const auto& account = accounts[static_cast<std::size_t>(o)];
+    if (!(account.all.variance() > 0.0)) continue;
+    const auto own = std::ranges::find_if(account.runs, [&](const HeldRun& other) {
+      return other.file == run.file && other.begin <= run.begin && other.end() >= run.end();
+    });
+    if (own == account.runs.end() || !std::isfinite(own->before - own->after) ||
+        account.all.rms() < options.of_step * account.step)
+      return false;
+    const auto square = [&](double x) { return x * x / account.all.variance(); };
+    into += square(own->before - own->value);
+    out += square(own->after - own->value);
+    away += square(own->value - account.all.mean());
+    ++living;
+  }
+  const double least = options.jumps * living;
+  return into > least || (out > least && away > least);
+}
+
+/// Stretches of all channels, and a warning; the runs.
+std::vector<HeldRun> add_drop_outs(const data::RecordHeader& header,
+                                   const std::vector<std::size_t>& used,
+                                   const std::vector<HeldAccount>& accounts,
+                                   const ChannelChoice& choice, const HeldOptions& options,
+                                   Held& held) {
+  data::ResponseWarning warning{.kind = data::ResponseWarning::Kind::drop_outs};
+  std::vector<HeldRun> drop_outs;
+  std::int64_t all = 1;
+  for (const auto& account : accounts) all = std::max(all, account.all.count);
+  for (const HeldRun& run : runs_of_all(accounts, options)) {
+    if (!is_drop_out(run, accounts, choice, options)) continue;
+    for (const std::size_t c : used) held.stretches.push_back({run.file, c, run.begin, run.end()});
+    drop_outs.push_back(run);
+    ++warning.total;
+    warning.count += run.length;
+    warning.value = std::max(warning.value, static_cast<double>(run.length) / header.sample_rate);
+  }
+  warning.share = static_cast<double>(warning.count) / static_cast<double>(all);
+  if (warning.total > 0) held.warnings.push_back(std::move(warning));
+  return drop_outs;
+}
 
 /// What moves a channel; empty: that is not known.
 std::vector<int> movers_of(int channel, const ChannelChoice& choice,
@@ -262,17 +340,23 @@ bool may_be_held(const CrossSpectra& spectra) {
 Held find_held(data::RecordSet& records, const std::vector<std::size_t>& used,
                const ChannelChoice& choice, const HeldOptions& options) {
   auto accounts = accounts_of(records, used, options);
-  auto candidates = candidates_of(accounts, choice, options);
-  if (candidates.empty()) return {};
-  measure_candidates(records, used, options, candidates);
   Held held;
+  const auto drop_outs = add_drop_outs(records.header(), used, accounts, choice, options, held);
+  const auto is_in_drop_out = [&](const HeldRun& run) {
+    return std::ranges::any_of(drop_outs, [&](const HeldRun& lost) {
+      return lost.file == run.file && lost.begin < run.end() && run.begin < lost.end();
+    });
+  };
+  auto candidates = candidates_of(accounts, choice, options);
+  if (candidates.empty()) return held;
+  measure_candidates(records, used, options, candidates);
   for (std::size_t c = 0; c < used.size(); ++c) {
     const bool is_output =
         std::ranges::find(choice.outputs, static_cast<int>(c)) != choice.outputs.end();
     data::ResponseWarning warning{.kind = data::ResponseWarning::Kind::held,
                                   .channel = records.header().channels[used[c]].name};
     for (const auto& candidate : candidates) {
-      if (candidate.channel != static_cast<int>(c) ||
+      if (candidate.channel != static_cast<int>(c) || is_in_drop_out(candidate.run) ||
           !is_held(candidate, accounts, is_output, options))
         continue;
       const HeldRun& run = candidate.run;

@@ -10,6 +10,11 @@
 /// - it moves as ever right before and right after the run, and
 /// - what moves the channel goes on during the run: all inputs for an output, the outputs for a
 ///   single input, all other outputs where there are no inputs.
+///
+/// Where all channels stand still at once, the recorder dropped out or the machine came to rest. It
+/// dropped out where the outputs jump to the value at which they stand, or stand away from their
+/// mean and jump from there. Outputs at rest may begin with a jump too (accelerations under a force
+/// that begins), but not from anywhere else than their mean.
 
 #include <cstdint>
 #include <limits>
@@ -48,6 +53,10 @@ struct HeldOptions {
   double of_usual_input{2000.0}, outputs_go_on{0.5}, moves{0.3};
   std::size_t most_of_input{3};
   std::size_t most{1000};  ///< runs that are looked at, the longest ones
+  /// Of all channels at once, which hardly any other reason has, fewer of the usual ones are
+  /// enough. The mean square of the jumps of the outputs at one end > jumps · their variance: where
+  /// channels drop out anywhere in their motion, that is 1.
+  double of_usual_of_all{16.0}, jumps{0.1};
   /// A channel with a share beyond that has no samples at all.
   double too_much{0.7};
 };

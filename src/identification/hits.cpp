@@ -33,11 +33,26 @@ VectorXd ringing(const VectorXd& output, Index first) {
 /// A record with what is no response taken away.
 struct Record {
   std::vector<Hit> forces{}, hits{};
+  std::vector<Index> cut{};  ///< samples at which a channel is cut off
   VectorXd u{};
   MatrixXd y{};
 };
 
+std::vector<Index> cut_samples(const data::Samples& samples,
+                               const std::vector<ChannelHealth>& health) {
+  std::vector<Index> cut;
+  for (Index t = 0; t < samples.rows(); ++t)
+    for (std::size_t c = 0; c < health.size(); ++c) {
+      const double x = samples(t, static_cast<Index>(c));
+      if (!(x <= health[c].cut_below || x >= health[c].cut_above)) continue;
+      cut.push_back(t);
+      break;
+    }
+  return cut;
+}
+
 std::optional<Record> record_of(const data::Samples& samples, const ChannelChoice& choice,
+                                const std::vector<ChannelHealth>& health,
                                 const HitOptions& options) {
   if (!samples.allFinite()) return {};
   const VectorXd input = samples.col(choice.inputs[0]);
@@ -45,6 +60,7 @@ std::optional<Record> record_of(const data::Samples& samples, const ChannelChoic
   if (record.hits.empty() || !outputs_rise(samples, choice.outputs, record.hits, options))
     return {};
   record.forces = forces_in(input, options);
+  record.cut = cut_samples(samples, health);
   record.u = force(input, record.forces);
   record.y.resize(samples.rows(), static_cast<Index>(choice.outputs.size()));
   for (Index o = 0; o < record.y.cols(); ++o)
@@ -69,6 +85,24 @@ struct Block {
   const Record* record{};
   Index from{}, length{};
   std::int64_t hits{};
+
+  /// The first sample that is cut off; none: `from + length`.
+  [[nodiscard]] Index first_cut() const {
+    const auto at = std::ranges::lower_bound(record->cut, from);
+    return at == record->cut.end() ? from + length : std::min(*at, from + length);
+  }
+  [[nodiscard]] bool is_cut() const { return first_cut() < from + length; }
+  /// Up to the hit at which it is cut off first.
+  [[nodiscard]] Block before_cut() const {
+    Block block{record, from, 0, 0};
+    for (const auto& hit : record->hits) {
+      if (hit.from < from || hit.from > first_cut()) continue;
+      block.length = hit.from - from;
+      ++block.hits;
+    }
+    --block.hits;  // the last one is cut off
+    return block;
+  }
 };
 
 /// What is transformed: all blocks have one length.
@@ -77,6 +111,7 @@ struct Blocks {
   Index samples{};
   std::int64_t records{}, hits{}, all{};  ///< `all`: with those left out
   std::int64_t left_out{};                ///< hits
+  std::int64_t cut{};                     ///< … for samples that are cut off
   [[nodiscard]] double after() const {    ///< samples from the hit to the end
     return static_cast<double>(samples - hit_margin);
   }
@@ -85,6 +120,24 @@ struct Blocks {
       if (block.length < length) left_out += block.hits;
       return block.length < length;
     });
+  }
+  /// All of them stay where nothing else would be left.
+  void leave_out_cut(Index fewest) {
+    std::vector<Block> whole, part;
+    std::int64_t of_whole = 0, of_part = 0, before = 0;
+    for (const Block& block : list) {
+      before += block.hits;
+      if (!block.is_cut()) {
+        whole.push_back(block);
+        of_whole += block.hits;
+      } else if (const Block own = block.before_cut(); own.length >= fewest) {
+        part.push_back(own);
+        of_part += own.hits;
+      }
+    }
+    if (whole.empty() && part.empty()) return;
+    cut = before - (whole.empty() ? of_part : of_whole);
+    list = whole.empty() ? std::move(part) : std::move(whole);
   }
   void settle_length(const HitOptions& options) {
     const Index most = std::min(options.most, std::ranges::min(list, {}, &Block::length).length);
@@ -107,6 +160,7 @@ Blocks blocks_of(const std::vector<Record>& records, const HitOptions& options) 
     }
   }
   blocks.all = std::ssize(blocks.list);
+  blocks.leave_out_cut(options.fewest);
   std::vector<double> lengths;
   for (const auto& block : blocks.list) lengths.push_back(static_cast<double>(block.length));
   blocks.leave_out_below(std::lround(options.short_of * numerics::upper_median(lengths)));
@@ -346,6 +400,8 @@ void add_warnings_of_rest(const Blocks& blocks, const KeptLines& lines, Frequenc
                           .value = static_cast<double>(blocks.samples) / r.sample_rate,
                           .count = blocks.left_out,
                           .total = blocks.hits});
+  if (blocks.cut > 0)
+    r.warnings.push_back({.kind = Kind::clipped_hits, .count = blocks.cut, .total = blocks.hits});
   if (lines.gaps > 0)
     r.warnings.push_back({.kind = Kind::excited_band,
                           .lowest = r.frequency.front(),
@@ -411,11 +467,12 @@ void add_input_density(const Blocks& blocks, const Transformed& t, FrequencyResp
 std::optional<HitResponses> responses_of_hits(const std::vector<data::Samples>& samples,
                                               const std::vector<data::Channel>& outputs,
                                               const ChannelChoice& choice, double sample_rate,
+                                              const std::vector<ChannelHealth>& health,
                                               const HitOptions& options) {
   if (samples.empty() || choice.inputs.size() != 1) return {};
   std::vector<Record> records;
   for (const auto& own : samples) {
-    auto record = record_of(own, choice, options);
+    auto record = record_of(own, choice, health, options);
     if (!record) return {};
     records.push_back(std::move(*record));
   }
@@ -436,7 +493,7 @@ std::optional<HitResponses> responses_of_hits(const std::vector<data::Samples>& 
   }
   add_input_density(blocks, *t, r);
   add_warnings(blocks, t->damped, t->lines, options, r);
-  return HitResponses{std::move(r), blocks.samples};
+  return HitResponses{std::move(r), blocks.samples, blocks.cut > 0};
 }
 
 }  // namespace hydrapod::identification

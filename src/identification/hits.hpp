@@ -93,16 +93,19 @@ bool outputs_rise(const data::Samples& samples, const std::vector<int>& outputs,
 struct HitResponses {
   FrequencyResponses responses{};
   Eigen::Index samples{};  ///< of a block
+  bool without_cut{};      ///< blocks with samples that are cut off were left out
 };
 
 /// `samples`: each all of a record, of the channels of `choice`, with one input. None where one of
 /// them is no hits, or has a missing sample, or where too few lines come out. With a warning: count
 /// of records, total of hits in them, share 1 where each hit is a block, 0 where each record is
 /// one, else blocks per hit, value: share of the power of channel on which they do not agree.
-/// Others tell what was left out.
+/// Others tell what was left out. `health`: of the channels; blocks with samples that are cut off
+/// are left out where others remain, and else what comes from the first hit with such samples on.
 std::optional<HitResponses> responses_of_hits(const std::vector<data::Samples>& samples,
                                               const std::vector<data::Channel>& outputs,
                                               const ChannelChoice& choice, double sample_rate,
+                                              const std::vector<ChannelHealth>& health = {},
                                               const HitOptions& options = {});
 
 }  // namespace hydrapod::identification

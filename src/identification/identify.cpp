@@ -12,6 +12,7 @@
 #include "hydrapod/base/error.hpp"
 #include "hydrapod/identification/cross_check.hpp"
 #include "hydrapod/identification/responses.hpp"
+#include "lower_quality.hpp"
 #include "peaks_above.hpp"
 #include "prune.hpp"
 #include "repeated_modes.hpp"
@@ -424,18 +425,6 @@ void warn_of_peaks_above(const FrequencyResponses& all, const IdentifyOptions& a
                              .count = static_cast<std::int64_t>(peaks.size())});
 }
 
-/// Modes whose half-power band reaches into lines at which the excitation is weak.
-void lower_where_weak(const FrequencyResponses& responses, Identification& result) {
-  for (const auto& warning : responses.warnings) {
-    if (warning.kind != data::ResponseWarning::Kind::weak_excitation) continue;
-    for (auto& mode : result.modes) {
-      const double f = mode.fit.omega() / two_pi, wide = mode.fit.damping_ratio() * f;
-      if (f + wide >= warning.lowest && f - wide <= warning.highest)
-        mode.explained = std::min(mode.explained, std::clamp(warning.share, 0.0, 1.0));
-    }
-  }
-}
-
 }  // namespace
 
 Identification identify_modes(const FrequencyResponses& all, const IdentifyOptions& asked,
@@ -470,7 +459,7 @@ Identification identify_modes(const FrequencyResponses& all, const IdentifyOptio
   add_shape_deviations(options, result);
   list_modes(options, result);
   if (!given.whole) test_residual(options, result);
-  lower_where_weak(given, result);
+  lower_quality(given, result);
   add_warnings(options, result);
   warn_of_peaks_above(responses, asked, result);
   if (assumed) remove_errors(result.responses);

@@ -1,11 +1,15 @@
 #include "measure_hits.hpp"
 
 #include <algorithm>
+#include <limits>
 
+#include "alignment.hpp"
 #include "bridge.hpp"
 #include "channel_watch.hpp"
+#include "held_values.hpp"
 #include "hits.hpp"
 #include "response_checks.hpp"
+#include "sample_sums.hpp"
 
 namespace hydrapod::identification {
 
@@ -46,17 +50,61 @@ void bridge_spikes(const std::vector<Spike>& spikes, const std::vector<std::size
   }
 }
 
-/// Health of all channels, and warnings of it.
-void look_at_channels(const std::vector<data::Samples>& records, const ChannelChoice& choice,
-                      Measurement& m) {
-  for (Index c = 0; c < std::ssize(m.spectra.channels); ++c) {
+/// Of all channels.
+std::vector<ChannelHealth> health_of(const std::vector<data::Samples>& records) {
+  std::vector<ChannelHealth> health;
+  for (Index c = 0; c < records.front().cols(); ++c) {
     ChannelWatch watch;
     for (const auto& samples : records)
       watch.add(samples.col(c), samples.col(c).minCoeff(), samples.col(c).maxCoeff());
-    m.spectra.health.push_back(watch.health());
+    health.push_back(watch.health());
   }
-  warn_of_limits(m.spectra, choice.inputs, m.responses.warnings);
-  warn_of_limits(m.spectra, choice.outputs, m.responses.warnings);
+  return health;
+}
+
+VectorXd rms_of(const std::vector<data::Samples>& records) {
+  VectorXd rms(records.front().cols());
+  for (Index c = 0; c < rms.size(); ++c) {
+    SampleSums sums;
+    for (const auto& samples : records)
+      for (const double x : samples.col(c)) sums.add(x);
+    rms[c] = sums.rms();
+  }
+  return rms;
+}
+
+/// Of channels that are clipped; in the others nothing is cut off.
+std::vector<data::ResponseWarning> take_clipped(const std::vector<data::Samples>& records,
+                                                const ChannelChoice& choice,
+                                                CrossSpectra& spectra) {
+  std::vector<data::ResponseWarning> warnings;
+  const VectorXd rms = rms_of(records);
+  warn_of_limits(spectra, rms, choice.inputs, warnings);
+  warn_of_limits(spectra, rms, choice.outputs, warnings);
+  for (std::size_t c = 0; c < spectra.health.size(); ++c)
+    if (std::ranges::find(warnings, spectra.channels[c].name, &data::ResponseWarning::channel) ==
+        warnings.end())
+      spectra.health[c].cut_below = spectra.health[c].cut_above =
+          std::numeric_limits<double>::quiet_NaN();
+  return warnings;
+}
+
+/// Where nothing that is cut off was used, it is said of the hits and not of the channels.
+void say_what_is_clipped(const std::vector<data::ResponseWarning>& clipped, bool without_cut,
+                         std::vector<data::ResponseWarning>& warnings) {
+  if (!without_cut) {
+    warnings.insert(warnings.end(), clipped.begin(), clipped.end());
+    return;
+  }
+  for (auto& warning : warnings) {
+    if (warning.kind != data::ResponseWarning::Kind::clipped_hits) continue;
+    warning.channel = clipped.front().channel;
+    warning.value = static_cast<double>(clipped.size());
+  }
+}
+
+void warn_of_same_samples(const std::vector<data::Samples>& records, const ChannelChoice& choice,
+                          Measurement& m) {
   for (std::size_t b = 1; b < choice.outputs.size(); ++b)
     for (std::size_t a = 0; a < b; ++a) {
       const int one = choice.outputs[b], other = choice.outputs[a];
@@ -94,18 +142,27 @@ std::optional<Measurement> measure_hits(data::RecordSet& records, Plan plan,
   m.notes = records.notes();
   const double rate = m.header.sample_rate;
   const auto channel = [&](int c) { return m.header.channels[used[static_cast<std::size_t>(c)]]; };
+  for (const std::size_t c : used) m.spectra.channels.push_back(m.header.channels[c]);
+  m.spectra.sample_rate = rate;
+  m.spectra.health = health_of(*all);
+  const auto clipped = take_clipped(*all, plan.choice, m.spectra);
+  std::vector<data::ResponseWarning> slow;
+  leave_out_slow(m.spectra, plan.choice, slow);
   std::vector<data::Channel> outputs;
   for (const int o : plan.choice.outputs) outputs.push_back(channel(o));
-  auto found = responses_of_hits(*all, outputs, plan.choice, rate);
+  auto found = responses_of_hits(*all, outputs, plan.choice, rate, m.spectra.health);
   if (!found) return {};
-  for (const std::size_t c : used) m.spectra.channels.push_back(m.header.channels[c]);
   m.responses = std::move(found->responses);
   for (const int i : plan.choice.inputs) m.responses.inputs.push_back(channel(i));
-  m.spectra.sample_rate = rate;
+  without_hold(m.spectra, m.responses);
+  align_outputs(m.responses);
   m.spectra.options = {.block_length = static_cast<int>(found->samples),
                        .overlap = 0.0,
                        .window = Window::rectangular};
-  look_at_channels(*all, plan.choice, m);
+  auto& warnings = m.responses.warnings;
+  say_what_is_clipped(clipped, found->without_cut, warnings);
+  warnings.insert(warnings.end(), slow.begin(), slow.end());
+  warn_of_same_samples(*all, plan.choice, m);
   m.choice = std::move(plan.choice);
   return m;
 }

@@ -121,17 +121,20 @@ void check_counts(const CrossSpectra& spectra, const ChannelChoice& choice, Esti
 
 }  // namespace
 
-void warn_of_limits(const CrossSpectra& spectra, const std::vector<int>& channels,
-                    Warnings& warnings, const ResponseCheckOptions& options) {
+void warn_of_limits(const CrossSpectra& spectra, const VectorXd& rms,
+                    const std::vector<int>& channels, Warnings& warnings,
+                    const ResponseCheckOptions& options) {
   for (const int c : channels) {
     const auto& health = health_of(spectra, c);
     const std::int64_t count = std::max(health.at_limit, health.in_flat_tops);
     const double share =
         static_cast<double>(count) / static_cast<double>(std::max<std::int64_t>(1, health.samples));
     const bool many = health.at_limit >= options.few_at_limit && share > options.rare_at_limit;
+    const double power = share * std::pow(0.5 * (health.highest - health.lowest) / rms[c], 2);
     if ((many || health.in_flat_tops > 0) && share < options.two_levels)
       warnings.push_back({.kind = Kind::clipped,
                           .channel = name(spectra, c),
+                          .value = std::isfinite(power) ? std::min(power, 1.0) : 1.0,
                           .share = share,
                           .lowest = health.lowest,
                           .highest = health.highest});
@@ -142,6 +145,12 @@ double rms_in(const CrossSpectra& spectra, int channel) {
   const double width = spectra.sample_rate / static_cast<double>(spectra.options.block_length);
   const Index c = channel, diagonal = c * (c + 3) / 2;
   return std::sqrt(width * std::max(0.0, spectra.re.col(diagonal).sum()));
+}
+
+VectorXd rms_of_all(const CrossSpectra& spectra) {
+  VectorXd rms(std::ssize(spectra.channels));
+  for (Index c = 0; c < rms.size(); ++c) rms[c] = rms_in(spectra, static_cast<int>(c));
+  return rms;
 }
 
 void warn_of_repeated(const CrossSpectra& spectra, const std::vector<int>& outputs,
@@ -178,8 +187,9 @@ void check_choice(const CrossSpectra& spectra, Estimator estimator,
       drop_repeated_inputs(spectra, options, choice, warnings);
   }
   check_counts(spectra, choice, estimator);
-  warn_of_limits(spectra, choice.inputs, warnings, options);
-  warn_of_limits(spectra, choice.outputs, warnings, options);
+  const VectorXd rms = rms_of_all(spectra);
+  warn_of_limits(spectra, rms, choice.inputs, warnings, options);
+  warn_of_limits(spectra, rms, choice.outputs, warnings, options);
   warn_of_repeated(spectra, choice.outputs, warnings);
   if (spectra.blocks_left_out > 0)
     warnings.push_back({.kind = Kind::blocks_left_out,

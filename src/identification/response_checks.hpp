@@ -38,13 +38,14 @@ FrequencyResponses without_lines(const CrossSpectra& spectra, Estimator estimato
 void keep_positive(const CrossSpectra& spectra, Eigen::Index line, const std::vector<int>& outputs,
                    Eigen::MatrixXcd& V);
 
-/// A warning for each channel that stands at its limits too often.
-void warn_of_limits(const CrossSpectra& spectra, const std::vector<int>& channels,
-                    std::vector<data::ResponseWarning>& warnings,
+/// A warning for each channel that stands at its limits too often; `rms`: of all channels.
+void warn_of_limits(const CrossSpectra& spectra, const Eigen::VectorXd& rms,
+                    const std::vector<int>& channels, std::vector<data::ResponseWarning>& warnings,
                     const ResponseCheckOptions& options = {});
 
 /// RMS of a channel about its mean, by its spectrum.
 double rms_in(const CrossSpectra& spectra, int channel);
+Eigen::VectorXd rms_of_all(const CrossSpectra& spectra);
 
 /// A warning for each channel that has the samples of one before it.
 void warn_of_repeated(const CrossSpectra& spectra, const std::vector<int>& outputs,

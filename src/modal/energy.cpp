@@ -19,6 +19,8 @@ Numbers sum(const Sextet& parts) {
 /// Twice the energies of some shapes, kinetic at ω = 1.
 struct Energies {
   Sextet platform, legs, oil, guide_sleeve, piston_ring;
+  Sextet base{Numbers::Zero(), Numbers::Zero(), Numbers::Zero(),
+              Numbers::Zero(), Numbers::Zero(), Numbers::Zero()};
   Numbers base_mount{Numbers::Zero()};
   Numbers elastic_and_geometric{Numbers::Zero()};  ///< φᵀ K φ; only where there is preload
 };
@@ -42,15 +44,47 @@ Numbers product(const Row& row, const Numbers* x, int size) {
   return total;
 }
 
-/// The leg's share of `e`; `y`: the shapes.
+/// Motion of the base with coordinates of its own, and of the platform against it.
+struct OnBase {
+  Sextet base, platform;
+};
+
+OnBase on_base(const LinearModel& model, const Shapes& y) {
+  OnBase motion;
+  for (int d = 0; d < 6; ++d) {
+    motion.base[d].setZero();
+    motion.platform[d] = y[d];
+  }
+  for (int k = 0; k < model.base_count(); ++k) {
+    const Numbers& q_b = y[model.first_of_base() + k];
+    motion.base[model.base_directions[k]] = q_b;
+    for (int d = 0; d < 6; ++d) motion.platform[d] -= model.carried_by_base(d, k) * q_b;
+  }
+  return motion;
+}
+
+/// What a base that moves adds to the kinetic energy of a leg with the motion x against it.
+template <int size>
+Numbers carried_energy(const dynamics::LegOnBase& leg, const std::array<Numbers, size>& x,
+                       const Sextet& base) {
+  Numbers energy = quadratic(leg.inertia, base.data(), 6);
+  for (int d = 0; d < 6; ++d)
+    energy += 2.0 * base[d] * product(leg.momentum.row(d), x.data(), size);
+  return energy;
+}
+
+/// The leg's share of `e`; `y`: the shapes, `platform`: its motion that the leg sees, `base`: that
+/// of a base with coordinates.
 template <int flexible>
-void add_leg(const LinearModel& model, int i, const Shapes& y, Energies& e) {
+void add_leg(const LinearModel& model, int i, const Shapes& y, const Numbers* platform, Energies& e,
+             const Sextet* base = nullptr) {
   const auto& leg = model.legs[i];
   constexpr int size = 3 + flexible;
   std::array<Numbers, size> x;
-  for (int k = 0; k < 3; ++k) x[k] = product(model.J[i].row(k), y.data(), 6);
+  for (int k = 0; k < 3; ++k) x[k] = product(model.J[i].row(k), platform, 6);
   for (int k = 0; k < flexible; ++k) x[3 + k] = y[6 + flexible * i + k];
   e.legs[i] = quadratic(leg.M, x.data(), size);
+  if (base != nullptr) e.legs[i] += carried_energy<size>(model.legs_on_base[i], x, *base);
   e.oil[i] = leg.k_h * product(leg.s_x, x.data(), size).square();
   e.guide_sleeve[i].setZero();
   e.piston_ring[i].setZero();
@@ -61,12 +95,27 @@ void add_leg(const LinearModel& model, int i, const Shapes& y, Energies& e) {
 }
 
 template <int flexible>
+void add_legs_and_base(const LinearModel& model, const Shapes& y, Energies& e) {
+  const auto motion = on_base(model, y);
+  for (int i = 0; i < model::leg_count; ++i)
+    add_leg<flexible>(model, i, y, motion.platform.data(), e, &motion.base);
+  for (int d = 0; d < 6; ++d) {
+    e.base[d] = model.base_inertia[d] * motion.base[d].square();
+    e.base_mount += model.k_mount[d] * motion.base[d].square();
+  }
+}
+
+template <int flexible>
 Energies energies(const LinearModel& model, const Shapes& y) {
   Energies e;
   for (int i = 0; i < 6; ++i)
     e.platform[i] = y[i] * product(model.platform_mass.col(i), y.data(), 6);
-  for (int i = 0; i < model::leg_count; ++i) add_leg<flexible>(model, i, y, e);
-  if (model.base_moves) e.base_mount = quadratic(model.K_mount, y.data(), 6);
+  if (model.base_count() > 0) {
+    add_legs_and_base<flexible>(model, y, e);
+  } else {
+    for (int i = 0; i < model::leg_count; ++i) add_leg<flexible>(model, i, y, y.data(), e);
+    if (model.base_moves) e.base_mount = quadratic(model.K_mount, y.data(), 6);
+  }
   if (model.statics.iterations > 0)
     e.elastic_and_geometric = quadratic(model.K, y.data(), model.dof());
   return e;
@@ -86,10 +135,10 @@ Energies energies(const LinearModel& model, const Shapes& y) {
 
 /// Makes shares of the energies.
 void normalise(const LinearModel& model, Energies& e) {
-  const Numbers per_kinetic = (sum(e.platform) + sum(e.legs)).inverse();
+  const Numbers per_kinetic = (sum(e.platform) + sum(e.legs) + sum(e.base)).inverse();
   const Numbers elastic = sum(e.oil) + sum(e.guide_sleeve) + sum(e.piston_ring) + e.base_mount;
   const Numbers per_elastic = elastic.inverse();
-  for (Sextet* parts : {&e.platform, &e.legs})
+  for (Sextet* parts : {&e.platform, &e.legs, &e.base})
     for (Numbers& part : *parts) part *= per_kinetic;
   for (Sextet* parts : {&e.oil, &e.guide_sleeve, &e.piston_ring})
     for (Numbers& part : *parts) part *= per_elastic;
@@ -103,6 +152,7 @@ EnergyShares lane(const Energies& shares, int k) {
   for (int i = 0; i < 6; ++i) {
     one.platform[i] = shares.platform[i][k];
     one.legs[i] = shares.legs[i][k];
+    one.base[i] = shares.base[i][k];
     one.oil[i] = shares.oil[i][k];
     one.guide_sleeve[i] = shares.guide_sleeve[i][k];
     one.piston_ring[i] = shares.piston_ring[i][k];
@@ -140,7 +190,7 @@ EnergyShares energy_shares(const LinearModel& model, const ModelVector& real,
     y[j][1] = imaginary[j];
   }
   Energies e = energies(model, y);
-  for (Sextet* parts : {&e.platform, &e.legs, &e.oil, &e.guide_sleeve, &e.piston_ring})
+  for (Sextet* parts : {&e.platform, &e.legs, &e.base, &e.oil, &e.guide_sleeve, &e.piston_ring})
     for (Numbers& part : *parts) part[0] += part[1];
   e.base_mount[0] += e.base_mount[1];
   e.elastic_and_geometric[0] += e.elastic_and_geometric[1];

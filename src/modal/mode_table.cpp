@@ -41,6 +41,7 @@ std::string compliance_text(const EnergyShares& energy) {
   const double oil = energy.oil.sum();
   const double guide = energy.guide_sleeve.sum();
   const double ring = energy.piston_ring.sum();
+  if (energy.base_mount > std::max({oil, guide, ring})) return "base mount";
   if (oil >= guide && oil >= ring) return "oil springs of " + legs_involved(energy.oil);
   if (guide >= ring) return "guide sleeves of " + legs_involved(energy.guide_sleeve);
   return "piston rings of " + legs_involved(energy.piston_ring);
@@ -77,17 +78,41 @@ AnalysedModel analyse(const model::Machine& machine, const spatial::Pose& X_BP,
   return result;
 }
 
+/// Rows of M of platform and base times a shape: what every kind of model has.
+struct OuterMomentum {
+  Vector6 platform{};
+  ModelVector base{};
+
+  OuterMomentum(const LinearModel& model, const ModelVector& shape)
+      : platform(model.M.topRows<6>() * shape),
+        base(model.M.bottomRows(model.base_count()) * shape) {}
+  /// ψᵀ of it; ψ: a shape of the rigid model.
+  [[nodiscard]] double dot(const ModelVector& psi) const {
+    const Vector6 of_platform = psi.head<6>();
+    return of_platform.dot(platform) + psi.tail(base.size()).dot(base);
+  }
+};
+
+/// ψᵀ M_r ψ of a shape of the rigid model.
+double outer_energy(const LinearModel& model, const ModelVector& psi) {
+  const int base = model.base_count();
+  const spatial::Matrix6 M_rr = model.M.topLeftCorner<6, 6>();
+  const Vector6 of_platform = psi.head<6>();
+  const ModelVector of_base = psi.tail(base);
+  return of_platform.dot(M_rr * of_platform) +
+         of_base.dot(model.M.bottomRightCorner(base, base) * of_base +
+                     2.0 * (model.M.bottomLeftCorner(base, 6) * of_platform));
+}
+
 RigidCounterpart counterpart(const LinearModel& model, const std::vector<TabledMode>& rigid,
                              const DampedMode& mode) {
-  const Vector6 momentum = model.M.topRows<6>() * mode.real;
-  const Vector6 momentum_imaginary = model.M.topRows<6>() * mode.imaginary;
-  const spatial::Matrix6 M_rr = model.M.topLeftCorner<6, 6>();
+  const OuterMomentum momentum(model, mode.real), momentum_imaginary(model, mode.imaginary);
   RigidCounterpart best;
   for (int r = 0; r < static_cast<int>(rigid.size()); ++r) {
-    const Vector6 psi = rigid[r].mode.real;
+    const ModelVector& psi = rigid[r].mode.real;
     const double projection =
-        std::pow(psi.dot(momentum), 2) + std::pow(psi.dot(momentum_imaginary), 2);
-    const double mac = projection / psi.dot(M_rr * psi);
+        std::pow(momentum.dot(psi), 2) + std::pow(momentum_imaginary.dot(psi), 2);
+    const double mac = projection / outer_energy(model, psi);
     if (mac > best.mac) best = {r, mac, 0.0};
   }
   const double omega_rigid = rigid[best.mode].mode.omega;
@@ -95,10 +120,9 @@ RigidCounterpart counterpart(const LinearModel& model, const std::vector<TabledM
   return best;
 }
 
-}  // namespace
-
-std::string platform_directions(const EnergyShares& energy) {
-  const Vector6 share = energy.platform / energy.platform.sum();
+/// "x", "x + ry": the directions that hold most of the energy of their body, largest first.
+std::string directions_text(const Vector6& energy) {
+  const Vector6 share = energy / energy.sum();
   std::array<int, 6> order{};
   std::iota(order.begin(), order.end(), 0);
   std::stable_sort(order.begin(), order.end(), [&](int a, int b) { return share[a] > share[b]; });
@@ -109,11 +133,20 @@ std::string platform_directions(const EnergyShares& energy) {
   return text;
 }
 
+}  // namespace
+
+std::string platform_directions(const EnergyShares& energy) {
+  return directions_text(energy.platform);
+}
+
 std::string mode_label(const EnergyShares& energy, bool stable) {
   const std::string unstable = stable ? "" : "unstable (buckling): ";
+  if (energy.base.sum() > std::max(energy.platform.sum(), energy.legs.sum()))
+    return unstable + "base " + directions_text(energy.base) + ", " + compliance_text(energy);
   if (energy.platform.sum() < local_mode_energy) {
-    const bool ring = energy.piston_ring.sum() > energy.guide_sleeve.sum();
-    return unstable + (ring ? "local piston-ring mode" : "local seal mode");
+    const double ring = energy.piston_ring.sum(), guide = energy.guide_sleeve.sum();
+    if (energy.base_mount > ring + guide) return unstable + "local base mode";
+    return unstable + (ring > guide ? "local piston-ring mode" : "local seal mode");
   }
   return unstable + platform_directions(energy) + ", " + compliance_text(energy);
 }
@@ -126,15 +159,20 @@ int lowest_platform_mode(const std::vector<TabledMode>& modes) {
 
 namespace {
 
-/// `shape` of a model of kind `from` in the coordinates of `to`; what `to` lacks is dropped.
-ModelVector in_coordinates(const ModelVector& shape, dynamics::ModelKind from,
-                           dynamics::ModelKind to) {
-  const int has = dynamics::flexible_per_leg(from), wants = dynamics::flexible_per_leg(to);
-  ModelVector result = ModelVector::Zero(dynamics::degrees_of_freedom(to));
+/// `shape` of the model `from` in the coordinates of `to`; what `to` lacks is dropped.
+ModelVector in_coordinates(const ModelVector& shape, const LinearModel& from,
+                           const LinearModel& to) {
+  const int has = dynamics::flexible_per_leg(from.kind),
+            wants = dynamics::flexible_per_leg(to.kind);
+  ModelVector result = ModelVector::Zero(to.dof());
   result.head<6>() = shape.head<6>();
   for (int leg = 0; leg < model::leg_count; ++leg)
     for (int k = 0; k < std::min(has, wants); ++k)
       result[6 + wants * leg + k] = shape[6 + has * leg + k];
+  for (int j = 0; j < to.base_count(); ++j)
+    for (int k = 0; k < from.base_count(); ++k)
+      if (to.base_directions[j] == from.base_directions[k])
+        result[to.first_of_base() + j] = shape[from.first_of_base() + k];
   return result;
 }
 
@@ -148,8 +186,7 @@ struct Likeness {
 std::vector<int> match_modes(const AnalysedModel& now, const AnalysedModel& before) {
   std::vector<Likeness> pairs;
   for (int b = 0; b < static_cast<int>(before.modes.size()); ++b) {
-    const ModelVector shape =
-        in_coordinates(before.modes[b].mode.real, before.linear.kind, now.linear.kind);
+    const ModelVector shape = in_coordinates(before.modes[b].mode.real, before.linear, now.linear);
     for (int n = 0; n < static_cast<int>(now.modes.size()); ++n)
       pairs.push_back({likeness(now.linear, shape, now.modes[n].mode), n, b});
   }

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 #include <numeric>
+#include <utility>
 
 #include "hydrapod/base/error.hpp"
 #include "symmetric_eigen.hpp"
@@ -70,53 +71,112 @@ Eigen::Matrix<double, size, size> inverse_root(const Eigen::Matrix<double, size,
   return llt.matrixU().solve(Matrix::Identity());
 }
 
-/// X with Xᵀ M X = I, and A = Xᵀ K X. Legs touch each other only through the platform, so every
-/// leg's own small block of M is factored first; then come the platform's six columns, in which the
-/// legs follow freely:
+/// The rows and columns of the platform and, behind all legs, of the base.
+template <int flexible, int of_base>
+decltype(auto) outer_part(const ModelMatrix& A) {
+  if constexpr (of_base == 0) {
+    return A.topLeftCorner<6, 6>();
+  } else {
+    constexpr int behind = 6 + model::leg_count * flexible;
+    Eigen::Matrix<double, 6 + of_base, 6 + of_base> part;
+    part.template topLeftCorner<6, 6>() = A.topLeftCorner<6, 6>();
+    part.template topRightCorner<6, of_base>() = A.block<6, of_base>(0, behind);
+    part.template bottomLeftCorner<of_base, 6>() = A.block<of_base, 6>(behind, 0);
+    part.template bottomRightCorner<of_base, of_base>() = A.block<of_base, of_base>(behind, behind);
+    return part;
+  }
+}
+
+/// Rows of a leg, columns of the platform and the base.
+template <int flexible, int of_base>
+Eigen::Matrix<double, flexible, 6 + of_base> border(const ModelMatrix& A, int at) {
+  Eigen::Matrix<double, flexible, 6 + of_base> part;
+  part.template leftCols<6>() = A.block<flexible, 6>(at, 0);
+  if constexpr (of_base > 0)
+    part.template rightCols<of_base>() =
+        A.block<flexible, of_base>(at, 6 + model::leg_count * flexible);
+  return part;
+}
+
+/// `part`, whose columns are those of platform and base, into the rows from `at` on.
+template <int flexible, int of_base, class Part, class Columns>
+void place(const Part& part, int at, Columns& X) {
+  constexpr int rows = Part::RowsAtCompileTime;
+  X.template block<rows, 6>(at, 0) = part.template leftCols<6>();
+  if constexpr (of_base > 0)
+    X.template block<rows, of_base>(at, 6 + model::leg_count * flexible) =
+        part.template rightCols<of_base>();
+}
+
+/// The same of a matrix between platform and base.
+template <int flexible, int of_base, class Part, class Columns>
+void place_outer(const Part& part, Columns& X) {
+  place<flexible, of_base>(Eigen::Matrix<double, 6, 6 + of_base>(part.template topRows<6>()), 0, X);
+  if constexpr (of_base > 0)
+    place<flexible, of_base>(
+        Eigen::Matrix<double, of_base, 6 + of_base>(part.template bottomRows<of_base>()),
+        6 + model::leg_count * flexible, X);
+}
+
+/// X with Xᵀ M X = I, and A = Xᵀ K X. Legs touch each other only through platform and base, so
+/// every leg's own small block of M is factored first; then come the columns of platform and base
+/// (r), in which the legs follow freely:
 ///
 ///     X = [ T      0  ]    P_i = L_i⁻ᵀ,  M_ff,i = L_i L_iᵀ
 ///         [ −G_i T P_i ]   G_i = M_ff,i⁻¹ M_fr,i,  T = L⁻ᵀ,  L Lᵀ = M_rr − Σ M_rf,i G_i
-template <int flexible>
-void reduce(const LinearModel& model, Pencil<6 + model::leg_count * flexible>& pencil) {
+///
+/// The base's columns are the last, where the eigensolver wants what is stiff.
+template <int flexible, int of_base>
+void reduce(const LinearModel& model, Pencil<6 + model::leg_count * flexible + of_base>& pencil) {
+  constexpr int outer = 6 + of_base;
+  using Outer = Eigen::Matrix<double, outer, outer>;
   using Block = Eigen::Matrix<double, flexible, flexible>;
-  using Border = Eigen::Matrix<double, flexible, 6>;
+  using Border = Eigen::Matrix<double, flexible, outer>;
   auto& [A, X, diagonal, subdiagonal] = pencil;
   std::array<Border, model::leg_count> G;
-  Matrix6 M_platform = model.M.topLeftCorner<6, 6>();
+  Outer M_outer = outer_part<flexible, of_base>(model.M);
   for (int i = 0; i < model::leg_count; ++i) {
     const int at = 6 + flexible * i;
-    const Border M_fr = model.M.block<flexible, 6>(at, 0);
+    const Border M_fr = border<flexible, of_base>(model.M, at);
     const Block P = inverse_root<flexible>(model.M.block<flexible, flexible>(at, at));
     G[i] = P * (P.transpose() * M_fr);
-    M_platform -= M_fr.transpose() * G[i];
+    M_outer -= M_fr.transpose() * G[i];
     X.template block<flexible, flexible>(at, at) = P;
   }
-  const Matrix6 T = inverse_root<6>(M_platform);
-  X.template topLeftCorner<6, 6>() = T;
-  Matrix6 forces = model.K.topLeftCorner<6, 6>() * T;  // K X, its platform rows and columns
+  const Outer T = inverse_root<outer>(M_outer);
+  place_outer<flexible, of_base>(T, X);
+  Outer forces = outer_part<flexible, of_base>(model.K) * T;  // K X, its platform rows and columns
+  Outer A_outer = Outer::Zero();
   for (int i = 0; i < model::leg_count; ++i) {
     const int at = 6 + flexible * i;
     const Block P = X.template block<flexible, flexible>(at, at);
     const Block K_ff = model.K.block<flexible, flexible>(at, at);
-    const Border K_fr = model.K.block<flexible, 6>(at, 0);
+    const Border K_fr = border<flexible, of_base>(model.K, at);
     const Border follow = -G[i] * T;
     const Border leg_forces = K_fr * T + K_ff * follow;
     const Border A_fr = P.transpose() * leg_forces;
-    X.template block<flexible, 6>(at, 0) = follow;
+    place<flexible, of_base>(follow, at, X);
     A.template block<flexible, flexible>(at, at) = P.transpose() * K_ff * P;
-    A.template block<flexible, 6>(at, 0) = A_fr;
-    A.template block<6, flexible>(0, at) = A_fr.transpose();
-    A.template topLeftCorner<6, 6>() += follow.transpose() * leg_forces;
+    place<flexible, of_base>(A_fr, at, A);
+    A.template middleCols<flexible>(at).template topRows<6>() =
+        A_fr.template leftCols<6>().transpose();
+    if constexpr (of_base > 0)
+      A.template block<of_base, flexible>(6 + model::leg_count * flexible, at) =
+          A_fr.template rightCols<of_base>().transpose();
+    A_outer += follow.transpose() * leg_forces;
     forces += K_fr.transpose() * follow;
   }
-  A.template topLeftCorner<6, 6>() += T.transpose() * forces;
+  A_outer += T.transpose() * forces;
+  place_outer<flexible, of_base>(A_outer, A);
 }
 
-template <>
-void reduce<0>(const LinearModel& model, Pencil<6>& pencil) {
-  const Matrix6 T = inverse_root<6>(model.M);
-  pencil.X.topRows<6>() = T;
-  pencil.A.topRows<6>() = T.transpose() * model.K * T;
+/// The same without flexible coordinates.
+template <int of_base>
+void reduce_rigid(const LinearModel& model, Pencil<6 + of_base>& pencil) {
+  constexpr int size = 6 + of_base;
+  const auto T = inverse_root<size>(model.M);
+  pencil.X.template topRows<size>() = T;
+  pencil.A.template topRows<size>() = T.transpose() * model.K * T;
 }
 
 /// φᵀ K φ of every shape. Its error is the square of the shape's: low modes keep their digits next
@@ -133,11 +193,14 @@ void refine(const LinearModel& model, Pencil<size>& pencil) {
   }
 }
 
-template <int flexible>
+template <int flexible, int of_base>
 NormalModes solve(const LinearModel& model) {
-  constexpr int size = 6 + model::leg_count * flexible;
+  constexpr int size = 6 + model::leg_count * flexible + of_base;
   Pencil<size> pencil;
-  reduce<flexible>(model, pencil);
+  if constexpr (flexible == 0)
+    reduce_rigid<of_base>(model, pencil);
+  else
+    reduce<flexible, of_base>(model, pencil);
   if (!diagonalize(pencil))
     throw base::ComputationError("the modes did not converge: is every stiffness finite?");
   refine(model, pencil);
@@ -153,16 +216,24 @@ NormalModes solve(const LinearModel& model) {
   return modes;
 }
 
+template <int flexible, int... of_base>
+NormalModes solve(const LinearModel& model, std::integer_sequence<int, of_base...>) {
+  using Solver = NormalModes (*)(const LinearModel&);
+  static constexpr std::array<Solver, sizeof...(of_base)> solvers{&solve<flexible, of_base>...};
+  return solvers.at(model.base_directions.size())(model);
+}
+
 NormalModes solve(const LinearModel& model) {
+  constexpr auto base_counts = std::make_integer_sequence<int, 7>();
   switch (model.kind) {
     case dynamics::ModelKind::guide:
-      return solve<2>(model);
+      return solve<2>(model, base_counts);
     case dynamics::ModelKind::full:
-      return solve<4>(model);
+      return solve<4>(model, base_counts);
     case dynamics::ModelKind::rigid:
       break;
   }
-  return solve<0>(model);
+  return solve<0>(model, base_counts);
 }
 
 }  // namespace

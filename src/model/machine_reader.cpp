@@ -41,6 +41,7 @@ class Reader {
     machine.name = root_.text("name");
     machine.description = root_.optional_text("description");
     machine.source = root_.optional_text("source");
+    machine.state = root_.optional_text("state");
     read_gravity();
     read_inertia();
     read_legs();

@@ -115,6 +115,9 @@ constexpr ParameterRow body_rows[]{
     text("description", otherwise("empty"), "what the machine is", shown("What the machine is")),
     text("source", otherwise("empty"), "where the numbers come from",
          shown("Drawings, data sheets, measurements")),
+    text("state", otherwise("nominal"),
+         "state of the machine that the numbers describe; `hydrapod calibrate` writes `calibrated`",
+         shown("As delivered")),
     table("environment", optional, ""),
     of_gravity(number<&Machine::gravity>(
         "environment.gravity", "m/s^2", otherwise("9.80665"), usual(1e-3, 100.0, any),

@@ -77,11 +77,25 @@ void observe_mechanics(const model::Machine& machine, Observation& seen) {
   const MatrixXcd motion =
       (modes.shapes * rate.cwiseInverse().asDiagonal()).cast<Complex>() * V.topRows(n);
   seen.to_ground = motion.topRows<6>();
-  seen.to_base = model.against_base.cast<Complex>() * seen.to_ground;
+  seen.to_base = model.against_base.cast<Complex>() * motion;
   MatrixXd B = MatrixXd::Zero(2 * n, 6);
   B.bottomRows(n) = modes.shapes.topRows<6>().transpose();
   seen.inputs[number(Entry::forces)] = W * B.cast<Complex>();
   add_modes(motion, seen);
+}
+
+/// The mechanics' coordinates in the states `right` of the plant, the platform's against the base:
+/// the first, and of a base with coordinates the first of its own.
+MatrixXcd mechanics_of_plant(const dynamics::LinearModel& model,
+                             const std::vector<simulation::StatePart>& parts,
+                             const MatrixXcd& right) {
+  MatrixXcd motion(model.dof(), right.cols());
+  motion.topRows(model.first_of_base()) = right.topRows(model.first_of_base());
+  const auto base =
+      std::ranges::find(parts, simulation::Part::base, &simulation::StatePart::part);
+  motion.bottomRows(model.base_count()) =
+      right.middleRows(base - parts.begin(), model.base_count());
+  return motion;
 }
 
 void observe_hydraulics(const ObservedSystem& system, bool closed, Observation& seen) {
@@ -102,8 +116,7 @@ void observe_hydraulics(const ObservedSystem& system, bool closed, Observation& 
   } else {
     seen.inputs[number(Entry::valves)] = entering(linear.B_valve);
   }
-  // the mechanics' coordinates are the first states, the platform's against the base
-  MatrixXcd motion = seen.right.topRows(seen.mechanics.dof());
+  MatrixXcd motion = mechanics_of_plant(seen.mechanics, linear.parts, seen.right);
   seen.to_base = motion.topRows<6>();
   seen.to_ground = seen.to_base + system.carried.cast<Complex>() * seen.right;
   motion.topRows<6>() = seen.to_ground;
@@ -183,7 +196,7 @@ Observation observe(const model::Machine& machine, const spatial::Pose& X_BP,
 
 std::vector<ObservedMode> undamped_modes(const dynamics::LinearModel& model,
                                          const dynamics::NormalModes& modes) {
-  const Eigen::MatrixXd against_base = model.against_base * modes.shapes.topRows<6>();
+  const Eigen::MatrixXd against_base = model.against_base * modes.shapes;
   std::vector<ObservedMode> observed;
   for (int k = 0; k < modes.size(); ++k)
     observed.push_back({.pole = {0.0, modes.omega(k)},

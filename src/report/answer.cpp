@@ -83,6 +83,7 @@ Json answer_json(const modal::ModeTable& table) {
              {{"oil", entry.energy.oil.sum()},
               {"guide_sleeve", entry.energy.guide_sleeve.sum()},
               {"piston_ring", entry.energy.piston_ring.sum()}}}};
+  if (entry.energy.base_mount != 0.0) json["strain_energy"]["base_mount"] = entry.energy.base_mount;
   if (entry.rigid) {
     json["rigid_mode"] = entry.rigid->mode + 1;
     json["rigid_frequency_hz"] = table.rigid.modes[entry.rigid->mode].mode.omega / two_pi;

@@ -77,6 +77,19 @@ std::string spikes_text(const data::ResponseWarning& w) {
       w.count == 1 ? "it is taken" : "they are taken");
 }
 
+std::string slow_text(const data::ResponseWarning& w) {
+  const std::string held = fmt::format(
+      "{}: each value stays for {:.4g} samples: the channel was measured up to {:.4g} Hz",
+      w.channel, w.value, w.highest);
+  if (w.count > 0) return held + ", much less than others; left out";
+  if (w.share > 0.0)
+    return held + fmt::format(
+                      ", and what is above was folded onto what is below, {:.2g} % of it: modes "
+                      "cannot be trusted",
+                      100.0 * w.share);
+  return held + "; what is above is noise there, and the responses are without the hold";
+}
+
 std::string hits_text(const data::ResponseWarning& w) {
   std::string text;
   if (w.total <= w.count)
@@ -136,10 +149,11 @@ std::string warning_text(const data::ResponseWarning& w) {
           w.channel, w.other, w.other);
     case Kind::clipped:
       return fmt::format(
-          "{}: {:.2g} % of the samples are {} or {}: the channel looks clipped, and its results "
-          "are "
-          "distorted",
-          w.channel, 100.0 * w.share, limit_text(w.lowest, w), limit_text(w.highest, w));
+          "{}: {:.2g} % of the samples, {:.2g} % of the power, are cut off at {} or {}: the "
+          "channel "
+          "looks clipped, and its results are distorted",
+          w.channel, 100.0 * w.share, 100.0 * w.value, limit_text(w.lowest, w),
+          limit_text(w.highest, w));
     case Kind::blocks_left_out:
       return fmt::format("{} of {} blocks have missing samples and were left out", w.count,
                          w.total);
@@ -197,6 +211,23 @@ std::string warning_text(const data::ResponseWarning& w) {
           "on: taken as missing",
           w.channel, 100.0 * w.share,
           w.total == 1 ? "in a run" : fmt::format("in {} runs", w.total), w.value);
+    case Kind::drop_outs:
+      return fmt::format(
+          "all channels stand still at once in {} of up to {:.4g} s, {:.2g} % of the samples: "
+          "taken "
+          "as missing",
+          w.total == 1 ? "a run" : fmt::format("{} runs", w.total), w.value, 100.0 * w.share);
+    case Kind::slow_channel:
+      return slow_text(w);
+    case Kind::clipped_hits:
+      return fmt::format("{} of {} hits {} left out: {}{} clipped there", w.count, w.total,
+                         w.count == 1 ? "was" : "were", w.channel,
+                         w.value > 1.0 ? fmt::format(" and {:.0f} other channel{} are",
+                                                     w.value - 1.0, w.value > 2.0 ? "s" : "")
+                                       : " is");
+    case Kind::delayed:
+      return fmt::format("{} is {:.4g} ms later than {}: the responses are without this delay",
+                         w.channel, 1e3 * w.value, w.other);
   }
   return {};
 }

@@ -50,10 +50,21 @@ std::string gravity_text(const model::Machine& machine) {
   return fmt::format("gravity ({:.5g}, {:.5g}, {:.5g}) m/s²", g.x(), g.y(), g.z());
 }
 
+std::string state_text(const model::MachineFile& file) {
+  constexpr std::size_t most = 4;
+  const auto& overrides = file.overrides;
+  std::string text = file.machine.state.empty() ? "nominal" : file.machine.state;
+  for (std::size_t k = 0; k < std::min(most, overrides.size()); ++k)
+    text += (k == 0 ? ", with " : "; ") + overrides[k];
+  if (overrides.size() > most) text += fmt::format("; and {} more", overrides.size() - most);
+  return text;
+}
+
 Json machine_json(const model::MachineFile& file, const std::string& path) {
   return {{"name", file.machine.name},
           {"description", file.machine.description},
           {"source", file.machine.source},
+          {"state", state_text(file)},
           {"file", path},
           {"overrides", file.overrides}};
 }
@@ -126,6 +137,7 @@ void describe(Fields& f, modal::TabledMode& entry) {
   f("group", mode.group);
   f("platform_energy", entry.energy.platform);
   f("leg_energy", entry.energy.legs);
+  f.unless(spatial::Vector6(spatial::Vector6::Zero()), "base_energy", entry.energy.base);
   f("strain_energy", entry.energy);
   f("shape", mode.real);
   if (Fields::reads) mode.imaginary = modal::ModelVector::Zero(mode.real.size());
@@ -136,7 +148,8 @@ void describe(Fields& f, modal::TabledMode& entry) {
 template <class Fields>
 void describe(Fields& f, modal::ModeTable& table) {
   f.word("model", table.kind, model_words);
-  f.derived("coordinates", dynamics::coordinate_names(table.kind));
+  const auto& base = table.real.linear.base_directions;
+  f.derived("coordinates", dynamics::coordinate_names(table.kind, base));
   f("modes", table.real.modes);
   f("rigid_modes", table.rigid.modes);
 }
@@ -174,14 +187,34 @@ void require_whole(const Reader& fields, const char* key, std::size_t coordinate
 
 }  // namespace
 
+namespace {
+
+/// Directions of the base among the coordinates, the last of them.
+std::vector<int> base_directions(const Reader& fields) {
+  std::vector<int> directions;
+  if (!fields.has("coordinates")) return directions;
+  std::vector<std::string> names;
+  fields("coordinates", names);
+  for (const auto& name : names)
+    for (int k = 0; k < 6; ++k)
+      if (name == fmt::format("base.{}", spatial::direction_name(k)) &&
+          (directions.empty() || directions.back() < k))
+        directions.push_back(k);
+  return directions;
+}
+
+}  // namespace
+
 modal::ModeTable modes_from_json(const Json& json, const std::string& file) {
-  const auto table = read<modal::ModeTable>(json, file);
+  auto table = read<modal::ModeTable>(json, file);
   const Reader fields(json, file);
   const std::size_t rigid_modes = table.rigid.modes.size();
-  require_whole(fields, "modes", dynamics::coordinate_names(table.kind).size(), rigid_modes,
+  const auto base = base_directions(fields);
+  table.real.linear.base_directions = table.rigid.linear.base_directions = base;
+  require_whole(fields, "modes", dynamics::coordinate_names(table.kind, base).size(), rigid_modes,
                 table.real.modes);
   require_whole(fields, "rigid_modes",
-                dynamics::coordinate_names(dynamics::ModelKind::rigid).size(), rigid_modes,
+                dynamics::coordinate_names(dynamics::ModelKind::rigid, base).size(), rigid_modes,
                 table.rigid.modes);
   return table;
 }

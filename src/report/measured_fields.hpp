@@ -60,6 +60,14 @@ inline const char* code(data::ResponseWarning::Kind kind) {
       return "repeated_output";
     case Kind::held:
       return "held";
+    case Kind::drop_outs:
+      return "drop_outs";
+    case Kind::slow_channel:
+      return "slow_channel";
+    case Kind::clipped_hits:
+      return "clipped_hits";
+    case Kind::delayed:
+      return "delayed";
   }
   return nullptr;
 }

@@ -24,7 +24,8 @@ void move_platform_coordinates(const Matrix6& T, ModelMatrix& A) {
   A.leftCols<6>() = (A.leftCols<6>() * T).eval();
 }
 
-/// Generalised forces of the oil columns per force or moment at Q: (∂s/∂y)ᵀ (∂s/∂q_Q)⁻ᵀ.
+/// Generalised forces of the oil columns per force or moment at Q: (∂s/∂y)ᵀ (∂s/∂q_Q)⁻ᵀ. They push
+/// a base with coordinates the other way.
 ModelMatrix actuator_loads(const LinearModel& model, const Matrix6& T) {
   const int flexible = dynamics::flexible_per_leg(model.kind);
   ModelMatrix s_y = ModelMatrix::Zero(6, model.dof());
@@ -32,6 +33,8 @@ ModelMatrix actuator_loads(const LinearModel& model, const Matrix6& T) {
     const auto& s_x = model.legs[i].s_x;
     s_y.row(i).head<6>() = s_x.head<3>().transpose() * model.J[i] * T;
     s_y.row(i).segment(model.first_of_leg(i), flexible) = s_x.segment(3, flexible).transpose();
+    s_y.row(i).tail(model.base_count()) =
+        -s_x.head<3>().transpose() * model.J[i] * model.carried_by_base;
   }
   const Eigen::FullPivLU<Matrix6> lu(Matrix6(s_y.leftCols<6>()));
   if (!lu.isInvertible())
@@ -104,6 +107,7 @@ void dense(const ResponseModel& model, std::span<const double> omega, std::span<
 ResponseModel response_model(const LinearModel& model, const NormalModes& modes, double modal_ratio,
                              const Vector3& p_PQ, Input input) {
   ResponseModel result{.kind = model.kind,
+                       .base_count = model.base_count(),
                        .p_BQ = model.X_BP * p_PQ,
                        .M = model.M,
                        .K = model.K,
@@ -135,7 +139,7 @@ ModelMatrix damping_matrix(const ResponseModel& model) {
 
 Method best_method(const ResponseModel& model) {
   if (model.C.isZero(0.0)) return Method::modes;
-  return model.modal_ratio == 0.0 ? Method::elimination : Method::dense;
+  return model.modal_ratio == 0.0 && model.base_count == 0 ? Method::elimination : Method::dense;
 }
 
 std::vector<Matrix6c> frequency_response(const ResponseModel& model, std::span<const double> omega,
@@ -143,6 +147,8 @@ std::vector<Matrix6c> frequency_response(const ResponseModel& model, std::span<c
   const Method chosen = method.value_or(best_method(model));
   if (chosen == Method::elimination && model.modal_ratio != 0.0)
     throw std::invalid_argument("elimination cannot take modal ratios: they couple all legs");
+  if (chosen == Method::elimination && model.base_count > 0)
+    throw std::invalid_argument("elimination cannot take coordinates of the base: it couples all legs");
   if (chosen == Method::modes && !model.C.isZero(0.0))
     throw std::invalid_argument("the modal sum cannot take viscous dampers: they couple the modes");
   std::vector<Matrix6c> H(omega.size());

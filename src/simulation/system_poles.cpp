@@ -80,12 +80,13 @@ void sampled_poles(const LinearSystem& system, SystemPoles& found) {
 }  // namespace
 
 SystemPoles system_poles(const LinearSystem& system) {
-  const auto [poles, V, converged] = numerics::eigen_pairs(scaled(system));
-  if (!converged)
+  const auto pairs = numerics::eigen_pairs(scaled(system));
+  if (!pairs.converged)
     throw base::ComputationError(
         "the poles of the system could not be computed: the QR iteration "
         "did not converge");
-  const MatrixXcd W = numerics::inverse(V);  // rows: left eigenvectors
+  const Eigen::VectorXcd& poles = pairs.values;
+  const MatrixXcd &V = pairs.vectors, W = numerics::inverse(V);  // rows: left eigenvectors
   std::vector<int> order;
   for (int k = 0; k < poles.size(); ++k)
     if (poles[k].imag() >= 0.0) order.push_back(k);

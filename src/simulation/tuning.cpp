@@ -1,7 +1,12 @@
 #include "hydrapod/simulation/linear_system.hpp"
 
 #include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <array>
 #include <cmath>
+#include <functional>
+#include <numeric>
+#include <vector>
 
 #include "hydrapod/base/error.hpp"
 #include "hydrapod/dynamics/linear_model.hpp"
@@ -22,17 +27,37 @@ struct OilModes {
   double lowest{}, highest{};  ///< [rad/s]
 };
 
-OilModes oil_modes(const dynamics::LinearModel& model) {
+/// ω² of the lowest mode, and of the highest of the six that move the platform most: a light base
+/// vibrates far above what the controller meets.
+std::array<double, 2> lowest_and_highest(const dynamics::LinearModel& model) {
+  const Eigen::MatrixXd M = model.M, K = model.K;
+  const Eigen::GeneralizedSelfAdjointEigenSolver<Eigen::MatrixXd> solver(K, M);
+  const Eigen::MatrixXd platform = solver.eigenvectors().topRows<6>();
+  const Eigen::VectorXd share =
+      platform.cwiseProduct(model.platform_mass * platform).colwise().sum().transpose();
+  std::vector<Eigen::Index> modes(static_cast<std::size_t>(share.size()));
+  std::iota(modes.begin(), modes.end(), 0);
+  std::ranges::stable_sort(modes, std::greater{}, [&](Eigen::Index k) { return share[k]; });
+  const auto highest = *std::max_element(modes.begin(), modes.begin() + 6);
+  return {solver.eigenvalues()[0], solver.eigenvalues()[highest]};
+}
+
+std::array<double, 2> on_still_base(const dynamics::LinearModel& model) {
   const Matrix6 M = model.M;
   const Matrix6 K = model.K;
   const Eigen::GeneralizedSelfAdjointEigenSolver<Matrix6> solver(K, M, Eigen::EigenvaluesOnly);
-  const double lowest = solver.eigenvalues()[0];
+  return {solver.eigenvalues()[0], solver.eigenvalues()[5]};
+}
+
+OilModes oil_modes(const dynamics::LinearModel& model) {
+  const auto [lowest, highest] =
+      model.base_count() == 0 ? on_still_base(model) : lowest_and_highest(model);
   if (!(lowest > 0.0))
     throw base::ComputationError(
         "the rigid-leg model is not stable at this pose (it has no positive lowest frequency), so "
         "the controller cannot be tuned; give controller.gain, controller.feedback_gain and "
         "controller.feedback_corner");
-  return {std::sqrt(lowest), std::sqrt(solver.eigenvalues()[5])};
+  return {std::sqrt(lowest), std::sqrt(highest)};
 }
 
 control::DriveAxis drive_axis(const model::Machine& machine, int leg, double oil_force) {

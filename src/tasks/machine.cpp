@@ -5,14 +5,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <numbers>
 
 #include "hydrapod/base/text.hpp"
 #include "hydrapod/base/units.hpp"
 #include "hydrapod/dynamics/linear_model.hpp"
 #include "hydrapod/kinematics/check_machine.hpp"
-#include "hydrapod/modal/normal_modes.hpp"
 #include "hydrapod/spatial/pose.hpp"
 
 namespace hydrapod::tasks {
@@ -79,36 +77,6 @@ spatial::Pose displaced_pose(const model::Machine& machine, const std::string& t
   return X_BP;
 }
 
-/// Linear models let the base follow the platform's springs (src/dynamics/base_mount.hpp): its own
-/// resonance is not among the modes, and those that are not far below it come out too high.
-void warn_of_heavy_base(model::MachineFile& file) {
-  constexpr double far_below = 1.0 / 3.0;  // (1/3)² of ω² is the order of the error
-  const auto& machine = file.machine;
-  if (!machine.base_mount) return;
-  const auto& mount = *machine.base_mount;
-  double resonance = std::numeric_limits<double>::infinity();
-  int direction = 0;
-  for (int i = 0; i < 6; ++i) {
-    const double inertia = i < 3 ? mount.mass : mount.inertia[i - 3];
-    if (!mount.stiffness[i] || inertia == 0.0) continue;
-    const double omega = std::sqrt(*mount.stiffness[i] / inertia);
-    if (omega < resonance) direction = i;
-    resonance = std::min(resonance, omega);
-  }
-  const auto modes = modal::normal_modes(
-      dynamics::linear_model(machine, machine.neutral(), dynamics::ModelKind::rigid));
-  if (modes.omega(static_cast<int>(modes.shapes.cols()) - 1) < far_below * resonance) return;
-  file.warnings.push_back(
-      {.severity = base::Severity::warning,
-       .file = "base.mount",
-       .message = fmt::format(
-           "the base alone resonates at {:.2f} Hz on its mount ({}), which modes and Bode diagrams "
-           "leave out; their frequencies above {:.2g} Hz are too high. `simulate`, and `modes "
-           "--system --open-loop`, have the base's own motion",
-           resonance / base::two_pi, spatial::direction_name(direction),
-           far_below * resonance / base::two_pi)});
-}
-
 }  // namespace
 
 Machine read_machine(const MachineOptions& options) {
@@ -117,7 +85,6 @@ Machine read_machine(const MachineOptions& options) {
                                                      kinematics::check_machine)
                               : model::read_machine_file(options.file, options.overrides,
                                                          kinematics::check_machine);
-  warn_of_heavy_base(machine.file);
   machine.pose = pose_of(machine.file.machine, options.pose);
   machine.kind = model_of(machine.file.machine, options.model);
   return machine;

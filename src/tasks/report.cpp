@@ -34,6 +34,8 @@ Report report_document(const Machine& given, const ReportOptions& options,
     diagnosis = report::diagnosis_json(found.file);
     if (const auto& d = *found.file.diagnosis; !d.equivalent.empty()) {
       machine.file = diagnosis::file_of(machine.file, d.hypotheses[d.equivalent.front()]);
+      machine.file.machine.state = "best hypothesis of the diagnosis: " +
+                                   report::hypothesis_name(d, d.hypotheses[d.equivalent.front()]);
       machine.kind = d.hypotheses[d.equivalent.front()].kind;
       const int identified = identified_mode(d, found.file.pose);
       if (page.modes.empty() && identified > 0) page.modes = {identified};

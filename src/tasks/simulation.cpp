@@ -18,19 +18,20 @@ namespace {
 using simulation::ClosedLoop;
 using simulation::LoopSample;
 
-data::RecordHeader header_of(const Machine& machine, std::uint64_t seed,
-                             const std::vector<std::string>& command_line) {
+data::RecordHeader header_of(const Machine& machine, std::uint64_t seed, const Origin& origin) {
   const auto& X_BP = machine.pose.X_BP;
   const spatial::Vector3 rpy = spatial::rpy_from_rotation(X_BP.R_BP), &p = X_BP.p_BP;
-  return {.title = machine.file.machine.name,
-          .experiment = {.program = fmt::format("hydrapod {}", base::version),
-                         .command = command_line,
-                         .machine = machine.file.text,
-                         .overrides = machine.file.overrides,
-                         .pose_name = machine.pose.name,
-                         .pose = {{p.x(), p.y(), p.z(), rpy.x(), rpy.y(), rpy.z()}},
-                         .model = dynamics::name(machine.kind),
-                         .seed = seed}};
+  return {
+      .title = machine.file.machine.name,
+      .experiment = {.program = origin.program.empty() ? fmt::format("hydrapod {}", base::version)
+                                                       : origin.program,
+                     .command = origin.command,
+                     .machine = machine.file.text,
+                     .overrides = machine.file.overrides,
+                     .pose_name = machine.pose.name,
+                     .pose = {{p.x(), p.y(), p.z(), rpy.x(), rpy.y(), rpy.z()}},
+                     .model = dynamics::name(machine.kind),
+                     .seed = seed}};
 }
 
 /// Simulated time as share of the whole; the loop goes on until told otherwise.
@@ -86,10 +87,10 @@ std::string controller_text(const control::ControllerParameters& p) {
 }
 
 data::RecordHeader rig_header(const Machine& machine, const rig::RigOptions& options,
-                              const std::vector<std::string>& command_line,
+                              const Origin& origin,
                               const control::ControllerParameters& controller) {
   constexpr std::array entries{"command", "drive", "wrench"};
-  auto header = header_of(machine, options.seed, command_line);
+  auto header = header_of(machine, options.seed, origin);
   header.channels = rig::rig_channels(options);
   header.sample_rate = options.rate;
   header.start = options.settling;  // the excitation begins at 0
@@ -226,7 +227,7 @@ report::Simulation simulate(const Machine& machine, const SimulateOptions& optio
   fill_in(loop, result);
   std::optional<RecordFile> record;
   if (!options.record.empty()) {
-    auto header = header_of(machine, options.loop.seed, options.command_line);
+    auto header = header_of(machine, options.loop.seed, options.origin);
     for (const auto& command : result.commands)
       header.notes += fmt::format("{}command: {}", header.notes.empty() ? "" : "\n", command);
     record.emplace(options.record, loop, std::move(header));
@@ -264,7 +265,7 @@ Rig rig(const Machine& machine, const RigOptions& asked, const Progress& progres
     if (!asked.force) judge(result.findings);
     if (asked.record.empty()) return result;
     const auto writer = data::open_record_writer(
-        asked.record, rig_header(machine, options, asked.command_line, loop.parameters()));
+        asked.record, rig_header(machine, options, asked.origin, loop.parameters()));
     result.result = rig::run_rig(loop, options, *writer,
                                  keep_going(progress, options.settling + options.duration));
     result.record = writer->close(result.result.summary.end == simulation::RunEnd::finished);

@@ -59,7 +59,7 @@ Targets targets_of(const model::MachineFile& file, ModelKind kind, MotionAgainst
       if (modal::neighbours(modes, k, 2.0 * ObservationOptions{}.same_frequency).size() > 1)
         continue;
       auto target = here[static_cast<std::size_t>(k)];
-      if (against == MotionAgainst::base) shape = model.against_base * shape;
+      if (against == MotionAgainst::base) shape = model.against_base * modes.shapes.col(k);
       if (point)
         shape.head<3>() += spatial::Vector3(shape.tail<3>()).cross(X_BP * *point - model.p_BC);
       for (double& s : shape) s *= 1.0 + error * test::normal(random);

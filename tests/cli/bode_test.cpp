@@ -46,9 +46,10 @@ TEST(Bode, TableCountsOneResonanceEverywhereOnStiffSeals) {
 
 TEST(Bode, JsonHasItsStableFields) {
   const auto json = json_of({"bode", published, "--points", "50", "--format", "json"});
-  EXPECT_THAT(fields(json), ElementsAre("kind", "machine", "assumptions", "pose", "model", "input",
-                                        "output", "point_m", "peaks", "rigid_peaks", "omega_rad_s",
-                                        "frequency_hz", "response", "rigid_response"));
+  EXPECT_THAT(fields(json),
+              ElementsAre("kind", "machine", "assumptions", "pose", "model", "input", "output",
+                          "point_m", "peaks", "rigid_peaks", "omega_rad_s", "frequency_hz",
+                          "response", "rigid_response", "reproduction"));
   EXPECT_EQ(json["kind"], "bode");
   EXPECT_EQ(json["input"], "wrench");
   EXPECT_EQ(json["output"], "displacement");

@@ -40,6 +40,9 @@ TEST_F(Calibrate, WritesTheMachineWithItsCommentsAndSaysHowSureItIs) {
   EXPECT_THAT(text, HasSubstr("# m_t, kg [identified]"));
   const auto modes = json_of({"modes", output, "--format", "json"});
   EXPECT_NEAR(modes["modes"][0]["frequency_hz"].get<double>(), 7.02, 0.03);
+  EXPECT_THAT(run.out, HasSubstr("\nmachine: nominal\n"));
+  EXPECT_EQ(modes["machine"]["state"], "calibrated");
+  EXPECT_THAT(run_hydrapod({"modes", output}).out, HasSubstr("\nmachine: calibrated\n"));
 }
 
 TEST_F(Calibrate, GivesJsonWithProfileAndDrawsAPicture) {
@@ -115,6 +118,9 @@ TEST_F(Calibrate, WritesChoicesThatReplaceTables) {
   const auto first = twice.find("calibrated: mass ");
   ASSERT_NE(first, std::string::npos);
   EXPECT_EQ(twice.find("calibrated: mass ", first + 1), std::string::npos);
+  const auto state = twice.find("state = \"calibrated\"");
+  ASSERT_NE(state, std::string::npos);
+  EXPECT_EQ(twice.find("state = ", state + 1), std::string::npos);
 }
 
 TEST_F(Calibrate, LeavesNoFileWhenItFails) {

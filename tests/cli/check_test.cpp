@@ -38,7 +38,7 @@ TEST(Check, TableSaysWhatFollows) {
 TEST(Check, JsonHasItsStableFields) {
   const auto json = json_of({"check", heavy, "--format", "json"});
   EXPECT_THAT(fields(json), ElementsAre("kind", "machine", "assumptions", "sound",
-                                        "simulation_assumptions", "poses"));
+                                        "simulation_assumptions", "poses", "reproduction"));
   EXPECT_EQ(json["kind"], "check");
   EXPECT_EQ(json["poses"].size(), 4U);
   const Json& pose = json["poses"][0];

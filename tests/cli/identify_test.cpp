@@ -153,6 +153,18 @@ TEST_F(Identify, RolesThatAreMissingAreSaid) {
   expect_modes(json::parse(named.out));
 }
 
+/// Its role says response, and its name is among the inputs.
+TEST_F(Identify, AChannelThatIsNamedAsInputIsNoOutputByItsRole) {
+  const std::string path = write();
+  const auto run =
+      test::run_hydrapod({"frf", path, "--inputs", "y2", "--estimator", "h1", "--format", "json"});
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  EXPECT_EQ(json::parse(run.out)["response"].size(), 2U);
+  const auto both = test::run_hydrapod({"frf", path, "--inputs", "y2", "--outputs", "y1,y2"});
+  EXPECT_EQ(both.exit_code, 2);
+  EXPECT_THAT(both.err, HasSubstr("channel 'y2' is named as input and as output"));
+}
+
 TEST_F(Identify, ARecordTooShortForTheResolutionIsRefused) {
   const auto run = test::run_hydrapod({"frf", write(), "--block", "8192"});
   EXPECT_EQ(run.exit_code, 1);

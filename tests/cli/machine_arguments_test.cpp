@@ -31,6 +31,17 @@ class MachineCommand : public testing::TestWithParam<std::string> {
   test::TemporaryFolder folder_;
 };
 
+TEST_P(MachineCommand, SaysWhichMachineItsResultsAreOf) {
+  EXPECT_THAT(run({}).out, HasSubstr("\nmachine: nominal\n"));
+  const auto heavier = run({"--set", "platform.mass=14.1 t"});
+  EXPECT_THAT(heavier.out, HasSubstr("\nmachine: nominal, with platform.mass=14.1 t\n"));
+  const auto worn = (folder_ / "worn.toml").string();
+  test::write_text(worn, "state = \"with worn sleeves\"\n" + test::read_text(heavy));
+  EXPECT_THAT(run({}, worn).out, HasSubstr("\nmachine: with worn sleeves\n"));
+  const auto json = nlohmann::json::parse(run({"--format", "json"}, worn).out);
+  EXPECT_EQ(json.at("machine").at("state"), "with worn sleeves");
+}
+
 struct WrongCall {
   std::vector<std::string> arguments;
   std::string error;

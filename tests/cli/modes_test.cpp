@@ -97,11 +97,12 @@ TEST(Modes, ComeInThreeModels) {
 
 TEST(Modes, JsonHasItsStableFields) {
   const auto json = json_of({"modes", published, "--format", "json", "--matrices"});
-  EXPECT_THAT(fields(json), ElementsAre("kind", "machine", "assumptions", "pose", "model",
-                                        "coordinates", "modes", "rigid_modes", "matrices"));
+  EXPECT_THAT(fields(json),
+              ElementsAre("kind", "machine", "assumptions", "pose", "model", "coordinates", "modes",
+                          "rigid_modes", "matrices", "reproduction"));
   EXPECT_EQ(json["kind"], "modes");
   EXPECT_THAT(fields(json["machine"]),
-              ElementsAre("name", "description", "source", "file", "overrides"));
+              ElementsAre("name", "description", "source", "state", "file", "overrides"));
   EXPECT_EQ(json["machine"]["file"], published);
   EXPECT_THAT(fields(json["assumptions"]),
               ElementsAre("hydrapod", "gravity_m_s2", "gravity", "flexible_axes", "damping",
@@ -152,6 +153,46 @@ TEST(Modes, JsonSharesSumToOne) {
       EXPECT_NEAR(sum(strain["per_leg"]["oil"]), strain["oil"].get<double>(), 1e-15);
     }
   }
+}
+
+/// A base of twenty tonnes under the published platform: two masses along z, and both are seen.
+TEST(Modes, HaveTheBaseThatTheMachineStandsOn) {
+  const std::vector<std::string> arguments{
+      "modes",
+      model_file("zhang-jiang-2021-transverse.toml"),
+      "--model",
+      "rigid",
+      "--set",
+      "base.mount={stiffness={x=1e8,y=1e8,z=1e8,rx=1e8,ry=1e8,rz=1e8},mass=20000,"
+      "inertia=[10000,10000,10000]}"};
+  const auto result = run_hydrapod(arguments);
+  ASSERT_EQ(result.exit_code, 0);
+  EXPECT_EQ(result.err, "");
+  EXPECT_THAT(result.out, AllOf(HasSubstr("rigid-leg model, 12 modes (6 coordinates of the base)"),
+                                HasSubstr("  10.927"), HasSubstr("  23.476"), HasSubstr("base z")));
+  auto with_json = arguments;
+  with_json.insert(with_json.end(), {"--format", "json"});
+  const auto json = json_of(with_json);
+  EXPECT_EQ(json["coordinates"].size(), 12U);
+  for (const Json& mode : json["modes"]) {
+    double sum = 0.0;
+    for (const char* body : {"platform_energy", "leg_energy", "base_energy"})
+      for (const Json& share : mode[body]) sum += share.get<double>();
+    EXPECT_NEAR(sum, 1.0, 1e-12);
+    EXPECT_EQ(mode["shape"].size(), 12U);
+  }
+  auto as_csv = arguments;
+  as_csv.insert(as_csv.end(), {"--format", "csv"});
+  EXPECT_THAT(run_hydrapod(as_csv).out, HasSubstr(",kinetic_base,elastic_base_mount\n"));
+}
+
+TEST(Modes, SayThatABaseWithoutInertiaHasNoModes) {
+  const auto result =
+      run_hydrapod({"modes", model_file("zhang-jiang-2021-transverse.toml"), "--model", "rigid",
+                    "--set", "base.mount={stiffness={x=1e8,ry=3.1e8}}"});
+  EXPECT_THAT(result.out,
+              HasSubstr("rigid-leg model, 6 modes (the base has no inertia: its mount is "
+                        "in series with the legs)\n"));
 }
 
 /// K φ = ω² M φ with the matrices and shapes of the JSON alone: all a reader has.
@@ -245,9 +286,9 @@ TEST_F(Starter, OverridesGiveWhatEditingTheFileGives) {
   auto by_file = json_of({"modes", edited_file, "--format", "json", "--matrices"});
   auto by_set = json_of({"modes", file_, "--set", "legs.guide_sleeve.stiffness=2 kN/mm", "--format",
                          "json", "--matrices"});
-  by_file.erase("machine");
+  for (const char* origin : {"machine", "reproduction"}) by_file.erase(origin);
   EXPECT_EQ(by_set["machine"]["overrides"], Json::array({"legs.guide_sleeve.stiffness=2 kN/mm"}));
-  by_set.erase("machine");
+  for (const char* origin : {"machine", "reproduction"}) by_set.erase(origin);
   EXPECT_EQ(by_file, by_set);
 }
 
@@ -256,8 +297,10 @@ TEST_F(Starter, FileMayComeFromStandardInput) {
   auto from_file = json_of({"modes", file_, "--format", "json"});
   auto from_stdin = json_of({"modes", "-", "--format", "json"}, {.input = text});
   EXPECT_EQ(from_stdin["machine"]["file"], "-");
-  from_file.erase("machine");
-  from_stdin.erase("machine");
+  for (const char* origin : {"machine", "reproduction"}) {
+    from_file.erase(origin);
+    from_stdin.erase(origin);
+  }
   EXPECT_EQ(from_file, from_stdin);
 
   const auto changed = run_hydrapod({"modes", "-", "--set", "platform.mass=2 t"}, {.input = text});

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <nlohmann/json.hpp>
 #include <thread>
 
 #include "hydrapod/data/record_io.hpp"
@@ -143,7 +144,10 @@ TEST_F(OutputFiles, APartOfAnotherRunIsLeftAloneAndNoLinkIsFollowed) {
 TEST_F(OutputFiles, TheEndingSaysTheFormat) {
   for (const std::string command : {"modes", "check"}) {
     ASSERT_EQ(run({command, "m.toml", "-o", "a.json"}).exit_code, 0);
-    EXPECT_EQ(test::read_text(folder / "a.json"), run({command, "m.toml", "--format", "json"}).out);
+    auto by_ending = nlohmann::json::parse(test::read_text(folder / "a.json"));
+    auto by_option = nlohmann::json::parse(run({command, "m.toml", "--format", "json"}).out);
+    for (auto* json : {&by_ending, &by_option}) json->erase("reproduction");  // another command
+    EXPECT_EQ(by_ending, by_option);
     ASSERT_EQ(run({command, "m.toml", "-o", "a.txt"}).exit_code, 0);
     EXPECT_EQ(test::read_text(folder / "a.txt"), run({command, "m.toml"}).out);
   }

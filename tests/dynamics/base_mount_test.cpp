@@ -10,6 +10,7 @@
 #include "hydrapod/hydraulics/oil_spring.hpp"
 #include "hydrapod/modal/normal_modes.hpp"
 #include "support/calibration_machine.hpp"
+#include "support/published_machine.hpp"
 #include "support/unreduced_mount.hpp"
 
 namespace hydrapod::dynamics {
@@ -48,6 +49,21 @@ TEST(BaseMount, ThatIsRigidChangesNothing) {
     machine.base_mount = BaseMount{.mass = 713.0};
     EXPECT_LT((frequencies(machine, kind) - still).cwiseQuotient(still).cwiseAbs().maxCoeff(),
               1e-10);
+  }
+}
+
+/// The same with coordinates of its own, whose modes lie far above.
+TEST(BaseWithCoordinates, ThatIsNearlyRigidChangesNothing) {
+  for (const auto kind : all_kinds) {
+    auto machine = machine_of(3, true);
+    const auto still = frequencies(machine, kind);
+    machine.base_mount = mount_of(1e17, 1e17);
+    machine.base_mount->mass = 713.0;
+    machine.base_mount->inertia = {310.0, 290.0, 510.0};
+    const auto moving = frequencies(machine, kind);
+    ASSERT_EQ(moving.size(), still.size() + 6);
+    EXPECT_LT((moving.head(still.size()) - still).cwiseQuotient(still).cwiseAbs().maxCoeff(), 1e-9);
+    EXPECT_GT(moving[still.size()], 1e6);
   }
 }
 
@@ -111,29 +127,174 @@ Eigen::VectorXd unreduced(const model::Machine& machine, const spatial::Pose& X_
   return solver.eigenvalues().cwiseMax(0.0).cwiseSqrt();
 }
 
-/// Mount as stiff as the legs, base of half the platform's mass and its gyration. The reduction
-/// gives upper bounds; how good they are is a matter of the base's mass.
+/// A base without inertia is condensed; the reduction gives upper bounds, as good as the legs are
+/// light.
 TEST(BaseMount, IsCloseToTheUnreducedSystemAndNeverBelowIt) {
-  for (const double base_mass : {0.0, 0.05, 0.5}) {
-    auto machine = machine_of(11, false);
-    const double k = 2.0 * *machine.legs[0].oil_spring.stiffness;
-    auto mount = mount_of(4.0 * k, 4.0 * k);
-    mount.mass = base_mass * machine.platform.mass;
-    mount.inertia.setConstant(base_mass * machine.platform.inertia.trace() / 3.0);
-    machine.base_mount = mount;
-    const auto exact = unreduced(machine, machine.poses.back().X_BP);
-    const auto reduced = frequencies(machine, ModelKind::rigid);
-    for (int i = 0; i < 6; ++i) {
-      EXPECT_GE(reduced[i], exact[i] * (1.0 - 1e-9)) << i;
-      // the lowest modes; the legs' mass is 7 % of the platform's
-      if (i < 3) {
-        EXPECT_LT(reduced[i], exact[i] * (base_mass < 0.1 ? 1.003 : 1.02)) << i << ' ' << base_mass;
-      }
-    }
-    auto still = machine;
-    still.base_mount.reset();
-    EXPECT_GT(frequencies(still, ModelKind::rigid)[0], 1.03 * exact[0]);
+  auto machine = machine_of(11, false);
+  const double k = 2.0 * *machine.legs[0].oil_spring.stiffness;
+  machine.base_mount = mount_of(4.0 * k, 4.0 * k);
+  EXPECT_TRUE(base_directions(machine).empty());
+  const auto exact = unreduced(machine, machine.poses.back().X_BP);
+  const auto reduced = frequencies(machine, ModelKind::rigid);
+  ASSERT_EQ(reduced.size(), 6);
+  for (int i = 0; i < 6; ++i) {
+    EXPECT_GE(reduced[i], exact[i] * (1.0 - 1e-9)) << i;
+    // the lowest modes; the legs' mass is 7 % of the platform's
+    if (i < 3) EXPECT_LT(reduced[i], exact[i] * 1.003) << i;
   }
+  auto still = machine;
+  still.base_mount.reset();
+  EXPECT_GT(frequencies(still, ModelKind::rigid)[0], 1.03 * exact[0]);
+}
+
+/// Springs in series: what a load on the platform moves is what it moves on the legs alone, and
+/// what the base gives.
+TEST(BaseMount, WithoutInertiaAddsItsComplianceToThatOfTheLegs) {
+  auto machine = machine_of(23, false);
+  const auto& X_BP = machine.poses.back().X_BP;
+  const auto still = linear_model(machine, X_BP, ModelKind::guide);
+  const double k = 0.31 * *machine.legs[0].oil_spring.stiffness;
+  auto mount = mount_of(k, 0.7 * k);
+  mount.stiffness[1].reset();
+  machine.base_mount = mount;
+  const auto model = linear_model(machine, X_BP, ModelKind::guide);
+  Matrix6 T = Matrix6::Identity();
+  T.topRightCorner<3, 3>() = -spatial::skew(model.p_BC);
+  Vector6 give;
+  give << 1.0 / k, 0.0, 1.0 / k, Vector3::Constant(1.0 / (0.7 * k));
+  const Matrix6 of_legs = still.K.inverse().topLeftCorner<6, 6>();
+  const Matrix6 expected = of_legs + T * give.asDiagonal() * T.transpose();
+  const Matrix6 found = model.K.inverse().topLeftCorner<6, 6>();
+  EXPECT_LT((found - expected).norm(), 1e-9 * expected.norm());
+}
+
+double scaled_error(const Eigen::MatrixXd& A, const Eigen::MatrixXd& B) {
+  const Eigen::VectorXd d = B.diagonal().cwiseSqrt().cwiseInverse();
+  return (d.asDiagonal() * (A - B) * d.asDiagonal()).cwiseAbs().maxCoeff();
+}
+
+/// Two bodies per leg between two moving ends know nothing of momenta and leg frames.
+TEST(BaseWithCoordinates, HasTheMatricesOfTheTwelveCoordinates) {
+  for (const double base_mass : {1e-3, 0.5, 40.0})
+    for (const double times : {0.05, 4.0}) {
+      auto machine = machine_of(11, false);
+      const double k = times * *machine.legs[0].oil_spring.stiffness;
+      auto mount = mount_of(4.0 * k, 1.7 * k);
+      mount.mass = base_mass * machine.platform.mass;
+      mount.inertia = base_mass * Vector3(0.31, 0.47, 0.71);
+      machine.base_mount = mount;
+      const auto& X_BP = machine.poses.back().X_BP;
+      const auto model = linear_model(machine, X_BP, ModelKind::rigid);
+      const auto expected = test::unreduced_mount(machine, X_BP);
+      ASSERT_EQ(model.dof(), 12);
+      EXPECT_LT(scaled_error(model.M, expected.M), 1e-12);
+      EXPECT_LT(scaled_error(model.K, expected.K), 1e-12);
+      EXPECT_LT((model.against_base - expected.against_base).norm(), 1e-14);
+      const auto found = frequencies(machine, ModelKind::rigid);
+      const auto exact = unreduced(machine, X_BP);
+      for (int i = 0; i < 12; ++i) EXPECT_NEAR(found[i], exact[i], 1e-9 * exact[i]) << i;
+    }
+}
+
+TEST(BaseWithCoordinates, HasThemWhereItsMountHasSprings) {
+  auto machine = machine_of(29, true);
+  auto mount = mount_of(3.1e6, 2.3e6);
+  mount.mass = 217.0;
+  machine.base_mount = mount;
+  const auto all = linear_model(machine, machine.neutral(), ModelKind::full);
+  for (const std::size_t rigid : {1U, 3U, 5U}) mount.stiffness[rigid].reset();
+  machine.base_mount = mount;
+  EXPECT_EQ(degrees_of_freedom(machine, ModelKind::full), 33);
+  const auto some = linear_model(machine, machine.neutral(), ModelKind::full);
+  EXPECT_EQ(coordinate_names(some.kind, some.base_directions).at(32), "base.ry");
+  std::vector<int> kept;
+  for (int k = 0; k < 35; ++k)
+    if (k != 31 && k != 33) kept.push_back(k);
+  EXPECT_LT(scaled_error(some.M, all.M(kept, kept)), 1e-13);
+  EXPECT_LT((some.K - all.K(kept, kept)).norm(), 1e-13 * all.K.norm());
+  const auto modes = modal::normal_modes(some);
+  const ModelMatrix one = modes.shapes.transpose() * some.M * modes.shapes;
+  EXPECT_LT((one - ModelMatrix::Identity(33, 33)).norm(), 1e-11);
+}
+
+/// The still machine's matrices are those of the platform and the legs on the moving base.
+TEST(BaseWithCoordinates, LeavesThoseOfTheStillMachineAsTheyAre) {
+  for (const auto kind : all_kinds) {
+    auto machine = machine_of(31, true);
+    const auto still = linear_model(machine, machine.poses.back().X_BP, kind);
+    machine.base_mount = mount_of(1.3e6, 0.9e6);
+    machine.base_mount->mass = 90.0;
+    const auto moving = linear_model(machine, machine.poses.back().X_BP, kind);
+    const int n = still.dof();
+    EXPECT_TRUE(moving.M.topLeftCorner(n, n) == still.M);
+    EXPECT_TRUE(moving.K.topLeftCorner(n, n) == still.K);
+    EXPECT_TRUE(moving.C.topLeftCorner(n, n) == still.C);
+  }
+}
+
+/// Platform and base on two springs: m m_b ω⁴ − (m (k + k_m) + m_b k) ω² + k k_m = 0.
+TEST(BaseWithCoordinates, AndPlatformAreTwoMassesAlongZ) {
+  auto machine = test::published_machine();
+  machine.gravity.setZero();
+  for (auto& leg : machine.legs)
+    for (double* inertia :
+         {&leg.cylinder_case.mass, &leg.cylinder_case.transverse_inertia,
+          &leg.cylinder_case.axial_inertia, &leg.rod.mass, &leg.rod.transverse_inertia,
+          &leg.rod.axial_inertia, &leg.added_axial_inertia})
+      *inertia *= 1e-9;
+  const double m = machine.platform.mass, m_b = 20000.0, k_m = 1e8;
+  const double k = linear_model(machine, machine.neutral(), ModelKind::rigid).K(2, 2);
+  BaseMount mount = mount_of(k_m, 1e8);
+  mount.mass = m_b;
+  mount.inertia.setConstant(1e4);
+  machine.base_mount = mount;
+  const double b = m * (k + k_m) + m_b * k, c = m * m_b * k * k_m;
+  const auto omega = frequencies(machine, ModelKind::rigid);
+  for (const double sign : {-1.0, 1.0}) {
+    const double expected = std::sqrt((b + sign * std::sqrt(b * b - 4.0 * c)) / (2.0 * m * m_b));
+    EXPECT_LT((omega.array() - expected).abs().minCoeff(), 1e-7 * expected);
+  }
+}
+
+/// Rayleigh: the shares of a mode are the sensitivities of its ω² to mount and base, exactly.
+TEST(BaseWithCoordinates, EnergySharesAreSensitivities) {
+  for (const bool gravity : {false, true})
+    for (const auto kind : all_kinds) {
+      auto machine = machine_of(37, gravity);
+      const double k = 0.9 * *machine.legs[0].oil_spring.stiffness, h = 1e-5;
+      auto mount = mount_of(k, 0.6 * k);
+      mount.mass = 0.4 * machine.platform.mass;
+      mount.inertia = 0.3 * machine.platform.inertia.diagonal();
+      const auto omega2 = [&](double stiffness, double inertia) {
+        auto changed = machine;
+        changed.base_mount = mount;
+        for (auto& spring : changed.base_mount->stiffness) *spring *= stiffness;
+        changed.base_mount->mass *= inertia;
+        changed.base_mount->inertia *= inertia;
+        return Eigen::VectorXd(
+            modal::normal_modes(linear_model(changed, machine.neutral(), kind)).omega2);
+      };
+      machine.base_mount = mount;
+      const auto model = linear_model(machine, machine.neutral(), kind);
+      const auto modes = modal::normal_modes(model);
+      const auto shares = modal::energy_shares(model, modes.shapes);
+      const Eigen::VectorXd by_spring = (omega2(1.0 + h, 1.0) - omega2(1.0 - h, 1.0)) / (2.0 * h);
+      const Eigen::VectorXd by_inertia = (omega2(1.0, 1.0 + h) - omega2(1.0, 1.0 - h)) / (2.0 * h);
+      double most_of_base = 0.0, most_of_mount = 0.0;
+      for (int i = 0; i < modes.size(); ++i) {
+        const auto& e = shares[static_cast<std::size_t>(i)];
+        EXPECT_NEAR(e.platform.sum() + e.legs.sum() + e.base.sum(), 1.0, 1e-12);
+        EXPECT_NEAR(e.oil.sum() + e.guide_sleeve.sum() + e.piston_ring.sum() + e.base_mount, 1.0,
+                    1e-12);
+        // ω² = (elastic + preload) over kinetic energy
+        EXPECT_NEAR(e.base_mount / (1.0 + e.preload), by_spring[i] / modes.omega2[i], 3e-6) << i;
+        EXPECT_NEAR(e.base.sum(), -by_inertia[i] / modes.omega2[i], 3e-6) << i;
+        most_of_base = std::max(most_of_base, e.base.sum());
+        most_of_mount = std::max(most_of_mount, e.base_mount);
+      }
+      EXPECT_GT(most_of_base, 0.3);
+      EXPECT_GT(most_of_mount, 0.3);
+    }
 }
 
 TEST(BaseMount, HoldsItsShareOfTheElasticEnergy) {

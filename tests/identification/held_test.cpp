@@ -89,6 +89,47 @@ TEST(Held, AForceWhoseCableWasOffIsMissingWhileTheOutputsMove) {
   expect_beam_of(r);
 }
 
+/// A recorder that lost all channels at once writes zeros, or its last values.
+TEST(Held, DropOutsOfAllChannelsAreMissing) {
+  for (const bool zeros : {true, false}) {
+    SCOPED_TRACE(zeros);
+    auto record = shaken(41);
+    std::int64_t lost = 0;
+    for (const Eigen::Index from : {1203, 9871, 17017, 23417, 31999}) {
+      const Eigen::Index length = 83 + from % 271;
+      lost += length;
+      for (Eigen::Index k = 0; k < length; ++k)
+        record.samples.row(from + k) =
+            zeros ? Eigen::RowVectorXd::Zero(4) : record.samples.row(from).eval();
+    }
+    const auto r = measured({record}).responses;
+    const auto found = warnings_of(r, Kind::drop_outs);
+    ASSERT_EQ(found.size(), 1U);
+    EXPECT_EQ(found[0].total, 5);
+    EXPECT_EQ(found[0].count, lost);
+    EXPECT_NEAR(found[0].share, static_cast<double>(lost) / static_cast<double>(rows), 1e-12);
+    EXPECT_THAT(warnings_of(r, Kind::held), testing::IsEmpty());
+    expect_beam_of(r);
+  }
+}
+
+/// A force in bursts, and a machine that comes to rest within the resolution.
+TEST(Held, ARestBetweenBurstsIsNoDropOut) {
+  auto record = shaken(43);
+  Eigen::VectorXd decay = Eigen::VectorXd::Ones(rows);
+  for (Eigen::Index k = 0; k < rows; ++k)
+    if (k % 1711 > 700) {
+      record.samples(k, 0) = 0.0;
+      decay[k] = std::exp(-0.05 * static_cast<double>(k % 1711 - 700));
+    }
+  for (Eigen::Index c = 1; c < 4; ++c) {
+    const double step = record.samples.col(c).cwiseAbs().maxCoeff() / 400.0;
+    record.samples.col(c) =
+        ((record.samples.col(c).cwiseProduct(decay) / step).array().round() * step).eval();
+  }
+  EXPECT_THAT(warnings_of(measured({record}).responses, Kind::drop_outs), testing::IsEmpty());
+}
+
 /// No channel of these was lost.
 TEST(Held, WhatStandsStillWithTheExcitationIsMeantSo) {
   auto begins_late = shaken(19), coarse = shaken(23), slow = shaken(29), pulses = shaken(31);

@@ -171,7 +171,7 @@ TEST(Energy, OfTheMountBelongsToTheElasticOne) {
   for (int k = 0; k < modes.size(); ++k) {
     const auto& s = shares[static_cast<std::size_t>(k)];
     EXPECT_NEAR(s.oil.sum() + s.base_mount, 1.0, rounding);
-    const spatial::Vector3 joint = model.J[0] * modes.shapes.col(k).head<6>();
+    const spatial::Vector3 joint = model.J[0] * (model.against_base * modes.shapes.col(k));
     const double oil = model.legs[0].k_h * std::pow(model.legs[0].s_x.head<3>().dot(joint), 2);
     EXPECT_NEAR(oil / s.oil[0] / modes.omega2[k], 1.0, 1e-9) << k;
     most = std::max(most, s.base_mount);

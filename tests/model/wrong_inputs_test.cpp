@@ -27,7 +27,7 @@ const std::vector<WrongInput> wrong_files{
     {"UnknownKeyAtTheTop",
      {{R"(name = "Sound")", "name = \"Sound\"\nmas = 3"}},
      {},
-     "m.toml:2:1: error: mas: unknown key; known here: name, description, source, environment, "
+     "m.toml:2:1: error: mas: unknown key; known here: name, description, source, state, environment, "
      "base, platform, legs, leg, model, damping, supply, controller, sensors, poses"},
     {"UnknownTable",
      {{"[environment]", "[enviroment]"}},

@@ -115,8 +115,13 @@ TEST(Observation, OfMechanicsRespondsAsTheLinearModel) {
       const Complex s(0.0, omega[k]);
       EXPECT_LT((seen.response(s, Entry::forces, MotionAgainst::ground) - H[k]).norm(),
                 1e-9 * H[k].norm());
+      const Eigen::MatrixXcd D = s * s * model.M.cast<Complex>() + model.K.cast<Complex>() +
+                                 s * response::damping_matrix(swept).cast<Complex>();
+      const Eigen::MatrixXcd all =
+          D.lu().solve(Eigen::MatrixXcd::Identity(model.dof(), model.dof()));
       EXPECT_LT(
-          (seen.response(s, Entry::forces) - model.against_base.cast<Complex>() * H[k]).norm(),
+          (seen.response(s, Entry::forces) - model.against_base.cast<Complex>() * all.leftCols<6>())
+              .norm(),
           1e-9 * H[k].norm());
     }
   }

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <numeric>
 
+#include "observation/pair_cost.hpp"
 #include "support/calibration_machine.hpp"
 
 namespace hydrapod::observation {
@@ -21,6 +22,32 @@ double least_of_all(const Eigen::MatrixXd& cost) {
     least = std::min(least, sum);
   } while (std::next_permutation(columns.begin(), columns.end()));
   return least;
+}
+
+/// What all moves in one phase is real once that phase is taken out, and as large as before.
+TEST(TurnedToReal, KeepsTheSizeOfAMotionOfOnePhase) {
+  spatial::Vector6 real;
+  real << 0.31, -1.7, 0.052, 0.9, -0.41, 2.3;
+  for (const double phase : {-2.9, -1.1, 0.0, 0.37, 1.57, 3.1}) {
+    const Vector6c turned =
+        turned_to_real(std::polar(1.3, phase) * real.cast<std::complex<double>>());
+    EXPECT_TRUE(turned.imag().isZero(0.0));
+    const double sign = turned[5].real() > 0.0 ? 1.0 : -1.0;
+    EXPECT_LE((turned.real() - sign * 1.3 * real).norm(), 1e-14 * real.norm()) << phase;
+  }
+}
+
+/// Else the part that is largest in the mean square is kept: the other is smaller.
+TEST(TurnedToReal, KeepsTheLargestPart) {
+  Vector6c motion;
+  motion << std::complex<double>(0.4, 0.11), std::complex<double>(-1.2, 0.3),
+      std::complex<double>(0.2, -0.5), std::complex<double>(0.9, 0.08),
+      std::complex<double>(0.1, 0.2), std::complex<double>(-0.3, -0.6);
+  const double kept = turned_to_real(motion).norm();
+  double most = 0.0;
+  for (int k = 0; k < 1000; ++k)
+    most = std::max(most, (motion * std::polar(1.0, 0.00314159 * k)).real().norm());
+  EXPECT_NEAR(kept, most, 1e-5 * most);
 }
 
 TEST(Assignment, IsAsGoodAsTheBestOfAllPermutations) {

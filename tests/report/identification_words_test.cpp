@@ -17,7 +17,12 @@ std::vector<data::ResponseWarning> response_warnings() {
   return {{.kind = Kind::dead_output, .channel = "y2", .value = 0.7},
           {.kind = Kind::dead_input, .channel = "u2"},
           {.kind = Kind::repeated_input, .channel = "u2", .other = "u1"},
-          {.kind = Kind::clipped, .channel = "y3", .share = 0.02, .lowest = -1, .highest = 2},
+          {.kind = Kind::clipped,
+           .channel = "y3",
+           .value = 0.114,
+           .share = 0.02,
+           .lowest = -1,
+           .highest = 2},
           {.kind = Kind::blocks_left_out, .count = 3, .total = 40},
           {.kind = Kind::correlated_inputs, .value = 51.0},
           {.kind = Kind::biased, .value = 0.13, .share = 0.4},
@@ -44,7 +49,11 @@ std::vector<data::ResponseWarning> response_warnings() {
            .value = 60.0,
            .share = 0.5,
            .count = 30000,
-           .total = 1}};
+           .total = 1},
+          {.kind = Kind::drop_outs, .value = 0.361, .share = 0.017, .count = 1122, .total = 6},
+          {.kind = Kind::slow_channel, .channel = "a3", .value = 10.0, .highest = 51.2},
+          {.kind = Kind::clipped_hits, .channel = "a2", .value = 2.0, .count = 3, .total = 5},
+          {.kind = Kind::delayed, .channel = "a4", .other = "a1", .value = 0.00586}};
 }
 
 std::vector<identification::ModeWarning> mode_warnings() {
@@ -101,8 +110,7 @@ TEST(IdentificationWords, LimitsOfAClippedChannelHaveTheDigitsThatTellThemApart)
                                       .share = 0.0003,
                                       .lowest = 2.2351234,
                                       .highest = 2.2355};
-  EXPECT_THAT(warning_text(warning),
-              HasSubstr("0.03 % of the samples are 2.2351234 or 2.2355: the channel"));
+  EXPECT_THAT(warning_text(warning), HasSubstr("are cut off at 2.2351234 or 2.2355: the channel"));
 }
 
 TEST(IdentificationWords, OneGapIsNotCounted) {

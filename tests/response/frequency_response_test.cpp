@@ -172,6 +172,59 @@ TEST_P(Methods, ActuatorForcesAreWrenchesWhileLegsAreStraight) {
   });
 }
 
+/// A base with coordinates, half as heavy as the platform, on springs as stiff as the legs.
+model::Machine on_a_base(model::Machine machine, ModelKind kind) {
+  const auto still = dynamics::linear_model(machine, machine.poses.back().X_BP, kind);
+  model::BaseMount mount{.mass = 0.5 * machine.platform.mass,
+                         .inertia = 0.7 * machine.platform.inertia.diagonal()};
+  for (std::size_t k = 0; k < 6; ++k)
+    mount.stiffness[k] = 0.8 * still.K(static_cast<int>(k), static_cast<int>(k));
+  mount.stiffness[1].reset();
+  machine.base_mount = mount;
+  return machine;
+}
+
+TEST_P(Methods, TheModalSumAndTheStateSpaceHaveABaseToo) {
+  constexpr double zeta = 0.02;
+  for_each([&](model::Machine machine, const Vector3& p_PQ, Input input) {
+    machine = on_a_base(machine, kind_);
+    const bool damped = machine.gravity.isZero();
+    if (!damped) remove_dampers(machine);
+    const auto model = response_of(machine, kind_, damped ? 0.0 : zeta, p_PQ, input);
+    ASSERT_EQ(model.modes.size(), dynamics::degrees_of_freedom(kind_) + 5);
+    const auto omega = band_of(model, 20);
+    EXPECT_EQ(response::best_method(model), damped ? Method::dense : Method::modes);
+    EXPECT_THROW(response::frequency_response(model, omega, {}, Method::elimination),
+                 std::invalid_argument);
+    const auto found = response::frequency_response(model, omega);
+    EXPECT_LE(difference(found, response::frequency_response(model, omega, {}, Method::dense)),
+              1e-8);
+    const auto system = response::state_space(model);
+    std::vector<Matrix6c> H;
+    for (const double at : omega) {
+      Eigen::MatrixXcd sI_A = -system.A.cast<Complex>();
+      sI_A.diagonal().array() += Complex(0.0, at);
+      H.push_back(system.C * sI_A.partialPivLu().solve(system.B.cast<Complex>()).eval());
+    }
+    EXPECT_LE(difference(H, found), 1e-7);
+  });
+}
+
+/// The oil pushes the base back: at rest the mount carries nothing of it, but all of a wrench.
+TEST_P(Methods, ActuatorForcesAreInnerForcesOfAMachineOnItsBase) {
+  for_each([&](const model::Machine& machine, const Vector3& p_PQ, Input) {
+    const auto moving = on_a_base(machine, kind_);
+    const auto still = response_of(machine, kind_, 0.0, p_PQ, Input::actuator);
+    const double omega = 1e-5 * still.modes.omega(0);
+    const auto at_rest = [&](const model::Machine& which, Input input) {
+      return response::frequency_response(response_of(which, kind_, 0.0, p_PQ, input), {&omega, 1});
+    };
+    EXPECT_LE(difference(at_rest(moving, Input::actuator), at_rest(machine, Input::actuator)),
+              1e-6);
+    EXPECT_GE(difference(at_rest(moving, Input::wrench), at_rest(machine, Input::wrench)), 0.1);
+  });
+}
+
 /// C (jω I − A)⁻¹ B + D, solved as it stands.
 TEST_P(Methods, TheStateSpaceHasTheSameResponse) {
   constexpr double rounding = 1e-9;  // displacements and velocities side by side, not scaled

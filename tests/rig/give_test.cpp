@@ -88,7 +88,7 @@ TEST(RigOnABaseThatGivesWay, ShowsTheLowerFrequencies) {
       return one.oscillates() ? std::abs(one.omega / two_pi - soft[i]) : 1e9;
     });
     const double frequency = pole->omega / two_pi;
-    EXPECT_NEAR(frequency, soft[i], 0.04 * soft[i]);  // the reduced model is an upper bound
+    EXPECT_NEAR(frequency, soft[i], 7e-3 * soft[i]);  // the valves hold the pistons a little
     EXPECT_NEAR(nearest(found, frequency), frequency, 7e-3 * frequency);
   }
   // leg lengths show shapes against the base

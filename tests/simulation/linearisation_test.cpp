@@ -102,6 +102,63 @@ TEST(RayleighDamping, IsProportionalToTheStiffness) {
   }
 }
 
+class OnAMount : public testing::TestWithParam<AxesAndKind> {};
+
+/// The plant's coordinates are motion against the base and of the base: y = S z.
+TEST_P(OnAMount, ThePlantsLinearisationIsTheLinearModelWithItsBase) {
+  const auto [axes, kind] = GetParam();
+  Random random(6121);
+  for (int k = 0; k < 6; ++k) {
+    auto machine = random_machine(random, {.axes = axes, .gravity = Gravity::anywhere});
+    machine.damping.modal_ratio = 0.0;
+    machine.damping.rayleigh_mass = random.uniform(0.0, 0.5);
+    for (auto& leg : machine.legs) {
+      leg.stroke.reset();
+      leg.cylinder_case.axial_inertia =
+          random.uniform(0.1, 0.9) * leg.cylinder_case.transverse_inertia;
+      leg.rod.axial_inertia = random.uniform(0.1, 0.9) * leg.rod.transverse_inertia;
+      if (axes == model::FlexibleAxes::gimbal)
+        leg.gimbal_cross_inertia = random.uniform(0.1, 0.9) * leg.rod.transverse_inertia;
+      if (leg.oil_spring.cylinder) leg.oil_spring = {.stiffness = 3.1e6 + 1e5 * k};
+    }
+    const double stiffness = 1.3 * *machine.legs[0].oil_spring.stiffness;
+    model::BaseMount mount{.mass = 0.6 * machine.platform.mass,
+                           .inertia = 0.6 * machine.platform.inertia.diagonal()};
+    for (auto& spring : mount.stiffness) spring = random.uniform(0.5, 1.5) * stiffness;
+    if (k % 2 == 1) mount.stiffness[static_cast<std::size_t>(k)].reset();
+    machine.base_mount = mount;
+    for (const auto& pose : machine.poses) {
+      const Plant plant(machine, kind, {.hydraulics = false}, pose.X_BP);
+      ASSERT_TRUE(plant.base().added_inertia.isZero(0.0));
+      const auto rest = plant.equilibrium(pose.X_BP);
+      const auto linear = plant.linearise(rest.x, rest.input);
+      const auto model = dynamics::linear_model(machine, pose.X_BP, kind);
+      const int n = model.dof(), still = model.first_of_base(), base = model.base_count();
+      ASSERT_EQ(linear.A.rows(), 2 * n);
+      std::vector<int> places(static_cast<std::size_t>(n)), rates = places;
+      for (int i = 0; i < n; ++i) {
+        places[static_cast<std::size_t>(i)] = i < still ? i : still + i;
+        rates[static_cast<std::size_t>(i)] = i < still ? still + i : still + base + i;
+      }
+      MatrixXd S = MatrixXd::Identity(n, n);
+      S.topRightCorner(6, base) = model.carried_by_base;
+      const MatrixXd M = S.transpose() * model.M * S, K = S.transpose() * model.K * S,
+                     C = S.transpose() * model.C * S;
+      EXPECT_LE(scaled_error(-M * linear.A(rates, places), K, K), 1e-6) << pose.name;
+      EXPECT_LE(scaled_error(-M * linear.A(rates, rates), C, C), 1e-6) << pose.name;
+      const MatrixXd per_wrench = linear.B(rates, Eigen::seqN(linear.B.cols() - 6, 6));
+      const MatrixXd expected = M.inverse() * S.transpose().leftCols<6>();
+      EXPECT_LE((per_wrench - expected).norm(), 1e-7 * expected.norm());
+    }
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(, OnAMount,
+                         testing::Combine(both_axes(),
+                                          testing::Values(ModelKind::rigid, ModelKind::guide,
+                                                          ModelKind::full)),
+                         [](const auto& test) { return name(test); });
+
 /// Valves shut, seals tight: each leg is the spring β (A²/V_1 + e²A²/V_2), which for the equivalent
 /// cylinder at mid stroke is the published k_h (Eq. 16), in series with its gimbals.
 void expect_modes_of_oil_springs(const model::Machine& machine) {

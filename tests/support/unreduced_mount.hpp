@@ -23,7 +23,8 @@ inline UnreducedMount unreduced_mount(const model::Machine& machine, const spati
   const auto C = kinematics::mass_center(machine, X_BP);
   const auto geometry = kinematics::inverse_kinematics(machine, X_BP);
   UnreducedMount system;
-  auto& [M, K, against_base] = system;
+  Matrix12 &M = system.M, &K = system.K;
+  auto& against_base = system.against_base;
   M.topLeftCorner<3, 3>().diagonal().setConstant(machine.platform.mass);
   M.block<3, 3>(3, 3) = X_BP.R_BP * machine.platform.inertia * X_BP.R_BP.transpose();
   against_base << Eigen::Matrix<double, 6, 6>::Identity(), -Eigen::Matrix<double, 6, 6>::Identity();

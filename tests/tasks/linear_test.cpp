@@ -177,15 +177,31 @@ TEST(Readers, TakeNoShapeThatIsNotOfTheModel) {
             "modes.json: error: modes[2].shape: expected 18 numbers");
   EXPECT_EQ(refusal_of_modes([](Json& json) {
               auto& shape = json["rigid_modes"][5]["shape"];
-              while (shape.size() < 31) shape.push_back(0.7);
+              while (shape.size() < 37) shape.push_back(0.7);
             }),
-            "modes.json: error: rigid_modes[5].shape: expected at most 30 numbers");
+            "modes.json: error: rigid_modes[5].shape: expected at most 36 numbers");
   EXPECT_EQ(refusal_of_modes([](Json& json) {
               json["modes"][1]["shape_imaginary"] = {1.0, 2.0};
             }),
             "modes.json: error: modes[1].shape_imaginary: expected 18 numbers");
   EXPECT_EQ(refusal_of_modes([](Json& json) { json["modes"][0]["leg_energy"].erase(5); }),
             "modes.json: error: modes[0].leg_energy: expected 6 numbers");
+}
+
+const std::vector<std::string> on_a_base{
+    "base.mount.mass=1.31 t", "base.mount.stiffness.z=0.41 kN/um", "base.mount.stiffness.ry=7.1e8"};
+
+TEST(Readers, TakeShapesWithTheBaseInThem) {
+  const auto table = tasks::modes(heavy("neutral", on_a_base));
+  const auto json = report::modes_json(table);
+  ASSERT_EQ(json["modes"].size(), 20U);
+  EXPECT_EQ(json["coordinates"][18], "base.z");
+  EXPECT_EQ(json["coordinates"][19], "base.ry");
+  EXPECT_EQ(json["rigid_modes"][0]["shape"].size(), 8U);
+  expect_round_trip(json, report::modes_from_json, report::modes_json);
+  auto other = json;
+  other["coordinates"].erase(19);
+  EXPECT_THROW(report::modes_from_json(other, "modes.json"), base::InputError);
 }
 
 TEST(Readers, TakeNoNumberOfAModeThatIsNotThere) {

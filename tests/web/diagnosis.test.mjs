@@ -33,6 +33,14 @@ function measured() {
 const modes = measured();
 const page_ = report(heavy, ...stiff, '--diagnose', modes);
 
+test('the header and the facts say which machine the page shows', async () => {
+  const state = /best hypothesis of the diagnosis: .*guide sleeve/;
+  await withKeptPage(page_, still, async (page) => {
+    assert.match(await page.locator('header.top').textContent(), state);
+    assert.match(await page.locator('#about').textContent(), state);
+  });
+});
+
 test('no finding of axe', async () => {
   await withKeptPage(page_, still, async (page) => {
     assert.deepEqual(await findings(page), []);

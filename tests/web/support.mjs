@@ -53,6 +53,9 @@ export const model = (name) => join(HYDRAPOD_SOURCE, 'models', name);
 export const published = model('zhang-jiang-2021.toml');
 export const temporary = (name) => join(folder, name);
 
+// Results of two runs can be compared.
+process.env.SOURCE_DATE_EPOCH ??= '1700000001';
+
 /** Runs the program; its standard output. */
 export function hydrapod(...words) {
   return execFileSync(HYDRAPOD_PROGRAM, words, {

@@ -35,6 +35,16 @@ export const motionParts = (mode: Mode): Part[] => [
     kind: name,
   })),
   { name: 'legs', long: 'legs', value: mode.leg_energy.reduce((a, b) => a + b, 0), kind: 'legs' },
+  ...(mode.base_energy
+    ? [
+        {
+          name: 'base',
+          long: 'base',
+          value: mode.base_energy.reduce((a, b) => a + b, 0),
+          kind: 'legs',
+        },
+      ]
+    : []),
 ];
 
 /** "x 97 %, legs 2 %" */

@@ -24,6 +24,8 @@ export interface Mode {
   group: number;
   platform_energy: number[];
   leg_energy: number[];
+  /** Of a base with coordinates of its own. */
+  base_energy?: number[];
   strain_energy: Strain;
   shape: number[];
   shape_imaginary?: number[];
@@ -122,6 +124,18 @@ export interface Simulation {
   };
 }
 
+/** How a result was made. */
+export interface Reproduction {
+  program: string;
+  version: string;
+  /** Of the program's sources; "-changed" behind it where they were changed since. */
+  commit: string | null;
+  date: string;
+  /** The arguments of the program. */
+  command: string[];
+  inputs: { option: string; path: string; bytes: number | null; sha256: string | null }[];
+}
+
 export interface Report {
   kind: string;
   title: string;
@@ -129,6 +143,8 @@ export interface Report {
     name: string;
     description: string;
     source: string;
+    /** Which machine the results are of: nominal, calibrated, with which overrides. */
+    state: string;
     file: string;
     overrides: string[];
     text?: string;
@@ -144,8 +160,8 @@ export interface Report {
     modal_ratio_is_default: boolean;
   };
   pictured_modes: number[];
-  /** The arguments that made this page; absent where a program called the library. */
-  command?: string[];
+  /** How this page was made; absent where a program called the library. */
+  reproduction?: Reproduction;
   poses: PoseReport[];
   simulation?: Simulation;
   diagnosis?: Diagnosis;

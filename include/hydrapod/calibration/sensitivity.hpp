@@ -23,8 +23,9 @@ struct ModePoint {
   dynamics::NormalModes modes{};
   std::vector<modal::ModelDerivative> derivatives{};   ///< per parameter [per its SI unit]
   std::vector<spatial::Vector3> center_derivatives{};  ///< of the mass centre's place [m per unit]
-  std::vector<spatial::Matrix6> against_base_derivatives{};  ///< of LinearModel::against_base
-  Eigen::MatrixXd domega2{};                                 ///< modes × parameters
+  /// Of LinearModel::against_base.
+  std::vector<dynamics::PlatformRows> against_base_derivatives{};
+  Eigen::MatrixXd domega2{};  ///< modes × parameters
 };
 
 /// A machine with the numbers of it that vary: a parameter sets all of its ids to one value.

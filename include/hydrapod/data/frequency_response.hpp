@@ -29,11 +29,12 @@ std::optional<Estimator> estimator_from_text(std::string_view text);
 /// What a user should know of responses; report::warning_text has the words.
 struct ResponseWarning {
   enum class Kind {
-    dead_output,        ///< channel, left out; value: all its samples
-    dead_input,         ///< channel; there are no responses to it
-    repeated_input,     ///< channel, left out for `other`
-    clipped,            ///< channel; share of its samples that are `lowest` or `highest`
-    blocks_left_out,    ///< count, of total, for missing samples
+    dead_output,      ///< channel, left out; value: all its samples
+    dead_input,       ///< channel; there are no responses to it
+    repeated_input,   ///< channel, left out for `other`
+    clipped,          ///< channel; share of its samples that are cut off at `lowest` or `highest`;
+                      ///< value: of its power
+    blocks_left_out,  ///< count, of total, for missing samples
     correlated_inputs,  ///< value: median of the condition
     biased,             ///< value: median of the relative deviation from the instrumental estimate;
                         ///< share of lines outside its 95 % band; estimator
@@ -50,8 +51,15 @@ struct ResponseWarning {
                       ///< by what the samples beside it leave open; taken as missing
     hits_left_out,    ///< count, of total; value: less of them was recorded than this [s]
     repeated_output,  ///< channel has the samples of `other`
-    held              ///< channel; count: of its samples, in `total` runs at one value each, while
+    held,             ///< channel; count: of its samples, in `total` runs at one value each, while
                       ///< inputs and other outputs move; share; value: the longest [s]; missing
+    drop_outs,     ///< count: samples of all channels, in `total` runs in which all stand still at
+                   ///< once; share; value: the longest [s]; taken as missing
+    slow_channel,  ///< channel holds each of its values for `value` samples; `highest`: half of
+                   ///< its own sample rate [Hz]; share of what is above that in an input, which
+                   ///< cannot be told from what is below; count: 1: left out
+    clipped_hits,  ///< count, of total, were left out: channel is cut off in them
+    delayed        ///< channel is later than `other` by value [s]; the responses are without that
   };
   Kind kind{};
   std::string channel{}, other{};

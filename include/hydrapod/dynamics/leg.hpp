@@ -110,4 +110,16 @@ struct BentLeg {
 BentLeg bent_leg(const model::Leg& leg, const Vector3& a, model::FlexibleAxes axes,
                  const Vector3& gravity, const LegState& state);
 
+/// What a base that moves feels of a leg on it, about the origin of B in its axes.
+struct LegOnBase {
+  /// Linear [kg m/s] and angular momentum [kg m²/s] per ẋ, in the leg's motion against the base.
+  Eigen::Matrix<double, 6, leg_coordinates> momentum{
+      Eigen::Matrix<double, 6, leg_coordinates>::Zero()};
+  Matrix6 inertia{Matrix6::Zero()};  ///< case and rod (and gimbal's cross) locked together
+};
+
+/// `a`, `state` as for bent_leg; straight legs have the state zero.
+LegOnBase leg_on_base(const model::Leg& leg, const Vector3& a, model::FlexibleAxes axes,
+                      const LegState& state);
+
 }  // namespace hydrapod::dynamics

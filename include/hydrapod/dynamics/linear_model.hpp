@@ -1,10 +1,13 @@
 #pragma once
 /// The three linear models of a hexapod at any pose: M ÿ + C ẏ + K y = F.
 ///
-///     y = (x, y, z, rx, ry, rz | φ1, φ2 (, u1, u2) of leg 1 | … | of leg 6)
+///     y = (x, y, z, rx, ry, rz | φ1, φ2 (, u1, u2) of leg 1 | … | of leg 6 | x, …, rz of the base)
 ///
 /// The platform's six are the motion of its mass centre C [m] and its rotation [rad], both in base
-/// axes, against the ground; the flexible coordinates are those of LegElement. Summing T and V of
+/// axes, against the ground; the flexible coordinates are those of LegElement. The base's are its
+/// motion at the origin of B against the ground, in the directions in which its mount has a spring;
+/// a base that stands still has none, and one without inertia of its own is condensed: it only puts
+/// its springs in series with the legs' (src/dynamics/base_mount.hpp). Summing T and V of
 /// platform and legs gives M and K, symmetric, M positive definite. Without gravity M and K have no
 /// preload terms and the upper-left 6×6 of M is the rigid model's M. With gravity everything is
 /// linearised about the static equilibrium (statics.hpp) of that very model. Derivation:
@@ -39,10 +42,14 @@
 
 namespace hydrapod::dynamics {
 
-inline constexpr int max_dof = degrees_of_freedom(ModelKind::full);
-/// Square, 6, 18 or 30 rows, on the stack.
+inline constexpr int max_dof = degrees_of_freedom(ModelKind::full) + 6;
+/// Square, 6, 18 or 30 rows and up to six of the base, on the stack.
 using ModelMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, max_dof, max_dof>;
 using ModelVector = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, max_dof, 1>;
+/// Motion of the platform per coordinate of the model.
+using PlatformRows = Eigen::Matrix<double, 6, Eigen::Dynamic, 0, 6, max_dof>;
+/// The same per coordinate of the base.
+using BaseColumns = Eigen::Matrix<double, 6, Eigen::Dynamic, 0, 6, 6>;
 
 struct LinearModel {
   ModelKind kind{};
@@ -55,18 +62,35 @@ struct LinearModel {
   std::array<Eigen::Matrix<double, 3, 6>, model::leg_count> J{};
   StaticEquilibrium statics{};
   bool base_moves{};
-  /// I − T G: the motion of C against the base, which leg lengths show, per motion of C against the
-  /// ground, which the platform's six of y are. 1 where the base stands still.
-  Matrix6 against_base{Matrix6::Identity()};
-  Matrix6 K_mount{Matrix6::Zero()};  ///< the mount's share of K_rr; see base_mount.hpp
+  /// Directions 0…5 of the base that are coordinates, the last of y; none where it stands still or
+  /// is condensed.
+  std::vector<int> base_directions{};
+  /// The motion of C against the base, which leg lengths show, per y. (1, 0) where the base stands
+  /// still.
+  PlatformRows against_base{};
+  BaseColumns carried_by_base{};  ///< motion of C per base coordinate with all legs held
+  /// Of a base with coordinates:
+  std::array<LegOnBase, model::leg_count> legs_on_base{};
+  Vector6 base_inertia{Vector6::Zero()};  ///< its own [kg, kg m²], all six directions
+  Vector6 k_mount{Vector6::Zero()};       ///< [N/m, N m/rad], 0 where the base does not give way
+  /// The mount's share of K_rr; see base_mount.hpp. Of a condensed base only.
+  Matrix6 K_mount{Matrix6::Zero()};
   ModelMatrix M{}, K{};
   ModelMatrix
       C{};  ///< viscous dampers of the legs and Rayleigh damping; modal ratios are not in it
 
-  [[nodiscard]] int dof() const { return degrees_of_freedom(kind); }
+  [[nodiscard]] int base_count() const { return static_cast<int>(base_directions.size()); }
+  [[nodiscard]] int dof() const { return degrees_of_freedom(kind) + base_count(); }
   /// Coordinates of leg i in y: joint rows J[i] times the platform's, then these.
   [[nodiscard]] int first_of_leg(int i) const { return 6 + i * flexible_per_leg(kind); }
+  [[nodiscard]] int first_of_base() const { return degrees_of_freedom(kind); }
 };
+
+/// Directions 0…5 of the machine's base that are coordinates of its linear models.
+std::vector<int> base_directions(const model::Machine& machine);
+
+/// Number of coordinates, and of modes, of the model `kind` of `machine`.
+int degrees_of_freedom(const model::Machine& machine, ModelKind kind);
 
 /// The model `kind` of `machine` at `X_BP`. Throws base::ComputationError when the machine has no
 /// static equilibrium there that Newton can find, and std::invalid_argument when ModelKind::full is
@@ -75,8 +99,9 @@ struct LinearModel {
 LinearModel linear_model(const model::Machine& machine, const spatial::Pose& X_BP, ModelKind kind,
                          const StaticEquilibrium* start = nullptr);
 
-/// Names of the coordinates: "x", …, "rz", "leg1.phi1", "leg1.phi2", "leg1.u1", ….
-std::vector<std::string> coordinate_names(ModelKind kind);
+/// Names of the coordinates: "x", …, "rz", "leg1.phi1", "leg1.phi2", "leg1.u1", …, "base.x", ….
+std::vector<std::string> coordinate_names(ModelKind kind,
+                                          const std::vector<int>& base_directions = {});
 
 /// "rigid", "guide", "full".
 const char* name(ModelKind kind);

@@ -90,6 +90,7 @@
 
 #include <Eigen/Core>
 #include <cstdint>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <string_view>
@@ -158,6 +159,9 @@ struct ChannelHealth {
   std::int64_t in_flat_tops{};
   std::int64_t longest_hold{};  ///< samples at one value in succession, where that is long; else 0
   double lowest{}, highest{};
+  /// Samples from there on were cut off; not finite: at this end none was.
+  double cut_below{std::numeric_limits<double>::quiet_NaN()}, cut_above{cut_below};
+  double held_samples{1.0};  ///< that each value lasts, in the mean, where all last alike
   [[nodiscard]] bool constant() const { return samples > missing && !(highest > lowest); }
 };
 

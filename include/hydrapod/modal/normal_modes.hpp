@@ -8,21 +8,22 @@
 /// - signs are canonical: the largest component (each weighted with the root of its mass), of the
 ///   platform where the platform moves at all, is positive.
 ///
-/// Method. Legs touch each other only through the platform, so M is factored in blocks, one small
-/// block per leg and a 6×6 one; a symmetric eigensolver of fixed size follows; ω² are Rayleigh
-/// quotients of its shapes. Errors: ω² within some epsilons of itself, next to frequencies 10⁵
-/// times higher (seals made rigid by a huge stiffness) still within 1e-9; shapes within some
-/// epsilons of the largest ω² over the distance to the next.
+/// Method. Legs touch each other only through platform and base, so M is factored in blocks, one
+/// small block per leg and one of platform and base; a symmetric eigensolver of fixed size follows;
+/// ω² are Rayleigh quotients of its shapes. Errors: ω² within some epsilons of itself, next to
+/// frequencies 10⁵ times higher (seals made rigid by a huge stiffness) still within 1e-9; shapes
+/// within some epsilons of the largest ω² over the distance to the next.
 ///
 /// Who moves and what stores the energy in a mode.
 ///
 /// Kinetic energy φᵀ M φ is split into the platform's six directions (about its mass centre, base
-/// axes) and the six legs; these twelve shares sum to 1. A product of inertia between two rotations
-/// is shared half and half, so a direction's share may be slightly negative.
+/// axes), the six legs and the six directions of a base with coordinates; these shares sum to 1. A
+/// product of inertia between two rotations is shared half and half, so a direction's share may be
+/// slightly negative.
 ///
 /// Elastic energy is split into oil springs (gimbals in series with them included), guide sleeves
-/// and piston rings, per leg, and the base's mount; these sum to 1. With a base that moves the
-/// kinetic energy of the legs is that of their motion against it. What gravity and preload give
+/// and piston rings, per leg, and the base's mount; these sum to 1. On a condensed base the kinetic
+/// energy of the legs is that of their motion against it. What gravity and preload give
 /// back or take (second order: curvature, weights, knees under compression) is no elastic energy;
 /// `preload` states it as a multiple of the elastic energy: −0.6 means that preload takes away 60 %
 /// of the stiffness that the springs give the mode, −1 that the legs buckle.
@@ -54,6 +55,7 @@ using spatial::Vector6;
 struct EnergyShares {
   Vector6 platform{Vector6::Zero()};      ///< kinetic, x y z rx ry rz
   Vector6 legs{Vector6::Zero()};          ///< kinetic, legs 1…6
+  Vector6 base{Vector6::Zero()};          ///< kinetic, x y z rx ry rz of the base itself
   Vector6 oil{Vector6::Zero()};           ///< elastic, legs 1…6
   Vector6 guide_sleeve{Vector6::Zero()};  ///< elastic, legs 1…6
   Vector6 piston_ring{Vector6::Zero()};   ///< elastic, legs 1…6

@@ -348,6 +348,7 @@ struct Machine {
   std::string name{};
   std::string description{};
   std::string source{};
+  std::string state{};  ///< that the numbers describe, "calibrated"; empty: nominal
   Vector3 gravity{0.0, 0.0, -standard_gravity};  ///< [m/s²] in B
   Platform platform{};
   std::array<Leg, leg_count> legs{};

@@ -64,6 +64,9 @@ std::string damping_text(const model::Machine& machine);
 /// "gravity 9.81 m/s² downwards", "no gravity".
 std::string gravity_text(const model::Machine& machine);
 
+/// Which machine the results are of: "nominal", "calibrated, with platform.mass=4 t".
+std::string state_text(const model::MachineFile& file);
+
 /// A share without its % sign: "82"; "<1" for less than half a per cent.
 std::string percent_text(double share);
 

@@ -7,7 +7,10 @@
 /// - wrench: force [N] and moment [N m] at Q;
 /// - actuator: forces of the six oil columns, mapped to platform directions by J⁻ᵀ (J: extension
 ///   rates of the pistons per motion of Q), so that the six inputs are again forces and moments at
-///   Q. For straight legs both are the same; bent legs (gravity) also push their own knees.
+///   Q. For straight legs on a still base both are the same; bent legs (gravity) also push their own
+///   knees, and all legs push a base that has coordinates back.
+///
+/// Motion is against the ground, on a base that moves too.
 ///
 /// Three exact ways to the same numbers:
 /// - modes: H = Σ φφᵀ / (ω_k² − ω² + 2iζω_kω), where no viscous damper couples the modes;
@@ -15,8 +18,8 @@
 ///   first, which leaves one 6×6 complex symmetric solve per frequency. Several frequencies go
 ///   through together, one per SIMD lane. No pivoting: where a pivot vanishes (an undamped leg
 ///   exactly at its own resonance) the frequency is done again by the dense way;
-/// - dense: LU with pivoting, for modal ratios together with viscous dampers, and to check the
-///   others.
+/// - dense: LU with pivoting, for modal ratios together with viscous dampers, for viscous dampers on
+///   a base with coordinates, which couples the legs too, and to check the others.
 ///
 /// Resonance peaks of the direct responses H_dd (force in a direction, motion in the same
 /// direction).
@@ -58,10 +61,11 @@ enum class Method { modes, elimination, dense };
 /// A linear model with its platform coordinates moved to Q, ready to be swept.
 struct ResponseModel {
   dynamics::ModelKind kind{};
-  Vector3 p_BQ{};  ///< the point [m] in B
+  int base_count{};  ///< coordinates of the base, the last
+  Vector3 p_BQ{};    ///< the point [m] in B
   ModelMatrix M{}, K{}, C{};
   ModelMatrix loads{};                ///< B (dof×6): generalised forces per input
-  bool loads_flexible{};              ///< some input acts on flexible coordinates
+  bool loads_flexible{};              ///< some input acts on more than the platform
   NormalModes modes{};                ///< in the coordinates at Q
   double modal_ratio{};               ///< ζ of every mode, on top of C
   std::vector<int> mode_direction{};  ///< per mode, 0…5: where most of its platform energy is

@@ -10,13 +10,19 @@
 
 namespace hydrapod::tasks {
 
+/// Of a record that is written.
+struct Origin {
+  std::string program{};               ///< name, version, commit; empty: this library's version
+  std::vector<std::string> command{};  ///< its arguments
+};
+
 struct SimulateOptions {
   std::vector<std::string> commands{};  ///< see signals/signal_text.hpp; they add up; none: rest
   std::optional<double> until{};        ///< [s]; default: what the commands need, and a little more
   simulation::LoopOptions loop{};       ///< `kind` and `until` are not used
   std::size_t trace_samples{3000};
-  std::string record{};                     ///< file to write (data/record_io.hpp); empty: none
-  std::vector<std::string> command_line{};  ///< what the record says of its origin
+  std::string record{};  ///< file to write (data/record_io.hpp); empty: none
+  Origin origin{};       ///< what the record says of its origin
 };
 
 /// A run that ends early has everything up to there, and so has its record. `progress` that asks to
@@ -30,7 +36,7 @@ struct RigOptions {
   int averages{};          ///< periods of a periodic excitation, instead of `duration`; 0: none
   std::string record{};    ///< file to write; empty: only the levels are checked
   bool force{};            ///< run though the levels do not fit
-  std::vector<std::string> command_line{};  ///< what the record says of its origin
+  Origin origin{};         ///< what the record says of its origin
 };
 
 struct Rig {

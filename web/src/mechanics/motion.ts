@@ -26,24 +26,43 @@ export interface Shape {
 
 const keys = ['base', 'sleeve', 'piston', 'rodAtSleeve', 'joint'] as const;
 
-function displacements(geometry: Geometry, legs: Leg[], y: number[], perLeg: number, tilt: number) {
-  const center = geometry.platform.mass_center_m;
+const baseNames = ['x', 'y', 'z', 'rx', 'ry', 'rz'].map((name) => `base.${name}`);
+
+/** Motion of the base at the origin of its frame: the last of the coordinates, where it has any. */
+function baseMotion(coordinates: string[], y: number[]): { shift: Vector; turn: Vector } {
+  const of = (name: string): number => {
+    const behind = coordinates.length - coordinates.indexOf(name);
+    return coordinates.includes(name) ? (y[y.length - behind] ?? 0) : 0;
+  };
+  const all = baseNames.map(of);
+  return { shift: all.slice(0, 3) as Vector, turn: all.slice(3, 6) as Vector };
+}
+
+function displacements(pose: PoseReport, legs: Leg[], y: number[], perLeg: number, tilt: number) {
+  const center = pose.geometry.platform.mass_center_m;
   const displacement = y.slice(0, 3) as Vector;
   const rotation = y.slice(3, 6) as Vector;
+  const base = baseMotion(pose.coordinates, y);
   const motions = legs.map((leg, i) => {
     const joint = add(displacement, cross(rotation, subtract(leg.platform_joint_m, center)));
     const own = y.slice(6 + i * perLeg, 6 + (i + 1) * perLeg).map((value) => tilt * value);
-    return legMotion(leg, joint, [0, 1, 2, 3].map((k) => own[k] ?? 0) as Flexible);
+    const carried = (point: Vector): Vector => add(base.shift, cross(base.turn, point));
+    const against = subtract(joint, carried(leg.platform_joint_m));
+    const motion = legMotion(leg, against, [0, 1, 2, 3].map((k) => own[k] ?? 0) as Flexible);
+    const rest = restPoints(leg);
+    for (const key of keys) motion[key] = add(motion[key], carried(rest[key]));
+    return motion;
   });
   return { legs: motions, center, displacement, rotation };
 }
 
 /** The shape of `mode`; `tilt`: factor on rod tilt and piston offset, to make small ones visible. */
 export function shapeOf(pose: PoseReport, mode: Mode, tilt = 1): Shape {
-  const perLeg = (mode.shape.length - 6) / 6;
+  const ofBase = pose.coordinates.filter((name) => baseNames.includes(name)).length;
+  const perLeg = (mode.shape.length - 6 - ofBase) / 6;
   const { geometry } = pose;
   const legs = perLeg === 0 ? geometry.legs.map(straightLeg) : geometry.legs;
-  const part = (y: number[]) => displacements(geometry, legs, y, perLeg, tilt);
+  const part = (y: number[]) => displacements(pose, legs, y, perLeg, tilt);
   return {
     legs,
     center: geometry.platform.mass_center_m,
@@ -54,7 +73,8 @@ export function shapeOf(pose: PoseReport, mode: Mode, tilt = 1): Shape {
 
 /** No motion: what stands beside a mode without rigid counterpart. */
 export function restShape(pose: PoseReport): Shape {
-  const zero = { ...(pose.rigid_modes[0] as Mode), shape: [0, 0, 0, 0, 0, 0] };
+  const some = pose.rigid_modes[0] as Mode;
+  const zero = { ...some, shape: some.shape.map(() => 0) };
   delete zero.shape_imaginary;
   return shapeOf(pose, zero);
 }

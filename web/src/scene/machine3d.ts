@@ -195,29 +195,27 @@ export class Machine3D {
   readonly group = new Group();
   private readonly legs: Leg3D[];
   private readonly platform: Plate;
+  private readonly base: Plate;
   private readonly center: Mesh;
   private readonly order: number[];
+  private readonly feetOrder: number[];
   private readonly sizes: Sizes;
   private readonly normal: Vector;
 
   constructor(geometry: Geometry, rest: MachinePoints, palette: Palette) {
     const materials = materialsOf(palette);
     this.sizes = sizesOf(geometry);
-    const { plate } = this.sizes;
     const joints = geometry.legs.map((leg) => leg.platform_joint_m);
     this.order = outline(joints, geometry.platform.origin_m);
     this.normal = geometry.platform.rotation.map((row) => row[2]) as Vector;
     this.platform = new Plate(6, materials.platform);
-    const base = new Plate(6, materials.base);
+    this.base = new Plate(6, materials.base);
     const feet = geometry.legs.map((leg) => leg.base_joint_m);
-    base.place(
-      outline(feet, [0, 0, 0]).map((i) => feet[i]),
-      [0, 0, -plate],
-    );
+    this.feetOrder = outline(feet, [0, 0, 0]);
     this.legs = geometry.legs.map((_, i) => new Leg3D(i, this.sizes, materials, palette));
     this.center = new Mesh(new SphereGeometry(0.022 * this.sizes.size, 18, 12), materials.sleeve);
     this.group.add(
-      base.mesh,
+      this.base.mesh,
       this.platform.mesh,
       this.center,
       ghost(rest, this.order, materials.ghost),
@@ -231,6 +229,8 @@ export class Machine3D {
     const corners = this.order.map((i) => points.legs[i].joint);
     const normal = add(this.normal, cross(points.rotation, this.normal));
     this.platform.place(corners, scale(this.sizes.plate, normal));
+    const feet = this.feetOrder.map((i) => points.legs[i].base);
+    this.base.place(feet, [0, 0, -this.sizes.plate]);
     this.center.position.copy(three(add(points.center, points.displacement)));
   }
 

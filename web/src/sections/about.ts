@@ -26,12 +26,19 @@ const shellWord = (word: string): string =>
 export const command = (words: string[]): string =>
   ['hydrapod', ...words].map(shellWord).join(' ');
 
+function program({ assumptions, reproduction }: Report): string {
+  const commit = reproduction?.commit ? `, commit ${reproduction.commit}` : '';
+  return `hydrapod ${assumptions.hydrapod}${commit}`;
+}
+
 function facts(report: Report): [string, string][] {
   const { assumptions: a, machine } = report;
   const rows: [string, string][] = [
-    ['Program', `hydrapod ${a.hydrapod}`],
+    ['Program', program(report)],
+    ...(report.reproduction ? [['Date', report.reproduction.date] as [string, string]] : []),
     ['Machine', machine.name || 'without a name'],
     ['Source', machine.source || 'not stated'],
+    ['State', machine.state],
     ['File', machine.file],
     ['Overrides', machine.overrides.join('\n') || 'none'],
     ['Gravity', `${a.gravity}: (${list(a.gravity_m_s2, 5)}) m/s² in base axes`],
@@ -56,6 +63,11 @@ function facts(report: Report): [string, string][] {
       'normalised so that φᵀ M φ = 1; motion of the platform’s mass centre, base axes',
     ],
   );
+  for (const input of report.reproduction?.inputs ?? [])
+    rows.push([
+      `Read with ${input.option}`,
+      `${input.path}\n${input.bytes ?? '?'} bytes, SHA-256 ${input.sha256 ?? 'unknown: the file was changed while the command ran'}`,
+    ]);
   if (machine.warnings && machine.warnings.length > 0)
     rows.push(['Warnings', machine.warnings.join('\n')]);
   return rows;
@@ -83,13 +95,13 @@ function render(state: State, host: HTMLElement): void {
       html('caption', { class: 'unseen' }, 'Assumptions of the calculation'),
       html('tbody', {}, ...rows),
     ),
-    ...(report.command
+    ...(report.reproduction
       ? [
           html('h3', {}, 'Command'),
           html(
             'pre',
             { class: 'command', tabindex: 0, 'aria-label': 'Command' },
-            command(report.command),
+            command(report.reproduction.command),
           ),
         ]
       : []),

@@ -9,9 +9,9 @@ import { energyParts, stackedBar } from '../bars';
 import type { Section } from './section';
 
 const modelNames = {
-  rigid: 'rigid legs, 6 modes',
-  guide: 'compliant guide sleeves, 18 modes',
-  full: 'compliant guide sleeves and piston rings, 30 modes',
+  rigid: 'rigid legs',
+  guide: 'compliant guide sleeves',
+  full: 'compliant guide sleeves and piston rings',
 };
 
 export function header(state: State, sections: Section[], page: HTMLElement): void {
@@ -52,12 +52,13 @@ function subtitles(report: Report): string[] {
   const pose = report.poses[0];
   const name = machine.name !== report.title ? machine.name : '';
   const facts = [
-    pose ? modelNames[pose.model] : '',
+    pose ? `${modelNames[pose.model]}, ${pose.modes.length} modes` : '',
     assumptions.gravity,
     `damping ${assumptions.damping}`,
   ];
   return [
     [name, machine.description].filter(Boolean).join(': '),
+    `Machine: ${machine.state}`,
     facts.filter(Boolean).join(' · '),
   ].filter(Boolean);
 }

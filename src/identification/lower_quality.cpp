@@ -1,0 +1,62 @@
+#include "lower_quality.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "names.hpp"
+
+namespace hydrapod::identification {
+
+namespace {
+
+using Kind = data::ResponseWarning::Kind;
+
+void limit(IdentifiedMode& mode, double most) {
+  mode.explained = std::min(mode.explained, std::clamp(most, 0.0, 1.0));
+}
+
+/// Modes whose half-power band reaches into lines at which the excitation is weak.
+void lower_where_weak(const data::ResponseWarning& warning, Identification& result) {
+  for (auto& mode : result.modes) {
+    const double f = mode.fit.omega() / two_pi, wide = mode.fit.damping_ratio() * f;
+    if (f + wide >= warning.lowest && f - wide <= warning.highest) limit(mode, warning.share);
+  }
+}
+
+/// Share of an output in a mode, each output in proportion to its own responses; of an input, and
+/// of a sensor from which directions of the platform were made, 1.
+double share_in(const FrequencyResponses& responses, const VectorXd& size, const FittedMode& mode,
+                const std::string& channel) {
+  const auto at = std::ranges::find(responses.outputs, channel, &data::Channel::name);
+  if (at == responses.outputs.end()) return 1.0;
+  const VectorXd power = mode.shape.cwiseAbs2().cwiseQuotient(size);
+  return power[at - responses.outputs.begin()] / std::max(power.sum(), 1e-300);
+}
+
+void lower_where_clipped(const FrequencyResponses& responses, const LowerQualityOptions& options,
+                         Identification& result) {
+  VectorXd size = VectorXd::Constant(std::ssize(result.responses.outputs), 1e-300);
+  for (const auto& H : result.responses.H) size += H.rowwise().squaredNorm();
+  for (auto& mode : result.modes) {
+    double power = 0.0;
+    for (const auto& warning : responses.warnings)
+      if (warning.kind == Kind::clipped)
+        power += warning.value * share_in(result.responses, size, mode.fit, warning.channel);
+    if (power > 0.0) limit(mode, std::sqrt(options.harmless / power));
+  }
+}
+
+}  // namespace
+
+void lower_quality(const FrequencyResponses& responses, Identification& result,
+                   const LowerQualityOptions& options) {
+  for (const auto& warning : responses.warnings) {
+    if (warning.kind == Kind::weak_excitation) lower_where_weak(warning, result);
+    // a channel that was left out is no channel of a mode
+    if (warning.kind == Kind::slow_channel && warning.count == 0)
+      for (auto& mode : result.modes) limit(mode, 1.0 - warning.share);
+  }
+  lower_where_clipped(responses, options, result);
+}
+
+}  // namespace hydrapod::identification
