@@ -17,7 +17,7 @@ endif()
 # containers; tests/cli/hardening_test.cpp reads the binary. Sanitizers see more than all of these.
 if(NOT HYDRAPOD_SANITIZE)
   target_compile_options(hydrapod_options INTERFACE
-    -fPIE -fstack-protector-strong -fstack-clash-protection
+    -fPIC -fno-semantic-interposition -fstack-protector-strong -fstack-clash-protection
     $<$<STREQUAL:${CMAKE_SYSTEM_PROCESSOR},x86_64>:-fcf-protection>)
   target_compile_definitions(hydrapod_options INTERFACE
     _GLIBCXX_ASSERTIONS $<$<NOT:$<CONFIG:Debug>>:_FORTIFY_SOURCE=2>)
@@ -52,11 +52,13 @@ function(hydrapod_unity target root)
   endforeach()
 endfunction()
 
-# ccache looks into precompiled headers only with these settings (its manual, "Precompiled headers").
+# ccache looks into precompiled headers only with this sloppiness (its manual, "Precompiled headers"). With a
+# base folder, which makes paths below it relative, a second checkout or build folder is served as well.
 find_program(HYDRAPOD_CCACHE ccache)
 if(HYDRAPOD_CCACHE AND NOT CMAKE_CXX_COMPILER_LAUNCHER)
   set(CMAKE_CXX_COMPILER_LAUNCHER
-    ${CMAKE_COMMAND} -E env CCACHE_SLOPPINESS=pch_defines,time_macros ${HYDRAPOD_CCACHE})
+    ${CMAKE_COMMAND} -E env CCACHE_SLOPPINESS=pch_defines,time_macros
+    CCACHE_BASEDIR=${PROJECT_SOURCE_DIR} CCACHE_NOHASHDIR=1 ${HYDRAPOD_CCACHE})
   if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
     add_compile_options($<$<COMPILE_LANGUAGE:CXX>:-fpch-preprocess>)
   else()
