@@ -1,0 +1,385 @@
+/// `hydrapod montecarlo`, `sweep` and `map`: one machinery, three ways to place samples.
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <filesystem>
+#include <numbers>
+
+#include "hydrapod/base/text.hpp"
+#include "hydrapod/command.hpp"
+#include "hydrapod/report/study_results.hpp"
+#include "hydrapod/tasks/study.hpp"
+
+namespace hydrapod::cli {
+
+namespace {
+
+struct Arguments {
+  MachineArguments machine{};
+  std::vector<std::string> vary{}, over{}, want{};
+  std::uint64_t samples{10000}, seed{1};
+  std::string design{};
+  bool indices{}, buckling{}, resume{}, join{}, poses{};
+  int threads{}, modes{6};
+  std::string shard{}, format{}, output{"-"}, results{"study.h5"}, csv{}, worst{}, plot{};
+  std::string value{"lowest"};
+};
+
+tasks::Varied varied(const std::string& option, const std::string& text) {
+  const auto at = text.find('=');
+  const std::string place = fmt::format("{} \"{}\"", option, text);
+  if (at == std::string::npos || at == 0)
+    base::refuse(place, option == "--vary" ? "expected PATH=DISTRIBUTION, for instance "
+                                             "legs.guide_sleeve.stiffness=\"normal ± 10 %\""
+                                           : "expected PATH=from:to:count, or PATH= and a list");
+  return {std::string(base::trimmed(text.substr(0, at))),
+          std::string(base::trimmed(text.substr(at + 1))), place};
+}
+
+std::pair<int, int> shard_of(const std::string& text, bool join) {
+  if (text.empty()) return {1, 1};
+  const auto parts = base::split(text, "/");
+  const auto number = [](std::string_view part) {
+    constexpr int most = 100000;
+    int value = 0;
+    const auto [end, error] = std::from_chars(part.data(), part.data() + part.size(), value);
+    return error == std::errc{} && end == part.data() + part.size() && value >= 1 && value <= most
+               ? value
+               : 0;
+  };
+  if (join && parts.size() == 1 && number(parts[0]) > 0) return {1, number(parts[0])};
+  const int part = parts.size() == 2 ? number(parts[0]) : 0;
+  const int all = parts.size() == 2 ? number(parts[1]) : 0;
+  if (part < 1 || all < part) base::refuse("--shard " + text, "expected i/n with 1 ≤ i ≤ n");
+  return {part, all};
+}
+
+/// What a study file says goes below what the command line says.
+void take_study_file(Arguments& arguments, tasks::StudyOptions& options) {
+  const auto tree_says_study = [&] {
+    if (!arguments.machine.file.ends_with(".toml")) return false;
+    const auto text = base::read_file(arguments.machine.file, 1U << 20U, "a machine or study file");
+    return text.find("\n[vary]") != std::string::npos || text.starts_with("[vary]");
+  };
+  if (!tree_says_study()) return;
+  const std::string path = arguments.machine.file;
+  const auto study = study::read_study_file(path);
+  if (!study.machine)
+    base::refuse(path,
+                 "has no `machine`; expected the path of a machine file, from the study file");
+  arguments.machine.file =
+      (std::filesystem::path(path).parent_path() / *study.machine).lexically_normal().string();
+  arguments.machine.overrides.insert(arguments.machine.overrides.begin(), study.set.begin(),
+                                     study.set.end());
+  if (study.pose && arguments.machine.pose == "neutral") arguments.machine.pose = *study.pose;
+  for (const auto& given : study.vary) options.vary.push_back({given.key, given.text, given.place});
+  for (const auto& given : study.want) options.want.push_back(given.text);
+  if (study.samples) arguments.samples = *study.samples;
+  if (study.seed) arguments.seed = *study.seed;
+  if (study.design && arguments.design.empty()) options.plan.design = *study.design;
+  arguments.indices = arguments.indices || study.indices;
+  arguments.buckling = arguments.buckling || study.buckling;
+}
+
+std::string number_text(double value, const std::string& unit) {
+  return unit == "Hz" ? fmt::format("{:.3f}", value) : fmt::format("{:.4g}", value);
+}
+
+std::string status_text(const study::Summary& summary) {
+  constexpr std::array words{"computed", "with numbers that no machine can have", "out of reach",
+                             "without equilibrium", "buckled"};
+  std::string text;
+  for (std::size_t k = 1; k < summary.statuses.size(); ++k)
+    if (summary.statuses[k] > 0)
+      text += fmt::format("{} of {} samples {}; they have no frequencies and miss requirements\n",
+                          summary.statuses[k], summary.rows, words[k]);
+  return text;
+}
+
+std::string interval_text(const std::optional<study::Interval>& interval, double scale) {
+  return interval ? fmt::format("{:.4g} … {:.4g}", scale * interval->low, scale * interval->high)
+                  : std::string("–");
+}
+
+std::string requirements_text(const tasks::StudyJob& job, const study::Summary& summary,
+                              const TableStyle& style) {
+  if (job.requirements.empty()) return {};
+  Table table({"<requirement", "missed", "of", "probability %", "<95 % interval"});
+  for (std::size_t k = 0; k < job.requirements.size(); ++k) {
+    const auto& result = summary.requirements[k];
+    table.add_row({job.requirements[k].text, std::to_string(result.missed),
+                   std::to_string(result.count), fmt::format("{:.4g}", 100.0 * result.probability),
+                   interval_text(result.interval, 100.0)});
+  }
+  return "\n" + table.text(style);
+}
+
+std::string indices_text(const tasks::StudyJob& job, const study::Summary& summary,
+                         const TableStyle& style) {
+  if (summary.indices.empty()) return {};
+  Table table({"<output", "<input", "first order", "<95 % interval", "total", "<95 % interval"});
+  for (std::size_t k = 0; k < summary.indices.size(); ++k) {
+    const auto& one = summary.indices[k];
+    if (static_cast<int>(k) == job.problem.status) continue;
+    for (std::size_t i = 0; i < one.first.size(); ++i)
+      table.add_row(
+          {job.problem.outputs[k].name, job.problem.inputs[i].name,
+           fmt::format("{:.3f}", one.first[i].value), interval_text(one.first[i].interval, 1.0),
+           fmt::format("{:.3f}", one.total[i].value), interval_text(one.total[i].interval, 1.0)});
+  }
+  return "\nShares of the variance (Sobol indices)\n" + table.text(style);
+}
+
+std::string summary_text(const tasks::StudyJob& job, const study::Summary& summary,
+                         const TableStyle& style) {
+  Table table({"<output", "unit", "mean", "deviation", "least", "1 %", "5 %", "50 %", "95 %",
+               "99 %", "most", "<95 % interval of 5 %"});
+  for (std::size_t k = 0; k < summary.outputs.size(); ++k) {
+    const auto& output = summary.outputs[k];
+    const auto& column = job.problem.outputs[k];
+    if (static_cast<int>(k) == job.problem.status || output.count == 0) continue;
+    if (column.name == "direction") continue;
+    std::vector<std::string> cells{column.name, column.unit, number_text(output.mean, column.unit),
+                                   fmt::format("{:.3g}", output.deviation),
+                                   number_text(output.least, column.unit)};
+    for (const auto& quantile : output.quantiles)
+      cells.push_back(number_text(quantile.value, column.unit));
+    cells.push_back(number_text(output.most, column.unit));
+    cells.push_back(interval_text(output.quantiles[1].interval, 1.0));
+    table.add_row(cells);
+  }
+  return table.text(style) + status_text(summary) + requirements_text(job, summary, style) +
+         indices_text(job, summary, style);
+}
+
+/// The row with the least value of an output, for maps; none where no row has one.
+std::string worst_text(const tasks::StudyJob& job, const study::Summary& summary) {
+  std::string text;
+  for (std::size_t k = 0; k < job.requirements.size(); ++k) {
+    const auto& worst = summary.requirements[k].worst;
+    if (!worst) continue;
+    const auto values = tasks::study_row(job, *worst);
+    const std::size_t inputs = job.problem.inputs.size();
+    const auto output = static_cast<std::size_t>(job.requirements[k].output);
+    text += fmt::format("worst for {}: row {}, {} = {:.4g} {}, with", job.requirements[k].text,
+                        *worst, job.problem.outputs[output].name, values[inputs + output],
+                        job.problem.outputs[output].unit);
+    for (std::size_t i = 0; i < inputs; ++i)
+      text += fmt::format("{} {} = {:.5g} {}", i > 0 ? "," : "", job.problem.inputs[i].name,
+                          values[i], job.problem.inputs[i].unit);
+    text += "\n";
+  }
+  return text;
+}
+
+void write_csv(const tasks::StudyJob& job, const std::string& path) {
+  std::string text;
+  for (std::size_t k = 0; k < job.problem.inputs.size(); ++k)
+    text += fmt::format("{}{} [{}]", text.empty() ? "" : ",", job.input_column(k),
+                        job.problem.inputs[k].unit);
+  for (const auto& output : job.problem.outputs)
+    text += fmt::format(",{} [{}]", output.name, output.unit);
+  text += "\n";
+  for (std::uint64_t row = 0; row < job.rows; ++row) {
+    const auto values = tasks::study_row(job, row);
+    for (std::size_t k = 0; k < values.size(); ++k)
+      text += std::isfinite(values[k]) ? fmt::format("{}{:.17g}", k > 0 ? "," : "", values[k])
+                                       : std::string(k > 0 ? "," : "");
+    text += "\n";
+  }
+  write_output(path, text);
+}
+
+void plot_map(const tasks::StudyJob& job, const std::string& value, const std::string& path) {
+  if (job.problem.inputs.size() != 2 || job.plan.design != study::Design::grid)
+    base::refuse("--plot " + path, "a heat map needs a grid over exactly two inputs");
+  const auto found = std::ranges::find(job.problem.outputs, value, &study::Column::name);
+  if (found == job.problem.outputs.end()) base::refuse("--value " + value, "unknown output");
+  const auto output = static_cast<std::size_t>(found - job.problem.outputs.begin());
+  const auto axis = [&](std::size_t k, std::vector<double>& values) {
+    const auto& input = job.problem.inputs[k];
+    const bool angle = input.unit == "rad", length = input.unit == "m";
+    for (const double one : input.distribution.list)
+      values.push_back(angle ? one * 180.0 / std::numbers::pi : length ? 1e3 * one : one);
+    return fmt::format("{} [{}]", input.name, angle ? "°" : length ? "mm" : input.unit);
+  };
+  report::Field field{.name = fmt::format("{} [{}]", found->name, found->unit)};
+  field.x_name = axis(0, field.x);
+  field.y_name = axis(1, field.y);
+  for (std::uint64_t row = 0; row < job.rows; ++row)
+    field.values.push_back(tasks::study_row(job, row)[2 + output]);
+  report::plot_field(
+      field, fmt::format("{}: {}", job.machine.file.machine.name, found->meaning),
+      fmt::format("pose {}, {} model; machine: {}; grey: no value", job.machine.pose.name,
+                  dynamics::name(job.machine.kind), report::state_text(job.machine.file)),
+      path);
+}
+
+void write_worst(const tasks::StudyJob& job, const study::Summary& summary,
+                 const std::string& path) {
+  if (job.requirements.empty() || !summary.requirements.front().worst)
+    base::refuse("--worst " + path, "which sample is worst follows from the first --want");
+  const auto values = tasks::study_row(job, *summary.requirements.front().worst);
+  write_output(path, study::machine_text(job.machine.file, job.problem.inputs,
+                                         std::span(values).first(job.problem.inputs.size()),
+                                         "worst sample"));
+}
+
+void report_study(const Arguments& arguments, const tasks::StudyJob& job,
+                  const tasks::StudyDone& done, std::size_t format, const char* kind) {
+  const auto& run = done.run;
+  if (run.seconds > 0.0)
+    print_note(fmt::format("{} rows in {:.3g} s, {:.4g} rows/s", run.done - run.resumed,
+                           run.seconds, static_cast<double>(run.done - run.resumed) / run.seconds));
+  if (!done.complete)
+    print_warning(
+        fmt::format("interrupted after {} of {} rows ({:.3g} %); the same command with "
+                    "--resume goes on",
+                    run.done, run.count,
+                    100.0 * static_cast<double>(run.done) / static_cast<double>(run.count)));
+  if (!done.summary) return print_written(done.rows_file);
+  print_written(arguments.results);
+  if (!arguments.csv.empty()) write_csv(job, arguments.csv);
+  if (!arguments.worst.empty()) write_worst(job, *done.summary, arguments.worst);
+  draw(arguments.plot, [&](const auto& path) { plot_map(job, arguments.value, path); });
+  const auto style = table_style(arguments.output);
+  if (format == 1)
+    return write_output(
+        arguments.output,
+        json_text(head_of_model(kind, job.machine),
+                  report::study_json(job.problem, job.plan, job.requirements, *done.summary)));
+  write_output(arguments.output,
+               fmt::format("{}, pose {}, {} model\n{}{} rows, seed {}\n\n",
+                           bold(job.machine.file.machine.name, style), job.machine.pose.name,
+                           dynamics::name(job.machine.kind), state_line(job.machine.file),
+                           done.summary->rows, job.plan.seed) +
+                   summary_text(job, *done.summary, style) + "\n" + worst_text(job, *done.summary));
+}
+
+void run_with(Arguments arguments, study::Design design, const char* kind) {
+  const auto format = result_format(arguments.format, arguments.output, {"table", "json"});
+  tasks::StudyOptions options{.poses = arguments.poses};
+  options.plan.design = design;
+  if (!arguments.design.empty())
+    options.plan.design = static_cast<study::Design>(
+        choose_word("--design", arguments.design, {"random", "latin", "sobol", "grid"}));
+  if (kind == std::string_view("montecarlo")) take_study_file(arguments, options);
+  for (const auto& text : arguments.vary) options.vary.push_back(varied("--vary", text));
+  for (const auto& text : arguments.over) options.over.push_back(varied("--over", text));
+  options.want.insert(options.want.end(), arguments.want.begin(), arguments.want.end());
+  if (options.vary.empty() && options.over.empty())
+    base::refuse(kind == std::string_view("montecarlo") ? "--vary" : "--over",
+                 "is missing: nothing would vary; see --help for examples");
+  options.plan.samples = arguments.samples;
+  if (arguments.samples < 2)
+    base::refuse(fmt::format("--samples {}", arguments.samples), "must be at least 2");
+  options.plan.seed = arguments.seed;
+  options.plan.indices = arguments.indices;
+  options.modes = arguments.modes;
+  options.buckling = arguments.buckling;
+  const auto [shard, shards] = shard_of(arguments.shard, arguments.join);
+  const auto job = tasks::prepare_study(load(arguments.machine), options);
+  const auto done = with_progress("samples", [&](const numerics::Progress& progress) {
+    return tasks::run_study(job,
+                            {.output = arguments.results,
+                             .resume = arguments.resume,
+                             .threads = arguments.threads,
+                             .shard = shard,
+                             .shards = shards,
+                             .join = arguments.join},
+                            progress);
+  });
+  report_study(arguments, job, done, format, kind);
+}
+
+void add_common(Command command, Arguments& arguments) {
+  command.add_options(
+      {{"--want", arguments.want, "Requirement for an output: \"x >= 6 Hz\"; may be repeated",
+        one_each},
+       {"--samples", arguments.samples, "Number of samples (not of a grid)"},
+       {"--seed", arguments.seed, "Seed; sample i depends on seed and i alone"},
+       {"--buckling", arguments.buckling, "Compute the buckling payload too (milliseconds a row)"},
+       {"--modes", arguments.modes, "Platform modes that are followed by shape", range(1, 36)},
+       {"--threads", arguments.threads, "Threads; default: one per processor", range(1, 1024)},
+       {"--resume", arguments.resume, "Go on with the rows of an interrupted run"},
+       {"--shard", arguments.shard, "i/n: compute part i of n; with --join: n"},
+       {"--join", arguments.join, "Put the parts of --shard together instead of computing"},
+       {"--results", arguments.results, "HDF5 file of all rows", writes},
+       {"--csv", arguments.csv, "All rows as CSV too", writes},
+       {"--format", arguments.format, "table or json; default: by the ending of -o, else table"},
+       {"-o,--output", arguments.output, "File of the summary; - prints", writes}});
+}
+
+void run_montecarlo(const Arguments& arguments) {
+  run_with(arguments, study::Design::random, "montecarlo");
+}
+void run_sweep(const Arguments& arguments) { run_with(arguments, study::Design::grid, "sweep"); }
+void run_map(const Arguments& given) {
+  Arguments arguments = given;
+  arguments.poses = true;
+  run_with(arguments, study::Design::grid, "map");
+}
+
+}  // namespace
+
+void add_montecarlo(Command app) {
+  Command command = app.add_command(
+      "montecarlo",
+      "Scatter of parameters: distributions of modes, probability of missing a requirement",
+      {{"montecarlo machine.toml --vary \"legs.guide_sleeve.stiffness=normal ± 10 % per leg\" "
+        "--want \"x >= 6 Hz\"",
+        "scatter of the seals"},
+       {"montecarlo machine.toml --vary \"platform.mass=uniform 850 .. 950 kg\" --indices",
+        "with Sobol indices"},
+       {"montecarlo study.toml --samples 1000 --results run.h5", "from a study file"}});
+  auto& arguments = command.calls(&run_montecarlo);
+  add_subject_options(command, arguments.machine);
+  command.add_options({{"--vary", arguments.vary,
+                        "PATH=DISTRIBUTION (normal, lognormal, uniform, triangular); may "
+                        "be repeated",
+                        one_each_as("PATH=DISTRIBUTION")},
+                       {"--design", arguments.design, "random, latin or sobol"},
+                       {"--indices", arguments.indices, "Sobol indices, with d + 2 rows a sample"},
+                       {"--worst", arguments.worst,
+                        "Machine file of the worst sample for the first --want", writes}});
+  add_common(command, arguments);
+}
+
+void add_sweep(Command app) {
+  Command command = app.add_command(
+      "sweep", "Modes over a grid of parameters, or over values that fill it evenly",
+      {{"sweep machine.toml --over \"legs.guide_sleeve.stiffness=2:20:10 kN/mm\"", "ten values"},
+       {"sweep machine.toml --over \"platform.mass=800:1000 kg\" --design sobol --samples 4096",
+        "a Sobol sequence"}});
+  auto& arguments = command.calls(&run_sweep);
+  add_subject_options(command, arguments.machine);
+  command.add_options(
+      {{"--over", arguments.over, "PATH=from:to:count, or PATH= and a list; may be repeated",
+        one_each_as("PATH=RANGE")},
+       {"--design", arguments.design, "grid, latin or sobol"},
+       {"--plot", arguments.plot, "Heat map over two parameters, .svg, .png or .pdf", writes},
+       {"--value", arguments.value, "Output that it shows"}});
+  add_common(command, arguments);
+}
+
+void add_map(Command app) {
+  Command command = app.add_command(
+      "map", "Modes over the workspace",
+      {{"map machine.toml --over \"x=-100:100:21 mm\" --over \"z=-100:100:21 mm\" --plot map.png",
+        "lowest mode over x and z"},
+       {"map machine.toml --over \"rx=-10:10:21 deg\" --over \"ry=-10:10:21 deg\" --want \"lowest "
+        ">= 5 Hz\"",
+        "poses below 5 Hz"}});
+  auto& arguments = command.calls(&run_map);
+  add_subject_options(command, arguments.machine);
+  command.add_options(
+      {{"--over", arguments.over,
+        "DIRECTION=from:to:count, from the pose; two or three of x, y, z, rx, ry, rz",
+        one_each_as("RANGE")},
+       {"--plot", arguments.plot, "Heat map over two directions, .svg, .png or .pdf", writes},
+       {"--value", arguments.value, "Output that it shows"}});
+  add_common(command, arguments);
+}
+
+}  // namespace hydrapod::cli

@@ -1,0 +1,286 @@
+#pragma once
+/// Many designs of one machine: what scatter, a grid of values or a set of poses does to modes.
+///
+/// A study has inputs (a distribution each), a plan that places samples in them, and a model that
+/// computes a row of outputs from a row of inputs. Sample i depends on the plan and on i alone, so
+/// the rows are the same whatever the number of threads, of shards and of interruptions. Rows go to
+/// a spool, a file of doubles with a checksum per chunk; memory does not grow with their number.
+///
+///     x_k = F_k⁻¹(u_k(i)),   k = 0 … d − 1
+///
+/// F_k: the distribution of input k; u_k(i) in (0, 1): see Design. The numbers u of Design::random
+/// are those of Philox4x32-10 with the seed as key and (k, i) as counter (J. Salmon et al., SC11,
+/// doi 10.1145/2063384.2063405); Design::sobol is the sequence of Boost.Random with a digital shift
+/// from the seed; Design::latin permutes the N strata of each input by a keyed Feistel network with
+/// cycle walking, and places the sample at random in its stratum.
+///
+/// Sensitivity indices (Plan::indices) are Sobol's, with two independent matrices A and B of N rows
+/// and A with one column of B, A_k: N (d + 2) rows. With V the variance of f,
+///
+///     S_k = mean(f(B) (f(A_k) − f(A))) / V        (Saltelli et al. 2010)
+///     T_k = mean((f(A) − f(A_k))²) / (2 V)        (Jansen 1999)
+///
+/// Their intervals are percentiles of a bootstrap over groups of samples.
+/// Source: A. Saltelli et al., Comput. Phys. Commun. 181 (2010) 259.
+
+#include <array>
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "hydrapod/dynamics/linear_model.hpp"
+#include "hydrapod/model/machine_file.hpp"
+#include "hydrapod/numerics/parallel.hpp"
+
+namespace hydrapod::study {
+
+enum class Shape {
+  normal,      ///< a: mean, b: standard deviation
+  lognormal,   ///< the same two, of the variable itself and not of its logarithm
+  uniform,     ///< a … b
+  triangular,  ///< a … b with the mode c
+  values       ///< those of the list, equally likely, in its order
+};
+
+/// A distribution in SI. `low` and `high` truncate it: what lies beyond is not drawn.
+struct Distribution {
+  Shape shape{};
+  double a{}, b{}, c{};
+  std::optional<double> low{}, high{};
+  std::vector<double> list{};
+};
+
+/// F⁻¹(u), 0 < u < 1.
+double quantile(const Distribution& distribution, double u);
+
+/// Reads "normal 5 kN/mm ± 10 %", "lognormal 5 ± 0.5 kN/mm", "uniform 4 .. 6 kN/mm", "uniform ± 10
+/// %", "triangular 4 .. 5 .. 6 kN/mm", "normal ± 10 % within 4 .. 6 kN/mm" ("+-" for "±"). Numbers
+/// without a unit take the one behind them, else SI. `nominal`: the mean where none is given.
+/// `place` is what messages call the text. Throws base::InputError.
+Distribution read_distribution(std::string_view text, std::string_view unit, double nominal,
+                               const std::string& place);
+
+/// One number that varies.
+struct Input {
+  std::string name{};  ///< path in the machine file
+  std::string unit{};  ///< SI
+  Distribution distribution{};
+  model::ParameterId id{};
+};
+
+/// One number that is computed.
+struct Column {
+  std::string name{};
+  std::string unit{};
+  std::string meaning{};
+};
+
+/// Fills a row of outputs from a row of inputs. What cannot be computed is NaN.
+using Model = std::function<void(std::span<const double> inputs, std::span<double> outputs)>;
+
+struct Problem {
+  std::vector<Input> inputs{};
+  std::vector<Column> outputs{};
+  /// A model for the use of one thread.
+  std::function<Model()> model{};
+  /// Column of `outputs` that is 0 for a sample that was computed; −1: none.
+  int status{-1};
+};
+
+enum class Design {
+  random,  ///< independent samples: the only one with confidence intervals from one run
+  latin,   ///< each of N strata of each input once
+  sobol,   ///< Sobol sequence with a digital shift
+  grid     ///< every combination of `counts` values, the last input fastest
+};
+
+struct Plan {
+  Design design{Design::random};
+  std::uint64_t samples{1000};  ///< N; of a grid the product of `counts`
+  std::uint64_t seed{1};
+  bool indices{};             ///< with the N (d + 2) rows of sensitivity indices
+  std::vector<int> counts{};  ///< of a grid, per input
+};
+
+/// All rows of the plan for `inputs` inputs.
+std::uint64_t rows_of(const Plan& plan, std::size_t inputs);
+
+/// u of sample `row`, one for each input.
+void place(const Plan& plan, std::uint64_t row, std::span<double> u);
+
+/// Sixteen bytes of Philox4x32-10 of a counter and a key.
+std::array<std::uint32_t, 4> philox(std::array<std::uint32_t, 4> counter,
+                                    std::array<std::uint32_t, 2> key);
+
+struct RunOptions {
+  std::string spool{};        ///< file of rows, see Spool
+  bool resume{};              ///< go on with what the file holds; else it is begun anew
+  int threads{};              ///< 0: one per processor
+  int shard{1}, shards{1};    ///< of all rows, the part 1 … shards
+  std::string fingerprint{};  ///< what the rows depend on besides inputs, outputs and plan
+};
+
+struct RunResult {
+  std::uint64_t first{}, count{};  ///< rows that the shard consists of
+  std::uint64_t done{};            ///< that are in the spool
+  std::uint64_t resumed{};         ///< that were there before
+  double seconds{};
+  [[nodiscard]] bool complete() const { return done == count; }
+};
+
+/// Computes the rows into the spool. After a kill what the spool holds up to its last whole chunk
+/// is good. Throws base::InputError where the spool is of another study, base::ComputationError
+/// where it cannot be written.
+RunResult run(const Problem& problem, const Plan& plan, const RunOptions& options,
+              const numerics::Progress& progress = {});
+
+/// Rows of spools, one spool after the other: inputs, then outputs.
+class Spool {
+ public:
+  /// Throws base::InputError for files that are no spools, of several studies, or not all shards of
+  /// one in their order.
+  explicit Spool(std::vector<std::string> paths);
+  [[nodiscard]] std::uint64_t rows() const { return rows_; }
+  [[nodiscard]] std::size_t width() const { return width_; }
+  /// Calls `take` with the rows of a chunk, row by row, and the number of the first.
+  void each_chunk(const std::function<void(std::uint64_t, std::span<const double>)>& take) const;
+  /// One row.
+  [[nodiscard]] std::vector<double> row(std::uint64_t index) const;
+
+ private:
+  std::vector<std::string> paths_;
+  std::vector<std::uint64_t> counts_;
+  std::uint64_t rows_{};
+  std::size_t width_{};
+};
+
+/// "x >= 6 Hz": a bound for an output, in the unit of its column.
+struct Requirement {
+  std::string text{};
+  int output{};
+  bool at_least{};
+  double bound{};
+};
+
+/// Throws base::InputError for an unknown output and for a quantity of another dimension.
+Requirement read_requirement(const std::string& text, const std::vector<Column>& outputs,
+                             const std::string& place);
+
+struct Interval {
+  double low{}, high{};
+};
+
+struct QuantileEstimate {
+  double probability{};
+  double value{};
+  /// Order statistics around it with a coverage of at least 95 %; none where the plan has no
+  /// independent samples or too few.
+  std::optional<Interval> interval{};
+};
+
+struct OutputSummary {
+  std::uint64_t count{};  ///< finite values
+  double mean{}, deviation{}, least{}, most{};
+  std::optional<Interval> mean_interval{};  ///< Student, 95 %
+  std::vector<QuantileEstimate> quantiles{};
+};
+
+struct RequirementSummary {
+  std::uint64_t count{}, missed{};  ///< samples without a value miss it
+  double probability{};
+  std::optional<Interval> interval{};    ///< Clopper–Pearson, 95 %
+  std::optional<std::uint64_t> worst{};  ///< row farthest on the wrong side, or nearest to it
+};
+
+struct Index {
+  double value{};
+  Interval interval{};  ///< 95 %
+};
+
+struct Indices {
+  std::vector<Index> first{}, total{};  ///< per input; empty where the output does not vary
+  std::uint64_t used{};                 ///< of the N samples, those with all d + 2 values
+};
+
+struct Summary {
+  std::uint64_t rows{};
+  std::vector<std::uint64_t> statuses{};  ///< rows per status; empty without one
+  std::vector<OutputSummary> outputs{};
+  std::vector<RequirementSummary> requirements{};
+  std::vector<Indices> indices{};  ///< per output
+};
+
+struct SummaryOptions {
+  std::vector<double> probabilities{0.01, 0.05, 0.5, 0.95, 0.99};
+  int replicates{400};  ///< of the bootstrap
+};
+
+/// In a fixed number of passes over the spool, exact order statistics among them; memory is bounded
+/// whatever the number of rows. With Plan::indices distributions are those of the rows of A and B.
+Summary summarise(const Spool& spool, const Problem& problem, const Plan& plan,
+                  const std::vector<Requirement>& requirements, const SummaryOptions& options = {});
+
+/// What became of a sample: values of the column `status`.
+enum class Status {
+  computed = 0,
+  not_allowed = 1,     ///< a number that the machine cannot have (a stiffness below 0)
+  out_of_reach = 2,    ///< a pose beyond strokes, joint angles or at a singularity
+  no_equilibrium = 3,  ///< the legs do not hold the machine under gravity
+  buckled = 4          ///< a mode below zero
+};
+
+struct MachineOptions {
+  dynamics::ModelKind kind{};
+  spatial::Pose X_BP{};  ///< nominal
+  /// A mode resonates in a direction when it holds this share of (M⁻¹)_dd, the sum of φ_d² over all
+  /// modes: five per cent is a peak that a frequency response shows beside the main one.
+  double resonance_share{0.05};
+  int modes{6};     ///< lowest platform modes that are followed
+  bool buckling{};  ///< also the payload at which the legs buckle, milliseconds a sample
+  bool poses{};     ///< inputs are displacements from X_BP, with names x … rz
+};
+
+/// Lowest platform mode, first resonances, drop, followed modes and pose quality of machines that
+/// differ from `machine` in the inputs. Modes are followed by shape: each mode of the nominal
+/// machine goes to that mode of the sample with the largest MAC, most alike first, one to one.
+/// Throws base::ComputationError where the nominal machine has no modes.
+Problem machine_problem(const model::Machine& machine, std::vector<Input> inputs,
+                        const MachineOptions& options);
+
+/// The machine of a row of inputs.
+model::Machine machine_of(const model::Machine& machine, const std::vector<Input>& inputs,
+                          std::span<const double> values);
+
+/// Its file: the numbers set, everything else as it was.
+std::string machine_text(const model::MachineFile& file, const std::vector<Input>& inputs,
+                         std::span<const double> values, const std::string& label);
+
+/// PATH="DISTRIBUTION" as inputs, six of them for a path of all legs whose text ends with "per
+/// leg". Throws base::InputError.
+std::vector<Input> read_variation(const model::MachineFile& file, const std::string& path,
+                                  const std::string& text, const std::string& place);
+
+/// What a study file (TOML) says.
+struct StudyFile {
+  std::string text{};
+  std::optional<std::string> machine{};  ///< its path, relative to the study file
+  std::vector<std::string> set{};
+  std::optional<std::string> pose{};
+  struct Given {
+    std::string key{}, text{}, place{};
+  };
+  std::vector<Given> vary{};
+  std::vector<Given> want{};
+  std::optional<std::uint64_t> samples{}, seed{};
+  std::optional<Design> design{};
+  bool indices{}, buckling{};
+};
+
+/// Throws base::InputError with all mistakes, with line and column.
+StudyFile read_study_file(const std::string& path);
+
+}  // namespace hydrapod::study

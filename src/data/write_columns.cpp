@@ -1,0 +1,116 @@
+#include "hydrapod/data/columns.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "hdf5_text.hpp"
+#include "hydrapod/base/file.hpp"
+
+namespace hydrapod::data {
+
+namespace {
+
+constexpr hsize_t rows_per_chunk = 8192;  ///< 64 KiB of a column
+constexpr unsigned deflate_level = 1;  ///< higher ones take twice the time for some per cent less
+
+/// The datasets of the columns, filled a chunk at a time.
+class ColumnSets {
+ public:
+  ColumnSets(hid_t file, const ColumnFile& content) : width_(content.columns.size()) {
+    const Hdf5Handle list(H5Pcreate(H5P_GROUP_CREATE), H5Pclose);
+    H5Pset_link_creation_order(list.id(), H5P_CRT_ORDER_TRACKED | H5P_CRT_ORDER_INDEXED);
+    H5Pset_obj_track_times(list.id(), false);
+    group_ = {H5Gcreate2(file, "samples", H5P_DEFAULT, list.id(), H5P_DEFAULT), H5Gclose};
+    for (const auto& column : content.columns) add(column, content.rows);
+    rows_.resize(width_);
+  }
+
+  void take(std::span<const double> numbers) {
+    for (std::size_t at = 0; at < numbers.size(); at += width_) {
+      for (std::size_t k = 0; k < width_; ++k) rows_[k].push_back(numbers[at + k]);
+      if (rows_.front().size() == rows_per_chunk) flush();
+    }
+  }
+
+  void flush() {
+    const hsize_t count = rows_.front().size();
+    for (std::size_t k = 0; k < width_ && count > 0; ++k) {
+      const Hdf5Handle target(H5Dget_space(sets_[k].id()), H5Sclose);
+      const Hdf5Handle source(H5Screate_simple(1, &count, nullptr), H5Sclose);
+      H5Sselect_hyperslab(target.id(), H5S_SELECT_SET, &written_, nullptr, &count, nullptr);
+      good_ = H5Dwrite(sets_[k].id(), H5T_NATIVE_DOUBLE, source.id(), target.id(), H5P_DEFAULT,
+                       rows_[k].data()) >= 0 &&
+              good_;
+      rows_[k].clear();
+    }
+    written_ += count;
+  }
+
+  /// Closes all; false when HDF5 could not write.
+  [[nodiscard]] bool close() {
+    flush();
+    for (auto& set : sets_) good_ = set.reset() && good_;
+    return group_.reset() && good_;
+  }
+  void abandon() {
+    for (auto& set : sets_) set.abandon();
+    group_.abandon();
+  }
+
+ private:
+  void add(const ColumnHead& column, hsize_t rows) {
+    const Hdf5Handle list = dataset_without_times();
+    const hsize_t chunk = std::max<hsize_t>(1, std::min(rows_per_chunk, rows));
+    H5Pset_chunk(list.id(), 1, &chunk);
+    H5Pset_shuffle(list.id());
+    H5Pset_deflate(list.id(), deflate_level);
+    const Hdf5Handle space(H5Screate_simple(1, &rows, nullptr), H5Sclose);
+    sets_.emplace_back(H5Dcreate2(group_.id(), column.name.c_str(), H5T_IEEE_F64LE, space.id(),
+                                  H5P_DEFAULT, list.id(), H5P_DEFAULT),
+                       H5Dclose);
+    good_ = good_ && sets_.back().ok() && write_attribute(sets_.back().id(), "unit", column.unit) &&
+            write_attribute(sets_.back().id(), "description", column.description);
+  }
+
+  std::size_t width_;
+  Hdf5Handle group_;
+  std::vector<Hdf5Handle> sets_{};
+  std::vector<std::vector<double>> rows_{};
+  hsize_t written_{};
+  bool good_{true};
+};
+
+}  // namespace
+
+void write_columns(const std::string& path, const ColumnFile& content) {
+  const Hdf5Lock lock;
+  const Hdf5Silence silence;
+  base::PartFile part(path);
+  const auto fail = [&] {
+    throw base::ComputationError(fmt::format("{} cannot be written (is the disk full?)", path));
+  };
+  Hdf5Handle file(H5Fcreate(part.part().c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT),
+                  H5Fclose);
+  if (!file.ok()) fail();
+  ColumnSets sets(file.id(), content);
+  content.each_rows([&](std::span<const double> rows) { sets.take(rows); });
+  bool good = true;
+  {
+    const Hdf5Handle root(H5Gopen2(file.id(), "/", H5P_DEFAULT), H5Gclose);
+    for (const auto& [name, text] : content.texts)
+      good = write_text(root.id(), name.c_str(), text) && good;
+    for (const auto& [name, number] : content.numbers)
+      good = write_attribute(root.id(), name.c_str(), number) && good;
+  }
+  good = sets.close() && good;
+  if (!good || H5Fflush(file.id(), H5F_SCOPE_GLOBAL) < 0) {
+    sets.abandon();
+    file.abandon();
+    fail();
+  }
+  if (!file.reset()) fail();
+  part.commit();
+}
+
+}  // namespace hydrapod::data

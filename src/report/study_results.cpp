@@ -1,0 +1,126 @@
+#include "hydrapod/report/study_results.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "gnuplot.hpp"
+
+namespace hydrapod::report {
+
+namespace {
+
+Json interval_json(const std::optional<study::Interval>& interval) {
+  if (!interval) return nullptr;
+  return Json::array({interval->low, interval->high});
+}
+
+Json output_json(const study::Column& column, const study::OutputSummary& output) {
+  Json json{{"name", column.name},
+            {"unit", column.unit},
+            {"meaning", column.meaning},
+            {"count", output.count}};
+  if (output.count == 0) return json;
+  json["mean"] = output.mean;
+  json["mean_interval"] = interval_json(output.mean_interval);
+  json["standard_deviation"] = output.deviation;
+  json["least"] = output.least;
+  json["most"] = output.most;
+  json["quantiles"] = Json::array();
+  for (const auto& quantile : output.quantiles)
+    json["quantiles"].push_back({{"probability", quantile.probability},
+                                 {"value", quantile.value},
+                                 {"interval", interval_json(quantile.interval)}});
+  return json;
+}
+
+Json requirement_json(const study::Requirement& wanted, const study::RequirementSummary& result) {
+  return {{"requirement", wanted.text},
+          {"samples", result.count},
+          {"missed", result.missed},
+          {"probability_of_missing", result.probability},
+          {"interval", interval_json(result.interval)},
+          {"worst_row", result.worst ? Json(*result.worst) : Json(nullptr)}};
+}
+
+Json index_json(const study::Index& index) {
+  return {{"value", index.value}, {"interval", {index.interval.low, index.interval.high}}};
+}
+
+}  // namespace
+
+Json study_json(const study::Problem& problem, const study::Plan& plan,
+                const std::vector<study::Requirement>& requirements,
+                const study::Summary& summary) {
+  const auto planned = rows_of(plan, problem.inputs.size());
+  Json json{{"rows", summary.rows},
+            {"rows_planned", planned},
+            {"complete", summary.rows == planned},
+            {"samples", plan.samples},
+            {"seed", plan.seed}};
+  json["inputs"] = Json::array();
+  for (const auto& input : problem.inputs)
+    json["inputs"].push_back({{"path", input.name}, {"unit", input.unit}});
+  constexpr std::array names{"computed", "not_allowed", "out_of_reach", "no_equilibrium",
+                             "buckled"};
+  for (std::size_t k = 0; k < names.size(); ++k)
+    json["statuses"][names[k]] = k < summary.statuses.size() ? summary.statuses[k] : 0;
+  json["outputs"] = Json::array();
+  for (std::size_t k = 0; k < summary.outputs.size(); ++k)
+    if (static_cast<int>(k) != problem.status)
+      json["outputs"].push_back(output_json(problem.outputs[k], summary.outputs[k]));
+  json["requirements"] = Json::array();
+  for (std::size_t k = 0; k < requirements.size(); ++k)
+    json["requirements"].push_back(requirement_json(requirements[k], summary.requirements[k]));
+  for (std::size_t k = 0; k < summary.indices.size(); ++k) {
+    const auto& indices = summary.indices[k];
+    if (indices.first.empty() || static_cast<int>(k) == problem.status) continue;
+    Json of_output{{"output", problem.outputs[k].name}, {"samples_used", indices.used}};
+    for (std::size_t i = 0; i < indices.first.size(); ++i)
+      of_output["inputs"].push_back({{"path", problem.inputs[i].name},
+                                     {"first_order", index_json(indices.first[i])},
+                                     {"total_order", index_json(indices.total[i])}});
+    json["indices"].push_back(of_output);
+  }
+  return json;
+}
+
+void plot_field(const Field& field, const std::string& title, const std::string& subtitle,
+                const std::string& path) {
+  constexpr int width = 860, height = 720;
+  std::string rows;
+  for (std::size_t i = 0; i < field.x.size(); ++i) {
+    for (std::size_t j = 0; j < field.y.size(); ++j)
+      rows += fmt::format("{:.9g} {:.9g} {}\n", field.x[i], field.y[j],
+                          std::isfinite(field.values[i * field.y.size() + j])
+                              ? fmt::format("{:.9g}", field.values[i * field.y.size() + j])
+                              : "NaN");
+    rows += '\n';
+  }
+  const auto half_cell = [](const std::vector<double>& at) {
+    return at.size() > 1 ? 0.5 * (at.back() - at.front()) / static_cast<double>(at.size() - 1)
+                         : 0.5;
+  };
+  const double dx = half_cell(field.x), dy = half_cell(field.y);
+  draw(
+      path, width, height,
+      titles(title, subtitle, height) + thin_axes + block_of("field", rows) +
+          fmt::format(
+              "set contour base\nset cntrparam levels auto 12\nset cntrlabel onecolor\n"
+              "unset surface\nset table $lines\nsplot $field using 1:2:3\nunset table\n"
+              "set surface\nset tmargin at screen {:.4f}\nset lmargin at screen 0.11\n"
+              "set rmargin at screen 0.83\nset xlabel {}\nset ylabel {}\nset cblabel {}\n"
+              "set xrange [{:.9g}:{:.9g}]\nset yrange [{:.9g}:{:.9g}]\nunset key\n"
+              "set object 1 rectangle from graph 0,0 to graph 1,1 behind fc rgb '#bbbbbb' fs "
+              "solid noborder\nset palette defined (0 '#0d0887', 0.35 '#9c179e', 0.7 '#ed7953', 1 "
+              "'#f0f921')\nset pm3d map corners2color mean\n"
+              "plot $field using 1:2:3 with image pixels, $lines using 1:2 with lines lw 1 lc rgb "
+              "'#ffffff', $lines using 1:2:(sprintf('%.3g', $3)) every 24::6 with labels font ',8' "
+              "tc rgb '#ffffff'\n",
+              1.0 - 70.0 / height, quoted(field.x_name), quoted(field.y_name), quoted(field.name),
+              field.x.front() - dx, field.x.back() + dx, field.y.front() - dy,
+              field.y.back() + dy));
+}
+
+}  // namespace hydrapod::report

@@ -1,0 +1,281 @@
+#include "hydrapod/tasks/study.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <filesystem>
+
+#include "hydrapod/base/error.hpp"
+#include "hydrapod/base/text.hpp"
+#include "hydrapod/base/units.hpp"
+#include "hydrapod/base/version.hpp"
+#include "hydrapod/data/columns.hpp"
+
+namespace hydrapod::tasks {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr int most_of_a_range = 1'000'000;
+
+double number_of(const std::string& text, const std::string& unit, const std::string& place) {
+  const auto read = base::read_plain_or_quantity(text, unit);
+  if (!read.ok()) base::refuse(place, fmt::format("'{}': {}", text, read.problem));
+  return read.value;
+}
+
+/// "4:6:11 kN/mm": from, to, count; the unit may stand behind any number.
+study::Distribution range_of(const Varied& varied, const std::string& unit, bool grid) {
+  auto parts = base::split(varied.text, ":");
+  const auto last = parts.back();
+  const auto blank = last.find(' ');
+  const std::string behind = blank == std::string::npos ? "" : last.substr(blank);
+  const std::size_t wanted = grid ? 3 : 2;
+  if (parts.size() != wanted)
+    base::refuse(varied.place,
+                 grid ? "expected from:to:count, for instance \"2:20:10 kN/mm\", or a list"
+                      : "expected from:to; the number of values is that of --samples");
+  const auto with_unit = [&](const std::string& part) {
+    return number_of(part.find_first_of(" %") == std::string::npos ? part + behind : part, unit,
+                     varied.place);
+  };
+  const double from = with_unit(parts[0]), to = with_unit(parts[1]);
+  if (from == to) base::refuse(varied.place, "both ends are equal");
+  if (!grid)
+    return {.shape = study::Shape::uniform, .a = std::min(from, to), .b = std::max(from, to)};
+  const auto count = base::read_quantity(std::string_view(last).substr(0, blank), "1");
+  if (!count.ok() || count.value != std::floor(count.value) || count.value < 2 ||
+      count.value > most_of_a_range)
+    base::refuse(varied.place,
+                 fmt::format("'{}' is not a count; expected a whole number from 2 to {}", last,
+                             most_of_a_range));
+  study::Distribution d{.shape = study::Shape::values};
+  for (int k = 0; k < static_cast<int>(count.value); ++k)
+    d.list.push_back(from + (to - from) * k / (count.value - 1.0));
+  return d;
+}
+
+/// "1, 2, 5 kN/mm"
+study::Distribution list_of(const Varied& varied, const std::string& unit) {
+  const auto parts = base::split(varied.text, ",");
+  const auto blank = parts.back().find(' ');
+  const std::string behind = blank == std::string::npos ? "" : parts.back().substr(blank);
+  study::Distribution d{.shape = study::Shape::values};
+  for (const auto& part : parts)
+    d.list.push_back(
+        number_of(part.find(' ') == std::string::npos ? part + behind : part, unit, varied.place));
+  return d;
+}
+
+study::Input input_over(const Machine& machine, const Varied& varied, bool poses, bool grid) {
+  study::Input input{.name = varied.path};
+  if (poses) {
+    const auto direction = spatial::direction_from_name(varied.path);
+    if (!direction)
+      base::refuse(varied.place, "unknown direction; directions are x, y, z, rx, ry, rz");
+    input.unit = *direction < 3 ? "m" : "rad";
+  } else {
+    const auto number = find_number(machine.file, varied.path);
+    const std::string near = nearest_parameter(machine.file, varied.path);
+    if (!number)
+      base::refuse(varied.place,
+                   "the machine file has no such number" +
+                       (near.empty() ? "" : fmt::format("; did you mean `{}`?", near)));
+    input.unit = number->unit;
+    input.id = number->id;
+  }
+  input.distribution = varied.text.find(':') == std::string::npos
+                           ? list_of(varied, input.unit)
+                           : range_of(varied, input.unit, grid);
+  return input;
+}
+
+std::vector<study::Input> inputs_of(const Machine& machine, const StudyOptions& options) {
+  std::vector<study::Input> inputs;
+  std::vector<base::Diagnostic> errors;
+  const auto gather = [&](const auto& read) {
+    try {
+      for (auto& input : read()) inputs.push_back(std::move(input));
+    } catch (const base::InputError& error) {
+      errors.insert(errors.end(), error.diagnostics().begin(), error.diagnostics().end());
+    }
+  };
+  for (const auto& varied : options.vary)
+    gather([&] {
+      return study::read_variation(machine.file, varied.path, varied.text, varied.place);
+    });
+  const bool grid = options.plan.design == study::Design::grid;
+  for (const auto& varied : options.over)
+    gather([&] { return std::vector{input_over(machine, varied, options.poses, grid)}; });
+  for (std::size_t k = 0; k < inputs.size(); ++k)
+    for (std::size_t other = 0; other < k; ++other)
+      if (inputs[k].name == inputs[other].name ||
+          (!options.poses && inputs[k].id == inputs[other].id))
+        errors.push_back({.file = inputs[k].name, .message = "is varied twice"});
+  if (!errors.empty()) throw base::InputError(errors);
+  return inputs;
+}
+
+/// Seconds a row takes, from the first ones.
+double measured_seconds(const study::Problem& problem, const study::Plan& plan,
+                        std::uint64_t rows) {
+  const auto model = problem.model();
+  std::vector<double> x(problem.inputs.size()), y(problem.outputs.size());
+  const auto begun = std::chrono::steady_clock::now();
+  const auto passed = [&] {
+    return std::chrono::duration<double>(std::chrono::steady_clock::now() - begun).count();
+  };
+  std::uint64_t done = 0;
+  constexpr std::uint64_t enough = 256;
+  constexpr double long_enough = 0.05;  // [s]
+  do {
+    study::place(plan, done, x);
+    for (std::size_t i = 0; i < x.size(); ++i)
+      x[i] = quantile(problem.inputs[i].distribution, x[i]);
+    model(x, y);
+  } while (++done < std::min(rows, enough) && passed() < long_enough);
+  return passed() / static_cast<double>(done);
+}
+
+std::string shard_file(const std::string& output, int shard, int shards) {
+  return shards == 1 ? output + ".rows" : fmt::format("{}.rows{}of{}", output, shard, shards);
+}
+
+std::string duration_text(double seconds) {
+  if (seconds < 120) return fmt::format("{:.0f} s", seconds);
+  if (seconds < 7200) return fmt::format("{:.0f} min", seconds / 60);
+  if (seconds < 172800) return fmt::format("{:.1f} h", seconds / 3600);
+  return fmt::format("{:.0f} days", seconds / 86400);
+}
+
+void require_room(const StudyJob& job, const StudyRunOptions& options) {
+  std::error_code unknown;
+  const auto folder = fs::absolute(options.output).parent_path();
+  const auto space = fs::space(folder, unknown);
+  const double needed =
+      2.0 * static_cast<double>(job.bytes) / options.shards;  // rows, then columns
+  if (unknown || needed < static_cast<double>(space.available)) return;
+  const int threads = options.threads > 0 ? options.threads : numerics::processor_count();
+  throw base::ComputationError(fmt::format(
+      "{:.4g} rows need {:.3g} GB and about {} on {} threads; {} has {:.3g} GB left. Take fewer "
+      "samples, or --shard i/n with one part on each of many machines",
+      static_cast<double>(job.rows), needed / 1e9,
+      duration_text(static_cast<double>(job.rows) * job.seconds_per_row / threads / options.shards),
+      threads, folder.string(), static_cast<double>(space.available) / 1e9));
+}
+
+std::string fingerprint_of(const StudyJob& job) {
+  std::string text = fmt::format("{}\n{}\n{}\n{}", base::version, job.machine.file.text,
+                                 dynamics::name(job.machine.kind), job.poses);
+  for (const auto& one : job.machine.file.overrides) text += "\n" + one;
+  const auto& X_BP = job.machine.pose.X_BP;
+  for (int k = 0; k < 3; ++k) text += fmt::format("\n{}", X_BP.p_BP[k]);
+  for (int k = 0; k < 9; ++k) text += fmt::format(" {}", X_BP.R_BP.data()[k]);
+  return text;
+}
+
+void write_results(const StudyJob& job, const study::Spool& spool, const std::string& path,
+                   bool complete) {
+  data::ColumnFile file{.rows = spool.rows()};
+  for (std::size_t k = 0; k < job.problem.inputs.size(); ++k)
+    file.columns.push_back({job.input_column(k), job.problem.inputs[k].unit, "varied"});
+  for (const auto& output : job.problem.outputs)
+    file.columns.push_back({output.name, output.unit, output.meaning});
+  file.texts = {{"machine", job.machine.file.text},
+                {"overrides", fmt::format("{}", fmt::join(job.machine.file.overrides, "\n"))},
+                {"pose", job.machine.pose.name},
+                {"model", dynamics::name(job.machine.kind)},
+                {"program", fmt::format("hydrapod {}", base::version)}};
+  file.numbers = {{"samples", static_cast<double>(job.plan.samples)},
+                  {"seed", static_cast<double>(job.plan.seed)},
+                  {"rows_planned", static_cast<double>(job.rows)},
+                  {"complete", complete ? 1.0 : 0.0}};
+  file.each_rows = [&](const std::function<void(std::span<const double>)>& take) {
+    spool.each_chunk([&](std::uint64_t, std::span<const double> rows) { take(rows); });
+  };
+  data::write_columns(path, file);
+}
+
+}  // namespace
+
+StudyJob prepare_study(const Machine& machine, const StudyOptions& options) {
+  StudyJob job{.machine = machine, .plan = options.plan, .poses = options.poses};
+  auto inputs = inputs_of(machine, options);
+  if (inputs.empty()) throw std::invalid_argument("prepare_study: nothing varies");
+  if (job.plan.design == study::Design::grid) {
+    job.plan.samples = 1;
+    job.plan.counts.clear();
+    for (const auto& input : inputs) {
+      job.plan.counts.push_back(static_cast<int>(input.distribution.list.size()));
+      job.plan.samples *= input.distribution.list.size();
+    }
+  }
+  job.problem = study::machine_problem(machine.file.machine, std::move(inputs),
+                                       {.kind = machine.kind,
+                                        .X_BP = machine.pose.X_BP,
+                                        .modes = options.modes,
+                                        .buckling = options.buckling,
+                                        .poses = options.poses});
+  for (const auto& text : options.want)
+    job.requirements.push_back(
+        study::read_requirement(text, job.problem.outputs, "--want \"" + text + "\""));
+  job.rows = rows_of(job.plan, job.problem.inputs.size());
+  job.seconds_per_row = measured_seconds(job.problem, job.plan, job.rows);
+  job.bytes = job.rows * (job.problem.inputs.size() + job.problem.outputs.size()) * sizeof(double);
+  return job;
+}
+
+StudyDone run_study(const StudyJob& job, const StudyRunOptions& options, const Progress& progress) {
+  StudyDone done;
+  std::vector<std::string> files;
+  if (options.join) {
+    for (int k = 1; k <= options.shards; ++k)
+      files.push_back(shard_file(options.output, k, options.shards));
+    done.run.count = job.rows;
+  } else {
+    require_room(job, options);
+    done.rows_file = shard_file(options.output, options.shard, options.shards);
+    done.run = study::run(job.problem, job.plan,
+                          {.spool = done.rows_file,
+                           .resume = options.resume,
+                           .threads = options.threads,
+                           .shard = options.shard,
+                           .shards = options.shards,
+                           .fingerprint = fingerprint_of(job)},
+                          progress);
+    done.complete = done.run.complete();
+    if (options.shards > 1 || done.run.done == 0) return done;
+    files.push_back(done.rows_file);
+  }
+  const study::Spool spool(files);
+  if (options.join) {
+    done.run.done = spool.rows();
+    done.complete = spool.rows() == job.rows;
+    if (!done.complete)
+      throw base::ComputationError(
+          fmt::format("the parts hold {} of {} rows; run the last one "
+                      "again with --resume",
+                      spool.rows(), job.rows));
+  }
+  write_results(job, spool, options.output, done.complete);
+  done.summary = study::summarise(spool, job.problem, job.plan, job.requirements);
+  if (!done.complete || options.join) return done;
+  fs::remove(done.rows_file);
+  done.rows_file.clear();
+  return done;
+}
+
+std::vector<double> study_row(const StudyJob& job, std::uint64_t row) {
+  std::vector<double> values(job.problem.inputs.size() + job.problem.outputs.size());
+  const auto x = std::span(values).first(job.problem.inputs.size());
+  study::place(job.plan, row, x);
+  for (std::size_t i = 0; i < x.size(); ++i)
+    x[i] = quantile(job.problem.inputs[i].distribution, x[i]);
+  job.problem.model()(x, std::span(values).subspan(x.size()));
+  return values;
+}
+
+}  // namespace hydrapod::tasks

@@ -1,0 +1,124 @@
+/// `hydrapod montecarlo`, `sweep` and `map` as they are called.
+
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <random>
+
+#include "support/run_program.hpp"
+
+namespace hydrapod {
+namespace {
+
+using testing::HasSubstr;
+
+const std::string machine = test::source_file("models/zhang-jiang-2021-transverse.toml").string();
+
+std::vector<std::string> montecarlo(const std::vector<std::string>& more) {
+  std::vector<std::string> all{"montecarlo", machine, "--vary",
+                               "legs.guide_sleeve.stiffness=normal ± 7 % per leg"};
+  all.insert(all.end(), more.begin(), more.end());
+  return all;
+}
+
+/// Killed at random moments, and resumed until it is complete.
+TEST(Studies, ThatWereKilledEndBitForBitAsUndisturbedOnes) {
+  const test::TemporaryFolder folder;
+  const auto whole = (folder / "whole.h5").string(), cut = (folder / "cut.h5").string();
+  const auto undisturbed =
+      test::run_hydrapod(montecarlo({"--samples", "30000", "--results", whole}));
+  ASSERT_EQ(undisturbed.exit_code, 0) << undisturbed.err;
+  std::mt19937_64 random(11);
+  std::uniform_real_distribution<double> moment(0.03, 0.4);
+  for (int kill = 0; kill < 20; ++kill) {
+    std::vector<std::string> arguments{"-s", "KILL", fmt::format("{:.3f}", moment(random)),
+                                       test::hydrapod_program().string()};
+    for (const auto& one : montecarlo({"--samples", "30000", "--results", cut, "--resume"}))
+      arguments.push_back(one);
+    if (test::run_program("timeout", arguments).exit_code == 0) break;
+  }
+  const auto last =
+      test::run_hydrapod(montecarlo({"--samples", "30000", "--results", cut, "--resume"}));
+  ASSERT_EQ(last.exit_code, 0) << last.err;
+  EXPECT_EQ(test::read_text(cut), test::read_text(whole));
+  EXPECT_EQ(last.out, undisturbed.out);
+}
+
+TEST(Studies, InPartsAreJoinedToTheWhole) {
+  const test::TemporaryFolder folder;
+  const auto whole = (folder / "whole.h5").string(), parts = (folder / "parts.h5").string();
+  ASSERT_EQ(test::run_hydrapod(montecarlo({"--samples", "1500", "--results", whole})).exit_code, 0);
+  for (const char* part : {"1/3", "2/3", "3/3"})
+    ASSERT_EQ(
+        test::run_hydrapod(montecarlo({"--samples", "1500", "--results", parts, "--shard", part}))
+            .exit_code,
+        0);
+  const auto joined = test::run_hydrapod(
+      montecarlo({"--samples", "1500", "--results", parts, "--shard", "3", "--join"}));
+  ASSERT_EQ(joined.exit_code, 0) << joined.err;
+  EXPECT_EQ(test::read_text(parts), test::read_text(whole));
+}
+
+TEST(Studies, BeyondTheDiskAreRefusedBeforeTheWorkBegins) {
+  const test::TemporaryFolder folder;
+  const auto run = test::run_hydrapod(
+      montecarlo({"--samples", "1000000000000", "--results", (folder / "run.h5").string()}));
+  EXPECT_EQ(run.exit_code, 1);
+  EXPECT_THAT(run.err, HasSubstr("days"));
+  EXPECT_THAT(run.err, HasSubstr("GB left"));
+  EXPECT_TRUE(std::filesystem::is_empty(folder.path()));
+}
+
+TEST(Studies, ComeFromAFile) {
+  const test::TemporaryFolder folder;
+  test::write_text(folder / "study.toml", fmt::format(R"(machine = "{}"
+samples = 300
+want = ["x >= 7.4 Hz"]
+[vary]
+"legs.guide_sleeve.stiffness" = "normal ± 7 % per leg"
+)",
+                                                      machine));
+  const auto run = test::run_hydrapod({"montecarlo", (folder / "study.toml").string(), "--results",
+                                       (folder / "run.h5").string(), "--format", "json"});
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  const auto json = nlohmann::json::parse(run.out);
+  EXPECT_EQ(json["rows"], 300);
+  EXPECT_EQ(json["inputs"].size(), 6U);
+  EXPECT_EQ(json["requirements"][0]["samples"], 300);
+
+  test::write_text(folder / "wrong.toml",
+                   "machine = \"m.toml\"\nsampels = 300\n[vary]\nmass = 3\n");
+  const auto wrong = test::run_hydrapod({"montecarlo", (folder / "wrong.toml").string()});
+  EXPECT_EQ(wrong.exit_code, 2);
+  EXPECT_THAT(wrong.err, HasSubstr("wrong.toml:2:1"));
+  EXPECT_THAT(wrong.err, HasSubstr("did you mean `samples`"));
+  EXPECT_THAT(wrong.err, HasSubstr("wrong.toml:4:8"));
+}
+
+TEST(Studies, SweepAndMapGoThroughTheirGrids) {
+  const test::TemporaryFolder folder;
+  const auto sweep = test::run_hydrapod(
+      {"sweep", machine, "--over", "legs.guide_sleeve.stiffness=1:4:4 kN/mm", "--csv",
+       (folder / "sweep.csv").string(), "--results", (folder / "sweep.h5").string()});
+  ASSERT_EQ(sweep.exit_code, 0) << sweep.err;
+  const auto csv = test::read_text(folder / "sweep.csv");
+  EXPECT_THAT(csv, HasSubstr("legs.guide_sleeve.stiffness [N/m],status [1],lowest [Hz]"));
+  EXPECT_EQ(std::ranges::count(csv, '\n'), 5);
+  EXPECT_THAT(csv, HasSubstr("\n2000000,0,"));
+  const auto map =
+      test::run_hydrapod({"map", machine, "--over", "x=-20:20:5 mm", "--over", "rz=-4:4:3 deg",
+                          "--want", "lowest >= 7.4 Hz", "--results", (folder / "map.h5").string(),
+                          "--csv", (folder / "map.csv").string()});
+  ASSERT_EQ(map.exit_code, 0) << map.err;
+  EXPECT_THAT(map.out, HasSubstr("15 rows"));
+  const auto table = test::read_text(folder / "map.csv");
+  EXPECT_THAT(table, testing::StartsWith("pose.x [m],pose.rz [rad],status [1],lowest [Hz]"));
+  EXPECT_THAT(map.out, HasSubstr("worst for lowest >= 7.4 Hz: row"));
+}
+
+}  // namespace
+}  // namespace hydrapod
