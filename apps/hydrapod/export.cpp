@@ -1,0 +1,135 @@
+#include "hydrapod/command.hpp"
+
+#include "hydrapod/base/text.hpp"
+#include "hydrapod/tasks/linear.hpp"
+
+namespace hydrapod::cli {
+
+namespace {
+
+using exchange::Held;
+
+struct Arguments {
+  MachineArguments machine{};
+  std::string to{}, system{"mechanics"}, inputs{}, outputs{}, point{}, sample_time{}, output{};
+  int pade{simulation::default_pade_order}, leg_modes{-1};
+  bool sampled{}, approximate{};
+};
+
+std::vector<std::string> names(const std::string& text) {
+  return text.empty() ? std::vector<std::string>{} : base::split(text, ",");
+}
+
+std::string parity_text(const exchange::Parity& parity, const TableStyle& style) {
+  Table table({"<held", "<what", "<how"});
+  for (const auto& line : parity)
+    table.add_row({line.held == Held::exact         ? "exactly"
+                   : line.held == Held::approximate ? "approximately"
+                                                    : "NOT HELD",
+                   line.what, line.how});
+  return table.text(style);
+}
+
+bool is_state_space(tasks::ExportFormat format) { return format <= tasks::ExportFormat::hdf5; }
+
+/// Options that another format has no use for.
+void refuse_idle_options(const Arguments& arguments, tasks::ExportFormat format) {
+  const std::string to = "with --to " + arguments.to;
+  if (!is_state_space(format)) {
+    const char* what = " has no meaning: it is for state spaces (mat, npz, json, hdf5)";
+    if (arguments.system != "mechanics") base::refuse("--system " + arguments.system, to + what);
+    if (!arguments.sample_time.empty())
+      base::refuse("--sample-time " + arguments.sample_time, to + what);
+    if (!arguments.inputs.empty()) base::refuse("--inputs " + arguments.inputs, to + what);
+    if (!arguments.outputs.empty()) base::refuse("--outputs " + arguments.outputs, to + what);
+    if (arguments.sampled) base::refuse("--sampled", to + what);
+  }
+  if (arguments.leg_modes >= 0 && format != tasks::ExportFormat::matrix_market &&
+      format != tasks::ExportFormat::dmig)
+    base::refuse("--leg-modes", to + " has no meaning: it is for superelements (mtx, dmig)");
+  if (arguments.sampled && arguments.system != "loop")
+    base::refuse("--sampled", "is the loop with its sampled controller; add --system loop");
+  if (arguments.sampled && !arguments.sample_time.empty())
+    base::refuse("--sampled", "has the sample time of the controller; leave --sample-time out");
+}
+
+tasks::ExportOptions options_of(const Arguments& arguments) {
+  tasks::ExportOptions options;
+  options.format = static_cast<tasks::ExportFormat>(choose_word(
+      "--to", arguments.to, {tasks::export_formats.begin(), tasks::export_formats.end()}));
+  options.path = arguments.output;
+  refuse_idle_options(arguments, options.format);
+  options.system = static_cast<exchange::SystemKind>(
+      choose_word("--system", arguments.system, {"mechanics", "plant", "loop"}));
+  options.pade_order = arguments.pade;
+  if (!arguments.sample_time.empty())
+    options.sample_time = positive_quantity("--sample-time", arguments.sample_time, "s",
+                                            "a time above 0, for instance \"1 ms\"");
+  options.sampled_controller = arguments.sampled;
+  options.inputs = names(arguments.inputs);
+  options.outputs = names(arguments.outputs);
+  if (!arguments.point.empty()) options.p_PQ = point(arguments.point);
+  options.leg_modes = arguments.leg_modes;
+  options.approximate = arguments.approximate;
+  return options;
+}
+
+void run(const Arguments& arguments) {
+  auto options = options_of(arguments);
+  if (options.path == "-") base::refuse("-o -", "an export is a file; give it a name");
+  std::vector<NamedFile> files;
+  for (const auto& file : tasks::export_files(options.format, options.path))
+    files.push_back({"-o", file});
+  check_outputs({{"FILE", arguments.machine.file}}, files, false);
+  const auto machine = load(arguments.machine);
+  options.json_head = head_of_model("state_space", machine);
+  const auto exported = tasks::export_machine(machine, options);
+  fmt::print("{}, pose {}, {} model\n\n{}\n", machine.file.machine.name, machine.pose.name,
+             dynamics::name(machine.kind), parity_text(exported.parity, table_style("-")));
+  for (const auto& file : exported.files) print_written(file);
+}
+
+}  // namespace
+
+void add_export(Command app) {
+  Command command = app.add_command(
+      "export", "The machine as a file for another program",
+      {{"export machine.toml --to mat -o machine.mat", "state space of the mechanics, for MATLAB"},
+       {"export machine.toml --to npz --system loop -o loop.npz",
+        "A, B, C, D of the closed loop, for NumPy"},
+       {"export machine.toml --to npz --sample-time \"1 ms\" --outputs x,y,z -o xyz.npz",
+        "discretised, three outputs"},
+       {"export machine.toml --to dmig -o machine.pch", "superelement for Nastran"},
+       {"export machine.toml --to uff -o modes.uff", "modes for programs of modal analysis"},
+       {"export machine.toml --to mjcf -o machine.xml", "multibody model for MuJoCo"}});
+  auto& arguments = command.calls(&run);
+  add_subject_options(command, arguments.machine);
+  command.add_options(
+      {{"--to", arguments.to,
+        "State space: mat, npz, json, hdf5; modes: uff; superelement: mtx, dmig; multibody: mjcf, "
+        "sdf, urdf",
+        required},
+       {"--system", arguments.system,
+        "State space of the mechanics, of the plant (with hydraulics), or of the loop (with the "
+        "controller)"},
+       {"--sample-time", arguments.sample_time,
+        "Discretise, inputs held over this time: s or with a unit"},
+       {"--sampled", arguments.sampled,
+        "The loop as it is sampled, exact, at the controller's sample time"},
+       {"--pade", arguments.pade, "Order of the approximation of the delay, 0 (no delay) to 8",
+        range(0, 8)},
+       {"--inputs", arguments.inputs, "Names of inputs, with commas; default: all"},
+       {"--outputs", arguments.outputs, "Names of outputs, with commas; default: all"},
+       {"--point", arguments.point,
+        "Interface on the platform, \"x,y,z\" in its frame; default: its mass centre"},
+       {"--leg-modes", arguments.leg_modes,
+        "Modes of the legs that a superelement keeps; default: all", range(-1, 1000)},
+       {"--approximate", arguments.approximate,
+        "Write also what the format cannot hold in full; the report lists it"},
+       {"-o,--output",
+        arguments.output,
+        "File to write",
+        {.required = true, .file = FileUse::output}}});
+}
+
+}  // namespace hydrapod::cli

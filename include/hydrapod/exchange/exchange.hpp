@@ -1,0 +1,158 @@
+#pragma once
+/// A machine as other programs read it: state space, modal model, superelement, multibody files.
+///
+/// State space. With x, u, y small changes from the operating point (`rest` of every signal),
+///
+///     ẋ = A x + B u,  y = C x + D u                  continuous, sample_time = 0
+///     x_{k+1} = A x_k + B u_k,  y_k = C x_k + D u_k  every sample_time seconds
+///
+/// - mechanics: states y, ẏ of dynamics::LinearModel with the platform's coordinates at Q; inputs
+///   wrench at Q and forces of the oil columns. All damping of response::damping_matrix is in it,
+///   so that C (iω − A)⁻¹ B is the response of `bode`.
+/// - plant: states of simulation::Plant; inputs valve commands and wrench at C.
+/// - loop: plant, controller, Padé delay; inputs commanded pose and its rate (which is fed
+///   forward), valve commands, wrench.
+///
+/// Discretised: inputs held over a sample (zero-order hold), by the exponential of [A B; 0 0] T in
+/// balanced states. The sampled loop is simulation::LinearSystem::sampled: exact, with the delay as
+/// it is and past drives as states; its inputs are the commands.
+///
+/// Modal model: shapes at the six platform joints and at C; residues are φ Lᵀ.
+///
+/// Superelement: M, K, C by Craig and Bampton (AIAA J. 6 (1968) 1313). Interface coordinates are
+/// the platform's six at Q and those of the base; the legs' coordinates become modes η of the legs
+/// with the interface held, (K_ff − ω² M_ff) Φ = 0, Φᵀ M_ff Φ = 1:
+///
+///     y = [1 0; −K_ff⁻¹ K_fb Φ] (q_b, η)
+///
+/// exact with all modes kept. Modes are left out from the highest down; ω of the first one that is
+/// left out is stated.
+///
+/// Multibody files (MJCF, SDF, URDF): bodies, joints and closures of the mechanism at its rest, see
+/// src/exchange/mechanism.hpp. What a format holds exactly, approximately or not at all is a
+/// Parity.
+
+#include <Eigen/Core>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "hydrapod/data/modal_results.hpp"
+#include "hydrapod/simulation/linear_system.hpp"
+
+namespace hydrapod::exchange {
+
+using model::Machine;
+using spatial::Pose;
+using spatial::Vector3;
+
+struct Signal {
+  std::string name{};
+  std::string unit{};
+  double rest{};  ///< at the operating point
+};
+
+enum class SystemKind { mechanics, plant, loop };
+
+struct StateSpace {
+  Eigen::MatrixXd A{}, B{}, C{}, D{};
+  std::vector<Signal> states{}, inputs{}, outputs{};
+  double sample_time{};  ///< [s], 0: continuous
+  double delay{};        ///< that a Padé approximation of order `pade_order` stands for [s]
+  int pade_order{};
+};
+
+struct StateSpaceOptions {
+  SystemKind system{SystemKind::mechanics};
+  dynamics::ModelKind kind{dynamics::ModelKind::guide};
+  Vector3 p_PQ{Vector3::Zero()};  ///< Q in the platform frame [m], mechanics only
+  int pade_order{simulation::default_pade_order};
+  double sample_time{};                          ///< [s] of the zero-order hold; 0: continuous
+  bool sampled_controller{};                     ///< loop only: the sampled loop, exact
+  std::vector<std::string> inputs{}, outputs{};  ///< names, in this order; empty: all
+};
+
+/// Throws base::ComputationError where the machine does not stand at `X_BP`, base::InputError for a
+/// name that is none of the signals, std::invalid_argument for a negative sample time.
+StateSpace state_space(const Machine& machine, const Pose& X_BP, const StateSpaceOptions& options);
+
+/// Held inputs over `sample_time` [s] > 0 of a continuous system.
+StateSpace discretised(const StateSpace& system, double sample_time);
+
+/// Names and units of numbers that belong to a file.
+struct FileHead {
+  std::string title{};  ///< of the machine and its pose
+  std::string date{};   ///< ISO 8601; empty: none
+};
+
+nlohmann::ordered_json state_space_json(const StateSpace& system);
+/// Variables A, B, C, D, sample_time, delay and lists of names, units and rest values.
+void write_state_space_mat(const std::string& path, const StateSpace& system, const FileHead& head);
+void write_state_space_hdf5(const std::string& path, const StateSpace& system,
+                            const FileHead& head);
+/// The bytes of a NumPy archive: members A.npy, B.npy, …, stored without compression.
+std::string state_space_npz(const StateSpace& system, const FileHead& head);
+
+/// Modes as tables of shapes, for Universal File dataset 55.
+data::ModalResults modal_model(const Machine& machine, const Pose& X_BP, dynamics::ModelKind kind,
+                               const FileHead& head);
+
+struct Superelement {
+  Eigen::MatrixXd M{}, K{}, C{};
+  std::vector<Signal> coordinates{};   ///< interface, then modes of the legs
+  int platform{6};                     ///< coordinates of the platform, the first
+  std::vector<int> base_directions{};  ///< then these of the base
+  Vector3 p_BQ{Vector3::Zero()};       ///< where the platform's interface stands [m] in B
+  double first_left_out{};             ///< [rad/s]; 0: all modes are kept
+};
+
+struct SuperelementOptions {
+  dynamics::ModelKind kind{dynamics::ModelKind::guide};
+  Vector3 p_PQ{Vector3::Zero()};
+  int leg_modes{-1};  ///< how many are kept, the lowest; −1: all
+};
+
+/// Throws base::InputError for more modes than the legs have.
+Superelement superelement(const Machine& machine, const Pose& X_BP,
+                          const SuperelementOptions& options);
+
+/// `matrix` (symmetric) as Matrix Market coordinate text, 17 digits; `comments` behind %.
+std::string matrix_market(const Eigen::Ref<const Eigen::MatrixXd>& matrix,
+                          const std::vector<std::string>& comments);
+
+/// Numbers of grid and scalar points in the punch file.
+inline constexpr int dmig_platform = 1001, dmig_base = 2001, dmig_mode = 3001;
+
+/// GRID, SPOINT and DMIG entries K2GG, M2GG and B2GG in large-field format, 11 digits or more.
+std::string dmig_punch(const Superelement& element, const FileHead& head);
+
+enum class Held { exact, approximate, absent };
+struct ParityLine {
+  Held held{};
+  std::string what{};
+  std::string how{};  ///< how it is held, or why not
+};
+using Parity = std::vector<ParityLine>;
+
+/// Anything that a file without approximations cannot hold?
+bool has_absent(const Parity& parity);
+
+Parity state_space_parity(const StateSpace& system);
+Parity modal_model_parity(dynamics::ModelKind kind);
+Parity superelement_parity(const Machine& machine, const Superelement& element, bool nastran);
+
+/// A text and what it holds of the machine.
+struct MultibodyFile {
+  std::string text{};
+  std::string sidecar{};  ///< JSON: closures and springs that a tree cannot hold (URDF)
+  Parity parity{};
+};
+
+enum class MultibodyFormat { mjcf, sdf, urdf };
+
+/// The mechanism at rest at `X_BP`. Throws base::ComputationError where it does not stand there.
+MultibodyFile multibody_file(const Machine& machine, const Pose& X_BP, dynamics::ModelKind kind,
+                             MultibodyFormat format);
+
+}  // namespace hydrapod::exchange

@@ -1,0 +1,72 @@
+/// What each format holds of a machine, as far as it follows from the machine alone.
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "hydrapod/base/units.hpp"
+#include "hydrapod/exchange/exchange.hpp"
+
+namespace hydrapod::exchange {
+
+namespace {
+
+constexpr const char* small_motion = "small motions about the operating point";
+
+void add_hydraulics(Parity& parity) {
+  parity.push_back({Held::approximate, "friction of the seals",
+                    "its viscous part; Coulomb and Stribeck parts have no linear model at rest"});
+  parity.push_back({Held::approximate, "valves, end stops, limits of drives and sensors",
+                    "their slope at the operating point; saturation and contact are not held"});
+}
+
+}  // namespace
+
+bool has_absent(const Parity& parity) {
+  return std::ranges::any_of(parity, [](const auto& line) { return line.held == Held::absent; });
+}
+
+Parity state_space_parity(const StateSpace& system) {
+  Parity parity{{Held::exact, small_motion, "A, B, C, D of the linearised equations, doubles"},
+                {Held::approximate, "large motions", "only the slope at this pose is held"}};
+  const bool hydraulic = std::ranges::any_of(
+      system.states, [](const auto& s) { return s.name.find(".p_cap") != std::string::npos; });
+  if (hydraulic) add_hydraulics(parity);
+  if (system.pade_order > 0)
+    parity.push_back({Held::approximate, "delay of the controller",
+                      fmt::format("{:.4g} ms as Padé {}/{}", 1e3 * system.delay, system.pade_order,
+                                  system.pade_order)});
+  if (system.sample_time > 0.0)
+    parity.push_back({Held::exact, "motion at the samples",
+                      fmt::format("inputs held over {:.6g} ms", 1e3 * system.sample_time)});
+  return parity;
+}
+
+Parity modal_model_parity(dynamics::ModelKind kind) {
+  Parity parity{{Held::approximate, "frequencies, damping ratios, shapes, modal masses",
+                 "six digits (E13.5), as dataset 55 writes them"},
+                {Held::exact, "geometry", "joints of platform and base as nodes, legs as lines"}};
+  if (kind != dynamics::ModelKind::rigid)
+    parity.push_back({Held::approximate, "shapes of the legs",
+                      "motion of the platform only; rod tilt and piston offset have no node"});
+  return parity;
+}
+
+Parity superelement_parity(const Machine& machine, const Superelement& element, bool nastran) {
+  Parity parity{
+      {nastran ? Held::approximate : Held::exact, "numbers",
+       nastran ? "11 digits or more (large field, 16 characters)" : "17 digits"},
+      {Held::exact, small_motion, "M, K, C at the interface, gravity's preload terms included"}};
+  if (element.first_left_out > 0.0)
+    parity.push_back({Held::approximate, "modes of the legs",
+                      fmt::format("those from {:.4g} Hz on, with the interface held, are left out",
+                                  element.first_left_out / base::two_pi)});
+  if (machine.base_mount && element.base_directions.empty())
+    parity.push_back({Held::approximate, "base",
+                      "its mount is condensed: it has no mass, or no "
+                      "compliant direction"});
+  parity.push_back({Held::approximate, "oil columns", "springs with a damper; valves are closed"});
+  return parity;
+}
+
+}  // namespace hydrapod::exchange

@@ -1,0 +1,152 @@
+#include <fmt/format.h>
+
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+#include <cmath>
+#include <stdexcept>
+
+#include "hydrapod/base/error.hpp"
+#include "hydrapod/exchange/exchange.hpp"
+#include "hydrapod/modal/normal_modes.hpp"
+#include "hydrapod/response/frequency_response.hpp"
+
+namespace hydrapod::exchange {
+
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+
+/// Large-field number of 16 characters: as many digits as fit, the exponent without its letter.
+std::string large_field(double value) {
+  if (value == 0.0) return "             0.0";
+  for (int digits = 12; digits > 0; --digits) {
+    std::string text = fmt::format("{:.{}e}", value, digits);
+    const auto e = text.find('e');
+    const int exponent = std::stoi(text.substr(e + 1));
+    text = text.substr(0, e) + fmt::format("{:+d}", exponent);
+    if (text.size() <= 16) return fmt::format("{:>16}", text);
+  }
+  throw std::invalid_argument("DMIG: a number does not fit 16 characters");
+}
+
+/// GRID of the real coordinates, an SPOINT (component 0) for each mode.
+struct Place {
+  int point{}, component{};
+};
+
+Place place(const Superelement& element, Index i) {
+  const auto platform = static_cast<Index>(element.platform);
+  const auto base = static_cast<Index>(element.base_directions.size());
+  if (i < platform) return {dmig_platform, static_cast<int>(i) + 1};
+  if (i < platform + base)
+    return {dmig_base, element.base_directions[static_cast<std::size_t>(i - platform)] + 1};
+  return {dmig_mode + static_cast<int>(i - platform - base), 0};
+}
+
+/// Of a symmetric matrix the lower triangle, column by column, without zeros.
+std::string dmig_matrix(const std::string& name, const MatrixXd& matrix,
+                        const Superelement& element) {
+  std::string text = fmt::format("DMIG    {:<8}{:>8}{:>8}{:>8}{:>8}\n", name, 0, 6, 2, 0);
+  for (Index j = 0; j < matrix.cols(); ++j) {
+    std::string rows;
+    for (Index i = j; i < matrix.rows(); ++i) {
+      if (matrix(i, j) == 0.0) continue;
+      const auto at = place(element, i);
+      rows += fmt::format("*       {:>16}{:>16}{}\n", at.point, at.component,
+                          large_field(matrix(i, j)));
+    }
+    const auto at = place(element, j);
+    if (!rows.empty())
+      text += fmt::format("DMIG*   {:<16}{:>16}{:>16}{:>16}\n", name, at.point, at.component, "") +
+              rows;
+  }
+  return text;
+}
+
+std::string grid(int number, const Vector3& p) {
+  return fmt::format("GRID*   {:>16}{:>16}{}{}\n*       {}\n", number, 0, large_field(p.x()),
+                     large_field(p.y()), large_field(p.z()));
+}
+
+}  // namespace
+
+Superelement superelement(const Machine& machine, const Pose& X_BP,
+                          const SuperelementOptions& options) {
+  const auto linear = dynamics::linear_model(machine, X_BP, options.kind);
+  const auto modes = modal::normal_modes(linear);
+  const auto moved =
+      response::response_model(linear, modes, model::modal_ratio(machine).value, options.p_PQ);
+  const Index n = linear.dof(), moving = linear.base_count(), legs = n - 6 - moving,
+              held = 6 + moving;
+  const Index kept = options.leg_modes < 0 ? legs : options.leg_modes;
+  if (kept > legs)
+    base::refuse(
+        fmt::format("--leg-modes {}", kept),
+        fmt::format("the legs of the {} model have {} modes", dynamics::name(options.kind), legs));
+  std::vector<Index> order;  // platform, base, legs
+  for (Index i = 0; i < 6; ++i) order.push_back(i);
+  for (Index i = n - moving; i < n; ++i) order.push_back(i);
+  for (Index i = 6; i < n - moving; ++i) order.push_back(i);
+  const MatrixXd M = MatrixXd(moved.M)(order, order), K = MatrixXd(moved.K)(order, order),
+                 C = MatrixXd(response::damping_matrix(moved))(order, order);
+  MatrixXd T = MatrixXd::Zero(n, held + kept);
+  T.topLeftCorner(held, held).setIdentity();
+  Superelement element{.base_directions = linear.base_directions, .p_BQ = moved.p_BQ};
+  if (legs > 0) {
+    const MatrixXd K_ff = K.bottomRightCorner(legs, legs);
+    const Eigen::GeneralizedSelfAdjointEigenSolver<MatrixXd> solver(
+        K_ff, M.bottomRightCorner(legs, legs));
+    T.bottomLeftCorner(legs, held) = -K_ff.ldlt().solve(K.bottomLeftCorner(legs, held));
+    T.bottomRightCorner(legs, kept) = solver.eigenvectors().leftCols(kept);
+    if (kept < legs) element.first_left_out = std::sqrt(std::max(solver.eigenvalues()[kept], 0.0));
+  }
+  const auto reduced = [&](const MatrixXd& A) -> MatrixXd {
+    const MatrixXd R = T.transpose() * A * T;
+    return 0.5 * (R + R.transpose());
+  };
+  element.M = reduced(M);
+  element.K = reduced(K);
+  element.C = reduced(C);
+  for (std::size_t i = 0; i < 6; ++i)
+    element.coordinates.push_back({spatial::direction_names[i], i < 3 ? "m" : "rad", 0.0});
+  for (const int d : linear.base_directions)
+    element.coordinates.push_back(
+        {std::string("base.") + spatial::direction_names[static_cast<std::size_t>(d)],
+         d < 3 ? "m" : "rad", 0.0});
+  for (Index k = 1; k <= kept; ++k)
+    element.coordinates.push_back({fmt::format("leg mode {}", k), "m sqrt(kg)", 0.0});
+  return element;
+}
+
+std::string matrix_market(const Eigen::Ref<const MatrixXd>& matrix,
+                          const std::vector<std::string>& comments) {
+  std::string entries;
+  int count = 0;
+  for (Index j = 0; j < matrix.cols(); ++j)
+    for (Index i = j; i < matrix.rows(); ++i) {
+      if (matrix(i, j) == 0.0) continue;
+      entries += fmt::format("{} {} {:.17g}\n", i + 1, j + 1, matrix(i, j));
+      ++count;
+    }
+  std::string text = "%%MatrixMarket matrix coordinate real symmetric\n";
+  for (const auto& comment : comments) text += "% " + comment + "\n";
+  return text + fmt::format("{} {} {}\n", matrix.rows(), matrix.cols(), count) + entries;
+}
+
+std::string dmig_punch(const Superelement& element, const FileHead& head) {
+  std::string text = fmt::format(
+      "$ {}\n$ Superelement in SI units: m, kg, s, N, rad. Basic coordinates are the base frame.\n"
+      "$ Case control: K2GG = K2HYD, M2GG = M2HYD, B2GG = B2HYD.\n"
+      "$ {}: platform; {}: base; from {}: modes of the legs with the interface held.\n",
+      head.title, dmig_platform, dmig_base, dmig_mode);
+  text += grid(dmig_platform, element.p_BQ);
+  if (!element.base_directions.empty()) text += grid(dmig_base, Vector3::Zero());
+  const Index real = element.platform + static_cast<Index>(element.base_directions.size());
+  for (Index i = real; i < element.M.rows(); ++i)
+    text += fmt::format("SPOINT  {:>8}\n", dmig_mode + static_cast<int>(i - real));
+  return text + dmig_matrix("K2HYD", element.K, element) +
+         dmig_matrix("M2HYD", element.M, element) + dmig_matrix("B2HYD", element.C, element);
+}
+
+}  // namespace hydrapod::exchange

@@ -1,0 +1,134 @@
+#include "hydrapod/tasks/linear.hpp"
+
+#include <fmt/format.h>
+
+#include "hydrapod/base/error.hpp"
+#include "hydrapod/base/file.hpp"
+
+namespace hydrapod::tasks {
+
+namespace {
+
+std::string without_ending(const std::string& path, std::string_view ending) {
+  return path.ends_with(ending) ? path.substr(0, path.size() - ending.size()) : path;
+}
+
+exchange::FileHead export_head(const Machine& machine) {
+  return {.title = fmt::format("{}, pose {}, {} model, hydrapod export", machine.file.machine.name,
+                               machine.pose.name, dynamics::name(machine.kind))};
+}
+
+spatial::Vector3 interface_point(const Machine& machine, const ExportOptions& options) {
+  return options.p_PQ.value_or(machine.file.machine.platform.mass_center);
+}
+
+exchange::Parity export_state_space(const Machine& machine, const ExportOptions& options) {
+  const auto system = exchange::state_space(machine.file.machine, machine.pose.X_BP,
+                                            {.system = options.system,
+                                             .kind = machine.kind,
+                                             .p_PQ = interface_point(machine, options),
+                                             .pade_order = options.pade_order,
+                                             .sample_time = options.sample_time,
+                                             .sampled_controller = options.sampled_controller,
+                                             .inputs = options.inputs,
+                                             .outputs = options.outputs});
+  const auto head = export_head(machine);
+  if (options.format == ExportFormat::mat) {
+    exchange::write_state_space_mat(options.path, system, head);
+  } else if (options.format == ExportFormat::hdf5) {
+    exchange::write_state_space_hdf5(options.path, system, head);
+  } else if (options.format == ExportFormat::npz) {
+    base::write_file_whole(options.path, exchange::state_space_npz(system, head));
+  } else {
+    report::Json json = options.json_head.is_null() ? report::Json::object() : options.json_head;
+    json.update(exchange::state_space_json(system));
+    base::write_file_whole(options.path, json.dump(1) + "\n");
+  }
+  return exchange::state_space_parity(system);
+}
+
+exchange::Parity export_superelement(const Machine& machine, const ExportOptions& options) {
+  const auto element = exchange::superelement(machine.file.machine, machine.pose.X_BP,
+                                              {.kind = machine.kind,
+                                               .p_PQ = interface_point(machine, options),
+                                               .leg_modes = options.leg_modes});
+  const auto head = export_head(machine);
+  const bool nastran = options.format == ExportFormat::dmig;
+  if (nastran) {
+    base::write_file_whole(options.path, exchange::dmig_punch(element, head));
+  } else {
+    std::string coordinates;
+    for (const auto& c : element.coordinates)
+      coordinates += fmt::format("{}{} [{}]", coordinates.empty() ? "" : ", ", c.name, c.unit);
+    const std::array matrices{&element.M, &element.K, &element.C};
+    const auto files = export_files(options.format, options.path);
+    for (std::size_t i = 0; i < files.size(); ++i)
+      base::write_file_whole(
+          files[i], exchange::matrix_market(*matrices[i],
+                                            {head.title, fmt::format("{} in SI units", "MKC"[i]),
+                                             "coordinates: " + coordinates}));
+  }
+  return exchange::superelement_parity(machine.file.machine, element, nastran);
+}
+
+void refuse_absent(const exchange::Parity& parity, const ExportOptions& options) {
+  if (options.approximate) return;
+  std::vector<base::Diagnostic> all;
+  for (const auto& line : parity)
+    if (line.held == exchange::Held::absent)
+      all.push_back(
+          {.file = fmt::format("--to {}", export_formats[static_cast<std::size_t>(options.format)]),
+           .key = line.what,
+           .message = line.how + "; --approximate writes the file without it"});
+  if (!all.empty()) throw base::InputError(all);
+}
+
+exchange::Parity export_multibody(const Machine& machine, const ExportOptions& options) {
+  const auto format = static_cast<exchange::MultibodyFormat>(static_cast<int>(options.format) -
+                                                             static_cast<int>(ExportFormat::mjcf));
+  const auto file =
+      exchange::multibody_file(machine.file.machine, machine.pose.X_BP, machine.kind, format);
+  refuse_absent(file.parity, options);
+  const auto files = export_files(options.format, options.path);
+  base::write_file_whole(files[0], file.text);
+  if (files.size() > 1) base::write_file_whole(files[1], file.sidecar);
+  return file.parity;
+}
+
+}  // namespace
+
+std::vector<std::string> export_files(ExportFormat format, const std::string& path) {
+  if (format == ExportFormat::matrix_market) {
+    const auto name = without_ending(path, ".mtx");
+    return {name + ".M.mtx", name + ".K.mtx", name + ".C.mtx"};
+  }
+  if (format == ExportFormat::urdf) return {path, without_ending(path, ".urdf") + ".closures.json"};
+  return {path};
+}
+
+Exported export_machine(const Machine& machine, const ExportOptions& options) {
+  Exported result{.files = export_files(options.format, options.path)};
+  switch (options.format) {
+    case ExportFormat::mat:
+    case ExportFormat::npz:
+    case ExportFormat::json:
+    case ExportFormat::hdf5:
+      result.parity = export_state_space(machine, options);
+      break;
+    case ExportFormat::uff:
+      data::write_modal_results(
+          options.path, exchange::modal_model(machine.file.machine, machine.pose.X_BP, machine.kind,
+                                              export_head(machine)));
+      result.parity = exchange::modal_model_parity(machine.kind);
+      break;
+    case ExportFormat::matrix_market:
+    case ExportFormat::dmig:
+      result.parity = export_superelement(machine, options);
+      break;
+    default:
+      result.parity = export_multibody(machine, options);
+  }
+  return result;
+}
+
+}  // namespace hydrapod::tasks

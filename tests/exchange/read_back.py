@@ -1,0 +1,262 @@
+#!/usr/bin/env python3
+"""Files of `hydrapod export`, read back by SciPy, NumPy and readers written from the formats' descriptions.
+
+usage: read_back.py PROGRAM MODELS
+
+Poles and responses are compared with `hydrapod modes` and `hydrapod bode`, which compute them from the
+matrices of second order and never from A, B, C, D.
+"""
+import csv
+import io
+import json
+import os
+import subprocess
+import sys
+import tempfile
+
+import numpy as np
+import scipy.io
+import scipy.linalg
+
+program, models = sys.argv[1], sys.argv[2]
+folder = tempfile.TemporaryDirectory()
+failures = []
+
+POLES = 1e-10      # relative to |pole|, of the issue
+RESPONSES = 1e-9   # relative to the largest entry at a frequency
+DISCRETE = 1e-9    # poles of the discretised system, as those lose digits in exp(A T)
+DMIG = 1e-9        # frequencies from numbers of 11 digits
+
+
+def run(*arguments, code=0):
+    done = subprocess.run([program, *arguments], capture_output=True, text=True)
+    if done.returncode != code:
+        raise SystemExit(f"{arguments}: exit code {done.returncode}, expected {code}\n{done.stdout}{done.stderr}")
+    return done
+
+
+def export(model, to, *more):
+    path = os.path.join(folder.name, "out." + to)
+    run("export", model, "--to", to, "-o", path, "--force", *more)
+    return path
+
+
+def check(what, error, limit):
+    print(f"{what}: {error:.2e} (limit {limit:.0e})")
+    if not error <= limit:
+        failures.append(what)
+
+
+def worst_pole(found, expected):
+    """Every pole has its own partner: the best pairing, not the nearest for each."""
+    from scipy.optimize import linear_sum_assignment
+    if len(found) != len(expected):
+        failures.append(f"{len(found)} poles for {len(expected)}")
+        return np.inf
+    scale = np.maximum(np.abs(expected), 1e-3 * np.abs(expected).max())
+    cost = np.abs(found[:, None] - expected[None, :]) / scale[None, :]
+    return cost[linear_sum_assignment(cost)].max()
+
+
+def system_poles(model, *more):
+    poles = []
+    for p in json.loads(run("modes", model, "--format", "json", *more).stdout)["poles"]:
+        pole = complex(p["pole"]["re"], p["pole"]["im"])
+        poles += [pole, pole.conjugate()] if pole.imag > 0 else [pole]
+    return np.array(poles)
+
+
+def damped_omega(model):
+    """|pole| of every mode, ascending."""
+    modes = json.loads(run("modes", model, "--format", "json").stdout)["modes"]
+    return np.sort([m["omega_rad_s"] for m in modes])
+
+
+def quadratic_omega(M, K, C):
+    """|pole| of M s^2 + C s + K, one of each pair."""
+    n = len(M)
+    A = np.block([[np.zeros((n, n)), np.eye(n)], [-np.linalg.solve(M, K), -np.linalg.solve(M, C)]])
+    return np.sort(np.abs(np.linalg.eigvals(A)))[::2]
+
+
+def bode(model, omega_from, omega_to):
+    text = run("bode", model, "--format", "csv", "--points", "40", "--from", f"{omega_from} rad/s",
+               "--to", f"{omega_to} rad/s").stdout
+    return list(csv.reader(line for line in io.StringIO(text) if not line.startswith("#")))
+
+
+def response(omega, system):
+    n = len(system["A"])
+    return system["C"] @ np.linalg.solve(1j * omega * np.eye(n) - system["A"], system["B"]) + system["D"]
+
+
+def state_space(model):
+    name = os.path.basename(model)
+    npz = np.load(export(model, "npz"))
+    mat = scipy.io.loadmat(export(model, "mat"))
+    text = json.load(open(export(model, "json")))
+    for k in "ABCD":
+        if not (np.array_equal(npz[k], mat[k]) and np.array_equal(npz[k], np.array(text[k]))):
+            failures.append(f"{name}: {k} differs between NPZ, MAT and JSON")
+    names = [str(x[0]) for x in mat["input_names"].ravel()]
+    if names != list(npz["input_names"]) or names[0] != "wrench.fx":
+        failures.append(f"{name}: input names {names}")
+    n = len(npz["A"]) // 2
+    omega, expected = np.sort(np.abs(np.linalg.eigvals(npz["A"])))[::2], damped_omega(model)
+    check(f"{name}: frequencies", np.abs(omega / expected - 1).max(), POLES)
+    # the wrench's six inputs, the six displacements
+    rows = bode(model, 5.0, 400.0)
+    worst = 0.0
+    for line in np.array(rows[1:], float):
+        H = response(line[1], npz)[:6, :6]
+        K = (line[2:74:2] + 1j * line[3:74:2]).reshape(6, 6)
+        worst = max(worst, np.abs(H - K).max() / np.abs(K).max())
+    check(f"{name}: responses against bode", worst, RESPONSES)
+    # one millisecond of held inputs: poles are exp(p T)
+    T = 1e-3
+    held = np.load(export(model, "npz", "--sample-time", "1 ms"))
+    p = np.exp(T * np.linalg.eigvals(npz["A"]))
+    check(f"{name}: discrete poles", worst_pole(np.linalg.eigvals(held["A"]), p), DISCRETE)
+    gain = held["C"] @ np.linalg.solve(np.eye(2 * n) - held["A"], held["B"]) + held["D"]
+    static = npz["D"] - npz["C"] @ np.linalg.solve(npz["A"], npz["B"])
+    check(f"{name}: static gain, discrete", np.abs((gain - static)[:6]).max() / np.abs(static[:6]).max(), 1e-7)
+
+
+def hydraulics(model):
+    name = os.path.basename(model)
+    for system, options in (("plant", ["--open-loop"]), ("loop", ["--system"])):
+        npz = np.load(export(model, "npz", "--system", system))
+        found = np.linalg.eigvals(npz["A"])
+        check(f"{name}: poles of the {system}", worst_pole(found, system_poles(model, *options)), POLES)
+    x = np.load(export(model, "npz", "--system", "loop", "--inputs", "command.x,command_rate.x",
+                       "--outputs", "x"))
+    rows = [r for r in csv.reader(io.StringIO(run("bode", model, "--input", "command", "--format", "csv",
+            "--points", "30", "--from", "1 rad/s", "--to", "300 rad/s").stdout)) if not r[0].startswith("#")]
+    worst = 0.0
+    for line in np.array(rows[1:], float):
+        w = line[1]
+        H = (response(w, x) @ np.array([1.0, 1j * w]))[0]
+        worst = max(worst, abs(H - complex(line[2], line[3])) / abs(H))
+    check(f"{name}: command response", worst, RESPONSES)
+
+
+def dmig(path):
+    """GRID, SPOINT and DMIG entries of a punch file (large field), symmetric form only."""
+    matrices, sizes = {}, {}
+    place, column, name = {}, None, None
+
+    def index(point, component):
+        return place.setdefault((int(point), int(component)), len(place))
+
+    def real(field):
+        field = field.strip().upper().replace("D", "E")
+        for i in range(len(field) - 1, 0, -1):
+            if field[i] in "+-" and field[i - 1] != "E":
+                return float(field[:i] + "E" + field[i:])
+        return float(field)
+
+    for line in open(path):
+        line = line.rstrip("\n")
+        if line.startswith("DMIG    "):
+            name = line[8:16].strip()
+            assert int(line[24:32]) == 6, "form"
+            matrices[name] = []
+        elif line.startswith("DMIG*"):
+            column = index(line[24:40], line[40:56])
+        elif line.startswith("*") and column is not None:
+            matrices[name].append((index(line[8:24], line[24:40]), column, real(line[40:56])))
+    full = {}
+    for name, entries in matrices.items():
+        A = np.zeros((len(place), len(place)))
+        for i, j, value in entries:
+            A[i, j] = A[j, i] = value
+        full[name] = A
+    return full
+
+
+def superelement(model):
+    name = os.path.basename(model)
+    path = export(model, "mtx")
+    stem = path[:-4]
+    M, K, C = (scipy.io.mmread(f"{stem}.{k}.mtx").toarray() for k in "MKC")
+    expected = damped_omega(model)
+    omega = quadratic_omega(M, K, C)
+    check(f"{name}: Matrix Market, all modes kept", np.abs(omega / expected - 1).max(), POLES)
+    punched = dmig(export(model, "dmig"))
+    omega = quadratic_omega(punched["M2HYD"], punched["K2HYD"], punched["B2HYD"])
+    check(f"{name}: DMIG", np.abs(omega / expected - 1).max(), DMIG)
+    # the damped response at the interface is that of bode
+    worst = 0.0
+    for line in np.array(bode(model, 5.0, 400.0)[1:], float):
+        w = line[1]
+        H = np.linalg.inv(K - w * w * M + 1j * w * C)[:6, :6]
+        B = (line[2:74:2] + 1j * line[3:74:2]).reshape(6, 6)
+        worst = max(worst, np.abs(H - B).max() / np.abs(B).max())
+    check(f"{name}: superelement's response", worst, RESPONSES)
+    # two modes kept: static stiffness stays exact, frequencies do not fall
+    path = export(model, "mtx", "--leg-modes", "2")
+    stem = path[:-4]
+    M2, K2 = (scipy.io.mmread(f"{stem}.{k}.mtx").toarray() for k in "MK")
+    static = np.linalg.inv(K)[:6, :6]
+    check(f"{name}: static compliance, two modes kept",
+          np.abs(np.linalg.inv(K2)[:6, :6] - static).max() / np.abs(static).max(), 1e-9)
+    reduced = np.sqrt(scipy.linalg.eigh(K2, M2, eigvals_only=True))
+    whole = np.sqrt(scipy.linalg.eigh(K, M, eigvals_only=True))
+    if not np.all(reduced >= whole[:len(reduced)] * (1 - 1e-12)):
+        failures.append(f"{name}: Rayleigh-Ritz bound")
+
+
+def modal(model):
+    """Dataset 55: frequencies and damping of the first two numbers of records 8."""
+    name = os.path.basename(model)
+    path = export(model, "uff")
+    lines = open(path, encoding="utf-8").read().splitlines()
+    poles = []
+    for i, line in enumerate(lines):
+        if line.strip() == "55" and lines[i - 1].strip() == "-1":
+            numbers = [float(x) for x in lines[i + 8].split()]
+            poles.append(complex(numbers[0], numbers[1]))
+    expected = damped_omega(model)
+    check(f"{name}: dataset 55", np.abs(np.sort(np.abs(poles)) / expected - 1).max(), 2e-5)
+
+
+def refusals(model):
+    for arguments, words in (
+            (["--to", "npy", "-o", "x.npy"], ["--to", "npz"]),
+            (["--to", "mat", "-o", "/nowhere/x.mat"], ["/nowhere"]),
+            (["--to", "mat", "-o", "-"], ["give it a name"]),
+            (["--to", "dmig", "--system", "loop", "-o", "x.pch"], ["--system loop", "state spaces"]),
+            (["--to", "dmig", "--leg-modes", "99", "-o", os.path.join(folder.name, "x.pch")], ["--leg-modes 99", "12 modes"]),
+            (["--to", "npz", "--outputs", "z,qq", "-o", "x.npz"], ["--outputs qq"]),
+            (["--to", "npz", "--sample-time=-1", "-o", "x.npz"], ["--sample-time"])):
+        err = run("export", model, *arguments, code=2).stderr
+        for word in words:
+            if word not in err:
+                failures.append(f"{arguments}: '{word}' is not in: {err}")
+    wrong = run("export", model, "--to", "sdf", "--set", "damping.rayleigh_mass=0.3",
+                "-o", os.path.join(folder.name, "x.sdf"), code=2).stderr
+    if "--approximate" not in wrong:
+        failures.append("absent: " + wrong)
+
+
+def urdf(model):
+    path = export(model, "urdf", "--approximate")
+    done = subprocess.run(["check_urdf", path], capture_output=True, text=True)
+    if done.returncode != 0 or done.stderr or "Successfully Parsed" not in done.stdout:
+        failures.append("check_urdf: " + done.stdout + done.stderr)
+    closures = json.load(open(path[:-5] + ".closures.json"))["closures"]
+    if len(closures) != 6:
+        failures.append("closures")
+
+
+heavy = os.path.join(models, "heavy-platform.toml")
+published = os.path.join(models, "zhang-jiang-2021.toml")
+for model in (heavy, published):
+    state_space(model)
+    superelement(model)
+    modal(model)
+    urdf(model)
+hydraulics(heavy)
+refusals(heavy)
+if failures:
+    raise SystemExit("\n".join(["FAILED:", *failures]))
