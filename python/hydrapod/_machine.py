@@ -1,0 +1,242 @@
+"""The machine: its file, its numbers by path and as attributes, and variants of it."""
+
+from __future__ import annotations
+
+import os
+from typing import Any, Iterator, List, Mapping, Optional, Tuple, Union
+
+from . import _core
+
+Quantity = Union[float, int, str]
+Value = Union[Quantity, bool, List[Any], Tuple[Any, ...]]
+
+
+def _toml(value: Value) -> str:
+    """`value` as an override has it."""
+    if isinstance(value, str):
+        return value
+    if isinstance(value, bool):
+        return "true" if value else "false"
+    if isinstance(value, (list, tuple)) or hasattr(value, "tolist") and not hasattr(value, "__float__"):
+        items = value if isinstance(value, (list, tuple)) else value.tolist()
+        return "[" + ", ".join(f'"{v}"' if isinstance(v, str) else _toml(v) for v in items) + "]"
+    try:
+        return repr(float(value))
+    except (TypeError, ValueError):
+        raise TypeError(f"expected a number, a text with a unit or a list of these, got {value!r}") from None
+
+
+class Parameters:
+    """Part of a machine's numbers: machine.legs.guide_sleeve.stiffness [SI]."""
+
+    __slots__ = ("_machine", "_path")
+
+    def __init__(self, machine: "Machine", path: str):
+        self._machine = machine
+        self._path = path
+
+    def __getattr__(self, name: str) -> Any:
+        if name.startswith("__"):
+            raise AttributeError(name)
+        return self._machine._at(f"{self._path}.{name}")
+
+    def __getitem__(self, key: Union[int, str]) -> Any:
+        """An element of an array, counted from 0, or a key: machine.leg["3"]."""
+        return self._machine._at(f"{self._path}[{key}]" if isinstance(key, int) else f"{self._path}.{key}")
+
+    def __dir__(self) -> List[str]:
+        return sorted(self._machine._keys_below(self._path))
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self.__dir__())
+
+    def __repr__(self) -> str:
+        rows = [
+            f"  {path} = {self._machine[path]:.6g} {self._machine.unit(path)}"
+            for path in self._machine.paths
+            if path == self._path or path.startswith((self._path + ".", self._path + "["))
+        ]
+        return f"Parameters {self._path}\n" + "\n".join(rows)
+
+
+class Machine:
+    """A machine at one pose, with one model (rigid, guide or full). It does not change.
+
+    Numbers by path: machine["legs.rod.mass"] [SI]; as attributes: machine.legs.rod.mass.
+    Variants: machine.with_(**{"platform.mass": "4 t"}), machine.at("z=50 mm"), machine.using("rigid").
+    Machines can be copied, compared, hashed and pickled: they are their file's text and what was asked.
+    """
+
+    __slots__ = ("_core_machine", "_pose", "_model", "__weakref__")
+
+    _core_machine: _core.Machine
+    _pose: str
+    _model: Optional[str]
+
+    def __init__(self, text: str, *, path: str = "machine.toml", overrides: Mapping[str, Value] = {},
+                 pose: str = "neutral", model: Optional[str] = None):
+        """From the text of a machine file; `path`: what messages call it. See read_machine()."""
+        lines = [f"{key}={_toml(value)}" for key, value in overrides.items()]
+        self._set(_core.read_machine(path, text, lines, pose, model), pose, model)
+
+    def _set(self, core: _core.Machine, pose: str, model: Optional[str]) -> None:
+        object.__setattr__(self, "_core_machine", core)
+        object.__setattr__(self, "_pose", pose)
+        object.__setattr__(self, "_model", model)
+
+    @classmethod
+    def _made(cls, path: str, text: Optional[str], overrides: List[str], pose: str,
+              model: Optional[str]) -> "Machine":
+        machine = cls.__new__(cls)
+        machine._set(_core.read_machine(path, text, overrides, pose, model), pose, model)
+        return machine
+
+    def __setattr__(self, name: str, value: object) -> None:
+        raise AttributeError(f"a machine does not change; use machine.with_(**{{\"{name}…\": value}})")
+
+    # --- what it is -------------------------------------------------------------------------------
+
+    @property
+    def name(self) -> str:
+        return self._core_machine.name
+
+    @property
+    def description(self) -> str:
+        return self._core_machine.description
+
+    @property
+    def path(self) -> str:
+        """Path of the file, as messages and results call it."""
+        return self._core_machine.path
+
+    @property
+    def text(self) -> str:
+        """Text of the file, without the overrides."""
+        return self._core_machine.text
+
+    @property
+    def overrides(self) -> List[str]:
+        """PATH=VALUE, as --set of the command line."""
+        return self._core_machine.overrides
+
+    @property
+    def pose(self) -> str:
+        return self._core_machine.pose
+
+    @property
+    def model(self) -> str:
+        """rigid, guide or full."""
+        return self._core_machine.model
+
+    @property
+    def poses(self) -> List[str]:
+        """Names of the poses of the file."""
+        return self._core_machine.poses
+
+    @property
+    def warnings(self) -> List[str]:
+        return self._core_machine.warnings
+
+    # --- numbers ----------------------------------------------------------------------------------
+
+    @property
+    def paths(self) -> List[str]:
+        """Paths of all numbers that the machine holds."""
+        return self._core_machine.paths
+
+    def __getitem__(self, path: str) -> float:
+        """The number at `path` [SI]. Raises InputError naming the nearest path."""
+        return self._core_machine.value(path)
+
+    def unit(self, path: str) -> str:
+        """Its SI unit, "1" for pure numbers."""
+        return self._core_machine.unit(path)
+
+    def _keys_below(self, path: str) -> List[str]:
+        keys = set()
+        for one in self.paths:
+            if one.startswith(path + "."):
+                keys.add(one[len(path) + 1:].split(".")[0].split("[")[0])
+        return sorted(keys)
+
+    def _at(self, path: str) -> Any:
+        paths = self.paths
+        if path in paths:
+            return self[path]
+        if any(one.startswith((path + ".", path + "[")) for one in paths):
+            return Parameters(self, path)
+        raise AttributeError(f"'{path}' is no number of this machine; machine.paths lists them")
+
+    def __getattr__(self, name: str) -> Any:
+        if name.startswith("_"):
+            raise AttributeError(name)
+        return self._at(name)
+
+    def __dir__(self) -> List[str]:
+        return sorted(set(super().__dir__()) | {path.split(".")[0] for path in self.paths})
+
+    # --- variants ---------------------------------------------------------------------------------
+
+    def with_(self, overrides: Mapping[str, Value] = {}, /, **more: Value) -> "Machine":
+        """The machine with other values: with_(**{"platform.mass": "4 t"}) or with_({"platform.mass": 4000}).
+
+        A value is a number in SI, a text with a unit, or a list of these. They are laid over the file as
+        --set of the command line is, and everything is checked again. Raises InputError.
+        """
+        lines = self.overrides + [f"{key}={_toml(value)}" for key, value in {**overrides, **more}.items()]
+        return self._made(self.path, self.text, lines, self._pose, self._model)
+
+    def at(self, pose: str) -> "Machine":
+        """At a pose of the file, or at displacements from the neutral pose: "z=50 mm, ry=5 deg"."""
+        return self._made(self.path, self.text, self.overrides, pose, self._model)
+
+    def using(self, model: Optional[str]) -> "Machine":
+        """With the model rigid, guide (compliant guide sleeves) or full (piston rings too)."""
+        return self._made(self.path, self.text, self.overrides, self._pose, model)
+
+    # --- as a value -------------------------------------------------------------------------------
+
+    def _key(self) -> Tuple[Any, ...]:
+        return (self.path, self.text, tuple(self.overrides), self._pose, self.model)
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, Machine) and self._key() == other._key()
+
+    def __hash__(self) -> int:
+        return hash(self._key())
+
+    def __reduce__(self) -> Tuple[Any, ...]:
+        return (Machine._made, (self.path, self.text, self.overrides, self._pose, self._model))
+
+    def __copy__(self) -> "Machine":
+        return self
+
+    def __deepcopy__(self, memo: Any) -> "Machine":
+        return self
+
+    def __repr__(self) -> str:
+        changed = f", with {'; '.join(self.overrides)}" if self.overrides else ""
+        return f"<Machine {self.name!r}, pose {self.pose}, {self.model} model{changed}>"
+
+
+def read_machine(path: Union[str, "os.PathLike[str]"], *, overrides: Mapping[str, Value] = {},
+                 pose: str = "neutral", model: Optional[str] = None) -> Machine:
+    """Reads and checks a machine file (TOML); `path` may also be the text of one (with line breaks).
+
+    overrides: {PATH: value} laid over the file, as --set. pose: a pose of the file, or displacements from the
+    neutral pose ("z=50 mm, ry=5 deg"). model: rigid, guide or full; default: full where the file has piston
+    rings, else guide. Raises InputError with all mistakes, each with file, line, column and what would be
+    accepted. Keys and units: docs/howto/machine-file.md.
+    """
+    name = os.fspath(path)
+    if not isinstance(name, str):
+        raise TypeError(f"path: expected a text or a path, got {path!r}")
+    if "\n" in name:
+        return Machine(name, overrides=overrides, pose=pose, model=model)
+    lines = [f"{key}={_toml(value)}" for key, value in overrides.items()]
+    return Machine._made(name, None, lines, pose, model)
+
+
+def starter_machine_file() -> str:
+    """A commented machine file to start from, as `hydrapod init` writes it."""
+    return _core.starter_machine_file()

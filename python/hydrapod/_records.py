@@ -1,0 +1,137 @@
+"""Records: what a test rig measured, as arrays."""
+
+from __future__ import annotations
+
+import os
+from typing import Any, List, Optional, Sequence, Union
+
+import numpy as np
+
+from . import _core
+
+
+class Record:
+    """Channels sampled together, in SI and radians.
+
+    samples: samples × channels, read-only; a missing sample is NaN. Made by read_record(), or from arrays:
+
+        Record(samples, 1000.0, ["force", "a1"], units=["N", "m/s^2"], roles=["excitation", "response"])
+
+    Units that are plain scales ("mm", "kN", "bar") are brought to SI. roles: excitation, drive, response or
+    other. directions: "x" … "rz", "-x" …, "leg 1" …, "" for none. Raises InputError or ValueError.
+    """
+
+    __slots__ = ("_core_record", "warnings", "path", "__weakref__")
+
+    def __init__(self, samples: Any, sample_rate: float, channels: Sequence[str], *,
+                 units: Optional[Sequence[str]] = None, roles: Optional[Sequence[str]] = None,
+                 directions: Optional[Sequence[str]] = None, start: float = 0.0, title: str = "",
+                 notes: str = ""):
+        array = np.asarray(samples)
+        if array.dtype.kind not in "fiu":
+            raise TypeError(f"samples: expected real numbers, got an array of {array.dtype}")
+        names = list(channels)
+        count = len(names)
+        self._core_record = _core.record(
+            np.ascontiguousarray(array, dtype=float), float(sample_rate), float(start), names,
+            ["1"] * count if units is None else list(units),
+            ["other"] * count if roles is None else list(roles),
+            [""] * count if directions is None else list(directions), title, notes)
+        self.warnings: List[str] = []
+        self.path: Optional[str] = None
+
+    @classmethod
+    def _of(cls, core: _core.Record, warnings: List[str], path: str) -> "Record":
+        record = cls.__new__(cls)
+        record._core_record = core
+        record.warnings = warnings
+        record.path = path
+        return record
+
+    @property
+    def samples(self) -> Any:
+        return self._core_record.samples
+
+    @property
+    def channels(self) -> List[str]:
+        return self._core_record.channels
+
+    @property
+    def units(self) -> List[str]:
+        return self._core_record.units
+
+    @property
+    def roles(self) -> List[str]:
+        return self._core_record.roles
+
+    @property
+    def directions(self) -> List[str]:
+        return self._core_record.directions
+
+    @property
+    def sample_rate(self) -> float:
+        """[Hz]"""
+        return self._core_record.sample_rate
+
+    @property
+    def start(self) -> float:
+        """Time of the first sample [s]."""
+        return self._core_record.start
+
+    @property
+    def time(self) -> Any:
+        """[s]"""
+        return self.start + np.arange(len(self)) / self.sample_rate
+
+    @property
+    def title(self) -> str:
+        return self._core_record.title
+
+    @property
+    def notes(self) -> str:
+        return self._core_record.notes
+
+    @property
+    def date(self) -> str:
+        return self._core_record.date
+
+    @property
+    def machine_text(self) -> str:
+        """Text of the machine file in the record; empty: none."""
+        return self._core_record.machine
+
+    def __getitem__(self, channel: str) -> Any:
+        """Samples of the channel of that name."""
+        try:
+            return self.samples[:, self.channels.index(channel)]
+        except ValueError:
+            raise KeyError(f"no channel {channel!r}; there are {', '.join(self.channels)}") from None
+
+    def __len__(self) -> int:
+        return int(self.samples.shape[0])
+
+    def write(self, path: Union[str, "os.PathLike[str]"]) -> None:
+        """Writes .h5, .mat, .csv, .uff or .rsp, whole or not at all."""
+        self._core_record.write(os.fspath(path))
+
+    def to_xarray(self) -> Any:
+        """As an xarray.DataArray (needs xarray)."""
+        import xarray  # type: ignore[import]
+
+        return xarray.DataArray(
+            self.samples, dims=("time", "channel"),
+            coords={"time": self.time, "channel": self.channels, "unit": ("channel", self.units)})
+
+    def __repr__(self) -> str:
+        return (f"<Record {self.title!r}: {len(self)} samples × {len(self.channels)} channels "
+                f"at {self.sample_rate:g} Hz>")
+
+
+def read_record(path: Union[str, "os.PathLike[str]"], *, rate: Optional[float] = None) -> Record:
+    """Reads a whole record: HDF5, MAT, CSV, Universal File or RPC III (docs/howto/record.md).
+
+    rate: sample rate [Hz] of files that do not tell it. Raises InputError.
+    """
+    name = os.fspath(path)
+    core, warnings = _core.read_record(name, rate)
+    return Record._of(core, warnings, name)

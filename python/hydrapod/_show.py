@@ -1,0 +1,153 @@
+"""How results show themselves: as tables of text, and of HTML in notebooks."""
+
+from __future__ import annotations
+
+import html
+import operator
+from typing import Any, Callable, Dict, List, Sequence, Tuple
+
+import numpy as np
+
+from . import _core
+
+Table = Tuple[str, List[str], Sequence[Sequence[str]], str]  # heading, titles, rows, words below
+
+
+def _modes(m: Any) -> Table:
+    felt = m.moves_platform
+    rows = [(str(k + 1), f"{f:.3f}", f"{100 * z:.2f} %", label)
+            for k, (f, z, label) in enumerate(zip(m.frequency_hz, m.damping_ratio, m.labels))]
+    return f"{len(felt)} modes", ["mode", "Hz", "damping", "motion, compliance"], rows, m.answer.strip()
+
+
+def _system(s: Any) -> Table:
+    rows = [(f"{abs(p) / (2 * np.pi):.3f}", f"{100 * z:.2f} %", f"{p.real:.4g}", words)
+            for p, z, words in zip(s.poles, s.damping_ratio, s.participation)]
+    return (f"{len(s.states)} states, {'closed' if s.closed else 'open'} loop",
+            ["Hz", "damping", "Re 1/s", "participation"], rows, s.verdict)
+
+
+def _check(c: Any) -> Table:
+    rows = [(pose, f"{load:.4g} kg" if np.isfinite(load) else "–", f"{force:.4g} N")
+            for pose, load, force in zip(c.poses, c.buckling_payload, np.abs(c.axial_force).max(axis=1))]
+    return "check", ["pose", "buckling payload", "largest axial force"], rows, "\n".join([*c.warnings, c.verdict])
+
+
+def _sensitivity(s: Any) -> Table:
+    best = np.argsort(-np.nanmax(np.abs(s.percent_per_percent), axis=0))[:12]
+    rows = [(s.parameters[k], *(f"{v:.3f}" for v in s.percent_per_percent[:6, k])) for k in best]
+    titles = ["% per %"] + [f"{omega / (2 * np.pi):.3f} Hz" for omega in s.omega[:6]]
+    return f"{len(s.parameters)} parameters, {len(s.omega)} modes", titles, rows, ""
+
+
+def _identified(r: Any) -> Table:
+    rows = [(f"{f:.4f} ± {1.96 * df:.2g}", f"{100 * z:.3f} ± {196 * dz:.2g} %", f"{q:.2f}", motion)
+            for f, df, z, dz, q, motion in zip(r.frequency_hz, r.frequency_deviation_hz, r.damping_ratio,
+                                               r.damping_deviation, r.quality, r.motion)]
+    return (f"{len(rows)} identified modes (± is half the 95 % interval)",
+            ["Hz", "damping", "quality", "motion"], rows, "\n".join(r.warnings))
+
+
+def _calibrated(c: Any) -> Table:
+    rows = [(name, f"{v:.6g} ± {d:.2g} {unit}", verdict) for name, v, d, unit, verdict in
+            zip(c.parameters, c.values, c.deviations, c.units, c.verdicts)]
+    return f"calibration, misfit {c.misfit:.4g}", ["parameter", "value", ""], rows, "\n".join(c.remarks)
+
+
+def _diagnosed(d: Any) -> Table:
+    rows = [(name, f"{bic - d.bic[0]:.1f}") for name, bic in list(zip(d.hypotheses, d.bic))[:8]]
+    return "diagnosis", ["hypothesis", "ΔBIC"], rows, "\n".join(d.summary)
+
+
+def _plain(words: Callable[[Any], str]) -> Callable[[Any], Table]:
+    return lambda result: (words(result), [], [], "")
+
+
+_tables: Dict[type, Callable[[Any], Table]] = {
+    _core.Modes: _modes,
+    _core.System: _system,
+    _core.Check: _check,
+    _core.Sensitivity: _sensitivity,
+    _core.Identified: _identified,
+    _core.Calibrated: _calibrated,
+    _core.Diagnosed: _diagnosed,
+    _core.RootLocus: _plain(lambda r: f"root locus over {r.key}, {len(r.values)} values, limits {r.limits}"),
+    _core.Bode: _plain(lambda b: f"6×6 response at {len(b.omega)} frequencies, {b.frequency_hz[0]:.4g} Hz "
+                                 f"to {b.frequency_hz[-1]:.4g} Hz, flexible and rigid legs"),
+    _core.CommandResponse: _plain(lambda r: f"command to pose at {len(r.omega)} frequencies"),
+    _core.Frf: _plain(lambda f: f"responses of {len(f.outputs)} outputs to {len(f.inputs)} inputs at "
+                                f"{len(f.frequency_hz)} lines"),
+    _core.Simulation: _plain(lambda s: f"{s.simulated:.6g} s simulated of {s.until:.6g} s: "
+                                       f"{' + '.join(s.commands) or 'rest'}"
+                                       + ("" if s.finished else f"; ended early: {s.message}")),
+    _core.Report: _plain(lambda r: f"report of {len(r.html)} characters; .write(path) writes the page"),
+}
+
+
+def text(result: Any) -> str:
+    heading, titles, rows, below = _tables[type(result)](result)
+    lines = [f"<{type(result).__name__}: {heading}>"]
+    if titles:
+        table = [titles, *rows]
+        widths = [max(len(row[k]) for row in table) for k in range(len(titles))]
+        lines += ["  ".join(cell.ljust(width) for cell, width in zip(row, widths)).rstrip() for row in table]
+    return "\n".join([*lines, below] if below else lines)
+
+
+def page(result: Any) -> str:
+    if isinstance(result, _core.Report):
+        return (f'<iframe sandbox="allow-scripts" style="width:100%;height:720px;border:0" '
+                f'srcdoc="{html.escape(result.html, quote=True)}"></iframe>')
+    heading, titles, rows, below = _tables[type(result)](result)
+    cells = "".join(f"<th>{html.escape(title)}</th>" for title in titles)
+    body = "".join("<tr>" + "".join(f"<td>{html.escape(cell)}</td>" for cell in row) + "</tr>" for row in rows)
+    table = f"<table><thead><tr>{cells}</tr></thead><tbody>{body}</tbody></table>" if titles else ""
+    after = f"<p>{html.escape(below)}</p>" if below else ""
+    return f"<div><b>{html.escape(type(result).__name__)}</b>: {html.escape(heading)}{table}{after}</div>"
+
+
+def _record_array(modes: Any) -> Any:
+    names = ("frequency_hz", "damping_ratio", "omega", "moves_platform")
+    labels = np.array(modes.labels, dtype=str)
+    columns = [np.asarray(getattr(modes, name)) for name in names] + [labels]
+    fields = [(name, column.dtype) for name, column in zip([*names, "label"], columns)]
+    table = np.empty(len(labels), dtype=fields)
+    for (name, _), column in zip(fields, columns):
+        table[name] = column
+    return table.view(np.recarray)
+
+
+def _to_pandas(modes: Any) -> Any:
+    import pandas  # type: ignore[import]
+
+    return pandas.DataFrame.from_records(_record_array(modes))
+
+
+def _damping_matrix(modes: Any) -> Any:
+    """C + M Φ diag(2 ζ ω) Φᵀ M: with the modal damping ratio ζ of the machine."""
+    model = modes.flexible if isinstance(modes, _core.Modes) else modes
+    M, K, C = (np.array(matrix) for matrix in (model.M, model.K, model.C))
+    ratio = model.modal_damping_ratio
+    if ratio == 0.0:
+        return C
+    L = np.linalg.cholesky(M)
+    inverse = np.linalg.inv(L)
+    squares, vectors = np.linalg.eigh(inverse @ K @ inverse.T)
+    omega = np.sqrt(np.maximum(squares, 0.0))
+    return C + L @ (vectors * (2.0 * ratio * omega)) @ vectors.T @ L.T
+
+
+def attach() -> None:
+    """Gives the classes of the extension what is written in Python."""
+    result: Any = _core.Result
+    result.__repr__ = text
+    result._repr_html_ = page
+    modes: Any = _core.Modes
+    for name in ("frequency_hz", "omega", "damping_ratio", "poles", "labels", "moves_platform", "stable",
+                 "shapes", "coordinates", "M", "K", "C", "modal_damping_ratio"):
+        setattr(modes, name, property(operator.attrgetter(f"flexible.{name}")))
+    modes.to_records = _record_array
+    modes.to_pandas = _to_pandas
+    modes.damping_matrix = _damping_matrix
+    rigid: Any = _core.ModelModes
+    rigid.damping_matrix = _damping_matrix

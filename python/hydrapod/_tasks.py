@@ -1,0 +1,446 @@
+"""The tasks: what the command line does, with keyword arguments in and arrays out."""
+
+from __future__ import annotations
+
+import os
+import tempfile
+from contextlib import contextmanager
+from typing import Any, Callable, Dict, Iterator, List, Mapping, NamedTuple, Optional, Sequence, Tuple, Union
+
+import numpy as np
+
+from . import _core, _show
+from ._core import (
+    Bode,
+    Calibrated,
+    Check,
+    CommandResponse,
+    Diagnosed,
+    Frf,
+    Identified,
+    Modes,
+    Report,
+    RootLocus,
+    Sensitivity,
+    Simulation,
+    System,
+)
+from ._errors import ComputationError
+from ._machine import Machine, Quantity
+from ._records import Record
+
+Progress = Callable[[float], Optional[bool]]
+Path = Union[str, "os.PathLike[str]"]
+Measured = Union[Path, Record, Sequence[Union[Path, Record]]]
+Texts = Union[str, Sequence[str]]
+
+_show.attach()
+
+
+def _core_of(machine: Machine) -> _core.Machine:
+    if not isinstance(machine, Machine):
+        raise TypeError(f"machine: expected a Machine (hydrapod.read_machine(path)), got {machine!r}")
+    return machine._core_machine
+
+
+def _list(texts: Texts) -> List[str]:
+    return [texts] if isinstance(texts, str) else [str(text) for text in texts]
+
+
+def _options(**options: Any) -> Dict[str, Any]:
+    return {key: value for key, value in options.items() if value is not None}
+
+
+@contextmanager
+def _files(measured: Measured) -> Iterator[List[str]]:
+    """Paths of what was measured; records in memory are in files of their own for the time of a task."""
+    single = isinstance(measured, (str, os.PathLike, Record))
+    items: List[Any] = [measured] if single else list(measured)  # type: ignore[arg-type]
+    with tempfile.TemporaryDirectory(prefix="hydrapod-") as folder:
+        paths = []
+        for number, item in enumerate(items):
+            if isinstance(item, Record):
+                path = os.path.join(folder, f"record-{number + 1}.mat")
+                item.write(path)
+                paths.append(path)
+            else:
+                paths.append(os.fspath(item))
+        yield paths
+
+
+# --- the machine near rest ------------------------------------------------------------------------
+
+
+def modes(machine: Machine, *, matrices: bool = False) -> Modes:
+    """Modes at the machine's pose, of its model beside the rigid-leg model.
+
+    matrices: put M, K and C into .to_dict() too, as `hydrapod modes --matrices` does.
+
+    Result, n modes in ascending frequency, dof coordinates:
+        frequency_hz, omega [rad/s], damping_ratio, poles [1/s]   (n,)
+        shapes                                                    (dof, n), φᵀ M φ = 1
+        M, K, C   [kg, N/m, N s/m and their rotational units]     (dof, dof)
+        labels, moves_platform, coordinates                       lists
+        damping_matrix()     C with the modal damping ratio in it (dof, dof)
+        rigid                the same of the rigid-leg model
+        answer               lowest mode the platform feels, in one sentence
+    Raises ComputationError where the machine does not stand at this pose.
+    """
+    return _core.modes(_core_of(machine), matrices)
+
+
+def system(machine: Machine, *, closed: bool = True, pade_order: int = 2) -> System:
+    """Mechanics, hydraulics, controller and delay as one linear system at rest, and its poles.
+
+    closed=False: without the controller, valves held. pade_order: 0 to 8, of the delay.
+
+    Result: A, B_command, B_velocity, B_valve, B_wrench, C, C_ground (against the ground), states, sampled (the
+    matrix of the sampled loop), poles [1/s] (least damped in time first, one of each pair), damping_ratio,
+    participation, stable (of the sampled loop), verdict, delay [s], sample_time [s].
+    """
+    return _core.system(_core_of(machine), closed, pade_order)
+
+
+def root_locus(machine: Machine, key: str, start: float, stop: float, count: int = 11, *, closed: bool = True,
+               pade_order: int = 2, progress: Optional[Progress] = None) -> RootLocus:
+    """Poles of the system over one number of the file, `count` values from start to stop [SI].
+
+    Result: key, values, poles (a list of arrays), limits (values at which stability changes).
+    """
+    return _core.root_locus(_core_of(machine), key, start, stop, count, closed, pade_order, progress)
+
+
+def bode(machine: Machine, *, input: str = "wrench", output: str = "displacement",
+         from_: Optional[Quantity] = None, to: Optional[Quantity] = None, points: int = 2000,
+         point: Optional[Sequence[Quantity]] = None) -> Union[Bode, CommandResponse]:
+    """6×6 frequency responses of the platform with flexible and with rigid legs.
+
+    input: wrench at the point, actuator (forces mapped to its directions), or command: from the commanded to
+    the true pose, hydraulics and controller included (then a CommandResponse). output: displacement,
+    velocity or acceleration. from_, to: band, numbers in Hz or texts ("30 rad/s"); default: from the modes.
+    point: three lengths in the platform frame; default: the mass centre.
+
+    Result: frequency_hz, omega (points,), H and H_rigid (points, 6, 6): H[k, out, in], complex.
+    """
+    result: Union[Bode, CommandResponse] = _core.bode(_core_of(machine), {"from": from_, **_options(
+        input=input, output=output, to=to, points=points, point=None if point is None else list(point))})
+    return result
+
+
+def check(machine: Machine, *, all_poses: bool = True) -> Check:
+    """Is the machine sound? Leg lengths, strokes, static forces, buckling load; at all poses of the file.
+
+    all_poses=False: at the machine's pose alone. Result, p poses: sound, verdict, warnings, poses, lengths [m],
+    axial_force [N, + compression], oil_stiffness [N/m], tilt [rad] (p, 6), buckling_payload [kg] (p,), NaN
+    where there is none.
+    """
+    return _core.check(_core_of(machine), all_poses)
+
+
+def sensitivity(machine: Machine, parameters: Texts = ()) -> Sensitivity:
+    """Change of each frequency per change of each number of the file: d ln ω / d ln p.
+
+    parameters: paths; default: all that matter. Result: parameters, omega (n,), percent_per_percent (n, p).
+    """
+    return _core.sensitivity(_core_of(machine), _list(parameters))
+
+
+def frequencies(machine: Machine, designs: Mapping[str, Any], *, threads: int = 0,
+                progress: Optional[Progress] = None) -> Any:
+    """Undamped frequencies [Hz] of many designs, (designs, n): NumPy arrays in, an array out, all processors.
+
+    designs: {PATH: values in SI}; arrays of one length, or numbers that hold for all. A design that does not
+    stand at the pose has NaN. Values are not checked for being sensible: check the extremes with with_().
+    """
+    core = _core_of(machine)
+    if not designs:
+        raise ValueError("designs: expected at least one path with values")
+    columns = np.broadcast_arrays(*(np.asarray(values, dtype=float) for values in designs.values()))
+    if columns[0].ndim > 1:
+        raise ValueError("designs: expected numbers or arrays of one dimension")
+    table = np.ascontiguousarray(np.stack([np.atleast_1d(column) for column in columns], axis=1))
+    return _core.frequencies(core, list(designs), table, threads, progress)
+
+
+# --- over time ------------------------------------------------------------------------------------
+
+
+def simulate(machine: Machine, commands: Texts = (), *, wrench: Texts = (), initial: Optional[str] = None,
+             actuators: str = "controlled", until: Optional[Quantity] = None,
+             integrator: str = "adaptive", tolerance: float = 1e-6, step: Quantity = 1e-4, seed: int = 1,
+             ideal_sensors: bool = False, output_interval: Optional[Quantity] = None,
+             trace_samples: int = 3000, record: Optional[Path] = None,
+             progress: Optional[Progress] = None) -> Simulation:
+    """Time simulation: mechanics, hydraulics, controller.
+
+    commands: "step z=5 mm", "sine ry=2 deg, frequency=1 Hz", … (hydrapod simulate --help); they add up.
+    wrench: force and moment about the mass centre, "sine x=500 N, frequency=4 Hz".
+    initial: displacement from the pose at which the platform is released, "x=1 mm, ry=0.1 deg".
+    actuators: "controlled"; "held", valves that stay as at rest; "springs", mechanics alone on oil springs.
+    record: file to write (.h5, .mat, .csv, .uff). A run that ends early has everything up to there: see
+    finished and message.
+
+    Result, N samples: time [s] (N,), command and motion [m, rad] (N, 6), piston [m], drive, cap_pressure,
+    rod_pressure [Pa] (N, 6), rms_error, peak_error (6,), record, warnings.
+    """
+    return _core.simulate(_core_of(machine), _options(
+        commands=_list(commands), wrench=_list(wrench), initial=initial, actuators=actuators, until=until, integrator=integrator, tolerance=tolerance, step=step,
+        seed=seed, ideal_sensors=ideal_sensors, output_interval=output_interval, trace_samples=trace_samples,
+        record=None if record is None else os.fspath(record)), progress)
+
+
+class RigRun(NamedTuple):
+    """A run of the virtual test rig."""
+
+    record: str  #: the file
+    samples: int
+    findings: List[str]  #: levels that do not fit
+    finished: bool
+    message: str
+
+
+def rig(machine: Machine, record: Optional[Path] = None, *, excite: Texts = (), entry: str = "command",
+        duration: Optional[Quantity] = None, averages: int = 0, settling: Optional[Quantity] = None,
+        rate: Optional[Quantity] = None, oversampling: int = 2, seed: int = 1, repeat: int = 1,
+        accelerometers: Optional[Sequence[str]] = None, length_sensor: Optional[str] = None,
+        pressure_sensor: Optional[str] = None, current_sensor: Optional[str] = None,
+        drop_outs: Optional[Quantity] = None, anti_alias: bool = True, above_limits: bool = False,
+        progress: Optional[Progress] = None) -> RigRun:
+    """Simulated test rig: excites the machine in six directions and writes a record.
+
+    record: file to write; None: only the levels are checked. excite: signals ("white all=0.1 mm"), default
+    white noise. entry: command, drive or wrench. Raises InputError for levels that do not fit, unless
+    above_limits. Keys: hydrapod rig --help.
+    """
+    return RigRun(**_core.rig(_core_of(machine), _options(
+        record=None if record is None else os.fspath(record), excite=_list(excite), entry=entry,
+        duration=duration, averages=averages, settling=settling, rate=rate, oversampling=oversampling,
+        seed=seed, repeat=repeat, accelerometers=accelerometers, length_sensor=length_sensor,
+        pressure_sensor=pressure_sensor, current_sensor=current_sensor, drop_outs=drop_outs,
+        anti_alias=anti_alias, above_limits=above_limits), progress))
+
+
+# --- measurements ---------------------------------------------------------------------------------
+
+
+def _measure_options(machine: Union[Machine, Path, None], options: Dict[str, Any]) -> Dict[str, Any]:
+    if isinstance(machine, Machine):
+        options["machine"] = machine._core_machine
+    elif machine is not None:
+        options["machine_file"] = os.fspath(machine)
+    for name in ("inputs", "outputs", "instruments", "sensors"):
+        if options.get(name) is not None:
+            options[name] = _list(options[name])
+    if options.get("point") is not None:
+        options["point"] = list(options["point"])
+    return _options(**options)
+
+
+def frf(measured: Measured, *, machine: Union[Machine, Path, None] = None, pose: Optional[str] = None,
+        model: Optional[str] = None, inputs: Optional[Texts] = None, outputs: Optional[Texts] = None,
+        instruments: Optional[Texts] = None, input_from: Optional[str] = None, estimator: str = "auto",
+        window: str = "hann", block: Optional[int] = None, overlap: Optional[Quantity] = None,
+        period: Optional[Quantity] = None, settling: Optional[Quantity] = None,
+        rate: Optional[Quantity] = None, accelerometers: bool = False, sensors: Texts = (),
+        point: Optional[Sequence[Quantity]] = None, progress: Optional[Progress] = None) -> Frf:
+    """Frequency responses from records (files or Record objects, averaged together).
+
+    input_from: drive (the machine without its controller) or excitation (with it); default: as the record
+    says. estimator: auto, h1, h2, hv or iv. overlap: a share. machine: what was measured, a Machine or a
+    file; default: the one in the record. Keys: hydrapod frf --help.
+
+    Result, L lines: frequency_hz (L,), H and deviation (L, outputs, inputs), coherence, inputs, outputs,
+    warnings.
+    """
+    with _files(measured) as files:
+        return _core.frf(_measure_options(machine, dict(
+            files=files, pose=pose, model=model, inputs=inputs, outputs=outputs, instruments=instruments,
+            input_from=input_from, estimator=estimator, window=window, block=block, overlap=overlap,
+            period=period, settling=settling, rate=rate, accelerometers=accelerometers, sensors=sensors,
+            point=point)), progress)
+
+
+def identify(measured: Measured, *, machine: Union[Machine, Path, None] = None, pose: Optional[str] = None,
+             model: Optional[str] = None, from_: Optional[Quantity] = None, to: Optional[Quantity] = None,
+             order: int = 0, highest_damping: Quantity = 0.3, against: str = "auto", bootstrap: int = 0,
+             output_only: bool = False, inputs: Optional[Texts] = None, outputs: Optional[Texts] = None,
+             instruments: Optional[Texts] = None, input_from: Optional[str] = None, estimator: str = "auto",
+             window: str = "hann", block: Optional[int] = None, overlap: Optional[Quantity] = None,
+             period: Optional[Quantity] = None, settling: Optional[Quantity] = None,
+             rate: Optional[Quantity] = None, accelerometers: bool = False, sensors: Texts = (),
+             point: Optional[Sequence[Quantity]] = None, progress: Optional[Progress] = None) -> Identified:
+    """Modes of records or responses, with their uncertainty, compared with the machine where it is known.
+
+    from_, to: band [Hz]. highest_damping: a share. against: auto, mechanics, plant, system or none. Other
+    options: see frf().
+
+    Result, n modes: frequency_hz, frequency_deviation_hz, damping_ratio, damping_deviation, quality (n,);
+    shapes (outputs, n) as displacements; outputs, motion, warnings. Deviations are standard deviations.
+    """
+    with _files(measured) as files:
+        return _core.identify(_measure_options(machine, {"from": from_, **dict(
+            files=files, pose=pose, model=model, to=to, order=order, highest_damping=highest_damping,
+            against=against, bootstrap=bootstrap, output_only=output_only, inputs=inputs, outputs=outputs,
+            instruments=instruments, input_from=input_from, estimator=estimator, window=window, block=block,
+            overlap=overlap, period=period, settling=settling, rate=rate, accelerometers=accelerometers,
+            sensors=sensors, point=point)}), progress)
+
+
+def calibrate(machine: Machine, targets: Path, free: Union[Mapping[str, Any], Texts] = (), *,
+              priors: Optional[Mapping[str, Tuple[Quantity, Quantity]]] = None, alternatives: Texts = (),
+              profiles: Texts = (), loss: Optional[str] = None, starts: Optional[int] = None,
+              seed: Optional[int] = None, threads: int = 0, progress: Optional[Progress] = None) -> Calibrated:
+    """Fits numbers of the file to measured modes.
+
+    targets: TOML, CSV, or what identify writes. free: paths, or {PATH: (lowest, highest) or None}; "a, b" ties
+    two. priors: {PATH: (value, spread)}. alternatives: overrides to be tried, "PATH=VALUE".
+
+    Result of the best combination: parameters, units, values, deviations, verdicts, misfit, remarks,
+    interrupted; text: the calibrated machine file, with its comments.
+    """
+    return _core.calibrate(_core_of(machine), _options(
+        targets=os.fspath(targets), free=dict(free) if isinstance(free, Mapping) else _list(free),
+        priors=None if priors is None else {key: list(pair) for key, pair in priors.items()},
+        alternatives=_list(alternatives), profiles=_list(profiles), loss=loss, starts=starts, seed=seed,
+        threads=threads), progress)
+
+
+def _diagnosis(files: List[str], options: Dict[str, Any]) -> Dict[str, Any]:
+    want = options.pop("want", None)
+    direction = None
+    if isinstance(want, str) and "=" in want:
+        direction, want = (part.strip() for part in want.split("=", 1))
+    if isinstance(want, str) and want.strip().startswith("drop"):
+        want = want.strip()[4:].strip()
+    is_drop = want is None or isinstance(want, (int, float)) and want < 1 or isinstance(want, str) and \
+        want.endswith("%")
+    return _options(measured=files, want_direction=direction, want_drop=want if is_drop else None,
+                    want_frequency=None if is_drop else want, **options)
+
+
+def diagnose(machine: Machine, measured: Measured = (), *, against: str = "auto",
+             want: Optional[Quantity] = None, poses: Optional[Texts] = None, model_error: Quantity = 0.002,
+             shape_error: Quantity = 0.05, response_error: Quantity = 0.1, modes_only: bool = False,
+             damping: bool = False, threads: int = 0, progress: Optional[Progress] = None) -> Diagnosed:
+    """Cause of low frequencies, its uncertainty, and the stiffness that is required.
+
+    measured: modes, responses or records ("run.h5@high" names the pose). want: a largest drop ("2 %", or a
+    number below 1) or a lowest frequency ("5 Hz", "x=5 Hz"). poses: names, or "workspace". Errors are shares.
+
+    Result: summary (sentences), finding, hypotheses (best first), bic, warnings; the rest in to_dict().
+    """
+    with _files(measured) as files:
+        return _core.diagnose(_core_of(machine), _diagnosis(files, dict(
+            want=want, against=against,
+            poses=poses if poses is None or poses == "workspace" else _list(poses), model_error=model_error,
+            shape_error=shape_error, response_error=response_error, modes_only=modes_only, damping=damping,
+            threads=threads)), progress)
+
+
+def report(machine: Machine, path: Optional[Path] = None, *, poses: Texts = (), title: str = "",
+           theme: str = "auto", modes: Sequence[int] = (), points: int = 600,
+           commands: Optional[Texts] = None, until: Optional[Quantity] = None,
+           measured: Optional[Measured] = None, diagnose: Optional[Measured] = None,
+           progress: Optional[Progress] = None) -> Report:
+    """One HTML page with moving modes, Bode diagrams and all numbers; written to `path` if given.
+
+    commands: also simulate. measured: also identify this record. diagnose: also diagnose from this. In a
+    notebook the result shows the page in a frame. Result: html, write(path), to_dict().
+    """
+    with _files(() if measured is None else measured) as records, \
+            _files(() if diagnose is None else diagnose) as causes:
+        result = _core.report(_core_of(machine), _options(
+            poses=_list(poses), title=title, theme=theme, modes=list(modes), points=points,
+            commands=None if commands is None else _list(commands), until=until,
+            identification={"files": records} if records else None,
+            diagnosis=_diagnosis(causes, {}) if causes else None), progress)
+    if path is not None:
+        result.write(os.fspath(path))
+    return result
+
+
+# --- step by step ---------------------------------------------------------------------------------
+
+
+class LinearPlant(NamedTuple):
+    """δẋ = A δx + B δu, δy = C δx + D δu about a state; u: six valve commands, then a wrench (6)."""
+
+    A: Any
+    B: Any
+    C: Any
+    D: Any
+    states: List[str]
+    outputs: List[str]
+
+
+class Plant:
+    """The nonlinear machine without its controller, step by step: for controllers written in Python.
+
+        plant = hydrapod.Plant(machine)
+        for _ in range(1000):
+            displacement = plant.step(commands, 1e-3)      # commands: six valves in [-1, 1]
+
+    It starts at rest at the machine's pose. integrator: fixed (Runge-Kutta 4 with steps of at most
+    `fixed_step`) or adaptive (errors below `tolerance`). hydraulics=False: legs on oil springs, no valves.
+    Steps of one plant from several threads come one after the other; several plants run at once.
+    """
+
+    def __init__(self, machine: Machine, *, hydraulics: bool = True, integrator: str = "fixed",
+                 fixed_step: Quantity = 1e-4, tolerance: float = 1e-6):
+        step = _core.quantity(fixed_step, "s", "fixed_step")
+        if not 1e-7 <= step <= 1e-2:
+            raise ValueError(f"fixed_step: expected 1e-7 s to 0.01 s, got {step}")
+        if not 1e-13 <= tolerance <= 1e-2:
+            raise ValueError(f"tolerance: expected 1e-13 to 0.01, got {tolerance}")
+        self._plant = _core.Plant(_core_of(machine), hydraulics, integrator, step, tolerance)
+        self.step: Callable[..., Any] = self._plant.step
+        """step(commands, dt, wrench=None) → displacement (x, y, z, rx, ry, rz) [m, rad] from the machine's pose.
+
+        commands: of the six valves, held for dt [s]; None: those of rest. wrench: force and moment about the
+        mass centre [N, N m]. Raises ComputationError where the model ends (a piston leaves its guide)."""
+
+    def run(self, commands: Any, dt: float, *, progress: Optional[Progress] = None) -> Any:
+        """One step per row of `commands` (N, 6): displacements (N, 6)."""
+        array = np.asarray(commands)
+        if array.dtype.kind not in "fiu":
+            raise TypeError(f"commands: expected real numbers, got an array of {array.dtype}")
+        return self._plant.run(array, dt, progress)
+
+    def reset(self) -> None:
+        """Back to rest at time 0."""
+        self._plant.reset()
+
+    def linearise(self) -> LinearPlant:
+        """About the present state and commands."""
+        return LinearPlant(*self._plant.linearise())
+
+    def outputs(self) -> Dict[str, Any]:
+        """displacement, twist, acceleration, length, length_rate, pressures, spool, oil_force, …; a copy."""
+        return self._plant.outputs()
+
+    @property
+    def time(self) -> float:
+        """[s]"""
+        return self._plant.time
+
+    @property
+    def state(self) -> Any:
+        """All states (state_names, state_units); a copy. May be set."""
+        return self._plant.state
+
+    @state.setter
+    def state(self, values: Any) -> None:
+        self._plant.state = np.asarray(values, dtype=float)
+
+    @property
+    def rest_commands(self) -> Any:
+        """Of the six valves, that hold the machine at rest."""
+        return self._plant.rest_commands
+
+    @property
+    def state_names(self) -> List[str]:
+        return self._plant.state_names
+
+    @property
+    def state_units(self) -> List[str]:
+        return self._plant.state_units

@@ -1,0 +1,54 @@
+/// The extension module `hydrapod._core`. hydrapod/__init__.py is what people use.
+
+#include "hydrapod/base/error.hpp"
+#include "hydrapod/base/version.hpp"
+#include "support.hpp"
+
+namespace hydrapod::python {
+
+namespace {
+
+/// Raises hydrapod.InputError or hydrapod.ComputationError.
+void translate(std::exception_ptr thrown) {
+  try {
+    if (thrown) std::rethrow_exception(thrown);
+  } catch (const base::InputError& error) {
+    py::list findings;
+    for (const auto& one : error.diagnostics())
+      findings.append(py::make_tuple(one.severity == base::Severity::error ? "error" : "warning",
+                                     one.file, one.line, one.column, one.key, one.message));
+    const auto type = py::module_::import("hydrapod._errors").attr("InputError");
+    PyErr_SetObject(type.ptr(), py::make_tuple(error.what(), findings).ptr());
+  } catch (const base::ComputationError& error) {
+    const auto type = py::module_::import("hydrapod._errors").attr("ComputationError");
+    PyErr_SetString(type.ptr(), error.what());
+  }
+}
+
+}  // namespace
+
+}  // namespace hydrapod::python
+
+PYBIND11_MODULE(_core, module) {
+  using namespace hydrapod::python;
+  module.doc() = "hydrapod's tasks as an extension module; see hydrapod.";
+  module.attr("version") = hydrapod::base::version;
+  py::register_exception_translator(&translate);
+  py::class_<Result, std::shared_ptr<Result>>(module, "Result")
+      .def_property_readonly(
+          "json", [](const Result& result) { return result.document().dump(); },
+          "The document that the command line prints as JSON, but for `reproduction`.")
+      .def(
+          "to_dict",
+          [](const Result& result) {
+            return py::module_::import("json").attr("loads")(result.document().dump());
+          },
+          "The same as a dict.");
+  add_machine(module);
+  add_linear(module);
+  add_measurement(module);
+  add_fit(module);
+  add_simulation(module);
+  add_plant(module);
+  py::module_::import("atexit").attr("register")(py::cpp_function(&end_all));
+}

@@ -1,0 +1,128 @@
+/// Machines: reading, overriding, numbers by path.
+
+#include "hydrapod/tasks/machine.hpp"
+#include "hydrapod/base/units.hpp"
+#include "hydrapod/dynamics/linear_model.hpp"
+#include "hydrapod/modal/normal_modes.hpp"
+#include "support.hpp"
+
+namespace hydrapod::python {
+
+namespace {
+
+using Doubles = py::array_t<double, py::array::c_style | py::array::forcecast>;
+
+std::shared_ptr<Subject> read(const std::string& file, const std::optional<std::string>& text,
+                              const std::vector<std::string>& overrides, const std::string& pose,
+                              const std::optional<std::string>& model) {
+  tasks::MachineOptions options{.file = file, .text = text, .overrides = overrides, .pose = pose};
+  if (model)
+    options.model =
+        static_cast<dynamics::ModelKind>(choice("model", *model, {"rigid", "guide", "full"}));
+  return without_gil([&] { return std::make_shared<Subject>(tasks::read_machine(options)); });
+}
+
+model::ParameterId found(const Subject& machine, const std::string& path) {
+  const auto id = model::find_parameter(machine.file, path);
+  if (id) return *id;
+  const auto near = model::nearest_parameter(machine.file, path);
+  base::refuse(machine.path, "'" + path + "' is no number of this machine" +
+                                 (near.empty() ? "" : "; did you mean '" + near + "'?"));
+}
+
+/// Undamped frequencies [Hz] of `values.rows` designs: row k has numbers of `paths` in row k.
+py::array frequencies(const Subject& machine, const std::vector<std::string>& paths,
+                      const Doubles& values, int threads, const py::object& progress) {
+  if (values.ndim() != 2 || values.shape(1) != static_cast<py::ssize_t>(paths.size()))
+    throw std::invalid_argument("values: expected one row per design and one column per path (" +
+                                std::to_string(paths.size()) + ")");
+  std::vector<model::ParameterId> ids;
+  for (const auto& path : paths) ids.push_back(found(machine, path));
+  const auto count = static_cast<std::size_t>(values.shape(0));
+  const auto columns = ids.size();
+  const double* numbers = values.data();
+  for (std::size_t k = 0; k < count * columns; ++k)
+    if (!std::isfinite(numbers[k]))
+      throw std::invalid_argument("values: a number is not finite, in row " +
+                                  std::to_string(k / columns));
+  const int modes = dynamics::degrees_of_freedom(machine.file.machine, machine.kind);
+  py::array_t<double> result({static_cast<py::ssize_t>(count), static_cast<py::ssize_t>(modes)});
+  double* out = result.mutable_data();
+  constexpr std::size_t block = 64;
+  const auto one = [&](std::size_t k) {
+    std::vector<model::Assignment> assignments;
+    for (std::size_t c = 0; c < columns; ++c)
+      assignments.push_back({ids[c], numbers[k * columns + c]});
+    const auto design = model::with(machine.file.machine, assignments);
+    const auto model = dynamics::linear_model(design, machine.pose.X_BP, machine.kind);
+    const auto found_modes = modal::normal_modes(model);
+    for (int m = 0; m < modes; ++m)
+      out[k * static_cast<std::size_t>(modes) + static_cast<std::size_t>(m)] =
+          found_modes.omega(m) / base::two_pi;
+  };
+  at_work(progress, [&](const numerics::Progress& watch) {
+    return numerics::parallel_for(
+        (count + block - 1) / block, threads,
+        [&](std::size_t b) {
+          for (std::size_t k = b * block; k < std::min(count, (b + 1) * block); ++k) {
+            try {
+              one(k);
+            } catch (const base::ComputationError&) {  // this design does not stand
+              for (int m = 0; m < modes; ++m)
+                out[k * static_cast<std::size_t>(modes) + static_cast<std::size_t>(m)] =
+                    std::numeric_limits<double>::quiet_NaN();
+            }
+          }
+        },
+        watch);
+  });
+  return result;
+}
+
+}  // namespace
+
+void add_machine(py::module_& module) {
+  py::class_<Subject, std::shared_ptr<Subject>>(module, "Machine")
+      .def_property_readonly("name", [](const Subject& m) { return m.file.machine.name; })
+      .def_property_readonly("description",
+                             [](const Subject& m) { return m.file.machine.description; })
+      .def_readonly("path", &Subject::path)
+      .def_property_readonly("text", [](const Subject& m) { return m.file.text; })
+      .def_property_readonly("overrides", [](const Subject& m) { return m.file.overrides; })
+      .def_property_readonly("pose", [](const Subject& m) { return m.pose.name; })
+      .def_property_readonly("model", [](const Subject& m) { return dynamics::name(m.kind); })
+      .def_property_readonly("warnings", [](const Subject& m) { return texts(m.file.warnings); })
+      .def_property_readonly("poses",
+                             [](const Subject& m) {
+                               std::vector<std::string> names;
+                               for (const auto& pose : m.file.machine.poses)
+                                 names.push_back(pose.name);
+                               return names;
+                             })
+      .def_property_readonly("paths",
+                             [](const Subject& m) {
+                               std::vector<std::string> paths;
+                               for (const auto& id : model::parameters(m.file.machine))
+                                 paths.push_back(model::path(m.file.machine, id));
+                               return paths;
+                             })
+      .def("value",
+           [](const Subject& m, const std::string& path) {
+             const auto value = model::value(m.file.machine, found(m, path));
+             if (!value) base::refuse(m.path, "'" + path + "' is not given in this machine");
+             return *value;
+           })
+      .def("unit", [](const Subject& m, const std::string& path) {
+        return std::string(model::unit(m.file.machine, found(m, path)));
+      });
+  module.def("read_machine", &read, py::arg("file"), py::arg("text"), py::arg("overrides"),
+             py::arg("pose"), py::arg("model"));
+  module.def("frequencies", &frequencies, py::arg("machine"), py::arg("paths"), py::arg("values"),
+             py::arg("threads"), py::arg("progress"));
+  module.def("starter_machine_file", &model::starter_machine_file);
+  module.def("quantity", [](const py::object& value, const char* unit, const std::string& name) {
+    return quantity(value, unit, name);
+  });
+}
+
+}  // namespace hydrapod::python

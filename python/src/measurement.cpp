@@ -1,0 +1,350 @@
+/// Records, frequency responses, identified modes.
+
+#include "measurement.hpp"
+
+#include "hydrapod/base/error.hpp"
+#include "hydrapod/base/units.hpp"
+#include "hydrapod/data/record_io.hpp"
+#include "hydrapod/report/measured_results.hpp"
+#include "hydrapod/rig/rig.hpp"
+
+namespace hydrapod::python {
+
+tasks::MeasureOptions measure_options(const Options& asked) {
+  tasks::MeasureOptions options{.files = asked.get<std::vector<std::string>>("files"),
+                                .sample_rate = asked.positive("rate", "Hz"),
+                                .accelerometers = asked.get("accelerometers", false),
+                                .output_only = asked.get("output_only", false),
+                                .machine = asked.get<std::string>("machine_file"),
+                                .pose = asked.get<std::string>("pose")};
+  if (options.files.empty()) base::refuse("files", "expected a record or a file of responses");
+  if (asked.has("machine")) options.known = *asked.get<std::shared_ptr<Subject>>("machine");
+  if (asked.has("model"))
+    options.model = static_cast<dynamics::ModelKind>(
+        choice("model", asked.get<std::string>("model"), {"rigid", "guide", "full"}));
+  auto& estimate = options.estimate;
+  using Names = std::vector<std::string>;
+  estimate.inputs = asked.get<Names>("inputs");
+  estimate.outputs = asked.get<Names>("outputs");
+  estimate.instruments = asked.get<Names>("instruments");
+  if (asked.has("input_from")) {
+    const auto role =
+        choice("input_from", asked.get<std::string>("input_from"), {"drive", "excitation"});
+    estimate.input_role = role == 0 ? data::Role::drive : data::Role::excitation;
+  }
+  const auto estimator = choice("estimator", asked.get<std::string>("estimator", "auto"),
+                                {"auto", "h1", "h2", "hv", "iv"});
+  if (estimator > 0) estimate.estimator = static_cast<identification::Estimator>(estimator - 1);
+  estimate.window = static_cast<identification::Window>(
+      choice("window", asked.get<std::string>("window", "hann"),
+             {"hann", "rectangular", "hamming", "blackman-harris", "flat-top"}));
+  if (asked.has("block")) {
+    const int block = asked.get<int>("block");
+    if (block < 16 || block % 2 != 0)
+      base::refuse("block=" + std::to_string(block),
+                   "a block has an even number of samples, at least 16");
+    estimate.block_length = block;
+  }
+  if (const auto overlap = asked.amount("overlap", "1")) {
+    if (!(*overlap >= 0.0 && *overlap < 1.0))
+      base::refuse("overlap", "must be from 0 to below 1 (or a text such as \"50 %\")");
+    estimate.overlap = *overlap;
+  }
+  estimate.period = asked.at_least_zero("period", "s");
+  estimate.settling = asked.at_least_zero("settling", "s").value_or(0.0);
+  for (const auto& text : asked.get<Names>("sensors")) {
+    const auto sensor = rig::parse_accelerometer(text);
+    options.sensors.push_back({sensor.name, sensor.p_P, sensor.e_P});
+  }
+  if (asked.has("point")) {
+    const auto point = asked.get<std::vector<py::object>>("point");
+    if (point.size() != 3) throw std::invalid_argument("point: expected three lengths");
+    options.p_PQ =
+        spatial::Vector3(quantity(point[0], "m", "point"), quantity(point[1], "m", "point"),
+                         quantity(point[2], "m", "point"));
+  }
+  return options;
+}
+
+std::optional<observation::Observed> observed_system(const std::string& word) {
+  const auto chosen = choice("against", word, {"auto", "mechanics", "plant", "system", "none"});
+  if (chosen == 0 || chosen > 3) return {};
+  return static_cast<observation::Observed>(chosen - 1);
+}
+
+tasks::IdentifyOptions identify_options(const Options& asked) {
+  const auto against = asked.get<std::string>("against", "auto");
+  tasks::IdentifyOptions options{.measure = measure_options(asked),
+                                 .bootstrap = asked.get("bootstrap", 0),
+                                 .cross_check = true,
+                                 .compare = against != "none",
+                                 .against = observed_system(against)};
+  auto& modes = options.modes;
+  modes.from = asked.at_least_zero("from", "Hz");
+  modes.to = asked.at_least_zero("to", "Hz");
+  if (modes.from && modes.to && *modes.from >= *modes.to)
+    base::refuse("from_", "must be less than to");
+  modes.orders.highest = asked.get("order", 0);
+  if (asked.has("highest_damping")) {
+    modes.highest_damping = quantity(asked["highest_damping"], "1", "highest_damping");
+    if (!(modes.highest_damping >= 0.001 && modes.highest_damping <= 0.9))
+      base::refuse("highest_damping", "must be from 0.001 to 0.9 (or a text such as \"30 %\")");
+  }
+  if (options.bootstrap < 0 || options.bootstrap > 10000)
+    throw std::invalid_argument("bootstrap: expected 0 to 10000");
+  if (options.measure.output_only && options.bootstrap > 0)
+    base::refuse("bootstrap", "resamples inputs and outputs; with output_only there is no input");
+  return options;
+}
+
+namespace {
+
+using Doubles = py::array_t<double, py::array::c_style | py::array::forcecast>;
+
+struct Frf : Result {
+  std::vector<std::string> files{};
+  tasks::Measured measured{};
+  identification::FrequencyResponses shared{};
+  [[nodiscard]] Json document() const override {
+    Json json{{"kind", "frf"}, {"records", files}};
+    if (measured.header) json["record"] = report::record_origin_json(*measured.header);
+    return joined(json, report::responses_json(shared));
+  }
+};
+
+struct Identified : Result {
+  std::vector<std::string> files{};
+  tasks::Identified found{};
+  [[nodiscard]] Json document() const override {
+    Json json = report::identification_json(found.modes);
+    if (found.measured.header) json["record"] = report::record_origin_json(*found.measured.header);
+    report::add_cross_checks(found.cross_checks, json);
+    if (found.bootstrap) report::add_bootstrap(*found.bootstrap, json);
+    if (found.compared) json["comparison"] = report::comparison_json(*found.compared, found.modes);
+    return joined({{"kind", "identified_modes"}, {"records", files}}, json);
+  }
+};
+
+/// Lines × rows × columns.
+template <class Matrix>
+py::array per_line(const data::PerLine<Matrix>& pages) {
+  using Scalar = typename Matrix::Scalar;
+  if (pages.empty()) return py::array_t<Scalar>(std::vector<py::ssize_t>{0, 0, 0});
+  const auto rows = pages.front().rows(), columns = pages.front().cols();
+  py::array_t<Scalar> result({static_cast<py::ssize_t>(pages.size()),
+                              static_cast<py::ssize_t>(rows), static_cast<py::ssize_t>(columns)});
+  Scalar* out = result.mutable_data();
+  for (const auto& page : pages)
+    for (Eigen::Index i = 0; i < rows; ++i)
+      for (Eigen::Index j = 0; j < columns; ++j) *out++ = page(i, j);
+  return result;
+}
+
+std::vector<std::string> names(const std::vector<data::Channel>& channels) {
+  std::vector<std::string> list;
+  for (const auto& channel : channels) list.push_back(channel.name);
+  return list;
+}
+
+template <class Get>
+py::array per_mode(const Identified& result, Get get) {
+  using T = decltype(get(result.found.modes.modes.front()));
+  std::vector<T> values;
+  for (const auto& mode : result.found.modes.modes) values.push_back(get(mode));
+  return array_of(values);
+}
+
+/// Outputs × modes.
+py::array shapes(const Identified& result) {
+  const auto& modes = result.found.modes.modes;
+  const auto rows = modes.empty() ? py::ssize_t{0} : py::ssize_t{modes.front().displacement.size()};
+  py::array_t<std::complex<double>> all({rows, static_cast<py::ssize_t>(modes.size())});
+  for (std::size_t k = 0; k < modes.size(); ++k)
+    for (py::ssize_t i = 0; i < rows; ++i)
+      all.mutable_at(i, static_cast<py::ssize_t>(k)) = modes[k].displacement[i];
+  return all;
+}
+
+std::shared_ptr<Frf> frf(const Options& asked, const py::object& progress) {
+  const auto options = measure_options(asked);
+  auto result = std::make_shared<Frf>();
+  result->files = options.files;
+  result->measured = at_work(progress, [&](const numerics::Progress& watch) {
+    auto measured = tasks::frf(options, watch);
+    result->shared = tasks::shared_responses(measured);
+    return measured;
+  });
+  return result;
+}
+
+std::shared_ptr<Identified> identify(const Options& asked, const py::object& progress) {
+  const auto options = identify_options(asked);
+  auto result = std::make_shared<Identified>();
+  result->files = options.measure.files;
+  result->found = at_work(
+      progress, [&](const numerics::Progress& watch) { return tasks::identify(options, watch); });
+  return result;
+}
+
+std::shared_ptr<data::Record> record_of(const Doubles& samples, double rate, double start,
+                                        const std::vector<std::string>& channels,
+                                        const std::vector<std::string>& units,
+                                        const std::vector<std::string>& roles,
+                                        const std::vector<std::string>& directions,
+                                        const std::string& title, const std::string& notes) {
+  if (samples.ndim() != 2)
+    throw std::invalid_argument("samples: expected an array of samples × channels, got " +
+                                std::to_string(samples.ndim()) + " dimensions");
+  const auto columns = static_cast<std::size_t>(samples.shape(1));
+  for (const auto* list : {&channels, &units, &roles, &directions})
+    if (list->size() != columns)
+      throw std::invalid_argument("expected " + std::to_string(columns) +
+                                  " names, units, roles and directions: one for each channel");
+  auto record = std::make_shared<data::Record>();
+  auto& header = record->header;
+  header.title = title;
+  header.notes = notes;
+  header.sample_rate = rate;
+  header.start = start;
+  std::vector<double> factors;
+  for (std::size_t k = 0; k < columns; ++k) {
+    const auto role = data::role_from_text(roles[k]);
+    if (!role)
+      base::refuse("role " + roles[k], "accepted are excitation, drive, response and other");
+    const auto direction =
+        directions[k].empty() ? data::Direction::none : data::direction_from_text(directions[k]);
+    if (!direction)
+      base::refuse("direction " + directions[k], "accepted are x … rz, -x … -rz, leg 1 … leg 6");
+    const auto si = base::si_unit(units[k]);
+    factors.push_back(si ? si->factor : 1.0);
+    header.channels.push_back({.name = channels[k],
+                               .unit = si ? si->unit : units[k],
+                               .direction = *direction,
+                               .role = *role});
+  }
+  data::validate(header);
+  record->samples =
+      Eigen::Map<const data::Samples>(samples.data(), samples.shape(0), samples.shape(1));
+  for (std::size_t k = 0; k < columns; ++k)
+    if (factors[k] != 1.0) record->samples.col(static_cast<Eigen::Index>(k)) *= factors[k];
+  return record;
+}
+
+template <class Get>
+std::vector<std::string> of_channels(const data::Record& record, Get get) {
+  std::vector<std::string> list;
+  for (const auto& channel : record.header.channels) list.emplace_back(get(channel));
+  return list;
+}
+
+void add_record(py::module_& module) {
+  using Record = data::Record;
+  py::class_<Record, std::shared_ptr<Record>>(module, "Record")
+      .def_property_readonly(
+          "samples",
+          [](const py::object& self) { return view_of(self.cast<const Record&>().samples, self); })
+      .def_property_readonly(
+          "channels",
+          [](const Record& r) { return of_channels(r, [](auto& c) { return c.name; }); })
+      .def_property_readonly(
+          "units", [](const Record& r) { return of_channels(r, [](auto& c) { return c.unit; }); })
+      .def_property_readonly("roles",
+                             [](const Record& r) {
+                               return of_channels(r,
+                                                  [](auto& c) { return data::role_text(c.role); });
+                             })
+      .def_property_readonly("directions",
+                             [](const Record& r) {
+                               return of_channels(
+                                   r, [](auto& c) { return data::direction_text(c.direction); });
+                             })
+      .def_property_readonly("sample_rate", [](const Record& r) { return r.header.sample_rate; })
+      .def_property_readonly("start", [](const Record& r) { return r.header.start; })
+      .def_property_readonly("title", [](const Record& r) { return r.header.title; })
+      .def_property_readonly("notes", [](const Record& r) { return r.header.notes; })
+      .def_property_readonly("date", [](const Record& r) { return r.header.date; })
+      .def_property_readonly("machine", [](const Record& r) { return r.header.experiment.machine; })
+      .def("write", [](const Record& record, const std::string& path) {
+        without_gil([&] {
+          data::write_record(path, record, data::format_of_ending(path));
+          return 0;
+        });
+      });
+  module.def("read_record", [](const std::string& path, const std::optional<double>& rate) {
+    auto read = without_gil([&] { return data::read_record(path, {.sample_rate = rate}); });
+    return py::make_tuple(std::make_shared<Record>(std::move(read.record)), texts(read.notes));
+  });
+  module.def("record", &record_of);
+}
+
+}  // namespace
+
+void add_measurement(py::module_& module) {
+  add_record(module);
+  py::class_<Frf, Result, std::shared_ptr<Frf>>(module, "Frf")
+      .def_property_readonly("frequency_hz",
+                             [](const py::object& self) {
+                               return view_of(self.cast<const Frf&>().shared.frequency, self);
+                             })
+      .def_property_readonly(
+          "H", [](const Frf& f) { return per_line(data::brought_to_axis(f.shared).H); })
+      .def_property_readonly("coherence", [](const Frf& f) { return per_line(f.shared.coherence); })
+      .def_property_readonly(
+          "deviation",
+          [](const Frf& f) {
+            const auto& r = f.shared;
+            const auto outputs = static_cast<Eigen::Index>(r.outputs.size());
+            const auto inputs = static_cast<Eigen::Index>(r.inputs.size());
+            std::vector<double> all;
+            if (!r.has_errors()) return array_of(all, std::vector<py::ssize_t>{0, outputs, inputs});
+            for (std::size_t k = 0; k < r.lines(); ++k)
+              for (Eigen::Index o = 0; o < outputs; ++o)
+                for (Eigen::Index i = 0; i < inputs; ++i)
+                  all.push_back(std::sqrt(r.variance(k, o, i)));
+            return array_of(all, {static_cast<py::ssize_t>(r.lines()), outputs, inputs});
+          })
+      .def_property_readonly("inputs", [](const Frf& f) { return names(f.shared.inputs); })
+      .def_property_readonly("outputs", [](const Frf& f) { return names(f.shared.outputs); })
+      .def_property_readonly("warnings", [](const Frf& f) { return texts(f.measured.warnings); });
+  module.def("frf", [](const py::dict& options, const py::object& progress) {
+    return frf(Options(options), progress);
+  });
+  using Mode = identification::IdentifiedMode;
+  py::class_<Identified, Result, std::shared_ptr<Identified>>(module, "Identified")
+      .def_property_readonly("frequency_hz",
+                             [](const Identified& r) {
+                               return per_mode(
+                                   r, [](const Mode& m) { return m.fit.omega() / base::two_pi; });
+                             })
+      .def_property_readonly(
+          "frequency_deviation_hz",
+          [](const Identified& r) {
+            return per_mode(r, [](const Mode& m) { return m.fit.omega_deviation / base::two_pi; });
+          })
+      .def_property_readonly("damping_ratio",
+                             [](const Identified& r) {
+                               return per_mode(r,
+                                               [](const Mode& m) { return m.fit.damping_ratio(); });
+                             })
+      .def_property_readonly("damping_deviation",
+                             [](const Identified& r) {
+                               return per_mode(
+                                   r, [](const Mode& m) { return m.fit.damping_deviation; });
+                             })
+      .def_property_readonly("quality",
+                             [](const Identified& r) {
+                               return per_mode(r, [](const Mode& m) { return m.quality(); });
+                             })
+      .def_property_readonly("shapes", &shapes)
+      .def_property_readonly(
+          "outputs", [](const Identified& r) { return names(r.found.modes.responses.outputs); })
+      .def_property_readonly(
+          "motion", [](const Identified& r) { return report::motion_words(r.found.modes); })
+      .def_property_readonly("warnings",
+                             [](const Identified& r) { return texts(r.found.warnings); });
+  module.def("identify", [](const py::dict& options, const py::object& progress) {
+    return identify(Options(options), progress);
+  });
+}
+
+}  // namespace hydrapod::python

@@ -1,0 +1,239 @@
+/// The plant step by step, for controllers written in Python.
+
+#include <mutex>
+
+#include "hydrapod/base/error.hpp"
+#include "hydrapod/simulation/closed_loop.hpp"
+#include "support.hpp"
+
+namespace hydrapod::python {
+
+namespace {
+
+using simulation::PlantInput;
+using Doubles = py::array_t<double, py::array::c_style | py::array::forcecast>;
+
+/// A plant with its integrator. One thread at a time: calls lock it.
+class Stepper {
+ public:
+  Stepper(const Subject& machine, bool hydraulics, const simulation::IntegratorOptions& options)
+      : machine_(machine),
+        plant_(machine.file.machine, machine.kind, {.hydraulics = hydraulics}, machine.pose.X_BP),
+        rest_(plant_.equilibrium(machine.pose.X_BP)),
+        integrator_(plant_, options) {
+    reset();
+  }
+
+  void reset() {
+    input_ = rest_.input;
+    integrator_.start(0.0, rest_.x);
+  }
+  void set_state(const Eigen::VectorXd& x) { integrator_.start(integrator_.time(), x); }
+  void advance(const PlantInput& input, double dt) {
+    input_ = input;
+    integrator_.advance(integrator_.time() + dt, input_);
+  }
+  [[nodiscard]] simulation::PlantOutput outputs() const {
+    return plant_.outputs(integrator_.state().data(), input_);
+  }
+  [[nodiscard]] spatial::Vector6 displacement() const {
+    return simulation::displacement_between(machine_.pose.X_BP,
+                                            plant_.pose(integrator_.state().data()));
+  }
+  [[nodiscard]] const simulation::Plant& plant() const { return plant_; }
+  [[nodiscard]] const simulation::Plant::Rest& rest() const { return rest_; }
+  [[nodiscard]] const simulation::Integrator& integrator() const { return integrator_; }
+  [[nodiscard]] const PlantInput& input() const { return input_; }
+  std::mutex& mutex() { return mutex_; }
+
+ private:
+  Subject machine_;
+  simulation::Plant plant_;
+  simulation::Plant::Rest rest_;
+  simulation::Integrator integrator_;
+  PlantInput input_{};
+  std::mutex mutex_{};
+};
+
+spatial::Vector6 six(const py::handle& given, const char* name) {
+  const auto any = py::array::ensure(given);
+  const auto array = any && any.dtype().kind() != 'c' ? Doubles::ensure(any) : Doubles();
+  if (!any || any.dtype().kind() == 'c' || !array) {
+    PyErr_Clear();
+    throw py::type_error(std::string(name) + ": expected six numbers");
+  }
+  if (array.ndim() != 1 || array.shape(0) != 6)
+    throw std::invalid_argument(std::string(name) + ": expected six numbers, got an array of " +
+                                std::to_string(array.size()) + " in " +
+                                std::to_string(array.ndim()) + " dimensions");
+  const spatial::Vector6 values = Eigen::Map<const spatial::Vector6>(array.data());
+  if (!values.allFinite())
+    throw std::invalid_argument(std::string(name) + ": a number is not finite");
+  return values;
+}
+
+/// [s], counted so that a call ends.
+double step_of(double dt) {
+  constexpr double longest = 10.0;
+  if (!(dt > 0.0 && dt <= longest))
+    throw std::invalid_argument("dt: expected more than 0 s and at most 10 s, got " +
+                                std::to_string(dt));
+  return dt;
+}
+
+py::array copy_of(const Eigen::VectorXd& x) {
+  return array_of(std::vector<double>(x.data(), x.data() + x.size()));
+}
+
+template <class Work>
+auto locked(Stepper& stepper, const Work& work) {
+  return without_gil([&] {
+    const std::lock_guard lock(stepper.mutex());
+    return work();
+  });
+}
+
+PlantInput input_of(const py::object& commands, const py::object& wrench, const Stepper& stepper) {
+  PlantInput input{.command = stepper.rest().input.command};
+  if (!commands.is_none()) input.command = six(commands, "commands");
+  if (!wrench.is_none()) input.wrench = six(wrench, "wrench");
+  return input;
+}
+
+py::array step(Stepper& stepper, const py::object& commands, double dt, const py::object& wrench) {
+  const auto input = input_of(commands, wrench, stepper);
+  const double time = step_of(dt);
+  const auto displacement = locked(stepper, [&] {
+    stepper.advance(input, time);
+    return stepper.displacement();
+  });
+  return py::array_t<double>(6, displacement.data());
+}
+
+/// count × 6 commands, one step of `dt` each: count × 6 displacements.
+py::array run(Stepper& stepper, const Doubles& commands, double dt, const py::object& progress) {
+  if (commands.ndim() != 2 || commands.shape(1) != 6)
+    throw std::invalid_argument("commands: expected an array of steps × 6");
+  const double time = step_of(dt);
+  const auto count = commands.shape(0);
+  const double* given = commands.data();
+  for (py::ssize_t k = 0; k < 6 * count; ++k)
+    if (!std::isfinite(given[k]))
+      throw std::invalid_argument("commands: a number is not finite, in step " +
+                                  std::to_string(k / 6));
+  py::array_t<double> result({count, py::ssize_t{6}});
+  double* out = result.mutable_data();
+  constexpr py::ssize_t between = 256;  // steps between two looks at signals
+  at_work(progress, [&](const numerics::Progress& watch) {
+    const std::lock_guard lock(stepper.mutex());
+    for (py::ssize_t k = 0; k < count; ++k) {
+      if (k % between == 0 && watch(static_cast<double>(k) / static_cast<double>(count)))
+        throw base::ComputationError("interrupted after " + std::to_string(k) + " steps");
+      stepper.advance({.command = Eigen::Map<const spatial::Vector6>(given + 6 * k)}, time);
+      Eigen::Map<spatial::Vector6>(out + 6 * k) = stepper.displacement();
+    }
+    return 0;
+  });
+  return result;
+}
+
+py::dict outputs(Stepper& stepper) {
+  const auto out = locked(stepper, [&] { return stepper.outputs(); });
+  const auto displacement = locked(stepper, [&] { return stepper.displacement(); });
+  const auto of = [](const auto& values) { return py::array_t<double>(6, values.data()); };
+  const auto legs = [&](auto get) {
+    std::vector<double> values;
+    for (const auto& leg : out.legs) values.push_back(get(leg));
+    return array_of(values);
+  };
+  py::dict result;
+  result["displacement"] = of(displacement);
+  result["twist"] = of(out.twist);
+  result["acceleration"] = of(out.acceleration);
+  result["length"] = legs([](const auto& leg) { return leg.length; });
+  result["length_rate"] = legs([](const auto& leg) { return leg.length_rate; });
+  result["cap_pressure"] = legs([](const auto& leg) { return leg.cap_pressure; });
+  result["rod_pressure"] = legs([](const auto& leg) { return leg.rod_pressure; });
+  result["spool"] = legs([](const auto& leg) { return leg.spool; });
+  result["oil_force"] = legs([](const auto& leg) { return leg.oil_force; });
+  result["supply_pressure"] = out.supply_pressure;
+  return result;
+}
+
+py::tuple linearise(Stepper& stepper) {
+  const auto linear = locked(stepper, [&] {
+    return std::make_unique<simulation::LinearPlant>(
+        stepper.plant().linearise(stepper.integrator().state(), stepper.input()));
+  });
+  const auto copied = [](const Eigen::MatrixXd& matrix) {
+    py::array_t<double> array({matrix.rows(), matrix.cols()});
+    for (Eigen::Index i = 0; i < matrix.rows(); ++i)
+      for (Eigen::Index j = 0; j < matrix.cols(); ++j) array.mutable_at(i, j) = matrix(i, j);
+    return array;
+  };
+  return py::make_tuple(copied(linear->A), copied(linear->B), copied(linear->C), copied(linear->D),
+                        stepper.plant().tangent_names(), stepper.plant().linear_output_names());
+}
+
+std::shared_ptr<Stepper> make(const Subject& machine, bool hydraulics, const std::string& method,
+                              double fixed_step, double tolerance) {
+  simulation::IntegratorOptions options{
+      .relative_tolerance = tolerance, .absolute_tolerance = tolerance, .fixed_step = fixed_step};
+  options.method =
+      std::array{simulation::Method::fixed,
+                 simulation::Method::adaptive}[choice("integrator", method, {"fixed", "adaptive"})];
+  return without_gil([&] { return std::make_shared<Stepper>(machine, hydraulics, options); });
+}
+
+void set_state(Stepper& stepper, const Doubles& x) {
+  const auto size = stepper.plant().layout().size;
+  if (x.ndim() != 1 || x.shape(0) != size)
+    throw std::invalid_argument("state: expected " + std::to_string(size) + " numbers");
+  const Eigen::VectorXd values = Eigen::Map<const Eigen::VectorXd>(x.data(), size);
+  Eigen::VectorXd rate(size);
+  if (!values.allFinite() ||
+      !stepper.plant().derivative(0.0, values.data(), stepper.input(), rate.data()))
+    throw std::invalid_argument(
+        "state: is none of this plant (not finite, or a leg does not close)");
+  locked(stepper, [&] {
+    stepper.set_state(values);
+    return 0;
+  });
+}
+
+}  // namespace
+
+void add_plant(py::module_& module) {
+  py::class_<Stepper, std::shared_ptr<Stepper>>(module, "Plant")
+      .def(py::init(&make), py::arg("machine"), py::arg("hydraulics"), py::arg("integrator"),
+           py::arg("fixed_step"), py::arg("tolerance"))
+      .def("step", &step, py::arg("commands"), py::arg("dt"), py::arg("wrench") = py::none())
+      .def("run", &run, py::arg("commands"), py::arg("dt"), py::arg("progress") = py::none())
+      .def("reset",
+           [](Stepper& s) {
+             locked(s, [&] {
+               s.reset();
+               return 0;
+             });
+           })
+      .def("linearise", &linearise)
+      .def("outputs", &outputs)
+      .def_property(
+          "state",
+          [](Stepper& s) {
+            const auto x = locked(s, [&] { return Eigen::VectorXd(s.integrator().state()); });
+            return copy_of(x);
+          },
+          &set_state)
+      .def_property_readonly(
+          "time", [](Stepper& s) { return locked(s, [&] { return s.integrator().time(); }); })
+      .def_property_readonly(
+          "rest_commands",
+          [](const Stepper& s) { return py::array_t<double>(6, s.rest().input.command.data()); })
+      .def_property_readonly("state_names",
+                             [](const Stepper& s) { return s.plant().state_names(); })
+      .def_property_readonly("state_units",
+                             [](const Stepper& s) { return s.plant().state_units(); });
+}
+
+}  // namespace hydrapod::python

@@ -1,0 +1,157 @@
+#include "support.hpp"
+
+#include <fmt/format.h>
+
+#include <atomic>
+#include <chrono>
+#include <cmath>
+#include <thread>
+
+#include "hydrapod/base/error.hpp"
+#include "hydrapod/base/text.hpp"
+#include "hydrapod/base/units.hpp"
+
+namespace hydrapod::python {
+
+namespace {
+
+std::atomic<int> calls{0};
+std::atomic<bool> ending{false};
+
+double seconds() {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
+
+}  // namespace
+
+Json joined(Json head, const Json& result) {
+  head.update(result);
+  return head;
+}
+
+Json head_of_model(const char* kind, const Subject& machine) {
+  auto json = report::head_json(kind, machine);
+  json["model"] = dynamics::name(machine.kind);
+  return json;
+}
+
+Call::Call() {
+  ++calls;
+  if (!ending) return;
+  --calls;
+  throw std::runtime_error("the interpreter is ending");
+}
+
+Call::~Call() { --calls; }
+
+bool is_ending() { return ending; }
+
+void end_all() {
+  ending = true;
+  const py::gil_scoped_release release;
+  while (calls > 0) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+}
+
+numerics::Progress Watcher::progress() {
+  return [this](double share) { return ask(share); };
+}
+
+bool Watcher::ask(double share) {
+  constexpr double interval = 0.02;  // [s]: what a person takes for at once
+  const std::lock_guard lock(mutex_);
+  if (stop_ || is_ending()) return stop_ = true;
+  const double now = seconds();
+  if (share < 1.0 && asked_ >= 0.0 && now - asked_ < interval) return false;
+  asked_ = now;
+  const py::gil_scoped_acquire acquire;
+  try {
+    if (PyErr_CheckSignals() != 0) throw py::error_already_set();
+    if (!callback_.is_none()) {
+      const py::object answer = callback_(share);
+      const int truth = PyObject_IsTrue(answer.ptr());
+      if (truth < 0) throw py::error_already_set();
+      stop_ = truth == 1;
+    }
+  } catch (py::error_already_set& error) {
+    error_ = std::make_unique<py::error_already_set>(error);
+    stop_ = true;
+  }
+  return stop_;
+}
+
+void Watcher::rethrow() {
+  if (error_) throw py::error_already_set(*error_);
+}
+
+double quantity(const py::handle& value, const char* unit, const std::string& name) {
+  if (py::isinstance<py::str>(value)) {
+    const auto text = value.cast<std::string>();
+    const auto read = base::read_plain_or_quantity(text, unit);
+    if (!read.ok()) base::refuse(name + "=" + text, read.problem);
+    return read.value;
+  }
+  if (PyBool_Check(value.ptr())) throw py::type_error(name + ": expected a quantity, got a bool");
+  const double number = PyFloat_AsDouble(value.ptr());
+  if (number == -1.0 && PyErr_Occurred() != nullptr) {
+    PyErr_Clear();
+    throw py::type_error(
+        fmt::format("{}: expected a number in SI or a text such as \"2.5 {}\", got {}", name, unit,
+                    py::str(py::type::of(value)).cast<std::string>()));
+  }
+  if (!std::isfinite(number)) base::refuse(name, "must be finite");
+  return number;
+}
+
+double angular(const py::handle& value, const std::string& name) {
+  double omega = 0.0;
+  if (py::isinstance<py::str>(value)) {
+    const auto text = value.cast<std::string>();
+    const auto hertz = base::read_plain_or_quantity(text, "Hz");
+    const auto radians = base::read_quantity(text, "rad/s");
+    if (!hertz.ok() && !radians.ok()) base::refuse(name + "=" + text, hertz.problem);
+    omega = hertz.ok() ? base::two_pi * hertz.value : radians.value;
+  } else {
+    omega = base::two_pi * quantity(value, "Hz", name);
+  }
+  if (!(omega > 0.0)) base::refuse(name, "a frequency must be positive");
+  return omega;
+}
+
+std::size_t choice(const std::string& name, const std::string& word,
+                   const std::vector<std::string_view>& words) {
+  for (std::size_t k = 0; k < words.size(); ++k)
+    if (words[k] == word) return k;
+  const auto near = base::nearest(word, words);
+  base::refuse(name + "=" + word, fmt::format("unknown value; {}accepted are {}",
+                                              near ? fmt::format("did you mean '{}'? ", *near) : "",
+                                              fmt::join(words, ", ")));
+}
+
+bool Options::has(const char* name) const {
+  return values_.contains(name) && !values_[name].is_none();
+}
+
+std::optional<double> Options::amount(const char* name, const char* unit) const {
+  if (!has(name)) return {};
+  return quantity((*this)[name], unit, name);
+}
+
+std::optional<double> Options::at_least_zero(const char* name, const char* unit) const {
+  const auto value = amount(name, unit);
+  if (value && *value < 0.0) base::refuse(name, "cannot be negative");
+  return value;
+}
+
+std::optional<double> Options::positive(const char* name, const char* unit) const {
+  const auto value = amount(name, unit);
+  if (value && !(*value > 0.0)) base::refuse(name, "must be positive");
+  return value;
+}
+
+std::vector<std::string> texts(const std::vector<base::Diagnostic>& diagnostics) {
+  std::vector<std::string> list;
+  for (const auto& one : diagnostics) list.push_back(one.text());
+  return list;
+}
+
+}  // namespace hydrapod::python

@@ -1,0 +1,182 @@
+#pragma once
+/// What all files of the extension share: results, views of their arrays, long work without the
+/// GIL, quantities.
+
+#include <pybind11/numpy.h>
+#include <pybind11/pybind11.h>
+#include <pybind11/stl.h>
+
+#include <Eigen/Core>
+#include <complex>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "hydrapod/numerics/parallel.hpp"
+#include "hydrapod/report/json.hpp"
+
+namespace hydrapod::python {
+
+namespace py = pybind11;
+using report::Json;
+using report::Subject;
+
+/// What a task gives: arrays, and the document that the command line prints as JSON but for its
+/// `reproduction`.
+struct Result {
+  Result() = default;
+  Result(const Result&) = default;
+  Result& operator=(const Result&) = default;
+  virtual ~Result() = default;
+  [[nodiscard]] virtual Json document() const = 0;
+};
+
+/// `head` with what `result` has.
+Json joined(Json head, const Json& result);
+/// As the command line heads a result that depends on the model.
+Json head_of_model(const char* kind, const Subject& machine);
+
+/// A read-only array over memory that `owner` keeps.
+template <class T>
+py::array view(const T* data, std::vector<py::ssize_t> shape, std::vector<py::ssize_t> strides,
+               const py::handle& owner) {
+  py::array array(py::dtype::of<T>(), std::move(shape), std::move(strides), data, owner);
+  array.attr("flags").attr("writeable") = false;
+  return array;
+}
+
+/// A dense Eigen matrix or vector, stored by columns or rows.
+template <class Matrix>
+py::array view_of(const Matrix& matrix, const py::handle& owner) {
+  using Scalar = typename Matrix::Scalar;
+  constexpr auto size = static_cast<py::ssize_t>(sizeof(Scalar));
+  if constexpr (Matrix::ColsAtCompileTime == 1)
+    return view<Scalar>(matrix.data(), {matrix.rows()}, {size}, owner);
+  else
+    return view<Scalar>(matrix.data(), {matrix.rows(), matrix.cols()},
+                        {size * matrix.rowStride(), size * matrix.colStride()}, owner);
+}
+
+template <class T>
+py::array view_of(const std::vector<T>& values, const py::handle& owner) {
+  return view<T>(values.data(), {static_cast<py::ssize_t>(values.size())},
+                 {static_cast<py::ssize_t>(sizeof(T))}, owner);
+}
+
+/// count × rows × columns of matrices of fixed size.
+template <class Matrix>
+py::array pages_of(const std::vector<Matrix>& pages, const py::handle& owner) {
+  using Scalar = typename Matrix::Scalar;
+  constexpr auto size = static_cast<py::ssize_t>(sizeof(Scalar));
+  constexpr auto page = static_cast<py::ssize_t>(sizeof(Matrix));
+  const auto count = static_cast<py::ssize_t>(pages.size());
+  const auto* first = reinterpret_cast<const Scalar*>(pages.data());
+  if constexpr (Matrix::ColsAtCompileTime == 1)
+    return view<Scalar>(first, {count, Matrix::RowsAtCompileTime}, {page, size}, owner);
+  else
+    return view<Scalar>(first, {count, Matrix::RowsAtCompileTime, Matrix::ColsAtCompileTime},
+                        {page, size, size * Matrix::RowsAtCompileTime}, owner);
+}
+
+/// A new array of `values`, of any shape.
+template <class T>
+py::array array_of(const std::vector<T>& values, std::vector<py::ssize_t> shape = {}) {
+  if (shape.empty()) shape = {static_cast<py::ssize_t>(values.size())};
+  return py::array_t<T>(std::move(shape), values.data());
+}
+
+/// Counts calls that are at work: the end of the interpreter asks them to stop and waits for them,
+/// because a thread that comes back to an interpreter that is gone would be torn out of C++ code.
+class Call {
+ public:
+  Call();  ///< throws std::runtime_error when the interpreter is ending
+  ~Call();
+  Call(const Call&) = delete;
+  Call& operator=(const Call&) = delete;
+};
+bool is_ending();
+void end_all();  ///< at exit, with the GIL
+
+/// Asks Python now and then, from any thread, whether to go on: signals, the user's callback.
+class Watcher {
+ public:
+  explicit Watcher(py::object callback) : callback_(std::move(callback)) {}
+  [[nodiscard]] numerics::Progress progress();
+  /// Throws what a signal handler or the callback raised.
+  void rethrow();
+
+ private:
+  bool ask(double share);
+  py::object callback_;
+  std::mutex mutex_{};
+  double asked_{-1.0};  ///< [s] when last, by a steady clock
+  bool stop_{};
+  std::unique_ptr<py::error_already_set> error_{};
+};
+
+/// work(progress) without the GIL.
+template <class Work>
+auto at_work(const py::object& callback, const Work& work) {
+  const Call call;
+  Watcher watcher(callback);
+  try {
+    auto result = [&] {
+      const py::gil_scoped_release release;
+      return work(watcher.progress());
+    }();
+    watcher.rethrow();
+    return result;
+  } catch (const py::error_already_set&) {
+    throw;
+  } catch (...) {
+    watcher.rethrow();
+    throw;
+  }
+}
+
+/// Short work without the GIL.
+template <class Work>
+auto without_gil(const Work& work) {
+  const Call call;
+  const py::gil_scoped_release release;
+  return work();
+}
+
+/// A number in SI, or a text with a unit; `name`: what messages call it. Throws base::InputError.
+double quantity(const py::handle& value, const char* unit, const std::string& name);
+/// A number in Hz or a text in Hz or rad/s [rad/s].
+double angular(const py::handle& value, const std::string& name);
+
+/// One of `words`, by its number. Throws base::InputError with the nearest of them.
+std::size_t choice(const std::string& name, const std::string& word,
+                   const std::vector<std::string_view>& words);
+
+/// Options as the Python side passes them on: what is None or missing has its default.
+class Options {
+ public:
+  explicit Options(py::dict values) : values_(std::move(values)) {}
+  [[nodiscard]] bool has(const char* name) const;
+  [[nodiscard]] py::object operator[](const char* name) const { return values_[name]; }
+  template <class T>
+  [[nodiscard]] T get(const char* name, T otherwise = {}) const {
+    return has(name) ? (*this)[name].template cast<T>() : otherwise;
+  }
+  [[nodiscard]] std::optional<double> amount(const char* name, const char* unit) const;
+  [[nodiscard]] std::optional<double> at_least_zero(const char* name, const char* unit) const;
+  [[nodiscard]] std::optional<double> positive(const char* name, const char* unit) const;
+
+ private:
+  py::dict values_;
+};
+
+std::vector<std::string> texts(const std::vector<base::Diagnostic>& diagnostics);
+
+void add_machine(py::module_& module);
+void add_linear(py::module_& module);
+void add_measurement(py::module_& module);
+void add_fit(py::module_& module);
+void add_simulation(py::module_& module);
+void add_plant(py::module_& module);
+
+}  // namespace hydrapod::python

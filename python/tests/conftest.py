@@ -1,0 +1,44 @@
+"""Where things are, and what several tests use."""
+
+import json
+import os
+import pathlib
+import subprocess
+
+import pytest
+
+import hydrapod
+
+root = pathlib.Path(__file__).resolve().parents[2]
+models = sorted((root / "models").glob("*.toml"))
+program = os.environ.get("HYDRAPOD_PROGRAM", str(root / "build/test/apps/hydrapod/hydrapod"))
+
+
+def command_line(*arguments):
+    """The JSON that the command line prints, without what tells how it was called."""
+    done = subprocess.run([program, *map(str, arguments)], capture_output=True, text=True, cwd=root)
+    assert done.returncode == 0 or done.stdout.startswith("{"), done.stderr
+    document = json.loads(done.stdout)
+    del document["reproduction"]
+    return document
+
+
+@pytest.fixture(scope="session", params=models, ids=lambda path: path.stem)
+def model(request):
+    return str(request.param)
+
+
+@pytest.fixture(scope="session")
+def heavy():
+    return hydrapod.read_machine(root / "models" / "heavy-platform.toml")
+
+
+@pytest.fixture(scope="session")
+def run(tmp_path_factory):
+    """A short record of the virtual rig and the modes identified in it, as files."""
+    folder = tmp_path_factory.mktemp("run")
+    path = str(folder / "run.mat")
+    machine = hydrapod.read_machine(root / "models" / "heavy-platform.toml")
+    done = hydrapod.rig(machine, path, duration="20 s", rate="400 Hz", seed=7)
+    assert done.finished and done.samples == 8000
+    return path

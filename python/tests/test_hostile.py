@@ -1,0 +1,184 @@
+"""Threads, arrays of all kinds, interrupts, the end of the interpreter: right or a clear exception."""
+
+import gc
+import os
+import signal
+import subprocess
+import sys
+import threading
+import time
+import weakref
+from concurrent.futures import ThreadPoolExecutor
+
+import numpy as np
+import pytest
+from conftest import root
+
+import hydrapod
+
+sleeve = "legs.guide_sleeve.stiffness"
+
+
+def test_views_keep_their_result_alive_and_are_read_only(heavy):
+    found = hydrapod.bode(heavy, points=11)
+    H, copy = found.H, np.array(found.H)
+    del found
+    gc.collect()
+    np.testing.assert_array_equal(H, copy)
+    for array in (H, hydrapod.modes(heavy).M, hydrapod.simulate(heavy, until=0.02).motion):
+        with pytest.raises(ValueError):
+            array[0] = 1.0
+        with pytest.raises(ValueError):
+            array.setflags(write=True)
+
+
+def test_weak_references(heavy):
+    machine = heavy.with_({"platform.mass": "7 t"})
+    reference = weakref.ref(machine)
+    del machine
+    gc.collect()
+    assert reference() is None
+
+
+def test_results_refuse_pickling_with_a_type_error(heavy):
+    import pickle
+
+    with pytest.raises(TypeError):
+        pickle.dumps(hydrapod.modes(heavy))
+
+
+def test_threads_give_the_same_results(heavy):
+    def one(k):
+        return hydrapod.modes(heavy.with_({sleeve: 1e6 * (1 + k % 5)})).json
+
+    with ThreadPoolExecutor(8) as pool:
+        many = list(pool.map(one, range(60)))
+    assert many == [one(k) for k in range(60)]
+
+
+def test_one_plant_in_many_threads(heavy):
+    plant = hydrapod.Plant(heavy)
+    threads = [threading.Thread(target=lambda: [plant.step(None, 1e-3) for _ in range(50)]) for _ in range(4)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    assert plant.time == pytest.approx(0.2, rel=1e-9)
+
+
+@pytest.mark.parametrize("make", [
+    lambda a: a[::-1][::-1], lambda a: np.asfortranarray(a), lambda a: np.repeat(a, 2, axis=1)[:, ::2],
+    lambda a: a.astype(">f8"), lambda a: a.tolist()])
+def test_layouts_of_arrays(heavy, make):
+    commands = np.random.default_rng(3).normal(0, 0.01, (30, 6))
+    given = make(commands)
+    if isinstance(given, np.ndarray):
+        given.setflags(write=False)
+    np.testing.assert_array_equal(hydrapod.Plant(heavy).run(given, 1e-3), hydrapod.Plant(heavy).run(commands, 1e-3))
+
+
+@pytest.mark.parametrize("wrong", [np.zeros(6), np.zeros((3, 5)), np.zeros((2, 6, 1)), np.full((4, 6), np.nan),
+                                   np.zeros((3, 6), complex), np.array([["a"] * 6]), np.zeros((2, 6), object)])
+def test_wrong_arrays(heavy, wrong):
+    with pytest.raises((ValueError, TypeError)):
+        hydrapod.Plant(heavy).run(wrong, 1e-3)
+
+
+def test_empty_arrays(heavy):
+    assert hydrapod.Plant(heavy).run(np.zeros((0, 6)), 1e-3).shape == (0, 6)
+
+
+@pytest.mark.parametrize("designs", [
+    {}, {"no.such": [1.0]}, {sleeve: [np.nan]}, {sleeve: np.ones((2, 2))},
+    {sleeve: [1e6, 2e6], "platform.mass": [1.0, 2.0, 3.0]}])
+def test_wrong_designs(heavy, designs):
+    with pytest.raises(ValueError):
+        hydrapod.frequencies(heavy, designs)
+
+
+def test_records_from_arrays(tmp_path):
+    samples = np.random.default_rng(4).normal(size=(500, 3))
+    samples[17, 1] = np.nan
+    record = hydrapod.Record(samples, 200.0, ["u", "a", "p"], units=["kN", "m/s^2", "bar"],
+                             roles=["excitation", "response", "other"], directions=["x", "-z", ""])
+    assert record.units == ["N", "m/s^2", "Pa"]
+    np.testing.assert_allclose(record["p"], 1e5 * samples[:, 2], rtol=4e-16)
+    for ending in ("h5", "mat", "csv", "uff"):
+        path = tmp_path / f"r.{ending}"
+        record.write(path)
+        again = hydrapod.read_record(path)
+        np.testing.assert_array_equal(again.samples, record.samples)
+        assert again.channels == record.channels and again.roles == record.roles
+    with pytest.raises(KeyError):
+        record["v"]
+    for wrong in (dict(samples=samples[:, :2]), dict(sample_rate=-1.0), dict(samples=samples.ravel()),
+                  dict(channels=["u", "u", "p"]), dict(samples=samples.astype(complex))):
+        arguments = {"samples": samples, "sample_rate": 200.0, "channels": ["u", "a", "p"], **wrong}
+        with pytest.raises((ValueError, TypeError)):
+            hydrapod.Record(**arguments)
+
+
+def test_records_in_memory_are_as_good_as_files(run):
+    record = hydrapod.read_record(run)
+    kept = hydrapod.frf(hydrapod.Record(record.samples, record.sample_rate, record.channels,
+                                        units=record.units, roles=record.roles,
+                                        directions=record.directions),
+                        block=256, machine=hydrapod.read_machine(record.machine_text), estimator="h1",
+                        input_from="excitation")
+    by_file = hydrapod.frf(run, block=256, estimator="h1", input_from="excitation")
+    np.testing.assert_array_equal(kept.frequency_hz, by_file.frequency_hz)
+    # a record in a file of its own has the same samples
+    np.testing.assert_allclose(kept.H, by_file.H, atol=1e-12 * np.abs(by_file.H).max())
+
+
+def test_progress_can_stop_and_its_exceptions_come_through(heavy):
+    seen = []
+    with pytest.raises(ZeroDivisionError):
+        hydrapod.simulate(heavy, until=30.0, progress=lambda share: 1 / 0)
+    stopped = hydrapod.simulate(heavy, until=30.0, progress=lambda share: seen.append(share) or len(seen) > 2)
+    assert not stopped.finished and stopped.message == "interrupted" and stopped.simulated < 30.0
+    assert seen == sorted(seen)
+    with pytest.raises(TypeError):
+        hydrapod.simulate(heavy, until=1.0, progress=3)
+
+
+def test_control_c_stops(heavy):
+    timer = threading.Timer(0.3, lambda: os.kill(os.getpid(), signal.SIGINT))
+    began = time.monotonic()
+    timer.start()
+    with pytest.raises(KeyboardInterrupt):
+        hydrapod.simulate(heavy, until=900.0)
+    assert time.monotonic() - began < 20.0
+
+
+def in_another(text, timeout=120):
+    return subprocess.run([sys.executable, "-c", text], cwd=root, timeout=timeout, capture_output=True, text=True)
+
+
+def test_interpreter_may_end_during_work():
+    done = in_another("""
+import threading, time, hydrapod
+m = hydrapod.read_machine("models/heavy-platform.toml")
+for k in range(3):
+    threading.Thread(target=lambda: hydrapod.simulate(m, until=900.0), daemon=True).start()
+threading.Thread(target=lambda: [hydrapod.modes(m) for _ in range(10**7)], daemon=True).start()
+time.sleep(0.4)
+print("end")
+""")
+    assert (done.returncode, done.stdout) == (0, "end\n"), done.stderr
+
+
+def test_no_leak(heavy):
+    """Memory does not grow with calls."""
+    import resource
+
+    def many(count):
+        for _ in range(count):
+            hydrapod.modes(heavy).M.sum()
+            hydrapod.bode(heavy, points=200).H.sum()
+        return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+
+    many(100)
+    before = many(1)
+    after = many(200)  # 200 responses of 200 lines and two models: 46 MB if they stayed
+    assert after - before < 10_000

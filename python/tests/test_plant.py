@@ -1,0 +1,107 @@
+"""The plant step by step."""
+
+import time
+
+import numpy as np
+import pytest
+
+import hydrapod
+
+
+def test_rests_where_it_is(heavy):
+    plant = hydrapod.Plant(heavy)
+    for _ in range(50):
+        displacement = plant.step(plant.rest_commands, 1e-3)
+    # equilibrium is found to some 1e-9 of the state's magnitude
+    assert np.abs(displacement).max() < 1e-7
+    assert plant.time == pytest.approx(0.05, rel=1e-12)
+
+
+def test_linearisation_predicts_small_steps(heavy):
+    """A, B of the plant against a small motion of the nonlinear one."""
+    plant = hydrapod.Plant(heavy, integrator="adaptive", tolerance=1e-11)
+    linear = plant.linearise()
+    n = linear.A.shape[0]
+    assert linear.B.shape == (n, 12) and linear.C.shape[1] == n and len(linear.states) == n
+    push, dt = np.array([31.0, -17.0, 53.0, 7.0, 11.0, -5.0]), 2e-3
+    moved = plant.step(None, dt, wrench=push)
+    from scipy.linalg import expm
+
+    # ẋ = A x + B u from rest with constant u: the integral of exp(A t) B u
+    u = np.concatenate([np.zeros(6), push])
+    block = np.zeros((n + 1, n + 1))
+    block[:n, :n] = linear.A
+    block[:n, n] = linear.B @ u
+    x = expm(block * dt)[:n, n]
+    center = linear.C[:3] @ x
+    # Coulomb friction holds against so small a push for a part of it; displacement is of the frame's origin
+    np.testing.assert_allclose((linear.C[:6] @ x)[3:6], moved[3:6], rtol=0.2, atol=1e-9)
+    assert np.sign(center[2]) == np.sign(moved[2])
+
+
+def test_run_is_step_after_step(heavy):
+    rng = np.random.default_rng(20)
+    commands = 0.02 * rng.standard_normal((120, 6))
+    one, other = hydrapod.Plant(heavy), hydrapod.Plant(heavy)
+    rows = np.array([one.step(row, 1e-3) for row in commands])
+    np.testing.assert_array_equal(rows, other.run(commands, 1e-3))
+    np.testing.assert_array_equal(one.state, other.state)
+    one.reset()
+    np.testing.assert_array_equal(one.run(commands, 1e-3), rows)
+
+
+def test_fixed_and_adaptive_agree(heavy):
+    commands = 0.05 * np.sin(np.linspace(0, 9, 200))[:, None] * np.array([1, -0.7, 0.3, 0.9, -0.2, 0.5])
+    fixed = hydrapod.Plant(heavy, fixed_step="0.1 ms").run(commands, 1e-3)
+    adaptive = hydrapod.Plant(heavy, integrator="adaptive", tolerance=1e-10).run(commands, 1e-3)
+    # measured 3e-10 and 6e-7 of the largest displacement (docs/howto/python.md); ten times that
+    np.testing.assert_allclose(fixed, adaptive, atol=1e-8 * np.abs(adaptive).max())
+    coarse = hydrapod.Plant(heavy, fixed_step="0.5 ms").run(commands, 1e-3)
+    np.testing.assert_allclose(coarse, adaptive, atol=1e-5 * np.abs(adaptive).max())
+
+
+def test_state_can_be_put_back(heavy):
+    plant = hydrapod.Plant(heavy)
+    plant.step(np.full(6, 0.1), 0.01)
+    state = plant.state
+    after = plant.step(np.full(6, 0.1), 0.01)
+    plant.state = state
+    # the clock goes on, so that the step differs by rounding
+    np.testing.assert_allclose(plant.step(np.full(6, 0.1), 0.01), after, atol=1e-12)
+    assert len(plant.state_names) == len(plant.state_units) == len(state)
+    assert plant.outputs()["cap_pressure"].shape == (6,)
+
+
+@pytest.mark.parametrize("commands", [[1, 2], np.zeros((6, 1)), [np.nan] * 6, "x" * 6, None.__class__,
+                                      np.zeros(6, complex) + 1j])
+def test_wrong_commands(heavy, commands):
+    plant = hydrapod.Plant(heavy)
+    with pytest.raises((ValueError, TypeError)):
+        plant.step(commands, 1e-3)
+
+
+@pytest.mark.parametrize("dt", [0.0, -1e-3, np.nan, np.inf, 1e9])
+def test_wrong_steps(heavy, dt):
+    with pytest.raises(ValueError):
+        hydrapod.Plant(heavy).step(None, dt)
+
+
+def test_ends_where_the_model_ends(heavy):
+    plant = hydrapod.Plant(heavy)
+    with pytest.raises((hydrapod.ComputationError, ValueError)):
+        plant.state = np.full(plant.state.shape, np.nan)
+    with pytest.raises(ValueError):
+        plant.state = plant.state[:-1]
+
+
+def test_speed(heavy, capsys):
+    """Steps of 1 ms per second; the bound is a tenth of what an idle processor does, for busy ones."""
+    plant = hydrapod.Plant(heavy, fixed_step="0.5 ms")
+    commands = np.zeros(6) + plant.rest_commands
+    began, count = time.perf_counter(), 5000
+    for _ in range(count):
+        plant.step(commands, 1e-3)
+    rate = count / (time.perf_counter() - began)
+    with capsys.disabled():
+        print(f"\n{rate:.0f} steps of 1 ms per second")
+    assert rate > 8000
