@@ -1,0 +1,183 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <numbers>
+#include <set>
+
+#include "gnuplot.hpp"
+#include "hydrapod/base/error.hpp"
+#include "hydrapod/report/model_results.hpp"
+#include "hydrapod/spatial/pose.hpp"
+
+namespace hydrapod::report {
+
+namespace {
+
+using simulation::Ability;
+using simulation::Limit;
+using spatial::direction_names;
+
+struct Axis {
+  const char* title;
+  const char* unit;       ///< of translations
+  const char* turn_unit;  ///< of rotations
+  double scale, turn_scale;
+};
+constexpr double per_degree = 180.0 / std::numbers::pi;
+constexpr std::array<Axis, simulation::ability_count> axes{{
+    {"force", "kN", "kN m", 1e-3, 1e-3},
+    {"speed", "m/s", "°/s", 1.0, per_degree},
+    {"acceleration", "m/s²", "°/s²", 1.0, per_degree},
+    {"jerk", "m/s³", "°/s³", 1.0, per_degree},
+    {"excursion", "mm", "°", 1e3, per_degree},
+}};
+
+/// Safe for the colour-blind (Okabe & Ito); kinds of the same part share one.
+const char* colour(Limit limit) {
+  switch (limit) {
+    case Limit::push:
+    case Limit::pull:
+      return "#0072b2";
+    case Limit::column:
+      return "#d55e00";
+    case Limit::extending:
+    case Limit::retracting:
+      return "#56b4e9";
+    case Limit::pump:
+      return "#009e73";
+    case Limit::stroke_out:
+    case Limit::stroke_in:
+      return "#e69f00";
+    case Limit::base_joint:
+    case Limit::platform_joint:
+      return "#cc79a7";
+    case Limit::singular:
+    case Limit::range:
+      break;
+  }
+  return "#777777";
+}
+
+/// For the legend: one name per colour.
+std::string family(Limit limit) {
+  switch (limit) {
+    case Limit::push:
+    case Limit::pull:
+      return "oil force of a leg";
+    case Limit::extending:
+    case Limit::retracting:
+      return "valve of a leg";
+    case Limit::stroke_out:
+    case Limit::stroke_in:
+      return "stroke of a leg";
+    case Limit::base_joint:
+    case Limit::platform_joint:
+      return "joint angle";
+    default:
+      return limit_text(limit);
+  }
+}
+
+/// "12.3", "1240": three digits without a power of ten.
+std::string short_number(double value) {
+  return value >= 1000.0 ? fmt::format("{:.0f}", value) : fmt::format("{:.3g}", value);
+}
+
+/// Directions from top to bottom; bars are shares of the longest of the three directions.
+std::string ability_panel(const simulation::Capability& capability, Ability ability,
+                          const Cell& cell, const std::string& first_labels) {
+  const auto& axis = axes.at(static_cast<std::size_t>(ability));
+  std::string text = at_screen(cell) + "unset object\nunset label\n" + first_labels;
+  text += fmt::format("set title {} font ',11'\n",
+                      quoted(fmt::format("{} [{}, {}]", axis.title, axis.unit, axis.turn_unit)));
+  for (int half = 0; half < 2; ++half) {
+    double longest = 0.0;
+    for (int d = 3 * half; d < 3 * half + 3; ++d)
+      for (int sign = 0; sign < 2; ++sign)
+        longest = std::max(longest, capability.of(ability, d, sign).value);
+    for (int d = 3 * half; d < 3 * half + 3; ++d)
+      for (int sign = 0; sign < 2; ++sign) {
+        const auto& reach = capability.of(ability, d, sign);
+        const double end = (sign == 0 ? 1.0 : -1.0) * (longest > 0.0 ? reach.value / longest : 0.0);
+        const double row = 6.0 - d;
+        text += fmt::format(
+            "set object rectangle from 0,{:.2f} to {:.5f},{:.2f} fc rgb '{}' fs solid noborder\n",
+            row - 0.32, end, row + 0.32, colour(reach.limit));
+        const double scale = half == 0 ? axis.scale : axis.turn_scale;
+        text += fmt::format("set label {} at {:.5f},{:.2f} {} font ',9'\n",
+                            quoted((sign == 0 ? "" : "−") + short_number(scale * reach.value) +
+                                   (reach.leg >= 0 ? fmt::format("  L{}", reach.leg + 1) : "")),
+                            end + (sign == 0 ? 0.03 : -0.03), row, sign == 0 ? "left" : "right");
+      }
+  }
+  return text + "plot NaN notitle\n";
+}
+
+/// A coloured box and a name for each family of limits that occurs.
+std::string limit_legend(const simulation::Capability& capability, const Cell& cell) {
+  std::string text = at_screen(cell) + "unset object\nunset label\nunset title\nunset tics\n" +
+                     "unset border\nunset arrow\n";
+  double row = 6.0;
+  text += fmt::format("set label 'What ends it:' at -1.8,{} left font ',11'\n", row);
+  std::set<std::string> seen;
+  for (const auto& ability : capability.reach)
+    for (const auto& direction : ability)
+      for (const auto& reach : direction) {
+        const std::string name = family(reach.limit);
+        if (!seen.insert(name).second) continue;
+        row -= 0.7;
+        text += fmt::format(
+            "set object rectangle from -1.8,{:.2f} to -1.5,{:.2f} fc rgb '{}' fs solid noborder\n"
+            "set label {} at -1.38,{:.2f} left font ',10'\n",
+            row - 0.22, row + 0.22, colour(reach.limit), quoted(name), row);
+      }
+  text += fmt::format("set label 'L3: in leg 3' at -1.8,{:.2f} left font ',10'\n", row - 0.8);
+  return text + "plot NaN notitle\n";
+}
+
+}  // namespace
+
+std::string limit_text(Limit limit) {
+  constexpr std::array words{"push of a leg's oil",
+                             "pull of a leg's oil",
+                             "a rod buckles",
+                             "valve of a leg open, extending",
+                             "valve of a leg open, retracting",
+                             "flow of the pump",
+                             "end of a leg's stroke, out",
+                             "end of a leg's stroke, in",
+                             "angle of a base joint",
+                             "angle of a platform joint",
+                             "singular pose",
+                             "nothing as far as was looked"};
+  static_assert(words.size() == simulation::limit_count);
+  return words.at(static_cast<std::size_t>(limit));
+}
+
+void plot_capability(const PoseCheck& check, const std::string& title, const std::string& path) {
+  if (!check.capability)
+    throw base::ComputationError(
+        fmt::format("pose {}: no picture of what the machine can do, since it does not stand there",
+                    check.pose.name));
+  const CellGrid grid(simulation::ability_count + 1);
+  const std::string heading =
+      titles(title,
+             fmt::format("pose {}, from rest, one direction at a time; bars are shares of the "
+                         "longest of three directions",
+                         check.pose.name),
+             grid.height());
+  std::vector<std::string> names(direction_names.rbegin(), direction_names.rend());
+  std::string body = "set multiplot\nset xrange [-1.95:1.95]\nset yrange [0.4:6.6]\nunset key\n" +
+                     std::string(thin_axes) + "unset xtics\nset ytics nomirror scale 0\n" +
+                     named_tics('y', names) +
+                     "set arrow from 0,0.4 to 0,6.6 nohead lc rgb '#444444' lw 0.8\n"
+                     "set arrow from -1.95,3.5 to 1.95,3.5 nohead lc rgb '#d0d0d0' lw 0.8\n";
+  for (std::size_t k = 0; k < simulation::ability_count; ++k)
+    body += ability_panel(*check.capability, static_cast<Ability>(k), grid[k],
+                          k == 0 ? heading : std::string());
+  body += limit_legend(*check.capability, grid[simulation::ability_count]);
+  draw(path, grid.width(), grid.height(), body + "unset multiplot\n");
+}
+
+}  // namespace hydrapod::report
