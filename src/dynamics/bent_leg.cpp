@@ -2,9 +2,11 @@
 
 #include <Eigen/Geometry>
 #include <Eigen/LU>
+#include <algorithm>
 #include <cmath>
 
-#include "hydrapod/hydraulics/oil_spring.hpp"
+#include "guide_contact.hpp"
+#include "hydrapod/hydraulics/servo_axis.hpp"
 
 namespace hydrapod::dynamics {
 
@@ -215,7 +217,8 @@ struct Weights {
 /// ∂V/∂chart.
 Vector7 chart_gradient(const LegElement& element, const Configuration& at, const LegPoints& points,
                        const SleeveOffset& sleeve, const Weights& weights, double oil_force) {
-  Vector7 gradient = element.k_s * sleeve.D.transpose() * sleeve.d +
+  const double k_secant = element.k_s + element.k_contact;
+  Vector7 gradient = k_secant * sleeve.D.transpose() * sleeve.d +
                      points.case_rates.transpose() * weights.tube +
                      points.rod_rates.transpose() * weights.rod;
   gradient[extension] += oil_force;
@@ -226,8 +229,13 @@ Vector7 chart_gradient(const LegElement& element, const Configuration& at, const
 /// ∂²V/∂chart² − λ·∂²a/∂chart² at constant oil force.
 Matrix7 chart_hessian(const LegElement& element, const Configuration& at, const LegPoints& points,
                       const SleeveOffset& sleeve, const Weights& weights, const Vector3& lambda) {
-  Matrix7 H = element.k_s * (sleeve.D.transpose() * sleeve.D + sleeve.d[0] * sleeve.D2[0] +
-                             sleeve.d[1] * sleeve.D2[1]);
+  const double k_secant = element.k_s + element.k_contact;
+  Matrix7 H = k_secant * (sleeve.D.transpose() * sleeve.D + sleeve.d[0] * sleeve.D2[0] +
+                          sleeve.d[1] * sleeve.D2[1]);
+  if (element.k_contact > 0.0) {
+    const Vector7 radial = sleeve.D.transpose() * element.contact_root;
+    H += radial * radial.transpose();
+  }
   H(offset, offset) += element.k_g;
   H(offset + 1, offset + 1) += element.k_g;
   add_point_curvature(at, points.case_center, points.case_rates, weights.tube, H);
@@ -261,6 +269,16 @@ void describe(const model::Leg& leg, const Configuration& at, double length, boo
   element.k_g = leg.piston_ring ? leg.piston_ring->stiffness : 0.0;
 }
 
+/// The guide ring where the rod lies on it.
+void press(const model::GuideSleeve& sleeve, const Vector2& offset, LegElement& element) {
+  element.sleeve_offset = offset;
+  const double size = offset.norm();
+  const auto contact = guide_contact(sleeve, size);
+  if (!(contact.secant > 0.0)) return;
+  element.k_contact = contact.secant;
+  element.contact_root = std::sqrt(std::max(contact.tangent - contact.secant, 0.0)) / size * offset;
+}
+
 }  // namespace
 
 BentLeg bent_leg(const model::Leg& leg, const Vector3& a, model::FlexibleAxes axes,
@@ -278,6 +296,7 @@ BentLeg bent_leg(const model::Leg& leg, const Vector3& a, model::FlexibleAxes ax
 
   const LegPoints points(leg, at);
   const SleeveOffset sleeve(at, leg.guide_sleeve.position);
+  press(leg.guide_sleeve, sleeve.d, element);
   const Vector3 g_L = at.R_BL.transpose() * gravity;
   const Weights weights{-leg.cylinder_case.mass * g_L, -leg.rod.mass * g_L};
   const Vector7 gradient = chart_gradient(element, at, points, sleeve, weights, state.oil_force);

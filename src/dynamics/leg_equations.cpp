@@ -3,6 +3,8 @@
 #include <Eigen/LU>
 #include <cmath>
 
+#include "guide_contact.hpp"
+
 namespace hydrapod::dynamics {
 
 namespace {
@@ -207,13 +209,24 @@ Vector3L add_joint_friction(const LegsInMotion& at, const LegSurroundings& aroun
 
 Lanes cross(const Vector2L& v, const Vector2L& force) { return v[0] * force[1] - v[1] * force[0]; }
 
+/// `part` of the guide contact of every leg.
+Lanes of_guides(const LegsInMotion& at, const LegConstants& legs, double GuideContact::*part) {
+  const Lanes offset = sqrt(at.sleeve_offset.dot(at.sleeve_offset));
+  Lanes result;
+  for (int i = 0; i < Lanes::size; ++i)
+    result.set(i, guide_contact(offset[i], legs.gap[i], legs.k_c[i]).*part);
+  return result;
+}
+
 /// Forces of seals on the chart: springs and dampers. Dampers see what the case sees.
 template <int n>
 void add_seals(const LegsInMotion& at, const LegSurroundings& around,
                Eigen::Matrix<Lanes, 3 + n, 1>& r) {
   const auto& legs = around.legs;
   const Vector2L sleeve_damper = legs.c_s * at.sleeve_offset_rate;
-  const Vector2L sleeve = legs.k_s * at.sleeve_offset + sleeve_damper;
+  const Vector2L sleeve =
+      (legs.guide_contact ? legs.k_s + guide_secant(at, legs) : legs.k_s) * at.sleeve_offset +
+      sleeve_damper;
   for (int k = 0; k < 3; ++k) r[2 + k] += at.sleeve_slopes.col(k).dot(sleeve);
   Lanes about_n = cross(at.sleeve_offset, sleeve_damper);
   if constexpr (n == 4) {
@@ -243,6 +256,14 @@ Eigen::Matrix<Lanes, 3 + n, 1> residual(const LegsInMotion& at, const LegSurroun
 }
 
 }  // namespace
+
+Lanes guide_secant(const LegsInMotion& at, const LegConstants& legs) {
+  return of_guides(at, legs, &GuideContact::secant);
+}
+
+Lanes guide_energy(const LegsInMotion& at, const LegConstants& legs) {
+  return of_guides(at, legs, &GuideContact::energy);
+}
 
 Vector3L in_cases(const LegsInMotion& at, const Vector3& v) {
   return at.R_BL.transpose() * Vector3L(Lanes(v.x()), Lanes(v.y()), Lanes(v.z()));

@@ -86,6 +86,10 @@ struct JointTurning {
 };
 JointTurning joint_turning(const LegsInMotion& at, const LegConstants& legs, const Vector3& omega);
 
+/// What the guide rings add to k_s: force per offset [N/m], and their energy [J].
+Lanes guide_secant(const LegsInMotion& at, const LegConstants& legs);
+Lanes guide_energy(const LegsInMotion& at, const LegConstants& legs);
+
 /// A vector of B that is the same for all legs, in the frames of the cases.
 Vector3L in_cases(const LegsInMotion& at, const Vector3& v);
 

@@ -32,6 +32,8 @@ struct LegsInMotion {
 struct LegConstants {
   Vector3L b, axis, arm, piston_axis;  ///< arm: platform joint from C, in P
   Lanes l_mn, c_g, L_g, m_t_r_b, I_b, I_ta, I_c, m_g, I_r, I_ra, m_a, k_s, c_s, k_g, c_ring;
+  Lanes gap, k_c;        ///< of the guide ring; the gap is infinite where a leg has none
+  bool guide_contact{};  ///< has any leg one?
   Lanes joint_viscous, joint_coulomb, joint_smoothing;
   Lanes real;  ///< 1 for legs, 0 for the lanes that are none
 };

@@ -6,6 +6,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <stdexcept>
 
 #include "hydrapod/dynamics/leg.hpp"
@@ -110,6 +111,13 @@ LegConstants gather_constants(const model::Machine& machine,
   to.c_s = gather([&](int i) { return legs[i].guide_sleeve.damping; });
   to.k_g = gather([&](int i) { return ring(i).stiffness; });
   to.c_ring = gather([&](int i) { return ring(i).damping; });
+  to.gap = gather([&](int i) {
+    return legs[i].guide_sleeve.gap.value_or(std::numeric_limits<double>::infinity());
+  });
+  to.k_c = gather([&](int i) { return legs[i].guide_sleeve.guide_stiffness; });
+  to.guide_contact = std::any_of(legs.begin(), legs.end(), [](const model::Leg& leg) {
+    return leg.guide_sleeve.gap.has_value();
+  });
   to.joint_viscous = gather([&](int i) { return joint(i).viscous; });
   to.joint_coulomb = gather([&](int i) { return joint(i).coulomb; });
   to.joint_smoothing = gather([&](int i) { return joint(i).smoothing_rate; });
@@ -417,6 +425,7 @@ Energies NonlinearModel::energies(const Motion& motion) const {
   if (kind_ != ModelKind::rigid) {
     const Lanes sleeves = legs.k_s * at.sleeve_offset.dot(at.sleeve_offset);
     energy.sleeves = 0.5 * sleeves.sum();
+    if (legs.guide_contact) energy.sleeves += guide_energy(at, legs).sum();
   }
   if (kind_ == ModelKind::full) {
     const Lanes rings =

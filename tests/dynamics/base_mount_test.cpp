@@ -7,7 +7,7 @@
 #include <cmath>
 #include <complex>
 
-#include "hydrapod/hydraulics/oil_spring.hpp"
+#include "hydrapod/hydraulics/servo_axis.hpp"
 #include "hydrapod/modal/normal_modes.hpp"
 #include "support/calibration_machine.hpp"
 #include "support/published_machine.hpp"

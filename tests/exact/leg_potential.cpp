@@ -2,6 +2,7 @@
 
 #include <Eigen/Geometry>
 #include <Eigen/LU>
+#include <algorithm>
 
 namespace hydrapod::test {
 
@@ -59,28 +60,33 @@ Real LegPotential::energy(const Coordinates& x) const {
   const Vector3L case_center = base + Real(leg_.cylinder_case.mass_center) * n;
   const Vector3L rod_center =
       base + shape.R * (Vector3L(x[5], x[6], shape.s) + Real(leg_.rod.mass_center) * shape.e);
+  const Vector3L offset(sleeve_offset(x)[0], sleeve_offset(x)[1], 0);
+  // The sharp corner: the library's law has the same force and stiffness beyond 1.1 times the gap.
+  const Real pressed =
+      leg_.guide_sleeve.gap ? std::max(offset.norm() - Real(*leg_.guide_sleeve.gap), Real(0)) : 0;
   const Real k_g = leg_.piston_ring ? leg_.piston_ring->stiffness : 0.0;
   return oil_force_ * shape.s +
          Real(0.5) * leg_.guide_sleeve.stiffness * sleeve_offset(x).squaredNorm() +
+         Real(0.5) * leg_.guide_sleeve.guide_stiffness * pressed * pressed +
          Real(0.5) * k_g * x.tail<2>().squaredNorm() -
          gravity_.dot(leg_.cylinder_case.mass * case_center + leg_.rod.mass * rod_center);
 }
 
-Eigen::Matrix<double, 7, 1> LegPotential::gradient(const Coordinates& x) const {
+Eigen::Matrix<double, 7, 1> LegPotential::gradient(const Coordinates& x, Real step) const {
   Eigen::Matrix<double, 7, 1> g;
   for (int k = 0; k < 7; ++k)
-    g[k] = static_cast<double>(derivative([&](const auto& at) { return energy(at); }, x, k));
+    g[k] = static_cast<double>(derivative([&](const auto& at) { return energy(at); }, x, k, step));
   return g;
 }
 
-Eigen::Matrix<double, 7, 7> LegPotential::hessian(const Coordinates& x) const {
+Eigen::Matrix<double, 7, 7> LegPotential::hessian(const Coordinates& x, Real step) const {
   Eigen::Matrix<double, 7, 7> H;
   for (int i = 0; i < 7; ++i)
     for (int j = 0; j <= i; ++j) {
       const auto slope = [&](const Coordinates& there) {
-        return derivative([&](const auto& at) { return energy(at); }, there, j);
+        return derivative([&](const auto& at) { return energy(at); }, there, j, step);
       };
-      H(i, j) = H(j, i) = static_cast<double>(derivative(slope, x, i));
+      H(i, j) = H(j, i) = static_cast<double>(derivative(slope, x, i, step));
     }
   return H;
 }

@@ -24,14 +24,19 @@ class LegPotential {
   LegPotential(const model::Leg& leg, const model::Vector3& a1, const model::Vector3& gravity,
                double oil_force, const Coordinates& around);
 
-  /// Oil, guide sleeve, piston ring and weights [J].
+  /// Oil, guide sleeve, piston ring and weights [J]; the guide ring with a sharp corner.
   [[nodiscard]] Real energy(const Coordinates& x) const;
   [[nodiscard]] Real extension(const Coordinates& x) const;  ///< s [m]
   /// Offset of the rod's axis at the guide sleeve, along t and a2 [m].
   [[nodiscard]] Eigen::Matrix<Real, 2, 1> sleeve_offset(const Coordinates& x) const;
 
-  [[nodiscard]] Eigen::Matrix<double, 7, 1> gradient(const Coordinates& x) const;
-  [[nodiscard]] Eigen::Matrix<double, 7, 7> hessian(const Coordinates& x) const;
+  /// Step of differences [m, rad]; rounding and truncation are some 1e-14 with the seals alone. On
+  /// the guide ring four steps must be short beside the offset, whose size is a root.
+  static constexpr Real smooth_step = 4e-3L, contact_step = 2e-4L;
+  [[nodiscard]] Eigen::Matrix<double, 7, 1> gradient(const Coordinates& x,
+                                                     Real step = smooth_step) const;
+  [[nodiscard]] Eigen::Matrix<double, 7, 7> hessian(const Coordinates& x,
+                                                    Real step = smooth_step) const;
 
  private:
   struct Shape {
@@ -49,10 +54,9 @@ class LegPotential {
 
 /// ∂f/∂x_k by differences of eighth order.
 template <class Function>
-auto derivative(const Function& f, const LegPotential::Coordinates& x, int k)
-    -> std::decay_t<decltype(f(x))> {
+auto derivative(const Function& f, const LegPotential::Coordinates& x, int k,
+                LegPotential::Real h = LegPotential::smooth_step) -> std::decay_t<decltype(f(x))> {
   using Real = LegPotential::Real;
-  constexpr Real h = 4e-3L;
   const auto at = [&](int steps) {
     LegPotential::Coordinates moved = x;
     moved[k] += steps * h;

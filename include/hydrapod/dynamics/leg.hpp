@@ -24,10 +24,11 @@
 /// joint in B, s has a closed form and so have the gimbal's two angles, so (a, φ, u) are
 /// coordinates of the leg without constraints. Its potential energy is
 ///
-///     V = f s + ½ k_s |d_s|² + ½ k_g |u|² − m_t g·p_t − m_g g·p_g,   d_s = u + (L_g − s) e⊥ /
-///     (e·n)
+///     V = f s + ½ k_s |d_s|² + U_c(|d_s|) + ½ k_g |u|² − m_t g·p_t − m_g g·p_g
+///     d_s = u + (L_g − s) e⊥ / (e·n)
 ///
-/// with f the force of the oil on the piston (positive in tension). First and second derivatives
+/// with f the force of the oil on the piston (positive in tension) and U_c the energy of the guide
+/// ring (guide_contact.hpp; zero without `guide_sleeve.gap`). First and second derivatives
 /// are analytic: those in the chart (case angles, s, φ, u), where everything is elementary, brought
 /// to (a, φ, u) with the joint force λ = ∂V/∂a:  K = Tᵀ [∂²V − λ·∂²a] T,  T = ∂(chart)/∂(a, φ, u).
 
@@ -71,6 +72,12 @@ struct LegElement {
   double k_h{};   ///< oil spring, gimbals in series [N/m]
   double k_s{};   ///< guide sleeve [N/m]
   double k_g{};   ///< piston ring [N/m]
+
+  /// Of the guide ring on which the rod lies, both zero where it does not: secant stiffness [N/m]
+  /// in every direction, and along the offset r also γγᵀ, γ = √(k_tangent − k_secant) r [√(N/m)].
+  double k_contact{};
+  Eigen::Vector2d contact_root{Eigen::Vector2d::Zero()};
+  Eigen::Vector2d sleeve_offset{Eigen::Vector2d::Zero()};  ///< d_s along t and a2 [m]
 
   Matrix7 M{Matrix7::Zero()};
   Matrix7 K{Matrix7::Zero()};

@@ -37,8 +37,8 @@
 /// on a base that tilts is left out (as in the linear models), its weight is carried by what the
 /// springs are compressed where q_b = 0.
 ///
-/// Damping: 2 ζ √(k M_b,kk) beside each spring, ζ being `damping.modal_ratio` (2 % where the file
-/// says none) as for seals, and Rayleigh's β k.
+/// Damping: 2 ζ √(k M_b,kk) beside each spring, ζ being model::modal_ratio as for seals, and
+/// Rayleigh's β k.
 ///
 /// A base with next to no inertia would vibrate far above everything that matters and cost an
 /// integrator its steps. Where the base, platform and ground held, would vibrate faster than
@@ -85,7 +85,7 @@ struct Energies {
   double platform{};  ///< kinetic [J]
   double legs{};      ///< kinetic
   double gravity{};   ///< potential
-  double sleeves{};   ///< elastic: guide sleeves
+  double sleeves{};   ///< elastic: guide sleeves, with their guide rings
   double rings{};     ///< elastic: piston rings
   [[nodiscard]] double total() const { return platform + legs + gravity + sleeves + rings; }
 };
