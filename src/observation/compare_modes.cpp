@@ -34,17 +34,6 @@ struct Comparable {
   MatrixXd root{};  ///< of the metric
 };
 
-/// Root of (S M⁻¹ Sᵀ)⁻¹, of the pseudoinverse where outputs repeat what others see.
-MatrixXd metric_of(const MatrixXd& S, const spatial::Matrix6& root) {
-  const MatrixXd half = S * root.inverse();
-  const Eigen::SelfAdjointEigenSolver<MatrixXd> solver(half * half.transpose());
-  constexpr double rounding = 1e-12;
-  VectorXd weight = solver.eigenvalues();
-  const double none = rounding * weight.maxCoeff();
-  for (double& w : weight) w = w > none ? 1.0 / std::sqrt(w) : 0.0;
-  return solver.eigenvectors() * weight.asDiagonal() * solver.eigenvectors().transpose();
-}
-
 Comparable comparable(const std::vector<data::Channel>& channels, const ComparisonFrame& frame) {
   const MatrixXd all = output_map(channels, frame);
   Comparable some;
@@ -55,7 +44,7 @@ Comparable comparable(const std::vector<data::Channel>& channels, const Comparis
   }
   some.map = all(some.outputs, Eigen::all);
   if (!some.outputs.empty())
-    some.root = metric_of(
+    some.root = output_metric(
         some.map, platform_metric(frame.machine, frame.X_BP, frame.machine.platform.mass_center));
   return some;
 }
@@ -188,6 +177,16 @@ std::set<int> points_of(const std::vector<data::Channel>& outputs) {
 }
 
 }  // namespace
+
+MatrixXd output_metric(const MatrixXd& S, const spatial::Matrix6& root) {
+  const MatrixXd half = S * root.inverse();
+  const Eigen::SelfAdjointEigenSolver<MatrixXd> solver(half * half.transpose());
+  constexpr double rounding = 1e-12;
+  VectorXd weight = solver.eigenvalues();
+  const double none = rounding * weight.maxCoeff();
+  for (double& w : weight) w = w > none ? 1.0 / std::sqrt(w) : 0.0;
+  return solver.eigenvectors() * weight.asDiagonal() * solver.eigenvectors().transpose();
+}
 
 MatrixXd output_map(const std::vector<data::Channel>& outputs, const ComparisonFrame& frame) {
   const auto p_BC = kinematics::mass_center(frame.machine, frame.X_BP);

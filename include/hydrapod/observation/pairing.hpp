@@ -211,4 +211,29 @@ ModeComparison compare_modes(const data::ModalResults& measured, std::vector<Obs
                              const ComparisonFrame& frame, double highest_damping = 0.3,
                              const ObservationOptions& options = {});
 
+/// Two lists of modes that are equals, such as those of a machine before and after a repair.
+///
+/// Shapes are compared on the same outputs in one metric; MAC of a pair is that of either mode with
+/// the group of the other, the larger of both. Every mode of the first list gets a partner or none
+/// so that the sum of the costs of pairs is smallest, as in compare_modes().
+struct ModeList {
+  std::vector<std::complex<double>> poles{};  ///< λ [1/s]
+  Eigen::MatrixXcd shapes{};  ///< outputs × modes, in units of the metric; without rows: none known
+};
+
+struct ListedPair {
+  int first{}, second{};
+  std::optional<double> mac{};
+};
+
+/// Ascending in the first list. Throws std::invalid_argument where shapes are of different outputs
+/// or not as many as poles.
+std::vector<ListedPair> pair_lists(const ModeList& first, const ModeList& second,
+                                   const ObservationOptions& options = {});
+
+/// Root of (S M⁻¹ Sᵀ)⁻¹, the metric of outputs y = S q (`map`, a row each) of the motion q of the
+/// mass centre; of the pseudoinverse where outputs repeat what others see. `root`: of M, see
+/// platform_metric().
+Eigen::MatrixXd output_metric(const Eigen::MatrixXd& map, const spatial::Matrix6& root);
+
 }  // namespace hydrapod::observation

@@ -1,0 +1,178 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <set>
+
+#include "gnuplot.hpp"
+#include "hydrapod/base/units.hpp"
+#include "hydrapod/numerics/statistics.hpp"
+#include "hydrapod/report/measured_results.hpp"
+
+namespace hydrapod::report {
+
+namespace {
+
+using base::two_pi;
+constexpr double half_interval = numerics::normal_half_width;
+
+constexpr std::array thing_colours{"#0072b2", "#d55e00", "#009e73",
+                                   "#cc79a7", "#56b4e9", "#e69f00"};
+const char* colour(std::size_t thing) { return thing_colours[thing % thing_colours.size()]; }
+
+std::string letter(std::size_t thing) {
+  return std::string(1, static_cast<char>('A' + thing % 26));
+}
+
+/// Modes of the first thing with a partner in any other.
+std::vector<int> paired_modes(const SideBySide& result) {
+  std::set<int> modes;
+  for (const auto& c : result.comparisons)
+    for (const auto& pair : c.pairs) modes.insert(pair.first);
+  return {modes.begin(), modes.end()};
+}
+
+/// Columns: place, difference of the frequency and half its interval [%], of the damping ratio
+/// [percentage points].
+std::string difference_rows(const SideBySide& result, const ThingComparison& c,
+                            const std::vector<int>& modes) {
+  std::string rows;
+  for (const auto& pair : c.pairs) {
+    const auto place = std::ranges::find(modes, pair.first) - modes.begin() + 1;
+    const double omega = result.things.front().modes[static_cast<std::size_t>(pair.first)].omega;
+    const double shift = 0.6 * (c.thing - 0.5 * static_cast<double>(result.things.size())) /
+                         static_cast<double>(result.things.size());
+    rows += fmt::format("{:.4f} {:.9g} {:.9g} {:.9g} {:.9g}\n", static_cast<double>(place) + shift,
+                        100.0 * pair.frequency.value / omega,
+                        100.0 * half_interval * pair.frequency.deviation.value_or(0.0) / omega,
+                        100.0 * pair.damping.value,
+                        100.0 * half_interval * pair.damping.deviation.value_or(0.0));
+  }
+  return block_of(fmt::format("d{}", c.thing), rows);
+}
+
+/// Labels of titles() are drawn by every plot of a page: from the second on they would look bold.
+constexpr const char* titles_drawn = "unset label 101\nunset label 102\n";
+
+std::string difference_panel(const SideBySide& result, const std::vector<int>& modes, int column,
+                             const char* title, const Cell& cell) {
+  std::vector<std::string> names;
+  for (const int k : modes)
+    names.push_back(fmt::format(
+        "{:.4g} Hz", result.things.front().modes[static_cast<std::size_t>(k)].omega / two_pi));
+  std::string script = at_screen(cell) +
+                       fmt::format(
+                           "unset logscale x\nset format x '%g'\nset xrange [0.4:{}.6]\n"
+                           "set autoscale y\nset ytics autofreq\n",
+                           modes.size()) +
+                       named_tics('x', names);
+  script += fmt::format(
+      "set xtics rotate by 40 right\nset title {} offset 0,-0.5\nset offsets 0,0,graph 0.2,0\nset "
+      "xlabel ''\n"
+      "set ylabel ''\nset xzeroaxis lt 1 lc rgb '#888888'\nplot ",
+      quoted(title));
+  for (std::size_t k = 0; k < result.comparisons.size(); ++k) {
+    const auto& c = result.comparisons[k];
+    script += fmt::format(
+        "{}$d{} using 1:{}:{} with yerrorbars lw 2 pt 7 ps 0.9 lc rgb '{}' title {}",
+        k == 0 ? "" : ", ", c.thing, column, column + 1, colour(static_cast<std::size_t>(c.thing)),
+        quoted(fmt::format("{} − A", letter(static_cast<std::size_t>(c.thing)))));
+  }
+  return script + "\nset offsets\n" + titles_drawn;
+}
+
+/// Names of responses that two things have, in the order of the first thing that has them.
+std::vector<std::string> shared_names(const SideBySide& result) {
+  constexpr std::size_t most = 6;
+  std::vector<std::string> names;
+  for (const auto& thing : result.things)
+    for (const auto& response : thing.responses)
+      if (std::ranges::find(names, response.name) == names.end() && names.size() < most)
+        names.push_back(response.name);
+  return names;
+}
+
+std::string response_rows(const ComparedThing::Response& response) {
+  std::string rows;
+  double last = 0.0;
+  for (std::size_t k = 0; k < response.H.size(); ++k) {
+    if (!(response.frequency[k] > 0.0)) continue;
+    last = continued(std::arg(response.H[k]) * 180.0 / std::numbers::pi, last);
+    rows += fmt::format("{:.9g} {:.6f} {:.4f}\n", response.frequency[k],
+                        level_db(std::abs(response.H[k])), last);
+  }
+  return rows;
+}
+
+/// One response of all things that have it, one over the other.
+std::string overlay(const SideBySide& result, const std::string& name, std::size_t number,
+                    const CellPair& cells) {
+  std::string blocks, magnitudes, phases, unit;
+  double from = 1e300, to = 0.0;
+  for (std::size_t t = 0; t < result.things.size(); ++t)
+    for (const auto& response : result.things[t].responses) {
+      if (response.name != name || response.frequency.empty()) continue;
+      unit = response.unit;
+      for (const double f : response.frequency)
+        if (f > 0.0) from = std::min(from, f);
+      to = std::max(to, response.frequency.back());
+      const std::string block = fmt::format("r{}_{}", number, t);
+      blocks += block_of(block, response_rows(response));
+      const std::string style =
+          fmt::format("with lines lw 2{} lc rgb '{}'", t == 0 ? "" : " dt (8,4)", colour(t));
+      const char* comma = magnitudes.empty() ? "" : ", ";
+      magnitudes +=
+          fmt::format("{}${} using 1:2 {} title {}", comma, block, style, quoted(letter(t)));
+      phases += fmt::format("{}${} using 1:3 {} notitle", comma, block, style);
+    }
+  if (magnitudes.empty()) return {};
+  std::string script = blocks + "unset xzeroaxis\nset xtics norotate\n" +
+                       logarithmic_frequencies(from, to) + at_screen(cells.magnitude);
+  script += fmt::format(
+      "set title {} offset 0,-0.6\nset ylabel {} offset 1.2,0\nset format x ''\nset xlabel ''\n"
+      "set ytics autofreq\nset autoscale y\nplot {}\n",
+      quoted(name), quoted("dB re 1 " + unit), magnitudes);
+  script += std::string(titles_drawn) + "unset title\n" + at_screen(cells.phase);
+  script += fmt::format(
+      "set format x '%g'\nset xlabel 'Hz' offset 0,0.6\nset ylabel 'phase °' offset 1.2,0\n"
+      "set ytics 90\nplot {}\n",
+      phases);
+  return script + titles_drawn;
+}
+
+}  // namespace
+
+void plot_side_by_side(const SideBySide& result, const std::string& path) {
+  const auto modes = paired_modes(result);
+  const auto names = shared_names(result);
+  const std::size_t differences = modes.empty() ? 0 : 2;
+  if (differences + names.size() == 0)
+    base::refuse(path, "there is nothing to draw: no mode has a partner and no response is shared");
+  const CellGrid cells(differences + names.size());
+  std::string subtitle;
+  for (std::size_t t = 0; t < result.things.size(); ++t)
+    subtitle += fmt::format("{}{}: {}", t == 0 ? "" : "   ", letter(t), result.things[t].name);
+  const bool intervals = std::ranges::any_of(result.comparisons, [](const auto& comparison) {
+    return std::ranges::any_of(
+        comparison.pairs, [](const auto& pair) { return pair.frequency.deviation.has_value(); });
+  });
+  std::string script =
+      "set multiplot\n" + std::string(thin_grid) + thin_axes +
+      titles(intervals ? "Side by side, 95 % intervals" : "Side by side", subtitle, cells.height());
+  script += "set key top right font ',9'\n";
+  for (const auto& c : result.comparisons) script += difference_rows(result, c, modes);
+  if (differences > 0) {
+    Cell first = cells[0], second = cells[1];
+    const double label = 24.0 / cells.height();  // tics are written aslant
+    first.bottom += label;
+    second.bottom += label;
+    script += difference_panel(result, modes, 2, "frequency, % of A, by mode of A", first);
+    script += difference_panel(result, modes, 4, "damping ratio, % points, by mode of A", second);
+  }
+  for (std::size_t k = 0; k < names.size(); ++k)
+    script += overlay(result, names[k], k, split(cells[differences + k], cells.height()));
+  draw(path, cells.width(), cells.height(), script + "unset multiplot\n");
+}
+
+}  // namespace hydrapod::report

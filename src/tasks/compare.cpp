@@ -1,0 +1,398 @@
+/// What is compared, and modes of each of it. How modes are paired and differences are tested is in
+/// mode_differences.cpp.
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <filesystem>
+
+#include "hydrapod/base/error.hpp"
+#include "hydrapod/base/units.hpp"
+#include "hydrapod/spatial/pose.hpp"
+#include "hydrapod/tasks/linear.hpp"
+#include "measured_files.hpp"
+#include "mode_differences.hpp"
+
+namespace hydrapod::tasks {
+
+namespace {
+
+using ThingKind = report::ComparedThing::Kind;
+using observation::Observed;
+
+/// One thing as it was asked for.
+struct Wanted {
+  std::string text{};  ///< as it was given
+  std::string path{};
+  std::string pose{};  ///< of a machine file
+  std::vector<std::string> overrides{};
+  bool is_machine{};
+  bool says_pose{};
+};
+
+Wanted wanted_from(const std::string& text) {
+  Wanted one{.text = text, .path = text};
+  const auto at = text.rfind('@');
+  if (at != std::string::npos && !std::filesystem::exists(text)) {
+    one.path = text.substr(0, at);
+    one.pose = text.substr(at + 1);
+    one.says_pose = true;
+    if (one.path.empty() || one.pose.empty())
+      base::refuse(text, "expected FILE, or FILE@POSE with a pose of the machine file");
+  }
+  one.is_machine = one.path == "-" || data::file_kind(one.path) == data::FileKind::toml;
+  if (one.says_pose && !one.is_machine)
+    base::refuse(text, fmt::format("{} was measured at the pose that it states; only machine files "
+                                   "take a pose",
+                                   one.path));
+  return one;
+}
+
+bool same_file(const std::string& a, const std::string& b) {
+  std::error_code ignored;
+  return a == b || std::filesystem::equivalent(a, b, ignored);
+}
+
+/// A machine file alone: its poses, or without and with the overrides.
+std::vector<Wanted> versions_of(const Wanted& file, const CompareOptions& options) {
+  std::vector<Wanted> all;
+  if (options.poses.size() > 1) {
+    if (file.says_pose) base::refuse(file.text, "says its pose; leave the @POSE or --pose out");
+    for (const auto& pose : options.poses) {
+      all.push_back(file);
+      all.back().pose = pose;
+      all.back().text = fmt::format("{} at {}", file.path, pose);
+      all.back().overrides = options.overrides;
+    }
+    return all;
+  }
+  if (options.overrides.empty())
+    base::refuse(file.text,
+                 "is one thing; add another file, or for this machine several --pose, or --set "
+                 "PATH=VALUE, which is compared with the file as it is");
+  for (const bool changed : {false, true}) {
+    all.push_back(file);
+    if (!changed) continue;
+    all.back().overrides = options.overrides;
+    all.back().text = fmt::format("{} with {}", file.text, fmt::join(options.overrides, ", "));
+  }
+  return all;
+}
+
+void refuse_repeats(const std::vector<Wanted>& all) {
+  for (std::size_t k = 0; k < all.size(); ++k)
+    for (std::size_t i = 0; i < k; ++i)
+      if (same_file(all[i].path, all[k].path) && all[i].pose == all[k].pose &&
+          all[i].overrides == all[k].overrides)
+        base::refuse(all[k].text,
+                     all[i].text == all[k].text
+                         ? std::string("is given twice; expected two different things")
+                         : fmt::format("is the same file as {}; expected two different things",
+                                       all[i].text));
+}
+
+std::vector<Wanted> wanted_things(const CompareOptions& options) {
+  std::vector<Wanted> all;
+  for (const auto& text : options.files) all.push_back(wanted_from(text));
+  const auto machines = std::ranges::count(all, true, &Wanted::is_machine);
+  const auto refuse_without = [&](const char* option, bool given) {
+    if (given && machines == 0)
+      base::refuse(option, "is of machine files, and none is among the things to compare");
+  };
+  refuse_without("--set", !options.overrides.empty());
+  refuse_without("--pose", !options.poses.empty());
+  if (all.size() == 1 && machines == 1) {
+    all = versions_of(all.front(), options);
+  } else if (all.size() < 2) {
+    base::refuse(all.empty() ? "compare" : all.front().text,
+                 "is one thing; expected at least two: machine files, identified modes, responses "
+                 "or records");
+  } else if (options.poses.size() > 1) {
+    base::refuse("--pose",
+                 "is given several times; with several things it is given once, or each "
+                 "machine file says its own: machine.toml@low");
+  } else {
+    for (auto& one : all)
+      if (one.is_machine) one.overrides = options.overrides;
+  }
+  for (auto& one : all)
+    if (one.is_machine && one.pose.empty())
+      one.pose = options.poses.empty() ? "neutral" : options.poses.front();
+  refuse_repeats(all);
+  return all;
+}
+
+/// Outputs x … rz of the mass centre, as calculated modes have them.
+std::vector<data::Channel> platform_outputs() {
+  std::vector<data::Channel> outputs;
+  for (int d = 0; d < 6; ++d)
+    outputs.push_back({.name = std::string(spatial::direction_name(d)),
+                       .unit = d < 3 ? "m" : "rad",
+                       .direction = static_cast<data::Direction>(d + 1)});
+  return outputs;
+}
+
+void add_mode(std::complex<double> pole, double omega, double damping, const std::string& label,
+              const observation::Vector6c& ground, const observation::Vector6c& base, Side& side) {
+  side.thing.modes.push_back({.omega = omega, .damping_ratio = damping, .label = label});
+  side.modal.modes.push_back({.pole = pole, .shape = ground});
+  side.base.push_back(base);
+}
+
+/// Those of `hydrapod modes` that move the platform.
+void add_mechanics(const modal::ModeTable& table, Side& side) {
+  for (const auto& entry : table.real.modes) {
+    const auto& mode = entry.mode;
+    if (!entry.moves_platform || !(mode.omega > 0.0)) continue;
+    observation::Vector6c shape = mode.real.head<6>().cast<std::complex<double>>();
+    if (mode.imaginary.size() > 0)
+      shape += std::complex<double>(0.0, 1.0) * mode.imaginary.head<6>();
+    add_mode(mode.pole, mode.omega, mode.damping_ratio, entry.label, shape, shape, side);
+  }
+}
+
+/// Those of plant or controlled machine that identification would count as modes.
+void add_observed(const Machine& machine, Observed observed, Side& side) {
+  const auto seen =
+      observation::observe(machine.file.machine, machine.pose.X_BP, machine.kind, observed);
+  const double highest = identification::IdentifyOptions{}.highest_damping;
+  for (const auto& mode : seen.modes) {
+    const auto energy = modal::energy_shares(seen.mechanics, mode.shape.real(), mode.shape.imag());
+    if (mode.damping_ratio() > highest || energy.platform.sum() < modal::local_mode_energy)
+      continue;
+    add_mode(mode.pole, mode.omega(), mode.damping_ratio(),
+             modal::mode_label(energy, mode.pole.real() < 0.0), mode.motion(),
+             mode.motion(observation::MotionAgainst::base), side);
+  }
+}
+
+void add_calculated_responses(const Machine& machine, int points, Side& side) {
+  report::Bode bode;
+  try {
+    bode = tasks::bode(machine, {.points = points});
+  } catch (const base::ComputationError&) {
+    return;  // no stable mode, and no band to draw
+  }
+  for (int d = 0; d < 6; ++d) {
+    report::ComparedThing::Response response{
+        .name = fmt::format("{} from {} {}", spatial::direction_names[d],
+                            d < 3 ? "force" : "moment", spatial::direction_names[d]),
+        .unit = report::response_unit(bode.options.output, d, d)};
+    for (std::size_t k = 0; k < bode.omega.size(); ++k) {
+      response.frequency.push_back(bode.omega[k] / base::two_pi);
+      response.H.push_back(bode.real[k](d, d));
+    }
+    side.thing.responses.push_back(std::move(response));
+  }
+}
+
+Side machine_side(const Wanted& wanted, const CompareOptions& options, Observed observed,
+                  Diagnostics& warnings) {
+  const auto machine = read_machine({.file = wanted.path,
+                                     .overrides = wanted.overrides,
+                                     .pose = wanted.pose,
+                                     .model = options.model});
+  append(machine.file.warnings, warnings);
+  Side side{.calculated = true};
+  const auto& of = machine.file.machine;
+  side.frame = {of, machine.pose.X_BP, kinematics::mass_center(of, machine.pose.X_BP)};
+  side.thing = {.kind = ThingKind::machine,
+                .name = wanted.text,
+                .description = fmt::format("{}, pose {}, {} model of the {}; machine: {}", of.name,
+                                           machine.pose.name, dynamics::name(machine.kind),
+                                           observation::description(observed),
+                                           report::state_text(machine.file))};
+  side.modal.outputs = platform_outputs();
+  if (observed == Observed::mechanics) {
+    add_mechanics(tasks::modes(machine), side);
+    add_calculated_responses(machine, options.points, side);
+  } else {
+    add_observed(machine, observed, side);
+  }
+  return side;
+}
+
+void add_measured(const data::ModalResults& modes, const std::vector<std::string>& labels,
+                  Side& side) {
+  side.modal = modes;
+  for (auto& output : side.modal.outputs) {  // tables do not say units
+    const int code = std::abs(static_cast<int>(output.direction));
+    if ((output.unit.empty() || output.unit == "1") && code >= 1 && code <= 6)
+      output.unit = code <= 3 ? "m" : "rad";
+  }
+  for (std::size_t k = 0; k < modes.modes.size(); ++k) {
+    const auto& mode = modes.modes[k];
+    report::ComparedThing::Mode one{.omega = mode.omega(),
+                                    .damping_ratio = mode.damping_ratio(),
+                                    .label = k < labels.size() ? labels[k] : ""};
+    if (mode.omega_deviation > 0.0)
+      one.omega_deviation = frequency_deviation(mode, modes.line_spacing);
+    if (mode.damping_deviation > 0.0) one.damping_deviation = mode.damping_deviation;
+    side.thing.modes.push_back(std::move(one));
+  }
+}
+
+void add_measured_responses(const identification::FrequencyResponses& all, Side& side) {
+  constexpr std::size_t most = 12;
+  const auto on_axis = data::brought_to_axis(all);
+  if (on_axis.shift > 0.0) return;  // no model brings them to the axis
+  const bool direct = all.inputs.size() == all.outputs.size();
+  for (std::size_t o = 0; o < all.outputs.size(); ++o)
+    for (std::size_t i = 0; i < all.inputs.size(); ++i) {
+      if ((direct && i != o) || side.thing.responses.size() >= most) continue;
+      report::ComparedThing::Response response{
+          .name = fmt::format("{} from {}", all.outputs[o].name, all.inputs[i].name),
+          .unit = fmt::format("{}/{}", all.outputs[o].unit, all.inputs[i].unit),
+          .frequency = on_axis.frequency};
+      for (std::size_t k = 0; k < on_axis.lines(); ++k)
+        response.H.push_back(
+            on_axis.H[k](static_cast<Eigen::Index>(o), static_cast<Eigen::Index>(i)));
+      side.thing.responses.push_back(std::move(response));
+    }
+}
+
+/// The machine that a record is of, for the metric of its outputs.
+void add_frame(const Measured& measured, Side& side) {
+  if (!measured.machine) return;
+  const auto& machine = measured.machine->file.machine;
+  const auto& X_BP = measured.machine->pose.X_BP;
+  side.frame = {machine, X_BP, kinematics::mass_center(machine, X_BP)};
+}
+
+Side side_of_responses(const std::string& path, const Progress& progress, Diagnostics& warnings) {
+  Side side;
+  const auto found = identify({.measure = {.files = {path}}, .compare = false}, progress);
+  append(found.warnings, warnings);
+  if (found.modes.modes.empty())
+    base::refuse(path, "no mode was found in it; `hydrapod identify` shows why");
+  const auto& measured = found.measured;
+  add_frame(measured, side);
+  side.observed = observed_in(measured);
+  side.thing = {
+      .kind = ThingKind::record,
+      .name = path,
+      .description = fmt::format(
+          "{}{}", report::measurement_text(measured.responses()),
+          measured.machine ? fmt::format("; {}, pose {}", measured.machine->file.machine.name,
+                                         measured.machine->pose.name)
+                           : "")};
+  add_measured(identification::modal_results(found.modes), report::motion_words(found.modes), side);
+  try {
+    add_measured_responses(shared_responses(measured, progress), side);
+  } catch (const std::invalid_argument&) {  // beside the axis, and no model brings them there
+  }
+  return side;
+}
+
+Side side_of_json(const std::string& path, const Progress& progress, Diagnostics& warnings) {
+  const auto json = parsed_json(path, {"\"identified_modes\"", "\"modes\"", "\"frf\""});
+  if (!json.is_object())
+    base::refuse(path, "expected an object of `hydrapod modes`, `identify` or `frf`");
+  Side side{.thing = {.kind = ThingKind::modes, .name = path}};
+  if (json.contains("rigid_modes")) {
+    side.calculated = true;
+    side.modal.outputs = platform_outputs();
+    side.thing.description =
+        fmt::format("calculated modes at pose {}", report::pose_from_json(json, path).name);
+    add_mechanics(report::modes_from_json(json, path), side);
+    return side;
+  }
+  if (!json.contains("modes")) return side_of_responses(path, progress, warnings);
+  Measured measured;
+  measured.header = report::record_origin_from_json(json, path);
+  const auto modes = report::identification_from_json(json, path);
+  measured.measurement.responses.inputs = modes.responses.inputs;
+  side.observed = observed_in(measured);
+  side.thing.description = "identified modes";
+  add_measured(identification::modal_results(modes), report::motion_words(modes), side);
+  return side;
+}
+
+Side measured_side(const std::string& path, const Progress& progress, Diagnostics& warnings) {
+  const auto kind = data::file_kind(path);
+  if (kind == data::FileKind::json) return side_of_json(path, progress, warnings);
+  Side side{.thing = {.kind = ThingKind::modes, .name = path}};
+  if (kind == data::FileKind::mode_table) {
+    if (!report::is_identified_modes_csv(path))
+      base::refuse(path,
+                   "is a list of targets, not a table of `hydrapod identify`; `calibrate "
+                   "--targets` and `diagnose --measured` compare it with a machine");
+    const auto list = report::identified_modes_from_csv(path);
+    side.observed = list.observed;
+    side.thing.description = "identified modes";
+    add_measured(list.modes, {}, side);
+    return side;
+  }
+  if (kind == data::FileKind::modal_results) {
+    const auto read = data::read_modal_results(path);
+    append(read.notes, warnings);
+    side.thing.description = "modes of a Universal File, without uncertainties";
+    add_measured(read.results, {}, side);
+    return side;
+  }
+  return side_of_responses(path, progress, warnings);
+}
+
+/// The one system that all measured things are of; throws where there are several.
+std::optional<Observed> common_system(const std::vector<Side>& sides) {
+  const Side* first = nullptr;
+  for (const auto& side : sides) {
+    if (!side.observed) continue;
+    if (first != nullptr && *first->observed != *side.observed)
+      base::refuse(side.thing.name,
+                   fmt::format("shows the {}, and {} the {}: these are different systems and have "
+                               "other modes",
+                               observation::description(*side.observed), first->thing.name,
+                               observation::description(*first->observed)));
+    first = &side;
+  }
+  return first == nullptr ? std::nullopt : first->observed;
+}
+
+/// Responses that only one thing has show nothing beside others.
+void keep_shared_responses(std::vector<report::ComparedThing>& things) {
+  using Response = report::ComparedThing::Response;
+  const auto copies = things;
+  for (auto& thing : things)
+    std::erase_if(thing.responses, [&](const Response& response) {
+      return std::ranges::count_if(copies, [&](const auto& other) {
+               return std::ranges::any_of(other.responses, [&](const Response& r) {
+                 return r.name == response.name && r.unit == response.unit;
+               });
+             }) < 2;
+    });
+}
+
+}  // namespace
+
+Compared compare(const CompareOptions& options, const Progress& progress) {
+  const auto wanted = wanted_things(options);
+  Compared compared;
+  std::vector<Side> sides(wanted.size());
+  const double share = 1.0 / static_cast<double>(wanted.size());
+  for (std::size_t k = 0; k < wanted.size(); ++k) {
+    const double done = share * static_cast<double>(k);
+    if (!wanted[k].is_machine)
+      sides[k] = measured_side(wanted[k].path, numerics::part_of(progress, done, done + share),
+                               compared.warnings);
+  }
+  const auto measured = common_system(sides);
+  const auto observed = options.observed.value_or(measured.value_or(Observed::mechanics));
+  for (std::size_t k = 0; k < wanted.size(); ++k)
+    if (wanted[k].is_machine)
+      sides[k] = machine_side(wanted[k], options, observed, compared.warnings);
+  for (const auto& side : sides)
+    if (side.thing.modes.empty())
+      base::refuse(side.thing.name, "has no mode that moves the platform");
+  auto& result = compared.result;
+  result.level = options.level;
+  for (std::size_t k = 1; k < sides.size(); ++k) {
+    result.comparisons.push_back(compare_sides(sides.front(), sides[k], options.level));
+    result.comparisons.back().thing = static_cast<int>(k);
+  }
+  for (auto& side : sides) result.things.push_back(std::move(side.thing));
+  keep_shared_responses(result.things);
+  return compared;
+}
+
+}  // namespace hydrapod::tasks
