@@ -4,18 +4,19 @@
 //
 // The page has placeholders for title, theme, summary and data ({{hydrapod-…}});
 // src/report/html.cpp fills them. Its content security policy allows exactly the script and the
-// style that are put in here.
+// style that are put in here, and the script's worker with its WebAssembly.
 import { createHash } from 'node:crypto';
 import { readFileSync, writeFileSync } from 'node:fs';
 import { createRequire } from 'node:module';
 import { dirname, join, resolve } from 'node:path';
 import { fileURLToPath } from 'node:url';
+import { gzipSync } from 'node:zlib';
 
 const source = join(dirname(fileURLToPath(import.meta.url)), 'src');
 const modules = resolve('node_modules');
 const esbuild = createRequire(join(modules, '..', 'package.json'))('esbuild');
 
-async function bundle(entry) {
+async function bundle(entry, plugins = []) {
   const result = await esbuild.build({
     entryPoints: [join(source, entry)],
     bundle: true,
@@ -26,10 +27,27 @@ async function bundle(entry) {
     charset: 'utf8',
     legalComments: 'none',
     nodePaths: [modules],
+    plugins,
     logLevel: 'warning',
   });
   return result.outputFiles[0].text;
 }
+
+// The worker is a script of its own inside the page's script.
+const worker = {
+  name: 'core-worker',
+  setup(build) {
+    build.onResolve({ filter: /^core-worker$/ }, ({ path }) => ({ path, namespace: 'worker' }));
+    build.onLoad({ filter: /.*/, namespace: 'worker' }, async () => ({
+      contents: await bundle('core/worker.ts'),
+      loader: 'text',
+    }));
+  },
+};
+
+// The library's mechanics, compiled from web/core (see there), packed for its way.
+const core = () =>
+  gzipSync(readFileSync(join(source, '..', 'core', 'hydrapod.wasm')), { level: 9 }).toString('base64');
 
 // The licences ask that their notices stay with what is passed on.
 function notices() {
@@ -37,6 +55,7 @@ function notices() {
     const { version } = JSON.parse(readFileSync(join(modules, name, 'package.json'), 'utf8'));
     return `${name} ${version}\n\n${readFileSync(join(modules, name, 'LICENSE'), 'utf8').trim()}`;
   });
+  texts.push(readFileSync(join(source, '..', 'core', 'NOTICES.txt'), 'utf8').trim());
   return `This file contains\n\n${texts.join('\n\n')}\n`.replaceAll('--', '- -');
 }
 
@@ -45,13 +64,14 @@ const hash = (text) => `'sha256-${createHash('sha256').update(text, 'utf8').dige
 function page(script, style) {
   const policy = [
     "default-src 'none'",
-    `script-src ${hash(script)}`,
+    `script-src ${hash(script)} 'wasm-unsafe-eval'`,
+    'worker-src blob:',
     `style-src ${hash(style)}`,
     'img-src data: blob:',
     "base-uri 'none'",
     "form-action 'none'",
   ].join('; ');
-  const parts = { policy, script, style, notices: notices() };
+  const parts = { policy, script, style, core: core(), notices: notices() };
   return readFileSync(join(source, 'page.html'), 'utf8').replace(
     /<!--put (\w+)-->|put-(policy)/g,
     (_, part, attribute) => parts[part ?? attribute],
@@ -79,6 +99,6 @@ function cpp(text) {
 
 const output = process.argv[2];
 if (!output) throw new Error('usage: node build.mjs OUTPUT.html|OUTPUT.cpp');
-const [script, style] = await Promise.all([bundle('main.ts'), bundle('style/main.css')]);
+const [script, style] = await Promise.all([bundle('main.ts', [worker]), bundle('style/main.css')]);
 const html = page(script.trim(), style.trim());
 writeFileSync(output, output.endsWith('.cpp') ? cpp(html) : html);

@@ -93,6 +93,10 @@ export interface Answer {
   rigid_mode?: number;
   rigid_frequency_hz?: number;
   drop_percent?: number;
+  share_of_rigid_mode?: number;
+  main_mode?: number;
+  main_frequency_hz?: number;
+  main_share_of_rigid_mode?: number;
 }
 
 export interface PoseReport {
@@ -136,6 +140,17 @@ export interface Reproduction {
   inputs: { option: string; path: string; bytes: number | null; sha256: string | null }[];
 }
 
+/** The machine as the page's core takes it (src/report/editable_machine.hpp). */
+export interface Editable {
+  /** Units as the machine file writes them, by path; `size` in SI. */
+  units: Record<string, { name: string; size: number }>;
+  /** By SI unit: units in which a value may be typed, by their size. */
+  scales: Record<string, Record<string, number>>;
+  model: 'rigid' | 'guide' | 'full';
+  /** `--set` that lead from the machine file to this machine; absent where none do. */
+  overrides?: string[];
+}
+
 export interface Report {
   kind: string;
   title: string;
@@ -163,6 +178,7 @@ export interface Report {
   /** How this page was made; absent where a program called the library. */
   reproduction?: Reproduction;
   poses: PoseReport[];
+  editable?: Editable;
   simulation?: Simulation;
   diagnosis?: Diagnosis;
   identification?: Identification;

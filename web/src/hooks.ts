@@ -3,6 +3,7 @@
 import type { Report } from './document';
 import type { LegPoints } from './mechanics/leg';
 import type { Complex } from './complex';
+import type { Computed, Setting } from './core/core';
 import type { State } from './state';
 
 export interface SceneHook {
@@ -65,6 +66,27 @@ export interface IdentificationHook {
   responseAt(output: number, input: number, frequency: number): Complex;
 }
 
+export interface WhatIfHook {
+  /** Starts the core where it has not started; resolves when it has opened the machine. */
+  readonly ready: Promise<void>;
+  /** Changes a value [SI], as a slider does while it is dragged; keep() ends the drag. */
+  drag(path: string, value: number): void;
+  keep(): void;
+  undo(): void;
+  redo(): void;
+  changed(): Setting[];
+  /** Resolves when what was dragged last is shown. */
+  shown(): Promise<void>;
+  /** What the core computes for these values, and responses at angular frequencies [rad/s]. */
+  compute(set: Setting[], omega?: Float64Array): Promise<Computed>;
+  /** The machine's own values [SI]. */
+  values(): Record<string, number>;
+  /** The arguments of `--set` for these values. */
+  overrides(set: Setting[]): string[];
+  /** The command that computes what is shown. */
+  command(): string;
+}
+
 declare global {
   interface Window {
     hydrapod: {
@@ -73,6 +95,7 @@ declare global {
       scene?: SceneHook;
       bode?: BodeHook;
       simulation?: SimulationHook;
+      whatIf?: WhatIfHook;
       identification?: IdentificationHook;
       /** When the machine was drawn first [ms since the page began to load]. */
       firstFrame?: number;

@@ -82,7 +82,7 @@ class BodeSection {
       this.print,
     );
     state.listen((change) => {
-      if (change === 'pose') this.newPose();
+      if (change === 'pose' || change === 'numbers') this.newPose();
       if (change === 'theme') this.draw();
     });
     this.newPose();

@@ -41,8 +41,15 @@ export function header(state: State, sections: Section[], page: HTMLElement): vo
     'aria-live': 'polite',
   });
   page.append(host);
-  const show = () => host.replaceChildren(...answer(state.pose));
-  state.listen((change) => change === 'pose' && show());
+  const show = () => {
+    host.classList.toggle('changed-machine', state.isWhatIf);
+    const words = 'With the changed values below, not the machine of this report:';
+    host.replaceChildren(
+      ...(state.isWhatIf ? [html('p', { class: 'words changed-words' }, words)] : []),
+      ...answer(state.pose),
+    );
+  };
+  state.listen((change) => (change === 'pose' || change === 'numbers') && show());
   show();
 }
 

@@ -126,7 +126,9 @@ class ModeTable {
       ),
     );
     state.listen((change) =>
-      change === 'mode' ? this.markChosen() : change === 'pose' && this.show(),
+      change === 'mode'
+        ? this.markChosen()
+        : (change === 'pose' || change === 'numbers') && this.show(),
     );
     this.show();
   }

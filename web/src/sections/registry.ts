@@ -13,12 +13,14 @@ import { modes } from './modes';
 import { pictures } from './pictures';
 import type { Section } from './section';
 import { simulation } from './simulation';
+import { whatIf } from './what_if';
 
 export const sections: Section[] = [
   mechanism,
   diagnosis,
   modes,
   pictures,
+  whatIf,
   bode,
   simulation,
   identification,

@@ -1,0 +1,241 @@
+#include "core.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+#include "hydrapod/base/error.hpp"
+#include "hydrapod/kinematics/legs.hpp"
+#include "pose_report.hpp"
+#include "units.hpp"
+
+namespace hydrapod::page {
+
+namespace {
+
+using model::ParameterRow;
+
+spatial::Pose pose_of(const Json& json) {
+  spatial::Pose X;
+  for (int i = 0; i < 3; ++i) {
+    X.p_BP[i] = json.at("position").at(i).get<double>();
+    for (int j = 0; j < 3; ++j) X.R_BP(i, j) = json.at("rotation").at(i).at(j).get<double>();
+  }
+  return X;
+}
+
+/// A matrix as it was written, where one number stands in two places (inertia).
+void put(const ParameterRow& row, model::Machine& machine, int of, int element, double value) {
+  if (row.set != nullptr)
+    row.set(machine, of, element, value);
+  else
+    *row.make(machine, of, element) = value;
+}
+
+void take_numbers(const Json& numbers, const ParameterRow& row, model::Machine& machine) {
+  const auto found = numbers.find(std::string(row.path));
+  if (found == numbers.end()) return;
+  for (std::size_t of = 0; of < found->size(); ++of)
+    for (std::size_t element = 0; element < (*found)[of].size(); ++element)
+      if (const auto& value = (*found)[of][element]; !value.is_null())
+        put(row, machine, static_cast<int>(of), static_cast<int>(element), value.get<double>());
+}
+
+void take_words(const Json& words, const ParameterRow& row, model::Machine& machine) {
+  const auto found = words.find(std::string(row.path));
+  if (found == words.end()) return;
+  for (std::size_t of = 0; of < found->size(); ++of)
+    if (const int word = (*found)[of].get<int>(); word != 0)
+      row.set_word(machine, static_cast<int>(of), word);
+}
+
+dynamics::ModelKind kind_of(const std::string& word) {
+  using dynamics::ModelKind;
+  for (const auto kind : {ModelKind::rigid, ModelKind::guide, ModelKind::full})
+    if (word == dynamics::name(kind)) return kind;
+  throw std::invalid_argument("unknown model " + word);
+}
+
+Json bound_json(const model::Bound& bound) {
+  Json json = Json::object();
+  if (std::isfinite(bound.lowest)) json["lowest"] = bound.lowest;
+  if (std::isfinite(bound.highest)) json["highest"] = bound.highest;
+  if (bound.more_than_lowest) json["more_than_lowest"] = true;
+  if (bound.less_than_highest) json["less_than_highest"] = true;
+  return json;
+}
+
+Json findings_json(const std::vector<model::Finding>& findings) {
+  Json list = Json::array();
+  for (const auto& finding : findings)
+    list.push_back({{"error", finding.severity == base::Severity::error},
+                    {"key", finding.key},
+                    {"message", finding.message}});
+  return list;
+}
+
+}  // namespace
+
+model::Machine machine_of(const Json& editable) {
+  model::Machine machine;
+  for (const auto& pose : editable.at("poses"))
+    machine.poses.push_back({pose.at("name").get<std::string>(), pose_of(pose)});
+  for (const auto& row : model::parameter_table()) {
+    if (row.find != nullptr) take_numbers(editable.at("numbers"), row, machine);
+    if (row.word != nullptr) take_words(editable.at("words"), row, machine);
+  }
+  return machine;
+}
+
+Core::Core(const Json& editable)
+    : machine_(machine_of(editable)), kind_(kind_of(editable.at("model").get<std::string>())) {
+  know_units(editable.at("scales"));
+  for (const auto& pose : editable.at("shown")) {
+    Shown shown{pose.at("name").get<std::string>(), {}, pose_of(pose)};
+    if (const auto& of = pose.at("of"); !of.is_null()) shown.of = of.get<std::size_t>();
+    shown_.push_back(std::move(shown));
+  }
+  const auto& own = editable.at("own");
+  for (auto id : model::parameters(machine_)) {
+    const auto path = model::path(machine_, id);
+    if (id.of == 0 && own.contains(path)) id.legs = own[path].get<std::uint16_t>();
+    if (id.legs != 0) parameters_.emplace_back(path, id);
+  }
+}
+
+Json Core::parameters() const {
+  Json list = Json::array();
+  for (const auto& [path, id] : parameters_) {
+    const auto& row = model::row_of(id);
+    list.push_back({{"path", path},
+                    {"unit", model::unit(machine_, id)},
+                    {"value", *model::value(machine_, id)},
+                    {"bound", bound_json(row.bound)},
+                    {"meaning", row.meaning},
+                    {"mechanics", model::of_mechanics(id)},
+                    {"single", id.of != 0 && !row.path.starts_with("poses.")}});
+    if (row.numbers == 1 || id.element == model::whole) continue;
+    // files and overrides hold an array as a whole
+    const auto key = path.find_last_of(row.kind == model::Kind::tensor ? '.' : '[');
+    list.back()["array"] = {path.substr(0, key), path.substr(key)};
+  }
+  return list;
+}
+
+namespace {
+
+/// Legs with joints of their own are not laid out on the circle again.
+void spare_own_joints(std::vector<model::Assignment>& assignments) {
+  for (const auto& [front, joint] : {std::pair{"base.joints.circle.", "leg.*.base_joint"},
+                                     std::pair{"platform.joints.circle.", "leg.*.platform_joint"}}) {
+    unsigned own = 0;
+    for (const auto& one : assignments)
+      if (model::row_of(one.id).path == joint) own |= one.id.legs;
+    for (auto& one : assignments)
+      if (model::row_of(one.id).path.starts_with(front))
+        one.id.legs = static_cast<std::uint16_t>(one.id.legs & ~own);
+  }
+}
+
+}  // namespace
+
+model::Machine Core::changed(const Json& set) const {
+  std::vector<model::Assignment> assignments;
+  for (const auto& pair : set) {
+    const auto path = pair.at(0).get<std::string>();
+    const auto known = std::find_if(parameters_.begin(), parameters_.end(),
+                                    [&](const auto& one) { return one.first == path; });
+    if (known == parameters_.end()) throw std::invalid_argument("there is no number " + path);
+    assignments.push_back({known->second, pair.at(1).get<double>()});
+  }
+  spare_own_joints(assignments);
+  return model::with(machine_, assignments);
+}
+
+model::NamedPose Core::pose(const model::Machine& machine, const Json& request) const {
+  const auto& shown = shown_.at(request.at("pose").get<std::size_t>());
+  if (shown.of) return machine.poses.at(*shown.of);
+  const auto& neutral = machine.neutral();
+  return {shown.name, {shown.X.R_BP * neutral.R_BP, neutral.p_BP + shown.X.p_BP}};
+}
+
+Json Core::compute(const Json& request) {
+  swept_.reset();
+  const auto machine = changed(request.at("set"));
+  const auto shown = pose(machine, request);
+  auto findings = kinematics::check_machine(machine);
+  if (model::find_pose(machine, shown.name) == nullptr)
+    for (auto& finding : kinematics::check_pose(machine, shown.X_BP, "--pose " + shown.name))
+      findings.push_back(std::move(finding));
+  Json json{{"findings", findings_json(findings)}};
+  if (std::any_of(findings.begin(), findings.end(), [](const auto& finding) {
+        return finding.severity == base::Severity::error;
+      }))
+    return json;
+  try {
+    const auto table = modal::mode_table(machine, shown.X_BP, kind_);
+    json["pose"] =
+        report::pose_report(machine, shown, table, request.at("points").get<int>());
+    const auto swept = [&](const modal::AnalysedModel& model) {
+      return response::response_model(model.linear, model.normal, table.ratio.value,
+                                      machine.platform.mass_center);
+    };
+    swept_.emplace(Swept{swept(table.real), swept(table.rigid)});
+  } catch (const base::ComputationError& error) {
+    json["problem"] = error.what();
+  }
+  return json;
+}
+
+std::vector<double> Core::sweep(const std::vector<double>& omega) const {
+  std::vector<double> numbers;
+  if (!swept_) return numbers;
+  numbers.resize(2 * omega.size() * 72);
+  auto* place = numbers.data();
+  for (const auto* model : {&swept_->real, &swept_->rigid})
+    for (const auto& H : response::frequency_response(*model, omega))
+      for (int output = 0; output < 6; ++output)
+        for (int input = 0; input < 6; ++input) {
+          *place++ = H(output, input).real();
+          *place++ = H(output, input).imag();
+        }
+  return numbers;
+}
+
+Json Core::buckling(const Json& request) const {
+  const auto machine = changed(request.at("set"));
+  const auto shown = pose(machine, request);
+  const auto found = dynamics::buckling_payload(machine, shown.X_BP, kind_);
+  using dynamics::BucklingStatus;
+  if (found.status == BucklingStatus::not_found) return {{"status", "none"}};
+  return {{"status", found.status == BucklingStatus::found ? "found" : "buckled"},
+          {"payload_kg", found.payload}};
+}
+
+Json Core::sensitivities(const Json& request) const {
+  constexpr double step = 1e-3;  // relative; the differences are for the order of a list
+  const auto lowest = [&](const model::Machine& machine) {
+    const auto modes = modal::mode_table(machine, pose(machine, request).X_BP, kind_).real.modes;
+    const int k = modal::lowest_platform_mode(modes);
+    return k < 0 ? 0.0 : std::log(modes[k].mode.omega);
+  };
+  Json json = Json::object();
+  for (const auto& [path, id] : parameters_) {
+    const double value = *model::value(machine_, id);
+    if (!model::of_mechanics(id) || value == 0.0) continue;
+    if (id.of != 0 && !model::row_of(id).path.starts_with("poses.")) continue;
+    try {
+      const model::Assignment more[]{{id, value * (1.0 + step)}}, less[]{{id, value * (1.0 - step)}};
+      const double slope =
+          (lowest(model::with(machine_, more)) - lowest(model::with(machine_, less))) /
+          (2.0 * step);
+      if (std::isfinite(slope)) json[path] = slope;
+    } catch (const std::exception&) {  // a pose or leg that cannot be: it keeps its place in the list
+    }
+  }
+  return json;
+}
+
+}  // namespace hydrapod::page

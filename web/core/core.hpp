@@ -1,0 +1,75 @@
+#pragma once
+/// The core of the page that calculates: the library's own kinematics, statics, modes and responses
+/// behind a few functions over JSON. page_core.cpp hands them to the browser. The tests of the page
+/// (tests/web/what_if.test.mjs) compare the results with those of the command line.
+///
+/// A machine comes as report's editable_json() wrote it. Every request names the numbers that differ
+/// from it by their paths, so that the core has no state but the machine it was opened with and the
+/// last model, whose responses may be asked for. Results are those of the command line with the same
+/// `--set`: the same functions compute and write them.
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "hydrapod/modal/mode_table.hpp"
+#include "hydrapod/model/parameters.hpp"
+#include "hydrapod/report/json.hpp"
+#include "hydrapod/response/frequency_response.hpp"
+
+namespace hydrapod::page {
+
+using report::Json;
+
+/// The machine of report's editable_json(), bit by bit. What has no numbers (names, texts) stays
+/// empty, except names of poses.
+model::Machine machine_of(const Json& editable);
+
+class Core {
+ public:
+  /// Throws std::exception for what editable_json() did not write.
+  explicit Core(const Json& editable);
+
+  /// Every number that may be changed: path, unit, value, bounds, meaning, whether it enters the
+  /// linear models, whether it is of a single leg, and of an array: path of the array and
+  /// what follows it.
+  [[nodiscard]] Json parameters() const;
+
+  /// `{ "set": [[path, value], …], "pose": number, "points": of a Bode curve, 0: none }`.
+  /// What editable_json() calls `shown` counts the poses. The answer has `findings`, those of the
+  /// changed machine, and, where none of them is an error, `pose`: as report_json() has it; or
+  /// `problem`, why there are no modes.
+  Json compute(const Json& request);
+
+  /// Responses of the machine of the last compute() to a wrench at the platform's mass centre,
+  /// flexible then rigid legs, each by line, output and input: re, im. Nothing without modes.
+  std::vector<double> sweep(const std::vector<double>& omega) const;
+
+  /// `{ "set", "pose" }`: payload at which the legs buckle, or why it is not known.
+  [[nodiscard]] Json buckling(const Json& request) const;
+
+  /// `{ "pose" }`: relative change of the lowest frequency with platform motion per relative change
+  /// of each number of the linear models, by path; central differences.
+  [[nodiscard]] Json sensitivities(const Json& request) const;
+
+ private:
+  struct Shown {
+    std::string name{};
+    std::optional<std::size_t> of{};  ///< pose of the machine
+    spatial::Pose X{};                ///< else: displacement from the neutral pose
+  };
+  struct Swept {
+    response::ResponseModel real{}, rigid{};
+  };
+
+  [[nodiscard]] model::Machine changed(const Json& set) const;
+  [[nodiscard]] model::NamedPose pose(const model::Machine& machine, const Json& request) const;
+
+  model::Machine machine_{};
+  dynamics::ModelKind kind_{};
+  std::vector<Shown> shown_{};
+  std::vector<std::pair<std::string, model::ParameterId>> parameters_{};
+  std::optional<Swept> swept_{};
+};
+
+}  // namespace hydrapod::page

@@ -1,0 +1,83 @@
+/// What the browser calls: texts come and go through memory that the module hands out.
+///
+///     const at = core.room(bytes);               // write JSON as UTF-8 there
+///     core.open(bytes); core.compute(bytes); …   // 0: done, 1: refused; the answer, or why,
+///     core.answer(), core.answer_size()          // stands here until the next call
+///
+/// Nothing is kept but the machine that was opened and the responses of the last one computed.
+
+#include <exception>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core.hpp"
+
+namespace {
+
+using hydrapod::page::Core;
+using hydrapod::report::Json;
+
+std::string& asked() {
+  static std::string text;
+  return text;
+}
+std::string& answered() {
+  static std::string text;
+  return text;
+}
+std::optional<Core>& core() {
+  static std::optional<Core> opened;
+  return opened;
+}
+std::vector<double>& numbers() {
+  static std::vector<double> values;
+  return values;
+}
+
+template <class Work>
+int answer(Work work) {
+  try {
+    answered() = work(Json::parse(asked())).dump();
+    return 0;
+  } catch (const std::exception& error) {
+    answered() = error.what();
+    return 1;
+  }
+}
+
+}  // namespace
+
+#define CORE_EXPORT extern "C" __attribute__((used, visibility("default")))
+
+CORE_EXPORT char* core_room(int bytes) {
+  asked().resize(static_cast<std::size_t>(bytes));
+  return asked().data();
+}
+CORE_EXPORT const char* core_answer() { return answered().data(); }
+CORE_EXPORT int core_answer_size() { return static_cast<int>(answered().size()); }
+
+CORE_EXPORT int core_open() {
+  return answer([](const Json& editable) { return core().emplace(editable).parameters(); });
+}
+CORE_EXPORT int core_compute() {
+  return answer([](const Json& request) { return core().value().compute(request); });
+}
+CORE_EXPORT int core_buckling() {
+  return answer([](const Json& request) { return core().value().buckling(request); });
+}
+CORE_EXPORT int core_sensitivities() {
+  return answer([](const Json& request) { return core().value().sensitivities(request); });
+}
+
+/// Room for `lines` angular frequencies; core_sweep() puts the responses in their place.
+CORE_EXPORT double* core_lines(int lines) {
+  numbers().resize(static_cast<std::size_t>(lines));
+  return numbers().data();
+}
+/// Number of values at the returned place: 144 a line, or 0.
+CORE_EXPORT int core_sweep() {
+  numbers() = core() ? core()->sweep(numbers()) : std::vector<double>{};
+  return static_cast<int>(numbers().size());
+}
+CORE_EXPORT const double* core_numbers() { return numbers().data(); }

@@ -1,0 +1,96 @@
+// The core of the page that calculates, as the page sees it.
+
+import script from 'core-worker';
+import type { Editable, PoseReport } from '../document';
+import type { Answered, Asked } from './worker';
+
+export interface Parameter {
+  path: string;
+  /** SI */
+  unit: string;
+  value: number;
+  bound: {
+    lowest?: number;
+    highest?: number;
+    more_than_lowest?: boolean;
+    less_than_highest?: boolean;
+  };
+  meaning: string;
+  /** It enters the linear models of the mechanism. */
+  mechanics: boolean;
+  /** Of one leg. */
+  single: boolean;
+  /** Of an element: the array's path, and "[2]" or ".xy". */
+  array?: [path: string, element: string];
+}
+
+export type Setting = [path: string, value: number];
+
+export interface Request {
+  set: Setting[];
+  pose: number;
+  points?: number;
+}
+
+export interface Computed {
+  findings: { error: boolean; key: string; message: string }[];
+  pose?: PoseReport;
+  /** Why there are no modes. */
+  problem?: string;
+  /** By line, flexible then rigid legs, output and input: re, im. */
+  responses?: Float64Array;
+  milliseconds: number;
+}
+
+export interface Buckling {
+  status: 'found' | 'none' | 'buckled';
+  payload_kg?: number;
+}
+
+export class Core {
+  private asked = new Map<number, (answer: Answered) => void>();
+  private last = 0;
+  parameters: Parameter[] = [];
+
+  private constructor(private readonly worker: Worker) {
+    worker.onmessage = ({ data }: MessageEvent<Answered>) => {
+      this.asked.get(data.id)?.(data);
+      this.asked.delete(data.id);
+    };
+  }
+
+  /** Starts the worker with `module`, base64 of gzip, and opens the machine. */
+  static async start(module: string, editable: Editable): Promise<Core> {
+    const url = URL.createObjectURL(new Blob([script], { type: 'text/javascript' }));
+    const core = new Core(new Worker(url));
+    URL.revokeObjectURL(url);
+    await core.call('start', module);
+    core.parameters = JSON.parse((await core.call('open', JSON.stringify(editable))).text);
+    return core;
+  }
+
+  private call(call: Asked['call'], text: string, omega?: Float64Array): Promise<Answered> {
+    const id = ++this.last;
+    return new Promise((resolve, reject) => {
+      this.asked.set(id, (answer) => (answer.ok ? resolve(answer) : reject(new Error(answer.text))));
+      this.worker.postMessage({ id, call, text, ...(omega ? { omega } : {}) } satisfies Asked);
+    });
+  }
+
+  async compute(request: Request, omega?: Float64Array): Promise<Computed> {
+    const answer = await this.call('compute', JSON.stringify({ points: 600, ...request }), omega);
+    return {
+      ...JSON.parse(answer.text),
+      milliseconds: answer.milliseconds,
+      ...(answer.numbers ? { responses: answer.numbers } : {}),
+    };
+  }
+
+  async buckling(request: Request): Promise<Buckling> {
+    return JSON.parse((await this.call('buckling', JSON.stringify(request))).text);
+  }
+
+  async sensitivities(pose: number): Promise<Record<string, number>> {
+    return JSON.parse((await this.call('sensitivities', JSON.stringify({ pose }))).text);
+  }
+}

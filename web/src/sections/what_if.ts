@@ -1,0 +1,342 @@
+// What if: sliders on every number of the machine, calculated here by the library's own mechanics.
+
+import { Core, type Buckling, type Computed, type Setting } from '../core/core';
+import { assignments, Edits, fragmentOf, fromFragment, settings, shellCommand, type Values } from '../core/edits';
+import { directions, type Editable, type PoseReport } from '../document';
+import { button, html } from '../dom';
+import type { State } from '../state';
+import { ParameterList } from '../whatif/list';
+import { bucklingText, magnitudes, resultTable, SmallBode, type Curve } from '../whatif/results';
+import type { Section } from './section';
+
+export const whatIf: Section = {
+  id: 'what-if',
+  title: 'What if',
+  applies: (report) => report.editable !== undefined && report.poses.length > 0,
+  render: (state, host) => {
+    new WhatIf(state, host);
+  },
+};
+
+/** More than the diagram has pixels. */
+const lineCount = 1000;
+/** After the last change, until what takes longer is done [ms]. */
+const rest = 150;
+
+class WhatIf {
+  private core: Core | null = null;
+  private list: ParameterList | null = null;
+  private readonly base = new Map<string, number>();
+  private readonly edits = new Edits((path) => this.base.get(path));
+  /** What is compared with. */
+  private a: { values: Values; computed: Computed; buckling: Buckling | null } | null = null;
+  private b: { values: Values; computed: Computed; buckling: Buckling | null } | null = null;
+  private running: Promise<void> | null = null;
+  private timer = 0;
+  private direction = 0;
+  private readonly omega: Float64Array;
+  /** Of the core; it starts when the section is about to be seen, and is then there at once. */
+  private started: Promise<void> | null = null;
+
+  private readonly parameters = html('div', { class: 'what-if-parameters' }, html('p', { class: 'note' }, 'The core is starting …'));
+  private readonly state_ = html('p', { class: 'what-if-state', 'aria-live': 'polite' });
+  private readonly table = html('div', { class: 'scroller', tabindex: 0, role: 'region', 'aria-label': 'Results' });
+  private readonly buckling = html('p', { class: 'note' });
+  private readonly plot = new SmallBode();
+  private readonly commandLine = html('pre', { class: 'what-if-command', tabindex: 0, role: 'region', 'aria-label': 'Command of B' });
+  private readonly undoButton = button('Undo', () => this.edits.undo(), { 'data-control': 'undo' });
+  private readonly redoButton = button('Redo', () => this.edits.redo(), { 'data-control': 'redo' });
+
+  constructor(
+    private readonly state: State,
+    host: HTMLElement,
+  ) {
+    this.omega = grid(state.stated);
+    this.direction = Math.max(0, directions.indexOf((state.pose.answer?.directions.split(' ')[0] ?? 'x') as 'x'));
+    host.append(
+      html(
+        'p',
+        { class: 'note' },
+        'Change a value: this page calculates modes, energies, the Bode diagram and the picture anew, with the mechanics of hydrapod itself. Nothing leaves the page.',
+      ),
+      html(
+        'div',
+        { class: 'what-if' },
+        this.parameters,
+        html(
+          'div',
+          { class: 'what-if-outcome', role: 'group', 'aria-label': 'Results' },
+          this.tools(),
+          this.state_,
+          this.table,
+          this.buckling,
+          this.directionChooser(),
+          this.plot.element,
+          legend(),
+          html('p', { class: 'note' }, 'The command that computes B:'),
+          this.commandLine,
+        ),
+      ),
+    );
+    this.offerHook();
+    const wanted = () => location.hash.startsWith('#set=') && void this.ready;
+    wanted();
+    addEventListener('hashchange', wanted);
+    const seen = new IntersectionObserver((entries) => {
+      if (!entries.some((entry) => entry.isIntersecting)) return;
+      seen.disconnect();
+      void this.ready;
+    }, { rootMargin: '200px' });
+    seen.observe(host);
+  }
+
+  private get ready(): Promise<void> {
+    if (!this.started) {
+      this.started = this.start();
+      this.started.catch((error) => this.fail(error));
+    }
+    return this.started;
+  }
+
+  private get editable(): Editable {
+    return this.state.report.editable as Editable;
+  }
+
+  private fail(error: unknown): void {
+    this.parameters.replaceChildren(
+      html('p', { class: 'problem', role: 'alert' }, `This browser cannot run the core: ${error}. Everything else on this page is as the program computed it.`),
+    );
+  }
+
+  private async start(): Promise<void> {
+    const module = document.getElementById('core')?.textContent ?? '';
+    this.core = await Core.start(module, this.editable);
+    for (const { path, value } of this.core.parameters) this.base.set(path, value);
+    this.list = new ParameterList(this.editable, this.core.parameters, this.edits);
+    this.parameters.replaceChildren(this.list.element);
+    this.edits.onChange = () => this.changed();
+    addEventListener('hashchange', () => this.takeFragment());
+    addEventListener('keydown', (event) => this.key(event));
+    this.state.listen((change) => change === 'pose' && this.newPose());
+    const given = fromFragment(location.hash, (path) => this.base.get(path));
+    await this.newPose();
+    if (given.size > 0) this.edits.replace(given);
+    void this.core.sensitivities(this.state.poseNumber).then((slopes) => this.list?.order(slopes));
+  }
+
+  /** A is the machine of the report at the pose that is shown; B has the changed values. */
+  private async newPose(): Promise<void> {
+    this.omega.set(grid(this.state.stated));
+    const computed = await this.compute(new Map());
+    this.a = { values: new Map(), computed, buckling: null };
+    this.b = this.a;
+    await this.update();
+  }
+
+  private compute(values: Values): Promise<Computed> {
+    // the page's Bode diagram with its peaks follows in settle()
+    const request = { set: settings(values), pose: this.state.poseNumber, points: 0 };
+    return (this.core as Core).compute(request, this.omega);
+  }
+
+  private changed(): void {
+    this.list?.show();
+    this.undoButton.disabled = !this.edits.canUndo;
+    this.redoButton.disabled = !this.edits.canRedo;
+    void this.update();
+  }
+
+  /** One calculation at a time, always of the newest values. */
+  private update(): Promise<void> {
+    this.running ??= (async () => {
+      try {
+        while (this.b?.values !== this.edits.values) {
+          const values = this.edits.values;
+          this.b = { values, computed: await this.compute(values), buckling: null };
+          this.show();
+        }
+        this.show();
+      } finally {
+        this.running = null;
+      }
+      clearTimeout(this.timer);
+      this.timer = window.setTimeout(() => void this.settle(), rest);
+    })();
+    return this.running;
+  }
+
+  /** What takes longer: the rest of the page, buckling, the address. */
+  private async settle(): Promise<void> {
+    const { a, b } = this;
+    if (!a || !b || b.values !== this.edits.values) return;
+    if (b.computed.pose) {
+      const points = this.state.stated.bode?.points ?? 0;
+      const request = { set: settings(b.values), pose: this.state.poseNumber, points };
+      const pose = b.values.size > 0 ? (await (this.core as Core).compute(request)).pose : null;
+      if (this.b !== b) return;
+      this.state.showOther(pose ?? null);
+    }
+    const hash = fragmentOf(b.values);
+    if (hash || location.hash.startsWith('#set='))
+      history.replaceState(null, '', hash ? `#${hash}` : location.href.split('#')[0]);
+    for (const side of new Set([a, b]))
+      if (!side.buckling && side.computed.pose)
+        side.buckling = await (this.core as Core).buckling({ set: settings(side.values), pose: this.state.poseNumber });
+    if (this.b === b) this.showBuckling();
+  }
+
+  private show(): void {
+    const { a, b } = this;
+    if (!a || !b) return;
+    const { findings, problem, pose } = b.computed;
+    const words = findings.filter((finding) => finding.error || !pose);
+    const text = problem ?? words.map((finding) => `${finding.key}: ${finding.message}`).join('; ');
+    const count = b.values.size;
+    this.state_.classList.toggle('problem', text !== '');
+    this.state_.textContent = text
+      ? `Not computed: ${text}. The rest of the page shows the last values that a machine can have.`
+      : count === 0
+        ? 'B is the machine of this report. Change a value.'
+        : `B: ${count} changed value${count > 1 ? 's' : ''}. The whole page shows B.`;
+    const warnings = findings.filter((finding) => !finding.error);
+    if (!text && count > 0 && warnings.length > 0)
+      this.state_.textContent += ` Warning: ${warnings.map((w) => `${w.key}: ${w.message}`).join('; ')}.`;
+    this.table.replaceChildren(resultTable(a.computed.pose ?? null, pose ?? null));
+    this.showBuckling();
+    this.showCurves();
+    this.commandLine.textContent = this.command();
+  }
+
+  private showBuckling(): void {
+    const { a, b } = this;
+    if (!a || !b) return;
+    const of = (side: typeof a) => (side.computed.pose ? bucklingText(side.buckling) : 'not computed');
+    this.buckling.textContent = b === a ? `Buckling: ${of(b)}.` : `Buckling: B: ${of(b)}. A: ${of(a)}.`;
+  }
+
+  private showCurves(): void {
+    const { a, b, omega, direction } = this;
+    if (!a || !b) return;
+    const curve = (kind: Curve['kind'], computed: Computed): Curve => ({
+      kind,
+      omega,
+      size: magnitudes(computed, lineCount, direction, kind === 'rigid'),
+    });
+    const curves = [curve('rigid', b.computed), curve('before', a.computed), curve('now', b.computed)];
+    const name = directions[direction];
+    const unit = direction < 3 ? 'm/N' : 'rad/(N m)';
+    this.plot.show(b === a ? [curves[0]!, curves[2]!] : curves, `Motion in ${name} per force or moment in ${name}`, unit);
+  }
+
+  private tools(): HTMLElement {
+    this.undoButton.disabled = this.redoButton.disabled = true;
+    const group = (label: string, ...buttons: HTMLElement[]) =>
+      html('div', { class: 'group', role: 'group', 'aria-label': label }, ...buttons);
+    return html(
+      'div',
+      { class: 'row what-if-tools' },
+      group('History', this.undoButton, this.redoButton, button('Reset all', () => this.edits.replace(new Map()), { 'data-control': 'reset-all' })),
+      group(
+        'Comparison',
+        button('Keep B as A', () => this.keepAsA(), { 'data-control': 'keep-as-a' }),
+        button('Swap A and B', () => this.swap(), { 'data-control': 'swap' }),
+      ),
+    );
+  }
+
+  private keepAsA(): void {
+    if (!this.b?.computed.pose) return;
+    this.a = this.b;
+    this.show();
+  }
+
+  private swap(): void {
+    const { a, b } = this;
+    if (!a || !b?.computed.pose) return;
+    this.a = b;
+    this.edits.replace(a.values);
+  }
+
+  private directionChooser(): HTMLElement {
+    const buttons = directions.map((name, d) =>
+      button(name, () => {
+        this.direction = d;
+        mark();
+        this.showCurves();
+      }, { 'data-direction': name }),
+    );
+    const mark = () => buttons.forEach((b, d) => b.setAttribute('aria-pressed', String(d === this.direction)));
+    mark();
+    return html('div', { class: 'group directions', role: 'group', 'aria-label': 'Direction of the Bode diagram' }, html('span', { 'aria-hidden': 'true' }, 'Bode diagram'), ...buttons);
+  }
+
+  private command(): string {
+    const { report, stated } = this.state;
+    const { overrides, model } = this.editable;
+    if (!overrides) return 'No command leads to this machine: its numbers come from a diagnosis.';
+    const changed = assignments(this.edits.values, this.core?.parameters ?? []);
+    return shellCommand([
+      'hydrapod',
+      'modes',
+      report.machine.file,
+      '--pose',
+      stated.pose.name,
+      '--model',
+      model,
+      ...[...overrides, ...changed].flatMap((text) => ['--set', text]),
+    ]);
+  }
+
+  private takeFragment(): void {
+    if (location.hash.startsWith('#set='))
+      this.edits.replace(fromFragment(location.hash, (path) => this.base.get(path)));
+    else if (this.edits.values.size > 0)
+      // a link to a section was followed; the address keeps the values
+      history.replaceState(null, '', `#${fragmentOf(this.edits.values)}`);
+  }
+
+  private key(event: KeyboardEvent): void {
+    const typing = event.target instanceof HTMLInputElement && event.target.type !== 'range';
+    if (typing || !(event.ctrlKey || event.metaKey) || event.altKey) return;
+    const key = event.key.toLowerCase();
+    if (key !== 'z' && key !== 'y') return;
+    event.preventDefault();
+    if (key === 'y' || event.shiftKey) this.edits.redo();
+    else this.edits.undo();
+  }
+
+  private offerHook(): void {
+    const ready = () => this.ready;
+    window.hydrapod.whatIf = {
+      get ready() {
+        return ready();
+      },
+      drag: (path: string, value: number) => this.edits.drag(path, value),
+      keep: () => this.edits.keep(),
+      undo: () => this.edits.undo(),
+      redo: () => this.edits.redo(),
+      changed: (): Setting[] => settings(this.edits.values),
+      shown: async () => {
+        while (this.running) await this.running;
+        clearTimeout(this.timer);
+        await this.settle();
+      },
+      compute: (set: Setting[], omega?: Float64Array) =>
+        (this.core as Core).compute({ set, pose: this.state.poseNumber }, omega),
+      values: () => Object.fromEntries(this.base),
+      overrides: (set: Setting[]) => assignments(new Map(set), this.core?.parameters ?? []),
+      command: () => this.command(),
+    };
+  }
+}
+
+/** Evenly spaced on a logarithmic axis over the band of the report's Bode diagram [rad/s]. */
+function grid(pose: PoseReport): Float64Array {
+  const [from, to] = [pose.bode?.from_rad_s ?? 1, pose.bode?.to_rad_s ?? 1000];
+  return Float64Array.from({ length: lineCount }, (_, k) => from * (to / from) ** (k / (lineCount - 1)));
+}
+
+function legend(): HTMLElement {
+  const item = (kind: string, text: string) => html('li', {}, html('i', { class: `line line-${kind}` }), text);
+  return html('ul', { class: 'legend' }, item('flexible', 'B, flexible legs'), item('before', 'A, flexible legs'), item('rigid', 'B, rigid legs'));
+}
