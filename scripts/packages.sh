@@ -12,7 +12,7 @@ packages_program=(
   "nlohmann-json3-dev JSON output"
   "libtomlplusplus-dev reads machine files"
   "libudunits2-dev units of measurement"
-  "libboost-dev quantiles of distributions (Boost.Math)"
+  "libboost-dev distributions and sequences (Boost.Math, Boost.Random)"
   "libcli11-dev the command line"
   "libsundials-dev integrates the equations of motion"
   "libceres-dev least squares, for calibration"
@@ -27,7 +27,7 @@ packages_program=(
 )
 
 # Tools that many have from elsewhere: where the tool is there, its package is not asked for.
-declare -A tool_of=([nodejs]=node [npm]=npm [chromium]=chromium)
+declare -A tool_of=([nodejs]=node [npm]=npm [chromium]=chromium [emscripten]=em++)
 
 # To build and run the tests and benchmarks (./test), besides those above.
 packages_test=(
@@ -39,7 +39,29 @@ packages_test=(
   "liblapacke-dev LAPACK from C, the yardstick of the benchmarks"
   "libopenblas-dev an optimised LAPACK"
   "chromium opens the pages in their tests"
+  "emscripten compiles the page's core anew, which must give the bytes that are kept"
+  "liburdfdom-tools parses exported URDF files (check_urdf)"
+  "python3-scipy reads exported files, and a second opinion on linear algebra"
   "python3 puts mistakes into the sources, to see whether the tests notice"
+)
+
+# To build and run the Python package (./hydrapod python, and ./test).
+packages_python=(
+  "pybind11-dev binds C++ to Python"
+  "python3-dev headers of Python"
+  "python3-numpy arrays"
+)
+
+# To make Debian packages (scripts/package.sh, and ./test).
+packages_deb=(
+  "dpkg-dev finds the packages that a binary depends on"
+  "file tells binaries from other files"
+)
+
+# For the tests of the Python package (./test), besides those above.
+packages_python_test=(
+  "python3-pytest runs them"
+  "mypy checks the types"
 )
 
 # For ./test --sanitize-files, --sanitize and --long.
