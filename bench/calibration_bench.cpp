@@ -2,8 +2,8 @@
 
 #include <benchmark/benchmark.h>
 
-#include "hydrapod/calibration/sensitivity.hpp"
-#include "hydrapod/kinematics/check_machine.hpp"
+#include "hydrapod/calibration/calibrate.hpp"
+#include "hydrapod/kinematics/legs.hpp"
 
 namespace {
 

@@ -13,7 +13,7 @@
 #include "hydrapod/diagnosis/diagnose.hpp"
 #include "hydrapod/identification/identify.hpp"
 #include "hydrapod/identification/responses.hpp"
-#include "hydrapod/kinematics/check_machine.hpp"
+#include "hydrapod/kinematics/legs.hpp"
 #include "hydrapod/observation/targets.hpp"
 #include "hydrapod/report/measured_results.hpp"
 #include "hydrapod/rig/rig.hpp"

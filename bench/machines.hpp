@@ -1,7 +1,7 @@
 #pragma once
 /// The machines of models/ that the benchmarks run on.
 
-#include "hydrapod/kinematics/check_machine.hpp"
+#include "hydrapod/kinematics/legs.hpp"
 #include "hydrapod/model/machine_file.hpp"
 
 namespace hydrapod::bench {

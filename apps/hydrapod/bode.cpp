@@ -181,9 +181,10 @@ std::string command_output(const Arguments& arguments, const report::BodeOptions
   });
   if (format == 2) return report::command_response_csv(response);
   if (format == 0)
-    return fmt::format("{}, pose {}: from command to pose, {} model\n{}{}\n\n",
+    return fmt::format("{}, pose {}: from command to pose, {} model\n{}damping: {}\n{}\n\n",
                        machine.file.machine.name, machine.pose.name, model,
-                       state_line(machine.file), report::verdict_text(result.system.poles)) +
+                       state_line(machine.file), report::plant_damping_text(machine.file.machine),
+                       report::verdict_text(result.system.poles)) +
            command_text(response, table_style(arguments.file));
   auto json = head_of_model("bode", machine);
   json.update({{"input", "command"}, {"output", "displacement"}});

@@ -16,17 +16,25 @@ struct Arguments {
   MachineArguments machine{.pose = ""};
   std::string format{};
   std::string output{"-"};
+  std::string plot{};
 };
 
 std::string optional_text(const std::optional<double>& value) {
   return value ? fmt::format("{:.1f}", 1e3 * *value) : "–";
 }
 
+std::string offset_text(const report::LegCheck& leg) {
+  std::string text = fmt::format("{:.3f}", 1e3 * leg.sleeve_offset);
+  if (leg.ring_offset) text += fmt::format(" / {:.3f}", 1e3 * *leg.ring_offset);
+  if (leg.gap) text += fmt::format(" ({:.3f})", 1e3 * *leg.gap);
+  return text;
+}
+
 std::string leg_table(const report::PoseCheck& check, const TableStyle& style) {
   constexpr double degrees = 180.0 / std::numbers::pi;
   Table table({"leg", "length mm", "piston mm", "guided mm", "stroke left in/out mm",
                "oil spring N/µm", "axial force N", "pressures bar", "static tilt mrad",
-               "joint tilt base/platform °"});
+               "offset sleeve/ring (gap) mm", "joint tilt base/platform °"});
   for (int i = 0; i < model::leg_count; ++i) {
     const auto& leg = check.legs[i];
     table.add_row(
@@ -39,9 +47,18 @@ std::string leg_table(const report::PoseCheck& check, const TableStyle& style) {
              ? fmt::format("{:.1f} / {:.1f}", 1e-5 * *leg.cap_pressure, 1e-5 * *leg.rod_pressure)
              : "–",
          check.equilibrium ? fmt::format("{:.2f}", 1e3 * leg.tilt) : "–",
+         check.equilibrium ? offset_text(leg) : "–",
          fmt::format("{:.1f} / {:.1f}", leg.base_tilt * degrees, leg.platform_tilt * degrees)});
   }
   return table.text(style);
+}
+
+/// A rod that lies on its guide does not fold as far as the limit point of seals alone.
+const char* without_guide(const model::Machine& machine) {
+  return std::ranges::any_of(machine.legs,
+                             [](const auto& leg) { return leg.guide_sleeve.gap.has_value(); })
+             ? ""
+             : " without guide contact";
 }
 
 std::string buckling_text(const model::Machine& machine, const report::PoseCheck& check) {
@@ -53,8 +70,8 @@ std::string buckling_text(const model::Machine& machine, const report::PoseCheck
     if (buckling.limit_point && check.lowest_at_buckling)
       return text +
              fmt::format(
-                 "; the equilibrium ends there at a limit point (lowest frequency {:.2f} Hz).\n",
-                 *check.lowest_at_buckling / (base::two_pi));
+                 "; the equilibrium ends there at a limit point{} (lowest frequency {:.2f} Hz).\n",
+                 without_guide(machine), *check.lowest_at_buckling / (base::two_pi));
     return text + "; the frequency of a seal mode is zero there.\n";
   }
   if (buckling.status == dynamics::BucklingStatus::buckled)
@@ -67,6 +84,93 @@ std::string buckling_text(const model::Machine& machine, const report::PoseCheck
   return "Buckling: none up to 100 times the platform mass.\n";
 }
 
+/// A letter for what ends a reach.
+char letter(simulation::Limit limit) {
+  static constexpr std::string_view letters = "HPCERFOIBJX-";
+  static_assert(letters.size() == simulation::limit_count);
+  return letters.at(static_cast<std::size_t>(limit));
+}
+
+/// "1.23 H / 1.31 P": along the axis and against it.
+std::string both_signs(const simulation::Capability& capability, simulation::Ability ability,
+                       int direction, double scale) {
+  const auto& along = capability.of(ability, direction, 0);
+  const auto& against = capability.of(ability, direction, 1);
+  const auto number = [&](double value) {
+    return scale * value >= 1000.0 ? fmt::format("{:.0f}", scale * value)
+                                   : fmt::format("{:.3g}", scale * value);
+  };
+  return fmt::format("{} {} / {} {}", number(along.value), letter(along.limit),
+                     number(against.value), letter(against.limit));
+}
+
+/// What the letters in the table mean.
+std::string letters_text(const simulation::Capability& capability) {
+  std::string text;
+  for (int k = 0; k < simulation::limit_count; ++k) {
+    const auto limit = static_cast<simulation::Limit>(k);
+    const bool occurs = std::ranges::any_of(capability.reach, [&](const auto& ability) {
+      return std::ranges::any_of(ability, [&](const auto& direction) {
+        return std::ranges::any_of(direction, [&](const auto& r) { return r.limit == limit; });
+      });
+    });
+    if (occurs)
+      text += fmt::format("{}{} {}", text.empty() ? "" : ", ", letter(limit),
+                          report::limit_text(limit));
+  }
+  return "Ended by: " + text + ".\n";
+}
+
+std::string capability_text(const report::PoseCheck& check, const TableStyle& style) {
+  using simulation::Ability;
+  if (!check.capability) return {};
+  const auto& able = *check.capability;
+  constexpr double degrees = 180.0 / std::numbers::pi;
+  Table table({"from rest", "force kN, kN m", "speed m/s, °/s", "acceleration m/s², °/s²",
+               "jerk m/s³, °/s³", "excursion mm, °"});
+  for (int d = 0; d < 6; ++d) {
+    const double turn = d < 3 ? 1.0 : degrees;
+    table.add_row(
+        {fmt::format("+{0} / −{0}", spatial::direction_names[static_cast<size_t>(d)]),
+         both_signs(able, Ability::force, d, 1e-3), both_signs(able, Ability::velocity, d, turn),
+         both_signs(able, Ability::acceleration, d, turn), both_signs(able, Ability::jerk, d, turn),
+         both_signs(able, Ability::excursion, d, d < 3 ? 1e3 : degrees)});
+  }
+  std::string text = table.text(style) + letters_text(able);
+  text += fmt::format(
+      "In all six directions at once: {:.0f} % of these forces, {:.0f} % of the speeds, {:.0f} % "
+      "of "
+      "the accelerations.\n",
+      100.0 * able.combined[0], 100.0 * able.combined[1], 100.0 * able.combined[2]);
+  if (check.first_resonance)
+    text += fmt::format("First resonance: {:.3g} Hz.", *check.first_resonance / base::two_pi);
+  if (able.gain_limit)
+    text += fmt::format(
+        " Without integral and damping feedback, the position loop is stable below a gain of "
+        "{:.3g} "
+        "1/s; half of it leaves a bandwidth of {:.3g} Hz.",
+        *able.gain_limit, 0.5 * *able.gain_limit / base::two_pi);
+  return text + "\n";
+}
+
+std::string column_text(const report::PoseCheck& check) {
+  double least = 0.0;
+  int leg = -1;
+  for (int i = 0; i < model::leg_count; ++i)
+    if (const auto& column = check.legs[i].column;
+        column && (leg < 0 || column->strength < least)) {
+      least = column->strength;
+      leg = i;
+    }
+  if (leg < 0)
+    return "Rods as columns: not checked, since the file does not say how thick they are "
+           "(legs.rod.diameter).\n";
+  return fmt::format(
+      "Rods as columns: leg {} bears {:.4g} kN{}; the oil can push with {:.4g} kN.\n", leg + 1,
+      1e-3 * least, check.legs[leg].column->yields ? " (Johnson: the rod yields)" : " (Euler)",
+      1e-3 * check.legs[leg].largest_push);
+}
+
 std::string pose_text(const model::Machine& machine, const report::PoseCheck& check,
                       const TableStyle& style) {
   std::string text =
@@ -75,6 +179,8 @@ std::string pose_text(const model::Machine& machine, const report::PoseCheck& ch
       "Jacobian: condition {:.3g} (lengths scaled with {:.3g} m; singular from {:.0g})\n",
       check.quality.condition, check.quality.characteristic_length, kinematics::singular_condition);
   text += buckling_text(machine, check);
+  text += column_text(check);
+  text += capability_text(check, style);
   for (const auto& warning : check.warnings)
     text += fmt::format("{} {}\n", styled("warning:", Style::yellow, style.colour),
                         report::warning_text(warning));
@@ -101,6 +207,8 @@ std::string table_text(const model::MachineFile& file, const std::vector<report:
   text += fmt::format("mass of the platform {}, of all legs {}; {}\n",
                       report::mass_text(machine.platform.mass), report::mass_text(legs),
                       report::gravity_text(machine));
+  text += fmt::format("damping: {}\n  with hydraulics: {}\n", report::damping_text(machine),
+                      report::plant_damping_text(machine));
   for (const auto& check : checks) text += "\n" + pose_text(machine, check, style);
   text += assumptions_text(machine, style);
   const auto verdict = report::verdict_text(checks);
@@ -121,6 +229,8 @@ void run(const Arguments& arguments) {
                format == 0 ? table_text(machine.file, checks, table_style(arguments.output))
                            : json_text(report::head_json("check", machine.file, machine.path),
                                        report::check_json(checks, machine.file.machine)));
+  if (!arguments.plot.empty())
+    report::plot_capability(checks.front(), machine.file.machine.name, arguments.plot);
   if (!std::ranges::all_of(checks, report::is_sound))
     throw base::ComputationError("the machine is not sound");
 }
@@ -134,6 +244,8 @@ void add_check(Command app) {
         "leg lengths, remaining strokes, oil springs, static forces, buckling load"},
        {"check machine.toml --pose \"z=100 mm\"", "at another pose"},
        {"check machine.toml --set platform.mass=\"1.2 t\"", "with a heavier platform"},
+       {"check machine.toml --plot capability.svg",
+        "forces, speeds, accelerations and excursions by direction, and what ends them"},
        {"check machine.toml --format json", "as JSON"}});
   auto& arguments = command.calls(&run);
   add_machine_options(command, arguments.machine);
@@ -142,7 +254,12 @@ void add_check(Command app) {
         "One pose instead of all of the file: a name, or displacements from the neutral pose"}});
   add_model_option(command, arguments.machine);
   command.add_options(
-      {{"--format", arguments.format, "table or json; default: by the ending of -o, else table"},
+      {{"--plot", arguments.plot,
+        "Picture of what the machine can do at the pose, else at the first of the file (.svg, "
+        ".png, "
+        ".pdf)",
+        writes},
+       {"--format", arguments.format, "table or json; default: by the ending of -o, else table"},
        {"-o,--output", arguments.output, "File to write; - prints", writes}});
 }
 

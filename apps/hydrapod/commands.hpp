@@ -22,15 +22,21 @@ void add_calibrate(Command app);
 void add_frf(Command app);
 void add_identify(Command app);
 void add_diagnose(Command app);
+void add_compare(Command app);
 void add_report(Command app);
 void add_rig(Command app);
 void add_record(Command app);
 void add_demo(Command app);
+void add_export(Command app);
+void add_montecarlo(Command app);
+void add_sweep(Command app);
+void add_map(Command app);
 
 /// In the order of the help.
 inline constexpr std::array all_commands{
-    &add_demo,     &add_init,        &add_check,     &add_modes, &add_bode,
-    &add_simulate, &add_sensitivity, &add_calibrate, &add_rig,   &add_record,
-    &add_frf,      &add_identify,    &add_diagnose,  &add_report};
+    &add_demo,     &add_init,        &add_check,     &add_modes,   &add_bode,
+    &add_simulate, &add_sensitivity, &add_calibrate, &add_rig,     &add_record,
+    &add_frf,      &add_identify,    &add_diagnose,  &add_compare, &add_montecarlo,
+    &add_sweep,    &add_map,         &add_report,    &add_export};
 
 }  // namespace hydrapod::cli

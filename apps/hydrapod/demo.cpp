@@ -48,7 +48,7 @@ void write_report(const Case& the_case, const tasks::Machine& machine, const Arg
                            report::html_report(machine.file, machine.path,
                                                machine.file.machine.poses, {.kind = machine.kind}));
   } catch (const base::ComputationError& error) {
-    print_line(fmt::format("no report for {}: {}", the_case.file, error.what()));
+    print_note(fmt::format("no report for {}: {}", the_case.file, error.what()));
   }
 }
 

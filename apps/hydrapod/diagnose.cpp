@@ -128,13 +128,14 @@ std::string remedy_text(const diagnosis::CaseFile& file, const TableStyle& style
 }
 
 std::string table_text(const Arguments& a, const model::MachineFile& file,
-                       const diagnosis::CaseFile& found) {
+                       const diagnosis::CaseFile& found, const std::vector<std::string>& origins) {
   const auto style = table_style(a.output);
   std::string text = fmt::format("{}{}\n", file.machine.name,
                                  a.diagnosis.measured.empty()
                                      ? ""
                                      : fmt::format(": {}", fmt::join(a.diagnosis.measured, ", ")));
   text += state_line(file);
+  for (const auto& origin : origins) text += "measured: " + origin + "\n";
   for (const auto& sentence : report::summary(found)) text += "  " + sentence + "\n";
   if (found.diagnosis) {
     text += modes_text(*found.diagnosis, style);
@@ -153,19 +154,24 @@ void run(const Arguments& a) {
   rules.shape_error = a.shape_error / 100.0;
   rules.response_error = a.response_error / 100.0;
   rules.responses = !a.modes_only;
-  const auto machine = load(a.machine);
-  const auto options = diagnose_options(asked, machine.file.machine);
+  auto subject = a.machine;
+  const bool pose_given = !subject.pose.empty();
+  if (!pose_given) subject.pose = "neutral";
+  const auto machine = load(subject);
+  auto options = diagnose_options(asked, machine.file.machine);
+  options.measured.pose_given = pose_given;
   const auto found = with_progress("diagnosing", [&](const auto& progress) {
     return tasks::diagnose(machine, options, progress);
   });
   print_diagnostics(found.warnings);
   std::string text;
   if (format == 0) {
-    text = table_text(a, machine.file, found.file);
+    text = table_text(a, machine.file, found.file, found.origins);
   } else {
     auto json = report::head_json("diagnosis", machine.file, machine.path);
     json["model"] = dynamics::name(machine.kind);
     json["measured"] = fmt::format("{}", fmt::join(a.diagnosis.measured, ", "));
+    if (!found.origins.empty()) json["measured_at"] = found.origins;
     text = json_text(json, report::diagnosis_json(found.file));
   }
   write_output(a.output, text);
@@ -190,7 +196,13 @@ void add_diagnose(Command app) {
        {"diagnose machine.toml --measured modes.csv --plot why.svg --format json -o why.json",
         "as a picture and as JSON"}});
   auto& a = command.calls(&run);
-  add_subject_options(command, a.machine);
+  a.machine.pose.clear();  // then a record counts at the pose that it states
+  add_machine_options(command, a.machine);
+  command.add_options(
+      {{"--pose", a.machine.pose,
+        "Pose of the file, or displacements from the neutral pose: \"z=50 mm, ry=5 deg\"; default: "
+        "that of the record, else neutral"}});
+  add_model_option(command, a.machine);
   command.add_options(
       {{"--measured", a.diagnosis.measured,
         "Modes (TOML, CSV, JSON of `hydrapod identify`), responses (JSON of `hydrapod "

@@ -25,7 +25,7 @@ void run(const Arguments& arguments) {
   }
   base::write_file_whole(arguments.file, model::starter_machine_file());
   if (arguments.file == "-") return;
-  print_line(fmt::format("wrote {0}; next: hydrapod check {0}", arguments.file));
+  print_note(fmt::format("wrote {0}; next: hydrapod check {0}", arguments.file));
 }
 }  // namespace
 

@@ -15,9 +15,9 @@
 #include <string_view>
 
 #include "hydrapod/base/error.hpp"
-#include "hydrapod/base/text.hpp"
 #include "hydrapod/base/version.hpp"
 #include "hydrapod/commands.hpp"
+#include "hydrapod/help.hpp"
 #include "hydrapod/reproduction.hpp"
 #include "hydrapod/terminal.hpp"
 
@@ -31,9 +31,12 @@ constexpr int bad_input = 2;
 void set_up(CLI::App& app) {
   app.set_version_flag("--version", fmt::format("hydrapod {}", base::version));
   app.set_help_flag("-h,--help", "Print this help and exit");
-  app.footer("'hydrapod COMMAND --help' shows the options of a command and examples.");
+  app.footer(
+      "'hydrapod COMMAND --help' or 'hydrapod help COMMAND' shows the options of a command and "
+      "examples.");
   app.get_formatter()->column_width(34);
   for (const auto add : cli::all_commands) add(cli::Command(&app));
+  cli::add_help(app);
 }
 
 /// The innermost command that was understood.
@@ -42,38 +45,11 @@ const CLI::App& last_command(const CLI::App& app) {
   return commands.empty() ? app : last_command(*commands.front());
 }
 
-/// `hydrapod modes`
-std::string call_of(const CLI::App& command) {
-  const bool is_root = command.get_parent() == nullptr;
-  return is_root ? "hydrapod" : call_of(*command.get_parent()) + ' ' + command.get_name();
-}
-
-/// What to say about an argument that a command does not take: an unknown option, an unknown
-/// subcommand or one argument too many, with the nearest name there is.
-std::string unknown_argument(const CLI::App& command, const std::string& argument) {
-  const bool is_option = argument.size() > 1 && argument.front() == '-';
-  const std::string word = is_option ? argument.substr(0, argument.find('=')) : argument;
-  std::vector<std::string> known;
-  if (is_option)
-    for (const CLI::Option* option : command.get_options())
-      for (const auto& name : option->get_lnames()) known.push_back("--" + name);
-  else
-    for (const CLI::App* one : command.get_subcommands([](const CLI::App*) { return true; }))
-      known.push_back(one->get_name());
-  std::string message = is_option        ? fmt::format("unknown option '{}'", word)
-                        : !known.empty() ? fmt::format("unknown command '{}'", word)
-                                         : fmt::format("one argument too many: '{}'", word);
-  const std::vector<std::string_view> names(known.begin(), known.end());
-  if (const auto near = base::nearest(word, names))
-    message += fmt::format("; did you mean '{}'?", *near);
-  return message + fmt::format(" ('{} --help' lists the options)", call_of(command));
-}
-
 int report_parse_error(const CLI::App& app, const CLI::ParseError& error) {
   const CLI::App& command = last_command(app);
   const auto extras = app.remaining(true);
   const bool is_extra = dynamic_cast<const CLI::ExtrasError*>(&error) != nullptr && !extras.empty();
-  cli::print_error(is_extra ? unknown_argument(command, extras.front()) : error.what());
+  cli::print_error(is_extra ? cli::unknown_argument(command, extras.front()) : error.what());
   return bad_input;
 }
 
@@ -119,7 +95,10 @@ int run(int argc, char** argv) {
     return close_output();
   }
   try {
-    app.parse(argc, argv);
+    if (std::string_view(argv[1]) == "help")
+      cli::help(app, std::vector<std::string>(argv + 2, argv + argc));
+    else
+      app.parse(argc, argv);
     return close_output();
   } catch (const CLI::Success& success) {
     app.exit(success);

@@ -90,16 +90,18 @@ std::string system_heading(const tasks::Machine& machine, const report::System& 
   const std::string title =
       fmt::format("{}, pose {}: {} model", bold(machine.file.machine.name, style),
                   machine.pose.name, dynamics::name(machine.kind));
+  const std::string damping =
+      fmt::format("damping: {}\n", report::plant_damping_text(machine.file.machine));
   if (!system.closed)
     return fmt::format(
         "{} with hydraulics, without controller, {} states\n{}the valves are held at their rest "
-        "positions; inputs are the drives\n",
-        title, linear.A.rows(), state_line(machine.file));
+        "positions; inputs are the drives\n{}",
+        title, linear.A.rows(), state_line(machine.file), damping);
   return fmt::format(
       "{} with hydraulics and controller, {} states\n{}sampled every {:.4g} ms; delay and hold of "
-      "{:.4g} ms as Padé {}/{} (stability is that of the sampled loop)\n",
+      "{:.4g} ms as Padé {}/{} (stability is that of the sampled loop)\n{}",
       title, linear.A.rows(), state_line(machine.file), 1e3 * linear.sample_time,
-      1e3 * linear.delay, linear.pade_order, linear.pade_order);
+      1e3 * linear.delay, linear.pade_order, linear.pade_order, damping);
 }
 
 /// Of the oscillations that the platform takes part in.
@@ -208,6 +210,8 @@ std::string system_modes_text(const MachineArguments& arguments, const SystemArg
 
 struct Arguments {
   MachineArguments machine{};
+  std::vector<std::string> poses{};
+  std::string all_poses{};
   std::string format{};
   std::string output{"-"};
   bool matrices{};
@@ -233,10 +237,96 @@ std::string table_text(const tasks::Machine& machine, const modal::ModeTable& ta
          note + "\n" + report::answer_text(table);
 }
 
-void run(const Arguments& arguments) {
+/// Poses of --pose and --poses; none: the neutral one.
+std::vector<model::NamedPose> poses_of(const Arguments& arguments, const model::Machine& machine) {
+  std::vector<model::NamedPose> poses;
+  const auto is_given = [&](const std::string& name) {
+    return std::ranges::any_of(poses, [&](const auto& pose) { return pose.name == name; });
+  };
+  for (const auto& text : arguments.poses) {
+    auto pose = tasks::pose_of(machine, text);
+    if (is_given(pose.name)) base::refuse("--pose " + text, "is given twice");
+    poses.push_back(std::move(pose));
+  }
+  if (arguments.all_poses.empty()) return poses;
+  choose_word("--poses", arguments.all_poses, {"all"});
+  for (const auto& pose : machine.poses)
+    if (!is_given(pose.name)) poses.push_back(pose);
+  if (poses.size() < 2)
+    base::refuse("--poses all", fmt::format("the file has one pose, \"{}\"; leave --poses out or "
+                                            "add --pose",
+                                            poses.front().name));
+  return poses;
+}
+
+/// Frequencies by pose, modes followed by shape.
+std::string poses_table(const report::ModesAtPoses& modes, const TableStyle& style) {
+  std::vector<Column> columns{"<motion, compliance"};
+  for (const auto& pose : modes.poses) columns.emplace_back(pose.name + " Hz");
+  columns.emplace_back("lowest MAC");
+  Table table(columns);
+  for (const auto& followed : modes.followed) {
+    std::vector<std::string> cells{""};
+    double lowest = 1.0;
+    bool any = false;
+    for (std::size_t k = 0; k < modes.poses.size(); ++k) {
+      const int mode = followed.mode[k];
+      if (mode < 0) {
+        cells.emplace_back("–");
+        continue;
+      }
+      const auto& entry = modes.tables[k].real.modes[static_cast<std::size_t>(mode)];
+      if (cells.front().empty()) cells.front() = entry.label;
+      cells.push_back(fmt::format("{} ({})", hertz(entry.mode.omega), mode + 1));
+      if (!followed.mac[k]) continue;
+      any = true;
+      lowest = std::min(lowest, *followed.mac[k]);
+    }
+    cells.push_back(any ? fmt::format("{:.2f}", lowest) : "–");
+    table.add_row(cells);
+  }
+  return table.text(style) +
+         "\n(number of the mode at its pose.) A row is one mode, followed by its shape from pose "
+         "to "
+         "pose; –: no mode of that shape.\n";
+}
+
+void run_at_poses(const Arguments& arguments, const tasks::Machine& machine,
+                  const std::vector<model::NamedPose>& poses, size_t format) {
+  const auto& system = arguments.system;
+  if (system.system || system.open_loop || !system.root_locus.empty())
+    base::refuse("--pose", "poles of the system are at one pose; give --pose once");
+  if (arguments.matrices) base::refuse("--matrices", "are of one pose; give --pose once");
+  const auto modes = tasks::modes_at_poses(machine, poses);
+  const auto style = table_style(arguments.output);
+  write_output(arguments.output,
+               format == 0
+                   ? fmt::format("{}, {} model\n{}\n", bold(machine.file.machine.name, style),
+                                 dynamics::name(machine.kind), state_line(machine.file)) +
+                         poses_table(modes, style)
+               : format == 1 ? json_text(
+                                   [&] {
+                                     auto head = head_of_model("modes_at_poses", machine);
+                                     head.erase("pose");
+                                     return head;
+                                   }(),
+                                   report::modes_at_poses_json(modes))
+                             : report::modes_at_poses_csv(modes));
+}
+
+void run(const Arguments& given) {
+  Arguments arguments = given;
+  if (arguments.poses.size() == 1 && arguments.all_poses.empty())
+    arguments.machine.pose = arguments.poses.front();
   const size_t format = result_format(arguments.format, arguments.output, {"table", "json", "csv"});
   const auto& system = arguments.system;
   const auto style = table_style(arguments.output);
+  if (arguments.poses.size() > 1 || !arguments.all_poses.empty()) {
+    const auto machine = load(arguments.machine);
+    const auto poses = poses_of(arguments, machine.file.machine);
+    if (!system.plot.empty()) base::refuse("--plot " + system.plot, "needs --root-locus");
+    return run_at_poses(arguments, machine, poses, format);
+  }
   if (!system.plot.empty() && system.root_locus.empty())
     base::refuse("--plot " + system.plot,
                  "needs --root-locus; `hydrapod report` shows moving modes");
@@ -264,6 +354,8 @@ void add_modes(Command app) {
       "controller",
       {{"modes machine.toml", "frequencies, motion, energy shares"},
        {"modes machine.toml --pose \"z=100 mm, ry=5 deg\"", "at another pose"},
+       {"modes machine.toml --pose neutral --pose \"z=100 mm\"",
+        "at several poses, modes followed by their shape; --poses all: those of the file"},
        {"modes machine.toml --model rigid", "the six modes of the rigid-leg model"},
        {"modes machine.toml --set legs.guide_sleeve.stiffness=\"2e6 N/m\"",
         "effect of stiffer seals"},
@@ -273,7 +365,14 @@ void add_modes(Command app) {
         "these poles as functions of the gain"},
        {"modes machine.toml --format json --matrices -o modes.json", "all results as JSON"}});
   auto& arguments = command.calls(&run);
-  add_subject_options(command, arguments.machine);
+  add_machine_options(command, arguments.machine);
+  command.add_options(
+      {{"--pose", arguments.poses,
+        "Pose of the file, or displacements from the neutral pose: \"z=50 mm, ry=5 deg\"; several "
+        "times: one table, modes followed by their shape; default: neutral",
+        one_each},
+       {"--poses", arguments.all_poses, "all: every pose of the file"}});
+  add_model_option(command, arguments.machine);
   command.add_options(
       {{"--format", arguments.format,
         "table, json or csv; default: by the ending of -o, else table"},

@@ -8,6 +8,7 @@
 
 #include "hydrapod/output_files.hpp"
 #include "hydrapod/reproduction.hpp"
+#include "hydrapod/terminal.hpp"
 
 namespace hydrapod::cli {
 
@@ -121,6 +122,9 @@ Command Command::add_command(const std::string& name, const std::string& descrip
 }
 
 void Command::require_subcommand(int count) { app_->require_subcommand(count); }
-void Command::callback(std::function<void()> run) { app_->callback(std::move(run)); }
+void Command::callback(std::function<void()> run) {
+  app_->add_flag_callback("-q,--quiet", &be_quiet, "No progress and no notes; warnings stay");
+  app_->callback(std::move(run));
+}
 
 }  // namespace hydrapod::cli

@@ -1,6 +1,6 @@
 #pragma once
 /// Commands and their options, declared as tables. The header of CLI11 costs more to compile than a
-/// command does, so only options.cpp and main.cpp include it.
+/// command does, so only options.cpp, main.cpp and those of the help include it.
 ///
 ///     command.add_options({
 ///         {"--points", arguments.points, "Frequencies", range(2, 100000)},

@@ -81,7 +81,7 @@ void report_written(const std::string& file, std::int64_t samples, bool complete
   if (!complete)
     throw base::ComputationError(
         fmt::format("interrupted; {} contains the first {}", file, samples_text(samples)));
-  print_line(fmt::format("wrote {}: {}", file, samples_text(samples)));
+  print_note(fmt::format("wrote {}: {}", file, samples_text(samples)));
 }
 
 void add_record(Command app) {

@@ -29,7 +29,7 @@ std::vector<std::size_t> shown_channels(const data::RecordHeader& header,
     for (std::size_t c = 0; c < std::min(count, report::most_plotted_channels); ++c)
       shown.push_back(c);
     if (shown.size() < count)
-      print_line(fmt::format("the first {} of {} channels are shown; --channel chooses others",
+      print_note(fmt::format("the first {} of {} channels are shown; --channel chooses others",
                              shown.size(), count));
   }
   if (shown.size() > report::most_plotted_channels)

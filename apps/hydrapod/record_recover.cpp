@@ -56,7 +56,7 @@ void run(const Arguments& arguments) {
     result = data::recover_record(arguments.record.file, arguments.output.file, options);
   }
   print_diagnostics(result.notes);
-  print_line(words(arguments.record.file, result));
+  print_note(words(arguments.record.file, result));
   report_written(result.file, result.samples, result.complete);
 }
 

@@ -55,7 +55,8 @@ tasks::ReportOptions options_of(const Arguments& a, const tasks::Machine& machin
   constexpr std::array themes{report::Theme::automatic, report::Theme::light, report::Theme::dark};
   tasks::ReportOptions options{.page = a.page};
   options.page.theme = themes[choose_word("--theme", a.theme, {"auto", "light", "dark"})];
-  options.page.modes = mode_list(a.modes, dynamics::degrees_of_freedom(machine.file.machine, machine.kind));
+  options.page.modes =
+      mode_list(a.modes, dynamics::degrees_of_freedom(machine.file.machine, machine.kind));
   for (const auto& pose : a.poses)
     options.poses.push_back(tasks::pose_of(machine.file.machine, pose));
   if (a.commands.empty() && !a.until.empty()) base::refuse("--until", "needs --command");

@@ -72,12 +72,13 @@ void run(const Arguments& arguments) {
                                   .record = arguments.check ? "" : arguments.file,
                                   .force = arguments.above_limits,
                                   .origin = {program_text(), command_line()}};
+  if (!arguments.check) print_note("damping: " + report::plant_damping_text(machine.file.machine));
   const auto done = with_progress(
       "measuring", [&](const auto& progress) { return tasks::rig(machine, options, progress); });
   for (const auto& finding : done.findings)
     print_warning(finding.message, finding.of_controller ? "controller" : "--excite");
   if (arguments.check) return;
-  print_line(fmt::format("wrote {}: {} samples", done.record, done.result.samples));
+  print_note(fmt::format("wrote {}: {} samples", done.record, done.result.samples));
   const auto& summary = done.result.summary;
   if (summary.end == simulation::RunEnd::finished) return;
   throw base::ComputationError(fmt::format(

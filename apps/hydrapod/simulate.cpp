@@ -20,8 +20,20 @@ std::string joined(const std::vector<std::string>& parts, const char* between) {
   return fmt::format("{}", fmt::join(parts, between));
 }
 
-std::string command_text(const report::Simulation& s) {
-  return s.commands.empty() ? "rest" : joined(s.commands, " + ");
+/// Lengths in mm and angles in degrees.
+std::string in_direction(double value, int direction, const char* format = "{:.4g}") {
+  return fmt::format(fmt::runtime(format), value * (direction < 3 ? 1e3 : degrees));
+}
+
+/// What the machine does not do by itself: "step z=5 mm", "wrench sine x=500 N, …".
+std::string excitation_text(const report::Simulation& s) {
+  std::vector<std::string> parts = s.commands;
+  for (const auto& wrench : s.wrench) parts.push_back("wrench " + wrench);
+  for (int i = 0; i < 6; ++i)
+    if (const double d = s.loop.initial[i]; d != 0.0)
+      parts.push_back(fmt::format("released at {}={} {}", direction_names[static_cast<size_t>(i)],
+                                  in_direction(d, i), i < 3 ? "mm" : "deg"));
+  return parts.empty() ? "rest" : joined(parts, " + ");
 }
 
 const char* kind_text(dynamics::ModelKind kind) {
@@ -36,11 +48,6 @@ const char* kind_text(dynamics::ModelKind kind) {
   return "legs with compliant guide sleeves and piston rings";
 }
 
-/// Lengths in mm and angles in degrees.
-std::string in_direction(double value, int direction, const char* format = "{:.4g}") {
-  return fmt::format(fmt::runtime(format), value * (direction < 3 ? 1e3 : degrees));
-}
-
 std::string settled_text(const report::Simulation& s, int i) {
   const auto at = s.step_time[static_cast<std::size_t>(i)];
   if (!at) return "–";
@@ -48,7 +55,20 @@ std::string settled_text(const report::Simulation& s, int i) {
   return fmt::format("{:.3f} s", std::max(s.summary.settled[i] - *at, 0.0));
 }
 
+/// Without commands there are no errors.
+std::string motion_table(const report::Simulation& s, const TableStyle& style) {
+  Table table({"<", "<unit", "moved", "RMS", "at the end"});
+  for (int i = 0; i < 6; ++i) {
+    const auto& r = s.summary;
+    table.add_row({direction_names[static_cast<std::size_t>(i)], i < 3 ? "mm" : "deg",
+                   in_direction(r.peak_motion[i], i), in_direction(r.rms_error[i], i, "{:.3g}"),
+                   in_direction(-r.final_error[i], i, "{:.3g}")});
+  }
+  return table.text(style);
+}
+
 std::string direction_table(const report::Simulation& s, const TableStyle& style) {
+  if (s.loop.actuators != simulation::Actuators::controlled) return motion_table(s, style);
   const bool steps = std::any_of(s.step_time.begin(), s.step_time.end(),
                                  [](const auto& time) { return time.has_value(); });
   std::vector<Column> columns{"<",         "<unit",      "commanded", "moved",
@@ -69,21 +89,28 @@ std::string direction_table(const report::Simulation& s, const TableStyle& style
 }
 
 std::string leg_table(const report::Simulation& s, const TableStyle& style) {
-  Table table({"<leg", "piston from mm", "to mm", "stroke used", "left in mm", "left out mm",
-               "peak speed mm/s", "peak drive", "at its limit"});
+  std::vector<Column> columns{"<leg",       "piston from mm", "to mm",          "stroke used",
+                              "left in mm", "left out mm",    "peak speed mm/s"};
+  const bool drives = s.loop.actuators != simulation::Actuators::springs;
+  if (drives) columns.insert(columns.end(), {"peak drive", "at its limit"});
+  Table table(columns);
   for (std::size_t i = 0; i < model::leg_count; ++i) {
     const auto& r = s.summary;
     const auto& stops = s.stops[i];
     const double used = (r.piston_high[i] - r.piston_low[i]) / (stops.high - stops.low);
     const double limited = static_cast<double>(r.limited[i]) / static_cast<double>(r.samples);
-    table.add_row({std::to_string(i + 1), fmt::format("{:.2f}", 1e3 * r.piston_low[i]),
-                   fmt::format("{:.2f}", 1e3 * r.piston_high[i]),
-                   fmt::format("{:.2g} %", 100.0 * used),
-                   fmt::format("{:.1f}", 1e3 * (r.piston_low[i] - stops.low)),
-                   fmt::format("{:.1f}", 1e3 * (stops.high - r.piston_high[i])),
-                   fmt::format("{:.3g}", 1e3 * r.peak_speed[i]),
-                   fmt::format("{:.3g} %", 100.0 * r.peak_drive[i]),
-                   fmt::format("{:.2g} %", 100.0 * limited)});
+    std::vector<std::string> row{std::to_string(i + 1),
+                                 fmt::format("{:.2f}", 1e3 * r.piston_low[i]),
+                                 fmt::format("{:.2f}", 1e3 * r.piston_high[i]),
+                                 fmt::format("{:.2g} %", 100.0 * used),
+                                 fmt::format("{:.1f}", 1e3 * (r.piston_low[i] - stops.low)),
+                                 fmt::format("{:.1f}", 1e3 * (stops.high - r.piston_high[i])),
+                                 fmt::format("{:.3g}", 1e3 * r.peak_speed[i])};
+    if (drives) {
+      row.push_back(fmt::format("{:.3g} %", 100.0 * r.peak_drive[i]));
+      row.push_back(fmt::format("{:.2g} %", 100.0 * limited));
+    }
+    table.add_row(row);
   }
   return table.text(style);
 }
@@ -111,13 +138,19 @@ std::string six(const spatial::Vector6& values, const char* unit) {
   return text + " " + unit;
 }
 
-/// What a plot says about the run in one line.
-std::string simulation_subtitle(const model::NamedPose& pose, const report::Simulation& s) {
-  return fmt::format("pose {}; {}; {}; gain {}, {} feedback", pose.name, command_text(s),
-                     kind_text(s.loop.kind), six(s.controller.gain, "1/s"),
+std::string actuators_text(const report::Simulation& s) {
+  if (s.loop.actuators == simulation::Actuators::springs) return "oil springs, no hydraulics";
+  if (s.loop.actuators == simulation::Actuators::held) return "valves held, no controller";
+  return fmt::format("gain {}, {} feedback", six(s.controller.gain, "1/s"),
                      s.controller.feedback == model::DampingFeedback::none       ? "no"
                      : s.controller.feedback == model::DampingFeedback::pressure ? "pressure"
                                                                                  : "acceleration");
+}
+
+/// What a plot says about the run in one line.
+std::string simulation_subtitle(const model::NamedPose& pose, const report::Simulation& s) {
+  return fmt::format("pose {}; {}; {}; {}", pose.name, excitation_text(s), kind_text(s.loop.kind),
+                     actuators_text(s));
 }
 
 /// The controller's numbers, with where they come from.
@@ -161,11 +194,11 @@ std::string controller_text(const model::Machine& machine, const control::Contro
 std::string simulation_text(const tasks::Machine& machine, const report::Simulation& s,
                             const TableStyle& style) {
   const auto& r = s.summary;
-  std::string text =
-      fmt::format("{}, {}\n{}{:.6g} s simulated with {}: {} steps, {} evaluations\n\n",
-                  bold(machine.file.machine.name, style), simulation_subtitle(machine.pose, s),
-                  state_line(machine.file), r.time, simulation::name(s.loop.integrator.method),
-                  r.integrator.steps, r.integrator.evaluations);
+  std::string text = fmt::format(
+      "{}, {}\n{}damping: {}\n{:.6g} s simulated with {}: {} steps, {} evaluations\n\n",
+      bold(machine.file.machine.name, style), simulation_subtitle(machine.pose, s),
+      state_line(machine.file), s.damping, r.time, simulation::name(s.loop.integrator.method),
+      r.integrator.steps, r.integrator.evaluations);
   if (r.samples > 0) text += direction_table(s, style) + "\n" + leg_table(s, style);
   const std::string events = event_text(s);
   if (!events.empty()) text += "\n" + events;
@@ -174,7 +207,8 @@ std::string simulation_text(const tasks::Machine& machine, const report::Simulat
 
 struct Arguments {
   MachineArguments machine{};
-  std::vector<std::string> commands{};
+  std::vector<std::string> commands{}, wrench{};
+  std::string actuators{"controlled"}, initial{};
   std::string until{}, dt_output{};
   std::string integrator{"adaptive"};
   double tolerance{1e-6};
@@ -194,9 +228,13 @@ tasks::SimulateOptions options_of(const Arguments& arguments) {
   constexpr std::array methods{simulation::Method::adaptive, simulation::Method::cvode_adams,
                                simulation::Method::cvode_bdf, simulation::Method::fixed};
   tasks::SimulateOptions options{.commands = arguments.commands,
+                                 .wrench = arguments.wrench,
+                                 .initial = arguments.initial,
                                  .record = arguments.record,
                                  .origin = {program_text(), command_line()}};
   auto& loop = options.loop;
+  loop.actuators = static_cast<simulation::Actuators>(
+      choose_word("--actuators", arguments.actuators, {"controlled", "held", "springs"}));
   loop.integrator.method = methods[choose_word("--integrator", arguments.integrator,
                                                {"adaptive", "adams", "bdf", "fixed"})];
   if (!(arguments.tolerance >= 1e-13 && arguments.tolerance <= 1e-2))
@@ -279,6 +317,10 @@ void add_simulate(Command app) {
         "columns time [s], x [mm], …, rz [deg]"},
        {"simulate machine.toml --command \"step z=1 mm\" --set controller.gain=40",
         "a faster controller"},
+       {"simulate machine.toml --actuators springs --initial \"x=1 mm\" --plot free.svg",
+        "free vibration of the mechanics: oil as springs"},
+       {"simulate machine.toml --wrench \"sine x=500 N, frequency=4 Hz\" -o run.h5",
+        "a force on the platform, the controller holds the pose"},
        {"simulate machine.toml --show-controller", "values of the controller"}},
       std::string(signal_help) + "\nHere: level=amplitude, turns=0.");
   auto& arguments = command.calls(&run);
@@ -292,8 +334,17 @@ void add_simulate(Command app) {
        {"--command", arguments.commands,
         "Commanded motion (see below); may be repeated, commands add up [rest]",
         reads_each_as("COMMAND")},
+       {"--wrench", arguments.wrench,
+        "Force [N] and moment [N m] about the mass centre, in the axes of the base: a signal as "
+        "for --command; may be repeated",
+        reads_each_as("SIGNAL")},
+       {"--initial", arguments.initial,
+        "Displacement from the pose at which the platform is released: \"x=1 mm, ry=0.1 deg\""},
+       {"--actuators", arguments.actuators,
+        "controlled; held: valves stay as at rest, no controller; springs: mechanics alone, the "
+        "oil springs of the linear model hold the legs"},
        {"--until", arguments.until,
-        "Simulated time, s or with a unit; default: until shortly after the commands"},
+        "Simulated time, s or with a unit; default: until shortly after the signals"},
        {"--dt-output", arguments.dt_output,
         "Time between samples of the record; default: the controller's sample time"},
        {"-o,--output", arguments.record,

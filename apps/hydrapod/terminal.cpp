@@ -147,8 +147,18 @@ std::size_t display_width(std::string_view text) {
   return width;
 }
 
+namespace {
+bool quiet = false;
+
 void print_line(const std::string& line) {
   std::fputs((line + '\n').c_str(), stderr);  // that nobody can read it changes no result
+}
+}  // namespace
+
+void be_quiet() { quiet = true; }
+
+void print_note(const std::string& line) {
+  if (!quiet) print_line(line);
 }
 
 void print_diagnostics(const std::vector<base::Diagnostic>& diagnostics) {
@@ -172,7 +182,7 @@ void print_warning(const std::string& message, const std::string& file) {
   print_diagnostics({{.severity = base::Severity::warning, .file = file, .message = message}});
 }
 
-void print_written(const std::string& path) { print_line("wrote " + path); }
+void print_written(const std::string& path) { print_note("wrote " + path); }
 
 Column::Column(std::string text) : title(std::move(text)) {
   if (!title.starts_with('<')) return;
@@ -257,7 +267,7 @@ std::string hertz(double omega, int decimals) {
 }
 
 ProgressLine::ProgressLine(std::string title)
-    : title_(std::move(title)), active_(is_terminal(stderr)) {}
+    : title_(std::move(title)), active_(!quiet && is_terminal(stderr)) {}
 
 ProgressLine::~ProgressLine() {
   if (shown_) std::fputs("\r\033[K", stderr);

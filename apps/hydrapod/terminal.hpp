@@ -25,8 +25,11 @@ std::string styled(std::string_view text, Style style, bool colour);
 /// wide (East Asian) characters two.
 std::size_t display_width(std::string_view text);
 
-/// A line on stderr. Where it cannot be written (closed, disk full) the program goes on.
-void print_line(const std::string& line);
+/// From now on no notes and no progress on stderr. Warnings and errors stay.
+void be_quiet();
+
+/// A note on stderr. Where it cannot be written (closed, disk full) the program goes on.
+void print_note(const std::string& line);
 
 /// One line per diagnostic on stderr, the word "error" or "warning" coloured on a terminal.
 void print_diagnostics(const std::vector<base::Diagnostic>& diagnostics);

@@ -16,3 +16,4 @@
 #include "hydrapod/tasks/fit.hpp"
 #include "hydrapod/tasks/linear.hpp"
 #include "hydrapod/tasks/machine.hpp"
+#include "hydrapod/tasks/study.hpp"

@@ -9,7 +9,6 @@
 
 #include "admissibility.hpp"
 #include "hydrapod/calibration/calibrate.hpp"
-#include "hydrapod/calibration/sensitivity.hpp"
 #include "hydrapod/observation/observation.hpp"
 #include "hydrapod/observation/pairing.hpp"
 

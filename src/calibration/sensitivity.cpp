@@ -1,4 +1,4 @@
-#include "hydrapod/calibration/sensitivity.hpp"
+#include "hydrapod/calibration/calibrate.hpp"
 
 #include <fmt/format.h>
 

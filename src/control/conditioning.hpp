@@ -8,6 +8,9 @@ namespace hydrapod::control {
 /// Speeds at full drive by which drives are corrected, under the slow load force [N].
 AxisSpeeds conditioning_speeds(const ControllerParameters& parameters, int leg, double slow_force);
 
+/// ∂(ln v)/∂F [1/N] of the speed at full drive under the load F; 0 where that is held at its least.
+double log_speed_per_load(const DriveAxis& axis, double load, bool extending);
+
 struct ConditionedDrive {
   double value{};  ///< share of the rated one, what the converter gives
   bool limited{};

@@ -1,10 +1,11 @@
-#include "hydrapod/control/controller.hpp"
-
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
+
+#include "conditioning.hpp"
+#include "hydrapod/control/controller.hpp"
 
 namespace hydrapod::control {
 
@@ -45,6 +46,14 @@ AxisSpeeds full_drive_speeds(const DriveAxis& axis, double load) {
     return axis.flow_coefficient * std::sqrt(std::max(force, least) / cubes);
   };
   return {speed(p_s * A_1 - p_t * A_2 - load), speed(p_s * A_2 - p_t * A_1 + load)};
+}
+
+double log_speed_per_load(const DriveAxis& axis, double load, bool extending) {
+  const double A_1 = axis.piston_area, A_2 = axis.annulus_area;
+  const double p_s = axis.supply_pressure, p_t = axis.return_pressure;
+  const double force = extending ? p_s * A_1 - p_t * A_2 - load : p_s * A_2 - p_t * A_1 + load;
+  if (force <= least_share * p_s * A_1) return 0.0;
+  return (extending ? -0.5 : 0.5) / force;
 }
 
 void validate(const ControllerParameters& parameters) {

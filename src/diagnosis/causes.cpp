@@ -6,7 +6,7 @@
 
 #include "hydrapod/diagnosis/diagnose.hpp"
 #include "hydrapod/dynamics/linear_model.hpp"
-#include "hydrapod/hydraulics/oil_spring.hpp"
+#include "hydrapod/hydraulics/servo_axis.hpp"
 #include "hydrapod/kinematics/legs.hpp"
 
 namespace hydrapod::diagnosis {

@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "evidence.hpp"
-#include "hydrapod/hydraulics/oil_spring.hpp"
+#include "hydrapod/hydraulics/servo_axis.hpp"
 #include "hydrapod/kinematics/legs.hpp"
 #include "hydrapod/modal/normal_modes.hpp"
 #include "hydrapod/simulation/linear_system.hpp"

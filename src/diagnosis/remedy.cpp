@@ -8,7 +8,7 @@
 #include <stdexcept>
 
 #include "hydrapod/base/error.hpp"
-#include "hydrapod/kinematics/check_machine.hpp"
+#include "hydrapod/kinematics/legs.hpp"
 
 namespace hydrapod::diagnosis {
 

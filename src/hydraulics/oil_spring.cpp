@@ -1,4 +1,4 @@
-#include "hydrapod/hydraulics/oil_spring.hpp"
+#include "hydrapod/hydraulics/servo_axis.hpp"
 
 #include <cmath>
 #include <numbers>

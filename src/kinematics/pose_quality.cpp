@@ -1,4 +1,4 @@
-#include "hydrapod/kinematics/check_machine.hpp"
+#include "hydrapod/kinematics/legs.hpp"
 
 #include <Eigen/Geometry>
 #include <Eigen/SVD>

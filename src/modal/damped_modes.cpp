@@ -16,15 +16,6 @@ using Complex = std::complex<double>;
 using ComplexVector = Eigen::Matrix<Complex, Eigen::Dynamic, 1>;
 using ComplexMatrix = Eigen::MatrixXcd;
 
-bool has_viscous_damper(const model::Machine& machine) {
-  if (machine.damping.rayleigh_mass != 0.0 || machine.damping.rayleigh_stiffness != 0.0)
-    return true;
-  return std::any_of(machine.legs.begin(), machine.legs.end(), [](const model::Leg& leg) {
-    return leg.guide_sleeve.damping != 0.0 || leg.oil_spring.damping != 0.0 ||
-           (leg.piston_ring && leg.piston_ring->damping != 0.0);
-  });
-}
-
 bool is_diagonal(const ModelMatrix& A) {
   constexpr double negligible = 1e-12;
   const ModelVector d = A.diagonal().cwiseAbs().cwiseSqrt();
@@ -239,12 +230,6 @@ bool same_pole(const DampedMode& a, const DampedMode& b, double largest) {
 }
 
 }  // namespace
-
-ModalRatio modal_ratio(const model::Machine& machine) {
-  if (machine.damping.modal_ratio) return {*machine.damping.modal_ratio, false};
-  if (has_viscous_damper(machine)) return {0.0, false};
-  return {default_modal_ratio, true};
-}
 
 ModelMatrix modal_damping_matrix(const LinearModel& model, const NormalModes& modes, double ratio) {
   const int n = modes.size();

@@ -88,9 +88,13 @@ void add_leg(const LinearModel& model, int i, const Shapes& y, const Numbers* pl
   e.oil[i] = leg.k_h * product(leg.s_x, x.data(), size).square();
   e.guide_sleeve[i].setZero();
   e.piston_ring[i].setZero();
-  if constexpr (flexible > 0)
-    e.guide_sleeve[i] = leg.k_s * (product(leg.d_x.row(0), x.data(), size).square() +
-                                   product(leg.d_x.row(1), x.data(), size).square());
+  if constexpr (flexible > 0) {
+    const Numbers along_t = product(leg.d_x.row(0), x.data(), size),
+                  along_2 = product(leg.d_x.row(1), x.data(), size);
+    e.guide_sleeve[i] = (leg.k_s + leg.k_contact) * (along_t.square() + along_2.square());
+    if (leg.k_contact > 0.0)
+      e.guide_sleeve[i] += (leg.contact_root[0] * along_t + leg.contact_root[1] * along_2).square();
+  }
   if constexpr (flexible > 2) e.piston_ring[i] = leg.k_g * (x[5].square() + x[6].square());
 }
 

@@ -1,14 +1,15 @@
 #include "hydrapod/modal/normal_modes.hpp"
 
 #include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
 #include <numeric>
-#include <utility>
 
 #include "hydrapod/base/error.hpp"
+#include "hydrapod/numerics/dense.hpp"
 #include "symmetric_eigen.hpp"
 
 namespace hydrapod::modal {
@@ -16,6 +17,11 @@ namespace hydrapod::modal {
 namespace {
 
 using spatial::Matrix6;
+
+constexpr auto no_mass =
+    "the mass matrix is not positive definite: do the platform and every leg have mass and "
+    "inertia?";
+constexpr auto not_converged = "the modes did not converge: is every stiffness finite?";
 
 /// Number of modes from `first` on that repeat its ω².
 int group_size(const ModelVector& omega2, int first) {
@@ -64,119 +70,57 @@ template <int size>
 Eigen::Matrix<double, size, size> inverse_root(const Eigen::Matrix<double, size, size>& M) {
   using Matrix = Eigen::Matrix<double, size, size>;
   const Eigen::LLT<Matrix> llt(M);
-  if (llt.info() != Eigen::Success)
-    throw base::ComputationError(
-        "the mass matrix is not positive definite: do the platform and every leg have mass and "
-        "inertia?");
+  if (llt.info() != Eigen::Success) throw base::ComputationError(no_mass);
   return llt.matrixU().solve(Matrix::Identity());
 }
 
-/// The rows and columns of the platform and, behind all legs, of the base.
-template <int flexible, int of_base>
-decltype(auto) outer_part(const ModelMatrix& A) {
-  if constexpr (of_base == 0) {
-    return A.topLeftCorner<6, 6>();
-  } else {
-    constexpr int behind = 6 + model::leg_count * flexible;
-    Eigen::Matrix<double, 6 + of_base, 6 + of_base> part;
-    part.template topLeftCorner<6, 6>() = A.topLeftCorner<6, 6>();
-    part.template topRightCorner<6, of_base>() = A.block<6, of_base>(0, behind);
-    part.template bottomLeftCorner<of_base, 6>() = A.block<of_base, 6>(behind, 0);
-    part.template bottomRightCorner<of_base, of_base>() = A.block<of_base, of_base>(behind, behind);
-    return part;
-  }
-}
-
-/// Rows of a leg, columns of the platform and the base.
-template <int flexible, int of_base>
-Eigen::Matrix<double, flexible, 6 + of_base> border(const ModelMatrix& A, int at) {
-  Eigen::Matrix<double, flexible, 6 + of_base> part;
-  part.template leftCols<6>() = A.block<flexible, 6>(at, 0);
-  if constexpr (of_base > 0)
-    part.template rightCols<of_base>() =
-        A.block<flexible, of_base>(at, 6 + model::leg_count * flexible);
-  return part;
-}
-
-/// `part`, whose columns are those of platform and base, into the rows from `at` on.
-template <int flexible, int of_base, class Part, class Columns>
-void place(const Part& part, int at, Columns& X) {
-  constexpr int rows = Part::RowsAtCompileTime;
-  X.template block<rows, 6>(at, 0) = part.template leftCols<6>();
-  if constexpr (of_base > 0)
-    X.template block<rows, of_base>(at, 6 + model::leg_count * flexible) =
-        part.template rightCols<of_base>();
-}
-
-/// The same of a matrix between platform and base.
-template <int flexible, int of_base, class Part, class Columns>
-void place_outer(const Part& part, Columns& X) {
-  place<flexible, of_base>(Eigen::Matrix<double, 6, 6 + of_base>(part.template topRows<6>()), 0, X);
-  if constexpr (of_base > 0)
-    place<flexible, of_base>(
-        Eigen::Matrix<double, of_base, 6 + of_base>(part.template bottomRows<of_base>()),
-        6 + model::leg_count * flexible, X);
-}
-
-/// X with Xᵀ M X = I, and A = Xᵀ K X. Legs touch each other only through platform and base, so
-/// every leg's own small block of M is factored first; then come the columns of platform and base
-/// (r), in which the legs follow freely:
+/// X with Xᵀ M X = I, and A = Xᵀ K X. Legs touch each other only through the platform, so every
+/// leg's own small block of M is factored first; then come the platform's six columns, in which the
+/// legs follow freely:
 ///
 ///     X = [ T      0  ]    P_i = L_i⁻ᵀ,  M_ff,i = L_i L_iᵀ
 ///         [ −G_i T P_i ]   G_i = M_ff,i⁻¹ M_fr,i,  T = L⁻ᵀ,  L Lᵀ = M_rr − Σ M_rf,i G_i
-///
-/// The base's columns are the last, where the eigensolver wants what is stiff.
-template <int flexible, int of_base>
-void reduce(const LinearModel& model, Pencil<6 + model::leg_count * flexible + of_base>& pencil) {
-  constexpr int outer = 6 + of_base;
-  using Outer = Eigen::Matrix<double, outer, outer>;
+template <int flexible>
+void reduce(const LinearModel& model, Pencil<6 + model::leg_count * flexible>& pencil) {
   using Block = Eigen::Matrix<double, flexible, flexible>;
-  using Border = Eigen::Matrix<double, flexible, outer>;
+  using Border = Eigen::Matrix<double, flexible, 6>;
   auto& [A, X, diagonal, subdiagonal] = pencil;
   std::array<Border, model::leg_count> G;
-  Outer M_outer = outer_part<flexible, of_base>(model.M);
+  Matrix6 M_platform = model.M.topLeftCorner<6, 6>();
   for (int i = 0; i < model::leg_count; ++i) {
     const int at = 6 + flexible * i;
-    const Border M_fr = border<flexible, of_base>(model.M, at);
+    const Border M_fr = model.M.block<flexible, 6>(at, 0);
     const Block P = inverse_root<flexible>(model.M.block<flexible, flexible>(at, at));
     G[i] = P * (P.transpose() * M_fr);
-    M_outer -= M_fr.transpose() * G[i];
+    M_platform -= M_fr.transpose() * G[i];
     X.template block<flexible, flexible>(at, at) = P;
   }
-  const Outer T = inverse_root<outer>(M_outer);
-  place_outer<flexible, of_base>(T, X);
-  Outer forces = outer_part<flexible, of_base>(model.K) * T;  // K X, its platform rows and columns
-  Outer A_outer = Outer::Zero();
+  const Matrix6 T = inverse_root<6>(M_platform);
+  X.template topLeftCorner<6, 6>() = T;
+  Matrix6 forces = model.K.topLeftCorner<6, 6>() * T;  // K X, its platform rows and columns
   for (int i = 0; i < model::leg_count; ++i) {
     const int at = 6 + flexible * i;
     const Block P = X.template block<flexible, flexible>(at, at);
     const Block K_ff = model.K.block<flexible, flexible>(at, at);
-    const Border K_fr = border<flexible, of_base>(model.K, at);
+    const Border K_fr = model.K.block<flexible, 6>(at, 0);
     const Border follow = -G[i] * T;
     const Border leg_forces = K_fr * T + K_ff * follow;
     const Border A_fr = P.transpose() * leg_forces;
-    place<flexible, of_base>(follow, at, X);
+    X.template block<flexible, 6>(at, 0) = follow;
     A.template block<flexible, flexible>(at, at) = P.transpose() * K_ff * P;
-    place<flexible, of_base>(A_fr, at, A);
-    A.template middleCols<flexible>(at).template topRows<6>() =
-        A_fr.template leftCols<6>().transpose();
-    if constexpr (of_base > 0)
-      A.template block<of_base, flexible>(6 + model::leg_count * flexible, at) =
-          A_fr.template rightCols<of_base>().transpose();
-    A_outer += follow.transpose() * leg_forces;
+    A.template block<flexible, 6>(at, 0) = A_fr;
+    A.template block<6, flexible>(0, at) = A_fr.transpose();
+    A.template topLeftCorner<6, 6>() += follow.transpose() * leg_forces;
     forces += K_fr.transpose() * follow;
   }
-  A_outer += T.transpose() * forces;
-  place_outer<flexible, of_base>(A_outer, A);
+  A.template topLeftCorner<6, 6>() += T.transpose() * forces;
 }
 
-/// The same without flexible coordinates.
-template <int of_base>
-void reduce_rigid(const LinearModel& model, Pencil<6 + of_base>& pencil) {
-  constexpr int size = 6 + of_base;
-  const auto T = inverse_root<size>(model.M);
-  pencil.X.template topRows<size>() = T;
-  pencil.A.template topRows<size>() = T.transpose() * model.K * T;
+template <>
+void reduce<0>(const LinearModel& model, Pencil<6>& pencil) {
+  const Matrix6 T = inverse_root<6>(model.M);
+  pencil.X.topRows<6>() = T;
+  pencil.A.topRows<6>() = T.transpose() * model.K * T;
 }
 
 /// φᵀ K φ of every shape. Its error is the square of the shape's: low modes keep their digits next
@@ -193,47 +137,90 @@ void refine(const LinearModel& model, Pencil<size>& pencil) {
   }
 }
 
-template <int flexible, int of_base>
-NormalModes solve(const LinearModel& model) {
-  constexpr int size = 6 + model::leg_count * flexible + of_base;
-  Pencil<size> pencil;
-  if constexpr (flexible == 0)
-    reduce_rigid<of_base>(model, pencil);
-  else
-    reduce<flexible, of_base>(model, pencil);
-  if (!diagonalize(pencil))
-    throw base::ComputationError("the modes did not converge: is every stiffness finite?");
-  refine(model, pencil);
-  std::array<int, size> order;
-  std::iota(order.begin(), order.end(), 0);
-  std::sort(order.begin(), order.end(),
-            [&](int a, int b) { return pencil.diagonal[a] < pencil.diagonal[b]; });
+/// The modes sorted by ω².
+NormalModes ascending(const Eigen::Ref<const Eigen::VectorXd>& omega2,
+                      const Eigen::Ref<const Eigen::MatrixXd>& shapes) {
+  const auto size = omega2.size();
+  std::array<int, dynamics::max_dof> order;
+  std::iota(order.begin(), order.begin() + size, 0);
+  std::sort(order.begin(), order.begin() + size,
+            [&](int a, int b) { return omega2[a] < omega2[b]; });
   NormalModes modes{.omega2 = ModelVector(size), .shapes = ModelMatrix(size, size)};
   for (int k = 0; k < size; ++k) {
-    modes.omega2[k] = pencil.diagonal[order[k]];
-    modes.shapes.col(k) = pencil.X.col(order[k]).template head<size>();
+    modes.omega2[k] = omega2[order[k]];
+    modes.shapes.col(k) = shapes.col(order[k]);
   }
   return modes;
 }
 
-template <int flexible, int... of_base>
-NormalModes solve(const LinearModel& model, std::integer_sequence<int, of_base...>) {
-  using Solver = NormalModes (*)(const LinearModel&);
-  static constexpr std::array<Solver, sizeof...(of_base)> solvers{&solve<flexible, of_base>...};
-  return solvers.at(model.base_directions.size())(model);
+template <int flexible>
+NormalModes solve(const LinearModel& model) {
+  constexpr int size = 6 + model::leg_count * flexible;
+  Pencil<size> pencil;
+  reduce<flexible>(model, pencil);
+  if (!diagonalize(pencil)) throw base::ComputationError(not_converged);
+  refine(model, pencil);
+  return ascending(pencil.diagonal.template head<size>(), pencil.X.template topRows<size>());
+}
+
+/// Shapes next to those of K φ = ω² M φ, improved. The solver's errors are some epsilons of the
+/// largest ω² over the distance of two modes: too much for low modes beside a stiff mount. With
+/// S = Xᵀ K X, R = 1 − Xᵀ M X, whose entries are good to epsilons of their own modes,
+///
+///     X ← X + X E,   E_ij = (S_ij + ω²_j R_ij) / (ω²_j − ω²_i),   E_ij = R_ij / 2 of equal modes
+///
+/// (Ogita & Aishima, Japan J. Indust. Appl. Math. 35 (2018) 1007, for M = 1).
+Eigen::MatrixXd refined_shapes(const Eigen::MatrixXd& K, const Eigen::MatrixXd& M,
+                               const Eigen::MatrixXd& X) {
+  const Eigen::MatrixXd S = numerics::times(X.transpose(), numerics::times(K, X)),
+                        G = numerics::times(X.transpose(), numerics::times(M, X));
+  const auto size = X.cols();
+  Eigen::MatrixXd E(size, size);
+  constexpr double apart = 1e-6;  // of ω²: nearer, any mix of the two is as good as rounding allows
+  for (Eigen::Index j = 0; j < size; ++j)
+    for (Eigen::Index i = 0; i < size; ++i) {
+      const double at_i = S(i, i) / G(i, i), at_j = S(j, j) / G(j, j);
+      const double R = (i == j ? 1.0 : 0.0) - G(i, j);
+      const bool equal =
+          i == j || std::abs(at_i - at_j) <= apart * std::max(std::abs(at_i), std::abs(at_j));
+      E(i, j) = equal ? 0.5 * R : (S(i, j) + at_j * R) / (at_j - at_i);
+    }
+  return X + numerics::times(X, E);
+}
+
+/// Xᵀ M X = 1 again, where nearly equal modes, which rounding mixes, left the square of the mixing.
+Eigen::MatrixXd orthonormal(const Eigen::MatrixXd& M, const Eigen::MatrixXd& X) {
+  const Eigen::MatrixXd G = numerics::times(X.transpose(), numerics::times(M, X));
+  return X + 0.5 * numerics::times(X, Eigen::MatrixXd::Identity(G.rows(), G.cols()) - G);
+}
+
+/// With coordinates of the base: 18 sizes from 7 to 36, of which each would take 10 to 20 s to
+/// compile as those of fixed size do.
+NormalModes solve_with_base(const LinearModel& model) {
+  const Eigen::MatrixXd K = model.K, M = model.M;
+  if (Eigen::LLT<Eigen::MatrixXd>(M).info() != Eigen::Success)
+    throw base::ComputationError(no_mass);
+  const Eigen::GeneralizedSelfAdjointEigenSolver<Eigen::MatrixXd> solver(K, M);
+  if (solver.info() != Eigen::Success || !solver.eigenvectors().allFinite())
+    throw base::ComputationError(not_converged);
+  // the second time, what the first left of the square of the error
+  const Eigen::MatrixXd X =
+      orthonormal(M, refined_shapes(K, M, refined_shapes(K, M, solver.eigenvectors())));
+  const Eigen::VectorXd refined = X.cwiseProduct(numerics::times(K, X)).colwise().sum();
+  return ascending(refined, X);
 }
 
 NormalModes solve(const LinearModel& model) {
-  constexpr auto base_counts = std::make_integer_sequence<int, 7>();
+  if (model.base_count() > 0) return solve_with_base(model);
   switch (model.kind) {
     case dynamics::ModelKind::guide:
-      return solve<2>(model, base_counts);
+      return solve<2>(model);
     case dynamics::ModelKind::full:
-      return solve<4>(model, base_counts);
+      return solve<4>(model);
     case dynamics::ModelKind::rigid:
       break;
   }
-  return solve<0>(model, base_counts);
+  return solve<0>(model);
 }
 
 }  // namespace

@@ -75,6 +75,12 @@ constexpr ParameterRow leg_rows[]{
         "legs.case.axial_inertia", "kg m^2", standard, not_negative,
         "I_ta, about the axis, no more than twice I_t; used with `flexible_axes = "
         "\"gimbal\"`"),
+    not_mechanical(number<&Leg::cylinder_case, &CylinderCase::diameter>(
+        "legs.case.diameter", "m", otherwise("the case does not bend"), usual(5e-3, 2.0, positive),
+        "outside; with `wall`, for the buckling of the leg as a column", shown("100 mm"))),
+    not_mechanical(number<&Leg::cylinder_case, &CylinderCase::wall>(
+        "legs.case.wall", "m", otherwise("the case does not bend"), usual(5e-4, 0.5, positive),
+        "thickness, no more than half the diameter", shown("10 mm"))),
     table("legs.rod", required, "rod with piston"),
     number<&Leg::rod, &Rod::length>("legs.rod.length", "m", required, usual(0.02, 20.0, positive),
                                     "l_mn, from the piston to the platform joint", given("1.05 m")),
@@ -90,6 +96,20 @@ constexpr ParameterRow leg_rows[]{
         "legs.rod.axial_inertia", "kg m^2", standard, not_negative,
         "I_ra, about the axis, no more than twice I_r; used with `flexible_axes = "
         "\"gimbal\"`"),
+    not_mechanical(number<&Leg::rod, &Rod::diameter>(
+        "legs.rod.diameter", "m", otherwise("`rod_diameter` of the oil spring's cylinder"),
+        usual(2e-3, 1.2, positive), "outside, for the buckling of the leg as a column",
+        shown("56 mm"))),
+    not_mechanical(number<&Leg::rod, &Rod::wall>("legs.rod.wall", "m", otherwise("solid"),
+                                                 usual(5e-4, 0.5, positive),
+                                                 "thickness of a hollow rod, no more than half the "
+                                                 "diameter",
+                                                 shown("12 mm"))),
+    not_mechanical(number<&Leg::rod, &Rod::youngs_modulus>(
+        "legs.rod.youngs_modulus", "Pa", standard, usual(1e9, 1e12, positive),
+        "E of rod and case; the default is that of steel")),
+    not_mechanical(number<&Leg::rod, &Rod::yield_strength>(
+        "legs.rod.yield_strength", "Pa", standard, usual(1e7, 5e9, positive), "R_e of the rod")),
     table("legs.guide_sleeve", required, "the seals' O-rings where the rod leaves the cylinder"),
     number<&Leg::guide_sleeve, &GuideSleeve::position>("legs.guide_sleeve.position", "m", required,
                                                        usual(0.02, 20.0, positive),
@@ -100,20 +120,32 @@ constexpr ParameterRow leg_rows[]{
     number<&Leg::guide_sleeve, &GuideSleeve::damping>("legs.guide_sleeve.damping", "N s/m",
                                                       standard, not_negative,
                                                       "c_s, lateral, viscous", given("2 kN s/m")),
+    number<&Leg::guide_sleeve, &GuideSleeve::gap>(
+        "legs.guide_sleeve.gap", "m", otherwise("the rod never touches its guide"),
+        usual(1e-6, 1e-2, positive),
+        "g, radial, from the centred rod to the guide ring; beyond it the guide ring carries, "
+        "with `guide_stiffness` beside k_s",
+        shown("0.2 mm")),
+    number<&Leg::guide_sleeve, &GuideSleeve::guide_stiffness>(
+        "legs.guide_sleeve.guide_stiffness", "N/m", standard, positive,
+        "k_c, lateral, of the guide ring; used with `gap`"),
     table("legs.piston_ring", optional,
           "the O-ring under the piston's ring; without the table it is rigid"),
     number<&Leg::piston_ring, &PistonRing::stiffness>(
         "legs.piston_ring.stiffness", "N/m", required, positive,
         "k_g, lateral, between case and piston", shown("20 kN/mm")),
     number<&Leg::piston_ring, &PistonRing::damping>("legs.piston_ring.damping", "N s/m", standard,
-                                                    not_negative, "c_g, lateral, viscous"),
+                                                    not_negative, "c_u, lateral, viscous"),
     table("legs.oil_spring", required,
           "the oil along the leg: either `stiffness`, or the table `cylinder`"),
     instead_of(drop_cylinder,
                number<oil, &OilSpring::stiffness>("legs.oil_spring.stiffness", "N/m", standard,
                                                   positive, "k_h", shown("20 kN/mm"))),
-    number<oil, &OilSpring::damping>("legs.oil_spring.damping", "N s/m", standard, not_negative,
-                                     "c_h, viscous, parallel to the spring", given("10 kN s/m")),
+    number<oil, &OilSpring::damping>(
+        "legs.oil_spring.damping", "N s/m", standard, not_negative,
+        "c_h, viscous, parallel to the spring; simulations and poles of the system model leakage, "
+        "valves and friction in its place",
+        given("10 kN s/m")),
     instead_of(drop_stiffness,
                table("legs.oil_spring.cylinder", required, "what the stiffness follows from")),
     number<oil, cylinder, &Cylinder::bore>("legs.oil_spring.cylinder.bore", "m", required,

@@ -27,9 +27,9 @@ void check_body(const std::string& key, double transverse, double axial, ValueCh
 /// With the platform held, the case turns about the base joint and the rod about the platform
 /// joint: a part without inertia about its joint would leave the mass matrix singular.
 void check_flexible_inertia(const Leg& leg, ValueChecks& checks) {
-  const auto& [case_mass, r_b, I_t, I_ta] = leg.cylinder_case;
+  const auto& of = leg.cylinder_case;
   const double to_joint = leg.rod.length - leg.rod.mass_center;
-  const double of_case = I_t + case_mass * r_b * r_b;
+  const double of_case = of.transverse_inertia + of.mass * of.mass_center * of.mass_center;
   const double of_rod = leg.rod.transverse_inertia + leg.rod.mass * to_joint * to_joint;
   constexpr double least = 1.0 / largest_number;
   if (of_case + of_rod < least) {
@@ -45,6 +45,32 @@ void check_flexible_inertia(const Leg& leg, ValueChecks& checks) {
                "the rod has no inertia about the platform joint, expected a mass or a transverse "
                "inertia because it moves independently with a piston ring");
   }
+}
+
+void check_wall(const std::string& key, double wall, double diameter, ValueChecks& checks) {
+  if (checks.sound(key + ".wall") && checks.sound(key + ".diameter") && wall > 0.5 * diameter)
+    checks.add_unexpected(key + ".wall", wall, "m", "no more than half the diameter",
+                          0.5 * diameter);
+}
+
+/// What the leg as a column is made of.
+void check_sections(const Leg& leg, ValueChecks& checks) {
+  const auto& around = leg.cylinder_case;
+  const auto& rod = leg.rod;
+  if (around.diameter && around.wall)
+    check_wall("case", *around.wall, *around.diameter, checks);
+  else if (around.diameter)
+    checks.add("case.wall", "is missing beside `diameter`, expected the thickness of the wall");
+  else if (around.wall)
+    checks.add("case.diameter", "is missing beside `wall`, expected the outside diameter");
+  const auto& cylinder = leg.oil_spring.cylinder;
+  if (rod.wall && !rod.diameter && !cylinder) {
+    checks.add("rod.diameter", "is missing beside `wall`, expected the outside diameter");
+  } else if (rod.wall) {
+    check_wall("rod", *rod.wall, rod.diameter ? *rod.diameter : cylinder->rod_diameter, checks);
+  }
+  if (rod.diameter && cylinder && checks.sound("rod.diameter") && *rod.diameter >= cylinder->bore)
+    checks.add_unexpected("rod.diameter", *rod.diameter, "m", "less than the bore", cylinder->bore);
 }
 
 void check_volumes(const Cylinder& cylinder, bool has_stroke, ValueChecks& checks) {
@@ -120,6 +146,7 @@ std::vector<Finding> leg_findings(const Machine& machine, int index, NonFinite n
   check_body("case", leg.cylinder_case.transverse_inertia, leg.cylinder_case.axial_inertia, checks);
   check_body("rod", leg.rod.transverse_inertia, leg.rod.axial_inertia, checks);
   check_flexible_inertia(leg, checks);
+  check_sections(leg, checks);
   check_oil_spring(leg, checks);
   check_stroke(leg, checks);
   check_gimbal_axis(leg.gimbal_axis, checks);

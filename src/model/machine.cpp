@@ -1,5 +1,6 @@
 #include "hydrapod/model/machine.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -12,6 +13,23 @@ Vector3 on_circle(double radius, double angle) {
   return {radius * std::cos(angle), radius * std::sin(angle), 0.0};
 }
 }  // namespace
+
+bool has_leg_dampers(const Machine& machine) {
+  return std::ranges::any_of(machine.legs, [](const Leg& leg) {
+    return leg.guide_sleeve.damping != 0.0 || leg.oil_spring.damping != 0.0 ||
+           (leg.piston_ring && leg.piston_ring->damping != 0.0);
+  });
+}
+
+bool has_rayleigh_damping(const Machine& machine) {
+  return machine.damping.rayleigh_mass != 0.0 || machine.damping.rayleigh_stiffness != 0.0;
+}
+
+ModalRatio modal_ratio(const Machine& machine) {
+  if (machine.damping.modal_ratio) return {*machine.damping.modal_ratio, false};
+  if (has_leg_dampers(machine) || has_rayleigh_damping(machine)) return {0.0, false};
+  return {default_modal_ratio, true};
+}
 
 JointPoints base_joint_points(const JointCircle& circle) {
   const double alpha = circle.half_angle();

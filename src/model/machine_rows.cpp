@@ -212,7 +212,9 @@ constexpr ParameterRow damping_rows[]{
     table("damping", optional, "what is not a named damper of the legs"),
     number<&Machine::damping, &Damping::modal_ratio>(
         "damping.modal_ratio", "1", otherwise("0.02 where nothing else damps, else 0"), below_one,
-        "damping ratio of every mode, 0 or more and less than 1", shown("2 %")),
+        "damping ratio of every mode on top of the dampers, 0 or more and less than 1; simulations "
+        "and poles of the system give it to seals and base mount, hydraulics damp the oil",
+        shown("2 %")),
     number<&Machine::damping, &Damping::rayleigh_mass>("damping.rayleigh_mass", "1/s", standard,
                                                        not_negative, "α of C = α M + β K"),
     number<&Machine::damping, &Damping::rayleigh_stiffness>("damping.rayleigh_stiffness", "s",

@@ -129,6 +129,12 @@ constexpr ParameterRow word(std::string_view path, std::span<const std::string_v
   return made;
 }
 
+/// A number that the linear models of the mechanism do not know.
+constexpr ParameterRow not_mechanical(ParameterRow made) {
+  made.mechanics = false;
+  return made;
+}
+
 constexpr ParameterRow in_code(ParameterRow made) {
   made.in_code = true;
   return made;

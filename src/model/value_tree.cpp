@@ -142,6 +142,7 @@ Node converted(const toml::node& value, int source) {
     node.number = real->get();
   } else {
     node.kind = value.is_boolean() ? Node::Kind::boolean : Node::Kind::date;
+    if (const auto* boolean = value.as_boolean()) node.number = boolean->get() ? 1.0 : 0.0;
   }
   return node;
 }

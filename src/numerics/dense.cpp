@@ -145,4 +145,26 @@ SingularValues singular_values(const MatrixXd& A) {
   return {svd.matrixU(), svd.matrixV(), svd.singularValues()};
 }
 
+Eigen::VectorXd balancing(const Eigen::MatrixXd& A) {
+  constexpr int sweeps = 50;
+  Eigen::VectorXd d = Eigen::VectorXd::Ones(A.rows());
+  Eigen::MatrixXd scaled = A.cwiseAbs();
+  scaled.diagonal().setZero();
+  for (int sweep = 0; sweep < sweeps; ++sweep) {
+    bool changed = false;
+    for (Eigen::Index i = 0; i < A.rows(); ++i) {
+      const double column = scaled.col(i).sum(), row = scaled.row(i).sum();
+      if (column == 0.0 || row == 0.0) continue;
+      const double factor = std::exp2(std::round(0.5 * std::log2(row / column)));
+      if (factor == 1.0) continue;
+      changed = true;
+      d[i] *= factor;
+      scaled.col(i) *= factor;
+      scaled.row(i) /= factor;
+    }
+    if (!changed) break;
+  }
+  return d;
+}
+
 }  // namespace hydrapod::numerics

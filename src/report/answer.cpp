@@ -19,6 +19,33 @@ std::string drop_text(const modal::ModeTable& table, double drop) {
   return fmt::format("{} lower it by {:.{}f} %", parts, drop, drop < 10.0 ? 2 : 0);
 }
 
+/// Index of the mode that holds most of the rigid-leg model's mode `rigid`; −1 when none does.
+int main_mode(const modal::ModeTable& table, int rigid) {
+  int best = -1;
+  for (int k = 0; k < static_cast<int>(table.real.modes.size()); ++k) {
+    const auto& of = table.real.modes[k].rigid;
+    if (!of || of->mode != rigid) continue;
+    if (best < 0 || of->mac > table.real.modes[best].rigid->mac) best = k;
+  }
+  return best;
+}
+
+constexpr double whole = 0.95;  // of a mode's motion; a larger share needs no word
+
+/// How much of the rigid-leg mode's motion the lowered mode holds, and where the rest of it is.
+std::string share_text(const modal::ModeTable& table, int k) {
+  const auto& of = *table.real.modes[k].rigid;
+  if (of.mac >= whole) return {};
+  std::string text = fmt::format(" This mode holds {} % of the motion of the mode with rigid legs",
+                                 percent_text(of.mac));
+  const int main = main_mode(table, of.mode);
+  if (main == k) return text + ".";
+  const auto& other = table.real.modes[main];
+  return text + fmt::format("; {} % of it is in the mode at {:.3f} Hz ({:+.1f} %).",
+                            percent_text(other.rigid->mac), other.mode.omega / two_pi,
+                            100.0 * other.rigid->shift);
+}
+
 /// The platform may rest in the mode in which the legs buckle.
 bool is_stable(const modal::ModeTable& table) {
   return std::all_of(table.real.modes.begin(), table.real.modes.end(),
@@ -63,9 +90,9 @@ std::string answer_text(const modal::ModeTable& table) {
                   modal::platform_directions(entry.energy));
   if (!entry.rigid) return text + ".\n";
   const double rigid = table.rigid.modes[entry.rigid->mode].mode.omega;
-  return text + fmt::format("; with rigid legs: {:.3f} Hz. {}. Elastic energy: {}.\n",
+  return text + fmt::format("; with rigid legs: {:.3f} Hz. {}.{} Elastic energy: {}.\n",
                             rigid / two_pi, drop_text(table, -100.0 * entry.rigid->shift),
-                            energy_text(entry.energy));
+                            share_text(table, k), energy_text(entry.energy));
 }
 
 Json answer_json(const modal::ModeTable& table) {
@@ -88,6 +115,11 @@ Json answer_json(const modal::ModeTable& table) {
     json["rigid_mode"] = entry.rigid->mode + 1;
     json["rigid_frequency_hz"] = table.rigid.modes[entry.rigid->mode].mode.omega / two_pi;
     json["drop_percent"] = -100.0 * entry.rigid->shift;
+    json["share_of_rigid_mode"] = entry.rigid->mac;
+    const int main = main_mode(table, entry.rigid->mode);
+    json["main_mode"] = main + 1;
+    json["main_frequency_hz"] = table.real.modes[main].mode.omega / two_pi;
+    json["main_share_of_rigid_mode"] = table.real.modes[main].rigid->mac;
   }
   return json;
 }

@@ -8,6 +8,7 @@
 
 #include "fields.hpp"
 #include "hydrapod/hydraulics/servo_axis.hpp"
+#include "hydrapod/spatial/pose.hpp"
 
 namespace hydrapod::report {
 
@@ -44,22 +45,29 @@ std::string warning_text(const PoseWarning& warning) {
       "expected a higher supply.pressure, a larger bore or less mass",
       "{legs}: the chambers rest at {bar:.3g} bar, and the air in the oil is stated at "
       "{stated_bar:.3g} bar (cylinder.air.pressure): oil springs are those of the stated pressure, "
-      "simulations and open or closed loops have those at rest"};
+      "simulations and open or closed loops have those at rest",
+      "{legs}: the rod buckles: {force} are to be held, and as a column the leg bears {limit}; "
+      "expected a thicker rod, a longer guide or less mass",
+      "{legs}: as a column the leg bears {value:.2g} times the static force; usual are 3.5 times",
+      "{legs}: the oil can push with {force}, and the rod buckles at {limit}",
+      "{legs}: the rod lies on its guide ring: its axis is {millimetres:.3g} mm off the centre, "
+      "the gap is {gap:.3g} mm"};
   const double value = warning.value;
   const std::string mass = mass_text(value), legs = legs_text(warning.legs);
-  return fmt::format(fmt::runtime(texts.at(static_cast<std::size_t>(warning.kind))),
-                     fmt::arg("value", value), fmt::arg("ratio", warning.ratio),
-                     fmt::arg("mass", mass), fmt::arg("legs", legs),
-                     fmt::arg("millimetres", 1e3 * value), fmt::arg("bar", 1e-5 * value),
-                     fmt::arg("stated_bar", 1e-5 * warning.ratio),
-                     fmt::arg("force", fmt::format("{:.4g} kN", 1e-3 * value)),
-                     fmt::arg("limit", fmt::format("{:.4g} kN", 1e-3 * warning.ratio)),
-                     fmt::arg("degrees", value * (180.0 / std::numbers::pi)));
+  return fmt::format(
+      fmt::runtime(texts.at(static_cast<std::size_t>(warning.kind))), fmt::arg("value", value),
+      fmt::arg("ratio", warning.ratio), fmt::arg("mass", mass), fmt::arg("legs", legs),
+      fmt::arg("millimetres", 1e3 * value), fmt::arg("bar", 1e-5 * value),
+      fmt::arg("gap", 1e3 * warning.ratio), fmt::arg("stated_bar", 1e-5 * warning.ratio),
+      fmt::arg("force", fmt::format("{:.4g} kN", 1e-3 * value)),
+      fmt::arg("limit", fmt::format("{:.4g} kN", 1e-3 * warning.ratio)),
+      fmt::arg("degrees", value * (180.0 / std::numbers::pi)));
 }
 
 bool is_fatal(PoseWarning::Kind kind) {
   using Kind = PoseWarning::Kind;
-  return kind == Kind::buckled || kind == Kind::no_equilibrium || kind == Kind::weak_supply;
+  return kind == Kind::buckled || kind == Kind::no_equilibrium || kind == Kind::weak_supply ||
+         kind == Kind::rod_buckles;
 }
 
 bool is_sound(const PoseCheck& check) {
@@ -84,9 +92,55 @@ std::string verdict_text(const std::vector<PoseCheck>& poses) {
   add(Kind::buckled, "the legs buckle");
   add(Kind::no_equilibrium, "no equilibrium was found");
   add(Kind::weak_supply, "the supply cannot hold the load");
+  add(Kind::rod_buckles, "the rods buckle");
   if (!reasons.empty()) return fmt::format("Not sound: {}.", fmt::join(reasons, "; "));
   return poses.size() == 1 ? fmt::format("Sound at pose {}.", poses.front().pose.name)
                            : fmt::format("Sound at all {} poses.", poses.size());
+}
+
+template <class Fields>
+void describe(Fields& f, dynamics::ColumnStrength& column) {
+  f("euler_N", column.euler);
+  f("strength_N", column.strength);
+  f("yields", column.yields);
+}
+
+template <class Fields>
+void describe(Fields& f, simulation::Reach& reach) {
+  f("value", reach.value);
+  f.word("limit", reach.limit,
+         words_of<simulation::Limit, simulation::limit_count>(&simulation::name));
+  std::optional<int> number;
+  if (reach.leg >= 0) number = reach.leg + 1;
+  f.optional("leg", number);
+  if constexpr (Fields::reads) reach.leg = number ? *number - 1 : -1;
+}
+
+template <class Fields>
+void describe(Fields& f, simulation::LegAbility& leg) {
+  f("force_N", leg.force);
+  f("push_N", leg.push);
+  f("pull_N", leg.pull);
+  f.optional("column", leg.column);
+  f("extending_m_s", leg.extending);
+  f("retracting_m_s", leg.retracting);
+  f("force_rate_out_N_s", leg.force_rate_out);
+  f("force_rate_in_N_s", leg.force_rate_in);
+}
+
+template <class Fields>
+void describe(Fields& f, simulation::Capability& capability) {
+  f("legs", capability.legs);
+  f.list("directions", 6, [&](auto& direction, std::size_t d) {
+    direction.derived("direction", spatial::direction_names[d]);
+    for (std::size_t k = 0; k < simulation::ability_count; ++k)
+      direction(name(static_cast<simulation::Ability>(k)), capability.reach[k][d]);
+  });
+  f.object("combined", [&](auto& combined) {
+    for (std::size_t k = 0; k < capability.combined.size(); ++k)
+      combined(name(static_cast<simulation::Ability>(k)), capability.combined[k]);
+  });
+  f.optional("gain_limit_1_s", capability.gain_limit);
 }
 
 template <class Fields>
@@ -97,6 +151,9 @@ void describe(Fields& f, LegCheck& leg) {
   f("oil_stiffness_N_m", leg.oil_stiffness);
   f("axial_force_N", leg.axial_force);
   f("static_tilt_rad", leg.tilt);
+  f("sleeve_offset_m", leg.sleeve_offset);
+  f.optional("ring_offset_m", leg.ring_offset);
+  f.optional("guide_gap_m", leg.gap);
   f("base_joint_tilt_rad", leg.base_tilt);
   f("platform_joint_tilt_rad", leg.platform_tilt);
   f.optional("retract_left_m", leg.retract_left);
@@ -105,13 +162,15 @@ void describe(Fields& f, LegCheck& leg) {
   f.optional("rod_pressure_Pa", leg.rod_pressure);
   f("largest_push_N", leg.largest_push);
   f("largest_pull_N", leg.largest_pull);
+  f.optional("column", leg.column);
 }
 
 template <class Fields>
 void describe(Fields& f, PoseWarning& warning) {
-  static constexpr std::array words{"buckled",       "near_buckling", "no_equilibrium",
-                                    "little_stroke", "short_guide",   "tilted_rod",
-                                    "near_singular", "weak_supply",   "air_pressure"};
+  static constexpr std::array words{
+      "buckled",        "near_buckling", "no_equilibrium", "little_stroke", "short_guide",
+      "tilted_rod",     "near_singular", "weak_supply",    "air_pressure",  "rod_buckles",
+      "little_reserve", "slender_rod",   "rod_on_guide"};
   f.word("kind", warning.kind, words);
   f("value", warning.value);
   f("ratio", warning.ratio);
@@ -139,6 +198,8 @@ void describe(Fields& f, PoseCheck& check) {
     b("limit_point", check.buckling.limit_point);
     b.optional("lowest_omega_rad_s", check.lowest_at_buckling);
   });
+  f.optional("first_resonance_rad_s", check.first_resonance);
+  f.optional("capability", check.capability);
   std::vector<std::string> words;
   for (const auto& warning : check.warnings) words.push_back(warning_text(warning));
   f.derived("sound", is_sound(check));

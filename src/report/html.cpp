@@ -7,10 +7,10 @@
 #include <stdexcept>
 #include <utility>
 
-#include "geometry_json.hpp"
+#include "editable_machine.hpp"
 #include "hydrapod/base/error.hpp"
-#include "modal_response_json.hpp"
 #include "page.hpp"
+#include "pose_report.hpp"
 
 namespace hydrapod::report {
 
@@ -34,20 +34,16 @@ std::string_view cut(std::string_view& page, std::string_view mark) {
   return before;
 }
 
-Json pose_report(const model::Machine& machine, const model::NamedPose& pose,
-                 const HtmlOptions& options) {
+/// Throws std::invalid_argument for modes that the model does not have.
+Json shown_pose(const model::Machine& machine, const model::NamedPose& pose,
+                const HtmlOptions& options) {
   const auto table = modal::mode_table(machine, pose.X_BP, options.kind);
   const int count = static_cast<int>(table.real.modes.size());
   for (const int mode : options.modes)
     if (mode < 1 || mode > count)
       throw std::invalid_argument(
           fmt::format("modes: there is no mode {}; the model has 1 to {}", mode, count));
-  Json json{{"pose", pose_json(pose)}, {"answer", answer_json(table)}};
-  json.update(modes_json(table));
-  json["geometry"] = geometry_json(machine, table.real.linear);
-  if (Json bode = bode_json(table, machine, options.points); !bode.is_null())
-    json["bode"] = std::move(bode);
-  return json;
+  return pose_report(machine, pose, table, options.points);
 }
 
 using Replacement = std::pair<std::string_view, std::string_view>;
@@ -111,7 +107,8 @@ Json report_json(const model::MachineFile& file, const std::string& path,
   for (const auto& warning : file.warnings)
     document["machine"]["warnings"].push_back(warning.text());
   for (const auto& pose : poses)
-    document["poses"].push_back(pose_report(file.machine, pose, options));
+    document["poses"].push_back(shown_pose(file.machine, pose, options));
+  document["editable"] = editable_json(file, poses, options.kind);
   return document;
 }
 

@@ -21,7 +21,7 @@ using Eigen::VectorXd;
 using identification::FrequencyResponses;
 using identification::Identification;
 using identification::IdentifiedMode;
-constexpr double band = numerics::normal_half_width;
+constexpr double half_width = numerics::normal_half_width;
 
 template <class Vector>
 data::MatVariable mode_vectors(const char* name, const std::vector<IdentifiedMode>& modes,
@@ -71,9 +71,9 @@ void write_modes_mat(const std::string& path, const Identification& result) {
   constexpr std::array<std::pair<const char*, double (*)(const Mode&)>, 7> columns{
       {{"mode_frequency_hz", [](const Mode& m) { return m.fit.omega() / two_pi; }},
        {"mode_frequency_95_hz",
-        [](const Mode& m) { return band * m.fit.omega_deviation / two_pi; }},
+        [](const Mode& m) { return half_width * m.fit.omega_deviation / two_pi; }},
        {"damping_ratio", [](const Mode& m) { return m.fit.damping_ratio(); }},
-       {"damping_95", [](const Mode& m) { return band * m.fit.damping_deviation; }},
+       {"damping_95", [](const Mode& m) { return half_width * m.fit.damping_deviation; }},
        {"mpc", [](const Mode& m) { return m.mpc; }},
        {"mpd_rad", [](const Mode& m) { return m.mpd; }},
        {"quality", [](const Mode& m) { return m.quality(); }}}};

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 
@@ -17,14 +18,6 @@ namespace {
 using base::two_pi;
 using spatial::direction_names;
 
-bool has_dampers(const model::Machine& machine) {
-  for (const auto& leg : machine.legs)
-    if (leg.guide_sleeve.damping != 0.0 || leg.oil_spring.damping != 0.0 ||
-        (leg.piston_ring && leg.piston_ring->damping != 0.0))
-      return true;
-  return false;
-}
-
 }  // namespace
 
 std::string damping_text(const model::Machine& machine) {
@@ -33,13 +26,48 @@ std::string damping_text(const model::Machine& machine) {
   const auto add = [&](const std::string& part) { text += (text.empty() ? "" : " + ") + part; };
   if (ratio.value > 0.0)
     add(fmt::format("{:.3g} % of critical in every mode", 100.0 * ratio.value));
-  if (has_dampers(machine)) add("viscous dampers of the legs");
+  if (model::has_leg_dampers(machine)) add("viscous dampers of the legs");
   const auto& damping = machine.damping;
-  if (damping.rayleigh_mass != 0.0 || damping.rayleigh_stiffness != 0.0)
+  if (model::has_rayleigh_damping(machine))
     add(fmt::format("Rayleigh α = {:.3g} 1/s, β = {:.3g} s", damping.rayleigh_mass,
                     damping.rayleigh_stiffness));
   if (text.empty()) return "none";
   return ratio.is_default ? text + " (default: the machine file states no damping)" : text;
+}
+
+std::string plant_damping_text(const model::Machine& machine, bool hydraulics) {
+  const auto any = [&](auto damper) { return std::ranges::any_of(machine.legs, damper); };
+  const auto ratio = model::modal_ratio(machine);
+  std::string seals, springs;
+  const auto add_to = [](std::string& list, const std::string& part) {
+    list += (list.empty() ? "" : " + ") + part;
+  };
+  const auto add = [&](const std::string& part) { add_to(seals, part); };
+  if (any([](const model::Leg& leg) {
+        return leg.guide_sleeve.damping != 0.0 ||
+               (leg.piston_ring && leg.piston_ring->damping != 0.0);
+      }))
+    add("their dampers");
+  if (ratio.value > 0.0)
+    add(fmt::format("{:.3g} % of critical{}", 100.0 * ratio.value,
+                    ratio.is_default ? " (default: the machine file states no damping)" : ""));
+  const bool oil = any([](const model::Leg& leg) { return leg.oil_spring.damping != 0.0; });
+  if (oil) add_to(springs, "their dampers");
+  if (machine.damping.rayleigh_stiffness != 0.0) {
+    const auto beta = fmt::format("Rayleigh β = {:.3g} s", machine.damping.rayleigh_stiffness);
+    add(beta);
+    add_to(springs, beta);
+  }
+  std::string text = !hydraulics ? "oil springs by " + (springs.empty() ? "nothing" : springs)
+                     : oil
+                         ? "oil by leakage, valves and friction (in place of `oil_spring.damping`)"
+                         : "oil by leakage, valves and friction";
+  text += "; seals by " + (seals.empty() ? "nothing" : seals);
+  if (machine.base_mount && ratio.value > 0.0)
+    text += fmt::format("; base mount by {:.3g} % of critical", 100.0 * ratio.value);
+  if (machine.damping.rayleigh_mass != 0.0)
+    text += fmt::format("; all masses by Rayleigh α = {:.3g} 1/s", machine.damping.rayleigh_mass);
+  return text;
 }
 
 std::string gravity_text(const model::Machine& machine) {
@@ -77,6 +105,7 @@ Json assumptions_json(const model::Machine& machine) {
           {"flexible_axes",
            machine.flexible_axes == model::FlexibleAxes::gimbal ? "gimbal" : "transverse"},
           {"damping", damping_text(machine)},
+          {"damping_with_hydraulics", plant_damping_text(machine)},
           {"modal_ratio", ratio.value},
           {"modal_ratio_is_default", ratio.is_default}};
 }

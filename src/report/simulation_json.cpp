@@ -15,6 +15,8 @@ namespace {
 
 using spatial::Vector6;
 
+constexpr std::array actuator_words{"controlled", "held", "springs"};
+
 /// Six lists, one per direction or leg, of a history.
 template <class Fields>
 void histories(Fields& f, const char* key, std::vector<Vector6>& samples) {
@@ -132,7 +134,11 @@ template <class Fields>
 void describe(Fields& f, Simulation& s) {
   simulation::Tuning tuning{s.controller, s.lowest_oil_mode};
   f.word("model", s.loop.kind, model_words);
+  f.word("actuators", s.loop.actuators, actuator_words);
+  f("damping", s.damping);
   f("commands", s.commands);
+  f("wrench", s.wrench);
+  f("initial", s.loop.initial);
   f("warnings", s.warnings);
   f("controller", tuning);
   f.object("run", [&](auto& run) { describe_run(run, s); });

@@ -53,7 +53,7 @@ std::string cell_at(int row, int column) {
   const double h = (1.0 - 66.0 / run_height) / 3.0;
   const double left = column / 3.0,
                top = 1.0 - 66.0 / run_height - row * (1.0 - 66.0 / run_height) / 3.0;
-  return at_screen({left + 78.0 / run_width, left + 1.0 / 3.0 - 16.0 / run_width,
+  return at_screen({left + 88.0 / run_width, left + 1.0 / 3.0 - 16.0 / run_width,
                     top - 28.0 / run_height, top - h + 50.0 / run_height});
 }
 
@@ -62,17 +62,22 @@ std::string direction_plot(const Simulation& s, int i) {
   text += fmt::format("set title {}\nset ylabel {}\n", quoted(spatial::direction_name(i)),
                       quoted(i < 3 ? "mm" : "deg"));
   text += i == 0 ? "set key top right samplen 2.5 font ',9'\n" : "unset key\n";
-  return text + fmt::format(
-                    "plot $run using 1:{} with lines lw 1.5 dt (8,5) lc rgb '#d55e00' title "
-                    "'commanded', $run using 1:{} with lines lw 1.6 lc rgb '#0072b2' title "
-                    "'platform'\n",
-                    2 + i, 8 + i);
+  text += "plot ";
+  if (s.loop.actuators == simulation::Actuators::controlled)
+    text += fmt::format(
+        "$run using 1:{} with lines lw 1.5 dt (8,5) lc rgb '#d55e00' title 'commanded', ", 2 + i);
+  return text + fmt::format("$run using 1:{} with lines lw 1.6 lc rgb '#0072b2' title 'platform'\n",
+                            8 + i);
 }
 
 std::string leg_plot(const char* title, const char* unit, int column, int first, bool key) {
   std::string text = cell_at(2, column) + "set autoscale y\n";
   text += fmt::format("set title {}\nset ylabel {}\n", quoted(title), quoted(unit));
-  text += key ? "set key outside right samplen 1.5 font ',9'\n" : "unset key\n";
+  text += key ? fmt::format(
+                    "set key at screen {:.4f},{:.4f} left top Left reverse samplen 1.5 "
+                    "font ',9'\n",
+                    (column + 1) / 3.0, (1.0 - 66.0 / run_height) / 3.0 - 28.0 / run_height)
+              : "unset key\n";
   std::array<std::string, 6> names;
   for (std::size_t i = 0; i < names.size(); ++i) names[i] = fmt::format("leg {}", i + 1);
   return text + six_lines("run", first, 1, 1.3, names);
@@ -82,6 +87,7 @@ std::string leg_plot(const char* title, const char* unit, int column, int first,
 
 void plot_simulation(const Simulation& s, const std::string& title, const std::string& subtitle,
                      const std::string& path) {
+  const bool has_valves = s.loop.actuators != simulation::Actuators::springs;
   std::string text = data_block(s.trace) + "set multiplot\n" + thin_grid + thin_axes;
   text += "set xlabel 's' offset 0,0.6\nset ylabel offset 1.2,0\n";
   text += fmt::format("set xrange [0:{:.9g}]\n", std::max(s.trace.time.back(), 1e-9));
@@ -90,8 +96,8 @@ void plot_simulation(const Simulation& s, const std::string& title, const std::s
     text += direction_plot(s, i);
     if (i == 0) text += "unset label 101\nunset label 102\n";
   }
-  text += leg_plot("pistons, from the base joints", "mm", 0, 14, false);
-  text += leg_plot("drives at the valves", "%", 1, 20, true);
+  text += leg_plot("pistons, from the base joints", "mm", 0, 14, !has_valves);
+  if (has_valves) text += leg_plot("drives at the valves", "%", 1, 20, true);
   draw(path, run_width, run_height, text + "unset multiplot\n");
 }
 

@@ -63,7 +63,10 @@ class Recorder {
     for (int i = 0; i < lengths; ++i) add(all.length, 0.0, {}, fast);
     for (int i = 0; i < pressures; ++i) add(all.pressure, 0.0, {}, fast);
     for (const Accelerometer& one : all.accelerometers) {
-      const double white = one.noise_density * std::sqrt(fast / 2.0);
+      // without the filter, every sample of the record keeps the whole of it: noise of the density
+      // over half of the record's rate
+      const double rate = all.anti_alias ? fast : options.rate;
+      const double white = one.noise_density * std::sqrt(rate / 2.0);
       add(one.sensor, white, LowPass::second_order(one.bandwidth, 0.7, fast), fast);
       at_rest_.push_back(rest_value(one));
     }
@@ -172,23 +175,25 @@ class Source {
   Source(const simulation::ClosedLoop& loop, const RigOptions& options)
       : entry_(options.entry),
         signals_(options.signals, 1.0 / loop.parameters().sample_time, options.seed),
-        shares_(drive_shares(excitation_jacobian(loop.plant().machine(), loop.operating()))) {}
+        shares_(drive_shares(excitation_jacobian(loop.plant().machine(), loop.operating()))) {
+    if (entry_ == Entry::wrench) forces_.emplace(signals_);
+  }
 
   void fill(simulation::Excitation& out, Recorder& recorder) {
+    if (forces_) return forces_->fill(out);
     const signals::Sample now = signals_.next();
     if (entry_ == Entry::command) {
       out.command = now;
-    } else if (entry_ == Entry::drive) {
+    } else {
       out.drive = shares_ * now.value;
       recorder.set_drive_signal(now.value);
-    } else {
-      out.wrench = now.value;
     }
   }
 
  private:
   Entry entry_;
   signals::Generator signals_;
+  std::optional<simulation::LookAhead> forces_{};  ///< of Entry::wrench
   spatial::Matrix6 shares_;
 };
 

@@ -1,4 +1,4 @@
-#include "hydrapod/signals/signal_text.hpp"
+#include "hydrapod/signals/signals.hpp"
 
 #include <fmt/format.h>
 

@@ -13,7 +13,7 @@
 #include "hydrapod/base/file.hpp"
 #include "hydrapod/base/text.hpp"
 #include "hydrapod/base/units.hpp"
-#include "hydrapod/signals/signal_text.hpp"
+#include "hydrapod/signals/signals.hpp"
 #include "hydrapod/spatial/pose.hpp"
 #include "sources.hpp"
 

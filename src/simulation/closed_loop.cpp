@@ -59,20 +59,29 @@ Vector6 leg_accelerations(const model::Machine& machine, const PlantOutput& plan
   return found;
 }
 
-struct PendingDrive {
+/// Drives or a wrench from `time` on.
+struct Pending {
   double time{};
-  Vector6 drive{};
+  Vector6 values{};
 };
+
+LoopOptions with_its_plant(LoopOptions options) {
+  if (options.actuators == Actuators::springs) options.plant.hydraulics = false;
+  return options;
+}
 
 }  // namespace
 
 struct ClosedLoop::Implementation {
   Implementation(const model::Machine& machine, const Pose& pose, const LoopOptions& given)
-      : options(given),
+      : options(with_its_plant(given)),
         operating(pose),
-        plant(machine, given.kind, given.plant, pose),
+        plant(machine, given.kind, options.plant, pose),
         tuning(tune_controller(machine, pose)),
         rest(plant.equilibrium(pose)),
+        start(given.initial.isZero()
+                  ? rest.x
+                  : plant.equilibrium(command_at(pose, {.value = given.initial}).X_BP).x),
         controller(machine, tuning.parameters) {}
 
   LoopOptions options;
@@ -80,6 +89,7 @@ struct ClosedLoop::Implementation {
   Plant plant;
   Tuning tuning;
   Plant::Rest rest;
+  Eigen::VectorXd start;  ///< x at time 0
   control::Controller controller;
 };
 
@@ -89,8 +99,8 @@ namespace {
 class Run {
  public:
   Run(const LoopOptions& options, const Plant& plant, const Pose& operating,
-      const Plant::Rest& rest, control::Controller& controller, double output_interval,
-      const Vector6& band)
+      const Plant::Rest& rest, const Eigen::VectorXd& start, control::Controller& controller,
+      double output_interval, const Vector6& band)
       : options_(options),
         plant_(plant),
         operating_(operating),
@@ -100,9 +110,9 @@ class Run {
         T_(controller.parameters().sample_time),
         output_interval_(output_interval),
         accounts_(plant, operating, band) {
-    integrator_.start(0.0, rest.x);
+    integrator_.start(0.0, start);
     input_ = rest.input;
-    applied_ = drive_ = rest.input.command;
+    held_ = applied_ = drive_ = rest.input.command;
     measured_ = truth();
     controller_.reset(operating, measured_);
     controller_.take_over(rest.input.command);
@@ -114,6 +124,7 @@ class Run {
       const double now = next_time();
       if (now > integrator_.time() + slack_ && !advance(now)) break;
       apply_due_drives(now);
+      apply_due_wrench(now);
       if (tick_time() <= now + slack_ && !tick(now, source)) break;
       if (output_time() <= now + slack_) {
         output(now, sink);
@@ -139,6 +150,7 @@ class Run {
   [[nodiscard]] double next_time() const {
     double next = std::min(tick_time(), output_time());
     if (!pending_.empty()) next = std::min(next, pending_.front().time);
+    if (next_wrench_) next = std::min(next, next_wrench_->time);
     return next;
   }
 
@@ -175,9 +187,26 @@ class Run {
 
   void apply_due_drives(double now) {
     while (!pending_.empty() && pending_.front().time <= now + slack_) {
-      applied_ = input_.command = pending_.front().drive;
+      applied_ = input_.command = pending_.front().values;
       pending_.pop_front();
     }
+  }
+
+  void apply_due_wrench(double now) {
+    if (!next_wrench_ || next_wrench_->time > now + slack_) return;
+    input_.wrench = next_wrench_->values;
+    next_wrench_.reset();
+  }
+
+  /// What the controller asks of the valves; none where it finds no pose.
+  std::optional<Vector6> controlled_drive() {
+    if (options_.actuators != Actuators::controlled) return held_;
+    const Vector6 drive = controller_.step(measured_, command_at(operating_, excitation_.command));
+    if (controller_.state().forward == kinematics::ForwardStatus::converged) return drive;
+    fail(
+        "the controller finds no pose for the measured leg lengths: the platform has reached a "
+        "singular pose, or a sensor has left its range");
+    return std::nullopt;
   }
 
   /// One sample of the controller; false where there is no pose to its leg lengths.
@@ -185,19 +214,15 @@ class Run {
     excitation_ = {};
     source(now, excitation_);
     measured_ = sensors_.read(truth());
-    drive_ = controller_.step(measured_, command_at(operating_, excitation_.command));
-    if (controller_.state().forward != kinematics::ForwardStatus::converged) {
-      fail(
-          "the controller finds no pose for the measured leg lengths: the platform has reached a "
-          "singular pose, or a sensor has left its range");
-      return false;
-    }
+    const auto asked = controlled_drive();
+    if (!asked) return false;
     const double limit = controller_.parameters().output.limit;
-    drive_ = (drive_ + excitation_.drive).cwiseMax(-limit).cwiseMin(limit);
+    drive_ = (*asked + excitation_.drive).cwiseMax(-limit).cwiseMin(limit);
     const double delay = controller_.parameters().delay * T_;
     pending_.push_back({now + delay, drive_});
     apply_due_drives(now);
-    input_.wrench = excitation_.wrench;
+    if (ticks_ == 0 || !excitation_.next_wrench) input_.wrench = excitation_.wrench;
+    if (excitation_.next_wrench) next_wrench_ = {now + 0.5 * T_, *excitation_.next_wrench};
     accounts_.see(integrator_.state(), input_.command, excitation_.command.value,
                   controller_.state(), now);
     ++ticks_;
@@ -242,11 +267,12 @@ class Run {
   long ticks_{}, outputs_{};
   double watched_{};
   std::chrono::steady_clock::time_point asked_{std::chrono::steady_clock::now()};
-  std::deque<PendingDrive> pending_{};
+  std::deque<Pending> pending_{};  ///< drives
+  std::optional<Pending> next_wrench_{};
   PlantInput input_{};
   Excitation excitation_{};
   control::Measurement measured_{};
-  Vector6 drive_{Vector6::Zero()}, applied_{Vector6::Zero()};
+  Vector6 held_{Vector6::Zero()}, drive_{Vector6::Zero()}, applied_{Vector6::Zero()};
 };
 
 }  // namespace
@@ -255,9 +281,12 @@ ClosedLoop::ClosedLoop(const model::Machine& machine, const Pose& operating,
                        const LoopOptions& options) {
   require_positive("until", options.until);
   if (options.output_interval) require_positive("output_interval", *options.output_interval);
-  if (!options.plant.hydraulics)
+  if (!options.plant.hydraulics && options.actuators != Actuators::springs)
     throw std::invalid_argument(
         "LoopOptions::plant.hydraulics is false: there are no valves to control");
+  if (!options.initial.isZero() && options.actuators == Actuators::held)
+    throw std::invalid_argument(
+        "LoopOptions::initial is not 0: held valves hold the platform there");
   require_bounded(options.until, machine.controller.sample_time, "the controller's");
   if (options.output_interval)
     require_bounded(options.until, *options.output_interval, "the record's");
@@ -278,17 +307,29 @@ double ClosedLoop::output_interval() const {
   return implementation_->options.output_interval.value_or(parameters().sample_time);
 }
 const Plant::Rest& ClosedLoop::rest() const { return implementation_->rest; }
+const LoopOptions& ClosedLoop::options() const { return implementation_->options; }
 
 RunSummary ClosedLoop::run(const ExcitationSource& source, const LoopSink& sink,
                            const KeepGoing& keep_going, const Vector6& settling_band) {
   auto& own = *implementation_;
-  Run run(own.options, own.plant, own.operating, own.rest, own.controller, output_interval(),
-          settling_band);
+  Run run(own.options, own.plant, own.operating, own.rest, own.start, own.controller,
+          output_interval(), settling_band);
   return run.go(source, sink, keep_going);
 }
 
-ExcitationSource command_source(signals::Generator& signals) {
-  return [&signals](double, Excitation& excitation) { excitation.command = signals.next(); };
+void LookAhead::fill(Excitation& excitation) {
+  excitation.wrench = next_.value;
+  next_ = signal_->next();
+  excitation.next_wrench = next_.value;
+}
+
+ExcitationSource command_source(signals::Generator& signals, signals::Generator* wrenches) {
+  std::optional<LookAhead> forces;
+  if (wrenches != nullptr) forces.emplace(*wrenches);
+  return [&signals, forces](double, Excitation& excitation) mutable {
+    excitation.command = signals.next();
+    if (forces) forces->fill(excitation);
+  };
 }
 
 control::Command command_at(const Pose& operating, const signals::Sample& displacement) {

@@ -6,7 +6,7 @@
 #include <limits>
 
 #include "hydrapod/base/error.hpp"
-#include "hydrapod/hydraulics/oil_spring.hpp"
+#include "hydrapod/hydraulics/servo_axis.hpp"
 #include "plant_work.hpp"
 #include "seal_dampers.hpp"
 

@@ -2,6 +2,7 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <ranges>
 
 #include "hydrapod/base/error.hpp"
 #include "hydrapod/spatial/pose.hpp"
@@ -190,9 +191,24 @@ VectorXd Plant::tangent_rates(const VectorXd& x, const VectorXd& x_0,
   return out;
 }
 
+namespace {
+
+/// Of the steps for positions: the corner of a guide ring is some hundredths of a millimetre wide
+/// (dynamics/guide_contact.hpp), tens of times less than the steps that suit everything else.
+double position_steps(const model::Machine& machine) {
+  constexpr double within_corner = 1e-2;
+  const bool contact = std::ranges::any_of(
+      machine.legs, [](const model::Leg& leg) { return leg.guide_sleeve.gap.has_value(); });
+  return contact ? within_corner : 1.0;
+}
+
+}  // namespace
+
 LinearPlant Plant::linearise(const VectorXd& x, const PlantInput& input) const {
   const auto states = described_tangent(layout_, mechanics_.flexible(), base_);
   const int n = layout_.tangent();
+  const double finer = position_steps(machine_);
+  const int first_rate = layout_.velocity() - 1;  // the rotation has three numbers here
   const auto column = [&](double h, const auto& rates_at) -> VectorXd {
     return (8.0 * (rates_at(h) - rates_at(-h)) - (rates_at(2.0 * h) - rates_at(-2.0 * h))) /
            (12.0 * h);
@@ -201,7 +217,8 @@ LinearPlant Plant::linearise(const VectorXd& x, const PlantInput& input) const {
   MatrixXd all(rows, n + inputs);
   VectorXd change = VectorXd::Zero(n), moved(layout_.size);
   for (int k = 0; k < n; ++k) {
-    all.col(k) = column(states[k].kind.step, [&](double h) {
+    const double step = states[k].kind.step;
+    all.col(k) = column(k < first_rate ? finer * step : step, [&](double h) {
       change[k] = h;
       displace(x.data(), change.data(), moved.data());
       change[k] = 0.0;

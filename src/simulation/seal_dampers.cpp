@@ -9,15 +9,14 @@ namespace hydrapod::simulation {
 model::Machine with_seal_dampers(model::Machine machine, dynamics::ModelKind kind,
                                  const spatial::Pose& X_reference) {
   if (kind == dynamics::ModelKind::rigid) return machine;
-  const double ratio = machine.damping.modal_ratio.value_or(model::default_modal_ratio);
+  const double ratio = model::modal_ratio(machine).value;
   const double beta = machine.damping.rayleigh_stiffness;
   const auto geometry = kinematics::inverse_kinematics(machine, X_reference);
   for (int i = 0; i < model::leg_count; ++i) {
     auto& leg = machine.legs[i];
     const auto element = dynamics::straight_leg(leg, geometry[i], machine.flexible_axes);
     const auto add = [&](double k, double per_lever, double inertia, double& damping) {
-      if (damping == 0.0) damping = 2.0 * ratio * std::sqrt(k * inertia) / per_lever;
-      damping += beta * k;
+      damping += 2.0 * ratio * std::sqrt(k * inertia) / per_lever + beta * k;
     };
     const double M_phi = 0.5 * (element.M(3, 3) + element.M(4, 4));
     auto& sleeve = leg.guide_sleeve;

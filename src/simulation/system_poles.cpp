@@ -61,10 +61,8 @@ SystemPole described(Complex pole, int group, const Eigen::VectorXd& shares,
 void sampled_poles(const LinearSystem& system, SystemPoles& found) {
   found.sampled_stable = found.stable;
   if (system.sampled.size() == 0) return;
-  Eigen::VectorXd scales = Eigen::VectorXd::Ones(system.sampled.rows());
-  const auto n = std::min<Eigen::Index>(scales.size(), system.scales.size());
-  scales.head(n) = system.scales.head(n);
-  const MatrixXd A = scales.cwiseInverse().asDiagonal() * system.sampled * scales.asDiagonal();
+  const Eigen::VectorXd d = numerics::balancing(system.sampled);
+  const MatrixXd A = d.cwiseInverse().asDiagonal() * system.sampled * d.asDiagonal();
   found.largest_modulus = 0.0;
   for (const Complex z : numerics::eigenvalues(A)) {
     found.largest_modulus = std::max(found.largest_modulus, std::abs(z));
@@ -80,7 +78,9 @@ void sampled_poles(const LinearSystem& system, SystemPoles& found) {
 }  // namespace
 
 SystemPoles system_poles(const LinearSystem& system) {
-  const auto pairs = numerics::eigen_pairs(scaled(system));
+  const Eigen::VectorXd d = numerics::balancing(system.A);
+  const auto pairs =
+      numerics::eigen_pairs(d.cwiseInverse().asDiagonal() * system.A * d.asDiagonal());
   if (!pairs.converged)
     throw base::ComputationError(
         "the poles of the system could not be computed: the QR iteration "
@@ -103,8 +103,7 @@ SystemPoles system_poles(const LinearSystem& system) {
       if (group[j] == group[k])
         diagonal += V.col(order[j]).cwiseProduct(W.row(order[j]).transpose());
     found.poles.push_back(described(poles[order[k]], group[k], diagonal.cwiseAbs(), system.parts));
-    if (system.scales.size() != V.rows()) continue;
-    const Eigen::VectorXcd v = system.scales.cast<Complex>().cwiseProduct(V.col(order[k]));
+    const Eigen::VectorXcd v = d.cast<Complex>().cwiseProduct(V.col(order[k]));
     if (system.C.rows() == 6) found.poles.back().motion = system.C.cast<Complex>() * v;
     if (system.C_ground.rows() == 6)
       found.poles.back().ground_motion = system.C_ground.cast<Complex>() * v;

@@ -34,6 +34,10 @@ Vector6 origin_acceleration(const PlantOutput& plant) {
 bool has_seals(const ClosedLoop& loop) {
   return dynamics::flexible_per_leg(loop.plant().kind()) > 0;
 }
+bool is_controlled(const ClosedLoop& loop) {
+  return loop.options().actuators == Actuators::controlled;
+}
+bool has_oil(const ClosedLoop& loop) { return loop.plant().layout().pressures >= 0; }
 bool has_supply(const ClosedLoop& loop) { return loop.plant().layout().supply >= 0; }
 
 }  // namespace
@@ -69,7 +73,8 @@ std::vector<Channel> record_channels(const ClosedLoop& loop) {
       channels.push_back({fmt::format("{}{}", name, direction_names[static_cast<size_t>(i)]),
                           i < 3 ? linear : angular, axis(i), role});
   };
-  six("command.", "m", "rad", Role::excitation);
+  if (is_controlled(loop)) six("command.", "m", "rad", Role::excitation);
+  if (loop.options().records_wrench) six("wrench.", "N", "N m", Role::excitation);
   six("platform.", "m", "rad", Role::response);
   six("platform.a", "m/s^2", "rad/s^2", Role::response);
   for (int number = 1; number <= model::leg_count; ++number) {
@@ -79,10 +84,12 @@ std::vector<Channel> record_channels(const ClosedLoop& loop) {
     };
     add("length", "m", Role::response);
     add("measured_length", "m", Role::response);
-    add("drive", "1", Role::drive);
-    add("spool", "1", Role::response);
-    add("p_cap", "Pa", Role::response);
-    add("p_rod", "Pa", Role::response);
+    if (has_oil(loop)) {
+      add("drive", "1", Role::drive);
+      add("spool", "1", Role::response);
+      add("p_cap", "Pa", Role::response);
+      add("p_rod", "Pa", Role::response);
+    }
     add("oil_force", "N", Role::response);
     if (has_seals(loop)) {
       add("sleeve_offset_t", "m", Role::response);
@@ -102,14 +109,18 @@ std::vector<Channel> record_channels(const ClosedLoop& loop) {
 
 void record_row(const ClosedLoop& loop, const LoopSample& sample, double* row) {
   const auto put = [&](const Vector6& values) { row = std::copy_n(values.data(), 6, row); };
-  put(sample.excitation.command.value);
+  if (is_controlled(loop)) put(sample.excitation.command.value);
+  if (loop.options().records_wrench) put(sample.excitation.wrench);
   put(displacement_between(loop.operating(), sample.plant.X_BP));
   put(origin_acceleration(sample.plant));
   for (int i = 0; i < model::leg_count; ++i) {
     const auto& leg = sample.plant.legs[static_cast<size_t>(i)];
-    for (const double value : {leg.length, sample.measured.length[i], sample.applied[i], leg.spool,
-                               leg.cap_pressure, leg.rod_pressure, leg.oil_force})
-      *row++ = value;
+    *row++ = leg.length;
+    *row++ = sample.measured.length[i];
+    if (has_oil(loop))
+      for (const double value : {sample.applied[i], leg.spool, leg.cap_pressure, leg.rod_pressure})
+        *row++ = value;
+    *row++ = leg.oil_force;
     if (!has_seals(loop)) continue;
     *row++ = leg.sleeve_offset[0];
     *row++ = leg.sleeve_offset[1];

@@ -1,7 +1,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "hydrapod/hydraulics/oil_spring.hpp"
 #include "hydrapod/hydraulics/servo_axis.hpp"
 #include "hydrapod/modal/normal_modes.hpp"
 #include "hydrapod/tasks/linear.hpp"
@@ -27,12 +26,41 @@ LegCheck check_leg(const model::Leg& leg, double length, const kinematics::Joint
   return result;
 }
 
+/// Where the rod stands off the axis of the case, at the guide sleeve and in the piston ring.
+void add_offsets(const model::Machine& machine, int i, const dynamics::LegState& state,
+                 dynamics::ModelKind kind, PoseCheck& result) {
+  const auto& leg = machine.legs[i];
+  const auto bent = dynamics::bent_leg(leg, result.pose.X_BP * leg.platform_joint,
+                                       machine.flexible_axes, machine.gravity, state);
+  result.legs[i].sleeve_offset = bent.element.sleeve_offset.norm();
+  if (kind == dynamics::ModelKind::full)
+    result.legs[i].ring_offset = state.flexible.tail<2>().norm();
+  result.legs[i].gap = leg.guide_sleeve.gap;
+  result.legs[i].on_guide = bent.element.k_contact > 0.0;
+}
+
+/// The legs whose rods the seals let down on their guide rings.
+void warn_of_contact(PoseCheck& result) {
+  report::PoseWarning on_guide{.kind = Kind::rod_on_guide};
+  for (int i = 0; i < model::leg_count; ++i) {
+    const auto& leg = result.legs[i];
+    if (!leg.on_guide) continue;
+    if (on_guide.legs.empty() || leg.sleeve_offset > on_guide.value) {
+      on_guide.value = leg.sleeve_offset;
+      on_guide.ratio = *leg.gap;
+    }
+    on_guide.legs.push_back(i);
+  }
+  if (!on_guide.legs.empty()) result.warnings.push_back(on_guide);
+}
+
 void add_statics(const model::Machine& machine, dynamics::ModelKind kind, PoseCheck& result) {
   const auto statics = dynamics::static_equilibrium(machine, result.pose.X_BP, kind);
   result.equilibrium = statics.status == dynamics::StaticsStatus::converged;
   for (int i = 0; i < model::leg_count; ++i) {
     result.legs[i].axial_force = 0.0 - statics.legs[i].oil_force;  // no -0 without a load
     result.legs[i].tilt = statics.legs[i].flexible.head<2>().norm();
+    if (result.equilibrium) add_offsets(machine, i, statics.legs[i], kind, result);
   }
 }
 
@@ -98,6 +126,45 @@ void add_pressures(const model::Machine& machine, PoseCheck& result) {
   if (!weak.legs.empty()) result.warnings.push_back(weak);
 }
 
+/// The rods as columns; of a leg the gravest finding.
+void add_columns(const model::Machine& machine, const CheckOptions& options, PoseCheck& result) {
+  report::PoseWarning buckles{.kind = Kind::rod_buckles}, reserve{.kind = Kind::little_reserve},
+      slender{.kind = Kind::slender_rod};
+  for (int i = 0; i < model::leg_count; ++i) {
+    auto& leg = result.legs[i];
+    leg.column = dynamics::column_strength(machine.legs[i], leg.length);
+    if (!leg.column) continue;
+    const double strength = leg.column->strength;
+    const double force = result.equilibrium ? leg.axial_force : 0.0;
+    const auto add = [&](report::PoseWarning& warning, double value, double ratio, bool worse) {
+      if (warning.legs.empty() || worse) {
+        warning.value = value;
+        warning.ratio = ratio;
+      }
+      warning.legs.push_back(i);
+    };
+    if (force > strength)
+      add(buckles, force, strength, force / strength > buckles.value / buckles.ratio);
+    else if (force * options.column_reserve > strength)
+      add(reserve, strength / force, 0.0, strength / force < reserve.value);
+    else if (leg.largest_push > strength)
+      add(slender, leg.largest_push, strength,
+          leg.largest_push / strength > slender.value / slender.ratio);
+  }
+  for (const auto* warning : {&buckles, &reserve, &slender})
+    if (!warning->legs.empty()) result.warnings.push_back(*warning);
+}
+
+/// Modes and motions: only where the machine stands.
+void add_abilities(const model::Machine& machine, dynamics::ModelKind kind, PoseCheck& result) {
+  if (!result.equilibrium) return;
+  const auto model = dynamics::linear_model(machine, result.pose.X_BP, kind);
+  const double square = modal::normal_modes(model).omega2[0];
+  if (square <= 0.0) return;
+  result.first_resonance = std::sqrt(square);
+  result.capability = simulation::capability(machine, result.pose.X_BP, kind);
+}
+
 /// Air that is stated at a pressure at which the chambers are not is another spring.
 void warn_of_air(const model::Machine& machine, const CheckOptions& options, PoseCheck& result) {
   report::PoseWarning other{.kind = Kind::air_pressure};
@@ -134,6 +201,7 @@ void warn_of_legs(const model::Machine& machine, const CheckOptions& options, Po
       result, Kind::short_guide, [&](int i) { return legs[i].guided_length; },
       [&](int i) { return options.short_guide * machine.legs[i].rod.length; });
   if (!result.equilibrium) return;
+  warn_of_contact(result);
   warn_below(
       result, Kind::tilted_rod, [&](int i) { return -legs[i].tilt; },
       [&](int) { return -options.large_tilt; });
@@ -152,6 +220,8 @@ PoseCheck check_pose(const model::Machine& machine, const model::NamedPose& pose
   add_buckling(machine, kind, result);
   warn_of_load(machine, result);
   add_pressures(machine, result);
+  add_columns(machine, options, result);
+  add_abilities(machine, kind, result);
   warn_of_air(machine, options, result);
   warn_of_legs(machine, options, result);
   if (result.quality.condition > options.poor_condition)

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <utility>
 
 #include "hydrapod/base/error.hpp"
 
@@ -80,9 +81,28 @@ Calibrated calibrate(const Machine& machine, const CalibrateOptions& options,
   return result;
 }
 
+namespace {
+
+/// Poses that records state join those of the machine's file; the machine is at the first of them
+/// where no pose was asked for.
+void take_stated_poses(const MeasuredOptions& options, Machine& machine) {
+  if (options.pose_given) return;
+  bool first = true;
+  for (const auto& path : options.files) {
+    if (!std::filesystem::exists(path)) continue;  // says its pose, or is refused later
+    auto stated = stated_pose(path, machine.file.machine);
+    if (!stated) continue;
+    add_pose(machine.file, *stated, stated->name);
+    if (std::exchange(first, false)) machine.pose = *stated;
+  }
+}
+
+}  // namespace
+
 Diagnosed diagnose(const Machine& given, const DiagnoseOptions& options, const Progress& progress) {
   Diagnosed result{.machine = given};
   auto& [file, path, pose, kind] = result.machine;
+  take_stated_poses(options.measured, result.machine);
   add_pose(file, pose, "as_measured");
   auto& found = result.file;
   found = {.machine = file.machine, .kind = kind, .pose = pose.name, .goal = options.goal};
@@ -93,6 +113,7 @@ Diagnosed diagnose(const Machine& given, const DiagnoseOptions& options, const P
     auto measured =
         read_measured(result.machine, options.measured, numerics::part_of(progress, 0.0, 0.2));
     result.warnings = std::move(measured.warnings);
+    result.origins = std::move(measured.origins);
     found.diagnosis = diagnosis::diagnose(file, measured.targets, kind, poses, options.rules,
                                           numerics::part_of(progress, 0.2, 0.9));
     const auto& d = *found.diagnosis;

@@ -10,7 +10,7 @@
 #include "hydrapod/base/text.hpp"
 #include "hydrapod/base/units.hpp"
 #include "hydrapod/dynamics/linear_model.hpp"
-#include "hydrapod/kinematics/check_machine.hpp"
+#include "hydrapod/kinematics/legs.hpp"
 #include "hydrapod/spatial/pose.hpp"
 
 namespace hydrapod::tasks {
@@ -47,8 +47,9 @@ Displacement displacement(const std::string& text, const std::string& argument) 
   return result;
 }
 
-spatial::Pose from_neutral(const spatial::Pose& neutral, const spatial::Vector6& d) {
-  return {spatial::rotation_from_rpy(d.tail<3>()) * neutral.R_BP, neutral.p_BP + d.head<3>()};
+/// As `--pose` says: angles of roll, pitch and yaw, not a rotation vector.
+spatial::Pose moved(const spatial::Pose& from, const spatial::Vector6& d) {
+  return {spatial::rotation_from_rpy(d.tail<3>()) * from.R_BP, from.p_BP + d.head<3>()};
 }
 
 /// Throws base::InputError, which calls the pose `place`; `guess` ends its messages.
@@ -60,24 +61,22 @@ void refuse_unreachable(const model::Machine& machine, const spatial::Pose& X_BP
   if (!errors.empty()) throw base::InputError(errors);
 }
 
-/// A pose that the legs reach; where they would with millimetres and degrees, that is the advice.
-spatial::Pose displaced_pose(const model::Machine& machine, const std::string& text,
-                             const std::string& place) {
+}  // namespace
+
+/// Where the legs would reach it with millimetres and degrees, that is the advice.
+spatial::Vector6 displacement_of(const model::Machine& machine, const spatial::Pose& from,
+                                 const std::string& text, const std::string& place) {
   const auto read = displacement(text, place);
-  const auto X_BP = from_neutral(machine.neutral(), read.d);
   std::string guess;
-  if (read.plain &&
-      kinematics::check_pose(machine, from_neutral(machine.neutral(), read.in_mm), "").empty())
+  if (read.plain && kinematics::check_pose(machine, moved(from, read.in_mm), "").empty())
     guess = fmt::format("; did you mean \"{}\"?", read.in_mm_text);
   for (const double angle : read.d.tail<3>())
     if (std::abs(angle) > std::numbers::pi)
       base::refuse(place, fmt::format("turns the platform by more than half a turn, {:g} rad{}",
                                       angle, guess));
-  refuse_unreachable(machine, X_BP, place, guess);
-  return X_BP;
+  refuse_unreachable(machine, moved(from, read.d), place, guess);
+  return read.d;
 }
-
-}  // namespace
 
 Machine read_machine(const MachineOptions& options) {
   Machine machine{.path = options.file};
@@ -101,7 +100,8 @@ model::NamedPose pose_of(const model::Machine& machine, const std::string& text)
                             ? fmt::format("unknown pose; did you mean '{}'?", *near)
                             : fmt::format("unknown pose; the file has {}", fmt::join(names, ", ")));
   }
-  return {text, displaced_pose(machine, text, place)};
+  const auto& neutral = machine.neutral();
+  return {text, moved(neutral, displacement_of(machine, neutral, text, place))};
 }
 
 dynamics::ModelKind model_of(const model::Machine& machine,

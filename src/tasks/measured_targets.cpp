@@ -83,7 +83,35 @@ struct MeasuredFile {
   std::string path{};
   std::string pose{};
   bool says_pose{};
+  bool as_stated{};  ///< the pose is the one that the record states
 };
+
+/// What a record says of its experiment, or JSON that was made of one.
+std::optional<data::Experiment> experiment_of(const std::string& path) {
+  const auto kind = data::file_kind(path);
+  if (kind == data::FileKind::record)
+    return data::RecordSet({path}, data::ReadOptions{}).header().experiment;
+  if (kind != data::FileKind::json) return {};
+  const auto json = parsed_json(path, {"\"identified_modes\"", "\"modes\"", "\"frf\""});
+  const auto header = json.is_object() ? report::record_origin_from_json(json, path) : std::nullopt;
+  return header ? std::optional(header->experiment) : std::nullopt;
+}
+
+bool same_pose(const spatial::Pose& a, const spatial::Pose& b) {
+  constexpr double same = 1e-6;  // [m] and [rad]: less than any machine is placed to
+  return (a.p_BP - b.p_BP).norm() < same && (a.R_BP - b.R_BP).norm() < same;
+}
+
+/// What the record states where another pose was asked for.
+void warn_of_other_pose(const MeasuredFile& file, const Machine& machine, Diagnostics& warnings) {
+  const auto stated = stated_pose(file.path, machine.file.machine);
+  const auto* used = find_pose(machine.file.machine, file.pose);
+  if (!stated || used == nullptr || same_pose(stated->X_BP, used->X_BP)) return;
+  add_warning(file.path,
+              fmt::format("states pose {}; it is taken at pose {} (--pose, or FILE@POSE)",
+                          stated->name, file.pose),
+              warnings);
+}
 
 /// The file and the pose; a file whose own name has an @ is taken as it is.
 MeasuredFile file_and_pose(const std::string& text, const Machine& machine) {
@@ -162,6 +190,24 @@ bool is_mode_list(const std::string& path) {
          (kind == data::FileKind::mode_table && !report::is_identified_modes_csv(path));
 }
 
+std::optional<model::NamedPose> stated_pose(const std::string& path,
+                                            const model::Machine& machine) {
+  if (is_mode_list(path)) return {};
+  const auto experiment = experiment_of(path);
+  if (!experiment || experiment->pose_name.empty()) return {};
+  const auto* known = find_pose(machine, experiment->pose_name);
+  if (!experiment->pose) return known == nullptr ? std::nullopt : std::optional(*known);
+  const auto& p = *experiment->pose;
+  const spatial::Pose X_BP{.R_BP = spatial::rotation_from_rpy({p[3], p[4], p[5]}),
+                           .p_BP = {p[0], p[1], p[2]}};
+  if (known != nullptr && same_pose(known->X_BP, X_BP)) return *known;
+  for (const auto& pose : machine.poses)
+    if (same_pose(pose.X_BP, X_BP)) return pose;
+  std::string name = "as_recorded";
+  while (find_pose(machine, name) != nullptr) name += '_';
+  return model::NamedPose{name, X_BP};
+}
+
 MeasuredTargets read_measured(const Machine& machine, const MeasuredOptions& options,
                               const Progress& progress) {
   std::vector<MeasuredFile> files;  // all looked at before the first, which may take long
@@ -174,12 +220,23 @@ MeasuredTargets read_measured(const Machine& machine, const MeasuredOptions& opt
           one.option,
           "a list of modes states the pose of each mode (pose = \"low\", or a column \"pose\"); "
           "give the file without @POSE");
+    if (!one.says_pose && !options.pose_given)
+      if (const auto stated = stated_pose(one.path, machine.file.machine)) {
+        one.pose = stated->name;
+        one.as_stated = true;
+      }
     files.push_back(std::move(one));
   }
   MeasuredTargets result;
   auto& all = result.targets;
   for (const auto& file : files) {
+    if (!file.as_stated && !is_mode_list(file.path))
+      warn_of_other_pose(file, machine, result.warnings);
     auto one = read_one(file, machine, options.observed, progress, result.warnings);
+    if (!is_mode_list(file.path))
+      result.origins.push_back(fmt::format("{}: pose {}{}; {}", file.path, file.pose,
+                                           file.as_stated ? ", as the record states" : "",
+                                           observation::description(one.observed)));
     if (&file == &files.front()) {
       all = std::move(one);
       continue;

@@ -5,7 +5,7 @@
 #include <algorithm>
 
 #include "hydrapod/base/error.hpp"
-#include "hydrapod/kinematics/check_machine.hpp"
+#include "hydrapod/kinematics/legs.hpp"
 #include "hydrapod/report/measured_results.hpp"
 #include "measured_files.hpp"
 

@@ -45,6 +45,8 @@ Report report_document(const Machine& given, const ReportOptions& options,
   page.kind = machine.kind;
   auto& document = result.document;
   document = report::report_json(machine.file, machine.path, poses, page);
+  // of the best hypothesis of a diagnosis, no overrides lead to its numbers
+  if (!options.diagnosis) document["editable"]["overrides"] = machine.file.overrides;
   machine.pose = poses.front();
   if (options.simulation)
     document["simulation"] = report::simulation_section(

@@ -9,7 +9,7 @@
 #include <stdexcept>
 
 #include "hydrapod/base/version.hpp"
-#include "hydrapod/signals/signal_text.hpp"
+#include "hydrapod/signals/signals.hpp"
 
 namespace hydrapod::tasks {
 
@@ -124,6 +124,28 @@ void judge(const std::vector<rig::LevelFinding>& findings) {
   if (bad) throw base::InputError(list);
 }
 
+/// What the user asked of the machine, as options of the loop.
+simulation::LoopOptions loop_of(const Machine& machine, const SimulateOptions& options,
+                                double until) {
+  using simulation::Actuators;
+  auto loop = options.loop;
+  loop.kind = machine.kind;
+  loop.until = until;
+  loop.records_wrench = !options.wrench.empty();
+  if (loop.actuators != Actuators::controlled && !options.commands.empty())
+    base::refuse("--command",
+                 "without the controller nothing follows a command; expected forces (--wrench), an "
+                 "initial displacement (--initial) or --actuators controlled");
+  if (options.initial.empty()) return loop;
+  const std::string place = "--initial " + options.initial;
+  if (loop.actuators == Actuators::held)
+    base::refuse(place,
+                 "held valves hold the platform where it stands; expected --actuators springs or "
+                 "controlled");
+  loop.initial = displacement_of(machine.file.machine, machine.pose.X_BP, options.initial, place);
+  return loop;
+}
+
 ClosedLoop bounded_loop(const model::Machine& machine, const spatial::Pose& pose,
                         const simulation::LoopOptions& options, const char* argument) {
   try {
@@ -182,6 +204,15 @@ void note_shorter_steps(const ClosedLoop& loop, const simulation::IntegratorOpti
                     1e3 * longest, 1e3 * integrator.fixed_step));
 }
 
+/// What moved the machine, a line each.
+std::string notes_of(const SimulateOptions& options, const report::Simulation& result) {
+  std::vector<std::string> lines;
+  for (const auto& command : result.commands) lines.push_back("command: " + command);
+  for (const auto& one : result.wrench) lines.push_back("wrench: " + one);
+  if (!options.initial.empty()) lines.push_back("initial displacement: " + options.initial);
+  return fmt::format("{}", fmt::join(lines, "\n"));
+}
+
 /// When the last step of each direction comes, and how near to its end a settled platform stays.
 void expect_steps(const std::vector<signals::Signal>& commands, report::Simulation& result) {
   constexpr double settled_share = 0.02;  // of a step
@@ -214,28 +245,34 @@ report::Simulation simulate(const Machine& machine, const SimulateOptions& optio
   const double rate = 1.0 / of.controller.sample_time;
   const auto commands = signals::read_signals(options.commands, {.rate = rate});
   report::Simulation result;
-  result.until = options.until.value_or(signals::natural_duration(commands));
-  result.loop = options.loop;
-  result.loop.kind = machine.kind;
-  result.loop.until = result.until;
+  const auto forces = signals::read_signals(
+      options.wrench, {.argument = "--wrench", .units = signals::wrench_units, .rate = rate});
+  result.damping =
+      report::plant_damping_text(of, options.loop.actuators != simulation::Actuators::springs);
+  result.until = options.until.value_or(
+      std::max(signals::natural_duration(commands), signals::natural_duration(forces)));
+  result.loop = loop_of(machine, options, result.until);
   signals::Generator signal(commands, rate, options.loop.seed);
   auto loop = bounded_loop(of, machine.pose.X_BP, result.loop, "--until");
-  result.warnings = require_possible(machine, loop, commands, signal, result.until);
+  if (result.loop.actuators == simulation::Actuators::controlled)
+    result.warnings = require_possible(machine, loop, commands, signal, result.until);
   note_shorter_steps(loop, result.loop.integrator, result.warnings);
   for (const auto& command : commands) result.commands.push_back(signals::signal_text(command));
+  for (const auto& one : forces)
+    result.wrench.push_back(signals::signal_text(one, signals::wrench_units));
   expect_steps(commands, result);
   fill_in(loop, result);
   std::optional<RecordFile> record;
   if (!options.record.empty()) {
     auto header = header_of(machine, options.loop.seed, options.origin);
-    for (const auto& command : result.commands)
-      header.notes += fmt::format("{}command: {}", header.notes.empty() ? "" : "\n", command);
+    header.notes = notes_of(options, result);
     record.emplace(options.record, loop, std::move(header));
   }
   simulation::TraceRecorder recorder(loop, result.until, options.trace_samples);
   signal.restart();
+  signals::Generator wrench(forces, rate, options.loop.seed);
   result.summary = loop.run(
-      simulation::command_source(signal),
+      simulation::command_source(signal, forces.empty() ? nullptr : &wrench),
       [&](const LoopSample& sample) {
         recorder(sample);
         if (record) record->append(sample);

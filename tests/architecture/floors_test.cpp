@@ -21,8 +21,8 @@ const std::map<std::string, int> floors{
     {"data", 3},        {"signals", 3},   {"kinematics", 4},     {"hydraulics", 4},
     {"dynamics", 5},    {"control", 5},   {"modal", 6},          {"response", 6},
     {"simulation", 6},  {"rig", 7},       {"identification", 7}, {"observation", 7},
-    {"calibration", 8}, {"diagnosis", 9}, {"study", 9},          {"report", 10},
-    {"tasks", 11}};
+    {"calibration", 8}, {"diagnosis", 9}, {"study", 9},          {"exchange", 9},
+    {"report", 10},     {"tasks", 11}};
 
 struct Include {
   std::string file{};
@@ -165,12 +165,13 @@ TEST(Floors, PublicHeadersAreNeededOutsideTheirModule) {
   }
 }
 
-TEST(Floors, OnlyTwoFilesOfTheProgramCompileCli11) {
+TEST(Floors, FewFilesOfTheProgramCompileCli11) {
   std::set<std::string> files;
   for (const auto& file : fs::directory_iterator(test::source_file("apps/hydrapod")))
     if (test::read_text(file.path()).find("#include <CLI/") != std::string::npos)
       files.insert(file.path().filename().string());
-  EXPECT_EQ(files, (std::set<std::string>{"main.cpp", "options.cpp"}));
+  EXPECT_EQ(files,
+            (std::set<std::string>{"help.cpp", "help_pages.cpp", "main.cpp", "options.cpp"}));
 }
 
 TEST(Floors, AnUpwardIncludeIsSeen) {

@@ -6,7 +6,7 @@
 #include <Eigen/Eigenvalues>
 
 #include "calibration/problem.hpp"
-#include "hydrapod/calibration/sensitivity.hpp"
+#include "hydrapod/calibration/calibrate.hpp"
 #include "hydrapod/modal/normal_modes.hpp"
 #include "support/calibration_machine.hpp"
 #include "support/run_program.hpp"

@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "hydrapod/calibration/calibrate.hpp"
-#include "hydrapod/kinematics/check_machine.hpp"
+#include "hydrapod/kinematics/legs.hpp"
 #include "hydrapod/model/machine_file.hpp"
 #include "support/calibration_machine.hpp"
 #include "support/places.hpp"

@@ -260,5 +260,26 @@ TEST_F(DiagnoseCommand, MistakesAreNamed) {
   }
 }
 
+/// The rig writes the pose into the record; nobody has to repeat it.
+TEST_F(DiagnoseCommand, ARecordCountsAtThePoseThatItStates) {
+  for (const std::string pose : {"low", "z=-50 mm, ry=1.3 deg"}) {
+    const auto record = (folder_ / "run.h5").string();
+    const auto rig = run_hydrapod({"rig", machine_, "--pose", pose, "--duration", "40", "--seed",
+                                   "7", "--force", "-o", record});
+    ASSERT_EQ(rig.exit_code, 0) << rig.err;
+    const auto found = json_of(command({"--measured", record, "--modes-only", "--format", "json"}));
+    const std::string name = pose == "low" ? "low" : "as_recorded";
+    ASSERT_EQ(found["measured_at"].size(), 1U);
+    EXPECT_THAT(found["measured_at"][0].get<std::string>(),
+                HasSubstr("pose " + name + ", as the record states"));
+    ASSERT_FALSE(found["measured_modes"].empty());
+    for (const auto& mode : found["measured_modes"]) EXPECT_EQ(mode["pose"], name);
+    const auto other = run_hydrapod(
+        command({"--measured", record, "--modes-only", "--pose", "neutral", "--format", "json"}));
+    EXPECT_THAT(other.err, HasSubstr("run.h5: warning: states pose " + name +
+                                     "; it is taken at pose neutral (--pose, or FILE@POSE)"));
+  }
+}
+
 }  // namespace
 }  // namespace hydrapod

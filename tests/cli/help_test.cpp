@@ -8,6 +8,7 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <iterator>
 #include <sstream>
 #include <string>
 #include <vector>
@@ -69,6 +70,12 @@ direction = "z"
 path = "legs.guide_sleeve.stiffness"
 )";
 
+constexpr const char* study_toml = R"(machine = "machine.toml"
+samples = 300
+[vary]
+"legs.guide_sleeve.stiffness" = "normal ± 10 %"
+)";
+
 /// Records for frf and identify: a chain of two masses driven through an amplifier.
 void furnish_for_identification(const std::filesystem::path& folder) {
   auto record = test::record_of(
@@ -79,7 +86,8 @@ void furnish_for_identification(const std::filesystem::path& folder) {
   record.header.channels.push_back({.name = "d2", .role = data::Role::drive});
   record.samples.resize(measured.rows(), 6);
   record.samples << measured, 0.3 * measured.leftCols(2);
-  for (const char* name : {"run.h5", "run1.h5", "run2.h5", "neutral.h5", "high.h5"})
+  for (const char* name :
+       {"run.h5", "run1.h5", "run2.h5", "neutral.h5", "high.h5", "before.h5", "after.h5"})
     data::write_record(folder / name, record, data::RecordFormat::hdf5);
   data::Record named = {.header = record.header, .samples = measured.rightCols(3)};
   named.header.channels = {{.name = "force"}, {.name = "a1"}, {.name = "a2"}};
@@ -94,9 +102,11 @@ void furnish(const std::filesystem::path& folder, const std::string& command) {
   if (command != "init") run_hydrapod({"init"}, {.folder = folder});
   std::ofstream(folder / "motion.csv")
       << "time [s], x [mm], rz [deg]\n0, 0, 0\n0.5, 5, 1\n1, 0, 0\n";
+  std::ofstream(folder / "study.toml") << study_toml;
   std::ofstream(folder / "modes.csv") << modes_csv;
   std::ofstream(folder / "modes.toml") << modes_toml;
-  if (command == "frf" || command == "identify" || command == "report" || command == "diagnose")
+  if (command == "frf" || command == "identify" || command == "report" || command == "diagnose" ||
+      command == "compare")
     furnish_for_identification(folder);
   if (command != "record") return;
   for (const char* name : {"run.h5", "run.csv"})
@@ -116,6 +126,48 @@ class Furnished {
  private:
   test::TemporaryFolder folder_;
 };
+
+TEST(Help, IsPrintedByItsCommandAsByItsOption) {
+  EXPECT_EQ(run_hydrapod({"help"}).out, run_hydrapod({"--help"}).out);
+  for (const std::string& command : commands())
+    EXPECT_EQ(run_hydrapod({"help", command}).out, run_hydrapod({command, "--help"}).out);
+  EXPECT_EQ(run_hydrapod({"help", "record", "show"}).out,
+            run_hydrapod({"record", "show", "--help"}).out);
+  const auto unknown = run_hydrapod({"help", "mods"});
+  EXPECT_EQ(unknown.exit_code, 2);
+  EXPECT_EQ(unknown.out, "");
+  EXPECT_THAT(unknown.err, testing::HasSubstr("unknown command 'mods'; did you mean 'modes'?"));
+  EXPECT_THAT(run_hydrapod({"help", "modes", "more"}).err,
+              testing::HasSubstr("one argument too many: 'more'"));
+}
+
+/// A page per command, and per command of a command, with each of its options.
+TEST(Help, BecomesManPages) {
+  const test::TemporaryFolder folder;
+  const auto made = run_hydrapod({"help", "--man", "."}, {.folder = folder.path()});
+  EXPECT_EQ(made.exit_code, 0) << made.err;
+  const auto read = [&](const std::string& name) {
+    std::ifstream file(folder.path() / name);
+    return std::string(std::istreambuf_iterator<char>(file), {});
+  };
+  for (const std::string& command : commands()) {
+    const auto page = read("hydrapod-" + command + ".1");
+    EXPECT_TRUE(page.starts_with(".TH \"HYDRAPOD")) << command;
+    EXPECT_THAT(page, testing::HasSubstr("\n.SH \"EXAMPLES\"\n")) << command;
+    const auto help = run_hydrapod({command, "--help"}).out;
+    for (std::size_t at = help.find("\n  --"); at != help.npos; at = help.find("\n  --", at + 1)) {
+      std::string name = help.substr(at + 3, help.find_first_of(" ,\n", at + 3) - at - 3), escaped;
+      for (const char letter : name) escaped += letter == '-' ? "\\-" : std::string(1, letter);
+      EXPECT_THAT(page, testing::HasSubstr("\\fB" + escaped + "\\fR")) << command;
+    }
+  }
+  EXPECT_THAT(read("hydrapod-record-show.1"), testing::HasSubstr("\\fBhydrapod\\-record\\fR(1)"));
+  EXPECT_THAT(run_hydrapod({"help", "--man", "nowhere"}).err,
+              testing::HasSubstr("'nowhere' is not a folder"));
+  EXPECT_EQ(run_hydrapod({"help", "--man"}).exit_code, 2);
+  EXPECT_THAT(run_hydrapod({"help", "--completions"}).err,
+              testing::HasSubstr("unknown option '--completions'; did you mean '--completion'?"));
+}
 
 TEST(Help, ExamplesWork) {
   const std::string programs = test::hydrapod_program().parent_path().string();

@@ -106,7 +106,7 @@ TEST(Modes, JsonHasItsStableFields) {
   EXPECT_EQ(json["machine"]["file"], published);
   EXPECT_THAT(fields(json["assumptions"]),
               ElementsAre("hydrapod", "gravity_m_s2", "gravity", "flexible_axes", "damping",
-                          "modal_ratio", "modal_ratio_is_default"));
+                          "damping_with_hydraulics", "modal_ratio", "modal_ratio_is_default"));
   EXPECT_THAT(fields(json["pose"]), ElementsAre("name", "position_m", "rotation_rad"));
   EXPECT_EQ(json["pose"]["name"], "neutral");
   EXPECT_EQ(json["coordinates"][17], "leg6.phi2");
@@ -356,6 +356,64 @@ TEST(Modes, MatricesNeedTheJson) {
   const auto result = run_hydrapod({"modes", published, "--matrices"});
   EXPECT_EQ(result.exit_code, 2);
   EXPECT_EQ(result.err, "--matrices: error: matrices are part of the JSON; add --format json\n");
+}
+
+TEST(ModesAtPoses, AreThoseOfEachPoseFollowedByShape) {
+  const auto all = json_of({"modes", heavy, "--poses", "all", "--format", "json"});
+  EXPECT_EQ(all["kind"], "modes_at_poses");
+  ASSERT_EQ(all["poses"].size(), 4U);
+  for (std::size_t k = 0; k < 4; ++k) {
+    const auto name = all["poses"][k]["pose"]["name"].get<std::string>();
+    const auto one = json_of({"modes", heavy, "--pose", name, "--format", "json"});
+    EXPECT_EQ(all["poses"][k]["modes"].dump(), one["modes"].dump()) << name;
+  }
+  ASSERT_GE(all["followed"].size(), 6U);
+  for (const auto& followed : all["followed"])
+    for (std::size_t k = 0; k < 4; ++k) {
+      if (followed["mode"][k].is_null()) {
+        EXPECT_TRUE(followed["frequency_hz"][k].is_null());
+        continue;
+      }
+      const auto number = followed["mode"][k].get<std::size_t>();
+      EXPECT_EQ(followed["frequency_hz"][k], all["poses"][k]["modes"][number - 1]["frequency_hz"]);
+    }
+}
+
+TEST(ModesAtPoses, OnePoseUnderTwoNamesHasTheSameModes) {
+  const auto all =
+      json_of({"modes", heavy, "--pose", "neutral", "--pose", "z=0 mm", "--format", "json"});
+  for (const auto& followed : all["followed"]) {
+    EXPECT_EQ(followed["mode"][0], followed["mode"][1]);
+    EXPECT_NEAR(followed["mac"][1].get<double>(), 1.0, 1e-9);
+  }
+}
+
+TEST(ModesAtPoses, WrongUseIsRefused) {
+  const auto err = [](std::vector<std::string> more) {
+    more.insert(more.begin(), {"modes", heavy});
+    const auto run = run_hydrapod(more);
+    EXPECT_EQ(run.exit_code, 2);
+    return run.err;
+  };
+  EXPECT_EQ(err({"--pose", "low", "--pose", "low"}), "--pose low: error: is given twice\n");
+  EXPECT_THAT(err({"--pose", "low", "--pose", "lwo"}), HasSubstr("did you mean 'low'?"));
+  EXPECT_THAT(err({"--poses", "some"}), HasSubstr("--poses some: error: unknown value"));
+  EXPECT_THAT(err({"--poses", "all", "--system"}),
+              HasSubstr("poles of the system are at one pose"));
+  EXPECT_THAT(err({"--poses", "all", "--matrices", "--format", "json"}),
+              HasSubstr("--matrices: error: are of one pose"));
+}
+
+TEST(ModesAtPoses, ATableHasARowPerModeAndAColumnPerPose) {
+  const auto run = run_hydrapod({"modes", heavy, "--pose", "neutral", "--pose", "low"});
+  EXPECT_EQ(run.exit_code, 0) << run.err;
+  EXPECT_THAT(run.out,
+              AllOf(HasSubstr("neutral Hz"), HasSubstr("low Hz"), HasSubstr("lowest MAC")));
+  const auto csv =
+      run_hydrapod({"modes", heavy, "--pose", "neutral", "--pose", "low", "--format", "csv"});
+  const auto rows = test::parse_csv(csv.out);
+  EXPECT_GE(rows.size(), 13U);
+  for (const auto& row : rows) EXPECT_EQ(row.size(), rows.front().size());
 }
 
 }  // namespace

@@ -124,6 +124,62 @@ TEST(Simulate, TheSameSeedWritesTheSameFile) {
   EXPECT_EQ(texts[0], texts[1]);
 }
 
+/// Oil springs hold the legs: half a period after the release the platform is on the other side.
+TEST(Simulate, LetsTheMechanicsVibrateFreely) {
+  const TemporaryFolder folder;
+  const auto run = [&](const std::string& until) {
+    const auto result = run_hydrapod(
+        {"simulate", published, "--model", "rigid", "--actuators", "springs", "--initial",
+         "z=0.2 mm", "--until", until, "--dt-output", "0.05 ms", "-o", "free.h5"},
+        {.folder = folder.path()});
+    EXPECT_EQ(result.exit_code, 0) << result.err;
+    EXPECT_THAT(result.out, HasSubstr("released at z=0.2 mm"));
+    EXPECT_THAT(result.out, HasSubstr("oil springs, no hydraulics"));
+    EXPECT_THAT(result.out,
+                HasSubstr("damping: oil springs by nothing; seals by 0.2 % of critical"));
+    return data::read_record(folder.path() / "free.h5").record;
+  };
+  const auto json = nlohmann::json::parse(
+      run_hydrapod({"modes", published, "--model", "rigid", "--format", "json"}).out);
+  double z = 0.0;  // [Hz]
+  for (const auto& mode : json.at("modes"))
+    if (mode.at("label").get<std::string>().starts_with("z,")) z = mode.at("frequency_hz");
+  ASSERT_GT(z, 1.0);
+  const auto record = run(std::to_string(0.5 / z) + " s");
+  EXPECT_NEAR(record.samples(0, *data::find_channel(record.header, "platform.z")), 2e-4, 1e-12);
+  // rigid legs have no seals, and nothing damps the oil springs; z moves with rx and ry a little
+  EXPECT_NEAR(last_of(record, "platform.z"), -2e-4, 1e-3 * 2e-4);
+  EXPECT_FALSE(data::find_channel(record.header, "leg1.spool"));
+  EXPECT_FALSE(data::find_channel(record.header, "command.x"));
+}
+
+/// An undamped mass on a spring moves twice as far under a step of force as it does at rest.
+TEST(Simulate, ShakesThePlatform) {
+  const TemporaryFolder folder;
+  const auto json = nlohmann::json::parse(
+      run_hydrapod({"modes", published, "--model", "rigid", "--format", "json", "--matrices"}).out);
+  const double k = json.at("matrices").at("K").at(2).at(2);  // [N/m], of z
+  const auto record_of = [&](const std::string& actuators) {
+    const auto result =
+        run_hydrapod({"simulate", published, "--model", "rigid", "--actuators", actuators,
+                      "--wrench", "step z=900 N, at=0.01 s", "--until", "0.6", "-o", "pushed.h5"},
+                     {.folder = folder.path()});
+    EXPECT_EQ(result.exit_code, 0) << result.err;
+    auto record = data::read_record(folder.path() / "pushed.h5").record;
+    std::filesystem::remove(folder.path() / "pushed.h5");
+    return record;
+  };
+  const auto z_of = [](const data::Record& record) {
+    return record.samples.col(*data::find_channel(record.header, "platform.z"));
+  };
+  const auto springs = record_of("springs"), held = record_of("held");
+  EXPECT_NEAR(z_of(springs).maxCoeff(), 2.0 * 900.0 / k, 0.01 * 900.0 / k);  // samples of 1 ms
+  EXPECT_EQ(last_of(held, "wrench.z"), 900.0);
+  EXPECT_TRUE(data::find_channel(held.header, "leg1.spool"));
+  // held valves leak: the oil is the same spring at first
+  EXPECT_NEAR(z_of(held).head(60).maxCoeff(), 2.0 * 900.0 / k, 0.1 * 900.0 / k);
+}
+
 TEST(Simulate, DrawsAPicture) {
   const TemporaryFolder folder;
   const std::string path = (folder.path() / "run.svg").string();
@@ -158,6 +214,24 @@ TEST(Simulate, RefusesAMotionThatLeavesTheWorkspace) {
   EXPECT_THAT(result.err, HasSubstr("error: leg 1 needs "));
   EXPECT_THAT(result.err, HasSubstr(" mm more stroke than it has extending at "));
   EXPECT_FALSE(std::filesystem::exists(path));
+}
+
+TEST(Simulate, WithoutAControllerNothingFollowsACommand) {
+  const auto refused = [](std::vector<std::string> more) {
+    more.insert(more.begin(), {"simulate", published});
+    const auto result = run_hydrapod(more);
+    EXPECT_EQ(result.exit_code, 2);
+    return result.err;
+  };
+  EXPECT_THAT(refused({"--actuators", "springs", "--command", "step z=1 mm"}),
+              HasSubstr("--command: error: without the controller nothing follows a command"));
+  EXPECT_THAT(refused({"--actuators", "held", "--initial", "z=1 mm"}),
+              HasSubstr("--initial z=1 mm: error: held valves hold the platform where it stands"));
+  EXPECT_THAT(refused({"--actuators", "spring"}), HasSubstr("did you mean 'springs'"));
+  EXPECT_THAT(refused({"--initial", "z=3 m"}), HasSubstr("--initial z=3 m: error: "));
+  EXPECT_THAT(refused({"--initial", "z=3"}), HasSubstr("did you mean \"z=3 mm\"?"));
+  EXPECT_THAT(refused({"--initial", "u=3 mm"}), HasSubstr("--initial u=3 mm: error: "));
+  EXPECT_THAT(refused({"--wrench", "step z=5 mm"}), HasSubstr("--wrench step z=5 mm: error: "));
 }
 
 TEST(Simulate, MistakesInArgumentsAreNamed) {

@@ -1,6 +1,6 @@
 /// Values per line: a vector, of which copies and parts take no memory until they are changed.
 
-#include "hydrapod/data/per_line.hpp"
+#include "hydrapod/data/frequency_response.hpp"
 
 #include <gtest/gtest.h>
 

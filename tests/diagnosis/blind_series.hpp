@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "hydrapod/diagnosis/diagnose.hpp"
-#include "hydrapod/hydraulics/oil_spring.hpp"
+#include "hydrapod/hydraulics/servo_axis.hpp"
 #include "hydrapod/report/measured_results.hpp"
 #include "support/calibration_machine.hpp"
 #include "support/noisy_modes.hpp"

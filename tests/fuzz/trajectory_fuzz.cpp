@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "fuzz.hpp"
-#include "hydrapod/signals/signal_text.hpp"
+#include "hydrapod/signals/signals.hpp"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace hydrapod;

@@ -1,6 +1,6 @@
 /// Oil springs against hand calculation and against the pressures they stand for.
 
-#include "hydrapod/hydraulics/oil_spring.hpp"
+#include "hydrapod/hydraulics/servo_axis.hpp"
 
 #include <gtest/gtest.h>
 

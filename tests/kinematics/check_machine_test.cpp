@@ -1,6 +1,6 @@
 /// What is said of poses that a machine cannot take.
 
-#include "hydrapod/kinematics/check_machine.hpp"
+#include "hydrapod/kinematics/legs.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

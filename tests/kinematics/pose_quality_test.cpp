@@ -1,6 +1,6 @@
 /// Leg Jacobian, singular poses and joint angles.
 
-#include "hydrapod/kinematics/check_machine.hpp"
+#include "hydrapod/kinematics/legs.hpp"
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>

@@ -80,10 +80,10 @@ TEST(Parameters, EveryDoubleOfAMachineIsReachedByOneRow) {
       places.insert(row_of(id).find(machine, id.of > 0 ? id.of - 1 : 0, id.element));
   // bytes of the struct are doubles, but for words and the marks of optional parts, 8 bytes each
   const auto& leg = machine.legs[0];
-  constexpr std::size_t marks_of_a_leg = 1 /* ring */ + 2 /* oil spring */ + 3 /* cylinder */ +
-                                         1 /* stroke */ + 2 /* limits */ + 1 /* gimbals */ +
-                                         2 /* valve */ + 1 /* leakage */ + 4 /* friction */ +
-                                         1 /* stops */ + 1 /* area */;
+  constexpr std::size_t marks_of_a_leg =
+      1 /* ring */ + 2 /* oil spring */ + 3 /* cylinder */ + 1 /* stroke */ + 2 /* limits */ +
+      1 /* gimbals */ + 2 /* valve */ + 1 /* leakage */ + 4 /* friction */ + 1 /* stops */ +
+      1 /* area */ + 2 /* section of the case */ + 2 /* of the rod */ + 1 /* gap */;
   EXPECT_EQ(inside(&leg, sizeof(Leg), places) + marks_of_a_leg, sizeof(Leg) / sizeof(double));
   EXPECT_EQ(inside(&machine.platform, sizeof(Platform), places) + 3,
             sizeof(Platform) / sizeof(double));

@@ -27,7 +27,8 @@ const std::vector<WrongInput> wrong_files{
     {"UnknownKeyAtTheTop",
      {{R"(name = "Sound")", "name = \"Sound\"\nmas = 3"}},
      {},
-     "m.toml:2:1: error: mas: unknown key; known here: name, description, source, state, environment, "
+     "m.toml:2:1: error: mas: unknown key; known here: name, description, source, state, "
+     "environment, "
      "base, platform, legs, leg, model, damping, supply, controller, sensors, poses"},
     {"UnknownTable",
      {{"[environment]", "[enviroment]"}},
@@ -79,7 +80,8 @@ const std::vector<WrongInput> wrong_files{
      {{"gimbal_axis = [0, 1, 0]", "base_joint = [0, 1, 0]"}},
      {},
      "m.toml:13:1: error: legs.base_joint: unknown key; known here: gimbal_axis, "
-     "gimbal_cross_inertia, added_axial_inertia, gimbal_stiffness, case, rod, guide_sleeve, piston_ring, oil_spring, "
+     "gimbal_cross_inertia, added_axial_inertia, gimbal_stiffness, case, rod, guide_sleeve, "
+     "piston_ring, oil_spring, "
      "stroke, joint_limits, valve, leakage, friction, joint_friction, end_stops, "
      "equivalent_cylinder"},
     {"UnknownKeyOfPose",
@@ -188,12 +190,13 @@ const std::vector<WrongInput> wrong_files{
      {{"[leg.3.guide_sleeve]\nstiffness = \"4 kN/mm\"", "[leg.3]\nguide_sleeve = 3"}},
      {},
      "m.toml:36:16: error: leg.3.guide_sleeve: is the number 3, expected a table with the keys "
-     "position, stiffness, damping"},
+     "position, stiffness, damping, gap, guide_stiffness"},
     {"ArrayOfTables",
      {{"[legs.rod]", "[[legs.rod]]"}},
      {},
      "m.toml:18:1: error: legs.rod: is an array of 1, expected a table with the keys length, mass, "
-     "mass_center, transverse_inertia, axial_inertia"},
+     "mass_center, transverse_inertia, axial_inertia, diameter, wall, youngs_modulus, "
+     "yield_strength"},
     {"NumberForAString",
      {{R"(name = "Sound")", "name = 3"}},
      {},

@@ -228,6 +228,9 @@ TEST(NumbersInJson, OfAPoseCheck) {
          {"oil_stiffness_N_m", &report::LegCheck::oil_stiffness},
          {"axial_force_N", &report::LegCheck::axial_force},
          {"static_tilt_rad", &report::LegCheck::tilt},
+         {"sleeve_offset_m", &report::LegCheck::sleeve_offset},
+         {"ring_offset_m", &report::LegCheck::ring_offset},
+         {"guide_gap_m", &report::LegCheck::gap},
          {"base_joint_tilt_rad", &report::LegCheck::base_tilt},
          {"platform_joint_tilt_rad", &report::LegCheck::platform_tilt},
          {"retract_left_m", &report::LegCheck::retract_left},
@@ -406,6 +409,7 @@ report::Simulation simulated() {
                        .controller = tuning().parameters,
                        .lowest_oil_mode = 61.0};
   s.loop.seed = 77;
+  s.loop.initial << 0.001, 0.002, 0.003, 0.004, 0.005, 0.006;
   s.loop.integrator.relative_tolerance = 2.3e-6;
   s.summary = {.time = 2.6, .samples = 200, .integrator = {.steps = 811, .evaluations = 5432}};
   s.summary.events = {{.time = 1.9, .leg = 3, .event = {}, .begins = true}};
@@ -461,6 +465,7 @@ TEST(NumbersInJson, OfASimulation) {
   }
   expect_numbers(report::simulation_json(simulated()),
                  {{"controller", tuning_json()},
+                  {"initial", {0.001, 0.002, 0.003, 0.004, 0.005, 0.006}},
                   {"run",
                    {{"time_s", 2.6},
                     {"until_s", 2.7},

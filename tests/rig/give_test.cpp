@@ -118,7 +118,7 @@ TEST(RigOnABaseThatGivesWay, HasAccelerometersThatFeelTheGround) {
   options.signals = {{rms, signals::Multisine{1.0, 1.0, 1.0}}};
   options.settling = 0.0;
   options.duration = 2.0;
-  options.rate = 1000.0;  // the controller's: the wrench stays from sample to sample
+  options.rate = 1000.0;  // the controller's: the record holds every value of the wrench
   options.oversampling = 1;
   options.instruments.anti_alias = false;
   rig::Accelerometer sensor{.name = "a",
@@ -146,7 +146,9 @@ TEST(RigOnABaseThatGivesWay, HasAccelerometersThatFeelTheGround) {
   Eigen::Index row = 0;
   loop.run(
       [&](double, simulation::Excitation& out) {
-        out.wrench = excitation.row(std::min(row++, excitation.rows() - 1)).transpose();
+        const auto last = excitation.rows() - 1;
+        out.wrench = excitation.row(std::min(row++, last)).transpose();
+        out.next_wrench = excitation.row(std::min(row, last)).transpose();
       },
       [&](const simulation::LoopSample& sample) {
         const auto& base = sample.plant.base.motion;

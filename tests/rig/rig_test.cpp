@@ -84,6 +84,20 @@ TEST(Rig, NoiseAndQuantisationHaveTheStatedVariance) {
   EXPECT_NEAR(variance(record.col(30)) / white, 1.0, bound);
 }
 
+TEST(Rig, NoiseHasItsDensityWithoutTheAntiAliasFilterToo) {
+  RigOptions options = at_rest();
+  options.duration = 8.0;
+  options.oversampling = 3;
+  options.instruments.anti_alias = false;
+  Accelerometer sensor{.name = "a", .noise_density = 2e-3, .bandwidth = 0.0};
+  sensor.sensor = {};
+  options.instruments.accelerometers = {sensor};
+  const auto record = measured(options);
+  const double white = 2e-3 * 2e-3 * options.rate / 2.0;
+  const double bound = 5.0 * std::sqrt(2.0 / static_cast<double>(record.rows()));
+  EXPECT_NEAR(variance(record.col(30)) / white, 1.0, bound);
+}
+
 TEST(Rig, RangeSaturatesAndDropOutsAreMissing) {
   RigOptions options = at_rest();
   options.duration = 20.0;

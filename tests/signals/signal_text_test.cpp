@@ -1,6 +1,6 @@
 /// Signals as people write them, and trajectories from files.
 
-#include "hydrapod/signals/signal_text.hpp"
+#include "hydrapod/signals/signals.hpp"
 
 #include <gtest/gtest.h>
 

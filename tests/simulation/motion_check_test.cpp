@@ -7,7 +7,7 @@
 
 #include <fmt/format.h>
 
-#include "hydrapod/kinematics/check_machine.hpp"
+#include "hydrapod/kinematics/legs.hpp"
 #include "hydrapod/simulation/linear_system.hpp"
 #include "support/loop_machine.hpp"
 

@@ -93,6 +93,19 @@ TEST(SystemPoles, EqualOnesShareTheirParticipation) {
   }
 }
 
+/// An integral that is switched off moves nothing: it is no pole at zero.
+TEST(SystemPoles, OfALoopWithoutIntegralAreStable) {
+  for (const char* compensation : {"load", "none"}) {
+    const auto machine = machine_of("heavy-platform", {"controller.integral_time=0",
+                                                       std::string("controller.compensation=\"") +
+                                                           compensation + "\""});
+    const auto poles = system_poles(linear_system(machine, machine.neutral()));
+    EXPECT_TRUE(poles.stable);
+    EXPECT_TRUE(poles.sampled_stable);
+    EXPECT_LT(poles.largest_real, -1e-3);
+  }
+}
+
 TEST(SystemPoles, OfAMachineHaveSharesThatSumToOne) {
   const auto machine = machine_of("heavy-platform");
   for (const auto kind : {dynamics::ModelKind::rigid, dynamics::ModelKind::guide}) {

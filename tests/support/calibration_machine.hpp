@@ -9,8 +9,7 @@
 #include <vector>
 
 #include "hydrapod/calibration/calibrate.hpp"
-#include "hydrapod/calibration/sensitivity.hpp"
-#include "hydrapod/kinematics/check_machine.hpp"
+#include "hydrapod/kinematics/legs.hpp"
 #include "hydrapod/modal/mode_table.hpp"
 #include "hydrapod/model/machine_file.hpp"
 #include "support/random.hpp"

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "hydrapod/kinematics/check_machine.hpp"
+#include "hydrapod/kinematics/legs.hpp"
 #include "hydrapod/model/machine_file.hpp"
 #include "support/run_program.hpp"
 

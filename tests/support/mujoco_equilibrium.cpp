@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "hydrapod/hydraulics/oil_spring.hpp"
+#include "hydrapod/hydraulics/servo_axis.hpp"
 
 namespace hydrapod::test {
 

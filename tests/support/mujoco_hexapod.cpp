@@ -10,7 +10,7 @@
 #include <stdexcept>
 #include <string>
 
-#include "hydrapod/hydraulics/oil_spring.hpp"
+#include "hydrapod/hydraulics/servo_axis.hpp"
 
 namespace hydrapod::test {
 

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "hydrapod/kinematics/check_machine.hpp"
+#include "hydrapod/kinematics/legs.hpp"
 
 namespace hydrapod::test {
 

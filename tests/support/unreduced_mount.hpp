@@ -6,7 +6,7 @@
 
 #include <Eigen/Geometry>
 
-#include "hydrapod/hydraulics/oil_spring.hpp"
+#include "hydrapod/hydraulics/servo_axis.hpp"
 #include "hydrapod/kinematics/legs.hpp"
 
 namespace hydrapod::test {

@@ -22,8 +22,26 @@
 /// throws; it takes a few microseconds (bench/control_bench.cpp).
 ///
 /// The numbers a controller runs with: nothing left to defaults.
+///
+/// The controller for small motions about an equilibrium: as a sampled system, and as the
+/// continuous one that it approaches with ever faster sampling.
+///
+///     ξ_{k+1} = A_d ξ_k + B_d u_k   or   ξ̇ = A ξ + B u,      drives = C ξ + D u
+///
+/// u = (leg lengths 6, cap pressures 6, rod pressures 6, piston accelerations 6, commanded
+/// displacement of the pose 6 (as in spatial::displaced), commanded velocity 6), ξ = (∫e 6, where
+/// there is an integral; slow parts of the load forces 6, where pressures are fed back or drives are
+/// corrected for the load; of the accelerations 6, where these are fed back). Limits, rounding,
+/// noise and the computation's delay are not in it.
+///
+/// What holds the machine against leakage are drives d_0 of wanted speeds v_0 = J w_0. Two small
+/// terms follow from them: ∂(J w_0)/∂pose · J⁻¹ δl in pose space, and under Compensation::load
+/// −(∂d/∂v) v_0 ∂(ln v_full)/∂s · δs by the slow load s.
 
+#include <Eigen/Core>
 #include <array>
+#include <string>
+#include <vector>
 
 #include "hydrapod/kinematics/legs.hpp"
 #include "hydrapod/model/machine.hpp"
@@ -141,5 +159,24 @@ class Controller {
 /// Load forces p_1 A_1 − p_2 A_2 [N].
 Vector6 load_forces(const std::array<DriveAxis, model::leg_count>& axes,
                     const Measurement& measured);
+
+/// Where the inputs of a LinearController begin.
+struct ControllerInputs {
+  static constexpr int length = 0, cap_pressure = 6, rod_pressure = 12, acceleration = 18,
+                       command = 24, velocity = 30, count = 36;
+};
+
+struct LinearController {
+  Eigen::MatrixXd A{}, B{};           ///< continuous
+  Eigen::MatrixXd A_d{}, B_d{};       ///< sampled
+  Eigen::MatrixXd C{}, D{};           ///< both
+  std::vector<std::string> states{};  ///< "integral x", …, "slow force of leg 1", …
+};
+
+/// About `X_BP`, commanded and measured, with the drives [shares] that hold it and the load forces
+/// [N] at it.
+LinearController linear_controller(const model::Machine& machine,
+                                   const ControllerParameters& parameters, const Pose& X_BP,
+                                   const Vector6& drives, const Vector6& loads);
 
 }  // namespace hydrapod::control

@@ -35,15 +35,9 @@
 
 namespace hydrapod::modal {
 
-/// Used for every mode where a machine gives no damping of any kind; every output says so.
 using model::default_modal_ratio;
-
-/// The modal ratio ζ a model is given, and why.
-struct ModalRatio {
-  double value{};
-  bool is_default{};  ///< nothing in the machine says anything about damping
-};
-ModalRatio modal_ratio(const model::Machine& machine);
+using model::modal_ratio;
+using model::ModalRatio;
 
 struct DampedMode {
   std::complex<double> pole{};  ///< λ [1/s], the one with Im ≥ 0; for ζ > 1 the slower one

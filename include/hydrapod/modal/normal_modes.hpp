@@ -8,11 +8,12 @@
 /// - signs are canonical: the largest component (each weighted with the root of its mass), of the
 ///   platform where the platform moves at all, is positive.
 ///
-/// Method. Legs touch each other only through platform and base, so M is factored in blocks, one
-/// small block per leg and one of platform and base; a symmetric eigensolver of fixed size follows;
-/// ω² are Rayleigh quotients of its shapes. Errors: ω² within some epsilons of itself, next to
-/// frequencies 10⁵ times higher (seals made rigid by a huge stiffness) still within 1e-9; shapes
-/// within some epsilons of the largest ω² over the distance to the next.
+/// Method. On a base without coordinates legs touch each other only through the platform, so M is
+/// factored in blocks, one small block per leg and one of the platform; a symmetric eigensolver of
+/// fixed size follows. With coordinates of the base, M is factored whole. ω² are Rayleigh quotients
+/// of the shapes. Errors: ω² within some epsilons of itself, next to frequencies 10⁵ times higher
+/// (seals made rigid by a huge stiffness) still within 1e-9; shapes within some epsilons of the
+/// largest ω² over the distance to the next.
 ///
 /// Who moves and what stores the energy in a mode.
 ///

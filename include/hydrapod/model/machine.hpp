@@ -206,32 +206,41 @@ inline constexpr double standard_gravity = 9.80665;  ///< [m/s²]
 
 /// Cylinder case, axisymmetric about the leg's axis.
 struct CylinderCase {
-  double mass{};                ///< m_t [kg], ≥ 0
-  double mass_center{};         ///< r_b [m] from the base joint along the axis
-  double transverse_inertia{};  ///< I_t [kg m²] about its mass centre
-  double axial_inertia{};       ///< I_ta [kg m²], used with FlexibleAxes::gimbal only
+  double mass{};                     ///< m_t [kg], ≥ 0
+  double mass_center{};              ///< r_b [m] from the base joint along the axis
+  double transverse_inertia{};       ///< I_t [kg m²] about its mass centre
+  double axial_inertia{};            ///< I_ta [kg m²], used with FlexibleAxes::gimbal only
+  std::optional<double> diameter{};  ///< outside [m], with `wall`; absent: the case does not bend
+  std::optional<double> wall{};      ///< [m]
 };
 
 /// Rod with piston, axisymmetric.
 struct Rod {
-  double length{};              ///< l_mn [m], piston to platform joint
-  double mass{};                ///< m_g [kg], ≥ 0
-  double mass_center{};         ///< c_g [m] from the piston towards the platform
-  double transverse_inertia{};  ///< I_r [kg m²] about its mass centre
-  double axial_inertia{};       ///< I_ra [kg m²], used with FlexibleAxes::gimbal only
+  double length{};                   ///< l_mn [m], piston to platform joint
+  double mass{};                     ///< m_g [kg], ≥ 0
+  double mass_center{};              ///< c_g [m] from the piston towards the platform
+  double transverse_inertia{};       ///< I_r [kg m²] about its mass centre
+  double axial_inertia{};            ///< I_ra [kg m²], used with FlexibleAxes::gimbal only
+  std::optional<double> diameter{};  ///< outside [m]; absent: that of the oil spring's cylinder
+  std::optional<double> wall{};      ///< [m] of a hollow rod; absent: it is solid
+  double youngs_modulus{2.06e11};    ///< E [Pa] of rod and case: steel
+  double yield_strength{3.55e8};     ///< R_e [Pa] of the rod
 };
 
-/// The step seals' O-rings in the guide sleeve: lateral spring between case and rod.
+/// The step seals' O-rings in the guide sleeve: lateral spring between case and rod; and the guide
+/// ring, on which the rod lies where the O-rings give way by more than `gap`.
 struct GuideSleeve {
-  double position{};   ///< L_g [m] from the base joint
-  double stiffness{};  ///< k_s [N/m]
-  double damping{};    ///< c_s [N s/m]
+  double position{};            ///< L_g [m] from the base joint
+  double stiffness{};           ///< k_s [N/m]
+  double damping{};             ///< c_s [N s/m]
+  std::optional<double> gap{};  ///< g [m] from the rod to the guide ring; absent: never touched
+  double guide_stiffness{5e7};  ///< k_c [N/m] of the guide ring beyond the gap
 };
 
 /// The glyd ring's O-ring at the piston: lateral spring between case and piston.
 struct PistonRing {
   double stiffness{};  ///< k_g [N/m]
-  double damping{};    ///< c_g [N s/m]
+  double damping{};    ///< c_u [N s/m]
 };
 
 /// Where the piston can be: l_m in [retracted, retracted + length].
@@ -319,12 +328,12 @@ enum class FlexibleAxes {
   gimbal       ///< parallel to the lower gimbal's axes; axial spin and inertia follow from it
 };
 
+/// Used for every mode where a machine gives no damping of any kind; every output says so.
 inline constexpr double default_modal_ratio = 0.02;
 
 /// Damping that is not a named damper. Added to the viscous dampers of the legs.
 struct Damping {
-  /// Ratio given to every undamped mode. Not set: `default_modal_ratio` where the legs have no
-  /// damper and Rayleigh is zero, else 0.
+  /// ζ of every mode; see ModalRatio for what holds where it is not set.
   std::optional<double> modal_ratio{};
   double rayleigh_mass{};       ///< α [1/s] of C = α M + β K
   double rayleigh_stiffness{};  ///< β [s]
@@ -364,6 +373,20 @@ struct Machine {
 
   [[nodiscard]] const Pose& neutral() const { return poses.front().X_BP; }
 };
+
+/// ζ that every mode has on top of the dampers, in all models alike, and why.
+struct ModalRatio {
+  double value{};
+  bool is_default{};  ///< nothing in the machine says anything about damping
+};
+
+/// `damping.modal_ratio` where it is set; else `default_modal_ratio` where the legs have no damper
+/// and Rayleigh's damping is zero; else 0.
+ModalRatio modal_ratio(const Machine& machine);
+
+/// Has a leg a damper: at a guide sleeve, a piston ring or beside the oil spring?
+bool has_leg_dampers(const Machine& machine);
+bool has_rayleigh_damping(const Machine& machine);
 
 using JointPoints = std::array<Vector3, leg_count>;
 

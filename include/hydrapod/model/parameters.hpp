@@ -61,7 +61,7 @@ struct ParameterRow {
   std::string_view example{};
   bool in_use{};               ///< the starter file gives it; else it stands there as a comment
   std::string_view heading{};  ///< of a table: lines of the starter file above it
-  bool mechanics{true};        ///< of a table: its numbers enter the linear models of the mechanism
+  bool mechanics{true};        ///< it, or what a table holds, enters the linear mechanical models
   bool in_code{};              ///< read and checked by code of its own: joints, gravity, poses
   std::span<const std::string_view> words{};
 

@@ -29,6 +29,11 @@ struct EigenSystem {
 };
 EigenSystem eigen_system(const Eigen::MatrixXd& A);
 
+/// Scales d, powers of two, for which rows and columns of D⁻¹ A D have like norms (Osborne, J. ACM 7
+/// (1960) 338). Eigenvalues of a matrix of states in SI units, 1e7 Pa beside 1e-5 m, keep some six
+/// more digits.
+Eigen::VectorXd balancing(const Eigen::MatrixXd& A);
+
 /// The eigenvalues alone; empty where A is not finite or the iteration did not converge.
 Eigen::VectorXcd eigenvalues(const Eigen::MatrixXd& A);
 

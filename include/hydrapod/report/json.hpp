@@ -61,6 +61,12 @@ Json matrices_json(const modal::ModeTable& table);
 /// "2 % of critical in every mode (default, the machine file gives no damping)".
 std::string damping_text(const model::Machine& machine);
 
+/// What damps where the oil is hydraulics and no spring: in simulations and in poles of the system.
+/// "oil by leakage, valves and friction; seals by their dampers + 1 % of critical". Without
+/// `hydraulics`: of the nonlinear mechanics on oil springs, "oil springs by their dampers; seals
+/// …".
+std::string plant_damping_text(const model::Machine& machine, bool hydraulics = true);
+
 /// "gravity 9.81 m/s² downwards", "no gravity".
 std::string gravity_text(const model::Machine& machine);
 

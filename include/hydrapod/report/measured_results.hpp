@@ -19,13 +19,15 @@
 /// A calibration and sensitivities as JSON, as pictures and in words.
 ///
 /// A diagnosis as JSON and as a picture. The fields are documented in docs/howto/json.md.
+///
+/// Machines, records and lists of modes side by side.
 
+#include <complex>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "hydrapod/calibration/calibrate.hpp"
-#include "hydrapod/calibration/sensitivity.hpp"
 #include "hydrapod/data/processing.hpp"
 #include "hydrapod/data/record_io.hpp"
 #include "hydrapod/diagnosis/diagnose.hpp"
@@ -294,5 +296,74 @@ diagnosis::CaseFile diagnosis_from_json(const Json& json, const std::string& fil
 /// Measured beside rigid and best hypothesis, ranking, frequency against stiffness; what there is
 /// of these. Throws as report's other pictures do.
 void plot_diagnosis(const diagnosis::CaseFile& file, const std::string& path);
+
+/// What `hydrapod compare` sets side by side: modes and, where they are known, responses.
+struct ComparedThing {
+  enum class Kind { machine, modes, record };
+  struct Mode {
+    double omega{}, damping_ratio{};
+    /// Standard deviations; none: not known. Of a calculated mode there are none.
+    std::optional<double> omega_deviation{}, damping_deviation{};
+    std::string label{};  ///< "x, knee of all legs", "x 1.00, −ry 0.26"
+  };
+  struct Response {
+    std::string name{};  ///< "x from Fx", what is compared with the same of others
+    std::string unit{};
+    std::vector<double> frequency{};  ///< [Hz]
+    std::vector<std::complex<double>> H{};
+  };
+  Kind kind{};
+  std::string name{};         ///< as it was given
+  std::string description{};  ///< "Heavy motion platform, pose low, guide model, nominal"
+  std::vector<Mode> modes{};
+  std::vector<Response> responses{};
+};
+
+/// A difference and the two-sided z test of it: z = difference/deviation, p = erfc(|z|/√2).
+struct TestedDifference {
+  enum class Verdict {
+    cannot_say,  ///< neither side, or a measured one, has no known deviation
+    not_significant,
+    significant,
+    calculated  ///< both numbers follow exactly from their files
+  };
+  double value{};
+  std::optional<double> deviation{};  ///< root of the sum of the known variances
+  std::optional<double> p{};
+  Verdict verdict{};
+};
+const char* name(TestedDifference::Verdict verdict);
+
+/// One thing against the first one.
+struct ThingComparison {
+  struct Pair {
+    int first{}, second{};         ///< modes
+    std::optional<double> mac{};   ///< none where shapes cannot be compared
+    TestedDifference frequency{};  ///< of ω, second less first [rad/s]
+    TestedDifference damping{};    ///< of ζ
+  };
+  int thing{};  ///< number of the second thing
+  std::vector<Pair> pairs{};
+  std::vector<int> first_left{}, second_left{};  ///< modes without a partner
+  std::string shapes{};  ///< what shapes were compared on: "6 outputs, metric of …", "no shapes, …"
+};
+
+struct SideBySide {
+  std::vector<ComparedThing> things{};
+  std::vector<ThingComparison> comparisons{};  ///< of the second thing and further ones
+  double level{};                              ///< of all tests of one comparison together
+};
+
+/// "z test at 5 % …": what "significant" means here.
+std::string test_text(const SideBySide& result);
+/// `things[]`, `comparisons[]`, `test`, `level_percent`.
+Json side_by_side_json(const SideBySide& result);
+/// Reads it.
+SideBySide side_by_side_from_json(const Json& json, const std::string& file);
+/// One line per pair and per mode without partner.
+std::string side_by_side_csv(const SideBySide& result);
+/// Differences of frequencies and damping with their 95 % intervals, and responses that at least
+/// two things have, one over the other. Throws as report's other pictures do.
+void plot_side_by_side(const SideBySide& result, const std::string& path);
 
 }  // namespace hydrapod::report

@@ -8,15 +8,18 @@
 ///
 /// A simulated run from commands as people write them: what `hydrapod simulate` runs, prints and
 /// plots.
+///
+/// Modes at several poses of one machine.
 
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "hydrapod/dynamics/linear_model.hpp"
-#include "hydrapod/kinematics/check_machine.hpp"
+#include "hydrapod/kinematics/legs.hpp"
 #include "hydrapod/report/json.hpp"
 #include "hydrapod/response/frequency_response.hpp"
+#include "hydrapod/simulation/capability.hpp"
 #include "hydrapod/simulation/closed_loop.hpp"
 #include "hydrapod/simulation/linear_system.hpp"
 
@@ -30,12 +33,18 @@ struct LegCheck {
   std::optional<double> retract_left{};  ///< stroke left inwards [m]; none without a stroke
   std::optional<double> extend_left{};   ///< and outwards [m]
   double oil_stiffness{};                ///< k_h [N/m]
-  double axial_force{};  ///< static, of the oil on the piston [N], positive in compression
-  double tilt{};         ///< static tilt of the rod in the guide sleeve [rad]
+  double axial_force{};    ///< static, of the oil on the piston [N], positive in compression
+  double tilt{};           ///< static tilt of the rod in the guide sleeve [rad]
+  double sleeve_offset{};  ///< static, of the rod at the guide sleeve [m]
+  std::optional<double> ring_offset{};  ///< static, of the piston in its ring [m]
+  std::optional<double> gap{};          ///< of the guide ring [m]
+  bool on_guide{};                      ///< the rod lies on its guide ring
   double base_tilt{}, platform_tilt{};  ///< joint angles from the neutral pose [rad]
   /// Chamber pressures at rest [Pa], absolute; none where the supply cannot hold the load.
   std::optional<double> cap_pressure{}, rod_pressure{};
   double largest_push{}, largest_pull{};  ///< of the oil at the supply pressure [N]
+  /// As a column of rod and case; none where the file does not say how thick the rod is.
+  std::optional<dynamics::ColumnStrength> column{};
 };
 
 /// What a user should know of a pose.
@@ -44,12 +53,16 @@ struct PoseWarning {
     buckled,        ///< value: mass that must come off [kg]
     near_buckling,  ///< value: payload that the legs carry [kg]; ratio: of all mass to today's
     no_equilibrium,
-    little_stroke,  ///< value: stroke left [m]
-    short_guide,    ///< value: length of the piston inside the guide sleeve [m]
-    tilted_rod,     ///< value: static tilt [rad]
-    near_singular,  ///< value: condition
-    weak_supply,    ///< value: static force [N]; ratio: what the oil can give against it [N]
-    air_pressure    ///< value: mean chamber pressure at rest [Pa]; ratio: stated with the air [Pa]
+    little_stroke,   ///< value: stroke left [m]
+    short_guide,     ///< value: length of the piston inside the guide sleeve [m]
+    tilted_rod,      ///< value: static tilt [rad]
+    near_singular,   ///< value: condition
+    weak_supply,     ///< value: static force [N]; ratio: what the oil can give against it [N]
+    air_pressure,    ///< value: mean chamber pressure at rest [Pa]; ratio: stated with the air [Pa]
+    rod_buckles,     ///< value: static force [N]; ratio: what the leg bears as a column [N]
+    little_reserve,  ///< value: what the leg bears as a column over the static force
+    slender_rod,     ///< value: push of the oil [N]; ratio: what the leg bears as a column [N]
+    rod_on_guide     ///< value: static offset at the guide sleeve [m]; ratio: the gap [m]
   };
   Kind kind{};
   double value{};           ///< of the worst leg
@@ -66,6 +79,9 @@ struct PoseCheck {
   dynamics::Buckling buckling{};
   std::optional<double>
       lowest_at_buckling{};  ///< ω of the lowest mode just below that payload [rad/s]
+  std::optional<double> first_resonance{};  ///< ω of the lowest mode [rad/s]; none: unstable
+  /// None where the machine does not stand.
+  std::optional<simulation::Capability> capability{};
   std::vector<PoseWarning> warnings{};
 };
 
@@ -82,6 +98,14 @@ Json check_json(const std::vector<PoseCheck>& poses, const model::Machine& machi
 std::vector<PoseCheck> checks_from_json(const Json& json, const std::string& file);
 
 std::string warning_text(const PoseWarning& warning);
+
+/// "leg 3 pushes with all it has", "flow of the pump".
+std::string limit_text(simulation::Limit limit);
+
+/// Bars by direction, both signs, one diagram for each of force, speed, acceleration, jerk and
+/// excursion; the colour says what ends it. Throws as draw(), and base::InputError for a pose
+/// without a capability.
+void plot_capability(const PoseCheck& check, const std::string& title, const std::string& path);
 
 /// "45.92 kg", "74940 kg": four digits, but never a power of ten.
 std::string mass_text(double mass);
@@ -207,6 +231,8 @@ void plot_command_response(const CommandResponse& response, const std::string& t
 /// A simulated run.
 struct Simulation {
   std::vector<std::string> commands{};  ///< as signals::signal_text writes them
+  std::vector<std::string> wrench{};    ///< likewise: force and moment about the mass centre
+  std::string damping{};                ///< as plant_damping_text() says
   std::vector<std::string> warnings{};
   double until{};
   double output_interval{};
@@ -223,7 +249,8 @@ struct Simulation {
   std::string record{};  ///< file that holds it; empty: none was asked for
 };
 
-/// `model`, `commands[]`, `controller`, `run`, `directions[]`, `legs[]`, `trace`.
+/// `model`, `actuators`, `damping`, `commands[]`, `wrench[]`, `initial`, `controller`, `run`,
+/// `directions[]`, `legs[]`, `trace`.
 Json simulation_json(const Simulation& simulation);
 Simulation simulation_from_json(const Json& json, const std::string& file);
 
@@ -240,6 +267,23 @@ simulation::Tuning controller_from_json(const Json& json, const std::string& fil
 /// Throws as plot_bode does.
 void plot_simulation(const Simulation& simulation, const std::string& title,
                      const std::string& subtitle, const std::string& path);
+/// Modes of one machine at several poses, followed from pose to pose by their shape.
+struct ModesAtPoses {
+  struct Followed {
+    std::vector<int> mode{};  ///< per pose, index into real.modes; −1: not among them there
+    std::vector<std::optional<double>> mac{};  ///< with the mode at the pose before
+  };
+  std::vector<model::NamedPose> poses{};
+  std::vector<modal::ModeTable> tables{};  ///< one per pose
+  std::vector<Followed> followed{};        ///< those that the platform feels
+};
+/// `poses[]` with `pose` and what modes_json() has, `followed[]` with `mode[]`, `mac[]` and
+/// `frequency_hz[]` by pose.
+Json modes_at_poses_json(const ModesAtPoses& modes);
+ModesAtPoses modes_at_poses_from_json(const Json& json, const std::string& file);
+/// A line per followed mode and pose.
+std::string modes_at_poses_csv(const ModesAtPoses& modes);
+
 /// Throws base::InputError for a picture ending that plots do not know.
 void require_picture_ending(const std::string& path);
 

@@ -21,7 +21,7 @@
 #include "hydrapod/data/record.hpp"
 #include "hydrapod/data/record_io.hpp"
 #include "hydrapod/model/machine.hpp"
-#include "hydrapod/signals/signal_text.hpp"
+#include "hydrapod/signals/signals.hpp"
 #include "hydrapod/simulation/closed_loop.hpp"
 
 namespace hydrapod::rig {

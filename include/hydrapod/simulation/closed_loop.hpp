@@ -117,6 +117,13 @@ class Integrator {
   std::unique_ptr<Implementation> implementation_;
 };
 
+/// What moves or holds the legs.
+enum class Actuators {
+  controlled,  ///< valves, by the controller
+  held,        ///< valves that stay as they are at rest, but for the excitation's drives
+  springs      ///< the oil springs of the linear model; `plant.hydraulics` is false then
+};
+
 struct LoopOptions {
   ModelKind kind{ModelKind::guide};
   PlantOptions plant{};
@@ -125,6 +132,12 @@ struct LoopOptions {
   std::optional<double> output_interval{};  ///< [s]; default: the controller's sample time
   std::uint64_t seed{1};                    ///< of the sensors' noise
   bool ideal_sensors{};                     ///< no noise, range, resolution
+  Actuators actuators{};
+  /// Displacement from the operating pose [m, rad] where the platform stands at time 0, at rest and
+  /// held there by what then lets it go: the controller, or the oil springs. Not for valves that
+  /// are held, which would hold it.
+  Vector6 initial{Vector6::Zero()};
+  bool records_wrench{};  ///< the wrench has channels in the record
 };
 
 /// What comes from outside at a sample: the commanded displacement from the operating pose, drives
@@ -133,12 +146,30 @@ struct Excitation {
   signals::Sample command{};
   Vector6 drive{Vector6::Zero()};
   Vector6 wrench{Vector6::Zero()};
+  /// That of the next sample. Where it is given, each wrench is held about its sample, half a
+  /// sample to each side; else from its sample to the next one, half a sample late on average.
+  std::optional<Vector6> next_wrench{};
 };
 /// Called once per controller sample, in order, with its time [s].
 using ExcitationSource = std::function<void(double time, Excitation& excitation)>;
 
-/// The commands of `signals`, from its next sample on. It must outlive the source.
-ExcitationSource command_source(signals::Generator& signals);
+/// The commands of `signals`, from its next sample on, and the wrench of `wrenches`, if any. They
+/// must outlive the source.
+ExcitationSource command_source(signals::Generator& signals,
+                                signals::Generator* wrenches = nullptr);
+
+/// One signal, and the sample after the one that is given.
+class LookAhead {
+ public:
+  /// From the next sample of `signal` on; it must outlive this.
+  explicit LookAhead(signals::Generator& signal) : signal_(&signal), next_(signal.next()) {}
+  /// Sets both wrenches.
+  void fill(Excitation& excitation);
+
+ private:
+  signals::Generator* signal_;
+  signals::Sample next_;
+};
 
 /// What is known at an output instant. With an output at a controller sample, it is of that sample.
 struct LoopSample {
@@ -185,8 +216,9 @@ struct RunSummary {
 class ClosedLoop {
  public:
   /// Tunes the controller and brings the machine to rest at `operating`. Throws
-  /// base::ComputationError where it cannot stand there, std::invalid_argument for options that
-  /// make no sense, std::length_error for more than 10⁹ samples of the controller or the record.
+  /// base::ComputationError where it cannot stand there (or at `initial`), std::invalid_argument
+  /// for options that make no sense, std::length_error for more than 10⁹ samples of the controller
+  /// or the record.
   ClosedLoop(const model::Machine& machine, const Pose& operating, const LoopOptions& options = {});
   ~ClosedLoop();
   ClosedLoop(ClosedLoop&&) noexcept;
@@ -198,6 +230,7 @@ class ClosedLoop {
   [[nodiscard]] const Pose& operating() const;
   [[nodiscard]] double output_interval() const;
   [[nodiscard]] const Plant::Rest& rest() const;
+  [[nodiscard]] const LoopOptions& options() const;
 
   /// From rest at time 0 to `until`; may be called again. The run ends early, with a message, when
   /// forward kinematics finds no pose, when the platform leaves its workspace (joint limits,
@@ -244,10 +277,12 @@ class TraceRecorder {
   Trace trace_{};
 };
 
-/// The channels of a run's record: command.x … rz, platform.x … rz (displacements from the
+/// The channels of a run's record: command.x … rz (with a controller), wrench.x … rz (where it is
+/// recorded), platform.x … rz (displacements from the
 /// operating pose), platform.ax … arz (acceleration of the platform's origin), then per leg its
-/// length, measured length, drive at the valve, spool, both pressures, oil force, and with flexible
-/// legs the offset of the rod in its guide sleeve; the supply pressure where it moves.
+/// length, measured length, drive at the valve, spool, both pressures (of these four nothing with
+/// oil springs), oil force, and with flexible legs the offset of the rod in its guide sleeve; the
+/// supply pressure where it moves.
 std::vector<data::Channel> record_channels(const ClosedLoop& loop);
 
 /// The sample as one row of that record; `row` has record_channels().size() places.

@@ -2,7 +2,7 @@
 /// Everything in one linear system: mechanics, pressures, spools, controller, delay.
 ///
 /// The plant at rest at a pose (Plant::linearise, Coulomb friction left out) with the linear
-/// controller (control/linear_controller.hpp) around it. Two descriptions of the sampled loop:
+/// controller (control::linear_controller) around it. Two descriptions of the sampled loop:
 ///
 /// - continuous: the controller as if it were never sampled, and between it and each valve the
 /// delay
@@ -43,7 +43,6 @@
 #include <vector>
 
 #include "hydrapod/control/controller.hpp"
-#include "hydrapod/control/linear_controller.hpp"
 #include "hydrapod/simulation/plant.hpp"
 
 namespace hydrapod::simulation {

@@ -27,10 +27,11 @@
 /// Input: valve commands in [−1, 1] (+: the leg extends) and a wrench on the platform.
 ///
 /// Damping. Seals, joints and hydraulics damp by their own laws. Of `[damping]`, Rayleigh's α acts
-/// as −α v on the accelerations, β as a damper β k beside every spring; `modal_ratio` (2 % where
-/// the file says none) goes to the guide sleeves and piston rings that have no damper of their own:
-/// c = 2 ζ k / ω, ω² = k l_mh² / M_φφ of a sleeve and k / M_uu of a ring at the reference pose.
+/// as −α v on the accelerations, β as a damper β k beside every spring; model::modal_ratio goes to
+/// the guide sleeves and piston rings, on top of the dampers that they have: c = 2 ζ k / ω,
+/// ω² = k l_mh² / M_φφ of a sleeve and k / M_uu of a ring at the reference pose.
 /// With hydraulics, `oil_spring.damping` is not used: leakage, valves and friction stand for it.
+/// report::plant_damping_text says so in words.
 
 #include <memory>
 #include <string>

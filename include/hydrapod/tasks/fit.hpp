@@ -58,6 +58,7 @@ struct DiagnoseOptions {
 struct Diagnosed {
   Machine machine{};  ///< as given, its pose among those of its file
   diagnosis::CaseFile file{};
+  std::vector<std::string> origins{};  ///< see MeasuredTargets
   std::vector<base::Diagnostic> warnings{};
 };
 

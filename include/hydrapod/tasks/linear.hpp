@@ -4,8 +4,20 @@
 ///     const auto modes = tasks::modes(machine);
 ///     for (const auto& mode : modes.real.modes) std::printf("%.3f Hz\n", mode.mode.omega /
 ///     two_pi);
+///
+/// Tasks on other programs' files.
+///
+///     const auto machine = tasks::read_machine({.file = "machine.toml"});
+///     tasks::export_machine(machine, {.format = tasks::ExportFormat::npz, .path = "machine.npz"});
 
-#include "hydrapod/calibration/sensitivity.hpp"
+#include <array>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "hydrapod/calibration/calibrate.hpp"
+#include "hydrapod/exchange/exchange.hpp"
 #include "hydrapod/report/model_results.hpp"
 #include "hydrapod/tasks/machine.hpp"
 
@@ -17,6 +29,12 @@ modal::ModeTable modes(const Machine& machine);
 /// The same of the file without the overrides; none where there are no overrides. Throws
 /// base::InputError and base::ComputationError where the file alone has no modes at this pose.
 std::optional<modal::ModeTable> modes_without_overrides(const Machine& machine);
+
+/// Modes at `poses`, at least two. Those that the platform feels are followed: between neighbouring
+/// poses they are paired by the MAC of the platform's motion in the metric of its mass
+/// (observation::pair_lists); the frequency may change by a factor of three.
+report::ModesAtPoses modes_at_poses(const Machine& machine,
+                                    const std::vector<model::NamedPose>& poses);
 
 struct SystemOptions {
   bool closed{true};  ///< false: without the controller, the valves held
@@ -73,6 +91,9 @@ struct CheckOptions {
   /// Mean pressure of a leg's chambers at rest and pressure of the air in its file further apart
   /// than this factor: with a few per cent of air the oil spring is then off by some tenths.
   double other_pressure{1.3};
+  /// Strength as a column < column_reserve · static force: the reserve that makers of cylinders ask
+  /// for, since a rod is never straight and loads are never static.
+  double column_reserve{3.5};
 };
 
 /// Legs, static forces and buckling at `poses`; none given: at the machine's own pose.
@@ -88,5 +109,39 @@ struct SensitivityOptions {
 /// for a path that the file does not have, and for a number that is zero.
 calibration::Sensitivities sensitivity(const Machine& machine,
                                        const SensitivityOptions& options = {});
+
+enum class ExportFormat { mat, npz, json, hdf5, uff, matrix_market, dmig, mjcf, sdf, urdf };
+
+/// Their words on the command line, in this order.
+inline constexpr std::array<std::string_view, 10> export_formats{
+    "mat", "npz", "json", "hdf5", "uff", "mtx", "dmig", "mjcf", "sdf", "urdf"};
+
+struct ExportOptions {
+  ExportFormat format{};
+  std::string path{};
+  exchange::SystemKind system{exchange::SystemKind::mechanics};  ///< of a state space
+  int pade_order{simulation::default_pade_order};
+  double sample_time{};  ///< [s], see exchange::StateSpaceOptions
+  bool sampled_controller{};
+  std::vector<std::string> inputs{}, outputs{};  ///< names; empty: all
+  std::optional<spatial::Vector3> p_PQ{};        ///< default: the platform's mass centre
+  int leg_modes{-1};                             ///< of a superelement; −1: all
+  bool approximate{};                            ///< write also what the format holds only in part
+  /// Beginning of the JSON; null: none.
+  report::Json json_head{};
+};
+
+/// Files that a format writes beside or instead of `path`: three for Matrix Market (NAME.M.mtx,
+/// NAME.K.mtx, NAME.C.mtx), two for URDF (the second is NAME.closures.json).
+std::vector<std::string> export_files(ExportFormat format, const std::string& path);
+
+struct Exported {
+  std::vector<std::string> files{};
+  exchange::Parity parity{};
+};
+
+/// Throws base::InputError where the format cannot hold the machine and `approximate` is not set;
+/// nothing is written then.
+Exported export_machine(const Machine& machine, const ExportOptions& options);
 
 }  // namespace hydrapod::tasks

@@ -38,6 +38,11 @@ Machine read_machine(const MachineOptions& options);
 /// read, and for a pose that the legs cannot reach.
 model::NamedPose pose_of(const model::Machine& machine, const std::string& text);
 
+/// The displacement "z=5 mm, ry=0.1 deg" [m, rad] from the pose `from`. Throws base::InputError,
+/// which calls the text `place`, where it cannot be read and where the legs cannot reach its end.
+spatial::Vector6 displacement_of(const model::Machine& machine, const spatial::Pose& from,
+                                 const std::string& text, const std::string& place);
+
 /// The model asked for; if none was, the full one where every leg has a piston ring, else the guide
 /// model. Throws base::InputError for the full model of legs without a piston ring.
 dynamics::ModelKind model_of(const model::Machine& machine,

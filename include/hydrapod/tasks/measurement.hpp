@@ -109,19 +109,53 @@ struct MeasuredOptions {
   /// machine's pose. Lists of modes say it themselves.
   std::vector<std::string> files{};
   std::optional<observation::Observed> observed{};  ///< system that was measured; none: found out
+  /// Was the machine's pose asked for? Else a record counts at the pose that it states.
+  bool pose_given{true};
 };
 
 struct MeasuredTargets {
   observation::Targets targets{};
+  /// Per file "run.h5: pose high, as the record states; mechanics, hydraulics and valves, …".
+  std::vector<std::string> origins{};
   std::vector<base::Diagnostic> warnings{};
 };
 
 /// Modes as a person or a spreadsheet lists them, which calibration/calibrate.hpp reads?
 bool is_mode_list(const std::string& path);
 
+/// The pose that a record, or JSON made of one, states; none: it states none. It is one of
+/// `machine` by its name where both have the same numbers, or by its numbers; else of the record's
+/// own name.
+std::optional<model::NamedPose> stated_pose(const std::string& path, const model::Machine& machine);
+
 /// Modes, and responses beside them, of any files as targets for `machine`, whose pose must be one
 /// of its file's. Throws base::InputError and base::ComputationError.
 MeasuredTargets read_measured(const Machine& machine, const MeasuredOptions& options,
                               const Progress& progress = {});
+
+/// Machines, records, responses and lists of identified modes, set beside the first of them.
+struct CompareOptions {
+  /// Machine files (TOML), each perhaps with a pose, "machine.toml@low"; JSON of `hydrapod modes`;
+  /// identified modes (JSON, CSV, Universal File with datasets 55); records; responses.
+  std::vector<std::string> files{};
+  std::vector<std::string> overrides{};  ///< for every machine file; of one that stands alone: of a
+                                         ///< second version of it, beside the first
+  std::vector<std::string> poses{};      ///< one: of machine files that say none; of a machine file
+                                         ///< that stands alone: several, which are compared
+  std::optional<dynamics::ModelKind> model{};
+  /// The system whose modes are calculated; none: that which was measured, else mechanics.
+  std::optional<observation::Observed> observed{};
+  double level{0.05};  ///< of the tests
+  int points{600};     ///< of calculated responses
+};
+
+struct Compared {
+  report::SideBySide result{};
+  std::vector<base::Diagnostic> warnings{};
+};
+
+/// Throws base::InputError for fewer than two things, for the same thing twice and for files
+/// without modes.
+Compared compare(const CompareOptions& options, const Progress& progress = {});
 
 }  // namespace hydrapod::tasks

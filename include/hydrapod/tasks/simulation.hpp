@@ -17,9 +17,15 @@ struct Origin {
 };
 
 struct SimulateOptions {
-  std::vector<std::string> commands{};  ///< see signals/signal_text.hpp; they add up; none: rest
-  std::optional<double> until{};        ///< [s]; default: what the commands need, and a little more
-  simulation::LoopOptions loop{};       ///< `kind` and `until` are not used
+  std::vector<std::string> commands{};  ///< see signals/signals.hpp; they add up; none: rest
+  std::vector<std::string> wrench{};  ///< likewise, on the platform [N, N m about its mass centre]
+  /// Where the platform stands at time 0, as a displacement from the pose, "x=1 mm, ry=0.1 deg";
+  /// empty: at the pose.
+  std::string initial{};
+  std::optional<double> until{};  ///< [s]; default: what the commands need, and a little more
+  /// `kind`, `until`, `initial` and `records_wrench` are not used. Without a controller
+  /// (`actuators`) there are no commands.
+  simulation::LoopOptions loop{};
   std::size_t trace_samples{3000};
   std::string record{};  ///< file to write (data/record_io.hpp); empty: none
   Origin origin{};       ///< what the record says of its origin
