@@ -4,6 +4,7 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "statics_search.hpp"
 
@@ -55,6 +56,7 @@ struct Problem {
   Vector3 C;
   Vector6 platform_weight;
   double weight;
+  double rounding;  ///< of the residual
   int flexible;
 
   Problem(const model::Machine& m, const spatial::Pose& X_BP, ModelKind kind)
@@ -66,6 +68,22 @@ struct Problem {
     double mass = m.platform.mass;
     for (const auto& leg : m.legs) mass += leg.cylinder_case.mass + leg.rod.mass;
     weight = std::max(mass * m.gravity.norm(), 1e-300);
+    rounding = rounding_of_seal_forces() / weight;
+  }
+
+  /// Offsets at the seals are differences of lengths along the leg: they are known to some units of
+  /// the last place of its length, which a stiff seal turns into a force [N].
+  [[nodiscard]] double rounding_of_seal_forces() const {
+    constexpr double units = 16.0 * std::numeric_limits<double>::epsilon();
+    double largest = 0.0;
+    for (int i = 0; i < model::leg_count; ++i) {
+      const auto& leg = machine.legs[i];
+      double stiffness = leg.guide_sleeve.stiffness;
+      if (leg.guide_sleeve.gap) stiffness += leg.guide_sleeve.guide_stiffness;
+      if (leg.piston_ring) stiffness = std::max(stiffness, leg.piston_ring->stiffness);
+      largest = std::max(largest, units * geometry[i].length * stiffness);
+    }
+    return largest;
   }
 
   [[nodiscard]] Iterate evaluate(const StaticEquilibrium& at) const {
@@ -130,7 +148,8 @@ StaticEquilibrium static_equilibrium(const model::Machine& machine, const spatia
   }
   if (search.start) at.legs = search.start->legs;
   const Problem problem(machine, X_BP, kind);
-  for (at.iterations = 0;; ++at.iterations) {
+  double before = std::numeric_limits<double>::infinity();
+  for (at.iterations = 0;; ++at.iterations, before = at.residual) {
     const Iterate now = problem.evaluate(at);
     if (!now.exists) {
       at.status = StaticsStatus::folded;
@@ -139,7 +158,10 @@ StaticEquilibrium static_equilibrium(const model::Machine& machine, const spatia
     at.residual = now.residual;
     const double tolerance =
         at.iterations > 0 ? search.tolerance_after_step : search.options.tolerance;
-    if (now.residual <= tolerance) {
+    // Newton halves a residual at least twice at each step, also at a limit point: what it does not
+    // halve any more is rounding
+    const bool ended = now.residual > 0.5 * before && now.residual <= problem.rounding;
+    if (now.residual <= tolerance || ended) {
       at.status = problem.guided(now) ? StaticsStatus::converged : StaticsStatus::folded;
       legs = now.legs;
       return at;

@@ -167,10 +167,15 @@ std::vector<Finding> check_pose(const model::Machine& machine, const Pose& X_BP,
 
 namespace {
 
+bool any_error(const std::vector<Finding>& findings) {
+  return std::ranges::any_of(findings,
+                             [](const Finding& f) { return f.severity == base::Severity::error; });
+}
+
 /// What validate() finds, or else what is wrong at the poses.
 std::vector<Finding> validate_with_poses(const model::Machine& machine) {
   auto findings = model::validate(machine);
-  if (!findings.empty()) return findings;
+  if (any_error(findings)) return findings;
   for (const auto& pose : machine.poses)
     std::ranges::move(check_pose(machine, pose.X_BP, "poses." + pose.name),
                       std::back_inserter(findings));
@@ -183,7 +188,7 @@ std::vector<Finding> check_machine(const model::Machine& machine) {
   auto findings = validate_with_poses(machine);
   auto unusual = model::unusual_numbers(machine);
   if (unusual.findings.empty()) return findings;
-  if (!findings.empty()) {  // the likely cause, and what would remain without it
+  if (any_error(findings)) {  // the likely cause, and what would remain without it
     for (auto& finding : unusual.findings) finding.severity = base::Severity::error;
     findings = validate_with_poses(unusual.guessed);
   }

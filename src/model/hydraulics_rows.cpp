@@ -70,7 +70,7 @@ constexpr ParameterRow leg_hydraulics_rows[]{
         "v_0 of tanh(v/v_0); not used with bristles", shown("2 mm/s")),
     simulation("legs.friction.bristles", "friction after LuGre instead of tanh"),
     number<hydraulics, friction, &SealFriction::bristles, &LuGreBristles::stiffness>(
-        "legs.friction.bristles.stiffness", "N/m", required, positive, "σ_0", shown("50 kN/mm")),
+        "legs.friction.bristles.stiffness", "N/m", required, spring_rate, "σ_0", shown("50 kN/mm")),
     number<hydraulics, friction, &SealFriction::bristles, &LuGreBristles::damping>(
         "legs.friction.bristles.damping", "N s/m", standard, not_negative, "σ_1"),
     simulation("legs.joint_friction", "in both joints of a leg, against turning of its axis"),
@@ -83,7 +83,7 @@ constexpr ParameterRow leg_hydraulics_rows[]{
         "of the same law as at the seals"),
     simulation("legs.end_stops", "at the ends of the stroke"),
     number<hydraulics, &LegHydraulics::end_stops, &EndStops::stiffness>(
-        "legs.end_stops.stiffness", "N/m", otherwise("20 times the oil spring"), positive,
+        "legs.end_stops.stiffness", "N/m", otherwise("20 times the oil spring"), spring_rate,
         "k of the force k δ (1 + damping dδ/dt)", shown("400 kN/mm")),
     number<hydraulics, &LegHydraulics::end_stops, &EndStops::damping>(
         "legs.end_stops.damping", "s/m", standard, not_negative, "of the same force"),

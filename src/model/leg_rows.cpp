@@ -57,7 +57,7 @@ constexpr ParameterRow leg_rows[]{
         "legs.added_axial_inertia", "kg", standard, not_negative,
         "m_a, inertia that moves with the piston only: the oil in the lines, seen at "
         "the piston, ρ L A_p²/A for a line of length L and cross-section A"),
-    number<&Leg::gimbal_stiffness>("legs.gimbal_stiffness", "N/m", otherwise("rigid"), positive,
+    number<&Leg::gimbal_stiffness>("legs.gimbal_stiffness", "N/m", otherwise("rigid"), spring_rate,
                                    "k_j, of both gimbals and their fastening along the "
                                    "leg, in series with the oil spring",
                                    shown("300 kN/mm")),
@@ -115,7 +115,7 @@ constexpr ParameterRow leg_rows[]{
                                                        usual(0.02, 20.0, positive),
                                                        "L_g, from the base joint", given("1 m")),
     number<&Leg::guide_sleeve, &GuideSleeve::stiffness>(
-        "legs.guide_sleeve.stiffness", "N/m", required, positive,
+        "legs.guide_sleeve.stiffness", "N/m", required, spring_rate,
         "k_s, lateral, between case and rod", given("5 kN/mm")),
     number<&Leg::guide_sleeve, &GuideSleeve::damping>("legs.guide_sleeve.damping", "N s/m",
                                                       standard, not_negative,
@@ -127,12 +127,12 @@ constexpr ParameterRow leg_rows[]{
         "with `guide_stiffness` beside k_s",
         shown("0.2 mm")),
     number<&Leg::guide_sleeve, &GuideSleeve::guide_stiffness>(
-        "legs.guide_sleeve.guide_stiffness", "N/m", standard, positive,
+        "legs.guide_sleeve.guide_stiffness", "N/m", standard, spring_rate,
         "k_c, lateral, of the guide ring; used with `gap`"),
     table("legs.piston_ring", optional,
           "the O-ring under the piston's ring; without the table it is rigid"),
     number<&Leg::piston_ring, &PistonRing::stiffness>(
-        "legs.piston_ring.stiffness", "N/m", required, positive,
+        "legs.piston_ring.stiffness", "N/m", required, spring_rate,
         "k_g, lateral, between case and piston", shown("20 kN/mm")),
     number<&Leg::piston_ring, &PistonRing::damping>("legs.piston_ring.damping", "N s/m", standard,
                                                     not_negative, "c_u, lateral, viscous"),
@@ -140,7 +140,7 @@ constexpr ParameterRow leg_rows[]{
           "the oil along the leg: either `stiffness`, or the table `cylinder`"),
     instead_of(drop_cylinder,
                number<oil, &OilSpring::stiffness>("legs.oil_spring.stiffness", "N/m", standard,
-                                                  positive, "k_h", shown("20 kN/mm"))),
+                                                  spring_rate, "k_h", shown("20 kN/mm"))),
     number<oil, &OilSpring::damping>(
         "legs.oil_spring.damping", "N s/m", standard, not_negative,
         "c_h, viscous, parallel to the spring; simulations and poles of the system model leakage, "

@@ -110,6 +110,9 @@ class Reader {
     const auto key = last_key(row.path);
     const auto unit = unit_of(read_.machine, row);
     const auto value = table.find(key);
+    if (value && row.otherwise == rigid_word && value.node->kind == Node::Kind::text &&
+        value.node->text == rigid_word)
+      return make_part(row, index);
     std::vector<double> numbers(static_cast<std::size_t>(row.numbers), unread);
     if (value) {
       const bool single =
@@ -235,9 +238,9 @@ class Reader {
                    fmt::format("is {} m, expected a radius above 0", circle.radius));
       return std::nullopt;
     }
-    if (circle.spacing <= 0.0 || circle.spacing >= 2.0 * circle.radius) {
+    if (circle.spacing < 0.0 || circle.spacing >= 2.0 * circle.radius) {
       table.report(table.find("spacing"),
-                   fmt::format("is {} m, expected more than 0 and less than the circle's diameter, "
+                   fmt::format("is {} m, expected 0 or more and less than the circle's diameter, "
                                "{} m",
                                circle.spacing, 2.0 * circle.radius));
       return std::nullopt;

@@ -63,9 +63,9 @@ constexpr auto on_platform_circle =
 /// Radius or spacing of a circle, on which `lay` puts the joints.
 template <auto circle, auto length>
 constexpr ParameterRow of_circle(void (*lay)(Machine&, unsigned), std::string_view path,
-                                 std::string_view meaning, Example example) {
+                                 Bound bound, std::string_view meaning, Example example) {
   auto made = in_code(
-      number<circle, length>(path, "m", required, usual(1e-3, 50.0, positive), meaning, example));
+      number<circle, length>(path, "m", required, usual(1e-3, 50.0, bound), meaning, example));
   made.finish = lay;
   return made;
 }
@@ -101,7 +101,7 @@ template <int direction>
 constexpr ParameterRow spring(std::string_view path, std::string_view meaning,
                               std::string_view example) {
   return number<&Machine::base_mount, &BaseMount::stiffness, direction>(
-      path, direction < 3 ? "N/m" : "N m/rad", otherwise("rigid"), positive, meaning,
+      path, direction < 3 ? "N/m" : "N m/rad", otherwise("rigid"), spring_rate, meaning,
       shown(example));
 }
 
@@ -127,7 +127,8 @@ constexpr ParameterRow body_rows[]{
     table(
         "base.joints", optional, "",
         R"(# ---- Base ------------------------------------------------------------------------------------
-# On a circle, joints stand in three pairs: `spacing` is the distance between the two of a pair.
+# On a circle, joints stand in three pairs: `spacing` is the distance between the two of a pair, 0 on
+# the side of a 6-3 or 3-3 platform where two legs share a joint.
 # Base pairs stand at 60, 180 and 300 degrees, platform pairs at 0, 120 and 240 degrees; leg 1 joins
 # the platform pair at 0 to the base pair at 60 degrees, and so on counter-clockwise.
 # Instead of a circle: points = [[x, y, z], ...], one point for each of the legs 1 to 6, in m.
@@ -137,11 +138,12 @@ constexpr ParameterRow body_rows[]{
            "`circle`"),
     table("base.joints.circle", optional, ""),
     of_circle<&Machine::base_circle, &JointCircle::radius>(
-        on_base_circle, "base.joints.circle.radius", "of the circle on which the joints stand",
-        given("1.1 m")),
+        on_base_circle, "base.joints.circle.radius", positive,
+        "of the circle on which the joints stand", given("1.1 m")),
     of_circle<&Machine::base_circle, &JointCircle::spacing>(
-        on_base_circle, "base.joints.circle.spacing",
-        "between the two joints of a pair, less than the diameter", given("250 mm")),
+        on_base_circle, "base.joints.circle.spacing", not_negative,
+        "between the two joints of a pair, less than the diameter; 0: both in one place",
+        given("250 mm")),
     table("base.mount", optional,
           "springs between base and ground; without the table the base is fixed"),
     number<mount, &BaseMount::mass>("base.mount.mass", "kg", standard, not_negative,
@@ -177,11 +179,12 @@ constexpr ParameterRow body_rows[]{
            "of `circle`"),
     table("platform.joints.circle", optional, ""),
     of_circle<&Machine::platform_circle, &JointCircle::radius>(
-        on_platform_circle, "platform.joints.circle.radius",
+        on_platform_circle, "platform.joints.circle.radius", positive,
         "of the circle on which the joints stand", given("0.8 m")),
     of_circle<&Machine::platform_circle, &JointCircle::spacing>(
-        on_platform_circle, "platform.joints.circle.spacing",
-        "between the two joints of a pair, less than the diameter", given("250 mm")),
+        on_platform_circle, "platform.joints.circle.spacing", not_negative,
+        "between the two joints of a pair, less than the diameter; 0: both in one place",
+        given("250 mm")),
 };
 
 constexpr ParameterRow damping_rows[]{

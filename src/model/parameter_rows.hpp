@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "hydrapod/model/parameters.hpp"
+#include "hydrapod/model/section.hpp"
 #include "parameter_access.hpp"
 
 // A namespace of its own, because many rows want short names.
@@ -24,6 +25,8 @@ std::span<const ParameterRow> poses();
 inline constexpr Bound any{};
 inline constexpr Bound positive{.lowest = 0.0, .more_than_lowest = true};
 inline constexpr Bound not_negative{.lowest = 0.0};
+
+inline constexpr Bound spring_rate{.lowest = 0.0, .highest = stiffest, .more_than_lowest = true};
 
 inline constexpr Bound below_one{.lowest = 0.0, .highest = 1.0, .less_than_highest = true};
 inline constexpr Bound up_to_one{.lowest = 0.0, .highest = 1.0, .more_than_lowest = true};

@@ -17,8 +17,9 @@ const Vector3 unread_vector{unread, unread, unread};
 /// "a mass, as a number in kg or a string such as "0.5 kg"".
 std::string expected_number(std::string_view unit) {
   if (unit == "1") return "a pure number such as 0.02";
-  return fmt::format("{}, as a number in {} or a string such as \"0.5 {}\"",
-                     base::dimension_name(unit), unit, unit);
+  return fmt::format("{}, as a number in {} or a string such as \"0.5 {}\"{}",
+                     base::dimension_name(unit), unit, unit,
+                     is_spring_rate(unit) ? ", or \"rigid\"" : "");
 }
 
 std::string array_of(std::size_t size, std::string_view unit) {
@@ -27,6 +28,8 @@ std::string array_of(std::size_t size, std::string_view unit) {
 }
 
 }  // namespace
+
+bool is_spring_rate(std::string_view unit) { return unit == "N/m" || unit == "N m/rad"; }
 
 Section::Section(const Node& root, Faults& faults)
     : specific_{&root, "", root.place}, faults_(&faults) {}
@@ -134,6 +137,7 @@ double Section::read_number(const Value& value, std::string_view unit) const {
     if (std::isfinite(node.number)) return node.number;
     report(value, fmt::format("is {}, expected a finite number", node.number));
   } else if (node.kind == Node::Kind::text) {
+    if (node.text == rigid_word && is_spring_rate(unit)) return rigid_stiffness;
     const auto quantity = base::read_quantity(node.text, unit);
     if (quantity.ok()) return quantity.value;
     report(value, quantity.problem);

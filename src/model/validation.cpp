@@ -5,9 +5,12 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <array>
+#include <iterator>
 #include <set>
 #include <string>
 #include <tuple>
+#include <utility>
+#include <vector>
 
 #include "value_checks.hpp"
 
@@ -60,26 +63,69 @@ double pattern_size(const JointPoints& joints) {
   return size;
 }
 
-/// Legs whose joints fall together, one finding for each place where some do.
-void check_joints_apart(const JointPoints& joints, const char* side, ValueChecks& checks) {
+/// Legs 1…6 whose joints at one side stand together, for each place where some do.
+std::vector<std::vector<std::size_t>> legs_together(const JointPoints& joints) {
   const double tolerance = same_place_tolerance * pattern_size(joints);
-  std::set<std::size_t> reported;
+  std::vector<std::vector<std::size_t>> places;
+  std::set<std::size_t> seen;
   for (std::size_t i = 0; i < leg_count; ++i) {
+    if (seen.contains(i)) continue;
     std::vector<std::size_t> together{i + 1};
     for (std::size_t j = i + 1; j < leg_count; ++j) {
-      if (reported.contains(j) || !((joints[i] - joints[j]).norm() <= tolerance)) continue;
+      if (seen.contains(j) || !((joints[i] - joints[j]).norm() <= tolerance)) continue;
       together.push_back(j + 1);
-      reported.insert(j);
+      seen.insert(j);
     }
-    if (together.size() == 1 || reported.contains(i)) continue;
-    const Vector3 place = (joints[i].array().abs() > tolerance).select(joints[i], 0.0);
-    checks.add(fmt::format("leg.{}.{}_joint", together.back(), side),
-               fmt::format("legs {} have their {} joints in one place, ({:.6g}, {:.6g}, {:.6g}) m",
-                           fmt::join(together, ", "), side, place.x(), place.y(), place.z()));
+    if (together.size() > 1) places.push_back(std::move(together));
+  }
+  return places;
+}
+
+/// Up to three legs may meet in a point: lines through it span three directions of force. Three
+/// pairs are the pattern of a 6-3 or 3-3 platform; of other meetings it is asked whether they are
+/// meant.
+void check_joints_apart(const JointPoints& joints, const char* side, ValueChecks& checks) {
+  constexpr std::size_t most_in_a_point = 3;
+  const auto places = legs_together(joints);
+  const bool three_pairs = places.size() == leg_count / 2;
+  for (const auto& together : places) {
+    const auto& joint = joints[together.front() - 1];
+    const Vector3 place =
+        (joint.array().abs() > same_place_tolerance * pattern_size(joints)).select(joint, 0.0);
+    const auto key = fmt::format("leg.{}.{}_joint", together.back(), side);
+    const auto found =
+        fmt::format("legs {} have their {} joints in one place, ({:.6g}, {:.6g}, {:.6g}) m",
+                    fmt::join(together, ", "), side, place.x(), place.y(), place.z());
+    if (together.size() > most_in_a_point) {
+      checks.add(key, found + ", expected no more than three legs in a point");
+    } else if (!three_pairs) {
+      checks.warn(key, found + "; is this meant?");
+    }
   }
 }
 
-void check_joints(const Machine& machine, Vector3 Leg::*joint, const char* side,
+/// Two legs along one line hold nothing that one of them does not hold.
+void check_lines_apart(const Machine& machine, ValueChecks& checks) {
+  JointPoints base, platform;
+  for (std::size_t i = 0; i < leg_count; ++i) {
+    base[i] = machine.legs[i].base_joint;
+    platform[i] = machine.legs[i].platform_joint;
+  }
+  const auto on_platform = legs_together(platform);
+  for (const auto& together : legs_together(base))
+    for (const auto& others : on_platform) {
+      std::vector<std::size_t> both;
+      std::set_intersection(together.begin(), together.end(), others.begin(), others.end(),
+                            std::back_inserter(both));
+      if (both.size() > 1)
+        checks.add(fmt::format("leg.{}.platform_joint", both.back()),
+                   fmt::format("legs {} have their base joints in one place and their platform "
+                               "joints too, expected legs along different lines",
+                               fmt::join(both, ", ")));
+    }
+}
+
+bool check_joints(const Machine& machine, Vector3 Leg::*joint, const char* side,
                   ValueChecks& checks) {
   JointPoints joints;
   bool finite = true;
@@ -88,6 +134,7 @@ void check_joints(const Machine& machine, Vector3 Leg::*joint, const char* side,
     finite &= checks.finite(fmt::format("leg.{}.{}_joint", i + 1, side), joints[i], "m");
   }
   if (finite) check_joints_apart(joints, side, checks);
+  return finite;
 }
 
 /// One finding under `legs.` for what all legs have in common, under `leg.N.` for the rest.
@@ -153,8 +200,9 @@ std::vector<Finding> validate_values(const Machine& machine, NonFinite non_finit
   checks.finite("environment.gravity", machine.gravity, "m/s^2");
   checks.rows(machine, std::nullopt);
   check_inertia_tensor(machine.platform.inertia, checks);
-  check_joints(machine, &Leg::base_joint, "base", checks);
-  check_joints(machine, &Leg::platform_joint, "platform", checks);
+  const bool on_base = check_joints(machine, &Leg::base_joint, "base", checks);
+  const bool on_platform = check_joints(machine, &Leg::platform_joint, "platform", checks);
+  if (on_base && on_platform) check_lines_apart(machine, checks);
   check_supply(machine.hydraulics, checks);
   check_sensors(machine.sensors, checks);
   check_poses(machine.poses, checks);

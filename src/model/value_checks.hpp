@@ -50,6 +50,9 @@ class ValueChecks {
   void add(std::string_view key, std::string message) {
     findings_.push_back({base::Severity::error, std::string{key}, std::move(message)});
   }
+  void warn(std::string_view key, std::string message) {
+    findings_.push_back({base::Severity::warning, std::string{key}, std::move(message)});
+  }
   std::vector<Finding> take() { return std::move(findings_); }
 
  private:

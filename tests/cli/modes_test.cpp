@@ -44,6 +44,38 @@ std::vector<double> frequencies(const Json& modes) {
   return omega;
 }
 
+/// Sleeves of 1e12 N/m leave the share of the platform's stiffness in theirs, some 1e-5; rounding
+/// of a stiffness matrix that holds 1e15 N/m is less.
+TEST(Modes, OfRigidSleevesAreThoseOfTheRigidLegModel) {
+  for (const char* stiffness : {"rigid", "1e15"}) {
+    const auto json = json_of({"modes", heavy, "--format", "json", "--set",
+                               std::string("legs.guide_sleeve.stiffness=") + stiffness});
+    const auto rigid = frequencies(json["rigid_modes"]);
+    const auto flexible = frequencies(json["modes"]);
+    ASSERT_GE(flexible.size(), rigid.size());
+    for (size_t k = 0; k < rigid.size(); ++k)
+      EXPECT_NEAR(flexible[k], rigid[k], 1e-5 * rigid[k]) << stiffness << ", mode " << k;
+  }
+}
+
+/// Two joints of a pair in one place, at the platform or at both ends, are the limit of a small
+/// spacing.
+TEST(Modes, OfSixThreeAndThreeThreePlatformsAreTheLimit) {
+  const auto omega = [](const std::vector<std::string>& sides, const char* spacing) {
+    std::vector<std::string> arguments{"modes", heavy, "--format", "json"};
+    for (const auto& side : sides) {
+      arguments.push_back("--set");
+      arguments.push_back(side + ".joints.circle.spacing=" + spacing);
+    }
+    return frequencies(json_of(arguments)["modes"]);
+  };
+  for (const auto& sides : {std::vector<std::string>{"platform"}, {"base", "platform"}}) {
+    const auto joined = omega(sides, "0"), near = omega(sides, "10 um");
+    ASSERT_EQ(joined.size(), near.size());
+    for (size_t k = 0; k < joined.size(); ++k) EXPECT_NEAR(joined[k], near[k], 1e-4 * joined[k]);
+  }
+}
+
 /// Rounded as printed, ascending.
 TEST(Modes, OfThePublishedMachineHaveTheKnownFrequencies) {
   const auto result = run_hydrapod({"modes", published});

@@ -79,6 +79,28 @@ TEST_P(Statics, AWeakGravityIsTheLimitOfNoGravity) {
   EXPECT_LE(worst_frequency_error(lambda(), without), 1e-10);
 }
 
+/// Stiff seals hold the rods straight: oil forces are those of rigid legs. Rounding of the seals'
+/// forces is above the tolerance then.
+TEST_P(Statics, OfVeryStiffSealsIsThatOfRigidLegs) {
+  const auto [axes, kind] = GetParam();
+  Random random(311);
+  for (const double stiffness : {3e9, 2e11, 1e13, 1e15}) {
+    auto machine = random_machine(random, {.axes = axes, .gravity = Gravity::anywhere});
+    for (auto& leg : machine.legs) {
+      leg.guide_sleeve.stiffness = stiffness;
+      leg.piston_ring = model::PistonRing{.stiffness = 0.7 * stiffness};
+    }
+    const auto& X_BP = machine.poses[1].X_BP;
+    const auto bent = dynamics::static_equilibrium(machine, X_BP, kind);
+    const auto straight = dynamics::static_equilibrium(machine, X_BP, ModelKind::rigid);
+    ASSERT_EQ(bent.status, StaticsStatus::converged) << stiffness << ": " << bent.residual;
+    const double weight = machine.platform.mass * machine.gravity.norm();
+    for (int leg = 0; leg < model::leg_count; ++leg)
+      EXPECT_NEAR(bent.legs[leg].oil_force, straight.legs[leg].oil_force, 1e-4 * weight)
+          << stiffness;
+  }
+}
+
 TEST_P(Statics, StartedAtANeighbourItNeedsNoMoreIterations) {
   const auto [axes, kind] = GetParam();
   Random random(7);

@@ -40,6 +40,34 @@ TEST(Overrides, TakeWordsArraysAndTables) {
   EXPECT_EQ(machine.legs[3].piston_ring.value().damping, 8.0);
 }
 
+/// A part that is rigid where it is left out is left out; other springs get a large number.
+TEST(Overrides, SpringsMayBeRigid) {
+  EXPECT_EQ(with({"legs.guide_sleeve.stiffness=rigid"}).legs[2].guide_sleeve.stiffness, 1e12);
+  EXPECT_EQ(with({"legs.oil_spring={stiffness=\"rigid\"}"}).legs[2].oil_spring.stiffness, 1e12);
+  const Machine gimbals =
+      with({"legs.gimbal_stiffness=300 kN/mm", "leg.3.gimbal_stiffness=\"rigid\""});
+  EXPECT_EQ(gimbals.legs[1].gimbal_stiffness, 3e8);
+  EXPECT_FALSE(gimbals.legs[2].gimbal_stiffness);
+  const Machine mounted =
+      with({"base.mount={stiffness={x=1e8,rz=\"rigid\"},mass=2000,inertia=[100,100,100]}"});
+  const Machine left_out = with({"base.mount={stiffness={x=1e8},mass=2000,inertia=[100,100,100]}"});
+  ASSERT_TRUE(mounted.base_mount && left_out.base_mount);
+  EXPECT_EQ(mounted.base_mount->stiffness, left_out.base_mount->stiffness);
+}
+
+TEST(Overrides, OnlySpringsMayBeRigidAndNoneIsStifferThanRounding) {
+  EXPECT_THROW(with({"platform.mass=rigid"}), base::InputError);
+  EXPECT_NO_THROW(with({"legs.guide_sleeve.stiffness=1e15"}));
+  try {
+    with({"legs.guide_sleeve.stiffness=1e22"});
+    FAIL();
+  } catch (const base::InputError& error) {
+    EXPECT_NE(std::string(error.what()).find("is 1e+22 N/m, expected no more than 1e+15"),
+              std::string::npos)
+        << error.what();
+  }
+}
+
 TEST(Overrides, ReachElementsOfArrays) {
   EXPECT_EQ(with({"platform.mass_center[2]=-10 cm"}).platform.mass_center, Vector3(0, 0, -0.1));
   EXPECT_EQ(with({"poses.tilted.rotation[1]=0.25"}).poses[1].X_BP.R_BP,

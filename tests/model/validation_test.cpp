@@ -214,21 +214,38 @@ TEST(Validation, InertiaMayBeVeryLargeOrSmall) {
 TEST(Validation, JointsInOnePlaceAreNamedTogether) {
   Machine machine = full_machine();
   for (const int i : {1, 3, 5}) machine.legs[i].base_joint = Vector3(0.5, 0.25, 0);
+  const std::string three =
+      "leg.6.base_joint: legs 2, 4, 6 have their base joints in one place, (0.5, 0.25, 0) m";
+  EXPECT_THAT(findings_about(machine), ElementsAre(three + "; is this meant?"));
+  EXPECT_EQ(validate(machine).front().severity, base::Severity::warning);
+  machine.legs[0].base_joint = machine.legs[1].base_joint;
   EXPECT_THAT(findings_about(machine),
-              ElementsAre("leg.6.base_joint: legs 2, 4, 6 have their base joints in one place, "
-                          "(0.5, 0.25, 0) m"));
-  for (Leg& leg : machine.legs) leg.base_joint.setZero();
-  EXPECT_THAT(findings_about(machine),
-              ElementsAre("leg.6.base_joint: legs 1, 2, 3, 4, 5, 6 have their base joints in one "
-                          "place, (0, 0, 0) m"));
+              ElementsAre("leg.6.base_joint: legs 1, 2, 4, 6 have their base joints in one place, "
+                          "(0.5, 0.25, 0) m, expected no more than three legs in a point"));
+  EXPECT_EQ(validate(machine).front().severity, base::Severity::error);
 }
 
-TEST(Validation, JointsMayMeetInPairsOnOneSideOnly) {
+/// Three pairs at one side or at both: 6-3 and 3-3 platforms.
+TEST(Validation, JointsMayMeetInPairs) {
+  Machine machine = full_machine();
+  const auto meet = [&](Vector3 Leg::*joint, std::initializer_list<std::array<int, 2>> pairs) {
+    for (const auto& [i, j] : pairs) machine.legs[i].*joint = machine.legs[j].*joint;
+  };
+  meet(&Leg::platform_joint, {{0, 1}, {2, 3}, {4, 5}});
+  EXPECT_THAT(findings_about(machine), IsEmpty());
+  meet(&Leg::base_joint, {{0, 5}, {2, 1}, {4, 3}});
+  EXPECT_THAT(findings_about(machine), IsEmpty());
+  meet(&Leg::base_joint, {{0, 1}, {2, 3}, {4, 5}});
+  EXPECT_THAT(findings_about(machine), testing::SizeIs(3));  // pairs of legs along one line
+}
+
+TEST(Validation, OnePairInOnePlaceIsAskedAbout) {
   Machine machine = full_machine();
   machine.legs[0].platform_joint = machine.legs[1].platform_joint + Vector3(1e-5, 0, 0);
   EXPECT_THAT(findings_about(machine), IsEmpty());
   machine.legs[0].platform_joint = machine.legs[1].platform_joint + Vector3(1e-8, 0, 0);
-  EXPECT_EQ(validate(machine).size(), 1u);
+  ASSERT_EQ(validate(machine).size(), 1u);
+  EXPECT_EQ(validate(machine).front().severity, base::Severity::warning);
 }
 
 TEST(Validation, ExactlyOneOilSpring) {

@@ -266,7 +266,7 @@ const std::vector<WrongInput> wrong_files{
     {"SpacingBeyondTheDiameter",
      {{"radius = 1.1, spacing = 0.25", "radius = 1.1, spacing = 2.5"}},
      {},
-     "m.toml:5:36: error: base.joints.circle.spacing: is 2.5 m, expected more than 0 and less than "
+     "m.toml:5:36: error: base.joints.circle.spacing: is 2.5 m, expected 0 or more and less than "
      "the circle's diameter, 2.2 m"},
     {"StiffnessAndCylinder",
      {{"[legs.oil_spring.cylinder]",
@@ -365,22 +365,21 @@ const std::vector<WrongInput> wrong_files{
      {{"[model]", "[damping]\nmodal_ratio = \"100 %\"\n[model]"}},
      {},
      "m.toml:38:15: error: damping.modal_ratio: is 1, expected less than 1"},
-    {"JointsInOnePlace",
+    {"FourJointsInOnePlace",
      {{"[leg.3.guide",
+       "[leg.1]\nplatform_joint = [-0.7, 0, 0]\n[leg.2]\nplatform_joint = [-0.7, 0, 0]\n"
        "[leg.3]\nplatform_joint = [-0.7, 0, 0]\n[leg.4]\nplatform_joint = [-0.7, 0, "
        "0]\n[leg.3.guide"}},
      {},
-     "m.toml:38:18: error: leg.4.platform_joint: legs 3, 4 have their platform joints in one "
-     "place, (-0.7, 0, 0) m"},
-    {"PairsOnEachOther",
-     {{"radius = 1.1, spacing = 0.25", "radius = 1.1, spacing = 1.9052558883257653"}},
+     "m.toml:42:18: error: leg.4.platform_joint: legs 1, 2, 3, 4 have their platform joints in one "
+     "place, (-0.7, 0, 0) m, expected no more than three legs in a point"},
+    {"LegsOnEachOther",
+     {{"[leg.3.guide",
+       "[leg.3]\nplatform_joint = [-0.7, 0, 0]\nbase_joint = [-1, 0, 0]\n[leg.4]\n"
+       "platform_joint = [-0.7, 0, 0]\nbase_joint = [-1, 0, 0]\n[leg.3.guide"}},
      {},
-     "m.toml:5:10: error: leg.6.base_joint: legs 1, 6 have their base joints in one place, (1.1, "
-     "0, 0) m\n"
-     "m.toml:5:10: error: leg.3.base_joint: legs 2, 3 have their base joints in one place, (-0.55, "
-     "0.952628, 0) m\n"
-     "m.toml:5:10: error: leg.5.base_joint: legs 4, 5 have their base joints in one place, (-0.55, "
-     "-0.952628, 0) m"},
+     "m.toml:39:18: error: leg.4.platform_joint: legs 3, 4 have their base joints in one place and "
+     "their platform joints too, expected legs along different lines"},
     {"SyntaxError",
      {{"mass = 35", "mass 35"}},
      {},

@@ -31,6 +31,15 @@ namespace hydrapod::model {
 /// Stands in the machine for a number that could not be read.
 inline constexpr double unread = std::numeric_limits<double>::quiet_NaN();
 
+/// A spring in N/m or N m/rad may be the word "rigid". Where a part is rigid when it is left out,
+/// it is left out; elsewhere the spring gets this stiffness, a hundred thousand times those of
+/// machines.
+inline constexpr std::string_view rigid_word = "rigid";
+inline constexpr double rigid_stiffness = 1e12;
+/// The largest stiffness of a spring. Rounding of a stiffness matrix that holds it is 0.2 N/m.
+inline constexpr double stiffest = 1e15;
+[[nodiscard]] bool is_spring_rate(std::string_view unit);
+
 /// Where a value stands. `source` is 0 for the file, i for the i-th override; lines and columns
 /// count from 1, and an override has line 0.
 struct Place {
