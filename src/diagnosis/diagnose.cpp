@@ -110,11 +110,13 @@ void fit_to_all(const Evidence& evidence, std::vector<Hypothesis>& found, double
   parallel_for(
       found.size(), threads,
       [&](std::size_t k) {
-        if (near_best[k] == 0) return;
-        evidence.polish(found[k], false, {});
-        // it may have been led astray by mechanics
-        if (found[k].causes.size() == 1 && found[k].misfit > values)
-          evidence.polish(found[k], true, {});
+        const bool single = found[k].causes.size() == 1;
+        if (near_best[k] != 0) {
+          evidence.polish(found[k], false, {});
+          // it may have been led astray by mechanics
+          if (single && found[k].misfit > values) evidence.polish(found[k], true, {});
+        }
+        if (single && found[k].misfit > values) evidence.scan_seals(found[k], {});
       },
       [&](double share) { return show(0.3 + 0.7 * share); });
 }

@@ -321,6 +321,27 @@ void Evidence::learn(Hypothesis& e, const std::vector<std::vector<const Hypothes
   if (fit && fit->misfit < e.misfit) take(std::move(*fit), e);
 }
 
+void Evidence::scan_seals(Hypothesis& e, const numerics::Progress& stop) const {
+  const bool of_seals = e.causes.size() == 1 && e.fit.parameters.size() == 1 &&
+                        (causes_[e.causes[0]].family() == Family::guide_sleeves ||
+                         causes_[e.causes[0]].family() == Family::piston_rings);
+  if (!of_seals || !in_two_steps()) return;
+  constexpr double step = 1.5;  // a refit finds a minimum from there
+  const auto& known = e.fit.parameters[0];
+  std::optional<Hypothesis> best;
+  for (double value = known.lower; value <= known.upper; value *= step) {
+    auto other = e;
+    other.fit.parameters[0].value = value;
+    const auto fit = seen(other);
+    if (!fit || !(fit->misfit < (best ? best->misfit : e.misfit))) continue;
+    other.misfit = fit->misfit;
+    best = std::move(other);
+  }
+  if (!best) return;
+  auto fit = sound_refit(*best, targets_, false, stop);
+  if (fit && fit->misfit < e.misfit) take(std::move(*fit), e);
+}
+
 Hypothesis Evidence::explain(const std::vector<std::size_t>& causes, const Hypothesis* known,
                              const numerics::Progress& stop) const {
   auto e = search(causes, by_mechanics_, known, stop);

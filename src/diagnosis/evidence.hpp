@@ -59,6 +59,11 @@ class Evidence {
   /// measured better than its own: `found[k]`, hypotheses that hold cause k, best first.
   void learn(Hypothesis& hypothesis, const std::vector<std::vector<const Hypothesis*>>& found,
              const numerics::Progress& stop) const;
+  /// Tries the stiffness of seals over the range of its search, and goes on from the best where
+  /// that meets everything that was measured better than its own. Modes of mechanics do not lead to
+  /// seals that are so soft that their dampers hold the rod: without these, the platform moves
+  /// otherwise.
+  void scan_seals(Hypothesis& hypothesis, const numerics::Progress& stop) const;
   /// Adds to the deviations of its parameters what a model error that all frequencies share makes
   /// of them: the fit counts the errors of modes as independent.
   void widen(Hypothesis& hypothesis, double frequency_error) const;

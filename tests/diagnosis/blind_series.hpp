@@ -8,6 +8,7 @@
 
 #include "hydrapod/diagnosis/diagnose.hpp"
 #include "hydrapod/hydraulics/servo_axis.hpp"
+#include "hydrapod/model/machine_file.hpp"
 #include "hydrapod/report/measured_results.hpp"
 #include "support/calibration_machine.hpp"
 #include "support/noisy_modes.hpp"
@@ -18,7 +19,8 @@
 namespace hydrapod::test {
 
 struct BlindCase {
-  std::string machine{};               ///< file in models/, "vibration table", or "random N"
+  /// File in models/, "vibration table", "starter" (what `hydrapod init` writes), or "random N".
+  std::string machine{};
   std::vector<std::string> design{};   ///< overrides of the machine as its owner believes it to be
   std::vector<std::string> fault{};    ///< overrides on top: what is wrong with it
   std::vector<std::string> planted{};  ///< names of the causes; none: nothing is wrong
@@ -29,6 +31,7 @@ struct BlindCase {
 
   [[nodiscard]] std::string text() const {
     if (machine == "vibration table") return vibration_table;
+    if (machine == "starter") return model::starter_machine_file();
     if (!machine.starts_with("random")) return read_text(source_file("models/" + machine));
     Random random(static_cast<std::uint64_t>(std::stoi(machine.substr(7))));
     return random_machine_text(random, true);

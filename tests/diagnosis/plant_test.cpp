@@ -129,6 +129,20 @@ observation::Targets few_modes_with_responses(const BlindCase& test,
   return targets;
 }
 
+/// Sleeves so soft that their dampers hold the rods: no resonance is lower than with rigid legs,
+/// and by the modes of mechanics, which are undamped, only piston rings would move the others so.
+TEST(DiagnosePlant, TellsSleevesThatTheirDampersHold) {
+  const BlindCase held{.machine = "starter",
+                       .fault = {"legs.guide_sleeve.stiffness=0.3 kN/mm"},
+                       .planted = {"guide sleeves of all legs"}};
+  const auto result = test::run_blind(held, few_modes_with_responses);
+  EXPECT_TRUE(result.first) << test::verdict(result.diagnosis);
+  const auto* sleeves = test::find(result.diagnosis, "guide sleeves of all legs");
+  ASSERT_NE(sleeves, nullptr);
+  const auto& stiffness = sleeves->fit.parameters[0];
+  EXPECT_NEAR(stiffness.value, 0.3e6, 3.0 * stiffness.deviation);
+}
+
 /// Every cause alone.
 Diagnosis without_pairs(const BlindCase& test, const test::Measure& measure,
                         DiagnoseOptions options = {}) {

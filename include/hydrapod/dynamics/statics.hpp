@@ -8,8 +8,7 @@
 /// 6×6 system for f.
 ///
 /// Stops as converged when every residual is ≤ tolerance × (weight of the moving parts; × 1 m for
-/// moments), or when a step did not halve it and it is ≤ 16 ε × leg length × stiffness of the
-/// stiffest seal: offsets are not known better.
+/// moments), or when a step did not halve it and it is ≤ 16 ε × leg length × stiffest seal [N].
 ///
 /// Buckling of a leg as an elastic column between its joints.
 ///
