@@ -202,7 +202,8 @@ void write_result(const Arguments& a, size_t format, const tasks::Identified& fo
     if (found.compared) json["comparison"] = report::comparison_json(*found.compared, result);
     text = json_text({{"kind", "identified_modes"}, {"records", a.measurement.files}}, json);
   } else if (format == Format::csv) {
-    text = report::identified_modes_csv(result, tasks::observed_in(found.measured));
+    text = report::identified_modes_csv(result, tasks::observed_in(found.measured),
+                                        found.measured.experiment());
   } else {
     const auto style = table_style(a.output);
     text = modes_text(found, style);

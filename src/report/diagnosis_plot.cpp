@@ -16,7 +16,7 @@ using namespace diagnosis;
 
 using base::two_pi;
 constexpr double panel = 340.0;     // height of the first and the last [pixels]
-constexpr double panel_top = 48.0;  // its title and legend [pixels]
+constexpr double panel_top = 62.0;  // its title and legend [pixels]
 constexpr double row_height = 24.0;
 constexpr std::size_t most_rows = 14;
 
@@ -157,7 +157,7 @@ std::string curve_panel(const CaseFile& file, const Layout& layout) {
   for (; first != r.curve.end(); ++first)
     s += fmt::format("{:.9g} {:.9g} {:.6g}\n", first->stiffness, first->omega / two_pi,
                      100.0 * first->drop);
-  s += "END\nset yrange [*:*]\nset xrange [*:*]\nset ytics auto font ',9'\n";
+  s += "END\nset yrange [*:*]\nset xrange [*:*] noextend\nset ytics auto font ',9'\n";
   const double top = layout.measured + layout.ranking;
   s += place(layout, top + panel_top, top + 0.84 * panel, 0.09);
   s += "set grid back lt 1 lc rgb '#d0d0d0' lw 0.5\nset logscale x\nset xtics format '%.0s %c'\n";

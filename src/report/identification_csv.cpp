@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <string>
+#include <utility>
 
 #include "hydrapod/base/file.hpp"
 #include "hydrapod/base/text.hpp"
@@ -16,14 +18,40 @@ namespace hydrapod::report {
 using base::two_pi;
 using Eigen::Index;
 
+namespace {
+
+constexpr const char* pose_title = "pose";
+
+/// "pose x" … "pose rz": of the platform in the base frame [m, rad].
+std::string pose_number_title(int direction) {
+  return fmt::format("{} {}", pose_title, spatial::direction_name(direction));
+}
+
+/// Titles and cells of the pose, each after a comma.
+std::pair<std::string, std::string> pose_columns(const data::Experiment* experiment) {
+  if (experiment == nullptr || experiment->pose_name.empty()) return {};
+  std::string titles = fmt::format(",{}", pose_title);
+  std::string cells = fmt::format(",{}", base::quoted_cell(experiment->pose_name));
+  if (!experiment->pose) return {titles, cells};
+  for (int k = 0; k < 6; ++k) {
+    titles += ',' + pose_number_title(k);
+    cells += fmt::format(",{:.17g}", (*experiment->pose)[static_cast<std::size_t>(k)]);
+  }
+  return {titles, cells};
+}
+
+}  // namespace
+
 std::string identified_modes_csv(const identification::Identification& result,
-                                 std::optional<observation::Observed> observed) {
+                                 std::optional<observation::Observed> observed,
+                                 const data::Experiment* experiment) {
   std::string text =
       "mode,frequency_hz,frequency_95_hz,damping_ratio,damping_95,mpc,mpd_rad,quality,significance";
   for (const auto& o : result.responses.outputs)
     text +=
         fmt::format(",{},{}", base::quoted_cell("re " + o.name), base::quoted_cell("im " + o.name));
-  text += ",shape_against,observed\n";
+  const auto [pose_titles, pose_cells] = pose_columns(experiment);
+  text += ",shape_against,observed" + pose_titles + '\n';
   const auto* against = observation::name(observation::motion_against(result.responses.outputs));
   int number = 0;
   for (const auto& m : result.modes) {
@@ -34,7 +62,8 @@ std::string identified_modes_csv(const identification::Identification& result,
         m.quality(), m.fit.significance);
     for (const auto& value : m.displacement)
       text += fmt::format(",{:.9g},{:.9g}", value.real(), value.imag());
-    text += fmt::format(",{},{}\n", against, observed ? observation::name(*observed) : "");
+    text += fmt::format(",{},{}{}\n", against, observed ? observation::name(*observed) : "",
+                        pose_cells);
   }
   return text;
 }
@@ -139,6 +168,11 @@ ListedModes identified_modes_from_csv(const std::string& path) {
         row.word("shape_against", std::array{MotionAgainst::ground, MotionAgainst::base});
     list.observed =
         row.word("observed", std::array{Observed::mechanics, Observed::plant, Observed::system});
+    if (const auto* cell = row.find(pose_title)) list.experiment.pose_name = cell->text;
+    if (row.find(pose_number_title(0)) == nullptr) continue;
+    auto& pose = list.experiment.pose.emplace();
+    for (int k = 0; k < 6; ++k)
+      pose[static_cast<std::size_t>(k)] = row.number(pose_number_title(k));
   }
   if (list.modes.modes.empty())
     throw base::InputError({table.fault(0, "", "there is no mode below the title row")});

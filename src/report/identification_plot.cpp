@@ -87,10 +87,7 @@ std::string entry_plots(const FrequencyResponses& r, const Pair& pair, std::size
   const std::size_t first = 2 + 6 * index;
   const auto& out = r.outputs[static_cast<std::size_t>(pair.output)];
   const auto& in = r.inputs[static_cast<std::size_t>(pair.input)];
-  const bool compound = in.unit.find_first_of(" /") != std::string::npos;
-  const std::string unit = in.unit == "1" || in.unit.empty()
-                               ? out.unit
-                               : out.unit + (compound ? "/(" + in.unit + ")" : "/" + in.unit);
+  const std::string unit = response_unit(out.unit, in.unit);
   std::string text = at_screen(cells.magnitude);
   text += fmt::format(
       "set title {} offset 0,-0.6\nset ylabel {} offset 1.2,0\nset format x ''\n"
@@ -115,6 +112,12 @@ std::string entry_plots(const FrequencyResponses& r, const Pair& pair, std::size
 }
 
 }  // namespace
+
+std::string response_unit(const std::string& output, const std::string& input) {
+  if (input == "1" || input.empty()) return output;
+  const bool compound = input.find_first_of(" /") != std::string::npos;
+  return output + (compound ? "/(" + input + ")" : "/" + input);
+}
 
 void require_picture(const std::string& path) { require_picture_ending(path); }
 

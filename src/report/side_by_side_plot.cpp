@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 #include <set>
 
@@ -93,15 +94,22 @@ std::vector<std::string> shared_names(const SideBySide& result) {
   return names;
 }
 
-std::string response_rows(const ComparedThing::Response& response) {
+/// What is shown of responses [Hz]: lines far above the modes hold noise alone.
+double highest_shown(const SideBySide& result) {
+  constexpr double room = 1.5;
+  double highest = 0.0;
+  for (const auto& thing : result.things)
+    for (const auto& mode : thing.modes) highest = std::max(highest, mode.omega / two_pi);
+  return highest > 0.0 ? room * highest : std::numeric_limits<double>::infinity();
+}
+
+std::string response_rows(const ComparedThing::Response& response, double highest) {
   std::string rows;
-  double last = 0.0;
-  for (std::size_t k = 0; k < response.H.size(); ++k) {
-    if (!(response.frequency[k] > 0.0)) continue;
-    last = continued(std::arg(response.H[k]) * 180.0 / std::numbers::pi, last);
-    rows += fmt::format("{:.9g} {:.6f} {:.4f}\n", response.frequency[k],
-                        level_db(std::abs(response.H[k])), last);
-  }
+  for (std::size_t k = 0; k < response.H.size(); ++k)
+    if (response.frequency[k] > 0.0 && response.frequency[k] <= highest)
+      rows += fmt::format("{:.9g} {:.6f} {:.4f}\n", response.frequency[k],
+                          level_db(std::abs(response.H[k])),
+                          std::arg(response.H[k]) * 180.0 / std::numbers::pi);
   return rows;
 }
 
@@ -109,22 +117,24 @@ std::string response_rows(const ComparedThing::Response& response) {
 std::string overlay(const SideBySide& result, const std::string& name, std::size_t number,
                     const CellPair& cells) {
   std::string blocks, magnitudes, phases, unit;
-  double from = 1e300, to = 0.0;
+  const double highest = highest_shown(result);
+  double from = std::numeric_limits<double>::infinity(), to = 0.0;
   for (std::size_t t = 0; t < result.things.size(); ++t)
     for (const auto& response : result.things[t].responses) {
       if (response.name != name || response.frequency.empty()) continue;
       unit = response.unit;
       for (const double f : response.frequency)
         if (f > 0.0) from = std::min(from, f);
-      to = std::max(to, response.frequency.back());
+      to = std::max(to, std::min(highest, response.frequency.back()));
       const std::string block = fmt::format("r{}_{}", number, t);
-      blocks += block_of(block, response_rows(response));
+      blocks += block_of(block, response_rows(response, highest));
       const std::string style =
           fmt::format("with lines lw 2{} lc rgb '{}'", t == 0 ? "" : " dt (8,4)", colour(t));
       const char* comma = magnitudes.empty() ? "" : ", ";
       magnitudes +=
           fmt::format("{}${} using 1:2 {} title {}", comma, block, style, quoted(letter(t)));
-      phases += fmt::format("{}${} using 1:3 {} notitle", comma, block, style);
+      phases += fmt::format("{}${} using 1:3 with points pt 7 ps 0.15 lc rgb '{}' notitle", comma,
+                            block, colour(t));
     }
   if (magnitudes.empty()) return {};
   std::string script = blocks + "unset xzeroaxis\nset xtics norotate\n" +
@@ -136,7 +146,7 @@ std::string overlay(const SideBySide& result, const std::string& name, std::size
   script += std::string(titles_drawn) + "unset title\n" + at_screen(cells.phase);
   script += fmt::format(
       "set format x '%g'\nset xlabel 'Hz' offset 0,0.6\nset ylabel 'phase °' offset 1.2,0\n"
-      "set ytics 90\nplot {}\n",
+      "set ytics 90\nset yrange [-190:190]\nplot {}\n",
       phases);
   return script + titles_drawn;
 }
@@ -171,7 +181,8 @@ void plot_side_by_side(const SideBySide& result, const std::string& path) {
     script += difference_panel(result, modes, 4, "damping ratio, % points, by mode of A", second);
   }
   for (std::size_t k = 0; k < names.size(); ++k)
-    script += overlay(result, names[k], k, split(cells[differences + k], cells.height()));
+    script += (k == 0 ? key_below_titles(cells.height()) : "unset key\n") +
+              overlay(result, names[k], k, split(cells[differences + k], cells.height()));
   draw(path, cells.width(), cells.height(), script + "unset multiplot\n");
 }
 

@@ -242,7 +242,7 @@ void add_measured_responses(const identification::FrequencyResponses& all, Side&
       if ((direct && i != o) || side.thing.responses.size() >= most) continue;
       report::ComparedThing::Response response{
           .name = fmt::format("{} from {}", all.outputs[o].name, all.inputs[i].name),
-          .unit = fmt::format("{}/{}", all.outputs[o].unit, all.inputs[i].unit),
+          .unit = report::response_unit(all.outputs[o].unit, all.inputs[i].unit),
           .frequency = on_axis.frequency};
       for (std::size_t k = 0; k < on_axis.lines(); ++k)
         response.H.push_back(

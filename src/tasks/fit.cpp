@@ -34,16 +34,32 @@ void add_prior(const KnownParameter& known, calibration::Plan& plan) {
   free->prior = known.prior;
 }
 
-/// The targets, and what their file says of the fit.
-Calibrated prepared(const Machine& machine, const CalibrateOptions& options,
-                    const Progress& progress) {
+/// Poses that records state join those of the machine's file; the machine is at the first of them
+/// where no pose was asked for.
+void take_stated_poses(const MeasuredOptions& options, Machine& machine) {
+  if (options.pose_given) return;
+  bool first = true;
+  for (const auto& path : options.files) {
+    if (!std::filesystem::exists(path)) continue;  // says its pose, or is refused later
+    auto stated = stated_pose(path, machine.file.machine);
+    if (!stated) continue;
+    add_pose(machine.file, *stated, stated->name);
+    if (std::exchange(first, false)) machine.pose = *stated;
+  }
+}
+
+/// The targets, and what their file says of the fit. Poses that the file states join those of the
+/// machine.
+Calibrated prepared(Machine& machine, const CalibrateOptions& options, const Progress& progress) {
   Calibrated result;
   if (!std::filesystem::exists(options.targets) || is_mode_list(options.targets)) {
     auto file = calibration::read_targets(options.targets);
     result.targets = std::move(file.targets);
     result.plan = std::move(file.plan);
   } else {
-    auto measured = read_measured(machine, {.files = {options.targets}}, progress);
+    const MeasuredOptions measured_options{.files = {options.targets}, .pose_given = false};
+    take_stated_poses(measured_options, machine);
+    auto measured = read_measured(machine, measured_options, progress);
     result.targets = std::move(measured.targets);
     result.warnings = std::move(measured.warnings);
   }
@@ -60,8 +76,9 @@ Calibrated prepared(const Machine& machine, const CalibrateOptions& options,
 
 }  // namespace
 
-Calibrated calibrate(const Machine& machine, const CalibrateOptions& options,
+Calibrated calibrate(const Machine& given, const CalibrateOptions& options,
                      const Progress& progress) {
+  auto machine = given;
   auto result = prepared(machine, options, progress);
   const auto positions = profiled(options.profiles, result.plan);
   bool stopped = false;
@@ -80,24 +97,6 @@ Calibrated calibrate(const Machine& machine, const CalibrateOptions& options,
   result.interrupted = stopped;
   return result;
 }
-
-namespace {
-
-/// Poses that records state join those of the machine's file; the machine is at the first of them
-/// where no pose was asked for.
-void take_stated_poses(const MeasuredOptions& options, Machine& machine) {
-  if (options.pose_given) return;
-  bool first = true;
-  for (const auto& path : options.files) {
-    if (!std::filesystem::exists(path)) continue;  // says its pose, or is refused later
-    auto stated = stated_pose(path, machine.file.machine);
-    if (!stated) continue;
-    add_pose(machine.file, *stated, stated->name);
-    if (std::exchange(first, false)) machine.pose = *stated;
-  }
-}
-
-}  // namespace
 
 Diagnosed diagnose(const Machine& given, const DiagnoseOptions& options, const Progress& progress) {
   Diagnosed result{.machine = given};

@@ -86,11 +86,12 @@ struct MeasuredFile {
   bool as_stated{};  ///< the pose is the one that the record states
 };
 
-/// What a record says of its experiment, or JSON that was made of one.
+/// What a record says of its experiment, or JSON or a table of modes that was made of one.
 std::optional<data::Experiment> experiment_of(const std::string& path) {
   const auto kind = data::file_kind(path);
   if (kind == data::FileKind::record)
     return data::RecordSet({path}, data::ReadOptions{}).header().experiment;
+  if (kind == data::FileKind::mode_table) return report::identified_modes_from_csv(path).experiment;
   if (kind != data::FileKind::json) return {};
   const auto json = parsed_json(path, {"\"identified_modes\"", "\"modes\"", "\"frf\""});
   const auto header = json.is_object() ? report::record_origin_from_json(json, path) : std::nullopt;

@@ -338,6 +338,19 @@ TEST(NumbersInJson, OfCrossChecksAndBootstrap) {
        {"bootstrap_groups", 24}});
 }
 
+/// Without it, modes that were measured elsewhere would be compared with those of the neutral pose.
+TEST(NumbersInCsv, OfIdentifiedModesHaveThePoseOfTheRecord) {
+  const data::Experiment experiment{.pose_name = "z=100 mm, rx=3 deg",
+                                    .pose = {{0.011, -0.012, 1.513, 0.052, -0.013, 0.014}}};
+  const TemporaryFolder folder;
+  for (const auto* stated : {&experiment, static_cast<const data::Experiment*>(nullptr)}) {
+    write_text(folder / "modes.csv", report::identified_modes_csv(identified(), {}, stated));
+    const auto read = report::identified_modes_from_csv(folder / "modes.csv").experiment;
+    EXPECT_EQ(read.pose_name, stated != nullptr ? stated->pose_name : "");
+    EXPECT_EQ(read.pose, stated != nullptr ? stated->pose : std::nullopt);
+  }
+}
+
 TEST(NumbersInCsv, OfIdentifiedModesAreReadAsTheyWereWritten) {
   const auto found = identified();
   const TemporaryFolder folder;

@@ -55,7 +55,8 @@ struct Exchange {
     base::write_file_whole(path("identified.json"), modes.dump());
     base::write_file_whole(
         path("identified.csv"),
-        report::identified_modes_csv(found.modes, tasks::observed_in(found.measured)));
+        report::identified_modes_csv(found.modes, tasks::observed_in(found.measured),
+                                     found.measured.experiment()));
     report::write_modes_uff(path("identified.uff"), found.modes, "modes", "");
     report::write_modes_mat(path("identified.mat"), found.modes);
   }

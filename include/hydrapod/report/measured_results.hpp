@@ -164,19 +164,25 @@ void add_cross_checks(const std::vector<std::optional<identification::CrossCheck
 void add_bootstrap(const identification::BootstrapScatter& scatter, Json& json);
 
 /// One line per mode. `observed`: the system that was measured, where it is known.
+/// `experiment`: of the record, whose pose is noted; null: unknown.
 std::string identified_modes_csv(const identification::Identification& result,
-                                 std::optional<observation::Observed> observed = {});
+                                 std::optional<observation::Observed> observed = {},
+                                 const data::Experiment* experiment = nullptr);
 
 /// What such a table holds.
 struct ListedModes {
   data::ModalResults modes{};  ///< and outputs; deviations of shapes are zero
   std::optional<observation::MotionAgainst> against{};
   std::optional<observation::Observed> observed{};
+  data::Experiment experiment{};  ///< its pose
 };
 /// By its title row.
 bool is_identified_modes_csv(const std::string& path);
 /// Throws base::InputError with file:line:column.
 ListedModes identified_modes_from_csv(const std::string& path);
+
+/// "m/N", "rad/(1/m)"; the unit of the output where the input has none.
+std::string response_unit(const std::string& output, const std::string& input);
 
 /// Magnitude and phase of the direct responses (output k from input k; all inputs where their
 /// numbers differ), with their 95 % band and, if `model` is given, its synthesis.
