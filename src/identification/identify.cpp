@@ -7,6 +7,7 @@
 #include <ranges>
 
 #include "assumed_errors.hpp"
+#include "beside_open.hpp"
 #include "fit_covariance.hpp"
 #include "harmonics.hpp"
 #include "hydrapod/base/error.hpp"
@@ -457,6 +458,7 @@ Identification identify_modes(const FrequencyResponses& all, const IdentifyOptio
     settle_residuals(options, result);
   }
   add_shape_deviations(options, result);
+  if (!given.whole) widen_beside_open_poles(options, result);
   list_modes(options, result);
   if (!given.whole) test_residual(options, result);
   lower_quality(given, result);
