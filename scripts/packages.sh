@@ -62,6 +62,7 @@ packages_deb=(
 packages_python_test=(
   "python3-pytest runs them"
   "mypy checks the types"
+  "python3-matplotlib draws the plots"
 )
 
 # For ./test --sanitize-files, --sanitize and --long.

@@ -91,6 +91,12 @@ class Machine:
         machine._set(_core.read_machine(path, text, overrides, pose, model), pose, model)
         return machine
 
+    @classmethod
+    def _wrapped(cls, core: _core.Machine) -> "Machine":
+        machine = cls.__new__(cls)
+        machine._set(core, core.pose, core.model)
+        return machine
+
     def __setattr__(self, name: str, value: object) -> None:
         raise AttributeError(f"a machine does not change; use machine.with_(**{{\"{name}…\": value}})")
 
@@ -113,6 +119,16 @@ class Machine:
     def text(self) -> str:
         """Text of the file, without the overrides."""
         return self._core_machine.text
+
+    @property
+    def applied_text(self) -> str:
+        """Text of a file with the overrides in it, comments kept."""
+        return self._core_machine.applied_text
+
+    def write(self, path: Union[str, "os.PathLike[str]"]) -> None:
+        """Writes a machine file with the overrides in it. The pose is not part of it."""
+        with open(path, "w", encoding="utf-8") as file:
+            file.write(self.applied_text)
 
     @property
     def overrides(self) -> List[str]:

@@ -59,6 +59,53 @@ def _diagnosed(d: Any) -> Table:
     return "diagnosis", ["hypothesis", "ΔBIC"], rows, "\n".join(d.summary)
 
 
+def _compared(c: Any) -> Table:
+    rows = [(str(one.thing + 1), str(one.first + 1), str(one.second + 1), f"{one.mac:.2f}", f"{one.frequency_hz:.3f}",
+             f"{100 * one.frequency_difference_hz / one.frequency_hz:+.2f} %", one.frequency_verdict, one.label)
+            for one in _compared_records(c)]
+    things = "\n".join(f"{k + 1}: {name} ({what})" for k, (name, what) in enumerate(zip(c.things, c.descriptions)))
+    return (f"{len(c.things)} things", ["thing", "of first", "its own", "MAC", "Hz", "difference", "", "motion"], rows,
+            things)
+
+
+def _at_poses(m: Any) -> Table:
+    rows = [(*(f"{f:.3f}" if np.isfinite(f) else "–" for f in row), label)
+            for row, label in zip(m.frequency_hz, m.labels)]
+    return f"{len(rows)} modes at {len(m.poses)} poses", [*(f"{pose} Hz" for pose in m.poses), "motion"], rows, ""
+
+
+def _study(s: Any) -> Table:
+    def cells(name: str) -> Tuple[str, ...]:
+        values = s[name][np.isfinite(s[name])]
+        if not len(values):
+            return name, "–", "–", "–", "–"
+        return (name, f"{values.mean():.6g}", f"{values.std():.3g}", f"{values.min():.6g}", f"{values.max():.6g}")
+
+    names = [name for name in s.names if name not in ("status", "direction")]
+    missed = [f"{text}: missed with probability {p:.4g}" for text, p in
+              zip(s.requirements, s.probability_of_missing)] if s.complete else ["interrupted"]
+    return (f"{s.kind}, {len(s.values)} rows", ["column", "mean", "deviation", "least", "most"],
+            [cells(name) for name in names], "\n".join(missed))
+
+
+def _compared_records(compared: Any) -> Any:
+    """A row per pair of modes, as a NumPy record array; things and modes count from 0."""
+    columns = {name: np.asarray(column) if len(column) else np.zeros(0)
+               for name, column in compared.columns.items()}
+    count = len(columns["thing"])
+    table = np.empty(count, dtype=[(name, column.dtype) for name, column in columns.items()])
+    for name, column in columns.items():
+        table[name] = column
+    return table.view(np.recarray)
+
+
+def _compared_to_pandas(compared: Any) -> Any:
+    """A row per pair of modes, as a pandas.DataFrame."""
+    import pandas  # type: ignore[import]
+
+    return pandas.DataFrame(compared.columns)
+
+
 def _plain(words: Callable[[Any], str]) -> Callable[[Any], Table]:
     return lambda result: (words(result), [], [], "")
 
@@ -71,6 +118,12 @@ _tables: Dict[type, Callable[[Any], Table]] = {
     _core.Identified: _identified,
     _core.Calibrated: _calibrated,
     _core.Diagnosed: _diagnosed,
+    _core.Compared: _compared,
+    _core.ModesAtPoses: _at_poses,
+    _core.Study: _study,
+    _core.MachineStateSpace: _plain(lambda s: f"{len(s.states)} states, {len(s.inputs)} inputs, {len(s.outputs)} "
+                                              f"outputs, " + (f"every {1e3 * s.sample_time:g} ms" if s.sample_time
+                                                              else "continuous")),
     _core.RootLocus: _plain(lambda r: f"root locus over {r.key}, {len(r.values)} values, limits {r.limits}"),
     _core.Bode: _plain(lambda b: f"6×6 response at {len(b.omega)} frequencies, {b.frequency_hz[0]:.4g} Hz "
                                  f"to {b.frequency_hz[-1]:.4g} Hz, flexible and rigid legs"),
@@ -118,7 +171,7 @@ def _record_array(modes: Any) -> Any:
 
 
 def _to_pandas(modes: Any) -> Any:
-    import pandas  # type: ignore[import]
+    import pandas
 
     return pandas.DataFrame.from_records(_record_array(modes))
 
@@ -149,5 +202,8 @@ def attach() -> None:
     modes.to_records = _record_array
     modes.to_pandas = _to_pandas
     modes.damping_matrix = _damping_matrix
+    compared: Any = _core.Compared
+    compared.to_records = _compared_records
+    compared.to_pandas = _compared_to_pandas
     rigid: Any = _core.ModelModes
     rigid.damping_matrix = _damping_matrix

@@ -18,7 +18,9 @@ from ._core import (
     Diagnosed,
     Frf,
     Identified,
+    Compared,
     Modes,
+    ModesAtPoses,
     Report,
     RootLocus,
     Sensitivity,
@@ -26,7 +28,7 @@ from ._core import (
     System,
 )
 from ._errors import ComputationError
-from ._machine import Machine, Quantity
+from ._machine import Machine, Quantity, _toml
 from ._records import Record
 
 Progress = Callable[[float], Optional[bool]]
@@ -87,6 +89,16 @@ def modes(machine: Machine, *, matrices: bool = False) -> Modes:
     Raises ComputationError where the machine does not stand at this pose.
     """
     return _core.modes(_core_of(machine), matrices)
+
+
+def modes_at_poses(machine: Machine, poses: Texts) -> ModesAtPoses:
+    """Modes at several poses (two or more), each followed by its shape from pose to pose.
+
+    poses: names of the file or displacements from the neutral pose ("z=50 mm"). Result, m followed modes,
+    p poses: frequency_hz (m, p), NaN where there is no such mode; mac (m, p) with the mode at the pose before;
+    numbers (m, p), counted from 0, -1 for none; labels, poses.
+    """
+    return _core.modes_at_poses(_core_of(machine), _list(poses))
 
 
 def system(machine: Machine, *, closed: bool = True, pade_order: int = 2) -> System:
@@ -155,6 +167,9 @@ def frequencies(machine: Machine, designs: Mapping[str, Any], *, threads: int = 
     core = _core_of(machine)
     if not designs:
         raise ValueError("designs: expected at least one path with values")
+    one = _core.one_design(core, designs) if type(designs) is dict else None  # one design of floats, quickly
+    if one is not None:
+        return one
     columns = np.broadcast_arrays(*(np.asarray(values, dtype=float) for values in designs.values()))
     if columns[0].ndim > 1:
         raise ValueError("designs: expected numbers or arrays of one dimension")
@@ -184,8 +199,9 @@ def simulate(machine: Machine, commands: Texts = (), *, wrench: Texts = (), init
     rod_pressure [Pa] (N, 6), rms_error, peak_error (6,), record, warnings.
     """
     return _core.simulate(_core_of(machine), _options(
-        commands=_list(commands), wrench=_list(wrench), initial=initial, actuators=actuators, until=until, integrator=integrator, tolerance=tolerance, step=step,
-        seed=seed, ideal_sensors=ideal_sensors, output_interval=output_interval, trace_samples=trace_samples,
+        commands=_list(commands), wrench=_list(wrench), initial=initial, actuators=actuators, until=until,
+        integrator=integrator, tolerance=tolerance, step=step, seed=seed, ideal_sensors=ideal_sensors,
+        output_interval=output_interval, trace_samples=trace_samples,
         record=None if record is None else os.fspath(record)), progress)
 
 
@@ -275,7 +291,9 @@ def identify(measured: Measured, *, machine: Union[Machine, Path, None] = None, 
     options: see frf().
 
     Result, n modes: frequency_hz, frequency_deviation_hz, damping_ratio, damping_deviation, quality (n,);
-    shapes (outputs, n) as displacements; outputs, motion, warnings. Deviations are standard deviations.
+    shapes (outputs, n) as displacements; outputs, inputs, motion, warnings. Deviations are standard deviations.
+    L lines: line_frequency_hz (L,), H and deviation (measured), H_modes (of the modes) (L, outputs, inputs),
+    mode_indicator: singular values of H (L, k). With 95 % probability H is off by less than radius_95 deviations.
     """
     with _files(measured) as files:
         return _core.identify(_measure_options(machine, {"from": from_, **dict(
@@ -303,6 +321,42 @@ def calibrate(machine: Machine, targets: Path, free: Union[Mapping[str, Any], Te
         priors=None if priors is None else {key: list(pair) for key, pair in priors.items()},
         alternatives=_list(alternatives), profiles=_list(profiles), loss=loss, starts=starts, seed=seed,
         threads=threads), progress)
+
+
+def compare(*things: Union[Machine, Record, Path], overrides: Mapping[str, Any] = {}, poses: Texts = (),
+            model: Optional[str] = None, against: str = "auto", level: Quantity = 0.05,
+            progress: Optional[Progress] = None) -> Compared:
+    """Machines, poses, records and identified modes side by side, the first with each other one.
+
+    things: Machine and Record objects, or files (machine.toml@low, modes.json, run.h5). overrides: for every
+    machine file; of one machine alone: it is compared with the changed one. poses: of one machine alone, two or
+    more. level: of all tests of one comparison together.
+
+    Result: things, descriptions, test; to_records(): a row per pair of modes with mac, differences (second less
+    first), p and verdicts (significant, not_significant, calculated, cannot_say); the rest in to_dict().
+    """
+    lines = [f"{key}={_toml(value)}" for key, value in overrides.items()]
+    machines = [thing for thing in things if isinstance(thing, Machine)]
+    if model is None and machines:
+        model = machines[0].model
+    with tempfile.TemporaryDirectory(prefix="hydrapod-") as folder:
+        files = []
+        for number, thing in enumerate(things):
+            if isinstance(thing, Machine):
+                if model is not None and thing.model != model:
+                    raise ValueError(f"model: thing {number + 1} is a machine with the model {thing.model}, not "
+                                     f"{model}; one model holds for all")
+                path = os.path.join(folder, f"machine-{number + 1}.toml")
+                thing.write(path)
+                files.append(path if thing.pose == "neutral" else f"{path}@{thing.pose}")
+            elif isinstance(thing, Record):
+                path = os.path.join(folder, f"record-{number + 1}.mat")
+                thing.write(path)
+                files.append(path)
+            else:
+                files.append(os.fspath(thing))
+        return _core.compare(_options(files=files, overrides=lines, poses=_list(poses), model=model,
+                                      against=against, level=level), progress)
 
 
 def _diagnosis(files: List[str], options: Dict[str, Any]) -> Dict[str, Any]:
@@ -405,6 +459,22 @@ class Plant:
         if array.dtype.kind not in "fiu":
             raise TypeError(f"commands: expected real numbers, got an array of {array.dtype}")
         return self._plant.run(array, dt, progress)
+
+    @staticmethod
+    def run_many(plants: Sequence["Plant"], commands: Any, dt: float, *, threads: int = 0,
+                 progress: Optional[Progress] = None) -> Tuple[Any, List[str]]:
+        """Steps many plants at once, each in one thread: displacements (plants, N, 6), and a message for each.
+
+        commands: (plants, N, 6), or (N, 6) for all. Where the model of a plant ends, its further rows are NaN
+        and its message says why; else the message is empty.
+        """
+        array = np.asarray(commands)
+        if array.dtype.kind not in "fiu":
+            raise TypeError(f"commands: expected real numbers, got an array of {array.dtype}")
+        if array.ndim == 2:
+            array = np.broadcast_to(array, (len(plants), *array.shape))
+        return _core.run_plants([plant._plant for plant in plants], np.ascontiguousarray(array, dtype=float), dt,
+                                threads, progress)
 
     def reset(self) -> None:
         """Back to rest at time 0."""

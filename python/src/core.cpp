@@ -50,5 +50,9 @@ PYBIND11_MODULE(_core, module) {
   add_fit(module);
   add_simulation(module);
   add_plant(module);
+  add_study(module);
+  add_compare(module);
+  add_exchange(module);
+  add_kinematics(module);
   py::module_::import("atexit").attr("register")(py::cpp_function(&end_all));
 }

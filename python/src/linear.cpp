@@ -14,9 +14,12 @@ namespace {
 using Machine = std::shared_ptr<Subject>;
 
 struct Modes : Result {
-  Machine machine{};
-  modal::ModeTable table{};
-  bool matrices{};
+  /// Computes them in place: the table has some tens of kilobytes.
+  Modes(const Machine& of, bool with_matrices)
+      : machine(of), table(tasks::modes(*of)), matrices(with_matrices) {}
+  Machine machine;
+  modal::ModeTable table;
+  bool matrices;
   [[nodiscard]] Json document() const override {
     auto json = report::modes_json(table);
     if (matrices) json["matrices"] = report::matrices_json(table);
@@ -115,11 +118,7 @@ py::array hertz(const std::vector<double>& omega) {
 }
 
 std::shared_ptr<Modes> modes(const Machine& machine, bool matrices) {
-  auto result = std::make_shared<Modes>();
-  result->machine = machine;
-  result->matrices = matrices;
-  result->table = without_gil([&] { return tasks::modes(*machine); });
-  return result;
+  return without_gil([&] { return std::make_shared<Modes>(machine, matrices); });
 }
 
 std::shared_ptr<System> system(const Machine& machine, bool closed, int pade_order) {

@@ -1,9 +1,16 @@
 /// Machines: reading, overriding, numbers by path.
 
 #include "hydrapod/tasks/machine.hpp"
+
+#include <algorithm>
+#include <ctime>
+
+#include "hydrapod/base/error.hpp"
 #include "hydrapod/base/units.hpp"
 #include "hydrapod/dynamics/linear_model.hpp"
 #include "hydrapod/modal/normal_modes.hpp"
+#include "hydrapod/model/machine_file.hpp"
+#include "hydrapod/tasks/linear.hpp"
 #include "support.hpp"
 
 namespace hydrapod::python {
@@ -30,7 +37,23 @@ model::ParameterId found(const Subject& machine, const std::string& path) {
                                  (near.empty() ? "" : "; did you mean '" + near + "'?"));
 }
 
-/// Undamped frequencies [Hz] of `values.rows` designs: row k has numbers of `paths` in row k.
+/// Undamped frequencies [Hz] of the design with `numbers` at `ids`; NaN where it does not stand.
+void design_frequencies(const Subject& machine, const std::vector<model::ParameterId>& ids,
+                        const double* numbers, double* out, int modes) {
+  std::vector<model::Assignment> assignments;
+  assignments.reserve(ids.size());
+  for (std::size_t c = 0; c < ids.size(); ++c) assignments.push_back({ids[c], numbers[c]});
+  try {
+    const auto design = model::with(machine.file.machine, assignments);
+    const auto found =
+        modal::normal_modes(dynamics::linear_model(design, machine.pose.X_BP, machine.kind));
+    for (int m = 0; m < modes; ++m) out[m] = found.omega(m) / base::two_pi;
+  } catch (const base::ComputationError&) {
+    std::fill(out, out + modes, std::numeric_limits<double>::quiet_NaN());
+  }
+}
+
+/// Row k of the result has the frequencies of the design with the numbers of row k of `values`.
 py::array frequencies(const Subject& machine, const std::vector<std::string>& paths,
                       const Doubles& values, int threads, const py::object& progress) {
   if (values.ndim() != 2 || values.shape(1) != static_cast<py::ssize_t>(paths.size()))
@@ -48,35 +71,63 @@ py::array frequencies(const Subject& machine, const std::vector<std::string>& pa
   const int modes = dynamics::degrees_of_freedom(machine.file.machine, machine.kind);
   py::array_t<double> result({static_cast<py::ssize_t>(count), static_cast<py::ssize_t>(modes)});
   double* out = result.mutable_data();
-  constexpr std::size_t block = 64;
   const auto one = [&](std::size_t k) {
-    std::vector<model::Assignment> assignments;
-    for (std::size_t c = 0; c < columns; ++c)
-      assignments.push_back({ids[c], numbers[k * columns + c]});
-    const auto design = model::with(machine.file.machine, assignments);
-    const auto model = dynamics::linear_model(design, machine.pose.X_BP, machine.kind);
-    const auto found_modes = modal::normal_modes(model);
-    for (int m = 0; m < modes; ++m)
-      out[k * static_cast<std::size_t>(modes) + static_cast<std::size_t>(m)] =
-          found_modes.omega(m) / base::two_pi;
+    design_frequencies(machine, ids, numbers + k * columns,
+                       out + k * static_cast<std::size_t>(modes), modes);
   };
-  at_work(progress, [&](const numerics::Progress& watch) {
-    return numerics::parallel_for(
-        (count + block - 1) / block, threads,
-        [&](std::size_t b) {
-          for (std::size_t k = b * block; k < std::min(count, (b + 1) * block); ++k) {
-            try {
-              one(k);
-            } catch (const base::ComputationError&) {  // this design does not stand
-              for (int m = 0; m < modes; ++m)
-                out[k * static_cast<std::size_t>(modes) + static_cast<std::size_t>(m)] =
-                    std::numeric_limits<double>::quiet_NaN();
-            }
-          }
-        },
-        watch);
+  constexpr std::size_t block = 64;  // designs between two looks at signals
+  const bool all = at_work(progress, [&](const numerics::Progress& watch) {
+    return numerics::parallel_for((count + block - 1) / block, threads,
+                                  [&](std::size_t b) {
+                                    for (std::size_t k = b * block;
+                                         k < std::min(count, (b + 1) * block); ++k)
+                                      one(k);
+                                  },
+                                  watch);
+  });
+  if (!all) throw base::ComputationError("interrupted before all designs were computed");
+  return result;
+}
+
+/// The same of one design, {path: float}; none where a value is no finite float.
+std::optional<py::array> one_design(const Subject& machine, const py::dict& design) {
+  std::vector<model::ParameterId> ids;
+  std::vector<double> numbers;
+  for (const auto& [path, value] : design) {
+    if (!py::isinstance<py::str>(path) || !PyFloat_CheckExact(value.ptr()) ||
+        !std::isfinite(PyFloat_AS_DOUBLE(value.ptr())))
+      return {};
+    ids.push_back(found(machine, path.cast<std::string>()));
+    numbers.push_back(PyFloat_AS_DOUBLE(value.ptr()));
+  }
+  const int modes = dynamics::degrees_of_freedom(machine.file.machine, machine.kind);
+  py::array_t<double> result({py::ssize_t{1}, static_cast<py::ssize_t>(modes)});
+  double* out = result.mutable_data();
+  without_gil([&] {
+    design_frequencies(machine, ids, numbers.data(), out, modes);
+    return 0;
   });
   return result;
+}
+
+/// Processor time [s] of one call, of `count` calls in C++: what bench/python.py compares the calls
+/// from Python with.
+double seconds_of_calls(const Subject& machine, const std::string& task, const std::string& path,
+                        int count) {
+  const auto which = choice("task", task, {"modes", "frequencies"});
+  const std::vector ids{found(machine, path)};
+  const double number = model::value(machine.file.machine, ids.front()).value_or(0.0);
+  const int modes = dynamics::degrees_of_freedom(machine.file.machine, machine.kind);
+  std::vector<double> out(static_cast<std::size_t>(modes));
+  return without_gil([&] {
+    const auto begun = std::clock();
+    for (int k = 0; k < count; ++k)
+      if (which == 0)
+        out.front() = tasks::modes(machine).real.modes.front().mode.omega;
+      else
+        design_frequencies(machine, ids, &number, out.data(), modes);
+    return static_cast<double>(std::clock() - begun) / CLOCKS_PER_SEC / count;
+  });
 }
 
 }  // namespace
@@ -88,6 +139,12 @@ void add_machine(py::module_& module) {
                              [](const Subject& m) { return m.file.machine.description; })
       .def_readonly("path", &Subject::path)
       .def_property_readonly("text", [](const Subject& m) { return m.file.text; })
+      .def_property_readonly(
+          "applied_text",
+          [](const Subject& m) {
+            return model::edited_file(
+                m.file.text, model::edits_of_overrides(m.file.text, m.file.overrides), "override");
+          })
       .def_property_readonly("overrides", [](const Subject& m) { return m.file.overrides; })
       .def_property_readonly("pose", [](const Subject& m) { return m.pose.name; })
       .def_property_readonly("model", [](const Subject& m) { return dynamics::name(m.kind); })
@@ -119,6 +176,9 @@ void add_machine(py::module_& module) {
              py::arg("pose"), py::arg("model"));
   module.def("frequencies", &frequencies, py::arg("machine"), py::arg("paths"), py::arg("values"),
              py::arg("threads"), py::arg("progress"));
+  module.def("one_design", &one_design, py::arg("machine"), py::arg("design"));
+  module.def("seconds_of_calls", &seconds_of_calls, py::arg("machine"), py::arg("task"),
+             py::arg("path"), py::arg("count"));
   module.def("starter_machine_file", &model::starter_machine_file);
   module.def("quantity", [](const py::object& value, const char* unit, const std::string& name) {
     return quantity(value, unit, name);

@@ -140,6 +140,25 @@ py::array per_line(const data::PerLine<Matrix>& pages) {
   return result;
 }
 
+/// Lines × outputs × inputs; without lines where no errors are known.
+py::array deviations(const identification::FrequencyResponses& r) {
+  const auto outputs = static_cast<Eigen::Index>(r.outputs.size());
+  const auto inputs = static_cast<Eigen::Index>(r.inputs.size());
+  std::vector<double> all;
+  if (!r.has_errors()) return array_of(all, std::vector<py::ssize_t>{0, outputs, inputs});
+  for (std::size_t k = 0; k < r.lines(); ++k)
+    for (Eigen::Index o = 0; o < outputs; ++o)
+      for (Eigen::Index i = 0; i < inputs; ++i) all.push_back(std::sqrt(r.variance(k, o, i)));
+  return array_of(all, {static_cast<py::ssize_t>(r.lines()), outputs, inputs});
+}
+
+py::array copied(const Eigen::MatrixXd& matrix) {
+  py::array_t<double> array(std::vector<py::ssize_t>{matrix.rows(), matrix.cols()});
+  for (Eigen::Index i = 0; i < matrix.rows(); ++i)
+    for (Eigen::Index j = 0; j < matrix.cols(); ++j) array.mutable_at(i, j) = matrix(i, j);
+  return array;
+}
+
 std::vector<std::string> names(const std::vector<data::Channel>& channels) {
   std::vector<std::string> list;
   for (const auto& channel : channels) list.push_back(channel.name);
@@ -163,6 +182,21 @@ py::array shapes(const Identified& result) {
     for (py::ssize_t i = 0; i < rows; ++i)
       all.mutable_at(i, static_cast<py::ssize_t>(k)) = modes[k].displacement[i];
   return all;
+}
+
+/// Responses of the identified modes at the measured lines; NaN where there is no mode.
+py::array modal_response(const Identified& result) {
+  const auto& r = result.found.modes.responses;
+  const auto& model = result.found.modes.model;
+  constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
+  const auto outputs = static_cast<Eigen::Index>(r.outputs.size());
+  const auto inputs = static_cast<Eigen::Index>(r.inputs.size());
+  data::PerLine<Eigen::MatrixXcd> pages;
+  for (const double frequency : r.frequency)
+    pages.push_back(model.residuals.empty() || model.modes.empty()
+                        ? Eigen::MatrixXcd::Constant(outputs, inputs, {unknown, unknown})
+                        : identification::synthesised(model, frequency, r.shift));
+  return per_line(pages);
 }
 
 std::shared_ptr<Frf> frf(const Options& asked, const py::object& progress) {
@@ -289,20 +323,7 @@ void add_measurement(py::module_& module) {
       .def_property_readonly(
           "H", [](const Frf& f) { return per_line(data::brought_to_axis(f.shared).H); })
       .def_property_readonly("coherence", [](const Frf& f) { return per_line(f.shared.coherence); })
-      .def_property_readonly(
-          "deviation",
-          [](const Frf& f) {
-            const auto& r = f.shared;
-            const auto outputs = static_cast<Eigen::Index>(r.outputs.size());
-            const auto inputs = static_cast<Eigen::Index>(r.inputs.size());
-            std::vector<double> all;
-            if (!r.has_errors()) return array_of(all, std::vector<py::ssize_t>{0, outputs, inputs});
-            for (std::size_t k = 0; k < r.lines(); ++k)
-              for (Eigen::Index o = 0; o < outputs; ++o)
-                for (Eigen::Index i = 0; i < inputs; ++i)
-                  all.push_back(std::sqrt(r.variance(k, o, i)));
-            return array_of(all, {static_cast<py::ssize_t>(r.lines()), outputs, inputs});
-          })
+      .def_property_readonly("deviation", [](const Frf& f) { return deviations(f.shared); })
       .def_property_readonly("inputs", [](const Frf& f) { return names(f.shared.inputs); })
       .def_property_readonly("outputs", [](const Frf& f) { return names(f.shared.outputs); })
       .def_property_readonly("warnings", [](const Frf& f) { return texts(f.measured.warnings); });
@@ -340,6 +361,28 @@ void add_measurement(py::module_& module) {
           "outputs", [](const Identified& r) { return names(r.found.modes.responses.outputs); })
       .def_property_readonly(
           "motion", [](const Identified& r) { return report::motion_words(r.found.modes); })
+      .def_property_readonly(
+          "inputs", [](const Identified& r) { return names(r.found.modes.responses.inputs); })
+      .def_property_readonly(
+          "line_frequency_hz",
+          [](const py::object& self) {
+            return view_of(self.cast<const Identified&>().found.modes.responses.frequency, self);
+          })
+      .def_property_readonly(
+          "H", [](const Identified& r) { return per_line(r.found.modes.responses.H); })
+      .def_property_readonly(
+          "deviation", [](const Identified& r) { return deviations(r.found.modes.responses); })
+      .def_property_readonly("radius_95",
+                             [](const Identified& r) {
+                               return identification::confidence_radius(
+                                   0.95, r.found.modes.responses.degrees);
+                             })
+      .def_property_readonly("H_modes", &modal_response)
+      .def_property_readonly(
+          "mode_indicator",
+          [](const Identified& r) {
+            return copied(identification::mode_indicator(r.found.modes.responses));
+          })
       .def_property_readonly("warnings",
                              [](const Identified& r) { return texts(r.found.warnings); });
   module.def("identify", [](const py::dict& options, const py::object& progress) {

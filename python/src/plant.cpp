@@ -1,5 +1,6 @@
 /// The plant step by step, for controllers written in Python.
 
+#include <atomic>
 #include <mutex>
 
 #include "hydrapod/base/error.hpp"
@@ -137,6 +138,57 @@ py::array run(Stepper& stepper, const Doubles& commands, double dt, const py::ob
   return result;
 }
 
+/// plants × steps × 6 commands, each plant by one thread: plants × steps × 6 displacements. Where a
+/// plant's model ends, the rest of its rows is NaN and the message says why.
+py::tuple run_all(const std::vector<std::shared_ptr<Stepper>>& plants, const Doubles& commands,
+                  double dt, int threads, const py::object& progress) {
+  const auto many = static_cast<py::ssize_t>(plants.size());
+  if (commands.ndim() != 3 || commands.shape(0) != many || commands.shape(2) != 6)
+    throw std::invalid_argument("commands: expected an array of plants × steps × 6, with " +
+                                std::to_string(many) + " plants");
+  for (py::ssize_t p = 0; p < many; ++p)
+    for (py::ssize_t other = 0; other < p; ++other)
+      if (plants[static_cast<std::size_t>(p)] == plants[static_cast<std::size_t>(other)])
+        throw std::invalid_argument("plants: plants " + std::to_string(other) + " and " +
+                                    std::to_string(p) + " are the same");
+  const double time = step_of(dt);
+  const auto steps = commands.shape(1);
+  const double* given = commands.data();
+  for (py::ssize_t k = 0; k < commands.size(); ++k)
+    if (!std::isfinite(given[k]))
+      throw std::invalid_argument("commands: a number is not finite, of plant " +
+                                  std::to_string(k / std::max<py::ssize_t>(1, 6 * steps)));
+  py::array_t<double> result(std::vector<py::ssize_t>{many, steps, 6});
+  double* out = result.mutable_data();
+  std::vector<std::string> messages(plants.size());
+  constexpr py::ssize_t between = 256;  // steps between two looks at signals
+  std::atomic<py::ssize_t> stepped{0};
+  const auto one = [&](std::size_t p, const numerics::Progress& watch) {
+    const std::lock_guard lock(plants[p]->mutex());
+    const auto first = static_cast<py::ssize_t>(p) * steps;
+    bool stop = false;
+    for (py::ssize_t k = first; k < first + steps; ++k) {
+      Eigen::Map<spatial::Vector6> into(out + 6 * k);
+      into.setConstant(std::numeric_limits<double>::quiet_NaN());
+      if (k % between == 0)
+        stop = stop || watch(static_cast<double>(stepped) / static_cast<double>(many * steps));
+      ++stepped;
+      if (stop || !messages[p].empty()) continue;
+      try {
+        plants[p]->advance({.command = Eigen::Map<const spatial::Vector6>(given + 6 * k)}, time);
+        into = plants[p]->displacement();
+      } catch (const base::ComputationError& error) {
+        messages[p] = error.what();
+      }
+    }
+    if (stop) messages[p] = "interrupted";
+  };
+  at_work(progress, [&](const numerics::Progress& watch) {
+    return numerics::parallel_for(plants.size(), threads, [&](std::size_t p) { one(p, watch); });
+  });
+  return py::make_tuple(result, messages);
+}
+
 py::dict outputs(Stepper& stepper) {
   const auto out = locked(stepper, [&] { return stepper.outputs(); });
   const auto displacement = locked(stepper, [&] { return stepper.displacement(); });
@@ -234,6 +286,7 @@ void add_plant(py::module_& module) {
                              [](const Stepper& s) { return s.plant().state_names(); })
       .def_property_readonly("state_units",
                              [](const Stepper& s) { return s.plant().state_units(); });
+  module.def("run_plants", &run_all);
 }
 
 }  // namespace hydrapod::python

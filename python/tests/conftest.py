@@ -23,6 +23,12 @@ def command_line(*arguments):
     return document
 
 
+def program_of(*arguments):
+    """Runs the command line, which must do what it was asked for."""
+    done = subprocess.run([program, *map(str, arguments)], capture_output=True, text=True, cwd=root)
+    assert done.returncode == 0, done.stderr
+
+
 @pytest.fixture(scope="session", params=models, ids=lambda path: path.stem)
 def model(request):
     return str(request.param)
@@ -41,4 +47,13 @@ def run(tmp_path_factory):
     machine = hydrapod.read_machine(root / "models" / "heavy-platform.toml")
     done = hydrapod.rig(machine, path, duration="20 s", rate="400 Hz", seed=7)
     assert done.finished and done.samples == 8000
+    return path
+
+
+@pytest.fixture(scope="session")
+def strong_run(tmp_path_factory):
+    """A record that shows six modes of the published machine."""
+    path = str(tmp_path_factory.mktemp("strong") / "run.h5")
+    machine = hydrapod.read_machine(root / "models" / "zhang-jiang-2021.toml")
+    hydrapod.rig(machine, path, excite="white all=0.2 mm", duration="30 s", seed=3)
     return path

@@ -89,7 +89,7 @@ def test_empty_arrays(heavy):
 
 
 @pytest.mark.parametrize("designs", [
-    {}, {"no.such": [1.0]}, {sleeve: [np.nan]}, {sleeve: np.ones((2, 2))},
+    {}, {"no.such": [1.0]}, {"no.such": 1.0}, {sleeve: np.nan}, {sleeve: float("inf")}, {sleeve: [np.nan]}, {sleeve: np.ones((2, 2))},
     {sleeve: [1e6, 2e6], "platform.mass": [1.0, 2.0, 3.0]}])
 def test_wrong_designs(heavy, designs):
     with pytest.raises(ValueError):
@@ -142,6 +142,13 @@ def test_progress_can_stop_and_its_exceptions_come_through(heavy):
         hydrapod.simulate(heavy, until=1.0, progress=3)
 
 
+def test_progress_bar(heavy, capsys):
+    bar = hydrapod.progress_bar("designs")
+    hydrapod.frequencies(heavy, {sleeve: np.full(2000, 1.2e6)}, progress=bar)
+    shown = capsys.readouterr().err
+    assert bar.share == 1.0 and "designs" in shown and "100" in shown
+
+
 def test_control_c_stops(heavy):
     timer = threading.Timer(0.3, lambda: os.kill(os.getpid(), signal.SIGINT))
     began = time.monotonic()
@@ -163,6 +170,119 @@ for k in range(3):
     threading.Thread(target=lambda: hydrapod.simulate(m, until=900.0), daemon=True).start()
 threading.Thread(target=lambda: [hydrapod.modes(m) for _ in range(10**7)], daemon=True).start()
 time.sleep(0.4)
+print("end")
+""")
+    assert (done.returncode, done.stdout) == (0, "end\n"), done.stderr
+
+
+def test_many_plants_at_once(heavy):
+    """Each like one alone, whatever the number of threads."""
+    rng = np.random.default_rng(6)
+    commands = 0.02 * rng.standard_normal((5, 80, 6))
+    alone = np.array([hydrapod.Plant(heavy, fixed_step="0.5 ms").run(one, 1e-3) for one in commands])
+    for threads in (1, 3, 0):
+        plants = [hydrapod.Plant(heavy, fixed_step="0.5 ms") for _ in range(5)]
+        motions, messages = hydrapod.Plant.run_many(plants, commands, 1e-3, threads=threads)
+        np.testing.assert_array_equal(motions, alone)
+        assert messages == [""] * 5
+    shared, _ = hydrapod.Plant.run_many([hydrapod.Plant(heavy, fixed_step="0.5 ms")], commands[0], 1e-3)
+    np.testing.assert_array_equal(shared[0], alone[0])
+    plant = hydrapod.Plant(heavy)
+    for wrong in (commands[:2], commands[:, :, :5], np.full((5, 80, 6), np.nan), commands.astype(complex)):
+        with pytest.raises((ValueError, TypeError)):
+            hydrapod.Plant.run_many([hydrapod.Plant(heavy) for _ in range(5)], wrong, 1e-3)
+    with pytest.raises(ValueError, match="the same"):
+        hydrapod.Plant.run_many([plant, plant], commands[0], 1e-3)
+    assert hydrapod.Plant.run_many([], np.zeros((0, 3, 6)), 1e-3)[0].shape == (0, 3, 6)
+
+
+def test_a_plant_whose_model_ends_says_so(heavy):
+    plants = [hydrapod.Plant(heavy, fixed_step="0.5 ms") for _ in range(2)]
+    commands = np.zeros((2, 6000, 6))
+    commands[1] = 1.0  # all legs out, as fast as they go
+    motions, messages = hydrapod.Plant.run_many(plants, commands, 1e-3)
+    assert messages[0] == "" and np.isfinite(motions[0]).all()
+    if messages[1]:
+        ended = np.isnan(motions[1]).all(axis=1)
+        assert ended.any() and not ended[0] and np.array_equal(ended, np.sort(ended))
+
+
+def test_views_of_studies_and_state_spaces_keep_them_alive(heavy):
+    column = hydrapod.sweep(heavy, {"platform.mass": np.linspace(12e3, 15e3, 200)})["lowest"]
+    A = hydrapod.machine_state_space(heavy).A
+    copies = np.array(column), np.array(A)
+    gc.collect()
+    [np.zeros(200 * 40) for _ in range(50)]  # what was freed would be written over
+    np.testing.assert_array_equal(column, copies[0])
+    np.testing.assert_array_equal(A, copies[1])
+    for array in (column, A):
+        with pytest.raises(ValueError):
+            array[0] = 1.0
+
+
+def test_stopped_designs_are_no_numbers(heavy):
+    with pytest.raises(hydrapod.ComputationError, match="interrupted"):
+        hydrapod.frequencies(heavy, {sleeve: np.full(5000, 1.2e6)}, progress=lambda share: True)
+
+
+def test_large_arrays(heavy):
+    """300,000 poses in one call, and designs enough for all threads."""
+    lengths = hydrapod.leg_lengths(heavy, np.zeros((300_000, 6)))
+    assert lengths.shape == (300_000, 6) and (lengths == lengths[0]).all()
+    found = hydrapod.frequencies(heavy, {sleeve: np.full(20_000, 1.2e6)})
+    assert found.shape == (20_000, 18) and (found == found[0]).all()
+
+
+@pytest.mark.parametrize("make", [
+    lambda a: a[::-1][::-1], lambda a: np.asfortranarray(a), lambda a: np.repeat(a, 2, axis=1)[:, ::2],
+    lambda a: a.astype(">f8"), lambda a: a.astype(np.longdouble), lambda a: a.tolist()])
+def test_layouts_of_displacements(heavy, make):
+    d = np.random.default_rng(3).normal(0, 0.01, (30, 6))
+    given = make(d)
+    if isinstance(given, np.ndarray):
+        given.setflags(write=False)
+    np.testing.assert_array_equal(hydrapod.leg_lengths(heavy, given), hydrapod.leg_lengths(heavy, d))
+
+
+def test_results_can_be_weakly_referenced_or_say_that_they_cannot(heavy):
+    for result in (hydrapod.modes(heavy), hydrapod.sweep(heavy, {"platform.mass": [1e4, 2e4]})):
+        weakref.ref(result)
+
+
+def test_copies_of_results(heavy):
+    """A deep copy of an array is one's own; results themselves refuse."""
+    import copy
+
+    found = hydrapod.modes(heavy)
+    own = copy.deepcopy(found.M)
+    own[0, 0] = 0.0
+    assert found.M[0, 0] != 0.0
+    for result in (found, hydrapod.sweep(heavy, {"platform.mass": [1e4, 2e4]}), hydrapod.machine_state_space(heavy)):
+        for attempt in (copy.copy, copy.deepcopy):
+            with pytest.raises(TypeError):
+                attempt(result)
+
+
+def test_threads_of_studies_and_kinematics(heavy):
+    def one(k):
+        study = hydrapod.montecarlo(heavy, {sleeve: "normal ± 5 %"}, samples=200, seed=k % 3, threads=2)
+        return study.values.tobytes(), hydrapod.leg_lengths(heavy, np.full(6, 1e-3 * (k % 3))).tobytes()
+
+    with ThreadPoolExecutor(4) as pool:
+        many = list(pool.map(one, range(9)))
+    assert many == [one(k) for k in range(9)]
+
+
+def test_studies_stop_with_the_interpreter():
+    done = in_another("""
+import threading, time, hydrapod
+m = hydrapod.read_machine("models/heavy-platform.toml")
+s = {"legs.guide_sleeve.stiffness": "normal ± 5 %"}
+threading.Thread(target=lambda: hydrapod.montecarlo(m, s, samples=3_000_000), daemon=True).start()
+plants = [hydrapod.Plant(m) for _ in range(3)]
+import numpy as np
+threading.Thread(target=lambda: hydrapod.Plant.run_many(plants, np.zeros((300_000, 6)), 1e-3), daemon=True).start()
+time.sleep(0.5)
 print("end")
 """)
     assert (done.returncode, done.stdout) == (0, "end\n"), done.stderr

@@ -260,6 +260,8 @@ StudyDone run_study(const StudyJob& job, const StudyRunOptions& options, const P
                       "again with --resume",
                       spool.rows(), job.rows));
   }
+  if (options.take)
+    spool.each_chunk([&](std::uint64_t, std::span<const double> rows) { options.take(rows); });
   write_results(job, spool, options.output, done.complete);
   done.summary = study::summarise(spool, job.problem, job.plan, job.requirements);
   if (!done.complete || options.join) return done;

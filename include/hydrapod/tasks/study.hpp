@@ -53,6 +53,9 @@ struct StudyRunOptions {
   int threads{};
   int shard{1}, shards{1};
   bool join{};  ///< nothing is computed: the shards are put together
+  /// Gets all rows of a whole study in their order, chunk by chunk: inputs, then outputs, row by
+  /// row.
+  std::function<void(std::span<const double>)> take{};
 };
 
 struct StudyDone {

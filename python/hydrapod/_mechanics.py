@@ -1,0 +1,126 @@
+"""Kinematics at many poses, statics and buckling at one, signals as samples."""
+
+from __future__ import annotations
+
+from typing import Any, List, NamedTuple, Optional, Tuple
+
+import numpy as np
+
+from . import _core
+from ._machine import Machine, Quantity
+from ._tasks import Texts, _core_of, _list
+
+
+def _rows(given: Any, name: str) -> Tuple[Any, bool]:
+    """N × 6 numbers, and whether there was one row alone."""
+    array = np.asarray(np.zeros(6) if given is None else given)
+    if array.dtype.kind not in "fiu":
+        raise TypeError(f"{name}: expected real numbers, got an array of {array.dtype}")
+    if array.ndim not in (1, 2) or array.shape[-1] != 6:
+        raise ValueError(f"{name}: expected six numbers or an array of poses × 6, got shape {array.shape}")
+    return np.ascontiguousarray(np.atleast_2d(array), dtype=float), array.ndim == 1
+
+
+def leg_lengths(machine: Machine, displacements: Any = None) -> Any:
+    """Leg lengths between the joints [m] (6,) at the machine's pose, or (N, 6) at displacements from it.
+
+    displacements: x, y, z [m], rx, ry, rz [rad]: roll, pitch and yaw, R = Rz Ry Rx, as in the text of a pose.
+    Whether the legs reach is not checked; read_machine(…, pose=…) does.
+    """
+    rows, single = _rows(displacements, "displacements")
+    lengths = _core.leg_lengths(_core_of(machine), rows)
+    return lengths[0] if single else lengths
+
+
+def leg_jacobian(machine: Machine, displacements: Any = None) -> Any:
+    """J (6, 6), or (N, 6, 6) at displacements: rates of the legs from the platform's twist, l̇ = J (v; ω).
+
+    v is the velocity of the platform frame's origin [m/s], ω the angular velocity [rad/s], in base axes.
+    """
+    rows, single = _rows(displacements, "displacements")
+    jacobians = _core.leg_jacobian(_core_of(machine), rows)
+    return jacobians[0] if single else jacobians
+
+
+def forward_kinematics(machine: Machine, lengths: Any, *, start: Any = None) -> Any:
+    """Displacement (6,) from the machine's pose at which the legs have `lengths` [m]; (N, 6) for (N, 6).
+
+    start: displacement to begin at, one or one for each row; a hexapod has up to 40 poses for the same lengths,
+    and the one near the start is found, to 1e-12 m. A row is NaN where none is found.
+    """
+    rows, single = _rows(lengths, "lengths")
+    starts, _ = _rows(start, "start")
+    poses, _residuals = _core.forward_kinematics(_core_of(machine), rows, starts)
+    return poses[0] if single else poses
+
+
+class PoseQuality(NamedTuple):
+    """How well the legs hold the platform at a pose."""
+
+    condition: float  #: of the Jacobian, lengths divided by characteristic_length; infinite at a singularity
+    singular_values: Any  #: (6,), descending, dimensionless
+    weakest_direction: Any  #: (6,), motion that the legs resist least, (v; ω)
+    characteristic_length: float  #: [m]
+
+
+def pose_quality(machine: Machine) -> PoseQuality:
+    """Condition, singular values and weakest direction of the Jacobian at the machine's pose."""
+    return PoseQuality(**_core.pose_quality(_core_of(machine)))
+
+
+class StaticEquilibrium(NamedTuple):
+    """Rest under gravity with closed valves at a pose."""
+
+    oil_force: Any  #: (6,) [N], positive where the leg is pulled
+    flexible: Any  #: (6, 4): φ1, φ2 [rad] of the rod in its sleeve, u1, u2 [m] of the piston in its ring
+    residual: float  #: largest unbalanced force, as a share of the weight
+    iterations: int
+
+
+def static_equilibrium(machine: Machine) -> StaticEquilibrium:
+    """Oil forces and bends of the legs at rest at the machine's pose, with its model.
+
+    Raises ComputationError where the machine does not stand: no equilibrium, or a leg that folds.
+    """
+    return StaticEquilibrium(**_core.static_equilibrium(_core_of(machine)))
+
+
+class Buckling(NamedTuple):
+    """When the legs give way."""
+
+    status: str  #: found, not_found (up to 100 times the platform's mass, or no gravity) or buckled
+    payload: float  #: [kg] on top of the platform's mass; negative: what must come off; NaN: not found
+    limit_point: bool  #: it ended at a limit point, else with a mode at zero
+    column_strength: Any  #: (6,) [N] of the leg as a column of case and rod; NaN: the rod's section is not known
+    euler_force: Any  #: (6,) [N], the same without yielding
+
+
+def buckling(machine: Machine) -> Buckling:
+    """Payload at which seals and legs buckle at the machine's pose, and strengths of the legs as columns."""
+    return Buckling(**_core.buckling(_core_of(machine)))
+
+
+class SampledSignals(NamedTuple):
+    """Signals over time."""
+
+    time: Any  #: (N,) [s]
+    values: Any  #: (N, 6): x … rz
+    rates: Any  #: (N, 6), exact derivatives; 0 of white noise and binary sequences
+    texts: List[str]  #: the signals with all their keys
+    period: Optional[int]  #: samples after which they repeat; None: they do not
+
+
+def sample_signals(signals: Texts, *, rate: Quantity = 1000.0, duration: Optional[Quantity] = None,
+                   unit: str = "displacement", excitation: bool = False, seed: int = 1) -> SampledSignals:
+    """What commands and excitations are, sample by sample: "multisine z=2 mm, to=20 Hz", … They add up.
+
+    rate: [Hz]. duration: default as long as the signals go on. unit: displacement [m, rad], drive [share] or
+    wrench [N, N m]. excitation: defaults of `hydrapod rig` (levels as RMS values, directions in turn) instead
+    of those of `hydrapod simulate`. The same texts, rate and seed give the same numbers. Raises InputError.
+    """
+    hertz = _core.quantity(rate, "Hz", "rate")
+    if not hertz > 0:
+        raise ValueError(f"rate: expected more than 0 Hz, got {hertz}")
+    seconds = None if duration is None else _core.quantity(duration, "s", "duration")
+    values, rates, texts, period = _core.sample_signals(_list(signals), hertz, seconds, unit, excitation, seed)
+    return SampledSignals(np.arange(len(values)) / hertz, values, rates, texts, period)

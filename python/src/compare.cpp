@@ -1,0 +1,177 @@
+/// Side by side: poses of one machine; machines, records and modes.
+
+#include "hydrapod/base/units.hpp"
+#include "hydrapod/report/measured_results.hpp"
+#include "hydrapod/tasks/linear.hpp"
+#include "measurement.hpp"
+
+namespace hydrapod::python {
+
+namespace {
+
+using Machine = std::shared_ptr<Subject>;
+using Names = std::vector<std::string>;
+constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
+
+struct ModesAtPoses : Result {
+  Machine machine{};
+  report::ModesAtPoses found{};
+  [[nodiscard]] Json document() const override {
+    auto head = head_of_model("modes_at_poses", *machine);
+    head.erase("pose");
+    return joined(head, report::modes_at_poses_json(found));
+  }
+  /// Followed modes × poses.
+  template <class Get>
+  [[nodiscard]] py::array table(Get get) const {
+    using T = decltype(get(found.followed.front(), std::size_t{}));
+    std::vector<T> values;
+    for (const auto& mode : found.followed)
+      for (std::size_t k = 0; k < found.poses.size(); ++k) values.push_back(get(mode, k));
+    return array_of(values, {static_cast<py::ssize_t>(found.followed.size()),
+                             static_cast<py::ssize_t>(found.poses.size())});
+  }
+  [[nodiscard]] const modal::TabledMode* at(const report::ModesAtPoses::Followed& mode,
+                                            std::size_t pose) const {
+    const int number = mode.mode[pose];
+    return number < 0 ? nullptr : &found.tables[pose].real.modes[static_cast<std::size_t>(number)];
+  }
+};
+
+struct Compared : Result {
+  tasks::Compared found{};
+  [[nodiscard]] Json document() const override {
+    return joined({{"kind", "comparison"}}, report::side_by_side_json(found.result));
+  }
+};
+
+std::shared_ptr<ModesAtPoses> modes_at_poses(const Machine& machine, const Names& poses) {
+  auto result = std::make_shared<ModesAtPoses>();
+  result->machine = machine;
+  result->found = without_gil([&] {
+    std::vector<model::NamedPose> list;
+    for (const auto& pose : poses) list.push_back(tasks::pose_of(machine->file.machine, pose));
+    return tasks::modes_at_poses(*machine, list);
+  });
+  return result;
+}
+
+std::shared_ptr<Compared> compare(const Options& asked, const py::object& progress) {
+  tasks::CompareOptions options{
+      .files = asked.get<Names>("files"),
+      .overrides = asked.get<Names>("overrides"),
+      .poses = asked.get<Names>("poses"),
+      .observed = observed_system(asked.get<std::string>("against", "auto")),
+      .level = asked.amount("level", "1").value_or(0.05)};
+  if (asked.has("model"))
+    options.model = static_cast<dynamics::ModelKind>(
+        choice("model", asked.get<std::string>("model"), {"rigid", "guide", "full"}));
+  if (!(options.level >= 0.0001 && options.level <= 0.5))
+    throw std::invalid_argument("level: expected 0.0001 to 0.5 (or a text such as \"5 %\")");
+  auto result = std::make_shared<Compared>();
+  result->found = at_work(
+      progress, [&](const numerics::Progress& watch) { return tasks::compare(options, watch); });
+  return result;
+}
+
+/// Every pair of modes, as columns.
+py::dict pairs(const Compared& compared) {
+  const auto& all = compared.found.result;
+  std::vector<std::int64_t> things, first, second;
+  std::vector<double> macs, reference, difference, p, damping, damping_p;
+  Names verdicts, damping_verdicts, labels;
+  for (const auto& c : all.comparisons)
+    for (const auto& pair : c.pairs) {
+      const auto& a = all.things.front().modes[static_cast<std::size_t>(pair.first)];
+      things.push_back(c.thing);
+      first.push_back(pair.first);
+      second.push_back(pair.second);
+      macs.push_back(pair.mac.value_or(unknown));
+      reference.push_back(a.omega / base::two_pi);
+      difference.push_back(pair.frequency.value / base::two_pi);
+      p.push_back(pair.frequency.p.value_or(unknown));
+      damping.push_back(pair.damping.value);
+      damping_p.push_back(pair.damping.p.value_or(unknown));
+      verdicts.emplace_back(report::name(pair.frequency.verdict));
+      damping_verdicts.emplace_back(report::name(pair.damping.verdict));
+      labels.push_back(a.label);
+    }
+  py::dict result;
+  result["thing"] = array_of(things);
+  result["first"] = array_of(first);
+  result["second"] = array_of(second);
+  result["mac"] = array_of(macs);
+  result["frequency_hz"] = array_of(reference);
+  result["frequency_difference_hz"] = array_of(difference);
+  result["frequency_p"] = array_of(p);
+  result["frequency_verdict"] = verdicts;
+  result["damping_difference"] = array_of(damping);
+  result["damping_p"] = array_of(damping_p);
+  result["damping_verdict"] = damping_verdicts;
+  result["label"] = labels;
+  return result;
+}
+
+Names of_things(const Compared& compared, std::string report::ComparedThing::*member) {
+  Names list;
+  for (const auto& thing : compared.found.result.things) list.push_back(thing.*member);
+  return list;
+}
+
+}  // namespace
+
+void add_compare(py::module_& module) {
+  py::class_<ModesAtPoses, Result, std::shared_ptr<ModesAtPoses>>(module, "ModesAtPoses")
+      .def_property_readonly("poses",
+                             [](const ModesAtPoses& m) {
+                               Names names;
+                               for (const auto& pose : m.found.poses) names.push_back(pose.name);
+                               return names;
+                             })
+      .def_property_readonly("frequency_hz",
+                             [](const ModesAtPoses& m) {
+                               return m.table([&](const auto& mode, std::size_t k) {
+                                 const auto* found = m.at(mode, k);
+                                 return found == nullptr ? unknown
+                                                         : found->mode.omega / base::two_pi;
+                               });
+                             })
+      .def_property_readonly("mac",
+                             [](const ModesAtPoses& m) {
+                               return m.table([](const auto& mode, std::size_t k) {
+                                 return mode.mac[k].value_or(unknown);
+                               });
+                             })
+      .def_property_readonly("numbers",
+                             [](const ModesAtPoses& m) {
+                               return m.table([](const auto& mode, std::size_t k) {
+                                 return static_cast<std::int64_t>(mode.mode[k]);
+                               });
+                             })
+      .def_property_readonly("labels", [](const ModesAtPoses& m) {
+        Names labels;
+        for (const auto& mode : m.found.followed) {
+          labels.emplace_back();
+          for (std::size_t k = 0; k < m.found.poses.size() && labels.back().empty(); ++k)
+            if (const auto* found = m.at(mode, k)) labels.back() = found->label;
+        }
+        return labels;
+      });
+  module.def("modes_at_poses", &modes_at_poses, py::arg("machine"), py::arg("poses"));
+  py::class_<Compared, Result, std::shared_ptr<Compared>>(module, "Compared")
+      .def_property_readonly(
+          "things", [](const Compared& c) { return of_things(c, &report::ComparedThing::name); })
+      .def_property_readonly(
+          "descriptions",
+          [](const Compared& c) { return of_things(c, &report::ComparedThing::description); })
+      .def_property_readonly("columns", &pairs)
+      .def_property_readonly("level", [](const Compared& c) { return c.found.result.level; })
+      .def_property_readonly("test",
+                             [](const Compared& c) { return report::test_text(c.found.result); })
+      .def_property_readonly("warnings", [](const Compared& c) { return texts(c.found.warnings); });
+  module.def("compare", [](const py::dict& options, const py::object& progress) {
+    return compare(Options(options), progress);
+  });
+}
+
+}  // namespace hydrapod::python

@@ -1,0 +1,212 @@
+/// The machine for other programs: files, state space, superelement, multibody text.
+
+#include "hydrapod/exchange/exchange.hpp"
+#include "hydrapod/base/error.hpp"
+#include "hydrapod/tasks/linear.hpp"
+#include "support.hpp"
+
+namespace hydrapod::python {
+
+namespace {
+
+using Machine = std::shared_ptr<Subject>;
+using Names = std::vector<std::string>;
+
+std::optional<spatial::Vector3> point_of(const Options& asked) {
+  if (!asked.has("point")) return {};
+  const auto point = asked.get<std::vector<py::object>>("point");
+  if (point.size() != 3) throw std::invalid_argument("point: expected three lengths");
+  return spatial::Vector3(quantity(point[0], "m", "point"), quantity(point[1], "m", "point"),
+                          quantity(point[2], "m", "point"));
+}
+
+exchange::SystemKind system_kind(const Options& asked) {
+  return static_cast<exchange::SystemKind>(choice(
+      "system", asked.get<std::string>("system", "mechanics"), {"mechanics", "plant", "loop"}));
+}
+
+int pade_order(const Options& asked) {
+  const int order = asked.get("pade_order", simulation::default_pade_order);
+  if (order < 0 || order > 8) throw std::invalid_argument("pade_order: expected 0 to 8");
+  return order;
+}
+
+/// sampled: the loop as it is sampled; refuses what contradicts it.
+bool is_sampled(const Options& asked, exchange::SystemKind system) {
+  const bool sampled = asked.get("sampled", false);
+  if (sampled && system != exchange::SystemKind::loop)
+    base::refuse("sampled", "is the loop with its sampled controller; give system=\"loop\"");
+  if (sampled && asked.has("sample_time"))
+    base::refuse("sampled", "has the sample time of the controller; leave sample_time out");
+  return sampled;
+}
+
+/// Options that another format has no use for.
+void refuse_idle(const Options& asked, tasks::ExportFormat format) {
+  if (format > tasks::ExportFormat::hdf5)
+    for (const char* name : {"sample_time", "inputs", "outputs", "system", "sampled"})
+      if (asked.has(name) &&
+          !(std::string_view(name) == "system" && asked.get<std::string>(name) == "mechanics"))
+        base::refuse(name, "has no meaning here: it is for state spaces (mat, npz, json, hdf5)");
+  if (asked.has("leg_modes") && format != tasks::ExportFormat::matrix_market &&
+      format != tasks::ExportFormat::dmig)
+    base::refuse("leg_modes", "has no meaning here: it is for superelements (mtx, dmig)");
+}
+
+py::list parity_of(const exchange::Parity& parity) {
+  constexpr std::array words{"exact", "approximate", "absent"};
+  py::list list;
+  for (const auto& line : parity)
+    list.append(py::make_tuple(words[static_cast<std::size_t>(line.held)], line.what, line.how));
+  return list;
+}
+
+py::tuple export_machine(const Machine& machine, const Options& asked) {
+  tasks::ExportOptions options;
+  options.format = static_cast<tasks::ExportFormat>(
+      choice("to", asked.get<std::string>("to"),
+             {tasks::export_formats.begin(), tasks::export_formats.end()}));
+  refuse_idle(asked, options.format);
+  options.path = asked.get<std::string>("path");
+  options.system = system_kind(asked);
+  options.pade_order = pade_order(asked);
+  options.sample_time = asked.positive("sample_time", "s").value_or(0.0);
+  options.sampled_controller = is_sampled(asked, options.system);
+  options.inputs = asked.get<Names>("inputs");
+  options.outputs = asked.get<Names>("outputs");
+  options.p_PQ = point_of(asked);
+  options.leg_modes = asked.get("leg_modes", -1);
+  options.approximate = asked.get("approximate", false);
+  options.json_head = head_of_model("state_space", *machine);
+  const auto done = without_gil([&] { return tasks::export_machine(*machine, options); });
+  return py::make_tuple(done.files, parity_of(done.parity));
+}
+
+Names of_signals(const std::vector<exchange::Signal>& signals,
+                 std::string exchange::Signal::*member) {
+  Names list;
+  for (const auto& one : signals) list.push_back(one.*member);
+  return list;
+}
+
+py::array rest_of(const std::vector<exchange::Signal>& signals) {
+  std::vector<double> values;
+  for (const auto& one : signals) values.push_back(one.rest);
+  return array_of(values);
+}
+
+struct StateSpace : Result {
+  Machine machine{};
+  exchange::StateSpace system{};
+  [[nodiscard]] Json document() const override {
+    return joined(head_of_model("state_space", *machine), exchange::state_space_json(system));
+  }
+};
+
+std::shared_ptr<StateSpace> state_space(const Machine& machine, const Options& asked) {
+  const auto system = system_kind(asked);
+  const exchange::StateSpaceOptions options{
+      .system = system,
+      .kind = machine->kind,
+      .p_PQ = point_of(asked).value_or(machine->file.machine.platform.mass_center),
+      .pade_order = pade_order(asked),
+      .sample_time = asked.positive("sample_time", "s").value_or(0.0),
+      .sampled_controller = is_sampled(asked, system),
+      .inputs = asked.get<Names>("inputs"),
+      .outputs = asked.get<Names>("outputs")};
+  auto result = std::make_shared<StateSpace>();
+  result->machine = machine;
+  result->system = without_gil(
+      [&] { return exchange::state_space(machine->file.machine, machine->pose.X_BP, options); });
+  return result;
+}
+
+struct Superelement {
+  exchange::Superelement element{};
+};
+
+std::shared_ptr<Superelement> superelement(const Machine& machine, const Options& asked) {
+  const exchange::SuperelementOptions options{
+      .kind = machine->kind,
+      .p_PQ = point_of(asked).value_or(machine->file.machine.platform.mass_center),
+      .leg_modes = asked.get("leg_modes", -1)};
+  return without_gil([&] {
+    return std::make_shared<Superelement>(
+        Superelement{exchange::superelement(machine->file.machine, machine->pose.X_BP, options)});
+  });
+}
+
+py::tuple multibody(const Machine& machine, const std::string& format) {
+  const auto kind =
+      static_cast<exchange::MultibodyFormat>(choice("format", format, {"mjcf", "sdf", "urdf"}));
+  const auto file = without_gil([&] {
+    return exchange::multibody_file(machine->file.machine, machine->pose.X_BP, machine->kind, kind);
+  });
+  return py::make_tuple(file.text, file.sidecar, parity_of(file.parity));
+}
+
+}  // namespace
+
+void add_exchange(py::module_& module) {
+  auto type =
+      py::class_<StateSpace, Result, std::shared_ptr<StateSpace>>(module, "MachineStateSpace");
+  const auto matrix = [&](const char* name, auto member) {
+    type.def_property_readonly(name, [member](const py::object& self) {
+      return view_of(self.cast<const StateSpace&>().system.*member, self);
+    });
+  };
+  matrix("A", &exchange::StateSpace::A);
+  matrix("B", &exchange::StateSpace::B);
+  matrix("C", &exchange::StateSpace::C);
+  matrix("D", &exchange::StateSpace::D);
+  const auto signals = [&](const std::string& name, auto member) {
+    type.def_property_readonly(name.c_str(), [member](const StateSpace& s) {
+      return of_signals(s.system.*member, &exchange::Signal::name);
+    });
+    const auto one = name.substr(0, name.size() - 1);
+    type.def_property_readonly((one + "_units").c_str(), [member](const StateSpace& s) {
+      return of_signals(s.system.*member, &exchange::Signal::unit);
+    });
+    type.def_property_readonly((one + "_rest").c_str(),
+                               [member](const StateSpace& s) { return rest_of(s.system.*member); });
+  };
+  signals("states", &exchange::StateSpace::states);
+  signals("inputs", &exchange::StateSpace::inputs);
+  signals("outputs", &exchange::StateSpace::outputs);
+  type.def_property_readonly("sample_time",
+                             [](const StateSpace& s) { return s.system.sample_time; })
+      .def_property_readonly("delay", [](const StateSpace& s) { return s.system.delay; })
+      .def_property_readonly("pade_order", [](const StateSpace& s) { return s.system.pade_order; });
+  module.def("machine_state_space", [](const Machine& machine, const py::dict& options) {
+    return state_space(machine, Options(options));
+  });
+  auto element = py::class_<Superelement, std::shared_ptr<Superelement>>(module, "Superelement");
+  const auto part = [&](const char* name, auto member) {
+    element.def_property_readonly(name, [member](const py::object& self) {
+      return view_of(self.cast<const Superelement&>().element.*member, self);
+    });
+  };
+  part("M", &exchange::Superelement::M);
+  part("K", &exchange::Superelement::K);
+  part("C", &exchange::Superelement::C);
+  element
+      .def_property_readonly("coordinates",
+                             [](const Superelement& s) {
+                               return of_signals(s.element.coordinates, &exchange::Signal::name);
+                             })
+      .def_property_readonly("units",
+                             [](const Superelement& s) {
+                               return of_signals(s.element.coordinates, &exchange::Signal::unit);
+                             })
+      .def_property_readonly("first_left_out",
+                             [](const Superelement& s) { return s.element.first_left_out; });
+  module.def("superelement", [](const Machine& machine, const py::dict& options) {
+    return superelement(machine, Options(options));
+  });
+  module.def("export_machine", [](const Machine& machine, const py::dict& options) {
+    return export_machine(machine, Options(options));
+  });
+  module.def("multibody", &multibody, py::arg("machine"), py::arg("format"));
+}
+
+}  // namespace hydrapod::python

@@ -1,0 +1,116 @@
+"""Studies against what single machines give, and columns of one's own."""
+
+import numpy as np
+import pytest
+
+import hydrapod
+
+sleeve = "legs.guide_sleeve.stiffness"
+
+
+def test_rows_are_those_of_single_machines(heavy):
+    study = hydrapod.sweep(heavy, {sleeve: "1:21:3 kN/mm", "platform.mass": [12e3, 14e3]})
+    assert study.shape == [3, 2] and len(study) == 6 and study.values.shape == (6, len(study.names))
+    for row in range(len(study)):
+        machine = study.machine(row)
+        assert machine["platform.mass"] == study["platform.mass"][row]
+        undamped = hydrapod.frequencies(machine, {"platform.mass": machine["platform.mass"]})[0]
+        # the lowest mode that the platform feels is one of the undamped ones, here the first
+        assert study["lowest"][row] == pytest.approx(undamped[0], rel=1e-9)
+
+
+def test_columns_of_ones_own(heavy):
+    study = hydrapod.sweep(heavy, {"platform.mass": np.linspace(12e3, 15e3, 4)},
+                           outputs={"ratio": lambda m: hydrapod.modes(m).frequency_hz[0] / m["platform.mass"]})
+    # |λ| of the damped mode; dampers that are not proportional change it by a per mille
+    np.testing.assert_allclose(study["ratio"] * study["platform.mass"], study["lowest"], rtol=5e-3)
+    table = study.to_records()
+    assert table.dtype.names[-1] == "ratio" and table.ratio[2] == study["ratio"][2]
+    with pytest.raises(KeyError, match="ratio"):
+        study["no such"]
+    with pytest.raises(ValueError):
+        study.add("ratio", np.zeros(4))
+    with pytest.raises(ValueError):
+        study.add("short", np.zeros(3))
+    with pytest.raises(ZeroDivisionError):
+        study.evaluate(lambda machine: 1 / 0)
+
+
+def test_map_poses(heavy):
+    study = hydrapod.workspace_map(heavy, {"z": [0.0, -0.02], "ry": "0:1:2 deg"})
+    machine = study.machine(3)
+    lengths = hydrapod.leg_lengths(heavy, [0, 0, -0.02, 0, np.pi / 180, 0])
+    np.testing.assert_allclose(hydrapod.leg_lengths(machine), lengths, atol=1e-12)
+    assert hydrapod.modes(machine).frequency_hz[0] == pytest.approx(study["lowest"][3], rel=5e-3)
+    with pytest.raises(IndexError):
+        study.machine(4)
+
+
+def test_requirements_are_what_the_rows_say(heavy):
+    study = hydrapod.montecarlo(heavy, {sleeve: "lognormal ± 1 % per leg"}, samples=400, want=["lowest >= 4 Hz"])
+    assert (study["status"] == 0).all()
+    missed = ~(study["lowest"] >= 4.0)
+    assert study.probability_of_missing[0] == missed.mean()
+    low, high = study.probability_interval[0]
+    assert low < missed.mean() < high
+    assert study["lowest"][study.worst_rows[0]] == np.nanmin(study["lowest"])
+    text = study.machine_text(int(study.worst_rows[0]), "worst")
+    from_text, worst = hydrapod.Machine(text), study.machine(int(study.worst_rows[0]))
+    for path in study.names[:study.input_count]:
+        assert worst[path] == study[path][study.worst_rows[0]]
+        assert from_text[path] == pytest.approx(worst[path], rel=1e-9)  # the file is written for people
+
+
+def test_interrupted_runs_go_on(heavy, tmp_path):
+    path = tmp_path / "rows.h5"
+    whole = hydrapod.montecarlo(heavy, {sleeve: "normal ± 10 %"}, samples=6000, threads=1)
+    calls = []
+    part = hydrapod.montecarlo(heavy, {sleeve: "normal ± 10 %"}, samples=6000, threads=1, results=path,
+                               progress=lambda share: calls.append(share) or share > 0.3)
+    assert not part.complete and 0 < len(part) < 6000
+    again = hydrapod.montecarlo(heavy, {sleeve: "normal ± 10 %"}, samples=6000, results=path, resume=True)
+    assert again.complete
+    np.testing.assert_array_equal(again.values, whole.values)
+
+
+def test_parts(heavy, tmp_path):
+    path = tmp_path / "rows.h5"
+    for k in (1, 2):
+        part = hydrapod.montecarlo(heavy, {sleeve: "normal ± 10 %"}, samples=300, results=path, shard=(k, 2))
+        assert part.complete
+        with pytest.raises(hydrapod.ComputationError, match="join"):
+            part.to_dict()
+    joined = hydrapod.montecarlo(heavy, {sleeve: "normal ± 10 %"}, samples=300, results=path, shard=(1, 2), join=True)
+    np.testing.assert_array_equal(
+        joined.values, hydrapod.montecarlo(heavy, {sleeve: "normal ± 10 %"}, samples=300).values)
+
+
+@pytest.mark.parametrize("call", [
+    lambda m: hydrapod.montecarlo(m, {}), lambda m: hydrapod.montecarlo(m, {"no.such": "normal ± 1 %"}),
+    lambda m: hydrapod.montecarlo(m, {sleeve: "normal ± 1 %"}, samples=1),
+    lambda m: hydrapod.montecarlo(m, {sleeve: "normal ± 1 %"}, want="no >= 1 Hz"),
+    lambda m: hydrapod.montecarlo(m, {sleeve: "normal ± 1 %"}, resume=True),
+    lambda m: hydrapod.sweep(m, {sleeve: [np.nan]}), lambda m: hydrapod.sweep(m, {sleeve: []}),
+    lambda m: hydrapod.sweep(m, {sleeve: np.ones((2, 2))}), lambda m: hydrapod.workspace_map(m, {"up": [0.0, 1.0]}),
+    lambda m: hydrapod.sweep(m, {sleeve: "1:2:2 kN/mm"}, modes=0)])
+def test_wrong_studies(heavy, call):
+    with pytest.raises(ValueError):
+        call(heavy)
+
+
+def test_design_function(heavy):
+    f = hydrapod.DesignFunction(heavy, [sleeve, "platform.mass"], modes=3)
+    X = np.array([[1e6, 12e3], [2e6, 14e3]])
+    np.testing.assert_array_equal(f.sample(X), [f(x) for x in X])
+    np.testing.assert_array_equal(
+        f.sample(X), hydrapod.frequencies(heavy, {sleeve: X[:, 0], "platform.mass": X[:, 1]})[:, :3])
+    with pytest.raises(ValueError):
+        f.sample(X[:, :1])
+    with pytest.raises(ValueError):
+        hydrapod.DesignFunction(heavy, sleeve, modes=40)
+
+
+def test_openturns(heavy):
+    openturns = pytest.importorskip("openturns")
+    f = hydrapod.DesignFunction(heavy, [sleeve, "platform.mass"], modes=2).to_openturns()
+    np.testing.assert_array_equal(np.array(f(openturns.Sample([[1e6, 12e3]])))[0], list(f([1e6, 12e3])))
