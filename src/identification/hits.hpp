@@ -46,6 +46,10 @@ struct HitOptions {
   double apart{0.002};
   /// RMS of the noise of a hammer at rest, at most this of the largest: hum has some per cent
   double quiet{0.02};
+  /// A tone of the input at rest is hum of its cable where it has > hum · the power there: noise
+  /// has that in no line. It is taken out, up to most_hum of them.
+  double hum{0.5};
+  int most_hum{4};
   /// RMS of an output just after the first hit, of that before: spikes of the recorder move nothing
   double rise{2.0};
   /// A record is hits where energy of the input there ≥ energy · all, and it is no longer than
@@ -76,6 +80,17 @@ struct Hit {
 };
 
 constexpr Eigen::Index hit_margin = 2;  ///< samples
+
+/// A tone in an input.
+struct Hum {
+  double omega{};      ///< [rad/sample]
+  double amplitude{};  ///< in the unit of the input
+};
+
+/// The input without the hum that its rest shows, where it has peaks that stand out of it; `found`:
+/// what was taken out, the strongest first.
+Eigen::VectorXd without_hum(const Eigen::VectorXd& input, std::vector<Hum>& found,
+                            const HitOptions& options = {});
 
 /// What the input is where nothing pushes.
 double rest_of(const Eigen::VectorXd& input);

@@ -1,7 +1,11 @@
+#include <Eigen/Cholesky>
 #include <algorithm>
+#include <bit>
+#include <boost/math/tools/minima.hpp>
 #include <cmath>
 
 #include "hits.hpp"
+#include "hydrapod/numerics/fft.hpp"
 #include "hydrapod/numerics/statistics.hpp"
 #include "names.hpp"
 
@@ -49,6 +53,86 @@ std::vector<Hit> forces_in(const VectorXd& input, const HitOptions& options) {
     hit.to = std::min(n - 1, hit.to + hit_margin);
   }
   return all;
+}
+
+namespace {
+
+/// c cos ωt + s sin ωt + m by least squares over samples that count.
+struct ToneOfRest {
+  Eigen::Vector3d coefficients{};
+  double explained{};  // sum of squares
+};
+
+/// `use(t, cos ωt, sin ωt)` for all samples.
+template <class Use>
+void each_turn(double omega, Index samples, const Use& use) {
+  constexpr Index renewed = 256;  // samples over which rounding of the phase adds up
+  const Complex turn = std::polar(1.0, omega);
+  Complex phase = 1.0;
+  for (Index t = 0; t < samples; ++t, phase *= turn) {
+    if (t % renewed == 0) phase = std::polar(1.0, omega * static_cast<double>(t));
+    use(t, phase.real(), phase.imag());
+  }
+}
+
+ToneOfRest tone_at(double omega, const VectorXd& x, const Eigen::ArrayXd& counts) {
+  Eigen::Matrix3d N = Eigen::Matrix3d::Zero();
+  Eigen::Vector3d b = Eigen::Vector3d::Zero();
+  each_turn(omega, x.size(), [&](Index t, double c, double s) {
+    if (counts[t] == 0.0) return;
+    const Eigen::Vector3d row(c, s, 1.0);
+    N += row * row.transpose();
+    b += x[t] * row;
+  });
+  const Eigen::Vector3d solution = N.ldlt().solve(b);
+  return {solution, solution.dot(b)};
+}
+
+/// Of the rest: the frequency [rad/sample] of its strongest line, and what is best beside it.
+double strongest_tone(const VectorXd& x, const Eigen::ArrayXd& counts) {
+  // a transform of any other length may take long
+  const auto n = static_cast<Index>(std::bit_floor(static_cast<std::size_t>(x.size())));
+  numerics::RealFft fft(static_cast<int>(n));
+  VectorXd rest = (x.array() * counts).head(n);
+  std::vector<Complex> lines(static_cast<std::size_t>(fft.lines()));
+  fft.forward({rest.data(), static_cast<std::size_t>(n)}, lines);
+  constexpr std::size_t lowest = 2;  // below is drift
+  const auto at = std::ranges::max_element(lines.begin() + lowest, lines.end(), {},
+                                           [](const Complex& line) { return std::norm(line); });
+  const double line = two_pi / static_cast<double>(n);
+  const auto loss = [&](double place) { return -tone_at(place * line, x, counts).explained; };
+  // all samples are up to twice as many: a quarter of a line is within the lobe of the best
+  constexpr double step = 0.25;
+  double best = static_cast<double>(at - lines.begin()), least = loss(best);
+  const double middle = best;
+  for (int k = -4; k <= 4; ++k)
+    if (const double own = loss(middle + step * k); own < least) {
+      least = own;
+      best = middle + step * k;
+    }
+  constexpr int bits = 20;  // of the distance of lines
+  return line * boost::math::tools::brent_find_minima(loss, best - step, best + step, bits).first;
+}
+
+}  // namespace
+
+VectorXd without_hum(const VectorXd& input, std::vector<Hum>& found, const HitOptions& options) {
+  if (input.size() < options.fewest || !input.allFinite()) return input;
+  VectorXd x = input.array() - median_of(input);
+  const Eigen::ArrayXd size = x.array().abs();
+  const Eigen::ArrayXd counts =
+      (size <= options.of_noise * median_of(size.matrix())).cast<double>();
+  if (counts.minCoeff() > 0.0) return input;  // nothing stands out
+  for (int k = 0; k < options.most_hum; ++k) {
+    const double power = (x.array().square() * counts).sum();
+    const double omega = strongest_tone(x, counts);
+    const auto tone = tone_at(omega, x, counts);
+    if (!(tone.explained > options.hum * power)) break;
+    const auto& a = tone.coefficients;
+    each_turn(omega, x.size(), [&](Index t, double c, double s) { x[t] -= a[0] * c + a[1] * s; });
+    found.push_back({omega, std::hypot(a[0], a[1])});
+  }
+  return found.empty() ? input : x;
 }
 
 std::vector<Hit> hits_in(const VectorXd& input, const HitOptions& options) {

@@ -50,6 +50,32 @@ void bridge_spikes(const std::vector<Spike>& spikes, const std::vector<std::size
   }
 }
 
+/// Of the input; a warning for each tone.
+void take_out_hum(std::vector<data::Samples>& records, int input, const data::RecordHeader& header,
+                  const std::string& name, std::vector<data::ResponseWarning>& warnings) {
+  for (auto& samples : records) {
+    std::vector<Hum> hum;
+    auto column = samples.col(input);
+    const double largest = (column.array() - column.mean()).abs().maxCoeff();
+    column = without_hum(column, hum);
+    for (const auto& tone : hum) {
+      const double frequency = tone.omega * header.sample_rate / two_pi;
+      const auto same = std::ranges::find_if(warnings, [&](const data::ResponseWarning& w) {
+        return std::abs(w.value - frequency) * static_cast<double>(samples.rows()) <
+               2.0 * header.sample_rate;
+      });
+      if (same != warnings.end()) {
+        same->share = std::max(same->share, tone.amplitude / largest);
+        continue;
+      }
+      warnings.push_back({.kind = data::ResponseWarning::Kind::hum,
+                          .channel = name,
+                          .value = frequency,
+                          .share = tone.amplitude / largest});
+    }
+  }
+}
+
 /// Of all channels.
 std::vector<ChannelHealth> health_of(const std::vector<data::Samples>& records) {
   std::vector<ChannelHealth> health;
@@ -129,8 +155,9 @@ std::optional<Measurement> measure_hits(data::RecordSet& records, Plan plan,
       options.overlap || options.period || options.settling > 0.0 || options.platform ||
       options.outputs_to_platform || options.window != Window::hann)
     return {};
-  const VectorXd input = beginning.of(plan.choice.inputs[0]);
-  const auto hits = hits_in(spikes.empty() ? input : bridged(input));
+  const VectorXd as_read = beginning.of(plan.choice.inputs[0]);
+  std::vector<Hum> hum;
+  const auto hits = hits_in(without_hum(spikes.empty() ? as_read : bridged(as_read), hum));
   if (hits.empty() || (hits.size() > 1 && excitation_period(records, plan.choice, beginning) > 0))
     return {};
   Measurement m{.header = records.header()};
@@ -138,6 +165,11 @@ std::optional<Measurement> measure_hits(data::RecordSet& records, Plan plan,
   auto all = whole_records(records, used, HitOptions{}.most);
   if (!all) return {};
   bridge_spikes(spikes, used, *all);
+  std::vector<data::ResponseWarning> hums;
+  if (!hum.empty())
+    take_out_hum(*all, plan.choice.inputs[0], m.header,
+                 m.header.channels[used[static_cast<std::size_t>(plan.choice.inputs[0])]].name,
+                 hums);
   for (const auto& samples : *all) m.samples += samples.rows();
   m.notes = records.notes();
   const double rate = m.header.sample_rate;
@@ -162,6 +194,7 @@ std::optional<Measurement> measure_hits(data::RecordSet& records, Plan plan,
   auto& warnings = m.responses.warnings;
   say_what_is_clipped(clipped, found->without_cut, warnings);
   warnings.insert(warnings.end(), slow.begin(), slow.end());
+  warnings.insert(warnings.end(), hums.begin(), hums.end());
   warn_of_same_samples(*all, plan.choice, m);
   m.choice = std::move(plan.choice);
   return m;

@@ -160,6 +160,7 @@ template <class Fields>
 void describe(Fields& f, data::Harmonic& harmonic) {
   f("frequency_hz", harmonic.frequency);
   f("amplitude", harmonic.amplitude);
+  f.unless(0.0, "wander_hz", harmonic.wander);
 }
 
 template <class Fields>

@@ -90,6 +90,16 @@ std::string slow_text(const data::ResponseWarning& w) {
   return held + "; what is above is noise there, and the responses are without the hold";
 }
 
+std::string two_clocks_text(const data::ResponseWarning& w) {
+  return fmt::format(
+      "{} and {}{} were recorded by two clocks that differ by {:.3g} millionths: {} {} by {:.3g} "
+      "ms in "
+      "the end; {} brought to the clock of the inputs; record inputs and outputs by one clock",
+      w.other, w.channel, w.count > 1 ? fmt::format(" ({} of {} outputs)", w.count, w.total) : "",
+      1e6 * std::abs(w.value), w.count > 1 ? "they are" : "it is",
+      w.value > 0.0 ? "later" : "earlier", 1e3 * w.share, w.count > 1 ? "they are" : "it is");
+}
+
 std::string hits_text(const data::ResponseWarning& w) {
   std::string text;
   if (w.total <= w.count)
@@ -228,6 +238,27 @@ std::string warning_text(const data::ResponseWarning& w) {
     case Kind::delayed:
       return fmt::format("{} is {:.4g} ms later than {}: the responses are without this delay",
                          w.channel, 1e3 * w.value, w.other);
+    case Kind::hum:
+      return fmt::format(
+          "{}: a tone of {:.4g} Hz, {:.2g} % of the largest hit, goes on where nothing is hit: "
+          "taken out "
+          "as hum of the cable",
+          w.channel, w.value, 100.0 * w.share);
+    case Kind::two_clocks:
+      return two_clocks_text(w);
+    case Kind::exponential_window:
+      return fmt::format(
+          "{} an exponential window with a time constant of {:.4g} s was applied to the samples: "
+          "its "
+          "damping, {:.4g} 1/s, is taken out of all modes; if it was not, damping ratios are too "
+          "low",
+          w.count > 0 ? "the file says that" : "as stated,", w.value, 1.0 / w.value);
+    case Kind::wandering_tone:
+      return fmt::format(
+          "at {:.4g} Hz ± {:.2g} % the outputs vibrate with a constant amplitude, as a machine "
+          "makes them whose speed varies: this is no mode; the spectra from {:.4g} Hz to {:.4g} Hz "
+          "are left out, and modes there cannot be found",
+          w.value, 100.0 * w.share, w.lowest, w.highest);
   }
   return {};
 }

@@ -68,6 +68,14 @@ inline const char* code(data::ResponseWarning::Kind kind) {
       return "clipped_hits";
     case Kind::delayed:
       return "delayed";
+    case Kind::hum:
+      return "hum";
+    case Kind::two_clocks:
+      return "two_clocks";
+    case Kind::exponential_window:
+      return "exponential_window";
+    case Kind::wandering_tone:
+      return "wandering_tone";
   }
   return nullptr;
 }

@@ -53,7 +53,21 @@ std::vector<data::ResponseWarning> response_warnings() {
           {.kind = Kind::drop_outs, .value = 0.361, .share = 0.017, .count = 1122, .total = 6},
           {.kind = Kind::slow_channel, .channel = "a3", .value = 10.0, .highest = 51.2},
           {.kind = Kind::clipped_hits, .channel = "a2", .value = 2.0, .count = 3, .total = 5},
-          {.kind = Kind::delayed, .channel = "a4", .other = "a1", .value = 0.00586}};
+          {.kind = Kind::delayed, .channel = "a4", .other = "a1", .value = 0.00586},
+          {.kind = Kind::hum, .channel = "force", .value = 50.013, .share = 0.0213},
+          {.kind = Kind::two_clocks,
+           .channel = "a1",
+           .other = "force",
+           .value = 1.03e-4,
+           .share = 0.0309,
+           .count = 3,
+           .total = 4},
+          {.kind = Kind::exponential_window, .value = 0.35},
+          {.kind = Kind::wandering_tone,
+           .value = 12.371,
+           .share = 0.0083,
+           .lowest = 12.16,
+           .highest = 12.59}};
 }
 
 std::vector<identification::ModeWarning> mode_warnings() {

@@ -158,7 +158,14 @@ struct ResponseWarning {
                    ///< its own sample rate [Hz]; share of what is above that in an input, which
                    ///< cannot be told from what is below; count: 1: left out
     clipped_hits,  ///< count, of total, were left out: channel is cut off in them
-    delayed        ///< channel is later than `other` by value [s]; the responses are without that
+    delayed,       ///< channel is later than `other` by value [s]; the responses are without that
+    hum,         ///< of the input `channel` of hits, at value [Hz], share of its largest: taken out
+    two_clocks,  ///< `count` of `total` outputs, the first `channel`, are later than `other` by
+                 ///< value · t, in the end by `share` [s]; they are brought to its clock
+    exponential_window,  ///< value: time constant [s] of the window that an analyser applied, whose
+                         ///< damping is taken out; count: 1: the file says so
+    wandering_tone  ///< a vibration of constant amplitude at `value` [Hz] wanders by `share` of it
+                    ///< to either side; spectra from `lowest` to `highest` [Hz] are left out for it
   };
   Kind kind{};
   std::string channel{}, other{};
@@ -167,10 +174,11 @@ struct ResponseWarning {
   Estimator estimator{Estimator::h1};
 };
 
-/// A vibration of constant frequency and amplitude, as machines that turn make it: no resonance.
+/// A vibration of constant amplitude, as machines that turn make it: no resonance.
 struct Harmonic {
   double frequency{};           ///< [Hz]
   Eigen::VectorXd amplitude{};  ///< per output, in its unit
+  double wander{};              ///< [Hz] that its frequency goes to either side; 0: it is constant
 };
 
 /// What errors of half spectra follow from: spectra of all outputs, whose errors at different lines
