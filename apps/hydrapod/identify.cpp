@@ -58,8 +58,10 @@ std::string harmonic_text(const data::Harmonic& harmonic,
   Eigen::Index largest = 0;
   const double amplitude = harmonic.amplitude.maxCoeff(&largest);
   const auto& channel = outputs[static_cast<std::size_t>(largest)];
-  return fmt::format("Harmonic, not counted as a mode: {:.3f} Hz, amplitude {:.2g} {} in {}.\n",
-                     harmonic.frequency, amplitude, channel.unit, channel.name);
+  return fmt::format("Harmonic, not counted as a mode: {:.3f} Hz{}, amplitude {:.2g} {} in {}.\n",
+                     harmonic.frequency,
+                     harmonic.wander > 0.0 ? fmt::format(" ± {:.2g} Hz", harmonic.wander) : "",
+                     amplitude, channel.unit, channel.name);
 }
 
 /// Does a pole lie further outside the band than the band is wide? It then stands for what goes on

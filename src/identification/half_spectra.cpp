@@ -10,6 +10,7 @@
 #include "hydrapod/identification/identify.hpp"
 #include "hydrapod/numerics/fft.hpp"
 #include "names.hpp"
+#include "references.hpp"
 #include "response_checks.hpp"
 
 namespace hydrapod::identification {
@@ -27,32 +28,6 @@ std::vector<MatrixXcd> discrete_spectra(const CrossSpectra& spectra,
   for (std::size_t k = 0; k < first; ++k) lines[k] = lines[first].real().cast<Complex>();
   lines.back() = lines[lines.size() - 2].real().cast<Complex>();
   return lines;
-}
-
-/// Outputs that together see what all see: the largest remaining diagonal first. Every line counts
-/// alike.
-std::vector<int> choose_references(const std::vector<MatrixXcd>& S, Index most) {
-  const Index outputs = S[0].rows();
-  VectorXd size = VectorXd::Zero(outputs);
-  for (const auto& s : S) size += s.diagonal().real();
-  const VectorXd unit = size.cwiseSqrt().cwiseInverse();
-  MatrixXd rest = MatrixXd::Zero(outputs, outputs);
-  for (const auto& s : S) {
-    const MatrixXd scaled = unit.asDiagonal() * s.real() * unit.asDiagonal();
-    rest += scaled / std::max(scaled.trace(), 1e-300);
-  }
-  std::vector<int> chosen;
-  while (static_cast<Index>(chosen.size()) < std::min(most, outputs)) {
-    Index at = 0;
-    if (!(rest.diagonal().maxCoeff(&at) > 0.0)) break;
-    chosen.push_back(static_cast<int>(at));
-    const VectorXd column = rest.col(at) / rest(at, at);
-    rest -= (rest(at, at) * column * column.transpose()).eval();
-    rest.row(at).setZero();
-    rest.col(at).setZero();
-  }
-  std::ranges::sort(chosen);
-  return chosen;
 }
 
 /// ε_k times the taper.
@@ -175,6 +150,30 @@ std::pair<FrequencyResponses, std::vector<int>> channels_of(const CrossSpectra& 
 
 }  // namespace
 
+std::vector<int> choose_references(const std::vector<MatrixXcd>& S, Index most) {
+  const Index outputs = S[0].rows();
+  VectorXd size = VectorXd::Zero(outputs);
+  for (const auto& s : S) size += s.diagonal().real();
+  const VectorXd unit = size.cwiseSqrt().cwiseInverse();
+  MatrixXd rest = MatrixXd::Zero(outputs, outputs);
+  for (const auto& s : S) {
+    const MatrixXd scaled = unit.asDiagonal() * s.real() * unit.asDiagonal();
+    rest += scaled / std::max(scaled.trace(), 1e-300);
+  }
+  std::vector<int> chosen;
+  while (static_cast<Index>(chosen.size()) < std::min(most, outputs)) {
+    Index at = 0;
+    if (!(rest.diagonal().maxCoeff(&at) > 0.0)) break;
+    chosen.push_back(static_cast<int>(at));
+    const VectorXd column = rest.col(at) / rest(at, at);
+    rest -= (rest(at, at) * column * column.transpose()).eval();
+    rest.row(at).setZero();
+    rest.col(at).setZero();
+  }
+  std::ranges::sort(chosen);
+  return chosen;
+}
+
 FrequencyResponses half_spectra(const CrossSpectra& spectra, const std::vector<int>& outputs,
                                 const HalfSpectraOptions& options) {
   ChannelChoice choice{.outputs = outputs};
@@ -187,6 +186,7 @@ FrequencyResponses half_spectra(const CrossSpectra& spectra, const std::vector<i
   auto S = discrete_spectra(spectra, living);
   all.harmonics = find_harmonics(spectra, living);
   leave_out_harmonics(all.harmonics, spectra.frequency(1), S);
+  for (const auto& tone : options.wandering) leave_out_wandering(spectra, living, tone, S, all);
   const auto references = choose_references(S, options.most_references);
   for (const int i : references) all.inputs.push_back(all.outputs[static_cast<std::size_t>(i)]);
   const VectorXd window = lag_taper(spectra.window);

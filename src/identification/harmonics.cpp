@@ -153,27 +153,93 @@ Index reach_of(const std::vector<MatrixXcd>& S, Index at) {
                     beside);
 }
 
+/// Straight lines from `before` to `after`, between the means of `side` lines next to them; false
+/// where there are not so many.
+bool bridge_lines(Index before, Index after, Index side, std::vector<MatrixXcd>& S) {
+  if (before - side < 0 || after + side >= static_cast<Index>(S.size())) return false;
+  const auto mean = [&](Index from) {
+    MatrixXcd sum = MatrixXcd::Zero(S[0].rows(), S[0].cols());
+    for (Index k = from; k < from + side; ++k) sum += S[static_cast<std::size_t>(k)];
+    return MatrixXcd(sum / static_cast<double>(side));
+  };
+  const MatrixXcd left = mean(before - side), right = mean(after + 1);
+  for (Index k = before; k <= after; ++k) {
+    const double share =
+        static_cast<double>(k - before + 2) / static_cast<double>(after - before + 4);
+    S[static_cast<std::size_t>(k)] = (1.0 - share) * left + share * right;
+  }
+  return true;
+}
+
+/// Lines of a bump, with those on its flanks that still fall: the frequency is seldom there, but a
+/// strong vibration is seen all the same.
+std::pair<Index, Index> lines_of_bump(const std::vector<MatrixXcd>& S, Index before, Index after) {
+  VectorXd size = VectorXd::Constant(S[0].rows(), 1e-300);
+  for (const auto& s : S) size += s.diagonal().real();
+  // so many lines that what averages scatter is no fall
+  const Index width = after - before, step = std::max(main_lobe, width / 6), most = 3 * width / 2,
+              last = static_cast<Index>(S.size());
+  const auto level = [&](Index from) {
+    double sum = 0.0;
+    for (Index k = from; k < from + step; ++k)
+      sum += S[static_cast<std::size_t>(k)].diagonal().real().cwiseQuotient(size).sum();
+    return sum;
+  };
+  constexpr double falls = 1.3;
+  for (Index n = 0;
+       n < most && before > 2 * step && level(before - step) > falls * level(before - 2 * step);
+       n += step)
+    before -= step;
+  for (Index n = 0; n < most && after + 2 * step + 1 < last &&
+                    level(after + 1) > falls * level(after + 1 + step);
+       n += step)
+    after += step;
+  return {before, after};
+}
+
 }  // namespace
 
 void leave_out_harmonics(const std::vector<Harmonic>& harmonics, double spacing,
                          std::vector<MatrixXcd>& S) {
   for (const auto& harmonic : harmonics) {
     const auto at = static_cast<Index>(std::llround(harmonic.frequency / spacing));
-    const auto mean = [&](Index from) {
-      MatrixXcd sum = MatrixXcd::Zero(S[0].rows(), S[0].cols());
-      for (Index k = from; k < from + main_lobe; ++k) sum += S[static_cast<std::size_t>(k)];
-      return MatrixXcd(sum / static_cast<double>(main_lobe));
-    };
     if (at >= static_cast<Index>(S.size())) continue;
-    const Index reach = reach_of(S, at), before = at - reach, after = at + reach;
-    if (before - main_lobe < 0 || after + main_lobe >= static_cast<Index>(S.size())) continue;
-    const MatrixXcd left = mean(before - main_lobe), right = mean(after + 1);
-    for (Index k = before; k <= after; ++k) {
-      const double share =
-          static_cast<double>(k - before + 2) / (2.0 * static_cast<double>(reach) + 4.0);
-      S[static_cast<std::size_t>(k)] = (1.0 - share) * left + share * right;
-    }
+    const Index reach = reach_of(S, at);
+    bridge_lines(at - reach, at + reach, main_lobe, S);
   }
+}
+
+void leave_out_wandering(const CrossSpectra& spectra, const std::vector<int>& channels,
+                         const std::array<double, 2>& tone, std::vector<MatrixXcd>& S,
+                         FrequencyResponses& half) {
+  const double spacing = spectra.frequency(1);
+  const auto [before, after] = lines_of_bump(
+      S, std::max<Index>(0, std::llround(tone[0] / spacing) - main_lobe),
+      std::min<Index>(std::ssize(S) - 1, std::llround(tone[1] / spacing) + main_lobe));
+  const auto as_measured = S;
+  if (!bridge_lines(before, after, std::max(main_lobe, (after - before) / 4), S)) return;
+  Harmonic harmonic{.frequency = 0.5 * (tone[0] + tone[1]),
+                    .amplitude = VectorXd::Zero(static_cast<Index>(channels.size())),
+                    .wander = 0.5 * (tone[1] - tone[0])};
+  for (Index k = before; k <= after; ++k) {
+    const auto line = static_cast<std::size_t>(k);
+    harmonic.amplitude += (as_measured[line] - S[line]).diagonal().real();
+  }
+  // S: half the density times the sample rate
+  harmonic.amplitude =
+      (4.0 * spacing / spectra.sample_rate * harmonic.amplitude).cwiseMax(0.0).cwiseSqrt();
+  const double lowest = static_cast<double>(before) * spacing,
+               highest = static_cast<double>(after) * spacing;
+  std::erase_if(half.harmonics, [&](const Harmonic& other) {
+    return other.wander == 0.0 && other.frequency >= lowest && other.frequency <= highest;
+  });
+  half.warnings.push_back({.kind = data::ResponseWarning::Kind::wandering_tone,
+                           .value = harmonic.frequency,
+                           .share = harmonic.wander / harmonic.frequency,
+                           .lowest = lowest,
+                           .highest = highest});
+  half.harmonics.push_back(std::move(harmonic));
+  std::ranges::sort(half.harmonics, {}, &Harmonic::frequency);
 }
 
 bool is_endless(const FrequencyResponses& half, std::complex<double> pole,

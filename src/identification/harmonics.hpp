@@ -14,6 +14,9 @@
 /// every one with γ ≥ `narrowest`: a resonance as sharp as that is not told from a harmonic by a
 /// block that is shorter than its decay.
 
+#include <array>
+#include <vector>
+
 #include "hydrapod/identification/responses.hpp"
 
 namespace hydrapod::identification {
@@ -39,6 +42,13 @@ std::vector<Harmonic> find_harmonics(const CrossSpectra& spectra, const std::vec
 /// `spacing` [Hz].
 void leave_out_harmonics(const std::vector<Harmonic>& harmonics, double spacing,
                          std::vector<Eigen::MatrixXcd>& S);
+
+/// The same with a vibration that wanders between two frequencies [Hz] of `tone`, and with its
+/// flanks. It joins the harmonics and warnings of `half`. `S`: of `channels` of `spectra`, at their
+/// lines.
+void leave_out_wandering(const CrossSpectra& spectra, const std::vector<int>& channels,
+                         const std::array<double, 2>& tone, std::vector<Eigen::MatrixXcd>& S,
+                         FrequencyResponses& half);
 
 /// Half spectra alone do not tell a harmonic from a pole whose e^(Re λ τ) is > e^(−decays) at the
 /// largest lag.

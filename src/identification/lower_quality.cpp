@@ -23,6 +23,21 @@ void lower_where_weak(const data::ResponseWarning& warning, Identification& resu
   }
 }
 
+/// Modes beside what was left out for a vibration, whose flanks are wider than what was left out:
+/// none of the quality at its edge, all as far away as it is wide; and by the share of the
+/// half-power band in there.
+void lower_where_left_out(const data::ResponseWarning& warning, Identification& result) {
+  const double width = warning.highest - warning.lowest;
+  for (auto& mode : result.modes) {
+    const double f = mode.fit.omega() / two_pi,
+                 wide = std::max(mode.fit.damping_ratio() * f, 1e-9 * f);
+    const double away = std::max({0.0, warning.lowest - f, f - warning.highest});
+    limit(mode, away / std::max(width, 1e-300));
+    const double out = std::min(f + wide, warning.highest) - std::max(f - wide, warning.lowest);
+    if (out > 0.0) limit(mode, 1.0 - out / (2.0 * wide));
+  }
+}
+
 /// Share of an output in a mode, each output in proportion to its own responses; of an input, and
 /// of a sensor from which directions of the platform were made, 1.
 double share_in(const FrequencyResponses& responses, const VectorXd& size, const FittedMode& mode,
@@ -52,6 +67,7 @@ void lower_quality(const FrequencyResponses& responses, Identification& result,
                    const LowerQualityOptions& options) {
   for (const auto& warning : responses.warnings) {
     if (warning.kind == Kind::weak_excitation) lower_where_weak(warning, result);
+    if (warning.kind == Kind::wandering_tone) lower_where_left_out(warning, result);
     // a channel that was left out is no channel of a mode
     if (warning.kind == Kind::slow_channel && warning.count == 0)
       for (auto& mode : result.modes) limit(mode, 1.0 - warning.share);

@@ -23,6 +23,8 @@
 #include "roving.hpp"
 #include "spikes.hpp"
 #include "tones.hpp"
+#include "two_clocks.hpp"
+#include "wandering_tones.hpp"
 
 namespace hydrapod::identification {
 
@@ -82,8 +84,9 @@ struct Reading {
   std::vector<std::size_t> used{};   ///< channels
   std::int64_t settling{}, total{};  ///< samples
   GapPlan gap_plan{};
-  std::shared_ptr<const GapModel> gaps{};  ///< none: samples are taken as they are
-  std::vector<Tone> tones{};               ///< that are subtracted
+  std::shared_ptr<const GapModel> gaps{};   ///< none: samples are taken as they are
+  std::vector<Tone> tones{};                ///< that are subtracted
+  std::optional<ClockDifference> clocks{};  ///< by which outputs are corrected
 };
 
 namespace {
@@ -122,6 +125,32 @@ struct Streamed {
   double unknown_share{};  ///< see GapFiller
 };
 
+/// Columns of the record.
+std::vector<Index> corrected_columns(const Reading& reading) {
+  std::vector<Index> columns;
+  for (const int o : reading.clocks->outputs)
+    columns.push_back(static_cast<Index>(reading.used[static_cast<std::size_t>(o)]));
+  return columns;
+}
+
+/// Looks for a second clock in records with inputs and outputs.
+void find_clocks(data::RecordSet& records, Reading& reading, Measurement& m) {
+  const auto& choice = reading.plan.choice;
+  if (reading.plan.estimator != Estimator::h1 || reading.spectrum.periodic) return;
+  reading.clocks = find_two_clocks(records, reading.used, choice, reading.settling);
+  if (!reading.clocks) return;
+  const auto name = [&](int c) {
+    return records.header().channels[reading.used[static_cast<std::size_t>(c)]].name;
+  };
+  m.responses.warnings.push_back({.kind = data::ResponseWarning::Kind::two_clocks,
+                                  .channel = name(reading.clocks->outputs.front()),
+                                  .other = name(choice.inputs.front()),
+                                  .value = reading.clocks->ratio,
+                                  .share = std::abs(reading.clocks->turn),
+                                  .count = std::ssize(reading.clocks->outputs),
+                                  .total = std::ssize(choice.outputs)});
+}
+
 /// add(samples) for all samples, filled where the reading says so, `estimator` being told where a
 /// record begins.
 template <class Add>
@@ -130,13 +159,23 @@ Streamed stream(data::RecordSet& records, const Reading& reading,
   std::int64_t samples = 0, of_record = 0;
   std::optional<std::size_t> begun;
   std::optional<GapFiller> filler;
+  std::optional<ClockCorrector> corrector;
+  if (reading.clocks)
+    corrector.emplace(corrected_columns(reading), records.header().sample_rate,
+                      reading.clocks->ratio, add);
+  const auto at_one_clock = [&](const Eigen::Ref<const data::Samples>& block) {
+    if (corrector)
+      corrector->add(block);
+    else
+      add(block);
+  };
   const auto deliver = [&](const Eigen::Ref<const data::Samples>& block) {
     if (reading.tones.empty()) {
-      add(block);
+      at_one_clock(block);
     } else {
       data::Samples rest = block;
       subtract_tones(reading.tones, reading.used, *begun, of_record, rest);
-      add(rest);
+      at_one_clock(rest);
     }
     of_record += block.rows();
   };
@@ -145,6 +184,7 @@ Streamed stream(data::RecordSet& records, const Reading& reading,
       records.stream([&](std::size_t file, const Eigen::Ref<const data::Samples>& block) {
         if (begun != file) {
           if (filler) filler->end_record();
+          if (corrector) corrector->end_record();
           estimator.begin_record(reading.settling);
           of_record = 0;
         }
@@ -158,6 +198,7 @@ Streamed stream(data::RecordSet& records, const Reading& reading,
         return !(progress && progress(static_cast<double>(samples) / total));
       });
   if (filler) filler->end_record();
+  if (corrector) corrector->end_record();
   return {samples, whole, filler ? filler->unknown_share() : 0.0};
 }
 
@@ -281,6 +322,7 @@ Attempt responses_without(const std::vector<Spike>& spikes, data::RecordSet& rec
     return {std::move(*hits), true};
   const Plan planned = plan;
   Reading reading = plan_reading(records, plan, options, beginning);
+  find_clocks(records, reading, m);
   read_spectra(records, reading, progress, m);
   if (plan.estimator == Estimator::h1 && !m.interrupted)
     refuse_roving(records, m.spectra, reading.used, plan.choice);
@@ -316,9 +358,13 @@ Attempt outputs_without(const std::vector<Spike>& spikes, data::RecordSet& recor
   Reading reading = plan_reading(records, plan, own, beginning);
   read_spectra(records, reading, progress, m);
   const bool is_suspicious = may_have_spikes(m.spectra);
+  HalfSpectraOptions half;
+  if (!m.interrupted)
+    half.wandering = find_wandering_tones(records, reading.used, reading.settling, m.spectra,
+                                          plan.choice.outputs);
   bring_outputs_to_platform(options, plan.choice, m);
   const auto earlier = std::move(m.responses.warnings);
-  m.responses = half_spectra(m.spectra, plan.choice.outputs);
+  m.responses = half_spectra(m.spectra, plan.choice.outputs, half);
   m.responses.warnings.insert(m.responses.warnings.begin(), earlier.begin(), earlier.end());
   return {std::move(m), is_suspicious};
 }

@@ -8,6 +8,7 @@
 #include <cmath>
 #include <limits>
 
+#include "evenness.hpp"
 #include "hydrapod/numerics/fft.hpp"
 #include "hydrapod/numerics/statistics.hpp"
 
@@ -331,16 +332,6 @@ VectorXcd envelope_at(const Series& s, const ToneEnvelope& envelope) {
   VectorXcd e(s.y.size());
   for (Index j = 0; j < e.size(); ++j) e[j] = envelope.at(s.zoom->time(j));
   return e;
-}
-
-/// ln of the bound of the chance that J independent exponential numbers have a relative variance
-/// below x.
-double log_chance_of_evenness(double J, double x) {
-  const double n = J - 1.0, r = std::sqrt(x / J);
-  const double ball =
-      0.5 * n * std::log(0.5 * two_pi) + n * std::log(r) - std::lgamma(0.5 * n + 1.0);
-  const double simplex = 0.5 * std::log(J) - std::lgamma(J);
-  return std::min(0.0, ball - simplex);
 }
 
 /// Is the modulus more nearly constant than that of a Gaussian process?

@@ -89,6 +89,7 @@
 /// p + 2 in short records. Excitation that repeats exactly is averaged over whole periods.
 
 #include <Eigen/Core>
+#include <array>
 #include <cstdint>
 #include <limits>
 #include <memory>
@@ -127,11 +128,11 @@ struct AverageStatistics {
 };
 AverageStatistics average_statistics(const Eigen::VectorXd& window, int hop, long blocks);
 
-/// ρ_τ = Σ_t p_t w_t w_{t+τ} / Σ_t p_t w_t², τ = 0 … n − 1. Under white excitation, whose mean square
-/// at a sample of the block is p_t, an averaged cross spectrum is, in the mean, the transform of the
-/// impulse response times ρ: a window makes resonances wider, by an amount that is known. p is 1
-/// where it is not given; bursts that begin where blocks begin have another one, and also what does
-/// not fit into a block any more is then known.
+/// ρ_τ = Σ_t p_t w_t w_{t+τ} / Σ_t p_t w_t², τ = 0 … n − 1. Under white excitation, whose mean
+/// square at a sample of the block is p_t, an averaged cross spectrum is, in the mean, the
+/// transform of the impulse response times ρ: a window makes resonances wider, by an amount that is
+/// known. p is 1 where it is not given; bursts that begin where blocks begin have another one, and
+/// also what does not fit into a block any more is then known.
 Eigen::VectorXd lag_taper(const Eigen::VectorXd& window, const Eigen::VectorXd& power = {});
 
 struct SpectrumOptions {
@@ -266,6 +267,8 @@ FrequencyResponses estimate_responses(const CrossSpectra& spectra, const Channel
 struct HalfSpectraOptions {
   int most_references{4};      ///< more hardly see another mode and cost time
   double below_nyquist{0.45};  ///< f ≤ this · sample rate: the pass band of anti-alias filters
+  /// [Hz], of vibrations whose frequency wanders: from where to where. They are left out.
+  std::vector<std::array<double, 2>> wandering{};
 };
 
 /// Half spectra of `outputs`, channels of the spectra. Harmonics are taken out and listed. Throws

@@ -1,0 +1,300 @@
+#include "two_clocks.hpp"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <numeric>
+
+#include "hydrapod/numerics/fft.hpp"
+#include "tone_zoom.hpp"
+
+namespace hydrapod::identification {
+
+namespace {
+
+/// Which blocks and lines are taken.
+struct PartPlan {
+  int block{};        // [samples]
+  Index together{1};  // blocks of a part
+  std::vector<Index> lines{};
+  double duration{};  // [s] of the longest record
+};
+
+/// Cross spectra of one record in parts: rows are entries (output, then input), a column per line.
+struct Parts {
+  std::vector<MatrixXcd> C{};
+};
+
+std::optional<PartPlan> plan_parts(data::RecordSet& records, std::int64_t settling,
+                                   const TwoClocksOptions& options) {
+  std::int64_t longest = 0;
+  for (std::size_t k = 0; k < records.files().size(); ++k)
+    longest = std::max(longest, records.count_samples(k) - settling);
+  constexpr int shortest = 64;
+  const auto wanted = static_cast<std::uint64_t>(std::max<std::int64_t>(0, longest)) /
+                      static_cast<std::uint64_t>(options.fewest_blocks);
+  if (wanted < shortest) return {};
+  PartPlan plan{.block = static_cast<int>(std::min<std::uint64_t>(
+                    std::bit_floor(wanted), static_cast<std::uint64_t>(options.block)))};
+  const double rate = records.header().sample_rate;
+  plan.duration = static_cast<double>(longest) / rate;
+  const Index blocks = static_cast<Index>(longest / plan.block);
+  plan.together = (blocks + options.most_parts - 1) / options.most_parts;
+  // within a part phases turn little; above, what recorders filter
+  const double part = static_cast<double>(plan.together * plan.block);
+  constexpr double pass_band = 0.4;                                         // of the sample rate
+  const double steps = 4.0 * two_pi * rate * options.most * plan.duration;  // per sample rate
+  const double highest = std::min({pass_band, 1.0 / (two_pi * options.most * part),
+                                   0.5 * static_cast<double>(options.most_steps) / steps});
+  constexpr Index lowest = 3;  // below is the mean
+  const auto last = static_cast<Index>(highest * plan.block);
+  const Index stride = std::max<Index>(2, (last - lowest) / options.most_lines + 1);
+  for (Index k = lowest; k <= last; k += stride) plan.lines.push_back(k);
+  constexpr std::size_t fewest_lines = 8;
+  if (plan.lines.size() < fewest_lines) return {};
+  return plan;
+}
+
+/// Forms the parts of records one after the other.
+class PartsOfRecords {
+ public:
+  PartsOfRecords(const PartPlan& plan, const ChannelChoice& choice, std::size_t records)
+      : plan_(plan),
+        choice_(choice),
+        fft_(plan.block),
+        window_(window_samples(Window::hann, plan.block)),
+        parts_(records) {}
+
+  void begin_record(std::size_t record) {
+    record_ = record;
+    filled_ = in_part_ = 0;
+  }
+  void add(const data::Samples& samples) {
+    if (buffer_.size() == 0) buffer_.resize(plan_.block, samples.cols());
+    for (Index at = 0; at < samples.rows();) {
+      const Index count = std::min(buffer_.rows() - filled_, samples.rows() - at);
+      buffer_.middleRows(filled_, count) = samples.middleRows(at, count);
+      at += count;
+      filled_ += count;
+      if (filled_ < buffer_.rows()) return;
+      filled_ = 0;
+      take_block();
+    }
+  }
+  [[nodiscard]] const std::vector<Parts>& parts() const { return parts_; }
+
+ private:
+  void take_block() {
+    const auto lines = static_cast<Index>(plan_.lines.size());
+    const auto p = static_cast<Index>(choice_.inputs.size()),
+               q = static_cast<Index>(choice_.outputs.size());
+    if (in_part_ == 0) {
+      S_yu_.setZero(q * p, lines);
+      S_uu_.setZero(p, lines);
+    }
+    if (buffer_.allFinite()) {
+      const MatrixXcd X = transformed_lines();
+      for (Index i = 0; i < p; ++i) {
+        const auto U = X.row(choice_.inputs[static_cast<std::size_t>(i)]).array();
+        S_uu_.row(i) += U.abs2().matrix();
+        for (Index o = 0; o < q; ++o)
+          S_yu_.row(o * p + i) +=
+              (X.row(choice_.outputs[static_cast<std::size_t>(o)]).array() * U.conjugate())
+                  .matrix();
+      }
+    }
+    if (++in_part_ < plan_.together) return;
+    in_part_ = 0;
+    for (Index e = 0; e < q * p; ++e)
+      S_yu_.row(e).array() /= S_uu_.row(e % p).array().max(1e-300).sqrt();
+    parts_[record_].C.push_back(S_yu_);
+  }
+
+  /// Channels × lines.
+  MatrixXcd transformed_lines() {
+    MatrixXcd X(buffer_.cols(), static_cast<Index>(plan_.lines.size()));
+    std::vector<Complex> all(static_cast<std::size_t>(fft_.lines()));
+    for (Index c = 0; c < buffer_.cols(); ++c) {
+      VectorXd x = (buffer_.col(c).array() - buffer_.col(c).mean()) * window_.array();
+      fft_.forward({x.data(), static_cast<std::size_t>(x.size())}, all);
+      for (std::size_t k = 0; k < plan_.lines.size(); ++k)
+        X(c, static_cast<Index>(k)) = all[static_cast<std::size_t>(plan_.lines[k])];
+    }
+    return X;
+  }
+
+  const PartPlan& plan_;
+  const ChannelChoice& choice_;
+  numerics::RealFft fft_;
+  VectorXd window_;
+  MatrixXd buffer_{};
+  Index filled_{}, in_part_{};
+  std::size_t record_{};
+  MatrixXcd S_yu_{};
+  MatrixXd S_uu_{};
+  std::vector<Parts> parts_;
+};
+
+/// L(ε) by entries and lines.
+class ClockLikelihood {
+ public:
+  ClockLikelihood(const std::vector<Parts>& records, const PartPlan& plan, double rate)
+      : records_(records), spacing_(static_cast<double>(plan.together * plan.block) / rate) {
+    for (const Index k : plan.lines)
+      omega_.push_back(two_pi * static_cast<double>(k) * rate / plan.block);
+    for (const auto& record : records)
+      for (const auto& C : record.C) {
+        if (power_.size() == 0) power_.setZero(C.rows(), C.cols());
+        power_ += C.cwiseAbs2();
+        count_ += 1.0;
+      }
+  }
+  [[nodiscard]] double parts() const { return count_; }
+  [[nodiscard]] double highest() const { return omega_.back(); }
+  [[nodiscard]] Eigen::ArrayXXd operator()(double ratio) const {
+    Eigen::ArrayXXd rho = Eigen::ArrayXXd::Zero(power_.rows(), power_.cols());
+    for (const auto& record : records_) {  // delays between recorders begin anew
+      MatrixXcd sum = MatrixXcd::Zero(power_.rows(), power_.cols());
+      for (std::size_t k = 0; k < omega_.size(); ++k) {
+        const Complex turn = std::polar(1.0, omega_[k] * ratio * spacing_);
+        Complex phase = 1.0;
+        const auto column = static_cast<Index>(k);
+        for (const auto& C : record.C) {
+          sum.col(column) += phase * C.col(column);
+          phase *= turn;
+        }
+      }
+      rho += sum.cwiseAbs2().array() / std::max(1.0, static_cast<double>(record.C.size()));
+    }
+    rho /= power_.array().max(1e-300);
+    return -count_ * (1.0 - rho.min(1.0 - 1e-9)).log();
+  }
+
+ private:
+  const std::vector<Parts>& records_;
+  double spacing_;
+  std::vector<double> omega_{};
+  MatrixXd power_{};
+  double count_{};
+};
+
+/// Gain by line, without the contiguous quarter of them that gains most.
+double gain_of_others(const Eigen::RowVectorXd& by_line) {
+  const Index wide = std::max<Index>(1, by_line.size() / 4);
+  double most = 0.0;
+  for (Index k = 0; k + wide <= by_line.size(); ++k)
+    most = std::max(most, by_line.segment(k, wide).sum());
+  return by_line.sum() - most;
+}
+
+/// Of some entries, for steps of ε: as many as `most`, evenly.
+std::vector<Parts> some_entries(const std::vector<Parts>& all, Index most) {
+  std::vector<Parts> some(all.size());
+  for (std::size_t r = 0; r < all.size(); ++r)
+    for (const auto& C : all[r].C) {
+      const Index stride = (C.rows() + most - 1) / most;
+      some[r].C.emplace_back(C(Eigen::seq(0, C.rows() - 1, stride), Eigen::all));
+    }
+  return some;
+}
+
+/// The most likely ε: first by steps, then between them.
+double best_ratio(const ClockLikelihood& likelihood, const PartPlan& plan,
+                  const TwoClocksOptions& options) {
+  const double step = 0.5 / (likelihood.highest() * plan.duration);
+  const auto steps = static_cast<Index>(std::ceil(options.most / step));
+  double best = 0.0, largest = likelihood(0.0).sum();
+  const auto ask = [&](double ratio) {
+    if (const double own = likelihood(ratio).sum(); own > largest) {
+      largest = own;
+      best = ratio;
+    }
+  };
+  for (Index k = -steps; k <= steps; ++k) ask(step * static_cast<double>(k));
+  double width = 0.5 * step;
+  constexpr int halvings = 8;
+  for (int n = 0; n < halvings; ++n, width *= 0.5) {
+    const double centre = best;
+    ask(centre - width);
+    ask(centre + width);
+  }
+  return best;
+}
+
+}  // namespace
+
+std::optional<ClockDifference> find_two_clocks(data::RecordSet& records,
+                                               const std::vector<std::size_t>& used,
+                                               const ChannelChoice& choice, std::int64_t settling,
+                                               const TwoClocksOptions& options) {
+  const auto plan = plan_parts(records, settling, options);
+  if (!plan) return {};
+  PartsOfRecords all(*plan, choice, records.files().size());
+  std::optional<std::size_t> begun;
+  stream_used(records, {.channels = used, .settling = settling},
+              [&](std::size_t record, std::int64_t, const data::Samples& samples) {
+                if (begun != record) all.begin_record(record);
+                begun = record;
+                all.add(samples);
+              });
+  const ClockLikelihood likelihood(all.parts(), *plan, records.header().sample_rate);
+  if (likelihood.parts() < static_cast<double>(options.fewest_blocks) / 2.0) return {};
+  constexpr Index enough = 8;  // entries
+  const auto some = some_entries(all.parts(), enough);
+  const double ratio =
+      best_ratio(ClockLikelihood(some, *plan, records.header().sample_rate), *plan, options);
+  if (ratio == 0.0) return {};
+  const Eigen::ArrayXXd gain = likelihood(ratio) - likelihood(0.0);
+  const Eigen::RowVectorXd by_line = gain.colwise().mean().matrix();
+  // at the end of what is tried it is none of a clock
+  if (std::abs(ratio) > 0.99 * options.most || !(gain_of_others(by_line) > options.evidence))
+    return {};
+  ClockDifference found{.ratio = ratio, .turn = ratio * plan->duration};
+  const auto p = static_cast<Index>(choice.inputs.size());
+  for (std::size_t o = 0; o < choice.outputs.size(); ++o)
+    if (gain.middleRows(static_cast<Index>(o) * p, p).sum() > -options.own_clock)
+      found.outputs.push_back(choice.outputs[o]);
+  return found;
+}
+
+ClockCorrector::ClockCorrector(std::vector<Index> columns, double sample_rate, double ratio,
+                               Use use)
+    : columns_(std::move(columns)),
+      sample_rate_(sample_rate),
+      ratio_(ratio),
+      use_(std::move(use)) {}
+
+void ClockCorrector::add(const Eigen::Ref<const data::Samples>& samples) {
+  if (!resampler_)
+    resampler_ = std::make_unique<data::Resampler>(
+        columns_.size(), sample_rate_, sample_rate_ / (1.0 + ratio_), [this](const auto& block) {
+          const Index before = corrected_.rows();
+          corrected_.conservativeResize(before + block.rows(), block.cols());
+          corrected_.bottomRows(block.rows()) = block;
+        });
+  const Index before = waiting_.rows();
+  waiting_.conservativeResize(before + samples.rows(), samples.cols());
+  waiting_.bottomRows(samples.rows()) = samples;
+  resampler_->add(data::Samples(samples(Eigen::all, columns_)));
+  pass_on();
+}
+
+void ClockCorrector::end_record() {
+  if (resampler_) resampler_->finish();
+  pass_on();
+  resampler_.reset();
+  waiting_.resize(0, waiting_.cols());
+  corrected_.resize(0, corrected_.cols());
+}
+
+void ClockCorrector::pass_on() {
+  const Index count = std::min(waiting_.rows(), corrected_.rows());
+  if (count == 0) return;
+  data::Samples both = waiting_.topRows(count);
+  both(Eigen::all, columns_) = corrected_.topRows(count);
+  waiting_ = waiting_.bottomRows(waiting_.rows() - count).eval();
+  corrected_ = corrected_.bottomRows(corrected_.rows() - count).eval();
+  use_(both);
+}
+
+}  // namespace hydrapod::identification
