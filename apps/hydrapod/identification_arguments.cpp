@@ -94,6 +94,9 @@ void add_measurement_options(Command command, MeasurementArguments& a) {
        {"--window", a.window, "hann, rectangular, hamming, blackman-harris or flat-top"},
        {"--period", a.period,
         "Period of the excitation, s or with a unit; 0: none; default: detected"},
+       {"--exponential-window", a.exponential_window,
+        "Time constant of the exponential window that an analyser applied after a hit, s or with a "
+        "unit: its damping is taken out; default: as the file says, else none"},
        {"--settling", a.settling, "Time at the beginning that is left out"},
        {"--rate", a.rate, "Sample rate, for files that do not state it"},
        {"--sample-rate,--file-rate", a.rate, "", hidden},
@@ -130,6 +133,9 @@ tasks::MeasureOptions measure_options(const MeasurementArguments& a) {
       .machine = a.machine,
       .pose = a.pose,
       .model = model_kind(a.model)};
+  if (!a.exponential_window.empty())
+    options.exponential_window =
+        positive_quantity("--exponential-window", a.exponential_window, "s", "must be positive");
   if (options.sample_rate && !(*options.sample_rate > 0.0))
     base::refuse("--rate " + a.rate, "must be positive");
   for (const auto& text : a.sensors) {

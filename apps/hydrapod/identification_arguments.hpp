@@ -21,7 +21,7 @@ struct MeasurementArguments {
   std::string window{"hann"};
   std::optional<int> block{};
   std::optional<double> overlap{};
-  std::string period{}, settling{}, rate{};
+  std::string period{}, settling{}, rate{}, exponential_window{};
   std::string machine{}, pose{}, model{}, point{};
 };
 

@@ -257,13 +257,15 @@ def frf(measured: Measured, *, machine: Union[Machine, Path, None] = None, pose:
         instruments: Optional[Texts] = None, input_from: Optional[str] = None, estimator: str = "auto",
         window: str = "hann", block: Optional[int] = None, overlap: Optional[Quantity] = None,
         period: Optional[Quantity] = None, settling: Optional[Quantity] = None,
-        rate: Optional[Quantity] = None, accelerometers: bool = False, sensors: Texts = (),
-        point: Optional[Sequence[Quantity]] = None, progress: Optional[Progress] = None) -> Frf:
+        rate: Optional[Quantity] = None, exponential_window: Optional[Quantity] = None,
+        accelerometers: bool = False, sensors: Texts = (), point: Optional[Sequence[Quantity]] = None,
+        progress: Optional[Progress] = None) -> Frf:
     """Frequency responses from records (files or Record objects, averaged together).
 
     input_from: drive (the machine without its controller) or excitation (with it); default: as the record
     says. estimator: auto, h1, h2, hv or iv. overlap: a share. machine: what was measured, a Machine or a
-    file; default: the one in the record. Keys: hydrapod frf --help.
+    file; default: the one in the record. exponential_window: time constant of the window that an analyser
+    applied after a hit. Keys: hydrapod frf --help.
 
     Result, L lines: frequency_hz (L,), H and deviation (L, outputs, inputs), coherence, inputs, outputs,
     warnings.
@@ -272,8 +274,8 @@ def frf(measured: Measured, *, machine: Union[Machine, Path, None] = None, pose:
         return _core.frf(_measure_options(machine, dict(
             files=files, pose=pose, model=model, inputs=inputs, outputs=outputs, instruments=instruments,
             input_from=input_from, estimator=estimator, window=window, block=block, overlap=overlap,
-            period=period, settling=settling, rate=rate, accelerometers=accelerometers, sensors=sensors,
-            point=point)), progress)
+            period=period, settling=settling, rate=rate, exponential_window=exponential_window,
+            accelerometers=accelerometers, sensors=sensors, point=point)), progress)
 
 
 def identify(measured: Measured, *, machine: Union[Machine, Path, None] = None, pose: Optional[str] = None,
@@ -283,8 +285,9 @@ def identify(measured: Measured, *, machine: Union[Machine, Path, None] = None, 
              instruments: Optional[Texts] = None, input_from: Optional[str] = None, estimator: str = "auto",
              window: str = "hann", block: Optional[int] = None, overlap: Optional[Quantity] = None,
              period: Optional[Quantity] = None, settling: Optional[Quantity] = None,
-             rate: Optional[Quantity] = None, accelerometers: bool = False, sensors: Texts = (),
-             point: Optional[Sequence[Quantity]] = None, progress: Optional[Progress] = None) -> Identified:
+             rate: Optional[Quantity] = None, exponential_window: Optional[Quantity] = None,
+             accelerometers: bool = False, sensors: Texts = (), point: Optional[Sequence[Quantity]] = None,
+             progress: Optional[Progress] = None) -> Identified:
     """Modes of records or responses, with their uncertainty, compared with the machine where it is known.
 
     from_, to: band [Hz]. highest_damping: a share. against: auto, mechanics, plant, system or none. Other
@@ -300,8 +303,9 @@ def identify(measured: Measured, *, machine: Union[Machine, Path, None] = None, 
             files=files, pose=pose, model=model, to=to, order=order, highest_damping=highest_damping,
             against=against, bootstrap=bootstrap, output_only=output_only, inputs=inputs, outputs=outputs,
             instruments=instruments, input_from=input_from, estimator=estimator, window=window, block=block,
-            overlap=overlap, period=period, settling=settling, rate=rate, accelerometers=accelerometers,
-            sensors=sensors, point=point)}), progress)
+            overlap=overlap, period=period, settling=settling, rate=rate,
+            exponential_window=exponential_window, accelerometers=accelerometers, sensors=sensors,
+            point=point)}), progress)
 
 
 def calibrate(machine: Machine, targets: Path, free: Union[Mapping[str, Any], Texts] = (), *,

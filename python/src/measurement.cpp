@@ -22,6 +22,7 @@ tasks::MeasureOptions measure_options(const Options& asked) {
   if (asked.has("model"))
     options.model = static_cast<dynamics::ModelKind>(
         choice("model", asked.get<std::string>("model"), {"rigid", "guide", "full"}));
+  options.exponential_window = asked.positive("exponential_window", "s");
   auto& estimate = options.estimate;
   using Names = std::vector<std::string>;
   estimate.inputs = asked.get<Names>("inputs");

@@ -3,8 +3,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "hydrapod/base/error.hpp"
+#include "hydrapod/base/text.hpp"
+#include "hydrapod/base/units.hpp"
 #include "hydrapod/kinematics/legs.hpp"
 #include "hydrapod/report/measured_results.hpp"
 #include "measured_files.hpp"
@@ -148,6 +151,76 @@ Measured responses_of_file(const std::string& path) {
   return measured;
 }
 
+/// The time constant of the window that an analyser applied [s]: as asked, else by a line of the
+/// notes of the record, "exponential window: 0.35 s"; none: there was none.
+std::optional<double> window_of(const MeasureOptions& options, const Measured& measured) {
+  if (options.exponential_window || !measured.header) return options.exponential_window;
+  constexpr std::string_view key = "exponential window:";
+  for (const std::string& line : base::split(measured.header->notes, "\n")) {
+    if (!line.starts_with(key)) continue;
+    const auto read = base::read_plain_or_quantity(line.substr(key.size()), "s");
+    if (!read.ok())
+      base::refuse(options.files.front(), fmt::format("note \"{}\": {}", line, read.problem));
+    return read.value;
+  }
+  return {};
+}
+
+/// What samples times e^(−at) show is H(a + iω).
+void take_out_window(const MeasureOptions& options, Measured& measured) {
+  const auto window = window_of(options, measured);
+  if (!window) return;
+  const std::string where =
+      options.exponential_window ? "--exponential-window" : options.files.front();
+  if (!(*window > 0.0) || !std::isfinite(*window))
+    base::refuse(where,
+                 fmt::format("the time constant of an exponential window is {} s: it must be "
+                             "positive",
+                             *window));
+  auto& m = measured.measurement;
+  if (options.output_only || (measured.records && m.reading != nullptr))
+    base::refuse(where, fmt::format("an exponential window begins with a hit, and {} is no hammer "
+                                    "test: only responses and records of hits are corrected",
+                                    options.files.front()));
+  auto& responses = m.responses;
+  responses.shift += 1.0 / *window;
+  responses.on_axis.clear();
+  const data::ResponseWarning warning{.kind = data::ResponseWarning::Kind::exponential_window,
+                                      .value = *window,
+                                      .count = options.exponential_window ? 0 : 1};
+  responses.warnings.push_back(warning);
+  add_warnings(options.files.front(), std::vector{warning}, measured.warnings);
+}
+
+/// Under a window everything decays at least as fast as the window does: throws where a mode does
+/// not, for then the window was another.
+void check_window(const IdentifyOptions& options, const Measured& measured) {
+  const auto window = window_of(options.measure, measured);
+  if (!window) return;
+  auto as_recorded = measured.responses();
+  as_recorded.shift -= 1.0 / *window;
+  if (as_recorded.shift < 1e-9 / *window) as_recorded.shift = 0.0;
+  auto modes = options.modes;
+  modes.fit.deviations = identification::Deviations::poles;
+  double longest = 0.0, frequency = 0.0;
+  for (const auto& mode : identification::identify_modes(as_recorded, modes).modes) {
+    constexpr double sure = 4.0;  // standard deviations
+    const double decay = mode.fit.damping_ratio() * mode.fit.omega() +
+                         sure * mode.fit.damping_deviation * mode.fit.omega();
+    if (!(decay < 1.0 / *window) || 1.0 / decay < longest) continue;
+    longest = 1.0 / decay;
+    frequency = mode.fit.omega() / base::two_pi;
+  }
+  if (longest > 0.0)
+    base::refuse(
+        options.measure.exponential_window ? fmt::format("--exponential-window {} s", *window)
+                                           : options.measure.files.front(),
+        fmt::format("a window with a time constant of {:.4g} s would leave no mode that "
+                    "decays more slowly, and that at {:.4g} Hz has a time constant of {:.4g} "
+                    "s or more: the window was longer, or there was none",
+                    *window, frequency, longest));
+}
+
 void add_bootstrap(const IdentifyOptions& options, const Progress& progress, Identified& found) {
   if (found.modes.modes.empty()) return;
   auto& measured = found.measured;
@@ -230,6 +303,7 @@ Measured frf(const MeasureOptions& options, const Progress& progress) {
                         ? responses_from(parsed_json(first, {"\"frf\""}), first)
                         : responses_of_file(first);
     measured.machine = measured_machine(options, measured.experiment());
+    take_out_window(options, measured);
     return measured;
   }
   if (kind == data::FileKind::mode_table || kind == data::FileKind::toml)
@@ -244,6 +318,7 @@ Measured frf(const MeasureOptions& options, const Progress& progress) {
           ? identification::measure_outputs(*measured.records, estimate, progress)
           : identification::measure_responses(*measured.records, estimate, progress);
   note_reading(options, measured);
+  take_out_window(options, measured);
   return measured;
 }
 
@@ -257,6 +332,7 @@ Identified identify(const IdentifyOptions& options, const Progress& progress) {
   Identified found;
   found.measured = frf(options.measure, numerics::part_of(progress, 0.0, 0.4));
   const auto& file = options.measure.files.front();
+  check_window(options, found.measured);
   auto& measurement = found.measured.measurement;
   if (!(measurement.responses.shift > 0.0)) {  // they are large, and nothing needs them any more
     auto& spectra = measurement.spectra;

@@ -25,6 +25,9 @@ struct MeasureOptions {
   /// Outputs are accelerometers, brought to accelerations of the platform in six directions.
   bool accelerometers{};
   std::vector<data::PlacedSensor> sensors{};  ///< where they sit; empty: as the record says
+  /// [s] after which the window that an analyser applied to what follows a hit is e^−1; none: as
+  /// the record says. Responses are then those at 1/window + iω.
+  std::optional<double> exponential_window{};
   /// The machine that was measured: turns leg lengths into directions of the platform, and modes
   /// are compared with its modes. Path of a machine file; empty: the one in the record, if any.
   /// The excitation was not measured: half spectra of the outputs stand for responses.

@@ -1,0 +1,103 @@
+/// A hammer test whose samples an analyser multiplied by a window e^(−t/τ): who says so gets the
+/// damping of the structure, and who says a window that cannot have been is refused.
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "hydrapod/base/error.hpp"
+#include "hydrapod/tasks/measurement.hpp"
+#include "identification/hammer.hpp"
+
+namespace hydrapod::test {
+namespace {
+
+constexpr double tau = 0.41;  // [s]
+
+enum class Windowed { outputs, all };
+
+/// Modes of 1.13, 1.71 and 0.62 %, with that the window adds 1/(τω).
+data::Record windowed_hit(std::uint64_t seed, Windowed windowed) {
+  auto record = identification::hammer_record({.seconds = 2.0, .noise = 1e-3}, seed);
+  for (Eigen::Index k = 0; k < record.samples.rows(); ++k) {
+    const double w = std::exp(-static_cast<double>(k) / (identification::hammer_rate * tau));
+    if (windowed == Windowed::all)
+      record.samples.row(k) *= w;
+    else
+      record.samples.row(k).tail(3) *= w;
+  }
+  return record;
+}
+
+tasks::Identified identified(const std::string& file, std::optional<double> window) {
+  return tasks::identify({.measure = {.files = {file}, .exponential_window = window}});
+}
+
+void expect_the_beam(const tasks::Identified& found, std::uint64_t seed) {
+  const auto truth = identification::beam();
+  ASSERT_EQ(found.modes.modes.size(), 3U) << seed;
+  for (std::size_t r = 0; r < 3; ++r) {
+    const auto& fit = found.modes.modes[r].fit;
+    const double damping = -truth.modes[r].pole.real() / std::abs(truth.modes[r].pole);
+    EXPECT_NEAR(fit.omega(), std::abs(truth.modes[r].pole), 5e-4 * fit.omega()) << seed;
+    constexpr double far = 4.5;  // standard deviations; 1 % where these are smaller
+    EXPECT_NEAR(fit.damping_ratio(), damping, std::max(far * fit.damping_deviation, 0.01 * damping))
+        << seed << " " << r;
+  }
+}
+
+TEST(ExponentialWindow, IsTakenOutWhereItIsStated) {
+  for (std::uint64_t seed = 1; seed <= 5; ++seed)
+    for (const auto windowed : {Windowed::outputs, Windowed::all}) {
+      const TemporaryFolder folder;
+      data::write_record(folder / "hit.h5", windowed_hit(seed, windowed), data::RecordFormat::hdf5);
+      // without it the damping is that of structure and window together
+      const auto without = identified(folder / "hit.h5", {});
+      ASSERT_EQ(without.modes.modes.size(), 3U) << seed;
+      const auto& first = without.modes.modes[0].fit;
+      EXPECT_NEAR(first.damping_ratio(), 0.0113 + 1.0 / (tau * first.omega()), 0.001) << seed;
+      const auto with = identified(folder / "hit.h5", tau);
+      expect_the_beam(with, seed);
+      EXPECT_THAT(
+          with.modes.responses.warnings,
+          ::testing::Contains(::testing::Field(&data::ResponseWarning::kind,
+                                               data::ResponseWarning::Kind::exponential_window)));
+    }
+}
+
+TEST(ExponentialWindow, IsReadFromNotesAndMeantForResponsesToo) {
+  const TemporaryFolder folder;
+  auto record = windowed_hit(3, Windowed::all);
+  record.header.notes = "a beam on foam\nexponential window: 410 ms";
+  data::write_record(folder / "hit.h5", record, data::RecordFormat::hdf5);
+  expect_the_beam(identified(folder / "hit.h5", {}), 3);
+  // responses of the samples as they are, as an analyser writes them
+  record.header.notes.clear();
+  data::write_record(folder / "plain.h5", record, data::RecordFormat::hdf5);
+  const auto shared = tasks::shared_responses(tasks::frf({.files = {folder / "plain.h5"}}));
+  data::write_frequency_responses(folder / "plain.uff", data::brought_to_axis(shared));
+  const auto found = identified(folder / "plain.uff", tau);
+  ASSERT_EQ(found.modes.modes.size(), 3U);
+  EXPECT_NEAR(found.modes.modes[0].fit.damping_ratio(), 0.0113, 0.0006);
+}
+
+TEST(ExponentialWindow, ThatCannotHaveBeenIsRefused) {
+  const TemporaryFolder folder;
+  data::write_record(folder / "hit.h5", windowed_hit(4, Windowed::all), data::RecordFormat::hdf5);
+  // the first mode decays with 1.68 + 2.44 1/s in the file, a window of 0.2 s alone with 5
+  try {
+    identified(folder / "hit.h5", 0.2);
+    FAIL() << "not refused";
+  } catch (const base::InputError& error) {
+    EXPECT_THAT(error.what(), ::testing::HasSubstr("the window was longer, or there was none"));
+  }
+  // noise all the time is no hammer test
+  const auto noise = record_of(chain(2, 1.3, 4100.0, 0.02), {.seed = 9});
+  data::write_record(folder / "noise.h5", noise, data::RecordFormat::hdf5);
+  EXPECT_THROW(identified(folder / "noise.h5", tau), base::InputError);
+}
+
+}  // namespace
+}  // namespace hydrapod::test
