@@ -1,7 +1,6 @@
 #include "npz.hpp"
 
 #include <fmt/format.h>
-#include <zlib.h>
 
 #include <algorithm>
 #include <bit>
@@ -68,21 +67,7 @@ void NpzWriter::add_member(const std::string& name, const std::string& kind,
   header += '\n';
   const std::string content = std::string("\x93NUMPY\x01\x00", 8) +
                               little(static_cast<std::uint16_t>(header.size())) + header + data;
-  const auto crc = static_cast<std::uint32_t>(
-      crc32_z(0, reinterpret_cast<const Bytef*>(content.data()), content.size()));
-  const auto size = static_cast<std::uint32_t>(content.size());
-  const std::string file = name + ".npy";
-  constexpr std::uint16_t version = 20, first_day = (1U << 5U) | 1U;
-  const auto common = [&] {  // version … lengths of name and of what follows it
-    return little(version) + little(std::uint16_t{}) + little(std::uint16_t{}) +
-           little(std::uint16_t{}) + little(first_day) + little(crc) + little(size) + little(size) +
-           little(static_cast<std::uint16_t>(file.size())) + little(std::uint16_t{});
-  };
-  const auto place = static_cast<std::uint32_t>(members_.size());
-  members_ += little(std::uint32_t{0x04034b50}) + common() + file + content;
-  directory_ += little(std::uint32_t{0x02014b50}) + little(version) + common() +
-                std::string(10, '\0') + little(place) + file;
-  ++count_;
+  zip_.add(name + ".npy", content);
 }
 
 void NpzWriter::add(const std::string& name, const Eigen::Ref<const Eigen::MatrixXd>& matrix) {
@@ -108,13 +93,6 @@ void NpzWriter::add_texts(const std::string& name, const std::vector<std::string
 void NpzWriter::add_text(const std::string& name, const std::string& text) {
   const auto [data, longest] = padded({text});
   add_member(name, fmt::format("<U{}", longest), "()", data, false);
-}
-
-std::string NpzWriter::bytes() const {
-  const auto count = static_cast<std::uint16_t>(count_);
-  return members_ + directory_ + little(std::uint32_t{0x06054b50}) + std::string(4, '\0') +
-         little(count) + little(count) + little(static_cast<std::uint32_t>(directory_.size())) +
-         little(static_cast<std::uint32_t>(members_.size())) + std::string(2, '\0');
 }
 
 }  // namespace hydrapod::exchange

@@ -1,10 +1,11 @@
 #pragma once
-/// NumPy archives: a ZIP file (PKWARE APPNOTE 6.3.3, method 0) of .npy members (NEP 1,
-/// version 1.0). Dates of members are 1980-01-01, so that equal data give equal bytes.
+/// NumPy archives: a ZIP file of .npy members (NEP 1, version 1.0), not compressed.
 
 #include <Eigen/Core>
 #include <string>
 #include <vector>
+
+#include "zip.hpp"
 
 namespace hydrapod::exchange {
 
@@ -18,14 +19,12 @@ class NpzWriter {
   /// A text without dimensions.
   void add_text(const std::string& name, const std::string& text);
   /// The whole archive.
-  [[nodiscard]] std::string bytes() const;
+  [[nodiscard]] std::string bytes() const { return zip_.bytes(); }
 
  private:
   void add_member(const std::string& name, const std::string& kind, const std::string& shape,
                   const std::string& data, bool by_columns);
-  std::string members_{};
-  std::string directory_{};
-  int count_{};
+  ZipWriter zip_{};
 };
 
 }  // namespace hydrapod::exchange
