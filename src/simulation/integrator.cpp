@@ -160,7 +160,9 @@ void Integrator::advance(double to, const PlantInput& input) {
         fmt::format("integrator: cannot go from {:g} s back to {:g} s", self.time, to));
   if (!input.command.allFinite() || !input.wrench.allFinite())
     self.stop("a command or a wrench is not finite");
-  const bool changed = input.command != self.input.command || input.wrench != self.input.wrench;
+  if (!input.axial.allFinite()) self.stop("an axial force is not finite");
+  const bool changed = input.command != self.input.command || input.wrench != self.input.wrench ||
+                       input.axial != self.input.axial;
   self.input = input;
   if (changed) self.method->input_changed();
   self.advance(to);

@@ -81,8 +81,15 @@ Plant::Plant(const model::Machine& machine, ModelKind kind, const PlantOptions& 
   if (!options.hydraulics) set_springs(X_reference);
 }
 
-/// Valves closed in the equilibrium at the reference pose.
+/// Valves closed in the equilibrium at the reference pose. Without hydraulics the cylinder is not
+/// known, so only a stroke that is given has ends.
 void Plant::set_springs(const Pose& X_reference) {
+  for (int i = 0; i < leg_count; ++i) {
+    if (machine_.legs[i].stroke) continue;
+    axes_[i].stops.low = -std::numeric_limits<double>::infinity();
+    axes_[i].stops.high = std::numeric_limits<double>::infinity();
+  }
+  if (!options_.oil_springs) return;
   const auto rest = equilibrium(X_reference);
   Motion motion;
   mechanics_.motion(rest.x.data(), rest.x.data() + layout_.velocity(), motion);
@@ -92,9 +99,6 @@ void Plant::set_springs(const Pose& X_reference) {
     const auto axial = hydraulics::axial_spring(machine_.legs[i], s);
     springs_[i] = {statics.legs[i].oil_force, axial.stiffness,
                    axial.damping + machine_.damping.rayleigh_stiffness * axial.stiffness, s};
-    if (machine_.legs[i].stroke) continue;
-    axes_[i].stops.low = -std::numeric_limits<double>::infinity();
-    axes_[i].stops.high = std::numeric_limits<double>::infinity();
   }
 }
 
@@ -156,10 +160,12 @@ double Plant::oil_side(int i, const LegMotion& motion, const double* x, const Pl
   return out.oil_force + out.friction_force + out.stop_force;
 }
 
-double Plant::spring_side(int i, const LegMotion& motion, LegOutput& out) const {
+double Plant::spring_side(int i, const LegMotion& motion, const PlantInput& input,
+                          LegOutput& out) const {
   const auto& spring = springs_[i];
   const auto& gimbals = gimbals_[i];
-  out.oil_force = -spring.force - spring.stiffness * (motion.s - spring.s);
+  out.oil_force = options_.oil_springs ? -spring.force - spring.stiffness * (motion.s - spring.s)
+                                       : input.axial[i];
   out.piston = motion.s + gimbals.compliance * (out.oil_force - gimbals.force);
   out.piston_rate = motion.s_rate * (1.0 - gimbals.compliance * spring.stiffness);
   out.friction_force = -spring.damping * motion.s_rate;
@@ -190,7 +196,7 @@ bool Plant::evaluate(const double* x, const PlantInput& input, double* rate, Wor
     const auto& motion = work.motion.legs[i];
     auto& leg = work.legs[i];
     loads.axial[i] = options_.hydraulics ? oil_side(i, motion, x, input, rate, leg)
-                                         : spring_side(i, motion, leg);
+                                         : spring_side(i, motion, input, leg);
     work.supply_flow += leg.supply_flow;
     work.return_flow += leg.return_flow;
   }

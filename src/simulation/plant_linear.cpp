@@ -111,6 +111,15 @@ Eigen::Quaterniond orientation(const double* x) {
   return Eigen::Quaterniond(x[3], x[4], x[5], x[6]).normalized();
 }
 
+/// Of the steps for positions: the corner of a guide ring is some hundredths of a millimetre wide
+/// (dynamics/guide_contact.hpp), tens of times less than the steps that suit everything else.
+double position_steps(const model::Machine& machine) {
+  constexpr double within_corner = 1e-2;
+  const bool contact = std::ranges::any_of(
+      machine.legs, [](const model::Leg& leg) { return leg.guide_sleeve.gap.has_value(); });
+  return contact ? within_corner : 1.0;
+}
+
 }  // namespace
 
 std::vector<std::string> Plant::state_names() const {
@@ -133,6 +142,15 @@ VectorXd Plant::scales() const {
   VectorXd scales(layout_.size);
   for (int k = 0; k < layout_.size; ++k) scales[k] = all[k].kind.scale;
   return scales;
+}
+
+VectorXd Plant::steps() const {
+  const auto all = described(layout_, mechanics_.flexible(), base_);
+  const double finer = position_steps(machine_);
+  VectorXd steps(layout_.size);
+  for (int k = 0; k < layout_.size; ++k)
+    steps[k] = k < layout_.velocity() ? finer * all[k].kind.step : all[k].kind.step;
+  return steps;
 }
 
 std::vector<std::string> Plant::linear_output_names() const {
@@ -190,19 +208,6 @@ VectorXd Plant::tangent_rates(const VectorXd& x, const VectorXd& x_0,
       rate.segment<6>(first_v) + dynamics::carried(work.base_acceleration, work.motion.p_BC);
   return out;
 }
-
-namespace {
-
-/// Of the steps for positions: the corner of a guide ring is some hundredths of a millimetre wide
-/// (dynamics/guide_contact.hpp), tens of times less than the steps that suit everything else.
-double position_steps(const model::Machine& machine) {
-  constexpr double within_corner = 1e-2;
-  const bool contact = std::ranges::any_of(
-      machine.legs, [](const model::Leg& leg) { return leg.guide_sleeve.gap.has_value(); });
-  return contact ? within_corner : 1.0;
-}
-
-}  // namespace
 
 LinearPlant Plant::linearise(const VectorXd& x, const PlantInput& input) const {
   const auto states = described_tangent(layout_, mechanics_.flexible(), base_);

@@ -86,7 +86,11 @@ Plant::Rest Plant::equilibrium(const Pose& X_BP) const {
   const auto statics = mechanics_.equilibrium(X_BP);
   require_statics(statics);
   mechanics_.configuration(X_BP, statics.legs, rest.x.data());
-  if (!options_.hydraulics) return rest;
+  if (!options_.hydraulics) {
+    for (int i = 0; i < leg_count && !options_.oil_springs; ++i)
+      rest.input.axial[i] = 0.0 - statics.legs[i].oil_force;
+    return rest;
+  }
   const auto now = motion(rest.x.data());
   for (int i = 0; i < leg_count; ++i) require_stroke(i, now.legs[i].s, axes_[i].stops);
 

@@ -14,6 +14,7 @@
 /// With `hydraulics = false` there are y and v only, and each leg is held by the linear model's oil
 /// spring, at rest at the reference pose: it pulls with f + k_h (s − s_0) + c_h ṡ. There is no
 /// friction of the seals along the leg then, and there are end stops only with a given stroke.
+/// With `oil_springs = false` as well, the input's axial forces alone act on the pistons.
 ///
 /// Gimbals that give way along the leg (`gimbal_stiffness` k_j) are a spring without mass in series
 /// with the oil; they add no state. The piston stands at s_p = s + (F − F_0)/k_j with F the oil's
@@ -56,11 +57,14 @@ enum class Friction {
 struct PlantOptions {
   bool hydraulics{true};
   Friction friction{Friction::all};
+  bool oil_springs{true};  ///< without hydraulics; false: PlantInput::axial holds the legs
 };
 
 struct PlantInput {
   Vector6 command{Vector6::Zero()};  ///< of the valves, clipped to [−1, 1]
   Vector6 wrench{Vector6::Zero()};   ///< force [N] and moment [N m] about C, base axes
+  /// On the pistons along the legs [N], + pushes the leg out; `oil_springs = false` only.
+  Vector6 axial{Vector6::Zero()};
 };
 
 /// Where things stand in x; −1 for what is not there.
@@ -151,6 +155,8 @@ class Plant {
   [[nodiscard]] std::vector<std::string> tangent_names() const;
   /// Magnitudes that matter of each state; absolute tolerances are multiples of them.
   [[nodiscard]] Eigen::VectorXd scales() const;
+  /// Steps of each state for differences of order 4, as linearise() takes them for δx.
+  [[nodiscard]] Eigen::VectorXd steps() const;
 
   /// The state that rests at a pose, held by the valves, and the commands that hold it. Throws
   /// base::ComputationError where there is none: legs past buckling, piston outside its stops, a
@@ -203,7 +209,8 @@ class Plant {
   bool evaluate(const double* x, const PlantInput& input, double* rate, Work& work) const;
   double oil_side(int leg, const dynamics::LegMotion& motion, const double* x,
                   const PlantInput& input, double* rate, LegOutput& out) const;
-  double spring_side(int leg, const dynamics::LegMotion& motion, LegOutput& out) const;
+  double spring_side(int leg, const dynamics::LegMotion& motion, const PlantInput& input,
+                     LegOutput& out) const;
   void supply_side(const double* x, double* rate, Work& work) const;
   [[nodiscard]] Eigen::VectorXd tangent_rates(const Eigen::VectorXd& x, const Eigen::VectorXd& x_0,
                                               const PlantInput& input) const;
