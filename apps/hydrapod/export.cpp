@@ -11,7 +11,7 @@ using exchange::Held;
 
 struct Arguments {
   MachineArguments machine{};
-  std::string to{}, system{"mechanics"}, inputs{}, outputs{}, point{}, sample_time{}, output{};
+  std::string to{}, system{}, inputs{}, outputs{}, point{}, sample_time{}, output{};
   int pade{simulation::default_pade_order}, leg_modes{-1};
   bool sampled{}, approximate{};
 };
@@ -32,12 +32,16 @@ std::string parity_text(const exchange::Parity& parity, const TableStyle& style)
 
 bool is_state_space(tasks::ExportFormat format) { return format <= tasks::ExportFormat::hdf5; }
 
+bool is_fmu(tasks::ExportFormat format) { return format >= tasks::ExportFormat::fmu2; }
+
 /// Options that another format has no use for.
 void refuse_idle_options(const Arguments& arguments, tasks::ExportFormat format) {
   const std::string to = "with --to " + arguments.to;
   if (!is_state_space(format)) {
     const char* what = " has no meaning: it is for state spaces (mat, npz, json, hdf5)";
-    if (arguments.system != "mechanics") base::refuse("--system " + arguments.system, to + what);
+    if (!arguments.system.empty() && arguments.system != "mechanics" && !is_fmu(format))
+      base::refuse("--system " + arguments.system,
+                   to + " has no meaning: it is for state spaces (mat, npz, json, hdf5) and FMUs");
     if (!arguments.sample_time.empty())
       base::refuse("--sample-time " + arguments.sample_time, to + what);
     if (!arguments.inputs.empty()) base::refuse("--inputs " + arguments.inputs, to + what);
@@ -59,8 +63,9 @@ tasks::ExportOptions options_of(const Arguments& arguments) {
       "--to", arguments.to, {tasks::export_formats.begin(), tasks::export_formats.end()}));
   options.path = arguments.output;
   refuse_idle_options(arguments, options.format);
-  options.system = static_cast<exchange::SystemKind>(
-      choose_word("--system", arguments.system, {"mechanics", "plant", "loop"}));
+  if (!arguments.system.empty())
+    options.system = static_cast<exchange::SystemKind>(
+        choose_word("--system", arguments.system, {"mechanics", "plant", "loop"}));
   options.pade_order = arguments.pade;
   if (!arguments.sample_time.empty())
     options.sample_time = positive_quantity("--sample-time", arguments.sample_time, "s",
@@ -101,17 +106,19 @@ void add_export(Command app) {
         "discretised, three outputs"},
        {"export machine.toml --to dmig -o machine.pch", "superelement for Nastran"},
        {"export machine.toml --to uff -o modes.uff", "modes for programs of modal analysis"},
-       {"export machine.toml --to mjcf -o machine.xml", "multibody model for MuJoCo"}});
+       {"export machine.toml --to mjcf -o machine.xml", "multibody model for MuJoCo"},
+       {"export machine.toml --to fmu2 -o machine.fmu",
+        "nonlinear plant for simulators with FMI"}});
   auto& arguments = command.calls(&run);
   add_subject_options(command, arguments.machine);
   command.add_options(
       {{"--to", arguments.to,
         "State space: mat, npz, json, hdf5; modes: uff; superelement: mtx, dmig; multibody: mjcf, "
-        "sdf, urdf",
+        "sdf, urdf; nonlinear plant: fmu2, fmu3",
         required},
        {"--system", arguments.system,
-        "State space of the mechanics, of the plant (with hydraulics), or of the loop (with the "
-        "controller)"},
+        "State space of the mechanics (default), of the plant (with hydraulics), or of the loop "
+        "(with the controller); FMU of the plant (default) or of the mechanics"},
        {"--sample-time", arguments.sample_time,
         "Discretise, inputs held over this time: s or with a unit"},
        {"--sampled", arguments.sampled,

@@ -23,15 +23,16 @@ spatial::Vector3 interface_point(const Machine& machine, const ExportOptions& op
 }
 
 exchange::Parity export_state_space(const Machine& machine, const ExportOptions& options) {
-  const auto system = exchange::state_space(machine.file.machine, machine.pose.X_BP,
-                                            {.system = options.system,
-                                             .kind = machine.kind,
-                                             .p_PQ = interface_point(machine, options),
-                                             .pade_order = options.pade_order,
-                                             .sample_time = options.sample_time,
-                                             .sampled_controller = options.sampled_controller,
-                                             .inputs = options.inputs,
-                                             .outputs = options.outputs});
+  const auto system =
+      exchange::state_space(machine.file.machine, machine.pose.X_BP,
+                            {.system = options.system.value_or(exchange::SystemKind::mechanics),
+                             .kind = machine.kind,
+                             .p_PQ = interface_point(machine, options),
+                             .pade_order = options.pade_order,
+                             .sample_time = options.sample_time,
+                             .sampled_controller = options.sampled_controller,
+                             .inputs = options.inputs,
+                             .outputs = options.outputs});
   const auto head = export_head(machine);
   if (options.format == ExportFormat::mat) {
     exchange::write_state_space_mat(options.path, system, head);
@@ -95,6 +96,34 @@ exchange::Parity export_multibody(const Machine& machine, const ExportOptions& o
   return file.parity;
 }
 
+exchange::Parity export_fmu(const Machine& machine, const ExportOptions& options) {
+  const auto system = options.system.value_or(exchange::SystemKind::plant);
+  const std::string to =
+      fmt::format("--to {}", export_formats[static_cast<std::size_t>(options.format)]);
+  if (system == exchange::SystemKind::loop)
+    base::refuse("--system loop",
+                 "with " + to + " there is no controller inside; expected plant or mechanics");
+  const auto object = exchange::fmu_object_file();
+  if (object.empty())
+    base::refuse(to,
+                 "needs the shared object hydrapod_fmu.so, which stands neither in the folder "
+                 "apps/fmu of a build nor in an installation beside the program; build the target "
+                 "hydrapod_fmu");
+  constexpr std::size_t largest = 1U << 27U;
+  const auto notices = object.substr(0, object.rfind('/') + 1) + "NOTICES.txt";
+  auto fmu = exchange::fmu(
+      machine.file.machine, machine.pose,
+      {.version = options.format == ExportFormat::fmu2 ? exchange::FmuVersion::fmi2
+                                                       : exchange::FmuVersion::fmi3,
+       .kind = machine.kind,
+       .hydraulics = system == exchange::SystemKind::plant,
+       .object = base::read_file(object, largest, "the shared object of FMUs"),
+       .notices = base::read_file(notices, largest, "the licences of what FMUs hold")},
+      export_head(machine));
+  base::write_file_whole(options.path, fmu.archive);
+  return fmu.parity;
+}
+
 }  // namespace
 
 std::vector<std::string> export_files(ExportFormat format, const std::string& path) {
@@ -124,6 +153,10 @@ Exported export_machine(const Machine& machine, const ExportOptions& options) {
     case ExportFormat::matrix_market:
     case ExportFormat::dmig:
       result.parity = export_superelement(machine, options);
+      break;
+    case ExportFormat::fmu2:
+    case ExportFormat::fmu3:
+      result.parity = export_fmu(machine, options);
       break;
     default:
       result.parity = export_multibody(machine, options);

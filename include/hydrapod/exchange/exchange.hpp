@@ -1,5 +1,6 @@
 #pragma once
-/// A machine as other programs read it: state space, modal model, superelement, multibody files.
+/// A machine as other programs read it: state space, modal model, superelement, multibody files,
+/// functional mock-up units.
 ///
 /// State space. With x, u, y small changes from the operating point (`rest` of every signal),
 ///
@@ -31,6 +32,10 @@
 /// Multibody files (MJCF, SDF, URDF): bodies, joints and closures of the mechanism at its rest, see
 /// src/exchange/mechanism.hpp. What a format holds exactly, approximately or not at all is a
 /// Parity.
+///
+/// Functional mock-up units (FMI 2.0 and 3.0): simulation::Plant in a shared object of its own, for
+/// co-simulation and model exchange. Inputs are valve commands, or without hydraulics the axial
+/// forces on the pistons, and a wrench at C; it begins at rest at the given pose.
 
 #include <Eigen/Core>
 #include <nlohmann/json.hpp>
@@ -154,5 +159,27 @@ enum class MultibodyFormat { mjcf, sdf, urdf };
 /// The mechanism at rest at `X_BP`. Throws base::ComputationError where it does not stand there.
 MultibodyFile multibody_file(const Machine& machine, const Pose& X_BP, dynamics::ModelKind kind,
                              MultibodyFormat format);
+
+enum class FmuVersion { fmi2, fmi3 };
+
+struct FmuOptions {
+  FmuVersion version{};
+  dynamics::ModelKind kind{dynamics::ModelKind::guide};
+  bool hydraulics{true};  ///< false: the mechanics alone, moved by forces
+  std::string object{};   ///< content of the shared object, see fmu_object_file()
+  std::string notices{};  ///< licences of what is linked into it
+};
+
+struct Fmu {
+  std::string archive{};  ///< the bytes of the ZIP file
+  Parity parity{};
+};
+
+/// The machine at rest at `pose`. Throws base::ComputationError where it does not stand there.
+Fmu fmu(const Machine& machine, const model::NamedPose& pose, const FmuOptions& options,
+        const FileHead& head);
+
+/// The shared object of FMUs: built beside the program, or installed with it; empty: neither.
+std::string fmu_object_file();
 
 }  // namespace hydrapod::exchange

@@ -110,16 +110,30 @@ struct SensitivityOptions {
 calibration::Sensitivities sensitivity(const Machine& machine,
                                        const SensitivityOptions& options = {});
 
-enum class ExportFormat { mat, npz, json, hdf5, uff, matrix_market, dmig, mjcf, sdf, urdf };
+enum class ExportFormat {
+  mat,
+  npz,
+  json,
+  hdf5,
+  uff,
+  matrix_market,
+  dmig,
+  mjcf,
+  sdf,
+  urdf,
+  fmu2,
+  fmu3
+};
 
 /// Their words on the command line, in this order.
-inline constexpr std::array<std::string_view, 10> export_formats{
-    "mat", "npz", "json", "hdf5", "uff", "mtx", "dmig", "mjcf", "sdf", "urdf"};
+inline constexpr std::array<std::string_view, 12> export_formats{
+    "mat", "npz", "json", "hdf5", "uff", "mtx", "dmig", "mjcf", "sdf", "urdf", "fmu2", "fmu3"};
 
 struct ExportOptions {
   ExportFormat format{};
   std::string path{};
-  exchange::SystemKind system{exchange::SystemKind::mechanics};  ///< of a state space
+  /// Of a state space or an FMU; default: the mechanics of a state space, the plant of an FMU.
+  std::optional<exchange::SystemKind> system{};
   int pade_order{simulation::default_pade_order};
   double sample_time{};  ///< [s], see exchange::StateSpaceOptions
   bool sampled_controller{};

@@ -1,0 +1,74 @@
+#include <array>
+#include <cstring>
+
+#include "instance.hpp"
+
+namespace hydrapod::fmu {
+
+namespace {
+
+constexpr std::array<char, 8> mark{'h', 'y', 'd', 'r', 'f', 'm', 'u', '1'};
+
+/// The numbers of a state that have a fixed place.
+struct Head {
+  std::array<char, 8> begin;
+  std::int64_t mode, flags, parameters, inputs, states;
+  double time, start, stop, tolerance;
+};
+
+}  // namespace
+
+std::size_t SavedState::bytes() const {
+  return sizeof(Head) + (parameters.size() + inputs.size() + x.size()) * sizeof(double);
+}
+
+void SavedState::write(char* to) const {
+  const auto size = [](const auto& list) { return static_cast<std::int64_t>(list.size()); };
+  const Head head{mark,
+                  mode,
+                  (has_stop ? 1 : 0) + (ready ? 2 : 0),
+                  size(parameters),
+                  size(inputs),
+                  size(x),
+                  time,
+                  start,
+                  stop,
+                  tolerance};
+  std::memcpy(to, &head, sizeof head);
+  to += sizeof head;
+  for (const auto* list : {&parameters, &inputs, &x}) {
+    std::memcpy(to, list->data(), list->size() * sizeof(double));
+    to += list->size() * sizeof(double);
+  }
+}
+
+SavedState SavedState::read(const char* from, std::size_t size, const SavedState& like) {
+  Head head{};
+  SavedState state{.parameters = like.parameters, .inputs = like.inputs, .x = like.x};
+  if (size != state.bytes())
+    throw Misuse("a serialized state of this FMU has " + std::to_string(state.bytes()) +
+                 " bytes, got " + std::to_string(size));
+  std::memcpy(&head, from, sizeof head);
+  const auto same = [](std::int64_t count, const auto& list) {
+    return count == static_cast<std::int64_t>(list.size());
+  };
+  if (head.begin != mark || head.flags < 0 || head.flags > 3 ||
+      !same(head.parameters, state.parameters) || !same(head.inputs, state.inputs) ||
+      !same(head.states, state.x))
+    throw Misuse("these bytes are no serialized state of this FMU");
+  from += sizeof head;
+  for (auto* list : {&state.parameters, &state.inputs, &state.x}) {
+    std::memcpy(list->data(), from, list->size() * sizeof(double));
+    from += list->size() * sizeof(double);
+  }
+  state.mode = head.mode;
+  state.has_stop = (head.flags & 1) != 0;
+  state.ready = (head.flags & 2) != 0;
+  state.time = head.time;
+  state.start = head.start;
+  state.stop = head.stop;
+  state.tolerance = head.tolerance;
+  return state;
+}
+
+}  // namespace hydrapod::fmu

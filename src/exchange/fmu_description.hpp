@@ -1,0 +1,28 @@
+#pragma once
+/// modelDescription.xml, the page and the icon of an FMU.
+
+#include "fmu_interface.hpp"
+#include "hydrapod/exchange/exchange.hpp"
+
+namespace hydrapod::exchange {
+
+struct FmuContent {
+  const FmuMachine& machine;
+  const FmuInterface& interface;
+  const simulation::Plant& plant;
+  FmuVersion version{};
+  std::string identifier{};  ///< of the shared object: letters, digits, underscores
+  std::string title{};
+  std::size_t object_size{};
+};
+
+std::string fmu_description(const FmuContent& fmu);
+/// In HTML.
+std::string fmu_page(const FmuContent& fmu);
+/// A hexapod of 64 × 64 points, PNG.
+std::string fmu_icon();
+
+/// For XML and HTML, also within quotes.
+std::string escaped(std::string_view text);
+
+}  // namespace hydrapod::exchange

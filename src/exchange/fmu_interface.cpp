@@ -1,0 +1,297 @@
+#include "fmu_interface.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <stdexcept>
+
+#include "fmu_outputs.hpp"
+
+namespace hydrapod::exchange {
+
+namespace {
+
+using model::ParameterId;
+using simulation::Plant;
+
+/// Of controllers, sensors and limits of poses, on which the plant does not depend; joints are
+/// parameters themselves, not the circle on which they were laid out.
+bool concerns_plant(std::string_view path, bool hydraulics) {
+  constexpr std::array never{"controller.", "sensors.", "legs.joint_limits.", "base.joints.circle",
+                             "platform.joints.circle"};
+  constexpr std::array of_oil{"supply.", "legs.valve.", "legs.leakage.", "legs.friction."};
+  const auto begins = [&](const char* front) { return path.starts_with(front); };
+  if (std::ranges::any_of(never, begins)) return false;
+  return hydraulics || !std::ranges::any_of(of_oil, begins);
+}
+
+std::vector<ParameterId> parameters_of(const FmuMachine& fmu) {
+  std::vector<ParameterId> kept;
+  const auto poses = static_cast<int>(fmu.machine.poses.size());
+  for (const auto& id : model::parameters(fmu.machine)) {
+    const auto path = model::row_of(id).path;
+    if (path.starts_with("poses.")) {
+      if (id.of == 1 || id.of == poses) kept.push_back(id);
+      continue;
+    }
+    const bool shared = id.of == 0 && path.starts_with(model::of_legs);
+    if (!shared && concerns_plant(path, fmu.hydraulics)) kept.push_back(id);
+  }
+  return kept;
+}
+
+bool is_letter(char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_'; }
+
+/// May `name` stand in a structured name without quotes?
+bool is_plain(std::string_view name) {
+  return !name.empty() && is_letter(name.front()) &&
+         std::ranges::all_of(name, [](char c) { return is_letter(c) || (c >= '0' && c <= '9'); });
+}
+
+/// "leg.3.rod.mass" as "leg3.rod.mass"; a pose whose name is no identifier is "reference".
+std::string parameter_name(const model::Machine& machine, const ParameterId& id) {
+  const auto path = model::path(machine, id);
+  const auto row = model::row_of(id).path;
+  if (row.starts_with("poses.")) {
+    const auto& pose = machine.poses.at(static_cast<std::size_t>(id.of) - 1).name;
+    const auto key = path.substr(path.rfind(model::last_key(row)));
+    return "poses." + (is_plain(pose) ? pose : std::string("reference")) + '.' + key;
+  }
+  return path.starts_with("leg.") ? "leg" + path.substr(4) : path;
+}
+
+/// What the table says, without its marks.
+std::string plain_meaning(std::string_view meaning) {
+  std::string text(meaning);
+  std::erase(text, '`');
+  return text;
+}
+
+FmuVariable parameter_variable(const model::Machine& machine, const ParameterId& id, int index) {
+  const auto& row = model::row_of(id);
+  FmuVariable made{.role = FmuRole::parameter,
+                   .index = index,
+                   .name = parameter_name(machine, id),
+                   .unit = std::string(model::unit(machine, id)),
+                   .description = std::string(row.path) + ": " + plain_meaning(row.meaning),
+                   .start = model::value(machine, id)};
+  if (std::isfinite(row.bound.lowest)) made.low = row.bound.lowest;
+  if (std::isfinite(row.bound.highest)) made.high = row.bound.highest;
+  if (*made.start != 0.0) made.nominal = std::abs(*made.start);
+  return made;
+}
+
+FmuVariable input_variable(const FmuMachine& fmu, int k) {
+  constexpr std::array names{"fx", "fy", "fz", "mx", "my", "mz"};
+  FmuVariable made{.role = FmuRole::input, .index = k};
+  made.start = fmu.input_start.at(static_cast<std::size_t>(k));
+  const auto describe = [&](std::string_view unit, std::string_view description, double nominal) {
+    made.unit = unit;
+    made.description = description;
+    made.nominal = nominal;
+  };
+  if (k >= 6) {
+    made.name = std::string("wrench.") + names.at(static_cast<std::size_t>(k) - 6);
+    if (k < 9)
+      describe("N", "force on the platform along a base axis", 1e3);
+    else
+      describe("N m", "moment on the platform about its mass centre, base axes", 1e3);
+    return made;
+  }
+  made.name = "leg" + std::to_string(k + 1) + (fmu.hydraulics ? ".valve_command" : ".axial_force");
+  if (!fmu.hydraulics) {
+    describe("N", "force on the piston along the leg, + pushes the leg out", 1e4);
+    return made;
+  }
+  describe("1", "command of the valve in shares of full travel, + extends the leg", 1.0);
+  made.low = -1.0;
+  made.high = 1.0;
+  return made;
+}
+
+/// Is the state one that users look at?
+bool shown(const simulation::StateLayout& layout, int k) {
+  const auto within = [k](int first, int count) {
+    return first >= 0 && k >= first && k < first + count;
+  };
+  const bool spool_position = within(layout.spools, 12) && (k - layout.spools) % 2 == 0;
+  return within(layout.velocity(), 6) || within(layout.pressures, 12) || spool_position ||
+         k == layout.supply;
+}
+
+std::string state_description(const simulation::StateLayout& layout, int k, bool rate) {
+  std::string of = "state of the mechanics";
+  if (k < 3) of = "mass centre of the platform in the base frame";
+  if (k >= 3 && k < 7) of = "quaternion of the platform in the base frame";
+  if (k >= layout.velocity() && k < layout.velocity() + 3) of = "velocity of the mass centre";
+  if (k >= layout.velocity() + 3 && k < layout.velocity() + 6)
+    of = "angular velocity of the platform, base axes";
+  if (layout.pressures >= 0 && k >= layout.pressures) of = "chamber pressure, absolute";
+  if (layout.spools >= 0 && k >= layout.spools) of = "spool of the valve, in travels";
+  if (layout.supply >= 0 && k >= layout.supply) of = "supply pressure, absolute";
+  if (layout.bristles >= 0 && k >= layout.bristles) of = "bend of the seal's bristles";
+  if (layout.base >= 0 && k >= layout.base) of = "motion of the base against the ground";
+  return rate ? "rate of: " + of : of;
+}
+
+/// "m/s" of "m", "1/s" of "1".
+std::string rate_unit(const std::string& unit) {
+  if (unit == "m/s" || unit == "rad/s" || unit == "1/s") return unit + "^2";
+  return unit + "/s";
+}
+
+void add_states(const Plant& plant, std::vector<FmuVariable>& all) {
+  const auto names = plant.state_names(), units = plant.state_units();
+  const auto scales = plant.scales();
+  for (const bool rate : {false, true})
+    for (std::size_t k = 0; k < names.size(); ++k) {
+      const int index = static_cast<int>(k);
+      FmuVariable made{.role = rate ? FmuRole::derivative : FmuRole::state, .index = index};
+      made.name = rate ? "der(" + names[k] + ")" : names[k];
+      made.unit = rate ? rate_unit(units[k]) : units[k];
+      made.description = state_description(plant.layout(), index, rate);
+      made.is_output = !rate && shown(plant.layout(), index);
+      if (!rate) made.nominal = scales[index];
+      all.push_back(std::move(made));
+    }
+}
+
+std::vector<int> indicators_of(const Plant& plant) {
+  std::vector<int> kept;
+  const auto& layout = plant.layout();
+  for (int k = 0; k < plant.event_count(); ++k) {
+    const int leg = k / Plant::events_per_leg;
+    const auto event = static_cast<Plant::Event>(k % Plant::events_per_leg);
+    const bool of_stops = event == Plant::Event::retracted || event == Plant::Event::extended;
+    const bool of_oil =
+        event == Plant::Event::cavitation_cap || event == Plant::Event::cavitation_rod;
+    if (of_stops && !std::isfinite(plant.axis(leg).stops.low)) continue;
+    if (of_oil && layout.pressures < 0) continue;
+    kept.push_back(k);
+  }
+  return kept;
+}
+
+void add_indicators(const std::vector<int>& events, std::vector<FmuVariable>& all) {
+  constexpr std::array<const char*, Plant::events_per_leg> names{
+      "retracted", "extended", "cavitation_cap", "cavitation_rod", "unguided"};
+  int index = 0;
+  for (const int k : events) {
+    const auto event = static_cast<Plant::Event>(k % Plant::events_per_leg);
+    const bool of_oil =
+        event == Plant::Event::cavitation_cap || event == Plant::Event::cavitation_rod;
+    all.push_back({.role = FmuRole::indicator,
+                   .index = index++,
+                   .name = "leg" + std::to_string(k / Plant::events_per_leg + 1) + ".event." +
+                           names.at(static_cast<std::size_t>(k % Plant::events_per_leg)),
+                   .unit = of_oil ? "Pa" : "m",
+                   .description = std::string("below 0: ") + Plant::name(event)});
+  }
+}
+
+}  // namespace
+
+int FmuInterface::first(FmuRole role) const {
+  const auto found = std::ranges::find(variables, role, &FmuVariable::role);
+  return static_cast<int>(found - variables.begin());
+}
+
+int FmuInterface::count(FmuRole role) const {
+  return static_cast<int>(std::ranges::count(variables, role, &FmuVariable::role));
+}
+
+FmuInterface fmu_interface(const FmuMachine& fmu, const Plant& plant) {
+  FmuInterface result;
+  auto& all = result.variables;
+  all.push_back({.role = FmuRole::time, .name = "time", .unit = "s", .description = "time"});
+  for (int k = 0; k < fmu_inputs; ++k) all.push_back(input_variable(fmu, k));
+  add_states(plant, all);
+  int index = 0;
+  for (const auto& one : fmu_output_table(plant))
+    all.push_back({.role = FmuRole::output,
+                   .index = index++,
+                   .name = one.name,
+                   .unit = one.unit,
+                   .description = one.description,
+                   .nominal = one.nominal});
+  result.indicators = indicators_of(plant);
+  add_indicators(result.indicators, all);
+  result.parameters = parameters_of(fmu);
+  index = 0;
+  for (const auto& id : result.parameters)
+    all.push_back(parameter_variable(fmu.machine, id, index++));
+  return result;
+}
+
+std::vector<double> fmu_indicators(const FmuInterface& interface, const Plant& plant,
+                                   const double* x) {
+  std::vector<double> all(static_cast<std::size_t>(plant.event_count())), kept;
+  plant.events(x, all.data());
+  for (const int k : interface.indicators) kept.push_back(all[static_cast<std::size_t>(k)]);
+  return kept;
+}
+
+simulation::PlantInput fmu_plant_input(bool hydraulics, const std::vector<double>& inputs) {
+  simulation::PlantInput input;
+  const Eigen::Map<const spatial::Vector6> actuators(inputs.data());
+  (hydraulics ? input.command : input.axial) = actuators;
+  input.wrench = Eigen::Map<const spatial::Vector6>(inputs.data() + 6);
+  return input;
+}
+
+namespace {
+
+/// Of one symbol, "m" or "Pa".
+FmuUnit base_unit(std::string_view symbol) {
+  struct Named {
+    std::string_view symbol;
+    FmuUnit unit;
+  };
+  constexpr std::array<Named, 7> known{Named{"1", {}},
+                                       Named{"kg", {.kg = 1}},
+                                       Named{"m", {.m = 1}},
+                                       Named{"s", {.s = 1}},
+                                       Named{"rad", {.rad = 1}},
+                                       Named{"N", {.kg = 1, .m = 1, .s = -2}},
+                                       Named{"Pa", {.kg = 1, .m = -1, .s = -2}}};
+  const auto found = std::ranges::find(known, symbol, &Named::symbol);
+  if (found == known.end())
+    throw std::invalid_argument("no SI powers are known of the unit \"" + std::string(symbol) +
+                                '"');
+  return found->unit;
+}
+
+}  // namespace
+
+/// Symbols with powers, blanks between them; what stands behind a stroke divides: one symbol, or
+/// those in parentheses.
+FmuUnit fmu_unit(std::string_view unit) {
+  FmuUnit sum;
+  int sign = 1;
+  bool grouped = false;
+  for (std::size_t i = 0; i < unit.size();) {
+    const char c = unit[i];
+    if (c == ' ' || c == '(' || c == ')' || c == '/') {
+      if (c == '/') sign = -1;
+      if (c == '(') grouped = true;
+      if (c == ')' || (c == ' ' && !grouped)) sign = 1;
+      ++i;
+      continue;
+    }
+    const auto end = std::min(unit.find_first_of(" ()/^", i), unit.size());
+    const auto one = base_unit(unit.substr(i, end - i));
+    i = end;
+    int power = sign;
+    if (i + 1 < unit.size() && unit[i] == '^') {
+      power *= unit[i + 1] - '0';
+      i += 2;
+    }
+    sum.kg += power * one.kg;
+    sum.m += power * one.m;
+    sum.s += power * one.s;
+    sum.rad += power * one.rad;
+  }
+  return sum;
+}
+
+}  // namespace hydrapod::exchange

@@ -1,0 +1,138 @@
+/// What depends on what. The equations are those of simulation/plant.hpp, term by term.
+
+#include <algorithm>
+
+#include "fmu_outputs.hpp"
+
+namespace hydrapod::exchange {
+
+namespace {
+
+using model::leg_count;
+using simulation::Plant;
+
+/// Knowns of an unknown, as they are collected.
+class Knowns {
+ public:
+  Knowns(const FmuInterface& interface, const Plant& plant)
+      : plant_(plant),
+        layout_(plant.layout()),
+        first_state_(interface.first(FmuRole::state)),
+        first_input_(interface.first(FmuRole::input)) {}
+
+  void state(int index, bool constant = false) {
+    found_.push_back({first_state_ + index, constant});
+  }
+  void states(int first, int count) {
+    for (int k = 0; k < count; ++k) state(first + k);
+  }
+  void input(int index) { found_.push_back({first_input_ + index, false}); }
+
+  /// `leg` −1: all legs. `coordinate`: of own_coordinate.
+  void parts(unsigned parts, int leg, int coordinate = 0) {
+    if ((parts & part::own_coordinate) != 0) state(coordinate, true);
+    if ((parts & part::position) != 0) states(0, 3);
+    if ((parts & part::orientation) != 0) states(3, 4);
+    if ((parts & part::velocity) != 0) states(layout_.velocity(), 3);
+    if ((parts & part::turning) != 0) states(layout_.velocity() + 3, 3);
+    for (int i = 0; i < leg_count; ++i)
+      if (leg < 0 || leg == i) of_leg(parts, i);
+    if ((parts & part::supply) != 0 && layout_.supply >= 0) state(layout_.supply);
+    const int base = plant_.base().count;
+    if ((parts & part::base) != 0) states(layout_.base, base);
+    if ((parts & part::base_rate) != 0) states(layout_.base + base, base);
+    if ((parts & part::wrench) != 0)
+      for (int k = 0; k < 6; ++k) input(6 + k);
+  }
+
+  [[nodiscard]] std::vector<FmuDependency> sorted() {
+    std::ranges::sort(found_, {}, &FmuDependency::variable);
+    return found_;
+  }
+
+ private:
+  void of_leg(unsigned parts, int i) {
+    const int flexible = plant_.mechanics().flexible();
+    const bool oil = layout_.pressures >= 0;
+    if ((parts & part::flexible) != 0) states(7 + flexible * i, flexible);
+    if ((parts & part::flexible_rate) != 0) states(layout_.velocity() + 6 + flexible * i, flexible);
+    if ((parts & part::pressure) != 0 && oil) states(layout_.cap(i), 2);
+    if ((parts & part::spool) != 0 && oil) state(layout_.spool(i));
+    if ((parts & part::spool_rate) != 0 && oil) state(layout_.spool(i) + 1);
+    if ((parts & part::bristle) != 0 && plant_.axis(i).friction.has_bristles() && oil)
+      state(layout_.bristles + i);
+    if ((parts & part::valve) != 0 && oil) input(i);
+    if ((parts & part::axial) != 0 && !oil) input(i);
+  }
+
+  const Plant& plant_;
+  const simulation::StateLayout& layout_;
+  int first_state_, first_input_;
+  std::vector<FmuDependency> found_{};
+};
+
+void of_position_rate(int k, const simulation::StateLayout& layout, Knowns& knowns) {
+  constexpr int quaternion = 3, end = 7;
+  if (k >= quaternion && k < end) {  // ½ (0, ω) q has no q_k in its own row
+    for (int other = quaternion; other < end; ++other)
+      if (other != k) knowns.state(other);
+    knowns.parts(part::turning, -1);
+    return;
+  }
+  knowns.state(layout.velocity() + (k < quaternion ? k : k - 1), true);
+}
+
+void of_derivative(int k, const Plant& plant, Knowns& knowns) {
+  const auto& layout = plant.layout();
+  const int base = plant.base().count;
+  if (k < layout.velocity()) return of_position_rate(k, layout, knowns);
+  if (k < layout.velocity() + layout.velocities) return knowns.parts(fmu_acceleration_parts(), -1);
+  if (layout.pressures >= 0 && k >= layout.pressures && k < layout.pressures + 2 * leg_count)
+    return knowns.parts(fmu_speed_parts() | part::pressure | part::spool | part::supply,
+                        (k - layout.pressures) / 2);
+  if (layout.spools >= 0 && k >= layout.spools && k < layout.spools + 2 * leg_count) {
+    const int leg = (k - layout.spools) / 2;
+    if (k == layout.spool(leg)) return knowns.state(k + 1, true);
+    return knowns.parts(part::spool | part::spool_rate | part::valve, leg);
+  }
+  if (k == layout.supply) return knowns.parts(part::supply | part::spool | part::pressure, -1);
+  if (layout.bristles >= 0 && k >= layout.bristles && k < layout.bristles + leg_count) {
+    const int leg = k - layout.bristles;
+    if (plant.axis(leg).friction.has_bristles())
+      knowns.parts(fmu_speed_parts() | part::bristle, leg);
+    return;
+  }
+  if (k < layout.base + base) return knowns.state(k + base, true);
+  knowns.parts(fmu_acceleration_parts(), -1);
+}
+
+void of_indicator(int event, const simulation::StateLayout& layout, Knowns& knowns) {
+  const int leg = event / Plant::events_per_leg;
+  switch (static_cast<Plant::Event>(event % Plant::events_per_leg)) {
+    case Plant::Event::cavitation_cap:
+      return knowns.state(layout.cap(leg), true);
+    case Plant::Event::cavitation_rod:
+      return knowns.state(layout.rod(leg), true);
+    default:
+      return knowns.parts(fmu_stretch_parts(), leg);
+  }
+}
+
+}  // namespace
+
+std::vector<FmuDependency> fmu_dependencies(const FmuInterface& interface, const Plant& plant,
+                                            int variable) {
+  const auto& of = interface.variables[static_cast<std::size_t>(variable)];
+  Knowns knowns(interface, plant);
+  if (of.role == FmuRole::state) knowns.state(of.index, true);
+  if (of.role == FmuRole::derivative) of_derivative(of.index, plant, knowns);
+  if (of.role == FmuRole::indicator)
+    of_indicator(interface.indicators[static_cast<std::size_t>(of.index)], plant.layout(), knowns);
+  if (of.role == FmuRole::output) {
+    const auto one = fmu_output_table(plant)[static_cast<std::size_t>(of.index)];
+    knowns.parts(one.parts, one.leg, one.element);
+  }
+  return knowns.sorted();
+}
+
+}  // namespace hydrapod::exchange

@@ -1,0 +1,294 @@
+/// FMUs against the plant that they hold, integrated by another method.
+
+#include <cvode/cvode.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <malloc.h>
+#include <nvector/nvector_serial.h>
+#include <sunnonlinsol/sunnonlinsol_fixedpoint.h>
+
+#include <cmath>
+#include <thread>
+
+#include "exchange/fmu_subject.hpp"
+#include "hydrapod/model/parameters.hpp"
+
+namespace hydrapod::test {
+namespace {
+
+class CoSimulation : public testing::TestWithParam<Case> {};
+
+/// Ten seconds of it are in fmu_long_test.cpp. Without oil springs nothing brings the platform
+/// back: it is followed for as long as it is near.
+TEST_P(CoSimulation, FollowsThePlantUnderNoise) {
+  const auto of = GetParam();
+  const bool two = of.version == FmuVersion::fmi2;
+  expect_same_motion(of, of.hydraulics && two ? 1000 : 300);
+}
+
+TEST_P(CoSimulation, OutputsAreThoseOfThePlant) {
+  const Subject subject(GetParam());
+  const Slave slave(subject.fmu, true);
+  Random random(2);
+  const auto values = subject.noise(random);
+  ASSERT_EQ(ok, slave.set(subject.inputs, values));
+  for (int k = 0; k < 20; ++k) ASSERT_EQ(ok, slave.step(sample * k, sample));
+  const auto x = slave.get(subject.states);
+  const auto out = subject.plant.outputs(x.data(), subject.input(values));
+  const auto expect = [&](const std::string& name, double value, double scale) {
+    EXPECT_NEAR(slave.get(name), value, 1e-10 * scale) << name;
+  };
+  const auto angles = spatial::rpy_from_rotation(out.X_BP.R_BP);
+  expect("pose.x", out.X_BP.p_BP.x(), 1.0);
+  expect("pose.z", out.X_BP.p_BP.z(), 1.0);
+  expect("pose.ry", angles.y(), 1.0);
+  expect("vx", out.twist[0], 1.0);
+  expect("acceleration.z", out.acceleration[2], 1e2);
+  expect("acceleration.rx", out.acceleration[3], 1e2);
+  for (int i = 0; i < 6; ++i) {
+    const auto leg = "leg" + std::to_string(i + 1) + '.';
+    const auto& of = out.legs[static_cast<std::size_t>(i)];
+    expect(leg + "length", of.length, 1.0);
+    expect(leg + "length_rate", of.length_rate, 1.0);
+    expect(leg + "piston", of.piston, 1.0);
+    expect(leg + "stop_force", of.stop_force, 1.0);
+    if (!subject.hydraulics) continue;
+    expect(leg + "p_rod", of.rod_pressure, 1e6);
+    expect(leg + "spool", of.spool, 1.0);
+    expect(leg + "oil_force", of.oil_force, 1e5);
+    expect(leg + "friction_force", of.friction_force, 1e5);
+  }
+}
+
+/// With differences of another order and other steps, extrapolated.
+TEST_P(CoSimulation, DerivativesAreThoseOfDifferences) {
+  const Subject subject(GetParam());
+  const Slave slave(subject.fmu, false);
+  slave.enter_continuous_time();
+  Random random(3);
+  auto inputs = subject.noise(random);
+  ASSERT_EQ(ok, slave.set(subject.inputs, inputs));
+  std::vector<double> x(subject.rest.x.begin(), subject.rest.x.end());
+  const auto scales = subject.plant.scales();
+  for (std::size_t k = 0; k < x.size(); ++k)
+    x[k] += 0.2 * scales[static_cast<int>(k)] * random.uniform(-1.0, 1.0);
+  ASSERT_EQ(ok, slave.set_states(x));
+  std::vector<unsigned> unknowns;
+  for (const auto& [name, reference] : subject.fmu.references)
+    if (name.starts_with("der(") || name.ends_with("length_rate") ||
+        name.starts_with("acceleration"))
+      unknowns.push_back(reference);
+  const auto count = unknowns.size();
+  const auto knowns = static_cast<int>(x.size() + inputs.size());
+  Eigen::MatrixXd given(count, knowns), expected(count, knowns);
+  const double share = 1e-4;
+  for (int k = 0; k < knowns; ++k) {
+    const bool is_state = k < static_cast<int>(x.size());
+    const auto index = static_cast<std::size_t>(is_state ? k : k - static_cast<int>(x.size()));
+    const double size = is_state ? scales[k] : subject.hydraulics && index < 6 ? 0.1 : 1e3;
+    const auto column =
+        slave.directional(unknowns, is_state ? subject.states[index] : subject.inputs[index]);
+    const auto at = [&](double h) {
+      auto moved = x, u = inputs;
+      (is_state ? moved : u)[index] += h;
+      EXPECT_EQ(ok, slave.set_states(moved));
+      EXPECT_EQ(ok, slave.set(subject.inputs, u));
+      const auto values = slave.get(unknowns);
+      return Eigen::VectorXd(Eigen::Map<const Eigen::VectorXd>(values.data(), values.size()));
+    };
+    const double h = share * size;
+    const Eigen::VectorXd coarse = (at(h) - at(-h)) / (2.0 * h);
+    const Eigen::VectorXd fine = (at(0.5 * h) - at(-0.5 * h)) / h;
+    expected.col(k) = size * (4.0 * fine - coarse) / 3.0;
+    given.col(k) = size * Eigen::Map<const Eigen::VectorXd>(column.data(), column.size());
+    ASSERT_EQ(ok, slave.set_states(x));
+    ASSERT_EQ(ok, slave.set(subject.inputs, inputs));
+  }
+  for (std::size_t u = 0; u < count; ++u) {
+    const auto row = static_cast<int>(u);
+    const double scale = expected.row(row).cwiseAbs().maxCoeff();
+    EXPECT_LT((given - expected).row(row).cwiseAbs().maxCoeff(), 1e-6 * scale) << unknowns[u];
+  }
+}
+
+/// The FMU's derivatives for CVODE.
+struct Equation {
+  const Slave* slave;
+  static int rate(double time, N_Vector x, N_Vector rates, void* data) {
+    const auto& slave = *static_cast<Equation*>(data)->slave;
+    const auto n = static_cast<std::size_t>(N_VGetLength(x));
+    const std::vector<double> states(N_VGetArrayPointer(x), N_VGetArrayPointer(x) + n);
+    const int status = slave.call(slave.fmu().three ? "fmi3SetTime" : "fmi2SetTime", time) +
+                       slave.set_states(states) + slave.derivatives(N_VGetArrayPointer(rates), n);
+    return status == ok ? 0 : 1;
+  }
+};
+
+TEST_P(CoSimulation, ModelExchangeUnderCvodeFollowsThePlant) {
+  const Subject subject(GetParam());
+  const Slave slave(subject.fmu, false);
+  slave.enter_continuous_time();
+  const auto n = static_cast<std::size_t>(subject.rest.x.size());
+  SUNContext context{};
+  ASSERT_EQ(0, SUNContext_Create(nullptr, &context));
+  N_Vector x = N_VNew_Serial(static_cast<sunindextype>(n), context);
+  N_Vector absolute = N_VClone(x);
+  ASSERT_EQ(ok, slave.states(N_VGetArrayPointer(x), n));
+  constexpr double tolerance = 1e-11;
+  for (std::size_t k = 0; k < n; ++k)
+    N_VGetArrayPointer(absolute)[k] = tolerance * subject.plant.scales()[static_cast<int>(k)];
+  Equation equation{&slave};
+  void* memory = CVodeCreate(CV_ADAMS, context);
+  ASSERT_EQ(0, CVodeInit(memory, &Equation::rate, 0.0, x));
+  ASSERT_EQ(0, CVodeSVtolerances(memory, tolerance, absolute));
+  ASSERT_EQ(0, CVodeSetUserData(memory, &equation));
+  ASSERT_EQ(0, CVodeSetMaxNumSteps(memory, 100000));
+  SUNNonlinearSolver solver = SUNNonlinSol_FixedPoint(x, 0, context);
+  ASSERT_EQ(0, CVodeSetNonlinearSolver(memory, solver));
+
+  Integrator reference(subject.plant, {.relative_tolerance = 1e-10, .absolute_tolerance = 1e-10});
+  reference.start(0.0, subject.rest.x);
+  Random random(4);
+  Difference difference;
+  double time = 0.0;
+  constexpr int steps = 200;
+  for (int k = 0; k < steps; ++k) {
+    const auto values = subject.noise(random);
+    ASSERT_EQ(ok, slave.set(subject.inputs, values));
+    ASSERT_EQ(0, CVodeReInit(memory, time, x));
+    ASSERT_EQ(0, CVodeSetStopTime(memory, sample * (k + 1)));
+    while (time < sample * (k + 1))
+      ASSERT_LE(0, CVode(memory, sample * (k + 1), x, &time, CV_NORMAL));
+    reference.advance(time, subject.input(values));
+    difference.add(reference.state(), N_VGetArrayPointer(x));
+  }
+  EXPECT_LT(difference.relative(subject.plant.scales()), 1e-6);
+  SUNNonlinSolFree(solver);
+  CVodeFree(&memory);
+  N_VDestroy(absolute);
+  N_VDestroy(x);
+  SUNContext_Free(&context);
+}
+
+TEST_P(CoSimulation, SavedStatesContinueBitByBit) {
+  const Subject subject(GetParam());
+  const bool three = subject.fmu.three;
+  const auto name = [&](const char* in_2, const char* in_3) { return three ? in_3 : in_2; };
+  const Slave slave(subject.fmu, true), other(subject.fmu, true);
+  const auto run = [&](const Slave& on, int from, int to) {
+    Random random(static_cast<unsigned>(from));
+    for (int k = from; k < to; ++k) {
+      EXPECT_EQ(ok, on.set(subject.inputs, subject.noise(random)));
+      EXPECT_EQ(ok, on.step(sample * k, sample));
+    }
+    return on.get(subject.states);
+  };
+  run(slave, 0, 20);
+  void* state = nullptr;
+  ASSERT_EQ(ok, slave.call(name("fmi2GetFMUstate", "fmi3GetFMUState"), &state));
+  const auto first = run(slave, 20, 40);
+  ASSERT_EQ(ok, slave.call(name("fmi2SetFMUstate", "fmi3SetFMUState"), state));
+  EXPECT_EQ(first, run(slave, 20, 40));
+
+  std::size_t size = 0;
+  ASSERT_EQ(ok, slave.call(name("fmi2SerializedFMUstateSize", "fmi3SerializedFMUStateSize"), state,
+                           &size));
+  std::vector<char> bytes(size);
+  ASSERT_EQ(ok, slave.call(name("fmi2SerializeFMUstate", "fmi3SerializeFMUState"), state,
+                           bytes.data(), size));
+  void* copy = nullptr;
+  ASSERT_EQ(ok, other.call(name("fmi2DeSerializeFMUstate", "fmi3DeserializeFMUState"),
+                           static_cast<const char*>(bytes.data()), size, &copy));
+  ASSERT_EQ(ok, other.call(name("fmi2SetFMUstate", "fmi3SetFMUState"), copy));
+  EXPECT_EQ(first, run(other, 20, 40));
+  const auto* release = name("fmi2FreeFMUstate", "fmi3FreeFMUState");
+  ASSERT_EQ(ok, slave.call(release, &state));
+  ASSERT_EQ(ok, other.call(release, &copy));
+  EXPECT_EQ(nullptr, state);
+
+  bytes[0] = 'x';
+  EXPECT_EQ(error, other.call(name("fmi2DeSerializeFMUstate", "fmi3DeserializeFMUState"),
+                              static_cast<const char*>(bytes.data()), size, &copy));
+}
+
+TEST_P(CoSimulation, InstancesInThreadsGiveTheSameBits) {
+  const Subject subject(GetParam());
+  std::vector<std::vector<double>> found(4);
+  std::vector<std::thread> threads;
+  for (auto& result : found)
+    threads.emplace_back([&] {
+      const Slave slave(subject.fmu, true);
+      Random random(6);
+      for (int k = 0; k < 100; ++k) {
+        slave.set(subject.inputs, subject.noise(random));
+        slave.step(sample * k, sample);
+      }
+      result = slave.get(subject.states);
+    });
+  for (auto& thread : threads) thread.join();
+  for (const auto& result : found) EXPECT_EQ(found[0], result);
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Fmu, CoSimulation,
+    testing::Values(Case{FmuVersion::fmi2, true}, Case{FmuVersion::fmi2, false},
+                    Case{FmuVersion::fmi3, true}, Case{FmuVersion::fmi3, false}),
+    [](const auto& of) {
+      return std::string(of.param.version == FmuVersion::fmi2 ? "Fmi2" : "Fmi3") +
+             (of.param.hydraulics ? "Plant" : "Mechanics");
+    });
+
+TEST(FmuParameters, AreNumbersOfTheMachine) {
+  const Subject subject({FmuVersion::fmi2, true});
+  auto machine = subject.machine;
+  const std::vector<std::pair<std::string, std::string>> changes{
+      {"platform.mass", "platform.mass"},
+      {"leg3.valve.damping_ratio", "leg.3.valve.damping_ratio"},
+      {"supply.pressure", "supply.pressure"},
+      {"leg2.base_joint[1]", "leg.2.base_joint[1]"}};
+  Slave slave(subject.fmu, true, false);
+  std::vector<model::Assignment> assignments;
+  for (const auto& [name, path] : changes) {
+    const auto id = *model::find_parameter(machine, path);
+    assignments.push_back({id, 1.01 * *model::value(machine, id)});
+    EXPECT_EQ(ok, slave.set(name, assignments.back().value));
+  }
+  slave.begin(1e-6);
+  const Plant changed(model::with(machine, assignments), dynamics::ModelKind::guide);
+  const auto rest = changed.equilibrium(machine.neutral());
+  const auto x = slave.get(subject.states);
+  for (int k = 0; k < rest.x.size(); ++k)
+    EXPECT_NEAR(rest.x[k], x[static_cast<std::size_t>(k)],
+                1e-9 * std::max(1.0, std::abs(rest.x[k])));
+  EXPECT_EQ(1.01 * machine.platform.mass, slave.get("platform.mass"));
+  EXPECT_EQ(error, slave.set("platform.mass", 1.0));  // fixed, and this is too late
+}
+
+TEST(FmuParameters, ThatNoMachineCanHaveAreRefused) {
+  const Subject subject({FmuVersion::fmi3, true});
+  const Slave negative(subject.fmu, true, false);
+  EXPECT_EQ(error, negative.set("platform.mass", -1.0));
+  const Slave impossible(subject.fmu, true, false);  // an inertia that no body has
+  EXPECT_EQ(ok, impossible.set("platform.inertia.xx", 1e6));
+  EXPECT_EQ(ok, impossible.call("fmi3EnterInitializationMode", false, 0.0, 0.0, false, 0.0));
+  EXPECT_EQ(error, impossible.call("fmi3ExitInitializationMode"));
+}
+
+TEST(FmuInstances, AThousandLeaveNothingBehind) {
+  const Subject subject({FmuVersion::fmi2, true});
+  const auto use = [&] {
+    const Slave slave(subject.fmu, true);
+    EXPECT_EQ(ok, slave.step(0.0, sample));
+    void* state = nullptr;
+    EXPECT_EQ(ok, slave.call("fmi2GetFMUstate", &state));
+    EXPECT_EQ(ok, slave.call("fmi2FreeFMUstate", &state));
+  };
+  for (int k = 0; k < 10; ++k) use();  // what is made once
+  const auto before = mallinfo2().uordblks;
+  for (int k = 0; k < 1000; ++k) use();
+  // blocks that malloc keeps at hand count as well; the smallest block has 32 bytes
+  EXPECT_LE(mallinfo2().uordblks, before + 16 * 1000);
+}
+
+}  // namespace
+}  // namespace hydrapod::test
