@@ -171,29 +171,26 @@ bool bridge_lines(Index before, Index after, Index side, std::vector<MatrixXcd>&
   return true;
 }
 
-/// Lines of a bump, with those on its flanks that still fall: the frequency is seldom there, but a
-/// strong vibration is seen all the same.
+/// Lines of a bump, with those on its flanks that still fall.
 std::pair<Index, Index> lines_of_bump(const std::vector<MatrixXcd>& S, Index before, Index after) {
   VectorXd size = VectorXd::Constant(S[0].rows(), 1e-300);
   for (const auto& s : S) size += s.diagonal().real();
-  // so many lines that what averages scatter is no fall
-  const Index width = after - before, step = std::max(main_lobe, width / 6), most = 3 * width / 2,
-              last = static_cast<Index>(S.size());
   const auto level = [&](Index from) {
     double sum = 0.0;
-    for (Index k = from; k < from + step; ++k)
+    for (Index k = from; k < from + main_lobe; ++k)
       sum += S[static_cast<std::size_t>(k)].diagonal().real().cwiseQuotient(size).sum();
     return sum;
   };
-  constexpr double falls = 1.3;
-  for (Index n = 0;
-       n < most && before > 2 * step && level(before - step) > falls * level(before - 2 * step);
-       n += step)
-    before -= step;
-  for (Index n = 0; n < most && after + 2 * step + 1 < last &&
-                    level(after + 1) > falls * level(after + 1 + step);
-       n += step)
-    after += step;
+  constexpr double falls = 1.5;
+  const Index most = std::max(after - before, main_lobe), last = static_cast<Index>(S.size());
+  for (Index n = 0; n < most && before > 2 * main_lobe &&
+                    level(before - main_lobe) > falls * level(before - 2 * main_lobe);
+       ++n)
+    --before;
+  for (Index n = 0; n < most && after + 2 * main_lobe + 1 < last &&
+                    level(after + 1) > falls * level(after + 1 + main_lobe);
+       ++n)
+    ++after;
   return {before, after};
 }
 

@@ -166,8 +166,24 @@ std::optional<double> window_of(const MeasureOptions& options, const Measured& m
   return {};
 }
 
+/// The window that was taken out of responses [s].
+std::optional<double> window_taken_out(const data::FrequencyResponses& responses) {
+  const auto said =
+      std::ranges::find(responses.warnings, data::ResponseWarning::Kind::exponential_window,
+                        &data::ResponseWarning::kind);
+  if (said == responses.warnings.end()) return {};
+  return said->value;
+}
+
 /// What samples times e^(−at) show is H(a + iω).
 void take_out_window(const MeasureOptions& options, Measured& measured) {
+  if (const auto known = window_taken_out(measured.responses())) {
+    if (options.exponential_window)
+      base::refuse("--exponential-window",
+                   fmt::format("{} says that a window of {:.4g} s was taken out of it already",
+                               options.files.front(), *known));
+    return;
+  }
   const auto window = window_of(options, measured);
   if (!window) return;
   const std::string where =
@@ -195,7 +211,7 @@ void take_out_window(const MeasureOptions& options, Measured& measured) {
 /// Under a window everything decays at least as fast as the window does: throws where a mode does
 /// not, for then the window was another.
 void check_window(const IdentifyOptions& options, const Measured& measured) {
-  const auto window = window_of(options.measure, measured);
+  const auto window = window_taken_out(measured.responses());
   if (!window) return;
   auto as_recorded = measured.responses();
   as_recorded.shift -= 1.0 / *window;

@@ -1,5 +1,5 @@
 /// Modes from outputs alone beside a machine whose speed varies: its vibrations are named, and are
-/// no modes. Many seeds are in varying_speed_long_test.cpp.
+/// no modes.
 
 #include "varying_speed.hpp"
 
