@@ -136,75 +136,105 @@ std::map<unsigned, std::map<unsigned, std::string>> dependencies_in(const std::s
 
 /// By changing every known at many states: what changes must be listed, what is listed must change
 /// somewhere, and a constant factor must be the same everywhere.
-void expect_true_structure(const model::Machine& machine, bool hydraulics,
-                           dynamics::ModelKind kind) {
-  const Unpacked fmu(archive_of(machine, FmuVersion::fmi3, hydraulics, kind));
-  const auto listed = dependencies_in(fmu.description);
-  ASSERT_GT(listed.size(), 40U);
-  const Slave slave(fmu, false);
-  slave.enter_continuous_time();
-  exchange::FmuMachine held{.machine = machine,
-                            .kind = kind,
-                            .hydraulics = hydraulics,
-                            .input_start = std::vector<double>(exchange::fmu_inputs)};
-  const simulation::Plant plant(machine, kind, held.options());
-  const auto interface = exchange::fmu_interface(held, plant);
-  const int n = plant.layout().size;
-  const unsigned first = static_cast<unsigned>(interface.first(exchange::FmuRole::state));
-  std::vector<double> rest(static_cast<std::size_t>(n));
-  ASSERT_EQ(ok, slave.states(rest.data(), rest.size()));
-  std::vector<unsigned> unknowns;
-  for (const auto& [unknown, on] : listed) unknowns.push_back(unknown);
+class Structure {
+ public:
+  Structure(const model::Machine& machine, bool hydraulics, dynamics::ModelKind kind)
+      : hydraulics_(hydraulics),
+        fmu_(archive_of(machine, FmuVersion::fmi3, hydraulics, kind)),
+        listed_(dependencies_in(fmu_.description)),
+        slave_(fmu_, false),
+        held_{.machine = machine,
+              .kind = kind,
+              .hydraulics = hydraulics,
+              .input_start = std::vector<double>(exchange::fmu_inputs)},
+        plant_(machine, kind, held_.options()),
+        interface_(exchange::fmu_interface(held_, plant_)),
+        first_(static_cast<unsigned>(interface_.first(exchange::FmuRole::state))),
+        rest_(static_cast<std::size_t>(plant_.layout().size)) {
+    slave_.enter_continuous_time();
+    EXPECT_EQ(ok, slave_.states(rest_.data(), rest_.size()));
+    EXPECT_GT(listed_.size(), 40U);
+    for (const auto& [unknown, on] : listed_) unknowns_.push_back(unknown);
+  }
 
-  Random random(7);
-  std::set<std::pair<unsigned, unsigned>> seen;
-  std::map<std::pair<unsigned, unsigned>, double> slopes;
-  for (int state = 0; state < 6; ++state) {
-    auto x = rest;
-    for (int k = 0; k < n; ++k)
-      x[static_cast<std::size_t>(k)] += 0.3 * plant.scales()[k] * random.uniform(-1.0, 1.0);
-    std::vector<double> inputs(12);
-    for (int k = 0; k < 12; ++k)
-      inputs[static_cast<std::size_t>(k)] =
-          random.uniform(-0.5, 0.5) * (k < 6 && hydraulics ? 1.0 : 500.0);
-    const auto values_at = [&](const std::vector<double>& states, const std::vector<double>& u) {
-      EXPECT_EQ(ok, slave.set_states(states));
-      std::vector<unsigned> references(12);
-      for (unsigned k = 0; k < 12; ++k) references[k] = 1 + k;
-      EXPECT_EQ(ok, slave.set(references, u));
-      return slave.get(unknowns);
-    };
+  /// At another state.
+  void probe(Random& random) {
+    auto x = rest_;
+    for (std::size_t k = 0; k < x.size(); ++k)
+      x[k] += 0.3 * plant_.scales()[static_cast<int>(k)] * random.uniform(-1.0, 1.0);
+    std::vector<double> inputs(exchange::fmu_inputs);
+    for (std::size_t k = 0; k < inputs.size(); ++k)
+      inputs[k] = random.uniform(-0.5, 0.5) * (k < 6 && hydraulics_ ? 1.0 : 500.0);
     const auto before = values_at(x, inputs);
-    for (unsigned known = 1; known < first + static_cast<unsigned>(n); ++known) {
-      auto moved_x = x, moved_u = inputs;
-      const bool is_input = known < first;
-      auto& moved = is_input ? moved_u[known - 1] : moved_x[known - first];
+    for (unsigned known = 1; known < first_ + x.size(); ++known) {
+      auto moved_x = x, moved_inputs = inputs;
+      const bool is_input = known < first_;
+      auto& moved = is_input ? moved_inputs[known - 1] : moved_x[known - first_];
       const double change = is_input ? 0.01 * (std::abs(moved) + 1.0)
-                                     : 0.01 * plant.scales()[static_cast<int>(known - first)];
+                                     : 0.01 * plant_.scales()[static_cast<int>(known - first_)];
       moved += change;
-      const auto after = values_at(moved_x, moved_u);
-      for (std::size_t u = 0; u < unknowns.size(); ++u) {
-        if (after[u] == before[u]) continue;
-        const auto& on = listed.at(unknowns[u]);
-        const auto found = on.find(known);
-        ASSERT_TRUE(found != on.end()) << interface.variables[unknowns[u]].name << " depends on "
-                                       << interface.variables[known].name;
-        const auto pair = std::pair{unknowns[u], known};
-        seen.insert(pair);
-        if (found->second != "constant") continue;
-        const double slope = (after[u] - before[u]) / change;
-        const double tolerance = 1e-6 * std::abs(slope);
-        EXPECT_NEAR(slopes.try_emplace(pair, slope).first->second, slope, tolerance);
-      }
+      compare(known, change, before, values_at(moved_x, moved_inputs));
     }
   }
-  for (const auto& [unknown, on] : listed)
-    for (const auto& [known, word] : on) {
-      const auto& name = interface.variables[unknown].name;
-      if (name.ends_with("stop_force")) continue;  // 0 off the stops
-      EXPECT_TRUE(seen.contains({unknown, known}))
-          << name << " never changes with " << interface.variables[known].name;
+
+  void expect_all_seen() const {
+    for (const auto& [unknown, on] : listed_)
+      for (const auto& [known, word] : on) {
+        if (name(unknown).ends_with("stop_force")) continue;  // 0 off the stops
+        EXPECT_TRUE(seen_.contains({unknown, known}))
+            << name(unknown) << " never changes with " << name(known);
+      }
+  }
+
+ private:
+  [[nodiscard]] const std::string& name(unsigned reference) const {
+    return interface_.variables[reference].name;
+  }
+
+  [[nodiscard]] std::vector<double> values_at(const std::vector<double>& x,
+                                              const std::vector<double>& inputs) const {
+    std::vector<unsigned> references(inputs.size());
+    for (unsigned k = 0; k < references.size(); ++k) references[k] = 1 + k;
+    EXPECT_EQ(ok, slave_.set_states(x));
+    EXPECT_EQ(ok, slave_.set(references, inputs));
+    return slave_.get(unknowns_);
+  }
+
+  void compare(unsigned known, double change, const std::vector<double>& before,
+               const std::vector<double>& after) {
+    for (std::size_t u = 0; u < unknowns_.size(); ++u) {
+      if (after[u] == before[u]) continue;
+      const auto& on = listed_.at(unknowns_[u]);
+      const auto found = on.find(known);
+      ASSERT_TRUE(found != on.end()) << name(unknowns_[u]) << " depends on " << name(known);
+      const auto pair = std::pair{unknowns_[u], known};
+      seen_.insert(pair);
+      if (found->second != "constant") continue;
+      const double slope = (after[u] - before[u]) / change;
+      EXPECT_NEAR(slopes_.try_emplace(pair, slope).first->second, slope, 1e-6 * std::abs(slope));
     }
+  }
+
+  bool hydraulics_;
+  Unpacked fmu_;
+  std::map<unsigned, std::map<unsigned, std::string>> listed_;
+  Slave slave_;
+  exchange::FmuMachine held_;
+  simulation::Plant plant_;
+  exchange::FmuInterface interface_;
+  unsigned first_;
+  std::vector<double> rest_;
+  std::vector<unsigned> unknowns_{};
+  std::set<std::pair<unsigned, unsigned>> seen_{};
+  std::map<std::pair<unsigned, unsigned>, double> slopes_{};
+};
+
+void expect_true_structure(const model::Machine& machine, bool hydraulics,
+                           dynamics::ModelKind kind) {
+  Structure structure(machine, hydraulics, kind);
+  Random random(7);
+  for (int state = 0; state < 6; ++state) structure.probe(random);
+  structure.expect_all_seen();
 }
 
 TEST(FmuArchive, TheStructureIsTrueWithHydraulics) {
