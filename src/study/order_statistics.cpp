@@ -3,67 +3,157 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
-#include <map>
+#include <limits>
 
 namespace hydrapod::study {
 
 namespace {
 
-constexpr unsigned digit_bits = 11, digits = 6;  // 66 bits: the first digit has nine
+constexpr unsigned digit_bits = 11;
+constexpr std::size_t bins = std::size_t{1} << digit_bits;
 constexpr std::uint64_t sign = std::uint64_t{1} << 63U;
+/// Values of one bin that are kept in memory to be sorted.
+constexpr std::uint64_t few = std::uint64_t{1} << 14U;
 
-/// Numbers ordered as their values are.
+/// Numbers ordered as their values are; −0 is 0.
 std::uint64_t key_of(double value) {
-  const auto bits = std::bit_cast<std::uint64_t>(value);
+  const auto bits = std::bit_cast<std::uint64_t>(value + 0.0);
   return (bits & sign) != 0 ? ~bits : bits | sign;
 }
 double value_of(std::uint64_t key) {
   return std::bit_cast<double>((key & sign) != 0 ? key & ~sign : ~key);
 }
 
-/// Values of an output that begin with `prefix`, counted by their next eleven bits.
-struct Histogram {
-  std::size_t output{};
-  std::uint64_t prefix{};
-  std::vector<std::uint64_t> counts = std::vector<std::uint64_t>(std::size_t{1} << digit_bits);
+/// The values of an output with keys from `low` on, in equal parts of 2^shift keys. Each part is
+/// counted in one pass; where a wanted rank lies in it, it is parted again in the next one.
+struct Part {
+  std::uint64_t low{};
+  unsigned shift{};
+  bool sorted{};  ///< few: its keys are kept instead
+  std::uint64_t least{std::numeric_limits<std::uint64_t>::max()}, most{};
+  std::vector<std::uint64_t> counts{}, keys{};
+  std::vector<int> below{};  ///< per part the number of the Part that it is; −1: not wanted
+
+  Part(std::uint64_t from, std::uint64_t to)
+      : low(from),
+        shift(static_cast<unsigned>(std::max<int>(
+            0, static_cast<int>(std::bit_width(to - from)) - static_cast<int>(digit_bits)))),
+        counts(bins) {}
+
+  [[nodiscard]] std::size_t bin_of(std::uint64_t key) const { return (key - low) >> shift; }
+
+  void take(std::uint64_t key) {
+    if (sorted) return keys.push_back(key);
+    least = std::min(least, key);
+    most = std::max(most, key);
+    ++counts[bin_of(key)];
+  }
+};
+
+/// A rank on its way down.
+struct Search {
+  int part{};
+  std::uint64_t rank{};  ///< in the part
+  bool found{};
+  std::uint64_t key{};
+};
+
+class OrderSearch {
+ public:
+  OrderSearch(std::span<const Range> ranges, const std::vector<RankWanted>& wanted)
+      : first_(ranges.size(), -1) {
+    for (const auto& one : wanted) {
+      if (first_[one.output] < 0) {
+        first_[one.output] = static_cast<int>(parts_.size());
+        parts_.emplace_back(key_of(ranges[one.output].least), key_of(ranges[one.output].most));
+      }
+      searches_.push_back({.part = first_[one.output], .rank = one.rank});
+    }
+  }
+
+  [[nodiscard]] bool open() const {
+    return std::ranges::any_of(searches_, [](const Search& one) { return !one.found; });
+  }
+
+  /// The outputs of a row.
+  void take(std::span<const double> outputs) {
+    for (std::size_t k = 0; k < outputs.size(); ++k) {
+      if (first_[k] < 0 || !std::isfinite(outputs[k])) continue;
+      const std::uint64_t key = key_of(outputs[k]);
+      int at = first_[k];
+      while (at >= 0 && !parts_[static_cast<std::size_t>(at)].below.empty()) {
+        const auto& part = parts_[static_cast<std::size_t>(at)];
+        at = part.below[part.bin_of(key)];
+      }
+      if (at >= begun_) parts_[static_cast<std::size_t>(at)].take(key);
+    }
+  }
+
+  /// After all rows.
+  void descend() {
+    const int next = static_cast<int>(parts_.size());
+    for (auto& search : searches_)
+      if (!search.found) descend(search);
+    begun_ = next;
+  }
+
+  [[nodiscard]] std::vector<double> values() const {
+    std::vector<double> values(searches_.size());
+    std::ranges::transform(searches_, values.begin(),
+                           [](const Search& one) { return value_of(one.key); });
+    return values;
+  }
+
+ private:
+  void descend(Search& search) {
+    auto& part = parts_[static_cast<std::size_t>(search.part)];
+    if (part.sorted) {
+      if (!std::ranges::is_sorted(part.keys)) std::ranges::sort(part.keys);
+      search.key = part.keys[search.rank];
+      search.found = true;
+      return;
+    }
+    std::size_t bin = 0;
+    while (bin + 1 < bins && search.rank >= part.counts[bin]) search.rank -= part.counts[bin++];
+    if (part.least == part.most || part.shift == 0) {
+      search.key = part.least == part.most ? part.least : part.low + bin;
+      search.found = true;
+      return;
+    }
+    if (part.below.empty()) part.below.assign(bins, -1);
+    const int known = part.below[bin];
+    search.part = known >= 0 ? known : static_cast<int>(parts_.size());
+    if (known >= 0) return;
+    part.below[bin] = search.part;
+    const std::uint64_t low = part.low + (std::uint64_t{bin} << part.shift),
+                        width = (std::uint64_t{1} << part.shift) - 1;
+    const bool sorted = part.counts[bin] <= few;
+    parts_.emplace_back(low, low + width);  // `part` is not valid from here on
+    parts_.back().sorted = sorted;
+  }
+
+  std::vector<int> first_;  ///< per output its Part of all values; −1: no rank is wanted
+  std::vector<Part> parts_{};
+  int begun_{};  ///< parts from here on take values in this pass
+  std::vector<Search> searches_{};
 };
 
 }  // namespace
 
 std::vector<double> order_statistics(const Spool& spool, std::size_t inputs,
+                                     std::span<const Range> ranges,
                                      const std::vector<RankWanted>& wanted,
                                      const std::function<bool(std::uint64_t)>& counts) {
-  std::vector<std::uint64_t> prefix(wanted.size(), 0), rank(wanted.size());
-  for (std::size_t k = 0; k < wanted.size(); ++k) rank[k] = wanted[k].rank;
+  OrderSearch search(ranges, wanted);
   const std::size_t width = spool.width();
-  for (unsigned digit = 0; digit < digits && !wanted.empty(); ++digit) {
-    const unsigned below = digit_bits * (digits - 1 - digit);
-    std::map<std::pair<std::size_t, std::uint64_t>, std::size_t> place;
-    std::vector<Histogram> histograms;
-    for (std::size_t k = 0; k < wanted.size(); ++k)
-      if (place.try_emplace({wanted[k].output, prefix[k]}, histograms.size()).second)
-        histograms.push_back({wanted[k].output, prefix[k]});
+  while (search.open()) {
     spool.each_chunk([&](std::uint64_t first, std::span<const double> numbers) {
-      for (std::size_t at = 0; at < numbers.size(); at += width) {
-        if (!counts(first + at / width)) continue;
-        for (auto& one : histograms) {
-          const double value = numbers[at + inputs + one.output];
-          const std::uint64_t key = key_of(value) >> below;
-          if (key >> digit_bits == one.prefix && std::isfinite(value))
-            ++one.counts[key & ((std::uint64_t{1} << digit_bits) - 1)];
-        }
-      }
+      for (std::size_t at = 0; at < numbers.size(); at += width)
+        if (counts(first + at / width)) search.take(numbers.subspan(at + inputs, ranges.size()));
     });
-    for (std::size_t k = 0; k < wanted.size(); ++k) {
-      const auto& found = histograms[place.at({wanted[k].output, prefix[k]})].counts;
-      std::uint64_t next = 0;
-      while (next + 1 < found.size() && rank[k] >= found[next]) rank[k] -= found[next++];
-      prefix[k] = prefix[k] << digit_bits | next;
-    }
+    search.descend();
   }
-  std::vector<double> values(wanted.size());
-  std::ranges::transform(prefix, values.begin(), value_of);
-  return values;
+  return search.values();
 }
 
 }  // namespace hydrapod::study

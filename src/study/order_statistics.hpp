@@ -1,6 +1,7 @@
 #pragma once
 /// Exact order statistics of columns that are too long for the memory: the k-th smallest value is
-/// found eleven bits at a time, in six passes over the rows.
+/// found eleven bits at a time. The last bits of few values are not counted but sorted: a million
+/// rows take two passes, and memory does not grow with the rows.
 
 #include "hydrapod/study/study.hpp"
 
@@ -12,8 +13,15 @@ struct RankWanted {
   std::uint64_t rank{};
 };
 
-/// One value for each one wanted; of the rows that `counts` says.
+/// The least and the largest finite value of an output.
+struct Range {
+  double least{}, most{};
+};
+
+/// One value for each one wanted; of the rows that `counts` says. `ranges`: of every output, over
+/// the same rows.
 std::vector<double> order_statistics(const Spool& spool, std::size_t inputs,
+                                     std::span<const Range> ranges,
                                      const std::vector<RankWanted>& wanted,
                                      const std::function<bool(std::uint64_t)>& counts);
 

@@ -136,8 +136,11 @@ void add_quantiles(const Spool& spool, const Problem& problem, const Plan& plan,
     }
   }
   const std::size_t inputs = problem.inputs.size();
-  const auto found = order_statistics(
-      spool, inputs, wanted, [&](std::uint64_t row) { return is_sample(plan, inputs, row); });
+  std::vector<Range> ranges;
+  for (const auto& output : summary.outputs) ranges.push_back({output.least, output.most});
+  const auto found = order_statistics(spool, inputs, ranges, wanted, [&](std::uint64_t row) {
+    return is_sample(plan, inputs, row);
+  });
   std::size_t next = 0;
   for (std::size_t k = 0; k < summary.outputs.size(); ++k)
     for (std::size_t q = 0; q < enclosing[k].size(); ++q) {

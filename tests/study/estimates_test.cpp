@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
@@ -110,6 +111,41 @@ TEST(Quantiles, AreExactOrderStatistics) {
   EXPECT_EQ(output.quantiles.at(0).value, values.at(12));   // ⌈0.01 · 1237⌉ = 13
   EXPECT_EQ(output.quantiles.at(2).value, values.at(618));  // ⌈0.5 · 1237⌉ = 619
   EXPECT_EQ(output.least, values.front());
+}
+
+/// Many equal values, heavy tails, both signs, and more values than are sorted in memory.
+TEST(Quantiles, AreExactWhateverTheValuesAre) {
+  const Rows rows;
+  const Distribution unit{.shape = Shape::uniform, .a = 0.0, .b = 1.0};
+  constexpr int outputs = 4;
+  const auto problem = problem_of(
+      {unit},
+      [](std::span<const double> x, std::span<double> y) {
+        y[0] = std::floor(6.0 * x[0]);
+        y[1] = std::tan(std::numbers::pi * (x[0] - 0.5));
+        y[2] = x[0] < 0.9 ? 5.0 + 1e-12 * x[0] : 1e200 * (x[0] - 0.95);
+        y[3] = x[0] < 0.5 ? -0.0 : 0.0;
+      },
+      outputs);
+  const Plan plan{.samples = 150000, .seed = 5};
+  run(problem, plan, {.spool = rows.path});
+  const Spool spool({rows.path});
+  std::array<std::vector<double>, outputs> values;
+  spool.each_chunk([&](std::uint64_t, std::span<const double> numbers) {
+    for (std::size_t at = 0; at < numbers.size(); at += 1 + outputs)
+      for (std::size_t k = 0; k < outputs; ++k) values[k].push_back(numbers[at + 1 + k]);
+  });
+  const auto summary = summarise(spool, problem, plan, {});
+  for (std::size_t k = 0; k < outputs; ++k) {
+    std::ranges::sort(values[k]);
+    for (const auto& quantile : summary.outputs.at(k).quantiles) {
+      const auto rank = static_cast<std::size_t>(std::ceil(quantile.probability * 150000.0)) - 1;
+      EXPECT_EQ(quantile.value, values[k].at(rank)) << "output " << k;
+      ASSERT_TRUE(quantile.interval.has_value());
+      EXPECT_TRUE(std::ranges::binary_search(values[k], quantile.interval->low));
+      EXPECT_TRUE(std::ranges::binary_search(values[k], quantile.interval->high));
+    }
+  }
 }
 
 /// f = sin x₁ + a sin² x₂ + b x₃⁴ sin x₁ on (−π, π)³ (T. Ishigami & T. Homma, 1990).
