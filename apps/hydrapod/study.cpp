@@ -230,8 +230,9 @@ void report_study(const Arguments& arguments, const tasks::StudyJob& job,
                   const tasks::StudyDone& done, std::size_t format, const char* kind) {
   const auto& run = done.run;
   if (run.seconds > 0.0)
-    print_note(fmt::format("{} rows in {:.3g} s, {:.4g} rows/s", run.done - run.resumed,
-                           run.seconds, static_cast<double>(run.done - run.resumed) / run.seconds));
+    print_note(fmt::format("{} rows in {:.3g} s, {:.4g} rows/s; {} computed one at a time",
+                           run.done - run.resumed, run.seconds,
+                           static_cast<double>(run.done - run.resumed) / run.seconds, run.alone));
   if (!done.complete)
     print_warning(
         fmt::format("interrupted after {} of {} rows ({:.3g} %); the same command with "

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <Eigen/Geometry>
+#include <optional>
 #include <stdexcept>
 
 #include "base_mount.hpp"
@@ -137,6 +138,14 @@ LegsOnBase legs_on_base(const model::Machine& machine, const kinematics::LegGeom
   return legs;
 }
 
+void find_equilibrium(const model::Machine& machine, const kinematics::LegGeometries& geometry,
+                      const StaticsSearch& search, LinearModel& model) {
+  std::array<BentLeg, model::leg_count> bent;
+  model.statics = static_equilibrium(machine, model.X_BP, model.kind, search, bent);
+  require_equilibrium(model.statics, model.kind);
+  bend_legs(bent, geometry, model);
+}
+
 /// `base`: its directions that are coordinates.
 LinearModel assembled(const model::Machine& machine, const spatial::Pose& X_BP, ModelKind kind,
                       const std::vector<int>& base, const StaticsSearch& search) {
@@ -154,27 +163,25 @@ LinearModel assembled(const model::Machine& machine, const spatial::Pose& X_BP, 
   model.C.setZero(dof, dof);
   model.M.topLeftCorner<6, 6>() = model.platform_mass;
 
-  std::array<BentLeg, model::leg_count> bent;
-  model.statics = static_equilibrium(machine, X_BP, kind, search, bent);
-  require_equilibrium(model.statics, kind);
   if (machine.gravity.isZero(0.0)) {
+    model.statics.status = StaticsStatus::converged;
     for (int i = 0; i < model::leg_count; ++i)
       model.legs[i] = straight_leg(machine.legs[i], geometry[i], machine.flexible_axes);
   } else {
-    bend_legs(bent, geometry, model);
+    find_equilibrium(machine, geometry, search, model);
   }
   for (int i = 0; i < model::leg_count; ++i)
     model.J[i] = joint_jacobian(model.legs[i].frame.R_BL, geometry[i].a - model.p_BC);
-  LegsOnBase on_base;
+  std::optional<LegsOnBase> on_base;  // large, and most machines have none
   if (machine.base_mount) on_base = legs_on_base(machine, geometry, model.statics);
-  if (machine.base_mount && base.empty()) condense_base(machine, on_base, model);
+  if (machine.base_mount && base.empty()) condense_base(machine, *on_base, model);
   add_legs(&LegElement::M, model, model.M);
   add_legs(&LegElement::K, model, model.K);
   add_legs(&LegElement::C, model, model.C);
   if (!base.empty()) {
     ModelMatrix M_legs = ModelMatrix::Zero(dof, dof);
     add_legs(&LegElement::M, model, M_legs);
-    add_base_coordinates(machine, on_base, M_legs, model);
+    add_base_coordinates(machine, *on_base, M_legs, model);
   }
   const auto& damping = machine.damping;
   if (damping.rayleigh_mass != 0.0 || damping.rayleigh_stiffness != 0.0)

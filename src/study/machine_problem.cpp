@@ -1,13 +1,18 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstring>
 #include <limits>
 #include <memory>
+#include <optional>
+#include <utility>
 
 #include "hydrapod/base/error.hpp"
 #include "hydrapod/base/units.hpp"
 #include "hydrapod/kinematics/legs.hpp"
+#include "hydrapod/modal/lane_modes.hpp"
 #include "hydrapod/modal/mode_table.hpp"
 #include "hydrapod/spatial/pose.hpp"
 #include "hydrapod/study/study.hpp"
@@ -21,6 +26,9 @@ using dynamics::ModelKind;
 using dynamics::ModelMatrix;
 using dynamics::ModelVector;
 using dynamics::NormalModes;
+/// A row per followed mode, a column per mode of a sample.
+using MacMatrix = ModelMatrix;
+using MacVector = ModelVector;
 
 constexpr double missing = std::numeric_limits<double>::quiet_NaN();
 
@@ -58,6 +66,7 @@ struct Nominal {
   LinearModel flexible{}, rigid{};
   NormalModes modes{};
   std::vector<int> followed{};
+  ModelMatrix followed_shapes{};  ///< their columns
   spatial::Pose X_BP{};
 };
 
@@ -75,24 +84,60 @@ struct Followed {
   double least_mac{1.0};
 };
 
+/// Shapes of the followed modes times M, and those times the shapes of a sample.
+template <int dof>
+MacMatrix squared_products(const ModelMatrix& nominal, const LinearModel& model,
+                           const NormalModes& modes, MacVector& mass) {
+  using Square = Eigen::Matrix<double, dof, dof>;
+  using Columns = Eigen::Matrix<double, dof, Eigen::Dynamic, 0, dof, dynamics::max_dof>;
+  const Eigen::Map<const Square> M(model.M.data()), shapes(modes.shapes.data());
+  const Eigen::Map<const Columns> psi(nominal.data(), dof, nominal.cols());
+  const Columns momentum = M.lazyProduct(psi);
+  mass = psi.cwiseProduct(momentum).colwise().sum().transpose();
+  const MacMatrix common = momentum.transpose().lazyProduct(shapes);
+  return common.cwiseAbs2();
+}
+
+MacMatrix squared_products(const Nominal& nominal, const LinearModel& model,
+                           const NormalModes& modes, MacVector& mass) {
+  const ModelMatrix& psi = nominal.followed_shapes;
+  switch (model.dof()) {
+    case 6:
+      return squared_products<6>(psi, model, modes, mass);
+    case 18:
+      return squared_products<18>(psi, model, modes, mass);
+    case 30:
+      return squared_products<30>(psi, model, modes, mass);
+    default:
+      break;
+  }
+  const ModelMatrix momentum = model.M * psi;
+  mass = psi.cwiseProduct(momentum).colwise().sum().transpose();
+  const MacMatrix common = momentum.transpose() * modes.shapes;
+  return common.cwiseAbs2();
+}
+
 Followed follow(const Nominal& nominal, const LinearModel& model, const NormalModes& modes) {
   const auto count = static_cast<int>(nominal.followed.size());
   Followed result{.mode = std::vector<int>(nominal.followed.size(), -1)};
   if (model.dof() != nominal.flexible.dof()) return result;
-  Eigen::MatrixXd mac(count, modes.size());
-  for (int n = 0; n < count; ++n) {
-    const ModelVector phi = nominal.modes.shapes.col(nominal.followed[static_cast<std::size_t>(n)]);
-    const ModelVector momentum = model.M * phi;
-    const ModelVector common = modes.shapes.transpose() * momentum;
-    mac.row(n) = common.cwiseAbs2().transpose() / phi.dot(momentum);
-  }
+  MacVector mass;
+  MacMatrix mac = squared_products(nominal, model, modes, mass);
+  for (int n = 0; n < count; ++n) mac.row(n) /= mass[n];
+  std::array<int, dynamics::max_dof> like;  // per followed mode, the mode most like it
+  for (int n = 0; n < count; ++n) mac.row(n).maxCoeff(&like[n]);
   for (int taken = 0; taken < count; ++taken) {
-    int n = 0, k = 0;
-    const double best = mac.maxCoeff(&n, &k);
+    int n = 0;
+    for (int m = 1; m < count; ++m)
+      if (mac(m, like[m]) > mac(n, like[n])) n = m;
+    const int k = like[n];
     result.mode[static_cast<std::size_t>(n)] = k;
-    result.least_mac = std::min(result.least_mac, best);
-    mac.row(n).setConstant(-1.0);
+    result.least_mac = std::min(result.least_mac, mac(n, k));
+    mac.row(n).setConstant(-2.0);
     mac.col(k).setConstant(-1.0);
+    mac(n, k) = -2.0;
+    for (int m = 0; m < count; ++m)
+      if (like[m] == k) mac.row(m).maxCoeff(&like[m]);
   }
   return result;
 }
@@ -154,6 +199,54 @@ spatial::Pose displaced(const spatial::Pose& from, const std::vector<Input>& inp
   return {spatial::rotation_from_rpy(d.tail<3>()) * from.R_BP, from.p_BP + d.head<3>()};
 }
 
+/// What check_pose() and pose_quality() see of a machine and a pose.
+struct PoseNumbers {
+  std::array<double, model::leg_count * 15 + 24> numbers{};
+
+  PoseNumbers() = default;
+  PoseNumbers(const model::Machine& machine, const spatial::Pose& X_BP) {
+    auto at = numbers.begin();
+    const auto put = [&](double number) { *at++ = number; };
+    const auto put_all = [&](const auto& matrix) {
+      at = std::copy_n(matrix.data(), matrix.size(), at);
+    };
+    for (const auto& leg : machine.legs) {
+      put_all(leg.base_joint);
+      put_all(leg.platform_joint);
+      put_all(leg.gimbal_axis);
+      put(leg.rod.length);
+      put(leg.guide_sleeve.position);
+      put(leg.stroke ? leg.stroke->retracted : missing);
+      put(leg.stroke ? leg.stroke->length : missing);
+      put(leg.joint_limits.base.value_or(missing));
+      put(leg.joint_limits.platform.value_or(missing));
+    }
+    for (const auto* pose : {&X_BP, &machine.neutral()}) {
+      put_all(pose->p_BP);
+      put_all(pose->R_BP);
+    }
+  }
+  bool operator==(const PoseNumbers& other) const {
+    return std::memcmp(numbers.data(), other.numbers.data(), sizeof numbers) == 0;
+  }
+};
+
+/// Makes a model where it is to stand: it is too large to be copied there.
+template <class Make>
+void emplace(std::optional<LinearModel>& model, const Make& make) {
+  struct Made {
+    const Make& make;
+    operator LinearModel() const { return make(); }  // NOLINT
+  };
+  model.emplace(Made{make});
+}
+
+/// A sample between assembly and outputs.
+struct Sample {
+  std::span<double> outputs{};
+  std::optional<LinearModel> flexible{}, rigid{};  ///< no rigid one: it has no equilibrium
+};
+
 /// One thread's machine, set anew for each sample.
 class Evaluation {
  public:
@@ -163,7 +256,31 @@ class Evaluation {
   }
 
   void operator()(std::span<const double> inputs, std::span<double> outputs) {
-    std::ranges::fill(outputs, missing);
+    Sample& sample = samples_[0];
+    sample.outputs = outputs;
+    if (begin(inputs, sample)) finish_alone(sample);
+  }
+
+  /// Several samples, their modes in SIMD lanes; how many of them had to be solved alone.
+  std::size_t operator()(std::span<const Row> rows) {
+    std::size_t alone = 0, waiting = 0;
+    for (const auto& row : rows) {
+      Sample& sample = samples_[waiting];
+      sample.outputs = row.outputs;
+      if (begin(row.inputs, sample) && ++waiting == samples_.size())
+        alone += finish(std::exchange(waiting, 0));
+    }
+    return alone + finish(waiting);
+  }
+
+ private:
+  static void set(Sample& sample, Status status) {
+    sample.outputs[Layout::status] = static_cast<double>(status);
+  }
+
+  /// Everything before the modes. False: there are none, the status is set.
+  bool begin(std::span<const double> inputs, Sample& sample) {
+    std::ranges::fill(sample.outputs, missing);
     spatial::Pose X_BP = kept_->options.X_BP;
     if (kept_->options.poses) {
       X_BP = displaced(X_BP, kept_->inputs, inputs);
@@ -171,37 +288,113 @@ class Evaluation {
       for (std::size_t k = 0; k < inputs.size(); ++k) assignments_[k].value = inputs[k];
       model::assign(machine_, assignments_);
     }
-    outputs[Layout::status] = static_cast<double>(compute(X_BP, outputs));
+    const auto refused = refusal(X_BP);
+    set(sample, refused);
+    if (refused != Status::computed) return false;
+    sample.outputs[Layout::condition] = condition_;
+    sample.outputs[Layout::stroke] = stroke_left_;
+    return assemble(X_BP, sample);
   }
 
- private:
-  Status compute(const spatial::Pose& X_BP, std::span<double> outputs) {
+  /// What is wrong before any computation; most samples of a study stand where the last one did.
+  Status refusal(const spatial::Pose& X_BP) {
     if (!kept_->options.poses && has_error(model::validate(machine_))) return Status::not_allowed;
-    if (has_error(kinematics::check_pose(machine_, X_BP, ""))) return Status::out_of_reach;
-    outputs[Layout::condition] = kinematics::pose_quality(machine_, X_BP).condition;
-    outputs[Layout::stroke] = stroke_left(machine_, X_BP);
+    const PoseNumbers now(machine_, X_BP);
+    if (!checked_ || !(now == *checked_)) {
+      reached_ = !has_error(kinematics::check_pose(machine_, X_BP, ""));
+      if (reached_) condition_ = kinematics::pose_quality(machine_, X_BP).condition;
+      stroke_left_ = stroke_left(machine_, X_BP);
+      checked_ = now;
+    }
+    return reached_ ? Status::computed : Status::out_of_reach;
+  }
+
+  bool assemble(const spatial::Pose& X_BP, Sample& sample) {
     const auto& options = kept_->options;
     const auto& nominal = kept_->nominal;
+    const bool near = !options.poses && nominal.flexible.statics.iterations > 0;
     try {
-      const bool near = !options.poses && nominal.flexible.statics.iterations > 0;
-      const auto flexible = dynamics::linear_model(machine_, X_BP, options.kind,
-                                                   near ? &nominal.flexible.statics : nullptr);
-      const auto modes = modal::normal_modes(flexible);
-      if (options.buckling) buckling(X_BP, outputs);
-      if (modes.omega2[0] <= 0.0) return Status::buckled;
-      const auto rigid = modal::normal_modes(dynamics::linear_model(
-          machine_, X_BP, ModelKind::rigid, near ? &nominal.rigid.statics : nullptr));
-      lowest_mode(flexible, modes, rigid, outputs);
-      resonances(modes, rigid, outputs);
-      const auto followed = follow(nominal, flexible, modes);
-      outputs[Layout::mac] = followed.least_mac;
-      for (std::size_t k = 0; k < followed.mode.size(); ++k)
-        if (followed.mode[k] >= 0)
-          outputs[Layout::modes + k] = hertz(modes.omega(followed.mode[k]));
+      emplace(sample.flexible, [&] {
+        return dynamics::linear_model(machine_, X_BP, options.kind,
+                                      near ? &nominal.flexible.statics : nullptr);
+      });
     } catch (const base::ComputationError&) {
-      return Status::no_equilibrium;
+      set(sample, Status::no_equilibrium);
+      return false;
     }
-    return Status::computed;
+    if (options.buckling) buckling(X_BP, sample.outputs);
+    try {
+      assemble_rigid(X_BP, near, sample);
+    } catch (const base::ComputationError&) {
+      sample.rigid.reset();
+    }
+    return true;
+  }
+
+  void assemble_rigid(const spatial::Pose& X_BP, bool near, Sample& sample) const {
+    if (machine_.base_mount || !machine_.gravity.isZero(0.0))
+      return emplace(sample.rigid, [&] {
+        return dynamics::linear_model(machine_, X_BP, ModelKind::rigid,
+                                      near ? &kept_->nominal.rigid.statics : nullptr);
+      });
+    // Without preload the rigid model is the platform's part of the flexible one.
+    if (!sample.rigid) sample.rigid.emplace();
+    sample.rigid->kind = ModelKind::rigid;
+    sample.rigid->M = sample.flexible->M.topLeftCorner<6, 6>();
+    sample.rigid->K = sample.flexible->K.topLeftCorner<6, 6>();
+  }
+
+  /// The first `count` samples.
+  std::size_t finish(std::size_t count) {
+    std::array<const LinearModel*, at_once> flexible{}, rigid{};
+    std::array<std::size_t, at_once> which{};
+    std::array<bool, at_once> sound{}, rigid_sound{};
+    std::size_t alone = 0, in_lanes = 0;
+    for (std::size_t k = 0; k < count; ++k) {
+      const Sample& sample = samples_[k];
+      if (!sample.rigid || sample.flexible->base_count() > 0) {
+        finish_alone(samples_[k]);
+        ++alone;
+        continue;
+      }
+      flexible[in_lanes] = &*sample.flexible;
+      rigid[in_lanes] = &*sample.rigid;
+      which[in_lanes++] = k;
+    }
+    modal::normal_modes(std::span(flexible).first(in_lanes), std::span(modes_).first(in_lanes),
+                        std::span(sound).first(in_lanes));
+    modal::normal_modes(std::span(rigid).first(in_lanes), std::span(rigid_modes_).first(in_lanes),
+                        std::span(rigid_sound).first(in_lanes));
+    for (std::size_t k = 0; k < in_lanes; ++k) {
+      if (sound[k] && rigid_sound[k]) {
+        outputs_of(samples_[which[k]], modes_[k], rigid_modes_[k]);
+      } else {
+        finish_alone(samples_[which[k]]);
+        ++alone;
+      }
+    }
+    return alone;
+  }
+
+  void finish_alone(Sample& sample) {
+    try {
+      const auto modes = modal::normal_modes(*sample.flexible);
+      if (modes.omega2[0] > 0.0 && !sample.rigid) return set(sample, Status::no_equilibrium);
+      outputs_of(sample, modes, sample.rigid ? modal::normal_modes(*sample.rigid) : NormalModes{});
+    } catch (const base::ComputationError&) {
+      set(sample, Status::no_equilibrium);
+    }
+  }
+
+  void outputs_of(Sample& sample, const NormalModes& modes, const NormalModes& rigid) const {
+    if (modes.omega2[0] <= 0.0) return set(sample, Status::buckled);
+    const auto& outputs = sample.outputs;
+    lowest_mode(*sample.flexible, modes, rigid, outputs);
+    resonances(modes, rigid, outputs);
+    const auto followed = follow(kept_->nominal, *sample.flexible, modes);
+    outputs[Layout::mac] = followed.least_mac;
+    for (std::size_t k = 0; k < followed.mode.size(); ++k)
+      if (followed.mode[k] >= 0) outputs[Layout::modes + k] = hertz(modes.omega(followed.mode[k]));
   }
 
   void lowest_mode(const LinearModel& flexible, const NormalModes& modes, const NormalModes& rigid,
@@ -235,9 +428,15 @@ class Evaluation {
     if (found.status != dynamics::BucklingStatus::not_found) outputs.back() = found.payload;
   }
 
+  static constexpr std::size_t at_once = 8;  ///< the lanes of AVX-512
   std::shared_ptr<const Kept> kept_;
   model::Machine machine_;
   std::vector<model::Assignment> assignments_;
+  std::vector<Sample> samples_ = std::vector<Sample>(at_once);
+  std::array<NormalModes, at_once> modes_{}, rigid_modes_{};
+  std::optional<PoseNumbers> checked_{};  ///< what the next three belong to
+  bool reached_{};
+  double condition_{}, stroke_left_{};
 };
 
 Nominal nominal_of(const model::Machine& machine, const MachineOptions& options) {
@@ -249,6 +448,9 @@ Nominal nominal_of(const model::Machine& machine, const MachineOptions& options)
     if (static_cast<int>(nominal.followed.size()) < options.modes &&
         platform_share(nominal.flexible, nominal.modes, k) >= modal::local_mode_energy)
       nominal.followed.push_back(k);
+  nominal.followed_shapes.resize(nominal.flexible.dof(), nominal.followed.size());
+  for (std::size_t n = 0; n < nominal.followed.size(); ++n)
+    nominal.followed_shapes.col(n) = nominal.modes.shapes.col(nominal.followed[n]);
   if (nominal.modes.omega2[0] <= 0.0)
     throw base::ComputationError(
         "the nominal machine is buckled, so that its modes cannot be followed; `hydrapod check` "
@@ -269,6 +471,11 @@ Problem machine_problem(const model::Machine& machine, std::vector<Input> inputs
       .inputs = std::move(inputs), .outputs = columns_of(*kept), .status = Layout::status};
   problem.model = [kept = std::shared_ptr<const Kept>(kept)]() -> Model {
     return Evaluation(kept);
+  };
+  problem.batch = [kept = std::shared_ptr<const Kept>(kept)]() -> BatchModel {
+    return [evaluation = Evaluation(kept)](std::span<const Row> rows) mutable {
+      return evaluation(rows);
+    };
   };
   return problem;
 }

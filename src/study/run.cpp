@@ -8,6 +8,7 @@
 #include <cstring>
 #include <filesystem>
 #include <memory>
+#include <mutex>
 
 #include "hydrapod/base/error.hpp"
 #include "hydrapod/study/study.hpp"
@@ -111,18 +112,27 @@ class SpoolWriter {
   std::uint64_t done_{};
 };
 
-/// Rows `first` … of the plan.
-void compute(const Problem& problem, const Plan& plan, const Model& model, std::uint64_t first,
-             std::uint64_t rows, std::vector<double>& chunk) {
-  const std::size_t inputs = problem.inputs.size(), width = inputs + problem.outputs.size();
-  for (std::uint64_t k = 0; k < rows; ++k) {
-    const auto row = std::span(chunk).subspan(k * width, width);
-    const auto x = row.first(inputs);
-    place(plan, first + k, x);
-    for (std::size_t i = 0; i < inputs; ++i) x[i] = quantile(problem.inputs[i].distribution, x[i]);
-    model(x, row.subspan(inputs));
+/// Evaluators that tasks on several threads take and give back: as many as there are threads.
+class Evaluators {
+ public:
+  explicit Evaluators(const Problem& problem) : problem_(problem) {}
+  std::unique_ptr<Evaluator> take() {
+    const std::lock_guard lock(mutex_);
+    if (idle_.empty()) return std::make_unique<Evaluator>(problem_);
+    auto one = std::move(idle_.back());
+    idle_.pop_back();
+    return one;
   }
-}
+  void give(std::unique_ptr<Evaluator> one) {
+    const std::lock_guard lock(mutex_);
+    idle_.push_back(std::move(one));
+  }
+
+ private:
+  const Problem& problem_;
+  std::mutex mutex_{};
+  std::vector<std::unique_ptr<Evaluator>> idle_{};
+};
 
 /// The part of all rows that a shard consists of, in whole chunks.
 SpoolHead head_of(const Problem& problem, const Plan& plan, const RunOptions& options) {
@@ -144,6 +154,28 @@ SpoolHead head_of(const Problem& problem, const Plan& plan, const RunOptions& op
 
 }  // namespace
 
+Evaluator::Evaluator(const Problem& problem) : problem_(problem) {
+  if (problem.batch)
+    batch_ = problem.batch();
+  else
+    model_ = problem.model();
+}
+
+std::size_t Evaluator::rows(const Plan& plan, std::uint64_t first, std::span<double> numbers) {
+  const std::size_t inputs = problem_.inputs.size(), width = inputs + problem_.outputs.size();
+  rows_.clear();
+  for (std::size_t at = 0; at + width <= numbers.size(); at += width) {
+    const auto row = numbers.subspan(at, width);
+    const auto x = row.first(inputs);
+    place(plan, first++, x);
+    for (std::size_t i = 0; i < inputs; ++i) x[i] = quantile(problem_.inputs[i].distribution, x[i]);
+    rows_.push_back({x, row.subspan(inputs)});
+  }
+  if (batch_) return batch_(rows_);
+  for (const auto& row : rows_) model_(row.inputs, row.outputs);
+  return 0;
+}
+
 RunResult run(const Problem& problem, const Plan& plan, const RunOptions& options,
               const numerics::Progress& progress) {
   const auto begun = std::chrono::steady_clock::now();
@@ -153,6 +185,8 @@ RunResult run(const Problem& problem, const Plan& plan, const RunOptions& option
   constexpr std::size_t batch = 32;  // chunks: 5 ms between two writes where a row takes 5 µs
   std::vector<std::vector<double>> chunks(batch, std::vector<double>(chunk_rows * head.width + 1));
   bool stopped = false;
+  std::atomic<std::uint64_t> alone{0};
+  Evaluators evaluators(problem);
   while (!stopped && spool.done() < head.count) {
     const std::uint64_t from = spool.done(), left = head.count - from;
     const auto now = std::min<std::size_t>(batch, (left + chunk_rows - 1) / chunk_rows);
@@ -161,8 +195,10 @@ RunResult run(const Problem& problem, const Plan& plan, const RunOptions& option
     stopped = !numerics::parallel_for(
         now, options.threads,
         [&](std::size_t k) {
-          compute(problem, plan, problem.model(), head.first + from + k * chunk_rows, rows_in(k),
-                  chunks[k]);
+          auto evaluator = evaluators.take();
+          alone += evaluator->rows(plan, head.first + from + k * chunk_rows,
+                                   std::span(chunks[k]).first(rows_in(k) * head.width));
+          evaluators.give(std::move(evaluator));
           ready[k] = true;
         },
         [&](double share) {
@@ -173,6 +209,7 @@ RunResult run(const Problem& problem, const Plan& plan, const RunOptions& option
     for (std::size_t k = 0; k < now && ready[k]; ++k) spool.add(chunks[k], rows_in(k));
   }
   result.done = spool.done();
+  result.alone = alone;
   result.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begun).count();
   return result;
 }

@@ -122,21 +122,21 @@ std::vector<study::Input> inputs_of(const Machine& machine, const StudyOptions& 
 /// Seconds a row takes, from the first ones.
 double measured_seconds(const study::Problem& problem, const study::Plan& plan,
                         std::uint64_t rows) {
-  const auto model = problem.model();
-  std::vector<double> x(problem.inputs.size()), y(problem.outputs.size());
+  constexpr std::uint64_t enough = 512, together = 64;
+  constexpr double long_enough = 0.05;  // [s]
+  const std::size_t inputs = problem.inputs.size();
+  study::Evaluator evaluator(problem);
   const auto begun = std::chrono::steady_clock::now();
   const auto passed = [&] {
     return std::chrono::duration<double>(std::chrono::steady_clock::now() - begun).count();
   };
+  std::vector<double> numbers(together * (inputs + problem.outputs.size()));
   std::uint64_t done = 0;
-  constexpr std::uint64_t enough = 256;
-  constexpr double long_enough = 0.05;  // [s]
   do {
-    study::place(plan, done, x);
-    for (std::size_t i = 0; i < x.size(); ++i)
-      x[i] = quantile(problem.inputs[i].distribution, x[i]);
-    model(x, y);
-  } while (++done < std::min(rows, enough) && passed() < long_enough);
+    const auto now = std::min(rows - done, done == 0 ? 1 : together);
+    evaluator.rows(plan, done, std::span(numbers).first(now * (inputs + problem.outputs.size())));
+    done += now;
+  } while (done < std::min(rows, enough) && passed() < long_enough);
   return passed() / static_cast<double>(done);
 }
 
@@ -177,9 +177,9 @@ std::string fingerprint_of(const StudyJob& job) {
   return text;
 }
 
-void write_results(const StudyJob& job, const study::Spool& spool, const std::string& path,
+void write_results(const StudyJob& job, const study::Spool& spool, const StudyRunOptions& options,
                    bool complete) {
-  data::ColumnFile file{.rows = spool.rows()};
+  data::ColumnFile file{.rows = spool.rows(), .threads = options.threads};
   for (std::size_t k = 0; k < job.problem.inputs.size(); ++k)
     file.columns.push_back({job.input_column(k), job.problem.inputs[k].unit, "varied"});
   for (const auto& output : job.problem.outputs)
@@ -196,7 +196,7 @@ void write_results(const StudyJob& job, const study::Spool& spool, const std::st
   file.each_rows = [&](const std::function<void(std::span<const double>)>& take) {
     spool.each_chunk([&](std::uint64_t, std::span<const double> rows) { take(rows); });
   };
-  data::write_columns(path, file);
+  data::write_columns(options.output, file);
 }
 
 }  // namespace
@@ -262,7 +262,7 @@ StudyDone run_study(const StudyJob& job, const StudyRunOptions& options, const P
   }
   if (options.take)
     spool.each_chunk([&](std::uint64_t, std::span<const double> rows) { options.take(rows); });
-  write_results(job, spool, options.output, done.complete);
+  write_results(job, spool, options, done.complete);
   done.summary = study::summarise(spool, job.problem, job.plan, job.requirements);
   if (!done.complete || options.join) return done;
   fs::remove(done.rows_file);
@@ -272,11 +272,7 @@ StudyDone run_study(const StudyJob& job, const StudyRunOptions& options, const P
 
 std::vector<double> study_row(const StudyJob& job, std::uint64_t row) {
   std::vector<double> values(job.problem.inputs.size() + job.problem.outputs.size());
-  const auto x = std::span(values).first(job.problem.inputs.size());
-  study::place(job.plan, row, x);
-  for (std::size_t i = 0; i < x.size(); ++i)
-    x[i] = quantile(job.problem.inputs[i].distribution, x[i]);
-  job.problem.model()(x, std::span(values).subspan(x.size()));
+  study::Evaluator(job.problem).rows(job.plan, row, values);
   return values;
 }
 

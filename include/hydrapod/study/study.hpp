@@ -82,11 +82,23 @@ struct Column {
 /// Fills a row of outputs from a row of inputs. What cannot be computed is NaN.
 using Model = std::function<void(std::span<const double> inputs, std::span<double> outputs)>;
 
+/// One row of a batch.
+struct Row {
+  std::span<const double> inputs{};
+  std::span<double> outputs{};
+};
+
+/// Fills many rows, each as Model would alone but for rounding. Rows do not depend on those beside
+/// them. Returns how many of them had to be computed alone after all.
+using BatchModel = std::function<std::size_t(std::span<const Row>)>;
+
 struct Problem {
   std::vector<Input> inputs{};
   std::vector<Column> outputs{};
   /// A model for the use of one thread.
   std::function<Model()> model{};
+  /// The same for many rows at once, where there is such a one; run() prefers it.
+  std::function<BatchModel()> batch{};
   /// Column of `outputs` that is 0 for a sample that was computed; −1: none.
   int status{-1};
 };
@@ -116,6 +128,21 @@ void place(const Plan& plan, std::uint64_t row, std::span<double> u);
 std::array<std::uint32_t, 4> philox(std::array<std::uint32_t, 4> counter,
                                     std::array<std::uint32_t, 2> key);
 
+/// A problem's model for one thread.
+class Evaluator {
+ public:
+  explicit Evaluator(const Problem& problem);
+  /// Rows of the plan from `first` on, inputs and outputs, as many as `numbers` has room for. How
+  /// many of them a batch had to compute alone.
+  std::size_t rows(const Plan& plan, std::uint64_t first, std::span<double> numbers);
+
+ private:
+  const Problem& problem_;
+  Model model_{};
+  BatchModel batch_{};
+  std::vector<Row> rows_{};
+};
+
 struct RunOptions {
   std::string spool{};        ///< file of rows, see Spool
   bool resume{};              ///< go on with what the file holds; else it is begun anew
@@ -128,6 +155,7 @@ struct RunResult {
   std::uint64_t first{}, count{};  ///< rows that the shard consists of
   std::uint64_t done{};            ///< that are in the spool
   std::uint64_t resumed{};         ///< that were there before
+  std::uint64_t alone{};           ///< rows of a batch that had to be computed alone, of this run
   double seconds{};
   [[nodiscard]] bool complete() const { return done == count; }
 };

@@ -1,0 +1,18 @@
+// The kernel for processors with AVX2 with FMA; compiled with the flags for them (CMakeLists.txt).
+#include "lane_modes.hpp"
+
+#if defined(__AVX2__) && defined(__FMA__)
+#include "lane_kernel.hpp"
+
+namespace hydrapod::modal {
+
+LaneKernels avx2_kernels() { return kernels<Pair<4>>(); }
+
+}  // namespace hydrapod::modal
+#else
+namespace hydrapod::modal {
+
+LaneKernels avx2_kernels() { return {}; }
+
+}  // namespace hydrapod::modal
+#endif

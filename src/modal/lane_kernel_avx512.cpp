@@ -1,0 +1,18 @@
+// The kernel for processors with AVX-512; compiled with the flags for them (CMakeLists.txt).
+#include "lane_modes.hpp"
+
+#if defined(__AVX512F__)
+#include "lane_kernel.hpp"
+
+namespace hydrapod::modal {
+
+LaneKernels avx512_kernels() { return kernels<One<8>>(); }
+
+}  // namespace hydrapod::modal
+#else
+namespace hydrapod::modal {
+
+LaneKernels avx512_kernels() { return {}; }
+
+}  // namespace hydrapod::modal
+#endif
