@@ -43,10 +43,13 @@ bool is_sampled(const Options& asked, exchange::SystemKind system) {
 
 /// Options that another format has no use for.
 void refuse_idle(const Options& asked, tasks::ExportFormat format) {
+  const bool fmu = format == tasks::ExportFormat::fmu2 || format == tasks::ExportFormat::fmu3;
+  const auto has_meaning = [&](std::string_view name) {
+    return name == "system" && (fmu || asked.get<std::string>("system") == "mechanics");
+  };
   if (format > tasks::ExportFormat::hdf5)
     for (const char* name : {"sample_time", "inputs", "outputs", "system", "sampled"})
-      if (asked.has(name) &&
-          !(std::string_view(name) == "system" && asked.get<std::string>(name) == "mechanics"))
+      if (asked.has(name) && !has_meaning(name))
         base::refuse(name, "has no meaning here: it is for state spaces (mat, npz, json, hdf5)");
   if (asked.has("leg_modes") && format != tasks::ExportFormat::matrix_market &&
       format != tasks::ExportFormat::dmig)
@@ -68,10 +71,10 @@ py::tuple export_machine(const Machine& machine, const Options& asked) {
              {tasks::export_formats.begin(), tasks::export_formats.end()}));
   refuse_idle(asked, options.format);
   options.path = asked.get<std::string>("path");
-  options.system = system_kind(asked);
+  if (asked.has("system")) options.system = system_kind(asked);
   options.pade_order = pade_order(asked);
   options.sample_time = asked.positive("sample_time", "s").value_or(0.0);
-  options.sampled_controller = is_sampled(asked, options.system);
+  options.sampled_controller = is_sampled(asked, system_kind(asked));
   options.inputs = asked.get<Names>("inputs");
   options.outputs = asked.get<Names>("outputs");
   options.p_PQ = point_of(asked);
