@@ -83,7 +83,7 @@ constexpr ParameterRow leg_hydraulics_rows[]{
         "of the same law as at the seals"),
     simulation("legs.end_stops", "at the ends of the stroke"),
     number<hydraulics, &LegHydraulics::end_stops, &EndStops::stiffness>(
-        "legs.end_stops.stiffness", "N/m", otherwise("20 times the oil spring"), spring_rate,
+        "legs.end_stops.stiffness", "N/m", otherwise("20 times the oil spring"), positive,
         "k of the force k δ (1 + damping dδ/dt)", shown("400 kN/mm")),
     number<hydraulics, &LegHydraulics::end_stops, &EndStops::damping>(
         "legs.end_stops.damping", "s/m", standard, not_negative, "of the same force"),

@@ -252,7 +252,7 @@ std::string warning_text(const data::ResponseWarning& w) {
           "its "
           "damping, {:.4g} 1/s, is taken out of all modes; if it was not, damping ratios are too "
           "low",
-          w.count > 0 ? "the file says that" : "as stated,", w.value, 1.0 / w.value);
+          w.count > 0 ? "the file says that" : "as given,", w.value, 1.0 / w.value);
     case Kind::wandering_tone:
       return fmt::format(
           "at {:.4g} Hz ± {:.2g} % the outputs vibrate with a constant amplitude, as a machine "

@@ -12,10 +12,10 @@
 #include "hydrapod/base/error.hpp"
 #include "hydrapod/base/units.hpp"
 #include "hydrapod/kinematics/legs.hpp"
-#include "hydrapod/modal/lane_modes.hpp"
 #include "hydrapod/modal/mode_table.hpp"
 #include "hydrapod/spatial/pose.hpp"
 #include "hydrapod/study/study.hpp"
+#include "lane_solve.hpp"
 
 namespace hydrapod::study {
 
@@ -361,10 +361,10 @@ class Evaluation {
       rigid[in_lanes] = &*sample.rigid;
       which[in_lanes++] = k;
     }
-    modal::normal_modes(std::span(flexible).first(in_lanes), std::span(modes_).first(in_lanes),
-                        std::span(sound).first(in_lanes));
-    modal::normal_modes(std::span(rigid).first(in_lanes), std::span(rigid_modes_).first(in_lanes),
-                        std::span(rigid_sound).first(in_lanes));
+    modes_in_lanes(std::span(flexible).first(in_lanes), std::span(modes_).first(in_lanes),
+                   std::span(sound).first(in_lanes));
+    modes_in_lanes(std::span(rigid).first(in_lanes), std::span(rigid_modes_).first(in_lanes),
+                   std::span(rigid_sound).first(in_lanes));
     for (std::size_t k = 0; k < in_lanes; ++k) {
       if (sound[k] && rigid_sound[k]) {
         outputs_of(samples_[which[k]], modes_[k], rigid_modes_[k]);

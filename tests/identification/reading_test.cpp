@@ -50,8 +50,8 @@ TEST_F(ReadingRecords, TheirBeginningIsReadOnce) {
   // for the period and the band of the excitation, for the spectra, and for lines that may be tones
   write(foreign_loop_record(foreign_plant(), {}));
   EXPECT_LT(times([](auto& records) { measure_responses(records, {}); }), 3.3);
-  write(gapped_record(five_masses(1), {}, 3));
-  EXPECT_LT(times([](auto& records) { measure_responses(records, {}); }), 3.3);
+  write(gapped_record(five_masses(1), {}, 3));  // without a loop also for a second clock
+  EXPECT_LT(times([](auto& records) { measure_responses(records, {}); }), 4.3);
 }
 
 TEST_F(ReadingRecords, PartsOfThemAreReadOnceMore) {

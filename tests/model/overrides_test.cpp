@@ -42,7 +42,7 @@ TEST(Overrides, TakeWordsArraysAndTables) {
 
 /// A part that is rigid where it is left out is left out; other springs get a large number.
 TEST(Overrides, SpringsMayBeRigid) {
-  EXPECT_EQ(with({"legs.guide_sleeve.stiffness=rigid"}).legs[2].guide_sleeve.stiffness, 1e12);
+  EXPECT_EQ(with({"legs.guide_sleeve.stiffness=rigid"}).legs[0].guide_sleeve.stiffness, 1e12);
   EXPECT_EQ(with({"legs.oil_spring={stiffness=\"rigid\"}"}).legs[2].oil_spring.stiffness, 1e12);
   const Machine gimbals =
       with({"legs.gimbal_stiffness=300 kN/mm", "leg.3.gimbal_stiffness=\"rigid\""});

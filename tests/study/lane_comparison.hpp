@@ -8,7 +8,7 @@
 #include <memory>
 
 #include "hydrapod/modal/mode_table.hpp"
-#include "modal/lane_solve.hpp"
+#include "study/lane_solve.hpp"
 #include "support/random_machine.hpp"
 #include "support/symmetric_machine.hpp"
 
@@ -24,13 +24,13 @@ struct LaneComparison {
 
   /// Frequencies to 1e-12 and everything else the same. Each design of `models` is solved in lanes
   /// beside the others.
-  void add(const modal::LaneKernels& kernels,
+  void add(const study::LaneKernels& kernels,
            const std::vector<std::unique_ptr<dynamics::LinearModel>>& models) {
     std::vector<const dynamics::LinearModel*> all;
     for (const auto& model : models) all.push_back(model.get());
     std::vector<modal::NormalModes> modes(all.size());
     const auto sound = std::make_unique<bool[]>(all.size());
-    modal::solve_in_lanes(kernels, all, modes, {sound.get(), all.size()});
+    study::solve_in_lanes(kernels, all, modes, {sound.get(), all.size()});
     for (std::size_t k = 0; k < all.size(); ++k) {
       ++designs;
       if (sound[k])

@@ -9,7 +9,7 @@
 /// M and K come packed: the lower triangle of the platform's block by rows (21 numbers), then per
 /// leg its rows against the platform (flexible × 6) and the lower triangle of its own block.
 
-namespace hydrapod::modal {
+namespace hydrapod::study {
 
 inline constexpr int most_lanes = 8;
 
@@ -38,4 +38,4 @@ LaneKernels plain_kernels();
 LaneKernels avx2_kernels();
 LaneKernels avx512_kernels();
 
-}  // namespace hydrapod::modal
+}  // namespace hydrapod::study

@@ -4,15 +4,15 @@
 #if defined(__AVX512F__)
 #include "lane_kernel.hpp"
 
-namespace hydrapod::modal {
+namespace hydrapod::study {
 
 LaneKernels avx512_kernels() { return kernels<One<8>>(); }
 
-}  // namespace hydrapod::modal
+}  // namespace hydrapod::study
 #else
-namespace hydrapod::modal {
+namespace hydrapod::study {
 
 LaneKernels avx512_kernels() { return {}; }
 
-}  // namespace hydrapod::modal
+}  // namespace hydrapod::study
 #endif

@@ -2,8 +2,8 @@
 
 #include <stdexcept>
 
-#include "hydrapod/modal/lane_modes.hpp"
 #include "lane_comparison.hpp"
+#include "study/lane_solve.hpp"
 #include "support/kinds.hpp"
 
 namespace hydrapod::test {
@@ -24,7 +24,7 @@ class LaneModes : public testing::TestWithParam<AxesAndKind> {
   void expect_the_same(const Make& make, bool labels = true) {
     std::vector<std::unique_ptr<LinearModel>> models;
     for (int k = 0; k < 11; ++k) models.push_back(make());
-    for (const auto& kernels : modal::usable_kernels()) {
+    for (const auto& kernels : study::usable_kernels()) {
       SCOPED_TRACE(fmt::format("{} lanes", kernels.lanes));
       LaneComparison comparison;
       comparison.add(kernels, models);
@@ -64,7 +64,7 @@ TEST_P(LaneModes, OfBuckledLegsAreNegativeToo) {
     models.push_back(lane_model(random_, axes, kind, Gravity::down));
     models.back()->K(6, 6) *= -1.0;  // a leg that folds
   }
-  for (const auto& kernels : modal::usable_kernels()) {
+  for (const auto& kernels : study::usable_kernels()) {
     LaneComparison comparison;
     comparison.add(kernels, models);
     EXPECT_EQ(comparison.buckled, 9);
@@ -78,15 +78,15 @@ TEST_P(LaneModes, DoNotDependOnTheDesignsBeside) {
   for (int k = 0; k < 8; ++k)
     models.push_back(lane_model(random_, axes, kind, Gravity::none,
                                 k % 3 == 0 ? std::optional(0.0) : std::nullopt));
-  for (const auto& kernels : modal::usable_kernels()) {
+  for (const auto& kernels : study::usable_kernels()) {
     std::vector<const LinearModel*> all;
     for (const auto& model : models) all.push_back(model.get());
     std::vector<modal::NormalModes> together(all.size()), alone(1);
     std::array<bool, 8> sound{};
-    modal::solve_in_lanes(kernels, all, together, sound);
+    study::solve_in_lanes(kernels, all, together, sound);
     for (std::size_t k = 0; k < all.size(); ++k) {
       ASSERT_TRUE(sound[k]);
-      modal::solve_in_lanes(kernels, std::span(all).subspan(k, 1), alone,
+      study::solve_in_lanes(kernels, std::span(all).subspan(k, 1), alone,
                             std::span(sound).subspan(k, 1));
       EXPECT_EQ(together[k].omega2, alone[0].omega2);
       EXPECT_EQ(together[k].shapes, alone[0].shapes);
@@ -108,7 +108,7 @@ TEST(LaneModesOfImpossibleMasses, AreLeftToOneAtATime) {
     models.push_back(
         lane_model(random, model::FlexibleAxes::transverse, ModelKind::guide, Gravity::none));
   models[3]->M(6, 6) = -1.0;
-  for (const auto& kernels : modal::usable_kernels()) {
+  for (const auto& kernels : study::usable_kernels()) {
     LaneComparison comparison;
     comparison.add(kernels, models);
     EXPECT_EQ(comparison.alone, 1);
@@ -125,7 +125,7 @@ TEST(LaneModesOfDifferentKinds, AreRefused) {
   const std::array<const LinearModel*, 2> models{guide.get(), rigid.get()};
   std::vector<modal::NormalModes> modes(2);
   std::array<bool, 2> sound{};
-  EXPECT_THROW(modal::normal_modes(models, modes, sound), std::invalid_argument);
+  EXPECT_THROW(study::modes_in_lanes(models, modes, sound), std::invalid_argument);
 }
 
 }  // namespace

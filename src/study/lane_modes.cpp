@@ -7,12 +7,16 @@
 #include <stdexcept>
 #include <vector>
 
-#include "hydrapod/modal/lane_modes.hpp"
+#include "hydrapod/modal/normal_modes.hpp"
 #include "lane_solve.hpp"
 
-namespace hydrapod::modal {
+namespace hydrapod::study {
 
 namespace {
+
+using dynamics::LinearModel;
+using dynamics::ModelMatrix;
+using modal::NormalModes;
 
 constexpr int most_flexible = 4, most_modes = 6 + model::leg_count * most_flexible;
 
@@ -89,7 +93,7 @@ void solve_lanes(std::span<const LinearModel* const> models, std::span<NormalMod
       sound[at] = buffers.residual[static_cast<std::size_t>(lane)] <= largest_residual;
       if (!sound[at]) continue;
       unpack<flexible>(buffers, lane, lanes, modes[at]);
-      make_canonical(models[at]->M.diagonal(), modes[at]);
+      modal::make_canonical(models[at]->M.diagonal(), modes[at]);
     }
   }
 }
@@ -113,8 +117,8 @@ std::span<const LaneKernels> usable_kernels() {
   return kernels;
 }
 
-void normal_modes(std::span<const LinearModel* const> models, std::span<NormalModes> modes,
-                  std::span<bool> sound) {
+void modes_in_lanes(std::span<const LinearModel* const> models, std::span<NormalModes> modes,
+                    std::span<bool> sound) {
   solve_in_lanes(usable_kernels().front(), models, modes, sound);
 }
 
@@ -126,7 +130,7 @@ void solve_in_lanes(const LaneKernels& kernels, std::span<const LinearModel* con
   if (models.size() != modes.size() || models.size() != sound.size() ||
       std::ranges::any_of(models, other))
     throw std::invalid_argument(
-        "normal_modes: expected as many modes as models, all of one kind and on a base without "
+        "modes_in_lanes: expected as many modes as models, all of one kind and on a base without "
         "coordinates");
   if (models.empty()) return;
   switch (models.front()->kind) {
@@ -139,4 +143,4 @@ void solve_in_lanes(const LaneKernels& kernels, std::span<const LinearModel* con
   }
 }
 
-}  // namespace hydrapod::modal
+}  // namespace hydrapod::study

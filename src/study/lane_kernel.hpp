@@ -15,7 +15,7 @@
 #include <immintrin.h>
 #endif
 
-namespace hydrapod::modal {
+namespace hydrapod::study {
 
 namespace {
 
@@ -492,4 +492,4 @@ LaneKernels kernels() {
 
 }  // namespace
 
-}  // namespace hydrapod::modal
+}  // namespace hydrapod::study

@@ -4,15 +4,15 @@
 #if defined(__AVX2__) && defined(__FMA__)
 #include "lane_kernel.hpp"
 
-namespace hydrapod::modal {
+namespace hydrapod::study {
 
 LaneKernels avx2_kernels() { return kernels<Pair<4>>(); }
 
-}  // namespace hydrapod::modal
+}  // namespace hydrapod::study
 #else
-namespace hydrapod::modal {
+namespace hydrapod::study {
 
 LaneKernels avx2_kernels() { return {}; }
 
-}  // namespace hydrapod::modal
+}  // namespace hydrapod::study
 #endif

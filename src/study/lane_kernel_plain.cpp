@@ -1,8 +1,8 @@
 // The kernel for every processor.
 #include "lane_kernel.hpp"
 
-namespace hydrapod::modal {
+namespace hydrapod::study {
 
 LaneKernels plain_kernels() { return kernels<One<2>>(); }
 
-}  // namespace hydrapod::modal
+}  // namespace hydrapod::study
