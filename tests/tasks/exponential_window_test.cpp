@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <vector>
 
 #include "hydrapod/base/error.hpp"
 #include "hydrapod/tasks/measurement.hpp"
@@ -36,27 +37,32 @@ tasks::Identified identified(const std::string& file, std::optional<double> wind
   return tasks::identify({.measure = {.files = {file}, .exponential_window = window}});
 }
 
+/// The mode found next to `omega` [rad/s].
+const identification::IdentifiedMode& nearest(const tasks::Identified& found, double omega) {
+  return *std::ranges::min_element(
+      found.modes.modes, {}, [&](const auto& mode) { return std::abs(mode.fit.omega() - omega); });
+}
+
+/// What else is listed, in the noise above the band of the blow, must not look certain.
 void expect_the_beam(const tasks::Identified& found, std::uint64_t seed) {
   const auto truth = identification::beam();
-  ASSERT_EQ(found.modes.modes.size(), 3U) << seed;
+  ASSERT_GE(found.modes.modes.size(), 3U) << seed;
+  std::vector<const identification::IdentifiedMode*> true_ones;
   for (std::size_t r = 0; r < 3; ++r) {
-    const auto& fit = found.modes.modes[r].fit;
-    const double damping = -truth.modes[r].pole.real() / std::abs(truth.modes[r].pole);
-    EXPECT_NEAR(fit.omega(), std::abs(truth.modes[r].pole), 5e-4 * fit.omega()) << seed;
+    const double omega = std::abs(truth.modes[r].pole);
+    true_ones.push_back(&nearest(found, omega));
+    const auto& fit = true_ones.back()->fit;
+    const double damping = -truth.modes[r].pole.real() / omega;
+    EXPECT_NEAR(fit.omega(), omega, 5e-4 * fit.omega()) << seed;
     constexpr double far = 4.5;  // standard deviations; 1 % where these are smaller
     EXPECT_NEAR(fit.damping_ratio(), damping, std::max(far * fit.damping_deviation, 0.01 * damping))
         << seed << " " << r;
   }
-}
-
-/// The mode found next to the first of the beam: what else is found in the noise is another test's.
-double first_damping_ratio(const tasks::Identified& found) {
-  const double omega = std::abs(identification::beam().modes[0].pole);
-  const auto& modes = found.modes.modes;
-  const auto nearest = std::ranges::min_element(
-      modes, {}, [&](const auto& mode) { return std::abs(mode.fit.omega() - omega); });
-  if (nearest == modes.end() || std::abs(nearest->fit.omega() - omega) > 1e-3 * omega) return 0.0;
-  return nearest->fit.damping_ratio();
+  for (const auto& mode : found.modes.modes) {
+    if (std::ranges::count(true_ones, &mode) == 0) {
+      EXPECT_LT(mode.quality(), 0.8) << seed << ", " << mode.fit.omega() << " rad/s";
+    }
+  }
 }
 
 TEST(ExponentialWindow, IsTakenOutWhereItIsStated) {
@@ -67,7 +73,8 @@ TEST(ExponentialWindow, IsTakenOutWhereItIsStated) {
       // without it the damping is that of structure and window together
       const auto without = identified(folder / "hit.h5", {});
       const double omega = std::abs(identification::beam().modes[0].pole);
-      EXPECT_NEAR(first_damping_ratio(without), 0.0113 + 1.0 / (tau * omega), 0.001) << seed;
+      EXPECT_NEAR(nearest(without, omega).fit.damping_ratio(), 0.0113 + 1.0 / (tau * omega), 0.001)
+          << seed;
       const auto with = identified(folder / "hit.h5", tau);
       expect_the_beam(with, seed);
       EXPECT_THAT(
@@ -89,7 +96,8 @@ TEST(ExponentialWindow, IsReadFromNotesAndMeantForResponsesToo) {
   const auto shared = tasks::shared_responses(tasks::frf({.files = {folder / "plain.h5"}}));
   data::write_frequency_responses(folder / "plain.uff", data::brought_to_axis(shared));
   const auto found = identified(folder / "plain.uff", tau);
-  EXPECT_NEAR(first_damping_ratio(found), 0.0113, 0.0006);
+  const double omega = std::abs(identification::beam().modes[0].pole);
+  EXPECT_NEAR(nearest(found, omega).fit.damping_ratio(), 0.0113, 0.0006);
 }
 
 TEST(ExponentialWindow, ThatCannotHaveBeenIsRefused) {
