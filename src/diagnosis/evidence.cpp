@@ -321,15 +321,26 @@ void Evidence::learn(Hypothesis& e, const std::vector<std::vector<const Hypothes
   if (fit && fit->misfit < e.misfit) take(std::move(*fit), e);
 }
 
+bool Evidence::has_damped_seals(const Cause& cause) const {
+  const auto is_damped = [&](const model::Leg& leg) {
+    if (cause.family() == Family::guide_sleeves) return leg.guide_sleeve.damping > 0.0;
+    return cause.family() == Family::piston_rings && leg.piston_ring &&
+           leg.piston_ring->damping > 0.0;
+  };
+  const auto& legs = file_.machine.legs;
+  return cause.leg ? is_damped(legs[static_cast<std::size_t>(*cause.leg)])
+                   : std::ranges::any_of(legs, is_damped);
+}
+
 void Evidence::scan_seals(Hypothesis& e, const numerics::Progress& stop) const {
-  const bool of_seals = e.causes.size() == 1 && e.fit.parameters.size() == 1 &&
-                        (causes_[e.causes[0]].family() == Family::guide_sleeves ||
-                         causes_[e.causes[0]].family() == Family::piston_rings);
-  if (!of_seals || !in_two_steps()) return;
-  constexpr double step = 1.5;  // a refit finds a minimum from there
+  if (!in_two_steps() || e.causes.size() != 1 || e.fit.parameters.size() != 1 ||
+      !has_damped_seals(causes_[e.causes[0]]))
+    return;
+  constexpr double step = 1.7, softest = 1e-3;  // a refit finds a minimum from there
   const auto& known = e.fit.parameters[0];
   std::optional<Hypothesis> best;
-  for (double value = known.lower; value <= known.upper; value *= step) {
+  for (double value = known.start; value > std::max(known.lower, softest * known.start);
+       value /= step) {
     auto other = e;
     other.fit.parameters[0].value = value;
     const auto fit = seen(other);

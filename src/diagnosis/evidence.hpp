@@ -59,10 +59,9 @@ class Evidence {
   /// measured better than its own: `found[k]`, hypotheses that hold cause k, best first.
   void learn(Hypothesis& hypothesis, const std::vector<std::vector<const Hypothesis*>>& found,
              const numerics::Progress& stop) const;
-  /// Tries the stiffness of seals over the range of its search, and goes on from the best where
-  /// that meets everything that was measured better than its own. Modes of mechanics do not lead to
-  /// seals that are so soft that their dampers hold the rod: without these, the platform moves
-  /// otherwise.
+  /// Tries softer and softer seals that have dampers, and goes on from the best where that meets
+  /// everything that was measured better than its own. Modes of mechanics, which are undamped, do
+  /// not lead to seals that are so soft that their dampers hold the rod.
   void scan_seals(Hypothesis& hypothesis, const numerics::Progress& stop) const;
   /// Adds to the deviations of its parameters what a model error that all frequencies share makes
   /// of them: the fit counts the errors of modes as independent.
@@ -83,6 +82,7 @@ class Evidence {
   [[nodiscard]] const std::vector<Cause>& causes() const { return causes_; }
 
  private:
+  [[nodiscard]] bool has_damped_seals(const Cause& cause) const;
   [[nodiscard]] dynamics::ModelKind kind_with(const std::vector<std::size_t>& causes) const;
   [[nodiscard]] int starts_for(const std::vector<std::size_t>& causes, bool known) const;
   [[nodiscard]] model::MachineFile file_with(const Hypothesis& hypothesis) const;
