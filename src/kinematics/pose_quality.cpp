@@ -18,7 +18,9 @@ PoseQuality pose_quality(const model::Machine& machine, const Pose& X_BP) {
   quality.characteristic_length = std::sqrt(sum / model::leg_count);
   Matrix6 J = leg_jacobian(legs, center);
   J.rightCols<3>() /= quality.characteristic_length;
-  if (!J.allFinite()) {
+  if (!J.allFinite()) {  // a leg of no length has no direction, and the pose no singular values
+    quality.singular_values.setZero();
+    quality.weakest_direction.setZero();
     quality.condition = std::numeric_limits<double>::infinity();
     return quality;
   }

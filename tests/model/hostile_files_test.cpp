@@ -15,6 +15,7 @@
 #include "hydrapod/base/units.hpp"
 #include "hydrapod/model/machine_file.hpp"
 #include "sound_machine.hpp"
+#include "support/places.hpp"
 #include "support/run_program.hpp"
 
 namespace hydrapod::model {
@@ -174,7 +175,8 @@ TEST(HostileFiles, LargeOnesTakeNoTime) {
     const std::clock_t begin = std::clock();  // of the processor: others may keep it busy
     EXPECT_NE(complaint_about(text), "");
     const double taken = static_cast<double>(std::clock() - begin) / CLOCKS_PER_SEC;
-    EXPECT_LT(taken, 20.0) << text.substr(0, 40);  // 2 s at most; sanitizers are slower
+    constexpr double most = test::sanitized ? 100.0 : 20.0;  // seen: 2 s, under sanitizers 25 s
+    EXPECT_LT(taken, most) << text.substr(0, 40);
   }
 }
 
