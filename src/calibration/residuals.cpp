@@ -68,19 +68,43 @@ class DampingResidual : public ResidualKind {
     const double omega = std::sqrt(omega2);
     const dynamics::ModelVector phi = point.modes.shapes.col(mode);
     const dynamics::ModelVector C_phi = point.model.C * phi;
-    const double viscous = phi.dot(C_phi) / (2.0 * omega);
+    const auto& arms = point.model.arms;
+    const double viscous =
+        (phi.dot(C_phi) + modal::relaxed_damping(arms, phi, omega)) / (2.0 * omega);
     const double ratio = modal::modal_ratio(state.machine).value;
     r[0] = (viscous + ratio - *target.damping) / target.damping_deviation;
     if (J == nullptr) return;
-    *J = C_phi.transpose() * modal::shape_derivatives(point.modes, mode, point.derivatives) / omega;
+    dynamics::ModelVector force = C_phi;
+    for (const auto& arm : arms) force += damper_at(arm, omega) * arm.s_y.dot(phi) * arm.s_y;
+    *J = force.transpose() * modal::shape_derivatives(point.modes, mode, point.derivatives) / omega;
     *J -= viscous / (2.0 * omega2) * point.domega2.row(mode);
     for (Eigen::Index j = 0; j < J->cols(); ++j)
       (*J)(0, j) += phi.dot(point.derivatives[static_cast<std::size_t>(j)].C * phi) / (2.0 * omega);
-    if (state.machine.damping.modal_ratio) add_ratio(problem, *J);
+    if (!arms.empty()) add_arms(point, phi, mode, *J);
+    if (state.machine.damping.modal_ratio && arms.empty()) add_ratio(problem, *J);
     *J /= target.damping_deviation;
   }
 
  private:
+  /// What changes of the arms and of the frequency at which they are dampers do.
+  static void add_arms(const ModePoint& point, const dynamics::ModelVector& phi, int mode,
+                       Eigen::MatrixXd& J) {
+    const double omega = std::sqrt(std::max(point.modes.omega2[mode], 0.0));
+    if (omega == 0.0) return;
+    double by_omega = 0.0;
+    for (const auto& arm : point.model.arms) {
+      const double square = omega * omega + arm.rate * arm.rate;
+      by_omega -= 2.0 * omega * damper_at(arm, omega) / square * std::pow(arm.s_y.dot(phi), 2);
+    }
+    for (Eigen::Index j = 0; j < J.cols(); ++j) {
+      const auto& of = point.derivatives[static_cast<std::size_t>(j)];
+      const double change = (modal::relaxed_damping(of.arms_above, phi, omega) -
+                             modal::relaxed_damping(of.arms_below, phi, omega)) /
+                            (2.0 * of.step);
+      J(0, j) += (change + by_omega * point.domega2(mode, j) / (2.0 * omega)) / (2.0 * omega);
+    }
+  }
+
   static void add_ratio(const Problem& problem, Eigen::MatrixXd& J) {
     static const auto ratio =
         model::find_parameter(model::Machine{}, "damping.modal_ratio").value();

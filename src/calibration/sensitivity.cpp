@@ -94,6 +94,12 @@ void add_derivatives(const VariedMachine& machine, const std::vector<double>& va
     moved[j] = values[j];
     point.derivatives.push_back({(above.M - below.M) / (2.0 * h), (above.K - below.K) / (2.0 * h),
                                  (above.C - below.C) / (2.0 * h)});
+    if (!above.arms.empty()) {
+      auto& derivative = point.derivatives.back();
+      derivative.arms_above = above.arms;
+      derivative.arms_below = below.arms;
+      derivative.step = h;
+    }
     point.center_derivatives.push_back((above.p_BC - below.p_BC) / (2.0 * h));
     point.against_base_derivatives.push_back((above.against_base - below.against_base) / (2.0 * h));
     sizes[static_cast<Eigen::Index>(j)] = scales[j];
@@ -117,7 +123,7 @@ Sensitivities sensitivities(const model::MachineFile& file, std::size_t pose,
     return std::ranges::count(parameters, id, &model::FileNumber::id) > 0;
   };
   for (const auto& given : file.given)
-    if (paths.empty() && of_mechanics(given.id) && !known(given.id))
+    if (paths.empty() && of_mechanics(file.machine, given.id) && !known(given.id))
       if (const auto number = number_of(file, given.id); number && number->value != 0.0)
         parameters.push_back(*number);
   VariedMachine machine{.machine = file.machine};

@@ -139,7 +139,9 @@ std::vector<Variable> make_variables(const std::vector<FreeParameter>& free,
   check_repeats(free, variables, errors);
   if (!errors.empty()) return variables;
   for (std::size_t j = 0; j < free.size(); ++j)
-    if (std::ranges::none_of(variables[j].ids, model::of_mechanics))
+    if (std::ranges::none_of(variables[j].ids, [&](const model::ParameterId& id) {
+          return model::of_mechanics(file.machine, id);
+        }))
       errors.push_back(fault_at(free[j], free[j].paths.front(),
                                 "has no effect on the modes; it cannot be fitted"));
   return variables;

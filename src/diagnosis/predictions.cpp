@@ -73,8 +73,12 @@ double stiffness(const model::Leg& leg, double l_m, double cap, double rod) {
     volume.cap = volume.rod = hydraulics::control_volume(leg);
   else
     volume = hydraulics::chamber_volumes(*leg.oil_spring.cylinder, *leg.stroke, l_m);
-  return modulus(cap) * piston * piston / volume.cap +
-         modulus(rod) * annulus * annulus / volume.rod;
+  const auto& cylinder = *leg.oil_spring.cylinder;
+  const auto of = [](double beta, double area, double filled, double hose) {
+    return hose == 0.0 ? beta * area * area / filled : area * area / (filled / beta + hose);
+  };
+  return of(modulus(cap), piston, volume.cap, cylinder.cap_line_compliance) +
+         of(modulus(rod), annulus, volume.rod, cylinder.rod_line_compliance);
 }
 
 }  // namespace

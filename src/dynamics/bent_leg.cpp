@@ -153,7 +153,7 @@ Matrix7 chart_mass(const model::Leg& leg, const Configuration& at, const Matrix3
               rod.mass * rod_rates.transpose() * rod_rates;
   M(alpha, alpha) += tube.transverse_inertia * at.a1.x() * at.a1.x();  // ω⊥ = (a1·t) α̇ t + β̇ a2
   M(beta, beta) += tube.transverse_inertia;
-  M(extension, extension) += leg.added_axial_inertia;
+  M(extension, extension) += leg.added_axial_inertia + hydraulics::line_inertia(leg, at.s);
 
   Matrix37 e_rates = Matrix37::Zero();  // ė, whose length is the rod's transverse rate
   e_rates.col(alpha) = at.a1.cross(at.rod.e);

@@ -9,6 +9,7 @@
 #include "base_mount.hpp"
 #include "hydrapod/base/error.hpp"
 #include "hydrapod/spatial/pose.hpp"
+#include "oil_chambers.hpp"
 #include "statics_search.hpp"
 
 namespace hydrapod::dynamics {
@@ -172,6 +173,8 @@ LinearModel assembled(const model::Machine& machine, const spatial::Pose& X_BP, 
   }
   for (int i = 0; i < model::leg_count; ++i)
     model.J[i] = joint_jacobian(model.legs[i].frame.R_BL, geometry[i].a - model.p_BC);
+  const bool chambers = model::has_chambers(machine);
+  if (chambers) fill_chambers(machine, model);
   std::optional<LegsOnBase> on_base;  // large, and most machines have none
   if (machine.base_mount) on_base = legs_on_base(machine, geometry, model.statics);
   if (machine.base_mount && base.empty()) condense_base(machine, *on_base, model);
@@ -183,24 +186,38 @@ LinearModel assembled(const model::Machine& machine, const spatial::Pose& X_BP, 
     add_legs(&LegElement::M, model, M_legs);
     add_base_coordinates(machine, *on_base, M_legs, model);
   }
+  if (chambers) {
+    point_arms(model);
+    if (!base.empty()) damp_mount(machine, model);
+  }
   const auto& damping = machine.damping;
-  if (damping.rayleigh_mass != 0.0 || damping.rayleigh_stiffness != 0.0)
-    model.C += damping.rayleigh_mass * model.M + damping.rayleigh_stiffness * model.K;
+  const double beta = chambers ? 0.0 : damping.rayleigh_stiffness;  // springs have it as dampers
+  if (damping.rayleigh_mass != 0.0 || beta != 0.0)
+    model.C += damping.rayleigh_mass * model.M + beta * model.K;
   return model;
+}
+
+/// With chambers, what damps is what damps in simulations: seals have dampers of their own.
+LinearModel assembled_for(const model::Machine& machine, const spatial::Pose& X_BP, ModelKind kind,
+                          const std::vector<int>& base, const StaticsSearch& search) {
+  if (!model::has_chambers(machine)) return assembled(machine, X_BP, kind, base, search);
+  auto damped = with_seal_dampers(machine, kind, X_BP);
+  for (auto& leg : damped.legs) leg.oil_spring.damping = 0.0;
+  return assembled(damped, X_BP, kind, base, search);
 }
 
 }  // namespace
 
 LinearModel linear_model(const model::Machine& machine, const spatial::Pose& X_BP, ModelKind kind,
                          const StaticEquilibrium* start) {
-  return assembled(machine, X_BP, kind, base_directions(machine), {.start = start});
+  return assembled_for(machine, X_BP, kind, base_directions(machine), {.start = start});
 }
 
 LinearModel neighbour_model(const model::Machine& machine, const spatial::Pose& X_BP,
                             const LinearModel& center) {
   constexpr double first_order = 1e-6;
-  return assembled(machine, X_BP, center.kind, center.base_directions,
-                   {.tolerance_after_step = first_order, .start = &center.statics});
+  return assembled_for(machine, X_BP, center.kind, center.base_directions,
+                       {.tolerance_after_step = first_order, .start = &center.statics});
 }
 
 }  // namespace hydrapod::dynamics

@@ -139,7 +139,7 @@ MovingBase moving_base(const NonlinearModel& model, const double* y) {
                                        MovingBase::fastest * highest_frequency(rigid), base);
   base.coupling.inertia += base.added_inertia;
 
-  const double ratio = model::modal_ratio(machine).value;
+  const double ratio = model::seal_ratio(machine).value;
   base.damping =
       2.0 * ratio * base.stiffness.cwiseProduct(base.coupling.inertia.diagonal()).cwiseSqrt() +
       machine.damping.rayleigh_stiffness * base.stiffness;

@@ -10,6 +10,7 @@
 #include <stdexcept>
 
 #include "hydrapod/dynamics/leg.hpp"
+#include "hydrapod/hydraulics/servo_axis.hpp"
 #include "leg_equations.hpp"
 #include "leg_motion.hpp"
 
@@ -82,7 +83,8 @@ Vector3L gather_vectors(Value value) {
 
 LegConstants gather_constants(const model::Machine& machine,
                               const std::array<Vector3, model::leg_count>& axes,
-                              const std::array<Vector3, model::leg_count>& piston_axes) {
+                              const std::array<Vector3, model::leg_count>& piston_axes,
+                              const kinematics::LegGeometries& geometry) {
   const auto& legs = machine.legs;
   const auto tube = [&](int i) -> const auto& { return legs[i].cylinder_case; };
   const auto rod = [&](int i) -> const auto& { return legs[i].rod; };
@@ -106,7 +108,10 @@ LegConstants gather_constants(const model::Machine& machine,
   to.m_g = gather([&](int i) { return rod(i).mass; });
   to.I_r = gather([&](int i) { return rod(i).transverse_inertia; });
   to.I_ra = gather([&](int i) { return rod(i).axial_inertia; });
-  to.m_a = gather([&](int i) { return legs[i].added_axial_inertia; });
+  to.m_a = gather([&](int i) {
+    return legs[i].added_axial_inertia +
+           hydraulics::line_inertia(legs[i], geometry[i].length - rod(i).length);
+  });
   to.k_s = gather([&](int i) { return legs[i].guide_sleeve.stiffness; });
   to.c_s = gather([&](int i) { return legs[i].guide_sleeve.damping; });
   to.k_g = gather([&](int i) { return ring(i).stiffness; });
@@ -275,7 +280,7 @@ NonlinearModel::NonlinearModel(const model::Machine& machine, ModelKind kind,
   }
   if (spinning_ && kind != ModelKind::rigid) turn_piston_axes(X_reference);
   constants_ =
-      std::make_shared<const LegConstants>(gather_constants(machine_, axes_, piston_axes_));
+      std::make_shared<const LegConstants>(gather_constants(machine_, axes_, piston_axes_, geometry));
 }
 
 /// To where the gimbals' axes are when the legs are bent by gravity.

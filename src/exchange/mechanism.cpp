@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "hydrapod/base/units.hpp"
 #include "hydrapod/hydraulics/servo_axis.hpp"
 #include "hydrapod/modal/normal_modes.hpp"
 
@@ -83,6 +84,7 @@ SleeveOffset sleeve_offset(const RodTurn& turn, double reach, const Eigen::Vecto
 /// What modal ratios and Rayleigh's β add beside a spring k that has the frequency ω.
 struct AddedDamping {
   double ratio{}, beta{};
+  double of_chambers{};  ///< [N s/m] beside the oil spring, at one frequency
   [[nodiscard]] double beside(double k, double omega) const {
     return beta * k + (omega > 0.0 ? 2.0 * ratio * k / omega : 0.0);
   }
@@ -144,10 +146,10 @@ LegMechanism leg_mechanism(const model::Leg& leg, const dynamics::LegElement& el
   out.R_LR = turn.R;
   out.piston_axis = turn.R.transpose() * out.base_axis;
   out.p_LR = Vector3(state.flexible[2], state.flexible[3], element.l_m);
-  out.oil = {
-      element.k_h,
-      hydraulics::axial_spring(leg, element.l_m).damping + added.beside(element.k_h, oil_omega),
-      state.oil_force};
+  out.oil = {element.k_h,
+             hydraulics::axial_spring(leg, element.l_m).damping +
+                 added.beside(element.k_h, oil_omega) + added.of_chambers,
+             state.oil_force};
   if (kind == dynamics::ModelKind::full)
     for (std::size_t i = 0; i < 2; ++i) {
       const double k = leg.piston_ring->stiffness;
@@ -159,7 +161,7 @@ LegMechanism leg_mechanism(const model::Leg& leg, const dynamics::LegElement& el
   if (kind != dynamics::ModelKind::full) seals.piston_ring.reset();
   if (kind != dynamics::ModelKind::rigid)
     add_sleeve(seals, element, turn, state.flexible.tail<2>(), added, out);
-  out.axial_added = leg.added_axial_inertia;
+  out.axial_added = leg.added_axial_inertia + hydraulics::line_inertia(leg, element.l_m);
   out.cross_inertia = gimbal ? leg.gimbal_cross_inertia : 0.0;
   out.case_radius = case_radius(leg);
   out.rod_radius = rod_radius(leg);
@@ -183,6 +185,12 @@ void add_damping_parity(const Machine& machine, const model::ModalRatio& ratio, 
                       "the format has no force in proportion to a body's own velocity"});
 }
 
+/// Whose Rayleigh β the seals' dampers hold.
+Machine without_springs(Machine machine) {
+  machine.damping.rayleigh_stiffness = 0.0;
+  return machine;
+}
+
 }  // namespace
 
 Mechanism mechanism(const Machine& machine, const Pose& X_BP, dynamics::ModelKind kind) {
@@ -191,12 +199,23 @@ Mechanism mechanism(const Machine& machine, const Pose& X_BP, dynamics::ModelKin
   const auto modes = modal::normal_modes(linear);
   const double oil_omega = modal::normal_modes(rigid).omega(0);
   const auto ratio = model::modal_ratio(machine);
-  const AddedDamping added{ratio.value, machine.damping.rayleigh_stiffness};
+  const bool chambers = model::has_chambers(machine);
+  AddedDamping added{ratio.value, chambers ? 0.0 : machine.damping.rayleigh_stiffness};
+  model::Machine damped = machine;
+  if (chambers) damped = dynamics::with_seal_dampers(machine, kind, X_BP);
   Mechanism result{.name = machine.name, .kind = kind, .X_BP = X_BP};
   result.highest = modes.omega(modes.size() - 1);
   double radius = 0.0;
   for (std::size_t i = 0; i < model::leg_count; ++i) {
-    result.legs[i] = leg_mechanism(machine.legs[i], linear.legs[i], linear.statics.legs[i], kind,
+    if (chambers) {
+      damped.legs[i].oil_spring.damping =
+          hydraulics::servo_axis(machine, static_cast<int>(i)).friction.viscous;
+      added.of_chambers = 0.0;
+      for (const auto& arm : linear.arms)
+        if (arm.leg == static_cast<int>(i) && arm.rate > 0.0)
+          added.of_chambers += damper_at(arm, oil_omega);
+    }
+    result.legs[i] = leg_mechanism(damped.legs[i], linear.legs[i], linear.statics.legs[i], kind,
                                    machine.flexible_axes, added, oil_omega);
     radius = std::max(radius, machine.legs[i].platform_joint.norm());
   }
@@ -206,7 +225,11 @@ Mechanism mechanism(const Machine& machine, const Pose& X_BP, dynamics::ModelKin
       {Held::exact, "geometry, masses, inertias, gravity", "17 digits"},
       {Held::approximate, "oil columns",
        "linear springs with dampers at this pose; valves are closed, chambers are not held"}};
-  add_damping_parity(machine, ratio, result.parity);
+  if (chambers)
+    result.parity.push_back(
+        {Held::approximate, "oil damping (damping.oil = \"chambers\")",
+         fmt::format("dampers beside the springs, exact at {:.4g} Hz", oil_omega / base::two_pi)});
+  add_damping_parity(chambers ? without_springs(machine) : machine, ratio, result.parity);
   if (modes.omega2[0] < 0.0)
     result.parity.push_back(
         {Held::exact, "UNSTABLE at this pose",

@@ -107,8 +107,13 @@ data::ModalResults modal_model(const Machine& machine, const Pose& X_BP, dynamic
       result.shape[r] = outputs.rows[static_cast<std::size_t>(r)] * phi;
     // Residue of the symmetric (λ² M + λ C + K)⁻¹ at its pole: φ φᵀ / φᵀ(2 λ M + C) φ.
     const Eigen::VectorXcd whole = full_shape(mode);
-    const std::complex<double> norm =
-        (whole.transpose() * (2.0 * mode.pole * M + C) * whole).value();
+    std::complex<double> norm = (whole.transpose() * (2.0 * mode.pole * M + C) * whole).value();
+    for (const auto& arm : linear.arms) {  // −κ λ/(s + λ) s_y s_yᵀ of the chambers
+      const std::complex<double> beside = mode.pole + arm.rate;
+      const Eigen::VectorXd s_y = arm.s_y;
+      norm += arm.stiffness * arm.rate / (beside * beside) *
+              std::pow((s_y.transpose() * whole).value(), 2);
+    }
     result.participation = phi / norm;
     results.modes.push_back(std::move(result));
   }

@@ -70,6 +70,8 @@ Signals mechanics_states(const dynamics::LinearModel& linear) {
       states.push_back({name + (rate == 1 ? "_rate" : ""),
                         std::string(angle ? "rad" : "m") + (rate == 1 ? "/s" : ""), 0.0});
     }
+  for (std::size_t j = 0; j < linear.arms.size(); ++j)
+    states.push_back({fmt::format("leg{}.oil{}", linear.arms[j].leg + 1, j % 2 + 1), "m", 0.0});
   return states;
 }
 
@@ -80,7 +82,7 @@ StateSpace mechanics(const Machine& machine, const Pose& X_BP, const StateSpaceO
   const auto at_wrench = response::response_model(linear, modes, ratio, options.p_PQ);
   const auto at_legs =
       response::response_model(linear, modes, ratio, options.p_PQ, response::Input::actuator);
-  const Index n = linear.dof();
+  const Index n = linear.dof(), arms = static_cast<Index>(at_wrench.arms.size());
   // Oil forces f push with s_yᵀ f; the loads at hand are s_yᵀ (∂s/∂q)⁻ᵀ, whose platform part is 1.
   MatrixXd s_q(6, 6);
   const Vector3 arm = at_wrench.p_BQ - linear.p_BC;
@@ -96,19 +98,25 @@ StateSpace mechanics(const Machine& machine, const Pose& X_BP, const StateSpaceO
   const MatrixXd M = at_wrench.M;
   const Eigen::LLT<MatrixXd> llt(M);
   StateSpace system;
-  system.A = MatrixXd::Zero(2 * n, 2 * n);
-  system.A.topRightCorner(n, n).setIdentity();
-  system.A.bottomLeftCorner(n, n) = -llt.solve(MatrixXd(at_wrench.K));
-  system.A.bottomRightCorner(n, n) = -llt.solve(MatrixXd(response::damping_matrix(at_wrench)));
-  system.B = MatrixXd::Zero(2 * n, 12);
-  system.B.bottomRows(n) = llt.solve(loads);
-  system.C = MatrixXd::Zero(24, 2 * n);
+  system.A = MatrixXd::Zero(2 * n + arms, 2 * n + arms);
+  system.A.block(0, n, n, n).setIdentity();
+  system.A.block(n, 0, n, n) = -llt.solve(MatrixXd(at_wrench.K));
+  system.A.block(n, n, n, n) = -llt.solve(MatrixXd(response::damping_matrix(at_wrench)));
+  for (Index j = 0; j < arms; ++j) {
+    const auto& oil = at_wrench.arms[static_cast<std::size_t>(j)];
+    system.A.col(2 * n + j).segment(n, n) = llt.solve(MatrixXd(oil.stiffness * oil.s_y));
+    system.A.row(2 * n + j).head(n) = oil.rate * oil.s_y.transpose();
+    system.A(2 * n + j, 2 * n + j) = -oil.rate;
+  }
+  system.B = MatrixXd::Zero(2 * n + arms, 12);
+  system.B.middleRows(n, n) = llt.solve(loads);
+  system.C = MatrixXd::Zero(24, 2 * n + arms);
   system.D = MatrixXd::Zero(24, 12);
   system.C.topLeftCorner(6, 6).setIdentity();
   system.C.block(6, n, 6, 6).setIdentity();
   system.C.middleRows(12, 6) = system.A.middleRows(n, 6);
   system.D.middleRows(12, 6) = system.B.middleRows(n, 6);
-  system.C.bottomLeftCorner(6, n) = leg_loads.transpose();
+  system.C.block(18, 0, 6, n) = leg_loads.transpose();
   system.states = mechanics_states(linear);
   add_wrench(system.inputs);
   add_legs("force", "N", system.inputs);

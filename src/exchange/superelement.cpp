@@ -73,6 +73,11 @@ std::string grid(int number, const Vector3& p) {
 
 Superelement superelement(const Machine& machine, const Pose& X_BP,
                           const SuperelementOptions& options) {
+  if (model::has_chambers(machine))
+    base::refuse("damping.oil",
+                 "is \"chambers\": a superelement holds M, K and C, and chambers with dampers in "
+                 "series need states; expected a state space (--to mat, npz, json or hdf5), or "
+                 "\"viscous\" (--set damping.oil=viscous)");
   const auto linear = dynamics::linear_model(machine, X_BP, options.kind);
   const auto modes = modal::normal_modes(linear);
   const auto moved =

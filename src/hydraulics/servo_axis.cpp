@@ -55,6 +55,8 @@ void set_cylinder(const model::Machine& machine, const model::Leg& leg, const Ne
     const auto& cylinder = *leg.oil_spring.cylinder;
     axis.area = areas(cylinder);
     axis.oil.bulk_modulus = cylinder.bulk_modulus;
+    axis.cap_line_compliance = cylinder.cap_line_compliance;
+    axis.rod_line_compliance = cylinder.rod_line_compliance;
     if (cylinder.air) {
       axis.oil.air_fraction = cylinder.air->fraction;
       axis.oil.air_exponent = cylinder.air->polytropic;

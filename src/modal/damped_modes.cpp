@@ -44,6 +44,9 @@ struct Pole {
   /// Of a real pole: the sign of φᵀ (2λM + C) φ, positive for the slower one of an overdamped mode,
   /// negative for the faster one. Both kinds are equally many.
   bool slow{};
+  /// Share of the chambers' arms in it, 0…1: near 1 where the pole is one of pressures that even
+  /// out, or of a platform that drifts while the valve leaks.
+  double of_arms{};
   bool used{};
   [[nodiscard]] bool is_real() const { return value.imag() == 0.0; }
 };
@@ -58,33 +61,98 @@ ComplexVector with_orthogonal_parts(const ComplexVector& z) {
   return z * std::polar(1.0, -0.5 * std::arg(sum));
 }
 
+/// Arms that relax, in the coordinates of the modes: z̈ = −Ω² z − Γ ż + Σ g ξ, ξ̇ = λ (g·z − ξ).
+struct ModalArms {
+  Eigen::MatrixXd g{};  ///< √κ Φᵀ s_y, a column per arm
+  Eigen::VectorXd rates{};
+
+  ModalArms(const LinearModel& model, const NormalModes& modes) {
+    std::vector<const dynamics::OilArm*> relaxing;  // without a rate an arm is a spring alone
+    for (const auto& arm : model.arms)
+      if (arm.rate > 0.0 && arm.stiffness > 0.0) relaxing.push_back(&arm);
+    g.resize(modes.size(), static_cast<Eigen::Index>(relaxing.size()));
+    rates.resize(g.cols());
+    for (Eigen::Index j = 0; j < g.cols(); ++j) {
+      const auto& arm = *relaxing[static_cast<std::size_t>(j)];
+      g.col(j) = std::sqrt(arm.stiffness) * (modes.shapes.transpose() * arm.s_y);
+      rates[j] = arm.rate;
+    }
+  }
+  [[nodiscard]] Eigen::Index count() const { return rates.size(); }
+};
+
 /// The real poles and the upper half of the others.
 class PoleSolver {
  public:
-  PoleSolver(const NormalModes& modes, const ModelMatrix& Gamma) : modes_(modes), Gamma_(Gamma) {}
+  PoleSolver(const NormalModes& modes, const ModelMatrix& Gamma, const ModalArms& arms)
+      : modes_(modes), Gamma_(Gamma), arms_(arms) {}
 
   std::vector<Pole> solve() {
-    const int n = modes_.size();
+    const Eigen::Index n = modes_.size(), all = 2 * n + arms_.count();
     const double scale = std::sqrt(std::max(modes_.omega2.cwiseAbs().maxCoeff(), 1e-300));
-    Eigen::MatrixXd A = Eigen::MatrixXd::Zero(2 * n, 2 * n);
+    Eigen::MatrixXd A = Eigen::MatrixXd::Zero(all, all);
     A.topRightCorner(n, n).setIdentity();
-    A.bottomLeftCorner(n, n).diagonal() = -modes_.omega2 / (scale * scale);
-    A.bottomRightCorner(n, n) = -Gamma_ / scale;
+    A.block(n, 0, n, n).diagonal() = -modes_.omega2 / (scale * scale);
+    A.block(n, n, n, n) = -Gamma_ / scale;
+    A.block(n, 2 * n, n, arms_.count()) = arms_.g / scale;
+    for (Eigen::Index j = 0; j < arms_.count(); ++j) {
+      A.row(2 * n + j).head(n) = arms_.rates[j] / (scale * scale) * arms_.g.col(j).transpose();
+      A(2 * n + j, 2 * n + j) = -arms_.rates[j] / scale;
+    }
     const auto [values, vectors, converged] = numerics::eigen_pairs(A);
     if (!converged) throw base::ComputationError("the damped modes did not converge");
     const double largest = values.cwiseAbs().maxCoeff();
-    for (int k = 0; k < 2 * n; ++k) {
+    for (Eigen::Index k = 0; k < all; ++k) {
       const Complex value = values[k];
-      if (value.imag() >= 0.0)
-        add(value, vectors.col(k).head(n), scale, same_pole_tolerance(value, largest));
+      if (value.imag() < 0.0) continue;
+      const auto before = poles_.size();
+      add(value, vectors.col(k).head(n), scale, same_pole_tolerance(value, largest));
+      const double share = share_of_arms(value, vectors.col(k), scale);
+      for (auto j = before; j < poles_.size(); ++j) poles_[j].of_arms = share;
     }
+    drop_arms();
     return poles_;
   }
 
  private:
   const NormalModes& modes_;
   const ModelMatrix& Gamma_;
+  const ModalArms& arms_;
   std::vector<Pole> poles_;
+
+  /// By the products of right and left vector, which is (…, z, ξ/λ): of the arms and of z and ż.
+  [[nodiscard]] double share_of_arms(const Complex& value, const ComplexVector& x,
+                                     double scale) const {
+    if (arms_.count() == 0) return 0.0;
+    const Eigen::Index n = modes_.size();
+    const ComplexVector z = x.head(n);
+    double of_arms = 0.0;
+    for (Eigen::Index j = 0; j < arms_.count(); ++j)
+      of_arms += std::norm(x[2 * n + j]) / (arms_.rates[j] / scale);
+    const ComplexVector damped = value * z + Gamma_ * z / scale;
+    const double of_motion = std::abs(z.dot(damped)) + std::abs(value) * z.squaredNorm();
+    return of_arms / (of_arms + of_motion);
+  }
+
+  /// Every arm has a pole that is no mode: the real ones of which arms have the largest share.
+  /// Rounding can make a pair of several that are zero.
+  void drop_arms() {
+    constexpr double arms_alone = 0.9;
+    auto left = arms_.count();
+    std::vector<std::size_t> order;
+    for (std::size_t k = 0; k < poles_.size(); ++k)
+      if (poles_[k].is_real() || poles_[k].of_arms > arms_alone) order.push_back(k);
+    std::ranges::stable_sort(order, [&](std::size_t a, std::size_t b) {
+      return poles_[a].of_arms > poles_[b].of_arms;
+    });
+    for (const auto k : order) {
+      const int count = poles_[k].is_real() ? 1 : 2;
+      if (left < count) break;
+      left -= count;
+      poles_[k].used = true;
+    }
+    std::erase_if(poles_, [](const Pole& pole) { return pole.used; });
+  }
 
   /// Two equal real poles come out of the eigensolver as a pair a hair off the real axis: its real
   /// and imaginary part are then two shapes of one real pole.
@@ -231,6 +299,14 @@ bool same_pole(const DampedMode& a, const DampedMode& b, double largest) {
 
 }  // namespace
 
+double relaxed_damping(std::span<const dynamics::OilArm> arms, const ModelVector& phi,
+                       double omega) {
+  double damping = 0.0;
+  for (const auto& arm : arms)
+    if (arm.rate > 0.0) damping += damper_at(arm, omega) * std::pow(arm.s_y.dot(phi), 2);
+  return damping;
+}
+
 ModelMatrix modal_damping_matrix(const LinearModel& model, const NormalModes& modes, double ratio) {
   const int n = modes.size();
   ModelMatrix Gamma = ModelMatrix::Zero(n, n);
@@ -242,12 +318,13 @@ ModelMatrix modal_damping_matrix(const LinearModel& model, const NormalModes& mo
 std::vector<DampedMode> damped_modes(const LinearModel& model, const NormalModes& modes,
                                      double ratio) {
   const ModelMatrix Gamma = modal_damping_matrix(model, modes, ratio);
+  const ModalArms arms(model, modes);
   std::vector<DampedMode> list;
-  if (is_diagonal(Gamma)) {
+  if (arms.count() == 0 && is_diagonal(Gamma)) {
     for (int k = 0; k < modes.size(); ++k) list.push_back(real_mode(modes, k, Gamma(k, k)));
     return list;
   }
-  auto poles = PoleSolver(modes, Gamma).solve();
+  auto poles = PoleSolver(modes, Gamma, arms).solve();
   list = collect(poles, model.M);
   std::stable_sort(list.begin(), list.end(),
                    [](const DampedMode& a, const DampedMode& b) { return a.omega < b.omega; });

@@ -55,8 +55,9 @@ constexpr ParameterRow leg_rows[]{
         "\"gimbal\"`"),
     number<&Leg::added_axial_inertia>(
         "legs.added_axial_inertia", "kg", standard, not_negative,
-        "m_a, inertia that moves with the piston only: the oil in the lines, seen at "
-        "the piston, ρ L A_p²/A for a line of length L and cross-section A"),
+        "m_a, inertia that moves with the piston only; oil in lines that end at a closed valve "
+        "follows from `cap_line_length` and `rod_line_length`, oil in a line with an open end (an "
+        "accumulator) is ρ L A_p²/A for a length L and a cross-section A"),
     number<&Leg::gimbal_stiffness>("legs.gimbal_stiffness", "N/m", otherwise("rigid"), spring_rate,
                                    "k_j, of both gimbals and their fastening along the "
                                    "leg, in series with the oil spring",
@@ -143,8 +144,8 @@ constexpr ParameterRow leg_rows[]{
                                                   spring_rate, "k_h", shown("20 kN/mm"))),
     number<oil, &OilSpring::damping>(
         "legs.oil_spring.damping", "N s/m", standard, not_negative,
-        "c_h, viscous, parallel to the spring; simulations and poles of the system model leakage, "
-        "valves and friction in its place",
+        "c_h, viscous, parallel to the spring; simulations, poles of the system and "
+        "`damping.oil = \"chambers\"` model leakage, valves and friction in its place",
         given("10 kN s/m")),
     instead_of(drop_stiffness,
                table("legs.oil_spring.cylinder", required, "what the stiffness follows from")),
@@ -166,6 +167,28 @@ constexpr ParameterRow leg_rows[]{
     number<oil, cylinder, &Cylinder::rod_line_volume>(
         "legs.oil_spring.cylinder.rod_line_volume", "m^3", standard, not_negative,
         "between the chamber around the rod and the valve", given("150 cm^3")),
+    number<oil, cylinder, &Cylinder::cap_line_length>(
+        "legs.oil_spring.cylinder.cap_line_length", "m", standard, usual(0.02, 100.0, not_negative),
+        "of the line between the chamber on the base side and the valve, for the inertia of its "
+        "oil; needs `cap_line_volume`",
+        shown("1.5 m")),
+    number<oil, cylinder, &Cylinder::rod_line_length>(
+        "legs.oil_spring.cylinder.rod_line_length", "m", standard, usual(0.02, 100.0, not_negative),
+        "of the line between the chamber around the rod and the valve; needs `rod_line_volume`",
+        shown("1.5 m")),
+    number<oil, cylinder, &Cylinder::cap_line_compliance>(
+        "legs.oil_spring.cylinder.cap_line_compliance", "m^3/Pa", standard,
+        usual(1e-16, 1e-9, not_negative),
+        "volume by which the wall of the line (a hose) grows per pressure, beside the oil of the "
+        "chamber on the base side",
+        shown("1 cm^3/bar")),
+    number<oil, cylinder, &Cylinder::rod_line_compliance>(
+        "legs.oil_spring.cylinder.rod_line_compliance", "m^3/Pa", standard,
+        usual(1e-16, 1e-9, not_negative), "the same of the line to the chamber around the rod",
+        shown("1 cm^3/bar")),
+    number<oil, cylinder, &Cylinder::density>(
+        "legs.oil_spring.cylinder.density", "kg/m^3", standard, usual(700.0, 1300.0, positive),
+        "ρ of the oil; used with a line length"),
     number<oil, cylinder, &Cylinder::bulk_modulus>("legs.oil_spring.cylinder.bulk_modulus", "Pa",
                                                    required, usual(1e7, 1e10, positive),
                                                    "β_e of the oil without air", given("1.4 GPa")),

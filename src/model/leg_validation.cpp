@@ -87,6 +87,15 @@ void check_volumes(const Cylinder& cylinder, bool has_stroke, ValueChecks& check
   }
 }
 
+/// The cross-section of a line is its volume over its length.
+void check_line(const std::string& side, double length, double volume, ValueChecks& checks) {
+  const std::string key = "oil_spring.cylinder." + side + "_line_";
+  if (!checks.sound(key + "length") || !checks.sound(key + "volume")) return;
+  if (length > 0.0 && volume == 0.0)
+    checks.add(key + "volume",
+               fmt::format("is 0 beside `{}_line_length`, expected the volume of the line", side));
+}
+
 void check_cylinder(const Cylinder& cylinder, bool has_stroke, ValueChecks& checks) {
   const std::string key = "oil_spring.cylinder";
   if (checks.sound(key + ".bore") && checks.sound(key + ".rod_diameter") &&
@@ -95,6 +104,8 @@ void check_cylinder(const Cylinder& cylinder, bool has_stroke, ValueChecks& chec
                           cylinder.bore);
   }
   check_volumes(cylinder, has_stroke, checks);
+  check_line("cap", cylinder.cap_line_length, cylinder.cap_line_volume, checks);
+  check_line("rod", cylinder.rod_line_length, cylinder.rod_line_volume, checks);
 }
 
 void check_oil_spring(const Leg& leg, ValueChecks& checks) {

@@ -26,6 +26,10 @@ bool has_rayleigh_damping(const Machine& machine) {
 }
 
 ModalRatio modal_ratio(const Machine& machine) {
+  return has_chambers(machine) ? ModalRatio{} : seal_ratio(machine);
+}
+
+ModalRatio seal_ratio(const Machine& machine) {
   if (machine.damping.modal_ratio) return {*machine.damping.modal_ratio, false};
   if (has_leg_dampers(machine) || has_rayleigh_damping(machine)) return {0.0, false};
   return {default_modal_ratio, true};

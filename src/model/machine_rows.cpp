@@ -106,6 +106,7 @@ constexpr ParameterRow spring(std::string_view path, std::string_view meaning,
 }
 
 constexpr std::string_view axes_words[]{"transverse", "gimbal"};
+constexpr std::string_view oil_damping_words[]{"viscous", "chambers"};
 
 constexpr auto mount = &Machine::base_mount;
 
@@ -213,6 +214,12 @@ constexpr ParameterRow damping_rows[]{
         "the leg, or `\"gimbal\"`, parallel to the axes of the lower gimbal as in the "
         "paper"),
     table("damping", optional, "what is not a named damper of the legs"),
+    word<&Machine::damping, &Damping::oil>(
+        "damping.oil", oil_damping_words,
+        "what damps the oil in modes and Bode diagrams: `\"viscous\"`, the damper "
+        "`legs.oil_spring.damping` beside the spring, or `\"chambers\"`, leakage and valve at rest, "
+        "in series with the oil of each chamber as in simulations; `modal_ratio` is then that of "
+        "seals and base mount"),
     number<&Machine::damping, &Damping::modal_ratio>(
         "damping.modal_ratio", "1", otherwise("0.02 where nothing else damps, else 0"), below_one,
         "damping ratio of every mode on top of the dampers, 0 or more and less than 1; simulations "

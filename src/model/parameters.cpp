@@ -244,6 +244,16 @@ bool of_mechanics(const ParameterId& id) {
   }
 }
 
+bool of_mechanics(const Machine& machine, const ParameterId& id) {
+  if (of_mechanics(id)) return true;
+  if (!has_chambers(machine)) return false;
+  constexpr std::array<std::string_view, 5> of_chambers{
+      "legs.valve.", "legs.leakage.", "legs.friction.", "legs.equivalent_cylinder.", "supply."};
+  const std::string_view path = row_of(id).path;
+  return std::ranges::any_of(of_chambers,
+                             [&](std::string_view table) { return path.starts_with(table); });
+}
+
 std::optional<double> value(const Machine& machine, const ParameterId& id) {
   return value_in(machine, id, index_of(id));
 }

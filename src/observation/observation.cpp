@@ -59,7 +59,8 @@ void add_modes(const MatrixXcd& motion, Observation& seen) {
 }
 
 /// In coordinates z of the undamped modes, with the states ω z and ż, whose squares are energies:
-/// (ω z)˙ = ω ż, z̈ = ∓ω (ω z) − Γ ż + Φᵀ F; +: modes that have buckled.
+/// (ω z)˙ = ω ż, z̈ = ∓ω (ω z) − Γ ż + Φᵀ F; +: modes that have buckled. Chambers that relax have the
+/// states √κ η, η̇ = λ (s_y·Φ z − η), with the forces κ η.
 void observe_mechanics(const model::Machine& machine, Observation& seen) {
   const auto& model = seen.mechanics;
   const auto modes = modal::normal_modes(model);
@@ -67,19 +68,27 @@ void observe_mechanics(const model::Machine& machine, Observation& seen) {
   constexpr double least = 1e-12;  // of the highest
   const Eigen::VectorXd omega = modes.omega2.cwiseAbs().cwiseSqrt();
   const Eigen::VectorXd rate = omega.cwiseMax(least * omega.maxCoeff());
-  MatrixXd A = MatrixXd::Zero(2 * n, 2 * n);
-  A.topRightCorner(n, n) = rate.asDiagonal();
-  A.bottomLeftCorner(n, n) = (-modes.omega2.cwiseQuotient(rate)).asDiagonal();
-  A.bottomRightCorner(n, n) =
+  const auto arms = static_cast<Eigen::Index>(model.arms.size());
+  MatrixXd A = MatrixXd::Zero(2 * n + arms, 2 * n + arms);
+  A.block(0, n, n, n) = rate.asDiagonal();
+  A.block(n, 0, n, n) = (-modes.omega2.cwiseQuotient(rate)).asDiagonal();
+  A.block(n, n, n, n) =
       -modal::modal_damping_matrix(model, modes, modal::modal_ratio(machine).value);
+  for (Eigen::Index j = 0; j < arms; ++j) {
+    const auto& arm = model.arms[static_cast<std::size_t>(j)];
+    const Eigen::VectorXd g = std::sqrt(arm.stiffness) * (modes.shapes.transpose() * arm.s_y);
+    A.col(2 * n + j).segment(n, n) = g;
+    A.row(2 * n + j).head(n) = arm.rate * g.cwiseQuotient(rate).transpose();
+    A(2 * n + j, 2 * n + j) = -arm.rate;
+  }
   const auto [poles, V, W, converged] = solved(A);
   seen.poles = poles;
   const MatrixXcd motion =
       (modes.shapes * rate.cwiseInverse().asDiagonal()).cast<Complex>() * V.topRows(n);
   seen.to_ground = motion.topRows<6>();
   seen.to_base = model.against_base.cast<Complex>() * motion;
-  MatrixXd B = MatrixXd::Zero(2 * n, 6);
-  B.bottomRows(n) = modes.shapes.topRows<6>().transpose();
+  MatrixXd B = MatrixXd::Zero(2 * n + arms, 6);
+  B.middleRows(n, n) = modes.shapes.topRows<6>().transpose();
   seen.inputs[number(Entry::forces)] = W * B.cast<Complex>();
   add_modes(motion, seen);
 }

@@ -21,6 +21,14 @@ using spatial::direction_names;
 }  // namespace
 
 std::string damping_text(const model::Machine& machine) {
+  if (model::has_chambers(machine)) {
+    std::string text = plant_damping_text(machine) + "; two chambers per leg, valves at rest";
+    if (std::ranges::any_of(machine.legs, [](const model::Leg& leg) {
+          return leg.hydraulics.joint_friction.viscous != 0.0;
+        }))
+      text += "; without the friction of the joints";
+    return text;
+  }
   const auto ratio = modal::modal_ratio(machine);
   std::string text;
   const auto add = [&](const std::string& part) { text += (text.empty() ? "" : " + ") + part; };
@@ -32,12 +40,20 @@ std::string damping_text(const model::Machine& machine) {
     add(fmt::format("Rayleigh α = {:.3g} 1/s, β = {:.3g} s", damping.rayleigh_mass,
                     damping.rayleigh_stiffness));
   if (text.empty()) return "none";
-  return ratio.is_default ? text + " (default: the machine file states no damping)" : text;
+  if (ratio.is_default) text += " (default: the machine file states no damping)";
+  const bool leaks = std::ranges::any_of(machine.legs, [](const model::Leg& leg) {
+    const auto& of = leg.hydraulics;
+    return of.leakage.internal || of.leakage.external != 0.0 || of.valve.leakage;
+  });
+  if (leaks)
+    text +=
+        "; the leakage in the file is not used here (damping.oil = \"chambers\" uses it)";
+  return text;
 }
 
 std::string plant_damping_text(const model::Machine& machine, bool hydraulics) {
   const auto any = [&](auto damper) { return std::ranges::any_of(machine.legs, damper); };
-  const auto ratio = model::modal_ratio(machine);
+  const auto ratio = model::seal_ratio(machine);
   std::string seals, springs;
   const auto add_to = [](std::string& list, const std::string& part) {
     list += (list.empty() ? "" : " + ") + part;
@@ -59,7 +75,7 @@ std::string plant_damping_text(const model::Machine& machine, bool hydraulics) {
     add_to(springs, beta);
   }
   std::string text = !hydraulics ? "oil springs by " + (springs.empty() ? "nothing" : springs)
-                     : oil
+                     : oil && !model::has_chambers(machine)
                          ? "oil by leakage, valves and friction (in place of `oil_spring.damping`)"
                          : "oil by leakage, valves and friction";
   text += "; seals by " + (seals.empty() ? "nothing" : seals);
@@ -258,6 +274,15 @@ void describe(Fields& f, modal::LinearModel& model) {
 Json matrices_json(const modal::ModeTable& table) {
   Json json = written(table.real.linear);
   json["rigid"] = written(table.rigid.linear);
+  const auto add_arms = [](const modal::LinearModel& model, Json& to) {
+    for (const auto& arm : model.arms)
+      to["oil_arms"].push_back({{"leg", arm.leg + 1},
+                                {"stiffness_N_m", arm.stiffness},
+                                {"rate_1_s", arm.rate},
+                                {"extension", written(arm.s_y)}});
+  };
+  add_arms(table.real.linear, json);
+  add_arms(table.rigid.linear, json["rigid"]);
   return json;
 }
 

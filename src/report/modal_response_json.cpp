@@ -1,6 +1,7 @@
 #include "modal_response_json.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <stdexcept>
 
@@ -51,6 +52,12 @@ Json modal_response_json(const response::ResponseModel& model, const std::vector
             {"damping", damping_json(model)},
             {"platform_shapes", Json::array()},
             {"mode", Json::array()}};
+  for (const auto& arm : model.arms) {
+    if (arm.rate == 0.0) continue;
+    const dynamics::ModelVector shape =
+        std::sqrt(arm.stiffness) * (model.modes.shapes.transpose() * arm.s_y);
+    json["relaxing"].push_back({{"rate_1_s", arm.rate}, {"shape", written(shape)}});
+  }
   for (int k = 0; k < model.modes.size(); ++k) {
     json["platform_shapes"].push_back(written(model.modes.shapes.col(k).head<6>()));
     json["mode"].push_back(tabled.at(k) + 1);

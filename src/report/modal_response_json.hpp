@@ -9,7 +9,8 @@
 ///
 /// for a wrench at Q and the displacement there. Γ is diagonal where no viscous damper couples the
 /// modes, and H then is the modal sum; else the page solves for the modes' amplitudes, and no
-/// eigenvector of a damped (perhaps defective) problem is needed.
+/// eigenvector of a damped (perhaps defective) problem is needed. Chambers that relax
+/// (dynamics::OilArm) take Σ λ/(iω + λ) g gᵀ off the matrix in brackets, g = √κ Φᵀ s_y.
 
 #include "hydrapod/report/json.hpp"
 #include "hydrapod/response/frequency_response.hpp"
@@ -17,7 +18,8 @@
 namespace hydrapod::report {
 
 /// `omega2`, `damping` (a list: the diagonal of Γ; a list of rows: all of it), `platform_shapes`
-/// (six numbers per mode), `mode` (its number in the mode table). Throws std::invalid_argument for
+/// (six numbers per mode), `mode` (its number in the mode table), with chambers `relaxing` (a list of
+/// `rate_1_s` λ and `shape` g). Throws std::invalid_argument for
 /// a model with loads on flexible coordinates.
 Json modal_response_json(const response::ResponseModel& model, const std::vector<int>& tabled);
 

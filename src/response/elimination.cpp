@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <limits>
 
 namespace hydrapod::response {
 
@@ -36,11 +37,31 @@ using Block = std::array<std::array<Numbers, cols>, rows>;
 
 struct Frequencies {
   Reals omega, omega2;
+  /// Per leg Σ κ λ/(iω + λ) over its chambers' arms, and their common s_y; none: no arms.
+  std::array<Numbers, model::leg_count> relaxed{};
+  std::array<const dynamics::ModelVector*, model::leg_count> s_y{};
 };
+
+void set_arms(const ResponseModel& model, Frequencies& f) {
+  for (auto& weight : f.relaxed) weight = {Reals::Zero(), Reals::Zero()};
+  for (const auto& arm : model.arms) {
+    const Reals damper = arm.stiffness * arm.rate /
+                         (f.omega2 + arm.rate * arm.rate).max(std::numeric_limits<double>::min());
+    f.relaxed[arm.leg] += {damper * arm.rate, -damper * f.omega};
+    f.s_y[arm.leg] = &arm.s_y;
+  }
+}
 
 /// Entry of D = K − ω² M + iω C.
 inline Numbers stiffness(const ResponseModel& model, const Frequencies& f, int i, int j) {
   return {model.K(i, j) - f.omega2 * model.M(i, j), f.omega * model.C(i, j)};
+}
+
+/// Takes what the arms of `leg` give back off the entry.
+inline void relax(const Frequencies& f, int leg, int i, int j, Numbers& entry) {
+  if (f.s_y[leg] == nullptr) return;
+  const double product = (*f.s_y[leg])[i] * (*f.s_y[leg])[j];
+  entry -= {product * f.relaxed[leg].re, product * f.relaxed[leg].im};
 }
 
 /// D = L diag(d) Lᵀ of a complex symmetric block, in place: L below the diagonal, 1/d on it.
@@ -68,15 +89,22 @@ void forward(const Block<n, n>& L, Block<n, cols>& Y) {
 /// Takes leg block `at` out of the platform's stiffness S (lower triangle) and, where inputs act on
 /// the leg itself, out of the load W.
 template <int n>
-void eliminate_leg(const ResponseModel& model, const Frequencies& f, int at, Block<6, 6>& S,
+void eliminate_leg(const ResponseModel& model, const Frequencies& f, int leg, Block<6, 6>& S,
                    Block<6, 6>& W) {
+  const int at = 6 + n * leg;
   Block<n, n> D;
   for (int i = 0; i < n; ++i)
-    for (int j = 0; j <= i; ++j) D[i][j] = stiffness(model, f, at + i, at + j);
+    for (int j = 0; j <= i; ++j) {
+      D[i][j] = stiffness(model, f, at + i, at + j);
+      relax(f, leg, at + i, at + j, D[i][j]);
+    }
   factor<n>(D);
   Block<n, 6> Y;
   for (int i = 0; i < n; ++i)
-    for (int c = 0; c < 6; ++c) Y[i][c] = stiffness(model, f, at + i, c);
+    for (int c = 0; c < 6; ++c) {
+      Y[i][c] = stiffness(model, f, at + i, c);
+      relax(f, leg, at + i, c, Y[i][c]);
+    }
   forward<n, 6>(D, Y);
   Block<n, 6> Z;
   for (int i = 0; i < n; ++i)
@@ -130,13 +158,16 @@ template <int flexible>
 Block<6, 6> solve(const ResponseModel& model, const Frequencies& f) {
   Block<6, 6> S, W;
   for (int r = 0; r < 6; ++r)
-    for (int c = 0; c <= r; ++c) S[r][c] = stiffness(model, f, r, c);
+    for (int c = 0; c <= r; ++c) {
+      S[r][c] = stiffness(model, f, r, c);
+      for (int leg = 0; leg < model::leg_count; ++leg) relax(f, leg, r, c, S[r][c]);
+    }
   if (model.loads_flexible)
     for (int r = 0; r < 6; ++r)
       for (int c = 0; c < 6; ++c) W[r][c] = {Reals::Constant(model.loads(r, c)), Reals::Zero()};
   if constexpr (flexible > 0)
     for (int leg = 0; leg < model::leg_count; ++leg)
-      eliminate_leg<flexible>(model, f, 6 + flexible * leg, S, W);
+      eliminate_leg<flexible>(model, f, leg, S, W);
   const Block<6, 6> G = inverse(S);
   return model.loads_flexible ? times(G, W) : G;
 }
@@ -162,6 +193,7 @@ void eliminate(const ResponseModel& model, std::span<const double> omega, std::s
     for (size_t k = 0; k < lanes; ++k)
       f.omega[static_cast<Eigen::Index>(k)] = omega[first + std::min(k, count - 1)];
     f.omega2 = f.omega.square();
+    if (!model.arms.empty()) set_arms(model, f);
     const Block<6, 6> H = solve(model, f);
     for (size_t k = 0; k < count; ++k)
       for (int c = 0; c < 6; ++c)

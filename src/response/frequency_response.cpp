@@ -147,8 +147,13 @@ void dense(const ResponseModel& model, std::span<const double> omega, std::span<
   const ModelMatrix C = damping_matrix(model);
   const ComplexModel loads = model.loads.cast<Complex>();
   for (size_t i = 0; i < omega.size(); ++i) {
-    const ComplexModel D = (model.K - omega[i] * omega[i] * model.M).cast<Complex>() +
-                           Complex(0.0, omega[i]) * C.cast<Complex>();
+    ComplexModel D = (model.K - omega[i] * omega[i] * model.M).cast<Complex>() +
+                     Complex(0.0, omega[i]) * C.cast<Complex>();
+    for (const auto& arm : model.arms) {
+      if (arm.rate == 0.0) continue;
+      const Complex weight = arm.stiffness * arm.rate / Complex(arm.rate, omega[i]);
+      D -= weight * (arm.s_y * arm.s_y.transpose()).cast<Complex>();
+    }
     out[i] = Eigen::PartialPivLU<ComplexModel>(D).solve(loads).topRows(6);
   }
 }
@@ -164,10 +169,12 @@ ResponseModel response_model(const LinearModel& model, const NormalModes& modes,
                        .K = model.K,
                        .C = model.C,
                        .modes = modes,
+                       .arms = model.arms,
                        .modal_ratio = modal_ratio,
                        .mode_direction = mode_directions(model, modes)};
   const Matrix6 T = center_from_point(result.p_BQ - model.p_BC);
   for (ModelMatrix* A : {&result.M, &result.K, &result.C}) move_platform_coordinates(T, *A);
+  for (auto& arm : result.arms) arm.s_y.head<6>() = (T.transpose() * arm.s_y.head<6>()).eval();
   result.modes.shapes.topRows<6>() = T.inverse() * modes.shapes.topRows<6>();
   if (input == Input::actuator) {
     result.loads = actuator_loads(model, T);
@@ -189,7 +196,7 @@ ModelMatrix damping_matrix(const ResponseModel& model) {
 }
 
 Method best_method(const ResponseModel& model) {
-  if (model.C.isZero(0.0)) return Method::modes;
+  if (model.C.isZero(0.0) && model.arms.empty()) return Method::modes;
   return model.modal_ratio == 0.0 && model.base_count == 0 ? Method::elimination : Method::dense;
 }
 
@@ -203,6 +210,8 @@ std::vector<Matrix6c> frequency_response(const ResponseModel& model, std::span<c
         "elimination cannot take coordinates of the base: it couples all legs");
   if (chosen == Method::modes && !model.C.isZero(0.0))
     throw std::invalid_argument("the modal sum cannot take viscous dampers: they couple the modes");
+  if (chosen == Method::modes && !model.arms.empty())
+    throw std::invalid_argument("the modal sum cannot take chambers: they couple the modes");
   std::vector<Matrix6c> H(omega.size());
   if (chosen == Method::modes) by_modes(model, omega, H);
   if (chosen == Method::dense) dense(model, omega, H);

@@ -16,7 +16,26 @@ constexpr int directions = 6;
 /// φᵀ C φ of mode k, modal ratio included: 2ζω of a mode that is not coupled by dampers.
 double modal_damping(const ResponseModel& model, int k) {
   const auto phi = model.modes.shapes.col(k);
-  return 2.0 * model.modal_ratio * model.modes.omega(k) + phi.dot(model.C * phi);
+  double damping = 2.0 * model.modal_ratio * model.modes.omega(k) + phi.dot(model.C * phi);
+  for (const auto& arm : model.arms)
+    damping += damper_at(arm, model.modes.omega(k)) * std::pow(phi.dot(arm.s_y), 2);
+  return damping;
+}
+
+/// ω² of mode k with what the chambers relax there.
+double relaxed_omega2(const ResponseModel& model, int k) {
+  double omega2 = model.modes.omega2[k];
+  if (!(omega2 > 0.0)) return omega2;
+  const auto phi = model.modes.shapes.col(k);
+  for (const auto& arm : model.arms)
+    omega2 -= softening_at(arm, model.modes.omega(k)) * std::pow(phi.dot(arm.s_y), 2);
+  return omega2;
+}
+
+/// Where mode k has its peak; 0 where it has none.
+double peak_frequency(const ResponseModel& model, int k) {
+  const double omega2 = relaxed_omega2(model, k);
+  return omega2 > 0.0 ? std::sqrt(omega2) : 0.0;
 }
 
 /// Drops points that lie closer to their neighbour than `spacing` times their frequency: between
@@ -34,7 +53,7 @@ std::vector<double> peak_grid(const ResponseModel& model, const PeakOptions& opt
   std::vector<double> grid = log_space(options.from, options.to, 2000);
   double narrowest = 1.0;  // half bandwidth over frequency
   for (int k = 0; k < model.modes.size(); ++k) {
-    const double omega = model.modes.omega(k);
+    const double omega = peak_frequency(model, k);
     if (omega <= 0.0) continue;
     const double half_band = std::max(0.5 * modal_damping(model, k), 1e-6 * omega);
     narrowest = std::min(narrowest, half_band / omega);
@@ -97,14 +116,14 @@ int mode_behind(const ResponseModel& model, double omega, int direction) {
   for (int k = 0; k < model.modes.size(); ++k) {
     const auto phi = Phi.col(k);
     const double gamma = modal_damping(model, k);
-    const double distance = std::abs(model.modes.omega(k) - omega);
+    const double distance = std::abs(peak_frequency(model, k) - omega);
     if (distance < least_distance) {
       least_distance = distance;
       nearest = k;
     }
     if (distance > 3.0 * gamma + 0.01 * omega) continue;
     const double term = phi[direction] * phi[direction] /
-                        std::hypot(model.modes.omega2[k] - omega * omega, gamma * omega + 1e-300);
+                        std::hypot(relaxed_omega2(model, k) - omega * omega, gamma * omega + 1e-300);
     if (term > largest) {
       largest = term;
       leader = k;
@@ -138,7 +157,8 @@ std::vector<Peak> undamped_peaks(const ResponseModel& model, const PeakOptions& 
 std::vector<Peak> find_peaks(const ResponseModel& model, const PeakOptions& options) {
   if (!(options.from > 0.0) || !(options.to > options.from))
     throw std::invalid_argument("find_peaks: needs 0 < from < to");
-  if (model.modal_ratio == 0.0 && model.C.isZero(0.0)) return undamped_peaks(model, options);
+  if (model.modal_ratio == 0.0 && model.C.isZero(0.0) && model.arms.empty())
+    return undamped_peaks(model, options);
   const auto grid = peak_grid(model, options);
   const auto H = frequency_response(model, grid, options.output);
   std::vector<Peak> peaks;

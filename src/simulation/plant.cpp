@@ -8,7 +8,6 @@
 #include "hydrapod/base/error.hpp"
 #include "hydrapod/hydraulics/servo_axis.hpp"
 #include "plant_work.hpp"
-#include "seal_dampers.hpp"
 
 namespace hydrapod::simulation {
 
@@ -68,7 +67,7 @@ Plant::Plant(const model::Machine& machine, ModelKind kind, const PlantOptions& 
 Plant::Plant(const model::Machine& machine, ModelKind kind, const PlantOptions& options,
              const Pose& X_reference)
     : machine_(machine),
-      mechanics_(with_seal_dampers(with_friction(machine, options.friction), kind, X_reference),
+      mechanics_(dynamics::with_seal_dampers(with_friction(machine, options.friction), kind, X_reference),
                  kind, X_reference),
       options_(options) {
   for (int i = 0; i < leg_count; ++i) {
@@ -121,8 +120,10 @@ double Plant::oil_side(int i, const LegMotion& motion, const double* x, const Pl
   out.piston = motion.s + gimbals.compliance * (out.oil_force - gimbals.force);
   const auto volume = axis.volumes(out.piston);
   const double cap_in = flows.cap - across - cap_out, rod_in = flows.rod + across - rod_out;
-  const double cap_give = volume.cap * hydraulics::compressibility(axis.oil, p_cap);
-  const double rod_give = volume.rod * hydraulics::compressibility(axis.oil, p_rod);
+  const double cap_give =
+      volume.cap * hydraulics::compressibility(axis.oil, p_cap) + axis.cap_line_compliance;
+  const double rod_give =
+      volume.rod * hydraulics::compressibility(axis.oil, p_rod) + axis.rod_line_compliance;
   out.piston_rate = v;
   if (gimbals.compliance > 0.0) {
     const double A_p = axis.area.piston, A_r = axis.area.annulus;

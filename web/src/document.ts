@@ -59,6 +59,8 @@ export interface ModalResponse {
   damping: number[] | number[][];
   platform_shapes: number[][];
   mode: number[];
+  /** Chambers that relax: λ/(iω + λ) shape shapeᵀ is taken off. */
+  relaxing?: { rate_1_s: number; shape: number[] }[];
 }
 
 export interface Peak {

@@ -51,6 +51,23 @@ using PlatformRows = Eigen::Matrix<double, 6, Eigen::Dynamic, 0, 6, max_dof>;
 /// The same per coordinate of the base.
 using BaseColumns = Eigen::Matrix<double, 6, Eigen::Dynamic, 0, 6, 6>;
 
+/// One of the two chambers' springs of a leg (hydraulics::RelaxingSpring), κ of which stands in K
+/// as if the chamber were closed. At iω it gives back −κ λ/(iω + λ) s_y s_yᵀ; as a state, η̇ = λ (s_y·y −
+/// η) and the force κ s_y η on y.
+struct OilArm {
+  int leg{};
+  double stiffness{};  ///< κ [N/m]
+  double rate{};       ///< λ [1/s]
+  ModelVector s_y{};   ///< extension of the piston per y
+};
+
+/// Of an arm at the frequency ω, beside C and K: the damper κ λ/(ω² + λ²) [N s/m].
+inline double damper_at(const OilArm& arm, double omega) {
+  return arm.stiffness * arm.rate / (omega * omega + arm.rate * arm.rate);
+}
+/// And what K loses there: κ λ²/(ω² + λ²) [N/m].
+inline double softening_at(const OilArm& arm, double omega) { return damper_at(arm, omega) * arm.rate; }
+
 struct LinearModel {
   ModelKind kind{};
   spatial::Pose X_BP{};
@@ -78,6 +95,9 @@ struct LinearModel {
   ModelMatrix M{}, K{};
   ModelMatrix
       C{};  ///< viscous dampers of the legs and Rayleigh damping; modal ratios are not in it
+  /// With model::OilDamping::chambers two per leg, in the order of the legs; else none. M ÿ + C ẏ +
+  /// K y less the arms' forces is F; the undamped modes are those of closed chambers.
+  std::vector<OilArm> arms{};
 
   [[nodiscard]] int base_count() const { return static_cast<int>(base_directions.size()); }
   [[nodiscard]] int dof() const { return degrees_of_freedom(kind) + base_count(); }
@@ -98,6 +118,11 @@ int degrees_of_freedom(const model::Machine& machine, ModelKind kind);
 /// this one at.
 LinearModel linear_model(const model::Machine& machine, const spatial::Pose& X_BP, ModelKind kind,
                          const StaticEquilibrium* start = nullptr);
+
+/// The machine with dampers at guide sleeves and piston rings that stand for `[damping]`: 2 ζ k/ω +
+/// β k with ζ of model::seal_ratio and ω of the seal at `X_reference` (simulation/plant.hpp).
+model::Machine with_seal_dampers(model::Machine machine, ModelKind kind,
+                                 const spatial::Pose& X_reference);
 
 /// Names of the coordinates: "x", …, "rz", "leg1.phi1", "leg1.phi2", "leg1.u1", …, "base.x", ….
 std::vector<std::string> coordinate_names(ModelKind kind,

@@ -68,7 +68,8 @@
 ///     volumes
 ///
 /// A_p piston area, e = (A_p − A_rod) / A_p the area ratio, V_1 the chamber on the base side, V_2
-/// the one around the rod, both with dead and line volumes. Valves are closed: no oil leaves.
+/// the one around the rod, both with dead and line volumes. Valves are closed: no oil leaves. A
+/// hose adds the compliance of its wall, 1/β_e becomes 1/β_e + c_line/V.
 ///
 /// Entrained air, share α of the volume at atmospheric pressure p_0, at chamber pressure p,
 /// exponent n:
@@ -109,6 +110,12 @@ ChamberVolumes chamber_volumes(const model::Cylinder& cylinder, const model::Str
 
 /// V_0 [m³] of Eq. 16: `control_volume`, or the mean of both chambers at mid stroke.
 double control_volume(const model::Leg& leg);
+
+/// Inertia of the oil in both lines, seen at the piston at `l_m` [m]:
+///     Σ ρ L A_c²/A · σ²/3,   σ = (V_line/β_e + c_line) / (V/β_e + c_line)
+/// The valve is closed: a line is a dead end, and its oil moves in proportion to the distance from
+/// that end; σ is the share of the compression that is in the line. 0 without line lengths.
+double line_inertia(const model::Leg& leg, double l_m);
 
 /// k_h [N/m] of `leg` with the piston at `l_m` [m] from the base joint.
 /// Throws std::invalid_argument when the leg has no oil spring or lacks the stroke that it needs.
@@ -314,6 +321,7 @@ struct ServoAxis {
   ChamberVolumes volume{};   ///< V_1, V_2 [m³] with the piston at s_mid
   double s_mid{};            ///< [m] from the base joint
   double smallest_volume{};  ///< [m³] chambers are never taken for smaller
+  double cap_line_compliance{}, rod_line_compliance{};  ///< [m³/Pa] of the lines' walls
   Oil oil{};
   Valve valve{};
   double internal_leakage{};  ///< [m³/(s Pa)]
@@ -353,5 +361,27 @@ struct HydraulicRest {
 /// `force` [N] is what the oil must push with along s. Where closed edges and tight seals leave the
 /// pressures open, their sum is taken as that of a leaking valve.
 HydraulicRest hydraulic_rest(const ServoAxis& axis, const model::Supply& supply, double force);
+
+/// Both chambers of a cylinder (cap, rod) for small changes about rest, the spool held:
+///     C δṗ + G δp = −(A_p, −e A_p) δṡ
+struct SmallChambers {
+  Eigen::Vector2d capacity{};     ///< diagonal of C [m³/Pa]: oil and the line's wall
+  Eigen::Matrix2d conductance{};  ///< G [m³/(s Pa)]: leakage and valve
+  Eigen::Vector2d area{};         ///< A_p, −e A_p [m²]
+};
+SmallChambers small_chambers(const ServoAxis& axis, const model::Supply& supply,
+                             const HydraulicRest& rest, double s);
+
+/// Chambers as a spring along s: two springs in parallel, each in series with a damper. The force
+/// on the piston for δs is −Σ κ_j iω/(iω + λ_j) δs.
+///     (A_p, −e A_p) (C + G/iω)⁻¹ (A_p, −e A_p)ᵀ,  with G u = λ C u, uᵀ C u = 1, κ = (u·a)²
+/// A `compliance` 1/k_j [m/N] in series (gimbals) makes C + a aᵀ/k_j of C.
+struct RelaxingSpring {
+  std::array<double, 2> stiffness{};  ///< κ [N/m]
+  std::array<double, 2> rate{};       ///< λ [1/s], 0: a spring alone
+  /// What closed chambers have, k_h.
+  [[nodiscard]] double closed() const { return stiffness[0] + stiffness[1]; }
+};
+RelaxingSpring relaxing_spring(const SmallChambers& chambers, double compliance);
 
 }  // namespace hydrapod::hydraulics

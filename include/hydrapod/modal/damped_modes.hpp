@@ -9,6 +9,10 @@
 /// Damped modes come as pairs of poles λ = −ζω ± iω√(1 − ζ²): ω = |λ|, ζ = −Re λ/|λ|. An overdamped
 /// mode has two real poles; the two whose shapes match best are reported as one mode with ζ > 1.
 ///
+/// Chambers that relax (LinearModel::arms) add a state and a real pole each: pressures that even
+/// out, and a platform that drifts while the valves leak. These poles are no modes and are left out:
+/// the real ones in which the arms have the largest share.
+///
 /// How undamped modes move with a parameter p of the model: (K − ω² M) φ = 0, φᵀ M φ = 1.
 ///
 /// With dM, dK the model's derivatives and λ = ω²,
@@ -65,7 +69,15 @@ using dynamics::NormalModes;
 /// Change of a model per change of a parameter.
 struct ModelDerivative {
   ModelMatrix M{}, K{}, C{};
+  /// Arms of the model by `step` above and below, where it has any: those of a leg can trade places,
+  /// and only their sums have derivatives.
+  std::vector<dynamics::OilArm> arms_above{}, arms_below{};
+  double step{};
 };
+
+/// φᵀ C φ of the dampers that the arms are at the frequency ω.
+double relaxed_damping(std::span<const dynamics::OilArm> arms, const ModelVector& phi,
+                       double omega);
 
 /// G of the group of `size` modes from `first` on [rad²/s² per unit of the parameter].
 ModelMatrix group_derivative(const NormalModes& modes, int first, int size,

@@ -269,6 +269,11 @@ struct Cylinder {
   double rod_dead_volume{};  ///< [m³] chamber around the rod
   double cap_line_volume{};  ///< [m³]
   double rod_line_volume{};  ///< [m³]
+  double cap_line_length{};  ///< [m] of the line to the valve, 0: its oil has no inertia
+  double rod_line_length{};  ///< [m]
+  double cap_line_compliance{};  ///< [m³/Pa] of the hose's wall: volume per pressure
+  double rod_line_compliance{};  ///< [m³/Pa]
+  double density{870.0};         ///< ρ [kg/m³] of the oil in the lines
   double bulk_modulus{};     ///< β_e [Pa] of the oil without air
   std::optional<EntrainedAir> air{};
   VolumeRule volumes{VolumeRule::chambers};
@@ -299,7 +304,7 @@ struct Leg {
   OilSpring oil_spring{};
   std::optional<Stroke> stroke{};
   JointLimits joint_limits{};
-  double added_axial_inertia{};  ///< m_a [kg], oil in the lines seen at the piston
+  double added_axial_inertia{};  ///< m_a [kg], moves with the piston only
   /// k_j [N/m] of both gimbals and their fastening along the leg; absent: they do not give way.
   std::optional<double> gimbal_stiffness{};
   Vector3 gimbal_axis{Vector3::UnitY()};  ///< a1: base-fixed axis of the lower gimbal, unit, in B
@@ -331,12 +336,20 @@ enum class FlexibleAxes {
 /// Used for every mode where a machine gives no damping of any kind; every output says so.
 inline constexpr double default_modal_ratio = 0.02;
 
+/// What damps the oil in the linear models.
+enum class OilDamping {
+  viscous,  ///< `oil_spring.damping`, a damper parallel to the oil spring
+  chambers  ///< leakage and valve at rest: each chamber is a spring in series with a damper, as in
+            ///< simulations (docs/theory/hydraulics.md, "Oil damping in the linear models")
+};
+
 /// Damping that is not a named damper. Added to the viscous dampers of the legs.
 struct Damping {
   /// ζ of every mode; see ModalRatio for what holds where it is not set.
   std::optional<double> modal_ratio{};
   double rayleigh_mass{};       ///< α [1/s] of C = α M + β K
   double rayleigh_stiffness{};  ///< β [s]
+  OilDamping oil{OilDamping::viscous};
 };
 
 struct NamedPose {
@@ -374,15 +387,25 @@ struct Machine {
   [[nodiscard]] const Pose& neutral() const { return poses.front().X_BP; }
 };
 
-/// ζ that every mode has on top of the dampers, in all models alike, and why.
+/// A damping ratio ζ, and why it has its value.
 struct ModalRatio {
   double value{};
   bool is_default{};  ///< nothing in the machine says anything about damping
 };
 
-/// `damping.modal_ratio` where it is set; else `default_modal_ratio` where the legs have no damper
-/// and Rayleigh's damping is zero; else 0.
+/// ζ that every mode of the linear models has on top of the dampers: none with
+/// OilDamping::chambers, else seal_ratio().
 ModalRatio modal_ratio(const Machine& machine);
+
+/// ζ of seals and base mount where these get dampers of their own (simulations, and linear models
+/// with OilDamping::chambers): `damping.modal_ratio` where it is set; else `default_modal_ratio`
+/// where the legs have no damper and Rayleigh's damping is zero; else 0.
+ModalRatio seal_ratio(const Machine& machine);
+
+/// Are the oil columns of the linear models two chambers per leg, with leakage and valve?
+inline bool has_chambers(const Machine& machine) {
+  return machine.damping.oil == OilDamping::chambers;
+}
 
 /// Has a leg a damper: at a guide sleeve, a piston ring or beside the oil spring?
 bool has_leg_dampers(const Machine& machine);

@@ -158,6 +158,9 @@ std::string path(const Machine& machine, const ParameterId& id);
 std::string_view unit(const Machine& machine, const ParameterId& id);
 /// Does it enter the linear models of the mechanism?
 bool of_mechanics(const ParameterId& id);
+/// The same for `machine`: with OilDamping::chambers leakage, valves, friction along the legs and
+/// supply do too.
+bool of_mechanics(const Machine& machine, const ParameterId& id);
 
 /// Its value [SI], in the first of its legs; nothing where the machine does not hold it.
 std::optional<double> value(const Machine& machine, const ParameterId& id);

@@ -3,6 +3,9 @@
 ///
 ///     H(ω) = s(ω) · [platform rows of (K − ω² M + iω C)⁻¹ B],   s = 1, iω, −ω²
 ///
+/// Chambers that relax (LinearModel::arms) take Σ κ λ/(iω + λ) s_y s_yᵀ off the dynamic stiffness.
+/// An arm belongs to one leg, so the legs still meet only in the platform.
+///
 /// with the platform's coordinates taken at Q: motion of Q [m], rotation [rad], base axes. Inputs:
 /// - wrench: force [N] and moment [N m] at Q;
 /// - actuator: forces of the six oil columns, mapped to platform directions by J⁻ᵀ (J: extension
@@ -67,6 +70,7 @@ struct ResponseModel {
   ModelMatrix loads{};                ///< B (dof×6): generalised forces per input
   bool loads_flexible{};              ///< some input acts on more than the platform
   NormalModes modes{};                ///< in the coordinates at Q
+  std::vector<dynamics::OilArm> arms{};  ///< in the coordinates at Q
   double modal_ratio{};               ///< ζ of every mode, on top of C
   std::vector<int> mode_direction{};  ///< per mode, 0…5: where most of its platform energy is
 };

@@ -1,4 +1,5 @@
-// H(ω) = Φ_p (Ω² − ω² I + iω Γ)⁻¹ Φ_pᵀ at any frequency, see modal_response_json.hpp.
+// H(ω) = Φ_p (Ω² − ω² I + iω Γ − Σ λ/(iω + λ) g gᵀ)⁻¹ Φ_pᵀ at any frequency, see
+// modal_response_json.hpp.
 
 import type { Complex } from '../complex';
 import type { ModalResponse } from '../document';
@@ -17,7 +18,9 @@ const isDiagonal = (damping: number[] | number[][]): damping is number[] =>
 /** H at ω [rad/s]. */
 export function responseAt(model: ModalResponse, omega: number): Matrix6 {
   const { damping } = model;
-  return isDiagonal(damping) ? modalSum(model, damping, omega) : coupled(model, damping, omega);
+  return isDiagonal(damping) && !model.relaxing
+    ? modalSum(model, damping, omega)
+    : coupled(model, damping, omega);
 }
 
 function modalSum(model: ModalResponse, damping: number[], omega: number): Matrix6 {
@@ -37,18 +40,39 @@ function modalSum(model: ModalResponse, damping: number[], omega: number): Matri
   return H;
 }
 
-/** The modes' amplitudes Z from (Ω² − ω² I + iω Γ) Z = Φ_pᵀ, then H = Φ_p Z. */
-function coupled(model: ModalResponse, damping: number[][], omega: number): Matrix6 {
+/** Takes Σ λ/(iω + λ) g gᵀ off. */
+function relax(model: ModalResponse, omega: number, re: Float64Array, im: Float64Array): void {
+  const n = model.omega2.length;
+  const width = n + 6;
+  for (const { rate_1_s: rate, shape } of model.relaxing ?? []) {
+    const scale = rate / (rate * rate + omega * omega);
+    for (let i = 0; i < n; ++i)
+      for (let j = 0; j < n; ++j) {
+        const product = shape[i] * shape[j] * scale;
+        re[i * width + j] -= product * rate;
+        im[i * width + j] += product * omega;
+      }
+  }
+}
+
+/** The modes' amplitudes Z from (Ω² − ω² I + iω Γ − …) Z = Φ_pᵀ, then H = Φ_p Z. */
+function coupled(
+  model: ModalResponse,
+  damping: number[] | number[][],
+  omega: number,
+): Matrix6 {
   const n = model.omega2.length;
   const width = n + 6;
   const re = new Float64Array(n * width);
   const im = new Float64Array(n * width);
   for (let i = 0; i < n; ++i) {
-    for (let j = 0; j < n; ++j) im[i * width + j] = omega * damping[i][j];
+    if (isDiagonal(damping)) im[i * width + i] = omega * damping[i];
+    else for (let j = 0; j < n; ++j) im[i * width + j] = omega * damping[i][j];
     re[i * width + i] = model.omega2[i] - omega * omega;
     for (let input = 0; input < 6; ++input)
       re[i * width + n + input] = model.platform_shapes[i][input];
   }
+  relax(model, omega, re, im);
   eliminate(re, im, n, width);
   substitute(re, im, n, width);
   const H = new Float64Array(72);

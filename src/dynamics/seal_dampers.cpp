@@ -1,20 +1,20 @@
-#include "seal_dampers.hpp"
-
 #include <cmath>
 
-#include "hydrapod/dynamics/leg.hpp"
+#include "hydrapod/dynamics/linear_model.hpp"
 
-namespace hydrapod::simulation {
+namespace hydrapod::dynamics {
 
-model::Machine with_seal_dampers(model::Machine machine, dynamics::ModelKind kind,
+model::Machine with_seal_dampers(model::Machine machine, ModelKind kind,
                                  const spatial::Pose& X_reference) {
-  if (kind == dynamics::ModelKind::rigid) return machine;
-  const double ratio = model::modal_ratio(machine).value;
+  const double ratio = model::seal_ratio(machine).value;
+  // The base mount gets the same ratio; to who asks again, the dampers would be all that is stated.
+  if (model::has_chambers(machine)) machine.damping.modal_ratio = ratio;
+  if (kind == ModelKind::rigid) return machine;
   const double beta = machine.damping.rayleigh_stiffness;
   const auto geometry = kinematics::inverse_kinematics(machine, X_reference);
   for (int i = 0; i < model::leg_count; ++i) {
     auto& leg = machine.legs[i];
-    const auto element = dynamics::straight_leg(leg, geometry[i], machine.flexible_axes);
+    const auto element = straight_leg(leg, geometry[i], machine.flexible_axes);
     const auto add = [&](double k, double per_lever, double inertia, double& damping) {
       damping += 2.0 * ratio * std::sqrt(k * inertia) / per_lever + beta * k;
     };
@@ -28,4 +28,4 @@ model::Machine with_seal_dampers(model::Machine machine, dynamics::ModelKind kin
   return machine;
 }
 
-}  // namespace hydrapod::simulation
+}  // namespace hydrapod::dynamics

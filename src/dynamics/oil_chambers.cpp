@@ -1,0 +1,83 @@
+#include "oil_chambers.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "hydrapod/base/error.hpp"
+#include "hydrapod/hydraulics/servo_axis.hpp"
+
+namespace hydrapod::dynamics {
+
+namespace {
+
+/// `force`: of the oil on the piston [N].
+hydraulics::HydraulicRest rest_of(const hydraulics::ServoAxis& axis, const model::Supply& supply,
+                                  int i, double s, double force) {
+  if (s < axis.stops.low || s > axis.stops.high)
+    throw base::ComputationError(fmt::format(
+        "damping.oil = \"chambers\": at this pose the piston of leg {} stands at {:.4g} m from the "
+        "base joint, outside its stroke of {:.4g} to {:.4g} m",
+        i + 1, s, axis.stops.low, axis.stops.high));
+  const auto rest = hydraulics::hydraulic_rest(axis, supply, force);
+  if (!rest.found)
+    throw base::ComputationError(fmt::format(
+        "damping.oil = \"chambers\": a supply of {:.4g} MPa cannot hold the static force of {:.4g} N "
+        "on leg {} at this pose; expected a higher `supply.pressure` or a larger cylinder",
+        1e-6 * supply.pressure, force, i + 1));
+  return rest;
+}
+
+}  // namespace
+
+void fill_chambers(const model::Machine& machine, LinearModel& model) {
+  const auto& supply = machine.hydraulics.supply;
+  for (int i = 0; i < model::leg_count; ++i) {
+    const auto& leg = machine.legs[i];
+    auto& element = model.legs[i];
+    const auto axis = hydraulics::servo_axis(machine, i);
+    const double force = 0.0 - model.statics.legs[i].oil_force;
+    const auto rest = rest_of(axis, supply, i, element.l_m, force);
+    const auto chambers = hydraulics::small_chambers(axis, supply, rest, element.l_m);
+    const auto spring = hydraulics::relaxing_spring(
+        chambers, leg.gimbal_stiffness ? 1.0 / *leg.gimbal_stiffness : 0.0);
+    const Matrix7 along = element.s_x * element.s_x.transpose();
+    element.K += (spring.closed() - element.k_h) * along;
+    element.k_h = spring.closed();
+    element.C += axis.friction.viscous * along;
+    for (std::size_t j = 0; j < 2; ++j)
+      model.arms.push_back({.leg = i, .stiffness = spring.stiffness[j], .rate = spring.rate[j]});
+  }
+}
+
+void point_arms(LinearModel& model) {
+  const int flexible = flexible_per_leg(model.kind);
+  for (auto& arm : model.arms) {
+    const auto& s_x = model.legs[arm.leg].s_x;
+    const spatial::Vector6 of_platform = model.J[arm.leg].transpose() * s_x.head<3>();
+    arm.s_y = ModelVector::Zero(model.dof());
+    arm.s_y.head<6>() = of_platform;
+    arm.s_y.segment(model.first_of_leg(arm.leg), flexible) = s_x.segment(3, flexible);
+    if (model.base_count() > 0)
+      arm.s_y.tail(model.base_count()) = -model.carried_by_base.transpose() * of_platform;
+  }
+}
+
+void damp_mount(const model::Machine& machine, LinearModel& model) {
+  const double ratio = model::seal_ratio(machine).value;
+  const double beta = machine.damping.rayleigh_stiffness;
+  Matrix6 inertia = model.base_inertia.asDiagonal();
+  for (const auto& leg : model.legs_on_base) inertia += leg.inertia;
+  Matrix6 carried = Matrix6::Identity();
+  carried.topRightCorner<3, 3>() = -spatial::skew(model.p_BC);
+  inertia += carried.transpose() * model.platform_mass * carried;
+  for (int k = 0; k < model.base_count(); ++k) {
+    const int direction = model.base_directions[static_cast<std::size_t>(k)];
+    const double stiffness = model.k_mount[direction];
+    const int at = model.first_of_base() + k;
+    model.C(at, at) +=
+        2.0 * ratio * std::sqrt(stiffness * inertia(direction, direction)) + beta * stiffness;
+  }
+}
+
+}  // namespace hydrapod::dynamics
