@@ -207,7 +207,8 @@ void add_base(const model::MachineFile& file, std::vector<Cause>& all) {
   }
 }
 
-/// Oil that swings in the lines with the pistons: inertia along the legs.
+/// Oil that swings in the lines with the pistons: inertia along the legs. Lines that end at closed
+/// valves have little (hydraulics::line_inertia); those with an open end move as a whole.
 void add_oil_lines(const model::MachineFile& file, std::vector<Cause>& all) {
   constexpr double least = 1e-4, most = 0.5;  // of the platform's mass, per leg
   const std::string path = "legs.added_axial_inertia";
@@ -220,6 +221,28 @@ void add_oil_lines(const model::MachineFile& file, std::vector<Cause>& all) {
   all.push_back(cause);
 }
 
+/// Worn piston seals: damping that falls with the frequency. Without chambers leakage is not in the
+/// modes.
+void add_leakage(const model::MachineFile& file, std::vector<Cause>& all) {
+  constexpr double tighter = 30.0, worn = 1000.0;
+  if (!model::has_chambers(file.machine)) return;
+  for (const auto leg : all_and_each) {
+    const double resolved =
+        hydraulics::servo_axis(file.machine, leg.value_or(0)).internal_leakage;
+    if (!(resolved > 0.0)) continue;
+    const auto path = leg_path(leg, "leakage.internal");
+    Cause cause{Cause::Kind::leakage,
+                leg,
+                {{.paths = {path},
+                  .start = resolved,
+                  .lower = resolved / tighter,
+                  .upper = resolved * worn}}};
+    if (!leg_of(file, leg).hydraulics.leakage.internal)
+      cause.changes = {change(file, path, resolved)};
+    all.push_back(cause);
+  }
+}
+
 }  // namespace
 
 Family Cause::family() const {
@@ -228,6 +251,7 @@ Family Cause::family() const {
   if (kind <= Cause::Kind::gimbals) return Family::leg_axes;
   if (kind <= Cause::Kind::mass_and_inertia) return Family::platform;
   if (kind == Cause::Kind::mass_center) return Family::mass_center;
+  if (kind == Cause::Kind::leakage) return Family::leakage;
   return kind == Cause::Kind::oil_lines ? Family::oil_lines : Family::base;
 }
 
@@ -240,7 +264,7 @@ bool Cause::in_pairs() const {
 std::vector<Cause> causes_of(const model::MachineFile& file) {
   std::vector<Cause> all;
   for (const auto add : {add_guide_sleeves, add_piston_rings, add_oil, add_gimbals, add_platform,
-                         add_base, add_oil_lines})
+                         add_base, add_oil_lines, add_leakage})
     add(file, all);
   return all;
 }

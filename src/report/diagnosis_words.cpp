@@ -65,7 +65,13 @@ constexpr std::array cause_words{
     CauseWords{"vertical compliance of the base", "the base is compliant in the vertical direction",
                "", ""},
     CauseWords{"rocking compliance of the base", "the base is compliant in rocking", "", ""},
-    CauseWords{"oil in the lines", "the oil in the lines adds inertia to the pistons", "", ""}};
+    CauseWords{"oil in the lines",
+               "oil in the lines adds inertia to the pistons, more than lines with closed valves have",
+               "", ""},
+    CauseWords{"leakage past the pistons of all legs",
+               "the leakage past the pistons of all legs differs from the nominal value",
+               "leakage past the piston of leg {}",
+               "the leakage past the piston of leg {} differs from the nominal value"}};
 
 std::string of_cause(const Cause& cause, const char* CauseWords::*all,
                      const char* CauseWords::*of_leg) {

@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "hydrapod/base/error.hpp"
+#include "hydrapod/dynamics/linear_model.hpp"
 #include "hydrapod/hydraulics/servo_axis.hpp"
 #include "plant_work.hpp"
 

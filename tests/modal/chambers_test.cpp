@@ -16,14 +16,14 @@ namespace {
 using dynamics::ModelKind;
 
 /// Both rods through: two equal chambers per leg at the neutral pose, whose pressures even out at
-/// one rate λ with a valve without leakage: λ = 2 c_i β/V.
+/// one rate λ with a valve that (nearly) does not leak: λ = 2 c_i β/V.
 model::Machine equal_chambers(double internal_leakage) {
   auto machine = symmetric_machine();
   machine.damping.oil = model::OilDamping::chambers;
   machine.damping.modal_ratio = 0.0;
   for (auto& leg : machine.legs) {
     leg.hydraulics.equivalent_cylinder = {.area_ratio = 1.0, .area = 1.7e-3, .bulk_modulus = 1.1e9};
-    leg.hydraulics.valve.leakage = 0.0;
+    leg.hydraulics.valve.leakage = internal_leakage > 0.0 ? 1e-14 : 0.0;  // [m³/s]
     leg.hydraulics.leakage.internal = internal_leakage;
   }
   return machine;

@@ -82,7 +82,16 @@ std::array<FirstResonance, 6> first_resonances(const model::Machine& machine,
 using spatial::direction_name;
 
 /// What gives way or is wrong. Two causes of one family are tried together only for two legs.
-enum class Family { guide_sleeves, piston_rings, leg_axes, platform, mass_center, base, oil_lines };
+enum class Family {
+  guide_sleeves,
+  piston_rings,
+  leg_axes,
+  platform,
+  mass_center,
+  base,
+  oil_lines,
+  leakage
+};
 
 struct Cause {
   enum class Kind {
@@ -102,7 +111,8 @@ struct Cause {
     base_lateral,
     base_vertical,
     base_rocking,
-    oil_lines
+    oil_lines,
+    leakage  ///< past the pistons; of machines whose linear models have chambers
   };
   Kind kind{};
   std::optional<int> leg{};  ///< 0…5; none: all legs, or no leg at all
