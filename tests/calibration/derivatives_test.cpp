@@ -106,17 +106,8 @@ TEST(Derivatives, OfShapesAgreeWithHighOrderDifferences) {
   }
 }
 
-/// Of frequencies and damping ratios, with dampers in sleeves and oil and a ratio for all modes.
-TEST(Derivatives, OfDampingResidualsAgreeWithHighOrderDifferences) {
-  const std::vector<std::string> free{"platform.mass",
-                                      "leg.3.oil_spring.stiffness",
-                                      "legs.guide_sleeve.stiffness",
-                                      "leg.2.oil_spring.damping",
-                                      "legs.guide_sleeve.damping",
-                                      "damping.modal_ratio"};
-  test::Random random(83);
-  const auto file =
-      test::machine_file(test::random_machine_text(random, true), {"damping.modal_ratio=0.0137"});
+/// Of frequencies and damping ratios by all of `free`.
+void expect_derivatives(const model::MachineFile& file, const std::vector<std::string>& free) {
   for (const auto kind : {ModelKind::rigid, ModelKind::guide}) {
     observation::Targets targets;
     targets.modes = test::modes_of(file, "shifted", kind);
@@ -158,6 +149,26 @@ TEST(Derivatives, OfDampingResidualsAgreeWithHighOrderDifferences) {
             << free[static_cast<std::size_t>(j)] << ", row " << row;
     }
   }
+}
+
+/// With dampers in sleeves and oil and a ratio for all modes.
+TEST(Derivatives, OfDampingResidualsAgreeWithHighOrderDifferences) {
+  test::Random random(83);
+  expect_derivatives(
+      test::machine_file(test::random_machine_text(random, true), {"damping.modal_ratio=0.0137"}),
+      {"platform.mass", "leg.3.oil_spring.stiffness", "legs.guide_sleeve.stiffness",
+       "leg.2.oil_spring.damping", "legs.guide_sleeve.damping", "damping.modal_ratio"});
+}
+
+/// With chambers: leakage has no effect on undamped frequencies, and all of it on damping ratios.
+TEST(Derivatives, OfDampingResidualsWithChambersAgreeWithHighOrderDifferences) {
+  test::Random random(89);
+  expect_derivatives(
+      test::machine_file(test::random_machine_text(random, true),
+                         {"damping.oil=chambers", "damping.modal_ratio=0.0137",
+                          "legs.leakage.internal=2.9e-12", "leg.2.leakage.internal=7.1e-12"}),
+      {"platform.mass", "leg.3.oil_spring.stiffness", "legs.guide_sleeve.stiffness",
+       "leg.2.leakage.internal", "legs.leakage.internal", "damping.modal_ratio"});
 }
 
 /// Six equal legs: x and y are one frequency, twice. A change of one leg parts them by the

@@ -110,6 +110,36 @@ TEST(Recovery, ShapesAndDampingsAreMetToo) {
   for (const auto& target : best.targets) EXPECT_NEAR(target.shape_mac, 1.0, 1e-5);
 }
 
+/// Damping ratios tell the leakage past the pistons where the linear models have chambers; without
+/// them leakage is refused.
+TEST(Recovery, OfLeakageByDampingRatios) {
+  const auto text = published().text;
+  const auto truth = test::machine_file(
+      text, {"damping.oil=chambers", "legs.leakage.internal=6.3e-12", "damping.modal_ratio=0"});
+  const auto model =
+      dynamics::linear_model(truth.machine, truth.machine.neutral(), ModelKind::rigid);
+  const auto modes = modal::normal_modes(model);
+  Targets targets = targets_of(truth, ModelKind::rigid, true);
+  for (int k = 0; k < 6; ++k) {
+    targets.modes[k].damping =
+        modal::relaxed_damping(model.arms, modes.shapes.col(k), modes.omega(k)) /
+        (2.0 * modes.omega(k));
+    targets.modes[k].damping_deviation = 1e-4;
+    EXPECT_GT(*targets.modes[k].damping, 1e-3);
+  }
+  const auto start = test::machine_file(
+      text, {"damping.oil=chambers", "legs.leakage.internal=1.7e-12", "damping.modal_ratio=0"});
+  const auto best =
+      fit(start, targets, test::free_paths({"legs.leakage.internal"}), ModelKind::rigid, 1);
+  EXPECT_NEAR(best.parameters[0].value, 6.3e-12, 1e-17);
+  EXPECT_EQ(best.parameters[0].verdict, Verdict::determined);
+
+  const auto viscous = test::machine_file(text, {"legs.leakage.internal=1.7e-12"});
+  EXPECT_THROW(fit(viscous, targets, test::free_paths({"legs.leakage.internal"}), ModelKind::rigid,
+                   1),
+               base::InputError);
+}
+
 /// Shapes of the platform frame's origin tell where the mass centre is, though it is not theirs.
 TEST(Recovery, ShapesMayBeThoseOfAnyPoint) {
   const auto truth = test::machine_file(
