@@ -42,7 +42,8 @@ struct Pole {
   Complex value{};
   ComplexVector shape{};  ///< in y, φᴴ M φ = 1
   /// Of a real pole: the sign of φᵀ (2λM + C) φ, positive for the slower one of an overdamped mode,
-  /// negative for the faster one. Both kinds are equally many.
+  /// negative for the faster one; the other way round where chambers that relax damp it. Both kinds
+  /// are equally many.
   bool slow{};
   /// Share of the chambers' arms in it, 0…1: near 1 where the pole is one of pressures that even
   /// out, or of a platform that drifts while the valve leaks.
@@ -91,7 +92,7 @@ class PoleSolver {
     const Eigen::Index n = modes_.size(), all = 2 * n + arms_.count();
     const double scale = std::sqrt(std::max(modes_.omega2.cwiseAbs().maxCoeff(), 1e-300));
     Eigen::MatrixXd A = Eigen::MatrixXd::Zero(all, all);
-    A.topRightCorner(n, n).setIdentity();
+    A.block(0, n, n, n).setIdentity();
     A.block(n, 0, n, n).diagonal() = -modes_.omega2 / (scale * scale);
     A.block(n, n, n, n) = -Gamma_ / scale;
     A.block(n, 2 * n, n, arms_.count()) = arms_.g / scale;
@@ -119,6 +120,16 @@ class PoleSolver {
   const ModelMatrix& Gamma_;
   const ModalArms& arms_;
   std::vector<Pole> poles_;
+
+  /// What arms add to zᵀ (2λ + Γ) z, the derivative of the dynamic stiffness.
+  [[nodiscard]] double by_arms(double value, const Eigen::VectorXd& z) const {
+    double sum = 0.0;
+    for (Eigen::Index j = 0; j < arms_.count(); ++j) {
+      const double part = arms_.g.col(j).dot(z) / (value + arms_.rates[j]);
+      sum += arms_.rates[j] * part * part;
+    }
+    return sum;
+  }
 
   /// By the products of right and left vector, which is (…, z, ξ/λ): of the arms and of z and ż.
   [[nodiscard]] double share_of_arms(const Complex& value, const ComplexVector& x,
@@ -176,7 +187,7 @@ class PoleSolver {
     const Eigen::VectorXd shape = modes_.shapes * unit;
     poles_.push_back({.value = value,
                       .shape = shape.cast<Complex>(),
-                      .slow = 2.0 * value + unit.dot(Gamma_ * unit) > 0.0});
+                      .slow = 2.0 * value + unit.dot(Gamma_ * unit) + by_arms(value, unit) > 0.0});
   }
 };
 

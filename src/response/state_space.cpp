@@ -9,7 +9,7 @@ StateSpace state_space(const ResponseModel& model, Output output) {
   const Eigen::LLT<ModelMatrix> llt(model.M);
   StateSpace system;
   system.A = Eigen::MatrixXd::Zero(2 * n + arms, 2 * n + arms);
-  system.A.topRightCorner(n, n).setIdentity();
+  system.A.block(0, n, n, n).setIdentity();
   system.A.block(n, 0, n, n) = -llt.solve(model.K);
   system.A.block(n, n, n, n) = -llt.solve(damping_matrix(model));
   for (Eigen::Index j = 0; j < arms; ++j) {

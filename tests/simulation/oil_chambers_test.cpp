@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <cmath>
 #include <complex>
+#include <ostream>
 
 #include "hydrapod/base/error.hpp"
 #include "hydrapod/modal/damped_modes.hpp"
@@ -22,7 +23,10 @@ namespace {
 
 using Complex = std::complex<double>;
 
-constexpr double by_differences = 2e-6;  // relative, of a linearisation by differences
+constexpr double by_differences = 1e-9;  // relative, of a linearisation by differences
+/// Where these cannot be as good: beside the corner of a guide ring, and where the plant has the
+/// lines' inertia of straight legs.
+constexpr double coarse = 2e-6;
 
 std::vector<modal::DampedMode> modes_of(const model::Machine& machine, const Pose& X_BP,
                                         ModelKind kind) {
@@ -31,13 +35,16 @@ std::vector<modal::DampedMode> modes_of(const model::Machine& machine, const Pos
                              modal::modal_ratio(machine).value);
 }
 
-/// Poles of the plant at rest that oscillate, without those of the spools.
+/// Poles of the plant at rest that oscillate, without those of the spools. Platforms without weight
+/// drift at six poles of zero, of which rounding makes pairs.
 std::vector<Complex> plant_poles(const model::Machine& machine, const Pose& X_BP, ModelKind kind) {
+  constexpr double drift = 1e-2;  // [1/s]
   std::vector<Complex> poles;
   for (const auto& pole :
        system_poles(linear_system(machine, X_BP, {.kind = kind, .closed = false, .sampled = false}))
            .poles)
-    if (pole.oscillates() && pole.parts[static_cast<size_t>(Part::valve)] < 0.5)
+    if (pole.oscillates() && pole.omega > drift &&
+        pole.parts[static_cast<size_t>(Part::valve)] < 0.5)
       poles.push_back(pole.pole);
   return poles;
 }
@@ -64,7 +71,10 @@ struct Case {
   const char* machine;
   ModelKind kind;
   std::vector<std::string> overrides;
+  double tolerance{by_differences};
 };
+
+void PrintTo(const Case& test, std::ostream* out) { *out << test.name; }
 
 class Chambers : public testing::TestWithParam<Case> {};
 
@@ -74,7 +84,7 @@ TEST_P(Chambers, HaveThePolesOfThePlantAtRest) {
   const auto machine = machine_of(GetParam().machine, overrides);
   for (const auto& pose : machine.poses) {
     const double worst = worst_distance(machine, pose.X_BP, GetParam().kind);
-    EXPECT_LT(worst, by_differences) << pose.name;
+    EXPECT_LT(worst, GetParam().tolerance) << pose.name;
     RecordProperty(pose.name, fmt::format("{:.1e}", worst));
   }
 }
@@ -88,7 +98,7 @@ INSTANTIATE_TEST_SUITE_P(
              {"legs.piston_ring.stiffness=17 kN/mm", "legs.piston_ring.damping=310 N s/m"}},
         Case{"published", "zhang-jiang-2021", ModelKind::guide, {}},
         Case{"published_with_gravity", "zhang-jiang-2021-transverse", ModelKind::guide,
-             {"gravity=9.80665", "legs.guide_sleeve.stiffness=3e5"}},
+             {"environment.gravity=9.80665", "legs.guide_sleeve.stiffness=3e5"}},
         Case{"friction_and_leakage", "heavy-platform", ModelKind::guide,
              {"legs.friction.coulomb=410 N", "legs.leakage.internal=7.3e-12",
               "legs.leakage.external=1.1e-12", "legs.valve.overlap=-0.013",
@@ -99,14 +109,14 @@ INSTANTIATE_TEST_SUITE_P(
              {"legs.oil_spring.cylinder.cap_line_length=3.75",
               "legs.oil_spring.cylinder.rod_line_length=2.9",
               "legs.oil_spring.cylinder.cap_line_compliance=1.7e-12",
-              "legs.oil_spring.cylinder.rod_line_compliance=0.6e-12"}},
+              "legs.oil_spring.cylinder.rod_line_compliance=0.6e-12"}, coarse},
         Case{"rayleigh", "heavy-platform", ModelKind::guide,
              {"damping.rayleigh_mass=0.7", "damping.rayleigh_stiffness=3e-5"}},
         Case{"base", "heavy-platform", ModelKind::guide,
              {"base.mount.stiffness.x=90 kN/mm", "base.mount.stiffness.z=170 kN/mm",
               "base.mount.mass=21 t", "damping.modal_ratio=0.013"}},
         Case{"guide_contact", "heavy-platform", ModelKind::guide,
-             {"legs.guide_sleeve.gap=0.2 mm"}}),
+             {"legs.guide_sleeve.gap=0.2 mm"}, coarse}),
     [](const auto& test) { return test.param.name; });
 
 /// Legs of all sorts, half of them with an oil spring's stiffness alone.
@@ -121,7 +131,7 @@ TEST(OilChambers, OfRandomMachinesHaveThePolesOfThePlantAtRest) {
     machine.damping.oil = model::OilDamping::chambers;
     for (auto& leg : machine.legs) leg.hydraulics.leakage.internal = random.log_uniform(1e-13, 1e-11);
     try {
-      EXPECT_LT(worst_distance(machine, machine.poses.back().X_BP, ModelKind::full), 1e-5);
+      EXPECT_LT(worst_distance(machine, machine.poses.back().X_BP, ModelKind::full), 1e-7);
       ++compared;
     } catch (const base::ComputationError&) {  // a small cylinder cannot carry it
       EXPECT_THROW((void)dynamics::linear_model(machine, machine.poses.back().X_BP, ModelKind::full),
@@ -159,7 +169,7 @@ TEST(OilChambers, InResponsesAreThoseOfThePlantAtRest) {
           .cwiseAbs()
           .maxCoeff();
     };
-    EXPECT_LT(apart(by_elimination[i]), 2e-5) << omega[i];
+    EXPECT_LT(apart(by_elimination[i]), 1e-8) << omega[i];
     EXPECT_LT(Eigen::MatrixXcd(root.asDiagonal() * (by_elimination[i] - dense[i]) *
                                root.asDiagonal())
                   .cwiseAbs()
