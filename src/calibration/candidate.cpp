@@ -126,8 +126,8 @@ FittedTarget met(const Problem& problem, const State& state, std::size_t i) {
     const auto& undamped = state.points[static_cast<std::size_t>(p)];
     const dynamics::ModelVector phi = undamped.modes.shapes.col(k);
     const double omega = std::max(fit.omega, 1e-9);
-    const double dampers = phi.dot(undamped.model.C * phi) +
-                           modal::relaxed_damping(undamped.model.arms, phi, omega);
+    const double dampers =
+        phi.dot(undamped.model.C * phi) + modal::relaxed_damping(undamped.model.arms, phi, omega);
     fit.damping = dampers / (2.0 * omega) + modal::modal_ratio(state.machine).value;
   }
   if (target.shape) {

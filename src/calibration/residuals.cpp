@@ -11,8 +11,8 @@ namespace hydrapod::calibration {
 
 namespace {
 
-using observation::regularised;
 using dynamics::PlatformRows;
+using observation::regularised;
 using spatial::Matrix6;
 
 constexpr observation::ObservationOptions options{};
@@ -131,8 +131,8 @@ class ShapeResidual : public ResidualKind {
     const Vector6 u = (root * *target.shape).normalized();
     const Matrix6 at_point = to_target_point(point.model, target);
     const bool by_base = target.shape_against == MotionAgainst::base;
-    const PlatformRows seen = by_base ? point.model.against_base
-                                      : PlatformRows::Identity(6, point.model.dof());
+    const PlatformRows seen =
+        by_base ? point.model.against_base : PlatformRows::Identity(6, point.model.dof());
     Eigen::MatrixXd A(6, members.size());
     for (std::size_t k = 0; k < members.size(); ++k)
       A.col(static_cast<Eigen::Index>(k)) =
@@ -149,8 +149,7 @@ class ShapeResidual : public ResidualKind {
       for (std::size_t k = 0; k < members.size(); ++k) {
         const dynamics::ModelVector motion = point.modes.shapes.col(members[k]);
         Vector6 change = seen * dphi[k].col(j);
-        if (by_base)
-          change += point.against_base_derivatives[static_cast<std::size_t>(j)] * motion;
+        if (by_base) change += point.against_base_derivatives[static_cast<std::size_t>(j)] * motion;
         dA.col(static_cast<Eigen::Index>(k)) =
             root * (at_point * change + moving_center(point, target, j, seen * motion));
       }

@@ -227,8 +227,7 @@ void add_leakage(const model::MachineFile& file, std::vector<Cause>& all) {
   constexpr double tighter = 30.0, worn = 1000.0;
   if (!model::has_chambers(file.machine)) return;
   for (const auto leg : all_and_each) {
-    const double resolved =
-        hydraulics::servo_axis(file.machine, leg.value_or(0)).internal_leakage;
+    const double resolved = hydraulics::servo_axis(file.machine, leg.value_or(0)).internal_leakage;
     if (!(resolved > 0.0)) continue;
     const auto path = leg_path(leg, "leakage.internal");
     Cause cause{Cause::Kind::leakage,

@@ -108,8 +108,8 @@ LegElement straight_leg(const model::Leg& leg, const kinematics::LegGeometry& ge
   const Matrix3 plane = plane_mass(leg, element.l, element.l_m);
   scatter(plane, plane_t, 1.0, element.M);
   scatter(plane, plane_2, -1.0, element.M);
-  element.M(2, 2) = leg.rod.mass + leg.added_axial_inertia +
-                    hydraulics::line_inertia(leg, element.l_m);
+  element.M(2, 2) =
+      leg.rod.mass + leg.added_axial_inertia + hydraulics::line_inertia(leg, element.l_m);
   if (axes == model::FlexibleAxes::gimbal)
     add_gimbal_rotations(leg, element.l, element.frame, element.M);
 

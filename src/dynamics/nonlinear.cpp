@@ -279,8 +279,8 @@ NonlinearModel::NonlinearModel(const model::Machine& machine, ModelKind kind,
     piston_axes_[i] = Vector3(1.0, 0.0, frame.tan_gimbal).normalized();
   }
   if (spinning_ && kind != ModelKind::rigid) turn_piston_axes(X_reference);
-  constants_ =
-      std::make_shared<const LegConstants>(gather_constants(machine_, axes_, piston_axes_, geometry));
+  constants_ = std::make_shared<const LegConstants>(
+      gather_constants(machine_, axes_, piston_axes_, geometry));
 }
 
 /// To where the gimbals' axes are when the legs are bent by gravity.

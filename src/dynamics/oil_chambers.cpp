@@ -22,7 +22,8 @@ hydraulics::HydraulicRest rest_of(const hydraulics::ServoAxis& axis, const model
   const auto rest = hydraulics::hydraulic_rest(axis, supply, force);
   if (!rest.found)
     throw base::ComputationError(fmt::format(
-        "damping.oil = \"chambers\": a supply of {:.4g} MPa cannot hold the static force of {:.4g} N "
+        "damping.oil = \"chambers\": a supply of {:.4g} MPa cannot hold the static force of {:.4g} "
+        "N "
         "on leg {} at this pose; expected a higher `supply.pressure` or a larger cylinder",
         1e-6 * supply.pressure, force, i + 1));
   return rest;

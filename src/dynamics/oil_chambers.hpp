@@ -8,9 +8,9 @@
 namespace hydrapod::dynamics {
 
 /// Puts the chambers' stiffness into the legs' K and the viscous friction of the seals along the
-/// legs into C, and keeps what relaxes in model.arms, whose s_y follows with point_arms(). The legs'
-/// own dampers c_h are not to be in C. Throws base::ComputationError where the supply does not hold
-/// a leg, or its piston is outside its stroke.
+/// legs into C, and keeps what relaxes in model.arms, whose s_y follows with point_arms(). The
+/// legs' own dampers c_h are not to be in C. Throws base::ComputationError where the supply does
+/// not hold a leg, or its piston is outside its stroke.
 void fill_chambers(const model::Machine& machine, LinearModel& model);
 
 /// s_y of the arms, with J and the base's coordinates in place.

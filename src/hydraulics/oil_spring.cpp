@@ -65,8 +65,8 @@ struct Line {
 
 double inertia_of(const Line& line, double density, double beta) {
   if (line.length == 0.0) return 0.0;
-  const double share = (line.volume / beta + line.compliance) /
-                       (line.chamber_volume / beta + line.compliance);
+  const double share =
+      (line.volume / beta + line.compliance) / (line.chamber_volume / beta + line.compliance);
   const double section = line.volume / line.length;
   return density * line.length * line.chamber_area * line.chamber_area / section * share * share /
          3.0;

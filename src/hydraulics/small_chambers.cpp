@@ -11,7 +11,8 @@ SmallChambers small_chambers(const ServoAxis& axis, const model::Supply& supply,
   const auto slopes = valve_flow_slopes(
       axis.valve, rest.spool, {supply.pressure, supply.return_pressure, rest.p_cap, rest.p_rod});
   SmallChambers chambers;
-  chambers.capacity << volume.cap * compressibility(axis.oil, rest.p_cap) + axis.cap_line_compliance,
+  chambers.capacity << volume.cap * compressibility(axis.oil, rest.p_cap) +
+                           axis.cap_line_compliance,
       volume.rod * compressibility(axis.oil, rest.p_rod) + axis.rod_line_compliance;
   const double past = axis.internal_leakage, out = axis.external_leakage;
   chambers.conductance << past + out - slopes.cap_p, -past, -past, past + out - slopes.rod_p;

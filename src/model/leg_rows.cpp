@@ -186,9 +186,9 @@ constexpr ParameterRow leg_rows[]{
         "legs.oil_spring.cylinder.rod_line_compliance", "m^3/Pa", standard,
         usual(1e-16, 1e-9, not_negative), "the same of the line to the chamber around the rod",
         shown("1 cm^3/bar")),
-    number<oil, cylinder, &Cylinder::density>(
-        "legs.oil_spring.cylinder.density", "kg/m^3", standard, usual(700.0, 1300.0, positive),
-        "ρ of the oil; used with a line length"),
+    number<oil, cylinder, &Cylinder::density>("legs.oil_spring.cylinder.density", "kg/m^3",
+                                              standard, usual(700.0, 1300.0, positive),
+                                              "ρ of the oil; used with a line length"),
     number<oil, cylinder, &Cylinder::bulk_modulus>("legs.oil_spring.cylinder.bulk_modulus", "Pa",
                                                    required, usual(1e7, 1e10, positive),
                                                    "β_e of the oil without air", given("1.4 GPa")),

@@ -217,7 +217,8 @@ constexpr ParameterRow damping_rows[]{
     word<&Machine::damping, &Damping::oil>(
         "damping.oil", oil_damping_words,
         "what damps the oil in modes and Bode diagrams: `\"viscous\"`, the damper "
-        "`legs.oil_spring.damping` beside the spring, or `\"chambers\"`, leakage and valve at rest, "
+        "`legs.oil_spring.damping` beside the spring, or `\"chambers\"`, leakage and valve at "
+        "rest, "
         "in series with the oil of each chamber as in simulations; `modal_ratio` is then that of "
         "seals and base mount"),
     number<&Machine::damping, &Damping::modal_ratio>(

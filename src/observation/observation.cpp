@@ -59,8 +59,8 @@ void add_modes(const MatrixXcd& motion, Observation& seen) {
 }
 
 /// In coordinates z of the undamped modes, with the states ω z and ż, whose squares are energies:
-/// (ω z)˙ = ω ż, z̈ = ∓ω (ω z) − Γ ż + Φᵀ F; +: modes that have buckled. Chambers that relax have the
-/// states √κ η, η̇ = λ (s_y·Φ z − η), with the forces κ η.
+/// (ω z)˙ = ω ż, z̈ = ∓ω (ω z) − Γ ż + Φᵀ F; +: modes that have buckled. Chambers that relax have
+/// the states √κ η, η̇ = λ (s_y·Φ z − η), with the forces κ η.
 void observe_mechanics(const model::Machine& machine, Observation& seen) {
   const auto& model = seen.mechanics;
   const auto modes = modal::normal_modes(model);
@@ -100,8 +100,7 @@ MatrixXcd mechanics_of_plant(const dynamics::LinearModel& model,
                              const MatrixXcd& right) {
   MatrixXcd motion(model.dof(), right.cols());
   motion.topRows(model.first_of_base()) = right.topRows(model.first_of_base());
-  const auto base =
-      std::ranges::find(parts, simulation::Part::base, &simulation::StatePart::part);
+  const auto base = std::ranges::find(parts, simulation::Part::base, &simulation::StatePart::part);
   motion.bottomRows(model.base_count()) =
       right.middleRows(base - parts.begin(), model.base_count());
   return motion;

@@ -196,9 +196,8 @@ void describe_cause(Fields& f, Cause& cause) {
       "cap_volume",    "rod_volume",       "gimbals",      "payload",      "payload_height",
       "inertia",       "mass_and_inertia", "mass_center",  "base_lateral", "base_vertical",
       "base_rocking",  "oil_lines",        "leakage"};
-  static constexpr std::array families{"guide sleeves", "piston rings", "leg axes", "platform",
-                                       "mass centre",   "base",         "oil lines",
-                                       "leakage"};
+  static constexpr std::array families{"guide sleeves", "piston rings", "leg axes",  "platform",
+                                       "mass centre",   "base",         "oil lines", "leakage"};
   if constexpr (!Fields::reads) {
     f.derived("name", cause_name(cause));
     f.derived("statement", cause_statement(cause));

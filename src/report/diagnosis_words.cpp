@@ -65,9 +65,10 @@ constexpr std::array cause_words{
     CauseWords{"vertical compliance of the base", "the base is compliant in the vertical direction",
                "", ""},
     CauseWords{"rocking compliance of the base", "the base is compliant in rocking", "", ""},
-    CauseWords{"oil in the lines",
-               "oil in the lines adds inertia to the pistons, more than lines with closed valves have",
-               "", ""},
+    CauseWords{
+        "oil in the lines",
+        "oil in the lines adds inertia to the pistons, more than lines with closed valves have", "",
+        ""},
     CauseWords{"leakage past the pistons of all legs",
                "the leakage past the pistons of all legs differs from the nominal value",
                "leakage past the piston of leg {}",

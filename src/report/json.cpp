@@ -46,8 +46,7 @@ std::string damping_text(const model::Machine& machine) {
     return of.leakage.internal || of.leakage.external != 0.0 || of.valve.leakage;
   });
   if (leaks)
-    text +=
-        "; the leakage in the file is not used here (damping.oil = \"chambers\" uses it)";
+    text += "; the leakage in the file is not used here (damping.oil = \"chambers\" uses it)";
   return text;
 }
 

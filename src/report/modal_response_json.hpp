@@ -18,9 +18,9 @@
 namespace hydrapod::report {
 
 /// `omega2`, `damping` (a list: the diagonal of Γ; a list of rows: all of it), `platform_shapes`
-/// (six numbers per mode), `mode` (its number in the mode table), with chambers `relaxing` (a list of
-/// `rate_1_s` λ and `shape` g). Throws std::invalid_argument for
-/// a model with loads on flexible coordinates.
+/// (six numbers per mode), `mode` (its number in the mode table), with chambers `relaxing` (a list
+/// of `rate_1_s` λ and `shape` g). Throws std::invalid_argument for a model with loads on flexible
+/// coordinates.
 Json modal_response_json(const response::ResponseModel& model, const std::vector<int>& tabled);
 
 /// `point`, `point_m`, `from_rad_s`, `to_rad_s`, `points`, `real` and `rigid` in modal form,

@@ -166,8 +166,7 @@ Block<6, 6> solve(const ResponseModel& model, const Frequencies& f) {
     for (int r = 0; r < 6; ++r)
       for (int c = 0; c < 6; ++c) W[r][c] = {Reals::Constant(model.loads(r, c)), Reals::Zero()};
   if constexpr (flexible > 0)
-    for (int leg = 0; leg < model::leg_count; ++leg)
-      eliminate_leg<flexible>(model, f, leg, S, W);
+    for (int leg = 0; leg < model::leg_count; ++leg) eliminate_leg<flexible>(model, f, leg, S, W);
   const Block<6, 6> G = inverse(S);
   return model.loads_flexible ? times(G, W) : G;
 }

@@ -123,8 +123,9 @@ int mode_behind(const ResponseModel& model, double omega, int direction) {
       nearest = k;
     }
     if (distance > 3.0 * gamma + 0.01 * omega) continue;
-    const double term = phi[direction] * phi[direction] /
-                        std::hypot(relaxed_omega2(model, k) - omega * omega, gamma * omega + 1e-300);
+    const double term =
+        phi[direction] * phi[direction] /
+        std::hypot(relaxed_omega2(model, k) - omega * omega, gamma * omega + 1e-300);
     if (term > largest) {
       largest = term;
       leader = k;

@@ -68,8 +68,9 @@ Plant::Plant(const model::Machine& machine, ModelKind kind, const PlantOptions& 
 Plant::Plant(const model::Machine& machine, ModelKind kind, const PlantOptions& options,
              const Pose& X_reference)
     : machine_(machine),
-      mechanics_(dynamics::with_seal_dampers(with_friction(machine, options.friction), kind, X_reference),
-                 kind, X_reference),
+      mechanics_(
+          dynamics::with_seal_dampers(with_friction(machine, options.friction), kind, X_reference),
+          kind, X_reference),
       options_(options) {
   for (int i = 0; i < leg_count; ++i) {
     axes_[i] = hydraulics::servo_axis(machine, i);

@@ -135,9 +135,9 @@ TEST(Recovery, OfLeakageByDampingRatios) {
   EXPECT_EQ(best.parameters[0].verdict, Verdict::determined);
 
   const auto viscous = test::machine_file(text, {"legs.leakage.internal=1.7e-12"});
-  EXPECT_THROW(fit(viscous, targets, test::free_paths({"legs.leakage.internal"}), ModelKind::rigid,
-                   1),
-               base::InputError);
+  EXPECT_THROW(
+      fit(viscous, targets, test::free_paths({"legs.leakage.internal"}), ModelKind::rigid, 1),
+      base::InputError);
 }
 
 /// Shapes of the platform frame's origin tell where the mass centre is, though it is not theirs.

@@ -42,8 +42,8 @@ Complex of(const RelaxingSpring& spring, Complex s) {
 TEST(RelaxingSpring, IsTheDynamicStiffnessOfBothChambers) {
   const auto chambers = unequal_chambers();
   for (const double compliance : {0.0, 1.0 / 37e6})
-    for (const Complex s : {Complex(0.0, 0.3), Complex(0.0, 23.0), Complex(-7.0, 190.0),
-                            Complex(11.0, 2300.0)}) {
+    for (const Complex s :
+         {Complex(0.0, 0.3), Complex(0.0, 23.0), Complex(-7.0, 190.0), Complex(11.0, 2300.0)}) {
       const Complex Z = directly(chambers, compliance, s);
       EXPECT_LT(std::abs(of(relaxing_spring(chambers, compliance), s) - Z), 1e-13 * std::abs(Z));
     }
@@ -82,9 +82,9 @@ TEST(DoubleRodCylinder, WithAMassHasTheDampingOfMerritt) {
   // K_c of the load flow (Q_A − Q_B)/2 over p_A − p_B, by differences of the valve's own flows.
   const double step = 10.0;
   const auto load_flow = [&](double p_L) {
-    const auto flows = valve_flows(axis.valve, rest.spool,
-                                   {supply.pressure, supply.return_pressure,
-                                    rest.p_cap + 0.5 * p_L, rest.p_rod - 0.5 * p_L});
+    const auto flows = valve_flows(
+        axis.valve, rest.spool,
+        {supply.pressure, supply.return_pressure, rest.p_cap + 0.5 * p_L, rest.p_rod - 0.5 * p_L});
     return 0.5 * (flows.cap - flows.rod);
   };
   const double K_c = -(load_flow(step) - load_flow(-step)) / (2.0 * step);
@@ -176,8 +176,7 @@ TEST(LineInertia, IsThatOfADividedLineWithAClosedEnd) {
       const auto volume = chamber_volumes(*leg.oil_spring.cylinder, *leg.stroke, l_m);
       const double by_pieces =
           inertia_of_divided_line(piston, volume.cap, 471e-6, 2.9, hose, 907e6, 883.0, 2000) +
-          inertia_of_divided_line(annulus, volume.rod, 353e-6, 2.1, 0.4 * hose, 907e6, 883.0,
-                                  2000);
+          inertia_of_divided_line(annulus, volume.rod, 353e-6, 2.1, 0.4 * hose, 907e6, 883.0, 2000);
       const double m = line_inertia(leg, l_m);
       EXPECT_NEAR(m, by_pieces, 1e-4 * by_pieces) << l_m;
       EXPECT_GT(m, 0.1);

@@ -33,8 +33,8 @@ model::Machine equal_chambers(double internal_leakage) {
 double rate_of(const model::Machine& machine) {
   const auto& leg = machine.legs[0];
   const auto& cylinder = leg.hydraulics.equivalent_cylinder;
-  const double V = 2.0 * cylinder.bulk_modulus * *cylinder.area * *cylinder.area /
-                   *leg.oil_spring.stiffness;
+  const double V =
+      2.0 * cylinder.bulk_modulus * *cylinder.area * *cylinder.area / *leg.oil_spring.stiffness;
   return 2.0 * *leg.hydraulics.leakage.internal * cylinder.bulk_modulus / V;
 }
 
@@ -43,8 +43,8 @@ std::vector<modal::DampedMode> modes_of(const dynamics::LinearModel& model) {
 }
 
 /// With all springs relaxing at λ: s² + λ s + ω² = 0 beside the drift s = 0, so that the poles have
-/// the modulus ω and ζ = λ/2ω, less at high frequencies. A damper beside the spring has it the other
-/// way round.
+/// the modulus ω and ζ = λ/2ω, less at high frequencies. A damper beside the spring has it the
+/// other way round.
 TEST(LeakingChambers, DampInInverseProportionToTheFrequency) {
   for (const double leakage : {0.9e-12, 4.3e-12, 13.7e-12}) {
     const auto machine = equal_chambers(leakage);
@@ -115,10 +115,9 @@ TEST(ClosedChambers, AreAnUndampedOilSpring) {
   const auto machine = equal_chambers(0.0);
   auto viscous = machine;
   viscous.damping.oil = model::OilDamping::viscous;
-  const auto modes = modes_of(
-      dynamics::linear_model(machine, machine.neutral(), ModelKind::guide));
-  const auto springs = modes_of(
-      dynamics::linear_model(viscous, machine.neutral(), ModelKind::guide));
+  const auto modes = modes_of(dynamics::linear_model(machine, machine.neutral(), ModelKind::guide));
+  const auto springs =
+      modes_of(dynamics::linear_model(viscous, machine.neutral(), ModelKind::guide));
   for (size_t k = 0; k < modes.size(); ++k) {
     EXPECT_NEAR(modes[k].omega, springs[k].omega, 1e-12 * springs[k].omega);
     EXPECT_EQ(modes[k].damping_ratio, 0.0);

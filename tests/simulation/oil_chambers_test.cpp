@@ -91,32 +91,50 @@ TEST_P(Chambers, HaveThePolesOfThePlantAtRest) {
 
 INSTANTIATE_TEST_SUITE_P(
     , Chambers,
-    testing::Values(
-        Case{"heavy_rigid", "heavy-platform", ModelKind::rigid, {}},
-        Case{"heavy_guide", "heavy-platform", ModelKind::guide, {}},
-        Case{"heavy_full", "heavy-platform", ModelKind::full,
-             {"legs.piston_ring.stiffness=17 kN/mm", "legs.piston_ring.damping=310 N s/m"}},
-        Case{"published", "zhang-jiang-2021", ModelKind::guide, {}},
-        Case{"published_with_gravity", "zhang-jiang-2021-transverse", ModelKind::guide,
-             {"environment.gravity=9.80665", "legs.guide_sleeve.stiffness=3e5"}},
-        Case{"friction_and_leakage", "heavy-platform", ModelKind::guide,
-             {"legs.friction.coulomb=410 N", "legs.leakage.internal=7.3e-12",
-              "legs.leakage.external=1.1e-12", "legs.valve.overlap=-0.013",
-              "leg.2.leakage.internal=3.1e-11"}},
-        Case{"gimbals_that_give_way", "heavy-platform", ModelKind::guide,
-             {"legs.gimbal_stiffness=71 kN/mm"}},
-        Case{"hoses_and_lines", "heavy-platform", ModelKind::guide,
-             {"legs.oil_spring.cylinder.cap_line_length=3.75",
-              "legs.oil_spring.cylinder.rod_line_length=2.9",
-              "legs.oil_spring.cylinder.cap_line_compliance=1.7e-12",
-              "legs.oil_spring.cylinder.rod_line_compliance=0.6e-12"}, coarse},
-        Case{"rayleigh", "heavy-platform", ModelKind::guide,
-             {"damping.rayleigh_mass=0.7", "damping.rayleigh_stiffness=3e-5"}},
-        Case{"base", "heavy-platform", ModelKind::guide,
-             {"base.mount.stiffness.x=90 kN/mm", "base.mount.stiffness.z=170 kN/mm",
-              "base.mount.mass=21 t", "damping.modal_ratio=0.013"}},
-        Case{"guide_contact", "heavy-platform", ModelKind::guide,
-             {"legs.guide_sleeve.gap=0.2 mm"}, coarse}),
+    testing::Values(Case{"heavy_rigid", "heavy-platform", ModelKind::rigid, {}},
+                    Case{"heavy_guide", "heavy-platform", ModelKind::guide, {}},
+                    Case{"heavy_full",
+                         "heavy-platform",
+                         ModelKind::full,
+                         {"legs.piston_ring.stiffness=17 kN/mm",
+                          "legs.piston_ring.damping=310 N s/m"}},
+                    Case{"published", "zhang-jiang-2021", ModelKind::guide, {}},
+                    Case{"published_with_gravity",
+                         "zhang-jiang-2021-transverse",
+                         ModelKind::guide,
+                         {"environment.gravity=9.80665", "legs.guide_sleeve.stiffness=3e5"}},
+                    Case{"friction_and_leakage",
+                         "heavy-platform",
+                         ModelKind::guide,
+                         {"legs.friction.coulomb=410 N", "legs.leakage.internal=7.3e-12",
+                          "legs.leakage.external=1.1e-12", "legs.valve.overlap=-0.013",
+                          "leg.2.leakage.internal=3.1e-11"}},
+                    Case{"gimbals_that_give_way",
+                         "heavy-platform",
+                         ModelKind::guide,
+                         {"legs.gimbal_stiffness=71 kN/mm"}},
+                    Case{"hoses_and_lines",
+                         "heavy-platform",
+                         ModelKind::guide,
+                         {"legs.oil_spring.cylinder.cap_line_length=3.75",
+                          "legs.oil_spring.cylinder.rod_line_length=2.9",
+                          "legs.oil_spring.cylinder.cap_line_compliance=1.7e-12",
+                          "legs.oil_spring.cylinder.rod_line_compliance=0.6e-12"},
+                         coarse},
+                    Case{"rayleigh",
+                         "heavy-platform",
+                         ModelKind::guide,
+                         {"damping.rayleigh_mass=0.7", "damping.rayleigh_stiffness=3e-5"}},
+                    Case{"base",
+                         "heavy-platform",
+                         ModelKind::guide,
+                         {"base.mount.stiffness.x=90 kN/mm", "base.mount.stiffness.z=170 kN/mm",
+                          "base.mount.mass=21 t", "damping.modal_ratio=0.013"}},
+                    Case{"guide_contact",
+                         "heavy-platform",
+                         ModelKind::guide,
+                         {"legs.guide_sleeve.gap=0.2 mm"},
+                         coarse}),
     [](const auto& test) { return test.param.name; });
 
 /// Legs of all sorts, half of them with an oil spring's stiffness alone.
@@ -129,21 +147,23 @@ TEST(OilChambers, OfRandomMachinesHaveThePolesOfThePlantAtRest) {
         random, {.axes = i % 2 == 0 ? model::FlexibleAxes::transverse : model::FlexibleAxes::gimbal,
                  .gravity = i % 3 == 0 ? test::Gravity::none : test::Gravity::down});
     machine.damping.oil = model::OilDamping::chambers;
-    for (auto& leg : machine.legs) leg.hydraulics.leakage.internal = random.log_uniform(1e-13, 1e-11);
+    for (auto& leg : machine.legs)
+      leg.hydraulics.leakage.internal = random.log_uniform(1e-13, 1e-11);
     try {
       EXPECT_LT(worst_distance(machine, machine.poses.back().X_BP, ModelKind::full), 1e-7);
       ++compared;
     } catch (const base::ComputationError&) {  // a small cylinder cannot carry it
-      EXPECT_THROW((void)dynamics::linear_model(machine, machine.poses.back().X_BP, ModelKind::full),
-                   base::ComputationError);
+      EXPECT_THROW(
+          (void)dynamics::linear_model(machine, machine.poses.back().X_BP, ModelKind::full),
+          base::ComputationError);
     }
   }
   EXPECT_GE(compared, 4);
 }
 
 TEST(OilChambers, InResponsesAreThoseOfThePlantAtRest) {
-  const auto machine = machine_of(
-      "heavy-platform", {"damping.oil=chambers", "legs.leakage.internal=1.9e-11"});
+  const auto machine =
+      machine_of("heavy-platform", {"damping.oil=chambers", "legs.leakage.internal=1.9e-11"});
   const auto& X_BP = machine.poses[2].X_BP;
   const auto system =
       linear_system(machine, X_BP, {.kind = ModelKind::guide, .closed = false, .sampled = false});
@@ -152,8 +172,8 @@ TEST(OilChambers, InResponsesAreThoseOfThePlantAtRest) {
                                               machine.platform.mass_center);
   const auto omega = response::log_space(2.0, 700.0, 61);
   const auto by_elimination = response::frequency_response(model, omega);
-  const auto dense = response::frequency_response(
-      model, omega, response::Output::displacement, response::Method::dense);
+  const auto dense = response::frequency_response(model, omega, response::Output::displacement,
+                                                  response::Method::dense);
   // displacement of C: the first six of the plant's small changes
   for (std::size_t i = 0; i < omega.size(); ++i) {
     const Eigen::VectorXd d = system.scales;
@@ -170,11 +190,11 @@ TEST(OilChambers, InResponsesAreThoseOfThePlantAtRest) {
           .maxCoeff();
     };
     EXPECT_LT(apart(by_elimination[i]), 1e-8) << omega[i];
-    EXPECT_LT(Eigen::MatrixXcd(root.asDiagonal() * (by_elimination[i] - dense[i]) *
-                               root.asDiagonal())
-                  .cwiseAbs()
-                  .maxCoeff(),
-              1e-10)
+    EXPECT_LT(
+        Eigen::MatrixXcd(root.asDiagonal() * (by_elimination[i] - dense[i]) * root.asDiagonal())
+            .cwiseAbs()
+            .maxCoeff(),
+        1e-10)
         << omega[i];
   }
 }
@@ -195,8 +215,7 @@ TEST(OilChambers, NeedASupplyThatHoldsTheLegs) {
     (void)dynamics::linear_model(machine, machine.neutral(), ModelKind::guide);
     FAIL() << "expected an error";
   } catch (const base::ComputationError& error) {
-    EXPECT_NE(std::string(error.what()).find("supply.pressure"), std::string::npos)
-        << error.what();
+    EXPECT_NE(std::string(error.what()).find("supply.pressure"), std::string::npos) << error.what();
   }
 }
 

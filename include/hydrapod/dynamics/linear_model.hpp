@@ -52,8 +52,8 @@ using PlatformRows = Eigen::Matrix<double, 6, Eigen::Dynamic, 0, 6, max_dof>;
 using BaseColumns = Eigen::Matrix<double, 6, Eigen::Dynamic, 0, 6, 6>;
 
 /// One of the two chambers' springs of a leg (hydraulics::RelaxingSpring), κ of which stands in K
-/// as if the chamber were closed. At iω it gives back −κ λ/(iω + λ) s_y s_yᵀ; as a state, η̇ = λ (s_y·y −
-/// η) and the force κ s_y η on y.
+/// as if the chamber were closed. At iω it gives back −κ λ/(iω + λ) s_y s_yᵀ; as a state, η̇ = λ
+/// (s_y·y − η) and the force κ s_y η on y.
 struct OilArm {
   int leg{};
   double stiffness{};  ///< κ [N/m]
@@ -66,7 +66,9 @@ inline double damper_at(const OilArm& arm, double omega) {
   return arm.stiffness * arm.rate / (omega * omega + arm.rate * arm.rate);
 }
 /// And what K loses there: κ λ²/(ω² + λ²) [N/m].
-inline double softening_at(const OilArm& arm, double omega) { return damper_at(arm, omega) * arm.rate; }
+inline double softening_at(const OilArm& arm, double omega) {
+  return damper_at(arm, omega) * arm.rate;
+}
 
 struct LinearModel {
   ModelKind kind{};

@@ -10,8 +10,8 @@
 /// mode has two real poles; the two whose shapes match best are reported as one mode with ζ > 1.
 ///
 /// Chambers that relax (LinearModel::arms) add a state and a real pole each: pressures that even
-/// out, and a platform that drifts while the valves leak. These poles are no modes and are left out:
-/// the real ones in which the arms have the largest share.
+/// out, and a platform that drifts while the valves leak. These poles are no modes and are left
+/// out: the real ones in which the arms have the largest share.
 ///
 /// How undamped modes move with a parameter p of the model: (K − ω² M) φ = 0, φᵀ M φ = 1.
 ///
@@ -69,8 +69,8 @@ using dynamics::NormalModes;
 /// Change of a model per change of a parameter.
 struct ModelDerivative {
   ModelMatrix M{}, K{}, C{};
-  /// Arms of the model by `step` above and below, where it has any: those of a leg can trade places,
-  /// and only their sums have derivatives.
+  /// Arms of the model by `step` above and below, where it has any: those of a leg can trade
+  /// places, and only their sums have derivatives.
   std::vector<dynamics::OilArm> arms_above{}, arms_below{};
   double step{};
 };

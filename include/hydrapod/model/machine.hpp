@@ -263,18 +263,18 @@ enum class VolumeRule {
 
 /// What the oil spring follows from when it is not given directly.
 struct Cylinder {
-  double bore{};             ///< [m]
-  double rod_diameter{};     ///< [m]
-  double cap_dead_volume{};  ///< [m³] chamber on the base side
-  double rod_dead_volume{};  ///< [m³] chamber around the rod
-  double cap_line_volume{};  ///< [m³]
-  double rod_line_volume{};  ///< [m³]
-  double cap_line_length{};  ///< [m] of the line to the valve, 0: its oil has no inertia
-  double rod_line_length{};  ///< [m]
+  double bore{};                 ///< [m]
+  double rod_diameter{};         ///< [m]
+  double cap_dead_volume{};      ///< [m³] chamber on the base side
+  double rod_dead_volume{};      ///< [m³] chamber around the rod
+  double cap_line_volume{};      ///< [m³]
+  double rod_line_volume{};      ///< [m³]
+  double cap_line_length{};      ///< [m] of the line to the valve, 0: its oil has no inertia
+  double rod_line_length{};      ///< [m]
   double cap_line_compliance{};  ///< [m³/Pa] of the hose's wall: volume per pressure
   double rod_line_compliance{};  ///< [m³/Pa]
   double density{870.0};         ///< ρ [kg/m³] of the oil in the lines
-  double bulk_modulus{};     ///< β_e [Pa] of the oil without air
+  double bulk_modulus{};         ///< β_e [Pa] of the oil without air
   std::optional<EntrainedAir> air{};
   VolumeRule volumes{VolumeRule::chambers};
   std::optional<double> control_volume{};  ///< V_0 [m³] for VolumeRule::equal; default: the mean of

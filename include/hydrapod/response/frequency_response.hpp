@@ -10,8 +10,8 @@
 /// - wrench: force [N] and moment [N m] at Q;
 /// - actuator: forces of the six oil columns, mapped to platform directions by J⁻ᵀ (J: extension
 ///   rates of the pistons per motion of Q), so that the six inputs are again forces and moments at
-///   Q. For straight legs on a still base both are the same; bent legs (gravity) also push their own
-///   knees, and all legs push a base that has coordinates back.
+///   Q. For straight legs on a still base both are the same; bent legs (gravity) also push their
+///   own knees, and all legs push a base that has coordinates back.
 ///
 /// Motion is against the ground, on a base that moves too.
 ///
@@ -21,7 +21,8 @@
 ///   first, which leaves one 6×6 complex symmetric solve per frequency. Several frequencies go
 ///   through together, one per SIMD lane. No pivoting: where a pivot vanishes (an undamped leg
 ///   exactly at its own resonance) the frequency is done again by the dense way;
-/// - dense: LU with pivoting, for modal ratios together with viscous dampers, for viscous dampers on
+/// - dense: LU with pivoting, for modal ratios together with viscous dampers, for viscous dampers
+/// on
 ///   a base with coordinates, which couples the legs too, and to check the others.
 ///
 /// Resonance peaks of the direct responses H_dd (force in a direction, motion in the same
@@ -67,12 +68,12 @@ struct ResponseModel {
   int base_count{};  ///< coordinates of the base, the last
   Vector3 p_BQ{};    ///< the point [m] in B
   ModelMatrix M{}, K{}, C{};
-  ModelMatrix loads{};                ///< B (dof×6): generalised forces per input
-  bool loads_flexible{};              ///< some input acts on more than the platform
-  NormalModes modes{};                ///< in the coordinates at Q
+  ModelMatrix loads{};                   ///< B (dof×6): generalised forces per input
+  bool loads_flexible{};                 ///< some input acts on more than the platform
+  NormalModes modes{};                   ///< in the coordinates at Q
   std::vector<dynamics::OilArm> arms{};  ///< in the coordinates at Q
-  double modal_ratio{};               ///< ζ of every mode, on top of C
-  std::vector<int> mode_direction{};  ///< per mode, 0…5: where most of its platform energy is
+  double modal_ratio{};                  ///< ζ of every mode, on top of C
+  std::vector<int> mode_direction{};     ///< per mode, 0…5: where most of its platform energy is
 };
 
 /// `p_PQ`: the point in P [m]. Throws std::invalid_argument for Input::actuator at a singular pose.
