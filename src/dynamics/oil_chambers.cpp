@@ -24,7 +24,8 @@ hydraulics::HydraulicRest rest_of(const hydraulics::ServoAxis& axis, const model
     throw base::ComputationError(fmt::format(
         "damping.oil = \"chambers\": a supply of {:.4g} MPa cannot hold the static force of {:.4g} "
         "N "
-        "on leg {} at this pose; expected a higher `supply.pressure` or a larger cylinder",
+        "on leg {} at this pose; expected a higher `supply.pressure`, a larger cylinder or less "
+        "leakage",
         1e-6 * supply.pressure, force, i + 1));
   return rest;
 }

@@ -58,7 +58,9 @@ Eigen::Matrix<double, 6, 1> pose_numbers(const Pose& X_BP) {
   return numbers;
 }
 
-Signals mechanics_states(const dynamics::LinearModel& linear) {
+/// `arms`: those of chambers that relax.
+Signals mechanics_states(const dynamics::LinearModel& linear,
+                         const std::vector<dynamics::OilArm>& arms) {
   Signals states;
   const auto names = dynamics::coordinate_names(linear.kind, linear.base_directions);
   for (int rate = 0; rate < 2; ++rate)
@@ -70,8 +72,10 @@ Signals mechanics_states(const dynamics::LinearModel& linear) {
       states.push_back({name + (rate == 1 ? "_rate" : ""),
                         std::string(angle ? "rad" : "m") + (rate == 1 ? "/s" : ""), 0.0});
     }
-  for (std::size_t j = 0; j < linear.arms.size(); ++j)
-    states.push_back({fmt::format("leg{}.oil{}", linear.arms[j].leg + 1, j % 2 + 1), "m", 0.0});
+  for (std::size_t j = 0; j < arms.size(); ++j) {
+    const bool second = j > 0 && arms[j - 1].leg == arms[j].leg;
+    states.push_back({fmt::format("leg{}.oil{}", arms[j].leg + 1, second ? 2 : 1), "m", 0.0});
+  }
   return states;
 }
 
@@ -117,7 +121,7 @@ StateSpace mechanics(const Machine& machine, const Pose& X_BP, const StateSpaceO
   system.C.middleRows(12, 6) = system.A.middleRows(n, 6);
   system.D.middleRows(12, 6) = system.B.middleRows(n, 6);
   system.C.block(18, 0, 6, n) = leg_loads.transpose();
-  system.states = mechanics_states(linear);
+  system.states = mechanics_states(linear, at_wrench.arms);
   add_wrench(system.inputs);
   add_legs("force", "N", system.inputs);
   for (std::size_t i = 0; i < 6; ++i) system.inputs[6 + i].rest = linear.statics.legs[i].oil_force;

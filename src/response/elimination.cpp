@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <limits>
 
 namespace hydrapod::response {
 
@@ -45,8 +44,7 @@ struct Frequencies {
 void set_arms(const ResponseModel& model, Frequencies& f) {
   for (auto& weight : f.relaxed) weight = {Reals::Zero(), Reals::Zero()};
   for (const auto& arm : model.arms) {
-    const Reals damper = arm.stiffness * arm.rate /
-                         (f.omega2 + arm.rate * arm.rate).max(std::numeric_limits<double>::min());
+    const Reals damper = arm.stiffness * arm.rate / (f.omega2 + arm.rate * arm.rate);
     f.relaxed[arm.leg] += {damper * arm.rate, -damper * f.omega};
     f.s_y[arm.leg] = &arm.s_y;
   }

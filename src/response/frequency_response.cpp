@@ -150,7 +150,6 @@ void dense(const ResponseModel& model, std::span<const double> omega, std::span<
     ComplexModel D = (model.K - omega[i] * omega[i] * model.M).cast<Complex>() +
                      Complex(0.0, omega[i]) * C.cast<Complex>();
     for (const auto& arm : model.arms) {
-      if (arm.rate == 0.0) continue;
       const Complex weight = arm.stiffness * arm.rate / Complex(arm.rate, omega[i]);
       D -= weight * (arm.s_y * arm.s_y.transpose()).cast<Complex>();
     }
@@ -174,6 +173,7 @@ ResponseModel response_model(const LinearModel& model, const NormalModes& modes,
                        .mode_direction = mode_directions(model, modes)};
   const Matrix6 T = center_from_point(result.p_BQ - model.p_BC);
   for (ModelMatrix* A : {&result.M, &result.K, &result.C}) move_platform_coordinates(T, *A);
+  std::erase_if(result.arms, [](const dynamics::OilArm& arm) { return arm.rate == 0.0; });
   for (auto& arm : result.arms) arm.s_y.head<6>() = (T.transpose() * arm.s_y.head<6>()).eval();
   result.modes.shapes.topRows<6>() = T.inverse() * modes.shapes.topRows<6>();
   if (input == Input::actuator) {

@@ -18,8 +18,7 @@ double modal_damping(const ResponseModel& model, int k) {
   const auto phi = model.modes.shapes.col(k);
   double damping = 2.0 * model.modal_ratio * model.modes.omega(k) + phi.dot(model.C * phi);
   for (const auto& arm : model.arms)
-    if (arm.rate > 0.0)
-      damping += damper_at(arm, model.modes.omega(k)) * std::pow(phi.dot(arm.s_y), 2);
+    damping += damper_at(arm, model.modes.omega(k)) * std::pow(phi.dot(arm.s_y), 2);
   return damping;
 }
 

@@ -71,7 +71,7 @@ struct ResponseModel {
   ModelMatrix loads{};                   ///< B (dof×6): generalised forces per input
   bool loads_flexible{};                 ///< some input acts on more than the platform
   NormalModes modes{};                   ///< in the coordinates at Q
-  std::vector<dynamics::OilArm> arms{};  ///< in the coordinates at Q
+  std::vector<dynamics::OilArm> arms{};  ///< those with a rate; at Q
   double modal_ratio{};                  ///< ζ of every mode, on top of C
   std::vector<int> mode_direction{};     ///< per mode, 0…5: where most of its platform energy is
 };
