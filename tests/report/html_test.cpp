@@ -159,6 +159,13 @@ response::Matrix6c from_json(const Json& json, double omega) {
     for (Eigen::Index d = 0; d < 6; ++d)
       Phi(k, d) = json.at("platform_shapes").at(k).at(d).get<double>();
   }
+  if (json.contains("relaxing"))
+    for (const Json& arm : json.at("relaxing")) {
+      const double rate = arm.at("rate_1_s").get<double>();
+      Eigen::VectorXcd g(n);
+      for (Eigen::Index k = 0; k < n; ++k) g[k] = arm.at("shape").at(k).get<double>();
+      D -= rate / std::complex<double>(rate, omega) * g * g.transpose();
+    }
   return Phi.transpose() * D.partialPivLu().solve(Phi);
 }
 
@@ -185,6 +192,12 @@ TEST(ModalResponse, IsTheFrequencyResponseForComplexModes) {
   expect_same_response(published({"legs.piston_ring.stiffness=2e6", "legs.guide_sleeve.damping=60",
                                   "legs.oil_spring.damping=4000"}),
                        dynamics::ModelKind::full, false);
+}
+
+TEST(ModalResponse, IsTheFrequencyResponseForChambersThatRelax) {
+  const auto file = published({"damping.oil=chambers", "legs.leakage.internal=7e-12"});
+  expect_same_response(file, dynamics::ModelKind::rigid, true);
+  expect_same_response(file, dynamics::ModelKind::guide, false);
 }
 
 TEST(ModalResponse, IsTheFrequencyResponseForDampersAndModalRatios) {
