@@ -108,9 +108,10 @@ logged() {
 
 # --- Build ----------------------------------------------------------------------------------------
 
-# build_preset name : configures and builds build/<name>; on failure shows the end of the log and ends
+# build_preset name [build preset] : configures and builds build/<name>, or a part of it; on failure shows
+# the end of the log and ends
 build_preset() {
-  local preset=$1 folder=$root/build/$1 began=$SECONDS
+  local preset=$1 part=${2:-$1} folder=$root/build/$1 began=$SECONDS
   local log=$folder/log
   forget_moved_build "$folder"
   mkdir -p "$folder"
@@ -120,7 +121,7 @@ build_preset() {
     (cd "$root" && logged "$log" cmake --preset "$preset") || show_failure "$log"
   fi
   [[ -t 2 ]] || say "building build/$preset"
-  if ! run_build "$preset" | tee "$log" | show_progress "$preset"; then
+  if ! run_build "$part" | tee "$log" | show_progress "$part"; then
     show_failure "$log"
   fi
   if ((SECONDS - began > 2)); then say "built build/$preset in $((SECONDS - began)) s"; fi

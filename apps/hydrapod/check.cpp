@@ -6,6 +6,7 @@
 #include "hydrapod/base/error.hpp"
 #include "hydrapod/base/units.hpp"
 #include "hydrapod/hydraulics/servo_axis.hpp"
+#include "hydrapod/reports.hpp"
 #include "hydrapod/tasks/linear.hpp"
 
 namespace hydrapod::cli {

@@ -4,6 +4,7 @@
 #include "hydrapod/identification_arguments.hpp"
 #include "hydrapod/report/measured_results.hpp"
 #include "hydrapod/report/model_results.hpp"
+#include "hydrapod/reports.hpp"
 
 namespace hydrapod::cli {
 

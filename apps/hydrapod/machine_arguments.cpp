@@ -88,10 +88,6 @@ size_t choose_word(const std::string& option, const std::string& word,
                   near ? fmt::format("did you mean '{}'? ", *near) : "", fmt::join(words, ", ")));
 }
 
-std::string state_line(const model::MachineFile& file) {
-  return fmt::format("machine: {}\n", report::state_text(file));
-}
-
 report::Json head_of_model(const char* kind, const tasks::Machine& machine) {
   auto json = report::head_json(kind, machine);
   json["model"] = dynamics::name(machine.kind);

@@ -48,9 +48,6 @@ size_t choose_word(const std::string& option, const std::string& word,
                    const std::vector<std::string_view>& words);
 
 /// How a result's JSON begins that depends on the model.
-/// A line below a heading: "machine: calibrated, with platform.mass=4 t".
-std::string state_line(const model::MachineFile& file);
-
 report::Json head_of_model(const char* kind, const tasks::Machine& machine);
 
 /// `result` behind its head, as a file or a printed text.

@@ -5,10 +5,8 @@
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
-#include <cerrno>
 #include <csignal>
 #include <cstdlib>
-#include <cstring>
 #include <exception>
 #include <iostream>
 #include <new>
@@ -53,15 +51,6 @@ int report_parse_error(const CLI::App& app, const CLI::ParseError& error) {
   return bad_input;
 }
 
-/// Output that could not be written is a failure, unless the reader has had enough.
-int close_output() {
-  std::cout.flush();
-  if (std::fflush(stdout) == 0 && std::ferror(stdout) == 0 && std::cout.good()) return done;
-  if (errno == EPIPE) return done;
-  cli::print_error(fmt::format("writing to the standard output failed: {}", std::strerror(errno)));
-  return failed;
-}
-
 /// Nothing here allocates.
 int say_out_of_memory() {
   constexpr std::string_view text = "error: not enough memory\n";
@@ -92,17 +81,17 @@ int run(int argc, char** argv) {
   cli::set_command_line(argc, argv);
   if (argc < 2) {
     std::cout << app.help();
-    return close_output();
+    return cli::close_output() ? done : failed;
   }
   try {
     if (std::string_view(argv[1]) == "help")
       cli::help(app, std::vector<std::string>(argv + 2, argv + argc));
     else
       app.parse(argc, argv);
-    return close_output();
+    return cli::close_output() ? done : failed;
   } catch (const CLI::Success& success) {
     app.exit(success);
-    return close_output();
+    return cli::close_output() ? done : failed;
   } catch (const CLI::ParseError& error) {
     return report_parse_error(app, error);
   } catch (const base::InputError& error) {

@@ -7,7 +7,6 @@
 #include <optional>
 
 #include "hydrapod/base/units.hpp"
-#include "hydrapod/machine_arguments.hpp"
 #include "hydrapod/spatial/pose.hpp"
 #include "hydrapod/terminal.hpp"
 
@@ -117,6 +116,10 @@ bool any_preload(const modal::ModeTable& table) {
 }
 
 }  // namespace
+
+std::string state_line(const model::MachineFile& file) {
+  return fmt::format("machine: {}\n", report::state_text(file));
+}
 
 std::string heading(const tasks::Machine& subject, const TableStyle& style) {
   constexpr std::array<const char*, 3> what{"rigid-leg model", "guide-sleeve model",

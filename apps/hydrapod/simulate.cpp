@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "hydrapod/reports.hpp"
 #include "hydrapod/signal_help.hpp"
 #include "hydrapod/spatial/pose.hpp"
 #include "hydrapod/tasks/simulation.hpp"

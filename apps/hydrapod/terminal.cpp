@@ -6,8 +6,11 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <cerrno>
 #include <csignal>
 #include <cstdlib>
+#include <cstring>
+#include <iostream>
 #include <stdexcept>
 
 #include "hydrapod/base/units.hpp"
@@ -188,6 +191,14 @@ Column::Column(std::string text) : title(std::move(text)) {
   if (!title.starts_with('<')) return;
   title.erase(0, 1);
   align = Align::left;
+}
+
+bool close_output() {
+  std::cout.flush();
+  if (std::fflush(stdout) == 0 && std::ferror(stdout) == 0 && std::cout.good()) return true;
+  if (errno == EPIPE) return true;
+  print_error(fmt::format("writing to the standard output failed: {}", std::strerror(errno)));
+  return false;
 }
 
 void Table::add_row(std::vector<std::string> cells) {

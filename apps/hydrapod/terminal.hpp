@@ -41,6 +41,10 @@ void print_warning(const std::string& message, const std::string& file = {});
 /// "wrote PATH" on stderr.
 void print_written(const std::string& path);
 
+/// Brings what was printed out. False, with a message, where that failed; a reader who has had enough is
+/// no failure.
+bool close_output();
+
 /// Where a picture was asked for: draws it, and says so.
 template <class Draw>
 void draw(const std::string& path, const Draw& plot) {
