@@ -12,7 +12,7 @@ using exchange::Held;
 struct Arguments {
   MachineArguments machine{};
   std::string to{}, system{}, inputs{}, outputs{}, point{}, sample_time{}, output{};
-  int pade{simulation::default_pade_order}, leg_modes{-1};
+  int pade{simulation::default_pade_order}, leg_modes{-1}, reduce{};
   bool sampled{}, approximate{};
 };
 
@@ -47,10 +47,13 @@ void refuse_idle_options(const Arguments& arguments, tasks::ExportFormat format)
     if (!arguments.inputs.empty()) base::refuse("--inputs " + arguments.inputs, to + what);
     if (!arguments.outputs.empty()) base::refuse("--outputs " + arguments.outputs, to + what);
     if (arguments.sampled) base::refuse("--sampled", to + what);
+    if (arguments.reduce != 0) base::refuse("--reduce", to + what);
   }
   if (arguments.leg_modes >= 0 && format != tasks::ExportFormat::matrix_market &&
       format != tasks::ExportFormat::dmig)
     base::refuse("--leg-modes", to + " has no meaning: it is for superelements (mtx, dmig)");
+  if (arguments.reduce != 0 && arguments.sampled)
+    base::refuse("--reduce", "is for continuous systems; leave --sampled out");
   if (arguments.sampled && arguments.system != "loop")
     base::refuse("--sampled", "is the loop with its sampled controller; add --system loop");
   if (arguments.sampled && !arguments.sample_time.empty())
@@ -74,6 +77,7 @@ tasks::ExportOptions options_of(const Arguments& arguments) {
   options.inputs = names(arguments.inputs);
   options.outputs = names(arguments.outputs);
   if (!arguments.point.empty()) options.p_PQ = point(arguments.point);
+  options.reduced_states = arguments.reduce;
   options.leg_modes = arguments.leg_modes;
   options.approximate = arguments.approximate;
   return options;
@@ -118,7 +122,7 @@ void add_export(Command app) {
         required},
        {"--system", arguments.system,
         "State space of the mechanics (default), of the plant (with hydraulics), or of the loop "
-        "(with the controller); FMU of the plant (default) or of the mechanics"},
+        "(with the controller); FMU of the plant (default), of the mechanics, or of the loop"},
        {"--sample-time", arguments.sample_time,
         "Discretise, inputs held over this time: s or with a unit"},
        {"--sampled", arguments.sampled,
@@ -127,6 +131,9 @@ void add_export(Command app) {
         range(0, 8)},
        {"--inputs", arguments.inputs, "Names of inputs, with commas; default: all"},
        {"--outputs", arguments.outputs, "Names of outputs, with commas; default: all"},
+       {"--reduce", arguments.reduce,
+        "States of a balanced reduction; the report states the bound of its error; default: all",
+        range(1, 10000)},
        {"--point", arguments.point,
         "Interface on the platform, \"x,y,z\" in its frame; default: its mass centre"},
        {"--leg-modes", arguments.leg_modes,

@@ -36,6 +36,13 @@ Parity state_space_parity(const StateSpace& system) {
     parity.push_back({Held::approximate, "delay of the controller",
                       fmt::format("{:.4g} ms as Padé {}/{}", 1e3 * system.delay, system.pade_order,
                                   system.pade_order)});
+  if (system.reduction)
+    parity.push_back(
+        {Held::approximate, "states",
+         fmt::format(
+             "{} of {}; each response is within {:.3g} of its magnitude (output_scales times "
+             "input_scales) at every frequency",
+             system.states.size(), system.reduction->from, system.reduction->bound)});
   if (system.sample_time > 0.0)
     parity.push_back({Held::exact, "motion at the samples",
                       fmt::format("inputs held over {:.6g} ms", 1e3 * system.sample_time)});

@@ -321,6 +321,8 @@ StateSpace discretised(const StateSpace& system, double sample_time) {
 }
 
 StateSpace state_space(const Machine& machine, const Pose& X_BP, const StateSpaceOptions& options) {
+  if (options.reduced_states > 0 && options.sampled_controller)
+    throw std::invalid_argument("StateSpaceOptions: reduced_states is for continuous systems");
   if (options.sample_time < 0.0 ||
       (options.sampled_controller &&
        (options.system != SystemKind::loop || options.sample_time > 0.0)))
@@ -330,6 +332,7 @@ StateSpace state_space(const Machine& machine, const Pose& X_BP, const StateSpac
                           ? mechanics(machine, X_BP, options)
                           : with_hydraulics(machine, X_BP, options);
   select(options, system);
+  if (options.reduced_states > 0) system = reduced(system, options.reduced_states);
   return options.sample_time > 0.0 ? discretised(system, options.sample_time) : system;
 }
 

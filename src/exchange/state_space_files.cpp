@@ -49,6 +49,11 @@ void put(const StateSpace& system, const FileHead& head, Sink& sink) {
   signals("state", system.states);
   signals("input", system.inputs);
   signals("output", system.outputs);
+  if (!system.reduction) return;
+  sink.number("reduction_bound", system.reduction->bound);
+  sink.list("reduction_hankel", system.reduction->hankel);
+  sink.list("reduction_output_scales", system.reduction->output_scales);
+  sink.list("reduction_input_scales", system.reduction->input_scales);
 }
 
 struct Variables {
@@ -108,16 +113,23 @@ nlohmann::ordered_json signals_json(const std::vector<Signal>& signals) {
 }  // namespace
 
 nlohmann::ordered_json state_space_json(const StateSpace& system) {
-  return {{"sample_time_s", system.sample_time},
-          {"delay_s", system.delay},
-          {"pade_order", system.pade_order},
-          {"states", signals_json(system.states)},
-          {"inputs", signals_json(system.inputs)},
-          {"outputs", signals_json(system.outputs)},
-          {"A", matrix_json(system.A)},
-          {"B", matrix_json(system.B)},
-          {"C", matrix_json(system.C)},
-          {"D", matrix_json(system.D)}};
+  nlohmann::ordered_json json{{"sample_time_s", system.sample_time},
+                              {"delay_s", system.delay},
+                              {"pade_order", system.pade_order},
+                              {"states", signals_json(system.states)},
+                              {"inputs", signals_json(system.inputs)},
+                              {"outputs", signals_json(system.outputs)},
+                              {"A", matrix_json(system.A)},
+                              {"B", matrix_json(system.B)},
+                              {"C", matrix_json(system.C)},
+                              {"D", matrix_json(system.D)}};
+  if (const auto& of = system.reduction)
+    json["reduction"] = {{"states_before", of->from},
+                         {"bound", of->bound},
+                         {"hankel_singular_values", of->hankel},
+                         {"output_scales", of->output_scales},
+                         {"input_scales", of->input_scales}};
+  return json;
 }
 
 void write_state_space_mat(const std::string& path, const StateSpace& system,

@@ -32,7 +32,8 @@ exchange::Parity export_state_space(const Machine& machine, const ExportOptions&
                              .sample_time = options.sample_time,
                              .sampled_controller = options.sampled_controller,
                              .inputs = options.inputs,
-                             .outputs = options.outputs});
+                             .outputs = options.outputs,
+                             .reduced_states = options.reduced_states});
   const auto head = export_head(machine);
   if (options.format == ExportFormat::mat) {
     exchange::write_state_space_mat(options.path, system, head);
@@ -100,9 +101,6 @@ exchange::Parity export_fmu(const Machine& machine, const ExportOptions& options
   const auto system = options.system.value_or(exchange::SystemKind::plant);
   const std::string to =
       fmt::format("--to {}", export_formats[static_cast<std::size_t>(options.format)]);
-  if (system == exchange::SystemKind::loop)
-    base::refuse("--system loop",
-                 "with " + to + " there is no controller inside; expected plant or mechanics");
   const auto object = exchange::fmu_object_file();
   if (object.empty())
     base::refuse(to,
@@ -111,15 +109,17 @@ exchange::Parity export_fmu(const Machine& machine, const ExportOptions& options
                  "hydrapod_fmu");
   constexpr std::size_t largest = 1U << 27U;
   const auto notices = object.substr(0, object.rfind('/') + 1) + "NOTICES.txt";
-  auto fmu = exchange::fmu(
-      machine.file.machine, machine.pose,
-      {.version = options.format == ExportFormat::fmu2 ? exchange::FmuVersion::fmi2
-                                                       : exchange::FmuVersion::fmi3,
-       .kind = machine.kind,
-       .hydraulics = system == exchange::SystemKind::plant,
-       .object = base::read_file(object, largest, "the shared object of FMUs"),
-       .notices = base::read_file(notices, largest, "the licences of what FMUs hold")},
-      export_head(machine));
+  auto fmu =
+      exchange::fmu(machine.file.machine, machine.pose,
+                    {.version = options.format == ExportFormat::fmu2 ? exchange::FmuVersion::fmi2
+                                                                     : exchange::FmuVersion::fmi3,
+                     .kind = machine.kind,
+                     .hydraulics = system != exchange::SystemKind::mechanics,
+                     .controlled = system == exchange::SystemKind::loop,
+                     .object = base::read_file(object, largest, "the shared object of FMUs"),
+                     .notices = base::read_file(notices, largest, "the licences of what FMUs hold"),
+                     .sources = exchange::fmu_sources(object)},
+                    export_head(machine));
   base::write_file_whole(options.path, fmu.archive);
   return fmu.parity;
 }

@@ -18,6 +18,13 @@
 /// balanced states. The sampled loop is simulation::LinearSystem::sampled: exact, with the delay as
 /// it is and past drives as states; its inputs are the commands.
 ///
+/// Reduced: balanced truncation of a stable continuous system. With magnitudes s_i of the outputs and
+/// q_j of the inputs (`reduction`), the response H_r of the reduced system keeps, at every frequency,
+///
+///     |H_ij(iω) − H_r,ij(iω)| ≤ bound · s_i q_j,   bound = 2 Σ of the Hankel singular values left out
+///
+/// Magnitudes are such that ∫|h_ij(t)|² dt ≤ (s_i q_j)² for the impulse responses h.
+///
 /// Modal model: shapes at the six platform joints and at C; residues are φ Lᵀ.
 ///
 /// Superelement: M, K, C by Craig and Bampton (AIAA J. 6 (1968) 1313). Interface coordinates are
@@ -35,9 +42,11 @@
 ///
 /// Functional mock-up units (FMI 2.0 and 3.0): simulation::Plant in a shared object of its own, for
 /// co-simulation and model exchange. Inputs are valve commands, or without hydraulics the axial
-/// forces on the pistons, and a wrench at C; it begins at rest at the given pose.
+/// forces on the pistons, or the commands of the controller inside, and a wrench at C; it begins at
+/// rest at the given pose.
 
 #include <Eigen/Core>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <string_view>
@@ -60,12 +69,21 @@ struct Signal {
 
 enum class SystemKind { mechanics, plant, loop };
 
+/// What balanced truncation left out.
+struct Reduction {
+  int from{};                   ///< states before
+  double bound{};               ///< of the error, see above
+  std::vector<double> hankel{}; ///< singular values of the scaled system, all
+  std::vector<double> output_scales{}, input_scales{};  ///< s_i, q_j
+};
+
 struct StateSpace {
   Eigen::MatrixXd A{}, B{}, C{}, D{};
   std::vector<Signal> states{}, inputs{}, outputs{};
   double sample_time{};  ///< [s], 0: continuous
   double delay{};        ///< that a Padé approximation of order `pade_order` stands for [s]
   int pade_order{};
+  std::optional<Reduction> reduction{};
 };
 
 struct StateSpaceOptions {
@@ -76,6 +94,7 @@ struct StateSpaceOptions {
   double sample_time{};                          ///< [s] of the zero-order hold; 0: continuous
   bool sampled_controller{};                     ///< loop only: the sampled loop, exact
   std::vector<std::string> inputs{}, outputs{};  ///< names, in this order; empty: all
+  int reduced_states{};                          ///< of a balanced truncation; 0: all are kept
 };
 
 /// Throws base::ComputationError where the machine does not stand at `X_BP`, base::InputError for a
@@ -84,6 +103,10 @@ StateSpace state_space(const Machine& machine, const Pose& X_BP, const StateSpac
 
 /// Held inputs over `sample_time` [s] > 0 of a continuous system.
 StateSpace discretised(const StateSpace& system, double sample_time);
+
+/// Balanced truncation of a continuous system. Throws base::InputError for more states than there are
+/// and for a system that is not stable. Fewer states come back where the rest does not act at all.
+StateSpace reduced(const StateSpace& system, int states);
 
 /// Names and units of numbers that belong to a file.
 struct FileHead {
@@ -162,12 +185,17 @@ MultibodyFile multibody_file(const Machine& machine, const Pose& X_BP, dynamics:
 
 enum class FmuVersion { fmi2, fmi3 };
 
+/// Texts of source files by their paths.
+using FmuSources = std::map<std::string, std::string>;
+
 struct FmuOptions {
   FmuVersion version{};
   dynamics::ModelKind kind{dynamics::ModelKind::guide};
   bool hydraulics{true};  ///< false: the mechanics alone, moved by forces
+  bool controlled{};      ///< the controller is inside; with hydraulics only
   std::string object{};   ///< content of the shared object, see fmu_object_file()
   std::string notices{};  ///< licences of what is linked into it
+  FmuSources sources{};   ///< of the shared object; empty: the FMU has none
 };
 
 struct Fmu {
@@ -181,5 +209,7 @@ Fmu fmu(const Machine& machine, const model::NamedPose& pose, const FmuOptions& 
 
 /// The shared object of FMUs: built beside the program, or installed with it; empty: neither.
 std::string fmu_object_file();
+/// The sources of that shared object, which stand in a folder beside it; empty where there is none.
+FmuSources fmu_sources(const std::string& object_file);
 
 }  // namespace hydrapod::exchange

@@ -139,6 +139,7 @@ struct ExportOptions {
   bool sampled_controller{};
   std::vector<std::string> inputs{}, outputs{};  ///< names; empty: all
   std::optional<spatial::Vector3> p_PQ{};        ///< default: the platform's mass centre
+  int reduced_states{};                          ///< of a state space; 0: all
   int leg_modes{-1};                             ///< of a superelement; −1: all
   bool approximate{};                            ///< write also what the format holds only in part
   /// Beginning of the JSON; null: none.
