@@ -2,9 +2,9 @@
 /// What both versions of the interface do alike: an instance with its place in the call sequence,
 /// its messages, and statuses instead of exceptions.
 
-#include <algorithm>
 #include <functional>
 #include <new>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -22,15 +22,22 @@ enum Mode : unsigned {
   event = 1U << 2U,
   continuous = 1U << 3U,
   step_complete = 1U << 4U,  ///< of co-simulation
-  step_failed = 1U << 5U,    ///< the last step was not completed
+  step_failed = 1U << 5U,    ///< FMI 2.0: the last step was not completed
   terminated = 1U << 6U,
-  failed = 1U << 7U,  ///< after an error; another state, a reset and freeing are possible
-  any_mode = (1U << 8U) - 1U
+  failed = 1U << 7U,        ///< after an error: values can be looked at, nothing goes on
+  intermediate = 1U << 8U,  ///< FMI 3.0: within a step, in the callback
+  any_mode = (1U << 9U) - 1U
 };
+inline constexpr unsigned between_calls = any_mode & ~unsigned{intermediate};
+inline constexpr unsigned of_exchange = event | continuous;
 inline constexpr unsigned initialized =
-    event | continuous | step_complete | step_failed | terminated;
+    of_exchange | step_complete | step_failed | terminated | failed;
 /// Values can be asked for.
 inline constexpr unsigned readable = initialization | initialized;
+
+/// The categories of messages that the model description lists.
+inline constexpr const char* discard_category = "logStatusDiscard";
+inline constexpr const char* error_category = "logStatusError";
 
 using Log = std::function<void(int status, const char* category, const std::string& message)>;
 
@@ -39,16 +46,17 @@ struct Component {
   bool co_simulation;
   std::string name;
   Log log;
+  std::set<std::string> categories;  ///< that are wanted
   unsigned mode{instantiated};
-  bool logging{};
-  std::vector<std::string> categories{};  ///< that are wanted; empty: all
+  /// Of co-simulation in FMI 3.0.
+  bool event_mode_used{}, early_return_allowed{};
+  std::vector<unsigned> intermediate_variables{};
+  std::function<std::optional<double>(double)> between{};  ///< see StepOptions
 
-  /// Errors and discards are always said, unless their category was not asked for.
+  /// Errors are always said; discards where they are wanted.
   void say(int status, const std::string& message) const {
-    const char* category = status == discard ? "logStatusDiscard" : "logStatusError";
-    const bool wanted = categories.empty() || std::ranges::count(categories, "logAll") > 0 ||
-                        std::ranges::count(categories, category) > 0;
-    if (log && wanted) log(status, category, message);
+    const char* category = status == discard ? discard_category : error_category;
+    if (log && (status >= error || categories.contains(category))) log(status, category, message);
   }
 
   int fail(const std::string& message) {
@@ -57,8 +65,9 @@ struct Component {
     return error;
   }
 
-  [[nodiscard]] bool may_set() const {
-    return (mode & (instantiated | initialization | event | continuous | step_complete)) != 0;
+  int refuse(const std::string& message) const {
+    say(discard, message);
+    return discard;
   }
 };
 
@@ -71,6 +80,8 @@ int guarded(void* handle, unsigned modes, const char* function, const Work& work
     return component.fail(std::string(function) + ": not allowed here in the call sequence");
   try {
     return work(component);
+  } catch (const Refusal& refusal) {
+    return component.refuse(std::string(function) + ": " + refusal.what());
   } catch (const Misuse& misuse) {
     return component.fail(std::string(function) + ": " + misuse.what());
   } catch (const std::bad_alloc&) {
@@ -78,56 +89,12 @@ int guarded(void* handle, unsigned modes, const char* function, const Work& work
   } catch (const std::exception& exception) {
     const std::string message = std::string(function) + ": " + exception.what();
     if ((component.mode & (instantiated | initialization)) != 0) return component.fail(message);
-    component.say(discard, message);
-    return discard;
+    return component.refuse(message);
   }
 }
 
 inline void require(bool good, const char* what) {
   if (!good) throw Misuse(what);
-}
-
-inline void get_values(Component& component, const unsigned* references, std::size_t count,
-                       double* values) {
-  require(count == 0 || (references != nullptr && values != nullptr), "a null pointer");
-  for (std::size_t k = 0; k < count; ++k) values[k] = component.instance.get(references[k]);
-}
-
-inline void set_values(Component& component, const unsigned* references, std::size_t count,
-                       const double* values) {
-  require(count == 0 || (references != nullptr && values != nullptr), "a null pointer");
-  const bool late = (component.mode & (instantiated | initialization)) == 0;
-  for (std::size_t k = 0; k < count; ++k) component.instance.set(references[k], values[k], late);
-}
-
-inline void* save(Component& component) {
-  return new SavedState(component.instance.save(component.mode));
-}
-
-inline void restore(Component& component, const void* state) {
-  require(state != nullptr, "a null pointer");
-  const auto& saved = *static_cast<const SavedState*>(state);
-  component.instance.restore(saved);
-  component.mode = static_cast<unsigned>(saved.mode);
-}
-
-inline void* deserialized(Component& component, const char* bytes, std::size_t size) {
-  require(bytes != nullptr, "a null pointer");
-  auto state = SavedState::read(bytes, size, component.instance.save(0));
-  const auto mode = state.mode;
-  const bool one = mode > 0 && mode <= failed && (mode & (mode - 1)) == 0;
-  const unsigned other = component.co_simulation ? unsigned{event | continuous}
-                                                 : unsigned{step_complete | step_failed};
-  require(one && (static_cast<unsigned>(mode) & other) == 0,
-          "the state is of another kind of instance");
-  return new SavedState(std::move(state));
-}
-
-inline void set_categories(Component& component, bool on, std::size_t count,
-                           const char* const* categories) {
-  require(count == 0 || categories != nullptr, "a null pointer");
-  component.logging = on;
-  component.categories.assign(categories, categories + count);
 }
 
 }  // namespace hydrapod::fmu

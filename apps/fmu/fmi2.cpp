@@ -1,8 +1,8 @@
-/// The interface of FMI 2.0, written from the standard (version 2.0.4, chapters 2 to 4).
+/// The interface of FMI 2.0 (version 2.0.4, chapters 2 to 4).
 
 #include <cstdlib>
 
-#include "component.hpp"
+#include "calls.hpp"
 
 #define HYDRAPOD_FMI extern "C" __attribute__((visibility("default")))
 
@@ -68,15 +68,12 @@ Log log_of(const Callbacks* callbacks, const std::string& name) {
   };
 }
 
-constexpr unsigned of_exchange = event | continuous;
-/// After an error values can still be looked at.
-constexpr unsigned can_be_read = readable | failed;
+constexpr unsigned settable = instantiated | initialization | of_exchange | step_complete;
+constexpr unsigned looks_at_states = of_exchange | terminated | failed;
 
-int no_such_variables(void* c, const char* function, std::size_t count) {
-  return guarded(c, readable | instantiated, function, [&](Component&) {
-    require(count == 0, "the FMU has no variables of this type");
-    return ok;
-  });
+/// Of other types than Real there are no variables.
+int no_variables(void* c, const char* function, std::size_t count) {
+  return calls::no_such_variables(c, readable | instantiated, function, count);
 }
 
 }  // namespace
@@ -87,32 +84,20 @@ HYDRAPOD_FMI const char* fmi2GetVersion() { return "2.0"; }
 HYDRAPOD_FMI void* fmi2Instantiate(const char* name, int kind, const char* guid,
                                    const char* location, const Callbacks* callbacks, Boolean,
                                    Boolean logging) {
-  const std::string called = name == nullptr ? "" : name;
-  const auto log = log_of(callbacks, called);
-  try {
-    require(!called.empty(), "the instance has no name");
-    require(guid != nullptr && location != nullptr, "no GUID or no location of the resources");
+  const auto folder = [&] {
+    require(location != nullptr, "no location of the resources is given");
     require(kind == model_exchange || kind == co_simulation, "the type of the FMU is unknown");
-    return new Component{Instance(path_of(location), guid),
-                         kind == co_simulation,
-                         called,
-                         log,
-                         instantiated,
-                         logging != 0};
-  } catch (const std::exception& exception) {
-    if (log) log(error, "logStatusError", std::string("fmi2Instantiate: ") + exception.what());
-    return nullptr;
-  }
+    return path_of(location);
+  };
+  return calls::instantiate(__func__, name, guid, folder, logging != 0, kind == co_simulation,
+                            log_of(callbacks, name == nullptr ? "" : name));
 }
 
 HYDRAPOD_FMI void fmi2FreeInstance(void* c) { delete static_cast<Component*>(c); }
 
 HYDRAPOD_FMI int fmi2SetDebugLogging(void* c, Boolean on, std::size_t count,
                                      const char* const categories[]) {
-  return guarded(c, any_mode, __func__, [&](Component& component) {
-    set_categories(component, on != 0, count, categories);
-    return ok;
-  });
+  return calls::set_logging(c, __func__, on != 0, count, categories);
 }
 
 HYDRAPOD_FMI int fmi2SetupExperiment(void* c, Boolean has_tolerance, double tolerance, double start,
@@ -124,237 +109,123 @@ HYDRAPOD_FMI int fmi2SetupExperiment(void* c, Boolean has_tolerance, double tole
 }
 
 HYDRAPOD_FMI int fmi2EnterInitializationMode(void* c) {
-  return guarded(c, instantiated, __func__, [](Component& component) {
-    component.mode = initialization;
-    return ok;
-  });
+  return calls::enter(c, instantiated, __func__, initialization);
 }
-
 HYDRAPOD_FMI int fmi2ExitInitializationMode(void* c) {
-  return guarded(c, initialization, __func__, [](Component& component) {
-    component.instance.prepare_if_needed();
-    component.mode = component.co_simulation ? step_complete : event;
-    return ok;
-  });
+  return calls::exit_initialization(c, __func__);
 }
-
 HYDRAPOD_FMI int fmi2Terminate(void* c) {
-  return guarded(c, of_exchange | step_complete | step_failed, __func__, [](Component& component) {
-    component.mode = terminated;
-    return ok;
-  });
+  return calls::enter(c, of_exchange | step_complete | step_failed, __func__, terminated);
 }
+HYDRAPOD_FMI int fmi2Reset(void* c) { return calls::reset(c, __func__); }
 
-HYDRAPOD_FMI int fmi2Reset(void* c) {
-  return guarded(c, any_mode, __func__, [](Component& component) {
-    component.instance.reset();
-    component.mode = instantiated;
-    return ok;
-  });
-}
+// ---- Values ---------------------------------------------------------------------------------
 
 HYDRAPOD_FMI int fmi2GetReal(void* c, const Reference references[], std::size_t count,
                              double values[]) {
-  return guarded(c, can_be_read, __func__, [&](Component& component) {
-    get_values(component, references, count, values);
-    return ok;
-  });
+  return calls::get_values(c, readable, __func__, references, count, values, count);
 }
-
 HYDRAPOD_FMI int fmi2SetReal(void* c, const Reference references[], std::size_t count,
                              const double values[]) {
-  constexpr unsigned settable = instantiated | initialization | of_exchange | step_complete;
-  return guarded(c, settable, __func__, [&](Component& component) {
-    set_values(component, references, count, values);
-    return ok;
-  });
+  return calls::set_values(c, settable, __func__, references, count, values, count, false);
 }
 
-HYDRAPOD_FMI int fmi2GetInteger(void* c, const Reference[], std::size_t count, int[]) {
-  return no_such_variables(c, __func__, count);
-}
-HYDRAPOD_FMI int fmi2GetBoolean(void* c, const Reference[], std::size_t count, Boolean[]) {
-  return no_such_variables(c, __func__, count);
-}
-HYDRAPOD_FMI int fmi2GetString(void* c, const Reference[], std::size_t count, const char*[]) {
-  return no_such_variables(c, __func__, count);
-}
-HYDRAPOD_FMI int fmi2SetInteger(void* c, const Reference[], std::size_t count, const int[]) {
-  return no_such_variables(c, __func__, count);
-}
-HYDRAPOD_FMI int fmi2SetBoolean(void* c, const Reference[], std::size_t count, const Boolean[]) {
-  return no_such_variables(c, __func__, count);
-}
-HYDRAPOD_FMI int fmi2SetString(void* c, const Reference[], std::size_t count, const char* const[]) {
-  return no_such_variables(c, __func__, count);
-}
+#define HYDRAPOD_NO_VARIABLES(Type, Value)                                                       \
+  HYDRAPOD_FMI int fmi2Get##Type(void* c, const Reference[], std::size_t count, Value[]) {       \
+    return no_variables(c, __func__, count);                                                     \
+  }                                                                                              \
+  HYDRAPOD_FMI int fmi2Set##Type(void* c, const Reference[], std::size_t count, const Value[]) { \
+    return no_variables(c, __func__, count);                                                     \
+  }
+HYDRAPOD_NO_VARIABLES(Integer, int)
+HYDRAPOD_NO_VARIABLES(Boolean, Boolean)
+using Text = const char*;
+HYDRAPOD_NO_VARIABLES(String, Text)
+#undef HYDRAPOD_NO_VARIABLES
+
+// ---- State and derivatives ------------------------------------------------------------------
 
 HYDRAPOD_FMI int fmi2GetFMUstate(void* c, void** state) {
-  return guarded(c, any_mode, __func__, [&](Component& component) {
-    require(state != nullptr, "a null pointer");
-    void* now = save(component);
-    delete static_cast<SavedState*>(*state);
-    *state = now;
-    return ok;
-  });
+  return calls::get_state(c, __func__, state);
 }
-
 HYDRAPOD_FMI int fmi2SetFMUstate(void* c, void* state) {
-  return guarded(c, any_mode, __func__, [&](Component& component) {
-    restore(component, state);
-    return ok;
-  });
+  return calls::set_state(c, __func__, state);
 }
-
 HYDRAPOD_FMI int fmi2FreeFMUstate(void* c, void** state) {
-  return guarded(c, any_mode, __func__, [&](Component&) {
-    if (state == nullptr) return ok;
-    delete static_cast<SavedState*>(*state);
-    *state = nullptr;
-    return ok;
-  });
+  return calls::free_state(c, __func__, state);
 }
-
 HYDRAPOD_FMI int fmi2SerializedFMUstateSize(void* c, void* state, std::size_t* size) {
-  return guarded(c, any_mode, __func__, [&](Component&) {
-    require(state != nullptr && size != nullptr, "a null pointer");
-    *size = static_cast<SavedState*>(state)->bytes();
-    return ok;
-  });
+  return calls::state_size(c, __func__, state, size);
 }
-
 HYDRAPOD_FMI int fmi2SerializeFMUstate(void* c, void* state, char bytes[], std::size_t size) {
-  return guarded(c, any_mode, __func__, [&](Component&) {
-    require(state != nullptr && bytes != nullptr, "a null pointer");
-    const auto& saved = *static_cast<SavedState*>(state);
-    require(size >= saved.bytes(), "too few bytes for the serialized state");
-    saved.write(bytes);
-    return ok;
-  });
+  return calls::serialize(c, __func__, state, bytes, size);
 }
-
 HYDRAPOD_FMI int fmi2DeSerializeFMUstate(void* c, const char bytes[], std::size_t size,
                                          void** state) {
-  return guarded(c, any_mode, __func__, [&](Component& component) {
-    require(state != nullptr, "a null pointer");
-    void* made = deserialized(component, bytes, size);
-    delete static_cast<SavedState*>(*state);
-    *state = made;
-    return ok;
-  });
+  return calls::deserialize(c, __func__, bytes, size, state);
 }
 
 HYDRAPOD_FMI int fmi2GetDirectionalDerivative(void* c, const Reference unknowns[],
                                               std::size_t unknown_count, const Reference knowns[],
                                               std::size_t known_count, const double seed[],
                                               double sensitivity[]) {
-  return guarded(c, can_be_read, __func__, [&](Component& component) {
-    require((unknowns != nullptr && sensitivity != nullptr) || unknown_count == 0,
-            "a null pointer");
-    require((knowns != nullptr && seed != nullptr) || known_count == 0, "a null pointer");
-    std::vector<double> column(unknown_count), sum(unknown_count, 0.0);
-    const bool with_states = component.mode != initialization;
-    for (std::size_t k = 0; k < known_count; ++k) {
-      component.instance.derivative(knowns[k], unknowns, unknown_count, with_states, column.data());
-      for (std::size_t u = 0; u < unknown_count; ++u) sum[u] += column[u] * seed[k];
-    }
-    std::ranges::copy(sum, sensitivity);
-    return ok;
-  });
+  return calls::derivative(c, __func__, false,
+                           {unknowns, unknown_count, knowns, known_count, seed, sensitivity});
 }
 
 // ---- Model exchange -------------------------------------------------------------------------
 
 HYDRAPOD_FMI int fmi2EnterEventMode(void* c) {
-  return guarded(c, of_exchange, __func__, [](Component& component) {
-    component.mode = event;
-    return ok;
-  });
+  return calls::enter(c, of_exchange, __func__, event, true);
 }
 
 HYDRAPOD_FMI int fmi2NewDiscreteStates(void* c, EventInfo* info) {
-  return guarded(c, event, __func__, [&](Component& component) {
-    require(info != nullptr, "a null pointer");
-    *info = {};
-    info->terminate = component.instance.has_ended() ? 1 : 0;
-    return ok;
-  });
+  if (info == nullptr)
+    return guarded(c, event, __func__, [](Component&) -> int { throw Misuse("a null pointer"); });
+  calls::Update update;
+  const int status = calls::update_discrete_states(c, __func__, update);
+  *info = {};
+  info->terminate = update.terminate ? 1 : 0;
+  info->next_time_defined = update.next_time ? 1 : 0;
+  info->next_time = update.next_time.value_or(0.0);
+  return status;
 }
 
 HYDRAPOD_FMI int fmi2EnterContinuousTimeMode(void* c) {
-  return guarded(c, event, __func__, [](Component& component) {
-    component.mode = continuous;
-    return ok;
-  });
+  return calls::enter(c, event, __func__, continuous, true);
 }
 
 HYDRAPOD_FMI int fmi2CompletedIntegratorStep(void* c, Boolean, Boolean* enter_event_mode,
                                              Boolean* terminate) {
-  return guarded(c, continuous, __func__, [&](Component& component) {
-    require(enter_event_mode != nullptr && terminate != nullptr, "a null pointer");
-    *enter_event_mode = 0;
-    *terminate = component.instance.has_ended() ? 1 : 0;
-    return ok;
-  });
+  const bool given = enter_event_mode != nullptr && terminate != nullptr;
+  bool enters = false, ends = false;
+  const int status = calls::completed_step(c, __func__, given ? &enters : nullptr, &ends);
+  if (!given) return status;
+  *enter_event_mode = enters ? 1 : 0;
+  *terminate = ends ? 1 : 0;
+  return status;
 }
 
 HYDRAPOD_FMI int fmi2SetTime(void* c, double time) {
-  return guarded(c, of_exchange, __func__, [&](Component& component) {
-    component.instance.set_time(time);
-    return ok;
-  });
+  return calls::set_time(c, of_exchange, __func__, time);
 }
-
 HYDRAPOD_FMI int fmi2SetContinuousStates(void* c, const double x[], std::size_t count) {
-  return guarded(c, continuous, __func__, [&](Component& component) {
-    require(x != nullptr && count == static_cast<std::size_t>(component.instance.state_count()),
-            "a null pointer, or another number of continuous states");
-    component.instance.set_states(x);
-    return ok;
-  });
+  return calls::set_states(c, __func__, x, count);
 }
-
-namespace {
-
-constexpr unsigned looks_at_states = initialization | of_exchange | terminated | failed;
-
-/// What fills one of the lists of model exchange.
-template <class Fill>
-int list_of(void* c, unsigned modes, const char* function, double* list, std::size_t count,
-            bool of_states, const Fill& fill) {
-  return guarded(c, modes, function, [&](Component& component) {
-    require(!component.co_simulation, "the instance is one of co-simulation");
-    auto& instance = component.instance;
-    const int expected = of_states ? instance.state_count() : instance.indicator_count();
-    require((list != nullptr || count == 0) && count == static_cast<std::size_t>(expected),
-            "a null pointer, or another number of values");
-    fill(instance);
-    return ok;
-  });
-}
-
-}  // namespace
-
 HYDRAPOD_FMI int fmi2GetDerivatives(void* c, double rates[], std::size_t count) {
-  return list_of(c, looks_at_states, __func__, rates, count, true,
-                 [&](Instance& instance) { instance.derivatives(rates); });
+  return calls::get_list(c, looks_at_states, __func__, calls::List::rates, rates, count);
 }
-
 HYDRAPOD_FMI int fmi2GetEventIndicators(void* c, double values[], std::size_t count) {
-  return list_of(c, looks_at_states, __func__, values, count, false,
-                 [&](Instance& instance) { std::ranges::copy(instance.indicators(), values); });
+  return calls::get_list(c, looks_at_states | initialization, __func__, calls::List::indicators,
+                         values, count);
 }
-
 HYDRAPOD_FMI int fmi2GetContinuousStates(void* c, double x[], std::size_t count) {
-  return list_of(c, looks_at_states, __func__, x, count, true, [&](Instance& instance) {
-    instance.prepare_if_needed();
-    std::ranges::copy(instance.states(), x);
-  });
+  return calls::get_list(c, looks_at_states | initialization, __func__, calls::List::states, x,
+                         count);
 }
-
 HYDRAPOD_FMI int fmi2GetNominalsOfContinuousStates(void* c, double nominals[], std::size_t count) {
-  return list_of(c, looks_at_states | instantiated, __func__, nominals, count, true,
-                 [&](Instance& instance) { std::ranges::copy(instance.nominals(), nominals); });
+  return calls::get_list(c, looks_at_states | instantiated, __func__, calls::List::nominals,
+                         nominals, count);
 }
 
 // ---- Co-simulation --------------------------------------------------------------------------
@@ -372,13 +243,13 @@ HYDRAPOD_FMI int fmi2GetRealOutputDerivatives(void* c, const Reference[], std::s
   });
 }
 
+/// What was computed of a step that is discarded stays; fmi2GetRealStatus tells to which time.
 HYDRAPOD_FMI int fmi2DoStep(void* c, double from, double size, Boolean) {
   return guarded(c, step_complete, __func__, [&](Component& component) -> int {
-    std::string message;
-    if (component.instance.step(from, size, message)) return ok;
+    const auto result = component.instance.step(from, size, {});
+    if (result.whole) return ok;
     component.mode = step_failed;
-    component.say(discard, "fmi2DoStep: " + message);
-    return discard;
+    return component.refuse("fmi2DoStep: " + result.message);
   });
 }
 

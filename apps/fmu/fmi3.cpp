@@ -1,9 +1,9 @@
-/// The interface of FMI 3.0, written from the standard (version 3.0, chapters 2 to 4). There are no
-/// clocks, no structural parameters and no scheduled execution: their functions answer by an error.
+/// The interface of FMI 3.0 (chapters 2 to 4). There are no clocks, no structural parameters and no
+/// scheduled execution: their functions answer by an error.
 
 #include <cstdint>
 
-#include "component.hpp"
+#include "calls.hpp"
 
 #define HYDRAPOD_FMI extern "C" __attribute__((visibility("default")))
 
@@ -14,34 +14,32 @@ using namespace hydrapod::fmu;
 using Reference = std::uint32_t;
 using LogMessage = void (*)(void* environment, int status, const char* category,
                             const char* message);
+using IntermediateUpdate = void (*)(void* environment, double time, bool set_requested,
+                                    bool get_allowed, bool step_finished, bool can_return_early,
+                                    bool* early_return_requested, double* early_return_time);
 
-constexpr unsigned of_exchange = event | continuous;
-constexpr unsigned settable = instantiated | initialization | of_exchange | step_complete;
+constexpr unsigned settable =
+    instantiated | initialization | of_exchange | step_complete | intermediate;
+constexpr unsigned looks_at_states = initialization | of_exchange | terminated | failed;
 
-void* instantiate(const char* name, const char* token, const char* resources, bool logging,
-                  void* environment, LogMessage log_message, bool co_simulation) {
-  Log log;
-  if (log_message != nullptr)
-    log = [=](int status, const char* category, const std::string& message) {
-      log_message(environment, status, category, message.c_str());
-    };
-  try {
-    require(name != nullptr && *name != '\0', "the instance has no name");
-    require(token != nullptr && resources != nullptr, "no token or no path of the resources");
-    return new Component{
-        Instance(resources, token), co_simulation, name, log, instantiated, logging};
-  } catch (const std::exception& exception) {
-    if (log) log(error, "logStatusError", std::string("instantiation: ") + exception.what());
-    return nullptr;
-  }
+Log log_of(void* environment, LogMessage log_message) {
+  if (log_message == nullptr) return {};
+  return [=](int status, const char* category, const std::string& message) {
+    log_message(environment, status, category, message.c_str());
+  };
 }
 
-/// Of a type that no variable has.
-int no_such_variables(void* instance, const char* function, std::size_t count) {
-  return guarded(instance, readable | instantiated, function, [&](Component&) {
-    require(count == 0, "the FMU has no variables of this type");
-    return ok;
-  });
+Component* instantiate(const char* function, const char* name, const char* token,
+                       const char* resources, bool logging, bool co_simulation, Log log) {
+  const auto folder = [&] {
+    require(resources != nullptr, "the FMU needs the path of its resources");
+    return std::string(resources);
+  };
+  return calls::instantiate(function, name, token, folder, logging, co_simulation, std::move(log));
+}
+
+int no_variables(void* instance, const char* function, std::size_t count) {
+  return calls::no_such_variables(instance, readable | instantiated, function, count);
 }
 
 int not_provided(void* instance, const char* function) {
@@ -50,37 +48,70 @@ int not_provided(void* instance, const char* function) {
   });
 }
 
+/// Each of them an input or an output that the model description allows there.
+void require_intermediate(const Component& component, const std::vector<unsigned>& references) {
+  for (const auto reference : references)
+    require(component.instance.is_intermediate(reference),
+            "a required intermediate variable has no intermediateUpdate in the model description");
+}
+
+/// What happens between the parts of a step: the callback, in a mode of its own.
+std::function<std::optional<double>(double)> between_parts(Component* component, void* environment,
+                                                           IntermediateUpdate update) {
+  return [=](double time) -> std::optional<double> {
+    bool requested = false;
+    double until = time;
+    const bool early = component->early_return_allowed;
+    component->mode = intermediate;
+    update(environment, time, true, true, true, early, &requested, &until);
+    if (component->mode != intermediate)
+      throw Misuse("a call within the intermediate update failed");
+    component->mode = step_complete;
+    if (!early || !requested) return std::nullopt;
+    return until;
+  };
+}
+
 }  // namespace
 
 HYDRAPOD_FMI const char* fmi3GetVersion() { return "3.0"; }
 
 HYDRAPOD_FMI int fmi3SetDebugLogging(void* instance, bool on, std::size_t count,
                                      const char* const categories[]) {
-  return guarded(instance, any_mode, __func__, [&](Component& component) {
-    set_categories(component, on, count, categories);
-    return ok;
-  });
+  return calls::set_logging(instance, __func__, on, count, categories);
 }
 
 HYDRAPOD_FMI void* fmi3InstantiateModelExchange(const char* name, const char* token,
                                                 const char* resources, bool, bool logging,
                                                 void* environment, LogMessage log_message) {
-  return instantiate(name, token, resources, logging, environment, log_message, false);
+  return instantiate(__func__, name, token, resources, logging, false,
+                     log_of(environment, log_message));
 }
 
 HYDRAPOD_FMI void* fmi3InstantiateCoSimulation(const char* name, const char* token,
                                                const char* resources, bool, bool logging,
-                                               bool event_mode_used, bool, const Reference[],
-                                               std::size_t intermediate_count, void* environment,
-                                               LogMessage log_message, void (*)()) {
-  if (event_mode_used || intermediate_count > 0) {
-    if (log_message != nullptr)
-      log_message(environment, error, "logStatusError",
-                  "fmi3InstantiateCoSimulation: the FMU has neither an event mode in co-simulation "
-                  "nor intermediate variables, see its model description");
+                                               bool event_mode_used, bool early_return_allowed,
+                                               const Reference required[],
+                                               std::size_t required_count, void* environment,
+                                               LogMessage log_message, IntermediateUpdate update) {
+  const auto log = log_of(environment, log_message);
+  auto* made = instantiate(__func__, name, token, resources, logging, true, log);
+  if (made == nullptr) return nullptr;
+  made->event_mode_used = event_mode_used;
+  made->early_return_allowed = early_return_allowed;
+  if (update == nullptr) return made;
+  try {
+    require(required_count == 0 || required != nullptr, "a null pointer");
+    if (required_count > 0)
+      made->intermediate_variables.assign(required, required + required_count);
+    require_intermediate(*made, made->intermediate_variables);
+  } catch (const std::exception& exception) {
+    made->say(error, std::string(__func__) + ": " + exception.what());
+    delete made;
     return nullptr;
   }
-  return instantiate(name, token, resources, logging, environment, log_message, true);
+  made->between = between_parts(made, environment, update);
+  return made;
 }
 
 HYDRAPOD_FMI void* fmi3InstantiateScheduledExecution(const char*, const char*, const char*, bool,
@@ -88,7 +119,7 @@ HYDRAPOD_FMI void* fmi3InstantiateScheduledExecution(const char*, const char*, c
                                                      LogMessage log_message, void (*)(), void (*)(),
                                                      void (*)()) {
   if (log_message != nullptr)
-    log_message(environment, error, "logStatusError",
+    log_message(environment, error, error_category,
                 "fmi3InstantiateScheduledExecution: the FMU has no scheduled execution");
   return nullptr;
 }
@@ -105,64 +136,45 @@ HYDRAPOD_FMI int fmi3EnterInitializationMode(void* instance, bool has_tolerance,
 }
 
 HYDRAPOD_FMI int fmi3ExitInitializationMode(void* instance) {
-  return guarded(instance, initialization, __func__, [](Component& component) {
-    component.instance.prepare_if_needed();
-    component.mode = component.co_simulation ? step_complete : event;
-    return ok;
-  });
+  return calls::exit_initialization(instance, __func__);
 }
 
 HYDRAPOD_FMI int fmi3EnterEventMode(void* instance) {
-  return guarded(instance, continuous, __func__, [](Component& component) {
+  return guarded(instance, continuous | step_complete, __func__, [](Component& component) {
+    require(!component.co_simulation || component.event_mode_used,
+            "the instance was made without an event mode");
     component.mode = event;
     return ok;
   });
 }
 
 HYDRAPOD_FMI int fmi3Terminate(void* instance) {
-  return guarded(instance, of_exchange | step_complete | step_failed, __func__,
-                 [](Component& component) {
-                   component.mode = terminated;
-                   return ok;
-                 });
+  return calls::enter(instance, of_exchange | step_complete, __func__, terminated);
 }
-
-HYDRAPOD_FMI int fmi3Reset(void* instance) {
-  return guarded(instance, any_mode, __func__, [](Component& component) {
-    component.instance.reset();
-    component.mode = instantiated;
-    return ok;
-  });
-}
+HYDRAPOD_FMI int fmi3Reset(void* instance) { return calls::reset(instance, __func__); }
 
 // ---- Values ---------------------------------------------------------------------------------
 
 HYDRAPOD_FMI int fmi3GetFloat64(void* instance, const Reference references[], std::size_t count,
                                 double values[], std::size_t value_count) {
-  return guarded(instance, readable, __func__, [&](Component& component) {
-    require(count == value_count, "as many values as value references are expected");
-    get_values(component, references, count, values);
-    return ok;
-  });
+  return calls::get_values(instance, readable | instantiated | intermediate, __func__, references,
+                           count, values, value_count);
 }
 
 HYDRAPOD_FMI int fmi3SetFloat64(void* instance, const Reference references[], std::size_t count,
                                 const double values[], std::size_t value_count) {
-  return guarded(instance, settable, __func__, [&](Component& component) {
-    require(count == value_count, "as many values as value references are expected");
-    set_values(component, references, count, values);
-    return ok;
-  });
+  return calls::set_values(instance, settable, __func__, references, count, values, value_count,
+                           true);
 }
 
 #define HYDRAPOD_NO_VARIABLES(Type, Value)                                                      \
   HYDRAPOD_FMI int fmi3Get##Type(void* instance, const Reference[], std::size_t count, Value[], \
                                  std::size_t) {                                                 \
-    return no_such_variables(instance, __func__, count);                                        \
+    return no_variables(instance, __func__, count);                                             \
   }                                                                                             \
   HYDRAPOD_FMI int fmi3Set##Type(void* instance, const Reference[], std::size_t count,          \
                                  const Value[], std::size_t) {                                  \
-    return no_such_variables(instance, __func__, count);                                        \
+    return no_variables(instance, __func__, count);                                             \
   }
 HYDRAPOD_NO_VARIABLES(Float32, float)
 HYDRAPOD_NO_VARIABLES(Int8, std::int8_t)
@@ -180,101 +192,51 @@ HYDRAPOD_NO_VARIABLES(String, Text)
 
 HYDRAPOD_FMI int fmi3GetBinary(void* instance, const Reference[], std::size_t count, std::size_t[],
                                const std::uint8_t*[], std::size_t) {
-  return no_such_variables(instance, __func__, count);
+  return no_variables(instance, __func__, count);
 }
 HYDRAPOD_FMI int fmi3SetBinary(void* instance, const Reference[], std::size_t count,
                                const std::size_t[], const std::uint8_t* const[], std::size_t) {
-  return no_such_variables(instance, __func__, count);
+  return no_variables(instance, __func__, count);
 }
 HYDRAPOD_FMI int fmi3GetClock(void* instance, const Reference[], std::size_t count, bool[]) {
-  return no_such_variables(instance, __func__, count);
+  return no_variables(instance, __func__, count);
 }
 HYDRAPOD_FMI int fmi3SetClock(void* instance, const Reference[], std::size_t count, const bool[]) {
-  return no_such_variables(instance, __func__, count);
+  return no_variables(instance, __func__, count);
 }
 
 // ---- State and derivatives ------------------------------------------------------------------
 
 HYDRAPOD_FMI int fmi3GetFMUState(void* instance, void** state) {
-  return guarded(instance, any_mode, __func__, [&](Component& component) {
-    require(state != nullptr, "a null pointer");
-    void* now = save(component);
-    delete static_cast<SavedState*>(*state);
-    *state = now;
-    return ok;
-  });
+  return calls::get_state(instance, __func__, state);
 }
-
 HYDRAPOD_FMI int fmi3SetFMUState(void* instance, void* state) {
-  return guarded(instance, any_mode, __func__, [&](Component& component) {
-    restore(component, state);
-    return ok;
-  });
+  return calls::set_state(instance, __func__, state);
 }
-
 HYDRAPOD_FMI int fmi3FreeFMUState(void* instance, void** state) {
-  return guarded(instance, any_mode, __func__, [&](Component&) {
-    if (state == nullptr) return ok;
-    delete static_cast<SavedState*>(*state);
-    *state = nullptr;
-    return ok;
-  });
+  return calls::free_state(instance, __func__, state);
 }
-
 HYDRAPOD_FMI int fmi3SerializedFMUStateSize(void* instance, void* state, std::size_t* size) {
-  return guarded(instance, any_mode, __func__, [&](Component&) {
-    require(state != nullptr && size != nullptr, "a null pointer");
-    *size = static_cast<SavedState*>(state)->bytes();
-    return ok;
-  });
+  return calls::state_size(instance, __func__, state, size);
 }
-
 HYDRAPOD_FMI int fmi3SerializeFMUState(void* instance, void* state, std::uint8_t bytes[],
                                        std::size_t size) {
-  return guarded(instance, any_mode, __func__, [&](Component&) {
-    require(state != nullptr && bytes != nullptr, "a null pointer");
-    const auto& saved = *static_cast<SavedState*>(state);
-    require(size >= saved.bytes(), "too few bytes for the serialized state");
-    saved.write(reinterpret_cast<char*>(bytes));
-    return ok;
-  });
+  return calls::serialize(instance, __func__, state, reinterpret_cast<char*>(bytes), size);
 }
-
 HYDRAPOD_FMI int fmi3DeserializeFMUState(void* instance, const std::uint8_t bytes[],
                                          std::size_t size, void** state) {
-  return guarded(instance, any_mode, __func__, [&](Component& component) {
-    require(state != nullptr, "a null pointer");
-    void* made = deserialized(component, reinterpret_cast<const char*>(bytes), size);
-    delete static_cast<SavedState*>(*state);
-    *state = made;
-    return ok;
-  });
+  return calls::deserialize(instance, __func__, reinterpret_cast<const char*>(bytes), size, state);
 }
 
 namespace {
 
-/// Forward: sensitivity of each unknown, seeds of the knowns. Adjoint: the other way round.
-int derivative(void* instance, const char* function, bool adjoint, const Reference unknowns[],
-               std::size_t unknown_count, const Reference knowns[], std::size_t known_count,
-               const double seed[], std::size_t seed_count, double sensitivity[],
-               std::size_t sensitivity_count) {
-  return guarded(instance, readable, function, [&](Component& component) {
-    require(seed_count == (adjoint ? unknown_count : known_count) &&
-                sensitivity_count == (adjoint ? known_count : unknown_count),
-            "seeds and sensitivities do not go with knowns and unknowns");
-    require(
-        unknown_count == 0 || known_count == 0 ||
-            (unknowns != nullptr && knowns != nullptr && seed != nullptr && sensitivity != nullptr),
-        "a null pointer");
-    std::vector<double> column(unknown_count), result(sensitivity_count, 0.0);
-    const bool with_states = component.mode != initialization;
-    for (std::size_t k = 0; k < known_count; ++k) {
-      component.instance.derivative(knowns[k], unknowns, unknown_count, with_states, column.data());
-      for (std::size_t u = 0; u < unknown_count; ++u)
-        result[adjoint ? k : u] += column[u] * seed[adjoint ? u : k];
-    }
-    std::ranges::copy(result, sensitivity);
-    return ok;
+int derivative(void* instance, const char* function, bool adjoint, const calls::Direction& of,
+               std::size_t seed_count, std::size_t sensitivity_count) {
+  const bool fit = seed_count == (adjoint ? of.unknown_count : of.known_count) &&
+                   sensitivity_count == (adjoint ? of.known_count : of.unknown_count);
+  if (fit) return calls::derivative(instance, function, adjoint, of);
+  return guarded(instance, readable, function, [](Component&) -> int {
+    throw Misuse("seeds and sensitivities do not go with knowns and unknowns");
   });
 }
 
@@ -285,8 +247,9 @@ HYDRAPOD_FMI int fmi3GetDirectionalDerivative(void* instance, const Reference un
                                               std::size_t known_count, const double seed[],
                                               std::size_t seed_count, double sensitivity[],
                                               std::size_t sensitivity_count) {
-  return derivative(instance, __func__, false, unknowns, unknown_count, knowns, known_count, seed,
-                    seed_count, sensitivity, sensitivity_count);
+  return derivative(instance, __func__, false,
+                    {unknowns, unknown_count, knowns, known_count, seed, sensitivity}, seed_count,
+                    sensitivity_count);
 }
 
 HYDRAPOD_FMI int fmi3GetAdjointDerivative(void* instance, const Reference unknowns[],
@@ -294,8 +257,9 @@ HYDRAPOD_FMI int fmi3GetAdjointDerivative(void* instance, const Reference unknow
                                           std::size_t known_count, const double seed[],
                                           std::size_t seed_count, double sensitivity[],
                                           std::size_t sensitivity_count) {
-  return derivative(instance, __func__, true, unknowns, unknown_count, knowns, known_count, seed,
-                    seed_count, sensitivity, sensitivity_count);
+  return derivative(instance, __func__, true,
+                    {unknowns, unknown_count, knowns, known_count, seed, sensitivity}, seed_count,
+                    sensitivity_count);
 }
 
 // ---- What the model description does not promise --------------------------------------------
@@ -344,7 +308,6 @@ HYDRAPOD_FMI int fmi3SetShiftFraction(void* instance, const Reference[], std::si
                                       const std::uint64_t[], const std::uint64_t[]) {
   return not_provided(instance, __func__);
 }
-HYDRAPOD_FMI int fmi3EnterStepMode(void* instance) { return not_provided(instance, __func__); }
 HYDRAPOD_FMI int fmi3GetOutputDerivatives(void* instance, const Reference[], std::size_t,
                                           const std::int32_t[], double[], std::size_t) {
   return not_provided(instance, __func__);
@@ -353,125 +316,127 @@ HYDRAPOD_FMI int fmi3ActivateModelPartition(void* instance, Reference, double) {
   return not_provided(instance, __func__);
 }
 
-// ---- Events and model exchange --------------------------------------------------------------
-
 HYDRAPOD_FMI int fmi3EvaluateDiscreteStates(void* instance) {
-  return guarded(instance, initialization | event, __func__, [](Component&) { return ok; });
+  return not_provided(instance, __func__);
 }
+
+// ---- Events and model exchange --------------------------------------------------------------
 
 HYDRAPOD_FMI int fmi3UpdateDiscreteStates(void* instance, bool* need_update, bool* terminate,
                                           bool* nominals_changed, bool* values_changed,
                                           bool* next_time_defined, double* next_time) {
-  return guarded(instance, event, __func__, [&](Component& component) {
-    for (const bool* flag :
-         {need_update, terminate, nominals_changed, values_changed, next_time_defined})
-      require(flag != nullptr, "a null pointer");
-    require(next_time != nullptr, "a null pointer");
-    *need_update = *nominals_changed = *values_changed = *next_time_defined = false;
-    *next_time = 0.0;
-    *terminate = component.instance.has_ended();
-    return ok;
-  });
+  const bool given = need_update != nullptr && terminate != nullptr &&
+                     nominals_changed != nullptr && values_changed != nullptr &&
+                     next_time_defined != nullptr && next_time != nullptr;
+  if (!given)
+    return guarded(instance, event, __func__,
+                   [](Component&) -> int { throw Misuse("a null pointer"); });
+  calls::Update update;
+  const int status = calls::update_discrete_states(instance, __func__, update);
+  *need_update = *nominals_changed = *values_changed = false;
+  *terminate = update.terminate;
+  *next_time_defined = update.next_time.has_value();
+  *next_time = update.next_time.value_or(0.0);
+  return status;
 }
 
 HYDRAPOD_FMI int fmi3EnterContinuousTimeMode(void* instance) {
+  return calls::enter(instance, event, __func__, continuous, true);
+}
+
+HYDRAPOD_FMI int fmi3EnterStepMode(void* instance) {
   return guarded(instance, event, __func__, [](Component& component) {
-    component.mode = continuous;
+    require(component.co_simulation, "the instance is one of model exchange");
+    component.mode = step_complete;
     return ok;
   });
 }
 
 HYDRAPOD_FMI int fmi3CompletedIntegratorStep(void* instance, bool, bool* enter_event_mode,
                                              bool* terminate) {
-  return guarded(instance, continuous, __func__, [&](Component& component) {
-    require(enter_event_mode != nullptr && terminate != nullptr, "a null pointer");
-    *enter_event_mode = false;
-    *terminate = component.instance.has_ended();
-    return ok;
-  });
+  return calls::completed_step(instance, __func__, enter_event_mode, terminate);
 }
-
 HYDRAPOD_FMI int fmi3SetTime(void* instance, double time) {
-  return guarded(instance, of_exchange, __func__, [&](Component& component) {
-    component.instance.set_time(time);
-    return ok;
-  });
+  return calls::set_time(instance, continuous, __func__, time);
 }
-
 HYDRAPOD_FMI int fmi3SetContinuousStates(void* instance, const double x[], std::size_t count) {
-  return guarded(instance, continuous, __func__, [&](Component& component) {
-    require(x != nullptr && count == static_cast<std::size_t>(component.instance.state_count()),
-            "a null pointer, or another number of continuous states");
-    component.instance.set_states(x);
-    return ok;
-  });
+  return calls::set_states(instance, __func__, x, count);
+}
+HYDRAPOD_FMI int fmi3GetContinuousStateDerivatives(void* instance, double rates[],
+                                                   std::size_t count) {
+  return calls::get_list(instance, looks_at_states, __func__, calls::List::rates, rates, count);
+}
+HYDRAPOD_FMI int fmi3GetEventIndicators(void* instance, double values[], std::size_t count) {
+  return calls::get_list(instance, looks_at_states, __func__, calls::List::indicators, values,
+                         count);
+}
+HYDRAPOD_FMI int fmi3GetContinuousStates(void* instance, double x[], std::size_t count) {
+  return calls::get_list(instance, looks_at_states, __func__, calls::List::states, x, count);
+}
+HYDRAPOD_FMI int fmi3GetNominalsOfContinuousStates(void* instance, double nominals[],
+                                                   std::size_t count) {
+  return calls::get_list(instance, looks_at_states, __func__, calls::List::nominals, nominals,
+                         count);
 }
 
 namespace {
 
-constexpr unsigned looks_at_states = initialization | of_exchange | terminated;
-
-/// What fills one of the lists of model exchange.
-template <class Fill>
-int list_of(void* handle, unsigned modes, const char* function, double* list, std::size_t count,
-            bool of_states, const Fill& fill) {
-  return guarded(handle, modes, function, [&](Component& component) {
+int count_of(void* handle, const char* function, std::size_t* count, bool of_states) {
+  constexpr unsigned allowed = instantiated | initialization | of_exchange;
+  return guarded(handle, allowed, function, [&](Component& component) {
     require(!component.co_simulation, "the instance is one of co-simulation");
-    auto& instance = component.instance;
-    const int expected = of_states ? instance.state_count() : instance.indicator_count();
-    require((list != nullptr || count == 0) && count == static_cast<std::size_t>(expected),
-            "a null pointer, or another number of values");
-    fill(instance);
+    require(count != nullptr, "a null pointer");
+    const auto& instance = component.instance;
+    *count =
+        static_cast<std::size_t>(of_states ? instance.state_count() : instance.indicator_count());
     return ok;
   });
 }
 
-int count_of(void* handle, const char* function, std::size_t* count, bool of_states) {
-  return guarded(handle, any_mode & ~static_cast<unsigned>(failed), function,
-                 [&](Component& component) {
-                   require(count != nullptr, "a null pointer");
-                   const auto& instance = component.instance;
-                   *count = static_cast<std::size_t>(of_states ? instance.state_count()
-                                                               : instance.indicator_count());
-                   return ok;
-                 });
-}
-
 }  // namespace
-
-HYDRAPOD_FMI int fmi3GetContinuousStateDerivatives(void* instance, double rates[],
-                                                   std::size_t count) {
-  return list_of(instance, looks_at_states, __func__, rates, count, true,
-                 [&](Instance& of) { of.derivatives(rates); });
-}
-
-HYDRAPOD_FMI int fmi3GetEventIndicators(void* instance, double values[], std::size_t count) {
-  return list_of(instance, looks_at_states, __func__, values, count, false,
-                 [&](Instance& of) { std::ranges::copy(of.indicators(), values); });
-}
-
-HYDRAPOD_FMI int fmi3GetContinuousStates(void* instance, double x[], std::size_t count) {
-  return list_of(instance, looks_at_states, __func__, x, count, true, [&](Instance& of) {
-    of.prepare_if_needed();
-    std::ranges::copy(of.states(), x);
-  });
-}
-
-HYDRAPOD_FMI int fmi3GetNominalsOfContinuousStates(void* instance, double nominals[],
-                                                   std::size_t count) {
-  return list_of(instance, looks_at_states, __func__, nominals, count, true,
-                 [&](Instance& of) { std::ranges::copy(of.nominals(), nominals); });
-}
 
 HYDRAPOD_FMI int fmi3GetNumberOfEventIndicators(void* instance, std::size_t* count) {
   return count_of(instance, __func__, count, false);
 }
-
 HYDRAPOD_FMI int fmi3GetNumberOfContinuousStates(void* instance, std::size_t* count) {
   return count_of(instance, __func__, count, true);
 }
 
 // ---- Co-simulation --------------------------------------------------------------------------
+
+namespace {
+
+/// What fmi3DoStep answers beside the status.
+struct Answer {
+  bool *event_handling_needed, *terminate, *early_return;
+  double* last_successful_time;
+};
+
+/// A step within which the model ends is returned early where that is allowed. Another one that
+/// cannot be completed is discarded, and the instance is what it was before.
+int do_step(Component& component, double from, double size, const Answer& answer) {
+  const bool early = component.early_return_allowed;
+  const auto before = component.instance.save(0);
+  try {
+    const auto result = component.instance.step(
+        from, size, {.stops_at_events = early, .between = component.between});
+    *answer.last_successful_time = component.instance.time();
+    *answer.event_handling_needed = result.event && component.event_mode_used;
+    *answer.early_return = result.early;
+    if (result.whole) return ok;
+    *answer.terminate = early && component.instance.has_ended();
+    if (*answer.terminate) return ok;
+    *answer.early_return = false;
+    component.instance.restore(before);
+    *answer.last_successful_time = component.instance.time();
+    return component.refuse("fmi3DoStep: " + result.message);
+  } catch (...) {
+    component.instance.restore(before);
+    throw;
+  }
+}
+
+}  // namespace
 
 HYDRAPOD_FMI int fmi3DoStep(void* instance, double from, double size, bool,
                             bool* event_handling_needed, bool* terminate, bool* early_return,
@@ -481,13 +446,7 @@ HYDRAPOD_FMI int fmi3DoStep(void* instance, double from, double size, bool,
                 last_successful_time != nullptr,
             "a null pointer");
     *event_handling_needed = *terminate = *early_return = false;
-    std::string message;
-    const bool whole = component.instance.step(from, size, message);
-    *last_successful_time = component.instance.time();
-    if (whole) return ok;
-    *terminate = component.instance.has_ended();
-    component.mode = step_failed;
-    component.say(discard, "fmi3DoStep: " + message);
-    return discard;
+    return do_step(component, from, size,
+                   {event_handling_needed, terminate, early_return, last_successful_time});
   });
 }

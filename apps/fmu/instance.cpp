@@ -44,6 +44,7 @@ void Instance::reset() {
     if (one.role == FmuRole::parameter) state_.parameters.push_back(*one.start);
     if (one.role == FmuRole::input) state_.inputs.push_back(*one.start);
   }
+  state_.at_rest = state_.parameters;
   state_.x.assign(static_cast<std::size_t>(states_), 0.0);
   forget();
 }
@@ -59,37 +60,64 @@ void Instance::set_up(double start, bool has_stop, double stop, bool has_toleran
   state_.has_stop = has_stop;
   state_.stop = stop;
   state_.tolerance = has_tolerance ? tolerance : default_tolerance;
+  state_.ready = false;
 }
 
 /// Only numbers that were changed are assigned, so that all others keep their bits.
-void Instance::prepare() {
+exchange::FmuMachine Instance::machine_with(const std::vector<double>& parameters) const {
   std::vector<model::Assignment> changed;
   const auto first = static_cast<std::size_t>(interface_.first(FmuRole::parameter));
-  for (std::size_t k = 0; k < state_.parameters.size(); ++k)
-    if (state_.parameters[k] != *interface_.variables[first + k].start)
-      changed.push_back({interface_.parameters[k], state_.parameters[k]});
-  if (built_with_ != state_.parameters) {
-    auto fmu = base_;
-    model::assign(fmu.machine, changed);
-    for (const auto& finding : model::validate(fmu.machine))
-      if (finding.severity == base::Severity::error)
-        throw Misuse("parameters: " + finding.key + ": " + finding.message);
-    auto plant =
-        std::make_unique<simulation::Plant>(fmu.machine, fmu.kind, fmu.options(), fmu.reference());
-    if (plant->layout().size != states_ || plant->base().directions != plant_->base().directions)
-      throw Misuse("parameters: these values change which states the model has");
-    integrator_.reset();
-    plant_ = std::move(plant);
-    built_with_ = state_.parameters;
+  for (std::size_t k = 0; k < parameters.size(); ++k)
+    if (parameters[k] != *interface_.variables[first + k].start)
+      changed.push_back({interface_.parameters[k], parameters[k]});
+  auto fmu = base_;
+  model::assign(fmu.machine, changed);
+  return fmu;
+}
+
+std::unique_ptr<simulation::Plant> Instance::plant_with(
+    const std::vector<double>& parameters) const {
+  const auto fmu = machine_with(parameters);
+  for (const auto& finding : model::validate(fmu.machine))
+    if (finding.severity == base::Severity::error)
+      throw Refusal("parameters: " + finding.key + ": " + finding.message);
+  auto plant =
+      std::make_unique<simulation::Plant>(fmu.machine, fmu.kind, fmu.options(), fmu.reference());
+  if (plant->layout().size != states_ || plant->base().directions != plant_->base().directions)
+    throw Refusal("parameters: these values change which states the model has");
+  return plant;
+}
+
+void Instance::take(std::unique_ptr<simulation::Plant> plant,
+                    const std::vector<double>& parameters) {
+  integrator_.reset();  // it refers to the plant
+  plant_ = std::move(plant);
+  built_with_ = parameters;
+  forget();
+}
+
+void Instance::prepare() {
+  try {
+    if (built_with_ != state_.parameters) take(plant_with(state_.parameters), state_.parameters);
+  } catch (const Refusal& refusal) {
+    throw Misuse(refusal.what());
   }
-  const auto rest = plant_->equilibrium(plant_->machine().poses.back().X_BP);
+  const auto& operating = plant_->machine().poses.back().X_BP;
+  const auto rest = plant_->equilibrium(operating);
   state_.x.assign(rest.x.begin(), rest.x.end());
+  state_.at_rest = state_.parameters;
+  if (base_.controlled) {
+    if (!loop_ || tuned_with_ != state_.at_rest) loop_ = std::make_unique<Loop>(*plant_, operating);
+    tuned_with_ = state_.at_rest;
+    loop_->start(state_.start, *plant_, rest);
+  }
   state_.ready = true;
   forget();
 }
 
 void Instance::set_time(double time) {
   if (!std::isfinite(time)) throw Misuse("the time is not finite");
+  if (later(state_.start, time)) throw Misuse("the time is before the start time");
   if (state_.has_stop && later(time, state_.stop)) throw Misuse("the time is after the stop time");
   state_.time = time;
 }
@@ -98,10 +126,6 @@ const exchange::FmuVariable& Instance::variable(unsigned reference) const {
   if (reference >= interface_.variables.size())
     throw Misuse("there is no variable with the value reference " + std::to_string(reference));
   return interface_.variables[reference];
-}
-
-simulation::PlantInput Instance::input() const {
-  return exchange::fmu_plant_input(base_.hydraulics, state_.inputs);
 }
 
 double Instance::get(unsigned reference) {
@@ -119,6 +143,7 @@ double Instance::get(unsigned reference) {
   }
   prepare_if_needed();
   if (of.role == FmuRole::state) return state_.x[index];
+  if (of.role == FmuRole::drive) return loop_->applied()[of.index];
   if (of.role == FmuRole::indicator) return indicators()[index];
   if (of.role == FmuRole::derivative) {
     std::vector<double> rates(state_.x.size());
@@ -129,27 +154,44 @@ double Instance::get(unsigned reference) {
   return outputs_[index];
 }
 
-void Instance::set(unsigned reference, double value, bool initialized) {
-  const auto& of = variable(reference);
-  const auto index = static_cast<std::size_t>(of.index);
+void Instance::check(const exchange::FmuVariable& of, double value,
+                     const Settable& settable) const {
   if (!std::isfinite(value)) throw Misuse(of.name + ": the value is not finite");
-  if (of.role == FmuRole::input) {
-    state_.inputs[index] = value;
-    return forget();
-  }
+  if (of.role == FmuRole::input || (of.role == FmuRole::state && settable.states)) return;
   if (of.role != FmuRole::parameter)
-    throw Misuse(of.name + " is neither an input nor a parameter, so it cannot be set");
-  if (initialized)
+    throw Misuse(of.name + " is neither an input nor a parameter, so it cannot be set here");
+  if (!settable.fixed && !of.tunable)
     throw Misuse(of.name + " is a fixed parameter: set it before or during initialization");
+  if (!settable.fixed && !settable.tunable)
+    throw Misuse(of.name + " is a parameter: it can be tuned at events and between steps");
   if ((of.low && value < *of.low) || (of.high && value > *of.high))
-    throw Misuse(of.name + ": " + std::to_string(value) + " is out of its bounds");
-  state_.parameters[index] = value;
-  state_.ready = false;
+    throw Refusal(of.name + ": " + std::to_string(value) + " is out of its bounds");
+}
+
+void Instance::set(const unsigned* references, std::size_t count, const double* values,
+                   const Settable& settable) {
+  auto inputs = state_.inputs, parameters = state_.parameters, x = state_.x;
+  for (std::size_t k = 0; k < count; ++k) {
+    const auto& of = variable(references[k]);
+    check(of, values[k], settable);
+    auto& list = of.role == FmuRole::input ? inputs : of.role == FmuRole::state ? x : parameters;
+    list[static_cast<std::size_t>(of.index)] = values[k];
+  }
+  if (parameters != state_.parameters) {
+    if (settable.fixed)
+      state_.ready = false;
+    else
+      take(plant_with(parameters), parameters);
+  }
+  state_.inputs = std::move(inputs);
+  state_.parameters = std::move(parameters);
+  state_.x = std::move(x);
+  forget();
 }
 
 void Instance::set_states(const double* x) {
   for (int k = 0; k < states_; ++k)
-    if (!std::isfinite(x[k])) throw Misuse("a continuous state is not finite");
+    if (!std::isfinite(x[k])) throw Refusal("a continuous state is not finite");
   state_.x.assign(x, x + states_);
   forget();
 }
@@ -180,40 +222,11 @@ bool Instance::has_ended() {
   return false;
 }
 
-/// The integrator starts anew in every step, so that a step depends on nothing but the saved state.
-bool Instance::step(double from, double size, std::string& message) {
-  if (!(std::isfinite(from) && std::isfinite(size)) || size <= 0.0)
-    throw Misuse("a step must be a time above 0 s");
-  if (later(from, state_.time) || later(state_.time, from))
-    throw Misuse("the step begins at " + std::to_string(from) + " s, but the FMU is at " +
-                 std::to_string(state_.time) + " s");
-  const double to = from + size;
-  if (state_.has_stop && later(to, state_.stop)) throw Misuse("the step ends after the stop time");
-  if (!integrator_ || integrator_tolerance_ != state_.tolerance) {
-    integrator_ = std::make_unique<simulation::Integrator>(
-        *plant_, simulation::IntegratorOptions{.relative_tolerance = state_.tolerance,
-                                               .absolute_tolerance = state_.tolerance});
-    integrator_tolerance_ = state_.tolerance;
-  }
-  integrator_->start(from, Eigen::Map<const Eigen::VectorXd>(state_.x.data(), states_));
-  bool whole = true;
-  try {
-    integrator_->advance(to, input());
-  } catch (const std::exception& error) {
-    message = error.what();
-    whole = false;
-  }
-  const auto& x = integrator_->state();
-  state_.x.assign(x.begin(), x.end());
-  state_.time = integrator_->time();
-  forget();
-  return whole;
-}
-
 /// States, derivatives, outputs, indicators.
 std::vector<double> Instance::unknowns_at(const std::vector<double>& x,
                                           const std::vector<double>& inputs) const {
-  const auto at = exchange::fmu_plant_input(base_.hydraulics, inputs);
+  const auto at =
+      exchange::fmu_plant_input(base_, inputs, loop_ ? loop_->applied() : Vector6(Vector6::Zero()));
   std::vector<double> all(x);
   all.resize(2 * x.size());
   if (!plant_->derivative(state_.time, x.data(), at, all.data() + x.size()))
@@ -240,7 +253,7 @@ void Instance::derivative(unsigned known, const unsigned* unknowns, std::size_t 
       throw Misuse(variable(unknowns[k]).name + " is no unknown");
   const auto index = static_cast<std::size_t>(by.index);
   constexpr double command_step = 3e-5;  // forces and moments enter linearly
-  const bool is_command = base_.hydraulics && by.index < 6;
+  const bool is_command = base_.hydraulics && by.index < base_.wrench_input();
   const double step = by_state     ? plant_->steps()[by.index]
                       : is_command ? command_step
                                    : plant_->machine().platform.mass;
@@ -260,6 +273,7 @@ void Instance::derivative(unsigned known, const unsigned* unknowns, std::size_t 
 SavedState Instance::save(std::int64_t mode) const {
   auto saved = state_;
   saved.mode = mode;
+  if (loop_ && state_.ready) saved.loop = loop_->save();
   return saved;
 }
 
@@ -267,11 +281,16 @@ void Instance::restore(const SavedState& saved) {
   if (saved.parameters.size() != state_.parameters.size() || saved.x.size() != state_.x.size() ||
       saved.inputs.size() != state_.inputs.size())
     throw Misuse("the state is of another FMU");
-  state_ = saved;
-  if (saved.ready && built_with_ != saved.parameters) {
-    prepare();
-    state_.x = saved.x;
+  if (saved.ready) {
+    if (!saved.loop.empty() && (!loop_ || tuned_with_ != saved.at_rest)) {
+      const auto at_rest = plant_with(saved.at_rest);
+      loop_ = std::make_unique<Loop>(*at_rest, at_rest->machine().poses.back().X_BP);
+      tuned_with_ = saved.at_rest;
+    }
+    if (!saved.loop.empty()) loop_->restore(saved.loop);
+    if (built_with_ != saved.parameters) take(plant_with(saved.parameters), saved.parameters);
   }
+  state_ = saved;
   forget();
 }
 

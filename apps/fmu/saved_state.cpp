@@ -7,19 +7,27 @@ namespace hydrapod::fmu {
 
 namespace {
 
-constexpr std::array<char, 8> mark{'h', 'y', 'd', 'r', 'f', 'm', 'u', '1'};
+constexpr std::array<char, 8> mark{'h', 'y', 'd', 'r', 'f', 'm', 'u', '2'};
 
 /// The numbers of a state that have a fixed place.
 struct Head {
   std::array<char, 8> begin;
-  std::int64_t mode, flags, parameters, inputs, states;
+  std::int64_t mode, flags, parameters, inputs, states, loop;
   double time, start, stop, tolerance;
 };
+
+/// All lists, in the order in which they are written.
+template <class State>
+auto lists(State& state) {
+  return std::array{&state.parameters, &state.at_rest, &state.inputs, &state.x, &state.loop};
+}
 
 }  // namespace
 
 std::size_t SavedState::bytes() const {
-  return sizeof(Head) + (parameters.size() + inputs.size() + x.size()) * sizeof(double);
+  std::size_t numbers = 0;
+  for (const auto* list : lists(*this)) numbers += list->size();
+  return sizeof(Head) + numbers * sizeof(double);
 }
 
 void SavedState::write(char* to) const {
@@ -30,13 +38,14 @@ void SavedState::write(char* to) const {
                   size(parameters),
                   size(inputs),
                   size(x),
+                  size(loop),
                   time,
                   start,
                   stop,
                   tolerance};
   std::memcpy(to, &head, sizeof head);
   to += sizeof head;
-  for (const auto* list : {&parameters, &inputs, &x}) {
+  for (const auto* list : lists(*this)) {
     std::memcpy(to, list->data(), list->size() * sizeof(double));
     to += list->size() * sizeof(double);
   }
@@ -44,20 +53,29 @@ void SavedState::write(char* to) const {
 
 SavedState SavedState::read(const char* from, std::size_t size, const SavedState& like) {
   Head head{};
-  SavedState state{.parameters = like.parameters, .inputs = like.inputs, .x = like.x};
-  if (size != state.bytes())
-    throw Misuse("a serialized state of this FMU has " + std::to_string(state.bytes()) +
-                 " bytes, got " + std::to_string(size));
+  SavedState state{.parameters = like.parameters,
+                   .at_rest = like.at_rest,
+                   .inputs = like.inputs,
+                   .x = like.x,
+                   .loop = {}};
+  const std::size_t least = state.bytes();
+  if (size < least)
+    throw Misuse("a serialized state of this FMU has " + std::to_string(least) +
+                 " bytes or more, got " + std::to_string(size));
   std::memcpy(&head, from, sizeof head);
   const auto same = [](std::int64_t count, const auto& list) {
     return count == static_cast<std::int64_t>(list.size());
   };
+  const bool whole = head.loop >= 0 && (size - least) % sizeof(double) == 0 &&
+                     (size - least) / sizeof(double) == static_cast<std::size_t>(head.loop);
   if (head.begin != mark || head.flags < 0 || head.flags > 3 ||
       !same(head.parameters, state.parameters) || !same(head.inputs, state.inputs) ||
-      !same(head.states, state.x))
+      !same(head.states, state.x) || !whole ||
+      (head.loop > 0 && !Loop::fits(static_cast<std::size_t>(head.loop))))
     throw Misuse("these bytes are no serialized state of this FMU");
+  state.loop.resize(static_cast<std::size_t>(head.loop));
   from += sizeof head;
-  for (auto* list : {&state.parameters, &state.inputs, &state.x}) {
+  for (auto* list : lists(state)) {
     std::memcpy(list->data(), from, list->size() * sizeof(double));
     from += list->size() * sizeof(double);
   }

@@ -55,14 +55,17 @@ std::string identifier_of(const std::string& name) {
   return result.empty() ? "hydrapod" : result;
 }
 
-Parity parity_of(const FmuMachine& fmu) {
-  Parity parity{{Held::exact, "large motions of platform and legs, seals, end stops",
-                 "the equations of `hydrapod simulate`, doubles"},
-                {Held::exact, "numbers of the machine file that the plant depends on",
-                 "fixed parameters in SI units, to be set before the FMU is initialized"}};
+Parity parity_of(const FmuMachine& fmu, bool has_sources) {
+  Parity parity{
+      {Held::exact, "large motions of platform and legs, seals, end stops",
+       "the equations of `hydrapod simulate`, doubles"},
+      {Held::exact, "numbers of the machine file that the plant depends on",
+       "parameters in SI units: what changes no length can be tuned during a simulation, all "
+       "else is set before the FMU is initialized"}};
   if (fmu.hydraulics)
-    parity.push_back(
-        {Held::exact, "chambers, valves, supply, friction", "inputs are the valve commands"});
+    parity.push_back({Held::exact, "chambers, valves, supply, friction",
+                      fmu.controlled ? "valve commands come from the controller inside"
+                                     : "inputs are the valve commands"});
   else
     parity.push_back({Held::exact, "forces along the legs",
                       "inputs; they stand for all of the hydraulics, also for the oil springs"});
@@ -72,19 +75,28 @@ Parity parity_of(const FmuMachine& fmu) {
                     "within the tolerance that the environment gives, 1e-6 unless it gives one"});
   parity.push_back({Held::approximate, "derivatives for the environment",
                     "differences of order 4, within 1e-6 of the largest in their row"});
-  parity.push_back({Held::approximate, "controller and sensors",
-                    "not in the FMU: it is the machine that a controller meets"});
+  if (fmu.controlled) {
+    parity.push_back({Held::exact, "controller",
+                      "sampled, with its delay and limits; tuned for the parameters at the start"});
+    parity.push_back({Held::approximate, "sensors", "without noise, range and resolution"});
+  } else {
+    parity.push_back({Held::approximate, "controller and sensors",
+                      "not in the FMU: it is the machine that a controller meets"});
+  }
   parity.push_back({Held::approximate, "other computers",
-                    "x86-64 Linux with glibc; sources are not in the FMU"});
+                    has_sources ? "x86-64 Linux with glibc as it is; sources for others to compile"
+                                : "x86-64 Linux with glibc; sources are not in the FMU"});
   return parity;
 }
 
 FmuMachine machine_of(const Machine& machine, const model::NamedPose& pose,
                       const FmuOptions& options) {
-  return {.machine = with_reference(machine, pose),
-          .kind = options.kind,
-          .hydraulics = options.hydraulics,
-          .input_start = std::vector<double>(fmu_inputs, 0.0)};
+  FmuMachine made{.machine = with_reference(machine, pose),
+                  .kind = options.kind,
+                  .hydraulics = options.hydraulics,
+                  .controlled = options.controlled};
+  made.input_start.assign(static_cast<std::size_t>(made.inputs()), 0.0);
+  return made;
 }
 
 }  // namespace
@@ -94,7 +106,7 @@ Fmu fmu(const Machine& machine, const model::NamedPose& pose, const FmuOptions& 
   auto held = machine_of(machine, pose, options);
   const simulation::Plant plant(held.machine, held.kind, held.options(), held.reference());
   const auto rest = plant.equilibrium(held.reference());
-  for (int i = 0; i < model::leg_count; ++i)
+  for (int i = 0; i < model::leg_count && !held.controlled; ++i)
     held.input_start[static_cast<std::size_t>(i)] =
         options.hydraulics ? rest.input.command[i] : rest.input.axial[i];
   held.token = token_of(held, options.version);
@@ -105,7 +117,8 @@ Fmu fmu(const Machine& machine, const model::NamedPose& pose, const FmuOptions& 
                            .version = options.version,
                            .identifier = identifier_of(machine.name),
                            .title = head.title,
-                           .object_size = options.object.size()};
+                           .object_size = options.object.size(),
+                           .sources = options.sources};
   const bool three = options.version == FmuVersion::fmi3;
   ZipWriter zip;
   const auto add = [&](const std::string& name, const std::string& text) {
@@ -115,6 +128,8 @@ Fmu fmu(const Machine& machine, const model::NamedPose& pose, const FmuOptions& 
   add(fmt::format("binaries/{}/{}.so", three ? "x86_64-linux" : "linux64", content.identifier),
       options.object);
   add("resources/machine.json", fmu_machine_text(held));
+  if (!options.sources.empty()) add("sources/buildDescription.xml", fmu_build_description(content));
+  for (const auto& [name, text] : options.sources) add("sources/" + name, text);
   add("documentation/index.html", fmu_page(content));
   add("documentation/licenses/license.txt", options.notices);
   zip.add(three ? "terminalsAndIcons/icon.png" : "model.png", fmu_icon());
@@ -122,10 +137,11 @@ Fmu fmu(const Machine& machine, const model::NamedPose& pose, const FmuOptions& 
     add("terminalsAndIcons/terminalsAndIcons.xml",
         "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<fmiTerminalsAndIcons fmiVersion=\"3.0\">\n"
         "  <GraphicalRepresentation>\n"
-        "    <CoordinateSystem x1=\"-100\" y1=\"-100\" x2=\"100\" y2=\"100\"/>\n"
+        "    <CoordinateSystem x1=\"-100\" y1=\"-100\" x2=\"100\" y2=\"100\" "
+        "suggestedScalingFactorTo_mm=\"0.1\"/>\n"
         "    <Icon x1=\"-100\" y1=\"-100\" x2=\"100\" y2=\"100\"/>\n"
         "  </GraphicalRepresentation>\n</fmiTerminalsAndIcons>\n");
-  return {zip.bytes(), parity_of(held)};
+  return {zip.bytes(), parity_of(held, !options.sources.empty())};
 }
 
 /// From the folder of what this code is in, upwards: a build folder has apps/fmu, an installation

@@ -38,6 +38,14 @@ std::vector<int> places(const FmuContent& fmu) {
   return result;
 }
 
+/// FMI 2.0 lists them in the model description, FMI 3.0 in the build description.
+std::string source_files(const FmuContent& fmu) {
+  std::string files;
+  for (const auto& [name, text] : fmu.sources)
+    if (is_compiled(name)) files += fmt::format("      <File{}/>\n", attribute("name", name));
+  return files.empty() ? files : "    <SourceFiles>\n" + files + "    </SourceFiles>\n";
+}
+
 std::string interfaces(const FmuContent& fmu) {
   const std::string identifier = attribute("modelIdentifier", fmu.identifier);
   if (is_fmi3(fmu)) {
@@ -47,16 +55,20 @@ std::string interfaces(const FmuContent& fmu) {
         R"( providesAdjointDerivatives="true")";
     return fmt::format(
         "  <ModelExchange{}/>\n"
-        "  <CoSimulation{} canHandleVariableCommunicationStepSize=\"true\"/>\n",
+        "  <CoSimulation{} canHandleVariableCommunicationStepSize=\"true\" "
+        "hasEventMode=\"true\" mightReturnEarlyFromDoStep=\"true\" "
+        "providesIntermediateUpdate=\"true\" canReturnEarlyAfterIntermediateUpdate=\"true\"/>\n",
         common, common);
   }
   const std::string common =
       identifier + R"( canNotUseMemoryManagementFunctions="true" canGetAndSetFMUstate="true")"
                    R"( canSerializeFMUstate="true" providesDirectionalDerivative="true")";
+  const auto files = source_files(fmu);
   return fmt::format(
-      "  <ModelExchange{} completedIntegratorStepNotNeeded=\"true\"/>\n"
-      "  <CoSimulation{} canHandleVariableCommunicationStepSize=\"true\"/>\n",
-      common, common);
+      "  <ModelExchange{0} completedIntegratorStepNotNeeded=\"true\">\n{1}  </ModelExchange>\n"
+      "  <CoSimulation{0} canHandleVariableCommunicationStepSize=\"true\">\n{1}"
+      "  </CoSimulation>\n",
+      common, files);
 }
 
 std::string units(const FmuContent& fmu) {
@@ -85,7 +97,10 @@ std::string causality(const FmuVariable& variable) {
     case FmuRole::input:
       return R"( causality="input" variability="continuous")";
     case FmuRole::parameter:
-      return R"( causality="parameter" variability="fixed" initial="exact")";
+      return fmt::format(R"( causality="parameter" variability="{}" initial="exact")",
+                         variable.tunable ? "tunable" : "fixed");
+    case FmuRole::drive:
+      return R"( causality="output" variability="discrete" initial="calculated")";
     case FmuRole::output:
       return R"( causality="output" variability="continuous" initial="calculated")";
     default:
@@ -113,8 +128,9 @@ std::string variables(const FmuContent& fmu, const std::vector<int>& place) {
                                attribute("description", variable.description) + causality(variable);
     if (!is_listed(fmu, variable)) continue;
     const auto values = numbers(fmu, variable, place);
+    const char* intermediate = variable.is_intermediate() ? " intermediateUpdate=\"true\"" : "";
     text += is_fmi3(fmu)
-                ? fmt::format("    <Float64{}{}/>\n", common, values)
+                ? fmt::format("    <Float64{}{}{}/>\n", common, intermediate, values)
                 : fmt::format("    <ScalarVariable{}><Real{}/></ScalarVariable>\n", common, values);
   }
   return text + "  </ModelVariables>\n";
@@ -142,7 +158,8 @@ struct Unknowns {
   std::string outputs{}, derivatives{}, initial{}, indicators{};
 };
 
-/// What is unknown at first depends on all parameters, by the rest of the machine.
+/// What is unknown at first depends on all parameters, by the rest of the machine. The drives of
+/// the controller depend on all that it measures and is commanded.
 Unknowns unknowns(const FmuContent& fmu, const std::vector<int>& place) {
   const bool three = is_fmi3(fmu);
   Unknowns found;
@@ -154,9 +171,10 @@ Unknowns unknowns(const FmuContent& fmu, const std::vector<int>& place) {
     const auto add = [&](std::string& list, const char* name, bool dependencies) {
       list += unknown(fmu, place, at, three ? name : "Unknown", dependencies);
     };
-    if (is_output) add(found.outputs, "Output", true);
+    const bool is_drive = variable.role == FmuRole::drive;
+    if (is_output || is_drive) add(found.outputs, "Output", !is_drive);
     if (is_derivative) add(found.derivatives, "ContinuousStateDerivative", true);
-    if (is_output || is_derivative || variable.role == FmuRole::state)
+    if (is_output || is_drive || is_derivative || variable.role == FmuRole::state)
       add(found.initial, "InitialUnknown", false);
     if (variable.role == FmuRole::indicator) add(found.indicators, "EventIndicator", true);
   }

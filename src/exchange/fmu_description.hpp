@@ -14,7 +14,14 @@ struct FmuContent {
   std::string identifier{};  ///< of the shared object: letters, digits, underscores
   std::string title{};
   std::size_t object_size{};
+  const FmuSources& sources;
 };
+
+/// Is the file compiled, or included by others?
+bool is_compiled(std::string_view name);
+/// sources/buildDescription.xml of FMI 3.0, which says how the sources become a shared object. FMI
+/// 2.0 has no such file of its own and takes this one.
+std::string fmu_build_description(const FmuContent& fmu);
 
 std::string fmu_description(const FmuContent& fmu);
 /// In HTML.

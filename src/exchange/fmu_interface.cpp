@@ -14,15 +14,92 @@ namespace {
 using model::ParameterId;
 using simulation::Plant;
 
-/// Of controllers, sensors and limits of poses, on which the plant does not depend; joints are
-/// parameters themselves, not the circle on which they were laid out.
-bool concerns_plant(std::string_view path, bool hydraulics) {
-  constexpr std::array never{"controller.", "sensors.", "legs.joint_limits.", "base.joints.circle",
+/// Of sensors and limits of poses, on which nothing here depends; joints are parameters themselves,
+/// not the circle on which they were laid out.
+bool concerns(std::string_view path, const FmuMachine& fmu) {
+  constexpr std::array never{"sensors.", "legs.joint_limits.", "base.joints.circle",
                              "platform.joints.circle"};
   constexpr std::array of_oil{"supply.", "legs.valve.", "legs.leakage.", "legs.friction."};
   const auto begins = [&](const char* front) { return path.starts_with(front); };
   if (std::ranges::any_of(never, begins)) return false;
-  return hydraulics || !std::ranges::any_of(of_oil, begins);
+  if (path.starts_with("controller.")) return fmu.controlled;
+  return fmu.hydraulics || !std::ranges::any_of(of_oil, begins);
+}
+
+/// On them the force of each leg at rest at the reference pose depends.
+constexpr std::array of_rest{"environment.gravity",
+                             "platform.mass",
+                             "legs.case.mass",
+                             "legs.rod.mass",
+                             "legs.guide_sleeve.stiffness",
+                             "legs.piston_ring.stiffness"};
+
+/// What enters the equations of motion and no lengths: masses, inertias, stiffnesses, dampers,
+/// valves, friction, leakage, oil and supply.
+constexpr std::array of_equations{"environment.gravity",
+                                  "platform.mass",
+                                  "platform.inertia",
+                                  "legs.case.mass",
+                                  "legs.case.transverse_inertia",
+                                  "legs.case.axial_inertia",
+                                  "legs.rod.mass",
+                                  "legs.rod.transverse_inertia",
+                                  "legs.rod.axial_inertia",
+                                  "legs.added_axial_inertia",
+                                  "legs.gimbal_cross_inertia",
+                                  "legs.guide_sleeve.stiffness",
+                                  "legs.guide_sleeve.damping",
+                                  "legs.piston_ring.stiffness",
+                                  "legs.piston_ring.damping",
+                                  "legs.valve.natural_frequency",
+                                  "legs.valve.damping_ratio",
+                                  "legs.valve.rate_limit",
+                                  "legs.valve.leakage",
+                                  "legs.valve.overlap",
+                                  "legs.valve.laminar_pressure",
+                                  "legs.valve.rated_flow",
+                                  "legs.valve.rated_pressure_drop",
+                                  "legs.leakage.internal",
+                                  "legs.leakage.external",
+                                  "legs.friction.coulomb",
+                                  "legs.friction.breakaway",
+                                  "legs.friction.viscous",
+                                  "legs.friction.stribeck_velocity",
+                                  "legs.friction.smoothing_velocity",
+                                  "legs.joint_friction.viscous",
+                                  "legs.joint_friction.coulomb",
+                                  "legs.joint_friction.smoothing_rate",
+                                  "legs.end_stops.stiffness",
+                                  "legs.end_stops.damping",
+                                  "legs.oil_spring.cylinder.bulk_modulus",
+                                  "legs.equivalent_cylinder.bulk_modulus",
+                                  "supply.pressure",
+                                  "supply.return_pressure",
+                                  "supply.pump_flow",
+                                  "supply.line_volume",
+                                  "damping.rayleigh_mass",
+                                  "damping.rayleigh_stiffness",
+                                  "damping.modal_ratio"};
+
+/// Can it change during a simulation, with states that mean the same before and after? Where
+/// gimbals or the base give way, lengths are counted from the rest under the load at the start. A
+/// cylinder that is not given has an area by the platform's weight and the supply pressure.
+bool is_tunable(const model::Machine& machine, std::string_view row) {
+  const auto is = [&](std::string_view one) {
+    return row == one ||
+           (row.starts_with(one) && row.size() > one.size() && row[one.size()] == '.');
+  };
+  if (std::ranges::none_of(of_equations, is)) return false;
+  const bool counts_from_rest =
+      machine.base_mount || std::ranges::any_of(machine.legs, [](const auto& leg) {
+        return leg.gimbal_stiffness.has_value();
+      });
+  if (counts_from_rest && std::ranges::any_of(of_rest, is)) return false;
+  const bool area_by_load = std::ranges::any_of(machine.legs, [](const auto& leg) {
+    return !leg.oil_spring.cylinder && !leg.hydraulics.equivalent_cylinder.area;
+  });
+  constexpr std::array of_area{"environment.gravity", "platform.mass", "supply.pressure"};
+  return !(area_by_load && std::ranges::any_of(of_area, is));
 }
 
 std::vector<ParameterId> parameters_of(const FmuMachine& fmu) {
@@ -35,7 +112,7 @@ std::vector<ParameterId> parameters_of(const FmuMachine& fmu) {
       continue;
     }
     const bool shared = id.of == 0 && path.starts_with(model::of_legs);
-    if (!shared && concerns_plant(path, fmu.hydraulics)) kept.push_back(id);
+    if (!shared && concerns(path, fmu)) kept.push_back(id);
   }
   return kept;
 }
@@ -74,6 +151,7 @@ FmuVariable parameter_variable(const model::Machine& machine, const ParameterId&
                    .name = parameter_name(machine, id),
                    .unit = std::string(model::unit(machine, id)),
                    .description = std::string(row.path) + ": " + plain_meaning(row.meaning),
+                   .tunable = is_tunable(machine, row.path),
                    .start = model::value(machine, id)};
   if (std::isfinite(row.bound.lowest)) made.low = row.bound.lowest;
   if (std::isfinite(row.bound.highest)) made.high = row.bound.highest;
@@ -90,12 +168,22 @@ FmuVariable input_variable(const FmuMachine& fmu, int k) {
     made.description = description;
     made.nominal = nominal;
   };
-  if (k >= 6) {
-    made.name = std::string("wrench.") + names.at(static_cast<std::size_t>(k) - 6);
-    if (k < 9)
+  const int wrench = k - fmu.wrench_input();
+  if (wrench >= 0) {
+    made.name = std::string("wrench.") + names.at(static_cast<std::size_t>(wrench));
+    if (wrench < 3)
       describe("N", "force on the platform along a base axis", 1e3);
     else
       describe("N m", "moment on the platform about its mass centre, base axes", 1e3);
+    return made;
+  }
+  if (fmu.controlled) {
+    const bool rate = k >= 6, turn = k % 6 >= 3;
+    made.name = (rate ? "command_rate." : "command.") + std::string(spatial::direction_name(k % 6));
+    describe(turn ? (rate ? "rad/s" : "rad") : (rate ? "m/s" : "m"),
+             rate ? "rate of the command, which the controller feeds forward"
+                  : "commanded displacement of the platform from the reference pose",
+             turn ? 0.1 : 1.0);
     return made;
   }
   made.name = "leg" + std::to_string(k + 1) + (fmu.hydraulics ? ".valve_command" : ".axial_force");
@@ -204,7 +292,9 @@ FmuInterface fmu_interface(const FmuMachine& fmu, const Plant& plant) {
   FmuInterface result;
   auto& all = result.variables;
   all.push_back({.role = FmuRole::time, .name = "time", .unit = "s", .description = "time"});
-  for (int k = 0; k < fmu_inputs; ++k) all.push_back(input_variable(fmu, k));
+  result.wrench_input = fmu.wrench_input();
+  result.controlled = fmu.controlled;
+  for (int k = 0; k < fmu.inputs(); ++k) all.push_back(input_variable(fmu, k));
   add_states(plant, all);
   int index = 0;
   for (const auto& one : fmu_output_table(plant))
@@ -220,6 +310,13 @@ FmuInterface fmu_interface(const FmuMachine& fmu, const Plant& plant) {
   index = 0;
   for (const auto& id : result.parameters)
     all.push_back(parameter_variable(fmu.machine, id, index++));
+  for (int leg = 0; leg < model::leg_count && fmu.controlled; ++leg)
+    all.push_back({.role = FmuRole::drive,
+                   .index = leg,
+                   .name = "leg" + std::to_string(leg + 1) + ".valve_command",
+                   .unit = "1",
+                   .description = "command of the valve by the controller, + extends the leg",
+                   .nominal = 1.0});
   return result;
 }
 
@@ -231,11 +328,13 @@ std::vector<double> fmu_indicators(const FmuInterface& interface, const Plant& p
   return kept;
 }
 
-simulation::PlantInput fmu_plant_input(bool hydraulics, const std::vector<double>& inputs) {
+simulation::PlantInput fmu_plant_input(const FmuMachine& machine, const std::vector<double>& inputs,
+                                       const spatial::Vector6& drives) {
   simulation::PlantInput input;
   const Eigen::Map<const spatial::Vector6> actuators(inputs.data());
-  (hydraulics ? input.command : input.axial) = actuators;
-  input.wrench = Eigen::Map<const spatial::Vector6>(inputs.data() + 6);
+  (machine.hydraulics ? input.command : input.axial) = actuators;
+  if (machine.controlled) input.command = drives;
+  input.wrench = Eigen::Map<const spatial::Vector6>(inputs.data() + machine.wrench_input());
   return input;
 }
 

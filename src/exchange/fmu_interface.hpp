@@ -6,12 +6,15 @@
 /// plant.
 ///
 /// Variables stand in this order, and a variable's place is its value reference: time, inputs,
-/// states, derivatives (of the states, in their order), outputs, event indicators, parameters.
-/// Some states are outputs as well.
+/// states, derivatives (of the states, in their order), outputs, event indicators, parameters, and
+/// with the controller its drives. Some states are outputs as well.
 ///
 /// Inputs are the commands of the valves, or without hydraulics the axial forces on the pistons,
-/// then the wrench on the platform about its mass centre. Parameters are the numbers of the machine
-/// file that the plant depends on; what stands for all legs there is a parameter of each leg here.
+/// then the wrench on the platform about its mass centre. With the controller inside, the commanded
+/// displacement and its rate stand in the place of the valves' commands, which are outputs then.
+/// Parameters are the numbers of the machine file that the plant depends on; what stands for all
+/// legs there is a parameter of each leg here. Those that enter the equations alone, and not what
+/// the states mean, can be tuned during a simulation.
 
 #include <optional>
 #include <string>
@@ -28,6 +31,7 @@ struct FmuMachine {
   model::Machine machine{};
   dynamics::ModelKind kind{dynamics::ModelKind::guide};
   bool hydraulics{true};
+  bool controlled{};                  ///< the controller is inside; with hydraulics only
   std::string token{};                ///< the FMU's guid or instantiation token
   std::vector<double> input_start{};  ///< what holds the machine at rest
 
@@ -35,13 +39,16 @@ struct FmuMachine {
   [[nodiscard]] simulation::PlantOptions options() const {
     return {.hydraulics = hydraulics, .oil_springs = false};
   }
+  /// The first input of the wrench.
+  [[nodiscard]] int wrench_input() const { return controlled ? 12 : 6; }
+  [[nodiscard]] int inputs() const { return wrench_input() + 6; }
 };
 
 std::string fmu_machine_text(const FmuMachine& machine);
 /// Throws std::exception for a text that is none of these.
 FmuMachine read_fmu_machine(const std::string& text);
 
-enum class FmuRole { time, input, state, derivative, output, indicator, parameter };
+enum class FmuRole { time, input, state, derivative, output, indicator, parameter, drive };
 
 struct FmuVariable {
   FmuRole role{};
@@ -50,16 +57,22 @@ struct FmuVariable {
   std::string unit{};
   std::string description{};
   bool is_output{};  ///< of a state
+  bool tunable{};    ///< of a parameter
   std::optional<double> low{}, high{}, nominal{};
   std::optional<double> start{};
-};
 
-inline constexpr int fmu_inputs = 12;
+  /// In FMI 3.0 it can be set or got within a step of co-simulation.
+  [[nodiscard]] bool is_intermediate() const {
+    return role == FmuRole::input || role == FmuRole::output || is_output;
+  }
+};
 
 struct FmuInterface {
   std::vector<FmuVariable> variables{};
   std::vector<model::ParameterId> parameters{};
   std::vector<int> indicators{};  ///< numbers of the plant's event functions
+  int wrench_input{};             ///< the first input of the wrench
+  bool controlled{};
 
   [[nodiscard]] int first(FmuRole role) const;
   [[nodiscard]] int count(FmuRole role) const;
@@ -85,7 +98,9 @@ struct FmuDependency {
 std::vector<FmuDependency> fmu_dependencies(const FmuInterface& interface,
                                             const simulation::Plant& plant, int variable);
 
-simulation::PlantInput fmu_plant_input(bool hydraulics, const std::vector<double>& inputs);
+/// `drives`: of the controller inside, where there is one.
+simulation::PlantInput fmu_plant_input(const FmuMachine& machine, const std::vector<double>& inputs,
+                                       const spatial::Vector6& drives);
 
 /// Outputs (those that are no states) at x, in order. Throws base::ComputationError where x is no
 /// state.

@@ -88,11 +88,11 @@ model::NamedPose pose_of(const Json& json) {
 
 std::string fmu_machine_text(const FmuMachine& of) {
   auto machine = of.machine;
-  Json json{{"format", format_name},       {"token", of.token},
-            {"name", machine.name},        {"model", static_cast<int>(of.kind)},
-            {"hydraulics", of.hydraulics}, {"input_start", of.input_start},
-            {"poses", Json::array()},      {"words", Json::object()},
-            {"numbers", Json::object()}};
+  Json json{{"format", format_name},         {"token", of.token},
+            {"name", machine.name},          {"model", static_cast<int>(of.kind)},
+            {"hydraulics", of.hydraulics},   {"controller", of.controlled},
+            {"input_start", of.input_start}, {"poses", Json::array()},
+            {"words", Json::object()},       {"numbers", Json::object()}};
   for (const auto& pose : machine.poses) json["poses"].push_back(pose_json(pose));
   for (const auto& row : model::parameter_table()) {
     if (row.word != nullptr) json["words"][std::string(row.path)] = words_json(machine, row);
@@ -109,13 +109,15 @@ FmuMachine read_fmu_machine(const std::string& text) {
     throw std::invalid_argument(std::string("expected the format \"") + format_name + "\"");
   FmuMachine result{.kind = static_cast<dynamics::ModelKind>(json.at("model").get<int>()),
                     .hydraulics = json.at("hydraulics").get<bool>(),
+                    .controlled = json.at("controller").get<bool>(),
                     .token = json.at("token").get<std::string>(),
                     .input_start = json.at("input_start").get<std::vector<double>>()};
   auto& machine = result.machine;
   machine.name = json.at("name").get<std::string>();
   for (const auto& pose : json.at("poses")) machine.poses.push_back(pose_of(pose));
-  if (machine.poses.empty() || result.input_start.size() != fmu_inputs)
-    throw std::invalid_argument("expected a pose and 12 starts of inputs");
+  if (machine.poses.empty() ||
+      result.input_start.size() != static_cast<std::size_t>(result.inputs()))
+    throw std::invalid_argument("expected a pose and a start of each input");
   for (const auto& row : model::parameter_table()) {
     const std::string path(row.path);
     if (holds_numbers(row) && json.at("numbers").contains(path))

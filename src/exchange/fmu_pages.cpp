@@ -25,6 +25,21 @@ std::string table_of(const FmuContent& fmu, const char* title, const auto& is_sh
   return text + "</table>\n";
 }
 
+/// How the sources are compiled, on Debian for instance.
+std::string building(const FmuContent& fmu) {
+  if (fmu.sources.empty()) return {};
+  return fmt::format(
+      "<h2>Sources</h2>\n<p>The folder sources holds the C++20 sources of the shared object; "
+      "sources/buildDescription.xml says how they are compiled. They need the headers of Eigen "
+      "3.4, "
+      "fmt 9, JSON for Modern C++ 3.11 and SUNDIALS 6.4 (Debian 12: libeigen3-dev, libfmt-dev, "
+      "nlohmann-json3-dev, libsundials-dev), and link to three libraries of SUNDIALS:</p>\n"
+      "<pre>g++ -std=c++20 -O2 -fPIC -shared -fvisibility=hidden -DEIGEN_MAX_ALIGN_BYTES=16 "
+      "-DFMT_HEADER_ONLY \\\n  -I sources -I /usr/include/eigen3 $(find sources -name '*.cpp') "
+      "\\\n  -lsundials_arkode -lsundials_cvode -lsundials_nvecserial -o {}.so</pre>\n",
+      fmu.identifier);
+}
+
 std::string resources(const FmuContent& fmu) {
   const auto count = [&](FmuRole role) { return fmu.interface.count(role); };
   return fmt::format(
@@ -79,18 +94,27 @@ std::string fmu_page(const FmuContent& fmu) {
              "Wrenches act about the mass centre of platform and payload. Motions are against the "
              "base, in its axes.</p>\n",
              escaped(fmu.title), three ? "3.0" : "2.0", base::version,
-             fmu.machine.hydraulics
+             fmu.machine.controlled
+                 ? "The controller inside reads the true lengths and pressures at its samples."
+             : fmu.machine.hydraulics
                  ? "The start values of the valve commands hold it there."
                  : "The start values of the axial forces hold it there; there is no oil spring.") +
          "<p>Model exchange: the event indicators mark end stops, cavitation and the piston that "
          "leaves its guide sleeve, where the model ends. Co-simulation: an embedded Runge–Kutta "
          "method of order 5(4) with the tolerance that the environment gives (1e-6 unless it gives "
          "one); it starts anew in every step, so a saved state continues bit by bit. A step that "
-         "cannot be completed is answered by Discard.</p>\n" +
-         resources(fmu) + table_of(fmu, "Inputs", of(FmuRole::input)) +
+         "cannot be completed is answered by Discard. In FMI 3.0 a step returns early at an event "
+         "where that is allowed, and calls the intermediate update every millisecond.</p>\n"
+         "<p>Parameters that change no length, such as masses, stiffnesses, dampers, friction, "
+         "valves "
+         "and the supply, are tunable: they can be set at events and between steps. The state "
+         "stays, "
+         "the equations change. All others are fixed.</p>\n" +
+         resources(fmu) + building(fmu) + table_of(fmu, "Inputs", of(FmuRole::input)) +
          table_of(fmu, "Outputs",
                   [](const FmuVariable& variable) {
-                    return variable.role == FmuRole::output || variable.is_output;
+                    return variable.role == FmuRole::output || variable.is_output ||
+                           variable.role == FmuRole::drive;
                   }) +
          table_of(fmu, "Parameters", of(FmuRole::parameter)) + "</body></html>\n";
 }

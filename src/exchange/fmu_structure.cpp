@@ -18,7 +18,9 @@ class Knowns {
       : plant_(plant),
         layout_(plant.layout()),
         first_state_(interface.first(FmuRole::state)),
-        first_input_(interface.first(FmuRole::input)) {}
+        first_input_(interface.first(FmuRole::input)),
+        first_wrench_(first_input_ + interface.wrench_input),
+        controlled_(interface.controlled) {}
 
   void state(int index, bool constant = false) {
     found_.push_back({first_state_ + index, constant});
@@ -42,7 +44,7 @@ class Knowns {
     if ((parts & part::base) != 0) states(layout_.base, base);
     if ((parts & part::base_rate) != 0) states(layout_.base + base, base);
     if ((parts & part::wrench) != 0)
-      for (int k = 0; k < 6; ++k) input(6 + k);
+      for (int k = 0; k < 6; ++k) found_.push_back({first_wrench_ + k, false});
   }
 
   [[nodiscard]] std::vector<FmuDependency> sorted() {
@@ -61,13 +63,14 @@ class Knowns {
     if ((parts & part::spool_rate) != 0 && oil) state(layout_.spool(i) + 1);
     if ((parts & part::bristle) != 0 && plant_.axis(i).friction.has_bristles() && oil)
       state(layout_.bristles + i);
-    if ((parts & part::valve) != 0 && oil) input(i);
+    if ((parts & part::valve) != 0 && oil && !controlled_) input(i);
     if ((parts & part::axial) != 0 && !oil) input(i);
   }
 
   const Plant& plant_;
   const simulation::StateLayout& layout_;
-  int first_state_, first_input_;
+  int first_state_, first_input_, first_wrench_;
+  bool controlled_;
   std::vector<FmuDependency> found_{};
 };
 

@@ -4,6 +4,8 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cstdlib>
+#include <filesystem>
 #include <set>
 #include <sstream>
 
@@ -38,6 +40,14 @@ TEST(FmuArchive, KeepsTheRulesOfTheStandards) {
       for (const bool hydraulics : {true, false}) {
         arguments.push_back((folder / std::to_string(arguments.size())).string() + ".fmu");
         base::write_file_whole(arguments.back(), archive_of(machine, version, hydraulics, kind));
+        if (!hydraulics) continue;
+        arguments.push_back((folder / std::to_string(arguments.size())).string() + ".fmu");
+        base::write_file_whole(
+            arguments.back(),
+            archive_of(machine, {.version = version,
+                                 .kind = kind,
+                                 .controlled = true,
+                                 .sources = exchange::fmu_sources(exchange::fmu_object_file())}));
       }
   };
   add(machine_of("heavy-platform"), dynamics::ModelKind::guide);
@@ -91,7 +101,7 @@ TEST(FmuArchive, ItsMachineIsThatOfTheFile) {
                                                                 : model::FlexibleAxes::transverse,
                                              .piston_ring = k % 3 == 0}),
         .token = "token",
-        .input_start = std::vector<double>(exchange::fmu_inputs, 0.1)};
+        .input_start = std::vector<double>(12, 0.1)};
     const auto text = exchange::fmu_machine_text(fmu);
     const auto back = exchange::read_fmu_machine(text);
     EXPECT_EQ(text, exchange::fmu_machine_text(back));
@@ -114,9 +124,65 @@ TEST(FmuArchive, IsWhatTheProgramWrites) {
   const Slave slave(fmu, true);
   EXPECT_EQ(ok, slave.step(0.0, 1e-3));
 
-  const auto loop = run_hydrapod({"export", model, "--to", "fmu2", "--system", "loop", "-o", file});
-  EXPECT_EQ(2, loop.exit_code);
-  EXPECT_THAT(loop.err, testing::HasSubstr("expected plant or mechanics"));
+  const auto loop =
+      run_hydrapod({"export", model, "--to", "fmu2", "--system", "loop", "-o", file, "--force"});
+  ASSERT_EQ(0, loop.exit_code) << loop.err;
+  EXPECT_THAT(loop.out, testing::HasSubstr("without noise, range and resolution"));
+  const Unpacked controlled(read_text(file));
+  EXPECT_EQ(1U, controlled.references.count("command_rate.rz"));
+  EXPECT_TRUE(std::filesystem::exists(controlled.folder() + "/sources/fmu/loop.cpp"));
+  const auto sampled = run_hydrapod({"export", model, "--to", "fmu2", "--sampled", "-o", file});
+  EXPECT_EQ(2, sampled.exit_code);
+}
+
+/// The environment's schemas, where a developer has them: FMI_SCHEMAS names a folder with fmi2 and
+/// fmi3, in which the files of the standards stand.
+TEST(FmuArchive, KeepsTheSchemasOfTheStandards) {
+  const char* schemas = std::getenv("FMI_SCHEMAS");
+  if (schemas == nullptr) GTEST_SKIP() << "FMI_SCHEMAS is not set";
+  const auto sources = exchange::fmu_sources(exchange::fmu_object_file());
+  const auto validate = [&](const std::string& schema, const std::string& file) {
+    const auto run =
+        run_program("xmllint", {"--noout", "--schema", std::string(schemas) + "/" + schema, file});
+    EXPECT_EQ(0, run.exit_code) << run.err.substr(0, 2000);
+  };
+  for (const bool controlled : {false, true}) {
+    const Unpacked two(
+        archive_of(rich_machine(),
+                   {.version = FmuVersion::fmi2, .controlled = controlled, .sources = sources}));
+    validate("fmi2/fmi2ModelDescription.xsd", two.folder() + "/modelDescription.xml");
+    const Unpacked three(
+        archive_of(rich_machine(),
+                   {.version = FmuVersion::fmi3, .controlled = controlled, .sources = sources}));
+    validate("fmi3/fmi3ModelDescription.xsd", three.folder() + "/modelDescription.xml");
+    validate("fmi3/fmi3BuildDescription.xsd", three.folder() + "/sources/buildDescription.xml");
+    validate("fmi3/fmi3TerminalsAndIcons.xsd",
+             three.folder() + "/terminalsAndIcons/terminalsAndIcons.xml");
+  }
+}
+
+/// FMPy's rules, and a run of both kinds by it, where a developer has it for python3.
+TEST(FmuArchive, IsTakenByFmpy) {
+  if (run_program("python3", {"-c", "import fmpy"}).exit_code != 0)
+    GTEST_SKIP() << "there is no FMPy";
+  const std::string script = R"(
+import sys, fmpy
+from fmpy.validation import validate_fmu
+problems = validate_fmu(sys.argv[1])
+runs = [fmpy.simulate_fmu(sys.argv[1], fmi_type=kind, solver='Euler', step_size=1e-4, stop_time=0.01,
+                          output_interval=1e-3, output=['pose.z']) for kind in ('CoSimulation', 'ModelExchange')]
+if problems or abs(runs[0][-1][1] - runs[1][-1][1]) > 1e-6:
+    sys.exit('\n'.join(problems) + str(runs))
+)";
+  TemporaryFolder folder;
+  const auto file = (folder / "machine.fmu").string();
+  for (const auto version : {FmuVersion::fmi2, FmuVersion::fmi3})
+    for (const bool controlled : {false, true}) {
+      base::write_file_whole(file, archive_of(machine_of("heavy-platform"),
+                                              {.version = version, .controlled = controlled}));
+      const auto run = run_program("python3", {"-c", script, file});
+      EXPECT_EQ(0, run.exit_code) << run.out << run.err;
+    }
 }
 
 /// Dependencies of the elements in `text`, as value references.
@@ -146,7 +212,7 @@ class Structure {
         held_{.machine = machine,
               .kind = kind,
               .hydraulics = hydraulics,
-              .input_start = std::vector<double>(exchange::fmu_inputs)},
+              .input_start = std::vector<double>(12)},
         plant_(machine, kind, held_.options()),
         interface_(exchange::fmu_interface(held_, plant_)),
         first_(static_cast<unsigned>(interface_.first(exchange::FmuRole::state))),
@@ -162,7 +228,7 @@ class Structure {
     auto x = rest_;
     for (std::size_t k = 0; k < x.size(); ++k)
       x[k] += 0.3 * plant_.scales()[static_cast<int>(k)] * random.uniform(-1.0, 1.0);
-    std::vector<double> inputs(exchange::fmu_inputs);
+    std::vector<double> inputs(12);
     for (std::size_t k = 0; k < inputs.size(); ++k)
       inputs[k] = random.uniform(-0.5, 0.5) * (k < 6 && hydraulics_ ? 1.0 : 500.0);
     const auto before = values_at(x, inputs);

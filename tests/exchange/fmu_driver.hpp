@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include <cstdint>
+#include <functional>
 #include <map>
 #include <regex>
 #include <stdexcept>
@@ -21,24 +22,24 @@ namespace hydrapod::test {
 enum Status { ok = 0, warning = 1, discard = 2, error = 3 };
 
 /// The bytes of an FMU of this build.
+inline std::string archive_of(const model::Machine& machine, exchange::FmuOptions options) {
+  const auto object = exchange::fmu_object_file();
+  if (object.empty()) throw std::runtime_error("build the target hydrapod_fmu");
+  options.object = read_text(object);
+  options.notices = "none";
+  return exchange::fmu(machine, machine.poses.front(), options, {.title = machine.name}).archive;
+}
 inline std::string archive_of(const model::Machine& machine, exchange::FmuVersion version,
                               bool hydraulics,
                               dynamics::ModelKind kind = dynamics::ModelKind::guide) {
-  const auto object = exchange::fmu_object_file();
-  if (object.empty()) throw std::runtime_error("build the target hydrapod_fmu");
-  return exchange::fmu(machine, machine.poses.front(),
-                       {.version = version,
-                        .kind = kind,
-                        .hydraulics = hydraulics,
-                        .object = read_text(object),
-                        .notices = "none"},
-                       {.title = machine.name})
-      .archive;
+  return archive_of(machine, {.version = version, .kind = kind, .hydraulics = hydraulics});
 }
 
 class Unpacked {
  public:
-  explicit Unpacked(const std::string& archive) {
+  /// `other_object`: instead of the one in the archive.
+  explicit Unpacked(const std::string& archive,
+                    const std::function<std::string(const Unpacked&)>& other_object = {}) {
     base::write_file_whole(file(), archive);
     const auto made = run_program("/usr/bin/python3",
                                   {"-m", "zipfile", "-e", file(), (folder_ / "all").string()});
@@ -53,6 +54,7 @@ class Unpacked {
     token = word(three ? "instantiationToken" : "guid");
     object = (folder_ / "all/binaries").string() + (three ? "/x86_64-linux/" : "/linux64/") +
              word("modelIdentifier") + ".so";
+    if (other_object) object = other_object(*this);
     library_ = dlopen(object.c_str(), RTLD_NOW | RTLD_LOCAL);
     if (library_ == nullptr) throw std::runtime_error(dlerror());
     const std::regex variable("name=\"([^\"]*)\" valueReference=\"(\\d+)\"");
@@ -75,6 +77,7 @@ class Unpacked {
   }
 
   [[nodiscard]] std::string file() const { return (folder_ / "machine.fmu").string(); }
+  [[nodiscard]] std::string folder() const { return (folder_ / "all").string(); }
   [[nodiscard]] std::string resources() const { return (folder_ / "all/resources").string(); }
   [[nodiscard]] unsigned reference(const std::string& name) const { return references.at(name); }
 
@@ -90,6 +93,22 @@ class Unpacked {
 inline void ignore_message(void*, const char*, int, const char*, const char*, ...) {}
 inline void ignore_message_3(void*, int, const char*, const char*) {}
 
+using IntermediateUpdate = void (*)(void*, double, bool, bool, bool, bool, bool*, double*);
+
+/// What an importer of FMI 3.0 can do in co-simulation.
+struct Importer {
+  bool event_mode{}, early_return{};
+  std::vector<unsigned> intermediate_variables{};
+  IntermediateUpdate intermediate_update{};
+  void* environment{};
+  void (*log)(void*, int, const char*, const char*){ignore_message_3};
+};
+
+struct Reached {
+  bool event{}, terminate{}, early{};
+  double time{};
+};
+
 struct Callbacks {
   void (*logger)(void*, const char*, int, const char*, const char*, ...){ignore_message};
   void* (*allocate)(std::size_t, std::size_t){};
@@ -101,13 +120,15 @@ struct Callbacks {
 /// An instance, by the functions that both versions have.
 class Slave {
  public:
-  Slave(const Unpacked& fmu, bool co_simulation, bool initialize = true, double tolerance = 1e-6)
+  Slave(const Unpacked& fmu, bool co_simulation, bool initialize = true, double tolerance = 1e-6,
+        const Importer& importer = {})
       : fmu_(fmu) {
     if (fmu.three && co_simulation)
-      instance_ = fmu.call<void*>(
-          "fmi3InstantiateCoSimulation", "one", fmu.token.c_str(), fmu.resources().c_str(), false,
-          false, false, false, static_cast<const unsigned*>(nullptr), std::size_t{0},
-          static_cast<void*>(nullptr), &ignore_message_3, static_cast<void*>(nullptr));
+      instance_ = fmu.call<void*>("fmi3InstantiateCoSimulation", "one", fmu.token.c_str(),
+                                  fmu.resources().c_str(), false, false, importer.event_mode,
+                                  importer.early_return, importer.intermediate_variables.data(),
+                                  importer.intermediate_variables.size(), importer.environment,
+                                  importer.log, importer.intermediate_update);
     else if (fmu.three)
       instance_ = fmu.call<void*>("fmi3InstantiateModelExchange", "one", fmu.token.c_str(),
                                   fmu.resources().c_str(), false, false,
@@ -166,6 +187,11 @@ class Slave {
     bool event{}, terminate{}, early{};
     double last{};
     return call("fmi3DoStep", from, size, true, &event, &terminate, &early, &last);
+  }
+
+  int step(double from, double size, Reached& reached) const {
+    return call("fmi3DoStep", from, size, true, &reached.event, &reached.terminate, &reached.early,
+                &reached.time);
   }
 
   void enter_continuous_time() const {

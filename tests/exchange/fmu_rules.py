@@ -20,6 +20,7 @@ ALLOWED = {
     ("calculatedParameter", "fixed"): {"calculated": False, "approx": True},
     ("input", "continuous"): {None: True},
     ("output", "continuous"): {"exact": True, "approx": True, "calculated": False},
+    ("output", "discrete"): {"exact": True, "approx": True, "calculated": False},
     ("local", "continuous"): {"exact": True, "approx": True, "calculated": False},
     ("independent", "continuous"): {None: False},
 }
@@ -28,6 +29,23 @@ FILES = {
     "3.0": {"modelDescription.xml", "documentation/index.html", "terminalsAndIcons/icon.png",
             "terminalsAndIcons/terminalsAndIcons.xml"},
 }
+# What the elements may have, of what is used here.
+ATTRIBUTES = {
+    "ModelExchange": {
+        "2.0": {"modelIdentifier", "completedIntegratorStepNotNeeded", "canNotUseMemoryManagementFunctions",
+                "canGetAndSetFMUstate", "canSerializeFMUstate", "providesDirectionalDerivative"},
+        "3.0": {"modelIdentifier", "canGetAndSetFMUState", "canSerializeFMUState",
+                "providesDirectionalDerivatives", "providesAdjointDerivatives"}},
+    "CoSimulation": {
+        "2.0": {"modelIdentifier", "canHandleVariableCommunicationStepSize", "canNotUseMemoryManagementFunctions",
+                "canGetAndSetFMUstate", "canSerializeFMUstate", "providesDirectionalDerivative"},
+        "3.0": {"modelIdentifier", "canHandleVariableCommunicationStepSize", "canGetAndSetFMUState",
+                "canSerializeFMUState", "providesDirectionalDerivatives", "providesAdjointDerivatives",
+                "hasEventMode", "mightReturnEarlyFromDoStep", "providesIntermediateUpdate",
+                "canReturnEarlyAfterIntermediateUpdate"}},
+}
+OF_VARIABLE = {"name", "valueReference", "description", "causality", "variability", "initial"}
+OF_NUMBERS = {"unit", "min", "max", "nominal", "start", "derivative"}
 ORDER = ["ModelExchange", "CoSimulation", "UnitDefinitions", "LogCategories", "DefaultExperiment",
          "ModelVariables", "ModelStructure"]
 
@@ -37,6 +55,10 @@ class Rules:
         self.broken = []
         self.zip = zipfile.ZipFile(archive)
         self.check(self.zip.testzip() is None, "a member is damaged")
+        for member in self.zip.infolist():
+            self.check(member.compress_type in (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED) and
+                       member.extract_version <= 20 and member.flag_bits & 1 == 0 and
+                       "\\" not in member.orig_filename and member.filename.isascii(), member.filename)
         self.root = ET.fromstring(self.zip.read("modelDescription.xml"))
         self.three = self.root.get("fmiVersion") == "3.0"
 
@@ -61,6 +83,8 @@ class Rules:
         folder = "x86_64-linux" if self.three else "linux64"
         token = self.root.get("instantiationToken" if self.three else "guid")
         for kind in ("ModelExchange", "CoSimulation"):
+            self.check(set(self.root.find(kind).attrib) <= ATTRIBUTES[kind][self.root.get("fmiVersion")],
+                       "attributes of " + kind)
             identifier = self.root.find(kind).get("modelIdentifier")
             self.check(re.match(r"^[A-Za-z_][A-Za-z0-9_]*$", identifier), "modelIdentifier")
             binary = "binaries/%s/%s.so" % (folder, identifier)
@@ -70,6 +94,38 @@ class Rules:
         self.check(icon[:8] == b"\x89PNG\r\n\x1a\n" and
                    struct.unpack(">II", icon[16:24]) == (64, 64), "icon")
         self.check(b"<h1>" in self.zip.read("documentation/index.html"), "documentation")
+        self.check("documentation/licenses/license.txt" in names, "licences")
+        if self.three:
+            graphics = ET.fromstring(self.zip.read("terminalsAndIcons/terminalsAndIcons.xml"))
+            corners = {"x1", "y1", "x2", "y2"}
+            self.check(set(graphics.find(".//CoordinateSystem").attrib) ==
+                       corners | {"suggestedScalingFactorTo_mm"} and
+                       set(graphics.find(".//Icon").attrib) == corners, "graphics")
+        self.sources(names)
+
+    def sources(self, names):
+        """Every file that is to be compiled is there, and every file of hydrapod that one includes."""
+        there = {name for name in names if name.startswith("sources/")}
+        if not there:
+            return
+        build = ET.fromstring(self.zip.read("sources/buildDescription.xml"))
+        self.check(build.get("fmiVersion") == "3.0", "fmiVersion of the build description")
+        configuration = build.find("BuildConfiguration")
+        self.check(configuration.get("modelIdentifier") == self.root.find("CoSimulation").get("modelIdentifier"),
+                   "modelIdentifier of the build description")
+        listed = ["sources/" + one.get("name") for one in configuration.iter("SourceFile")]
+        if not self.three:
+            for kind in ("ModelExchange", "CoSimulation"):
+                files = ["sources/" + one.get("name") for one in self.root.find(kind).iter("File")]
+                self.check(files == listed, "source files of " + kind)
+        self.check(set(listed) == {name for name in there if name.endswith(".cpp")}, "source files")
+        self.check("sources/fmu/fmi2.cpp" in there and "sources/fmu/fmi3.cpp" in there, "the interface's sources")
+        for name in there:
+            if name.endswith(".xml"):
+                continue
+            for included in re.findall(r'^#include "([^"]*)"', self.zip.read(name).decode(), re.M):
+                beside = name.rsplit("/", 1)[0] + "/" + included
+                self.check("sources/" + included in there or beside in there, name + " includes " + included)
 
     def listed(self):
         """Name, attributes of the variable and of its type, the key that the structure uses."""
@@ -89,10 +145,19 @@ class Rules:
             names.add(name)
             references.add(of["valueReference"])
             self.by_key[key] = (of, numbers)
+            extra = {"intermediateUpdate"} if self.three else set()
+            allowed = OF_VARIABLE | extra | (OF_NUMBERS if self.three else set())
+            self.check(set(of) <= allowed and (self.three or set(numbers) <= OF_NUMBERS), name + ": attributes")
+            if "intermediateUpdate" in of:
+                self.check(of["causality"] in ("input", "output"), name + ": intermediateUpdate")
             self.combination(name, of, numbers)
             self.bounds(name, numbers)
             self.check(numbers.get("unit") in self.units, name + ": its unit is not defined")
             self.check(of.get("description"), name + " has no description")
+        for of, numbers in self.by_key.values():
+            if of["causality"] == "parameter":
+                self.check("min" in numbers or "max" in numbers or of["name"].startswith("poses.") or
+                           float(numbers["start"]) == 0 or "nominal" in numbers, of["name"] + ": no bounds, no nominal")
         independent = [of for of, _ in self.by_key.values() if of["causality"] == "independent"]
         self.check(len(independent) == 1, "there is not one independent variable")
         for of, numbers in self.by_key.values():
@@ -136,6 +201,9 @@ class Rules:
             given = self.unknowns(kind)
             self.check([key for key, _ in given] == sorted(keys), kind + "s: not all, or no order")
             for key, attributes in given:
+                if self.by_key[key][0]["variability"] == "discrete":  # it may depend on all
+                    self.check("dependencies" not in attributes, "dependencies of a discrete output")
+                    continue
                 self.dependencies(kind, key, attributes, states | inputs)
         if self.three:
             for key, attributes in self.unknowns("EventIndicator"):

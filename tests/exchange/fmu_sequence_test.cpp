@@ -6,6 +6,7 @@
 
 #include <functional>
 #include <limits>
+#include <memory>
 
 #include "exchange/fmu_driver.hpp"
 #include "support/loop_machine.hpp"
@@ -16,8 +17,8 @@ namespace {
 using exchange::FmuVersion;
 using simulation::machine_of;
 
-/// Places, as letters of a table: Instantiated, iNitialization, Event, Continuous, Step,
-/// Terminated, Failed (after an error).
+/// Places, as letters of a table: Instantiated, iNitialization, Event, Continuous, Step, eVent mode
+/// of co-simulation (FMI 3.0), Terminated, Failed (after an error).
 struct Row {
   const char* function;
   std::string allowed;  ///< elsewhere it is an error
@@ -36,8 +37,9 @@ class Sequence : public testing::TestWithParam<FmuVersion> {
 
   /// An instance at that place.
   [[nodiscard]] std::unique_ptr<Slave> at(char place) const {
-    const bool co_simulation = place == 'S';
-    auto made = std::make_unique<Slave>(fmu(), co_simulation, false);
+    const bool co_simulation = place == 'S' || place == 'V';
+    auto made = std::make_unique<Slave>(fmu(), co_simulation, false, 1e-6,
+                                        Importer{.event_mode = place == 'V'});
     const auto expect = [&](int status) { EXPECT_EQ(ok, status) << place; };
     if (place == 'I') return made;
     if (place == 'N') {
@@ -54,7 +56,7 @@ class Sequence : public testing::TestWithParam<FmuVersion> {
 
   void expect_table(const std::vector<Row>& table) const {
     for (const auto& row : table)
-      for (const char place : std::string("INECSTF")) {
+      for (const char place : std::string(three() ? "INECSVTF" : "INECSTF")) {
         const auto slave = at(place);
         const int expected = row.allowed.find(place) != std::string::npos ? ok : error;
         EXPECT_EQ(expected, row.call(*slave, row.function)) << row.function << " at " << place;
@@ -73,7 +75,15 @@ int get_one(const Slave& slave, const char* function) {
 }
 
 int set_input(const Slave& slave, const char*) { return slave.set("wrench.fx", 1.0); }
-int set_parameter(const Slave& slave, const char*) { return slave.set("platform.mass", 2000.0); }
+int set_state(const Slave& slave, const char*) { return slave.set("vx", 0.01); }
+int set_fixed(const Slave& slave, const char*) { return slave.set("leg1.rod.length", 1.151); }
+int set_tunable(const Slave& slave, const char*) {
+  return slave.set("leg1.guide_sleeve.stiffness", 0.83e6);
+}
+int count_states(const Slave& slave, const char* function) {
+  std::size_t count{};
+  return slave.call(function, &count);
+}
 
 int save(const Slave& slave, const char* function) {
   void* state = nullptr;
@@ -138,33 +148,39 @@ TEST_P(Sequence, AnswersEveryCallAsTheStandardSays) {
   const auto in = [&](const char* two, const char* in_three) { return three() ? in_three : two; };
   std::vector<Row> table{
       {in("fmi2ExitInitializationMode", "fmi3ExitInitializationMode"), "N", plain},
-      {in("fmi2Terminate", "fmi3Terminate"), "ECS", plain},
-      {in("fmi2Reset", "fmi3Reset"), "INECSTF", plain},
-      {in("fmi2GetReal", "fmi3GetFloat64"), three() ? "NECST" : "NECSTF", get_one},
-      {"input", "INECS", set_input},
-      {"parameter", "IN", set_parameter},
-      {in("fmi2GetFMUstate", "fmi3GetFMUState"), "INECSTF", save},
-      {"directional derivative", three() ? "NECST" : "NECSTF", derivative},
+      {in("fmi2Terminate", "fmi3Terminate"), "ECSV", plain},
+      {in("fmi2Reset", "fmi3Reset"), "INECSVTF", plain},
+      {in("fmi2GetReal", "fmi3GetFloat64"), three() ? "INECSVTF" : "NECSTF", get_one},
+      {"input", "INECSV", set_input},
+      {"state", three() ? "EC" : "", set_state},
+      {"fixed parameter", "IN", set_fixed},
+      {"tunable parameter", "INESV", set_tunable},
+      {in("fmi2GetFMUstate", "fmi3GetFMUState"), "INECSVTF", save},
+      {"directional derivative", "NECSVTF", derivative},
       {in("fmi2EnterEventMode", "fmi3EnterEventMode"), three() ? "C" : "EC", plain},
       {in("fmi2EnterContinuousTimeMode", "fmi3EnterContinuousTimeMode"), "E", plain},
-      {in("fmi2NewDiscreteStates", "fmi3UpdateDiscreteStates"), "E",
+      {in("fmi2NewDiscreteStates", "fmi3UpdateDiscreteStates"), "EV",
        three() ? discrete_3 : discrete_2},
       {in("fmi2CompletedIntegratorStep", "fmi3CompletedIntegratorStep"), "C",
        three() ? completed_3 : completed_2},
-      {in("fmi2SetTime", "fmi3SetTime"), "EC", set_time},
+      {in("fmi2SetTime", "fmi3SetTime"), three() ? "C" : "EC", set_time},
       {"continuous states", "C", set_the_states},
-      {in("fmi2GetContinuousStates", "fmi3GetContinuousStates"), three() ? "NECT" : "NECTF",
+      {in("fmi2GetContinuousStates", "fmi3GetContinuousStates"), "NECTF", list_of_states},
+      {in("fmi2GetDerivatives", "fmi3GetContinuousStateDerivatives"), three() ? "NECTF" : "ECTF",
        list_of_states},
-      {in("fmi2GetDerivatives", "fmi3GetContinuousStateDerivatives"), three() ? "NECT" : "NECTF",
-       list_of_states},
-      {in("fmi2GetEventIndicators", "fmi3GetEventIndicators"), three() ? "NECT" : "NECTF",
-       list_of_indicators},
+      {in("fmi2GetEventIndicators", "fmi3GetEventIndicators"), "NECTF", list_of_indicators},
       {in("fmi2GetNominalsOfContinuousStates", "fmi3GetNominalsOfContinuousStates"),
-       three() ? "NECT" : "INECTF", list_of_states},
+       three() ? "NECTF" : "IECTF", list_of_states},
       {"step", "S", step}};
   if (!three()) {
     table.push_back({"fmi2EnterInitializationMode", "I", plain});
     table.push_back({"fmi2CancelStep", "", plain});
+  } else {
+    table.push_back({"fmi3EnterStepMode", "V", plain});
+    table.push_back({"fmi3EvaluateDiscreteStates", "", plain});
+    table.push_back({"fmi3EnterConfigurationMode", "", plain});
+    table.push_back({"fmi3GetNumberOfContinuousStates", "INEC", count_states});
+    table.push_back({"fmi3GetNumberOfEventIndicators", "INEC", count_states});
   }
   expect_table(table);
 }
@@ -226,20 +242,26 @@ TEST_P(Sequence, StepsAndTimesEndAtTheStopTime) {
   EXPECT_EQ(error, slave.step(1.002, 1e-3));
 }
 
-/// A wrench that tears the platform off, until the model has no state to go on from.
+/// A wrench that tears the platform off, until the model has no state to go on from. FMI 2.0 keeps
+/// what was computed of the step; in FMI 3.0 the instance is what it was before.
 TEST_P(Sequence, AStepThatCannotBeCompletedIsDiscarded) {
   const Slave slave(fmu(), true);
   ASSERT_EQ(ok, slave.set("wrench.fz", 1e9));
   int status = ok;
-  double time = 0.0;
+  double time = 0.0, height = 0.0;
   for (int k = 0; k < 1000 && status == ok; ++k) {
     time = slave.get("time");
+    height = slave.get("pose.z");
     status = slave.step(time, 0.01);
   }
   ASSERT_EQ(discard, status);
-  EXPECT_GE(slave.get("time"), time);
-  EXPECT_LT(slave.get("time"), time + 0.01);
-  if (!three()) {
+  if (three()) {
+    EXPECT_EQ(time, slave.get("time"));
+    EXPECT_EQ(height, slave.get("pose.z"));
+    EXPECT_EQ(ok, slave.step(time, 1e-6));  // a smaller one can be
+  } else {
+    EXPECT_GE(slave.get("time"), time);
+    EXPECT_LT(slave.get("time"), time + 0.01);
     constexpr int step_status = 0, last_time = 2, is_terminated = 3;
     double last{};
     int terminated{}, of_step{};
@@ -251,6 +273,63 @@ TEST_P(Sequence, AStepThatCannotBeCompletedIsDiscarded) {
     EXPECT_EQ(discard, of_step);
   }
   EXPECT_EQ(ok, slave.call(three() ? "fmi3Terminate" : "fmi2Terminate"));
+}
+
+/// Out of its bounds, or what no machine can have: the value is not taken and all goes on.
+TEST_P(Sequence, ValuesThatCannotBeAreDiscarded) {
+  const Slave slave(fmu(), true);
+  const auto reference = slave.fmu().reference("wrench.fy");
+  const auto stiffness = slave.fmu().reference("leg2.guide_sleeve.stiffness");
+  const double before = slave.get("leg2.guide_sleeve.stiffness");
+  EXPECT_EQ(discard, slave.set(std::vector{reference, stiffness}, {5.0, -1.0}));
+  EXPECT_EQ(0.0, slave.get("wrench.fy"));
+  EXPECT_EQ(before, slave.get("leg2.guide_sleeve.stiffness"));
+  EXPECT_EQ(discard, slave.set("platform.inertia.xx", 1e9));  // an inertia that no body has
+  EXPECT_EQ(ok, slave.step(0.0, 1e-3));
+}
+
+int messages = 0;
+std::string last_category;
+void count_message(void*, int status, const char* category, const char*) {
+  ++messages;
+  last_category = category;
+  EXPECT_GE(status, discard);
+}
+
+/// Discards are said where logging is on for them, errors always.
+TEST(FmuLogging, FollowsTheCategories) {
+  const Unpacked fmu(archive_of(machine_of("heavy-platform"), FmuVersion::fmi3, true));
+  const Slave slave(fmu, true, true, 1e-6, {.log = &count_message});
+  messages = 0;
+  const auto refused = [&] { return slave.set("leg2.guide_sleeve.stiffness", -1.0); };
+  EXPECT_EQ(discard, refused());
+  EXPECT_EQ(0, messages);
+  const char* category = "logStatusDiscard";
+  EXPECT_EQ(ok, slave.call("fmi3SetDebugLogging", true, std::size_t{1}, &category));
+  EXPECT_EQ(discard, refused());
+  EXPECT_EQ(1, messages);
+  EXPECT_EQ(category, last_category);
+  EXPECT_EQ(ok, slave.call("fmi3SetDebugLogging", false, std::size_t{0},
+                           static_cast<const char**>(nullptr)));
+  EXPECT_EQ(discard, refused());
+  EXPECT_EQ(1, messages);
+  EXPECT_EQ(error, slave.step(7.0, 1e-3));
+  EXPECT_EQ(2, messages);
+  EXPECT_EQ("logStatusError", last_category);
+}
+
+TEST_P(Sequence, AnEventModeIsForInstancesThatWereMadeForIt) {
+  if (!three()) GTEST_SKIP() << "FMI 2.0 has none in co-simulation";
+  const Slave plain_one(fmu(), true);
+  EXPECT_EQ(error, plain_one.call("fmi3EnterEventMode"));
+  const Slave slave(fmu(), true, true, 1e-6, {.event_mode = true});
+  EXPECT_EQ(ok, discrete_3(slave, "fmi3UpdateDiscreteStates"));
+  EXPECT_EQ(ok, slave.call("fmi3EnterStepMode"));
+  EXPECT_EQ(ok, slave.step(0.0, 1e-3));
+  EXPECT_EQ(ok, slave.call("fmi3EnterEventMode"));
+  EXPECT_EQ(ok, slave.set("wrench.fx", 100.0));
+  EXPECT_EQ(ok, slave.call("fmi3EnterStepMode"));
+  EXPECT_EQ(ok, slave.step(1e-3, 1e-3));
 }
 
 INSTANTIATE_TEST_SUITE_P(Fmu, Sequence, testing::Values(FmuVersion::fmi2, FmuVersion::fmi3),
