@@ -197,7 +197,8 @@ Mechanism mechanism(const Machine& machine, const Pose& X_BP, dynamics::ModelKin
   const auto linear = dynamics::linear_model(machine, X_BP, kind);
   const auto rigid = dynamics::linear_model(machine, X_BP, dynamics::ModelKind::rigid);
   const auto modes = modal::normal_modes(linear);
-  const double oil_omega = modal::normal_modes(rigid).omega(0);
+  const auto rigid_modes = modal::normal_modes(rigid);
+  const double oil_omega = rigid_modes.omega(0);
   const auto ratio = model::modal_ratio(machine);
   const bool chambers = model::has_chambers(machine);
   AddedDamping added{ratio.value, chambers ? 0.0 : machine.damping.rayleigh_stiffness};
@@ -205,6 +206,7 @@ Mechanism mechanism(const Machine& machine, const Pose& X_BP, dynamics::ModelKin
   if (chambers) damped = dynamics::with_seal_dampers(machine, kind, X_BP);
   Mechanism result{.name = machine.name, .kind = kind, .X_BP = X_BP};
   result.highest = modes.omega(modes.size() - 1);
+  result.highest_platform = rigid_modes.omega(rigid_modes.size() - 1);
   double radius = 0.0;
   for (std::size_t i = 0; i < model::leg_count; ++i) {
     if (chambers) {

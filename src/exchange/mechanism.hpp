@@ -63,8 +63,9 @@ struct Mechanism {
   dynamics::ModelKind kind{};
   Pose X_BP{};
   std::array<LegMechanism, model::leg_count> legs{};
-  double highest{};  ///< ω of the highest mode [rad/s]
-  double plate{};    ///< thickness of the platform in pictures [m]
+  double highest{};           ///< ω of the highest mode [rad/s]
+  double highest_platform{};  ///< the same of the model with rigid legs
+  double plate{};             ///< thickness of the platform in pictures [m]
   Parity parity{};
 };
 

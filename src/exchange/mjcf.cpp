@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "mechanism.hpp"
 
@@ -112,13 +113,25 @@ std::string mjcf_actuators() {
          sensors + "</sensor>\n";
 }
 
+/// 1/80 of the fastest mode's radian, and less where the loops would yield too much. A constraint
+/// with the time constant 2 h and the impedance 1 − 1e-4 acts as a spring m / (1e-4 (2 h)²) in
+/// series with the oil spring k, m being the mass of the rod that moves along the leg. It lowers ω
+/// by the share ½ 1e-4 (2 h)² k/m, which over a second is a lag of ω times that, here at most 3e-5.
+double mjcf_step(const Machine& machine, const Mechanism& all) {
+  constexpr double lag = 3e-5, softness = 1e-4;
+  double stiffest = 0.0;
+  for (std::size_t i = 0; i < model::leg_count; ++i) {
+    const double mass = machine.legs[i].rod.mass + all.legs[i].axial_added;
+    if (mass > 0.0) stiffest = std::max(stiffest, all.legs[i].oil.stiffness / mass);
+  }
+  const double yielding = 2.0 * softness * all.highest_platform * stiffest;
+  return std::min({2.5e-4, 0.0125 / all.highest, std::sqrt(lag / yielding)});
+}
+
 }  // namespace
 
 std::string mjcf_text(const Machine& machine, const Mechanism& all) {
-  // MuJoCo's constraints yield in proportion to the square of this step, which is 1/80 of the
-  // fastest mode's radian: free motion of the published machine then stays within 6e-5 over a
-  // second.
-  const double step = std::min(2.5e-4, 0.0125 / all.highest);
+  const double step = mjcf_step(machine, all);
   const auto inertia = principal(machine.platform.inertia);
   std::string out = fmt::format(
       "<mujoco model='{}'>\n"

@@ -19,6 +19,8 @@ import numpy as np
 import scipy.io
 import scipy.linalg
 
+from random_machines import random_machine
+
 program, models = os.path.abspath(sys.argv[1]), os.path.abspath(sys.argv[2])
 folder = tempfile.TemporaryDirectory()
 os.chdir(folder.name)  # MuJoCo writes a log where it runs
@@ -198,6 +200,24 @@ def free_motion(model, *more):
     check(f"{os.path.basename(model)}: free motion over 1 s", max(errors) / max(sizes), MOTION)
 
 
+def random_models(count):
+    """Half of them without gravity; those that cannot stand under it are drawn anew."""
+    generator, made, tries = random.Random(712), 0, 0
+    while made < count:
+        gravity = made % 2 == 1
+        path = os.path.join(folder.name, f"random{made}.toml")
+        with open(path, "w") as file:
+            file.write(random_machine(generator, gravity))
+        tries += 1
+        stands = subprocess.run([program, "modes", path], capture_output=True, text=True)
+        if stands.returncode != 0:
+            if not gravity or "equilibrium" not in stands.stderr or tries > 2 * count:
+                raise SystemExit(f"random machine {made}: {stands.stderr}")
+            continue
+        made += 1
+        yield path, WITH_GRAVITY if gravity else WITHOUT_GRAVITY
+
+
 heavy = os.path.join(models, "heavy-platform.toml")
 published = os.path.join(models, "zhang-jiang-2021.toml")
 generator = random.Random(20261125)
@@ -226,5 +246,9 @@ frequencies(heavy, WITH_GRAVITY, "--set", "legs.guide_sleeve.gap=0.0002")  # the
 frequencies(heavy, WITH_GRAVITY, "--model", "full", "--set", "legs.piston_ring.stiffness=3.1e7", "--pose", pose(),
             *random_legs())
 free_motion(published, "--set", "damping.modal_ratio=0")
+for number, (path, limit) in enumerate(random_models(50)):
+    frequencies(path, limit)
+    if number in (0, 20):
+        free_motion(path, "--set", "damping.modal_ratio=0")
 if failures:
     raise SystemExit("\n".join(["FAILED:", *failures]))
