@@ -41,6 +41,8 @@ packages_test=(
   "chromium opens the pages in their tests"
   "emscripten compiles the page's core anew, which must give the bytes that are kept"
   "liburdfdom-tools parses exported URDF files (check_urdf)"
+  "libsdformat-dev parses exported SDF files"
+  "pkg-config finds the parser of SDF files"
   "python3-scipy reads exported files, and a second opinion on linear algebra"
   "python3 puts mistakes into the sources, to see whether the tests notice"
 )

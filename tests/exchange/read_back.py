@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Files of `hydrapod export`, read back by SciPy, NumPy and readers written from the formats' descriptions.
 
-usage: read_back.py PROGRAM MODELS
+usage: read_back.py PROGRAM MODELS SDF_CHECK
 
 Poles and responses are compared with `hydrapod modes` and `hydrapod bode`, which compute them from the
 matrices of second order and never from A, B, C, D.
@@ -10,6 +10,7 @@ import csv
 import io
 import json
 import os
+import random
 import subprocess
 import sys
 import tempfile
@@ -18,7 +19,9 @@ import numpy as np
 import scipy.io
 import scipy.linalg
 
-program, models = sys.argv[1], sys.argv[2]
+from random_machines import random_machine
+
+program, models, sdf_check = sys.argv[1], sys.argv[2], sys.argv[3]
 folder = tempfile.TemporaryDirectory()
 failures = []
 
@@ -140,6 +143,44 @@ def hydraulics(model):
     check(f"{name}: command response", worst, RESPONSES)
 
 
+def reduction(model):
+    """The error of a balanced reduction against its stated bound, at 400 frequencies about all poles."""
+    name = os.path.basename(model)
+    for system, orders in (("mechanics", (4, 12, 24)), ("plant", (12, 30)), ("loop", (16, 40))):
+        what = ["--system", system]
+        if system != "mechanics":
+            what += ["--outputs", "x,y,z,rx,ry,rz,leg1.l,leg4.p_cap,az"]
+        whole = np.load(export(model, "npz", *what))
+        sizes = np.abs(np.linalg.eigvals(whole["A"]))
+        omegas = np.geomspace(0.05 * sizes[sizes > 0].min(), 5 * sizes.max(), 400)
+        full = [response(w, whole) for w in omegas]
+        bounds = []
+        for order in orders:
+            small = np.load(export(model, "npz", *what, "--reduce", str(order)))
+            text = json.load(open(export(model, "json", *what, "--reduce", str(order))))["reduction"]
+            allowed = np.outer(small["reduction_output_scales"], small["reduction_input_scales"])
+            bound = float(small["reduction_bound"])
+            error = max((np.abs(H - response(w, small)) / allowed).max() for w, H in zip(omegas, full))
+            check(f"{name}: {system} with {order} of {len(whole['A'])} states, error against its bound",
+                  error / bound, 1.0)
+            if len(small["A"]) != order or np.linalg.eigvals(small["A"]).real.max() >= 0:
+                failures.append(f"{name}: reduced {system} has {len(small['A'])} states, or is not stable")
+            if text["bound"] != bound or not np.array_equal(small["D"], whole["D"]):
+                failures.append(f"{name}: reduction in JSON, or D")
+            bounds.append((bound, error))
+        if not (bounds[0][0] > bounds[-1][0] and bounds[0][1] > 1e-3 * bounds[0][0]):
+            failures.append(f"{name}: bounds of the {system} {bounds}")
+    # the Hankel singular values, by SciPy's Gramians
+    small = np.load(export(model, "npz", "--reduce", "6"))
+    whole = np.load(export(model, "npz"))
+    B, C = whole["B"] / small["reduction_input_scales"], whole["C"] / small["reduction_output_scales"][:, None]
+    P = scipy.linalg.solve_continuous_lyapunov(whole["A"], -B @ B.T)
+    Q = scipy.linalg.solve_continuous_lyapunov(whole["A"].T, -C.T @ C)
+    hankel = np.sqrt(np.sort(np.abs(np.linalg.eigvals(P @ Q)))[::-1])
+    check(f"{name}: Hankel singular values",
+          np.abs(hankel - small["reduction_hankel"]).max() / hankel[0], 1e-7)
+
+
 def dmig(path):
     """GRID, SPOINT and DMIG entries of a punch file (large field), symmetric form only."""
     matrices, sizes = {}, {}
@@ -228,6 +269,13 @@ def refusals(model):
             (["--to", "dmig", "--system", "loop", "-o", "x.pch"], ["--system loop", "state spaces"]),
             (["--to", "dmig", "--leg-modes", "99", "-o", os.path.join(folder.name, "x.pch")], ["--leg-modes 99", "12 modes"]),
             (["--to", "npz", "--outputs", "z,qq", "-o", "x.npz"], ["--outputs qq"]),
+            (["--to", "npz", "--reduce", "999", "-o", os.path.join(folder.name, "x.npz")], ["--reduce 999", "36 states"]),
+            (["--to", "npz", "--reduce", "4", "--set", "damping.modal_ratio=0", "--set", "legs.oil_spring.damping=0",
+              "--set", "legs.guide_sleeve.damping=0", "-o", os.path.join(folder.name, "x.npz")],
+             ["--reduce", "is for stable systems"]),
+            (["--to", "npz", "--reduce", "4", "--system", "loop", "--sampled", "-o", "x.npz"], ["leave --sampled out"]),
+            (["--to", "mjcf", "--reduce", "4", "-o", "x.xml"], ["--reduce", "state spaces"]),
+            (["--to", "fmu2", "--inputs", "x", "-o", "x.fmu"], ["--inputs"]),
             (["--to", "npz", "--sample-time=-1", "-o", "x.npz"], ["--sample-time"])):
         err = run("export", model, *arguments, code=2).stderr
         for word in words:
@@ -249,6 +297,55 @@ def urdf(model):
         failures.append("closures")
 
 
+def parsed_sdf(path):
+    """What sdformat, the parser of Gazebo, finds; it must say nothing."""
+    done = subprocess.run([sdf_check, path], capture_output=True, text=True)
+    if done.returncode != 0 or done.stderr:
+        failures.append(f"sdformat: {done.stderr}")
+        return {}
+    words = done.stdout.split()
+    return {words[i]: float(words[i + 1]) for i in range(0, len(words), 2)}
+
+
+def sdf(model):
+    found = parsed_sdf(export(model, "sdf", "--approximate"))
+    expected = {"links": 19, "joints": 24, "axes": 30, "visuals": 13}
+    if {key: found.get(key) for key in expected} != expected:
+        failures.append(f"SDF of {model}: {found}")
+    rigid = parsed_sdf(export(model, "sdf", "--approximate", "--model", "rigid"))
+    if rigid.get("links") != 13 or abs(rigid["mass"] / found["mass"] - 1) > 1e-11:
+        failures.append(f"SDF of {model}, rigid: {rigid}")
+
+
+def random_machines(count):
+    """Every format of machines that nobody drew by hand."""
+    generator = random.Random(42)
+    made = 0
+    while made < count:
+        path = os.path.join(folder.name, "random.toml")
+        with open(path, "w") as file:
+            file.write(random_machine(generator, gravity=made % 2 == 1))
+        if subprocess.run([program, "modes", path], capture_output=True).returncode != 0:
+            continue  # it does not stand under its weight
+        made += 1
+        expected = damped_omega(path)
+        npz = np.load(export(path, "npz"))
+        check(f"random machine {made}: frequencies",
+              np.abs(np.sort(np.abs(np.linalg.eigvals(npz["A"])))[::2] / expected - 1).max(), 1e-9)
+        stem = export(path, "mtx")[:-4]
+        M, K, C = (scipy.io.mmread(f"{stem}.{k}.mtx").toarray() for k in "MKC")
+        check(f"random machine {made}: Matrix Market",
+              np.abs(quadratic_omega(M, K, C) / expected - 1).max(), 1e-9)
+        punched = dmig(export(path, "dmig"))
+        check(f"random machine {made}: DMIG", np.abs(quadratic_omega(
+            punched["M2HYD"], punched["K2HYD"], punched["B2HYD"]) / expected - 1).max(), 1e-7)
+        if parsed_sdf(export(path, "sdf", "--approximate")).get("links") != 19:
+            failures.append(f"random machine {made}: SDF")
+        urdf(path)
+        for to in ("mat", "json", "hdf5", "uff", "mjcf"):
+            export(path, to, "--approximate")
+
+
 heavy = os.path.join(models, "heavy-platform.toml")
 published = os.path.join(models, "zhang-jiang-2021.toml")
 for model in (heavy, published):
@@ -256,6 +353,9 @@ for model in (heavy, published):
     superelement(model)
     modal(model)
     urdf(model)
+    sdf(model)
+reduction(heavy)
+random_machines(12)
 hydraulics(heavy)
 refusals(heavy)
 if failures:
