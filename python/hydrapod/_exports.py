@@ -33,23 +33,26 @@ def _names(texts: Optional[Texts]) -> Optional[List[str]]:
     return None if texts is None else _list(texts)
 
 
-def _system(system: str, sample_time: Optional[Quantity], sampled: bool, pade_order: int,
-            inputs: Optional[Texts], outputs: Optional[Texts], point: Optional[Sequence[Quantity]]) -> Any:
+def _system(system: Optional[str], sample_time: Optional[Quantity], sampled: bool, pade_order: int,
+            inputs: Optional[Texts], outputs: Optional[Texts], point: Optional[Sequence[Quantity]],
+            reduce: Optional[int]) -> Any:
     return _options(system=system, sample_time=sample_time, sampled=sampled or None, pade_order=pade_order,
-                    inputs=_names(inputs), outputs=_names(outputs), point=None if point is None else list(point))
+                    inputs=_names(inputs), outputs=_names(outputs), point=None if point is None else list(point),
+                    reduce=reduce)
 
 
-def export(machine: Machine, path: Path, *, to: Optional[str] = None, system: str = "mechanics",
+def export(machine: Machine, path: Path, *, to: Optional[str] = None, system: Optional[str] = None,
            sample_time: Optional[Quantity] = None, sampled: bool = False, pade_order: int = 2,
            inputs: Optional[Texts] = None, outputs: Optional[Texts] = None,
-           point: Optional[Sequence[Quantity]] = None, leg_modes: Optional[int] = None,
-           approximate: bool = False) -> Export:
+           point: Optional[Sequence[Quantity]] = None, reduce: Optional[int] = None,
+           leg_modes: Optional[int] = None, approximate: bool = False) -> Export:
     """Writes the machine as a file for another program, as `hydrapod export` does.
 
-    to: mat, npz, json, hdf5 (state space), uff (modes), mtx, dmig (superelement), mjcf, sdf, urdf (multibody);
-    default: by the ending. Other options: see machine_state_space() and superelement(). approximate: write also
-    what the format holds only in part. Raises InputError where a format cannot hold the machine; nothing is
-    written then.
+    to: mat, npz, json, hdf5 (state space), uff (modes), mtx, dmig (superelement), mjcf, sdf, urdf (multibody),
+    fmu2, fmu3 (functional mock-up unit); default: by the ending. system: default mechanics for a state space,
+    plant for an FMU. Other options: see machine_state_space() and superelement(). approximate: write also what
+    the format holds only in part. Raises InputError where a format cannot hold the machine; nothing is written
+    then.
     """
     name = os.fspath(path)
     if to is None:
@@ -58,7 +61,7 @@ def export(machine: Machine, path: Path, *, to: Optional[str] = None, system: st
             raise ValueError(f"path: the ending of {name!r} names no format; give to=, one of "
                              f"{', '.join(sorted(set(_formats.values())))}")
         to = _formats[ending]
-    options = _system(system, sample_time, sampled, pade_order, inputs, outputs, point)
+    options = _system(system, sample_time, sampled, pade_order, inputs, outputs, point, reduce)
     files, parity = _core.export_machine(_core_of(machine), {
         **options, **_options(path=name, to=to, leg_modes=leg_modes, approximate=approximate)})
     return Export(files, [ParityLine(*line) for line in parity])
@@ -66,20 +69,21 @@ def export(machine: Machine, path: Path, *, to: Optional[str] = None, system: st
 
 def machine_state_space(machine: Machine, *, system: str = "mechanics", sample_time: Optional[Quantity] = None,
                         sampled: bool = False, pade_order: int = 2, inputs: Optional[Texts] = None,
-                        outputs: Optional[Texts] = None,
-                        point: Optional[Sequence[Quantity]] = None) -> MachineStateSpace:
+                        outputs: Optional[Texts] = None, point: Optional[Sequence[Quantity]] = None,
+                        reduce: Optional[int] = None) -> MachineStateSpace:
     """A, B, C, D with names of states, inputs and outputs.
 
     system: mechanics (states y, ẏ; inputs wrench at the point and forces of the oil columns), plant (with
     hydraulics) or loop (with the controller). sample_time: discretised, inputs held [s]. sampled: the loop as
     its controller samples it, exactly. point: three lengths in the platform frame; default: the mass centre.
+    reduce: states of a balanced truncation; the bound of its error stands in to_dict()["reduction"].
 
     Result: A, B, C, D; states, inputs, outputs; state_units, …; state_rest, input_rest, output_rest (values at
     the operating point: x, u and y are small changes from them); sample_time [s], 0: continuous; delay [s].
     state_space() and to_control() take it.
     """
     return _core.machine_state_space(_core_of(machine), _system(system, sample_time, sampled, pade_order, inputs,
-                                                                outputs, point))
+                                                                outputs, point, reduce))
 
 
 def superelement(machine: Machine, *, leg_modes: Optional[int] = None,

@@ -41,6 +41,16 @@ bool is_sampled(const Options& asked, exchange::SystemKind system) {
   return sampled;
 }
 
+/// States of a balanced reduction; 0: all are kept.
+int reduced_states(const Options& asked) {
+  if (!asked.has("reduce")) return 0;
+  if (is_sampled(asked, system_kind(asked)))
+    base::refuse("reduce", "is for continuous systems; leave sampled out");
+  const int states = asked.get("reduce", 0);
+  if (states < 1) throw std::invalid_argument("reduce: expected 1 or more states");
+  return states;
+}
+
 /// Options that another format has no use for.
 void refuse_idle(const Options& asked, tasks::ExportFormat format) {
   const bool fmu = format == tasks::ExportFormat::fmu2 || format == tasks::ExportFormat::fmu3;
@@ -48,7 +58,7 @@ void refuse_idle(const Options& asked, tasks::ExportFormat format) {
     return name == "system" && (fmu || asked.get<std::string>("system") == "mechanics");
   };
   if (format > tasks::ExportFormat::hdf5)
-    for (const char* name : {"sample_time", "inputs", "outputs", "system", "sampled"})
+    for (const char* name : {"sample_time", "inputs", "outputs", "system", "sampled", "reduce"})
       if (asked.has(name) && !has_meaning(name))
         base::refuse(name, "has no meaning here: it is for state spaces (mat, npz, json, hdf5)");
   if (asked.has("leg_modes") && format != tasks::ExportFormat::matrix_market &&
@@ -78,6 +88,7 @@ py::tuple export_machine(const Machine& machine, const Options& asked) {
   options.inputs = asked.get<Names>("inputs");
   options.outputs = asked.get<Names>("outputs");
   options.p_PQ = point_of(asked);
+  options.reduced_states = reduced_states(asked);
   options.leg_modes = asked.get("leg_modes", -1);
   options.approximate = asked.get("approximate", false);
   options.json_head = head_of_model("state_space", *machine);
@@ -116,7 +127,8 @@ std::shared_ptr<StateSpace> state_space(const Machine& machine, const Options& a
       .sample_time = asked.positive("sample_time", "s").value_or(0.0),
       .sampled_controller = is_sampled(asked, system),
       .inputs = asked.get<Names>("inputs"),
-      .outputs = asked.get<Names>("outputs")};
+      .outputs = asked.get<Names>("outputs"),
+      .reduced_states = reduced_states(asked)};
   auto result = std::make_shared<StateSpace>();
   result->machine = machine;
   result->system = without_gil(

@@ -57,6 +57,17 @@ def test_superelement_with_all_modes_has_the_machines_frequencies(heavy):
     assert hydrapod.superelement(heavy, leg_modes=2).M.shape == (8, 8)
 
 
+def test_a_reduction_keeps_its_bound(heavy):
+    def static(system):
+        return system.D - system.C @ np.linalg.solve(system.A, system.B)
+
+    whole, small = hydrapod.machine_state_space(heavy), hydrapod.machine_state_space(heavy, reduce=24)
+    reduction = small.to_dict()["reduction"]
+    assert small.A.shape == (24, 24) and reduction["states_before"] == len(whole.A)
+    allowed = reduction["bound"] * np.outer(reduction["output_scales"], reduction["input_scales"])
+    assert np.all(np.abs(static(small) - static(whole)) <= allowed)
+
+
 def test_pyuff_datasets(heavy, tmp_path):
     """Their fields have what pyuff requires, and the numbers of the results."""
     record = hydrapod.Record(np.arange(12.0).reshape(6, 2), 100.0, ["u", "a"], units=["N", "m/s^2"],

@@ -21,7 +21,7 @@ std::string table_of(const FmuContent& fmu, const char* title, const auto& is_sh
       text += fmt::format("<tr><td>{}<td>{}<td>{}<td>{}</tr>\n", escaped(variable.name),
                           escaped(variable.unit),
                           variable.start ? fmt::format("{:.6g}", *variable.start) : std::string(),
-                          escaped(variable.description));
+                          escaped(variable.description) + (variable.tunable ? " (tunable)" : ""));
   return text + "</table>\n";
 }
 
