@@ -82,8 +82,9 @@ constexpr std::array of_equations{"environment.gravity",
                                   "damping.modal_ratio"};
 
 /// Can it change during a simulation, with states that mean the same before and after? Where
-/// gimbals or the base give way, lengths are counted from the rest under the load at the start. A
-/// cylinder that is not given has an area by the platform's weight and the supply pressure.
+/// gimbals or the base are compliant, lengths are counted from the rest under the load at the
+/// start. A cylinder that is not given has an area by the platform's weight and the supply
+/// pressure.
 bool is_tunable(const model::Machine& machine, std::string_view row) {
   const auto is = [&](std::string_view one) {
     return row == one ||

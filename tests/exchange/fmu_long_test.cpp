@@ -40,7 +40,7 @@ std::string compiled(const Unpacked& fmu) {
   commands += "g++ -shared -o " + object;
   for (const auto& one : objects) commands += " " + one;
   commands += " -lsundials_arkode -lsundials_cvode -lsundials_nvecserial\n";
-  const auto run = run_program("/bin/sh", {"-c", commands});
+  const auto run = run_program("/bin/sh", {"-c", commands}, {.timeout = 1500.0});
   EXPECT_EQ(0, run.exit_code) << run.err.substr(0, 3000);
   return object;
 }

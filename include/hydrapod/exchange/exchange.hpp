@@ -19,9 +19,11 @@
 /// it is and past drives as states; its inputs are the commands.
 ///
 /// Reduced: balanced truncation of a continuous system, poles that are not stable kept whole. With
-/// magnitudes s_i of the outputs and q_j of the inputs (`reduction`), the response H_r of the reduced system keeps, at every frequency,
+/// magnitudes s_i of the outputs and q_j of the inputs (`reduction`), the response H_r of the
+/// reduced system keeps, at every frequency,
 ///
-///     |H_ij(iω) − H_r,ij(iω)| ≤ bound · s_i q_j,   bound = 2 Σ of the Hankel singular values left out
+///     |H_ij(iω) − H_r,ij(iω)| ≤ bound · s_i q_j,   bound = 2 Σ of the Hankel singular values left
+///     out
 ///
 /// Magnitudes are such that ∫|h_ij(t)|² dt ≤ (s_i q_j)² for the impulse responses h.
 ///
@@ -71,9 +73,9 @@ enum class SystemKind { mechanics, plant, loop };
 
 /// What balanced truncation left out.
 struct Reduction {
-  int from{};                   ///< states before
-  double bound{};               ///< of the error, see above
-  std::vector<double> hankel{}; ///< singular values of the scaled system, all
+  int from{};                    ///< states before
+  double bound{};                ///< of the error, see above
+  std::vector<double> hankel{};  ///< singular values of the scaled system, all
   std::vector<double> output_scales{}, input_scales{};  ///< s_i, q_j
 };
 
@@ -104,8 +106,9 @@ StateSpace state_space(const Machine& machine, const Pose& X_BP, const StateSpac
 /// Held inputs over `sample_time` [s] > 0 of a continuous system.
 StateSpace discretised(const StateSpace& system, double sample_time);
 
-/// Balanced truncation of a continuous system. Throws base::InputError for more states than there are,
-/// and for no more than there are poles that are not stable. Fewer states come back where the rest does not act at all.
+/// Balanced truncation of a continuous system. Throws base::InputError for more states than there
+/// are, and for no more than there are poles that are not stable. Fewer states come back where the
+/// rest does not act at all.
 StateSpace reduced(const StateSpace& system, int states);
 
 /// Names and units of numbers that belong to a file.
