@@ -2,6 +2,7 @@
 
 #include "true_measurement.hpp"
 
+#include <Eigen/Geometry>
 #include <cmath>
 
 #include "hydrapod/simulation/closed_loop.hpp"
