@@ -16,6 +16,7 @@ packages_program=(
   "libcli11-dev the command line"
   "libsundials-dev integrates the equations of motion"
   "libceres-dev least squares, for calibration"
+  "libnlopt-dev constrained optimisation, for design (SLSQP and COBYLA, whose licences are permissive)"
   "libhdf5-dev records in HDF5"
   "zlib1g-dev compressed variables in MAT files"
   "libxxhash-dev checksums of records"

@@ -31,12 +31,14 @@ void add_export(Command app);
 void add_montecarlo(Command app);
 void add_sweep(Command app);
 void add_map(Command app);
+void add_design(Command app);
+void add_evaluate(Command app);
 
 /// In the order of the help.
 inline constexpr std::array all_commands{
-    &add_demo,     &add_init,        &add_check,     &add_modes,   &add_bode,
-    &add_simulate, &add_sensitivity, &add_calibrate, &add_rig,     &add_record,
-    &add_frf,      &add_identify,    &add_diagnose,  &add_compare, &add_montecarlo,
-    &add_sweep,    &add_map,         &add_report,    &add_export};
+    &add_demo,        &add_init,      &add_check,      &add_modes,  &add_bode, &add_simulate,
+    &add_sensitivity, &add_calibrate, &add_rig,        &add_record, &add_frf,  &add_identify,
+    &add_diagnose,    &add_compare,   &add_montecarlo, &add_sweep,  &add_map,  &add_design,
+    &add_evaluate,    &add_report,    &add_export};
 
 }  // namespace hydrapod::cli

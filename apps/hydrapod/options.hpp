@@ -107,6 +107,15 @@ class Command {
     });
     return *arguments;
   }
+  /// The same for commands that ranks of MPI run together: `run` calls what checks the files when
+  /// one rank can say for all what is wrong.
+  template <class Arguments>
+  Arguments& calls(void (*run)(const Arguments&, const std::function<void()>& check)) {
+    auto arguments = std::make_shared<Arguments>();
+    callback(
+        [arguments, run, files = files_] { run(*arguments, [&files] { check_files(*files); }); });
+    return *arguments;
+  }
 
  private:
   struct Files;

@@ -11,6 +11,7 @@
 #include "hydrapod/report/study_results.hpp"
 #include "hydrapod/reports.hpp"
 #include "hydrapod/tasks/study.hpp"
+#include "hydrapod/team.hpp"
 
 namespace hydrapod::cli {
 
@@ -21,7 +22,7 @@ struct Arguments {
   std::vector<std::string> vary{}, over{}, want{};
   std::uint64_t samples{10000}, seed{1};
   std::string design{};
-  bool indices{}, buckling{}, resume{}, join{}, poses{};
+  bool indices{}, buckling{}, resume{}, join{}, poses{}, no_mpi{};
   int threads{}, modes{6};
   std::string shard{}, format{}, output{"-"}, results{"study.h5"}, csv{}, worst{}, plot{};
   std::string value{"lowest"};
@@ -228,11 +229,12 @@ void write_worst(const tasks::StudyJob& job, const study::Summary& summary,
 }
 
 void report_study(const Arguments& arguments, const tasks::StudyJob& job,
-                  const tasks::StudyDone& done, std::size_t format, const char* kind) {
+                  const tasks::StudyDone& done, std::size_t format, const char* kind, int ranks) {
   const auto& run = done.run;
   if (run.seconds > 0.0)
-    print_note(fmt::format("{} rows in {:.3g} s, {:.4g} rows/s; {} computed one at a time",
+    print_note(fmt::format("{} rows in {:.3g} s{}, {:.4g} rows/s; {} computed one at a time",
                            run.done - run.resumed, run.seconds,
+                           ranks > 1 ? fmt::format(" by {} ranks", ranks) : "",
                            static_cast<double>(run.done - run.resumed) / run.seconds, run.alone));
   if (!done.complete)
     print_warning(
@@ -259,8 +261,7 @@ void report_study(const Arguments& arguments, const tasks::StudyJob& job,
                    summary_text(job, *done.summary, style) + "\n" + worst_text(job, *done.summary));
 }
 
-void run_with(Arguments arguments, study::Design design, const char* kind) {
-  const auto format = result_format(arguments.format, arguments.output, {"table", "json"});
+tasks::StudyOptions options_of(Arguments& arguments, study::Design design, const char* kind) {
   tasks::StudyOptions options{.poses = arguments.poses};
   options.plan.design = design;
   if (!arguments.design.empty())
@@ -280,19 +281,35 @@ void run_with(Arguments arguments, study::Design design, const char* kind) {
   options.plan.indices = arguments.indices;
   options.modes = arguments.modes;
   options.buckling = arguments.buckling;
-  const auto [shard, shards] = shard_of(arguments.shard, arguments.join);
-  const auto job = tasks::prepare_study(load(arguments.machine), options);
-  const auto done = with_progress("samples", [&](const numerics::Progress& progress) {
-    return tasks::run_study(job,
-                            {.output = arguments.results,
-                             .resume = arguments.resume,
-                             .threads = arguments.threads,
-                             .shard = shard,
-                             .shards = shards,
-                             .join = arguments.join},
-                            progress);
+  return options;
+}
+
+using FileCheck = std::function<void()>;
+
+void run_with(Arguments arguments, study::Design design, const char* kind, const FileCheck& check) {
+  const auto team = arguments.no_mpi ? nullptr : team_of_ranks();
+  std::size_t format = 0;
+  tasks::StudyRunOptions running{.team = team.get()};
+  const auto job = together(team.get(), [&] {
+    check();
+    format = result_format(arguments.format, arguments.output, {"table", "json"});
+    const auto options = options_of(arguments, design, kind);
+    const auto [shard, shards] = shard_of(arguments.shard, arguments.join);
+    running.output = arguments.results;
+    running.resume = arguments.resume;
+    running.threads = arguments.threads;
+    running.shard = shard;
+    running.shards = shards;
+    running.join = arguments.join;
+    auto prepared = tasks::prepare_study(load(arguments.machine), options);
+    tasks::check_run(prepared, running);
+    return prepared;
   });
-  report_study(arguments, job, done, format, kind);
+  const auto done = with_progress("samples", [&](const numerics::Progress& progress) {
+    return tasks::run_study(job, running, progress);
+  });
+  if (team && team->rank() > 0) return;
+  report_study(arguments, job, done, format, kind, team ? team->size() : 1);
 }
 
 void add_common(Command command, Arguments& arguments) {
@@ -307,20 +324,23 @@ void add_common(Command command, Arguments& arguments) {
        {"--resume", arguments.resume, "Go on with the rows of an interrupted run"},
        {"--shard", arguments.shard, "i/n: compute part i of n; with --join: n"},
        {"--join", arguments.join, "Put the parts of --shard together instead of computing"},
+       {"--no-mpi", arguments.no_mpi, "Run alone, also where mpirun has started the program"},
        {"--results", arguments.results, "HDF5 file of all rows", writes},
        {"--csv", arguments.csv, "All rows as CSV too", writes},
        {"--format", arguments.format, "table or json; default: by the ending of -o, else table"},
        {"-o,--output", arguments.output, "File of the summary; - prints", writes}});
 }
 
-void run_montecarlo(const Arguments& arguments) {
-  run_with(arguments, study::Design::random, "montecarlo");
+void run_montecarlo(const Arguments& arguments, const FileCheck& check) {
+  run_with(arguments, study::Design::random, "montecarlo", check);
 }
-void run_sweep(const Arguments& arguments) { run_with(arguments, study::Design::grid, "sweep"); }
-void run_map(const Arguments& given) {
+void run_sweep(const Arguments& arguments, const FileCheck& check) {
+  run_with(arguments, study::Design::grid, "sweep", check);
+}
+void run_map(const Arguments& given, const FileCheck& check) {
   Arguments arguments = given;
   arguments.poses = true;
-  run_with(arguments, study::Design::grid, "map");
+  run_with(arguments, study::Design::grid, "map", check);
 }
 
 }  // namespace

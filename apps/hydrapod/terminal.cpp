@@ -151,7 +151,7 @@ std::size_t display_width(std::string_view text) {
 }
 
 namespace {
-bool quiet = false;
+bool quiet = false, silent = false;
 
 void print_line(const std::string& line) {
   std::fputs((line + '\n').c_str(), stderr);  // that nobody can read it changes no result
@@ -159,6 +159,7 @@ void print_line(const std::string& line) {
 }  // namespace
 
 void be_quiet() { quiet = true; }
+void be_silent() { quiet = silent = true; }
 
 void print_note(const std::string& line) {
   if (!quiet) print_line(line);
@@ -168,6 +169,7 @@ void print_diagnostics(const std::vector<base::Diagnostic>& diagnostics) {
   const bool colour = has_colour(stderr);
   for (const base::Diagnostic& diagnostic : diagnostics) {
     const bool is_error = diagnostic.severity == base::Severity::error;
+    if (silent && !is_error) continue;
     const std::string word = is_error ? "error:" : "warning:";
     std::string line = diagnostic.text();
     if (const std::size_t at = line.find(word); at != std::string::npos) {

@@ -27,6 +27,8 @@ std::size_t display_width(std::string_view text);
 
 /// From now on no notes and no progress on stderr. Warnings and errors stay.
 void be_quiet();
+/// No warnings either: of ranks other than 0.
+void be_silent();
 
 /// A note on stderr. Where it cannot be written (closed, disk full) the program goes on.
 void print_note(const std::string& line);

@@ -7,18 +7,12 @@
 #include <chrono>
 #include <cstring>
 #include <filesystem>
-#include <memory>
-#include <mutex>
 
 #include "hydrapod/base/error.hpp"
-#include "hydrapod/study/study.hpp"
-#include "spool.hpp"
+#include "run_parts.hpp"
 
 namespace hydrapod::study {
 
-namespace {
-
-/// Everything that the rows depend on, as one number.
 std::uint64_t fingerprint(const Problem& problem, const Plan& plan, const std::string& more) {
   std::string text = fmt::format("{}\n{} {} {} {}", more, static_cast<int>(plan.design),
                                  plan.samples, plan.seed, plan.indices);
@@ -32,6 +26,8 @@ std::uint64_t fingerprint(const Problem& problem, const Plan& plan, const std::s
   for (const auto& output : problem.outputs) text += fmt::format("\n{}", output.name);
   return hash_of(text.data(), text.size());
 }
+
+namespace {
 
 /// Appends to the spool, unbuffered: what was written survives the end of the program.
 class SpoolWriter {
@@ -110,28 +106,6 @@ class SpoolWriter {
   SpoolHead head_;
   int file_{-1};
   std::uint64_t done_{};
-};
-
-/// Evaluators that tasks on several threads take and give back: as many as there are threads.
-class Evaluators {
- public:
-  explicit Evaluators(const Problem& problem) : problem_(problem) {}
-  std::unique_ptr<Evaluator> take() {
-    const std::lock_guard lock(mutex_);
-    if (idle_.empty()) return std::make_unique<Evaluator>(problem_);
-    auto one = std::move(idle_.back());
-    idle_.pop_back();
-    return one;
-  }
-  void give(std::unique_ptr<Evaluator> one) {
-    const std::lock_guard lock(mutex_);
-    idle_.push_back(std::move(one));
-  }
-
- private:
-  const Problem& problem_;
-  std::mutex mutex_{};
-  std::vector<std::unique_ptr<Evaluator>> idle_{};
 };
 
 /// The part of all rows that a shard consists of, in whole chunks.

@@ -5,6 +5,7 @@
 #include <xxhash.h>
 
 #include <algorithm>
+#include <cstring>
 #include <fstream>
 
 #include "hydrapod/base/error.hpp"
@@ -19,7 +20,8 @@ constexpr const char* what_it_is =
 
 SpoolHead read_head(std::ifstream& file, const std::string& path) {
   SpoolHead head;
-  if (!file.read(reinterpret_cast<char*>(&head), sizeof head) || head.magic != spool_magic)
+  if (!file.read(reinterpret_cast<char*>(&head), sizeof head) ||
+      (head.magic != spool_magic && head.magic != rank_magic))
     base::refuse(path, fmt::format("is no file of a study's rows; expected {}", what_it_is));
   return head;
 }
@@ -35,6 +37,10 @@ Spool::Spool(std::vector<std::string> paths) : paths_(std::move(paths)) {
     if (!file) base::refuse(paths_[k], fmt::format("cannot be read; expected {}", what_it_is));
     const auto head = read_head(file, paths_[k]);
     if (k == 0) first = head;
+    if (head.magic == rank_magic) {
+      index_ranks();
+      return;
+    }
     if (head.fingerprint != first.fingerprint || head.width != first.width || head.all != first.all)
       base::refuse(paths_[k], fmt::format("is of another study than {}", paths_[0]));
     if (k > 0 && head.first != rows_)
@@ -54,8 +60,65 @@ Spool::Spool(std::vector<std::string> paths) : paths_(std::move(paths)) {
   }
 }
 
+void Spool::index_ranks() {
+  constexpr Place none{UINT32_MAX, UINT32_MAX};
+  SpoolHead first;
+  for (std::size_t k = 0; k < paths_.size(); ++k) {
+    std::ifstream file(paths_[k], std::ios::binary);
+    if (!file) base::refuse(paths_[k], fmt::format("cannot be read; expected {}", what_it_is));
+    const auto head = read_head(file, paths_[k]);
+    if (k == 0) {
+      first = head;
+      width_ = head.width;
+      places_.assign((head.all + chunk_rows - 1) / chunk_rows, none);
+    }
+    if (head.magic != rank_magic || head.fingerprint != first.fingerprint ||
+        head.width != first.width || head.all != first.all)
+      base::refuse(paths_[k], fmt::format("is of another study than {}", paths_[0]));
+    file.seekg(0, std::ios::end);
+    const std::uint64_t records =
+        (static_cast<std::uint64_t>(file.tellg()) - sizeof head) / record_bytes(width_);
+    for (std::uint64_t record = 0; record < records; ++record) {
+      std::uint64_t chunk = 0;
+      file.seekg(static_cast<std::streamoff>(sizeof head + record * record_bytes(width_)));
+      if (!file.read(reinterpret_cast<char*>(&chunk), sizeof chunk) || chunk >= places_.size())
+        base::refuse(paths_[k], "is damaged; delete it, the study goes on with --resume");
+      places_[chunk] = {static_cast<std::uint32_t>(k), static_cast<std::uint32_t>(record)};
+    }
+  }
+  const auto missing =
+      std::ranges::find_if(places_, [](const Place& place) { return place.file == UINT32_MAX; });
+  places_.erase(missing, places_.end());
+  rows_ = std::min<std::uint64_t>(first.all, places_.size() * chunk_rows);
+}
+
+void Spool::each_ranked_chunk(
+    const std::function<void(std::uint64_t, std::span<const double>)>& take) const {
+  std::vector<std::uint64_t> record(record_bytes(width_) / sizeof(std::uint64_t));
+  std::vector<double> rows(chunk_rows * width_);
+  std::ifstream file;
+  std::uint32_t open = UINT32_MAX;
+  for (std::uint64_t chunk = 0; chunk < places_.size(); ++chunk) {
+    const auto [which, number] = places_[chunk];
+    if (which != open) file = std::ifstream(paths_[which], std::ios::binary);
+    open = which;
+    file.seekg(static_cast<std::streamoff>(sizeof(SpoolHead) + number * record_bytes(width_)));
+    if (!file.read(reinterpret_cast<char*>(record.data()),
+                   static_cast<std::streamsize>(record_bytes(width_))))
+      throw base::ComputationError(fmt::format("{} cannot be read", paths_[which]));
+    if (record.front() != chunk ||
+        record.back() != hash_of(record.data(), (record.size() - 1) * sizeof(std::uint64_t)))
+      throw base::ComputationError(
+          fmt::format("{} is damaged; delete it, the study goes on with --resume", paths_[which]));
+    std::memcpy(rows.data(), record.data() + 1, rows.size() * sizeof(double));
+    const std::uint64_t count = std::min(chunk_rows, rows_ - chunk * chunk_rows);
+    take(chunk * chunk_rows, std::span(rows).first(count * width_));
+  }
+}
+
 void Spool::each_chunk(
     const std::function<void(std::uint64_t, std::span<const double>)>& take) const {
+  if (!places_.empty()) return each_ranked_chunk(take);
   std::uint64_t at = 0;
   std::vector<double> chunk((chunk_rows * width_) + 1);
   for (std::size_t k = 0; k < paths_.size(); ++k) {
@@ -81,6 +144,18 @@ void Spool::each_chunk(
 }
 
 std::vector<double> Spool::row(std::uint64_t index) const {
+  if (!places_.empty() && index < rows_) {
+    const auto [which, number] = places_[index / chunk_rows];
+    std::ifstream file(paths_[which], std::ios::binary);
+    file.seekg(static_cast<std::streamoff>(sizeof(SpoolHead) + number * record_bytes(width_) +
+                                           sizeof(std::uint64_t) +
+                                           (index % chunk_rows) * width_ * sizeof(double)));
+    std::vector<double> values(width_);
+    if (file.read(reinterpret_cast<char*>(values.data()),
+                  static_cast<std::streamsize>(width_ * sizeof(double))))
+      return values;
+    throw base::ComputationError(fmt::format("{} cannot be read", paths_[which]));
+  }
   std::uint64_t before = 0;
   for (std::size_t k = 0; k < paths_.size(); before += counts_[k++]) {
     if (index - before >= counts_[k]) continue;

@@ -1,4 +1,4 @@
-#include "hydrapod/tasks/study.hpp"
+#include "study_inputs.hpp"
 
 #include <fmt/format.h>
 
@@ -70,6 +70,16 @@ study::Distribution list_of(const Varied& varied, const std::string& unit) {
   return d;
 }
 
+}  // namespace
+
+model::FileNumber number_at(const Machine& machine, const std::string& path,
+                            const std::string& place) {
+  if (auto number = find_number(machine.file, path)) return *number;
+  const std::string near = nearest_parameter(machine.file, path);
+  base::refuse(place, "the machine file has no such number" +
+                          (near.empty() ? "" : fmt::format("; did you mean `{}`?", near)));
+}
+
 study::Input input_over(const Machine& machine, const Varied& varied, bool poses, bool grid) {
   study::Input input{.name = varied.path};
   if (poses) {
@@ -78,20 +88,24 @@ study::Input input_over(const Machine& machine, const Varied& varied, bool poses
       base::refuse(varied.place, "unknown direction; directions are x, y, z, rx, ry, rz");
     input.unit = *direction < 3 ? "m" : "rad";
   } else {
-    const auto number = find_number(machine.file, varied.path);
-    const std::string near = nearest_parameter(machine.file, varied.path);
-    if (!number)
-      base::refuse(varied.place,
-                   "the machine file has no such number" +
-                       (near.empty() ? "" : fmt::format("; did you mean `{}`?", near)));
-    input.unit = number->unit;
-    input.id = number->id;
+    const auto number = number_at(machine, varied.path, varied.place);
+    input.unit = number.unit;
+    input.id = number.id;
   }
   input.distribution = varied.text.find(':') == std::string::npos
                            ? list_of(varied, input.unit)
                            : range_of(varied, input.unit, grid);
   return input;
 }
+
+std::string duration_text(double seconds) {
+  if (seconds < 120) return fmt::format("{:.0f} s", seconds);
+  if (seconds < 7200) return fmt::format("{:.0f} min", seconds / 60);
+  if (seconds < 172800) return fmt::format("{:.1f} h", seconds / 3600);
+  return fmt::format("{:.0f} days", seconds / 86400);
+}
+
+namespace {
 
 std::vector<study::Input> inputs_of(const Machine& machine, const StudyOptions& options) {
   std::vector<study::Input> inputs;
@@ -144,13 +158,6 @@ std::string shard_file(const std::string& output, int shard, int shards) {
   return shards == 1 ? output + ".rows" : fmt::format("{}.rows{}of{}", output, shard, shards);
 }
 
-std::string duration_text(double seconds) {
-  if (seconds < 120) return fmt::format("{:.0f} s", seconds);
-  if (seconds < 7200) return fmt::format("{:.0f} min", seconds / 60);
-  if (seconds < 172800) return fmt::format("{:.1f} h", seconds / 3600);
-  return fmt::format("{:.0f} days", seconds / 86400);
-}
-
 void require_room(const StudyJob& job, const StudyRunOptions& options) {
   std::error_code unknown;
   const auto folder = fs::absolute(options.output).parent_path();
@@ -158,7 +165,10 @@ void require_room(const StudyJob& job, const StudyRunOptions& options) {
   const double needed =
       2.0 * static_cast<double>(job.bytes) / options.shards;  // rows, then columns
   if (unknown || needed < static_cast<double>(space.available)) return;
-  const int threads = options.threads > 0 ? options.threads : numerics::processor_count();
+  const int ranks = options.team != nullptr ? options.team->size() : 1;
+  const int threads = options.threads > 0 ? options.threads * ranks
+                      : ranks > 1         ? ranks
+                                          : numerics::processor_count();
   throw base::ComputationError(fmt::format(
       "{:.4g} rows need {:.3g} GB and about {} on {} threads; {} has {:.3g} GB left. Take fewer "
       "samples, or --shard i/n with one part on each of many machines",
@@ -228,6 +238,61 @@ StudyJob prepare_study(const Machine& machine, const StudyOptions& options) {
   return job;
 }
 
+namespace {
+
+/// Throws base::InputError where ranks would have nothing to do.
+void check_team(const StudyJob& job, const StudyRunOptions& options) {
+  if (options.team == nullptr || options.team->size() == 1) return;
+  constexpr std::uint64_t chunk = 64;
+  const std::uint64_t chunks = (job.rows + chunk - 1) / chunk;
+  const auto ranks = static_cast<std::uint64_t>(options.team->size());
+  if (options.shards > 1 || options.join)
+    base::refuse("--shard",
+                 "is for runs without MPI; the ranks of a run share the work themselves");
+  if (ranks > chunks)
+    base::refuse(fmt::format("{} ranks", ranks),
+                 fmt::format("are more than the work: {} rows are {} chunks of {}; give at most "
+                             "{} ranks, or more samples (all rows take about {:.2g} s on one core)",
+                             job.rows, chunks, chunk, chunks,
+                             static_cast<double>(job.rows) * job.seconds_per_row));
+  if (options.resume && fs::exists(shard_file(options.output, 1, 1)))
+    base::refuse(shard_file(options.output, 1, 1),
+                 "holds rows of a run without MPI; go on without mpirun, or leave --resume out");
+}
+
+/// The rows of a whole study or of a shard; `files`: where they are.
+study::RunResult compute(const StudyJob& job, const StudyRunOptions& options,
+                         const std::string& rows_file, std::vector<std::string>& files,
+                         const Progress& progress) {
+  study::Team alone;
+  auto* team = options.team;
+  const bool of_ranks = options.resume && options.shards == 1 && !fs::exists(rows_file) &&
+                        !study::rank_files(rows_file).empty();
+  if (team == nullptr && of_ranks) team = &alone;
+  const study::RunOptions run{
+      .spool = rows_file,
+      .resume = options.resume,
+      .threads = options.threads == 0 && options.team != nullptr ? 1 : options.threads,
+      .shard = options.shard,
+      .shards = options.shards,
+      .fingerprint = fingerprint_of(job)};
+  if (team == nullptr) {
+    files = {rows_file};
+    return study::run(job.problem, job.plan, run, progress);
+  }
+  const auto result = study::run_as_team(*team, job.problem, job.plan, run, progress);
+  team->leave();
+  if (team->rank() == 0) files = study::rank_files(rows_file);
+  return result;
+}
+
+}  // namespace
+
+void check_run(const StudyJob& job, const StudyRunOptions& options) {
+  check_team(job, options);
+  if (!options.join) require_room(job, options);
+}
+
 StudyDone run_study(const StudyJob& job, const StudyRunOptions& options, const Progress& progress) {
   StudyDone done;
   std::vector<std::string> files;
@@ -236,19 +301,12 @@ StudyDone run_study(const StudyJob& job, const StudyRunOptions& options, const P
       files.push_back(shard_file(options.output, k, options.shards));
     done.run.count = job.rows;
   } else {
-    require_room(job, options);
+    if (options.team == nullptr) check_run(job, options);
     done.rows_file = shard_file(options.output, options.shard, options.shards);
-    done.run = study::run(job.problem, job.plan,
-                          {.spool = done.rows_file,
-                           .resume = options.resume,
-                           .threads = options.threads,
-                           .shard = options.shard,
-                           .shards = options.shards,
-                           .fingerprint = fingerprint_of(job)},
-                          progress);
+    done.run = compute(job, options, done.rows_file, files, progress);
     done.complete = done.run.complete();
     if (options.shards > 1 || done.run.done == 0) return done;
-    files.push_back(done.rows_file);
+    if (options.team != nullptr && options.team->rank() > 0) return done;
   }
   const study::Spool spool(files);
   if (options.join) {
@@ -260,12 +318,13 @@ StudyDone run_study(const StudyJob& job, const StudyRunOptions& options, const P
                       "again with --resume",
                       spool.rows(), job.rows));
   }
+  if (spool.rows() == 0) return done;
   if (options.take)
     spool.each_chunk([&](std::uint64_t, std::span<const double> rows) { options.take(rows); });
   write_results(job, spool, options, done.complete);
   done.summary = study::summarise(spool, job.problem, job.plan, job.requirements);
   if (!done.complete || options.join) return done;
-  fs::remove(done.rows_file);
+  for (const auto& file : files) fs::remove(file);
   done.rows_file.clear();
   return done;
 }

@@ -1,5 +1,5 @@
 #pragma once
-/// Studies as JSON and pictures.
+/// Studies and designs as JSON and pictures.
 
 #include <string>
 
@@ -25,5 +25,19 @@ struct Field {
 /// Heat map with contours; where there is no value the plane is grey.
 void plot_field(const Field& field, const std::string& title, const std::string& subtitle,
                 const std::string& path);
+
+/// `feasible`, `evaluations`, `changes[]`, `aims[]`, `requirements[]` with what can be reached,
+/// `limits[]` with prices, `front[]` of two aims.
+Json design_json(const study::DesignProblem& problem, const study::DesignResult& result);
+
+/// The curve of two aims.
+void plot_trade_off(const study::DesignProblem& problem, const study::DesignResult& result,
+                    const std::string& title, const std::string& subtitle, const std::string& path);
+
+/// Per change, what each requirement has to spare where this change alone differs from the design;
+/// the design is a dashed line, what misses a requirement is grey.
+void plot_design_slices(const study::DesignProblem& problem, const study::DesignResult& result,
+                        const std::vector<study::Slice>& slices, const std::string& title,
+                        const std::string& subtitle, const std::string& path);
 
 }  // namespace hydrapod::report

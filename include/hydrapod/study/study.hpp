@@ -26,6 +26,7 @@
 #include <array>
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <optional>
 #include <span>
 #include <string>
@@ -166,7 +167,36 @@ struct RunResult {
 RunResult run(const Problem& problem, const Plan& plan, const RunOptions& options,
               const numerics::Progress& progress = {});
 
-/// Rows of spools, one spool after the other: inputs, then outputs.
+/// Programs on one machine or many that compute one study together (MPI). Rank 0 hands out chunks.
+class Team {
+ public:
+  Team() = default;
+  Team(const Team&) = delete;
+  Team& operator=(const Team&) = delete;
+  virtual ~Team() = default;
+  [[nodiscard]] virtual int rank() const { return 0; }
+  [[nodiscard]] virtual int size() const { return 1; }
+  /// The least of the values of all ranks; each waits for all.
+  virtual std::int64_t least(std::int64_t value) { return value; }
+  /// What rank 0 answers to another rank's request.
+  virtual std::int64_t ask(std::int64_t request) { return request; }
+  /// Of rank 0: answers one request of another rank, if one waits; whether one did.
+  virtual bool answer(const std::function<std::int64_t(std::int64_t)>&) { return false; }
+  /// No more is said; ranks may end.
+  virtual void leave() {}
+};
+
+/// run() by a team: each rank appends what it computed to a file of its own, `spool`.RANK, so that
+/// a rank that ends loses the chunks in work at most. To resume, the team may have another size.
+/// The result of rank 0 is that of all ranks.
+RunResult run_as_team(Team& team, const Problem& problem, const Plan& plan,
+                      const RunOptions& options, const numerics::Progress& progress = {});
+
+/// Files of ranks beside `spool`, in the order of their numbers.
+std::vector<std::string> rank_files(const std::string& spool);
+
+/// Rows of spools, one spool after the other: inputs, then outputs. Of files of ranks: all rows
+/// before the first chunk that none of them has.
 class Spool {
  public:
   /// Throws base::InputError for files that are no spools, of several studies, or not all shards of
@@ -184,6 +214,13 @@ class Spool {
   std::vector<std::uint64_t> counts_;
   std::uint64_t rows_{};
   std::size_t width_{};
+  struct Place {
+    std::uint32_t file{}, record{};
+  };
+  std::vector<Place> places_{};  ///< per chunk, of files of ranks
+  void index_ranks();
+  void each_ranked_chunk(
+      const std::function<void(std::uint64_t, std::span<const double>)>& take) const;
 };
 
 /// "x >= 6 Hz": a bound for an output, in the unit of its column.
@@ -291,6 +328,126 @@ std::string machine_text(const model::MachineFile& file, const std::vector<Input
 /// leg". Throws base::InputError.
 std::vector<Input> read_variation(const model::MachineFile& file, const std::string& path,
                                   const std::string& text, const std::string& place);
+
+// Design: the numbers of a machine that meet requirements at every pose with the best aim.
+
+/// What is made small or large: an output, the worst of all poses, or one of the changed numbers.
+struct Aim {
+  std::string text{};  ///< "minimise platform.mass"
+  std::string name{}, unit{};
+  bool maximise{};
+  int output{-1}, change{-1};  ///< one of them is set
+};
+
+struct DesignProblem {
+  model::Machine machine{};
+  dynamics::ModelKind kind{};
+  std::vector<model::NamedPose> poses{};
+  std::vector<Input> changes{};   ///< uniform distributions; their ends are the bounds
+  std::vector<Column> outputs{};  ///< see design_outputs()
+  std::vector<Requirement> requirements{};
+  std::vector<Aim> aims{};  ///< one; two for a trade-off
+};
+
+/// Outputs of machine_problem(), `buckling` among them, then: `power` of the pump, `sag` (largest
+/// static offset of a rod at its guide sleeve), `oil_force` (largest static one of a leg), `gain`
+/// (largest stable one of the position loop), and `force_x` … `excursion_rz`: what the machine can
+/// do from rest in both senses of a direction (simulation/capability.hpp).
+/// `outputs`, `requirements` and `aims` of `problem` may still be empty.
+std::vector<Column> design_outputs(const DesignProblem& problem);
+
+/// Outputs of a machine at one pose, and their derivatives.
+class DesignModel {
+ public:
+  /// Outputs that nobody needs (`wanted`: numbers of columns) are not computed where they cost more
+  /// than modes do. Throws base::ComputationError where the machine has modes neither with its own
+  /// numbers nor with those of the bounds.
+  DesignModel(const DesignProblem& problem, const model::NamedPose& pose, std::vector<int> wanted);
+  /// Of one design; NaN where there is none, also the status is in it.
+  void outputs(std::span<const double> values, std::span<double> outputs);
+  /// Of many, modes in SIMD lanes.
+  void outputs(std::span<const Row> rows);
+  struct Derivatives {
+    Eigen::MatrixXd by_change{};  ///< a row per wanted output, a column per change [SI]
+    /// Per wanted output: of the mode that has its value, dω²/dp = φᵀ (dK/dp − ω² dM/dp) φ; else by
+    /// central differences of the output.
+    std::vector<bool> of_mode{};
+  };
+  Derivatives derivatives(std::span<const double> values, std::span<const double> outputs);
+
+ private:
+  void add_differences(std::span<const double> values, std::span<const double> outputs,
+                       Derivatives& result);
+  struct Parts;
+  std::shared_ptr<Parts> parts_;
+};
+
+struct DesignOptions {
+  std::uint64_t samples{2048};  ///< Sobol points at which the search begins, besides the corners
+  std::uint64_t seed{1};
+  int starts{6};  ///< local searches, from the best samples
+  int front{11};  ///< points of a trade-off curve
+  int threads{};
+};
+
+/// A design with the worst of all poses.
+struct DesignPoint {
+  std::vector<double> values{};  ///< of the changes [SI]
+  bool computed{};               ///< status 0 at every pose
+  bool feasible{};               ///< computed, and every requirement is met at every pose
+  std::vector<double> aims{};
+  std::vector<double> worst{};  ///< per requirement, NaN where there is none
+  std::vector<int> pose{};      ///< per requirement, where that is
+};
+
+/// What keeps the aim from getting better.
+struct Limit {
+  enum class Kind {
+    requirement,  ///< `requirement` is met with less than 1e-4 of its bound to spare, at `pose`
+    lower_bound,  ///< of `change`
+    upper_bound,
+    jump  ///< beyond `values`, a step of 1e-5 of the range of `change`, `requirement` is missed at
+          ///< once by more than 1e-3 of its bound: another mode takes over
+  };
+  Kind kind{};
+  int requirement{-1}, change{-1}, pose{-1};
+  /// Change of the aim per change of the requirement's or the change's bound [SI], the Lagrange
+  /// multiplier with its sign; none where the local model does not explain the point.
+  std::optional<double> price{};
+  double beyond{};  ///< of a jump: the output there
+};
+
+/// The extreme value of a requirement's output that was found, without all other requirements.
+struct Reach {
+  double value{};
+  bool enough{};
+  std::vector<double> values{};  ///< of the changes
+};
+
+struct DesignResult {
+  DesignPoint present{};  ///< the machine as it is, its numbers brought between the bounds
+  DesignPoint best{};     ///< feasible, or the least violation found
+  std::vector<Limit> limits{};
+  std::vector<Reach> reach{};        ///< per requirement, where no feasible design was found
+  std::vector<DesignPoint> front{};  ///< of two aims, ascending in the first, none dominated
+  std::uint64_t evaluations{};       ///< designs, each at every pose
+  std::uint64_t feasible_samples{}, samples{};
+  bool interrupted{};
+};
+
+/// Sobol points, then SLSQP with derivatives and COBYLA (NLopt) from the best of them, then steps
+/// along single changes down to 1e-9 of their range, which also end at jumps. What is returned was
+/// evaluated at every pose, one design at a time. Ctrl-C ends the search with the best so far.
+DesignResult design(const DesignProblem& problem, const DesignOptions& options,
+                    const numerics::Progress& progress = {});
+
+/// Where single changes lead from a design: least margin over all requirements and poses as a share
+/// of the bound, per change `count` values between its bounds.
+struct Slice {
+  std::vector<double> values{};
+  std::vector<std::vector<double>> worst{};  ///< per requirement
+};
+std::vector<Slice> design_slices(const DesignProblem& problem, const DesignPoint& at, int count);
 
 /// What a study file (TOML) says.
 struct StudyFile {

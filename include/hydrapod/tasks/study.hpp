@@ -53,6 +53,8 @@ struct StudyRunOptions {
   int threads{};
   int shard{1}, shards{1};
   bool join{};  ///< nothing is computed: the shards are put together
+  study::Team*
+      team{};  ///< ranks that compute it together; each has one thread where `threads` is 0
   /// Gets all rows of a whole study in their order, chunk by chunk: inputs, then outputs, row by
   /// row.
   std::function<void(std::span<const double>)> take{};
@@ -66,12 +68,67 @@ struct StudyDone {
   std::optional<study::Summary> summary{};
 };
 
-/// Throws base::ComputationError before the work begins where the disk has no room for the rows;
-/// the message says how long the study would take.
+/// Throws base::ComputationError where the disk has no room for the rows; the message says how long
+/// the study would take. base::InputError where a team has more ranks than there is work.
+void check_run(const StudyJob& job, const StudyRunOptions& options);
+
+/// Begins with check_run(), unless there is a team: then all ranks have to check before any begins.
+/// Of a team, rank 0 alone has the results.
 StudyDone run_study(const StudyJob& job, const StudyRunOptions& options,
                     const Progress& progress = {});
 
 /// Inputs and outputs of one row of the rows that run_study() has kept or written.
 std::vector<double> study_row(const StudyJob& job, std::uint64_t row);
+
+struct WantedAim {
+  std::string name{};  ///< an output, or the path of a changed number
+  bool maximise{};
+};
+
+struct DesignOptions {
+  std::vector<Varied> change{};           ///< "from:to", with the unit
+  std::vector<std::string> want{};        ///< "x >= 6 Hz"
+  std::vector<WantedAim> aims{};          ///< one, or two for a trade-off
+  std::vector<model::NamedPose> poses{};  ///< none: the machine's own
+};
+
+/// A design that can be sought; everything that a user said has been read.
+struct DesignJob {
+  Machine machine{};
+  study::DesignProblem problem{};
+};
+
+/// Throws base::InputError with what is wrong in a path, a range, a requirement or an aim.
+DesignJob prepare_design(const Machine& machine, const DesignOptions& options);
+
+struct Designed {
+  study::DesignResult result{};
+  /// The machine file with the numbers of the best design, comments kept; empty where no design
+  /// meets the requirements. What it says was read back and evaluated at every pose.
+  std::string text{};
+};
+
+Designed run_design(const DesignJob& job, const study::DesignOptions& options,
+                    const Progress& progress = {});
+
+/// One evaluation for Dakota, or for any program that speaks its files: parameters in, results out.
+struct EvaluateOptions {
+  std::string parameters{};  ///< file in Dakota's standard or aprepro format
+  /// "k=legs.guide_sleeve.stiffness [kN/mm]": what a variable of that file is. Others are paths,
+  /// with SI values.
+  std::vector<std::string> variables{};
+  std::vector<std::string> outputs{};  ///< of the functions, in their order; none: their labels
+};
+
+struct Evaluation {
+  std::string text{};                         ///< the results file
+  std::string failure{};                      ///< why it says FAIL; empty where it does not
+  std::vector<std::string> by_differences{};  ///< outputs whose gradients are central differences
+  std::string id{};                           ///< eval_id
+};
+
+/// Throws base::InputError for a file that cannot be read, an unknown variable, output or request.
+/// A design that has no outputs is no error: the results file says FAIL.
+Evaluation evaluate(const Machine& machine, const EvaluateOptions& options);
 
 }  // namespace hydrapod::tasks

@@ -1,0 +1,167 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "gnuplot.hpp"
+#include "hydrapod/report/study_results.hpp"
+
+namespace hydrapod::report {
+
+namespace {
+
+constexpr std::array<const char*, 6> line_colours{"#0072b2", "#d55e00", "#009e73",
+                                                  "#cc79a7", "#e69f00", "#56b4e9"};
+
+Json number_or_null(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
+
+Json limit_json(const study::DesignProblem& problem, const study::Limit& limit) {
+  constexpr std::array kinds{"requirement", "lower_bound", "upper_bound", "jump"};
+  Json json{{"kind", kinds.at(static_cast<std::size_t>(limit.kind))}};
+  json["requirement"] =
+      limit.requirement < 0
+          ? Json(nullptr)
+          : Json(problem.requirements[static_cast<std::size_t>(limit.requirement)].text);
+  json["path"] = limit.change < 0
+                     ? Json(nullptr)
+                     : Json(problem.changes[static_cast<std::size_t>(limit.change)].name);
+  json["pose"] = limit.pose < 0 ? Json(nullptr)
+                                : Json(problem.poses[static_cast<std::size_t>(limit.pose)].name);
+  json["price"] = limit.price ? number_or_null(*limit.price) : Json(nullptr);
+  if (limit.kind == study::Limit::Kind::jump) json["beyond"] = number_or_null(limit.beyond);
+  return json;
+}
+
+Json requirements_json(const study::DesignProblem& problem, const study::DesignResult& result) {
+  Json all = Json::array();
+  for (std::size_t k = 0; k < problem.requirements.size(); ++k) {
+    const auto& wanted = problem.requirements[k];
+    const double value = result.best.worst[k];
+    Json one{{"requirement", wanted.text},
+             {"unit", problem.outputs[static_cast<std::size_t>(wanted.output)].unit},
+             {"bound", wanted.bound},
+             {"present", number_or_null(result.present.worst[k])},
+             {"value", number_or_null(value)},
+             {"pose", problem.poses[static_cast<std::size_t>(result.best.pose[k])].name},
+             {"met", wanted.at_least ? value >= wanted.bound : value <= wanted.bound}};
+    if (!result.reach.empty())
+      one["reach"] = {{"value", number_or_null(result.reach[k].value)},
+                      {"enough", result.reach[k].enough},
+                      {"values", result.reach[k].values}};
+    all.push_back(std::move(one));
+  }
+  return all;
+}
+
+}  // namespace
+
+Json design_json(const study::DesignProblem& problem, const study::DesignResult& result) {
+  Json json{{"feasible", result.best.feasible},
+            {"interrupted", result.interrupted},
+            {"evaluations", result.evaluations},
+            {"samples", result.samples},
+            {"feasible_samples", result.feasible_samples}};
+  json["poses"] = Json::array();
+  for (const auto& pose : problem.poses) json["poses"].push_back(pose_json(pose));
+  json["changes"] = Json::array();
+  for (std::size_t k = 0; k < problem.changes.size(); ++k) {
+    const auto& change = problem.changes[k];
+    json["changes"].push_back({{"path", change.name},
+                               {"unit", change.unit},
+                               {"from", change.distribution.a},
+                               {"to", change.distribution.b},
+                               {"present", result.present.values[k]},
+                               {"value", result.best.values[k]}});
+  }
+  json["aims"] = Json::array();
+  for (std::size_t k = 0; k < problem.aims.size(); ++k)
+    json["aims"].push_back({{"aim", problem.aims[k].text},
+                            {"unit", problem.aims[k].unit},
+                            {"present", number_or_null(result.present.aims[k])},
+                            {"value", number_or_null(result.best.aims[k])}});
+  json["requirements"] = requirements_json(problem, result);
+  json["limits"] = Json::array();
+  for (const auto& limit : result.limits) json["limits"].push_back(limit_json(problem, limit));
+  json["front"] = Json::array();
+  for (const auto& point : result.front)
+    json["front"].push_back({{"aims", point.aims}, {"values", point.values}});
+  return json;
+}
+
+void plot_trade_off(const study::DesignProblem& problem, const study::DesignResult& result,
+                    const std::string& title, const std::string& subtitle,
+                    const std::string& path) {
+  constexpr int width = 860, height = 620;
+  std::string front;
+  for (const auto& point : result.front)
+    front += fmt::format("{:.9g} {:.9g}\n", point.aims[0], point.aims[1]);
+  const auto axis = [&](std::size_t k) {
+    return quoted(fmt::format("{} [{}]", problem.aims[k].name, problem.aims[k].unit));
+  };
+  std::string script =
+      titles(title, subtitle, height) + thin_axes + thin_grid + block_of("front", front) +
+      block_of("best", fmt::format("{:.9g} {:.9g}\n", result.best.aims[0], result.best.aims[1])) +
+      at_screen({0.13, 0.97, 1.0 - 96.0 / height, 60.0 / height}) + key_below_titles(height) +
+      fmt::format("set xlabel {}\nset ylabel {}\n", axis(0), axis(1)) +
+      "plot $front using 1:2 with linespoints lw 2 pt 7 ps 0.8 lc rgb '#0072b2' title 'no design "
+      "found that is better in both', $best using 1:2 with points pt 6 ps 2.2 lw 2 lc rgb "
+      "'#d55e00' title 'nearest to both ends'";
+  if (result.present.feasible) {
+    script = block_of("present", fmt::format("{:.9g} {:.9g}\n", result.present.aims[0],
+                                             result.present.aims[1])) +
+             script +
+             ", $present using 1:2 with points pt 2 ps 1.6 lw 2 lc rgb '#444444' title 'present "
+             "machine'";
+  }
+  draw(path, width, height, script + "\n");
+}
+
+void plot_design_slices(const study::DesignProblem& problem, const study::DesignResult& result,
+                        const std::vector<study::Slice>& slices, const std::string& title,
+                        const std::string& subtitle, const std::string& path) {
+  constexpr double decade = 10.0, most = 60.0;  // per cent shown
+  const CellGrid grid(slices.size());
+  std::string script = titles(title, subtitle, grid.height()) + thin_axes + thin_grid +
+                       "set multiplot\n" + key_below_titles(grid.height());
+  for (std::size_t k = 0; k < slices.size(); ++k) {
+    const auto& slice = slices[k];
+    const auto& change = problem.changes[k];
+    const std::string name = fmt::format("slice{}", k);
+    std::string rows;
+    for (std::size_t i = 0; i < slice.values.size(); ++i) {
+      rows += fmt::format("{:.9g}", slice.values[i]);
+      for (std::size_t r = 0; r < slice.worst.size(); ++r) {
+        const auto& wanted = problem.requirements[r];
+        const double size = wanted.bound != 0.0 ? std::abs(wanted.bound) : 1.0;
+        const double spare =
+            (wanted.at_least ? 1.0 : -1.0) * (slice.worst[r][i] - wanted.bound) / size * 100.0;
+        rows += std::isfinite(spare) ? fmt::format(" {:.9g}", spare) : " NaN";
+      }
+      rows += '\n';
+    }
+    const bool ratios =
+        change.distribution.a > 0.0 && change.distribution.b >= decade * change.distribution.a;
+    script +=
+        block_of(name, rows) + at_screen(grid[k]) +
+        fmt::format("set {}logscale x\nset xrange [{:.9g}:{:.9g}]\nset yrange [{}:{}]\n",
+                    ratios ? "" : "un", slice.values.front(), slice.values.back(), -most, most) +
+        fmt::format("set xlabel {}\nset ylabel 'to spare, % of the bound' offset 1,0\n",
+                    quoted(fmt::format("{} [{}]", change.name, change.unit))) +
+        "set format x '%.3g'\nset object 1 rectangle from graph 0, first -1000 to graph 1, "
+        "first 0 behind fc rgb '#eeeeee' fs solid noborder\n" +
+        fmt::format(
+            "set arrow 1 from first {0:.9g}, graph 0 to first {0:.9g}, graph 1 "
+            "nohead lw 1.5 dt 2 lc rgb '#444444'\n",
+            result.best.values[k]);
+    if (k > 0) script += "unset key\n";
+    script += "plot ";
+    for (std::size_t r = 0; r < slice.worst.size(); ++r)
+      script += fmt::format("{}${} using 1:{} with lines lw 2 lc rgb '{}' title {}",
+                            r > 0 ? ", " : "", name, r + 2, line_colours[r % line_colours.size()],
+                            quoted(problem.requirements[r].text));
+    script += "\n";
+  }
+  draw(path, grid.width(), grid.height(), script + "unset multiplot\n");
+}
+
+}  // namespace hydrapod::report
