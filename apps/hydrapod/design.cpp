@@ -122,7 +122,8 @@ std::string limit_text(const study::DesignProblem& problem, const study::Limit& 
   }
   if (limit.kind != Kind::jump)
     return fmt::format("{} is at its {} bound{}", change->name,
-                       limit.kind == Kind::lower_bound ? "lower" : "upper", price(change->unit));
+                       limit.kind == Kind::lower_bound ? "lower" : "upper",
+                       aim.change == limit.change ? "" : price(change->unit));
   if (wanted == nullptr)
     return fmt::format(
         "a little beyond this value of {} the machine has no modes at one of the "
@@ -151,13 +152,17 @@ std::string front_text(const study::DesignProblem& problem, const study::DesignR
   std::vector<Column> columns;
   for (const auto& aim : problem.aims)
     columns.emplace_back(fmt::format("{} [{}]", aim.name, aim.unit));
+  const auto is_aim = [&](const study::Input& change) {
+    return std::ranges::count(problem.aims, change.name, &study::Aim::name) > 0;
+  };
   for (const auto& change : problem.changes)
-    columns.emplace_back(fmt::format("{} [{}]", change.name, change.unit));
+    if (!is_aim(change)) columns.emplace_back(fmt::format("{} [{}]", change.name, change.unit));
   Table table(columns);
   for (const auto& point : result.front) {
     std::vector<std::string> cells;
     for (const double aim : point.aims) cells.push_back(number_text(aim));
-    for (const double value : point.values) cells.push_back(number_text(value));
+    for (std::size_t k = 0; k < point.values.size(); ++k)
+      if (!is_aim(problem.changes[k])) cells.push_back(number_text(point.values[k]));
     table.add_row(cells);
   }
   return "\nTrade-off: no design was found that is better in both aims\n" + table.text(style) +
@@ -210,8 +215,9 @@ void plot(const Arguments& arguments, const tasks::DesignJob& job,
           const study::DesignResult& result, const std::string& path) {
   const auto& problem = job.problem;
   const std::string subtitle =
-      fmt::format("{} poses, {} model; machine: {}", problem.poses.size(),
-                  dynamics::name(job.machine.kind), report::state_text(job.machine.file));
+      fmt::format("{} {}, {} model; machine: {}", problem.poses.size(),
+                  problem.poses.size() == 1 ? "pose" : "poses", dynamics::name(job.machine.kind),
+                  report::state_text(job.machine.file));
   if (!result.front.empty())
     return report::plot_trade_off(problem, result,
                                   fmt::format("{}: {} against {}", job.machine.file.machine.name,

@@ -102,7 +102,8 @@ std::unique_ptr<study::Team> team_of_ranks() {
   if (object == nullptr) no_mpi(fmt::format("MPI cannot be loaded: {}", ::dlerror()));
   auto team = std::make_unique<MpiTeam>(object);
   if (team->size() < 2)
-    no_mpi("by that of another MPI than the one of this program: each rank finds itself alone");
+    no_mpi("it is that of another MPI than the one of this program: each rank finds itself alone");
+  be_piped();
   if (team->rank() > 0) be_silent();
   return team;
 }

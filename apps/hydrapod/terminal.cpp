@@ -20,7 +20,11 @@ namespace hydrapod::cli {
 namespace {
 constexpr std::string_view gap = "  ";  // between two columns of a table
 
-bool is_terminal(std::FILE* stream) { return ::isatty(::fileno(stream)) == 1; }
+bool piped = false;
+
+bool is_terminal(std::FILE* stream) {
+  return !(piped && stream == stdout) && ::isatty(::fileno(stream)) == 1;
+}
 
 bool is_set(const char* variable) {
   const char* value = std::getenv(variable);
@@ -160,6 +164,7 @@ void print_line(const std::string& line) {
 
 void be_quiet() { quiet = true; }
 void be_silent() { quiet = silent = true; }
+void be_piped() { piped = true; }
 
 void print_note(const std::string& line) {
   if (!quiet) print_line(line);

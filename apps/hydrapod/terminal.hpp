@@ -29,6 +29,8 @@ std::size_t display_width(std::string_view text);
 void be_quiet();
 /// No warnings either: of ranks other than 0.
 void be_silent();
+/// The standard output is no terminal, whatever it looks like: mpirun gives its ranks one.
+void be_piped();
 
 /// A note on stderr. Where it cannot be written (closed, disk full) the program goes on.
 void print_note(const std::string& line);

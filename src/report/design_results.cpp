@@ -103,8 +103,8 @@ void plot_trade_off(const study::DesignProblem& problem, const study::DesignResu
       block_of("best", fmt::format("{:.9g} {:.9g}\n", result.best.aims[0], result.best.aims[1])) +
       at_screen({0.13, 0.97, 1.0 - 96.0 / height, 60.0 / height}) + key_below_titles(height) +
       fmt::format("set xlabel {}\nset ylabel {}\n", axis(0), axis(1)) +
-      "plot $front using 1:2 with linespoints lw 2 pt 7 ps 0.8 lc rgb '#0072b2' title 'no design "
-      "found that is better in both', $best using 1:2 with points pt 6 ps 2.2 lw 2 lc rgb "
+      "plot $front using 1:2 with linespoints lw 2 pt 7 ps 0.8 lc rgb '#0072b2' title 'trade-off', "
+      "$best using 1:2 with points pt 6 ps 2.2 lw 2 lc rgb "
       "'#d55e00' title 'nearest to both ends'";
   if (result.present.feasible) {
     script = block_of("present", fmt::format("{:.9g} {:.9g}\n", result.present.aims[0],

@@ -326,7 +326,7 @@ double open_valve_speed(const ServoAxis& axis, const model::Supply& supply, doub
 }
 
 std::optional<Capability> capability(const model::Machine& machine, const Pose& X_BP,
-                                     dynamics::ModelKind kind) {
+                                     dynamics::ModelKind kind, bool with_gain) {
   const auto statics = dynamics::static_equilibrium(machine, X_BP, kind);
   if (statics.status != dynamics::StaticsStatus::converged) return {};
   Capability result;
@@ -386,7 +386,7 @@ std::optional<Capability> capability(const model::Machine& machine, const Pose& 
   for_all_signs(velocity, [&](const Vector6& motion) {
     result.combined[1] = std::min(result.combined[1], pump.share(J * motion));
   });
-  result.gain_limit = gain_limit(machine, X_BP, kind);
+  if (with_gain) result.gain_limit = gain_limit(machine, X_BP, kind);
   return result;
 }
 

@@ -66,7 +66,7 @@ class Designer {
                    .constraints = requirements_};
     for (std::size_t k = 0; k < archive_.t.size(); ++k)
       result.feasible_samples += archive_.trial(k, all, status_).violation == 0.0 ? 1 : 0;
-    result.present = point_of(archive_.trial(0, all, status_));
+    result.present = present_point(all);
     const double end = aims_.size() == 2 ? 0.4 : 0.95;
     auto best = solve(all, {}, 0.2, end);
     if (best.violation == 0.0 && aims_.size() == 2) {
@@ -232,6 +232,20 @@ class Designer {
     for (const auto& term : aims_)  // the worst margin of what is minimised is its largest value
       point.aims.push_back(value_of(term, trial, worst_pose(term)));
     return point;
+  }
+
+  /// The machine as it is; its numbers may lie beyond the bounds.
+  [[nodiscard]] DesignPoint present_point(const Goal& goal) const {
+    Trial present;
+    for (const auto& change : problem_.changes)
+      present.values.push_back(
+          model::value(problem_.machine, change.id).value_or(change.distribution.a));
+    for (const auto& pose : problem_.poses) {
+      present.outputs.emplace_back(problem_.outputs.size(), missing);
+      DesignModel(problem_, pose, wanted_).outputs(present.values, present.outputs.back());
+    }
+    judge(goal, status_, present);
+    return point_of(present);
   }
 
   [[nodiscard]] double aim_cost(std::size_t aim, const DesignPoint& point) const {

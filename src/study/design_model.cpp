@@ -29,7 +29,7 @@ constexpr std::array<std::array<const char*, 2>, simulation::ability_count> abil
 
 /// Columns that follow those of machine_problem().
 struct Extra {
-  enum { power, sag, oil_force, gain, first_ability };
+  enum { power, sag, oil_force, first_ability };
   static constexpr int count = first_ability + 6 * simulation::ability_count;
 };
 
@@ -37,8 +37,7 @@ std::vector<Column> extra_columns() {
   std::vector<Column> columns{
       {"power", "W", "supply pressure above return pressure times the flow of the pump"},
       {"sag", "m", "largest static offset of a rod at its guide sleeve"},
-      {"oil_force", "N", "largest static force of the oil of a leg, pushed or pulled"},
-      {"gain", "1/s", "largest stable gain of the position loop"}};
+      {"oil_force", "N", "largest static force of the oil of a leg, pushed or pulled"}};
   for (std::size_t a = 0; a < abilities.size(); ++a)
     for (std::size_t d = 0; d < 6; ++d)
       columns.push_back(
@@ -67,7 +66,6 @@ void add_statics(const model::Machine& machine, const LinearModel& linear,
 }
 
 void add_abilities(const simulation::Capability& found, std::span<double> extra) {
-  extra[Extra::gain] = found.gain_limit.value_or(missing);
   for (std::size_t a = 0; a < abilities.size(); ++a)
     for (int d = 0; d < 6; ++d)
       extra[Extra::first_ability + 6 * a + static_cast<std::size_t>(d)] =
@@ -179,7 +177,7 @@ struct DesignModel::Parts {
     try {
       if (statics) add_statics(changed, dynamics::linear_model(changed, X_BP, kind), extra);
       if (!capability) return;
-      if (const auto found = simulation::capability(changed, X_BP, kind))
+      if (const auto found = simulation::capability(changed, X_BP, kind, false))
         add_abilities(*found, extra);
     } catch (const base::ComputationError&) {  // then they stay without a value
     }
@@ -208,7 +206,7 @@ DesignModel::DesignModel(const DesignProblem& problem, const model::NamedPose& p
     const int extra = column - parts.first_extra;
     buckling = buckling || problem.outputs[static_cast<std::size_t>(column)].name == "buckling";
     parts.statics = parts.statics || extra == Extra::sag || extra == Extra::oil_force;
-    parts.capability = parts.capability || extra >= Extra::gain;
+    parts.capability = parts.capability || extra >= Extra::first_ability;
   }
   parts.problem = nominal_problem(problem, pose.X_BP, buckling);
   for (const auto& output : parts.problem.outputs) {

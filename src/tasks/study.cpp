@@ -251,7 +251,7 @@ void check_team(const StudyJob& job, const StudyRunOptions& options) {
                  "is for runs without MPI; the ranks of a run share the work themselves");
   if (ranks > chunks)
     base::refuse(fmt::format("{} ranks", ranks),
-                 fmt::format("are more than the work: {} rows are {} chunks of {}; give at most "
+                 fmt::format("more ranks than work: {} rows are {} chunks of {}; give at most "
                              "{} ranks, or more samples (all rows take about {:.2g} s on one core)",
                              job.rows, chunks, chunk, chunks,
                              static_cast<double>(job.rows) * job.seconds_per_row));

@@ -90,9 +90,10 @@ struct Capability {
 };
 
 /// Of the model `kind` at the pose. Nothing where the machine does not stand there: no equilibrium,
-/// a supply that cannot hold the load, a rod that buckles.
+/// a supply that cannot hold the load, a rod that buckles. Without `with_gain` it has no gain limit,
+/// which takes most of the time.
 std::optional<Capability> capability(const model::Machine& machine, const spatial::Pose& X_BP,
-                                     dynamics::ModelKind kind);
+                                     dynamics::ModelKind kind, bool with_gain = true);
 
 /// Steady speed [m/s] of a piston with the valve wholly open, + extending, while the oil pushes
 /// with `force` [N] and carries the seals' friction.

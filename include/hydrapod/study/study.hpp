@@ -350,9 +350,9 @@ struct DesignProblem {
 };
 
 /// Outputs of machine_problem(), `buckling` among them, then: `power` of the pump, `sag` (largest
-/// static offset of a rod at its guide sleeve), `oil_force` (largest static one of a leg), `gain`
-/// (largest stable one of the position loop), and `force_x` … `excursion_rz`: what the machine can
-/// do from rest in both senses of a direction (simulation/capability.hpp).
+/// static offset of a rod at its guide sleeve), `oil_force` (largest static one of a leg), and
+/// `force_x` … `excursion_rz`: what the machine can do from rest in both senses of a direction
+/// (simulation/capability.hpp).
 /// `outputs`, `requirements` and `aims` of `problem` may still be empty.
 std::vector<Column> design_outputs(const DesignProblem& problem);
 
@@ -425,7 +425,7 @@ struct Reach {
 };
 
 struct DesignResult {
-  DesignPoint present{};  ///< the machine as it is, its numbers brought between the bounds
+  DesignPoint present{};  ///< the machine as it is, also where that is beyond the bounds
   DesignPoint best{};     ///< feasible, or the least violation found
   std::vector<Limit> limits{};
   std::vector<Reach> reach{};        ///< per requirement, where no feasible design was found

@@ -1,0 +1,239 @@
+/// `hydrapod design` and `evaluate` as they are called.
+
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+#include "support/run_program.hpp"
+
+namespace hydrapod {
+namespace {
+
+using testing::AllOf;
+using testing::HasSubstr;
+using testing::Not;
+
+const std::string machine = test::source_file("models/heavy-platform.toml").string();
+
+test::RunResult design(const std::vector<std::string>& more) {
+  std::vector<std::string> all{"design", machine, "--samples", "256", "--starts", "2"};
+  all.insert(all.end(), more.begin(), more.end());
+  return test::run_hydrapod(all);
+}
+
+/// The file that is written is the design: `modes` finds what `design` promised.
+TEST(DesignCommand, WritesAMachineThatMeetsTheRequirement) {
+  const test::TemporaryFolder folder;
+  const auto file = (folder / "design.toml").string();
+  const auto run =
+      design({"--change", "legs.guide_sleeve.stiffness=0.9:20 kN/mm", "--want", "x >= 5.9 Hz",
+              "--minimise", "legs.guide_sleeve.stiffness", "-o", file, "--format", "json"});
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  const auto json = nlohmann::json::parse(run.out);
+  EXPECT_TRUE(json["feasible"]);
+  EXPECT_FALSE(json["requirements"][0]["present"] >= 5.9);
+  EXPECT_EQ(json["limits"][0]["kind"], "requirement");
+  EXPECT_GT(json["limits"][0]["price"], 0.0);
+  const auto modes = test::run_hydrapod({"modes", file, "--format", "json"});
+  ASSERT_EQ(modes.exit_code, 0) << modes.err;
+  double x = 0.0;
+  const auto table = nlohmann::json::parse(modes.out);
+  for (const auto& mode : table["modes"])
+    if (x == 0.0 && mode["frequency_hz"] >= 5.89) x = mode["frequency_hz"];
+  constexpr double damped = 5e-3;  // `modes` lists damped modes
+  EXPECT_NEAR(x, 5.9, damped);
+  // comments of the file are kept
+  const auto text = test::read_text(file), before = test::read_text(machine);
+  const auto comments = [](const std::string& of) { return std::ranges::count(of, '#'); };
+  EXPECT_GE(comments(text), comments(before));
+}
+
+TEST(DesignCommand, SaysWhatCannotBeReached) {
+  const test::TemporaryFolder folder;
+  const auto file = (folder / "design.toml").string();
+  const auto run = design({"--change", "legs.guide_sleeve.stiffness=1:20 kN/mm", "--want",
+                           "x >= 9 Hz", "--minimise", "legs.guide_sleeve.stiffness", "-o", file});
+  EXPECT_EQ(run.exit_code, 1);
+  EXPECT_THAT(run.out, AllOf(HasSubstr("No design was found that meets all requirements"),
+                             HasSubstr("x comes to at most 6.11"), HasSubstr("missed")));
+  EXPECT_THAT(run.err, HasSubstr("is not written"));
+  EXPECT_FALSE(std::filesystem::exists(file));
+}
+
+TEST(DesignCommand, TradesOneAimForAnother) {
+  const test::TemporaryFolder folder;
+  const auto run =
+      design({"--change", "legs.guide_sleeve.stiffness=1:20 kN/mm", "--change",
+              "platform.mass=12000:15000 kg", "--maximise", "lowest", "--maximise", "platform.mass",
+              "--trade-off", "5", "--plot", (folder / "front.svg").string()});
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  EXPECT_THAT(run.out, HasSubstr("Trade-off"));
+  EXPECT_THAT(test::read_text(folder / "front.svg"), HasSubstr("platform.mass"));
+}
+
+TEST(DesignCommand, RefusesWhatItCannotUnderstand) {
+  const std::string change = "legs.guide_sleeve.stiffness=1:20 kN/mm";
+  const std::vector<std::pair<std::vector<std::string>, std::string>> wrong{
+      {{"--want", "x >= 6 Hz", "--minimise", "sag"}, "--change: error: is missing"},
+      {{"--change", change, "--want", "x >= 6 Hz"}, "--minimise"},
+      {{"--change", "legs.guide_sleve.stiffness=1:20 kN/mm", "--minimise", "sag"},
+       "did you mean `legs.guide_sleeve.stiffness`"},
+      {{"--change", "legs.guide_sleeve.stiffness=1:20 kg", "--minimise", "sag"}, "kg"},
+      {{"--change", "legs.guide_sleeve.stiffness=5", "--minimise", "sag"}, "expected PATH=from:to"},
+      {{"--change", "platform.mass=-5:20 t", "--minimise", "sag"}, "cannot have"},
+      {{"--change", "platform.mass=9:9 t", "--minimise", "sag"}, "both ends are equal"},
+      {{"--change", change, "--change", change, "--minimise", "sag"}, "changed twice"},
+      {{"--change", change, "--minimise", "sags"}, "did you mean 'sag'"},
+      {{"--change", change, "--minimise", "platform.mass"}, "neither an output nor a number"},
+      {{"--change", change, "--minimise", "direction"}, "no aim"},
+      {{"--change", change, "--minimise", "sag", "--want", "x > 6 Hz"}, ">= or <="},
+      {{"--change", change, "--minimise", "sag", "--want", "x >= 6 kg"}, "6 kg"},
+      {{"--change", change, "--minimise", "power"}, "pump_flow"},
+      {{"--change", change, "--minimise", "sag", "--trade-off", "5"}, "two aims"},
+      {{"--change", change, "--minimise", "sag", "--minimise", "sag"}, "an aim twice"},
+      {{"--change", change, "--minimise", "sag", "--pose", "x=9 m"}, "--pose"}};
+  for (const auto& [arguments, message] : wrong) {
+    const auto run = design(arguments);
+    EXPECT_EQ(run.exit_code, 2) << testing::PrintToString(arguments) << run.err;
+    EXPECT_THAT(run.err, HasSubstr(message)) << testing::PrintToString(arguments);
+    EXPECT_EQ(run.out, "");
+  }
+}
+
+/// Dakota's files (Reference Manual, parameters file format).
+struct Evaluate : testing::Test {
+  test::TemporaryFolder folder{};
+  std::string parameters = (folder / "params.in").string();
+  std::string results = (folder / "results.out").string();
+
+  test::RunResult run(const std::vector<std::string>& more = {}) {
+    std::vector<std::string> all{"evaluate", "--machine", machine};
+    all.insert(all.end(), more.begin(), more.end());
+    all.insert(all.end(), {parameters, results});
+    return test::run_hydrapod(all);
+  }
+  /// Numbers of the results file.
+  std::vector<double> numbers() {
+    std::vector<double> found;
+    std::istringstream text(test::read_text(results));
+    for (std::string word; text >> word;) {
+      char* end = nullptr;
+      const double value = std::strtod(word.c_str(), &end);
+      if (end != word.c_str() && *end == '\0') found.push_back(value);
+    }
+    return found;
+  }
+  void write(double stiffness, double mass, int first, int second) {
+    test::write_text(parameters,
+                     fmt::format(R"(                                          2 variables
+                      {:.15e} legs.guide_sleeve.stiffness
+                      {:.15e} platform.mass
+                                          2 functions
+                                          {} ASV_1:lowest
+                                          {} ASV_2:condition
+                                          2 derivative_variables
+                                          1 DVV_1:legs.guide_sleeve.stiffness
+                                          2 DVV_2:platform.mass
+                                          0 analysis_components
+                                          3.7 eval_id
+)",
+                                 stiffness, mass, first, second));
+  }
+};
+
+TEST_F(Evaluate, AnswersTheStandardFormat) {
+  write(2.3e6, 14100.0, 3, 1);
+  const auto evaluated = run();
+  ASSERT_EQ(evaluated.exit_code, 0) << evaluated.err;
+  const auto found = numbers();
+  ASSERT_EQ(found.size(), 4U) << test::read_text(results);  // two values, one gradient
+  const auto sensitivity = test::run_hydrapod(
+      {"sensitivity", machine, "--set", "legs.guide_sleeve.stiffness=2.3e6", "--set",
+       "platform.mass=14100", "--parameter", "platform.mass", "--format", "json"});
+  const auto json = nlohmann::json::parse(sensitivity.out);
+  EXPECT_NEAR(found[0], json["modes"][0]["frequency_hz"], 1e-9);
+  const double relative = json["percent_per_percent"][0][0];
+  EXPECT_NEAR(found[3], relative * found[0] / 14100.0, 1e-6 * std::abs(found[3]));
+  // the gradient against two more evaluations
+  const double h = 1.4;
+  write(2.3e6, 14100.0 + h, 1, 1);
+  ASSERT_EQ(run({"--force"}).exit_code, 0);
+  const double above = numbers()[0];
+  write(2.3e6, 14100.0 - h, 1, 1);
+  ASSERT_EQ(run({"--force"}).exit_code, 0);
+  const double slope = (above - numbers()[0]) / (2.0 * h);
+  EXPECT_NEAR(found[3], slope, 1e-6 * std::abs(slope));
+}
+
+TEST_F(Evaluate, AnswersTheApreproFormatInOtherUnits) {
+  write(2.3e6, 14100.0, 3, 3);
+  ASSERT_EQ(run().exit_code, 0);
+  const auto si = numbers();
+  ASSERT_EQ(si.size(), 6U);
+  test::write_text(parameters, R"(                    { DAKOTA_VARS = 2 }
+                    { k = 2.300000000000000e+00 }
+                    { m = 1.410000000000000e+01 }
+                    { DAKOTA_FNS = 2 }
+                    { ASV_1:obj_fn = 3 }
+                    { ASV_2:nln_ineq_con_1 = 2 }
+                    { DAKOTA_DER_VARS = 1 }
+                    { DVV_1:k = 1 }
+                    { DAKOTA_AN_COMPS = 0 }
+                    { DAKOTA_EVAL_ID = 12 }
+)");
+  const auto evaluated =
+      run({"--variable", "k=legs.guide_sleeve.stiffness [kN/mm]", "--variable",
+           "m = platform.mass [t]", "--function", "lowest", "--function", "condition"});
+  ASSERT_EQ(evaluated.exit_code, 0) << evaluated.err;
+  EXPECT_THAT(test::read_text(results), HasSubstr("obj_fn"));
+  EXPECT_THAT(evaluated.err, AllOf(HasSubstr("evaluation 12"), HasSubstr("condition")));
+  const auto found = numbers();
+  ASSERT_EQ(found.size(), 3U);
+  EXPECT_NEAR(found[0], si[0], 1e-12 * si[0]);
+  EXPECT_NEAR(found[1], si[2] * 1e6, 1e-9 * std::abs(si[2] * 1e6));  // by kN/mm
+}
+
+TEST_F(Evaluate, ReportsAFailureAsDakotaExpects) {
+  write(1.0e3, 14100.0, 1, 1);  // seals that hold nothing
+  const auto evaluated = run();
+  EXPECT_EQ(evaluated.exit_code, 0);
+  EXPECT_EQ(test::read_text(results), "FAIL\n");
+  EXPECT_THAT(evaluated.err, AllOf(HasSubstr("evaluation 3.7"), HasSubstr("FAIL")));
+}
+
+TEST_F(Evaluate, RefusesFilesThatAreWrong) {
+  const auto refused = [&](const std::string& message, const std::vector<std::string>& more = {}) {
+    const auto evaluated = run(more);
+    EXPECT_EQ(evaluated.exit_code, 2) << evaluated.err;
+    EXPECT_THAT(evaluated.err, HasSubstr(message));
+    EXPECT_FALSE(std::filesystem::exists(results));
+  };
+  write(2.3e6, 14100.0, 4, 1);
+  refused("Hessian");
+  write(2.3e6, 14100.0, 9, 1);
+  refused("sum of 1, 2 and 4");
+  write(2.3e6, 14100.0, 1, 1);
+  refused("is no output", {"--function", "lowest", "--function", "conditon"});
+  refused("1 outputs for the 2 functions", {"--function", "lowest"});
+  refused("no variable of", {"--variable", "k=platform.mass"});
+  test::write_text(
+      parameters,
+      "1 variables\n3 platfrm.mass\n1 functions\n1 ASV_1:lowest\n0 derivative_variables\n");
+  refused("did you mean `platform.mass`");
+  refused(":2: error");
+  test::write_text(parameters, "2 variables\n3 platform.mass\n");
+  refused("2 entries are to follow");
+  test::write_text(parameters, "mass = 3\n");
+  refused("params.in:1");
+  test::write_text(parameters,
+                   "1 variables\nnan platform.mass\n1 functions\n1 ASV_1:lowest\n"
+                   "0 derivative_variables\n");
+  refused("not a number");
+}
+
+}  // namespace
+}  // namespace hydrapod
