@@ -138,7 +138,7 @@ std::string limit_text(const study::DesignProblem& problem, const study::Limit& 
 }
 
 std::string limits_text(const study::DesignProblem& problem, const study::DesignResult& result) {
-  if (!result.best.feasible || !result.front.empty()) return {};
+  if (!result.best.feasible || !result.front.empty() || result.interrupted) return {};
   if (result.limits.empty())
     return "\nNo requirement and no bound is active: an optimum between the bounds\n";
   std::string text = "\nWhat limits the aim:\n";
@@ -175,6 +175,12 @@ std::string reach_text(const study::DesignProblem& problem, const study::DesignR
   std::string text = fmt::format(
       "\nNo design was found that meets all requirements, among {} that were evaluated\n",
       result.evaluations);
+  constexpr std::array words{"computed", "with a number that the machine cannot have",
+                             "out of reach at a pose", "without equilibrium at a pose",
+                             "buckled at a pose"};
+  for (std::size_t k = 1; k < words.size(); ++k)
+    if (result.statuses[k] > 0)
+      text += fmt::format("  {} of {} samples {}\n", result.statuses[k], result.samples, words[k]);
   bool each = true;
   for (std::size_t k = 0; k < result.reach.size(); ++k) {
     const auto& wanted = problem.requirements[k];

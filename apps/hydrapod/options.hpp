@@ -28,7 +28,7 @@ namespace hydrapod::cli {
 /// command. The help shows the value that it has now, unless that is empty or 0.
 using OptionValue =
     std::variant<bool*, std::string*, std::vector<std::string>*, int*, std::uint64_t*, double*,
-                 std::optional<int>*, std::optional<double>*>;
+                 std::optional<int>*, std::optional<double>*, std::optional<std::uint64_t>*>;
 
 /// What the value of an option is to the command, see output_files.hpp.
 enum class FileUse { none, input, output };

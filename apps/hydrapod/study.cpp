@@ -20,7 +20,7 @@ namespace {
 struct Arguments {
   MachineArguments machine{};
   std::vector<std::string> vary{}, over{}, want{};
-  std::uint64_t samples{10000}, seed{1};
+  std::optional<std::uint64_t> samples{}, seed{};
   std::string design{};
   bool indices{}, buckling{}, resume{}, join{}, poses{}, no_mpi{};
   int threads{}, modes{6};
@@ -77,8 +77,8 @@ void take_study_file(Arguments& arguments, tasks::StudyOptions& options) {
   if (study.pose && arguments.machine.pose == "neutral") arguments.machine.pose = *study.pose;
   for (const auto& given : study.vary) options.vary.push_back({given.key, given.text, given.place});
   for (const auto& given : study.want) options.want.push_back(given.text);
-  if (study.samples) arguments.samples = *study.samples;
-  if (study.seed) arguments.seed = *study.seed;
+  if (!arguments.samples) arguments.samples = study.samples;
+  if (!arguments.seed) arguments.seed = study.seed;
   if (study.design && arguments.design.empty()) options.plan.design = *study.design;
   arguments.indices = arguments.indices || study.indices;
   arguments.buckling = arguments.buckling || study.buckling;
@@ -274,10 +274,10 @@ tasks::StudyOptions options_of(Arguments& arguments, study::Design design, const
   if (options.vary.empty() && options.over.empty())
     base::refuse(kind == std::string_view("montecarlo") ? "--vary" : "--over",
                  "is missing: nothing would vary; see --help for examples");
-  options.plan.samples = arguments.samples;
-  if (arguments.samples < 2)
-    base::refuse(fmt::format("--samples {}", arguments.samples), "must be at least 2");
-  options.plan.seed = arguments.seed;
+  options.plan.samples = arguments.samples.value_or(10000);
+  if (options.plan.samples < 2)
+    base::refuse(fmt::format("--samples {}", options.plan.samples), "must be at least 2");
+  options.plan.seed = arguments.seed.value_or(1);
   options.plan.indices = arguments.indices;
   options.modes = arguments.modes;
   options.buckling = arguments.buckling;
@@ -316,8 +316,8 @@ void add_common(Command command, Arguments& arguments) {
   command.add_options(
       {{"--want", arguments.want, "Requirement for an output: \"x >= 6 Hz\"; may be repeated",
         one_each},
-       {"--samples", arguments.samples, "Number of samples (not of a grid)"},
-       {"--seed", arguments.seed, "Seed; sample i depends on seed and i alone"},
+       {"--samples", arguments.samples, "Number of samples (not of a grid); default: 10000"},
+       {"--seed", arguments.seed, "Seed; sample i depends on seed and i alone; default: 1"},
        {"--buckling", arguments.buckling, "Compute the buckling payload too (milliseconds a row)"},
        {"--modes", arguments.modes, "Platform modes that are followed by shape", range(1, 36)},
        {"--threads", arguments.threads, "Threads; default: one per processor", range(1, 1024)},

@@ -61,6 +61,10 @@ Json design_json(const study::DesignProblem& problem, const study::DesignResult&
             {"evaluations", result.evaluations},
             {"samples", result.samples},
             {"feasible_samples", result.feasible_samples}};
+  constexpr std::array statuses{"computed", "not_allowed", "out_of_reach", "no_equilibrium",
+                                "buckled"};
+  for (std::size_t k = 0; k < statuses.size(); ++k)
+    json["statuses"][statuses[k]] = result.statuses[k];
   json["poses"] = Json::array();
   for (const auto& pose : problem.poses) json["poses"].push_back(pose_json(pose));
   json["changes"] = Json::array();

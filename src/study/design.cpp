@@ -64,8 +64,13 @@ class Designer {
     scale_aims();
     const Goal all{.objective = aims_.empty() ? std::nullopt : std::optional(aims_.front()),
                    .constraints = requirements_};
-    for (std::size_t k = 0; k < archive_.t.size(); ++k)
+    for (std::size_t k = 0; k < archive_.t.size(); ++k) {
       result.feasible_samples += archive_.trial(k, all, status_).violation == 0.0 ? 1 : 0;
+      double highest = 0.0;
+      for (const auto& outputs : archive_.outputs[k])
+        highest = std::max(highest, outputs[static_cast<std::size_t>(status_)]);
+      ++result.statuses.at(static_cast<std::size_t>(highest));
+    }
     result.present = present_point(all);
     const double end = aims_.size() == 2 ? 0.4 : 0.95;
     auto best = solve(all, {}, 0.2, end);
@@ -76,7 +81,8 @@ class Designer {
     result.best = point_of(best);
     if (!result.best.feasible) find_reach(result);
     Bench bench(problem_, wanted_);
-    if (result.best.feasible && !aims_.empty()) result.limits = limits_of(bench, all, best);
+    if (result.best.feasible && !aims_.empty() && !watch_.stopped())
+      result.limits = limits_of(bench, all, best);
     evaluations_ += bench.evaluations();
     result.evaluations = evaluations_;
     result.interrupted = watch_.stopped();

@@ -144,6 +144,9 @@ TEST(Interrupt, IsAnsweredAtOnce) {
       {{"report", machine, "--measured", "long.csv", "-o", "report.html"}, 0.3},
       {{"bode", machine, "--points", "100000", "--format", "json"}, 0.2},
       {{"sensitivity", machine}, 0.05},
+      {{"design", machine, "--samples", "1000000", "--change", "platform.mass=10:16 t", "--want",
+        "lowest >= 4 Hz", "--maximise", "platform.mass"},
+       0.3},
   };
   int met = 0;  // at work
   for (const auto& one : cases) {

@@ -90,6 +90,13 @@ want = ["x >= 7.4 Hz"]
   EXPECT_EQ(json["inputs"].size(), 6U);
   EXPECT_EQ(json["requirements"][0]["samples"], 300);
 
+  // the command line counts before the file
+  const auto fewer =
+      test::run_hydrapod({"montecarlo", (folder / "study.toml").string(), "--samples", "70",
+                          "--results", (folder / "fewer.h5").string(), "--format", "json"});
+  ASSERT_EQ(fewer.exit_code, 0) << fewer.err;
+  EXPECT_EQ(nlohmann::json::parse(fewer.out)["rows"], 70);
+
   test::write_text(folder / "wrong.toml",
                    "machine = \"m.toml\"\nsampels = 300\n[vary]\nmass = 3\n");
   const auto wrong = test::run_hydrapod({"montecarlo", (folder / "wrong.toml").string()});

@@ -432,6 +432,8 @@ struct DesignResult {
   std::vector<DesignPoint> front{};  ///< of two aims, ascending in the first, none dominated
   std::uint64_t evaluations{};       ///< designs, each at every pose
   std::uint64_t feasible_samples{}, samples{};
+  /// Samples per Status, each with the highest one of all poses.
+  std::array<std::uint64_t, 5> statuses{};
   bool interrupted{};
 };
 
