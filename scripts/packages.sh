@@ -37,6 +37,8 @@ packages_test=(
   "libmatio-dev a second opinion on MAT files"
   "libmujoco-dev independent multibody dynamics to compare with"
   "libbenchmark-dev benchmarks"
+  "libopenmpi-dev studies by many ranks (MPI); the program is built without it as well"
+  "openmpi-bin starts these ranks (mpirun)"
   "liblapacke-dev LAPACK from C, the yardstick of the benchmarks"
   "libopenblas-dev an optimised LAPACK"
   "chromium opens the pages in their tests"

@@ -91,6 +91,8 @@ TEST(Design, IsNoWorseThanAnyDesignOfAGrid) {
   const auto found = design(problem, {.samples = 300, .starts = 3, .threads = 2});
   ASSERT_TRUE(found.best.feasible);
   EXPECT_FALSE(found.interrupted);
+  const auto by_one_thread = design(problem, {.samples = 300, .starts = 3, .threads = 1});
+  EXPECT_EQ(by_one_thread.best.values, found.best.values);
 
   // feasible by another way: modes of the machine itself
   const auto designed = machine_of(machine, problem.changes, found.best.values);
