@@ -19,6 +19,7 @@ from ._core import (
     Check,
     CommandResponse,
     Compared,
+    Designed,
     Diagnosed,
     Frf,
     Identified,
@@ -70,7 +71,7 @@ from ._plots import (
 )
 from ._progress import ProgressBar, progress_bar
 from ._records import Record, read_record
-from ._studies import DesignFunction, montecarlo, sweep, workspace_map
+from ._studies import DesignFunction, design, montecarlo, sweep, workspace_map
 from ._tasks import (
     LinearPlant,
     Plant,
@@ -102,6 +103,7 @@ __all__ = [
     "Compared",
     "ComputationError",
     "DesignFunction",
+    "Designed",
     "Diagnosed",
     "Diagnostic",
     "Export",
@@ -135,6 +137,7 @@ __all__ = [
     "calibrate",
     "check",
     "compare",
+    "design",
     "diagnose",
     "export",
     "forward_kinematics",
