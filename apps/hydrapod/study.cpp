@@ -234,7 +234,10 @@ void report_study(const Arguments& arguments, const tasks::StudyJob& job,
   if (run.seconds > 0.0)
     print_note(fmt::format("{} rows in {:.3g} s{}, {:.4g} rows/s; {} computed one at a time",
                            run.done - run.resumed, run.seconds,
-                           ranks > 1 ? fmt::format(" by {} ranks", ranks) : "",
+                           ranks > 1
+                               ? fmt::format(" by {} ranks ({} hand-outs, {:.3g} s of rank 0)",
+                                             ranks, run.handed_out, run.serving)
+                               : "",
                            static_cast<double>(run.done - run.resumed) / run.seconds, run.alone));
   if (!done.complete)
     print_warning(

@@ -7,6 +7,7 @@
 #include <charconv>
 #include <chrono>
 #include <cstring>
+#include <ctime>
 #include <filesystem>
 #include <fstream>
 #include <optional>
@@ -150,10 +151,22 @@ class Dispenser {
   bool stopped_{};
 };
 
-/// Requests: chunks that were done since the last one, and whether the rank goes. Answers: a range,
-/// or −1.
+/// Requests: rows that had to be computed alone and chunks that were done since the last one, and
+/// whether the rank goes. Answers: a range, or −1.
 constexpr std::int64_t no_more = -1;
 constexpr unsigned count_bits = 8;
+
+struct Request {
+  std::uint64_t alone{}, done{};
+  bool goes{};
+  [[nodiscard]] std::int64_t packed() const {
+    return static_cast<std::int64_t>((alone << count_bits | done) << 1U | (goes ? 1U : 0U));
+  }
+  static Request unpacked(std::int64_t request) {
+    const auto bits = static_cast<std::uint64_t>(request);
+    return {bits >> (count_bits + 1), bits >> 1U & ((1U << count_bits) - 1), (bits & 1U) != 0};
+  }
+};
 
 std::int64_t packed(const std::optional<Range>& range) {
   return range ? static_cast<std::int64_t>(range->first << count_bits | range->count) : no_more;
@@ -195,10 +208,15 @@ class Server {
     const std::lock_guard lock(mutex_);
     return done_;
   }
+  /// After wait().
+  [[nodiscard]] std::uint64_t handed_out() const { return handed_out_; }
+  [[nodiscard]] double serving() const { return serving_; }
+  /// Of other ranks.
+  [[nodiscard]] std::uint64_t alone() const { return alone_; }
 
  private:
   void serve() {
-    constexpr auto pause = std::chrono::microseconds(200);
+    constexpr auto pause = std::chrono::microseconds(500);
     int there = team_.size() - 1;
     try {
       while (there > 0)
@@ -207,20 +225,27 @@ class Server {
     } catch (...) {
       failure_ = std::current_exception();
     }
+    timespec spent{};
+    ::clock_gettime(CLOCK_THREAD_CPUTIME_ID, &spent);
+    constexpr double nano = 1e-9;
+    serving_ = static_cast<double>(spent.tv_sec) + nano * static_cast<double>(spent.tv_nsec);
   }
   std::int64_t reply(std::int64_t request, int& there) {
     const std::lock_guard lock(mutex_);
-    done_ += static_cast<std::uint64_t>(request >> 1);
-    const bool goes = (request & 1) != 0;
-    const auto range = goes ? std::nullopt : dispenser_.next();
+    const auto asked = Request::unpacked(request);
+    done_ += asked.done;
+    alone_ += asked.alone;
+    const auto range = asked.goes ? std::nullopt : dispenser_.next();
     if (!range) --there;
+    if (range) ++handed_out_;
     return packed(range);
   }
 
   Team& team_;
   std::mutex mutex_{};
   Dispenser dispenser_;
-  std::uint64_t done_;
+  std::uint64_t done_, handed_out_{}, alone_{};
+  double serving_{};
   std::exception_ptr failure_{};
   std::jthread thread_{};
 };
@@ -259,15 +284,18 @@ class Worker {
 /// What a rank other than 0 does.
 void follow(Team& team, Worker& worker, const std::string& path, const SpoolHead& head, bool resume,
             const numerics::Progress& progress) {
-  std::uint64_t done = 0;
+  Request since{};
+  std::uint64_t alone = 0;
   const auto say = [&](bool goes) {
-    return team.ask(static_cast<std::int64_t>(std::exchange(done, 0) << 1U) | (goes ? 1 : 0));
+    since.alone = worker.alone() - std::exchange(alone, worker.alone());
+    since.goes = goes;
+    return team.ask(std::exchange(since, {}).packed());
   };
   try {
     RankFile file(path, head, resume);
     while (const auto range = unpacked(say(false))) {
       worker.compute(*range, file);
-      done = range->count;
+      since.done = range->count;
       if (progress && progress(0.0)) {
         say(true);
         return;
@@ -349,7 +377,9 @@ RunResult run_as_team(Team& team, const Problem& problem, const Plan& plan,
   }
   server.wait();
   result.done = rows_of_chunks(server.done());
-  result.alone = worker.alone();
+  result.alone = worker.alone() + server.alone();
+  result.handed_out = server.handed_out();
+  result.serving = server.serving();
   result.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begun).count();
   return result;
 }

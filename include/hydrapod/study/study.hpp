@@ -158,6 +158,8 @@ struct RunResult {
   std::uint64_t resumed{};         ///< that were there before
   std::uint64_t alone{};           ///< rows of a batch that had to be computed alone, of this run
   double seconds{};
+  std::uint64_t handed_out{};  ///< of a team: ranges of chunks that rank 0 gave to other ranks
+  double serving{};            ///< [s] processor time of rank 0 for that, waiting included
   [[nodiscard]] bool complete() const { return done == count; }
 };
 
