@@ -15,7 +15,7 @@ configure_package_config_file(cmake/hydrapodConfig.cmake.in hydrapodConfig.cmake
 write_basic_package_version_file(hydrapodConfigVersion.cmake COMPATIBILITY SameMinorVersion)
 install(FILES ${CMAKE_CURRENT_BINARY_DIR}/hydrapodConfig.cmake
               ${CMAKE_CURRENT_BINARY_DIR}/hydrapodConfigVersion.cmake
-              cmake/Findudunits2.cmake
+              cmake/Findnlopt.cmake cmake/Findudunits2.cmake
   DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/hydrapod)
 
 

@@ -17,6 +17,7 @@
 #include "hydrapod/commands.hpp"
 #include "hydrapod/help.hpp"
 #include "hydrapod/reproduction.hpp"
+#include "hydrapod/team.hpp"
 #include "hydrapod/terminal.hpp"
 
 namespace {
@@ -93,8 +94,10 @@ int run(int argc, char** argv) {
     app.exit(success);
     return cli::close_output() ? done : failed;
   } catch (const CLI::ParseError& error) {
+    if (cli::is_said_by_rank_0(argv[1])) return bad_input;
     return report_parse_error(app, error);
   } catch (const base::InputError& error) {
+    if (cli::is_said_by_rank_0(argv[1])) return bad_input;
     cli::print_diagnostics(error.diagnostics());
     return bad_input;
   } catch (const std::bad_alloc&) {

@@ -28,7 +28,7 @@ namespace hydrapod::cli {
 /// command. The help shows the value that it has now, unless that is empty or 0.
 using OptionValue =
     std::variant<bool*, std::string*, std::vector<std::string>*, int*, std::uint64_t*, double*,
-                 std::optional<int>*, std::optional<double>*, std::optional<std::uint64_t>*>;
+                 std::optional<int>*, std::optional<double>*>;
 
 /// What the value of an option is to the command, see output_files.hpp.
 enum class FileUse { none, input, output };
@@ -105,15 +105,6 @@ class Command {
       check_files(*files);
       run(*arguments);
     });
-    return *arguments;
-  }
-  /// The same for commands that ranks of MPI run together: `run` calls what checks the files when
-  /// one rank can say for all what is wrong.
-  template <class Arguments>
-  Arguments& calls(void (*run)(const Arguments&, const std::function<void()>& check)) {
-    auto arguments = std::make_shared<Arguments>();
-    callback(
-        [arguments, run, files = files_] { run(*arguments, [&files] { check_files(*files); }); });
     return *arguments;
   }
 

@@ -20,7 +20,7 @@ namespace {
 struct Arguments {
   MachineArguments machine{};
   std::vector<std::string> vary{}, over{}, want{};
-  std::optional<std::uint64_t> samples{}, seed{};
+  std::string samples{}, seed{};
   std::string design{};
   bool indices{}, buckling{}, resume{}, join{}, poses{}, no_mpi{};
   int threads{}, modes{6};
@@ -77,8 +77,9 @@ void take_study_file(Arguments& arguments, tasks::StudyOptions& options) {
   if (study.pose && arguments.machine.pose == "neutral") arguments.machine.pose = *study.pose;
   for (const auto& given : study.vary) options.vary.push_back({given.key, given.text, given.place});
   for (const auto& given : study.want) options.want.push_back(given.text);
-  if (!arguments.samples) arguments.samples = study.samples;
-  if (!arguments.seed) arguments.seed = study.seed;
+  if (arguments.samples.empty() && study.samples)
+    arguments.samples = std::to_string(*study.samples);
+  if (arguments.seed.empty() && study.seed) arguments.seed = std::to_string(*study.seed);
   if (study.design && arguments.design.empty()) options.plan.design = *study.design;
   arguments.indices = arguments.indices || study.indices;
   arguments.buckling = arguments.buckling || study.buckling;
@@ -264,6 +265,18 @@ void report_study(const Arguments& arguments, const tasks::StudyJob& job,
                    summary_text(job, *done.summary, style) + "\n" + worst_text(job, *done.summary));
 }
 
+/// What stands in a study file counts where the command line says nothing: so it is read here.
+std::uint64_t whole_number(const std::string& option, const std::string& text, std::uint64_t least,
+                           std::uint64_t otherwise) {
+  if (text.empty()) return otherwise;
+  std::uint64_t value = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error != std::errc{} || end != text.data() + text.size())
+    base::refuse(option + " " + text, "expected a whole number");
+  if (value < least) base::refuse(option + " " + text, fmt::format("must be at least {}", least));
+  return value;
+}
+
 tasks::StudyOptions options_of(Arguments& arguments, study::Design design, const char* kind) {
   tasks::StudyOptions options{.poses = arguments.poses};
   options.plan.design = design;
@@ -277,24 +290,19 @@ tasks::StudyOptions options_of(Arguments& arguments, study::Design design, const
   if (options.vary.empty() && options.over.empty())
     base::refuse(kind == std::string_view("montecarlo") ? "--vary" : "--over",
                  "is missing: nothing would vary; see --help for examples");
-  options.plan.samples = arguments.samples.value_or(10000);
-  if (options.plan.samples < 2)
-    base::refuse(fmt::format("--samples {}", options.plan.samples), "must be at least 2");
-  options.plan.seed = arguments.seed.value_or(1);
+  options.plan.samples = whole_number("--samples", arguments.samples, 2, 10000);
+  options.plan.seed = whole_number("--seed", arguments.seed, 0, 1);
   options.plan.indices = arguments.indices;
   options.modes = arguments.modes;
   options.buckling = arguments.buckling;
   return options;
 }
 
-using FileCheck = std::function<void()>;
-
-void run_with(Arguments arguments, study::Design design, const char* kind, const FileCheck& check) {
+void run_with(Arguments arguments, study::Design design, const char* kind) {
   const auto team = arguments.no_mpi ? nullptr : team_of_ranks();
   std::size_t format = 0;
   tasks::StudyRunOptions running{.team = team.get()};
   const auto job = together(team.get(), [&] {
-    check();
     format = result_format(arguments.format, arguments.output, {"table", "json"});
     const auto options = options_of(arguments, design, kind);
     const auto [shard, shards] = shard_of(arguments.shard, arguments.join);
@@ -319,8 +327,10 @@ void add_common(Command command, Arguments& arguments) {
   command.add_options(
       {{"--want", arguments.want, "Requirement for an output: \"x >= 6 Hz\"; may be repeated",
         one_each},
-       {"--samples", arguments.samples, "Number of samples (not of a grid); default: 10000"},
-       {"--seed", arguments.seed, "Seed; sample i depends on seed and i alone; default: 1"},
+       {"--samples", arguments.samples, "Number of samples (not of a grid); default: 10000",
+        shown_as("NUMBER")},
+       {"--seed", arguments.seed, "Seed; sample i depends on seed and i alone; default: 1",
+        shown_as("NUMBER")},
        {"--buckling", arguments.buckling, "Compute the buckling payload too (milliseconds a row)"},
        {"--modes", arguments.modes, "Platform modes that are followed by shape", range(1, 36)},
        {"--threads", arguments.threads, "Threads; default: one per processor", range(1, 1024)},
@@ -334,16 +344,14 @@ void add_common(Command command, Arguments& arguments) {
        {"-o,--output", arguments.output, "File of the summary; - prints", writes}});
 }
 
-void run_montecarlo(const Arguments& arguments, const FileCheck& check) {
-  run_with(arguments, study::Design::random, "montecarlo", check);
+void run_montecarlo(const Arguments& arguments) {
+  run_with(arguments, study::Design::random, "montecarlo");
 }
-void run_sweep(const Arguments& arguments, const FileCheck& check) {
-  run_with(arguments, study::Design::grid, "sweep", check);
-}
-void run_map(const Arguments& given, const FileCheck& check) {
+void run_sweep(const Arguments& arguments) { run_with(arguments, study::Design::grid, "sweep"); }
+void run_map(const Arguments& given) {
   Arguments arguments = given;
   arguments.poses = true;
-  run_with(arguments, study::Design::grid, "map", check);
+  run_with(arguments, study::Design::grid, "map");
 }
 
 }  // namespace

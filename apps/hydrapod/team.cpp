@@ -37,6 +37,8 @@ std::string object_file() {
   return {};
 }
 
+bool has_team = false;
+
 [[noreturn]] void no_mpi(const std::string& why) {
   throw base::ComputationError(
       fmt::format("started by mpirun, but {}; without MPI, --shard i/n computes part i of n, and "
@@ -92,6 +94,13 @@ class MpiTeam : public study::Team {
 
 }  // namespace
 
+bool is_said_by_rank_0(std::string_view command) {
+  if (has_team || (command != "montecarlo" && command != "sweep" && command != "map")) return false;
+  for (const char* name : {"OMPI_COMM_WORLD_RANK", "PMI_RANK", "PMIX_RANK"})
+    if (const char* text = std::getenv(name)) return std::atoi(text) > 0;
+  return false;
+}
+
 std::unique_ptr<study::Team> team_of_ranks() {
   const int announced = ranks_announced();
   if (announced < 2) return {};
@@ -103,6 +112,7 @@ std::unique_ptr<study::Team> team_of_ranks() {
   auto team = std::make_unique<MpiTeam>(object);
   if (team->size() < 2)
     no_mpi("it is that of another MPI than the one of this program: each rank finds itself alone");
+  has_team = true;
   be_piped();
   if (team->rank() > 0) be_silent();
   return team;

@@ -5,6 +5,7 @@
 #include <exception>
 #include <memory>
 #include <optional>
+#include <string_view>
 
 #include "hydrapod/base/error.hpp"
 #include "hydrapod/study/study.hpp"
@@ -15,6 +16,10 @@ namespace hydrapod::cli {
 /// warnings and no notes from here on. Throws base::ComputationError where the program was started
 /// by mpirun and has no MPI, or another one.
 std::unique_ptr<study::Team> team_of_ranks();
+
+/// Whether this is a rank other than 0 that has no team yet: what is wrong with the command line of
+/// the study `command` is then said by rank 0, which has the same one.
+bool is_said_by_rank_0(std::string_view command);
 
 /// What `work` makes, on each rank. Where it fails on any, it fails on all, and the first of them
 /// says why.
