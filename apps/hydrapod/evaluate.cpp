@@ -31,11 +31,9 @@ void run(const Arguments& arguments) {
 void add_evaluate(Command app) {
   Command command = app.add_command(
       "evaluate", "One evaluation by Dakota's files: parameters in, results out",
-      {{"evaluate --machine machine.toml params.in results.out",
-        "variables are paths in SI, functions are outputs"},
-       {"evaluate --machine machine.toml --variable \"k=legs.guide_sleeve.stiffness [kN/mm]\" "
+      {{"evaluate --machine machine.toml --variable \"k=legs.guide_sleeve.stiffness [kN/mm]\" "
         "--function x params.in results.out",
-        "with names and units"}});
+        "as Dakota calls it; without the options variables are paths in SI, functions outputs"}});
   auto& arguments = command.calls(&run);
   command.add_options(
       {{"PARAMETERS", arguments.options.parameters,

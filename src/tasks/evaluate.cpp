@@ -22,7 +22,7 @@ constexpr std::size_t largest_parameters_file = std::size_t{1} << 24U;
 /// A line of a parameters file: "value label", or "{ label = value }".
 struct Entry {
   std::string label{}, value{};
-  unsigned line{};
+  unsigned line{}, column{};
 };
 
 struct ParametersFile {
@@ -35,8 +35,11 @@ struct ParametersFile {
 
 [[noreturn]] void refuse_at(const std::string& path, const Entry& entry,
                             const std::string& message) {
-  throw base::InputError(
-      {{.file = path, .line = entry.line, .key = entry.label, .message = message}});
+  throw base::InputError({{.file = path,
+                           .line = entry.line,
+                           .column = entry.column,
+                           .key = entry.label,
+                           .message = message}});
 }
 
 /// The lines of the file, whichever of both formats it has.
@@ -44,11 +47,14 @@ std::vector<Entry> entries_of(const std::string& path) {
   const auto text = base::read_file(path, largest_parameters_file, "a parameters file of Dakota");
   std::vector<Entry> entries;
   unsigned line = 0;
-  for (const auto& raw : base::split(text, "\n")) {
+  for (std::size_t at = 0, end = 0; at < text.size(); at = end + 1) {
+    end = std::min(text.find('\n', at), text.size());
     ++line;
+    const auto raw = std::string_view(text).substr(at, end - at);
     std::string_view rest = base::trimmed(raw);
     if (rest.empty() || rest.starts_with('#')) continue;
-    Entry entry{.line = line};
+    const auto blanks = static_cast<std::size_t>(rest.data() - raw.data());
+    Entry entry{.line = line, .column = static_cast<unsigned>(blanks) + 1};
     if (rest.starts_with('{') && rest.ends_with('}')) {
       rest = base::trimmed(rest.substr(1, rest.size() - 2));
       const auto equals = rest.find('=');

@@ -224,7 +224,7 @@ TEST_F(Evaluate, RefusesFilesThatAreWrong) {
       parameters,
       "1 variables\n3 platfrm.mass\n1 functions\n1 ASV_1:lowest\n0 derivative_variables\n");
   refused("did you mean `platform.mass`");
-  refused(":2: error");
+  refused("params.in:2:1: error");
   test::write_text(parameters, "2 variables\n3 platform.mass\n");
   refused("2 entries are to follow");
   test::write_text(parameters, "mass = 3\n");

@@ -103,6 +103,8 @@ void furnish(const std::filesystem::path& folder, const std::string& command) {
   std::ofstream(folder / "motion.csv")
       << "time [s], x [mm], rz [deg]\n0, 0, 0\n0.5, 5, 1\n1, 0, 0\n";
   std::ofstream(folder / "study.toml") << study_toml;
+  std::ofstream(folder / "params.in")
+      << "1 variables\n2.5 k\n1 functions\n1 ASV_1:f\n0 derivative_variables\n1 eval_id\n";
   std::ofstream(folder / "modes.csv") << modes_csv;
   std::ofstream(folder / "modes.toml") << modes_toml;
   if (command == "frf" || command == "identify" || command == "report" || command == "diagnose" ||
