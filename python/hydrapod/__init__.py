@@ -19,7 +19,6 @@ from ._core import (
     Check,
     CommandResponse,
     Compared,
-    Designed,
     Diagnosed,
     Frf,
     Identified,
@@ -71,7 +70,7 @@ from ._plots import (
 )
 from ._progress import ProgressBar, progress_bar
 from ._records import Record, read_record
-from ._studies import DesignFunction, design, montecarlo, sweep, workspace_map
+from ._studies import DesignFunction, montecarlo, sweep, workspace_map
 from ._tasks import (
     LinearPlant,
     Plant,
@@ -103,7 +102,6 @@ __all__ = [
     "Compared",
     "ComputationError",
     "DesignFunction",
-    "Designed",
     "Diagnosed",
     "Diagnostic",
     "Export",
@@ -137,7 +135,6 @@ __all__ = [
     "calibrate",
     "check",
     "compare",
-    "design",
     "diagnose",
     "export",
     "forward_kinematics",

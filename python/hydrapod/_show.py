@@ -88,13 +88,6 @@ def _study(s: Any) -> Table:
             [cells(name) for name in names], "\n".join(missed))
 
 
-def _designed(d: Any) -> Table:
-    rows = [(name, f"{value:.6g}") for name, value in zip(d.names, d.values)]
-    rows += [(text, f"{value:.6g}") for text, value in zip(d.requirements, d.worst)]
-    return ("design" if d.feasible else "no feasible design", ["number or requirement", "value"], rows,
-            f"aims: {', '.join(f'{aim:.6g}' for aim in d.aims)}")
-
-
 def _compared_records(compared: Any) -> Any:
     """A row per pair of modes, as a NumPy record array; things and modes count from 0."""
     columns = {name: np.asarray(column) if len(column) else np.zeros(0)
@@ -128,7 +121,6 @@ _tables: Dict[type, Callable[[Any], Table]] = {
     _core.Compared: _compared,
     _core.ModesAtPoses: _at_poses,
     _core.Study: _study,
-    _core.Designed: _designed,
     _core.MachineStateSpace: _plain(lambda s: f"{len(s.states)} states, {len(s.inputs)} inputs, {len(s.outputs)} "
                                               f"outputs, " + (f"every {1e3 * s.sample_time:g} ms" if s.sample_time
                                                               else "continuous")),

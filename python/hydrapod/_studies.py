@@ -9,7 +9,7 @@ from typing import Any, Callable, Dict, List, Mapping, Optional, Tuple
 import numpy as np
 
 from . import _core
-from ._core import Designed, Study
+from ._core import Study
 from ._machine import Machine
 from ._tasks import Path, Progress, Texts, _core_of, _list, _options
 
@@ -94,28 +94,6 @@ def workspace_map(machine: Machine, over: Over, *, want: Texts = (), outputs: Op
     for name, function in (outputs or {}).items():
         study.add(name, evaluate(study, function))
     return study
-
-
-def design(machine: Machine, change: Mapping[str, str], *, want: Texts = (), minimise: Texts = (),
-           maximise: Texts = (), poses: Texts = (), all_poses: bool = False, trade_off: int = 11,
-           samples: int = 2048, starts: int = 6, seed: int = 1, threads: int = 0,
-           progress: Optional[Progress] = None) -> Designed:
-    """Numbers of the file that meet requirements at every pose with the least or largest aim (`hydrapod design`).
-
-    change: {PATH: "1:50 kN/mm"}, numbers that may change and their bounds. want: requirements, "x >= 6 Hz".
-    minimise, maximise: one output or changed number, or two for a trade-off of trade_off points. poses: names or
-    displacements; all_poses: every pose of the file; default: the machine's own. samples: Sobol points at which
-    the search begins; starts: local searches from the best of them.
-
-    Result: feasible; names and values (d,) [SI] of the changes; aims; requirements and worst, their outputs at
-    the worst pose; machine_text, the file with these values; front_aims (points, 2) and front_values (points, d)
-    of a trade-off; limits, prices and what can be reached in to_dict(). Ctrl-C ends the search with the best so far.
-    Raises InputError for a path, a range, a requirement or an aim that cannot be.
-    """
-    return _core.design(_core_of(machine), _options(change=dict(change), want=_list(want), minimise=_list(minimise),
-                                                    maximise=_list(maximise), poses=_list(poses), all_poses=all_poses,
-                                                    trade_off=trade_off, samples=samples, starts=starts, seed=seed,
-                                                    threads=threads), progress)
 
 
 # --- what Study gets from Python ------------------------------------------------------------------

@@ -114,20 +114,6 @@ def test_study(model, task, tmp_path):
     np.testing.assert_array_equal(result.values, np.array(written))  # 17 digits: every bit
 
 
-def test_design(model, tmp_path):
-    change = {"platform.mass": "700:1100 kg", "legs.rod.mass": "9:21 kg"}
-    arguments = [part for path, text in change.items() for part in ("--change", f"{path}={text}")]
-    machine = hydrapod.read_machine(model)
-    want = f"lowest >= {0.9 * hydrapod.frequencies(machine, {})[0][0]:.6f} Hz"
-    written = tmp_path / "design.toml"
-    expected = command_line("design", model, *arguments, "--want", want, "--maximise", "platform.mass", "--samples",
-                            "128", "--starts", "2", "--format", "json", "-o", written)
-    found = hydrapod.design(machine, change, want=want, maximise="platform.mass", samples=128, starts=2)
-    assert found.to_dict() == expected
-    assert found.feasible and found.machine_text == written.read_text()
-    assert found.values[0] == pytest.approx(found.aims[0])
-
-
 exports = {"mat": ["machine.mat"], "npz": ["machine.npz"], "json": ["machine.json"], "uff": ["machine.uff"],
            "mtx": ["machine.M.mtx", "machine.K.mtx", "machine.C.mtx"], "dmig": ["machine.pch"],
            "mjcf": ["machine.xml"], "sdf": ["machine.sdf"], "urdf": ["machine.urdf", "machine.closures.json"]}

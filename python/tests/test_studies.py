@@ -36,25 +36,6 @@ def test_columns_of_ones_own(heavy):
         study.evaluate(lambda machine: 1 / 0)
 
 
-def test_designs(heavy):
-    found = hydrapod.design(heavy, {sleeve: "0.9:20 kN/mm"}, want="x >= 5.9 Hz", minimise=sleeve, samples=64, starts=2)
-    assert found.feasible and found.worst[0] == pytest.approx(5.9, rel=1e-6)
-    assert "5.9 Hz" in repr(found) and sleeve in repr(found)
-    front = hydrapod.design(heavy, {sleeve: "1:20 kN/mm", "platform.mass": "12:15 t"}, maximise=("lowest", "platform.mass"),
-                            trade_off=4, samples=64, starts=1)
-    assert front.front_aims.shape == (4, 2) and front.front_values.shape == (4, 2)
-    none = hydrapod.design(heavy, {sleeve: "1:20 kN/mm"}, want="x >= 9 Hz", minimise=sleeve, samples=64, starts=1)
-    assert not none.feasible
-    with pytest.raises(hydrapod.InputError):
-        none.machine_text
-    for wrong in ({"minimise": "sags"}, {"minimise": ()}, {"minimise": "sag", "want": "x > 3 Hz"},
-                  {"minimise": "sag", "poses": "nowhere"}):
-        with pytest.raises(hydrapod.InputError):
-            hydrapod.design(heavy, {sleeve: "1:20 kN/mm"}, **wrong)
-    with pytest.raises(hydrapod.InputError):
-        hydrapod.design(heavy, {}, minimise="sag")
-
-
 def test_map_poses(heavy):
     study = hydrapod.workspace_map(heavy, {"z": [0.0, -0.02], "ry": "0:1:2 deg"})
     machine = study.machine(3)
