@@ -53,7 +53,8 @@ set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
 set(CPACK_DEBIAN_HYDRAPOD_PACKAGE_NAME hydrapod)
 set(CPACK_DEBIAN_HYDRAPOD_PACKAGE_RECOMMENDS gnuplot-nox)
 string(JOIN ", " CPACK_DEBIAN_HYDRAPOD_PACKAGE_SUGGESTS libeigen3-dev libfmt-dev nlohmann-json3-dev
-  libtomlplusplus-dev libudunits2-dev libsundials-dev libceres-dev libnlopt-dev libhdf5-dev zlib1g-dev)
+  libtomlplusplus-dev libudunits2-dev libsundials-dev libceres-dev libnlopt-dev libhdf5-dev zlib1g-dev
+  libssl-dev)
 set(CPACK_DEBIAN_MPI_PACKAGE_NAME hydrapod-mpi)
 set(CPACK_DEBIAN_MPI_PACKAGE_DEPENDS "hydrapod (= ${PROJECT_VERSION})")
 set(CPACK_DEBIAN_PYTHON_PACKAGE_NAME python3-hydrapod)

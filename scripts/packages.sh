@@ -20,7 +20,7 @@ packages_program=(
   "libhdf5-dev records in HDF5"
   "zlib1g-dev compressed variables in MAT files"
   "libxxhash-dev checksums of records"
-  "libssl-dev checksums of files that results name (SHA-256)"
+  "libssl-dev checksums of files that results name, and authenticated packets (SHA-256)"
   "gnuplot-nox draws the plots"
   "nodejs bundles the page of the report"
   "ca-certificates lets npm trust its registry"

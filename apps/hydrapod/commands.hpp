@@ -26,6 +26,7 @@ void add_compare(Command app);
 void add_report(Command app);
 void add_rig(Command app);
 void add_record(Command app);
+void add_serve(Command app);
 void add_demo(Command app);
 void add_export(Command app);
 void add_montecarlo(Command app);
@@ -36,9 +37,9 @@ void add_evaluate(Command app);
 
 /// In the order of the help.
 inline constexpr std::array all_commands{
-    &add_demo,        &add_init,      &add_check,      &add_modes,  &add_bode, &add_simulate,
-    &add_sensitivity, &add_calibrate, &add_rig,        &add_record, &add_frf,  &add_identify,
-    &add_diagnose,    &add_compare,   &add_montecarlo, &add_sweep,  &add_map,  &add_design,
-    &add_evaluate,    &add_report,    &add_export};
+    &add_demo,        &add_init,      &add_check,   &add_modes,      &add_bode,   &add_simulate,
+    &add_sensitivity, &add_calibrate, &add_rig,     &add_serve,      &add_record, &add_frf,
+    &add_identify,    &add_diagnose,  &add_compare, &add_montecarlo, &add_sweep,  &add_map,
+    &add_design,      &add_evaluate,  &add_report,  &add_export};
 
 }  // namespace hydrapod::cli

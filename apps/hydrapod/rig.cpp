@@ -1,4 +1,5 @@
 #include "hydrapod/command.hpp"
+#include "hydrapod/realtime_arguments.hpp"
 #include "hydrapod/reproduction.hpp"
 
 #include "hydrapod/signal_help.hpp"
@@ -12,17 +13,71 @@ struct Arguments {
   MachineArguments machine{};
   std::vector<std::string> signals{};
   std::string entry{"command"};
-  std::string duration{"60 s"}, settling{"2 s"}, rate{"1000 Hz"};
+  std::string duration{"60 s"}, settling{"2 s"}, rate{};
   int averages{}, repeat{1}, oversampling{2};
   std::uint64_t seed{1};
   std::vector<std::string> accelerometers{};
   std::string length{}, pressure{}, current{}, drop_outs{};
   bool no_anti_alias{}, check{}, above_limits{};
+  std::string hardware{}, shared_memory{}, layout{}, key{}, limits{};
+  std::string ramp{"1 s"}, ramp_down{"200 ms"}, watchdog{"50 ms"};
   std::string file{};
 };
 
 double positive(const std::string& option, const std::string& text, const char* unit) {
   return positive_quantity(option, text, unit, "must be positive");
+}
+
+bool is_hardware(const Arguments& arguments) {
+  return !arguments.hardware.empty() || !arguments.shared_memory.empty();
+}
+
+/// A real machine gives all of its samples.
+double default_rate(const Arguments& arguments, const model::Machine& machine) {
+  constexpr double simulated = 1000.0;  // [Hz]
+  return is_hardware(arguments) ? 1.0 / machine.controller.sample_time : simulated;
+}
+
+/// Throws for options of the other kind of rig.
+void check_kind(const Arguments& arguments) {
+  const Arguments defaults;
+  const auto refuse = [](bool given, const char* option, const char* why) {
+    if (given) base::refuse(option, why);
+  };
+  if (is_hardware(arguments)) {
+    const char* why = "belongs to the simulated rig, not to --hardware: a machine has its own";
+    refuse(!arguments.length.empty(), "--length-sensor", why);
+    refuse(!arguments.pressure.empty(), "--pressure-sensor", why);
+    refuse(!arguments.current.empty(), "--current-sensor", why);
+    refuse(!arguments.drop_outs.empty(), "--drop-outs", why);
+    refuse(arguments.no_anti_alias, "--no-anti-alias", why);
+    refuse(arguments.oversampling != defaults.oversampling, "--oversampling", why);
+    refuse(!arguments.hardware.empty() && !arguments.shared_memory.empty(), "--shm",
+           "is in place of an address, expected --hardware or --shm");
+    return;
+  }
+  const char* why = "belongs to --hardware ADDRESS:PORT (or --shm NAME), which is not given";
+  refuse(!arguments.layout.empty(), "--layout", why);
+  refuse(!arguments.key.empty(), "--key", why);
+  refuse(!arguments.limits.empty(), "--limit", why);
+  refuse(arguments.ramp != defaults.ramp, "--ramp", why);
+  refuse(arguments.ramp_down != defaults.ramp_down, "--ramp-down", why);
+  refuse(arguments.watchdog != defaults.watchdog, "--watchdog", why);
+}
+
+std::optional<realtime::HardwareOptions> hardware_of(const Arguments& arguments) {
+  if (!is_hardware(arguments)) return std::nullopt;
+  realtime::HardwareOptions options;
+  if (!arguments.hardware.empty())
+    options.address = realtime::parse_address("--hardware", arguments.hardware);
+  options.shared_memory = arguments.shared_memory;
+  options.layout = layout_of(arguments.layout);
+  options.key = key_of(arguments.key);
+  options.limits = parse_limits(arguments.limits);
+  options.ramp = positive("--ramp", arguments.ramp, "s");
+  options.ramp_down = positive("--ramp-down", arguments.ramp_down, "s");
+  options.watchdog = positive("--watchdog", arguments.watchdog, "s");
+  return options;
 }
 
 rig::RigOptions options_of(const Arguments& arguments, const model::Machine& machine) {
@@ -37,7 +92,8 @@ rig::RigOptions options_of(const Arguments& arguments, const model::Machine& mac
   options.settling = plain_or_quantity("--settling", arguments.settling, "s");
   if (!(options.settling >= 0.0)) base::refuse("--settling", "must be 0 or more");
   options.duration = positive("--duration", arguments.duration, "s");
-  options.rate = positive("--rate", arguments.rate, "Hz");
+  options.rate = arguments.rate.empty() ? default_rate(arguments, machine)
+                                        : positive("--rate", arguments.rate, "Hz");
   if (!(options.duration * options.rate >= 1.0))
     base::refuse("--rate " + arguments.rate,
                  fmt::format("the record of {:g} s would have no sample", options.duration));
@@ -66,24 +122,46 @@ void run(const Arguments& arguments) {
     if (arguments.file.empty()) base::refuse("-o", "a file for the record is required");
     data::format_of_ending(arguments.file);
   }
+  check_kind(arguments);
   const auto machine = load(arguments.machine);
   const tasks::RigOptions options{.test = options_of(arguments, machine.file.machine),
                                   .averages = arguments.averages,
                                   .record = arguments.check ? "" : arguments.file,
                                   .force = arguments.above_limits,
-                                  .origin = {program_text(), command_line()}};
-  if (!arguments.check) print_note("damping: " + report::plant_damping_text(machine.file.machine));
+                                  .origin = {program_text(), command_line()},
+                                  .hardware = hardware_of(arguments)};
+  if (!arguments.check && !options.hardware) print_note("damping: " + report::plant_damping_text(machine.file.machine));
   const auto done = with_progress(
       "measuring", [&](const auto& progress) { return tasks::rig(machine, options, progress); });
   for (const auto& finding : done.findings)
     print_warning(finding.message, finding.of_controller ? "controller" : "--excite");
   if (arguments.check) return;
+  if (done.hardware) print_note(hardware_note(*done.hardware));
   print_note(fmt::format("wrote {}: {} samples", done.record, done.result.samples));
   const auto& summary = done.result.summary;
   if (summary.end == simulation::RunEnd::finished) return;
   throw base::ComputationError(fmt::format(
       "the run ended at {:.6g} s: {}; {} contains the run up to this time", summary.time,
       summary.end == simulation::RunEnd::stopped ? "interrupted" : summary.message, done.record));
+}
+
+void add_hardware_options(Command command, Arguments& arguments) {
+  command.add_options(
+      {{"--hardware", arguments.hardware,
+        "A machine behind a controller instead of the simulated one: [ADDRESS:]PORT by UDP, as "
+        "`hydrapod serve` or as --layout says",
+        shown_as("ADDRESS")},
+       {"--shm", arguments.shared_memory, "The same by shared memory of that name",
+        shown_as("NAME")},
+       {"--layout", arguments.layout, "Description of the machine's packets; see serve", reads},
+       {"--key", arguments.key, "File with the secret of both; beyond the loopback it is required",
+        reads},
+       {"--limit", arguments.limits,
+        "Of each leg, then the machine is ramped down [length=50 mm, velocity=0.5 m/s, "
+        "acceleration=20 m/s^2, error=10 mm]"},
+       {"--ramp", arguments.ramp, "In which the excitation grows before the record, and ends after"},
+       {"--ramp-down", arguments.ramp_down, "Of an emergency, or Ctrl-C"},
+       {"--watchdog", arguments.watchdog, "Longest time without sensors"}});
 }
 
 void add_options(Command command, Arguments& arguments) {
@@ -97,7 +175,7 @@ void add_options(Command command, Arguments& arguments) {
        {"--averages", arguments.averages, "Periods of a periodic excitation, instead of --duration",
         range(1, 100000)},
        {"--settling", arguments.settling, "Time before the record begins"},
-       {"--rate", arguments.rate, "Sample rate of the record"},
+       {"--rate", arguments.rate, "Sample rate of the record [1000 Hz; of hardware its own]"},
        {"--oversampling", arguments.oversampling,
         "Simulated samples per sample of the record, for the anti-alias filter", range(1, 64)},
        {"--seed", arguments.seed, "Seed; the same seed gives the same file"},
@@ -138,9 +216,12 @@ void add_rig(Command app) {
         "a binary sequence on the valves"},
        {"rig machine.toml --excite \"sweep z=2 mm, to=30, duration=10\" --check",
         "check of the levels only"}},
-      std::string(signal_help) + "\nHere: level=rms; turns=1 of a sweep, turns=10 of a chirp.");
+      std::string(signal_help) +
+          "\nHere: level=rms; turns=1 of a sweep, turns=10 of a chirp.\n\nA real machine: rig "
+          "machine.toml --hardware 127.0.0.1:4747 -o run.h5; docs/howto/realtime.md.");
   auto& arguments = command.calls(&run);
   add_options(command, arguments);
+  add_hardware_options(command, arguments);
 }
 
 }  // namespace hydrapod::cli

@@ -14,7 +14,6 @@
 #include "hydrapod/rig/rig.hpp"
 #include "hydrapod/simulation/linear_system.hpp"
 #include "hydrapod/spatial/pose.hpp"
-#include "rig_work.hpp"
 
 namespace hydrapod::rig {
 

@@ -11,7 +11,6 @@
 #include "hydrapod/numerics/statistics.hpp"
 #include "hydrapod/simulation/closed_loop.hpp"
 #include "hydrapod/spatial/pose.hpp"
-#include "rig_work.hpp"
 
 namespace hydrapod::rig {
 
@@ -40,17 +39,6 @@ struct Chain {
   }
 };
 
-/// Acceleration as the sensor feels it: against the ground, and its share of gravity as the
-/// platform and the base under it tilt.
-double felt(const Accelerometer& sensor, const simulation::PlantOutput& plant,
-            const Vector3& gravity, const Vector3& p_CA_B) {
-  const Vector3 omega = plant.twist.tail<3>(), alpha = plant.ground_acceleration.tail<3>();
-  const Vector3 a =
-      plant.ground_acceleration.head<3>() + alpha.cross(p_CA_B) + omega.cross(omega.cross(p_CA_B));
-  const Vector3 gravity_B = gravity - Vector3(plant.base.motion.tail<3>()).cross(gravity);
-  return (plant.X_BP.R_BP * sensor.e_P).dot(a - gravity_B);
-}
-
 class Recorder {
  public:
   Recorder(const simulation::ClosedLoop& loop, const RigOptions& options,
@@ -68,7 +56,6 @@ class Recorder {
       const double rate = all.anti_alias ? fast : options.rate;
       const double white = one.noise_density * std::sqrt(rate / 2.0);
       add(one.sensor, white, LowPass::second_order(one.bandwidth, 0.7, fast), fast);
-      at_rest_.push_back(rest_value(one));
     }
     values_.resize(chains_.size());
     block_.resize(rows, static_cast<Eigen::Index>(chains_.size()));
@@ -116,13 +103,6 @@ class Recorder {
     chains_.push_back(std::move(chain));
   }
 
-  [[nodiscard]] Vector3 arm(const Accelerometer& one, const spatial::Pose& X_BP) const {
-    return X_BP.R_BP * (one.p_P - loop_.plant().machine().platform.mass_center);
-  }
-  [[nodiscard]] double rest_value(const Accelerometer& one) const {
-    return (loop_.operating().R_BP * one.e_P).dot(-loop_.plant().machine().gravity);
-  }
-
   void gather(const LoopSample& sample) {
     std::size_t c = 0;
     const auto& excitation = sample.excitation;
@@ -136,11 +116,9 @@ class Recorder {
       values_[c++] = leg.cap_pressure;
       values_[c++] = leg.rod_pressure;
     }
-    const Vector3& gravity = loop_.plant().machine().gravity;
-    for (std::size_t a = 0; a < at_rest_.size(); ++a) {
-      const Accelerometer& one = options_.instruments.accelerometers[a];
-      values_[c++] = felt(one, sample.plant, gravity, arm(one, sample.plant.X_BP)) - at_rest_[a];
-    }
+    for (const Accelerometer& one : options_.instruments.accelerometers)
+      values_[c++] =
+          specific_force(one, loop_.plant().machine(), loop_.operating(), sample.plant);
   }
 
   /// Noise per sample, range, resolution, drop-outs.
@@ -161,7 +139,6 @@ class Recorder {
   const RigOptions& options_;
   data::RecordWriter& writer_;
   std::vector<Chain> chains_{};
-  std::vector<double> at_rest_{};
   std::vector<double> values_{};
   data::Samples block_{};
   Eigen::Index filled_{};
@@ -198,6 +175,19 @@ class Source {
 };
 
 }  // namespace
+
+/// Against the ground, with the share of gravity as the platform and the base under it tilt.
+double specific_force(const Accelerometer& one, const model::Machine& machine,
+                      const spatial::Pose& operating, const simulation::PlantOutput& plant) {
+  const Vector3 p_CA_B = plant.X_BP.R_BP * (one.p_P - machine.platform.mass_center);
+  const Vector3 omega = plant.twist.tail<3>(), alpha = plant.ground_acceleration.tail<3>();
+  const Vector3 a =
+      plant.ground_acceleration.head<3>() + alpha.cross(p_CA_B) + omega.cross(omega.cross(p_CA_B));
+  const Vector3& gravity = machine.gravity;
+  const Vector3 gravity_B = gravity - Vector3(plant.base.motion.tail<3>()).cross(gravity);
+  const double at_rest = (operating.R_BP * one.e_P).dot(-gravity);
+  return (plant.X_BP.R_BP * one.e_P).dot(a - gravity_B) - at_rest;
+}
 
 spatial::Matrix6 excitation_jacobian(const model::Machine& machine, const spatial::Pose& pose) {
   return kinematics::leg_jacobian(kinematics::inverse_kinematics(machine, pose), pose.p_BP);

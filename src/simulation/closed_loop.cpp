@@ -99,13 +99,13 @@ class Run {
     slack_ = coincidence * std::min(T_, output_interval);
   }
 
-  RunSummary go(const ExcitationSource& source, const LoopSink& sink, const KeepGoing& keep_going) {
+  RunSummary go(const Exchange& exchange, const LoopSink& sink, const KeepGoing& keep_going) {
     while (next_time() <= options_.until + slack_) {
       const double now = next_time();
       if (now > integrator_.time() + slack_ && !advance(now)) break;
       apply_due_drives(now);
       apply_due_wrench(now);
-      if (tick_time() <= now + slack_ && !tick(now, source)) break;
+      if (tick_time() <= now + slack_ && !tick(now, exchange)) break;
       if (output_time() <= now + slack_) {
         output(now, sink);
         ++outputs_;
@@ -169,7 +169,12 @@ class Run {
 
   /// What the controller asks of the valves; none where it finds no pose.
   std::optional<Vector6> controlled_drive() {
+    if (excitation_.outside) {
+      outside_ = true;
+      return excitation_.outside;
+    }
     if (options_.actuators != Actuators::controlled) return held_;
+    if (outside_) take_over();
     const Vector6 drive = controller_.step(measured_, command_at(operating_, excitation_.command));
     if (controller_.state().forward == kinematics::ForwardStatus::converged) return drive;
     fail(
@@ -178,11 +183,21 @@ class Run {
     return std::nullopt;
   }
 
-  /// One sample of the controller; false where there is no pose to its leg lengths.
-  bool tick(double now, const ExcitationSource& source) {
+  /// From a controller outside, where the platform is.
+  void take_over() {
+    outside_ = false;
+    controller_.reset(plant_.pose(integrator_.state().data()), measured_);
+    controller_.take_over(held_);
+  }
+
+  /// One sample of the controller; false where the run ends.
+  bool tick(double now, const Exchange& exchange) {
     excitation_ = {};
-    source(now, excitation_);
     measured_ = sensors_.read(truth());
+    if (!exchange({now, measured_, applied_, plant_, integrator_.state(), input_}, excitation_)) {
+      accounts_.summary.end = RunEnd::stopped;
+      return false;
+    }
     const auto asked = controlled_drive();
     if (!asked) return false;
     const double limit = controller_.parameters().output.limit;
@@ -239,6 +254,7 @@ class Run {
   std::deque<Pending> pending_{};  ///< drives
   std::optional<Pending> next_wrench_{};
   PlantInput input_{};
+  bool outside_{};  ///< the last drives were of a controller outside
   Excitation excitation_{};
   control::Measurement measured_{};
   Vector6 held_{Vector6::Zero()}, drive_{Vector6::Zero()}, applied_{Vector6::Zero()};
@@ -283,7 +299,19 @@ RunSummary ClosedLoop::run(const ExcitationSource& source, const LoopSink& sink,
   auto& own = *implementation_;
   Run run(own.options, own.plant, own.operating, own.rest, own.start, own.controller,
           output_interval(), settling_band);
-  return run.go(source, sink, keep_going);
+  const Exchange blind = [&source](const SampledMachine& machine, Excitation& excitation) {
+    source(machine.time, excitation);
+    return true;
+  };
+  return run.go(blind, sink, keep_going);
+}
+
+RunSummary ClosedLoop::run_with(const Exchange& exchange, const LoopSink& sink,
+                                const KeepGoing& keep_going) {
+  auto& own = *implementation_;
+  Run run(own.options, own.plant, own.operating, own.rest, own.start, own.controller,
+          output_interval(), Vector6::Constant(1e-5));
+  return run.go(exchange, sink, keep_going);
 }
 
 void LookAhead::fill(Excitation& excitation) {

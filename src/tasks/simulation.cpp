@@ -301,15 +301,66 @@ Rig rig(const Machine& machine, const RigOptions& asked, const Progress& progres
     result.findings = rig::check_levels(loop, options);
     if (!asked.force) judge(result.findings);
     if (asked.record.empty()) return result;
-    const auto writer = data::open_record_writer(
-        asked.record, rig_header(machine, options, asked.origin, loop.parameters()));
-    result.result = rig::run_rig(loop, options, *writer,
-                                 keep_going(progress, options.settling + options.duration));
+    auto header = rig_header(machine, options, asked.origin, loop.parameters());
+    const auto going = keep_going(progress, options.settling + options.duration);
+    std::unique_ptr<data::RecordWriter> writer;
+    if (asked.hardware) {
+      header.notes = "measured on hardware";
+      header.experiment.controller.clear();  // it is the machine's own
+      result.hardware = realtime::run_on_hardware(
+          of, machine.pose.X_BP, options, *asked.hardware,
+          [&]() -> data::RecordWriter& {
+            return *(writer = data::open_record_writer(asked.record, header));
+          },
+          going);
+      result.result = result.hardware->rig;
+    } else {
+      writer = data::open_record_writer(asked.record, header);
+      result.result = rig::run_rig(loop, options, *writer, going);
+    }
     result.record = writer->close(result.result.summary.end == simulation::RunEnd::finished);
   } catch (const std::invalid_argument& error) {
     base::refuse("--excite", error.what());
   }
   return result;
+}
+
+Served serve(const Machine& machine, const ServeOptions& asked, const Progress& progress) {
+  const auto& of = machine.file.machine;
+  constexpr double longest = 9e8;  // [samples], a little less than a run may have
+  auto options = asked.server;
+  auto loop_options = asked.loop;
+  loop_options.kind = machine.kind;
+  loop_options.until = asked.duration.value_or(longest * of.controller.sample_time);
+  loop_options.output_interval.reset();
+  loop_options.records_wrench = true;
+  if (!asked.rest.empty())
+    options.rest = displacement_of(of, machine.pose.X_BP, asked.rest, "--rest " + asked.rest);
+  auto loop = bounded_loop(of, machine.pose.X_BP, loop_options, "--duration");
+  Served served;
+  std::unique_ptr<data::RecordWriter> writer;
+  realtime::OpenRecord open;
+  if (!asked.record.empty())
+    open = [&]() -> data::RecordWriter& {
+      auto header = header_of(machine, loop_options.seed, asked.origin);
+      header.channels = simulation::record_channels(loop);
+      for (const auto& more : realtime::serve_channels(loop, options))
+        header.channels.push_back(more);
+      header.sample_rate = 1.0 / loop.output_interval();
+      header.notes = "commands of a client, `hydrapod serve`";
+      header.experiment.controller = controller_text(loop.parameters());
+      for (const auto& one : options.accelerometers)
+        header.experiment.sensors.push_back({one.name, one.p_P, one.e_P});
+      return *(writer = data::open_record_writer(asked.record, header));
+    };
+  const double whole = asked.duration.value_or(std::numeric_limits<double>::infinity());
+  served.result = realtime::serve(loop, options, open, keep_going(progress, whole));
+  using simulation::RunEnd;
+  const RunEnd end = served.result.run.end;  // without a duration it is stopped by its user
+  if (writer)
+    served.record =
+        writer->close(end == RunEnd::finished || (end == RunEnd::stopped && !asked.duration));
+  return served;
 }
 
 }  // namespace hydrapod::tasks

@@ -25,7 +25,9 @@ const std::vector<Concept> concepts{
     {"trimmed text", R"(string(_view)?\s+trimmed\([^;]*\)\s*\{)", {"src/base/text.cpp"}},
     {"pose by its name", R"(&(model::)?NamedPose::name\b)", {"src/model/parameters.cpp"}},
     {"Fourier transform", R"(unsupported/Eigen/FFT)", {"src/numerics/fft.cpp"}},
-    {"loop over threads", R"(std::j?thread\b)", {"src/numerics/parallel.cpp"}},
+    {"loop over threads", R"(std::j?thread\b)",
+     {"src/numerics/parallel.cpp", "src/realtime/record_queue.cpp",
+      "src/realtime/record_queue.hpp"}},
     {"quantiles", R"(1\.96\b|1\.9599|3\.8414)", {"include/hydrapod/numerics/statistics.hpp"}},
 };
 

@@ -21,8 +21,8 @@ const std::map<std::string, int> floors{
     {"data", 3},        {"signals", 3},   {"kinematics", 4},     {"hydraulics", 4},
     {"dynamics", 5},    {"control", 5},   {"modal", 6},          {"response", 6},
     {"simulation", 6},  {"rig", 7},       {"identification", 7}, {"observation", 7},
-    {"calibration", 8}, {"diagnosis", 9}, {"study", 9},          {"exchange", 9},
-    {"report", 10},     {"tasks", 11}};
+    {"calibration", 8}, {"realtime", 8},  {"diagnosis", 9},      {"study", 9},
+    {"exchange", 9},    {"report", 10},   {"tasks", 11}};
 
 struct Include {
   std::string file{};

@@ -17,6 +17,7 @@
 
 #include "hydrapod/dynamics/linear_model.hpp"
 #include "hydrapod/kinematics/legs.hpp"
+#include "hydrapod/realtime/realtime.hpp"
 #include "hydrapod/report/json.hpp"
 #include "hydrapod/response/frequency_response.hpp"
 #include "hydrapod/simulation/capability.hpp"
@@ -252,6 +253,8 @@ struct Simulation {
 /// `model`, `actuators`, `damping`, `commands[]`, `wrench[]`, `initial`, `controller`, `run`,
 /// `directions[]`, `legs[]`, `trace`.
 Json simulation_json(const Simulation& simulation);
+/// What a server in real time counted and measured.
+Json serve_json(const realtime::ServeResult& result);
 Simulation simulation_from_json(const Json& json, const std::string& file);
 
 /// The run as the page of `hydrapod report` shows it: `pose`, `geometry` of the machine there,

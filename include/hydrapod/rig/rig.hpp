@@ -54,6 +54,10 @@ struct Instruments {
 /// Three axes at the platform joints of legs 1, 3 and 5: enough for six directions.
 std::vector<Accelerometer> default_accelerometers(const model::Machine& machine);
 
+/// e·(a − g) of a sensor without faults, less its value at rest at `operating` [m/s²].
+double specific_force(const Accelerometer& one, const model::Machine& machine,
+                      const spatial::Pose& operating, const simulation::PlantOutput& plant);
+
 /// "resolution=5 um, noise=2 um, low=0.8 m, high=1.2 m" in `unit`. Throws base::InputError with
 /// `argument` as place.
 model::Sensor parse_sensor(const std::string& argument, const std::string& text, const char* unit);
@@ -111,6 +115,12 @@ struct RigOptions {
 std::vector<signals::Signal> default_signals(Entry entry);
 
 const signals::Units& units_of(Entry entry);
+
+/// ∂l/∂(x … rz) about the origin of P: leg lengths per displacement of the demanded pose.
+spatial::Matrix6 excitation_jacobian(const model::Machine& machine, const spatial::Pose& pose);
+
+/// Columns of J over their largest entries: drives per direction.
+spatial::Matrix6 drive_shares(const spatial::Matrix6& J);
 
 /// Channels in the order of the record: 6 excitations, 6 valve currents, 6 leg lengths, 12 chamber
 /// pressures, accelerometers.

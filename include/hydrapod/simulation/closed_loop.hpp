@@ -149,9 +149,25 @@ struct Excitation {
   /// That of the next sample. Where it is given, each wrench is held about its sample, half a
   /// sample to each side; else from its sample to the next one, half a sample late on average.
   std::optional<Vector6> next_wrench{};
+  /// Drives in place of the controller's, of a controller outside (shares; `drive` is added, delay
+  /// and limit are those of the own controller). Where they end, the own controller takes over at
+  /// the pose that the platform has then.
+  std::optional<Vector6> outside{};
 };
 /// Called once per controller sample, in order, with its time [s].
 using ExcitationSource = std::function<void(double time, Excitation& excitation)>;
+
+/// The machine at a controller sample, before the excitation of the sample is known.
+struct SampledMachine {
+  double time{};
+  const control::Measurement& measured;  ///< what the controller is going to see at this sample
+  const Vector6& applied;                ///< at the valves until now
+  const Plant& plant;
+  const Eigen::VectorXd& x;
+  const PlantInput& input;  ///< until now
+};
+/// A source that sees the machine, such as a client beyond a network. False ends the run.
+using Exchange = std::function<bool(const SampledMachine& machine, Excitation& excitation)>;
 
 /// The commands of `signals`, from its next sample on, and the wrench of `wrenches`, if any. They
 /// must outlive the source.
@@ -239,6 +255,11 @@ class ClosedLoop {
   RunSummary run(const ExcitationSource& source, const LoopSink& sink,
                  const KeepGoing& keep_going = {},
                  const Vector6& settling_band = Vector6::Constant(1e-5));
+
+  /// The same with a source that sees the machine. For equal excitations the run is the same bit
+  /// for bit.
+  RunSummary run_with(const Exchange& exchange, const LoopSink& sink,
+                      const KeepGoing& keep_going = {});
 
  private:
   struct Implementation;

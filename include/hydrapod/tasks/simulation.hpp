@@ -4,6 +4,7 @@
 ///     const auto run = tasks::simulate(machine, {.commands = {"step z=5 mm"}, .record =
 ///     "run.h5"}); tasks::rig(machine, {.record = "test.h5"});
 
+#include "hydrapod/realtime/realtime.hpp"
 #include "hydrapod/report/model_results.hpp"
 #include "hydrapod/rig/rig.hpp"
 #include "hydrapod/tasks/machine.hpp"
@@ -43,17 +44,38 @@ struct RigOptions {
   std::string record{};    ///< file to write; empty: only the levels are checked
   bool force{};            ///< run though the levels do not fit
   Origin origin{};         ///< what the record says of its origin
+  /// A real machine in place of the simulated one, behind its controller.
+  std::optional<realtime::HardwareOptions> hardware{};
 };
 
 struct Rig {
   rig::RigOptions options{};                  ///< as used
   std::vector<rig::LevelFinding> findings{};  ///< of the levels
   rig::RigResult result{};
+  std::optional<realtime::HardwareResult> hardware{};
   std::string record{};  ///< file that holds it, see data::RecordWriter::close
 };
 
 /// Throws base::InputError for levels that do not fit, unless `force` is set. A run that ends early
 /// leaves its record.
 Rig rig(const Machine& machine, const RigOptions& options, const Progress& progress = {});
+
+struct ServeOptions {
+  realtime::ServeOptions server{};  ///< `rest` and, without accelerometers, theirs are set here
+  std::string rest{};  ///< the rest position as a displacement from the pose, "z=-20 mm"; empty: 0
+  std::optional<double> duration{};  ///< [s] of the machine; none: until stopped
+  simulation::LoopOptions loop{};    ///< `kind`, `until`, `output_interval` are not used
+  std::string record{};              ///< file to write; empty: none
+  Origin origin{};
+};
+
+struct Served {
+  realtime::ServeResult result{};
+  std::string record{};
+};
+
+/// The machine in real time, see realtime/realtime.hpp. `progress` that asks to stop ends it; its
+/// share is 0 without a duration.
+Served serve(const Machine& machine, const ServeOptions& options, const Progress& progress = {});
 
 }  // namespace hydrapod::tasks
