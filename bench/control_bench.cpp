@@ -1,10 +1,13 @@
-/// One sample of the controller, forward kinematics included, and a second of the closed loop.
+/// One sample of the controller, forward kinematics included, a second of the closed loop, and a
+/// second of the same with packets, as in real time.
 
 #include <benchmark/benchmark.h>
 #include <fmt/format.h>
 
+#include <array>
 #include <random>
 
+#include "hydrapod/realtime/realtime.hpp"
 #include "hydrapod/simulation/closed_loop.hpp"
 #include "hydrapod/simulation/linear_system.hpp"
 #include "machines.hpp"
@@ -76,5 +79,39 @@ void closed_loop_second(benchmark::State& state) {
   }
 }
 BENCHMARK(closed_loop_second)->Unit(benchmark::kMillisecond);
+
+/// What `hydrapod serve` does in a thousand samples, but for the calls of the system: sensors into a
+/// packet, a command out of one.
+void served_second(benchmark::State& state) {
+  const auto machine = bench::published();
+  simulation::ClosedLoop loop(
+      machine, machine.neutral(),
+      {.integrator = {.method = simulation::Method::fixed}, .until = 1.0});
+  const auto layout = realtime::native_layout(9);
+  signals::Signal noise{.form = signals::Noise{.to = 20.0}};
+  noise.size << 1e-3, 1e-3, 1e-3, 1.7e-3, 1.7e-3, 1.7e-3;
+  signals::Generator generator({noise}, 1.0 / loop.parameters().sample_time);
+  std::array<std::byte, realtime::largest_packet> command_bytes, sensor_bytes;
+  for (auto _ : state) {
+    generator.restart();
+    const auto summary = loop.run_with(
+        [&](const simulation::SampledMachine& at, simulation::Excitation& excitation) {
+          const auto out = at.plant.outputs(at.x.data(), at.input);
+          realtime::Sensors sensors;
+          sensors.length = at.measured.length;
+          sensors.acceleration = out.acceleration;
+          benchmark::DoNotOptimize(realtime::encode(layout, sensors, sensor_bytes.data()));
+          const std::size_t size = realtime::encode(
+              layout, {.displacement = generator.next().value}, command_bytes.data());
+          realtime::Command command;
+          if (!realtime::decode(layout, {command_bytes.data(), size}, command)) return false;
+          excitation.command.value = command.displacement;
+          return true;
+        },
+        {});
+    if (summary.end != simulation::RunEnd::finished) state.SkipWithError("run ended early");
+  }
+}
+BENCHMARK(served_second)->Unit(benchmark::kMillisecond);
 
 }  // namespace

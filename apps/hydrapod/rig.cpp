@@ -20,6 +20,7 @@ struct Arguments {
   std::string length{}, pressure{}, current{}, drop_outs{};
   bool no_anti_alias{}, check{}, above_limits{};
   std::string hardware{}, shared_memory{}, layout{}, key{}, limits{};
+  std::optional<int> fifo{};
   std::string ramp{"1 s"}, ramp_down{"200 ms"}, watchdog{"50 ms"};
   std::string file{};
 };
@@ -60,6 +61,7 @@ void check_kind(const Arguments& arguments) {
   refuse(!arguments.layout.empty(), "--layout", why);
   refuse(!arguments.key.empty(), "--key", why);
   refuse(!arguments.limits.empty(), "--limit", why);
+  refuse(arguments.fifo.has_value(), "--fifo", why);
   refuse(arguments.ramp != defaults.ramp, "--ramp", why);
   refuse(arguments.ramp_down != defaults.ramp_down, "--ramp-down", why);
   refuse(arguments.watchdog != defaults.watchdog, "--watchdog", why);
@@ -74,6 +76,7 @@ std::optional<realtime::HardwareOptions> hardware_of(const Arguments& arguments)
   options.layout = layout_of(arguments.layout);
   options.key = key_of(arguments.key);
   options.limits = parse_limits(arguments.limits);
+  options.fifo = arguments.fifo;
   options.ramp = positive("--ramp", arguments.ramp, "s");
   options.ramp_down = positive("--ramp-down", arguments.ramp_down, "s");
   options.watchdog = positive("--watchdog", arguments.watchdog, "s");
@@ -137,6 +140,8 @@ void run(const Arguments& arguments) {
     print_warning(finding.message, finding.of_controller ? "controller" : "--excite");
   if (arguments.check) return;
   if (done.hardware) print_note(hardware_note(*done.hardware));
+  if (done.hardware && arguments.fifo && !done.hardware->scheduling.starts_with("SCHED_FIFO"))
+    print_warning(done.hardware->scheduling, "--fifo");
   print_note(fmt::format("wrote {}: {} samples", done.record, done.result.samples));
   const auto& summary = done.result.summary;
   if (summary.end == simulation::RunEnd::finished) return;
@@ -161,7 +166,9 @@ void add_hardware_options(Command command, Arguments& arguments) {
         "acceleration=20 m/s^2, error=10 mm]"},
        {"--ramp", arguments.ramp, "In which the excitation grows before the record, and ends after"},
        {"--ramp-down", arguments.ramp_down, "Of an emergency, or Ctrl-C"},
-       {"--watchdog", arguments.watchdog, "Longest time without sensors"}});
+       {"--watchdog", arguments.watchdog, "Longest time without sensors"},
+       {"--fifo", arguments.fifo, "Real-time priority (SCHED_FIFO), where it is permitted",
+        range(1, 99)}});
 }
 
 void add_options(Command command, Arguments& arguments) {

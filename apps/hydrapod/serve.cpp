@@ -15,7 +15,7 @@ struct Arguments {
   std::string hold{"100 ms"}, ramp{"1 s"}, patience{"10 s"}, rest{}, duration{};
   std::optional<int> fifo{};
   std::vector<std::string> accelerometers{};
-  std::string integrator{"fixed"}, step{"0.1 ms"};
+  std::string integrator{"fixed"}, step{"0.2 ms"};
   std::uint64_t seed{1};
   bool ideal_sensors{};
   std::string record{}, format{"table"};

@@ -83,12 +83,12 @@ class Session {
         wanted_(std::lround(options.duration / T_)) {}
 
   HardwareResult run() {
-    schedule({});
     client_.connect([this] { return goes_on(0.0); });
     if (const auto apart = guard_.at_pose(client_.sensors()); !apart.empty())
       base::refuse("--hardware", apart + "; bring the platform to the pose first");
     queue_.emplace(record_(), row_.size(), true);
     HardwareResult result;
+    result.scheduling = schedule(hardware_.fifo);
     const std::string why = excite();
     result.ramped_down = !why.empty();
     if (result.ramped_down) ramp_down();
@@ -140,7 +140,7 @@ class Session {
     const Sensors& now = client_.sensors();
     const Sent acting = acting_until_now();
     if (samples_ > 0) {
-      finish_row(acting, now);
+      finish_row(acting);
       for (std::uint64_t k = 0; k < std::min<std::uint64_t>(client_.gap(), 100'000); ++k)
         put_missing(acting);
     }
@@ -193,7 +193,7 @@ class Session {
   }
 
   void start_row(const Sensors& now) {
-    auto next = row_.begin() + 12;
+    auto next = std::copy_n(now.valve.data(), 6, row_.begin() + 6);
     next = std::copy_n(now.length.data(), 6, next);
     for (int leg = 0; leg < 6; ++leg) {
       *next++ = now.cap_pressure[leg];
@@ -203,9 +203,8 @@ class Session {
     ++samples_;
   }
 
-  void finish_row(const Sent& acting, const Sensors& now) {
+  void finish_row(const Sent& acting) {
     std::copy_n(acting.excitation.data(), 6, row_.begin());
-    std::copy_n(now.valve.data(), 6, row_.begin() + 6);
     put_row();
   }
 

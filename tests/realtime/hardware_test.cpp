@@ -21,7 +21,7 @@ class Hardware : public testing::Test {
   rig::RigOptions options = [this] {
     rig::RigOptions rig;
     signals::Signal noise{.form = signals::Noise{.to = 40.0}};
-    noise.size.setConstant(2e-4);
+    noise.size.setConstant(8e-5);
     rig.signals = {noise};
     rig.settling = 0.3;
     rig.duration = 0.8;
@@ -112,7 +112,7 @@ TEST_F(Hardware, IsMeasuredAsTheMachineInTheProgramIs) {
     // rates of the growing share are differences above, so that the last bits differ until then and
     // the sensors' steps of 1 µm fall otherwise now and then
     ASSERT_LT((sample.segment<6>(12) - lengths[at]).cwiseAbs().maxCoeff(), 3e-6) << row;
-    ASSERT_LT((sample.segment<6>(6) - applied[at]).cwiseAbs().maxCoeff(), 2e-3) << row;
+    ASSERT_LT((sample.segment<6>(6) - applied[at]).cwiseAbs().maxCoeff(), 1e-5) << row;
   }
   EXPECT_GT(found.samples.col(30).cwiseAbs().maxCoeff(), 0.01);  // accelerometers measure
 }
@@ -122,7 +122,7 @@ TEST_F(Hardware, TheExcitationGrowsAndEnds) {
   options.duration = 0.1;
   Served served(server());
   run(served);
-  EXPECT_LT(served.result().run.final_error.cwiseAbs().maxCoeff(), 1e-4);
+  EXPECT_LT(served.result().run.final_error.cwiseAbs().maxCoeff(), 5e-5);
   const auto& summary = served.result().run;
   // settling 0.2, record 0.1, end 0.2; then the server's second
   EXPECT_NEAR(summary.time, 0.5 + 1.0, 5e-3);
@@ -140,13 +140,13 @@ TEST_F(Hardware, DrivesMayBeExcited) {
 }
 
 TEST_F(Hardware, IsRampedDownAtALimit) {
-  hardware.limits.velocity = 0.004;
+  hardware.limits.velocity = 0.002;
   Served served(server());
   const auto result = run(served);
   EXPECT_EQ(result.rig.summary.end, RunEnd::failed);
   EXPECT_TRUE(result.ramped_down);
   EXPECT_THAT(result.rig.summary.message,
-              testing::AllOf(HasSubstr("moves at"), HasSubstr("the limit is 0.004 m/s")));
+              testing::AllOf(HasSubstr("moves at"), HasSubstr("the limit is 0.002 m/s")));
   EXPECT_LT(result.rig.samples, 800);
   EXPECT_EQ(record().samples.rows(), result.rig.samples);
   EXPECT_EQ(served.result().state, State::parked);
@@ -270,7 +270,7 @@ TEST_F(Hardware, OfAVendorIsADescription) {
   ASSERT_EQ(samples.rows(), 800);
   const Vector6 rest = kinematics::leg_lengths(machine, machine.neutral());
   EXPECT_LT((samples.middleCols(12, 6).rowwise() - rest.transpose()).cwiseAbs().maxCoeff(), 5e-3);
-  EXPECT_NEAR(std::sqrt(samples.col(0).squaredNorm() / 800.0), 2e-4, 6e-5);
+  EXPECT_NEAR(std::sqrt(samples.col(0).squaredNorm() / 800.0), 8e-5, 2.5e-5);
   EXPECT_EQ(served.result().state, State::parked);
   EXPECT_EQ(served.result().counters.lost, 0U);
 }

@@ -207,7 +207,7 @@ TEST(LockStep, WithoutAClientThePlatformIsRampedDown) {
   EXPECT_EQ(result.counters.trips, 1U);
   EXPECT_EQ(result.state, State::parked);
   EXPECT_NEAR(result.run.time, 0.1 + 0.5, 2e-3);
-  EXPECT_LT(result.run.final_error.cwiseAbs().maxCoeff(), 1e-4);
+  EXPECT_LT(result.run.final_error.cwiseAbs().maxCoeff(), 2e-4);  // of 2 mm, and settling
 }
 
 }  // namespace

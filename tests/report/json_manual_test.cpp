@@ -71,6 +71,7 @@ std::set<std::string> all_names() {
   add_names({{"matrices", report::matrices_json(bode.table)}}, names);
   add_names(report::bode_json(bode), names);
   add_names(report::check_json(tasks::check(subject), machine), names);
+  add_names(report::serve_json({.lateness = {.bins = {{1e-6, 3}}}}), names);
   add_identification_names(names);
   return names;
 }

@@ -257,6 +257,7 @@ struct HardwareOptions {
   double ramp_down{0.2};   ///< [s] in an emergency
   double watchdog{0.05};   ///< [s] without sensors
   double connect{3.0};     ///< [s] to wait for a first answer
+  std::optional<int> fifo{};  ///< priority of SCHED_FIFO; none: as other programs
 };
 
 struct HardwareResult {
@@ -264,6 +265,7 @@ struct HardwareResult {
   std::uint64_t received{}, lost{}, late{}, malformed{}, refused{};  ///< packets of sensors
   std::uint64_t resent{};                                          ///< commands
   bool ramped_down{};  ///< by an emergency
+  std::string scheduling{};  ///< as of ServeResult
   Sensors last{};
 };
 
