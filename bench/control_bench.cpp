@@ -80,13 +80,12 @@ void closed_loop_second(benchmark::State& state) {
 }
 BENCHMARK(closed_loop_second)->Unit(benchmark::kMillisecond);
 
-/// What `hydrapod serve` does in a thousand samples, but for the calls of the system: sensors into a
-/// packet, a command out of one.
+/// What `hydrapod serve` does in a thousand samples, but for the calls of the system: sensors into
+/// a packet, a command out of one.
 void served_second(benchmark::State& state) {
   const auto machine = bench::published();
-  simulation::ClosedLoop loop(
-      machine, machine.neutral(),
-      {.integrator = {.method = simulation::Method::fixed}, .until = 1.0});
+  simulation::ClosedLoop loop(machine, machine.neutral(),
+                              {.integrator = {.method = simulation::Method::fixed}, .until = 1.0});
   const auto layout = realtime::native_layout(9);
   signals::Signal noise{.form = signals::Noise{.to = 20.0}};
   noise.size << 1e-3, 1e-3, 1e-3, 1.7e-3, 1.7e-3, 1.7e-3;

@@ -133,7 +133,8 @@ void run(const Arguments& arguments) {
                                   .force = arguments.above_limits,
                                   .origin = {program_text(), command_line()},
                                   .hardware = hardware_of(arguments)};
-  if (!arguments.check && !options.hardware) print_note("damping: " + report::plant_damping_text(machine.file.machine));
+  if (!arguments.check && !options.hardware)
+    print_note("damping: " + report::plant_damping_text(machine.file.machine));
   const auto done = with_progress(
       "measuring", [&](const auto& progress) { return tasks::rig(machine, options, progress); });
   for (const auto& finding : done.findings)
@@ -164,7 +165,8 @@ void add_hardware_options(Command command, Arguments& arguments) {
        {"--limit", arguments.limits,
         "Of each leg, then the machine is ramped down [length=50 mm, velocity=0.5 m/s, "
         "acceleration=20 m/s^2, error=10 mm]"},
-       {"--ramp", arguments.ramp, "In which the excitation grows before the record, and ends after"},
+       {"--ramp", arguments.ramp,
+        "In which the excitation grows before the record, and ends after"},
        {"--ramp-down", arguments.ramp_down, "Of an emergency, or Ctrl-C"},
        {"--watchdog", arguments.watchdog, "Longest time without sensors"},
        {"--fifo", arguments.fifo, "Real-time priority (SCHED_FIFO), where it is permitted",

@@ -16,6 +16,7 @@ struct Arguments {
   std::optional<int> fifo{};
   std::vector<std::string> accelerometers{};
   std::string integrator{"fixed"}, step{"0.2 ms"};
+  double tolerance{1e-6};
   std::uint64_t seed{1};
   bool ideal_sensors{};
   std::string record{}, format{"table"};
@@ -54,6 +55,9 @@ simulation::LoopOptions loop_of(const Arguments& arguments) {
   loop.integrator.method = methods[choose_word("--integrator", arguments.integrator,
                                                {"fixed", "adaptive", "adams", "bdf"})];
   loop.integrator.fixed_step = seconds("--step", arguments.step);
+  if (!(arguments.tolerance >= 1e-13 && arguments.tolerance <= 1e-2))
+    base::refuse(fmt::format("--tolerance {}", arguments.tolerance), "expected 1e-13 to 0.01");
+  loop.integrator.relative_tolerance = loop.integrator.absolute_tolerance = arguments.tolerance;
   loop.seed = arguments.seed;
   loop.ideal_sensors = arguments.ideal_sensors;
   return loop;
@@ -67,9 +71,9 @@ void add_timing(Table& table, const char* what, const realtime::Timing& timing) 
 
 std::string result_text(const realtime::ServeResult& r, const TableStyle& style) {
   const auto& c = r.counters;
-  std::string text = fmt::format(
-      "{:.6g} s, {} samples of {:g} ms; {}; platform {}\n", r.run.time, r.run.samples,
-      1e3 * r.sample_time, r.lock_step ? "lock-step" : r.scheduling, realtime::name(r.state));
+  std::string text = fmt::format("{:.6g} s, {} samples of {:g} ms; {}; platform {}\n", r.run.time,
+                                 r.run.samples, 1e3 * r.sample_time,
+                                 r.lock_step ? "lock-step" : r.scheduling, realtime::name(r.state));
   text += fmt::format(
       "commands: {} accepted ({} superseded), {} samples without one, {} lost, {} reordered, "
       "{} duplicated, {} malformed, {} refused, {} out of range; {} ramps down by the watchdog\n",
@@ -78,9 +82,10 @@ std::string result_text(const realtime::ServeResult& r, const TableStyle& style)
   text += fmt::format("sensors: {} packets sent, {} not sent\n", r.sent, r.not_sent);
   if (r.rows_lost > 0) text += fmt::format("record: {} rows lost\n", r.rows_lost);
   if (!r.lock_step)
-    text += fmt::format("deadline misses: {} of {} samples ({} steps not finished in time, {} "
-                        "standstills)\n",
-                        r.misses, r.run.samples, r.overruns, r.shifts);
+    text += fmt::format(
+        "deadline misses: {} of {} samples ({} steps not finished in time, {} "
+        "standstills)\n",
+        r.misses, r.run.samples, r.overruns, r.shifts);
   if (r.step.samples == 0) return text;
   Table table({"<µs", "p50", "p99", "p99.9", "p99.99", "worst"});
   if (!r.lock_step) add_timing(table, "begin of a sample after its time", r.lateness);
@@ -108,9 +113,8 @@ void run(const Arguments& arguments) {
   }
   if (!arguments.duration.empty()) options.duration = seconds("--duration", arguments.duration);
   options.server.ready = [](const std::string& place) { print_note("listening at " + place); };
-  const auto served = with_progress("serving", [&](const auto& progress) {
-    return tasks::serve(machine, options, progress);
-  });
+  const auto served = with_progress(
+      "serving", [&](const auto& progress) { return tasks::serve(machine, options, progress); });
   if (!served.record.empty()) print_written(served.record);
   const auto& run = served.result.run;
   if (options.server.fifo && !served.result.scheduling.starts_with("SCHED_FIFO"))
@@ -121,9 +125,9 @@ void run(const Arguments& arguments) {
                : result_text(served.result, table_style("-")));
   if (run.end == simulation::RunEnd::failed ||
       (run.end == simulation::RunEnd::stopped && options.duration))
-    throw base::ComputationError(fmt::format(
-        "the run ended at {:.6g} s: {}", run.time,
-        run.end == simulation::RunEnd::stopped ? "interrupted" : run.message));
+    throw base::ComputationError(
+        fmt::format("the run ended at {:.6g} s: {}", run.time,
+                    run.end == simulation::RunEnd::stopped ? "interrupted" : run.message));
 }
 
 void add_transport_options(Command command, Arguments& arguments) {
@@ -157,7 +161,8 @@ void add_transport_options(Command command, Arguments& arguments) {
 
 void add_serve(Command app) {
   Command command = app.add_command(
-      "serve", "The virtual machine in real time: commands in, sensors out, by UDP or shared memory",
+      "serve",
+      "The virtual machine in real time: commands in, sensors out, by UDP or shared memory",
       {{"serve machine.toml --udp 0 --duration 2",
         "two seconds at the controller's sample rate, on any free port of the loopback"},
        {"serve machine.toml --udp 0 --duration 2 -o run.h5 --format json",
@@ -181,6 +186,7 @@ void add_serve(Command app) {
        {"--integrator", arguments.integrator,
         "fixed (Runge-Kutta 4, equal work in every step), adaptive, adams or bdf"},
        {"--step", arguments.step, "Step of the fixed integrator"},
+       {"--tolerance", arguments.tolerance, "Of the other integrators, relative"},
        {"--seed", arguments.seed, "Seed of the sensors' noise"},
        {"--ideal-sensors", arguments.ideal_sensors, "Sensors without noise, resolution and range"},
        {"--format", arguments.format, "table or json"}});

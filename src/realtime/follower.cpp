@@ -55,8 +55,7 @@ void Follower::fill(double time, simulation::Excitation& excitation) const {
   }
   excitation.wrench = command_.wrench;
   if ((command_.flags & next_wrench_given) != 0)
-    excitation.next_wrench =
-        state_ == State::following ? command_.next_wrench : command_.wrench;
+    excitation.next_wrench = state_ == State::following ? command_.next_wrench : command_.wrench;
 }
 
 }  // namespace hydrapod::realtime

@@ -60,7 +60,8 @@ std::string Guard::judge(const Sensors& sensors, const Vector6& displacement) {
     if (!std::isfinite(length)) continue;  // a drop-out; the watchdog counts those that last
     const auto at = static_cast<std::size_t>(leg);
     const double speed = seen_ > 0 ? speed_[at]((length - last_length_[leg]) / T_) : 0.0;
-    const double acceleration = seen_ > 1 ? acceleration_[at]((speed - last_speed_[leg]) / T_) : 0.0;
+    const double acceleration =
+        seen_ > 1 ? acceleration_[at]((speed - last_speed_[leg]) / T_) : 0.0;
     last_length_[leg] = length;
     last_speed_[leg] = speed;
     check(leg, length - rest_[leg], limits_.length, "is displaced by", 1e3, "mm");

@@ -95,9 +95,9 @@ class Session {
     client_.send({.mode = static_cast<std::uint64_t>(Mode::leave)});
     queue_->finish();
     auto& summary = result.rig.summary;
-    summary.end = why.empty()       ? simulation::RunEnd::finished
-                  : interrupted_    ? simulation::RunEnd::stopped
-                                    : simulation::RunEnd::failed;
+    summary.end = why.empty()    ? simulation::RunEnd::finished
+                  : interrupted_ ? simulation::RunEnd::stopped
+                                 : simulation::RunEnd::failed;
     summary.message = why;
     summary.time = T_ * static_cast<double>(samples_);
     summary.samples = samples_;
@@ -148,7 +148,8 @@ class Session {
     start_row(now);
     silent_ = now.length.allFinite() ? 0 : silent_ + 1;
     if (T_ * static_cast<double>(silent_) > hardware_.watchdog)
-      return fmt::format("no leg lengths among the sensors for {:.3g} ms", 1e3 * T_ * static_cast<double>(silent_));
+      return fmt::format("no leg lengths among the sensors for {:.3g} ms",
+                         1e3 * T_ * static_cast<double>(silent_));
     if (client_.has("state") && acting.number > 0 &&
         (now.state == static_cast<std::uint64_t>(State::ramping) ||
          now.state == static_cast<std::uint64_t>(State::parked)))
@@ -278,19 +279,19 @@ void require_sound(const rig::RigOptions& options, const HardwareOptions& hardwa
   const char* needed = options.entry == rig::Entry::command ? "displacement" : "drive";
   if (!layout.command.has(Kind::command, needed))
     base::refuse("--layout", fmt::format("'command' has no {}, which this --entry needs", needed));
-  if (hardware.key.given() && !(layout.command.has(Kind::command, "mode") &&
-                                layout.sensors.has(Kind::sensors, "echo") &&
-                                field_bits(layout.sensors, Kind::sensors, "sequence") == 64))
-    base::refuse("--layout", "with --key 'command' must have mode, and 'sensors' echo and a "
-                             "sequence of u64: packets could be sent again otherwise");
+  if (hardware.key.given() &&
+      !(layout.command.has(Kind::command, "mode") && layout.sensors.has(Kind::sensors, "echo") &&
+        field_bits(layout.sensors, Kind::sensors, "sequence") == 64))
+    base::refuse("--layout",
+                 "with --key 'command' must have mode, and 'sensors' echo and a "
+                 "sequence of u64: packets could be sent again otherwise");
 }
 
 }  // namespace
 
 HardwareResult run_on_hardware(const model::Machine& machine, const Pose& operating,
                                const rig::RigOptions& options, const HardwareOptions& hardware,
-                               const OpenRecord& record,
-                               const simulation::KeepGoing& keep_going) {
+                               const OpenRecord& record, const simulation::KeepGoing& keep_going) {
   const Layout layout =
       hardware.layout.command.fields.empty()
           ? native_layout(static_cast<int>(options.instruments.accelerometers.size()))

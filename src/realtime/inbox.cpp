@@ -90,8 +90,7 @@ Inbox::Verdict Inbox::take(const Datagram& datagram, bool followed) {
     hello_time_ = command.time;
     return Verdict::hello;
   }
-  const bool right_session =
-      command.session == session_ || (command.session == 0 && !key_.given());
+  const bool right_session = command.session == session_ || (command.session == 0 && !key_.given());
   if (!right_session || (followed && has_peer_ && datagram.peer != peer_)) {
     ++counters_.refused;
     return Verdict::ignored;

@@ -91,7 +91,8 @@ std::string place_text(Kind kind, const Field& field, int count) {
   const Name name = name_at(kind, field.entry);
   if (name.whole) return text;
   const auto unit = name.unit_of(field.component);
-  if (count > 1 && name.directions) return text + fmt::format("  x y z {}, rx ry rz {}", unit, name.angular);
+  if (count > 1 && name.directions)
+    return text + fmt::format("  x y z {}, rx ry rz {}", unit, name.angular);
   return text + fmt::format("  {}{}", count > 1 ? fmt::format("1 … {} ", count) : "", unit);
 }
 

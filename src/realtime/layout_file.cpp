@@ -79,10 +79,10 @@ class Reader {
       if (type_name(one) == word) return one;
       known.push_back(type_name(one));
     }
-    fault(*table.find("type"),
-          fmt::format("is \"{}\", expected one of {}", base::printable(word),
-                      fmt::join(known, ", ")),
-          "type");
+    fault(
+        *table.find("type"),
+        fmt::format("is \"{}\", expected one of {}", base::printable(word), fmt::join(known, ", ")),
+        "type");
     return std::nullopt;
   }
 
@@ -153,10 +153,10 @@ class Reader {
     const auto near = base::nearest(std::string_view(word).substr(0, word.find('.')), names);
     const std::string advice =
         near ? fmt::format("did you mean \"{}\"?", *near)
-             : fmt::format("expected one of {}, or one component such as "
-                           "\"{}\"",
-                           fmt::join(names, ", "),
-                           kind_ == Kind::command ? "displacement.x" : "length.1");
+             : fmt::format(
+                   "expected one of {}, or one component such as "
+                   "\"{}\"",
+                   fmt::join(names, ", "), kind_ == Kind::command ? "displacement.x" : "length.1");
     fault(*table.find("name"), fmt::format("is \"{}\"; {}", base::printable(word), advice), "name");
   }
 
@@ -193,12 +193,12 @@ class Reader {
     const auto read = base::read_quantity("1 " + word, needed);
     if (read.ok()) return read.value;
     if (all && name.directions)
-      fault(node,
-            fmt::format("is \"{}\", and \"{}\" has components in {} and in {}: name the components "
-                        "one by one (\"{}\")",
-                        base::printable(word), name.name, name.unit, name.angular,
-                        name.component(0)),
-            "unit");
+      fault(
+          node,
+          fmt::format("is \"{}\", and \"{}\" has components in {} and in {}: name the components "
+                      "one by one (\"{}\")",
+                      base::printable(word), name.name, name.unit, name.angular, name.component(0)),
+          "unit");
     else
       fault(node, read.problem, "unit");
     return 1.0;

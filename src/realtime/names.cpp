@@ -72,8 +72,8 @@ constexpr Entry<Sensors> of_sensors[] = {
 
 template <class Packet>
 Name as_name(const Entry<Packet>& entry, int row) {
-  return {row, entry.name, entry.count, entry.directions, entry.whole != nullptr, entry.unit,
-          entry.angular};
+  return {row,        entry.name,   entry.count, entry.directions, entry.whole != nullptr,
+          entry.unit, entry.angular};
 }
 
 }  // namespace

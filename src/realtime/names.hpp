@@ -15,9 +15,9 @@ template <class Packet>
 struct Entry {
   std::string_view name;
   int count{1};
-  bool directions{};               ///< components x … rz, else numbers from 1
-  std::string_view unit{"1"};      ///< of x, y, z, or of all
-  std::string_view angular{};      ///< of rx, ry, rz
+  bool directions{};           ///< components x … rz, else numbers from 1
+  std::string_view unit{"1"};  ///< of x, y, z, or of all
+  std::string_view angular{};  ///< of rx, ry, rz
   std::uint64_t* (*whole)(Packet&){};
   double* (*real)(Packet&){};
 };

@@ -93,10 +93,16 @@ std::size_t encode_as(const PacketLayout& layout, bool big_endian, const Packet&
   for (const Field& field : layout.fields) {
     std::uint64_t bits = 0;
     switch (field.role) {
-      case Field::Role::value: bits = bits_of(field, packet); break;
-      case Field::Role::constant: bits = field.number; break;
-      case Field::Role::ignored: break;
-      default: bits = checksum(field, out);
+      case Field::Role::value:
+        bits = bits_of(field, packet);
+        break;
+      case Field::Role::constant:
+        bits = field.number;
+        break;
+      case Field::Role::ignored:
+        break;
+      default:
+        bits = checksum(field, out);
     }
     put(out + field.at, bits, size_of(field.type), big_endian);
   }

@@ -65,8 +65,7 @@ bool is_reachable(const simulation::ClosedLoop& loop, const Command& command) {
       simulation::command_at(loop.operating(), {.value = command.displacement}).X_BP);
   for (int i = 0; i < model::leg_count; ++i) {
     const auto& stops = plant.axis(i).stops;
-    const double piston =
-        lengths[i] - plant.machine().legs[static_cast<std::size_t>(i)].rod.length;
+    const double piston = lengths[i] - plant.machine().legs[static_cast<std::size_t>(i)].rod.length;
     if (!std::isfinite(piston)) return false;
     if (stops.high > stops.low && !(piston >= stops.low && piston <= stops.high)) return false;
   }

@@ -15,7 +15,7 @@ namespace hydrapod::realtime {
 
 namespace {
 
-constexpr int most_packets = 64;  // looked at in one sample; a flood does not stop the clock
+constexpr int most_packets = 64;      // looked at in one sample; a flood does not stop the clock
 constexpr double look_around = 0.02;  // [s] between looks at the keyboard in lock-step
 
 std::uint64_t new_session() {
@@ -92,9 +92,8 @@ class Server {
   /// A key is worth nothing where packets can be sent again.
   void require_session() const {
     if (!options_.key.given()) return;
-    for (const auto& [packet, kind, key] :
-         {std::tuple{&layout_.command, Kind::command, "command"},
-          std::tuple{&layout_.sensors, Kind::sensors, "sensors"}})
+    for (const auto& [packet, kind, key] : {std::tuple{&layout_.command, Kind::command, "command"},
+                                            std::tuple{&layout_.sensors, Kind::sensors, "sensors"}})
       if (!packet->has(kind, "session") || !packet->has(kind, "sequence") ||
           field_bits(*packet, kind, "sequence") != 64)
         base::refuse("--layout", fmt::format("with --key '{}' must have session and sequence, both "
@@ -157,9 +156,11 @@ class Server {
     if (inbox_.has_peer()) send(sensors_, inbox_.peer());
     bool fresh = false;
     for (int k = 0; k < most_packets && transport_->receive(datagram_); ++k) {
-      switch (inbox_.take(datagram_, follower_.state() != State::waiting &&
-                                         follower_.state() != State::parked)) {
-        case Inbox::Verdict::hello: greet(datagram_.peer); break;
+      switch (inbox_.take(
+          datagram_, follower_.state() != State::waiting && follower_.state() != State::parked)) {
+        case Inbox::Verdict::hello:
+          greet(datagram_.peer);
+          break;
         case Inbox::Verdict::accepted:
           if (follower_.state() == State::ramping) {  // not before it is down
             --inbox_.counters().accepted;
@@ -169,7 +170,8 @@ class Server {
           if (fresh) ++inbox_.counters().superseded;
           fresh = true;
           break;
-        default: break;
+        default:
+          break;
       }
     }
     return act(fresh, time);
@@ -183,8 +185,8 @@ class Server {
     }
     if (fresh) follower_.ramp_down(time, sensors_.platform);
     follower_.go_on(time, sensors_.platform, inbox_.counters());
-    const bool down = follower_.state() == State::parked ||
-                      (fresh && follower_.state() == State::waiting);
+    const bool down =
+        follower_.state() == State::parked || (fresh && follower_.state() == State::waiting);
     return !(down && client_gone());
   }
 
@@ -209,7 +211,7 @@ class Server {
     if (follower_.state() == State::ramping) return act(false, time);
     for (double waited = 0.0;; waited = seconds_of(CLOCK_MONOTONIC) - wait_began_) {
       if (waited == 0.0) wait_began_ = seconds_of(CLOCK_MONOTONIC);
-      while (transport_->receive(datagram_))
+      for (int k = 0; k < most_packets && transport_->receive(datagram_); ++k)
         if (const auto step = step_of(time)) return *step;
       if (*keep_going_ && !(*keep_going_)(time)) return false;
       if (follower_.followed() && waited > options_.patience) {
@@ -224,11 +226,19 @@ class Server {
   /// Whether the packet is a step, and then whether the run goes on.
   std::optional<bool> step_of(double time) {
     switch (inbox_.take(datagram_, follower_.followed())) {
-      case Inbox::Verdict::hello: greet(datagram_.peer); return std::nullopt;
-      case Inbox::Verdict::repeated: send(last_answer_, datagram_.peer); return std::nullopt;
-      case Inbox::Verdict::ignored: return std::nullopt;
-      case Inbox::Verdict::unreachable: asked_ = true; return true;  // the last command stays
-      case Inbox::Verdict::accepted: break;
+      case Inbox::Verdict::hello:
+        greet(datagram_.peer);
+        return std::nullopt;
+      case Inbox::Verdict::repeated:
+        send(last_answer_, datagram_.peer);
+        return std::nullopt;
+      case Inbox::Verdict::ignored:
+        return std::nullopt;
+      case Inbox::Verdict::unreachable:
+        asked_ = true;
+        return true;  // the last command stays
+      case Inbox::Verdict::accepted:
+        break;
     }
     asked_ = true;
     return act(true, time);
@@ -257,8 +267,8 @@ class Server {
   const simulation::KeepGoing* keep_going_{};
   Sensors sensors_{}, last_answer_{};
   Datagram datagram_{};
-  bool asked_{};    ///< a command waits for its answer
-  bool over_{};     ///< the client has gone, and only one was wanted
+  bool asked_{};  ///< a command waits for its answer
+  bool over_{};   ///< the client has gone, and only one was wanted
   double wait_began_{};
   std::uint64_t sent_{}, not_sent_{};
   std::size_t plain_columns_{};
@@ -273,8 +283,10 @@ std::vector<data::Channel> serve_channels(const simulation::ClosedLoop&,
   std::vector<data::Channel> channels;
   for (const auto& one : options.accelerometers)
     channels.push_back({one.name, "m/s^2", one.direction, data::Role::response, one.point});
-  for (const auto& [name, unit] : {std::pair{"command.age", "s"}, {"serve.state", "1"},
-                                   {"serve.lateness", "s"}, {"serve.deadline_misses", "1"}})
+  for (const auto& [name, unit] : {std::pair{"command.age", "s"},
+                                   {"serve.state", "1"},
+                                   {"serve.lateness", "s"},
+                                   {"serve.deadline_misses", "1"}})
     channels.push_back({name, unit, data::Direction::none, data::Role::other});
   return channels;
 }
@@ -282,9 +294,9 @@ std::vector<data::Channel> serve_channels(const simulation::ClosedLoop&,
 ServeResult serve(simulation::ClosedLoop& loop, const ServeOptions& options,
                   const OpenRecord& record, const simulation::KeepGoing& keep_going) {
   if (options.accelerometers.size() > most_accelerometers)
-    base::refuse("--accelerometer", fmt::format("{} are given, expected at most {}",
-                                                options.accelerometers.size(),
-                                                most_accelerometers));
+    base::refuse("--accelerometer",
+                 fmt::format("{} are given, expected at most {}", options.accelerometers.size(),
+                             most_accelerometers));
   return Server(loop, options, record).run(keep_going);
 }
 

@@ -46,9 +46,10 @@ class SharedMemory : public Transport {
   SharedMemory(const std::string& name, bool serves, const std::string& argument)
       : name_(fmt::format("/{}", name)), serves_(serves) {
     if (name.empty() || name.find('/') != name.npos || name.size() > 200)
-      base::refuse(argument, fmt::format("'{}' is no name of shared memory, expected a word without "
-                                         "slashes",
-                                         name));
+      base::refuse(argument,
+                   fmt::format("'{}' is no name of shared memory, expected a word without "
+                               "slashes",
+                               name));
     file_ = ::shm_open(name_.c_str(), O_RDWR | O_CLOEXEC | (serves ? O_CREAT : 0), 0600);
     if (file_ < 0) fail(argument, errno);
     // locked by the server as long as it lives, so that what a killed one left is taken over
@@ -58,10 +59,10 @@ class SharedMemory : public Transport {
     }
     struct stat status {};
     const bool own = ::fstat(file_, &status) == 0 && status.st_uid == ::geteuid();
-    if (serves && (!own || ::ftruncate(file_, sizeof(Segment)) != 0)) fail(argument, own ? errno : EPERM);
+    if (serves && (!own || ::ftruncate(file_, sizeof(Segment)) != 0))
+      fail(argument, own ? errno : EPERM);
     if (!serves && (!own || status.st_size != sizeof(Segment))) fail(argument, EINVAL);
-    void* memory =
-        ::mmap(nullptr, sizeof(Segment), PROT_READ | PROT_WRITE, MAP_SHARED, file_, 0);
+    void* memory = ::mmap(nullptr, sizeof(Segment), PROT_READ | PROT_WRITE, MAP_SHARED, file_, 0);
     if (memory == MAP_FAILED) fail(argument, errno);
     segment_ = static_cast<Segment*>(memory);
     if (serves) std::memset(memory, 0, sizeof(Segment));
@@ -120,9 +121,7 @@ class SharedMemory : public Transport {
                                        cause == EINVAL ? "it is not that of `hydrapod serve`"
                                                        : std::strerror(cause)));
   }
-  static std::atomic_ref<std::uint32_t> turn_of(Slot& slot) {
-    return std::atomic_ref(slot.turn);
-  }
+  static std::atomic_ref<std::uint32_t> turn_of(Slot& slot) { return std::atomic_ref(slot.turn); }
   Slot& incoming() { return serves_ ? segment_->command : segment_->sensors; }
 
   std::string name_;

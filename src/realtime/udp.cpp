@@ -20,9 +20,7 @@ struct Resolved {
   int family{};
   sockaddr_storage address{};
   socklen_t size{};
-  [[nodiscard]] const sockaddr* get() const {
-    return reinterpret_cast<const sockaddr*>(&address);
-  }
+  [[nodiscard]] const sockaddr* get() const { return reinterpret_cast<const sockaddr*>(&address); }
 };
 
 Resolved resolve(const Address& address, const std::string& argument) {
@@ -32,8 +30,8 @@ Resolved resolve(const Address& address, const std::string& argument) {
   addrinfo* list = nullptr;
   const int error = ::getaddrinfo(address.host.c_str(), address.port.c_str(), &hints, &list);
   if (error != 0)
-    base::refuse(argument, fmt::format("'{}' is no address: {}", address.host,
-                                       ::gai_strerror(error)));
+    base::refuse(argument,
+                 fmt::format("'{}' is no address: {}", address.host, ::gai_strerror(error)));
   Resolved found{.family = list->ai_family, .size = list->ai_addrlen};
   std::memcpy(&found.address, list->ai_addr, list->ai_addrlen);
   ::freeaddrinfo(list);

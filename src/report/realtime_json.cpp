@@ -31,11 +31,11 @@ Json serve_json(const realtime::ServeResult& r) {
             {"samples", r.run.samples},
             {"state", realtime::name(r.state)},
             {"scheduling", r.scheduling}};
-  json["commands"] = {{"accepted", c.accepted},   {"superseded", c.superseded},
-                      {"missed", c.missed},       {"lost", c.lost},
-                      {"reordered", c.reordered}, {"duplicated", c.duplicated},
-                      {"malformed", c.malformed}, {"refused", c.refused},
-                      {"out_of_range", c.out_of_range}, {"trips", c.trips}};
+  json["commands"] = {
+      {"accepted", c.accepted},   {"superseded", c.superseded}, {"missed", c.missed},
+      {"lost", c.lost},           {"reordered", c.reordered},   {"duplicated", c.duplicated},
+      {"malformed", c.malformed}, {"refused", c.refused},       {"out_of_range", c.out_of_range},
+      {"trips", c.trips}};
   json["sensors"] = {{"sent", r.sent}, {"not_sent", r.not_sent}};
   json["record_rows_lost"] = r.rows_lost;
   json["step"] = timing_json(r.step);

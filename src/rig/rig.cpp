@@ -117,8 +117,7 @@ class Recorder {
       values_[c++] = leg.rod_pressure;
     }
     for (const Accelerometer& one : options_.instruments.accelerometers)
-      values_[c++] =
-          specific_force(one, loop_.plant().machine(), loop_.operating(), sample.plant);
+      values_[c++] = specific_force(one, loop_.plant().machine(), loop_.operating(), sample.plant);
   }
 
   /// Noise per sample, range, resolution, drop-outs.

@@ -17,12 +17,12 @@ namespace {
 namespace fs = std::filesystem;
 
 const std::map<std::string, int> floors{
-    {"base", 0},        {"spatial", 1},   {"numerics", 2},       {"model", 3},
-    {"data", 3},        {"signals", 3},   {"kinematics", 4},     {"hydraulics", 4},
-    {"dynamics", 5},    {"control", 5},   {"modal", 6},          {"response", 6},
-    {"simulation", 6},  {"rig", 7},       {"identification", 7}, {"observation", 7},
-    {"calibration", 8}, {"realtime", 8},  {"diagnosis", 9},      {"study", 9},
-    {"exchange", 9},    {"report", 10},   {"tasks", 11}};
+    {"base", 0},        {"spatial", 1},  {"numerics", 2},       {"model", 3},
+    {"data", 3},        {"signals", 3},  {"kinematics", 4},     {"hydraulics", 4},
+    {"dynamics", 5},    {"control", 5},  {"modal", 6},          {"response", 6},
+    {"simulation", 6},  {"rig", 7},      {"identification", 7}, {"observation", 7},
+    {"calibration", 8}, {"realtime", 8}, {"diagnosis", 9},      {"study", 9},
+    {"exchange", 9},    {"report", 10},  {"tasks", 11}};
 
 struct Include {
   std::string file{};

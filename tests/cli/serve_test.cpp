@@ -10,6 +10,7 @@
 #include <unistd.h>
 
 #include <chrono>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <thread>
 
@@ -32,7 +33,7 @@ class Beside {
     std::vector<char*> argv;
     for (auto& word : words) argv.push_back(word.data());
     argv.push_back(nullptr);
-    write_text(folder_ / (name_ + ".err"), "");
+    for (const char* ending : {".out", ".err"}) write_text(folder_ / (name_ + ending), "");
     child_ = ::fork();
     if (child_ != 0) return;
     ::signal(SIGINT, SIG_DFL);
@@ -87,12 +88,14 @@ class Serve : public testing::Test {
     std::vector<std::string> words{hydrapod_program().string(), "serve", machine, "--udp", "0"};
     words.insert(words.end(), arguments.begin(), arguments.end());
     server = std::make_unique<Beside>(words, folder.path(), "server");
-    const std::string sign = "listening at 127.0.0.1:";
+    const std::string sign = "listening at ";
     for (int k = 0; k < 3000; ++k) {
       const std::string err = server->err();
       const auto at = err.find(sign), end = err.find('\n', at);
-      if (at != err.npos && end != err.npos)
-        return err.substr(at + sign.size(), end - at - sign.size());
+      if (at != err.npos && end != err.npos) {
+        const std::string place = err.substr(at + sign.size(), end - at - sign.size());
+        return place.substr(place.find(':') + 1);
+      }
       std::this_thread::sleep_for(std::chrono::milliseconds(10));
     }
     ADD_FAILURE() << server->err();
@@ -171,8 +174,8 @@ void expect_motion(const std::string& table) {
 
 TEST_F(Serve, APythonClientMovesThePlatform) {
   const auto port = start({"--lock-step", "--once", "--ramp", "0.1"});
-  const auto done = client(
-      {"python3", source_file("examples/realtime/client.py").string(), "127.0.0.1", port});
+  const auto done =
+      client({"python3", source_file("examples/realtime/client.py").string(), "127.0.0.1", port});
   EXPECT_EQ(done.exit_code, 0) << done.err;
   expect_motion(done.out);
   EXPECT_EQ(server->wait(), 0) << server->err();
@@ -199,15 +202,14 @@ TEST_F(Serve, ACClientMovesThePlatformOnTheWallClock) {
   const auto done = client({"./client", "127.0.0.1", port});
   EXPECT_EQ(done.exit_code, 0) << done.err;
   EXPECT_EQ(server->wait(), 0) << server->err();
-  EXPECT_THAT(server->out(), testing::AllOf(HasSubstr("platform parked"),
-                                            HasSubstr("deadline misses: "),
-                                            HasSubstr("begin of a sample after its time")));
+  EXPECT_THAT(server->out(),
+              testing::AllOf(HasSubstr("platform parked"), HasSubstr("deadline misses: "),
+                             HasSubstr("begin of a sample after its time")));
 }
 
 TEST_F(Serve, AShellClientMovesThePlatform) {
-  const auto port =
-      start({"--lock-step", "--once", "--ramp", "0.1", "--patience", "1 s", "--layout",
-             source_file("examples/realtime/integers.toml").string()});
+  const auto port = start({"--lock-step", "--once", "--ramp", "0.1", "--patience", "1 s",
+                           "--layout", source_file("examples/realtime/integers.toml").string()});
   const auto done =
       client({source_file("examples/realtime/client.sh").string(), "127.0.0.1", port});
   EXPECT_EQ(done.exit_code, 0) << done.err;
@@ -224,12 +226,12 @@ TEST_F(Serve, AShellClientMovesThePlatform) {
 }
 
 TEST_F(Serve, AClientThatIsKilledLeavesThePlatformDownAndTheRecordReadable) {
-  const auto port = start({"--once", "--hold", "0.2", "--ramp", "0.3", "-o", "run.h5", "--format",
-                           "json"});
+  const auto port =
+      start({"--once", "--hold", "0.2", "--ramp", "0.3", "-o", "run.h5", "--format", "json"});
   {
-    Beside victim({"python3", source_file("examples/realtime/client.py").string(), "127.0.0.1",
-                   port},
-                  folder.path(), "victim");
+    Beside victim(
+        {"python3", source_file("examples/realtime/client.py").string(), "127.0.0.1", port},
+        folder.path(), "victim");
     for (int k = 0; k < 1000 && victim.out().size() < 1; ++k)
       std::this_thread::sleep_for(std::chrono::milliseconds(2));
     std::this_thread::sleep_for(std::chrono::milliseconds(700));
@@ -248,8 +250,8 @@ TEST_F(Serve, AClientThatIsKilledLeavesThePlatformDownAndTheRecordReadable) {
       static_cast<Eigen::Index>(*data::find_channel(record.header, "platform.z")));
   EXPECT_GT(z.maxCoeff(), 1e-4);
   EXPECT_NEAR(z[z.size() - 1], 0.0, 1e-4);
-  const auto misses = record.samples.col(static_cast<Eigen::Index>(
-      *data::find_channel(record.header, "serve.deadline_misses")));
+  const auto misses = record.samples.col(
+      static_cast<Eigen::Index>(*data::find_channel(record.header, "serve.deadline_misses")));
   EXPECT_EQ(misses[misses.size() - 1], result["deadline_misses"].get<double>());
   EXPECT_EQ(run({"record", "verify", "run.h5"}).exit_code, 0);
 }
@@ -268,6 +270,20 @@ TEST_F(Serve, EndsAtOnceWithTheRecordWhenAskedTo) {
     const auto rows = data::read_record(file("asked.h5")).record.samples.rows();
     if (more.empty()) EXPECT_GE(rows, 200);
   }
+}
+
+TEST_F(Serve, SharedMemoryOfAKilledServerIsTakenOver) {
+  const std::string name = fmt::format("hydrapod-cli-{}", ::getpid());
+  start({"--shm", name});
+  const auto place = std::filesystem::path("/dev/shm") / name;
+  EXPECT_TRUE(std::filesystem::exists(place));
+  EXPECT_THAT(run({"serve", machine, "--shm", name, "--duration", "0.01"}).err,
+              HasSubstr("another server has the shared memory"));
+  server->signal(SIGKILL);
+  EXPECT_EQ(server->wait(), 128 + SIGKILL);
+  EXPECT_TRUE(std::filesystem::exists(place));
+  EXPECT_EQ(run({"serve", machine, "--shm", name, "--duration", "0.01"}).exit_code, 0);
+  EXPECT_FALSE(std::filesystem::exists(place));
 }
 
 TEST_F(Serve, WrongUseIsTold) {
@@ -299,17 +315,18 @@ TEST_F(Serve, ThePrintedLayoutIsTheOneThatIsUsed) {
   write_text(file("own.toml"), printed.out);
   EXPECT_EQ(run({"serve", machine, "--print-layout", "--layout", "own.toml"}).out, printed.out);
   const auto port = start({"--lock-step", "--once", "--ramp", "0.1", "--layout", "own.toml"});
-  EXPECT_EQ(client({"python3", source_file("examples/realtime/client.py").string(), "127.0.0.1",
-                    port})
-                .exit_code,
-            0);
+  EXPECT_EQ(
+      client({"python3", source_file("examples/realtime/client.py").string(), "127.0.0.1", port})
+          .exit_code,
+      0);
 }
 
 /// Modes of a machine behind UDP, as `identify` finds them: those of the simulated rig, and the
 /// calculated ones of the plant.
 TEST_F(Serve, AMachineBehindUdpIsIdentified) {
-  const std::vector<std::string> test{"--duration", "40", "--settling", "1", "--excite",
-                                      "noise all=0.1 mm, to=60", "--accelerometer", "none"};
+  const std::vector<std::string> test{
+      "--duration",      "40",  "--settling", "1", "--excite", "noise all=0.1 mm, to=60",
+      "--accelerometer", "none"};
   const auto with = [&](std::vector<std::string> words) {
     words.insert(words.end(), test.begin(), test.end());
     return words;
@@ -322,19 +339,27 @@ TEST_F(Serve, AMachineBehindUdpIsIdentified) {
   EXPECT_THAT(hardware.err, HasSubstr(" 0 lost, 0 late, 0 malformed, 0 refused"));
   const auto simulated = run(with({"rig", machine, "-o", "simulated.h5"}));
   ASSERT_EQ(simulated.exit_code, 0) << simulated.err;
-  const auto modes_of = [&](const char* record) {
+  // the oil modes; those of the seals and of x and y are hidden in the loop's noise in both records
+  const auto oil_modes_of = [&](const char* record) {
     const auto found = run({"identify", record, "--format", "json"});
     EXPECT_EQ(found.exit_code, 0) << found.err;
-    return json::parse(found.out)["modes"];
+    std::map<std::string, double> modes;
+    const auto document = json::parse(found.out);
+    for (const auto& pair : document["comparison"]["pairs"]) {
+      const std::string label = pair["model"]["label"];
+      if (label.find("oil springs") == label.npos) continue;
+      EXPECT_LT(std::abs(pair["frequency_difference_percent"].get<double>()), 0.4) << label;
+      EXPECT_GT(pair["mac"].get<double>(), 0.99) << label;
+      const double frequency = pair["model"]["frequency_hz"];
+      modes[label] = frequency * (1.0 + pair["frequency_difference_percent"].get<double>() / 100.0);
+    }
+    return modes;
   };
-  const auto measured = modes_of("hardware.h5"), expected = modes_of("simulated.h5");
+  const auto measured = oil_modes_of("hardware.h5"), expected = oil_modes_of("simulated.h5");
+  EXPECT_GE(measured.size(), 4U);
   EXPECT_EQ(measured.size(), expected.size());
-  EXPECT_GE(measured.size(), 5U);
-  for (std::size_t k = 0; k < std::min(measured.size(), expected.size()); ++k)
-    EXPECT_NEAR(measured[k]["frequency_hz"].get<double>() /
-                    expected[k]["frequency_hz"].get<double>(),
-                1.0, 0.005)
-        << k;
+  for (const auto& [label, frequency] : expected)
+    EXPECT_NEAR(measured.at(label) / frequency, 1.0, 0.003) << label;
 }
 
 TEST_F(Serve, HardwareOptionsBelongToHardware) {

@@ -103,14 +103,15 @@ class Guards : public testing::Test {
   model::Machine machine = simulation::machine_of("zhang-jiang-2021");
   Pose pose = machine.neutral();
   Vector6 rest = kinematics::leg_lengths(machine, pose);
-  Guard guard{machine, pose, {.length = 0.02, .velocity = 0.1, .acceleration = 5.0, .error = 3e-3},
-              T, 2};
+  Guard guard{
+      machine, pose, {.length = 0.02, .velocity = 0.1, .acceleration = 5.0, .error = 3e-3}, T, 2};
 
   /// The first message when the platform moves as `displacement`, and is measured so with `extra`
   /// on leg 4.
-  std::string moved(const std::function<Vector6(double)>& displacement,
-                    const std::function<double(double)>& extra = [](double) { return 0.0; },
-                    double accelerometer = 0.0) {
+  std::string moved(
+      const std::function<Vector6(double)>& displacement,
+      const std::function<double(double)>& extra = [](double) { return 0.0; },
+      double accelerometer = 0.0) {
     for (int k = 0; k < 1000; ++k) {
       const double t = T * k;
       Sensors sensors;
@@ -130,7 +131,8 @@ TEST_F(Guards, LetWhatIsWithinTheLimitsPass) {
   EXPECT_EQ(moved([](double t) { return up(2e-3 * (1.0 - std::cos(40.0 * t))); }), "");
 }
 TEST_F(Guards, WatchTheLength) {
-  EXPECT_THAT(moved([](double t) { return up(0.02 * (1.0 - std::cos(3.0 * t))); }), testing::HasSubstr("is displaced by"));
+  EXPECT_THAT(moved([](double t) { return up(0.02 * (1.0 - std::cos(3.0 * t))); }),
+              testing::HasSubstr("is displaced by"));
   EXPECT_THAT(guard.commanded(up(0.05)), testing::HasSubstr("the limit is 20 mm"));
   EXPECT_EQ(guard.commanded(up(0.01)), "");
 }
@@ -178,8 +180,10 @@ TEST(Histogram, HasTheSharesOfItsSamples) {
   EXPECT_EQ(timing.samples, 20'000);
   EXPECT_EQ(timing.worst, all.back());
   const double bin = std::exp2(1.0 / 24.0);  // 3 % upwards at most
-  for (const auto& [share, found] : {std::pair{0.5, timing.p50}, {0.99, timing.p99},
-                                     {0.999, timing.p99_9}, {0.9999, timing.p99_99}}) {
+  for (const auto& [share, found] : {std::pair{0.5, timing.p50},
+                                     {0.99, timing.p99},
+                                     {0.999, timing.p99_9},
+                                     {0.9999, timing.p99_99}}) {
     const double exact = all[static_cast<std::size_t>(std::ceil(share * 20'000)) - 1];
     EXPECT_GE(found, exact) << share;
     EXPECT_LE(found, exact * bin) << share;

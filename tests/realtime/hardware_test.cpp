@@ -10,8 +10,8 @@
 namespace hydrapod::realtime {
 namespace {
 
-using testing::HasSubstr;
 using simulation::RunEnd;
+using testing::HasSubstr;
 
 class Hardware : public testing::Test {
  protected:
@@ -32,9 +32,7 @@ class Hardware : public testing::Test {
   HardwareOptions hardware{.ramp = 0.2, .watchdog = 1.0, .connect = 1.0};
 
   ServeOptions server() const {
-    return {.lock_step = true,
-            .once = true,
-            .accelerometers = options.instruments.accelerometers};
+    return {.lock_step = true, .once = true, .accelerometers = options.instruments.accelerometers};
   }
   HardwareResult run(const Served& served, const simulation::KeepGoing& keep_going = {}) {
     hardware.address = parse_address("test", served.place());
@@ -101,8 +99,8 @@ TEST_F(Hardware, IsMeasuredAsTheMachineInTheProgramIs) {
   // row k is the machine's sample first + k: the first command acted from the sample before 0 on
   Eigen::Index shift = -1;
   for (Eigen::Index at = 295; at < 305; ++at)
-    if ((found.samples.row(0).head<6>().transpose() -
-         commanded[static_cast<std::size_t>(at)]).norm() < 1e-15)
+    if ((found.samples.row(0).head<6>().transpose() - commanded[static_cast<std::size_t>(at)])
+            .norm() < 1e-15)
       shift = at;
   ASSERT_GE(shift, 0);
   for (Eigen::Index row = 0; row < 800; ++row) {
@@ -240,7 +238,8 @@ TEST_F(Hardware, ImpossibleWishesAreRefused) {
   hardware.ramp = 0.2;
   hardware.layout = parse_layout(
       "command = [ { name = \"drive\", type = \"f64\" } ]\n"
-      "sensors = [ { name = \"length\", type = \"f64\" } ]", "vendor.toml");
+      "sensors = [ { name = \"length\", type = \"f64\" } ]",
+      "vendor.toml");
   EXPECT_THAT(refused(served), HasSubstr("'command' has no displacement"));
 }
 

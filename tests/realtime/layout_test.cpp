@@ -123,9 +123,9 @@ TEST(Layout, ItsTextReadsAsItself) {
 
 /// Fields around the one that is looked at.
 Layout with_field(const std::string& field, const std::string& more = "") {
-  return parse_layout(more + "command = [ " + field +
-                          " ]\nsensors = [ { name = \"sequence\", type = \"u8\" } ]\n",
-                      "vendor.toml");
+  return parse_layout(
+      more + "command = [ " + field + " ]\nsensors = [ { name = \"sequence\", type = \"u8\" } ]\n",
+      "vendor.toml");
 }
 
 TEST(Layout, IntegersAreRoundedAndHeldAtTheirLimits) {
@@ -165,10 +165,10 @@ TEST(Layout, IntegersAreRoundedAndHeldAtTheirLimits) {
 TEST(Layout, ChecksumsAreThoseOfTheirNames) {
   std::string digits;
   for (const char digit : std::string("123456789"))
-    digits += "{ name = \"constant\", type = \"u8\", value = " + std::to_string(int{digit}) + " }, ";
+    digits +=
+        "{ name = \"constant\", type = \"u8\", value = " + std::to_string(int{digit}) + " }, ";
   const auto sum = [&](const std::string& field) {
-    const Layout layout =
-        with_field(digits + field + ", { name = \"drive.1\", type = \"f32\" }");
+    const Layout layout = with_field(digits + field + ", { name = \"drive.1\", type = \"f32\" }");
     Bytes bytes{};
     encode(layout, Command{}, bytes.data());
     Command back;
@@ -180,9 +180,9 @@ TEST(Layout, ChecksumsAreThoseOfTheirNames) {
   // the same digits behind a byte that does not count, and one that is not sent
   digits = "{ name = \"ignored\", type = \"u8\" }, " + digits;
   digits.erase(digits.rfind("{ name"));
-  const Layout layout = with_field(
-      digits + "{ name = \"crc16\", type = \"u16\", from = 1, extra = 57 }, "
-               "{ name = \"drive.1\", type = \"f32\" }");
+  const Layout layout = with_field(digits +
+                                   "{ name = \"crc16\", type = \"u16\", from = 1, extra = 57 }, "
+                                   "{ name = \"drive.1\", type = \"f32\" }");
   Bytes bytes{};
   encode(layout, Command{}, bytes.data());
   EXPECT_EQ(number_at(bytes, 9, 2), 0x6f91U);
@@ -208,7 +208,8 @@ TEST(Layout, MistakesAreToldWithTheirPlaces) {
   EXPECT_THAT(told("command = [ { name = \"drive\", type = \"f64\", unit = \"mm\" } ]" + sensors),
               HasSubstr("command[0].unit: "));
   EXPECT_THAT(told("command = [ { name = \"drive\", type = \"f64\" }, { name = \"drive.3\", type = "
-                   "\"f64\" } ]" + sensors),
+                   "\"f64\" } ]" +
+                   sensors),
               HasSubstr("\"drive.3\" stands twice"));
   EXPECT_THAT(told("command = [ { name = \"constant\", type = \"u8\", value = 256 } ]" + sensors),
               HasSubstr("expected a whole number from 0 to 255"));

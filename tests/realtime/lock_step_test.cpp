@@ -122,8 +122,8 @@ TEST(LockStep, BySharedMemoryIsTheSame) {
   EXPECT_THROW(open_shared_memory("a/b", true, "--shm"), base::InputError);
 }
 
-/// The controller runs in the client and sends drives: the same run again. Sensors without noise, as
-/// the closed loop starts its controller with the true values.
+/// The controller runs in the client and sends drives: the same run again. Sensors without noise,
+/// as the closed loop starts its controller with the true values.
 TEST(LockStep, TheControllerMayBeTheClients) {
   auto options = fixed_steps(0.3);
   options.ideal_sensors = true;
@@ -179,9 +179,8 @@ TEST(LockStep, ACommandThatComesTwiceIsOneStepWithOneAnswer) {
   EXPECT_EQ(sensors.time, 2'000'000U);
   EXPECT_EQ(sensors.counters.out_of_range, 1U);
   EXPECT_EQ(sensors.answered, 2U);
-  client.send({.session = client.session,
-               .sequence = 3,
-               .mode = static_cast<std::uint64_t>(Mode::leave)});
+  client.send(
+      {.session = client.session, .sequence = 3, .mode = static_cast<std::uint64_t>(Mode::leave)});
   ASSERT_TRUE(client.receive(sensors));
   const auto& result = served.result();  // it ends, ramped down
   EXPECT_EQ(result.state, State::parked);

@@ -51,8 +51,7 @@ TEST(Serve, AClientThatIsKilledLeavesThePlatformDownAndTheRecordReadable) {
     Served served(options, fixed_steps(), [&]() -> data::RecordWriter& {
       const auto machine = simulation::machine_of("zhang-jiang-2021");
       simulation::ClosedLoop loop(machine, machine.neutral(), fixed_steps());
-      data::RecordHeader header{.channels = simulation::record_channels(loop),
-                                .sample_rate = 1e3};
+      data::RecordHeader header{.channels = simulation::record_channels(loop), .sample_rate = 1e3};
       for (const auto& more : serve_channels(loop, options)) header.channels.push_back(more);
       return *(writer = data::open_record_writer(file, header));
     });
@@ -78,8 +77,7 @@ TEST(Serve, AClientThatIsKilledLeavesThePlatformDownAndTheRecordReadable) {
   const auto record = data::read_record(file).record;
   const auto column = [&](const char* name) {
     channel(record.header, name);
-    return record.samples.col(
-        static_cast<Eigen::Index>(*data::find_channel(record.header, name)));
+    return record.samples.col(static_cast<Eigen::Index>(*data::find_channel(record.header, name)));
   };
   const auto state = column("serve.state");
   EXPECT_EQ(state[0], 0.0);

@@ -116,8 +116,8 @@ std::size_t size_of(ValueType type);
 struct Field {
   enum class Role { value, constant, ignored, crc32, crc16 };
   Role role{Role::value};
-  int entry{-1};       ///< row of the table of names, of Role::value
-  int component{};     ///< of that, from 0
+  int entry{-1};    ///< row of the table of names, of Role::value
+  int component{};  ///< of that, from 0
   ValueType type{ValueType::f64};
   double factor{1.0};  ///< value in SI = factor · number in the packet + offset
   double offset{};
@@ -195,12 +195,12 @@ struct ServeOptions {
   Layout layout{};              ///< no fields: native_layout
   Key key{};
   bool lock_step{};
-  bool once{};                  ///< end when the first client has gone and the platform is parked
-  double hold{0.1};             ///< [s] for which the last command is held
-  double ramp{1.0};             ///< [s] of the ramp down
-  double patience{10.0};        ///< [s] in lock-step, by the wall clock: then the client is gone
+  bool once{};                    ///< end when the first client has gone and the platform is parked
+  double hold{0.1};               ///< [s] for which the last command is held
+  double ramp{1.0};               ///< [s] of the ramp down
+  double patience{10.0};          ///< [s] in lock-step, by the wall clock: then the client is gone
   Vector6 rest{Vector6::Zero()};  ///< the rest position, a displacement from the operating pose
-  std::optional<int> fifo{};    ///< priority of SCHED_FIFO; none: as other programs
+  std::optional<int> fifo{};      ///< priority of SCHED_FIFO; none: as other programs
   std::vector<rig::Accelerometer> accelerometers{};
   /// Called once when clients can come, with the place where ("127.0.0.1:4747").
   std::function<void(const std::string& place)> ready{};
@@ -214,14 +214,14 @@ struct ServeResult {
   State state{};         ///< at the end
   Counters counters{};
   std::uint64_t sent{}, not_sent{};  ///< packets of sensors
-  std::string scheduling{};     ///< "SCHED_FIFO 80" or "SCHED_OTHER", and why
-  std::uint64_t misses{};       ///< samples that began when the next one was due
-  std::uint64_t overruns{};     ///< steps not finished when the next sample was due
-  std::uint64_t shifts{};       ///< the clock was set on after a standstill of more than 0.1 s
-  Timing lateness{};            ///< begin of a sample after its time: jitter
-  Timing step{};                ///< time of a step, without waiting
-  Timing step_processor{};      ///< processor time of the thread in a step
-  std::uint64_t rows_lost{};    ///< rows of the record that are NaN, as the disk was too slow
+  std::string scheduling{};          ///< "SCHED_FIFO 80" or "SCHED_OTHER", and why
+  std::uint64_t misses{};            ///< samples that began when the next one was due
+  std::uint64_t overruns{};          ///< steps not finished when the next sample was due
+  std::uint64_t shifts{};            ///< the clock was set on after a standstill of more than 0.1 s
+  Timing lateness{};                 ///< begin of a sample after its time: jitter
+  Timing step{};                     ///< time of a step, without waiting
+  Timing step_processor{};           ///< processor time of the thread in a step
+  std::uint64_t rows_lost{};         ///< rows of the record that are NaN, as the disk was too slow
 };
 
 /// Columns of the record behind those of simulation::record_channels: accelerometers; command's age
@@ -241,10 +241,10 @@ ServeResult serve(simulation::ClosedLoop& loop, const ServeOptions& options,
 /// What a real machine must not do; each is watched in every sample. Violated in two samples
 /// running, the excitation is ramped down.
 struct Limits {
-  double length{0.05};         ///< [m] of each leg from its length at the pose
-  double velocity{0.5};        ///< [m/s] of each leg, measured, below 50 Hz
-  double acceleration{20.0};   ///< [m/s²] of each leg, below 50 Hz, and of each accelerometer
-  double error{0.01};          ///< [m] of each leg from the commanded length
+  double length{0.05};        ///< [m] of each leg from its length at the pose
+  double velocity{0.5};       ///< [m/s] of each leg, measured, below 50 Hz
+  double acceleration{20.0};  ///< [m/s²] of each leg, below 50 Hz, and of each accelerometer
+  double error{0.01};         ///< [m] of each leg from the commanded length
 };
 
 struct HardwareOptions {
@@ -253,19 +253,19 @@ struct HardwareOptions {
   Layout layout{};  ///< no fields: native_layout
   Key key{};
   Limits limits{};
-  double ramp{1.0};        ///< [s] in which the excitation grows, and ends
-  double ramp_down{0.2};   ///< [s] in an emergency
-  double watchdog{0.05};   ///< [s] without sensors
-  double connect{3.0};     ///< [s] to wait for a first answer
+  double ramp{1.0};           ///< [s] in which the excitation grows, and ends
+  double ramp_down{0.2};      ///< [s] in an emergency
+  double watchdog{0.05};      ///< [s] without sensors
+  double connect{3.0};        ///< [s] to wait for a first answer
   std::optional<int> fifo{};  ///< priority of SCHED_FIFO; none: as other programs
 };
 
 struct HardwareResult {
   rig::RigResult rig{};  ///< `summary`: end, message, time, samples
   std::uint64_t received{}, lost{}, late{}, malformed{}, refused{};  ///< packets of sensors
-  std::uint64_t resent{};                                          ///< commands
-  bool ramped_down{};  ///< by an emergency
-  std::string scheduling{};  ///< as of ServeResult
+  std::uint64_t resent{};                                            ///< commands
+  bool ramped_down{};                                                ///< by an emergency
+  std::string scheduling{};                                          ///< as of ServeResult
   Sensors last{};
 };
 
