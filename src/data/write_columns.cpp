@@ -1,4 +1,4 @@
-#include "hydrapod/data/columns.hpp"
+#include "hydrapod/data/modal_results.hpp"
 
 #include <fmt/format.h>
 

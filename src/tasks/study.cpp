@@ -11,7 +11,7 @@
 #include "hydrapod/base/text.hpp"
 #include "hydrapod/base/units.hpp"
 #include "hydrapod/base/version.hpp"
-#include "hydrapod/data/columns.hpp"
+#include "hydrapod/data/modal_results.hpp"
 
 namespace hydrapod::tasks {
 

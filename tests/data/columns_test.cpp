@@ -8,7 +8,7 @@
 #include <filesystem>
 #include <limits>
 
-#include "hydrapod/data/columns.hpp"
+#include "hydrapod/data/modal_results.hpp"
 #include "support/random.hpp"
 
 namespace hydrapod::data {
