@@ -346,7 +346,7 @@ Served serve(const Machine& machine, const ServeOptions& asked, const Progress& 
       header.channels = simulation::record_channels(loop);
       for (const auto& more : realtime::serve_channels(loop, options))
         header.channels.push_back(more);
-      header.sample_rate = 1.0 / loop.output_interval();
+      header.sample_rate = 1.0 / of.controller.sample_time;
       header.notes = "commands of a client, `hydrapod serve`";
       header.experiment.controller = controller_text(loop.parameters());
       for (const auto& one : options.accelerometers)
