@@ -84,8 +84,9 @@ BENCHMARK(closed_loop_second)->Unit(benchmark::kMillisecond);
 /// a packet, a command out of one.
 void served_second(benchmark::State& state) {
   const auto machine = bench::published();
-  simulation::ClosedLoop loop(machine, machine.neutral(),
-                              {.integrator = {.method = simulation::Method::fixed}, .until = 1.0});
+  simulation::ClosedLoop loop(
+      machine, machine.neutral(),
+      {.integrator = {.method = simulation::Method::fixed, .fixed_step = 2e-4}, .until = 1.0});
   const auto layout = realtime::native_layout(9);
   signals::Signal noise{.form = signals::Noise{.to = 20.0}};
   noise.size << 1e-3, 1e-3, 1e-3, 1.7e-3, 1.7e-3, 1.7e-3;

@@ -95,10 +95,13 @@ class Server {
     for (const auto& [packet, kind, key] : {std::tuple{&layout_.command, Kind::command, "command"},
                                             std::tuple{&layout_.sensors, Kind::sensors, "sensors"}})
       if (!packet->has(kind, "session") || !packet->has(kind, "sequence") ||
-          field_bits(*packet, kind, "sequence") != 64)
+          field_bits(*packet, kind, "session") != 64 || field_bits(*packet, kind, "sequence") != 64)
         base::refuse("--layout", fmt::format("with --key '{}' must have session and sequence, both "
                                              "u64: packets could be sent again otherwise",
                                              key));
+    if (!layout_.command.has(Kind::command, "mode"))
+      base::refuse("--layout",
+                   "with --key 'command' must have mode: the answer to a hello tells the session");
   }
 
   bool exchange(const simulation::SampledMachine& machine, simulation::Excitation& excitation) {
