@@ -80,7 +80,7 @@ TEST(Serve, AClientThatIsKilledLeavesThePlatformDownAndTheRecordReadable) {
     return record.samples.col(static_cast<Eigen::Index>(*data::find_channel(record.header, name)));
   };
   const auto state = column("serve.state");
-  EXPECT_EQ(state[0], 0.0);
+  EXPECT_LE(state[0], 1.0);  // waiting, unless the client was faster than the first sample
   EXPECT_GE((state.array() == 1.0).count(), 150);  // unless the client had missed samples
   EXPECT_GE((state.array() == 2.0).count(), 199);  // 200 ms
   EXPECT_NEAR(static_cast<double>((state.array() == 3.0).count()), 300.0, 2.0);
