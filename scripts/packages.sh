@@ -12,7 +12,7 @@ packages_program=(
   "nlohmann-json3-dev JSON output"
   "libtomlplusplus-dev reads machine files"
   "libudunits2-dev units of measurement"
-  "libboost-dev distributions and sequences (Boost.Math, Boost.Random)"
+  "libboost-dev distributions and sequences (Boost.Math, Boost.Random), the server of the studio (Boost.Asio, Boost.Beast)"
   "libcli11-dev the command line"
   "libsundials-dev integrates the equations of motion"
   "libceres-dev least squares, for calibration"

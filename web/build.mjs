@@ -2,7 +2,7 @@
 //
 //     node build.mjs OUTPUT.html|OUTPUT.cpp
 //
-// The page has placeholders for title, theme, summary and data ({{hydrapod-…}});
+// The page has placeholders for theme, policy, title, summary and data ({{hydrapod-…}});
 // src/report/html.cpp fills them. Its content security policy allows exactly the script and the
 // style that are put in here, and the script's worker with its WebAssembly.
 import { createHash } from 'node:crypto';
@@ -70,7 +70,7 @@ function page(script, style) {
     'img-src data: blob:',
     "base-uri 'none'",
     "form-action 'none'",
-  ].join('; ');
+  ].join('; ').concat('{{hydrapod-policy}}');
   const parts = { policy, script, style, core: core(), notices: notices() };
   return readFileSync(join(source, 'page.html'), 'utf8').replace(
     /<!--put (\w+)-->|put-(policy)/g,

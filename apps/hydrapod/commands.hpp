@@ -34,12 +34,13 @@ void add_sweep(Command app);
 void add_map(Command app);
 void add_design(Command app);
 void add_evaluate(Command app);
+void add_studio(Command app);
 
 /// In the order of the help.
 inline constexpr std::array all_commands{
     &add_demo,        &add_init,      &add_check,   &add_modes,      &add_bode,   &add_simulate,
     &add_sensitivity, &add_calibrate, &add_rig,     &add_serve,      &add_record, &add_frf,
     &add_identify,    &add_diagnose,  &add_compare, &add_montecarlo, &add_sweep,  &add_map,
-    &add_design,      &add_evaluate,  &add_report,  &add_export};
+    &add_design,      &add_evaluate,  &add_report,  &add_studio,     &add_export};
 
 }  // namespace hydrapod::cli

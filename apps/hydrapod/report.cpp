@@ -17,6 +17,7 @@ struct Arguments {
   std::vector<std::string> poses{};
   std::string output{"report.html"};
   std::string theme{"auto"};
+  std::string format{"html"};
   std::string modes{};
   std::vector<std::string> commands{};
   std::string until{};
@@ -79,7 +80,8 @@ tasks::ReportOptions options_of(const Arguments& a, const tasks::Machine& machin
 }
 
 void run(const Arguments& a) {
-  require_ending("report", a.output, ".html");
+  const bool page = choose_word("--format", a.format, {"html", "json"}) == 0;
+  require_ending(page ? "report" : "report --format json", a.output, page ? ".html" : "json");
   auto asked = a.machine;
   if (!a.poses.empty()) asked.pose = a.poses.front();
   const auto machine = load(asked);
@@ -89,7 +91,8 @@ void run(const Arguments& a) {
   });
   print_diagnostics(result.warnings);
   result.document["reproduction"] = reproduction();
-  write_output(a.output, report::html_page(result.document, options.page.theme));
+  write_output(a.output, page ? report::html_page(result.document, options.page.theme)
+                              : result.document.dump(1) + "\n");
 }
 
 }  // namespace
@@ -145,7 +148,9 @@ void add_report(Command app) {
         "--measured` does; the page then shows the machine of the best hypothesis",
         reads_each_as("RECORD|FRF|MODES")}});
   add_diagnosis_options(command, arguments.diagnosis);
-  command.add_options({{"-o,--output", arguments.output, "File to write; - prints", writes}});
+  command.add_options(
+      {{"--format", arguments.format, "html, or json: the numbers that the page shows"},
+       {"-o,--output", arguments.output, "File to write; - prints", writes}});
 }
 
 }  // namespace hydrapod::cli

@@ -14,6 +14,7 @@
 #include <stdexcept>
 
 #include "hydrapod/base/units.hpp"
+#include "hydrapod/progress.hpp"
 
 namespace hydrapod::cli {
 
@@ -157,6 +158,11 @@ std::size_t display_width(std::string_view text) {
 namespace {
 bool quiet = false, silent = false;
 
+bool as_lines() {
+  static const bool asked = is_set(progress_variable);
+  return asked;
+}
+
 void print_line(const std::string& line) {
   std::fputs((line + '\n').c_str(), stderr);  // that nobody can read it changes no result
 }
@@ -285,10 +291,10 @@ std::string hertz(double omega, int decimals) {
 }
 
 ProgressLine::ProgressLine(std::string title)
-    : title_(std::move(title)), active_(!quiet && is_terminal(stderr)) {}
+    : title_(std::move(title)), active_(as_lines() || (!quiet && is_terminal(stderr))) {}
 
 ProgressLine::~ProgressLine() {
-  if (shown_) std::fputs("\r\033[K", stderr);
+  if (shown_ && !as_lines()) std::fputs("\r\033[K", stderr);
 }
 
 void ProgressLine::update(double fraction) {
@@ -297,6 +303,7 @@ void ProgressLine::update(double fraction) {
   if (shown_ && now - last_ < std::chrono::milliseconds(100)) return;
   last_ = now;
   shown_ = true;
+  if (as_lines()) return print_line(fmt::format("progress {:.4f}", fraction));
   const double spent = std::chrono::duration<double>(now - begun_).count();
   std::string left;
   if (spent > 2.0 && fraction > 0.0)

@@ -17,6 +17,7 @@ namespace hydrapod::report {
 namespace {
 
 /// What the page holds where something is to be put in; each stands in it once.
+constexpr std::string_view policy_mark = "{{hydrapod-policy}}";
 constexpr std::string_view title_mark = "{{hydrapod-title}}";
 constexpr std::string_view theme_mark = "{{hydrapod-theme}}";
 constexpr std::string_view summary_mark = "{{hydrapod-summary}}";
@@ -123,6 +124,8 @@ std::string html_page(const Json& document, Theme theme) {
     html += text;
   };
   put(theme_mark, theme_names.at(static_cast<std::size_t>(theme)));
+  // a page of the studio asks the server that it came from, and nobody else
+  put(policy_mark, document.contains("studio") ? "; connect-src 'self'" : "");
   put(title_mark, escape_html(document.value("title", "hydrapod")));
   put(summary_mark, plain_summary(document));
   put(data_mark, escape_json(document));

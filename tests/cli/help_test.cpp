@@ -108,7 +108,7 @@ void furnish(const std::filesystem::path& folder, const std::string& command) {
   std::ofstream(folder / "modes.csv") << modes_csv;
   std::ofstream(folder / "modes.toml") << modes_toml;
   if (command == "frf" || command == "identify" || command == "report" || command == "diagnose" ||
-      command == "compare")
+      command == "compare" || command == "studio")
     furnish_for_identification(folder);
   if (command != "record") return;
   for (const char* name : {"run.h5", "run.csv"})
@@ -179,8 +179,12 @@ TEST(Help, ExamplesWork) {
     for (const auto& example : entries_below("Examples:", run_hydrapod({command, "--help"}).out)) {
       const test::TemporaryFolder folder;
       furnished.copy_to(folder.path());
+      // a server would go on: it is ended as by Ctrl-C, and opens no browser
+      const std::string line =
+          command != "studio" ? example : "timeout --signal=INT --preserve-status 2 " + example +
+                                              " --no-browser";
       const auto result = test::run_program(
-          "sh", {"-c", example}, {.folder = folder.path(), .variables = {{"PATH", path}}});
+          "sh", {"-c", line}, {.folder = folder.path(), .variables = {{"PATH", path}}});
       EXPECT_EQ(result.exit_code, 0) << example << '\n' << result.err;
     }
   }

@@ -123,7 +123,13 @@ async function contextOf(options) {
 }
 
 /** Opens a report from disk. What it logs as an error and every request that leaves it are collected. */
-export async function open(file, options = {}) {
+export const open = (file, options = {}) => {
+  const address = pathToFileURL(file).href;
+  return openAt(address, (url) => url === address, options);
+};
+
+/** The same of an address; `own` tells which requests the page may make. */
+export async function openAt(address, own, options = {}) {
   const { launch, ...context } = options;
   const page = await (await contextOf(context)).newPage();
   page.setDefaultTimeout(patience);
@@ -134,11 +140,10 @@ export async function open(file, options = {}) {
   page.on('pageerror', (error) => page.problems.push(String(error)));
   page.on('request', (request) => {
     const url = request.url();
-    const own = url === pathToFileURL(file).href || /^(data|blob):/.test(url);
-    if (!own) page.problems.push(`request to ${url}`);
+    if (!own(url) && !/^(data|blob):/.test(url)) page.problems.push(`request to ${url}`);
   });
   if (launch) await page.addInitScript(launch);
-  await page.goto(pathToFileURL(file).href);
+  await page.goto(address);
   await page.waitForFunction(
     () => window.hydrapod?.scene === undefined || window.hydrapod.scene.frames() > 0,
   );

@@ -184,6 +184,8 @@ export interface Report {
   simulation?: Simulation;
   diagnosis?: Diagnosis;
   identification?: Identification;
+  /** Of a page that `hydrapod studio` serves. */
+  studio?: { page: number };
 }
 
 export const directions = ['x', 'y', 'z', 'rx', 'ry', 'rz'] as const;

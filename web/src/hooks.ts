@@ -75,6 +75,8 @@ export interface WhatIfHook {
   undo(): void;
   redo(): void;
   changed(): Setting[];
+  /** Has these values changed and no others. */
+  replace(set: Setting[]): void;
   /** Resolves when what was dragged last is shown. */
   shown(): Promise<void>;
   /** What the core computes for these values, and responses at angular frequencies [rad/s]. */

@@ -9,6 +9,8 @@ export class State {
   private listeners: Listener[] = [];
   private poseIndex = 0;
   private modeNumber: number;
+  /** Gets the changed values [SI] and the arguments of `--set`, shortly after the last change. */
+  onValues: ((values: [string, number][], assignments: string[]) => void) | null = null;
   /** The pose of a machine with other numbers. */
   private other: PoseReport | null = null;
 

@@ -59,7 +59,7 @@ function measuredTable(state: State, found: Diagnosis): HTMLElement {
       cell(hertz(mode.nominal_hz)),
       cell(hertz(mode.fitted_hz)),
       html('td', {}, stackedBar(energy(mode.strain_energy))),
-      html('td', {}, here ? button('Show motion', show, { 'data-control': 'show-mode' }) : ''),
+      html('td', {}, here ? button('Show', show, { 'data-control': 'show-mode', 'aria-label': `Show the motion of the mode at ${hertz(mode.frequency_hz)} Hz` }) : ''),
     );
   });
   const titles = [
@@ -74,7 +74,7 @@ function measuredTable(state: State, found: Diagnosis): HTMLElement {
   ];
   return html(
     'div',
-    { class: 'scroll', tabindex: '0', role: 'region', 'aria-label': 'Measured modes' },
+    { class: 'scroller', tabindex: '0', role: 'region', 'aria-label': 'Measured modes' },
     html(
       'table',
       { class: 'diagnosed' },
@@ -96,16 +96,23 @@ const values = (e: Hypothesis): string =>
     )
     .join('; ');
 
+/** The first `count` of a list, the others folded; on paper all of them. */
+function folded(items: HTMLElement[], count: number, list: (part: HTMLElement[], from: number) => HTMLElement, words: (rest: number) => string): HTMLElement[] {
+  const rest = items.slice(count);
+  if (rest.length === 0) return [list(items, 1)];
+  const more = html('details', { class: 'more' }, html('summary', {}, words(rest.length)), list(rest, count + 1));
+  addEventListener('beforeprint', () => (more.open = true));
+  return [list(items.slice(0, count), 1), more];
+}
+
 /** A bar per hypothesis; its length is the logarithm of its BIC above the best. */
-function ranking(found: Diagnosis): HTMLElement {
+function ranking(found: Diagnosis): HTMLElement[] {
   const hypotheses = found.hypotheses ?? [];
   const shown = hypotheses.filter((e, k) => k < 12 || e.causes.length === 0);
   const length = (e: Hypothesis) => Math.log10(1 + Math.max(0, e.bic_above_best));
   const longest = Math.max(1, ...shown.map(length));
-  return html(
-    'ol',
-    { class: 'ranking' },
-    ...shown.map((e) => {
+  return folded(
+    shown.map((e) => {
       const bar = html('i', { class: e.equally_good ? 'bar equally_good' : 'bar' });
       bar.style.width = `${2 + (98 * length(e)) / longest}%`;
       const worse = e.bic_above_best < 0.05 ? 'lowest BIC' : `BIC ${plain(e.bic_above_best)} above the best`;
@@ -118,6 +125,9 @@ function ranking(found: Diagnosis): HTMLElement {
         html('span', { class: 'note' }, [values(e), e.contradictions[0] ?? ''].filter(Boolean).join(' — ')),
       );
     }),
+    Math.max(3, shown.filter((e) => e.equally_good).length),
+    (part, from) => html('ol', { class: 'ranking', start: from }, ...part),
+    (rest) => `${rest} more hypotheses`,
   );
 }
 
@@ -195,19 +205,30 @@ function curve(remedy: Remedy, machine: string): SVGSVGElement {
 
 function render(state: State, host: HTMLElement): void {
   const found = state.report.diagnosis as Diagnosis;
-  host.append(html('ul', { class: 'findings' }, ...found.summary.map((s) => html('li', {}, s))));
+  const left = html('div', { class: 'diagnosis-part' });
+  const right = html('div', { class: 'diagnosis-part' });
+  left.append(
+    ...folded(
+      found.summary.map((sentence) => html('li', {}, sentence)),
+      3,
+      (part, from) => html('ul', { class: from === 1 ? 'findings first' : 'findings' }, ...part),
+      (rest) => `${rest} more findings`,
+    ),
+  );
   if (found.measured_modes && found.measured_modes.length > 0)
-    host.append(measuredTable(state, found));
+    left.append(measuredTable(state, found));
   if (found.hypotheses && found.hypotheses.length > 1)
-    host.append(html('h3', {}, 'Hypotheses'), ranking(found));
+    right.append(html('h3', {}, 'Hypotheses'), ...ranking(found));
   if (found.remedy)
-    host.append(
+    right.append(
       html('h3', {}, `Required stiffness of the guide sleeves for ${found.remedy.goal.words}`),
-      html('figure', {}, curve(found.remedy, found.computed_machine)),
+      html('figure', { class: 'scroller' }, curve(found.remedy, found.computed_machine)),
       html(
         'p',
         { class: 'note' },
         `Open circle: ${found.computed_machine} machine. Filled: required. Dashed: goal. The legs buckle below the first stiffness of the curve.`,
       ),
     );
+  const parts = [left, right].filter((part) => part.childElementCount > 0);
+  host.append(html('div', { class: parts.length > 1 ? 'diagnosis-parts' : '' }, ...parts));
 }

@@ -45,12 +45,19 @@ export function header(state: State, sections: Section[], page: HTMLElement): vo
     host.classList.toggle('changed-machine', state.isWhatIf);
     const words = 'With the changed values below, not the machine of this report:';
     host.replaceChildren(
+      ...verdict(report),
       ...(state.isWhatIf ? [html('p', { class: 'words changed-words' }, words)] : []),
       ...answer(state.pose),
     );
   };
   state.listen((change) => (change === 'pose' || change === 'numbers') && show());
   show();
+}
+
+/** What a diagnosis found stands above what was calculated. */
+function verdict(report: Report): HTMLElement[] {
+  const found = report.diagnosis?.summary[0];
+  return found ? [html('p', { class: 'words verdict' }, html('strong', {}, found))] : [];
 }
 
 /** The machine and the assumptions of the calculation. */

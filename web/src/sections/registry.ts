@@ -13,11 +13,13 @@ import { modes } from './modes';
 import { pictures } from './pictures';
 import type { Section } from './section';
 import { simulation } from './simulation';
+import { studio } from './studio';
 import { whatIf } from './what_if';
 
 export const sections: Section[] = [
-  mechanism,
+  studio,
   diagnosis,
+  mechanism,
   modes,
   pictures,
   whatIf,

@@ -53,11 +53,12 @@ class WhatIf {
   ) {
     this.omega = grid(state.stated);
     this.direction = Math.max(0, directions.indexOf((state.pose.answer?.directions.split(' ')[0] ?? 'x') as 'x'));
+    const where = state.report.studio ? 'Other pages of this studio show the same values.' : 'Nothing leaves the page.';
     host.append(
       html(
         'p',
         { class: 'note' },
-        'Change a value: this page calculates modes, energies, the Bode diagram and the picture anew, with the mechanics of hydrapod itself. Nothing leaves the page.',
+        `Change a value: this page calculates modes, energies, the Bode diagram and the picture anew, with the mechanics of hydrapod itself. ${where}`,
       ),
       html(
         'div',
@@ -175,6 +176,7 @@ class WhatIf {
       const pose = b.values.size > 0 ? (await (this.core as Core).compute(request)).pose : null;
       if (this.b !== b) return;
       this.state.showOther(pose ?? null);
+      this.state.onValues?.(settings(b.values), assignments(b.values, this.core?.parameters ?? []));
     }
     const hash = fragmentOf(b.values);
     if (hash || location.hash.startsWith('#set='))
@@ -316,6 +318,7 @@ class WhatIf {
       undo: () => this.edits.undo(),
       redo: () => this.edits.redo(),
       changed: (): Setting[] => settings(this.edits.values),
+      replace: (set: Setting[]) => this.edits.replace(new Map(set)),
       shown: async () => {
         while (this.running) await this.running;
         clearTimeout(this.timer);
