@@ -54,7 +54,11 @@ studio::ServerOptions server_options(const Arguments& a) {
 }
 
 void run(const Arguments& a) {
-  studio::StudioOptions options{.server = server_options(a), .browser = !a.no_browser};
+  // gcc 12 destroys members that were not yet made where one of a braced list throws
+  auto server = server_options(a);
+  studio::StudioOptions options;
+  options.server = std::move(server);
+  options.browser = !a.no_browser;
   options.program = "/proc/self/exe";  // also where the file was replaced meanwhile
   if (a.file == "-") base::refuse("-", "the studio edits a file; give the path of one");
   if (!a.file.empty()) options.machine.file = studio::absolute_path(a.file, "FILE");

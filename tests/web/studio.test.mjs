@@ -86,8 +86,9 @@ test('a typed value gives the numbers of the command line, in all pages and in a
   // and back, from the other one
   await type(other, 'platform.mass', '990 kg');
   await page.waitForFunction(() => window.hydrapod.whatIf.changed().some(([, value]) => value === 990));
-  const started = await server.post('job', { kind: 'montecarlo', fields: { vary: ['legs.rod.mass=uniform 0.999 .. 1.001 of nominal'], samples: '4' } });
+  const started = await server.post('job', { kind: 'montecarlo', fields: { vary: ['legs.rod.mass=normal ± 0.1 %'], samples: '4' } });
   const over = await server.over(JSON.parse(started.text).id);
+  assert.equal(over.state, 'done', over.messages.join('\n'));
   assert.ok(over.arguments.includes('--set=platform.mass=990'), over.arguments.join(' '));
   await page.evaluate(() => window.hydrapod.whatIf.replace([]));
   await other.waitForFunction(() => window.hydrapod.whatIf.changed().length === 0);
@@ -180,7 +181,7 @@ test('a damaged record gives its message, and the page goes on', async () => {
   const damaged = join(folder, 'damaged.h5');
   writeFileSync(damaged, readFileSync(record).subarray(0, 30000));
   await drop(page, damaged, 'damaged.h5');
-  const failed = page.locator('.job[data-state="failed"]').first();
+  const failed = page.locator('.job[data-state="failed"]', { hasText: 'identify damaged.h5' });
   await failed.waitFor();
   const said = await failed.locator('.messages').textContent();
   const { stderr, status } = spawnSync(HYDRAPOD_PROGRAM, ['report', machine, '--measured', damaged, '-o', temporary('x.html')], { encoding: 'utf8' });

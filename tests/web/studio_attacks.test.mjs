@@ -180,7 +180,7 @@ test('random bytes change nothing', async () => {
 });
 
 test('JSON that is none, or not what a page writes, is refused with its cause', async () => {
-  const bad = ['', 'x', '[]', 'null', '{"values":', `${'['.repeat(200000)}`, `${'{"a":'.repeat(100000)}`, '{"values":1,"assignments":2}', '{"values":[["a"]],"assignments":[]}', '{"values":[["a",1e999]],"assignments":[]}', '{"values":[],"assignments":[1]}', '{"values":[],"assignments":["x"]}', '{"values":[],"assignments":["platform.mass=-1"]}', '{"values":[],"assignments":["no.such=1"]}', '\xff\xfe'];
+  const bad = ['{"values":[],"assignments":[],"from":1}', '', 'x', '[]', 'null', '{"values":', `${'['.repeat(200000)}`, `${'{"a":'.repeat(100000)}`, '{"values":1,"assignments":2}', '{"values":[["a"]],"assignments":[]}', '{"values":[["a",1e999]],"assignments":[]}', '{"values":[],"assignments":[1]}', '{"values":[],"assignments":["x"]}', '{"values":[],"assignments":["platform.mass=-1"]}', '{"values":[],"assignments":["no.such=1"]}', '\xff\xfe'];
   for (const text of bad) {
     const { status, text: said } = await server.post('values', text);
     assert.equal(status, 422, `${text.slice(0, 40)}: ${said}`);

@@ -14,6 +14,7 @@
 #include <cstring>
 #include <deque>
 #include <exception>
+#include <limits>
 #include <list>
 #include <optional>
 
@@ -45,7 +46,9 @@ void protect(Fields& fields) {
 }
 
 Response refusal(unsigned status, const std::string& message) {
-  return {status, report::Json{{"error", message}}.dump()};
+  // a message may quote a text that is no UTF-8
+  const report::Json json{{"error", message}};
+  return {status, json.dump(-1, ' ', false, report::Json::error_handler_t::replace)};
 }
 
 std::string text_of(boost::string_view text) { return {text.data(), text.size()}; }
@@ -172,7 +175,8 @@ class Connection : public std::enable_shared_from_this<Connection> {
     const auto& limits = shared_->options.limits;
     head_.emplace();
     head_->header_limit(static_cast<std::uint32_t>(limits.header));
-    head_->body_limit(boost::none);  // judged when the header is there
+    // judged when the header is there; Boost 1.74 takes "none" for 0
+    head_->body_limit(std::numeric_limits<std::uint64_t>::max());
     stream_.expires_after(seconds(trusted_ ? limits.idle_seconds : limits.header_seconds));
     idle_ = true;
     http::async_read_header(

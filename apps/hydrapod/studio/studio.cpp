@@ -111,7 +111,7 @@ class Studio : public Site {
     try {
       return records_.place_for(decoded(head.query));
     } catch (const base::InputError& error) {
-      return Response{422, Json{{"error", error.what()}}.dump()};
+      return Response{422, text({{"error", error.what()}})};
     }
   }
 
@@ -123,7 +123,7 @@ class Studio : public Site {
 
   void upload_failed(const std::string& place) override { records_.discard(place); }
 
-  std::string greeting() override { return Json{{"state", state()}}.dump(); }
+  std::string greeting() override { return text({{"state", state()}}); }
 
  private:
   Response get(const std::string& path) {
@@ -223,7 +223,7 @@ class Studio : public Site {
     cli::require_ending("the page", path, ".html");
     refuse_existing(path, replace);
     base::write_file_whole(path, report::html_page(document(true)));
-    return {200, Json{{"written", path}}.dump()};
+    return {200, text({{"written", path}})};
   }
 
   Json state() {

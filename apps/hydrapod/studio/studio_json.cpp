@@ -56,7 +56,9 @@ ValueChange values_in(const Json& asked) {
     if (!one.is_array() || one.size() != 2 || !one[0].is_string() || !one[1].is_number() ||
         !std::isfinite(one[1].get<double>()))
       base::refuse("values", "expected pairs of a path and a number");
-  ValueChange change{.values = values, .from = asked.value("from", std::string())};
+  ValueChange change;
+  change.values = values;
+  change.from = asked.value("from", std::string());
   if (change.from.size() > longest_name) base::refuse("from", "is too long");
   for (const auto& one : assignments) change.assignments.push_back(one.get<std::string>());
   return change;
