@@ -50,8 +50,10 @@ class Studio {
         { class: 'studio-parts' },
         box('Machine file', this.file, this.changed, this.values, html('div', { class: 'row' }, this.save), this.edits, this.otherFiles()),
         box('Records', this.dropZone(), this.records),
-        box('Jobs', this.form.element, this.said, this.jobs.element),
+        box('New job', this.form.element),
       ),
+      this.said,
+      this.jobs.element,
     );
     document.body.addEventListener('dragover', (event) => this.over(event));
     document.body.addEventListener('drop', (event) => this.dropped(event));

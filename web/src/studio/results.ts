@@ -48,7 +48,7 @@ function table(caption: string, titles: string[], rows: string[][]): HTMLElement
     { class: 'scroller', tabindex: 0, role: 'region', 'aria-label': caption },
     html(
       'table',
-      {},
+      { class: 'numbers-table' },
       html('caption', {}, caption),
       html('thead', {}, html('tr', {}, ...titles.map((title) => html('th', { scope: 'col' }, title)))),
       html(
@@ -78,16 +78,22 @@ function fitted(result: Fitted): HTMLElement[] {
 function studied(result: Studied): HTMLElement[] {
   const at = (output: Studied['outputs'][number], probability: number) =>
     plain(output.quantiles?.find((q) => q.probability === probability)?.value);
+  const outputs = (caption: string, shown: Studied['outputs']) =>
+    table(
+      caption,
+      ['output', 'least', '5 %', 'median', '95 %', 'most', 'meaning'],
+      shown.map((o) => [o.name, plain(o.least), at(o, 0.05), at(o, 0.5), at(o, 0.95), plain(o.most), o.meaning]),
+    );
+  const known = result.outputs.filter(({ count, least }) => count > 0 && least !== undefined);
   const missing = Object.entries(result.statuses).filter(([name, count]) => name !== 'computed' && count > 0);
   const parts = [
-    table(
-      `Outputs of ${result.rows} rows`,
-      ['output', 'least', '5 %', 'median', '95 %', 'most', 'unit'],
-      result.outputs
-        .filter(({ count, least }) => count > 0 && least !== undefined)
-        .map((o) => [`${o.name}: ${o.meaning}`, plain(o.least), at(o, 0.05), at(o, 0.5), at(o, 0.95), plain(o.most), o.unit === '1' ? '' : o.unit]),
-    ),
+    outputs(`Frequencies, Hz, in ${result.rows} rows`, known.filter(({ unit }) => unit === 'Hz')),
   ];
+  const others = known.filter(({ unit }) => unit !== 'Hz');
+  if (others.length > 0)
+    parts.push(
+      html('details', {}, html('summary', {}, `${others.length} other outputs`), outputs('Other outputs', others)),
+    );
   if (result.requirements.length > 0)
     parts.unshift(
       table(
@@ -121,5 +127,5 @@ export async function showResult(client: Client, id: number, host: HTMLElement):
     tools.append(button('Download JSON', () => download(`${name}.json`, new Blob([JSON.stringify(result, null, 1)], { type: 'application/json' }))));
   if (job.picture)
     tools.append(button('Download SVG', () => download(`${name}.svg`, new Blob([job.picture], { type: 'image/svg+xml' }))));
-  host.replaceChildren(...parts, tools);
+  host.replaceChildren(html('div', { class: 'result-parts' }, ...parts), tools);
 }
