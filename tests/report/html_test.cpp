@@ -60,6 +60,14 @@ TEST(HtmlPage, HoldsTheDocumentOnceAndNoPlaceholder) {
   EXPECT_THAT(html, Not(HasSubstr("<img")));
 }
 
+TEST(HtmlPage, AsksNobodyButTheStudioThatServesIt) {
+  const Json document{{"title", "m"}, {"poses", Json::array()}};
+  EXPECT_THAT(html_page(document), Not(HasSubstr("connect-src")));
+  Json served = document;
+  served["studio"] = {{"page", 1}};
+  EXPECT_THAT(html_page(served), HasSubstr("form-action 'none'; connect-src 'self'\">"));
+}
+
 TEST(HtmlReport, NeedsNoNetwork) {
   const auto file = published();
   const std::string html = html_report(file, "m.toml", neutral(file));

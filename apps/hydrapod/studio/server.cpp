@@ -207,6 +207,7 @@ class Connection : public std::enable_shared_from_this<Connection> {
   /// Nothing that a stranger could use: the same few words for everybody.
   std::optional<std::pair<unsigned, const char*>> judge() {
     const auto& fields = head_->get();
+    head_only_ = fields.method() == http::verb::head;
     if (fields.count(http::field::host) != 1) return {{400, "one Host is expected"}};
     const std::string host = text_of(fields[http::field::host]);
     if (!is_own_host(host, shared_->port, shared_->loopback))
@@ -342,7 +343,7 @@ class Connection : public std::enable_shared_from_this<Connection> {
     protect(response_);
     response_.set(http::field::content_type, response.type);
     response_.keep_alive(keeps);
-    response_.body() = std::move(response.body);
+    if (!head_only_) response_.body() = std::move(response.body);
     response_.prepare_payload();
     stream_.expires_after(seconds(shared_->options.limits.write_seconds));
     http::async_write(stream_, response_,
@@ -378,6 +379,7 @@ class Connection : public std::enable_shared_from_this<Connection> {
   http::response<http::string_body> response_;
   Request request_;
   bool trusted_{}, idle_{}, keeps_{};
+  bool head_only_{};  ///< an answer to HEAD has no body
 };
 
 }  // namespace
