@@ -255,6 +255,15 @@ test('wrong input of a form is said, and nothing begins', async () => {
   await closeStudio(page, /422/);
 });
 
+test('the file that the browser is opened with leads to the page', async () => {
+  const file = join(folder, 'open.html');
+  writeFileSync(file, `<!DOCTYPE html>\n<meta http-equiv="refresh" content="0;url=${server.url}">`);
+  const page = await openAt(`file://${file}`, () => true, still);
+  await page.waitForURL(server.url);
+  await page.waitForFunction(() => document.querySelector('.studio-file')?.textContent !== '' && window.hydrapod.state !== undefined);
+  await closeStudio(page);
+});
+
 test('without a machine file it begins with a new machine, which is saved under a name', async () => {
   const own = await StudioServer.start([], { cwd: folder });
   const page = await openStudio(still, own);

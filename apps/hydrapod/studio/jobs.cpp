@@ -295,7 +295,14 @@ void Jobs::ended(const std::shared_ptr<Work>& work) {
   changed_(work->job);
   if (stopping_) return;
   if (well)
-    for (const auto& plan : then) start(plan);
+    for (const auto& plan : then) {
+      try {
+        start(plan);
+      } catch (const base::InputError& error) {  // too many wait
+        work->job.messages.emplace_back(error.what());
+        changed_(work->job);
+      }
+    }
   begin_next();
   drop_old();
 }

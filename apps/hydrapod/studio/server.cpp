@@ -215,10 +215,13 @@ class Connection : public std::enable_shared_from_this<Connection> {
     for (const auto& field : fields)
       if (field.name() == http::field::origin && text_of(field.value()) != "http://" + host)
         return {{403, "this origin is not served"}};
-    const auto site = fields["Sec-Fetch-Site"];
-    if (!site.empty() && site != "same-origin" && site != "none")
-      return {{403, "this origin is not served"}};
     if (!take_target(text_of(fields.target()))) return {{404, "not found"}};
+    // another page may lead to this one (open.html does), and learns nothing from it
+    const auto site = fields["Sec-Fetch-Site"];
+    const bool leads_here = request_.path.empty() && fields["Sec-Fetch-Mode"] == "navigate" &&
+                            fields["Sec-Fetch-Dest"] == "document";
+    if (!site.empty() && site != "same-origin" && site != "none" && !leads_here)
+      return {{403, "this origin is not served"}};
     if (fields.method() != http::verb::get && fields.method() != http::verb::post)
       return {{405, "GET and POST are served"}};
     request_.posts = fields.method() == http::verb::post;
@@ -355,6 +358,7 @@ class Connection : public std::enable_shared_from_this<Connection> {
 
   /// What is still on its way is read and dropped, else the answer could be lost with it.
   void end() {
+    idle_ = true;
     Failure ignored;
     stream_.socket().shutdown(tcp::socket::shutdown_send, ignored);
     stream_.expires_after(seconds(2));

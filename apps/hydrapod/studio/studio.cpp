@@ -227,9 +227,10 @@ class Studio : public Site {
   }
 
   Json state() {
+    std::error_code gone;
     Json json{{"page", page_number_},
               {"file", machine_.is_new() ? "" : machine_.file()},
-              {"folder", fs::current_path().string()},
+              {"folder", fs::current_path(gone).string()},
               {"differs_on_disk", differs_},
               {"changed", machine_.is_changed()},
               {"values", machine_.values()},
