@@ -27,7 +27,7 @@ after(async () => {
 /** The page of `of`, with the state of the program in it. */
 async function openStudio(options = still, of = server) {
   const page = await openAt(of.url, (url) => url.startsWith(of.url) || url.startsWith(of.url.replace('http', 'ws')), options);
-  await page.waitForFunction(() => document.querySelector('.studio-file')?.textContent !== '');
+  await page.waitForFunction(() => document.querySelector('.studio-file')?.textContent);
   return page;
 }
 
@@ -188,7 +188,7 @@ test('a damaged record gives its message, and the page goes on', async () => {
   assert.equal(status, 2);
   const words = (text) => text.trim().replace(/\S*damaged\.h5/g, 'damaged.h5').replace(/\s+/g, ' ');
   assert.equal(words(said), words(stderr));
-  assert.equal(await page.evaluate(() => document.querySelector('.said').textContent.includes('failed')), true);
+  assert.equal(await page.evaluate(() => document.querySelector('#studio > .said').textContent.includes('failed')), true);
   writeFileSync(join(folder, 'empty.h5'), '');
   await drop(page, join(folder, 'empty.h5'), 'empty.h5');
   await page.waitForFunction(() => document.querySelectorAll('.job[data-state="failed"]').length === 2);
@@ -260,7 +260,7 @@ test('the file that the browser is opened with leads to the page', async () => {
   writeFileSync(file, `<!DOCTYPE html>\n<meta http-equiv="refresh" content="0;url=${server.url}">`);
   const page = await openAt(`file://${file}`, () => true, still);
   await page.waitForURL(server.url);
-  await page.waitForFunction(() => document.querySelector('.studio-file')?.textContent !== '' && window.hydrapod.state !== undefined);
+  await page.waitForFunction(() => window.hydrapod?.state && document.querySelector('.studio-file')?.textContent);
   await closeStudio(page);
 });
 

@@ -25,6 +25,7 @@ export function header(state: State, sections: Section[], page: HTMLElement): vo
       { class: 'titles' },
       html('h1', {}, report.title),
       ...subtitles(report).map((text) => html('p', { class: 'subtitle' }, text)),
+      html('p', { class: 'subtitle print-only' }, madeBy(report)),
     ),
     html('div', { class: 'tools' }, navigation(sections), themeChooser(state)),
   );
@@ -75,6 +76,13 @@ function subtitles(report: Report): string[] {
     `Machine: ${machine.state}`,
     facts.filter(Boolean).join(' · '),
   ].filter(Boolean);
+}
+
+/** Of a report on paper: program, version, date. */
+function madeBy({ assumptions, reproduction }: Report): string {
+  const date = reproduction ? new Date(reproduction.date) : null;
+  const day = date && !Number.isNaN(date.getTime()) ? `, ${date.toLocaleDateString(undefined, { dateStyle: 'long' })}` : '';
+  return `hydrapod ${assumptions.hydrapod}${day}`;
 }
 
 function navigation(sections: Section[]): HTMLElement {
