@@ -9,4 +9,8 @@ namespace hydrapod::response {
 /// NaN.
 void eliminate(const ResponseModel& model, std::span<const double> omega, std::span<Matrix6c> out);
 
+/// The same of a model with arms.
+void eliminate_relaxing(const ResponseModel& model, std::span<const double> omega,
+                        std::span<Matrix6c> out);
+
 }  // namespace hydrapod::response

@@ -1,0 +1,164 @@
+#pragma once
+/// The elimination of elimination.hpp for whatever the lines of a model need. Each kind of lines
+/// has a file of its own, so that the compiler makes the same of one kind whether there is another:
+/// results stay what they are to the last bit.
+
+#include <algorithm>
+#include <array>
+
+#include "elimination.hpp"
+
+namespace hydrapod::response {
+
+namespace {
+
+constexpr int lanes = 8;  // frequencies that go through together
+using Reals = Eigen::Array<double, lanes, 1>;
+
+/// One complex number per lane.
+struct Numbers {
+  Reals re, im;
+};
+
+inline Numbers operator*(const Numbers& a, const Numbers& b) {
+  return {a.re * b.re - a.im * b.im, a.re * b.im + a.im * b.re};
+}
+inline void operator-=(Numbers& a, const Numbers& b) {
+  a.re -= b.re;
+  a.im -= b.im;
+}
+inline void operator+=(Numbers& a, const Numbers& b) {
+  a.re += b.re;
+  a.im += b.im;
+}
+inline Numbers reciprocal(const Numbers& a) {
+  const Reals scale = (a.re * a.re + a.im * a.im).inverse();
+  return {a.re * scale, -a.im * scale};
+}
+
+template <int rows, int cols>
+using Block = std::array<std::array<Numbers, cols>, rows>;
+
+struct Frequencies {
+  Reals omega, omega2;
+};
+
+/// Entry of D = K − ω² M + iω C.
+inline Numbers stiffness(const ResponseModel& model, const Frequencies& f, int i, int j) {
+  return {model.K(i, j) - f.omega2 * model.M(i, j), f.omega * model.C(i, j)};
+}
+
+/// D = L diag(d) Lᵀ of a complex symmetric block, in place: L below the diagonal, 1/d on it.
+template <int n>
+void factor(Block<n, n>& A) {
+  for (int j = 0; j < n; ++j) {
+    for (int k = 0; k < j; ++k) {
+      const Numbers scaled = A[j][k];  // L_jk d_k, still unscaled
+      A[j][k] = scaled * A[k][k];
+      A[j][j] -= A[j][k] * scaled;
+      for (int i = j + 1; i < n; ++i) A[i][j] -= A[i][k] * A[j][k];
+    }
+    A[j][j] = reciprocal(A[j][j]);
+  }
+}
+
+/// Y ← L⁻¹ Y.
+template <int n, int cols>
+void forward(const Block<n, n>& L, Block<n, cols>& Y) {
+  for (int i = 1; i < n; ++i)
+    for (int k = 0; k < i; ++k)
+      for (int c = 0; c < cols; ++c) Y[i][c] -= L[i][k] * Y[k][c];
+}
+
+/// Takes leg block `at` out of the platform's stiffness S (lower triangle) and, where inputs act on
+/// the leg itself, out of the load W.
+template <int n, class Lines>
+void eliminate_leg(const ResponseModel& model, const Lines& f, int at, Block<6, 6>& S,
+                   Block<6, 6>& W) {
+  Block<n, n> D;
+  for (int i = 0; i < n; ++i)
+    for (int j = 0; j <= i; ++j) D[i][j] = stiffness(model, f, at + i, at + j);
+  factor<n>(D);
+  Block<n, 6> Y;
+  for (int i = 0; i < n; ++i)
+    for (int c = 0; c < 6; ++c) Y[i][c] = stiffness(model, f, at + i, c);
+  forward<n, 6>(D, Y);
+  Block<n, 6> Z;
+  for (int i = 0; i < n; ++i)
+    for (int c = 0; c < 6; ++c) Z[i][c] = D[i][i] * Y[i][c];
+  for (int k = 0; k < n; ++k)
+    for (int r = 0; r < 6; ++r)
+      for (int c = 0; c <= r; ++c) S[r][c] -= Y[k][r] * Z[k][c];
+  if (!model.loads_flexible) return;
+  Block<n, 6> B;
+  for (int i = 0; i < n; ++i)
+    for (int c = 0; c < 6; ++c) B[i][c] = {Reals::Constant(model.loads(at + i, c)), Reals::Zero()};
+  forward<n, 6>(D, B);
+  for (int k = 0; k < n; ++k)
+    for (int r = 0; r < 6; ++r)
+      for (int c = 0; c < 6; ++c) W[r][c] -= Z[k][r] * B[k][c];
+}
+
+/// S⁻¹ of the complex symmetric 6×6 S (lower triangle in, whole matrix out).
+Block<6, 6> inverse(Block<6, 6>& S) {
+  factor<6>(S);
+  Block<6, 6> Z;  // L⁻¹
+  for (auto& row : Z) row.fill({Reals::Zero(), Reals::Zero()});
+  for (int i = 0; i < 6; ++i) {
+    Z[i][i].re.setOnes();
+    for (int k = 0; k < i; ++k)
+      for (int c = 0; c <= k; ++c) Z[i][c] -= S[i][k] * Z[k][c];
+  }
+  Block<6, 6> G;
+  for (auto& row : G) row.fill({Reals::Zero(), Reals::Zero()});
+  for (int k = 0; k < 6; ++k)
+    for (int c = 0; c <= k; ++c) {
+      const Numbers scaled = S[k][k] * Z[k][c];
+      for (int r = c; r <= k; ++r) G[r][c] += Z[k][r] * scaled;
+    }
+  for (int r = 0; r < 6; ++r)
+    for (int c = r + 1; c < 6; ++c) G[r][c] = G[c][r];
+  return G;
+}
+
+Block<6, 6> times(const Block<6, 6>& A, const Block<6, 6>& B) {
+  Block<6, 6> C;
+  for (int r = 0; r < 6; ++r)
+    for (int c = 0; c < 6; ++c) {
+      C[r][c] = A[r][0] * B[0][c];
+      for (int k = 1; k < 6; ++k) C[r][c] += A[r][k] * B[k][c];
+    }
+  return C;
+}
+
+template <int flexible, class Lines>
+Block<6, 6> solve(const ResponseModel& model, const Lines& f) {
+  Block<6, 6> S, W;
+  for (int r = 0; r < 6; ++r)
+    for (int c = 0; c <= r; ++c) S[r][c] = stiffness(model, f, r, c);
+  if (model.loads_flexible)
+    for (int r = 0; r < 6; ++r)
+      for (int c = 0; c < 6; ++c) W[r][c] = {Reals::Constant(model.loads(r, c)), Reals::Zero()};
+  if constexpr (flexible > 0)
+    for (int leg = 0; leg < model::leg_count; ++leg)
+      eliminate_leg<flexible>(model, f, 6 + flexible * leg, S, W);
+  const Block<6, 6> G = inverse(S);
+  return model.loads_flexible ? times(G, W) : G;
+}
+
+template <class Lines>
+Block<6, 6> solve(const ResponseModel& model, const Lines& f) {
+  switch (model.kind) {
+    case dynamics::ModelKind::guide:
+      return solve<2>(model, f);
+    case dynamics::ModelKind::full:
+      return solve<4>(model, f);
+    case dynamics::ModelKind::rigid:
+      break;
+  }
+  return solve<0>(model, f);
+}
+
+}  // namespace
+
+}  // namespace hydrapod::response
