@@ -7,6 +7,7 @@
 #include "hydrapod/command.hpp"
 #include "hydrapod/report/model_results.hpp"
 #include "hydrapod/report/study_results.hpp"
+#include "hydrapod/reports.hpp"
 #include "hydrapod/tasks/study.hpp"
 
 namespace hydrapod::cli {
