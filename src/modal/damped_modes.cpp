@@ -153,8 +153,9 @@ class PoleSolver {
     std::vector<std::size_t> order;
     for (std::size_t k = 0; k < poles_.size(); ++k)
       if (poles_[k].is_real() || poles_[k].of_arms > arms_alone) order.push_back(k);
-    std::ranges::stable_sort(
-        order, [&](std::size_t a, std::size_t b) { return poles_[a].of_arms > poles_[b].of_arms; });
+    std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
+      return poles_[a].of_arms > poles_[b].of_arms;
+    });
     for (const auto k : order) {
       const int count = poles_[k].is_real() ? 1 : 2;
       if (left < count) break;
