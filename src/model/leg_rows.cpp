@@ -170,22 +170,18 @@ constexpr ParameterRow leg_rows[]{
     number<oil, cylinder, &Cylinder::cap_line_length>(
         "legs.oil_spring.cylinder.cap_line_length", "m", standard, usual(0.02, 100.0, not_negative),
         "of the line between the chamber on the base side and the valve, for the inertia of its "
-        "oil; needs `cap_line_volume`",
-        shown("1.5 m")),
+        "oil; needs `cap_line_volume`"),
     number<oil, cylinder, &Cylinder::rod_line_length>(
         "legs.oil_spring.cylinder.rod_line_length", "m", standard, usual(0.02, 100.0, not_negative),
-        "of the line between the chamber around the rod and the valve; needs `rod_line_volume`",
-        shown("1.5 m")),
+        "of the line between the chamber around the rod and the valve; needs `rod_line_volume`"),
     number<oil, cylinder, &Cylinder::cap_line_compliance>(
         "legs.oil_spring.cylinder.cap_line_compliance", "m^3/Pa", standard,
         usual(1e-16, 1e-9, not_negative),
         "volume by which the wall of the line (a hose) grows per pressure, beside the oil of the "
-        "chamber on the base side",
-        shown("1 cm^3/bar")),
+        "chamber on the base side"),
     number<oil, cylinder, &Cylinder::rod_line_compliance>(
         "legs.oil_spring.cylinder.rod_line_compliance", "m^3/Pa", standard,
-        usual(1e-16, 1e-9, not_negative), "the same of the line to the chamber around the rod",
-        shown("1 cm^3/bar")),
+        usual(1e-16, 1e-9, not_negative), "the same of the line to the chamber around the rod"),
     number<oil, cylinder, &Cylinder::density>("legs.oil_spring.cylinder.density", "kg/m^3",
                                               standard, usual(700.0, 1300.0, positive),
                                               "ρ of the oil; used with a line length"),

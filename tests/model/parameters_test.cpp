@@ -89,7 +89,7 @@ TEST(Parameters, EveryDoubleOfAMachineIsReachedByOneRow) {
             sizeof(Platform) / sizeof(double));
   EXPECT_EQ(inside(&machine.base_mount, sizeof(BaseMount), places) + 6,
             sizeof(BaseMount) / sizeof(double));
-  EXPECT_EQ(inside(&machine.damping, sizeof(Damping), places) + 1,
+  EXPECT_EQ(inside(&machine.damping, sizeof(Damping), places) + 2,
             sizeof(Damping) / sizeof(double));
   EXPECT_EQ(inside(&machine.sensors, sizeof(Sensors), places) + 6,
             sizeof(Sensors) / sizeof(double));
