@@ -24,25 +24,9 @@ struct Arguments {
   std::string output{}, format{"table"}, plot{};
 };
 
-std::vector<model::NamedPose> poses_of(const Arguments& arguments, const model::Machine& machine) {
-  std::vector<model::NamedPose> poses;
-  const auto is_given = [&](const std::string& name) {
-    return std::ranges::any_of(poses, [&](const auto& pose) { return pose.name == name; });
-  };
-  for (const auto& text : arguments.poses) {
-    auto pose = tasks::pose_of(machine, text);
-    if (is_given(pose.name)) base::refuse("--pose " + text, "is given twice");
-    poses.push_back(std::move(pose));
-  }
-  if (arguments.all_poses.empty()) return poses;
-  choose_word("--poses", arguments.all_poses, {"all"});
-  for (const auto& pose : machine.poses)
-    if (!is_given(pose.name)) poses.push_back(pose);
-  return poses;
-}
-
 tasks::DesignOptions options_of(const Arguments& arguments, const model::Machine& machine) {
-  tasks::DesignOptions options{.want = arguments.want, .poses = poses_of(arguments, machine)};
+  tasks::DesignOptions options{.want = arguments.want,
+                               .poses = poses_of(arguments.poses, arguments.all_poses, machine)};
   for (const auto& text : arguments.change) {
     const auto at = text.find('=');
     const std::string place = fmt::format("--change \"{}\"", text);

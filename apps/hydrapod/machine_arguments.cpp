@@ -72,6 +72,24 @@ tasks::Machine load(const MachineArguments& arguments) {
   return machine;
 }
 
+std::vector<model::NamedPose> poses_of(const std::vector<std::string>& named,
+                                       const std::string& all, const model::Machine& machine) {
+  std::vector<model::NamedPose> poses;
+  const auto is_given = [&](const std::string& name) {
+    return std::ranges::any_of(poses, [&](const auto& pose) { return pose.name == name; });
+  };
+  for (const auto& text : named) {
+    auto pose = tasks::pose_of(machine, text);
+    if (is_given(pose.name)) base::refuse("--pose " + text, "is given twice");
+    poses.push_back(std::move(pose));
+  }
+  if (all.empty()) return poses;
+  choose_word("--poses", all, {"all"});
+  for (const auto& pose : machine.poses)
+    if (!is_given(pose.name)) poses.push_back(pose);
+  return poses;
+}
+
 std::optional<dynamics::ModelKind> model_kind(const std::string& word) {
   if (word.empty()) return {};
   return static_cast<dynamics::ModelKind>(choose_word("--model", word, {"rigid", "guide", "full"}));

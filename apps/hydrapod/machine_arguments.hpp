@@ -29,6 +29,10 @@ void add_subject_options(Command command, MachineArguments& arguments);
 /// Reads the machine; warnings go to stderr. Throws base::InputError.
 tasks::Machine load(const MachineArguments& arguments);
 
+/// Poses of --pose and --poses, each once; none where neither is given. Throws base::InputError.
+std::vector<model::NamedPose> poses_of(const std::vector<std::string>& named,
+                                       const std::string& all, const model::Machine& machine);
+
 /// The model of that name; none for no name. Throws base::InputError.
 std::optional<dynamics::ModelKind> model_kind(const std::string& word);
 

@@ -237,22 +237,11 @@ std::string table_text(const tasks::Machine& machine, const modal::ModeTable& ta
          note + "\n" + report::answer_text(table);
 }
 
-/// Poses of --pose and --poses; none: the neutral one.
-std::vector<model::NamedPose> poses_of(const Arguments& arguments, const model::Machine& machine) {
-  std::vector<model::NamedPose> poses;
-  const auto is_given = [&](const std::string& name) {
-    return std::ranges::any_of(poses, [&](const auto& pose) { return pose.name == name; });
-  };
-  for (const auto& text : arguments.poses) {
-    auto pose = tasks::pose_of(machine, text);
-    if (is_given(pose.name)) base::refuse("--pose " + text, "is given twice");
-    poses.push_back(std::move(pose));
-  }
-  if (arguments.all_poses.empty()) return poses;
-  choose_word("--poses", arguments.all_poses, {"all"});
-  for (const auto& pose : machine.poses)
-    if (!is_given(pose.name)) poses.push_back(pose);
-  if (poses.size() < 2)
+/// Those asked for; all of a file that has one are a mistake.
+std::vector<model::NamedPose> asked_poses(const Arguments& arguments,
+                                          const model::Machine& machine) {
+  auto poses = poses_of(arguments.poses, arguments.all_poses, machine);
+  if (!arguments.all_poses.empty() && poses.size() < 2)
     base::refuse("--poses all", fmt::format("the file has one pose, \"{}\"; leave --poses out or "
                                             "add --pose",
                                             poses.front().name));
@@ -323,7 +312,7 @@ void run(const Arguments& given) {
   const auto style = table_style(arguments.output);
   if (arguments.poses.size() > 1 || !arguments.all_poses.empty()) {
     const auto machine = load(arguments.machine);
-    const auto poses = poses_of(arguments, machine.file.machine);
+    const auto poses = asked_poses(arguments, machine.file.machine);
     if (!system.plot.empty()) base::refuse("--plot " + system.plot, "needs --root-locus");
     return run_at_poses(arguments, machine, poses, format);
   }

@@ -64,7 +64,7 @@ simulation::LoopOptions loop_of(const Arguments& arguments) {
 }
 
 void add_timing(Table& table, const char* what, const realtime::Timing& timing) {
-  const auto us = [](double s) { return fmt::format("{:.3g}", 1e6 * s); };
+  const auto us = [](double s) { return fmt::format("{:.{}f}", 1e6 * s, s < 1e-4 ? 1 : 0); };
   table.add_row({what, us(timing.p50), us(timing.p99), us(timing.p99_9), us(timing.p99_99),
                  us(timing.worst)});
 }

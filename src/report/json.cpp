@@ -9,6 +9,7 @@
 #include "fields.hpp"
 #include "hydrapod/base/units.hpp"
 #include "hydrapod/base/version.hpp"
+#include "hydrapod/hydraulics/servo_axis.hpp"
 #include "hydrapod/spatial/pose.hpp"
 
 namespace hydrapod::report {
@@ -18,11 +19,23 @@ namespace {
 using base::two_pi;
 using spatial::direction_names;
 
+/// Keys on which the damping of chambers depends and which the file leaves open.
+std::string assumed_keys(const model::Machine& machine) {
+  std::string keys;
+  const auto assumed = hydraulics::hydraulic_assumptions(machine);
+  for (const std::string_view key :
+       {"equivalent_cylinder", "valve.rated_flow", "valve.leakage", "leakage.internal"})
+    if (std::ranges::any_of(assumed, [&](const auto& one) { return one.key.ends_with(key); }))
+      keys += (keys.empty() ? "" : ", ") + std::string(key);
+  return keys;
+}
 }  // namespace
 
 std::string damping_text(const model::Machine& machine) {
   if (model::has_chambers(machine)) {
     std::string text = plant_damping_text(machine) + "; two chambers per leg, valves at rest";
+    if (const auto keys = assumed_keys(machine); !keys.empty())
+      text += "; assumed, as the file does not say: " + keys + " (values: hydrapod check)";
     if (std::ranges::any_of(machine.legs, [](const model::Leg& leg) {
           return leg.hydraulics.joint_friction.viscous != 0.0;
         }))

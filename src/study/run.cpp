@@ -64,14 +64,7 @@ class SpoolWriter {
   }
 
   void write(const void* bytes, std::size_t size) const {
-    const auto* from = static_cast<const char*>(bytes);
-    while (size > 0) {
-      const auto written = ::write(file_, from, size);
-      if (written < 0 && errno == EINTR) continue;
-      if (written <= 0) fail();
-      from += written;
-      size -= static_cast<std::size_t>(written);
-    }
+    if (!write_all(file_, bytes, size)) fail();
   }
 
   /// Rows up to the first chunk that is cut off or damaged; the file ends there then.

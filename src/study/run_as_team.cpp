@@ -71,14 +71,7 @@ class RankFile {
         fmt::format("{} cannot be written: {} (go on with --resume)", path_, std::strerror(errno)));
   }
   void write(const void* bytes, std::size_t size) const {
-    const auto* from = static_cast<const char*>(bytes);
-    while (size > 0) {
-      const auto written = ::write(file_, from, size);
-      if (written < 0 && errno == EINTR) continue;
-      if (written <= 0) fail();
-      from += written;
-      size -= static_cast<std::size_t>(written);
-    }
+    if (!write_all(file_, bytes, size)) fail();
   }
   /// The file ends behind the last whole record.
   void cut_to_good_records() {

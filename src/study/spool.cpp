@@ -2,9 +2,11 @@
 
 #include <fmt/format.h>
 #define XXH_INLINE_ALL
+#include <unistd.h>
 #include <xxhash.h>
 
 #include <algorithm>
+#include <cerrno>
 #include <cstring>
 #include <fstream>
 
@@ -29,6 +31,18 @@ SpoolHead read_head(std::ifstream& file, const std::string& path) {
 }  // namespace
 
 std::uint64_t hash_of(const void* bytes, std::size_t size) { return XXH3_64bits(bytes, size); }
+
+bool write_all(int file, const void* bytes, std::size_t size) {
+  const auto* from = static_cast<const char*>(bytes);
+  while (size > 0) {
+    const auto written = ::write(file, from, size);
+    if (written < 0 && errno == EINTR) continue;
+    if (written <= 0) return false;
+    from += written;
+    size -= static_cast<std::size_t>(written);
+  }
+  return true;
+}
 
 Spool::Spool(std::vector<std::string> paths) : paths_(std::move(paths)) {
   SpoolHead first;

@@ -29,6 +29,9 @@ struct SpoolHead {
 /// 64-bit XXH3.
 std::uint64_t hash_of(const void* bytes, std::size_t size);
 
+/// All of `bytes` to a file descriptor; false, with errno, where that fails.
+bool write_all(int file, const void* bytes, std::size_t size);
+
 /// Bytes of a chunk of `rows` rows with its checksum.
 constexpr std::uint64_t chunk_bytes(std::uint64_t rows, std::uint64_t width) {
   return (rows * width + 1) * sizeof(double);

@@ -209,6 +209,27 @@ class Slave {
     return call(fmu_.three ? "fmi3GetContinuousStates" : "fmi2GetContinuousStates", x, count);
   }
 
+  int save(void** state) const { return call(named("fmi2GetFMUstate", "fmi3GetFMUState"), state); }
+  int restore(void* state) const {
+    return call(named("fmi2SetFMUstate", "fmi3SetFMUState"), state);
+  }
+  int release(void** state) const {
+    return call(named("fmi2FreeFMUstate", "fmi3FreeFMUState"), state);
+  }
+  [[nodiscard]] std::vector<char> bytes_of(void* state) const {
+    std::size_t size = 0;
+    EXPECT_EQ(
+        ok, call(named("fmi2SerializedFMUstateSize", "fmi3SerializedFMUStateSize"), state, &size));
+    std::vector<char> bytes(size);
+    EXPECT_EQ(ok, call(named("fmi2SerializeFMUstate", "fmi3SerializeFMUState"), state, bytes.data(),
+                       size));
+    return bytes;
+  }
+  int state_from(const std::vector<char>& bytes, void** state) const {
+    return call(named("fmi2DeSerializeFMUstate", "fmi3DeserializeFMUState"), bytes.data(),
+                bytes.size(), state);
+  }
+
   /// d unknowns / d known.
   [[nodiscard]] std::vector<double> directional(const std::vector<unsigned>& unknowns,
                                                 unsigned known) const {
@@ -226,6 +247,10 @@ class Slave {
   [[nodiscard]] const Unpacked& fmu() const { return fmu_; }
 
  private:
+  [[nodiscard]] const char* named(const char* in_2, const char* in_3) const {
+    return fmu_.three ? in_3 : in_2;
+  }
+
   const Unpacked& fmu_;
   Callbacks callbacks_{};
   void* instance_{};

@@ -189,8 +189,6 @@ TEST_P(ControlledFmu, HasTimeEventsInModelExchange) {
 /// The state of the controller, drives on their way and pose included, goes through bytes.
 TEST_P(ControlledFmu, SavedStatesContinueBitByBit) {
   const Controlled subject(GetParam(), {delay, "controller.feedback=\"acceleration\""});
-  const bool three = subject.fmu.three;
-  const auto name = [&](const char* in_2, const char* in_3) { return three ? in_3 : in_2; };
   const Slave slave(subject.fmu, true), other(subject.fmu, true, false);
   constexpr double step = 0.7e-3;  // not the controller's
   const auto run = [&](const Slave& on, int from, int to) {
@@ -204,26 +202,20 @@ TEST_P(ControlledFmu, SavedStatesContinueBitByBit) {
   };
   run(slave, 0, 33);
   void* state = nullptr;
-  ASSERT_EQ(ok, slave.call(name("fmi2GetFMUstate", "fmi3GetFMUState"), &state));
+  ASSERT_EQ(ok, slave.save(&state));
   const auto first = run(slave, 33, 60);
-  ASSERT_EQ(ok, slave.call(name("fmi2SetFMUstate", "fmi3SetFMUState"), state));
+  ASSERT_EQ(ok, slave.restore(state));
   EXPECT_EQ(first, run(slave, 33, 60));
-  std::size_t size = 0;
-  ASSERT_EQ(ok, slave.call(name("fmi2SerializedFMUstateSize", "fmi3SerializedFMUStateSize"), state,
-                           &size));
-  std::vector<char> bytes(size);
-  ASSERT_EQ(ok, slave.call(name("fmi2SerializeFMUstate", "fmi3SerializeFMUState"), state,
-                           bytes.data(), size));
+
+  auto bytes = slave.bytes_of(state);
   void* copy = nullptr;
-  const auto* deserialize = name("fmi2DeSerializeFMUstate", "fmi3DeserializeFMUState");
-  ASSERT_EQ(ok, other.call(deserialize, static_cast<const char*>(bytes.data()), size, &copy));
-  ASSERT_EQ(ok, other.call(name("fmi2SetFMUstate", "fmi3SetFMUState"), copy));
+  ASSERT_EQ(ok, other.state_from(bytes, &copy));
+  ASSERT_EQ(ok, other.restore(copy));
   EXPECT_EQ(first, run(other, 33, 60));
-  const auto* release = name("fmi2FreeFMUstate", "fmi3FreeFMUState");
-  ASSERT_EQ(ok, slave.call(release, &state));
-  ASSERT_EQ(ok, other.call(release, &copy));
-  EXPECT_EQ(error,
-            other.call(deserialize, static_cast<const char*>(bytes.data()), size - 8, &copy));
+  ASSERT_EQ(ok, slave.release(&state));
+  ASSERT_EQ(ok, other.release(&copy));
+  bytes.resize(bytes.size() - 8);
+  EXPECT_EQ(error, other.state_from(bytes, &copy));
 }
 
 TEST_P(ControlledFmu, HasTheNumbersOfTheControllerAsParameters) {

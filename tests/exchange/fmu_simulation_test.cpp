@@ -172,8 +172,6 @@ TEST_P(CoSimulation, ModelExchangeUnderCvodeFollowsThePlant) {
 
 TEST_P(CoSimulation, SavedStatesContinueBitByBit) {
   const Subject subject(GetParam());
-  const bool three = subject.fmu.three;
-  const auto name = [&](const char* in_2, const char* in_3) { return three ? in_3 : in_2; };
   const Slave slave(subject.fmu, true), other(subject.fmu, true);
   const auto run = [&](const Slave& on, int from, int to) {
     Random random(static_cast<unsigned>(from));
@@ -185,30 +183,22 @@ TEST_P(CoSimulation, SavedStatesContinueBitByBit) {
   };
   run(slave, 0, 20);
   void* state = nullptr;
-  ASSERT_EQ(ok, slave.call(name("fmi2GetFMUstate", "fmi3GetFMUState"), &state));
+  ASSERT_EQ(ok, slave.save(&state));
   const auto first = run(slave, 20, 40);
-  ASSERT_EQ(ok, slave.call(name("fmi2SetFMUstate", "fmi3SetFMUState"), state));
+  ASSERT_EQ(ok, slave.restore(state));
   EXPECT_EQ(first, run(slave, 20, 40));
 
-  std::size_t size = 0;
-  ASSERT_EQ(ok, slave.call(name("fmi2SerializedFMUstateSize", "fmi3SerializedFMUStateSize"), state,
-                           &size));
-  std::vector<char> bytes(size);
-  ASSERT_EQ(ok, slave.call(name("fmi2SerializeFMUstate", "fmi3SerializeFMUState"), state,
-                           bytes.data(), size));
+  auto bytes = slave.bytes_of(state);
   void* copy = nullptr;
-  ASSERT_EQ(ok, other.call(name("fmi2DeSerializeFMUstate", "fmi3DeserializeFMUState"),
-                           static_cast<const char*>(bytes.data()), size, &copy));
-  ASSERT_EQ(ok, other.call(name("fmi2SetFMUstate", "fmi3SetFMUState"), copy));
+  ASSERT_EQ(ok, other.state_from(bytes, &copy));
+  ASSERT_EQ(ok, other.restore(copy));
   EXPECT_EQ(first, run(other, 20, 40));
-  const auto* release = name("fmi2FreeFMUstate", "fmi3FreeFMUState");
-  ASSERT_EQ(ok, slave.call(release, &state));
-  ASSERT_EQ(ok, other.call(release, &copy));
+  ASSERT_EQ(ok, slave.release(&state));
+  ASSERT_EQ(ok, other.release(&copy));
   EXPECT_EQ(nullptr, state);
 
   bytes[0] = 'x';
-  EXPECT_EQ(error, other.call(name("fmi2DeSerializeFMUstate", "fmi3DeserializeFMUState"),
-                              static_cast<const char*>(bytes.data()), size, &copy));
+  EXPECT_EQ(error, other.state_from(bytes, &copy));
 }
 
 TEST_P(CoSimulation, InstancesInThreadsGiveTheSameBits) {

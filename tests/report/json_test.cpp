@@ -34,6 +34,28 @@ TEST(DampingText, SaysWhatDampsAndWhatIsAssumed) {
             "β = 0 s");
 }
 
+/// ζ of chambers follows from numbers that few files have; those that the program chose are named.
+TEST(DampingText, OfChambersNamesWhatTheFileLeavesOpen) {
+  auto machine = symmetric_machine();
+  machine.damping.oil = model::OilDamping::chambers;
+  EXPECT_TRUE(report::damping_text(machine).ends_with(
+      "; assumed, as the file does not say: equivalent_cylinder, valve.rated_flow, valve.leakage, "
+      "leakage.internal (values: hydrapod check)"))
+      << report::damping_text(machine);
+  for (auto& leg : machine.legs) {
+    leg.hydraulics.valve.rated_flow = 7.3e-4;
+    leg.hydraulics.valve.leakage = 1.9e-5;
+  }
+  EXPECT_TRUE(report::damping_text(machine).ends_with(
+      "not say: equivalent_cylinder, leakage.internal (values: hydrapod check)"))
+      << report::damping_text(machine);
+  for (auto& leg : machine.legs) {
+    leg.hydraulics.leakage.internal = 3.1e-12;
+    leg.oil_spring.cylinder = model::Cylinder{.bore = 0.063, .rod_diameter = 0.036};
+  }
+  EXPECT_EQ(report::damping_text(machine).find("assumed"), std::string::npos);
+}
+
 TEST(GravityText, SaysHowMuchAndWhichWay) {
   model::Machine machine;
   EXPECT_EQ(report::gravity_text(machine), "gravity 9.80665 m/s² downwards");
