@@ -147,11 +147,14 @@ void plot_design_slices(const study::DesignProblem& problem, const study::Design
         change.distribution.a > 0.0 && change.distribution.b >= decade * change.distribution.a;
     script +=
         block_of(name, rows) + at_screen(grid[k]) +
-        fmt::format("set {}logscale x\nset xrange [{:.9g}:{:.9g}]\nset yrange [{}:{}]\n",
+        fmt::format("{}set logscale x\nset xrange [{:.9g}:{:.9g}]\nset yrange [{}:{}]\n",
                     ratios ? "" : "un", slice.values.front(), slice.values.back(), -most, most) +
         fmt::format("set xlabel {}\nset ylabel 'to spare, % of the bound' offset 1,0\n",
                     quoted(fmt::format("{} [{}]", change.name, change.unit))) +
-        "set format x '%.3g'\nset object 1 rectangle from graph 0, first -1000 to graph 1, "
+        fmt::format("set format x '{}'\n", ratios                       ? "%.0s %c"
+                                           : slice.values.back() >= 1e5 ? "%.1s %c"
+                                                                        : "%g") +
+        "set object 1 rectangle from graph 0, first -1000 to graph 1, "
         "first 0 behind fc rgb '#eeeeee' fs solid noborder\n" +
         fmt::format(
             "set arrow 1 from first {0:.9g}, graph 0 to first {0:.9g}, graph 1 "

@@ -75,6 +75,18 @@ TEST(DesignCommand, TradesOneAimForAnother) {
   EXPECT_THAT(test::read_text(folder / "front.svg"), HasSubstr("platform.mass"));
 }
 
+/// Axes over more than a decade are logarithmic, others are not.
+TEST(DesignCommand, DrawsTheRequirementsOverEachChange) {
+  const test::TemporaryFolder folder;
+  const auto run = design({"--change", "legs.guide_sleeve.stiffness=1:20 kN/mm", "--change",
+                           "platform.mass=12000:15000 kg", "--want", "drop <= 60 %", "--maximise",
+                           "lowest", "--plot", (folder / "slices.svg").string()});
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  EXPECT_THAT(test::read_text(folder / "slices.svg"),
+              AllOf(HasSubstr("legs.guide_sleeve.stiffness"), HasSubstr("platform.mass"),
+                    HasSubstr("12500")));
+}
+
 TEST(DesignCommand, RefusesWhatItCannotUnderstand) {
   const std::string change = "legs.guide_sleeve.stiffness=1:20 kN/mm";
   const std::vector<std::pair<std::vector<std::string>, std::string>> wrong{

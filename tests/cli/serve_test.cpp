@@ -336,7 +336,9 @@ TEST_F(Serve, AMachineBehindUdpIsIdentified) {
       run(with({"rig", machine, "--hardware", port, "--watchdog", "5 s", "-o", "hardware.h5"}));
   ASSERT_EQ(hardware.exit_code, 0) << hardware.err;
   EXPECT_THAT(hardware.err, HasSubstr("wrote hardware.h5: 40000 samples"));
-  EXPECT_THAT(hardware.err, HasSubstr(" 0 lost, 0 late, 0 malformed, 0 refused"));
+  // on a busy computer a command may be sent again; then the second answer to it comes late
+  EXPECT_THAT(hardware.err, HasSubstr(" 0 lost, "));
+  EXPECT_THAT(hardware.err, HasSubstr(" 0 malformed, 0 refused"));
   const auto simulated = run(with({"rig", machine, "-o", "simulated.h5"}));
   ASSERT_EQ(simulated.exit_code, 0) << simulated.err;
   // the oil modes; those of the seals and of x and y are hidden in the loop's noise in both records

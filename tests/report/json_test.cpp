@@ -49,9 +49,14 @@ TEST(DampingText, OfChambersNamesWhatTheFileLeavesOpen) {
   EXPECT_TRUE(report::damping_text(machine).ends_with(
       "not say: equivalent_cylinder, leakage.internal (values: hydrapod check)"))
       << report::damping_text(machine);
+  for (auto& leg : machine.legs) leg.hydraulics.leakage.internal = 3.1e-12;
+  EXPECT_TRUE(report::damping_text(machine).ends_with(
+      "not say: equivalent_cylinder (values: hydrapod check)"))
+      << report::damping_text(machine);
   for (auto& leg : machine.legs) {
-    leg.hydraulics.leakage.internal = 3.1e-12;
-    leg.oil_spring.cylinder = model::Cylinder{.bore = 0.063, .rod_diameter = 0.036};
+    leg.stroke = model::Stroke{.retracted = 0.17, .length = 0.53};
+    leg.oil_spring.cylinder =
+        model::Cylinder{.bore = 0.063, .rod_diameter = 0.036, .bulk_modulus = 1.3e9};
   }
   EXPECT_EQ(report::damping_text(machine).find("assumed"), std::string::npos);
 }
