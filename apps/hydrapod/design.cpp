@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
 
 #include "hydrapod/base/text.hpp"
+#include "hydrapod/base/units.hpp"
 #include "hydrapod/command.hpp"
 #include "hydrapod/report/model_results.hpp"
 #include "hydrapod/report/study_results.hpp"
@@ -56,59 +58,101 @@ std::string number_text(double value) {
   return std::isfinite(value) ? fmt::format("{:.5g}", value) : std::string("–");
 }
 
+/// What a user wrote a quantity in: the machine file its numbers, a requirement its bound.
+struct Units {
+  std::vector<model::WrittenUnit> changes{}, requirements{}, aims{};
+};
+
+model::WrittenUnit unit_of_bound(const std::string& requirement, const std::string& si) {
+  const std::string bound(base::trimmed(requirement.substr(requirement.find_first_of("<>") + 2)));
+  char* end = nullptr;
+  std::strtod(bound.c_str(), &end);
+  const std::string unit(base::trimmed(end));
+  if (unit.empty()) return {si, 1.0};
+  return {unit, base::quantity("1 " + unit, si)};
+}
+
+Units units_of(const tasks::DesignJob& job) {
+  const auto& problem = job.problem;
+  Units units;
+  for (const auto& change : problem.changes) {
+    units.changes.push_back(model::written_unit(job.machine.file.text, change.name, change.unit));
+    if (units.changes.back().name.empty()) units.changes.back().name = change.unit;
+  }
+  for (const auto& wanted : problem.requirements)
+    units.requirements.push_back(
+        unit_of_bound(wanted.text, problem.outputs[static_cast<std::size_t>(wanted.output)].unit));
+  for (const auto& aim : problem.aims) {
+    units.aims.push_back({aim.unit, 1.0});
+    if (aim.change >= 0) units.aims.back() = units.changes[static_cast<std::size_t>(aim.change)];
+    for (std::size_t k = 0; k < problem.requirements.size(); ++k)
+      if (problem.requirements[k].output == aim.output) units.aims.back() = units.requirements[k];
+  }
+  return units;
+}
+
 std::string changes_text(const tasks::DesignJob& job, const study::DesignResult& result,
-                         const TableStyle& style) {
+                         const Units& units, const TableStyle& style) {
   Table table({"<changed", "unit", "present", "design", "from", "to"});
   for (std::size_t k = 0; k < job.problem.changes.size(); ++k) {
     const auto& change = job.problem.changes[k];
-    table.add_row({change.name, change.unit, number_text(result.present.values[k]),
-                   number_text(result.best.values[k]), number_text(change.distribution.a),
-                   number_text(change.distribution.b)});
+    const auto& [unit, size] = units.changes[k];
+    table.add_row({change.name, unit, number_text(result.present.values[k] / size),
+                   number_text(result.best.values[k] / size),
+                   number_text(change.distribution.a / size),
+                   number_text(change.distribution.b / size)});
   }
   return table.text(style);
 }
 
 std::string requirements_text(const tasks::DesignJob& job, const study::DesignResult& result,
-                              const TableStyle& style) {
+                              const Units& units, const TableStyle& style) {
   Table table({"<aim or requirement", "unit", "present", "design", "<worst at", "<"});
   const auto& problem = job.problem;
   for (std::size_t k = 0; k < problem.aims.size(); ++k)
-    table.add_row({problem.aims[k].text, problem.aims[k].unit, number_text(result.present.aims[k]),
-                   number_text(result.best.aims[k])});
+    table.add_row({problem.aims[k].text, units.aims[k].name,
+                   number_text(result.present.aims[k] / units.aims[k].size),
+                   number_text(result.best.aims[k] / units.aims[k].size)});
   for (std::size_t k = 0; k < problem.requirements.size(); ++k) {
     const auto& wanted = problem.requirements[k];
     const double value = result.best.worst[k];
     const bool met = wanted.at_least ? value >= wanted.bound : value <= wanted.bound;
-    table.add_row({wanted.text, problem.outputs[static_cast<std::size_t>(wanted.output)].unit,
-                   number_text(result.present.worst[k]), number_text(value),
+    const auto& [unit, size] = units.requirements[k];
+    table.add_row({wanted.text, unit, number_text(result.present.worst[k] / size),
+                   number_text(value / size),
                    problem.poses[static_cast<std::size_t>(result.best.pose[k])].name,
                    met ? "met" : "missed"});
   }
   return "\n" + table.text(style);
 }
 
-std::string limit_text(const study::DesignProblem& problem, const study::Limit& limit) {
+std::string limit_text(const study::DesignProblem& problem, const Units& units,
+                       const study::Limit& limit) {
   using Kind = study::Limit::Kind;
   const auto& aim = problem.aims.front();
-  const auto price = [&](const std::string& unit) {
+  const auto price = [&](const model::WrittenUnit& unit) {
     if (!limit.price) return std::string();
-    return fmt::format("; {} changes by {:.4g} {} per {}", aim.name, *limit.price,
-                       aim.unit == "1" ? "" : aim.unit, unit == "1" ? "unit of it" : unit);
+    const auto& own = units.aims.front();
+    return fmt::format("; {} changes by {:.4g} {} per {}", aim.name,
+                       *limit.price * unit.size / own.size, own.name == "1" ? "" : own.name,
+                       unit.name == "1" ? "unit of it" : unit.name);
   };
   const auto* change =
       limit.change < 0 ? nullptr : &problem.changes[static_cast<std::size_t>(limit.change)];
   const auto* wanted = limit.requirement < 0
                            ? nullptr
                            : &problem.requirements[static_cast<std::size_t>(limit.requirement)];
-  if (limit.kind == Kind::requirement) {
-    const auto& unit = problem.outputs[static_cast<std::size_t>(wanted->output)].unit;
+  const auto bound = static_cast<std::size_t>(limit.requirement);
+  if (limit.kind == Kind::requirement)
     return fmt::format("{} at pose {}{}", wanted->text,
-                       problem.poses[static_cast<std::size_t>(limit.pose)].name, price(unit));
-  }
+                       problem.poses[static_cast<std::size_t>(limit.pose)].name,
+                       price(units.requirements[bound]));
   if (limit.kind != Kind::jump)
     return fmt::format("{} is at its {} bound{}", change->name,
                        limit.kind == Kind::lower_bound ? "lower" : "upper",
-                       aim.change == limit.change ? "" : price(change->unit));
+                       aim.change == limit.change
+                           ? ""
+                           : price(units.changes[static_cast<std::size_t>(limit.change)]));
   if (wanted == nullptr)
     return fmt::format(
         "a little beyond this value of {} the machine has no modes at one of the "
@@ -118,36 +162,40 @@ std::string limit_text(const study::DesignProblem& problem, const study::Limit& 
   return fmt::format(
       "{} jumps to {:.5g} {} a little beyond this value of {}, at pose {}: another "
       "mode becomes the one that counts",
-      output.name, limit.beyond, output.unit, change->name,
-      problem.poses[static_cast<std::size_t>(limit.pose)].name);
+      output.name, limit.beyond / units.requirements[bound].size, units.requirements[bound].name,
+      change->name, problem.poses[static_cast<std::size_t>(limit.pose)].name);
 }
 
-std::string limits_text(const study::DesignProblem& problem, const study::DesignResult& result) {
+std::string limits_text(const study::DesignProblem& problem, const study::DesignResult& result,
+                        const Units& units) {
   if (!result.best.feasible || !result.front.empty() || result.interrupted) return {};
   if (result.limits.empty())
     return "\nNo requirement and no bound is active: an optimum between the bounds\n";
   std::string text = "\nWhat limits the aim:\n";
-  for (const auto& limit : result.limits) text += "  " + limit_text(problem, limit) + "\n";
+  for (const auto& limit : result.limits) text += "  " + limit_text(problem, units, limit) + "\n";
   return text;
 }
 
 std::string front_text(const study::DesignProblem& problem, const study::DesignResult& result,
-                       const TableStyle& style) {
+                       const Units& units, const TableStyle& style) {
   if (result.front.empty()) return {};
   std::vector<Column> columns;
-  for (const auto& aim : problem.aims)
-    columns.emplace_back(fmt::format("{} [{}]", aim.name, aim.unit));
+  for (std::size_t k = 0; k < problem.aims.size(); ++k)
+    columns.emplace_back(fmt::format("{} [{}]", problem.aims[k].name, units.aims[k].name));
   const auto is_aim = [&](const study::Input& change) {
     return std::ranges::count(problem.aims, change.name, &study::Aim::name) > 0;
   };
-  for (const auto& change : problem.changes)
-    if (!is_aim(change)) columns.emplace_back(fmt::format("{} [{}]", change.name, change.unit));
+  for (std::size_t k = 0; k < problem.changes.size(); ++k)
+    if (!is_aim(problem.changes[k]))
+      columns.emplace_back(fmt::format("{} [{}]", problem.changes[k].name, units.changes[k].name));
   Table table(columns);
   for (const auto& point : result.front) {
     std::vector<std::string> cells;
-    for (const double aim : point.aims) cells.push_back(number_text(aim));
+    for (std::size_t k = 0; k < point.aims.size(); ++k)
+      cells.push_back(number_text(point.aims[k] / units.aims[k].size));
     for (std::size_t k = 0; k < point.values.size(); ++k)
-      if (!is_aim(problem.changes[k])) cells.push_back(number_text(point.values[k]));
+      if (!is_aim(problem.changes[k]))
+        cells.push_back(number_text(point.values[k] / units.changes[k].size));
     table.add_row(cells);
   }
   return "\nTrade-off: no design was found that is better in both aims\n" + table.text(style) +
@@ -155,7 +203,8 @@ std::string front_text(const study::DesignProblem& problem, const study::DesignR
          "range\n";
 }
 
-std::string reach_text(const study::DesignProblem& problem, const study::DesignResult& result) {
+std::string reach_text(const study::DesignProblem& problem, const study::DesignResult& result,
+                       const Units& units) {
   if (result.reach.empty()) return {};
   std::string text = fmt::format(
       "\nNo design was found that meets all requirements, among {} that were evaluated\n",
@@ -175,7 +224,7 @@ std::string reach_text(const study::DesignProblem& problem, const study::DesignR
     text += std::isfinite(reach.value)
                 ? fmt::format("  {}: without the other requirements {} comes to {} {:.5g} {}\n",
                               wanted.text, output.name, wanted.at_least ? "at most" : "at least",
-                              reach.value, output.unit)
+                              reach.value / units.requirements[k].size, units.requirements[k].name)
                 : fmt::format("  {}: {} has a value in no design that was evaluated\n", wanted.text,
                               output.name);
   }
@@ -188,6 +237,7 @@ std::string reach_text(const study::DesignProblem& problem, const study::DesignR
 
 std::string report_text(const tasks::DesignJob& job, const study::DesignResult& result) {
   const auto style = table_style("-");
+  const auto units = units_of(job);
   std::string poses;
   for (const auto& pose : job.problem.poses) poses += (poses.empty() ? "" : ", ") + pose.name;
   return fmt::format(
@@ -197,9 +247,9 @@ std::string report_text(const tasks::DesignJob& job, const study::DesignResult& 
              job.problem.poses.size() == 1 ? "pose" : "poses", poses,
              dynamics::name(job.machine.kind), state_line(job.machine.file), result.evaluations,
              result.feasible_samples, result.samples) +
-         changes_text(job, result, style) + requirements_text(job, result, style) +
-         limits_text(job.problem, result) + front_text(job.problem, result, style) +
-         reach_text(job.problem, result);
+         changes_text(job, result, units, style) + requirements_text(job, result, units, style) +
+         limits_text(job.problem, result, units) + front_text(job.problem, result, units, style) +
+         reach_text(job.problem, result, units);
 }
 
 void plot(const Arguments& arguments, const tasks::DesignJob& job,

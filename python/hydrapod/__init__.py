@@ -70,7 +70,7 @@ from ._plots import (
 )
 from ._progress import ProgressBar, progress_bar
 from ._records import Record, read_record
-from ._studies import DesignFunction, montecarlo, sweep, workspace_map
+from ._studies import DesignFunction, design, montecarlo, sweep, workspace_map
 from ._tasks import (
     LinearPlant,
     Plant,
@@ -135,6 +135,7 @@ __all__ = [
     "calibrate",
     "check",
     "compare",
+    "design",
     "diagnose",
     "export",
     "forward_kinematics",

@@ -88,6 +88,18 @@ def _study(s: Any) -> Table:
             [cells(name) for name in names], "\n".join(missed))
 
 
+def _design(d: Any) -> Table:
+    rows = [(name, f"{present:.6g}", f"{value:.6g}", where) for name, present, value, where in (
+        *((f"{path} [{unit}]", present, value, "changed") for path, unit, present, value in
+          zip(d.paths, d.units, d.present, d.values)),
+        *zip(d.aims, d.aim_present, d.aim_values, ["aim"] * len(d.aims)),
+        *((text, present, value, f"worst at {pose}") for text, present, value, pose in
+          zip(d.requirements, d.worst_present, d.worst, d.worst_poses)))]
+    verdict = "meets all requirements" if d.feasible else "no design meets all requirements; this violates them least"
+    return (f"{verdict}, {d.evaluations} designs", ["number", "present", "design", ""], rows,
+            f"trade-off of {len(d.front_aims)} points" if len(d.front_aims) else "")
+
+
 def _compared_records(compared: Any) -> Any:
     """A row per pair of modes, as a NumPy record array; things and modes count from 0."""
     columns = {name: np.asarray(column) if len(column) else np.zeros(0)
@@ -121,6 +133,7 @@ _tables: Dict[type, Callable[[Any], Table]] = {
     _core.Compared: _compared,
     _core.ModesAtPoses: _at_poses,
     _core.Study: _study,
+    _core.Design: _design,
     _core.MachineStateSpace: _plain(lambda s: f"{len(s.states)} states, {len(s.inputs)} inputs, {len(s.outputs)} "
                                               f"outputs, " + (f"every {1e3 * s.sample_time:g} ms" if s.sample_time
                                                               else "continuous")),

@@ -9,7 +9,7 @@ from typing import Any, Callable, Dict, List, Mapping, Optional, Tuple
 import numpy as np
 
 from . import _core
-from ._core import Study
+from ._core import Design, Study
 from ._machine import Machine
 from ._tasks import Path, Progress, Texts, _core_of, _list, _options
 
@@ -96,6 +96,41 @@ def workspace_map(machine: Machine, over: Over, *, want: Texts = (), outputs: Op
     return study
 
 
+def design(machine: Machine, change: Mapping[str, Any], *, minimise: Texts = (), maximise: Texts = (), want: Texts = (),
+           poses: Texts = (), samples: int = 2048, seed: int = 1, starts: int = 6, trade_off: int = 11, threads: int = 0,
+           progress: Optional[Progress] = None) -> Design:
+    """Numbers of a machine that meet requirements at every pose with the least or largest aim.
+
+    change: {PATH: "1:50 kN/mm"} or {PATH: (low, high)} in SI, what may change and its bounds. minimise, maximise:
+    one aim, an output or a changed path; two in both together give a trade-off of `trade_off` points. want:
+    requirements, "x >= 6 Hz". poses: names or displacements, the worst counts [the machine's pose]. samples: Sobol
+    points at which the search begins; starts: local searches from the best of them.
+
+    Result: feasible; machine, text (machine file, comments kept); paths, units, values and present (changes) [SI];
+    aims, aim_values, aim_present; requirements, worst, worst_present, worst_poses; of a trade-off front_aims (n, 2)
+    and front_values (n, changes); limits and the rest in to_dict(). Where no design meets all requirements,
+    feasible is False, values are those of the least violation, and machine raises ComputationError.
+    Raises InputError for a path, a range, a requirement or an aim that cannot be.
+    """
+    return _core.design(_core_of(machine), _options(
+        change=_bounds(change), minimise=_list(minimise), maximise=_list(maximise), want=_list(want),
+        poses=_list(poses), samples=samples, seed=seed, starts=starts, trade_off=trade_off, threads=threads), progress)
+
+
+def _bounds(change: Mapping[str, Any]) -> Dict[str, str]:
+    """Ranges as the command line has them; pairs are bounds in SI."""
+    texts = {}
+    for path, given in change.items():
+        if isinstance(given, str):
+            texts[path] = given
+            continue
+        bounds = np.asarray(given, dtype=float)
+        if bounds.shape != (2,) or not np.isfinite(bounds).all():
+            raise ValueError(f"{path}: expected a text such as \"1:50 kN/mm\" or two finite numbers")
+        texts[path] = ":".join(repr(float(bound)) for bound in bounds)
+    return texts
+
+
 # --- what Study gets from Python ------------------------------------------------------------------
 
 
@@ -168,6 +203,9 @@ def attach() -> None:
     cls.evaluate = evaluate
     cls.to_records = to_records
     cls.to_pandas = to_pandas
+    designed: Any = Design
+    designed.machine = property(lambda found: Machine._wrapped(found.core_machine()),
+                                doc="The machine with the numbers of the best design.")
 
 
 attach()

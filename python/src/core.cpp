@@ -51,6 +51,7 @@ PYBIND11_MODULE(_core, module) {
   add_simulation(module);
   add_plant(module);
   add_study(module);
+  add_design(module);
   add_compare(module);
   add_exchange(module);
   add_kinematics(module);

@@ -179,6 +179,7 @@ void add_fit(py::module_& module);
 void add_simulation(py::module_& module);
 void add_plant(py::module_& module);
 void add_study(py::module_& module);
+void add_design(py::module_& module);
 void add_compare(py::module_& module);
 void add_exchange(py::module_& module);
 void add_kinematics(py::module_& module);

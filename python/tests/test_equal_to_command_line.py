@@ -52,6 +52,13 @@ tasks = {
     "comparison of poses": (
         ["compare", "--pose", "neutral", "--pose", "z=3 mm", "--model", "rigid", "--level", "1"],
         lambda m: hydrapod.compare(m.path, poses=["neutral", "z=3 mm"], model="rigid", level="1 %")),
+    "design": (
+        ["design", "--change", "platform.mass=700:1300 kg", "--change", "legs.guide_sleeve.stiffness=1:50 kN/mm",
+         "--want", "lowest >= 4 Hz", "--pose", "neutral", "--pose", "z=3 mm", "--maximise", "platform.mass",
+         "--samples", "64", "--starts", "2", "--seed", "5"],
+        lambda m: hydrapod.design(m, {"platform.mass": (700, 1300), "legs.guide_sleeve.stiffness": "1:50 kN/mm"},
+                                  want="lowest >= 4 Hz", poses=["neutral", "z=3 mm"], maximise="platform.mass",
+                                  samples=64, starts=2, seed=5)),
     "attribution": (["diagnose", "--want", "x=3 %"], lambda m: hydrapod.diagnose(m, want="x=3 %")),
 }
 

@@ -114,3 +114,55 @@ def test_openturns(heavy):
     openturns = pytest.importorskip("openturns")
     f = hydrapod.DesignFunction(heavy, [sleeve, "platform.mass"], modes=2).to_openturns()
     np.testing.assert_array_equal(np.array(f(openturns.Sample([[1e6, 12e3]])))[0], list(f([1e6, 12e3])))
+
+
+def designed(machine, **options):
+    return hydrapod.design(machine, {sleeve: "1:50 kN/mm", "platform.mass": (12e3, 15e3)}, samples=64, starts=2,
+                           **options)
+
+
+def test_design_is_what_its_machine_has(heavy):
+    found = designed(heavy, want="lowest >= 3.9 Hz", maximise="platform.mass")
+    assert found.feasible and found.paths == [sleeve, "platform.mass"] and found.units == ["N/m", "kg"]
+    machine = found.machine
+    for path, value in zip(found.paths, found.values):
+        assert machine[path] == pytest.approx(value, rel=1e-9)  # the file is written for people
+    assert found.aim_values[0] == found.values[1] > 12e3
+    assert found.worst[0] >= 3.9 and found.worst_poses == ["neutral"]
+    row = hydrapod.sweep(machine, {"platform.mass": [machine["platform.mass"]]})
+    assert row["lowest"][0] == pytest.approx(found.worst[0], rel=1e-9)
+    assert "lowest >= 3.9 Hz" in repr(found) and found._repr_html_().startswith("<div>")
+
+
+def test_trade_off_is_not_dominated(heavy):
+    found = designed(heavy, maximise=["lowest", "platform.mass"], trade_off=4)
+    assert found.front_aims.shape[1] == 2 and len(found.front_values) == len(found.front_aims) >= 2
+    assert (np.diff(found.front_aims[:, 0]) > 0).all() and (np.diff(found.front_aims[:, 1]) < 0).all()
+
+
+def test_design_that_cannot_be(heavy):
+    found = designed(heavy, want="lowest >= 400 Hz", maximise="platform.mass")
+    assert not found.feasible and found.text == "" and found.worst[0] < 400
+    with pytest.raises(hydrapod.ComputationError, match="meets all requirements"):
+        found.machine
+
+
+def test_design_can_be_stopped(heavy):
+    assert designed(heavy, maximise="lowest", progress=lambda share: True).interrupted
+
+
+@pytest.mark.parametrize("options, message", [
+    ({"minimise": "lowest", "change": {}}, "change"), ({"change": {sleeve: "1:50 kN/mm"}}, "minimise"),
+    ({"change": {"no.such": (1, 2)}, "minimise": "lowest"}, "no.such"),
+    ({"change": {sleeve: (2e6, 1e6)}, "minimise": "lowest"}, "stiffness"),
+    ({"change": {sleeve: (1e6, np.nan)}, "minimise": "lowest"}, "two finite numbers"),
+    ({"change": {sleeve: 1e6}, "minimise": "lowest"}, "two finite numbers"),
+    ({"change": {sleeve: (1e6, 2e6)}, "minimise": "lowst"}, "lowest"),
+    ({"change": {sleeve: (1e6, 2e6)}, "minimise": ["lowest", "x", "y"]}, "two for a trade-off"),
+    ({"change": {sleeve: (1e6, 2e6)}, "minimise": "lowest", "want": "lowest is 4"}, "lowest"),
+    ({"change": {sleeve: (1e6, 2e6)}, "minimise": "lowest", "poses": "z=50"}, "50"),
+    ({"change": {sleeve: (1e6, 2e6)}, "minimise": "lowest", "samples": 3}, "16"),
+    ({"change": {sleeve: (1e6, 2e6)}, "minimise": "lowest", "trade_off": 1}, "3 to 1000")])
+def test_wrong_designs(heavy, options, message):
+    with pytest.raises(ValueError, match=message):
+        hydrapod.design(heavy, **options)
