@@ -171,6 +171,14 @@ TEST(Help, BecomesManPages) {
               testing::HasSubstr("unknown option '--completions'; did you mean '--completion'?"));
 }
 
+/// A server would go on: it is ended as by Ctrl-C once it has printed its address, and opens no
+/// browser.
+std::string until_it_listens(const std::string& example) {
+  return example +
+         " --no-browser >address & while kill -0 $! && ! grep -q http address; do sleep 0.05; "
+         "done; kill -INT $!; wait $!";
+}
+
 TEST(Help, ExamplesWork) {
   const std::string programs = test::hydrapod_program().parent_path().string();
   const std::string path = programs + ':' + std::getenv("PATH");
@@ -179,10 +187,7 @@ TEST(Help, ExamplesWork) {
     for (const auto& example : entries_below("Examples:", run_hydrapod({command, "--help"}).out)) {
       const test::TemporaryFolder folder;
       furnished.copy_to(folder.path());
-      // a server would go on: it is ended as by Ctrl-C, and opens no browser
-      const std::string line =
-          command != "studio" ? example : "timeout --signal=INT --preserve-status 2 " + example +
-                                              " --no-browser";
+      const std::string line = command != "studio" ? example : until_it_listens(example);
       const auto result = test::run_program(
           "sh", {"-c", line}, {.folder = folder.path(), .variables = {{"PATH", path}}});
       EXPECT_EQ(result.exit_code, 0) << example << '\n' << result.err;
