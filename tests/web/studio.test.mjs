@@ -239,6 +239,35 @@ test('results without a section are shown with their job: map, Monte Carlo, cali
   await closeStudio(page);
 });
 
+test('what is typed and not yet sent stays when a result arrives', async () => {
+  const page = await openStudio();
+  const kind = page.locator('[data-control="job-kind"]');
+  await kind.selectOption('simulate');
+  await page.locator('[data-field-of-job="until"]').fill('1.7 s');
+  await kind.selectOption('diagnose');
+  await page.locator('[data-field-of-job="modes_only"]').check();
+  await page.locator('[data-field-of-job="records"]').selectOption('');
+  await page.locator('[data-path-of-record="records"]').fill('mine.h5');
+  await page.getByText('Save under another name').click();
+  await page.locator('[data-path="save-as"]').fill('half typ');
+  const number = await page.evaluate(() => window.hydrapod.report.studio.page);
+  const started = await server.post('job', { kind: 'simulate', fields: { commands: ['step z=1 mm'], until: '0.1 s' } });
+  assert.equal((await server.over(JSON.parse(started.text).id)).state, 'done');
+  await page.waitForFunction((before) => window.hydrapod?.report.studio.page > before, number);
+  await page.waitForFunction(() => document.querySelector('[data-path="save-as"]')?.value === 'half typ');
+  assert.ok(await page.locator('[data-path="save-as"]').isVisible());
+  assert.equal(await kind.inputValue(), 'diagnose');
+  assert.ok(await page.locator('[data-field-of-job="modes_only"]').isChecked());
+  assert.equal(await page.locator('[data-path-of-record="records"]').inputValue(), 'mine.h5');
+  await kind.selectOption('simulate');
+  assert.equal(await page.locator('[data-field-of-job="until"]').inputValue(), '1.7 s');
+  // once: a page that is opened anew is empty
+  await page.reload();
+  await page.waitForFunction(() => document.querySelector('.studio-file')?.textContent);
+  assert.equal(await page.locator('[data-path="save-as"]').inputValue(), '');
+  await closeStudio(page);
+});
+
 test('wrong input of a form is said, and nothing begins', async () => {
   const page = await openStudio();
   await page.locator('[data-control="job-kind"]').selectOption('simulate');

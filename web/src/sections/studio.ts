@@ -3,6 +3,7 @@
 import { button, html, identifier } from '../dom';
 import type { State } from '../state';
 import { Client, type StudioState } from '../studio/client';
+import { keepDraft, setValues, takeDraft, valuesIn } from '../studio/draft';
 import { jobForm, pathForm, type Values } from '../studio/forms';
 import { JobList } from '../studio/jobs';
 import { shareValues } from '../studio/sharing';
@@ -33,8 +34,10 @@ class Studio {
   private readonly jobs = new JobList(this.client, (text) => this.say(text));
   private readonly form = jobForm((kind, fields) => void this.start(kind, fields));
   private readonly save = button('Save', () => void this.saveInPlace(), { class: 'primary', 'data-control': 'save' });
+  private readonly files = this.otherFiles();
   private readonly page: number;
   private shownRecords = '';
+  private draft = takeDraft();
 
   constructor(
     private readonly state: State,
@@ -48,7 +51,7 @@ class Studio {
       html(
         'div',
         { class: 'studio-parts' },
-        box('Machine file', this.file, this.changed, this.values, html('div', { class: 'row' }, this.save), this.edits, this.otherFiles()),
+        box('Machine file', this.file, this.changed, this.values, html('div', { class: 'row' }, this.save), this.edits, this.files),
         box('Records', this.dropZone(), this.records),
         box('New job', this.form.element),
       ),
@@ -89,7 +92,7 @@ class Studio {
     const { state, connected } = this.client;
     if (!connected) return this.showLost();
     if (!state) return;
-    if (document.body.classList.contains('lost')) return location.reload();
+    if (document.body.classList.contains('lost')) return this.load();
     if (state.page !== this.page) return this.loadAgain(state);
     this.warning.replaceChildren();
     if (state.differs_on_disk) this.showDiffering();
@@ -104,6 +107,25 @@ class Studio {
     this.showRecords(state);
     this.jobs.show(state.jobs);
     this.form.records(state.records);
+    this.restoreDraft();
+  }
+
+  /** After the page has loaded again: records can only be chosen once they are known. */
+  private restoreDraft(): void {
+    const { draft } = this;
+    this.draft = null;
+    if (!draft) return;
+    this.form.restore(draft);
+    setValues(this.files, draft.fields['files']);
+    [this.files, this.edits.querySelector('details')].forEach((part, k) => part?.toggleAttribute('open', draft.unfolded[k]));
+  }
+
+  /** With what was typed and not yet sent. */
+  private load(): void {
+    const { kind, fields } = this.form.draft();
+    const unfolded = [this.files, this.edits.querySelector('details')].map((part) => part?.hasAttribute('open') ?? false);
+    keepDraft({ kind, fields: { ...fields, files: valuesIn(this.files) }, unfolded });
+    location.reload();
   }
 
   private loadAgain(state: StudioState): void {
@@ -115,7 +137,7 @@ class Studio {
       sessionStorage.setItem(sectionToShow, newest.section);
       sessionStorage.setItem(ownJobs + '-shown', String(newest.id));
     }
-    location.reload();
+    this.load();
   }
 
   private showLost(): void {

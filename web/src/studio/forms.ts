@@ -2,6 +2,7 @@
 
 import { button, html, identifier } from '../dom';
 import type { KnownRecord } from './client';
+import { setValues, valuesIn, type Draft } from './draft';
 
 interface Field {
   name: string;
@@ -172,6 +173,9 @@ export interface JobForm {
   element: HTMLElement;
   /** Those that can be chosen. */
   records(known: KnownRecord[]): void;
+  /** What is typed in the forms of all kinds. */
+  draft(): Pick<Draft, 'kind' | 'fields'>;
+  restore(draft: Draft): void;
 }
 
 /** `start` gets the kind and the fields that are not empty. */
@@ -183,13 +187,17 @@ export function jobForm(start: (kind: string, fields: Values) => void): JobForm 
   const made = new Map<string, Map<string, Control>>();
   let known: KnownRecord[] = [];
   let controls = new Map<string, Control>();
+  const make = (form: Form) => {
+    const parts = made.get(form.kind) ?? new Map(form.fields.map((field) => [field.name, control(field)]));
+    made.set(form.kind, parts);
+    for (const one of parts.values()) one.records?.(known);
+    return parts;
+  };
   const show = () => {
     const form = forms.find(({ kind }) => kind === choice.value) as Form;
-    controls = made.get(form.kind) ?? new Map(form.fields.map((field) => [field.name, control(field)]));
-    made.set(form.kind, controls);
+    controls = make(form);
     what.textContent = form.what;
     place.replaceChildren(...[...controls.values()].map(({ element }) => element));
-    for (const one of controls.values()) one.records?.(known);
   };
   choice.addEventListener('change', show);
   const element = html(
@@ -215,6 +223,20 @@ export function jobForm(start: (kind: string, fields: Values) => void): JobForm 
     records: (list) => {
       known = list;
       for (const one of controls.values()) one.records?.(known);
+    },
+    draft: () => {
+      const fields: Draft['fields'] = {};
+      for (const [kind, parts] of made)
+        for (const [name, { element: field }] of parts) fields[`${kind}.${name}`] = valuesIn(field);
+      return { kind: choice.value, fields };
+    },
+    restore: ({ kind, fields }) => {
+      for (const form of forms) {
+        if (!Object.keys(fields).some((name) => name.startsWith(`${form.kind}.`))) continue;
+        for (const [name, { element: field }] of make(form)) setValues(field, fields[`${form.kind}.${name}`]);
+      }
+      if (forms.some((form) => form.kind === kind)) choice.value = kind;
+      show();
     },
   };
 }
