@@ -72,4 +72,16 @@ std::array<JointAngles, model::leg_count> joint_angles(const model::Machine& mac
   return angles;
 }
 
+double stroke_left(const model::Machine& machine, const Pose& X_BP) {
+  const spatial::Vector6 lengths = leg_lengths(machine, X_BP);
+  double least = std::numeric_limits<double>::quiet_NaN();
+  for (int i = 0; i < model::leg_count; ++i) {
+    const auto& leg = machine.legs[static_cast<std::size_t>(i)];
+    if (!leg.stroke) continue;
+    const double extended = lengths[i] - leg.rod.length - leg.stroke->retracted;
+    least = std::fmin(least, std::min(extended, leg.stroke->length - extended));
+  }
+  return least;
+}
+
 }  // namespace hydrapod::kinematics

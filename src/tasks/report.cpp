@@ -47,6 +47,9 @@ Report report_document(const Machine& given, const ReportOptions& options,
   document = report::report_json(machine.file, machine.path, poses, page);
   // of the best hypothesis of a diagnosis, no overrides lead to its numbers
   if (!options.diagnosis) document["editable"]["overrides"] = machine.file.overrides;
+  const auto checked = check(machine, poses);
+  document["check"] = report::check_json(checked, machine.file.machine);
+  document["check"]["verdict"] = report::verdict_text(checked);
   machine.pose = poses.front();
   if (options.simulation)
     document["simulation"] = report::simulation_section(

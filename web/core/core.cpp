@@ -4,9 +4,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <stdexcept>
 
 #include "hydrapod/base/error.hpp"
+#include "hydrapod/base/units.hpp"
 #include "hydrapod/kinematics/legs.hpp"
 #include "pose_report.hpp"
 #include "units.hpp"
@@ -128,8 +130,9 @@ namespace {
 
 /// Legs with joints of their own are not laid out on the circle again.
 void spare_own_joints(std::vector<model::Assignment>& assignments) {
-  for (const auto& [front, joint] : {std::pair{"base.joints.circle.", "leg.*.base_joint"},
-                                     std::pair{"platform.joints.circle.", "leg.*.platform_joint"}}) {
+  for (const auto& [front, joint] :
+       {std::pair{"base.joints.circle.", "leg.*.base_joint"},
+        std::pair{"platform.joints.circle.", "leg.*.platform_joint"}}) {
     unsigned own = 0;
     for (const auto& one : assignments)
       if (model::row_of(one.id).path == joint) own |= one.id.legs;
@@ -154,7 +157,33 @@ model::Machine Core::changed(const Json& set) const {
   return model::with(machine_, assignments);
 }
 
+namespace {
+
+using Displacement = Eigen::Map<const spatial::Vector6>;
+
+spatial::Pose displaced(const model::Machine& machine, const Displacement& d) {
+  const auto& neutral = machine.neutral();
+  return {spatial::rotation_from_rpy(d.tail<3>()) * neutral.R_BP, neutral.p_BP + d.head<3>()};
+}
+
+bool has_error(const std::vector<model::Finding>& findings) {
+  return std::any_of(findings.begin(), findings.end(),
+                     [](const auto& finding) { return finding.severity == base::Severity::error; });
+}
+
+}  // namespace
+
 model::NamedPose Core::pose(const model::Machine& machine, const Json& request) const {
+  if (const auto given = request.find("displaced"); given != request.end()) {
+    const auto d = given->get<std::vector<double>>();
+    std::string name;
+    for (int i = 0; i < 6; ++i)
+      if (d.at(i) != 0.0)
+        name += fmt::format("{}{}={} {}", name.empty() ? "" : ", ", spatial::direction_names[i],
+                            i < 3 ? 1e3 * d[i] : d[i], i < 3 ? "mm" : "rad");
+    return {name.empty() ? machine.poses.front().name : name,
+            displaced(machine, Displacement(d.data()))};
+  }
   const auto& shown = shown_.at(request.at("pose").get<std::size_t>());
   if (shown.of) return machine.poses.at(*shown.of);
   const auto& neutral = machine.neutral();
@@ -170,14 +199,10 @@ Json Core::compute(const Json& request) {
     for (auto& finding : kinematics::check_pose(machine, shown.X_BP, "--pose " + shown.name))
       findings.push_back(std::move(finding));
   Json json{{"findings", findings_json(findings)}};
-  if (std::any_of(findings.begin(), findings.end(), [](const auto& finding) {
-        return finding.severity == base::Severity::error;
-      }))
-    return json;
+  if (has_error(findings)) return json;
   try {
     const auto table = modal::mode_table(machine, shown.X_BP, kind_);
-    json["pose"] =
-        report::pose_report(machine, shown, table, request.at("points").get<int>());
+    json["pose"] = report::pose_report(machine, shown, table, request.at("points").get<int>());
     const auto swept = [&](const modal::AnalysedModel& model) {
       return response::response_model(model.linear, model.normal, table.ratio.value,
                                       machine.platform.mass_center);
@@ -227,13 +252,96 @@ Json Core::sensitivities(const Json& request) const {
     if (!model::of_mechanics(id) || value == 0.0) continue;
     if (id.of != 0 && !model::row_of(id).path.starts_with("poses.")) continue;
     try {
-      const model::Assignment more[]{{id, value * (1.0 + step)}}, less[]{{id, value * (1.0 - step)}};
+      const model::Assignment more[]{{id, value * (1.0 + step)}},
+          less[]{{id, value * (1.0 - step)}};
       const double slope =
           (lowest(model::with(machine_, more)) - lowest(model::with(machine_, less))) /
           (2.0 * step);
       if (std::isfinite(slope)) json[path] = slope;
-    } catch (const std::exception&) {  // a pose or leg that cannot be: it keeps its place in the list
+    } catch (
+        const std::exception&) {  // a pose or leg that cannot be: it keeps its place in the list
     }
+  }
+  return json;
+}
+
+namespace {
+
+/// In the order of study::Status.
+enum class MapStatus { computed, not_allowed, out_of_reach, no_equilibrium, buckled };
+
+MapStatus resonances_at(const model::Machine& machine, const spatial::Pose& X_BP,
+                        dynamics::ModelKind kind, double* row) {
+  if (has_error(kinematics::check_pose(machine, X_BP, ""))) return MapStatus::out_of_reach;
+  row[16] = kinematics::stroke_left(machine, X_BP);
+  try {
+    const auto flexible = dynamics::linear_model(machine, X_BP, kind);
+    const auto modes = modal::normal_modes(flexible);
+    if (modes.omega2[0] <= 0.0) return MapStatus::buckled;
+    const auto rigid = dynamics::linear_model(machine, X_BP, dynamics::ModelKind::rigid);
+    const auto found = modal::resonances(flexible, modes, modal::normal_modes(rigid));
+    row[1] = found.lowest / base::two_pi;
+    row[2] = found.direction + 1;
+    row[3] = found.drop;
+    for (int d = 0; d < 6; ++d) {
+      row[4 + d] = found.first[d] / base::two_pi;
+      row[10 + d] = found.drops[d];
+    }
+  } catch (const base::ComputationError&) {
+    return MapStatus::no_equilibrium;
+  }
+  return MapStatus::computed;
+}
+
+}  // namespace
+
+std::vector<double> Core::map(const Json& request, const std::vector<double>& displacements) const {
+  const auto machine = changed(request.at("set"));
+  const bool allowed = !has_error(model::validate(machine));
+  std::vector<double> rows(displacements.size() / 6 * map_columns,
+                           std::numeric_limits<double>::quiet_NaN());
+  for (std::size_t k = 0; k < displacements.size() / 6; ++k) {
+    double* row = rows.data() + k * map_columns;
+    const auto status =
+        allowed
+            ? resonances_at(machine, displaced(machine, Displacement(displacements.data() + 6 * k)),
+                            kind_, row)
+            : MapStatus::not_allowed;
+    row[0] = static_cast<double>(status);
+  }
+  return rows;
+}
+
+Json Core::reach(const Json& request) const {
+  constexpr int steps = 32, halvings = 12;
+  constexpr double widest = 0.7853981633974483;  // [rad]
+  const auto machine = changed(request.at("set"));
+  double shortest = std::numeric_limits<double>::infinity();
+  for (const double length : kinematics::leg_lengths(machine, machine.neutral()))
+    shortest = std::min(shortest, length);
+  const auto within = [&](int direction, double value) {
+    spatial::Vector6 d = spatial::Vector6::Zero();
+    d[direction] = value;
+    return !has_error(
+        kinematics::check_pose(machine, displaced(machine, Displacement(d.data())), ""));
+  };
+  Json json = Json::array();
+  for (int direction = 0; direction < 6; ++direction) {
+    const double limit = direction < 3 ? shortest / 3.0 : widest;
+    Json ends = Json::array();
+    for (const double sense : {-1.0, 1.0}) {
+      double inside = 0.0;
+      int k = 1;
+      while (k <= steps && within(direction, sense * limit * k / steps))
+        inside = sense * limit * k++ / steps;
+      double outside = sense * limit * std::min(k, steps) / steps;
+      for (int n = 0; n < halvings && k <= steps; ++n) {
+        const double middle = 0.5 * (inside + outside);
+        (within(direction, middle) ? inside : outside) = middle;
+      }
+      ends.push_back(inside);
+    }
+    json.push_back(std::move(ends));
   }
   return json;
 }

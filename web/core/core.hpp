@@ -36,7 +36,8 @@ class Core {
   [[nodiscard]] Json parameters() const;
 
   /// `{ "set": [[path, value], …], "pose": number, "points": of a Bode curve, 0: none }`.
-  /// What editable_json() calls `shown` counts the poses. The answer has `findings`, those of the
+  /// What editable_json() calls `shown` counts the poses; instead of one, `"displaced": [x, …, rz]`
+  /// is a displacement from the neutral pose [m, rad], as of `--pose`. The answer has `findings`, those of the
   /// changed machine, and, where none of them is an error, `pose`: as report_json() has it; or
   /// `problem`, why there are no modes.
   Json compute(const Json& request);
@@ -51,6 +52,17 @@ class Core {
   /// `{ "pose" }`: relative change of the lowest frequency with platform motion per relative change
   /// of each number of the linear models, by path; central differences.
   [[nodiscard]] Json sensitivities(const Json& request) const;
+
+  /// `{ "set" }`, and displacements from the neutral pose, six numbers each: status as of
+  /// study::Status, lowest [Hz], its direction 1 … 6, drop, first resonances x … rz [Hz] and their
+  /// drops, stroke left [m]: map_columns numbers each, NaN where there are none, as `hydrapod map`.
+  [[nodiscard]] std::vector<double> map(const Json& request,
+                                        const std::vector<double>& displacements) const;
+  static constexpr int map_columns = 17;
+
+  /// `{ "set" }`: per direction [least, largest] displacement from the neutral pose that is within
+  /// reach on the way from there [m, rad], at most a third of a leg or 45°.
+  [[nodiscard]] Json reach(const Json& request) const;
 
  private:
   struct Shown {

@@ -69,6 +69,16 @@ CORE_EXPORT int core_buckling() {
 CORE_EXPORT int core_sensitivities() {
   return answer([](const Json& request) { return core().value().sensitivities(request); });
 }
+CORE_EXPORT int core_reach() {
+  return answer([](const Json& request) { return core().value().reach(request); });
+}
+/// Displacements stand where core_lines() says; core_map() puts rows in their place.
+CORE_EXPORT int core_map() {
+  return answer([](const Json& request) {
+    numbers() = core().value().map(request, numbers());
+    return Json(Core::map_columns);
+  });
+}
 
 /// Room for `lines` angular frequencies; core_sweep() puts the responses in their place.
 CORE_EXPORT double* core_lines(int lines) {

@@ -130,6 +130,53 @@ export interface Simulation {
   };
 }
 
+/** What a direction or a leg can do at most, and what limits it. */
+export interface Reach {
+  value: number;
+  limit: string;
+  leg?: number;
+}
+
+export type Ability = 'force' | 'velocity' | 'acceleration' | 'jerk' | 'excursion';
+
+export interface PoseCheck {
+  condition: number;
+  equilibrium: boolean;
+  sound: boolean;
+  warnings: string[];
+  legs: {
+    length_m: number;
+    axial_force_N: number;
+    static_tilt_rad: number;
+    sleeve_offset_m: number;
+    guide_gap_m?: number;
+    retract_left_m?: number;
+    extend_left_m?: number;
+    cap_pressure_Pa?: number | null;
+    rod_pressure_Pa?: number | null;
+    largest_push_N: number;
+    largest_pull_N: number;
+    column?: { strength_N: number };
+  }[];
+  buckling: { status: 'found' | 'not_found' | 'buckled' | 'not_sought'; payload_kg?: number };
+  first_resonance_rad_s?: number;
+  capability?: {
+    /** Along the axis and against it, from rest. */
+    directions: ({ direction: string } & Record<Ability, [Reach, Reach]>)[];
+    /** Share of it that is there in all directions at once. */
+    combined: Partial<Record<Ability, number>>;
+    gain_limit_1_s?: number;
+  };
+}
+
+/** As `hydrapod check` has it, at the poses of the report. */
+export interface Check {
+  sound: boolean;
+  verdict: string;
+  simulation_assumptions: { key: string; text: string }[];
+  poses: PoseCheck[];
+}
+
 /** How a result was made. */
 export interface Reproduction {
   program: string;
@@ -142,6 +189,12 @@ export interface Reproduction {
   inputs: { option: string; path: string; bytes: number | null; sha256: string | null }[];
 }
 
+export interface Place {
+  name: string;
+  position: Vector;
+  rotation: [Vector, Vector, Vector];
+}
+
 /** The machine as the page's core takes it (src/report/editable_machine.hpp). */
 export interface Editable {
   /** Units as the machine file writes them, by path; `size` in SI. */
@@ -149,6 +202,10 @@ export interface Editable {
   /** By SI unit: units in which a value may be typed, by their size. */
   scales: Record<string, Record<string, number>>;
   model: 'rigid' | 'guide' | 'full';
+  /** Poses of the machine, the neutral one first. */
+  poses: Place[];
+  /** Poses of the report: `of` the machine's, or a displacement from the neutral one. */
+  shown: (Place & { of: number | null })[];
   /** `--set` that lead from the machine file to this machine; absent where none do. */
   overrides?: string[];
 }
@@ -181,6 +238,7 @@ export interface Report {
   reproduction?: Reproduction;
   poses: PoseReport[];
   editable?: Editable;
+  check?: Check;
   simulation?: Simulation;
   diagnosis?: Diagnosis;
   identification?: Identification;

@@ -89,6 +89,19 @@ export interface WhatIfHook {
   command(): string;
 }
 
+export interface WorkspaceHook {
+  /** Starts the core where it has not started; resolves when the map is being calculated. */
+  readonly ready: Promise<void>;
+  /** Has the page show the machine there: x … rz from the neutral pose [m, rad]; null: at the report's. */
+  displace(displaced: number[] | null): void;
+  /** Resolves when the map has its finest level. */
+  complete(): Promise<void>;
+  /** Points of the map [m, rad] with their rows, see web/core/core.hpp. */
+  rows(): { across: number; up: number; row: number[] }[];
+  /** The command of the map that is shown. */
+  command(): string;
+}
+
 declare global {
   interface Window {
     hydrapod: {
@@ -98,6 +111,7 @@ declare global {
       bode?: BodeHook;
       simulation?: SimulationHook;
       whatIf?: WhatIfHook;
+      workspace?: WorkspaceHook;
       identification?: IdentificationHook;
       /** When the machine was drawn first [ms since the page began to load]. */
       firstFrame?: number;

@@ -2,7 +2,7 @@
 
 import { firstMode, type Mode, type PoseReport, type Report } from './document';
 
-export type Change = 'pose' | 'numbers' | 'mode' | 'theme';
+export type Change = 'pose' | 'numbers' | 'mode' | 'theme' | 'displaced';
 type Listener = (change: Change) => void;
 
 export class State {
@@ -11,7 +11,11 @@ export class State {
   private modeNumber: number;
   /** Gets the changed values [SI] and the arguments of `--set`, shortly after the last change. */
   onValues: ((values: [string, number][], assignments: string[]) => void) | null = null;
-  /** The pose of a machine with other numbers. */
+  /** Displacement from the neutral pose at which the machine is shown [m, rad]; null: the chosen pose. */
+  private displacement: number[] | null = null;
+  /** Changed values of the machine that is shown [SI]. */
+  values: [string, number][] = [];
+  /** The pose of a machine with other numbers, or at another place. */
   private other: PoseReport | null = null;
 
   constructor(readonly report: Report) {
@@ -27,7 +31,17 @@ export class State {
     return this.report.poses[this.poseIndex] as PoseReport;
   }
 
-  /** Is what is shown of a machine with other numbers? */
+  get displaced(): number[] | null {
+    return this.displacement;
+  }
+
+  /** Shows the machine at this displacement once somebody has calculated it. */
+  displace(displacement: number[] | null): void {
+    this.displacement = displacement;
+    this.tell('displaced');
+  }
+
+  /** Is what is shown of a machine with other numbers, or at a pose that the report does not have? */
   get isWhatIf(): boolean {
     return this.other !== null;
   }
@@ -51,6 +65,7 @@ export class State {
   choosePose(index: number): void {
     this.poseIndex = index;
     this.other = null;
+    this.displacement = null;
     this.tell('pose');
   }
 

@@ -106,6 +106,10 @@ struct JointAngles {
 std::array<JointAngles, model::leg_count> joint_angles(const model::Machine& machine,
                                                        const Pose& X_BP);
 
+/// Least stroke left of any leg in either direction [m], negative beyond it; NaN for legs without a
+/// stroke.
+double stroke_left(const model::Machine& machine, const Pose& X_BP);
+
 /// Findings about one pose: a leg shorter than its rod, a piston outside its stroke, a guide sleeve
 /// beyond the rod, a joint beyond its limit, a singular pose. `key` is what the findings are filed
 /// under, for instance `poses.neutral`.

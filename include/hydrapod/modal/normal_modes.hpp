@@ -72,4 +72,21 @@ std::vector<EnergyShares> energy_shares(const LinearModel& model,
 EnergyShares energy_shares(const LinearModel& model, const ModelVector& real,
                            const ModelVector& imaginary);
 
+/// A mode resonates in a direction when it holds this share of (M⁻¹)_dd, the sum of φ_d² over all
+/// modes: five per cent is a peak that a frequency response shows beside the main one.
+inline constexpr double resonance_share = 0.05;
+
+/// What a pose comes down to in maps and sweeps [rad/s]; NaN where there is no such mode.
+struct Resonances {
+  double lowest{};  ///< of the modes with platform motion
+  int direction{};  ///< in which it moves most, 0 … 5 for x … rz
+  double drop{};    ///< 1 − ω/ω_r, ω_r being the rigid mode that holds most of its momentum
+  Vector6 first{};  ///< per direction the first that resonates there
+  Vector6 drops{};  ///< of those, against the first one with rigid legs
+};
+
+/// `rigid`: modes of the rigid model at the same pose.
+Resonances resonances(const LinearModel& flexible, const NormalModes& modes,
+                      const NormalModes& rigid, double share = resonance_share);
+
 }  // namespace hydrapod::modal

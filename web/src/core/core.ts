@@ -29,6 +29,8 @@ export type Setting = [path: string, value: number];
 export interface Request {
   set: Setting[];
   pose: number;
+  /** Instead: a displacement from the neutral pose, x … rz [m, rad]. */
+  displaced?: number[];
   points?: number;
 }
 
@@ -46,6 +48,12 @@ export interface Buckling {
   status: 'found' | 'none' | 'buckled';
   payload_kg?: number;
 }
+
+/** Columns of a map (web/core/core.hpp). */
+export const map = { columns: 17, status: 0, lowest: 1, direction: 2, drop: 3, first: 4, drops: 10, stroke: 16 };
+
+/** What the status of a row says, as in study::Status. */
+export const mapStatus = ['computed', 'not allowed', 'out of reach', 'no equilibrium', 'buckled'];
 
 export class Core {
   private asked = new Map<number, (answer: Answered) => void>();
@@ -69,11 +77,11 @@ export class Core {
     return core;
   }
 
-  private call(call: Asked['call'], text: string, omega?: Float64Array): Promise<Answered> {
+  private call(call: Asked['call'], text: string, numbers?: Float64Array): Promise<Answered> {
     const id = ++this.last;
     return new Promise((resolve, reject) => {
       this.asked.set(id, (answer) => (answer.ok ? resolve(answer) : reject(new Error(answer.text))));
-      this.worker.postMessage({ id, call, text, ...(omega ? { omega } : {}) } satisfies Asked);
+      this.worker.postMessage({ id, call, text, ...(numbers ? { numbers } : {}) } satisfies Asked);
     });
   }
 
@@ -88,6 +96,16 @@ export class Core {
 
   async buckling(request: Request): Promise<Buckling> {
     return JSON.parse((await this.call('buckling', JSON.stringify(request))).text);
+  }
+
+  /** A row of `map.columns` numbers for each displacement from the neutral pose (six numbers). */
+  async map(set: Setting[], displacements: Float64Array): Promise<Float64Array> {
+    return (await this.call('map', JSON.stringify({ set }), displacements)).numbers as Float64Array;
+  }
+
+  /** Per direction the displacements from the neutral pose that are within reach. */
+  async reach(set: Setting[]): Promise<[number, number][]> {
+    return JSON.parse((await this.call('reach', JSON.stringify({ set }))).text);
   }
 
   async sensitivities(pose: number): Promise<Record<string, number>> {

@@ -89,9 +89,22 @@ export class Edits {
   }
 }
 
-/** "set=legs.rod.mass%3D7.2&set=…", as the part of an address behind "#". */
-export const fragmentOf = (values: Values): string =>
-  [...values].map(([path, value]) => `set=${encodeURIComponent(`${path}=${value}`)}`).join('&');
+/** "set=legs.rod.mass%3D7.2&set=…&pose=0.01,0,0,0,0,0", as the part of an address behind "#". */
+export const fragmentOf = (values: Values, displaced: number[] | null): string =>
+  [
+    ...[...values].map(([path, value]) => `set=${encodeURIComponent(`${path}=${value}`)}`),
+    ...(displaced ? [`pose=${displaced.join(',')}`] : []),
+  ].join('&');
+
+/** Is it an address of changed values or of a displacement? */
+export const holdsState = (fragment: string): boolean => /^#(set|pose)=/.test(fragment);
+
+/** The displacement in such a part [m, rad]; null where there is none. */
+export function displacementIn(fragment: string): number[] | null {
+  const given = new URLSearchParams(fragment.replace(/^#/, '')).get('pose');
+  const numbers = given?.split(',').map((text) => (text.trim() === '' ? Number.NaN : Number(text))) ?? [];
+  return numbers.length === 6 && numbers.every(Number.isFinite) ? numbers : null;
+}
 
 /** The values in such a part; what is not known or no number is left out. */
 export function fromFragment(

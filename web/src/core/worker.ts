@@ -1,6 +1,6 @@
 // The library's own mechanics (web/core, WebAssembly) beside the page, so that the page never stalls.
 //
-// Messages: { id, call, text?, omega? }; answers: { id, ok, text, numbers?, milliseconds }. `start`
+// Messages: { id, call, text, numbers? }; answers: { id, ok, text, numbers?, milliseconds }. `start`
 // takes the module as base64 of gzip.
 
 interface Exports {
@@ -16,16 +16,21 @@ interface Exports {
   core_compute(): number;
   core_buckling(): number;
   core_sensitivities(): number;
+  core_reach(): number;
+  core_map(): number;
 }
 
-type Call = 'open' | 'compute' | 'buckling' | 'sensitivities';
+type Call = 'open' | 'compute' | 'buckling' | 'sensitivities' | 'reach' | 'map';
 
 export interface Asked {
   id: number;
   call: Call | 'start';
   text: string;
-  /** With `compute`: also responses at these angular frequencies [rad/s]. */
-  omega?: Float64Array;
+  /**
+   * With `compute`: also responses at these angular frequencies [rad/s]. With `map`: displacements,
+   * six numbers each.
+   */
+  numbers?: Float64Array;
 }
 
 export interface Answered {
@@ -78,20 +83,32 @@ function called(call: Call, text: string): [boolean, string] {
   return [!refused, new TextDecoder().decode(answer)];
 }
 
-function sweep(omega: Float64Array): Float64Array {
-  const at = core.core_lines(omega.length);
-  new Float64Array(core.memory.buffer, at, omega.length).set(omega);
-  const count = core.core_sweep();
-  return new Float64Array(core.memory.buffer, core.core_numbers(), count).slice();
+function give(numbers: Float64Array): void {
+  const at = core.core_lines(numbers.length);
+  new Float64Array(core.memory.buffer, at, numbers.length).set(numbers);
 }
 
-scope.onmessage = async ({ data: { id, call, text, omega } }) => {
+const taken = (count: number): Float64Array =>
+  new Float64Array(core.memory.buffer, core.core_numbers(), count).slice();
+
+function sweep(omega: Float64Array): Float64Array {
+  give(omega);
+  return taken(core.core_sweep());
+}
+
+/** `columns` numbers for each displacement. */
+const rows = (given: Float64Array, columns: string): Float64Array => taken((given.length / 6) * Number(columns));
+
+scope.onmessage = async ({ data: { id, call, text, numbers } }) => {
   const begin = performance.now();
   const answer: Answered = { id, ok: true, text: '', milliseconds: 0 };
   try {
     if (call === 'start') await start(text);
-    else [answer.ok, answer.text] = called(call, text);
-    if (omega && answer.ok) answer.numbers = sweep(omega);
+    else {
+      if (call === 'map' && numbers) give(numbers);
+      [answer.ok, answer.text] = called(call, text);
+    }
+    if (numbers && answer.ok) answer.numbers = call === 'map' ? rows(numbers, answer.text) : sweep(numbers);
   } catch (error) {
     answer.ok = false;
     answer.text = String(error);

@@ -44,7 +44,11 @@ export function header(state: State, sections: Section[], page: HTMLElement): vo
   page.append(host);
   const show = () => {
     host.classList.toggle('changed-machine', state.isWhatIf);
-    const words = 'With the changed values below, not the machine of this report:';
+    const what = [
+      ...(state.values.length > 0 ? ['with the changed values below'] : []),
+      ...(state.displaced ? [`at the pose ${state.pose.pose.name}`] : []),
+    ].join(', ');
+    const words = `${what.charAt(0).toUpperCase()}${what.slice(1)}, not ${state.values.length > 0 ? 'the machine of this report' : 'at a pose of this report'}:`;
     host.replaceChildren(
       ...verdict(report),
       ...(state.isWhatIf ? [html('p', { class: 'words changed-words' }, words)] : []),

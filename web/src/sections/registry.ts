@@ -5,6 +5,7 @@ import { html } from '../dom';
 import type { State } from '../state';
 import { about } from './about';
 import { bode } from './bode';
+import { check } from './check';
 import { diagnosis } from './diagnosis';
 import { header } from './header';
 import { identification } from './identification';
@@ -15,6 +16,7 @@ import type { Section } from './section';
 import { simulation } from './simulation';
 import { studio } from './studio';
 import { whatIf } from './what_if';
+import { workspace } from './workspace';
 
 export const sections: Section[] = [
   studio,
@@ -23,6 +25,8 @@ export const sections: Section[] = [
   modes,
   pictures,
   whatIf,
+  workspace,
+  check,
   bode,
   simulation,
   identification,

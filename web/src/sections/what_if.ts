@@ -1,7 +1,8 @@
 // What if: sliders on every number of the machine, calculated here by the library's own mechanics.
 
-import { Core, type Buckling, type Computed, type Setting } from '../core/core';
-import { assignments, Edits, fragmentOf, fromFragment, settings, shellCommand, type Values } from '../core/edits';
+import type { Buckling, Computed, Core, Setting } from '../core/core';
+import { assignments, displacementIn, Edits, fragmentOf, fromFragment, holdsState, settings, shellCommand, type Values } from '../core/edits';
+import { coreFailure, sharedCore } from '../core/shared';
 import { directions, type Editable, type PoseReport } from '../document';
 import { button, html } from '../dom';
 import type { State } from '../state';
@@ -23,14 +24,22 @@ const lineCount = 1000;
 /** After the last change, until what takes longer is done [ms]. */
 const rest = 150;
 
+/** A machine, with the values that differ from the report's, at a pose. */
+interface Side {
+  values: Values;
+  displaced: number[] | null;
+  computed: Computed;
+  buckling: Buckling | null;
+}
+
 class WhatIf {
   private core: Core | null = null;
   private list: ParameterList | null = null;
   private readonly base = new Map<string, number>();
   private readonly edits = new Edits((path) => this.base.get(path));
   /** What is compared with. */
-  private a: { values: Values; computed: Computed; buckling: Buckling | null } | null = null;
-  private b: { values: Values; computed: Computed; buckling: Buckling | null } | null = null;
+  private a: Side | null = null;
+  private b: Side | null = null;
   private running: Promise<void> | null = null;
   private timer = 0;
   private direction = 0;
@@ -80,9 +89,10 @@ class WhatIf {
       ),
     );
     this.offerHook();
-    const wanted = () => location.hash.startsWith('#set=') && void this.ready;
+    const wanted = () => holdsState(location.hash) && void this.ready;
     wanted();
     addEventListener('hashchange', wanted);
+    this.state.listen((change) => change === 'displaced' && void this.ready);
     const seen = new IntersectionObserver((entries) => {
       if (!entries.some((entry) => entry.isIntersecting)) return;
       seen.disconnect();
@@ -105,39 +115,52 @@ class WhatIf {
 
   private fail(error: unknown): void {
     this.parameters.replaceChildren(
-      html('p', { class: 'problem', role: 'alert' }, `This browser cannot run the core: ${error}. Everything else on this page is as the program computed it.`),
+      html('p', { class: 'problem', role: 'alert' }, coreFailure(error)),
     );
   }
 
   private async start(): Promise<void> {
-    const module = document.getElementById('core')?.textContent ?? '';
-    this.core = await Core.start(module, this.editable);
+    this.core = await sharedCore(this.state);
     for (const { path, value } of this.core.parameters) this.base.set(path, value);
     this.list = new ParameterList(this.editable, this.core.parameters, this.edits);
     this.parameters.replaceChildren(this.list.element);
     this.edits.onChange = () => this.changed();
     addEventListener('hashchange', () => this.takeFragment());
     addEventListener('keydown', (event) => this.key(event));
-    this.state.listen((change) => change === 'pose' && this.newPose());
+    this.state.listen((change) => {
+      if (change === 'pose') void this.newPose();
+      if (change === 'displaced') void this.update();
+    });
     const given = fromFragment(location.hash, (path) => this.base.get(path));
+    const displaced = displacementIn(location.hash);
     await this.newPose();
     if (given.size > 0) this.edits.replace(given);
+    if (displaced) this.state.displace(displaced);
     void this.core.sensitivities(this.state.poseNumber).then((slopes) => this.list?.order(slopes));
   }
 
   /** A is the machine of the report at the pose that is shown; B has the changed values. */
   private async newPose(): Promise<void> {
     this.omega.set(grid(this.state.stated));
-    const computed = await this.compute(new Map());
-    this.a = { values: new Map(), computed, buckling: null };
+    const computed = await this.compute(new Map(), null);
+    this.a = { values: new Map(), displaced: null, computed, buckling: null };
     this.b = this.a;
     await this.update();
   }
 
-  private compute(values: Values): Promise<Computed> {
+  private place(displaced: number[] | null) {
+    return { pose: this.state.poseNumber, ...(displaced ? { displaced } : {}) };
+  }
+
+  private compute(values: Values, displaced: number[] | null): Promise<Computed> {
     // the page's Bode diagram with its peaks follows in settle()
-    const request = { set: settings(values), pose: this.state.poseNumber, points: 0 };
+    const request = { set: settings(values), ...this.place(displaced), points: 0 };
     return (this.core as Core).compute(request, this.omega);
+  }
+
+  /** Are the values and the pose of `side` those that were chosen last? */
+  private isNewest(side: Side | null): boolean {
+    return side?.values === this.edits.values && side.displaced === this.state.displaced;
   }
 
   private changed(): void {
@@ -151,9 +174,10 @@ class WhatIf {
   private update(): Promise<void> {
     this.running ??= (async () => {
       try {
-        while (this.b?.values !== this.edits.values) {
-          const values = this.edits.values;
-          this.b = { values, computed: await this.compute(values), buckling: null };
+        while (!this.isNewest(this.b)) {
+          const { values } = this.edits;
+          const { displaced } = this.state;
+          this.b = { values, displaced, computed: await this.compute(values, displaced), buckling: null };
           this.show();
         }
         this.show();
@@ -169,21 +193,23 @@ class WhatIf {
   /** What takes longer: the rest of the page, buckling, the address. */
   private async settle(): Promise<void> {
     const { a, b } = this;
-    if (!a || !b || b.values !== this.edits.values) return;
+    if (!a || !b || !this.isNewest(b)) return;
     if (b.computed.pose) {
       const points = this.state.stated.bode?.points ?? 0;
-      const request = { set: settings(b.values), pose: this.state.poseNumber, points };
-      const pose = b.values.size > 0 ? (await (this.core as Core).compute(request)).pose : null;
+      const request = { set: settings(b.values), ...this.place(b.displaced), points };
+      const isOther = b.values.size > 0 || b.displaced !== null;
+      const pose = isOther ? (await (this.core as Core).compute(request)).pose : null;
       if (this.b !== b) return;
+      this.state.values = settings(b.values);
       this.state.showOther(pose ?? null);
       this.state.onValues?.(settings(b.values), assignments(b.values, this.core?.parameters ?? []));
     }
-    const hash = fragmentOf(b.values);
-    if (hash || location.hash.startsWith('#set='))
+    const hash = fragmentOf(b.values, b.displaced);
+    if (hash || holdsState(location.hash))
       history.replaceState(null, '', hash ? `#${hash}` : location.href.split('#')[0]);
     for (const side of new Set([a, b]))
       if (!side.buckling && side.computed.pose)
-        side.buckling = await (this.core as Core).buckling({ set: settings(side.values), pose: this.state.poseNumber });
+        side.buckling = await (this.core as Core).buckling({ set: settings(side.values), ...this.place(side.displaced) });
     if (this.b === b) this.showBuckling();
   }
 
@@ -197,9 +223,9 @@ class WhatIf {
     this.state_.classList.toggle('problem', text !== '');
     this.state_.textContent = text
       ? `Not computed: ${text}. The rest of the page shows the last values that a machine can have.`
-      : count === 0
+      : count === 0 && !b.displaced
         ? 'B is the machine of this report. Change a value.'
-        : `B: ${count} changed value${count > 1 ? 's' : ''}. The whole page shows B.`;
+        : `B: ${count} changed value${count === 1 ? '' : 's'}${b.displaced ? `, at the pose ${pose?.pose.name ?? ''}` : ''}. The whole page shows B.`;
     const warnings = findings.filter((finding) => !finding.error);
     if (!text && count > 0 && warnings.length > 0)
       this.state_.textContent += ` Warning: ${warnings.map((w) => `${w.key}: ${w.message}`).join('; ')}.`;
@@ -282,7 +308,7 @@ class WhatIf {
       'modes',
       report.machine.file,
       '--pose',
-      stated.pose.name,
+      (this.b?.displaced && this.b.computed.pose?.pose.name) || stated.pose.name,
       '--model',
       model,
       ...[...overrides, ...changed].flatMap((text) => ['--set', text]),
@@ -290,11 +316,15 @@ class WhatIf {
   }
 
   private takeFragment(): void {
-    if (location.hash.startsWith('#set='))
-      this.edits.replace(fromFragment(location.hash, (path) => this.base.get(path)));
-    else if (this.edits.values.size > 0)
-      // a link to a section was followed; the address keeps the values
-      history.replaceState(null, '', `#${fragmentOf(this.edits.values)}`);
+    const { hash } = location;
+    if (holdsState(hash)) {
+      this.edits.replace(fromFragment(hash, (path) => this.base.get(path)));
+      this.state.displace(displacementIn(hash));
+      return;
+    }
+    const own = fragmentOf(this.edits.values, this.state.displaced);
+    // a link to a section was followed; the address keeps what is shown
+    if (own) history.replaceState(null, '', `#${own}`);
   }
 
   private key(event: KeyboardEvent): void {

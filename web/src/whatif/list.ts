@@ -4,7 +4,7 @@
 import type { Parameter } from '../core/core';
 import type { Edits } from '../core/edits';
 import type { Editable } from '../document';
-import { button, html, identifier } from '../dom';
+import { button, html, identifier, svg } from '../dom';
 import { fixed } from '../numbers';
 import {
   atStep,
@@ -104,10 +104,21 @@ class Row {
     if (Number(this.slider.value) !== step) this.slider.value = String(step);
   }
 
-  showSensitivity(slope: number | undefined): void {
-    this.sensitivity.textContent =
-      slope === undefined || Math.abs(slope) < 5e-4 ? '' : `${slope > 0 ? '+' : ''}${fixed(slope, 3)}`;
+  /** A bar from the middle, as long as the largest of all is `most`, and the number. */
+  showSensitivity(slope: number | undefined, most: number): void {
     this.sensitivity.title = 'Change of the lowest frequency with platform motion, % per %';
+    this.sensitivity.replaceChildren();
+    if (slope === undefined || Math.abs(slope) < 5e-4) return;
+    const [half, length] = [24, (24 * Math.abs(slope)) / Math.max(most, Math.abs(slope))];
+    this.sensitivity.append(
+      svg(
+        'svg',
+        { class: 'sensitivity-bar', viewBox: `0 0 ${2 * half} 10`, 'aria-hidden': 'true' },
+        svg('rect', { x: slope > 0 ? half : half - length, y: 1, width: length, height: 8, class: slope > 0 ? 'raises' : 'lowers' }),
+        svg('line', { x1: half, x2: half, y1: 0, y2: 10 }),
+      ),
+      `${slope > 0 ? '+' : ''}${fixed(slope, 3)}`,
+    );
   }
 }
 
@@ -118,6 +129,7 @@ export class ParameterList {
   private readonly count = html('p', { class: 'note', 'aria-live': 'polite' });
   private readonly search: HTMLInputElement;
   private slopes: Record<string, number> = {};
+  private most = 0;
 
   constructor(
     private readonly editable: Editable,
@@ -145,7 +157,8 @@ export class ParameterList {
   /** % of the lowest frequency per %. */
   order(slopes: Record<string, number>): void {
     this.slopes = slopes;
-    for (const [path, row] of this.rows) row.showSensitivity(slopes[path]);
+    this.most = Math.max(0, ...Object.values(slopes).map(Math.abs));
+    for (const [path, row] of this.rows) row.showSensitivity(slopes[path], this.most);
     this.choose();
   }
 
@@ -179,7 +192,7 @@ export class ParameterList {
     let row = this.rows.get(parameter.path);
     if (!row) {
       row = new Row(this.editable, parameter, this.edits);
-      row.showSensitivity(this.slopes[parameter.path]);
+      row.showSensitivity(this.slopes[parameter.path], this.most);
       this.rows.set(parameter.path, row);
     }
     return row;

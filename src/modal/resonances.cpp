@@ -1,0 +1,63 @@
+#include <cmath>
+#include <limits>
+
+#include "hydrapod/modal/mode_table.hpp"
+
+namespace hydrapod::modal {
+
+namespace {
+
+constexpr double missing = std::numeric_limits<double>::quiet_NaN();
+
+/// Lowest mode with the share of (M⁻¹)_dd in direction d; −1: none.
+int first_resonance(const NormalModes& modes, int d, double share) {
+  const double all = modes.shapes.row(d).squaredNorm();
+  for (int k = 0; k < modes.size(); ++k)
+    if (std::pow(modes.shapes(d, k), 2) >= share * all) return k;
+  return -1;
+}
+
+/// Frequency of the rigid mode that holds most of a flexible mode's momentum.
+double rigid_counterpart(const LinearModel& flexible, const ModelVector& phi,
+                         const NormalModes& rigid) {
+  const int base = flexible.base_count();
+  ModelVector momentum(6 + base);
+  momentum.head<6>() = flexible.M.topRows<6>() * phi;
+  momentum.tail(base) = flexible.M.bottomRows(base) * phi;
+  int best = 0;
+  const ModelVector common = rigid.shapes.transpose() * momentum;
+  common.cwiseAbs().maxCoeff(&best);
+  return rigid.omega(best);
+}
+
+/// Platform energies of mode k per direction, φᵀ M φ being 1.
+Vector6 platform_energies(const LinearModel& model, const NormalModes& modes, int k) {
+  const Vector6 phi = modes.shapes.col(k).head<6>();
+  return phi.cwiseProduct(model.platform_mass * phi);
+}
+
+}  // namespace
+
+Resonances resonances(const LinearModel& flexible, const NormalModes& modes,
+                      const NormalModes& rigid, double share) {
+  Resonances found{.lowest = missing, .direction = -1, .drop = missing};
+  found.first.setConstant(missing);
+  found.drops.setConstant(missing);
+  for (int k = 0; k < modes.size(); ++k) {
+    const Vector6 energies = platform_energies(flexible, modes, k);
+    if (energies.sum() < local_mode_energy) continue;
+    energies.maxCoeff(&found.direction);
+    found.lowest = modes.omega(k);
+    found.drop = 1.0 - found.lowest / rigid_counterpart(flexible, modes.shapes.col(k), rigid);
+    break;
+  }
+  for (int d = 0; d < 6; ++d) {
+    const int k = first_resonance(modes, d, share), r = first_resonance(rigid, d, share);
+    if (k < 0 || r < 0) continue;
+    found.first[d] = modes.omega(k);
+    found.drops[d] = 1.0 - modes.omega(k) / rigid.omega(r);
+  }
+  return found;
+}
+
+}  // namespace hydrapod::modal

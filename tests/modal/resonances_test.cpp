@@ -1,0 +1,94 @@
+/// What a pose comes down to in maps: against the definitions with Eigen's dense solver, which the
+/// library's modes do not use.
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Eigenvalues>
+#include <cmath>
+
+#include "hydrapod/kinematics/legs.hpp"
+#include "hydrapod/modal/mode_table.hpp"
+#include "support/random_machine.hpp"
+
+namespace hydrapod::test {
+namespace {
+
+using dynamics::ModelKind;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+struct Dense {
+  MatrixXd M{}, shapes{};
+  VectorXd omega{};
+  explicit Dense(const dynamics::LinearModel& model) : M(model.M) {
+    const Eigen::GeneralizedSelfAdjointEigenSolver<MatrixXd> solver(MatrixXd(model.K), M);
+    shapes = solver.eigenvectors();
+    omega = solver.eigenvalues().cwiseSqrt();
+  }
+  /// Lowest frequency with `share` of (M⁻¹)_dd in its residue.
+  [[nodiscard]] double first(int d, double share) const {
+    const double all = MatrixXd(M.inverse())(d, d);
+    for (Eigen::Index k = 0; k < omega.size(); ++k)
+      if (shapes(d, k) * shapes(d, k) >= share * all) return omega[k];
+    return -1.0;
+  }
+};
+
+class Resonances : public testing::TestWithParam<ModelKind> {};
+
+TEST_P(Resonances, AreThoseOfTheirDefinitions) {
+  Random random(4711);
+  for (int n = 0; n < 20; ++n) {
+    const auto machine =
+        random_machine(random, {.gravity = n % 2 == 0 ? Gravity::none : Gravity::down});
+    const auto& X_BP = machine.poses[1].X_BP;
+    const auto flexible = dynamics::linear_model(machine, X_BP, GetParam());
+    const auto rigid = dynamics::linear_model(machine, X_BP, ModelKind::rigid);
+    const double share = random.uniform(0.03, 0.4);
+    const auto found = modal::resonances(flexible, modal::normal_modes(flexible),
+                                         modal::normal_modes(rigid), share);
+    const Dense all(flexible), stiff(rigid);
+    for (int d = 0; d < 6; ++d) {
+      EXPECT_NEAR(found.first[d], all.first(d, share), 1e-9 * found.first[d]) << n << ' ' << d;
+      EXPECT_NEAR(found.drops[d], 1.0 - all.first(d, share) / stiff.first(d, share), 1e-9);
+    }
+    // the lowest mode of a random machine moves the platform
+    EXPECT_NEAR(found.lowest, all.omega[0], 1e-9 * found.lowest);
+    const VectorXd phi = all.shapes.col(0).head<6>();
+    Eigen::Index main = 0;
+    phi.cwiseProduct(flexible.platform_mass * phi).maxCoeff(&main);
+    EXPECT_EQ(found.direction, main);
+    const VectorXd momentum = all.M.topRows<6>() * all.shapes.col(0);
+    Eigen::Index like = 0;
+    (stiff.shapes.transpose() * momentum).cwiseAbs().maxCoeff(&like);
+    EXPECT_NEAR(found.drop, 1.0 - all.omega[0] / stiff.omega[like], 1e-9);
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Models, Resonances, testing::Values(ModelKind::guide, ModelKind::full));
+
+TEST(Stroke, ThatIsLeftIsTheLeastOfAllLegsInBothSenses) {
+  Random random(12);
+  auto machine = random_machine(random);
+  const auto& X_BP = machine.poses[1].X_BP;
+  EXPECT_TRUE(std::isnan(kinematics::stroke_left(
+      [&] {
+        auto without = machine;
+        for (auto& leg : without.legs) leg.stroke.reset();
+        return without;
+      }(),
+      X_BP)));
+  for (int i = 0; i < model::leg_count; ++i) {
+    auto& leg = machine.legs[static_cast<std::size_t>(i)];
+    const double extended = (X_BP * leg.platform_joint - leg.base_joint).norm() - leg.rod.length;
+    // 31 mm from one end, much farther from the other
+    leg.stroke = model::Stroke{.retracted = extended - 0.031 - 0.01 * i, .length = 0.4};
+  }
+  EXPECT_NEAR(kinematics::stroke_left(machine, X_BP), 0.031, 1e-12);
+  auto& fourth = *machine.legs[3].stroke;
+  fourth.retracted -= 0.4 - 0.061 - 0.023;  // now 23 mm from the other end
+  EXPECT_NEAR(kinematics::stroke_left(machine, X_BP), 0.023, 1e-12);
+}
+
+}  // namespace
+}  // namespace hydrapod::test

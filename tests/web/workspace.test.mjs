@@ -1,0 +1,157 @@
+// The map of the workspace and the machine at the pose of its cross: numbers of the command line.
+import assert from 'node:assert/strict';
+import { spawnSync } from 'node:child_process';
+import { mkdirSync, readFileSync } from 'node:fs';
+import { delimiter, dirname, join } from 'node:path';
+import { test } from 'node:test';
+import { findings, json, model, near, open, report, still, temporary, withPage } from './support.mjs';
+
+const { HYDRAPOD_PROGRAM } = process.env;
+const heavy = model('heavy-platform.toml');
+const columns = ['status', 'lowest', 'direction', 'drop', 'x', 'y', 'z', 'rx', 'ry', 'rz', 'drop_x', 'drop_y', 'drop_z', 'drop_rx', 'drop_ry', 'drop_rz', 'stroke'];
+
+/** The finest map of the page. */
+const mapped = (page) =>
+  page.evaluate(async () => {
+    const { workspace } = window.hydrapod;
+    await workspace.ready;
+    await workspace.complete();
+    return { rows: workspace.rows(), command: workspace.command() };
+  });
+
+let folders = 0;
+/** Runs the command that the page shows, as a shell does; its rows by column. */
+function run(command) {
+  const folder = temporary(`map-${++folders}`);
+  mkdirSync(folder);
+  const { status, stderr } = spawnSync('sh', ['-c', `${command} --csv rows.csv --results rows.h5`], {
+    cwd: folder,
+    encoding: 'utf8',
+    env: { ...process.env, PATH: `${dirname(HYDRAPOD_PROGRAM)}${delimiter}${process.env.PATH}` },
+  });
+  assert.equal(status, 0, stderr);
+  const [head, ...lines] = readFileSync(join(folder, 'rows.csv'), 'utf8').trim().split('\n');
+  const names = head.split(',').map((name) => name.replace(/ \[.*/, ''));
+  return lines.map((line) => Object.fromEntries(line.split(',').map((cell, k) => [names[k], cell === '' ? NaN : Number(cell)])));
+}
+
+/** Every number of every pose; `across` and `up` are the names of the directions. */
+function sameMap({ rows, command }, across, up) {
+  const expected = new Map(run(command).map((row) => [`${row[across].toPrecision(9)} ${row[up].toPrecision(9)}`, row]));
+  assert.equal(rows.length, expected.size, command);
+  let computed = 0;
+  for (const { across: a, up: u, row } of rows) {
+    const theirs = expected.get(`${a.toPrecision(9)} ${u.toPrecision(9)}`);
+    assert.ok(theirs, `the program has ${across} ${a}, ${up} ${u}`);
+    if (row[0] === 0) ++computed;
+    columns.forEach((name, k) => {
+      const [mine, other] = [row[k] ?? NaN, theirs[name]];
+      if (Number.isNaN(mine) || Number.isNaN(other)) return assert.equal(Number.isNaN(mine), Number.isNaN(other), `${name} at ${a}, ${u}: ${mine}, ${other}`);
+      // drops are differences of numbers that are nearly equal, strokes of lengths
+      near(mine, other, 1e-9 * Math.max(1, Math.abs(other)), `${name} at ${a}, ${u}`);
+    });
+  }
+  return computed;
+}
+
+test('the map has the numbers of its command, out of reach alike', async () => {
+  await withPage(report(heavy), still, async (page) => {
+    const found = await mapped(page);
+    const computed = sameMap(found, 'pose.x', 'pose.z');
+    assert.ok(computed > 300 && computed < found.rows.length, `${computed} of ${found.rows.length} poses`);
+  });
+});
+
+test('of another slice, with changed values', async () => {
+  await withPage(report(heavy, '--model', 'rigid'), still, async (page) => {
+    await page.evaluate(async () => {
+      const { whatIf, workspace } = window.hydrapod;
+      await whatIf.ready;
+      await workspace.ready;
+      whatIf.replace([['platform.mass', 12345.6]]);
+      await whatIf.shown();
+      workspace.displace([0, 0.017, -0.05, 0, 0, 0]);
+      await whatIf.shown();
+    });
+    await page.locator('[data-control="map-up"]').selectOption({ label: 'rz' });
+    const found = await mapped(page);
+    assert.match(found.command, /--pose 'y=17 mm, z=-50 mm'/);
+    assert.match(found.command, /platform.mass=12345.6/);
+    sameMap(found, 'pose.x', 'pose.rz');
+  });
+});
+
+test('the whole page shows the machine where the cross is, and the address keeps it', async () => {
+  const file = report(heavy);
+  await withPage(file, still, async (page) => {
+    await page.evaluate(async () => {
+      const { whatIf, workspace } = window.hydrapod;
+      await workspace.ready;
+      workspace.displace([0.0123, 0, -0.021, 0, 0.013, 0]);
+      await whatIf.ready;
+      await whatIf.shown();
+    });
+    const { name, omega, hash } = await page.evaluate(() => {
+      const { pose } = window.hydrapod.state;
+      return { name: pose.pose.name, omega: pose.modes.map((mode) => mode.omega_rad_s), hash: location.hash };
+    });
+    const expected = json('modes', heavy, '--pose', 'x=12.3 mm, z=-21 mm, ry=0.013 rad').modes;
+    assert.equal(omega.length, expected.length);
+    expected.forEach((mode, k) => near(omega[k], mode.omega_rad_s, 1e-12 * mode.omega_rad_s, `mode ${k + 1} at ${name}`));
+    assert.match(await page.locator('#answer').innerText(), /At the pose x=12\.3 mm, z=-21 mm, ry=0\.013 rad/);
+    const again = await open(file);
+    await again.evaluate((hash) => (location.hash = hash), hash);
+    await again.waitForFunction((name) => window.hydrapod.state.pose.pose.name === name, name);
+    await again.evaluate(() => window.hydrapod.workspace.ready);
+    await again.locator('[data-control="pose-reset"]').click();
+    await again.waitForFunction(() => !window.hydrapod.state.isWhatIf && location.hash === '');
+    await again.close();
+  });
+});
+
+test('the cross is dragged with the mouse, sliders by keys', async () => {
+  await withPage(report(heavy), still, async (page) => {
+    await mapped(page);
+    const picture = page.locator('.heat-map');
+    await picture.scrollIntoViewIfNeeded();
+    const box = await picture.boundingBox();
+    const size = await page.evaluate(() => {
+      const { width, height } = document.querySelector('.heat-map').viewBox.baseVal;
+      return { width, height };
+    });
+    const at = (x, y) => [box.x + (x * box.width) / size.width, box.y + (y * box.height) / size.height];
+    await page.mouse.move(...at(size.width / 2, 200));
+    await page.mouse.down();
+    await page.mouse.move(...at(size.width / 2 + 40, 180), { steps: 5 });
+    await page.mouse.up();
+    await page.evaluate(() => window.hydrapod.whatIf.shown());
+    const { position } = await page.evaluate(() => ({ position: window.hydrapod.state.displaced }));
+    const circle = await page.locator('.heat-map circle').evaluate((c) => [c.cx.baseVal.value, c.cy.baseVal.value]);
+    near(circle[0], size.width / 2 + 40, 1, 'the cross');
+    near(circle[1], 180, 1, 'the cross');
+    const slider = page.locator('[data-control="pose-x"]');
+    near(Number(await slider.inputValue()), position[0], 1e-3, 'the slider of x');
+    const ry = page.locator('[data-control="pose-ry"]');
+    await ry.focus();
+    await page.keyboard.press('ArrowRight');
+    await page.evaluate(() => window.hydrapod.whatIf.shown());
+    assert.ok((await page.evaluate(() => window.hydrapod.state.displaced))[4] > 0);
+    await page.locator('[data-control="go-to-least"]').click();
+    assert.deepEqual(await findings(page), [], 'axe finds nothing');
+  });
+});
+
+test('a pose out of reach is said, and the page keeps what a machine can have', async () => {
+  await withPage(report(heavy), still, async (page) => {
+    await mapped(page);
+    const before = await page.evaluate(() => window.hydrapod.state.pose.modes.map((mode) => mode.omega_rad_s));
+    await page.evaluate(async () => {
+      window.hydrapod.workspace.displace([0, 0, 3, 0, 0, 0]);
+      await window.hydrapod.whatIf.ready;
+      await window.hydrapod.whatIf.shown();
+    });
+    assert.match(await page.locator('.workspace-words').innerText(), /z=3000 mm: out of reach/);
+    assert.match(await page.locator('.what-if-state').innerText(), /^Not computed/);
+    assert.deepEqual(await page.evaluate(() => window.hydrapod.state.pose.modes.map((mode) => mode.omega_rad_s)), before);
+  });
+});

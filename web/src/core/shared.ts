@@ -1,0 +1,17 @@
+// The one core of the page, for all sections that calculate.
+
+import type { State } from '../state';
+import { Core } from './core';
+
+let started: Promise<Core> | null = null;
+
+/** Starts the core where nobody has, and opens the machine of the report. */
+export function sharedCore(state: State): Promise<Core> {
+  const module = document.getElementById('core')?.textContent ?? '';
+  if (!state.report.editable) throw new Error('this report has no machine to calculate with');
+  started ??= Core.start(module, state.report.editable);
+  return started;
+}
+
+export const coreFailure = (error: unknown): string =>
+  `This browser cannot run the core: ${error}. Everything else on this page is as the program computed it.`;

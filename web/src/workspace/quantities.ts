@@ -1,0 +1,49 @@
+// What a map can show, and the units of its directions.
+
+import { map } from '../core/core';
+import { directions } from '../document';
+import { fixed } from '../numbers';
+
+export interface Quantity {
+  name: string;
+  unit: string;
+  /** In `unit`, of a row of the core's map. */
+  of(row: Float64Array): number;
+  /** Name of the column of `hydrapod map`. */
+  column: string;
+}
+
+const column = (name: string, column: string, at: number, unit: string, factor = 1): Quantity => ({
+  name,
+  unit,
+  column,
+  of: (row) => factor * (row[at] as number),
+});
+
+export const quantities: Quantity[] = [
+  column('Lowest mode', 'lowest', map.lowest, 'Hz'),
+  ...directions.map((d, k) => column(`First resonance in ${d}`, d, map.first + k, 'Hz')),
+  column('Drop of the lowest mode by the seals', 'drop', map.drop, '%', 100),
+  ...directions.map((d, k) => column(`Drop of the first resonance in ${d}`, `drop_${d}`, map.drops + k, '%', 100)),
+  column('Stroke left', 'stroke', map.stroke, 'mm', 1e3),
+];
+
+const degree = Math.PI / 180;
+
+/** Unit of a displacement, and its size in SI. */
+export const unitOf = (direction: number): [name: string, size: number] =>
+  direction < 3 ? ['mm', 1e-3] : ['deg', degree];
+
+export function displacementText(direction: number, value: number): string {
+  const [unit, size] = unitOf(direction);
+  return `${fixed(value / size, direction < 3 ? 1 : 2)} ${unit}`;
+}
+
+/** "x=12 mm, ry=0.5 deg", as `--pose` takes it; "neutral" where nothing is displaced. */
+export function poseText(displaced: readonly number[]): string {
+  const parts = displaced.flatMap((value, d) => {
+    const [unit, size] = unitOf(d);
+    return value === 0 ? [] : [`${directions[d]}=${Number((value / size).toPrecision(6))} ${unit}`];
+  });
+  return parts.join(', ') || 'neutral';
+}
