@@ -148,13 +148,17 @@ def test_design_that_cannot_be(heavy):
 
 
 def test_design_can_be_stopped(heavy):
-    assert designed(heavy, maximise="lowest", progress=lambda share: True).interrupted
+    calls = []
+    found = designed(heavy, maximise="lowest", progress=lambda share: calls.append(share) or len(calls) > 2)
+    assert found.interrupted and found.evaluations > 0
+    with pytest.raises(hydrapod.ComputationError, match="interrupted"):
+        designed(heavy, maximise="lowest", progress=lambda share: True)
 
 
 @pytest.mark.parametrize("options, message", [
     ({"minimise": "lowest", "change": {}}, "change"), ({"change": {sleeve: "1:50 kN/mm"}}, "minimise"),
     ({"change": {"no.such": (1, 2)}, "minimise": "lowest"}, "no.such"),
-    ({"change": {sleeve: (2e6, 1e6)}, "minimise": "lowest"}, "stiffness"),
+    ({"change": {sleeve: (-1e6, 1e6)}, "minimise": "lowest"}, "stiffness"),
     ({"change": {sleeve: (1e6, np.nan)}, "minimise": "lowest"}, "two finite numbers"),
     ({"change": {sleeve: 1e6}, "minimise": "lowest"}, "two finite numbers"),
     ({"change": {sleeve: (1e6, 2e6)}, "minimise": "lowst"}, "lowest"),
