@@ -189,6 +189,7 @@ class Workspace {
   private show(): void {
     const { field, quantity } = this;
     if (!field || field.count === 0) return;
+    this.host.classList.add('calculated');
     this.picture.show(field, quantity, `${quantity.name} over ${directions[this.across]} and ${directions[this.up]}; the line below says where it is least`);
     this.picture.mark(this.displaced);
     const least = this.picture.least(quantity);
