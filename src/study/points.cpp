@@ -5,30 +5,11 @@
 #include <utility>
 
 #include "hydrapod/study/study.hpp"
+#include "random_bits.hpp"
 
 namespace hydrapod::study {
 
 namespace {
-
-/// Streams of one seed.
-enum class Stream : std::uint32_t { uniform, shift, permutation };
-
-std::array<std::uint32_t, 2> key_of(std::uint64_t seed) {
-  return {static_cast<std::uint32_t>(seed), static_cast<std::uint32_t>(seed >> 32U)};
-}
-
-std::uint64_t bits(std::uint64_t seed, Stream stream, std::uint64_t index, std::size_t dimension) {
-  const auto words =
-      philox({static_cast<std::uint32_t>(index), static_cast<std::uint32_t>(index >> 32U),
-              static_cast<std::uint32_t>(dimension), static_cast<std::uint32_t>(stream)},
-             key_of(seed));
-  return static_cast<std::uint64_t>(words[1]) << 32U | words[0];
-}
-
-/// The middle of one of 2⁵² equal parts of (0, 1): neither 0 nor 1.
-double open_unit(std::uint64_t random) {
-  return (static_cast<double>(random >> 12U) + 0.5) * 0x1p-52;
-}
 
 /// A permutation of [0, count): four rounds of a balanced Feistel network on the next even power of
 /// two, gone through again while the result is not below `count` (J. Black & P. Rogaway, CT-RSA
@@ -63,7 +44,7 @@ void sobol_point(std::uint64_t seed, std::uint64_t index, std::span<double> u) {
 void all_points(const Plan& plan, std::uint64_t sample, std::span<double> u) {
   if (plan.design == Design::sobol) return sobol_point(plan.seed, sample, u);
   for (std::size_t k = 0; k < u.size(); ++k) {
-    u[k] = open_unit(bits(plan.seed, Stream::uniform, sample, k));
+    u[k] = uniform(plan.seed, sample, k);
     if (plan.design == Design::latin)
       u[k] = (static_cast<double>(permuted(plan.seed, k, sample, plan.samples)) + u[k]) /
              static_cast<double>(plan.samples);
@@ -79,21 +60,6 @@ void grid_point(const Plan& plan, std::uint64_t row, std::span<double> u) {
 }
 
 }  // namespace
-
-std::array<std::uint32_t, 4> philox(std::array<std::uint32_t, 4> counter,
-                                    std::array<std::uint32_t, 2> key) {
-  constexpr std::uint64_t multiplier_0 = 0xD2511F53, multiplier_1 = 0xCD9E8D57;
-  constexpr std::uint32_t step_0 = 0x9E3779B9, step_1 = 0xBB67AE85;
-  constexpr int rounds = 10;
-  for (int round = 0; round < rounds; ++round) {
-    const std::uint64_t a = multiplier_0 * counter[0], b = multiplier_1 * counter[2];
-    counter = {
-        static_cast<std::uint32_t>(b >> 32U) ^ counter[1] ^ key[0], static_cast<std::uint32_t>(b),
-        static_cast<std::uint32_t>(a >> 32U) ^ counter[3] ^ key[1], static_cast<std::uint32_t>(a)};
-    key = {key[0] + step_0, key[1] + step_1};
-  }
-  return counter;
-}
 
 std::uint64_t rows_of(const Plan& plan, std::size_t inputs) {
   return plan.indices ? plan.samples * (inputs + 2) : plan.samples;

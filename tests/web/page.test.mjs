@@ -255,7 +255,7 @@ test('data that later work adds do not disturb, and sections without data are no
   );
   writeFileSync(other, text);
   await withPage(other, still, async (page) => {
-    assert.equal(await page.locator('main > section').count(), 8);
+    assert.equal(await page.locator('main > section').count(), 9);
   });
   const bare = temporary('bare.html');
   writeFileSync(

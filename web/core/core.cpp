@@ -10,6 +10,7 @@
 #include "hydrapod/base/error.hpp"
 #include "hydrapod/base/units.hpp"
 #include "hydrapod/kinematics/legs.hpp"
+#include "hydrapod/study/study.hpp"
 #include "pose_report.hpp"
 #include "units.hpp"
 
@@ -144,14 +145,17 @@ void spare_own_joints(std::vector<model::Assignment>& assignments) {
 
 }  // namespace
 
+model::ParameterId Core::parameter(const std::string& path) const {
+  const auto known = std::find_if(parameters_.begin(), parameters_.end(),
+                                  [&](const auto& one) { return one.first == path; });
+  if (known == parameters_.end()) throw std::invalid_argument("there is no number " + path);
+  return known->second;
+}
+
 model::Machine Core::changed(const Json& set) const {
   std::vector<model::Assignment> assignments;
   for (const auto& pair : set) {
-    const auto path = pair.at(0).get<std::string>();
-    const auto known = std::find_if(parameters_.begin(), parameters_.end(),
-                                    [&](const auto& one) { return one.first == path; });
-    if (known == parameters_.end()) throw std::invalid_argument("there is no number " + path);
-    assignments.push_back({known->second, pair.at(1).get<double>()});
+    assignments.push_back({parameter(pair.at(0).get<std::string>()), pair.at(1).get<double>()});
   }
   spare_own_joints(assignments);
   return model::with(machine_, assignments);
@@ -270,15 +274,41 @@ namespace {
 /// In the order of study::Status.
 enum class MapStatus { computed, not_allowed, out_of_reach, no_equilibrium, buckled };
 
+/// Equilibria to start from, of a machine that is like this one.
+struct Starts {
+  std::optional<dynamics::StaticEquilibrium> flexible{}, rigid{};
+  [[nodiscard]] static const dynamics::StaticEquilibrium* of(
+      const std::optional<dynamics::StaticEquilibrium>& one) {
+    return one ? &*one : nullptr;
+  }
+};
+
+/// As studies begin their samples: with the equilibria of the nominal machine, where it needed
+/// some.
+Starts starts_of(const model::Machine& machine, const spatial::Pose& X_BP,
+                 dynamics::ModelKind kind) {
+  Starts starts;
+  try {
+    const auto flexible = dynamics::linear_model(machine, X_BP, kind).statics;
+    if (flexible.iterations == 0) return {};
+    starts.flexible = flexible;
+    starts.rigid = dynamics::linear_model(machine, X_BP, dynamics::ModelKind::rigid).statics;
+  } catch (const base::ComputationError&) {
+    return {};
+  }
+  return starts;
+}
+
 MapStatus resonances_at(const model::Machine& machine, const spatial::Pose& X_BP,
-                        dynamics::ModelKind kind, double* row) {
+                        dynamics::ModelKind kind, const Starts& starts, double* row) {
   if (has_error(kinematics::check_pose(machine, X_BP, ""))) return MapStatus::out_of_reach;
   row[16] = kinematics::stroke_left(machine, X_BP);
   try {
-    const auto flexible = dynamics::linear_model(machine, X_BP, kind);
+    const auto flexible = dynamics::linear_model(machine, X_BP, kind, Starts::of(starts.flexible));
     const auto modes = modal::normal_modes(flexible);
     if (modes.omega2[0] <= 0.0) return MapStatus::buckled;
-    const auto rigid = dynamics::linear_model(machine, X_BP, dynamics::ModelKind::rigid);
+    const auto rigid =
+        dynamics::linear_model(machine, X_BP, dynamics::ModelKind::rigid, Starts::of(starts.rigid));
     const auto found = modal::resonances(flexible, modes, modal::normal_modes(rigid));
     row[1] = found.lowest / base::two_pi;
     row[2] = found.direction + 1;
@@ -305,8 +335,48 @@ std::vector<double> Core::map(const Json& request, const std::vector<double>& di
     const auto status =
         allowed
             ? resonances_at(machine, displaced(machine, Displacement(displacements.data() + 6 * k)),
-                            kind_, row)
+                            kind_, {}, row)
             : MapStatus::not_allowed;
+    row[0] = static_cast<double>(status);
+  }
+  return rows;
+}
+
+std::vector<double> Core::scatter(const Json& request) const {
+  const auto nominal = changed(request.at("set"));
+  std::vector<model::Assignment> assignments;
+  std::vector<study::Distribution> distributions;
+  const auto vary = [&](const std::string& path, double share) {
+    const auto id = parameter(path);
+    const double value = *model::value(nominal, id);
+    assignments.push_back({id, value});
+    distributions.push_back(
+        {.shape = study::Shape::normal, .a = value, .b = share * std::abs(value)});
+  };
+  for (const auto& one : request.at("vary")) {
+    const auto path = one.at(0).get<std::string>();
+    const double share = one.at(1).get<double>();
+    if (!one.at(2).get<bool>()) {
+      vary(path, share);
+      continue;
+    }
+    for (int leg = 1; leg <= model::leg_count; ++leg)
+      vary(fmt::format("leg.{}.{}", leg, path.substr(model::of_legs.size())), share);
+  }
+  const auto seed = request.at("seed").get<std::uint64_t>();
+  const auto from = request.at("from").get<std::uint64_t>();
+  const auto count = request.at("count").get<std::size_t>();
+  const auto starts = starts_of(nominal, pose(nominal, request).X_BP, kind_);
+  std::vector<double> rows(count * map_columns, std::numeric_limits<double>::quiet_NaN());
+  for (std::size_t k = 0; k < count; ++k) {
+    for (std::size_t n = 0; n < assignments.size(); ++n)
+      assignments[n].value = study::quantile(distributions[n], study::uniform(seed, from + k, n));
+    const auto machine = model::with(nominal, assignments);
+    double* row = rows.data() + k * map_columns;
+    const auto status =
+        has_error(model::validate(machine))
+            ? MapStatus::not_allowed
+            : resonances_at(machine, pose(machine, request).X_BP, kind_, starts, row);
     row[0] = static_cast<double>(status);
   }
   return rows;

@@ -60,6 +60,11 @@ class Core {
                                         const std::vector<double>& displacements) const;
   static constexpr int map_columns = 17;
 
+  /// `{ "set", "pose" or "displaced", "vary": [[path, deviation as a share, per leg], …], "seed",
+  /// "from", "count" }`: rows of map() of the samples `from` … of `hydrapod montecarlo` with normal
+  /// distributions about the values that the machine has.
+  [[nodiscard]] std::vector<double> scatter(const Json& request) const;
+
   /// `{ "set" }`: per direction [least, largest] displacement from the neutral pose that is within
   /// reach on the way from there [m, rad], at most a third of a leg or 45°.
   [[nodiscard]] Json reach(const Json& request) const;
@@ -75,6 +80,7 @@ class Core {
   };
 
   [[nodiscard]] model::Machine changed(const Json& set) const;
+  [[nodiscard]] model::ParameterId parameter(const std::string& path) const;
   [[nodiscard]] model::NamedPose pose(const model::Machine& machine, const Json& request) const;
 
   model::Machine machine_{};

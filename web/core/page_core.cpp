@@ -72,11 +72,18 @@ CORE_EXPORT int core_sensitivities() {
 CORE_EXPORT int core_reach() {
   return answer([](const Json& request) { return core().value().reach(request); });
 }
-/// Displacements stand where core_lines() says; core_map() puts rows in their place.
+/// Displacements stand where core_lines() says; core_map() puts rows in their place. The answer of
+/// both is how many numbers there are.
 CORE_EXPORT int core_map() {
   return answer([](const Json& request) {
     numbers() = core().value().map(request, numbers());
-    return Json(Core::map_columns);
+    return Json(numbers().size());
+  });
+}
+CORE_EXPORT int core_scatter() {
+  return answer([](const Json& request) {
+    numbers() = core().value().scatter(request);
+    return Json(numbers().size());
   });
 }
 

@@ -102,6 +102,19 @@ export interface WorkspaceHook {
   command(): string;
 }
 
+export interface ScatterHook {
+  /** Starts the core where it has not started; resolves when samples are being calculated. */
+  readonly ready: Promise<void>;
+  /** Path, standard deviation as a share of the value, each leg for itself. */
+  vary(given: [path: string, share: number, perLeg: boolean][]): void;
+  /** Resolves when all samples are there. */
+  complete(): Promise<void>;
+  /** A row per sample, see web/core/core.hpp. */
+  rows(): number[][];
+  /** The command of the samples. */
+  command(): string;
+}
+
 declare global {
   interface Window {
     hydrapod: {
@@ -112,6 +125,7 @@ declare global {
       simulation?: SimulationHook;
       whatIf?: WhatIfHook;
       workspace?: WorkspaceHook;
+      scatter?: ScatterHook;
       identification?: IdentificationHook;
       /** When the machine was drawn first [ms since the page began to load]. */
       firstFrame?: number;

@@ -125,6 +125,9 @@ std::uint64_t rows_of(const Plan& plan, std::size_t inputs);
 /// u of sample `row`, one for each input.
 void place(const Plan& plan, std::uint64_t row, std::span<double> u);
 
+/// u of one input of Design::random.
+double uniform(std::uint64_t seed, std::uint64_t sample, std::size_t input);
+
 /// Sixteen bytes of Philox4x32-10 of a counter and a key.
 std::array<std::uint32_t, 4> philox(std::array<std::uint32_t, 4> counter,
                                     std::array<std::uint32_t, 2> key);

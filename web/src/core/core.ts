@@ -49,6 +49,18 @@ export interface Buckling {
   payload_kg?: number;
 }
 
+/** Samples with normal distributions about the values of the machine. */
+export interface Scatter {
+  set: Setting[];
+  pose: number;
+  displaced?: number[];
+  /** Path, standard deviation as a share of the value, each leg for itself. */
+  vary: [path: string, share: number, perLeg: boolean][];
+  seed: number;
+  from: number;
+  count: number;
+}
+
 /** Columns of a map (web/core/core.hpp). */
 export const map = { columns: 17, status: 0, lowest: 1, direction: 2, drop: 3, first: 4, drops: 10, stroke: 16 };
 
@@ -101,6 +113,11 @@ export class Core {
   /** A row of `map.columns` numbers for each displacement from the neutral pose (six numbers). */
   async map(set: Setting[], displacements: Float64Array): Promise<Float64Array> {
     return (await this.call('map', JSON.stringify({ set }), displacements)).numbers as Float64Array;
+  }
+
+  /** Rows of the samples `from` … of `hydrapod montecarlo`, as of map(). */
+  async scatter(request: Scatter): Promise<Float64Array> {
+    return (await this.call('scatter', JSON.stringify(request))).numbers as Float64Array;
   }
 
   /** Per direction the displacements from the neutral pose that are within reach. */

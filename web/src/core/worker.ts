@@ -18,9 +18,10 @@ interface Exports {
   core_sensitivities(): number;
   core_reach(): number;
   core_map(): number;
+  core_scatter(): number;
 }
 
-type Call = 'open' | 'compute' | 'buckling' | 'sensitivities' | 'reach' | 'map';
+type Call = 'open' | 'compute' | 'buckling' | 'sensitivities' | 'reach' | 'map' | 'scatter';
 
 export interface Asked {
   id: number;
@@ -96,8 +97,6 @@ function sweep(omega: Float64Array): Float64Array {
   return taken(core.core_sweep());
 }
 
-/** `columns` numbers for each displacement. */
-const rows = (given: Float64Array, columns: string): Float64Array => taken((given.length / 6) * Number(columns));
 
 scope.onmessage = async ({ data: { id, call, text, numbers } }) => {
   const begin = performance.now();
@@ -108,7 +107,9 @@ scope.onmessage = async ({ data: { id, call, text, numbers } }) => {
       if (call === 'map' && numbers) give(numbers);
       [answer.ok, answer.text] = called(call, text);
     }
-    if (numbers && answer.ok) answer.numbers = call === 'map' ? rows(numbers, answer.text) : sweep(numbers);
+    const isRows = call === 'map' || call === 'scatter';
+    if (answer.ok && isRows) answer.numbers = taken(Number(answer.text));
+    else if (answer.ok && numbers) answer.numbers = sweep(numbers);
   } catch (error) {
     answer.ok = false;
     answer.text = String(error);

@@ -13,6 +13,7 @@ import { mechanism } from './mechanism';
 import { modes } from './modes';
 import { pictures } from './pictures';
 import type { Section } from './section';
+import { scatter } from './scatter';
 import { simulation } from './simulation';
 import { studio } from './studio';
 import { whatIf } from './what_if';
@@ -27,6 +28,7 @@ export const sections: Section[] = [
   whatIf,
   workspace,
   check,
+  scatter,
   bode,
   simulation,
   identification,

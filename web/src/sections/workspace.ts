@@ -33,6 +33,12 @@ export function displacementOf(editable: Editable, pose: number): number[] {
   return [...moved, Math.atan2(turn(2, 1), turn(2, 2)), pitch, Math.atan2(turn(1, 0), turn(0, 0))];
 }
 
+/** As it is shown, so that a command can name it. */
+const rounded = (value: number, direction: number): number => {
+  const size = unitOf(direction)[1];
+  return Number((value / size).toFixed(direction < 3 ? 1 : 2)) * size;
+};
+
 /** Towards zero, to a tenth of a millimetre or a hundredth of a degree. */
 function inwards(value: number, direction: number): number {
   const step = unitOf(direction)[1] / (direction < 3 ? 10 : 100);
@@ -124,13 +130,11 @@ class Workspace {
       const [least, most] = this.ranges[d]!;
       const from = Math.min(least, this.displaced[d]!);
       const to = Math.max(most, this.displaced[d]!);
-      const size = unitOf(d)[1];
-      const round = (value: number) => Number((value / size).toFixed(d < 3 ? 1 : 2)) * size;
       const made = slider(
         name,
         { min: from, max: to, step: (to - from) / 1000 || 1, value: this.displaced[d]! },
         (value) => displacementText(d, value),
-        (value) => this.move(d, Math.abs(value) < (to - from) / 1000 ? 0 : round(value)),
+        (value) => this.move(d, Math.abs(value) < (to - from) / 1000 ? 0 : rounded(value, d)),
         `pose-${name}`,
       );
       made.input.disabled = to === from;
@@ -152,8 +156,8 @@ class Workspace {
   private drag(across: number, up: number): void {
     this.released = new Promise((resolve) => (this.release = resolve));
     const displaced = [...this.displaced];
-    displaced[this.across] = across;
-    displaced[this.up] = up;
+    displaced[this.across] = rounded(across, this.across);
+    displaced[this.up] = rounded(up, this.up);
     this.state.displace(displaced);
   }
 

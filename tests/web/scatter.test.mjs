@@ -1,0 +1,94 @@
+// Scatter on the page: the samples of `hydrapod montecarlo`, number by number.
+import assert from 'node:assert/strict';
+import { spawnSync } from 'node:child_process';
+import { mkdirSync, readFileSync } from 'node:fs';
+import { delimiter, dirname, join } from 'node:path';
+import { test } from 'node:test';
+import { findings, model, near, report, still, temporary, withPage } from './support.mjs';
+
+const { HYDRAPOD_PROGRAM } = process.env;
+const heavy = model('heavy-platform.toml');
+const columns = ['status', 'lowest', 'direction', 'drop', 'x', 'y', 'z', 'rx', 'ry', 'rz', 'drop_x', 'drop_y', 'drop_z', 'drop_rx', 'drop_ry', 'drop_rz', 'stroke'];
+
+/**
+ * A machine that does not stand: rounding decides whether Newton finds no equilibrium (3) or one that is
+ * buckled (4).
+ */
+const one = (value, name) => (name === 'status' && value === 3 ? 4 : value);
+
+let folders = 0;
+/** Rows of the command that the page shows, as a shell runs it. */
+function run(command) {
+  const folder = temporary(`scatter-${++folders}`);
+  mkdirSync(folder);
+  const { status, stderr } = spawnSync('sh', ['-c', `${command} --csv rows.csv --results rows.h5`], {
+    cwd: folder,
+    encoding: 'utf8',
+    env: { ...process.env, PATH: `${dirname(HYDRAPOD_PROGRAM)}${delimiter}${process.env.PATH}` },
+  });
+  assert.equal(status, 0, stderr);
+  const [head, ...lines] = readFileSync(join(folder, 'rows.csv'), 'utf8').trim().split('\n');
+  const names = head.split(',').map((name) => name.replace(/ \[.*/, ''));
+  return lines.map((line) => Object.fromEntries(line.split(',').map((cell, k) => [names[k], cell === '' ? NaN : Number(cell)])));
+}
+
+async function sameSamples(page, vary) {
+  const { rows, command } = await page.evaluate(async (vary) => {
+    const { scatter } = window.hydrapod;
+    await scatter.ready;
+    if (vary) scatter.vary(vary);
+    await scatter.complete();
+    return { rows: scatter.rows(), command: scatter.command() };
+  }, vary);
+  const expected = run(command);
+  assert.equal(rows.length, expected.length, command);
+  rows.forEach((row, k) =>
+    columns.forEach((name, c) => {
+      const [mine, theirs] = [one(row[c] ?? NaN, name), one(expected[k][name], name)];
+      if (Number.isNaN(mine) || Number.isNaN(theirs)) return assert.equal(Number.isNaN(mine), Number.isNaN(theirs), `${name} of sample ${k}`);
+      near(mine, theirs, 1e-9 * Math.max(1, Math.abs(theirs)), `${name} of sample ${k}`);
+    }),
+  );
+  return { rows, command };
+}
+
+test('the samples are those of the command: shared and per leg, with changed values, at another pose', async () => {
+  await withPage(report(heavy), still, async (page) => {
+    const { command } = await sameSamples(page, null);
+    assert.equal(command.match(/--vary/g).length, 3, 'those with the largest effect');
+    await page.evaluate(async () => {
+      const { whatIf, workspace } = window.hydrapod;
+      await whatIf.ready;
+      whatIf.replace([['platform.mass', 13579]]);
+      workspace.displace([0.02, 0, -0.3, 0, 0, 0]);
+      await whatIf.shown();
+    });
+    const other = await sameSamples(page, [['legs.guide_sleeve.stiffness', 0.12, true], ['platform.mass', 0.03, false]]);
+    assert.match(other.command, /--pose 'x=20 mm, z=-300 mm'/);
+    assert.match(other.command, /per leg/);
+    assert.deepEqual(await findings(page), [], 'axe finds nothing');
+  });
+});
+
+test('the requirement counts samples without a value as missed', async () => {
+  await withPage(report(heavy), still, async (page) => {
+    // at the neutral pose softer sleeves buckle
+    const { rows } = await sameSamples(page, [['legs.guide_sleeve.stiffness', 0.1, false]]);
+    assert.ok(rows.some((row) => row[0] === 4), 'some buckle');
+    await page.locator('[data-control="scatter-bound"]').fill('4,05');
+    await page.locator('[data-control="scatter-bound"]').press('Enter');
+    const missed = rows.filter((row) => !(row[0] === 0 && row[1] >= 4.05)).length;
+    await page.getByText(`${missed} of 1000 samples miss the requirement`).waitFor();
+    // a parameter that is none, a deviation that is none
+    await page.locator('[data-control="scatter-path"]').fill('legs.nothing');
+    await page.locator('[data-control="scatter-path"]').press('Enter');
+    await page.getByText('legs.nothing: not a parameter').waitFor();
+    const deviation = page.locator('[data-deviation="legs.guide_sleeve.stiffness"]');
+    await deviation.fill('-3');
+    await deviation.press('Enter');
+    assert.equal(await deviation.getAttribute('aria-invalid'), 'true');
+    await deviation.fill('30');
+    await deviation.press('Enter');
+    await page.getByText('which the machine cannot have').waitFor();
+  });
+});
