@@ -33,6 +33,8 @@ const kinds = (record) => [
   { name: 'everything', words: ['models/zhang-jiang-2021.toml', '--command', 'step z=5 mm', '--measured', record, '--diagnose', record] },
 ];
 const widths = [360, 768, 1400, 2560];
+/** Chromium repeats the top of pictures that are much taller [px]. */
+const most = 4000;
 
 /** Sections that calculate have done so. */
 const calculated = (page) =>
@@ -53,15 +55,20 @@ async function takeAll(output) {
     run('report', ...words, '-o', report);
     for (const width of widths)
       for (const colorScheme of ['light', 'dark']) {
-        const page = await browser.newPage({ viewport: { width, height: 1000 }, colorScheme, reducedMotion: 'reduce' });
+        const page = await browser.newPage({ viewport: { width, height: most }, colorScheme, reducedMotion: 'reduce' });
         await page.goto(pathToFileURL(report).href);
         await calculated(page);
         await page.waitForTimeout(500); // fonts and the last frame
-        await page.screenshot({ path: join(output, `${name}-${width}-${colorScheme}.png`), fullPage: true });
+        const tall = await page.evaluate(() => document.documentElement.scrollHeight);
+        for (let k = 0; k * most < tall; ++k) {
+          await page.evaluate((y) => scrollTo({ top: y, behavior: 'instant' }), k * most);
+          await page.waitForTimeout(200);
+          await page.screenshot({ path: join(output, `${name}-${width}-${colorScheme}-${k + 1}.png`) });
+        }
         if (width === 1400 && colorScheme === 'light') await page.pdf({ path: join(output, `${name}.pdf`), format: 'A4' });
         await page.close();
       }
-    console.log(`${name}: ${2 * widths.length} pictures and a PDF in ${output}`);
+    console.log(`${name}: pictures of ${widths.length} widths, light and dark, and a PDF in ${output}`);
   }
 }
 

@@ -96,7 +96,7 @@ class Scatter {
     this.core = core;
     this.choices = core.parameters.filter(({ path, value, mechanics, single }) => mechanics && value !== 0 && !single && !path.startsWith('poses.'));
     const slopes = await core.sensitivities(this.state.poseNumber);
-    const scattering = this.choices.filter((one) => one.unit !== 'm' && one.unit !== 'rad' && forbidden(one, usual) === null);
+    const scattering = this.choices.filter((one) => one.unit !== 'm' && one.unit !== 'rad' && !one.path.startsWith('environment.') && forbidden(one, usual) === null);
     const known = new Set(scattering.map(({ path }) => path));
     const largest = Object.keys(slopes).filter((path) => known.has(path)).sort((a, b) => Math.abs(slopes[b]!) - Math.abs(slopes[a]!));
     if (this.varied.length === 0) this.varied = largest.slice(0, first).map((path) => [path, usual, false]);
