@@ -13,5 +13,20 @@ export function sharedCore(state: State): Promise<Core> {
   return started;
 }
 
+/** Maps and samples wait so long after the last value that was dragged [ms]: a slider goes first. */
+const rest = 100;
+let touched = Number.NEGATIVE_INFINITY;
+
+/** Somebody drags something. */
+export const touch = (): void => {
+  touched = performance.now();
+};
+
+/** Resolves when nobody has dragged anything for a while. */
+export async function idle(): Promise<void> {
+  for (let left; (left = touched + rest - performance.now()) > 0; )
+    await new Promise((resolve) => setTimeout(resolve, left));
+}
+
 export const coreFailure = (error: unknown): string =>
   `This browser cannot run the core: ${error}. Everything else on this page is as the program computed it.`;

@@ -2,7 +2,7 @@
 
 import { map, mapStatus, type Core, type Parameter, type Scatter as Request } from '../core/core';
 import { assignments, shellCommand } from '../core/edits';
-import { coreFailure, sharedCore } from '../core/shared';
+import { coreFailure, idle, sharedCore } from '../core/shared';
 import type { Editable } from '../document';
 import { button, html, identifier } from '../dom';
 import { fixed } from '../numbers';
@@ -21,7 +21,8 @@ export const scatter: Section = {
 };
 
 const samples = 1000;
-const atOnce = 25;
+/** So few that a slider never waits for long. */
+const atOnce = 10;
 const seed = 1;
 /** Parameters that vary at first: no lengths, and of the others those that change the lowest frequency most. */
 const first = 3;
@@ -211,6 +212,8 @@ class Scatter {
       this.rows = [];
       this.showCommand();
       for (let from = 0; from < samples && !this.again && this.varied.length > 0; from += atOnce) {
+        await idle();
+        if (this.again) break;
         const found = await (this.core as Core).scatter({ ...this.request, from, count: atOnce });
         for (let k = 0; k < atOnce; ++k) this.rows.push(found.subarray(k * map.columns, (k + 1) * map.columns));
         if (this.rows.length % 250 === 0) this.show();

@@ -2,7 +2,7 @@
 
 import type { Buckling, Computed, Core, Setting } from '../core/core';
 import { assignments, displacementIn, Edits, fragmentOf, fromFragment, holdsState, settings, shellCommand, type Values } from '../core/edits';
-import { coreFailure, sharedCore } from '../core/shared';
+import { coreFailure, sharedCore, touch } from '../core/shared';
 import { directions, type Editable, type PoseReport } from '../document';
 import { button, html } from '../dom';
 import type { State } from '../state';
@@ -153,6 +153,7 @@ class WhatIf {
   }
 
   private compute(values: Values, displaced: number[] | null): Promise<Computed> {
+    touch();
     // the page's Bode diagram with its peaks follows in settle()
     const request = { set: settings(values), ...this.place(displaced), points: 0 };
     return (this.core as Core).compute(request, this.omega);

@@ -3,7 +3,7 @@
 
 import { map, mapStatus, type Core } from '../core/core';
 import { assignments, shellCommand } from '../core/edits';
-import { coreFailure, sharedCore } from '../core/shared';
+import { coreFailure, idle, sharedCore } from '../core/shared';
 import { directions, type Editable, type Place } from '../document';
 import { button, html, identifier, slider, type Slider } from '../dom';
 import type { State } from '../state';
@@ -184,7 +184,7 @@ class Workspace {
     this.field = field;
     this.filling = field.fill(
       () => this.show(),
-      () => this.released,
+      () => this.released.then(idle),
     );
     this.showCommand();
     this.showWords();
