@@ -90,7 +90,8 @@ double SpoolLaw::turning(double e, double rate) const {
 
 /// (ω e)² + ẋ² never grows within the limit.
 bool SpoolLaw::may_be_limited(double e, double rate) const {
-  return !(std::hypot(omega_ * e, rate) <= omega_ * e_limit_);
+  const double pull = omega_ * e, limit = omega_ * e_limit_;
+  return !(pull * pull + rate * rate <= limit * limit);
 }
 
 /// How long the spool stays within the limit, at most `time`. e is monotone up to the first
@@ -139,21 +140,31 @@ Spools::Spools(const Plant& plant, std::vector<double> shares)
 
 void Spools::set_transitions(double step) {
   step_ = step;
-  for (std::size_t k = 0; k < shares_.size(); ++k)
-    for (int i = 0; i < Lanes::size; ++i) {
-      const auto& law = laws_[static_cast<std::size_t>(i < Lanes::used ? i : 0)];
-      const auto one = law.transition(step * shares_[k]);
-      auto& all = transitions_[k];
-      all.e_e.set(i, one.e_e);
-      all.e_rate.set(i, one.e_rate);
-      all.rate_e.set(i, one.rate_e);
-      all.rate_rate.set(i, one.rate_rate);
+  for (std::size_t k = 0; k < shares_.size(); ++k) {
+    if (k > 0 && shares_[k] == shares_[k - 1]) {
+      transitions_[k] = transitions_[k - 1];
+      continue;
     }
+    const double time = step * shares_[k];
+    const auto first = laws_.front().transition(time);
+    transitions_[k] = {first.e_e, first.e_rate, first.rate_e, first.rate_rate};
+    for (int i = 1; i < model::leg_count; ++i) {
+      const auto& law = laws_[static_cast<std::size_t>(i)];
+      if (law == laws_.front()) continue;  // most machines have one kind of valve
+      const auto one = law.transition(time);
+      transitions_[k].e_e.set(i, one.e_e);
+      transitions_[k].e_rate.set(i, one.e_rate);
+      transitions_[k].rate_e.set(i, one.rate_e);
+      transitions_[k].rate_rate.set(i, one.rate_rate);
+    }
+  }
 }
 
 void Spools::begin(const double* x, const Vector6& command, double step) {
   if (first_ < 0) return;
-  if (step != step_) set_transitions(step);
+  // Steps that are meant to be equal differ by the rounding of the time.
+  constexpr double rounding = 1e-12;
+  if (!(std::abs(step - step_) <= rounding * step)) set_transitions(step);
   const Lanes u = gather([&](int i) { return std::clamp(command[i], -1.0, 1.0); });
   const Lanes e = gather([&](int i) { return x[first_ + 2 * i]; }) - u;
   const Lanes rate = gather([&](int i) { return x[first_ + 2 * i + 1]; });

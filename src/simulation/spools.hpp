@@ -35,6 +35,7 @@ struct SpoolTransition {
 class SpoolLaw {
  public:
   explicit SpoolLaw(const hydraulics::Valve& valve);
+  bool operator==(const SpoolLaw&) const = default;
   /// The limit of the rate left out.
   [[nodiscard]] SpoolTransition<double> transition(double time) const;
   /// After `time` [s] with the command `u`.
