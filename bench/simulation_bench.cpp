@@ -119,7 +119,9 @@ simulation::IntegratorOptions with(Method method, double tolerance) {
   BENCHMARK_CAPTURE(second_of_noise, name, __VA_ARGS__)->Unit(benchmark::kMillisecond)
 
 SECOND_OF_NOISE(adaptive_guide, with(Method::adaptive, 1e-5), ModelKind::guide);
-SECOND_OF_NOISE(adaptive_equal_error, with(Method::adaptive, 1e-5), ModelKind::guide);
+// Of exponential_guide and exponential_tight, as near as powers of ten come.
+SECOND_OF_NOISE(adaptive_equal_error, with(Method::adaptive, 1e-6), ModelKind::guide);
+SECOND_OF_NOISE(adaptive_tight, with(Method::adaptive, 1e-7), ModelKind::guide);
 SECOND_OF_NOISE(adaptive_rigid, with(Method::adaptive, 1e-5), ModelKind::rigid);
 SECOND_OF_NOISE(exponential_guide, with(Method::exponential, 1e-5), ModelKind::guide);
 SECOND_OF_NOISE(exponential_tight, with(Method::exponential, 1e-7), ModelKind::guide);

@@ -1,5 +1,7 @@
 /// The hydraulics of all legs at once.
 
+#include <new>
+
 #include "plant_work.hpp"
 
 namespace hydrapod::simulation {
@@ -26,6 +28,7 @@ OilState Plant::oil_state(const dynamics::Motion& motion, const double* x,
   state.p_rod = at([&](int i) { return layout_.rod(i); });
   state.spool = at([&](int i) { return layout_.spool(i); });
   state.spool_rate = at([&](int i) { return layout_.spool(i) + 1; });
+  state.bristle = 0.0;
   if (layout_.bristles >= 0) state.bristle = at([&](int i) { return layout_.bristles + i; });
   state.command = numerics::gather([&](int i) { return input.command[i]; });
   state.supply_pressure =
@@ -39,8 +42,8 @@ OilRates Plant::oil_rates(const OilState& state) const {
   const Lanes back = machine_.hydraulics.supply.return_pressure;
   const Lanes atmosphere = hydraulics::atmospheric_pressure;
   OilRates out;
-  out.flows = hydraulics::valve_flows(axis.valve, state.spool,
-                                      {state.supply_pressure, back, state.p_cap, state.p_rod});
+  const auto flows = hydraulics::valve_flows(
+      axis.valve, state.spool, {state.supply_pressure, back, state.p_cap, state.p_rod});
   out.internal_leakage = axis.internal_leakage * (state.p_cap - state.p_rod);
   const Lanes cap_out = axis.external_leakage * (state.p_cap - atmosphere);
   const Lanes rod_out = axis.external_leakage * (state.p_rod - atmosphere);
@@ -48,8 +51,8 @@ OilRates Plant::oil_rates(const OilState& state) const {
   out.oil_force = axis.force(state.p_cap, state.p_rod);
   out.piston = state.s + compliance * (out.oil_force - rest_force);
   const auto volume = axis.volumes(out.piston);
-  const Lanes cap_in = out.flows.cap - out.internal_leakage - cap_out;
-  const Lanes rod_in = out.flows.rod + out.internal_leakage - rod_out;
+  const Lanes cap_in = flows.cap - out.internal_leakage - cap_out;
+  const Lanes rod_in = flows.rod + out.internal_leakage - rod_out;
   const Lanes cap_give =
       volume.cap * hydraulics::compressibility(axis.oil, state.p_cap) + axis.cap_line_compliance;
   const Lanes rod_give =
@@ -74,14 +77,19 @@ OilRates Plant::oil_rates(const OilState& state) const {
     out.bristle = numerics::where_less(0.0, have, bent.rate, 0.0);
   }
   out.stop_force = hydraulics::stop_force(axis.stops, state.s, state.s_rate);
+  out.cap_flow = flows.cap;
+  out.rod_flow = flows.rod;
+  out.supply_flow = flows.supply;
+  out.return_flow = flows.back;
   return out;
 }
 
 /// Evaluates the oil and writes its rates; the axial forces on the pistons go into `axial`.
 void Plant::oil_side(const double* x, const PlantInput& input, double* rate, Vector6& axial,
                      Work& work) const {
-  work.oil_state = oil_state(work.motion, x, input);
-  work.oil = oil_rates(work.oil_state);
+  // Made where they stay: they are two kilobytes.
+  ::new (&work.oil_state) OilState(oil_state(work.motion, x, input));
+  ::new (&work.oil) OilRates(oil_rates(work.oil_state));
   const auto& oil = work.oil;
   const Lanes force = oil.oil_force + oil.friction_force + oil.stop_force;
   for (int i = 0; i < model::leg_count; ++i) {
@@ -92,8 +100,8 @@ void Plant::oil_side(const double* x, const PlantInput& input, double* rate, Vec
     if (layout_.bristles >= 0) rate[layout_.bristles + i] = oil.bristle[i];
     axial[i] = force[i];
   }
-  work.supply_flow = oil.flows.supply.sum();
-  work.return_flow = oil.flows.back.sum();
+  work.supply_flow = oil.supply_flow.sum();
+  work.return_flow = oil.return_flow.sum();
 }
 
 void Plant::supply_side(const double* x, double* rate, Work& work) const {
@@ -116,10 +124,10 @@ LegOutput Plant::oil_output(int i, const Work& work) {
   out.rod_pressure = state.p_rod[i];
   out.spool = state.spool[i];
   out.spool_rate = state.spool_rate[i];
-  out.cap_flow = oil.flows.cap[i];
-  out.rod_flow = oil.flows.rod[i];
-  out.supply_flow = oil.flows.supply[i];
-  out.return_flow = oil.flows.back[i];
+  out.cap_flow = oil.cap_flow[i];
+  out.rod_flow = oil.rod_flow[i];
+  out.supply_flow = oil.supply_flow[i];
+  out.return_flow = oil.return_flow[i];
   out.internal_leakage = oil.internal_leakage[i];
   out.external_leakage = oil.external_leakage[i];
   out.piston = oil.piston[i];

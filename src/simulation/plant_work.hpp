@@ -20,27 +20,28 @@ struct Plant::OilConstants {
   bool gimbals{}, bristles{};  ///< any?
 };
 
-/// What the pistons do, and the oil in all legs with its valves.
+/// What the pistons do, and the oil in all legs with its valves. Not set to zero before it is
+/// filled, which would take a twentieth of the time of a right-hand side; so is OilRates.
 struct OilState {
-  Lanes s{}, s_rate{};
-  Lanes p_cap{}, p_rod{}, spool{}, spool_rate{}, bristle{};
-  Lanes command{};
-  double supply_pressure{};
+  Lanes s, s_rate;
+  Lanes p_cap, p_rod, spool, spool_rate, bristle;
+  Lanes command;
+  double supply_pressure;
 };
 
 /// What follows from it: rates, flows, forces; signs as in LegOutput.
 struct OilRates {
-  Lanes p_cap{}, p_rod{}, spool_rate{}, bristle{};
-  hydraulics::PortFlowsOf<Lanes> flows{};
-  Lanes internal_leakage{}, external_leakage{};
-  Lanes piston{}, piston_rate{};
-  Lanes oil_force{}, friction_force{}, stop_force{};
+  Lanes p_cap, p_rod, spool_rate, bristle;
+  Lanes cap_flow, rod_flow, supply_flow, return_flow;
+  Lanes internal_leakage, external_leakage;
+  Lanes piston, piston_rate;
+  Lanes oil_force, friction_force, stop_force;
 };
 
 struct Plant::Work {
   dynamics::Motion motion{};
-  OilState oil_state{};
-  OilRates oil{};
+  OilState oil_state;
+  OilRates oil;
   std::array<LegOutput, model::leg_count> legs{};  ///< without hydraulics
   Vector6 base_acceleration{Vector6::Zero()};
   double supply_pressure{}, pump_flow{}, supply_flow{}, return_flow{};

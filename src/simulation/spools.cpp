@@ -136,6 +136,9 @@ Spools::Spools(const Plant& plant, std::vector<double> shares)
     : first_(plant.layout().spools), shares_(std::move(shares)) {
   if (shares_.size() > most_shares) throw std::invalid_argument("Spools: too many shares");
   for (int i = 0; i < model::leg_count; ++i) laws_.emplace_back(plant.axis(i).valve);
+  const auto omega = gather([&](int i) { return plant.axis(i).valve.natural_frequency; });
+  stiffness_ = omega * omega;
+  damping_ = 2.0 * omega * gather([&](int i) { return plant.axis(i).valve.damping_ratio; });
 }
 
 void Spools::set_transitions(double step) {
@@ -162,16 +165,21 @@ void Spools::set_transitions(double step) {
 
 void Spools::begin(const double* x, const Vector6& command, double step) {
   if (first_ < 0) return;
-  // Steps that are meant to be equal differ by the rounding of the time.
-  constexpr double rounding = 1e-12;
-  if (!(std::abs(step - step_) <= rounding * step)) set_transitions(step);
+  // Steps that are meant to be equal differ by the rounding of the time, which is small to the
+  // second order.
+  constexpr double nearly = 1e-8;
+  if (!(std::abs(step - step_) <= nearly * step)) set_transitions(step);
+  const double beyond = step - step_;
   const Lanes u = gather([&](int i) { return std::clamp(command[i], -1.0, 1.0); });
   const Lanes e = gather([&](int i) { return x[first_ + 2 * i]; }) - u;
   const Lanes rate = gather([&](int i) { return x[first_ + 2 * i + 1]; });
   for (std::size_t k = 0; k < shares_.size(); ++k) {
     const auto& by = transitions_[k];
-    position_[k] = u + by.e_e * e + by.e_rate * rate;
-    rate_[k] = by.rate_e * e + by.rate_rate * rate;
+    const Lanes e_there = by.e_e * e + by.e_rate * rate;
+    const Lanes rate_there = by.rate_e * e + by.rate_rate * rate;
+    const Lanes later = beyond * shares_[k];
+    position_[k] = u + e_there + later * rate_there;
+    rate_[k] = rate_there - later * (stiffness_ * e_there + damping_ * rate_there);
   }
   for (int i = 0; i < model::leg_count; ++i) {
     const auto& law = laws_[static_cast<std::size_t>(i)];

@@ -73,6 +73,7 @@ class Spools {
   int first_;  ///< place of the spools in the state, −1 without hydraulics
   std::vector<double> shares_;
   std::vector<SpoolLaw> laws_{};
+  numerics::Lanes stiffness_{}, damping_{};  ///< ω², 2ζω
   double step_{};
   std::array<SpoolTransition<numerics::Lanes>, most_shares> transitions_{};
   std::array<numerics::Lanes, most_shares> position_{}, rate_{};

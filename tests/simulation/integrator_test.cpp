@@ -69,7 +69,9 @@ TEST(Integrators, AgreeWithinTheirTolerances) {
 }
 
 TEST(Integrators, FixedStepsHaveOrderFour) {
-  const Plant plant(heavy(), ModelKind::guide, {.friction = simulation::Friction::viscous});
+  auto machine = heavy();  // edges that stay open have no corner
+  for (auto& leg : machine.legs) leg.hydraulics.valve.overlap = -0.6;
+  const Plant plant(machine, ModelKind::guide, {.friction = simulation::Friction::viscous});
   const VectorXd exact = end_state(plant, with(Method::cvode_adams, 1e-12));
   const auto error = [&](double step) {
     return scaled_difference(plant, end_state(plant, {.method = Method::fixed, .fixed_step = step}),
