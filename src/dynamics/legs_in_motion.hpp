@@ -4,7 +4,7 @@
 #include <new>
 
 #include "hydrapod/dynamics/nonlinear.hpp"
-#include "hydrapod/numerics/lanes.hpp"
+#include "hydrapod/numerics/dense.hpp"
 
 namespace hydrapod::dynamics {
 

@@ -27,7 +27,9 @@ class FixedStep : public MethodBase {
   Step advance(double time, double to, Eigen::VectorXd& x) override {
     const double steps = std::max(1.0, std::ceil((to - time) / step_ * (1.0 - 1e-9)));
     if (steps > static_cast<double>(most_steps(to - time)))
-      return {.end = Step::End::failed, .time = time, .message = too_many_steps(step_, to - time)};
+      return {.end = Step::End::failed,
+              .time = time,
+              .message = too_many_steps(step_, to - time, most_steps(to - time))};
     const double h = (to - time) / steps;
     for (double k = 0.0; k < steps; ++k) {
       const double t = time + k * h;

@@ -29,11 +29,11 @@ std::unique_ptr<MethodBase> make_method(const Problem& problem, const Integrator
 
 }  // namespace
 
-std::string too_many_steps(double step, double interval) {
+std::string too_many_steps(double step, double interval, long most) {
   return fmt::format(
       "steps of {:.2g} s are too short for {:.2g} s between two samples: they would be {:.2g}, "
       "expected at most {}",
-      step, interval, interval / step, most_steps(interval));
+      step, interval, interval / step, most);
 }
 
 namespace {

@@ -15,7 +15,7 @@ inline long most_steps(double interval) {
   constexpr double shortest = 5e-8;  // [s]
   return static_cast<long>(std::clamp(interval / shortest, 2e4, 1e6));
 }
-std::string too_many_steps(double step, double interval);
+std::string too_many_steps(double step, double interval, long most);
 
 /// The equation that a method solves; the input is constant during one call.
 struct Problem {

@@ -1,7 +1,7 @@
 #pragma once
 /// Intermediate results of one evaluation of a Plant, all legs side by side. Private to it.
 
-#include "hydrapod/numerics/lanes.hpp"
+#include "hydrapod/numerics/dense.hpp"
 #include "hydrapod/simulation/plant.hpp"
 
 namespace hydrapod::simulation {

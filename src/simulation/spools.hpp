@@ -16,7 +16,7 @@
 
 #include <array>
 
-#include "hydrapod/numerics/lanes.hpp"
+#include "hydrapod/numerics/dense.hpp"
 #include "hydrapod/simulation/plant.hpp"
 
 namespace hydrapod::simulation {

@@ -89,7 +89,7 @@
 #include <vector>
 
 #include "hydrapod/model/machine.hpp"
-#include "hydrapod/numerics/lanes.hpp"
+#include "hydrapod/numerics/dense.hpp"
 
 namespace hydrapod::hydraulics {
 
