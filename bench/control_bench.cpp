@@ -82,11 +82,9 @@ BENCHMARK(closed_loop_second)->Unit(benchmark::kMillisecond);
 
 /// What `hydrapod serve` does in a thousand samples, but for the calls of the system: sensors into
 /// a packet, a command out of one.
-void served_second(benchmark::State& state) {
+void served_second(benchmark::State& state, const simulation::IntegratorOptions& integrator) {
   const auto machine = bench::published();
-  simulation::ClosedLoop loop(
-      machine, machine.neutral(),
-      {.integrator = {.method = simulation::Method::fixed, .fixed_step = 2e-4}, .until = 1.0});
+  simulation::ClosedLoop loop(machine, machine.neutral(), {.integrator = integrator, .until = 1.0});
   const auto layout = realtime::native_layout(9);
   signals::Signal noise{.form = signals::Noise{.to = 20.0}};
   noise.size << 1e-3, 1e-3, 1e-3, 1.7e-3, 1.7e-3, 1.7e-3;
@@ -112,6 +110,10 @@ void served_second(benchmark::State& state) {
     if (summary.end != simulation::RunEnd::finished) state.SkipWithError("run ended early");
   }
 }
-BENCHMARK(served_second)->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(served_second, exponential,
+                  {.relative_tolerance = 1e-6, .absolute_tolerance = 1e-6})
+    ->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(served_second, fixed, {.method = simulation::Method::fixed, .fixed_step = 2e-4})
+    ->Unit(benchmark::kMillisecond);
 
 }  // namespace

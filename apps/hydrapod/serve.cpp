@@ -15,7 +15,7 @@ struct Arguments {
   std::string hold{"100 ms"}, ramp{"1 s"}, patience{"10 s"}, rest{}, duration{};
   std::optional<int> fifo{};
   std::vector<std::string> accelerometers{};
-  std::string integrator{"fixed"}, step{"0.2 ms"};
+  std::string integrator{"exponential"}, step{"0.2 ms"};
   double tolerance{1e-6};
   std::uint64_t seed{1};
   bool ideal_sensors{};
@@ -49,11 +49,12 @@ realtime::ServeOptions server_of(const Arguments& arguments, const model::Machin
 }
 
 simulation::LoopOptions loop_of(const Arguments& arguments) {
-  constexpr std::array methods{simulation::Method::fixed, simulation::Method::adaptive,
-                               simulation::Method::cvode_adams, simulation::Method::cvode_bdf};
+  constexpr std::array methods{simulation::Method::exponential, simulation::Method::fixed,
+                               simulation::Method::adaptive, simulation::Method::cvode_adams,
+                               simulation::Method::cvode_bdf};
   simulation::LoopOptions loop;
-  loop.integrator.method = methods[choose_word("--integrator", arguments.integrator,
-                                               {"fixed", "adaptive", "adams", "bdf"})];
+  loop.integrator.method = methods[choose_word(
+      "--integrator", arguments.integrator, {"exponential", "fixed", "adaptive", "adams", "bdf"})];
   loop.integrator.fixed_step = seconds("--step", arguments.step);
   if (!(arguments.tolerance >= 1e-13 && arguments.tolerance <= 1e-2))
     base::refuse(fmt::format("--tolerance {}", arguments.tolerance), "expected 1e-13 to 0.01");
@@ -184,7 +185,9 @@ void add_serve(Command app) {
         "As for rig; none: no accelerometer; default: three axes at the joints of legs 1, 3, 5",
         one_each},
        {"--integrator", arguments.integrator,
-        "fixed (Runge-Kutta 4, equal work in every step), adaptive, adams or bdf"},
+        "exponential (spools in closed form, Dormand-Prince 5(4)), fixed (Runge-Kutta 4, equal "
+        "work "
+        "in every step), adaptive, adams or bdf"},
        {"--step", arguments.step, "Step of the fixed integrator"},
        {"--tolerance", arguments.tolerance, "Of the other integrators, relative"},
        {"--seed", arguments.seed, "Seed of the sensors' noise"},

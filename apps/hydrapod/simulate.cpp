@@ -211,7 +211,7 @@ struct Arguments {
   std::vector<std::string> commands{}, wrench{};
   std::string actuators{"controlled"}, initial{};
   std::string until{}, dt_output{};
-  std::string integrator{"adaptive"};
+  std::string integrator{"exponential"};
   double tolerance{1e-6};
   std::string step{"0.1 ms"};
   std::uint64_t seed{1};
@@ -226,8 +226,9 @@ double positive_time(const std::string& option, const std::string& text) {
 }
 
 tasks::SimulateOptions options_of(const Arguments& arguments) {
-  constexpr std::array methods{simulation::Method::adaptive, simulation::Method::cvode_adams,
-                               simulation::Method::cvode_bdf, simulation::Method::fixed};
+  constexpr std::array methods{simulation::Method::exponential, simulation::Method::adaptive,
+                               simulation::Method::cvode_adams, simulation::Method::cvode_bdf,
+                               simulation::Method::fixed};
   tasks::SimulateOptions options{.commands = arguments.commands,
                                  .wrench = arguments.wrench,
                                  .initial = arguments.initial,
@@ -236,8 +237,8 @@ tasks::SimulateOptions options_of(const Arguments& arguments) {
   auto& loop = options.loop;
   loop.actuators = static_cast<simulation::Actuators>(
       choose_word("--actuators", arguments.actuators, {"controlled", "held", "springs"}));
-  loop.integrator.method = methods[choose_word("--integrator", arguments.integrator,
-                                               {"adaptive", "adams", "bdf", "fixed"})];
+  loop.integrator.method = methods[choose_word(
+      "--integrator", arguments.integrator, {"exponential", "adaptive", "adams", "bdf", "fixed"})];
   if (!(arguments.tolerance >= 1e-13 && arguments.tolerance <= 1e-2))
     base::refuse(fmt::format("--tolerance {}", arguments.tolerance), "expected 1e-13 to 0.01");
   loop.integrator.relative_tolerance = loop.integrator.absolute_tolerance = arguments.tolerance;
@@ -352,8 +353,8 @@ void add_simulate(Command app) {
         "Record to write: .h5, .mat, .csv or .uff; a PATH.part while it grows", writes},
        {"--plot", arguments.plot, "Picture to write, .svg, .png or .pdf (needs gnuplot)", writes},
        {"--integrator", arguments.integrator,
-        "adaptive (Dormand-Prince 5(4)), adams or bdf (CVODE, locate stops), fixed "
-        "(Runge-Kutta 4)"},
+        "exponential (spools in closed form, Dormand-Prince 5(4)), adaptive (Dormand-Prince), "
+        "adams or bdf (CVODE, locate stops), fixed (Runge-Kutta 4)"},
        {"--tolerance", arguments.tolerance, "Of the integrator, relative"},
        {"--step", arguments.step, "Step of the fixed integrator"},
        {"--seed", arguments.seed,

@@ -182,7 +182,7 @@ def frequencies(machine: Machine, designs: Mapping[str, Any], *, threads: int = 
 
 def simulate(machine: Machine, commands: Texts = (), *, wrench: Texts = (), initial: Optional[str] = None,
              actuators: str = "controlled", until: Optional[Quantity] = None,
-             integrator: str = "adaptive", tolerance: float = 1e-6, step: Quantity = 1e-4, seed: int = 1,
+             integrator: str = "exponential", tolerance: float = 1e-6, step: Quantity = 1e-4, seed: int = 1,
              ideal_sensors: bool = False, output_interval: Optional[Quantity] = None,
              trace_samples: int = 3000, record: Optional[Path] = None,
              progress: Optional[Progress] = None) -> Simulation:
@@ -439,7 +439,7 @@ class Plant:
             displacement = plant.step(commands, 1e-3)      # commands: six valves in [-1, 1]
 
     It starts at rest at the machine's pose. integrator: fixed (Runge-Kutta 4 with steps of at most
-    `fixed_step`) or adaptive (errors below `tolerance`). hydraulics=False: legs on oil springs, no valves.
+    `fixed_step`), exponential or adaptive (errors below `tolerance`). hydraulics=False: legs on oil springs, no valves.
     Steps of one plant from several threads come one after the other; several plants run at once.
     """
 

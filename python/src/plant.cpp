@@ -231,9 +231,9 @@ std::shared_ptr<Stepper> make(const Subject& machine, bool hydraulics, const std
                               double fixed_step, double tolerance) {
   simulation::IntegratorOptions options{
       .relative_tolerance = tolerance, .absolute_tolerance = tolerance, .fixed_step = fixed_step};
-  options.method =
-      std::array{simulation::Method::fixed,
-                 simulation::Method::adaptive}[choice("integrator", method, {"fixed", "adaptive"})];
+  constexpr std::array methods{simulation::Method::fixed, simulation::Method::adaptive,
+                               simulation::Method::exponential};
+  options.method = methods[choice("integrator", method, {"fixed", "adaptive", "exponential"})];
   return without_gil([&] { return std::make_shared<Stepper>(machine, hydraulics, options); });
 }
 

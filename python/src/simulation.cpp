@@ -26,7 +26,8 @@ struct Simulation : Result {
 std::shared_ptr<Simulation> simulate(const Machine& machine, const Options& asked,
                                      const py::object& progress) {
   constexpr std::array methods{simulation::Method::adaptive, simulation::Method::cvode_adams,
-                               simulation::Method::cvode_bdf, simulation::Method::fixed};
+                               simulation::Method::cvode_bdf, simulation::Method::fixed,
+                               simulation::Method::exponential};
   tasks::SimulateOptions options{.commands = asked.get<Names>("commands"),
                                  .wrench = asked.get<Names>("wrench"),
                                  .initial = asked.get<std::string>("initial"),
@@ -38,8 +39,8 @@ std::shared_ptr<Simulation> simulate(const Machine& machine, const Options& aske
       choice("actuators", asked.get<std::string>("actuators", "controlled"),
              {"controlled", "held", "springs"}));
   loop.integrator.method =
-      methods[choice("integrator", asked.get<std::string>("integrator", "adaptive"),
-                     {"adaptive", "adams", "bdf", "fixed"})];
+      methods[choice("integrator", asked.get<std::string>("integrator", "exponential"),
+                     {"adaptive", "adams", "bdf", "fixed", "exponential"})];
   const double tolerance = asked.get("tolerance", 1e-6);
   if (!(tolerance >= 1e-13 && tolerance <= 1e-2))
     base::refuse("tolerance", "expected 1e-13 to 0.01");

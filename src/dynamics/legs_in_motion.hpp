@@ -4,9 +4,17 @@
 #include <new>
 
 #include "hydrapod/dynamics/nonlinear.hpp"
-#include "lanes.hpp"
+#include "hydrapod/numerics/dense.hpp"
 
 namespace hydrapod::dynamics {
+
+using numerics::gather;
+using numerics::Lanes;
+using numerics::Matrix3L;
+using numerics::Vector2L;
+using numerics::Vector3L;
+using numerics::Vector4L;
+static_assert(Lanes::used == model::leg_count);
 
 /// All legs in motion, for the equations. Vectors marked L are in the frame of the case.
 struct LegsInMotion {

@@ -67,13 +67,7 @@ Matrix3L broadcast(const Matrix3& R) {
   return lanes;
 }
 
-/// Turns what belongs to the legs one by one into lanes; the lanes that are no legs repeat leg 1.
-template <class Value>
-Lanes gather(Value value) {
-  Lanes lanes;
-  for (int i = 0; i < Lanes::size; ++i) lanes.set(i, value(i < model::leg_count ? i : 0));
-  return lanes;
-}
+/// Vectors of the legs one by one as lanes.
 template <class Value>
 Vector3L gather_vectors(Value value) {
   Vector3L lanes;

@@ -193,6 +193,46 @@ ServoAxis servo_axis(const model::Machine& machine, int i) {
   return axis;
 }
 
+ServoAxisOf<numerics::Lanes> side_by_side(const std::array<ServoAxis, model::leg_count>& axes) {
+  const auto of = [&axes](auto value) {
+    return numerics::gather([&](int i) { return value(axes[static_cast<std::size_t>(i)]); });
+  };
+  ServoAxisOf<numerics::Lanes> all;
+  all.area = {of([](const auto& a) { return a.area.piston; }),
+              of([](const auto& a) { return a.area.annulus; })};
+  all.volume = {of([](const auto& a) { return a.volume.cap; }),
+                of([](const auto& a) { return a.volume.rod; })};
+  all.s_mid = of([](const auto& a) { return a.s_mid; });
+  all.smallest_volume = of([](const auto& a) { return a.smallest_volume; });
+  all.cap_line_compliance = of([](const auto& a) { return a.cap_line_compliance; });
+  all.rod_line_compliance = of([](const auto& a) { return a.rod_line_compliance; });
+  all.oil = {of([](const auto& a) { return a.oil.bulk_modulus; }),
+             of([](const auto& a) { return a.oil.air_fraction; }),
+             of([](const auto& a) { return a.oil.air_exponent; }),
+             of([](const auto& a) { return a.oil.cavitation_pressure; })};
+  all.valve = {of([](const auto& a) { return a.valve.gain; }),
+               of([](const auto& a) { return a.valve.overlap; }),
+               of([](const auto& a) { return a.valve.rounding; }),
+               of([](const auto& a) { return a.valve.laminar_pressure; }),
+               of([](const auto& a) { return a.valve.natural_frequency; }),
+               of([](const auto& a) { return a.valve.damping_ratio; }),
+               of([](const auto& a) { return a.valve.rate_limit; })};
+  all.internal_leakage = of([](const auto& a) { return a.internal_leakage; });
+  all.external_leakage = of([](const auto& a) { return a.external_leakage; });
+  all.friction = {of([](const auto& a) { return a.friction.coulomb; }),
+                  of([](const auto& a) { return a.friction.breakaway; }),
+                  of([](const auto& a) { return a.friction.stribeck_velocity; }),
+                  of([](const auto& a) { return a.friction.smoothing_velocity; }),
+                  of([](const auto& a) { return a.friction.viscous; }),
+                  of([](const auto& a) { return a.friction.bristle_stiffness; }),
+                  of([](const auto& a) { return a.friction.bristle_damping; })};
+  all.stops = {of([](const auto& a) { return a.stops.low; }),
+               of([](const auto& a) { return a.stops.high; }),
+               of([](const auto& a) { return a.stops.stiffness; }),
+               of([](const auto& a) { return a.stops.damping; })};
+  return all;
+}
+
 HydraulicRest hydraulic_rest(const ServoAxis& axis, const model::Supply& supply, double force) {
   const double A_p = axis.area.piston, A_r = axis.area.annulus;
   const double pushed = force + atmospheric_pressure * (A_p - A_r);

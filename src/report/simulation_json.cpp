@@ -82,7 +82,7 @@ void describe_run(Fields& f, Simulation& s) {
   f("output_interval_s", s.output_interval);
   f("samples", summary.samples);
   f("seed", s.loop.seed);
-  f.word("integrator", s.loop.integrator.method, words_of<simulation::Method, 4>(simulation::name));
+  f.word("integrator", s.loop.integrator.method, words_of<simulation::Method, 5>(simulation::name));
   f("relative_tolerance", s.loop.integrator.relative_tolerance);
   f("steps", summary.integrator.steps);
   f("evaluations", summary.integrator.evaluations);

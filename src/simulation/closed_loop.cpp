@@ -5,9 +5,9 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <deque>
 #include <limits>
 #include <stdexcept>
+#include <vector>
 
 #include "hydrapod/base/error.hpp"
 #include "hydrapod/simulation/linear_system.hpp"
@@ -157,7 +157,7 @@ class Run {
   void apply_due_drives(double now) {
     while (!pending_.empty() && pending_.front().time <= now + slack_) {
       applied_ = input_.command = pending_.front().values;
-      pending_.pop_front();
+      pending_.erase(pending_.begin());
     }
   }
 
@@ -251,7 +251,7 @@ class Run {
   long ticks_{}, outputs_{};
   double watched_{};
   std::chrono::steady_clock::time_point asked_{std::chrono::steady_clock::now()};
-  std::deque<Pending> pending_{};  ///< drives
+  std::vector<Pending> pending_{};  ///< drives; as many as the delay has samples
   std::optional<Pending> next_wrench_{};
   PlantInput input_{};
   bool outside_{};  ///< the last drives were of a controller outside

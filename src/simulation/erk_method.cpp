@@ -53,10 +53,10 @@ class ErkMethod : public SundialsMethod {
       const double before = reached;
       if (++steps > most_steps(to - time)) {
         note_counts();
-        return {
-            .end = Step::End::failed,
-            .time = reached,
-            .message = too_many_steps((reached - time) / static_cast<double>(steps), to - time)};
+        return {.end = Step::End::failed,
+                .time = reached,
+                .message = too_many_steps((reached - time) / static_cast<double>(steps), to - time,
+                                          most_steps(to - time))};
       }
       const int code = ERKStepEvolve(memory_, to, x_, &reached, ARK_ONE_STEP);
       if (code < 0) {

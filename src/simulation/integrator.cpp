@@ -19,6 +19,8 @@ std::unique_ptr<MethodBase> make_method(const Problem& problem, const Integrator
     case Method::cvode_adams:
     case Method::cvode_bdf:
       return make_cvode(problem, options);
+    case Method::exponential:
+      return make_exponential(problem, options);
     case Method::fixed:
       return make_fixed(problem, options);
   }
@@ -27,11 +29,11 @@ std::unique_ptr<MethodBase> make_method(const Problem& problem, const Integrator
 
 }  // namespace
 
-std::string too_many_steps(double step, double interval) {
+std::string too_many_steps(double step, double interval, long most) {
   return fmt::format(
       "steps of {:.2g} s are too short for {:.2g} s between two samples: they would be {:.2g}, "
       "expected at most {}",
-      step, interval, interval / step, most_steps(interval));
+      step, interval, interval / step, most);
 }
 
 namespace {
@@ -50,6 +52,7 @@ void check(const IntegratorOptions& options) {
           "absolute tolerance", options.absolute_tolerance, "1e-15 or more");
   require(options.fixed_step > 0.0 && std::isfinite(options.fixed_step), "fixed step",
           options.fixed_step, "a time above 0 s");
+  require(options.event_time > 0.0, "event time", options.event_time, "a time above 0 s");
   require(options.largest_step >= 0.0, "largest step", options.largest_step, "0 s (none) or more");
 }
 
@@ -63,6 +66,8 @@ const char* name(Method method) {
       return "cvode-adams";
     case Method::cvode_bdf:
       return "cvode-bdf";
+    case Method::exponential:
+      return "exponential";
     case Method::fixed:
       return "fixed";
   }

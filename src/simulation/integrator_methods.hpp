@@ -15,7 +15,7 @@ inline long most_steps(double interval) {
   constexpr double shortest = 5e-8;  // [s]
   return static_cast<long>(std::clamp(interval / shortest, 2e4, 1e6));
 }
-std::string too_many_steps(double step, double interval);
+std::string too_many_steps(double step, double interval, long most);
 
 /// The equation that a method solves; the input is constant during one call.
 struct Problem {
@@ -45,14 +45,21 @@ class EventWatch {
     directions_.assign(plant.event_count(), 0);
     plant.events(x.data(), before_.data());
   }
-  bool happened(const Plant& plant, const Eigen::VectorXd& x) {
+  /// Whether something happens on the way to `x`.
+  bool happens(const Plant& plant, const Eigen::VectorXd& x) {
     plant.events(x.data(), now_.data());
     bool any = false;
     for (size_t k = 0; k < now_.size(); ++k) {
       directions_[k] = (now_[k] > 0.0) - (before_[k] > 0.0);
       any = any || directions_[k] != 0;
     }
-    before_.swap(now_);
+    return any;
+  }
+  /// The run goes there.
+  void go_on() { before_.swap(now_); }
+  bool happened(const Plant& plant, const Eigen::VectorXd& x) {
+    const bool any = happens(plant, x);
+    go_on();
     return any;
   }
   [[nodiscard]] const std::vector<int>& directions() const { return directions_; }
@@ -78,6 +85,8 @@ class MethodBase {
 
 std::unique_ptr<MethodBase> make_erk(const Problem& problem, const IntegratorOptions& options);
 std::unique_ptr<MethodBase> make_cvode(const Problem& problem, const IntegratorOptions& options);
+std::unique_ptr<MethodBase> make_exponential(const Problem& problem,
+                                             const IntegratorOptions& options);
 std::unique_ptr<MethodBase> make_fixed(const Problem& problem, const IntegratorOptions& options);
 
 }  // namespace hydrapod::simulation

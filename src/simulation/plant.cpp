@@ -80,6 +80,7 @@ Plant::Plant(const model::Machine& machine, ModelKind kind, const PlantOptions& 
   set_base(X_reference);
   set_gimbals(X_reference);
   if (!options.hydraulics) set_springs(X_reference);
+  set_oil_constants();
 }
 
 /// Valves closed in the equilibrium at the reference pose. Without hydraulics the cylinder is not
@@ -103,66 +104,6 @@ void Plant::set_springs(const Pose& X_reference) {
   }
 }
 
-/// Force on the piston along s, friction included; chamber, spool and bristle rates.
-double Plant::oil_side(int i, const LegMotion& motion, const double* x, const PlantInput& input,
-                       double* rate, LegOutput& out) const {
-  const auto& axis = axes_[i];
-  const int cap = layout_.cap(i), rod = layout_.rod(i), spool = layout_.spool(i);
-  const double p_cap = x[cap], p_rod = x[rod];
-  const auto& supply = machine_.hydraulics.supply;
-  const double p_s = layout_.supply < 0 ? supply.pressure : x[layout_.supply];
-  const auto flows =
-      hydraulics::valve_flows(axis.valve, x[spool], {p_s, supply.return_pressure, p_cap, p_rod});
-  const double across = axis.internal_leakage * (p_cap - p_rod);
-  const double cap_out = axis.external_leakage * (p_cap - hydraulics::atmospheric_pressure);
-  const double rod_out = axis.external_leakage * (p_rod - hydraulics::atmospheric_pressure);
-  const auto& gimbals = gimbals_[i];
-  const double v = motion.s_rate;
-  out.oil_force = axis.force(p_cap, p_rod);
-  out.piston = motion.s + gimbals.compliance * (out.oil_force - gimbals.force);
-  const auto volume = axis.volumes(out.piston);
-  const double cap_in = flows.cap - across - cap_out, rod_in = flows.rod + across - rod_out;
-  const double cap_give =
-      volume.cap * hydraulics::compressibility(axis.oil, p_cap) + axis.cap_line_compliance;
-  const double rod_give =
-      volume.rod * hydraulics::compressibility(axis.oil, p_rod) + axis.rod_line_compliance;
-  out.piston_rate = v;
-  if (gimbals.compliance > 0.0) {
-    const double A_p = axis.area.piston, A_r = axis.area.annulus;
-    const double by_flows = A_p * cap_in / cap_give - A_r * rod_in / rod_give;
-    const double stiffness = A_p * A_p / cap_give + A_r * A_r / rod_give;
-    out.piston_rate = (v + gimbals.compliance * by_flows) / (1.0 + gimbals.compliance * stiffness);
-  }
-  rate[cap] = (cap_in - axis.area.piston * out.piston_rate) / cap_give;
-  rate[rod] = (rod_in + axis.area.annulus * out.piston_rate) / rod_give;
-  rate[spool] = x[spool + 1];
-  rate[spool + 1] =
-      hydraulics::spool_acceleration(axis.valve, x[spool], x[spool + 1], input.command[i]);
-
-  double friction = 0.0;
-  if (axis.friction.has_bristles()) {
-    const auto bristle = hydraulics::bristle_friction(axis.friction, v, x[layout_.bristles + i]);
-    rate[layout_.bristles + i] = bristle.rate;
-    friction = bristle.force;
-  } else {
-    friction = hydraulics::smooth_friction(axis.friction, v);
-    if (layout_.bristles >= 0) rate[layout_.bristles + i] = 0.0;
-  }
-  out.cap_pressure = p_cap;
-  out.rod_pressure = p_rod;
-  out.spool = x[spool];
-  out.spool_rate = x[spool + 1];
-  out.cap_flow = flows.cap;
-  out.rod_flow = flows.rod;
-  out.supply_flow = flows.supply;
-  out.return_flow = flows.back;
-  out.internal_leakage = across;
-  out.external_leakage = cap_out + rod_out;
-  out.friction_force = -friction;
-  out.stop_force = hydraulics::stop_force(axis.stops, motion.s, v);
-  return out.oil_force + out.friction_force + out.stop_force;
-}
-
 double Plant::spring_side(int i, const LegMotion& motion, const PlantInput& input,
                           LegOutput& out) const {
   const auto& spring = springs_[i];
@@ -176,34 +117,19 @@ double Plant::spring_side(int i, const LegMotion& motion, const PlantInput& inpu
   return out.oil_force + out.friction_force + out.stop_force;
 }
 
-void Plant::supply_side(const double* x, double* rate, Work& work) const {
-  const auto& supply = machine_.hydraulics.supply;
-  work.supply_pressure = supply.pressure;
-  work.pump_flow = work.supply_flow;
-  if (layout_.supply < 0) return;
-  const double p = x[layout_.supply];
-  work.supply_pressure = p;
-  work.pump_flow = hydraulics::pump_flow(supply, p);
-  const double capacity =
-      hydraulics::supply_capacity(supply, p, hydraulics::compressibility(axes_[0].oil, p));
-  rate[layout_.supply] = (work.pump_flow - work.supply_flow) / capacity;
-}
-
 bool Plant::evaluate(const double* x, const PlantInput& input, double* rate, Work& work) const {
   const double* v = x + layout_.velocity();
   mechanics_.motion(x, v, work.motion);
   if (!work.motion.exists()) return false;
   mechanics_.rates(x, v, rate);
   dynamics::Loads loads{.wrench = input.wrench};
-  for (int i = 0; i < leg_count; ++i) {
-    const auto& motion = work.motion.legs[i];
-    auto& leg = work.legs[i];
-    loads.axial[i] = options_.hydraulics ? oil_side(i, motion, x, input, rate, leg)
-                                         : spring_side(i, motion, input, leg);
-    work.supply_flow += leg.supply_flow;
-    work.return_flow += leg.return_flow;
+  if (options_.hydraulics) {
+    oil_side(x, input, rate, loads.axial, work);
+    supply_side(x, rate, work);
+  } else {
+    for (int i = 0; i < leg_count; ++i)
+      loads.axial[i] = spring_side(i, work.motion.legs[i], input, work.legs[i]);
   }
-  if (options_.hydraulics) supply_side(x, rate, work);
   double* v_rate = rate + layout_.velocity();
   if (base_.count > 0)
     base_side(x, loads, rate, work);
@@ -228,7 +154,7 @@ dynamics::Motion Plant::motion(const double* x) const {
 
 PlantOutput Plant::outputs(const double* x, const PlantInput& input) const {
   Work work;
-  Eigen::VectorXd rate(layout_.size);
+  StateOnStack rate(layout_.size);
   PlantOutput out;
   if (!evaluate(x, input, rate.data(), work))
     throw base::ComputationError("a leg does not close in this state");
@@ -238,7 +164,8 @@ PlantOutput Plant::outputs(const double* x, const PlantInput& input) const {
   out.acceleration = rate.segment<6>(layout_.velocity());
   out.ground_acceleration =
       out.acceleration + dynamics::carried(work.base_acceleration, work.motion.p_BC);
-  out.legs = work.legs;
+  for (int i = 0; i < leg_count; ++i)
+    out.legs[i] = options_.hydraulics ? oil_output(i, work) : work.legs[i];
   out.supply_pressure = work.supply_pressure;
   out.pump_flow = work.pump_flow;
   out.supply_flow = work.supply_flow;

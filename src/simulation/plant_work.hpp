@@ -1,13 +1,48 @@
 #pragma once
-/// Intermediate results of one evaluation of a Plant. Private to it.
+/// Intermediate results of one evaluation of a Plant, all legs side by side. Private to it.
 
+#include "hydrapod/numerics/dense.hpp"
 #include "hydrapod/simulation/plant.hpp"
 
 namespace hydrapod::simulation {
 
+using numerics::Lanes;
+
+/// As long as any plant's state, without allocation.
+constexpr int most_states = 2 * dynamics::degrees_of_freedom(dynamics::ModelKind::full) + 1 +
+                            4 * model::leg_count + 1 + model::leg_count + 12;
+using StateOnStack = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, most_states, 1>;
+
+/// The hydraulics of all legs: constants.
+struct Plant::OilConstants {
+  hydraulics::ServoAxisOf<Lanes> axis{};
+  Lanes gimbal_compliance{}, gimbal_force{};
+  bool gimbals{}, bristles{};  ///< any?
+};
+
+/// What the pistons do, and the oil in all legs with its valves. Not set to zero before it is
+/// filled, which would take a twentieth of the time of a right-hand side; so is OilRates.
+struct OilState {
+  Lanes s, s_rate;
+  Lanes p_cap, p_rod, spool, spool_rate, bristle;
+  Lanes command;
+  double supply_pressure;
+};
+
+/// What follows from it: rates, flows, forces; signs as in LegOutput.
+struct OilRates {
+  Lanes p_cap, p_rod, spool_rate, bristle;
+  Lanes cap_flow, rod_flow, supply_flow, return_flow;
+  Lanes internal_leakage, external_leakage;
+  Lanes piston, piston_rate;
+  Lanes oil_force, friction_force, stop_force;
+};
+
 struct Plant::Work {
   dynamics::Motion motion{};
-  std::array<LegOutput, model::leg_count> legs{};
+  OilState oil_state;
+  OilRates oil;
+  std::array<LegOutput, model::leg_count> legs{};  ///< without hydraulics
   Vector6 base_acceleration{Vector6::Zero()};
   double supply_pressure{}, pump_flow{}, supply_flow{}, return_flow{};
 };

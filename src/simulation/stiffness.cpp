@@ -23,6 +23,15 @@ struct Fastest {
   std::string state{};
 };
 
+/// What is left of the change of the state for a method that has the spools in closed form. Nothing
+/// acts on them, so that the other poles stay.
+void take_out_spools(const Plant& plant, Eigen::MatrixXd& A) {
+  if (plant.layout().spools < 0) return;
+  const int first = plant.layout().spools - 1;  // the rotation has three numbers here
+  A.middleRows(first, 2 * model::leg_count).setZero();
+  A.middleCols(first, 2 * model::leg_count).setZero();
+}
+
 /// By the poles of the plant with this change of the state.
 Fastest fastest_of(const Plant& plant, const Eigen::MatrixXd& A) {
   Eigen::VectorXd scales(A.rows());  // those of the rotation's four numbers are alike
@@ -47,10 +56,14 @@ Fastest fastest_of(const Plant& plant, const Eigen::MatrixXd& A) {
 
 void require_passable(const Plant& plant, const Plant::Rest& rest, const IntegratorOptions& options,
                       double until) {
-  if (options.method != Method::adaptive && options.method != Method::cvode_adams) return;
+  const bool exponential = options.method == Method::exponential;
+  if (options.method != Method::adaptive && options.method != Method::cvode_adams && !exponential)
+    return;
   Fastest fastest;
   try {
-    fastest = fastest_of(plant, plant.linearise(rest.x, rest.input).A);
+    Eigen::MatrixXd A = plant.linearise(rest.x, rest.input).A;
+    if (exponential) take_out_spools(plant, A);
+    fastest = fastest_of(plant, A);
   } catch (const base::ComputationError&) {
     return;  // at the end of what legs can do there are no changes of the state; the run will tell
   }

@@ -82,7 +82,8 @@ TEST(Budgets, WhatWouldTakeForEverIsRefusedBeforehand) {
 TEST(Budgets, StepsThatAreTooShortAreGivenUp) {
   const std::vector<Case> cases{
       {simulate({"--integrator", "fixed", "--step", "1e-12"}), "expected at most 20000"},
-      {simulate({"--set", "legs.valve.natural_frequency=1e9 rad/s"}), "spool"},
+      {simulate({"--set", "legs.valve.natural_frequency=1e9 rad/s", "--integrator", "adaptive"}),
+       "spool"},
       {simulate({"--set", "legs.valve.natural_frequency=1e9 rad/s", "--integrator", "adams"}),
        "expected are at most 500000 1/s, or at most 300000 steps"},
       {simulate({"--set", "legs.oil_spring.cylinder.bore=1e4 m"}), "fastest: "},

@@ -128,8 +128,8 @@ TEST_F(Serve, InLockStepIsSimulateBitForBit) {
                  "--seed", "5"})
                 .exit_code,
             0);
-  const auto port = start({"--lock-step", "--integrator", "adaptive", "--seed", "5", "--duration",
-                           "0.7", "--accelerometer", "none", "-o", "served.h5"});
+  const auto port = start({"--lock-step", "--seed", "5", "--duration", "0.7", "--accelerometer",
+                           "none", "-o", "served.h5"});
   const auto socket = realtime::connect_udp({.host = "127.0.0.1", .port = port}, "test");
   const auto layout = realtime::native_layout(0);
   signals::Generator signal(signals::read_signals({command}, {.rate = 1e3}), 1e3, 5);

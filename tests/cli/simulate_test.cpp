@@ -246,7 +246,8 @@ TEST(Simulate, MistakesInArgumentsAreNamed) {
             "than 0 and less than 500 Hz, half the sample rate\n");
   EXPECT_EQ(complaint({"--until", "-1"}), "--until -1: error: expected a time of more than 0 s\n");
   EXPECT_EQ(complaint({"--integrator", "euler"}),
-            "--integrator euler: error: unknown value; accepted are adaptive, adams, bdf, fixed\n");
+            "--integrator euler: error: unknown value; accepted are exponential, adaptive, adams, "
+            "bdf, fixed\n");
   EXPECT_EQ(complaint({"--tolerance", "1"}), "--tolerance 1: error: expected 1e-13 to 0.01\n");
   EXPECT_THAT(complaint({"-o", "run.xyz"}), HasSubstr("run.xyz"));
   EXPECT_EQ(complaint({"--plot", "run.gif"}),

@@ -127,6 +127,16 @@ TEST(MotionCheck, SeesASingularPose) {
   lift[5] = low;
   const Pose singular = command_at(machine.neutral(), {.value = lift}).X_BP;
   EXPECT_THAT(leaves_workspace(machine, singular), HasSubstr("singular pose"));
+  // On both sides of the limit: the condition is proportional to the inverse of the distance.
+  const double there = lift[5];
+  for (const double off : {1e-6, 1e-5, 1e-4, 1e-3, 1e-2}) {
+    lift[5] = there + off;
+    const Pose near = command_at(machine.neutral(), {.value = lift}).X_BP;
+    const bool is_singular =
+        kinematics::pose_quality(machine, near).condition >= kinematics::singular_condition;
+    EXPECT_EQ(!leaves_workspace(machine, near).empty(), is_singular) << off;
+  }
+  lift[5] = there;
   const auto found = findings(machine, {ramp_to(lift, 0.0, 1.0)});
   bool said = false;
   for (const auto& finding : found)

@@ -38,12 +38,13 @@ std::vector<modal::DampedMode> modes_of(const model::Machine& machine, const Pos
 /// Poles of the plant at rest that oscillate, without those of the spools. Platforms without weight
 /// drift at six poles of zero, of which rounding makes pairs.
 std::vector<Complex> plant_poles(const model::Machine& machine, const Pose& X_BP, ModelKind kind) {
-  constexpr double drift = 1e-2;  // [1/s]
+  constexpr double drift = 1e-2;           // [1/s]
+  constexpr double two_real = 1.0 - 1e-6;  // equal real poles, which rounding makes a pair
   std::vector<Complex> poles;
   for (const auto& pole :
        system_poles(linear_system(machine, X_BP, {.kind = kind, .closed = false, .sampled = false}))
            .poles)
-    if (pole.oscillates() && pole.omega > drift &&
+    if (pole.oscillates() && pole.omega > drift && pole.damping_ratio < two_real &&
         pole.parts[static_cast<size_t>(Part::valve)] < 0.5)
       poles.push_back(pole.pole);
   return poles;

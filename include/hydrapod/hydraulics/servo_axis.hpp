@@ -77,14 +77,19 @@
 ///     β_e = [(1 − α) + α x] / [(1 − α) / β + α x / (n p)],   x = (p_0 / p)^(1/n)
 ///
 /// (springs in series: the oil's own compressibility and that of the air compressed to p).
+///
+/// Laws that a simulation evaluates are templates: of one leg (double), or of all legs at once
+/// (numerics::Lanes), which takes a third of the time.
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <string>
+#include <type_traits>
 #include <vector>
 
 #include "hydrapod/model/machine.hpp"
+#include "hydrapod/numerics/dense.hpp"
 
 namespace hydrapod::hydraulics {
 
@@ -93,17 +98,21 @@ inline constexpr double atmospheric_pressure = 101325.0;  ///< p_0 [Pa]
 /// β_e [Pa] with the air that `cylinder` carries.
 double effective_bulk_modulus(const model::Cylinder& cylinder);
 
-struct CylinderAreas {
-  double piston{};                                                 ///< A_p [m²]
-  double annulus{};                                                ///< e A_p [m²]
-  [[nodiscard]] double ratio() const { return annulus / piston; }  ///< e
+template <class Scalar>
+struct CylinderAreasOf {
+  Scalar piston{};                                                 ///< A_p [m²]
+  Scalar annulus{};                                                ///< e A_p [m²]
+  [[nodiscard]] Scalar ratio() const { return annulus / piston; }  ///< e
 };
+using CylinderAreas = CylinderAreasOf<double>;
 CylinderAreas areas(const model::Cylinder& cylinder);
 
-struct ChamberVolumes {
-  double cap{};  ///< V_1 [m³]
-  double rod{};  ///< V_2 [m³]
+template <class Scalar>
+struct ChamberVolumesOf {
+  Scalar cap{};  ///< V_1 [m³]
+  Scalar rod{};  ///< V_2 [m³]
 };
+using ChamberVolumes = ChamberVolumesOf<double>;
 /// Volumes with the piston at `l_m` [m] from the base joint. The leg must have a stroke.
 ChamberVolumes chamber_volumes(const model::Cylinder& cylinder, const model::Stroke& stroke,
                                double l_m);
@@ -131,65 +140,89 @@ struct AxialSpring {
 AxialSpring axial_spring(const model::Leg& leg, double l_m);
 
 /// A liquid with everything resolved; made by servo_axis().
-struct Oil {
-  double bulk_modulus{};         ///< β [Pa] without air
-  double air_fraction{};         ///< α
-  double air_exponent{1.4};      ///< n
-  double cavitation_pressure{};  ///< p_c [Pa]
+template <class Scalar>
+struct OilOf {
+  Scalar bulk_modulus{};         ///< β [Pa] without air
+  Scalar air_fraction{};         ///< α
+  Scalar air_exponent{1.4};      ///< n
+  Scalar cavitation_pressure{};  ///< p_c [Pa]
 };
+using Oil = OilOf<double>;
+
+/// An argument that does not say which Scalar a law is evaluated with.
+template <class Scalar>
+using Given = std::type_identity_t<const Scalar&>;
 
 /// Compressibility 1/β(p) [1/Pa] at the absolute pressure `p` [Pa].
-inline double compressibility(const Oil& oil, double p) {
-  constexpr double widths = 40.0;  // from here on vapour is lost in rounding
-  constexpr double share = 1e-3;   // of the chamber, at the cavitation pressure
-  const double width = oil.cavitation_pressure / 10.0;
-  double sum = 1.0 / oil.bulk_modulus;
-  if (oil.air_fraction > 0.0) {
+template <class Scalar>
+Scalar compressibility(const OilOf<Scalar>& oil, Given<Scalar> p) {
+  using numerics::any_less;
+  using std::exp, std::pow, std::max;
+  const Scalar widths = 40.0;     // from here on vapour is lost in rounding
+  constexpr double share = 1e-3;  // of the chamber, at the cavitation pressure
+  const Scalar width = oil.cavitation_pressure / 10.0;
+  Scalar sum = 1.0 / oil.bulk_modulus;
+  if (any_less(Scalar(0.0), oil.air_fraction)) {
     // Below the cavitation pressure the air is taken to stay as it is there.
-    const double at = std::max(p, oil.cavitation_pressure);
-    const double x = oil.air_fraction * std::pow(atmospheric_pressure / at, 1.0 / oil.air_exponent);
-    const double liquid = 1.0 - oil.air_fraction;
+    const Scalar at = max(p, oil.cavitation_pressure);
+    const Scalar x =
+        oil.air_fraction * pow(Scalar(atmospheric_pressure / at), Scalar(1.0 / oil.air_exponent));
+    const Scalar liquid = 1.0 - oil.air_fraction;
     sum = (liquid / oil.bulk_modulus + x / (oil.air_exponent * at)) / (liquid + x);
   }
-  const double above = (p - oil.cavitation_pressure) / width;
-  return above > widths ? sum : sum + share * std::exp(-above) / width;
+  const Scalar above = (p - oil.cavitation_pressure) / width;
+  return any_less(above, widths) ? Scalar(sum + share * exp(Scalar(-above)) / width) : sum;
 }
 
 /// Friction with everything resolved; made by servo_axis().
-struct Friction {
-  double coulomb{};              ///< F_c [N]
-  double breakaway{};            ///< F_s [N]
-  double stribeck_velocity{1};   ///< v_s [m/s]
-  double smoothing_velocity{1};  ///< v_0 [m/s]
-  double viscous{};              ///< b [N s/m]
-  double bristle_stiffness{};    ///< σ0 [N/m]; 0: the smooth law
-  double bristle_damping{};      ///< σ1 [N s/m]
+template <class Scalar>
+struct FrictionOf {
+  Scalar coulomb{};              ///< F_c [N]
+  Scalar breakaway{};            ///< F_s [N]
+  Scalar stribeck_velocity{1};   ///< v_s [m/s]
+  Scalar smoothing_velocity{1};  ///< v_0 [m/s] of tanh(v / v_0); not used with bristles
+  Scalar viscous{};              ///< b [N s/m]
+  Scalar bristle_stiffness{};    ///< σ0 [N/m]; 0: the smooth law
+  Scalar bristle_damping{};      ///< σ1 [N s/m]
 
-  [[nodiscard]] bool has_bristles() const { return bristle_stiffness > 0.0; }
+  [[nodiscard]] bool has_bristles() const {
+    return numerics::any_less(Scalar(0.0), bristle_stiffness);
+  }
 };
+using Friction = FrictionOf<double>;
 
 /// g(v) [N]: what sliding takes at the velocity `v`.
-inline double sliding_force(const Friction& friction, double v) {
-  if (friction.breakaway == friction.coulomb) return friction.coulomb;
-  const double ratio = v / friction.stribeck_velocity;
-  return friction.coulomb + (friction.breakaway - friction.coulomb) * std::exp(-ratio * ratio);
+template <class Scalar>
+Scalar sliding_force(const FrictionOf<Scalar>& friction, Given<Scalar> v) {
+  using std::exp;
+  if (!numerics::any_less(friction.coulomb, friction.breakaway) &&
+      !numerics::any_less(friction.breakaway, friction.coulomb))
+    return friction.coulomb;
+  const Scalar ratio = v / friction.stribeck_velocity;
+  return friction.coulomb + (friction.breakaway - friction.coulomb) * exp(Scalar(-ratio * ratio));
 }
 
 /// F [N] of the smooth law.
-inline double smooth_friction(const Friction& friction, double v) {
-  if (friction.breakaway == 0.0) return friction.viscous * v;
-  return sliding_force(friction, v) * std::tanh(v / friction.smoothing_velocity) +
+template <class Scalar>
+Scalar smooth_friction(const FrictionOf<Scalar>& friction, Given<Scalar> v) {
+  using std::tanh;
+  if (!numerics::any_less(Scalar(0.0), friction.breakaway)) return friction.viscous * v;
+  return sliding_force(friction, v) * tanh(Scalar(v / friction.smoothing_velocity)) +
          friction.viscous * v;
 }
 
 /// ż [m/s] and F [N] of bristles bent by `z` [m].
-struct BristleFriction {
-  double rate{}, force{};
+template <class Scalar>
+struct BristleFrictionOf {
+  Scalar rate{}, force{};
 };
-inline BristleFriction bristle_friction(const Friction& friction, double v, double z) {
-  const double sliding = sliding_force(friction, v);
-  const double rate =
-      sliding > 0.0 ? v - friction.bristle_stiffness * std::abs(v) * z / sliding : 0.0;
+template <class Scalar>
+BristleFrictionOf<Scalar> bristle_friction(const FrictionOf<Scalar>& friction, Given<Scalar> v,
+                                           Given<Scalar> z) {
+  using std::abs;
+  const Scalar sliding = sliding_force(friction, v);
+  const Scalar rate = numerics::where_less(
+      Scalar(0.0), sliding, v - friction.bristle_stiffness * abs(v) * z / sliding, Scalar(0.0));
   return {rate,
           friction.bristle_stiffness * z + friction.bristle_damping * rate + friction.viscous * v};
 }
@@ -222,19 +255,23 @@ inline double supply_capacity(const model::Supply& supply, double p, double comp
 }
 
 /// A valve with everything resolved; made by servo_axis().
-struct Valve {
-  double gain{};              ///< K [m³/(s √Pa)] at full opening
-  double overlap{};           ///< x_o
-  double rounding{};          ///< ε
-  double laminar_pressure{};  ///< p_t [Pa]
-  double natural_frequency{};
-  double damping_ratio{};
-  double rate_limit{};
+template <class Scalar>
+struct ValveOf {
+  Scalar gain{};              ///< K [m³/(s √Pa)] at full opening
+  Scalar overlap{};           ///< x_o
+  Scalar rounding{};          ///< ε
+  Scalar laminar_pressure{};  ///< p_t [Pa]
+  Scalar natural_frequency{};
+  Scalar damping_ratio{};
+  Scalar rate_limit{};
 };
+using Valve = ValveOf<double>;
 
 /// q(Δp) [√Pa].
-inline double orifice(double drop, double laminar_pressure) {
-  return drop / std::sqrt(std::sqrt(drop * drop + laminar_pressure * laminar_pressure));
+template <class Scalar>
+Scalar orifice(const Scalar& drop, Given<Scalar> laminar_pressure) {
+  using std::sqrt;
+  return drop / sqrt(sqrt(Scalar(drop * drop + laminar_pressure * laminar_pressure)));
 }
 
 /// ∂q/∂Δp.
@@ -245,9 +282,11 @@ inline double orifice_slope(double drop, double laminar_pressure) {
 }
 
 /// o(x).
-inline double opening(const Valve& valve, double x) {
-  const double over = x - valve.overlap;
-  return 0.5 * (over + std::sqrt(over * over + valve.rounding * valve.rounding));
+template <class Scalar>
+Scalar opening(const ValveOf<Scalar>& valve, Given<Scalar> x) {
+  using std::sqrt;
+  const Scalar over = x - valve.overlap;
+  return 0.5 * (over + sqrt(Scalar(over * over + valve.rounding * valve.rounding)));
 }
 
 /// ∂o/∂x; one half at a sharp corner.
@@ -258,24 +297,34 @@ inline double opening_slope(const Valve& valve, double x) {
 }
 
 /// Pressures around a valve [Pa].
-struct PortPressures {
-  double supply{}, back{}, cap{}, rod{};
+template <class Scalar>
+struct PortPressuresOf {
+  Scalar supply{}, back{}, cap{}, rod{};
 };
+using PortPressures = PortPressuresOf<double>;
 
 /// Flows of a valve [m³/s]: into both chambers, out of the supply, into the return.
-struct PortFlows {
-  double cap{}, rod{}, supply{}, back{};
+template <class Scalar>
+struct PortFlowsOf {
+  Scalar cap{}, rod{}, supply{}, back{};
 };
+using PortFlows = PortFlowsOf<double>;
 
 /// Flows at spool position `x`; beyond full travel nothing opens further.
-inline PortFlows valve_flows(const Valve& valve, double x, const PortPressures& p) {
-  const double at = std::clamp(x, -1.0, 1.0);
-  const double open_forward = valve.gain * opening(valve, at);
-  const double open_backward = valve.gain * opening(valve, -at);
-  const double supply_cap = open_forward * orifice(p.supply - p.cap, valve.laminar_pressure);
-  const double cap_back = open_backward * orifice(p.cap - p.back, valve.laminar_pressure);
-  const double supply_rod = open_backward * orifice(p.supply - p.rod, valve.laminar_pressure);
-  const double rod_back = open_forward * orifice(p.rod - p.back, valve.laminar_pressure);
+template <class Scalar>
+PortFlowsOf<Scalar> valve_flows(const ValveOf<Scalar>& valve, Given<Scalar> x,
+                                std::type_identity_t<const PortPressuresOf<Scalar>&> p) {
+  using std::clamp;
+  const Scalar at = clamp(x, Scalar(-1.0), Scalar(1.0));
+  const Scalar open_forward = valve.gain * opening(valve, at);
+  const Scalar open_backward = valve.gain * opening(valve, Scalar(-at));
+  const auto through = [&](const Scalar& open, const Scalar& drop) -> Scalar {
+    return open * orifice(drop, valve.laminar_pressure);
+  };
+  const Scalar supply_cap = through(open_forward, p.supply - p.cap);
+  const Scalar cap_back = through(open_backward, p.cap - p.back);
+  const Scalar supply_rod = through(open_backward, p.supply - p.rod);
+  const Scalar rod_back = through(open_forward, p.rod - p.back);
   return {supply_cap - cap_back, supply_rod - rod_back, supply_cap + supply_rod,
           cap_back + rod_back};
 }
@@ -293,54 +342,67 @@ double null_leakage(const Valve& valve, double supply, double back);
 /// ẍ of the spool for a command u ∈ [−1, 1]: a lag of second order with limited rate,
 ///     ẍ = 2ζω [ sat(ω (u − x) / 2ζ) − ẋ ],     |sat| ≤ rate limit,
 /// whose rate never passes the limit and which is ω²(u − x) − 2ζω ẋ below it.
-inline double spool_acceleration(const Valve& valve, double x, double rate, double command) {
-  const double aim =
-      0.5 * valve.natural_frequency / valve.damping_ratio * (std::clamp(command, -1.0, 1.0) - x);
+template <class Scalar>
+Scalar spool_acceleration(const ValveOf<Scalar>& valve, Given<Scalar> x, Given<Scalar> rate,
+                          Given<Scalar> command) {
+  using std::clamp;
+  const Scalar aim = 0.5 * valve.natural_frequency / valve.damping_ratio *
+                     (clamp(command, Scalar(-1.0), Scalar(1.0)) - x);
   return 2.0 * valve.damping_ratio * valve.natural_frequency *
-         (std::clamp(aim, -valve.rate_limit, valve.rate_limit) - rate);
+         (clamp(aim, Scalar(-valve.rate_limit), valve.rate_limit) - rate);
 }
 
 /// Stops at both ends: against a piston δ beyond an end, N = k δ (1 + d δ̇), never pulling.
-struct Stops {
-  double low{}, high{};  ///< [m] piston positions s where they touch
-  double stiffness{};    ///< k [N/m]
-  double damping{};      ///< d [s/m]
+template <class Scalar>
+struct StopsOf {
+  Scalar low{}, high{};  ///< [m] piston positions s where they touch
+  Scalar stiffness{};    ///< k [N/m]
+  Scalar damping{};      ///< d [s/m]
 };
+using Stops = StopsOf<double>;
 
 /// Force of the stops on the piston along s [N].
-inline double stop_force(const Stops& stops, double s, double rate) {
-  if (s < stops.low)
-    return std::max(0.0, stops.stiffness * (stops.low - s) * (1.0 - stops.damping * rate));
-  if (s > stops.high)
-    return -std::max(0.0, stops.stiffness * (s - stops.high) * (1.0 + stops.damping * rate));
-  return 0.0;
+template <class Scalar>
+Scalar stop_force(const StopsOf<Scalar>& stops, Given<Scalar> s, Given<Scalar> rate) {
+  using std::max;
+  const Scalar none = 0.0;
+  if (!numerics::any_less(s, stops.low) && !numerics::any_less(stops.high, s)) return none;
+  const Scalar in = max(Scalar(stops.low - s), none), out = max(Scalar(s - stops.high), none);
+  return max(none, Scalar(stops.stiffness * in * (1.0 - stops.damping * rate))) -
+         max(none, Scalar(stops.stiffness * out * (1.0 + stops.damping * rate)));
 }
 
-struct ServoAxis {
-  CylinderAreas area{};      ///< A_p, e A_p [m²]
-  ChamberVolumes volume{};   ///< V_1, V_2 [m³] with the piston at s_mid
-  double s_mid{};            ///< [m] from the base joint
-  double smallest_volume{};  ///< [m³] chambers are never taken for smaller
-  double cap_line_compliance{}, rod_line_compliance{};  ///< [m³/Pa] of the lines' walls
-  Oil oil{};
-  Valve valve{};
-  double internal_leakage{};  ///< [m³/(s Pa)]
-  double external_leakage{};  ///< [m³/(s Pa)]
-  Friction friction{};
-  Stops stops{};
+template <class Scalar>
+struct ServoAxisOf {
+  CylinderAreasOf<Scalar> area{};     ///< A_p, e A_p [m²]
+  ChamberVolumesOf<Scalar> volume{};  ///< V_1, V_2 [m³] with the piston at s_mid
+  Scalar s_mid{};                     ///< [m] from the base joint
+  Scalar smallest_volume{};           ///< [m³] chambers are never taken for smaller
+  Scalar cap_line_compliance{}, rod_line_compliance{};  ///< [m³/Pa] of the lines' walls
+  OilOf<Scalar> oil{};
+  ValveOf<Scalar> valve{};
+  Scalar internal_leakage{};  ///< [m³/(s Pa)]
+  Scalar external_leakage{};  ///< [m³/(s Pa)]
+  FrictionOf<Scalar> friction{};
+  StopsOf<Scalar> stops{};
 
   /// V_1 and V_2 [m³] with the piston at `s` [m].
-  [[nodiscard]] ChamberVolumes volumes(double s) const {
-    return {std::max(volume.cap + area.piston * (s - s_mid), smallest_volume),
-            std::max(volume.rod - area.annulus * (s - s_mid), smallest_volume)};
+  [[nodiscard]] ChamberVolumesOf<Scalar> volumes(const Scalar& s) const {
+    using std::max;
+    return {max(Scalar(volume.cap + area.piston * (s - s_mid)), smallest_volume),
+            max(Scalar(volume.rod - area.annulus * (s - s_mid)), smallest_volume)};
   }
   /// Force of the oil on the piston [N] along s (it pushes the leg out), the air's on the rod taken
   /// off.
-  [[nodiscard]] double force(double p_cap, double p_rod) const {
+  [[nodiscard]] Scalar force(const Scalar& p_cap, const Scalar& p_rod) const {
     return p_cap * area.piston - p_rod * area.annulus -
            atmospheric_pressure * (area.piston - area.annulus);
   }
 };
+using ServoAxis = ServoAxisOf<double>;
+
+/// All legs side by side.
+ServoAxisOf<numerics::Lanes> side_by_side(const std::array<ServoAxis, model::leg_count>& axes);
 
 /// Leg `i` (from 0). The machine must be sound (model::validate).
 ServoAxis servo_axis(const model::Machine& machine, int i);

@@ -134,6 +134,9 @@ struct LinearPlant {
   Eigen::MatrixXd A{}, B{}, C{}, D{};
 };
 
+struct OilState;  // private to the sources, as is
+struct OilRates;
+
 class Plant {
  public:
   /// `X_reference` is where the legs' frames are chosen, see NonlinearModel; default: neutral.
@@ -207,8 +210,14 @@ class Plant {
   };
   struct Work;  ///< intermediate results of one evaluation
   bool evaluate(const double* x, const PlantInput& input, double* rate, Work& work) const;
-  double oil_side(int leg, const dynamics::LegMotion& motion, const double* x,
-                  const PlantInput& input, double* rate, LegOutput& out) const;
+  struct OilConstants;
+  void set_oil_constants();
+  OilState oil_state(const dynamics::Motion& motion, const double* x,
+                     const PlantInput& input) const;
+  OilRates oil_rates(const OilState& state) const;
+  void oil_side(const double* x, const PlantInput& input, double* rate, Vector6& axial,
+                Work& work) const;
+  static LegOutput oil_output(int leg, const Work& work);
   double spring_side(int leg, const dynamics::LegMotion& motion, const PlantInput& input,
                      LegOutput& out) const;
   void supply_side(const double* x, double* rate, Work& work) const;
@@ -231,7 +240,8 @@ class Plant {
   std::array<hydraulics::ServoAxis, model::leg_count> axes_{};
   std::array<OilSpring, model::leg_count> springs_{};
   std::array<Gimbals, model::leg_count> gimbals_{};
-  dynamics::MovingBase base_{};  ///< `count` 0: stands still
+  std::shared_ptr<const OilConstants> oil_constants_{};  ///< all legs side by side
+  dynamics::MovingBase base_{};                          ///< `count` 0: stands still
   StateLayout layout_{};
 };
 
