@@ -43,14 +43,15 @@ HYDRAPOD_INLINE void inverse_root(V (&A)[size][size], V (&P)[size][size]) {
 template <class V, int size>
 struct LanePencil {
   V A[size][size];  ///< lower triangle
-  V X[size][size];
+  V X[size][size];  ///< [column][row]
   V d[size], e[size];
 };
 
 /// reduce() of normal_modes.cpp.
 template <class V, int flexible>
-void reduce_lanes(const BlockMatrix<V, flexible>& M, const BlockMatrix<V, flexible>& K,
-                  LanePencil<V, platform_rows + leg_number * flexible>& p) {
+HYDRAPOD_APART void reduce_lanes(const BlockMatrix<V, flexible>& M,
+                                 const BlockMatrix<V, flexible>& K,
+                                 LanePencil<V, platform_rows + leg_number * flexible>& p) {
   constexpr int n = flexible == 0 ? 1 : flexible;  // no arrays without elements
   constexpr int size = platform_rows + leg_number * flexible;
   V G[leg_number][n][6], P[leg_number][n][n];
@@ -87,7 +88,7 @@ void reduce_lanes(const BlockMatrix<V, flexible>& M, const BlockMatrix<V, flexib
       V sum = K.rr(i, 0) * T[0][j];
       for (int k = 1; k <= j; ++k) sum += K.rr(i, k) * T[k][j];
       forces[i][j] = sum;
-      p.X[i][j] = T[i][j];
+      p.X[j][i] = T[i][j];
     }
   if constexpr (flexible > 0)
     for (int leg = 0; leg < leg_number; ++leg) {
@@ -102,7 +103,7 @@ void reduce_lanes(const BlockMatrix<V, flexible>& M, const BlockMatrix<V, flexib
           }
           follow[i][j] = -sum;
           leg_forces[i][j] = force;
-          p.X[at + i][j] = -sum;
+          p.X[j][at + i] = -sum;
         }
       for (int i = 0; i < n; ++i)
         for (int j = 0; j < 6; ++j)
@@ -121,7 +122,7 @@ void reduce_lanes(const BlockMatrix<V, flexible>& M, const BlockMatrix<V, flexib
           p.A[at + i][at + j] = sum;
         }
       for (int i = 0; i < n; ++i)
-        for (int j = 0; j < n; ++j) p.X[at + i][at + j] = P[leg][i][j];
+        for (int j = 0; j < n; ++j) p.X[at + j][at + i] = P[leg][i][j];
       for (int i = 0; i < 6; ++i) {
         for (int j = 0; j <= i; ++j)
           for (int k = 0; k < n; ++k) p.A[i][j] += follow[k][i] * leg_forces[k][j];
@@ -134,9 +135,31 @@ void reduce_lanes(const BlockMatrix<V, flexible>& M, const BlockMatrix<V, flexib
       for (int k = 0; k <= i; ++k) p.A[i][j] += T[k][i] * forces[k][j];
 }
 
+/// Rows that are worked on together, so that their chains overlap and still stand in registers.
+template <class V>
+constexpr int rows_together = 6;
+template <class V, class M>
+constexpr int rows_together<Two<V, M>> = 3;
+
+/// X (1 − β v vᵀ), v with k entries.
+template <class V, int size>
+HYDRAPOD_INLINE void reflect_rows(LanePencil<V, size>& p, const V* v, const V& beta, int k) {
+  constexpr int together = rows_together<V>;
+  static_assert(size % together == 0);
+  for (int row = 0; row < size; row += together) {
+    V sum[together];
+    for (V& one : sum) one = V{};
+    for (int j = 0; j < k; ++j)
+      for (int r = 0; r < together; ++r) sum[r] += p.X[j][row + r] * v[j];
+    for (V& one : sum) one = beta * one;
+    for (int j = 0; j < k; ++j)
+      for (int r = 0; r < together; ++r) p.X[j][row + r] -= sum[r] * v[j];
+  }
+}
+
 /// tridiagonalize() of symmetric_eigen.hpp on the lower triangle.
 template <class V, int size>
-void tridiagonalize_lanes(LanePencil<V, size>& p) {
+HYDRAPOD_APART void tridiagonalize_lanes(LanePencil<V, size>& p) {
   for (int k = size - 1; k > 1; --k) {
     p.d[k] = p.A[k][k];
     V* v = p.A[k];  // its first k entries are reflected onto the last of them
@@ -166,17 +189,7 @@ void tridiagonalize_lanes(LanePencil<V, size>& p) {
       const V v_i = v[i], w_i = w[i];
       for (int j = 0; j <= i; ++j) p.A[i][j] -= v_i * w[j] + w_i * v[j];
     }
-    for (int i = 0; i < size; ++i) {
-      V sum{}, other{};
-      int j = 0;
-      for (; j + 1 < k; j += 2) {
-        sum += p.X[i][j] * v[j];
-        other += p.X[i][j + 1] * v[j + 1];
-      }
-      if (j < k) sum += p.X[i][j] * v[j];
-      sum = beta * (sum + other);
-      for (j = 0; j < k; ++j) p.X[i][j] -= sum * v[j];
-    }
+    reflect_rows<V, size>(p, v, beta, k);
   }
   p.d[1] = p.A[1][1];
   p.d[0] = p.A[0][0];
@@ -184,42 +197,51 @@ void tridiagonalize_lanes(LanePencil<V, size>& p) {
   p.e[size - 1] = V{};
 }
 
-/// Rows that are turned together, so that their chains overlap and still stand in registers.
-template <class V>
-constexpr int rows_together = 6;
-template <class V, class M>
-constexpr int rows_together<Two<V, M>> = 3;
-
-/// Rotations of a sweep on all rows of X: columns (x, y) at i, i + 1 → (c x − s y, s x + c y), from
-/// the last to the first.
+/// The rotations of a sweep on all rows of X: columns (x, y) at i, i + 1 → (c x − s y, s x + c y),
+/// from the last to the first. They are made while the next sweep is computed, whose roots and
+/// divisions leave the processor idle.
 template <class V, int size>
-HYDRAPOD_INLINE void rotate_lanes(LanePencil<V, size>& p, const V* c, const V* s, int first,
-                                  int last) {
-  constexpr int together = rows_together<V>;
-  static_assert(size % together == 0);
-  for (int row = 0; row < size; row += together) {
-    V y[together];
-    for (int r = 0; r < together; ++r) y[r] = p.X[row + r][last];
-    for (int i = last - 1; i >= first; --i) {
-      const V c_i = c[i], s_i = s[i];
-      for (int r = 0; r < together; ++r) {
-        const V x = p.X[row + r][i];
-        p.X[row + r][i + 1] = s_i * x + c_i * y[r];
-        y[r] = c_i * x - s_i * y[r];
-      }
-    }
-    for (int r = 0; r < together; ++r) p.X[row + r][first] = y[r];
+class LaneSweep {
+ public:
+  explicit LaneSweep(LanePencil<V, size>& p) : p_(p) {}
+  V c[size], s[size];
+
+  /// Columns first … last.
+  void begin(int first, int last) {
+    first_ = first;
+    at_ = last - 1;
+    for (int row = 0; row < size; ++row) y_[row] = p_.X[last][row];
   }
-}
+  HYDRAPOD_INLINE void turn() {
+    if (at_ < first_) return;
+    const V c_i = c[at_], s_i = s[at_];
+    for (int row = 0; row < size; ++row) {
+      const V x = p_.X[at_][row];
+      p_.X[at_ + 1][row] = s_i * x + c_i * y_[row];
+      y_[row] = c_i * x - s_i * y_[row];
+    }
+    if (--at_ < first_)
+      for (int row = 0; row < size; ++row) p_.X[first_][row] = y_[row];
+  }
+  void finish() {
+    while (at_ >= first_) turn();
+  }
+
+ private:
+  LanePencil<V, size>& p_;
+  V y_[size];
+  int first_{}, at_{-1};
+};
 
 /// diagonalize() of symmetric_eigen.hpp after tridiagonalize(). Each lane has its own block; where
 /// a lane has none, nothing happens to it. Lanes that do not converge become NaN.
 template <class V, int size>
-void ql_lanes(LanePencil<V, size>& p) {
+HYDRAPOD_APART void ql_lanes(LanePencil<V, size>& p) {
   constexpr int max_sweeps = 60;
   constexpr double square = rounding_unit * rounding_unit, tiny = 0x1p-1022;
   const V one = V{} + 1.0, zero = V{};
-  V c_of[size], s_of[size];
+  LaneSweep<V, size> sweeps[2] = {LaneSweep<V, size>(p), LaneSweep<V, size>(p)};
+  int now = 0;  // the other one is of the sweep before
   for (int first = 0; first + 1 < size; ++first)
     for (int sweep = 0;; ++sweep) {
       V last = zero + static_cast<double>(size - 1);  // whole numbers
@@ -261,13 +283,17 @@ void ql_lanes(LanePencil<V, size>& p) {
         shift = select(turns, s * t, shift);
         g = select(turns, c * t - b, g);
         going = going & ~apart;
-        c_of[i] = select(turns, c, one);
-        s_of[i] = select(turns, s, zero);
+        sweeps[now].c[i] = select(turns, c, one);
+        sweeps[now].s[i] = select(turns, s, zero);
+        sweeps[1 - now].turn();
       }
       p.d[first] = select(going, p.d[first] - shift, p.d[first]);
       p.e[first] = select(going, g, p.e[first]);
-      rotate_lanes<V, size>(p, c_of, s_of, first, top);
+      sweeps[1 - now].finish();
+      sweeps[now].begin(first, top);
+      now = 1 - now;
     }
+  sweeps[1 - now].finish();
 }
 
 /// A times a shape.
@@ -291,9 +317,9 @@ HYDRAPOD_INLINE void times_shape(const BlockMatrix<V, flexible>& A, const V* phi
 
 /// The modes and, per mode, M φ. Returns the residual; NaN where a lane failed.
 template <class V, int flexible>
-V modes_of_lanes(const BlockMatrix<V, flexible>& M, const BlockMatrix<V, flexible>& K,
-                 ModeNumbers<V, flexible>& modes,
-                 V (&momentum)[modes_of(flexible)][modes_of(flexible)]) {
+HYDRAPOD_APART V modes_of_lanes(const BlockMatrix<V, flexible>& M,
+                                const BlockMatrix<V, flexible>& K, ModeNumbers<V, flexible>& modes,
+                                V (&momentum)[modes_of(flexible)][modes_of(flexible)]) {
   constexpr int size = modes_of(flexible);
   LanePencil<V, size> p;
   reduce_lanes<V, flexible>(M, K, p);
@@ -308,7 +334,7 @@ V modes_of_lanes(const BlockMatrix<V, flexible>& M, const BlockMatrix<V, flexibl
   for (int k = 0; k < size; ++k) {
     V* phi = modes.shapes[k];
     V force[size], stiffness{}, mass{}, residual{};
-    for (int i = 0; i < size; ++i) phi[i] = p.X[i][k];
+    for (int i = 0; i < size; ++i) phi[i] = p.X[k][i];
     times_shape<V, flexible>(K, phi, force);
     times_shape<V, flexible>(M, phi, momentum[k]);
     for (int i = 0; i < size; ++i) {

@@ -46,7 +46,9 @@ void designs_of_lanes(const LaneTask& task) {
   resonances<V, 0>(model.rigid, options.resonance_share, out.resonance_rigid);
   lowest_mode<V, flexible>(machine, model.modes, momentum, model.rigid, options.local_mode_energy,
                            out);
-  follow<V, flexible>(options, model.M, momentum, model.modes, out);
+  V mac[modes_of(flexible)][modes_of(flexible)];
+  likeness<V, flexible>(options, model.M, momentum, mac);
+  follow<V, flexible>(options, mac, model.modes, out);
 }
 
 /// `width` doubles.
@@ -62,6 +64,7 @@ LaneKernels kernels() {
           designs_of_lanes<V, 2>, designs_of_lanes<V, 4>};
 }
 
+#undef HYDRAPOD_APART
 #undef HYDRAPOD_INLINE
 
 }  // namespace

@@ -82,45 +82,79 @@ HYDRAPOD_INLINE void lowest_mode(const MachineNumbers<V>& machine,
   }
 }
 
-/// Pairs (nominal, mode) in falling order of MAC, one to one.
+/// MAC of the followed modes, a row each, with the modes.
 template <class V, int flexible>
-void follow(const LaneOptions& options, const BlockMatrix<V, flexible>& M,
-            const V (&momentum)[modes_of(flexible)][modes_of(flexible)],
-            const ModeNumbers<V, flexible>& modes, OutputNumbers<V>& out) {
+HYDRAPOD_APART void likeness(const LaneOptions& options, const BlockMatrix<V, flexible>& M,
+                             const V (&momentum)[modes_of(flexible)][modes_of(flexible)],
+                             V (&mac)[modes_of(flexible)][modes_of(flexible)]) {
   constexpr int size = modes_of(flexible);
-  V mac[size][size];
   for (int n = 0; n < options.followed; ++n) {
     const double* const psi = options.shapes + n * size;
     V own[size], with[size], mass{};
     for (int i = 0; i < size; ++i) own[i] = V{} + psi[i];
     times_shape<V, flexible>(M, own, with);
     for (int i = 0; i < size; ++i) mass += psi[i] * with[i];
+    const V per_mass = 1.0 / mass;
     for (int k = 0; k < size; ++k) {
       V common{};
       for (int i = 0; i < size; ++i) common += psi[i] * momentum[k][i];
-      mac[n][k] = common * common / mass;
+      mac[n][k] = common * common * per_mass;
     }
   }
+}
+
+/// The largest number of a row, and where it stands.
+template <class V, int size>
+HYDRAPOD_INLINE void largest_in(const V (&row)[size], V& best, V& at) {
+  best = row[0];
+  at = V{};
+  for (int k = 1; k < size; ++k) {
+    const auto better = row[k] > best;
+    best = select(better, row[k], best);
+    at = select(better, V{} + static_cast<double>(k), at);
+  }
+}
+
+/// Pairs (nominal, mode) in falling order of MAC, one to one. Nearly always each nominal mode has a
+/// mode of its own that it is most like; else pairs are taken one after the other.
+template <class V, int flexible>
+HYDRAPOD_APART void follow(const LaneOptions& options,
+                           V (&mac)[modes_of(flexible)][modes_of(flexible)],
+                           const ModeNumbers<V, flexible>& modes, OutputNumbers<V>& out) {
+  constexpr int size = modes_of(flexible);
+  V best[size], like[size], pair_mac[size], pair[size];
   out.mac = V{} + 1.0;
-  for (V& one : out.followed) one = V{} / V{};
-  for (int taken = 0; taken < options.followed; ++taken) {
-    V best = V{} - 1.0, row{}, column{};
-    for (int n = 0; n < options.followed; ++n)
-      for (int k = 0; k < size; ++k) {
-        const auto better = mac[n][k] > best;
-        best = select(better, mac[n][k], best);
-        row = select(better, V{} + static_cast<double>(n), row);
-        column = select(better, V{} + static_cast<double>(k), column);
-      }
-    out.mac = select(best < out.mac, best, out.mac);
+  auto shared = ~(out.mac == 1.0);
+  for (int n = 0; n < options.followed; ++n) {
+    largest_in(mac[n], best[n], like[n]);
+    pair_mac[n] = best[n];
+    pair[n] = like[n];
+    for (int m = 0; m < n; ++m) shared = shared | (like[m] == like[n]);
+  }
+  for (int taken = 0; taken < options.followed && any(shared); ++taken) {
+    V most = V{} - 3.0, row{}, column{};
+    for (int n = 0; n < options.followed; ++n) {
+      const auto better = best[n] > most;
+      most = select(better, best[n], most);
+      row = select(better, V{} + static_cast<double>(n), row);
+      column = select(better, like[n], column);
+    }
     for (int n = 0; n < options.followed; ++n) {
       const auto this_row = row == static_cast<double>(n);
-      for (int k = 0; k < size; ++k) {
-        const auto this_column = column == static_cast<double>(k);
-        out.followed[n] = select(this_row & this_column, modes.omega2[k], out.followed[n]);
-        mac[n][k] = select(this_row | this_column, V{} - 2.0, mac[n][k]);
-      }
+      pair_mac[n] = select(this_row, most, pair_mac[n]);
+      pair[n] = select(this_row, column, pair[n]);
+      for (int k = 0; k < size; ++k)
+        mac[n][k] = select(this_row, V{} - 2.0,
+                           select(column == static_cast<double>(k), V{} - 1.0, mac[n][k]));
+      largest_in(mac[n], best[n], like[n]);
     }
+  }
+  for (int n = 0; n < options.followed; ++n) {
+    V omega2 = modes.omega2[0];
+    for (int k = 1; k < size; ++k)
+      omega2 = select(pair[n] == static_cast<double>(k), modes.omega2[k], omega2);
+    out.followed[n] = omega2;
+    out.mac = select(pair_mac[n] < out.mac, pair_mac[n], out.mac);
   }
 }
 

@@ -22,6 +22,7 @@ struct LaneTypes {
 };
 
 #define HYDRAPOD_INLINE inline __attribute__((always_inline))
+#define HYDRAPOD_APART __attribute__((noinline))  ///< so that profiles name it
 
 /// Masks of two vectors.
 template <class M>
@@ -108,6 +109,9 @@ HYDRAPOD_INLINE Two<V, M> root(const Two<V, M>& a) {
 
 template <class M>
 HYDRAPOD_INLINE bool any(const M& mask) {
+#if defined(__AVX512F__)
+  if constexpr (sizeof(M) == 64) return _mm512_test_epi64_mask((__m512i)mask, (__m512i)mask) != 0;
+#endif
   long long all = 0;
   for (unsigned i = 0; i < sizeof(M) / sizeof(long long); ++i) all |= mask[i];
   return all != 0;

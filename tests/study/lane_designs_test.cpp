@@ -70,14 +70,15 @@ TEST_P(LaneDesigns, OfBuckledLegsAreNegativeToo) {
   }
 }
 
-/// Platforms so heavy that legs buckle or fold.
+/// Seals so soft that legs buckle or fold.
 TEST_P(LaneDesigns, WithoutEquilibriumAreLeftToOneAtATime) {
   const auto [axes, kind] = GetParam();
   if (kind == ModelKind::rigid) return;
   std::vector<LaneDesign> designs;
   for (int k = 0; k < 60; ++k) {
     designs.push_back(lane_design(random_, axes, kind, Gravity::down));
-    designs.back().machine.platform.mass *= random_.log_uniform(1.0, 30.0);
+    for (auto& leg : designs.back().machine.legs)
+      leg.guide_sleeve.stiffness *= random_.log_uniform(1e-2, 1.0);
   }
   for (const auto& kernels : study::usable_kernels()) {
     LaneComparison comparison;
@@ -85,7 +86,7 @@ TEST_P(LaneDesigns, WithoutEquilibriumAreLeftToOneAtATime) {
     EXPECT_GE(comparison.impossible, 5);
     EXPECT_GE(comparison.buckled, 1);
     EXPECT_GE(comparison.alone, comparison.impossible);
-    EXPECT_LE(comparison.alone, comparison.impossible + 3);
+    EXPECT_LE(comparison.alone, 2 * comparison.impossible);
     EXPECT_LE(comparison.frequency, same_frequency);
   }
 }
@@ -104,12 +105,14 @@ TEST_P(LaneDesigns, DoNotDependOnTheDesignsBeside) {
       for (int lane = 0; lane < kernels.lanes; ++lane) together.put(lane, designs[lane].numbers());
       together.solve(kernels.lanes);
       for (int lane = 0; lane < kernels.lanes; ++lane) {
+        SCOPED_TRACE(fmt::format("lane {} of {}", lane, kernels.lanes));
         ASSERT_TRUE(together.sound(lane));
-        alone.put(0, designs[lane].numbers());
-        alone.solve(1);
-        EXPECT_EQ(together.modes(lane).omega2, alone.modes(0).omega2);
-        EXPECT_EQ(together.modes(lane).shapes, alone.modes(0).shapes);
-        EXPECT_EQ(together.stiffness(lane), alone.stiffness(0));
+        for (int other = 0; other < kernels.lanes; ++other)
+          alone.put(other, designs[lane].numbers());
+        alone.solve(kernels.lanes);
+        EXPECT_EQ(together.modes(lane).omega2, alone.modes(lane).omega2);
+        EXPECT_EQ(together.modes(lane).shapes, alone.modes(lane).shapes);
+        EXPECT_EQ(together.stiffness(lane), alone.stiffness(lane));
       }
     }
   }
