@@ -43,7 +43,7 @@ HYDRAPOD_INLINE void inverse_root(V (&A)[size][size], V (&P)[size][size]) {
 template <class V, int size>
 struct LanePencil {
   V A[size][size];  ///< lower triangle
-  V X[size][size];  ///< [column][row]
+  V (*X)[size];     ///< [column][row]
   V d[size], e[size];
 };
 
@@ -141,6 +141,39 @@ constexpr int rows_together = 6;
 template <class V, class M>
 constexpr int rows_together<Two<V, M>> = 3;
 
+/// Calls `use` with the rows 0 … k − 1: one, where their number is odd, then two and two, which
+/// share what they read.
+template <int number>
+struct Rows {};
+template <class Use>
+HYDRAPOD_INLINE void in_pairs(int k, const Use& use) {
+  if (k % 2 == 1) use(Rows<1>{}, 0);
+  for (int i = k % 2; i < k; i += 2) use(Rows<2>{}, i);
+}
+
+/// w = A v of the first k rows.
+template <class V, int size>
+HYDRAPOD_INLINE void times_reflected(const LanePencil<V, size>& p, const V* v, int k,
+                                     V (&w)[size]) {
+  in_pairs(k, [&]<int rows>(Rows<rows>, int i) {
+    V sum[rows];
+    for (V& one : sum) one = V{};
+    for (int j = 0; j < i; ++j) {
+      V of_column = w[j];
+      for (int r = 0; r < rows; ++r) {
+        sum[r] += p.A[i + r][j] * v[j];
+        of_column += p.A[i + r][j] * v[i + r];
+      }
+      w[j] = of_column;
+    }
+    for (int r = 0; r < rows; ++r) {
+      for (int c = 0; c < rows; ++c)
+        sum[r] += (r >= c ? p.A[i + r][i + c] : p.A[i + c][i + r]) * v[i + c];
+      w[i + r] = sum[r];
+    }
+  });
+}
+
 /// X (1 − β v vᵀ), v with k entries.
 template <class V, int size>
 HYDRAPOD_INLINE void reflect_rows(LanePencil<V, size>& p, const V* v, const V& beta, int k) {
@@ -173,22 +206,14 @@ HYDRAPOD_APART void tridiagonalize_lanes(LanePencil<V, size>& p) {
     v[k - 1] = last - reflected;
     const V beta = select(nothing, V{}, -1.0 / (reflected * v[k - 1]));
     V w[size], projection{};
-    for (int i = 0; i < k; ++i) {
-      V sum = p.A[i][i] * v[i];
-      const V own = v[i];
-      for (int j = 0; j < i; ++j) {
-        sum += p.A[i][j] * v[j];
-        w[j] += p.A[i][j] * own;
-      }
-      w[i] = sum;
-    }
+    times_reflected<V, size>(p, v, k, w);
     for (int i = 0; i < k; ++i) projection += w[i] * v[i];
     const V half = 0.5 * beta * beta * projection;
     for (int i = 0; i < k; ++i) w[i] = beta * w[i] - half * v[i];
-    for (int i = 0; i < k; ++i) {
-      const V v_i = v[i], w_i = w[i];
-      for (int j = 0; j <= i; ++j) p.A[i][j] -= v_i * w[j] + w_i * v[j];
-    }
+    in_pairs(k, [&]<int rows>(Rows<rows>, int i) {
+      for (int j = 0; j < i + rows; ++j)  // beyond the diagonal nothing is read
+        for (int r = 0; r < rows; ++r) p.A[i + r][j] -= v[i + r] * w[j] + w[i + r] * v[j];
+    });
     reflect_rows<V, size>(p, v, beta, k);
   }
   p.d[1] = p.A[1][1];
@@ -210,27 +235,52 @@ class LaneSweep {
   void begin(int first, int last) {
     first_ = first;
     at_ = last - 1;
+    part_ = 0;
     for (int row = 0; row < size; ++row) y_[row] = p_.X[last][row];
   }
+  /// A third of the rows by three rotations: as much as one more rotation takes.
   HYDRAPOD_INLINE void turn() {
-    if (at_ < first_) return;
-    const V c_i = c[at_], s_i = s[at_];
-    for (int row = 0; row < size; ++row) {
-      const V x = p_.X[at_][row];
-      p_.X[at_ + 1][row] = s_i * x + c_i * y_[row];
-      y_[row] = c_i * x - s_i * y_[row];
-    }
-    if (--at_ < first_)
-      for (int row = 0; row < size; ++row) p_.X[first_][row] = y_[row];
+    if (at_ - together + 1 < first_) return;
+    turn_rows<together, size / together>(part_ * (size / together));
+    if (++part_ < together) return;
+    part_ = 0;
+    at_ -= together;
   }
   void finish() {
-    while (at_ >= first_) turn();
+    while (part_ > 0) turn();
+    for (; at_ - together + 1 >= first_; at_ -= together) turn_rows<together, size>(0);
+    for (; at_ >= first_; --at_) turn_rows<1, size>(0);
+    if (first_ < 0) return;
+    for (int row = 0; row < size; ++row) p_.X[first_][row] = y_[row];
+    first_ = -1;
+    at_ = -2;
   }
 
  private:
+  static constexpr int together = 3;
+
+  template <int count, int rows>
+  HYDRAPOD_INLINE void turn_rows(int from) {
+    V cosine[count], sine[count];  // in registers
+    for (int i = 0; i < count; ++i) {
+      cosine[i] = c[at_ - i];
+      sine[i] = s[at_ - i];
+    }
+    for (int row = from; row < from + rows; ++row) {
+      V y = y_[row];
+      for (int i = 0; i < count; ++i) {
+        V& lower = p_.X[at_ - i + 1][row];
+        const V x = p_.X[at_ - i][row];
+        lower = sine[i] * x + cosine[i] * y;
+        y = cosine[i] * x - sine[i] * y;
+      }
+      y_[row] = y;
+    }
+  }
+
   LanePencil<V, size>& p_;
   V y_[size];
-  int first_{}, at_{-1};
+  int first_{-1}, at_{-2}, part_{};
 };
 
 /// diagonalize() of symmetric_eigen.hpp after tridiagonalize(). Each lane has its own block; where
@@ -271,7 +321,7 @@ HYDRAPOD_APART void ql_lanes(LanePencil<V, size>& p) {
         const V square_of_r = f * f + g * g, r = root(square_of_r);
         const auto apart = on & (square_of_r == 0.0);  // the block has fallen apart below i
         const V upper = p.d[i + 1];
-        const V inverse = r * (1.0 / select(apart, one, square_of_r));  // root and division at once
+        const V inverse = r * (1.0 / square_of_r);  // root and division at once
         const auto is_end = last == static_cast<double>(i + 1);
         p.e[i + 1] = select(on, select(is_end, zero, r), p.e[i + 1]);
         const auto turns = on & ~apart;
@@ -296,23 +346,46 @@ HYDRAPOD_APART void ql_lanes(LanePencil<V, size>& p) {
   sweeps[1 - now].finish();
 }
 
-/// A times a shape.
+/// A times two shapes at once, which share what is read of A.
 template <class V, int flexible>
-HYDRAPOD_INLINE void times_shape(const BlockMatrix<V, flexible>& A, const V* phi, V* result) {
+HYDRAPOD_INLINE void times_shapes(const BlockMatrix<V, flexible>& A, const V* phi, const V* psi,
+                                  V* A_phi, V* A_psi) {
+  V phi_r[6], psi_r[6], of_phi[6], of_psi[6];  // the platform's rows, in registers
   for (int i = 0; i < 6; ++i) {
-    V sum = A.rr(i, 0) * phi[0];
-    for (int j = 1; j < 6; ++j) sum += A.rr(i, j) * phi[j];
-    result[i] = sum;
+    phi_r[i] = phi[i];
+    psi_r[i] = psi[i];
+  }
+  for (int i = 0; i < 6; ++i) {
+    of_phi[i] = A.rr(i, 0) * phi_r[0];
+    of_psi[i] = A.rr(i, 0) * psi_r[0];
+    for (int j = 1; j < 6; ++j) {
+      of_phi[i] += A.rr(i, j) * phi_r[j];
+      of_psi[i] += A.rr(i, j) * psi_r[j];
+    }
   }
   for (int leg = 0; leg < leg_number; ++leg)
     for (int i = 0; i < flexible; ++i) {
       const int at = 6 + leg * flexible;
-      V sum = A.fr(leg, i, 0) * phi[0];
-      for (int j = 1; j < 6; ++j) sum += A.fr(leg, i, j) * phi[j];
-      for (int j = 0; j < flexible; ++j) sum += A.ff(leg, i, j) * phi[at + j];
-      result[at + i] = sum;
-      for (int j = 0; j < 6; ++j) result[j] += A.fr(leg, i, j) * phi[at + i];
+      V sum_phi{}, sum_psi{};
+      for (int j = 0; j < flexible; ++j) {
+        sum_phi += A.ff(leg, i, j) * phi[at + j];
+        sum_psi += A.ff(leg, i, j) * psi[at + j];
+      }
+      const V own_phi = phi[at + i], own_psi = psi[at + i];
+      for (int j = 0; j < 6; ++j) {
+        const V entry = A.fr(leg, i, j);
+        sum_phi += entry * phi_r[j];
+        sum_psi += entry * psi_r[j];
+        of_phi[j] += entry * own_phi;
+        of_psi[j] += entry * own_psi;
+      }
+      A_phi[at + i] = sum_phi;
+      A_psi[at + i] = sum_psi;
     }
+  for (int i = 0; i < 6; ++i) {
+    A_phi[i] = of_phi[i];
+    A_psi[i] = of_psi[i];
+  }
 }
 
 /// The modes and, per mode, M φ. Returns the residual; NaN where a lane failed.
@@ -322,6 +395,7 @@ HYDRAPOD_APART V modes_of_lanes(const BlockMatrix<V, flexible>& M,
                                 V (&momentum)[modes_of(flexible)][modes_of(flexible)]) {
   constexpr int size = modes_of(flexible);
   LanePencil<V, size> p;
+  p.X = modes.shapes;
   reduce_lanes<V, flexible>(M, K, p);
   tridiagonalize_lanes<V, size>(p);
   ql_lanes<V, size>(p);
@@ -330,13 +404,15 @@ HYDRAPOD_APART V modes_of_lanes(const BlockMatrix<V, flexible>& M,
   for (int i = 0; i < 6; ++i) per_mass[i] = 1.0 / M.rr(i, i);
   for (int leg = 0; leg < leg_number; ++leg)
     for (int i = 0; i < flexible; ++i) per_mass[6 + leg * flexible + i] = 1.0 / M.ff(leg, i, i);
-  V bad{};  // NaN, once it is
+  V bad{}, forces[2][size];  // bad: NaN, once it is
   for (int k = 0; k < size; ++k) {
-    V* phi = modes.shapes[k];
-    V force[size], stiffness{}, mass{}, residual{};
-    for (int i = 0; i < size; ++i) phi[i] = p.X[k][i];
-    times_shape<V, flexible>(K, phi, force);
-    times_shape<V, flexible>(M, phi, momentum[k]);
+    const V* phi = modes.shapes[k];
+    if (k % 2 == 0) {
+      times_shapes<V, flexible>(K, phi, modes.shapes[k + 1], forces[0], forces[1]);
+      times_shapes<V, flexible>(M, phi, modes.shapes[k + 1], momentum[k], momentum[k + 1]);
+    }
+    const V* force = forces[k % 2];
+    V stiffness{}, mass{}, residual{};
     for (int i = 0; i < size; ++i) {
       stiffness += phi[i] * force[i];
       mass += phi[i] * momentum[k][i];

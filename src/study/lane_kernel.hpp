@@ -40,8 +40,8 @@ void designs_of_lanes(const LaneTask& task) {
   const V of_rigid = rigid_modes<V, flexible>(machine, options, model);
   out.residual = larger(residual, of_rigid) + 0.0 * (residual + of_rigid);
   out.least = least_of<V, flexible>(model.modes);
-  out.repeated = larger(repeated<V, flexible>(model.modes, options.repeated_tolerance),
-                        repeated<V, 0>(model.rigid, options.repeated_tolerance));
+  out.repeated = repeated<V, flexible>(model.modes, options.repeated_tolerance);
+  out.repeated_rigid = repeated<V, 0>(model.rigid, options.repeated_tolerance);
   resonances<V, flexible>(model.modes, options.resonance_share, out.resonance);
   resonances<V, 0>(model.rigid, options.resonance_share, out.resonance_rigid);
   lowest_mode<V, flexible>(machine, model.modes, momentum, model.rigid, options.local_mode_energy,

@@ -50,7 +50,10 @@ struct OutputNumbers {
   T followed[most_followed];                                   ///< ω²
   T mac;                                                       ///< the least of those
   T least;                                                     ///< ω² of the lowest mode
-  T repeated;  ///< 1: modes repeat, so that the numbers above are those of one basis of many
+  T momentum[platform_rows];  ///< of the platform in that lowest mode: its rows of M φ
+  /// 1: modes repeat, so that the numbers above are those of one basis of many; the same of the
+  /// rigid model, for `counterpart` and `resonance_rigid`.
+  T repeated, repeated_rigid;
   T residual;  ///< NaN: the design has to be computed alone; see lane_kernel.hpp
 };
 

@@ -50,8 +50,8 @@ HYDRAPOD_INLINE void lowest_mode(const MachineNumbers<V>& machine,
                                  const V (&momentum)[modes_of(flexible)][modes_of(flexible)],
                                  const ModeNumbers<V, 0>& rigid, double local,
                                  OutputNumbers<V>& out) {
-  V least = V{} + no_mode, phi[6], whole[6], p[6];
-  for (int d = 0; d < 6; ++d) phi[d] = whole[d] = V{};
+  V least = V{} + no_mode, phi[6], p[6];
+  for (int d = 0; d < 6; ++d) phi[d] = out.momentum[d] = V{};
   for (int k = 0; k < modes_of(flexible); ++k) {
     platform_momentum(machine, modes.shapes[k], p);
     V energy{};
@@ -60,7 +60,7 @@ HYDRAPOD_INLINE void lowest_mode(const MachineNumbers<V>& machine,
     least = select(lower, modes.omega2[k], least);
     for (int d = 0; d < 6; ++d) {
       phi[d] = select(lower, modes.shapes[k][d], phi[d]);
-      whole[d] = select(lower, momentum[k][d], whole[d]);
+      out.momentum[d] = select(lower, momentum[k][d], out.momentum[d]);
     }
   }
   out.lowest = or_nothing(least);
@@ -75,7 +75,7 @@ HYDRAPOD_INLINE void lowest_mode(const MachineNumbers<V>& machine,
   V alike = V{} - 1.0;
   for (int k = 0; k < 6; ++k) {
     V common{};
-    for (int d = 0; d < 6; ++d) common += rigid.shapes[k][d] * whole[d];
+    for (int d = 0; d < 6; ++d) common += rigid.shapes[k][d] * out.momentum[d];
     const auto better = size_of(common) > alike;
     alike = select(better, size_of(common), alike);
     out.counterpart = select(better, rigid.omega2[k], k == 0 ? rigid.omega2[0] : out.counterpart);
@@ -88,12 +88,19 @@ HYDRAPOD_APART void likeness(const LaneOptions& options, const BlockMatrix<V, fl
                              const V (&momentum)[modes_of(flexible)][modes_of(flexible)],
                              V (&mac)[modes_of(flexible)][modes_of(flexible)]) {
   constexpr int size = modes_of(flexible);
+  V own[2][size], with[2][size];
   for (int n = 0; n < options.followed; ++n) {
     const double* const psi = options.shapes + n * size;
-    V own[size], with[size], mass{};
-    for (int i = 0; i < size; ++i) own[i] = V{} + psi[i];
-    times_shape<V, flexible>(M, own, with);
-    for (int i = 0; i < size; ++i) mass += psi[i] * with[i];
+    if (n % 2 == 0) {  // the last one beside itself, where it has no other
+      const double* const next = n + 1 < options.followed ? psi + size : psi;
+      for (int i = 0; i < size; ++i) {
+        own[0][i] = V{} + psi[i];
+        own[1][i] = V{} + next[i];
+      }
+      times_shapes<V, flexible>(M, own[0], own[1], with[0], with[1]);
+    }
+    V mass{};
+    for (int i = 0; i < size; ++i) mass += psi[i] * with[n % 2][i];
     const V per_mass = 1.0 / mass;
     for (int k = 0; k < size; ++k) {
       V common{};

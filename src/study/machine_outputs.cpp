@@ -40,17 +40,21 @@ int first_resonance(const NormalModes& modes, int d, double share) {
   return -1;
 }
 
-/// Frequency of the rigid mode that holds most of a flexible mode's momentum.
-double rigid_counterpart(const LinearModel& flexible, const ModelVector& phi,
-                         const NormalModes& rigid) {
+/// The rigid mode that holds most of a flexible mode's momentum.
+int rigid_counterpart(const ModelVector& momentum, const NormalModes& rigid) {
+  int best = 0;
+  const ModelVector common = rigid.shapes.transpose() * momentum;
+  common.cwiseAbs().maxCoeff(&best);
+  return best;
+}
+
+/// Rows of M φ that the rigid model has too.
+ModelVector outer_momentum(const LinearModel& flexible, const ModelVector& phi) {
   const int base = flexible.base_count();
   ModelVector momentum(6 + base);
   momentum.head<6>() = flexible.M.topRows<6>() * phi;
   momentum.tail(base) = flexible.M.bottomRows(base) * phi;
-  int best = 0;
-  const ModelVector common = rigid.shapes.transpose() * momentum;
-  common.cwiseAbs().maxCoeff(&best);
-  return rigid.omega(best);
+  return momentum;
 }
 
 /// Pairs (nominal, mode) in falling order of MAC, one to one. φ_n is normalised in the nominal mass
@@ -129,7 +133,8 @@ void lowest_mode(const LinearModel& flexible, const NormalModes& modes, const No
   (phi.array() * (flexible.platform_mass * phi).array()).maxCoeff(&main);
   outputs[Layout::direction] = main + 1;
   outputs[Layout::drop] =
-      1.0 - modes.omega(k) / rigid_counterpart(flexible, modes.shapes.col(k), rigid);
+      1.0 - modes.omega(k) / rigid.omega(rigid_counterpart(
+                                 outer_momentum(flexible, modes.shapes.col(k)), rigid));
 }
 
 void resonances(const NormalModes& modes, const NormalModes& rigid, double share,
@@ -198,6 +203,15 @@ void outputs_of(const Kept& kept, const LinearModel& flexible, const NormalModes
   outputs[Layout::mac] = followed.least_mac;
   for (std::size_t k = 0; k < followed.mode.size(); ++k)
     if (followed.mode[k] >= 0) outputs[Layout::modes + k] = hertz(modes.omega(followed.mode[k]));
+}
+
+void take_rigid(const Kept& kept, const NormalModes& rigid, OutputNumbers<double>& found) {
+  const ModelVector momentum = Eigen::Map<const spatial::Vector6>(found.momentum);
+  found.counterpart = rigid.omega2[rigid_counterpart(momentum, rigid)];
+  for (int d = 0; d < platform_rows; ++d) {
+    const int k = first_resonance(rigid, d, kept.options.resonance_share);
+    found.resonance_rigid[d] = k < 0 ? missing : rigid.omega2[k];
+  }
 }
 
 void outputs_of(const Kept& kept, const OutputNumbers<double>& found, std::span<double> outputs) {

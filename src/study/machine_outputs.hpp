@@ -47,7 +47,9 @@ inline void set(std::span<double> outputs, Status status) {
 void outputs_of(const Kept& kept, const dynamics::LinearModel& flexible,
                 const modal::NormalModes& modes, const modal::NormalModes& rigid,
                 std::span<double> outputs);
-/// The same from what the kernels found.
+/// Puts what follows from the rigid model's modes into `found`.
+void take_rigid(const Kept& kept, const modal::NormalModes& rigid, OutputNumbers<double>& found);
+/// Fills the columns from what the kernels found.
 void outputs_of(const Kept& kept, const OutputNumbers<double>& found, std::span<double> outputs);
 
 }  // namespace hydrapod::study

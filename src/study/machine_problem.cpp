@@ -103,7 +103,8 @@ class Evaluation {
   explicit Evaluation(std::shared_ptr<const Kept> kept)
       : kept_(std::move(kept)),
         machine_(kept_->machine),
-        designs_(usable_kernels().front(), kept_->options.kind, lane_options(machine_, kept_->options.resonance_share),
+        designs_(usable_kernels().front(), kept_->options.kind,
+                 lane_options(machine_, kept_->options.resonance_share),
                  kept_->nominal.followed_shapes) {
     for (const auto& input : kept_->inputs) assignments_.push_back({input.id, 0.0});
     bounds_are_enough_ = !kept_->options.poses && !has_error(model::validate(machine_)) &&
@@ -221,8 +222,9 @@ class Evaluation {
         ++alone;
         continue;
       }
-      const auto numbers = designs_.outputs(lane);
+      auto numbers = designs_.outputs(lane);
       if (numbers.repeated == 0.0 || numbers.least <= 0.0) {
+        if (numbers.repeated_rigid != 0.0) take_rigid(*kept_, designs_.rigid_modes(lane), numbers);
         outputs_of(*kept_, numbers, row.outputs);
         continue;
       }
