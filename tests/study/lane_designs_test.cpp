@@ -75,7 +75,7 @@ TEST_P(LaneDesigns, WithoutEquilibriumAreLeftToOneAtATime) {
   const auto [axes, kind] = GetParam();
   if (kind == ModelKind::rigid) return;
   std::vector<LaneDesign> designs;
-  for (int k = 0; k < 60; ++k) {
+  for (int k = 0; k < 400; ++k) {
     designs.push_back(lane_design(random_, axes, kind, Gravity::down));
     const double softer = random_.log_uniform(1e-6, 1.0);
     for (auto& leg : designs.back().machine.legs) leg.guide_sleeve.stiffness *= softer;
@@ -84,10 +84,10 @@ TEST_P(LaneDesigns, WithoutEquilibriumAreLeftToOneAtATime) {
   for (const auto& kernels : study::usable_kernels()) {
     LaneComparison comparison;
     comparison.add(kernels, designs);
-    EXPECT_GE(comparison.impossible, 5);
+    EXPECT_GE(comparison.impossible, 2);
     EXPECT_GE(comparison.buckled, 1);
     EXPECT_GE(comparison.alone, comparison.impossible);
-    EXPECT_LE(comparison.alone, 2 * comparison.impossible);
+    EXPECT_LE(comparison.alone - comparison.impossible, comparison.designs / 50);
     EXPECT_LE(comparison.frequency, same_frequency);
   }
 }
