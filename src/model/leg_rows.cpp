@@ -49,19 +49,20 @@ constexpr ParameterRow leg_rows[]{
         "legs.gimbal_axis", "1", standard, any,
         "base-fixed axis of the lower gimbal in the base frame, of any length; "
         "used with `flexible_axes = \"gimbal\"`")),
-    number<&Leg::gimbal_cross_inertia>(
+    alone(number<&Leg::gimbal_cross_inertia>(
         "legs.gimbal_cross_inertia", "kg m^2", standard, not_negative,
         "I_c, of the cross of the lower gimbal about its first axis; used with `flexible_axes = "
-        "\"gimbal\"`"),
-    number<&Leg::added_axial_inertia>(
+        "\"gimbal\"`")),
+    alone(number<&Leg::added_axial_inertia>(
         "legs.added_axial_inertia", "kg", standard, not_negative,
         "m_a, inertia that moves with the piston only; oil in lines that end at a closed valve "
         "follows from `cap_line_length` and `rod_line_length`, oil in a line with an open end (an "
-        "accumulator) is ρ L A_p²/A for a length L and a cross-section A"),
-    number<&Leg::gimbal_stiffness>("legs.gimbal_stiffness", "N/m", otherwise("rigid"), spring_rate,
-                                   "k_j, of both gimbals and their fastening along the "
-                                   "leg, in series with the oil spring",
-                                   shown("300 kN/mm")),
+        "accumulator) is ρ L A_p²/A for a length L and a cross-section A")),
+    alone(number<&Leg::gimbal_stiffness>("legs.gimbal_stiffness", "N/m", otherwise("rigid"),
+                                         spring_rate,
+                                         "k_j, of both gimbals and their fastening along the "
+                                         "leg, in series with the oil spring",
+                                         shown("300 kN/mm"))),
     table("legs.case", required, "cylinder case"),
     number<&Leg::cylinder_case, &CylinderCase::mass>("legs.case.mass", "kg", required,
                                                      usual(0.1, 2e4, not_negative),
@@ -115,28 +116,28 @@ constexpr ParameterRow leg_rows[]{
     number<&Leg::guide_sleeve, &GuideSleeve::position>("legs.guide_sleeve.position", "m", required,
                                                        usual(0.02, 20.0, positive),
                                                        "L_g, from the base joint", given("1 m")),
-    number<&Leg::guide_sleeve, &GuideSleeve::stiffness>(
+    alone(number<&Leg::guide_sleeve, &GuideSleeve::stiffness>(
         "legs.guide_sleeve.stiffness", "N/m", required, spring_rate,
-        "k_s, lateral, between case and rod", given("5 kN/mm")),
-    number<&Leg::guide_sleeve, &GuideSleeve::damping>("legs.guide_sleeve.damping", "N s/m",
-                                                      standard, not_negative,
-                                                      "c_s, lateral, viscous", given("2 kN s/m")),
-    number<&Leg::guide_sleeve, &GuideSleeve::gap>(
+        "k_s, lateral, between case and rod", given("5 kN/mm"))),
+    alone(number<&Leg::guide_sleeve, &GuideSleeve::damping>(
+        "legs.guide_sleeve.damping", "N s/m", standard, not_negative, "c_s, lateral, viscous",
+        given("2 kN s/m"))),
+    alone(number<&Leg::guide_sleeve, &GuideSleeve::gap>(
         "legs.guide_sleeve.gap", "m", otherwise("the rod never touches its guide"),
         usual(1e-6, 1e-2, positive),
         "g, radial, from the centred rod to the guide ring; beyond it the guide ring carries, "
         "with `guide_stiffness` beside k_s",
-        shown("0.2 mm")),
-    number<&Leg::guide_sleeve, &GuideSleeve::guide_stiffness>(
+        shown("0.2 mm"))),
+    alone(number<&Leg::guide_sleeve, &GuideSleeve::guide_stiffness>(
         "legs.guide_sleeve.guide_stiffness", "N/m", standard, spring_rate,
-        "k_c, lateral, of the guide ring; used with `gap`"),
+        "k_c, lateral, of the guide ring; used with `gap`")),
     table("legs.piston_ring", optional,
           "the O-ring under the piston's ring; without the table it is rigid"),
-    number<&Leg::piston_ring, &PistonRing::stiffness>(
+    alone(number<&Leg::piston_ring, &PistonRing::stiffness>(
         "legs.piston_ring.stiffness", "N/m", required, spring_rate,
-        "k_g, lateral, between case and piston", shown("20 kN/mm")),
-    number<&Leg::piston_ring, &PistonRing::damping>("legs.piston_ring.damping", "N s/m", standard,
-                                                    not_negative, "c_u, lateral, viscous"),
+        "k_g, lateral, between case and piston", shown("20 kN/mm"))),
+    alone(number<&Leg::piston_ring, &PistonRing::damping>(
+        "legs.piston_ring.damping", "N s/m", standard, not_negative, "c_u, lateral, viscous")),
     table("legs.oil_spring", required,
           "the oil along the leg: either `stiffness`, or the table `cylinder`"),
     instead_of(drop_cylinder,

@@ -164,12 +164,12 @@ constexpr ParameterRow body_rows[]{
         R"(# ---- Platform with its payload ---------------------------------------------------------------
 # xy, xz, yz are the elements of the inertia tensor as they stand (default 0).
 )"),
-    number<&Machine::platform, &Platform::mass>("platform.mass", "kg", required,
-                                                usual(0.5, 2e6, positive), "more than 0",
-                                                given("1500 kg")),
-    number<&Machine::platform, &Platform::mass_center>(
+    alone(number<&Machine::platform, &Platform::mass>("platform.mass", "kg", required,
+                                                      usual(0.5, 2e6, positive), "more than 0",
+                                                      given("1500 kg"))),
+    alone(number<&Machine::platform, &Platform::mass_center>(
         "platform.mass_center", "m", required, usual(1e-4, 20.0, any),
-        "`[x, y, z]` in the platform frame", given("[0, 0, \"0.2 m\"]")),
+        "`[x, y, z]` in the platform frame", given("[0, 0, \"0.2 m\"]"))),
     tensor("platform.inertia", "kg m^2",
            "tensor about the mass centre in the axes of the platform frame: `{ xx, yy, zz, "
            "xy, xz, yz }`, or three rows of three numbers",

@@ -138,6 +138,12 @@ constexpr ParameterRow not_mechanical(ParameterRow made) {
   return made;
 }
 
+/// No condition of validate() relates it to another number.
+constexpr ParameterRow alone(ParameterRow made) {
+  made.alone = true;
+  return made;
+}
+
 constexpr ParameterRow in_code(ParameterRow made) {
   made.in_code = true;
   return made;

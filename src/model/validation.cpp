@@ -215,4 +215,13 @@ std::vector<Finding> validate(const Machine& machine) {
   return validate_values(machine, NonFinite::report);
 }
 
+bool stands_alone(const Machine& machine, const ParameterId& id) {
+  return row_of(id).alone && value(machine, id).has_value();
+}
+
+bool within_bound(const Assignment& assignment) {
+  return ValueChecks(NonFinite::report)
+      .within("", assignment.value, "", row_of(assignment.id).bound);
+}
+
 }  // namespace hydrapod::model

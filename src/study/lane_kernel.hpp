@@ -1,478 +1,54 @@
-/// The eigensolver of lane_modes.hpp: for each lane the algorithm of symmetric_eigen.hpp and
-/// normal_modes.cpp (reduction by blocks, Householder, implicit QL, Rayleigh quotients).
+#pragma once
+/// Designs from their numbers to the outputs of a study, several at once: assembly and equilibrium
+/// (lane_assembly.hpp), modes (lane_eigen.hpp), outputs (lane_outputs.hpp). Each lane computes what
+/// it would compute alone.
 ///
-/// Residual of a design: the largest over its modes of
-///
-///     ‖D^-½ (K φ − ω² M φ)‖ / ω²_max,   D = diag M,   and   |φᵀ M φ − 1|
-///
-/// Included once by each lane_kernel_*.cpp, which are compiled for different processors. Everything
-/// is therefore in an anonymous namespace and calls nothing of any library: an inline function that
-/// is compiled for one processor must not be linked into code for another.
+/// Included once by each lane_kernel_*.cpp, which are compiled for different processors.
 
-#include "lane_modes.hpp"
-
-#if defined(__AVX__) || defined(__SSE2__)
-#include <immintrin.h>
-#endif
+#include "lane_assembly.hpp"
+#include "lane_outputs.hpp"
 
 namespace hydrapod::study {
 
 namespace {
 
-constexpr double rounding_unit = 0x1p-52;
-constexpr int leg_number = 6, platform_rows = 6;
-
-/// `Count` doubles, one per design.
-template <int Count>
-struct LaneTypes {
-  typedef double Vector __attribute__((vector_size(Count * sizeof(double))));   // NOLINT
-  typedef long long Mask __attribute__((vector_size(Count * sizeof(double))));  // NOLINT
-};
-
-#define HYDRAPOD_INLINE inline __attribute__((always_inline))
-
-/// Masks of two vectors.
-template <class M>
-struct TwoMasks {
-  M low, high;
-  friend HYDRAPOD_INLINE TwoMasks operator&(const TwoMasks& a, const TwoMasks& b) {
-    return {a.low & b.low, a.high & b.high};
-  }
-  friend HYDRAPOD_INLINE TwoMasks operator~(const TwoMasks& a) { return {~a.low, ~a.high}; }
-};
-
-/// Two vectors side by side: roots and divisions of the one run while the other waits for its own.
-template <class V, class M>
-struct Two {
-  V low, high;
-  using Masks = TwoMasks<M>;
-
-#define HYDRAPOD_ARITHMETIC(op)                                        \
-  friend HYDRAPOD_INLINE Two operator op(const Two& a, const Two& b) { \
-    return {a.low op b.low, a.high op b.high};                         \
-  }                                                                    \
-  friend HYDRAPOD_INLINE Two operator op(double a, const Two& b) {     \
-    return {a op b.low, a op b.high};                                  \
-  }                                                                    \
-  friend HYDRAPOD_INLINE Two operator op(const Two& a, double b) {     \
-    return {a.low op b, a.high op b};                                  \
-  }
-#define HYDRAPOD_COMPARISON(op)                                          \
-  friend HYDRAPOD_INLINE Masks operator op(const Two& a, const Two& b) { \
-    return {a.low op b.low, a.high op b.high};                           \
-  }                                                                      \
-  friend HYDRAPOD_INLINE Masks operator op(const Two& a, double b) {     \
-    return {a.low op b, a.high op b};                                    \
-  }
-  HYDRAPOD_ARITHMETIC(+)
-  HYDRAPOD_ARITHMETIC(-)
-  HYDRAPOD_ARITHMETIC(*)
-  HYDRAPOD_ARITHMETIC(/)
-  HYDRAPOD_COMPARISON(==)
-  HYDRAPOD_COMPARISON(!=)
-  HYDRAPOD_COMPARISON(<)
-  HYDRAPOD_COMPARISON(>)
-  HYDRAPOD_COMPARISON(<=)
-#undef HYDRAPOD_ARITHMETIC
-#undef HYDRAPOD_COMPARISON
-  friend HYDRAPOD_INLINE Two operator-(const Two& a) { return {-a.low, -a.high}; }
-  HYDRAPOD_INLINE Two& operator+=(const Two& b) { return *this = *this + b; }
-  HYDRAPOD_INLINE Two& operator-=(const Two& b) { return *this = *this - b; }
-};
-
-/// a where the mask is set, else b.
-template <class M, class V>
-HYDRAPOD_INLINE V select(const M& mask, const V& a, const V& b) {
-  return mask ? a : b;
-}
-template <class M, class V>
-HYDRAPOD_INLINE Two<V, M> select(const TwoMasks<M>& mask, const Two<V, M>& a, const Two<V, M>& b) {
-  return {mask.low ? a.low : b.low, mask.high ? a.high : b.high};
-}
-
-template <class V>
-HYDRAPOD_INLINE V root(const V& a) {
-#if defined(__AVX512F__)
-  if constexpr (sizeof(V) == 64) return (V)_mm512_sqrt_pd((__m512d)a);
-#endif
-#if defined(__AVX__)
-  if constexpr (sizeof(V) == 32) return (V)_mm256_sqrt_pd((__m256d)a);
-#endif
-#if defined(__SSE2__)
-  if constexpr (sizeof(V) == 16) return (V)_mm_sqrt_pd((__m128d)a);
-#endif
-  V result = a;
-  for (unsigned i = 0; i < sizeof(V) / sizeof(double); ++i) result[i] = __builtin_sqrt(a[i]);
-  return result;
-}
-
-template <class V, class M>
-HYDRAPOD_INLINE Two<V, M> root(const Two<V, M>& a) {
-  return {root(a.low), root(a.high)};
-}
-
-template <class M>
-HYDRAPOD_INLINE bool any(const M& mask) {
-  long long all = 0;
-  for (unsigned i = 0; i < sizeof(M) / sizeof(long long); ++i) all |= mask[i];
-  return all != 0;
-}
-template <class M>
-HYDRAPOD_INLINE bool any(const TwoMasks<M>& mask) {
-  return any(mask.low) || any(mask.high);
-}
-
-template <class V>
-HYDRAPOD_INLINE V size_of(const V& a) {
-  return select(a < 0.0, -a, a);
-}
-
-/// The largest of the numbers in the lanes.
-template <class V>
-HYDRAPOD_INLINE double largest_of(const V& a) {
-  double largest = a[0];
-  for (unsigned i = 1; i < sizeof(V) / sizeof(double); ++i)
-    largest = a[i] > largest ? a[i] : largest;
-  return largest;
-}
-template <class V, class M>
-HYDRAPOD_INLINE double largest_of(const Two<V, M>& a) {
-  const double low = largest_of(a.low), high = largest_of(a.high);
-  return low > high ? low : high;
-}
-
-/// Lower triangle to full block and so on: where the packed numbers of M and K stand.
+/// Modes of the rigid model. Without preload it is the platform's part of the flexible one.
 template <class V, int flexible>
-struct Packed {
-  const V* at;
-  [[nodiscard]] HYDRAPOD_INLINE const V& rr(int i, int j) const {
-    return i >= j ? at[i * (i + 1) / 2 + j] : at[j * (j + 1) / 2 + i];
-  }
-  static constexpr int per_leg = 6 * flexible + flexible * (flexible + 1) / 2;
-  [[nodiscard]] HYDRAPOD_INLINE const V& fr(int leg, int i, int j) const {
-    return at[21 + leg * per_leg + i * 6 + j];
-  }
-  [[nodiscard]] HYDRAPOD_INLINE const V& ff(int leg, int i, int j) const {
-    const V* block = at + 21 + leg * per_leg + 6 * flexible;
-    return i >= j ? block[i * (i + 1) / 2 + j] : block[j * (j + 1) / 2 + i];
-  }
-};
-
-/// L⁻ᵀ of the lower triangle in A = L Lᵀ; upper triangular. Not finite where A is not positive
-/// definite.
-template <class V, int size>
-HYDRAPOD_INLINE void inverse_root(V (&A)[size][size], V (&P)[size][size]) {
-  V inverse[size];
-  for (int j = 0; j < size; ++j) {
-    V sum = A[j][j];
-    for (int k = 0; k < j; ++k) sum -= A[j][k] * A[j][k];
-    inverse[j] = 1.0 / root(sum);
-    for (int i = j + 1; i < size; ++i) {
-      V entry = A[i][j];
-      for (int k = 0; k < j; ++k) entry -= A[i][k] * A[j][k];
-      A[i][j] = entry * inverse[j];
+V rigid_modes(const MachineNumbers<V>& machine, const LaneOptions& options,
+              ModelNumbers<V, flexible>& model) {
+  V momentum[6][6], failed{};
+  if (options.gravity) {
+    failed = assemble<V, 0>(machine, options, model.M_rigid, model.K_rigid);
+  } else {
+    for (int k = 0; k < 21; ++k) {
+      model.M_rigid.platform[k] = model.M.platform[k];
+      model.K_rigid.platform[k] = model.K.platform[k];
     }
   }
-  for (int j = 0; j < size; ++j) {  // column j of L⁻¹ is row j of P
-    P[j][j] = inverse[j];
-    for (int i = j + 1; i < size; ++i) {
-      V sum = A[i][j] * P[j][j];
-      for (int k = j + 1; k < i; ++k) sum += A[i][k] * P[j][k];
-      P[j][i] = -sum * inverse[i];
-      P[i][j] = V{};
-    }
-  }
-}
-
-template <class V, int size>
-struct LanePencil {
-  V A[size][size];  ///< lower triangle
-  V X[size][size];
-  V d[size], e[size];
-};
-
-/// reduce() of normal_modes.cpp.
-template <class V, int flexible>
-void reduce_lanes(const Packed<V, flexible>& M, const Packed<V, flexible>& K,
-                  LanePencil<V, platform_rows + leg_number * flexible>& p) {
-  constexpr int n = flexible == 0 ? 1 : flexible;  // no arrays without elements
-  constexpr int size = platform_rows + leg_number * flexible;
-  V G[leg_number][n][6], P[leg_number][n][n];
-  V M_platform[6][6], T[6][6], forces[6][6];
-  for (int i = 0; i < 6; ++i)
-    for (int j = 0; j <= i; ++j) M_platform[i][j] = M.rr(i, j);
-  for (int i = 0; i < size; ++i)
-    for (int j = 0; j < size; ++j) p.A[i][j] = p.X[i][j] = V{};
-  if constexpr (flexible > 0)
-    for (int leg = 0; leg < leg_number; ++leg) {
-      V block[n][n], half[n][6];
-      for (int i = 0; i < n; ++i)
-        for (int j = 0; j <= i; ++j) block[i][j] = M.ff(leg, i, j);
-      inverse_root<V, n>(block, P[leg]);
-      for (int i = 0; i < n; ++i)  // Pᵀ M_fr
-        for (int j = 0; j < 6; ++j) {
-          V sum = P[leg][0][i] * M.fr(leg, 0, j);
-          for (int k = 1; k <= i; ++k) sum += P[leg][k][i] * M.fr(leg, k, j);
-          half[i][j] = sum;
-        }
-      for (int i = 0; i < n; ++i)
-        for (int j = 0; j < 6; ++j) {
-          V sum = P[leg][i][i] * half[i][j];
-          for (int k = i + 1; k < n; ++k) sum += P[leg][i][k] * half[k][j];
-          G[leg][i][j] = sum;
-        }
-      for (int i = 0; i < 6; ++i)
-        for (int j = 0; j <= i; ++j)
-          for (int k = 0; k < n; ++k) M_platform[i][j] -= half[k][i] * half[k][j];
-    }
-  inverse_root<V, 6>(M_platform, T);
-  for (int i = 0; i < 6; ++i)
-    for (int j = 0; j < 6; ++j) {
-      V sum = K.rr(i, 0) * T[0][j];
-      for (int k = 1; k <= j; ++k) sum += K.rr(i, k) * T[k][j];
-      forces[i][j] = sum;
-      p.X[i][j] = T[i][j];
-    }
-  if constexpr (flexible > 0)
-    for (int leg = 0; leg < leg_number; ++leg) {
-      const int at = 6 + n * leg;
-      V follow[n][6], leg_forces[n][6];
-      for (int i = 0; i < n; ++i)
-        for (int j = 0; j < 6; ++j) {
-          V sum = G[leg][i][0] * T[0][j], force = K.fr(leg, i, 0) * T[0][j];
-          for (int k = 1; k <= j; ++k) {
-            sum += G[leg][i][k] * T[k][j];
-            force += K.fr(leg, i, k) * T[k][j];
-          }
-          follow[i][j] = -sum;
-          leg_forces[i][j] = force;
-          p.X[at + i][j] = -sum;
-        }
-      for (int i = 0; i < n; ++i)
-        for (int j = 0; j < 6; ++j)
-          for (int k = 0; k < n; ++k) leg_forces[i][j] += K.ff(leg, i, k) * follow[k][j];
-      for (int i = 0; i < n; ++i)  // Pᵀ (K_fr T + K_ff follow)
-        for (int j = 0; j < 6; ++j) {
-          V sum = P[leg][0][i] * leg_forces[0][j];
-          for (int k = 1; k <= i; ++k) sum += P[leg][k][i] * leg_forces[k][j];
-          p.A[at + i][j] = sum;
-        }
-      for (int i = 0; i < n; ++i)
-        for (int j = 0; j <= i; ++j) {
-          V sum{};
-          for (int k = 0; k <= i; ++k)
-            for (int l = 0; l <= j; ++l) sum += P[leg][k][i] * K.ff(leg, k, l) * P[leg][l][j];
-          p.A[at + i][at + j] = sum;
-        }
-      for (int i = 0; i < n; ++i)
-        for (int j = 0; j < n; ++j) p.X[at + i][at + j] = P[leg][i][j];
-      for (int i = 0; i < 6; ++i) {
-        for (int j = 0; j <= i; ++j)
-          for (int k = 0; k < n; ++k) p.A[i][j] += follow[k][i] * leg_forces[k][j];
-        for (int j = 0; j < 6; ++j)
-          for (int k = 0; k < n; ++k) forces[i][j] += K.fr(leg, k, i) * follow[k][j];
-      }
-    }
-  for (int i = 0; i < 6; ++i)
-    for (int j = 0; j <= i; ++j)
-      for (int k = 0; k <= i; ++k) p.A[i][j] += T[k][i] * forces[k][j];
-}
-
-/// tridiagonalize() of symmetric_eigen.hpp on the lower triangle.
-template <class V, int size>
-void tridiagonalize_lanes(LanePencil<V, size>& p) {
-  for (int k = size - 1; k > 1; --k) {
-    p.d[k] = p.A[k][k];
-    V* v = p.A[k];  // its first k entries are reflected onto the last of them
-    V square{};
-    for (int j = 0; j < k; ++j) square += v[j] * v[j];
-    const V last = v[k - 1];
-    const auto nothing = square == last * last;
-    const V length = root(square);
-    const V reflected = select(last > 0.0, -length, length);
-    p.e[k - 1] = select(nothing, last, reflected);
-    v[k - 1] = last - reflected;
-    const V beta = select(nothing, V{}, -1.0 / (reflected * v[k - 1]));
-    V w[size], projection{};
-    for (int i = 0; i < k; ++i) {
-      V sum = p.A[i][i] * v[i];
-      const V own = v[i];
-      for (int j = 0; j < i; ++j) {
-        sum += p.A[i][j] * v[j];
-        w[j] += p.A[i][j] * own;
-      }
-      w[i] = sum;
-    }
-    for (int i = 0; i < k; ++i) projection += w[i] * v[i];
-    const V half = 0.5 * beta * beta * projection;
-    for (int i = 0; i < k; ++i) w[i] = beta * w[i] - half * v[i];
-    for (int i = 0; i < k; ++i) {
-      const V v_i = v[i], w_i = w[i];
-      for (int j = 0; j <= i; ++j) p.A[i][j] -= v_i * w[j] + w_i * v[j];
-    }
-    for (int i = 0; i < size; ++i) {
-      V sum{}, other{};
-      int j = 0;
-      for (; j + 1 < k; j += 2) {
-        sum += p.X[i][j] * v[j];
-        other += p.X[i][j + 1] * v[j + 1];
-      }
-      if (j < k) sum += p.X[i][j] * v[j];
-      sum = beta * (sum + other);
-      for (j = 0; j < k; ++j) p.X[i][j] -= sum * v[j];
-    }
-  }
-  p.d[1] = p.A[1][1];
-  p.d[0] = p.A[0][0];
-  p.e[0] = p.A[1][0];
-  p.e[size - 1] = V{};
-}
-
-/// Rows that are turned together, so that their chains overlap and still stand in registers.
-template <class V>
-constexpr int rows_together = 6;
-template <class V, class M>
-constexpr int rows_together<Two<V, M>> = 3;
-
-/// Rotations of a sweep on all rows of X: columns (x, y) at i, i + 1 → (c x − s y, s x + c y), from
-/// the last to the first.
-template <class V, int size>
-HYDRAPOD_INLINE void rotate_lanes(LanePencil<V, size>& p, const V* c, const V* s, int first,
-                                  int last) {
-  constexpr int together = rows_together<V>;
-  static_assert(size % together == 0);
-  for (int row = 0; row < size; row += together) {
-    V y[together];
-    for (int r = 0; r < together; ++r) y[r] = p.X[row + r][last];
-    for (int i = last - 1; i >= first; --i) {
-      const V c_i = c[i], s_i = s[i];
-      for (int r = 0; r < together; ++r) {
-        const V x = p.X[row + r][i];
-        p.X[row + r][i + 1] = s_i * x + c_i * y[r];
-        y[r] = c_i * x - s_i * y[r];
-      }
-    }
-    for (int r = 0; r < together; ++r) p.X[row + r][first] = y[r];
-  }
-}
-
-/// diagonalize() of symmetric_eigen.hpp after tridiagonalize(). Each lane has its own block; where
-/// a lane has none, nothing happens to it. Lanes that do not converge become NaN.
-template <class V, int size>
-void ql_lanes(LanePencil<V, size>& p) {
-  constexpr int max_sweeps = 60;
-  constexpr double square = rounding_unit * rounding_unit, tiny = 0x1p-1022;
-  const V one = V{} + 1.0, zero = V{};
-  V c_of[size], s_of[size];
-  for (int first = 0; first + 1 < size; ++first)
-    for (int sweep = 0;; ++sweep) {
-      V last = zero + static_cast<double>(size - 1);  // whole numbers
-      V end = p.d[size - 1];
-      for (int k = size - 2; k >= first; --k) {
-        const auto negligible = p.e[k] * p.e[k] <= square * size_of(V(p.d[k] * p.d[k + 1])) + tiny;
-        last = select(negligible, zero + static_cast<double>(k), last);
-        end = select(negligible, p.d[k], end);
-      }
-      const auto open = last != static_cast<double>(first);
-      if (!any(open)) break;
-      if (sweep == max_sweeps) {
-        p.d[first] = select(open, zero / zero, p.d[first]);
-        p.e[first] = select(open, zero, p.e[first]);
-        break;
-      }
-      const int top = static_cast<int>(largest_of(last));
-
-      const V half = (p.d[first + 1] - p.d[first]) / (2.0 * p.e[first]);
-      const V length = root(V(half * half + 1.0));
-      V g = end - p.d[first] + p.e[first] / (half + select(half > 0.0, length, -length));
-      V s = one, c = one, shift = zero;
-      auto going = open;
-      for (int i = top - 1; i >= first; --i) {
-        const auto on = going & (last > static_cast<double>(i));
-        const V f = s * p.e[i], b = c * p.e[i];
-        const V square_of_r = f * f + g * g, r = root(square_of_r);
-        const auto apart = on & (square_of_r == 0.0);  // the block has fallen apart below i
-        const V upper = p.d[i + 1];
-        const V inverse = r * (1.0 / select(apart, one, square_of_r));  // root and division at once
-        const auto is_end = last == static_cast<double>(i + 1);
-        p.e[i + 1] = select(on, select(is_end, zero, r), p.e[i + 1]);
-        const auto turns = on & ~apart;
-        s = select(turns, f * inverse, s);
-        c = select(turns, g * inverse, c);
-        const V rest = upper - shift;
-        const V t = (p.d[i] - rest) * s + 2.0 * c * b;
-        p.d[i + 1] = select(turns, rest + s * t, select(apart, rest, upper));
-        shift = select(turns, s * t, shift);
-        g = select(turns, c * t - b, g);
-        going = going & ~apart;
-        c_of[i] = select(turns, c, one);
-        s_of[i] = select(turns, s, zero);
-      }
-      p.d[first] = select(going, p.d[first] - shift, p.d[first]);
-      p.e[first] = select(going, g, p.e[first]);
-      rotate_lanes<V, size>(p, c_of, s_of, first, top);
-    }
-}
-
-/// A times a shape.
-template <class V, int flexible>
-HYDRAPOD_INLINE void times_shape(const Packed<V, flexible>& A, const V* phi, V* result) {
-  for (int i = 0; i < 6; ++i) {
-    V sum = A.rr(i, 0) * phi[0];
-    for (int j = 1; j < 6; ++j) sum += A.rr(i, j) * phi[j];
-    result[i] = sum;
-  }
-  for (int leg = 0; leg < leg_number; ++leg)
-    for (int i = 0; i < flexible; ++i) {
-      const int at = 6 + leg * flexible;
-      V sum = A.fr(leg, i, 0) * phi[0];
-      for (int j = 1; j < 6; ++j) sum += A.fr(leg, i, j) * phi[j];
-      for (int j = 0; j < flexible; ++j) sum += A.ff(leg, i, j) * phi[at + j];
-      result[at + i] = sum;
-      for (int j = 0; j < 6; ++j) result[j] += A.fr(leg, i, j) * phi[at + i];
-    }
+  return modes_of_lanes<V, 0>(model.M_rigid, model.K_rigid, model.rigid, momentum) + failed;
 }
 
 template <class V, int flexible>
-void modes_of_lanes(const LaneTask& task) {
-  constexpr int size = platform_rows + leg_number * flexible;
-  const Packed<V, flexible> M{reinterpret_cast<const V*>(task.M)},
-      K{reinterpret_cast<const V*>(task.K)};
-  auto* omega2 = reinterpret_cast<V*>(task.omega2);
-  auto* shapes = reinterpret_cast<V*>(task.shapes);
-  LanePencil<V, size> p;
-  reduce_lanes<V, flexible>(M, K, p);
-  tridiagonalize_lanes<V, size>(p);
-  ql_lanes<V, size>(p);
-
-  V per_mass[size], worst{}, largest{}, not_one{};
-  for (int i = 0; i < 6; ++i) per_mass[i] = 1.0 / M.rr(i, i);
-  for (int leg = 0; leg < leg_number; ++leg)
-    for (int i = 0; i < flexible; ++i) per_mass[6 + leg * flexible + i] = 1.0 / M.ff(leg, i, i);
-  V bad{};  // NaN, once it is
-  for (int k = 0; k < size; ++k) {
-    V* phi = shapes + k * size;
-    V force[size], momentum[size], stiffness{}, mass{}, residual{};
-    for (int i = 0; i < size; ++i) phi[i] = p.X[i][k];
-    times_shape<V, flexible>(K, phi, force);
-    times_shape<V, flexible>(M, phi, momentum);
-    for (int i = 0; i < size; ++i) {
-      stiffness += phi[i] * force[i];
-      mass += phi[i] * momentum[i];
-    }
-    for (int i = 0; i < size; ++i) {
-      const V left = force[i] - stiffness * momentum[i];
-      residual += left * left * per_mass[i];
-    }
-    omega2[k] = stiffness;
-    bad += 0.0 * (residual + p.d[k]);
-    const V off = size_of(V(mass - 1.0)), much = size_of(stiffness);
-    not_one = select(off > not_one, off, not_one);
-    worst = select(residual > worst, residual, worst);
-    largest = select(much > largest, much, largest);
-  }
-  const V relative = root(worst) / select(largest > 0.0, largest, V{} + 1.0);
-  *reinterpret_cast<V*>(task.residual) = select(relative > not_one, relative, not_one) + bad;
+void designs_of_lanes(const LaneTask& task) {
+  const auto& machine = *reinterpret_cast<const MachineNumbers<V>*>(task.machines);
+  const auto& options = *task.options;
+  auto& model = *reinterpret_cast<ModelNumbers<V, flexible>*>(task.models);
+  auto& out = *reinterpret_cast<OutputNumbers<V>*>(task.outputs);
+  V momentum[modes_of(flexible)][modes_of(flexible)];
+  const V failed = assemble<V, flexible>(machine, options, model.M, model.K);
+  const V residual = modes_of_lanes<V, flexible>(model.M, model.K, model.modes, momentum) + failed;
+  const V of_rigid = rigid_modes<V, flexible>(machine, options, model);
+  out.residual = larger(residual, of_rigid) + 0.0 * (residual + of_rigid);
+  out.least = least_of<V, flexible>(model.modes);
+  out.repeated = repeated<V, flexible>(model.modes, options.repeated_tolerance);
+  out.repeated_rigid = repeated<V, 0>(model.rigid, options.repeated_tolerance);
+  resonances<V, flexible>(model.modes, options.resonance_share, out.resonance);
+  resonances<V, 0>(model.rigid, options.resonance_share, out.resonance_rigid);
+  lowest_mode<V, flexible>(machine, model.modes, momentum, model.rigid, options.local_mode_energy,
+                           out);
+  V mac[modes_of(flexible)][modes_of(flexible)];
+  likeness<V, flexible>(options, model.M, momentum, mac);
+  follow<V, flexible>(options, mac, model.modes, out);
 }
 
 /// `width` doubles.
@@ -484,10 +60,11 @@ using Pair = Two<One<width>, typename LaneTypes<width>::Mask>;
 
 template <class V>
 LaneKernels kernels() {
-  return {static_cast<int>(sizeof(V) / sizeof(double)), modes_of_lanes<V, 0>, modes_of_lanes<V, 2>,
-          modes_of_lanes<V, 4>};
+  return {static_cast<int>(sizeof(V) / sizeof(double)), designs_of_lanes<V, 0>,
+          designs_of_lanes<V, 2>, designs_of_lanes<V, 4>};
 }
 
+#undef HYDRAPOD_APART
 #undef HYDRAPOD_INLINE
 
 }  // namespace

@@ -1,5 +1,5 @@
 // The kernel for processors with AVX2 with FMA; compiled with the flags for them (CMakeLists.txt).
-#include "lane_modes.hpp"
+#include "lane_numbers.hpp"
 
 #if defined(__AVX2__) && defined(__FMA__)
 #include "lane_kernel.hpp"

@@ -1,5 +1,5 @@
 // The kernel for processors with AVX-512; compiled with the flags for them (CMakeLists.txt).
-#include "lane_modes.hpp"
+#include "lane_numbers.hpp"
 
 #if defined(__AVX512F__)
 #include "lane_kernel.hpp"

@@ -140,10 +140,11 @@ class OrderSearch {
 
 }  // namespace
 
-std::vector<double> order_statistics(const Spool& spool, std::size_t inputs,
-                                     std::span<const Range> ranges,
-                                     const std::vector<RankWanted>& wanted,
-                                     const std::function<bool(std::uint64_t)>& counts) {
+namespace {
+
+std::vector<double> search_for(const Spool& spool, std::size_t inputs,
+                               std::span<const Range> ranges, const std::vector<RankWanted>& wanted,
+                               const std::function<bool(std::uint64_t)>& counts) {
   OrderSearch search(ranges, wanted);
   const std::size_t width = spool.width();
   while (search.open()) {
@@ -154,6 +155,36 @@ std::vector<double> order_statistics(const Spool& spool, std::size_t inputs,
     search.descend();
   }
   return search.values();
+}
+
+}  // namespace
+
+std::size_t parts_of(int threads, std::size_t outputs) {
+  const int wanted = threads > 0 ? threads : numerics::processor_count();
+  return std::clamp<std::size_t>(static_cast<std::size_t>(wanted), 1,
+                                 std::max<std::size_t>(1, outputs));
+}
+
+std::vector<double> order_statistics(const Spool& spool, std::size_t inputs,
+                                     std::span<const Range> ranges,
+                                     const std::vector<RankWanted>& wanted,
+                                     const std::function<bool(std::uint64_t)>& counts,
+                                     int threads) {
+  const auto parts = parts_of(threads, ranges.size());
+  std::vector<double> values(wanted.size());
+  numerics::parallel_for(parts, threads, [&](std::size_t part) {
+    std::vector<RankWanted> own;
+    std::vector<std::size_t> places;
+    for (std::size_t k = 0; k < wanted.size(); ++k) {
+      if (wanted[k].output % parts != part) continue;
+      own.push_back(wanted[k]);
+      places.push_back(k);
+    }
+    if (own.empty()) return;
+    const auto found = search_for(spool, inputs, ranges, own, counts);
+    for (std::size_t k = 0; k < places.size(); ++k) values[places[k]] = found[k];
+  });
+  return values;
 }
 
 }  // namespace hydrapod::study

@@ -18,11 +18,14 @@ struct Range {
   double least{}, most{};
 };
 
+/// Parts into which outputs are divided for threads: each goes through the rows for its own.
+std::size_t parts_of(int threads, std::size_t outputs);
+
 /// One value for each one wanted; of the rows that `counts` says. `ranges`: of every output, over
 /// the same rows.
 std::vector<double> order_statistics(const Spool& spool, std::size_t inputs,
                                      std::span<const Range> ranges,
                                      const std::vector<RankWanted>& wanted,
-                                     const std::function<bool(std::uint64_t)>& counts);
+                                     const std::function<bool(std::uint64_t)>& counts, int threads);
 
 }  // namespace hydrapod::study

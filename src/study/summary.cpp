@@ -70,19 +70,20 @@ struct FirstPass {
   const Plan& plan;
   const std::vector<Requirement>& requirements;
   Summary& summary;
-  std::vector<Moments> moments{};
-  std::vector<double> margins{};
+  std::size_t part{}, parts{1};  ///< every `parts`-th output; the first part counts statuses too
+  std::vector<Moments> moments = std::vector<Moments>(problem.outputs.size());
+  std::vector<double> margins = std::vector<double>(requirements.size());
 
   void take(std::uint64_t row, std::span<const double> outputs) {
-    if (problem.status >= 0) {
+    if (part == 0 && problem.status >= 0) {
       const auto status = static_cast<std::size_t>(outputs[problem.status]);
       if (summary.statuses.size() <= status) summary.statuses.resize(status + 1);
       ++summary.statuses[status];
     }
     if (!is_sample(plan, problem.inputs.size(), row)) return;
-    for (std::size_t k = 0; k < outputs.size(); ++k)
+    for (std::size_t k = part; k < outputs.size(); k += parts)
       if (std::isfinite(outputs[k])) moments[k].add(outputs[k]);
-    for (std::size_t k = 0; k < requirements.size(); ++k) judge(k, row, outputs);
+    for (std::size_t k = part; k < requirements.size(); k += parts) judge(k, row, outputs);
   }
 
   void judge(std::size_t k, std::uint64_t row, std::span<const double> outputs) {
@@ -117,7 +118,8 @@ OutputSummary output_summary(const Moments& moments, bool independent) {
 
 /// The quantiles of all outputs, from one search for all order statistics.
 void add_quantiles(const Spool& spool, const Problem& problem, const Plan& plan,
-                   const std::vector<double>& probabilities, Summary& summary) {
+                   const SummaryOptions& options, Summary& summary) {
+  const auto& probabilities = options.probabilities;
   const bool independent = plan.design == Design::random;
   std::vector<RankWanted> wanted;
   std::vector<std::vector<std::optional<std::pair<std::uint64_t, std::uint64_t>>>> enclosing;
@@ -138,9 +140,9 @@ void add_quantiles(const Spool& spool, const Problem& problem, const Plan& plan,
   const std::size_t inputs = problem.inputs.size();
   std::vector<Range> ranges;
   for (const auto& output : summary.outputs) ranges.push_back({output.least, output.most});
-  const auto found = order_statistics(spool, inputs, ranges, wanted, [&](std::uint64_t row) {
-    return is_sample(plan, inputs, row);
-  });
+  const auto found = order_statistics(
+      spool, inputs, ranges, wanted,
+      [&](std::uint64_t row) { return is_sample(plan, inputs, row); }, options.threads);
   std::size_t next = 0;
   for (std::size_t k = 0; k < summary.outputs.size(); ++k)
     for (std::size_t q = 0; q < enclosing[k].size(); ++q) {
@@ -159,18 +161,19 @@ Summary summarise(const Spool& spool, const Problem& problem, const Plan& plan,
                   const std::vector<Requirement>& requirements, const SummaryOptions& options) {
   Summary summary{.rows = spool.rows()};
   summary.requirements.resize(requirements.size());
-  const std::size_t inputs = problem.inputs.size();
-  FirstPass pass{problem, plan, requirements, summary};
-  pass.moments.resize(problem.outputs.size());
-  pass.margins.resize(requirements.size());
-  const std::size_t width = spool.width();
-  spool.each_chunk([&](std::uint64_t first, std::span<const double> numbers) {
-    for (std::size_t at = 0; at < numbers.size(); at += width)
-      pass.take(first + at / width, numbers.subspan(at + inputs, width - inputs));
+  const std::size_t inputs = problem.inputs.size(), width = spool.width();
+  std::vector<Moments> moments(problem.outputs.size());
+  const auto parts = parts_of(options.threads, moments.size());
+  numerics::parallel_for(parts, options.threads, [&](std::size_t part) {
+    FirstPass pass{problem, plan, requirements, summary, part, parts};
+    spool.each_chunk([&](std::uint64_t first, std::span<const double> numbers) {
+      for (std::size_t at = 0; at < numbers.size(); at += width)
+        pass.take(first + at / width, numbers.subspan(at + inputs, width - inputs));
+    });
+    for (std::size_t k = part; k < moments.size(); k += parts) moments[k] = pass.moments[k];
   });
   const bool independent = plan.design == Design::random;
-  for (const auto& moments : pass.moments)
-    summary.outputs.push_back(output_summary(moments, independent));
+  for (const auto& one : moments) summary.outputs.push_back(output_summary(one, independent));
   for (auto& requirement : summary.requirements) {
     if (requirement.count == 0) continue;
     requirement.probability =
@@ -178,7 +181,7 @@ Summary summarise(const Spool& spool, const Problem& problem, const Plan& plan,
     if (independent)
       requirement.interval = proportion_interval(requirement.missed, requirement.count);
   }
-  add_quantiles(spool, problem, plan, options.probabilities, summary);
+  add_quantiles(spool, problem, plan, options, summary);
   if (plan.indices)
     summary.indices = sobol_indices(spool, problem, plan, summary, options.replicates);
   return summary;

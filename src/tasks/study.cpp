@@ -322,7 +322,8 @@ StudyDone run_study(const StudyJob& job, const StudyRunOptions& options, const P
   if (options.take)
     spool.each_chunk([&](std::uint64_t, std::span<const double> rows) { options.take(rows); });
   write_results(job, spool, options, done.complete);
-  done.summary = study::summarise(spool, job.problem, job.plan, job.requirements);
+  done.summary = study::summarise(spool, job.problem, job.plan, job.requirements,
+                                  {.threads = options.threads});
   if (!done.complete || options.join) return done;
   for (const auto& file : files) fs::remove(file);
   done.rows_file.clear();

@@ -14,6 +14,7 @@
 
 #include "hydrapod/model/machine_file.hpp"
 #include "sound_machine.hpp"
+#include "support/random_machine.hpp"
 
 namespace hydrapod::model {
 namespace {
@@ -315,6 +316,29 @@ TEST(Validation, RotationsMustBeRotations) {
 
 TEST(Validation, AnUnsetMachineHasManyFindingsAndDoesNotThrow) {
   EXPECT_GT(findings_about(Machine{}).size(), 5u);
+}
+
+/// Values across and beyond their bounds, of every number that validate() relates to no other.
+TEST(Validation, OfNumbersThatStandAloneIsTheirBound) {
+  test::Random random(77);
+  int alone = 0, unsound = 0;
+  for (int trial = 0; trial < 3; ++trial) {
+    const auto machine = test::random_machine(random);
+    for (const auto& id : parameters(machine)) {
+      if (!stands_alone(machine, id)) continue;
+      ++alone;
+      for (const double value :
+           {-1.0, 0.0, 1e-35, 3e-4, 0.7, 41.0, 2e6, 1e29, 1e31,
+            std::numeric_limits<double>::infinity(), std::numeric_limits<double>::quiet_NaN()}) {
+        const Assignment assignment{id, value};
+        const bool sound = validate(with(machine, {&assignment, 1})).empty();
+        EXPECT_EQ(within_bound(assignment), sound) << path(machine, id) << " = " << value;
+        unsound += sound ? 0 : 1;
+      }
+    }
+  }
+  EXPECT_GT(alone, 150);
+  EXPECT_GT(unsound, alone);
 }
 
 }  // namespace

@@ -62,6 +62,7 @@ struct ParameterRow {
   bool in_use{};               ///< the starter file gives it; else it stands there as a comment
   std::string_view heading{};  ///< of a table: lines of the starter file above it
   bool mechanics{true};        ///< it, or what a table holds, enters the linear mechanical models
+  bool alone{};                ///< in a sound machine, any number within the bound is sound
   bool in_code{};              ///< read and checked by code of its own: joints, gravity, poses
   std::span<const std::string_view> words{};
 

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "hydrapod/base/error.hpp"
-#include "hydrapod/model/machine.hpp"
+#include "hydrapod/model/parameters.hpp"
 
 namespace hydrapod::model {
 
@@ -24,6 +24,12 @@ struct Finding {
 /// be. What depends on a pose (leg lengths, strokes, singularity) is kinematics::check_machine. All
 /// findings at once; empty when the machine is sound. Never throws.
 std::vector<Finding> validate(const Machine& machine);
+
+/// Whether every value within_bound() of that number leaves a sound machine sound: the machine has
+/// the number, and validate() relates it to no other one.
+bool stands_alone(const Machine& machine, const ParameterId& id);
+/// Whether the value is finite and within the bound of its row.
+bool within_bound(const Assignment& assignment);
 
 /// Numbers that a machine may have and that none is known to have, as warnings: beyond what is
 /// usual by their rows (Bound::usual_most) or for their unit; a platform that weighs less than a

@@ -287,6 +287,7 @@ struct Summary {
 struct SummaryOptions {
   std::vector<double> probabilities{0.01, 0.05, 0.5, 0.95, 0.99};
   int replicates{400};  ///< of the bootstrap
+  int threads{};        ///< 0: one per processor
 };
 
 /// In a fixed number of passes over the spool, exact order statistics among them; memory is bounded

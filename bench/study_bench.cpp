@@ -1,0 +1,91 @@
+/// Rows of studies: designs in SIMD lanes, and whole rows from the plan to the outputs.
+
+#include <benchmark/benchmark.h>
+
+#include <cmath>
+
+#include "hydrapod/study/study.hpp"
+#include "machines.hpp"
+#include "study/lane_designs.hpp"
+#include "study/lane_machine.hpp"
+
+namespace {
+
+using namespace hydrapod;
+using dynamics::ModelKind;
+
+/// The machine with guide sleeves that differ by some per cent, as samples of a study do.
+model::Machine published(bool gravity) {
+  return gravity ? bench::machine("zhang-jiang-2021-transverse", {"environment.gravity=9.80665"})
+                 : bench::published();
+}
+
+model::Machine scattered(model::Machine machine, int design) {
+  for (int i = 0; i < model::leg_count; ++i)
+    machine.legs[i].guide_sleeve.stiffness *= 1.0 + 0.03 * std::sin(1.7 * (6 * design + i + 1));
+  return machine;
+}
+
+/// Time per design, equilibrium from that of the nominal machine included.
+void lanes(benchmark::State& state, bool gravity) {
+  const auto machine = published(gravity);
+  const auto& X_BP = machine.neutral();
+  const auto flexible = dynamics::linear_model(machine, X_BP, ModelKind::guide),
+             rigid = dynamics::linear_model(machine, X_BP, ModelKind::rigid);
+  const auto modes = modal::normal_modes(flexible);
+  dynamics::ModelMatrix followed = modes.shapes.leftCols(6);
+  study::LaneDesigns designs(study::usable_kernels().front(), ModelKind::guide,
+                             study::lane_options(machine, 0.05), followed);
+  for (int lane = 0; lane < designs.lanes(); ++lane)
+    designs.put(lane, study::lane_numbers(scattered(machine, lane), X_BP, &flexible.statics,
+                                          &rigid.statics));
+  while (state.KeepRunningBatch(designs.lanes())) {
+    designs.solve(designs.lanes());
+    benchmark::ClobberMemory();
+  }
+  for (int lane = 0; lane < designs.lanes(); ++lane)
+    if (!designs.sound(lane)) state.SkipWithError("a design had to be computed alone");
+}
+BENCHMARK_CAPTURE(lanes, designs, false);
+BENCHMARK_CAPTURE(lanes, designs_gravity, true);
+
+/// The same designs one at a time, without the outputs of a row.
+void one_at_a_time(benchmark::State& state, bool gravity) {
+  const auto nominal = published(gravity);
+  const auto machine = scattered(nominal, 1);
+  const auto& X_BP = machine.neutral();
+  const auto start = dynamics::linear_model(nominal, X_BP, ModelKind::guide),
+             start_rigid = dynamics::linear_model(nominal, X_BP, ModelKind::rigid);
+  for (auto _ : state) {
+    const auto flexible = dynamics::linear_model(machine, X_BP, ModelKind::guide, &start.statics);
+    const auto rigid =
+        dynamics::linear_model(machine, X_BP, ModelKind::rigid, &start_rigid.statics);
+    benchmark::DoNotOptimize(modal::normal_modes(flexible));
+    benchmark::DoNotOptimize(modal::normal_modes(rigid));
+  }
+}
+BENCHMARK_CAPTURE(one_at_a_time, designs, false);
+BENCHMARK_CAPTURE(one_at_a_time, designs_gravity, true);
+
+/// Rows of `hydrapod montecarlo` with the guide sleeves varied per leg, files excluded.
+void rows(benchmark::State& state, bool gravity) {
+  model::MachineFile file;
+  file.machine = published(gravity);
+  const auto inputs =
+      study::read_variation(file, "legs.guide_sleeve.stiffness", "normal ± 3 % per leg", "");
+  const auto problem = study::machine_problem(
+      file.machine, inputs, {.kind = ModelKind::guide, .X_BP = file.machine.neutral()});
+  study::Evaluator evaluator(problem);
+  constexpr std::size_t count = 64;
+  std::vector<double> numbers(count * (problem.inputs.size() + problem.outputs.size()));
+  std::uint64_t first = 0;
+  while (state.KeepRunningBatch(count)) {
+    if (evaluator.rows({.samples = 1U << 30U}, first, numbers) > 0)
+      state.SkipWithError("a row had to be computed alone");
+    first += count;
+  }
+}
+BENCHMARK_CAPTURE(rows, study, false);
+BENCHMARK_CAPTURE(rows, study_gravity, true);
+
+}  // namespace

@@ -1,0 +1,236 @@
+#include "machine_outputs.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "hydrapod/base/error.hpp"
+#include "hydrapod/base/units.hpp"
+#include "hydrapod/modal/mode_table.hpp"
+#include "hydrapod/spatial/pose.hpp"
+
+namespace hydrapod::study {
+
+namespace {
+
+using dynamics::LinearModel;
+using dynamics::ModelKind;
+using dynamics::ModelMatrix;
+using dynamics::ModelVector;
+using modal::NormalModes;
+/// A row per followed mode, a column per mode of a sample.
+using MacMatrix = ModelMatrix;
+using MacVector = ModelVector;
+
+double hertz(double omega) { return omega / base::two_pi; }
+
+/// Share of a mode's kinetic energy that the platform has; φᵀ M φ = 1.
+double platform_share(const LinearModel& model, const NormalModes& modes, int k) {
+  const spatial::Vector6 phi = modes.shapes.col(k).head<6>();
+  return phi.dot(model.platform_mass * phi);
+}
+
+/// Lowest mode with the share of (M⁻¹)_dd in direction d; −1: none.
+int first_resonance(const NormalModes& modes, int d, double share) {
+  const double all = modes.shapes.row(d).squaredNorm();
+  for (int k = 0; k < modes.size(); ++k)
+    if (std::pow(modes.shapes(d, k), 2) >= share * all) return k;
+  return -1;
+}
+
+/// The rigid mode that holds most of a flexible mode's momentum.
+int rigid_counterpart(const ModelVector& momentum, const NormalModes& rigid) {
+  int best = 0;
+  const ModelVector common = rigid.shapes.transpose() * momentum;
+  common.cwiseAbs().maxCoeff(&best);
+  return best;
+}
+
+/// Rows of M φ that the rigid model has too.
+ModelVector outer_momentum(const LinearModel& flexible, const ModelVector& phi) {
+  const int base = flexible.base_count();
+  ModelVector momentum(6 + base);
+  momentum.head<6>() = flexible.M.topRows<6>() * phi;
+  momentum.tail(base) = flexible.M.bottomRows(base) * phi;
+  return momentum;
+}
+
+/// Pairs (nominal, mode) in falling order of MAC, one to one. φ_n is normalised in the nominal mass
+/// matrix, φ in that of the sample: both enter the denominator.
+struct Followed {
+  std::vector<int> mode{};
+  double least_mac{1.0};
+};
+
+/// Shapes of the followed modes times M, and those times the shapes of a sample.
+template <int dof>
+MacMatrix squared_products(const ModelMatrix& nominal, const LinearModel& model,
+                           const NormalModes& modes, MacVector& mass) {
+  using Square = Eigen::Matrix<double, dof, dof>;
+  using Columns = Eigen::Matrix<double, dof, Eigen::Dynamic, 0, dof, dynamics::max_dof>;
+  const Eigen::Map<const Square> M(model.M.data()), shapes(modes.shapes.data());
+  const Eigen::Map<const Columns> psi(nominal.data(), dof, nominal.cols());
+  const Columns momentum = M.lazyProduct(psi);
+  mass = psi.cwiseProduct(momentum).colwise().sum().transpose();
+  const MacMatrix common = momentum.transpose().lazyProduct(shapes);
+  return common.cwiseAbs2();
+}
+
+MacMatrix squared_products(const Nominal& nominal, const LinearModel& model,
+                           const NormalModes& modes, MacVector& mass) {
+  const ModelMatrix& psi = nominal.followed_shapes;
+  switch (model.dof()) {
+    case 6:
+      return squared_products<6>(psi, model, modes, mass);
+    case 18:
+      return squared_products<18>(psi, model, modes, mass);
+    case 30:
+      return squared_products<30>(psi, model, modes, mass);
+    default:
+      break;
+  }
+  const ModelMatrix momentum = model.M * psi;
+  mass = psi.cwiseProduct(momentum).colwise().sum().transpose();
+  const MacMatrix common = momentum.transpose() * modes.shapes;
+  return common.cwiseAbs2();
+}
+
+Followed follow(const Nominal& nominal, const LinearModel& model, const NormalModes& modes) {
+  const auto count = static_cast<int>(nominal.followed.size());
+  Followed result{.mode = std::vector<int>(nominal.followed.size(), -1)};
+  if (model.dof() != nominal.flexible.dof()) return result;
+  MacVector mass;
+  MacMatrix mac = squared_products(nominal, model, modes, mass);
+  for (int n = 0; n < count; ++n) mac.row(n) /= mass[n];
+  std::array<int, dynamics::max_dof> like;  // per followed mode, the mode most like it
+  for (int n = 0; n < count; ++n) mac.row(n).maxCoeff(&like[n]);
+  for (int taken = 0; taken < count; ++taken) {
+    int n = 0;
+    for (int m = 1; m < count; ++m)
+      if (mac(m, like[m]) > mac(n, like[n])) n = m;
+    const int k = like[n];
+    result.mode[static_cast<std::size_t>(n)] = k;
+    result.least_mac = std::min(result.least_mac, mac(n, k));
+    mac.row(n).setConstant(-2.0);
+    mac.col(k).setConstant(-1.0);
+    mac(n, k) = -2.0;
+    for (int m = 0; m < count; ++m)
+      if (like[m] == k) mac.row(m).maxCoeff(&like[m]);
+  }
+  return result;
+}
+
+void lowest_mode(const LinearModel& flexible, const NormalModes& modes, const NormalModes& rigid,
+                 std::span<double> outputs) {
+  int k = 0;
+  while (k < modes.size() && platform_share(flexible, modes, k) < modal::local_mode_energy) ++k;
+  if (k == modes.size()) return;
+  outputs[Layout::lowest] = hertz(modes.omega(k));
+  const spatial::Vector6 phi = modes.shapes.col(k).head<6>();
+  int main = 0;
+  (phi.array() * (flexible.platform_mass * phi).array()).maxCoeff(&main);
+  outputs[Layout::direction] = main + 1;
+  outputs[Layout::drop] =
+      1.0 - modes.omega(k) / rigid.omega(rigid_counterpart(
+                                 outer_momentum(flexible, modes.shapes.col(k)), rigid));
+}
+
+void resonances(const NormalModes& modes, const NormalModes& rigid, double share,
+                std::span<double> outputs) {
+  for (int d = 0; d < 6; ++d) {
+    const int k = first_resonance(modes, d, share), r = first_resonance(rigid, d, share);
+    if (k < 0 || r < 0) continue;
+    outputs[static_cast<std::size_t>(Layout::resonance + d)] = hertz(modes.omega(k));
+    outputs[static_cast<std::size_t>(Layout::resonance_drop + d)] =
+        1.0 - modes.omega(k) / rigid.omega(r);
+  }
+}
+
+}  // namespace
+
+std::vector<Column> columns_of(const Kept& kept) {
+  std::vector<Column> columns{
+      {"status", "1",
+       "0 computed, 1 number not allowed, 2 pose out of reach, 3 no equilibrium, 4 buckled"},
+      {"lowest", "Hz", "lowest mode with platform motion"},
+      {"direction", "1", "its main direction, 1 … 6 for x … rz"},
+      {"drop", "1", "its frequency against that of its counterpart with rigid legs, share lost"}};
+  for (const char* name : spatial::direction_names)
+    columns.push_back({name, "Hz", fmt::format("first resonance in {}", name)});
+  for (const char* name : spatial::direction_names)
+    columns.push_back({fmt::format("drop_{}", name), "1",
+                       fmt::format("first resonance in {} against rigid legs, share lost", name)});
+  columns.push_back({"condition", "1", "condition of the Jacobian"});
+  columns.push_back({"stroke", "m", "least stroke left of any leg"});
+  columns.push_back({"mac", "1", "least MAC of the followed modes with the nominal ones"});
+  for (std::size_t k = 0; k < kept.nominal.followed.size(); ++k)
+    columns.push_back({fmt::format("mode{}", k + 1), "Hz",
+                       fmt::format("mode that is like mode {} of the nominal machine, {:.4g} Hz",
+                                   kept.nominal.followed[k] + 1,
+                                   hertz(kept.nominal.modes.omega(kept.nominal.followed[k])))});
+  if (kept.options.buckling)
+    columns.push_back({"buckling", "kg", "payload at which the legs buckle; none: not found"});
+  return columns;
+}
+
+Nominal nominal_of(const model::Machine& machine, const MachineOptions& options) {
+  Nominal nominal{.flexible = dynamics::linear_model(machine, options.X_BP, options.kind),
+                  .rigid = dynamics::linear_model(machine, options.X_BP, ModelKind::rigid),
+                  .X_BP = options.X_BP};
+  nominal.modes = modal::normal_modes(nominal.flexible);
+  for (int k = 0; k < nominal.modes.size(); ++k)
+    if (static_cast<int>(nominal.followed.size()) < options.modes &&
+        platform_share(nominal.flexible, nominal.modes, k) >= modal::local_mode_energy)
+      nominal.followed.push_back(k);
+  nominal.followed_shapes.resize(nominal.flexible.dof(), nominal.followed.size());
+  for (std::size_t n = 0; n < nominal.followed.size(); ++n)
+    nominal.followed_shapes.col(n) = nominal.modes.shapes.col(nominal.followed[n]);
+  if (nominal.modes.omega2[0] <= 0.0)
+    throw base::ComputationError(
+        "the nominal machine is buckled, so that its modes cannot be followed; `hydrapod check` "
+        "shows the payload at which it buckles");
+  return nominal;
+}
+
+void outputs_of(const Kept& kept, const LinearModel& flexible, const NormalModes& modes,
+                const NormalModes& rigid, std::span<double> outputs) {
+  if (modes.omega2[0] <= 0.0) return set(outputs, Status::buckled);
+  lowest_mode(flexible, modes, rigid, outputs);
+  resonances(modes, rigid, kept.options.resonance_share, outputs);
+  const auto followed = follow(kept.nominal, flexible, modes);
+  outputs[Layout::mac] = followed.least_mac;
+  for (std::size_t k = 0; k < followed.mode.size(); ++k)
+    if (followed.mode[k] >= 0) outputs[Layout::modes + k] = hertz(modes.omega(followed.mode[k]));
+}
+
+void take_rigid(const Kept& kept, const NormalModes& rigid, OutputNumbers<double>& found) {
+  const ModelVector momentum = Eigen::Map<const spatial::Vector6>(found.momentum);
+  found.counterpart = rigid.omega2[rigid_counterpart(momentum, rigid)];
+  for (int d = 0; d < platform_rows; ++d) {
+    const int k = first_resonance(rigid, d, kept.options.resonance_share);
+    found.resonance_rigid[d] = k < 0 ? missing : rigid.omega2[k];
+  }
+}
+
+void outputs_of(const Kept& kept, const OutputNumbers<double>& found, std::span<double> outputs) {
+  if (found.least <= 0.0) return set(outputs, Status::buckled);
+  const auto frequency = [](double omega2) { return hertz(std::sqrt(omega2)); };
+  const auto lost = [](double omega2, double rigid) { return 1.0 - std::sqrt(omega2 / rigid); };
+  if (!std::isnan(found.lowest)) {
+    outputs[Layout::lowest] = frequency(found.lowest);
+    outputs[Layout::direction] = found.direction + 1.0;
+    outputs[Layout::drop] = lost(found.lowest, found.counterpart);
+  }
+  for (std::size_t d = 0; d < platform_rows; ++d) {
+    if (std::isnan(found.resonance[d]) || std::isnan(found.resonance_rigid[d])) continue;
+    outputs[Layout::resonance + d] = frequency(found.resonance[d]);
+    outputs[Layout::resonance_drop + d] = lost(found.resonance[d], found.resonance_rigid[d]);
+  }
+  outputs[Layout::mac] = found.mac;
+  for (std::size_t k = 0; k < kept.nominal.followed.size(); ++k)
+    outputs[Layout::modes + k] = frequency(found.followed[k]);
+}
+
+}  // namespace hydrapod::study

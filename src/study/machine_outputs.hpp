@@ -1,0 +1,55 @@
+#pragma once
+/// The columns of machine_problem() and how they follow from modes. Private to the module.
+
+#include <limits>
+#include <span>
+#include <vector>
+
+#include "hydrapod/modal/normal_modes.hpp"
+#include "hydrapod/study/study.hpp"
+#include "lane_numbers.hpp"
+
+namespace hydrapod::study {
+
+inline constexpr double missing = std::numeric_limits<double>::quiet_NaN();
+
+/// Modes of the nominal machine that samples are compared with.
+struct Nominal {
+  dynamics::LinearModel flexible{}, rigid{};
+  modal::NormalModes modes{};
+  std::vector<int> followed{};
+  dynamics::ModelMatrix followed_shapes{};  ///< their columns
+  spatial::Pose X_BP{};
+};
+
+struct Kept {
+  model::Machine machine{};
+  std::vector<Input> inputs{};
+  MachineOptions options{};
+  Nominal nominal{};
+};
+
+/// Throws base::ComputationError where the nominal machine has no modes.
+Nominal nominal_of(const model::Machine& machine, const MachineOptions& options);
+
+struct Layout {
+  static constexpr int status = 0, lowest = 1, direction = 2, drop = 3, resonance = 4,
+                       resonance_drop = 10, condition = 16, stroke = 17, mac = 18, modes = 19;
+};
+
+std::vector<Column> columns_of(const Kept& kept);
+
+inline void set(std::span<double> outputs, Status status) {
+  outputs[Layout::status] = static_cast<double>(status);
+}
+
+/// Fills all columns that follow from the modes. Buckled machines have a status alone.
+void outputs_of(const Kept& kept, const dynamics::LinearModel& flexible,
+                const modal::NormalModes& modes, const modal::NormalModes& rigid,
+                std::span<double> outputs);
+/// Puts what follows from the rigid model's modes into `found`.
+void take_rigid(const Kept& kept, const modal::NormalModes& rigid, OutputNumbers<double>& found);
+/// Fills the columns from what the kernels found.
+void outputs_of(const Kept& kept, const OutputNumbers<double>& found, std::span<double> outputs);
+
+}  // namespace hydrapod::study
