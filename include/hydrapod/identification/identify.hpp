@@ -267,6 +267,37 @@ struct IdentifyOptions {
   double fewest_lines_wide{2.0};
   AssumedErrorOptions assumed_errors{};
   ResidualTestOptions residual_test{};
+  RecordOptions record{};
+};
+
+/// Records with few blocks (FewBlocks), in one piece: a model of the time record gives candidates,
+/// and the modal model with the transients of the beginning and the end is fitted to the spectra of
+/// the whole record. docs/theory/identification.md has the equations.
+struct RecordOptions {
+  /// Half of the lower sample rate is the end of the band/nyquist_room: edges of the band cost the
+  /// model of the time record an order or two.
+  double nyquist_room{0.8};
+  /// Lines on either side that the noise's density is a mean of: known to 1/√(2 reach + 1), and a
+  /// mode takes the noise of the few lines that it is wide.
+  Eigen::Index reach{24};
+  int rounds{4};  ///< of noise and parameters in turn; the third changes hardly anything
+  /// E|V|² of the first fit by the mean square of the output: even. So little that the residual is
+  /// more.
+  double first_noise{1e-4};
+  /// Chance that a window of noise alone stands above it, in any of all windows and outputs.
+  double audible_chance{0.01};
+  OrderRange orders{2, 60, 2};  ///< of realisations
+  /// Clusters come from few orders: with as many states as the modes need, all of them are known.
+  SelectionOptions selection{.persistence = 0.3};
+  /// Refused: duration · frequency of the lowest mode < fewest_periods. Its transient cannot be
+  /// told from a drift.
+  double fewest_periods{4.0};
+  /// Refused: real numbers of an output in the band < fewest_numbers · its parameters.
+  double fewest_numbers{2.0};
+  /// Refused: inputs are predicted better with the outputs' past than without, by a share >
+  /// feedback of their power that is not predicted, and by more than chance makes once in
+  /// 1/feedback_chance records.
+  double feedback{0.05}, feedback_chance{1e-4};
 };
 
 /// A response in a part of the band where the residual is more than noise.
@@ -328,13 +359,13 @@ struct LeftOut {
 /// What a user should know of identified modes; report::warning_text has the words.
 struct ModeWarning {
   enum class Kind {
-    no_mode,      ///< between `from` and `to` [Hz]
-    few_samples,  ///< value: samples per period of the highest mode
-    misfit,       ///< value: ModalModel::misfit
-    unexplained,  ///< value: Unexplained::level of the worst response, from `from` to `to`; of
-                  ///< `count` of `total` responses somewhere in the band
-    wanders,      ///< the mode at value [Hz], `from` … `to` in the `count` parts of the record;
-                  ///< its damping is higher by `share` than the mean of that of the parts
+    no_mode,       ///< between `from` and `to` [Hz]
+    few_samples,   ///< value: samples per period of the highest mode
+    misfit,        ///< value: ModalModel::misfit
+    unexplained,   ///< value: Unexplained::level of the worst response, from `from` to `to`; of
+                   ///< `count` of `total` responses somewhere in the band
+    wanders,       ///< the mode at value [Hz], `from` … `to` in the `count` parts of the record;
+                   ///< its damping is higher by `share` than the mean of that of the parts
     short_blocks,  ///< `count` of `total` modes; value: [s] of a block; the sharpest one: `from`
                    ///< its frequency, `to` its half-power bandwidth [Hz]
     peaks_above    ///< `count` peaks of the responses, the largest at value [Hz], above the band
@@ -369,6 +400,12 @@ struct Identification {
 /// base::ComputationError where there are too few frequencies.
 Identification identify_modes(const FrequencyResponses& responses,
                               const IdentifyOptions& options = {},
+                              const std::function<void(double)>& progress = {});
+
+/// The same; of records with few blocks from their samples, in one piece. Throws
+/// base::ComputationError where these are too few, and where the inputs are in a loop without
+/// instruments.
+Identification identify_modes(const Measurement& measurement, const IdentifyOptions& options = {},
                               const std::function<void(double)>& progress = {});
 
 /// H(iω) of responses at a + iω, which is what other programs expect: the difference is that of the

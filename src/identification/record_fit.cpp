@@ -1,0 +1,234 @@
+#include "record_fit.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "fit_covariance.hpp"
+#include "identify_steps.hpp"
+#include "pole_basis.hpp"
+#include "prune.hpp"
+#include "varx.hpp"
+
+namespace hydrapod::identification {
+
+namespace {
+
+/// Rounding: E|V|² ≥ least_noise · mean |Y|².
+constexpr double least_noise = 1e-14;
+
+/// Constant spectrum of what rings: about as large as the inputs.
+double transient_size(const RecordLines& lines) {
+  return std::max(
+      std::sqrt(lines.explained.squaredNorm() / static_cast<double>(lines.explained.size())),
+      1e-300);
+}
+
+/// (Û or U, the transients' inputs) at a line.
+VectorXcd excitation_at(const RecordLines& lines, const MatrixXcd& inputs, Index line,
+                        double transient) {
+  VectorXcd all = VectorXcd::Zero(inputs.cols() + lines.records);
+  all.head(inputs.cols()) = inputs.row(line).transpose();
+  all[inputs.cols() + lines.record[static_cast<std::size_t>(line)]] = transient;
+  return all;
+}
+
+VectorXd mean_squares(const MatrixXcd& Y) {
+  return Y.cwiseAbs2().colwise().mean().transpose().cwiseMax(1e-300);
+}
+
+/// The same at all lines.
+std::vector<MatrixXcd> flat_noise(const RecordLines& lines, double share) {
+  const MatrixXcd V = (share * mean_squares(lines.Y)).cast<Complex>().asDiagonal();
+  return std::vector<MatrixXcd>(static_cast<std::size_t>(lines.size()), V);
+}
+
+/// Means of V Vᴴ over lines up to `reach` away.
+std::vector<MatrixXcd> smooth_noise(const RecordLines& lines, const MatrixXcd& V, Index reach) {
+  const Index n = V.rows(), q = V.cols();
+  const VectorXd least = least_noise * mean_squares(lines.Y);
+  const auto product = [&](Index k) -> MatrixXcd {
+    return V.row(k).transpose() * V.row(k).conjugate();
+  };
+  std::vector<MatrixXcd> noise;
+  MatrixXcd sum = MatrixXcd::Zero(q, q);
+  Index from = 0, to = 0;  // of the sum
+  for (Index k = 0; k < n; ++k) {
+    // as many lines at the ends as in the middle
+    const Index width = std::min(n, 2 * reach + 1);
+    const Index first = std::clamp<Index>(k - reach, 0, n - width);
+    while (to < first + width) sum += product(to++);
+    while (from < first) sum -= product(from++);
+    MatrixXcd mean = sum / static_cast<double>(width);
+    mean.diagonal() += least.cast<Complex>();
+    noise.push_back(std::move(mean));
+  }
+  return noise;
+}
+
+/// H at the lines, outputs × (inputs, transients).
+std::vector<MatrixXcd> model_lines(const FrequencyResponses& r, const ModalModel& model) {
+  const PoleBasis basis(r, false);
+  std::vector<PoleLines> lines;
+  for (const auto& mode : model.modes) lines.push_back(basis.at(mode.pole));
+  std::vector<MatrixXcd> H;
+  for (std::size_t k = 0; k < r.lines(); ++k)
+    H.push_back(modelled(model, lines, static_cast<Index>(k), r));
+  return H;
+}
+
+/// V = Y − H (U, transients).
+MatrixXcd residual_in(const RecordLines& lines, const std::vector<MatrixXcd>& H) {
+  const double transient = transient_size(lines);
+  MatrixXcd V = lines.Y;
+  for (Index k = 0; k < V.rows(); ++k)
+    V.row(k) -=
+        (H[static_cast<std::size_t>(k)] * excitation_at(lines, lines.U, k, transient)).transpose();
+  return V;
+}
+
+/// What H Û is fitted to.
+MatrixXcd corrected_data(const RecordLines& lines, const std::vector<MatrixXcd>& H) {
+  const Index p = lines.U.cols();
+  MatrixXcd data = lines.Y;
+  for (Index k = 0; k < data.rows(); ++k)
+    data.row(k) -= (H[static_cast<std::size_t>(k)].leftCols(p) *
+                    (lines.U.row(k) - lines.explained.row(k)).transpose())
+                       .transpose();
+  return data;
+}
+
+/// The next round's responses.
+FrequencyResponses improved(const IdentifyOptions& options, const RecordLines& lines,
+                            const FrequencyResponses& r, const ModalModel& model) {
+  const auto H = model_lines(r, model);
+  auto next = responses_in_record(lines, corrected_data(lines, H),
+                                  smooth_noise(lines, residual_in(lines, H), options.record.reach));
+  next.inputs = r.inputs;
+  next.outputs = r.outputs;
+  next.degrees = r.degrees;
+  next.sample_rate = r.sample_rate;
+  return next;
+}
+
+/// With participations of the records' transients: none yet.
+void add_transients(Index records, std::vector<PoleCluster>& clusters) {
+  for (auto& cluster : clusters) {
+    auto& L = cluster.representative.participation;
+    L.conservativeResize(L.size() + records);
+    L.tail(records).setZero();
+  }
+}
+
+}  // namespace
+
+RecordLines lines_in_band(const Signals& signals, double from, double to, const Varx* instruments) {
+  RecordLines lines{.records = static_cast<Index>(signals.pieces.size())};
+  std::vector<MatrixXcd> Y, U, R;
+  std::vector<std::pair<Index, Index>> places;  // record, line
+  std::vector<double> frequency;
+  for (Index m = 0; m < lines.records; ++m) {
+    const auto& piece = signals.pieces[static_cast<std::size_t>(m)];
+    const double T = static_cast<double>(good_length(piece.outputs.rows())) / signals.sample_rate;
+    lines.duration = std::max(lines.duration, T);
+    Y.push_back(lines_of(piece.outputs));
+    U.push_back(lines_of(piece.inputs));
+    R.push_back(instruments != nullptr ? lines_of(piece.instruments) : MatrixXcd());
+    for (Index k = 1; k + 1 < Y.back().rows(); ++k)
+      if (const double f = static_cast<double>(k) / T; f >= from && f <= to) {
+        places.emplace_back(m, k);
+        frequency.push_back(f);
+      }
+  }
+  std::vector<std::size_t> order(places.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::ranges::stable_sort(order, {}, [&](std::size_t i) { return frequency[i]; });
+  const auto n = static_cast<Index>(order.size());
+  lines.Y.resize(n, signals.pieces.front().outputs.cols());
+  lines.U.resize(n, signals.pieces.front().inputs.cols());
+  for (Index k = 0; k < n; ++k) {
+    const auto i = order[static_cast<std::size_t>(k)];
+    const auto [m, line] = places[i];
+    lines.frequency.push_back(frequency[i]);
+    lines.record.push_back(m);
+    lines.Y.row(k) = Y[static_cast<std::size_t>(m)].row(line);
+    lines.U.row(k) = U[static_cast<std::size_t>(m)].row(line);
+  }
+  lines.explained = lines.U;
+  for (Index k = 0; k < n && instruments != nullptr; ++k) {
+    const auto [m, line] = places[order[static_cast<std::size_t>(k)]];
+    lines.explained.row(k) =
+        (response_at(*instruments, lines.frequency[static_cast<std::size_t>(k)]) *
+         R[static_cast<std::size_t>(m)].row(line).transpose())
+            .transpose();
+  }
+  return lines;
+}
+
+FrequencyResponses responses_in_record(const RecordLines& lines, const MatrixXcd& data,
+                                       std::vector<MatrixXcd> noise) {
+  FrequencyResponses r;
+  const double transient = transient_size(lines);
+  const Index inputs = lines.U.cols() + lines.records;
+  std::vector<MatrixXcd> H;
+  std::vector<VectorXcd> excitation;
+  for (Index k = 0; k < lines.size(); ++k) {
+    excitation.push_back(excitation_at(lines, lines.explained, k, transient));
+    const auto& U = excitation.back();
+    H.push_back(data.row(k).transpose() * U.adjoint() / U.squaredNorm());
+  }
+  r.frequency = lines.frequency;
+  r.H = std::move(H);
+  r.excitation = std::move(excitation);
+  r.noise = std::move(noise);
+  r.input_factor.assign(static_cast<std::size_t>(lines.size()),
+                        MatrixXcd::Identity(inputs, inputs));
+  return r;
+}
+
+void fit_record(const IdentifyOptions& options, const RecordLines& lines,
+                std::vector<PoleCluster> clusters, Identification& result) {
+  const auto& rules = options.record;
+  auto first = responses_in_record(lines, lines.Y, flat_noise(lines, rules.first_noise));
+  first.inputs = result.responses.inputs;
+  first.outputs = result.responses.outputs;
+  first.sample_rate = result.responses.sample_rate;
+  first.degrees = static_cast<double>(2 * rules.reach + 1);
+  result.responses = std::move(first);
+  result.from = lines.frequency.front();
+  result.to = lines.frequency.back();
+  add_transients(lines.records, clusters);
+  if (clusters.empty()) return;
+  auto start = options.fit;
+  start.deviations = Deviations::none;
+  std::vector<PoleEstimate> poles;
+  for (const auto& cluster : clusters) poles.push_back(cluster.representative);
+  result.model = fit_modes(result.responses, poles, start);
+  for (std::size_t r = 0; r < clusters.size(); ++r)
+    clusters[r].representative = result.model.modes[r];
+  for (int round = 0; round < rules.rounds && !clusters.empty(); ++round) {
+    result.responses = improved(options, lines, result.responses, result.model);
+    result.left_out.clear();
+    fit_and_prune(options, clusters, result);
+    if (round + 1 < rules.rounds) add_hidden_modes(options, result);
+    clusters = result.clusters;
+    for (std::size_t r = 0; r < clusters.size(); ++r)
+      clusters[r].representative = result.model.modes[r];
+  }
+}
+
+void without_transients(Index inputs, ModalModel& model) {
+  for (auto& mode : model.modes) {
+    mode.participation = VectorXcd(mode.participation.head(inputs));
+    Index largest = 0;
+    const double size = mode.participation.cwiseAbs().maxCoeff(&largest);
+    if (!(size > 0.0)) continue;
+    const Complex unit = mode.participation[largest];
+    mode.participation /= unit;
+    mode.shape *= unit;
+    mode.shape_deviation *= std::abs(unit);
+  }
+  for (auto& C : model.residuals) C = MatrixXd(C.leftCols(inputs));
+}
+
+}  // namespace hydrapod::identification

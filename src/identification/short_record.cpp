@@ -1,0 +1,291 @@
+#include "short_record.hpp"
+
+#include <fmt/format.h>
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+
+#include "hydrapod/base/error.hpp"
+#include "hydrapod/identification/identify.hpp"
+#include "hydrapod/numerics/statistics.hpp"
+#include "identify_steps.hpp"
+#include "record_band.hpp"
+#include "record_fit.hpp"
+#include "response_checks.hpp"
+#include "varx.hpp"
+
+namespace hydrapod::identification {
+
+namespace {
+
+using Kind = data::ResponseWarning::Kind;
+
+/// Samples of the channels that are used, a matrix per record, after what settles.
+std::vector<MatrixXd> used_samples(data::RecordSet& records, const Reading& reading) {
+  std::vector<std::vector<double>> all;
+  std::int64_t to_skip = 0;
+  const auto width = static_cast<Index>(reading.used.size());
+  stream_read(
+      records, reading, {},
+      [&](std::size_t) {
+        all.emplace_back();
+        to_skip = reading.settling;
+      },
+      [&](const Eigen::Ref<const data::Samples>& block) {
+        for (Index t = 0; t < block.rows(); ++t) {
+          if (to_skip-- > 0) continue;
+          for (const auto c : reading.used) all.back().push_back(block(t, static_cast<Index>(c)));
+        }
+      });
+  std::vector<MatrixXd> samples;
+  for (const auto& list : all)
+    samples.push_back(
+        data::Samples::Map(list.data(), static_cast<Index>(list.size()) / width, width));
+  return samples;
+}
+
+Piece piece_of(const MatrixXd& samples, const ChannelChoice& choice, bool instrumental) {
+  const std::vector<Index> u(choice.inputs.begin(), choice.inputs.end()),
+      y(choice.outputs.begin(), choice.outputs.end()),
+      r(choice.instruments.begin(), choice.instruments.end());
+  return {samples(Eigen::all, u), samples(Eigen::all, y),
+          instrumental ? MatrixXd(samples(Eigen::all, r)) : MatrixXd()};
+}
+
+/// u from r, at the rate of `signals`.
+Varx instrument_model(const Signals& signals, const VarxOptions& options = {}) {
+  std::vector<Regression> pieces;
+  for (const auto& piece : signals.pieces) pieces.push_back({piece.instruments, piece.inputs});
+  return fit_varx(pieces, signals.sample_rate, signals.touched, options);
+}
+
+/// A model of the time record in its band.
+struct TimeModel {
+  Band band{};
+  Signals signals{};  ///< at the lower rate
+  Varx model{};
+  std::vector<OrderPoles> chart{};
+  std::vector<PoleCluster> clusters{};
+};
+
+TimeModel time_model(const Signals& signals, const Band& band, const IdentifyOptions& options) {
+  TimeModel m{.band = band, .signals = decimated(signals, band.to, options.record.nyquist_room)};
+  m.model = fit_varx(m.signals);
+  m.chart = realised_poles(m.model, options.record.orders);
+  for (auto& order : m.chart)
+    std::erase_if(order.poles, [&](const PoleEstimate& e) {
+      return e.omega() < two_pi * band.from || e.omega() > two_pi * band.to;
+    });
+  m.clusters = select_poles(m.chart, options.record.selection);
+  return m;
+}
+
+/// [Hz]; 0: there is none.
+double highest_pole(const TimeModel& m, const IdentifyOptions& options) {
+  double highest = 0.0;
+  for (const auto& c : m.clusters)
+    if (c.representative.damping_ratio() <= options.highest_damping)
+      highest = std::max(highest, c.representative.omega() / two_pi);
+  return highest;
+}
+
+/// In the band where the outputs are heard, narrowed while all poles are in its lower part.
+TimeModel model_in_best_band(const Signals& signals, const IdentifyOptions& options) {
+  const double nyquist = 0.5 * signals.sample_rate;
+  auto band = audible_band(signals, options.record.audible_chance).value_or(Band{0.0, nyquist});
+  band.to = std::min(band.to, options.record.nyquist_room * nyquist);
+  if (options.from) band.from = *options.from;
+  if (options.to) band.to = std::min(*options.to, options.record.nyquist_room * nyquist);
+  TimeModel m = time_model(signals, band, options);
+  for (int round = 0; !options.to && round < options.band.rounds; ++round) {
+    const double highest = highest_pole(m, options);
+    const double to = options.band.room * highest;
+    if (highest == 0.0 || to > options.band.worth * m.band.to) break;
+    m = time_model(signals, {m.band.from, to}, options);
+  }
+  return m;
+}
+
+/// ln of the likelihood ratio, and the share of the inputs' innovations that outputs explain.
+struct Feedback {
+  double ratio{}, degrees{}, share{};
+};
+
+/// Do inputs follow outputs?
+Feedback feedback_in(const Signals& signals) {
+  std::vector<Regression> alone, both;
+  for (const auto& piece : signals.pieces) {
+    alone.push_back({MatrixXd(piece.inputs.rows(), 0), piece.inputs});
+    both.push_back({piece.outputs, piece.inputs});
+  }
+  VarxOptions options{.direct = false};
+  const Varx with = fit_varx(both, signals.sample_rate, signals.touched, options);
+  options.order = with.order;
+  const Varx without = fit_varx(alone, signals.sample_rate, signals.touched, options);
+  // what is predicted of nearly all of an input is no matter
+  constexpr double exact = 1e-6;
+  const Index p = with.innovation.rows();
+  const MatrixXd least = exact * MatrixXd::Identity(p, p);
+  const double full = (without.innovation + least).determinant(),
+               rest = (with.innovation + least).determinant();
+  Feedback f;
+  f.degrees = static_cast<double>(p * with.input_size.size() * with.order);
+  f.ratio = with.rows * std::log(full / rest);
+  f.share = 1.0 - std::pow(rest / full, 1.0 / static_cast<double>(p));
+  return f;
+}
+
+void refuse_feedback(const ShortRecord& record, const Signals& signals,
+                     const RecordOptions& options) {
+  if (!record.may_be_in_loop) return;
+  const auto f = feedback_in(signals);
+  if (f.share <= options.feedback ||
+      f.ratio <= numerics::chi_squared_quantile(1.0 - options.feedback_chance,
+                                                static_cast<int>(f.degrees)))
+    return;
+  throw base::ComputationError(fmt::format(
+      "the record is short, and its inputs follow its outputs (what they did before explains "
+      "{:.0f} "
+      "% of what the inputs' own past does not): in a loop, modes need the excitations as "
+      "instruments; name them with --instruments, or record longer",
+      100.0 * f.share));
+}
+
+void refuse_few_numbers(const FrequencyResponses& r, const RecordOptions& options) {
+  const double modes = 1.0, terms = 4.0;
+  const double parameters = 2.0 * modes + terms * static_cast<double>(r.H[0].cols());
+  const double numbers = 2.0 * static_cast<double>(r.lines());
+  if (numbers >= options.fewest_numbers * parameters) return;
+  throw base::ComputationError(fmt::format(
+      "the record is too short: its band of {:.4g} Hz to {:.4g} Hz has {} lines, and the response "
+      "to {} inputs needs {:.0f}; record longer, or with fewer inputs at once",
+      r.frequency.front(), r.frequency.back(), r.lines(), r.inputs.size(),
+      std::ceil(0.5 * options.fewest_numbers * parameters)));
+}
+
+void refuse_few_periods(const Identification& found, double duration,
+                        const RecordOptions& options) {
+  if (found.modes.empty()) return;
+  const auto& lowest = found.modes.front().fit;
+  const double f = lowest.omega() / two_pi;
+  if (f * duration >= options.fewest_periods) return;
+  throw base::ComputationError(
+      fmt::format("the record is too short: it has {:.1f} periods of a mode at {:.3g} Hz, and {:g} "
+                  "are needed; record at least {:.3g} s",
+                  f * duration, f, options.fewest_periods, options.fewest_periods / f));
+}
+
+}  // namespace
+
+std::optional<BlockCount> too_few_blocks(const data::RecordSet& records, const Reading& reading,
+                                         const MeasureOptions& options) {
+  const auto& plan = reading.plan;
+  const bool asked = options.block_length || options.overlap || options.estimator ||
+                     options.period || options.window != Window::hann;
+  if (!options.for_modes || asked || reading.spectrum.periodic ||
+      (plan.estimator != Estimator::h1 && plan.estimator != Estimator::instrumental))
+    return {};
+  const auto left = static_cast<double>(
+      reading.total - reading.settling * static_cast<std::int64_t>(records.files().size()));
+  const BlockCount blocks{
+      left / static_cast<double>(reading.spectrum.block_length),
+      options.few_blocks.fewest * static_cast<double>(plan.choice.inputs.size() + 2)};
+  return blocks.fit < blocks.needed ? std::optional(blocks) : std::nullopt;
+}
+
+bool keep_short_record(data::RecordSet& records, const Reading& reading, const BlockCount& blocks,
+                       const std::vector<PlatformChange>& changes, ChannelChoice& choice,
+                       Measurement& m) {
+  auto samples = used_samples(records, reading);
+  for (const auto& matrix : samples)
+    if (!matrix.allFinite()) return false;
+  const auto estimator = reading.plan.estimator;
+  auto earlier = std::move(m.responses.warnings);
+  auto r = without_lines(m.spectra, estimator, choice, {.of_averages = false});
+  auto record = std::make_shared<ShortRecord>();
+  record->signals.sample_rate = m.header.sample_rate;
+  for (auto& matrix : samples) {
+    const MatrixXd brought = brought_to_platform(changes, std::move(matrix));
+    record->signals.pieces.push_back(
+        piece_of(brought, choice, estimator == Estimator::instrumental));
+  }
+  record->signals = detrended(std::move(record->signals));
+  record->may_be_in_loop =
+      estimator != Estimator::instrumental &&
+      std::ranges::any_of(r.inputs, [](const auto& c) { return c.role != data::Role::excitation; });
+  r.averages = 0.0;
+  r.warnings.insert(r.warnings.begin(), earlier.begin(), earlier.end());
+  r.harmonics = std::move(m.responses.harmonics);
+  const double duration = static_cast<double>(record->signals.samples()) / m.header.sample_rate;
+  r.warnings.push_back(
+      {.kind = Kind::short_record,
+       .value = duration,
+       .share = static_cast<double>(reading.spectrum.block_length) / m.header.sample_rate,
+       .count = static_cast<std::int64_t>(blocks.fit),
+       .total = static_cast<std::int64_t>(std::ceil(blocks.needed))});
+  m.responses = std::move(r);
+  m.record = std::move(record);
+  return true;
+}
+
+namespace {
+
+/// H of the model of the time record, as what was measured: for pictures and comparisons.
+FrequencyResponses shown(const TimeModel& m, const Identification& found,
+                         const FrequencyResponses& measured, double duration) {
+  auto r = responses_of(m.model, 1.0 / duration, std::max(found.to, 4.0 / duration));
+  r.inputs = measured.inputs;
+  r.outputs = measured.outputs;
+  r.title = measured.title;
+  r.date = measured.date;
+  r.geometry = measured.geometry;
+  r.estimator = measured.estimator;
+  r.sample_rate = measured.sample_rate;
+  r.harmonics = measured.harmonics;
+  r.warnings = measured.warnings;
+  return r;
+}
+
+}  // namespace
+
+Identification identify_modes(const Measurement& measurement, const IdentifyOptions& options,
+                              const std::function<void(double)>& progress) {
+  if (measurement.record == nullptr)
+    return identify_modes(measurement.responses, options, progress);
+  const auto& record = *measurement.record;
+  const auto& rules = options.record;
+  Identification result;
+  const TimeModel m = model_in_best_band(record.signals, options);
+  if (progress) progress(0.3);
+  refuse_feedback(record, m.signals, rules);
+  std::optional<Varx> instruments;
+  if (record.signals.pieces.front().instruments.cols() > 0)
+    instruments = instrument_model(m.signals);
+  const auto lines =
+      lines_in_band(record.signals, m.band.from, m.band.to, instruments ? &*instruments : nullptr);
+  result.chart = m.chart;
+  result.responses.inputs = measurement.responses.inputs;
+  result.responses.outputs = measurement.responses.outputs;
+  result.responses.sample_rate = record.signals.sample_rate;
+  fit_record(options, lines, m.clusters, result);
+  refuse_few_numbers(result.responses, rules);
+  if (!result.model.modes.empty()) {
+    leave_out_above(options, result);
+    settle_residuals(options, result);
+  }
+  add_shape_deviations(options, result);
+  auto of_inputs = result.model;
+  without_transients(lines.U.cols(), of_inputs);
+  std::swap(result.model, of_inputs);
+  list_modes(options, result);
+  std::swap(result.model, of_inputs);
+  test_residual(options, result);
+  add_warnings(options, result);
+  result.model = std::move(of_inputs);
+  result.responses = shown(m, result, measurement.responses, lines.duration);
+  refuse_few_periods(result, lines.duration, rules);
+  return result;
+}
+
+}  // namespace hydrapod::identification
