@@ -155,9 +155,10 @@ SeenPowers seen_in_record(const FrequencyResponses& r, const MatrixXcd& residual
   for (std::size_t k = 0; k < r.lines(); ++k) {
     const VectorXcd& U = r.excitation[k];
     sum.measured += (r.H[k] * U).cwiseAbs2();
-    for (Index o = 0; o < outputs; ++o)
-      sum.rest[o] +=
-          std::norm((residual.row(static_cast<Index>(k)).segment(o * inputs, inputs) * U)(0));
+    for (Index o = 0; o < outputs; ++o) {
+      const Complex seen = residual.row(static_cast<Index>(k)).segment(o * inputs, inputs) * U;
+      sum.rest[o] += std::norm(seen);
+    }
   }
   return sum;
 }

@@ -3,6 +3,7 @@
 /// Private to the module.
 
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <vector>

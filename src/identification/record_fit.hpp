@@ -30,6 +30,8 @@
 
 namespace hydrapod::identification {
 
+struct Varx;
+
 /// Lines of all records, ascending in frequency.
 struct RecordLines {
   std::vector<double> frequency{};  ///< [Hz]
@@ -42,7 +44,6 @@ struct RecordLines {
 };
 
 /// Lines from `from` to `to` [Hz]; Û by `instruments`, a model of inputs from instruments.
-struct Varx;
 RecordLines lines_in_band(const Signals& signals, double from, double to, const Varx* instruments);
 
 /// As responses that are seen along one excitation, the last inputs being the transients of the

@@ -35,8 +35,8 @@ Residual residual_columns(const FrequencyResponses& r, const ModalModel& model, 
       for (Index i = 0; i < inputs; ++i) {
         const auto at = static_cast<std::size_t>(k);
         if (!r.excitation.empty()) {
-          const auto seen = [&](const FrequencyResponses& of) {
-            return (of.H[at].row(o) * r.excitation[at])(0);
+          const auto seen = [&](const FrequencyResponses& of) -> Complex {
+            return of.H[at].row(o) * r.excitation[at];
           };
           all.plain(k, o) = seen(rest);
           all.white(k, o) = seen(rest) / std::sqrt(std::max(r.noise[at](o, o).real(), 1e-300));

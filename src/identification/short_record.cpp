@@ -5,6 +5,7 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "hydrapod/base/error.hpp"
 #include "hydrapod/identification/identify.hpp"
@@ -13,6 +14,7 @@
 #include "record_band.hpp"
 #include "record_fit.hpp"
 #include "response_checks.hpp"
+#include "search.hpp"
 #include "varx.hpp"
 
 namespace hydrapod::identification {
@@ -123,23 +125,26 @@ Feedback feedback_in(const Signals& signals) {
   const Varx with = fit_varx(both, signals.sample_rate, signals.touched, options);
   options.order = with.order;
   const Varx without = fit_varx(alone, signals.sample_rate, signals.touched, options);
-  // what is predicted of nearly all of an input is no matter
-  constexpr double exact = 1e-6;
   const Index p = with.innovation.rows();
-  const MatrixXd least = exact * MatrixXd::Identity(p, p);
-  const double full = (without.innovation + least).determinant(),
-               rest = (with.innovation + least).determinant();
+  const auto left = [&](const Varx& model) {
+    // what is predicted but for 1e-6 of its power is exact
+    const MatrixXd S =
+        model.innovation * (1.0 - static_cast<double>(model.theta.rows()) / model.rows) +
+        1e-6 * MatrixXd::Identity(p, p);
+    return std::log(S.determinant());
+  };
+  const double gain = left(without) - left(with);
   Feedback f;
   f.degrees = static_cast<double>(p * with.input_size.size() * with.order);
-  f.ratio = with.rows * std::log(full / rest);
-  f.share = 1.0 - std::pow(rest / full, 1.0 / static_cast<double>(p));
+  f.ratio = with.rows * gain;
+  f.share = 1.0 - std::exp(-(gain - f.degrees / with.rows) / static_cast<double>(p));
   return f;
 }
 
-void refuse_feedback(const ShortRecord& record, const Signals& signals,
-                     const RecordOptions& options) {
+void refuse_feedback(const ShortRecord& record, const RecordOptions& options) {
   if (!record.may_be_in_loop) return;
-  const auto f = feedback_in(signals);
+  // not of the lower rate, whose filter lets the outputs know of inputs that are to come
+  const auto f = feedback_in(record.signals);
   if (f.share <= options.feedback ||
       f.ratio <= numerics::chi_squared_quantile(1.0 - options.feedback_chance,
                                                 static_cast<int>(f.degrees)))
@@ -152,16 +157,18 @@ void refuse_feedback(const ShortRecord& record, const Signals& signals,
       100.0 * f.share));
 }
 
-void refuse_few_numbers(const FrequencyResponses& r, const RecordOptions& options) {
-  const double modes = 1.0, terms = 4.0;
-  const double parameters = 2.0 * modes + terms * static_cast<double>(r.H[0].cols());
-  const double numbers = 2.0 * static_cast<double>(r.lines());
-  if (numbers >= options.fewest_numbers * parameters) return;
+void refuse_few_numbers(const RecordLines& lines, const Band& band,
+                        const IdentifyOptions& options) {
+  const double terms = options.fit.highest_residual_power - lowest_residual_power + 1;
+  const double inputs = static_cast<double>(lines.U.cols() + lines.records);
+  const double needed = std::max(options.record.fewest_numbers * 0.5 * (2.0 + terms * inputs),
+                                 static_cast<double>(fewest_lines));
+  if (static_cast<double>(lines.size()) >= needed) return;
   throw base::ComputationError(fmt::format(
       "the record is too short: its band of {:.4g} Hz to {:.4g} Hz has {} lines, and the response "
-      "to {} inputs needs {:.0f}; record longer, or with fewer inputs at once",
-      r.frequency.front(), r.frequency.back(), r.lines(), r.inputs.size(),
-      std::ceil(0.5 * options.fewest_numbers * parameters)));
+      "to {} input{} needs {:.0f}; record longer, or with fewer inputs at once",
+      band.from, band.to, lines.size(), lines.U.cols(), lines.U.cols() == 1 ? "" : "s",
+      std::ceil(needed)));
 }
 
 void refuse_few_periods(const Identification& found, double duration,
@@ -258,18 +265,18 @@ Identification identify_modes(const Measurement& measurement, const IdentifyOpti
   Identification result;
   const TimeModel m = model_in_best_band(record.signals, options);
   if (progress) progress(0.3);
-  refuse_feedback(record, m.signals, rules);
+  refuse_feedback(record, rules);
   std::optional<Varx> instruments;
   if (record.signals.pieces.front().instruments.cols() > 0)
     instruments = instrument_model(m.signals);
   const auto lines =
       lines_in_band(record.signals, m.band.from, m.band.to, instruments ? &*instruments : nullptr);
+  refuse_few_numbers(lines, m.band, options);
   result.chart = m.chart;
   result.responses.inputs = measurement.responses.inputs;
   result.responses.outputs = measurement.responses.outputs;
   result.responses.sample_rate = record.signals.sample_rate;
   fit_record(options, lines, m.clusters, result);
-  refuse_few_numbers(result.responses, rules);
   if (!result.model.modes.empty()) {
     leave_out_above(options, result);
     settle_residuals(options, result);

@@ -219,19 +219,20 @@ std::vector<OrderPoles> realised_poles(const Varx& model, const OrderRange& orde
 
 FrequencyResponses responses_of(const Varx& model, double spacing, double to) {
   FrequencyResponses r;
+  const MatrixXcd root = model.root.transpose().cast<Complex>();
+  const MatrixXd by_input = model.input_size.cwiseInverse().asDiagonal();
   const auto lines = static_cast<Index>(to / spacing * (1.0 + 1e-12));
   for (Index k = 1; k <= lines; ++k) {
     const double f = static_cast<double>(k) * spacing;
     const auto at = scaled_at(model, f);
     const MatrixXcd shape = model.output_size.asDiagonal() * at.A_inverse;
-    const MatrixXcd x =
-        model.root.transpose().cast<Complex>().triangularView<Eigen::Lower>().solve(at.w) *
-        model.input_size.cwiseInverse().asDiagonal();
+    const MatrixXcd x = root.triangularView<Eigen::Lower>().solve(at.w);
+    const MatrixXcd factor = x.adjoint() * x;
     r.frequency.push_back(f);
     r.H.push_back(model.output_size.asDiagonal() * at.G *
                   model.input_size.cwiseInverse().asDiagonal());
     r.noise.push_back(shape * model.innovation * shape.adjoint());
-    r.input_factor.push_back(x.adjoint() * x);
+    r.input_factor.push_back(by_input * factor * by_input);
   }
   r.degrees = model.rows - static_cast<double>(model.theta.rows());
   r.sample_rate = 1.0 / model.interval;

@@ -240,36 +240,6 @@ struct ResidualTestOptions {
   double negligible{1e-3};
 };
 
-struct IdentifyOptions {
-  std::optional<double> from{}, to{};  ///< band [Hz]; default: found as said above
-  OrderRange orders{};
-  SelectionOptions selection{};
-  FitOptions fit{};
-  double highest_damping{0.3};      ///< of a mode
-  double least_significance{20.0};  ///< FittedMode::significance
-  /// The same for half spectra, where it is the square of amplitude over deviation: chance makes 8
-  /// once in 3000, and a mode has it after e^(-1)-decays eight times as long as its own.
-  double least_significance_of_outputs{8.0};
-  double largest_frequency_deviation{0.02};  ///< of ω, relative
-  double largest_damping_deviation{0.5};     ///< of ζ, relative
-  BandOptions band{};
-  PeakOptions peaks{};
-  PruneOptions prune{};
-  WeakModeOptions weak{};
-  TrialOptions trial{};
-  /// K of the final fit ≤ this, one more as long as Akaike's criterion falls: more terms than the
-  /// band has room for begin to stand for modes.
-  int highest_residual_power{4};
-  double fewest_samples{8.0};  ///< per period of a mode; with fewer aliasing is seen: a warning
-  double largest_misfit{2.0};  ///< ModalModel::misfit > this is a warning; 1 is noise alone
-  /// A block shorter than this over the half-power bandwidth ζ ω/π of a mode is a warning: modes
-  /// that are nearer to each other than its two lines come out as one that is too wide.
-  double fewest_lines_wide{2.0};
-  AssumedErrorOptions assumed_errors{};
-  ResidualTestOptions residual_test{};
-  RecordOptions record{};
-};
-
 /// Records with few blocks (FewBlocks), in one piece: a model of the time record gives candidates,
 /// and the modal model with the transients of the beginning and the end is fitted to the spectra of
 /// the whole record. docs/theory/identification.md has the equations.
@@ -298,6 +268,36 @@ struct RecordOptions {
   /// feedback of their power that is not predicted, and by more than chance makes once in
   /// 1/feedback_chance records.
   double feedback{0.05}, feedback_chance{1e-4};
+};
+
+struct IdentifyOptions {
+  std::optional<double> from{}, to{};  ///< band [Hz]; default: found as said above
+  OrderRange orders{};
+  SelectionOptions selection{};
+  FitOptions fit{};
+  double highest_damping{0.3};      ///< of a mode
+  double least_significance{20.0};  ///< FittedMode::significance
+  /// The same for half spectra, where it is the square of amplitude over deviation: chance makes 8
+  /// once in 3000, and a mode has it after e^(-1)-decays eight times as long as its own.
+  double least_significance_of_outputs{8.0};
+  double largest_frequency_deviation{0.02};  ///< of ω, relative
+  double largest_damping_deviation{0.5};     ///< of ζ, relative
+  BandOptions band{};
+  PeakOptions peaks{};
+  PruneOptions prune{};
+  WeakModeOptions weak{};
+  TrialOptions trial{};
+  /// K of the final fit ≤ this, one more as long as Akaike's criterion falls: more terms than the
+  /// band has room for begin to stand for modes.
+  int highest_residual_power{4};
+  double fewest_samples{8.0};  ///< per period of a mode; with fewer aliasing is seen: a warning
+  double largest_misfit{2.0};  ///< ModalModel::misfit > this is a warning; 1 is noise alone
+  /// A block shorter than this over the half-power bandwidth ζ ω/π of a mode is a warning: modes
+  /// that are nearer to each other than its two lines come out as one that is too wide.
+  double fewest_lines_wide{2.0};
+  AssumedErrorOptions assumed_errors{};
+  ResidualTestOptions residual_test{};
+  RecordOptions record{};
 };
 
 /// A response in a part of the band where the residual is more than noise.
