@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "hydrapod/numerics/statistics.hpp"
+#include "names.hpp"
 
 namespace hydrapod::identification {
 
@@ -34,8 +35,8 @@ bool is_heard(const MatrixXcd& U, const MatrixXcd& Y, double least) {
 
 }  // namespace
 
-std::optional<Band> audible_band(const Signals& signals, double chance) {
-  std::optional<Band> band;
+std::optional<double> audible_end(const Signals& signals, double chance) {
+  std::optional<double> end;
   for (const auto& piece : signals.pieces) {
     const auto& given = piece.instruments.cols() > 0 ? piece.instruments : piece.inputs;
     const MatrixXcd U = lines_of(given), Y = lines_of(piece.outputs);
@@ -47,12 +48,10 @@ std::optional<Band> audible_band(const Signals& signals, double chance) {
         1.0 - chance / tests, 2.0 * static_cast<double>(p), 2.0 * static_cast<double>(w - p - 1));
     for (Index k = 1; k + w <= lines; k += step) {
       if (!is_heard(U.middleRows(k, w), Y.middleRows(k, w), least)) continue;
-      if (!band) band = Band{static_cast<double>(k) * spacing, 0.0};
-      band->from = std::min(band->from, static_cast<double>(k) * spacing);
-      band->to = std::max(band->to, static_cast<double>(k + w - 1) * spacing);
+      end = std::max(end.value_or(0.0), static_cast<double>(k + w - 1) * spacing);
     }
   }
-  return band;
+  return end;
 }
 
 }  // namespace hydrapod::identification

@@ -3,15 +3,17 @@
 ///
 /// In a window of lines that is little wider than it takes, Y = H U + T with constant H and T by
 /// least squares; what H explains of an output beside T, by what is left, is distributed as F where
-/// there is no response.
+/// there is no response. A resonance that is sharper than the window is not heard, but its flanks
+/// are.
 
-#include "search.hpp"
+#include <optional>
+
 #include "signals.hpp"
 
 namespace hydrapod::identification {
 
-/// From the first to the last window in which an output is heard. `chance`: see
+/// The end of the last window in which an output is heard [Hz]. `chance`: see
 /// RecordOptions::audible_chance. None: nothing is heard anywhere.
-std::optional<Band> audible_band(const Signals& signals, double chance);
+std::optional<double> audible_end(const Signals& signals, double chance);
 
 }  // namespace hydrapod::identification

@@ -6,6 +6,7 @@
 
 #include "fit_covariance.hpp"
 #include "identify_steps.hpp"
+#include "line_noise.hpp"
 #include "pole_basis.hpp"
 #include "prune.hpp"
 #include "varx.hpp"
@@ -43,9 +44,28 @@ std::vector<MatrixXcd> flat_noise(const RecordLines& lines, double share) {
   return std::vector<MatrixXcd>(static_cast<std::size_t>(lines.size()), V);
 }
 
-/// Means of V Vᴴ over lines up to `reach` away.
-std::vector<MatrixXcd> smooth_noise(const RecordLines& lines, const MatrixXcd& V, Index reach) {
-  const Index n = V.rows(), q = V.cols();
+/// Complex numbers of each output that the fit has taken from a line. Parameters of a mode lie
+/// where the mode does, those of residual terms everywhere.
+VectorXd taken_by(const FrequencyResponses& r, const ModalModel& model) {
+  const PoleBasis basis(r, false);
+  const auto lines = static_cast<double>(r.lines()), inputs = static_cast<double>(r.H[0].cols()),
+             outputs = static_cast<double>(r.H[0].rows());
+  VectorXd taken =
+      VectorXd::Constant(static_cast<Index>(r.lines()),
+                         0.5 * static_cast<double>(model.residuals.size()) * inputs / lines);
+  for (const auto& mode : model.modes) {
+    const VectorXd near = basis.at(mode.pole).g.cwiseAbs2();
+    taken += (1.0 + inputs / outputs) / near.sum() * near;
+  }
+  return taken;
+}
+
+/// E[V Vᴴ]: means over lines up to `reach` away, of what the fit has left there. Weights that are
+/// means of n squares scatter: they raise the variance of what is fitted with them by 1/n, and one
+/// over them is on average too large by 1/n.
+std::vector<MatrixXcd> smooth_noise(const RecordLines& lines, const MatrixXcd& V,
+                                    const VectorXd& taken, Index reach) {
+  const Index n = V.rows(), q = V.cols(), width = std::min(n, 2 * reach + 1);
   const VectorXd least = least_noise * mean_squares(lines.Y);
   const auto product = [&](Index k) -> MatrixXcd {
     return V.row(k).transpose() * V.row(k).conjugate();
@@ -55,11 +75,12 @@ std::vector<MatrixXcd> smooth_noise(const RecordLines& lines, const MatrixXcd& V
   Index from = 0, to = 0;  // of the sum
   for (Index k = 0; k < n; ++k) {
     // as many lines at the ends as in the middle
-    const Index width = std::min(n, 2 * reach + 1);
     const Index first = std::clamp<Index>(k - reach, 0, n - width);
     while (to < first + width) sum += product(to++);
     while (from < first) sum -= product(from++);
-    MatrixXcd mean = sum / static_cast<double>(width);
+    const auto count = static_cast<double>(width);
+    const double left = std::max(count - taken.segment(first, width).sum(), 0.5 * count);
+    MatrixXcd mean = (1.0 + 2.0 / left) / left * sum;
     mean.diagonal() += least.cast<Complex>();
     noise.push_back(std::move(mean));
   }
@@ -98,12 +119,19 @@ MatrixXcd corrected_data(const RecordLines& lines, const std::vector<MatrixXcd>&
   return data;
 }
 
+/// Lines on either side in the mean of the noise.
+Index reach_in(const IdentifyOptions& options, const RecordLines& lines) {
+  return std::max(options.record.reach, static_cast<Index>(options.record.reach_share *
+                                                           static_cast<double>(lines.size())));
+}
+
 /// The next round's responses.
 FrequencyResponses improved(const IdentifyOptions& options, const RecordLines& lines,
                             const FrequencyResponses& r, const ModalModel& model) {
   const auto H = model_lines(r, model);
-  auto next = responses_in_record(lines, corrected_data(lines, H),
-                                  smooth_noise(lines, residual_in(lines, H), options.record.reach));
+  auto next = responses_in_record(
+      lines, corrected_data(lines, H),
+      smooth_noise(lines, residual_in(lines, H), taken_by(r, model), reach_in(options, lines)));
   next.inputs = r.inputs;
   next.outputs = r.outputs;
   next.degrees = r.degrees;
@@ -193,7 +221,7 @@ void fit_record(const IdentifyOptions& options, const RecordLines& lines,
   first.inputs = result.responses.inputs;
   first.outputs = result.responses.outputs;
   first.sample_rate = result.responses.sample_rate;
-  first.degrees = static_cast<double>(2 * rules.reach + 1);
+  first.degrees = static_cast<double>(2 * reach_in(options, lines) + 1);
   result.responses = std::move(first);
   result.from = lines.frequency.front();
   result.to = lines.frequency.back();
@@ -210,7 +238,10 @@ void fit_record(const IdentifyOptions& options, const RecordLines& lines,
     result.responses = improved(options, lines, result.responses, result.model);
     result.left_out.clear();
     fit_and_prune(options, clusters, result);
-    if (round + 1 < rules.rounds) add_hidden_modes(options, result);
+    if (round + 1 < rules.rounds) {
+      add_tones(options, lines, result);
+      add_hidden_modes(options, result);
+    }
     clusters = result.clusters;
     for (std::size_t r = 0; r < clusters.size(); ++r)
       clusters[r].representative = result.model.modes[r];

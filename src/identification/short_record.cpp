@@ -7,10 +7,13 @@
 #include <cmath>
 #include <utility>
 
+#include "block_length.hpp"
 #include "hydrapod/base/error.hpp"
 #include "hydrapod/identification/identify.hpp"
 #include "hydrapod/numerics/statistics.hpp"
 #include "identify_steps.hpp"
+#include "line_noise.hpp"
+#include "lower_quality.hpp"
 #include "record_band.hpp"
 #include "record_fit.hpp"
 #include "response_checks.hpp"
@@ -94,11 +97,10 @@ double highest_pole(const TimeModel& m, const IdentifyOptions& options) {
 
 /// In the band where the outputs are heard, narrowed while all poles are in its lower part.
 TimeModel model_in_best_band(const Signals& signals, const IdentifyOptions& options) {
-  const double nyquist = 0.5 * signals.sample_rate;
-  auto band = audible_band(signals, options.record.audible_chance).value_or(Band{0.0, nyquist});
-  band.to = std::min(band.to, options.record.nyquist_room * nyquist);
-  if (options.from) band.from = *options.from;
-  if (options.to) band.to = std::min(*options.to, options.record.nyquist_room * nyquist);
+  const double most = options.record.nyquist_room * 0.5 * signals.sample_rate;
+  const double heard = audible_end(signals, options.record.audible_chance).value_or(most);
+  Band band{options.from.value_or(0.0), std::min(most, options.band.fit_room * heard)};
+  if (options.to) band.to = std::min(*options.to, most);
   TimeModel m = time_model(signals, band, options);
   for (int round = 0; !options.to && round < options.band.rounds; ++round) {
     const double highest = highest_pole(m, options);
@@ -195,9 +197,8 @@ std::optional<BlockCount> too_few_blocks(const data::RecordSet& records, const R
     return {};
   const auto left = static_cast<double>(
       reading.total - reading.settling * static_cast<std::int64_t>(records.files().size()));
-  const BlockCount blocks{
-      left / static_cast<double>(reading.spectrum.block_length),
-      options.few_blocks.fewest * static_cast<double>(plan.choice.inputs.size() + 2)};
+  const BlockCount blocks{left / static_cast<double>(reading.spectrum.block_length),
+                          options.few_blocks.fewest * fewest_blocks(plan.choice.inputs.size())};
   return blocks.fit < blocks.needed ? std::optional(blocks) : std::nullopt;
 }
 
@@ -282,15 +283,19 @@ Identification identify_modes(const Measurement& measurement, const IdentifyOpti
     settle_residuals(options, result);
   }
   add_shape_deviations(options, result);
-  auto of_inputs = result.model;
-  without_transients(lines.U.cols(), of_inputs);
-  std::swap(result.model, of_inputs);
+  const auto whole = result.model;
+  auto harmonics = take_out_tones(options, lines, result);
+  without_transients(lines.U.cols(), result.model);
   list_modes(options, result);
-  std::swap(result.model, of_inputs);
+  auto of_inputs = std::exchange(result.model, whole);
   test_residual(options, result);
   add_warnings(options, result);
   result.model = std::move(of_inputs);
   result.responses = shown(m, result, measurement.responses, lines.duration);
+  lower_quality(measurement.responses, result);
+  auto& listed = result.responses.harmonics;
+  listed.insert(listed.end(), harmonics.begin(), harmonics.end());
+  std::ranges::sort(listed, {}, &data::Harmonic::frequency);
   refuse_few_periods(result, lines.duration, rules);
   return result;
 }

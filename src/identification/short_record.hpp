@@ -2,11 +2,11 @@
 /// Records with too few blocks: their samples, a model of the time record, and their modes. Private
 /// to the module.
 ///
-/// The band is from the first to the last frequency at which an output is heard (record_band.hpp).
-/// At twice its end over RecordOptions::nyquist_room a VARX model is fitted (varx.hpp) and
-/// realised; where all stable poles lie in the lower part of the band, the band is narrowed as that
-/// of frequency responses is, and the model fitted anew. Its clusters of poles begin the fit of the
-/// modal model to the spectra of the whole record (record_fit.hpp).
+/// The band ends where no output is heard any more (record_band.hpp). At twice its end over
+/// RecordOptions::nyquist_room a VARX model is fitted (varx.hpp) and realised; where all stable
+/// poles lie in the lower part of the band, the band is narrowed as that of frequency responses is,
+/// and the model fitted anew. Its clusters of poles begin the fit of the modal model to the spectra
+/// of the whole record (record_fit.hpp).
 ///
 /// Feedback. Inputs without instruments must not hold the outputs' noise. Where the innovations of
 /// a model of the inputs from their own past are smaller with the outputs' past besides, the inputs

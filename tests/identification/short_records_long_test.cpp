@@ -33,8 +33,8 @@ class Bias {
     for (const auto& list : all) {
       double sum = 0.0;
       for (const double x : list) sum += x;
-      largest = std::max(largest, std::abs(sum) / static_cast<double>(std::max<std::size_t>(
-                                                      list.size(), 1)));
+      largest = std::max(
+          largest, std::abs(sum) / static_cast<double>(std::max<std::size_t>(list.size(), 1)));
     }
     return largest;
   }
@@ -45,10 +45,10 @@ struct Limits {
   double found{1.0}, false_modes{0.1}, frequency_bias{1e-3}, damping_bias{0.03};
 };
 
-/// `make(seed)`: a record whose first `inputs` channels are the inputs of the textbook.
-template <class Make>
+/// `make(seed)`: a record; `inputs_first`: as the textbook takes it.
+template <class Make, class Plain>
 void judge(const char* name, const test::ModalSystem& system, const Limits& limits,
-           const Make& make) {
+           const Make& make, const Plain& inputs_first) {
   const auto truth = test::true_modes(system);
   test::ClassScore ours, plain;
   Bias bias;
@@ -58,7 +58,7 @@ void judge(const char* name, const test::ModalSystem& system, const Limits& limi
     ASSERT_NE(result.measured.record, nullptr) << "it was averaged";
     ours.add(truth, test::found_modes(result.found));
     bias.add(truth, result.found);
-    plain.add(truth, textbook_record_modes(record, system.inputs(), 25.0));
+    plain.add(truth, textbook_record_modes(inputs_first(record), system.inputs(), 25.0));
   }
   test::print_class(name, "hydrapod", ours);
   test::print_class(name, "VARX and realisation", plain);
@@ -78,8 +78,26 @@ void judge(const char* name, const test::ModalSystem& system, const Limits& limi
 
 void judge_forces(const char* name, const test::ModalSystem& system, const ShortRecordCase& e,
                   const Limits& limits = {}) {
-  judge(name, system, limits,
-        [&](std::uint64_t seed) { return short_record(system, e, seed); });
+  judge(
+      name, system, limits, [&](std::uint64_t seed) { return short_record(system, e, seed); },
+      [](const data::Record& record) { return record; });
+}
+
+void judge_loop(const char* name, const ForeignLoop& e, const Limits& limits = {}) {
+  const auto plant = foreign_plant();
+  judge(
+      name, plant, limits,
+      [&](std::uint64_t seed) {
+        auto own = e;
+        own.seed = seed;
+        return foreign_loop_record(plant, own);
+      },
+      [](const data::Record& record) {  // the textbook takes the drives for inputs
+        data::Record rest{.header = record.header, .samples = record.samples.rightCols(6)};
+        rest.samples.leftCols(3) = record.samples.rightCols(3);
+        rest.samples.rightCols(3) = record.samples.middleCols(3, 3);
+        return rest;
+      });
 }
 
 TEST(ShortRecordsLong, FiveMassesTenSeconds) {
@@ -96,6 +114,16 @@ TEST(ShortRecordsLong, TwoRowsTenSeconds) {
 }
 TEST(ShortRecordsLong, TwoRowsTwentySeconds) {
   judge_forces("6 masses, close pairs, 20 s, 1 % noise", two_rows(), {.duration = 20.0});
+}
+TEST(ShortRecordsLong, LoopTenSeconds) {
+  judge_loop("closed loop, white noise, 10 s", {.duration = 10.0});
+}
+TEST(ShortRecordsLong, LoopTwentySeconds) {
+  judge_loop("closed loop, white noise, 20 s", {.duration = 20.0});
+}
+TEST(ShortRecordsLong, LoopInABandTwentySeconds) {
+  judge_loop("closed loop, noise in a band, 20 s",
+             {.excitation = Excitation::noise, .duration = 20.0});
 }
 TEST(ShortRecordsLong, MuchNoise) {
   judge_forces("5 masses, 10 s, 5 % noise", five_masses(), {.noise = 0.05});

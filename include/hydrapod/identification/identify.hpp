@@ -247,9 +247,10 @@ struct RecordOptions {
   /// Half of the lower sample rate is the end of the band/nyquist_room: edges of the band cost the
   /// model of the time record an order or two.
   double nyquist_room{0.8};
-  /// Lines on either side that the noise's density is a mean of: known to 1/√(2 reach + 1), and a
-  /// mode takes the noise of the few lines that it is wide.
+  /// Lines on either side that the noise's density is a mean of: max(reach, reach_share · lines).
+  /// It is known to 1/√(2 reach + 1), and a mode takes the noise of the few lines that it is wide.
   Eigen::Index reach{24};
+  double reach_share{0.125};
   int rounds{4};  ///< of noise and parameters in turn; the third changes hardly anything
   /// E|V|² of the first fit by the mean square of the output: even. So little that the residual is
   /// more.
@@ -257,6 +258,11 @@ struct RecordOptions {
   /// Chance that a window of noise alone stands above it, in any of all windows and outputs.
   double audible_chance{0.01};
   OrderRange orders{2, 60, 2};  ///< of realisations
+  /// A pole is a tone and no mode where it decays by less than tone_decays within the record, and
+  /// its power that the inputs drive is < tone_driven · that of its transient: of a tone it is what
+  /// noise makes of it, of a mode that hardly decays it is as large as the rest.
+  double tone_decays{0.5}, tone_driven{0.1};
+  int most_tones{8};
   /// Clusters come from few orders: with as many states as the modes need, all of them are known.
   SelectionOptions selection{.persistence = 0.3};
   /// Refused: duration · frequency of the lowest mode < fewest_periods. Its transient cannot be

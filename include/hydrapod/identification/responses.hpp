@@ -291,12 +291,13 @@ BiasFinding compare_responses(const FrequencyResponses& plain,
 
 /// Of which records the modes are estimated in one piece, see identify.hpp: those with
 ///
-///     Σ over records of samples/block   <   fewest · (inputs + 2)
+///     Σ over records of samples/block   <   fewest · max(4, inputs + 2)
 ///
-/// for the block length that would be chosen. There half of the averages and more go to the
-/// noise's covariance and to the inputs.
+/// for the block length that would be chosen. Block lengths are powers of two: with fewest > √2
+/// these are all records whose blocks had to be shorter than `short_block`. There the averages that
+/// the inputs and the noise's covariance take leave next to none.
 struct FewBlocks {
-  double fewest{2.0};
+  double fewest{1.5};
 };
 
 /// A machine at a pose: brings leg lengths to directions of the platform at Q.
