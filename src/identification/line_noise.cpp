@@ -11,10 +11,9 @@ namespace hydrapod::identification {
 
 namespace {
 
-/// Powers of what the inputs and what the transients make of a mode.
-bool is_tone(const RecordOptions& options, const RecordLines& lines, const FrequencyResponses& r,
-             const FittedMode& mode) {
-  if (!(-mode.pole.real() * lines.duration < options.tone_decays)) return false;
+/// Do the inputs drive a mode, by its power beside that of its transient?
+bool is_driven(const RecordOptions& options, const RecordLines& lines, const FrequencyResponses& r,
+               const FittedMode& mode) {
   const VectorXcd g = PoleBasis(r, false).at(mode.pole).g;
   const Index p = lines.U.cols();
   double driven = 0.0, free = 0.0;
@@ -26,7 +25,18 @@ bool is_tone(const RecordOptions& options, const RecordLines& lines, const Frequ
     driven += std::norm(g[k] * by_inputs);
     free += std::norm(g[k] * rings);
   }
-  return driven < options.tone_driven * free;
+  return driven >= options.tone_driven * free;
+}
+
+bool is_tone(const RecordOptions& options, const RecordLines& lines, const FrequencyResponses& r,
+             const FittedMode& mode) {
+  return -mode.pole.real() * lines.duration < options.tone_decays &&
+         !is_driven(options, lines, r, mode);
+}
+
+/// Poles that nothing drives, of which one is within a line of another, are one tone.
+bool are_one(const RecordLines& lines, Complex a, Complex b) {
+  return std::abs(a.imag() - b.imag()) * lines.duration < two_pi;
 }
 
 /// A pole that hardly decays, in the transients alone.
@@ -43,11 +53,19 @@ PoleCluster tone_at(double frequency, const RecordLines& lines, const FrequencyR
 
 bool try_tone(const IdentifyOptions& options, const RecordLines& lines, double frequency,
               Identification& result) {
-  auto clusters = result.clusters;
-  for (std::size_t r = 0; r < clusters.size(); ++r)
-    clusters[r].representative = result.model.modes[r];
+  auto tone = tone_at(frequency, lines, result.responses);
+  std::vector<PoleCluster> clusters;
+  for (std::size_t r = 0; r < result.clusters.size(); ++r) {
+    const auto& mode = result.model.modes[r];
+    // a candidate that has a decay of its own does not come to rest at the tone
+    if (are_one(lines, mode.pole, tone.representative.pole) &&
+        !is_driven(options.record, lines, result.responses, mode))
+      continue;
+    clusters.push_back(result.clusters[r]);
+    clusters.back().representative = mode;
+  }
   const std::size_t before = clusters.size();
-  clusters.push_back(tone_at(frequency, lines, result.responses));
+  clusters.push_back(std::move(tone));
   Identification trial = result;
   if (!fit_if_all_stay(options, std::move(clusters), before, trial) ||
       trial.clusters.size() != before + 1 ||

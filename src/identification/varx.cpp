@@ -173,7 +173,8 @@ Varx fit_varx(const std::vector<Regression>& pieces, double sample_rate, Index t
       options.order > 0 ? options.order : highest_order(pieces, layout, touched, options);
   const Index rows = rows_of(pieces, highest, touched);
   if (highest == 0 || rows <= layout.count(highest) + layout.q)
-    throw base::ComputationError("there are too few samples for a model of the time record");
+    throw base::ComputationError(
+        "the record is too short: it has too few samples for a model of the time record");
   const MatrixXd Z = stacked(pieces, layout, highest, touched, model, options.ridge);
   const Index most = layout.count(highest);
   const Eigen::HouseholderQR<MatrixXd> qr(Z);
