@@ -105,6 +105,18 @@ IdentifyOptions for_pairs(IdentifyOptions options, const Certainty& pair) {
 
 }  // namespace
 
+void add_candidates(const IdentifyOptions& options, const std::vector<PoleCluster>& candidates,
+                    Identification& result) {
+  for (const auto& candidate : candidates) {
+    const auto pole = candidate.representative.pole;
+    const bool known = std::ranges::any_of(result.model.modes, [&](const FittedMode& m) {
+      return is_near(m.pole, pole, options.trial.unmoved);
+    });
+    if (!known && candidate.representative.damping_ratio() <= options.highest_damping)
+      try_more(options, candidate, pole, 1, options.trial.hidden, result);
+  }
+}
+
 void add_hidden_modes(const IdentifyOptions& options, Identification& result) {
   const auto& trial = options.trial;
   const auto mild = for_pairs(options, trial.hidden_pair);

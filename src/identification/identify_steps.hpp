@@ -5,6 +5,10 @@
 
 namespace hydrapod::identification {
 
+/// Candidates that a fit has lost, where the residual asks for them again.
+void add_candidates(const IdentifyOptions& options, const std::vector<PoleCluster>& candidates,
+                    Identification& result);
+
 /// Modes that hide in the flank of a strong one: one, or a pair at once, of which one alone is no
 /// resonance.
 void add_hidden_modes(const IdentifyOptions& options, Identification& result);

@@ -139,12 +139,37 @@ FrequencyResponses improved(const IdentifyOptions& options, const RecordLines& l
   return next;
 }
 
-/// With participations of the records' transients: none yet.
-void add_transients(Index records, std::vector<PoleCluster>& clusters) {
+/// Gives each candidate its part in the records' transients: what the residues of its pole there
+/// have in common with its shape, all fitted at once at the candidates' poles. Without them the
+/// first steps would move poles to explain what rings.
+void add_transients(const IdentifyOptions& options, const RecordLines& lines,
+                    const FrequencyResponses& r, std::vector<PoleCluster>& clusters) {
+  const Index p = lines.U.cols(), m = lines.records;
+  auto fit = options.fit;
+  fit.deviations = Deviations::none;
+  fit.max_iterations = 0;
+  std::vector<PoleEstimate> start;
   for (auto& cluster : clusters) {
-    auto& L = cluster.representative.participation;
-    L.conservativeResize(L.size() + records);
-    L.tail(records).setZero();
+    auto& e = cluster.representative;
+    e.participation.conservativeResize(p + m);
+    e.participation.tail(m).setZero();
+    start.push_back(e);
+    for (Index k = 0; k < m; ++k) {
+      start.push_back(e);
+      start.back().participation = VectorXcd::Unit(p + m, p + k);
+    }
+  }
+  const auto model = fit_modes(r, start, fit);
+  std::size_t at = 0;
+  for (auto& cluster : clusters) {
+    const auto& own = model.modes[at++];
+    cluster.representative.participation = own.participation;
+    cluster.representative.shape = own.shape;
+    for (Index k = 0; k < m; ++k)
+      cluster.representative.participation[p + k] =
+          own.shape.dot(model.modes[at++].shape) / std::max(own.shape.squaredNorm(), 1e-300);
+    if (!cluster.representative.participation.allFinite())
+      cluster.representative.participation.tail(m).setZero();
   }
 }
 
@@ -225,8 +250,9 @@ void fit_record(const IdentifyOptions& options, const RecordLines& lines,
   result.responses = std::move(first);
   result.from = lines.frequency.front();
   result.to = lines.frequency.back();
-  add_transients(lines.records, clusters);
   if (clusters.empty()) return;
+  add_transients(options, lines, result.responses, clusters);
+  const auto candidates = clusters;
   auto start = options.fit;
   start.deviations = Deviations::none;
   std::vector<PoleEstimate> poles;
@@ -240,6 +266,7 @@ void fit_record(const IdentifyOptions& options, const RecordLines& lines,
     fit_and_prune(options, clusters, result);
     if (round + 1 < rules.rounds) {
       add_tones(options, lines, result);
+      add_candidates(options, candidates, result);
       add_hidden_modes(options, result);
     }
     clusters = result.clusters;

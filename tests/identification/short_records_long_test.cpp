@@ -10,19 +10,18 @@ namespace {
 
 constexpr std::uint64_t seeds = 60;
 
-/// Errors of the first seeds' modes that are no chance: |mean|/(standard error) of each mode.
+/// The largest |mean error| of a mode, over the records in which all were found and no other.
 class Bias {
  public:
   void add(const std::vector<test::TrueMode>& truth, const Identification& found) {
     frequency_.resize(truth.size());
     damping_.resize(truth.size());
-    for (std::size_t r = 0; r < truth.size(); ++r)
-      for (const auto& mode : found.modes) {
-        const double omega = std::abs(truth[r].pole);
-        if (std::abs(mode.fit.omega() / omega - 1.0) > 0.02) continue;
-        frequency_[r].push_back(mode.fit.omega() / omega - 1.0);
-        damping_[r].push_back(mode.fit.damping_ratio() / (-truth[r].pole.real() / omega) - 1.0);
-      }
+    for (std::size_t r = 0; r < truth.size() && found.modes.size() == truth.size(); ++r) {
+      const auto& fit = found.modes[r].fit;
+      const double omega = std::abs(truth[r].pole);
+      frequency_[r].push_back(fit.omega() / omega - 1.0);
+      damping_[r].push_back(fit.damping_ratio() / (-truth[r].pole.real() / omega) - 1.0);
+    }
   }
   [[nodiscard]] double frequency() const { return largest_mean(frequency_); }
   [[nodiscard]] double damping() const { return largest_mean(damping_); }
