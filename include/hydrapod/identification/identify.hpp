@@ -240,39 +240,26 @@ struct ResidualTestOptions {
   double negligible{1e-3};
 };
 
-/// Records with few blocks (FewBlocks), in one piece: a model of the time record gives candidates,
-/// and the modal model with the transients of the beginning and the end is fitted to the spectra of
-/// the whole record. docs/theory/identification.md has the equations.
+/// Records with few blocks (FewBlocks), in one piece: docs/theory/identification.md.
 struct RecordOptions {
-  /// Half of the lower sample rate is the end of the band/nyquist_room: edges of the band cost the
-  /// model of the time record an order or two.
-  double nyquist_room{0.8};
+  double nyquist_room{0.8};  ///< of half the lower sample rate: the edge of the band costs an order
   /// Lines on either side that the noise's density is a mean of: max(reach, reach_share · lines).
   /// It is known to 1/√(2 reach + 1), and a mode takes the noise of the few lines that it is wide.
   Eigen::Index reach{24};
   double reach_share{0.125};
-  int rounds{4};  ///< of noise and parameters in turn; the third changes hardly anything
-  /// E|V|² of the first fit by the mean square of the output: even. So little that the residual is
-  /// more.
-  double first_noise{1e-4};
-  /// Chance that a window of noise alone stands above it, in any of all windows and outputs.
-  double audible_chance{0.01};
+  int rounds{4};             ///< of noise and parameters in turn; the third changes hardly anything
+  double first_noise{1e-4};  ///< E|V|² of the first fit by mean |Y|²: less than the residual
+  double audible_chance{0.01};  ///< that one of all windows of noise stands above it
   OrderRange orders{2, 60, 2};  ///< of realisations
-  /// A pole is a tone and no mode where it decays by less than tone_decays within the record, and
-  /// its power that the inputs drive is < tone_driven · that of its transient: of a tone it is what
-  /// noise makes of it, of a mode that hardly decays it is as large as the rest.
+  /// A tone, and no mode: decay within the record < tone_decays, and power that the inputs drive <
+  /// tone_driven · that of its transient. Noise makes it less, and of a mode it is as large.
   double tone_decays{0.5}, tone_driven{0.1};
   int most_tones{8};
-  /// Clusters come from few orders: with as many states as the modes need, all of them are known.
-  SelectionOptions selection{.persistence = 0.3};
-  /// Refused: duration · frequency of the lowest mode < fewest_periods. Its transient cannot be
-  /// told from a drift.
-  double fewest_periods{4.0};
-  /// Refused: real numbers of an output in the band < fewest_numbers · its parameters.
-  double fewest_numbers{2.0};
-  /// Refused: inputs are predicted better with the outputs' past than without, by a share >
-  /// feedback of their power that is not predicted, and by more than chance makes once in
-  /// 1/feedback_chance records.
+  SelectionOptions selection{.persistence = 0.3};  ///< few orders have all modes: many candidates
+  double fewest_periods{4.0};  ///< refused: duration · frequency of the lowest mode < this
+  double fewest_numbers{2.0};  ///< refused: numbers of an output < this · its parameters
+  /// Refused: the outputs' past explains > feedback of what the inputs' own does not, and more than
+  /// chance does once in 1/feedback_chance records.
   double feedback{0.05}, feedback_chance{1e-4};
 };
 
