@@ -87,6 +87,42 @@ std::vector<MatrixXcd> smooth_noise(const RecordLines& lines, const MatrixXcd& V
   return noise;
 }
 
+/// −2 ln of the likelihood of V, each output by itself, but for a constant.
+double deviance(const MatrixXcd& V, const std::vector<MatrixXcd>& noise) {
+  double sum = 0.0;
+  for (Index k = 0; k < V.rows(); ++k) {
+    const VectorXd S = noise[static_cast<std::size_t>(k)].diagonal().real().cwiseMax(1e-300);
+    sum += S.array().log().sum() + V.row(k).cwiseAbs2().transpose().cwiseQuotient(S).sum();
+  }
+  return 2.0 * sum;
+}
+
+/// That of the model of the time record, with the level that V has: forces that nobody measured
+/// make peaks where the modes are, which a mean over many lines does not have.
+std::vector<MatrixXcd> peaked_noise(const RecordLines& lines, const MatrixXcd& V,
+                                    const VectorXd& taken) {
+  auto noise = lines.model_noise;
+  const VectorXd least = least_noise * mean_squares(lines.Y);
+  VectorXd level = VectorXd::Zero(V.cols());
+  for (Index k = 0; k < V.rows(); ++k) {
+    auto& S = noise[static_cast<std::size_t>(k)];
+    S.diagonal() += least.cast<Complex>();
+    level += V.row(k).cwiseAbs2().transpose().cwiseQuotient(S.diagonal().real());
+  }
+  const double left = static_cast<double>(V.rows()) - taken.sum();
+  const VectorXcd root =
+      (level / std::max(left, 0.5 * static_cast<double>(V.rows()))).cwiseSqrt().cast<Complex>();
+  for (auto& S : noise) S = MatrixXcd(root.asDiagonal() * S * root.asDiagonal());
+  return noise;
+}
+
+/// Of both the one that explains V better.
+std::vector<MatrixXcd> best_noise(const RecordLines& lines, const MatrixXcd& V,
+                                  const VectorXd& taken, Index reach) {
+  auto smooth = smooth_noise(lines, V, taken, reach), peaked = peaked_noise(lines, V, taken);
+  return deviance(V, peaked) < deviance(V, smooth) ? peaked : smooth;
+}
+
 /// H at the lines, outputs × (inputs, transients).
 std::vector<MatrixXcd> model_lines(const FrequencyResponses& r, const ModalModel& model) {
   const PoleBasis basis(r, false);
@@ -131,7 +167,7 @@ FrequencyResponses improved(const IdentifyOptions& options, const RecordLines& l
   const auto H = model_lines(r, model);
   auto next = responses_in_record(
       lines, corrected_data(lines, H),
-      smooth_noise(lines, residual_in(lines, H), taken_by(r, model), reach_in(options, lines)));
+      best_noise(lines, residual_in(lines, H), taken_by(r, model), reach_in(options, lines)));
   next.inputs = r.inputs;
   next.outputs = r.outputs;
   next.degrees = r.degrees;
@@ -175,15 +211,17 @@ void add_transients(const IdentifyOptions& options, const RecordLines& lines,
 
 }  // namespace
 
-RecordLines lines_in_band(const Signals& signals, double from, double to, const Varx* instruments) {
+RecordLines lines_in_band(const Signals& signals, double from, double to, const Varx& model,
+                          const Varx* instruments) {
   RecordLines lines{.records = static_cast<Index>(signals.pieces.size())};
   std::vector<MatrixXcd> Y, U, R;
   std::vector<std::pair<Index, Index>> places;  // record, line
-  std::vector<double> frequency;
+  std::vector<double> frequency, durations;
   for (Index m = 0; m < lines.records; ++m) {
     const auto& piece = signals.pieces[static_cast<std::size_t>(m)];
     const double T = static_cast<double>(good_length(piece.outputs.rows())) / signals.sample_rate;
     lines.duration = std::max(lines.duration, T);
+    durations.push_back(T);
     Y.push_back(lines_of(piece.outputs));
     U.push_back(lines_of(piece.inputs));
     R.push_back(instruments != nullptr ? lines_of(piece.instruments) : MatrixXcd());
@@ -206,6 +244,9 @@ RecordLines lines_in_band(const Signals& signals, double from, double to, const 
     lines.record.push_back(m);
     lines.Y.row(k) = Y[static_cast<std::size_t>(m)].row(line);
     lines.U.row(k) = U[static_cast<std::size_t>(m)].row(line);
+    // lines are 2/n times the transform of n samples
+    lines.model_noise.push_back(4.0 * model.interval / durations[static_cast<std::size_t>(m)] *
+                                noise_at(model, frequency[i]));
   }
   lines.explained = lines.U;
   for (Index k = 0; k < n && instruments != nullptr; ++k) {

@@ -7,10 +7,11 @@
 ///
 /// T is what rings from before the beginning less what rings on after the end: the response to one
 /// more input of constant spectrum, in which each mode takes part by t_r, one per record. V is
-/// independent from line to line, and its density is smooth: E[V Vᴴ] is the mean of the residual's
-/// squares over `reach` lines on either side. Given it, λ, L, φ, t, C and D have the greatest
+/// independent from line to line. E[V Vᴴ] is the more likely of two: the mean of the residual's
+/// squares over lines on either side, less what the fit took of them, and what the model of the time
+/// record says, with the residual's level. Given it, λ, L, φ, t, C and D have the greatest
 /// likelihood where Σ |V_o|²/E|V_o|² is least: FitSystem, with rows that are seen as e_oᵀ U alone.
-/// The density and the parameters are found in turn.
+/// Both are found in turn.
 ///
 /// Loops. Of inputs that hold part of V, û is what their instruments r explain: U_r = Ĝ_ur R with a
 /// VARX model of u from r. The equations of the fit are those of instrumental variables, Jᴴ(Û) W (Y
@@ -34,17 +35,20 @@ struct Varx;
 
 /// Lines of all records, ascending in frequency.
 struct RecordLines {
-  std::vector<double> frequency{};  ///< [Hz]
-  std::vector<Index> record{};      ///< that the line is of
-  MatrixXcd Y{}, U{};               ///< lines × channels
-  MatrixXcd explained{};            ///< Û; in open loop U
+  std::vector<double> frequency{};       ///< [Hz]
+  std::vector<Index> record{};           ///< that the line is of
+  MatrixXcd Y{}, U{};                    ///< lines × channels
+  MatrixXcd explained{};                 ///< Û; in open loop U
+  std::vector<MatrixXcd> model_noise{};  ///< E[V Vᴴ] of the model of the time record
   Index records{};
   double duration{};  ///< [s] of the longest record
   [[nodiscard]] Index size() const { return static_cast<Index>(frequency.size()); }
 };
 
-/// Lines from `from` to `to` [Hz]; Û by `instruments`, a model of inputs from instruments.
-RecordLines lines_in_band(const Signals& signals, double from, double to, const Varx* instruments);
+/// Lines from `from` to `to` [Hz]. `model`: of the time record; Û by `instruments`, a model of
+/// inputs from instruments.
+RecordLines lines_in_band(const Signals& signals, double from, double to, const Varx& model,
+                          const Varx* instruments);
 
 /// As responses that are seen along one excitation, the last inputs being the transients of the
 /// records. `data`: Y of the fit, `noise`: E[V Vᴴ] per line.

@@ -270,8 +270,8 @@ Identification identify_modes(const Measurement& measurement, const IdentifyOpti
   std::optional<Varx> instruments;
   if (record.signals.pieces.front().instruments.cols() > 0)
     instruments = instrument_model(m.signals);
-  const auto lines =
-      lines_in_band(record.signals, m.band.from, m.band.to, instruments ? &*instruments : nullptr);
+  const auto lines = lines_in_band(record.signals, m.band.from, m.band.to, m.model,
+                                   instruments ? &*instruments : nullptr);
   refuse_few_numbers(lines, m.band, options);
   result.chart = m.chart;
   result.responses.inputs = measurement.responses.inputs;

@@ -202,6 +202,11 @@ MatrixXcd response_at(const Varx& model, double frequency) {
          model.input_size.cwiseInverse().asDiagonal();
 }
 
+MatrixXcd noise_at(const Varx& model, double frequency) {
+  const MatrixXcd shape = model.output_size.asDiagonal() * scaled_at(model, frequency).A_inverse;
+  return shape * model.innovation * shape.adjoint();
+}
+
 std::vector<OrderPoles> realised_poles(const Varx& model, const OrderRange& orders) {
   // an unstable pole of noise would hide all others: the response is brought to one that decays
   const double radius = std::max(1.0, spectral_radius(model));

@@ -60,6 +60,9 @@ Varx fit_varx(const Signals& signals, const VarxOptions& options = {});
 /// G at s = 2πi f, in the units of the channels.
 MatrixXcd response_at(const Varx& model, double frequency);
 
+/// Density of what the inputs do not explain of the outputs, A⁻¹ Σ A⁻ᴴ: variance per sample.
+MatrixXcd noise_at(const Varx& model, double frequency);
+
 /// Poles of all orders of realisations of its impulse response.
 std::vector<OrderPoles> realised_poles(const Varx& model, const OrderRange& orders);
 
