@@ -23,9 +23,6 @@ unsigned longest_block(const ChannelChoice& choice, const MeasureOptions& option
 
 constexpr int shortest_block = 16;
 
-/// Side by side, for so many inputs: the noise of the outputs is then still known.
-double fewest_blocks(std::size_t inputs) { return std::max(4.0, static_cast<double>(inputs + 2)); }
-
 /// Where the options name none.
 int usual_block(const data::RecordSet& records, const Plan& plan, const MeasureOptions& options,
                 std::int64_t shortest) {
@@ -52,6 +49,8 @@ int usual_block(const data::RecordSet& records, const Plan& plan, const MeasureO
 }
 
 }  // namespace
+
+double fewest_blocks(std::size_t inputs) { return std::max(4.0, static_cast<double>(inputs + 2)); }
 
 int block_to_use(const data::RecordSet& records, const Plan& plan, const MeasureOptions& options,
                  std::int64_t shortest) {

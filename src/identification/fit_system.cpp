@@ -62,6 +62,21 @@ MatrixXd by_parameters(const MatrixXd& B, const SharedParameters& shared, const 
   return result;
 }
 
+/// W of rows that are whitened, Wᴴ W = M.
+MatrixXcd whitening_of(const FrequencyResponses& r, std::size_t line) {
+  const Index p = r.H[0].cols();
+  if (!r.excitation.empty()) {  // what is seen of rows e_o is e_oᵀ U alone
+    MatrixXcd W = MatrixXcd::Zero(p, p);
+    W.row(p - 1) = r.excitation[line].transpose();
+    return W;
+  }
+  if (!r.has_errors()) return MatrixXcd::Identity(p, p);
+  MatrixXcd Q = r.input_factor[line].transpose();
+  Q /= Q.diagonal().real().mean();
+  Q.diagonal().array() += 1e-12;
+  return numerics::inverse_factor(Q);
+}
+
 /// Coefficients a p + i as a matrix, functions × inputs.
 MatrixXd by_function(const VectorXd& coefficients, Index inputs) {
   return coefficients.reshaped(inputs, coefficients.size() / inputs).transpose();
@@ -98,6 +113,7 @@ FitSystem::FitSystem(const FrequencyResponses& r, const FitOptions& options)
       inputs_(r.H[0].cols()),
       outputs_(r.H[0].rows()),
       lines_(static_cast<Index>(r.lines())),
+      numbers_(identification::numbers_per_line(r)),
       omega_scale_(two_pi * r.frequency.back()),
       M_(lines_, inputs_ * inputs_),
       weights_re_(lines_, outputs_ * inputs_ * (inputs_ + 1) / 2),
@@ -107,13 +123,7 @@ FitSystem::FitSystem(const FrequencyResponses& r, const FitOptions& options)
   const MatrixXd weight = row_weights(r, false);
   deviation_ = weight.cwiseSqrt().cwiseInverse();
   for (Index k = 0; k < lines_; ++k) {
-    MatrixXcd W = MatrixXcd::Identity(inputs_, inputs_);
-    if (r.has_errors()) {
-      MatrixXcd Q = r.input_factor[static_cast<size_t>(k)].transpose();
-      Q /= Q.diagonal().real().mean();
-      Q.diagonal().array() += 1e-12;
-      W = numerics::inverse_factor(Q);
-    }
+    MatrixXcd W = whitening_of(r, static_cast<std::size_t>(k));
     for (Index i = 0, pair = 0; i < inputs_; ++i)
       for (Index j = 0; j < inputs_; ++j) {
         const Complex M_ij = W.col(i).dot(W.col(j));

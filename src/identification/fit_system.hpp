@@ -61,6 +61,7 @@ class FitSystem {
   [[nodiscard]] Index inputs() const { return inputs_; }
   [[nodiscard]] Index outputs() const { return outputs_; }
   [[nodiscard]] Index lines() const { return lines_; }
+  [[nodiscard]] double numbers_per_line() const { return numbers_; }
   [[nodiscard]] Index shared_count(Index modes) const { return modes * 2 * inputs_; }
   [[nodiscard]] Index own_count(Index modes) const { return 2 * modes + residual_terms_ * inputs_; }
   [[nodiscard]] int residual_terms() const { return residual_terms_; }
@@ -96,6 +97,7 @@ class FitSystem {
   PoleBasis pole_basis_;
   int residual_terms_;  // s⁻² … s^K
   Index inputs_, outputs_, lines_;
+  double numbers_;
   double omega_scale_;
   MatrixXd deviation_;            // lines × outputs
   std::vector<MatrixXcd> white_;  // per line

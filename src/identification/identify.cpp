@@ -13,6 +13,8 @@
 #include "hydrapod/base/error.hpp"
 #include "hydrapod/identification/cross_check.hpp"
 #include "hydrapod/identification/responses.hpp"
+#include "identify_steps.hpp"
+#include "line_weights.hpp"
 #include "lower_quality.hpp"
 #include "peaks_above.hpp"
 #include "prune.hpp"
@@ -59,7 +61,7 @@ void add_weak_modes(const IdentifyOptions& options, Identification& result) {
 /// in FittedMode::significance.
 double gain(const Identification& before, const Identification& after) {
   const auto& H = before.responses.H;
-  const double numbers = static_cast<double>(H.size()) * static_cast<double>(H[0].size());
+  const double numbers = static_cast<double>(H.size()) * numbers_per_line(before.responses);
   return (before.model.misfit - after.model.misfit) * numbers /
          (2.0 * static_cast<double>(H[0].rows() + H[0].cols()));
 }
@@ -101,8 +103,20 @@ IdentifyOptions for_pairs(IdentifyOptions options, const Certainty& pair) {
   return options;
 }
 
-/// Modes that hide in the flank of a strong one: one, or a pair at once, of which one alone is no
-/// resonance.
+}  // namespace
+
+void add_candidates(const IdentifyOptions& options, const std::vector<PoleCluster>& candidates,
+                    Identification& result) {
+  for (const auto& candidate : candidates) {
+    const auto pole = candidate.representative.pole;
+    const bool known = std::ranges::any_of(result.model.modes, [&](const FittedMode& m) {
+      return is_near(m.pole, pole, options.trial.unmoved);
+    });
+    if (!known && candidate.representative.damping_ratio() <= options.highest_damping)
+      try_more(options, candidate, pole, 1, options.trial.hidden, result);
+  }
+}
+
 void add_hidden_modes(const IdentifyOptions& options, Identification& result) {
   const auto& trial = options.trial;
   const auto mild = for_pairs(options, trial.hidden_pair);
@@ -120,6 +134,8 @@ void add_hidden_modes(const IdentifyOptions& options, Identification& result) {
     }
   }
 }
+
+namespace {
 
 /// Where a mode stands alone among the weak ones, from number `strong` on, a second one like it is
 /// tried.
@@ -153,8 +169,8 @@ double above_modes(const IdentifyOptions& options, const Identification& result)
   return options.band.fit_room * highest / two_pi;
 }
 
-/// What lies far above the highest mode cannot tell of any mode, but of delays, valves and higher
-/// modes, for which the residual terms stand: it is left out.
+}  // namespace
+
 void leave_out_above(const IdentifyOptions& options, Identification& result) {
   const double to = above_modes(options, result);
   if (options.to || to == 0.0 || to > result.to) return;
@@ -163,6 +179,8 @@ void leave_out_above(const IdentifyOptions& options, Identification& result) {
   result.responses = std::move(narrower);
   result.to = result.responses.frequency.back();
 }
+
+namespace {
 
 /// Where lines are so coarse that hardly any lie below and among the modes, fits to all that lie
 /// above them go wrong: a band of as many lines as are needed [Hz]; none: there are more than that,
@@ -181,12 +199,14 @@ std::optional<Band> band_of_few_lines(const IdentifyOptions& options,
 /// as many as are independent.
 double residual_criterion(const FrequencyResponses& r, const ModalModel& model) {
   const auto entries = static_cast<double>(r.H[0].size());
-  const double n = static_cast<double>(r.lines()) * entries / std::max(1.0, lines_in_step(r));
+  const double n =
+      static_cast<double>(r.lines()) * numbers_per_line(r) / std::max(1.0, lines_in_step(r));
   const double k = entries * static_cast<double>(model.residuals.size());
   return 2.0 * n * std::log(std::max(model.cost, 1e-300)) + 2.0 * k;
 }
 
-/// As many residual terms as the responses ask for.
+}  // namespace
+
 void settle_residuals(const IdentifyOptions& options, Identification& result) {
   auto better = options;
   better.fit.deviations = Deviations::none;
@@ -207,6 +227,8 @@ void settle_residuals(const IdentifyOptions& options, Identification& result) {
   better.fit.deviations = options.fit.deviations;
   fit_and_prune(better, fitted_clusters(result), result);
 }
+
+namespace {
 
 /// Poles that covariance-driven subspace identification finds beside those of `s`.
 void add_realised(const IdentifyOptions& options, Search& s) {
@@ -267,7 +289,8 @@ Identification fitted(const IdentifyOptions& options, Search s, bool errors_assu
   return result;
 }
 
-/// Those of the final model, which no trial needs.
+}  // namespace
+
 void add_shape_deviations(const IdentifyOptions& options, Identification& result) {
   if (options.fit.deviations != Deviations::all || result.model.modes.empty()) return;
   const auto start = estimates(result.model);
@@ -279,6 +302,8 @@ void add_shape_deviations(const IdentifyOptions& options, Identification& result
   for (std::size_t r = 0; r < start.size(); ++r)
     result.model.modes[r].shape_deviation = model.modes[r].shape_deviation;
 }
+
+namespace {
 
 /// A tone too weak to be seen in the spectra, of which the fit has made a pole.
 void add_harmonic(const FittedMode& fit, FrequencyResponses& half) {
@@ -300,6 +325,8 @@ bool is_finite(const FittedMode& m) {
          std::isfinite(m.omega_deviation) && std::isfinite(m.damping_deviation) &&
          m.shape_deviation.allFinite() && std::isfinite(m.significance);
 }
+
+}  // namespace
 
 void list_modes(const IdentifyOptions& options, Identification& result) {
   for (std::size_t r = 0; r < result.model.modes.size(); ++r) {
@@ -332,71 +359,6 @@ void list_modes(const IdentifyOptions& options, Identification& result) {
   }
 }
 
-/// [s] of the blocks that gave the responses; none: not known, or periods, which have no window.
-std::optional<double> block_duration(const FrequencyResponses& r) {
-  if (r.lines() < 2) return {};
-  const bool of_outputs = r.estimator == data::Estimator::half_spectra;
-  if (r.whole && !of_outputs) return {};
-  // on the shifted axis, and of half spectra, every second line is kept
-  if (r.shift > 0.0 || of_outputs) {
-    double spacing = r.frequency[1] - r.frequency[0];
-    for (std::size_t k = 2; k < r.lines(); ++k)
-      spacing = std::min(spacing, r.frequency[k] - r.frequency[k - 1]);
-    return 2.0 / spacing;
-  }
-  if (r.taper.size() == 0) return {};
-  return static_cast<double>(r.taper.size()) / r.sample_rate;
-}
-
-void warn_of_short_blocks(const IdentifyOptions& options, Identification& result) {
-  const auto duration = block_duration(result.responses);
-  if (!duration) return;
-  ModeWarning warning{.kind = ModeWarning::Kind::short_blocks,
-                      .value = *duration,
-                      .total = static_cast<std::int64_t>(result.modes.size())};
-  for (const auto& mode : result.modes) {
-    const double width = 2.0 * mode.fit.damping_ratio() * mode.fit.omega() / two_pi;
-    if (!(width * *duration < options.fewest_lines_wide)) continue;
-    if (warning.count++ > 0 && width > warning.to) continue;
-    warning.from = mode.fit.omega() / two_pi;
-    warning.to = width;
-  }
-  if (warning.count > 0) result.warnings.push_back(std::move(warning));
-}
-
-void add_warnings(const IdentifyOptions& options, Identification& result) {
-  using Kind = ModeWarning::Kind;
-  if (result.modes.empty()) {
-    result.warnings.push_back({.kind = Kind::no_mode, .from = result.from, .to = result.to});
-  } else if (const double rate = result.responses.sample_rate,
-             highest = result.modes.back().fit.omega();
-             rate > 0.0 && rate * two_pi < options.fewest_samples * highest) {
-    result.warnings.push_back({.kind = Kind::few_samples, .value = rate * two_pi / highest});
-  }
-  if (result.model.misfit > options.largest_misfit)
-    result.warnings.push_back({.kind = Kind::misfit, .value = result.model.misfit});
-  warn_of_short_blocks(options, result);
-  if (result.unexplained.empty()) return;
-  const auto& worst = result.unexplained.front();
-  const auto& r = result.responses;
-  std::vector<std::pair<Index, Index>> entries;
-  for (const auto& part : result.unexplained) entries.emplace_back(part.output, part.input);
-  std::ranges::sort(entries);
-  const auto count =
-      static_cast<std::int64_t>(std::unique(entries.begin(), entries.end()) - entries.begin());
-  result.warnings.push_back({.kind = Kind::unexplained,
-                             .value = worst.level,
-                             .from = worst.from,
-                             .to = worst.to,
-                             .smooth = worst.smooth,
-                             .share = worst.share,
-                             .output = r.outputs[static_cast<std::size_t>(worst.output)].name,
-                             .input = r.inputs[static_cast<std::size_t>(worst.input)].name,
-                             .count = count,
-                             .total = r.H[0].size()});
-}
-
-/// Asks what noise explains, and tells the modes there.
 void test_residual(const IdentifyOptions& options, Identification& result) {
   result.unexplained =
       unexplained_parts(result.responses, result.model, options, result.errors_assumed);
@@ -411,6 +373,8 @@ void test_residual(const IdentifyOptions& options, Identification& result) {
     for (auto& mode : result.modes)
       mode.explained = std::min(mode.explained, options.largest_misfit / misfit);
 }
+
+namespace {
 
 /// `all`: with errors. Covariances of outputs are no responses: their peaks may be the
 /// excitation's.

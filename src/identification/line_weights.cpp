@@ -16,11 +16,21 @@ VectorXd running_mean(const VectorXd& values, Index reach) {
   return result;
 }
 
+double numbers_per_line(const FrequencyResponses& r) {
+  return static_cast<double>(r.excitation.empty() ? r.H[0].size() : r.H[0].rows());
+}
+
 VectorXd signal_to_noise(const FrequencyResponses& r, Index reach) {
   VectorXd own = VectorXd::Zero(static_cast<Index>(r.lines()));
   for (std::size_t k = 0; k < r.lines(); ++k) {
     const auto& H = r.H[k];
     double sum = 0.0;
+    if (!r.excitation.empty()) {
+      const VectorXcd seen = H * r.excitation[k];
+      own[static_cast<Index>(k)] =
+          seen.cwiseAbs2().cwiseQuotient(r.noise[k].diagonal().real().cwiseMax(1e-300)).mean();
+      continue;
+    }
     for (Index o = 0; o < H.rows(); ++o)
       for (Index i = 0; i < H.cols(); ++i)
         sum += std::norm(H(o, i)) / std::max(r.variance(k, o, i), 1e-300);

@@ -8,6 +8,9 @@ namespace hydrapod::identification {
 /// Mean over the lines up to `reach` away, per line.
 Eigen::VectorXd running_mean(const Eigen::VectorXd& values, Eigen::Index reach);
 
+/// Complex numbers that a line holds: a response each, or of a whole record an output each.
+double numbers_per_line(const FrequencyResponses& responses);
+
 /// Mean of |H|²/variance over entries and over the lines up to `reach` away, per line.
 Eigen::VectorXd signal_to_noise(const FrequencyResponses& responses, Eigen::Index reach);
 

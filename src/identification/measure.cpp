@@ -19,8 +19,10 @@
 #include "hydrapod/base/text.hpp"
 #include "measure_hits.hpp"
 #include "names.hpp"
+#include "reading.hpp"
 #include "response_checks.hpp"
 #include "roving.hpp"
+#include "short_record.hpp"
 #include "spikes.hpp"
 #include "tones.hpp"
 #include "two_clocks.hpp"
@@ -30,245 +32,10 @@ namespace hydrapod::identification {
 
 namespace {
 
-std::int64_t settling_samples(const data::RecordSet& records, const MeasureOptions& options) {
-  return std::llround(options.settling * records.header().sample_rate);
-}
-
-/// [samples]; 0: the excitation does not repeat, or that does not count. `shortest`: samples of the
-/// shortest record, here and below.
-std::int64_t period_to_use(data::RecordSet& records, const Plan& plan,
-                           const MeasureOptions& options, std::int64_t shortest,
-                           Beginning& beginning) {
-  const double rate = records.header().sample_rate;
-  if (options.period && !(*options.period * rate <= static_cast<double>(shortest)))
-    base::refuse(records.files()[0],
-                 fmt::format("the period of {:g} s is longer than the record of {:g} s",
-                             *options.period, static_cast<double>(shortest) / rate));
-  const std::int64_t period = options.period ? std::llround(*options.period * rate)
-                              : options.block_length
-                                  ? 0
-                                  : excitation_period(records, plan.choice, beginning);
-  return period % 2 == 0 ? period : 2 * period;  // blocks have an even length
-}
-
-SpectrumOptions spectrum_options(data::RecordSet& records, const Plan& plan,
-                                 const MeasureOptions& options, std::int64_t shortest,
-                                 Beginning& beginning) {
-  SpectrumOptions o{.window = options.window};
-  if (options.overlap)
-    o.overlap = *options.overlap;
-  else if (options.window == Window::rectangular)
-    o.overlap = 0.0;
-  constexpr std::int64_t shortest_period = 8;
-  const auto period = period_to_use(records, plan, options, shortest, beginning);
-  o.periodic = period >= shortest_period;
-  if (o.periodic) {
-    o.block_length = static_cast<int>(period);
-    return o;
-  }
-  o.block_length = block_to_use(records, plan, options, shortest);
-  // then all samples weigh the same at every lag: a sweep is not cut into pieces
-  if (!options.overlap && o.window != Window::rectangular &&
-      plan.estimator == Estimator::instrumental &&
-      !fills_band(beginning.of(plan.choice.instruments[0]), o.block_length, options.filled))
-    o.overlap = 0.75;
-  return o;
-}
-
-}  // namespace
-
-/// How the records are read.
-struct Reading {
-  Plan plan{};  ///< of the channels that are used
-  SpectrumOptions spectrum{};
-  std::vector<std::size_t> used{};   ///< channels
-  std::int64_t settling{}, total{};  ///< samples
-  GapPlan gap_plan{};
-  std::shared_ptr<const GapModel> gaps{};   ///< none: samples are taken as they are
-  std::vector<Tone> tones{};                ///< that are subtracted
-  std::optional<ClockDifference> clocks{};  ///< by which outputs are corrected
-};
-
-namespace {
-
-/// `plan`: its choice becomes one of the channels that are used.
-Reading plan_reading(data::RecordSet& records, Plan& plan, const MeasureOptions& options,
-                     Beginning& beginning) {
-  Reading reading{.settling = settling_samples(records, options)};
-  auto shortest = std::numeric_limits<std::int64_t>::max();
-  for (std::size_t k = 0; k < records.files().size(); ++k) {
-    const std::int64_t count = records.count_samples(k);
-    shortest = std::min(shortest, count);
-    reading.total += count;
-  }
-  if (reading.settling > 0 && reading.settling >= shortest)
-    base::refuse(
-        records.files()[0],
-        fmt::format("{:g} s are left out as settling, and the record has {:g} s", options.settling,
-                    static_cast<double>(shortest) / records.header().sample_rate));
-  reading.spectrum = spectrum_options(records, plan, options, shortest, beginning);
-  reading.used = used_channels(plan.choice);
-  reading.plan = plan;
-  reading.spectrum.inputs =
-      plan.estimator == Estimator::instrumental ? plan.choice.instruments : plan.choice.inputs;
-  reading.gap_plan = {.channels = reading.used,
-                      .groups = groups_to_fill(plan.choice, plan.estimator),
-                      .draw = plan.estimator == Estimator::half_spectra,
-                      .settling = reading.settling,
-                      .block_length = reading.spectrum.block_length};
-  return reading;
-}
-
-struct Streamed {
-  std::int64_t samples{};
-  bool whole{};            ///< that is all
-  double unknown_share{};  ///< see GapFiller
-};
-
-/// Columns of the record.
-std::vector<Index> corrected_columns(const Reading& reading) {
-  std::vector<Index> columns;
-  for (const int o : reading.clocks->outputs)
-    columns.push_back(static_cast<Index>(reading.used[static_cast<std::size_t>(o)]));
-  return columns;
-}
-
-/// Looks for a second clock in records with inputs and outputs.
-void find_clocks(data::RecordSet& records, Reading& reading, Measurement& m) {
-  const auto& choice = reading.plan.choice;
-  if (reading.plan.estimator != Estimator::h1 || reading.spectrum.periodic) return;
-  reading.clocks = find_two_clocks(records, reading.used, choice, reading.settling);
-  if (!reading.clocks) return;
-  const auto name = [&](int c) {
-    return records.header().channels[reading.used[static_cast<std::size_t>(c)]].name;
-  };
-  m.responses.warnings.push_back({.kind = data::ResponseWarning::Kind::two_clocks,
-                                  .channel = name(reading.clocks->outputs.front()),
-                                  .other = name(choice.inputs.front()),
-                                  .value = reading.clocks->ratio,
-                                  .share = std::abs(reading.clocks->turn),
-                                  .count = std::ssize(reading.clocks->outputs),
-                                  .total = std::ssize(choice.outputs)});
-}
-
-/// add(samples) for all samples, filled where the reading says so, `estimator` being told where a
-/// record begins.
-template <class Add>
-Streamed stream(data::RecordSet& records, const Reading& reading,
-                const numerics::Progress& progress, SpectrumEstimator& estimator, const Add& add) {
-  std::int64_t samples = 0, of_record = 0;
-  std::optional<std::size_t> begun;
-  std::optional<GapFiller> filler;
-  std::optional<ClockCorrector> corrector;
-  if (reading.clocks)
-    corrector.emplace(corrected_columns(reading), records.header().sample_rate,
-                      reading.clocks->ratio, add);
-  const auto at_one_clock = [&](const Eigen::Ref<const data::Samples>& block) {
-    if (corrector)
-      corrector->add(block);
-    else
-      add(block);
-  };
-  const auto deliver = [&](const Eigen::Ref<const data::Samples>& block) {
-    if (reading.tones.empty()) {
-      at_one_clock(block);
-    } else {
-      data::Samples rest = block;
-      subtract_tones(reading.tones, reading.used, *begun, of_record, rest);
-      at_one_clock(rest);
-    }
-    of_record += block.rows();
-  };
-  if (reading.gaps) filler.emplace(*reading.gaps, deliver);
-  const bool whole =
-      records.stream([&](std::size_t file, const Eigen::Ref<const data::Samples>& block) {
-        if (begun != file) {
-          if (filler) filler->end_record();
-          if (corrector) corrector->end_record();
-          estimator.begin_record(reading.settling);
-          of_record = 0;
-        }
-        begun = file;
-        if (filler)
-          filler->add(block);
-        else
-          deliver(block);
-        samples += block.rows();
-        const auto total = static_cast<double>(std::max<std::int64_t>(reading.total, 1));
-        return !(progress && progress(static_cast<double>(samples) / total));
-      });
-  if (filler) filler->end_record();
-  if (corrector) corrector->end_record();
-  return {samples, whole, filler ? filler->unknown_share() : 0.0};
-}
-
-/// Reads all files into m.spectra.
-Streamed read_once(data::RecordSet& records, const Reading& reading,
-                   const numerics::Progress& progress, Measurement& m) {
-  SpectrumEstimator estimator(m.header, reading.spectrum, reading.used);
-  const auto streamed =
-      stream(records, reading, progress, estimator,
-             [&](const Eigen::Ref<const data::Samples>& block) { estimator.add(block); });
-  m.samples = streamed.samples;
-  m.interrupted = !streamed.whole;
-  m.notes = records.notes();
-  m.spectra = estimator.result();
-  return streamed;
-}
-
-/// Once more, without samples that stand still where they cannot.
-void read_without_held(data::RecordSet& records, const Reading& reading, Measurement& m) {
-  if (m.interrupted || !may_be_held(m.spectra)) return;
-  auto held = find_held(records, reading.used, reading.plan.choice);
-  if (held.stretches.empty()) return;
-  auto missing = records.taken_as_missing();  // spikes
-  missing.insert(missing.end(), held.stretches.begin(), held.stretches.end());
-  records.take_as_missing(std::move(missing));
-  read_once(records, reading, {}, m);
-  auto& warnings = m.responses.warnings;
-  warnings.insert(warnings.end(), held.warnings.begin(), held.warnings.end());
-}
-
-/// The same; where samples are missing they are filled, and it is said.
-void read_spectra(data::RecordSet& records, Reading& reading, const numerics::Progress& progress,
-                  Measurement& m) {
-  read_once(records, reading, progress, m);
-  read_without_held(records, reading, m);
-  if (!misses_samples(m.spectra) || reading.spectrum.periodic || m.interrupted) return;
-  const auto as_read = m.spectra;
-  reading.gaps = std::make_shared<GapModel>(records, reading.gap_plan);
-  const auto streamed = read_once(records, reading, {}, m);
-  m.spectra.health = as_read.health;
-  m.responses.warnings.push_back(warning_of_missing(as_read, streamed.unknown_share));
-}
-
 /// Periods with a missing sample are left out: where these are most, blocks that can be filled
 /// serve better than the periods, unless those were asked for.
 bool loses_periods(const CrossSpectra& spectra, const MeasureOptions& options) {
   return spectra.options.periodic && !options.period && spectra.blocks_left_out > spectra.blocks;
-}
-
-/// Finds tones in records whose spectra are known.
-std::vector<Tone> tones_in(data::RecordSet& records, const Reading& reading, const Plan& plan,
-                           const CrossSpectra& spectra) {
-  const auto& c = plan.choice;
-  return find_tones(records,
-                    {.channels = reading.used,
-                     .settling = reading.settling,
-                     .block = reading.spectrum.block_length,
-                     .periodic = reading.spectrum.periodic},
-                    spectra, plan.estimator == Estimator::instrumental ? c.instruments : c.inputs);
-}
-
-/// Reads once more, without the tones, where there are some.
-void subtract_found_tones(data::RecordSet& records, const Plan& plan, Reading& reading,
-                          Measurement& m) {
-  if (m.interrupted) return;
-  reading.tones = tones_in(records, reading, plan, m.spectra);
-  if (reading.tones.empty()) return;
-  const auto health = m.spectra.health;
-  read_once(records, reading, {}, m);
-  m.spectra.health = health;
 }
 
 /// What tones are called in the results: amplitudes of outputs and inputs, those of the platform
@@ -336,7 +103,15 @@ Attempt responses_without(const std::vector<Spike>& spikes, data::RecordSet& rec
   const bool is_suspicious = may_have_spikes(m.spectra);
   subtract_found_tones(records, plan, reading, m);
   auto harmonics = harmonics_of(reading.tones, plan.choice, options, m.spectra);
-  bring_outputs_to_platform(options, plan.choice, m);
+  const auto changes = bring_outputs_to_platform(options, plan.choice, m);
+  if (const auto blocks = too_few_blocks(records, reading, options); blocks && !m.interrupted) {
+    m.responses.harmonics = harmonics;
+    if (keep_short_record(records, reading, *blocks, changes, plan.choice, m)) {
+      m.choice = std::move(plan.choice);
+      m.reading = std::make_shared<const Reading>(std::move(reading));
+      return {std::move(m), is_suspicious};
+    }
+  }
   const auto earlier = std::move(m.responses.warnings);
   m.responses = responses_for_modes(m.spectra, plan.choice, plan.estimator);
   m.responses.harmonics = std::move(harmonics);
@@ -441,7 +216,9 @@ void read_groups(data::RecordSet& records, const Reading& reading, const Measure
       in_piece = 0;
     }
   };
-  stream(records, reading, progress, estimator, add);
+  stream_read(
+      records, reading, progress, [&](std::size_t) { estimator.begin_record(reading.settling); },
+      add);
   if (in_piece >= piece / 2) close();
 }
 
@@ -461,6 +238,8 @@ GroupedSpectra read_groups(data::RecordSet& records, const Reading& reading,
 const Reading& reading_of_blocks(const Measurement& measured) {
   if (measured.reading == nullptr)
     throw base::ComputationError("there are no blocks to resample: each record is a single hit");
+  if (measured.record != nullptr)
+    throw base::ComputationError("the record has too few blocks to resample");
   refuse_periods(*measured.reading);
   return *measured.reading;
 }

@@ -98,7 +98,7 @@ void fill(const FitSystem& system, const FitState& state, ModalModel& model) {
 /// Mean of |residual|²/variance, less the parameters.
 double misfit_of(const FitSystem& system, const FitState& state) {
   const Index modes = state.shared.poles.size();
-  const double numbers = static_cast<double>(system.lines() * system.outputs() * system.inputs());
+  const double numbers = static_cast<double>(system.lines()) * system.numbers_per_line();
   const double parameters = 0.5 * static_cast<double>(system.shared_count(modes) +
                                                       system.outputs() * system.own_count(modes));
   return state.cost / std::max(1.0, numbers - parameters);
@@ -144,6 +144,25 @@ class Prospect {
   int seen_{};
 };
 
+/// Σ over lines of |e U|² and |H U|², per output; e as FitState::residual.
+struct SeenPowers {
+  VectorXd rest, measured;
+};
+
+SeenPowers seen_in_record(const FrequencyResponses& r, const MatrixXcd& residual) {
+  const Index outputs = r.H[0].rows(), inputs = r.H[0].cols();
+  SeenPowers sum{VectorXd::Zero(outputs), VectorXd::Constant(outputs, 1e-300)};
+  for (std::size_t k = 0; k < r.lines(); ++k) {
+    const VectorXcd& U = r.excitation[k];
+    sum.measured += (r.H[k] * U).cwiseAbs2();
+    for (Index o = 0; o < outputs; ++o) {
+      const Complex seen = residual.row(static_cast<Index>(k)).segment(o * inputs, inputs) * U;
+      sum.rest[o] += std::norm(seen);
+    }
+  }
+  return sum;
+}
+
 /// Error of the synthesis and what each mode adds.
 void judge(const FitSystem& system, const FitState& state, const FrequencyResponses& responses,
            ModalModel& model) {
@@ -153,7 +172,12 @@ void judge(const FitSystem& system, const FitState& state, const FrequencyRespon
   // the error is seen in the responses themselves, each output in proportion to its own size
   const VectorXd size = row_sizes(responses);
   double off = 0.0, whole = 0.0;
-  for (Index o = 0; o < system.outputs(); ++o) {
+  if (!responses.excitation.empty()) {
+    const auto [rest, measured] = seen_in_record(responses, state.residual);
+    off = rest.cwiseQuotient(measured).sum();
+    whole = static_cast<double>(measured.size());
+  }
+  for (Index o = 0; o < system.outputs() && responses.excitation.empty(); ++o) {
     const Index p = system.inputs();
     off += state.residual.middleCols(o * p, p).squaredNorm() / (size[o] * size[o]);
     for (const auto& H : responses.H) whole += H.row(o).squaredNorm() / (size[o] * size[o]);

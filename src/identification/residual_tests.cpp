@@ -23,9 +23,10 @@ struct Residual {
   MatrixXcd white, plain, response;
 };
 
+/// Of a whole record a column per output, of responses one per output and input.
 Residual residual_columns(const FrequencyResponses& r, const ModalModel& model, bool taper) {
   const auto rest = residual_of(r, model, taper);
-  const Index outputs = r.H[0].rows(), inputs = r.H[0].cols();
+  const Index outputs = r.H[0].rows(), inputs = r.excitation.empty() ? r.H[0].cols() : 1;
   const auto lines = static_cast<Index>(r.lines());
   Residual all{MatrixXcd(lines, outputs * inputs), MatrixXcd(lines, outputs * inputs),
                MatrixXcd(lines, outputs * inputs)};
@@ -33,6 +34,15 @@ Residual residual_columns(const FrequencyResponses& r, const ModalModel& model, 
     for (Index o = 0; o < outputs; ++o)
       for (Index i = 0; i < inputs; ++i) {
         const auto at = static_cast<std::size_t>(k);
+        if (!r.excitation.empty()) {
+          const auto seen = [&](const FrequencyResponses& of) -> Complex {
+            return of.H[at].row(o) * r.excitation[at];
+          };
+          all.plain(k, o) = seen(rest);
+          all.white(k, o) = seen(rest) / std::sqrt(std::max(r.noise[at](o, o).real(), 1e-300));
+          all.response(k, o) = seen(r);
+          continue;
+        }
         const Complex e = rest.H[at](o, i);
         all.plain(k, o * inputs + i) = e;
         all.white(k, o * inputs + i) = e / std::sqrt(std::max(r.variance(at, o, i), 1e-300));
@@ -96,7 +106,7 @@ std::vector<Unexplained> unexplained_parts(const FrequencyResponses& r, const Mo
   const Index count = std::min<Index>(lines, asked.lines), step = std::max<Index>(1, count / 2);
   if (!r.has_errors() || model.modes.empty() || count <= 2 * lag) return found;
   const auto all = residual_columns(r, model, options.fit.taper);
-  const Index inputs = r.H[0].cols(), entries = all.white.cols();
+  const Index entries = all.white.cols(), inputs = entries / r.H[0].rows();
   std::vector<Index> starts;
   for (Index from = 0; from + count <= lines; from += step) starts.push_back(from);
   if (starts.back() + count < lines) starts.push_back(lines - count);

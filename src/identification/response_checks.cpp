@@ -186,7 +186,7 @@ void check_choice(const CrossSpectra& spectra, Estimator estimator,
     if (estimator == Estimator::h1 || estimator == Estimator::hv)
       drop_repeated_inputs(spectra, options, choice, warnings);
   }
-  check_counts(spectra, choice, estimator);
+  if (options.of_averages) check_counts(spectra, choice, estimator);
   const VectorXd rms = rms_of_all(spectra);
   warn_of_limits(spectra, rms, choice.inputs, warnings, options);
   warn_of_limits(spectra, rms, choice.outputs, warnings, options);

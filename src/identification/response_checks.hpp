@@ -27,6 +27,7 @@ struct ResponseCheckOptions {
   /// … or it begins above line lowest_lines of the spectra: the first ones are left out in any
   /// case.
   double lowest_lines{40.0};
+  bool of_averages{true};  ///< false: responses do not come from averages, which may be few
 };
 
 /// Responses without lines: channels, averages and warnings of the choice, which loses its dead

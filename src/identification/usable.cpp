@@ -119,6 +119,7 @@ FrequencyResponses lines_of(const FrequencyResponses& r, const std::vector<std::
   some.on_axis = picked(r.on_axis, lines);
   some.noise = picked(r.noise, lines);
   some.input_factor = picked(r.input_factor, lines);
+  some.excitation = picked(r.excitation, lines);
   some.coherence = picked(r.coherence, lines);
   some.multiple_coherence = picked(r.multiple_coherence, lines);
   some.condition = picked(r.condition, lines);

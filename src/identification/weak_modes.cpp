@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "fit_covariance.hpp"
+#include "hydrapod/numerics/dense.hpp"
 #include "hydrapod/numerics/statistics.hpp"
 #include "line_weights.hpp"
 
@@ -16,7 +17,7 @@ namespace {
 std::vector<Index> places(const FrequencyResponses& rest, const WeakModeOptions& options) {
   VectorXd value = signal_to_noise(rest, options.reach);
   const auto frequency = VectorXd::Map(rest.frequency.data(), value.size());
-  const double numbers = static_cast<double>(rest.H[0].size() * (2 * options.reach + 1));
+  const double numbers = numbers_per_line(rest) * static_cast<double>(2 * options.reach + 1);
   const double median = numerics::upper_median({value.begin(), value.end()});
   const double least = median * (1.0 + options.stands_out / std::sqrt(numbers)) + 1e-300;
   std::vector<Index> found;
@@ -92,12 +93,23 @@ std::vector<PoleEstimate> modes_in_residual(const FrequencyResponses& responses,
   const auto rest = residual_of(responses, model, taper);
   const auto g = PoleBasis(responses, taper).at(pole).g;
   MatrixXcd residue = MatrixXcd::Zero(rest.H[0].rows(), rest.H[0].cols());
+  MatrixXcd excited = MatrixXcd::Zero(residue.cols(), residue.cols());
   VectorXd outputs = VectorXd::Zero(residue.rows()), inputs = VectorXd::Zero(residue.cols());
   for (std::size_t k = 0; k < rest.lines(); ++k) {
     const double near = std::norm(g[static_cast<Index>(k)]);
-    residue += std::conj(g[static_cast<Index>(k)]) * rest.H[k];
+    if (rest.excitation.empty()) {
+      residue += std::conj(g[static_cast<Index>(k)]) * rest.H[k];
+    } else {
+      const VectorXcd& U = rest.excitation[k];
+      residue += std::conj(g[static_cast<Index>(k)]) * (rest.H[k] * U) * U.adjoint();
+      excited += near * U * U.adjoint();
+    }
     outputs += near * rest.noise[k].diagonal().real();
     inputs += near * rest.input_factor[k].diagonal().real();
+  }
+  if (!rest.excitation.empty()) {
+    excited.diagonal().array() += 1e-9 * excited.diagonal().real().mean();
+    residue = numerics::solve(excited, residue.adjoint()).adjoint();
   }
   const VectorXd row = outputs.cwiseMax(1e-300).cwiseSqrt(),
                  column = inputs.cwiseMax(1e-300).cwiseSqrt();

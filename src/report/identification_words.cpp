@@ -100,6 +100,14 @@ std::string two_clocks_text(const data::ResponseWarning& w) {
       w.value > 0.0 ? "later" : "earlier", 1e3 * w.share, w.count > 1 ? "they are" : "it is");
 }
 
+std::string short_text(const data::ResponseWarning& w) {
+  return fmt::format(
+      "the record is short: {:.4g} s hold {} of the {} blocks of {:.3g} s that averages need; "
+      "modes "
+      "are estimated from the whole record at once, by a parametric model of its spectra",
+      w.value, w.count, w.total, w.share);
+}
+
 std::string hits_text(const data::ResponseWarning& w) {
   std::string text;
   if (w.total <= w.count)
@@ -259,6 +267,8 @@ std::string warning_text(const data::ResponseWarning& w) {
           "makes them whose speed varies: this is no mode; the spectra from {:.4g} Hz to {:.4g} Hz "
           "are left out, and modes there cannot be found",
           w.value, 100.0 * w.share, w.lowest, w.highest);
+    case Kind::short_record:
+      return short_text(w);
   }
   return {};
 }
@@ -281,12 +291,12 @@ std::string warning_text(const identification::ModeWarning& w) {
           w.value);
     case Kind::unexplained:
       return fmt::format(
-          "the modal model does not explain {} of {} responses; the worst is {} to {} from {:.4g} "
+          "the modal model does not explain {} of {} responses; the worst is {}{} from {:.4g} "
           "Hz to {:.4g} Hz: the residual is {:.2g} times its noise (mean square), {:.0f} % of it "
           "goes on from line to line, and it is {:.2g} % of the response; a mode may be missing "
           "there, and the intervals of modes there cannot be trusted",
-          w.count, w.total, w.output, w.input, w.from, w.to, w.value,
-          100.0 * std::clamp(w.smooth, 0.0, 1.0), 100.0 * std::sqrt(w.share));
+          w.count, w.total, w.output, w.input.empty() ? "" : " to " + w.input, w.from, w.to,
+          w.value, 100.0 * std::clamp(w.smooth, 0.0, 1.0), 100.0 * std::sqrt(w.share));
     case Kind::wanders:
       return fmt::format(
           "the mode at {:.4g} Hz wanders: it is from {:.4g} Hz to {:.4g} Hz in the {} parts of the "

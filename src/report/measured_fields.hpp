@@ -76,6 +76,8 @@ inline const char* code(data::ResponseWarning::Kind kind) {
       return "exponential_window";
     case Kind::wandering_tone:
       return "wandering_tone";
+    case Kind::short_record:
+      return "short_record";
   }
   return nullptr;
 }

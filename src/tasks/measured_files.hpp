@@ -21,6 +21,12 @@ void add_warnings(const std::string& file, const std::vector<Warning>& found,
 
 void append(const Diagnostics& more, Diagnostics& all);
 
+/// Modes of what was measured. Responses of a record that is too short for any become those of the
+/// model that gave the modes.
+identification::Identification modes_of(Measured& measured,
+                                        const identification::IdentifyOptions& options,
+                                        const std::function<void(double)>& progress);
+
 /// The JSON in `path`, whose kind must be one of `kinds`.
 report::Json parsed_json(const std::string& path, const std::vector<std::string>& kinds);
 

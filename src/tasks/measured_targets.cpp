@@ -56,12 +56,12 @@ void look_into(const Measured& measured, observation::MeasuredAt& at) {
 }
 
 /// Targets of responses, by way of their modes.
-observation::Targets identified_targets(const Measured& measured, const std::string& path,
+observation::Targets identified_targets(Measured measured, const std::string& path,
                                         const Machine& machine, observation::MeasuredAt at,
                                         const Progress& progress, Diagnostics& warnings) {
   look_into(measured, at);
   append(measured.warnings, warnings);
-  const auto found = identification::identify_modes(measured.responses(), {}, [&](double share) {
+  const auto found = modes_of(measured, {}, [&](double share) {
     if (progress && progress(share)) throw base::ComputationError("interrupted");
   });
   add_warnings(path, found.warnings, warnings);
@@ -178,6 +178,7 @@ observation::Targets read_one(const MeasuredFile& file, const Machine& machine,
   }
   refuse_modal_results(path);
   MeasureOptions options{.files = {path}, .known = machine};
+  options.estimate.for_modes = true;
   options.known->pose = *find_pose(machine.file.machine, file.pose);
   options.p_PQ = at.point;
   return identified_targets(frf(options, progress), path, machine, at, progress, warnings);

@@ -256,7 +256,8 @@ void add_bootstrap(const IdentifyOptions& options, const Progress& progress, Ide
 void test_steadiness(const IdentifyOptions& options, const Progress& progress, Identified& found) {
   auto& measured = found.measured;
   if (!measured.records || options.measure.output_only || measured.measurement.interrupted ||
-      measured.measurement.spectra.options.periodic || found.modes.modes.empty())
+      measured.measurement.record != nullptr || measured.measurement.spectra.options.periodic ||
+      found.modes.modes.empty())
     return;
   bool stopped = false;
   try {
@@ -344,9 +345,20 @@ std::optional<observation::Observed> observed_in(const Measured& measured) {
                                                                : observation::Observed::system;
 }
 
+identification::Identification modes_of(Measured& measured,
+                                        const identification::IdentifyOptions& options,
+                                        const std::function<void(double)>& progress) {
+  auto& m = measured.measurement;
+  auto found = identification::identify_modes(m, options, progress);
+  if (m.record != nullptr) m.responses = found.responses;
+  return found;
+}
+
 Identified identify(const IdentifyOptions& options, const Progress& progress) {
   Identified found;
-  found.measured = frf(options.measure, numerics::part_of(progress, 0.0, 0.4));
+  auto measure = options.measure;
+  measure.estimate.for_modes = true;
+  found.measured = frf(measure, numerics::part_of(progress, 0.0, 0.4));
   const auto& file = options.measure.files.front();
   check_window(options, found.measured);
   auto& measurement = found.measured.measurement;
@@ -354,12 +366,11 @@ Identified identify(const IdentifyOptions& options, const Progress& progress) {
     auto& spectra = measurement.spectra;
     spectra.re = spectra.im = spectra.noise_re = spectra.noise_im = {};
   }
-  found.modes =
-      identification::identify_modes(found.measured.responses(), options.modes, [&](double share) {
-        // who has stopped the reading wants the modes of what was read
-        if (progress && progress(0.4 + 0.6 * share) && !measurement.interrupted)
-          throw base::ComputationError("interrupted");
-      });
+  found.modes = modes_of(found.measured, options.modes, [&](double share) {
+    // who has stopped the reading wants the modes of what was read
+    if (progress && progress(0.4 + 0.6 * share) && !measurement.interrupted)
+      throw base::ComputationError("interrupted");
+  });
   test_steadiness(options, progress, found);
   found.warnings = found.measured.warnings;
   add_warnings(file, found.modes.warnings, found.warnings);

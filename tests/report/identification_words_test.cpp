@@ -67,7 +67,8 @@ std::vector<data::ResponseWarning> response_warnings() {
            .value = 12.371,
            .share = 0.0083,
            .lowest = 12.16,
-           .highest = 12.59}};
+           .highest = 12.59},
+          {.kind = Kind::short_record, .value = 10.0, .share = 1.28, .count = 7, .total = 12}};
 }
 
 std::vector<identification::ModeWarning> mode_warnings() {

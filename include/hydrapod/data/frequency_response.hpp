@@ -164,8 +164,10 @@ struct ResponseWarning {
                  ///< value · t, in the end by `share` [s]; they are brought to its clock
     exponential_window,  ///< value: time constant [s] of the window that an analyser applied, whose
                          ///< damping is taken out; count: 1: the file says so
-    wandering_tone  ///< a vibration of constant amplitude at `value` [Hz] wanders by `share` of it
+    wandering_tone,  ///< a vibration of constant amplitude at `value` [Hz] wanders by `share` of it
                     ///< to either side; spectra from `lowest` to `highest` [Hz] are left out for it
+    short_record     ///< modes are those of the record in one piece: it has `value` [s], `count`
+                     ///< blocks of `share` [s] side by side, and averages need `total`
   };
   Kind kind{};
   std::string channel{}, other{};
@@ -206,6 +208,9 @@ struct FrequencyResponses {
   /// cov(H_oi, H_pj*) = noise(o, p) · input_factor(j, i). Empty: errors are not known.
   PerLine<Eigen::MatrixXcd> noise{};         ///< S_vv/K, outputs × outputs
   PerLine<Eigen::MatrixXcd> input_factor{};  ///< Q, inputs × inputs
+  /// Spectra U of a whole record, a number per input. Where they are given, H U alone is known at
+  /// a line, with the covariance `noise`; H is the smallest matrix that has it. No file holds them.
+  PerLine<Eigen::VectorXcd> excitation{};
   double degrees{};  ///< K − p: of freedom of the noise estimate; 0: not known
   /// E[e_k e*_{k+d}]/E|e_k|² of neighbouring lines, d = 0, 1, …
   std::vector<std::complex<double>> line_covariance{1.0};

@@ -240,6 +240,29 @@ struct ResidualTestOptions {
   double negligible{1e-3};
 };
 
+/// Records with few blocks (FewBlocks), in one piece: docs/theory/identification.md.
+struct RecordOptions {
+  double nyquist_room{0.8};  ///< of half the lower sample rate: the edge of the band costs an order
+  /// Lines on either side that the noise's density is a mean of: max(reach, reach_share · lines).
+  /// It is known to 1/√(2 reach + 1), and a mode takes the noise of the few lines that it is wide.
+  Eigen::Index reach{24};
+  double reach_share{0.125};
+  int rounds{4};             ///< of noise and parameters in turn; the third changes hardly anything
+  double first_noise{1e-4};  ///< E|V|² of the first fit by mean |Y|²: less than the residual
+  double audible_chance{0.01};  ///< that one of all windows of noise stands above it
+  OrderRange orders{2, 60, 2};  ///< of realisations
+  /// A tone, and no mode: decay within the record < tone_decays, and power that the inputs drive <
+  /// tone_driven · that of its transient. Noise makes it less, and of a mode it is as large.
+  double tone_decays{0.5}, tone_driven{0.1};
+  int most_tones{8};
+  SelectionOptions selection{.persistence = 0.3};  ///< few orders have all modes: many candidates
+  double fewest_periods{4.0};  ///< refused: duration · frequency of the lowest mode < this
+  double fewest_numbers{2.0};  ///< refused: numbers of an output < this · its parameters
+  /// Refused: the outputs' past explains > feedback of what the inputs' own does not, and more than
+  /// chance does once in 1/feedback_chance records.
+  double feedback{0.05}, feedback_chance{1e-4};
+};
+
 struct IdentifyOptions {
   std::optional<double> from{}, to{};  ///< band [Hz]; default: found as said above
   OrderRange orders{};
@@ -267,6 +290,7 @@ struct IdentifyOptions {
   double fewest_lines_wide{2.0};
   AssumedErrorOptions assumed_errors{};
   ResidualTestOptions residual_test{};
+  RecordOptions record{};
 };
 
 /// A response in a part of the band where the residual is more than noise.
@@ -328,13 +352,13 @@ struct LeftOut {
 /// What a user should know of identified modes; report::warning_text has the words.
 struct ModeWarning {
   enum class Kind {
-    no_mode,      ///< between `from` and `to` [Hz]
-    few_samples,  ///< value: samples per period of the highest mode
-    misfit,       ///< value: ModalModel::misfit
-    unexplained,  ///< value: Unexplained::level of the worst response, from `from` to `to`; of
-                  ///< `count` of `total` responses somewhere in the band
-    wanders,      ///< the mode at value [Hz], `from` … `to` in the `count` parts of the record;
-                  ///< its damping is higher by `share` than the mean of that of the parts
+    no_mode,       ///< between `from` and `to` [Hz]
+    few_samples,   ///< value: samples per period of the highest mode
+    misfit,        ///< value: ModalModel::misfit
+    unexplained,   ///< value: Unexplained::level of the worst response, from `from` to `to`; of
+                   ///< `count` of `total` responses somewhere in the band
+    wanders,       ///< the mode at value [Hz], `from` … `to` in the `count` parts of the record;
+                   ///< its damping is higher by `share` than the mean of that of the parts
     short_blocks,  ///< `count` of `total` modes; value: [s] of a block; the sharpest one: `from`
                    ///< its frequency, `to` its half-power bandwidth [Hz]
     peaks_above    ///< `count` peaks of the responses, the largest at value [Hz], above the band
@@ -369,6 +393,12 @@ struct Identification {
 /// base::ComputationError where there are too few frequencies.
 Identification identify_modes(const FrequencyResponses& responses,
                               const IdentifyOptions& options = {},
+                              const std::function<void(double)>& progress = {});
+
+/// The same; of records with few blocks from their samples, in one piece. Throws
+/// base::ComputationError where these are too few, and where the inputs are in a loop without
+/// instruments.
+Identification identify_modes(const Measurement& measurement, const IdentifyOptions& options = {},
                               const std::function<void(double)>& progress = {});
 
 /// H(iω) of responses at a + iω, which is what other programs expect: the difference is that of the

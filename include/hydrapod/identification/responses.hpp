@@ -289,6 +289,17 @@ struct BiasFinding {
 BiasFinding compare_responses(const FrequencyResponses& plain,
                               const FrequencyResponses& instrumental);
 
+/// Of which records the modes are estimated in one piece, see identify.hpp: those with
+///
+///     Σ over records of samples/block   <   fewest · max(4, inputs + 2)
+///
+/// for the block length that would be chosen. Block lengths are powers of two: with fewest > √2
+/// these are all records whose blocks had to be shorter than `short_block`. There the averages that
+/// the inputs and the noise's covariance take leave next to none.
+struct FewBlocks {
+  double fewest{1.5};
+};
+
 /// A machine at a pose: brings leg lengths to directions of the platform at Q.
 struct PlatformFrame {
   model::Machine machine{};
@@ -318,6 +329,10 @@ struct MeasureOptions {
   /// side, for p inputs, would be longer than the record: of short records, longer blocks are worth
   /// more than many averages.
   int short_block{1 << 12};
+  /// Modes are wanted: of records with few blocks, where no option says how to average them, the
+  /// samples are kept for identify_modes(Measurement), and responses are those of a model of them.
+  bool for_modes{};
+  FewBlocks few_blocks{};
   Window window{Window::hann};
   FilledBand filled{};  ///< what fills it less is averaged with an overlap of 3/4 in a loop
   std::optional<double> period{};  ///< [s] of the excitation; 0: not periodic; default: found out
@@ -327,8 +342,10 @@ struct MeasureOptions {
   std::optional<Eigen::MatrixXd> outputs_to_platform{};
 };
 
-/// What was found out about records to read them: period, gaps, tones. Private to the module.
+/// What was found out about records to read them: period, gaps, tones; and the samples of short
+/// ones. Private to the module.
 struct Reading;
+struct ShortRecord;
 
 struct Measurement {
   FrequencyResponses responses{};
@@ -340,7 +357,8 @@ struct Measurement {
   bool interrupted{};
   bool from_legs{};  ///< the responses were brought from leg lengths to the platform
   std::optional<BiasFinding> h1_against_instrument{};  ///< where both could be formed
-  std::shared_ptr<const Reading> reading{};  ///< by measure_responses; none: records of hits
+  std::shared_ptr<const Reading> reading{};     ///< by measure_responses; none: records of hits
+  std::shared_ptr<const ShortRecord> record{};  ///< of records with few blocks, for modes
 };
 
 /// The records are averaged together. Where `progress` asks to stop the rest is left

@@ -1,0 +1,34 @@
+#pragma once
+/// Steps of identify_modes() that records without blocks take as well. Private to the module.
+
+#include "hydrapod/identification/identify.hpp"
+
+namespace hydrapod::identification {
+
+/// Candidates that a fit has lost, where the residual asks for them again.
+void add_candidates(const IdentifyOptions& options, const std::vector<PoleCluster>& candidates,
+                    Identification& result);
+
+/// Modes that hide in the flank of a strong one: one, or a pair at once, of which one alone is no
+/// resonance.
+void add_hidden_modes(const IdentifyOptions& options, Identification& result);
+
+/// What lies far above the highest mode cannot tell of any mode, but of delays, valves and higher
+/// modes, for which the residual terms stand: it is left out.
+void leave_out_above(const IdentifyOptions& options, Identification& result);
+
+/// As many residual terms as the responses ask for.
+void settle_residuals(const IdentifyOptions& options, Identification& result);
+
+/// Those of the final model, which no trial needs.
+void add_shape_deviations(const IdentifyOptions& options, Identification& result);
+
+/// The modes of the final model, without heavily damped poles.
+void list_modes(const IdentifyOptions& options, Identification& result);
+
+/// Asks what noise explains, and tells the modes there.
+void test_residual(const IdentifyOptions& options, Identification& result);
+
+void add_warnings(const IdentifyOptions& options, Identification& result);
+
+}  // namespace hydrapod::identification

@@ -1,0 +1,232 @@
+#include "reading.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "block_length.hpp"
+#include "groups.hpp"
+#include "held.hpp"
+#include "hydrapod/base/error.hpp"
+#include "names.hpp"
+
+namespace hydrapod::identification {
+
+namespace {
+
+/// [samples]; 0: the excitation does not repeat, or that does not count. `shortest`: samples of the
+/// shortest record, here and below.
+std::int64_t period_to_use(data::RecordSet& records, const Plan& plan,
+                           const MeasureOptions& options, std::int64_t shortest,
+                           Beginning& beginning) {
+  const double rate = records.header().sample_rate;
+  if (options.period && !(*options.period * rate <= static_cast<double>(shortest)))
+    base::refuse(records.files()[0],
+                 fmt::format("the period of {:g} s is longer than the record of {:g} s",
+                             *options.period, static_cast<double>(shortest) / rate));
+  const std::int64_t period = options.period ? std::llround(*options.period * rate)
+                              : options.block_length
+                                  ? 0
+                                  : excitation_period(records, plan.choice, beginning);
+  return period % 2 == 0 ? period : 2 * period;  // blocks have an even length
+}
+
+SpectrumOptions spectrum_options(data::RecordSet& records, const Plan& plan,
+                                 const MeasureOptions& options, std::int64_t shortest,
+                                 Beginning& beginning) {
+  SpectrumOptions o{.window = options.window};
+  if (options.overlap)
+    o.overlap = *options.overlap;
+  else if (options.window == Window::rectangular)
+    o.overlap = 0.0;
+  constexpr std::int64_t shortest_period = 8;
+  const auto period = period_to_use(records, plan, options, shortest, beginning);
+  o.periodic = period >= shortest_period;
+  if (o.periodic) {
+    o.block_length = static_cast<int>(period);
+    return o;
+  }
+  o.block_length = block_to_use(records, plan, options, shortest);
+  // then all samples weigh the same at every lag: a sweep is not cut into pieces
+  if (!options.overlap && o.window != Window::rectangular &&
+      plan.estimator == Estimator::instrumental &&
+      !fills_band(beginning.of(plan.choice.instruments[0]), o.block_length, options.filled))
+    o.overlap = 0.75;
+  return o;
+}
+
+/// Columns of the record.
+std::vector<Index> corrected_columns(const Reading& reading) {
+  std::vector<Index> columns;
+  for (const int o : reading.clocks->outputs)
+    columns.push_back(static_cast<Index>(reading.used[static_cast<std::size_t>(o)]));
+  return columns;
+}
+
+}  // namespace
+
+std::int64_t settling_samples(const data::RecordSet& records, const MeasureOptions& options) {
+  return std::llround(options.settling * records.header().sample_rate);
+}
+
+Reading plan_reading(data::RecordSet& records, Plan& plan, const MeasureOptions& options,
+                     Beginning& beginning) {
+  Reading reading{.settling = settling_samples(records, options)};
+  auto shortest = std::numeric_limits<std::int64_t>::max();
+  for (std::size_t k = 0; k < records.files().size(); ++k) {
+    const std::int64_t count = records.count_samples(k);
+    shortest = std::min(shortest, count);
+    reading.total += count;
+  }
+  if (reading.settling > 0 && reading.settling >= shortest)
+    base::refuse(
+        records.files()[0],
+        fmt::format("{:g} s are left out as settling, and the record has {:g} s", options.settling,
+                    static_cast<double>(shortest) / records.header().sample_rate));
+  reading.spectrum = spectrum_options(records, plan, options, shortest, beginning);
+  reading.used = used_channels(plan.choice);
+  reading.plan = plan;
+  reading.spectrum.inputs =
+      plan.estimator == Estimator::instrumental ? plan.choice.instruments : plan.choice.inputs;
+  reading.gap_plan = {.channels = reading.used,
+                      .groups = groups_to_fill(plan.choice, plan.estimator),
+                      .draw = plan.estimator == Estimator::half_spectra,
+                      .settling = reading.settling,
+                      .block_length = reading.spectrum.block_length};
+  return reading;
+}
+
+void find_clocks(data::RecordSet& records, Reading& reading, Measurement& m) {
+  const auto& choice = reading.plan.choice;
+  if (reading.plan.estimator != Estimator::h1 || reading.spectrum.periodic) return;
+  reading.clocks = find_two_clocks(records, reading.used, choice, reading.settling);
+  if (!reading.clocks) return;
+  const auto name = [&](int c) {
+    return records.header().channels[reading.used[static_cast<std::size_t>(c)]].name;
+  };
+  m.responses.warnings.push_back({.kind = data::ResponseWarning::Kind::two_clocks,
+                                  .channel = name(reading.clocks->outputs.front()),
+                                  .other = name(choice.inputs.front()),
+                                  .value = reading.clocks->ratio,
+                                  .share = std::abs(reading.clocks->turn),
+                                  .count = std::ssize(reading.clocks->outputs),
+                                  .total = std::ssize(choice.outputs)});
+}
+
+Streamed stream_read(data::RecordSet& records, const Reading& reading,
+                     const numerics::Progress& progress,
+                     const std::function<void(std::size_t)>& begin,
+                     const std::function<void(const Eigen::Ref<const data::Samples>&)>& add) {
+  std::int64_t samples = 0, of_record = 0;
+  std::optional<std::size_t> begun;
+  std::optional<GapFiller> filler;
+  std::optional<ClockCorrector> corrector;
+  if (reading.clocks)
+    corrector.emplace(corrected_columns(reading), records.header().sample_rate,
+                      reading.clocks->ratio, add);
+  const auto at_one_clock = [&](const Eigen::Ref<const data::Samples>& block) {
+    if (corrector)
+      corrector->add(block);
+    else
+      add(block);
+  };
+  const auto deliver = [&](const Eigen::Ref<const data::Samples>& block) {
+    if (reading.tones.empty()) {
+      at_one_clock(block);
+    } else {
+      data::Samples rest = block;
+      subtract_tones(reading.tones, reading.used, *begun, of_record, rest);
+      at_one_clock(rest);
+    }
+    of_record += block.rows();
+  };
+  if (reading.gaps) filler.emplace(*reading.gaps, deliver);
+  const bool whole =
+      records.stream([&](std::size_t file, const Eigen::Ref<const data::Samples>& block) {
+        if (begun != file) {
+          if (filler) filler->end_record();
+          if (corrector) corrector->end_record();
+          begin(file);
+          of_record = 0;
+        }
+        begun = file;
+        if (filler)
+          filler->add(block);
+        else
+          deliver(block);
+        samples += block.rows();
+        const auto total = static_cast<double>(std::max<std::int64_t>(reading.total, 1));
+        return !(progress && progress(static_cast<double>(samples) / total));
+      });
+  if (filler) filler->end_record();
+  if (corrector) corrector->end_record();
+  return {samples, whole, filler ? filler->unknown_share() : 0.0};
+}
+
+namespace {
+
+/// Reads all files into m.spectra.
+Streamed read_once(data::RecordSet& records, const Reading& reading,
+                   const numerics::Progress& progress, Measurement& m) {
+  SpectrumEstimator estimator(m.header, reading.spectrum, reading.used);
+  const auto streamed = stream_read(
+      records, reading, progress, [&](std::size_t) { estimator.begin_record(reading.settling); },
+      [&](const Eigen::Ref<const data::Samples>& block) { estimator.add(block); });
+  m.samples = streamed.samples;
+  m.interrupted = !streamed.whole;
+  m.notes = records.notes();
+  m.spectra = estimator.result();
+  return streamed;
+}
+
+/// Once more, without samples that stand still where they cannot.
+void read_without_held(data::RecordSet& records, const Reading& reading, Measurement& m) {
+  if (m.interrupted || !may_be_held(m.spectra)) return;
+  auto held = find_held(records, reading.used, reading.plan.choice);
+  if (held.stretches.empty()) return;
+  auto missing = records.taken_as_missing();  // spikes
+  missing.insert(missing.end(), held.stretches.begin(), held.stretches.end());
+  records.take_as_missing(std::move(missing));
+  read_once(records, reading, {}, m);
+  auto& warnings = m.responses.warnings;
+  warnings.insert(warnings.end(), held.warnings.begin(), held.warnings.end());
+}
+
+}  // namespace
+
+void read_spectra(data::RecordSet& records, Reading& reading, const numerics::Progress& progress,
+                  Measurement& m) {
+  read_once(records, reading, progress, m);
+  read_without_held(records, reading, m);
+  if (!misses_samples(m.spectra) || reading.spectrum.periodic || m.interrupted) return;
+  const auto as_read = m.spectra;
+  reading.gaps = std::make_shared<GapModel>(records, reading.gap_plan);
+  const auto streamed = read_once(records, reading, {}, m);
+  m.spectra.health = as_read.health;
+  m.responses.warnings.push_back(warning_of_missing(as_read, streamed.unknown_share));
+}
+
+std::vector<Tone> tones_in(data::RecordSet& records, const Reading& reading, const Plan& plan,
+                           const CrossSpectra& spectra) {
+  const auto& c = plan.choice;
+  return find_tones(records,
+                    {.channels = reading.used,
+                     .settling = reading.settling,
+                     .block = reading.spectrum.block_length,
+                     .periodic = reading.spectrum.periodic},
+                    spectra, plan.estimator == Estimator::instrumental ? c.instruments : c.inputs);
+}
+
+void subtract_found_tones(data::RecordSet& records, const Plan& plan, Reading& reading,
+                          Measurement& m) {
+  if (m.interrupted) return;
+  reading.tones = tones_in(records, reading, plan, m.spectra);
+  if (reading.tones.empty()) return;
+  const auto health = m.spectra.health;
+  read_once(records, reading, {}, m);
+  m.spectra.health = health;
+}
+
+}  // namespace hydrapod::identification

@@ -1,0 +1,67 @@
+#pragma once
+/// How records are read: what is missing in them filled, tones subtracted, channels at one clock.
+/// Private to the module.
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "beginning.hpp"
+#include "channel_plan.hpp"
+#include "gaps.hpp"
+#include "hydrapod/identification/responses.hpp"
+#include "tones.hpp"
+#include "two_clocks.hpp"
+
+namespace hydrapod::identification {
+
+/// How the records are read.
+struct Reading {
+  Plan plan{};  ///< of the channels that are used
+  SpectrumOptions spectrum{};
+  std::vector<std::size_t> used{};   ///< channels
+  std::int64_t settling{}, total{};  ///< samples
+  GapPlan gap_plan{};
+  std::shared_ptr<const GapModel> gaps{};   ///< none: samples are taken as they are
+  std::vector<Tone> tones{};                ///< that are subtracted
+  std::optional<ClockDifference> clocks{};  ///< by which outputs are corrected
+};
+
+struct Streamed {
+  std::int64_t samples{};
+  bool whole{};            ///< that is all
+  double unknown_share{};  ///< see GapFiller
+};
+
+[[nodiscard]] std::int64_t settling_samples(const data::RecordSet& records,
+                                            const MeasureOptions& options);
+
+/// `plan`: its choice becomes one of the channels that are used.
+Reading plan_reading(data::RecordSet& records, Plan& plan, const MeasureOptions& options,
+                     Beginning& beginning);
+
+/// Looks for a second clock in records with inputs and outputs.
+void find_clocks(data::RecordSet& records, Reading& reading, Measurement& m);
+
+/// begin(file) where a record begins, add(samples) for all its samples, all channels, filled and
+/// without tones where the reading says so.
+Streamed stream_read(data::RecordSet& records, const Reading& reading,
+                     const numerics::Progress& progress,
+                     const std::function<void(std::size_t)>& begin,
+                     const std::function<void(const Eigen::Ref<const data::Samples>&)>& add);
+
+/// Reads all files into m.spectra. Where samples are missing they are filled, and it is said.
+void read_spectra(data::RecordSet& records, Reading& reading, const numerics::Progress& progress,
+                  Measurement& m);
+
+/// Finds tones in records whose spectra are known.
+std::vector<Tone> tones_in(data::RecordSet& records, const Reading& reading, const Plan& plan,
+                           const CrossSpectra& spectra);
+
+/// Reads once more, without the tones, where there are some.
+void subtract_found_tones(data::RecordSet& records, const Plan& plan, Reading& reading,
+                          Measurement& m);
+
+}  // namespace hydrapod::identification
