@@ -47,6 +47,7 @@ class ExponentialMethod : public MethodBase {
     statistics_ = {};
     step_ = 0.0;
     begun_ = false;
+    tries_ = 0;
     watch_.start(problem_.plant, x);
   }
   /// Of the rates at the state now, the command changes those of the spools alone.
@@ -58,9 +59,13 @@ class ExponentialMethod : public MethodBase {
   }
 
   Step advance(double time, double to, Eigen::VectorXd& x) override {
-    const double began = time;
-    for (long tries = 0; time < to; ++tries) {
-      if (tries > most_tries(to - began)) return too_many(began, time, to, tries);
+    if (tries_ == 0 || to != to_) {  // else it goes on after an event
+      tries_ = 0;
+      began_ = time;
+      to_ = to;
+    }
+    while (time < to) {
+      if (++tries_ > most_tries(to - began_)) return too_many(time);
       if (!begun_ && !(begun_ = rate(x, 0))) return failed(time, x, "there is no derivative");
       if (step_ == 0.0) step_ = first_step(x, to - time);
       const double parts = std::max(1.0, std::ceil((to - time) / allowed_step() * (1.0 - 1e-9)));
@@ -90,11 +95,11 @@ class ExponentialMethod : public MethodBase {
     step.attempted = at;
     return step;
   }
-  static Step too_many(double began, double time, double to, long tries) {
-    const double mean = (time - began) / static_cast<double>(tries);
+  [[nodiscard]] Step too_many(double time) const {
+    const double mean = (time - began_) / static_cast<double>(tries_), interval = to_ - began_;
     return {.end = Step::End::failed,
             .time = time,
-            .message = too_many_steps(mean, to - began, most_tries(to - began))};
+            .message = too_many_steps(mean, interval, most_tries(interval))};
   }
   /// The fastest machine that is let through at rest takes a step of 2 µs (stiffness.cpp), a
   /// quarter of these.
@@ -182,7 +187,9 @@ class ExponentialMethod : public MethodBase {
   Eigen::VectorXd absolute_{}, weight_{}, without_spools_{}, y_{}, error_{};
   std::array<Eigen::VectorXd, stages> rates_{};
   double step_{};
-  bool begun_{};  ///< the first of the rates are those of the state now
+  long tries_{};           ///< between two samples, in all calls up to the next event
+  double began_{}, to_{};  ///< these two samples
+  bool begun_{};           ///< the first of the rates are those of the state now
   Vector6 wrench_{Vector6::Zero()}, axial_{Vector6::Zero()};
   EventWatch watch_{};
 };
