@@ -144,7 +144,10 @@ TEST(ShortRecords, SeveralAreBetterThanOne) {
     };
     ratio += knows(both) / (knows(one) + knows(other)) / 6.0;
   }
-  EXPECT_NEAR(ratio, 1.0, 0.15);
+  // what each tells of a frequency is less where it must tell shapes and residual terms too: both
+  // together tell more than the sum, by a part of what these take
+  EXPECT_GT(ratio, 0.9);
+  EXPECT_LT(ratio, 1.6);
 }
 
 TEST(ShortRecords, LowModesAtAHighRateAreFound) {
@@ -202,9 +205,23 @@ void expect_refused(const data::Record& record, const char* reason) {
 TEST(ShortRecords, WhatIsFarTooShortIsRefused) {
   const auto one = row_of_masses(Eigen::VectorXd::Constant(1, 1.37), Eigen::Vector2d(410.0, 290.0),
                                  Eigen::Vector2d(0.31, 0.29), {0});  // 3.6 Hz
-  expect_refused(short_record(one, {.duration = 1.0, .noise = 0.001}, 14),
-                 "periods of a mode at 3.");
+  expect_refused(short_record(one, {.duration = 1.0, .noise = 0.001}, 14), "too short");
   expect_refused(short_record(five_masses(), {.duration = 0.2}, 14), "too short");
+}
+
+/// 10 s are 32.4 periods of the lowest mode.
+TEST(ShortRecords, ARecordOfTooFewPeriodsIsRefused) {
+  const auto kept = identified_record({short_record(five_masses(), {}, 18)});
+  IdentifyOptions options;
+  options.record.fewest_periods = 32.0;
+  EXPECT_EQ(identify_modes(kept.measured, options).modes.size(), 5U);
+  options.record.fewest_periods = 33.0;
+  try {
+    identify_modes(kept.measured, options);
+    FAIL() << "it was not refused";
+  } catch (const base::ComputationError& error) {
+    EXPECT_THAT(error.what(), HasSubstr("32.4 periods of a mode at 3.24 Hz, and 33 are needed"));
+  }
 }
 
 /// Where the modes do not show, none is listed.
