@@ -62,6 +62,12 @@ identification::MeasureOptions estimate_options(const MeasurementArguments& a) {
                              *a.overlap));
   if (a.overlap) o.overlap = *a.overlap / 100.0;
   o.period = optional_quantity("--period", a.period, "s", "a time");
+  o.whole_record = a.whole_record;
+  if (a.whole_record && (a.block || a.overlap || !a.period.empty() || estimator > 0 ||
+                         o.window != identification::Window::hann))
+    base::refuse(
+        "--whole-record",
+        "takes no blocks: leave --block, --overlap, --window, --estimator and --period out");
   o.settling = optional_quantity("--settling", a.settling, "s", "a time").value_or(0.0);
   return o;
 }
@@ -90,6 +96,8 @@ void add_measurement_options(Command command, MeasurementArguments& a) {
        {"--estimator", a.estimator,
         "auto, h1, h2, hv or iv (instrumental, for inputs in a closed loop)"},
        {"--block", a.block, "Samples per block; default: from the record's length"},
+       {"--whole-record", a.whole_record,
+        "Modes of a short record, without a loop, from the whole record at once instead of blocks"},
        {"--overlap", a.overlap, "Overlap of blocks in per cent; default: 50"},
        {"--window", a.window, "hann, rectangular, hamming, blackman-harris or flat-top"},
        {"--period", a.period,

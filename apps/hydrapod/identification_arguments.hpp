@@ -14,7 +14,7 @@ namespace hydrapod::cli {
 struct MeasurementArguments {
   std::vector<std::string> files{};
   std::string inputs{}, outputs{}, instruments{};  ///< names with commas
-  bool from_drive{}, from_excitation{};
+  bool from_drive{}, from_excitation{}, whole_record{};
   bool accelerometers{};               ///< as outputs, brought to the platform
   std::vector<std::string> sensors{};  ///< "NAME, at=X Y Z, along=z" where the record says nothing
   std::string estimator{"auto"};

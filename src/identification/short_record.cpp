@@ -154,8 +154,9 @@ void refuse_feedback(const ShortRecord& record, const RecordOptions& options) {
   throw base::ComputationError(fmt::format(
       "the record is short, and its inputs follow its outputs (what they did before explains "
       "{:.0f} "
-      "% of what the inputs' own past does not): in a loop, modes need the excitations as "
-      "instruments; name them with --instruments, or record longer",
+      "% of what the inputs' own past does not): in a loop, modes are not "
+      "estimated from the whole record at once; leave --whole-record out, name the excitations "
+      "with --instruments, and record longer",
       100.0 * f.share));
 }
 
@@ -192,14 +193,19 @@ std::optional<BlockCount> too_few_blocks(const data::RecordSet& records, const R
   const auto& plan = reading.plan;
   const bool asked = options.block_length || options.overlap || options.estimator ||
                      options.period || options.window != Window::hann;
-  if (!options.for_modes || asked || reading.spectrum.periodic ||
+  if (!options.for_modes || !options.whole_record || asked || reading.spectrum.periodic ||
       (plan.estimator != Estimator::h1 && plan.estimator != Estimator::instrumental))
     return {};
   const auto left = static_cast<double>(
       reading.total - reading.settling * static_cast<std::int64_t>(records.files().size()));
   const BlockCount blocks{left / static_cast<double>(reading.spectrum.block_length),
                           options.few_blocks.fewest * fewest_blocks(plan.choice.inputs.size())};
-  return blocks.fit < blocks.needed ? std::optional(blocks) : std::nullopt;
+  if (blocks.fit >= blocks.needed) return {};
+  if (plan.estimator == Estimator::instrumental)
+    throw base::ComputationError(
+        "modes in a loop are not estimated from the whole record at once: intervals would be too "
+        "narrow; leave --whole-record out, or record longer");
+  return blocks;
 }
 
 bool keep_short_record(data::RecordSet& records, const Reading& reading, const BlockCount& blocks,

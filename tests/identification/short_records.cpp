@@ -121,7 +121,7 @@ data::Record short_record(const test::ModalSystem& system, const ShortRecordCase
 ShortResult identified_record(const std::vector<data::Record>& records,
                               const MeasureOptions& options) {
   auto own = options;
-  own.for_modes = true;
+  own.for_modes = own.whole_record = true;
   ShortResult result{.measured = measured(records, own), .found = {}};
   result.found = identify_modes(result.measured);
   return result;

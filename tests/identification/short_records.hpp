@@ -36,7 +36,7 @@ struct ShortResult {
   Identification found{};
 };
 
-/// As `hydrapod identify` does it, without any option.
+/// As `hydrapod identify --whole-record` does it, without any other option.
 ShortResult identified_record(const std::vector<data::Record>& records,
                               const MeasureOptions& options = {});
 

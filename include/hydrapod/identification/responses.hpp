@@ -289,7 +289,8 @@ struct BiasFinding {
 BiasFinding compare_responses(const FrequencyResponses& plain,
                               const FrequencyResponses& instrumental);
 
-/// Of which records the modes are estimated in one piece, see identify.hpp: those with
+/// With MeasureOptions::whole_record, of which records the modes are estimated in one piece, see
+/// identify.hpp: those with
 ///
 ///     Σ over records of samples/block   <   fewest · max(4, inputs + 2)
 ///
@@ -332,6 +333,8 @@ struct MeasureOptions {
   /// Modes are wanted: of records with few blocks, where no option says how to average them, the
   /// samples are kept for identify_modes(Measurement), and responses are those of a model of them.
   bool for_modes{};
+  /// Modes of short records (FewBlocks) from the whole record at once. Not in a loop.
+  bool whole_record{};
   FewBlocks few_blocks{};
   Window window{Window::hann};
   FilledBand filled{};  ///< what fills it less is averaged with an overlap of 3/4 in a loop
