@@ -48,15 +48,6 @@ int rigid_counterpart(const ModelVector& momentum, const NormalModes& rigid) {
   return best;
 }
 
-/// Rows of M φ that the rigid model has too.
-ModelVector outer_momentum(const LinearModel& flexible, const ModelVector& phi) {
-  const int base = flexible.base_count();
-  ModelVector momentum(6 + base);
-  momentum.head<6>() = flexible.M.topRows<6>() * phi;
-  momentum.tail(base) = flexible.M.bottomRows(base) * phi;
-  return momentum;
-}
-
 /// Pairs (nominal, mode) in falling order of MAC, one to one. φ_n is normalised in the nominal mass
 /// matrix, φ in that of the sample: both enter the denominator.
 struct Followed {
@@ -122,32 +113,6 @@ Followed follow(const Nominal& nominal, const LinearModel& model, const NormalMo
   return result;
 }
 
-void lowest_mode(const LinearModel& flexible, const NormalModes& modes, const NormalModes& rigid,
-                 std::span<double> outputs) {
-  int k = 0;
-  while (k < modes.size() && platform_share(flexible, modes, k) < modal::local_mode_energy) ++k;
-  if (k == modes.size()) return;
-  outputs[Layout::lowest] = hertz(modes.omega(k));
-  const spatial::Vector6 phi = modes.shapes.col(k).head<6>();
-  int main = 0;
-  (phi.array() * (flexible.platform_mass * phi).array()).maxCoeff(&main);
-  outputs[Layout::direction] = main + 1;
-  outputs[Layout::drop] =
-      1.0 - modes.omega(k) / rigid.omega(rigid_counterpart(
-                                 outer_momentum(flexible, modes.shapes.col(k)), rigid));
-}
-
-void resonances(const NormalModes& modes, const NormalModes& rigid, double share,
-                std::span<double> outputs) {
-  for (int d = 0; d < 6; ++d) {
-    const int k = first_resonance(modes, d, share), r = first_resonance(rigid, d, share);
-    if (k < 0 || r < 0) continue;
-    outputs[static_cast<std::size_t>(Layout::resonance + d)] = hertz(modes.omega(k));
-    outputs[static_cast<std::size_t>(Layout::resonance_drop + d)] =
-        1.0 - modes.omega(k) / rigid.omega(r);
-  }
-}
-
 }  // namespace
 
 std::vector<Column> columns_of(const Kept& kept) {
@@ -197,8 +162,16 @@ Nominal nominal_of(const model::Machine& machine, const MachineOptions& options)
 void outputs_of(const Kept& kept, const LinearModel& flexible, const NormalModes& modes,
                 const NormalModes& rigid, std::span<double> outputs) {
   if (modes.omega2[0] <= 0.0) return set(outputs, Status::buckled);
-  lowest_mode(flexible, modes, rigid, outputs);
-  resonances(modes, rigid, kept.options.resonance_share, outputs);
+  const auto found = modal::resonances(flexible, modes, rigid, kept.options.resonance_share);
+  if (found.direction >= 0) {
+    outputs[Layout::lowest] = hertz(found.lowest);
+    outputs[Layout::direction] = found.direction + 1;
+    outputs[Layout::drop] = found.drop;
+  }
+  for (int d = 0; d < platform_rows; ++d) {
+    outputs[static_cast<std::size_t>(Layout::resonance + d)] = hertz(found.first[d]);
+    outputs[static_cast<std::size_t>(Layout::resonance_drop + d)] = found.drops[d];
+  }
   const auto followed = follow(kept.nominal, flexible, modes);
   outputs[Layout::mac] = followed.least_mac;
   for (std::size_t k = 0; k < followed.mode.size(); ++k)

@@ -22,19 +22,6 @@ using dynamics::LinearModel;
 using dynamics::ModelKind;
 using dynamics::NormalModes;
 
-/// Least stroke left in either direction; NaN for legs without a stroke.
-double stroke_left(const model::Machine& machine, const spatial::Pose& X_BP) {
-  const spatial::Vector6 lengths = kinematics::leg_lengths(machine, X_BP);
-  double least = missing;
-  for (int i = 0; i < model::leg_count; ++i) {
-    const auto& leg = machine.legs[static_cast<std::size_t>(i)];
-    if (!leg.stroke) continue;
-    const double inwards = lengths[i] - leg.rod.length - leg.stroke->retracted;
-    least = std::fmin(least, std::min(inwards, leg.stroke->length - inwards));
-  }
-  return least;
-}
-
 bool has_error(const std::vector<model::Finding>& findings) {
   return std::ranges::any_of(
       findings, [](const auto& finding) { return finding.severity == base::Severity::error; });
@@ -176,7 +163,7 @@ class Evaluation {
     if (!checked_ || !(now == *checked_)) {
       reached_ = !has_error(kinematics::check_pose(machine_, X_BP, ""));
       if (reached_) condition_ = kinematics::pose_quality(machine_, X_BP).condition;
-      stroke_left_ = stroke_left(machine_, X_BP);
+      stroke_left_ = kinematics::stroke_left(machine_, X_BP);
       checked_ = now;
     }
     return reached_ ? Status::computed : Status::out_of_reach;
