@@ -38,8 +38,7 @@ bool is_heard(const MatrixXcd& U, const MatrixXcd& Y, double least) {
 std::optional<double> audible_end(const Signals& signals, double chance) {
   std::optional<double> end;
   for (const auto& piece : signals.pieces) {
-    const auto& given = piece.instruments.cols() > 0 ? piece.instruments : piece.inputs;
-    const MatrixXcd U = lines_of(given), Y = lines_of(piece.outputs);
+    const MatrixXcd U = lines_of(piece.inputs), Y = lines_of(piece.outputs);
     const Index p = U.cols(), w = 2 * (p + 1) + 6, step = w / 2, lines = Y.rows() - 1;
     const double spacing =
         signals.sample_rate / static_cast<double>(good_length(piece.outputs.rows()));

@@ -20,17 +20,14 @@ constexpr double least_noise = 1e-14;
 
 /// Constant spectrum of what rings: about as large as the inputs.
 double transient_size(const RecordLines& lines) {
-  return std::max(
-      std::sqrt(lines.explained.squaredNorm() / static_cast<double>(lines.explained.size())),
-      1e-300);
+  return std::max(std::sqrt(lines.U.squaredNorm() / static_cast<double>(lines.U.size())), 1e-300);
 }
 
-/// (Û or U, the transients' inputs) at a line.
-VectorXcd excitation_at(const RecordLines& lines, const MatrixXcd& inputs, Index line,
-                        double transient) {
-  VectorXcd all = VectorXcd::Zero(inputs.cols() + lines.records);
-  all.head(inputs.cols()) = inputs.row(line).transpose();
-  all[inputs.cols() + lines.record[static_cast<std::size_t>(line)]] = transient;
+/// (U, the transients' inputs) at a line.
+VectorXcd excitation_at(const RecordLines& lines, Index line, double transient) {
+  VectorXcd all = VectorXcd::Zero(lines.U.cols() + lines.records);
+  all.head(lines.U.cols()) = lines.U.row(line).transpose();
+  all[lines.U.cols() + lines.record[static_cast<std::size_t>(line)]] = transient;
   return all;
 }
 
@@ -139,20 +136,8 @@ MatrixXcd residual_in(const RecordLines& lines, const std::vector<MatrixXcd>& H)
   const double transient = transient_size(lines);
   MatrixXcd V = lines.Y;
   for (Index k = 0; k < V.rows(); ++k)
-    V.row(k) -=
-        (H[static_cast<std::size_t>(k)] * excitation_at(lines, lines.U, k, transient)).transpose();
+    V.row(k) -= (H[static_cast<std::size_t>(k)] * excitation_at(lines, k, transient)).transpose();
   return V;
-}
-
-/// What H Û is fitted to.
-MatrixXcd corrected_data(const RecordLines& lines, const std::vector<MatrixXcd>& H) {
-  const Index p = lines.U.cols();
-  MatrixXcd data = lines.Y;
-  for (Index k = 0; k < data.rows(); ++k)
-    data.row(k) -= (H[static_cast<std::size_t>(k)].leftCols(p) *
-                    (lines.U.row(k) - lines.explained.row(k)).transpose())
-                       .transpose();
-  return data;
 }
 
 /// Lines on either side in the mean of the noise.
@@ -165,9 +150,8 @@ Index reach_in(const IdentifyOptions& options, const RecordLines& lines) {
 FrequencyResponses improved(const IdentifyOptions& options, const RecordLines& lines,
                             const FrequencyResponses& r, const ModalModel& model) {
   const auto H = model_lines(r, model);
-  auto next = responses_in_record(
-      lines, corrected_data(lines, H),
-      best_noise(lines, residual_in(lines, H), taken_by(r, model), reach_in(options, lines)));
+  auto next = responses_in_record(lines, best_noise(lines, residual_in(lines, H),
+                                                    taken_by(r, model), reach_in(options, lines)));
   next.inputs = r.inputs;
   next.outputs = r.outputs;
   next.degrees = r.degrees;
@@ -211,10 +195,9 @@ void add_transients(const IdentifyOptions& options, const RecordLines& lines,
 
 }  // namespace
 
-RecordLines lines_in_band(const Signals& signals, double from, double to, const Varx& model,
-                          const Varx* instruments) {
+RecordLines lines_in_band(const Signals& signals, double from, double to, const Varx& model) {
   RecordLines lines{.records = static_cast<Index>(signals.pieces.size())};
-  std::vector<MatrixXcd> Y, U, R;
+  std::vector<MatrixXcd> Y, U;
   std::vector<std::pair<Index, Index>> places;  // record, line
   std::vector<double> frequency, durations;
   for (Index m = 0; m < lines.records; ++m) {
@@ -224,7 +207,6 @@ RecordLines lines_in_band(const Signals& signals, double from, double to, const 
     durations.push_back(T);
     Y.push_back(lines_of(piece.outputs));
     U.push_back(lines_of(piece.inputs));
-    R.push_back(instruments != nullptr ? lines_of(piece.instruments) : MatrixXcd());
     for (Index k = 1; k + 1 < Y.back().rows(); ++k)
       if (const double f = static_cast<double>(k) / T; f >= from && f <= to) {
         places.emplace_back(m, k);
@@ -248,28 +230,19 @@ RecordLines lines_in_band(const Signals& signals, double from, double to, const 
     lines.model_noise.push_back(4.0 * model.interval / durations[static_cast<std::size_t>(m)] *
                                 noise_at(model, frequency[i]));
   }
-  lines.explained = lines.U;
-  for (Index k = 0; k < n && instruments != nullptr; ++k) {
-    const auto [m, line] = places[order[static_cast<std::size_t>(k)]];
-    lines.explained.row(k) =
-        (response_at(*instruments, lines.frequency[static_cast<std::size_t>(k)]) *
-         R[static_cast<std::size_t>(m)].row(line).transpose())
-            .transpose();
-  }
   return lines;
 }
 
-FrequencyResponses responses_in_record(const RecordLines& lines, const MatrixXcd& data,
-                                       std::vector<MatrixXcd> noise) {
+FrequencyResponses responses_in_record(const RecordLines& lines, std::vector<MatrixXcd> noise) {
   FrequencyResponses r;
   const double transient = transient_size(lines);
   const Index inputs = lines.U.cols() + lines.records;
   std::vector<MatrixXcd> H;
   std::vector<VectorXcd> excitation;
   for (Index k = 0; k < lines.size(); ++k) {
-    excitation.push_back(excitation_at(lines, lines.explained, k, transient));
+    excitation.push_back(excitation_at(lines, k, transient));
     const auto& U = excitation.back();
-    H.push_back(data.row(k).transpose() * U.adjoint() / U.squaredNorm());
+    H.push_back(lines.Y.row(k).transpose() * U.adjoint() / U.squaredNorm());
   }
   r.frequency = lines.frequency;
   r.H = std::move(H);
@@ -283,7 +256,7 @@ FrequencyResponses responses_in_record(const RecordLines& lines, const MatrixXcd
 void fit_record(const IdentifyOptions& options, const RecordLines& lines,
                 std::vector<PoleCluster> clusters, Identification& result) {
   const auto& rules = options.record;
-  auto first = responses_in_record(lines, lines.Y, flat_noise(lines, rules.first_noise));
+  auto first = responses_in_record(lines, flat_noise(lines, rules.first_noise));
   first.inputs = result.responses.inputs;
   first.outputs = result.responses.outputs;
   first.sample_rate = result.responses.sample_rate;

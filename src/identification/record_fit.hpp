@@ -13,16 +13,10 @@
 /// likelihood where Σ |V_o|²/E|V_o|² is least: FitSystem, with rows that are seen as e_oᵀ U alone.
 /// Both are found in turn.
 ///
-/// Loops. Of inputs that hold part of V, û is what their instruments r explain: U_r = Ĝ_ur R with a
-/// VARX model of u from r. The equations of the fit are those of instrumental variables, Jᴴ(Û) W (Y
-/// − H U) = 0: the least squares of H Û to Y − H'(U − Û), H' being the model of the round before,
-/// have this solution when the rounds have come to rest.
-///
 /// Errors. N⁻¹ of the normal equations, with the covariance of V between outputs (fit_covariance).
 ///
 /// Sources: R. Pintelon, J. Schoukens, System Identification: A Frequency Domain Approach, 2nd ed.
-/// (2012), ch. 6, 9 and 12 (transients as an input, noise from the residual); T. Söderström, P.
-/// Stoica, Instrumental Variable Methods for System Identification (1983).
+/// (2012), ch. 6, 9 and 12 (transients as an input, noise from the residual).
 
 #include <vector>
 
@@ -38,22 +32,18 @@ struct RecordLines {
   std::vector<double> frequency{};       ///< [Hz]
   std::vector<Index> record{};           ///< that the line is of
   MatrixXcd Y{}, U{};                    ///< lines × channels
-  MatrixXcd explained{};                 ///< Û; in open loop U
   std::vector<MatrixXcd> model_noise{};  ///< E[V Vᴴ] of the model of the time record
   Index records{};
   double duration{};  ///< [s] of the longest record
   [[nodiscard]] Index size() const { return static_cast<Index>(frequency.size()); }
 };
 
-/// Lines from `from` to `to` [Hz]. `model`: of the time record; Û by `instruments`, a model of
-/// inputs from instruments.
-RecordLines lines_in_band(const Signals& signals, double from, double to, const Varx& model,
-                          const Varx* instruments);
+/// Lines from `from` to `to` [Hz]. `model`: of the time record.
+RecordLines lines_in_band(const Signals& signals, double from, double to, const Varx& model);
 
 /// As responses that are seen along one excitation, the last inputs being the transients of the
-/// records. `data`: Y of the fit, `noise`: E[V Vᴴ] per line.
-FrequencyResponses responses_in_record(const RecordLines& lines, const MatrixXcd& data,
-                                       std::vector<MatrixXcd> noise);
+/// records. `noise`: E[V Vᴴ] per line.
+FrequencyResponses responses_in_record(const RecordLines& lines, std::vector<MatrixXcd> noise);
 
 /// Fits, with the density of the noise, from `clusters` on: those that stay, with those that the
 /// residual asks for. `result` gets `responses` (as above), clusters and model.

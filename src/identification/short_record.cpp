@@ -50,19 +50,10 @@ std::vector<MatrixXd> used_samples(data::RecordSet& records, const Reading& read
   return samples;
 }
 
-Piece piece_of(const MatrixXd& samples, const ChannelChoice& choice, bool instrumental) {
+Piece piece_of(const MatrixXd& samples, const ChannelChoice& choice) {
   const std::vector<Index> u(choice.inputs.begin(), choice.inputs.end()),
-      y(choice.outputs.begin(), choice.outputs.end()),
-      r(choice.instruments.begin(), choice.instruments.end());
-  return {samples(Eigen::all, u), samples(Eigen::all, y),
-          instrumental ? MatrixXd(samples(Eigen::all, r)) : MatrixXd()};
-}
-
-/// u from r, at the rate of `signals`.
-Varx instrument_model(const Signals& signals, const VarxOptions& options = {}) {
-  std::vector<Regression> pieces;
-  for (const auto& piece : signals.pieces) pieces.push_back({piece.instruments, piece.inputs});
-  return fit_varx(pieces, signals.sample_rate, signals.touched, options);
+      y(choice.outputs.begin(), choice.outputs.end());
+  return {samples(Eigen::all, u), samples(Eigen::all, y)};
 }
 
 /// A model of the time record in its band.
@@ -214,19 +205,16 @@ bool keep_short_record(data::RecordSet& records, const Reading& reading, const B
   auto samples = used_samples(records, reading);
   for (const auto& matrix : samples)
     if (!matrix.allFinite()) return false;
-  const auto estimator = reading.plan.estimator;
   auto earlier = std::move(m.responses.warnings);
-  auto r = without_lines(m.spectra, estimator, choice, {.of_averages = false});
+  auto r = without_lines(m.spectra, reading.plan.estimator, choice, {.of_averages = false});
   auto record = std::make_shared<ShortRecord>();
   record->signals.sample_rate = m.header.sample_rate;
   for (auto& matrix : samples) {
     const MatrixXd brought = brought_to_platform(changes, std::move(matrix));
-    record->signals.pieces.push_back(
-        piece_of(brought, choice, estimator == Estimator::instrumental));
+    record->signals.pieces.push_back(piece_of(brought, choice));
   }
   record->signals = detrended(std::move(record->signals));
   record->may_be_in_loop =
-      estimator != Estimator::instrumental &&
       std::ranges::any_of(r.inputs, [](const auto& c) { return c.role != data::Role::excitation; });
   r.averages = 0.0;
   r.warnings.insert(r.warnings.begin(), earlier.begin(), earlier.end());
@@ -273,11 +261,7 @@ Identification identify_modes(const Measurement& measurement, const IdentifyOpti
   const TimeModel m = model_in_best_band(record.signals, options);
   if (progress) progress(0.3);
   refuse_feedback(record, rules);
-  std::optional<Varx> instruments;
-  if (record.signals.pieces.front().instruments.cols() > 0)
-    instruments = instrument_model(m.signals);
-  const auto lines = lines_in_band(record.signals, m.band.from, m.band.to, m.model,
-                                   instruments ? &*instruments : nullptr);
+  const auto lines = lines_in_band(record.signals, m.band.from, m.band.to, m.model);
   refuse_few_numbers(lines, m.band, options);
   result.chart = m.chart;
   result.responses.inputs = measurement.responses.inputs;

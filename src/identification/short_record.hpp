@@ -8,7 +8,7 @@
 /// and the model fitted anew. Its clusters of poles begin the fit of the modal model to the spectra
 /// of the whole record (record_fit.hpp).
 ///
-/// Feedback. Inputs without instruments must not hold the outputs' noise. Where the innovations of
+/// Feedback. Inputs must not hold the outputs' noise. Where the innovations of
 /// a model of the inputs from their own past are smaller with the outputs' past besides, the inputs
 /// follow the outputs (Granger). That is asked of channels that are not excitations by their role:
 /// these are what somebody commanded.
@@ -25,7 +25,7 @@ namespace hydrapod::identification {
 
 struct ShortRecord {
   Signals signals{};
-  bool may_be_in_loop{};  ///< no instruments, and an input is no excitation by its role
+  bool may_be_in_loop{};  ///< an input is no excitation by its role
 };
 
 /// [blocks], side by side, of the length that would be chosen, and how many it takes.

@@ -63,7 +63,7 @@ Index good_length(Index count) {
 
 Signals detrended(Signals signals) {
   for (auto& piece : signals.pieces)
-    for (auto* part : {&piece.inputs, &piece.outputs, &piece.instruments}) *part = detrended(*part);
+    for (auto* part : {&piece.inputs, &piece.outputs}) *part = detrended(*part);
   return signals;
 }
 
@@ -77,7 +77,7 @@ Signals decimated(const Signals& signals, double highest, double room) {
     const auto slow = [&](const MatrixXd& samples) {
       return samples.cols() == 0 ? MatrixXd() : resampled(samples, n, kept);
     };
-    slower.pieces.push_back({slow(piece.inputs), slow(piece.outputs), slow(piece.instruments)});
+    slower.pieces.push_back({slow(piece.inputs), slow(piece.outputs)});
     slower.sample_rate = signals.sample_rate * static_cast<double>(kept) / static_cast<double>(n);
   }
   return slower;

@@ -10,7 +10,6 @@ namespace hydrapod::identification {
 /// One record: a row per sample.
 struct Piece {
   MatrixXd inputs{}, outputs{};
-  MatrixXd instruments{};  ///< as many columns as inputs; none: the inputs are their own
 };
 
 struct Signals {

@@ -197,11 +197,6 @@ Varx fit_varx(const Signals& signals, const VarxOptions& options) {
   return fit_varx(pieces, signals.sample_rate, signals.touched, options);
 }
 
-MatrixXcd response_at(const Varx& model, double frequency) {
-  return model.output_size.asDiagonal() * scaled_at(model, frequency).G *
-         model.input_size.cwiseInverse().asDiagonal();
-}
-
 MatrixXcd noise_at(const Varx& model, double frequency) {
   const MatrixXcd shape = model.output_size.asDiagonal() * scaled_at(model, frequency).A_inverse;
   return shape * model.innovation * shape.adjoint();

@@ -57,9 +57,6 @@ Varx fit_varx(const std::vector<Regression>& pieces, double sample_rate, Index t
 /// Outputs from inputs.
 Varx fit_varx(const Signals& signals, const VarxOptions& options = {});
 
-/// G at s = 2πi f, in the units of the channels.
-MatrixXcd response_at(const Varx& model, double frequency);
-
 /// Density of what the inputs do not explain of the outputs, A⁻¹ Σ A⁻ᴴ: variance per sample.
 MatrixXcd noise_at(const Varx& model, double frequency);
 

@@ -2,19 +2,10 @@
 import assert from 'node:assert/strict';
 import { spawnSync } from 'node:child_process';
 import { test } from 'node:test';
-import { model, near, report, still, withPage } from './support.mjs';
+import { model, near, random, report, still, withPage } from './support.mjs';
 
 const { HYDRAPOD_PROGRAM } = process.env;
 const heavy = model('heavy-platform.toml');
-
-/** Numbers in (0, 1), the same in every run. */
-function random(seed) {
-  let state = seed;
-  return () => {
-    state = (Math.imul(state, 1664525) + 1013904223) >>> 0;
-    return (state + 0.5) / 2 ** 32;
-  };
-}
 
 /** Frequencies by the program [rad/s]; null where it refuses the machine. */
 function frequencies(words) {

@@ -1,36 +1,9 @@
 // Scatter on the page: the samples of `hydrapod montecarlo`, number by number.
 import assert from 'node:assert/strict';
-import { spawnSync } from 'node:child_process';
-import { mkdirSync, readFileSync } from 'node:fs';
-import { delimiter, dirname, join } from 'node:path';
 import { test } from 'node:test';
-import { findings, model, near, report, still, temporary, withPage } from './support.mjs';
+import { findings, model, report, rowsOf, sameRow, still, withPage } from './support.mjs';
 
-const { HYDRAPOD_PROGRAM } = process.env;
 const heavy = model('heavy-platform.toml');
-const columns = ['status', 'lowest', 'direction', 'drop', 'x', 'y', 'z', 'rx', 'ry', 'rz', 'drop_x', 'drop_y', 'drop_z', 'drop_rx', 'drop_ry', 'drop_rz', 'stroke'];
-
-/**
- * A machine that does not stand: rounding decides whether Newton finds no equilibrium (3) or one that is
- * buckled (4).
- */
-const one = (value, name) => (name === 'status' && value === 3 ? 4 : value);
-
-let folders = 0;
-/** Rows of the command that the page shows, as a shell runs it. */
-function run(command) {
-  const folder = temporary(`scatter-${++folders}`);
-  mkdirSync(folder);
-  const { status, stderr } = spawnSync('sh', ['-c', `${command} --csv rows.csv --results rows.h5`], {
-    cwd: folder,
-    encoding: 'utf8',
-    env: { ...process.env, PATH: `${dirname(HYDRAPOD_PROGRAM)}${delimiter}${process.env.PATH}` },
-  });
-  assert.equal(status, 0, stderr);
-  const [head, ...lines] = readFileSync(join(folder, 'rows.csv'), 'utf8').trim().split('\n');
-  const names = head.split(',').map((name) => name.replace(/ \[.*/, ''));
-  return lines.map((line) => Object.fromEntries(line.split(',').map((cell, k) => [names[k], cell === '' ? NaN : Number(cell)])));
-}
 
 async function sameSamples(page, vary) {
   const { rows, command } = await page.evaluate(async (vary) => {
@@ -40,15 +13,9 @@ async function sameSamples(page, vary) {
     await scatter.complete();
     return { rows: scatter.rows(), command: scatter.command() };
   }, vary);
-  const expected = run(command);
+  const expected = rowsOf(command);
   assert.equal(rows.length, expected.length, command);
-  rows.forEach((row, k) =>
-    columns.forEach((name, c) => {
-      const [mine, theirs] = [one(row[c] ?? NaN, name), one(expected[k][name], name)];
-      if (Number.isNaN(mine) || Number.isNaN(theirs)) return assert.equal(Number.isNaN(mine), Number.isNaN(theirs), `${name} of sample ${k}`);
-      near(mine, theirs, 1e-9 * Math.max(1, Math.abs(theirs)), `${name} of sample ${k}`);
-    }),
-  );
+  rows.forEach((row, k) => sameRow(row, expected[k], `sample ${k}`));
   return { rows, command };
 }
 

@@ -3,11 +3,11 @@
 // Environment, set by CMake: HYDRAPOD_PROGRAM, HYDRAPOD_SOURCE (the repository), HYDRAPOD_WEB (the
 // folder with node_modules), HYDRAPOD_CHROMIUM.
 import assert from 'node:assert/strict';
-import { execFileSync } from 'node:child_process';
-import { mkdtempSync, readFileSync, rmSync, writeFileSync } from 'node:fs';
+import { execFileSync, spawnSync } from 'node:child_process';
+import { mkdirSync, mkdtempSync, readFileSync, rmSync, writeFileSync } from 'node:fs';
 import { createRequire } from 'node:module';
 import { tmpdir } from 'node:os';
-import { join } from 'node:path';
+import { delimiter, dirname, join } from 'node:path';
 import { after, before } from 'node:test';
 import { pathToFileURL } from 'node:url';
 
@@ -66,6 +66,49 @@ export function hydrapod(...words) {
 }
 
 export const json = (...words) => JSON.parse(hydrapod(...words, '--format', 'json'));
+
+/** Numbers in (0, 1), the same in every run. */
+export function random(seed) {
+  let state = seed;
+  return () => {
+    state = (Math.imul(state, 1664525) + 1013904223) >>> 0;
+    return (state + 0.5) / 2 ** 32;
+  };
+}
+
+let runs = 0;
+/** Rows of a study by column, of a command as a page shows it, run by a shell; NaN: no value. */
+export function rowsOf(command) {
+  const place = temporary(`study-${++runs}`);
+  mkdirSync(place);
+  const { status, stderr } = spawnSync('sh', ['-c', `${command} --csv rows.csv --results rows.h5`], {
+    cwd: place,
+    encoding: 'utf8',
+    env: { ...process.env, PATH: `${dirname(HYDRAPOD_PROGRAM)}${delimiter}${process.env.PATH}` },
+  });
+  assert.equal(status, 0, stderr);
+  const [head, ...lines] = readFileSync(join(place, 'rows.csv'), 'utf8').trim().split('\n');
+  const names = head.split(',').map((name) => name.replace(/ \[.*/, ''));
+  return lines.map((line) => Object.fromEntries(line.split(',').map((cell, k) => [names[k], cell === '' ? NaN : Number(cell)])));
+}
+
+/** What the core of the page has of a row of such a study, in its order (web/core/core.hpp). */
+const columns = ['status', 'lowest', 'direction', 'drop', 'x', 'y', 'z', 'rx', 'ry', 'rz', 'drop_x', 'drop_y', 'drop_z', 'drop_rx', 'drop_ry', 'drop_rz', 'stroke'];
+
+/**
+ * A machine that does not stand: rounding decides whether Newton finds no equilibrium (3) or one that is
+ * buckled (4).
+ */
+const one = (value, name) => (name === 'status' && value === 3 ? 4 : value);
+
+export function sameRow(mine, theirs, what) {
+  columns.forEach((name, k) => {
+    const [a, b] = [one(mine[k] ?? NaN, name), one(theirs[name], name)];
+    if (Number.isNaN(a) || Number.isNaN(b)) return assert.equal(Number.isNaN(a), Number.isNaN(b), `${name} of ${what}: ${a}, ${b}`);
+    // drops are differences of numbers that are nearly equal, strokes of lengths
+    near(a, b, 1e-9 * Math.max(1, Math.abs(b)), `${name} of ${what}`);
+  });
+}
 
 let reports = 0;
 const made = new Map();

@@ -12,6 +12,7 @@ import {
   near,
   open,
   published,
+  random,
   report,
   still,
   withKeptPage,
@@ -20,15 +21,6 @@ import {
 
 const { HYDRAPOD_PROGRAM } = process.env;
 const two_pi = 2 * Math.PI;
-
-/** Numbers in (0, 1), the same in every run. */
-function random(seed) {
-  let state = seed;
-  return () => {
-    state = (Math.imul(state, 1664525) + 1013904223) >>> 0;
-    return (state + 0.5) / 2 ** 32;
-  };
-}
 
 const overrides = (set) => set.flatMap(([path, value]) => ['--set', `${path}=${value}`]);
 

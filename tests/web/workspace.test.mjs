@@ -1,14 +1,9 @@
 // The map of the workspace and the machine at the pose of its cross: numbers of the command line.
 import assert from 'node:assert/strict';
-import { spawnSync } from 'node:child_process';
-import { mkdirSync, readFileSync } from 'node:fs';
-import { delimiter, dirname, join } from 'node:path';
 import { test } from 'node:test';
-import { findings, json, model, near, open, report, still, temporary, withPage } from './support.mjs';
+import { findings, json, model, near, open, report, rowsOf, sameRow, still, withPage } from './support.mjs';
 
-const { HYDRAPOD_PROGRAM } = process.env;
 const heavy = model('heavy-platform.toml');
-const columns = ['status', 'lowest', 'direction', 'drop', 'x', 'y', 'z', 'rx', 'ry', 'rz', 'drop_x', 'drop_y', 'drop_z', 'drop_rx', 'drop_ry', 'drop_rz', 'stroke'];
 
 /** The finest map of the page. */
 const mapped = (page) =>
@@ -19,43 +14,16 @@ const mapped = (page) =>
     return { rows: workspace.rows(), command: workspace.command() };
   });
 
-/**
- * A machine that does not stand: rounding decides whether Newton finds no equilibrium (3) or one that is
- * buckled (4).
- */
-const one = (value, name) => (name === 'status' && value === 3 ? 4 : value);
-
-let folders = 0;
-/** Runs the command that the page shows, as a shell does; its rows by column. */
-function run(command) {
-  const folder = temporary(`map-${++folders}`);
-  mkdirSync(folder);
-  const { status, stderr } = spawnSync('sh', ['-c', `${command} --csv rows.csv --results rows.h5`], {
-    cwd: folder,
-    encoding: 'utf8',
-    env: { ...process.env, PATH: `${dirname(HYDRAPOD_PROGRAM)}${delimiter}${process.env.PATH}` },
-  });
-  assert.equal(status, 0, stderr);
-  const [head, ...lines] = readFileSync(join(folder, 'rows.csv'), 'utf8').trim().split('\n');
-  const names = head.split(',').map((name) => name.replace(/ \[.*/, ''));
-  return lines.map((line) => Object.fromEntries(line.split(',').map((cell, k) => [names[k], cell === '' ? NaN : Number(cell)])));
-}
-
 /** Every number of every pose; `across` and `up` are the names of the directions. */
 function sameMap({ rows, command }, across, up) {
-  const expected = new Map(run(command).map((row) => [`${row[across].toPrecision(9)} ${row[up].toPrecision(9)}`, row]));
+  const expected = new Map(rowsOf(command).map((row) => [`${row[across].toPrecision(9)} ${row[up].toPrecision(9)}`, row]));
   assert.equal(rows.length, expected.size, command);
   let computed = 0;
   for (const { across: a, up: u, row } of rows) {
     const theirs = expected.get(`${a.toPrecision(9)} ${u.toPrecision(9)}`);
     assert.ok(theirs, `the program has ${across} ${a}, ${up} ${u}`);
     if (row[0] === 0) ++computed;
-    columns.forEach((name, k) => {
-      const [mine, other] = [one(row[k] ?? NaN, name), one(theirs[name], name)];
-      if (Number.isNaN(mine) || Number.isNaN(other)) return assert.equal(Number.isNaN(mine), Number.isNaN(other), `${name} at ${a}, ${u}: ${mine}, ${other}`);
-      // drops are differences of numbers that are nearly equal, strokes of lengths
-      near(mine, other, 1e-9 * Math.max(1, Math.abs(other)), `${name} at ${a}, ${u}`);
-    });
+    sameRow(row, theirs, `${across} ${a}, ${up} ${u}`);
   }
   return computed;
 }

@@ -2,7 +2,7 @@
 
 import { map, mapStatus, type Core, type Parameter, type Scatter as Request } from '../core/core';
 import { assignments, shellCommand } from '../core/edits';
-import { coreFailure, idle, sharedCore } from '../core/shared';
+import { beginWhenSeen, failureText, idle, sharedCore } from '../core/shared';
 import type { Editable } from '../document';
 import { button, html, identifier } from '../dom';
 import { fixed } from '../numbers';
@@ -43,7 +43,7 @@ const isOfLegs = (path: string): boolean => path.startsWith('legs.');
 
 class Scatter {
   private core: Core | null = null;
-  private started: Promise<void> | null = null;
+  private readonly ready: () => Promise<void>;
   private running: Promise<void> | null = null;
   private again = false;
   private varied: Varied[] = [];
@@ -63,7 +63,7 @@ class Scatter {
 
   constructor(
     private readonly state: State,
-    private readonly host: HTMLElement,
+    host: HTMLElement,
   ) {
     host.append(
       html('p', { class: 'note' }, `${samples} machines whose parameters deviate, normally distributed about the values shown on this page, at the pose that is shown.`),
@@ -74,22 +74,9 @@ class Scatter {
         html('div', {}, this.count, this.picture, this.table, this.verdict, html('p', { class: 'note' }, 'The command of these samples:'), this.commandLine),
       ),
     );
-    this.offerHook();
     state.listen((change) => (change === 'numbers' || change === 'pose') && this.core && this.calculate());
-    const seen = new IntersectionObserver((entries) => {
-      if (!entries.some((entry) => entry.isIntersecting)) return;
-      seen.disconnect();
-      void this.ready;
-    }, { rootMargin: '200px' });
-    seen.observe(host);
-  }
-
-  private get ready(): Promise<void> {
-    if (!this.started) {
-      this.started = this.start();
-      this.started.catch((error) => this.host.append(html('p', { class: 'problem', role: 'alert' }, coreFailure(error))));
-    }
-    return this.started;
+    this.ready = beginWhenSeen(host, () => this.start(), (words) => host.append(failureText(words)));
+    this.offerHook();
   }
 
   private async start(): Promise<void> {
@@ -274,7 +261,7 @@ class Scatter {
   }
 
   private offerHook(): void {
-    const ready = () => this.ready;
+    const { ready } = this;
     window.hydrapod.scatter = {
       get ready() {
         return ready();

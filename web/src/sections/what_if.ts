@@ -2,7 +2,7 @@
 
 import type { Buckling, Computed, Core, Setting } from '../core/core';
 import { assignments, displacementIn, Edits, fragmentOf, fromFragment, holdsState, settings, shellCommand, type Values } from '../core/edits';
-import { coreFailure, sharedCore, touch } from '../core/shared';
+import { beginWhenSeen, failureText, sharedCore, touch } from '../core/shared';
 import { directions, type Editable, type PoseReport } from '../document';
 import { button, html } from '../dom';
 import type { State } from '../state';
@@ -44,8 +44,7 @@ class WhatIf {
   private timer = 0;
   private direction = 0;
   private readonly omega: Float64Array;
-  /** Of the core; it starts when the section is about to be seen, and is then there at once. */
-  private started: Promise<void> | null = null;
+  private readonly ready: () => Promise<void>;
 
   private readonly parameters = html('div', { class: 'what-if-parameters' }, html('p', { class: 'note' }, 'The core is starting …'));
   private readonly state_ = html('p', { class: 'what-if-state', 'aria-live': 'polite' });
@@ -88,35 +87,16 @@ class WhatIf {
         ),
       ),
     );
+    this.ready = beginWhenSeen(host, () => this.start(), (words) => this.parameters.replaceChildren(failureText(words)));
     this.offerHook();
-    const wanted = () => holdsState(location.hash) && void this.ready;
+    const wanted = () => holdsState(location.hash) && void this.ready();
     wanted();
     addEventListener('hashchange', wanted);
-    this.state.listen((change) => change === 'displaced' && void this.ready);
-    const seen = new IntersectionObserver((entries) => {
-      if (!entries.some((entry) => entry.isIntersecting)) return;
-      seen.disconnect();
-      void this.ready;
-    }, { rootMargin: '200px' });
-    seen.observe(host);
-  }
-
-  private get ready(): Promise<void> {
-    if (!this.started) {
-      this.started = this.start();
-      this.started.catch((error) => this.fail(error));
-    }
-    return this.started;
+    this.state.listen((change) => change === 'displaced' && void this.ready());
   }
 
   private get editable(): Editable {
     return this.state.report.editable as Editable;
-  }
-
-  private fail(error: unknown): void {
-    this.parameters.replaceChildren(
-      html('p', { class: 'problem', role: 'alert' }, coreFailure(error)),
-    );
   }
 
   private async start(): Promise<void> {
@@ -339,7 +319,7 @@ class WhatIf {
   }
 
   private offerHook(): void {
-    const ready = () => this.ready;
+    const { ready } = this;
     window.hydrapod.whatIf = {
       get ready() {
         return ready();

@@ -3,7 +3,7 @@
 
 import { map, mapStatus, type Core } from '../core/core';
 import { assignments, shellCommand } from '../core/edits';
-import { coreFailure, idle, sharedCore } from '../core/shared';
+import { beginWhenSeen, failureText, idle, sharedCore } from '../core/shared';
 import { directions, type Editable, type Place } from '../document';
 import { button, html, identifier, slider, type Slider } from '../dom';
 import type { State } from '../state';
@@ -49,7 +49,7 @@ class Workspace {
   private core: Core | null = null;
   /** The values of the machine that the map is of. */
   private set: State['values'] | null = null;
-  private started: Promise<void> | null = null;
+  private readonly ready: () => Promise<void>;
   private ranges: Range[] = [];
   private field: Field | null = null;
   /** Where the map is in the other directions. */
@@ -85,22 +85,9 @@ class Workspace {
         html('div', {}, this.words, this.poses, this.least, html('p', { class: 'note' }, 'The command of this map:'), this.commandLine),
       ),
     );
-    this.offerHook();
     state.listen((change) => this.heard(change));
-    const seen = new IntersectionObserver((entries) => {
-      if (!entries.some((entry) => entry.isIntersecting)) return;
-      seen.disconnect();
-      void this.ready;
-    }, { rootMargin: '200px' });
-    seen.observe(host);
-  }
-
-  private get ready(): Promise<void> {
-    if (!this.started) {
-      this.started = this.start();
-      this.started.catch((error) => this.host.append(html('p', { class: 'problem', role: 'alert' }, coreFailure(error))));
-    }
-    return this.started;
+    this.ready = beginWhenSeen(host, () => this.start(), (words) => host.append(failureText(words)));
+    this.offerHook();
   }
 
   private get displaced(): readonly number[] {
@@ -281,7 +268,7 @@ class Workspace {
   }
 
   private offerHook(): void {
-    const ready = () => this.ready;
+    const { ready } = this;
     window.hydrapod.workspace = {
       get ready() {
         return ready();
