@@ -59,3 +59,19 @@ test('the requirement counts samples without a value as missed', async () => {
     await page.getByText('which the machine cannot have').waitFor();
   });
 });
+
+test('a machine without modes has no command, and says why', async () => {
+  await withPage(report(heavy, '--set', 'platform.mass=80 t'), still, async (page) => {
+    const words = await page.evaluate(async () => {
+      const { scatter, workspace } = window.hydrapod;
+      await scatter.ready;
+      scatter.vary([['platform.mass', 0.02, false]]);
+      await scatter.complete();
+      await workspace.ready;
+      await workspace.complete();
+      return [...document.querySelectorAll('#scatter .what-if-command, #workspace .what-if-command')].map((one) => one.textContent);
+    });
+    assert.equal(words.length, 2);
+    for (const text of words) assert.match(text, /^No command has (these samples|this map): .*buckled/);
+  });
+});

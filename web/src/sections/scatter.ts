@@ -8,6 +8,7 @@ import { button, html, identifier } from '../dom';
 import { fixed } from '../numbers';
 import { describe, histogram } from '../scatter/distribution';
 import type { State } from '../state';
+import { displacementOf } from '../workspace/displacement';
 import { poseText, quantities } from '../workspace/quantities';
 import type { Section } from './section';
 
@@ -197,7 +198,7 @@ class Scatter {
       const { values, poseNumber, displaced } = this.state;
       this.request = { set: values, pose: poseNumber, ...(displaced ? { displaced } : {}), vary: this.varied, seed };
       this.rows = [];
-      this.showCommand();
+      void this.showCommand();
       for (let from = 0; from < samples && !this.again && this.varied.length > 0; from += atOnce) {
         await idle();
         if (this.again) break;
@@ -243,8 +244,15 @@ class Scatter {
     this.verdict.append(html('strong', {}, `${missed} of ${rows.length} samples miss the requirement`), `: ${fixed((100 * missed) / rows.length, 1)} %.`);
   }
 
-  private showCommand(): void {
-    this.commandLine.textContent = this.command();
+  /** The command follows modes from the machine as it is shown: it must have some. */
+  private async showCommand(): Promise<void> {
+    const { report, poseNumber } = this.state;
+    const { set, displaced, vary } = this.request!;
+    const place = displaced ?? displacementOf(report.editable as Editable, poseNumber);
+    const row = await (this.core as Core).map(set, Float64Array.from(place));
+    const status = row[map.status] as number;
+    const none = `No command has these samples: the machine that is shown has no modes to follow (${mapStatus[status]}).`;
+    this.commandLine.textContent = vary.length === 0 ? '' : status === 0 ? this.command() : none;
   }
 
   private command(): string {

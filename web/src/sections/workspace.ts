@@ -4,9 +4,10 @@
 import { map, mapStatus, type Core } from '../core/core';
 import { assignments, shellCommand } from '../core/edits';
 import { beginWhenSeen, failureText, idle, sharedCore } from '../core/shared';
-import { directions, type Editable, type Place } from '../document';
+import { directions, type Editable } from '../document';
 import { button, html, identifier, slider, type Slider } from '../dom';
 import type { State } from '../state';
+import { displacementOf } from '../workspace/displacement';
 import { Field, finest, type Range } from '../workspace/field';
 import { HeatMap } from '../workspace/heat_map';
 import { displacementText, poseText, quantities, unitOf } from '../workspace/quantities';
@@ -20,18 +21,6 @@ export const workspace: Section = {
     new Workspace(state, host);
   },
 };
-
-/** Where a pose of the report is, as a displacement from the neutral one [m, rad]. */
-export function displacementOf(editable: Editable, pose: number): number[] {
-  const shown = editable.shown[pose]!;
-  const neutral = editable.poses[0]!;
-  const place: Place = shown.of === null ? shown : editable.poses[shown.of]!;
-  const turn = (i: number, j: number): number =>
-    shown.of === null ? place.rotation[i]![j]! : [0, 1, 2].reduce((sum, k) => sum + place.rotation[i]![k]! * neutral.rotation[j]![k]!, 0);
-  const moved = place.position.map((p, i) => (shown.of === null ? p : p - neutral.position[i]!));
-  const pitch = Math.asin(Math.min(1, Math.max(-1, -turn(2, 0))));
-  return [...moved, Math.atan2(turn(2, 1), turn(2, 2)), pitch, Math.atan2(turn(1, 0), turn(0, 0))];
-}
 
 /** As it is shown, so that a command can name it. */
 const rounded = (value: number, direction: number): number => {
@@ -173,7 +162,7 @@ class Workspace {
       () => this.show(),
       () => this.released.then(idle),
     );
-    this.showCommand();
+    void this.showCommand();
     this.showWords();
   }
 
@@ -212,10 +201,17 @@ class Workspace {
     });
   }
 
-  private showCommand(): void {
+  /** Modes are followed from the pose of the command: it must have some. */
+  private async showCommand(): Promise<void> {
+    const other = this.fixed.map((value, d) => (d === this.across || d === this.up ? 0 : value));
+    const row = await (this.core as Core).map(this.set ?? [], Float64Array.from(other));
+    if (row[map.status] === 0) this.showCommandFrom(other);
+    else this.commandLine.textContent = `No command has this map: at the pose ${poseText(other)}, from which it would follow the modes, there are none (${mapStatus[row[map.status] as number]}).`;
+  }
+
+  private showCommandFrom(other: number[]): void {
     const { report } = this.state;
     const { overrides, model } = report.editable as Editable;
-    const other = this.fixed.map((value, d) => (d === this.across || d === this.up ? 0 : value));
     const turns = directions.filter((_, d) => d > 2 && (d === this.across || d === this.up || other[d] !== 0)).length;
     if (!overrides || (turns > 1 && other.slice(3).some((value) => value !== 0))) {
       this.commandLine.textContent = overrides
@@ -254,7 +250,7 @@ class Workspace {
     const value = chooser('Value shown', quantities.map(({ name }) => name), 0, (k) => {
       this.quantity = quantities[k]!;
       this.show();
-      this.showCommand();
+      void this.showCommand();
     }, 'map-value');
     return html('div', { class: 'row workspace-choosers' }, value.element, across.element, up.element);
   }
