@@ -224,15 +224,17 @@ void add_seals(const LegsInMotion& at, const LegSurroundings& around,
                Eigen::Matrix<Lanes, 3 + n, 1>& r) {
   const auto& legs = around.legs;
   const Vector2L sleeve_damper = legs.c_s * at.sleeve_offset_rate;
-  const Vector2L sleeve =
+  Vector2L sleeve =
       (legs.guide_contact ? legs.k_s + guide_secant(at, legs) : legs.k_s) * at.sleeve_offset +
       sleeve_damper;
+  if (around.seals_press) sleeve += around.sleeve_force;
   for (int k = 0; k < 3; ++k) r[2 + k] += at.sleeve_slopes.col(k).dot(sleeve);
   Lanes about_n = cross(at.sleeve_offset, sleeve_damper);
   if constexpr (n == 4) {
     const Vector2L offset(at.flexible[2], at.flexible[3]);
     const Vector2L ring_damper = legs.c_ring * at.ring_offset_rate;
     for (int k = 0; k < 2; ++k) r[5 + k] += sleeve[k] + legs.k_g * offset[k] + ring_damper[k];
+    if (around.seals_press) r.template segment<2>(5) += around.ring_force;
     about_n += cross(offset, ring_damper);
   }
   if (!around.spinning) r[0] += at.sine * about_n;

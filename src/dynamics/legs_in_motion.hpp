@@ -5,6 +5,7 @@
 
 #include "hydrapod/dynamics/nonlinear.hpp"
 #include "hydrapod/numerics/dense.hpp"
+#include "leg_beams.hpp"
 
 namespace hydrapod::dynamics {
 
@@ -34,6 +35,15 @@ struct LegsInMotion {
   Vector2L sleeve_offset, sleeve_offset_rate;  ///< d_s, and its rate as the case sees it
   Vector2L ring_offset_rate;                   ///< u̇ as the case sees it
   Eigen::Matrix<Lanes, 2, 3> sleeve_slopes;    ///< ∂d_s/∂(s, φ1, φ2)
+
+  // Of legs that bend; where none does, nothing below is set. d_s above is that of the chords.
+  Vector2L seal_offset, seal_offset_rate;      ///< δ, and its rate as the case sees it
+  Vector2L bending_force;                      ///< F [N]
+  Eigen::Matrix<Lanes, 2, 2> seal_per_offset;  ///< ∂δ/∂d_s, symmetric
+  Lanes bending, bending_slope;                ///< f [m/N] and f'(s)
+  Vector3L bow;                   ///< b = F of the reference, linearised in d_s, L [N]
+  Vector3L bow_rate;              ///< ḃ in B, components in L
+  Vector3L bow_curvature;         ///< b°° that L sees at constant rates of the chart
 };
 
 /// What the equations need to know of the legs; letters as in docs/notation.md.
@@ -42,6 +52,13 @@ struct LegConstants {
   Lanes l_mn, c_g, L_g, m_t_r_b, I_b, I_ta, I_c, m_g, I_r, I_ra, m_a, k_s, c_s, k_g, c_ring;
   Lanes gap, k_c;        ///< of the guide ring; the gap is infinite where a leg has none
   bool guide_contact{};  ///< has any leg one?
+  bool bends{};                                     ///< does any leg?
+  std::array<LegBeams, model::leg_count> beams;     ///< rods and cases as beams
+  std::array<double, model::leg_count> compression;  ///< P [N]
+  /// What the mass of the bow is, kept from the reference: b = bow_rest + bow_slope d_s.
+  Vector2L bow_rest;
+  Eigen::Matrix<Lanes, 2, 2> bow_slope;
+  Lanes bow_piston, bow_tilt, bow_case, bow_self, bow_moment;  ///< BowMass
   Lanes joint_viscous, joint_coulomb, joint_smoothing;
   Lanes real;  ///< 1 for legs, 0 for the lanes that are none
 };

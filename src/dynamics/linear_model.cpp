@@ -7,6 +7,7 @@
 #include <stdexcept>
 
 #include "base_mount.hpp"
+#include "elastomers.hpp"
 #include "hydrapod/base/error.hpp"
 #include "hydrapod/spatial/pose.hpp"
 #include "oil_chambers.hpp"
@@ -175,6 +176,8 @@ LinearModel assembled(const model::Machine& machine, const spatial::Pose& X_BP, 
     model.J[i] = joint_jacobian(model.legs[i].frame.R_BL, geometry[i].a - model.p_BC);
   const bool chambers = model::has_chambers(machine);
   if (chambers) fill_chambers(machine, model);
+  const bool elastomers = model::has_elastomers(machine);
+  if (elastomers) fill_seal_arms(machine, model);
   std::optional<LegsOnBase> on_base;  // large, and most machines have none
   if (machine.base_mount) on_base = legs_on_base(machine, geometry, model.statics);
   if (machine.base_mount && base.empty()) condense_base(machine, *on_base, model);
@@ -186,10 +189,9 @@ LinearModel assembled(const model::Machine& machine, const spatial::Pose& X_BP, 
     add_legs(&LegElement::M, model, M_legs);
     add_base_coordinates(machine, *on_base, M_legs, model);
   }
-  if (chambers) {
-    point_arms(model);
-    if (!base.empty()) damp_mount(machine, model);
-  }
+  if (!model.arms.empty()) point_arms(model);
+  if (elastomers) require_slow_stiffness(model);
+  if (chambers && !base.empty()) damp_mount(machine, model);
   const auto& damping = machine.damping;
   const double beta = chambers ? 0.0 : damping.rayleigh_stiffness;  // springs have it as dampers
   if (damping.rayleigh_mass != 0.0 || beta != 0.0)
@@ -200,6 +202,8 @@ LinearModel assembled(const model::Machine& machine, const spatial::Pose& X_BP, 
 /// With chambers, what damps is what damps in simulations: seals have dampers of their own.
 LinearModel assembled_for(const model::Machine& machine, const spatial::Pose& X_BP, ModelKind kind,
                           const std::vector<int>& base, const StaticsSearch& search) {
+  if (kind != ModelKind::rigid && model::has_pressed_seals(machine))
+    return assembled_for(with_pressed_seals(machine, X_BP), X_BP, kind, base, search);
   if (!model::has_chambers(machine)) return assembled(machine, X_BP, kind, base, search);
   auto damped = with_seal_dampers(machine, kind, X_BP);
   for (auto& leg : damped.legs) leg.oil_spring.damping = 0.0;

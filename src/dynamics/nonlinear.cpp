@@ -354,13 +354,20 @@ void NonlinearModel::rates(const double* y, const double* v, double* y_rate) con
 LegSurroundings NonlinearModel::surroundings(const Motion& motion, const Loads& loads) const {
   const Vector3L omega = broadcast(Vector3(motion.twist.tail<3>()));
   const Vector3L swing = omega.cross(side_by_side(motion).arm);
-  return {*constants_,
-          spinning_,
-          joint_friction_,
-          machine_.gravity,
-          motion.twist.tail<3>(),
-          omega.cross(swing),
-          gather([&](int i) { return loads.axial[i]; })};
+  LegSurroundings around{*constants_,
+                         spinning_,
+                         joint_friction_,
+                         machine_.gravity,
+                         motion.twist.tail<3>(),
+                         omega.cross(swing),
+                         gather([&](int i) { return loads.axial[i]; })};
+  if (!loads.seals_press) return around;
+  around.seals_press = true;
+  for (int k = 0; k < 2; ++k) {
+    around.sleeve_force[k] = gather([&](int i) { return loads.sleeve[i][k]; });
+    around.ring_force[k] = gather([&](int i) { return loads.ring[i][k]; });
+  }
+  return around;
 }
 
 void NonlinearModel::accelerations(const Motion& motion, const Loads& loads, double* v_rate) const {

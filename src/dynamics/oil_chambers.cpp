@@ -30,6 +30,13 @@ hydraulics::HydraulicRest rest_of(const hydraulics::ServoAxis& axis, const model
   return rest;
 }
 
+/// Of the arm per coordinate of its leg.
+Vector7 stretch(const LegElement& leg, const RelaxingArm& arm) {
+  if (arm.what == Relaxing::sleeve) return leg.d_x.row(arm.axis);
+  if (arm.what == Relaxing::ring) return Vector7::Unit(5 + arm.axis);
+  return leg.s_x;
+}
+
 }  // namespace
 
 void fill_chambers(const model::Machine& machine, LinearModel& model) {
@@ -55,7 +62,7 @@ void fill_chambers(const model::Machine& machine, LinearModel& model) {
 void point_arms(LinearModel& model) {
   const int flexible = flexible_per_leg(model.kind);
   for (auto& arm : model.arms) {
-    const auto& s_x = model.legs[arm.leg].s_x;
+    const auto s_x = stretch(model.legs[arm.leg], arm);
     const spatial::Vector6 of_platform = model.J[arm.leg].transpose() * s_x.head<3>();
     arm.s_y = ModelVector::Zero(model.dof());
     arm.s_y.head<6>() = of_platform;

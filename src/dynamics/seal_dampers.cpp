@@ -15,15 +15,18 @@ model::Machine with_seal_dampers(model::Machine machine, ModelKind kind,
   for (int i = 0; i < model::leg_count; ++i) {
     auto& leg = machine.legs[i];
     const auto element = straight_leg(leg, geometry[i], machine.flexible_axes);
-    const auto add = [&](double k, double per_lever, double inertia, double& damping) {
-      damping += 2.0 * ratio * std::sqrt(k * inertia) / per_lever + beta * k;
+    // An elastomer says itself how it damps.
+    const auto add = [&](double k, const auto& elastomer, double per_lever, double inertia,
+                         double& damping) {
+      const double seal_ratio = elastomer ? 0.0 : ratio;
+      damping += 2.0 * seal_ratio * std::sqrt(k * inertia) / per_lever + beta * k;
     };
     const double M_phi = 0.5 * (element.M(3, 3) + element.M(4, 4));
     auto& sleeve = leg.guide_sleeve;
-    if (element.l_mh > 0.0) add(sleeve.stiffness, element.l_mh, M_phi, sleeve.damping);
+    if (element.l_mh > 0.0) add(sleeve.stiffness, sleeve.elastomer, element.l_mh, M_phi, sleeve.damping);
     if (!leg.piston_ring) continue;
     const double M_u = 0.5 * (element.M(5, 5) + element.M(6, 6));
-    add(leg.piston_ring->stiffness, 1.0, M_u, leg.piston_ring->damping);
+    add(leg.piston_ring->stiffness, leg.piston_ring->elastomer, 1.0, M_u, leg.piston_ring->damping);
   }
   return machine;
 }

@@ -60,7 +60,7 @@ Eigen::Matrix<double, 6, 1> pose_numbers(const Pose& X_BP) {
 
 /// `arms`: those of chambers that relax.
 Signals mechanics_states(const dynamics::LinearModel& linear,
-                         const std::vector<dynamics::OilArm>& arms) {
+                         const std::vector<dynamics::RelaxingArm>& arms) {
   Signals states;
   const auto names = dynamics::coordinate_names(linear.kind, linear.base_directions);
   for (int rate = 0; rate < 2; ++rate)
@@ -73,8 +73,20 @@ Signals mechanics_states(const dynamics::LinearModel& linear,
                         std::string(angle ? "rad" : "m") + (rate == 1 ? "/s" : ""), 0.0});
     }
   for (std::size_t j = 0; j < arms.size(); ++j) {
-    const bool second = j > 0 && arms[j - 1].leg == arms[j].leg;
-    states.push_back({fmt::format("leg{}.oil{}", arms[j].leg + 1, second ? 2 : 1), "m", 0.0});
+    const auto& arm = arms[j];
+    const auto before = std::count_if(arms.begin(), arms.begin() + static_cast<std::ptrdiff_t>(j),
+                                      [&](const dynamics::RelaxingArm& other) {
+                                        return other.leg == arm.leg && other.what == arm.what &&
+                                               other.axis == arm.axis;
+                                      });
+    constexpr const char* seal_axes[]{"t", "a2"};
+    const std::string name = arm.what == dynamics::Relaxing::oil      ? "oil"
+                             : arm.what == dynamics::Relaxing::sleeve ? "sleeve_"
+                                                                      : "ring_";
+    states.push_back({fmt::format("leg{}.{}{}{}", arm.leg + 1, name,
+                                  arm.what == dynamics::Relaxing::oil ? "" : seal_axes[arm.axis],
+                                  before + 1),
+                      "m", 0.0});
   }
   return states;
 }

@@ -68,7 +68,7 @@ struct ModalArms {
   Eigen::VectorXd rates{};
 
   ModalArms(const LinearModel& model, const NormalModes& modes) {
-    std::vector<const dynamics::OilArm*> relaxing;  // without a rate an arm is a spring alone
+    std::vector<const dynamics::RelaxingArm*> relaxing;  // without a rate an arm is a spring alone
     for (const auto& arm : model.arms)
       if (arm.rate > 0.0 && arm.stiffness > 0.0) relaxing.push_back(&arm);
     g.resize(modes.size(), static_cast<Eigen::Index>(relaxing.size()));
@@ -310,7 +310,7 @@ bool same_pole(const DampedMode& a, const DampedMode& b, double largest) {
 
 }  // namespace
 
-double relaxed_damping(std::span<const dynamics::OilArm> arms, const ModelVector& phi,
+double relaxed_damping(std::span<const dynamics::RelaxingArm> arms, const ModelVector& phi,
                        double omega) {
   double damping = 0.0;
   for (const auto& arm : arms)

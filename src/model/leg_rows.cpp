@@ -34,6 +34,46 @@ void drop_stiffness(Machine& machine, int leg) {
   machine.legs[static_cast<std::size_t>(leg)].oil_spring.stiffness.reset();
 }
 
+constexpr Bound above_one{.lowest = 1.0, .more_than_lowest = true};
+
+/// The keys of a seal's elastomer; `seal`: the way to it.
+template <int which, auto... seal>
+constexpr ParameterRow of_elastomer(std::string_view path) {
+  if constexpr (which == 0)
+    return table(path, optional,
+                 "what makes the O-ring a spring that depends on frequency, amplitude and pressure "
+                 "(docs/theory/elastomers.md); without the table it is an ideal spring");
+  if constexpr (which == 1)
+    return number<seal..., &Elastomer::dynamic_ratio>(
+        path, "1", required, usual(1.02, 6.0, above_one),
+        "stiffness at `frequency` over `stiffness`, which is then that of slow motions; more "
+        "than 1, of O-rings 1.3 to 3",
+        shown("1.6"));
+  if constexpr (which == 2)
+    return number<seal..., &Elastomer::loss_factor>(
+        path, "1", required, usual(0.01, 1.5, positive),
+        "η at `frequency`: imaginary over real part of the stiffness, of O-rings 0.1 to 0.3",
+        shown("0.2"));
+  if constexpr (which == 3)
+    return number<seal..., &Elastomer::frequency>(
+        path, "rad/s", required, usual(0.1, 1e4, positive),
+        "at which `dynamic_ratio` and `loss_factor` hold", shown("10 Hz"));
+  if constexpr (which == 4)
+    return number<seal..., &Elastomer::softening>(
+        path, "1", standard, below_one,
+        "share of `stiffness` that large amplitudes take away (Payne effect); used by `modes "
+        "--amplitude`");
+  if constexpr (which == 5)
+    return number<seal..., &Elastomer::softening_amplitude>(
+        path, "m", standard, usual(1e-6, 1e-2, positive),
+        "amplitude at which half of `softening` is reached; used with `softening`");
+  if constexpr (which == 6)
+    return number<seal..., &Elastomer::pressure_stiffening>(
+        path, "1/Pa", standard, usual(1e-10, 1e-6, not_negative),
+        "growth of `stiffness` per pressure above that of the atmosphere: of the rod side at the "
+        "guide sleeve, of the mean of both sides at the piston ring");
+}
+
 constexpr std::string_view volume_words[]{"chambers", "equal"};
 
 constexpr auto oil = &Leg::oil_spring;
@@ -131,6 +171,13 @@ constexpr ParameterRow leg_rows[]{
     alone(number<&Leg::guide_sleeve, &GuideSleeve::guide_stiffness>(
         "legs.guide_sleeve.guide_stiffness", "N/m", standard, spring_rate,
         "k_c, lateral, of the guide ring; used with `gap`")),
+    of_elastomer<0, &Leg::guide_sleeve, &GuideSleeve::elastomer>("legs.guide_sleeve.elastomer"),
+    of_elastomer<1, &Leg::guide_sleeve, &GuideSleeve::elastomer>("legs.guide_sleeve.elastomer.dynamic_ratio"),
+    of_elastomer<2, &Leg::guide_sleeve, &GuideSleeve::elastomer>("legs.guide_sleeve.elastomer.loss_factor"),
+    of_elastomer<3, &Leg::guide_sleeve, &GuideSleeve::elastomer>("legs.guide_sleeve.elastomer.frequency"),
+    of_elastomer<4, &Leg::guide_sleeve, &GuideSleeve::elastomer>("legs.guide_sleeve.elastomer.softening"),
+    of_elastomer<5, &Leg::guide_sleeve, &GuideSleeve::elastomer>("legs.guide_sleeve.elastomer.softening_amplitude"),
+    of_elastomer<6, &Leg::guide_sleeve, &GuideSleeve::elastomer>("legs.guide_sleeve.elastomer.pressure_stiffening"),
     table("legs.piston_ring", optional,
           "the O-ring under the piston's ring; without the table it is rigid"),
     alone(number<&Leg::piston_ring, &PistonRing::stiffness>(
@@ -138,6 +185,13 @@ constexpr ParameterRow leg_rows[]{
         "k_g, lateral, between case and piston", shown("20 kN/mm"))),
     alone(number<&Leg::piston_ring, &PistonRing::damping>(
         "legs.piston_ring.damping", "N s/m", standard, not_negative, "c_u, lateral, viscous")),
+    of_elastomer<0, &Leg::piston_ring, &PistonRing::elastomer>("legs.piston_ring.elastomer"),
+    of_elastomer<1, &Leg::piston_ring, &PistonRing::elastomer>("legs.piston_ring.elastomer.dynamic_ratio"),
+    of_elastomer<2, &Leg::piston_ring, &PistonRing::elastomer>("legs.piston_ring.elastomer.loss_factor"),
+    of_elastomer<3, &Leg::piston_ring, &PistonRing::elastomer>("legs.piston_ring.elastomer.frequency"),
+    of_elastomer<4, &Leg::piston_ring, &PistonRing::elastomer>("legs.piston_ring.elastomer.softening"),
+    of_elastomer<5, &Leg::piston_ring, &PistonRing::elastomer>("legs.piston_ring.elastomer.softening_amplitude"),
+    of_elastomer<6, &Leg::piston_ring, &PistonRing::elastomer>("legs.piston_ring.elastomer.pressure_stiffening"),
     table("legs.oil_spring", required,
           "the oil along the leg: either `stiffness`, or the table `cylinder`"),
     instead_of(drop_cylinder,

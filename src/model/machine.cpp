@@ -14,7 +14,23 @@ Vector3 on_circle(double radius, double angle) {
 }
 }  // namespace
 
+namespace {
+bool is_elastomer(const std::optional<Elastomer>& seal) { return seal.has_value(); }
+bool is_pressed(const std::optional<Elastomer>& seal) {
+  return seal && seal->pressure_stiffening != 0.0;
+}
+bool any_seal(const Machine& machine, bool (*is)(const std::optional<Elastomer>&)) {
+  return std::ranges::any_of(machine.legs, [&](const Leg& leg) {
+    return is(leg.guide_sleeve.elastomer) || (leg.piston_ring && is(leg.piston_ring->elastomer));
+  });
+}
+}  // namespace
+
+bool has_elastomers(const Machine& machine) { return any_seal(machine, is_elastomer); }
+bool has_pressed_seals(const Machine& machine) { return any_seal(machine, is_pressed); }
+
 bool has_leg_dampers(const Machine& machine) {
+  if (has_elastomers(machine)) return true;
   return std::ranges::any_of(machine.legs, [](const Leg& leg) {
     return leg.guide_sleeve.damping != 0.0 || leg.oil_spring.damping != 0.0 ||
            (leg.piston_ring && leg.piston_ring->damping != 0.0);

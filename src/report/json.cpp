@@ -79,6 +79,7 @@ std::string plant_damping_text(const model::Machine& machine, bool hydraulics) {
   if (ratio.value > 0.0)
     add(fmt::format("{:.3g} % of critical{}", 100.0 * ratio.value,
                     ratio.is_default ? " (default: the machine file states no damping)" : ""));
+  if (model::has_elastomers(machine)) add("the loss of their elastomers");
   const bool oil = any([](const model::Leg& leg) { return leg.oil_spring.damping != 0.0; });
   if (oil) add_to(springs, "their dampers");
   if (machine.damping.rayleigh_stiffness != 0.0) {
@@ -287,11 +288,18 @@ Json matrices_json(const modal::ModeTable& table) {
   Json json = written(table.real.linear);
   json["rigid"] = written(table.rigid.linear);
   const auto add_arms = [](const modal::LinearModel& model, Json& to) {
-    for (const auto& arm : model.arms)
-      to["oil_arms"].push_back({{"leg", arm.leg + 1},
-                                {"stiffness_N_m", arm.stiffness},
-                                {"rate_1_s", arm.rate},
-                                {"extension", written(arm.s_y)}});
+    for (const auto& arm : model.arms) {
+      Json json{{"leg", arm.leg + 1},
+                {"stiffness_N_m", arm.stiffness},
+                {"rate_1_s", arm.rate},
+                {"extension", written(arm.s_y)}};
+      if (arm.what == dynamics::Relaxing::oil) {
+        to["oil_arms"].push_back(std::move(json));
+        continue;
+      }
+      json["seal"] = arm.what == dynamics::Relaxing::sleeve ? "guide_sleeve" : "piston_ring";
+      to["seal_arms"].push_back(std::move(json));
+    }
   };
   add_arms(table.real.linear, json);
   add_arms(table.rigid.linear, json["rigid"]);

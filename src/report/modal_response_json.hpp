@@ -10,7 +10,7 @@
 /// for a wrench at Q and the displacement there. Γ is diagonal where no viscous damper couples the
 /// modes, and H then is the modal sum; else the page solves for the modes' amplitudes, and no
 /// eigenvector of a damped (perhaps defective) problem is needed. Chambers that relax
-/// (dynamics::OilArm) take Σ λ/(iω + λ) g gᵀ off the matrix in brackets, g = √κ Φᵀ s_y.
+/// (dynamics::RelaxingArm) take Σ λ/(iω + λ) g gᵀ off the matrix in brackets, g = √κ Φᵀ s_y.
 
 #include "hydrapod/report/json.hpp"
 #include "hydrapod/response/frequency_response.hpp"

@@ -21,15 +21,24 @@ using base::two_pi;
 constexpr double least_named = 0.1;  // participation
 constexpr double most_of_it = 0.75;  // of a leg's share
 
-std::string csv_row(const SystemPole& pole) {
-  return fmt::format("{:.17g},{:.17g},{:.17g},{:.17g},{:.17g},{:.6g}\n", pole.pole.real(),
-                     pole.pole.imag(), pole.omega, pole.omega / two_pi, pole.damping_ratio,
-                     fmt::join(pole.parts, ","));
+/// Parts that stand in tables: the payload's is left out where it has no modes.
+int tabled_parts(const SystemPoles& poles) {
+  constexpr auto payload = static_cast<int>(Part::payload);
+  const bool any = std::ranges::any_of(poles.poles, [](const SystemPole& pole) {
+    return pole.parts[static_cast<std::size_t>(payload)] != 0.0;
+  });
+  return any ? simulation::part_count : payload;
 }
 
-std::string csv_head() {
+std::string csv_row(const SystemPole& pole, int parts) {
+  return fmt::format("{:.17g},{:.17g},{:.17g},{:.17g},{:.17g},{:.6g}\n", pole.pole.real(),
+                     pole.pole.imag(), pole.omega, pole.omega / two_pi, pole.damping_ratio,
+                     fmt::join(pole.parts.begin(), pole.parts.begin() + parts, ","));
+}
+
+std::string csv_head(int parts) {
   std::string text = "re_1_s,im_1_s,omega_rad_s,frequency_hz,damping_ratio";
-  for (int i = 0; i < simulation::part_count; ++i)
+  for (int i = 0; i < parts; ++i)
     text += fmt::format(",{}", simulation::name(static_cast<Part>(i)));
   return text + "\n";
 }
@@ -84,8 +93,10 @@ void describe(Fields& f, SystemPole& pole) {
   f("group", pole.group);
   f.derived("label", participation_text(pole));
   f.object("participation", [&](auto& parts) {
-    for (int i = 0; i < simulation::part_count; ++i)
+    for (int i = 0; i < static_cast<int>(Part::payload); ++i)
       parts(simulation::name(static_cast<Part>(i)), pole.parts[static_cast<std::size_t>(i)]);
+    constexpr auto payload = static_cast<std::size_t>(Part::payload);
+    parts.unless(0.0, simulation::name(Part::payload), pole.parts[payload]);
   });
   f("participation_of_legs", pole.legs);
 }
@@ -129,8 +140,9 @@ System system_from_json(const Json& json, const std::string& file) {
 }
 
 std::string system_poles_csv(const SystemPoles& poles) {
-  std::string text = csv_head();
-  for (const auto& pole : poles.poles) text += csv_row(pole);
+  const int parts = tabled_parts(poles);
+  std::string text = csv_head(parts);
+  for (const auto& pole : poles.poles) text += csv_row(pole, parts);
   return text;
 }
 
@@ -179,10 +191,12 @@ RootLocus root_locus_from_json(const Json& json, const std::string& file) {
 }
 
 std::string root_locus_csv(const RootLocus& locus) {
-  std::string text = "value," + csv_head();
+  int parts = 0;
+  for (const auto& poles : locus.poles) parts = std::max(parts, tabled_parts(poles));
+  std::string text = "value," + csv_head(parts);
   for (std::size_t k = 0; k < locus.values.size(); ++k)
     for (const auto& pole : locus.poles[k].poles)
-      text += fmt::format("{:.17g},{}", locus.values[k], csv_row(pole));
+      text += fmt::format("{:.17g},{}", locus.values[k], csv_row(pole, parts));
   return text;
 }
 

@@ -1,4 +1,4 @@
-/// With chambers that relax.
+/// With chambers and seals that relax.
 
 #include "elimination_kernel.hpp"
 
@@ -6,17 +6,26 @@ namespace hydrapod::response {
 
 namespace {
 
+/// Arms that stretch alike: Σ κ λ/(iω + λ) over them, and their common s_y.
+struct Relaxed {
+  const dynamics::RelaxingArm* first{};
+  Numbers sum{Reals::Zero(), Reals::Zero()};
+};
+
+bool stretch_alike(const dynamics::RelaxingArm& a, const dynamics::RelaxingArm& b) {
+  return a.leg == b.leg && a.what == b.what && a.axis == b.axis;
+}
+
 struct RelaxingFrequencies : Frequencies {
-  /// Per leg Σ κ λ/(iω + λ) over its chambers' arms, and their common s_y; null: it has none.
-  std::array<Numbers, model::leg_count> relaxed;
-  std::array<const dynamics::ModelVector*, model::leg_count> s_y{};
+  std::vector<Relaxed> relaxed{};
 
   RelaxingFrequencies(const ResponseModel& model, const Frequencies& f) : Frequencies(f) {
-    relaxed.fill({Reals::Zero(), Reals::Zero()});
     for (const auto& arm : model.arms) {
       const Reals damper = arm.stiffness * arm.rate / (f.omega2 + arm.rate * arm.rate);
-      relaxed[arm.leg] += {damper * arm.rate, -damper * f.omega};
-      s_y[arm.leg] = &arm.s_y;
+      auto alike = std::ranges::find_if(
+          relaxed, [&](const Relaxed& one) { return stretch_alike(*one.first, arm); });
+      if (alike == relaxed.end()) alike = relaxed.insert(alike, {.first = &arm});
+      alike->sum += {damper * arm.rate, -damper * f.omega};
     }
   }
 };
@@ -24,10 +33,9 @@ struct RelaxingFrequencies : Frequencies {
 /// D less what the arms give back.
 inline Numbers stiffness(const ResponseModel& model, const RelaxingFrequencies& f, int i, int j) {
   Numbers entry = stiffness(model, static_cast<const Frequencies&>(f), i, j);
-  for (int leg = 0; leg < model::leg_count; ++leg) {
-    if (f.s_y[leg] == nullptr) continue;
-    const double product = (*f.s_y[leg])[i] * (*f.s_y[leg])[j];
-    entry -= {product * f.relaxed[leg].re, product * f.relaxed[leg].im};
+  for (const auto& one : f.relaxed) {
+    const double product = one.first->s_y[i] * one.first->s_y[j];
+    entry -= {product * one.sum.re, product * one.sum.im};
   }
   return entry;
 }

@@ -173,7 +173,7 @@ ResponseModel response_model(const LinearModel& model, const NormalModes& modes,
                        .mode_direction = mode_directions(model, modes)};
   const Matrix6 T = center_from_point(result.p_BQ - model.p_BC);
   for (ModelMatrix* A : {&result.M, &result.K, &result.C}) move_platform_coordinates(T, *A);
-  std::erase_if(result.arms, [](const dynamics::OilArm& arm) { return arm.rate == 0.0; });
+  std::erase_if(result.arms, [](const dynamics::RelaxingArm& arm) { return arm.rate == 0.0; });
   for (auto& arm : result.arms) arm.s_y.head<6>() = (T.transpose() * arm.s_y.head<6>()).eval();
   result.modes.shapes.topRows<6>() = T.inverse() * modes.shapes.topRows<6>();
   if (input == Input::actuator) {

@@ -6,7 +6,7 @@
 /// y: coordinates of the model with the platform's taken at the point Q of the ResponseModel; u:
 /// its six inputs (force [N] and moment [N m] at Q, or actuator forces mapped there); z: six
 /// outputs, displacement, velocity or acceleration of the platform at Q. C (jωI − A)⁻¹ B + D is
-/// frequency_response. η [m]: one per arm of chambers that relax (dynamics::OilArm).
+/// frequency_response. η [m]: one per arm of chambers that relax (dynamics::RelaxingArm).
 
 #include "hydrapod/response/frequency_response.hpp"
 

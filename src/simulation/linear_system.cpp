@@ -93,8 +93,13 @@ std::vector<StatePart> plant_parts(const StateLayout& layout, int flexible) {
   if (layout.supply >= 0) parts[static_cast<size_t>(layout.supply - shift)] = {Part::supply, -1};
   for (int i = 0; layout.bristles >= 0 && i < 6; ++i)
     parts[static_cast<size_t>(layout.bristles - shift + i)] = {Part::friction, i};
-  for (int i = layout.base; i >= 0 && i < layout.size; ++i)
+  const int end = layout.arms < 0 ? layout.size : layout.arms;
+  for (int i = layout.base; i >= 0 && i < end; ++i)
     parts[static_cast<size_t>(i - shift)] = {Part::base, -1};
+  constexpr int per_seal = 2 * static_cast<int>(dynamics::arms_per_seal);
+  for (int i = layout.arms; i >= 0 && i < layout.size; ++i)
+    parts[static_cast<size_t>(i - shift)] = {Part::seal,
+                                             (i - layout.arms) / per_seal % model::leg_count};
   return parts;
 }
 
@@ -230,7 +235,7 @@ const char* name(Part part) {
   constexpr const char* names[part_count]{"platform x",  "platform y",  "platform z", "platform rx",
                                           "platform ry", "platform rz", "seals",      "oil",
                                           "valves",      "supply",      "friction",   "controller",
-                                          "delay",       "base"};
+                                          "delay",       "base",        "payload"};
   return names[static_cast<int>(part)];
 }
 

@@ -54,6 +54,11 @@ model::Machine with_friction(model::Machine machine, Friction friction) {
   return machine;
 }
 
+model::Machine pressed(const model::Machine& machine, ModelKind kind, const Pose& X_reference) {
+  if (kind == ModelKind::rigid || !model::has_pressed_seals(machine)) return machine;
+  return dynamics::with_pressed_seals(machine, X_reference);
+}
+
 bool finite(const double* x, int size) {
   double sum = 0.0;  // not finite as soon as one of them is not
   for (int k = 0; k < size; ++k) sum += 0.0 * x[k];
@@ -68,9 +73,10 @@ Plant::Plant(const model::Machine& machine, ModelKind kind, const PlantOptions& 
 Plant::Plant(const model::Machine& machine, ModelKind kind, const PlantOptions& options,
              const Pose& X_reference)
     : machine_(machine),
-      mechanics_(
-          dynamics::with_seal_dampers(with_friction(machine, options.friction), kind, X_reference),
-          kind, X_reference),
+      mechanics_(dynamics::with_seal_dampers(
+                     with_friction(pressed(machine, kind, X_reference), options.friction), kind,
+                     X_reference),
+                 kind, X_reference),
       options_(options) {
   for (int i = 0; i < leg_count; ++i) {
     axes_[i] = hydraulics::servo_axis(machine, i);
@@ -78,6 +84,7 @@ Plant::Plant(const model::Machine& machine, ModelKind kind, const PlantOptions& 
   }
   layout_ = make_layout(mechanics_, options, axes_);
   set_base(X_reference);
+  set_arms();
   set_gimbals(X_reference);
   if (!options.hydraulics) set_springs(X_reference);
   set_oil_constants();
@@ -130,6 +137,7 @@ bool Plant::evaluate(const double* x, const PlantInput& input, double* rate, Wor
     for (int i = 0; i < leg_count; ++i)
       loads.axial[i] = spring_side(i, work.motion.legs[i], input, work.legs[i]);
   }
+  arms_side(x, rate, loads, work);
   double* v_rate = rate + layout_.velocity();
   if (base_.count > 0)
     base_side(x, loads, rate, work);
@@ -173,6 +181,7 @@ PlantOutput Plant::outputs(const double* x, const PlantInput& input) const {
   out.energies = mechanics_.energies(work.motion);
   out.dissipation = mechanics_.dissipation(work.motion);
   base_outputs(x, work, out);
+  arms_outputs(x, work, out);
   for (int i = 0; i < leg_count; ++i) {
     const auto& motion = work.motion.legs[i];
     auto& leg = out.legs[i];

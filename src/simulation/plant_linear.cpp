@@ -31,7 +31,7 @@ constexpr Kind length{"m", 1e-2, 3e-4}, turn{"1", 1e-2, 3e-4}, tilt{"rad", 1e-2,
     tilting{"rad/s", 0.1, 1e-5}, shifting{"m/s", 1e-2, 1e-6}, pressure{"Pa", 1e6, 30.0},
     spool{"1", 0.1, 3e-5}, spool_rate{"1/s", 10.0, 1e-2}, bristle{"m", 1e-5, 1e-8},
     base_shift{"m", 1e-2, 1e-5}, base_turn{"rad", 1e-2, 1e-5}, base_shifting{"m/s", 0.1, 1e-4},
-    base_turning{"rad/s", 0.1, 1e-4};
+    base_turning{"rad/s", 0.1, 1e-4}, arm{"m", 1e-4, 1e-6};
 
 struct Described {
   std::string name;
@@ -54,6 +54,20 @@ void add_base(const dynamics::MovingBase& base, const char* suffix, const Kind& 
     all.push_back({fmt::format("base.{}{}", spatial::direction_name(direction), suffix),
                    direction < 3 ? of_shift : of_turn});
   }
+}
+
+/// Those of the guide sleeves, then those of the piston rings; rings alone where sleeves are no
+/// elastomers.
+void add_arms(const StateLayout& layout, std::vector<Described>& all) {
+  constexpr int per_seal = 2 * static_cast<int>(dynamics::arms_per_seal);
+  const auto add = [&](bool there, const char* seal) {
+    for (int k = 0; there && k < leg_count * per_seal; ++k)
+      all.push_back({fmt::format("leg{}.{}_{}{}", k / per_seal + 1, seal, k % 2 == 0 ? "t" : "a2",
+                                 k % per_seal / 2 + 1),
+                     arm});
+  };
+  add(layout.sleeve_arms, "sleeve");
+  add(layout.ring_arms, "ring");
 }
 
 /// Every state in the order of x.
@@ -81,6 +95,7 @@ std::vector<Described> described(const StateLayout& layout, int flexible,
   if (layout.bristles >= 0) per_leg("bristle", bristle, nullptr, bristle);
   add_base(base, "", base_shift, base_turn, all);
   add_base(base, "_rate", base_shifting, base_turning, all);
+  add_arms(layout, all);
   return all;
 }
 

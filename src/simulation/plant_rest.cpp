@@ -86,6 +86,7 @@ Plant::Rest Plant::equilibrium(const Pose& X_BP) const {
   const auto statics = mechanics_.equilibrium(X_BP);
   require_statics(statics);
   mechanics_.configuration(X_BP, statics.legs, rest.x.data());
+  arms_at_rest(rest.x);
   if (!options_.hydraulics) {
     for (int i = 0; i < leg_count && !options_.oil_springs; ++i)
       rest.input.axial[i] = 0.0 - statics.legs[i].oil_force;

@@ -53,8 +53,8 @@
 
 namespace hydrapod::diagnosis {
 
-/// The machine whose base stands still and whose gimbals do not give way: with its rigid model it
-/// is the rigid calculation.
+/// The machine whose base stands still, whose gimbals do not give way and whose payload is rigid:
+/// with its rigid model it is the rigid calculation.
 model::Machine without_mount_and_gimbals(model::Machine machine);
 
 /// A rigid mode stands for the direction in which it mostly moves the platform. Its first resonance
@@ -90,7 +90,8 @@ enum class Family {
   mass_center,
   base,
   oil_lines,
-  leakage
+  leakage,
+  payload_modes
 };
 
 struct Cause {
@@ -112,7 +113,10 @@ struct Cause {
     base_vertical,
     base_rocking,
     oil_lines,
-    leakage  ///< past the pistons; of machines whose linear models have chambers
+    leakage,  ///< past the pistons; of machines whose linear models have chambers
+    payload_sways,  ///< a part of the payload that the file has as rigid swings along x and y
+    payload_heaves,  ///< the same along z
+    payload_modes    ///< modes of the payload that the file states: their frequencies
   };
   Kind kind{};
   std::optional<int> leg{};  ///< 0…5; none: all legs, or no leg at all
@@ -253,7 +257,8 @@ struct MeasuredMode {
   double rigid_mac{};
   /// What the mode of the best hypothesis mostly does, where that contradicts `direction`; else −1.
   int mode_direction{-1};
-  double oil{}, guide_sleeves{}, piston_rings{}, base{};  ///< shares of the elastic energy
+  /// Shares of the elastic energy.
+  double oil{}, guide_sleeves{}, piston_rings{}, base{}, payload{}, bending{};
   /// 1 − ω/ω_rigid, of what was measured.
   [[nodiscard]] double drop() const { return omega_rigid > 0.0 ? 1.0 - omega / omega_rigid : 0.0; }
 };
@@ -298,11 +303,11 @@ Diagnosis diagnose(const model::MachineFile& file, const observation::Targets& m
                    dynamics::ModelKind kind, const std::vector<model::NamedPose>& poses,
                    const DiagnoseOptions& options = {}, const numerics::Progress& progress = {});
 
-enum class Compliance { guide_sleeve, piston_ring, gimbals, base_mount };
+enum class Compliance { guide_sleeve, piston_ring, gimbals, base_mount, payload, bending };
 
 struct Part {
   Compliance what{};
-  std::optional<int> leg{};  ///< 0…5; none: that of all legs, or the base's
+  std::optional<int> leg{};  ///< 0…5; none: that of all legs, or the base's or the payload's
 };
 
 struct PartShare {
@@ -351,6 +356,9 @@ struct Remedy {
   RemedyPoint today{}, needed{}, limit{};
   std::string pose{};                ///< that asks for the most
   std::string direction{};           ///< and its direction; empty: every one
+  /// Where rods or cases bend: rigid sleeves and legs that do not bend. Beyond `limit` no sleeve
+  /// gets; up to this the rods are what stands in the way.
+  std::optional<RemedyPoint> limit_without_bending{};
   std::vector<RemedyPoint> curve{};  ///< from a tenth of today's stiffness to what is nearly rigid
   std::vector<Change> changes{};     ///< everywhere, with the stiffness that is needed
 };

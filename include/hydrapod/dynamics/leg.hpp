@@ -31,8 +31,16 @@
 /// ring (guide_contact.hpp; zero without `guide_sleeve.gap`). First and second derivatives
 /// are analytic: those in the chart (case angles, s, φ, u), where everything is elementary, brought
 /// to (a, φ, u) with the joint force λ = ∂V/∂a:  K = Tᵀ [∂²V − λ·∂²a] T,  T = ∂(chart)/∂(a, φ, u).
+///
+/// Rods and cases that bend (model::LegBending::elastic; docs/theory/leg.md, "Rod and case that
+/// bend"). φ and d_s then are those of the chords: of the rod from piston to platform joint, of the
+/// case from base joint to piston. Beam theory gives the compliance f(s) between them at the
+/// sleeve, in series with seal and guide ring: d_s = δ + f F, F = k_s δ + the guide ring's force,
+/// and the energy ½ k_s |δ|² + U_c(|δ|) + ½ f |F|² stands in V. The rod's compression P makes f
+/// larger. Inertia follows the field of the rod, chord plus bow, the bow being as large as F.
 
 #include <Eigen/Core>
+#include <optional>
 
 #include "hydrapod/kinematics/legs.hpp"
 #include "hydrapod/model/machine.hpp"
@@ -77,7 +85,11 @@ struct LegElement {
   /// in every direction, and along the offset r also γγᵀ, γ = √(k_tangent − k_secant) r [√(N/m)].
   double k_contact{};
   Eigen::Vector2d contact_root{Eigen::Vector2d::Zero()};
-  Eigen::Vector2d sleeve_offset{Eigen::Vector2d::Zero()};  ///< d_s along t and a2 [m]
+  /// Of the rod at the seal along t and a2 [m]: δ, which is d_s where rod and case do not bend.
+  Eigen::Vector2d sleeve_offset{Eigen::Vector2d::Zero()};
+  double bending{};  ///< f of rod and case [m/N], 0 where they do not bend
+  /// F that bends them along t and a2 [N]; the bow at the sleeve is f F.
+  Eigen::Vector2d bending_force{Eigen::Vector2d::Zero()};
 
   Matrix7 M{Matrix7::Zero()};
   Matrix7 K{Matrix7::Zero()};
@@ -85,8 +97,10 @@ struct LegElement {
 
   /// Extension rate of the piston in the case, ṡ = s_x ẋ.
   Vector7 s_x{Vector7::Zero()};
-  /// Lateral offset of the rod at the guide sleeve along t and a2, ḋ = d_x ẋ.
+  /// Lateral offset of the rod at the seal of the guide sleeve along t and a2, δ̇ = d_x ẋ.
   Eigen::Matrix<double, 2, leg_coordinates> d_x{Eigen::Matrix<double, 2, leg_coordinates>::Zero()};
+  /// The force that bends rod and case, Ḟ = F_x ẋ; zero where they do not bend.
+  Eigen::Matrix<double, 2, leg_coordinates> F_x{Eigen::Matrix<double, 2, leg_coordinates>::Zero()};
 };
 
 /// The leg without preload at the length and direction of `geometry`. Piston-ring coordinates are
@@ -101,6 +115,8 @@ using Vector4 = Eigen::Vector4d;
 struct LegState {
   Vector4 flexible{Vector4::Zero()};  ///< (φ1, φ2 [rad], u1, u2 [m])
   double oil_force{};                 ///< f [N], positive when the leg is pulled
+  /// P [N] that makes a bent rod softer; absent: −f.
+  std::optional<double> rod_compression{};
 };
 
 /// The leg at a state that need not be an equilibrium.
@@ -116,6 +132,19 @@ struct BentLeg {
 /// `a`: platform joint in B [m]; `gravity` in B [m/s²].
 BentLeg bent_leg(const model::Leg& leg, const Vector3& a, model::FlexibleAxes axes,
                  const Vector3& gravity, const LegState& state);
+
+/// One arm of a seal that is an elastomer: a spring κ [N/m] in series with a damper κ/λ, beside the
+/// seal's own spring. k(iω) = k + Σ κ iω/(iω + λ).
+struct SealArm {
+  double stiffness{};  ///< κ [N/m]
+  double rate{};       ///< λ [1/s]
+};
+inline constexpr std::size_t arms_per_seal = 3;
+using SealArms = std::array<SealArm, arms_per_seal>;
+
+/// Equally strong arms whose rates are `step` apart, fitted to k'(ω) and η at elastomer.frequency.
+/// `stiffness`: k of slow motions [N/m].
+SealArms seal_arms(double stiffness, const model::Elastomer& elastomer, double step = 8.0);
 
 /// What a base that moves feels of a leg on it, about the origin of B in its axes.
 struct LegOnBase {

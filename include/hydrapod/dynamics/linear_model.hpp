@@ -1,7 +1,8 @@
 #pragma once
 /// The three linear models of a hexapod at any pose: M ÿ + C ẏ + K y = F.
 ///
-///     y = (x, y, z, rx, ry, rz | φ1, φ2 (, u1, u2) of leg 1 | … | of leg 6 | x, …, rz of the base)
+///     y = (x, y, z, rx, ry, rz | φ1, φ2 (, u1, u2) of leg 1 | … | of leg 6 | x, …, rz of the base |
+///          ξ of the payload's modes)
 ///
 /// The platform's six are the motion of its mass centre C [m] and its rotation [rad], both in base
 /// axes, against the ground; the flexible coordinates are those of LegElement. The base's are its
@@ -42,8 +43,9 @@
 
 namespace hydrapod::dynamics {
 
-inline constexpr int max_dof = degrees_of_freedom(ModelKind::full) + 6;
-/// Square, 6, 18 or 30 rows and up to six of the base, on the stack.
+inline constexpr int max_dof =
+    degrees_of_freedom(ModelKind::full) + 6 + model::most_payload_modes;
+/// Square, 6, 18 or 30 rows, up to six of the base and six of the payload, on the stack.
 using ModelMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, max_dof, max_dof>;
 using ModelVector = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, max_dof, 1>;
 /// Motion of the platform per coordinate of the model.
@@ -51,22 +53,30 @@ using PlatformRows = Eigen::Matrix<double, 6, Eigen::Dynamic, 0, 6, max_dof>;
 /// The same per coordinate of the base.
 using BaseColumns = Eigen::Matrix<double, 6, Eigen::Dynamic, 0, 6, 6>;
 
-/// One of the two chambers' springs of a leg (hydraulics::RelaxingSpring), κ of which stands in K
-/// as if the chamber were closed. At iω it gives back −κ λ/(iω + λ) s_y s_yᵀ; as a state, η̇ = λ
-/// (s_y·y − η) and the force κ s_y η on y.
-struct OilArm {
+/// What relaxes: a spring κ in series with a damper κ/λ.
+enum class Relaxing {
+  oil,     ///< one of the two chambers' springs (hydraulics::RelaxingSpring)
+  sleeve,  ///< an arm of the guide sleeve's O-rings along t or a2 (docs/theory/elastomers.md)
+  ring     ///< the same of the piston ring's
+};
+
+/// A spring in series with a damper, κ of which stands in K as if the damper were rigid. At iω it
+/// gives back −κ λ/(iω + λ) s_y s_yᵀ; as a state, η̇ = λ (s_y·y − η) and the force κ s_y η on y.
+struct RelaxingArm {
   int leg{};
   double stiffness{};  ///< κ [N/m]
   double rate{};       ///< λ [1/s]
-  ModelVector s_y{};   ///< extension of the piston per y
+  ModelVector s_y{};   ///< its stretch per y: extension of the piston, offset of a seal
+  Relaxing what{Relaxing::oil};
+  int axis{};  ///< of a seal: 0 along t, 1 along a2
 };
 
 /// Of an arm at the frequency ω, beside C and K: the damper κ λ/(ω² + λ²) [N s/m].
-inline double damper_at(const OilArm& arm, double omega) {
+inline double damper_at(const RelaxingArm& arm, double omega) {
   return arm.stiffness * arm.rate / (omega * omega + arm.rate * arm.rate);
 }
 /// And what K loses there: κ λ²/(ω² + λ²) [N/m].
-inline double softening_at(const OilArm& arm, double omega) {
+inline double softening_at(const RelaxingArm& arm, double omega) {
   return damper_at(arm, omega) * arm.rate;
 }
 
@@ -74,7 +84,8 @@ struct LinearModel {
   ModelKind kind{};
   spatial::Pose X_BP{};
   Vector3 p_BC{};           ///< the platform's mass centre [m]
-  Matrix6 platform_mass{};  ///< diag(m I, R I_C Rᵀ)
+  /// diag(m I, R I_C Rᵀ) less Σ L Lᵀ of the payload's modes: what of the platform does not swing.
+  Matrix6 platform_mass{};
   std::array<LegElement, model::leg_count> legs{};
   /// Per leg: motion of its platform joint, seen from its base joint, along (t, a2, n) per platform
   /// motion, 3×6.
@@ -99,13 +110,25 @@ struct LinearModel {
       C{};  ///< viscous dampers of the legs and Rayleigh damping; modal ratios are not in it
   /// With model::OilDamping::chambers two per leg, in the order of the legs; else none. M ÿ + C ẏ +
   /// K y less the arms' forces is F; the undamped modes are those of closed chambers.
-  std::vector<OilArm> arms{};
+  std::vector<RelaxingArm> arms{};
+
+  /// Modes of the payload, the very last of y (src/dynamics/payload.hpp): names, L about C in base
+  /// axes (one column each) and ω². In absolute motion, ½ (Lᵀq + ξ̇)² is the kinetic energy of one.
+  std::vector<std::string> payload_names{};
+  BaseColumns payload{};
+  std::array<double, model::most_payload_modes> payload_omega2{};
 
   [[nodiscard]] int base_count() const { return static_cast<int>(base_directions.size()); }
-  [[nodiscard]] int dof() const { return degrees_of_freedom(kind) + base_count(); }
+  [[nodiscard]] int payload_count() const { return static_cast<int>(payload_names.size()); }
+  [[nodiscard]] int dof() const {
+    return degrees_of_freedom(kind) + base_count() + payload_count();
+  }
+  /// Coordinates behind those of the legs, which models of every kind have: base and payload.
+  [[nodiscard]] int beyond_legs() const { return base_count() + payload_count(); }
   /// Coordinates of leg i in y: joint rows J[i] times the platform's, then these.
   [[nodiscard]] int first_of_leg(int i) const { return 6 + i * flexible_per_leg(kind); }
   [[nodiscard]] int first_of_base() const { return degrees_of_freedom(kind); }
+  [[nodiscard]] int first_of_payload() const { return first_of_base() + base_count(); }
 };
 
 /// Directions 0…5 of the machine's base that are coordinates of its linear models.
@@ -126,9 +149,17 @@ LinearModel linear_model(const model::Machine& machine, const spatial::Pose& X_B
 model::Machine with_seal_dampers(model::Machine machine, ModelKind kind,
                                  const spatial::Pose& X_reference);
 
-/// Names of the coordinates: "x", …, "rz", "leg1.phi1", "leg1.phi2", "leg1.u1", …, "base.x", ….
+/// The machine with the seals as stiff as the oil at rest at `X_BP` makes them
+/// (Elastomer::pressure_stiffening): k (1 + c (p − p_a)), p being the pressure of the rod side at
+/// guide sleeves, the mean of both sides at piston rings. Throws base::ComputationError where the
+/// supply does not hold a leg.
+model::Machine with_pressed_seals(model::Machine machine, const spatial::Pose& X_BP);
+
+/// Names of the coordinates: "x", …, "rz", "leg1.phi1", "leg1.phi2", "leg1.u1", …, "base.x", …,
+/// "payload.cabin", ….
 std::vector<std::string> coordinate_names(ModelKind kind,
-                                          const std::vector<int>& base_directions = {});
+                                          const std::vector<int>& base_directions = {},
+                                          const std::vector<std::string>& payload = {});
 
 /// "rigid", "guide", "full".
 const char* name(ModelKind kind);

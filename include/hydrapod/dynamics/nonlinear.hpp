@@ -4,7 +4,9 @@
 /// Configuration y: position of the platform's mass centre C in B [m], orientation of P in B as a
 /// quaternion (w, x, y, z) of any length but zero, then per leg φ1, φ2 [rad] (, u1, u2 [m]).
 /// Velocities v: velocity of C in B [m/s], angular velocity ω of the platform in base axes [rad/s],
-/// then the rates of the flexible coordinates. ẏ = v with q̇ = ½ (0, ω) q.
+/// then the rates of the flexible coordinates. ẏ = v with q̇ = ½ (0, ω) q. Modes of the payload put
+/// their coordinates ξ behind all others of y, and their rates behind all others of v; ξ = 0 is
+/// where they stand under the weight at the reference pose (docs/theory/payload.md).
 ///
 /// A leg closes in closed form (docs/theory/leg.md, "The bent leg"), so there are no constraints.
 /// The equations of motion are those of docs/theory/nonlinear.md: bodies of revolution are a mass
@@ -17,6 +19,10 @@
 /// turns in the case about an axis fixed in the case, parallel to a1 at the reference pose with the
 /// leg straight (or bent as static equilibrium bends it there), then about one normal to it and to
 /// the rod: two real hinges.
+///
+/// Rods and cases that bend (model::LegBending) do so quasi-statically, as in bent_leg. The
+/// compression of the rod, which makes it softer, and what the mass of the bow is are those of the
+/// static equilibrium at the reference pose and are kept.
 ///
 /// All motion is against the base. One that moves itself (`base.mount`) is added by
 /// moving_base.hpp.
@@ -60,6 +66,10 @@ struct Loads {
   Vector6 axial{Vector6::Zero()};
   /// Force and moment about C on the platform, base axes [N, N m].
   Vector6 wrench{Vector6::Zero()};
+  /// What seals press with against the rod beside their springs and dampers, along t and a2 [N]: at
+  /// the guide sleeve against d_s, at the piston against u. Used with `seals_press` only.
+  std::array<Vector2, model::leg_count> sleeve{}, ring{};
+  bool seals_press{};
 };
 
 /// One leg in motion.
@@ -68,26 +78,30 @@ struct LegMotion {
   double length{}, length_rate{};          ///< l [m], l̇ [m/s]
   double s{}, s_rate{};                    ///< piston from the base joint along the case
   Vector4 flexible{Vector4::Zero()};       ///< φ1, φ2 [rad], u1, u2 [m]
-  Vector2 sleeve_offset{Vector2::Zero()};  ///< d_s [m] along t and a2
+  Vector2 sleeve_offset{Vector2::Zero()};  ///< of the rod at the seal [m] along t and a2
 };
 
 /// How a base that moves and the mechanism on it feel each other; see moving_base.hpp.
-using BaseMomentum =
-    Eigen::Matrix<double, 6, Eigen::Dynamic, 0, 6, degrees_of_freedom(ModelKind::full)>;
-using BaseResponse =
-    Eigen::Matrix<double, Eigen::Dynamic, 6, 0, degrees_of_freedom(ModelKind::full), 6>;
+inline constexpr int most_velocities =
+    degrees_of_freedom(ModelKind::full) + model::most_payload_modes;
+using BaseMomentum = Eigen::Matrix<double, 6, Eigen::Dynamic, 0, 6, most_velocities>;
+using BaseResponse = Eigen::Matrix<double, Eigen::Dynamic, 6, 0, most_velocities, 6>;
 struct BaseCoupling {
   BaseMomentum momentum{};           ///< P, 6 × velocities()
   Matrix6 inertia{Matrix6::Zero()};  ///< M_b of platform and legs about the origin of B
 };
 
 struct Energies {
-  double platform{};  ///< kinetic [J]
+  double platform{};  ///< kinetic [J], with that of the payload's modes
   double legs{};      ///< kinetic
   double gravity{};   ///< potential
   double sleeves{};   ///< elastic: guide sleeves, with their guide rings
   double rings{};     ///< elastic: piston rings
-  [[nodiscard]] double total() const { return platform + legs + gravity + sleeves + rings; }
+  double bending{};   ///< elastic: rods and cases
+  double payload{};   ///< elastic: modes of the payload
+  [[nodiscard]] double total() const {
+    return platform + legs + gravity + sleeves + rings + payload + bending;
+  }
 };
 
 /// Where everything is and how it moves; made by NonlinearModel::motion(), fed to accelerations().
@@ -96,9 +110,11 @@ struct Motion {
   Vector3 p_BC{Vector3::Zero()};
   Vector6 twist{Vector6::Zero()};  ///< velocity of C; ω
   std::array<LegMotion, model::leg_count> legs{};
+  /// ξ of the payload's modes and its rates [m √kg, …/s]; zero beyond their number.
+  Vector6 payload{Vector6::Zero()}, payload_rate{Vector6::Zero()};
   /// The legs once more, side by side as the equations take them: a LegsInMotion, which only the
   /// sources know.
-  alignas(double) std::array<std::byte, 4480> side_by_side;
+  alignas(double) std::array<std::byte, 5824> side_by_side;
   [[nodiscard]] bool exists() const;  ///< whether every leg closes
 };
 
@@ -119,10 +135,15 @@ class NonlinearModel {
   /// First hinge of the rod of leg `i` in its case, axes of the case; with gimbal axes only.
   [[nodiscard]] const Vector3& piston_axis(int i) const { return piston_axes_[i]; }
   [[nodiscard]] int flexible() const { return flexible_per_leg(kind_); }
-  [[nodiscard]] int positions() const { return degrees_of_freedom(kind_) + 1; }
-  [[nodiscard]] int velocities() const { return degrees_of_freedom(kind_); }
+  /// Modes of the payload: the last of y and of v.
+  [[nodiscard]] int payload_count() const {
+    return static_cast<int>(machine_.payload_modes.size());
+  }
+  [[nodiscard]] int positions() const { return velocities() + 1; }
+  [[nodiscard]] int velocities() const { return degrees_of_freedom(kind_) + payload_count(); }
 
-  /// y at a pose, legs bent by `flexible` of `legs` (in the frames of this model).
+  /// y at a pose, legs bent by `flexible` of `legs` (in the frames of this model), modes of the
+  /// payload at rest under the weight.
   void configuration(const spatial::Pose& X_BP, const std::array<LegState, model::leg_count>& legs,
                      double* y) const;
   /// Static equilibrium at a pose, in the frames of this model.
@@ -157,6 +178,7 @@ class NonlinearModel {
   ModelKind kind_;
   bool spinning_;                                 ///< gimbal axes: axial inertias count
   bool joint_friction_;                           ///< in any leg
+  Vector3 weight_at_rest_{Vector3::Zero()};  ///< gravity in P at the reference pose [m/s²]
   std::array<Vector3, model::leg_count> axes_{};  ///< first axis of each leg's frame, in B
   /// First hinge of the rod in the case, in L; gimbal axes only.
   std::array<Vector3, model::leg_count> piston_axes_{};

@@ -57,6 +57,8 @@ constexpr int degrees_of_freedom(ModelKind kind) {
 struct StaticsOptions {
   double tolerance{1e-11};  ///< relative to the weight of platform and legs
   int max_iterations{60};
+  /// P per leg that makes bent rods softer [N]; absent: that of the equilibrium itself.
+  std::optional<Vector6> rod_compression{};
 };
 
 enum class StaticsStatus {

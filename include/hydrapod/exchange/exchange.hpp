@@ -42,6 +42,10 @@
 /// src/exchange/mechanism.hpp. What a format holds exactly, approximately or not at all is a
 /// Parity.
 ///
+/// A payload as another program's superelement: mass and stiffness with the platform's six
+/// coordinates at a stated point and inner ones, which are made modes of the payload:
+/// src/exchange/payload_element.cpp.
+///
 /// Functional mock-up units (FMI 2.0 and 3.0): simulation::Plant in a shared object of its own, for
 /// co-simulation and model exchange. Inputs are valve commands, or without hydraulics the axial
 /// forces on the pistons, or the commands of the controller inside, and a wrench at C; it begins at
@@ -157,6 +161,40 @@ inline constexpr int dmig_platform = 1001, dmig_base = 2001, dmig_mode = 3001;
 
 /// GRID, SPOINT and DMIG entries K2GG, M2GG and B2GG in large-field format, 11 digits or more.
 std::string dmig_punch(const Superelement& element, const FileHead& head);
+
+/// Mass, stiffness and, where it is known, damping of a structure that is joined to the platform as
+/// to one rigid body. Coordinates: x, y, z, rx, ry, rz of the interface, then inner ones.
+struct PayloadElement {
+  Eigen::MatrixXd M{}, K{}, C{};  ///< symmetric; C may be empty
+};
+
+/// A Matrix Market file of a real square matrix, symmetric where its head says so. Throws
+/// base::InputError with line.
+Eigen::MatrixXd read_matrix_market(const std::string& path);
+
+/// K2GG, M2GG (and B2GG) of a Nastran punch file of any field format, its columns in the order of
+/// their points; `grid`: number of the grid point that is the platform. Throws base::InputError.
+PayloadElement read_dmig_punch(const std::string& path, int grid);
+
+struct PayloadFromElement {
+  std::vector<model::PayloadMode> modes{};  ///< lowest first
+  spatial::Matrix6 mass{};     ///< of the whole rigid structure about its interface, axes of P
+  double first_left_out{};     ///< [rad/s]; 0: all modes are kept
+  double rigid_stiffness{};    ///< largest stiffness against rigid motion over that of the inner part
+};
+
+struct PayloadElementOptions {
+  Vector3 p_PI{Vector3::Zero()};                      ///< the interface in P [m]
+  spatial::Matrix3 R_PI{spatial::Matrix3::Identity()};  ///< its axes in P
+  int modes{model::most_payload_modes};               ///< the lowest that are kept
+  double damping_ratio{};                             ///< of those for which C says nothing
+};
+
+/// Fixed-interface modes (K_ii − ω² M_ii) φ = 0 and their participation L = φᵀ (M_ic − M_ii K_ii⁻¹
+/// K_ic). Throws base::InputError where the inner part is not held by the interface, where the
+/// structure resists rigid motion, and where a matrix has another size.
+PayloadFromElement payload_modes(const PayloadElement& element,
+                                 const PayloadElementOptions& options);
 
 enum class Held { exact, approximate, absent };
 struct ParityLine {

@@ -71,12 +71,12 @@ struct ModelDerivative {
   ModelMatrix M{}, K{}, C{};
   /// Arms of the model by `step` above and below, where it has any: those of a leg can trade
   /// places, and only their sums have derivatives.
-  std::vector<dynamics::OilArm> arms_above{}, arms_below{};
+  std::vector<dynamics::RelaxingArm> arms_above{}, arms_below{};
   double step{};
 };
 
 /// φᵀ C φ of the dampers that the arms are at the frequency ω.
-double relaxed_damping(std::span<const dynamics::OilArm> arms, const ModelVector& phi,
+double relaxed_damping(std::span<const dynamics::RelaxingArm> arms, const ModelVector& phi,
                        double omega);
 
 /// G of the group of `size` modes from `first` on [rad²/s² per unit of the parameter].

@@ -227,6 +227,17 @@ struct Rod {
   double yield_strength{3.55e8};     ///< R_e [Pa] of the rod
 };
 
+/// What makes an O-ring a spring whose stiffness depends on frequency, amplitude and pressure
+/// (docs/theory/elastomers.md). The seal's `stiffness` k is that of slow and small motions.
+struct Elastomer {
+  double dynamic_ratio{};      ///< k'(ω)/k at `frequency`, > 1
+  double loss_factor{};        ///< η = k''/k' there, > 0
+  double frequency{};          ///< ω [rad/s] at which both hold
+  double softening{};          ///< share of k that large amplitudes take away, [0, 1)
+  double softening_amplitude{1e-4};  ///< [m] at which half of that is gone
+  double pressure_stiffening{};      ///< growth of k per pressure of the oil beside the seal [1/Pa]
+};
+
 /// The step seals' O-rings in the guide sleeve: lateral spring between case and rod; and the guide
 /// ring, on which the rod lies where the O-rings give way by more than `gap`.
 struct GuideSleeve {
@@ -235,12 +246,14 @@ struct GuideSleeve {
   double damping{};             ///< c_s [N s/m]
   std::optional<double> gap{};  ///< g [m] from the rod to the guide ring; absent: never touched
   double guide_stiffness{5e7};  ///< k_c [N/m] of the guide ring beyond the gap
+  std::optional<Elastomer> elastomer{};  ///< absent: an ideal spring
 };
 
 /// The glyd ring's O-ring at the piston: lateral spring between case and piston.
 struct PistonRing {
   double stiffness{};  ///< k_g [N/m]
   double damping{};    ///< c_u [N s/m]
+  std::optional<Elastomer> elastomer{};
 };
 
 /// Where the piston can be: l_m in [retracted, retracted + length].
@@ -294,6 +307,13 @@ struct JointLimits {
   std::optional<double> platform{};  ///< [rad]
 };
 
+/// What the lateral forces at the guide sleeve do to rod and case.
+enum class LegBending {
+  rigid,   ///< nothing: only the seals give way
+  elastic  ///< beams, by `rod.diameter`, `rod.wall`, `case.diameter`, `case.wall` and
+           ///< `rod.youngs_modulus`, in series with the guide sleeve (docs/theory/leg.md)
+};
+
 struct Leg {
   Vector3 base_joint{Vector3::Zero()};      ///< b in B [m]
   Vector3 platform_joint{Vector3::Zero()};  ///< a_P in P [m]
@@ -301,6 +321,7 @@ struct Leg {
   Rod rod{};
   GuideSleeve guide_sleeve{};
   std::optional<PistonRing> piston_ring{};  ///< absent: the piston ring is rigid (k_g → ∞)
+  LegBending bending{LegBending::rigid};
   OilSpring oil_spring{};
   std::optional<Stroke> stroke{};
   JointLimits joint_limits{};
@@ -326,6 +347,27 @@ struct Platform {
   Vector3 mass_center{Vector3::Zero()};  ///< p_PC [m] in P
   Matrix3 inertia{Matrix3::Zero()};      ///< I_C [kg m²] about C, axes of P
 };
+
+/// A mode of the payload and the platform's structure, with the platform's joints held
+/// (docs/theory/payload.md). Its coordinate ξ is normalised to a modal mass of 1 kg and stands at
+/// zero under the weight. What it takes part with, about the origin of P in its axes, is
+/// participation(): √m (d, r × d) of a mass m at r that swings along d; or the given numbers.
+/// Platform::mass, mass_center and inertia contain its mass.
+struct PayloadMode {
+  std::string name{};
+  double frequency{};      ///< ω [rad/s]
+  double damping_ratio{};  ///< ζ, on top of `damping`
+  /// m [kg] that swings: exactly one of `mass` and `participation` is set.
+  std::optional<double> mass{};
+  Vector3 position{Vector3::Zero()};    ///< r of that mass in P [m]
+  Vector3 direction{Vector3::UnitX()};  ///< d in P, of any length but zero
+  /// Σ m_i φ_i [kg] and Σ m_i r_i × φ_i [kg m] per Σ m_i φ_i² = 1 kg.
+  std::optional<Vector3> participation{};
+  Vector3 participation_moment{Vector3::Zero()};
+};
+
+/// More modes than a payload can be told to have by measurements of a hexapod.
+inline constexpr int most_payload_modes = 6;
 
 /// How the flexible axes of a knee stand.
 enum class FlexibleAxes {
@@ -375,6 +417,7 @@ struct Machine {
   Platform platform{};
   std::array<Leg, leg_count> legs{};
   std::optional<BaseMount> base_mount{};  ///< absent: the base stands still
+  std::vector<PayloadMode> payload_modes{};  ///< none: platform and payload are rigid
   FlexibleAxes flexible_axes{FlexibleAxes::transverse};
   Damping damping{};
   ControlSettings controller{};
@@ -407,9 +450,30 @@ inline bool has_chambers(const Machine& machine) {
   return machine.damping.oil == OilDamping::chambers;
 }
 
-/// Has a leg a damper: at a guide sleeve, a piston ring or beside the oil spring?
+/// Do rod or case of a leg bend?
+bool has_elastic_legs(const Machine& machine);
+
+/// Outside diameter of the rod [m]: `rod.diameter`, else that of the oil spring's cylinder; nothing
+/// where neither says it.
+std::optional<double> rod_diameter(const Leg& leg);
+
+/// Is a seal an elastomer?
+bool has_elastomers(const Machine& machine);
+/// Does the pressure of the oil stiffen one?
+bool has_pressed_seals(const Machine& machine);
+
+/// Has a leg a damper: at a guide sleeve, a piston ring or beside the oil spring? Elastomers damp
+/// too.
 bool has_leg_dampers(const Machine& machine);
 bool has_rayleigh_damping(const Machine& machine);
+
+/// L of a payload's mode about the point `p` of P (its origin; its mass centre), axes of P: [√kg] and
+/// [√kg m].
+Vector6 participation(const PayloadMode& mode, const Vector3& p = Vector3::Zero());
+
+/// Mass matrix of the platform about its mass centre, axes of P, less Σ L Lᵀ of the payload's
+/// modes: what is left of it when all of them swing freely.
+Eigen::Matrix<double, 6, 6> mass_without_payload_modes(const Machine& machine);
 
 using JointPoints = std::array<Vector3, leg_count>;
 

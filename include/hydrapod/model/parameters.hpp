@@ -109,11 +109,12 @@ std::span<const Alternatives> alternatives();
 /// An element that stands for all six numbers of a row, or for the magnitude of gravity.
 inline constexpr int whole = -1;
 
-/// The numbers that an id can stand for: a machine's own, those of all legs, of a leg, of a pose.
+/// The numbers that an id can stand for: a machine's own, those of all legs, of a leg, of a pose,
+/// of a mode of the payload.
 struct ParameterId {
   std::uint16_t row{};       ///< of parameter_table()
   std::int16_t element{};    ///< of an array, of a tensor (xx, yy, zz, xy, xz, yz); 0 or `whole`
-  std::int16_t of{};         ///< leg 1…6, or 0 for all legs; 1 + number of the pose
+  std::int16_t of{};  ///< leg 1…6, or 0 for all legs; 1 + number of the pose or payload mode
   std::uint16_t legs{0x3F};  ///< those that it sets, a bit each
 
   friend bool operator==(const ParameterId& a, const ParameterId& b) {
@@ -123,6 +124,10 @@ struct ParameterId {
 
 /// The pose of that name; null where the machine has none.
 const NamedPose* find_pose(const Machine& machine, std::string_view name);
+
+/// How the mode number `index` of the payload is called where assign() makes it: "mode_1", …. A
+/// machine has names of its own; this one is of those that it does not have yet.
+std::string next_payload_mode(const Machine& machine, int index);
 
 /// A value [SI] for a parameter.
 struct Assignment {
@@ -139,8 +144,9 @@ struct GivenNumber {
 };
 
 /// The number at `path` of a machine: "platform.mass_center[2]", "legs.rod.mass",
-/// "leg.3.rod.mass", "platform.inertia.xy", "poses.neutral.position[2]". Whether the machine holds
-/// it is for value() to say. Nothing where no machine can have such a number.
+/// "leg.3.rod.mass", "platform.inertia.xy", "poses.neutral.position[2]",
+/// "payload_modes.cabin.frequency". Whether the machine holds it is for value() to say: a mode that
+/// it lacks may be named by next_payload_mode(). Nothing where no machine can have such a number.
 std::optional<ParameterId> find_parameter(const Machine& machine, std::string_view path);
 
 /// The same in a file: "legs.rod.mass" is then of those legs that have no value of their own.
@@ -170,7 +176,8 @@ std::optional<double> value(const Machine& machine, const ParameterId& id);
 std::vector<ParameterId> parameters(const Machine& machine);
 
 /// Sets the numbers in `machine`; what stands for single legs counts before what stands for all.
-/// Parts that a number belongs to are made (a piston ring, a mount), and an alternative to it is
+/// Parts that a number belongs to are made (a piston ring, a mount, modes of the payload), and an
+/// alternative to it is
 /// taken away. Nothing is validated, no text is read.
 void assign(Machine& machine, std::span<const Assignment> assignments);
 Machine with(Machine machine, std::span<const Assignment> assignments);

@@ -77,7 +77,8 @@ std::string state_text(const model::MachineFile& file);
 std::string percent_text(double share);
 
 /// "oil 82 %, sleeves 18 %": springs that hold at least half a per cent of the elastic energy.
-std::string energy_text(double oil, double guide_sleeve, double piston_ring, double base);
+std::string energy_text(double oil, double guide_sleeve, double piston_ring, double base,
+                        double payload = 0.0, double bending = 0.0);
 std::string energy_text(const modal::EnergyShares& energy);
 
 /// "Lowest mode the platform feels: 7.45 Hz in x; …", one line with its end; empty when there is no

@@ -37,6 +37,9 @@ struct LegCheck {
   double axial_force{};    ///< static, of the oil on the piston [N], positive in compression
   double tilt{};           ///< static tilt of the rod in the guide sleeve [rad]
   double sleeve_offset{};  ///< static, of the rod at the guide sleeve [m]
+  std::optional<double> bending{};      ///< f of rod and case at the guide sleeve [m/N]
+  std::optional<double> bow{};          ///< static, of rod and case at the guide sleeve [m]
+  std::optional<double> bow_growth{};   ///< f over that without the compression of the rod
   std::optional<double> ring_offset{};  ///< static, of the piston in its ring [m]
   std::optional<double> gap{};          ///< of the guide ring [m]
   bool on_guide{};                      ///< the rod lies on its guide ring

@@ -64,10 +64,12 @@ enum class Part {
   friction,
   controller,
   delay,
-  base
+  base,
+  payload
 };
-inline constexpr int part_count = 14;
-/// "platform x", …, "seals", "oil", "valves", "supply", "friction", "controller", "delay", "base".
+inline constexpr int part_count = 15;
+/// "platform x", …, "seals", "oil", "valves", "supply", "friction", "controller", "delay", "base",
+/// "payload".
 const char* name(Part part);
 
 struct StatePart {

@@ -3,14 +3,17 @@
 /// ordinary differential equation ẋ = f(x, input).
 ///
 /// State x, in this order (StateLayout; units in state_units()):
-///     y    position of C [m], quaternion of R_BP (w, x, y, z), per leg φ1, φ2 [rad] (, u1, u2 [m])
-///     v    velocity of C [m/s], ω in base axes [rad/s], rates of the flexible coordinates
+///     y    position of C [m], quaternion of R_BP (w, x, y, z), per leg φ1, φ2 [rad] (, u1, u2 [m]),
+///          ξ of the payload's modes [m √kg]
+///     v    velocity of C [m/s], ω in base axes [rad/s], rates of the flexible coordinates, of ξ
 ///     p    per leg the cap-side and the rod-side pressure [Pa, absolute]
 ///     w    per leg spool position [of the travel] and its rate [1/s]
 ///     p_s  supply pressure [Pa], with a limited pump only
 ///     z    per leg the bristles' bend [m], with LuGre friction in any leg only
 ///     q_b  motion of the base against the ground [m, rad], in the directions that give way only
 ///     v_b  its rates
+///     η    per arm of seals that are elastomers two [m], along t and a2: of the guide sleeve's arms
+///          of all legs, then of the piston rings'
 /// With `hydraulics = false` there are y and v only, and each leg is held by the linear model's oil
 /// spring, at rest at the reference pose: it pulls with f + k_h (s − s_0) + c_h ṡ. There is no
 /// friction of the seals along the leg then, and there are end stops only with a given stroke.
@@ -30,7 +33,8 @@
 /// Damping. Seals, joints and hydraulics damp by their own laws. Of `[damping]`, Rayleigh's α acts
 /// as −α v on the accelerations, β as a damper β k beside every spring; model::modal_ratio goes to
 /// the guide sleeves and piston rings, on top of the dampers that they have: c = 2 ζ k / ω,
-/// ω² = k l_mh² / M_φφ of a sleeve and k / M_uu of a ring at the reference pose.
+/// ω² = k l_mh² / M_φφ of a sleeve and k / M_uu of a ring at the reference pose. It is added to the
+/// ratios of the payload's modes.
 /// With hydraulics, `oil_spring.damping` is not used: leakage, valves and friction stand for it.
 /// report::plant_damping_text says so in words.
 
@@ -71,11 +75,14 @@ struct PlantInput {
 struct StateLayout {
   int positions{};    ///< length of y; y begins at 0
   int velocities{};   ///< length of v; v begins at `positions`
+  int payload{};      ///< modes of the payload: as many last ones of y and of v
   int pressures{-1};  ///< first of 12: leg 1 cap, leg 1 rod, leg 2 cap, …
   int spools{-1};     ///< first of 12: leg 1 position, leg 1 rate, leg 2 position, …
   int supply{-1};
   int bristles{-1};  ///< first of 6
   int base{-1};      ///< first of q_b, then as many of v_b
+  int arms{-1};      ///< first of the seals' η
+  bool sleeve_arms{}, ring_arms{};  ///< which seals have some
   int size{};
   [[nodiscard]] int velocity() const { return positions; }
   [[nodiscard]] int tangent() const { return size - 1; }  ///< length of a small change of x
@@ -124,6 +131,7 @@ struct PlantOutput {
   dynamics::Energies energies{};                     ///< of the mechanism
   double oil_spring_energy{};  ///< [J], `hydraulics = false` only, from the reference pose
   double gimbal_energy{};      ///< [J], with hydraulics: Σ F²/2k_j; else part of the oil springs'
+  double seal_arms_energy{};   ///< [J], of the arms of seals that are elastomers
   double dissipation{};        ///< [W]: seals, joints, friction, dampers, mount; not the hydraulics
 };
 
@@ -208,6 +216,11 @@ class Plant {
     double compliance{};  ///< 1/k_j [m/N], 0: they do not give way
     double force{};       ///< F_0 [N]
   };
+  /// Arms of the seals that are elastomers; without stiffness where a leg's seal is none.
+  struct Arms {
+    std::array<dynamics::SealArms, model::leg_count> of{};
+    int first{-1};  ///< place in x of the η of leg 1: arm by arm along t and a2; −1: there are none
+  };
   struct Work;  ///< intermediate results of one evaluation
   bool evaluate(const double* x, const PlantInput& input, double* rate, Work& work) const;
   struct OilConstants;
@@ -232,6 +245,10 @@ class Plant {
   void base_outputs(const double* x, const Work& work, PlantOutput& out) const;
   void base_side(const double* x, const dynamics::Loads& loads, double* rate, Work& work) const;
   void set_gimbals(const Pose& X_reference);
+  void set_arms();
+  void arms_side(const double* x, double* rate, dynamics::Loads& loads, const Work& work) const;
+  void arms_outputs(const double* x, const Work& work, PlantOutput& out) const;
+  void arms_at_rest(Eigen::VectorXd& x) const;
   void set_springs(const Pose& X_reference);
 
   model::Machine machine_;
@@ -240,6 +257,7 @@ class Plant {
   std::array<hydraulics::ServoAxis, model::leg_count> axes_{};
   std::array<OilSpring, model::leg_count> springs_{};
   std::array<Gimbals, model::leg_count> gimbals_{};
+  Arms sleeve_arms_{}, ring_arms_{};
   std::shared_ptr<const OilConstants> oil_constants_{};  ///< all legs side by side
   dynamics::MovingBase base_{};                          ///< `count` 0: stands still
   StateLayout layout_{};

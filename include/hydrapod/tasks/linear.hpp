@@ -155,6 +155,27 @@ struct Exported {
   exchange::Parity parity{};
 };
 
+struct AttachOptions {
+  std::string stiffness{};                       ///< Matrix Market, or a Nastran punch file
+  std::string mass{};                            ///< Matrix Market; not of a punch file
+  std::string damping{};                         ///< the same; may be empty
+  int grid{exchange::dmig_platform};             ///< of a punch file: the point that is the platform
+  spatial::Vector3 p_PI{spatial::Vector3::Zero()};  ///< the interface in P [m]
+  int modes{model::most_payload_modes};
+  double damping_ratio{};  ///< of modes for which no damping matrix speaks
+  bool add_mass{};         ///< add the structure's mass to the platform
+};
+
+struct Attached {
+  model::MachineFile file{};  ///< with the modes; `text` is what to write
+  exchange::PayloadFromElement payload{};
+};
+
+/// The machine with a structure on its platform that another program has reduced to a
+/// superelement. Throws base::InputError for matrices that are none, and for a payload that weighs
+/// more than the platform of the file.
+Attached attach_payload(const Machine& machine, const AttachOptions& options);
+
 /// Throws base::InputError where the format cannot hold the machine and `approximate` is not set;
 /// nothing is written then.
 Exported export_machine(const Machine& machine, const ExportOptions& options);

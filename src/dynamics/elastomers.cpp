@@ -1,0 +1,125 @@
+#include "elastomers.hpp"
+
+#include <fmt/format.h>
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+
+#include "hydrapod/base/error.hpp"
+#include "hydrapod/hydraulics/servo_axis.hpp"
+
+namespace hydrapod::dynamics {
+
+namespace {
+
+/// Rates of the arms over ω, the middle one at `center`.
+std::array<double, arms_per_seal> rates_about(double center, double step) {
+  return {center / step, center, center * step};
+}
+
+/// Σ Re and Σ Im of iω/(iω + λ) for rates λ/ω.
+struct ArmSums {
+  double storage{}, loss{};
+  explicit ArmSums(const std::array<double, arms_per_seal>& rates) {
+    for (const double rate : rates) {
+      storage += 1.0 / (1.0 + rate * rate);
+      loss += rate / (1.0 + rate * rate);
+    }
+  }
+};
+
+void press(double pressure, double& stiffness, std::optional<model::Elastomer>& elastomer) {
+  if (!elastomer) return;
+  const double over = pressure - hydraulics::atmospheric_pressure;
+  stiffness *= 1.0 + elastomer->pressure_stiffening * std::max(over, 0.0);
+  elastomer->pressure_stiffening = 0.0;
+}
+
+}  // namespace
+
+SealArms seal_arms(double stiffness, const model::Elastomer& elastomer, double step) {
+  const double growth = elastomer.dynamic_ratio - 1.0;
+  const double wanted = elastomer.loss_factor * elastomer.dynamic_ratio / growth;
+  // loss/storage of the arms grows with their rates as long as these are not far apart.
+  double low = 1e-9 * std::min(1.0, wanted), high = 1e3 * std::max(1.0, wanted) * step;
+  constexpr int halvings = 120;  // of the logarithm: to rounding
+  for (int k = 0; k < halvings && high > low * (1.0 + 1e-15); ++k) {
+    const double middle = std::sqrt(low * high);
+    const ArmSums sums(rates_about(middle, step));
+    (sums.loss < wanted * sums.storage ? low : high) = middle;
+  }
+  const auto rates = rates_about(std::sqrt(low * high), step);
+  const double each = growth * stiffness / ArmSums(rates).storage;
+  SealArms arms;
+  for (std::size_t j = 0; j < arms_per_seal; ++j)
+    arms[j] = {.stiffness = each, .rate = elastomer.frequency * rates[j]};
+  return arms;
+}
+
+void fill_seal_arms(const model::Machine& machine, LinearModel& model) {
+  if (model.kind == ModelKind::rigid) return;
+  const auto add = [&](int leg, double stiffness, const model::Elastomer& elastomer, Relaxing what) {
+    double closed = 0.0;
+    for (const auto& arm : seal_arms(stiffness, elastomer)) {
+      closed += arm.stiffness;
+      for (const int axis : {0, 1})
+        model.arms.push_back({.leg = leg,
+                              .stiffness = arm.stiffness,
+                              .rate = arm.rate,
+                              .what = what,
+                              .axis = axis});
+    }
+    return closed;
+  };
+  for (int i = 0; i < model::leg_count; ++i) {
+    const auto& leg = machine.legs[i];
+    auto& element = model.legs[i];
+    if (const auto& sleeve = leg.guide_sleeve; sleeve.elastomer) {
+      const double closed = add(i, sleeve.stiffness, *sleeve.elastomer, Relaxing::sleeve);
+      element.K += closed * element.d_x.transpose() * element.d_x;
+      element.k_s += closed;
+    }
+    if (model.kind != ModelKind::full || !leg.piston_ring->elastomer) continue;
+    const double closed =
+        add(i, leg.piston_ring->stiffness, *leg.piston_ring->elastomer, Relaxing::ring);
+    element.K(5, 5) += closed;
+    element.K(6, 6) += closed;
+    element.k_g += closed;
+  }
+}
+
+void require_slow_stiffness(const LinearModel& model) {
+  ModelMatrix K_slow = model.K;
+  for (const auto& arm : model.arms)
+    if (arm.what != Relaxing::oil) K_slow -= arm.stiffness * arm.s_y * arm.s_y.transpose();
+  const auto stands = [](const ModelMatrix& K) {
+    return Eigen::LLT<ModelMatrix>(K).info() == Eigen::Success;
+  };
+  if (stands(K_slow) || !stands(model.K)) return;
+  throw base::ComputationError(
+      "the legs fold at this pose while their seals creep: `stiffness` of the seals, which holds "
+      "for slow motions, does not carry the load (see `hydrapod check`)");
+}
+
+model::Machine with_pressed_seals(model::Machine machine, const spatial::Pose& X_BP) {
+  const auto statics = static_equilibrium(machine, X_BP, ModelKind::rigid);
+  for (int i = 0; i < model::leg_count; ++i) {
+    auto& leg = machine.legs[i];
+    const auto axis = hydraulics::servo_axis(machine, i);
+    const double force = 0.0 - statics.legs[i].oil_force;
+    const auto rest = hydraulics::hydraulic_rest(axis, machine.hydraulics.supply, force);
+    if (!rest.found)
+      throw base::ComputationError(fmt::format(
+          "pressure_stiffening of the seals: a supply of {:.4g} MPa cannot hold the static force "
+          "of {:.4g} N on leg {} at this pose, so that the pressures are not known",
+          1e-6 * machine.hydraulics.supply.pressure, force, i + 1));
+    press(rest.p_rod, leg.guide_sleeve.stiffness, leg.guide_sleeve.elastomer);
+    if (leg.piston_ring)
+      press(0.5 * (rest.p_cap + rest.p_rod), leg.piston_ring->stiffness,
+            leg.piston_ring->elastomer);
+  }
+  return machine;
+}
+
+}  // namespace hydrapod::dynamics
