@@ -59,7 +59,8 @@ std::string percent_text(double share) {
   return value > 0.0 && value < 0.5 ? "<1" : fmt::format("{:.0f}", value);
 }
 
-std::string energy_text(double oil, double guide_sleeve, double piston_ring, double base) {
+std::string energy_text(double oil, double guide_sleeve, double piston_ring, double base,
+                        double payload, double bending) {
   constexpr double worth_naming = 0.005;
   std::string text;
   const auto add = [&](const char* part, double share) {
@@ -69,13 +70,15 @@ std::string energy_text(double oil, double guide_sleeve, double piston_ring, dou
   add("oil", oil);
   add("sleeves", guide_sleeve);
   add("rings", piston_ring);
+  add("bending", bending);
   add("base", base);
+  add("payload", payload);
   return text;
 }
 
 std::string energy_text(const modal::EnergyShares& energy) {
   return energy_text(energy.oil.sum(), energy.guide_sleeve.sum(), energy.piston_ring.sum(),
-                     energy.base_mount);
+                     energy.base_mount, energy.payload_elastic, energy.bending.sum());
 }
 
 std::string answer_text(const modal::ModeTable& table) {
