@@ -289,16 +289,16 @@ Json matrices_json(const modal::ModeTable& table) {
   json["rigid"] = written(table.rigid.linear);
   const auto add_arms = [](const modal::LinearModel& model, Json& to) {
     for (const auto& arm : model.arms) {
-      Json json{{"leg", arm.leg + 1},
+      Json entry{{"leg", arm.leg + 1},
                 {"stiffness_N_m", arm.stiffness},
                 {"rate_1_s", arm.rate},
                 {"extension", written(arm.s_y)}};
       if (arm.what == dynamics::Relaxing::oil) {
-        to["oil_arms"].push_back(std::move(json));
+        to["oil_arms"].push_back(std::move(entry));
         continue;
       }
-      json["seal"] = arm.what == dynamics::Relaxing::sleeve ? "guide_sleeve" : "piston_ring";
-      to["seal_arms"].push_back(std::move(json));
+      entry["seal"] = arm.what == dynamics::Relaxing::sleeve ? "guide_sleeve" : "piston_ring";
+      to["seal_arms"].push_back(std::move(entry));
     }
   };
   add_arms(table.real.linear, json);
