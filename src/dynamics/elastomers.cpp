@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "hydrapod/base/error.hpp"
+#include "hydrapod/base/units.hpp"
 #include "hydrapod/hydraulics/servo_axis.hpp"
 
 namespace hydrapod::dynamics {
@@ -53,7 +54,7 @@ SealArms seal_arms(double stiffness, const model::Elastomer& elastomer, double s
   const double each = growth * stiffness / ArmSums(rates).storage;
   SealArms arms;
   for (std::size_t j = 0; j < arms_per_seal; ++j)
-    arms[j] = {.stiffness = each, .rate = elastomer.frequency * rates[j]};
+    arms[j] = {.stiffness = each, .rate = base::two_pi * elastomer.frequency * rates[j]};
   return arms;
 }
 

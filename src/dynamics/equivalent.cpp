@@ -12,9 +12,10 @@ namespace {
 
 constexpr double pi = std::numbers::pi;
 
-/// Sums over a period of what is periodic converge faster than any power. The corner of a guide ring
-/// is a tenth of its gap wide: at a hundred times the gap a period still has points in it.
-constexpr int points_of_period = 4096;
+/// Sums over a period of what is smooth and periodic converge faster than any power. The corner of a
+/// guide ring is a tenth of its gap wide: at a hundred times the gap it lies between two points, and
+/// the error is that of a sharp corner, some 1e-5 of the stiffness.
+constexpr int points_of_period = 1024;
 
 /// Mean force of seal and guide ring, its derivative by the mean offset, and S.
 struct PeriodSums {
@@ -83,6 +84,7 @@ ModelVector per_coordinate(const LinearModel& model, int leg, const Vector7& per
 
 Equivalent friction_equivalent(hydraulics::Friction friction, double amplitude, double omega) {
   friction.viscous = 0.0;
+  constexpr int points_of_period = 4096;  // the law turns within a few of them where strokes are long
   const double step = 2.0 * pi / points_of_period;
   double z = 0.0, cosine = 0.0, sine = 0.0;
   constexpr int until_periodic = 2;  // bristles forget within the first stroke, or never slide

@@ -56,7 +56,7 @@ constexpr ParameterRow of_elastomer(std::string_view path) {
         shown("0.2"));
   if constexpr (which == 3)
     return number<seal..., &Elastomer::frequency>(
-        path, "rad/s", required, usual(0.1, 1e4, positive),
+        path, "Hz", required, usual(0.01, 1e3, positive),
         "at which `dynamic_ratio` and `loss_factor` hold", shown("10 Hz"));
   if constexpr (which == 4)
     return number<seal..., &Elastomer::softening>(

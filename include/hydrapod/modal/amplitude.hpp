@@ -17,9 +17,15 @@ namespace hydrapod::modal {
 using dynamics::ModelVector;
 
 struct AmplitudeOptions {
-  /// |change of ω| ≤ tolerance · ω ends the iteration.
+  /// |change of ω| ≤ tolerance · ω and |change of φ| ≤ √tolerance end the iteration.
   double tolerance{1e-10};
-  int most_iterations{500};
+  int most_iterations{300};
+  /// From one amplitude to the next in steps of this ratio: a guide ring that is met makes the
+  /// sleeves many times stiffer.
+  double largest_ratio{1.5};
+  /// Modes with less of their kinetic energy in the platform are left out: its amplitude says little
+  /// of them.
+  double least_platform{0.05};
   /// MAC with the mode before < least_mac: the mode is lost, and no number is given.
   double least_mac{0.3};
 };
@@ -45,7 +51,7 @@ struct AmplitudeCurve {
   std::vector<ModeAtAmplitude> points{};  ///< one per amplitude
 };
 
-/// Of every mode that moves the platform (local_mode_energy). `amplitudes` [m] > 0, ascending. Throws
+/// Of every mode that moves the platform (least_platform). `amplitudes` [m] > 0, ascending. Throws
 /// as linear_model() does, and std::invalid_argument for amplitudes that do not ascend.
 std::vector<AmplitudeCurve> modes_at_amplitudes(const model::Machine& machine,
                                                 const spatial::Pose& X_BP, dynamics::ModelKind kind,
