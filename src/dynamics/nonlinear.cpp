@@ -136,8 +136,9 @@ bool has_joint_friction(const model::Machine& machine) {
 template <int n>
 class Assembly {
  public:
-  Assembly(const Motion& motion, const model::Platform& platform, const LegSurroundings& around)
-      : motion_(motion), platform_(platform), around_(around) {}
+  Assembly(const Motion& motion, const model::Platform& platform, const LegSurroundings& around,
+           const PayloadEquations& payload)
+      : motion_(motion), platform_(platform), around_(around), payload_(payload) {}
 
   /// v̇; with `momentum` also v̇ per acceleration of the base, into `per_base`.
   void solve(const Vector6& wrench, double* v_rate, const BaseMomentum* momentum = nullptr,
@@ -162,9 +163,11 @@ class Assembly {
     M.bottomRightCorner<3, 3>() += inertia;
     if (around_.joint_friction)
       for (int k = 0; k < 3; ++k) force[3 + k] += legs.joint_moment[k].sum();
+    payload_.eliminate(M, force);
     const Eigen::LLT<Matrix6> factors(M);  // reads the lower half
     const Vector6 acceleration = factors.solve(force);
     store(acceleration, v_rate);
+    payload_.accelerations(acceleration, v_rate + 6 + model::leg_count * n);
     if constexpr (n > 0) {
       Eigen::Matrix<Lanes, 6, 1> everywhere;
       for (int k = 0; k < 6; ++k) everywhere[k] = Lanes(acceleration[k]);
@@ -199,7 +202,7 @@ class Assembly {
   /// −M⁻¹ Pᵀ: what an acceleration of the base brings against the coordinates, legs eliminated.
   void respond(const LegEquations<n>& legs, const JacobianL& J, const Eigen::LLT<Matrix6>& factors,
                const BaseMomentum& momentum, BaseResponse& per_base) const {
-    per_base.resize(6 + model::leg_count * n, 6);
+    per_base.resize(momentum.cols(), 6);
     for (int b = 0; b < 6; ++b) {
       Vector6 force = -momentum.row(b).template head<6>().transpose();
       Eigen::Matrix<Lanes, n, 1> inner;
@@ -209,8 +212,13 @@ class Assembly {
         const Vector3L r = legs.X * (legs.M_ff_inverse * inner);
         for (int k = 0; k < 6; ++k) force[k] += J.col(k).dot(r).sum();
       }
+      const Vector6 swings = payload_.pushed(momentum.row(b).template tail<Eigen::Dynamic>(
+          payload_.count));
+      force += payload_.L * swings;
       const Vector6 acceleration = factors.solve(force);
       per_base.col(b).template head<6>() = acceleration;
+      per_base.col(b).tail(payload_.count) =
+          -(swings + payload_.L.transpose() * acceleration).head(payload_.count);
       if constexpr (n > 0) {
         Eigen::Matrix<Lanes, 6, 1> everywhere;
         for (int k = 0; k < 6; ++k) everywhere[k] = Lanes(acceleration[k]);
@@ -237,6 +245,7 @@ class Assembly {
   const Motion& motion_;
   const model::Platform& platform_;
   const LegSurroundings& around_;
+  const PayloadEquations& payload_;
 };
 
 /// Calls `use` with the number of flexible coordinates per leg as a constant.

@@ -122,7 +122,7 @@ Json editable_json(const model::MachineFile& file, const std::vector<model::Name
             {"shown", Json::array()},    {"own", own_legs(file)},    {"units", units_of(file)},
             {"scales", all_scales},      {"model", dynamics::name(kind)}};
   for (const auto& row : model::parameter_table()) {
-    if (row.path.starts_with(of_poses)) continue;
+    if (row.path.starts_with(of_poses) || row.path.starts_with("payload_modes.")) continue;
     const std::string path(row.path);
     if (row.find != nullptr)
       if (Json numbers = numbers_of(machine, row); !numbers.is_null())
