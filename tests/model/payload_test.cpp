@@ -3,7 +3,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <Eigen/Geometry>
 #include <array>
+#include <cmath>
 #include <string>
 
 #include "hydrapod/base/error.hpp"

@@ -3,7 +3,9 @@
 
 #include <gtest/gtest.h>
 
+#include <Eigen/Geometry>
 #include <Eigen/LU>
+#include <array>
 #include <complex>
 
 #include "hydrapod/modal/normal_modes.hpp"
