@@ -111,12 +111,16 @@ TEST(PayloadMode, LeavesTheMatricesOfTheRestAsTheyAre) {
 
 std::string text(const Vector3& v) { return fmt::format("{:.17g} {:.17g} {:.17g}", v.x(), v.y(), v.z()); }
 
-/// Inertial of a body at `c` in a frame whose axes are those of P.
+/// Inertial of a body at `c` in a frame whose axes are those of P. MuJoCo's own diagonalisation of
+/// a full tensor stops early, so it gets the principal axes.
 std::string inertial(double mass, const Vector3& c, const Matrix3& inertia) {
-  return fmt::format("<inertial pos='{}' mass='{:.17g}' fullinertia='{:.17g} {:.17g} {:.17g} {:.17g} "
-                     "{:.17g} {:.17g}'/>",
-                     text(c), mass, inertia(0, 0), inertia(1, 1), inertia(2, 2), inertia(0, 1),
-                     inertia(0, 2), inertia(1, 2));
+  const Eigen::SelfAdjointEigenSolver<Matrix3> principal(inertia);
+  Matrix3 axes = principal.eigenvectors();
+  if (axes.determinant() < 0.0) axes.col(0) = -axes.col(0);
+  const Eigen::Quaterniond q(axes);
+  return fmt::format(
+      "<inertial pos='{}' quat='{:.17g} {:.17g} {:.17g} {:.17g}' mass='{:.17g}' diaginertia='{}'/>",
+      text(c), q.w(), q.x(), q.y(), q.z(), mass, text(Vector3(principal.eigenvalues())));
 }
 
 /// A platform of total mass, centre and inertia as the machine's, of which masses slide.
